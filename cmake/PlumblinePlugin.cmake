@@ -1,0 +1,52 @@
+# plumbline_add_artifacts(NAME SCHEMAS a.fbs b.fbs ...)
+# Compiles FlatBuffers schemas to C++: the interface library NAME gives `#include "artifacts/a.hpp"`, which holds the generated
+# code and the traits (type name, fingerprint over fields, types and units, embedded schema) of the root table.
+function(plumbline_add_artifacts name)
+  cmake_parse_arguments(ARG "" "" "SCHEMAS" ${ARGN})
+  set(out ${CMAKE_CURRENT_BINARY_DIR}/${name})
+  set(headers)
+  set(bfbs_files)
+  set(include_flags -I ${PROJECT_SOURCE_DIR}/schemas/artifacts)
+  if(PLUMBLINE_ARTIFACTS_DIR)
+    list(APPEND include_flags -I ${PLUMBLINE_ARTIFACTS_DIR})
+  endif()
+  file(MAKE_DIRECTORY ${out}/artifacts)
+  foreach(schema ${ARG_SCHEMAS})
+    get_filename_component(base ${schema} NAME_WE)
+    set(header ${out}/artifacts/${base}.hpp)
+    add_custom_command(
+      OUTPUT ${header} ${out}/artifacts/${base}_generated.h ${out}/artifacts/${base}.bfbs
+      COMMAND ${FLATC} --cpp --cpp-std c++17 --gen-object-api --no-warnings ${include_flags} -o ${out}/artifacts ${schema}
+      COMMAND ${FLATC} -b --schema --bfbs-comments --bfbs-builtins --no-warnings ${include_flags} -o ${out}/artifacts ${schema}
+      COMMAND sh -c "$<TARGET_FILE:plumbline-typegen> ${out}/artifacts/${base}.bfbs ${base} > ${header}.tmp && mv ${header}.tmp ${header}"
+      DEPENDS ${ARG_SCHEMAS} plumbline-typegen
+      COMMENT "Artifact ${base}" VERBATIM)
+    list(APPEND headers ${header})
+    list(APPEND bfbs_files ${out}/artifacts/${base}.bfbs)
+  endforeach()
+  add_custom_target(${name}_generate DEPENDS ${headers})
+  add_library(${name} INTERFACE)
+  add_dependencies(${name} ${name}_generate)
+  # SYSTEM: flatc's output is not written for our warnings.
+  target_include_directories(${name} SYSTEM INTERFACE ${out})
+  target_link_libraries(${name} INTERFACE plumbline_contract)
+  set_target_properties(${name} PROPERTIES PLUMBLINE_BFBS "${bfbs_files}")
+endfunction()
+
+# plumbline_add_plugin(FAMILY SOURCES a.cpp ... [LINK lib ...])
+# One shared library build/lib/plumbline/plumbline_FAMILY.so that exports plumbline_plugin() and nothing else.
+function(plumbline_add_plugin family)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  set(target plumbline_plugin_${family})
+  add_library(${target} MODULE ${ARG_SOURCES})
+  target_link_libraries(${target} PRIVATE plumbline_settings plumbline_contract plumbline_artifacts ${ARG_LINK})
+  target_compile_definitions(${target} PRIVATE PLUMBLINE_BUILD_ID="${PROJECT_VERSION}")
+  set(exports ${PROJECT_SOURCE_DIR}/cmake/plugin_exports.map)
+  # The version script leaves one symbol: without it, inline statics of libraries are shared between plugins.
+  target_link_options(${target} PRIVATE -Wl,--version-script=${exports} -Wl,--no-undefined -Wl,--build-id=sha1)
+  set_target_properties(${target} PROPERTIES
+    PREFIX "" OUTPUT_NAME plumbline_${family} LINK_DEPENDS ${exports}
+    LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib/plumbline)
+  set_property(GLOBAL APPEND PROPERTY PLUMBLINE_PLUGINS ${target})
+  install(TARGETS ${target} LIBRARY DESTINATION lib/plumbline)
+endfunction()

@@ -1,7 +1,7 @@
 // The pinhole camera with Brown's distortion, as OpenCV and COLMAP parametrise it.
 //
-// Camera frame: x right, y down, z forward [m]. Pixel coordinates: the centre of the top-left pixel is (0, 0); libapriltag and
-// COLMAP place it at (0.5, 0.5), so whoever reads from or writes to them shifts by half a pixel.
+// Camera frame: x right, y down, z forward [m]. Pixel coordinates: the centre of the top-left pixel is (0, 0);
+// libapriltag and COLMAP place it at (0.5, 0.5), so whoever reads from or writes to them shifts by half a pixel.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,9 +10,9 @@
 
 namespace plumbline {
 
-/// Interior orientation. Principal distances and principal point in px; the distortion coefficients act on normalised image
-/// coordinates and have no unit.
-/// Source of the model: Brown (1971), Close-range camera calibration; coefficient order and signs as in OpenCV.
+/// Interior orientation. Principal distances and principal point in px; the distortion coefficients act on normalised
+/// image coordinates and have no unit. Source of the model: Brown (1971), Close-range camera calibration; coefficient
+/// order and signs as in OpenCV.
 struct BrownCamera {
   int width = 0;   ///< [px]
   int height = 0;  ///< [px]
@@ -24,15 +24,15 @@ struct BrownCamera {
   /// Order of the parameters wherever they stand in a vector: fx, fy, cx, cy, k1, k2, k3, p1, p2.
   static constexpr int parameter_count = 9;
   static constexpr std::array<const char*, parameter_count> parameter_names = {"fx", "fy", "cx", "cy", "k1",
-                                                                                "k2", "k3", "p1", "p2"};
+                                                                               "k2", "k3", "p1", "p2"};
   std::array<double, parameter_count> parameters() const { return {fx, fy, cx, cy, k1, k2, k3, p1, p2}; }
   void set_parameters(const std::array<double, parameter_count>& v) {
     fx = v[0], fy = v[1], cx = v[2], cy = v[3], k1 = v[4], k2 = v[5], k3 = v[6], p1 = v[7], p2 = v[8];
   }
 };
 
-/// Projects normalised image coordinates (x/z, y/z) to pixels. Template, so that automatic differentiation can pass through:
-/// `parameters` points to 9 values in the order of BrownCamera::parameter_names, `pixel` to 2.
+/// Projects normalised image coordinates (x/z, y/z) to pixels. Template, so that automatic differentiation can pass
+/// through: `parameters` points to 9 values in the order of BrownCamera::parameter_names, `pixel` to 2.
 template <typename T>
 void project_normalised(const T* parameters, const T& x, const T& y, T* pixel) {
   const T r2 = x * x + y * y;
@@ -46,8 +46,8 @@ void project_normalised(const T* parameters, const T& x, const T& y, T* pixel) {
 /// Pixel of a point given in the camera frame [m]; nothing for a point at or behind the projection centre.
 std::optional<Eigen::Vector2d> project(const BrownCamera& camera, const Eigen::Vector3d& point_in_camera);
 
-/// Normalised image coordinates (x/z, y/z) of a pixel, free of distortion (Newton's method, to 1e-13); nothing where the
-/// distortion polynomial has no inverse, which is outside any image the camera was calibrated on.
+/// Normalised image coordinates (x/z, y/z) of a pixel, free of distortion (Newton's method, to 1e-13); nothing where
+/// the distortion polynomial has no inverse, which is outside any image the camera was calibrated on.
 std::optional<Eigen::Vector2d> unproject(const BrownCamera& camera, const Eigen::Vector2d& pixel);
 
 }  // namespace plumbline

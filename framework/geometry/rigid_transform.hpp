@@ -1,5 +1,5 @@
-// Rigid transforms between right-handed frames. A variable is named `target_from_source`, so that the frames of a product can be
-// read off its factors: world_from_b = world_from_a * a_from_b.
+// Rigid transforms between right-handed frames. A variable is named `target_from_source`, so that the frames of a
+// product can be read off its factors: world_from_b = world_from_a * a_from_b.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,7 +10,7 @@ namespace plumbline {
 /// Maps a point of the source frame into the target frame: p_target = rotation · p_source + translation [m].
 struct RigidTransform {
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  ///< unit quaternion, target from source
-  Eigen::Vector3d translation = Eigen::Vector3d::Zero();         ///< origin of the source frame, in the target frame [m]
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero();  ///< origin of the source frame, in the target frame [m]
 
   Eigen::Vector3d operator*(const Eigen::Vector3d& point) const { return rotation * point + translation; }
 

@@ -62,10 +62,8 @@ Interval clopper_pearson_interval(double successes, double trials, double confid
   check_proportion(successes, trials, confidence);
   const double tail = 0.5 * (1 - confidence);
   const double failures = trials - successes;
-  const double lower =
-      successes == 0 ? 0.0 : bm::quantile(bm::beta_distribution<>(successes, failures + 1), tail);
-  const double upper =
-      failures == 0 ? 1.0 : bm::quantile(bm::beta_distribution<>(successes + 1, failures), 1 - tail);
+  const double lower = successes == 0 ? 0.0 : bm::quantile(bm::beta_distribution<>(successes, failures + 1), tail);
+  const double upper = failures == 0 ? 1.0 : bm::quantile(bm::beta_distribution<>(successes + 1, failures), 1 - tail);
   return {lower, upper};
 }
 

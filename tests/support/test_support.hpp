@@ -1,4 +1,5 @@
-// Where tests find their files. Public data is not part of the project: it is looked for in $PLUMBLINE_TEST_DATA, else in
+// Where tests find their files. Public data is not part of the project: it is looked for in $PLUMBLINE_TEST_DATA, else
+// in
 // ../shared/data beside the checkout; a test that lacks it skips and says so with PLUMBLINE_REQUIRE_DATA.
 #pragma once
 
@@ -50,9 +51,9 @@ class TemporaryFolder {
 
 }  // namespace plumbline::test
 
-#define PLUMBLINE_REQUIRE_DATA(relative)                                                                   \
-  do {                                                                                                     \
-    if (!std::filesystem::exists(plumbline::test::data_file(relative)))                                    \
-      GTEST_SKIP() << "test data not found: " << plumbline::test::data_file(relative)                      \
-                   << "; set PLUMBLINE_TEST_DATA to the folder that holds " << relative;                   \
+#define PLUMBLINE_REQUIRE_DATA(relative)                                                 \
+  do {                                                                                   \
+    if (!std::filesystem::exists(plumbline::test::data_file(relative)))                  \
+      GTEST_SKIP() << "test data not found: " << plumbline::test::data_file(relative)    \
+                   << "; set PLUMBLINE_TEST_DATA to the folder that holds " << relative; \
   } while (false)

@@ -1,0 +1,64 @@
+// Files and folders from outside the pipeline: the only nodes that turn a path into data.
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+
+#include "artifacts/file.hpp"
+#include "artifacts/folder.hpp"
+#include "plumbline/node.hpp"
+
+namespace {
+
+using namespace plumbline;
+namespace fs = std::filesystem;
+
+/// Artifacts address their content with 32 bits.
+constexpr uintmax_t largest_file = uintmax_t{1} << 30;
+
+struct ReadFile : Node {
+  static constexpr Info info{"read.file", "", 1, "Reads one file as it is"};
+  Param<FilePath> file{"file", required, "the file"};
+  Out<File> out{"file", "its content and base name"};
+
+  void run(Context&) override {
+    const fs::path path = file->path;
+    const uintmax_t size = fs::file_size(path);
+    if (size > largest_file)
+      throw std::runtime_error(path.string() + " has " + std::to_string(size) + " bytes; read.file takes up to 1 GiB");
+    FileT result;
+    result.name = path.filename().string();
+    result.content.resize(size);
+    std::ifstream stream(path, std::ios::binary);
+    stream.read(reinterpret_cast<char*>(result.content.data()), static_cast<std::streamsize>(size));
+    if (!stream) throw std::runtime_error("cannot read " + path.string());
+    out.commit(result);
+  }
+};
+
+struct ReadFolder : Node {
+  static constexpr Info info{"read.folder", "", 1, "Lists a folder with the hash of every file in it"};
+  Param<FolderPath> folder{"folder", required, "the folder"};
+  Out<Folder> out{"folder", "its files, by reference"};
+
+  void run(Context& context) override {
+    const fs::path root = folder->path;
+    std::vector<fs::path> paths;
+    for (const auto& entry : fs::recursive_directory_iterator(root))
+      if (entry.is_regular_file()) paths.push_back(entry.path());
+    FolderT result;
+    result.uri = root.string();
+    for (const fs::path& path : paths) {
+      auto item = std::make_unique<FolderEntryT>();
+      item->path = path.lexically_relative(root).generic_string();
+      item->sha256 = context.digest(path.string());
+      item->size = fs::file_size(path);
+      result.files.push_back(std::move(item));
+    }
+    std::sort(result.files.begin(), result.files.end(), [](const auto& a, const auto& b) { return a->path < b->path; });
+    out.commit(result);
+  }
+};
+
+}  // namespace
+
+PLUMBLINE_PLUGIN("files", "0.1.0", "MIT", ReadFile, ReadFolder)
