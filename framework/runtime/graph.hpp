@@ -1,0 +1,83 @@
+// A pipeline, read from YAML and linked: every node's kind found, its parameters checked against the declaration and written in
+// canonical form, its ports connected, types and frames unified. All errors of a file come at once, each with its position.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "runtime/registry.hpp"
+
+namespace plumbline::runtime {
+
+struct Position {
+  std::string file;
+  int line = 0;    ///< from 1; 0: not from a file (an override on the command line)
+  int column = 0;  ///< from 1
+  std::string text() const;  ///< "file:line:column"
+};
+
+struct Problem {
+  Position at;
+  std::string message;
+};
+
+/// Thrown by load_pipeline() with everything that is wrong; what() has one line a problem.
+class InvalidPipeline : public std::runtime_error {
+ public:
+  explicit InvalidPipeline(std::vector<Problem> problems);
+  const std::vector<Problem>& problems() const { return problems_; }
+
+ private:
+  std::vector<Problem> problems_;
+};
+
+/// One end of a connection: output `port` of the node with index `node` in Graph::nodes.
+struct Source {
+  size_t node = 0;
+  std::string port;
+  Position at;
+};
+
+struct GraphNode {
+  std::string name;  ///< as in the pipeline
+  Kind kind;
+  std::map<std::string, Source> inputs;            ///< by input port
+  std::map<std::string, std::string> parameters;   ///< canonical text of every parameter, defaults included
+  std::map<std::string, std::string> output_frames;  ///< by output port: "frame=building"; unbound variables stay "?S"
+  /// True if the node runs once for each item of its EACH input; `each_port` names that port.
+  bool maps = false;
+  std::string each_port;
+  /// By output port: one item, or a list (a LIST output, or any output of a node that maps).
+  std::map<std::string, bool> output_is_list;
+  Position at;
+};
+
+struct GraphOutput {
+  std::string file;  ///< name under the output folder
+  Source from;
+};
+
+struct Graph {
+  std::string file;                  ///< the pipeline's path as given
+  std::vector<GraphNode> nodes;      ///< in topological order, ties in the file's order
+  std::vector<GraphOutput> outputs;  ///< in the file's order
+  std::map<std::string, std::string> variables;
+  uint64_t seed = 0;  ///< the run's seed: the variable `seed`, 0 if there is none
+  std::string text;   ///< the file's content, for the record
+};
+
+/// `overrides` are the KEY=VALUE arguments in order: `floors=3` sets a variable, `poses.with.solver=epnp` a parameter,
+/// `poses.use=pose.opencv` a kind. Relative paths in parameters: those written in the pipeline file are relative to its folder, those
+/// given on the command line to the working directory. Throws InvalidPipeline.
+Graph load_pipeline(const std::filesystem::path& file, const std::vector<std::string>& overrides,
+                    const Registry& registry);
+
+/// The graph as Graphviz DOT or as a Mermaid flowchart, left to right.
+std::string to_dot(const Graph& graph);
+std::string to_mermaid(const Graph& graph);
+
+}  // namespace plumbline::runtime
