@@ -1,5 +1,6 @@
-// A pipeline, read from YAML and linked: every node's kind found, its parameters checked against the declaration and written in
-// canonical form, its ports connected, types and frames unified. All errors of a file come at once, each with its position.
+// A pipeline, read from YAML and linked: every node's kind found, its parameters checked against the declaration and
+// written in canonical form, its ports connected, types and frames unified. All errors of a file come at once, each
+// with its position.
 #pragma once
 
 #include <filesystem>
@@ -15,8 +16,8 @@ namespace plumbline::runtime {
 
 struct Position {
   std::string file;
-  int line = 0;    ///< from 1; 0: not from a file (an override on the command line)
-  int column = 0;  ///< from 1
+  int line = 0;              ///< from 1; 0: not from a file (an override on the command line)
+  int column = 0;            ///< from 1
   std::string text() const;  ///< "file:line:column"
 };
 
@@ -45,8 +46,8 @@ struct Source {
 struct GraphNode {
   std::string name;  ///< as in the pipeline
   Kind kind;
-  std::map<std::string, Source> inputs;            ///< by input port
-  std::map<std::string, std::string> parameters;   ///< canonical text of every parameter, defaults included
+  std::map<std::string, Source> inputs;              ///< by input port
+  std::map<std::string, std::string> parameters;     ///< canonical text of every parameter, defaults included
   std::map<std::string, std::string> output_frames;  ///< by output port: "frame=building"; unbound variables stay "?S"
   /// True if the node runs once for each item of its EACH input; `each_port` names that port.
   bool maps = false;
@@ -71,8 +72,8 @@ struct Graph {
 };
 
 /// `overrides` are the KEY=VALUE arguments in order: `floors=3` sets a variable, `poses.with.solver=epnp` a parameter,
-/// `poses.use=pose.opencv` a kind. Relative paths in parameters: those written in the pipeline file are relative to its folder, those
-/// given on the command line to the working directory. Throws InvalidPipeline.
+/// `poses.use=pose.opencv` a kind. Relative paths in parameters: those written in the pipeline file are relative to its
+/// folder, those given on the command line to the working directory. Throws InvalidPipeline.
 Graph load_pipeline(const std::filesystem::path& file, const std::vector<std::string>& overrides,
                     const Registry& registry);
 

@@ -1,8 +1,8 @@
 // The plugins that are there: found, checked without running them, loaded, and their nodes and types by name.
 //
-// Discovery looks in $PLUMBLINE_PLUGIN_PATH (folders separated by ':'), in the build tree beside the program (../lib/plumbline of
-// the program's folder, which is also where an installation has them). A library that is refused stays in the list with the reason,
-// so that `plumbline doctor` can name it. Libraries are never unloaded.
+// Discovery looks in $PLUMBLINE_PLUGIN_PATH (folders separated by ':'), in the build tree beside the program
+// (../lib/plumbline of the program's folder, which is also where an installation has them). A library that is refused
+// stays in the list with the reason, so that `plumbline doctor` can name it. Libraries are never unloaded.
 #pragma once
 
 #include <filesystem>

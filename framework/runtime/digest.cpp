@@ -1,0 +1,57 @@
+#include "runtime/digest.hpp"
+
+#include <openssl/evp.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <stdexcept>
+#include <vector>
+
+namespace plumbline::runtime {
+
+Sha256::Sha256() : context_(EVP_MD_CTX_new()) {
+  if (!context_ || EVP_DigestInit_ex(context_, EVP_sha256(), nullptr) != 1)
+    throw std::runtime_error("OpenSSL does not offer SHA-256");
+}
+
+Sha256::~Sha256() { EVP_MD_CTX_free(context_); }
+
+void Sha256::add(const void* data, size_t size) { EVP_DigestUpdate(context_, data, size); }
+
+void Sha256::add_field(std::string_view text) {
+  const uint64_t size = text.size();
+  add(&size, sizeof size);
+  add(text.data(), text.size());
+}
+
+std::string Sha256::hex() {
+  unsigned char bytes[EVP_MAX_MD_SIZE];
+  unsigned int size = 0;
+  EVP_DigestFinal_ex(context_, bytes, &size);
+  std::string text;
+  for (unsigned int i = 0; i < size; ++i) {
+    constexpr const char* digits = "0123456789abcdef";
+    text += digits[bytes[i] >> 4];
+    text += digits[bytes[i] & 15];
+  }
+  return text;
+}
+
+std::string sha256_of(const void* data, size_t size) {
+  Sha256 hash;
+  hash.add(data, size);
+  return hash.hex();
+}
+
+std::string sha256_of_file(const std::filesystem::path& path) {
+  const std::unique_ptr<FILE, int (*)(FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
+  if (!file) throw std::runtime_error("cannot read " + path.string() + ": " + std::strerror(errno));
+  Sha256 hash;
+  std::vector<char> buffer(1 << 18);
+  while (const size_t got = std::fread(buffer.data(), 1, buffer.size(), file.get())) hash.add(buffer.data(), got);
+  if (std::ferror(file.get())) throw std::runtime_error("cannot read " + path.string() + ": " + std::strerror(errno));
+  return hash.hex();
+}
+
+}  // namespace plumbline::runtime

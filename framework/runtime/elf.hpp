@@ -1,0 +1,18 @@
+// The little of ELF that the host needs: a plugin's identity note, read from the file without running it, and the build
+// ids of the libraries that a loaded plugin hangs on.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace plumbline::runtime {
+
+/// Descriptor of the first note of `owner` and `type` in an ELF-64 little-endian shared library for this machine.
+/// Throws std::runtime_error that says what the file is instead.
+std::string read_elf_note(const std::filesystem::path& library, const std::string& owner, uint32_t type);
+
+/// "soname:build-id" of every library that the object containing `address` needs, directly or through others; sorted.
+std::vector<std::string> linked_build_ids(const void* address);
+
+}  // namespace plumbline::runtime
