@@ -1,0 +1,296 @@
+#include "runtime/graph.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include "runtime/parameters.hpp"
+#include "runtime/pipeline_file.hpp"
+
+namespace plumbline::runtime {
+
+std::string Position::text() const {
+  return line > 0 ? file + ":" + std::to_string(line) + ":" + std::to_string(column) : file;
+}
+
+namespace {
+
+std::string join_problems(const std::vector<Problem>& problems) {
+  std::string text;
+  for (const Problem& problem : problems)
+    text += (text.empty() ? "" : "\n") + problem.at.text() + ": " + problem.message;
+  return text;
+}
+
+std::string did_you_mean(const std::string& wanted, const std::vector<std::string>& candidates) {
+  const auto near = near_names(wanted, candidates);
+  if (near.empty()) return "";
+  std::string text = " — did you mean ";
+  for (size_t i = 0; i < near.size(); ++i) text += (i ? " or '" : "'") + near[i] + "'";
+  return text + "?";
+}
+
+std::vector<std::string> port_names(const plumbline_port* const* ports, uint32_t count) {
+  std::vector<std::string> names;
+  for (uint32_t i = 0; i < count; ++i) names.push_back(ports[i]->name);
+  return names;
+}
+
+std::string list_text(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+/// "to=?T,from=survey" -> {to: ?T, from: survey}
+std::map<std::string, std::string> parse_frames(const std::string& text) {
+  std::map<std::string, std::string> frames;
+  for (size_t at = 0; at < text.size();) {
+    const size_t end = std::min(text.find(',', at), text.size());
+    const std::string item = text.substr(at, end - at);
+    const size_t equals = item.find('=');
+    if (equals != std::string::npos) frames[item.substr(0, equals)] = item.substr(equals + 1);
+    at = end + 1;
+  }
+  return frames;
+}
+
+bool is_variable(const std::string& frame) { return !frame.empty() && frame[0] == '?'; }
+
+/// Builds the graph from the file's words; every step adds what is wrong to `problems` and goes on with the rest.
+class Linker {
+ public:
+  Linker(const PipelineSpec& spec, const Registry& registry, std::vector<Problem>& problems)
+      : spec_(spec), registry_(registry), problems_(problems) {}
+
+  Graph link() {
+    for (const NodeSpec& node : spec_.nodes) add_node(node);
+    for (size_t i = 0; i < nodes_.size(); ++i) connect(i);
+    Graph graph;
+    sort(graph);
+    for (GraphNode& node : graph.nodes) unify(graph, node);
+    add_outputs(graph);
+    graph.variables = spec_.variables;
+    graph.text = spec_.text;
+    return graph;
+  }
+
+ private:
+  void problem(const Position& at, const std::string& message) { problems_.push_back({at, message}); }
+
+  void add_node(const NodeSpec& spec) {
+    GraphNode node;
+    node.name = spec.name;
+    node.at = spec.at;
+    if (spec.use.text.empty()) {
+      problem(spec.at, "node '" + spec.name + "' does not say which kind to use: {use: family.name}");
+    } else if (const Kind* kind = registry_.find(spec.use.text)) {
+      node.kind = *kind;
+      node.parameters = check_parameters(*kind, spec, problems_);
+    } else {
+      std::vector<std::string> names;
+      for (const auto& [name, entry] : registry_.kinds()) names.push_back(name);
+      const std::string hint = did_you_mean(spec.use.text, names);
+      problem(spec.use.at, "there is no node '" + spec.use.text + "'" +
+                               (hint.empty() ? "; `plumbline list` shows what there is" : hint));
+    }
+    nodes_.push_back(std::move(node));
+    specs_.push_back(&spec);
+  }
+
+  /// "poses.poses" -> index of the node and its output port; nothing after telling what is wrong.
+  bool find_source(const Scalar& text, Source& source) {
+    const size_t dot = text.text.find('.');
+    const std::string name = text.text.substr(0, dot);
+    const auto found = std::find_if(nodes_.begin(), nodes_.end(), [&](const GraphNode& n) { return n.name == name; });
+    if (found == nodes_.end()) {
+      std::vector<std::string> names;
+      for (const GraphNode& node : nodes_) names.push_back(node.name);
+      problem(text.at, "there is no node '" + name + "' in this pipeline" + did_you_mean(name, names));
+      return false;
+    }
+    if (!found->kind.node) return false;  // its kind is unknown, which was told already
+    const auto outputs = port_names(found->kind.node->outputs, found->kind.node->output_count);
+    source = {static_cast<size_t>(found - nodes_.begin()), dot == std::string::npos ? "" : text.text.substr(dot + 1),
+              text.at};
+    if (found->kind.output(source.port)) return true;
+    problem(text.at, (source.port.empty()
+                          ? "write node.port, not only '" + name + "'"
+                          : "'" + name + "' (" + found->kind.node->kind + ") has no output '" + source.port + "'") +
+                         (source.port.empty() || did_you_mean(source.port, outputs).empty()
+                              ? "; its outputs are: " + list_text(outputs)
+                              : did_you_mean(source.port, outputs)));
+    return false;
+  }
+
+  void connect(size_t index) {
+    GraphNode& node = nodes_[index];
+    if (!node.kind.node) return;
+    for (const auto& [port_name, text] : specs_[index]->inputs) {
+      const plumbline_port* port = node.kind.input(port_name);
+      if (!port) {
+        const auto inputs = port_names(node.kind.node->inputs, node.kind.node->input_count);
+        const std::string hint = did_you_mean(port_name, inputs);
+        problem(text.at, "'" + std::string(node.kind.node->kind) + "' has no input '" + port_name + "'" +
+                             (hint.empty() ? "; its inputs are: " + list_text(inputs) : hint));
+        continue;
+      }
+      Source source;
+      if (find_source(text, source) && types_agree(node, *port, source)) node.inputs[port_name] = source;
+      missing_is_told_.insert({index, port_name});
+    }
+    for (uint32_t i = 0; i < node.kind.node->input_count; ++i) {
+      const plumbline_port& port = *node.kind.node->inputs[i];
+      if (port.cardinality != PLUMBLINE_OPTIONAL && !node.inputs.count(port.name) &&
+          !missing_is_told_.count({index, port.name}))
+        problem(node.at, "input '" + std::string(port.name) + "' of '" + node.name + "' (" + node.kind.node->kind +
+                             ") is not connected; it takes " + port.type + ": " + port.doc);
+      if (port.cardinality == PLUMBLINE_EACH) {
+        node.maps = true;
+        node.each_port = port.name;
+      }
+    }
+    for (uint32_t i = 0; i < node.kind.node->output_count; ++i) {
+      const plumbline_port& port = *node.kind.node->outputs[i];
+      node.output_is_list[port.name] = node.maps || port.cardinality == PLUMBLINE_LIST;
+    }
+  }
+
+  bool types_agree(const GraphNode& node, const plumbline_port& port, const Source& source) {
+    const GraphNode& from = nodes_[source.node];
+    const plumbline_port& output = *from.kind.output(source.port);
+    if (std::strcmp(port.type, output.type) == 0) return true;
+    problem(source.at, "input '" + std::string(port.name) + "' of '" + node.name + "' takes " + port.type + ", '" +
+                           from.name + "." + source.port + "' gives " + output.type);
+    return false;
+  }
+
+  void sort(Graph& graph) {
+    std::vector<int> state(nodes_.size(), 0);  // 0 new, 1 on the path, 2 done
+    std::vector<size_t> path;
+    for (size_t i = 0; i < nodes_.size(); ++i) visit(i, state, path);
+    std::vector<size_t> position(nodes_.size());
+    for (size_t i = 0; i < order_.size(); ++i) position[order_[i]] = i;
+    for (const size_t i : order_) {
+      for (auto& [port, source] : nodes_[i].inputs) source.node = position[source.node];
+      graph.nodes.push_back(nodes_[i]);
+    }
+    position_ = position;
+  }
+
+  void visit(size_t i, std::vector<int>& state, std::vector<size_t>& path) {
+    if (state[i] == 2) return;
+    if (state[i] == 1) {
+      std::string circle;
+      for (auto at = std::find(path.begin(), path.end(), i); at != path.end(); ++at) circle += nodes_[*at].name + " → ";
+      problem(nodes_[i].at, "the nodes go round in a circle: " + circle + nodes_[i].name);
+      return;
+    }
+    state[i] = 1;
+    path.push_back(i);
+    for (const auto& [port, source] : nodes_[i].inputs) visit(source.node, state, path);
+    path.pop_back();
+    state[i] = 2;
+    order_.push_back(i);
+  }
+
+  /// Checks cardinalities and binds the frame variables of a node whose sources are done.
+  void unify(const Graph& graph, GraphNode& node) {
+    if (!node.kind.node) return;
+    std::map<std::string, std::string> bound;
+    for (uint32_t i = 0; i < node.kind.node->input_count; ++i) {
+      const plumbline_port& port = *node.kind.node->inputs[i];
+      const auto found = node.inputs.find(port.name);
+      if (found == node.inputs.end()) continue;
+      const GraphNode& from = graph.nodes[found->second.node];
+      const auto list = from.output_is_list.find(found->second.port);
+      if (list != from.output_is_list.end() && list->second &&
+          (port.cardinality == PLUMBLINE_ONE || port.cardinality == PLUMBLINE_OPTIONAL))
+        problem(found->second.at, "input '" + std::string(port.name) + "' of '" + node.name + "' takes one " +
+                                      port.type + ", '" + from.name + "." + found->second.port +
+                                      "' gives a list of them");
+      const auto frames = from.output_frames.find(found->second.port);
+      if (frames != from.output_frames.end()) unify_port(node, port, from, found->second, frames->second, bound);
+    }
+    for (uint32_t i = 0; i < node.kind.node->output_count; ++i) {
+      const plumbline_port& port = *node.kind.node->outputs[i];
+      std::string text;
+      for (const auto& [key, frame] : parse_frames(port.frames)) {
+        const auto value = bound.find(frame);
+        text += (text.empty() ? "" : ",") + key + "=" + (value == bound.end() ? frame : value->second);
+      }
+      node.output_frames[port.name] = text;
+    }
+  }
+
+  void unify_port(const GraphNode& node, const plumbline_port& port, const GraphNode& from, const Source& source,
+                  const std::string& given_text, std::map<std::string, std::string>& bound) {
+    const auto given = parse_frames(given_text);
+    for (const auto& [key, wanted] : parse_frames(port.frames)) {
+      const auto found = given.find(key);
+      if (found == given.end() || is_variable(found->second)) continue;
+      std::string expected = wanted, reason;
+      if (is_variable(wanted)) {
+        const auto [value, fresh] = bound.emplace(wanted, found->second);
+        expected = value->second;
+        reason = " (as its other inputs)";
+      }
+      if (expected != found->second)
+        problem(source.at, "input '" + std::string(port.name) + "' of '" + node.name + "' takes " + key + " '" +
+                               expected + "'" + reason + ", '" + from.name + "." + source.port + "' gives " + key +
+                               " '" + found->second + "'");
+    }
+  }
+
+  void add_outputs(Graph& graph) {
+    for (const auto& [file, text] : spec_.outputs) {
+      const std::filesystem::path path = file;
+      if (path.is_absolute() || file.empty() || file.find("..") != std::string::npos)
+        problem(text.at, "'" + file + "' is not a name under the output folder");
+      Source source;
+      if (!find_source(text, source)) continue;
+      source.node = position_[source.node];
+      graph.outputs.push_back({file, source});
+    }
+  }
+
+  const PipelineSpec& spec_;
+  const Registry& registry_;
+  std::vector<Problem>& problems_;
+  std::vector<GraphNode> nodes_;
+  std::vector<const NodeSpec*> specs_;
+  std::set<std::pair<size_t, std::string>> missing_is_told_;
+  std::vector<size_t> order_, position_;
+};
+
+}  // namespace
+
+InvalidPipeline::InvalidPipeline(std::vector<Problem> problems)
+    : std::runtime_error(join_problems(problems)), problems_(std::move(problems)) {}
+
+Graph load_pipeline(const std::filesystem::path& file, const std::vector<std::string>& overrides,
+                    const Registry& registry) {
+  std::vector<Problem> problems;
+  const PipelineSpec spec = read_pipeline(file, overrides, problems);
+  Graph graph = Linker(spec, registry, problems).link();
+  if (problems.empty() && graph.nodes.empty())
+    problems.push_back({{file.string(), 1, 1}, "this pipeline has no nodes"});
+  graph.file = file.string();
+  if (const auto seed = spec.variables.find("seed"); seed != spec.variables.end()) {
+    const bool digits = !seed->second.empty() && seed->second.size() < 19 &&
+                        seed->second.find_first_not_of("0123456789") == std::string::npos;
+    if (digits)
+      graph.seed = std::stoull(seed->second);
+    else
+      problems.push_back(
+          {{file.string(), 0, 0}, "the variable 'seed' is a whole number, found '" + seed->second + "'"});
+  }
+  if (!problems.empty()) {
+    std::stable_sort(problems.begin(), problems.end(), [](const Problem& a, const Problem& b) {
+      return std::tie(a.at.file, a.at.line, a.at.column) < std::tie(b.at.file, b.at.line, b.at.column);
+    });
+    throw InvalidPipeline(std::move(problems));
+  }
+  return graph;
+}
+
+}  // namespace plumbline::runtime

@@ -1,0 +1,130 @@
+// Pipelines as people write them, and what they are told when something is wrong.
+#include <gmock/gmock.h>
+
+#include "runtime/graph.hpp"
+#include "test_support.hpp"
+
+namespace {
+
+using namespace plumbline::runtime;
+using plumbline::test::TemporaryFolder;
+using testing::HasSubstr;
+
+const Registry& registry() {
+  static const Registry loaded = Registry::discover({std::string(PLUMBLINE_BINARY_DIR) + "/lib/plumbline"});
+  return loaded;
+}
+
+class GraphTest : public testing::Test {
+ protected:
+  std::filesystem::path write(const std::string& name, const std::string& text) {
+    std::ofstream(folder_.path() / name) << text;
+    return folder_.path() / name;
+  }
+  std::string problems(const std::string& text, const std::vector<std::string>& overrides = {}) {
+    try {
+      load_pipeline(write("p.yaml", text), overrides, registry());
+    } catch (const InvalidPipeline& error) {
+      std::string all = error.what();
+      for (size_t at; (at = all.find(folder_.path().string() + "/")) != std::string::npos;)
+        all.erase(at, folder_.path().string().size() + 1);
+      return all;
+    }
+    return "";
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_F(GraphTest, LoadsWithVariablesOverridesAndPathsRelativeToTheFile) {
+  write("data.txt", "x");
+  const auto file = write("p.yaml", R"(plumbline: 1
+vars: {name: data.txt, seed: 7}
+nodes:
+  input: {use: read.file, with: {file: "${name}"}}
+outputs: {copy.txt: input.file}
+)");
+  const Graph graph = load_pipeline(file, {}, registry());
+  ASSERT_EQ(graph.nodes.size(), 1u);
+  EXPECT_EQ(graph.nodes[0].parameters.at("file"), (folder_.path() / "data.txt").string());
+  EXPECT_EQ(graph.seed, 7u);
+  EXPECT_EQ(graph.outputs[0].file, "copy.txt");
+  EXPECT_EQ(load_pipeline(file, {"seed=9"}, registry()).seed, 9u);
+}
+
+TEST_F(GraphTest, AnOverrideOnTheCommandLineIsRelativeToTheWorkingFolder) {
+  write("p.yaml", "plumbline: 1\nvars: {name: ~}\nnodes: {input: {use: read.file, with: {file: \"${name}\"}}}\n");
+  EXPECT_THAT(problems("plumbline: 1\nvars: {name: ~}\nnodes: {input: {use: read.file, with: {file: \"${name}\"}}}\n",
+                       {"name=not/there.txt"}),
+              HasSubstr((std::filesystem::current_path() / "not/there.txt").string()));
+}
+
+TEST_F(GraphTest, TellsAllProblemsAtOnceWithPositionsAndNearNames) {
+  const std::string text = problems(R"(plumbline: 1
+nodes:
+  a: {use: read.fil, with: {file: x}}
+  b: {use: read.file, with: {fille: x}}
+  c: {use: frame.block, in: {points: b.file, plates: d.plates}}
+)");
+  EXPECT_THAT(text, HasSubstr("p.yaml:3:12: there is no node 'read.fil' — did you mean 'read.file'"));
+  EXPECT_THAT(text, HasSubstr("p.yaml:4:30: 'read.file' has no parameter 'fille' — did you mean 'file'?"));
+  EXPECT_THAT(text, HasSubstr("p.yaml:4:3: node 'b' must say with: {file: …}"));
+  EXPECT_THAT(
+      text, HasSubstr("p.yaml:5:30: input 'points' of 'c' takes plumbline.Points/1, 'b.file' gives plumbline.File/1"));
+  EXPECT_THAT(text, HasSubstr("p.yaml:5:46: there is no node 'd' in this pipeline"));
+}
+
+TEST_F(GraphTest, NamesTheNodesOfACircle) {
+  EXPECT_THAT(problems(R"(plumbline: 1
+nodes:
+  a: {use: frame.block, in: {points: b.points, plates: b.plates}}
+  b: {use: frame.block, in: {points: a.points, plates: a.plates}}
+)"),
+              HasSubstr("the nodes go round in a circle: a → b → a"));
+}
+
+TEST_F(GraphTest, RefusesDuplicateKeysUnknownKeysAndABrokenFile) {
+  EXPECT_THAT(problems("plumbline: 1\nnodes:\n  a: {use: read.file, use: read.folder, wiht: {}}\n"),
+              testing::AllOf(HasSubstr("the key 'use' stands here a second time"),
+                             HasSubstr("a node has no key 'wiht' — did you mean 'with'?")));
+  EXPECT_THAT(problems("plumbline: 1\nnodes:\n  a: {use: ${kind}}\n"), HasSubstr("must be quoted"));
+  EXPECT_THAT(problems("nodes: {}\n"), HasSubstr("the first line of a pipeline is 'plumbline: 1'"));
+  EXPECT_THAT(problems("[1, 2]"), HasSubstr("a pipeline is a map"));
+}
+
+TEST_F(GraphTest, TellsOfVariablesThatAreUnknownOrEmpty) {
+  EXPECT_THAT(
+      problems("plumbline: 1\nvars: {folder: ~}\nnodes: {a: {use: read.folder, with: {folder: \"${folder}\"}}}\n"),
+      HasSubstr("the variable 'folder' has no value: give folder=… on the command line"));
+  EXPECT_THAT(
+      problems("plumbline: 1\nvars: {folder: .}\nnodes: {a: {use: read.folder, with: {folder: \"${foldr}\"}}}\n"),
+      HasSubstr("did you mean 'folder'?"));
+  EXPECT_THAT(problems("plumbline: 1\nvars: {floors: 2}\nnodes: {}\n", {"flors=3"}),
+              HasSubstr("this pipeline has no variable 'flors' — did you mean 'floors'?"));
+}
+
+TEST_F(GraphTest, AnIncludingFileChangesPartsOfAnIncludedNode) {
+  write("data.txt", "x");
+  write("other.txt", "x");
+  write("base.yaml",
+        "plumbline: 1\nvars: {seed: 1}\nnodes: {a: {use: read.file, with: {file: data.txt}}}\noutputs: {x: a.file}\n");
+  const Graph graph = load_pipeline(write("p.yaml", R"(plumbline: 1
+include: base.yaml
+vars: {seed: 2}
+nodes: {a: {with: {file: other.txt}}}
+)"),
+                                    {}, registry());
+  EXPECT_EQ(graph.seed, 2u);
+  EXPECT_THAT(graph.nodes[0].parameters.at("file"), HasSubstr("other.txt"));
+  EXPECT_EQ(graph.outputs.size(), 1u);
+}
+
+TEST_F(GraphTest, DrawsItself) {
+  write("data.txt", "x");
+  const Graph graph = load_pipeline(
+      write("p.yaml", "plumbline: 1\nnodes: {a: {use: read.file, with: {file: data.txt}}}\noutputs: {x.txt: a.file}\n"),
+      {}, registry());
+  EXPECT_THAT(to_dot(graph), HasSubstr("\"a\" -> \"x.txt\""));
+  EXPECT_THAT(to_mermaid(graph), HasSubstr("a[\"a<br/><i>read.file</i>\"]"));
+}
+
+}  // namespace
