@@ -1,0 +1,197 @@
+#include "adjustment/reliability.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "geometry/statistics.hpp"
+
+#if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__) || !defined(__x86_64__)
+#define PLUMBLINE_CLONES
+#else
+#define PLUMBLINE_CLONES __attribute__((target_clones("avx2", "default")))
+#endif
+
+namespace plumbline::adjustment {
+
+namespace {
+
+/// y += factor x, both n long.
+PLUMBLINE_CLONES
+void add_scaled(int n, double factor, const double* x, double* y) {
+  for (int i = 0; i < n; ++i) y[i] += factor * x[i];
+}
+
+/// Everything of one block that its rows need.
+struct BlockMatrices {
+  Eigen::MatrixXd whitening;    // W, weight factors included
+  Eigen::MatrixXd unwhitening;  // W^-1
+  Eigen::MatrixXd adjusted;     // A Q A' of the whitened rows
+  Eigen::MatrixXd residual;     // Quu = I - A Q A'
+  Eigen::MatrixXd influence;    // A' W, columns: what a unit blunder of a row adds to the normal equations
+};
+
+BlockMatrices block_matrices(const ResidualBlock& residual, const Linearisation& lin, const Linearisation::Block& block,
+                             const Eigen::MatrixXd& q) {
+  BlockMatrices m;
+  m.whitening = residual.whitening().triangularView<Eigen::Lower>();
+  for (int r = 0; r < block.rows && !residual.weight_factors.empty(); ++r)
+    m.whitening.row(r) *= std::sqrt(residual.weight_factors[r]);
+  m.unwhitening = m.whitening.triangularView<Eigen::Lower>().solve(Eigen::MatrixXd::Identity(block.rows, block.rows));
+  Eigen::MatrixXd local(block.column_count, block.column_count);
+  const int* columns = lin.columns.data() + block.column_begin;
+  for (int j = 0; j < block.column_count; ++j)
+    for (int i = 0; i < block.column_count; ++i) local(i, j) = q(columns[i], columns[j]);
+  const auto a = lin.jacobian_of(block);
+  m.adjusted.noalias() = a * (local * a.transpose());
+  m.residual = Eigen::MatrixXd::Identity(block.rows, block.rows) - m.adjusted;
+  m.influence.noalias() = a.transpose() * m.whitening;
+  return m;
+}
+
+/// The largest movement of a group of unknowns by a blunder of size mdb in one row.
+void external_effect(const Linearisation::Block& block, const Linearisation& lin, const Eigen::MatrixXd& q,
+                     const Eigen::VectorXd& influence, const std::vector<std::vector<int>>& groups,
+                     std::vector<double>& movement, RowStatistics& row) {
+  std::fill(movement.begin(), movement.end(), 0.0);
+  for (int k = 0; k < block.column_count; ++k)
+    if (influence[k] != 0)
+      add_scaled(static_cast<int>(q.rows()), influence[k], q.col(lin.columns[block.column_begin + k]).data(),
+                 movement.data());
+  double largest = 0;
+  for (size_t g = 0; g < groups.size(); ++g) {
+    double sum = 0;
+    for (int unknown : groups[g])
+      if (unknown >= 0) sum += movement[unknown] * movement[unknown];
+    if (sum > largest) {
+      largest = sum;
+      row.external_group = static_cast<int>(g);
+    }
+  }
+  row.external_effect = std::sqrt(largest) * row.mdb;
+}
+
+RowStatistics row_statistics(const BlockMatrices& m, const Eigen::VectorXd& whitened, int i, double delta0) {
+  RowStatistics row;
+  row.residual = m.unwhitening.row(i).dot(whitened);
+  row.sigma = m.unwhitening.row(i).norm();
+  const double adjusted_variance = m.unwhitening.row(i) * m.adjusted * m.unwhitening.row(i).transpose();
+  row.sigma_adjusted = std::sqrt(std::max(0.0, adjusted_variance));
+  row.redundancy_number = m.unwhitening.row(i) * m.residual * m.whitening.col(i);
+  const double weighted = m.whitening.col(i).dot(whitened);                                  // (P v)_i
+  const double cofactor = m.whitening.col(i).transpose() * m.residual * m.whitening.col(i);  // (P Qvv P)_ii
+  if (row.redundancy_number < kUncontrolled || !(cofactor > 0)) {
+    row.estimated_blunder = std::numeric_limits<double>::quiet_NaN();
+    row.mdb = row.bias_to_noise = row.external_effect = std::numeric_limits<double>::infinity();
+    return row;
+  }
+  row.w = weighted / std::sqrt(cofactor);
+  row.estimated_blunder = -weighted / cofactor;
+  row.mdb = delta0 / std::sqrt(cofactor);
+  row.bias_to_noise = delta0 * std::sqrt(std::max(0.0, 1 - row.redundancy_number) / row.redundancy_number);
+  return row;
+}
+
+BlockTest block_test(const BlockMatrices& m, const Eigen::VectorXd& whitened) {
+  if (whitened.size() == 1) {
+    if (m.residual(0, 0) < kUncontrolled) return {};
+    return {whitened[0] * whitened[0] / m.residual(0, 0), 1};
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(m.residual);
+  BlockTest test;
+  for (int k = 0; k < whitened.size(); ++k) {
+    if (eigen.eigenvalues()[k] < kUncontrolled) continue;
+    const double projected = eigen.eigenvectors().col(k).dot(whitened);
+    test.statistic += projected * projected / eigen.eigenvalues()[k];
+    ++test.rank;
+  }
+  return test;
+}
+
+}  // namespace
+
+Reliability compute_reliability(const Problem& problem, const Solution& solution, const Eigen::MatrixXd& q,
+                                const ReliabilityOptions& options) {
+  const Linearisation& lin = solution.linearisation;
+  const double delta0 = non_centrality(options.alpha0, options.power);
+  Reliability result;
+  result.rows.resize(lin.rows);
+  result.blocks.resize(lin.blocks.size());
+  parallel_ranges(static_cast<int>(lin.blocks.size()), 64, [&](int first, int last) {
+    std::vector<double> movement(q.rows());
+    for (int b = first; b < last; ++b) {
+      const Linearisation::Block& block = lin.blocks[b];
+      const BlockMatrices m = block_matrices(*problem.residuals[b], lin, block, q);
+      const Eigen::VectorXd whitened = lin.residuals.segment(block.row, block.rows);
+      for (int i = 0; i < block.rows; ++i) {
+        RowStatistics& row = result.rows[block.row + i];
+        row = row_statistics(m, whitened, i, delta0);
+        if (!options.groups.empty() && std::isfinite(row.mdb))
+          external_effect(block, lin, q, m.influence.col(i), options.groups, movement, row);
+      }
+      result.blocks[b] = block_test(m, whitened);
+    }
+  });
+  for (const auto& row : result.rows) result.sum_of_redundancy_numbers += row.redundancy_number;
+  return result;
+}
+
+double non_centrality(double alpha0, double power) {
+  return normal_quantile(1 - 0.5 * alpha0) + normal_quantile(power);
+}
+
+double tau_critical(double alpha0, double f) {
+  if (!(f > 1)) return std::numeric_limits<double>::infinity();
+  const double t = student_t_quantile(1 - 0.5 * alpha0, f - 1);
+  return std::sqrt(f) * t / std::sqrt(f - 1 + t * t);
+}
+
+GlobalTest global_test(double sum_of_squares, int f, double alpha) {
+  GlobalTest test;
+  test.statistic = sum_of_squares;
+  if (f <= 0) return test;
+  test.lower = chi_squared_quantile(0.5 * alpha, f);
+  test.upper = chi_squared_quantile(1 - 0.5 * alpha, f);
+  if (sum_of_squares < test.lower) test.verdict = GlobalTest::Verdict::low;
+  if (sum_of_squares > test.upper) test.verdict = GlobalTest::Verdict::high;
+  return test;
+}
+
+std::vector<VarianceComponent> variance_components(const Problem& problem, const Solution& solution,
+                                                   const Reliability& reliability) {
+  std::vector<VarianceComponent> components;
+  for (size_t b = 0; b < problem.residuals.size(); ++b) {
+    const ResidualBlock& residual = *problem.residuals[b];
+    const Linearisation::Block& block = solution.linearisation.blocks[b];
+    const Eigen::VectorXd weighted =
+        residual.whitening().transpose() * solution.linearisation.residuals.segment(block.row, block.rows);
+    for (int i = 0; i < block.rows; ++i) {
+      const size_t group = residual.groups.empty() ? 0 : static_cast<size_t>(residual.groups[i]);
+      if (group >= components.size()) components.resize(group + 1);
+      const RowStatistics& row = reliability.rows[block.row + i];
+      components[group].sum_of_squares += row.residual * weighted[i];
+      components[group].redundancy += row.redundancy_number;
+      ++components[group].rows;
+    }
+  }
+  for (auto& c : components)
+    if (c.redundancy > kUncontrolled) c.factor = c.sum_of_squares / c.redundancy;
+  return components;
+}
+
+ErrorEllipsoid error_ellipsoid(const Eigen::Matrix3d& covariance) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(covariance);
+  ErrorEllipsoid ellipsoid;
+  for (int k = 0; k < 3; ++k) {
+    ellipsoid.semi_axes[k] = std::sqrt(std::max(0.0, eigen.eigenvalues()[2 - k]));
+    ellipsoid.axes.col(k) = eigen.eigenvectors().col(2 - k);
+  }
+  return ellipsoid;
+}
+
+double confidence_factor(double confidence, int dimensions) {
+  return std::sqrt(chi_squared_quantile(confidence, dimensions));
+}
+
+}  // namespace plumbline::adjustment

@@ -1,0 +1,135 @@
+#include "adjustment/solver.hpp"
+
+#include <cmath>
+#include <optional>
+
+namespace plumbline::adjustment {
+
+namespace {
+
+constexpr double kFirstDamping = 1e-3;  // in units of the scaled normal matrix, whose diagonal is 1
+constexpr double kLargestDamping = 1e9;
+
+struct Step {
+  Eigen::VectorXd step;  // unscaled
+  double length = 0;     // |J dx|
+};
+
+std::optional<Step> compute_step(Solution& s, double damping) {
+  SparseFactor factor;
+  if (!factor.factorise(s.normal.scaled(), damping, s.datum.pinned())) return std::nullopt;
+  Eigen::VectorXd right_side = -s.normal.gradient().cwiseQuotient(s.normal.scale());
+  for (int p : s.datum.pinned()) right_side[p] = 0;
+  const Eigen::VectorXd scaled_step = factor.solve(right_side);
+  const double length = std::sqrt(std::max(0.0, scaled_step.dot(right_side)));
+  Eigen::VectorXd step = scaled_step.cwiseQuotient(s.normal.scale());
+  if (s.datum.defect() > 0) {
+    if (damping == 0) s.datum.update(s.normal, factor);
+    step += s.datum.shift_for(s.change + step);
+  }
+  return Step{std::move(step), length};
+}
+
+std::vector<std::vector<double>> values_of(const Problem& problem) {
+  std::vector<std::vector<double>> values;
+  for (const auto& block : problem.parameters) values.push_back(block.value);
+  return values;
+}
+
+void restore(Problem& problem, const std::vector<std::vector<double>>& values) {
+  for (size_t b = 0; b < values.size(); ++b) problem.parameters[b].value = values[b];
+}
+
+/// Takes the step if the sum of squares does not rise; else leaves everything as it was.
+bool try_step(Problem& problem, Solution& s, const Step& step) {
+  const auto before = values_of(problem);
+  const double sum_before = s.linearisation.sum_of_squares;
+  const Eigen::VectorXd residuals_before = s.linearisation.residuals;
+  apply_step(problem, s.unknowns, step.step);
+  if (linearise(problem, s.unknowns, false, s.linearisation) && s.linearisation.sum_of_squares <= sum_before) {
+    s.change += step.step;
+    s.sums_of_squares.push_back(s.linearisation.sum_of_squares);
+    return true;
+  }
+  restore(problem, before);
+  s.linearisation.residuals = residuals_before;
+  s.linearisation.sum_of_squares = sum_before;
+  return false;
+}
+
+Solution start(Problem& problem, const SolverOptions& options) {
+  UnknownIndex unknowns(problem);
+  Linearisation lin = prepare_linearisation(problem, unknowns);
+  if (!linearise(problem, unknowns, true, lin))
+    throw std::runtime_error("an observation cannot be evaluated at the initial values (coinciding points?)");
+  NormalEquations normal(lin, unknowns.count());
+  normal.assemble(lin);
+  InnerConstraints datum(normal, find_null_space(normal, options.rank_tolerance), options.datum_unknowns);
+  Solution solution{std::move(unknowns), std::move(lin), std::move(normal), std::move(datum), {}, {}};
+  solution.change = Eigen::VectorXd::Zero(solution.unknowns.count());
+  solution.sums_of_squares.push_back(solution.linearisation.sum_of_squares);
+  return solution;
+}
+
+/// One accepted step, damped as much as it needs. False if none lowers the sum of squares.
+bool iterate(Problem& problem, Solution& s, double& damping, const SolverOptions& options) {
+  for (;;) {
+    const std::optional<Step> step = compute_step(s, damping);
+    if (!step && damping == 0 && s.sums_of_squares.size() > 1)
+      throw RankDefect("the system became singular during the iterations", Eigen::MatrixXd(s.unknowns.count(), 0));
+    if (step) {
+      s.last_step = step->length;
+      const bool taken = try_step(problem, s, *step);
+      // A predicted gain below the rounding of the sum itself can be neither confirmed nor refuted: each residual is
+      // known to about 1e-16 of the observation, not of the residual.
+      const double resolution = 1e-11 * std::max(1.0, s.linearisation.sum_of_squares);
+      s.converged = damping == 0 &&
+                    (step->length < options.step_tolerance || (!taken && step->length * step->length < resolution));
+      if (taken) {
+        damping = damping <= kFirstDamping ? 0.0 : 0.1 * damping;
+        return true;
+      }
+      if (s.converged) return false;
+    }
+    damping = damping == 0 ? kFirstDamping : 10 * damping;
+    if (damping > kLargestDamping) return false;
+  }
+}
+
+}  // namespace
+
+Solution solve(Problem& problem, const SolverOptions& options) {
+  Solution s = start(problem, options);
+  double damping = 0;
+  while (s.iterations() < options.max_iterations && !s.converged) {
+    const bool taken = iterate(problem, s, damping, options);
+    if (taken) {
+      linearise(problem, s.unknowns, true, s.linearisation);
+      s.normal.assemble(s.linearisation);
+    }
+    if (!taken) break;
+  }
+  return s;
+}
+
+Eigen::MatrixXd cofactor_matrix(const Solution& solution) {
+  SparseFactor factor;
+  if (!factor.factorise(solution.normal.scaled(), 0, solution.datum.pinned()))
+    throw RankDefect("the normal matrix is singular at the solution", Eigen::MatrixXd(solution.unknowns.count(), 0));
+  Eigen::MatrixXd q = factor.inverse();
+  for (int p : solution.datum.pinned()) {
+    q.row(p).setZero();
+    q.col(p).setZero();
+  }
+  const Eigen::VectorXd inverse_scale = solution.normal.scale().cwiseInverse();
+  const int n = static_cast<int>(q.rows());
+  for (int j = 0; j < n; ++j) q.col(j).array() *= inverse_scale.array() * inverse_scale[j];
+  InnerConstraints datum = solution.datum;
+  datum.update(solution.normal, factor);
+  datum.transform(q);
+  for (int j = 0; j < n; ++j)
+    for (int i = j + 1; i < n; ++i) q(i, j) = q(j, i) = 0.5 * (q(i, j) + q(j, i));
+  return q;
+}
+
+}  // namespace plumbline::adjustment
