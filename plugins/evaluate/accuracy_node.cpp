@@ -1,0 +1,131 @@
+// evaluate.accuracy: the evaluation of accuracy.hpp as a node.
+#include <map>
+
+#include "artifacts/file.hpp"
+#include "artifacts/plates.hpp"
+#include "artifacts/points.hpp"
+#include "evaluate/accuracy.hpp"
+#include "evaluate/metrics.hpp"
+#include "plumbline/node.hpp"
+
+namespace plumbline::evaluate {
+
+namespace {
+
+/// Full covariance from the packed lower triangle, else from the standard deviations, else 0 x 0.
+Eigen::MatrixXd covariance_of(const PointsT& points, const std::string& what) {
+  const auto n = static_cast<Eigen::Index>(3 * points.points.size());
+  const auto packed = static_cast<std::size_t>(n * (n + 1) / 2);
+  if (points.covariance.empty()) {
+    Eigen::MatrixXd s = Eigen::MatrixXd::Zero(n, n);
+    for (Eigen::Index i = 0; i < n; ++i)
+      s(i, i) = std::pow(points.points[static_cast<std::size_t>(i / 3)]->sigma[i % 3], 2);
+    return s.allFinite() ? s : Eigen::MatrixXd();
+  }
+  if (points.covariance.size() != packed)
+    throw std::runtime_error("input '" + what + "': the covariance has " + std::to_string(points.covariance.size()) +
+                             " values, expected " + std::to_string(packed) + " for the lower triangle of " +
+                             std::to_string(points.points.size()) + " points");
+  Eigen::MatrixXd s(n, n);
+  std::size_t next = 0;
+  for (Eigen::Index i = 0; i < n; ++i)
+    for (Eigen::Index j = 0; j <= i; ++j) s(i, j) = s(j, i) = points.covariance[next++];
+  return s;
+}
+
+PointSet point_set(const PointsT& points, const std::string& what) {
+  PointSet set;
+  for (const auto& point : points.points) {
+    set.ids.push_back(point->id);
+    set.positions.push_back(point->position);
+  }
+  set.covariance = covariance_of(points, what);
+  return set;
+}
+
+AnchorUse use_of(const PlateT& plate) {
+  if (plate.role == "control") return AnchorUse::control;
+  if (plate.role == "check") return AnchorUse::check;
+  throw std::runtime_error("input 'plates': anchor '" + plate.anchor + "' has the role '" + plate.role +
+                           "', expected \"control\" or \"check\"; say it in the anchor table of campaign.yaml");
+}
+
+/// One row an anchor: an anchor may carry several plates.
+std::vector<AnchorEntry> anchor_table(const PlatesT& plates) {
+  std::vector<AnchorEntry> table;
+  std::map<std::string, std::size_t> index;
+  for (const auto& plate : plates.plates) {
+    const AnchorEntry entry{plate->anchor, plate->floor, plate->column, plate->row, use_of(*plate)};
+    const auto [found, added] = index.emplace(entry.id, table.size());
+    if (added) {
+      table.push_back(entry);
+      continue;
+    }
+    const AnchorEntry& first = table[found->second];
+    if (first.floor != entry.floor || first.use != entry.use)
+      throw std::runtime_error("input 'plates': two plates of anchor '" + entry.id + "' differ in floor or role");
+  }
+  return table;
+}
+
+FileT file_of(const std::string& name, const std::string& media_type, const std::string& text) {
+  FileT file;
+  file.name = name, file.media_type = media_type;
+  file.content.assign(text.begin(), text.end());
+  return file;
+}
+
+}  // namespace
+
+struct EvaluateAccuracy : Node {
+  static constexpr Info info{"evaluate.accuracy", "metric", 1,
+                             "Anchor, floor and column accuracy of a model against the survey, (1)-(3) and (9)-(13)"};
+  In<Points> model{"model", frame("frame=?F"), "points of the model with their covariance"};
+  In<Points> survey{"survey", frame("frame=?F"), "surveyed points with their covariance"};
+  In<Plates> plates{"plates", frame("frame=?F"), "anchor table: floor, column, row and role of every anchor"};
+  Optional<Points> truth{"truth", frame("frame=?F"), "true points, in simulation"};
+  Param<std::vector<double>> tolerances{"tolerances", default_tolerances(), "m", between(1e-6, 1),
+                                        "sweep of (3) and (10)"};
+  Param<double> tau{"tau", 0.005, "m", between(1e-6, 1), "headline tolerance of the verdicts"};
+  Param<double> guard_factor{"guard_factor", 1.645, "1", between(0, 10),
+                             "k of the guard band: pass if |dz| + k u <= tau"};
+  Param<double> confidence{"confidence", 0.95, "1", between(0.5, 0.9999), "level of all intervals and tests"};
+  Param<bool> drift_on_control{"drift_on_control", false, "D(F) on control anchors too, marked as no evidence"};
+  Param<std::string> correlation{"correlation", "from_control", one_of("from_control", "independent"),
+                                 "whether the model was adjusted to this survey's control anchors"};
+  Out<Accuracy> accuracy{"accuracy", frame("frame=?F"), "the evaluation"};
+  Out<File> metrics{"metrics", "metrics.json"};
+  Out<File> table{"table", "metrics.csv"};
+
+  Options options() const {
+    Options chosen;
+    chosen.tolerances = *tolerances;
+    chosen.tau = *tau, chosen.guard_factor = *guard_factor, chosen.confidence = *confidence;
+    chosen.drift_on_control = *drift_on_control;
+    chosen.correlation = *correlation == "independent" ? Correlation::independent : Correlation::from_control;
+    return chosen;
+  }
+
+  void run(Context& context) override {
+    Inputs inputs;
+    inputs.anchors = anchor_table(plates.unpack());
+    inputs.model = point_set(model.unpack(), "model");
+    inputs.survey = point_set(survey.unpack(), "survey");
+    if (truth) inputs.truth = point_set(truth.unpack(), "truth");
+    const AccuracyT result = evaluate_accuracy(inputs, options());
+    for (const std::string& warning : result.warnings) context.warn(warning);
+    for (const auto& c : result.comparisons) {
+      const std::string name = std::string(EnumNameAnchorUse(c->use)) + "_" + EnumNameAccuracyReference(c->reference);
+      context.metric("rmse_z_" + name, c->rmse_z, "m");
+      context.metric("max_abs_dz_" + name, c->max_abs_dz, "m");
+      context.metric("rmse_3d_" + name, c->rmse_3d, "m");
+    }
+    accuracy.commit(result);
+    metrics.commit(file_of("metrics.json", "application/json", metrics_json(result)));
+    table.commit(file_of("metrics.csv", "text/csv", metrics_csv(result)));
+  }
+};
+
+}  // namespace plumbline::evaluate
+
+PLUMBLINE_PLUGIN("evaluate", "0.1.0", "MIT", plumbline::evaluate::EvaluateAccuracy)

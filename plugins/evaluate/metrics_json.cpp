@@ -1,0 +1,177 @@
+#include <nlohmann/json.hpp>
+
+#include "evaluate/metrics.hpp"
+
+namespace plumbline::evaluate {
+
+namespace {
+
+using Json = nlohmann::ordered_json;  // keeps our order; prints nan as null
+
+Json to_json(const AnchorDifferenceT* d) {
+  if (!d) return nullptr;
+  return {{"dx", d->dx},
+          {"dy", d->dy},
+          {"dz", d->dz},
+          {"distance", d->distance},
+          {"u_dz", d->u_dz},
+          {"u_distance", d->u_distance},
+          {"covariance", d->covariance},
+          {"verdict", EnumNameToleranceVerdict(d->verdict)},
+          {"conformance_probability", d->conformance_probability},
+          {"verdict_distance", EnumNameToleranceVerdict(d->verdict_distance)}};
+}
+
+Json to_json(const AnchorAccuracyT& a) {
+  return {{"id", a.id},
+          {"floor", a.floor},
+          {"column", a.column},
+          {"row", a.row},
+          {"use", EnumNameAnchorUse(a.use)},
+          {"position", {a.x, a.y, a.z}},
+          {"verdict", EnumNameToleranceVerdict(a.survey ? a.survey->verdict : ToleranceVerdict::not_measured)},
+          {"note", a.note},
+          {"survey", to_json(a.survey.get())},
+          {"truth", to_json(a.truth.get())},
+          {"design", to_json(a.design.get())}};
+}
+
+Json to_json(const FloorAccuracyT& f) {
+  return {{"floor", f.floor},
+          {"anchors", f.anchors},
+          {"mean_dz", f.mean_dz},
+          {"u_mean_dz", f.u_mean_dz},
+          {"drift", f.drift},
+          {"u_drift", f.u_drift},
+          {"drift_verdict", EnumNameToleranceVerdict(f.drift_verdict)},
+          {"smallest_tolerance_met", f.smallest_tolerance_met},
+          {"relative_drift", f.relative_drift},
+          {"u_relative_drift", f.u_relative_drift},
+          {"rmse_z", f.rmse_z},
+          {"max_abs_dz", f.max_abs_dz}};
+}
+
+Json to_json(const DriftSlopeT* s) {
+  if (!s) return nullptr;
+  return {{"per_floor", s->per_floor}, {"u_per_floor", s->u_per_floor}, {"lower", s->lower},
+          {"upper", s->upper},         {"p_value", s->p_value},         {"scatter_per_floor", s->scatter_per_floor}};
+}
+
+Json to_json(const PassRateT& p) {
+  return {{"tolerance", p.tolerance}, {"passed", p.passed}, {"evaluated", p.evaluated},    {"rate", p.rate},
+          {"lower", p.lower},         {"upper", p.upper},   {"exact_lower", p.exact_lower}};
+}
+
+Json to_json(const HeightTransferT& t) {
+  return {{"lower_floor", t.lower_floor},
+          {"upper_floor", t.upper_floor},
+          {"column", t.column == 0 ? Json(nullptr) : Json(t.column)},
+          {"anchors", t.anchors},
+          {"difference", t.difference},
+          {"error", t.error},
+          {"u", t.u},
+          {"verdict", EnumNameToleranceVerdict(t.verdict)}};
+}
+
+Json to_json(const ErrorConsistencyT* c) {
+  if (!c) return nullptr;
+  return {{"statistic", c->statistic},
+          {"degrees_of_freedom", c->degrees_of_freedom},
+          {"lower", c->lower},
+          {"upper", c->upper},
+          {"probability", c->probability},
+          {"consistent", c->statistic >= c->lower && c->statistic <= c->upper}};
+}
+
+Json to_json(const AccuracyComparisonT& c);
+
+template <typename T>
+Json list(const std::vector<std::unique_ptr<T>>& items) {
+  Json out = Json::array();
+  for (const auto& item : items) out.push_back(to_json(*item));
+  return out;
+}
+
+Json to_json(const AccuracyComparisonT& c) {
+  return {{"use", EnumNameAnchorUse(c.use)},
+          {"reference", EnumNameAccuracyReference(c.reference)},
+          {"evidence", c.evidence},
+          {"evidence_note", c.evidence_note},
+          {"anchors", c.anchors},
+          {"anchors_listed", c.anchors_listed},
+          {"pass", c.passed},
+          {"undecided", c.undecided},
+          {"fail", c.failed},
+          {"mean_dz", c.mean_dz},
+          {"u_mean_dz", c.u_mean_dz},
+          {"deviation_dz", c.deviation_dz},
+          {"rmse_z", c.rmse_z},
+          {"max_abs_dz", c.max_abs_dz},
+          {"worst_anchor", c.worst_anchor},
+          {"rmse_3d", c.rmse_3d},
+          {"max_distance", c.max_distance},
+          {"predicted_rmse_z", c.predicted_rmse_z},
+          {"predicted_rmse_z_range", {c.predicted_rmse_z_lower, c.predicted_rmse_z_upper}},
+          {"predicted_rmse_3d", c.predicted_rmse_3d},
+          {"drift_computed", c.drift_computed},
+          {"floors", list(c.floors)},
+          {"slope", to_json(c.slope.get())},
+          {"pass_rates", list(c.pass_rates)},
+          {"transfers", list(c.transfers)},
+          {"consistency_z", to_json(c.consistency_z.get())},
+          {"consistency_3d", to_json(c.consistency_3d.get())}};
+}
+
+Json to_json(const DesignComparisonT* d) {
+  if (!d) return nullptr;
+  return {{"anchors", d->anchors},
+          {"pass", d->passed},
+          {"undecided", d->undecided},
+          {"fail", d->failed},
+          {"mean", {d->mean_dx, d->mean_dy, d->mean_dz}},
+          {"rmse_z", d->rmse_z},
+          {"rmse_3d", d->rmse_3d},
+          {"max_distance", d->max_distance},
+          {"worst_anchor", d->worst_anchor}};
+}
+
+const AccuracyComparisonT* headline(const AccuracyT& accuracy) {
+  for (const auto& c : accuracy.comparisons)
+    if (c->use == AnchorUse::check && c->reference == AccuracyReference::survey) return c.get();
+  return nullptr;
+}
+
+}  // namespace
+
+std::string overall_verdict(const AccuracyT& accuracy) {
+  const AccuracyComparisonT* c = headline(accuracy);
+  if (!c || c->anchors == 0) return "no_evidence";
+  if (c->failed > 0) return "fail";
+  return c->undecided > 0 || c->anchors < c->anchors_listed ? "undecided" : "pass";
+}
+
+std::string metrics_json(const AccuracyT& accuracy) {
+  const AccuracyComparisonT* c = headline(accuracy);
+  const Json verdict = {{"overall", overall_verdict(accuracy)},
+                        {"anchors", c ? c->anchors : 0},
+                        {"pass", c ? c->passed : 0},
+                        {"undecided", c ? c->undecided : 0},
+                        {"fail", c ? c->failed : 0},
+                        {"not_measured", c ? c->anchors_listed - c->anchors : 0}};
+  const Json document = {{"format", "plumbline-metrics/1"},
+                         {"units", {{"length", "m"}, {"covariance", "m2"}, {"probability", "1"}}},
+                         {"tau", accuracy.tau},
+                         {"guard_factor", accuracy.guard_factor},
+                         {"confidence", accuracy.confidence},
+                         {"anchors_needed", accuracy.anchors_needed},
+                         {"verdict", verdict},
+                         {"comparisons", list(accuracy.comparisons)},
+                         {"anchors", list(accuracy.anchors)},
+                         {"design", to_json(accuracy.design.get())},
+                         {"correlation_note", accuracy.correlation_note},
+                         {"warnings", accuracy.warnings}};
+  // Ids come from files in any encoding: an invalid byte becomes U+FFFD instead of an exception.
+  return document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace plumbline::evaluate

@@ -1,0 +1,216 @@
+// Every formula of the evaluation against numbers worked by hand on the small building.
+#include <gtest/gtest.h>
+
+#include "evaluate/comparison.hpp"
+#include "evaluate/drift.hpp"
+#include "evaluate/tolerance.hpp"
+#include "small_building.hpp"
+
+namespace plumbline::evaluate {
+namespace {
+
+using test::mm;
+
+AccuracyT evaluate_small(AnchorUse use = AnchorUse::check, Options options = {}) {
+  return evaluate_accuracy(test::small_building(use), options);
+}
+
+TEST(Formulas, FloorMeansAndCumulativeDrift) {
+  const AccuracyT accuracy = evaluate_small();
+  const auto* c = test::find(accuracy, AnchorUse::check, AccuracyReference::survey);
+  ASSERT_NE(c, nullptr);
+  ASSERT_EQ(c->floors.size(), 3u);
+  const double r[] = {2, -1, 3}, drift[] = {2, 1, 4}, relative[] = {0, -3, 1}, largest[] = {3, 2, 4};
+  const double met[] = {2, 2, 4};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const FloorAccuracyT& floor = *c->floors[i];
+    EXPECT_EQ(floor.floor, static_cast<int>(i) + 1);
+    EXPECT_EQ(floor.anchors, 2);
+    EXPECT_NEAR(floor.mean_dz, r[i] * mm, 1e-15);
+    EXPECT_NEAR(floor.drift, drift[i] * mm, 1e-15);
+    EXPECT_NEAR(floor.relative_drift, relative[i] * mm, 1e-15);
+    EXPECT_NEAR(floor.max_abs_dz, largest[i] * mm, 1e-15);
+    EXPECT_NEAR(floor.smallest_tolerance_met, met[i] * mm, 1e-15);
+    // u(dz) = 0.5 mm, independent: u(r_f) = 0.5/sqrt 2, u(D(F)) = sqrt F times that, u(r_F - r_1) = sqrt 2 times that.
+    EXPECT_NEAR(floor.u_mean_dz, 0.5 * mm / std::sqrt(2.0), 1e-12);
+    EXPECT_NEAR(floor.u_drift, 0.5 * mm / std::sqrt(2.0) * std::sqrt(static_cast<double>(i + 1)), 1e-12);
+    EXPECT_NEAR(floor.u_relative_drift, i == 0 ? 0 : 0.5 * mm, 1e-12);
+  }
+  // |D(3)| = 4 mm, u = 0.612 mm, k·u = 1.007 mm: 5 mm is not certain.
+  EXPECT_EQ(c->floors[2]->drift_verdict, ToleranceVerdict::undecided);
+  EXPECT_EQ(c->floors[1]->drift_verdict, ToleranceVerdict::pass);
+}
+
+TEST(Formulas, SlopeOfFloorMeans) {
+  const AccuracyT accuracy = evaluate_small();
+  const DriftSlopeT& slope = *test::find(accuracy, AnchorUse::check, AccuracyReference::survey)->slope;
+  // (r_3 - r_1)/2 for floors 1, 2, 3; its weights are ±1/4 on four anchors of u = 0.5 mm.
+  EXPECT_NEAR(slope.per_floor, 0.5 * mm, 1e-15);
+  EXPECT_NEAR(slope.u_per_floor, 0.25 * mm, 1e-12);
+  EXPECT_NEAR(slope.lower, 0.5 * mm - 1.959964 * 0.25 * mm, 1e-9);
+  EXPECT_NEAR(slope.upper, 0.5 * mm + 1.959964 * 0.25 * mm, 1e-9);
+  EXPECT_NEAR(slope.p_value, 0.0455003, 1e-6);  // two standard uncertainties
+  // The line is 4/3 + (f - 2)/2, its residuals 7/6, -7/3, 7/6: s² = 49/6, over Σ(f - 2)² = 2.
+  EXPECT_NEAR(slope.scatter_per_floor, std::sqrt(49.0 / 6.0 / 2.0) * mm, 1e-12);
+}
+
+TEST(Formulas, StatisticsOfVerticalResiduals) {
+  const AccuracyT accuracy = evaluate_small();
+  const auto* c = test::find(accuracy, AnchorUse::check, AccuracyReference::survey);
+  EXPECT_EQ(c->anchors, 6);
+  EXPECT_NEAR(c->mean_dz, 8.0 / 6.0 * mm, 1e-15);
+  EXPECT_NEAR(c->rmse_z, std::sqrt(34.0 / 6.0) * mm, 1e-15);
+  EXPECT_NEAR(c->deviation_dz, std::sqrt((34.0 - 64.0 / 6.0) / 5.0) * mm, 1e-15);
+  EXPECT_NEAR(c->max_abs_dz, 4 * mm, 1e-15);
+  EXPECT_EQ(c->worst_anchor, "F3C1");
+  EXPECT_NEAR(c->u_mean_dz, 0.5 * mm / std::sqrt(6.0), 1e-12);
+  EXPECT_NEAR(c->predicted_rmse_z, 0.5 * mm, 1e-12);
+  EXPECT_NEAR(c->predicted_rmse_3d, std::sqrt(3.0) * 0.5 * mm, 1e-12);
+}
+
+TEST(Formulas, DistanceIsThreeDimensional) {
+  Inputs inputs;
+  test::add_anchor(inputs, "a", 1, 1, AnchorUse::check, {1 * mm, 2 * mm, 2 * mm});
+  test::set_sigmas(inputs, 0.3 * mm, 0.4 * mm);
+  const AccuracyT accuracy = evaluate_accuracy(inputs, {});
+  const AnchorDifferenceT& d = *accuracy.anchors[0]->survey;
+  EXPECT_NEAR(d.distance, 3 * mm, 1e-15);
+  EXPECT_NEAR(d.dz, 2 * mm, 1e-15);
+  EXPECT_NEAR(d.u_dz, 0.5 * mm, 1e-12);
+  EXPECT_NEAR(d.u_distance, 0.5 * mm, 1e-12);
+  EXPECT_NEAR(accuracy.comparisons[0]->rmse_3d, 3 * mm, 1e-15);
+}
+
+TEST(Formulas, HeightTransferByFloorAndByColumn) {
+  const AccuracyT accuracy = evaluate_small();
+  const auto& transfers = test::find(accuracy, AnchorUse::check, AccuracyReference::survey)->transfers;
+  ASSERT_EQ(transfers.size(), 6u);
+  const int column[] = {0, 0, 1, 1, 2, 2};
+  const double difference[] = {-3, 4, -3, 6, -3, 2};
+  for (std::size_t i = 0; i < 6; ++i) {
+    EXPECT_EQ(transfers[i]->column, column[i]);
+    EXPECT_EQ(transfers[i]->lower_floor, i % 2 == 0 ? 1 : 2);
+    EXPECT_EQ(transfers[i]->upper_floor, transfers[i]->lower_floor + 1);
+    EXPECT_NEAR(transfers[i]->difference, difference[i] * mm, 1e-15);
+    EXPECT_NEAR(transfers[i]->error, std::abs(difference[i]) * mm, 1e-15);
+    EXPECT_NEAR(transfers[i]->u, column[i] == 0 ? 0.5 * mm : 0.5 * mm * std::sqrt(2.0), 1e-12);
+  }
+  EXPECT_EQ(transfers[0]->verdict, ToleranceVerdict::pass);
+  EXPECT_EQ(transfers[3]->verdict, ToleranceVerdict::undecided);  // 6 mm with u 0.71 mm against 5 mm
+}
+
+TEST(Formulas, PassRateOverTheSweep) {
+  const AccuracyT accuracy = evaluate_small();
+  const auto& rates = test::find(accuracy, AnchorUse::check, AccuracyReference::survey)->pass_rates;
+  ASSERT_EQ(rates.size(), 13u);
+  EXPECT_EQ(rates.front()->tolerance, 2 * mm);
+  EXPECT_EQ(rates.back()->tolerance, 8 * mm);
+  EXPECT_EQ(rates[0]->passed, 4);  // |dz| = tau passes
+  EXPECT_EQ(rates[1]->passed, 4);
+  EXPECT_EQ(rates[2]->passed, 5);  // 3 mm
+  EXPECT_EQ(rates[4]->passed, 6);  // 4 mm
+  // Wilson (1927) for 4 of 6: (p + z²/2n ± z·sqrt(p(1-p)/n + z²/4n²)) / (1 + z²/n), z = 1.959964.
+  EXPECT_NEAR(rates[0]->rate, 2.0 / 3.0, 1e-15);
+  EXPECT_NEAR(rates[0]->lower, 0.29999, 1e-4);
+  EXPECT_NEAR(rates[0]->upper, 0.90323, 1e-4);
+}
+
+TEST(Formulas, PassRateNeedsItsBound) {
+  EXPECT_EQ(anchors_needed(0.95, 0.95), 59);
+  const auto all_pass = [](Eigen::Index n) {
+    return pass_rates(Eigen::VectorXd::Zero(n), {0.002}, 0.95)[0]->exact_lower;
+  };
+  EXPECT_NEAR(all_pass(6), std::pow(0.05, 1.0 / 6), 1e-12);  // 0.61, 0.69, 0.83, 0.93 in the literature
+  EXPECT_NEAR(all_pass(8), 0.6877, 1e-4);
+  EXPECT_NEAR(all_pass(16), 0.8292, 1e-4);
+  EXPECT_NEAR(all_pass(40), 0.9278, 1e-4);
+  EXPECT_LT(all_pass(58), 0.95);
+  EXPECT_GT(all_pass(59), 0.95);
+}
+
+TEST(Formulas, VerdictHasAGuardBand) {
+  const double k = 1.645;
+  EXPECT_EQ(verdict_of(0.003, 0.0012, 0.005, k), ToleranceVerdict::pass);        // 3 + 1.974
+  EXPECT_EQ(verdict_of(-0.003, 0.0013, 0.005, k), ToleranceVerdict::undecided);  // 3 + 2.139
+  EXPECT_EQ(verdict_of(0.0065, 0.001, 0.005, k), ToleranceVerdict::undecided);   // 6.5 - 1.645
+  EXPECT_EQ(verdict_of(-0.0067, 0.001, 0.005, k), ToleranceVerdict::fail);       // 6.7 - 1.645
+  EXPECT_EQ(verdict_of(0.005, 0, 0.005, k), ToleranceVerdict::pass);
+  EXPECT_EQ(verdict_of(0.001, std::nan(""), 0.005, k), ToleranceVerdict::undecided);
+  EXPECT_EQ(verdict_of(std::nan(""), 0.001, 0.005, k), ToleranceVerdict::not_measured);
+}
+
+TEST(Formulas, ConformanceProbability) {
+  EXPECT_NEAR(conformance_probability(0, 1, 1.959964), 0.95, 1e-6);
+  EXPECT_NEAR(conformance_probability(0.005, 0.0001, 0.005), 0.5, 1e-9);
+  EXPECT_EQ(conformance_probability(0.004, 0, 0.005), 1);
+  EXPECT_TRUE(std::isnan(conformance_probability(0.004, std::nan(""), 0.005)));
+}
+
+TEST(Formulas, CommonSetUpHeightErrorStaysInTheDriftAndLeavesTheRelativeDrift) {
+  Inputs inputs = test::small_building();
+  for (Eigen::Index i = 0; i < 6; ++i)
+    for (Eigen::Index j = 0; j < 6; ++j) inputs.survey.covariance(3 * i + 2, 3 * j + 2) += 1 * mm * mm;
+  const AccuracyT accuracy = evaluate_accuracy(inputs, {});
+  const auto& top = *test::find(accuracy, AnchorUse::check, AccuracyReference::survey)->floors[2];
+  EXPECT_NEAR(top.u_mean_dz, std::sqrt(0.125 + 1) * mm, 1e-12);
+  EXPECT_NEAR(top.u_drift, std::sqrt(3 * 0.125 + 9) * mm, 1e-12);
+  EXPECT_NEAR(top.u_relative_drift, 0.5 * mm, 1e-12);
+}
+
+TEST(Formulas, ChiSquareOfCorrelatedErrors) {
+  Eigen::Matrix2d s;
+  s << 2, 1, 1, 2;  // inverse (2, -1; -1, 2)/3
+  const auto test = consistency(Eigen::Vector2d(1, -1), s, 0.95);
+  EXPECT_NEAR(test->statistic, 2.0, 1e-12);
+  EXPECT_EQ(test->degrees_of_freedom, 2);
+  EXPECT_NEAR(test->lower, 0.050636, 1e-6);
+  EXPECT_NEAR(test->upper, 7.377759, 1e-6);
+  EXPECT_NEAR(test->probability, 1 - std::exp(-1.0), 1e-12);
+  const auto singular = consistency(Eigen::Vector2d(3, 3), Eigen::Matrix2d::Ones(), 0.95);
+  EXPECT_EQ(singular->degrees_of_freedom, 1);
+  EXPECT_NEAR(singular->statistic, 9, 1e-9);
+  EXPECT_EQ(consistency(Eigen::Vector2d(3, 3), Eigen::Matrix2d::Zero(), 0.95), nullptr);
+}
+
+TEST(Formulas, PredictedRmseAndItsRangeCoverSimulatedErrors) {
+  // Six heights with a common part: 600 draws; 95 % of their RMSE must fall into the predicted range, and of their
+  // chi-square statistics between the critical values. 3 standard deviations of a binomial of 600: 0.027.
+  Eigen::MatrixXd s = 0.25 * Eigen::MatrixXd::Identity(6, 6) + 0.5 * Eigen::MatrixXd::Ones(6, 6);
+  const Eigen::MatrixXd root = s.llt().matrixL();
+  const PredictedRmse predicted = predicted_rmse(s, 6, 0.95);
+  EXPECT_NEAR(predicted.value, std::sqrt(0.75), 1e-12);
+  test::Normal normal(7);
+  int in_range = 0, consistent = 0;
+  for (int trial = 0; trial < 600; ++trial) {
+    Eigen::VectorXd d(6);
+    for (double& v : d) v = normal();
+    d = root * d;
+    const double rmse = std::sqrt(d.squaredNorm() / 6);
+    in_range += rmse >= predicted.lower && rmse <= predicted.upper;
+    const auto chi = consistency(d, s, 0.95);
+    consistent += chi->statistic >= chi->lower && chi->statistic <= chi->upper;
+  }
+  EXPECT_NEAR(in_range / 600.0, 0.95, 0.03);
+  EXPECT_NEAR(consistent / 600.0, 0.95, 0.03);
+}
+
+TEST(Formulas, DeviationFromDesign) {
+  Inputs inputs = test::small_building();
+  inputs.design = inputs.survey;
+  inputs.design->covariance.resize(0, 0);
+  for (auto& p : inputs.design->positions) p.x() -= 10 * mm;
+  const AccuracyT accuracy = evaluate_accuracy(inputs, {});
+  ASSERT_NE(accuracy.design, nullptr);
+  EXPECT_NEAR(accuracy.design->mean_dx, 10 * mm, 1e-12);
+  EXPECT_NEAR(accuracy.design->mean_dz, 8.0 / 6.0 * mm, 1e-12);
+  EXPECT_EQ(accuracy.design->worst_anchor, "F3C1");
+  const AnchorDifferenceT& d = *accuracy.anchors[4]->design;
+  EXPECT_NEAR(d.distance, std::sqrt(116.0) * mm, 1e-12);
+  EXPECT_NEAR(d.u_dz, 0.3 * mm, 1e-12);  // the design is exact
+  EXPECT_EQ(d.verdict, ToleranceVerdict::pass);
+  EXPECT_EQ(d.verdict_distance, ToleranceVerdict::fail);
+  EXPECT_TRUE(test::warns(accuracy, "shifted from the design"));
+}
+
+}  // namespace
+}  // namespace plumbline::evaluate

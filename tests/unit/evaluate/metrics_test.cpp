@@ -1,0 +1,109 @@
+// metrics.json and metrics.csv: valid after the schema, complete, and harmless with odd ids and unknown numbers.
+#include "evaluate/metrics.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <valijson/adapters/nlohmann_json_adapter.hpp>
+#include <valijson/schema.hpp>
+#include <valijson/schema_parser.hpp>
+#include <valijson/validator.hpp>
+
+#include "small_building.hpp"
+#include "test_support.hpp"
+
+namespace plumbline::evaluate {
+namespace {
+
+using nlohmann::json;
+using test::mm;
+
+std::string schema_errors(const json& document) {
+  const json text =
+      json::parse(plumbline::test::read_file(std::string(PLUMBLINE_SOURCE_DIR) + "/schemas/metrics.schema.json"));
+  valijson::Schema schema;
+  valijson::SchemaParser().populateSchema(valijson::adapters::NlohmannJsonAdapter(text), schema);
+  valijson::ValidationResults results;
+  valijson::Validator().validate(schema, valijson::adapters::NlohmannJsonAdapter(document), &results);
+  std::string errors;
+  valijson::ValidationResults::Error error;
+  while (results.popError(error)) {
+    for (const std::string& part : error.context) errors += part;
+    errors += ": " + error.description + "\n";
+  }
+  return errors;
+}
+
+Inputs everything() {
+  Inputs inputs = test::small_building();
+  test::add_anchor(inputs, "K, \"left\"", 1, 3, AnchorUse::control, {0, 0, 1 * mm});
+  test::set_sigmas(inputs, 0.3 * mm, 0.4 * mm);
+  inputs.truth = inputs.survey, inputs.design = inputs.survey;
+  inputs.anchors.push_back({"missing", 2, 3, 1, AnchorUse::check});
+  return inputs;
+}
+
+TEST(MetricsJson, IsValidAfterItsSchema) {
+  Options options;
+  options.drift_on_control = true;
+  EXPECT_EQ(schema_errors(json::parse(metrics_json(evaluate_accuracy(everything(), options)))), "");
+  EXPECT_EQ(schema_errors(json::parse(metrics_json(evaluate_accuracy(test::small_building(), {})))), "");
+  Inputs bare = test::small_building(AnchorUse::control);
+  bare.model.covariance.resize(0, 0);
+  bare.model.positions[0].z() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(schema_errors(json::parse(metrics_json(evaluate_accuracy(bare, {})))), "");
+}
+
+TEST(MetricsJson, SchemaRefusesWhatItShould) {
+  json document = json::parse(metrics_json(evaluate_accuracy(everything(), {})));
+  document["comparisons"][0]["rmse_z"] = "2 mm";
+  EXPECT_NE(schema_errors(document), "");
+  document = json::parse(metrics_json(evaluate_accuracy(everything(), {})));
+  document["anchors"][0].erase("use");
+  EXPECT_NE(schema_errors(document), "");
+  document = json::parse(metrics_json(evaluate_accuracy(everything(), {})));
+  document["surprise"] = 1;
+  EXPECT_NE(schema_errors(document), "");
+}
+
+TEST(MetricsJson, HoldsTheNumbersInMetresAndNullForUnknown) {
+  const json document = json::parse(metrics_json(evaluate_accuracy(everything(), {})));
+  EXPECT_EQ(document["verdict"]["overall"], "undecided");
+  EXPECT_EQ(document["verdict"]["not_measured"], 1);
+  EXPECT_NEAR(document["comparisons"][0]["floors"][2]["drift"].get<double>(), 4 * mm, 1e-12);
+  EXPECT_TRUE(document["comparisons"][1]["floors"][0]["drift"].is_null());
+  EXPECT_EQ(document["anchors"][7]["verdict"], "not_measured");
+  EXPECT_TRUE(document["anchors"][7]["survey"].is_null());
+}
+
+TEST(MetricsJson, OverallVerdict) {
+  Inputs inputs = test::small_building();
+  EXPECT_EQ(overall_verdict(evaluate_accuracy(inputs, {})), "pass");  // 4 mm, u 0.5 mm: 4.82 mm
+  Options close;
+  close.tau = 0.0045;
+  EXPECT_EQ(overall_verdict(evaluate_accuracy(inputs, close)), "undecided");
+  Options narrow;
+  narrow.tau = 0.002;
+  EXPECT_EQ(overall_verdict(evaluate_accuracy(inputs, narrow)), "fail");
+  EXPECT_EQ(overall_verdict(evaluate_accuracy(test::small_building(AnchorUse::control), {})), "no_evidence");
+}
+
+TEST(MetricsCsv, HasOneRowAnAnchorInMillimetres) {
+  const std::string csv = metrics_csv(evaluate_accuracy(everything(), {}));
+  std::vector<std::string> lines;
+  std::istringstream stream(csv);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  ASSERT_EQ(lines.size(), 9u);
+  EXPECT_EQ(lines[0].substr(0, 45), "anchor,floor,column,row,use,x_m,y_m,z_m,surve");
+  EXPECT_EQ(lines[5].substr(0, 90),
+            "F3C1,3,1,1,check,2.000000,0.000000,0.004000,0.0000,0.0000,4.0000,0.5000,4.0000,pass,0.9772");
+  EXPECT_EQ(lines[7].substr(0, 13), "\"K, \"\"left\"\"\"");
+  EXPECT_EQ(lines[8].substr(lines[8].size() - 14), "no model point");
+  const auto commas = std::count(lines[0].begin(), lines[0].end(), ',');
+  EXPECT_EQ(std::count(lines[5].begin(), lines[5].end(), ','), commas);
+  EXPECT_EQ(std::count(lines[8].begin(), lines[8].end(), ','), commas);
+}
+
+}  // namespace
+}  // namespace plumbline::evaluate
