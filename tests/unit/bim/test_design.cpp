@@ -1,0 +1,281 @@
+// The design read from a building that can be worked out by hand, its variants, and damage.
+#include <algorithm>
+#include <cmath>
+
+#include "design.hpp"
+#include "small_building.hpp"
+#include "test_support.hpp"
+
+namespace plumbline::bim {
+namespace {
+
+using test::small_building;
+
+Design read(const std::string& bytes, const AnchorRule& rule = {}) {
+  return read_design(step::File(bytes, "t.ifc"), rule);
+}
+
+const Element& named(const Design& design, const std::string& name) {
+  for (const Element& element : design.elements)
+    if (element.name == name) return element;
+  throw std::runtime_error("no element " + name);
+}
+
+std::string message_of(const std::string& bytes, const AnchorRule& rule = {}) {
+  try {
+    read(bytes, rule);
+  } catch (const step::Error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+void expect_point(const Eigen::Vector3d& found, double x, double y, double z) {
+  EXPECT_NEAR((found - Eigen::Vector3d(x, y, z)).norm(), 0, 1e-9) << found.transpose();
+}
+
+class SmallBuilding : public testing::TestWithParam<const char*> {};
+
+TEST_P(SmallBuilding, IsReadAsWorkedOutByHand) {
+  const Design design = read(small_building(GetParam()));
+  EXPECT_EQ(design.project_guid, "0YvctVUKr0kugbFTf53O9L");
+  EXPECT_EQ(design.length_unit, 0.001);
+  ASSERT_EQ(design.storeys.size(), 2u);
+  EXPECT_EQ(design.storeys[0].name, "Level 1");  // by elevation, not by place in the file
+  EXPECT_EQ(design.storeys[1].elevation, 3.5);
+  EXPECT_NEAR(design.storeys[1].placement_height, 3.6, 1e-12);
+  ASSERT_EQ(design.elements.size(), 6u);
+  // The site turns x to y and y to −x, and moves by (10, 20, 0.1).
+  expect_point(named(design, "F1-C1").position, 10, 22, 0.6);
+  expect_point(named(design, "F2-C2").position, 10, 24, 4.1);
+  EXPECT_EQ(named(design, "F2-C2").ifc_class, "IfcMechanicalFastener");
+  EXPECT_EQ(named(design, "F2-C2").storey, "Level 2");
+  EXPECT_EQ(named(design, "F2-C2").storey_guid, "3YvctVUKr0kugbFTf53O9L");
+  EXPECT_EQ(named(design, "F2-C2").rule, ReferencePointRule::placement);
+  EXPECT_TRUE(named(design, "F2-C2").is_anchor);
+  // The plate's origin lies on its lower edge, hence within its box; the wall's lies 1.9 m from its only part.
+  EXPECT_EQ(named(design, "Panel 1").storey, "Level 2");
+  EXPECT_EQ(named(design, "Panel 1").parent_guid, named(design, "Facade").guid);
+  EXPECT_TRUE(named(design, "Panel 1").is_panel);
+  expect_point(named(design, "Panel 1").position, 10.1, 23, 3.6);
+  EXPECT_EQ(named(design, "Facade").rule, ReferencePointRule::parts_centre);
+  expect_point(named(design, "Facade").position, 10.1, 23, 4.1);
+  EXPECT_TRUE(design.warnings.empty()) << design.warnings[0];
+}
+
+INSTANTIATE_TEST_SUITE_P(Schemas, SmallBuilding, testing::Values("IFC2X3", "IFC4", "IFC4X3_ADD2"));
+
+/// An anchor #510 whose shape has the items #520 (and #521), with further instances.
+std::string with_anchor(const std::string& instances, const std::string& items = "#520") {
+  return small_building("IFC4", instances + "#508=IFCSHAPEREPRESENTATION(#22,'Body','Any',(" + items +
+                                    "));#509=IFCPRODUCTDEFINITIONSHAPE($,$,(#508));"
+                                    "#510=IFCDISCRETEACCESSORY('0cvctVUKr0kugbFTf53O9L',#5,'Odd',$,$,#35,#509,$,$);");
+}
+
+TEST(ReferencePoint, ComesFromTheShapeIfThePlacementIsElsewhere) {
+  // An extrusion of 100 mm along x whose profile is centred 5 m up: axis middle at (0.05, 0, 5) of a storey at (10, 20,
+  // 0.1).
+  const Design extrusion =
+      read(with_anchor("#520=IFCEXTRUDEDAREASOLID(#50,#521,#24,100.);#521=IFCAXIS2PLACEMENT3D(#522,#523,#25);#522="
+                       "IFCCARTESIANPOINT((0.,0.,5000.));"
+                       "#523=IFCDIRECTION((1.,0.,0.));"));
+  EXPECT_EQ(named(extrusion, "Odd").rule, ReferencePointRule::axis_middle);
+  expect_point(named(extrusion, "Odd").position, 10, 20.05, 5.1);
+  // A mesh says nothing of axes: the centre of its box, (1.5, 1, 2).
+  const Design mesh =
+      read(with_anchor("#520=IFCTRIANGULATEDFACESET(#521,$,.T.,((1,2,3)),$);#521=IFCCARTESIANPOINTLIST3D(((1000.,0.,"
+                       "1000.),(2000.,2000.,1000.),(2000.,0.,3000.)));"));
+  EXPECT_EQ(named(mesh, "Odd").rule, ReferencePointRule::bounding_box_centre);
+  expect_point(named(mesh, "Odd").position, 9, 21.5, 2.1);
+  // Up to 5 mm beyond the shape the placement still counts.
+  const auto offset = [](const char* z) {
+    return named(read(with_anchor("#520=IFCEXTRUDEDAREASOLID(#50,#521,#24,100.);#521=IFCAXIS2PLACEMENT3D(#522,$,$);"
+                                  "#522=IFCCARTESIANPOINT((0.,0.," +
+                                  std::string(z) + "));")),
+                 "Odd")
+        .rule;
+  };
+  EXPECT_EQ(offset("4.9"), ReferencePointRule::placement);
+  EXPECT_EQ(offset("5.1"), ReferencePointRule::axis_middle);
+}
+
+TEST(ReferencePoint, MappedItemsCarryTheirOperator) {
+  // Shown twice as large, turned by 90° about z, moved by (0, 0, 4000); the mapping origin takes 1000 off x first.
+  const Design design = read(with_anchor(
+      "#520=IFCMAPPEDITEM(#530,#531);#530=IFCREPRESENTATIONMAP(#532,#534);#532=IFCAXIS2PLACEMENT3D(#533,$,$);"
+      "#533=IFCCARTESIANPOINT((1000.,0.,0.));#534=IFCSHAPEREPRESENTATION(#22,'Body','CSG',(#535));#535=IFCSPHERE(#536,"
+      "100.);"
+      "#536=IFCAXIS2PLACEMENT3D(#537,$,$);#537=IFCCARTESIANPOINT((1500.,0.,0.));"
+      "#531=IFCCARTESIANTRANSFORMATIONOPERATOR3D(#25,$,#538,2.,$);#538=IFCCARTESIANPOINT((0.,0.,4000.));"));
+  // (500, 0, 0) · 2 turned = (0, 1000, 4000) in the storey = (−1, 0, 4) in the site's axes
+  expect_point(named(design, "Odd").position, 9, 20, 4.1);
+}
+
+TEST(ReferencePoint, ManyBoltsInOneFastenerAreTold) {
+  const Design design =
+      read(with_anchor("#520=IFCSPHERE(#522,10.);#521=IFCSPHERE(#523,10.);#522=IFCAXIS2PLACEMENT3D(#20,$,$);#523="
+                       "IFCAXIS2PLACEMENT3D(#524,$,$);"
+                       "#524=IFCCARTESIANPOINT((300.,0.,0.));",
+                       "#520,#521"));
+  ASSERT_EQ(named(design, "Odd").item_positions.size(), 2u);
+  expect_point(named(design, "Odd").item_positions[1], 10, 20.3, 0.1);
+}
+
+TEST(ReferencePoint, UnreadGeometryKeepsThePlacementAndWarns) {
+  const Design design = read(with_anchor("#520=IFCSECTIONEDSPINE($,$,$);"));
+  expect_point(named(design, "Odd").position, 10, 20, 0.1);
+  ASSERT_EQ(design.warnings.size(), 1u);
+  EXPECT_NE(design.warnings[0].find("IFCSECTIONEDSPINE"), std::string::npos);
+}
+
+TEST(ReferencePoint, CurvesReachAsFarAsTheyShould) {
+  const auto box = [](const std::string& curve) {
+    const Design design = read(
+        with_anchor("#520=IFCEXTRUDEDAREASOLID(#540,$,#24,1.);#540=IFCARBITRARYCLOSEDPROFILEDEF(.AREA.,$,#541);"
+                    "#550=IFCCIRCLE(#551,1000.);#551=IFCAXIS2PLACEMENT2D(#552,$);#552=IFCCARTESIANPOINT((0.,0.));" +
+                    curve));
+    const Element& e = named(design, "Odd");
+    return Eigen::Vector4d(e.box_low.x(), e.box_low.y(), e.box_high.x(), e.box_high.y());
+  };
+  const double s = std::sqrt(0.5);
+  EXPECT_NEAR((box("#541=IFCCIRCLE(#551,1000.);") - Eigen::Vector4d(-1, -1, 1, 1)).norm(), 0, 1e-9);
+  // from −45° to 45°, by angles in radians, and the other way round by points
+  EXPECT_NEAR((box("#541=IFCTRIMMEDCURVE(#550,(IFCPARAMETERVALUE(-0.785398163397448)),(IFCPARAMETERVALUE(0."
+                   "785398163397448)),.T.,.PARAMETER.);") -
+               Eigen::Vector4d(s, -s, 1, s))
+                  .norm(),
+              0, 1e-9);
+  EXPECT_NEAR((box("#541=IFCTRIMMEDCURVE(#550,(#560),(#561),.F.,.CARTESIAN.);#560=IFCCARTESIANPOINT((0.,1000.));#561="
+                   "IFCCARTESIANPOINT((0.,-1000.));") -
+               Eigen::Vector4d(0, -1, 1, 1))
+                  .norm(),
+              0, 1e-9);
+  EXPECT_NEAR((box("#541=IFCINDEXEDPOLYCURVE(#560,(IFCARCINDEX((1,2,3)),IFCLINEINDEX((3,1))),.F.);"
+                   "#560=IFCCARTESIANPOINTLIST2D(((0.,-1000.),(1000.,0.),(0.,1000.)));") -
+               Eigen::Vector4d(0, -1, 1, 1))
+                  .norm(),
+              0, 1e-9);
+}
+
+TEST(Placement, GridIntersectionsWithOffsets) {
+  const Design design = read(
+      small_building("IFC4",
+                     "#500=IFCGRID('0dvctVUKr0kugbFTf53O9L',#5,'G',$,$,#28,$,(#501),(#502),$,$);#501=IFCGRIDAXIS('A',#"
+                     "503,.T.);#502=IFCGRIDAXIS('1',#504,.T.);"
+                     "#503=IFCPOLYLINE((#505,#506));#504=IFCPOLYLINE((#507,#508));#505=IFCCARTESIANPOINT((0.,2000.));#"
+                     "506=IFCCARTESIANPOINT((9000.,2000.));"
+                     "#507=IFCCARTESIANPOINT((4000.,0.));#508=IFCCARTESIANPOINT((4000.,9000.));#509="
+                     "IFCVIRTUALGRIDINTERSECTION((#501,#502),(100.,0.,50.));"
+                     "#510=IFCGRIDPLACEMENT(#509,$);#511=IFCCOLUMN('1dvctVUKr0kugbFTf53O9L',#5,'K',$,$,#510,$,$,$);"));
+  // (4, 2.1, 0.05) in the grid, whose placement is the site's
+  expect_point(named(design, "K").position, 10 - 2.1, 24, 0.15);
+}
+
+TEST(Units, FollowTheAssignment) {
+  const Design foot = read(small_building(
+      "IFC4", "#500=IFCSIUNIT(*,.LENGTHUNIT.,$,.METRE.);",
+      "#11=IFCCONVERSIONBASEDUNIT(#14,.LENGTHUNIT.,'FOOT',#17);#17=IFCMEASUREWITHUNIT(IFCRATIOMEASURE(0.3048),#500);"));
+  EXPECT_DOUBLE_EQ(foot.length_unit, 0.3048);
+  EXPECT_EQ(foot.length_unit_name, "FOOT");
+  EXPECT_NEAR(named(foot, "F1-C1").position.y(), 22000 * 0.3048, 1e-6);
+  EXPECT_NE(message_of(small_building("IFC4", "", "#11=IFCCONVERSIONBASEDUNIT(#14,.LENGTHUNIT.,'X',#15);"))
+                .find("leads to an SI unit"),
+            std::string::npos);
+}
+
+TEST(Anchors, AreFoundByClassPatternNameAndGuid) {
+  const auto anchors = [](const AnchorRule& rule) {
+    std::string found;
+    for (const Element& element : read(small_building("IFC4"), rule).elements)
+      found += element.is_anchor ? element.name + " " : "";
+    return found;
+  };
+  EXPECT_EQ(anchors({}), "F1-C1 F1-C2 F2-C1 F2-C2 ");
+  EXPECT_EQ(anchors({{}, "", {}, {}}), "");
+  EXPECT_EQ(anchors({{"IfcPlate"}, "", {}, {}}), "Panel 1 ");
+  EXPECT_EQ(anchors({{}, "^F[0-9]+-C2$", {}, {}}), "F1-C2 F2-C2 ");
+  EXPECT_EQ(anchors({{}, "", {"3avctVUKr0kugbFTf53O9L"}, {"F1-C1", "T110"}}), "F1-C1 F1-C2 Panel 1 ");
+  EXPECT_NE(message_of(small_building("IFC4"), {{}, "(", {}, {}}).find("no regular expression"), std::string::npos);
+}
+
+TEST(Georeference, IsHandedOnAndDoubtfulScalesAreNamed) {
+  const std::string crs = "#500=IFCPROJECTEDCRS('EPSG:25832',$,$,$,$,$,#501);#501=IFCSIUNIT(*,.LENGTHUNIT.,$,.METRE.);";
+  const Design good =
+      read(small_building("IFC4", crs + "#502=IFCMAPCONVERSION(#22,#500,691000.5,5335000.25,520.,0.,1.,0.001);"));
+  ASSERT_TRUE(good.map_conversion);
+  EXPECT_EQ(good.map_conversion->eastings, 691000.5);
+  EXPECT_EQ(good.map_conversion->crs_name, "EPSG:25832");
+  EXPECT_TRUE(good.warnings.empty());
+  const Design doubtful =
+      read(small_building("IFC4", crs + "#502=IFCMAPCONVERSION(#22,#500,691000.5,5335000.25,520.,$,$,1000.);"));
+  ASSERT_EQ(doubtful.warnings.size(), 1u);
+  EXPECT_NE(doubtful.warnings[0].find("scale 1000"), std::string::npos);
+  const Design old =
+      read(small_building("IFC2X3",
+                          "#500=IFCPROPERTYSET('0evctVUKr0kugbFTf53O9L',#5,'ePset_MapConversion',$,(#501,#502));"
+                          "#501=IFCPROPERTYSINGLEVALUE('Eastings',$,IFCLENGTHMEASURE(5.),$);#502="
+                          "IFCPROPERTYSINGLEVALUE('Scale',$,IFCREAL(0.001),$);"));
+  ASSERT_TRUE(old.map_conversion);
+  EXPECT_EQ(old.map_conversion->eastings, 5);
+}
+
+TEST(Damage, IsNamedAndNeverCrashes) {
+  const std::string whole = small_building("IFC4");
+  const auto changed = [&](const std::string& from, const std::string& to) {
+    std::string bytes = whole;
+    for (std::size_t at = 0; (at = bytes.find(from, at)) != std::string::npos; at += to.size())
+      bytes.replace(at, from.size(), to);
+    EXPECT_NE(bytes, whole) << from;
+    return message_of(bytes);
+  };
+  EXPECT_NE(changed("IFCBUILDINGSTOREY(", "IFCPOST(").find("found no IfcBuildingStorey"), std::string::npos);
+  EXPECT_NE(changed("IFCPROJECT(", "IFCPOST(").find("found no IfcProject"), std::string::npos);
+  EXPECT_NE(changed("#28=IFCLOCALPLACEMENT($,", "#28=IFCLOCALPLACEMENT(#35,").find("is a cycle"), std::string::npos);
+  EXPECT_NE(changed("#28=IFCLOCALPLACEMENT($,#27", "#28=IFCLOCALPLACEMENT($,#9999")
+                .find("refers to #9999, which is not in the file"),
+            std::string::npos);
+  EXPECT_NE(changed("((0.,1.,0.))", "((0.,0.,0.))").find("a direction with a length"), std::string::npos);
+  EXPECT_NE(changed("'Level 1',$,$,#35", "'Level 1',$,$,5.")
+                .find("t.ifc:36:1: #37 IFCBUILDINGSTOREY: found a real as ObjectPlacement, expected a reference"),
+            std::string::npos)
+      << changed("'Level 1',$,$,#35", "'Level 1',$,$,5.");
+  EXPECT_NE(changed("('IFC4')", "('AP214')").find("expected IFC2X3, IFC4 or IFC4X3"), std::string::npos);
+}
+
+TEST(Damage, EveryChangedByteIsReadOrNamed) {
+  // Not random: each byte in turn becomes a character that means something.
+  const std::string whole = small_building("IFC4");
+  int accepted = 0, refused = 0;
+  for (std::size_t at = whole.find("DATA;"); at < whole.size(); ++at) {
+    std::string damaged = whole;
+    damaged[at] = "$#(9'.,"[at % 7];
+    (message_of(damaged) == "no error" ? accepted : refused)++;
+  }
+  EXPECT_GT(accepted, 100);
+  EXPECT_GT(refused, 100);
+}
+
+TEST(RealDesigns, HaveTheStoreysAndElementsThatTheirFilesList) {
+  struct Expected {
+    const char* file;
+    std::size_t storeys, elements, off_placement;
+  };
+  for (const Expected& expected :
+       {Expected{"510--curtainWall.ifc", 1, 3, 1}, Expected{"Ifc4_SampleHouse.ifc", 2, 67, 20},
+        Expected{"TallBuilding.ifc", 5, 82, 0}, Expected{"tested_sample_project_2x3.ifc", 2, 104, 1}}) {
+    PLUMBLINE_REQUIRE_DATA(std::string("ifc/") + expected.file);
+    const Design design =
+        read_design(step::File::read(test::data_file(std::string("ifc/") + expected.file).string()), {});
+    EXPECT_EQ(design.storeys.size(), expected.storeys) << expected.file;
+    EXPECT_EQ(design.elements.size(), expected.elements) << expected.file;
+    const auto off = std::count_if(design.elements.begin(), design.elements.end(),
+                                   [](const Element& e) { return e.rule != ReferencePointRule::placement; });
+    EXPECT_EQ(static_cast<std::size_t>(off), expected.off_placement) << expected.file;
+    for (const Element& element : design.elements)
+      EXPECT_FALSE(element.storey.empty()) << expected.file << " " << element.guid;
+    EXPECT_TRUE(design.warnings.empty()) << expected.file << ": " << design.warnings[0];
+  }
+}
+
+}  // namespace
+}  // namespace plumbline::bim
