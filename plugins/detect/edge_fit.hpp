@@ -1,0 +1,50 @@
+// Fits the position of one straight (or slightly bowed) step edge to the grey values themselves.
+//
+// The model is a step between two plateaus, blurred by a Gaussian and integrated over the pixel:
+//   grey(t, d) = low(t) + (high(t) - low(t)) · E((d - a - b t - c t²) / s),
+// t in [-1, 1] along the edge, d [px] across it, E the Gaussian edge averaged over the pixel's box, plateaus linear in
+// t. All pixels of a strip take part, none is interpolated, so the residuals are the camera's noise and the covariance
+// is that of a maximum-likelihood fit. The blur is symmetric, so the position has no bias to first order whatever the
+// blur is.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+namespace plumbline {
+struct GreyImage;
+}
+
+namespace plumbline::detect {
+
+/// Where the edge is expected and how far the plateaus reach.
+struct EdgeStrip {
+  Eigen::Vector2d start, end;  ///< of the edge [px]
+  double margin = 0;           ///< pixels left out at either end, where the neighbouring edges' blur reaches [px]
+  double reach = 0;            ///< half width of the strip: what is known to hold nothing but the two plateaus [px]
+};
+
+struct EdgeFitOptions {
+  /// Standard deviation of the image edge's curvature, a prior of mean zero [1/px]; 0 forces a straight line. A lens
+  /// with radial distortion k1 bows edges by 2 k1 r / f²: 3e-5 for k1 = -0.1, r = 3000 px, f = 4500 px. Small tags are
+  /// held straight by it, large ones that show their bow are free.
+  double curvature_sigma = 2e-5;
+  /// Grey values a plateau must differ by, at least [grey values].
+  double min_contrast = 12;
+};
+
+/// A fitted edge: points centre + h t along + (a + b t + c t²) across.
+struct FittedEdge {
+  Eigen::Vector2d centre, along, across;  ///< [px], unit vectors
+  double half_length = 0;                 ///< h [px]
+  Eigen::Vector3d shape;                  ///< a, b, c [px]
+  Eigen::Matrix3d covariance;             ///< of a, b, c [px²]
+  double blur = 0;                        ///< s, standard deviation of the Gaussian [px]
+  double contrast = 0;                    ///< difference of the plateaus at the middle [grey values]
+  double noise = 0;                       ///< standard deviation of the residuals [grey values]
+};
+
+/// Nothing if the strip leaves the image, is too short, has too little contrast or the fit does not converge near it.
+std::optional<FittedEdge> fit_edge(const GreyImage& image, const EdgeStrip& strip, const EdgeFitOptions& options);
+
+}  // namespace plumbline::detect

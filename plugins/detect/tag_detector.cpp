@@ -1,0 +1,116 @@
+#include "detect/tag_detector.hpp"
+
+#include <apriltag/apriltag.h>
+#include <apriltag/common/zarray.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <tuple>
+
+#include "detect/corner_refinement.hpp"
+#include "detect/tag_family.hpp"
+#include "formats/grey_image.hpp"
+
+namespace plumbline::detect {
+namespace {
+
+void check(const DetectorOptions& o) {
+  const auto refuse = [](const std::string& what) { throw std::runtime_error("AprilTag detector: " + what); };
+  if (o.families.empty()) refuse("no tag family is given; name at least one, such as tag36h11");
+  const bool whole = o.decimate == std::floor(o.decimate);
+  if (o.decimate != 0 && o.decimate != 1.5 && !(whole && o.decimate >= 1 && o.decimate <= 16))
+    refuse("decimate is " + std::to_string(o.decimate) + "; possible are 0 (automatic), 1, 1.5, 2, 3, ... 16");
+  if (o.bits_corrected < 0 || o.bits_corrected > 2)
+    refuse("bits_corrected is " + std::to_string(o.bits_corrected) +
+           "; possible are 0, 1 and 2 (3 would take gigabytes)");
+  if (!(o.sigma_floor >= 0 && o.apriltag_sigma > 0)) refuse("sigma_floor and apriltag_sigma must be positive [px]");
+}
+
+/// Detections that libapriltag allocated, freed whatever happens.
+using Detections = std::unique_ptr<zarray_t, void (*)(zarray_t*)>;
+
+DetectedTag plain_tag(const apriltag_detection_t& found, double sigma) {
+  DetectedTag tag;
+  tag.family = found.family->name;
+  tag.id = found.id;
+  tag.hamming = found.hamming;
+  tag.decision_margin = static_cast<double>(found.decision_margin);
+  for (int i = 0; i < 4; ++i) {
+    // libapriltag has the centre of the first pixel at (0.5, 0.5).
+    tag.corners[i] = {found.p[i][0] - 0.5, found.p[i][1] - 0.5};
+    tag.covariances[i] = Eigen::Matrix2d::Identity() * sigma * sigma;
+  }
+  return tag;
+}
+
+}  // namespace
+
+double decimation_for(int width, int height) {
+  const double megapixels = 1e-6 * width * height;
+  for (const double factor : {1.0, 1.5, 2.0, 3.0})
+    if (megapixels <= 8 * factor * factor) return factor;
+  return std::ceil(std::sqrt(megapixels / 8));
+}
+
+struct TagDetector::Impl {
+  DetectorOptions options;
+  std::vector<TagFamily> families;  // before the detector: its destruction frees their tables
+  std::unique_ptr<apriltag_detector_t, void (*)(apriltag_detector_t*)> detector{apriltag_detector_create(),
+                                                                                apriltag_detector_destroy};
+
+  explicit Impl(const DetectorOptions& o) : options(o) {
+    check(options);
+    for (const std::string& name : options.families) {
+      families.push_back(make_tag_family(name));
+      apriltag_family_t* family = families.back().get();
+      apriltag_detector_add_family_bits(detector.get(), family,
+                                        affordable_bits_corrected(*family, options.bits_corrected));
+    }
+    detector->nthreads = 1;  // images are the unit of parallel work
+    detector->refine_edges = true;
+  }
+};
+
+TagDetector::TagDetector(const DetectorOptions& options) : impl_(std::make_unique<Impl>(options)) {}
+TagDetector::~TagDetector() = default;
+TagDetector::TagDetector(TagDetector&&) noexcept = default;
+TagDetector& TagDetector::operator=(TagDetector&&) noexcept = default;
+
+std::vector<DetectedTag> TagDetector::detect(const GreyImage& image) {
+  const DetectorOptions& options = impl_->options;
+  std::vector<DetectedTag> tags;
+  if (image.width < 16 || image.height < 16) return tags;  // libapriltag's tiles do not fit
+  impl_->detector->quad_decimate =
+      static_cast<float>(options.decimate > 0 ? options.decimate : decimation_for(image.width, image.height));
+  // libapriltag takes a pointer to non-const, but does not write to the image without quad_sigma.
+  image_u8_t view{image.width, image.height, image.width, const_cast<std::uint8_t*>(image.pixels.data())};
+  const Detections found(apriltag_detector_detect(impl_->detector.get(), &view), apriltag_detections_destroy);
+
+  for (int k = 0; k < zarray_size(found.get()); ++k) {
+    apriltag_detection_t* detection = nullptr;
+    zarray_get(found.get(), k, &detection);
+    if (detection->hamming > options.max_hamming ||
+        static_cast<double>(detection->decision_margin) < options.min_decision_margin)
+      continue;
+    DetectedTag tag = plain_tag(*detection, options.apriltag_sigma);
+    if (options.refinement == Refinement::edges)
+      if (const auto refined = refine_corners(image, tag.corners, detection->family->width_at_border, options.edge)) {
+        tag.corners = refined->corners;
+        for (int i = 0; i < 4; ++i)
+          tag.covariances[i] =
+              refined->covariances[i] + Eigen::Matrix2d::Identity() * options.sigma_floor * options.sigma_floor;
+        tag.refined = true;
+      }
+    tags.push_back(std::move(tag));
+  }
+  std::sort(tags.begin(), tags.end(), [](const DetectedTag& a, const DetectedTag& b) {
+    const auto key = [](const DetectedTag& t) {
+      return std::make_tuple(t.family, t.id, t.corners[0].x(), t.corners[0].y());
+    };
+    return key(a) < key(b);
+  });
+  return tags;
+}
+
+}  // namespace plumbline::detect

@@ -1,0 +1,207 @@
+// Corners of rendered tags whose true corners are known: bias, spread, and whether the stated covariance is honest.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <cmath>
+
+#include "detect/corner_refinement.hpp"
+#include "detect/tag_detector.hpp"
+#include "detect/tag_family.hpp"
+#include "tag_rendering.hpp"
+
+namespace plumbline {
+namespace {
+
+using detect::DetectorOptions;
+using detect::TagDetector;
+using test::TagScene;
+
+constexpr double kTurn = 2 * M_PI;
+
+TagScene scene_of(double size, double angle, double tilt, int k) {
+  TagScene scene;
+  scene.width = scene.height = static_cast<int>(2 * size) + 20;
+  test::NormalNoise random(static_cast<std::uint64_t>(1000 + k));
+  const double middle = 0.5 * scene.width;
+  scene.corners = test::square_corners({middle + random.uniform(), middle + random.uniform()}, size, angle, tilt);
+  scene.noise = 2;
+  scene.seed = static_cast<std::uint64_t>(k) + 1;
+  return scene;
+}
+
+struct Figures {
+  double rms = 0;          // [px], per axis
+  double outward = 0;      // mean error away from the tag's centre [px]
+  double mahalanobis = 0;  // mean of eᵀ Σ⁻¹ e / 2: 1 if the covariance is honest
+  int corners = 0;
+};
+
+Figures measure(TagDetector& detector, const std::vector<TagScene>& scenes) {
+  Figures f;
+  for (const TagScene& scene : scenes) {
+    const auto tags = detector.detect(render(scene));
+    if (tags.size() != 1 || !tags[0].refined) continue;
+    const auto truth = test::true_corners(scene);
+    const Eigen::Vector2d centre = 0.25 * (truth[0] + truth[1] + truth[2] + truth[3]);
+    for (int i = 0; i < 4; ++i) {
+      const Eigen::Vector2d e = tags[0].corners[i] - truth[i];
+      f.rms += e.squaredNorm() / 2;
+      f.outward += e.dot((truth[i] - centre).normalized());
+      f.mahalanobis += e.dot(tags[0].covariances[i].inverse() * e) / 2;
+      ++f.corners;
+    }
+  }
+  f.rms = std::sqrt(f.rms / f.corners);
+  f.outward /= f.corners;
+  f.mahalanobis /= f.corners;
+  return f;
+}
+
+TEST(Corners, AreMeasuredToFiveHundredthsOfAPixelWithoutBias) {
+  TagDetector detector{DetectorOptions{}};
+  std::vector<TagScene> scenes;
+  for (int k = 0; k < 10; ++k) scenes.push_back(scene_of(80, kTurn * k / 10 + 0.1, k % 2 ? 0.8 : 0.0, k));
+  const Figures f = measure(detector, scenes);
+  EXPECT_EQ(f.corners, 40);
+  EXPECT_LT(f.rms, 0.05);
+  EXPECT_LT(std::abs(f.outward), 0.01);
+}
+
+TEST(Corners, CarryACovarianceThatCoversTheirErrors) {
+  DetectorOptions options;
+  options.sigma_floor = 0;
+  TagDetector detector{options};
+  std::vector<TagScene> scenes;
+  for (int k = 0; k < 12; ++k) {
+    scenes.push_back(scene_of(70, 0.3 + 0.5 * k, 0.3, k));
+    scenes.back().noise = 5;
+  }
+  const Figures f = measure(detector, scenes);
+  EXPECT_EQ(f.corners, 48);
+  // 96 components: a chi-squared over its degrees of freedom lies in [0.74, 1.29] at 95 %, and neighbours are
+  // correlated.
+  EXPECT_GT(f.mahalanobis, 0.6);
+  EXPECT_LT(f.mahalanobis, 1.6);
+}
+
+TEST(Corners, OfAnUnblurredTagOnThePixelGridAreExact) {
+  TagScene scene = scene_of(80, 0, 0, 0);
+  scene.noise = scene.blur = 0;
+  scene.corners = test::square_corners({89.5, 89.5}, 80, 0);  // edges at 49.5 and 129.5: between two columns
+  TagDetector detector{DetectorOptions{}};
+  const auto tags = detector.detect(render(scene));
+  ASSERT_EQ(tags.size(), 1u);
+  for (int i = 0; i < 4; ++i) EXPECT_LT((tags[0].corners[i] - scene.corners[i]).norm(), 1e-3) << i;
+}
+
+TEST(Corners, AreNotBiasedByEdgesThatALensBows) {
+  // 3e-5 / px: k1 = -0.1, 3000 px from the principal point, f = 4500 px; a straight line would be 0.09 px off at the
+  // corners.
+  TagScene scene = scene_of(180, 0.2, 0, 3);
+  scene.bow = 3e-5;
+  scene.noise = 1;
+  DetectorOptions options;
+  const double with_bow = measure(*std::make_unique<TagDetector>(options), {scene}).rms;
+  options.edge.curvature_sigma = 0;
+  const double straight = measure(*std::make_unique<TagDetector>(options), {scene}).rms;
+  EXPECT_LT(with_bow, 0.03);
+  EXPECT_GT(straight, 0.04);
+}
+
+TEST(Corners, IgnoreAnObstacleAcrossAnEdge) {
+  TagScene scene = scene_of(120, 0.05, 0, 5);
+  GreyImage image = render(scene);
+  const Eigen::Vector2d middle = 0.5 * (scene.corners[0] + scene.corners[1]);  // a rod of 12 px over the bottom edge
+  for (int y = static_cast<int>(middle.y()) - 5; y < scene.height; ++y)
+    for (int x = static_cast<int>(middle.x()) - 6; x < static_cast<int>(middle.x()) + 6; ++x)
+      image.pixels[static_cast<std::size_t>(y) * image.width + x] = 120;
+  const auto refined = detect::refine_corners(image, scene.corners, 8, {});
+  ASSERT_TRUE(refined);
+  for (int i = 0; i < 4; ++i) EXPECT_LT((refined->corners[i] - scene.corners[i]).norm(), 0.06) << i;
+}
+
+TEST(Corners, OfAFlatOrCutOffPatchAreNotInvented) {
+  GreyImage flat{100, 100, std::vector<std::uint8_t>(10000, 128)};
+  EXPECT_FALSE(detect::refine_corners(flat, test::square_corners({50, 50}, 40, 0), 8, {}));
+  const TagScene scene = scene_of(80, 0, 0, 1);
+  auto outside = scene.corners;
+  for (auto& c : outside) c.x() += 60;
+  EXPECT_FALSE(detect::refine_corners(render(scene), outside, 8, {}));
+}
+
+TEST(Corners, ComeInTheOrderBottomLeftBottomRightTopRightTopLeftForEveryFamily) {
+  for (const std::string& family : detect::tag_family_names()) {
+    TagScene scene = scene_of(80, 0.1, 0, 2);
+    scene.family = family;
+    scene.id = 3;
+    scene.width = scene.height = 220;
+    scene.corners = test::square_corners({110.2, 109.6}, 80, 0.1);
+    DetectorOptions options;
+    options.families = {family};
+    options.bits_corrected = 1;
+    const auto tags = TagDetector{options}.detect(render(scene));
+    ASSERT_EQ(tags.size(), 1u) << family;
+    EXPECT_EQ(tags[0].family, family);
+    EXPECT_EQ(tags[0].id, 3);
+    EXPECT_TRUE(tags[0].refined) << family;
+    for (int i = 0; i < 4; ++i)
+      EXPECT_LT((tags[0].corners[i] - scene.corners[i]).norm(), 0.06) << family << " corner " << i;
+  }
+}
+
+TEST(Detector, GivesTheSameBitsTwiceAndFromTwoDetectors) {
+  const GreyImage image = render(scene_of(60, 1, 0.5, 9));
+  TagDetector first{DetectorOptions{}}, second{DetectorOptions{}};
+  const auto a = first.detect(image), b = first.detect(image), c = second.detect(image);
+  ASSERT_EQ(a.size(), 1u);
+  ASSERT_EQ(b.size(), 1u);
+  ASSERT_EQ(c.size(), 1u);
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_EQ(a[0].corners[i], b[0].corners[i]);
+    EXPECT_EQ(a[0].corners[i], c[0].corners[i]);
+  }
+}
+
+TEST(Detector, FindsNothingInAnEmptyOrTinyImage) {
+  TagDetector detector{DetectorOptions{}};
+  EXPECT_TRUE(detector.detect(GreyImage{3, 3, std::vector<std::uint8_t>(9, 10)}).empty());
+  EXPECT_TRUE(detector.detect(GreyImage{300, 200, std::vector<std::uint8_t>(60000, 90)}).empty());
+}
+
+TEST(Detector, SaysWhichOptionCannotBe) {
+  const auto message_of = [](const DetectorOptions& options) -> std::string {
+    try {
+      TagDetector detector(options);
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  DetectorOptions options;
+  options.families = {"tag36h12"};
+  EXPECT_THAT(message_of(options), testing::AllOf(testing::HasSubstr("'tag36h12'"), testing::HasSubstr("tag36h11, ")));
+  options = {};
+  options.decimate = 2.5;
+  EXPECT_THAT(message_of(options), testing::HasSubstr("decimate is 2.5"));
+  options = {};
+  options.bits_corrected = 3;
+  EXPECT_THAT(message_of(options), testing::HasSubstr("bits_corrected is 3"));
+}
+
+TEST(Detector, KeepsTheDecodingTableSmall) {
+  const auto circle = detect::make_tag_family("tagCircle49h12");
+  EXPECT_EQ(detect::affordable_bits_corrected(*circle, 2), 1);
+  EXPECT_GT(detect::decoding_table_bytes(*circle, 2), 3e9);
+  EXPECT_EQ(detect::affordable_bits_corrected(*detect::make_tag_family("tag36h11"), 2), 2);
+}
+
+TEST(Detector, DecimatesByTheSizeOfTheImage) {
+  EXPECT_EQ(detect::decimation_for(800, 533), 1);
+  EXPECT_EQ(detect::decimation_for(4000, 3000), 1.5);
+  EXPECT_EQ(detect::decimation_for(6000, 4000), 2);
+  EXPECT_EQ(detect::decimation_for(11656, 8742), 4);
+}
+
+}  // namespace
+}  // namespace plumbline
