@@ -1,0 +1,117 @@
+// The nodes around the detector, on files.
+#include <gmock/gmock.h>
+#include <png.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "artifacts/image.hpp"
+#include "artifacts/image_tags.hpp"
+#include "artifacts/tag_observations.hpp"
+#include "node_harness.hpp"
+#include "tag_rendering.hpp"
+
+namespace plumbline {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+void write_png(const fs::path& path, const GreyImage& grey) {
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  image.width = static_cast<png_uint_32>(grey.width), image.height = static_cast<png_uint_32>(grey.height);
+  image.format = PNG_FORMAT_GRAY;
+  ASSERT_TRUE(png_image_write_to_file(&image, path.c_str(), 0, grey.pixels.data(), 0, nullptr));
+}
+
+test::TagScene scene() {
+  test::TagScene scene;
+  scene.corners = test::square_corners({100.3, 99.1}, 80, 0.4);
+  scene.noise = 1;
+  return scene;
+}
+
+std::string failure_of(test::NodeHarness& node) {
+  try {
+    node.run();
+  } catch (const test::NodeFailed& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(DetectNodes, GoFromAFolderOfImagesToCollectedObservations) {
+  const test::TemporaryFolder folder;
+  fs::create_directories(folder.path() / "floor 1");
+  write_png(folder.path() / "floor 1" / "b.png", render(scene()));
+  write_png(folder.path() / "a.PNG", render(scene()));
+  std::ofstream(folder.path() / "notes.txt") << "not an image";
+
+  test::NodeHarness read("read.images");
+  read.set("folder", folder.path().string());
+  read.set("camera", "left");
+  read.run();
+  ASSERT_EQ(read.output_count("images"), 2u);
+
+  test::NodeHarness collect("detect.collect");
+  for (size_t i = 0; i < 2; ++i) {
+    const ImageT image = read.output<Image>("images", i);
+    EXPECT_EQ(image.width, 200);
+    EXPECT_EQ(image.sha256.size(), 64u);
+    test::NodeHarness detect("detect.apriltag");
+    detect.input<Image>("images", image);
+    detect.run();
+    collect.input<ImageTags>("observations", detect.output<ImageTags>("observations"));
+  }
+  collect.run();
+  const auto all = collect.output<TagObservations>("observations");
+  ASSERT_EQ(all.images.size(), 2u);
+  EXPECT_EQ(all.images[0]->path, "a.PNG");
+  EXPECT_EQ(all.images[1]->path, "floor 1/b.png");
+  EXPECT_EQ(all.images[1]->camera, "left");
+  ASSERT_EQ(all.images[1]->tags.size(), 1u);
+  const TagT& tag = *all.images[1]->tags[0];
+  EXPECT_EQ(tag.id, 7);
+  ASSERT_EQ(tag.corners.size(), 4u);
+  for (size_t i = 0; i < 4; ++i) EXPECT_LT((tag.corners[i] - scene().corners[i]).norm(), 0.05);
+  ASSERT_EQ(tag.corner_covariances.size(), 12u);
+  for (size_t i = 0; i < 4; ++i) EXPECT_LT(tag.corner_covariances[3 * i], 0.05 * 0.05);
+}
+
+TEST(DetectNodes, NameADamagedImage) {
+  const test::TemporaryFolder folder;
+  write_png(folder.path() / "whole.png", render(scene()));
+  const std::string bytes = test::read_file(folder.path() / "whole.png");
+  std::ofstream(folder.path() / "cut.png", std::ios::binary) << bytes.substr(0, bytes.size() / 2);
+  test::NodeHarness detect("detect.apriltag");
+  ImageT image;
+  image.path = "cut.png";
+  image.uri = (folder.path() / "cut.png").string();
+  detect.input<Image>("images", image);
+  EXPECT_THAT(failure_of(detect), testing::AllOf(HasSubstr("cut.png"), HasSubstr("truncated PNG")));
+}
+
+TEST(DetectNodes, SayThatAFolderHoldsNoImage) {
+  const test::TemporaryFolder folder;
+  test::NodeHarness read("read.images");
+  read.set("folder", folder.path().string());
+  EXPECT_THAT(failure_of(read), HasSubstr("no image in " + folder.path().string()));
+}
+
+TEST(DetectNodes, WarnOfAnImageWithoutTags) {
+  const test::TemporaryFolder folder;
+  write_png(folder.path() / "grey.png", GreyImage{64, 64, std::vector<std::uint8_t>(4096, 77)});
+  test::NodeHarness detect("detect.apriltag");
+  ImageT image;
+  image.path = "grey.png";
+  image.uri = (folder.path() / "grey.png").string();
+  detect.input<Image>("images", image);
+  detect.run();
+  EXPECT_TRUE(detect.output<ImageTags>("observations").tags.empty());
+  ASSERT_EQ(detect.warnings().size(), 1u);
+  EXPECT_THAT(detect.warnings()[0], HasSubstr("grey.png"));
+}
+
+}  // namespace
+}  // namespace plumbline
