@@ -1,6 +1,8 @@
 #include "adjustment/solver.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 namespace plumbline::adjustment {
@@ -41,12 +43,14 @@ void restore(Problem& problem, const std::vector<std::vector<double>>& values) {
 }
 
 /// Takes the step if the sum of squares does not rise; else leaves everything as it was.
-bool try_step(Problem& problem, Solution& s, const Step& step) {
+bool try_step(Problem& problem, Solution& s, const Step& step, double& rise) {
   const auto before = values_of(problem);
   const double sum_before = s.linearisation.sum_of_squares;
   const Eigen::VectorXd residuals_before = s.linearisation.residuals;
   apply_step(problem, s.unknowns, step.step);
-  if (linearise(problem, s.unknowns, false, s.linearisation) && s.linearisation.sum_of_squares <= sum_before) {
+  const bool defined = linearise(problem, s.unknowns, false, s.linearisation);
+  rise = defined ? s.linearisation.sum_of_squares - sum_before : std::numeric_limits<double>::infinity();
+  if (rise <= 0) {
     s.change += step.step;
     s.sums_of_squares.push_back(s.linearisation.sum_of_squares);
     return true;
@@ -79,12 +83,12 @@ bool iterate(Problem& problem, Solution& s, double& damping, const SolverOptions
       throw RankDefect("the system became singular during the iterations", Eigen::MatrixXd(s.unknowns.count(), 0));
     if (step) {
       s.last_step = step->length;
-      const bool taken = try_step(problem, s, *step);
-      // A predicted gain below the rounding of the sum itself can be neither confirmed nor refuted: each residual is
-      // known to about 1e-16 of the observation, not of the residual.
-      const double resolution = 1e-11 * std::max(1.0, s.linearisation.sum_of_squares);
-      s.converged = damping == 0 &&
-                    (step->length < options.step_tolerance || (!taken && step->length * step->length < resolution));
+      double rise = 0;
+      const bool taken = try_step(problem, s, *step, rise);
+      // Near the minimum the sum changes by less than its own rounding (each residual is known to about 1e-16 of the
+      // observation, not of the residual): such a rise neither confirms nor refutes the step, and ends the search.
+      const bool within_rounding = !taken && step->length < 1e-3 && rise < 1e-9 * std::max(1.0, s.sum_of_squares());
+      s.converged = damping == 0 && (step->length < options.step_tolerance || within_rounding);
       if (taken) {
         damping = damping <= kFirstDamping ? 0.0 : 0.1 * damping;
         return true;

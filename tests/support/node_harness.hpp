@@ -48,6 +48,14 @@ inline std::vector<std::string> kinds_of_role(const std::string& role) {
   return kinds;
 }
 
+/// Name of a kind as GoogleTest allows it in a parameter.
+inline std::string test_name(const testing::TestParamInfo<std::string>& kind) {
+  std::string name = kind.param;
+  for (char& c : name)
+    if (c == '.') c = '_';
+  return name;
+}
+
 class NodeHarness {
  public:
   explicit NodeHarness(const std::string& kind) {
@@ -137,7 +145,7 @@ class NodeHarness {
     };
     host.resolve = [](void* c, const char* uri) -> const char* { return self(c).texts_.insert(uri).first->c_str(); };
     host.make_folder = [](void* c, const char* port, const char** path, const char** uri) {
-      const auto folder = self(c).folder_.path() / port;
+      const auto folder = self(c).folder_->path() / port;
       std::filesystem::create_directories(folder);
       *path = *uri = self(c).texts_.insert(folder.string()).first->c_str();
       return 0;
@@ -183,7 +191,7 @@ class NodeHarness {
   std::set<std::string> texts_;  // keeps what the host hands out as const char*
   std::string error_;
   uint64_t seed_ = 1;
-  TemporaryFolder folder_;
+  std::unique_ptr<TemporaryFolder> folder_ = std::make_unique<TemporaryFolder>();
 };
 
 }  // namespace plumbline::test

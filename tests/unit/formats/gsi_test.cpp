@@ -2,37 +2,12 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <numbers>
-
-#include "test_support.hpp"
+#include "survey_test_support.hpp"
 
 namespace plumbline::survey {
 namespace {
 
-constexpr double kGon = std::numbers::pi / 200;
-constexpr double kDegree = std::numbers::pi / 180;
-
-std::string fixture(const std::string& name) {
-  return test::read_file(std::filesystem::path(PLUMBLINE_SOURCE_DIR) / "tests/unit/formats/fixtures" / name);
-}
-
-const Observation& observation(const SurveyObservations& survey, int pointing, ObservationKind kind) {
-  for (const Observation& o : survey.observations)
-    if (o.pointing == pointing && o.kind == kind) return o;
-  throw std::runtime_error("no such observation of pointing " + std::to_string(pointing));
-}
-
-double value(const SurveyObservations& survey, int pointing, ObservationKind kind) {
-  return observation(survey, pointing, kind).value;
-}
-
-const Point& point(const SurveyObservations& survey, const std::string& id) {
-  for (const Point& p : survey.points)
-    if (p.id == id) return p;
-  throw std::runtime_error("no point " + id);
-}
-
+using namespace test_help;
 using enum ObservationKind;
 
 TEST(Gsi, ReadsGsi8WithStationCoordinatesAndAllUnits) {
@@ -105,19 +80,14 @@ TEST(Gsi, DamageCostsTheWordNotTheFile) {
   EXPECT_EQ(survey.set_ups[0].station, "ST01") << "word 16";
   EXPECT_EQ(survey.set_ups[1].station, "ST02");
   EXPECT_EQ(survey.set_ups[2].station, "free-station-1") << "after an unreadable start, never the station before";
-  const auto skipped = [&](int line, int column, const std::string& expected) {
-    for (const SkippedLine& s : survey.skipped)
-      if (s.source.line == line && s.source.column == column) return s.expected.find(expected) != std::string::npos;
-    return false;
-  };
-  EXPECT_TRUE(skipped(2, 50, "16 digits")) << "text where digits belong";
-  EXPECT_TRUE(skipped(3, 74, "16 digits")) << "a number cut in half must not become another number";
-  EXPECT_TRUE(skipped(4, 26, "GSI word"));
-  EXPECT_TRUE(skipped(5, 1, "GSI word"));
-  EXPECT_TRUE(skipped(7, 26, "minutes and seconds below 60"));
-  EXPECT_TRUE(skipped(7, 74, "100 km"));
-  EXPECT_TRUE(skipped(8, 2, "code word"));
-  EXPECT_TRUE(skipped(10, 2, "the line seems cut"));
+  EXPECT_TRUE(skipped(survey, 2, 50, "16 digits")) << "text where digits belong";
+  EXPECT_TRUE(skipped(survey, 3, 74, "16 digits")) << "a number cut in half must not become another number";
+  EXPECT_TRUE(skipped(survey, 4, 26, "GSI word"));
+  EXPECT_TRUE(skipped(survey, 5, 1, "GSI word"));
+  EXPECT_TRUE(skipped(survey, 7, 26, "minutes and seconds below 60"));
+  EXPECT_TRUE(skipped(survey, 7, 74, "100 km"));
+  EXPECT_TRUE(skipped(survey, 8, 2, "code word"));
+  EXPECT_TRUE(skipped(survey, 10, 2, "the line seems cut"));
   EXPECT_EQ(survey.skipped.front().source.file, "cut.gsi");
   EXPECT_DOUBLE_EQ(value(survey, 0, slope_distance), 29.462) << "the good words of a damaged line are kept";
   EXPECT_THROW(value(survey, 1, slope_distance), std::runtime_error);
@@ -209,32 +179,6 @@ TEST(Gsi, ReadsSexagesimalAnglesWithoutAStation) {
   EXPECT_EQ(survey.warnings.size(), 1u) << "the station has no name";
 }
 
-// Everything of `survey` that GSI holds, compared to `tolerance` [rad, m].
-void expect_same(const SurveyObservations& a, const SurveyObservations& b, double tolerance) {
-  ASSERT_EQ(a.set_ups.size(), b.set_ups.size());
-  for (std::size_t i = 0; i < a.set_ups.size(); ++i) {
-    EXPECT_EQ(a.set_ups[i].station, b.set_ups[i].station);
-    EXPECT_NEAR(a.set_ups[i].instrument_height, b.set_ups[i].instrument_height, tolerance);
-  }
-  ASSERT_EQ(a.observations.size(), b.observations.size());
-  for (std::size_t i = 0; i < a.observations.size(); ++i) {
-    const Observation &x = a.observations[i], &y = b.observations[i];
-    EXPECT_EQ(x.kind, y.kind);
-    EXPECT_EQ(x.set_up, y.set_up);
-    EXPECT_EQ(x.pointing, y.pointing);
-    EXPECT_EQ(x.to, y.to);
-    EXPECT_EQ(x.face, y.face);
-    EXPECT_EQ(x.set_number, y.set_number);
-    EXPECT_NEAR(std::remainder(x.value - y.value, 2 * std::numbers::pi), 0, tolerance);
-    const auto height = [](const SurveyObservations& s, const Observation& o) {
-      return std::isnan(o.instrument_height) ? s.set_ups[static_cast<std::size_t>(o.set_up)].instrument_height
-                                             : o.instrument_height;
-    };
-    EXPECT_NEAR(height(a, x), height(b, y), tolerance);
-    EXPECT_NEAR(std::isnan(x.target_height) ? 0 : x.target_height, y.target_height, tolerance);
-  }
-}
-
 TEST(GsiWriter, RealNetworkReadsBackTheSame) {
   PLUMBLINE_REQUIRE_DATA("survey/gsi/network_22_setups.GSI");
   const auto survey = read_gsi(test::read_file(test::data_file("survey/gsi/network_22_setups.GSI")), "network.GSI");
@@ -242,55 +186,6 @@ TEST(GsiWriter, RealNetworkReadsBackTheSame) {
   const auto again = read_gsi(text, "again.gsi");
   expect_same(survey, again, 1e-12);
   EXPECT_EQ(write_gsi(again), text);
-}
-
-// Small generator of the tests; the standard distributions differ between libraries.
-struct Random {
-  unsigned long long state;
-  double uniform(double low, double high) {
-    state = state * 6364136223846793005ULL + 1442695040888963407ULL;
-    return low + (high - low) * static_cast<double>(state >> 11) / 9007199254740992.0;
-  }
-};
-
-SurveyObservations random_survey(unsigned long long seed) {
-  Random random{seed};
-  SurveyObservations survey;
-  const auto add_point = [&](const std::string& id) {
-    Point p;
-    p.id = id;
-    if (random.uniform(0, 1) < 0.5)
-      p.coordinates = {random.uniform(-5000, 5000), random.uniform(-5000, 5000), random.uniform(-10, 100)};
-    survey.points.push_back(p);
-  };
-  for (int s = 0; s < 3; ++s) {
-    SetUp set_up;
-    set_up.id = set_up.station = "S-" + std::to_string(s);
-    set_up.instrument_height = random.uniform(0, 2);
-    add_point(set_up.id);
-    survey.set_ups.push_back(set_up);
-  }
-  for (int p = 0; p < 8; ++p) add_point("TOR \xC3\x9C " + std::to_string(p));
-  for (int pointing = 0; pointing < 60; ++pointing) {
-    Observation o;
-    o.set_up = pointing / 20;
-    o.pointing = pointing;
-    o.from = survey.set_ups[static_cast<std::size_t>(o.set_up)].station;
-    o.to = survey.points[3 + static_cast<std::size_t>(random.uniform(0, 7.99))].id;
-    o.target_height = random.uniform(-1, 3);
-    if (pointing % 20 != 0 && random.uniform(0, 1) < 0.2) o.instrument_height = random.uniform(0, 2);
-    const double zenith = random.uniform(1e-4, 2 * std::numbers::pi - 1e-4);
-    o.face = zenith > std::numbers::pi ? 2 : 1;
-    const auto add = [&](ObservationKind kind, double v) {
-      o.kind = kind;
-      o.value = v;
-      survey.observations.push_back(o);
-    };
-    add(direction, random.uniform(0, 2 * std::numbers::pi));
-    add(zenith_angle, zenith);
-    if (random.uniform(0, 1) < 0.8) add(slope_distance, random.uniform(0.5, 3000));
-  }
-  return survey;
 }
 
 TEST(GsiWriter, AnySurveyReadsBackTheSame) {

@@ -1,0 +1,106 @@
+// What every adjuster must do: equations (4) and (5).
+#include "node_harness.hpp"
+#include "synthetic_facade.hpp"
+
+namespace {
+
+using namespace plumbline;
+using namespace plumbline::test;
+
+class Adjuster : public testing::TestWithParam<std::string> {
+ protected:
+  static NodeHarness prepared(const SyntheticFacade& facade, bool with_control = true) {
+    NodeHarness node(GetParam());
+    node.input<Camera>("camera", facade.camera_artifact());
+    node.input<Plates>("plates", facade.plates);
+    node.input<Poses>("poses", facade.poses);
+    for (const ImageTagsT& image : facade.images) node.input<ImageTags>("observations", image);
+    if (with_control) node.input<Points>("control", facade.control);
+    return node;
+  }
+  static PointsT adjusted(const SyntheticFacade& facade) {
+    NodeHarness node = prepared(facade);
+    node.run();
+    return node.output<Points>("points");
+  }
+  static const PointT& find(const PointsT& points, const std::string& id) {
+    for (const auto& point : points.points)
+      if (point->id == id) return *point;
+    throw std::runtime_error("no point " + id);
+  }
+};
+
+TEST_P(Adjuster, RecoversTheTruthWithoutNoise) {
+  SyntheticFacade facade = make_facade({.floors = 1, .survey_sigma = 0.0});
+  // Exact control still needs a standard deviation: 0.1 mm.
+  for (size_t i = 0; i < 3 * facade.control.points.size(); ++i)
+    for (size_t j = 0; j <= i; ++j) facade.control.covariance.push_back(i == j ? 1e-8 : 0.0);
+  for (auto& point : facade.control.points) point->sigma.setConstant(1e-4);
+  const PointsT points = adjusted(facade);
+  for (const auto& truth : facade.truth.points)
+    EXPECT_LT((find(points, truth->id).position - truth->position).norm(), 2e-6) << truth->id;
+}
+
+TEST_P(Adjuster, ItsCovarianceCoversItsErrors) {
+  // Normalised squared error of all coordinates: its mean over the trials must be near their number.
+  double sum = 0;
+  const int trials = 6;
+  size_t coordinates = 0;
+  for (int trial = 0; trial < trials; ++trial) {
+    const SyntheticFacade facade = make_facade(
+        {.floors = 1, .pixel_sigma = 0.1, .survey_sigma = 0.001, .seed = 100u + static_cast<uint64_t>(trial)});
+    const PointsT points = adjusted(facade);
+    coordinates = 3 * points.points.size();
+    ASSERT_EQ(points.covariance.size(), coordinates * (coordinates + 1) / 2);
+    Eigen::MatrixXd covariance(coordinates, coordinates);
+    Eigen::VectorXd error(coordinates);
+    for (size_t i = 0, k = 0; i < coordinates; ++i)
+      for (size_t j = 0; j <= i; ++j, ++k) covariance(i, j) = covariance(j, i) = points.covariance[k];
+    for (size_t i = 0; i < points.points.size(); ++i)
+      error.segment<3>(3 * i) = points.points[i]->position - find(facade.truth, points.points[i]->id).position;
+    sum += error.dot(covariance.ldlt().solve(error));
+  }
+  // chi-squared with trials * coordinates degrees of freedom, four standard deviations.
+  const double expected = static_cast<double>(trials) * static_cast<double>(coordinates);
+  EXPECT_NEAR(sum, expected, 4 * std::sqrt(2 * expected));
+}
+
+TEST_P(Adjuster, IsEquivariantUnderAChangeOfFrame) {
+  FacadeOptions options{.floors = 1, .pixel_sigma = 0.1, .survey_sigma = 0.001, .seed = 5};
+  const PointsT plain = adjusted(make_facade(options));
+  options.world_from_facade = {quaternion_from_rotation_vector({0, 0, 0.7}), {100, 200, 30}};
+  SyntheticFacade moved = make_facade(options);
+  for (size_t i = 0; i < moved.control.points.size(); ++i) {  // the same noise, moved along
+    const SyntheticFacade original = make_facade({.floors = 1, .pixel_sigma = 0.1, .survey_sigma = 0.001, .seed = 5});
+    moved.control.points[i]->position = options.world_from_facade * original.control.points[i]->position;
+  }
+  const PointsT turned = adjusted(moved);
+  for (const auto& point : plain.points)
+    EXPECT_LT((find(turned, point->id).position - options.world_from_facade * point->position).norm(), 1e-6);
+}
+
+TEST_P(Adjuster, GivesTheSameBitsTwice) {
+  const SyntheticFacade facade = make_facade({.floors = 1, .pixel_sigma = 0.1, .survey_sigma = 0.001});
+  NodeHarness a = prepared(facade), b = prepared(facade);
+  a.run();
+  b.run();
+  EXPECT_EQ(a.output_bytes("points"), b.output_bytes("points"));
+}
+
+TEST_P(Adjuster, NamesTheDefectOfASingleControlColumn) {
+  SyntheticFacade facade = make_facade({.floors = 2, .pixel_sigma = 0.1, .survey_sigma = 0.001});
+  for (auto& plate : facade.plates.plates)
+    if (plate->column != 2) plate->role = "check";
+  NodeHarness node = prepared(facade);
+  try {
+    node.run();
+    FAIL() << "control on one vertical line was accepted: the block can turn about it";
+  } catch (const NodeFailed& error) {
+    EXPECT_NE(std::string(error.what()).find("rotation about"), std::string::npos) << error.what();
+  }
+}
+
+GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(Adjuster);
+INSTANTIATE_TEST_SUITE_P(Role, Adjuster, testing::ValuesIn(kinds_of_role("adjuster")), test_name);
+
+}  // namespace

@@ -1,0 +1,72 @@
+// What every registrar must do: equations (6) and (8).
+#include "artifacts/transform.hpp"
+#include "node_harness.hpp"
+#include "synthetic_facade.hpp"
+
+namespace {
+
+using namespace plumbline;
+using namespace plumbline::test;
+
+class Registrar : public testing::TestWithParam<std::string> {
+ protected:
+  static PointsT moved(const PointsT& points, const RigidTransform& to_from) {
+    PointsT result;
+    for (const auto& point : points.points) {
+      result.points.push_back(std::make_unique<PointT>(*point));
+      result.points.back()->position = to_from * point->position;
+    }
+    return result;
+  }
+  static NodeHarness registered(const PointsT& source, const PointsT& target) {
+    NodeHarness node(GetParam());
+    node.input<Points>("source", source);
+    node.input<Points>("target", target);
+    node.run();
+    return node;
+  }
+  const SyntheticFacade facade_ = make_facade({.floors = 2});
+  const RigidTransform motion_{quaternion_from_rotation_vector({0.4, -0.2, 1.1}), {12.0, -7.0, 3.5}};
+};
+
+TEST_P(Registrar, RecoversTheTransformOfExactPoints) {
+  const NodeHarness node = registered(facade_.truth, moved(facade_.truth, motion_));
+  const TransformT found = node.output<Transform>("transform");
+  EXPECT_LT((found.to_from_from.translation - motion_.translation).norm(), 1e-8);
+  EXPECT_LT(found.to_from_from.rotation.angularDistance(motion_.rotation), 1e-9);
+  const PointsT points = node.output<Points>("points");
+  ASSERT_EQ(points.points.size(), facade_.truth.points.size());
+  for (size_t i = 0; i < points.points.size(); ++i)
+    EXPECT_LT((points.points[i]->position - motion_ * facade_.truth.points[i]->position).norm(), 1e-8);
+}
+
+TEST_P(Registrar, IsEquivariantUnderAMotionOfTheTarget) {
+  const SyntheticFacade noisy = make_facade({.floors = 2, .survey_sigma = 0.001, .seed = 3});
+  const PointsT plain = registered(facade_.truth, moved(noisy.control, {})).output<Points>("points");
+  const PointsT turned = registered(facade_.truth, moved(noisy.control, motion_)).output<Points>("points");
+  for (size_t i = 0; i < plain.points.size(); ++i)
+    EXPECT_LT((turned.points[i]->position - motion_ * plain.points[i]->position).norm(), 1e-8);
+}
+
+TEST_P(Registrar, GivesTheSameBitsTwice) {
+  const SyntheticFacade noisy = make_facade({.floors = 1, .survey_sigma = 0.001, .seed = 4});
+  const NodeHarness a = registered(facade_.truth, noisy.control), b = registered(facade_.truth, noisy.control);
+  EXPECT_EQ(a.output_bytes("transform"), b.output_bytes("transform"));
+  EXPECT_EQ(a.output_bytes("points"), b.output_bytes("points"));
+}
+
+TEST_P(Registrar, RefusesTooFewAndCollinearPoints) {
+  PointsT two, line;
+  for (size_t i = 0; i < 2; ++i) two.points.push_back(std::make_unique<PointT>(*facade_.truth.points[i]));
+  for (int i = 0; i < 5; ++i) {
+    line.points.push_back(std::make_unique<PointT>(*facade_.truth.points[static_cast<size_t>(i)]));
+    line.points.back()->position = Eigen::Vector3d(1, 2, 2.0 * i);
+  }
+  EXPECT_THROW(registered(two, two), NodeFailed);
+  EXPECT_THROW(registered(line, line), NodeFailed);
+}
+
+GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(Registrar);
+INSTANTIATE_TEST_SUITE_P(Role, Registrar, testing::ValuesIn(kinds_of_role("registrar")), test_name);
+
+}  // namespace
