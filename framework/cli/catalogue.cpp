@@ -1,0 +1,159 @@
+// plumbline list, describe
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "commands.hpp"
+#include "terminal.hpp"
+
+namespace plumbline::cli {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+const char* cardinality_text(uint32_t cardinality) {
+  static constexpr const char* names[] = {"one", "optional", "list", "each"};
+  return cardinality < 4 ? names[cardinality] : "?";
+}
+
+std::string kind_text(const plumbline_param& param) {
+  static constexpr const char* names[] = {"number", "integer", "boolean", "text", "file", "folder"};
+  return std::string(param.is_list ? "list of " : "") + (param.kind < 6 ? names[param.kind] : "?");
+}
+
+std::string type_text(const plumbline_port& port) {
+  return port.type + (*port.frames ? "<" + std::string(port.frames) + ">" : "");
+}
+
+std::string shown(const char* text) {
+  std::string result = text;
+  for (char& c : result)
+    if (c == '\x1f') c = ',';
+  return result;
+}
+
+Json ports_json(const plumbline_port* const* ports, uint32_t count) {
+  Json json = Json::array();
+  for (uint32_t i = 0; i < count; ++i)
+    json.push_back({{"name", ports[i]->name},
+                    {"type", ports[i]->type},
+                    {"frames", ports[i]->frames},
+                    {"fingerprint", ports[i]->fingerprint},
+                    {"cardinality", cardinality_text(ports[i]->cardinality)},
+                    {"doc", ports[i]->doc}});
+  return json;
+}
+
+Json param_json(const plumbline_param& param) {
+  Json json{{"name", param.name}, {"kind", kind_text(param)}};
+  json["default"] = param.default_text ? Json(shown(param.default_text)) : Json();
+  if (*param.unit) json["unit"] = param.unit;
+  if (std::isfinite(param.minimum)) json["minimum"] = param.minimum;
+  if (std::isfinite(param.maximum)) json["maximum"] = param.maximum;
+  if (param.choice_count) json["choices"] = std::vector<std::string>(param.choices, param.choices + param.choice_count);
+  json["doc"] = param.doc;
+  return json;
+}
+
+Json kind_json(const runtime::Kind& kind) {
+  const plumbline_node& node = *kind.node;
+  Json json{{"kind", node.kind},
+            {"role", node.role},
+            {"summary", node.summary},
+            {"version", node.version},
+            {"deterministic", node.deterministic != 0},
+            {"plugin", kind.plugin->identity.name},
+            {"plugin_version", kind.plugin->identity.version},
+            {"licence", kind.plugin->identity.licence},
+            {"inputs", ports_json(node.inputs, node.input_count)},
+            {"outputs", ports_json(node.outputs, node.output_count)}};
+  json["parameters"] = Json::array();
+  for (uint32_t i = 0; i < node.param_count; ++i) json["parameters"].push_back(param_json(*node.params[i]));
+  return json;
+}
+
+void print_ports(const char* title, const plumbline_port* const* ports, uint32_t count) {
+  if (count == 0) return;
+  std::vector<std::vector<std::string>> rows;
+  for (uint32_t i = 0; i < count; ++i)
+    rows.push_back({"  " + std::string(ports[i]->name), type_text(*ports[i]),
+                    ports[i]->cardinality == PLUMBLINE_ONE ? "" : cardinality_text(ports[i]->cardinality),
+                    ports[i]->doc});
+  std::printf("\n%s\n%s", paint(Colour::bold, title).c_str(), columns(rows).c_str());
+}
+
+/// "0.1 … 100 m", "epnp, upnp"
+std::string range_text(const plumbline_param& param) {
+  std::string text;
+  for (uint32_t i = 0; i < param.choice_count; ++i) text += (i ? ", " : "") + std::string(param.choices[i]);
+  const auto number = [](double value) {
+    char buffer[40];
+    std::snprintf(buffer, sizeof buffer, "%.12g", value);
+    return std::string(buffer);
+  };
+  const bool low = std::isfinite(param.minimum), high = std::isfinite(param.maximum);
+  if (low && high)
+    text += number(param.minimum) + " … " + number(param.maximum);
+  else if (low)
+    text += "≥ " + number(param.minimum);
+  else if (high)
+    text += "≤ " + number(param.maximum);
+  return text;
+}
+
+}  // namespace
+
+int list(const Options& options) {
+  const runtime::Registry registry = discover();
+  Json json = Json::array();
+  std::vector<std::vector<std::string>> rows;
+  for (const auto& [name, kind] : registry.kinds()) {
+    if (!options.role.empty() && options.role != kind.node->role) continue;
+    json.push_back({{"kind", name}, {"role", kind.node->role}, {"summary", kind.node->summary}});
+    rows.push_back({name, kind.node->role, kind.node->summary});
+  }
+  if (options.json)
+    std::printf("%s\n", json.dump(1).c_str());
+  else
+    std::printf("%s", columns(rows).c_str());
+  if (!registry.refused().empty())
+    std::fprintf(stderr, "%zu plugins were refused; `plumbline doctor` says why\n", registry.refused().size());
+  return 0;
+}
+
+int describe(const Options& options) {
+  const runtime::Registry registry = discover();
+  const runtime::Kind* kind = registry.find(options.name);
+  if (!kind) {
+    std::vector<std::string> names;
+    for (const auto& [name, entry] : registry.kinds()) names.push_back(name);
+    const std::string hint = did_you_mean(options.name, names);
+    throw UsageError("there is no node '" + options.name + "'" +
+                     (hint.empty() ? "; `plumbline list` shows what there is" : hint));
+  }
+  if (options.json) {
+    std::printf("%s\n", kind_json(*kind).dump(1).c_str());
+    return 0;
+  }
+  const plumbline_node& node = *kind->node;
+  std::printf("%s  %s\n", paint(Colour::bold, node.kind).c_str(), node.summary);
+  if (*node.role) std::printf("role %s, ", node.role);
+  std::printf("version %u, plugin %s %s (%s)\n", node.version, kind->plugin->identity.name.c_str(),
+              kind->plugin->identity.version.c_str(), kind->plugin->identity.licence.c_str());
+  print_ports("in", node.inputs, node.input_count);
+  print_ports("out", node.outputs, node.output_count);
+  if (node.param_count) {
+    std::vector<std::vector<std::string>> rows;
+    for (uint32_t i = 0; i < node.param_count; ++i) {
+      const plumbline_param& param = *node.params[i];
+      rows.push_back({"  " + std::string(param.name), kind_text(param),
+                      param.default_text ? "= " + shown(param.default_text) : "required", param.unit, range_text(param),
+                      param.doc});
+    }
+    std::printf("\n%s\n%s", paint(Colour::bold, "with").c_str(), columns(rows).c_str());
+  }
+  return 0;
+}
+
+}  // namespace plumbline::cli

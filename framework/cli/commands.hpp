@@ -1,0 +1,58 @@
+// The commands of the program. Each returns the exit code: 0 done, 1 invalid pipeline or failed run, 130 cancelled.
+// Wrong usage (exit code 2) is main's business.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "runtime/graph.hpp"
+#include "runtime/registry.hpp"
+#include "runtime/store.hpp"
+
+namespace plumbline::cli {
+
+/// The request cannot be carried out: an unknown name, say. Printed as it is, exit code 2.
+class UsageError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+struct Options {
+  std::string pipeline;                ///< a file or the name of a pipeline
+  std::vector<std::string> overrides;  ///< KEY=VALUE
+  std::string name;                    ///< of a kind or an artifact
+  std::string role;                    ///< filter of `list`
+  std::string out;                     ///< empty: out/<pipeline>
+  std::string store;                   ///< empty: Store::default_folder()
+  std::string memory;                  ///< "3GiB"; empty: the default
+  std::string format = "dot";
+  int threads = 0;
+  bool durable = false, json = false, quiet = false;
+};
+
+int run(const Options& options);
+int validate(const Options& options);
+int plan(const Options& options);
+int draw(const Options& options);
+int list(const Options& options);
+int describe(const Options& options);
+int schema(const Options& options);
+int doctor(const Options& options);
+int show(const Options& options);
+
+/// The file of `name`: itself if there is such a file, else <name>.yaml in ./pipelines, in the source tree the program
+/// was built from, or in share/plumbline/pipelines beside it. Throws UsageError with near names.
+std::filesystem::path find_pipeline(const std::string& name);
+
+runtime::Registry discover();
+runtime::Store open_store(const Options& options);
+
+/// "3GiB", "500 MB", "1.5g" or plain bytes; k, M, G are powers of 1024 with or without "iB", and of 1000 with "B".
+/// Throws UsageError.
+uint64_t parse_size(const std::string& text);
+
+/// " — did you mean 'a' or 'b'?", or nothing.
+std::string did_you_mean(const std::string& wanted, const std::vector<std::string>& candidates);
+
+}  // namespace plumbline::cli

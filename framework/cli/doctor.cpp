@@ -1,0 +1,108 @@
+// plumbline doctor: what works here, what does not, and what to do about it.
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "commands.hpp"
+#include "runtime/memory_budget.hpp"
+#include "terminal.hpp"
+
+namespace plumbline::cli {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+struct Finding {
+  enum Level { good, note, bad } level;
+  std::string subject, text;
+};
+
+void check_search_path(std::vector<Finding>& findings) {
+  const auto folders = runtime::Registry::search_path();
+  for (const fs::path& folder : folders) {
+    std::error_code failed;
+    const bool there = fs::is_directory(folder, failed);
+    findings.push_back(
+        {there ? Finding::good : Finding::note, "search path",
+         folder.string() +
+             (there ? "" : " is not there; plugins go into it, or into a folder of PLUMBLINE_PLUGIN_PATH")});
+  }
+}
+
+void check_plugins(const runtime::Registry& registry, std::vector<Finding>& findings) {
+  for (const auto& plugin : registry.plugins())
+    findings.push_back({Finding::good, "plugin",
+                        plugin->identity.path.filename().string() + ": " + plugin->identity.name + " " +
+                            plugin->identity.version + ", " + std::to_string(plugin->table->node_count) + " nodes"});
+  for (const auto& refused : registry.refused())
+    findings.push_back({Finding::bad, "plugin", refused.path.string() + " is refused: it " + refused.problem});
+  if (registry.plugins().empty())
+    findings.push_back({Finding::bad, "plugin", "no plugin was found; build the project or set PLUMBLINE_PLUGIN_PATH"});
+}
+
+void check_store(const Options& options, std::vector<Finding>& findings) {
+  try {
+    runtime::Store store = open_store(options);
+    static const std::string probe = "plumbline doctor\n";
+    store.get(store.put(probe.data(), probe.size()));
+    struct statvfs disk {};
+    double free_bytes = 0;
+    if (statvfs(store.folder().c_str(), &disk) == 0)
+      free_bytes = static_cast<double>(disk.f_bavail) * static_cast<double>(disk.f_frsize);
+    const bool little = free_bytes < 2e9;
+    findings.push_back(
+        {little ? Finding::note : Finding::good, "store",
+         store.folder().string() + ", " + size_text(free_bytes) + " free" +
+             (little ? "; a campaign of photographs needs more: choose another place with --store" : "")});
+  } catch (const std::exception& error) {
+    findings.push_back({Finding::bad, "store", error.what()});
+  }
+}
+
+/// Nodes in Python run with this interpreter; one that comes first in PATH may lack Debian's modules.
+void check_python(std::vector<Finding>& findings) {
+  if (access("/usr/bin/python3", X_OK) != 0) {
+    findings.push_back({Finding::note, "python3", "/usr/bin/python3 is not there; only nodes in Python need it"});
+    return;
+  }
+  for (const std::string module : {"flatbuffers", "numpy"}) {
+    const bool there = std::system(("/usr/bin/python3 -c 'import " + module + "' >/dev/null 2>&1").c_str()) == 0;
+    findings.push_back(
+        {there ? Finding::good : Finding::note, "python3",
+         there ? "has " + module : "lacks " + module + "; nodes in Python need it: apt-get install python3-" + module});
+  }
+}
+
+}  // namespace
+
+int doctor(const Options& options) {
+  std::vector<Finding> findings;
+  check_search_path(findings);
+  const runtime::Registry registry = discover();
+  check_plugins(registry, findings);
+  check_store(options, findings);
+  findings.push_back({Finding::good, "memory",
+                      size_text(static_cast<double>(runtime::MemoryBudget::default_limit())) +
+                          " for nodes that announce what they need; --memory changes it"});
+  check_python(findings);
+  bool healthy = true;
+  Json json = Json::array();
+  static constexpr const char* marks[] = {"ok", "note", "wrong"};
+  static constexpr Colour colours[] = {Colour::green, Colour::yellow, Colour::red};
+  for (const Finding& finding : findings) {
+    healthy &= finding.level != Finding::bad;
+    json.push_back({{"level", marks[finding.level]}, {"subject", finding.subject}, {"text", finding.text}});
+    if (!options.json)
+      std::printf("%s%s%s: %s\n", paint(colours[finding.level], marks[finding.level]).c_str(),
+                  std::string(7 - std::string(marks[finding.level]).size(), ' ').c_str(), finding.subject.c_str(),
+                  finding.text.c_str());
+  }
+  if (options.json) std::printf("%s\n", json.dump(1).c_str());
+  return healthy ? 0 : 1;
+}
+
+}  // namespace plumbline::cli

@@ -1,0 +1,76 @@
+// plumbline validate, plan, graph
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "commands.hpp"
+#include "runtime/plan.hpp"
+#include "terminal.hpp"
+
+namespace plumbline::cli {
+
+using Json = nlohmann::ordered_json;
+
+int validate(const Options& options) {
+  const runtime::Registry registry = discover();
+  const auto file = find_pipeline(options.pipeline);
+  try {
+    const runtime::Graph graph = load_pipeline(file, options.overrides, registry);
+    if (options.json)
+      std::printf("%s\n", Json{{"valid", true}, {"file", graph.file}, {"nodes", graph.nodes.size()}}.dump().c_str());
+    else if (!options.quiet)
+      std::printf("%s: valid, %zu nodes, %zu outputs\n", graph.file.c_str(), graph.nodes.size(), graph.outputs.size());
+    return 0;
+  } catch (const runtime::InvalidPipeline& invalid) {
+    if (!options.json) throw;
+    Json problems = Json::array();
+    for (const auto& problem : invalid.problems())
+      problems.push_back({{"file", problem.at.file},
+                          {"line", problem.at.line},
+                          {"column", problem.at.column},
+                          {"message", problem.message}});
+    std::printf("%s\n", Json{{"valid", false}, {"file", file.string()}, {"problems", problems}}.dump().c_str());
+    return 1;
+  }
+}
+
+int plan(const Options& options) {
+  const runtime::Registry registry = discover();
+  const runtime::Graph graph = load_pipeline(find_pipeline(options.pipeline), options.overrides, registry);
+  runtime::Store store = open_store(options);
+  const auto planned = runtime::plan(graph, store);
+  size_t running = 0;
+  Json json = Json::array();
+  std::vector<std::vector<std::string>> rows;
+  for (size_t i = 0; i < planned.size(); ++i) {
+    const auto& node = graph.nodes[i];
+    const auto& p = planned[i];
+    running += p.runs;
+    json.push_back({{"name", node.name},
+                    {"kind", node.kind.node->kind},
+                    {"action", p.runs ? "run" : "reuse"},
+                    {"items", p.items},
+                    {"items_to_run", p.items_to_run},
+                    {"reasons", p.reasons}});
+    const std::string name = node.name + " (" + node.kind.node->kind + ")";
+    std::string items;
+    if (p.runs && p.items > 1) items = std::to_string(p.items_to_run) + " of " + std::to_string(p.items) + " items; ";
+    rows.push_back({p.runs ? "run" : "reuse", name, p.reasons.empty() ? "" : items + p.reasons[0]});
+    for (size_t r = 1; r < p.reasons.size(); ++r) rows.push_back({"", "", p.reasons[r]});
+  }
+  if (options.json) {
+    std::printf("%s\n", json.dump(1).c_str());
+  } else {
+    std::printf("%s", columns(rows).c_str());
+    std::printf("%s: %zu to run, %zu reused\n", graph.file.c_str(), running, planned.size() - running);
+  }
+  return 0;
+}
+
+int draw(const Options& options) {
+  const runtime::Registry registry = discover();
+  const runtime::Graph graph = load_pipeline(find_pipeline(options.pipeline), options.overrides, registry);
+  std::printf("%s", (options.format == "mermaid" ? to_mermaid(graph) : to_dot(graph)).c_str());
+  return 0;
+}
+
+}  // namespace plumbline::cli

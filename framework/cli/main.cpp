@@ -1,0 +1,155 @@
+// The `plumbline` program: the command line, and what becomes of errors.
+#include <glog/logging.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <functional>
+
+#include "commands.hpp"
+
+namespace {
+
+using plumbline::cli::Options;
+
+struct Command {
+  CLI::App* app;
+  std::function<int(const Options&)> action;
+};
+
+void add_pipeline(CLI::App& app, Options& options) {
+  app.add_option("pipeline", options.pipeline, "a pipeline file, or the name of one of the shipped ones")
+      ->required()
+      ->type_name("FILE");
+  app.add_option("overrides", options.overrides,
+                 "floors=3 sets a variable, poses.with.solver=epnp a parameter, poses.use=pose.opencv a kind")
+      ->type_name("KEY=VALUE");
+}
+
+void add_json(CLI::App& app, Options& options) { app.add_flag("--json", options.json, "machine-readable output"); }
+
+void add_store(CLI::App& app, Options& options) {
+  app.add_option(
+         "--store", options.store,
+         "folder of the store (default: $PLUMBLINE_STORE, else $XDG_CACHE_HOME/plumbline, else ~/.cache/plumbline)")
+      ->type_name("DIR");
+}
+
+std::vector<Command> declare(CLI::App& app, Options& options) {
+  std::vector<Command> commands;
+  const auto add = [&](const char* name, const char* summary, int (*action)(const Options&)) -> CLI::App& {
+    commands.push_back({app.add_subcommand(name, summary), action});
+    return *commands.back().app;
+  };
+  CLI::App& run =
+      add("run", "runs a pipeline; what is in the store already is not computed again", plumbline::cli::run);
+  add_pipeline(run, options);
+  run.add_option("--out", options.out, "folder for the named outputs and run.jsonl (default: out/<pipeline>)")
+      ->type_name("DIR");
+  run.add_option("--threads", options.threads, "number of threads (default: all processors)")
+      ->check(CLI::Range(1, 4096));
+  run.add_option("--memory", options.memory,
+                 "limit for memory that nodes announce, such as 3GiB (default: half of it, at most 3GiB)")
+      ->type_name("SIZE");
+  add_store(run, options);
+  run.add_flag("--durable", options.durable, "sync every file of the store to disk, not only at the end");
+  add_json(run, options);
+  run.add_flag("-q,--quiet", options.quiet, "print nothing but warnings and errors");
+
+  CLI::App& validate =
+      add("validate", "checks a pipeline and shows all that is wrong with it", plumbline::cli::validate);
+  add_pipeline(validate, options);
+  add_json(validate, options);
+  validate.add_flag("-q,--quiet", options.quiet, "print nothing but errors");
+
+  CLI::App& plan = add("plan", "shows which nodes would run, which are reused, and why", plumbline::cli::plan);
+  add_pipeline(plan, options);
+  add_store(plan, options);
+  add_json(plan, options);
+
+  CLI::App& list = add("list", "lists the kinds of nodes", plumbline::cli::list);
+  list.add_option("--role", options.role, "only those of this role")->type_name("ROLE");
+  add_json(list, options);
+
+  CLI::App& describe = add("describe", "shows ports and parameters of a kind", plumbline::cli::describe);
+  describe.add_option("kind", options.name, "such as pose.opengv")->required()->type_name("KIND");
+  add_json(describe, options);
+
+  add("schema", "prints the JSON Schema of pipeline files, for editors", plumbline::cli::schema);
+
+  CLI::App& graph = add("graph", "draws a pipeline", plumbline::cli::draw);
+  add_pipeline(graph, options);
+  graph.add_option("--format", options.format, "dot or mermaid")
+      ->check(CLI::IsMember({"dot", "mermaid"}))
+      ->capture_default_str();
+
+  CLI::App& doctor = add("doctor", "checks plugins, store and machine, and says what to do", plumbline::cli::doctor);
+  add_store(doctor, options);
+  add_json(doctor, options);
+
+  CLI::App& show = add("show", "prints an artifact as JSON", plumbline::cli::show);
+  show.add_option("artifact", options.name, "start of its hash, or RUN.jsonl:NODE.PORT, or a file")
+      ->required()
+      ->type_name("ARTIFACT");
+  show.add_option("--type", options.role, "its type, such as plumbline.Points/1, where the bytes leave a choice")
+      ->type_name("TYPE");
+  add_store(show, options);
+  return commands;
+}
+
+/// What CLI11 says, with the near names it does not offer.
+std::string usage_text(const CLI::ParseError& error, int argc, char** argv, const CLI::App& app) {
+  std::vector<std::string> commands;
+  for (const CLI::App* command : app.get_subcommands({})) commands.push_back(command->get_name());
+  const std::string first = argc > 1 ? argv[1] : "";
+  if (argc > 1 && first[0] != '-' && std::find(commands.begin(), commands.end(), first) == commands.end())
+    return "there is no command '" + first + "'" + plumbline::cli::did_you_mean(first, commands);
+  const CLI::App* command = app.get_subcommands().empty() ? &app : app.get_subcommands()[0];
+  std::vector<std::string> known;
+  for (const CLI::Option* option : command->get_options())
+    for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = std::string(argv[i]).substr(0, std::string(argv[i]).find('='));
+    if (word.rfind("--", 0) == 0 && word.size() > 2 && std::find(known.begin(), known.end(), word) == known.end())
+      return "there is no option '" + word + "'" + plumbline::cli::did_you_mean(word, known);
+  }
+  return error.what();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  // Libraries that plugins bring (Ceres) log through glog: uninitialised, it writes to standard error; initialised, to
+  // files in /tmp. Neither is wanted: what a solver has to say comes in its summary.
+  FLAGS_minloglevel = google::GLOG_FATAL;
+  google::InitGoogleLogging("plumbline");
+
+  Options options;
+  CLI::App app("Plumbline: survey-controlled photogrammetry as a dataflow of plugins");
+  app.set_version_flag("--version", "plumbline " PLUMBLINE_VERSION);
+  app.require_subcommand(1);
+  app.failure_message(CLI::FailureMessage::simple);
+  const std::vector<Command> commands = declare(app, options);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& success) {  // --help, --version
+    return app.exit(success);
+  } catch (const CLI::ParseError& error) {
+    std::fprintf(stderr, "plumbline: %s\nRun with --help for what there is.\n",
+                 usage_text(error, argc, argv, app).c_str());
+    return 2;
+  }
+  try {
+    for (const Command& command : commands)
+      if (command.app->parsed()) return command.action(options);
+  } catch (const plumbline::cli::UsageError& error) {
+    std::fprintf(stderr, "plumbline: %s\n", error.what());
+    return 2;
+  } catch (const plumbline::runtime::InvalidPipeline& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 1;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "plumbline: %s\n", error.what());
+    return 1;
+  }
+  return 2;
+}

@@ -1,0 +1,78 @@
+// Where pipelines, plugins and the store are found.
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstdlib>
+
+#include "commands.hpp"
+
+namespace plumbline::cli {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::vector<fs::path> pipeline_folders() {
+  std::vector<fs::path> folders{"pipelines", PLUMBLINE_SOURCE_PIPELINES};
+  std::error_code failed;
+  const fs::path self = fs::read_symlink("/proc/self/exe", failed);
+  if (!failed) folders.push_back(self.parent_path().parent_path() / "share" / "plumbline" / "pipelines");
+  return folders;
+}
+
+}  // namespace
+
+std::string did_you_mean(const std::string& wanted, const std::vector<std::string>& candidates) {
+  std::string text;
+  for (const std::string& near : runtime::near_names(wanted, candidates))
+    text += (text.empty() ? " — did you mean '" : " or '") + near + "'";
+  return text.empty() ? "" : text + "?";
+}
+
+fs::path find_pipeline(const std::string& name) {
+  if (fs::is_regular_file(name)) return name;
+  std::vector<std::string> names;
+  for (const fs::path& folder : pipeline_folders()) {
+    for (const fs::path& candidate : {folder / (name + ".yaml"), folder / name})
+      if (fs::is_regular_file(candidate)) return candidate;
+    std::error_code failed;
+    for (const auto& entry : fs::directory_iterator(folder, failed))
+      if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  names.erase(std::unique(names.begin(), names.end()), names.end());
+  const std::string wanted = fs::path(name).stem().string();
+  std::string text = "there is no pipeline file '" + name + "'" + did_you_mean(wanted, names);
+  if (!names.empty()) {
+    text += "\nPipelines that can be run by name:";
+    for (const std::string& known : names) text += " " + known;
+  }
+  throw UsageError(text);
+}
+
+runtime::Registry discover() { return runtime::Registry::discover(runtime::Registry::search_path()); }
+
+runtime::Store open_store(const Options& options) {
+  return runtime::Store(options.store.empty() ? runtime::Store::default_folder() : fs::path(options.store),
+                        options.durable);
+}
+
+uint64_t parse_size(const std::string& text) {
+  char* end = nullptr;
+  const double number = std::strtod(text.c_str(), &end);
+  std::string unit;
+  for (; *end; ++end)
+    if (*end != ' ') unit += static_cast<char>(std::tolower(static_cast<unsigned char>(*end)));
+  const std::string prefixes = "kmgt";
+  double factor = 1;
+  if (!unit.empty() && prefixes.find(unit[0]) != std::string::npos) {
+    const double base = unit.substr(1) == "b" ? 1000 : 1024;
+    factor = std::pow(base, static_cast<double>(prefixes.find(unit[0]) + 1));
+    if (unit.substr(1) == "" || unit.substr(1) == "b" || unit.substr(1) == "ib") unit = "b";
+  }
+  if (!(number > 0) || !(number * factor < 9e18) || (!unit.empty() && unit != "b"))
+    throw UsageError("'" + text + "' is no size of memory; write for example 3GiB or 500MB");
+  return static_cast<uint64_t>(number * factor);
+}
+
+}  // namespace plumbline::cli

@@ -1,0 +1,116 @@
+#include "progress.hpp"
+
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "terminal.hpp"
+
+namespace plumbline::cli {
+
+using runtime::NodeStatus;
+using Clock = std::chrono::steady_clock;
+
+namespace {
+
+Colour colour_of(NodeStatus status) {
+  switch (status) {
+    case NodeStatus::executed:
+      return Colour::green;
+    case NodeStatus::reused:
+      return Colour::dim;
+    case NodeStatus::failed:
+      return Colour::red;
+    default:
+      return Colour::yellow;
+  }
+}
+
+size_t terminal_width() {
+  winsize size{};
+  return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 20 ? size.ws_col : 80;
+}
+
+}  // namespace
+
+Progress::Progress(const runtime::Graph& graph, runtime::Record& record, Style style)
+    : record_(record), style_(style), total_(graph.nodes.size()) {
+  for (const auto& node : graph.nodes)
+    name_width_ = std::max(name_width_, node.name.size() + std::string(node.kind.node->kind).size() + 3);
+}
+
+Progress::~Progress() { clear_status(); }
+
+void Progress::node_started(const runtime::GraphNode& node, size_t) {
+  running_[node.name].start = Clock::now();
+  show_status();
+}
+
+void Progress::node_progress(const runtime::GraphNode& node, size_t items_done, size_t items, double fraction,
+                             const std::string& text) {
+  Running& running = running_[node.name];
+  running.fraction = items > 1 ? static_cast<double>(items_done) / static_cast<double>(items) : fraction;
+  running.text = items > 1 ? std::to_string(items_done) + " of " + std::to_string(items) : text;
+  if (Clock::now() - shown_ > std::chrono::milliseconds(100)) show_status();
+}
+
+void Progress::node_finished(const runtime::GraphNode& node, const runtime::NodeResult& result) {
+  running_.erase(node.name);
+  ++done_;
+  record_.node(node, result);
+  clear_status();
+  if (style_ == Style::json) std::printf("%s\n", runtime::Record::node_line(node, result).c_str());
+  if (style_ == Style::lines) {
+    std::string line = paint(colour_of(result.status), to_text(result.status));
+    line += std::string(10 - std::string(to_text(result.status)).size(), ' ');
+    std::string name = node.name + " (" + node.kind.node->kind + ")";
+    std::string note;
+    if (result.status == NodeStatus::executed) {
+      note = duration_text(result.seconds);
+      if (node.maps)
+        note += result.items_executed < result.items
+                    ? ", " + std::to_string(result.items_executed) + " of " + std::to_string(result.items) + " items"
+                    : ", " + std::to_string(result.items) + " items";
+    } else if (result.status == NodeStatus::skipped) {
+      note = result.error;
+    }
+    if (!note.empty()) name.resize(std::max(name.size(), name_width_) + 2, ' ');
+    std::printf("%s%s%s\n", line.c_str(), name.c_str(), note.c_str());
+  }
+  std::fflush(stdout);
+  if (style_ != Style::json)
+    for (const std::string& warning : result.warnings)
+      std::fprintf(stderr, "%s: node '%s': warning: %s\n", node.at.text().c_str(), node.name.c_str(), warning.c_str());
+  if (result.status == NodeStatus::failed) std::fprintf(stderr, "%s\n", result.error.c_str());
+  show_status();
+}
+
+/// "[3/9] detect (detect.apriltag) 12 of 40, about 8 s left"
+void Progress::show_status() {
+  if (style_ != Style::lines || !error_is_terminal() || running_.empty()) return;
+  shown_ = Clock::now();
+  const auto& [name, running] = *running_.begin();
+  std::string line = "[" + std::to_string(done_) + "/" + std::to_string(total_) + "] " + name;
+  if (!running.text.empty()) line += " " + running.text;
+  if (running.fraction > 0.02 && running.fraction <= 1) {
+    const double elapsed = std::chrono::duration<double>(shown_ - running.start).count();
+    line += ", about " + duration_text(std::ceil(elapsed * (1 / running.fraction - 1))) + " left";
+  }
+  if (running_.size() > 1) line += "  (+" + std::to_string(running_.size() - 1) + " more)";
+  line.resize(std::min(line.size(), terminal_width() - 1));
+  std::fprintf(stderr, "\r\033[K%s", line.c_str());
+  std::fflush(stderr);
+  status_is_shown_ = true;
+}
+
+void Progress::clear_status() {
+  if (!status_is_shown_) return;
+  std::fprintf(stderr, "\r\033[K");
+  std::fflush(stderr);
+  status_is_shown_ = false;
+}
+
+}  // namespace plumbline::cli

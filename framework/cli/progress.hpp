@@ -1,0 +1,42 @@
+// What a run tells people: a line for each node as it ends and, on a terminal, a status line below with the time left.
+#pragma once
+
+#include <chrono>
+#include <map>
+#include <string>
+
+#include "runtime/executor.hpp"
+#include "runtime/record.hpp"
+
+namespace plumbline::cli {
+
+class Progress : public runtime::Observer {
+ public:
+  enum class Style { lines, json, quiet };
+  Progress(const runtime::Graph& graph, runtime::Record& record, Style style);
+  ~Progress() override;
+
+  void node_started(const runtime::GraphNode& node, size_t items) override;
+  void node_progress(const runtime::GraphNode& node, size_t items_done, size_t items, double fraction,
+                     const std::string& text) override;
+  void node_finished(const runtime::GraphNode& node, const runtime::NodeResult& result) override;
+
+ private:
+  struct Running {
+    std::chrono::steady_clock::time_point start;
+    double fraction = 0;
+    std::string text;
+  };
+  void show_status();
+  void clear_status();
+
+  runtime::Record& record_;
+  const Style style_;
+  const size_t total_;
+  size_t name_width_ = 0, done_ = 0;
+  std::map<std::string, Running> running_;
+  std::chrono::steady_clock::time_point shown_;
+  bool status_is_shown_ = false;
+};
+
+}  // namespace plumbline::cli

@@ -1,0 +1,118 @@
+// plumbline run
+#include <csignal>
+#include <cstdio>
+#include <fstream>
+#include <thread>
+
+#include "commands.hpp"
+#include "progress.hpp"
+#include "runtime/deliver.hpp"
+#include "runtime/executor.hpp"
+#include "runtime/memory_budget.hpp"
+#include "terminal.hpp"
+
+namespace plumbline::cli {
+
+namespace fs = std::filesystem;
+using runtime::NodeStatus;
+
+namespace {
+
+std::atomic<bool> cancel = false;
+static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler sets it");
+
+/// The first signal asks the nodes to stop, the second ends the program at once.
+extern "C" void ask_to_stop(int signal) {
+  cancel = true;
+  std::signal(signal, SIG_DFL);
+}
+
+void print_summary(const runtime::Graph& graph, const runtime::RunResult& result,
+                   const std::vector<runtime::Delivery>& deliveries, const fs::path& out) {
+  std::string counts;
+  for (const NodeStatus status :
+       {NodeStatus::executed, NodeStatus::reused, NodeStatus::failed, NodeStatus::skipped, NodeStatus::cancelled}) {
+    const size_t count = result.count(status);
+    if (count == 0 && (status == NodeStatus::skipped || status == NodeStatus::cancelled)) continue;
+    counts += (counts.empty() ? "" : ", ") + std::to_string(count) + " " + to_text(status);
+  }
+  std::printf("%s: %s\n", graph.file.c_str(), counts.c_str());
+  for (const auto& delivery : deliveries)
+    if (delivery.problem.empty()) std::printf("  %s\n", (out / delivery.file).c_str());
+  std::printf("  %s\n", (out / "run.jsonl").c_str());
+}
+
+void print_json_end(const fs::path& out) {
+  std::ifstream stream(out / "run.jsonl");
+  std::string line, last;
+  while (std::getline(stream, line)) last = line;
+  std::printf("%s\n", last.c_str());
+}
+
+/// A run that reads the folder it writes to would find its key changed by its own outputs at every run.
+void warn_of_output_in_input(const runtime::Graph& graph, const fs::path& out) {
+  const std::string target = fs::weakly_canonical(out).string() + "/";
+  for (const auto& node : graph.nodes)
+    for (uint32_t i = 0; i < node.kind.node->param_count; ++i) {
+      const plumbline_param& param = *node.kind.node->params[i];
+      if (param.kind != PLUMBLINE_FOLDER || param.is_list || node.parameters.at(param.name).empty()) continue;
+      const std::string folder = fs::weakly_canonical(node.parameters.at(param.name)).string() + "/";
+      if (target.compare(0, folder.size(), folder) == 0)
+        std::fprintf(stderr,
+                     "warning: the output folder %s lies in the folder that node '%s' reads, so every run will find it "
+                     "changed and start anew; choose another with --out\n",
+                     out.c_str(), node.name.c_str());
+    }
+}
+
+}  // namespace
+
+int run(const Options& options) {
+  const fs::path file = find_pipeline(options.pipeline);
+  const runtime::Registry registry = discover();
+  const runtime::Graph graph = load_pipeline(file, options.overrides, registry);
+  runtime::Store store = open_store(options);
+  const fs::path out = options.out.empty() ? fs::path("out") / file.stem() : fs::path(options.out);
+
+  runtime::RunOptions run_options;
+  run_options.threads =
+      options.threads > 0 ? options.threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  run_options.memory = options.memory.empty() ? runtime::MemoryBudget::default_limit() : parse_size(options.memory);
+  run_options.cancel = &cancel;
+  runtime::RunInfo info{PLUMBLINE_VERSION, options.overrides, store.folder(), run_options.threads, run_options.memory};
+  warn_of_output_in_input(graph, out);
+  runtime::Record record(out, graph, info);
+
+  std::signal(SIGINT, ask_to_stop);
+  std::signal(SIGTERM, ask_to_stop);
+  runtime::RunResult result;
+  {
+    Progress progress(graph, record,
+                      options.json    ? Progress::Style::json
+                      : options.quiet ? Progress::Style::quiet
+                                      : Progress::Style::lines);
+    result = execute(graph, registry, store, run_options, progress);
+  }
+  std::vector<runtime::Delivery> deliveries;
+  if (!result.cancelled) deliveries = deliver(graph, registry, store, result, out);
+  record.end(result, deliveries);
+
+  bool delivered = true;
+  for (const auto& delivery : deliveries) {
+    if (delivery.problem.empty()) continue;
+    delivered = false;
+    std::fprintf(stderr, "%s: output '%s' is not written: %s\n", graph.file.c_str(), delivery.file.c_str(),
+                 delivery.problem.c_str());
+  }
+  if (options.json)
+    print_json_end(out);
+  else if (!options.quiet)
+    print_summary(graph, result, deliveries, out);
+  if (result.cancelled) {
+    std::fprintf(stderr, "cancelled; what was finished is kept and the next run goes on from there\n");
+    return 130;
+  }
+  return result.ok() && delivered ? 0 : 1;
+}
+
+}  // namespace plumbline::cli

@@ -1,0 +1,297 @@
+#include "runtime/executor.hpp"
+
+#include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/task_arena.h>
+#include <oneapi/tbb/task_group.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "runtime/digest.hpp"
+#include "runtime/node_run.hpp"
+
+namespace plumbline::runtime {
+
+const char* to_text(NodeStatus status) {
+  static constexpr const char* names[] = {"executed", "reused", "failed", "skipped", "cancelled"};
+  return names[static_cast<int>(status)];
+}
+
+size_t RunResult::count(NodeStatus status) const {
+  return static_cast<size_t>(
+      std::count_if(nodes.begin(), nodes.end(), [&](const NodeResult& node) { return node.status == status; }));
+}
+
+bool RunResult::ok() const {
+  return !cancelled && count(NodeStatus::executed) + count(NodeStatus::reused) == nodes.size();
+}
+
+std::map<std::string, Hashes> inputs_of(const GraphNode& node,
+                                        const std::vector<std::map<std::string, Hashes>>& outputs_of_nodes) {
+  std::map<std::string, Hashes> inputs;
+  for (const auto& [port, source] : node.inputs) inputs[port] = outputs_of_nodes[source.node].at(source.port);
+  return inputs;
+}
+
+std::string pipeline_id(const Graph& graph) {
+  const std::string path = std::filesystem::absolute(graph.file).lexically_normal().string();
+  return sha256_of(path.data(), path.size());
+}
+
+std::map<std::string, KeyFields> last_keys(const Store& store, const Graph& graph) {
+  const auto json = nlohmann::json::parse(store.pipeline_note(pipeline_id(graph)), nullptr, false);
+  std::map<std::string, KeyFields> keys;
+  if (!json.is_object()) return keys;
+  try {
+    json.get_to(keys);
+  } catch (const nlohmann::json::exception&) {
+    keys.clear();  // a damaged note costs only the explanation
+  }
+  return keys;
+}
+
+namespace {
+
+/// One run of a node on one item.
+struct Item {
+  StoredRun run;
+  std::string key, error;
+  bool executed = false, cancelled = false, drew_seed = false;
+  std::vector<std::string> warnings;
+};
+
+class Execution {
+ public:
+  Execution(const Graph& graph, const Registry& registry, Store& store, const RunOptions& options, Observer& observer)
+      : graph_(graph),
+        registry_(registry),
+        store_(store),
+        observer_(observer),
+        memory_(options.memory),
+        threads_(options.threads > 0 ? options.threads : static_cast<int>(std::thread::hardware_concurrency())),
+        cancel_(options.cancel ? *options.cancel : never_),
+        states_(graph.nodes.size()),
+        outputs_(graph.nodes.size()) {
+    for (size_t i = 0; i < graph.nodes.size(); ++i) {
+      for (const auto& [port, source] : graph.nodes[i].inputs) {
+        states_[source.node].followers.push_back(i);
+        ++states_[i].waiting;
+      }
+    }
+  }
+
+  RunResult run() {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<size_t>(threads_));
+    tbb::task_arena arena(threads_);
+    arena.execute([&] {
+      for (size_t i = 0; i < states_.size(); ++i)
+        if (graph_.nodes[i].inputs.empty()) group_.run([this, i] { start(i); });
+      group_.wait();
+    });
+    RunResult result;
+    for (State& state : states_) result.nodes.push_back(std::move(state.result));
+    result.cancelled = result.count(NodeStatus::cancelled) > 0;
+    return result;
+  }
+
+ private:
+  struct State {
+    std::atomic<size_t> waiting = 0;  // connections whose source is not done
+    std::vector<size_t> followers;    // once for each connection
+    std::vector<Item> items;
+    std::atomic<size_t> items_left = 0;
+    KeyFields fields;  // without inputs
+    NodeResult result;
+  };
+
+  void start(size_t index) {
+    const GraphNode& node = graph_.nodes[index];
+    State& state = states_[index];
+    NodeResult& result = state.result;
+    if (cancel_) return finish(index, NodeStatus::cancelled, "");
+    for (const auto& [port, source] : node.inputs) {
+      const NodeStatus before = states_[source.node].result.status;
+      if (before == NodeStatus::executed || before == NodeStatus::reused) continue;
+      return finish(index, before == NodeStatus::cancelled ? NodeStatus::cancelled : NodeStatus::skipped,
+                    "its input '" + port + "' comes from '" + graph_.nodes[source.node].name + "', which " +
+                        (before == NodeStatus::failed ? "failed" : "did not run"));
+    }
+    try {
+      result.inputs = inputs_of(node, outputs_);
+      state.fields = key_fields(node, store_.file_hashes());
+    } catch (const std::exception& error) {
+      return finish(index, NodeStatus::failed, error_text(node, "", error.what()));
+    }
+    result.fields = state.fields;
+    add_inputs(result.fields, result.inputs);
+    result.items = node.maps ? result.inputs.at(node.each_port).size() : 1;
+    state.items.resize(result.items);
+    state.items_left = result.items;
+    observe([&] { observer_.node_started(node, result.items); });
+    if (result.items == 0) return finish_items(index);
+    // The last one first: a thread takes up its own newest task, so the items run in their order.
+    for (size_t item = result.items; item-- > 1;) group_.run([this, index, item] { run_item(index, item); });
+    run_item(index, 0);
+  }
+
+  void run_item(size_t index, size_t number) {
+    const GraphNode& node = graph_.nodes[index];
+    State& state = states_[index];
+    Item& item = state.items[number];
+    try {
+      if (cancel_)
+        item.cancelled = true;
+      else
+        compute(node, state, number, item);
+    } catch (const std::exception& error) {  // the store's: disk full, no rights
+      item.error = error.what();
+    }
+    const size_t left = --state.items_left;
+    if (state.items.size() > 1)
+      observe([&] { observer_.node_progress(node, state.items.size() - left, state.items.size(), 0, ""); });
+    if (left == 0) finish_items(index);
+  }
+
+  /// Takes the item's result from the store or runs the node on it.
+  void compute(const GraphNode& node, const State& state, size_t number, Item& item) {
+    NodeCall call;
+    call.node = &node;
+    call.registry = &registry_;
+    call.inputs = state.result.inputs;
+    if (node.maps) call.inputs[node.each_port] = {state.result.inputs.at(node.each_port)[number]};
+    KeyFields fields = state.fields;
+    add_inputs(fields, call.inputs);
+    call.key = key_of(fields);
+    call.seed = seed_of(graph_.seed, node.name, number);
+    if (node.kind.node->deterministic) {
+      Stored stored = look_up(store_, call.key, call.seed);
+      if (!stored.key.empty()) {
+        item.drew_seed = stored.key != call.key;
+        item.key = stored.key;
+        item.run = std::move(stored.run);
+        return;
+      }
+      if (!stored.damage.empty()) item.warnings.push_back("its stored result cannot be used: " + stored.damage);
+    }
+    NodeServices services{&store_, &memory_, &cancel_, {}};
+    if (state.items.size() == 1)
+      services.progress = [&](double fraction, const std::string& text) {
+        observe([&] { observer_.node_progress(node, 0, 1, fraction, text); });
+      };
+    NodeOutcome outcome;
+    tbb::this_task_arena::isolate([&] { outcome = run_node(call, services); });
+    item.executed = true;
+    item.cancelled = outcome.cancelled;
+    item.error = outcome.error;
+    item.drew_seed = outcome.drew_seed;
+    item.key = outcome.drew_seed ? key_with_seed(call.key, call.seed) : call.key;
+    item.run = std::move(outcome.run);
+    if (item.error.empty() && node.kind.node->deterministic) store_.put_run(item.key, item.run);
+  }
+
+  static std::string error_text(const GraphNode& node, const std::string& where, const std::string& what) {
+    return node.at.text() + ": node '" + node.name + "' (" + node.kind.node->kind + ") failed" + where + ": " + what;
+  }
+
+  /// Joins the items' results in their order.
+  void finish_items(size_t index) {
+    const GraphNode& node = graph_.nodes[index];
+    State& state = states_[index];
+    NodeResult& result = state.result;
+    for (uint32_t i = 0; i < node.kind.node->output_count; ++i) result.outputs[node.kind.node->outputs[i]->name];
+    std::string errors;
+    bool cancelled = false, drew_seed = false;
+    for (size_t number = 0; number < state.items.size(); ++number) {
+      Item& item = state.items[number];
+      const std::string where =
+          node.maps ? " on item " + std::to_string(number + 1) + " of " + std::to_string(result.items) : "";
+      for (auto& [port, hashes] : item.run.outputs)
+        result.outputs[port].insert(result.outputs[port].end(), hashes.begin(), hashes.end());
+      for (Metric& metric : item.run.metrics) result.metrics.push_back(std::move(metric));
+      for (const auto* warnings : {&item.warnings, &item.run.warnings})
+        for (const std::string& text : *warnings) result.warnings.push_back(node.maps ? text + where : text);
+      if (item.executed) {
+        ++result.items_executed;
+        result.seconds += item.run.seconds;
+      }
+      result.keys.push_back(item.key);
+      cancelled |= item.cancelled;
+      drew_seed |= item.drew_seed;
+      if (!item.error.empty() && !item.cancelled)
+        errors += (errors.empty() ? "" : "\n") + error_text(node, where, item.error);
+    }
+    if (drew_seed) result.fields["seed"] = std::to_string(graph_.seed);
+    state.items.clear();
+    state.items.shrink_to_fit();
+    if (!errors.empty()) return finish(index, NodeStatus::failed, errors);
+    if (cancelled) return finish(index, NodeStatus::cancelled, "");
+    outputs_[index] = result.outputs;
+    finish(index, result.items_executed > 0 ? NodeStatus::executed : NodeStatus::reused, "");
+  }
+
+  void finish(size_t index, NodeStatus status, const std::string& error) {
+    State& state = states_[index];
+    state.result.status = status;
+    state.result.error = error;
+    if (status != NodeStatus::executed && status != NodeStatus::reused) state.result.outputs.clear();
+    observe([&] { observer_.node_finished(graph_.nodes[index], state.result); });
+    for (const size_t follower : state.followers)
+      if (--states_[follower].waiting == 0) group_.run([this, follower] { start(follower); });
+  }
+
+  template <typename Action>
+  void observe(Action action) {
+    const std::scoped_lock lock(observer_mutex_);
+    action();
+  }
+
+  const Graph& graph_;
+  const Registry& registry_;
+  Store& store_;
+  Observer& observer_;
+  std::mutex observer_mutex_;
+  MemoryBudget memory_;
+  const int threads_;
+  const std::atomic<bool> never_ = false;
+  const std::atomic<bool>& cancel_;
+  std::vector<State> states_;
+  std::vector<std::map<std::string, Hashes>> outputs_;  // of the nodes that are done
+  tbb::task_group group_;
+};
+
+/// A node that failed keeps what the note says of its last good run.
+void remember_keys(Store& store, const Graph& graph, const RunResult& result) {
+  std::map<std::string, KeyFields> keys = last_keys(store, graph), now;
+  for (size_t i = 0; i < graph.nodes.size(); ++i) {
+    const std::string& name = graph.nodes[i].name;
+    const NodeStatus status = result.nodes[i].status;
+    if (status == NodeStatus::executed || status == NodeStatus::reused)
+      now[name] = result.nodes[i].fields;
+    else if (keys.count(name))
+      now[name] = keys[name];
+  }
+  store.put_pipeline_note(pipeline_id(graph),
+                          nlohmann::json(now).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+}
+
+}  // namespace
+
+RunResult execute(const Graph& graph, const Registry& registry, Store& store, const RunOptions& options,
+                  Observer& observer) {
+  RunResult result;
+  {
+    Execution execution(graph, registry, store, options, observer);
+    result = execution.run();
+  }
+  try {
+    remember_keys(store, graph, result);
+  } catch (const StoreError&) {  // the note only explains the next plan; what went wrong with the disk, sync() tells
+  }
+  store.sync();
+  return result;
+}
+
+}  // namespace plumbline::runtime

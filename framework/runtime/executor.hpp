@@ -1,0 +1,72 @@
+// Runs a linked graph: branches and items in parallel on oneTBB, what is in the store already taken from there.
+//
+// A node starts when the nodes it takes from are done. Each run of a node is inside this_task_arena::isolate: a thread
+// that waits in a node's own parallel loop must not start another node on its stack. A node that fails ends its branch:
+// what follows is skipped, the other branches go on. Results are joined in the items' order, so they do not depend on
+// the number of threads.
+#pragma once
+
+#include <atomic>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "runtime/graph.hpp"
+#include "runtime/key.hpp"
+#include "runtime/store.hpp"
+
+namespace plumbline::runtime {
+
+enum class NodeStatus { executed, reused, failed, skipped, cancelled };
+const char* to_text(NodeStatus status);
+
+struct NodeResult {
+  NodeStatus status = NodeStatus::cancelled;
+  std::string error;                              ///< why it failed or was skipped
+  size_t items = 0;                               ///< how often it had to run: 1, or the number of items
+  size_t items_executed = 0;                      ///< of those, how many were not in the store
+  KeyFields fields;                               ///< what its key is made of; over all items for a node that maps
+  Hashes keys;                                    ///< of each item, under which the store has its run
+  std::map<std::string, Hashes> inputs, outputs;  ///< blobs by port
+  std::vector<Metric> metrics;
+  std::vector<std::string> warnings;
+  double seconds = 0;  ///< sum over the items that ran now; 0 if all were reused
+};
+
+struct RunResult {
+  std::vector<NodeResult> nodes;  ///< as Graph::nodes
+  bool cancelled = false;
+  bool ok() const;
+  size_t count(NodeStatus status) const;
+};
+
+/// Watches a run. Calls come from several threads, never two at once.
+class Observer {
+ public:
+  virtual ~Observer() = default;
+  virtual void node_started(const GraphNode&, size_t /*items*/) {}
+  virtual void node_progress(const GraphNode&, size_t /*items_done*/, size_t /*items*/, double /*fraction*/,
+                             const std::string& /*text*/) {}
+  virtual void node_finished(const GraphNode&, const NodeResult&) {}
+};
+
+struct RunOptions {
+  int threads = 0;      ///< 0: as many as the machine has
+  uint64_t memory = 0;  ///< bytes that nodes may reserve together; 0: MemoryBudget::default_limit()
+  const std::atomic<bool>* cancel = nullptr;  ///< set it to end the run early
+};
+
+/// Never throws for what a node does. At the end the store remembers the keys for `plumbline plan`.
+RunResult execute(const Graph& graph, const Registry& registry, Store& store, const RunOptions& options,
+                  Observer& observer);
+
+/// Inputs of a node by connected port, from the outputs of the nodes before it.
+std::map<std::string, Hashes> inputs_of(const GraphNode& node,
+                                        const std::vector<std::map<std::string, Hashes>>& outputs_of_nodes);
+
+/// Identifies the pipeline whose last keys the store remembers: its absolute path.
+std::string pipeline_id(const Graph& graph);
+/// Key fields by node of the last run of the pipeline; empty if the store knows of none.
+std::map<std::string, KeyFields> last_keys(const Store& store, const Graph& graph);
+
+}  // namespace plumbline::runtime

@@ -1,0 +1,44 @@
+// One run of a node on one item: the services of plugin.h, and what came out.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "runtime/graph.hpp"
+#include "runtime/key.hpp"
+#include "runtime/memory_budget.hpp"
+#include "runtime/store.hpp"
+
+namespace plumbline::runtime {
+
+struct NodeCall {
+  const GraphNode* node = nullptr;
+  const Registry* registry = nullptr;
+  std::map<std::string, Hashes> inputs;  ///< by connected port; the EACH port holds one item
+  std::string key;                       ///< without the seed
+  uint64_t seed = 0;
+};
+
+/// What all runs of a program share.
+struct NodeServices {
+  Store* store = nullptr;
+  MemoryBudget* memory = nullptr;
+  const std::atomic<bool>* cancel = nullptr;
+  std::function<void(double fraction, const std::string& text)> progress;  ///< may be empty
+};
+
+struct NodeOutcome {
+  std::string error;  ///< empty: all went well, and `run` is complete
+  bool cancelled = false;
+  bool drew_seed = false;  ///< then the result belongs to the key with the seed
+  StoredRun run;
+};
+
+/// Runs the node in this thread. Never throws for what the node does; what it committed is in the store, what it wrote
+/// to folders is renamed into place only if it succeeded.
+NodeOutcome run_node(const NodeCall& call, const NodeServices& services);
+
+}  // namespace plumbline::runtime

@@ -1,0 +1,143 @@
+#include "runtime/record.hpp"
+
+#include <sys/resource.h>
+#include <sys/utsname.h>
+
+#include <chrono>
+#include <cmath>
+#include <ctime>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "runtime/digest.hpp"
+
+namespace plumbline::runtime {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string dump(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+double now() { return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count(); }
+
+std::string utc() {
+  const std::time_t time = std::time(nullptr);
+  std::tm parts{};
+  gmtime_r(&time, &parts);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &parts);
+  return text;
+}
+
+/// Libraries that choose code by processor may differ in the last bits between machines; the record lets one see it.
+std::string cpu_line(const std::string& name) {
+  std::ifstream stream("/proc/cpuinfo");
+  for (std::string text; std::getline(stream, text);)
+    if (text.compare(0, name.size(), name) == 0 && text.find(": ") != std::string::npos)
+      return text.substr(text.find(": ") + 2);
+  return "";
+}
+
+Json parameters_json(const GraphNode& node) {
+  Json json = Json::object();
+  for (const auto& [name, text] : node.parameters) {
+    std::string shown = text;
+    for (char& c : shown)
+      if (c == '\x1f') c = ',';
+    json[name] = shown;
+  }
+  return json;
+}
+
+}  // namespace
+
+Record::Record(const fs::path& out, const Graph& graph, const RunInfo& info) : path_(out / "run.jsonl"), start_(now()) {
+  std::error_code error;
+  fs::create_directories(out, error);
+  if (!error) stream_.open(path_, std::ios::trunc);
+  if (error || !stream_)
+    throw std::runtime_error("cannot write to the output folder " + out.string() +
+                             (error ? ": " + error.message() : "") + "; choose another with --out");
+  utsname host{};
+  uname(&host);
+  Json json;
+  json["event"] = "run_start";
+  json["plumbline"] = info.version;
+  json["time"] = utc();
+  json["host"] = {{"name", host.nodename},
+                  {"system", std::string(host.sysname) + " " + host.release},
+                  {"machine", host.machine},
+                  {"cpu", cpu_line("model name")},
+                  {"cpus", std::thread::hardware_concurrency()}};
+  json["cpu_flags"] = cpu_line("flags");
+  json["pipeline"] = graph.file;
+  json["pipeline_sha256"] = sha256_of(graph.text.data(), graph.text.size());
+  json["arguments"] = info.arguments;
+  json["variables"] = graph.variables;
+  json["seed"] = graph.seed;
+  json["store"] = info.store.string();
+  json["threads"] = info.threads;
+  json["memory_limit"] = info.memory;
+  line(dump(json));
+}
+
+std::string Record::node_line(const GraphNode& node, const NodeResult& result) {
+  Json json;
+  json["event"] = "node";
+  json["name"] = node.name;
+  json["kind"] = node.kind.node->kind;
+  json["status"] = to_text(result.status);
+  json["items"] = result.items;
+  json["items_executed"] = result.items_executed;
+  json["seconds"] = result.seconds;
+  const Plugin& plugin = *node.kind.plugin;
+  json["plugin"] = {{"name", plugin.identity.name}, {"version", plugin.identity.version}, {"sha256", plugin.sha256}};
+  json["parameters"] = parameters_json(node);
+  for (const auto* side : {&result.inputs, &result.outputs}) {
+    Json ports = Json::object();
+    for (const auto& [port, hashes] : *side) ports[port] = hashes;
+    json[side == &result.inputs ? "inputs" : "outputs"] = ports;
+  }
+  Json types = Json::object();
+  for (const auto& [port, hashes] : result.outputs) types[port] = node.kind.output(port)->type;
+  json["types"] = types;
+  json["keys"] = result.keys;
+  if (!result.metrics.empty()) {
+    json["metrics"] = Json::array();
+    for (const Metric& metric : result.metrics)
+      json["metrics"].push_back({{"name", metric.name}, {"value", metric.value}, {"unit", metric.unit}});
+  }
+  if (!result.warnings.empty()) json["warnings"] = result.warnings;
+  if (!result.error.empty()) json["error"] = result.error;
+  return dump(json);
+}
+
+void Record::node(const GraphNode& node, const NodeResult& result) { line(node_line(node, result)); }
+
+void Record::end(const RunResult& result, const std::vector<Delivery>& deliveries) {
+  Json json;
+  json["event"] = "run_end";
+  json["time"] = utc();
+  json["status"] = result.cancelled ? "cancelled" : result.ok() ? "ok" : "failed";
+  for (const NodeStatus status :
+       {NodeStatus::executed, NodeStatus::reused, NodeStatus::failed, NodeStatus::skipped, NodeStatus::cancelled})
+    json[to_text(status)] = result.count(status);
+  json["seconds"] = now() - start_;
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  json["peak_memory"] = static_cast<uint64_t>(usage.ru_maxrss) * 1024;
+  json["outputs"] = Json::object();
+  for (const Delivery& delivery : deliveries)
+    json["outputs"][delivery.file] = delivery.problem.empty() ? "written" : delivery.problem;
+  line(dump(json));
+}
+
+void Record::line(const std::string& text) {
+  stream_ << text << "\n" << std::flush;
+  if (!stream_) throw std::runtime_error("cannot write " + path_.string() + "; is the disk full?");
+}
+
+}  // namespace plumbline::runtime

@@ -1,0 +1,47 @@
+// The run record: run.jsonl in the output folder, one JSON object a line, in the order of events.
+//
+//   {"event": "run_start", "plumbline", "host", "cpu_flags", "pipeline", "pipeline_sha256", "variables", "seed",
+//   "store", ...}
+//   {"event": "node", "name", "kind", "status", "items", "items_executed", "seconds", "plugin", "parameters", "inputs",
+//    "outputs", "keys", "metrics", "warnings", "error"}                              one for each node, as it ends
+//   {"event": "run_end", "status", "executed", "reused", "failed", "skipped", "seconds", "peak_memory", "outputs"}
+//
+// Wall times are here and nowhere else: artifacts hold none.
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "runtime/deliver.hpp"
+#include "runtime/executor.hpp"
+
+namespace plumbline::runtime {
+
+struct RunInfo {
+  std::string version;                 ///< of the program
+  std::vector<std::string> arguments;  ///< the KEY=VALUE overrides
+  std::filesystem::path store;
+  int threads = 0;
+  uint64_t memory = 0;  ///< limit in bytes
+};
+
+class Record {
+ public:
+  /// Starts run.jsonl in `out`, which is made if need be. Throws std::runtime_error if it cannot be written.
+  Record(const std::filesystem::path& out, const Graph& graph, const RunInfo& info);
+  void node(const GraphNode& node, const NodeResult& result);
+  void end(const RunResult& result, const std::vector<Delivery>& deliveries);
+
+  /// The line of a node as JSON text, without its end of line.
+  static std::string node_line(const GraphNode& node, const NodeResult& result);
+
+ private:
+  void line(const std::string& text);
+  std::filesystem::path path_;
+  std::ofstream stream_;
+  double start_ = 0;
+};
+
+}  // namespace plumbline::runtime

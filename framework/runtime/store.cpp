@@ -1,0 +1,347 @@
+#include "runtime/store.hpp"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "runtime/digest.hpp"
+
+namespace plumbline::runtime {
+
+namespace fs = std::filesystem;
+
+/// Blobs below this size are read, above they are mapped: a mapping costs a page and one of 65 530 entries.
+constexpr size_t map_from = size_t{64} << 10;
+
+struct Blob::Memory {
+  std::vector<unsigned char> owned;
+  void* mapped = nullptr;
+  size_t size = 0;
+  Memory() = default;
+  Memory(const Memory&) = delete;
+  Memory& operator=(const Memory&) = delete;
+  ~Memory() {
+    if (mapped) munmap(mapped, size);
+  }
+  const void* data() const { return mapped ? mapped : owned.data(); }
+};
+
+plumbline_bytes Blob::bytes() const { return {memory_->data(), memory_->size}; }
+
+namespace {
+
+/// Closes at the end of the scope; -1 is none.
+struct File {
+  int number = -1;
+  explicit File(int n) : number(n) {}
+  File(const File&) = delete;
+  File& operator=(const File&) = delete;
+  ~File() {
+    if (number >= 0) ::close(number);
+  }
+};
+
+bool write_all(int file, const void* data, size_t size) {
+  const char* at = static_cast<const char*>(data);
+  while (size > 0) {
+    const ssize_t written = ::write(file, at, size);
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) return false;
+    at += written;
+    size -= static_cast<size_t>(written);
+  }
+  return true;
+}
+
+bool read_all(int file, void* data, size_t size) {
+  char* at = static_cast<char*>(data);
+  while (size > 0) {
+    const ssize_t count = ::read(file, at, size);
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) return false;
+    at += count;
+    size -= static_cast<size_t>(count);
+  }
+  return true;
+}
+
+bool is_hash(const std::string& text) {
+  return text.size() == 64 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
+}
+
+bool safe_name(const std::string& name) {
+  return !name.empty() && name[0] != '.' && name.find('/') == std::string::npos;
+}
+
+}  // namespace
+
+fs::path Store::default_folder() {
+  const auto variable = [](const char* name) -> std::string {
+    const char* text = std::getenv(name);
+    return text ? text : "";
+  };
+  if (const std::string set = variable("PLUMBLINE_STORE"); !set.empty()) return set;
+  if (const std::string cache = variable("XDG_CACHE_HOME"); !cache.empty()) return fs::path(cache) / "plumbline";
+  if (const std::string home = variable("HOME"); !home.empty()) return fs::path(home) / ".cache" / "plumbline";
+  throw StoreError("no place for the store: HOME is not set; choose one with --store or PLUMBLINE_STORE");
+}
+
+Store::Store(const fs::path& folder, bool durable) : folder_(fs::absolute(folder)), durable_(durable) {
+  for (const char* part : {"blobs", "runs", "folders", "pipelines", "tmp"}) {
+    std::error_code error;
+    fs::create_directories(folder_ / part, error);
+    if (error) fail("cannot make " + (folder_ / part).string(), error.value());
+  }
+  if (access((folder_ / "tmp").c_str(), W_OK | X_OK) != 0) fail("cannot write to " + (folder_ / "tmp").string(), errno);
+  char host[65] = "host";
+  gethostname(host, sizeof host - 1);
+  temporary_prefix_ = std::string(host) + "-" + std::to_string(getpid()) + "-";
+  remove_leftovers();
+  file_hashes_ = std::make_unique<FileHashes>(folder_ / "file-hashes");
+}
+
+void Store::fail(const std::string& what, int error) const {
+  std::string text = what + ": " + std::strerror(error) + "; ";
+  if (error == ENOSPC || error == EDQUOT)
+    text += "free some space or choose another store with --store or PLUMBLINE_STORE";
+  else
+    text += "check the rights on " + folder_.string() + " or choose another store with --store or PLUMBLINE_STORE";
+  throw StoreError(text);
+}
+
+/// What processes of this machine left in tmp/ that are no more.
+void Store::remove_leftovers() const {
+  const std::string host = temporary_prefix_.substr(0, temporary_prefix_.rfind('-', temporary_prefix_.size() - 2) + 1);
+  const auto old = fs::file_time_type::clock::now() - std::chrono::minutes(10);
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder_ / "tmp", ignored)) {
+    const std::string name = entry.path().filename().string();
+    if (name.compare(0, host.size(), host) != 0) continue;
+    const long process = std::strtol(name.c_str() + host.size(), nullptr, 10);
+    const bool dead = process > 0 && kill(static_cast<pid_t>(process), 0) != 0 && errno == ESRCH;
+    if (dead && entry.last_write_time(ignored) < old) fs::remove_all(entry.path(), ignored);
+  }
+}
+
+fs::path Store::blob_path(const std::string& hash) const { return folder_ / "blobs" / hash.substr(0, 2) / hash; }
+
+fs::path Store::temporary_name() { return folder_ / "tmp" / (temporary_prefix_ + std::to_string(++temporary_count_)); }
+
+void Store::write(const fs::path& path, const void* data, size_t size) {
+  const fs::path temporary = temporary_name();
+  const auto give_up = [&](const char* what) {
+    const int error = errno;
+    ::unlink(temporary.c_str());
+    fail(what + path.string(), error);
+  };
+  {
+    const File file(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+    if (file.number < 0) give_up("cannot write ");
+    if (!write_all(file.number, data, size)) give_up("cannot write ");
+    if (durable_ && fsync(file.number) != 0) give_up("cannot sync ");
+  }
+  if (::rename(temporary.c_str(), path.c_str()) != 0) {
+    std::error_code ignored;
+    fs::create_directories(path.parent_path(), ignored);
+    if (::rename(temporary.c_str(), path.c_str()) != 0) give_up("cannot write ");
+  }
+  if (durable_) {
+    const File parent(::open(path.parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+    if (parent.number >= 0) fsync(parent.number);
+  }
+  unsynced_ = true;
+}
+
+std::shared_ptr<const Blob::Memory> Store::load(const fs::path& path) const {
+  const File file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (file.number < 0) return nullptr;
+  struct stat info {};
+  if (fstat(file.number, &info) != 0) return nullptr;
+  auto memory = std::make_shared<Blob::Memory>();
+  memory->size = static_cast<size_t>(info.st_size);
+  if (memory->size >= map_from) {
+    void* mapped = mmap(nullptr, memory->size, PROT_READ, MAP_PRIVATE, file.number, 0);
+    if (mapped != MAP_FAILED) {
+      memory->mapped = mapped;
+      return memory;
+    }
+  }
+  memory->owned.resize(memory->size);
+  return read_all(file.number, memory->owned.data(), memory->size) ? memory : nullptr;
+}
+
+std::string Store::put(const void* data, size_t size) {
+  std::string hash = sha256_of(data, size);
+  const fs::path path = blob_path(hash);
+  {
+    const std::scoped_lock lock(mutex_);
+    if (checked_.count(hash) && access(path.c_str(), R_OK) == 0) return hash;
+  }
+  // A damaged blob of the same name must not survive, so what lies there is compared byte by byte.
+  const auto present = load(path);
+  if (!present || present->size != size || (size > 0 && std::memcmp(present->data(), data, size) != 0))
+    write(path, data, size);
+  const std::scoped_lock lock(mutex_);
+  checked_.insert(hash);
+  return hash;
+}
+
+Blob Store::get(const std::string& hash) {
+  if (!is_hash(hash)) throw StoreError("'" + hash + "' is no hash of a blob");
+  bool checked = false;
+  {
+    const std::scoped_lock lock(mutex_);
+    if (const auto found = open_.find(hash); found != open_.end())
+      if (auto memory = found->second.lock()) return Blob(std::move(memory));
+    checked = checked_.count(hash) > 0;
+  }
+  const fs::path path = blob_path(hash);
+  auto memory = load(path);
+  if (!memory) {
+    const std::scoped_lock lock(mutex_);
+    checked_.erase(hash);
+    throw StoreError("blob " + hash + " is missing in the store " + folder_.string());
+  }
+  if (!checked && sha256_of(memory->data(), memory->size) != hash) {
+    ::unlink(path.c_str());
+    throw StoreError("blob " + hash + " in the store " + folder_.string() +
+                     " is damaged: its content does not match its name. It has been removed");
+  }
+  const std::scoped_lock lock(mutex_);
+  checked_.insert(hash);
+  open_[hash] = memory;
+  return Blob(std::move(memory));
+}
+
+void Store::put_run(const std::string& key, const StoredRun& run) {
+  nlohmann::ordered_json json;
+  json["kind"] = run.kind;
+  json["outputs"] = run.outputs;
+  if (!run.folders.empty()) json["folders"] = run.folders;
+  for (const Metric& metric : run.metrics)
+    json["metrics"].push_back({{"name", metric.name}, {"value", metric.value}, {"unit", metric.unit}});
+  if (!run.warnings.empty()) json["warnings"] = run.warnings;
+  json["seconds"] = run.seconds;
+  // Text that a node made of foreign bytes may be no UTF-8; a record is not the place to fail for that.
+  const std::string text = json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  write(folder_ / "runs" / key.substr(0, 2) / (key + ".json"), text.data(), text.size());
+}
+
+std::optional<StoredRun> Store::find_run(const std::string& key, std::string& damage) {
+  damage.clear();
+  std::ifstream stream(folder_ / "runs" / key.substr(0, 2) / (key + ".json"));
+  if (!stream) return std::nullopt;
+  StoredRun run;
+  try {
+    const auto json = nlohmann::json::parse(stream);
+    json.at("kind").get_to(run.kind);
+    json.at("outputs").get_to(run.outputs);
+    if (json.contains("folders")) json.at("folders").get_to(run.folders);
+    if (json.contains("warnings")) json.at("warnings").get_to(run.warnings);
+    if (json.contains("metrics"))
+      for (const auto& metric : json.at("metrics"))
+        run.metrics.push_back({metric.at("name"),
+                               metric.at("value").is_null() ? std::nan("") : metric.at("value").get<double>(),
+                               metric.at("unit")});
+    run.seconds = json.at("seconds");
+  } catch (const nlohmann::json::exception&) {
+    damage = "its record in the store is damaged";
+    return std::nullopt;
+  }
+  try {
+    for (const auto& [port, hashes] : run.outputs)
+      for (const std::string& hash : hashes) get(hash);
+    for (const auto& [name, tree] : run.folders)
+      if (file_hashes_->of_tree(folder_path(name)) != tree)
+        throw StoreError("the folder " + folder_path(name).string() + " was changed since it was stored");
+  } catch (const std::exception& error) {
+    damage = error.what();
+    return std::nullopt;
+  }
+  return run;
+}
+
+fs::path Store::new_folder() {
+  const fs::path path = temporary_name();
+  if (::mkdir(path.c_str(), 0777) != 0) fail("cannot make the folder " + path.string(), errno);
+  return path;
+}
+
+std::string Store::commit_folder(const fs::path& filled, const std::string& name) {
+  const std::string tree = file_hashes_->of_tree(filled);
+  const fs::path target = folder_path(name);
+  unsynced_ = true;
+  if (durable_) sync();
+  for (int attempt = 0; attempt < 8; ++attempt) {
+    if (::rename(filled.c_str(), target.c_str()) == 0) return tree;
+    if (errno != EEXIST && errno != ENOTEMPTY) fail("cannot make the folder " + target.string(), errno);
+    std::error_code ignored;
+    try {
+      if (file_hashes_->of_tree(target) == tree) {
+        fs::remove_all(filled, ignored);
+        return tree;
+      }
+    } catch (const std::exception&) {  // unreadable or just being replaced by another process: treated as damaged
+    }
+    const fs::path away = temporary_name();
+    fs::rename(target, away, ignored);
+    fs::remove_all(away, ignored);
+  }
+  throw StoreError("cannot make the folder " + target.string() + ": another program keeps writing there");
+}
+
+fs::path Store::folder_path(const std::string& name) const {
+  if (!safe_name(name)) throw StoreError("'" + name + "' is no folder of the store");
+  return folder_ / "folders" / name;
+}
+
+fs::path Store::resolve(const std::string& uri) const {
+  static const std::string scheme = "store:";
+  if (uri.compare(0, scheme.size(), scheme) != 0) return uri;
+  const fs::path inside = fs::path(uri.substr(scheme.size())).lexically_normal();
+  if (inside.empty() || inside.is_absolute() || *inside.begin() == "..") return {};
+  return folder_ / "folders" / inside;
+}
+
+std::string Store::pipeline_note(const std::string& id) const {
+  std::ifstream stream(folder_ / "pipelines" / (id + ".json"));
+  std::ostringstream text;
+  if (stream) text << stream.rdbuf();
+  return text.str();
+}
+
+void Store::put_pipeline_note(const std::string& id, const std::string& text) {
+  write(folder_ / "pipelines" / (id + ".json"), text.data(), text.size());
+}
+
+std::vector<std::string> Store::blobs_starting_with(const std::string& prefix) const {
+  std::vector<std::string> found;
+  if (prefix.size() < 4 || prefix.find('/') != std::string::npos) return found;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder_ / "blobs" / prefix.substr(0, 2), error)) {
+    const std::string name = entry.path().filename().string();
+    if (name.compare(0, prefix.size(), prefix) == 0) found.push_back(name);
+  }
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+void Store::sync() {
+  if (!unsynced_.exchange(false)) return;
+  const File file(::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (file.number >= 0 && syncfs(file.number) != 0) fail("cannot sync " + folder_.string(), errno);
+}
+
+}  // namespace plumbline::runtime

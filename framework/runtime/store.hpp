@@ -1,0 +1,127 @@
+// The store: every artifact that ever left a node, and what each run of a node gave.
+//
+//   blobs/ab/<sha256>      an artifact, named by its content
+//   runs/ab/<key>.json     what one run of a node gave: outputs by hash, metrics, warnings, time
+//   folders/<name>/        what a node wrote as a folder; artifacts name it by the uri "store:<name>"
+//   pipelines/<id>.json    key of every node in the last run of a pipeline, for `plumbline plan`
+//   file-hashes            see file_hashes.hpp
+//   tmp/                   whatever is not finished
+//
+// Everything is written in tmp/ and renamed into place, so readers see whole files only, several programs can share a
+// store, and a killed one leaves nothing but rubbish in tmp/. Content is checked against its name when it is first read
+// in a process: a file that a power failure left empty is found there, removed, and the node that made it runs again.
+// Hence correctness needs no fsync, and syncing can wait for the end of a run unless `durable` is asked for.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "plumbline/plugin.h"
+#include "runtime/file_hashes.hpp"
+
+namespace plumbline::runtime {
+
+/// The store cannot do what is asked: what() names the store, the reason and the mend.
+class StoreError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Content of a blob, held in memory or mapped; unmapped when the last copy goes.
+class Blob {
+ public:
+  plumbline_bytes bytes() const;
+  struct Memory;
+  explicit Blob(std::shared_ptr<const Memory> memory) : memory_(std::move(memory)) {}
+
+ private:
+  friend class Store;
+  std::shared_ptr<const Memory> memory_;
+};
+
+struct Metric {
+  std::string name;
+  double value = 0;
+  std::string unit;
+};
+
+/// What one run of a node gave.
+struct StoredRun {
+  std::string kind;
+  std::map<std::string, std::vector<std::string>> outputs;  ///< blob hashes by port
+  std::map<std::string, std::string> folders;               ///< tree hash by the name of the folder
+  std::vector<Metric> metrics;
+  std::vector<std::string> warnings;
+  double seconds = 0;
+};
+
+class Store {
+ public:
+  /// $PLUMBLINE_STORE, else $XDG_CACHE_HOME/plumbline, else ~/.cache/plumbline. Throws StoreError if none is set.
+  static std::filesystem::path default_folder();
+
+  /// Opens or makes the store. `durable`: every file reaches the disk before the next step. Throws StoreError.
+  explicit Store(const std::filesystem::path& folder, bool durable = false);
+  const std::filesystem::path& folder() const { return folder_; }
+
+  /// Keeps the bytes and returns their hash. Throws StoreError, e.g. if the disk is full.
+  std::string put(const void* data, size_t size);
+  /// The blob of that hash. Throws StoreError if it is missing or does not match its name; then it has been removed.
+  Blob get(const std::string& hash);
+
+  void put_run(const std::string& key, const StoredRun& run);
+  /// The run of that key if it is there with all that it names. If something of it is missing or damaged, `damage` says
+  /// what, and the answer is empty, so that the node runs again.
+  std::optional<StoredRun> find_run(const std::string& key, std::string& damage);
+
+  /// An empty folder for a node to fill, then commit_folder() or discard it.
+  std::filesystem::path new_folder();
+  /// Moves a filled folder to its name and returns the hash of its tree. If that name holds the same tree already, that
+  /// stays.
+  std::string commit_folder(const std::filesystem::path& filled, const std::string& name);
+  std::filesystem::path folder_path(const std::string& name) const;
+  /// Path of a file or folder that an artifact names: "store:<name>/..." or a path. Empty if the uri leads out of the
+  /// store.
+  std::filesystem::path resolve(const std::string& uri) const;
+
+  /// A small text kept by pipeline, empty if there is none.
+  std::string pipeline_note(const std::string& id) const;
+  void put_pipeline_note(const std::string& id, const std::string& text);
+
+  /// Blobs whose hash starts with `prefix` (at least four digits).
+  std::vector<std::string> blobs_starting_with(const std::string& prefix) const;
+
+  FileHashes& file_hashes() { return *file_hashes_; }
+
+  /// Lets the disk catch up with what was written since the last call.
+  void sync();
+
+ private:
+  std::filesystem::path blob_path(const std::string& hash) const;
+  std::filesystem::path temporary_name();
+  void write(const std::filesystem::path& path, const void* data, size_t size);
+  std::shared_ptr<const Blob::Memory> load(const std::filesystem::path& path) const;
+  [[noreturn]] void fail(const std::string& what, int error) const;
+  void remove_leftovers() const;
+
+  std::filesystem::path folder_;
+  bool durable_ = false;
+  std::string temporary_prefix_;
+  std::atomic<uint64_t> temporary_count_ = 0;
+  std::atomic<bool> unsynced_ = false;
+  std::unique_ptr<FileHashes> file_hashes_;
+  std::mutex mutex_;
+  std::map<std::string, std::weak_ptr<const Blob::Memory>> open_;  // blobs in use
+  std::set<std::string> checked_;                                  // blobs that matched their name
+};
+
+}  // namespace plumbline::runtime
