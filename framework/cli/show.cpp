@@ -56,7 +56,8 @@ void print_of_some_type(const runtime::Registry& registry, plumbline_bytes bytes
   }
   if (const std::string problem = runtime::verify_artifact(*candidates[0], bytes); !problem.empty())
     throw std::runtime_error("this is no valid " + std::string(candidates[0]->name) + ": " + problem);
-  std::printf("%s\n", runtime::artifact_to_json(*candidates[0], bytes).c_str());
+  const std::string text = runtime::artifact_to_json(*candidates[0], bytes);
+  std::printf("%s%s", text.c_str(), text.empty() || text.back() != '\n' ? "\n" : "");
 }
 
 }  // namespace

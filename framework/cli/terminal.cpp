@@ -72,6 +72,7 @@ std::string columns(const std::vector<std::vector<std::string>>& rows) {
   for (const auto& row : rows) {
     for (size_t i = 0; i < row.size(); ++i)
       text += row[i] + (i + 1 < row.size() ? std::string(widths[i] - width(row[i]) + 2, ' ') : "");
+    text.erase(text.find_last_not_of(' ') + 1);
     text += "\n";
   }
   return text;

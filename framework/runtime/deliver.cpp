@@ -98,7 +98,7 @@ void deliver_one(const Graph& graph, const Registry& registry, Store& store, con
     if (list) return write_file_list(store, *type, hashes, path);
     return write_file_artifact(path, verified(store, *type, hashes.at(0)));
   }
-  if (type_name == artifact_traits<Folder>::name && !list)
+  if (type_name == artifact_traits<Folder>::name && !list && path.extension() != ".json")
     return copy_folder_artifact(store, verified(store, *type, hashes.at(0)), path);
   std::string text;
   for (const std::string& hash : hashes) text += (text.empty() ? "" : ",\n") + blob_to_json(store, *type, hash);
@@ -124,7 +124,9 @@ void write_file(const fs::path& path, const void* data, size_t size) {
 }
 
 std::string blob_to_json(Store& store, const plumbline_type& type, const std::string& hash) {
-  return artifact_to_json(type, verified(store, type, hash).bytes());
+  std::string text = artifact_to_json(type, verified(store, type, hash).bytes());
+  while (!text.empty() && text.back() == '\n') text.pop_back();
+  return text;
 }
 
 std::vector<Delivery> deliver(const Graph& graph, const Registry& registry, Store& store, const RunResult& result,
