@@ -6,6 +6,7 @@
 #include <unordered_map>
 
 #include "formats/gsi.hpp"
+#include "formats/pointings.hpp"
 #include "formats/survey_builder.hpp"
 #include "formats/text.hpp"
 
@@ -25,16 +26,6 @@ class GsiWriter {
   std::string write();
 
  private:
-  struct Pointing {
-    const Observation* first = nullptr;
-    const Observation* direction = nullptr;
-    const Observation* zenith_angle = nullptr;
-    const Observation* slope_distance = nullptr;
-    const Observation* horizontal_distance = nullptr;
-    const Observation* height_difference = nullptr;
-  };
-
-  std::vector<Pointing> pointings() const;
   void write_point(const Point& point);
   void write_set_up(const SetUp& set_up);
   void write_pointing(const Pointing& pointing);
@@ -133,33 +124,6 @@ void GsiWriter::write_set_up(const SetUp& set_up) {
   out_ += "\r\n";
 }
 
-std::vector<GsiWriter::Pointing> GsiWriter::pointings() const {
-  std::vector<Pointing> all;
-  std::map<std::pair<int, int>, std::size_t> index;  // set-up and pointing
-  for (const Observation& observation : survey_.observations) {
-    const std::string which =
-        "the observation " + formats::quoted(observation.from) + " to " + formats::quoted(observation.to);
-    if (observation.set_up < 0 || static_cast<std::size_t>(observation.set_up) >= survey_.set_ups.size())
-      cannot(which + ": it belongs to no set-up");
-    std::size_t at = all.size();
-    if (observation.pointing >= 0) at = index.try_emplace({observation.set_up, observation.pointing}, at).first->second;
-    if (at == all.size()) all.push_back({&observation, nullptr, nullptr, nullptr, nullptr, nullptr});
-    Pointing& pointing = all[at];
-    const Observation** place = observation.kind == ObservationKind::direction        ? &pointing.direction
-                                : observation.kind == ObservationKind::zenith_angle   ? &pointing.zenith_angle
-                                : observation.kind == ObservationKind::slope_distance ? &pointing.slope_distance
-                                : observation.kind == ObservationKind::horizontal_distance
-                                    ? &pointing.horizontal_distance
-                                : observation.kind == ObservationKind::height_difference ? &pointing.height_difference
-                                                                                         : nullptr;
-    if (!place) cannot(which + ": GSI has no word for angles and azimuths");
-    if (*place) cannot(which + ": its pointing has two values of one kind");
-    if (std::isnan(observation.value)) cannot(which + ": it has no value");
-    *place = &observation;
-  }
-  return all;
-}
-
 void GsiWriter::write_pointing(const Pointing& pointing) {
   const Observation& any = *pointing.first;
   begin("11", name(any.to));
@@ -181,9 +145,7 @@ void GsiWriter::write_pointing(const Pointing& pointing) {
 std::string GsiWriter::write() {
   for (const Point& p : survey_.points) points_.emplace(p.id, &p);
   for (const Point& p : survey_.points) write_point(p);
-  std::vector<Pointing> all = pointings();
-  std::stable_sort(all.begin(), all.end(),
-                   [](const Pointing& a, const Pointing& b) { return a.first->set_up < b.first->set_up; });
+  const std::vector<Pointing> all = pointings_of(survey_, "GSI writer");
   int started = -1;
   for (const Pointing& pointing : all) {
     if (pointing.first->set_up != started)

@@ -134,7 +134,17 @@ bool SurveyBuilder::add(const Sighting& sighting) {
   if (!has_slope && !has_horizontal && !has_direction && !has_zenith && !has_height) return false;
   if (current_ < 0) start_unnamed_set_up(kNotGiven, sighting.source);
   point(sighting.to, sighting.source);
-  const int face = sighting.face == 0 && has_zenith ? face_of_zenith_angle(sighting.zenith_angle) : sighting.face;
+  int face = sighting.face;
+  if (has_zenith) {
+    const int shown = face_of_zenith_angle(sighting.zenith_angle);
+    if (face == 2 && shown == 1) {
+      warn("line " + std::to_string(sighting.source.line) +
+           ": face 2 with a zenith angle of face 1; such sightings are taken as already reduced to face 1");
+      face = 0;
+    } else {
+      face = shown;
+    }
+  }
   if (has_direction)
     add_kind(sighting, ObservationKind::direction, wrap_to_circle(sighting.direction), face,
              sighting.direction_corrections);
