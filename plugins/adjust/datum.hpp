@@ -1,0 +1,23 @@
+// Similarity motions that carry a free network back to the datum of its approximate coordinates.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <vector>
+
+namespace plumbline::adjust {
+
+/// p' = scale · rotation · p + translation.
+struct SimilarityMotion {
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero();
+  double scale = 1;
+  Eigen::Vector3d operator*(const Eigen::Vector3d& p) const { return scale * (rotation * p) + translation; }
+};
+
+/// The motion that minimises Σ‖to − motion·from‖². Precondition: at least three points that are not on one line, in
+/// both. Source: Horn (1987), Closed-form solution of absolute orientation using unit quaternions; its symmetric scale.
+SimilarityMotion fit_similarity(const std::vector<Eigen::Vector3d>& from, const std::vector<Eigen::Vector3d>& to,
+                                bool with_scale);
+
+}  // namespace plumbline::adjust

@@ -1,0 +1,241 @@
+// The AICON block against the report of the bundle adjustment that came with it (example.htm, version 1.10.10 of that
+// program).
+//
+// The report's program lowered the weight of four of the 9 972 image points by a factor of 100 (σ 0.005 instead of
+// 0.0005 mm) in images 48 and 54, which have five usable points each; the input files don't say so. Two comparisons
+// follow from that:
+//  - with the a priori σ of every observation taken from the report, the two adjustments solve the same problem and
+//  have to
+//    agree to the digits printed;
+//  - from the files alone, with equal weights, σ0 differs by 0.15 %, and coordinates by less than one standard
+//  deviation.
+// Both are compared after a similarity fit: the report's datum is that of its own approximate coordinates.
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <map>
+#include <regex>
+#include <sstream>
+
+#include "adjust/aicon_files.hpp"
+#include "test_support.hpp"
+
+namespace {
+
+using namespace plumbline;
+using adjust::PointBlock;
+using adjust::PointBlockResult;
+
+struct Report {
+  struct Row {
+    Eigen::Vector3d position, sigma;  ///< [mm]
+  };
+  struct ImageRow {
+    Eigen::Vector3d centre, centre_sigma, angles, angle_sigma;  ///< [mm], [rad]
+  };
+  struct Observation {
+    Eigen::Vector2d residual, sigma, redundancy, test;
+  };
+  std::map<int, Row> points;
+  std::map<int, ImageRow> images;
+  std::map<std::pair<int, int>, Observation> observations;  ///< by image and point
+};
+
+std::vector<std::string> words_of(const std::string& line) {
+  std::istringstream stream(line);
+  std::vector<std::string> words;
+  for (std::string word; stream >> word;) words.push_back(word);
+  return words;
+}
+
+/// The report is HTML around fixed tables; without the tags, each section begins with "*** name ***".
+Report read_report() {
+  const std::string html = test::read_file(test::data_file("blocks/aicon/example.htm"));
+  std::istringstream lines(std::regex_replace(html, std::regex("<[^>]*>"), " "));
+  Report report;
+  std::string section, line;
+  int image = 0;
+  while (std::getline(lines, line)) {
+    auto w = words_of(line);
+    if (w.empty()) continue;
+    if (w[0] == "***") section = w[1];
+    const auto number = [&](size_t i) { return std::stod(w.at(i)); };
+    if (section == "Objektpunkte" && w.size() == 9 && w[0] != "Punkt") {
+      report.points[std::stoi(w[0])] = {{number(1), number(2), number(3)}, {number(4), number(5), number(6)}};
+    } else if (section.find("ussere") != std::string::npos && w.size() == 9 && std::isdigit(w[0][0])) {
+      image = std::stoi(w[0]);
+      report.images[image].centre = {number(2), number(3), number(4)};
+      report.images[image].centre_sigma = {number(5), number(6), number(7)};
+    } else if (section.find("ussere") != std::string::npos && w[0] == "air") {
+      report.images[image].angles = {number(2), number(3), number(4)};
+      report.images[image].angle_sigma = {number(5), number(6), number(7)};
+    } else if (section == "Bildkoordinaten" && w.size() == 12 && std::isdigit(w[0][0])) {
+      report.observations[{std::stoi(w[1]), std::stoi(w[0])}] = {
+          {number(4), number(5)}, {number(6), number(7)}, {number(8), number(9)}, {number(10), number(11)}};
+    }
+  }
+  return report;
+}
+
+/// Moves the block onto the report's coordinates by rotation and translation; returns the largest distances left [mm]
+/// and as a multiple of the report's standard deviations.
+struct Differences {
+  double largest = 0, largest_in_sigma = 0, sigma = 0;
+};
+Differences compare_points(const PointBlockResult& result, const Report& report) {
+  const auto& points = result.block.points;
+  Eigen::Matrix3Xd ours(3, points.size()), theirs(3, points.size());
+  for (size_t i = 0; i < points.size(); ++i) {
+    ours.col(static_cast<Eigen::Index>(i)) = 1e3 * points[i].position;
+    theirs.col(static_cast<Eigen::Index>(i)) = report.points.at(points[i].id).position;
+  }
+  const Eigen::Matrix4d motion = Eigen::umeyama(ours, theirs, false);
+  Differences result_of;
+  for (size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Index c = static_cast<Eigen::Index>(i);
+    const Eigen::Vector3d moved = motion.topLeftCorner<3, 3>() * ours.col(c) + motion.topRightCorner<3, 1>();
+    const Eigen::Vector3d difference = (moved - theirs.col(c)).cwiseAbs();
+    const Eigen::Vector3d sigma = 1e3 * result.point_covariance.diagonal().segment<3>(3 * c).cwiseSqrt();
+    const Eigen::Vector3d& reported = report.points.at(points[i].id).sigma;
+    result_of.largest = std::max(result_of.largest, difference.maxCoeff());
+    result_of.largest_in_sigma = std::max(result_of.largest_in_sigma, difference.cwiseQuotient(reported).maxCoeff());
+    result_of.sigma = std::max(result_of.sigma, (sigma - reported).cwiseAbs().maxCoeff());
+  }
+  return result_of;
+}
+
+class AiconBlock : public testing::Test {
+ protected:
+  /// Adjusts the block once with the report's weights and once with equal ones.
+  static void SetUpTestSuite() {
+    if (!std::filesystem::exists(test::data_file("blocks/aicon/example.htm"))) return;
+    report = read_report();
+    PointBlock block = adjust::read_aicon_folder(test::data_file("blocks/aicon")).block;
+    equal_weights = adjust::adjust_point_block(block, {});
+    for (auto& m : block.measurements) {
+      const auto& image = block.images[static_cast<size_t>(m.image)];
+      m.sigma = report.observations.at({image.id, block.points[static_cast<size_t>(m.point)].id}).sigma.x();
+    }
+    reported_weights = adjust::adjust_point_block(block, {});
+  }
+  static Report report;
+  static PointBlockResult equal_weights, reported_weights;
+};
+Report AiconBlock::report;
+PointBlockResult AiconBlock::equal_weights, AiconBlock::reported_weights;
+
+TEST_F(AiconBlock, ReaderLeavesOutWhatTheReportDidNotUse) {
+  PLUMBLINE_REQUIRE_DATA("blocks/aicon/example.phc");
+  const auto read = adjust::read_aicon_folder(test::data_file("blocks/aicon"));
+  EXPECT_EQ(read.measurements_read, 10366);
+  EXPECT_EQ(read.block.measurements.size(), 9972u);
+  EXPECT_EQ(read.block.points.size(), 150u);
+  EXPECT_EQ(read.block.images.size(), 115u);
+  ASSERT_EQ(read.left_out.size(), 2u);
+  EXPECT_EQ(read.left_out[0], "390 measurements: switched off");
+  EXPECT_EQ(read.left_out[1], "4 measurements of point 1087: no approximate coordinates in the .obc file");
+}
+
+TEST_F(AiconBlock, CountsAndSigmaZero) {
+  PLUMBLINE_REQUIRE_DATA("blocks/aicon/example.htm");
+  for (const auto* result : {&equal_weights, &reported_weights}) {
+    EXPECT_EQ(result->observations, 19945);
+    EXPECT_EQ(result->unknowns, 1147);
+    EXPECT_EQ(result->constraints, 6);
+    EXPECT_EQ(result->degrees_of_freedom, 18804);
+    double redundancy = 0;
+    for (const auto& group : result->groups) redundancy += group.redundancy;
+    EXPECT_NEAR(redundancy, 18804, 1e-5);
+    EXPECT_NEAR(result->sigma0, std::sqrt(result->weighted_sum_of_squares / result->degrees_of_freedom), 1e-15);
+  }
+  EXPECT_NEAR(reported_weights.sigma0, 0.000405, 0.5e-6);  // as printed
+  EXPECT_NEAR(equal_weights.sigma0, 0.000405, 0.01 * 0.000405);
+}
+
+TEST_F(AiconBlock, CoordinatesAndStandardDeviations) {
+  PLUMBLINE_REQUIRE_DATA("blocks/aicon/example.htm");
+  const Differences same = compare_points(reported_weights, report);
+  EXPECT_LT(same.largest, 0.0001);  // the report prints 0.0001 mm
+  EXPECT_LT(same.sigma, 0.0001);
+  const Differences equal = compare_points(equal_weights, report);
+  EXPECT_LT(equal.largest, 0.004);
+  EXPECT_LT(equal.largest_in_sigma, 1.0);
+  EXPECT_LT(equal.sigma, 0.0004);
+}
+
+TEST_F(AiconBlock, InteriorOrientation) {
+  PLUMBLINE_REQUIRE_DATA("blocks/aicon/example.htm");
+  const std::vector<std::array<double, 2>> reported = {{-2.878507e+001, 2.513178e-004}, {1.734892e-002, 3.441658e-004},
+                                                       {5.668731e-002, 3.262600e-004},  {-1.096069e-004, 2.978787e-008},
+                                                       {1.495660e-007, 7.655524e-011},  {5.798428e-006, 1.190972e-007},
+                                                       {-8.644540e-006, 1.043919e-007}};
+  const double correlation[7][7] = {{1},
+                                    {0.240, 1},
+                                    {-0.555, -0.191, 1},
+                                    {-0.304, -0.131, 0.206, 1},
+                                    {0.184, 0.082, -0.127, -0.909, 1},
+                                    {0.190, 0.939, -0.179, -0.187, 0.097, 1},
+                                    {-0.376, -0.222, 0.800, 0.302, -0.138, -0.257, 1}};
+  const auto& result = reported_weights;
+  ASSERT_EQ(result.free_parameters, (std::vector<int>{0, 1, 2, 3, 4, 6, 7}));
+  const Eigen::MatrixXd& covariance = result.interior_covariance[0];
+  for (size_t i = 0; i < reported.size(); ++i) {
+    const auto at = static_cast<size_t>(result.free_parameters[i]);
+    const Eigen::Index r = static_cast<Eigen::Index>(i);
+    const double sigma = std::sqrt(covariance(r, r));
+    EXPECT_NEAR(result.block.cameras[0].values[at], reported[i][0], 0.03 * sigma) << adjust::SensorCamera::names[at];
+    EXPECT_NEAR(sigma / reported[i][1], 1, 1e-3) << adjust::SensorCamera::names[at];
+    for (Eigen::Index k = 0; k <= r; ++k)
+      EXPECT_NEAR(covariance(r, k) / (sigma * std::sqrt(covariance(k, k))), correlation[i][k], 0.001) << i << " " << k;
+    const double equal = std::sqrt(equal_weights.interior_covariance[0](r, r));
+    EXPECT_NEAR(equal_weights.block.cameras[0].values[at], reported[i][0], 0.2 * sigma);
+    EXPECT_NEAR(equal / reported[i][1], 1, 0.005);
+  }
+}
+
+TEST_F(AiconBlock, ExteriorOrientation) {
+  PLUMBLINE_REQUIRE_DATA("blocks/aicon/example.htm");
+  const auto& result = reported_weights;
+  for (size_t i = 0; i < result.block.images.size(); ++i) {
+    const auto& image = result.block.images[i];
+    const auto& reported = report.images.at(image.id);
+    const Eigen::Vector3d centre_sigma = 1e3 * result.pose_covariance[i].diagonal().head<3>().cwiseSqrt();
+    EXPECT_LT((centre_sigma - reported.centre_sigma).cwiseAbs().maxCoeff(), 0.0002) << image.id;
+    EXPECT_LT((1e3 * image.centre - reported.centre).cwiseAbs().cwiseQuotient(centre_sigma).maxCoeff(), 0.2)
+        << image.id;
+    for (int k = 0; k < 3; ++k) {
+      const double difference = std::remainder(image.angles(k) - reported.angles(k), 2 * M_PI);
+      EXPECT_LT(std::abs(difference), 0.2 * std::sqrt(result.angle_covariance[i](k, k))) << image.id;
+    }
+  }
+  // Correlations of the first image's projection centre with Ck … B2, as printed.
+  const double correlation[3][7] = {{-0.530, -0.171, 0.353, 0.125, -0.068, -0.124, 0.250},
+                                    {0.192, 0.049, -0.072, -0.011, -0.002, 0.034, 0.005},
+                                    {0.048, 0.003, -0.048, -0.066, 0.048, 0.005, -0.023}};
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 7; ++c) EXPECT_NEAR(result.pose_interior_correlation[0](r, c), correlation[r][c], 0.001);
+}
+
+TEST_F(AiconBlock, ResidualsRedundancyNumbersAndTests) {
+  PLUMBLINE_REQUIRE_DATA("blocks/aicon/example.htm");
+  const auto& result = reported_weights;
+  for (size_t i = 0; i < result.block.measurements.size(); ++i) {
+    const auto& m = result.block.measurements[i];
+    const auto& reported = report.observations.at(
+        {result.block.images[static_cast<size_t>(m.image)].id, result.block.points[static_cast<size_t>(m.point)].id});
+    for (size_t k = 0; k < 2; ++k) {
+      const auto& ours = result.measurement_reliability[i][k];
+      const Eigen::Index e = static_cast<Eigen::Index>(k);
+      EXPECT_NEAR(ours.residual, reported.residual(e), 3e-6) << i;
+      EXPECT_NEAR(ours.redundancy_number, reported.redundancy(e), 0.006) << i;
+      if (ours.redundancy_number > 0.1) {
+        EXPECT_NEAR(std::abs(ours.normalised_residual), reported.test(e), 0.015) << i;
+      }
+    }
+  }
+  // A single scale bar in a free network checks nothing.
+  EXPECT_NEAR(result.scale_bar_reliability.at(0).redundancy_number, 0, 1e-9);
+  EXPECT_TRUE(std::isinf(result.scale_bar_reliability.at(0).minimal_detectable_error));
+}
+
+}  // namespace
