@@ -52,7 +52,9 @@ inline std::string small_building(const std::string& schema, const std::string& 
   line("#39=IFCRELAGGREGATES('2ZvctVUKr0kugbFTf53O9L',#5,$,$,#29,(#31));");
   line("#40=IFCRELAGGREGATES('3ZvctVUKr0kugbFTf53O9L',#5,$,$,#31,(#36,#37));");
   // a bolt of 20 mm and 100 mm along z, about the origin of its placement
-  line("#50=IFCCIRCLEPROFILEDEF(.AREA.,$,$,10.);");
+  line("#48=IFCCARTESIANPOINT((0.,0.));");
+  line("#49=IFCAXIS2PLACEMENT2D(#48,$);");
+  line("#50=IFCCIRCLEPROFILEDEF(.AREA.,$,#49,10.);");
   line("#51=IFCCARTESIANPOINT((0.,0.,-50.));");
   line("#52=IFCAXIS2PLACEMENT3D(#51,$,$);");
   line("#53=IFCEXTRUDEDAREASOLID(#50,#52,#24,100.);");
@@ -79,7 +81,7 @@ inline std::string small_building(const std::string& schema, const std::string& 
   line("#221=IFCCARTESIANPOINT((3000.,-100.,0.));");
   line("#222=IFCAXIS2PLACEMENT3D(#221,$,$);");
   line("#223=IFCLOCALPLACEMENT(#219,#222);");
-  line("#224=IFCRECTANGLEPROFILEDEF(.AREA.,$,$,2200.,20.);");
+  line("#224=IFCRECTANGLEPROFILEDEF(.AREA.,$,#49,2200.,20.);");
   line("#225=IFCEXTRUDEDAREASOLID(#224,#21,#24,1000.);");
   line("#226=IFCSHAPEREPRESENTATION(#22,'Body','SweptSolid',(#225));");
   line("#227=IFCPRODUCTDEFINITIONSHAPE($,$,(#226));");

@@ -1,0 +1,238 @@
+// The as-built IFC: the design's bytes untouched, additions valid against the EXPRESS schema, values as given.
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "as_built_ifc.hpp"
+#include "express_schema.hpp"
+#include "ifc_model.hpp"
+#include "small_building.hpp"
+#include "test_support.hpp"
+
+namespace plumbline::bim {
+namespace {
+
+/// Three of four anchors measured, with residuals, floors, a transfer and provenance.
+AsBuilt measurements(const Design& design) {
+  AsBuilt as_built;
+  for (const Element& element : design.elements) {
+    if (!element.is_anchor || element.name == "F2-C2") continue;
+    AsBuiltAnchor anchor;
+    anchor.id = element.name;
+    anchor.floor = element.storey == "Level 1" ? 1 : 2;
+    anchor.role = element.name == "F1-C1" ? "control" : "check";
+    anchor.position = element.position + Eigen::Vector3d(0.001, -0.002, anchor.floor == 1 ? 0.0005 : 0.009);
+    anchor.covariance = Eigen::Vector3d(4e-8, 9e-8, 1e-8).asDiagonal();
+    anchor.survey = SurveyResidual{{0.0001, 0.0002, -0.0015}, 0.0004, Verdict::pass, 0.999};
+    as_built.anchors.push_back(anchor);
+  }
+  as_built.floors = {
+      {1, "check", true, 1, -0.0015, -0.0015, Verdict::pass, 0.0015, 0.0015, {{0.002, 1}, {0.0025, 1}}},
+      {2, "check", true, 1, -0.0015, -0.003, Verdict::undecided, 0.0015, 0.0015, {{0.002, 1}, {0.0025, 1}}}};
+  as_built.transfers = {{1, 2, 0.0004, -0.0004, 0.0006, 2, Verdict::pass}};
+  as_built.facade_normal = Eigen::Vector3d(1, 0, 0);
+  as_built.provenance = {{"Method", "photogrammetry with survey control"}, {"SoftwareVersion", "Plumbline 0.1.0"}};
+  return as_built;
+}
+
+AsBuiltIfc enrich(const std::string& bytes, const AsBuiltIfcOptions& options = {}) {
+  const step::File file(bytes, "t.ifc");
+  const Design design = read_design(file, {});
+  return write_as_built(file, design, measurements(design), options);
+}
+
+/// Property sets of the objects, as "name of object/set/property" → the value argument.
+std::map<std::string, step::Value> properties_of(const step::File& file) {
+  const Model model(file);
+  std::map<std::string, step::Value> found;
+  for (const std::uint32_t index : file.of_type("IFCRELDEFINESBYPROPERTIES")) {
+    const auto relation = file.arguments(file.instances()[index]);
+    const Entity set = model.entity(relation.at(5).id);
+    for (const step::Value& object : relation.at(4).items)
+      for (const std::uint64_t id : set.references("HasProperties")) {
+        const auto property = file.arguments(*file.find(id));
+        found[file.arguments(*file.find(object.id)).at(2).text + "/" + set.text("Name") + "/" + property.at(0).text] =
+            property.at(2);
+      }
+  }
+  return found;
+}
+
+double number(const std::map<std::string, step::Value>& found, const std::string& key) {
+  if (!found.contains(key)) throw std::runtime_error("no property " + key);
+  return found.at(key).items.at(0).number;
+}
+
+class AsBuiltFile : public testing::TestWithParam<Schema> {
+ protected:
+  std::string design_bytes() const { return test::small_building(schema_name(GetParam())); }
+};
+
+TEST_P(AsBuiltFile, KeepsTheDesignsBytesAndIsStable) {
+  const std::string before = design_bytes();
+  const AsBuiltIfc after = enrich(before);
+  const std::size_t end = before.rfind("ENDSEC;");
+  EXPECT_EQ(after.bytes.substr(0, end), before.substr(0, end));
+  EXPECT_EQ(after.bytes.substr(after.bytes.size() - (before.size() - end)), before.substr(end));
+  EXPECT_EQ(enrich(before).bytes, after.bytes);
+  EXPECT_EQ(after.bytes.find("\n\n"), std::string::npos);
+  EXPECT_EQ(std::count(after.bytes.begin(), after.bytes.end(), '\n'),
+            std::count(after.bytes.begin(), after.bytes.end(), '\r'));
+  EXPECT_EQ(after.measured, 3);
+  EXPECT_EQ(after.not_measured, 1);
+  EXPECT_EQ(after.failed, 1);
+  EXPECT_EQ(after.passed, 2);
+  EXPECT_EQ(after.panels, 2);  // the plate, and the curtain wall it is a part of
+  EXPECT_TRUE(after.warnings.empty()) << after.warnings[0];
+}
+
+TEST_P(AsBuiltFile, IsValidAgainstTheExpressSchema) {
+  const std::string path = std::string("ifc/express/") + schema_name(GetParam()) + ".exp";
+  PLUMBLINE_REQUIRE_DATA(path);
+  const test::ExpressSchema schema(test::read_file(test::data_file(path)));
+  const step::File file(enrich(design_bytes()).bytes, "t.ifc");
+  std::set<std::string> guids;
+  for (const step::Instance& instance : file.instances()) {
+    for (const std::string& wrong : schema.check(file, instance)) ADD_FAILURE() << wrong;
+    if (schema.is_a(file.type_name(instance), "IFCROOT")) {
+      EXPECT_TRUE(guids.insert(file.arguments(instance).at(0).text).second) << "GlobalId twice: #" << instance.id;
+    }
+  }
+}
+
+TEST_P(AsBuiltFile, ObeysTheContainmentRules) {
+  const step::File file(enrich(design_bytes()).bytes, "t.ifc");
+  std::map<std::uint64_t, int> contained;
+  for (const std::uint32_t index : file.of_type("IFCRELCONTAINEDINSPATIALSTRUCTURE"))
+    for (const step::Value& item : file.arguments(file.instances()[index]).at(4).items) ++contained[item.id];
+  for (const auto& [id, times] : contained) EXPECT_EQ(times, 1) << "#" << id << " is contained more than once";
+  for (const std::uint32_t index : file.of_type("IFCRELAGGREGATES"))
+    for (const step::Value& part : file.arguments(file.instances()[index]).at(5).items)
+      EXPECT_FALSE(contained.contains(part.id)) << "#" << part.id;
+  const auto& annotations = file.of_type("IFCANNOTATION");
+  EXPECT_EQ(annotations.size(), 3u);
+  for (const std::uint32_t index : annotations) EXPECT_EQ(contained[file.instances()[index].id], 1);
+  for (const std::uint32_t index : file.of_type("IFCPROPERTYSET")) {
+    const std::string name = file.arguments(file.instances()[index]).at(2).text;
+    EXPECT_TRUE(name.starts_with("ASB_")) << name;  // names that start with Pset are reserved
+  }
+}
+
+TEST_P(AsBuiltFile, CarriesTheValuesInTheUnitOfTheProject) {
+  const step::File file(enrich(design_bytes()).bytes, "t.ifc");
+  const auto found = properties_of(file);
+  const auto text = [&](const std::string& key) { return found.at(key).items.at(0).items.at(0).text; };
+  EXPECT_EQ(number(found, "F1-C1/ASB_AnchorDeviation/DeviationX"), 1);
+  EXPECT_EQ(number(found, "F1-C1/ASB_AnchorDeviation/DeviationY"), -2);
+  EXPECT_EQ(number(found, "F2-C1/ASB_AnchorDeviation/DeviationZ"), 9);
+  EXPECT_NEAR(number(found, "F2-C1/ASB_AnchorDeviation/Deviation3D"), std::sqrt(86.0), 1e-6);
+  EXPECT_EQ(number(found, "F2-C1/ASB_AnchorDeviation/DeviationOutOfPlane"), 1);
+  EXPECT_EQ(found.at("F2-C1/ASB_AnchorDeviation/AsBuiltPosition").items.at(2).items.at(0).number, 4109);
+  EXPECT_EQ(found.at("F2-C1/ASB_AnchorDeviation/DesignPosition").items.at(0).items.at(0).number, 10000);
+  EXPECT_EQ(text("F2-C1/ASB_AnchorDeviation/Verdict"), "FAIL");
+  EXPECT_EQ(text("F1-C2/ASB_AnchorDeviation/Verdict"), "PASS");
+  EXPECT_EQ(text("F2-C2/ASB_AnchorDeviation/Verdict"), "NOTMEASURED");
+  EXPECT_FALSE(found.contains("F2-C2/ASB_AnchorDeviation/DeviationX"));
+  EXPECT_FALSE(found.contains("F2-C2/ASB_Provenance/Method"));
+  EXPECT_EQ(found.at("F1-C1/ASB_AnchorDeviation/ToleranceZ").items.at(0).number, 5);
+  EXPECT_EQ(number(found, "F1-C1/ASB_ModelVsSurvey/DeltaZ"), -1.5);
+  EXPECT_NEAR(number(found, "F1-C1/ASB_ModelVsSurvey/Distance3D"), std::sqrt(2.30), 1e-6);
+  EXPECT_EQ(text("F1-C1/ASB_ModelVsSurvey/Role"), "CONTROL");
+  EXPECT_EQ(text("F1-C2/ASB_ModelVsSurvey/Role"), "CHECK");
+  EXPECT_EQ(number(found, "F1-C1/ASB_Uncertainty/StdY"), 0.3);
+  EXPECT_EQ(found.at("F1-C1/ASB_Uncertainty/CovarianceUpper_mm2").items.at(3).items.at(0).number, 0.09);
+  EXPECT_EQ(found.at("F1-C1/ASB_Provenance/SoftwareVersion").items.at(0).text, "Plumbline 0.1.0");
+  EXPECT_EQ(number(found, "Level 2/ASB_FloorStatistics/Drift"), -3);
+  EXPECT_EQ(number(found, "Level 1/ASB_FloorStatistics/N"), 1);
+  EXPECT_EQ(found.at("Level 1/ASB_FloorStatistics/PassRate").items.at(1).items.at(0).number, 2.5);
+  EXPECT_EQ(number(found, "Level 1 to Level 2/ASB_InterFloor/E_transfer"), 0.4);
+  EXPECT_EQ(number(found, "Level 1 to Level 2/ASB_InterFloor/DesignHeight"), 3500);
+  EXPECT_EQ(number(found, "Level 1 to Level 2/ASB_InterFloor/MeasuredHeight"), 3508.5);
+  EXPECT_EQ(number(found, "Panel 1/ASB_PanelFit/FitZ"), 9);
+  EXPECT_EQ(found.at("Panel 1/ASB_PanelFit/AnchorGUIDs").items.at(0).items.at(0).text, "21vctVUKr0kugbFTf53O9L");
+}
+
+TEST_P(AsBuiltFile, SurveyPointsStandWhereTheAnchorsWereMeasured) {
+  const step::File file(enrich(design_bytes()).bytes, "t.ifc");
+  const Model model(file);
+  // #37, Level 1, stands at (10, 20, 0.1) and is turned by 90°: the measured (10.001, 21.998, 0.6005) lies at (1.998,
+  // −0.001, 0.5005).
+  const auto annotation = file.arguments(file.instances()[file.of_type("IFCANNOTATION")[0]]);
+  const Entity placement = model.entity(annotation.at(5).id);
+  EXPECT_EQ(placement.reference("PlacementRelTo"), 35u);
+  const Entity point = model.entity(model.entity(placement.reference("RelativePlacement")).reference("Location"));
+  EXPECT_EQ(point.numbers("Coordinates"), (std::vector<double>{1998, -1, 500.5}));
+}
+
+TEST_P(AsBuiltFile, EpochsStandSideBySideAndRepetitionsAreRefused) {
+  AsBuiltIfcOptions first, second;
+  first.epoch = "2026-05";
+  second.epoch = "2026-06";
+  const std::string once = enrich(design_bytes(), first).bytes;
+  const std::string twice = enrich(once, second).bytes;
+  const step::File file(twice, "t.ifc");
+  EXPECT_EQ(file.of_type("IFCANNOTATION").size(), 6u);
+  int applications = 0;
+  for (const Entity& application : Model(file).all("IFCAPPLICATION"))
+    applications += application.text("ApplicationIdentifier") == "plumbline-as-built";
+  EXPECT_EQ(applications, 1);
+  try {
+    enrich(once, first);
+    FAIL() << "the same epoch was written twice";
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("start from the design file, or give another 'epoch'"), std::string::npos)
+        << error.what();
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Schemas, AsBuiltFile, testing::Values(Schema::ifc2x3, Schema::ifc4, Schema::ifc4x3),
+                         [](const auto& test) { return schema_name(test.param); });
+
+TEST(AsBuiltUnits, FeetStayFeet) {
+  const std::string feet = test::small_building(
+      "IFC4", "#500=IFCSIUNIT(*,.LENGTHUNIT.,$,.METRE.);",
+      "#11=IFCCONVERSIONBASEDUNIT(#14,.LENGTHUNIT.,'FOOT',#17);#17=IFCMEASUREWITHUNIT(IFCRATIOMEASURE(0.3048),#500);");
+  const step::File file(enrich(feet).bytes, "t.ifc");
+  EXPECT_NEAR(number(properties_of(file), "F1-C1/ASB_AnchorDeviation/DeviationX"), 0.001 / 0.3048, 1e-9);
+}
+
+TEST(AsBuiltFloors, TwoFloorsInOneStoreyAreRefused) {
+  const step::File file(test::small_building("IFC4"), "t.ifc");
+  const Design design = read_design(file, {});
+  AsBuilt as_built = measurements(design);
+  as_built.anchors[0].floor = 3;
+  as_built.anchors[1].floor = 1;
+  EXPECT_THROW(write_as_built(file, design, as_built, {}), std::runtime_error);
+}
+
+TEST(AsBuiltRealFiles, AreEnrichedAndValid) {
+  for (const char* name :
+       {"510--curtainWall.ifc", "Ifc4_SampleHouse.ifc", "TallBuilding.ifc", "tested_sample_project_2x3.ifc"}) {
+    PLUMBLINE_REQUIRE_DATA(std::string("ifc/") + name);
+    const step::File file = step::File::read(test::data_file(std::string("ifc/") + name).string());
+    // No real file at hand has fasteners: windows and plates stand in.
+    const Design design = read_design(file, {{"IfcPlate", "IfcWindow"}, "", {}, {}});
+    AsBuilt as_built;
+    for (const Element& element : design.elements) {
+      if (!element.is_anchor) continue;
+      AsBuiltAnchor anchor;
+      anchor.id = element.guid;
+      anchor.position = element.position + Eigen::Vector3d(0.001, 0.002, 0.003);
+      anchor.covariance = Eigen::Matrix3d::Identity() * 1e-7;
+      as_built.anchors.push_back(anchor);
+    }
+    const AsBuiltIfc result = write_as_built(file, design, as_built, {});
+    EXPECT_EQ(result.measured, static_cast<int>(as_built.anchors.size()));
+    EXPECT_EQ(result.bytes.substr(0, file.data_end()), file.bytes().substr(0, file.data_end())) << name;
+    EXPECT_TRUE(result.bytes.ends_with(file.bytes().substr(file.data_end()))) << name;
+    const step::File after(result.bytes, name);
+    const std::string express = std::string("ifc/express/") + design.schema + ".exp";
+    const test::ExpressSchema schema(test::read_file(test::data_file(express)));
+    for (const step::Instance& instance : after.instances())
+      if (instance.id > file.largest_id())
+        for (const std::string& wrong : schema.check(after, instance)) ADD_FAILURE() << name << " " << wrong;
+  }
+}
+
+}  // namespace
+}  // namespace plumbline::bim
