@@ -24,20 +24,20 @@ class ElementIndex {
     }
   }
 
-  /// By GUID, else by name, else by tag. Of several with one name, the only anchor among them is meant.
-  const Element& find(const std::string& id) const {
-    if (const auto found = by_guid_.find(id); found != by_guid_.end()) return *found->second;
+  /// By GUID, else by name, else by tag; nullptr if none fits. Of several with one name, the only anchor among them is
+  /// meant.
+  const Element* find(const std::string& id) const {
+    if (const auto found = by_guid_.find(id); found != by_guid_.end()) return found->second;
     for (const auto* index : {&by_name_, &by_tag_}) {
       const auto found = index->find(id);
       if (found == index->end()) continue;
       std::vector<const Element*> candidates = found->second;
       if (candidates.size() > 1) std::erase_if(candidates, [](const Element* element) { return !element->is_anchor; });
-      if (candidates.size() == 1) return *candidates[0];
+      if (candidates.size() == 1) return candidates[0];
       throw std::runtime_error("anchor '" + id + "' fits " + std::to_string(found->second.size()) + " elements of " +
                                file_name_ + ", expected one; use its GlobalId as anchor id");
     }
-    throw std::runtime_error("anchor '" + id + "' fits no element of " + file_name_ +
-                             " by GlobalId, name or tag; check the plate table against the design");
+    return nullptr;
   }
 
  private:
@@ -172,17 +172,26 @@ std::optional<Eigen::Vector3d> estimate_facade_normal(const Design& design) {
   return Eigen::Vector3d(normal.x(), normal.y(), 0);
 }
 
-std::vector<AnchorDeviation> match_anchors(const Design& design, const AsBuilt& as_built) {
+std::vector<AnchorDeviation> match_anchors(const Design& design, const AsBuilt& as_built,
+                                           std::vector<std::string>& unmatched) {
   const ElementIndex index(design);
   std::unordered_map<const Element*, const AsBuiltAnchor*> measured;
   for (const AsBuiltAnchor& anchor : as_built.anchors) {
-    const Element& element = index.find(anchor.id);
-    const auto [entry, added] = measured.emplace(&element, &anchor);
+    const Element* element = index.find(anchor.id);
+    if (!element) {
+      unmatched.push_back(anchor.id);
+      continue;
+    }
+    const auto [entry, added] = measured.emplace(element, &anchor);
     if (!added)
       throw std::runtime_error("'" + entry->second->id + "' and '" + anchor.id + "' are the same element of " +
-                               design.file_name + " (GlobalId " + element.guid +
+                               design.file_name + " (GlobalId " + element->guid +
                                "), expected one measurement of each anchor");
   }
+  if (measured.empty() && !unmatched.empty())
+    throw std::runtime_error("none of the " + std::to_string(unmatched.size()) + " anchors ('" + unmatched[0] +
+                             "', …) fits an element of " + design.file_name +
+                             " by GlobalId, name or tag; check the plate table against the design");
   const auto normal = as_built.facade_normal ? as_built.facade_normal : estimate_facade_normal(design);
   std::vector<AnchorDeviation> anchors;
   for (const Element& element : design.elements) {
@@ -209,12 +218,14 @@ std::vector<PanelFit> fit_panels(const Design& design, const std::vector<AnchorD
     fit.panel = &panel;
     const RigidTransform panel_from_project = panel.project_from_element.inverse();
     const Eigen::Vector3d centre = panel.project_from_element * Eigen::Vector3d((panel.box_low + panel.box_high) / 2);
-    for (const AnchorDeviation& anchor : anchors) {
-      if (!anchor.deviation.allFinite()) continue;
-      const Eigen::Vector3d local = panel_from_project * anchor.element->position;
-      const Eigen::Vector3d outside = (panel.box_low - local).cwiseMax(local - panel.box_high).cwiseMax(0.0);
-      if (outside.norm() <= reach) fit.anchors.push_back(&anchor);
-    }
+    const auto fixes = [&](const Element& anchor) {
+      if (!panel.anchor_guids.empty())
+        return std::find(panel.anchor_guids.begin(), panel.anchor_guids.end(), anchor.guid) != panel.anchor_guids.end();
+      const Eigen::Vector3d local = panel_from_project * anchor.position;
+      return (panel.box_low - local).cwiseMax(local - panel.box_high).cwiseMax(0.0).norm() <= reach;
+    };
+    for (const AnchorDeviation& anchor : anchors)
+      if (anchor.deviation.allFinite() && fixes(*anchor.element)) fit.anchors.push_back(&anchor);
     if (fit.anchors.empty()) continue;
     fit_pose(fit, centre);
     fits.push_back(std::move(fit));

@@ -106,12 +106,15 @@ double conformance_probability(double deviation, double u, double tolerance);
 /// rest of the building. Nothing if they form no line (a single column of anchors, several facades).
 std::optional<Eigen::Vector3d> estimate_facade_normal(const Design& design);
 
-/// One entry for each design anchor and for each element that was measured, in the order of the design. Throws
-/// std::runtime_error if a measured id names no element or several, if two measurements name the same element, or if
-/// the measurements lie so far from the design that the frames cannot be the same.
-std::vector<AnchorDeviation> match_anchors(const Design& design, const AsBuilt& as_built);
+/// One entry for each design anchor and for each element that was measured, in the order of the design. Measured ids
+/// that fit no element go to `unmatched`. Throws std::runtime_error if none fits, if one fits several elements, if two
+/// measurements are of the same element, or if the measurements lie so far from the design that the frames cannot be
+/// the same.
+std::vector<AnchorDeviation> match_anchors(const Design& design, const AsBuilt& as_built,
+                                           std::vector<std::string>& unmatched);
 
-/// Panels with at least one measured anchor on their outline.
+/// Panels with at least one measured anchor: those the design fixes them by, else those within `reach` [m] of their
+/// box.
 std::vector<PanelFit> fit_panels(const Design& design, const std::vector<AnchorDeviation>& anchors, double reach);
 
 }  // namespace plumbline::bim

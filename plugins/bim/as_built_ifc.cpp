@@ -31,7 +31,11 @@ class Writer {
         appender_(model_, design.project_guid, design.length_unit, options.timestamp) {}
 
   AsBuiltIfc write() {
-    anchors_ = match_anchors(design_, as_built_);
+    std::vector<std::string> unmatched;
+    anchors_ = match_anchors(design_, as_built_, unmatched);
+    for (const std::string& id : unmatched)
+      result_.warnings.push_back("anchor '" + id +
+                                 "' fits no element of the design by GlobalId, name or tag; it is left out");
     verdicts_ = enumeration("ASB_Verdict", {"PASS", "FAIL", "UNDECIDED", "NOTMEASURED"});
     roles_ = enumeration("ASB_Role", {"CONTROL", "CHECK", "NONE"});
     for (const AnchorDeviation& anchor : anchors_) write_anchor(anchor);

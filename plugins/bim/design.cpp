@@ -80,6 +80,7 @@ class Reader {
     read_type_names();
     read_elements();
     place_aggregates();
+    read_fixings();
     read_map_conversion();
     return std::move(design_);
   }
@@ -256,6 +257,20 @@ class Reader {
       whole.rule = ReferencePointRule::parts_centre;
       whole.position = whole.project_from_element * Eigen::Vector3d(box.center());
     }
+  }
+
+  /// Which anchors the file itself ties to a panel.
+  void read_fixings() {
+    std::unordered_map<std::uint64_t, Element*> elements;
+    for (Element& element : design_.elements) elements[element.instance] = &element;
+    for (const Entity& relation : model_.all("IFCRELCONNECTSWITHREALIZINGELEMENTS"))
+      for (const char* side : {"RelatingElement", "RelatedElement"}) {
+        const auto panel = elements.find(relation.reference(side));
+        if (panel == elements.end() || !panel->second->is_panel) continue;
+        for (const std::uint64_t id : relation.references("RealizingElements"))
+          if (const auto anchor = elements.find(id); anchor != elements.end() && anchor->second->is_anchor)
+            panel->second->anchor_guids.push_back(anchor->second->guid);
+      }
   }
 
   void read_map_conversion() {

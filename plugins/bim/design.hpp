@@ -47,6 +47,9 @@ struct Element {
   /// Of an anchor whose shape has several items (IFC lets one fastener stand for many): the centre of each, project
   /// frame [m].
   std::vector<Eigen::Vector3d> item_positions;
+  /// Of a panel: GlobalIds of the anchors that it is fixed by (IfcRelConnectsWithRealizingElements), if the file says
+  /// so.
+  std::vector<std::string> anchor_guids;
   std::uint64_t instance = 0;  ///< number in the file
 };
 

@@ -38,6 +38,9 @@ constexpr EntityLayout kLayouts[] = {
      "GlobalId OwnerHistory Name Description RelatingElement RelatedFeatureElement"},
     {"IFCRELFILLSELEMENT", kAllSchemas,
      "GlobalId OwnerHistory Name Description RelatingOpeningElement RelatedBuildingElement"},
+    {"IFCRELCONNECTSWITHREALIZINGELEMENTS", kAllSchemas,
+     "GlobalId OwnerHistory Name Description ConnectionGeometry RelatingElement RelatedElement RealizingElements "
+     "ConnectionType"},
     {"IFCRELDEFINESBYTYPE", kAllSchemas, "GlobalId OwnerHistory Name Description RelatedObjects RelatingType"},
     {"IFCPROPERTYSET", kAllSchemas, "GlobalId OwnerHistory Name Description HasProperties"},
     {"IFCPROPERTYSINGLEVALUE", k2x3 | k4, "Name Description NominalValue Unit"},

@@ -36,9 +36,14 @@ Design facade() {
   return design;
 }
 
+std::vector<AnchorDeviation> matched(const Design& design, const AsBuilt& as_built) {
+  std::vector<std::string> unmatched;
+  return match_anchors(design, as_built, unmatched);
+}
+
 std::string message_of(const Design& design, const AsBuilt& as_built) {
   try {
-    match_anchors(design, as_built);
+    matched(design, as_built);
   } catch (const std::runtime_error& error) {
     return error.what();
   }
@@ -76,7 +81,7 @@ TEST(Deviation, IsAsBuiltMinusDesign) {
   AsBuilt as_built;
   as_built.anchors = {measured("A1", {2.003, -0.004, 0.001}), measured("A3", {2, 0, 2.0071})};
   const Design design = facade();
-  const auto anchors = match_anchors(design, as_built);
+  const auto anchors = matched(design, as_built);
   ASSERT_EQ(anchors.size(), 4u);
   EXPECT_EQ(anchors[0].verdict, Verdict::not_measured);
   EXPECT_NEAR((anchors[1].deviation - Eigen::Vector3d(0.003, -0.004, 0.001)).norm(), 0, 1e-12);
@@ -91,7 +96,11 @@ TEST(Deviation, MisfitsAreNamed) {
   Design design = facade();
   AsBuilt as_built;
   as_built.anchors = {measured("B7", {0, 0, 0})};
-  EXPECT_NE(message_of(design, as_built).find("anchor 'B7' fits no element of d.ifc"), std::string::npos);
+  EXPECT_NE(message_of(design, as_built).find("none of the 1 anchors ('B7', …) fits an element of d.ifc"), std::string::npos);
+  as_built.anchors.push_back(measured("A1", {2, 0, 0}));
+  std::vector<std::string> unmatched;
+  match_anchors(design, as_built, unmatched);
+  EXPECT_EQ(unmatched, std::vector<std::string>{"B7"});
   as_built.anchors = {measured("A1", {2, 0, 0}), measured("guid of A1", {2, 0, 0})};
   EXPECT_NE(message_of(design, as_built).find("are the same element"), std::string::npos);
   as_built.anchors = {measured("A1", {691002, 5335000, 520})};
@@ -117,16 +126,19 @@ TEST(PanelFit, RecoversAPoseAndLeavesOutWhatItCannotTell) {
     const Eigen::Vector3d p = design.elements[static_cast<std::size_t>(i)].position;
     as_built.anchors.push_back(measured("A" + std::to_string(i), p + shift + turn.cross(p - centre)));
   }
-  auto anchors = match_anchors(design, as_built);
+  auto anchors = matched(design, as_built);
   auto fits = fit_panels(design, anchors, 0.3);
   ASSERT_EQ(fits.size(), 1u);
   EXPECT_EQ(fits[0].anchors.size(), 4u);
   EXPECT_NEAR((fits[0].translation - shift).norm(), 0, 1e-12);
   EXPECT_NEAR((fits[0].rotation - turn).norm(), 0, 1e-12);
   EXPECT_TRUE(fit_panels(design, anchors, 0.1).empty());  // its anchors are 0.2 m off
+  design.elements.back().anchor_guids = {"guid of A2"};    // what the design says goes first
+  EXPECT_EQ(fit_panels(design, anchors, 0.3)[0].anchors.size(), 1u);
+  design.elements.back().anchor_guids.clear();
 
   as_built.anchors.resize(1);  // one anchor tells a shift only
-  anchors = match_anchors(design, as_built);
+  anchors = matched(design, as_built);
   fits = fit_panels(design, anchors, 0.3);
   EXPECT_EQ(fits[0].rotation.norm(), 0);
   EXPECT_NEAR((fits[0].translation - anchors[0].deviation).norm(), 0, 1e-12);

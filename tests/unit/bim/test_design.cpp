@@ -198,6 +198,12 @@ TEST(Anchors, AreFoundByClassPatternNameAndGuid) {
   EXPECT_NE(message_of(small_building("IFC4"), {{}, "(", {}, {}}).find("no regular expression"), std::string::npos);
 }
 
+TEST(Anchors, TheFileMayTieThemToAPanel) {
+  const Design design = read(small_building(
+      "IFC4", "#500=IFCRELCONNECTSWITHREALIZINGELEMENTS('0dvctVUKr0kugbFTf53O9L',#5,$,$,$,#220,#228,(#123,#228),'FacadeFixing');"));
+  EXPECT_EQ(named(design, "Panel 1").anchor_guids, std::vector<std::string>{"21vctVUKr0kugbFTf53O9L"});
+}
+
 TEST(Georeference, IsHandedOnAndDoubtfulScalesAreNamed) {
   const std::string crs = "#500=IFCPROJECTEDCRS('EPSG:25832',$,$,$,$,$,#501);#501=IFCSIUNIT(*,.LENGTHUNIT.,$,.METRE.);";
   const Design good =
