@@ -71,11 +71,12 @@ Building make_building(const BuildingOptions& options, std::uint64_t seed) {
     building.batch_scale.push_back(1.0 + scale_random.normal(options.tag_scale_sigma));
   }
 
-  const auto add = [&](int floor, int column, AnchorRole role, std::string id, double x, double z) {
+  const auto add = [&](int floor, int column, int row, AnchorRole role, std::string id, double x, double z) {
     Anchor anchor;
     anchor.id = std::move(id);
     anchor.floor = floor;
     anchor.column = column;
+    anchor.row = row;
     anchor.role = role;
     anchor.tag_id = static_cast<int>(building.anchors.size());
     anchor.batch = (floor - 1) * options.print_batches / options.floors;
@@ -94,13 +95,13 @@ Building make_building(const BuildingOptions& options, std::uint64_t seed) {
     const std::string name = two_digits("F", floor);
     for (int row = 1; row <= 2; ++row) {
       for (int column = 1; column <= options.columns; ++column) {
-        add(floor, column, AnchorRole::control, name + two_digits("-C", column) + "-R" + std::to_string(row),
+        add(floor, column, row, AnchorRole::control, name + two_digits("-C", column) + "-R" + std::to_string(row),
             options.spacing * (column - 0.5), bottom + options.spacing * (row - 0.5));
       }
     }
     int number = 0;
     for (const double column : check_columns(options.columns)) {
-      add(floor, 0, AnchorRole::check, name + "-K" + std::to_string(++number), options.spacing * (column + 0.5),
+      add(floor, 0, 0, AnchorRole::check, name + "-K" + std::to_string(++number), options.spacing * (column + 0.5),
           bottom + options.spacing);
     }
   }

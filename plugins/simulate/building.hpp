@@ -35,6 +35,7 @@ struct Anchor {
   std::string id;  ///< "F02-C03-R1": floor, column, row from the left and below; check anchors "F02-K1"
   int floor = 0;   ///< from 1 at the bottom
   int column = 0;  ///< from 1; 0 for a check anchor
+  int row = 0;     ///< from 1 within the floor; 0 for a check anchor
   AnchorRole role = AnchorRole::control;
   Eigen::Vector3d design = Eigen::Vector3d::Zero();  ///< [m], building frame
   Eigen::Vector3d built = Eigen::Vector3d::Zero();   ///< truth [m], building frame

@@ -118,10 +118,7 @@ SimulatedCamera make_camera(const CameraProfile& profile, std::uint64_t seed) {
 
   camera.calibration = camera.truth;
   auto values = camera.truth.parameters();
-  const double focal_error = random.normal(profile.calibration_sigmas[0]);  // pixels are square: one error for both
-  values[0] += focal_error;
-  values[1] += focal_error;
-  for (std::size_t i = 2; i < values.size(); ++i) values[i] += random.normal(profile.calibration_sigmas[i]);
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] += random.normal(profile.calibration_sigmas[i]);
   camera.calibration.set_parameters(values);
   return camera;
 }

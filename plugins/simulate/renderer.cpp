@@ -1,0 +1,216 @@
+#include "renderer.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/random.hpp"
+#include "plate_raster.hpp"
+
+namespace plumbline::simulate {
+namespace {
+
+constexpr double kWallDepth = 0.03;    // the wall stands behind the plates [m]
+constexpr float kWhiteLevel = 258;     // grey level of reflectance 1 in full light; the plates' white then is about 210
+constexpr float kShift = 64;           // makes coordinates positive, so that truncation rounds down
+
+/// std::clamp returns references, which keeps loops from being vectorised.
+inline float limit(float value, float lower, float upper) {
+  const float raised = value < lower ? lower : value;
+  return raised > upper ? upper : raised;
+}
+
+/// What the row functions need of the wall.
+struct Wall {
+  float width, height, storey, spacing, pixel;  // [m]; pixel: size of a pixel on the wall
+  std::uint32_t seed;
+};
+
+/// Reflectance of wall, sky and ground at (x, z) [m]. Boards with joints at the grid's cells, slab edges at the storeys.
+__attribute__((target_clones("avx2", "default"))) void shade_wall(const float* x, const float* z, std::size_t count,
+                                                                  Wall wall, float* reflectance) {
+  const float inverse_pixel = 1 / wall.pixel;
+  for (std::size_t i = 0; i < count; ++i) {
+    const float px = x[i] + kShift, pz = z[i] + kShift;
+    std::uint32_t hash = (static_cast<std::uint32_t>(static_cast<std::int32_t>(px * 400)) * 0x9e3779b1u) ^
+                         (static_cast<std::uint32_t>(static_cast<std::int32_t>(pz * 400)) * 0x85ebca77u) ^ wall.seed;
+    hash = (hash ^ (hash >> 15)) * 0x2c1b3c6du;
+    hash = (hash ^ (hash >> 12)) * 0x297a2d39u;
+    const float grain = static_cast<float>(static_cast<std::int32_t>((hash >> 16) & 0xff)) * (1.0f / 255) - 0.5f;
+    // Distances to the nearest vertical joint and to the nearest storey line.
+    const float across = x[i] / wall.spacing + kShift + 0.5f, up = z[i] / wall.storey + kShift + 0.5f;
+    const float to_joint = std::fabs(across - 0.5f - static_cast<float>(static_cast<std::int32_t>(across))) * wall.spacing;
+    const float to_storey = std::fabs(up - 0.5f - static_cast<float>(static_cast<std::int32_t>(up))) * wall.storey;
+    const float joint = limit((to_joint - 0.006f) * inverse_pixel + 0.5f, 0.0f, 1.0f);
+    const float slab = limit((0.16f - to_storey) * inverse_pixel + 0.5f, 0.0f, 1.0f);
+    const float edge = limit((std::fabs(to_storey - 0.165f) - 0.006f) * inverse_pixel + 0.5f, 0.0f, 1.0f);
+    const float board = (0.40f + 0.05f * grain) * (0.35f + 0.65f * joint);
+    const float concrete = 0.55f + 0.09f * grain;
+    const float surface = (board + slab * (concrete - board)) * (0.4f + 0.6f * edge);
+    const float ground = 0.30f + 0.10f * grain;
+    const bool on_wall = (x[i] > 0) & (x[i] < wall.width) & (z[i] < wall.height);
+    reflectance[i] = z[i] < 0 ? ground : on_wall ? surface : 0.78f;
+  }
+}
+
+/// Light to grey levels with noise of variance read² + shot · level; the sum of four bytes of a hash is nearly normal.
+__attribute__((target_clones("avx2", "default"))) void expose(const float* reflectance, const float* light,
+                                                              std::size_t count, std::uint32_t row_seed, float read,
+                                                              float shot, std::uint8_t* out) {
+  for (std::size_t i = 0; i < count; ++i) {
+    std::uint32_t hash = static_cast<std::uint32_t>(i) * 0x9e3779b1u + row_seed;
+    hash = (hash ^ (hash >> 16)) * 0x21f0aaadu;
+    hash = (hash ^ (hash >> 15)) * 0x735a2d97u;
+    hash ^= hash >> 15;
+    const std::int32_t sum = static_cast<std::int32_t>((hash & 0xff) + ((hash >> 8) & 0xff) + ((hash >> 16) & 0xff) +
+                                                       (hash >> 24));
+    const float normal = (static_cast<float>(sum) - 510.0f) * (1.0f / 147.8f);
+    const float level = reflectance[i] * light[i];
+    const float noisy = level + normal * std::sqrt(read * read + shot * level);
+    out[i] = static_cast<std::uint8_t>(static_cast<std::int32_t>(limit(noisy + 0.5f, 0.0f, 255.0f)));
+  }
+}
+
+/// Smooth noise in [-1, 1] with cells of one metre: stains on the wall.
+double stain(double x, double z, std::uint64_t seed) {
+  const double fx = std::floor(x), fz = std::floor(z), a = x - fx, b = z - fz;
+  const auto corner = [&](double cx, double cz) {
+    const auto key = static_cast<std::uint64_t>(static_cast<std::int64_t>(cx) * 7919 + static_cast<std::int64_t>(cz));
+    return static_cast<double>(mix_bits(seed ^ mix_bits(key)) >> 11) * 0x1.0p-52 - 1.0;
+  };
+  const double s = a * a * (3 - 2 * a), t = b * b * (3 - 2 * b);
+  const double lower = corner(fx, fz) * (1 - s) + corner(fx + 1, fz) * s;
+  const double upper = corner(fx, fz + 1) * (1 - s) + corner(fx + 1, fz + 1) * s;
+  return lower * (1 - t) + upper * t;
+}
+
+}  // namespace
+
+struct Renderer::Scene {
+  int width = 0, height = 0;
+  Wall wall{};
+  float read = 0, shot = 0;
+  std::uint32_t noise_seed = 0;
+  int grid_columns = 0;
+  std::vector<float> x, z, light;  ///< at every 16th pixel
+  std::vector<PlateRaster> plates;
+
+  /// One image row of a quantity that is known at every 16th pixel.
+  void interpolate(const std::vector<float>& grid, int row, std::vector<float>& out) const {
+    const std::size_t columns = static_cast<std::size_t>(grid_columns);
+    const std::size_t first = static_cast<std::size_t>(row / RayGrid::step) * columns;
+    const float b = static_cast<float>(row % RayGrid::step) / RayGrid::step;
+    for (std::size_t c = 0; c + 1 < columns; ++c) {
+      const float* upper = grid.data() + first + c;
+      const float* lower = upper + columns;
+      const float left = upper[0] + b * (lower[0] - upper[0]), right = upper[1] + b * (lower[1] - upper[1]);
+      const float slope = (right - left) / RayGrid::step;
+      for (std::size_t i = 0; i < RayGrid::step; ++i) out[c * RayGrid::step + i] = left + static_cast<float>(i) * slope;
+    }
+  }
+
+  void composite(int row, std::vector<float>& reflectance) const {
+    for (const PlateRaster& plate : plates) {
+      if (row < plate.top || row >= plate.top + plate.height) continue;
+      const std::size_t width_of_plate = static_cast<std::size_t>(plate.width);
+      const std::size_t offset = static_cast<std::size_t>(row - plate.top) * width_of_plate;
+      float* out = reflectance.data() + plate.left;
+      for (std::size_t i = 0; i < width_of_plate; ++i) {
+        out[i] = out[i] * (1 - plate.coverage[offset + i]) + plate.reflectance[offset + i];
+      }
+    }
+  }
+
+  void colour(int row, const std::vector<float>& row_x, const std::vector<float>& row_z, std::uint8_t* blue,
+              std::uint8_t* red) const {
+    for (std::size_t i = 0; 2 * i + 1 < row_x.size(); ++i) {
+      const float px = row_x[2 * i], pz = row_z[2 * i];
+      const bool on_wall = px > 0 && px < wall.width && pz < wall.height;
+      blue[i] = pz < 0 ? 118 : on_wall ? 123 : 142;
+      red[i] = pz < 0 ? 133 : on_wall ? 132 : 119;
+    }
+    for (const PlateRaster& plate : plates) {  // metal, paper and ink have no hue
+      if (row < plate.top || row >= plate.top + plate.height) continue;
+      const std::size_t offset = static_cast<std::size_t>(row - plate.top) * static_cast<std::size_t>(plate.width);
+      for (int column = plate.left; column < plate.left + plate.width; ++column) {
+        if (plate.coverage[offset + static_cast<std::size_t>(column - plate.left)] < 0.5f) continue;
+        blue[column / 2] = red[column / 2] = 128;
+      }
+    }
+  }
+};
+
+Renderer::Renderer(const Building& building, const SimulatedCamera& camera, const RigidTransform& camera_from_building,
+                   const RenderOptions& options)
+    : scene_(std::make_unique<Scene>()) {
+  Scene& s = *scene_;
+  const BrownCamera& c = camera.truth;
+  s.width = c.width, s.height = c.height;
+  const RigidTransform building_from_camera = camera_from_building.inverse();
+  const Eigen::Vector3d centre = building_from_camera.translation;
+  const double distance = kWallDepth - centre.y();
+  s.wall = {static_cast<float>(building.width), static_cast<float>(building.height),
+            static_cast<float>(building.storey_height), static_cast<float>(building.options.spacing),
+            static_cast<float>(distance / c.fx), static_cast<std::uint32_t>(derive_seed(options.seed, "wall"))};
+  s.read = static_cast<float>(options.noise_scale * camera.profile.read_noise);
+  s.shot = static_cast<float>(options.noise_scale * options.noise_scale * camera.profile.shot_noise);
+  s.noise_seed = static_cast<std::uint32_t>(derive_seed(options.seed, "noise"));
+
+  const RayGrid rays(c);
+  s.grid_columns = rays.columns;
+  const Eigen::Matrix3d rotation = building_from_camera.rotation.toRotationMatrix();
+  const double corner2 = std::pow(0.5 * c.width / c.fx, 2) + std::pow(0.5 * c.height / c.fy, 2);
+  for (std::size_t i = 0; i < rays.x.size(); ++i) {
+    const Eigen::Vector3d ray = rotation * Eigen::Vector3d(rays.x[i], rays.y[i], 1);
+    // Rays that rise above the horizon of the wall's plane end far away; the sky and the ground go on there.
+    const double reach = ray.y() > 0.02 ? distance / ray.y() : 50 * distance;
+    const Eigen::Vector3d on_wall = centre + reach * ray;
+    const double x = std::clamp(on_wall.x(), -60.0, 500.0), z = std::clamp(on_wall.z(), -60.0, 500.0);
+    const double vignetting = 1 - camera.profile.vignetting * (rays.x[i] * rays.x[i] + rays.y[i] * rays.y[i]) / corner2;
+    const double across = std::clamp(x / building.width - 0.5, -1.0, 1.0);
+    const double gradient = 1 + options.light_gradient * (0.6 * across + 0.4 * std::sin(0.21 * z));
+    s.x.push_back(static_cast<float>(x));
+    s.z.push_back(static_cast<float>(z));
+    s.light.push_back(static_cast<float>(options.exposure * kWhiteLevel * vignetting * gradient *
+                                         (1 + 0.05 * stain(x, z, options.seed))));
+  }
+
+  const double blur = options.blur >= 0 ? options.blur : camera.profile.blur;
+  for (const Anchor& anchor : building.anchors) {
+    PlateRaster plate = raster_plate(anchor, c, camera_from_building, rays, blur);
+    if (plate.width > 0) s.plates.push_back(std::move(plate));
+  }
+}
+
+Renderer::~Renderer() = default;
+int Renderer::width() const { return scene_->width; }
+int Renderer::height() const { return scene_->height; }
+
+void Renderer::render(int band, Band& out) const {
+  const Scene& s = *scene_;
+  const std::size_t padded = static_cast<std::size_t>(padded_width());
+  const std::size_t line = static_cast<std::size_t>(s.grid_columns - 1) * RayGrid::step;  // at least the image's width
+  out.luma.resize(band_rows * padded);
+  out.blue.resize(band_rows / 2 * padded / 2);
+  out.red.resize(out.blue.size());
+  std::vector<float> x(line), z(line), light(line), reflectance(line);
+  std::vector<std::uint8_t> grey(line), blue(line / 2), red(line / 2);
+  for (int r = 0; r < band_rows; ++r) {
+    const int row = std::min(band * band_rows + r, s.height - 1);  // a JPEG block that hangs over repeats the last row
+    s.interpolate(s.x, row, x);
+    s.interpolate(s.z, row, z);
+    s.interpolate(s.light, row, light);
+    shade_wall(x.data(), z.data(), line, s.wall, reflectance.data());
+    s.composite(row, reflectance);
+    expose(reflectance.data(), light.data(), line, s.noise_seed + static_cast<std::uint32_t>(row) * 0x85ebca77u, s.read,
+           s.shot, grey.data());
+    std::copy_n(grey.begin(), padded, out.luma.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(r) * padded));
+    if (r % 2 == 0) {
+      s.colour(row, x, z, blue.data(), red.data());
+      const auto offset = static_cast<std::ptrdiff_t>(static_cast<std::size_t>(r / 2) * padded / 2);
+      std::copy_n(blue.begin(), padded / 2, out.blue.begin() + offset);
+      std::copy_n(red.begin(), padded / 2, out.red.begin() + offset);
+    }
+  }
+}
+
+}  // namespace plumbline::simulate
