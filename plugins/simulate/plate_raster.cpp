@@ -19,7 +19,7 @@ constexpr float kWhite = 0.82f, kBlack = 0.05f, kMetal = 0.58f;
 /// What is drawn on a plate, in plate coordinates.
 struct PlateDrawing {
   std::array<float, 144> modules;  // 12 × 12: the tag with its white edge, and the plate's metal around
-  float module_size, tag_x, tag_y;
+  float module_size, inverse_module_size, tag_x, tag_y;
   float half_width, bottom, top, target_radius;
 };
 
@@ -31,6 +31,7 @@ PlateDrawing make_drawing(const Anchor& anchor) {
     for (std::size_t c = 0; c < 10; ++c) d.modules[(r + 1) * 12 + c + 1] = tag[r * 10 + c] > 0.5f ? kWhite : kBlack;
   }
   d.module_size = static_cast<float>(anchor.true_plate.tag_size / 8);
+  d.inverse_module_size = 1 / d.module_size;
   d.tag_x = static_cast<float>(anchor.true_plate.tag_centre_in_plate.x());
   d.tag_y = static_cast<float>(anchor.true_plate.tag_centre_in_plate.y());
   const PlateOutline outline = plate_outline(anchor.true_plate);
@@ -69,8 +70,8 @@ inline float target_at(const PlateDrawing& d, float u, float v, float inverse_wi
 
 /// The tag: modules blended across their common edges over the width of a footprint, which is the integral over it.
 inline float tag_at(const PlateDrawing& d, float u, float v, float inverse_width) {
-  const float column = limit((u - d.tag_x) / d.module_size + 5.5f, 0.0f, 10.999f);  // 0.5 less than the edge count
-  const float row = limit((d.tag_y - v) / d.module_size + 5.5f, 0.0f, 10.999f);
+  const float column = limit((u - d.tag_x) * d.inverse_module_size + 5.5f, 0.0f, 10.999f);  // 0.5 less than the edge count
+  const float row = limit((d.tag_y - v) * d.inverse_module_size + 5.5f, 0.0f, 10.999f);
   const int c = static_cast<int>(column), r = static_cast<int>(row);
   const float per_module = inverse_width * d.module_size;
   const float a = step(column - static_cast<float>(c) - 0.5f, per_module);
@@ -81,15 +82,14 @@ inline float tag_at(const PlateDrawing& d, float u, float v, float inverse_width
 }
 
 /// Draws samples at plate coordinates (u, v) [m]: reflectance · coverage and coverage.
-__attribute__((target_clones("avx2", "default"))) void draw_samples(const PlateDrawing& d, const float* u,
-                                                                    const float* v, std::size_t count,
-                                                                    float inverse_width, float* weighted,
-                                                                    float* coverage) {
+void draw_samples(const PlateDrawing& d, const float* u, const float* v, std::size_t count, float inverse_width,
+                  float* weighted, float* coverage) {
   for (std::size_t i = 0; i < count; ++i) {
     const float share = coverage_at(d, u[i], v[i], inverse_width);
-    const float target = target_at(d, u[i], v[i], inverse_width), tag = tag_at(d, u[i], v[i], inverse_width);
     coverage[i] = share;
-    weighted[i] = share * (v[i] < 1.3f * d.target_radius ? target : tag);
+    weighted[i] = share <= 0                            ? 0
+                  : v[i] < 1.3f * d.target_radius ? share * target_at(d, u[i], v[i], inverse_width)
+                                                  : share * tag_at(d, u[i], v[i], inverse_width);
   }
 }
 
