@@ -1,0 +1,196 @@
+#include "campaign.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <atomic>
+#include <cstdio>
+#include <stdexcept>
+
+#include "design_ifc.hpp"
+#include "formats/gsi.hpp"
+#include "geometry/random.hpp"
+#include "jpeg.hpp"
+#include "text_output.hpp"
+
+namespace plumbline::simulate {
+namespace {
+
+std::string campaign_yaml(const Campaign& c) {
+  return "# What a site hands over; docs/campaign_folder.md explains every line.\n"
+         "plumbline_campaign: 1\n"
+         "name: simulated facade, " + std::to_string(c.building.options.floors) + " floors, seed " +
+         std::to_string(c.seed) + "\n"
+         "images: images/*.jpg\n"
+         "camera: camera.yaml\n"
+         "plates: plates.csv\n"
+         "survey: survey/*.gsi\n"
+         "instrument: " + c.options.survey.instrument + "\n"
+         "control: control.csv\n"
+         "design: design.ifc\n";
+}
+
+std::string camera_yaml(const SimulatedCamera& camera, const BrownCamera& values, bool with_sigmas) {
+  std::string text = "plumbline_camera: 1\nid: " + camera.profile.name + "\nmake: " + camera.profile.make +
+                     "\nmodel: " + camera.profile.model + "\nwidth: " + std::to_string(values.width) +
+                     "\nheight: " + std::to_string(values.height) +
+                     "\npixel_pitch_um: " + number(1e6 * camera.profile.pixel_pitch) +
+                     "\npixel_origin: centre  # the centre of the top-left pixel is (0, 0); 'corner': it is (0.5, 0.5)\n"
+                     "# px for f and c; Brown's distortion in OpenCV's order and signs\n";
+  const auto list = [&](const char* name, const std::array<double, BrownCamera::parameter_count>& numbers) {
+    text += std::string(name) + ":\n";
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+      text += std::string("  ") + BrownCamera::parameter_names[i] + ": " + number(numbers[i]) + "\n";
+    }
+  };
+  list("parameters", values.parameters());
+  if (with_sigmas) list("sigmas", camera.profile.calibration_sigmas);
+  return text;
+}
+
+std::string plates_csv(const Building& building) {
+  std::string text =
+      "anchor,role,floor,column,row,tag_family,tag_id,tag_size_mm,tag_x_mm,tag_y_mm,tag_z_mm,facing_azimuth_deg,batch\n";
+  const MarkerPlate& plate = building.nominal_plate;
+  for (const Anchor& a : building.anchors) {
+    text += a.id + "," + to_string(a.role) + "," + std::to_string(a.floor) + "," + std::to_string(a.column) + "," +
+            std::to_string(a.row) + ",tag36h11," + std::to_string(a.tag_id) + "," + number(1e3 * plate.tag_size);
+    for (const double offset : plate.tag_centre_in_plate) text += "," + number(1e3 * offset);
+    text += ",180,batch-" + std::to_string(a.batch + 1) + "\n";
+  }
+  return text;
+}
+
+std::string control_csv(const StationPlan& plan) {
+  std::string text = "id,east_m,north_m,height_m,sigma_east_mm,sigma_north_mm,sigma_height_mm\n";
+  for (const GroundPoint& p : plan.ground_points) {
+    text += p.id;
+    for (const double coordinate : p.given) text += "," + fixed(coordinate, 5);
+    for (int axis = 0; axis < 3; ++axis) text += "," + number(1e3 * p.sigma);
+    text += "\n";
+  }
+  return text;
+}
+
+std::string taken_at(std::size_t index) {  // a photograph every 20 s from nine in the morning
+  const int seconds = static_cast<int>(20 * index);
+  char text[32];
+  std::snprintf(text, sizeof text, "2026:05:04 %02d:%02d:%02d", (9 + seconds / 3600) % 24, seconds / 60 % 60, seconds % 60);
+  return text;
+}
+
+RenderOptions render_options(const Campaign& c, std::size_t index) {
+  RenderOptions options;
+  options.noise_scale = c.options.noise_scale;
+  options.blur = c.options.blur;
+  options.light_gradient = c.options.light_gradient;
+  Random random(c.seed, "light", index);
+  options.exposure = 1 + 0.05 * (2 * random.uniform() - 1);
+  options.seed = derive_seed(c.seed, "image", index);
+  return options;
+}
+
+}  // namespace
+
+Campaign make_campaign(const CampaignOptions& options, std::uint64_t seed) {
+  Campaign c;
+  c.options = options;
+  c.seed = seed;
+  c.building = make_building(options.building, seed);
+  c.camera = make_camera(camera_profile(options.camera), seed);
+  c.stations = plan_camera_stations(c.building, c.camera, options.cameras, seed);
+  c.plan = plan_set_ups(c.building, options.survey, seed);
+  const std::vector<std::string> broken = broken_station_rules(c.building, c.plan);
+  if (!broken.empty()) {
+    throw std::invalid_argument("the station plan breaks " + std::to_string(broken.size()) +
+                                " rules of the survey, the first: " + broken.front());
+  }
+  c.observations = observe(c.building, c.plan, options.survey, seed);
+  return c;
+}
+
+void write_campaign_files(const Campaign& c, const std::filesystem::path& folder) {
+  std::filesystem::create_directories(folder / "survey");
+  write_file(folder / "campaign.yaml", campaign_yaml(c));
+  write_file(folder / "camera.yaml", camera_yaml(c.camera, c.camera.calibration, true));
+  write_file(folder / "plates.csv", plates_csv(c.building));
+  write_file(folder / "control.csv", control_csv(c.plan));
+  write_file(folder / "survey/total_station.gsi", survey::write_gsi(c.observations));
+  write_file(folder / "design.ifc", write_design_ifc(c.building, c.seed, c.options.design_in_millimetres));
+}
+
+std::uint64_t image_memory(const CameraProfile& profile) {
+  const auto pixels = static_cast<std::uint64_t>(profile.nominal.width) * static_cast<std::uint64_t>(profile.nominal.height);
+  return pixels + (std::uint64_t{32} << 20);  // the JPEG while it grows, the plates, the grid of rays
+}
+
+void write_images(const Campaign& c, const std::filesystem::path& folder,
+                  const std::function<bool(std::size_t)>& progress) {
+  std::filesystem::create_directories(folder / "images");
+  std::atomic<std::size_t> done{0};
+  std::atomic<bool> stopped{false};
+  tbb::parallel_for(std::size_t{0}, c.stations.size(), [&](std::size_t i) {
+    if (stopped) return;
+    const CameraStation& station = c.stations[i];
+    const Renderer renderer(c.building, c.camera, station.camera_from_building, render_options(c, i));
+    const CameraProfile& profile = c.camera.profile;
+    const ExifFields exif{profile.make, profile.model, taken_at(i), profile.focal_length};
+    write_file(folder / "images" / station.image, encode_jpeg(renderer, profile.jpeg_quality, exif));
+    if (progress && !progress(++done)) stopped = true;
+  });
+  if (stopped) throw std::runtime_error("stopped while rendering images");
+}
+
+void write_truth(const Campaign& c, const std::filesystem::path& folder) {
+  std::string anchors =
+      "anchor,role,floor,column,row,design_x_m,design_y_m,design_z_m,x_m,y_m,z_m,rotation_w,rotation_x,rotation_y,rotation_z\n";
+  std::string tags = "tag_id,anchor,batch,size_mm\n";
+  for (const Anchor& a : c.building.anchors) {
+    anchors += a.id + "," + to_string(a.role) + "," + std::to_string(a.floor) + "," + std::to_string(a.column) + "," +
+               std::to_string(a.row);
+    for (const double v : a.design) anchors += "," + number(v);
+    for (const double v : a.built) anchors += "," + number(v);
+    const Eigen::Quaterniond& q = a.building_from_plate.rotation;
+    for (const double v : {q.w(), q.x(), q.y(), q.z()}) anchors += "," + number(v);
+    anchors += "\n";
+    tags += std::to_string(a.tag_id) + "," + a.id + ",batch-" + std::to_string(a.batch + 1) + "," +
+            number(1e3 * a.true_plate.tag_size) + "\n";
+  }
+  std::string cameras = "image,w,x,y,z,tx_m,ty_m,tz_m\n";  // camera_from_building
+  std::string corners = "image,tag_id,corner,x_px,y_px\n";
+  for (const CameraStation& s : c.stations) {
+    const RigidTransform& pose = s.camera_from_building;
+    cameras += s.image;
+    for (const double v : {pose.rotation.w(), pose.rotation.x(), pose.rotation.y(), pose.rotation.z()}) {
+      cameras += "," + number(v);
+    }
+    for (const double v : pose.translation) cameras += "," + number(v);
+    cameras += "\n";
+    for (const VisibleTag& tag : visible_tags(c.building, c.camera.truth, pose)) {
+      for (std::size_t i = 0; i < 4; ++i) {
+        corners += s.image + "," + std::to_string(tag.anchor->tag_id) + "," + std::to_string(i) + "," +
+                   number(tag.corners[i].x()) + "," + number(tag.corners[i].y()) + "\n";
+      }
+    }
+  }
+  std::string set_ups = "set_up,x_m,y_m,z_m,instrument_height_m,orientation_rad\n";
+  for (const PlannedSetUp& s : c.plan.set_ups) {
+    set_ups += s.id;
+    for (const double v : s.axis) set_ups += "," + number(v);
+    set_ups += "," + number(s.instrument_height) + "," + number(s.orientation) + "\n";
+  }
+  std::string ground = "id,x_m,y_m,z_m\n";
+  for (const GroundPoint& p : c.plan.ground_points) {
+    ground += p.id;
+    for (const double v : p.truth) ground += "," + number(v);
+    ground += "\n";
+  }
+  write_file(folder / "anchors.csv", anchors);
+  write_file(folder / "tags.csv", tags);
+  write_file(folder / "cameras.csv", cameras);
+  write_file(folder / "corners.csv", corners);
+  write_file(folder / "set_ups.csv", set_ups);
+  write_file(folder / "control.csv", ground);
+  write_file(folder / "camera.yaml", camera_yaml(c.camera, c.camera.truth, false));
+}
+
+}  // namespace plumbline::simulate

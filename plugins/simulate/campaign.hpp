@@ -1,0 +1,52 @@
+// A whole simulated campaign: made in memory from options and a seed, then written as the folder that a site would hand over,
+// with the truth in another folder beside it.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+
+#include "camera.hpp"
+#include "renderer.hpp"
+#include "survey_plan.hpp"
+
+namespace plumbline::simulate {
+
+struct CampaignOptions {
+  BuildingOptions building;
+  SurveyOptions survey;
+  CameraNetworkOptions cameras;
+  std::string camera = "demo_24mp";
+  double noise_scale = 1.0;     ///< of the image noise
+  double blur = -1;             ///< [px]; negative: the camera profile's
+  double light_gradient = 0.2;  ///< relative change of the light across the facade
+  bool design_in_millimetres = false;
+};
+
+struct Campaign {
+  CampaignOptions options;
+  std::uint64_t seed = 0;
+  Building building;
+  SimulatedCamera camera;
+  std::vector<CameraStation> stations;
+  StationPlan plan;
+  survey::SurveyObservations observations;
+};
+
+/// Throws std::invalid_argument for options out of bounds and for a plan that breaks the rules of the station plan.
+Campaign make_campaign(const CampaignOptions& options, std::uint64_t seed);
+
+/// campaign.yaml, camera.yaml, plates.csv, control.csv, survey/total_station.gsi, design.ifc. The folder must exist.
+void write_campaign_files(const Campaign& campaign, const std::filesystem::path& folder);
+
+/// images/*.jpg, rendered in parallel. `progress` is called from any thread after each image with how many are done, and may
+/// return false to stop: then std::runtime_error is thrown.
+void write_images(const Campaign& campaign, const std::filesystem::path& folder,
+                  const std::function<bool(std::size_t done)>& progress);
+
+/// Bytes that one image takes while it is rendered and encoded, generously.
+std::uint64_t image_memory(const CameraProfile& profile);
+
+/// truth/: anchors.csv, cameras.csv, camera.yaml, tags.csv, set_ups.csv, corners.csv. The folder must exist.
+void write_truth(const Campaign& campaign, const std::filesystem::path& folder);
+
+}  // namespace plumbline::simulate
