@@ -1,0 +1,68 @@
+// What a site hands over, read from its folder: campaign.yaml and the files it names. docs/campaign_folder.md shows each file.
+// Nothing is guessed: an unknown key, a missing file or a unit that is not expected is an error with file and line.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "geometry/camera.hpp"
+
+namespace plumbline::campaign {
+
+/// what() is "file:line: what was found, what was expected".
+class CampaignError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+  CampaignError(const std::filesystem::path& file, int line, const std::string& what)
+      : std::runtime_error(file.string() + (line > 0 ? ":" + std::to_string(line) : "") + ": " + what) {}
+};
+
+/// campaign.yaml with its patterns resolved. Paths are relative to the folder, with forward slashes, ordered by name.
+struct CampaignDescription {
+  std::string name;
+  std::vector<std::string> images;
+  std::string camera, plates, control, design;  ///< control may be empty: then the survey files hold the datum
+  std::vector<std::string> survey;
+  std::string instrument;  ///< name of an instrument profile; may be empty
+};
+
+/// `files`: what the folder holds, as relative paths with forward slashes. `shown` names campaign.yaml in messages.
+/// Throws CampaignError: unknown or missing key (with the near one), a file that is not there, a pattern without a match.
+CampaignDescription parse_campaign(const std::string& yaml, const std::filesystem::path& shown,
+                                   std::vector<std::string> files);
+
+struct CameraCalibration {
+  std::string id, make, model;
+  double pixel_pitch = 0;  ///< [m]; nan if not given
+  BrownCamera camera;
+  /// In the order and units of BrownCamera::parameter_names; 0: exact. All 0 if the file gives none.
+  std::array<double, BrownCamera::parameter_count> sigmas{};
+};
+/// A camera.yaml. `pixel_origin: corner` (COLMAP, libapriltag) is shifted to our convention. Throws CampaignError.
+CameraCalibration parse_camera(const std::string& yaml, const std::filesystem::path& shown);
+
+struct PlateEntry {
+  std::string anchor, tag_family, batch, role;  ///< role "control" or "check"
+  int tag_id = 0, floor = 0, column = 0, row = 0;
+  double tag_size = 0;                                             ///< [m]
+  Eigen::Vector3d tag_centre_in_plate = Eigen::Vector3d::Zero();  ///< [m]
+  double facing_azimuth = 0;  ///< of the plate's outward normal, clockwise from north [rad]
+};
+/// A plates.csv, ordered by anchor. Throws CampaignError, also for an anchor or a tag that occurs twice.
+std::vector<PlateEntry> parse_plates(const std::string& csv, const std::filesystem::path& shown);
+
+/// Rotation of an upright plate whose normal is horizontal: frame_from_plate for a frame of E, N, H.
+Eigen::Quaterniond upright_plate(double facing_azimuth);
+
+struct ControlPoint {
+  std::string id;
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< E, N, H [m]
+  Eigen::Vector3d sigma = Eigen::Vector3d::Zero();     ///< [m]
+};
+/// A control.csv. Throws CampaignError.
+std::vector<ControlPoint> parse_control(const std::string& csv, const std::filesystem::path& shown);
+
+}  // namespace plumbline::campaign
