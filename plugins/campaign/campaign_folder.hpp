@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include "geometry/camera.hpp"
 
 namespace plumbline::campaign {

@@ -1,0 +1,208 @@
+// The two tables of a campaign: plates and control points.
+#include <algorithm>
+#include <numbers>
+#include <set>
+
+#include "campaign_folder.hpp"
+#include "formats/csv_table.hpp"
+
+namespace plumbline::campaign {
+namespace {
+
+using formats::CsvCell;
+using formats::CsvRow;
+using formats::CsvTable;
+
+/// What a column holds.
+enum class Quantity { text, whole, length, angle };
+
+struct ColumnRule {
+  const char* name;
+  Quantity quantity;
+  bool required;
+};
+
+const char* example_of(Quantity quantity) {
+  return quantity == Quantity::length ? "_m or _mm" : quantity == Quantity::angle ? "_deg, _gon or _rad" : "";
+}
+
+/// Reads cells by column name; every error names file, line and column.
+class Table {
+ public:
+  Table(const std::string& csv, const std::filesystem::path& shown, std::vector<ColumnRule> rules)
+      : shown_(shown), rules_(std::move(rules)) {
+    std::map<std::string, std::string> known;
+    for (const ColumnRule& rule : rules_) known[rule.name] = rule.name;
+    table_ = formats::read_csv(csv, known);
+    if (table_.header.empty()) {
+      throw CampaignError(shown, 1, "found no header line, expected the columns " + names());
+    }
+    check_header();
+    if (table_.rows.empty()) throw CampaignError(shown, table_.header_line, "found a header and no row under it");
+  }
+
+  const std::vector<CsvRow>& rows() const { return table_.rows; }
+  [[noreturn]] void fail(const CsvRow& row, const std::string& what) const {
+    throw CampaignError(shown_, row.line, what);
+  }
+
+  bool has(const char* name) const { return column_.count(name) > 0; }
+  std::string text(const CsvRow& row, const char* name) const {
+    const CsvCell* cell = find(row, name);
+    if (!cell) return "";
+    if (cell->text.empty() && rule_of(name).required) fail(row, std::string("column '") + name + "' is empty");
+    return cell->text;
+  }
+  int whole(const CsvRow& row, const char* name) const {
+    const CsvCell* cell = find(row, name);
+    if (!cell || (cell->text.empty() && !rule_of(name).required)) return 0;
+    const auto value = formats::parse_integer(cell->text);
+    if (!value || *value < 0 || *value > 1000000) refuse(row, name, *cell, "a whole number");
+    return static_cast<int>(*value);
+  }
+  /// In m or rad.
+  double number(const CsvRow& row, const char* name) const {
+    const CsvCell* cell = find(row, name);
+    if (!cell) return 0;
+    const auto value = table_.number(*cell);
+    if (!value) refuse(row, name, *cell, "a number");
+    return *value * factor_.at(name);
+  }
+
+ private:
+  std::string names() const {
+    std::string all;
+    for (const ColumnRule& rule : rules_) {
+      all += (all.empty() ? "" : ", ") + std::string(rule.name);
+      if (*example_of(rule.quantity)) all += std::string("_") + (rule.quantity == Quantity::angle ? "deg" : "m");
+    }
+    return all;
+  }
+  const ColumnRule& rule_of(const std::string& name) const {
+    return *std::find_if(rules_.begin(), rules_.end(), [&](const ColumnRule& r) { return name == r.name; });
+  }
+
+  void check_header() {
+    for (std::size_t i = 0; i < table_.header.size(); ++i) {
+      const auto& [name, unit] = table_.header[i];
+      const auto rule = std::find_if(rules_.begin(), rules_.end(), [&](const ColumnRule& r) { return name == r.name; });
+      if (rule == rules_.end()) {
+        throw CampaignError(shown_, table_.header_line, "unknown column '" + name + "'; known are " + names());
+      }
+      if (!column_.emplace(name, i).second) {
+        throw CampaignError(shown_, table_.header_line, "the column '" + name + "' stands here a second time");
+      }
+      factor_[name] = factor(*rule, unit);
+    }
+    for (const ColumnRule& rule : rules_) {
+      if (rule.required && !column_.count(rule.name)) {
+        throw CampaignError(shown_, table_.header_line, std::string("the column '") + rule.name + "' is missing");
+      }
+    }
+  }
+
+  double factor(const ColumnRule& rule, const std::string& unit) const {
+    static const std::map<std::string, double> lengths = {{"m", 1}, {"mm", 1e-3}};
+    static const std::map<std::string, double> angles = {
+        {"deg", std::numbers::pi / 180}, {"gon", std::numbers::pi / 200}, {"rad", 1}};
+    if (rule.quantity == Quantity::text || rule.quantity == Quantity::whole) return 1;
+    const auto& units = rule.quantity == Quantity::length ? lengths : angles;
+    const auto found = units.find(unit);
+    if (found != units.end()) return found->second;
+    throw CampaignError(shown_, table_.header_line,
+                        std::string("column '") + rule.name + "' " +
+                            (unit.empty() ? "has no unit" : "is in '" + unit + "'") + ", expected its name to end in " +
+                            example_of(rule.quantity));
+  }
+
+  const CsvCell* find(const CsvRow& row, const char* name) const {
+    const auto column = column_.find(name);
+    if (column == column_.end()) return nullptr;
+    if (column->second >= row.cells.size()) {
+      fail(row, "found " + std::to_string(row.cells.size()) + " cells, expected " +
+                    std::to_string(table_.header.size()) + "; '" + name + "' is missing");
+    }
+    return &row.cells[column->second];
+  }
+  [[noreturn]] void refuse(const CsvRow& row, const char* name, const CsvCell& cell, const char* expected) const {
+    fail(row, "column '" + std::string(name) + "' holds '" + cell.text + "', expected " + expected);
+  }
+
+  std::filesystem::path shown_;
+  std::vector<ColumnRule> rules_;
+  CsvTable table_;
+  std::map<std::string, std::size_t> column_;
+  std::map<std::string, double> factor_;
+};
+
+}  // namespace
+
+std::vector<PlateEntry> parse_plates(const std::string& csv, const std::filesystem::path& shown) {
+  const Table table(csv, shown,
+                    {{"anchor", Quantity::text, true},
+                     {"role", Quantity::text, true},
+                     {"floor", Quantity::whole, true},
+                     {"column", Quantity::whole, false},
+                     {"row", Quantity::whole, false},
+                     {"tag_family", Quantity::text, true},
+                     {"tag_id", Quantity::whole, true},
+                     {"tag_size", Quantity::length, true},
+                     {"tag_x", Quantity::length, true},
+                     {"tag_y", Quantity::length, true},
+                     {"tag_z", Quantity::length, true},
+                     {"facing_azimuth", Quantity::angle, true},
+                     {"batch", Quantity::text, false}});
+  std::vector<PlateEntry> plates;
+  std::set<std::string> anchors;
+  std::set<std::pair<std::string, int>> tags;
+  for (const CsvRow& row : table.rows()) {
+    PlateEntry p;
+    p.anchor = table.text(row, "anchor");
+    p.role = table.text(row, "role");
+    p.floor = table.whole(row, "floor");
+    p.column = table.whole(row, "column");
+    p.row = table.whole(row, "row");
+    p.tag_family = table.text(row, "tag_family");
+    p.tag_id = table.whole(row, "tag_id");
+    p.tag_size = table.number(row, "tag_size");
+    p.tag_centre_in_plate = {table.number(row, "tag_x"), table.number(row, "tag_y"), table.number(row, "tag_z")};
+    p.facing_azimuth = table.number(row, "facing_azimuth");
+    p.batch = table.text(row, "batch");
+    if (p.role != "control" && p.role != "check") {
+      table.fail(row, "column 'role' holds '" + p.role + "', expected control or check");
+    }
+    if (!(p.tag_size > 0)) table.fail(row, "the tag size must be positive");
+    if (!anchors.insert(p.anchor).second) table.fail(row, "anchor '" + p.anchor + "' has a plate already");
+    if (!tags.insert({p.tag_family, p.tag_id}).second) {
+      table.fail(row, "tag " + std::to_string(p.tag_id) + " of " + p.tag_family + " hangs at another anchor already");
+    }
+    plates.push_back(std::move(p));
+  }
+  std::sort(plates.begin(), plates.end(), [](const auto& a, const auto& b) { return a.anchor < b.anchor; });
+  return plates;
+}
+
+std::vector<ControlPoint> parse_control(const std::string& csv, const std::filesystem::path& shown) {
+  const Table table(csv, shown,
+                    {{"id", Quantity::text, true},
+                     {"east", Quantity::length, true},
+                     {"north", Quantity::length, true},
+                     {"height", Quantity::length, true},
+                     {"sigma_east", Quantity::length, true},
+                     {"sigma_north", Quantity::length, true},
+                     {"sigma_height", Quantity::length, true}});
+  std::vector<ControlPoint> points;
+  std::set<std::string> ids;
+  for (const CsvRow& row : table.rows()) {
+    ControlPoint p;
+    p.id = table.text(row, "id");
+    p.position = {table.number(row, "east"), table.number(row, "north"), table.number(row, "height")};
+    p.sigma = {table.number(row, "sigma_east"), table.number(row, "sigma_north"), table.number(row, "sigma_height")};
+    if (!(p.sigma.minCoeff() > 0)) table.fail(row, "standard deviations of '" + p.id + "' must be positive");
+    if (!ids.insert(p.id).second) table.fail(row, "control point '" + p.id + "' stands here a second time");
+    points.push_back(std::move(p));
+  }
+  return points;
+}
+
+}  // namespace plumbline::campaign

@@ -1,0 +1,172 @@
+// read.campaign: the folder of a site as artifacts. The work is in campaign_folder.hpp, image_header.hpp and survey_files.hpp.
+#include <fstream>
+#include <map>
+
+#include "artifacts/camera.hpp"
+#include "artifacts/file.hpp"
+#include "artifacts/folder.hpp"
+#include "artifacts/image.hpp"
+#include "artifacts/plates.hpp"
+#include "artifacts/points.hpp"
+#include "campaign_folder.hpp"
+#include "formats/survey_artifact.hpp"
+#include "image_header.hpp"
+#include "plumbline/node.hpp"
+#include "survey_files.hpp"
+
+namespace {
+
+using namespace plumbline;
+namespace fs = std::filesystem;
+
+std::string read_text(const fs::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(stream), {}};
+  if (!stream) throw campaign::CampaignError(path, 0, "the file cannot be read");
+  return text;
+}
+
+CameraT to_artifact(const campaign::CameraCalibration& c, const std::string& source) {
+  CameraT camera;
+  camera.id = c.id;
+  camera.width = c.camera.width;
+  camera.height = c.camera.height;
+  camera.pixel_pitch = c.pixel_pitch;
+  const auto parameters = c.camera.parameters();
+  camera.parameters.assign(parameters.begin(), parameters.end());
+  if (std::any_of(c.sigmas.begin(), c.sigmas.end(), [](double s) { return s > 0; })) {
+    for (std::size_t i = 0; i < c.sigmas.size(); ++i) {
+      for (std::size_t j = 0; j <= i; ++j) camera.covariance.push_back(i == j ? c.sigmas[i] * c.sigmas[i] : 0.0);
+    }
+  }
+  camera.source = source;
+  return camera;
+}
+
+PlatesT to_artifact(const std::vector<campaign::PlateEntry>& entries) {
+  PlatesT plates;
+  for (const campaign::PlateEntry& e : entries) {
+    auto plate = std::make_unique<PlateT>();
+    plate->anchor = e.anchor;
+    plate->tag_family = e.tag_family;
+    plate->tag_id = e.tag_id;
+    plate->tag_size = e.tag_size;
+    plate->tag_centre_in_plate = e.tag_centre_in_plate;
+    plate->nominal_rotation = campaign::upright_plate(e.facing_azimuth);
+    plate->batch = e.batch;
+    plate->role = e.role;
+    plate->floor = e.floor;
+    plate->column = e.column;
+    plate->row = e.row;
+    plates.plates.push_back(std::move(plate));
+  }
+  return plates;
+}
+
+PointsT to_artifact(const std::vector<campaign::ControlPoint>& entries) {
+  PointsT points;
+  Eigen::VectorXd variances(static_cast<Eigen::Index>(3 * entries.size()));
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    auto point = std::make_unique<PointT>();
+    point->id = entries[i].id;
+    point->position = entries[i].position;
+    point->sigma = entries[i].sigma;
+    point->role = "control";
+    points.points.push_back(std::move(point));
+    variances.segment<3>(static_cast<Eigen::Index>(3 * i)) = entries[i].sigma.array().square();
+  }
+  for (Eigen::Index i = 0; i < variances.size(); ++i) {
+    for (Eigen::Index j = 0; j <= i; ++j) points.covariance.push_back(i == j ? variances[i] : 0.0);
+  }
+  return points;
+}
+
+struct ReadCampaign : Node {
+  static constexpr Info info{"read.campaign", "", 1, "Reads the folder of a site: campaign.yaml and what it names"};
+  In<Folder> folder{"folder", "a folder with a campaign.yaml; see docs/campaign_folder.md"};
+  OutList<Image> images{"images", "the photographs, by reference, ordered by path"};
+  Out<Camera> camera{"camera", "the calibration, with the uncertainty its file states"};
+  Out<Plates> plates{"plates", frame("frame=building"), "which tag stands for which anchor"};
+  Out<SurveyObservations> survey{"survey", frame("frame=building"), "all survey files, with the control points as datum"};
+  Out<Points> control{"control", frame("frame=building"), "the control points as given"};
+  Out<File> design{"design", "the design IFC as it is"};
+
+  void run(Context& context) override {
+    const FolderT given = folder.unpack();
+    const fs::path root = context.resolve(given.uri);
+    std::map<std::string, const FolderEntryT*> entries;
+    std::vector<std::string> names;
+    for (const auto& entry : given.files) {
+      entries[entry->path] = entry.get();
+      names.push_back(entry->path);
+    }
+    const fs::path yaml = root / "campaign.yaml";
+    if (!entries.count("campaign.yaml")) {
+      throw campaign::CampaignError(yaml, 0, "this file is missing; it tells what the folder holds, see docs/campaign_folder.md");
+    }
+    const auto description = campaign::parse_campaign(read_text(yaml), yaml, names);
+
+    const auto calibration = campaign::parse_camera(read_text(root / description.camera), root / description.camera);
+    camera.commit(to_artifact(calibration, description.camera));
+    plates.commit(to_artifact(campaign::parse_plates(read_text(root / description.plates), root / description.plates)));
+    commit_survey(description, root, context);
+    for (const std::string& path : description.images) commit_image(*entries.at(path), given.uri, root, calibration);
+
+    const std::string text = read_text(root / description.design);
+    FileT file;
+    file.name = fs::path(description.design).filename().string();
+    file.media_type = "application/x-step";
+    file.content.assign(text.begin(), text.end());
+    design.commit(file);
+  }
+
+ private:
+  void commit_survey(const campaign::CampaignDescription& description, const fs::path& root, Context& context) {
+    std::vector<campaign::ControlPoint> points;
+    if (!description.control.empty()) {
+      points = campaign::parse_control(read_text(root / description.control), root / description.control);
+    }
+    control.commit(to_artifact(points));
+    std::vector<plumbline::survey::SurveyObservations> parts;
+    for (const std::string& path : description.survey) {
+      parts.push_back(campaign::read_survey_file(read_text(root / path), (root / path).string()));
+      for (const auto& skipped : parts.back().skipped) {
+        context.warn(skipped.source.file + ":" + std::to_string(skipped.source.line) + ": passed over " + skipped.found +
+                     ", expected " + skipped.expected);
+      }
+      for (const std::string& warning : parts.back().warnings) context.warn(path + ": " + warning);
+    }
+    auto all = campaign::merge(parts);
+    campaign::add_control(points, all);
+    if (!description.instrument.empty()) all.info.instrument = description.instrument;
+    survey.commit(plumbline::survey::to_artifact(all));
+  }
+
+  void commit_image(const FolderEntryT& entry, const std::string& uri, const fs::path& root,
+                    const campaign::CameraCalibration& calibration) {
+    const campaign::ImageHeader header = campaign::read_image_header(root / entry.path);
+    if (header.width != calibration.camera.width || header.height != calibration.camera.height) {
+      throw campaign::CampaignError(
+          root / entry.path, 0,
+          "the image has " + std::to_string(header.width) + " x " + std::to_string(header.height) + " pixels, camera '" +
+              calibration.id + "' was calibrated with " + std::to_string(calibration.camera.width) + " x " +
+              std::to_string(calibration.camera.height) + "; images must be as the camera wrote them, not rotated or scaled");
+    }
+    ImageT image;
+    image.path = entry.path;
+    image.uri = uri + "/" + entry.path;
+    image.sha256 = entry.sha256;
+    image.size = entry.size;
+    image.width = header.width;
+    image.height = header.height;
+    image.camera = calibration.id;
+    image.model = header.make + (header.make.empty() || header.model.empty() ? "" : " ") + header.model;
+    image.focal_length = header.focal_length;
+    image.taken_at = header.taken_at;
+    images.commit(image);
+  }
+};
+
+}  // namespace
+
+PLUMBLINE_PLUGIN("campaign", "0.1.0", "MIT", ReadCampaign)

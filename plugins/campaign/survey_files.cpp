@@ -1,0 +1,87 @@
+#include "survey_files.hpp"
+
+#include <set>
+
+#include "formats/gsi.hpp"
+#include "formats/survey_csv.hpp"
+#include "formats/text.hpp"
+
+namespace plumbline::campaign {
+namespace {
+
+int shifted(int index, std::size_t by) { return index < 0 ? index : index + static_cast<int>(by); }
+
+}  // namespace
+
+survey::SurveyObservations read_survey_file(const std::string& bytes, const std::string& shown) {
+  const std::string extension = formats::to_lower(std::filesystem::path(shown).extension().string());
+  if (extension == ".gsi") return survey::read_gsi(bytes, shown);
+  if (extension == ".csv") {
+    return survey::has_setup_coordinates_header(bytes) ? survey::read_setup_coordinates(bytes, shown)
+                                                       : survey::read_survey_csv(bytes, shown);
+  }
+  throw CampaignError(shown, 0, "survey files end in .gsi or .csv, this one in '" + extension + "'; export it as GSI");
+}
+
+survey::SurveyObservations merge(const std::vector<survey::SurveyObservations>& parts) {
+  survey::SurveyObservations all;
+  std::set<std::string> known;
+  int next_pointing = 0;
+  for (const survey::SurveyObservations& part : parts) {
+    if (all.files.empty()) all.info = part.info;
+    const std::size_t set_ups = all.set_ups.size(), observations = all.observations.size();
+    int highest = -1;
+    all.files.insert(all.files.end(), part.files.begin(), part.files.end());
+    for (const auto& point : part.points) {
+      if (known.insert(point.id).second) all.points.push_back(point);
+    }
+    all.set_ups.insert(all.set_ups.end(), part.set_ups.begin(), part.set_ups.end());
+    for (survey::Observation o : part.observations) {
+      highest = std::max(highest, o.pointing);
+      o.set_up = shifted(o.set_up, set_ups);
+      o.pointing = shifted(o.pointing, static_cast<std::size_t>(next_pointing));
+      all.observations.push_back(std::move(o));
+    }
+    next_pointing += highest + 1;
+    for (survey::ObservationCovariance c : part.covariances) {
+      for (int& index : c.indices) index = shifted(index, observations);
+      all.covariances.push_back(std::move(c));
+    }
+    for (survey::LocalCoordinate l : part.local_coordinates) {
+      l.set_up = shifted(l.set_up, set_ups);
+      all.local_coordinates.push_back(std::move(l));
+    }
+    all.coordinates.insert(all.coordinates.end(), part.coordinates.begin(), part.coordinates.end());
+    all.vectors.insert(all.vectors.end(), part.vectors.begin(), part.vectors.end());
+    all.skipped.insert(all.skipped.end(), part.skipped.begin(), part.skipped.end());
+    all.warnings.insert(all.warnings.end(), part.warnings.begin(), part.warnings.end());
+  }
+  return all;
+}
+
+void add_control(const std::vector<ControlPoint>& points, survey::SurveyObservations& all) {
+  if (points.empty()) return;
+  survey::CoordinateGroup group;
+  group.is_control = true;
+  const auto n = static_cast<Eigen::Index>(3 * points.size());
+  group.values.resize(n);
+  group.covariance = Eigen::MatrixXd::Zero(n, n);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const Eigen::Index at = static_cast<Eigen::Index>(3 * i) + axis;
+      group.components.push_back({points[i].id, axis});
+      group.values[at] = points[i].position[axis];
+      group.covariance(at, at) = points[i].sigma[axis] * points[i].sigma[axis];
+    }
+    auto known = std::find_if(all.points.begin(), all.points.end(), [&](const auto& p) { return p.id == points[i].id; });
+    if (known == all.points.end()) {
+      survey::Point point;
+      point.id = points[i].id;
+      known = all.points.insert(all.points.end(), point);
+    }
+    known->coordinates = points[i].position;
+  }
+  all.coordinates.push_back(std::move(group));
+}
+
+}  // namespace plumbline::campaign
