@@ -67,4 +67,12 @@ struct ControlPoint {
 /// A control.csv. Throws CampaignError.
 std::vector<ControlPoint> parse_control(const std::string& csv, const std::filesystem::path& shown);
 
+/// A row of truth/anchors.csv, which simulate.campaign writes.
+struct TrueAnchor {
+  std::string id, role;
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< [m]
+};
+/// Throws CampaignError.
+std::vector<TrueAnchor> parse_true_anchors(const std::string& csv, const std::filesystem::path& shown);
+
 }  // namespace plumbline::campaign

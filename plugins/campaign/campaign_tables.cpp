@@ -1,5 +1,6 @@
 // The two tables of a campaign: plates and control points.
 #include <algorithm>
+#include <map>
 #include <numbers>
 #include <set>
 
@@ -46,7 +47,6 @@ class Table {
     throw CampaignError(shown_, row.line, what);
   }
 
-  bool has(const char* name) const { return column_.count(name) > 0; }
   std::string text(const CsvRow& row, const char* name) const {
     const CsvCell* cell = find(row, name);
     if (!cell) return "";
@@ -203,6 +203,32 @@ std::vector<ControlPoint> parse_control(const std::string& csv, const std::files
     points.push_back(std::move(p));
   }
   return points;
+}
+
+std::vector<TrueAnchor> parse_true_anchors(const std::string& csv, const std::filesystem::path& shown) {
+  const Table table(csv, shown,
+                    {{"anchor", Quantity::text, true},
+                     {"role", Quantity::text, true},
+                     {"floor", Quantity::whole, false},
+                     {"column", Quantity::whole, false},
+                     {"row", Quantity::whole, false},
+                     {"design_x", Quantity::length, false},
+                     {"design_y", Quantity::length, false},
+                     {"design_z", Quantity::length, false},
+                     {"x", Quantity::length, true},
+                     {"y", Quantity::length, true},
+                     {"z", Quantity::length, true},
+                     {"rotation_w", Quantity::text, false},
+                     {"rotation_x", Quantity::text, false},
+                     {"rotation_y", Quantity::text, false},
+                     {"rotation_z", Quantity::text, false}});
+  std::vector<TrueAnchor> anchors;
+  for (const CsvRow& row : table.rows()) {
+    anchors.push_back({table.text(row, "anchor"),
+                       table.text(row, "role"),
+                       {table.number(row, "x"), table.number(row, "y"), table.number(row, "z")}});
+  }
+  return anchors;
 }
 
 }  // namespace plumbline::campaign

@@ -87,9 +87,9 @@ struct ReadCampaign : Node {
   OutList<Image> images{"images", "the photographs, by reference, ordered by path"};
   Out<Camera> camera{"camera", "the calibration, with the uncertainty its file states"};
   Out<Plates> plates{"plates", frame("frame=building"), "which tag stands for which anchor"};
-  Out<SurveyObservations> survey{"survey", frame("frame=building"), "all survey files, with the control points as datum"};
+  Out<SurveyObservations> survey{"survey", frame("frame=building"), "all survey files in one; the datum is in `control`"};
   Out<Points> control{"control", frame("frame=building"), "the control points as given"};
-  Out<File> design{"design", "the design IFC as it is"};
+  Out<File> design_file{"design_file", "the design IFC as it is"};
 
   void run(Context& context) override {
     const FolderT given = folder.unpack();
@@ -117,7 +117,7 @@ struct ReadCampaign : Node {
     file.name = fs::path(description.design).filename().string();
     file.media_type = "application/x-step";
     file.content.assign(text.begin(), text.end());
-    design.commit(file);
+    design_file.commit(file);
   }
 
  private:
@@ -137,7 +137,6 @@ struct ReadCampaign : Node {
       for (const std::string& warning : parts.back().warnings) context.warn(path + ": " + warning);
     }
     auto all = campaign::merge(parts);
-    campaign::add_control(points, all);
     if (!description.instrument.empty()) all.info.instrument = description.instrument;
     survey.commit(plumbline::survey::to_artifact(all));
   }
@@ -167,6 +166,27 @@ struct ReadCampaign : Node {
   }
 };
 
+/// Only an evaluation may be fed from this.
+struct ReadTruth : Node {
+  static constexpr Info info{"read.truth", "", 1, "Reads the truth beside a simulated campaign; for evaluation only"};
+  In<Folder> truth{"truth", "the folder `truth` of simulate.campaign"};
+  Out<Points> points{"points", frame("frame=building"), "where the anchors really are; sigma 0"};
+
+  void run(Context& context) override {
+    const fs::path path = fs::path(context.resolve(std::string(truth->uri()->string_view()))) / "anchors.csv";
+    PointsT result;
+    for (const campaign::TrueAnchor& anchor : campaign::parse_true_anchors(read_text(path), path)) {
+      auto point = std::make_unique<PointT>();
+      point->id = anchor.id;
+      point->position = anchor.position;
+      point->sigma.setZero();
+      point->role = anchor.role;
+      result.points.push_back(std::move(point));
+    }
+    points.commit(result);
+  }
+};
+
 }  // namespace
 
-PLUMBLINE_PLUGIN("campaign", "0.1.0", "MIT", ReadCampaign)
+PLUMBLINE_PLUGIN("campaign", "0.1.0", "MIT", ReadCampaign, ReadTruth)

@@ -1,7 +1,9 @@
 #include "survey_files.hpp"
 
+#include <algorithm>
 #include <set>
 
+#include "campaign_folder.hpp"
 #include "formats/gsi.hpp"
 #include "formats/survey_csv.hpp"
 #include "formats/text.hpp"
@@ -57,31 +59,6 @@ survey::SurveyObservations merge(const std::vector<survey::SurveyObservations>& 
     all.warnings.insert(all.warnings.end(), part.warnings.begin(), part.warnings.end());
   }
   return all;
-}
-
-void add_control(const std::vector<ControlPoint>& points, survey::SurveyObservations& all) {
-  if (points.empty()) return;
-  survey::CoordinateGroup group;
-  group.is_control = true;
-  const auto n = static_cast<Eigen::Index>(3 * points.size());
-  group.values.resize(n);
-  group.covariance = Eigen::MatrixXd::Zero(n, n);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    for (int axis = 0; axis < 3; ++axis) {
-      const Eigen::Index at = static_cast<Eigen::Index>(3 * i) + axis;
-      group.components.push_back({points[i].id, axis});
-      group.values[at] = points[i].position[axis];
-      group.covariance(at, at) = points[i].sigma[axis] * points[i].sigma[axis];
-    }
-    auto known = std::find_if(all.points.begin(), all.points.end(), [&](const auto& p) { return p.id == points[i].id; });
-    if (known == all.points.end()) {
-      survey::Point point;
-      point.id = points[i].id;
-      known = all.points.insert(all.points.end(), point);
-    }
-    known->coordinates = points[i].position;
-  }
-  all.coordinates.push_back(std::move(group));
 }
 
 }  // namespace plumbline::campaign

@@ -2,10 +2,8 @@
 #pragma once
 
 #include <string>
-#include <utility>
 #include <vector>
 
-#include "campaign_folder.hpp"
 #include "formats/survey_observations.hpp"
 
 namespace plumbline::campaign {
@@ -15,8 +13,5 @@ survey::SurveyObservations read_survey_file(const std::string& bytes, const std:
 
 /// All observations in one, indices shifted; a point that several files give keeps its first coordinates.
 survey::SurveyObservations merge(const std::vector<survey::SurveyObservations>& parts);
-
-/// Adds the control points as observed coordinates that carry the datum.
-void add_control(const std::vector<ControlPoint>& points, survey::SurveyObservations& survey);
 
 }  // namespace plumbline::campaign

@@ -137,9 +137,11 @@ class Observer {
 }  // namespace
 
 SimulatedInstrument simulated_instrument(const std::string& name) {
-  // ics50_assumed: no data sheet was at hand; angles and distances of a construction total station.
-  static const SimulatedInstrument known[] = {{"ics50_assumed", 5 * kSecond, 5 * kSecond, 2e-3, 2, 0.5e-3},
-                                              {"one_second", 1 * kSecond, 1 * kSecond, 1e-3, 1.5, 0.3e-3}};
+  // The values of the profiles of the same names that the adjustment knows (plugins/survey/profiles).
+  static const SimulatedInstrument known[] = {{"ics50_assumed", 5 * kSecond, 5 * kSecond, 2e-3, 2.0, 0.5e-3},
+                                              {"total_station_5arcsec", 5 * kSecond, 5 * kSecond, 2e-3, 2.0, 0.3e-3},
+                                              {"total_station_2arcsec", 2 * kSecond, 2 * kSecond, 1e-3, 1.5, 0.3e-3},
+                                              {"total_station_1arcsec", 1 * kSecond, 1 * kSecond, 1e-3, 1.0, 0.3e-3}};
   std::string names;
   for (const SimulatedInstrument& instrument : known) {
     if (instrument.name == name) return instrument;

@@ -19,7 +19,7 @@ struct SimulatedInstrument {
   double distance_ppm = 0;
   double target_centring = 0;  ///< each axis, anew in each set-up [m]
 };
-/// "ics50_assumed" or "one_second". Throws std::invalid_argument that lists the names.
+/// "ics50_assumed" or "total_station_1arcsec", "..._2arcsec", "..._5arcsec". Throws std::invalid_argument that lists the names.
 SimulatedInstrument simulated_instrument(const std::string& name);
 
 struct SurveyOptions {

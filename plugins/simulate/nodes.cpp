@@ -1,0 +1,227 @@
+// simulate.campaign and simulate.observations: the same simulated site, once as a folder of files, once as observations.
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+
+#include "artifacts/camera.hpp"
+#include "artifacts/folder.hpp"
+#include "artifacts/image_tags.hpp"
+#include "artifacts/plates.hpp"
+#include "artifacts/points.hpp"
+#include "campaign.hpp"
+#include "observations.hpp"
+#include "plumbline/node.hpp"
+
+namespace {
+
+using namespace plumbline;
+namespace fs = std::filesystem;
+
+/// The parameters both nodes share.
+struct SimulatedSite : Node {
+  Param<int64_t> floors{"floors", 3, between(1, 20), "storeys of the building"};
+  Param<int64_t> columns{"columns", 4, between(2, 12), "columns of control markers; two rows a floor"};
+  Param<double> spacing{"spacing", 2.0, "m", between(1, 10), "of the grid, both ways; a storey is two rows high"};
+  Param<double> as_built_sigma{"as_built_sigma", 0.003, "m", between(0, 0.1), "deviation of anchors from their design"};
+  Param<double> tilt_sigma{"tilt_sigma", 0.025, "rad", between(0, 0.2), "rotation of plates off the facade, each axis"};
+  Param<double> tag_size{"tag_size", 0.2, "m", between(0.02, 1), "edge of a tag between its detected corners"};
+  Param<double> tag_scale_sigma{"tag_scale_sigma", 0.00025, "1", between(0, 0.05), "scale error of a print batch"};
+  Param<int64_t> print_batches{"print_batches", 1, between(1, 20), "batches the plates were printed in"};
+  Param<std::string> camera{"camera", "demo_24mp", one_of("demo_24mp", "hasselblad_100mp"), "camera profile"};
+  Param<int64_t> images_per_floor{"images_per_floor", 10, between(4, 100), "photographs taken from each floor"};
+  Param<double> distance{"distance", 0.0, "m", between(0, 100), "of the camera from the facade; 0: the profile's"};
+  Param<std::string> network{"network", "convergent", one_of("convergent", "parallel"),
+                             "parallel: fronto-parallel and never rolled, weak in self-calibration"};
+
+  simulate::CampaignOptions site_options() const {
+    simulate::CampaignOptions o;
+    o.building.floors = static_cast<int>(*floors);
+    o.building.columns = static_cast<int>(*columns);
+    o.building.spacing = *spacing;
+    o.building.as_built_sigma = *as_built_sigma;
+    o.building.plate_tilt_sigma = *tilt_sigma;
+    o.building.tag_size = *tag_size;
+    o.building.tag_scale_sigma = *tag_scale_sigma;
+    o.building.print_batches = static_cast<int>(*print_batches);
+    o.camera = *camera;
+    o.cameras.images_per_floor = static_cast<int>(*images_per_floor);
+    o.cameras.distance = *distance;
+    o.cameras.convergent = *network == "convergent";
+    return o;
+  }
+};
+
+struct SimulateCampaign : SimulatedSite {
+  static constexpr Info info{"simulate.campaign", "", 1,
+                             "Simulates a site: photographs, total-station file, design IFC, and the truth beside them"};
+  Param<std::string> instrument{"instrument", "ics50_assumed",
+                                one_of("ics50_assumed", "total_station_1arcsec", "total_station_2arcsec",
+                                       "total_station_5arcsec"),
+                                "total station; its profile is named in campaign.yaml"};
+  Param<double> survey_noise{"survey_noise", 1.0, "1", between(0, 100), "factor on the instrument's errors"};
+  Param<int64_t> sets{"sets", 2, between(1, 20), "rounds of observations, each in two faces"};
+  Param<double> control_sigma{"control_sigma", 0.0005, "m", between(1e-5, 0.1), "of the ground control points"};
+  Param<double> set_up_height_sigma{"set_up_height_sigma", 0.0, "m", between(0, 0.1),
+                                    "error of measured instrument heights"};
+  Param<double> image_noise{"image_noise", 1.0, "1", between(0, 20), "factor on the camera's noise"};
+  Param<double> blur{"blur", -1.0, "px", between(-1, 10), "point spread function, 1 sigma; negative: the profile's"};
+  Param<double> light_gradient{"light_gradient", 0.2, "1", between(0, 0.9), "change of the light across the facade"};
+  Param<std::string> ifc_unit{"ifc_unit", "millimetre", one_of("millimetre", "metre"), "length unit of the design IFC"};
+  Out<Folder> folder{"folder", "the campaign, as a site would hand it over"};
+  Out<Folder> truth{"truth", "what no processing may see"};
+
+  void run(Context& context) override {
+    simulate::CampaignOptions o = site_options();
+    o.survey = {*instrument, *survey_noise, static_cast<int>(*sets), 9.0, *control_sigma, *set_up_height_sigma};
+    o.noise_scale = *image_noise;
+    o.blur = *blur;
+    o.light_gradient = *light_gradient;
+    o.design_in_millimetres = *ifc_unit == "millimetre";
+    const simulate::Campaign campaign = simulate::make_campaign(o, context.seed());
+
+    const auto workers = static_cast<uint64_t>(tbb::this_task_arena::max_concurrency());
+    context.reserve_memory(workers * simulate::image_memory(campaign.camera.profile));
+    const auto campaign_folder = folder.make_folder(), truth_folder = truth.make_folder();
+    simulate::write_campaign_files(campaign, campaign_folder.path);
+    simulate::write_images(campaign, campaign_folder.path, [&](std::size_t done) {
+      context.progress(static_cast<double>(done) / static_cast<double>(campaign.stations.size()), "rendering");
+      return !context.cancelled();
+    });
+    simulate::write_truth(campaign, truth_folder.path);
+    folder.commit(list_files(campaign_folder.path, campaign_folder.uri, context));
+    truth.commit(list_files(truth_folder.path, truth_folder.uri, context));
+  }
+
+ private:
+  static FolderT list_files(const fs::path& root, const std::string& uri, const Context& context) {
+    FolderT result;
+    result.uri = uri;
+    for (const auto& entry : fs::recursive_directory_iterator(root)) {
+      if (!entry.is_regular_file()) continue;
+      auto file = std::make_unique<FolderEntryT>();
+      file->path = entry.path().lexically_relative(root).generic_string();
+      file->sha256 = context.digest(entry.path().string());
+      file->size = entry.file_size();
+      result.files.push_back(std::move(file));
+    }
+    std::sort(result.files.begin(), result.files.end(), [](const auto& a, const auto& b) { return a->path < b->path; });
+    return result;
+  }
+};
+
+struct SimulateObservations : SimulatedSite {
+  static constexpr Info info{"simulate.observations", "", 1,
+                             "The site of simulate.campaign as observations with noise of known size, without files"};
+  Param<double> pixel_sigma{"pixel_sigma", 0.1, "px", between(0, 10), "noise of each corner coordinate"};
+  Param<double> survey_sigma{"survey_sigma", 0.001, "m", between(0, 0.1), "noise of each surveyed coordinate"};
+  Param<double> height_walk{"height_walk", 0.0, "m", between(0, 0.1),
+                            "height error common to a floor: a random walk with such steps from floor to floor"};
+  OutList<ImageTags> observations{"observations", "tags of each image, with the covariance of their corners"};
+  Out<Camera> calibration{"camera", "calibration with its error and uncertainty"};
+  Out<Plates> plates{"plates", frame("frame=building"), "which tag stands for which anchor"};
+  Out<Points> points{"points", frame("frame=building"), "surveyed anchors with their covariance"};
+  Out<Points> design{"design", frame("frame=building"), "anchors where the design has them"};
+  Out<Points> truth{"truth", frame("frame=building"), "anchors where they really are"};
+
+  void run(Context& context) override {
+    const uint64_t seed = context.seed();
+    const simulate::Campaign campaign = simulate::make_campaign(site_options(), seed);
+    for (const auto& image : simulate::observe_corners(campaign, *pixel_sigma, seed)) commit_image(image, campaign);
+    commit_camera(campaign.camera);
+    commit_plates(campaign.building);
+    commit_points(campaign, seed);
+  }
+
+ private:
+  void commit_image(const simulate::ObservedImage& image, const simulate::Campaign& campaign) {
+    ImageTagsT out;
+    out.path = "images/" + image.station->image;
+    out.camera = campaign.camera.profile.name;
+    out.width = campaign.camera.truth.width;
+    out.height = campaign.camera.truth.height;
+    for (const simulate::VisibleTag& seen : image.tags) {
+      auto tag = std::make_unique<TagT>();
+      tag->family = "tag36h11";
+      tag->id = seen.anchor->tag_id;
+      tag->corners.assign(seen.corners.begin(), seen.corners.end());
+      const double variance = *pixel_sigma * *pixel_sigma;
+      if (variance > 0) {
+        for (int corner = 0; corner < 4; ++corner) {
+          for (const double value : {variance, 0.0, variance}) tag->corner_covariances.push_back(value);
+        }
+      }
+      out.tags.push_back(std::move(tag));
+    }
+    observations.commit(out);
+  }
+
+  void commit_camera(const simulate::SimulatedCamera& simulated) {
+    CameraT out;
+    out.id = simulated.profile.name;
+    out.width = simulated.calibration.width;
+    out.height = simulated.calibration.height;
+    out.pixel_pitch = simulated.profile.pixel_pitch;
+    const auto values = simulated.calibration.parameters();
+    out.parameters.assign(values.begin(), values.end());
+    const auto& sigmas = simulated.profile.calibration_sigmas;
+    for (std::size_t i = 0; i < sigmas.size(); ++i) {
+      for (std::size_t j = 0; j <= i; ++j) out.covariance.push_back(i == j ? sigmas[i] * sigmas[i] : 0.0);
+    }
+    out.source = "simulated calibration";
+    calibration.commit(out);
+  }
+
+  void commit_plates(const simulate::Building& building) {
+    PlatesT out;
+    for (const simulate::Anchor& anchor : building.anchors) {
+      auto plate = std::make_unique<PlateT>();
+      plate->anchor = anchor.id;
+      plate->tag_family = "tag36h11";
+      plate->tag_id = anchor.tag_id;
+      plate->tag_size = building.nominal_plate.tag_size;
+      plate->tag_centre_in_plate = building.nominal_plate.tag_centre_in_plate;
+      plate->nominal_rotation = simulate::facade_from_plate();
+      plate->batch = "batch-" + std::to_string(anchor.batch + 1);
+      plate->role = simulate::to_string(anchor.role);
+      plate->floor = anchor.floor;
+      plate->column = anchor.column;
+      plate->row = anchor.row;
+      out.plates.push_back(std::move(plate));
+    }
+    std::sort(out.plates.begin(), out.plates.end(), [](const auto& a, const auto& b) { return a->anchor < b->anchor; });
+    plates.commit(out);
+  }
+
+  static std::unique_ptr<PointT> point(const simulate::Anchor& anchor, const Eigen::Vector3d& position, double sigma) {
+    auto out = std::make_unique<PointT>();
+    out->id = anchor.id;
+    out->position = position;
+    out->sigma.setConstant(sigma);
+    out->role = simulate::to_string(anchor.role);
+    return out;
+  }
+
+  void commit_points(const simulate::Campaign& campaign, uint64_t seed) {
+    PointsT surveyed, designed, built;
+    const auto observed = simulate::observe_points(campaign, *survey_sigma, *height_walk, seed);
+    const Eigen::MatrixXd covariance = simulate::point_covariance(observed, *survey_sigma, *height_walk);
+    for (std::size_t i = 0; i < observed.size(); ++i) {
+      const simulate::Anchor& anchor = *observed[i].anchor;
+      surveyed.points.push_back(point(anchor, observed[i].position, *survey_sigma));
+      const auto z = static_cast<Eigen::Index>(3 * i + 2);
+      surveyed.points.back()->sigma.z() = std::sqrt(covariance(z, z));
+      designed.points.push_back(point(anchor, anchor.design, std::nan("")));
+      built.points.push_back(point(anchor, anchor.built, 0));
+    }
+    for (Eigen::Index i = 0; i < covariance.rows(); ++i) {
+      for (Eigen::Index j = 0; j <= i; ++j) surveyed.covariance.push_back(covariance(i, j));
+    }
+    points.commit(surveyed);
+    design.commit(designed);
+    truth.commit(built);
+  }
+};
+
+}  // namespace
+
+PLUMBLINE_PLUGIN("simulate", "0.1.0", "MIT", SimulateCampaign, SimulateObservations)

@@ -1,0 +1,53 @@
+#include "observations.hpp"
+
+#include <algorithm>
+
+#include "geometry/random.hpp"
+
+namespace plumbline::simulate {
+
+std::vector<ObservedImage> observe_corners(const Campaign& campaign, double sigma, std::uint64_t seed) {
+  std::vector<ObservedImage> images;
+  for (const CameraStation& station : campaign.stations) {
+    ObservedImage image{&station, visible_tags(campaign.building, campaign.camera.truth, station.camera_from_building)};
+    Random random(seed, "corners " + station.image);
+    for (VisibleTag& tag : image.tags) {
+      for (Eigen::Vector2d& corner : tag.corners) {
+        const double dx = random.normal(sigma), dy = random.normal(sigma);
+        corner += Eigen::Vector2d(dx, dy);
+      }
+    }
+    images.push_back(std::move(image));
+  }
+  return images;
+}
+
+std::vector<ObservedPoint> observe_points(const Campaign& campaign, double sigma, double height_walk,
+                                          std::uint64_t seed) {
+  std::vector<double> floor_error(static_cast<std::size_t>(campaign.building.options.floors), 0.0);
+  Random walk(seed, "height walk");
+  for (std::size_t f = 1; f < floor_error.size(); ++f) floor_error[f] = floor_error[f - 1] + walk.normal(height_walk);
+  std::vector<ObservedPoint> points;
+  for (const Anchor& anchor : campaign.building.anchors) {
+    Random random(seed, "survey " + anchor.id);
+    const Eigen::Vector3d common(0, 0, floor_error[static_cast<std::size_t>(anchor.floor - 1)]);
+    points.push_back({&anchor, anchor.built + random.normal3(sigma) + common});
+  }
+  return points;
+}
+
+Eigen::MatrixXd point_covariance(const std::vector<ObservedPoint>& points, double sigma, double height_walk) {
+  const auto n = static_cast<Eigen::Index>(points.size());
+  Eigen::MatrixXd covariance = sigma * sigma * Eigen::MatrixXd::Identity(3 * n, 3 * n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    for (Eigen::Index j = 0; j < n; ++j) {
+      // Two floors share the steps up to the lower of them.
+      const int steps = std::min(points[static_cast<std::size_t>(i)].anchor->floor,
+                                 points[static_cast<std::size_t>(j)].anchor->floor) - 1;
+      covariance(3 * i + 2, 3 * j + 2) += height_walk * height_walk * steps;
+    }
+  }
+  return covariance;
+}
+
+}  // namespace plumbline::simulate
