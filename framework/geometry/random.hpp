@@ -1,5 +1,5 @@
-// A small seeded generator whose numbers are the same with every compiler and library, which std::normal_distribution does not
-// promise. Not for cryptography.
+// A small seeded generator whose numbers are the same with every compiler and library, which std::normal_distribution
+// does not promise. Not for cryptography.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,7 +18,8 @@ constexpr std::uint64_t mix_bits(std::uint64_t x) {
   return x ^ (x >> 31);
 }
 
-/// The seed of a sub-stream: one for every purpose and item ("survey", "image 7"), so that what one draws does not shift another.
+/// The seed of a sub-stream: one for every purpose and item ("survey", "image 7"), so that what one draws does not
+/// shift another.
 constexpr std::uint64_t derive_seed(std::uint64_t seed, std::string_view purpose, std::uint64_t index = 0) {
   std::uint64_t hash = mix_bits(seed);
   for (const char c : purpose) hash = mix_bits(hash ^ static_cast<std::uint64_t>(static_cast<unsigned char>(c)));

@@ -56,7 +56,8 @@ class Mapping {
         return edit_distance(key, a) < edit_distance(key, b);
       });
       const bool close = edit_distance(key, *near) <= 2;
-      fail(entry.first, "unknown key '" + key + "'" + (close ? ", did you mean '" + *near + "'?" : "; known are " + join(known)));
+      fail(entry.first,
+           "unknown key '" + key + "'" + (close ? ", did you mean '" + *near + "'?" : "; known are " + join(known)));
     }
   }
 
@@ -114,7 +115,8 @@ class Resolver {
   std::string one(const std::string& key) const {
     const std::vector<std::string> found = many(key);
     if (found.size() != 1) {
-      mapping_.fail(mapping_.get(key), "'" + key + "' matches " + std::to_string(found.size()) + " files, expected one");
+      mapping_.fail(mapping_.get(key),
+                    "'" + key + "' matches " + std::to_string(found.size()) + " files, expected one");
     }
     return found.front();
   }
@@ -135,15 +137,17 @@ class Resolver {
 
  private:
   void add(const std::string& key, const YAML::Node& node, std::vector<std::string>& found) const {
-    if (!node.IsScalar()) mapping_.fail(node, "'" + key + "' must be a file, a pattern such as images/*.jpg, or a list");
+    if (!node.IsScalar())
+      mapping_.fail(node, "'" + key + "' must be a file, a pattern such as images/*.jpg, or a list");
     const std::string pattern = node.Scalar();
     const std::size_t before = found.size();
     for (const std::string& file : files_) {
       if (matches(pattern.c_str(), file.c_str())) found.push_back(file);
     }
     if (found.size() == before) {
-      mapping_.fail(node, "'" + key + "' names '" + pattern + "', and the folder has no such file; paths are relative to "
-                          "campaign.yaml and upper and lower case differ");
+      mapping_.fail(node, "'" + key + "' names '" + pattern +
+                              "', and the folder has no such file; paths are relative to "
+                              "campaign.yaml and upper and lower case differ");
     }
   }
 
@@ -155,9 +159,9 @@ class Resolver {
 
 CampaignDescription parse_campaign(const std::string& yaml, const std::filesystem::path& shown,
                                    std::vector<std::string> files) {
-  const Mapping mapping(load(yaml, shown), shown,
-                        {"plumbline_campaign", "name", "images", "camera", "plates", "survey", "instrument", "control",
-                         "design"});
+  const Mapping mapping(
+      load(yaml, shown), shown,
+      {"plumbline_campaign", "name", "images", "camera", "plates", "survey", "instrument", "control", "design"});
   mapping.require_version("plumbline_campaign");
   const Resolver resolver(mapping, std::move(files));
   CampaignDescription c;
@@ -186,7 +190,8 @@ CameraCalibration parse_camera(const std::string& yaml, const std::filesystem::p
                                                 : std::numeric_limits<double>::quiet_NaN();
   c.camera.width = mapping.as<int>("width", "a whole number of pixels");
   c.camera.height = mapping.as<int>("height", "a whole number of pixels");
-  if (c.camera.width <= 0 || c.camera.height <= 0) mapping.fail(mapping.get("width"), "the image size must be positive");
+  if (c.camera.width <= 0 || c.camera.height <= 0)
+    mapping.fail(mapping.get("width"), "the image size must be positive");
 
   const std::vector<std::string> names(BrownCamera::parameter_names.begin(), BrownCamera::parameter_names.end());
   const auto read = [&](const char* key, bool all_needed) {
@@ -199,12 +204,14 @@ CameraCalibration parse_camera(const std::string& yaml, const std::filesystem::p
     return numbers;
   };
   auto parameters = read("parameters", true);
-  if (parameters[0] <= 0 || parameters[1] <= 0) mapping.fail(mapping.get("parameters"), "fx and fy must be positive (px)");
+  if (parameters[0] <= 0 || parameters[1] <= 0)
+    mapping.fail(mapping.get("parameters"), "fx and fy must be positive (px)");
   const std::string origin = mapping.as<std::string>("pixel_origin", "centre or corner");
   if (origin != "centre" && origin != "corner") {
     mapping.fail(mapping.get("pixel_origin"),
-                 "'pixel_origin' is '" + origin + "', expected 'centre' (OpenCV: the centre of the top-left pixel is (0, 0)) "
-                 "or 'corner' (COLMAP: it is (0.5, 0.5))");
+                 "'pixel_origin' is '" + origin +
+                     "', expected 'centre' (OpenCV: the centre of the top-left pixel is (0, 0)) "
+                     "or 'corner' (COLMAP: it is (0.5, 0.5))");
   }
   if (origin == "corner") parameters[2] -= 0.5, parameters[3] -= 0.5;
   c.camera.set_parameters(parameters);

@@ -1,14 +1,14 @@
-// What a site hands over, read from its folder: campaign.yaml and the files it names. docs/campaign_folder.md shows each file.
-// Nothing is guessed: an unknown key, a missing file or a unit that is not expected is an error with file and line.
+// What a site hands over, read from its folder: campaign.yaml and the files it names. docs/campaign_folder.md shows
+// each file. Nothing is guessed: an unknown key, a missing file or a unit that is not expected is an error with file
+// and line.
 #pragma once
 
+#include <Eigen/Geometry>
 #include <array>
 #include <filesystem>
 #include <stdexcept>
 #include <string>
 #include <vector>
-
-#include <Eigen/Geometry>
 
 #include "geometry/camera.hpp"
 
@@ -32,7 +32,8 @@ struct CampaignDescription {
 };
 
 /// `files`: what the folder holds, as relative paths with forward slashes. `shown` names campaign.yaml in messages.
-/// Throws CampaignError: unknown or missing key (with the near one), a file that is not there, a pattern without a match.
+/// Throws CampaignError: unknown or missing key (with the near one), a file that is not there, a pattern without a
+/// match.
 CampaignDescription parse_campaign(const std::string& yaml, const std::filesystem::path& shown,
                                    std::vector<std::string> files);
 
@@ -49,7 +50,7 @@ CameraCalibration parse_camera(const std::string& yaml, const std::filesystem::p
 struct PlateEntry {
   std::string anchor, tag_family, batch, role;  ///< role "control" or "check"
   int tag_id = 0, floor = 0, column = 0, row = 0;
-  double tag_size = 0;                                             ///< [m]
+  double tag_size = 0;                                            ///< [m]
   Eigen::Vector3d tag_centre_in_plate = Eigen::Vector3d::Zero();  ///< [m]
   double facing_azimuth = 0;  ///< of the plate's outward normal, clockwise from north [rad]
 };

@@ -33,8 +33,9 @@ std::uint32_t big_endian(const Bytes& b, std::size_t at, int count) {
 }
 
 [[noreturn]] void refuse_truncated(const std::filesystem::path& path, std::size_t size, const char* kind) {
-  throw CampaignError(path, 0, std::string("the ") + kind + " is truncated: it stops after " + std::to_string(size) +
-                                   " bytes without its end mark; copy it again from the camera");
+  throw CampaignError(path, 0,
+                      std::string("the ") + kind + " is truncated: it stops after " + std::to_string(size) +
+                          " bytes without its end mark; copy it again from the camera");
 }
 
 /// The end of entropy-coded data: the next marker that is neither a stuffed zero nor a restart.
@@ -60,7 +61,8 @@ void walk_jpeg(const Bytes& b, const std::filesystem::path& path, ImageHeader& h
   std::size_t at = 2;
   while (true) {
     while (at < b.size() && b[at] == 0xff && at + 1 < b.size() && b[at + 1] == 0xff) ++at;  // fill bytes
-    if (at + 4 > b.size() && !(at + 2 <= b.size() && b[at] == 0xff && b[at + 1] == 0xd9)) refuse_truncated(path, b.size(), "JPEG");
+    if (at + 4 > b.size() && !(at + 2 <= b.size() && b[at] == 0xff && b[at + 1] == 0xd9))
+      refuse_truncated(path, b.size(), "JPEG");
     if (b[at] != 0xff) {
       throw CampaignError(path, 0, "the JPEG is damaged: no marker at byte " + std::to_string(at));
     }
@@ -81,7 +83,7 @@ void walk_jpeg(const Bytes& b, const std::filesystem::path& path, ImageHeader& h
 
 /// ISO/IEC 15948: chunks up to IEND.
 void walk_png(const Bytes& b, const std::filesystem::path& path, ImageHeader& header) {
-  for (std::size_t at = 8; ; ) {
+  for (std::size_t at = 8;;) {
     if (at + 12 > b.size()) refuse_truncated(path, b.size(), "PNG");
     const std::size_t length = big_endian(b, at, 4);
     if (length > b.size() || at + 12 + length > b.size()) refuse_truncated(path, b.size(), "PNG");
@@ -135,8 +137,9 @@ ImageHeader read_image_header(const std::filesystem::path& path) {
   } else if (png) {
     walk_png(bytes, path, header);
   } else if (!tiff) {
-    throw CampaignError(path, 0, bytes.empty() ? "the image is empty"
-                                               : "this is no JPEG, PNG or TIFF; take it out of `images` or convert it");
+    throw CampaignError(
+        path, 0,
+        bytes.empty() ? "the image is empty" : "this is no JPEG, PNG or TIFF; take it out of `images` or convert it");
   }
   read_exif(bytes, path, tiff, header);
   if (header.width <= 0 || header.height <= 0) throw CampaignError(path, 0, "the image has no size");

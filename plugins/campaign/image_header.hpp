@@ -12,8 +12,8 @@ struct ImageHeader {
   double focal_length = 0;  ///< [m]; nan if absent
 };
 
-/// Reads size and EXIF of a JPEG, PNG or TIFF and walks a JPEG or PNG to its end mark, so that a truncated file is found before
-/// anyone decodes it. Throws CampaignError.
+/// Reads size and EXIF of a JPEG, PNG or TIFF and walks a JPEG or PNG to its end mark, so that a truncated file is
+/// found before anyone decodes it. Throws CampaignError.
 ImageHeader read_image_header(const std::filesystem::path& path);
 
 }  // namespace plumbline::campaign

@@ -1,4 +1,5 @@
-// read.campaign: the folder of a site as artifacts. The work is in campaign_folder.hpp, image_header.hpp and survey_files.hpp.
+// read.campaign: the folder of a site as artifacts. The work is in campaign_folder.hpp, image_header.hpp and
+// survey_files.hpp.
 #include <fstream>
 #include <map>
 
@@ -87,7 +88,8 @@ struct ReadCampaign : Node {
   OutList<Image> images{"images", "the photographs, by reference, ordered by path"};
   Out<Camera> camera{"camera", "the calibration, with the uncertainty its file states"};
   Out<Plates> plates{"plates", frame("frame=building"), "which tag stands for which anchor"};
-  Out<SurveyObservations> survey{"survey", frame("frame=building"), "all survey files in one; the datum is in `control`"};
+  Out<SurveyObservations> survey{"survey", frame("frame=building"),
+                                 "all survey files in one; the datum is in `control`"};
   Out<Points> control{"control", frame("frame=building"), "the control points as given"};
   Out<File> design_file{"design_file", "the design IFC as it is"};
 
@@ -102,7 +104,8 @@ struct ReadCampaign : Node {
     }
     const fs::path yaml = root / "campaign.yaml";
     if (!entries.count("campaign.yaml")) {
-      throw campaign::CampaignError(yaml, 0, "this file is missing; it tells what the folder holds, see docs/campaign_folder.md");
+      throw campaign::CampaignError(
+          yaml, 0, "this file is missing; it tells what the folder holds, see docs/campaign_folder.md");
     }
     const auto description = campaign::parse_campaign(read_text(yaml), yaml, names);
 
@@ -129,10 +132,10 @@ struct ReadCampaign : Node {
     control.commit(to_artifact(points));
     std::vector<plumbline::survey::SurveyObservations> parts;
     for (const std::string& path : description.survey) {
-      parts.push_back(campaign::read_survey_file(read_text(root / path), (root / path).string()));
+      parts.push_back(campaign::read_survey_file(read_text(root / path), path));  // by its own name, wherever it lies
       for (const auto& skipped : parts.back().skipped) {
-        context.warn(skipped.source.file + ":" + std::to_string(skipped.source.line) + ": passed over " + skipped.found +
-                     ", expected " + skipped.expected);
+        context.warn(skipped.source.file + ":" + std::to_string(skipped.source.line) + ": passed over " +
+                     skipped.found + ", expected " + skipped.expected);
       }
       for (const std::string& warning : parts.back().warnings) context.warn(path + ": " + warning);
     }
@@ -145,11 +148,12 @@ struct ReadCampaign : Node {
                     const campaign::CameraCalibration& calibration) {
     const campaign::ImageHeader header = campaign::read_image_header(root / entry.path);
     if (header.width != calibration.camera.width || header.height != calibration.camera.height) {
-      throw campaign::CampaignError(
-          root / entry.path, 0,
-          "the image has " + std::to_string(header.width) + " x " + std::to_string(header.height) + " pixels, camera '" +
-              calibration.id + "' was calibrated with " + std::to_string(calibration.camera.width) + " x " +
-              std::to_string(calibration.camera.height) + "; images must be as the camera wrote them, not rotated or scaled");
+      throw campaign::CampaignError(root / entry.path, 0,
+                                    "the image has " + std::to_string(header.width) + " x " +
+                                        std::to_string(header.height) + " pixels, camera '" + calibration.id +
+                                        "' was calibrated with " + std::to_string(calibration.camera.width) + " x " +
+                                        std::to_string(calibration.camera.height) +
+                                        "; images must be as the camera wrote them, not rotated or scaled");
     }
     ImageT image;
     image.path = entry.path;

@@ -50,7 +50,8 @@ Eigen::Quaterniond facade_from_plate() {
 }
 
 PlateOutline plate_outline(const MarkerPlate& plate) {
-  // tag36h11 has a white edge one eighth of the tag wide, which the detector needs; the plate adds a little to hold it by.
+  // tag36h11 has a white edge one eighth of the tag wide, which the detector needs; the plate adds a little to hold it
+  // by.
   const double quiet = plate.tag_size / 8, rim = 0.05 * plate.tag_size;
   const double radius = 0.19 * plate.tag_size;
   return {0.5 * plate.tag_size + quiet + rim, -radius - rim - 0.01,

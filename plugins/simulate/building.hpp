@@ -1,8 +1,8 @@
-// The simulated building: a facade with anchors on the grid of the paper's Table 1, what the design says of them and how they
-// were really built, and the marker plate that hangs at each.
+// The simulated building: a facade with anchors on the grid of the paper's Table 1, what the design says of them and
+// how they were really built, and the marker plate that hangs at each.
 //
-// Building frame [m]: x along the facade to the right as one looks at it, y into the building (cameras and set-ups stand at
-// negative y), z up. Survey axes E, N, H are x, y, z.
+// Building frame [m]: x along the facade to the right as one looks at it, y into the building (cameras and set-ups
+// stand at negative y), z up. Survey axes E, N, H are x, y, z.
 #pragma once
 
 #include <cstdint>
@@ -15,14 +15,14 @@
 namespace plumbline::simulate {
 
 struct BuildingOptions {
-  int floors = 3;                ///< 1 ... 20
-  int columns = 4;               ///< 2 ... 12 columns of control anchors, 2 rows a floor
-  double spacing = 2.0;          ///< of the grid, horizontally and vertically [m]; a storey is two rows, 4 m
-  double as_built_sigma = 3e-3;  ///< deviation of an anchor from its design, each axis [m]
-  double plate_tilt_sigma = 0.025;     ///< rotation of a plate out of the facade, each axis [rad]
-  double tag_size = 0.2;               ///< nominal edge between the detected corners [m]
+  int floors = 3;                       ///< 1 ... 20
+  int columns = 4;                      ///< 2 ... 12 columns of control anchors, 2 rows a floor
+  double spacing = 2.0;                 ///< of the grid, horizontally and vertically [m]; a storey is two rows, 4 m
+  double as_built_sigma = 3e-3;         ///< deviation of an anchor from its design, each axis [m]
+  double plate_tilt_sigma = 0.025;      ///< rotation of a plate out of the facade, each axis [rad]
+  double tag_size = 0.2;                ///< nominal edge between the detected corners [m]
   double tag_scale_sigma = 0.05 / 200;  ///< error of a print batch, relative: 0.05 mm of 200 mm
-  int print_batches = 1;               ///< plates are printed in so many batches, floor by floor
+  int print_batches = 1;                ///< plates are printed in so many batches, floor by floor
 };
 
 enum class AnchorRole {
@@ -41,9 +41,9 @@ struct Anchor {
   Eigen::Vector3d built = Eigen::Vector3d::Zero();   ///< truth [m], building frame
 
   int tag_id = 0;
-  int batch = 0;                         ///< print batch of the plate, from 0
-  RigidTransform building_from_plate;    ///< truth
-  MarkerPlate true_plate;                ///< with the size the printer really gave
+  int batch = 0;                       ///< print batch of the plate, from 0
+  RigidTransform building_from_plate;  ///< truth
+  MarkerPlate true_plate;              ///< with the size the printer really gave
 };
 
 struct Building {
@@ -59,7 +59,8 @@ struct Building {
 /// Orientation of a plate that hangs upright and flat on the facade: its z axis points to the cameras (-y).
 Eigen::Quaterniond facade_from_plate();
 
-/// The building of a seed; equal options and seed give equal numbers. Throws std::invalid_argument for options out of bounds.
+/// The building of a seed; equal options and seed give equal numbers. Throws std::invalid_argument for options out of
+/// bounds.
 Building make_building(const BuildingOptions& options, std::uint64_t seed);
 
 /// Centre of the outer edge of the plate's parts in the plate frame [m]: half extent in x, and y from bottom to top.

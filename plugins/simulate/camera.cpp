@@ -15,8 +15,8 @@ namespace {
 
 constexpr double kMinimumTagEdge = 20;  // [px]: nobody decodes smaller ones reliably
 
-/// Radius in normalised coordinates beyond which a point cannot be in the image; without it the distortion polynomial could
-/// fold points from far outside back in.
+/// Radius in normalised coordinates beyond which a point cannot be in the image; without it the distortion polynomial
+/// could fold points from far outside back in.
 double field_radius(const BrownCamera& camera) {
   double radius = 0;
   for (const double x : {0.0, camera.width - 1.0}) {
@@ -45,8 +45,8 @@ CameraProfile parse_profile(const std::string& name, const char* text) {
   c.k1 = d["k1"].as<double>(), c.k2 = d["k2"].as<double>(), c.k3 = d["k3"].as<double>();
   c.p1 = d["p1"].as<double>(), c.p2 = d["p2"].as<double>();
   const double f = s["f_px"].as<double>(), centre = s["c_px"].as<double>(), tangential = s["p"].as<double>();
-  p.calibration_sigmas = {f, f, centre, centre, s["k1"].as<double>(), s["k2"].as<double>(), s["k3"].as<double>(),
-                          tangential, tangential};
+  p.calibration_sigmas = {
+      f, f, centre, centre, s["k1"].as<double>(), s["k2"].as<double>(), s["k3"].as<double>(), tangential, tangential};
   p.blur = y["blur_px"].as<double>();
   p.vignetting = y["vignetting"].as<double>();
   p.read_noise = y["noise"]["read"].as<double>();

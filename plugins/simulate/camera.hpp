@@ -50,13 +50,14 @@ struct CameraStation {
   RigidTransform camera_from_building;
 };
 
-/// Stations floor by floor, scattered a little by the seed as a photographer would: convergent in yaw, tilted up and down, every
-/// second image rolled by 90 degrees; rolled ones look at a storey boundary and so link two floors.
-/// Throws std::invalid_argument if an image would see fewer than `required_tags` whole tags, naming it.
+/// Stations floor by floor, scattered a little by the seed as a photographer would: convergent in yaw, tilted up and
+/// down, every second image rolled by 90 degrees; rolled ones look at a storey boundary and so link two floors. Throws
+/// std::invalid_argument if an image would see fewer than `required_tags` whole tags, naming it.
 std::vector<CameraStation> plan_camera_stations(const Building& building, const SimulatedCamera& camera,
                                                 const CameraNetworkOptions& options, std::uint64_t seed);
 
-/// Pose of a camera at `position` that looks at `target`, turned by `roll` about its axis (positive: image turns counter-clockwise).
+/// Pose of a camera at `position` that looks at `target`, turned by `roll` about its axis (positive: image turns
+/// counter-clockwise).
 RigidTransform look_at(const Eigen::Vector3d& position, const Eigen::Vector3d& target, double roll);
 
 /// A tag that is wholly in an image, with its true corners [px] in the order of tag_corners_in_plate().

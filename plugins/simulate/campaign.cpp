@@ -18,24 +18,27 @@ namespace {
 std::string campaign_yaml(const Campaign& c) {
   return "# What a site hands over; docs/campaign_folder.md explains every line.\n"
          "plumbline_campaign: 1\n"
-         "name: simulated facade, " + std::to_string(c.building.options.floors) + " floors, seed " +
-         std::to_string(c.seed) + "\n"
+         "name: simulated facade, " +
+         std::to_string(c.building.options.floors) + " floors, seed " + std::to_string(c.seed) +
+         "\n"
          "images: images/*.jpg\n"
          "camera: camera.yaml\n"
          "plates: plates.csv\n"
          "survey: survey/*.gsi\n"
-         "instrument: " + c.options.survey.instrument + "\n"
+         "instrument: " +
+         c.options.survey.instrument +
+         "\n"
          "control: control.csv\n"
          "design: design.ifc\n";
 }
 
 std::string camera_yaml(const SimulatedCamera& camera, const BrownCamera& values, bool with_sigmas) {
-  std::string text = "plumbline_camera: 1\nid: " + camera.profile.name + "\nmake: " + camera.profile.make +
-                     "\nmodel: " + camera.profile.model + "\nwidth: " + std::to_string(values.width) +
-                     "\nheight: " + std::to_string(values.height) +
-                     "\npixel_pitch_um: " + number(1e6 * camera.profile.pixel_pitch) +
-                     "\npixel_origin: centre  # the centre of the top-left pixel is (0, 0); 'corner': it is (0.5, 0.5)\n"
-                     "# px for f and c; Brown's distortion in OpenCV's order and signs\n";
+  std::string text =
+      "plumbline_camera: 1\nid: " + camera.profile.name + "\nmake: " + camera.profile.make +
+      "\nmodel: " + camera.profile.model + "\nwidth: " + std::to_string(values.width) +
+      "\nheight: " + std::to_string(values.height) + "\npixel_pitch_um: " + number(1e6 * camera.profile.pixel_pitch) +
+      "\npixel_origin: centre  # the centre of the top-left pixel is (0, 0); 'corner': it is (0.5, 0.5)\n"
+      "# px for f and c; Brown's distortion in OpenCV's order and signs\n";
   const auto list = [&](const char* name, const std::array<double, BrownCamera::parameter_count>& numbers) {
     text += std::string(name) + ":\n";
     for (std::size_t i = 0; i < numbers.size(); ++i) {
@@ -49,7 +52,8 @@ std::string camera_yaml(const SimulatedCamera& camera, const BrownCamera& values
 
 std::string plates_csv(const Building& building) {
   std::string text =
-      "anchor,role,floor,column,row,tag_family,tag_id,tag_size_mm,tag_x_mm,tag_y_mm,tag_z_mm,facing_azimuth_deg,batch\n";
+      "anchor,role,floor,column,row,tag_family,tag_id,tag_size_mm,tag_x_mm,tag_y_mm,tag_z_mm,facing_azimuth_deg,"
+      "batch\n";
   const MarkerPlate& plate = building.nominal_plate;
   for (const Anchor& a : building.anchors) {
     text += a.id + "," + to_string(a.role) + "," + std::to_string(a.floor) + "," + std::to_string(a.column) + "," +
@@ -74,7 +78,8 @@ std::string control_csv(const StationPlan& plan) {
 std::string taken_at(std::size_t index) {  // a photograph every 20 s from nine in the morning
   const int seconds = static_cast<int>(20 * index);
   char text[32];
-  std::snprintf(text, sizeof text, "2026:05:04 %02d:%02d:%02d", (9 + seconds / 3600) % 24, seconds / 60 % 60, seconds % 60);
+  std::snprintf(text, sizeof text, "2026:05:04 %02d:%02d:%02d", (9 + seconds / 3600) % 24, seconds / 60 % 60,
+                seconds % 60);
   return text;
 }
 
@@ -119,7 +124,8 @@ void write_campaign_files(const Campaign& c, const std::filesystem::path& folder
 }
 
 std::uint64_t image_memory(const CameraProfile& profile) {
-  const auto pixels = static_cast<std::uint64_t>(profile.nominal.width) * static_cast<std::uint64_t>(profile.nominal.height);
+  const auto pixels =
+      static_cast<std::uint64_t>(profile.nominal.width) * static_cast<std::uint64_t>(profile.nominal.height);
   return pixels + (std::uint64_t{32} << 20);  // the JPEG while it grows, the plates, the grid of rays
 }
 
@@ -142,7 +148,8 @@ void write_images(const Campaign& c, const std::filesystem::path& folder,
 
 void write_truth(const Campaign& c, const std::filesystem::path& folder) {
   std::string anchors =
-      "anchor,role,floor,column,row,design_x_m,design_y_m,design_z_m,x_m,y_m,z_m,rotation_w,rotation_x,rotation_y,rotation_z\n";
+      "anchor,role,floor,column,row,design_x_m,design_y_m,design_z_m,x_m,y_m,z_m,rotation_w,rotation_x,rotation_y,"
+      "rotation_z\n";
   std::string tags = "tag_id,anchor,batch,size_mm\n";
   for (const Anchor& a : c.building.anchors) {
     anchors += a.id + "," + to_string(a.role) + "," + std::to_string(a.floor) + "," + std::to_string(a.column) + "," +

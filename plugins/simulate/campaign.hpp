@@ -1,5 +1,5 @@
-// A whole simulated campaign: made in memory from options and a seed, then written as the folder that a site would hand over,
-// with the truth in another folder beside it.
+// A whole simulated campaign: made in memory from options and a seed, then written as the folder that a site would hand
+// over, with the truth in another folder beside it.
 #pragma once
 
 #include <filesystem>
@@ -38,8 +38,8 @@ Campaign make_campaign(const CampaignOptions& options, std::uint64_t seed);
 /// campaign.yaml, camera.yaml, plates.csv, control.csv, survey/total_station.gsi, design.ifc. The folder must exist.
 void write_campaign_files(const Campaign& campaign, const std::filesystem::path& folder);
 
-/// images/*.jpg, rendered in parallel. `progress` is called from any thread after each image with how many are done, and may
-/// return false to stop: then std::runtime_error is thrown.
+/// images/*.jpg, rendered in parallel. `progress` is called from any thread after each image with how many are done,
+/// and may return false to stop: then std::runtime_error is thrown.
 void write_images(const Campaign& campaign, const std::filesystem::path& folder,
                   const std::function<bool(std::size_t done)>& progress);
 

@@ -39,7 +39,8 @@ class DesignWriter {
     aggregate("project", project, {site});
     aggregate("site", site, {house});
     std::vector<Id> storeys;
-    for (int floor = 1; floor <= building_.options.floors; ++floor) storeys.push_back(write_storey(floor, building_placement));
+    for (int floor = 1; floor <= building_.options.floors; ++floor)
+      storeys.push_back(write_storey(floor, building_placement));
     aggregate("building", house, storeys);
     return header() + lines_ + "ENDSEC;\nEND-ISO-10303-21;\n";
   }
@@ -67,8 +68,8 @@ class DesignWriter {
     const Id person = add("IFCPERSON", {null, text("Designer"), null, null, null, null, null, null});
     const Id organisation = add("IFCORGANIZATION", {null, text("Plumbline"), null, null, null});
     const Id both = add("IFCPERSONANDORGANIZATION", {reference(person), reference(organisation), null});
-    const Id application = add("IFCAPPLICATION", {reference(organisation), text("0.1"), text("Plumbline simulation"),
-                                                  text("plumbline")});
+    const Id application =
+        add("IFCAPPLICATION", {reference(organisation), text("0.1"), text("Plumbline simulation"), text("plumbline")});
     owner_ = add("IFCOWNERHISTORY", {reference(both), reference(application), null, enumeration("NOCHANGE"), null, null,
                                      null, step::integer(1777622400)});  // 2026-05-01 08:00 UTC
   }
@@ -102,8 +103,8 @@ class DesignWriter {
   }
 
   Id spatial(std::string_view keyword, const std::string& name, Id at, const std::vector<std::string>& rest) {
-    std::vector<std::string> arguments = {guid(name), reference(owner_),    text(name), null, null, reference(at), null,
-                                          null,       enumeration("ELEMENT")};
+    std::vector<std::string> arguments = {
+        guid(name), reference(owner_), text(name), null, null, reference(at), null, null, enumeration("ELEMENT")};
     arguments.insert(arguments.end(), rest.begin(), rest.end());
     return add(keyword, arguments);
   }
@@ -114,17 +115,16 @@ class DesignWriter {
   }
 
   Id shape(Id profile, Id position, Id direction, double depth) {
-    const Id solid = add("IFCEXTRUDEDAREASOLID",
-                         {reference(profile), reference(position), reference(direction), length(depth)});
-    const Id representation = add("IFCSHAPEREPRESENTATION", {reference(body_), text("Body"), text("SweptSolid"),
-                                                             list({reference(solid)})});
+    const Id solid =
+        add("IFCEXTRUDEDAREASOLID", {reference(profile), reference(position), reference(direction), length(depth)});
+    const Id representation =
+        add("IFCSHAPEREPRESENTATION", {reference(body_), text("Body"), text("SweptSolid"), list({reference(solid)})});
     return add("IFCPRODUCTDEFINITIONSHAPE", {null, null, list({reference(representation)})});
   }
 
   /// A box that stands on the placement's x-y plane, its footprint centred at (x, y) [m].
   Id box(double x, double y, double size_x, double size_y, double height) {
-    const Id profile = add("IFCRECTANGLEPROFILEDEF",
-                           {enumeration("AREA"), null, null, length(size_x), length(size_y)});
+    const Id profile = add("IFCRECTANGLEPROFILEDEF", {enumeration("AREA"), null, null, length(size_x), length(size_y)});
     return shape(profile, axes({x, y, 0}), along_z_, height);
   }
 
@@ -134,15 +134,15 @@ class DesignWriter {
     const Id profile = add("IFCCIRCLEPROFILEDEF", {enumeration("AREA"), null, null, length(0.02)});
     const Id point = add("IFCCARTESIANPOINT", {list({"0.", "0.", "0."})});
     const Id position = add("IFCAXIS2PLACEMENT3D", {reference(point), reference(along_y_), reference(along_x_)});
-    bolt_solid_ = add("IFCEXTRUDEDAREASOLID",
-                      {reference(profile), reference(position), reference(along_z_), length(0.12)});
+    bolt_solid_ =
+        add("IFCEXTRUDEDAREASOLID", {reference(profile), reference(position), reference(along_z_), length(0.12)});
     return bolt_solid_;
   }
 
   Id write_anchor(const Anchor& anchor, Id storey_placement, double elevation) {
     const Id at = placement(storey_placement, anchor.design - Eigen::Vector3d(0, 0, elevation));
-    const Id representation = add("IFCSHAPEREPRESENTATION", {reference(body_), text("Body"), text("SweptSolid"),
-                                                             list({reference(bolt())})});
+    const Id representation =
+        add("IFCSHAPEREPRESENTATION", {reference(body_), text("Body"), text("SweptSolid"), list({reference(bolt())})});
     const Id form = add("IFCPRODUCTDEFINITIONSHAPE", {null, null, list({reference(representation)})});
     return add("IFCMECHANICALFASTENER",
                {guid(anchor.id), reference(owner_), text(anchor.id), null, text("Facade anchor"), reference(at),
@@ -160,8 +160,8 @@ class DesignWriter {
     const Id slab = add("IFCSLAB", {guid(name + " slab"), reference(owner_), text(name + " slab"), null, null,
                                     reference(slab_placement), reference(slab_shape), null, enumeration("FLOOR")});
     const Id wall_placement = placement(at, {0, 0, 0});
-    const Id wall = add("IFCCURTAINWALL", {guid(name + " facade"), reference(owner_), text(name + " facade"), null, null,
-                                           reference(wall_placement), null, null, enumeration("NOTDEFINED")});
+    const Id wall = add("IFCCURTAINWALL", {guid(name + " facade"), reference(owner_), text(name + " facade"), null,
+                                           null, reference(wall_placement), null, null, enumeration("NOTDEFINED")});
     std::vector<Id> contained = {slab, wall}, panels;
     std::vector<std::vector<Id>> fixings(static_cast<std::size_t>(building_.options.columns));
     for (const Anchor& anchor : building_.anchors) {

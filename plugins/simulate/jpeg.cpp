@@ -1,13 +1,13 @@
 #include "jpeg.hpp"
 
+#include <jpeglib.h>
+
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <exiv2/exiv2.hpp>
 #include <stdexcept>
 #include <vector>
-
-#include <jpeglib.h>
 
 namespace plumbline::simulate {
 namespace {
@@ -19,8 +19,10 @@ std::vector<std::uint8_t> encode_exif(const ExifFields& fields, int width, int h
   exif["Exif.Image.Model"] = fields.model;
   exif["Exif.Image.Orientation"] = std::uint16_t{1};
   exif["Exif.Photo.DateTimeOriginal"] = fields.taken_at;
-  exif["Exif.Photo.ExposureTime"] = Exiv2::Rational(1, static_cast<std::int32_t>(std::lround(1 / fields.exposure_time)));
-  exif["Exif.Photo.FocalLength"] = Exiv2::Rational(static_cast<std::int32_t>(std::lround(fields.focal_length * 1e5)), 100);
+  exif["Exif.Photo.ExposureTime"] =
+      Exiv2::Rational(1, static_cast<std::int32_t>(std::lround(1 / fields.exposure_time)));
+  exif["Exif.Photo.FocalLength"] =
+      Exiv2::Rational(static_cast<std::int32_t>(std::lround(fields.focal_length * 1e5)), 100);
   exif["Exif.Photo.PixelXDimension"] = static_cast<std::uint32_t>(width);
   exif["Exif.Photo.PixelYDimension"] = static_cast<std::uint32_t>(height);
   Exiv2::Blob blob;

@@ -1,4 +1,5 @@
-// simulate.campaign and simulate.observations: the same simulated site, once as a folder of files, once as observations.
+// simulate.campaign and simulate.observations: the same simulated site, once as a folder of files, once as
+// observations.
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -52,12 +53,13 @@ struct SimulatedSite : Node {
 };
 
 struct SimulateCampaign : SimulatedSite {
-  static constexpr Info info{"simulate.campaign", "", 1,
-                             "Simulates a site: photographs, total-station file, design IFC, and the truth beside them"};
-  Param<std::string> instrument{"instrument", "ics50_assumed",
-                                one_of("ics50_assumed", "total_station_1arcsec", "total_station_2arcsec",
-                                       "total_station_5arcsec"),
-                                "total station; its profile is named in campaign.yaml"};
+  static constexpr Info info{
+      "simulate.campaign", "", 1,
+      "Simulates a site: photographs, total-station file, design IFC, and the truth beside them"};
+  Param<std::string> instrument{
+      "instrument", "ics50_assumed",
+      one_of("ics50_assumed", "total_station_1arcsec", "total_station_2arcsec", "total_station_5arcsec"),
+      "total station; its profile is named in campaign.yaml"};
   Param<double> survey_noise{"survey_noise", 1.0, "1", between(0, 100), "factor on the instrument's errors"};
   Param<int64_t> sets{"sets", 2, between(1, 20), "rounds of observations, each in two faces"};
   Param<double> control_sigma{"control_sigma", 0.0005, "m", between(1e-5, 0.1), "of the ground control points"};

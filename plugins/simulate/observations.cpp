@@ -43,7 +43,8 @@ Eigen::MatrixXd point_covariance(const std::vector<ObservedPoint>& points, doubl
     for (Eigen::Index j = 0; j < n; ++j) {
       // Two floors share the steps up to the lower of them.
       const int steps = std::min(points[static_cast<std::size_t>(i)].anchor->floor,
-                                 points[static_cast<std::size_t>(j)].anchor->floor) - 1;
+                                 points[static_cast<std::size_t>(j)].anchor->floor) -
+                        1;
       covariance(3 * i + 2, 3 * j + 2) += height_walk * height_walk * steps;
     }
   }

@@ -1,5 +1,5 @@
-// Observations without photographs: what an ideal detector and surveyor would deliver, with noise of a known size. For Monte Carlo
-// trials that need hundreds of campaigns.
+// Observations without photographs: what an ideal detector and surveyor would deliver, with noise of a known size. For
+// Monte Carlo trials that need hundreds of campaigns.
 #pragma once
 
 #include <cstdint>
@@ -20,9 +20,10 @@ struct ObservedPoint {
   const Anchor* anchor = nullptr;
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< [m]
 };
-/// Independent noise of `sigma` in each coordinate [m], and a height error common to a floor that is the sum of normal steps of
-/// `height_walk` from floor to floor [m].
-std::vector<ObservedPoint> observe_points(const Campaign& campaign, double sigma, double height_walk, std::uint64_t seed);
+/// Independent noise of `sigma` in each coordinate [m], and a height error common to a floor that is the sum of normal
+/// steps of `height_walk` from floor to floor [m].
+std::vector<ObservedPoint> observe_points(const Campaign& campaign, double sigma, double height_walk,
+                                          std::uint64_t seed);
 
 /// Covariance of all observed points, 3n × 3n, in their order [m²].
 Eigen::MatrixXd point_covariance(const std::vector<ObservedPoint>& points, double sigma, double height_walk);

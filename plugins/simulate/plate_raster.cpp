@@ -70,7 +70,8 @@ inline float target_at(const PlateDrawing& d, float u, float v, float inverse_wi
 
 /// The tag: modules blended across their common edges over the width of a footprint, which is the integral over it.
 inline float tag_at(const PlateDrawing& d, float u, float v, float inverse_width) {
-  const float column = limit((u - d.tag_x) * d.inverse_module_size + 5.5f, 0.0f, 10.999f);  // 0.5 less than the edge count
+  const float column =
+      limit((u - d.tag_x) * d.inverse_module_size + 5.5f, 0.0f, 10.999f);  // 0.5 less than the edge count
   const float row = limit((d.tag_y - v) * d.inverse_module_size + 5.5f, 0.0f, 10.999f);
   const int c = static_cast<int>(column), r = static_cast<int>(row);
   const float per_module = inverse_width * d.module_size;
@@ -87,7 +88,7 @@ void draw_samples(const PlateDrawing& d, const float* u, const float* v, std::si
   for (std::size_t i = 0; i < count; ++i) {
     const float share = coverage_at(d, u[i], v[i], inverse_width);
     coverage[i] = share;
-    weighted[i] = share <= 0                            ? 0
+    weighted[i] = share <= 0                      ? 0
                   : v[i] < 1.3f * d.target_radius ? share * target_at(d, u[i], v[i], inverse_width)
                                                   : share * tag_at(d, u[i], v[i], inverse_width);
   }
@@ -168,8 +169,8 @@ Window find_window(const Anchor& anchor, const BrownCamera& camera, const RigidT
 class SampleLine {
  public:
   /// `footprint`: width of a sample on the plate [m]; `stride`: pixels a line holds.
-  SampleLine(const PlateDrawing& drawing, const Eigen::Matrix3d& plate_from_image, const RayGrid& rays, double footprint,
-             std::size_t stride)
+  SampleLine(const PlateDrawing& drawing, const Eigen::Matrix3d& plate_from_image, const RayGrid& rays,
+             double footprint, std::size_t stride)
       : drawing_(drawing),
         h_(plate_from_image),
         rays_(rays),
@@ -179,8 +180,8 @@ class SampleLine {
         weighted_(u_.size()),
         coverage_(u_.size()) {}
 
-  /// Sample i lies at pixel column first + (i + 0.5)/4 - 0.5, all at pixel row `row`. It is stored at (i mod 4) · stride + i / 4,
-  /// so that the integration runs over neighbours in memory.
+  /// Sample i lies at pixel column first + (i + 0.5)/4 - 0.5, all at pixel row `row`. It is stored at (i mod 4) ·
+  /// stride + i / 4, so that the integration runs over neighbours in memory.
   void draw(double row, int first, std::vector<float>& weighted, std::vector<float>& coverage) {
     place(row, first);
     draw_samples(drawing_, u_.data(), v_.data(), u_.size(), inverse_width_, weighted_.data(), coverage_.data());
@@ -284,8 +285,8 @@ std::vector<float> tag_modules(int tag_id) {
 PlateRaster raster_plate(const Anchor& anchor, const BrownCamera& camera, const RigidTransform& camera_from_building,
                          const RayGrid& rays, double blur) {
   const std::vector<float> kernel = integration_kernel(blur);
-  const int reach = static_cast<int>(kernel.size()) / 2;               // samples
-  const int margin = (reach + kSamples - 1) / kSamples;                // pixels
+  const int reach = static_cast<int>(kernel.size()) / 2;  // samples
+  const int margin = (reach + kSamples - 1) / kSamples;   // pixels
   const Window w = find_window(anchor, camera, camera_from_building, margin + 1);
   PlateRaster out;
   if (w.right <= w.left || w.bottom <= w.top) return out;
@@ -296,8 +297,9 @@ PlateRaster raster_plate(const Anchor& anchor, const BrownCamera& camera, const 
 
   const PlateDrawing drawing = make_drawing(anchor);
 
-  // Lines of samples are integrated along the row first, then each adds to the rows of pixels it lies near. Tap k of pixel i is
-  // sample 4 i + k - lead; drawing starts whole pixels before the window, `skip` samples before the first that is needed.
+  // Lines of samples are integrated along the row first, then each adds to the rows of pixels it lies near. Tap k of
+  // pixel i is sample 4 i + k - lead; drawing starts whole pixels before the window, `skip` samples before the first
+  // that is needed.
   const int taps = static_cast<int>(kernel.size()), lead = reach - kSamples / 2;
   const int pixels_before = (lead + kSamples - 1) / kSamples;
   const std::size_t skip = static_cast<std::size_t>(kSamples * pixels_before - lead);

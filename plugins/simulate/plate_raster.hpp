@@ -21,8 +21,8 @@ struct RayGrid {
   }
 };
 
-/// Black and white modules of a tag36h11, 10 × 10 with the white edge, row 0 on top. Throws std::invalid_argument for an id
-/// the family lacks.
+/// Black and white modules of a tag36h11, 10 × 10 with the white edge, row 0 on top. Throws std::invalid_argument for
+/// an id the family lacks.
 std::vector<float> tag_modules(int tag_id);
 
 /// Pixels that a plate covers: reflectance weighted with coverage, and coverage in [0, 1].

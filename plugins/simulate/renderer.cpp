@@ -9,9 +9,9 @@
 namespace plumbline::simulate {
 namespace {
 
-constexpr double kWallDepth = 0.03;    // the wall stands behind the plates [m]
-constexpr float kWhiteLevel = 258;     // grey level of reflectance 1 in full light; the plates' white then is about 210
-constexpr float kShift = 64;           // makes coordinates positive, so that truncation rounds down
+constexpr double kWallDepth = 0.03;  // the wall stands behind the plates [m]
+constexpr float kWhiteLevel = 258;   // grey level of reflectance 1 in full light; the plates' white then is about 210
+constexpr float kShift = 64;         // makes coordinates positive, so that truncation rounds down
 
 /// std::clamp returns references, which keeps loops from being vectorised.
 inline float limit(float value, float lower, float upper) {
@@ -25,7 +25,8 @@ struct Wall {
   std::uint32_t seed;
 };
 
-/// Reflectance of wall, sky and ground at (x, z) [m]. Boards with joints at the grid's cells, slab edges at the storeys.
+/// Reflectance of wall, sky and ground at (x, z) [m]. Boards with joints at the grid's cells, slab edges at the
+/// storeys.
 __attribute__((target_clones("avx2", "default"))) void shade_wall(const float* x, const float* z, std::size_t count,
                                                                   Wall wall, float* reflectance) {
   const float inverse_pixel = 1 / wall.pixel;
@@ -38,7 +39,8 @@ __attribute__((target_clones("avx2", "default"))) void shade_wall(const float* x
     const float grain = static_cast<float>(static_cast<std::int32_t>((hash >> 16) & 0xff)) * (1.0f / 255) - 0.5f;
     // Distances to the nearest vertical joint and to the nearest storey line.
     const float across = x[i] / wall.spacing + kShift + 0.5f, up = z[i] / wall.storey + kShift + 0.5f;
-    const float to_joint = std::fabs(across - 0.5f - static_cast<float>(static_cast<std::int32_t>(across))) * wall.spacing;
+    const float to_joint =
+        std::fabs(across - 0.5f - static_cast<float>(static_cast<std::int32_t>(across))) * wall.spacing;
     const float to_storey = std::fabs(up - 0.5f - static_cast<float>(static_cast<std::int32_t>(up))) * wall.storey;
     const float joint = limit((to_joint - 0.006f) * inverse_pixel + 0.5f, 0.0f, 1.0f);
     const float slab = limit((0.16f - to_storey) * inverse_pixel + 0.5f, 0.0f, 1.0f);
@@ -61,8 +63,8 @@ __attribute__((target_clones("avx2", "default"))) void expose(const float* refle
     hash = (hash ^ (hash >> 16)) * 0x21f0aaadu;
     hash = (hash ^ (hash >> 15)) * 0x735a2d97u;
     hash ^= hash >> 15;
-    const std::int32_t sum = static_cast<std::int32_t>((hash & 0xff) + ((hash >> 8) & 0xff) + ((hash >> 16) & 0xff) +
-                                                       (hash >> 24));
+    const std::int32_t sum =
+        static_cast<std::int32_t>((hash & 0xff) + ((hash >> 8) & 0xff) + ((hash >> 16) & 0xff) + (hash >> 24));
     const float normal = (static_cast<float>(sum) - 510.0f) * (1.0f / 147.8f);
     const float level = reflectance[i] * light[i];
     const float noisy = level + normal * std::sqrt(read * read + shot * level);
@@ -148,9 +150,9 @@ Renderer::Renderer(const Building& building, const SimulatedCamera& camera, cons
   const RigidTransform building_from_camera = camera_from_building.inverse();
   const Eigen::Vector3d centre = building_from_camera.translation;
   const double distance = kWallDepth - centre.y();
-  s.wall = {static_cast<float>(building.width), static_cast<float>(building.height),
+  s.wall = {static_cast<float>(building.width),         static_cast<float>(building.height),
             static_cast<float>(building.storey_height), static_cast<float>(building.options.spacing),
-            static_cast<float>(distance / c.fx), static_cast<std::uint32_t>(derive_seed(options.seed, "wall"))};
+            static_cast<float>(distance / c.fx),        static_cast<std::uint32_t>(derive_seed(options.seed, "wall"))};
   s.read = static_cast<float>(options.noise_scale * camera.profile.read_noise);
   s.shot = static_cast<float>(options.noise_scale * options.noise_scale * camera.profile.shot_noise);
   s.noise_seed = static_cast<std::uint32_t>(derive_seed(options.seed, "noise"));
@@ -203,7 +205,8 @@ void Renderer::render(int band, Band& out) const {
     s.composite(row, reflectance);
     expose(reflectance.data(), light.data(), line, s.noise_seed + static_cast<std::uint32_t>(row) * 0x85ebca77u, s.read,
            s.shot, grey.data());
-    std::copy_n(grey.begin(), padded, out.luma.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(r) * padded));
+    std::copy_n(grey.begin(), padded,
+                out.luma.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(r) * padded));
     if (r % 2 == 0) {
       s.colour(row, x, z, blue.data(), red.data());
       const auto offset = static_cast<std::ptrdiff_t>(static_cast<std::size_t>(r / 2) * padded / 2);

@@ -1,9 +1,9 @@
 // Photographs of the simulated facade, band by band, so that an image of any size needs little memory.
 //
-// Plates are what is measured, so they are exact: each is sampled 4 × 4 times a pixel through the true camera (distortion by a grid
-// of 16 px whose interpolation error is about 0.001 px), edges inside a sample are area-filtered, and the samples are
-// integrated over pixel and point spread function. The wall behind them only has to look like one: it is sampled once a pixel.
-// Luma is linear in light. Same inputs, same bytes.
+// Plates are what is measured, so they are exact: each is sampled 4 × 4 times a pixel through the true camera
+// (distortion by a grid of 16 px whose interpolation error is about 0.001 px), edges inside a sample are area-filtered,
+// and the samples are integrated over pixel and point spread function. The wall behind them only has to look like one:
+// it is sampled once a pixel. Luma is linear in light. Same inputs, same bytes.
 #pragma once
 
 #include <cstdint>
@@ -40,7 +40,8 @@ class Renderer {
   /// Width rounded up to the 16 px that a block row of a 4:2:0 JPEG takes.
   int padded_width() const { return (width() + 15) / 16 * 16; }
 
-  /// Rows 16·band ... 16·band + 15 as luma (16 × padded_width) and chroma of half the resolution (8 × padded_width / 2 each).
+  /// Rows 16·band ... 16·band + 15 as luma (16 × padded_width) and chroma of half the resolution (8 × padded_width / 2
+  /// each).
   struct Band {
     std::vector<std::uint8_t> luma, blue, red;
   };

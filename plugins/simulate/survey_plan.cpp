@@ -28,10 +28,8 @@ std::vector<GroundPoint> plan_ground_points(const Building& building, const Surv
                                             std::uint64_t seed) {
   const double w = building.width, d = options.distance;
   // Around the set-ups, so that sights to them meet at good angles.
-  const Eigen::Vector3d places[] = {{-3.0, -0.4 * d, 0.05},
-                                    {w + 3.0, -0.4 * d, 0.02},
-                                    {w + 4.0, -1.8 * d, -0.06},
-                                    {-4.0, -1.8 * d, 0.03}};
+  const Eigen::Vector3d places[] = {
+      {-3.0, -0.4 * d, 0.05}, {w + 3.0, -0.4 * d, 0.02}, {w + 4.0, -1.8 * d, -0.06}, {-4.0, -1.8 * d, 0.03}};
   std::vector<GroundPoint> points;
   for (const Eigen::Vector3d& place : places) {
     GroundPoint point;
@@ -85,7 +83,7 @@ class Observer {
     zenith_index_ = random_.normal(scale_ * kIndexSigma);
     survey::SetUp record;
     record.id = record.station = set_up.id;
-    record.instrument_height = round_to(set_up.instrument_height + random_.normal(options.set_up_height_sigma), 1e-4);
+    record.instrument_height = round_to(set_up.instrument_height + random_.normal(options.set_up_height_sigma), 1e-3);
     out_.set_ups.push_back(record);
   }
 
@@ -101,10 +99,11 @@ class Observer {
     const double sign = face == 1 ? 1.0 : -1.0;
     const double direction = std::atan2(d.x(), d.y()) - set_up_.orientation + sign * collimation_ / std::sin(zenith) +
                              (face == 1 ? 0.0 : kPi) + random_.normal(single * instrument_.direction_sigma);
-    const double circle = (face == 1 ? zenith : 2 * kPi - zenith) + zenith_index_ +
-                          random_.normal(single * instrument_.zenith_sigma);
-    const double length = distance + random_.normal(single * (instrument_.distance_constant +
-                                                              1e-6 * instrument_.distance_ppm * distance));
+    const double circle =
+        (face == 1 ? zenith : 2 * kPi - zenith) + zenith_index_ + random_.normal(single * instrument_.zenith_sigma);
+    const double length =
+        distance +
+        random_.normal(single * (instrument_.distance_constant + 1e-6 * instrument_.distance_ppm * distance));
 
     survey::Observation o;
     o.set_up = static_cast<int>(out_.set_ups.size()) - 1;
@@ -171,7 +170,7 @@ StationPlan plan_set_ups(const Building& building, const SurveyOptions& options,
       s.axis = Eigen::Vector3d((k == 0 ? 0.2 : 0.8) * building.width, -options.distance,
                                building.storey_height * (floor - 1) + 1.6) +
                random.normal3(0.1);
-      s.instrument_height = 1.45 + random.uniform(0, 0.25);
+      s.instrument_height = round_to(1.45 + random.uniform(0, 0.25), 1e-3);  // read on a tape
       s.orientation = random.uniform(0, 2 * kPi);
       for (std::size_t a = 0; a < building.anchors.size(); ++a) {
         const int of = building.anchors[a].floor;
@@ -245,16 +244,16 @@ survey::SurveyObservations observe(const Building& building, const StationPlan& 
     std::vector<Target> targets;
     for (const std::size_t g : s.ground_points) {
       const GroundPoint& point = plan.ground_points[g];
-      targets.push_back({point.id,
-                         observer.centred(point.truth + Eigen::Vector3d(0, 0, point.target_height)),
-                         point.target_height});
+      targets.push_back(
+          {point.id, observer.centred(point.truth + Eigen::Vector3d(0, 0, point.target_height)), point.target_height});
     }
     for (const std::size_t a : s.anchors) {
       targets.push_back({building.anchors[a].id, observer.centred(building.anchors[a].built), 0.0});
     }
     for (int set = 1; set <= options.sets; ++set) {
       for (const Target& t : targets) observer.point_at(t.id, t.position, t.height, 1, set);
-      for (auto t = targets.rbegin(); t != targets.rend(); ++t) observer.point_at(t->id, t->position, t->height, 2, set);
+      for (auto t = targets.rbegin(); t != targets.rend(); ++t)
+        observer.point_at(t->id, t->position, t->height, 2, set);
     }
   }
   return out;

@@ -1,4 +1,5 @@
-// The surveyor of the simulated campaign: where the total station stands, which targets it points at, and what it reads.
+// The surveyor of the simulated campaign: where the total station stands, which targets it points at, and what it
+// reads.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +20,8 @@ struct SimulatedInstrument {
   double distance_ppm = 0;
   double target_centring = 0;  ///< each axis, anew in each set-up [m]
 };
-/// "ics50_assumed" or "total_station_1arcsec", "..._2arcsec", "..._5arcsec". Throws std::invalid_argument that lists the names.
+/// "ics50_assumed" or "total_station_1arcsec", "..._2arcsec", "..._5arcsec". Throws std::invalid_argument that lists
+/// the names.
 SimulatedInstrument simulated_instrument(const std::string& name);
 
 struct SurveyOptions {
@@ -56,13 +58,14 @@ struct StationPlan {
   std::vector<PlannedSetUp> set_ups;
 };
 
-/// Two set-ups a floor at the height of the floor. Each sees all plates of its own storey and of the storey below, so that
-/// adjacent floors share two rows of markers; the two lowest storeys also see the ground control points.
+/// Two set-ups a floor at the height of the floor. Each sees all plates of its own storey and of the storey below, so
+/// that adjacent floors share two rows of markers; the two lowest storeys also see the ground control points.
 StationPlan plan_set_ups(const Building& building, const SurveyOptions& options, std::uint64_t seed);
 
 /// Rules of the paper's sections 6.2 and 6.4 that the plan breaks, in words; empty if it keeps them all:
-/// every marker in at least two set-ups, at least two rows of markers in common between adjacent floors, no sight flatter than
-/// `largest_incidence` [rad, from the facade's normal], one vertical column of markers through all floors, three control points.
+/// every marker in at least two set-ups, at least two rows of markers in common between adjacent floors, no sight
+/// flatter than `largest_incidence` [rad, from the facade's normal], one vertical column of markers through all floors,
+/// three control points.
 std::vector<std::string> broken_station_rules(const Building& building, const StationPlan& plan,
                                               double largest_incidence = 1.0472);
 
