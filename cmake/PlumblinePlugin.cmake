@@ -33,10 +33,11 @@ function(plumbline_add_artifacts name)
   set_target_properties(${name} PROPERTIES PLUMBLINE_BFBS "${bfbs_files}")
 endfunction()
 
-# plumbline_add_plugin(FAMILY SOURCES a.cpp ... [LINK lib ...])
-# One shared library build/lib/plumbline/plumbline_FAMILY.so that exports plumbline_plugin() and nothing else.
+# plumbline_add_plugin(FAMILY SOURCES a.cpp ... [LINK lib ...] [FOLDER dir])
+# One shared library build/lib/plumbline/plumbline_FAMILY.so that exports plumbline_plugin() and nothing else. With FOLDER it goes
+# there, and is neither found by the program nor installed: for plugins that tests bring.
 function(plumbline_add_plugin family)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  cmake_parse_arguments(ARG "" "FOLDER" "SOURCES;LINK" ${ARGN})
   set(target plumbline_plugin_${family})
   add_library(${target} MODULE ${ARG_SOURCES})
   target_link_libraries(${target} PRIVATE plumbline_settings plumbline_contract plumbline_artifacts ${ARG_LINK})
@@ -47,6 +48,10 @@ function(plumbline_add_plugin family)
   set_target_properties(${target} PROPERTIES
     PREFIX "" OUTPUT_NAME plumbline_${family} LINK_DEPENDS ${exports}
     LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib/plumbline)
+  if(ARG_FOLDER)
+    set_target_properties(${target} PROPERTIES LIBRARY_OUTPUT_DIRECTORY ${ARG_FOLDER})
+    return()
+  endif()
   set_property(GLOBAL APPEND PROPERTY PLUMBLINE_PLUGINS ${target})
   install(TARGETS ${target} LIBRARY DESTINATION lib/plumbline)
 endfunction()

@@ -137,7 +137,11 @@ void Store::remove_leftovers() const {
 
 fs::path Store::blob_path(const std::string& hash) const { return folder_ / "blobs" / hash.substr(0, 2) / hash; }
 
-fs::path Store::temporary_name() { return folder_ / "tmp" / (temporary_prefix_ + std::to_string(++temporary_count_)); }
+fs::path Store::temporary_name() {
+  // Of the process and not of the store: one process may have the same store open twice.
+  static std::atomic<uint64_t> count = 0;
+  return folder_ / "tmp" / (temporary_prefix_ + std::to_string(++count));
+}
 
 void Store::write(const fs::path& path, const void* data, size_t size) {
   const fs::path temporary = temporary_name();

@@ -116,7 +116,6 @@ class Store {
   std::filesystem::path folder_;
   bool durable_ = false;
   std::string temporary_prefix_;
-  std::atomic<uint64_t> temporary_count_ = 0;
   std::atomic<bool> unsynced_ = false;
   std::unique_ptr<FileHashes> file_hashes_;
   std::mutex mutex_;

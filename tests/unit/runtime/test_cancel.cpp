@@ -1,0 +1,44 @@
+#include <thread>
+
+#include "runtime/memory_budget.hpp"
+#include "story.hpp"
+
+namespace plumbline::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string waiting = small_chain + "\nw: {use: story.waits}\nr: {use: story.read, in: {folder: w.folder}}";
+
+void wait_for(const fs::path& file) {
+  while (!fs::exists(file)) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+}
+
+TEST(Cancel, EndsTheRunAndLeavesNothingHalfWritten) {
+  Story story(waiting);
+  const fs::path started = story.folder.path() / "started";
+  std::atomic<bool> cancel = false;
+  std::thread person([&] {
+    wait_for(started);
+    cancel = true;
+  });
+  story.run({"w.with.started=" + started.string()}, 2, 0, &cancel);
+  person.join();
+  EXPECT_TRUE(story.result.cancelled);
+  EXPECT_EQ(story.status("w"), "cancelled");
+  EXPECT_EQ(story.status("r"), "cancelled");
+  EXPECT_TRUE(fs::is_empty(story.folder.path() / "store" / "folders"));
+  EXPECT_TRUE(fs::is_empty(story.folder.path() / "store" / "tmp"));
+}
+
+TEST(Cancel, WakesThoseWhoWaitForMemory) {
+  runtime::MemoryBudget budget(1000);
+  std::atomic<bool> cancel = false;
+  ASSERT_TRUE(budget.acquire(1000, 0, cancel));
+  std::thread person([&] { cancel = true; });
+  EXPECT_FALSE(budget.acquire(1, 0, cancel));
+  person.join();
+}
+
+}  // namespace
+}  // namespace plumbline::test

@@ -1,0 +1,147 @@
+// What comes out of a run, and what becomes of nodes that misbehave.
+#include <thread>
+
+#include "story.hpp"
+
+namespace plumbline::test {
+namespace {
+
+const std::string wide =
+    "s: {use: story.series, with: {values: [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16]}}\n"
+    "q: {use: story.square, in: {number: s.numbers}}\n"
+    "n: {use: story.draw_each, in: {number: q.square}}\n"
+    "t: {use: story.sum, in: {numbers: n.number}}\n"
+    "u: {use: story.sum, in: {numbers: q.square}}\n"
+    "v: {use: story.add, in: {a: t.sum, b: u.sum}}";
+
+TEST(Execute, SameBitsWithAnyNumberOfThreads) {
+  std::vector<std::map<std::string, runtime::Hashes>> first;
+  for (const int threads : {1, 2, 8}) {
+    Story story(wide);
+    ASSERT_TRUE(story.run({}, threads).ok());
+    std::vector<std::map<std::string, runtime::Hashes>> outputs;
+    for (const auto& node : story.result.nodes) outputs.push_back(node.outputs);
+    if (first.empty()) first = outputs;
+    EXPECT_EQ(outputs, first) << threads << " threads";
+  }
+}
+
+TEST(Execute, AFailureEndsItsBranchOnly) {
+  Story story("x: {use: story.throws}\ny: {use: story.add, in: {a: x.number}}\nz: {use: story.add, in: {a: y.sum}}\n" +
+              small_chain);
+  story.run();
+  EXPECT_EQ(story.status("x"), "failed");
+  EXPECT_EQ(story.with_status(runtime::NodeStatus::skipped), "y z");
+  EXPECT_EQ(story.executed(), "a b c d");
+  EXPECT_FALSE(story.result.ok());
+  EXPECT_FALSE(story.result.cancelled);
+  EXPECT_EQ(story.node("x").error,
+            story.pipeline().string() + ":4:3: node 'x' (story.throws) failed: the bridge is out");
+  EXPECT_EQ(story.node("y").error, "its input 'a' comes from 'x', which failed");
+  EXPECT_EQ(story.node("z").error, "its input 'a' comes from 'y', which did not run");
+}
+
+TEST(Execute, AFailedItemIsNamedAndTheOthersAreKept) {
+  Story story(
+      "s: {use: story.series, with: {values: [1, -2, 3, -4]}}\nq: {use: story.square, in: {number: s.numbers}}");
+  story.run();
+  const std::string& error = story.node("q").error;
+  EXPECT_NE(error.find("node 'q' (story.square) failed on item 2 of 4: cannot square -2"), std::string::npos) << error;
+  EXPECT_NE(error.find("on item 4 of 4"), std::string::npos) << error;
+  story.run({"s.with.values=[1, 2, 3, 4]"});
+  EXPECT_EQ(story.node("q").items_executed, 2u) << "1 and 3 were done before";
+}
+
+TEST(Execute, AnEmptyListIsNoError) {
+  Story story(
+      "s: {use: story.series, with: {values: []}}\nq: {use: story.square, in: {number: s.numbers}}\n"
+      "t: {use: story.sum, in: {numbers: q.square}}");
+  ASSERT_TRUE(story.run().ok());
+  EXPECT_EQ(story.node("q").items, 0u);
+  EXPECT_EQ(story.value("t", "sum"), 0);
+}
+
+TEST(Execute, AMissingOutputIsAnError) {
+  Story story("x: {use: story.forgets}");
+  story.run();
+  EXPECT_NE(story.node("x").error.find("ended without committing its output 'number'"), std::string::npos)
+      << story.node("x").error;
+}
+
+TEST(Execute, BytesThatAreNoArtifactAreRefused) {
+  Story story("x: {use: story.garbage}");
+  story.run();
+  EXPECT_NE(story.node("x").error.find("output 'number' is no valid plumbline.Number/1"), std::string::npos)
+      << story.node("x").error;
+}
+
+TEST(Execute, AnOutputIsCommittedOnce) {
+  Story story("x: {use: story.twice}");
+  story.run();
+  EXPECT_NE(story.node("x").error.find("output 'number' was committed twice"), std::string::npos)
+      << story.node("x").error;
+}
+
+TEST(Execute, TheSeedComesBeforeTheFolder) {
+  Story story("x: {use: story.late_seed}");
+  story.run();
+  EXPECT_NE(story.node("x").error.find("asked for its seed after make_folder()"), std::string::npos)
+      << story.node("x").error;
+}
+
+TEST(Execute, AFolderIsWholeOrAbsent) {
+  Story story("w: {use: story.folder, with: {fail: true}}");
+  story.run();
+  EXPECT_EQ(story.status("w"), "failed");
+  EXPECT_TRUE(std::filesystem::is_empty(story.folder.path() / "store" / "folders"));
+  EXPECT_TRUE(std::filesystem::is_empty(story.folder.path() / "store" / "tmp"));
+}
+
+TEST(Execute, WarningsAndMetricsAreKeptWithTheResult) {
+  Story story(
+      "s: {use: story.series, with: {values: [1, 200]}}\nq: {use: story.square, in: {number: s.numbers}}\n"
+      "c: {use: story.constant}\nm: {use: story.add, in: {a: c.number}}");
+  for (int i = 0; i < 2; ++i) {
+    story.run();
+    EXPECT_EQ(story.node("q").warnings, std::vector<std::string>{"a large number on item 2 of 2"});
+    ASSERT_EQ(story.node("m").metrics.size(), 1u);
+    EXPECT_EQ(story.node("m").metrics[0].name, "sum");
+    EXPECT_EQ(story.node("m").metrics[0].value, 1);
+  }
+}
+
+TEST(Execute, MemoryIsSharedOut) {
+  const std::string nodes =
+      "s: {use: story.series, with: {values: [40, 40, 40, 40, 40, 40, 40, 40]}}\n"
+      "h: {use: story.hungry, in: {mebibytes: s.numbers}}";
+  Story story(nodes);
+  ASSERT_TRUE(story.run({}, 4, uint64_t{100} << 20).ok());
+  for (const double most : story.values("h", "most")) EXPECT_LE(most, 2);
+}
+
+TEST(Execute, ARequestAboveTheLimitRunsAlone) {
+  Story story(
+      "s: {use: story.series, with: {values: [500, 500, 500]}}\nh: {use: story.hungry, in: {mebibytes: s.numbers}}");
+  ASSERT_TRUE(story.run({}, 3, uint64_t{100} << 20).ok());
+}
+
+TEST(Execute, TwoProgramsShareOneStore) {
+  Story story(wide);
+  const auto graph = load_pipeline(story.pipeline(), {}, story_registry());
+  std::vector<runtime::RunResult> results(2);
+  std::vector<std::thread> programs;
+  for (auto& result : results)
+    programs.emplace_back([&] {
+      runtime::Store store(story.folder.path() / "store");
+      runtime::Observer silent;
+      result = execute(graph, story_registry(), store, {2, 0, nullptr}, silent);
+    });
+  for (auto& program : programs) program.join();
+  ASSERT_TRUE(results[0].ok() && results[1].ok());
+  for (size_t i = 0; i < graph.nodes.size(); ++i) EXPECT_EQ(results[0].nodes[i].outputs, results[1].nodes[i].outputs);
+  story.run();
+  EXPECT_EQ(story.executed(), "");
+}
+
+}  // namespace
+}  // namespace plumbline::test

@@ -1,0 +1,147 @@
+// What runs again after which change.
+#include "story.hpp"
+
+namespace plumbline::test {
+namespace {
+
+TEST(Reuse, SecondRunExecutesNothing) {
+  Story story(small_chain);
+  story.run();
+  EXPECT_EQ(story.executed(), "a b c d");
+  EXPECT_EQ(story.value("c", "sum"), 14);
+  story.run();
+  EXPECT_EQ(story.executed(), "");
+  EXPECT_EQ(story.with_status(runtime::NodeStatus::reused), "a b c d");
+  EXPECT_EQ(story.value("c", "sum"), 14);
+}
+
+TEST(Reuse, AChangedParameterRunsItsNodeAndWhatFollows) {
+  Story story(small_chain);
+  story.run();
+  story.run({"b.with.offset=2"});
+  EXPECT_EQ(story.executed(), "b c");
+  EXPECT_EQ(story.value("c", "sum"), 15);
+  story.run({"c.with.offset=20"});
+  EXPECT_EQ(story.executed(), "c") << "the store still has b as it was before";
+}
+
+TEST(Reuse, EqualOutputsStopTheChange) {
+  Story story(small_chain);
+  story.run();
+  story.run({"a.with.value=2", "b.with.offset=2"});
+  EXPECT_EQ(story.executed(), "a b") << "b gives 4 as before, so c need not run";
+}
+
+TEST(Reuse, NamesAndOrderInTheFileDoNotCount) {
+  Story story("x: {use: story.constant, with: {value: 3}}\ny: {use: story.add, in: {a: x.number}}");
+  story.run();
+  story.tell("second: {use: story.add, in: {a: first.number}}\nfirst: {use: story.constant, with: {value: 3}}");
+  story.run();
+  EXPECT_EQ(story.executed(), "");
+}
+
+TEST(Reuse, ANewItemRunsOnlyThatItem) {
+  Story story(
+      "s: {use: story.series, with: {values: [1, 2, 3]}}\nq: {use: story.square, in: {number: s.numbers}}\n"
+      "t: {use: story.sum, in: {numbers: q.square}}");
+  story.run();
+  EXPECT_EQ(story.node("q").items, 3u);
+  EXPECT_EQ(story.node("q").items_executed, 3u);
+  story.run({"s.with.values=[1, 7, 2, 3]"});
+  EXPECT_EQ(story.executed(), "s q t");
+  EXPECT_EQ(story.node("q").items, 4u);
+  EXPECT_EQ(story.node("q").items_executed, 1u);
+  EXPECT_EQ(story.values("q", "square"), (std::vector<double>{1, 49, 4, 9}));
+}
+
+TEST(Reuse, TheSeedRunsOnlyWhatDraws) {
+  Story story("d: {use: story.draw}\ne: {use: story.add, in: {a: d.number}}\nf: {use: story.constant}");
+  story.run();
+  const double first = story.value("d", "number");
+  story.run({"seed=2"});
+  EXPECT_EQ(story.executed(), "d e");
+  EXPECT_NE(story.value("d", "number"), first);
+  story.run({"seed=1"});
+  EXPECT_EQ(story.executed(), "");
+  EXPECT_EQ(story.value("d", "number"), first);
+}
+
+TEST(Reuse, NodesAndItemsDrawDifferentNumbers) {
+  Story story(
+      "d: {use: story.draw}\ne: {use: story.draw}\ns: {use: story.series, with: {values: [0, 0]}}\n"
+      "i: {use: story.draw_each, in: {number: s.numbers}}");
+  story.run();
+  EXPECT_NE(story.value("d", "number"), story.value("e", "number"));
+  const auto items = story.values("i", "number");
+  EXPECT_NE(items.at(0), items.at(1));
+}
+
+TEST(Reuse, ANonDeterministicNodeAlwaysRuns) {
+  Story story("n: {use: story.clock}\nm: {use: story.add, in: {a: n.number}}");
+  story.run();
+  story.run();
+  EXPECT_EQ(story.executed(), "n m");
+}
+
+TEST(Reuse, AFailureIsNotKept) {
+  Story story("t: {use: story.throws}");
+  story.run();
+  story.run();
+  EXPECT_EQ(story.status("t"), "failed");
+}
+
+TEST(Reuse, ADamagedBlobIsNamedAndItsNodeRunsAgain) {
+  Story story(small_chain);
+  story.run();
+  const std::string hash = story.node("b").outputs.at("sum").at(0);
+  {
+    std::fstream blob(story.blob(hash), std::ios::in | std::ios::out | std::ios::binary);
+    blob.seekp(-1, std::ios::end);
+    blob.put('\x55');
+  }
+  story.run();
+  EXPECT_EQ(story.executed(), "b");
+  ASSERT_EQ(story.node("b").warnings.size(), 1u);
+  EXPECT_NE(story.node("b").warnings[0].find(hash), std::string::npos) << story.node("b").warnings[0];
+  EXPECT_EQ(story.value("c", "sum"), 14);
+  story.run();
+  EXPECT_EQ(story.executed(), "");
+}
+
+TEST(Reuse, AnEmptiedOrMissingBlobIsMadeAgain) {
+  Story story(small_chain);
+  story.run();
+  std::filesystem::resize_file(story.blob(story.node("a").outputs.at("number").at(0)), 0);
+  std::filesystem::remove(story.blob(story.node("d").outputs.at("number").at(0)));
+  story.run();
+  EXPECT_EQ(story.executed(), "a d");
+  EXPECT_TRUE(story.result.ok());
+}
+
+TEST(Reuse, ADamagedRecordIsPassedOver) {
+  Story story(small_chain);
+  story.run();
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(story.folder.path() / "store" / "runs"))
+    if (entry.is_regular_file()) std::ofstream(entry.path(), std::ios::trunc) << "{\"kind\": ";
+  story.run();
+  EXPECT_EQ(story.executed(), "a b c d");
+  EXPECT_TRUE(story.result.ok());
+}
+
+TEST(Reuse, AFolderThatWasChangedIsMadeAgain) {
+  Story story("w: {use: story.folder}\nr: {use: story.read, in: {folder: w.folder}}");
+  story.run();
+  EXPECT_EQ(story.value("r", "number"), 5);
+  story.run();
+  EXPECT_EQ(story.executed(), "");
+  for (const auto& entry : std::filesystem::directory_iterator(story.folder.path() / "store" / "folders"))
+    std::ofstream(entry.path() / "a.txt") << "changed by a stranger";
+  story.run();
+  EXPECT_EQ(story.executed(), "w");
+  EXPECT_EQ(story.node("w").warnings.size(), 1u);
+  for (const auto& entry : std::filesystem::directory_iterator(story.folder.path() / "store" / "folders"))
+    EXPECT_EQ(read_file(entry.path() / "a.txt"), "hello");
+}
+
+}  // namespace
+}  // namespace plumbline::test

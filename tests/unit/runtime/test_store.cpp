@@ -1,0 +1,197 @@
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cstdlib>
+
+#include "runtime/digest.hpp"
+#include "runtime/store.hpp"
+#include "test_support.hpp"
+
+namespace plumbline::test {
+namespace {
+
+using runtime::Store;
+using runtime::StoreError;
+namespace fs = std::filesystem;
+
+std::string text_of(const runtime::Blob& blob) {
+  return {static_cast<const char*>(blob.bytes().data), blob.bytes().size};
+}
+
+std::string put(Store& store, const std::string& text) { return store.put(text.data(), text.size()); }
+
+TEST(Store, GivesBackWhatItWasGiven) {
+  const TemporaryFolder folder;
+  const std::string small = "small", large(200'000, 'x'), empty;
+  std::vector<std::string> hashes;
+  {
+    Store store(folder.path() / "store");
+    for (const std::string& text : {small, large, empty}) hashes.push_back(put(store, text));
+  }
+  Store store(folder.path() / "store");
+  EXPECT_EQ(text_of(store.get(hashes[0])), small);
+  EXPECT_EQ(text_of(store.get(hashes[1])), large);
+  EXPECT_EQ(text_of(store.get(hashes[2])), empty);
+  EXPECT_EQ(hashes[0], runtime::sha256_of(small.data(), small.size()));
+}
+
+TEST(Store, ABlobLivesAsLongAsItsReaders) {
+  const TemporaryFolder folder;
+  Store store(folder.path());
+  const std::string text(100'000, 'y');
+  const std::string hash = put(store, text);
+  const runtime::Blob blob = store.get(hash);
+  fs::remove_all(folder.path() / "blobs");
+  EXPECT_EQ(text_of(blob), text);
+}
+
+TEST(Store, RefusesADamagedBlobAndPutMendsIt) {
+  const TemporaryFolder folder;
+  std::string hash;
+  {
+    Store store(folder.path());
+    hash = put(store, "right");
+  }
+  const fs::path file = folder.path() / "blobs" / hash.substr(0, 2) / hash;
+  std::ofstream(file, std::ios::trunc) << "wrong";
+  {
+    Store store(folder.path());
+    put(store, "right");
+    EXPECT_EQ(text_of(store.get(hash)), "right");
+  }
+  std::ofstream(file, std::ios::trunc) << "wrong";
+  Store store(folder.path());
+  try {
+    store.get(hash);
+    FAIL() << "the damage was not noticed";
+  } catch (const StoreError& error) {
+    EXPECT_NE(std::string(error.what()).find("blob " + hash), std::string::npos) << error.what();
+  }
+  EXPECT_FALSE(fs::exists(file));
+}
+
+TEST(Store, KeepsTheRunsOfNodes) {
+  const TemporaryFolder folder;
+  Store store(folder.path());
+  runtime::StoredRun run;
+  run.kind = "a.b";
+  run.outputs["x"] = {put(store, "one"), put(store, "two")};
+  run.outputs["none"] = {};
+  run.metrics.push_back({"sigma", 0.1, "m"});
+  run.warnings.push_back("not UTF-8: \xff");
+  run.seconds = 1.5;
+  const std::string key(64, 'a');
+  store.put_run(key, run);
+  std::string damage;
+  const auto found = store.find_run(key, damage);
+  ASSERT_TRUE(found) << damage;
+  EXPECT_EQ(found->outputs, run.outputs);
+  EXPECT_EQ(found->metrics.at(0).value, 0.1);
+  EXPECT_EQ(found->warnings.size(), 1u);
+  EXPECT_FALSE(store.find_run(std::string(64, 'b'), damage));
+  EXPECT_EQ(damage, "");
+}
+
+TEST(Store, UrisDoNotLeadOut) {
+  const TemporaryFolder folder;
+  const Store store(folder.path());
+  EXPECT_EQ(store.resolve("store:k-port/a/b.jpg"), folder.path() / "folders/k-port/a/b.jpg");
+  EXPECT_EQ(store.resolve("/data/b.jpg"), "/data/b.jpg");
+  for (const char* uri : {"store:../runs", "store:a/../../runs", "store:/etc/passwd", "store:"})
+    EXPECT_EQ(store.resolve(uri), "") << uri;
+  EXPECT_THROW(store.folder_path("../x"), StoreError);
+}
+
+TEST(Store, CannotBeWherePeopleMayNotWrite) {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "file") << "a file";
+  try {
+    Store store(folder.path() / "file" / "store");
+    FAIL();
+  } catch (const StoreError& error) {
+    EXPECT_NE(std::string(error.what()).find("--store"), std::string::npos) << error.what();
+  }
+}
+
+TEST(Store, AFullDiskIsAnErrorThatSaysSo) {
+  if (access("/dev/full", W_OK) != 0) GTEST_SKIP() << "no /dev/full here";
+  const TemporaryFolder folder;
+  Store store(folder.path());
+  // Every temporary file of the store is now the device that is always full.
+  const std::string text(100'000, 'z');
+  fs::remove_all(folder.path() / "tmp");
+  EXPECT_THROW(put(store, text), StoreError);
+  EXPECT_FALSE(fs::exists(folder.path() / "blobs" / runtime::sha256_of(text.data(), text.size())));
+}
+
+TEST(Store, DefaultFolderFollowsTheEnvironment) {
+  const auto set = [](const char* name, const char* value) { value ? setenv(name, value, 1) : unsetenv(name); };
+  const char* old_home = getenv("HOME");
+  const std::string home = old_home ? old_home : "";
+  const char* old_store = getenv("PLUMBLINE_STORE");
+  const std::string kept = old_store ? old_store : "";
+  set("PLUMBLINE_STORE", nullptr);
+  set("XDG_CACHE_HOME", nullptr);
+  set("HOME", "/home/nobody");
+  EXPECT_EQ(Store::default_folder(), "/home/nobody/.cache/plumbline");
+  set("XDG_CACHE_HOME", "/cache");
+  EXPECT_EQ(Store::default_folder(), "/cache/plumbline");
+  set("PLUMBLINE_STORE", "/store");
+  EXPECT_EQ(Store::default_folder(), "/store");
+  set("PLUMBLINE_STORE", nullptr);
+  set("XDG_CACHE_HOME", nullptr);
+  set("HOME", nullptr);
+  EXPECT_THROW(Store::default_folder(), StoreError);
+  if (old_home) set("HOME", home.c_str());
+  if (old_store) set("PLUMBLINE_STORE", kept.c_str());
+}
+
+TEST(FileHashes, FollowTheContent) {
+  const TemporaryFolder folder;
+  runtime::FileHashes hashes(folder.path() / "hashes");
+  const fs::path tree = folder.path() / "tree";
+  fs::create_directories(tree / "sub");
+  std::ofstream(tree / "sub" / "a") << "1";
+  const std::string first = hashes.of_tree(tree);
+  EXPECT_EQ(hashes.of_tree(tree), first);
+  std::ofstream(tree / "sub" / "a") << "2";
+  const std::string second = hashes.of_tree(tree);
+  EXPECT_NE(second, first) << "same name, same size, same second";
+  fs::rename(tree / "sub" / "a", tree / "sub" / "b");
+  EXPECT_NE(hashes.of_tree(tree), second) << "the name counts";
+  fs::rename(tree / "sub" / "b", tree / "sub" / "a");
+  EXPECT_EQ(hashes.of_tree(tree), second);
+  fs::rename(tree, folder.path() / "moved");
+  EXPECT_EQ(hashes.of_tree(folder.path() / "moved"), second) << "the folder's own name does not";
+}
+
+TEST(FileHashes, AreRememberedOnceTheFileHasSettled) {
+  const TemporaryFolder folder;
+  const fs::path file = folder.path() / "a", log = folder.path() / "hashes";
+  std::ofstream(file) << "1";
+  runtime::FileHashes(log).of_file(file);
+  EXPECT_FALSE(fs::exists(log)) << "it may be written again within the same tick of the clock";
+  const fs::path settled = PLUMBLINE_STORY_PLUGIN;
+  const std::string hash = runtime::sha256_of_file(settled);
+  runtime::FileHashes(log).of_file(settled);
+  if (!fs::exists(log)) GTEST_SKIP() << "the plugin was built this second";
+  // What is remembered is believed: proof that the file is not read again.
+  std::string text = read_file(log);
+  text.replace(text.size() - 65, 64, std::string(64, '0'));
+  std::ofstream(log, std::ios::trunc) << text << "torn line";
+  EXPECT_EQ(runtime::FileHashes(log).of_file(settled), std::string(64, '0'));
+}
+
+TEST(FileHashes, NameWhatCannotBeRead) {
+  const TemporaryFolder folder;
+  runtime::FileHashes hashes(folder.path() / "hashes");
+  EXPECT_THROW(hashes.of_file(folder.path() / "missing"), std::runtime_error);
+  EXPECT_THROW(hashes.of_file(folder.path()), std::runtime_error);
+  EXPECT_THROW(hashes.of_tree(folder.path() / "missing"), std::runtime_error);
+  fs::create_directory(folder.path() / "loop");
+  fs::create_directory_symlink("..", folder.path() / "loop" / "up");
+  EXPECT_THROW(hashes.of_tree(folder.path() / "loop"), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace plumbline::test
