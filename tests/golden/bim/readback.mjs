@@ -1,0 +1,133 @@
+// readback.mjs FOLDER : holds what make_as_built wrote against what web-ifc, a reader that is not ours, finds in it.
+import assert from 'node:assert/strict';
+import fs from 'node:fs';
+import path from 'node:path';
+import { createRequire } from 'node:module';
+const require = createRequire(path.join(process.cwd(), 'package.json'));
+const WebIFC = require('web-ifc');
+
+const api = new WebIFC.IfcAPI();
+await api.Init();
+api.SetLogLevel?.(WebIFC.LogLevel?.LOG_LEVEL_OFF ?? 6);
+
+function open(file) {
+  return api.OpenModel(fs.readFileSync(file), { COORDINATE_TO_ORIGIN: false });
+}
+
+function lines(model, type, inherited = false) {
+  const ids = api.GetLineIDsWithType(model, type, inherited);
+  return Array.from({ length: ids.size() }, (_, i) => api.GetLine(model, ids.get(i)));
+}
+
+/// Boxes of the meshes in the project's axes [m], by express id, and how many triangles there are.
+function geometry(model) {
+  const boxes = new Map();
+  let triangles = 0;
+  api.StreamAllMeshes(model, (mesh) => {
+    const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
+    for (let k = 0; k < mesh.geometries.size(); ++k) {
+      const placed = mesh.geometries.get(k), t = placed.flatTransformation;
+      const shape = api.GetGeometry(model, placed.geometryExpressID);
+      const v = api.GetVertexArray(shape.GetVertexData(), shape.GetVertexDataSize());
+      triangles += shape.GetIndexDataSize() / 3;
+      for (let i = 0; i < v.length; i += 6) {
+        const p = [0, 1, 2].map((r) => t[r] * v[i] + t[4 + r] * v[i + 1] + t[8 + r] * v[i + 2] + t[12 + r]);
+        const q = [p[0], -p[2], p[1]];  // web-ifc turns y up
+        for (let r = 0; r < 3; ++r) low[r] = Math.min(low[r], q[r]), high[r] = Math.max(high[r], q[r]);
+      }
+    }
+    boxes.set(mesh.expressID, [...low, ...high]);
+  });
+  return { boxes, triangles };
+}
+
+function guids(model) {
+  return new Map(lines(model, WebIFC.IFCROOT, true).map((line) => [line.expressID, line.GlobalId.value]));
+}
+
+/// "guid of object/set/property" → property line.
+function properties(model) {
+  const found = new Map();
+  for (const relation of lines(model, WebIFC.IFCRELDEFINESBYPROPERTIES)) {
+    const set = api.GetLine(model, relation.RelatingPropertyDefinition.value);
+    if (!set.HasProperties || !set.Name.value.startsWith('ASB_')) continue;
+    for (const object of relation.RelatedObjects) {
+      const guid = api.GetLine(model, object.value).GlobalId.value;
+      for (const handle of set.HasProperties) {
+        const property = api.GetLine(model, handle.value);
+        found.set(`${guid}/${set.Name.value}/${property.Name.value}`, property);
+      }
+    }
+  }
+  return found;
+}
+
+function near(actual, expected, tolerance, what) {
+  assert.ok(Math.abs(actual - expected) <= tolerance, `${what}: web-ifc has ${actual}, expected ${expected}`);
+}
+
+function check(folder, name) {
+  const expected = JSON.parse(fs.readFileSync(path.join(folder, name + '.json')));
+  const before = open(path.join(folder, name + '.design.ifc')), after = open(path.join(folder, name + '.as_built.ifc'));
+
+  // The design is what it was: the same objects, the same shapes.
+  const guidsBefore = guids(before), guidsAfter = guids(after);
+  for (const [id, guid] of guidsBefore) assert.equal(guidsAfter.get(id), guid, `${name}: GlobalId of #${id}`);
+  assert.equal(new Set(guidsAfter.values()).size - new Set(guidsBefore.values()).size, guidsAfter.size - guidsBefore.size, `${name}: new GlobalIds are unique`);
+  const shapesBefore = geometry(before), shapesAfter = geometry(after);
+  assert.equal(shapesAfter.triangles, shapesBefore.triangles, `${name}: triangles`);
+  assert.deepEqual([...shapesAfter.boxes.keys()].sort(), [...shapesBefore.boxes.keys()].sort(), `${name}: meshes`);
+
+  // Our reader found the same elements, in the same classes, where web-ifc's triangles are.
+  const elements = lines(before, WebIFC.IFCELEMENT, true);
+  assert.equal(elements.length, expected.elements.length, `${name}: number of elements`);
+  const byGuid = new Map(elements.map((line) => [line.GlobalId.value, line]));
+  for (const element of expected.elements) {
+    const line = byGuid.get(element.guid);
+    assert.ok(line, `${name}: web-ifc has no element ${element.guid}`);
+    assert.equal(api.GetNameFromTypeCode(line.type), element.class, `${name}: class of ${element.guid}`);
+    const box = shapesBefore.boxes.get(line.expressID);
+    if (!box || !element.box) continue;
+    for (let i = 0; i < 6; ++i) {
+      const sign = i < 3 ? 1 : -1;  // where axes are turned, our box encloses
+      if (element.parallel) near(element.box[i], box[i], 1e-3, `${name}: box of ${element.guid}`);
+      else assert.ok(sign * (element.box[i] - box[i]) <= 1e-3, `${name}: box of ${element.guid} does not enclose its mesh`);
+    }
+  }
+
+  // The values arrive, in the unit of the project.
+  const found = properties(after), unit = expected.length_unit;
+  for (const anchor of expected.anchors) {
+    const get = (set, property) => {
+      const line = found.get(`${anchor.guid}/${set}/${property}`);
+      assert.ok(line, `${name}: ${anchor.guid} lacks ${set}.${property}`);
+      return line;
+    };
+    ['X', 'Y', 'Z'].forEach((axis, i) =>
+      near(get('ASB_AnchorDeviation', 'Deviation' + axis).NominalValue.value * unit, anchor.deviation[i], 2e-9, `${name}: Deviation${axis}`));
+    near(get('ASB_ModelVsSurvey', 'DeltaZ').NominalValue.value * unit, anchor.delta_z, 2e-9, `${name}: DeltaZ`);
+    near(get('ASB_Uncertainty', 'StdZ').NominalValue.value * unit, 1e-4, 2e-9, `${name}: StdZ`);
+    assert.equal(get('ASB_AnchorDeviation', 'Verdict').EnumerationValues[0].value, anchor.verdict);
+    assert.equal(get('ASB_Provenance', 'Method').NominalValue.value, 'test');
+    const storey = expected.elements.find((element) => element.guid === anchor.guid).storey;
+    near(found.get(`${storey}/ASB_FloorStatistics/Drift`).NominalValue.value * unit, 0.0002, 2e-9, `${name}: Drift`);
+  }
+  assert.equal(lines(after, WebIFC.IFCANNOTATION).length - lines(before, WebIFC.IFCANNOTATION).length, expected.anchors.length, `${name}: survey points`);
+  assert.ok(expected.anchors.length > 0, `${name}: no anchors`);
+  api.CloseModel(before);
+  api.CloseModel(after);
+}
+
+const folder = process.argv[2];
+const names = fs.readdirSync(folder).filter((file) => file.endsWith('.json')).map((file) => file.slice(0, -5)).sort();
+assert.ok(names.length >= 3, 'nothing to read back');
+let failed = 0;
+for (const name of names) {
+  try {
+    check(folder, name);
+  } catch (error) {
+    console.error(error.message);
+    failed = 1;
+  }
+}
+process.exit(failed);
