@@ -1,0 +1,6 @@
+#include "nodes.hpp"
+
+using namespace plumbline::survey_files;
+
+PLUMBLINE_PLUGIN("survey_files", "0.1.0", "MIT", ReadGsi, ReadLandXml, ReadJobXml, ReadSdr33, ReadRw5, ReadKrumm,
+                 ReadSurveyCsv, ReadSetupCoordinates, ReadSurvey, WriteGsi, WriteLandXml, WriteSurveyCsv)

@@ -1,0 +1,76 @@
+#include "formats/gsi.hpp"
+#include "formats/jobxml.hpp"
+#include "formats/krumm.hpp"
+#include "formats/landxml.hpp"
+#include "formats/rw5.hpp"
+#include "formats/sdr33.hpp"
+#include "formats/survey_artifact.hpp"
+#include "formats/survey_csv.hpp"
+#include "formats/survey_format.hpp"
+#include "nodes.hpp"
+
+namespace plumbline::survey_files {
+namespace {
+
+constexpr size_t skipped_shown = 10;
+
+std::string place(const survey::SourcePosition& source) {
+  std::string text = source.file;
+  if (source.line > 0) text += ":" + std::to_string(source.line);
+  if (source.column > 0) text += ":" + std::to_string(source.column);
+  return text;
+}
+
+survey::SurveyCsvOptions options_of(const TableReaderNode& node) {
+  return {*node.columns, *node.angle_unit, *node.length_unit};
+}
+
+}  // namespace
+
+std::string_view ReaderNode::bytes() const {
+  const auto* content = file->content();
+  return {reinterpret_cast<const char*>(content->data()), content->size()};
+}
+
+void ReaderNode::deliver(Context& context, const survey::SurveyObservations& survey) const {
+  for (const std::string& warning : survey.warnings) context.warn(name() + ": " + warning);
+  for (size_t i = 0; i < survey.skipped.size() && i < skipped_shown; ++i)
+    context.warn(place(survey.skipped[i].source) + ": skipped " + survey.skipped[i].found + ", expected " +
+                 survey.skipped[i].expected);
+  if (survey.skipped.size() > skipped_shown)
+    context.warn(name() + ": " + std::to_string(survey.skipped.size() - skipped_shown) +
+                 " more places skipped; all are listed in the output");
+  observations.commit(survey::to_artifact(survey));
+}
+
+void ReadGsi::run(Context& context) {
+  survey::GsiOptions options;
+  options.station_codes = {
+      {*station_code, static_cast<int>(*station_word), static_cast<int>(*height_word), *height_unit}};
+  if (*vertical_reference == "horizon") options.vertical_reference = survey::GsiVerticalReference::horizon;
+  if (*vertical_reference == "percent") options.vertical_reference = survey::GsiVerticalReference::percent;
+  options.us_survey_foot = *foot == "us_survey";
+  deliver(context, survey::read_gsi(bytes(), name(), options));
+}
+
+void ReadLandXml::run(Context& context) { deliver(context, survey::read_landxml(bytes(), name())); }
+void ReadJobXml::run(Context& context) { deliver(context, survey::read_jobxml(bytes(), name())); }
+void ReadSdr33::run(Context& context) { deliver(context, survey::read_sdr33(bytes(), name())); }
+void ReadRw5::run(Context& context) { deliver(context, survey::read_rw5(bytes(), name())); }
+void ReadKrumm::run(Context& context) { deliver(context, survey::read_krumm(bytes(), name())); }
+
+void ReadSurveyCsv::run(Context& context) {
+  deliver(context, survey::read_survey_csv(bytes(), name(), options_of(*this)));
+}
+
+void ReadSetupCoordinates::run(Context& context) {
+  deliver(context, survey::read_setup_coordinates(bytes(), name(), options_of(*this)));
+}
+
+void ReadSurvey::run(Context& context) {
+  if (const auto format = survey::detect_survey_format(bytes(), name()))
+    context.info(name() + " is " + survey::long_name(*format));
+  deliver(context, survey::read_survey(bytes(), name()));
+}
+
+}  // namespace plumbline::survey_files

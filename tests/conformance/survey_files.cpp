@@ -1,0 +1,113 @@
+// What every reader and writer of survey files must do, on the fixtures of all formats: read or refuse with the file's
+// name, the same bytes for the same file, and nothing half.
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "artifacts/file.hpp"
+#include "artifacts/survey_observations.hpp"
+#include "node_harness.hpp"
+
+namespace {
+
+using namespace plumbline;
+using namespace plumbline::test;
+namespace fs = std::filesystem;
+
+FileT file_of(const std::string& name, const std::string& bytes) {
+  FileT file;
+  file.name = name;
+  file.content.assign(bytes.begin(), bytes.end());
+  return file;
+}
+
+std::vector<fs::path> fixtures() {
+  std::vector<fs::path> all;
+  for (const auto& entry : fs::directory_iterator(fs::path(PLUMBLINE_SOURCE_DIR) / "tests/unit/formats/fixtures"))
+    if (entry.is_regular_file()) all.push_back(entry.path());
+  std::sort(all.begin(), all.end());
+  return all;
+}
+
+NodeHarness reader(const std::string& kind, const std::string& name, const std::string& bytes) {
+  NodeHarness node(kind);
+  node.input<File>("file", file_of(name, bytes));
+  return node;
+}
+
+class SurveyReader : public testing::TestWithParam<std::string> {};
+
+TEST_P(SurveyReader, ReadsOrRefusesEveryFileWithItsName) {
+  size_t read = 0;
+  for (const fs::path& path : fixtures()) {
+    NodeHarness node = reader(GetParam(), path.filename(), read_file(path));
+    try {
+      node.run();
+    } catch (const NodeFailed& failed) {
+      EXPECT_NE(std::string(failed.what()).find(path.filename()), std::string::npos) << failed.what();
+      EXPECT_EQ(node.output_count("observations"), 0u);
+      continue;
+    }
+    ++read;
+    const auto survey = node.output<SurveyObservations>("observations");
+    EXPECT_EQ(survey.files, std::vector<std::string>{path.filename()});
+    for (const auto& observation : survey.observations) {
+      EXPECT_TRUE(std::isfinite(observation->value)) << path;
+      EXPECT_LT(observation->set_up, static_cast<int>(survey.set_ups.size()));
+      EXPECT_FALSE(observation->to.empty());
+    }
+  }
+  EXPECT_GE(read, 1u) << "no fixture in tests/unit/formats/fixtures is of this reader's format";
+}
+
+TEST_P(SurveyReader, GivesTheSameBytesForTheSameFile) {
+  for (const fs::path& path : fixtures()) {
+    NodeHarness once = reader(GetParam(), "file", read_file(path)), again = reader(GetParam(), "file", read_file(path));
+    try {
+      once.run();
+    } catch (const NodeFailed&) {
+      continue;
+    }
+    again.run();
+    EXPECT_EQ(once.output_bytes("observations"), again.output_bytes("observations")) << path;
+  }
+}
+
+TEST_P(SurveyReader, RefusesFilesWithoutContent) {
+  for (const std::string& bytes : {std::string(), std::string(1000, '\0'), std::string("\xFF\xFE"), std::string("<"),
+                                   std::string(70000, 'x'), std::string(5000, '\r')}) {
+    NodeHarness node = reader(GetParam(), "no-survey.txt", bytes);
+    try {
+      node.run();
+      FAIL() << "read " << bytes.size() << " bytes of nothing";
+    } catch (const NodeFailed& failed) {
+      EXPECT_NE(std::string(failed.what()).find("no-survey.txt"), std::string::npos) << failed.what();
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, SurveyReader, testing::ValuesIn(kinds_of_role("survey_reader")), test_name);
+
+class SurveyWriter : public testing::TestWithParam<std::string> {};
+
+TEST_P(SurveyWriter, WritesWhatReadSurveyReadsBack) {
+  const fs::path fixture = fs::path(PLUMBLINE_SOURCE_DIR) / "tests/unit/formats/fixtures/code_block_cr_only.gsi";
+  NodeHarness source = reader("read.survey", "source.gsi", read_file(fixture));
+  source.run();
+  const auto expected = source.output<SurveyObservations>("observations");
+  NodeHarness writer(GetParam());
+  writer.input<SurveyObservations>("observations", expected);
+  writer.run();
+  const FileT written = writer.output<File>("file");
+  EXPECT_FALSE(written.media_type.empty());
+  NodeHarness again = reader("read.survey", written.name, std::string(written.content.begin(), written.content.end()));
+  again.run();
+  const auto found = again.output<SurveyObservations>("observations");
+  ASSERT_EQ(found.observations.size(), expected.observations.size());
+  ASSERT_EQ(found.set_ups.size(), expected.set_ups.size());
+  EXPECT_NEAR(found.set_ups[0]->instrument_height, expected.set_ups[0]->instrument_height, 1e-9);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, SurveyWriter, testing::ValuesIn(kinds_of_role("survey_writer")), test_name);
+
+}  // namespace
