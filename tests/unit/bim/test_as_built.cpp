@@ -96,7 +96,8 @@ TEST(Deviation, MisfitsAreNamed) {
   Design design = facade();
   AsBuilt as_built;
   as_built.anchors = {measured("B7", {0, 0, 0})};
-  EXPECT_NE(message_of(design, as_built).find("none of the 1 anchors ('B7', …) fits an element of d.ifc"), std::string::npos);
+  EXPECT_NE(message_of(design, as_built).find("none of the 1 anchors ('B7', …) fits an element of d.ifc"),
+            std::string::npos);
   as_built.anchors.push_back(measured("A1", {2, 0, 0}));
   std::vector<std::string> unmatched;
   match_anchors(design, as_built, unmatched);
@@ -133,7 +134,7 @@ TEST(PanelFit, RecoversAPoseAndLeavesOutWhatItCannotTell) {
   EXPECT_NEAR((fits[0].translation - shift).norm(), 0, 1e-12);
   EXPECT_NEAR((fits[0].rotation - turn).norm(), 0, 1e-12);
   EXPECT_TRUE(fit_panels(design, anchors, 0.1).empty());  // its anchors are 0.2 m off
-  design.elements.back().anchor_guids = {"guid of A2"};    // what the design says goes first
+  design.elements.back().anchor_guids = {"guid of A2"};   // what the design says goes first
   EXPECT_EQ(fit_panels(design, anchors, 0.3)[0].anchors.size(), 1u);
   design.elements.back().anchor_guids.clear();
 

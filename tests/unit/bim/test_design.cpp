@@ -199,8 +199,9 @@ TEST(Anchors, AreFoundByClassPatternNameAndGuid) {
 }
 
 TEST(Anchors, TheFileMayTieThemToAPanel) {
-  const Design design = read(small_building(
-      "IFC4", "#500=IFCRELCONNECTSWITHREALIZINGELEMENTS('0dvctVUKr0kugbFTf53O9L',#5,$,$,$,#220,#228,(#123,#228),'FacadeFixing');"));
+  const Design design = read(small_building("IFC4",
+                                            "#500=IFCRELCONNECTSWITHREALIZINGELEMENTS('0dvctVUKr0kugbFTf53O9L',#5,$,$,$"
+                                            ",#220,#228,(#123,#228),'FacadeFixing');"));
   EXPECT_EQ(named(design, "Panel 1").anchor_guids, std::vector<std::string>{"21vctVUKr0kugbFTf53O9L"});
 }
 
