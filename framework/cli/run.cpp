@@ -51,7 +51,7 @@ void print_json_end(const fs::path& out) {
 
 /// A run that reads the folder it writes to would find its key changed by its own outputs at every run.
 void warn_of_output_in_input(const runtime::Graph& graph, const fs::path& out) {
-  const std::string target = fs::weakly_canonical(out).string() + "/";
+  const std::string target = fs::weakly_canonical(fs::absolute(out)).string() + "/";
   for (const auto& node : graph.nodes)
     for (uint32_t i = 0; i < node.kind.node->param_count; ++i) {
       const plumbline_param& param = *node.kind.node->params[i];

@@ -1,0 +1,71 @@
+// Runs the built program as people do, in a folder of its own with the test plugins and its own store.
+#pragma once
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <string>
+#include <vector>
+
+#include "test_support.hpp"
+
+namespace plumbline::test {
+
+struct Answer {
+  int code = -1;
+  std::string out, err;
+};
+
+class Program {
+ public:
+  Program() {
+    std::filesystem::create_directory(folder.path() / "work");
+    // Only the test plugins: a copy of the program in a folder without plugins beside it.
+    std::filesystem::create_directories(folder.path() / "bin");
+    std::filesystem::copy_file(PLUMBLINE_PROGRAM, folder.path() / "bin" / "plumbline");
+  }
+
+  void write(const std::string& name, const std::string& text) const { std::ofstream(work() / name) << text; }
+  std::filesystem::path work() const { return folder.path() / "work"; }
+
+  /// Starts the program in work() and returns its process.
+  pid_t start(const std::vector<std::string>& arguments) const {
+    const std::string program = folder.path() / "bin" / "plumbline";
+    const pid_t child = fork();
+    if (child != 0) return child;
+    std::vector<char*> words{const_cast<char*>(program.c_str())};
+    for (const std::string& word : arguments) words.push_back(const_cast<char*>(word.c_str()));
+    words.push_back(nullptr);
+    setenv("PLUMBLINE_PLUGIN_PATH", std::filesystem::path(PLUMBLINE_STORY_PLUGIN).parent_path().c_str(), 1);
+    setenv("PLUMBLINE_STORE", (folder.path() / "store").c_str(), 1);
+    setenv("XDG_CACHE_HOME", (folder.path() / "cache").c_str(), 1);
+    const int out = open((folder.path() / "out").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    const int err = open((folder.path() / "err").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    if (chdir(work().c_str()) != 0 || dup2(out, 1) < 0 || dup2(err, 2) < 0) _exit(126);
+    execv(program.c_str(), words.data());
+    _exit(127);
+  }
+  Answer finish(pid_t child) const {
+    int status = 0;
+    waitpid(child, &status, 0);
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), read_file(folder.path() / "out"),
+            read_file(folder.path() / "err")};
+  }
+  Answer operator()(const std::vector<std::string>& arguments) const { return finish(start(arguments)); }
+
+  TemporaryFolder folder;
+};
+
+inline bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+inline const std::string chain =
+    "plumbline: 1\n"
+    "vars: {value: 3, seed: 1}\n"
+    "nodes:\n"
+    "  a: {use: story.constant, with: {value: \"${value}\"}}\n"
+    "  b: {use: story.add, in: {a: a.number}, with: {offset: 1}}\n"
+    "outputs: {b.json: b.sum}\n";
+
+}  // namespace plumbline::test

@@ -1,0 +1,155 @@
+// Every command: exit code, standard output, standard error.
+#include <nlohmann/json.hpp>
+
+#include "program.hpp"
+
+namespace plumbline::test {
+namespace {
+
+using Json = nlohmann::json;
+
+TEST(Commands, WrongUsageIsExitCode2WithNearNames) {
+  const Program plumbline;
+  Answer answer = plumbline({"rnu", "x.yaml"});
+  EXPECT_EQ(answer.code, 2);
+  EXPECT_TRUE(contains(answer.err, "there is no command 'rnu' — did you mean 'run'?")) << answer.err;
+  EXPECT_EQ(answer.out, "");
+  answer = plumbline({"run", "x.yaml", "--thread=2"});
+  EXPECT_EQ(answer.code, 2);
+  EXPECT_TRUE(contains(answer.err, "there is no option '--thread' — did you mean '--threads'?")) << answer.err;
+  for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
+           {}, {"run"}, {"run", "x.yaml", "--threads", "0"}, {"run", "x.yaml", "--threads", "many"}, {"describe"}}) {
+    answer = plumbline(arguments);
+    EXPECT_EQ(answer.code, 2) << answer.err;
+    EXPECT_NE(answer.err, "");
+  }
+}
+
+TEST(Commands, HelpAndVersionGoToStandardOutput) {
+  const Program plumbline;
+  for (const std::string word : {"--help", "--version"}) {
+    const Answer answer = plumbline({word});
+    EXPECT_EQ(answer.code, 0);
+    EXPECT_TRUE(contains(answer.out, "lumbline")) << answer.out;
+    EXPECT_EQ(answer.err, "");
+  }
+}
+
+TEST(Commands, APipelineThatIsNotThere) {
+  const Program plumbline;
+  std::filesystem::create_directory(plumbline.work() / "pipelines");
+  plumbline.write("pipelines/tower.yaml", chain);
+  const Answer answer = plumbline({"run", "towr"});
+  EXPECT_EQ(answer.code, 2);
+  EXPECT_TRUE(contains(answer.err, "there is no pipeline file 'towr' — did you mean 'tower'?")) << answer.err;
+  EXPECT_EQ(plumbline({"validate", "tower"}).code, 0) << "a bare name is looked up in pipelines/";
+}
+
+TEST(Commands, ValidateShowsAllThatIsWrong) {
+  const Program plumbline;
+  plumbline.write("good.yaml", chain);
+  EXPECT_EQ(plumbline({"validate", "good.yaml"}).code, 0);
+  plumbline.write("bad.yaml",
+                  "plumbline: 1\nnodes:\n  a: {use: story.constnt}\n  b: {use: story.add, with: {ofset: 1}}\n");
+  Answer answer = plumbline({"validate", "bad.yaml"});
+  EXPECT_EQ(answer.code, 1);
+  EXPECT_EQ(answer.out, "");
+  EXPECT_TRUE(contains(answer.err, "bad.yaml:3:12: there is no node 'story.constnt' — did you mean 'story.constant'?"))
+      << answer.err;
+  EXPECT_TRUE(contains(answer.err, "did you mean 'offset'?")) << answer.err;
+  EXPECT_TRUE(contains(answer.err, "input 'a' of 'b'")) << answer.err;
+  answer = plumbline({"validate", "bad.yaml", "--json"});
+  EXPECT_EQ(answer.code, 1);
+  const Json json = Json::parse(answer.out);
+  EXPECT_EQ(json["valid"], false);
+  EXPECT_EQ(json["problems"].size(), 3u);
+  EXPECT_EQ(json["problems"][0]["line"], 3);
+}
+
+TEST(Commands, ListAndDescribe) {
+  const Program plumbline;
+  Answer answer = plumbline({"list"});
+  EXPECT_EQ(answer.code, 0);
+  EXPECT_TRUE(contains(answer.out, "story.add")) << answer.out;
+  const Json kinds = Json::parse(plumbline({"list", "--json", "--role", "source"}).out);
+  ASSERT_EQ(kinds.size(), 1u);
+  EXPECT_EQ(kinds[0]["kind"], "story.constant");
+  answer = plumbline({"describe", "story.add"});
+  EXPECT_TRUE(contains(answer.out, "plumbline.Number/1") && contains(answer.out, "plain, double")) << answer.out;
+  const Json described = Json::parse(plumbline({"describe", "story.constant", "--json"}).out);
+  EXPECT_EQ(described["parameters"][0]["unit"], "m");
+  EXPECT_EQ(described["parameters"][0]["maximum"], 1000);
+  EXPECT_EQ(described["parameters"][0]["default"], "1");
+  answer = plumbline({"describe", "story.constnt"});
+  EXPECT_EQ(answer.code, 2);
+  EXPECT_TRUE(contains(answer.err, "did you mean 'story.constant'?")) << answer.err;
+}
+
+TEST(Commands, SchemaKnowsEveryKind) {
+  const Program plumbline;
+  const Json schema = Json::parse(plumbline({"schema"}).out);
+  EXPECT_TRUE(contains(schema.dump(), "story.hungry"));
+  EXPECT_EQ(schema["properties"]["plumbline"]["const"], 1);
+}
+
+TEST(Commands, GraphInBothLanguages) {
+  const Program plumbline;
+  plumbline.write("p.yaml", chain);
+  EXPECT_TRUE(contains(plumbline({"graph", "p.yaml"}).out, "digraph"));
+  EXPECT_TRUE(contains(plumbline({"graph", "p.yaml", "--format", "mermaid"}).out, "flowchart LR"));
+  EXPECT_EQ(plumbline({"graph", "p.yaml", "--format", "word"}).code, 2);
+}
+
+TEST(Commands, PlanSaysWhy) {
+  const Program plumbline;
+  plumbline.write("p.yaml", chain);
+  plumbline({"run", "p.yaml"});
+  Answer answer = plumbline({"plan", "p.yaml", "b.with.offset=2"});
+  EXPECT_EQ(answer.code, 0);
+  EXPECT_TRUE(contains(answer.out, "parameter offset: 1 -> 2")) << answer.out;
+  EXPECT_TRUE(contains(answer.out, "p.yaml: 1 to run, 1 reused")) << answer.out;
+  const Json json = Json::parse(plumbline({"plan", "p.yaml", "--json"}).out);
+  EXPECT_EQ(json[0]["action"], "reuse");
+}
+
+TEST(Commands, DoctorNamesARefusedPluginAndItsMend) {
+  const Program plumbline;
+  Answer answer = plumbline({"doctor"});
+  EXPECT_EQ(answer.code, 0) << answer.out;
+  std::filesystem::create_directories(plumbline.folder.path() / "lib" / "plumbline");
+  std::ofstream(plumbline.folder.path() / "lib" / "plumbline" / "broken.so") << "no library";
+  answer = plumbline({"doctor"});
+  EXPECT_EQ(answer.code, 1);
+  EXPECT_TRUE(contains(answer.out, "broken.so is refused")) << answer.out;
+  bool found = false;
+  for (const Json& finding : Json::parse(plumbline({"doctor", "--json"}).out)) found |= finding["level"] == "wrong";
+  EXPECT_TRUE(found);
+  answer = plumbline({"doctor", "--store", "/proc/nowhere"});
+  EXPECT_EQ(answer.code, 1);
+  EXPECT_TRUE(contains(answer.out, "/proc/nowhere")) << answer.out;
+}
+
+TEST(Commands, ShowFindsArtifacts) {
+  const Program plumbline;
+  plumbline.write("p.yaml", chain);
+  plumbline({"run", "p.yaml", "--out", "out"});
+  Answer answer = plumbline({"show", "out/run.jsonl:b.sum"});
+  EXPECT_EQ(Json::parse(answer.out), (Json{{"value", 4.0}})) << answer.err;
+  std::istringstream lines(read_file(plumbline.work() / "out" / "run.jsonl"));
+  std::string hash;
+  for (std::string line; std::getline(lines, line);) {
+    const Json json = Json::parse(line);
+    if (json.value("name", "") == "b") hash = json["outputs"]["sum"][0];
+  }
+  answer = plumbline({"show", hash.substr(0, 12), "--type", "plumbline.Number/1"});
+  EXPECT_EQ(Json::parse(answer.out), (Json{{"value", 4.0}})) << answer.err;
+  answer = plumbline({"show", "out/run.jsonl:b.smu"});
+  EXPECT_EQ(answer.code, 2);
+  EXPECT_TRUE(contains(answer.err, "did you mean 'b.sum'?")) << answer.err;
+  EXPECT_EQ(plumbline({"show", "0123456789"}).code, 2);
+  plumbline.write("garbage", "no artifact at all");
+  EXPECT_EQ(plumbline({"show", "garbage", "--type", "plumbline.Number/1"}).code, 1);
+}
+
+}  // namespace
+}  // namespace plumbline::test

@@ -1,0 +1,168 @@
+// `plumbline run` from outside: outputs, reuse, failure, cancellation, a killed process.
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "program.hpp"
+
+namespace plumbline::test {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+/// A file appears, or a minute has passed.
+bool wait_for(const fs::path& file) {
+  for (int i = 0; i < 12'000 && !fs::exists(file); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  return fs::exists(file);
+}
+
+size_t files_in(const fs::path& folder) {
+  size_t count = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) count += entry.is_regular_file();
+  return count;
+}
+
+TEST(Run, WritesItsOutputsAndReusesThem) {
+  const Program plumbline;
+  plumbline.write("p.yaml", chain);
+  Answer answer = plumbline({"run", "p.yaml"});
+  EXPECT_EQ(answer.code, 0) << answer.err;
+  EXPECT_TRUE(contains(answer.out, "executed  a (story.constant)")) << answer.out;
+  EXPECT_TRUE(contains(answer.out, "p.yaml: 2 executed, 0 reused, 0 failed")) << answer.out;
+  EXPECT_FALSE(contains(answer.out, "\033")) << "no colours in a file";
+  EXPECT_EQ(answer.err, "");
+  EXPECT_EQ(Json::parse(read_file(plumbline.work() / "out/p/b.json")), (Json{{"value", 4.0}}));
+  answer = plumbline({"run", "p.yaml", "--out", "elsewhere"});
+  EXPECT_TRUE(contains(answer.out, "reused    a (story.constant)")) << answer.out;
+  EXPECT_TRUE(contains(answer.out, "p.yaml: 0 executed, 2 reused, 0 failed")) << answer.out;
+  EXPECT_EQ(read_file(plumbline.work() / "elsewhere/b.json"), read_file(plumbline.work() / "out/p/b.json"));
+}
+
+TEST(Run, TakesOverridesAndIsQuiet) {
+  const Program plumbline;
+  plumbline.write("p.yaml", chain);
+  const Answer answer =
+      plumbline({"run", "p.yaml", "value=10", "b.with.offset=-2", "-q", "--durable", "--threads", "1"});
+  EXPECT_EQ(answer.code, 0);
+  EXPECT_EQ(answer.out + answer.err, "");
+  EXPECT_EQ(Json::parse(read_file(plumbline.work() / "out/p/b.json")), (Json{{"value", 8.0}}));
+}
+
+TEST(Run, JsonIsTheRecord) {
+  const Program plumbline;
+  plumbline.write("p.yaml", chain);
+  std::istringstream lines(plumbline({"run", "p.yaml", "--json"}).out);
+  std::vector<Json> events;
+  for (std::string line; std::getline(lines, line);) events.push_back(Json::parse(line));
+  ASSERT_EQ(events.size(), 3u);
+  EXPECT_EQ(events[0]["name"], "a");
+  EXPECT_EQ(events[2]["event"], "run_end");
+  EXPECT_EQ(events[2]["status"], "ok");
+}
+
+TEST(Run, AnInvalidPipelineLeavesNoTrace) {
+  const Program plumbline;
+  plumbline.write("p.yaml", "plumbline: 1\nnodes: {a: {use: story.nothing}}\n");
+  const Answer answer = plumbline({"run", "p.yaml"});
+  EXPECT_EQ(answer.code, 1);
+  EXPECT_TRUE(contains(answer.err, "p.yaml:2:18: there is no node 'story.nothing'")) << answer.err;
+  EXPECT_FALSE(fs::exists(plumbline.work() / "out"));
+}
+
+TEST(Run, AFailureIsExitCode1AndTheOtherBranchIsDelivered) {
+  const Program plumbline;
+  plumbline.write("f.yaml",
+                  "plumbline: 1\nnodes:\n  x: {use: story.throws}\n  y: {use: story.add, in: {a: x.number}}\n"
+                  "  c: {use: story.constant}\noutputs: {y.json: y.sum, c.json: c.number}\n");
+  const Answer answer = plumbline({"run", "f.yaml", "--out", "out"});
+  EXPECT_EQ(answer.code, 1);
+  EXPECT_TRUE(contains(answer.err, "f.yaml:3:3: node 'x' (story.throws) failed: the bridge is out\n")) << answer.err;
+  EXPECT_TRUE(contains(answer.err, "f.yaml: output 'y.json' is not written: 'y' did not run")) << answer.err;
+  EXPECT_TRUE(contains(answer.out, "skipped   y (story.add)")) << answer.out;
+  EXPECT_TRUE(contains(answer.out, "f.yaml: 1 executed, 0 reused, 1 failed, 1 skipped")) << answer.out;
+  EXPECT_TRUE(fs::exists(plumbline.work() / "out/c.json"));
+  EXPECT_FALSE(fs::exists(plumbline.work() / "out/y.json"));
+}
+
+TEST(Run, PlacesThatCannotBeWritten) {
+  const Program plumbline;
+  plumbline.write("p.yaml", chain);
+  plumbline.write("file", "in the way");
+  Answer answer = plumbline({"run", "p.yaml", "--out", "file/out"});
+  EXPECT_EQ(answer.code, 1);
+  EXPECT_TRUE(contains(answer.err, "file/out") && contains(answer.err, "--out")) << answer.err;
+  answer = plumbline({"run", "p.yaml", "--store", "file/store"});
+  EXPECT_EQ(answer.code, 1);
+  EXPECT_TRUE(contains(answer.err, "file/store") && contains(answer.err, "--store")) << answer.err;
+  answer = plumbline({"run", "p.yaml", "--memory", "lots"});
+  EXPECT_EQ(answer.code, 2);
+}
+
+TEST(Run, InterruptedItEndsWith130AndGoesOnLater) {
+  const Program plumbline;
+  plumbline.write("p.yaml",
+                  "plumbline: 1\nnodes:\n  a: {use: story.constant}\n  b: {use: story.add, in: {a: a.number}}\n"
+                  "  w: {use: story.waits}\noutputs: {b.json: b.sum, w: w.folder}\n");
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const fs::path started = plumbline.work() / ("started" + std::to_string(signal));
+    const pid_t process = plumbline.start({"run", "p.yaml", "w.with.started=" + started.string(), "--threads", "2"});
+    ASSERT_TRUE(wait_for(started));
+    kill(process, signal);
+    const Answer answer = plumbline.finish(process);
+    EXPECT_EQ(answer.code, 130);
+    EXPECT_TRUE(contains(answer.err, "cancelled")) << answer.err;
+    EXPECT_FALSE(fs::exists(plumbline.work() / "out/p/b.json"));
+    EXPECT_EQ(files_in(plumbline.folder.path() / "store/tmp") + files_in(plumbline.folder.path() / "store/folders"),
+              0u);
+  }
+}
+
+TEST(Run, KilledItResumes) {
+  const Program plumbline;
+  const std::string nodes =
+      "plumbline: 1\nnodes:\n  a: {use: story.constant}\n  b: {use: story.add, in: {a: a.number}}\n"
+      "outputs: {b.json: b.sum}\n";
+  plumbline.write("p.yaml", nodes);
+  // The node that waits follows b, so b is in the store when the process is killed.
+  plumbline.write("k.yaml", "plumbline: 1\ninclude: p.yaml\nnodes:\n  w: {use: story.waits, in: {after: b.sum}}\n");
+  const fs::path started = plumbline.work() / "started";
+  const pid_t process = plumbline.start({"run", "k.yaml", "w.with.started=" + started.string()});
+  ASSERT_TRUE(wait_for(started));
+  kill(process, SIGKILL);
+  EXPECT_EQ(plumbline.finish(process).code, 128 + SIGKILL);
+  EXPECT_FALSE(fs::exists(plumbline.work() / "out/k/b.json"));
+  const Answer answer = plumbline({"run", "p.yaml"});
+  EXPECT_EQ(answer.code, 0);
+  EXPECT_TRUE(contains(answer.out, "p.yaml: 0 executed, 2 reused, 0 failed")) << answer.out;
+}
+
+TEST(Run, TwoAtOnceShareTheStore) {
+  const Program first, second;
+  const std::string nodes =
+      "plumbline: 1\nnodes:\n  s: {use: story.series, with: {values: [1, 2, 3, 4, 5, 6, 7, 8]}}\n"
+      "  q: {use: story.square, in: {number: s.numbers}}\n  t: {use: story.sum, in: {numbers: q.square}}\n"
+      "  f: {use: story.folder}\noutputs: {t.json: t.sum, f: f.folder}\n";
+  first.write("p.yaml", nodes);
+  second.write("p.yaml", nodes);
+  for (int i = 0; i < 5; ++i) {
+    const std::string store = (first.folder.path() / ("shared" + std::to_string(i))).string();
+    const pid_t one = first.start({"run", "p.yaml", "--store", store});
+    const pid_t other = second.start({"run", "p.yaml", "--store", store});
+    EXPECT_EQ(first.finish(one).code, 0);
+    EXPECT_EQ(second.finish(other).code, 0);
+    EXPECT_EQ(read_file(first.work() / "out/p/t.json"), read_file(second.work() / "out/p/t.json"));
+    EXPECT_TRUE(contains(first({"run", "p.yaml", "--store", store}).out, "0 executed, 4 reused"));
+  }
+}
+
+TEST(Run, WarnsOfOutputsInsideAnInput) {
+  const Program plumbline;
+  plumbline.write("p.yaml", "plumbline: 1\nnodes:\n  l: {use: story.length, with: {folder: .}}\n");
+  const Answer answer = plumbline({"run", "p.yaml", "--out", "out"});
+  EXPECT_EQ(answer.code, 0) << answer.err;
+  EXPECT_TRUE(contains(answer.err, "warning: the output folder out lies in the folder that node 'l' reads"))
+      << answer.err;
+}
+
+}  // namespace
+}  // namespace plumbline::test
