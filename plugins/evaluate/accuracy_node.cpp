@@ -1,6 +1,7 @@
 // evaluate.accuracy: the evaluation of accuracy.hpp as a node.
 #include <map>
 
+#include "artifacts/design.hpp"
 #include "artifacts/file.hpp"
 #include "artifacts/plates.hpp"
 #include "artifacts/points.hpp"
@@ -68,6 +69,24 @@ std::vector<AnchorEntry> anchor_table(const PlatesT& plates) {
   return table;
 }
 
+/// Design positions of the anchors, by name; a name that several anchors bear says nothing and is left out.
+PointSet design_points(const DesignT& design, Context& context) {
+  std::map<std::string, std::vector<const DesignElementT*>> by_name;
+  for (const auto& element : design.elements)
+    if (element->is_anchor && !element->name.empty()) by_name[element->name].push_back(element.get());
+  PointSet set;
+  for (const auto& [name, elements] : by_name) {
+    if (elements.size() > 1) {
+      context.warn("input 'design': " + std::to_string(elements.size()) + " anchors are named '" + name +
+                   "'; they are not compared with the design");
+      continue;
+    }
+    set.ids.push_back(name);
+    set.positions.push_back(elements.front()->position);
+  }
+  return set;
+}
+
 FileT file_of(const std::string& name, const std::string& media_type, const std::string& text) {
   FileT file;
   file.name = name, file.media_type = media_type;
@@ -84,6 +103,8 @@ struct EvaluateAccuracy : Node {
   In<Points> survey{"survey", frame("frame=?F"), "surveyed points with their covariance"};
   In<Plates> plates{"plates", frame("frame=?F"), "anchor table: floor, column, row and role of every anchor"};
   Optional<Points> truth{"truth", frame("frame=?F"), "true points, in simulation"};
+  Optional<Design> design{"design", frame("frame=?F"),
+                          "the design: its anchors bear the names of the anchor table, (14)"};
   Param<std::vector<double>> tolerances{"tolerances", default_tolerances(), "m", between(1e-6, 1),
                                         "sweep of (3) and (10)"};
   Param<double> tau{"tau", 0.005, "m", between(1e-6, 1), "headline tolerance of the verdicts"};
@@ -91,8 +112,10 @@ struct EvaluateAccuracy : Node {
                              "k of the guard band: pass if |dz| + k u <= tau"};
   Param<double> confidence{"confidence", 0.95, "1", between(0.5, 0.9999), "level of all intervals and tests"};
   Param<bool> drift_on_control{"drift_on_control", false, "D(F) on control anchors too, marked as no evidence"};
-  Param<std::string> correlation{"correlation", "from_control", one_of("from_control", "independent"),
-                                 "whether the model was adjusted to this survey's control anchors"};
+  Param<std::string> correlation{
+      "correlation", "from_control", one_of("from_control", "independent"),
+      "from_control: the model was adjusted to this survey's control anchors with their covariance, "
+      "(5); also right for (6) where the image block is much more precise than the survey"};
   Out<Accuracy> accuracy{"accuracy", frame("frame=?F"), "the evaluation"};
   Out<File> metrics{"metrics", "metrics.json"};
   Out<File> table{"table", "metrics.csv"};
@@ -112,6 +135,7 @@ struct EvaluateAccuracy : Node {
     inputs.model = point_set(model.unpack(), "model");
     inputs.survey = point_set(survey.unpack(), "survey");
     if (truth) inputs.truth = point_set(truth.unpack(), "truth");
+    if (design) inputs.design = design_points(design.unpack(), context);
     const AccuracyT result = evaluate_accuracy(inputs, options());
     for (const std::string& warning : result.warnings) context.warn(warning);
     for (const auto& c : result.comparisons) {

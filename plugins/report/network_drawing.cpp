@@ -1,0 +1,191 @@
+#include "report/network_drawing.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "report/format.hpp"
+#include "report/plot.hpp"
+
+namespace plumbline::report {
+
+namespace {
+
+constexpr double width = 1040, margin = 60;
+/// Scales standard ellipses to 95 % in two dimensions: sqrt of the chi-square quantile.
+constexpr double ellipse_95 = 2.4477;
+
+/// Two coordinate axes of a drawing.
+struct Projection {
+  std::string name, horizontal, vertical;
+  Eigen::Matrix<double, 2, 3> axes;
+};
+
+struct Spot {
+  const NetworkPage::Point* point;
+  Eigen::Vector2d at;
+  Eigen::Vector2d semi_axes = Eigen::Vector2d::Constant(std::nan(""));  ///< 95 % [m], longest first
+  double angle = 0;  ///< of the longest axis, from the horizontal axis to the vertical one [rad]
+};
+
+struct Layout {
+  std::vector<Spot> spots;
+  Scale x, y;
+  double pixels_per_metre = 1, exaggeration = 1, drawing_height = 0;
+};
+
+Spot spot_of(const NetworkPage::Point& point, const Projection& projection) {
+  Spot spot{&point, projection.axes * point.position};
+  if (!point.covariance.allFinite()) return spot;
+  const Eigen::Matrix2d s = projection.axes * point.covariance * projection.axes.transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(s);
+  spot.semi_axes = {ellipse_95 * std::sqrt(std::max(0.0, eigen.eigenvalues()[1])),
+                    ellipse_95 * std::sqrt(std::max(0.0, eigen.eigenvalues()[0]))};
+  spot.angle = std::atan2(eigen.eigenvectors()(1, 1), eigen.eigenvectors()(0, 1));
+  return spot;
+}
+
+/// Median over points of the distance to the nearest other point [m].
+double usual_spacing(const std::vector<Spot>& spots) {
+  std::vector<double> nearest;
+  for (const Spot& a : spots) {
+    double least = 1e300;
+    for (const Spot& b : spots)
+      if ((a.at - b.at).norm() > 0.05) least = std::min(least, (a.at - b.at).norm());
+    if (least < 1e300) nearest.push_back(least);
+  }
+  if (nearest.empty()) return 1;
+  std::nth_element(nearest.begin(), nearest.begin() + static_cast<std::ptrdiff_t>(nearest.size() / 2), nearest.end());
+  return nearest[nearest.size() / 2];
+}
+
+Layout layout(const NetworkPage& network, const Projection& projection) {
+  Layout out;
+  for (const auto& point : network.points)
+    if (point.position.allFinite()) out.spots.push_back(spot_of(point, projection));
+  if (out.spots.empty()) return out;
+  Eigen::Vector2d low = out.spots.front().at, high = low;
+  double largest = 0;
+  for (const Spot& s : out.spots) {
+    low = low.cwiseMin(s.at), high = high.cwiseMax(s.at);
+    if (std::isfinite(s.semi_axes[0])) largest = std::max(largest, s.semi_axes[0]);
+  }
+  const Eigen::Vector2d span = (high - low).cwiseMax(1.0);
+  out.pixels_per_metre = std::min((width - 2 * margin - 60) / span.x(), 520.0 / span.y());
+  out.drawing_height = out.pixels_per_metre * span.y() + 2 * margin;
+  const double used = out.pixels_per_metre * span.x(), start = 0.5 * (width - used);
+  out.x = {low.x(), low.x() + span.x(), start, start + used};
+  out.y = {low.y(), low.y() + span.y(), out.drawing_height - margin, margin};
+  // Ellipses may touch their neighbours but must stay visible in a network of many close points.
+  const double wanted = std::max(0.6 * usual_spacing(out.spots), 16 / out.pixels_per_metre);
+  if (largest > 0) out.exaggeration = round_down(wanted / largest);
+  return out;
+}
+
+void draw_sights(Markup& svg, const NetworkPage& network, const Layout& layout) {
+  std::map<std::string, const Spot*> by_id;
+  for (const Spot& s : layout.spots) by_id[s.point->id] = &s;
+  std::set<std::pair<std::string, std::string>> drawn;
+  for (const auto& o : network.observations) {
+    const auto from = by_id.find(o.from), to = by_id.find(o.to);
+    if (from == by_id.end() || to == by_id.end() || !drawn.emplace(o.from, o.to).second) continue;
+    const Eigen::Vector2d &a = from->second->at, &b = to->second->at;
+    line(svg, layout.x(a.x()), layout.y(a.y()), layout.x(b.x()), layout.y(b.y()), "sight");
+  }
+}
+
+void draw_point(Markup& svg, const Layout& layout, const Spot& s) {
+  const double x = layout.x(s.at.x()), y = layout.y(s.at.y());
+  const double scale = layout.exaggeration * layout.pixels_per_metre;
+  if (std::isfinite(s.semi_axes[0]))
+    svg.empty("ellipse",
+              {{"class", "ellipse"},
+               {"cx", "0"},
+               {"cy", "0"},
+               {"rx", px(scale * s.semi_axes[0])},
+               {"ry", px(scale * s.semi_axes[1])},
+               {"transform", "translate(" + px(x) + " " + px(y) + ") rotate(" + px(-s.angle * 180 / M_PI) + ")"}});
+  if (s.point->station)
+    svg.empty("polygon", {{"class", "station"},
+                          {"points", px(x) + "," + px(y - 7) + " " + px(x + 6.5) + "," + px(y + 5) + " " + px(x - 6.5) +
+                                         "," + px(y + 5)}});
+  else
+    svg.empty("circle", {{"class", "dot"}, {"cx", px(x)}, {"cy", px(y)}, {"r", "3"}});
+  if (s.point->datum) svg.empty("circle", {{"class", "datum-ring"}, {"cx", px(x)}, {"cy", px(y)}, {"r", "9"}});
+}
+
+/// Two bars below: length in the drawing, and size of an ellipse.
+void draw_scales(Markup& svg, const Layout& layout) {
+  const double metres = round_down(140 / layout.pixels_per_metre);
+  const double scale = layout.exaggeration * layout.pixels_per_metre;
+  const double error = round_down(140 / scale);
+  const double y = layout.drawing_height - 14;
+  line(svg, 20, y, 20 + metres * layout.pixels_per_metre, y, "axis");
+  label(svg, 28 + metres * layout.pixels_per_metre, y + 4, fixed(metres, metres < 1 ? 1 : 0) + "\u00A0m", "small",
+        "start");
+  line(svg, 320, y, 320 + error * scale, y, "bar");
+  label(svg, 328 + error * scale, y + 4, tolerance(error) + " for ellipses (×" + fixed(layout.exaggeration, 0) + ")",
+        "small", "start");
+}
+
+/// One label for points that stand on the same place of the drawing, such as a vertical column in the plan.
+void write_labels(Markup& svg, const Layout& layout, LabelPlacer& labels) {
+  std::vector<bool> done(layout.spots.size(), false);
+  for (std::size_t i = 0; i < layout.spots.size(); ++i) {
+    if (done[i]) continue;
+    int others = 0;
+    for (std::size_t j = i + 1; j < layout.spots.size(); ++j) {
+      if ((layout.spots[j].at - layout.spots[i].at).norm() * layout.pixels_per_metre > 4) continue;
+      done[j] = true;
+      ++others;
+    }
+    const std::string more = others > 0 ? " and " + std::to_string(others) + " more" : "";
+    const Eigen::Vector2d& at = layout.spots[i].at;
+    labels.place(svg, layout.x(at.x()), layout.y(at.y()), 12, layout.spots[i].point->id + more, "halo");
+  }
+}
+
+void draw(Markup& html, const NetworkPage& network, const Projection& projection) {
+  const Layout view = layout(network, projection);
+  if (view.spots.empty()) return;
+  Scope figure(html, "figure");
+  {
+    Scope svg =
+        drawing(html, width, view.drawing_height, projection.name + " of the survey network with error ellipses");
+    draw_sights(html, network, view);
+    for (const Spot& s : view.spots) draw_point(html, view, s);
+    draw_scales(html, view);
+    LabelPlacer labels({4, 4, width - 4, view.drawing_height - 26}, 12);
+    for (const Spot& s : view.spots) {
+      const double x = view.x(s.at.x()), y = view.y(s.at.y());
+      labels.block({x - 8, y - 8, x + 8, y + 8});
+    }
+    write_labels(html, view, labels);
+  }
+  html.element(
+      "figcaption",
+      projection.name + ": " + projection.horizontal + " to the right, " + projection.vertical +
+          " up. Ellipses: 95\u00A0% confidence, drawn ×" + fixed(view.exaggeration, 0) +
+          ". Triangles: instrument; dots: markers; rings: points that carry the datum. Labels that would overlap "
+          "are left out.");
+}
+
+}  // namespace
+
+void write_network_drawings(Markup& html, const NetworkPage& network) {
+  // The elevation looks along the horizontal axis with the smaller extent.
+  Eigen::Vector3d low = Eigen::Vector3d::Constant(1e300), high = -low;
+  for (const auto& p : network.points)
+    if (p.position.allFinite() && !p.station) low = low.cwiseMin(p.position), high = high.cwiseMax(p.position);
+  const bool along_x = high.x() - low.x() >= high.y() - low.y();
+  Projection plan{"Plan", "x (east)", "y (north)", {}};
+  plan.axes << 1, 0, 0, 0, 1, 0;
+  Projection elevation{"Elevation", along_x ? "x (east)" : "y (north)", "height", {}};
+  elevation.axes << (along_x ? 1 : 0), (along_x ? 0 : 1), 0, 0, 0, 1;
+  draw(html, network, plan);
+  draw(html, network, elevation);
+}
+
+}  // namespace plumbline::report

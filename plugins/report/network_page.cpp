@@ -1,0 +1,78 @@
+#include "report/network_page.hpp"
+
+#include <Eigen/Geometry>
+#include <map>
+#include <set>
+
+namespace plumbline::report {
+
+namespace {
+
+bool is_angular(const std::string& kind) {
+  return kind == "direction" || kind == "zenith_angle" || kind == "angle" || kind == "azimuth";
+}
+
+/// Covariance of a standard error ellipsoid [m²].
+Eigen::Matrix3d covariance_of(const NetworkEllipsoidT& e) {
+  Eigen::Matrix3d axes;
+  axes << e.first_axis, e.second_axis, e.first_axis.cross(e.second_axis);
+  return axes * e.semi_axes.cwiseAbs2().asDiagonal() * axes.transpose();
+}
+
+std::vector<NetworkPage::Point> points_of(const SurveyNetworkT& network) {
+  std::map<std::string, const NetworkEllipsoidT*> ellipsoids;
+  for (const auto& e : network.ellipsoids) ellipsoids[e->id] = e.get();
+  std::set<std::string> stations;
+  for (const auto& set_up : network.set_ups) stations.insert(set_up->station);
+  const std::set<std::string> datum(network.datum_points.begin(), network.datum_points.end());
+  std::vector<NetworkPage::Point> points;
+  for (const auto& point : network.points) {
+    NetworkPage::Point& p = points.emplace_back();
+    p.id = point->id, p.position = point->position;
+    const auto ellipsoid = ellipsoids.find(point->id);
+    p.covariance = ellipsoid != ellipsoids.end() ? covariance_of(*ellipsoid->second)
+                                                 : Eigen::Matrix3d(point->sigma.cwiseAbs2().asDiagonal());
+    p.station = stations.count(point->id) > 0, p.datum = datum.count(point->id) > 0;
+  }
+  return points;
+}
+
+NetworkPage::Observation observation_of(const NetworkObservationT& from) {
+  NetworkPage::Observation o;
+  o.kind = from.kind, o.from = from.from, o.to = from.to;
+  if (!from.detail.empty()) o.to += " (" + from.detail + ")";
+  o.angular = is_angular(from.kind);
+  o.residual = from.residual, o.sigma = from.sigma, o.redundancy_number = from.redundancy_number, o.w = from.w;
+  o.estimated_blunder = from.estimated_blunder, o.mdb = from.mdb, o.external_effect = from.external_effect;
+  o.flagged = from.flagged, o.removed = from.removed;
+  if (!from.file.empty()) o.source = from.line > 0 ? from.file + ":" + std::to_string(from.line) : from.file;
+  return o;
+}
+
+void fill_tests(const NetworkTestsT& tests, NetworkPage& page) {
+  page.statistic = tests.statistic, page.lower = tests.lower, page.upper = tests.upper, page.alpha = tests.alpha;
+  page.verdict = tests.verdict;
+  page.critical_w = tests.critical_w, page.alpha0 = tests.alpha0, page.power = tests.power;
+}
+
+}  // namespace
+
+NetworkPage network_page(const SurveyNetworkT& network) {
+  NetworkPage page;
+  page.points = points_of(network);
+  for (const auto& o : network.observations) page.observations.push_back(observation_of(*o));
+  for (const auto& s : network.snooping)
+    page.steps.push_back({static_cast<std::size_t>(s->observation), s->action, s->w, s->estimated_blunder});
+  for (const auto& g : network.groups) page.groups.push_back({g->name, g->ratio, g->redundancy, g->observations});
+  for (const auto& f : network.findings) page.findings.push_back({f->severity, f->text});
+  page.datum = network.datum;
+  if (network.statistics) {
+    page.sigma0 = network.statistics->sigma0;
+    page.degrees_of_freedom = network.statistics->degrees_of_freedom;
+    page.unknowns = network.statistics->unknowns;
+  }
+  if (network.tests) fill_tests(*network.tests, page);
+  return page;
+}
+
+}  // namespace plumbline::report

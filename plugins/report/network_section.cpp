@@ -1,0 +1,188 @@
+// The survey network: is it sound, what was removed and why, every observation with its tests.
+#include <algorithm>
+#include <cmath>
+
+#include "report/format.hpp"
+#include "report/network_drawing.hpp"
+#include "report/sections.hpp"
+
+namespace plumbline::report {
+
+namespace {
+
+std::string kind_words(const std::string& kind) {
+  std::string words = kind;
+  std::replace(words.begin(), words.end(), '_', ' ');
+  return words;
+}
+
+/// Angles in mgon, lengths in mm, as a surveyor reads them.
+std::string size_of(const NetworkPage::Observation& o, double value, bool with_unit) {
+  if (!std::isfinite(value)) return std::isinf(value) ? "∞" : unknown;
+  const double shown = o.angular ? value * 200e3 / M_PI : 1e3 * value;
+  return signed_fixed(shown, 2) + (with_unit ? (o.angular ? "\u00A0mgon" : "\u00A0mm") : "");
+}
+
+std::string positive_size_of(const NetworkPage::Observation& o, double value) {
+  if (!std::isfinite(value)) return std::isinf(value) ? "∞" : unknown;
+  return fixed(o.angular ? value * 200e3 / M_PI : 1e3 * value, 2);
+}
+
+std::string name_of(const NetworkPage::Observation& o) {
+  std::string name = kind_words(o.kind) + " ";
+  name += o.from.empty() ? o.to : o.from + " → " + o.to;
+  return o.source.empty() ? name : name + " (" + o.source + ")";
+}
+
+void write_global_test(Markup& html, const NetworkPage& n) {
+  const std::string bounds = fixed(n.statistic, 1) + " against " + fixed(n.lower, 1) + " to " + fixed(n.upper, 1) +
+                             " with " + std::to_string(n.degrees_of_freedom) +
+                             " degrees of freedom, error of the first kind " + percent(n.alpha) + ".";
+  if (n.verdict == "pass") {
+    html.element("p",
+                 "The network fits its instruments: the observations contradict each other by as much as their stated "
+                 "precision allows. Global test "
+                 "passed: " +
+                     bounds);
+  } else if (n.verdict == "high") {
+    html.element("p",
+                 "The observations contradict each other more than their stated precision allows: there are blunders "
+                 "left, or the instrument is worse "
+                 "than its profile. Global test failed, too high: " +
+                     bounds);
+  } else if (n.verdict == "low") {
+    html.element("p",
+                 "The observations agree better than their stated precision: the instrument profile is too "
+                 "pessimistic, and so are the ellipses. Global "
+                 "test too low: " +
+                     bounds);
+  } else {
+    html.element("p", "There is no redundancy to test the network with: blunders would stay unseen.");
+  }
+}
+
+void write_findings(Markup& html, const NetworkPage& n) {
+  if (n.findings.empty()) return;
+  Scope list(html, "ul");
+  for (const auto& f : n.findings) {
+    Scope item(html, "li");
+    html.element("strong", f.severity + ": ").text(f.text);
+  }
+}
+
+void write_removed(Markup& html, const NetworkPage& n) {
+  html.element("h3", "What was removed, and why");
+  if (n.steps.empty()) {
+    html.element("p", "Nothing: no observation failed its test.");
+    return;
+  }
+  html.element("p", "An observation is removed when its normalised residual |w| is the largest and exceeds " +
+                        fixed(n.critical_w, 2) + " (error of the first kind " + percent(n.alpha0) +
+                        "); then the network is adjusted again.");
+  Scope wide(html, "div", {{"class", "wide"}});
+  Scope table(html, "table");
+  table_head(html, {"Step", left("What"), left("Observation"), "w", "Estimated blunder"});
+  Scope body(html, "tbody");
+  for (std::size_t i = 0; i < n.steps.size(); ++i) {
+    const NetworkPage::Step& s = n.steps[i];
+    if (s.observation >= n.observations.size()) continue;
+    const NetworkPage::Observation& o = n.observations[s.observation];
+    table_row(html, {std::to_string(i + 1), left(s.action), left(name_of(o)), signed_fixed(s.w, 2),
+                     size_of(o, s.estimated_blunder, true)});
+  }
+}
+
+std::string flags_of(const NetworkPage::Observation& o) {
+  std::string flags;
+  const auto add = [&](const char* flag) { flags += (flags.empty() ? "" : ", ") + std::string(flag); };
+  if (o.removed) add("removed");
+  if (o.flagged && !o.removed) add("suspect");
+  if (o.redundancy_number < 0.1)
+    add("uncontrolled");
+  else if (o.redundancy_number < 0.3)
+    add("weak");
+  return flags;
+}
+
+void write_observations(Markup& html, const NetworkPage& n) {
+  html.element("h3", "Observations, most suspect first");
+  html.element("p",
+               "Residual v and precision σ: angles in mgon, lengths in mm. r: share of a blunder that shows in its own "
+               "residual (below 0.1 "
+               "uncontrolled, below 0.3 weak). w: residual in units of its own standard deviation, suspect beyond ±" +
+                   fixed(n.critical_w, 2) + ". MDB: smallest blunder that is found with a probability of " +
+                   percent(n.power, 0) + "; effect: how far an undetected one of that size moves a point.");
+  std::vector<const NetworkPage::Observation*> order;
+  for (const auto& o : n.observations) order.push_back(&o);
+  std::stable_sort(order.begin(), order.end(), [](const auto* a, const auto* b) {
+    const auto size = [](const auto* o) { return std::isfinite(o->w) ? std::abs(o->w) : -1; };
+    return a->removed != b->removed ? a->removed : size(a) > size(b);
+  });
+  constexpr std::size_t shown = 25;
+  const auto write_rows = [&](std::size_t first, std::size_t last) {
+    Scope wide(html, "div", {{"class", "wide"}});
+    Scope table(html, "table", {{"class", "sortable"}});
+    table_head(html, {"Observation", "v", "σ", "r", "w", "MDB", "Effect [mm]", left("Flags")});
+    Scope body(html, "tbody");
+    for (std::size_t i = first; i < last; ++i) {
+      const NetworkPage::Observation& o = *order[i];
+      table_row(html,
+                {name_of(o), size_of(o, o.residual, false), positive_size_of(o, o.sigma), fixed(o.redundancy_number, 2),
+                 signed_fixed(o.w, 2), positive_size_of(o, o.mdb), mm(o.external_effect), left(flags_of(o))});
+    }
+  };
+  write_rows(0, std::min(shown, order.size()));
+  if (order.size() <= shown) return;
+  Scope details(html, "details");
+  html.element("summary", "The other " + std::to_string(order.size() - shown) + " observations");
+  write_rows(shown, order.size());
+}
+
+void write_points(Markup& html, const NetworkPage& n) {
+  Scope details(html, "details");
+  html.element("summary", "Coordinates and standard deviations of " +
+                              count(static_cast<long>(n.points.size()), "point", "points"));
+  Scope wide(html, "div", {{"class", "wide"}});
+  Scope table(html, "table", {{"class", "sortable"}});
+  table_head(html, {"Point", "x [m]", "y [m]", "z [m]", "σx [mm]", "σy [mm]", "σz [mm]"});
+  Scope body(html, "tbody");
+  for (const auto& p : n.points) {
+    const auto sigma = [&](int i) { return mm(std::sqrt(p.covariance(i, i))); };
+    table_row(html, {p.id, fixed(p.position.x(), 4), fixed(p.position.y(), 4), fixed(p.position.z(), 4), sigma(0),
+                     sigma(1), sigma(2)});
+  }
+}
+
+void write_groups(Markup& html, const NetworkPage& n) {
+  if (n.groups.empty()) return;
+  html.element("h3", "Precision by kind of observation");
+  Scope wide(html, "div", {{"class", "wide"}});
+  Scope table(html, "table");
+  table_head(html, {"Kind", "Observations", "Redundancy", "Found / stated precision"});
+  Scope body(html, "tbody");
+  for (const auto& g : n.groups)
+    table_row(html, {kind_words(g.name), std::to_string(g.observations), fixed(g.redundancy, 1), fixed(g.ratio, 2)});
+}
+
+}  // namespace
+
+void write_network(Markup& html, const NetworkPage& network) {
+  Scope part(html, "section", {{"id", "network"}});
+  html.element("h2", "Survey network");
+  html.element("p", {{"class", "note"}},
+               count(static_cast<long>(network.points.size()), "point", "points") + ", " +
+                   count(static_cast<long>(network.observations.size()), "observation", "observations") + ", " +
+                   count(network.unknowns, "unknown", "unknowns") + ", " +
+                   count(network.degrees_of_freedom, "degree of freedom", "degrees of freedom") +
+                   "; standard deviation of unit weight " + fixed(network.sigma0, 3) + "; datum: " + network.datum +
+                   ".");
+  write_global_test(html, network);
+  write_findings(html, network);
+  write_network_drawings(html, network);
+  write_removed(html, network);
+  write_groups(html, network);
+  write_observations(html, network);
+  write_points(html, network);
+}
+
+}  // namespace plumbline::report

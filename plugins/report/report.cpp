@@ -1,0 +1,159 @@
+#include "report/report.hpp"
+
+#include "report/format.hpp"
+#include "report/page_style.hpp"
+#include "report/plot.hpp"
+#include "report/sections.hpp"
+
+namespace plumbline::report {
+
+const AccuracyComparisonT* comparison(const AccuracyT& accuracy, AnchorUse use, AccuracyReference reference) {
+  for (const auto& c : accuracy.comparisons)
+    if (c->use == use && c->reference == reference) return c.get();
+  return nullptr;
+}
+
+const AccuracyComparisonT* headline(const AccuracyT& accuracy) {
+  const AccuracyComparisonT* check = comparison(accuracy, AnchorUse::check, AccuracyReference::survey);
+  if (check && check->anchors > 0) return check;
+  return comparison(accuracy, AnchorUse::control, AccuracyReference::survey);
+}
+
+std::string anchors_of(const AccuracyComparisonT& c) {
+  return c.use == AnchorUse::check ? "check anchors" : "control anchors";
+}
+
+void table_row(Markup& html, const std::vector<Cell>& cells) {
+  Scope row(html, "tr");
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    if (i == 0)
+      html.element("th", {{"scope", "row"}}, cells[i].text);
+    else if (cells[i].left)
+      html.element("td", {{"class", "text"}}, cells[i].text);
+    else
+      html.element("td", cells[i].text);
+  }
+}
+
+void table_head(Markup& html, const std::vector<Cell>& labels) {
+  Scope head(html, "thead");
+  Scope row(html, "tr");
+  for (const Cell& cell : labels) {
+    if (cell.left)
+      html.element("th", {{"scope", "col"}, {"class", "text"}}, cell.text);
+    else
+      html.element("th", {{"scope", "col"}}, cell.text);
+  }
+}
+
+void verdict_cell(Markup& html, ToleranceVerdict verdict) {
+  Scope td(html, "td", {{"class", "text"}});
+  if (verdict == ToleranceVerdict::not_measured)
+    html.text(unknown);
+  else
+    verdict_badge(html, verdict);
+}
+
+namespace {
+
+void write_files(Markup& html, const std::vector<SourceFile>& files) {
+  if (files.empty()) return;
+  Scope details(html, "details");
+  html.element("summary",
+               count(static_cast<long>(files.size()), "file", "files") + " the run started from, with SHA-256");
+  Scope table(html, "table", {{"class", "facts"}});
+  Scope body(html, "tbody");
+  for (const SourceFile& file : files) {
+    Scope row(html, "tr");
+    html.element("th", {{"scope", "row"}}, file.path);
+    Scope cell(html, "td");
+    html.element("code", file.sha256).text(" " + std::to_string(file.size) + "\u00A0bytes");
+  }
+}
+
+}  // namespace
+
+void write_provenance(Markup& html, const ReportInput& input) {
+  if (input.provenance.empty() && input.files.empty()) return;
+  Scope part(html, "section", {{"id", "provenance"}});
+  html.element("h2", "Where this comes from");
+  html.element("p",
+               "Enough to repeat this report bit by bit: the same inputs, versions and seed give the same file. The "
+               "record of the run lists every "
+               "step with its parameters.");
+  {
+    Scope table(html, "table", {{"class", "facts"}});
+    Scope body(html, "tbody");
+    for (const auto& [name, value] : input.provenance) {
+      Scope row(html, "tr");
+      html.element("th", {{"scope", "row"}}, name);
+      html.element("td", value);
+    }
+  }
+  write_files(html, input.files);
+}
+
+namespace {
+
+void write_navigation(Markup& html, const ReportInput& input) {
+  Scope nav(html, "nav", {{"aria-label", "Sections"}});
+  const auto link = [&](const char* id, const char* text) {
+    html.element("a", {{"href", std::string("#") + id}}, text);
+  };
+  link("numbers", "Key numbers");
+  link("floors", "Floors");
+  link("passrate", "Pass rate");
+  link("facade", "Facade");
+  link("transfer", "Height transfer");
+  link("anchors", "Anchors");
+  link("method", "How to read this");
+  if (input.network) link("network", "Survey network");
+  if (!input.provenance.empty() || !input.files.empty()) link("provenance", "Provenance");
+}
+
+void write_body(Markup& html, const ReportInput& input) {
+  Scope main(html, "main");
+  {
+    Scope header(html, "header");
+    html.element("h1", input.title);
+    if (!input.subtitle.empty()) html.element("p", {{"class", "subtitle"}}, input.subtitle);
+    write_verdict(html, input);
+    write_warnings(html, input.accuracy);
+    write_navigation(html, input);
+  }
+  write_key_numbers(html, input.accuracy);
+  write_floors(html, input.accuracy);
+  write_pass_rates(html, input.accuracy);
+  write_facade(html, input.accuracy);
+  write_transfers(html, input.accuracy);
+  write_anchors(html, input.accuracy);
+  write_method(html, input.accuracy);
+  if (input.network) write_network(html, *input.network);
+  write_provenance(html, input);
+}
+
+}  // namespace
+
+std::string render_report(const ReportInput& input) {
+  Markup html;
+  html.raw("<!DOCTYPE html>\n");
+  {
+    Scope root(html, "html", {{"lang", "en"}});
+    {
+      Scope head(html, "head");
+      html.empty("meta", {{"charset", "utf-8"}});
+      html.empty("meta", {{"name", "viewport"}, {"content", "width=device-width, initial-scale=1"}});
+      // Forbids any request, so that the file is what it says: complete.
+      html.empty("meta", {{"http-equiv", "Content-Security-Policy"},
+                          {"content", "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'"}});
+      html.element("title", input.title);
+      html.open("style").raw(page_style).close();
+    }
+    Scope body(html, "body");
+    write_body(html, input);
+    html.open("script").raw(page_script).close();
+  }
+  return html.str();
+}
+
+}  // namespace plumbline::report

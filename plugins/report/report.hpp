@@ -1,0 +1,85 @@
+// The report: one HTML file that reads without a network, without scripts, on screen and on A4.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "artifacts/accuracy.hpp"
+
+namespace plumbline::report {
+
+/// The survey network as its page shows it. Angles in rad, lengths in m.
+struct NetworkPage {
+  static constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+  struct Point {
+    std::string id;
+    Eigen::Vector3d position = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Constant(nan);
+    bool station = false;  ///< an instrument stood here
+    bool datum = false;    ///< carries the datum
+  };
+  struct Observation {
+    std::string kind;  ///< "direction", "zenith_angle", "slope_distance", ...
+    std::string from, to;
+    bool angular = false;
+    double residual = nan, sigma = nan, redundancy_number = nan, w = nan, estimated_blunder = nan, mdb = nan;
+    double external_effect = nan;  ///< [m]
+    bool flagged = false, removed = false;
+    std::string source;  ///< "file:line"
+  };
+  struct Step {
+    std::size_t observation = 0;  ///< index into observations
+    std::string action;           ///< "removed" or "restored"
+    double w = nan, estimated_blunder = nan;
+  };
+  struct Group {
+    std::string name;
+    double ratio = nan, redundancy = nan;
+    int observations = 0;
+  };
+  struct Finding {
+    std::string severity, text;
+  };
+
+  std::vector<Point> points;
+  std::vector<Observation> observations;
+  std::vector<Step> steps;
+  std::vector<Group> groups;
+  std::vector<Finding> findings;
+  std::string datum;
+  double sigma0 = nan;
+  long degrees_of_freedom = 0, unknowns = 0;
+  double statistic = nan, lower = nan, upper = nan, alpha = nan;  ///< global test
+  std::string verdict;                                            ///< "pass", "low" or "high"
+  double critical_w = nan, alpha0 = nan, power = nan;
+};
+
+/// A line of the provenance: what it is, and its value or hash.
+using Fact = std::pair<std::string, std::string>;
+
+/// A file the run started from.
+struct SourceFile {
+  std::string path, sha256;
+  std::uint64_t size = 0;  ///< [bytes]
+};
+
+struct ReportInput {
+  std::string title = "Accuracy report";
+  std::string subtitle;  ///< site, scenario, date: as the pipeline gives them
+  AccuracyT accuracy;
+  std::optional<NetworkPage> network;
+  std::vector<Fact> provenance;
+  std::vector<SourceFile> files;
+};
+
+/// The whole report as HTML. Deterministic; all text from the input is escaped; the result requests nothing from
+/// outside.
+std::string render_report(const ReportInput& input);
+
+}  // namespace plumbline::report

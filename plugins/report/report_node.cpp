@@ -1,0 +1,65 @@
+// report.html: the report as a node.
+#include "artifacts/accuracy.hpp"
+#include "artifacts/design.hpp"
+#include "artifacts/file.hpp"
+#include "artifacts/folder.hpp"
+#include "artifacts/survey_network.hpp"
+#include "plumbline/node.hpp"
+#include "report/network_page.hpp"
+#include "report/report.hpp"
+
+namespace plumbline::report {
+
+namespace {
+
+/// "name=value" as the pipeline writes it.
+Fact fact_of(const std::string& text) {
+  const auto equals = text.find('=');
+  if (equals == std::string::npos || equals == 0)
+    throw std::runtime_error("parameter 'facts': '" + text + "' is not of the form name=value");
+  return {text.substr(0, equals), text.substr(equals + 1)};
+}
+
+void add_design(const DesignT& design, std::vector<Fact>& facts) {
+  std::string value = design.file_name + " (" + design.schema + ")";
+  if (!design.project_name.empty()) value += ", project " + design.project_name;
+  facts.emplace_back("Design", value);
+}
+
+}  // namespace
+
+struct ReportHtml : Node {
+  static constexpr Info info{"report.html", "", 1,
+                             "One offline HTML file: verdict, charts, tables, survey network, provenance"};
+  In<Accuracy> accuracy{"accuracy", frame("frame=?F"), "the evaluation"};
+  Optional<SurveyNetwork> network{"network", frame("frame=?F"), "the adjusted survey network, for its page"};
+  Optional<Design> design{"design", frame("frame=?F"), "the design, for the provenance"};
+  Optional<Folder> campaign{"campaign", "the folder the run started from: its files and hashes go into the provenance"};
+  Param<std::string> title{"title", "Accuracy of the facade anchors", "heading"};
+  Param<std::string> subtitle{"subtitle", "", "site, scenario, date of the campaign"};
+  Param<std::vector<std::string>> facts{"facts", std::vector<std::string>{}, "lines for the provenance: name=value"};
+  Out<File> out{"file", "report.html"};
+
+  void run(Context& context) override {
+    ReportInput input;
+    input.title = *title, input.subtitle = *subtitle;
+    input.accuracy = accuracy.unpack();
+    if (network) input.network = network_page(network.unpack());
+    for (const std::string& text : *facts) input.provenance.push_back(fact_of(text));
+    if (design) add_design(design.unpack(), input.provenance);
+    input.provenance.emplace_back("Program", std::string("Plumbline ") + PLUMBLINE_BUILD_ID);
+    input.provenance.emplace_back("Seed of the run", std::to_string(context.seed()));
+    if (campaign)
+      for (const auto* entry : *campaign->files())
+        input.files.push_back({entry->path()->str(), entry->sha256()->str(), entry->size()});
+    FileT file;
+    file.name = "report.html", file.media_type = "text/html";
+    const std::string html = render_report(input);
+    file.content.assign(html.begin(), html.end());
+    out.commit(file);
+  }
+};
+
+}  // namespace plumbline::report
+
+PLUMBLINE_PLUGIN("report", "0.1.0", "MIT", plumbline::report::ReportHtml)

@@ -1,0 +1,47 @@
+// The parts of the report, each a <section>; render_report() puts them in order.
+#pragma once
+
+#include "report/markup.hpp"
+#include "report/report.hpp"
+
+namespace plumbline::report {
+
+/// The comparison of the anchors of one use against one reference; null if there is none.
+const AccuracyComparisonT* comparison(const AccuracyT& accuracy, AnchorUse use, AccuracyReference reference);
+/// The one that the report argues with: check anchors against the survey, else control anchors; null without any.
+const AccuracyComparisonT* headline(const AccuracyT& accuracy);
+/// "check anchors" or "control anchors".
+std::string anchors_of(const AccuracyComparisonT& comparison);
+
+/// A cell of a table; numbers stand right, words left.
+struct Cell {
+  Cell(const char* content) : text(content) {}
+  Cell(std::string content) : text(std::move(content)) {}
+  std::string text;
+  bool left = false;
+};
+inline Cell left(std::string text) {
+  Cell cell(std::move(text));
+  cell.left = true;
+  return cell;
+}
+/// One row; the first cell is its heading.
+void table_row(Markup& html, const std::vector<Cell>& cells);
+/// Table head; scripts can sort by every column of a table of class "sortable".
+void table_head(Markup& html, const std::vector<Cell>& labels);
+/// Cell with a verdict; a dash where there is none.
+void verdict_cell(Markup& html, ToleranceVerdict verdict);
+
+void write_verdict(Markup& html, const ReportInput& input);
+void write_warnings(Markup& html, const AccuracyT& accuracy);
+void write_key_numbers(Markup& html, const AccuracyT& accuracy);
+void write_floors(Markup& html, const AccuracyT& accuracy);
+void write_transfers(Markup& html, const AccuracyT& accuracy);
+void write_pass_rates(Markup& html, const AccuracyT& accuracy);
+void write_facade(Markup& html, const AccuracyT& accuracy);
+void write_anchors(Markup& html, const AccuracyT& accuracy);
+void write_method(Markup& html, const AccuracyT& accuracy);
+void write_network(Markup& html, const NetworkPage& network);
+void write_provenance(Markup& html, const ReportInput& input);
+
+}  // namespace plumbline::report
