@@ -1,0 +1,194 @@
+#include "campaign_folder.hpp"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <numbers>
+
+#include "survey_files.hpp"
+
+namespace plumbline::campaign {
+namespace {
+
+std::string message_of(const std::function<void()>& call) {
+  try {
+    call();
+  } catch (const CampaignError& error) {
+    return error.what();
+  }
+  return "nothing was thrown";
+}
+
+const std::vector<std::string> kFiles = {"campaign.yaml", "c.yaml",    "p.csv",         "k.csv",    "d.ifc",
+                                         "img/b.jpg",     "img/a.jpg", "img/raw/x.jpg", "ts/1.gsi", "ts/2.gsi"};
+const std::string kCampaign =
+    "plumbline_campaign: 1\nimages: img/*.jpg\ncamera: c.yaml\nplates: p.csv\nsurvey: [ts/2.gsi, ts/*.gsi]\n"
+    "control: k.csv\ndesign: d.ifc\n";
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  if (at == std::string::npos) throw std::logic_error("the test's text has no " + from);
+  return text.replace(at, from.size(), to);
+}
+std::string campaign_message(const std::string& yaml) {
+  return message_of([&] { parse_campaign(yaml, "site/campaign.yaml", kFiles); });
+}
+
+TEST(CampaignYaml, ResolvesPatternsInOrder) {
+  const CampaignDescription c = parse_campaign(kCampaign, "campaign.yaml", kFiles);
+  EXPECT_EQ(c.images, (std::vector<std::string>{"img/a.jpg", "img/b.jpg"}));  // '*' does not enter folders
+  EXPECT_EQ(c.survey, (std::vector<std::string>{"ts/1.gsi", "ts/2.gsi"}));
+  EXPECT_EQ(c.control, "k.csv");
+}
+
+TEST(CampaignYaml, ErrorsNameFileLineAndMend) {
+  EXPECT_EQ(campaign_message(replaced(kCampaign, "plates", "plate")),
+            "site/campaign.yaml:4: unknown key 'plate', did you mean 'plates'?");
+  EXPECT_NE(
+      campaign_message(kCampaign + "weather: fine\n").find("site/campaign.yaml:8: unknown key 'weather'; known are"),
+      std::string::npos);
+  EXPECT_NE(
+      campaign_message(replaced(kCampaign, "d.ifc", "e.ifc")).find(":7: 'design' names 'e.ifc', and the folder has no"),
+      std::string::npos);
+  EXPECT_NE(campaign_message(replaced(kCampaign, "*.jpg", "*.tif")).find(":2: 'images' names 'img/*.tif'"),
+            std::string::npos);
+  EXPECT_NE(campaign_message(replaced(kCampaign, "camera: c.yaml\n", "")).find("the key 'camera' is missing"),
+            std::string::npos);
+  EXPECT_NE(campaign_message(kCampaign + "design: d.ifc\n").find(":8: 'design' stands here a second time"),
+            std::string::npos);
+  EXPECT_NE(campaign_message(replaced(kCampaign, "camera: c.yaml", "camera: img/*.jpg")).find("matches 2 files"),
+            std::string::npos);
+  EXPECT_NE(
+      campaign_message(replaced(kCampaign, "campaign: 1", "campaign: 9")).find(":1: this program reads version 1"),
+      std::string::npos);
+  EXPECT_NE(campaign_message("a: [1\n").find("this is no YAML"), std::string::npos);
+  EXPECT_NE(campaign_message("just text").find("found no mapping"), std::string::npos);
+}
+
+const std::string kCamera =
+    "plumbline_camera: 1\nid: c\nwidth: 600\nheight: 400\npixel_origin: centre\nparameters: {fx: 500, fy: 501, cx: "
+    "300, cy: "
+    "200, k1: -0.1}\nsigmas: {fx: 1, cx: 0.5}\n";
+std::string camera_message(const std::string& yaml) {
+  return message_of([&] { parse_camera(yaml, "c.yaml"); });
+}
+
+TEST(CameraYaml, ReadsParametersAndSigmas) {
+  const CameraCalibration c = parse_camera(kCamera, "c.yaml");
+  EXPECT_EQ(c.camera.fy, 501);
+  EXPECT_EQ(c.camera.k1, -0.1);
+  EXPECT_EQ(c.camera.p2, 0);
+  EXPECT_EQ(c.sigmas[2], 0.5);
+  EXPECT_EQ(c.sigmas[4], 0);
+  EXPECT_TRUE(std::isnan(c.pixel_pitch));
+}
+
+TEST(CameraYaml, CornerOriginIsShiftedByHalfAPixel) {
+  const CameraCalibration c = parse_camera(replaced(kCamera, "centre", "corner"), "c.yaml");
+  EXPECT_EQ(c.camera.cx, 299.5);
+  EXPECT_EQ(c.camera.cy, 199.5);
+}
+
+TEST(CameraYaml, ErrorsNameFileLineAndMend) {
+  EXPECT_EQ(camera_message(replaced(kCamera, "width: 600", "width: wide")),
+            "c.yaml:3: 'width' is 'wide', expected a whole number of pixels");
+  EXPECT_NE(
+      camera_message(replaced(kCamera, "centre", "middle")).find(":5: 'pixel_origin' is 'middle', expected 'centre'"),
+      std::string::npos);
+  EXPECT_NE(camera_message(replaced(kCamera, "k1", "k9")).find("unknown key 'k9'"), std::string::npos);
+  EXPECT_NE(camera_message(replaced(kCamera, "fx: 500", "fx: -500")).find("fx and fy must be positive"),
+            std::string::npos);
+  EXPECT_NE(camera_message(replaced(kCamera, "cx: 0.5", "cx: -1")).find("negative"), std::string::npos);
+}
+
+const std::string kPlates =
+    "anchor,role,floor,column,row,tag_family,tag_id,tag_size_mm,tag_x_mm,tag_y_mm,tag_z_mm,facing_azimuth_deg,batch\n"
+    "B,check,1,0,0,tag36h11,2,200,0,200,0,180,x\n"
+    "A,control,1,1,1,tag36h11,1,200,0,200,0,180,x\n";
+std::string plates_message(const std::string& csv) {
+  return message_of([&] { parse_plates(csv, "p.csv"); });
+}
+
+TEST(PlatesCsv, ReadsUnitsFromTheHeader) {
+  const auto plates = parse_plates(kPlates, "p.csv");
+  ASSERT_EQ(plates.size(), 2u);
+  EXPECT_EQ(plates[0].anchor, "A");
+  EXPECT_EQ(plates[0].tag_id, 1);
+  EXPECT_DOUBLE_EQ(plates[0].tag_size, 0.2);
+  EXPECT_DOUBLE_EQ(plates[1].tag_centre_in_plate.y(), 0.2);
+  EXPECT_DOUBLE_EQ(plates[1].facing_azimuth, std::numbers::pi);
+}
+
+TEST(PlatesCsv, TakesSemicolonsAndDecimalCommas) {
+  const auto plates = parse_plates(
+      "anchor;role;floor;tag_family;tag_id;tag_size_m;tag_x_m;tag_y_m;tag_z_m;facing_azimuth_gon\n"
+      "A;control;1;tag36h11;1;0,2;0,0;0,25;0,0;200,0\n",
+      "p.csv");
+  EXPECT_DOUBLE_EQ(plates.at(0).tag_centre_in_plate.y(), 0.25);
+  EXPECT_DOUBLE_EQ(plates.at(0).facing_azimuth, std::numbers::pi);
+}
+
+TEST(PlatesCsv, ErrorsNameFileLineAndMend) {
+  EXPECT_EQ(plates_message(replaced(kPlates, "tag_size_mm", "tag_size_ft")),
+            "p.csv:1: column 'tag_size' is in 'ft', expected its name to end in _m or _mm");
+  EXPECT_NE(plates_message(replaced(kPlates, "facing_azimuth_deg", "facing_azimuth")).find("has no unit"),
+            std::string::npos);
+  EXPECT_NE(plates_message(replaced(kPlates, "check", "chek"))
+                .find("p.csv:2: column 'role' holds 'chek', expected control or"),
+            std::string::npos);
+  EXPECT_NE(plates_message(replaced(kPlates, "A,control", "B,control")).find("p.csv:3: anchor 'B' has a plate already"),
+            std::string::npos);
+  EXPECT_NE(plates_message(replaced(kPlates, "tag36h11,1,", "tag36h11,2,")).find("p.csv:3: tag 2 of tag36h11 hangs at"),
+            std::string::npos);
+  EXPECT_NE(
+      plates_message(replaced(kPlates, ",200,0,200", ",big,0,200")).find("p.csv:2: column 'tag_size' holds 'big'"),
+      std::string::npos);
+  EXPECT_NE(plates_message(replaced(kPlates, "0,180,x\nA", "0\nA")).find("p.csv:2: found 11 cells, expected 13"),
+            std::string::npos);
+  EXPECT_NE(plates_message(replaced(kPlates, "batch", "bach")).find("unknown column 'bach'"), std::string::npos);
+  EXPECT_NE(plates_message(replaced(kPlates, "tag_z_mm,", "")).find("the column 'tag_z' is missing"),
+            std::string::npos);
+  EXPECT_NE(plates_message("").find("no header line"), std::string::npos);
+}
+
+TEST(UprightPlate, FacesItsAzimuth) {
+  for (const double azimuth : {0.0, 0.5, 3.0, 5.5}) {
+    const Eigen::Quaterniond q = upright_plate(azimuth);
+    EXPECT_LT((q * Eigen::Vector3d::UnitZ() - Eigen::Vector3d(std::sin(azimuth), std::cos(azimuth), 0)).norm(), 1e-12);
+    EXPECT_LT((q * Eigen::Vector3d::UnitY() - Eigen::Vector3d::UnitZ()).norm(), 1e-12);
+    EXPECT_NEAR(q.toRotationMatrix().determinant(), 1, 1e-12);
+  }
+}
+
+TEST(ControlCsv, ReadsAndRefuses) {
+  const std::string csv =
+      "id,east_m,north_m,height_m,sigma_east_mm,sigma_north_mm,sigma_height_mm\nG1,1,2,3,0.5,0.5,1\nG2,4,5,6,1,1,1\n";
+  const auto points = parse_control(csv, "k.csv");
+  EXPECT_EQ(points[0].position, Eigen::Vector3d(1, 2, 3));
+  EXPECT_DOUBLE_EQ(points[0].sigma.z(), 1e-3);
+  const auto message = [&](const std::string& text) { return message_of([&] { parse_control(text, "k.csv"); }); };
+  EXPECT_NE(message(replaced(csv, "G2", "G1")).find("k.csv:3: control point 'G1' stands here a second time"),
+            std::string::npos);
+  EXPECT_NE(
+      message(replaced(csv, "0.5,0.5,1", "0.5,0,1")).find("k.csv:2: standard deviations of 'G1' must be positive"),
+      std::string::npos);
+  EXPECT_NE(message(replaced(csv, "east_m", "east_km")).find("is in 'km', expected"), std::string::npos);
+}
+
+TEST(SurveyFiles, MergeKeepsReferences) {
+  const std::string gsi =
+      "*410001+0000000000000021 42....+00000000000000S1 43....+0000000000001500 \r\n"
+      "*110002+00000000000000P1 21.322+0000000010000000 22.322+0000000010000000 31..00+0000000000010000 \r\n";
+  const auto one = read_survey_file(gsi, "a.gsi");
+  const auto all = merge({one, one});
+  ASSERT_EQ(all.set_ups.size(), 2u);
+  ASSERT_EQ(all.observations.size(), 6u);
+  EXPECT_EQ(all.observations[0].set_up, 0);
+  EXPECT_EQ(all.observations[3].set_up, 1);
+  EXPECT_NE(all.observations[0].pointing, all.observations[3].pointing);
+  EXPECT_EQ(all.observations[3].pointing, all.observations[5].pointing);
+  EXPECT_NE(message_of([&] { read_survey_file(gsi, "a.dat"); }).find("end in"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace plumbline::campaign

@@ -1,0 +1,130 @@
+// read.campaign and simulate.observations as the host runs them.
+#include <gtest/gtest.h>
+
+#include "artifacts/camera.hpp"
+#include "artifacts/file.hpp"
+#include "artifacts/folder.hpp"
+#include "artifacts/image.hpp"
+#include "artifacts/image_tags.hpp"
+#include "artifacts/plates.hpp"
+#include "artifacts/points.hpp"
+#include "artifacts/survey_observations.hpp"
+#include "campaign.hpp"
+#include "node_harness.hpp"
+
+namespace plumbline::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+FolderT list(const fs::path& root) {
+  FolderT folder;
+  folder.uri = root.string();
+  for (const auto& entry : fs::recursive_directory_iterator(root)) {
+    if (!entry.is_regular_file()) continue;
+    auto file = std::make_unique<FolderEntryT>();
+    file->path = entry.path().lexically_relative(root).generic_string();
+    file->sha256 = runtime::sha256_of_file(entry.path());
+    file->size = entry.file_size();
+    folder.files.push_back(std::move(file));
+  }
+  std::sort(folder.files.begin(), folder.files.end(), [](const auto& a, const auto& b) { return a->path < b->path; });
+  return folder;
+}
+
+class ReadCampaignTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    simulate::CampaignOptions options;
+    options.building.floors = 1;
+    options.cameras.images_per_floor = 4;
+    campaign_ = simulate::make_campaign(options, 1);
+    for (BrownCamera* camera : {&campaign_.camera.truth, &campaign_.camera.calibration}) {
+      camera->width = 600, camera->height = 400;
+      for (double* value : {&camera->fx, &camera->fy, &camera->cx, &camera->cy}) *value *= 0.1;
+    }
+    simulate::write_campaign_files(campaign_, folder_.path());
+    simulate::write_images(campaign_, folder_.path(), nullptr);
+  }
+  std::string message() {
+    NodeHarness node("read.campaign");
+    node.input<Folder>("folder", list(folder_.path()));
+    try {
+      node.run();
+    } catch (const NodeFailed& error) {
+      return error.what();
+    }
+    return "nothing was thrown";
+  }
+  simulate::Campaign campaign_;
+  TemporaryFolder folder_;
+};
+
+TEST_F(ReadCampaignTest, GivesEveryPartOfTheFolder) {
+  NodeHarness node("read.campaign");
+  node.input<Folder>("folder", list(folder_.path()));
+  node.run();
+  EXPECT_EQ(node.warnings(), std::vector<std::string>());
+  ASSERT_EQ(node.output_count("images"), 4u);
+  const ImageT image = node.output<Image>("images", 1);
+  EXPECT_EQ(image.path, "images/F01-02.jpg");
+  EXPECT_EQ(image.width, 600);
+  EXPECT_EQ(image.camera, node.output<Camera>("camera").id);
+  EXPECT_EQ(image.sha256, runtime::sha256_of_file(folder_.path() / "images/F01-02.jpg"));
+  EXPECT_EQ(node.output<Plates>("plates").plates.size(), 11u);
+  EXPECT_EQ(node.output<Points>("control").points.size(), 4u);
+  const SurveyObservationsT survey = node.output<SurveyObservations>("survey");
+  EXPECT_EQ(survey.observations.size(), campaign_.observations.observations.size());
+  EXPECT_EQ(survey.info->instrument, "ics50_assumed");
+  EXPECT_EQ(node.output<File>("design_file").name, "design.ifc");
+}
+
+TEST_F(ReadCampaignTest, TruncatedPhotographIsNamed) {
+  const fs::path image = folder_.path() / "images/F01-03.jpg";
+  fs::resize_file(image, fs::file_size(image) / 2);
+  EXPECT_NE(message().find("F01-03.jpg: the JPEG is truncated"), std::string::npos) << message();
+}
+
+TEST_F(ReadCampaignTest, MissingFilesAreNamed) {
+  fs::remove(folder_.path() / "plates.csv");
+  EXPECT_NE(message().find("'plates' names 'plates.csv'"), std::string::npos);
+  fs::remove(folder_.path() / "campaign.yaml");
+  EXPECT_NE(message().find("campaign.yaml: this file is missing"), std::string::npos);
+}
+
+TEST_F(ReadCampaignTest, PhotographOfAnotherSizeIsRefused) {
+  std::string yaml = read_file(folder_.path() / "camera.yaml");
+  yaml.replace(yaml.find("width: 600"), 10, "width: 640");
+  std::ofstream(folder_.path() / "camera.yaml") << yaml;
+  EXPECT_NE(message().find("was calibrated with 640 x 400"), std::string::npos);
+}
+
+TEST(SimulateObservations, DeliversCornersPointsAndTruthOfOneSite) {
+  NodeHarness node("simulate.observations");
+  node.set("floors", "2");
+  node.set("pixel_sigma", "0");
+  node.set("survey_sigma", "0.002");
+  node.run();
+  EXPECT_EQ(node.output_count("observations"), 20u);
+  EXPECT_TRUE(node.output<ImageTags>("observations", 0).tags.at(0)->corner_covariances.empty());
+  const PointsT points = node.output<Points>("points"), truth = node.output<Points>("truth");
+  ASSERT_EQ(points.points.size(), 22u);
+  EXPECT_EQ(points.covariance.size(), 66u * 67u / 2);
+  double sum = 0;
+  for (std::size_t i = 0; i < 22; ++i) {
+    EXPECT_EQ(points.points[i]->id, truth.points[i]->id);
+    sum += (points.points[i]->position - truth.points[i]->position).squaredNorm();
+  }
+  EXPECT_NEAR(std::sqrt(sum / 66), 0.002, 0.002 * 4 / std::sqrt(132.0));
+}
+
+TEST(SimulateObservations, ADifferentSeedIsADifferentSite) {
+  NodeHarness a("simulate.observations"), b("simulate.observations"), c("simulate.observations");
+  b.seed(2);
+  a.run(), b.run(), c.run();
+  EXPECT_NE(a.output_bytes("observations"), b.output_bytes("observations"));
+  EXPECT_EQ(a.output_bytes("observations"), c.output_bytes("observations"));
+}
+
+}  // namespace
+}  // namespace plumbline::test

@@ -1,0 +1,81 @@
+#include "building.hpp"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <set>
+
+namespace plumbline::simulate {
+namespace {
+
+TEST(Building, StandsOnTheGridOfTable1) {
+  for (int floors = 1; floors <= 5; ++floors) {
+    for (int columns = 3; columns <= 4; ++columns) {
+      const Building b = make_building({.floors = floors, .columns = columns}, 1);
+      std::map<AnchorRole, int> count;
+      std::set<double> rows, grid;
+      std::set<std::string> ids;
+      std::set<int> tags;
+      for (const Anchor& a : b.anchors) {
+        ++count[a.role];
+        ids.insert(a.id);
+        tags.insert(a.tag_id);
+        if (a.role == AnchorRole::control) rows.insert(a.design.z()), grid.insert(a.design.x());
+      }
+      EXPECT_EQ(count[AnchorRole::control], floors * columns * 2);
+      EXPECT_EQ(count[AnchorRole::check], floors * 3);
+      EXPECT_EQ(ids.size(), b.anchors.size());
+      EXPECT_EQ(tags.size(), b.anchors.size());
+      for (const auto& values : {rows, grid}) {  // 2.0 m apart throughout, storey boundaries too
+        for (auto at = std::next(values.begin()); at != values.end(); ++at) EXPECT_DOUBLE_EQ(*at - *std::prev(at), 2.0);
+      }
+    }
+  }
+}
+
+TEST(Building, PlatesDoNotTouch) {
+  for (int columns = 2; columns <= 7; ++columns) {
+    const Building b = make_building({.floors = 2, .columns = columns}, 3);
+    for (std::size_t i = 0; i < b.anchors.size(); ++i) {
+      for (std::size_t j = 0; j < i; ++j) EXPECT_GT((b.anchors[i].built - b.anchors[j].built).norm(), 0.6);
+    }
+  }
+}
+
+TEST(Building, DeviationsAreOfTheSizeAskedFor) {
+  double sum = 0;
+  int n = 0;
+  for (std::uint64_t seed = 0; seed < 50; ++seed) {
+    for (const Anchor& a : make_building({.floors = 5, .as_built_sigma = 0.004}, seed).anchors) {
+      sum += (a.built - a.design).squaredNorm();
+      n += 3;
+    }
+  }
+  EXPECT_NEAR(std::sqrt(sum / n), 0.004, 0.004 * 4 / std::sqrt(2.0 * n));
+}
+
+TEST(Building, ASeedGivesTheSameBuildingAndAFloorMoreChangesNoOther) {
+  const Building a = make_building({.floors = 2}, 5), b = make_building({.floors = 3}, 5),
+                 c = make_building({.floors = 2}, 6);
+  for (std::size_t i = 0; i < a.anchors.size(); ++i) {
+    EXPECT_EQ(a.anchors[i].id, b.anchors[i].id);
+    EXPECT_EQ(a.anchors[i].built, b.anchors[i].built);
+    EXPECT_NE(a.anchors[i].built, c.anchors[i].built);
+  }
+}
+
+TEST(Building, PlatesFaceTheCameras) {
+  for (const Anchor& a : make_building({}, 1).anchors) {
+    EXPECT_LT((a.building_from_plate.rotation * Eigen::Vector3d::UnitZ()).y(), -0.98);
+    EXPECT_GT((a.building_from_plate.rotation * Eigen::Vector3d::UnitY()).z(), 0.98);
+  }
+}
+
+TEST(Building, RefusesWhatCannotBeBuilt) {
+  EXPECT_THROW(make_building({.floors = 0}, 1), std::invalid_argument);
+  EXPECT_THROW(make_building({.columns = 1}, 1), std::invalid_argument);
+  EXPECT_THROW(make_building({.tag_size = 1.5}, 1), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace plumbline::simulate

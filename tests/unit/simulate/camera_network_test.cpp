@@ -1,0 +1,96 @@
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "camera.hpp"
+
+namespace plumbline::simulate {
+namespace {
+
+TEST(CameraNetwork, EveryImageSeesFourTagsAndAdjacentFloorsAreLinked) {
+  for (const std::string& name : camera_profile_names()) {
+    for (int floors = 1; floors <= 5; ++floors) {
+      for (int columns = 3; columns <= 4; ++columns) {
+        const Building b = make_building({.floors = floors, .columns = columns}, 1);
+        const SimulatedCamera camera = make_camera(camera_profile(name), 1);
+        std::vector<int> links(static_cast<std::size_t>(floors), 0);
+        std::map<std::string, int> seen;
+        for (const CameraStation& s : plan_camera_stations(b, camera, {}, 1)) {
+          const auto tags = visible_tags(b, camera.truth, s.camera_from_building);
+          EXPECT_GE(tags.size(), 4u) << s.image;
+          std::set<int> on;
+          for (const auto& tag : tags) on.insert(tag.anchor->floor), ++seen[tag.anchor->id];
+          for (int f = 1; f < floors; ++f) links[static_cast<std::size_t>(f)] += on.count(f) && on.count(f + 1);
+        }
+        for (int f = 1; f < floors; ++f) EXPECT_GE(links[static_cast<std::size_t>(f)], 4) << name << " floor " << f;
+        for (const Anchor& a : b.anchors) EXPECT_GE(seen[a.id], 4) << name << " " << a.id;
+      }
+    }
+  }
+}
+
+TEST(CameraNetwork, IsConvergentAndRolled) {
+  const Building b = make_building({.floors = 2}, 1);
+  const SimulatedCamera camera = make_camera(camera_profile("demo_24mp"), 1);
+  std::set<int> rolls;
+  double left = 0, right = 0;
+  for (const CameraStation& s : plan_camera_stations(b, camera, {}, 1)) {
+    const Eigen::Matrix3d r = s.camera_from_building.rotation.toRotationMatrix();
+    rolls.insert(static_cast<int>(std::lround(2 * std::atan2(r(0, 2), -r(1, 2)) / 3.14159265)));
+    const double yaw = std::atan2(r(2, 0), r(2, 1));
+    left = std::min(left, yaw), right = std::max(right, yaw);
+  }
+  EXPECT_GE(rolls.size(), 3u);
+  EXPECT_GT(right - left, 0.8);
+}
+
+TEST(CameraNetwork, TooCloseIsAnErrorThatNamesTheImage) {
+  const Building b = make_building({.floors = 1}, 1);
+  const SimulatedCamera camera = make_camera(camera_profile("demo_24mp"), 1);
+  try {
+    plan_camera_stations(b, camera, {.distance = 1.5}, 1);
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("F01-"), std::string::npos);
+  }
+}
+
+TEST(Camera, CalibrationIsWrongByAboutItsSigma) {
+  double sum = 0;
+  int n = 0;
+  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+    const SimulatedCamera camera = make_camera(camera_profile("hasselblad_100mp"), seed);
+    const auto truth = camera.truth.parameters(), given = camera.calibration.parameters();
+    for (std::size_t i = 0; i < truth.size(); ++i) {
+      const double sigma = camera.profile.calibration_sigmas[i];
+      if (sigma > 0) {
+        sum += std::pow((given[i] - truth[i]) / sigma, 2);
+        ++n;
+      } else {
+        EXPECT_EQ(given[i], truth[i]);
+      }
+    }
+  }
+  EXPECT_NEAR(sum / n, 1, 4 * std::sqrt(2.0 / n));
+}
+
+TEST(Camera, UnknownProfileListsTheKnown) {
+  try {
+    camera_profile("leica");
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("demo_24mp, hasselblad_100mp"), std::string::npos);
+  }
+}
+
+TEST(LookAt, PutsTheTargetInTheMiddleAndUpUp) {
+  const RigidTransform pose = look_at({1, -8, 2}, {3, 0, 4}, 0);
+  const Eigen::Vector3d target = pose * Eigen::Vector3d(3, 0, 4);
+  EXPECT_NEAR(target.head<2>().norm(), 0, 1e-12);
+  EXPECT_GT(target.z(), 8);
+  EXPECT_LT((pose.rotation * Eigen::Vector3d::UnitZ()).y(), 0);  // up in the building is up in the image
+  EXPECT_GT((pose.rotation * Eigen::Vector3d::UnitX()).x(), 0);  // right is right
+}
+
+}  // namespace
+}  // namespace plumbline::simulate

@@ -1,0 +1,179 @@
+// The folder that the simulation writes: readable by the readers of a real site, valid, and the same for the same seed.
+#include "campaign.hpp"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <map>
+
+#include "campaign_folder.hpp"
+#include "design.hpp"
+#include "design_ifc.hpp"
+#include "express_schema.hpp"
+#include "image_header.hpp"
+#include "observations.hpp"
+#include "survey_files.hpp"
+#include "test_support.hpp"
+
+namespace plumbline::simulate {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A campaign whose camera takes 600 × 400 pixels: what is tested here does not depend on how many there are.
+Campaign small_campaign(int floors, std::uint64_t seed) {
+  CampaignOptions options;
+  options.building.floors = floors;
+  options.cameras.images_per_floor = 4;
+  Campaign c = make_campaign(options, seed);
+  for (BrownCamera* camera : {&c.camera.truth, &c.camera.calibration}) {
+    camera->width = 600, camera->height = 400;
+    for (double* value : {&camera->fx, &camera->fy, &camera->cx, &camera->cy}) *value *= 0.1;
+  }
+  return c;
+}
+
+std::map<std::string, std::string> contents(const fs::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (entry.is_regular_file()) {
+      files[entry.path().lexically_relative(folder).generic_string()] = test::read_file(entry.path());
+    }
+  }
+  return files;
+}
+
+std::map<std::string, std::string> write(const Campaign& campaign, const fs::path& folder) {
+  write_campaign_files(campaign, folder);
+  write_images(campaign, folder, nullptr);
+  return contents(folder);
+}
+
+TEST(SimulatedCampaign, IsTheSameForTheSameSeedOnAnyNumberOfThreads) {
+  const test::TemporaryFolder a, b, c;
+  const auto first = write(small_campaign(1, 7), a.path());
+  const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
+  EXPECT_EQ(first, write(small_campaign(1, 7), b.path()));
+  const auto other = write(small_campaign(1, 8), c.path());
+  for (const char* name : {"images/F01-01.jpg", "survey/total_station.gsi", "control.csv", "camera.yaml"}) {
+    EXPECT_NE(first.at(name), other.at(name)) << name;
+  }
+}
+
+TEST(SimulatedCampaign, IsWhatTheReaderOfSitesReads) {
+  const test::TemporaryFolder folder;
+  const Campaign c = small_campaign(2, 3);
+  const auto files = write(c, folder.path());
+  std::vector<std::string> names;
+  for (const auto& [name, ignored] : files) names.push_back(name);
+  const auto description = campaign::parse_campaign(files.at("campaign.yaml"), "campaign.yaml", names);
+  EXPECT_EQ(description.images.size(), 8u);
+  EXPECT_EQ(description.instrument, "ics50_assumed");
+
+  const auto camera = campaign::parse_camera(files.at("camera.yaml"), "camera.yaml");
+  EXPECT_EQ(camera.camera.parameters(), c.camera.calibration.parameters());
+  EXPECT_EQ(camera.sigmas, c.camera.profile.calibration_sigmas);
+
+  const auto plates = campaign::parse_plates(files.at("plates.csv"), "plates.csv");
+  ASSERT_EQ(plates.size(), c.building.anchors.size());
+  for (const auto& plate : plates) {
+    const auto anchor = std::find_if(c.building.anchors.begin(), c.building.anchors.end(),
+                                     [&](const Anchor& a) { return a.id == plate.anchor; });
+    ASSERT_NE(anchor, c.building.anchors.end());
+    EXPECT_EQ(plate.tag_id, anchor->tag_id);
+    EXPECT_NEAR(plate.tag_size, 0.2, 1e-15);
+    EXPECT_LT((plate.tag_centre_in_plate - c.building.nominal_plate.tag_centre_in_plate).norm(), 1e-15);
+    EXPECT_LT(campaign::upright_plate(plate.facing_azimuth).angularDistance(facade_from_plate()), 1e-12);
+  }
+  const auto control = campaign::parse_control(files.at("control.csv"), "control.csv");
+  ASSERT_EQ(control.size(), 4u);
+  EXPECT_LT((control[2].position - c.plan.ground_points[2].given).norm(), 1e-5);
+  EXPECT_NEAR(control[2].sigma.y(), 0.5e-3, 1e-12);
+
+  const auto header = campaign::read_image_header(folder.path() / "images/F02-03.jpg");
+  EXPECT_EQ(header.width, 600);
+  EXPECT_EQ(header.height, 400);
+  EXPECT_EQ(header.make, "Plumbline");
+  EXPECT_EQ(header.taken_at, "2026:05:04 09:02:00");
+  EXPECT_NEAR(header.focal_length, 0.024, 1e-9);
+}
+
+TEST(SimulatedCampaign, GsiHoldsTheObservations) {
+  const test::TemporaryFolder folder;
+  const Campaign c = small_campaign(1, 3);
+  write_campaign_files(c, folder.path());
+  const auto read = campaign::read_survey_file(test::read_file(folder.path() / "survey/total_station.gsi"), "a.gsi");
+  EXPECT_TRUE(read.skipped.empty());
+  ASSERT_EQ(read.set_ups.size(), 2u);
+  EXPECT_NEAR(read.set_ups[1].instrument_height, c.observations.set_ups[1].instrument_height, 1e-9);
+  ASSERT_EQ(read.observations.size(), c.observations.observations.size());
+  for (std::size_t i = 0; i < read.observations.size(); ++i) {
+    const auto &found = read.observations[i], &given = c.observations.observations[i];
+    EXPECT_EQ(found.to, given.to);
+    EXPECT_EQ(found.kind, given.kind);
+    EXPECT_EQ(found.face, given.face);
+    EXPECT_NEAR(found.value, given.value, 1e-5);
+    EXPECT_NEAR(found.target_height, given.target_height, 1e-9);
+  }
+}
+
+TEST(DesignIfc, IsValidAndHasAnchorsAndPanelsAtTheirPlaces) {
+  PLUMBLINE_REQUIRE_DATA("ifc/express/IFC4.exp");
+  const test::ExpressSchema schema(test::read_file(test::data_file("ifc/express/IFC4.exp")));
+  const Building b = make_building({.floors = 3}, 1);
+  for (const bool millimetres : {false, true}) {
+    const step::File file(write_design_ifc(b, 1, millimetres), "design.ifc");
+    for (const step::Instance& instance : file.instances()) {
+      for (const std::string& problem : schema.check(file, instance)) ADD_FAILURE() << problem;
+    }
+    const bim::Design design = bim::read_design(file, {});
+    ASSERT_EQ(design.storeys.size(), 3u);
+    EXPECT_NEAR(design.storeys[2].elevation, 8, 1e-12);
+    std::size_t anchors = 0, panels = 0;
+    std::set<std::string> guids;
+    for (const bim::Element& element : design.elements) {
+      EXPECT_TRUE(guids.insert(element.guid).second);
+      panels += element.ifc_class == "IfcPlate";
+      if (!element.is_anchor) continue;
+      const auto anchor =
+          std::find_if(b.anchors.begin(), b.anchors.end(), [&](const Anchor& a) { return a.id == element.name; });
+      ASSERT_NE(anchor, b.anchors.end()) << element.name;
+      EXPECT_LT((element.position - anchor->design).norm(), 1e-9) << element.name;
+      EXPECT_EQ(element.storey, "Floor " + std::to_string(anchor->floor));
+      ++anchors;
+    }
+    EXPECT_EQ(anchors, b.anchors.size());
+    EXPECT_EQ(panels, 12u);
+  }
+}
+
+TEST(ObservedPoints, ScatterAsTheirCovarianceSays) {
+  CampaignOptions options;
+  options.building.floors = 4;
+  options.cameras.images_per_floor = 4;
+  double within = 0, top = 0;
+  const int trials = 300;
+  for (std::uint64_t seed = 0; seed < trials; ++seed) {
+    static const Campaign c = make_campaign(options, 1);
+    const auto points = observe_points(c, 0.001, 0.002, seed);
+    const double dz_first = points.front().position.z() - points.front().anchor->built.z();
+    const double dz_last = points.back().position.z() - points.back().anchor->built.z();
+    within += dz_first * dz_first, top += dz_last * dz_last;
+    const Eigen::MatrixXd covariance = point_covariance(points, 0.001, 0.002);
+    EXPECT_NEAR(covariance(2, 2), 1e-6, 1e-15);
+    EXPECT_NEAR(covariance(covariance.rows() - 1, covariance.rows() - 1), 13e-6, 1e-15);
+  }
+  const double margin = 4 * std::sqrt(2.0 / trials);
+  EXPECT_NEAR(within / trials / 1e-6, 1, margin);
+  EXPECT_NEAR(top / trials / 13e-6, 1, margin);
+}
+
+TEST(SimulatedCampaign, StopsWhenAsked) {
+  const test::TemporaryFolder folder;
+  EXPECT_THROW(write_images(small_campaign(1, 1), folder.path(), [](std::size_t) { return false; }),
+               std::runtime_error);
+}
+
+}  // namespace
+}  // namespace plumbline::simulate

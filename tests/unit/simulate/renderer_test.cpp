@@ -1,0 +1,215 @@
+// What is rendered must lie where the geometry says, to a few hundredths of a pixel: everything that is measured on
+// simulated photographs rests on it.
+#include "renderer.hpp"
+
+#include <gtest/gtest.h>
+
+#include "detect/tag_detector.hpp"
+#include "formats/grey_image.hpp"
+#include "jpeg.hpp"
+#include "plate_raster.hpp"
+
+namespace plumbline::simulate {
+namespace {
+
+/// The demo camera at two fifths of its resolution: the same view in a sixth of the time.
+SimulatedCamera small_camera(std::uint64_t seed) {
+  CameraProfile profile = camera_profile("demo_24mp");
+  BrownCamera& c = profile.nominal;
+  c.width = 2400, c.height = 1600;
+  for (double* value : {&c.fx, &c.fy, &c.cx, &c.cy}) *value *= 0.4;
+  return make_camera(profile, seed);
+}
+
+GreyImage render(const Renderer& renderer) {
+  GreyImage image;
+  image.width = renderer.width();
+  image.height = renderer.height();
+  Renderer::Band band;
+  for (int b = 0; b < renderer.bands(); ++b) {
+    renderer.render(b, band);
+    for (int r = 0; r < Renderer::band_rows && b * Renderer::band_rows + r < image.height; ++r) {
+      const auto row = band.luma.begin() + r * renderer.padded_width();
+      image.pixels.insert(image.pixels.end(), row, row + image.width);
+    }
+  }
+  return image;
+}
+
+/// How far the border's edges lie from where the geometry has them [px], positive outwards; by the sum of reflectance
+/// along lines of pixels across the edge, which for an area-correct image is exact.
+struct EdgeOffset {
+  double sum = 0;
+  int n = 0;
+};
+
+/// Image of an edge of the tag at 65 points: the lens bends it by some hundredths of a pixel.
+std::vector<Eigen::Vector2d> edge_curve(const Anchor& anchor, const BrownCamera& camera, const RigidTransform& pose,
+                                        std::size_t edge) {
+  const auto corners = tag_corners_in_plate(anchor.true_plate);
+  std::vector<Eigen::Vector2d> curve;
+  for (int k = 0; k <= 64; ++k) {
+    const Eigen::Vector3d p = corners[edge] + k / 64.0 * (corners[(edge + 1) % 4] - corners[edge]);
+    curve.push_back(*project(camera, pose * (anchor.building_from_plate * p)));
+  }
+  return curve;
+}
+
+/// Coordinate `across` of the curve where its other coordinate is `at`.
+double crossing(const std::vector<Eigen::Vector2d>& curve, int across, double at) {
+  for (std::size_t k = 0; k + 1 < curve.size(); ++k) {
+    const double a = curve[k][1 - across] - at, b = curve[k + 1][1 - across] - at;
+    if (a * b <= 0 && a != b) return curve[k][across] + a / (a - b) * (curve[k + 1][across] - curve[k][across]);
+  }
+  throw std::logic_error("the line does not meet the edge");
+}
+
+void add_edge(const PlateRaster& plate, const std::vector<Eigen::Vector2d>& curve, const Eigen::Vector2d& inside,
+              double module, EdgeOffset& offset) {
+  constexpr double white = 0.82, black = 0.05;
+  const Eigen::Vector2d along = curve.back() - curve.front();
+  const int across = std::abs(along.x()) > std::abs(along.y()) ? 1 : 0;  // the axis the sums run along
+  const int line = 1 - across;
+  const double sign = inside[across] > 0.5 * (curve.front() + curve.back())[across] ? 1 : -1;  // from white to black
+  const double from = std::min(curve.front()[line], curve.back()[line]) + 1.5 * module;
+  const double to = std::max(curve.front()[line], curve.back()[line]) - 1.5 * module;
+  for (int i = static_cast<int>(std::ceil(from)); i <= to; ++i) {
+    const double edge = crossing(curve, across, i);
+    const int reach = static_cast<int>(0.7 * module), centre = static_cast<int>(std::lround(edge));
+    double white_pixels = 0;
+    for (int k = -reach; k <= reach; ++k) {
+      const int column = (across == 0 ? centre + k : i) - plate.left, row = (across == 0 ? i : centre + k) - plate.top;
+      const double value = plate.reflectance[static_cast<std::size_t>(row * plate.width + column)];
+      white_pixels += (value - black) / (white - black);
+    }
+    const double found = sign > 0 ? centre - reach - 0.5 + white_pixels : centre + reach + 0.5 - white_pixels;
+    offset.sum += sign * (edge - found);
+    ++offset.n;
+  }
+}
+
+TEST(PlateRaster, EdgesLieWhereTheGeometrySays) {
+  for (std::uint64_t seed = 1; seed <= 2; ++seed) {
+    const Building b = make_building({.floors = 2}, seed);
+    const SimulatedCamera camera = small_camera(seed);
+    const RayGrid rays(camera.truth);
+    for (const CameraStation& s : plan_camera_stations(b, camera, {.images_per_floor = 4}, seed)) {
+      EdgeOffset all;
+      for (const VisibleTag& tag : visible_tags(b, camera.truth, s.camera_from_building)) {
+        // Sums across an edge must end within the white edge on one side and the black border on the other.
+        const double module =
+            std::min((tag.corners[0] - tag.corners[1]).norm(), (tag.corners[1] - tag.corners[2]).norm()) / 8;
+        if (module < 5) continue;
+        const PlateRaster plate = raster_plate(*tag.anchor, camera.truth, s.camera_from_building, rays, 0.6);
+        const Eigen::Vector2d middle = 0.25 * (tag.corners[0] + tag.corners[1] + tag.corners[2] + tag.corners[3]);
+        EdgeOffset one;
+        for (std::size_t i = 0; i < 4; ++i) {
+          add_edge(plate, edge_curve(*tag.anchor, camera.truth, s.camera_from_building, i), middle, module, one);
+        }
+        EXPECT_NEAR(one.sum / one.n, 0, 0.005) << s.image << " " << tag.anchor->id;
+        all.sum += one.sum, all.n += one.n;
+      }
+      EXPECT_NEAR(all.sum / all.n, 0, 0.002) << s.image;
+    }
+  }
+}
+
+TEST(PlateRaster, CoversTheAreaOfThePlate) {
+  const Building b = make_building({.floors = 1}, 1);
+  const SimulatedCamera camera = small_camera(1);
+  const RayGrid rays(camera.truth);
+  const CameraStation s = plan_camera_stations(b, camera, {}, 1)[2];
+  for (const VisibleTag& tag : visible_tags(b, camera.truth, s.camera_from_building, 60)) {
+    const PlateRaster plate = raster_plate(*tag.anchor, camera.truth, s.camera_from_building, rays, 0.6);
+    const PlateOutline o = plate_outline(tag.anchor->true_plate);
+    double area = 0, covered = 0;
+    std::array<Eigen::Vector2d, 4> corners;
+    const double x[] = {-o.half_width, o.half_width, o.half_width, -o.half_width};
+    const double y[] = {o.bottom, o.bottom, o.top, o.top};
+    for (std::size_t i = 0; i < 4; ++i) {
+      corners[i] = *project(
+          camera.truth, s.camera_from_building * (tag.anchor->building_from_plate * Eigen::Vector3d(x[i], y[i], 0)));
+    }
+    for (std::size_t i = 0; i < 4; ++i) {
+      const auto &p = corners[i], &q = corners[(i + 1) % 4];
+      area += 0.5 * std::abs(p.x() * q.y() - p.y() * q.x()) * (p.x() * q.y() > p.y() * q.x() ? 1 : -1);
+    }
+    for (const float c : plate.coverage) covered += c;
+    EXPECT_NEAR(covered / std::abs(area), 1, 1e-3) << tag.anchor->id;
+  }
+}
+
+double corner_rms(const GreyImage& image, const std::vector<VisibleTag>& truth, detect::Refinement refinement,
+                  std::size_t& found) {
+  detect::DetectorOptions options;
+  options.refinement = refinement;
+  detect::TagDetector detector(options);
+  double sum = 0;
+  int n = 0;
+  for (const auto& tag : detector.detect(image)) {
+    for (const VisibleTag& t : truth) {
+      if (t.anchor->tag_id != tag.id) continue;
+      ++found;
+      for (std::size_t i = 0; i < 4; ++i) sum += (tag.corners[i] - t.corners[i]).squaredNorm(), n += 2;
+    }
+  }
+  return std::sqrt(sum / n);
+}
+
+TEST(Renderer, DetectedCornersAgreeWithTheTruth) {
+  const Building b = make_building({.floors = 1}, 1);
+  const SimulatedCamera camera = small_camera(1);
+  const auto stations = plan_camera_stations(b, camera, {}, 1);
+  for (const std::size_t i : {0u, 3u}) {
+    const auto truth = visible_tags(b, camera.truth, stations[i].camera_from_building);
+    for (const double noise : {i == 0 ? 0.0 : 1.0}) {
+      RenderOptions options;
+      options.noise_scale = noise;
+      const GreyImage image = render(Renderer(b, camera, stations[i].camera_from_building, options));
+      std::size_t found = 0;
+      EXPECT_LT(corner_rms(image, truth, detect::Refinement::edges, found), noise > 0 ? 0.06 : 0.03)
+          << stations[i].image;
+      EXPECT_EQ(found, truth.size());
+    }
+  }
+}
+
+TEST(Renderer, NoiseIsOfTheSizeTheCameraHas) {
+  const Building b = make_building({.floors = 1}, 1);
+  SimulatedCamera camera = small_camera(1);
+  camera.profile.read_noise = 3;
+  camera.profile.shot_noise = 0.05;
+  const RigidTransform pose = plan_camera_stations(b, camera, {}, 1)[0].camera_from_building;
+  RenderOptions options;
+  const GreyImage noisy = render(Renderer(b, camera, pose, options));
+  options.noise_scale = 0;
+  const GreyImage clean = render(Renderer(b, camera, pose, options));
+  double sum = 0, sum2 = 0;
+  for (std::size_t i = 0; i < clean.pixels.size(); ++i) {
+    const double difference = (noisy.pixels[i] - clean.pixels[i]) / std::sqrt(9 + 0.05 * clean.pixels[i] + 1.0 / 6);
+    sum += difference, sum2 += difference * difference;
+  }
+  const double n = static_cast<double>(clean.pixels.size());
+  EXPECT_NEAR(sum / n, 0, 0.01);
+  EXPECT_NEAR(std::sqrt(sum2 / n), 1, 0.02);
+}
+
+TEST(Jpeg, IsReadableAndTheSameEveryTime) {
+  const Building b = make_building({.floors = 1}, 1);
+  const SimulatedCamera camera = small_camera(1);
+  const RigidTransform pose = plan_camera_stations(b, camera, {}, 1)[1].camera_from_building;
+  const Renderer renderer(b, camera, pose, {});
+  const ExifFields exif{"Maker", "Model", "2026:05:04 09:00:00", 0.024};
+  const std::string first = encode_jpeg(renderer, 93, exif);
+  EXPECT_EQ(first, encode_jpeg(Renderer(b, camera, pose, {}), 93, exif));
+  EXPECT_NE(first, encode_jpeg(Renderer(b, camera, pose, {.seed = 2}), 93, exif));
+}
+
+TEST(TagModules, RefusesIdsTheFamilyLacks) {
+  EXPECT_EQ(tag_modules(586).size(), 100u);
+  EXPECT_THROW(tag_modules(587), std::invalid_argument);
+  EXPECT_THROW(tag_modules(-1), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace plumbline::simulate
