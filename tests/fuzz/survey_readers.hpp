@@ -1,0 +1,112 @@
+// What the fuzzers of the survey readers run on every input: the reader gives sound observations or a SurveyReadError,
+// nothing else; what it gives can be written and read back. A broken promise is an abort, which both libFuzzer and the
+// replay test take for a finding.
+#pragma once
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include "formats/csv_table.hpp"
+#include "formats/gsi.hpp"
+#include "formats/jobxml.hpp"
+#include "formats/krumm.hpp"
+#include "formats/landxml.hpp"
+#include "formats/rw5.hpp"
+#include "formats/sdr33.hpp"
+#include "formats/survey_csv.hpp"
+#include "formats/survey_format.hpp"
+
+namespace plumbline::fuzz {
+
+inline void promise(bool kept, const char* what) {
+  if (kept) return;
+  std::fprintf(stderr, "broken promise: %s\n", what);
+  std::abort();
+}
+
+inline void check(const survey::SurveyObservations& s) {
+  const int set_ups = static_cast<int>(s.set_ups.size());
+  promise(s.skipped.size() <= 1000, "the list of skipped places stays short");
+  for (const survey::Observation& o : s.observations) {
+    promise(std::isfinite(o.value), "every observation has a finite value");
+    promise(o.set_up >= -1 && o.set_up < set_ups, "set-up indices exist");
+    promise(o.sigma > 0 || std::isnan(o.sigma), "standard deviations are positive or not given");
+    promise(o.face >= 0 && o.face <= 2, "faces are 0, 1 or 2");
+    promise(!std::isinf(o.target_height) && !std::isinf(o.instrument_height), "heights are finite or not given");
+  }
+  for (const survey::Point& p : s.points)
+    for (int axis = 0; axis < 3; ++axis)
+      promise(!std::isinf(p.coordinates[axis]), "coordinates are finite or not given");
+  for (const survey::LocalCoordinate& c : s.local_coordinates)
+    promise(c.set_up >= 0 && c.set_up < set_ups && c.position.allFinite(), "local coordinates are whole");
+}
+
+/// Writers may refuse (std::runtime_error); what they write has the same observations.
+inline void check_writers(const survey::SurveyObservations& s) {
+  using Write = std::string (*)(const survey::SurveyObservations&);
+  using Read = survey::SurveyObservations (*)(const std::string&);
+  const std::pair<Write, Read> formats[] = {
+      {[](const survey::SurveyObservations& x) { return survey::write_gsi(x); },
+       [](const std::string& t) { return survey::read_gsi(t, "written"); }},
+      {[](const survey::SurveyObservations& x) { return survey::write_landxml(x); },
+       [](const std::string& t) { return survey::read_landxml(t, "written"); }},
+      {[](const survey::SurveyObservations& x) { return survey::write_survey_csv(x); },
+       [](const std::string& t) { return survey::read_survey_csv(t, "written"); }}};
+  for (const auto& [write, read] : formats) {
+    std::string text;
+    try {
+      text = write(s);
+    } catch (const std::runtime_error&) {
+      continue;
+    }
+    try {
+      check(read(text));
+    } catch (const survey::SurveyReadError&) {
+      promise(s.observations.empty(), "written observations can be read");
+    }
+  }
+}
+
+template <typename Reader>
+void run_reader(std::size_t size, Reader read) {
+  survey::SurveyObservations s;
+  try {
+    s = read();
+  } catch (const survey::SurveyReadError&) {
+    return;
+  }
+  check(s);
+  // Writing and reading back takes far longer than reading: some inputs are enough.
+  if (size % 16 == 0) check_writers(s);
+}
+
+struct Target {
+  const char* name;
+  void (*run)(std::string_view bytes);
+};
+
+inline constexpr Target kTargets[] = {
+    {"gsi", [](std::string_view b) { run_reader(b.size(), [&] { return survey::read_gsi(b, "f"); }); }},
+    {"survey_csv", [](std::string_view b) { run_reader(b.size(), [&] { return survey::read_survey_csv(b, "f"); }); }},
+    {"setup_coordinates",
+     [](std::string_view b) { run_reader(b.size(), [&] { return survey::read_setup_coordinates(b, "f"); }); }},
+    {"landxml", [](std::string_view b) { run_reader(b.size(), [&] { return survey::read_landxml(b, "f"); }); }},
+    {"jobxml", [](std::string_view b) { run_reader(b.size(), [&] { return survey::read_jobxml(b, "f"); }); }},
+    {"sdr33", [](std::string_view b) { run_reader(b.size(), [&] { return survey::read_sdr33(b, "f"); }); }},
+    {"rw5", [](std::string_view b) { run_reader(b.size(), [&] { return survey::read_rw5(b, "f"); }); }},
+    {"krumm", [](std::string_view b) { run_reader(b.size(), [&] { return survey::read_krumm(b, "f"); }); }},
+    {"survey_format", [](std::string_view b) { run_reader(b.size(), [&] { return survey::read_survey(b, "f"); }); }},
+};
+
+inline const Target& target(std::string_view name) {
+  for (const Target& candidate : kTargets)
+    if (candidate.name == name) return candidate;
+  std::fprintf(stderr, "no fuzz target %.*s\n", static_cast<int>(name.size()), name.data());
+  std::abort();
+}
+
+}  // namespace plumbline::fuzz
