@@ -7,6 +7,7 @@
 #include "plumbline/node.hpp"
 #include "report/network_page.hpp"
 #include "report/report.hpp"
+#include "report/summary.hpp"
 
 namespace plumbline::report {
 
@@ -60,6 +61,20 @@ struct ReportHtml : Node {
   }
 };
 
+struct ReportSummary : Node {
+  static constexpr Info info{"report.summary", "", 1, "Writes the result of an evaluation as a few lines of text"};
+  In<Accuracy> accuracy{"accuracy", frame("frame=?F"), "the evaluation"};
+  Out<File> out{"file", "summary.txt"};
+
+  void run(Context&) override {
+    FileT file;
+    file.name = "summary.txt", file.media_type = "text/plain";
+    const std::string text = summary_text(accuracy.unpack());
+    file.content.assign(text.begin(), text.end());
+    out.commit(file);
+  }
+};
+
 }  // namespace plumbline::report
 
-PLUMBLINE_PLUGIN("report", "0.1.0", "MIT", plumbline::report::ReportHtml)
+PLUMBLINE_PLUGIN("report", "0.1.0", "MIT", plumbline::report::ReportHtml, plumbline::report::ReportSummary)

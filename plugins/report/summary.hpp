@@ -1,0 +1,14 @@
+// The result in a few lines of plain text: what a terminal shows after a run.
+#pragma once
+
+#include <string>
+
+#include "artifacts/accuracy.hpp"
+
+namespace plumbline::report {
+
+/// At most about 25 lines of at most 100 characters; lengths in mm. Comparisons in the order of the artifact, the
+/// floors of the first one, the inter-floor transfers of the first one, and the warnings.
+std::string summary_text(const AccuracyT& accuracy);
+
+}  // namespace plumbline::report
