@@ -141,7 +141,7 @@ void write_labels(Markup& svg, const Layout& layout, LabelPlacer& labels) {
       done[j] = true;
       ++others;
     }
-    const std::string more = others > 0 ? " and " + std::to_string(others) + " more" : "";
+    const std::string more = others > 0 ? " +" + std::to_string(others) : "";
     const Eigen::Vector2d& at = layout.spots[i].at;
     labels.place(svg, layout.x(at.x()), layout.y(at.y()), 12, layout.spots[i].point->id + more, "halo");
   }
@@ -164,12 +164,11 @@ void draw(Markup& html, const NetworkPage& network, const Projection& projection
     }
     write_labels(html, view, labels);
   }
-  html.element(
-      "figcaption",
-      projection.name + ": " + projection.horizontal + " to the right, " + projection.vertical +
-          " up. Ellipses: 95\u00A0% confidence, drawn ×" + fixed(view.exaggeration, 0) +
-          ". Triangles: instrument; dots: markers; rings: points that carry the datum. Labels that would overlap "
-          "are left out.");
+  html.element("figcaption", projection.name + ": " + projection.horizontal + " to the right, " + projection.vertical +
+                                 " up. Ellipses: 95\u00A0% confidence, drawn ×" + fixed(view.exaggeration, 0) +
+                                 ". Triangles: instrument; dots: markers; rings: points that carry the datum. “A1 +9” "
+                                 "stands for A1 and nine more points at the same place; labels that would overlap "
+                                 "are left out.");
 }
 
 }  // namespace

@@ -50,7 +50,7 @@ td.words{white-space:normal;text-align:left}
 tbody tr:nth-child(even){background:var(--panel)}
 thead th[data-sortable]{cursor:pointer}
 thead th[aria-sort=ascending]::after{content:" ▲";font-size:.7em}thead th[aria-sort=descending]::after{content:" ▼";font-size:.7em}
-.badge{white-space:nowrap;font-weight:600}.badge svg{vertical-align:-1px}.badge .symbol:not(.open){stroke:none}
+.badge{white-space:nowrap;font-weight:600}.badge svg{vertical-align:-1px;margin-right:5px}.badge .symbol:not(.open){stroke:none}
 .badge.pass{color:var(--pass)}.badge.undecided{color:var(--undecided)}.badge.fail{color:var(--fail)}.badge.unmeasured{color:var(--soft)}
 figure{margin:14px 0 6px}
 figure>svg,.drawing>svg{display:block;max-width:100%;height:auto}
@@ -82,7 +82,7 @@ svg .halo{paint-order:stroke;stroke:var(--bg);stroke-width:4px;stroke-linejoin:r
 details summary{cursor:pointer;color:var(--link);margin:8px 0}
 code{font-size:.86em;overflow-wrap:anywhere}
 .facts td{white-space:normal;text-align:left;overflow-wrap:anywhere}.facts th{text-align:left;vertical-align:top;width:16em}
-@media (max-width:760px){main{padding:18px 16px 48px}.cards{grid-template-columns:1fr 1fr}.pair{grid-template-columns:1fr}}
+@media screen and (max-width:760px){main{padding:18px 16px 48px}.cards{grid-template-columns:1fr 1fr}.pair{grid-template-columns:1fr}}
 @media print{
 :root{color-scheme:light;--bg:#fff;--fg:#000;--soft:#444;--line:#c8cdd2;--panel:#f5f7f9;--link:#000;
 --pass:#00664b;--pass-fill:#009e73;--undecided:#7a4f00;--undecided-fill:#e69f00;--fail:#a03400;--fail-fill:#d55e00;--blue:#0072b2;--band:#dcebf5;--band-edge:#8db8d6;--tol:#eef3ea}
@@ -91,7 +91,7 @@ body{font-size:10pt;-webkit-print-color-adjust:exact;print-color-adjust:exact}
 main{max-width:none;padding:0}nav,.slider{display:none}
 section{margin-top:20pt}h2{break-after:avoid}h3{break-after:avoid}
 figure,.card,.verdict,.warnings,tr{break-inside:avoid}thead{display:table-header-group}
-table{font-size:8pt}th,td{padding:2.5pt 4pt}.card .value{font-size:14pt}
+html{font-size:12.5px}table{font-size:7.3pt}th,td{padding:2pt 3pt}.pair{gap:10px}.pair svg .mark{font-size:14px}.card .value{font-size:14pt}
 .wide{overflow:visible}a{text-decoration:none}
 details>*{display:block}details summary{display:none}
 }

@@ -187,7 +187,7 @@ void verdict_badge(Markup& html, ToleranceVerdict verdict) {
     Scope svg(html, "svg", {{"viewBox", "0 0 12 12"}, {"width", "12"}, {"height", "12"}, {"aria-hidden", "true"}});
     verdict_symbol(html, 6, 6.4, 4.8, verdict, false);
   }
-  html.text(std::string("\u00A0") + verdict_word(verdict));
+  html.text(verdict_word(verdict));
 }
 
 }  // namespace plumbline::report
