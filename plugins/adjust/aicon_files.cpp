@@ -181,13 +181,14 @@ Index read_points(File file, PointBlock& block, Index& switched_off) {
     line.file = &file.name;
     line.require(9, "point, X, Y, Z, sigma X, Y, Z [mm], rays, 1 if it is to be used");
     BlockPoint point;
-    point.id = line.integer(0);
+    const int id = line.integer(0);
+    point.name = std::to_string(id);
     point.position = metres_per_millimetre * line.vector(1);
     if (line.integer(8) == 0) {
-      add_id(switched_off, point.id, 0, line, "point");
+      add_id(switched_off, id, 0, line, "point");
       continue;
     }
-    add_id(index, point.id, static_cast<int>(block.points.size()), line, "point");
+    add_id(index, id, static_cast<int>(block.points.size()), line, "point");
     block.points.push_back(point);
   }
   return index;

@@ -25,6 +25,16 @@ std::unique_ptr<ceres::LossFunction> make_loss(RobustLoss loss, double scale) {
   return nullptr;
 }
 
+void hold_fixed_values(ceres::Problem& problem, double* values, const std::vector<int>& columns) {
+  std::vector<int> held;
+  for (size_t i = 0; i < columns.size(); ++i)
+    if (columns[i] < 0) held.push_back(static_cast<int>(i));
+  if (held.size() == columns.size())
+    problem.SetParameterBlockConstant(values);
+  else if (!held.empty())
+    problem.SetManifold(values, new ceres::SubsetManifold(static_cast<int>(columns.size()), held));
+}
+
 /// Largest correction in units of the conditional standard deviation of its unknown.
 double largest_step(const ReducedSystem& reduced, const LinearSolution& solution) {
   double largest = 0;
@@ -136,24 +146,27 @@ BlockModel::Summary BlockModel::minimise(int max_iterations, RobustLoss loss, do
   problem_options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   problem_options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   const auto robust = make_loss(loss, scale);
+  // Ceres orders parameters by their addresses. In one array the order is ours; scattered over the heap it would change
+  // from run to run, and with it the order of summation and the last bits.
+  size_t size = 0;
+  for (const Parameter& parameter : parameters_) size += static_cast<size_t>(parameter.size());
+  std::vector<double> array(size);
+  std::vector<double*> places;
   ceres::Problem problem(problem_options);
   ceres::Solver::Options options;
   options.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
+  double* next = array.data();
   for (const Parameter& parameter : parameters_) {
-    problem.AddParameterBlock(parameter.values, parameter.size());
-    options.linear_solver_ordering->AddElementToGroup(parameter.values, parameter.camera >= 0 ? 0 : 1);
-    if (parameter.camera >= 0) continue;
-    std::vector<int> held;
-    for (size_t i = 0; i < parameter.columns.size(); ++i)
-      if (parameter.columns[i] < 0) held.push_back(static_cast<int>(i));
-    if (static_cast<int>(held.size()) == parameter.size())
-      problem.SetParameterBlockConstant(parameter.values);
-    else if (!held.empty())
-      problem.SetManifold(parameter.values, new ceres::SubsetManifold(parameter.size(), held));
+    std::copy(parameter.values, parameter.values + parameter.size(), next);
+    places.push_back(next);
+    problem.AddParameterBlock(next, parameter.size());
+    options.linear_solver_ordering->AddElementToGroup(next, parameter.camera >= 0 ? 0 : 1);
+    if (parameter.camera < 0) hold_fixed_values(problem, next, parameter.columns);
+    next += parameter.size();
   }
   for (const Term& term : terms_) {
     std::vector<double*> values;
-    for (size_t p : term.parameters) values.push_back(parameters_[p].values);
+    for (size_t p : term.parameters) values.push_back(places[p]);
     problem.AddResidualBlock(term.cost.get(), term.robust ? robust.get() : nullptr, values);
   }
   options.linear_solver_type = ceres::DENSE_SCHUR;
@@ -165,6 +178,8 @@ BlockModel::Summary BlockModel::minimise(int max_iterations, RobustLoss loss, do
   options.parameter_tolerance = 1e-12;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
+  for (size_t p = 0; p < places.size(); ++p)
+    std::copy(places[p], places[p] + parameters_[p].size(), parameters_[p].values);
   return {summary.termination_type == ceres::CONVERGENCE, static_cast<int>(summary.iterations.size()), summary.message};
 }
 

@@ -14,7 +14,8 @@ namespace plumbline::adjust {
 namespace {
 
 constexpr double rank_tolerance = 1e-12;  ///< of scaled eigenvalues; rounding leaves about 1e-15
-constexpr double undetermined_ratio = 1e5;
+constexpr double undetermined_ratio = 1000;
+constexpr double no_information = 1e-12;  ///< [1/m²]: a standard deviation of 1000 km
 
 std::string text(const Eigen::Vector3d& v, const char* format = "(%.3f, %.3f, %.3f)") {
   char buffer[96];
@@ -46,7 +47,10 @@ void split(const Eigen::MatrixXd& subspace, const Eigen::MatrixXd& rows, Eigen::
 
 std::string describe_rotation(const Eigen::Vector3d& axis, const Eigen::Vector3d& through, double extent,
                               const std::vector<NamedPoint>& fixed) {
-  const Eigen::Vector3d unit = axis.normalized();
+  Eigen::Vector3d unit = axis.normalized();
+  Eigen::Index largest = 0;
+  unit.cwiseAbs().maxCoeff(&largest);
+  if (unit(largest) < 0) unit = -unit;  // so that the two points come in an order that does not hang on rounding
   std::vector<const NamedPoint*> on_axis;
   for (const auto& point : fixed)
     if ((point.position - through).cross(unit).norm() < 0.02 * extent) on_axis.push_back(&point);
@@ -150,7 +154,7 @@ DatumAnalysis analyse_datum(const Eigen::MatrixXd& information, const std::vecto
   std::vector<int> open, weak;
   for (int i = 0; i < count; ++i) {
     const double ratio = std::sqrt(best / std::max(values(i), 1e-300));
-    if (ratio > undetermined_ratio) {
+    if (values(i) < no_information || ratio > undetermined_ratio) {
       open.push_back(i);
     } else {
       result.weakest_sigma = std::max(result.weakest_sigma, 1 / std::sqrt(values(i)));

@@ -113,7 +113,7 @@ void require_enough_observations(const PointBlock& block) {
   }
   std::vector<std::string> few;
   for (size_t i = 0; i < rays.size(); ++i)
-    if (rays[i] < 2) few.push_back(std::to_string(block.points[i].id));
+    if (rays[i] < 2) few.push_back(block.points[i].name);
   if (!few.empty())
     throw std::runtime_error("object point" + std::string(few.size() > 1 ? "s " : " ") + enumerate(few) +
                              " measured in fewer than 2 images: no position follows from that; leave the point out");
@@ -134,7 +134,7 @@ BlockModel build_model(const PointBlock& block, const PointBlockOptions& options
   std::vector<bool> is_free(SensorCamera::parameter_count, false);
   for (int i : free) is_free[static_cast<size_t>(i)] = true;
   for (size_t j = 0; j < block.points.size(); ++j) {
-    const std::string name = "point " + std::to_string(block.points[j].id);
+    const std::string name = "point " + block.points[j].name;
     model.add_kept(state.points[j].data(), {true, true, true}, {name + " x", name + " y", name + " z"});
   }
   for (size_t c = 0; c < block.cameras.size(); ++c) {
@@ -167,8 +167,7 @@ BlockModel build_model(const PointBlock& block, const PointBlockOptions& options
 
 std::vector<NamedPoint> named_points(const PointBlock& block, const std::vector<Eigen::Vector3d>& positions) {
   std::vector<NamedPoint> named;
-  for (size_t i = 0; i < positions.size(); ++i)
-    named.push_back({"point " + std::to_string(block.points[i].id), positions[i]});
+  for (size_t i = 0; i < positions.size(); ++i) named.push_back({"point " + block.points[i].name, positions[i]});
   return named;
 }
 

@@ -40,7 +40,7 @@ struct BlockImage {
 };
 
 struct BlockPoint {
-  int id = 0;
+  std::string name;
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< [m]
 };
 

@@ -87,7 +87,7 @@ Differences compare_points(const PointBlockResult& result, const Report& report)
   Eigen::Matrix3Xd ours(3, points.size()), theirs(3, points.size());
   for (size_t i = 0; i < points.size(); ++i) {
     ours.col(static_cast<Eigen::Index>(i)) = 1e3 * points[i].position;
-    theirs.col(static_cast<Eigen::Index>(i)) = report.points.at(points[i].id).position;
+    theirs.col(static_cast<Eigen::Index>(i)) = report.points.at(std::stoi(points[i].name)).position;
   }
   const Eigen::Matrix4d motion = Eigen::umeyama(ours, theirs, false);
   Differences result_of;
@@ -96,7 +96,7 @@ Differences compare_points(const PointBlockResult& result, const Report& report)
     const Eigen::Vector3d moved = motion.topLeftCorner<3, 3>() * ours.col(c) + motion.topRightCorner<3, 1>();
     const Eigen::Vector3d difference = (moved - theirs.col(c)).cwiseAbs();
     const Eigen::Vector3d sigma = 1e3 * result.point_covariance.diagonal().segment<3>(3 * c).cwiseSqrt();
-    const Eigen::Vector3d& reported = report.points.at(points[i].id).sigma;
+    const Eigen::Vector3d& reported = report.points.at(std::stoi(points[i].name)).sigma;
     result_of.largest = std::max(result_of.largest, difference.maxCoeff());
     result_of.largest_in_sigma = std::max(result_of.largest_in_sigma, difference.cwiseQuotient(reported).maxCoeff());
     result_of.sigma = std::max(result_of.sigma, (sigma - reported).cwiseAbs().maxCoeff());
@@ -114,7 +114,8 @@ class AiconBlock : public testing::Test {
     equal_weights = adjust::adjust_point_block(block, {});
     for (auto& m : block.measurements) {
       const auto& image = block.images[static_cast<size_t>(m.image)];
-      m.sigma = report.observations.at({image.id, block.points[static_cast<size_t>(m.point)].id}).sigma.x();
+      m.sigma =
+          report.observations.at({image.id, std::stoi(block.points[static_cast<size_t>(m.point)].name)}).sigma.x();
     }
     reported_weights = adjust::adjust_point_block(block, {});
   }
@@ -221,8 +222,8 @@ TEST_F(AiconBlock, ResidualsRedundancyNumbersAndTests) {
   const auto& result = reported_weights;
   for (size_t i = 0; i < result.block.measurements.size(); ++i) {
     const auto& m = result.block.measurements[i];
-    const auto& reported = report.observations.at(
-        {result.block.images[static_cast<size_t>(m.image)].id, result.block.points[static_cast<size_t>(m.point)].id});
+    const auto& reported = report.observations.at({result.block.images[static_cast<size_t>(m.image)].id,
+                                                   std::stoi(result.block.points[static_cast<size_t>(m.point)].name)});
     for (size_t k = 0; k < 2; ++k) {
       const auto& ours = result.measurement_reliability[i][k];
       const Eigen::Index e = static_cast<Eigen::Index>(k);

@@ -1,0 +1,301 @@
+#include "tag_block_artifacts.hpp"
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <set>
+#include <stdexcept>
+
+namespace plumbline::adjust {
+namespace {
+
+/// Symmetric matrix from its lower triangle, row by row; empty from nothing.
+Eigen::MatrixXd unpack_triangle(const std::vector<double>& values, Eigen::Index size, const std::string& what) {
+  if (values.empty()) return {};
+  if (values.size() != static_cast<size_t>(size * (size + 1) / 2))
+    throw std::runtime_error("the covariance of " + what + " has " + std::to_string(values.size()) +
+                             " values, expected " + std::to_string(size * (size + 1) / 2));
+  Eigen::MatrixXd matrix(size, size);
+  size_t next = 0;
+  for (Eigen::Index r = 0; r < size; ++r)
+    for (Eigen::Index c = 0; c <= r; ++c) matrix(r, c) = matrix(c, r) = values[next++];
+  return matrix;
+}
+
+template <typename Matrix>
+std::vector<double> pack_triangle(const Matrix& matrix) {
+  std::vector<double> values;
+  for (Eigen::Index r = 0; r < matrix.rows(); ++r)
+    for (Eigen::Index c = 0; c <= r; ++c) values.push_back(matrix(r, c));
+  return values;
+}
+
+bool is_check(const std::string& role) { return role == "check"; }
+
+}  // namespace
+
+TagBlockBuilder::TagBlockBuilder(CameraT camera, PlatesT plates, PosesT poses)
+    : camera_(std::move(camera)), plates_(std::move(plates)), poses_(std::move(poses)) {
+  if (camera_.parameters.size() != BrownCamera::parameter_count)
+    throw std::runtime_error("camera '" + camera_.id + "' has " + std::to_string(camera_.parameters.size()) +
+                             " parameters, expected fx, fy, cx, cy, k1, k2, k3, p1, p2");
+  block_.camera.width = camera_.width;
+  block_.camera.height = camera_.height;
+  std::array<double, BrownCamera::parameter_count> values;
+  std::copy(camera_.parameters.begin(), camera_.parameters.end(), values.begin());
+  block_.camera.set_parameters(values);
+  for (const auto& plate : plates_.plates) {
+    const auto [at, is_new] =
+        plate_of_tag_.emplace(std::make_pair(plate->tag_family, plate->tag_id), static_cast<int>(block_.plates.size()));
+    if (!is_new)
+      throw std::runtime_error("tag " + plate->tag_family + ":" + std::to_string(plate->tag_id) + " stands for both " +
+                               block_.plates[static_cast<size_t>(at->second)].anchor + " and " + plate->anchor);
+    block_.plates.push_back(
+        {plate->anchor, {plate->tag_size, plate->tag_centre_in_plate}, plate->nominal_rotation, plate->batch});
+  }
+  for (const auto& pose : poses_.poses) pose_of_image_[pose->path] = pose.get();
+}
+
+void TagBlockBuilder::set_prior(bool use_prior) {
+  constexpr int count = BrownCamera::parameter_count;
+  if (!use_prior) return;
+  block_.camera_covariance = unpack_triangle(camera_.covariance, count, "camera '" + camera_.id + "'");
+  if (block_.camera_covariance.size() == 0) block_.camera_covariance = Eigen::MatrixXd::Zero(count, count);
+}
+
+void TagBlockBuilder::add_image(const ImageTagsT& image, double corner_sigma) {
+  const int index = static_cast<int>(block_.images.size());
+  const auto pose = pose_of_image_.find(image.path);
+  block_.images.push_back(
+      {image.path, pose == pose_of_image_.end() ? std::nullopt : std::make_optional(pose->second->cam_from_world)});
+  std::map<int, int> times;
+  for (const auto& tag : image.tags) {
+    const auto plate = plate_of_tag_.find({tag->family, tag->id});
+    if (plate != plate_of_tag_.end()) ++times[plate->second];
+  }
+  for (const auto& [plate, count] : times)
+    if (count > 1)
+      warnings_.push_back("the tag of " + block_.plates[static_cast<size_t>(plate)].anchor + " occurs " +
+                          std::to_string(count) + " times in " + image.path +
+                          ": left out there, because only one can be it");
+  for (const auto& tag : image.tags) {
+    const auto plate = plate_of_tag_.find({tag->family, tag->id});
+    if (plate == plate_of_tag_.end() || times[plate->second] > 1) continue;
+    if (tag->corners.size() != 4)
+      throw std::runtime_error("a tag of " + image.path + " has " + std::to_string(tag->corners.size()) +
+                               " corners, expected 4");
+    TagObservation seen;
+    seen.image = index;
+    seen.plate = plate->second;
+    for (size_t k = 0; k < 4; ++k) {
+      seen.corners[k] = tag->corners[k];
+      seen.covariances[k] = corner_sigma * corner_sigma * Eigen::Matrix2d::Identity();
+      if (tag->corner_covariances.size() != 12) continue;
+      const double* c = &tag->corner_covariances[3 * k];
+      // What is not positive definite cannot weight anything; the detector's other corners keep theirs.
+      if (c[0] > 0 && c[0] * c[2] - c[1] * c[1] > 0) seen.covariances[k] << c[0], c[1], c[1], c[2];
+    }
+    block_.observations.push_back(seen);
+  }
+}
+
+void TagBlockBuilder::set_control(const PointsT& points) {
+  // Survey networks may hold points as exact, or have a singular covariance of a free network: a hundredth of a
+  // millimetre on top keeps the weights finite and is far below what any survey reaches.
+  constexpr double floor = 1e-5;
+  const Eigen::Index size = 3 * static_cast<Eigen::Index>(points.points.size());
+  Eigen::MatrixXd covariance = unpack_triangle(points.covariance, size, "the control points");
+  if (covariance.size() == 0) {
+    covariance = Eigen::MatrixXd::Zero(size, size);
+    for (size_t i = 0; i < points.points.size(); ++i)
+      covariance.diagonal().segment<3>(3 * static_cast<Eigen::Index>(i)) = points.points[i]->sigma.cwiseAbs2();
+  }
+  std::map<std::string, int> plate_of_anchor;
+  for (size_t j = 0; j < plates_.plates.size(); ++j)
+    if (!is_check(plates_.plates[j]->role)) plate_of_anchor[plates_.plates[j]->anchor] = static_cast<int>(j);
+  std::vector<int> rows;
+  std::vector<double> positions;
+  for (size_t i = 0; i < points.points.size(); ++i) {
+    const PointT& point = *points.points[i];
+    const auto plate = plate_of_anchor.find(point.id);
+    if (plate == plate_of_anchor.end() || is_check(point.role)) continue;
+    const Eigen::Index at = 3 * static_cast<Eigen::Index>(i);
+    if (!point.position.allFinite() || !covariance.diagonal().segment<3>(at).allFinite()) {
+      warnings_.push_back("control point " + point.id +
+                          " has no coordinates or no standard deviation in x, y or z: not used as control");
+      continue;
+    }
+    block_.control.plates.push_back(plate->second);
+    for (int c = 0; c < 3; ++c) {
+      rows.push_back(static_cast<int>(at) + c);
+      positions.push_back(point.position(c));
+    }
+  }
+  block_.control.position =
+      Eigen::Map<const Eigen::VectorXd>(positions.data(), static_cast<Eigen::Index>(positions.size()));
+  block_.control.covariance = covariance(rows, rows);
+  block_.control.covariance.diagonal().array() += floor * floor;
+}
+
+std::unique_ptr<StatisticsT> TagBlockBuilder::statistics(const TagBlockResult& result) const {
+  auto s = std::make_unique<StatisticsT>();
+  s->sigma0 = result.sigma0;
+  s->degrees_of_freedom = result.degrees_of_freedom;
+  s->weighted_sum_of_squares = result.weighted_sum_of_squares;
+  s->observations = result.observations;
+  s->unknowns = result.unknowns;
+  s->datum_defect = result.datum_defect;
+  return s;
+}
+
+PointsT TagBlockBuilder::points(const TagBlockResult& result) const {
+  PointsT points;
+  for (size_t j = 0; j < result.plates.size(); ++j) {
+    const PlateT& plate = *plates_.plates[static_cast<size_t>(result.plates[j])];
+    const Eigen::Index at = 3 * static_cast<Eigen::Index>(j);
+    auto entry = std::make_unique<PointT>();
+    entry->id = plate.anchor;
+    entry->position = result.anchors.segment<3>(at);
+    entry->sigma = result.anchor_covariance.diagonal().segment<3>(at).cwiseSqrt();
+    entry->role = plate.role;
+    points.points.push_back(std::move(entry));
+  }
+  points.covariance = pack_triangle(result.anchor_covariance);
+  points.statistics = statistics(result);
+  return points;
+}
+
+CameraT TagBlockBuilder::camera(const TagBlockResult& result) const {
+  CameraT adjusted = camera_;
+  const auto values = result.camera.parameters();
+  adjusted.parameters.assign(values.begin(), values.end());
+  if (result.camera_covariance.diagonal().maxCoeff() > 0) {
+    adjusted.covariance = pack_triangle(result.camera_covariance);
+    adjusted.source = "self-calibration";
+  }
+  return adjusted;
+}
+
+PosesT TagBlockBuilder::poses(const TagBlockResult& result) const {
+  PosesT poses;
+  std::vector<double> squares(block_.images.size());
+  std::vector<int> corners(block_.images.size()), offered(block_.images.size());
+  for (const auto& seen : block_.observations) offered[static_cast<size_t>(seen.image)] += 4;
+  for (const auto& tag : result.tags) {
+    const size_t image = static_cast<size_t>(block_.observations[static_cast<size_t>(tag.observation)].image);
+    squares[image] += 8 * tag.rms * tag.rms;
+    corners[image] += 4;
+  }
+  for (size_t i = 0; i < block_.images.size(); ++i) {
+    if (!result.cam_from_world[i]) continue;
+    auto entry = std::make_unique<PoseT>();
+    entry->path = block_.images[i].name;
+    entry->cam_from_world = *result.cam_from_world[i];
+    entry->covariance = pack_triangle(result.pose_covariance[i]);
+    entry->inliers = corners[i];
+    entry->correspondences = offered[i];
+    entry->rms = std::sqrt(squares[i] / std::max(1, 2 * corners[i]));
+    poses.poses.push_back(std::move(entry));
+  }
+  return poses;
+}
+
+void TagBlockBuilder::describe_images(const TagBlockResult& result, BlockT& artifact) const {
+  std::map<int, BlockImageT> images;
+  for (const auto& tag : result.tags) {
+    BlockImageT& image = images[block_.observations[static_cast<size_t>(tag.observation)].image];
+    if (image.tags == 0)
+      image.largest_w = image.rms = image.largest_minimal_detectable_error = 0, image.smallest_redundancy_number = 1;
+    ++image.tags;
+    image.rms += tag.rms * tag.rms;
+    image.largest_w = std::max(image.largest_w, tag.largest_normalised);
+    image.smallest_redundancy_number = std::min(image.smallest_redundancy_number, tag.smallest_redundancy);
+    image.largest_minimal_detectable_error =
+        std::max(image.largest_minimal_detectable_error, tag.largest_detectable_error);
+  }
+  for (auto& [index, image] : images) {
+    image.path = block_.images[static_cast<size_t>(index)].name;
+    image.rms = std::sqrt(image.rms / image.tags);
+    artifact.images.push_back(std::make_unique<BlockImageT>(image));
+  }
+}
+
+void TagBlockBuilder::describe_interior(const TagBlockResult& result, BlockT& artifact) const {
+  const auto values = result.camera.parameters();
+  std::vector<int> estimated;
+  for (int i = 0; i < BrownCamera::parameter_count; ++i) {
+    auto parameter = std::make_unique<InteriorParameterT>();
+    parameter->name = BrownCamera::parameter_names[static_cast<size_t>(i)];
+    parameter->value = values[static_cast<size_t>(i)];
+    parameter->sigma = std::sqrt(result.camera_covariance(i, i));
+    parameter->estimated = parameter->sigma > 0;
+    if (parameter->estimated) estimated.push_back(i);
+    artifact.interior_orientation.push_back(std::move(parameter));
+  }
+  const Eigen::MatrixXd covariance = result.camera_covariance(estimated, estimated);
+  const Eigen::VectorXd scale = covariance.diagonal().cwiseSqrt().cwiseInverse();
+  artifact.interior_correlations = pack_triangle(Eigen::MatrixXd(scale.asDiagonal() * covariance * scale.asDiagonal()));
+}
+
+BlockT TagBlockBuilder::describe(const TagBlockResult& result, const TagBlockOptions& options) const {
+  BlockT artifact;
+  const bool by_lambda = options.weighting == TagBlockOptions::Weighting::lambda;
+  artifact.datum = options.free_network ? "free" : "control";
+  artifact.weighting = by_lambda ? "lambda" : "covariance";
+  if (by_lambda) artifact.lambda = options.lambda;
+  artifact.statistics = statistics(result);
+  artifact.image_variance_factor = result.image_variance_factor;
+  for (const auto& group : result.groups) {
+    auto entry = std::make_unique<BlockGroupT>();
+    entry->name = group.name;
+    entry->observations = group.observations;
+    entry->weighted_sum_of_squares = group.weighted_sum_of_squares;
+    entry->redundancy = group.redundancy;
+    if (group.redundancy > 1e-6) entry->variance_factor = group.variance_factor();
+    artifact.groups.push_back(std::move(entry));
+  }
+  describe_interior(result, artifact);
+  for (const auto& batch : result.batches) {
+    auto entry = std::make_unique<BlockBatchT>();
+    entry->name = batch.name;
+    entry->tag_scale = batch.scale;
+    entry->tag_scale_sigma = batch.scale_sigma;
+    entry->corner_inset = batch.inset;
+    entry->corner_inset_sigma = batch.inset_sigma;
+    artifact.batches.push_back(std::move(entry));
+  }
+  for (const auto& control : result.control) {
+    auto entry = std::make_unique<BlockControlT>();
+    entry->anchor = block_.plates[static_cast<size_t>(control.plate)].anchor;
+    for (size_t c = 0; c < 3; ++c) {
+      auto coordinate = std::make_unique<ControlCoordinateT>();
+      coordinate->residual = control.coordinates[c].residual;
+      coordinate->redundancy_number = control.coordinates[c].redundancy_number;
+      coordinate->w = control.coordinates[c].normalised_residual;
+      coordinate->minimal_detectable_error = control.coordinates[c].minimal_detectable_error;
+      coordinate->effect_on_height = control.effect_on_height[c];
+      entry->coordinates.push_back(std::move(coordinate));
+    }
+    artifact.control.push_back(std::move(entry));
+  }
+  describe_images(result, artifact);
+  for (size_t j = 0; j < result.plates.size(); ++j) {
+    auto entry = std::make_unique<BlockAnchorT>();
+    entry->anchor = block_.plates[static_cast<size_t>(result.plates[j])].anchor;
+    entry->images = result.images_per_plate[j];
+    entry->rotation = result.world_from_plate[j];
+    artifact.anchors.push_back(std::move(entry));
+  }
+  for (int o : result.rejected) {
+    const TagObservation& seen = block_.observations[static_cast<size_t>(o)];
+    auto entry = std::make_unique<BlockRejectionT>();
+    entry->path = block_.images[static_cast<size_t>(seen.image)].name;
+    entry->anchor = block_.plates[static_cast<size_t>(seen.plate)].anchor;
+    artifact.rejected.push_back(std::move(entry));
+  }
+  artifact.left_out = result.left_out;
+  artifact.weak_datum = result.weak_datum;
+  if (!options.free_network) artifact.weakest_datum_sigma = result.weakest_datum_sigma;
+  return artifact;
+}
+
+}  // namespace plumbline::adjust

@@ -1,0 +1,287 @@
+#include <gtest/gtest.h>
+
+#include "geometry/statistics.hpp"
+#include "synthetic_block.hpp"
+
+namespace {
+
+using namespace plumbline;
+using adjust::TagBlockOptions;
+using adjust::TagBlockResult;
+using test::SyntheticBlock;
+
+double largest_error(const SyntheticBlock& synthetic, const TagBlockResult& result) {
+  double largest = 0;
+  for (size_t j = 0; j < result.plates.size(); ++j)
+    largest = std::max(
+        largest, (result.anchors.segment<3>(3 * j) - synthetic.anchors[static_cast<size_t>(result.plates[j])]).norm());
+  return largest;
+}
+
+TEST(TagBlock, RecoversTruthWithoutNoise) {
+  const auto synthetic = test::make_block({.noise = false});
+  const auto result = adjust::adjust_tag_block(synthetic.block, test::bound_options());
+  EXPECT_LT(largest_error(synthetic, result), 1e-8);
+  EXPECT_NEAR(result.camera.fx, synthetic.camera.fx, 1e-4);
+  EXPECT_NEAR(result.camera.cy, synthetic.camera.cy, 1e-4);
+  EXPECT_NEAR(result.camera.k1, synthetic.camera.k1, 1e-8);
+  EXPECT_NEAR(result.batches[0].scale, 1, 1e-8);
+  EXPECT_LT(result.weighted_sum_of_squares, 1e-6);
+  for (size_t i = 0; i < synthetic.cam_from_world.size(); ++i) {
+    ASSERT_TRUE(result.cam_from_world[i]);
+    EXPECT_LT((result.cam_from_world[i]->translation - synthetic.cam_from_world[i].translation).norm(), 1e-6);
+    EXPECT_LT(result.cam_from_world[i]->rotation.angularDistance(synthetic.cam_from_world[i].rotation), 1e-7);
+  }
+  EXPECT_TRUE(result.left_out.empty());
+  EXPECT_TRUE(result.weak_datum.empty());
+}
+
+TEST(TagBlock, CountsAndRedundancyAddUp) {
+  const auto synthetic = test::make_block({.floors = 1});
+  const auto result = adjust::adjust_tag_block(synthetic.block, test::bound_options());
+  const int tags = static_cast<int>(synthetic.block.observations.size());
+  EXPECT_EQ(result.observations, 8 * tags + 3 * 8 + 1);  // corners, control, aspect condition
+  EXPECT_EQ(result.unknowns, 6 * 16 + 6 * 11 + 8 + 1);   // poses, plates, interior orientation, tag scale
+  EXPECT_EQ(result.degrees_of_freedom, result.observations - result.unknowns);
+  double redundancy = 0;
+  for (const auto& group : result.groups) redundancy += group.redundancy;
+  EXPECT_NEAR(redundancy, result.degrees_of_freedom, 1e-6);
+  EXPECT_EQ(result.tags.size(), synthetic.block.observations.size());
+  ASSERT_EQ(result.control.size(), 8u);
+  for (const auto& control : result.control)
+    for (size_t c = 0; c < 3; ++c) {
+      EXPECT_GT(control.coordinates[c].redundancy_number, 0.3);
+      EXPECT_NEAR(control.coordinates[c].minimal_detectable_error,
+                  4.13 * 0.001 / std::sqrt(control.coordinates[c].redundancy_number), 1e-6);
+      EXPECT_GT(control.effect_on_height[2], 0);
+      EXPECT_LT(control.effect_on_height[c], control.coordinates[c].minimal_detectable_error);
+    }
+}
+
+/// The whole block in another frame: far away, turned about an oblique axis.
+TEST(TagBlock, EquivariantUnderAChangeOfFrame) {
+  const auto synthetic = test::make_block({.floors = 1});
+  const RigidTransform other_from_world{quaternion_from_rotation_vector({0.3, -0.5, 2.1}),
+                                        {512345.6, 5412345.7, 432.1}};
+  const Eigen::Matrix3d turn = other_from_world.rotation.toRotationMatrix();
+  auto moved = synthetic.block;
+  for (auto& image : moved.images) image.cam_from_world = *image.cam_from_world * other_from_world.inverse();
+  for (auto& plate : moved.plates) plate.nominal_rotation = other_from_world.rotation * plate.nominal_rotation;
+  // Anisotropic control, so that a covariance that is not turned along is noticed.
+  auto block = synthetic.block;
+  for (Eigen::Index i = 2; i < block.control.position.size(); i += 3) block.control.covariance(i, i) *= 4;
+  for (size_t k = 0; k < block.control.plates.size(); ++k) {
+    moved.control.position.segment<3>(3 * k) = other_from_world * block.control.position.segment<3>(3 * k);
+    moved.control.covariance.block<3, 3>(3 * k, 3 * k) =
+        turn * block.control.covariance.block<3, 3>(3 * k, 3 * k) * turn.transpose();
+  }
+  const auto here = adjust::adjust_tag_block(block, test::bound_options());
+  const auto there = adjust::adjust_tag_block(moved, test::bound_options());
+  EXPECT_NEAR(here.weighted_sum_of_squares, there.weighted_sum_of_squares, 1e-4);
+  for (size_t j = 0; j < here.plates.size(); ++j) {
+    const Eigen::Vector3d p = here.anchors.segment<3>(3 * j), q = there.anchors.segment<3>(3 * j);
+    EXPECT_LT((other_from_world * p - q).norm(), 1e-8);
+    const Eigen::Matrix3d expected = turn * here.anchor_covariance.block<3, 3>(3 * j, 3 * j) * turn.transpose();
+    const Eigen::Matrix3d difference = expected - there.anchor_covariance.block<3, 3>(3 * j, 3 * j);
+    EXPECT_LT(difference.norm(), 1e-5 * expected.norm());
+  }
+}
+
+/// (5) as printed, of the solution's image and control residuals.
+double equation_5(const SyntheticBlock& synthetic, const TagBlockResult& result, double lambda,
+                  const Eigen::VectorXd& anchors) {
+  double sum = 0;
+  for (const auto& seen : synthetic.block.observations) {
+    const size_t j = static_cast<size_t>(test::row_of_plate(result, seen.plate) / 3);
+    MarkerPlate plate = synthetic.block.plates[static_cast<size_t>(seen.plate)].plate;
+    plate.tag_size *= result.batches[0].scale;
+    const auto corners = tag_corners_in_plate(plate);
+    for (size_t k = 0; k < 4; ++k) {
+      const Eigen::Vector3d corner = anchors.segment<3>(3 * j) + result.world_from_plate[j] * corners[k];
+      sum +=
+          (seen.corners[k] - *project(result.camera, *result.cam_from_world[static_cast<size_t>(seen.image)] * corner))
+              .squaredNorm();
+    }
+  }
+  for (size_t k = 0; k < synthetic.block.control.plates.size(); ++k) {
+    const Eigen::Index row = test::row_of_plate(result, synthetic.block.control.plates[k]);
+    sum += lambda * (anchors.segment<3>(row) - synthetic.block.control.position.segment<3>(3 * k)).squaredNorm();
+  }
+  return sum;
+}
+
+TEST(TagBlock, LambdaEqualsCovarianceForIsotropicNoise) {
+  const auto synthetic = test::make_block({.floors = 1, .corner_sigma = 0.2, .survey_sigma = 0.001});
+  TagBlockOptions by_covariance = test::bound_options(), by_lambda = by_covariance;
+  by_lambda.weighting = TagBlockOptions::Weighting::lambda;
+  by_lambda.lambda = std::pow(0.2 / 0.001, 2);  // (σ_px / σ_S)²
+  by_lambda.corner_sigma = 0.2;
+  const auto a = adjust::adjust_tag_block(synthetic.block, by_covariance);
+  const auto b = adjust::adjust_tag_block(synthetic.block, by_lambda);
+  EXPECT_LT((a.anchors - b.anchors).norm(), 1e-9);
+  EXPECT_LT((a.anchor_covariance - b.anchor_covariance).norm(), 1e-6 * a.anchor_covariance.norm());
+  // And it is the minimum of the formula: the slope along every anchor coordinate vanishes, the curvature does not.
+  constexpr double step = 1e-5;
+  const double at_minimum = equation_5(synthetic, b, by_lambda.lambda, b.anchors);
+  for (Eigen::Index i = 0; i < b.anchors.size(); ++i) {
+    Eigen::VectorXd up = b.anchors, down = b.anchors;
+    up(i) += step;
+    down(i) -= step;
+    const double above = equation_5(synthetic, b, by_lambda.lambda, up),
+                 below = equation_5(synthetic, b, by_lambda.lambda, down);
+    EXPECT_GT(above + below - 2 * at_minimum, 0);
+    EXPECT_LT(std::abs(above - below), 1e-3 * (above + below - 2 * at_minimum)) << i;
+  }
+}
+
+TEST(TagBlock, LambdaOfOneIgnoresControl) {
+  auto synthetic = test::make_block({.floors = 1, .noise = false});
+  synthetic.block.control.position(2) += 0.01;
+  TagBlockOptions options = test::bound_options();
+  options.weighting = TagBlockOptions::Weighting::lambda;
+  for (double lambda : {1.0, 1e11}) {
+    options.lambda = lambda;
+    const auto result = adjust::adjust_tag_block(synthetic.block, options);
+    const double pulled = result.control[0].coordinates[2].residual;  // adjusted minus survey
+    if (lambda == 1)
+      EXPECT_LT(pulled, -0.005);
+    else
+      EXPECT_GT(pulled, -0.001);
+  }
+}
+
+TEST(TagBlock, PredictedCovarianceCoversTheErrors) {
+  constexpr int trials = 40;
+  double chi_squared = 0, sum_of_squares = 0;
+  int dimension = 0, freedom = 0;
+  for (int trial = 0; trial < trials; ++trial) {
+    const auto synthetic = test::make_block({.floors = 1, .seed = 100 + static_cast<uint64_t>(trial)});
+    const auto result = adjust::adjust_tag_block(synthetic.block, test::bound_options());
+    std::vector<int> rows;
+    for (int plate : synthetic.check)
+      for (int c = 0; c < 3; ++c) rows.push_back(static_cast<int>(test::row_of_plate(result, plate)) + c);
+    Eigen::VectorXd error(rows.size());
+    for (size_t i = 0; i < rows.size(); ++i)
+      error(static_cast<Eigen::Index>(i)) =
+          result.anchors(rows[i]) -
+          synthetic.anchors[static_cast<size_t>(synthetic.check[i / 3])](static_cast<int>(i % 3));
+    chi_squared += error.dot(result.anchor_covariance(rows, rows).llt().solve(error));
+    dimension += static_cast<int>(rows.size());
+    sum_of_squares += result.weighted_sum_of_squares;
+    freedom += result.degrees_of_freedom;
+  }
+  EXPECT_GT(chi_squared, chi_squared_quantile(0.005, dimension));
+  EXPECT_LT(chi_squared, chi_squared_quantile(0.995, dimension));
+  EXPECT_GT(sum_of_squares, chi_squared_quantile(0.005, freedom));
+  EXPECT_LT(sum_of_squares, chi_squared_quantile(0.995, freedom));
+}
+
+TEST(TagBlock, VarianceComponentOfTheImagesIsFound) {
+  auto synthetic = test::make_block({.floors = 1, .corner_sigma = 0.2});
+  for (auto& seen : synthetic.block.observations)
+    for (auto& covariance : seen.covariances) covariance /= 9;  // the detector claims a third of its standard deviation
+  auto options = test::bound_options();
+  options.estimate_image_variance = true;
+  const auto result = adjust::adjust_tag_block(synthetic.block, options);
+  EXPECT_NEAR(result.image_variance_factor, 9, 0.9);
+  EXPECT_NEAR(result.sigma0, 1, 0.02);
+}
+
+TEST(TagBlock, TagScaleAndInsetAreSeparated) {
+  auto synthetic = test::make_block({.floors = 1, .corner_sigma = 0.05, .noise = false});
+  const double printed = 1.0005, inset = 0.125;
+  for (auto& seen : synthetic.block.observations) {
+    const size_t i = static_cast<size_t>(seen.image), j = static_cast<size_t>(seen.plate);
+    MarkerPlate plate = synthetic.block.plates[j].plate;
+    plate.tag_size *= printed;
+    const auto corners = tag_corners_in_plate(plate);
+    for (size_t k = 0; k < 4; ++k)
+      seen.corners[k] =
+          *project(synthetic.camera,
+                   synthetic.cam_from_world[i] * (synthetic.anchors[j] + synthetic.world_from_plate[j] * corners[k]));
+    // Draw every edge inwards: intersect neighbouring edges moved along their normals.
+    const auto sharp = seen.corners;
+    for (size_t k = 0; k < 4; ++k) {
+      const Eigen::Vector2d next = (sharp[(k + 1) % 4] - sharp[k]).normalized(),
+                            back = (sharp[(k + 3) % 4] - sharp[k]).normalized();
+      const auto normal = [](const Eigen::Vector2d& edge, const Eigen::Vector2d& inside) -> Eigen::Vector2d {
+        const Eigen::Vector2d n(-edge.y(), edge.x());
+        return n.dot(inside) > 0 ? n : Eigen::Vector2d(-n);
+      };
+      Eigen::Matrix2d lines;
+      lines << normal(next, back).transpose(), normal(back, next).transpose();
+      seen.corners[k] = sharp[k] + lines.inverse() * Eigen::Vector2d(inset, inset);
+    }
+  }
+  auto options = test::bound_options();
+  options.corner_inset_sigma = 10;
+  const auto result = adjust::adjust_tag_block(synthetic.block, options);
+  EXPECT_NEAR(result.batches[0].scale, printed, 2e-6);
+  EXPECT_NEAR(result.batches[0].inset, inset, 1e-3);
+  EXPECT_LT(largest_error(synthetic, result), 1e-5);
+}
+
+TEST(TagBlock, BlundersAreNamedAndLeftOut) {
+  auto synthetic = test::make_block({.floors = 1});
+  auto options = test::bound_options();
+  options.loss = adjust::RobustLoss::huber;
+  const auto clean = adjust::adjust_tag_block(synthetic.block, options);
+  EXPECT_TRUE(clean.rejected.empty());
+  synthetic.block.observations[7].corners[2] += Eigen::Vector2d(15, -10);
+  std::swap(synthetic.block.observations[40].corners[0], synthetic.block.observations[40].corners[1]);
+  for (auto loss : {adjust::RobustLoss::huber, adjust::RobustLoss::cauchy, adjust::RobustLoss::tukey}) {
+    options.loss = loss;
+    const auto result = adjust::adjust_tag_block(synthetic.block, options);
+    EXPECT_EQ(result.rejected, (std::vector<int>{7, 40}));
+    EXPECT_LT((result.anchors - clean.anchors).cwiseAbs().maxCoeff(), 2e-4);
+  }
+}
+
+TEST(TagBlock, ImagesWithoutPoseAreOrientedFromTheirNeighbours) {
+  auto synthetic = test::make_block({.floors = 2});
+  const auto all = adjust::adjust_tag_block(synthetic.block, test::bound_options());
+  for (size_t i = 0; i < synthetic.block.images.size(); ++i)
+    if (i % 16 > 2) synthetic.block.images[i].cam_from_world.reset();
+  for (size_t i = 16; i < 32; ++i) synthetic.block.images[i].cam_from_world.reset();  // the whole upper floor
+  const auto some = adjust::adjust_tag_block(synthetic.block, test::bound_options());
+  EXPECT_LT((all.anchors - some.anchors).cwiseAbs().maxCoeff(), 1e-8);
+}
+
+TEST(TagBlock, FreeNetworkHasTheFigureOfTheImagesAndNoDatum) {
+  auto synthetic = test::make_block({.floors = 1});
+  auto options = test::bound_options();
+  options.free_network = true;
+  for (double sigma : {1e-3, std::numeric_limits<double>::infinity()}) {
+    options.tag_scale_sigma = sigma;
+    const auto result = adjust::adjust_tag_block(synthetic.block, options);
+    const int defect = std::isinf(sigma) ? 7 : 6;
+    EXPECT_EQ(result.datum_defect, defect);
+    double redundancy = 0;
+    for (const auto& group : result.groups) redundancy += group.redundancy;
+    EXPECT_NEAR(redundancy, result.degrees_of_freedom, 1e-6);
+    // Inner constraints: the anchors' common translation has no variance.
+    Eigen::MatrixXd mean = Eigen::MatrixXd::Zero(result.anchors.size(), 3);
+    for (Eigen::Index i = 0; i < mean.rows(); ++i) mean(i, i % 3) = 1.0 / static_cast<double>(result.plates.size());
+    EXPECT_LT((mean.transpose() * result.anchor_covariance * mean).norm(), 1e-6 * result.anchor_covariance.trace());
+    // Distances within the figure are right to a few tenths of a millimetre (and the prior of the scale).
+    const Eigen::Vector3d a = result.anchors.head<3>(), b = result.anchors.segment<3>(18);
+    const double truth = (synthetic.anchors[0] - synthetic.anchors[6]).norm();
+    EXPECT_NEAR((a - b).norm() / truth, 1, std::isinf(sigma) ? 0.01 : 0.003);
+  }
+}
+
+TEST(TagBlock, SameInputGivesTheSameBits) {
+  const auto synthetic = test::make_block({.floors = 1});
+  const auto first = adjust::adjust_tag_block(synthetic.block, {});
+  std::vector<std::vector<char>> litter;  // moves the heap, so that nothing may hang on addresses
+  for (size_t i = 1; i < 6; ++i) {
+    for (size_t k = 0; k < 200; ++k) litter.emplace_back((i * 7919 + k * 104729) % 3000);
+    for (size_t k = 0; k < litter.size(); k += 3) litter[k] = {};
+    const auto copy = std::make_unique<adjust::TagBlock>(synthetic.block);
+    const auto again = adjust::adjust_tag_block(*copy, {});
+    EXPECT_TRUE((first.anchors.array() == again.anchors.array()).all());
+    EXPECT_TRUE((first.anchor_covariance.array() == again.anchor_covariance.array()).all());
+  }
+}
+
+}  // namespace
