@@ -1,0 +1,82 @@
+// Parts of approximate.cpp: sights as one figure per set-up, and plane geometry on them.
+#pragma once
+
+#include <Eigen/Core>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "formats/survey_observations.hpp"
+#include "mean_observations.hpp"
+
+namespace plumbline::survey {
+
+/// What one set-up saw of one target; NaN where it did not.
+struct PolarSight {
+  std::string to;
+  double direction = kNotGiven;   ///< [rad]
+  double horizontal = kNotGiven;  ///< [m]
+  double slope = kNotGiven;       ///< [m]
+  double zenith = kNotGiven;      ///< [rad]
+  double heights = 0;             ///< instrument height - target height [m]
+  double height_difference =
+      kNotGiven;  ///< H(to) - H(station) between the points [m], where it follows from the sight alone
+};
+
+/// All sights of one set-up, or of one chain of angles with a common arm.
+struct Figure {
+  int set_up = -1;
+  std::string station;
+  bool oriented_to_north = false;  ///< azimuths: the circle's zero is north
+  std::vector<PolarSight> sights;
+
+  PolarSight& sight_to(const std::string& target);
+};
+
+/// Single lines between points that belong to no figure.
+struct HeightDifference {
+  std::string from, to;
+  double value = 0;
+};
+struct DistanceLine {
+  std::string from, to;
+  double horizontal = kNotGiven, slope = kNotGiven, heights = 0;
+};
+
+struct Figures {
+  std::vector<Figure> figures;
+  std::vector<HeightDifference> height_differences;
+  std::vector<DistanceLine> distances;
+};
+
+Figures make_figures(const SurveyObservations& survey, const std::vector<MeanObservation>& observations);
+
+/// Plane rigid motion that brings `from` onto `to`: azimuth += rotation (clockwise).
+struct PlaneMotion {
+  double rotation = 0;
+  Eigen::Vector2d translation = Eigen::Vector2d::Zero();
+  double rms = 0;
+  Eigen::Vector2d operator()(const Eigen::Vector2d& p) const;
+};
+/// Needs >= 2 pairs that do not coincide; nullopt otherwise. Closed form (Horn 1987 in the plane), no scale.
+std::optional<PlaneMotion> fit_plane(const std::vector<Eigen::Vector2d>& from, const std::vector<Eigen::Vector2d>& to);
+
+/// Lines on which an unknown point lies: a ray from a known point, or a circle about one.
+struct Locus {
+  Eigen::Vector2d origin;
+  double azimuth = kNotGiven;  ///< ray if not NaN
+  double radius = kNotGiven;   ///< circle otherwise
+  double misfit(const Eigen::Vector2d& p) const;
+};
+/// 0, 1 or 2 points.
+std::vector<Eigen::Vector2d> intersect(const Locus& a, const Locus& b);
+/// Best point of all pairwise intersections: the one all loci agree with best. nullopt if no pair meets, or if two
+/// points agree equally (two circles) and `accept_ambiguous` is false.
+std::optional<Eigen::Vector2d> best_intersection(const std::vector<Locus>& loci, bool accept_ambiguous);
+/// Station from directions (clockwise) to three known points; nullopt on the danger circle. Pierlot and Van
+/// Droogenbroeck (2014).
+std::optional<Eigen::Vector2d> resection(const Eigen::Vector2d known[3], const double directions[3]);
+
+}  // namespace plumbline::survey
