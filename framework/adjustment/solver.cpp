@@ -82,7 +82,12 @@ bool iterate(Problem& problem, Solution& s, double& damping, const SolverOptions
     if (!step && damping == 0 && s.sums_of_squares.size() > 1)
       throw RankDefect("the system became singular during the iterations", Eigen::MatrixXd(s.unknowns.count(), 0));
     if (step) {
+      const bool quadratic = step->length < 1e-2 * s.last_step;
       s.last_step = step->length;
+      if (damping == 0 && quadratic && step->length < options.negligible_step) {
+        s.converged = true;
+        return false;
+      }
       double rise = 0;
       const bool taken = try_step(problem, s, *step, rise);
       // Near the minimum the sum changes by less than its own rounding (each residual is known to about 1e-16 of the

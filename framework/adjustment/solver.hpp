@@ -16,6 +16,9 @@ struct SolverOptions {
   int max_iterations = 100;
   /// Stop when |J dx| (the step in standard deviations of the observations) falls below this.
   double step_tolerance = 1e-7;
+  /// With quadratic convergence a step below this is not taken any more: residuals, Jacobians and covariance then
+  /// belong to one linearisation without another evaluation. 0: every step down to step_tolerance is taken.
+  double negligible_step = 0;
   double rank_tolerance = 1e-9;  ///< eigenvalues of the scaled normal matrix below this are a defect
 };
 

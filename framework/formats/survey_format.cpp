@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "formats/csv_table.hpp"
+#include "formats/gama.hpp"
 #include "formats/gsi.hpp"
 #include "formats/gsi_words.hpp"
 #include "formats/jobxml.hpp"
@@ -172,7 +173,7 @@ SurveyObservations read_survey(std::string_view bytes, const std::string& file) 
       case SurveyFormat::csv:
         return read_survey_csv(bytes, file);
       case SurveyFormat::gama_xml:
-        break;
+        return read_gama_xml(bytes, file);
     }
   }
   const formats::DecodedText decoded = formats::decode_text(bytes.substr(0, kBeginning));

@@ -46,6 +46,7 @@ class Adjuster {
     NetworkProblem problem = make_problem(m_, options_, state_);
     adjustment::SolverOptions solver;
     solver.datum_unknowns = datum_unknowns(m_, problem);
+    solver.negligible_step = 3e-5;  // of a standard deviation: below a tenth of a micrometre in any real network
     try {
       Solution solution = adjustment::solve(problem.problem, solver);
       if (!solution.converged) fail_to_converge(problem, solution);

@@ -3,6 +3,7 @@
 // points both have.
 #include "approximate.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <functional>

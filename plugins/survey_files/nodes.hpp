@@ -55,6 +55,11 @@ struct ReadRw5 : ReaderNode {
   void run(Context& context) override;
 };
 
+struct ReadGama : ReaderNode {
+  static constexpr Info info{"read.gama", "survey_reader", 1, "Reads the XML networks of gama-local"};
+  void run(Context& context) override;
+};
+
 struct ReadKrumm : ReaderNode {
   static constexpr Info info{"read.krumm", "survey_reader", 1, "Reads the .dat networks of F. Krumm's examples"};
   void run(Context& context) override;
@@ -99,6 +104,11 @@ struct WriteGsi : WriterNode {
   Param<std::string> station_start{"station_start", "code_block", one_of("code_block", "station_coordinates"),
                                    "how a set-up begins: words 41 to 43, or 84 to 88"};
   Param<std::string> resolution{"resolution", "0.01 mm", one_of("1 mm", "0.1 mm", "0.01 mm"), "of lengths"};
+  void run(Context& context) override;
+};
+
+struct WriteGama : WriterNode {
+  static constexpr Info info{"write.gama", "survey_writer", 1, "Writes gama-local XML, for a side by side"};
   void run(Context& context) override;
 };
 

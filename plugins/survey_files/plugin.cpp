@@ -2,5 +2,6 @@
 
 using namespace plumbline::survey_files;
 
-PLUMBLINE_PLUGIN("survey_files", "0.1.0", "MIT", ReadGsi, ReadLandXml, ReadJobXml, ReadSdr33, ReadRw5, ReadKrumm,
-                 ReadSurveyCsv, ReadSetupCoordinates, ReadSurvey, WriteGsi, WriteLandXml, WriteSurveyCsv)
+PLUMBLINE_PLUGIN("survey_files", "0.1.0", "MIT", ReadGsi, ReadLandXml, ReadJobXml, ReadSdr33, ReadRw5, ReadGama,
+                 ReadKrumm, ReadSurveyCsv, ReadSetupCoordinates, ReadSurvey, WriteGsi, WriteLandXml, WriteGama,
+                 WriteSurveyCsv)

@@ -1,3 +1,4 @@
+#include "formats/gama.hpp"
 #include "formats/gsi.hpp"
 #include "formats/jobxml.hpp"
 #include "formats/krumm.hpp"
@@ -57,6 +58,7 @@ void ReadLandXml::run(Context& context) { deliver(context, survey::read_landxml(
 void ReadJobXml::run(Context& context) { deliver(context, survey::read_jobxml(bytes(), name())); }
 void ReadSdr33::run(Context& context) { deliver(context, survey::read_sdr33(bytes(), name())); }
 void ReadRw5::run(Context& context) { deliver(context, survey::read_rw5(bytes(), name())); }
+void ReadGama::run(Context& context) { deliver(context, survey::read_gama_xml(bytes(), name())); }
 void ReadKrumm::run(Context& context) { deliver(context, survey::read_krumm(bytes(), name())); }
 
 void ReadSurveyCsv::run(Context& context) {

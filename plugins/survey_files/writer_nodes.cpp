@@ -1,3 +1,4 @@
+#include "formats/gama.hpp"
 #include "formats/gsi.hpp"
 #include "formats/landxml.hpp"
 #include "formats/survey_artifact.hpp"
@@ -19,6 +20,10 @@ void WriteGsi::run(Context&) {
   if (*station_start == "station_coordinates") options.station_start = survey::GsiStationStart::station_coordinates;
   options.distance_unit = *resolution == "1 mm" ? 0 : *resolution == "0.1 mm" ? 6 : 8;
   deliver("survey.gsi", "text/plain", survey::write_gsi(survey::from_artifact(observations.unpack()), options));
+}
+
+void WriteGama::run(Context&) {
+  deliver("survey.gkf", "application/xml", survey::write_gama_xml(survey::from_artifact(observations.unpack())));
 }
 
 void WriteLandXml::run(Context&) {

@@ -1,0 +1,68 @@
+#include "adjust_node.hpp"
+
+#include <numbers>
+
+#include "formats/survey_artifact.hpp"
+#include "network_artifact.hpp"
+
+namespace plumbline::survey {
+
+namespace {
+
+constexpr double kArcsecond = std::numbers::pi / 180 / 3600;
+
+DatumMode datum_mode(const std::string& name) {
+  if (name == "file") return DatumMode::file;
+  if (name == "fixed") return DatumMode::fixed;
+  if (name == "weighted") return DatumMode::weighted;
+  if (name == "inner") return DatumMode::inner;
+  return DatumMode::automatic;
+}
+
+Switch to_switch(const std::string& name) {
+  return name == "on" ? Switch::on : name == "off" ? Switch::off : Switch::automatic;
+}
+
+}  // namespace
+
+AdjustOptions AdjustNode::options() const {
+  AdjustOptions o;
+  o.profile = profile_file->path.empty() ? built_in_profile(*profile) : read_profile(profile_file->path);
+  o.datum = datum_mode(*datum);
+  o.datum_points = *datum_points;
+  o.alpha = *alpha;
+  o.alpha0 = *alpha0;
+  o.power = *power;
+  o.remove_blunders = *remove_blunders;
+  o.largest_removed_share = *largest_removed_share;
+  o.robust_start = *robust_start;
+  o.estimate_variance_components = *variance_components;
+  o.scale_with_sigma0 = to_switch(*scale_with_sigma0);
+  o.curvature = to_switch(*curvature);
+  o.refraction_coefficient = *refraction_coefficient;
+  o.scale_sigma = *scale_sigma * 1e-6;
+  o.additive_constant_sigma = *additive_constant_sigma;
+  o.refraction_sigma = *refraction_sigma;
+  o.vertical_index_sigma = *vertical_index_sigma * kArcsecond;
+  o.tilt_sigma = *tilt_sigma * kArcsecond;
+  o.instrument_height_sigma = *instrument_height_sigma;
+  return o;
+}
+
+void AdjustNode::run(Context& context) {
+  std::vector<SurveyObservations> surveys;
+  for (size_t i = 0; i < observations.size(); ++i) surveys.push_back(from_artifact(observations.unpack(i)));
+  if (surveys.empty()) throw std::runtime_error("'observations' holds no survey file");
+  ControlPoints known;
+  if (control) known = control_from_artifact(control.unpack());
+  const AdjustOptions o = options();
+  const NetworkResult result = adjust_network(merge_surveys(surveys), o, known);
+  for (const Finding& finding : result.findings)
+    if (finding.severity != Finding::Severity::note) context.warn(finding.text);
+  context.metric("sigma0", result.sigma0, "1");
+  context.metric("degrees_of_freedom", result.degrees_of_freedom, "1");
+  points.commit(to_points_artifact(result));
+  network.commit(to_network_artifact(result, o));
+}
+
+}  // namespace plumbline::survey

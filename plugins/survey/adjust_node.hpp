@@ -1,0 +1,61 @@
+// survey.adjust: files of a campaign to coordinates with full covariance.
+#pragma once
+
+#include "adjust_network.hpp"
+#include "artifacts/points.hpp"
+#include "artifacts/survey_network.hpp"
+#include "artifacts/survey_observations.hpp"
+#include "plumbline/node.hpp"
+
+namespace plumbline::survey {
+
+struct AdjustNode : Node {
+  static constexpr Info info{"survey.adjust", "survey_adjuster", 1,
+                             "Adjusts a survey network by least squares, with tests, reliability and full covariance"};
+  List<plumbline::SurveyObservations> observations{"observations", frame("frame=?S"),
+                                                   "readings of one campaign, from one or several files"};
+  Optional<Points> control{"control", frame("frame=?S"), "points known beforehand, with or without covariance"};
+  Param<std::string> profile{
+      "profile", "ics50_assumed",
+      one_of("ics50_assumed", "total_station_1arcsec", "total_station_2arcsec", "total_station_5arcsec"),
+      "instrument profile for readings whose file gives no standard deviation"};
+  Param<FilePath> profile_file{"profile_file", FilePath{}, "YAML file of a profile of your own, in place of `profile`"};
+  Param<std::string> datum{"datum", "automatic", one_of("automatic", "file", "fixed", "weighted", "inner"),
+                           "what defines the frame; automatic: weighted control if it has a covariance, fixed if not, "
+                           "as the file says, or a free network"};
+  Param<std::vector<std::string>> datum_points{"datum_points", std::vector<std::string>{},
+                                               "points that carry a fixed or inner datum; empty: all that can"};
+  Param<double> alpha{"alpha", 0.05, "1", between(1e-6, 0.5), "error of the first kind of the global test"};
+  Param<double> alpha0{"alpha0", 0.001, "1", between(1e-9, 0.5), "error of the first kind of one w-test"};
+  Param<double> power{"power", 0.80, "1", between(0.5, 0.999), "power that minimal detectable blunders refer to"};
+  Param<bool> remove_blunders{"remove_blunders", false, "data snooping removes what fails; otherwise it is flagged"};
+  Param<double> largest_removed_share{"largest_removed_share", 0.10, "1", between(0, 0.5),
+                                      "data snooping stops when this share of the observations is removed"};
+  Param<bool> robust_start{"robust_start", false, "robust weights find the first suspects of data snooping"};
+  Param<bool> variance_components{"variance_components", false,
+                                  "estimate one factor for each kind of observation with enough redundancy"};
+  Param<std::string> scale_with_sigma0{
+      "scale_with_sigma0", "automatic", one_of("automatic", "off", "on"),
+      "multiply covariances with the a posteriori variance; automatic: as the file asks"};
+  Param<std::string> curvature{
+      "curvature", "automatic", one_of("automatic", "off", "on"),
+      "earth curvature and refraction in zenith angles; automatic: for raw readings, not for files of reduced ones"};
+  Param<double> refraction_coefficient{"refraction_coefficient", 0.13, "1", between(-5, 5), "where the file has none"};
+  Param<double> scale_sigma{"scale_sigma", 0.0, "ppm", at_least(0), "prior of an unknown distance scale; 0: none"};
+  Param<double> additive_constant_sigma{"additive_constant_sigma", 0.0, "m", at_least(0),
+                                        "prior of an unknown additive constant; 0: none"};
+  Param<double> refraction_sigma{"refraction_sigma", 0.0, "1", at_least(0),
+                                 "prior of an unknown refraction coefficient; 0: none"};
+  Param<double> vertical_index_sigma{"vertical_index_sigma", 0.0, "arcsec", at_least(0),
+                                     "prior of an unknown vertical index; 0: none"};
+  Param<double> tilt_sigma{"tilt_sigma", 0.0, "arcsec", at_least(0), "prior of an unknown tilt a set-up; 0: none"};
+  Param<double> instrument_height_sigma{"instrument_height_sigma", 0.0, "m", at_least(0),
+                                        "prior of an unknown correction of each instrument height; 0: none"};
+  Out<Points> points{"points", frame("frame=?S"), "adjusted points with full covariance"};
+  Out<SurveyNetwork> network{"network", frame("frame=?S"), "the whole result: statistics, tests, every observation"};
+
+  AdjustOptions options() const;
+  void run(Context& context) override;
+};
+
+}  // namespace plumbline::survey
