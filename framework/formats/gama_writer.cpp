@@ -61,7 +61,7 @@ std::string point(const Point& p) {
 
 class GamaWriter {
  public:
-  explicit GamaWriter(const SurveyObservations& survey) : s_(survey), written_(survey.observations.size(), 0) {
+  explicit GamaWriter(const SurveyObservations& survey) : s_(survey) {
     if (!s_.local_coordinates.empty())
       throw std::runtime_error("gama XML writer: the format cannot hold coordinates in the frame of a set-up");
     for (const Observation& o : s_.observations)
@@ -81,9 +81,7 @@ class GamaWriter {
              attribute("sigma-act", s_.info.use_a_posteriori_sigma0 ? "aposteriori" : "apriori") + "/>\n";
     text_ += "<points-observations>\n";
     for (const Point& p : s_.points) text_ += point(p);
-    for (const ObservationCovariance& c : s_.covariances) correlated(c);
-    for (int i = 0; i < static_cast<int>(s_.set_ups.size()); ++i) set_up(i);
-    single();
+    observations();
     for (const CoordinateGroup& g : s_.coordinates) coordinates(g);
     for (const VectorGroup& g : s_.vectors) vectors(g);
     return text_ + "</points-observations>\n</network>\n</gama-local>\n";
@@ -120,46 +118,55 @@ class GamaWriter {
     return text + "/>\n";
   }
 
-  void set_up(int index) {
-    std::string content;
-    for (size_t i = 0; i < s_.observations.size(); ++i) {
-      const Observation& o = s_.observations[i];
-      if (o.set_up != index || written_[i] || o.kind == ObservationKind::height_difference) continue;
-      content += element(o, o.from != s_.set_ups[index].station);
-      written_[i] = 1;
+  /// One cluster of the format. All observations of a set-up must stand in one, because each has its own orientation;
+  /// so a covariance among some of them becomes the matrix of all.
+  void cluster(const std::string& name, const std::string& from, const std::vector<int>& members) {
+    if (members.empty()) return;
+    text_ += "<" + name + (from.empty() ? "" : attribute("from", from)) + ">\n";
+    for (int i : members) text_ += element(s_.observations[i], from.empty() || s_.observations[i].from != from);
+    const auto n = static_cast<Eigen::Index>(members.size());
+    Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(n, n);
+    std::map<int, Eigen::Index> position;
+    Eigen::VectorXd units(n);
+    for (Eigen::Index k = 0; k < n; ++k) {
+      const Observation& o = s_.observations[members[static_cast<size_t>(k)]];
+      position[members[static_cast<size_t>(k)]] = k;
+      units[k] = 1 / (is_angular(o.kind) ? kCc : kMillimetre);
+      matrix(k, k) = o.sigma * o.sigma;
     }
-    if (!content.empty()) text_ += "<obs" + attribute("from", s_.set_ups[index].station) + ">\n" + content + "</obs>\n";
-  }
-
-  void single() {
-    std::string lines, heights;
-    for (size_t i = 0; i < s_.observations.size(); ++i) {
-      if (written_[i]) continue;
-      const Observation& o = s_.observations[i];
-      (o.kind == ObservationKind::height_difference ? heights : lines) += element(o, true);
-    }
-    if (!lines.empty()) text_ += "<obs>\n" + lines + "</obs>\n";
-    if (!heights.empty()) text_ += "<height-differences>\n" + heights + "</height-differences>\n";
-  }
-
-  void correlated(const ObservationCovariance& c) {
-    Eigen::VectorXd units(c.covariance.rows());
-    std::string content;
-    const Observation& first = s_.observations.at(c.indices.front());
-    for (size_t k = 0; k < c.indices.size(); ++k) {
-      const Observation& o = s_.observations.at(c.indices[k]);
-      if (o.set_up != first.set_up)
+    bool correlated = false;
+    for (const ObservationCovariance& c : s_.covariances) {
+      size_t inside = 0;
+      for (int i : c.indices) inside += position.contains(i);
+      if (inside == 0) continue;
+      if (inside != c.indices.size())
         throw std::runtime_error(
             "gama XML writer: observations of two set-ups are correlated; the format cannot hold it");
-      units[static_cast<Eigen::Index>(k)] = 1 / (is_angular(o.kind) ? kCc : kMillimetre);
-      content += element(o, first.set_up < 0 || o.from != s_.set_ups[first.set_up].station);
-      written_[c.indices[k]] = 1;
+      correlated = true;
+      for (size_t a = 0; a < c.indices.size(); ++a)
+        for (size_t b = 0; b < c.indices.size(); ++b)
+          matrix(position[c.indices[a]], position[c.indices[b]]) =
+              c.covariance(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b));
     }
-    const bool levelling = first.kind == ObservationKind::height_difference;
-    const std::string name = levelling ? "height-differences" : "obs";
-    const std::string from = first.set_up >= 0 ? attribute("from", s_.set_ups[first.set_up].station) : "";
-    text_ += "<" + name + (levelling ? "" : from) + ">\n" + content +
-             covariance(units.asDiagonal() * c.covariance * units.asDiagonal()) + "</" + name + ">\n";
+    if (correlated) text_ += covariance(units.asDiagonal() * matrix * units.asDiagonal());
+    text_ += "</" + name + ">\n";
+  }
+
+  void observations() {
+    std::vector<std::vector<int>> by_set_up(s_.set_ups.size());
+    std::vector<int> lines, heights;
+    for (int i = 0; i < static_cast<int>(s_.observations.size()); ++i) {
+      const Observation& o = s_.observations[i];
+      if (o.kind == ObservationKind::height_difference)
+        heights.push_back(i);
+      else if (o.set_up >= 0)
+        by_set_up[o.set_up].push_back(i);
+      else
+        lines.push_back(i);
+    }
+    for (size_t k = 0; k < by_set_up.size(); ++k) cluster("obs", s_.set_ups[k].station, by_set_up[k]);
+    cluster("obs", "", lines);
+    cluster("height-differences", "", heights);
   }
 
   void coordinates(const CoordinateGroup& g) {
@@ -191,7 +198,6 @@ class GamaWriter {
   }
 
   const SurveyObservations& s_;
-  std::vector<char> written_;
   std::string text_;
 };
 
