@@ -30,6 +30,21 @@ void distort(const BrownCamera& c, const Eigen::Vector2d& p, Eigen::Vector2d& va
 
 }  // namespace
 
+std::optional<ProjectionWithSlope> project_with_slope(const BrownCamera& camera,
+                                                      const Eigen::Vector3d& point_in_camera) {
+  const double z = point_in_camera.z();
+  if (!(z > 0)) return std::nullopt;
+  const Eigen::Vector2d normalised = point_in_camera.head<2>() / z;
+  Eigen::Vector2d distorted;
+  Eigen::Matrix2d slope;
+  distort(camera, normalised, distorted, slope);
+  Eigen::Matrix<double, 2, 3> by_point;
+  by_point << 1 / z, 0, -normalised.x() / z, 0, 1 / z, -normalised.y() / z;
+  const Eigen::Vector2d focal(camera.fx, camera.fy);
+  return ProjectionWithSlope{focal.cwiseProduct(distorted) + Eigen::Vector2d(camera.cx, camera.cy),
+                             focal.asDiagonal() * slope * by_point};
+}
+
 std::optional<Eigen::Vector2d> unproject(const BrownCamera& camera, const Eigen::Vector2d& pixel) {
   const Eigen::Vector2d target((pixel.x() - camera.cx) / camera.fx, (pixel.y() - camera.cy) / camera.fy);
   Eigen::Vector2d p = target;

@@ -46,6 +46,14 @@ void project_normalised(const T* parameters, const T& x, const T& y, T* pixel) {
 /// Pixel of a point given in the camera frame [m]; nothing for a point at or behind the projection centre.
 std::optional<Eigen::Vector2d> project(const BrownCamera& camera, const Eigen::Vector3d& point_in_camera);
 
+/// The same with the derivatives of the pixel by the point, [px/m].
+struct ProjectionWithSlope {
+  Eigen::Vector2d pixel;
+  Eigen::Matrix<double, 2, 3> by_point;
+};
+std::optional<ProjectionWithSlope> project_with_slope(const BrownCamera& camera,
+                                                      const Eigen::Vector3d& point_in_camera);
+
 /// Normalised image coordinates (x/z, y/z) of a pixel, free of distortion (Newton's method, to 1e-13); nothing where
 /// the distortion polynomial has no inverse, which is outside any image the camera was calibrated on.
 std::optional<Eigen::Vector2d> unproject(const BrownCamera& camera, const Eigen::Vector2d& pixel);

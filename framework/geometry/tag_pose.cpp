@@ -1,0 +1,322 @@
+#include "geometry/tag_pose.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "geometry/statistics.hpp"
+
+namespace plumbline {
+namespace {
+
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+using Vector8 = Eigen::Matrix<double, 8, 1>;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+using Matrix86 = Eigen::Matrix<double, 8, 6>;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+/// A hypothesis from three approximate tags extrapolates their errors to the others: before refinement a tag may be
+/// this much further off, as a factor on the squared distance.
+constexpr double kLenience = 25;
+
+using Matrix8 = Eigen::Matrix<double, 8, 8>;
+using Weight = Eigen::LLT<Matrix8>;
+
+/// A tag's residuals (measured minus predicted, [px]) and the derivatives of its predicted corners.
+struct PredictedTag {
+  Vector8 residuals;
+  Matrix86 by_pose;   // by a rotation vector in the camera frame and the translation
+  Matrix86 by_plate;  // by the anchor's coordinates and a rotation vector of the plate about the anchor
+};
+
+/// False if a corner falls behind the camera.
+bool predict(const BrownCamera& camera, const TagView& view, const RigidTransform& pose, PredictedTag& out) {
+  const Eigen::Matrix3d rotation = pose.rotation.toRotationMatrix();
+  for (int i = 0; i < 4; ++i) {
+    const Eigen::Vector3d corner = view.corner_in_world(i), rotated = rotation * corner;
+    const auto projection = project_with_slope(camera, rotated + pose.translation);
+    if (!projection) return false;
+    out.residuals.segment<2>(2 * i) = view.pixels[i] - projection->pixel;
+    out.by_pose.block<2, 3>(2 * i, 0) = -projection->by_point * skew(rotated);
+    out.by_pose.block<2, 3>(2 * i, 3) = projection->by_point;
+    const Eigen::Matrix<double, 2, 3> by_world = projection->by_point * rotation;
+    out.by_plate.block<2, 3>(2 * i, 0) = by_world;
+    out.by_plate.block<2, 3>(2 * i, 3) = -by_world * skew(corner - view.anchor_in_world);
+  }
+  return out.residuals.allFinite();
+}
+
+/// Factor of the covariance of the residuals: corners, anchor and plate rotation together.
+Weight weight_of(const TagView& view, const PredictedTag& tag, double rotation_sigma) {
+  const auto by_anchor = tag.by_plate.leftCols<3>(), by_rotation = tag.by_plate.rightCols<3>();
+  Matrix8 covariance = by_anchor * view.anchor_covariance * by_anchor.transpose() +
+                       rotation_sigma * rotation_sigma * by_rotation * by_rotation.transpose();
+  for (int i = 0; i < 4; ++i) covariance.block<2, 2>(2 * i, 2 * i) += view.pixel_covariances[i];
+  return Weight(covariance);
+}
+
+/// Takes the pose by a tangent step.
+RigidTransform moved(const RigidTransform& pose, const Vector6& step) {
+  return {(quaternion_from_rotation_vector(step.head<3>()) * pose.rotation).normalized(),
+          pose.translation + step.tail<3>()};
+}
+
+class Estimator {
+ public:
+  Estimator(const BrownCamera& camera, const std::vector<TagView>& views, const TagPoseOptions& options)
+      : camera_(camera), views_(views), options_(options), gate_(chi_squared_quantile(options.inlier_probability, 8)) {}
+
+  double gate() const { return gate_; }  ///< squared distance up to which a tag is an inlier
+
+  double distance(std::size_t i, const RigidTransform& pose) const {
+    return tag_distance(camera_, views_[i], pose, options_.plate_rotation_sigma);
+  }
+
+  /// Low is good. A tag that is far off counts by the logarithm of how far: a wrong one cannot outvote the right ones,
+  /// and a rough hypothesis that needs refinement is still told from one that is plainly wrong.
+  double score(const RigidTransform& pose) const {
+    double sum = 0;
+    for (std::size_t i = 0; i < views_.size(); ++i) sum += std::log1p(std::min(distance(i, pose), 1e12) / gate_);
+    return sum;
+  }
+
+  std::vector<bool> inliers(const RigidTransform& pose, double limit) const {
+    std::vector<bool> list;
+    for (std::size_t i = 0; i < views_.size(); ++i) list.push_back(distance(i, pose) <= limit);
+    return list;
+  }
+
+  /// One factor for each chosen tag; false if a tag falls behind the camera.
+  bool weights(const std::vector<bool>& chosen, const RigidTransform& pose, std::vector<Weight>& list) const {
+    list.assign(views_.size(), Weight());
+    PredictedTag tag;
+    for (std::size_t i = 0; i < views_.size(); ++i) {
+      if (!chosen[i]) continue;
+      if (!predict(camera_, views_[i], pose, tag)) return false;
+      list[i] = weight_of(views_[i], tag, options_.plate_rotation_sigma);
+      if (list[i].info() != Eigen::Success) return false;
+    }
+    return true;
+  }
+
+  /// Sum of squares and normal equations of the chosen tags; infinite if one falls behind the camera.
+  double assemble(const std::vector<bool>& chosen, const std::vector<Weight>& weights, const RigidTransform& pose,
+                  Matrix6* normal, Vector6* right) const {
+    double sum = 0;
+    PredictedTag tag;
+    if (normal) normal->setZero(), right->setZero();
+    for (std::size_t i = 0; i < views_.size(); ++i) {
+      if (!chosen[i]) continue;
+      if (!predict(camera_, views_[i], pose, tag)) return kInfinity;
+      weights[i].matrixL().solveInPlace(tag.residuals);
+      sum += tag.residuals.squaredNorm();
+      if (!normal) continue;
+      weights[i].matrixL().solveInPlace(tag.by_pose);
+      *normal += tag.by_pose.transpose() * tag.by_pose;
+      *right += tag.by_pose.transpose() * tag.residuals;
+    }
+    return sum;
+  }
+
+  /// Fit to the chosen tags. The weights depend on the pose, but must not take part in the minimisation: a camera that
+  /// comes closer would make every tag less certain. So they are held within a fit, and a few fits follow one another.
+  RigidTransform refine(const std::vector<bool>& chosen, RigidTransform pose) const {
+    std::vector<Weight> held;
+    for (int round = 0; round < 5; ++round) {
+      if (!weights(chosen, pose, held)) return pose;
+      const RigidTransform before = pose;
+      pose = minimise(chosen, held, pose);
+      if ((pose.translation - before.translation).norm() < 1e-9 * (1 + pose.translation.norm())) break;
+    }
+    return pose;
+  }
+
+  /// Levenberg-Marquardt with fixed weights.
+  RigidTransform minimise(const std::vector<bool>& chosen, const std::vector<Weight>& weights,
+                          RigidTransform pose) const {
+    double damping = 1e-4;
+    for (int iteration = 0; iteration < 30; ++iteration) {
+      Matrix6 normal;
+      Vector6 right;
+      const double before = assemble(chosen, weights, pose, &normal, &right);
+      bool better = false;
+      Vector6 step;
+      for (int attempt = 0; attempt < 10 && !better; ++attempt) {
+        Matrix6 damped = normal;
+        damped.diagonal() *= 1 + damping;
+        step = damped.ldlt().solve(right);
+        if (!step.allFinite()) return pose;
+        const RigidTransform trial = moved(pose, step);
+        better = assemble(chosen, weights, trial, nullptr, nullptr) <= before * (1 + 1e-12);
+        if (better) pose = trial;
+        damping = better ? std::max(damping * 0.1, 1e-12) : damping * 10;
+      }
+      if (!better || step.norm() < 1e-10 * (1 + pose.translation.norm())) return pose;
+    }
+    return pose;
+  }
+
+  /// Fits to the tags of the sample, then alternates between choosing the inliers and fitting to them until the choice
+  /// stays. The gate closes as the pose gets better.
+  RigidTransform polish(RigidTransform pose, const std::vector<int>& sample) const {
+    std::vector<bool> chosen(views_.size(), false);
+    for (const int i : sample) chosen[static_cast<std::size_t>(i)] = true;
+    pose = refine(chosen, pose);
+    for (int round = 0; round < 12; ++round) {
+      const double limit = gate_ * std::max(1.0, kLenience / ((round + 1) * (round + 1)));
+      const std::vector<bool> now = inliers(pose, limit);
+      if (std::count(now.begin(), now.end(), true) < 3) break;
+      if (limit == gate_ && now == chosen) break;
+      chosen = now;
+      pose = refine(chosen, pose);
+    }
+    return pose;
+  }
+
+ private:
+  const BrownCamera& camera_;
+  const std::vector<TagView>& views_;
+  const TagPoseOptions& options_;
+  double gate_;
+};
+
+/// All combinations of `size` of `count` in lexicographic order, or `most` drawn ones if there are more.
+std::vector<std::vector<int>> samples_of(int count, int size, int most, std::uint64_t seed) {
+  double combinations = 1;
+  for (int i = 0; i < size; ++i) combinations = combinations * (count - i) / (i + 1);
+  std::vector<std::vector<int>> samples;
+  std::vector<int> sample;
+  for (int i = 0; i < size; ++i) sample.push_back(i);
+  if (combinations <= most) {
+    for (;;) {
+      samples.push_back(sample);
+      int i = size - 1;
+      while (i >= 0 && sample[i] == count - size + i) --i;
+      if (i < 0) return samples;
+      ++sample[i];
+      for (int j = i + 1; j < size; ++j) sample[j] = sample[j - 1] + 1;
+    }
+  }
+  std::vector<int> deck;
+  for (int i = 0; i < count; ++i) deck.push_back(i);
+  std::uint64_t state = seed;
+  for (int k = 0; k < most; ++k) {
+    for (int i = 0; i < size; ++i) {
+      std::uint64_t z = (state += 0x9e3779b97f4a7c15ull);  // splitmix64
+      z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
+      z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
+      std::swap(deck[i], deck[i + static_cast<int>((z ^ (z >> 31)) % static_cast<std::uint64_t>(count - i))]);
+    }
+    samples.emplace_back(deck.begin(), deck.begin() + size);
+  }
+  return samples;
+}
+
+struct Hypothesis {
+  double score;
+  RigidTransform pose;
+  std::vector<int> sample;
+};
+
+/// The hypotheses with the lowest scores of all samples, best first.
+std::vector<Hypothesis> best_hypotheses(const Estimator& estimator, const std::vector<TagView>& views,
+                                        const TagPoseSolver& solver, const TagPoseOptions& options) {
+  constexpr std::size_t kKept = 8;
+  std::vector<Hypothesis> best;
+  const int count = static_cast<int>(views.size());
+  for (const auto& sample : samples_of(count, options.sample_size, options.max_samples, options.seed)) {
+    std::vector<const TagView*> tags;
+    for (const int i : sample) tags.push_back(&views[static_cast<std::size_t>(i)]);
+    for (const RigidTransform& pose : solver(tags)) {
+      if (!pose.translation.allFinite() || !pose.rotation.coeffs().allFinite()) continue;
+      const double score = estimator.score(pose);
+      if (best.size() == kKept && score >= best.back().score) continue;
+      if (best.size() == kKept) best.pop_back();
+      const auto place =
+          std::find_if(best.begin(), best.end(), [score](const Hypothesis& h) { return score < h.score; });
+      best.insert(place, {score, pose, sample});
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+double tag_distance(const BrownCamera& camera, const TagView& view, const RigidTransform& cam_from_world,
+                    double plate_rotation_sigma) {
+  PredictedTag tag;
+  if (!predict(camera, view, cam_from_world, tag)) return kInfinity;
+  const Weight weight = weight_of(view, tag, plate_rotation_sigma);
+  if (weight.info() != Eigen::Success) return kInfinity;
+  weight.matrixL().solveInPlace(tag.residuals);
+  return tag.residuals.squaredNorm();
+}
+
+namespace {
+
+/// The estimate for views whose coordinates are small.
+TagPose estimate_centred(const BrownCamera& camera, const std::vector<TagView>& views, const TagPoseSolver& solver,
+                         const TagPoseOptions& options) {
+  const std::string of = " of " + std::to_string(views.size());
+  if (static_cast<int>(views.size()) < options.sample_size)
+    throw NoTagPose("a pose needs " + std::to_string(options.sample_size) + " tags, there are " +
+                    std::to_string(views.size()));
+  const Estimator estimator(camera, views, options);
+  const auto hypotheses = best_hypotheses(estimator, views, solver, options);
+  if (hypotheses.empty()) throw NoTagPose("the solver gives no pose for any sample" + of + " tags");
+
+  RigidTransform pose;
+  double best = kInfinity;
+  for (const Hypothesis& hypothesis : hypotheses) {
+    const RigidTransform polished = estimator.polish(hypothesis.pose, hypothesis.sample);
+    const double score = estimator.score(polished);
+    if (score < best) best = score, pose = polished;
+  }
+  TagPose result;
+  result.inliers = estimator.inliers(pose, estimator.gate());
+  result.inlier_count = static_cast<int>(std::count(result.inliers.begin(), result.inliers.end(), true));
+  if (result.inlier_count < 3)
+    throw NoTagPose("no pose agrees with three tags: the best one agrees with " + std::to_string(result.inlier_count) +
+                    of);
+
+  result.cam_from_world = estimator.refine(result.inliers, pose);
+  Matrix6 normal;
+  Vector6 right;
+  std::vector<Weight> weights;
+  if (!estimator.weights(result.inliers, result.cam_from_world, weights))
+    throw NoTagPose("the pose leads behind a tag");
+  estimator.assemble(result.inliers, weights, result.cam_from_world, &normal, &right);
+  result.covariance = normal.ldlt().solve(Matrix6::Identity());
+  double square = 0;
+  PredictedTag tag;
+  for (std::size_t i = 0; i < views.size(); ++i)
+    if (result.inliers[i] && predict(camera, views[i], result.cam_from_world, tag))
+      square += tag.residuals.squaredNorm();
+  result.rms = std::sqrt(square / (8.0 * result.inlier_count));
+  return result;
+}
+
+}  // namespace
+
+TagPose estimate_tag_pose(const BrownCamera& camera, const std::vector<TagView>& views, const TagPoseSolver& solver,
+                          const TagPoseOptions& options) {
+  // National coordinates have millions of metres: a rotation about their origin could not be told from a translation.
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  for (const TagView& view : views) centre += view.anchor_in_world / static_cast<double>(views.size());
+  std::vector<TagView> local = views;
+  for (TagView& view : local) {
+    view.anchor_in_world -= centre;
+    view.world_from_tag.translation -= centre;
+  }
+  TagPose result = estimate_centred(camera, local, solver, options);
+  const Eigen::Vector3d shift = result.cam_from_world.rotation * centre;
+  result.cam_from_world.translation -= shift;
+  Matrix6 step_from_local = Matrix6::Identity();
+  step_from_local.bottomLeftCorner<3, 3>() = skew(shift);
+  result.covariance = step_from_local * result.covariance * step_from_local.transpose();
+  return result;
+}
+
+}  // namespace plumbline

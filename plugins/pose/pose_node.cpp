@@ -1,0 +1,176 @@
+#include "pose/pose_node.hpp"
+
+#include <map>
+#include <optional>
+#include <utility>
+
+namespace plumbline::pose {
+namespace {
+
+BrownCamera camera_of(const CameraT& artifact) {
+  if (artifact.parameters.size() != BrownCamera::parameter_count)
+    throw std::runtime_error("camera '" + artifact.id + "' has " + std::to_string(artifact.parameters.size()) +
+                             " parameters, expected 9: fx, fy, cx, cy, k1, k2, k3, p1, p2");
+  BrownCamera camera;
+  camera.width = artifact.width;
+  camera.height = artifact.height;
+  std::array<double, BrownCamera::parameter_count> values;
+  std::copy(artifact.parameters.begin(), artifact.parameters.end(), values.begin());
+  camera.set_parameters(values);
+  if (!(camera.fx > 0 && camera.fy > 0))
+    throw std::runtime_error("camera '" + artifact.id + "' has no positive principal distance (fx, fy)");
+  return camera;
+}
+
+/// The plate of every tag, with its anchor's approximate coordinates.
+class Field {
+ public:
+  struct Entry {
+    const PlateT* plate;
+    const PointT* point;
+  };
+
+  Field(const PlatesT& plates, const PointsT& points) {
+    std::map<std::string, const PointT*> by_id;
+    for (const auto& point : points.points) by_id[point->id] = point.get();
+    for (const auto& plate : plates.plates) {
+      const auto point = by_id.find(plate->anchor);
+      if (point == by_id.end() || !point->second->position.allFinite()) continue;
+      const auto added =
+          entries_.emplace(std::make_pair(plate->tag_family, plate->tag_id), Entry{plate.get(), point->second});
+      if (!added.second)
+        throw std::runtime_error("tag " + plate->tag_family + " " + std::to_string(plate->tag_id) +
+                                 " stands for two anchors, " + added.first->second.plate->anchor + " and " +
+                                 plate->anchor + "; correct the plate table");
+      if (!(plate->tag_size > 0))
+        throw std::runtime_error("the plate of anchor " + plate->anchor + " has no tag_size; give it in metres");
+    }
+  }
+  const Entry* find(const TagT& tag) const {
+    const auto found = entries_.find({tag.family, tag.id});
+    return found == entries_.end() ? nullptr : &found->second;
+  }
+  std::size_t size() const { return entries_.size(); }
+
+ private:
+  std::map<std::pair<std::string, int>, Entry> entries_;
+};
+
+Eigen::Matrix2d covariance_of_corner(const TagT& tag, int i, double fallback_sigma) {
+  Eigen::Matrix2d c = Eigen::Matrix2d::Identity() * fallback_sigma * fallback_sigma;
+  if (tag.corner_covariances.size() == 12) {
+    const double* v = tag.corner_covariances.data() + 3 * i;
+    Eigen::Matrix2d given;
+    given << v[0], v[1], v[1], v[2];
+    if (given.allFinite() && given(0, 0) > 0 && given.determinant() > 0) c = given;
+  }
+  return c;
+}
+
+/// Nothing for a tag whose corners cannot be: too few, or outside of where the distortion can be inverted.
+std::optional<TagView> view_of(const TagT& tag, const Field::Entry& entry, const BrownCamera& camera,
+                               const PoseSettings& settings) {
+  if (tag.corners.size() != 4) return std::nullopt;
+  TagView view;
+  view.id = tag.id;
+  view.tag_size = entry.plate->tag_size;
+  view.anchor_in_world = entry.point->position;
+  const Eigen::Quaterniond rotation = entry.plate->nominal_rotation.normalized();
+  view.world_from_tag = {rotation, entry.point->position + rotation * entry.plate->tag_centre_in_plate};
+  const Eigen::Vector3d& sigma = entry.point->sigma;
+  const bool known = sigma.allFinite() && sigma.minCoeff() >= 0;
+  view.anchor_covariance = (known ? sigma : Eigen::Vector3d::Constant(settings.point_sigma)).cwiseAbs2().asDiagonal();
+  for (int i = 0; i < 4; ++i) {
+    view.pixels[i] = tag.corners[i];
+    view.pixel_covariances[i] = covariance_of_corner(tag, i, settings.pixel_sigma);
+    const auto normalised = unproject(camera, tag.corners[i]);
+    if (!normalised) return std::nullopt;
+    view.bearings[i] = normalised->homogeneous().normalized();
+  }
+  return view;
+}
+
+std::vector<double> lower_triangle(const Eigen::Matrix<double, 6, 6>& m) {
+  std::vector<double> values;
+  for (int i = 0; i < 6; ++i)
+    for (int j = 0; j <= i; ++j) values.push_back(m(i, j));
+  return values;
+}
+
+/// The pose of one image; throws with what is wrong and what to do, without the image's name.
+std::unique_ptr<PoseT> pose_of(const ImageTagsT& image, const Field& field, const BrownCamera& camera,
+                               const TagPoseSolver& solver, const PoseSettings& settings) {
+  std::vector<TagView> views;
+  for (const auto& tag : image.tags)
+    if (const Field::Entry* entry = field.find(*tag))
+      if (const auto view = view_of(*tag, *entry, camera, settings)) views.push_back(*view);
+  const std::string need = std::to_string(settings.min_markers);
+  if (static_cast<int>(views.size()) < settings.min_markers)
+    throw NoTagPose("shows " + std::to_string(views.size()) + " markers that are in the plate table (" +
+                    std::to_string(image.tags.size()) + " tags were detected, " + std::to_string(field.size()) +
+                    " are in the table), needed are " + need);
+  const TagPose found = estimate_tag_pose(camera, views, solver, settings.robust);
+  if (found.inlier_count < settings.min_markers)
+    throw NoTagPose(std::to_string(found.inlier_count) + " of " + std::to_string(views.size()) +
+                    " markers agree with one pose, needed are " + need);
+  auto pose = std::make_unique<PoseT>();
+  pose->path = image.path;
+  pose->cam_from_world = found.cam_from_world;
+  pose->covariance = lower_triangle(found.covariance);
+  pose->inliers = 4 * found.inlier_count;
+  pose->correspondences = static_cast<int>(4 * views.size());
+  pose->rms = found.rms;
+  return pose;
+}
+
+}  // namespace
+
+PosesT initial_poses(const std::vector<ImageTagsT>& images, const CameraT& camera, const PlatesT& plates,
+                     const PointsT& points, const TagPoseSolver& solver, const PoseSettings& settings,
+                     const std::function<void(const std::string&)>& warn) {
+  const BrownCamera brown = camera_of(camera);
+  const Field field(plates, points);
+  PosesT result;
+  for (const ImageTagsT& image : images) {
+    try {
+      if (image.width > 0 && brown.width > 0 && (image.width != brown.width || image.height != brown.height))
+        throw std::runtime_error("has " + std::to_string(image.width) + " x " + std::to_string(image.height) +
+                                 " pixels, camera '" + camera.id + "' has " + std::to_string(brown.width) + " x " +
+                                 std::to_string(brown.height));
+      result.poses.push_back(pose_of(image, field, brown, solver, settings));
+    } catch (const NoTagPose& error) {
+      const std::string text = "image " + image.path + ": " + error.what();
+      if (!settings.skip_poor_images)
+        throw std::runtime_error(
+            text +
+            ". Photograph it again with more markers in view, check the plate table and the approximate "
+            "anchors, or set on_too_few: skip to go on without it");
+      warn(text + "; it is left out");
+    } catch (const std::runtime_error& error) {
+      throw std::runtime_error("image " + image.path + ": " + error.what());
+    }
+  }
+  if (result.poses.empty() && !images.empty())
+    throw std::runtime_error("none of the " + std::to_string(images.size()) + " images could be oriented");
+  return result;
+}
+
+void PoseNode::run_with(const Context& context, const TagPoseSolver& solver) {
+  PoseSettings settings;
+  settings.robust.plate_rotation_sigma = *plate_rotation_sigma;
+  settings.robust.inlier_probability = *inlier_probability;
+  settings.robust.max_samples = static_cast<int>(*max_samples);
+  settings.robust.seed = context.seed();
+  settings.point_sigma = *point_sigma;
+  settings.pixel_sigma = *pixel_sigma;
+  settings.min_markers = static_cast<int>(*min_markers);
+  settings.skip_poor_images = *on_too_few == "skip";
+  std::vector<ImageTagsT> images;
+  for (std::size_t i = 0; i < observations.size(); ++i) images.push_back(observations.unpack(i));
+  const PosesT result = initial_poses(images, camera.unpack(), plates.unpack(), points.unpack(), solver, settings,
+                                      [&context](const std::string& text) { context.warn(text); });
+  context.metric("images_oriented", static_cast<double>(result.poses.size()), "1");
+  poses.commit(result);
+}
+
+}  // namespace plumbline::pose

@@ -1,0 +1,93 @@
+// pose.opengv and pose.opencv as nodes; what every pose initialiser must do is in tests/conformance.
+#include <gmock/gmock.h>
+
+#include "node_harness.hpp"
+#include "synthetic_facade.hpp"
+
+namespace plumbline {
+namespace {
+
+using test::NodeFailed;
+using test::NodeHarness;
+using testing::HasSubstr;
+
+NodeHarness prepared(const std::string& kind, const test::SyntheticFacade& facade) {
+  NodeHarness node(kind);
+  node.input<Camera>("camera", facade.camera_artifact());
+  node.input<Plates>("plates", facade.plates);
+  node.input<Points>("points", facade.truth);
+  for (const ImageTagsT& image : facade.images) node.input<ImageTags>("observations", image);
+  return node;
+}
+
+std::string failure_of(NodeHarness& node) {
+  try {
+    node.run();
+  } catch (const NodeFailed& error) {
+    return error.what();
+  }
+  return "";
+}
+
+class PoseNodes : public testing::TestWithParam<std::string> {};
+
+TEST_P(PoseNodes, LeaveOutAnImageWithTooFewMarkersIfAsked) {
+  auto facade = test::make_facade({.floors = 1});
+  facade.images[2].tags.resize(2);
+  NodeHarness node = prepared(GetParam(), facade);
+  node.set("on_too_few", "skip");
+  node.run();
+  EXPECT_EQ(node.output<Poses>("poses").poses.size(), facade.images.size() - 1);
+  ASSERT_EQ(node.warnings().size(), 1u);
+  EXPECT_THAT(node.warnings()[0], testing::AllOf(HasSubstr(facade.images[2].path), HasSubstr("shows 2 markers")));
+}
+
+TEST_P(PoseNodes, SayWhatToDoAboutTooFewMarkers) {
+  auto facade = test::make_facade({.floors = 1});
+  facade.images[2].tags.resize(2);
+  NodeHarness node = prepared(GetParam(), facade);
+  EXPECT_THAT(failure_of(node),
+              testing::AllOf(HasSubstr("shows 2 markers"), HasSubstr("needed are 3"), HasSubstr("on_too_few")));
+}
+
+TEST_P(PoseNodes, DoNotCountTagsThatAreNotInThePlateTable) {
+  auto facade = test::make_facade({.floors = 1});
+  for (auto& tag : facade.images[0].tags) tag->id += 400;
+  NodeHarness node = prepared(GetParam(), facade);
+  EXPECT_THAT(failure_of(node), testing::AllOf(HasSubstr(facade.images[0].path), HasSubstr("shows 0 markers")));
+}
+
+TEST_P(PoseNodes, RefuseATagThatStandsForTwoAnchors) {
+  auto facade = test::make_facade({.floors = 1});
+  facade.plates.plates[3]->tag_id = facade.plates.plates[1]->tag_id;
+  NodeHarness node = prepared(GetParam(), facade);
+  EXPECT_THAT(failure_of(node), HasSubstr("stands for two anchors"));
+}
+
+TEST_P(PoseNodes, RefuseACameraOfAnotherImageSize) {
+  auto facade = test::make_facade({.floors = 1});
+  facade.images[1].width = 6000;
+  NodeHarness node = prepared(GetParam(), facade);
+  EXPECT_THAT(failure_of(node), testing::AllOf(HasSubstr(facade.images[1].path), HasSubstr("6000 x 8742")));
+}
+
+TEST_P(PoseNodes, CountCornersAndGiveACovariance) {
+  const auto facade = test::make_facade({.floors = 1, .pixel_sigma = 0.1});
+  NodeHarness node = prepared(GetParam(), facade);
+  node.run();
+  const PosesT poses = node.output<Poses>("poses");
+  ASSERT_EQ(poses.poses.size(), facade.images.size());
+  for (std::size_t i = 0; i < poses.poses.size(); ++i) {
+    EXPECT_EQ(poses.poses[i]->path, facade.images[i].path);
+    EXPECT_EQ(poses.poses[i]->correspondences, static_cast<int>(4 * facade.images[i].tags.size()));
+    EXPECT_EQ(poses.poses[i]->inliers, poses.poses[i]->correspondences);
+    EXPECT_EQ(poses.poses[i]->covariance.size(), 21u);
+    EXPECT_GT(poses.poses[i]->rms, 0.05);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, PoseNodes, testing::Values("pose.opengv", "pose.opencv"),
+                         [](const auto& test) { return test.param.substr(5); });
+
+}  // namespace
+}  // namespace plumbline

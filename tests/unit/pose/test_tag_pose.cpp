@@ -1,0 +1,216 @@
+// Robust orientation, with every solver of both libraries.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <cmath>
+
+#include "geometry/statistics.hpp"
+#include "geometry/tag_pose.hpp"
+#include "pose/opencv_solvers.hpp"
+#include "pose/opengv_solvers.hpp"
+#include "synthetic_facade.hpp"
+
+namespace plumbline {
+namespace {
+
+using test::Random;
+
+BrownCamera make_camera() {
+  BrownCamera camera;
+  camera.width = 6000, camera.height = 4000;
+  camera.fx = camera.fy = 5000;
+  camera.cx = 3010, camera.cy = 1990;
+  camera.k1 = -0.05, camera.k2 = 0.02, camera.p1 = 2e-4;
+  return camera;
+}
+
+struct Field {
+  double point_sigma = 0;     ///< error of the approximate anchors [m]
+  double rotation_sigma = 0;  ///< of the plates [rad]
+  double pixel_sigma = 0;     ///< [px]
+  double depth = 0.02;        ///< spread of the anchors across the facade [m]
+  int columns = 4, rows = 3;
+  std::uint64_t seed = 1;
+};
+
+struct Scene {
+  BrownCamera camera = make_camera();
+  RigidTransform cam_from_world;
+  std::vector<TagView> views;
+};
+
+/// Plates on a 2 m grid in the plane y = 0 that face -y, seen from 8 m, obliquely and rolled.
+Scene make_scene(const Field& field) {
+  Scene scene;
+  Random random(field.seed);
+  scene.cam_from_world = test::detail::look_at({2.0 + random.normal(), -8, 1.0}, {3, 0, 2}, 0.3 * random.normal());
+  Eigen::Matrix3d facing;
+  facing << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+  for (int row = 0; row < field.rows; ++row)
+    for (int column = 0; column < field.columns; ++column) {
+      TagView view;
+      view.id = static_cast<int>(scene.views.size());
+      view.tag_size = 0.2;
+      const Eigen::Vector3d truth(2.0 * column, field.depth * random.normal(), 2.0 * row);
+      view.anchor_in_world = truth + random.normal3(field.point_sigma);
+      view.anchor_covariance = Eigen::Matrix3d::Identity() * std::max(1e-8, field.point_sigma * field.point_sigma);
+      const Eigen::Vector3d centre(0, -0.16, 0);
+      const Eigen::Quaterniond nominal(facing);
+      view.world_from_tag = {nominal, view.anchor_in_world + nominal * centre};
+      const RigidTransform true_plate{quaternion_from_rotation_vector(random.normal3(field.rotation_sigma)) * nominal,
+                                      truth};
+      bool inside = true;
+      for (int i = 0; i < 4; ++i) {
+        const auto pixel =
+            project(scene.camera, scene.cam_from_world * (true_plate * (centre + view.corner_in_tag(i))));
+        const Eigen::Vector2d noise(random.normal(), random.normal());
+        if (!pixel) throw std::logic_error("behind the camera");
+        view.pixels[i] = *pixel + field.pixel_sigma * noise;
+        view.pixel_covariances[i] = Eigen::Matrix2d::Identity() * std::max(1e-4, field.pixel_sigma * field.pixel_sigma);
+        inside = inside && pixel->x() > 0 && pixel->y() > 0 && pixel->x() < 6000 && pixel->y() < 4000;
+        const auto normalised = unproject(scene.camera, view.pixels[i]);
+        inside = inside && normalised;
+        if (normalised) view.bearings[i] = normalised->homogeneous().normalized();
+      }
+      if (inside) scene.views.push_back(view);
+    }
+  return scene;
+}
+
+/// The next tag's corners, for every `step`th tag: as if it were taken for another one.
+void confuse(Scene& scene, std::size_t step) {
+  const auto original = scene.views;
+  for (std::size_t i = 0; i < original.size(); i += step) {
+    const TagView& other = original[(i + 1) % original.size()];
+    scene.views[i].pixels = other.pixels;
+    scene.views[i].bearings = other.bearings;
+  }
+}
+
+TagPoseOptions options_for(const Field& field) {
+  TagPoseOptions options;
+  options.plate_rotation_sigma = std::max(field.rotation_sigma, 1e-6);
+  return options;
+}
+
+double centre_error(const TagPose& found, const Scene& scene) {
+  return (found.cam_from_world.inverse().translation - scene.cam_from_world.inverse().translation).norm();
+}
+
+class TagPoseSolvers : public testing::TestWithParam<std::string> {
+ protected:
+  static TagPoseSolver solver() {
+    const std::string name = GetParam().substr(GetParam().find(':') + 1);
+    return GetParam().rfind("opengv", 0) == 0 ? pose::make_opengv_solver(name) : pose::make_opencv_solver(name);
+  }
+};
+
+TEST_P(TagPoseSolvers, RecoverTheTruthWithoutNoise) {
+  for (const double depth : {0.0, 0.02, 1.0}) {
+    const Field field{.depth = depth};
+    const Scene scene = make_scene(field);
+    const TagPose found = estimate_tag_pose(scene.camera, scene.views, solver(), options_for(field));
+    EXPECT_LT(centre_error(found, scene), 1e-7) << "anchors spread over " << depth << " m";
+    EXPECT_EQ(found.inlier_count, static_cast<int>(scene.views.size()));
+  }
+}
+
+TEST_P(TagPoseSolvers, FindTheWrongTagsOfAThird) {
+  const Field field{.point_sigma = 0.02, .rotation_sigma = 0.03, .pixel_sigma = 0.2, .seed = 5};
+  Scene scene = make_scene(field);
+  confuse(scene, 3);
+  const TagPose found = estimate_tag_pose(scene.camera, scene.views, solver(), options_for(field));
+  for (std::size_t i = 0; i < scene.views.size(); ++i) EXPECT_EQ(found.inliers[i], i % 3 != 0) << i;
+  EXPECT_LT(centre_error(found, scene), 0.06);
+}
+
+TEST_P(TagPoseSolvers, OrientWithThreeTags) {
+  const Field field{
+      .point_sigma = 0.01, .rotation_sigma = 0.02, .pixel_sigma = 0.1, .columns = 2, .rows = 2, .seed = 2};
+  Scene scene = make_scene(field);
+  ASSERT_GE(scene.views.size(), 3u);
+  scene.views.resize(3);
+  EXPECT_LT(centre_error(estimate_tag_pose(scene.camera, scene.views, solver(), options_for(field)), scene), 0.15);
+}
+
+INSTANTIATE_TEST_SUITE_P(OpenGv, TagPoseSolvers, testing::ValuesIn([] {
+                           std::vector<std::string> names;
+                           for (const auto& name : pose::opengv_solver_names()) names.push_back("opengv:" + name);
+                           for (const auto& name : pose::opencv_solver_names()) names.push_back("opencv:" + name);
+                           return names;
+                         }()),
+                         [](const auto& test) {
+                           std::string name = test.param;
+                           std::replace(name.begin(), name.end(), ':', '_');
+                           return name;
+                         });
+
+TEST(TagPose, HasACovarianceThatCoversItsError) {
+  double sum = 0;
+  const int trials = 60;
+  for (int k = 0; k < trials; ++k) {
+    // Turned further, a plate looks smaller by the square of the angle, which a linear covariance does not know.
+    const Field field{
+        .point_sigma = 0.02, .rotation_sigma = 0.015, .pixel_sigma = 0.2, .seed = static_cast<std::uint64_t>(k + 10)};
+    const Scene scene = make_scene(field);
+    TagPoseOptions options = options_for(field);
+    options.max_samples = 30;
+    const TagPose found = estimate_tag_pose(scene.camera, scene.views, pose::make_opengv_solver("p3p_kneip"), options);
+    // Error in the tangent of the estimate: R = exp(w) R_true with w in the camera frame, and the translation's
+    // difference.
+    const Eigen::AngleAxisd turn(found.cam_from_world.rotation * scene.cam_from_world.rotation.conjugate());
+    Eigen::Matrix<double, 6, 1> e;
+    e << turn.angle() * turn.axis(), found.cam_from_world.translation - scene.cam_from_world.translation;
+    sum += e.dot(found.covariance.ldlt().solve(e));
+  }
+  EXPECT_GT(sum, chi_squared_quantile(0.0005, 6 * trials));
+  EXPECT_LT(sum, chi_squared_quantile(0.9995, 6 * trials));
+}
+
+TEST(TagPose, IsEquivariantUnderAMotionOfTheWorldToNationalCoordinates) {
+  const Field field{.point_sigma = 0.01, .rotation_sigma = 0.02, .pixel_sigma = 0.2, .seed = 8};
+  const Scene scene = make_scene(field);
+  const RigidTransform motion{quaternion_from_rotation_vector({0.1, -0.3, 2.0}), {512'345.0, 5'412'678.0, 431.0}};
+  Scene moved = scene;
+  for (TagView& view : moved.views) {
+    view.world_from_tag = motion * view.world_from_tag;
+    view.anchor_in_world = motion * view.anchor_in_world;
+  }
+  const auto solver = pose::make_opengv_solver("p3p_kneip");
+  const TagPose plain = estimate_tag_pose(scene.camera, scene.views, solver, options_for(field));
+  const TagPose there = estimate_tag_pose(moved.camera, moved.views, solver, options_for(field));
+  const Eigen::Vector3d expected = motion * plain.cam_from_world.inverse().translation;
+  // A coordinate of five million metres is itself only known to a nanometre.
+  EXPECT_LT((there.cam_from_world.inverse().translation - expected).norm(), 1e-6);
+}
+
+TEST(TagPose, RefusesTagsThatAgreeWithNothing) {
+  const Field field{.seed = 4};
+  Scene scene = make_scene(field);
+  Random random(3);
+  for (TagView& view : scene.views)
+    for (int i = 0; i < 4; ++i) {
+      view.pixels[i] = {6000 * random.uniform(), 4000 * random.uniform()};
+      view.bearings[i] = unproject(scene.camera, view.pixels[i])->homogeneous().normalized();
+    }
+  try {
+    estimate_tag_pose(scene.camera, scene.views, pose::make_opencv_solver("sqpnp"), options_for(field));
+    FAIL() << "random corners gave a pose";
+  } catch (const NoTagPose& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("of " + std::to_string(scene.views.size())));
+  }
+}
+
+TEST(TagPose, RefusesAnUnknownSolverByListingTheKnown) {
+  EXPECT_THROW(pose::make_opencv_solver("epnp"), std::runtime_error);
+  try {
+    pose::make_opengv_solver("p4p");
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), testing::AllOf(testing::HasSubstr("'p4p'"), testing::HasSubstr("p3p_kneip, ")));
+  }
+}
+
+}  // namespace
+}  // namespace plumbline
