@@ -11,6 +11,7 @@
 #include "artifacts/points.hpp"
 #include "campaign_folder.hpp"
 #include "formats/survey_artifact.hpp"
+#include "formats/survey_format.hpp"
 #include "image_header.hpp"
 #include "plumbline/node.hpp"
 #include "survey_files.hpp"
@@ -132,7 +133,8 @@ struct ReadCampaign : Node {
     control.commit(to_artifact(points));
     std::vector<plumbline::survey::SurveyObservations> parts;
     for (const std::string& path : description.survey) {
-      parts.push_back(campaign::read_survey_file(read_text(root / path), path));  // by its own name, wherever it lies
+      parts.push_back(
+          plumbline::survey::read_survey(read_text(root / path), path));  // by its own name, wherever it lies
       for (const auto& skipped : parts.back().skipped) {
         context.warn(skipped.source.file + ":" + std::to_string(skipped.source.line) + ": passed over " +
                      skipped.found + ", expected " + skipped.expected);

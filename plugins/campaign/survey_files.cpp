@@ -3,27 +3,12 @@
 #include <algorithm>
 #include <set>
 
-#include "campaign_folder.hpp"
-#include "formats/gsi.hpp"
-#include "formats/survey_csv.hpp"
-#include "formats/text.hpp"
-
 namespace plumbline::campaign {
 namespace {
 
 int shifted(int index, std::size_t by) { return index < 0 ? index : index + static_cast<int>(by); }
 
 }  // namespace
-
-survey::SurveyObservations read_survey_file(const std::string& bytes, const std::string& shown) {
-  const std::string extension = formats::to_lower(std::filesystem::path(shown).extension().string());
-  if (extension == ".gsi") return survey::read_gsi(bytes, shown);
-  if (extension == ".csv") {
-    return survey::has_setup_coordinates_header(bytes) ? survey::read_setup_coordinates(bytes, shown)
-                                                       : survey::read_survey_csv(bytes, shown);
-  }
-  throw CampaignError(shown, 0, "survey files end in .gsi or .csv, this one in '" + extension + "'; export it as GSI");
-}
 
 survey::SurveyObservations merge(const std::vector<survey::SurveyObservations>& parts) {
   survey::SurveyObservations all;

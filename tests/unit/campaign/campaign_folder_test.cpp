@@ -5,6 +5,7 @@
 #include <functional>
 #include <numbers>
 
+#include "formats/survey_format.hpp"
 #include "survey_files.hpp"
 
 namespace plumbline::campaign {
@@ -179,7 +180,7 @@ TEST(SurveyFiles, MergeKeepsReferences) {
   const std::string gsi =
       "*410001+0000000000000021 42....+00000000000000S1 43....+0000000000001500 \r\n"
       "*110002+00000000000000P1 21.322+0000000010000000 22.322+0000000010000000 31..00+0000000000010000 \r\n";
-  const auto one = read_survey_file(gsi, "a.gsi");
+  const auto one = survey::read_survey(gsi, "a.gsi");
   const auto all = merge({one, one});
   ASSERT_EQ(all.set_ups.size(), 2u);
   ASSERT_EQ(all.observations.size(), 6u);
@@ -187,7 +188,6 @@ TEST(SurveyFiles, MergeKeepsReferences) {
   EXPECT_EQ(all.observations[3].set_up, 1);
   EXPECT_NE(all.observations[0].pointing, all.observations[3].pointing);
   EXPECT_EQ(all.observations[3].pointing, all.observations[5].pointing);
-  EXPECT_NE(message_of([&] { read_survey_file(gsi, "a.dat"); }).find("end in"), std::string::npos);
 }
 
 }  // namespace

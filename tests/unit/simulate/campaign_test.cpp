@@ -11,9 +11,9 @@
 #include "design.hpp"
 #include "design_ifc.hpp"
 #include "express_schema.hpp"
+#include "formats/survey_format.hpp"
 #include "image_header.hpp"
 #include "observations.hpp"
-#include "survey_files.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::simulate {
@@ -103,7 +103,7 @@ TEST(SimulatedCampaign, GsiHoldsTheObservations) {
   const test::TemporaryFolder folder;
   const Campaign c = small_campaign(1, 3);
   write_campaign_files(c, folder.path());
-  const auto read = campaign::read_survey_file(test::read_file(folder.path() / "survey/total_station.gsi"), "a.gsi");
+  const auto read = survey::read_survey(test::read_file(folder.path() / "survey/total_station.gsi"), "a.gsi");
   EXPECT_TRUE(read.skipped.empty());
   ASSERT_EQ(read.set_ups.size(), 2u);
   EXPECT_NEAR(read.set_ups[1].instrument_height, c.observations.set_ups[1].instrument_height, 1e-9);
