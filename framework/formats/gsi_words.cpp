@@ -49,11 +49,7 @@ std::size_t word_end(const CharacterLine& line, std::size_t i, std::size_t digit
       if (line.at(k) == ' ' && is_head(line, k + 1)) return k;
     return line.size();
   }
-  if (line.at(end) == ' ' || line.at(end) == '\t') {
-    for (std::size_t k = i + kHead; k < end; ++k)
-      if (line.at(k) == ' ' && is_head(line, k + 1)) return k;
-    return end;
-  }
+  if (line.at(end) == ' ' || line.at(end) == '\t') return end;
   return next_blank(line, i);
 }
 

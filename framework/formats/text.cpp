@@ -114,8 +114,33 @@ std::optional<Encoding> guess_utf16(std::string_view bytes) {
   return std::nullopt;
 }
 
+// Control characters have no meaning in any of the formats but turn up in damaged files: what dumps are padded with
+// becomes a blank, the others '?', so that columns stay and names can be printed.
+DecodedText printable(DecodedText decoded) {
+  for (char& c : decoded.text) {
+    if (static_cast<unsigned char>(c) >= 0x20 && c != 0x7F) continue;
+    if (c == '\n' || c == '\r' || c == '\t') continue;
+    c = c == '\0' || c == '\f' || c == '\v' || c == 0x1A ? ' ' : '?';
+  }
+  return decoded;
+}
+
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\0'; }
 char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
+
+DecodedText decode(std::string_view bytes) {
+  if (bytes.starts_with("\xEF\xBB\xBF")) {
+    bytes.remove_prefix(3);
+    return is_utf8(bytes) ? DecodedText{std::string(bytes), Encoding::utf8}
+                          : DecodedText{from_windows_1252(bytes), Encoding::windows_1252};
+  }
+  if (bytes.starts_with("\xFF\xFE")) return {from_utf16(bytes.substr(2), true), Encoding::utf16_little_endian};
+  if (bytes.starts_with("\xFE\xFF")) return {from_utf16(bytes.substr(2), false), Encoding::utf16_big_endian};
+  if (const auto guess = guess_utf16(bytes))
+    return {from_utf16(bytes, *guess == Encoding::utf16_little_endian), *guess};
+  if (is_utf8(bytes)) return {std::string(bytes), Encoding::utf8};
+  return {from_windows_1252(bytes), Encoding::windows_1252};
+}
 
 }  // namespace
 
@@ -133,19 +158,7 @@ const char* name_of(Encoding encoding) {
   return "UTF-8";
 }
 
-DecodedText decode_text(std::string_view bytes) {
-  if (bytes.starts_with("\xEF\xBB\xBF")) {
-    bytes.remove_prefix(3);
-    return is_utf8(bytes) ? DecodedText{std::string(bytes), Encoding::utf8}
-                          : DecodedText{from_windows_1252(bytes), Encoding::windows_1252};
-  }
-  if (bytes.starts_with("\xFF\xFE")) return {from_utf16(bytes.substr(2), true), Encoding::utf16_little_endian};
-  if (bytes.starts_with("\xFE\xFF")) return {from_utf16(bytes.substr(2), false), Encoding::utf16_big_endian};
-  if (const auto guess = guess_utf16(bytes))
-    return {from_utf16(bytes, *guess == Encoding::utf16_little_endian), *guess};
-  if (is_utf8(bytes)) return {std::string(bytes), Encoding::utf8};
-  return {from_windows_1252(bytes), Encoding::windows_1252};
-}
+DecodedText decode_text(std::string_view bytes) { return printable(decode(bytes)); }
 
 std::optional<std::string> encode_windows_1252(std::string_view utf8) {
   std::string out;

@@ -23,7 +23,8 @@ struct DecodedText {
 
 /// UTF-8 of `bytes`. A byte order mark decides; else two-byte text with a zero in every other of its first bytes is
 /// UTF-16; else valid UTF-8 is UTF-8; else Windows-1252 (which contains Latin-1's letters). Never fails: unpaired
-/// surrogates become U+FFFD, the five bytes Windows-1252 leaves open become the C1 controls of the same value.
+/// surrogates become U+FFFD, the five bytes Windows-1252 leaves open become the C1 controls of the same value. Control
+/// characters other than tab, CR and LF become blanks (NUL, form feed, Ctrl-Z) or '?'.
 DecodedText decode_text(std::string_view bytes);
 
 /// Windows-1252 bytes of UTF-8 text; nullopt if a character does not exist there.

@@ -22,6 +22,8 @@ TEST(Text, DecodesCommonEncodings) {
   EXPECT_EQ(decode_text("\xFF\xFEx"sv).text, "") << "half a character";
 }
 
+TEST(Text, ControlCharactersBecomePrintable) { EXPECT_EQ(decode_text("A\0B\x01 C\t\r\n\x1A"sv).text, "A B? C\t\r\n "); }
+
 TEST(Text, InvalidUtf8IsWindows1252) {
   for (const auto bytes : {"\xC0\x80"sv, "\xED\xA0\x80"sv, "\xF4\x90\x80\x80"sv, "\xE2\x82"sv})
     EXPECT_EQ(decode_text(bytes).encoding, Encoding::windows_1252);
