@@ -93,14 +93,16 @@ Elevation layout(const AccuracyT& accuracy, const View& view) {
   }
   const double span_x = std::max(right - left, 1.0), span_y = std::max(high - low, 1.0);
   e.width = tall(accuracy) ? 520 : 1040;
-  const double margin_left = 72, margin_right = tall(accuracy) ? 110 : 150, margin = 44;
+  const double margin_left = 72, margin_right = tall(accuracy) ? 110 : 150, margin = 70;
   e.pixels_per_metre = std::min((e.width - margin_left - margin_right) / span_x, 900.0 / span_y);
   const double used = e.pixels_per_metre * span_x;
   const double start = margin_left + 0.5 * (e.width - margin_left - margin_right - used);
   e.height = e.pixels_per_metre * span_y + 2 * margin;
   e.x = {left, left + span_x, start, start + used};
   e.y = {low, low + span_y, e.height - margin, margin};
-  e.exaggeration = largest > 0 ? round_down(0.9 * smallest_spacing(e.spots) / largest) : 1;
+  // No arrow longer than nine tenths of the way to the next anchor, nor than the margins are wide.
+  const double longest = std::min(0.9 * smallest_spacing(e.spots), 60 / e.pixels_per_metre);
+  e.exaggeration = largest > 0 ? round_down(longest / largest) : 1;
   return e;
 }
 

@@ -48,9 +48,14 @@ void write_verdict_box(Markup& html, const Tally& tally, const std::string& head
   for (const std::string& paragraph : more) html.element("p", paragraph);
 }
 
+/// "± 0.47 mm; more", or what is known of it.
+std::string with_u(double u, const std::string& more) {
+  return (std::isfinite(u) ? "± " + mm(u) + " mm; " : "uncertainty unknown; ") + more;
+}
+
 std::string of_total(int part, int total) { return std::to_string(part) + " of " + std::to_string(total); }
 
-std::string model_heading(const Tally& tally, double tau) {
+std::string model_heading(const Tally& tally, double tau, bool uncertainty_known) {
   const std::string limit = "±" + tolerance(tau);
   const int n = tally.measured();
   switch (tally.overall()) {
@@ -61,6 +66,8 @@ std::string model_heading(const Tally& tally, double tau) {
       return of_total(tally.failed, n) + " check anchors " + (tally.failed == 1 ? "is" : "are") + " outside " + limit +
              " of the survey in height.";
     case ToleranceVerdict::undecided:
+      if (!uncertainty_known)
+        return "Undecided: the uncertainty of the measurement is not known, so nothing can be judged.";
       if (tally.undecided > 0)
         return "Undecided: " + of_total(tally.undecided, n) + " check anchors " +
                (tally.undecided == 1 ? "is" : "are") + " too close to ±" + tolerance(tau) + " to call.";
@@ -103,6 +110,7 @@ std::string pass_rate_sentence(const AccuracyT& accuracy, const AccuracyComparis
 
 void write_model_verdict(Markup& html, const AccuracyT& accuracy) {
   Tally tally;
+  bool uncertainty_known = true;
   std::vector<std::string> more;
   const AccuracyComparisonT* c = comparison(accuracy, AnchorUse::check, AccuracyReference::survey);
   if (c) {
@@ -111,7 +119,8 @@ void write_model_verdict(Markup& html, const AccuracyT& accuracy) {
     const std::string open = ids_with(accuracy, ToleranceVerdict::undecided, &AnchorAccuracyT::survey, true, false);
     if (!failing.empty())
       more.push_back("Outside: " + failing + ". Measure these again before anything is set to them.");
-    if (!open.empty())
+    uncertainty_known = std::isfinite(c->u_mean_dz);
+    if (!open.empty() && uncertainty_known)
       more.push_back("Too close to call: " + open +
                      ". A more precise measurement, or a wider tolerance, decides them.");
     if (c->anchors > 0) more.push_back(pass_rate_sentence(accuracy, *c));
@@ -124,7 +133,7 @@ void write_model_verdict(Markup& html, const AccuracyT& accuracy) {
   if (!control.empty())
     more.push_back("Control anchors that contradict their own survey: " + control +
                    ". Look for a mix-up or a blunder there first; it pulls at the whole model.");
-  write_verdict_box(html, tally, model_heading(tally, accuracy.tau), more);
+  write_verdict_box(html, tally, model_heading(tally, accuracy.tau, uncertainty_known), more);
 }
 
 void write_design_verdict(Markup& html, const AccuracyT& accuracy) {
@@ -158,28 +167,28 @@ void card(Markup& html, const std::string& name, const std::string& value, const
 
 void write_drift_cards(Markup& html, const AccuracyT& accuracy, const AccuracyComparisonT& c) {
   const FloorAccuracyT* top = nullptr;
-  const FloorAccuracyT* relative = nullptr;
+  const FloorAccuracyT *first = nullptr, *last = nullptr;  // with anchors
   for (const auto& floor : c.floors) {
     if (std::isfinite(floor->drift)) top = floor.get();
-    if (floor->anchors > 0) relative = floor.get();
+    if (floor->anchors == 0) continue;
+    if (!first) first = floor.get();
+    last = floor.get();
   }
   if (top)
-    card(
-        html, "Cumulative drift D(" + std::to_string(top->floor) + ")", signed_mm(top->drift) + "\u00A0mm",
-        "± " + mm(top->u_drift) + " mm; against ±" + tolerance(accuracy.tau) + ": " + verdict_word(top->drift_verdict));
+    card(html, "Cumulative drift D(" + std::to_string(top->floor) + ")", signed_mm(top->drift) + "\u00A0mm",
+         with_u(top->u_drift, "against ±" + tolerance(accuracy.tau) + ": " + verdict_word(top->drift_verdict)));
   else
     card(html, "Cumulative drift D(F)", unknown,
          c.use == AnchorUse::control ? "says nothing on control anchors" : "a floor has no anchors");
-  if (relative && relative != c.floors.front().get())
-    card(html,
-         "Drift of floor " + std::to_string(relative->floor) + " against floor " +
-             std::to_string(c.floors.front()->floor),
-         signed_mm(relative->relative_drift) + "\u00A0mm",
-         "± " + mm(relative->u_relative_drift) + " mm; free of a common offset");
+  if (last != first)
+    card(html, "Drift of floor " + std::to_string(last->floor) + " against floor " + std::to_string(first->floor),
+         signed_mm(last->relative_drift) + "\u00A0mm", with_u(last->u_relative_drift, "free of a common offset"));
   if (c.slope)
     card(html, "Trend from floor to floor", signed_mm(c.slope->per_floor) + "\u00A0mm",
-         percent(accuracy.confidence, 0) + " interval " + signed_mm(c.slope->lower) + " to " +
-             signed_mm(c.slope->upper) + " mm; p = " + probability(c.slope->p_value));
+         std::isfinite(c.slope->u_per_floor)
+             ? percent(accuracy.confidence, 0) + " interval " + signed_mm(c.slope->lower) + " to " +
+                   signed_mm(c.slope->upper) + " mm; p = " + probability(c.slope->p_value)
+             : "uncertainty unknown");
 }
 
 const HeightTransferT* worst_transfer(const AccuracyComparisonT& c) {
@@ -225,8 +234,7 @@ void write_key_numbers(Markup& html, const AccuracyT& accuracy) {
   write_drift_cards(html, accuracy, *c);
   if (const HeightTransferT* worst = worst_transfer(*c))
     card(html, "Worst height transfer", mm_unit(worst->error),
-         "± " + mm(worst->u) + " mm, floor " + std::to_string(worst->lower_floor) + " to " +
-             std::to_string(worst->upper_floor));
+         with_u(worst->u, "floor " + std::to_string(worst->lower_floor) + " to " + std::to_string(worst->upper_floor)));
   card(html, "In space, RMSE", mm_unit(c->rmse_3d), "largest " + mm(c->max_distance) + " mm");
   if (const auto* truth = comparison(accuracy, c->use, AccuracyReference::truth); truth && truth->anchors > 0)
     card(html, "Heights against the truth, RMSE", mm_unit(truth->rmse_z),
