@@ -51,6 +51,7 @@ struct Elevation {
   double width = 0, height = 0;  ///< of the drawing [px]
   double pixels_per_metre = 1;
   double exaggeration = 1;
+  std::map<int, std::string> prefixes;  ///< of names, left out in the drawing
 };
 
 double smallest_spacing(const std::vector<Spot>& spots) {
@@ -63,16 +64,24 @@ double smallest_spacing(const std::vector<Spot>& spots) {
   return spacing < 1e9 ? spacing : 2.0;
 }
 
-/// Whether the facade is drawn narrow, two views side by side.
-bool tall(const AccuracyT& accuracy) {
-  double left = 1e300, right = -1e300, back = 1e300, front = -1e300, low = 1e300, high = -1e300;
+bool has_design(const AccuracyT& accuracy) { return accuracy.design && accuracy.design->anchors > 0; }
+
+/// The part of the names that all anchors of a floor share, up to a separator: the drawing says the floor at its edge.
+std::map<int, std::string> common_prefixes(const AccuracyT& accuracy) {
+  std::map<int, std::pair<std::string, int>> shared;  // prefix, number of anchors
   for (const auto& a : accuracy.anchors) {
-    if (!std::isfinite(a->x + a->y + a->z)) continue;
-    left = std::min(left, a->x), right = std::max(right, a->x);
-    back = std::min(back, a->y), front = std::max(front, a->y);
-    low = std::min(low, a->z), high = std::max(high, a->z);
+    auto& [prefix, number] = shared[a->floor];
+    if (number++ == 0) prefix = a->id;
+    const auto end = std::mismatch(prefix.begin(), prefix.end(), a->id.begin(), a->id.end()).first;
+    prefix.erase(end, prefix.end());
   }
-  return high - low > std::hypot(right - left, front - back);
+  std::map<int, std::string> prefixes;
+  for (const auto& [floor, entry] : shared) {
+    const auto separator = entry.first.find_last_of("-_./ ");
+    if (floor > 0 && entry.second > 1 && separator != std::string::npos)
+      prefixes[floor] = entry.first.substr(0, separator + 1);
+  }
+  return prefixes;
 }
 
 Elevation layout(const AccuracyT& accuracy, const View& view) {
@@ -82,6 +91,7 @@ Elevation layout(const AccuracyT& accuracy, const View& view) {
     if (std::isfinite(a->x) && std::isfinite(a->y) && std::isfinite(a->z)) placed.push_back(a.get());
   if (placed.empty()) return e;
   e.direction = facade_direction(placed);
+  e.prefixes = common_prefixes(accuracy);
   double left = 1e300, right = -1e300, low = 1e300, high = -1e300, largest = 0;
   for (const auto* a : placed) {
     const double along = e.direction.dot(Eigen::Vector2d(a->x, a->y));
@@ -92,8 +102,8 @@ Elevation layout(const AccuracyT& accuracy, const View& view) {
       largest = std::max(largest, std::hypot(e.direction.dot(Eigen::Vector2d(d->dx, d->dy)), d->dz));
   }
   const double span_x = std::max(right - left, 1.0), span_y = std::max(high - low, 1.0);
-  e.width = tall(accuracy) ? 520 : 1040;
-  const double margin_left = 72, margin_right = tall(accuracy) ? 110 : 150, margin = 70;
+  e.width = has_design(accuracy) ? 520 : 1040;
+  const double margin_left = 72, margin_right = has_design(accuracy) ? 110 : 150, margin = 70;
   e.pixels_per_metre = std::min((e.width - margin_left - margin_right) / span_x, 900.0 / span_y);
   const double used = e.pixels_per_metre * span_x;
   const double start = margin_left + 0.5 * (e.width - margin_left - margin_right - used);
@@ -161,8 +171,9 @@ void draw_elevation(Markup& html, const Elevation& e, const View& view, double t
     const auto* d = (s.anchor->*view.difference).get();
     const std::string value = d ? " " + signed_mm(d->dz, 1) : "";
     const double x = e.x(s.along), y = e.y(s.height);
-    if (!labels.place(html, x, y, 13, s.anchor->id + value, "halo mark"))
-      labels.place(html, x, y, 13, s.anchor->id, "halo mark");
+    const auto prefix = e.prefixes.find(s.anchor->floor);
+    const std::string name = s.anchor->id.substr(prefix == e.prefixes.end() ? 0 : prefix->second.size());
+    if (!labels.place(html, x, y, 13, name + value, "halo mark")) labels.place(html, x, y, 13, name, "halo mark");
   }
 }
 
@@ -191,7 +202,9 @@ void write_view(Markup& html, const AccuracyT& accuracy, const View& view) {
   draw_elevation(html, e, view, accuracy.tau);
   html.element("figcaption", "Arrows: " + view.name + ", drawn ×" + fixed(e.exaggeration, 0) +
                                  " (the arrow at the right edge stands for " + tolerance(accuracy.tau) +
-                                 "); numbers: height deviation in mm. Drawn along the facade, " +
+                                 "); numbers: height deviation in mm. " +
+                                 (e.prefixes.empty() ? "" : "Names without the part that a floor has in common. ") +
+                                 "Drawn along the facade, " +
                                  (std::abs(e.direction.x()) >= std::abs(e.direction.y()) ? "x" : "y") +
                                  " increasing to the right.");
 }
@@ -201,9 +214,9 @@ void write_view(Markup& html, const AccuracyT& accuracy, const View& view) {
 void write_facade(Markup& html, const AccuracyT& accuracy) {
   Scope part(html, "section", {{"id", "facade"}});
   html.element("h2", "Facade");
-  const bool with_design = accuracy.design && accuracy.design->anchors > 0;
+  const bool with_design = has_design(accuracy);
   write_legend(html);
-  Scope views(html, "div", {{"class", tall(accuracy) && with_design ? "pair" : "views"}});
+  Scope views(html, "div", {{"class", with_design ? "pair" : "views"}});
   write_view(html, accuracy, {"Is the model right?", "model minus survey", &AnchorAccuracyT::survey, true});
   if (with_design)
     write_view(html, accuracy, {"Are the anchors in place?", "as-built minus design", &AnchorAccuracyT::design, false});

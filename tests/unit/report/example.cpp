@@ -27,7 +27,7 @@ class Normal {
 };
 
 std::string id_of(int floor, int column, int row) {
-  return "A" + std::to_string(floor) + std::to_string(column) + std::to_string(row);
+  return "F0" + std::to_string(floor) + "-C0" + std::to_string(column) + "-R" + std::to_string(row);
 }
 
 evaluate::Inputs campaign(int floors) {
@@ -101,7 +101,7 @@ NetworkPage network(const evaluate::Inputs& inputs) {
   page.steps.push_back({77, "removed", 9.2, 31 * mm});
   page.groups = {
       {"direction", 1.04, 110.2, 160}, {"zenith_angle", 0.97, 121.9, 160}, {"slope_distance", 1.01, 100.0, 160}};
-  page.findings.push_back({"note", "Points A511 and A521 are seen from two set-ups only."});
+  page.findings.push_back({"note", "Points F05-C01-R1 and F05-C02-R1 are seen from two set-ups only."});
   page.datum = "weighted";
   page.sigma0 = 1.012, page.degrees_of_freedom = 348, page.unknowns = 132;
   page.statistic = 356.4, page.lower = 298.1, page.upper = 401.6, page.alpha = 0.05, page.verdict = "pass";
