@@ -58,6 +58,10 @@ void Progress::node_progress(const runtime::GraphNode& node, size_t items_done, 
 }
 
 void Progress::node_finished(const runtime::GraphNode& node, const runtime::NodeResult& result) {
+  // Time on the clock; the record has the time of all items together.
+  const auto started = running_.find(node.name);
+  const double elapsed =
+      started == running_.end() ? 0 : std::chrono::duration<double>(Clock::now() - started->second.start).count();
   running_.erase(node.name);
   ++done_;
   record_.node(node, result);
@@ -69,7 +73,7 @@ void Progress::node_finished(const runtime::GraphNode& node, const runtime::Node
     std::string name = node.name + " (" + node.kind.node->kind + ")";
     std::string note;
     if (result.status == NodeStatus::executed) {
-      note = duration_text(result.seconds);
+      note = duration_text(elapsed);
       if (node.maps)
         note += result.items_executed < result.items
                     ? ", " + std::to_string(result.items_executed) + " of " + std::to_string(result.items) + " items"

@@ -63,11 +63,27 @@ void write_file_list(Store& store, const plumbline_type& type, const Hashes& has
   put_in_place(making, path);
 }
 
+/// True if `path` holds the files of the folder and nothing else, so that gigabytes need not be copied again.
+bool holds_already(Store& store, const Folder& folder, const fs::path& path) {
+  std::error_code error;
+  if (!fs::is_directory(path, error)) return false;
+  size_t files = 0;
+  for (fs::recursive_directory_iterator entry(path, error), end; !error && entry != end; entry.increment(error))
+    files += !entry->is_directory(error);
+  if (error || files != folder.files()->size()) return false;
+  for (const auto* entry : *folder.files()) {
+    const fs::path file = path / entry->path()->str();
+    if (!fs::is_regular_file(file, error) || store.file_hashes().of_file(file) != entry->sha256()->str()) return false;
+  }
+  return true;
+}
+
 void copy_folder_artifact(Store& store, const Blob& blob, const fs::path& path) {
   const auto* folder = flatbuffers::GetRoot<Folder>(blob.bytes().data);
   const fs::path source = store.resolve(folder->uri()->str()), making = beside(path);
   if (source.empty() || !fs::is_directory(source))
     throw std::runtime_error("the folder " + folder->uri()->str() + " is not there any more");
+  if (holds_already(store, *folder, path)) return;
   fs::remove_all(making);
   fs::create_directories(making);
   for (const auto* entry : *folder->files()) {

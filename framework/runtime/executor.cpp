@@ -213,6 +213,7 @@ class Execution {
       for (Metric& metric : item.run.metrics) result.metrics.push_back(std::move(metric));
       for (const auto* warnings : {&item.warnings, &item.run.warnings})
         for (const std::string& text : *warnings) result.warnings.push_back(node.maps ? text + where : text);
+      for (const std::string& text : item.run.messages) result.messages.push_back(node.maps ? text + where : text);
       if (item.executed) {
         ++result.items_executed;
         result.seconds += item.run.seconds;

@@ -29,7 +29,7 @@ struct NodeResult {
   Hashes keys;                                    ///< of each item, under which the store has its run
   std::map<std::string, Hashes> inputs, outputs;  ///< blobs by port
   std::vector<Metric> metrics;
-  std::vector<std::string> warnings;
+  std::vector<std::string> warnings, messages;
   double seconds = 0;  ///< sum over the items that ran now; 0 if all were reused
 };
 

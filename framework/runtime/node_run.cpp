@@ -133,9 +133,9 @@ const plumbline_port& Host::output(const std::string& port) const {
 }
 
 void Host::log(int level, const char* text) {
-  if (level < PLUMBLINE_WARNING) return;
+  if (level < PLUMBLINE_INFO) return;
   const std::scoped_lock lock(mutex_);
-  outcome_.run.warnings.emplace_back(text);
+  (level >= PLUMBLINE_WARNING ? outcome_.run.warnings : outcome_.run.messages).emplace_back(text);
 }
 
 void Host::progress(double fraction, const char* text) {

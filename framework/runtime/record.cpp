@@ -111,6 +111,7 @@ std::string Record::node_line(const GraphNode& node, const NodeResult& result) {
       json["metrics"].push_back({{"name", metric.name}, {"value", metric.value}, {"unit", metric.unit}});
   }
   if (!result.warnings.empty()) json["warnings"] = result.warnings;
+  if (!result.messages.empty()) json["messages"] = result.messages;
   if (!result.error.empty()) json["error"] = result.error;
   return dump(json);
 }

@@ -3,7 +3,8 @@
 //   {"event": "run_start", "plumbline", "host", "cpu_flags", "pipeline", "pipeline_sha256", "variables", "seed",
 //   "store", ...}
 //   {"event": "node", "name", "kind", "status", "items", "items_executed", "seconds", "plugin", "parameters", "inputs",
-//    "outputs", "keys", "metrics", "warnings", "error"}                              one for each node, as it ends
+//    "outputs", "keys", "metrics", "warnings", "messages", "error"}                              one for each node, as
+//    it ends
 //   {"event": "run_end", "status", "executed", "reused", "failed", "skipped", "seconds", "peak_memory", "outputs"}
 //
 // Wall times are here and nowhere else: artifacts hold none.

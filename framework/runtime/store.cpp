@@ -237,6 +237,7 @@ void Store::put_run(const std::string& key, const StoredRun& run) {
   for (const Metric& metric : run.metrics)
     json["metrics"].push_back({{"name", metric.name}, {"value", metric.value}, {"unit", metric.unit}});
   if (!run.warnings.empty()) json["warnings"] = run.warnings;
+  if (!run.messages.empty()) json["messages"] = run.messages;
   json["seconds"] = run.seconds;
   // Text that a node made of foreign bytes may be no UTF-8; a record is not the place to fail for that.
   const std::string text = json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
@@ -254,6 +255,7 @@ std::optional<StoredRun> Store::find_run(const std::string& key, std::string& da
     json.at("outputs").get_to(run.outputs);
     if (json.contains("folders")) json.at("folders").get_to(run.folders);
     if (json.contains("warnings")) json.at("warnings").get_to(run.warnings);
+    if (json.contains("messages")) json.at("messages").get_to(run.messages);
     if (json.contains("metrics"))
       for (const auto& metric : json.at("metrics"))
         run.metrics.push_back({metric.at("name"),

@@ -60,7 +60,7 @@ struct StoredRun {
   std::map<std::string, std::vector<std::string>> outputs;  ///< blob hashes by port
   std::map<std::string, std::string> folders;               ///< tree hash by the name of the folder
   std::vector<Metric> metrics;
-  std::vector<std::string> warnings;
+  std::vector<std::string> warnings, messages;
   double seconds = 0;
 };
 

@@ -1,3 +1,5 @@
+#include <sys/stat.h>
+
 #include <nlohmann/json.hpp>
 
 #include "story.hpp"
@@ -50,6 +52,22 @@ TEST(Deliver, WhatFailedIsAbsentAndTheRestIsThere) {
   EXPECT_EQ(deliveries.at(1).problem, "");
   EXPECT_FALSE(fs::exists(story.folder.path() / "out" / "a.json")) << "an old result would be taken for a new one";
   EXPECT_TRUE(fs::exists(story.folder.path() / "out" / "d.json"));
+}
+
+TEST(Deliver, LeavesAFolderThatIsThereAlready) {
+  Story story("w: {use: story.folder}", "outputs: {tree: w.folder}");
+  const fs::path file = story.folder.path() / "out" / "tree" / "a.txt";
+  story.run();
+  deliver(story);
+  struct stat before {
+  }, after{};
+  stat(file.c_str(), &before);
+  deliver(story);
+  stat(file.c_str(), &after);
+  EXPECT_EQ(before.st_ino, after.st_ino) << "it was copied again";
+  std::ofstream(file) << "jello";
+  deliver(story);
+  EXPECT_EQ(read_file(file), "hello");
 }
 
 TEST(Deliver, LeavesNoTemporaryNames) {
