@@ -2,6 +2,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <stdexcept>
 
@@ -91,9 +92,25 @@ class Writer {
     deviation.label("Frame", "project", "Coordinate system of the object placements");
     deviation.label("ReferencePointRule", name_of(element.rule), "Where the design position was taken from");
     deviation.attach(key(element.guid), "ASB_AnchorDeviation", "As-built minus design", object);
+    write_standard_sets(anchor, object);
     if (!anchor.measured) return;
     write_residual(*anchor.measured, element, object);
     write_uncertainty(*anchor.measured, element, object);
+  }
+
+  /// IFC4X3 has sets of its own for tolerance and uncertainty; before it their names are reserved for nothing.
+  void write_standard_sets(const AnchorDeviation& anchor, const std::vector<InstanceId>& object) {
+    if (appender_.schema() != Schema::ifc4x3) return;
+    PropertySet tolerance(appender_);
+    tolerance.positive_length("HorizontalTolerance", as_built_.tolerance_xy);
+    tolerance.positive_length("VerticalTolerance", as_built_.tolerance_z);
+    if (!tolerance.empty()) tolerance.attach(key(anchor.element->guid), "Pset_Tolerance", "", object);
+    if (!anchor.measured || !anchor.measured->covariance.allFinite()) return;
+    const Eigen::Vector3d variances = anchor.measured->covariance.diagonal().cwiseMax(0);
+    PropertySet uncertainty(appender_);
+    uncertainty.positive_length("HorizontalUncertainty", std::sqrt(variances.x() + variances.y()));
+    uncertainty.positive_length("VerticalUncertainty", std::sqrt(variances.z()));
+    if (!uncertainty.empty()) uncertainty.attach(key(anchor.element->guid), "Pset_Uncertainty", "", object);
   }
 
   void write_residual(const AsBuiltAnchor& measured, const Element& element, const std::vector<InstanceId>& object) {

@@ -135,6 +135,11 @@ void PropertySet::length(const std::string& name, double metres, const std::stri
   if (std::isfinite(metres)) single(name, appender_.length_measure(metres), description);
 }
 
+void PropertySet::positive_length(const std::string& name, double metres, const std::string& description) {
+  if (std::isfinite(metres) && appender_.length(metres) != appender_.length(0) && metres > 0)
+    single(name, step::typed("IFCPOSITIVELENGTHMEASURE", appender_.length(metres)), description);
+}
+
 void PropertySet::real(const std::string& name, double value, const std::string& description) {
   if (std::isfinite(value)) single(name, step::typed("IFCREAL", step::real_rounded(value, 9)), description);
 }

@@ -60,6 +60,8 @@ class PropertySet {
   explicit PropertySet(Appender& appender) : appender_(appender) {}
 
   void length(const std::string& name, double metres, const std::string& description = "");
+  /// As IFCPOSITIVELENGTHMEASURE, which some standard property sets ask for; left out unless it is above zero.
+  void positive_length(const std::string& name, double metres, const std::string& description = "");
   void real(const std::string& name, double value, const std::string& description = "");
   void probability(const std::string& name, double value, const std::string& description = "");
   void angle(const std::string& name, double radian, double plane_angle_unit, const std::string& description = "");

@@ -114,7 +114,9 @@ TEST_P(AsBuiltFile, ObeysTheContainmentRules) {
   for (const std::uint32_t index : annotations) EXPECT_EQ(contained[file.instances()[index].id], 1);
   for (const std::uint32_t index : file.of_type("IFCPROPERTYSET")) {
     const std::string name = file.arguments(file.instances()[index]).at(2).text;
-    EXPECT_TRUE(name.starts_with("ASB_")) << name;  // names that start with Pset are reserved
+    const bool standard = name == "Pset_Tolerance" || name == "Pset_Uncertainty";
+    // Names that start with Pset are reserved; these two exist since IFC4X3.
+    EXPECT_TRUE(name.starts_with("ASB_") || (standard && GetParam() == Schema::ifc4x3)) << name;
   }
 }
 
@@ -135,6 +137,7 @@ TEST_P(AsBuiltFile, CarriesTheValuesInTheUnitOfTheProject) {
   EXPECT_FALSE(found.contains("F2-C2/ASB_AnchorDeviation/DeviationX"));
   EXPECT_FALSE(found.contains("F2-C2/ASB_Provenance/Method"));
   EXPECT_EQ(found.at("F1-C1/ASB_AnchorDeviation/ToleranceZ").items.at(0).number, 5);
+  EXPECT_EQ(found.contains("F1-C1/Pset_Tolerance/VerticalTolerance"), GetParam() == Schema::ifc4x3);
   EXPECT_EQ(number(found, "F1-C1/ASB_ModelVsSurvey/DeltaZ"), -1.5);
   EXPECT_NEAR(number(found, "F1-C1/ASB_ModelVsSurvey/Distance3D"), std::sqrt(2.30), 1e-6);
   EXPECT_EQ(text("F1-C1/ASB_ModelVsSurvey/Role"), "CONTROL");
