@@ -127,8 +127,8 @@ std::unique_ptr<ErrorConsistencyT> consistency(const Eigen::VectorXd& difference
 
 PredictedRmse predicted_rmse(const Eigen::MatrixXd& covariance, double n, double confidence) {
   const double trace = std::max(0.0, covariance.trace());
-  const double square = covariance.squaredNorm();  // tr(S S') of a symmetric S
-  if (!(square > 0)) return {0, 0, 0};
+  const double square = covariance.squaredNorm();    // tr(S S') of a symmetric S
+  if (!(square > 0 && trace > 0)) return {0, 0, 0};  // a model that is its own survey
   const double freedom = trace * trace / square;
   const double scale = square / trace;
   const auto at = [&](double probability) { return std::sqrt(scale * chi_squared_quantile(probability, freedom) / n); };

@@ -174,10 +174,14 @@ void draw(Markup& html, const NetworkPage& network, const Projection& projection
 }  // namespace
 
 void write_network_drawings(Markup& html, const NetworkPage& network) {
-  // The elevation looks along the horizontal axis with the smaller extent.
+  // The elevation looks along the horizontal axis with the smaller extent of the markers; the reference points of the
+  // datum stand around the building and would turn the view.
+  const auto is_marker = [](const NetworkPage::Point& p) { return !p.station && !p.datum; };
+  const bool any = std::any_of(network.points.begin(), network.points.end(), is_marker);
   Eigen::Vector3d low = Eigen::Vector3d::Constant(1e300), high = -low;
   for (const auto& p : network.points)
-    if (p.position.allFinite() && !p.station) low = low.cwiseMin(p.position), high = high.cwiseMax(p.position);
+    if (p.position.allFinite() && (is_marker(p) || !any))
+      low = low.cwiseMin(p.position), high = high.cwiseMax(p.position);
   const bool along_x = high.x() - low.x() >= high.y() - low.y();
   Projection plan{"Plan", "x (east)", "y (north)", {}};
   plan.axes << 1, 0, 0, 0, 1, 0;

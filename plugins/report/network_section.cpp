@@ -73,7 +73,13 @@ void write_findings(Markup& html, const NetworkPage& n) {
 void write_removed(Markup& html, const NetworkPage& n) {
   html.element("h3", "What was removed, and why");
   if (n.steps.empty()) {
-    html.element("p", "Nothing: no observation failed its test.");
+    const auto suspects =
+        std::count_if(n.observations.begin(), n.observations.end(), [](const auto& o) { return o.flagged; });
+    html.element("p", suspects == 0 ? std::string("Nothing: no observation failed its test.")
+                                    : "Nothing. " +
+                                          count(suspects, "observation fails its test and is",
+                                                "observations fail their test and are") +
+                                          " flagged in the table below, but kept in the network.");
     return;
   }
   html.element("p", "An observation is removed when its normalised residual |w| is the largest and exceeds " +

@@ -128,6 +128,18 @@ TEST(Control, UncertaintyOfAControlAnchorIsThatOfAnAdjustedResidual) {
   EXPECT_NEAR(evaluate_accuracy(inputs, options).anchors[0]->survey->u_dz, std::sqrt(1.36) * mm, 1e-12);
 }
 
+// A correlated survey compared with itself: the covariance of the differences is zero but for rounding.
+TEST(Control, SurveyAgainstItselfIsExact) {
+  test::Normal normal(5);
+  Inputs inputs = test::small_building(AnchorUse::control);
+  inputs.survey.covariance = 1e-6 * random_covariance(normal, 18);
+  inputs.model = inputs.survey;
+  const AccuracyT accuracy = evaluate_accuracy(inputs, {});
+  EXPECT_EQ(accuracy.comparisons[0]->passed, 6);
+  EXPECT_EQ(accuracy.comparisons[0]->rmse_z, 0);
+  EXPECT_NEAR(accuracy.comparisons[0]->predicted_rmse_z, 0, 1e-9);
+}
+
 TEST(Truth, HasNoUncertaintyOfItsOwn) {
   Inputs inputs = test::small_building();
   inputs.truth = inputs.survey;
