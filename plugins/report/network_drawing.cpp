@@ -79,7 +79,7 @@ Layout layout(const NetworkPage& network, const Projection& projection) {
   out.x = {low.x(), low.x() + span.x(), start, start + used};
   out.y = {low.y(), low.y() + span.y(), out.drawing_height - margin, margin};
   // Ellipses may touch their neighbours but must stay visible in a network of many close points.
-  const double wanted = std::max(0.6 * usual_spacing(out.spots), 16 / out.pixels_per_metre);
+  const double wanted = std::max(0.35 * usual_spacing(out.spots), 16 / out.pixels_per_metre);
   if (largest > 0) out.exaggeration = round_down(wanted / largest);
   return out;
 }
