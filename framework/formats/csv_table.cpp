@@ -56,6 +56,21 @@ struct Dialect {
   char delimiter, decimal;
 };
 
+// How many parts of the line are numbers; quotes around one do not matter here.
+std::size_t numbers_in(std::string_view line, const Dialect& dialect) {
+  const auto is_delimiter = [&](char c) { return c == dialect.delimiter || (dialect.delimiter == ' ' && c == '\t'); };
+  std::size_t numbers = 0;
+  for (std::size_t start = 0; start <= line.size();) {
+    std::size_t end = start;
+    while (end < line.size() && !is_delimiter(line[end])) ++end;
+    std::string_view part = trim(line.substr(start, end - start));
+    if (part.size() > 2 && part.front() == '"' && part.back() == '"') part = part.substr(1, part.size() - 2);
+    numbers += !part.empty() && parse_number(part, dialect.decimal) ? 1 : 0;
+    start = end + 1;
+  }
+  return numbers;
+}
+
 // The pair that makes most cells numbers; in a tie the earlier one of the list.
 Dialect detect(const std::vector<Line>& lines) {
   constexpr std::array<Dialect, 9> candidates = {Dialect{';', '.'},  Dialect{'\t', '.'}, Dialect{',', '.'},
@@ -68,8 +83,7 @@ Dialect detect(const std::vector<Line>& lines) {
     for (const Line& line : lines) {
       if (trim(line.text).empty() || is_comment(line.text)) continue;
       if (++sampled > kSampledLines) break;
-      for (const CsvCell& cell : cells_of(line.text.substr(0, kLongestSampledLine), candidate.delimiter))
-        numbers += parse_number(cell.text, candidate.decimal) ? 1 : 0;
+      numbers += numbers_in(line.text.substr(0, kLongestSampledLine), candidate);
     }
     if (numbers > most) most = numbers, best = candidate;
   }

@@ -108,7 +108,13 @@ struct WriteGsi : WriterNode {
 };
 
 struct WriteGama : WriterNode {
-  static constexpr Info info{"write.gama", "survey_writer", 1, "Writes gama-local XML, for a side by side"};
+  static constexpr Info info{"write.gama", "survey_writer", 1,
+                             "Writes GNU Gama's gama-local XML; readings in face 2 become those of face 1"};
+  Param<double> direction_sigma{"direction_sigma", 1.5, "mgon", between(1e-6, 1e3),
+                                "of directions and angles without one"};
+  Param<double> zenith_angle_sigma{"zenith_angle_sigma", 1.5, "mgon", between(1e-6, 1e3),
+                                   "of zenith angles without one"};
+  Param<double> distance_sigma{"distance_sigma", 2.0, "mm", between(1e-6, 1e6), "of lengths without one"};
   void run(Context& context) override;
 };
 

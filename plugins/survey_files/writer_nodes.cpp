@@ -1,3 +1,6 @@
+#include <cmath>
+#include <numbers>
+
 #include "formats/gama.hpp"
 #include "formats/gsi.hpp"
 #include "formats/landxml.hpp"
@@ -6,6 +9,20 @@
 #include "nodes.hpp"
 
 namespace plumbline::survey_files {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+/// The format knows no faces: a reading in face 2 becomes that of face 1. Repeated sightings stay apart.
+void reduce_to_face_1(survey::Observation& observation) {
+  if (observation.face != 2) return;
+  if (observation.kind == survey::ObservationKind::direction)
+    observation.value = std::fmod(observation.value + pi, 2 * pi);
+  if (observation.kind == survey::ObservationKind::zenith_angle) observation.value = 2 * pi - observation.value;
+  observation.face = 0;
+}
+
+}  // namespace
 
 void WriterNode::deliver(const std::string& name, const char* media_type, const std::string& content) const {
   FileT result;
@@ -23,7 +40,18 @@ void WriteGsi::run(Context&) {
 }
 
 void WriteGama::run(Context&) {
-  deliver("survey.gkf", "application/xml", survey::write_gama_xml(survey::from_artifact(observations.unpack())));
+  survey::SurveyObservations prepared = survey::from_artifact(observations.unpack());
+  for (survey::Observation& observation : prepared.observations) {
+    reduce_to_face_1(observation);
+    if (!std::isnan(observation.sigma)) continue;
+    const bool zenith = observation.kind == survey::ObservationKind::zenith_angle;
+    const bool angular = zenith || observation.kind == survey::ObservationKind::direction ||
+                         observation.kind == survey::ObservationKind::angle ||
+                         observation.kind == survey::ObservationKind::azimuth;
+    observation.sigma =
+        angular ? (zenith ? *zenith_angle_sigma : *direction_sigma) * 1e-3 * pi / 200 : *distance_sigma * 1e-3;
+  }
+  deliver("survey.gkf", "application/xml", survey::write_gama_xml(prepared));
 }
 
 void WriteLandXml::run(Context&) {

@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "formats/csv_table.hpp"
+#include "formats/gama.hpp"
 #include "formats/gsi.hpp"
 #include "formats/jobxml.hpp"
 #include "formats/krumm.hpp"
@@ -55,7 +56,9 @@ inline void check_writers(const survey::SurveyObservations& s) {
       {[](const survey::SurveyObservations& x) { return survey::write_landxml(x); },
        [](const std::string& t) { return survey::read_landxml(t, "written"); }},
       {[](const survey::SurveyObservations& x) { return survey::write_survey_csv(x); },
-       [](const std::string& t) { return survey::read_survey_csv(t, "written"); }}};
+       [](const std::string& t) { return survey::read_survey_csv(t, "written"); }},
+      {[](const survey::SurveyObservations& x) { return survey::write_gama_xml(x); },
+       [](const std::string& t) { return survey::read_gama_xml(t, "written"); }}};
   for (const auto& [write, read] : formats) {
     std::string text;
     try {
@@ -98,6 +101,7 @@ inline constexpr Target kTargets[] = {
     {"jobxml", [](std::string_view b) { run_reader(b.size(), [&] { return survey::read_jobxml(b, "f"); }); }},
     {"sdr33", [](std::string_view b) { run_reader(b.size(), [&] { return survey::read_sdr33(b, "f"); }); }},
     {"rw5", [](std::string_view b) { run_reader(b.size(), [&] { return survey::read_rw5(b, "f"); }); }},
+    {"gama", [](std::string_view b) { run_reader(b.size(), [&] { return survey::read_gama_xml(b, "f"); }); }},
     {"krumm", [](std::string_view b) { run_reader(b.size(), [&] { return survey::read_krumm(b, "f"); }); }},
     {"survey_format", [](std::string_view b) { run_reader(b.size(), [&] { return survey::read_survey(b, "f"); }); }},
 };

@@ -26,6 +26,7 @@ constexpr Known kFixtures[] = {
     {"wide.sdr", SurveyFormat::sdr33},
     {"narrow.sdr", SurveyFormat::sdr33},
     {"carlson.rw5", SurveyFormat::rw5},
+    {"network.gkf", SurveyFormat::gama_xml},
     {"krumm.dat", SurveyFormat::krumm},
     {"setup_coordinates.csv", SurveyFormat::setup_coordinates},
     {"points_penzd.csv", SurveyFormat::csv},
