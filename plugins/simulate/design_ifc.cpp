@@ -85,6 +85,8 @@ class DesignWriter {
     along_y_ = add("IFCDIRECTION", {list({"0.", "1.", "0."})});
     along_x_ = add("IFCDIRECTION", {list({"1.", "0.", "0."})});
     along_z_ = add("IFCDIRECTION", {list({"0.", "0.", "1."})});
+    const Id origin = add("IFCCARTESIANPOINT", {list({"0.", "0."})});
+    in_profile_ = add("IFCAXIS2PLACEMENT2D", {reference(origin), null});  // optional in IFC 4, but readers want it
     context_ = add("IFCGEOMETRICREPRESENTATIONCONTEXT",
                    {null, text("Model"), "3", "1.E-05", reference(axes({0, 0, 0})), null});
     body_ = add("IFCGEOMETRICREPRESENTATIONSUBCONTEXT",
@@ -124,14 +126,15 @@ class DesignWriter {
 
   /// A box that stands on the placement's x-y plane, its footprint centred at (x, y) [m].
   Id box(double x, double y, double size_x, double size_y, double height) {
-    const Id profile = add("IFCRECTANGLEPROFILEDEF", {enumeration("AREA"), null, null, length(size_x), length(size_y)});
+    const Id profile = add("IFCRECTANGLEPROFILEDEF",
+                           {enumeration("AREA"), null, reference(in_profile_), length(size_x), length(size_y)});
     return shape(profile, axes({x, y, 0}), along_z_, height);
   }
 
   /// The solid all anchors share: a bolt of 40 mm that goes 120 mm into the wall.
   Id bolt() {
     if (bolt_solid_) return bolt_solid_;
-    const Id profile = add("IFCCIRCLEPROFILEDEF", {enumeration("AREA"), null, null, length(0.02)});
+    const Id profile = add("IFCCIRCLEPROFILEDEF", {enumeration("AREA"), null, reference(in_profile_), length(0.02)});
     const Id point = add("IFCCARTESIANPOINT", {list({"0.", "0.", "0."})});
     const Id position = add("IFCAXIS2PLACEMENT3D", {reference(point), reference(along_y_), reference(along_x_)});
     bolt_solid_ =
@@ -196,7 +199,7 @@ class DesignWriter {
   bool millimetres_;
   std::string project_guid_, lines_;
   Id last_id_ = 0, owner_ = 0, units_ = 0, context_ = 0, body_ = 0;
-  Id along_x_ = 0, along_y_ = 0, along_z_ = 0, bolt_solid_ = 0;
+  Id along_x_ = 0, along_y_ = 0, along_z_ = 0, in_profile_ = 0, bolt_solid_ = 0;
 };
 
 }  // namespace
