@@ -1,0 +1,76 @@
+// Registration of two sets of points, equations (6) and (8): target_k = scale · rotation · source_k + translation.
+#pragma once
+
+#include <Eigen/Core>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "geometry/rigid_transform.hpp"
+
+namespace plumbline::registration {
+
+enum class Weighting {
+  equal,       ///< every point counts alike; closed form
+  scalar,      ///< one weight a point, 3 / trace of the sum of both covariances; closed form
+  covariance,  ///< full covariance of both sides, correlations between points included; Gauss-Newton
+};
+
+struct Options {
+  Weighting weighting = Weighting::equal;
+  bool estimate_scale = false;
+  /// Width of the figure of control points over its length (ratio of the second to the first principal deviation). A
+  /// figure that is narrower is taken for a line: the rotation about it would come from noise.
+  double min_width_ratio = 0.01;
+};
+
+/// Points that correspond, one a column [m], each with the 3n x 3n covariance [m²] or an empty matrix if it is not
+/// known.
+struct Correspondences {
+  std::vector<std::string> ids;  ///< for messages
+  Eigen::Matrix3Xd source, target;
+  Eigen::MatrixXd source_covariance, target_covariance;
+};
+
+struct Registration {
+  RigidTransform to_from_from;
+  double scale = 1;
+  /// Of (rotation vector in the target frame [rad], translation [m]), and scale if it was estimated: 6 x 6 or 7 x 7.
+  Eigen::MatrixXd covariance;
+  Eigen::Matrix3Xd residuals;           ///< target minus transformed source [m]
+  Eigen::Matrix3d residual_covariance;  ///< (8) as printed, with 1 / (N - 1) [m²]
+  Eigen::Matrix3d
+      residual_covariance_unbiased;  ///< with 3 / (3N - unknowns): its trace is that of one point's error [m²]
+  double sigma0 = 0;                 ///< a posteriori; [1] if covariances were given, else [m]
+  double weighted_sum_of_squares = 0;
+  int degrees_of_freedom = 0;
+  int unknowns = 6;
+  /// Influence of the residuals on (rotation vector, position of the source's centroid, scale), unknowns x 3n.
+  Eigen::MatrixXd influence;
+  Eigen::Vector3d source_centroid;  ///< about which `influence` is meant
+};
+
+/// The points do not determine the transform; the text names the direction that is free.
+class DegenerateRegistration : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Closed form: Umeyama (1991) with weights. Full covariances: Gauss-Newton from there, weights from C_target + s² R
+/// C_source R'. A singular sum, as two free networks have, is treated by Rao's unified least squares (Rao 1971), which
+/// needs the transform to cover the null space. Throws DegenerateRegistration, and std::invalid_argument for what does
+/// not fit together.
+Registration register_points(const Correspondences& points, const Options& options);
+
+/// Points of the source frame in the target frame, with covariance. `fitted` are the columns of `points` that took part
+/// in the registration, in its order: their errors act twice, by themselves and through the transform, and that is
+/// accounted for.
+struct MovedPoints {
+  Eigen::Matrix3Xd positions;
+  Eigen::MatrixXd covariance;  ///< 3m x 3m [m²]; empty if `covariance` was
+};
+MovedPoints move_points(const Registration& registration, const Eigen::Matrix3Xd& points,
+                        const Eigen::MatrixXd& covariance, const std::vector<int>& fitted,
+                        const Eigen::MatrixXd& target_covariance);
+
+}  // namespace plumbline::registration
