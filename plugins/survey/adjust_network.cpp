@@ -49,18 +49,28 @@ class Adjuster {
     solver.negligible_step = 3e-5;  // of a standard deviation: below a tenth of a micrometre in any real network
     try {
       Solution solution = adjustment::solve(problem.problem, solver);
+      refuse_local_defects(problem, solution);
       if (!solution.converged) fail_to_converge(problem, solution);
       Pass pass{std::move(problem), std::move(solution), {}, {}};
       if (statistics) add_statistics(pass);
       return pass;
     } catch (const adjustment::RankDefect& defect) {
-      const std::vector<Finding> named = name_defects(m_, problem, defect.directions);
-      std::string text = "rank defect: the network is not determined";
-      for (const Finding& f : named) text += "; " + f.text;
-      if (m_.datum == DatumMode::file || m_.datum == DatumMode::fixed)
-        text += ". Fix points, give control points, or adjust it as a free network (datum: inner)";
-      throw NetworkError(text, named);
+      const bool held = m_.datum == DatumMode::file || m_.datum == DatumMode::fixed;
+      fail_with(name_defects(m_, problem, defect.directions),
+                held ? ". Fix points, give control points, or adjust it as a free network (datum: inner)" : "");
     }
+  }
+
+  [[noreturn]] static void fail_with(const std::vector<Finding>& defects, const std::string& advice) {
+    std::string text = "rank defect: the network is not determined";
+    for (const Finding& f : defects) text += "; " + f.text;
+    throw NetworkError(text + advice, defects);
+  }
+
+  /// Inner constraints choose among positions of the whole network; they must not stand in for missing observations.
+  void refuse_local_defects(const NetworkProblem& problem, const Solution& solution) const {
+    const std::vector<Finding> defects = name_local_defects(m_, problem, solution.datum.null_space());
+    if (!defects.empty()) fail_with(defects, ". Add observations there, or leave these points out");
   }
 
   void add_statistics(Pass& pass) const {
@@ -149,10 +159,16 @@ class Adjuster {
     for (size_t r = 0; r < pass.problem.rows.size(); ++r) {
       const int row = pass.problem.rows[r];
       if (row < 0 || pass.reliability.rows[r].redundancy_number < 0.01) continue;
-      points.insert(m_.rows[row].from);
-      points.insert(m_.rows[row].to);
+      for (const std::string& id : {m_.rows[row].from, m_.rows[row].to})
+        if (!id.empty() && is_unknown(id)) points.insert(id);
     }
     return points;
+  }
+
+  bool is_unknown(const std::string& id) const {
+    for (CoordinateRole role : m_.roles[m_.index.at(id)])
+      if (role == CoordinateRole::free || role == CoordinateRole::constrained) return true;
+    return false;
   }
 
   void note_kept(int row, double w) {

@@ -1,5 +1,6 @@
 // Says in words what the numbers mean: which movements a network leaves open, which observations nothing controls,
 // where it hangs on a single point.
+#include <Eigen/Geometry>
 #include <Eigen/QR>
 #include <Eigen/SVD>
 #include <algorithm>
@@ -65,6 +66,31 @@ class DefectNamer {
   DefectNamer(const NetworkModel& model, const NetworkProblem& problem, const Eigen::MatrixXd& directions)
       : m_(model), p_(problem), unknowns_(problem.problem), open_(directions), part_(parts_of(problem)) {}
 
+  /// What of the open directions is not a movement of the network as a whole, as an orthonormal basis: 0 columns if
+  /// nothing.
+  Eigen::MatrixXd beyond_motions() const {
+    std::vector<int> all(m_.ids.size());
+    std::iota(all.begin(), all.end(), 0);
+    const Eigen::Vector3d centre = anchor_of(all);
+    Eigen::MatrixXd motions(unknowns_.count(), 7);
+    for (int axis = 0; axis < 3; ++axis) motions.col(axis) = translation(all, axis);
+    motions.col(3) = turn(all, -1, centre);
+    motions.col(4) = dilation(all, centre);
+    motions.col(5) = tumble(all, centre, 0);
+    motions.col(6) = tumble(all, centre, 1);
+    const Eigen::MatrixXd unit = open_.colwise().normalized();
+    const Eigen::MatrixXd rest = unit - motions * motions.completeOrthogonalDecomposition().solve(unit);
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(rest, Eigen::ComputeThinU);
+    const auto count = (svd.singularValues().array() > 1e-3).count();
+    return svd.matrixU().leftCols(count);
+  }
+
+  int parts() const {
+    std::set<int> parts;
+    for (size_t i = 0; i < m_.ids.size(); ++i) parts.insert(part_[p_.point_blocks[i]]);
+    return static_cast<int>(parts.size());
+  }
+
   std::vector<Finding> name() {
     std::set<int> parts;
     for (size_t i = 0; i < m_.ids.size(); ++i) parts.insert(part_[p_.point_blocks[i]]);
@@ -105,7 +131,17 @@ class DefectNamer {
     return v;
   }
 
-  /// Clockwise turn about the vertical through `centre`.
+  /// Rotation about a horizontal axis (0 east, 1 north): open where nothing knows the vertical.
+  Eigen::VectorXd tumble(const std::vector<int>& points, const Eigen::Vector3d& centre, int axis) const {
+    Eigen::VectorXd v = Eigen::VectorXd::Zero(unknowns_.count());
+    for (int i : points) {
+      const Eigen::Vector3d moved = Eigen::Vector3d::Unit(axis).cross(now(i) - centre);
+      for (int k = 0; k < 3; ++k) put(v, p_.point_blocks[i], k, moved[k]);
+    }
+    return v;
+  }
+
+  /// Clockwise turn about the vertical through `centre`; part -1: of the whole network.
   Eigen::VectorXd turn(const std::vector<int>& points, int part, const Eigen::Vector3d& centre) const {
     Eigen::VectorXd v = Eigen::VectorXd::Zero(unknowns_.count());
     for (int i : points) {
@@ -114,7 +150,7 @@ class DefectNamer {
       put(v, p_.point_blocks[i], 1, -d.x());
     }
     for (int block : p_.orientation_blocks)
-      if (block >= 0 && part_[block] == part) put(v, block, 0, 1);
+      if (block >= 0 && (part < 0 || part_[block] == part)) put(v, block, 0, 1);
     return v;
   }
 
@@ -248,7 +284,7 @@ void examine_rows(const NetworkResult& r, std::vector<Finding>& findings) {
                               amount(row, row.statistics.estimated_blunder),
                           {row.from, row.to}});
   }
-  if (!uncontrolled.empty())
+  if (!uncontrolled.empty() && r.degrees_of_freedom > 0)
     findings.push_back(
         {Finding::Severity::warning,
          std::to_string(uncontrolled.size()) +
@@ -331,6 +367,16 @@ void examine_control(const NetworkModel& m, const NetworkResult& r, std::vector<
 std::vector<Finding> name_defects(const NetworkModel& model, const NetworkProblem& problem,
                                   const Eigen::MatrixXd& directions) {
   return DefectNamer(model, problem, directions).name();
+}
+
+std::vector<Finding> name_local_defects(const NetworkModel& model, const NetworkProblem& problem,
+                                        const Eigen::MatrixXd& null_space) {
+  if (null_space.cols() == 0) return {};
+  DefectNamer whole(model, problem, null_space);
+  const Eigen::MatrixXd rest = whole.beyond_motions();
+  if (rest.cols() == 0) return {};
+  if (whole.parts() > 1) return whole.name();
+  return DefectNamer(model, problem, rest).name();
 }
 
 std::vector<Finding> examine(const NetworkModel& model, const NetworkResult& result) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <tuple>
 
 namespace plumbline::survey {
 
@@ -243,6 +244,30 @@ void find_approximations(NetworkModel& m) {
                        {{Finding::Severity::error, "not determined: " + join(lost), lost}});
 }
 
+/// Lengths that standard deviations depend on: as measured where the sight has a distance, else from approximate
+/// coordinates.
+void find_lengths(NetworkModel& m) {
+  std::map<std::tuple<int, std::string, double>, Eigen::Vector2d> measured;  // slope, zenith angle
+  const auto key = [](const Observation& o) {
+    return std::tuple(o.set_up, o.to, std::isnan(o.target_height) ? 0.0 : o.target_height);
+  };
+  for (const MeanObservation& mean : m.observations) {
+    const Observation& o = mean.observation;
+    if (o.set_up < 0) continue;
+    Eigen::Vector2d& sight = measured.try_emplace(key(o), kNotGiven, kNotGiven).first->second;
+    if (o.kind == ObservationKind::slope_distance) sight[0] = o.value;
+    if (o.kind == ObservationKind::zenith_angle) sight[1] = o.value;
+  }
+  for (const MeanObservation& mean : m.observations) {
+    const Observation& o = mean.observation;
+    const Eigen::Vector3d d = m.initial[m.index.at(o.to)] - m.initial[m.index.at(o.from)];
+    Eigen::Vector2d lengths(d.head<2>().norm(), d.norm());
+    if (const auto at = measured.find(key(o)); o.set_up >= 0 && at != measured.end() && !at->second.hasNaN())
+      lengths = {at->second[0] * std::abs(std::sin(at->second[1])), at->second[0]};
+    m.lengths.push_back(lengths.cwiseMax(kShortestHorizontal));
+  }
+}
+
 /// Observations that cannot be used with the points as they are.
 void drop_unusable(NetworkModel& m) {
   m.dropped.assign(m.observations.size(), 0);
@@ -368,6 +393,7 @@ NetworkModel make_model(const SurveyObservations& survey, const AdjustOptions& o
   distrust_equal_coordinates(m);
   apply_datum(m, options, control);
   find_approximations(m);
+  find_lengths(m);
   drop_unusable(m);
   const bool reduced_file = survey.info.format == "gama-xml" || survey.info.format == "krumm";
   m.curvature = options.curvature == Switch::on || (options.curvature == Switch::automatic && !reduced_file);

@@ -22,6 +22,7 @@ enum Group { kDirections, kZenithAngles, kDistances, kHeightDifferences, kLocalC
 struct NetworkModel {
   SurveyObservations survey;
   std::vector<MeanObservation> observations;  ///< those that take part first; see `dropped`
+  std::vector<Eigen::Vector2d> lengths;       ///< horizontal and slope length of each observation's sight [m]
   std::vector<char> dropped;                  ///< one per observation: cannot be used (noted in findings)
   std::vector<std::string> ids;               ///< points of the network
   std::map<std::string, int> index;           ///< their numbers
@@ -70,6 +71,11 @@ std::unique_ptr<ObservationBlock> single_block(const NetworkModel& model, const 
 /// Names in words what the directions of a RankDefect are, with the points concerned.
 std::vector<Finding> name_defects(const NetworkModel& model, const NetworkProblem& problem,
                                   const Eigen::MatrixXd& directions);
+
+/// Of a free network's null space, what is not a movement of the network as a whole: points or parts that the inner
+/// constraints would hold where no observation does. Empty: nothing.
+std::vector<Finding> name_local_defects(const NetworkModel& model, const NetworkProblem& problem,
+                                        const Eigen::MatrixXd& null_space);
 
 /// Uncontrolled and weak observations, hinge points, failing tests: what a surveyor should look at.
 std::vector<Finding> examine(const NetworkModel& model, const NetworkResult& result);

@@ -64,13 +64,12 @@ class Assembler {
   }
 
   /// Standard deviation of the model: of the file if it gives one, else of the instrument profile.
-  double sigma(const MeanObservation& mean) const {
+  double sigma(int index) const {
+    const MeanObservation& mean = m_.observations[index];
     const Observation& o = mean.observation;
     const double factor = state_.sigma_factors[group_of(o.kind)];
     if (!std::isnan(o.sigma)) return factor * o.sigma;
-    const Eigen::Vector3d d = m_.initial[m_.index.at(o.to)] - m_.initial[m_.index.at(o.from)];
-    const double horizontal = std::max(kShortestHorizontal, d.head<2>().norm());
-    const double slope = std::max(kShortestHorizontal, d.norm());
+    const double horizontal = m_.lengths[index][0], slope = m_.lengths[index][1];
     const InstrumentProfile& p = options_.profile;
     switch (o.kind) {
       case ObservationKind::direction:
@@ -202,7 +201,7 @@ class Assembler {
       const MeanObservation& mean = m_.observations[members[k]];
       block->equations.push_back(equation(*block, mean.observation, out_));
       block->groups.push_back(group_of(mean.observation.kind));
-      sigmas[static_cast<Eigen::Index>(k)] = sigma(mean);
+      sigmas[static_cast<Eigen::Index>(k)] = sigma(members[k]);
       if (!state_.weight_factors.empty()) block->weight_factors.push_back(state_.weight_factors[members[k]]);
     }
     set_sigmas(*block, sigmas, m_.observations[members.front()].observation);
@@ -344,7 +343,7 @@ std::unique_ptr<ObservationBlock> single_block(const NetworkModel& model, const 
   const MeanObservation& mean = model.observations[observation];
   auto block = std::make_unique<ObservationBlock>();
   block->equations.push_back(assembler.equation(*block, mean.observation, problem));
-  block->set_sigmas(Eigen::VectorXd::Constant(1, assembler.sigma(mean)));
+  block->set_sigmas(Eigen::VectorXd::Constant(1, assembler.sigma(observation)));
   return block;
 }
 

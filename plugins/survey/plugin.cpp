@@ -1,5 +1,7 @@
 #include "adjust_node.hpp"
+#include "compare_node.hpp"
+#include "plan_node.hpp"
 
-using plumbline::survey::AdjustNode;
+using namespace plumbline::survey;
 
-PLUMBLINE_PLUGIN("survey", "0.1.0", "MIT", AdjustNode)
+PLUMBLINE_PLUGIN("survey", "0.1.0", "MIT", AdjustNode, CompareEpochsNode, PlanNode)

@@ -1,0 +1,70 @@
+// Repeated simulated networks: the covariance the adjustment reports is the one its errors have, and a blunder is found
+// as often as its minimal detectable size says. 100 networks here; PLUMBLINE_LONG=1 runs 1000.
+#include <Eigen/Dense>
+#include <cstdlib>
+
+#include "adjust_network.hpp"
+#include "geometry/statistics.hpp"
+#include "simulated_network.hpp"
+#include "test_support.hpp"
+
+namespace plumbline::survey {
+namespace {
+
+int trials() { return std::getenv("PLUMBLINE_LONG") ? 1000 : 100; }
+
+TEST(MonteCarlo, CovarianceCoversTheErrors) {
+  AdjustOptions options;
+  options.curvature = Switch::off;
+  double heights = 0, sum_of_squares = 0;
+  Eigen::Vector3d squares = Eigen::Vector3d::Zero();
+  int degrees = 0;
+  const int n = trials();
+  for (int trial = 0; trial < n; ++trial) {
+    const auto network = test::simulate({}, 1000 + static_cast<std::uint64_t>(trial));
+    // Approximations are the truth, so the inner constraints refer errors to it.
+    const NetworkResult r = adjust_network(network.survey, options);
+    const ResultPoint& a = r.point("M03");
+    const ResultPoint& b = r.point("M21");
+    const Eigen::Vector3d error = b.position - a.position - (network.truth[9] - network.truth[3]);
+    const Eigen::Matrix3d covariance = r.relative_covariance(a, b);
+    squares += error.cwiseAbs2().cwiseQuotient(covariance.diagonal());
+    heights += error.dot(covariance.ldlt().solve(error));
+    sum_of_squares += r.sum_of_squares;
+    degrees += r.degrees_of_freedom;
+  }
+  // Sums of independent chi-squared variables: bounds of 0.1 % each side.
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_GT(squares[k], chi_squared_quantile(0.001, n));
+    EXPECT_LT(squares[k], chi_squared_quantile(0.999, n));
+  }
+  EXPECT_GT(heights, chi_squared_quantile(0.001, 3 * n));
+  EXPECT_LT(heights, chi_squared_quantile(0.999, 3 * n));
+  EXPECT_GT(sum_of_squares, chi_squared_quantile(0.001, degrees));
+  EXPECT_LT(sum_of_squares, chi_squared_quantile(0.999, degrees));
+}
+
+TEST(MonteCarlo, BlundersAreFoundAsOftenAsTheirMdbSays) {
+  constexpr double kBlunder = 0.005;
+  constexpr size_t kRow = 20;  // a slope distance
+  AdjustOptions options;
+  options.curvature = Switch::off;
+  int found = 0;
+  double expected = 0;
+  const int n = trials();
+  for (int trial = 0; trial < n; ++trial) {
+    auto network = test::simulate({}, 5000 + static_cast<std::uint64_t>(trial));
+    network.survey.observations[kRow].value += kBlunder;
+    const NetworkResult r = adjust_network(network.survey, options);
+    const auto& s = r.rows[kRow].statistics;
+    found += std::abs(s.w) > r.critical_w;
+    // A blunder of size mdb shifts w by delta0.
+    const double shift = adjustment::non_centrality(options.alpha0, options.power) * kBlunder / s.mdb;
+    expected += 1 - normal_probability(r.critical_w - shift) + normal_probability(-r.critical_w - shift);
+  }
+  const double p = expected / n, sigma = std::sqrt(n * p * (1 - p));
+  EXPECT_NEAR(found, expected, 3.3 * sigma + 0.5);
+}
+
+}  // namespace
+}  // namespace plumbline::survey
