@@ -17,9 +17,11 @@ struct ReaderNode : Node {
   Out<SurveyObservations> observations{"observations", frame("frame=building"),
                                        "normalised observations; what could not be used is listed in `skipped`"};
 
+  Param<bool> strict{"strict", false, "refuse a file of which anything had to be skipped"};
+
   std::string_view bytes() const;
   std::string name() const { return file->name()->str(); }
-  /// Commits, and warns of what was skipped.
+  /// Commits, and warns of what was skipped; throws if anything was and `strict` is set.
   void deliver(Context& context, const survey::SurveyObservations& survey) const;
 };
 

@@ -34,6 +34,12 @@ std::string_view ReaderNode::bytes() const {
 }
 
 void ReaderNode::deliver(Context& context, const survey::SurveyObservations& survey) const {
+  if (*strict && !survey.skipped.empty()) {
+    const survey::SkippedLine& first = survey.skipped.front();
+    throw std::runtime_error(place(first.source) + ": found " + first.found + ", expected " + first.expected + " (" +
+                             std::to_string(survey.skipped.size()) +
+                             " places of the file cannot be used; strict: false reads the rest)");
+  }
   for (const std::string& warning : survey.warnings) context.warn(name() + ": " + warning);
   for (size_t i = 0; i < survey.skipped.size() && i < skipped_shown; ++i)
     context.warn(place(survey.skipped[i].source) + ": skipped " + survey.skipped[i].found + ", expected " +

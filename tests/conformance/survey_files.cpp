@@ -86,6 +86,23 @@ TEST_P(SurveyReader, RefusesFilesWithoutContent) {
   }
 }
 
+TEST_P(SurveyReader, StrictRefusesWhatIsOtherwiseSkipped) {
+  for (const fs::path& path : fixtures()) {
+    NodeHarness lenient = reader(GetParam(), path.filename(), read_file(path));
+    try {
+      lenient.run();
+    } catch (const NodeFailed&) {
+      continue;
+    }
+    NodeHarness strict = reader(GetParam(), path.filename(), read_file(path));
+    strict.set("strict", "true");
+    if (lenient.output<SurveyObservations>("observations").skipped.empty())
+      strict.run();
+    else
+      EXPECT_THROW(strict.run(), NodeFailed) << path;
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(All, SurveyReader, testing::ValuesIn(kinds_of_role("survey_reader")), test_name);
 
 class SurveyWriter : public testing::TestWithParam<std::string> {};
