@@ -36,6 +36,14 @@ std::map<std::string, Hashes> inputs_of(const GraphNode& node,
   return inputs;
 }
 
+std::map<std::string, Hashes> inputs_of_item(const GraphNode& node, const std::map<std::string, Hashes>& inputs,
+                                             size_t item) {
+  std::map<std::string, Hashes> result;
+  for (const auto& [port, hashes] : inputs)  // not a copy of all: with many items that would grow with their square
+    result[port] = node.maps && port == node.each_port ? Hashes{hashes[item]} : hashes;
+  return result;
+}
+
 std::string pipeline_id(const Graph& graph) {
   const std::string path = std::filesystem::absolute(graph.file).lexically_normal().string();
   return sha256_of(path.data(), path.size());
@@ -160,8 +168,7 @@ class Execution {
     NodeCall call;
     call.node = &node;
     call.registry = &registry_;
-    call.inputs = state.result.inputs;
-    if (node.maps) call.inputs[node.each_port] = {state.result.inputs.at(node.each_port)[number]};
+    call.inputs = inputs_of_item(node, state.result.inputs, number);
     KeyFields fields = state.fields;
     add_inputs(fields, call.inputs);
     call.key = key_of(fields);

@@ -64,6 +64,10 @@ RunResult execute(const Graph& graph, const Registry& registry, Store& store, co
 std::map<std::string, Hashes> inputs_of(const GraphNode& node,
                                         const std::vector<std::map<std::string, Hashes>>& outputs_of_nodes);
 
+/// Of these, what its run on one item gets: of the EACH port that item, of the others all.
+std::map<std::string, Hashes> inputs_of_item(const GraphNode& node, const std::map<std::string, Hashes>& inputs,
+                                             size_t item);
+
 /// Identifies the pipeline whose last keys the store remembers: its absolute path.
 std::string pipeline_id(const Graph& graph);
 /// Key fields by node of the last run of the pipeline; empty if the store knows of none.

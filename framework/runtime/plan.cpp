@@ -11,10 +11,8 @@ void look_up_items(const Graph& graph, const GraphNode& node, Store& store, cons
   planned.items = node.maps ? inputs.at(node.each_port).size() : 1;
   for (uint32_t i = 0; i < node.kind.node->output_count; ++i) outputs[node.kind.node->outputs[i]->name];
   for (size_t item = 0; item < planned.items; ++item) {
-    auto call_inputs = inputs;
-    if (node.maps) call_inputs[node.each_port] = {inputs.at(node.each_port)[item]};
     KeyFields fields = fixed;
-    add_inputs(fields, call_inputs);
+    add_inputs(fields, inputs_of_item(node, inputs, item));
     const Stored stored = look_up(store, key_of(fields), seed_of(graph.seed, node.name, item));
     if (stored.key.empty()) {
       ++planned.items_to_run;
