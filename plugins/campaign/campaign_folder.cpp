@@ -49,7 +49,8 @@ class Mapping {
     if (!node.IsMap()) throw CampaignError(shown, 0, "found no mapping of keys, expected " + join(known));
     std::set<std::string> seen;
     for (const auto& entry : node) {
-      const std::string key = entry.first.as<std::string>();
+      if (!entry.first.IsScalar()) fail(entry.first, "a key must be a single word; known are " + join(known));
+      const std::string key = entry.first.Scalar();
       if (!seen.insert(key).second) fail(entry.first, "'" + key + "' stands here a second time");
       if (std::find(known.begin(), known.end(), key) != known.end()) continue;
       const auto near = std::min_element(known.begin(), known.end(), [&](const auto& a, const auto& b) {

@@ -63,6 +63,7 @@ TEST(CampaignYaml, ErrorsNameFileLineAndMend) {
       campaign_message(replaced(kCampaign, "campaign: 1", "campaign: 9")).find(":1: this program reads version 1"),
       std::string::npos);
   EXPECT_NE(campaign_message("a: [1\n").find("this is no YAML"), std::string::npos);
+  EXPECT_NE(campaign_message(kCampaign + "[a, b]: c\n").find(":8: a key must be a single word"), std::string::npos);
   EXPECT_NE(campaign_message("just text").find("found no mapping"), std::string::npos);
 }
 
