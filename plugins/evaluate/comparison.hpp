@@ -16,7 +16,8 @@ AccuracyComparisonT compare(const DifferenceSet& set, const std::vector<AnchorEn
 std::unique_ptr<AnchorDifferenceT> anchor_difference(const Eigen::Vector3d& difference,
                                                      const Eigen::MatrixXd& covariance, const Options& options);
 
-/// Chi-square statistic d' S⁺ d with the rank of S as degrees of freedom; null when S is unknown or zero.
+/// Chi-square statistic d' S⁺ d with the rank of S as degrees of freedom, directions of less than 0.02 mm left out;
+/// null when S [m²] is unknown or zero.
 std::unique_ptr<ErrorConsistencyT> consistency(const Eigen::VectorXd& difference, const Eigen::MatrixXd& covariance,
                                                double confidence);
 

@@ -93,11 +93,13 @@ DifferenceCovariance difference_covariance(const PointSet& model, const PointSet
   const Eigen::MatrixXd cross = gain * blocks(survey.covariance, control, of_survey, matches, of_survey);
   const Eigen::MatrixXd s = sum - cross - cross.transpose();
   const Eigen::MatrixXd symmetric = 0.5 * (s + s.transpose());
-  const Eigen::VectorXd eigenvalues =
-      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(symmetric, Eigen::EigenvaluesOnly).eigenvalues();
-  // A millionth of the largest variance is what a printed or iterated covariance loses; more means that C is wrong.
-  if (eigenvalues.minCoeff() < -1e-6 * sum.diagonal().maxCoeff()) return {sum, false};
-  return {symmetric, true};
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(symmetric);
+  // An adjustment may add a little to the control's variances (a hundredth of a millimetre, to keep weights finite), so
+  // small negative eigenvalues are zeros; a thousandth of the largest variance is more than that and means that C is
+  // wrong.
+  if (eigen.eigenvalues().minCoeff() < -1e-3 * sum.diagonal().maxCoeff()) return {sum, false};
+  const Eigen::VectorXd kept = eigen.eigenvalues().cwiseMax(0);
+  return {eigen.eigenvectors() * kept.asDiagonal() * eigen.eigenvectors().transpose(), true};
 }
 
 }  // namespace plumbline::evaluate

@@ -130,19 +130,22 @@ void draw_storeys(Markup& svg, const Elevation& e) {
   }
 }
 
-void draw_scale_arrow(Markup& svg, const Elevation& e, double tau) {
-  const double length = tau * e.exaggeration * e.pixels_per_metre;
+/// A round deviation [m] whose arrow is 20 to 50 px long.
+double scale_deviation(const Elevation& e) { return round_down(50 / (e.exaggeration * e.pixels_per_metre)); }
+
+void draw_scale_arrow(Markup& svg, const Elevation& e) {
+  const double deviation = scale_deviation(e), length = deviation * e.exaggeration * e.pixels_per_metre;
   const double x = e.width - 40, y = 0.5 * e.height;
   arrow(svg, x, y + 0.5 * length, x, y - 0.5 * length, "arrow");
-  label(svg, x, y + 0.5 * length + 18, tolerance(tau), "small", "middle");
+  label(svg, x, y + 0.5 * length + 18, tolerance(deviation), "small", "middle");
 }
 
-void draw_elevation(Markup& html, const Elevation& e, const View& view, double tau) {
+void draw_elevation(Markup& html, const Elevation& e, const View& view) {
   Scope svg = drawing(html, e.width, e.height, "Elevation of the facade with " + view.name + " as arrows");
   draw_storeys(html, e);
-  draw_scale_arrow(html, e, tau);
+  draw_scale_arrow(html, e);
   LabelPlacer labels({60, 2, e.width - 2, e.height - 2}, 13);
-  const double half = 0.5 * tau * e.exaggeration * e.pixels_per_metre;
+  const double half = 0.5 * scale_deviation(e) * e.exaggeration * e.pixels_per_metre;
   labels.block({e.width - 62, 0.5 * e.height - half - 4, e.width, 0.5 * e.height + half + 26});  // the scale arrow
   struct Tip {
     double x, y;
@@ -199,9 +202,9 @@ void write_view(Markup& html, const AccuracyT& accuracy, const View& view) {
   if (e.spots.empty()) return;
   Scope figure(html, "figure");
   html.element("h3", view.question);
-  draw_elevation(html, e, view, accuracy.tau);
+  draw_elevation(html, e, view);
   html.element("figcaption", "Arrows: " + view.name + ", drawn ×" + fixed(e.exaggeration, 0) +
-                                 " (the arrow at the right edge stands for " + tolerance(accuracy.tau) +
+                                 " (the arrow at the right edge stands for " + tolerance(scale_deviation(e)) +
                                  "); numbers: height deviation in mm. " +
                                  (e.prefixes.empty() ? "" : "Names without the part that a floor has in common. ") +
                                  "Drawn along the facade, " +

@@ -55,6 +55,16 @@ TEST(DifferenceCovariance, EqualsPropagationThroughAnAdjustment) {
             1e-12);
 }
 
+TEST(DifferenceCovariance, ForgivesTheSmallVarianceThatAnAdjustmentAdds) {
+  PointSet model, survey;
+  survey.covariance = test::isotropic(2, 0.3 * mm);
+  model.covariance = survey.covariance + test::isotropic(2, 0.008 * mm);  // a block that adds nothing to its control
+  const auto matches = identity_matches(2);
+  const auto result = difference_covariance(model, survey, matches, matches);
+  EXPECT_TRUE(result.consistent);
+  EXPECT_NEAR(result.matrix.norm(), 0, 1e-15);
+}
+
 TEST(DifferenceCovariance, FallsBackWhenModelAndSurveyDoNotBelongTogether) {
   PointSet model, survey;
   model.covariance = test::isotropic(2, 3 * mm), survey.covariance = test::isotropic(2, 1 * mm);
