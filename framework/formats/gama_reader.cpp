@@ -464,7 +464,7 @@ bool parse_degrees_minutes_seconds(std::string_view text, double& radians) {
   double value[3];
   for (int k = 0; k < 3; ++k) {
     const auto number = parse_number(parts[static_cast<size_t>(k)]);
-    if (!number || *number < 0 || (k > 0 && *number >= 60)) return false;
+    if (!number || *number < 0 || (k > 0 && *number > 60)) return false;  // rounded programs write 60.00
     value[k] = *number;
   }
   radians = sign * (value[0] + value[1] / 60 + value[2] / 3600) * std::numbers::pi / 180;

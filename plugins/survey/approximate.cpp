@@ -44,6 +44,7 @@ class Frame {
   /// Starts a frame without known points: the station is the origin, the zero of the circle is north.
   void seed(size_t figure) {
     const Figure& f = figures_.figures[figure];
+    seeded_ = true;
     set_plan(f.station, Vector2d::Zero());
     set_height(f.station, 0);
     orientation_[figure] = 0;
@@ -119,11 +120,12 @@ class Frame {
 
   bool orient(size_t f) {
     const Figure& figure = figures_.figures[f];
-    if (!std::isnan(orientation_[f]) || !has_plan(figure.station)) return false;
-    if (figure.oriented_to_north) {
+    if (!std::isnan(orientation_[f])) return false;
+    if (figure.oriented_to_north && !seeded_) {
       orientation_[f] = 0;
       return true;
     }
+    if (!has_plan(figure.station)) return orient_by_neighbour(f) || orient_by_reverse_sight(f);
     const Vector2d& station = plan_.at(figure.station);
     Vector2d sum = Vector2d::Zero();  // longer sights orient better
     for (const PolarSight& s : figure.sights) {
@@ -132,9 +134,43 @@ class Frame {
       const double o = azimuth_between(station, target) - s.direction;
       sum += (target - station).norm() * Vector2d(std::sin(o), std::cos(o));
     }
-    if (sum.norm() < 1e-6) return false;
+    if (sum.norm() < 1e-6) return orient_by_neighbour(f);
     orientation_[f] = std::atan2(sum.x(), sum.y());
     return true;
+  }
+
+  /// Another figure on the same station (an azimuth, another round) that is oriented and sights a common target.
+  bool orient_by_neighbour(size_t f) {
+    const Figure& figure = figures_.figures[f];
+    for (size_t g = 0; g < figures_.figures.size(); ++g) {
+      const Figure& other = figures_.figures[g];
+      if (g == f || other.station != figure.station || std::isnan(orientation_[g])) continue;
+      for (const PolarSight& a : figure.sights)
+        for (const PolarSight& b : other.sights) {
+          if (a.to != b.to || std::isnan(a.direction) || std::isnan(b.direction)) continue;
+          orientation_[f] = orientation_[g] + b.direction - a.direction;
+          return true;
+        }
+    }
+    return false;
+  }
+
+  /// A figure whose station is not placed yet, sighted from an oriented one that it sights itself.
+  bool orient_by_reverse_sight(size_t f) {
+    const Figure& figure = figures_.figures[f];
+    for (size_t g = 0; g < figures_.figures.size(); ++g) {
+      const Figure& other = figures_.figures[g];
+      if (std::isnan(orientation_[g])) continue;
+      for (const PolarSight& there : other.sights) {
+        if (there.to != figure.station || std::isnan(there.direction)) continue;
+        for (const PolarSight& back : figure.sights) {
+          if (back.to != other.station || std::isnan(back.direction)) continue;
+          orientation_[f] = orientation_[g] + there.direction + std::acos(-1.0) - back.direction;
+          return true;
+        }
+      }
+    }
+    return false;
   }
 
   bool place_polar(size_t f) {
@@ -226,7 +262,8 @@ class Frame {
 
   void collect_loci(size_t f, std::map<std::string, std::vector<Locus>>& loci) const {
     const Figure& figure = figures_.figures[f];
-    const bool oriented = !std::isnan(orientation_[f]) || figure.oriented_to_north;
+    const bool to_north = figure.oriented_to_north && !seeded_;
+    const bool oriented = !std::isnan(orientation_[f]) || to_north;
     const double turn = std::isnan(orientation_[f]) ? 0 : orientation_[f];
     for (const PolarSight& s : figure.sights) {
       const double horizontal = horizontal_of(figure.station, s.to, s.horizontal, s.slope, s.heights);
@@ -235,8 +272,8 @@ class Frame {
       if (std::isnan(s.direction) || !oriented) continue;
       if (has_plan(figure.station) && !has_plan(s.to))
         loci[s.to].push_back({plan_.at(figure.station), s.direction + turn, kNotGiven});
-      if (figure.oriented_to_north && has_plan(s.to) && !has_plan(figure.station))
-        loci[figure.station].push_back({plan_.at(s.to), s.direction + std::acos(-1.0), kNotGiven});
+      if (has_plan(s.to) && !has_plan(figure.station))
+        loci[figure.station].push_back({plan_.at(s.to), s.direction + turn + std::acos(-1.0), kNotGiven});
     }
   }
 
@@ -358,6 +395,7 @@ class Frame {
   std::map<std::string, Vector2d> plan_;
   std::map<std::string, double> height_;
   std::vector<double> orientation_;
+  bool seeded_ = false;  // its north is arbitrary
 };
 
 /// The figure with the most complete sights to points that are not placed; -1 if none has any.

@@ -297,6 +297,74 @@ void drop_unusable(NetworkModel& m) {
   }
 }
 
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// What the approximate coordinates disagree with an observation, as a length at the target [m].
+double misclosure(const NetworkModel& m, const Observation& o, double orientation) {
+  const auto or_zero = [](double v) { return std::isnan(v) ? 0.0 : v; };
+  const double own = o.set_up >= 0 ? m.survey.set_ups[o.set_up].instrument_height : 0.0;
+  const double instrument = or_zero(std::isnan(o.instrument_height) ? own : o.instrument_height);
+  const auto sight = [&](const std::string& to, double height) {
+    Eigen::Vector3d d = m.initial[m.index.at(to)] - m.initial[m.index.at(o.from)];
+    d.z() += or_zero(height) - instrument;
+    return d;
+  };
+  const Eigen::Vector3d d = sight(o.to, o.target_height);
+  const double h = d.head<2>().norm(), azimuth = std::atan2(d.x(), d.y());
+  switch (o.kind) {
+    case ObservationKind::direction:
+      return h * wrap_angle(azimuth - orientation - o.value);
+    case ObservationKind::azimuth:
+      return h * wrap_angle(azimuth - o.value);
+    case ObservationKind::angle: {
+      const Eigen::Vector3d right = sight(o.second_to, o.second_target_height);
+      return std::max(h, right.head<2>().norm()) * wrap_angle(std::atan2(right.x(), right.y()) - azimuth - o.value);
+    }
+    case ObservationKind::zenith_angle:
+      return d.norm() * wrap_angle(std::atan2(h, d.z()) - o.value);
+    case ObservationKind::slope_distance:
+      return d.norm() - o.value;
+    case ObservationKind::horizontal_distance:
+      return h - o.value;
+    case ObservationKind::height_difference:
+      return d.z() - o.value;
+  }
+  return 0;
+}
+
+/// Files of gama-local rely on its tolerance for absolute terms: what contradicts the approximate coordinates by a
+/// metre (its default) is left out, because linearised it would spoil everything.
+void drop_outlying(NetworkModel& m) {
+  constexpr double kTolerance = 1.0;
+  if (m.survey.info.format != "gama-xml") return;
+  std::map<int, std::vector<double>> turns;
+  for (size_t i = 0; i < m.observations.size(); ++i) {
+    const Observation& o = m.observations[i].observation;
+    if (m.dropped[i] || o.kind != ObservationKind::direction) continue;
+    const Eigen::Vector3d d = m.initial[m.index.at(o.to)] - m.initial[m.index.at(o.from)];
+    auto& list = turns[o.set_up];
+    const double turn = std::atan2(d.x(), d.y()) - o.value;
+    list.push_back(list.empty() ? turn : list.front() + wrap_angle(turn - list.front()));
+  }
+  for (size_t i = 0; i < m.observations.size(); ++i) {
+    const Observation& o = m.observations[i].observation;
+    if (m.dropped[i]) continue;
+    const bool direction = o.kind == ObservationKind::direction;
+    const double size = misclosure(m, o, direction ? median(turns.at(o.set_up)) : 0.0);
+    if (!(std::abs(size) > kTolerance)) continue;
+    m.dropped[i] = 1;
+    m.findings.push_back({Finding::Severity::warning,
+                          kind_name(o.kind) + " " + o.from + " -> " + o.to + " (" + o.source.file + ":" +
+                              std::to_string(o.source.line) + ") is not used: it contradicts the approximate " +
+                              "coordinates by " + std::to_string(std::abs(size)) + " m",
+                          {o.from, o.to}});
+  }
+}
+
 ResultRow given_row(const std::string& kind, const std::string& from, const std::string& to, int axis, double value,
                     const SourcePosition& source, int group) {
   ResultRow row;
@@ -395,6 +463,7 @@ NetworkModel make_model(const SurveyObservations& survey, const AdjustOptions& o
   find_approximations(m);
   find_lengths(m);
   drop_unusable(m);
+  drop_outlying(m);
   const bool reduced_file = survey.info.format == "gama-xml" || survey.info.format == "krumm";
   m.curvature = options.curvature == Switch::on || (options.curvature == Switch::automatic && !reduced_file);
   m.refraction_coefficient = std::isnan(survey.info.refraction_coefficient) ? options.refraction_coefficient

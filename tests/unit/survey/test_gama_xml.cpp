@@ -123,6 +123,45 @@ TEST(GamaXml, PlaneTriangleFromAnglesAndOneDistance) {
   EXPECT_EQ(r.degrees_of_freedom, 2);
 }
 
+TEST(GamaXml, AnAzimuthOrientsTheSetUpOfItsStation) {
+  const auto s = read_gama_xml(
+      network("<point id='A' x='0' y='0' fix='xy'/><point id='B' adj='xy'/><point id='C' adj='xy'/>"
+              "<obs from='A'><azimuth to='B' val='100-00-00' stdev='10'/><direction to='B' val='0' stdev='10'/>"
+              "<direction to='C' val='350' stdev='10'/><distance to='B' val='10' stdev='5'/>"
+              "<distance to='C' val='20' stdev='5'/></obs>"),
+      "t.gkf");
+  const NetworkResult r = adjust_network(s, {});
+  const double azimuth = 100 * std::numbers::pi / 180;
+  EXPECT_LT((r.point("B").position.head<2>() - 10 * Eigen::Vector2d(std::sin(azimuth), std::cos(azimuth))).norm(),
+            1e-6);
+  const double other = azimuth - 50 * kGon;
+  EXPECT_LT((r.point("C").position.head<2>() - 20 * Eigen::Vector2d(std::sin(other), std::cos(other))).norm(), 1e-6);
+}
+
+TEST(GamaXml, WhatContradictsTheApproximateCoordinatesByAMetreIsLeftOut) {
+  const auto s = read_gama_xml(
+      network(
+          "<point id='A' x='0' y='0' fix='xy'/><point id='B' x='100' y='0' fix='xy'/>"
+          "<point id='C' x='50' y='50' adj='xy'/>"
+          "<obs><distance from='A' to='C' val='70.711' stdev='5'/><distance from='B' to='C' val='70.711' stdev='5'/>"
+          "<distance from='A' to='C' val='75.711' stdev='5'/></obs>"),
+      "t.gkf");
+  const NetworkResult r = adjust_network(s, {});
+  EXPECT_EQ(r.observations, 2);
+  ASSERT_FALSE(r.findings.empty());
+  EXPECT_NE(r.findings[0].text.find("contradicts"), std::string::npos);
+}
+
+TEST(GamaXml, SixtySecondsAreOneMinute) {
+  double angle = 0;
+  ASSERT_TRUE(parse_degrees_minutes_seconds("187-33-60.00", angle));
+  EXPECT_NEAR(angle, (187 + 34.0 / 60) * std::numbers::pi / 180, 1e-14);
+  EXPECT_FALSE(parse_degrees_minutes_seconds("187-33-61", angle));
+  EXPECT_FALSE(parse_degrees_minutes_seconds("187-33", angle));
+  ASSERT_TRUE(parse_degrees_minutes_seconds("-1-30-00", angle));
+  EXPECT_NEAR(angle, -1.5 * std::numbers::pi / 180, 1e-15);
+}
+
 TEST(GamaXml, DamageIsListedAndTheRestIsRead) {
   const auto s = read_gama_xml(network("<point id='A' x='0' y='0' adj='XY'/><point id='B' x='9' y='9' adj='XY'/>\n"
                                        "<obs from='A'>\n<distance to='B' val='abc' stdev='5'/>\n"
