@@ -193,6 +193,10 @@ AdjustedBlock adjust_to_convergence(BlockModel& model, int max_iterations, const
                                     const CheckSystem& check) {
   constexpr int max_refinements = 20;
   constexpr double smallest_step = 1e-7;
+  if (model.kept_count() > max_kept_unknowns)
+    throw std::runtime_error("the block has " + std::to_string(model.kept_count()) +
+                             " unknowns besides the poses; the dense covariance of this adjustment takes up to " +
+                             std::to_string(max_kept_unknowns) + ": divide the block or leave points out");
   AdjustedBlock result;
   const auto summary = model.minimise(max_iterations);
   fold();

@@ -92,8 +92,11 @@ using SetDatum = std::function<void(LinearBlock&)>;
 /// Called on the first normal equations, before they are solved: throws what is wrong with them.
 using CheckSystem = std::function<void(const LinearBlock&, const ReducedSystem&)>;
 
+/// Above this number of kept unknowns (3 a target, 6 a plate) their dense normal matrix and covariance take gigabytes.
+constexpr int max_kept_unknowns = 9000;
+
 /// Runs `model` to its minimum: minimise(), then Gauss-Newton until no unknown moves by more than 1e-7 of its standard
-/// deviation. Throws std::runtime_error if that is not reached.
+/// deviation. Throws std::runtime_error if that is not reached, or beforehand if there are more than max_kept_unknowns.
 AdjustedBlock adjust_to_convergence(BlockModel& model, int max_iterations, const Fold& fold, const SetDatum& set_datum,
                                     const CheckSystem& check);
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "adjustment/reliability.hpp"
+
 namespace plumbline::adjust {
 namespace {
 
@@ -31,6 +33,11 @@ std::vector<int> joint_columns(const ObservationRows& rows, const EliminatedCame
 }
 
 }  // namespace
+
+double minimal_non_centrality() {
+  static const double value = adjustment::non_centrality(0.001, 0.8);
+  return value;
+}
 
 std::vector<Eigen::MatrixXd> residual_cofactors(const LinearBlock& block, const ReducedSystem& reduced,
                                                 const LinearSolution& solution) {
@@ -71,7 +78,7 @@ std::vector<Reliability> reliability(const Eigen::MatrixXd& square_root, const E
     const bool checked = redundancy(i) > 1e-9 && spread(i) > 0;
     result[static_cast<size_t>(i)] = {
         own(i), redundancy(i), checked ? pushed(i) / std::sqrt(spread(i)) : 0.0,
-        checked ? non_centrality / std::sqrt(spread(i)) : std::numeric_limits<double>::infinity()};
+        checked ? minimal_non_centrality() / std::sqrt(spread(i)) : std::numeric_limits<double>::infinity()};
   }
   return result;
 }

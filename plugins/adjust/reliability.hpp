@@ -23,8 +23,8 @@ struct Reliability {
   double minimal_detectable_error = 0;  ///< δ0 / sqrt(P Q_vv P); infinite if unchecked
 };
 
-/// δ0 for a test of significance 0.1 % with power 80 %: the normal quantiles 3.29 + 0.84.
-constexpr double non_centrality = 4.13;
+/// δ0 = 4.13: a w-test of significance 0.1 % finds an error of the size of the MDB with probability 80 %.
+double minimal_non_centrality();
 
 /// Quality of the observations behind whitened rows. `square_root` is L of their covariance Σ = L Lᵀ, rows whitened by
 /// L⁻¹; `residual` the whitened residuals, `cofactor` their Q_vv. Residuals below a redundancy number of 1e-9 count as

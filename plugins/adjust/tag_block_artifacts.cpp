@@ -1,6 +1,6 @@
 #include "tag_block_artifacts.hpp"
 
-#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <set>
 #include <stdexcept>
@@ -27,6 +27,17 @@ std::vector<double> pack_triangle(const Matrix& matrix) {
   for (Eigen::Index r = 0; r < matrix.rows(); ++r)
     for (Eigen::Index c = 0; c <= r; ++c) values.push_back(matrix(r, c));
   return values;
+}
+
+/// Survey networks may hold points as exact, or have the singular covariance of a free network. Then a hundredth of a
+/// millimetre on top keeps the weights finite, far below what any survey reaches. A regular covariance stays as it is:
+/// whoever compares our result with the survey relies on its being the very one we used.
+Eigen::MatrixXd regular(Eigen::MatrixXd covariance) {
+  constexpr double exact = 1e-6, added = 1e-5;  // [m]
+  if (covariance.size() == 0) return covariance;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(covariance, Eigen::EigenvaluesOnly);
+  if (solver.eigenvalues()(0) < exact * exact) covariance.diagonal().array() += added * added;
+  return covariance;
 }
 
 bool is_check(const std::string& role) { return role == "check"; }
@@ -83,6 +94,10 @@ void TagBlockBuilder::add_image(const ImageTagsT& image, double corner_sigma) {
     if (tag->corners.size() != 4)
       throw std::runtime_error("a tag of " + image.path + " has " + std::to_string(tag->corners.size()) +
                                " corners, expected 4");
+    for (const auto& corner : tag->corners)
+      if (!corner.allFinite())
+        throw std::runtime_error("tag " + tag->family + ":" + std::to_string(tag->id) + " in " + image.path +
+                                 " has a corner that is not a number");
     TagObservation seen;
     seen.image = index;
     seen.plate = plate->second;
@@ -99,9 +114,6 @@ void TagBlockBuilder::add_image(const ImageTagsT& image, double corner_sigma) {
 }
 
 void TagBlockBuilder::set_control(const PointsT& points) {
-  // Survey networks may hold points as exact, or have a singular covariance of a free network: a hundredth of a
-  // millimetre on top keeps the weights finite and is far below what any survey reaches.
-  constexpr double floor = 1e-5;
   const Eigen::Index size = 3 * static_cast<Eigen::Index>(points.points.size());
   Eigen::MatrixXd covariance = unpack_triangle(points.covariance, size, "the control points");
   if (covariance.size() == 0) {
@@ -132,8 +144,7 @@ void TagBlockBuilder::set_control(const PointsT& points) {
   }
   block_.control.position =
       Eigen::Map<const Eigen::VectorXd>(positions.data(), static_cast<Eigen::Index>(positions.size()));
-  block_.control.covariance = covariance(rows, rows);
-  block_.control.covariance.diagonal().array() += floor * floor;
+  block_.control.covariance = regular(covariance(rows, rows));
 }
 
 std::unique_ptr<StatisticsT> TagBlockBuilder::statistics(const TagBlockResult& result) const {

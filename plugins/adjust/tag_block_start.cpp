@@ -155,6 +155,12 @@ std::optional<RigidTransform> orient_image(const TagBlock& block, const std::vec
   return known >= needed ? best : std::nullopt;
 }
 
+/// Whether the corners enclose more than a pixel.
+bool is_quadrilateral(const std::array<Eigen::Vector2d, 4>& c) {
+  const Eigen::Vector2d a = c[2] - c[0], b = c[3] - c[1];
+  return std::abs(a.x() * b.y() - a.y() * b.x()) > 2;
+}
+
 std::vector<View> undistort(const TagBlock& block, const std::vector<bool>& use, std::vector<std::string>& left_out) {
   std::vector<View> views;
   for (size_t i = 0; i < block.observations.size(); ++i) {
@@ -167,12 +173,14 @@ std::vector<View> undistort(const TagBlock& block, const std::vector<bool>& use,
       inside = inside && p.has_value();
       if (p) view.corners[k] = *p;
     }
-    if (inside)
+    const bool has_area = is_quadrilateral(seen.corners);
+    if (inside && has_area)
       views.push_back(view);
     else
-      left_out.push_back("the tag of " + block.plates[static_cast<size_t>(seen.plate)].anchor + " in " +
-                         block.images[static_cast<size_t>(seen.image)].name +
-                         ": outside what the distortion model can invert");
+      left_out.push_back(
+          "the tag of " + block.plates[static_cast<size_t>(seen.plate)].anchor + " in " +
+          block.images[static_cast<size_t>(seen.image)].name +
+          (has_area ? ": outside what the distortion model can invert" : ": its corners enclose no area"));
   }
   return views;
 }

@@ -1,0 +1,169 @@
+// The nodes over their artifacts: what goes in, what comes out, what is refused. The algorithms are tested beside this.
+#include <gmock/gmock.h>
+
+#include <Eigen/Eigenvalues>
+
+#include "artifacts/adjusted_image_block.hpp"
+#include "artifacts/block.hpp"
+#include "artifacts/image_block.hpp"
+#include "node_harness.hpp"
+#include "synthetic_facade.hpp"
+
+namespace {
+
+using namespace plumbline;
+using namespace plumbline::test;
+using testing::HasSubstr;
+
+const FacadeOptions noisy{.floors = 1, .pixel_sigma = 0.1, .survey_sigma = 0.001};
+
+void connect(NodeHarness& node, const SyntheticFacade& facade, bool with_control = true) {
+  node.input<Camera>("camera", facade.camera_artifact());
+  node.input<Plates>("plates", facade.plates);
+  node.input<Poses>("poses", facade.poses);
+  for (const ImageTagsT& image : facade.images) node.input<ImageTags>("observations", image);
+  if (with_control) node.input<Points>("control", facade.control);
+}
+
+std::string failure(NodeHarness& node) {
+  try {
+    node.run();
+  } catch (const NodeFailed& error) {
+    return error.what();
+  }
+  return {};
+}
+
+Eigen::MatrixXd covariance_of(const PointsT& points, const std::vector<std::string>& ids) {
+  std::vector<int> rows;
+  for (const auto& id : ids)
+    for (size_t i = 0; i < points.points.size(); ++i)
+      if (points.points[i]->id == id)
+        for (int c = 0; c < 3; ++c) rows.push_back(3 * static_cast<int>(i) + c);
+  const Eigen::Index size = 3 * static_cast<Eigen::Index>(points.points.size());
+  Eigen::MatrixXd all(size, size);
+  size_t next = 0;
+  for (Eigen::Index r = 0; r < size; ++r)
+    for (Eigen::Index c = 0; c <= r; ++c) all(r, c) = all(c, r) = points.covariance[next++];
+  return all(rows, rows);
+}
+
+TEST(AdjustCeresNode, CheckAnchorsAreNeverControl) {
+  SyntheticFacade facade = make_facade(noisy);
+  facade.plates.plates[2]->role = "check";
+  NodeHarness plain("adjust.ceres");
+  connect(plain, facade);
+  plain.run();
+  facade.control.points[2]->position.z() += 5;  // a survey nobody may look at
+  NodeHarness disturbed("adjust.ceres");
+  connect(disturbed, facade);
+  disturbed.run();
+  EXPECT_EQ(plain.output_bytes("points"), disturbed.output_bytes("points"));
+  EXPECT_EQ(plain.output<Block>("block").control.size(), 7u);
+  EXPECT_EQ(plain.output<Points>("points").points[2]->role, "check");
+}
+
+TEST(AdjustCeresNode, ControlGainsFromTheImages) {
+  const SyntheticFacade facade = make_facade(noisy);
+  NodeHarness node("adjust.ceres");
+  connect(node, facade);
+  node.set("estimate_image_variance", "false");
+  node.run();
+  const PointsT points = node.output<Points>("points");
+  std::vector<std::string> ids;
+  for (const auto& point : points.points) ids.push_back(point->id);
+  const Eigen::MatrixXd gain = covariance_of(facade.control, ids) - covariance_of(points, ids);
+  EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(gain).eigenvalues()(0), -1e-12);
+  EXPECT_EQ(node.output<Camera>("camera").covariance.size(), 0u);  // a camera taken as exact stays so
+}
+
+TEST(AdjustCeresNode, FreeNetworkAndSelfCalibration) {
+  const SyntheticFacade facade = make_facade(noisy);
+  NodeHarness node("adjust.ceres");
+  connect(node, facade, false);
+  node.set("self_calibration", "free");
+  node.run();
+  const BlockT block = node.output<Block>("block");
+  EXPECT_EQ(block.datum, "free");
+  EXPECT_EQ(block.statistics->datum_defect, 6);
+  EXPECT_TRUE(block.control.empty());
+  EXPECT_EQ(block.images.size(), facade.images.size());
+  const CameraT camera = node.output<Camera>("camera");
+  EXPECT_EQ(camera.source, "self-calibration");
+  EXPECT_EQ(camera.covariance.size(), 45u);
+  EXPECT_NEAR(camera.parameters[0], facade.camera.fx, 5);
+}
+
+TEST(AdjustCeresNode, LambdaIsReported) {
+  NodeHarness node("adjust.ceres");
+  connect(node, make_facade(noisy));
+  node.set("weighting", "lambda");
+  node.set("lambda", "10000");
+  node.run();
+  EXPECT_EQ(node.output<Block>("block").weighting, "lambda");
+  EXPECT_EQ(node.output<Block>("block").lambda, 1e4);
+}
+
+TEST(AdjustCeresNode, RefusesContradictions) {
+  SyntheticFacade twice = make_facade(noisy);
+  twice.plates.plates[1]->tag_id = twice.plates.plates[0]->tag_id;
+  NodeHarness same_tag("adjust.ceres");
+  connect(same_tag, twice);
+  EXPECT_THAT(failure(same_tag), HasSubstr("tag tag36h11:0 stands for both F01-C01-R1 and F01-C02-R1"));
+
+  SyntheticFacade broken = make_facade(noisy);
+  broken.images[0].tags[0]->corners[1].x() = std::nan("");
+  NodeHarness no_number("adjust.ceres");
+  connect(no_number, broken);
+  EXPECT_THAT(failure(no_number), HasSubstr("in image100.jpg has a corner that is not a number"));
+
+  SyntheticFacade short_camera = make_facade(noisy);
+  CameraT camera = short_camera.camera_artifact();
+  camera.parameters.pop_back();
+  NodeHarness eight("adjust.ceres");
+  eight.input<Camera>("camera", camera);
+  eight.input<Plates>("plates", short_camera.plates);
+  eight.input<Poses>("poses", short_camera.poses);
+  EXPECT_THAT(failure(eight), HasSubstr("camera 'camera' has 8 parameters, expected fx, fy"));
+}
+
+TEST(AdjustCeresNode, TwoControlPointsLeaveARotation) {
+  SyntheticFacade facade = make_facade(noisy);
+  for (auto& plate : facade.plates.plates)
+    if (plate->column != 2) plate->role = "check";
+  NodeHarness node("adjust.ceres");
+  connect(node, facade);
+  EXPECT_THAT(failure(node), HasSubstr("rotation about the line through F01-C02-R1 and F01-C02-R2"));
+}
+
+TEST(ImageBlockNodes, AiconFolderToAdjustedBlock) {
+  PLUMBLINE_REQUIRE_DATA("blocks/aicon/example.phc");
+  NodeHarness read("read.aicon");
+  read.set("folder", data_file("blocks/aicon").string());
+  read.run();
+  NodeHarness adjust("adjust.image_block");
+  adjust.input<ImageBlock>("block", read.output<ImageBlock>("block"));
+  adjust.run();
+  const AdjustedImageBlockT block = adjust.output<AdjustedImageBlock>("block");
+  EXPECT_NEAR(block.statistics->sigma0, 0.000405, 0.01 * 0.000405);
+  EXPECT_EQ(block.statistics->degrees_of_freedom, 18804);
+  EXPECT_EQ(block.statistics->datum_defect, 6);
+  EXPECT_EQ(block.points.size(), 150u);
+  EXPECT_EQ(block.images.size(), 115u);
+  ASSERT_EQ(block.cameras.size(), 1u);
+  EXPECT_EQ(block.cameras[0]->interior_orientation[0]->name, "Ck");
+  EXPECT_NEAR(block.cameras[0]->interior_orientation[0]->sigma, 2.51e-4, 2e-6);
+  EXPECT_FALSE(block.cameras[0]->interior_orientation[5]->estimated);
+  EXPECT_EQ(block.cameras[0]->correlations.size(), 28u);
+  EXPECT_EQ(block.left_out.size(), 2u);
+  EXPECT_EQ(adjust.output<Points>("points").covariance.size(), 450u * 451u / 2u);
+}
+
+TEST(ImageBlockNodes, AnEmptyFolderIsRefused) {
+  const TemporaryFolder folder;
+  NodeHarness read("read.aicon");
+  read.set("folder", folder.path().string());
+  EXPECT_THAT(failure(read), HasSubstr("holds no *.ior file; an AICON block needs .phc, .obc, .eor and .ior"));
+}
+
+}  // namespace
