@@ -35,7 +35,7 @@ XmlFile::XmlFile(std::string_view bytes, const std::string& file, const std::vec
   if (result) return;
   damage_ = {position_at(offset), quoted(std::string_view(text_.text).substr(std::min(offset, text_.text.size()), 60)),
              std::string("well-formed XML (") + result.description() + "); what follows is not read"};
-  remove_damaged_record(offset, records);
+  hide_damaged_record(offset, records);
 }
 
 survey::SourcePosition XmlFile::position_at(std::size_t offset) const {
@@ -63,14 +63,15 @@ bool XmlFile::is_closed_before(pugi::xml_node node, std::size_t offset) const {
 
 // The damage is at the end of what was parsed, so that only last children can be open there. The outermost record among
 // them goes, and otherwise the innermost element, whose text or attributes may be cut.
-void XmlFile::remove_damaged_record(std::size_t damaged_at, const std::vector<std::string>& records) {
+void XmlFile::hide_damaged_record(std::size_t damaged_at, const std::vector<std::string>& records) {
   pugi::xml_node innermost;
   for (pugi::xml_node node = root(); node; node = node.last_child()) {
     if (node.type() != pugi::node_element) break;
     innermost = node;
     if (std::find(records.begin(), records.end(), local_name(node)) != records.end()) break;
   }
-  if (innermost != root() && !is_closed_before(innermost, damaged_at)) innermost.parent().remove_child(innermost);
+  // Without a name nobody finds it. Removing it would recurse once for each level of its nesting.
+  if (innermost != root() && !is_closed_before(innermost, damaged_at)) innermost.set_name("");
 }
 
 pugi::xml_node child(pugi::xml_node node, std::string_view name) {
@@ -97,7 +98,8 @@ std::vector<pugi::xml_node> descendants(pugi::xml_node node, std::initializer_li
   while (at && at != node) {
     if (at.type() == pugi::node_element && std::find(names.begin(), names.end(), local_name(at)) != names.end())
       found.push_back(at);
-    if (at.first_child()) {
+    const bool damaged = at.type() == pugi::node_element && at.name()[0] == '\0';
+    if (at.first_child() && !damaged) {
       at = at.first_child();
       continue;
     }

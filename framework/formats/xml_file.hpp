@@ -34,7 +34,7 @@ class XmlFile {
 
  private:
   survey::SourcePosition position_at(std::size_t offset) const;
-  void remove_damaged_record(std::size_t damaged_at, const std::vector<std::string>& records);
+  void hide_damaged_record(std::size_t damaged_at, const std::vector<std::string>& records);
   bool is_closed_before(pugi::xml_node node, std::size_t offset) const;
 
   std::string file_;

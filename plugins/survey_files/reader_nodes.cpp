@@ -38,7 +38,7 @@ void ReaderNode::deliver(Context& context, const survey::SurveyObservations& sur
     const survey::SkippedLine& first = survey.skipped.front();
     throw std::runtime_error(place(first.source) + ": found " + first.found + ", expected " + first.expected + " (" +
                              std::to_string(survey.skipped.size()) +
-                             " places of the file cannot be used; strict: false reads the rest)");
+                             " in all that cannot be used; strict: false reads the rest)");
   }
   for (const std::string& warning : survey.warnings) context.warn(name() + ": " + warning);
   for (size_t i = 0; i < survey.skipped.size() && i < skipped_shown; ++i)
