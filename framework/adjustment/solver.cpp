@@ -63,6 +63,7 @@ bool try_step(Problem& problem, Solution& s, const Step& step, double& rise) {
 
 Solution start(Problem& problem, const SolverOptions& options) {
   UnknownIndex unknowns(problem);
+  if (unknowns.count() == 0) throw std::runtime_error("there is nothing to determine: every parameter is held");
   Linearisation lin = prepare_linearisation(problem, unknowns);
   if (!linearise(problem, unknowns, true, lin))
     throw std::runtime_error("an observation cannot be evaluated at the initial values (coinciding points?)");
@@ -84,7 +85,9 @@ bool iterate(Problem& problem, Solution& s, double& damping, const SolverOptions
     if (step) {
       const bool quadratic = step->length < 1e-2 * s.last_step;
       s.last_step = step->length;
-      if (damping == 0 && quadratic && step->length < options.negligible_step) {
+      // Measured against the residuals too, so that a sum of squares near zero is still found to all its digits.
+      const double negligible = options.negligible_step * std::min(1.0, std::sqrt(s.sum_of_squares()));
+      if (damping == 0 && quadratic && step->length < negligible) {
         s.converged = true;
         return false;
       }

@@ -381,7 +381,11 @@ class GamaReader {
                     number(node, "z", kNotGiven)};
       if (row.point.empty() || std::isnan(row.x) != std::isnan(row.y))
         return skip(node, "observed coordinates without id, or with one of x and y only", "id, x and y, or z");
-      ensure_points({row.point}, xml_.position(node));
+      // A role here declares the point, with the observed coordinates as approximate ones.
+      if (!attribute(node, "adj").empty() || !attribute(node, "fix").empty())
+        read_point(node);
+      else
+        ensure_points({row.point}, xml_.position(node));
       rows.push_back(row);
       size += (std::isnan(row.x) ? 0 : 2) + (std::isnan(row.z) ? 0 : 1);
     }

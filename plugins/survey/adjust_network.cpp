@@ -45,6 +45,8 @@ class Adjuster {
   Pass adjust(bool statistics = true) {
     NetworkProblem problem = make_problem(m_, options_, state_);
     adjustment::SolverOptions solver;
+    if (adjustment::UnknownIndex(problem.problem).count() == 0)
+      throw NetworkError("there is nothing to determine: no point of the network is both observed and unknown");
     solver.datum_unknowns = datum_unknowns(m_, problem);
     solver.negligible_step = 3e-5;  // of a standard deviation: below a tenth of a micrometre in any real network
     try {

@@ -320,10 +320,8 @@ double misclosure(const NetworkModel& m, const Observation& o, double orientatio
       return h * wrap_angle(azimuth - orientation - o.value);
     case ObservationKind::azimuth:
       return h * wrap_angle(azimuth - o.value);
-    case ObservationKind::angle: {
-      const Eigen::Vector3d right = sight(o.second_to, o.second_target_height);
-      return std::max(h, right.head<2>().norm()) * wrap_angle(std::atan2(right.x(), right.y()) - azimuth - o.value);
-    }
+    case ObservationKind::angle:
+      return 0;
     case ObservationKind::zenith_angle:
       return d.norm() * wrap_angle(std::atan2(h, d.z()) - o.value);
     case ObservationKind::slope_distance:
@@ -352,7 +350,7 @@ void drop_outlying(NetworkModel& m) {
   }
   for (size_t i = 0; i < m.observations.size(); ++i) {
     const Observation& o = m.observations[i].observation;
-    if (m.dropped[i]) continue;
+    if (m.dropped[i] || o.kind == ObservationKind::angle) continue;  // its arms have no one length
     const bool direction = o.kind == ObservationKind::direction;
     const double size = misclosure(m, o, direction ? median(turns.at(o.set_up)) : 0.0);
     if (!(std::abs(size) > kTolerance)) continue;

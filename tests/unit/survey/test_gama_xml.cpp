@@ -152,6 +152,23 @@ TEST(GamaXml, WhatContradictsTheApproximateCoordinatesByAMetreIsLeftOut) {
   EXPECT_NE(r.findings[0].text.find("contradicts"), std::string::npos);
 }
 
+TEST(GamaXml, ObservedCoordinatesCanDeclareTheirPoints) {
+  const auto s = read_gama_xml(
+      network("<point id='B' adj='z'/><height-differences><dh from='A' to='B' val='2' stdev='1'/></height-differences>"
+              "<coordinates><point id='A' z='10' adj='z'/><cov-mat dim='1' band='0'>4</cov-mat></coordinates>"),
+      "t.gkf");
+  const NetworkResult r = adjust_network(s, {});
+  EXPECT_NEAR(r.point("B").position.z(), 12, 1e-9);
+  EXPECT_NEAR(r.sigma(r.point("B")).z(), std::sqrt(5.0) * 1e-3, 1e-9);
+}
+
+TEST(GamaXml, ANetworkOfUnusedPointsIsAnError) {
+  const auto s = read_gama_xml(network("<point id='A' x='0' y='0'/><point id='B' x='1' y='0'/>"
+                                       "<obs><distance from='A' to='B' val='1' stdev='5'/></obs>"),
+                               "t.gkf");
+  EXPECT_THROW(adjust_network(s, {}), NetworkError);
+}
+
 TEST(GamaXml, SixtySecondsAreOneMinute) {
   double angle = 0;
   ASSERT_TRUE(parse_degrees_minutes_seconds("187-33-60.00", angle));
