@@ -103,12 +103,15 @@ TEST_P(AsBuiltFile, IsValidAgainstTheExpressSchema) {
 TEST_P(AsBuiltFile, ObeysTheContainmentRules) {
   const step::File file(enrich(design_bytes()).bytes, "t.ifc");
   std::map<std::uint64_t, int> contained;
-  for (const std::uint32_t index : file.of_type("IFCRELCONTAINEDINSPATIALSTRUCTURE"))
-    for (const step::Value& item : file.arguments(file.instances()[index]).at(4).items) ++contained[item.id];
+  for (const std::uint32_t index : file.of_type("IFCRELCONTAINEDINSPATIALSTRUCTURE")) {
+    const auto relation = file.arguments(file.instances()[index]);
+    for (const step::Value& item : relation.at(4).items) ++contained[item.id];
+  }
   for (const auto& [id, times] : contained) EXPECT_EQ(times, 1) << "#" << id << " is contained more than once";
-  for (const std::uint32_t index : file.of_type("IFCRELAGGREGATES"))
-    for (const step::Value& part : file.arguments(file.instances()[index]).at(5).items)
-      EXPECT_FALSE(contained.contains(part.id)) << "#" << part.id;
+  for (const std::uint32_t index : file.of_type("IFCRELAGGREGATES")) {
+    const auto relation = file.arguments(file.instances()[index]);
+    for (const step::Value& part : relation.at(5).items) EXPECT_FALSE(contained.contains(part.id)) << "#" << part.id;
+  }
   const auto& annotations = file.of_type("IFCANNOTATION");
   EXPECT_EQ(annotations.size(), 3u);
   for (const std::uint32_t index : annotations) EXPECT_EQ(contained[file.instances()[index].id], 1);
