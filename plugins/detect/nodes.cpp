@@ -32,7 +32,7 @@ std::unique_ptr<TagT> tag_artifact(const pd::DetectedTag& found) {
 }
 
 struct DetectAprilTag : Node {
-  static constexpr Info info{"detect.apriltag", "detector", 1,
+  static constexpr Info info{"detect.apriltag", "detector", 2,
                              "Finds AprilTags and measures their corners in the full-resolution image"};
   Each<Image> images{"images", "photographs: JPEG, PNG or TIFF"};
   Out<ImageTags> observations{"observations", "the tags with the covariance of every corner"};
@@ -42,8 +42,8 @@ struct DetectAprilTag : Node {
       "tag36h11, tag36h10, tag25h9, tag16h5, tagCircle21h7, tagCircle49h12, tagCustom48h12, tagStandard41h12 or "
       "tagStandard52h13"};
   Param<double> decimate{"decimate", 0.0, between(0, 16),
-                         "reduction of the image for the search: 1, 1.5, 2, 3, ...; 0 leaves it about 8 megapixels. "
-                         "Tags smaller than 14 px times this are lost; corners keep their accuracy"};
+                         "reduction of the image for the search: 1, 1.5, 2, 3, ...; 0 leaves it about 4.5 megapixels. "
+                         "Tags smaller than 16 px times this are lost; corners keep their accuracy"};
   Param<int64_t> bits_corrected{"bits_corrected", 2, between(0, 2),
                                 "bits a decoder may correct; families of 48 bits and more get 1 for their memory"};
   Param<int64_t> max_hamming{"max_hamming", 1, between(0, 2), "tags that needed more corrected bits are dropped"};
@@ -59,11 +59,11 @@ struct DetectAprilTag : Node {
                                "sigma of corners that are libapriltag's own"};
 
   void run(Context& context) override {
-    // The file's bytes, the grey values, and what libapriltag takes: 16 bytes for each pixel of the reduced image.
+    // The file's bytes, the grey values, and what libapriltag takes: 30 bytes for each pixel of the reduced image.
     const double pixels = static_cast<double>(images->width()) * images->height();
     const double factor = *decimate > 0 ? *decimate : pd::decimation_for(images->width(), images->height());
     context.reserve_memory(
-        static_cast<uint64_t>(static_cast<double>(images->size()) + pixels * (1 + 16 / (factor * factor))));
+        static_cast<uint64_t>(static_cast<double>(images->size()) + pixels * (1 + 30 / (factor * factor))));
 
     const std::string path = context.resolve(images->uri()->str());
     const GreyImage grey = read_grey_image(path);

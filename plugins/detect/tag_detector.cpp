@@ -47,10 +47,10 @@ DetectedTag plain_tag(const apriltag_detection_t& found, double sigma) {
 }  // namespace
 
 double decimation_for(int width, int height) {
-  const double megapixels = 1e-6 * width * height;
+  const double ratio = 1e-6 * width * height / 4.5;
   for (const double factor : {1.0, 1.5, 2.0, 3.0})
-    if (megapixels <= 8 * factor * factor) return factor;
-  return std::ceil(std::sqrt(megapixels / 8));
+    if (ratio <= factor * factor) return factor;
+  return std::ceil(std::sqrt(ratio));
 }
 
 struct TagDetector::Impl {

@@ -23,7 +23,7 @@ enum class Refinement {
 struct DetectorOptions {
   std::vector<std::string> families = {"tag36h11"};
   /// Linear factor by which the image is reduced for the search (corners are measured at full resolution all the same):
-  /// 1, 1.5, 2, 3, 4, ...; 0 chooses by decimation_for(). Tags smaller than about 14 px · factor a side are lost.
+  /// 1, 1.5, 2, 3, 4, ...; 0 chooses by decimation_for(). Tags smaller than about 16 px · factor a side are lost.
   double decimate = 0;
   int bits_corrected = 2;           ///< at most; families of 48 bits and more get 1, see affordable_bits_corrected()
   int max_hamming = 1;              ///< detections that needed more corrected bits are dropped as doubtful
@@ -47,7 +47,7 @@ struct DetectedTag {
   bool refined = false;                        ///< corners are from the edge fit
 };
 
-/// Smallest factor that leaves libapriltag at most 8 megapixels to search.
+/// Smallest factor that leaves libapriltag at most 4.5 megapixels to search: 3 for 24 megapixels, 5 for 100.
 double decimation_for(int width, int height);
 
 /// A detector and its decoding tables. Not for two threads at a time: make one per worker (tag36h11 takes 20 MB and 15
@@ -61,7 +61,7 @@ class TagDetector {
   TagDetector& operator=(TagDetector&&) noexcept;
 
   /// Tags of the image, sorted by family, id and position; the same image gives the same bits.
-  /// Needs about 16 bytes a pixel of the reduced image.
+  /// Needs about 30 bytes a pixel of the reduced image.
   std::vector<DetectedTag> detect(const GreyImage& image);
 
  private:

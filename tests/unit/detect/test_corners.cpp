@@ -196,11 +196,25 @@ TEST(Detector, KeepsTheDecodingTableSmall) {
   EXPECT_EQ(detect::affordable_bits_corrected(*detect::make_tag_family("tag36h11"), 2), 2);
 }
 
+TEST(Detector, FindsTagsOfSixteenReducedPixelsAndMeasuresThemAllTheSame) {
+  for (const double factor : {2.0, 3.0, 4.0}) {
+    DetectorOptions options;
+    options.decimate = factor;
+    TagDetector detector{options};
+    std::vector<TagScene> scenes;
+    for (int k = 0; k < 3; ++k) scenes.push_back(scene_of(16 * factor, 0.4 + 2 * k, 0.6, k));
+    const Figures f = measure(detector, scenes);
+    EXPECT_EQ(f.corners, 12) << "reduced by " << factor;
+    EXPECT_LT(f.rms, 0.06) << "reduced by " << factor;
+  }
+}
+
 TEST(Detector, DecimatesByTheSizeOfTheImage) {
   EXPECT_EQ(detect::decimation_for(800, 533), 1);
-  EXPECT_EQ(detect::decimation_for(4000, 3000), 1.5);
-  EXPECT_EQ(detect::decimation_for(6000, 4000), 2);
-  EXPECT_EQ(detect::decimation_for(11656, 8742), 4);
+  EXPECT_EQ(detect::decimation_for(3500, 2300), 1.5);
+  EXPECT_EQ(detect::decimation_for(4000, 3000), 2);
+  EXPECT_EQ(detect::decimation_for(6000, 4000), 3);
+  EXPECT_EQ(detect::decimation_for(11656, 8742), 5);
 }
 
 }  // namespace
