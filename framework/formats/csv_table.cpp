@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 namespace plumbline::formats {
 namespace {
@@ -71,25 +72,6 @@ std::size_t numbers_in(std::string_view line, const Dialect& dialect) {
   return numbers;
 }
 
-// The pair that makes most cells numbers; in a tie the earlier one of the list.
-Dialect detect(const std::vector<Line>& lines) {
-  constexpr std::array<Dialect, 9> candidates = {Dialect{';', '.'},  Dialect{'\t', '.'}, Dialect{',', '.'},
-                                                 Dialect{'|', '.'},  Dialect{' ', '.'},  Dialect{';', ','},
-                                                 Dialect{'\t', ','}, Dialect{'|', ','},  Dialect{' ', ','}};
-  Dialect best = {',', '.'};
-  std::size_t most = 0;
-  for (const Dialect& candidate : candidates) {
-    std::size_t numbers = 0, sampled = 0;
-    for (const Line& line : lines) {
-      if (trim(line.text).empty() || is_comment(line.text)) continue;
-      if (++sampled > kSampledLines) break;
-      numbers += numbers_in(line.text.substr(0, kLongestSampledLine), candidate);
-    }
-    if (numbers > most) most = numbers, best = candidate;
-  }
-  return best;
-}
-
 CsvHeaderCell header_cell(std::string_view text, const std::map<std::string, std::string>& known_names) {
   CsvHeaderCell cell;
   const std::size_t open = text.find_first_of("[(");
@@ -117,6 +99,40 @@ CsvHeaderCell header_cell(std::string_view text, const std::map<std::string, std
     cell.name = known->second;
   }
   return cell;
+}
+
+// How many cells of the first row are names we know, if at least two are.
+std::size_t names_in(const std::vector<Line>& lines, char delimiter,
+                     const std::map<std::string, std::string>& known_names) {
+  for (const Line& line : lines) {
+    if (trim(line.text).empty()) continue;
+    std::size_t known = 0;
+    for (const CsvCell& cell : cells_of(line.text.substr(0, kLongestSampledLine), delimiter))
+      known += cell.text.size() < 64 && known_names.contains(header_cell(cell.text, known_names).name) ? 1 : 0;
+    return known < 2 ? 0 : known;
+  }
+  return 0;
+}
+
+// The pair that makes most cells of the first row known names, then most cells numbers; in a tie the earlier one of the
+// list.
+Dialect detect(const std::vector<Line>& lines, const std::map<std::string, std::string>& known_names) {
+  constexpr std::array<Dialect, 9> candidates = {Dialect{';', '.'},  Dialect{'\t', '.'}, Dialect{',', '.'},
+                                                 Dialect{'|', '.'},  Dialect{' ', '.'},  Dialect{';', ','},
+                                                 Dialect{'\t', ','}, Dialect{'|', ','},  Dialect{' ', ','}};
+  Dialect best = {',', '.'};
+  std::pair<std::size_t, std::size_t> most = {0, 0};
+  for (const Dialect& candidate : candidates) {
+    std::size_t numbers = 0, sampled = 0;
+    const std::size_t names = names_in(lines, candidate.delimiter, known_names);
+    for (const Line& line : lines) {
+      if (trim(line.text).empty() || is_comment(line.text)) continue;
+      if (++sampled > kSampledLines) break;
+      numbers += numbers_in(line.text.substr(0, kLongestSampledLine), candidate);
+    }
+    if (std::pair(names, numbers) > most) most = {names, numbers}, best = candidate;
+  }
+  return best;
 }
 
 std::vector<CsvHeaderCell> header_of(const std::vector<CsvCell>& cells, const CsvTable& table,
@@ -147,7 +163,7 @@ CsvTable read_csv(std::string_view bytes, const std::map<std::string, std::strin
   CsvTable table;
   table.decoded = decode_text(bytes);
   const auto lines = split_lines(table.decoded.text);
-  const Dialect dialect = detect(lines);
+  const Dialect dialect = detect(lines, known_names);
   table.delimiter = dialect.delimiter;
   table.decimal = dialect.decimal;
   bool first = true;

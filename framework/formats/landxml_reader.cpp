@@ -171,8 +171,8 @@ void LandXmlReader::read_points() {
     if (point.code.empty()) point.code = attribute(node, "code");
     if (point.description.empty()) point.description = attribute(node, "desc");
   }
-  for (pugi::xml_node node : formats::descendants(xml_.root(), {"HexagonLandXML"})) {
-    for (pugi::xml_node point : formats::descendants(node, {"Point"})) {
+  for (pugi::xml_node node : formats::children(xml_.root(), "HexagonLandXML")) {
+    for (pugi::xml_node point : formats::children(node, "Point")) {
       const std::string key = attribute(point, "uniqueID");
       const auto grids = formats::descendants(point, {"Grid"});
       if (key.empty() || grids.empty()) continue;
@@ -189,8 +189,7 @@ std::string LandXmlReader::point_name(const std::string& reference) const {
 }
 
 void LandXmlReader::read_set_ups() {
-  for (pugi::xml_node survey : formats::descendants(xml_.root(), {"Survey"})) {
-    if (formats::local_name(survey.parent()) == "HexagonLandXML") continue;
+  for (pugi::xml_node survey : formats::children(xml_.root(), "Survey")) {
     for (pugi::xml_node node : formats::descendants(survey, {"InstrumentSetup"})) {
       const std::string id = attribute(node, "id");
       if (attribute(node, "status") == "deleted") continue;
@@ -286,7 +285,7 @@ SurveyObservations LandXmlReader::read() {
     throw SurveyReadError(xml_.position(xml_.root()), "the root element " + formats::quoted(xml_.root().name()),
                           "LandXML, or " + understood_formats());
   read_units();
-  for (pugi::xml_node hexagon : formats::descendants(xml_.root(), {"HexagonLandXML"})) read_hexagon(hexagon);
+  for (pugi::xml_node hexagon : formats::children(xml_.root(), "HexagonLandXML")) read_hexagon(hexagon);
   NetworkInfo& info = builder_.survey.info;
   info.title = attribute(formats::child(xml_.root(), "Project"), "name");
   info.program = attribute(formats::child(xml_.root(), "Application"), "name");
