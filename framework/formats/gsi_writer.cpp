@@ -153,6 +153,9 @@ std::string GsiWriter::write() {
     started = pointing.first->set_up;
     write_pointing(pointing);
   }
+  const bool ascii = std::all_of(out_.begin(), out_.end(), [](char c) { return static_cast<unsigned char>(c) < 0x80; });
+  if (!ascii && formats::decode_text(out_).encoding != formats::Encoding::windows_1252)
+    cannot("the names: their Windows-1252 bytes would be taken for another encoding; use ASCII names");
   return std::move(out_);
 }
 
