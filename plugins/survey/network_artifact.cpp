@@ -160,6 +160,7 @@ PointsT to_points_artifact(const NetworkResult& r) {
 
 SurveyNetworkT to_network_artifact(const NetworkResult& r, const AdjustOptions& options) {
   SurveyNetworkT n;
+  n.axes = "en";
   n.points = pack_points(r);
   n.statistics = pack_statistics(r);
   n.tests = pack_tests(r, options);

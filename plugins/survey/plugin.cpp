@@ -1,7 +1,8 @@
 #include "adjust_node.hpp"
 #include "compare_node.hpp"
+#include "file_axes_node.hpp"
 #include "plan_node.hpp"
 
 using namespace plumbline::survey;
 
-PLUMBLINE_PLUGIN("survey", "0.1.0", "MIT", AdjustNode, CompareEpochsNode, PlanNode)
+PLUMBLINE_PLUGIN("survey", "0.1.0", "MIT", AdjustNode, CompareEpochsNode, FileAxesNode, PlanNode)
