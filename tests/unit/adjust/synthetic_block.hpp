@@ -34,6 +34,7 @@ class Random {
 
 struct SyntheticOptions {
   int floors = 2;
+  int stations = 4;             ///< on each floor, with 4 images each
   double corner_sigma = 0.2;    ///< of one corner [px]: 0.1 px for the centre of a marker
   double survey_sigma = 0.001;  ///< [m]
   double scatter = 0.02;        ///< out of the facade's plane [m]
@@ -116,11 +117,11 @@ inline void add_plates(const SyntheticOptions& options, Random& random, Syntheti
 inline void add_images(const SyntheticOptions& options, Random& random, SyntheticBlock& synthetic) {
   char name[32];
   for (int floor = 1; floor <= options.floors; ++floor)
-    for (int station = 0; station < 4; ++station)
+    for (int station = 0; station < options.stations; ++station)
       for (int tilt : {-1, 1})
         for (int roll : {0, 1}) {
           const double height = 3.0 * (floor - 1) + 1.5;
-          const Eigen::Vector3d from(-1 + 8.0 / 3 * station, -8, height);
+          const Eigen::Vector3d from(-1 + 8.0 / (options.stations - 1) * station, -8, height);
           const auto pose = look_at(from, {3.0 + 0.25 * (from.x() - 3.0), 0, height + 1.4 * tilt}, roll * M_PI / 2);
           std::snprintf(name, sizeof name, "image_%03zu.jpg", synthetic.cam_from_world.size() + 1);
           synthetic.cam_from_world.push_back(pose);
