@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <string>
 
 #include "geometry/statistics.hpp"
@@ -24,18 +25,43 @@ constexpr double kLenience = 25;
 using Matrix8 = Eigen::Matrix<double, 8, 8>;
 using Weight = Eigen::LLT<Matrix8>;
 
+using Matrix36 = Eigen::Matrix<double, 3, 6>;
+
 /// A tag's residuals (measured minus predicted, [px]) and the derivatives of its predicted corners.
 struct PredictedTag {
   Vector8 residuals;
-  Matrix86 by_pose;   // by a rotation vector in the camera frame and the translation
-  Matrix86 by_plate;  // by the anchor's coordinates and a rotation vector of the plate about the anchor
+  Matrix86 by_pose;    // by a rotation vector in the camera frame and the translation
+  Matrix86 by_plate;   // by the anchor's coordinates and a rotation vector w of the plate about the anchor
+  Matrix86 by_square;  // by the six products w_i w_j, each normalised to a standard deviation of 1
 };
 
+/// Mean of the rotation matrices exp([w]x), w normal with `sigma` about each axis: this multiple of the identity. A
+/// turned plate looks smaller whichever way it is turned, so without it the camera would seem too far away.
+double mean_rotation(double sigma) {
+  const double square = sigma * sigma;
+  return (1 + 2 * (1 - square) * std::exp(-0.5 * square)) / 3;
+}
+
+/// The second-order part of a rotation, (w wᵀ − |w|² I) c / 2, is linear in the products of the components of w, which
+/// have variances 2 sigma⁴ (squares) and sigma⁴ (mixed) and no covariances: its derivatives by them in that measure.
+Matrix36 by_products(const Eigen::Vector3d& c, double sigma) {
+  Matrix36 columns;
+  for (int i = 0; i < 3; ++i) {
+    columns.col(i) = std::numbers::sqrt2 * 0.5 * (c(i) * Eigen::Vector3d::Unit(i) - c);
+    const int j = (i + 1) % 3;
+    columns.col(3 + i) = 0.5 * (c(j) * Eigen::Vector3d::Unit(i) + c(i) * Eigen::Vector3d::Unit(j));
+  }
+  return sigma * sigma * columns;
+}
+
 /// False if a corner falls behind the camera.
-bool predict(const BrownCamera& camera, const TagView& view, const RigidTransform& pose, PredictedTag& out) {
+bool predict(const BrownCamera& camera, const TagView& view, const RigidTransform& pose, double rotation_sigma,
+             PredictedTag& out) {
   const Eigen::Matrix3d rotation = pose.rotation.toRotationMatrix();
+  const double shrunk = mean_rotation(rotation_sigma);
   for (int i = 0; i < 4; ++i) {
-    const Eigen::Vector3d corner = view.corner_in_world(i), rotated = rotation * corner;
+    const Eigen::Vector3d arm = view.corner_in_world(i) - view.anchor_in_world,
+                          rotated = rotation * (view.anchor_in_world + shrunk * arm);
     const auto projection = project_with_slope(camera, rotated + pose.translation);
     if (!projection) return false;
     out.residuals.segment<2>(2 * i) = view.pixels[i] - projection->pixel;
@@ -43,7 +69,8 @@ bool predict(const BrownCamera& camera, const TagView& view, const RigidTransfor
     out.by_pose.block<2, 3>(2 * i, 3) = projection->by_point;
     const Eigen::Matrix<double, 2, 3> by_world = projection->by_point * rotation;
     out.by_plate.block<2, 3>(2 * i, 0) = by_world;
-    out.by_plate.block<2, 3>(2 * i, 3) = -by_world * skew(corner - view.anchor_in_world);
+    out.by_plate.block<2, 3>(2 * i, 3) = -by_world * skew(arm);
+    out.by_square.block<2, 6>(2 * i, 0) = by_world * by_products(arm, rotation_sigma);
   }
   return out.residuals.allFinite();
 }
@@ -52,7 +79,8 @@ bool predict(const BrownCamera& camera, const TagView& view, const RigidTransfor
 Weight weight_of(const TagView& view, const PredictedTag& tag, double rotation_sigma) {
   const auto by_anchor = tag.by_plate.leftCols<3>(), by_rotation = tag.by_plate.rightCols<3>();
   Matrix8 covariance = by_anchor * view.anchor_covariance * by_anchor.transpose() +
-                       rotation_sigma * rotation_sigma * by_rotation * by_rotation.transpose();
+                       rotation_sigma * rotation_sigma * by_rotation * by_rotation.transpose() +
+                       tag.by_square * tag.by_square.transpose();
   for (int i = 0; i < 4; ++i) covariance.block<2, 2>(2 * i, 2 * i) += view.pixel_covariances[i];
   return Weight(covariance);
 }
@@ -94,7 +122,7 @@ class Estimator {
     PredictedTag tag;
     for (std::size_t i = 0; i < views_.size(); ++i) {
       if (!chosen[i]) continue;
-      if (!predict(camera_, views_[i], pose, tag)) return false;
+      if (!predict(camera_, views_[i], pose, options_.plate_rotation_sigma, tag)) return false;
       list[i] = weight_of(views_[i], tag, options_.plate_rotation_sigma);
       if (list[i].info() != Eigen::Success) return false;
     }
@@ -109,7 +137,7 @@ class Estimator {
     if (normal) normal->setZero(), right->setZero();
     for (std::size_t i = 0; i < views_.size(); ++i) {
       if (!chosen[i]) continue;
-      if (!predict(camera_, views_[i], pose, tag)) return kInfinity;
+      if (!predict(camera_, views_[i], pose, options_.plate_rotation_sigma, tag)) return kInfinity;
       weights[i].matrixL().solveInPlace(tag.residuals);
       sum += tag.residuals.squaredNorm();
       if (!normal) continue;
@@ -247,7 +275,7 @@ std::vector<Hypothesis> best_hypotheses(const Estimator& estimator, const std::v
 double tag_distance(const BrownCamera& camera, const TagView& view, const RigidTransform& cam_from_world,
                     double plate_rotation_sigma) {
   PredictedTag tag;
-  if (!predict(camera, view, cam_from_world, tag)) return kInfinity;
+  if (!predict(camera, view, cam_from_world, plate_rotation_sigma, tag)) return kInfinity;
   const Weight weight = weight_of(view, tag, plate_rotation_sigma);
   if (weight.info() != Eigen::Success) return kInfinity;
   weight.matrixL().solveInPlace(tag.residuals);
@@ -292,7 +320,7 @@ TagPose estimate_centred(const BrownCamera& camera, const std::vector<TagView>& 
   double square = 0;
   PredictedTag tag;
   for (std::size_t i = 0; i < views.size(); ++i)
-    if (result.inliers[i] && predict(camera, views[i], result.cam_from_world, tag))
+    if (result.inliers[i] && predict(camera, views[i], result.cam_from_world, options.plate_rotation_sigma, tag))
       square += tag.residuals.squaredNorm();
   result.rms = std::sqrt(square / (8.0 * result.inlier_count));
   return result;

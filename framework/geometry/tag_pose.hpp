@@ -2,12 +2,12 @@
 // some of the tags are not the ones they are taken for.
 //
 // The unit that is right or wrong is the tag, not the corner: its four corners share the error of its anchor's
-// approximate coordinates and of its plate's nominal rotation. Both are part of the stochastic model, so how far a tag
-// may be off in the image follows from what is said of the field, for every depth and focal length, and no threshold in
-// pixels has to be chosen. Scheme:
-// minimal samples of tags go to a solver (given by the caller), each hypothesis is scored by a slowly growing function
-// of the Mahalanobis distances of all tags, the best are refined on their inliers (Chum et al. 2003, LO-RANSAC), and
-// the last solution is a generalised least-squares fit with its covariance.
+// approximate coordinates and of its plate's nominal rotation. Both are part of the stochastic model (the rotation to
+// the second order, because a plate that is turned looks smaller whichever way it is turned), so how far a tag may be
+// off in the image follows from what is said of the field, for every depth and focal length, and no threshold in pixels
+// has to be chosen. Scheme: minimal samples of tags go to a solver (given by the caller), each hypothesis is scored by
+// a slowly growing function of the Mahalanobis distances of all tags, the best are refined on their inliers (Chum et
+// al. 2003, LO-RANSAC), and the last solution is a generalised least-squares fit with its covariance.
 #pragma once
 
 #include <Eigen/Core>
