@@ -1,0 +1,98 @@
+// Part of approximate.cpp: a frame that grows from the points it knows. What rays, circles and spheres place in it is
+// in approximate_intersection.cpp, the rest in approximate_frame.cpp.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "approximate_figure.hpp"
+#include "formats/survey_observations.hpp"
+
+namespace plumbline::survey {
+
+class Frame {
+ public:
+  Frame(const SurveyObservations& survey, const Figures& figures)
+      : survey_(survey), figures_(figures), orientation_(figures.figures.size(), kNotGiven) {}
+
+  void set_plan(const std::string& id, const Eigen::Vector2d& p) { plan_.emplace(id, p); }
+  void set_height(const std::string& id, double h) { height_.emplace(id, h); }
+  bool has_plan(const std::string& id) const { return plan_.contains(id); }
+  bool has_height(const std::string& id) const { return height_.contains(id); }
+  const std::map<std::string, Eigen::Vector2d>& plan() const { return plan_; }
+  const std::map<std::string, double>& height() const { return height_; }
+  double orientation(size_t figure) const { return orientation_[figure]; }
+
+  /// Places everything that follows from what is known.
+  void grow();
+
+  /// Starts a frame without known points: the station is the origin, the zero of the circle is north.
+  void seed(size_t figure);
+
+  /// Starts a frame of unknown scale, for networks of angles: the station is the origin, the zero of the circle is
+  /// north, `target` is a kilometre away. Distances and heights wait until the scale is settled.
+  void seed_shape(size_t figure, const std::string& target);
+
+  /// Gives such a frame the scale of the distances between its points, else that of the points it shares with `known`,
+  /// else leaves the kilometre.
+  void settle_scale(const Frame& known);
+
+  /// Takes over the points of another frame. False if the two share too little.
+  bool adopt(const Frame& other);
+
+ private:
+  bool grow_well_determined();
+
+  /// Plane position of a sight's target seen from the station with the circle's zero as north; nullopt without
+  /// distance.
+  std::optional<Eigen::Vector2d> local_position(const Figure& figure, const PolarSight& s) const;
+
+  /// A slope distance becomes horizontal with the heights of both ends; in a network without heights it is taken as it
+  /// is.
+  double horizontal_of(const std::string& a, const std::string& b, double horizontal, double slope,
+                       double heights) const;
+  bool heightless(const std::string& id) const;
+
+  /// Station and orientation from >= 2 known targets with direction and distance.
+  bool place_free_station(size_t f);
+  bool orient(size_t f);
+
+  /// Another figure on the same station (an azimuth, another round) that is oriented and sights a common target.
+  bool orient_by_neighbour(size_t f);
+
+  /// A figure whose station is not placed yet, sighted from an oriented one that it sights itself.
+  bool orient_by_reverse_sight(size_t f);
+  bool place_polar(size_t f);
+  bool carry_heights(size_t f);
+  bool carry_height(const std::string& from, const std::string& to, double difference);
+  bool carry_height_differences();
+  bool carry_vectors();
+
+  /// One point at a time, so that what it determines well comes before the next intersection.
+  bool grow_by_intersection(bool accept_ambiguous);
+  void add_circle(const std::string& known, const std::string& unknown, double radius,
+                  std::map<std::string, std::vector<Locus>>& loci) const;
+  void collect_loci(size_t f, std::map<std::string, std::vector<Locus>>& loci) const;
+  bool place_by_resection(size_t f);
+  double resection_misfit(const Eigen::Vector2d& p, const std::vector<const PolarSight*>& known) const;
+
+  /// Four spheres: differences of their equations are linear in the centre (height included).
+  bool place_by_slope_distances();
+
+  /// Measured by own length of each distance between placed points.
+  std::vector<double> scales_of_distances() const;
+  bool adopt_plan(const Frame& other);
+  bool adopt_height(const Frame& other);
+
+  const SurveyObservations& survey_;
+  const Figures& figures_;
+  std::map<std::string, Eigen::Vector2d> plan_;
+  std::map<std::string, double> height_;
+  std::vector<double> orientation_;
+  bool seeded_ = false;      // its north is arbitrary
+  bool scale_open_ = false;  // its unit of length is arbitrary
+};
+
+}  // namespace plumbline::survey
