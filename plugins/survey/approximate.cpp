@@ -34,15 +34,15 @@ int best_seed(const Figures& figures, const Frame& frame, const std::vector<char
 }
 
 /// Figures with distances, each grown as far as it goes, one after another fitted onto the frame.
-void chain_figures(const SurveyObservations& survey, const Figures& figures, Frame& frame) {
+void chain_figures(const SurveyObservations& survey, const Figures& figures, bool guess, Frame& frame) {
   std::vector<char> tried(figures.figures.size(), 0);
   for (int f = best_seed(figures, frame, tried); f >= 0; f = best_seed(figures, frame, tried)) {
     tried[f] = 1;
     Frame local(survey, figures);
     local.seed(static_cast<size_t>(f));
-    local.grow();
-    if (frame.adopt(local)) {
-      frame.grow();
+    local.grow(guess);
+    if (frame.adopt(local, guess)) {
+      frame.grow(guess);
       std::fill(tried.begin(), tried.end(), 0);
       tried[f] = 1;
     }
@@ -50,7 +50,7 @@ void chain_figures(const SurveyObservations& survey, const Figures& figures, Fra
 }
 
 /// Triangulation: what directions place between two points without a length.
-void chain_triangles(const SurveyObservations& survey, const Figures& figures, Frame& frame) {
+void chain_triangles(const SurveyObservations& survey, const Figures& figures, bool guess, Frame& frame) {
   std::set<std::string> seen;
   for (size_t f = 0; f < figures.figures.size(); ++f)
     for (const PolarSight& s : figures.figures[f].sights) {
@@ -58,12 +58,12 @@ void chain_triangles(const SurveyObservations& survey, const Figures& figures, F
       if (std::isnan(s.direction) || frame.has_plan(station) || seen.contains(station)) continue;
       Frame local(survey, figures);
       local.seed_shape(f, s.to);
-      local.grow();
+      local.grow(guess);
       if (local.plan().size() < 3) continue;  // not a triangle
       for (const auto& [id, p] : local.plan()) seen.insert(id);
       local.settle_scale(frame);
-      local.grow();
-      if (frame.adopt(local)) frame.grow();
+      local.grow(guess);
+      if (frame.adopt(local, guess)) frame.grow(guess);
     }
 }
 
@@ -79,7 +79,7 @@ void seed_height(const Figures& figures, Frame& frame) {
         break;
       }
   }
-  frame.grow();
+  frame.grow(true);
 }
 
 }  // namespace
@@ -104,9 +104,11 @@ Approximation approximate_coordinates(const SurveyObservations& survey,
     for (size_t k = 0; k < group.components.size(); ++k)
       if (group.components[k].axis == 2)
         frame.set_height(group.components[k].point, group.values[static_cast<Eigen::Index>(k)]);
-  frame.grow();
-  chain_figures(survey, figures, frame);
-  chain_triangles(survey, figures, frame);
+  for (const bool guess : {false, true}) {
+    frame.grow(guess);
+    chain_figures(survey, figures, guess, frame);
+    chain_triangles(survey, figures, guess, frame);
+  }
   seed_height(figures, frame);
 
   Approximation result;

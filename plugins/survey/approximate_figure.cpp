@@ -62,6 +62,23 @@ void complete(PolarSight& s) {
     s.height_difference = s.horizontal / std::tan(s.zenith) + s.heights;
 }
 
+/// Sights whose distance stands on its own in the file (another cluster, or the other direction) get it; a difference
+/// in instrument and target heights does not matter for approximate values.
+void lend_distances(Figures& figures) {
+  std::map<std::pair<std::string, std::string>, const DistanceLine*> lines;
+  for (const DistanceLine& d : figures.distances) {
+    lines.try_emplace({d.from, d.to}, &d);
+    lines.try_emplace({d.to, d.from}, &d);
+  }
+  for (Figure& figure : figures.figures)
+    for (PolarSight& s : figure.sights) {
+      const auto line = lines.find({figure.station, s.to});
+      if (line == lines.end() || !std::isnan(s.horizontal) || !std::isnan(s.slope)) continue;
+      s.horizontal = line->second->horizontal;
+      s.slope = line->second->slope;
+    }
+}
+
 }  // namespace
 
 PolarSight& Figure::sight_to(const std::string& target) {
@@ -118,6 +135,7 @@ Figures make_figures(const SurveyObservations& survey, const std::vector<MeanObs
     s.slope = c.position.norm();
     s.zenith = std::atan2(s.horizontal, c.position.z());
   }
+  lend_distances(result);
   for (Figure& figure : result.figures)
     for (PolarSight& s : figure.sights) complete(s);
   return result;

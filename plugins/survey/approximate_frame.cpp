@@ -19,8 +19,8 @@ double azimuth_between(const Vector2d& from, const Vector2d& to) {
 
 }  // namespace
 
-void Frame::grow() {
-  while (grow_well_determined() || grow_by_intersection(false) || grow_by_intersection(true)) {
+void Frame::grow(bool guess) {
+  while (grow_well_determined() || grow_by_intersection(false) || (guess && grow_by_intersection(true))) {
   }
 }
 
@@ -74,8 +74,8 @@ void Frame::settle_scale(const Frame& known) {
   for (auto& [id, p] : plan_) p *= *middle;
 }
 
-bool Frame::adopt(const Frame& other) {
-  const bool plan_taken = adopt_plan(other);
+bool Frame::adopt(const Frame& other, bool guess) {
+  const bool plan_taken = adopt_plan(other, guess);
   const bool height_taken = adopt_height(other);
   return plan_taken || height_taken;
 }
@@ -250,7 +250,7 @@ bool Frame::carry_vectors() {
   return changed;
 }
 
-bool Frame::adopt_plan(const Frame& other) {
+bool Frame::adopt_plan(const Frame& other, bool guess) {
   std::vector<Vector2d> from, to;
   for (const auto& [id, p] : other.plan_)
     if (has_plan(id)) {
@@ -260,7 +260,7 @@ bool Frame::adopt_plan(const Frame& other) {
   PlaneMotion motion;
   if (const auto fit = fit_plane(from, to)) {
     motion = *fit;
-  } else if (from.size() == 1) {
+  } else if (from.size() == 1 && guess) {
     motion.translation = to[0] - from[0];
   } else if (!plan_.empty()) {
     return false;

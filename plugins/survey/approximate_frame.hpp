@@ -25,8 +25,8 @@ class Frame {
   const std::map<std::string, double>& height() const { return height_; }
   double orientation(size_t figure) const { return orientation_[figure]; }
 
-  /// Places everything that follows from what is known.
-  void grow();
+  /// Places everything that follows from what is known; `guess`: where two places are equally good, takes one.
+  void grow(bool guess);
 
   /// Starts a frame without known points: the station is the origin, the zero of the circle is north.
   void seed(size_t figure);
@@ -39,8 +39,9 @@ class Frame {
   /// else leaves the kilometre.
   void settle_scale(const Frame& known);
 
-  /// Takes over the points of another frame. False if the two share too little.
-  bool adopt(const Frame& other);
+  /// Takes over the points of another frame. False if the two share too little; with `guess` one point is enough, and
+  /// the other frame's north is believed.
+  bool adopt(const Frame& other, bool guess);
 
  private:
   bool grow_well_determined();
@@ -83,7 +84,7 @@ class Frame {
 
   /// Measured by own length of each distance between placed points.
   std::vector<double> scales_of_distances() const;
-  bool adopt_plan(const Frame& other);
+  bool adopt_plan(const Frame& other, bool guess);
   bool adopt_height(const Frame& other);
 
   const SurveyObservations& survey_;
