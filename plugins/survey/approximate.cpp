@@ -41,6 +41,7 @@ void chain_figures(const SurveyObservations& survey, const Figures& figures, boo
     Frame local(survey, figures);
     local.seed(static_cast<size_t>(f));
     local.grow(guess);
+    local.settle_north();
     if (frame.adopt(local, guess)) {
       frame.grow(guess);
       std::fill(tried.begin(), tried.end(), 0);
@@ -63,6 +64,7 @@ void chain_triangles(const SurveyObservations& survey, const Figures& figures, b
       for (const auto& [id, p] : local.plan()) seen.insert(id);
       local.settle_scale(frame);
       local.grow(guess);
+      local.settle_north();
       if (frame.adopt(local, guess)) frame.grow(guess);
     }
 }

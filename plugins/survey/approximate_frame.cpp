@@ -17,6 +17,12 @@ double azimuth_between(const Vector2d& from, const Vector2d& to) {
   return std::atan2(to.x() - from.x(), to.y() - from.y());
 }
 
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
 }  // namespace
 
 void Frame::grow(bool guess) {
@@ -69,9 +75,24 @@ void Frame::settle_scale(const Frame& known) {
           scales.push_back((known.plan_.at(b->first) - known.plan_.at(a->first)).norm() / own);
       }
   if (scales.empty()) return;
-  const auto middle = scales.begin() + static_cast<std::ptrdiff_t>(scales.size() / 2);
-  std::nth_element(scales.begin(), middle, scales.end());
-  for (auto& [id, p] : plan_) p *= *middle;
+  const double scale = median(std::move(scales));
+  for (auto& [id, p] : plan_) p *= scale;
+}
+
+void Frame::settle_north() {
+  std::vector<double> turns;
+  for (const Figure& f : figures_.figures)
+    for (const PolarSight& s : f.sights) {
+      if (!f.oriented_to_north || std::isnan(s.direction) || !has_plan(f.station) || !has_plan(s.to)) continue;
+      const double turn = s.direction - azimuth_between(plan_.at(f.station), plan_.at(s.to));
+      turns.push_back(turns.empty() ? turn : turns.front() + wrap_angle(turn - turns.front()));
+    }
+  if (!seeded_ || turns.empty()) return;
+  PlaneMotion motion;
+  motion.rotation = median(std::move(turns));
+  for (auto& [id, p] : plan_) p = motion(p);
+  for (double& orientation : orientation_) orientation += motion.rotation;
+  seeded_ = false;
 }
 
 bool Frame::adopt(const Frame& other, bool guess) {
@@ -260,7 +281,7 @@ bool Frame::adopt_plan(const Frame& other, bool guess) {
   PlaneMotion motion;
   if (const auto fit = fit_plane(from, to)) {
     motion = *fit;
-  } else if (from.size() == 1 && guess) {
+  } else if (from.size() == 1 && (guess || !other.seeded_)) {
     motion.translation = to[0] - from[0];
   } else if (!plan_.empty()) {
     return false;

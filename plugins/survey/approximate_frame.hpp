@@ -39,8 +39,11 @@ class Frame {
   /// else leaves the kilometre.
   void settle_scale(const Frame& known);
 
-  /// Takes over the points of another frame. False if the two share too little; with `guess` one point is enough, and
-  /// the other frame's north is believed.
+  /// Turns a seeded frame so that azimuths between its points are right, if there are any.
+  void settle_north();
+
+  /// Takes over the points of another frame. False if the two share too little: two points, or one if the other's north
+  /// is settled; with `guess` any north is believed.
   bool adopt(const Frame& other, bool guess);
 
  private:
