@@ -1,3 +1,10 @@
+# What a plugin is built with: in this tree, and from an installation through find_package(Plumbline).
+
+set(PLUMBLINE_EXPORTS_MAP ${CMAKE_CURRENT_LIST_DIR}/plugin_exports.map)
+if(NOT PLUMBLINE_SCHEMA_DIR)
+  set(PLUMBLINE_SCHEMA_DIR ${PROJECT_SOURCE_DIR}/schemas/artifacts)
+endif()
+
 # plumbline_add_artifacts(NAME SCHEMAS a.fbs b.fbs ...)
 # Compiles FlatBuffers schemas to C++: the interface library NAME gives `#include "artifacts/a.hpp"`, which holds the generated
 # code and the traits (type name, fingerprint over fields, types and units, embedded schema) of the root table.
@@ -6,10 +13,7 @@ function(plumbline_add_artifacts name)
   set(out ${CMAKE_CURRENT_BINARY_DIR}/${name})
   set(headers)
   set(bfbs_files)
-  set(include_flags -I ${PROJECT_SOURCE_DIR}/schemas/artifacts)
-  if(PLUMBLINE_ARTIFACTS_DIR)
-    list(APPEND include_flags -I ${PLUMBLINE_ARTIFACTS_DIR})
-  endif()
+  set(include_flags -I ${PLUMBLINE_SCHEMA_DIR})
   file(MAKE_DIRECTORY ${out}/artifacts)
   foreach(schema ${ARG_SCHEMAS})
     get_filename_component(base ${schema} NAME_WE)
@@ -40,13 +44,16 @@ function(plumbline_add_plugin family)
   cmake_parse_arguments(ARG "" "FOLDER" "SOURCES;LINK" ${ARGN})
   set(target plumbline_plugin_${family})
   add_library(${target} MODULE ${ARG_SOURCES})
-  target_link_libraries(${target} PRIVATE plumbline_settings plumbline_contract plumbline_artifacts ${ARG_LINK})
+  target_link_libraries(${target} PRIVATE plumbline_contract plumbline_artifacts ${ARG_LINK})
+  if(TARGET plumbline_settings)
+    target_link_libraries(${target} PRIVATE plumbline_settings)
+  endif()
   target_compile_definitions(${target} PRIVATE PLUMBLINE_BUILD_ID="${PROJECT_VERSION}")
-  set(exports ${PROJECT_SOURCE_DIR}/cmake/plugin_exports.map)
   # The version script leaves one symbol: without it, inline statics of libraries are shared between plugins.
-  target_link_options(${target} PRIVATE -Wl,--version-script=${exports} -Wl,--no-undefined -Wl,--build-id=sha1)
+  target_link_options(${target} PRIVATE -Wl,--version-script=${PLUMBLINE_EXPORTS_MAP} -Wl,--no-undefined -Wl,--build-id=sha1)
   set_target_properties(${target} PROPERTIES
-    PREFIX "" OUTPUT_NAME plumbline_${family} LINK_DEPENDS ${exports}
+    PREFIX "" OUTPUT_NAME plumbline_${family} POSITION_INDEPENDENT_CODE ON
+    CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON LINK_DEPENDS ${PLUMBLINE_EXPORTS_MAP}
     LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib/plumbline)
   if(ARG_FOLDER)
     set_target_properties(${target} PROPERTIES LIBRARY_OUTPUT_DIRECTORY ${ARG_FOLDER})

@@ -13,10 +13,11 @@ namespace fs = std::filesystem;
 namespace {
 
 std::vector<fs::path> pipeline_folders() {
-  std::vector<fs::path> folders{"pipelines", PLUMBLINE_SOURCE_PIPELINES};
+  std::vector<fs::path> folders{"pipelines"};
   std::error_code failed;
   const fs::path self = fs::read_symlink("/proc/self/exe", failed);
   if (!failed) folders.push_back(self.parent_path().parent_path() / "share" / "plumbline" / "pipelines");
+  folders.push_back(PLUMBLINE_SOURCE_PIPELINES);
   return folders;
 }
 
