@@ -84,7 +84,7 @@ PointsT to_artifact(const std::vector<campaign::ControlPoint>& entries) {
 }
 
 struct ReadCampaign : Node {
-  static constexpr Info info{"read.campaign", "", 1, "Reads the folder of a site: campaign.yaml and what it names"};
+  static constexpr Info info{"read.campaign", "", 2, "Reads the folder of a site: campaign.yaml and what it names"};
   In<Folder> folder{"folder", "a folder with a campaign.yaml; see docs/campaign_folder.md"};
   OutList<Image> images{"images", "the photographs, by reference, ordered by path"};
   Out<Camera> camera{"camera", "the calibration, with the uncertainty its file states"};
@@ -92,6 +92,7 @@ struct ReadCampaign : Node {
   Out<SurveyObservations> survey{"survey", frame("frame=building"),
                                  "all survey files in one; the datum is in `control`"};
   Out<Points> control{"control", frame("frame=building"), "the control points as given"};
+  Param<bool> strict{"strict", true, "refuse survey files of which anything has to be skipped; otherwise it is a warning"};
   Out<File> design_file{"design_file", "the design IFC as it is"};
 
   void run(Context& context) override {
@@ -136,8 +137,12 @@ struct ReadCampaign : Node {
       parts.push_back(
           plumbline::survey::read_survey(read_text(root / path), path));  // by its own name, wherever it lies
       for (const auto& skipped : parts.back().skipped) {
-        context.warn(skipped.source.file + ":" + std::to_string(skipped.source.line) + ": passed over " +
-                     skipped.found + ", expected " + skipped.expected);
+        const std::string place = skipped.source.file + ":" + std::to_string(skipped.source.line);
+        // A network adjusted from part of its readings must not look like one adjusted from all.
+        if (*strict)
+          throw std::runtime_error(place + ": found " + skipped.found + ", expected " + skipped.expected +
+                                   ". Mend the file, or go on without these readings with strict=false");
+        context.warn(place + ": passed over " + skipped.found + ", expected " + skipped.expected);
       }
       for (const std::string& warning : parts.back().warnings) context.warn(path + ": " + warning);
     }

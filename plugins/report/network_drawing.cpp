@@ -28,6 +28,7 @@ struct Spot {
   Eigen::Vector2d at;
   Eigen::Vector2d semi_axes = Eigen::Vector2d::Constant(std::nan(""));  ///< 95 % [m], longest first
   double angle = 0;  ///< of the longest axis, from the horizontal axis to the vertical one [rad]
+  Eigen::Vector2d movement = Eigen::Vector2d::Constant(std::nan(""));  ///< [m]
 };
 
 struct Layout {
@@ -38,6 +39,7 @@ struct Layout {
 
 Spot spot_of(const NetworkPage::Point& point, const Projection& projection) {
   Spot spot{&point, projection.axes * point.position};
+  spot.movement = projection.axes * point.movement;
   if (!point.covariance.allFinite()) return spot;
   const Eigen::Matrix2d s = projection.axes * point.covariance * projection.axes.transpose();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(s);
@@ -68,9 +70,13 @@ Layout layout(const NetworkPage& network, const Projection& projection) {
   if (out.spots.empty()) return out;
   Eigen::Vector2d low = out.spots.front().at, high = low;
   double largest = 0;
+  // Markers set the size of the ellipses: a free instrument station may be known ten times worse, and nobody minds.
+  const bool any_marker = std::any_of(out.spots.begin(), out.spots.end(),
+                                      [](const Spot& s) { return !s.point->station && s.semi_axes[0] > 0; });
   for (const Spot& s : out.spots) {
     low = low.cwiseMin(s.at), high = high.cwiseMax(s.at);
-    if (std::isfinite(s.semi_axes[0])) largest = std::max(largest, s.semi_axes[0]);
+    if (std::isfinite(s.semi_axes[0]) && !(any_marker && s.point->station)) largest = std::max(largest, s.semi_axes[0]);
+    if (s.movement.allFinite()) largest = std::max(largest, s.movement.norm());
   }
   const Eigen::Vector2d span = (high - low).cwiseMax(1.0);
   out.pixels_per_metre = std::min((width - 2 * margin - 60) / span.x(), 520.0 / span.y());
@@ -99,14 +105,17 @@ void draw_sights(Markup& svg, const NetworkPage& network, const Layout& layout) 
 void draw_point(Markup& svg, const Layout& layout, const Spot& s) {
   const double x = layout.x(s.at.x()), y = layout.y(s.at.y());
   const double scale = layout.exaggeration * layout.pixels_per_metre;
-  if (std::isfinite(s.semi_axes[0]))
-    svg.empty("ellipse",
-              {{"class", "ellipse"},
-               {"cx", "0"},
-               {"cy", "0"},
-               {"rx", px(scale * s.semi_axes[0])},
-               {"ry", px(scale * s.semi_axes[1])},
-               {"transform", "translate(" + px(x) + " " + px(y) + ") rotate(" + px(-s.angle * 180 / M_PI) + ")"}});
+  // The ellipse of a movement stands at the head of its arrow: the point has moved if it leaves the dot outside.
+  const Eigen::Vector2d tip = s.movement.allFinite() ? Eigen::Vector2d(scale * s.movement) : Eigen::Vector2d(0, 0);
+  if (std::isfinite(s.semi_axes[0]) && scale * s.semi_axes[0] < (s.point->station ? 60 : 1e4))
+    svg.empty("ellipse", {{"class", "ellipse"},
+                          {"cx", "0"},
+                          {"cy", "0"},
+                          {"rx", px(scale * s.semi_axes[0])},
+                          {"ry", px(scale * s.semi_axes[1])},
+                          {"transform", "translate(" + px(x + tip.x()) + " " + px(y - tip.y()) + ") rotate(" +
+                                            px(-s.angle * 180 / M_PI) + ")"}});
+  arrow(svg, x, y, x + tip.x(), y - tip.y(), s.point->moved ? "moved" : "unmoved");
   if (s.point->station)
     svg.empty("polygon", {{"class", "station"},
                           {"points", px(x) + "," + px(y - 7) + " " + px(x + 6.5) + "," + px(y + 5) + " " + px(x - 6.5) +
@@ -153,7 +162,7 @@ void draw(Markup& html, const NetworkPage& network, const Projection& projection
   Scope figure(html, "figure");
   {
     Scope svg =
-        drawing(html, width, view.drawing_height, projection.name + " of the survey network with error ellipses");
+        drawing(html, width, view.drawing_height, projection.name + " of " + network.shown + " with error ellipses");
     draw_sights(html, network, view);
     for (const Spot& s : view.spots) draw_point(html, view, s);
     draw_scales(html, view);
@@ -164,11 +173,21 @@ void draw(Markup& html, const NetworkPage& network, const Projection& projection
     }
     write_labels(html, view, labels);
   }
-  html.element("figcaption", projection.name + ": " + projection.horizontal + " to the right, " + projection.vertical +
-                                 " up. Ellipses: 95\u00A0% confidence, drawn ×" + fixed(view.exaggeration, 0) +
-                                 ". Triangles: instrument; dots: markers; rings: points that carry the datum. “A1 +9” "
-                                 "stands for A1 and nine more points at the same place; labels that would overlap "
-                                 "are left out.");
+  const bool stations =
+      std::any_of(network.points.begin(), network.points.end(), [](const auto& p) { return p.station; });
+  const bool datum = std::any_of(network.points.begin(), network.points.end(), [](const auto& p) { return p.datum; });
+  const bool crowded = std::any_of(view.spots.begin(), view.spots.end(), [&](const Spot& a) {
+    return std::any_of(view.spots.begin(), view.spots.end(),
+                       [&](const Spot& b) { return &a != &b && (a.at - b.at).norm() * view.pixels_per_metre <= 4; });
+  });
+  html.element("figcaption",
+               projection.name + ": " + projection.horizontal + " to the right, " + projection.vertical +
+                   " up. Ellipses: " + network.ellipses + ", drawn ×" + fixed(view.exaggeration, 0) + "." +
+                   (stations ? " Triangles: instrument; dots: markers." : "") +
+                   (datum ? " Rings: " + network.rings + "." : "") +
+                   (crowded ? " “A1 +9” stands for A1 and nine more points at the same place; labels that would "
+                              "overlap are left out."
+                            : ""));
 }
 
 }  // namespace

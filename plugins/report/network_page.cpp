@@ -12,13 +12,6 @@ bool is_angular(const std::string& kind) {
   return kind == "direction" || kind == "zenith_angle" || kind == "angle" || kind == "azimuth";
 }
 
-/// Covariance of a standard error ellipsoid [m²].
-Eigen::Matrix3d covariance_of(const NetworkEllipsoidT& e) {
-  Eigen::Matrix3d axes;
-  axes << e.first_axis, e.second_axis, e.first_axis.cross(e.second_axis);
-  return axes * e.semi_axes.cwiseAbs2().asDiagonal() * axes.transpose();
-}
-
 std::vector<NetworkPage::Point> points_of(const SurveyNetworkT& network) {
   std::map<std::string, const NetworkEllipsoidT*> ellipsoids;
   for (const auto& e : network.ellipsoids) ellipsoids[e->id] = e.get();
@@ -56,6 +49,12 @@ void fill_tests(const NetworkTestsT& tests, NetworkPage& page) {
 }
 
 }  // namespace
+
+Eigen::Matrix3d covariance_of(const NetworkEllipsoidT& e) {
+  Eigen::Matrix3d axes;
+  axes << e.first_axis, e.second_axis, e.first_axis.cross(e.second_axis);
+  return axes * e.semi_axes.cwiseAbs2().asDiagonal() * axes.transpose();
+}
 
 NetworkPage network_page(const SurveyNetworkT& network) {
   NetworkPage page;

@@ -8,4 +8,7 @@ namespace plumbline::report {
 
 NetworkPage network_page(const SurveyNetworkT& network);
 
+/// Covariance of a standard error ellipsoid [m^2].
+Eigen::Matrix3d covariance_of(const NetworkEllipsoidT& ellipsoid);
+
 }  // namespace plumbline::report

@@ -172,7 +172,7 @@ void write_groups(Markup& html, const NetworkPage& n) {
 
 }  // namespace
 
-void write_network(Markup& html, const NetworkPage& network) {
+void write_network(Markup& html, const NetworkPage& network, const SurveyComparisonT* control) {
   Scope part(html, "section", {{"id", "network"}});
   html.element("h2", "Survey network");
   html.element("p", {{"class", "note"}},
@@ -184,6 +184,7 @@ void write_network(Markup& html, const NetworkPage& network) {
                    ".");
   write_global_test(html, network);
   write_findings(html, network);
+  if (control) write_control_check(html, *control);
   write_network_drawings(html, network);
   write_removed(html, network);
   write_groups(html, network);

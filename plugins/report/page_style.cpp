@@ -74,6 +74,7 @@ svg .halo{paint-order:stroke;stroke:var(--bg);stroke-width:4px;stroke-linejoin:r
 .symbol.hollow{fill:var(--bg)}.symbol.hollow.pass{stroke:var(--pass-fill)}.symbol.hollow.undecided{stroke:var(--undecided-fill)}.symbol.hollow.fail{stroke:var(--fail-fill)}
 .symbol.open{fill:none;stroke:var(--soft)}
 .shaft{stroke:var(--fg);stroke-width:2}.head{fill:var(--fg)}
+.moved.shaft{stroke:var(--fail-fill)}.moved.head{fill:var(--fail-fill)}
 .storey{stroke:var(--line);stroke-dasharray:3 5}
 .ellipse{fill:var(--band);stroke:var(--blue);stroke-width:1.3;fill-opacity:.75}.bar{stroke:var(--blue);stroke-width:2}
 .sight{stroke:var(--line);stroke-width:1}.station{fill:var(--fg)}.datum-ring{fill:none;stroke:var(--fg);stroke-width:1.4}.dot{fill:var(--fg)}

@@ -119,6 +119,7 @@ void write_body(Markup& html, const ReportInput& input) {
     if (!input.subtitle.empty()) html.element("p", {{"class", "subtitle"}}, input.subtitle);
     write_verdict(html, input);
     write_warnings(html, input.accuracy);
+    if (input.control_check) write_control_warning(html, *input.control_check);
     write_navigation(html, input);
   }
   write_key_numbers(html, input.accuracy);
@@ -128,13 +129,13 @@ void write_body(Markup& html, const ReportInput& input) {
   write_transfers(html, input.accuracy);
   write_anchors(html, input.accuracy);
   write_method(html, input.accuracy);
-  if (input.network) write_network(html, *input.network);
+  if (input.network) write_network(html, *input.network, input.control_check ? &*input.control_check : nullptr);
   write_provenance(html, input);
 }
 
 }  // namespace
 
-std::string render_report(const ReportInput& input) {
+std::string render_page(const std::string& title, const std::function<void(Markup&)>& write_content) {
   Markup html;
   html.raw("<!DOCTYPE html>\n");
   {
@@ -146,14 +147,18 @@ std::string render_report(const ReportInput& input) {
       // Forbids any request, so that the file is what it says: complete.
       html.empty("meta", {{"http-equiv", "Content-Security-Policy"},
                           {"content", "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'"}});
-      html.element("title", input.title);
+      html.element("title", title);
       html.open("style").raw(page_style).close();
     }
     Scope body(html, "body");
-    write_body(html, input);
+    write_content(html);
     html.open("script").raw(page_script).close();
   }
   return html.str();
+}
+
+std::string render_report(const ReportInput& input) {
+  return render_page(input.title, [&](Markup& html) { write_body(html, input); });
 }
 
 }  // namespace plumbline::report

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "artifacts/accuracy.hpp"
+#include "artifacts/survey_comparison.hpp"
 
 namespace plumbline::report {
 
@@ -23,6 +24,9 @@ struct NetworkPage {
     Eigen::Matrix3d covariance = Eigen::Matrix3d::Constant(nan);
     bool station = false;  ///< an instrument stood here
     bool datum = false;    ///< carries the datum
+    /// [m], in a page about movements; `covariance` is then that of the movement
+    Eigen::Vector3d movement = Eigen::Vector3d::Constant(nan);
+    bool moved = false;  ///< significantly
   };
   struct Observation {
     std::string kind;  ///< "direction", "zenith_angle", "slope_distance", ...
@@ -58,6 +62,8 @@ struct NetworkPage {
   double statistic = nan, lower = nan, upper = nan, alpha = nan;  ///< global test
   std::string verdict;                                            ///< "pass", "low" or "high"
   double critical_w = nan, alpha0 = nan, power = nan;
+  /// What the drawings show, and what their ellipses and rings are.
+  std::string shown = "the survey network", ellipses = "95\u00A0% confidence", rings = "points that carry the datum";
 };
 
 /// A line of the provenance: what it is, and its value or hash.
@@ -74,6 +80,7 @@ struct ReportInput {
   std::string subtitle;  ///< site, scenario, date: as the pipeline gives them
   AccuracyT accuracy;
   std::optional<NetworkPage> network;
+  std::optional<SurveyComparisonT> control_check;
   std::vector<Fact> provenance;
   std::vector<SourceFile> files;
 };

@@ -3,11 +3,13 @@
 #include "artifacts/design.hpp"
 #include "artifacts/file.hpp"
 #include "artifacts/folder.hpp"
+#include "artifacts/survey_comparison.hpp"
 #include "artifacts/survey_network.hpp"
 #include "plumbline/node.hpp"
 #include "report/network_page.hpp"
 #include "report/report.hpp"
 #include "report/summary.hpp"
+#include "report/survey_page_node.hpp"
 
 namespace plumbline::report {
 
@@ -34,6 +36,8 @@ struct ReportHtml : Node {
                              "One offline HTML file: verdict, charts, tables, survey network, provenance"};
   In<Accuracy> accuracy{"accuracy", frame("frame=?F"), "the evaluation"};
   Optional<SurveyNetwork> network{"network", frame("frame=?F"), "the adjusted survey network, for its page"};
+  Optional<SurveyComparison> control_check{"control_check", frame("frame=?F"),
+                                           "the control points tested against the network, for a warning"};
   Optional<Design> design{"design", frame("frame=?F"), "the design, for the provenance"};
   Optional<Folder> campaign{"campaign", "the folder the run started from: its files and hashes go into the provenance"};
   Param<std::string> title{"title", "Accuracy of the facade anchors", "heading"};
@@ -46,6 +50,7 @@ struct ReportHtml : Node {
     input.title = *title, input.subtitle = *subtitle;
     input.accuracy = accuracy.unpack();
     if (network) input.network = network_page(network.unpack());
+    if (control_check) input.control_check = control_check.unpack();
     for (const std::string& text : *facts) input.provenance.push_back(fact_of(text));
     if (design) add_design(design.unpack(), input.provenance);
     input.provenance.emplace_back("Program", std::string("Plumbline ") + PLUMBLINE_BUILD_ID);
@@ -77,4 +82,5 @@ struct ReportSummary : Node {
 
 }  // namespace plumbline::report
 
-PLUMBLINE_PLUGIN("report", "0.1.0", "MIT", plumbline::report::ReportHtml, plumbline::report::ReportSummary)
+PLUMBLINE_PLUGIN("report", "0.1.0", "MIT", plumbline::report::ReportHtml, plumbline::report::ReportSummary,
+                 plumbline::report::ReportSurvey)

@@ -1,10 +1,16 @@
 // The parts of the report, each a <section>; render_report() puts them in order.
 #pragma once
 
+#include <functional>
+
+#include "artifacts/survey_plan.hpp"
 #include "report/markup.hpp"
 #include "report/report.hpp"
 
 namespace plumbline::report {
+
+/// A whole page with style and script around `write_content`.
+std::string render_page(const std::string& title, const std::function<void(Markup&)>& write_content);
 
 /// The comparison of the anchors of one use against one reference; null if there is none.
 const AccuracyComparisonT* comparison(const AccuracyT& accuracy, AnchorUse use, AccuracyReference reference);
@@ -41,7 +47,14 @@ void write_pass_rates(Markup& html, const AccuracyT& accuracy);
 void write_facade(Markup& html, const AccuracyT& accuracy);
 void write_anchors(Markup& html, const AccuracyT& accuracy);
 void write_method(Markup& html, const AccuracyT& accuracy);
-void write_network(Markup& html, const NetworkPage& network);
+/// `control` is the test of the control points against the network; null: none.
+void write_network(Markup& html, const NetworkPage& network, const SurveyComparisonT* control = nullptr);
+/// A box at the head of the page if control points do not fit the observations; nothing if they do.
+void write_control_warning(Markup& html, const SurveyComparisonT& control);
+/// The test of the control points, with a table of all of them.
+void write_control_check(Markup& html, const SurveyComparisonT& control);
+void write_epochs(Markup& html, const SurveyComparisonT& comparison);
+void write_plan(Markup& html, const SurveyPlanT& plan);
 void write_provenance(Markup& html, const ReportInput& input);
 
 }  // namespace plumbline::report

@@ -1,6 +1,10 @@
 // Congruency of two epochs of a network and the movement of its points (Pelzer 1971; Niemeier, Ausgleichungsrechnung,
-// ch. 12). Free networks say nothing of where they are: their difference is taken modulo translation and rotation about
-// the vertical, in a datum carried by the points that have not moved.
+// ch. 12). Free networks say nothing of where they are: their difference d is taken modulo the motions G they are free
+// to make. With the covariance C of d
+//   P = (C + k G G')^-1,  R = P - P G (G'PG)^-1 G'P,  T = d' R d  ~  chi-squared, rank 3n - dim G
+// and a point whose movement is left open lowers T by u_i' R_ii^-1 u_i, u = R d; so the point that moved is found
+// without adjusting again. Movements are then given in a datum carried by the points that have not moved
+// (S-transformation, Baarda 1973).
 #pragma once
 
 #include <Eigen/Core>
@@ -11,16 +15,25 @@ namespace plumbline::survey {
 
 struct Epoch {
   std::vector<std::string> ids;
-  Eigen::VectorXd coordinates;  ///< 3n [m]
-  Eigen::MatrixXd covariance;   ///< 3n x 3n [m^2]
+  Eigen::VectorXd coordinates;  ///< 3n [m]; NaN: component does not exist
+  Eigen::MatrixXd covariance;   ///< 3n x 3n [m^2]; 0 rows and columns: held without error
 };
 
 struct Movement {
   std::string id;
-  Eigen::Vector3d movement, sigma;  ///< [m]
+  Eigen::Vector3d position;         ///< in the first epoch [m]
+  Eigen::Vector3d movement, sigma;  ///< second minus first [m]
+  Eigen::Matrix3d covariance;       ///< of the movement [m^2]
   double statistic = 0;             ///< chi-squared with 3 degrees of freedom without movement
   bool moved = false, stable = true;
   double detectable_height = 0;  ///< [m], at the power given
+};
+
+/// A point taken out of the datum because the others fit each other without it.
+struct Exclusion {
+  std::string id;
+  double statistic = 0, critical = 0;     ///< of the points left
+  std::vector<std::string> alternatives;  ///< points whose exclusion would have made the rest congruent as well
 };
 
 struct Comparison {
@@ -28,17 +41,23 @@ struct Comparison {
   double statistic = 0, critical = 0;  ///< of all common points
   int rank = 0;
   bool congruent = true;
-  std::vector<std::string> excluded;  ///< in the order they were found to have moved
+  std::vector<Exclusion> excluded;                               ///< in the order they were found to have moved
+  std::vector<std::string> only_first, only_second, incomplete;  ///< points that could not be compared
 };
 
 struct ComparisonOptions {
   double alpha = 0.05;    ///< global test
   double alpha0 = 0.001;  ///< each point
   double power = 0.80;
-  bool free_datum = true;  ///< false: both epochs are in one fixed frame
+  /// Motions the two epochs may differ by: 0 none (both in one fixed frame), 3 translation, 4 with rotation about the
+  /// vertical (levelled networks with distances), 5 with scale, 6 any rigid motion, 7 with scale.
+  int free_motions = 4;
 };
 
-/// Throws std::runtime_error with fewer than three common points, or if a covariance is missing or has the wrong size.
+/// Throws std::runtime_error with too few common points, or if a covariance is missing or has the wrong size.
 Comparison compare_epochs(const Epoch& first, const Epoch& second, const ComparisonOptions& options);
+
+/// The points that `keep` says yes to.
+Epoch part_of(const Epoch& epoch, const std::vector<char>& keep);
 
 }  // namespace plumbline::survey

@@ -1,11 +1,27 @@
 #include "compare_node.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <sstream>
+
+#include "check_control.hpp"
 #include "compare_epochs.hpp"
+#include "ellipsoid_artifact.hpp"
+#include "formats/survey_artifact.hpp"
+#include "formats/survey_layout.hpp"
+#include "geometry/statistics.hpp"
 #include "network_artifact.hpp"
 
 namespace plumbline::survey {
 
 namespace {
+
+std::string joined(const std::vector<std::string>& ids) {
+  std::string text;
+  for (size_t i = 0; i < ids.size() && i < 10; ++i) text += (i ? ", " : "") + ids[i];
+  return ids.size() > 10 ? text + " and " + std::to_string(ids.size() - 10) + " more" : text;
+}
 
 Epoch epoch_of(const PointsT& points, const char* which) {
   const ControlPoints all = control_from_artifact(points);
@@ -14,38 +30,162 @@ Epoch epoch_of(const PointsT& points, const char* which) {
   return {all.ids, all.coordinates, all.covariance};
 }
 
-bool is_free(const PointsT& points) { return points.statistics && points.statistics->datum_defect > 0; }
+int defect_of(const PointsT& points) { return points.statistics ? points.statistics->datum_defect : 0; }
+
+/// Instrument stations that no sight leads to: free set-ups, whose names mean another place in every epoch.
+std::set<std::string> unmarked_stations(const SurveyNetworkT& network) {
+  std::set<std::string> stations;
+  for (const auto& s : network.set_ups) stations.insert(s->station);
+  for (const auto& o : network.observations)
+    if (!o->from.empty()) stations.erase(o->to);
+  return stations;
+}
+
+std::unique_ptr<PointMovementT> pack(const Movement& m) {
+  auto p = std::make_unique<PointMovementT>();
+  p->id = m.id;
+  p->position = m.position;
+  p->movement = m.movement;
+  p->sigma = m.sigma;
+  p->statistic = m.statistic;
+  p->moved = m.moved;
+  p->stable = m.stable;
+  p->detectable_height = m.detectable_height;
+  p->ellipsoid = ellipsoid_artifact(m.id, m.covariance);
+  return p;
+}
+
+SurveyComparisonT to_artifact(const Comparison& c, const ComparisonOptions& options) {
+  SurveyComparisonT out;
+  for (const Movement& m : c.movements) out.points.push_back(pack(m));
+  out.statistic = c.statistic;
+  out.rank = c.rank;
+  out.critical = c.critical;
+  out.congruent = c.congruent;
+  for (const Exclusion& e : c.excluded) {
+    auto item = std::make_unique<PointExclusionT>();
+    item->id = e.id;
+    item->statistic = e.statistic;
+    item->critical = e.critical;
+    item->alternatives = e.alternatives;
+    out.excluded.push_back(std::move(item));
+  }
+  out.alpha = options.alpha;
+  out.alpha0 = options.alpha0;
+  out.power = options.power;
+  out.critical_point = chi_squared_quantile(1 - options.alpha0, 3);
+  out.free_motions = options.free_motions;
+  out.only_first = c.only_first;
+  out.only_second = c.only_second;
+  out.left_out = c.incomplete;
+  return out;
+}
+
+std::string tests_in_words(const Comparison& c) {
+  std::ostringstream text;
+  text.precision(1);
+  text << std::fixed << "test statistic " << c.statistic << ", critical value " << c.critical << " at rank " << c.rank;
+  return text.str();
+}
+
+std::string movement_in_words(const Movement& m) {
+  std::ostringstream text;
+  text.precision(2);
+  text << std::fixed << std::showpos << "E " << 1000 * m.movement.x() << ", N " << 1000 * m.movement.y() << ", H "
+       << 1000 * m.movement.z() << " mm" << std::noshowpos << " (sigma " << 1000 * m.sigma.x() << ", "
+       << 1000 * m.sigma.y() << ", " << 1000 * m.sigma.z() << " mm)";
+  return text.str();
+}
+
+std::string alternatives_in_words(const Comparison& c, const std::string& id) {
+  for (const Exclusion& e : c.excluded)
+    if (e.id == id && !e.alternatives.empty()) return "; the test cannot tell it from " + joined(e.alternatives);
+  return "";
+}
+
+ComparisonOptions options_of(double alpha, double alpha0, double power) {
+  ComparisonOptions options;
+  options.alpha = alpha;
+  options.alpha0 = alpha0;
+  options.power = power;
+  return options;
+}
 
 }  // namespace
 
 void CompareEpochsNode::run(Context& context) {
   const PointsT a = first.unpack(), b = second.unpack();
-  ComparisonOptions options;
-  options.alpha = *alpha;
-  options.alpha0 = *alpha0;
-  options.power = *power;
-  options.free_datum = *datum == "free" || (*datum == "automatic" && (is_free(a) || is_free(b)));
-  const Comparison c = compare_epochs(epoch_of(a, "first"), epoch_of(b, "second"), options);
-  SurveyComparisonT out;
+  ComparisonOptions options = options_of(*alpha, *alpha0, *power);
+  options.free_motions = merged_motions(defect_of(a), defect_of(b));
+  if (*datum == "fixed") options.free_motions = 0;
+  if (*datum == "free" && options.free_motions == 0) options.free_motions = 4;
+  std::set<std::string> stations;
+  if (first_network && second_network)
+    for (const auto& network : {first_network.unpack(), second_network.unpack()})
+      stations.merge(unmarked_stations(network));
+  std::vector<std::string> skipped;
+  const auto chosen = [&](const Epoch& epoch) {
+    std::vector<char> keep;
+    for (const std::string& id : epoch.ids) {
+      const bool named =
+          std::any_of(points->begin(), points->end(), [&](const auto& p) { return matches_pattern(id, p); });
+      keep.push_back(named || (points->empty() && !stations.contains(id)));
+      if (points->empty() && stations.contains(id) && std::find(skipped.begin(), skipped.end(), id) == skipped.end())
+        skipped.push_back(id);
+    }
+    return part_of(epoch, keep);
+  };
+  const Comparison c = compare_epochs(chosen(epoch_of(a, "first")), chosen(epoch_of(b, "second")), options);
+  SurveyComparisonT out = to_artifact(c, options);
+  out.left_out.insert(out.left_out.end(), skipped.begin(), skipped.end());
+  std::vector<std::string> moved;
   for (const Movement& m : c.movements) {
-    auto p = std::make_unique<PointMovementT>();
-    p->id = m.id;
-    p->movement = m.movement;
-    p->sigma = m.sigma;
-    p->statistic = m.statistic;
-    p->moved = m.moved;
-    p->stable = m.stable;
-    p->detectable_height = m.detectable_height;
-    if (m.moved) context.warn("point " + m.id + " has moved by " + std::to_string(m.movement.norm() * 1000) + " mm");
-    out.points.push_back(std::move(p));
+    if (!m.moved) continue;
+    moved.push_back(m.id);
+    context.warn("point " + m.id + " has moved: " + movement_in_words(m) + alternatives_in_words(c, m.id));
   }
-  out.statistic = c.statistic;
-  out.rank = c.rank;
-  out.critical = c.critical;
-  out.congruent = c.congruent;
-  out.excluded = c.excluded;
-  out.alpha = options.alpha;
+  out.remark = (c.congruent ? "the epochs are congruent: " : "the epochs are not congruent: ") + tests_in_words(c) +
+               (moved.empty() ? "; no point has moved significantly" : "; moved: " + joined(moved));
+  context.info(out.remark);
   comparison.commit(out);
+}
+
+void CheckControlNode::run(Context& context) {
+  std::vector<SurveyObservations> surveys;
+  for (size_t i = 0; i < observations.size(); ++i) surveys.push_back(from_artifact(observations.unpack(i)));
+  ControlPoints known;
+  if (control) known = control_from_artifact(control.unpack());
+  AdjustOptions adjustment;
+  adjustment.profile = profile_file->path.empty() ? built_in_profile(*profile) : read_profile(profile_file->path);
+  adjustment.remove_blunders = *remove_blunders;
+  const ComparisonOptions options = options_of(*alpha, *alpha0, *power);
+  const ControlCheck result = check_control(merge_surveys(surveys), known, adjustment, options);
+  if (result.problem.empty()) {
+    ComparisonOptions used = options;
+    used.free_motions = result.free_motions;
+    SurveyComparisonT out = to_artifact(result.comparison, used);
+    std::vector<std::string> bad;
+    for (const Movement& m : result.comparison.movements) {
+      if (!m.moved) continue;
+      bad.push_back(m.id);
+      context.warn("control point " + m.id + " does not fit the observations: measured minus given " +
+                   movement_in_words(m) + alternatives_in_words(result.comparison, m.id));
+    }
+    if (!result.comparison.congruent && bad.empty())
+      context.warn("the control points do not fit the observations, and no single one explains it: " +
+                   tests_in_words(result.comparison));
+    out.remark = (result.comparison.congruent ? "the control points fit the observations: "
+                                              : "the control points do not fit the observations: ") +
+                 tests_in_words(result.comparison) + (bad.empty() ? "" : "; suspect: " + joined(bad));
+    context.info(out.remark);
+    check.commit(out);
+    return;
+  }
+  SurveyComparisonT out;
+  out.congruent = true;
+  out.remark = result.problem;
+  context.info(out.remark);
+  check.commit(out);
 }
 
 }  // namespace plumbline::survey

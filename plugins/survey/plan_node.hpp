@@ -10,21 +10,27 @@
 namespace plumbline::survey {
 
 struct PlanNode : Node {
-  static constexpr Info info{"plan.survey", "", 1,
+  static constexpr Info info{"plan.survey", "", 2,
                              "Checks a planned layout of markers and set-ups and predicts the precision it will give"};
   In<Points> markers{"markers", frame("frame=?S"), "planned coordinates of the markers"};
   Optional<Plates> plates{"plates", frame("frame=?S"),
                           "floor, column and direction of each marker; without: one floor"};
-  In<plumbline::SurveyObservations> set_ups{"set_ups", frame("frame=?S"),
-                                            "its points are the planned set-ups, e.g. a CSV of id, E, N, H"};
+  In<plumbline::SurveyObservations> set_ups{
+      "set_ups", frame("frame=?S"),
+      "its points are the planned set-ups; observations without value say what each is to "
+      "sight, a set-up without any sights all that it can"};
   Param<std::string> profile{
       "profile", "ics50_assumed",
       one_of("ics50_assumed", "total_station_1arcsec", "total_station_2arcsec", "total_station_5arcsec"),
       "instrument profile"};
+  Param<FilePath> profile_file{"profile_file", FilePath{}, "YAML file of a profile of your own, in place of `profile`"};
   Param<int64_t> sets{"sets", 1, between(1, 20), "sets in both faces"};
   Param<int64_t> set_ups_per_marker{"set_ups_per_marker", 2, between(1, 10), "set-ups that must see each marker"};
   Param<int64_t> shared_markers{"shared_markers", 2, between(1, 100),
                                 "markers of each of two adjacent floors that common set-ups must see"};
+  Param<int64_t> markers_per_floor{"markers_per_floor", 6, between(1, 1000), "fewest markers of a floor"};
+  Param<double> spacing{"spacing", 2.0, "m", between(0.01, 100), "of the marker grid: to the nearest marker"};
+  Param<double> spacing_tolerance{"spacing_tolerance", 0.5, "m", between(0, 100), "how far a spacing may be off"};
   Param<double> largest_range{"largest_range", 60.0, "m", between(1, 1000), "longest sight"};
   Param<double> largest_incidence{"largest_incidence", 60.0, "deg", between(1, 90), "shallowest sight onto a plate"};
   Param<double> steepest_sight{"steepest_sight", 50.0, "deg", between(1, 89), "largest elevation of a sight"};

@@ -5,4 +5,5 @@
 
 using namespace plumbline::survey;
 
-PLUMBLINE_PLUGIN("survey", "0.1.0", "MIT", AdjustNode, CompareEpochsNode, FileAxesNode, PlanNode)
+PLUMBLINE_PLUGIN("survey", "0.1.0", "MIT", AdjustNode, CompareEpochsNode, CheckControlNode, FileAxesNode,
+                 PlanNode)

@@ -17,7 +17,7 @@ struct ReaderNode : Node {
   Out<SurveyObservations> observations{"observations", frame("frame=building"),
                                        "normalised observations; what could not be used is listed in `skipped`"};
 
-  Param<bool> strict{"strict", false, "refuse a file of which anything had to be skipped"};
+  Param<bool> strict{"strict", false, "refuse a file of which anything has to be skipped; otherwise it is listed"};
 
   std::string_view bytes() const;
   std::string name() const { return file->name()->str(); }

@@ -1,7 +1,8 @@
+#include "layout_node.hpp"
 #include "nodes.hpp"
 
 using namespace plumbline::survey_files;
 
 PLUMBLINE_PLUGIN("survey_files", "0.1.0", "MIT", ReadGsi, ReadLandXml, ReadJobXml, ReadSdr33, ReadRw5, ReadGama,
-                 ReadKrumm, ReadSurveyCsv, ReadSetupCoordinates, ReadSurvey, WriteGsi, WriteLandXml, WriteGama,
-                 WriteSurveyCsv)
+                 ReadKrumm, ReadSurveyCsv, ReadSetupCoordinates, ReadSurvey, ReadLayout, WriteGsi, WriteLandXml,
+                 WriteGama, WriteSurveyCsv)

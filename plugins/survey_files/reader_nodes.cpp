@@ -36,9 +36,10 @@ std::string_view ReaderNode::bytes() const {
 void ReaderNode::deliver(Context& context, const survey::SurveyObservations& survey) const {
   if (*strict && !survey.skipped.empty()) {
     const survey::SkippedLine& first = survey.skipped.front();
-    throw std::runtime_error(place(first.source) + ": found " + first.found + ", expected " + first.expected + " (" +
-                             std::to_string(survey.skipped.size()) +
-                             " in all that cannot be used; strict: false reads the rest)");
+    const size_t more = survey.skipped.size() - 1;
+    throw std::runtime_error(place(first.source) + ": found " + first.found + ", expected " + first.expected +
+                             (more > 0 ? "; and " + std::to_string(more) + " more that cannot be used" : "") +
+                             ". Mend the file, or read its good part with strict=false; what was skipped is then listed");
   }
   for (const std::string& warning : survey.warnings) context.warn(name() + ": " + warning);
   for (size_t i = 0; i < survey.skipped.size() && i < skipped_shown; ++i)

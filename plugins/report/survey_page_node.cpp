@@ -1,0 +1,32 @@
+#include "report/survey_page_node.hpp"
+
+#include "report/network_page.hpp"
+#include "report/sections.hpp"
+
+namespace plumbline::report {
+
+void ReportSurvey::run(Context& context) {
+  if (!plan && !epochs && !network)
+    throw std::runtime_error("none of the inputs plan, epochs and network is connected");
+  SurveyComparisonT control;
+  if (control_check) control = control_check.unpack();
+  const std::string page = render_page(*title, [&](Markup& html) {
+    Scope main(html, "main");
+    {
+      Scope header(html, "header");
+      html.element("h1", *title);
+      if (!subtitle->empty()) html.element("p", {{"class", "subtitle"}}, *subtitle);
+      if (control_check) write_control_warning(html, control);
+    }
+    if (plan) write_plan(html, plan.unpack());
+    if (epochs) write_epochs(html, epochs.unpack());
+    if (network) write_network(html, network_page(network.unpack()), control_check ? &control : nullptr);
+  });
+  FileT file;
+  file.name = *name, file.media_type = "text/html";
+  file.content.assign(page.begin(), page.end());
+  context.info(std::to_string(page.size()) + " bytes");
+  out.commit(file);
+}
+
+}  // namespace plumbline::report

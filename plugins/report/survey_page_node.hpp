@@ -1,0 +1,27 @@
+// report.survey: a page of its own for a survey network, a plan, or two epochs.
+#pragma once
+
+#include "artifacts/file.hpp"
+#include "artifacts/survey_comparison.hpp"
+#include "artifacts/survey_network.hpp"
+#include "artifacts/survey_plan.hpp"
+#include "plumbline/node.hpp"
+
+namespace plumbline::report {
+
+struct ReportSurvey : Node {
+  static constexpr Info info{"report.survey", "", 1,
+                             "One offline HTML file about a survey: plan, network, control points, epochs"};
+  Optional<SurveyPlan> plan{"plan", frame("frame=?F"), "a judged plan"};
+  Optional<SurveyComparison> epochs{"epochs", frame("frame=?F"), "two epochs compared"};
+  Optional<SurveyNetwork> network{"network", frame("frame=?F"), "an adjusted network"};
+  Optional<SurveyComparison> control_check{"control_check", frame("frame=?F"),
+                                           "the control points tested against the network"};
+  Param<std::string> title{"title", "Survey", "heading"};
+  Param<std::string> subtitle{"subtitle", "", "site and date"};
+  Param<std::string> name{"name", "survey.html", "name of the file"};
+  Out<File> out{"file", "the page"};
+  void run(Context& context) override;
+};
+
+}  // namespace plumbline::report

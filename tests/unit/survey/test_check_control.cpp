@@ -1,0 +1,101 @@
+// Control points with one wrong coordinate, and without.
+#include "adjust_network.hpp"
+#include "check_control.hpp"
+#include "formats/gama.hpp"
+#include "simulated_network.hpp"
+#include "test_support.hpp"
+
+namespace plumbline::survey {
+namespace {
+
+/// Four corners of the facade, known to 0.5 mm, with errors of that size.
+ControlPoints corners(const test::SimulatedNetwork& network, std::uint64_t seed) {
+  ControlPoints control;
+  test::Normal normal(seed);
+  control.coordinates.resize(12);
+  int k = 0;
+  for (size_t i : {size_t{0}, size_t{3}, size_t{8}, size_t{11}}) {
+    control.ids.push_back(network.survey.points[i].id);
+    for (int c = 0; c < 3; ++c) control.coordinates[k++] = network.truth[i][c] + 0.0005 * normal();
+  }
+  control.covariance = Eigen::MatrixXd::Identity(12, 12) * 0.0005 * 0.0005;
+  return control;
+}
+
+AdjustOptions without_curvature() {
+  AdjustOptions options;
+  options.curvature = Switch::off;
+  return options;
+}
+
+TEST(CheckControl, SoundControlPasses) {
+  int refused = 0;
+  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+    const auto network = test::simulate({}, 300 + seed);
+    const ControlCheck c = check_control(network.survey, corners(network, 900 + seed), without_curvature(), {});
+    ASSERT_EQ(c.problem, "");
+    EXPECT_EQ(c.comparison.rank, 12 - 4);
+    refused += !c.comparison.congruent;
+  }
+  EXPECT_LE(refused, 13);  // binomial, p = 0.05: 0.1 % above
+}
+
+TEST(CheckControl, TheWrongPointIsNamedAndNotTheObservations) {
+  const auto network = test::simulate({}, 17);
+  ControlPoints control = corners(network, 18);
+  control.coordinates[3 * 2 + 2] += 0.008;  // height of the third
+  const ControlCheck c = check_control(network.survey, control, without_curvature(), {});
+  EXPECT_FALSE(c.comparison.congruent);
+  ASSERT_EQ(c.comparison.excluded.size(), 1u);
+  EXPECT_EQ(c.comparison.excluded[0].id, control.ids[2]);
+  for (const Movement& m : c.comparison.movements) {
+    EXPECT_EQ(m.moved, m.id == control.ids[2]) << m.id;
+    if (m.moved) {
+      EXPECT_NEAR(m.movement.z(), -0.008, 4 * m.sigma.z()) << "measured minus given";
+    }
+  }
+}
+
+TEST(CheckControl, ControlWithoutCovarianceCountsAsWithoutError) {
+  const auto network = test::simulate({}, 19);
+  ControlPoints control = corners(network, 20);
+  for (int i = 0; i < 4; ++i)
+    control.coordinates.segment<3>(3 * i) = network.truth[std::array<size_t, 4>{0, 3, 8, 11}[static_cast<size_t>(i)]];
+  control.covariance.resize(0, 0);
+  EXPECT_TRUE(check_control(network.survey, control, without_curvature(), {}).comparison.congruent);
+  control.coordinates[0] += 0.01;
+  const ControlCheck c = check_control(network.survey, control, without_curvature(), {});
+  ASSERT_FALSE(c.comparison.excluded.empty());
+  EXPECT_EQ(c.comparison.excluded[0].id, control.ids[0]);
+}
+
+TEST(CheckControl, SaysWhyNothingCanBeTested) {
+  const auto network = test::simulate({}, 21);
+  EXPECT_NE(check_control(network.survey, {}, without_curvature(), {}).problem.find("no control points"),
+            std::string::npos);
+  ControlPoints control = corners(network, 22);
+  control.ids = {"A", "B", "M22", "M23"};
+  EXPECT_NE(check_control(network.survey, control, without_curvature(), {}).problem.find("2 of them are observed"),
+            std::string::npos);
+  SurveyObservations one = network.survey;
+  std::erase_if(one.observations, [](const Observation& o) { return o.kind == ObservationKind::slope_distance; });
+  EXPECT_NO_THROW(check_control(one, corners(network, 23), without_curvature(), {}));
+}
+
+TEST(CheckControl, PointsThatAFileHoldsFixedAreControl) {
+  PLUMBLINE_REQUIRE_DATA("survey/gama/2020-barta-phase_1-2TK.gkf");
+  SurveyObservations survey = read_gama_xml(
+      plumbline::test::read_file(plumbline::test::data_file("survey/gama/2020-barta-phase_1-2TK.gkf")), "barta.gkf");
+  const ControlCheck c = check_control(survey, {}, {}, {});
+  ASSERT_EQ(c.problem, "");
+  EXPECT_EQ(c.comparison.movements.size(), 8u);
+  EXPECT_EQ(c.comparison.rank, 8 * 3 - 4);
+  for (Point& p : survey.points)
+    if (p.id == "103") p.coordinates.z() += 0.01;
+  const ControlCheck wrong = check_control(survey, {}, {}, {});
+  EXPECT_TRUE(std::any_of(wrong.comparison.excluded.begin(), wrong.comparison.excluded.end(),
+                          [](const Exclusion& e) { return e.id == "103"; }));
+}
+
+}  // namespace
+}  // namespace plumbline::survey
