@@ -30,6 +30,7 @@ class GsiReader {
   void start_station(const std::optional<std::string>& station, double height, const SourcePosition& source);
   void settle_instrument_height(Sighting& sighting);
   void lose_station(const GsiBlock& block, const GsiWord& word, const std::string& expected);
+  bool passes_cut_line(const GsiBlock& block, bool has_measurement);
   void read_sighting(const GsiBlock& block, const std::string& target);
   void read_zenith_angle(const GsiWord& word, Sighting& sighting);
   void describe_point(const GsiBlock& block, const std::string& id);
@@ -54,6 +55,7 @@ class GsiReader {
   bool lost_station_ = false;
   Eigen::Vector3d station_coordinates_ = Eigen::Vector3d::Constant(kNotGiven);
   std::vector<std::string> other_codes_;
+  std::vector<int> words_of_sighting_;  // of the last one that was not cut off
 };
 
 SurveyObservations GsiReader::read() {
@@ -113,6 +115,7 @@ void GsiReader::read_block(const GsiBlock& block) {
   });
   if (starts_station(block, has_measurement) && !has_measurement) return;
   const bool has_target_coordinates = block.find(81) || block.find(82) || block.find(83);
+  if (!passes_cut_line(block, has_measurement)) return;
   if (!has_measurement && !has_target_coordinates) return;
   const auto id = name(id_word);
   if (!id) {
@@ -125,6 +128,35 @@ void GsiReader::read_block(const GsiBlock& block) {
     builder_.give_coordinates(*id, coordinates(block, 81), builder_.at(line_, id_word->column));
     describe_point(block, *id);
   }
+}
+
+// A line may be cut between two words, where each that is left is whole. It shows as the beginning of the sighting
+// before: without any measurement left it is damage; otherwise what is left is sound, and may have been meant.
+bool GsiReader::passes_cut_line(const GsiBlock& block, bool has_measurement) {
+  std::vector<int> words;
+  for (const GsiWord& word : block.words) words.push_back(word.index);
+  const bool beginning = words.front() == 11 && words.size() < words_of_sighting_.size() &&
+                         std::equal(words.begin(), words.end(), words_of_sighting_.begin());
+  if (!beginning) {
+    if (has_measurement) words_of_sighting_ = std::move(words);
+    return true;
+  }
+  std::string missing;
+  bool readings_missing = false;
+  for (std::size_t i = words.size(); i < words_of_sighting_.size(); ++i) {
+    const int index = words_of_sighting_[i];
+    missing += (missing.empty() ? "" : ", ") + std::to_string(index);
+    readings_missing = readings_missing || index == 22 || (index >= 31 && index <= 33);
+  }
+  if (!has_measurement) {
+    reject(block.words.back(), "words " + missing + " after it, as the sighting before has them");
+    return false;
+  }
+  // A distance alone may be missing because none was measured.
+  if (readings_missing && (!block.find(22) || words_of_sighting_.size() > words.size() + 1))
+    builder_.warn("line " + std::to_string(line_) + " ends where the sighting before goes on with words " + missing +
+                  ": if it was cut off, these readings are lost");
+  return true;
 }
 
 void GsiReader::read_info(const GsiBlock& block) {

@@ -79,8 +79,13 @@ void write_movements(Markup& html, const SurveyComparisonT& c, const std::string
   table_head(html,
              {"Point", "x [mm]", "y [mm]", "z [mm]", "σx", "σy", "σz",
               "Test (critical " + fixed(c.critical_point, 1) + ")", "Detectable in height [mm]", left("Verdict")});
+  std::vector<const PointMovementT*> order;
+  for (const auto& p : c.points) order.push_back(p.get());
+  std::stable_sort(order.begin(), order.end(), [](const auto* a, const auto* b) {
+    return a->moved != b->moved ? a->moved : a->statistic > b->statistic;
+  });
   Scope body(html, "tbody");
-  for (const auto& p : c.points)
+  for (const auto* p : order)
     table_row(html, {p->id, signed_mm(p->movement.x()), signed_mm(p->movement.y()), signed_mm(p->movement.z()),
                      mm(p->sigma.x()), mm(p->sigma.y()), mm(p->sigma.z()), fixed(p->statistic, 1),
                      mm(p->detectable_height), left(p->moved ? found : "")});
@@ -90,11 +95,11 @@ NetworkPage drawing_of(const SurveyComparisonT& c) {
   NetworkPage page;
   page.shown = "the movements";
   page.ellipses = "95\u00A0% confidence of the movement, at the head of its arrow";
-  page.rings = "points that carry the datum of the comparison";
+  page.rings = "points that have moved";
   for (const auto& p : c.points) {
     NetworkPage::Point& point = page.points.emplace_back();
     point.id = p->id, point.position = p->position;
-    point.movement = p->movement, point.moved = p->moved, point.datum = p->stable && c.free_motions > 0;
+    point.movement = p->movement, point.moved = p->moved, point.datum = p->moved;
     if (p->ellipsoid) point.covariance = covariance_of(*p->ellipsoid);
   }
   return page;
@@ -123,7 +128,7 @@ void write_epochs(Markup& html, const SurveyComparisonT& c) {
             count(static_cast<long>(c.points.size()), "common point", "common points") + ", global congruency test " +
                 (c.congruent ? "passed: " : "failed: ") + test_in_words(c) + ". " + datum_in_words(c.free_motions));
   write_network_drawings(html, drawing_of(c));
-  html.element("h3", "Movement of every point");
+  html.element("h3", "Movement of every point, most significant first");
   html.element("p",
                "Second epoch minus first, in the datum of the points that have not moved. A point has moved if it "
                "had to be taken out of the datum, or if its own test exceeds the critical value (error of the "

@@ -196,10 +196,12 @@ void write_network_drawings(Markup& html, const NetworkPage& network) {
   // The elevation looks along the horizontal axis with the smaller extent of the markers; the reference points of the
   // datum stand around the building and would turn the view.
   const auto is_marker = [](const NetworkPage::Point& p) { return !p.station && !p.datum; };
-  const bool any = std::any_of(network.points.begin(), network.points.end(), is_marker);
+  const auto is_sighted = [](const NetworkPage::Point& p) { return !p.station; };
+  const bool markers = std::count_if(network.points.begin(), network.points.end(), is_marker) > 2;
+  const bool sighted = std::any_of(network.points.begin(), network.points.end(), is_sighted);
   Eigen::Vector3d low = Eigen::Vector3d::Constant(1e300), high = -low;
   for (const auto& p : network.points)
-    if (p.position.allFinite() && (is_marker(p) || !any))
+    if (p.position.allFinite() && (markers ? is_marker(p) : !sighted || is_sighted(p)))
       low = low.cwiseMin(p.position), high = high.cwiseMax(p.position);
   const bool along_x = high.x() - low.x() >= high.y() - low.y();
   Projection plan{"Plan", "x (east)", "y (north)", {}};

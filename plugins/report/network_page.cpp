@@ -62,7 +62,10 @@ NetworkPage network_page(const SurveyNetworkT& network) {
   for (const auto& o : network.observations) page.observations.push_back(observation_of(*o));
   for (const auto& s : network.snooping)
     page.steps.push_back({static_cast<std::size_t>(s->observation), s->action, s->w, s->estimated_blunder});
-  for (const auto& g : network.groups) page.groups.push_back({g->name, g->ratio, g->redundancy, g->observations});
+  for (const auto& g : network.groups)
+    page.groups.push_back({g->name, g->ratio, g->redundancy, g->observations, g->applied_factor});
+  for (const auto& p : network.pointings)
+    page.pointings.push_back({p->set_up, p->to, p->statistic, p->critical, p->rank, p->flagged});
   for (const auto& f : network.findings) page.findings.push_back({f->severity, f->text});
   page.datum = network.datum;
   if (network.statistics) {

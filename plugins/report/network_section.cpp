@@ -164,10 +164,36 @@ void write_groups(Markup& html, const NetworkPage& n) {
   html.element("h3", "Precision by kind of observation");
   Scope wide(html, "div", {{"class", "wide"}});
   Scope table(html, "table");
-  table_head(html, {"Kind", "Observations", "Redundancy", "Found / stated precision"});
+  table_head(html, {"Kind", "Observations", "Redundancy", "Stated precision × ", "Found / used precision"});
   Scope body(html, "tbody");
-  for (const auto& g : n.groups)
-    table_row(html, {kind_words(g.name), std::to_string(g.observations), fixed(g.redundancy, 1), fixed(g.ratio, 2)});
+  for (const auto& g : n.groups) {
+    if (g.observations == 0) continue;
+    table_row(html, {kind_words(g.name), std::to_string(g.observations), fixed(g.redundancy, 1),
+                     fixed(g.applied_factor, 2), fixed(g.ratio, 2)});
+  }
+}
+
+/// A sighting whose three readings together fail: typical of a wrong target, where no single reading stands out.
+void write_pointings(Markup& html, const NetworkPage& n) {
+  if (n.pointings.empty()) return;
+  html.element("h3", "Sightings tested as a whole");
+  std::vector<const NetworkPage::Pointing*> flagged;
+  for (const auto& p : n.pointings)
+    if (p.flagged) flagged.push_back(&p);
+  const auto tested = std::count_if(n.pointings.begin(), n.pointings.end(), [](const auto& p) { return p.rank > 0; });
+  html.element("p", "Direction, zenith angle and distance of " + count(tested, "sighting", "sightings") +
+                        " were tested together (chi-squared, error of the first kind " + percent(n.alpha0) + "): " +
+                        (flagged.empty() ? "all pass." : count(static_cast<long>(flagged.size()), "fails.", "fail.")));
+  if (flagged.empty()) return;
+  std::stable_sort(flagged.begin(), flagged.end(), [](const auto* a, const auto* b) {
+    return a->statistic / a->critical > b->statistic / b->critical;
+  });
+  Scope wide(html, "div", {{"class", "wide"}});
+  Scope table(html, "table");
+  table_head(html, {"Set-up", left("Target"), "Statistic", "Critical value", "Degrees of freedom"});
+  Scope body(html, "tbody");
+  for (const auto* p : flagged)
+    table_row(html, {p->set_up, left(p->to), fixed(p->statistic, 1), fixed(p->critical, 1), std::to_string(p->rank)});
 }
 
 }  // namespace
@@ -187,6 +213,7 @@ void write_network(Markup& html, const NetworkPage& network, const SurveyCompari
   if (control) write_control_check(html, *control);
   write_network_drawings(html, network);
   write_removed(html, network);
+  write_pointings(html, network);
   write_groups(html, network);
   write_observations(html, network);
   write_points(html, network);

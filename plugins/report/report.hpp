@@ -46,6 +46,14 @@ struct NetworkPage {
     std::string name;
     double ratio = nan, redundancy = nan;
     int observations = 0;
+    double applied_factor = 1;  ///< on the stated standard deviations
+  };
+  /// Joint test of direction, zenith angle and distance of one sighting.
+  struct Pointing {
+    std::string set_up, to;
+    double statistic = nan, critical = nan;
+    int rank = 0;
+    bool flagged = false;
   };
   struct Finding {
     std::string severity, text;
@@ -55,6 +63,7 @@ struct NetworkPage {
   std::vector<Observation> observations;
   std::vector<Step> steps;
   std::vector<Group> groups;
+  std::vector<Pointing> pointings;
   std::vector<Finding> findings;
   std::string datum;
   double sigma0 = nan;

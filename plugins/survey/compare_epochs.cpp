@@ -1,6 +1,7 @@
 #include "compare_epochs.hpp"
 
 #include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -25,6 +26,13 @@ void check(const Epoch& e, const char* which) {
                            " points but no covariance of all their coordinates; give the points of survey.adjust");
 }
 
+/// The common points of both epochs.
+struct Pair {
+  std::vector<std::string> ids;
+  VectorXd first, second;                        // 3n
+  MatrixXd first_covariance, second_covariance;  // 3n x 3n
+};
+
 struct Difference {
   std::vector<std::string> ids;
   VectorXd d;           // second minus first
@@ -32,9 +40,9 @@ struct Difference {
   VectorXd place;       // 3n: coordinates of the first epoch
 };
 
-Difference difference_of(const Epoch& first, const Epoch& second, Comparison& result) {
+Pair common_points(const Epoch& first, const Epoch& second, Comparison& result) {
   std::vector<Index> a, b;
-  Difference r;
+  Pair pair;
   for (size_t i = 0; i < first.ids.size(); ++i) {
     const auto at = std::find(second.ids.begin(), second.ids.end(), first.ids[i]);
     if (at == second.ids.end()) {
@@ -49,7 +57,7 @@ Difference difference_of(const Epoch& first, const Epoch& second, Comparison& re
       result.incomplete.push_back(first.ids[i]);
       continue;
     }
-    r.ids.push_back(first.ids[i]);
+    pair.ids.push_back(first.ids[i]);
     for (Index c = 0; c < 3; ++c) {
       a.push_back(k + c);
       b.push_back(l + c);
@@ -57,9 +65,52 @@ Difference difference_of(const Epoch& first, const Epoch& second, Comparison& re
   }
   for (const std::string& id : second.ids)
     if (std::find(first.ids.begin(), first.ids.end(), id) == first.ids.end()) result.only_second.push_back(id);
-  r.place = first.coordinates(a);
-  r.d = second.coordinates(b) - r.place;
-  r.covariance = first.covariance(a, a) + second.covariance(b, b);
+  pair.first = first.coordinates(a);
+  pair.second = second.coordinates(b);
+  pair.first_covariance = first.covariance(a, a);
+  pair.second_covariance = second.covariance(b, b);
+  return pair;
+}
+
+/// Best rotation onto the first epoch over the stable points: about the vertical, or any where tilts are free
+/// (Kabsch 1976; in the plane in closed form).
+Matrix3d turn_of(const Pair& p, const std::vector<char>& stable, int free_motions, Vector3d& from, Vector3d& to) {
+  from = to = Vector3d::Zero();
+  const auto n = static_cast<double>(std::count(stable.begin(), stable.end(), 1));
+  for (size_t i = 0; i < stable.size(); ++i) {
+    if (!stable[i]) continue;
+    from += p.second.segment<3>(static_cast<Index>(3 * i)) / n;
+    to += p.first.segment<3>(static_cast<Index>(3 * i)) / n;
+  }
+  Matrix3d h = Matrix3d::Zero();
+  for (size_t i = 0; i < stable.size(); ++i)
+    if (stable[i])
+      h += (p.second.segment<3>(static_cast<Index>(3 * i)) - from) *
+           (p.first.segment<3>(static_cast<Index>(3 * i)) - to).transpose();
+  if (free_motions < 4) return Matrix3d::Identity();
+  if (free_motions < 6) {
+    const double angle = std::atan2(h(0, 1) - h(1, 0), h(0, 0) + h(1, 1));
+    return Eigen::AngleAxisd(angle, Vector3d::UnitZ()).toRotationMatrix();
+  }
+  const Eigen::JacobiSVD<Matrix3d> svd(h, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Matrix3d sign = Matrix3d::Identity();
+  sign(2, 2) = (svd.matrixV() * svd.matrixU().transpose()).determinant();
+  return svd.matrixV() * sign * svd.matrixU().transpose();
+}
+
+/// Free networks may lie anywhere: the second epoch is first laid onto the first, so that the rest is small and linear.
+Difference difference_of(const Pair& p, const std::vector<char>& stable, int free_motions) {
+  Difference r{p.ids, p.second - p.first, p.first_covariance + p.second_covariance, p.first};
+  if (free_motions == 0) return r;
+  Vector3d from, to;
+  const Matrix3d turn = turn_of(p, stable, free_motions, from, to);
+  const Index n = p.first.size() / 3;
+  for (Index i = 0; i < n; ++i) {
+    r.d.segment<3>(3 * i) = turn * (p.second.segment<3>(3 * i) - from) + to - p.first.segment<3>(3 * i);
+    for (Index k = 0; k < n; ++k)
+      r.covariance.block<3, 3>(3 * i, 3 * k) = p.first_covariance.block<3, 3>(3 * i, 3 * k) +
+                                               turn * p.second_covariance.block<3, 3>(3 * i, 3 * k) * turn.transpose();
+  }
   return r;
 }
 
@@ -210,24 +261,33 @@ Comparison compare_epochs(const Epoch& first, const Epoch& second, const Compari
   check(first, "first");
   check(second, "second");
   Comparison result;
-  const Difference r = difference_of(first, second, result);
+  const Pair pair = common_points(first, second, result);
   const size_t needed = options.free_motions >= 5 ? 4 : options.free_motions >= 3 ? 3 : 1;
-  if (r.ids.size() < needed)
-    throw std::runtime_error("the two epochs have " + std::to_string(r.ids.size()) +
+  if (pair.ids.size() < needed)
+    throw std::runtime_error("the two epochs have " + std::to_string(pair.ids.size()) +
                              " points in common that can be compared; a comparison needs at least " +
                              std::to_string(needed));
-  const MatrixXd g = motions(r, options.free_motions);
-  const Localisation localisation(r, g, options);
-  result.rank = localisation.rank();
-  result.statistic = localisation.statistic({});
-  result.critical = localisation.critical(0);
-  result.congruent = result.statistic <= result.critical;
-  std::vector<size_t> out;
-  result.excluded = localisation.run(out);
-  std::vector<char> stable(r.ids.size(), 1);
-  for (size_t i : out) stable[i] = 0;
-  add_movements(r, g, stable, options, result);
-  return result;
+  std::vector<char> stable(pair.ids.size(), 1);
+  // Laid on the points that stay; a second time if these are fewer than was thought.
+  for (int pass = 0;; ++pass) {
+    const Difference r = difference_of(pair, stable, options.free_motions);
+    const MatrixXd g = motions(r, options.free_motions);
+    const Localisation localisation(r, g, options);
+    std::vector<size_t> out;
+    result.excluded = localisation.run(out);
+    std::vector<char> found(pair.ids.size(), 1);
+    for (size_t i : out) found[i] = 0;
+    if (found != stable && pass < 5) {
+      stable = found;
+      continue;
+    }
+    result.rank = localisation.rank();
+    result.statistic = localisation.statistic({});
+    result.critical = localisation.critical(0);
+    result.congruent = result.statistic <= result.critical;
+    add_movements(r, g, found, options, result);
+    return result;
+  }
 }
 
 }  // namespace plumbline::survey

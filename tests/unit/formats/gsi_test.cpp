@@ -105,6 +105,23 @@ TEST(Gsi, ALineCutInHalfNamesFileLineColumnAndWhatWasExpected) {
   }
 }
 
+TEST(Gsi, ALineCutBetweenTwoWordsIsTold) {
+  const std::string station = "410001+00000021 42....+00000S1A 43....+00001500 \r\n";
+  const std::string whole = "110002+000000P1 21.322+01000000 22.322+10000000 31..00+00012345 87..10+00001600 \r\n";
+  const std::string next = "110003+000000P2 21.322+02000000 22.322+10000000 31..00+00012345 87..10+00001600 \r\n";
+  const auto name_only = read_gsi(station + whole + next.substr(0, 16), "cut.gsi");
+  ASSERT_EQ(name_only.skipped.size(), 1u);
+  EXPECT_TRUE(skipped(name_only, 3, 1, "words 21, 22, 31, 87 after it"));
+  const auto direction_only = read_gsi(station + whole + next.substr(0, 32), "cut.gsi");
+  EXPECT_TRUE(direction_only.skipped.empty()) << "a direction alone is a measurement";
+  ASSERT_EQ(direction_only.warnings.size(), 1u);
+  EXPECT_NE(direction_only.warnings[0].find("line 3 ends where the sighting before goes on with words 22, 31, 87"),
+            std::string::npos);
+  const auto no_distance =
+      read_gsi(station + whole + "110003+000000P2 21.322+02000000 22.322+10000000 87..10+00001600 \r\n", "whole.gsi");
+  EXPECT_TRUE(no_distance.skipped.empty() && no_distance.warnings.empty()) << "another kind of sighting, not a cut one";
+}
+
 TEST(Gsi, ReadsBlocksWithoutLineEndsAndNamesInWindows1252) {
   const auto survey =
       read_gsi(fixture("one_line_windows_1252.gsi"), "a.gsi", {.vertical_reference = GsiVerticalReference::horizon});

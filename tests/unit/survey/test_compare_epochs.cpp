@@ -81,15 +81,23 @@ TEST(CompareEpochs, ShiftTurnAndOtherPointsDoNotMatter) {
   const Epoch first = markers(epoch(test::simulate({}, 51).survey));
   Epoch second = markers(epoch(test::simulate({}, 52).survey));
   const Comparison before = compare_epochs(first, second, {});
-  const double angle = 2e-4;
+  const double angle = 2.1;
   Eigen::Matrix3d turn;
   turn << std::cos(angle), std::sin(angle), 0, -std::sin(angle), std::cos(angle), 0, 0, 0, 1;
   for (size_t i = 0; i < second.ids.size(); ++i) {
     auto p = second.coordinates.segment<3>(static_cast<Eigen::Index>(3 * i));
-    p = (turn * p + Eigen::Vector3d(0.05, -0.02, 0.01)).eval();
+    p = (turn * p + Eigen::Vector3d(100, -250, 10)).eval();
   }
+  const Epoch unturned = second;
+  for (Eigen::Index i = 0; i < second.covariance.rows() / 3; ++i)
+    for (Eigen::Index k = 0; k < second.covariance.rows() / 3; ++k)
+      second.covariance.block<3, 3>(3 * i, 3 * k) =
+          turn * unturned.covariance.block<3, 3>(3 * i, 3 * k) * turn.transpose();
   const Comparison after = compare_epochs(first, second, {});
-  EXPECT_NEAR(after.statistic, before.statistic, 0.01 * before.statistic) << "up to the second order of the turn";
+  EXPECT_NEAR(after.statistic, before.statistic, 1e-6 * before.statistic);
+  for (size_t i = 0; i < after.movements.size(); ++i)
+    EXPECT_LT((after.movements[i].movement - before.movements[i].movement).norm(), 1e-8)
+        << "in the first epoch's frame";
   ComparisonOptions fixed;
   fixed.free_motions = 0;
   EXPECT_FALSE(compare_epochs(first, second, fixed).congruent) << "a fixed frame sees the shift";

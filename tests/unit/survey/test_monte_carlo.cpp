@@ -44,6 +44,59 @@ TEST(MonteCarlo, CovarianceCoversTheErrors) {
   EXPECT_LT(sum_of_squares, chi_squared_quantile(0.999, degrees));
 }
 
+/// All markers at once and one by one, in the datum of the markers: every block of the full covariance is what the
+/// errors have, correlations included.
+TEST(MonteCarlo, FullCovarianceOfAllMarkersCoversTheErrors) {
+  constexpr int kMarkers = 12;
+  AdjustOptions options;
+  options.curvature = Switch::off;
+  options.datum = DatumMode::inner;
+  const int n = trials();
+  double joint = 0;
+  int rank = 0;
+  std::vector<double> each(kMarkers);
+  Eigen::MatrixXd empirical = Eigen::MatrixXd::Zero(3 * kMarkers, 3 * kMarkers), reported = empirical;
+  for (int trial = 0; trial < n; ++trial) {
+    const auto network = test::simulate({}, 9000 + static_cast<std::uint64_t>(trial));
+    options.datum_points.clear();
+    for (int m = 0; m < kMarkers; ++m) options.datum_points.push_back(network.survey.points[static_cast<size_t>(m)].id);
+    const NetworkResult r = adjust_network(network.survey, options);
+    Eigen::VectorXd error(3 * kMarkers);
+    Eigen::MatrixXd covariance(3 * kMarkers, 3 * kMarkers);
+    for (int i = 0; i < kMarkers; ++i) {
+      const ResultPoint& p = r.point(options.datum_points[static_cast<size_t>(i)]);
+      error.segment<3>(3 * i) = p.position - network.truth[static_cast<size_t>(i)];
+      for (int k = 0; k < kMarkers; ++k)
+        covariance.block<3, 3>(3 * i, 3 * k) = r.covariance(p, r.point(options.datum_points[static_cast<size_t>(k)]));
+      each[static_cast<size_t>(i)] +=
+          error.segment<3>(3 * i).dot(covariance.block<3, 3>(3 * i, 3 * i).ldlt().solve(error.segment<3>(3 * i)));
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance);
+    for (int k = 0; k < 3 * kMarkers; ++k) {
+      if (eigen.eigenvalues()[k] < 1e-9 * eigen.eigenvalues()[3 * kMarkers - 1]) continue;
+      joint += std::pow(eigen.eigenvectors().col(k).dot(error), 2) / eigen.eigenvalues()[k];
+      ++rank;
+    }
+    empirical += error * error.transpose() / n;
+    reported += covariance / n;
+  }
+  EXPECT_EQ(rank, n * (3 * kMarkers - 4));
+  EXPECT_GT(joint, chi_squared_quantile(0.001, rank));
+  EXPECT_LT(joint, chi_squared_quantile(0.999, rank));
+  for (int i = 0; i < kMarkers; ++i) {
+    EXPECT_GT(each[static_cast<size_t>(i)], chi_squared_quantile(0.0005, 3 * n)) << i;
+    EXPECT_LT(each[static_cast<size_t>(i)], chi_squared_quantile(0.9995, 3 * n)) << i;
+  }
+  // Variance of any difference of two coordinates: relative standard deviation sqrt(2 / n); 630 of them, 5 sigma.
+  const double tolerance = 5 * std::sqrt(2.0 / n);
+  for (int i = 0; i < 3 * kMarkers; ++i)
+    for (int k = 0; k < i; ++k) {
+      const double found = empirical(i, i) + empirical(k, k) - 2 * empirical(i, k);
+      const double said = reported(i, i) + reported(k, k) - 2 * reported(i, k);
+      EXPECT_NEAR(found / said, 1, tolerance) << i << " " << k;
+    }
+}
+
 TEST(MonteCarlo, BlundersAreFoundAsOftenAsTheirMdbSays) {
   constexpr double kBlunder = 0.005;
   constexpr size_t kRow = 20;  // a slope distance

@@ -122,11 +122,12 @@ Adjusted adjust(const survey::SurveyObservations& survey) {
   return {node.output<Points>("points"), node.output<SurveyNetwork>("network")};
 }
 
-/// Readings as if one marker stood elsewhere, and the instruments too: free set-ups, as in every real campaign.
+/// Readings as if one marker stood elsewhere. Without any coordinates: every campaign has a frame of its own.
 survey::SurveyObservations campaign(std::uint64_t seed, const std::string& moved = "",
                                     const Eigen::Vector3d& by = Eigen::Vector3d::Zero()) {
   survey::test::SimulationSettings settings;
   settings.set_ups = 4;
+  settings.coordinates = false;
   settings.angle_sigma = 5e-6;
   settings.distance_sigma = 0.0005;
   auto n = survey::test::simulate(settings, seed);

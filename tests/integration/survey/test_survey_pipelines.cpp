@@ -1,0 +1,160 @@
+// The survey pipelines from outside: damaged files, encodings, a plan, two epochs.
+#include <nlohmann/json.hpp>
+
+#include "formats/gsi.hpp"
+#include "formats/survey_csv.hpp"
+#include "program.hpp"
+#include "simulated_network.hpp"
+
+namespace plumbline::test {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+std::string pipeline(const std::string& name) {
+  return (fs::path(PLUMBLINE_SOURCE_DIR) / "pipelines" / (name + ".yaml")).string();
+}
+
+/// A job as the instrument writes it, with readings rounded to its last digit.
+std::string job(std::uint64_t seed = 3) {
+  survey::test::SimulationSettings settings;
+  settings.coordinates = settings.sigmas = false;
+  return survey::write_gsi(survey::test::simulate(settings, seed).survey, {});
+}
+
+/// The line with the n-th sighting cut off within a word, somewhat behind its middle.
+std::string cut(std::string text, int sighting, int& line) {
+  size_t at = 0;
+  line = 0;
+  for (int seen = 0;; ++line) {
+    const size_t end = text.find('\n', at);
+    if (text.substr(at, end - at).find(" 31") != std::string::npos && ++seen == sighting) {
+      const size_t kept = (end - at) * 5 / 8;
+      text.erase(at + kept, end - at - kept);
+      ++line;
+      return text;
+    }
+    at = end + 1;
+  }
+}
+
+TEST(SurveyPipelines, AGsiLineCutInHalfStopsTheAdjustment) {
+  const Program plumbline;
+  int line = 0;
+  plumbline.write("job.gsi", cut(job(), 5, line));
+  Answer answer = plumbline({"run", pipeline("survey_network"), "file=job.gsi", "--out", "out"});
+  EXPECT_EQ(answer.code, 1);
+  EXPECT_TRUE(contains(answer.err, "job.gsi:" + std::to_string(line) + ":")) << answer.err;
+  EXPECT_TRUE(contains(answer.err, "expected")) << answer.err;
+  EXPECT_TRUE(contains(answer.err, "strict=false")) << answer.err;
+  EXPECT_FALSE(fs::exists(plumbline.work() / "out/network.json"));
+  EXPECT_FALSE(fs::exists(plumbline.work() / "out/network.html"));
+  answer = plumbline({"run", pipeline("survey_network"), "file=job.gsi", "strict=false", "--out", "out"});
+  EXPECT_EQ(answer.code, 0) << answer.err;
+  EXPECT_TRUE(contains(answer.err, "job.gsi:" + std::to_string(line) + ":")) << answer.err;
+  EXPECT_TRUE(fs::exists(plumbline.work() / "out/network.json"));
+}
+
+TEST(SurveyPipelines, ReadSurveyListsWhatItSkipped) {
+  const Program plumbline;
+  int line = 0;
+  plumbline.write("whole.gsi", job());
+  plumbline.write("job.gsi", cut(job(), 5, line));
+  ASSERT_EQ(plumbline({"run", pipeline("read_survey"), "file=whole.gsi", "--out", "whole"}).code, 0);
+  Answer answer = plumbline({"run", pipeline("read_survey"), "file=job.gsi", "--out", "out"});
+  EXPECT_EQ(answer.code, 0) << answer.err;
+  const Json whole = Json::parse(read_file(plumbline.work() / "whole/observations.json"));
+  const Json read = Json::parse(read_file(plumbline.work() / "out/observations.json"));
+  EXPECT_FALSE(whole.contains("skipped") && !whole["skipped"].empty());
+  ASSERT_EQ(read["skipped"].size(), 1u);
+  const Json skipped = read["skipped"][0];
+  EXPECT_EQ(skipped["file"], "job.gsi");
+  EXPECT_EQ(skipped["line"], line);
+  EXPECT_GT(skipped["column"], 0);
+  EXPECT_NE(skipped["found"], "");
+  EXPECT_NE(skipped["expected"], "");
+  EXPECT_LT(read["observations"].size(), whole["observations"].size());
+  EXPECT_GE(read["observations"].size(), whole["observations"].size() - 3) << "only the damaged sighting is lost";
+  answer = plumbline({"run", pipeline("read_survey"), "file=job.gsi", "strict=true", "--out", "strict"});
+  EXPECT_EQ(answer.code, 1);
+  EXPECT_FALSE(fs::exists(plumbline.work() / "strict/observations.json"));
+}
+
+std::string utf16(const std::string& ascii) {
+  std::string bytes = "\xFF\xFE";
+  for (char c : ascii) (bytes += c) += '\0';
+  return bytes;
+}
+
+std::string replaced(std::string text, char from, char to) {
+  std::replace(text.begin(), text.end(), from, to);
+  return text;
+}
+
+TEST(SurveyPipelines, EncodingsAndDecimalCommasReadTheSame) {
+  const Program plumbline;
+  const std::string table =
+      "station,target,hz [gon],v [gon],sd [m]\n"
+      "S1,T\xC3\xBCr 1,0.0000,98.1234,12.3456\nS1,P2,33.1200,95.5000,14.2000\nS1,P3,66.0400,91.2500,15.0010\n";
+  const std::string windows = std::string(table).replace(table.find("\xC3\xBC"), 2, "\xFC");
+  plumbline.write("utf8.csv", table);
+  plumbline.write("windows.csv", windows);
+  plumbline.write("excel.csv", replaced(replaced(windows, ',', ';'), '.', ','));
+  std::string wide;
+  wide = utf16(windows);  // U+00FC is FC 00
+  plumbline.write("utf16.csv", wide);
+  Json first;
+  for (const std::string name : {"utf8", "windows", "excel", "utf16"}) {
+    const Answer answer =
+        plumbline({"run", pipeline("read_survey"), "file=" + name + ".csv", "strict=true", "--out", name});
+    ASSERT_EQ(answer.code, 0) << name << ": " << answer.err;
+    Json read = Json::parse(read_file(plumbline.work() / name / "observations.json"))["observations"];
+    for (Json& o : read) o.erase("file");
+    EXPECT_EQ(read.size(), 9u) << name;
+    EXPECT_EQ(read[0]["to"], "T\xC3\xBCr 1") << name;
+    if (first.is_null()) first = read;
+    EXPECT_EQ(read, first) << name;
+  }
+}
+
+TEST(SurveyPipelines, APlanGivesRulesRemediesAndAPage) {
+  const Program plumbline;
+  std::string layout = "kind,id,east_m,north_m,height_m,floor,column,facing_azimuth_deg,sees\n";
+  for (int floor = 1; floor <= 2; ++floor)
+    for (int row = 1; row <= 2; ++row)
+      for (int column = 1; column <= 3; ++column)
+        layout += "marker,F" + std::to_string(floor) + "C" + std::to_string(column) + "R" + std::to_string(row) + "," +
+                  std::to_string(2 * column) + ",0," + std::to_string(4 * floor - 4 + 2 * row) + "," +
+                  std::to_string(floor) + "," + std::to_string(column) + ",180,\n";
+  layout += "set_up,S1,0,-12,1.6,,,,\nset_up,S2,8,-13,1.6,,,,F1* F2C1* F2C2*\n";
+  plumbline.write("layout.csv", layout);
+  const Answer answer = plumbline({"run", pipeline("plan_survey"), "file=layout.csv", "--out", "out"});
+  ASSERT_EQ(answer.code, 0) << answer.err;
+  const Json plan = Json::parse(read_file(plumbline.work() / "out/plan.json"));
+  bool told = false;
+  for (const Json& rule : plan["rules"]) told |= rule["name"] == "set-ups per marker" && !rule["holds"];
+  EXPECT_TRUE(told) << plan["rules"].dump(1);
+  ASSERT_FALSE(plan["remedies"].empty());
+  EXPECT_EQ(plan["remedies"][0]["text"], "sight F2C3R1, F2C3R2 also from S2");
+  const std::string page = read_file(plumbline.work() / "out/plan.html");
+  for (const char* part : {"1\xC2\xA0rule is broken.", "✗ violated", "sight F2C3R1, F2C3R2 also from S2", "<ellipse"})
+    EXPECT_TRUE(contains(page, part)) << part;
+}
+
+TEST(SurveyPipelines, TwoFilesAreComparedAsEpochs) {
+  const Program plumbline;
+  plumbline.write("before.gsi", job(11));
+  plumbline.write("after.gsi", job(12));
+  const Answer answer = plumbline({"run", pipeline("compare_epochs"), "before=before.gsi", "after=after.gsi",
+                                   "profile=total_station_5arcsec", "--out", "out"});
+  ASSERT_EQ(answer.code, 0) << answer.err;
+  const Json json = Json::parse(read_file(plumbline.work() / "out/movements.json"));
+  EXPECT_EQ(json["points"].size(), 12u);
+  EXPECT_EQ(json["rank"], 3 * 12 - 4);
+  EXPECT_EQ(json["congruent"], true);
+  EXPECT_TRUE(contains(read_file(plumbline.work() / "out/movements.html"), "No point has moved significantly."));
+}
+
+}  // namespace
+}  // namespace plumbline::test
