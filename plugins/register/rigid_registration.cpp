@@ -48,10 +48,11 @@ void check_figure(const Eigen::Matrix3Xd& points, const std::vector<std::string>
                   double min_ratio) {
   const Eigen::Vector3d mean = points.rowwise().mean();
   const Eigen::Matrix3Xd centred = points.colwise() - mean;
-  const Eigen::JacobiSVD<Eigen::Matrix3Xd> svd(centred, Eigen::ComputeThinU);
-  const Eigen::Vector3d spread = svd.singularValues() / std::sqrt(static_cast<double>(points.cols()));
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> scatter(centred * centred.transpose() /
+                                                               static_cast<double>(points.cols()));
+  const Eigen::Vector3d spread = scatter.eigenvalues().reverse().cwiseMax(0).cwiseSqrt();  // largest first [m]
   if (spread[1] > min_ratio * spread[0] && spread[0] > 1e-9 * (1 + mean.norm())) return;
-  const Eigen::RowVectorXd along = svd.matrixU().col(0).transpose() * centred;
+  const Eigen::RowVectorXd along = scatter.eigenvectors().col(2).transpose() * centred;
   Index first = 0, last = 0;
   along.minCoeff(&first);
   along.maxCoeff(&last);
