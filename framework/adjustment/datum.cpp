@@ -83,6 +83,16 @@ void require_held(const Eigen::MatrixXd& scaled_null_space, const Eigen::VectorX
                    tangent_directions(open, scale));
 }
 
+/// Q := S Q S' with S = I - G (C'G)^-1 C', by products with d columns only:
+/// S Q S' = Q - G B - (G B)' + G (B C T) G' with T = (C'G)^-T and B = (C'G)^-1 C'Q.
+void change_datum(Eigen::MatrixXd& q, const Eigen::MatrixXd& g, const Eigen::MatrixXd& c) {
+  const Eigen::MatrixXd inverse = Eigen::MatrixXd(c.transpose() * g).inverse();
+  const Eigen::MatrixXd b = inverse * (c.transpose() * q);
+  const Eigen::MatrixXd half = b - 0.5 * (b * c * inverse.transpose()) * g.transpose();
+  q.noalias() -= g * half;
+  q.noalias() -= half.transpose() * g.transpose();
+}
+
 }  // namespace
 
 Eigen::MatrixXd find_null_space(const NormalEquations& normal, double tolerance) {
@@ -131,26 +141,18 @@ Eigen::VectorXd InnerConstraints::shift_for(const Eigen::VectorXd& change) const
 }
 
 void InnerConstraints::transform(Eigen::MatrixXd& q) const {
-  if (pinned_.empty()) return;
-  // S Q S' = Q - G B - (G B)' + G (B C T) G' with T = (C'G)^-T and B = (C'G)^-1 C'Q.
-  const Eigen::MatrixXd inverse = Eigen::MatrixXd(constraints_.transpose() * null_space_).inverse();
-  const Eigen::MatrixXd b = inverse * (constraints_.transpose() * q);
-  const Eigen::MatrixXd half = b - 0.5 * (b * constraints_ * inverse.transpose()) * null_space_.transpose();
-  q.noalias() -= null_space_ * half;
-  q.noalias() -= half.transpose() * null_space_.transpose();
+  if (!pinned_.empty()) change_datum(q, null_space_, constraints_);
 }
 
 Eigen::MatrixXd s_transform(const Eigen::MatrixXd& cofactors, const Eigen::MatrixXd& null_space,
                             const std::vector<int>& datum_unknowns) {
   Eigen::MatrixXd constraints = Eigen::MatrixXd::Zero(null_space.rows(), null_space.cols());
   for (int u : datum_unknowns) constraints.row(u) = null_space.row(u);
-  const Eigen::MatrixXd small = constraints.transpose() * null_space;
-  const Eigen::FullPivLU<Eigen::MatrixXd> lu(small);
-  if (lu.rank() < small.rows())
+  if (Eigen::FullPivLU<Eigen::MatrixXd>(constraints.transpose() * null_space).rank() < null_space.cols())
     throw RankDefect("the new datum does not hold the null space of the system", null_space);
-  const Eigen::MatrixXd s =
-      Eigen::MatrixXd::Identity(cofactors.rows(), cofactors.rows()) - null_space * lu.solve(constraints.transpose());
-  return s * cofactors * s.transpose();
+  Eigen::MatrixXd q = cofactors;
+  change_datum(q, null_space, constraints);
+  return q;
 }
 
 }  // namespace plumbline::adjustment

@@ -111,6 +111,19 @@ BlockTest block_test(const BlockMatrices& m, const Eigen::VectorXd& whitened) {
 
 }  // namespace
 
+std::vector<RowStatistics> row_statistics(const Eigen::MatrixXd& whitening, const Eigen::VectorXd& whitened,
+                                          const Eigen::MatrixXd& residual_cofactors, double delta0) {
+  const Eigen::Index rows = whitened.size();
+  BlockMatrices m;
+  m.whitening = whitening.triangularView<Eigen::Lower>();
+  m.unwhitening = m.whitening.triangularView<Eigen::Lower>().solve(Eigen::MatrixXd::Identity(rows, rows));
+  m.residual = residual_cofactors;
+  m.adjusted = Eigen::MatrixXd::Identity(rows, rows) - residual_cofactors;
+  std::vector<RowStatistics> result;
+  for (int i = 0; i < rows; ++i) result.push_back(row_statistics(m, whitened, i, delta0));
+  return result;
+}
+
 Reliability compute_reliability(const Problem& problem, const Solution& solution, const Eigen::MatrixXd& q,
                                 const ReliabilityOptions& options) {
   const Linearisation& lin = solution.linearisation;

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <string>
 #include <vector>
 
 #include "adjustment/problem.hpp"
@@ -27,6 +28,12 @@ struct RowStatistics {
   double external_effect = 0;    ///< largest movement of a group of unknowns (a point) by a blunder of size mdb
   int external_group = -1;       ///< which group that is
 };
+
+/// The same for the rows of one block that somebody else has linearised: whitening W (lower triangular, W'W =
+/// covariance^-1), whitened residuals W v and their cofactors Quu; `delta0` is the non-centrality of the MDB. Without
+/// external reliability. For correlated rows see Wang & Chen (1994).
+std::vector<RowStatistics> row_statistics(const Eigen::MatrixXd& whitening, const Eigen::VectorXd& whitened_residuals,
+                                          const Eigen::MatrixXd& residual_cofactors, double delta0);
 
 /// Joint test of the rows of one residual block: u' Quu^-1 u, chi-squared with `rank` degrees of freedom.
 struct BlockTest {
@@ -70,7 +77,8 @@ GlobalTest global_test(double sum_of_squares, int degrees_of_freedom, double alp
 
 /// Estimated factor of the a-priori variance of each group of rows (Förstner 1979): sum v_i (P v)_i / sum r_i.
 struct VarianceComponent {
-  double factor = 1;
+  std::string name;   ///< may be empty
+  double factor = 1;  ///< stays 1 where there is no redundancy
   double sum_of_squares = 0, redundancy = 0;
   int rows = 0;
 };

@@ -36,7 +36,7 @@ void hold_fixed_values(ceres::Problem& problem, double* values, const std::vecto
 }
 
 /// Largest correction in units of the conditional standard deviation of its unknown.
-double largest_step(const ReducedSystem& reduced, const LinearSolution& solution) {
+double largest_step(const ReducedSystem& reduced, const PartitionedSolution& solution) {
   double largest = 0;
   for (Eigen::Index i = 0; i < solution.kept.size(); ++i)
     largest = std::max(largest, std::abs(solution.kept(i)) * std::sqrt(std::max(0.0, reduced.diagonal(i))));
@@ -121,8 +121,8 @@ ObservationRows BlockModel::rows_of(const Term& term) const {
   for (size_t i = 0; i < storage.size(); ++i) {
     const Parameter& parameter = parameters_[term.parameters[i]];
     if (parameter.camera >= 0) {
-      rows.camera = parameter.camera;
-      rows.pose = storage[i];
+      rows.eliminated = parameter.camera;
+      rows.own = storage[i];
       continue;
     }
     for (size_t c = 0; c < parameter.columns.size(); ++c)
@@ -131,10 +131,10 @@ ObservationRows BlockModel::rows_of(const Term& term) const {
   return rows;
 }
 
-LinearBlock BlockModel::linearise() const {
-  LinearBlock block;
+PartitionedSystem BlockModel::linearise() const {
+  PartitionedSystem block;
   block.kept_count = kept_count();
-  block.camera_count = static_cast<int>(poses_.size());
+  block.eliminated_count = static_cast<int>(poses_.size());
   block.groups = groups_;
   block.observations.reserve(terms_.size());
   for (const Term& term : terms_) block.observations.push_back(rows_of(term));
@@ -183,10 +183,10 @@ BlockModel::Summary BlockModel::minimise(int max_iterations, RobustLoss loss, do
   return {summary.termination_type == ceres::CONVERGENCE, static_cast<int>(summary.iterations.size()), summary.message};
 }
 
-void BlockModel::apply(const LinearSolution& solution) {
+void BlockModel::apply(const PartitionedSolution& solution) {
   for (size_t i = 0; i < kept_values_.size(); ++i) *kept_values_[i] += solution.kept(static_cast<Eigen::Index>(i));
   for (size_t i = 0; i < poses_.size(); ++i)
-    for (int k = 0; k < 6; ++k) poses_[i][k] += solution.poses[i](k);
+    for (int k = 0; k < 6; ++k) poses_[i][k] += solution.eliminated[i](k);
 }
 
 AdjustedBlock adjust_to_convergence(BlockModel& model, int max_iterations, const Fold& fold, const SetDatum& set_datum,

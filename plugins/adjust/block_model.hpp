@@ -12,9 +12,16 @@
 #include <string>
 #include <vector>
 
-#include "linear_block.hpp"
+#include "adjustment/schur.hpp"
 
 namespace plumbline::adjust {
+
+using adjustment::EliminatedBlock;
+using adjustment::ObservationRows;
+using adjustment::PartitionedSolution;
+using adjustment::PartitionedSystem;
+using adjustment::ReducedSystem;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 enum class RobustLoss { none, huber, cauchy, tukey };
 
@@ -39,7 +46,7 @@ class BlockModel {
 
   /// Rows at the current values. Throws std::runtime_error with `label` and group if a cost function cannot be
   /// evaluated.
-  LinearBlock linearise() const;
+  PartitionedSystem linearise() const;
 
   struct Summary {
     bool converged = false;
@@ -50,7 +57,7 @@ class BlockModel {
   Summary minimise(int max_iterations, RobustLoss loss = RobustLoss::none, double scale = 1);
 
   /// Adds corrections to the values.
-  void apply(const LinearSolution& solution);
+  void apply(const PartitionedSolution& solution);
 
  private:
   struct Parameter {
@@ -79,18 +86,18 @@ class BlockModel {
 
 /// The last linearisation of an adjustment, with its solution and cofactors.
 struct AdjustedBlock {
-  LinearBlock linear;
+  PartitionedSystem linear;
   ReducedSystem reduced;
-  LinearSolution solution;
+  PartitionedSolution solution;
   int iterations = 0;
 };
 
 /// Called after every change of the values: folds rotation increments into their rotations.
 using Fold = std::function<void()>;
 /// Called on every linearised block: sets null space and datum for a free network.
-using SetDatum = std::function<void(LinearBlock&)>;
+using SetDatum = std::function<void(PartitionedSystem&)>;
 /// Called on the first normal equations, before they are solved: throws what is wrong with them.
-using CheckSystem = std::function<void(const LinearBlock&, const ReducedSystem&)>;
+using CheckSystem = std::function<void(const PartitionedSystem&, const ReducedSystem&)>;
 
 /// Above this number of kept unknowns (3 a target, 6 a plate) their dense normal matrix and covariance take gigabytes.
 constexpr int max_kept_unknowns = 9000;

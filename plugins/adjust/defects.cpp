@@ -171,16 +171,16 @@ DatumAnalysis analyse_datum(const Eigen::MatrixXd& information, const std::vecto
   return result;
 }
 
-void require_full_rank(const LinearBlock& block, const ReducedSystem& reduced,
+void require_full_rank(const adjustment::PartitionedSystem& system, const adjustment::ReducedSystem& reduced,
                        const std::vector<std::string>& camera_names, const std::vector<std::string>& labels) {
   std::vector<std::string> loose;
-  for (size_t i = 0; i < reduced.cameras.size(); ++i)
-    if (reduced.cameras[i].weakest_eigenvalue < rank_tolerance) loose.push_back(camera_names.at(i));
+  for (size_t i = 0; i < reduced.eliminated.size(); ++i)
+    if (reduced.eliminated[i].weakest_eigenvalue < rank_tolerance) loose.push_back(camera_names.at(i));
   if (!loose.empty())
     throw std::runtime_error("the pose of " + enumerate(loose) +
                              " is undetermined: too few or only collinear points in the image");
-  if (smallest_scaled_eigenvalue(block, reduced) > 2 * rank_tolerance) return;
-  const ScaledSpectrum spectrum = scaled_spectrum(block, reduced);
+  if (smallest_scaled_eigenvalue(system, reduced) > 2 * rank_tolerance) return;
+  const adjustment::ScaledSpectrum spectrum = scaled_spectrum(system, reduced);
   std::string message;
   int defect = 0;
   for (Eigen::Index i = 0; i < spectrum.values.size() && spectrum.values(i) < rank_tolerance; ++i) {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "linear_block.hpp"
+#include "adjustment/schur.hpp"
 
 namespace plumbline::adjust {
 
@@ -44,7 +44,7 @@ DatumAnalysis analyse_datum(const Eigen::MatrixXd& information, const std::vecto
 
 /// Throws std::runtime_error if the system is not of full rank, naming cameras whose pose is undetermined
 /// (`camera_names`) and, for every null vector, the unknowns (`labels`) with the largest part in it.
-void require_full_rank(const LinearBlock& block, const ReducedSystem& reduced,
+void require_full_rank(const adjustment::PartitionedSystem& system, const adjustment::ReducedSystem& reduced,
                        const std::vector<std::string>& camera_names, const std::vector<std::string>& labels);
 
 /// "a, b and c"

@@ -4,6 +4,7 @@
 #include "artifacts/adjusted_image_block.hpp"
 #include "artifacts/image_block.hpp"
 #include "artifacts/points.hpp"
+#include "geometry/packed_symmetric.hpp"
 #include "plumbline/node.hpp"
 #include "point_block.hpp"
 
@@ -86,14 +87,14 @@ inline void describe_images(const PointBlockResult& result, AdjustedImageBlockT&
     auto& image = *artifact.images[static_cast<size_t>(measured.image)];
     ++image.measurements;
     image.rms += x.residual * x.residual + y.residual * y.residual;
-    const bool blunder = std::max(std::abs(x.normalised_residual), std::abs(y.normalised_residual)) > 3.29;
+    const bool blunder = std::max(std::abs(x.w), std::abs(y.w)) > 3.29;
     if (!blunder && std::min(x.redundancy_number, y.redundancy_number) > 0.1) continue;
     auto finding = std::make_unique<SensorFindingT>();
     finding->image = image.id;
     finding->point = result.block.points[static_cast<size_t>(measured.point)].name;
     finding->residual = {x.residual, y.residual};
     finding->redundancy_number = {x.redundancy_number, y.redundancy_number};
-    finding->w = {x.normalised_residual, y.normalised_residual};
+    finding->w = {x.w, y.w};
     finding->kind = blunder ? "blunder" : "unchecked";
     artifact.findings.push_back(std::move(finding));
   }
@@ -117,10 +118,10 @@ inline AdjustedImageBlockT to_artifact(const PointBlockResult& result, double im
   for (const auto& group : result.groups) {
     auto entry = std::make_unique<BlockGroupT>();
     entry->name = group.name;
-    entry->observations = group.observations;
-    entry->weighted_sum_of_squares = group.weighted_sum_of_squares;
+    entry->observations = group.rows;
+    entry->weighted_sum_of_squares = group.sum_of_squares;
     entry->redundancy = group.redundancy;
-    if (group.redundancy > 1e-6) entry->variance_factor = group.variance_factor();
+    if (group.redundancy > 1e-6) entry->variance_factor = group.factor;
     artifact.groups.push_back(std::move(entry));
   }
   artifact.statistics = std::make_unique<SensorStatisticsT>();
@@ -144,8 +145,7 @@ inline PointsT adjusted_points(const PointBlockResult& result) {
     entry->sigma = result.point_covariance.diagonal().segment<3>(3 * static_cast<Eigen::Index>(j)).cwiseSqrt();
     points.points.push_back(std::move(entry));
   }
-  for (Eigen::Index r = 0; r < result.point_covariance.rows(); ++r)
-    for (Eigen::Index c = 0; c <= r; ++c) points.covariance.push_back(result.point_covariance(r, c));
+  points.covariance = pack_symmetric(result.point_covariance);
   return points;
 }
 

@@ -5,12 +5,14 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <numeric>
 #include <stdexcept>
 
 #include "block_model.hpp"
-#include "datum.hpp"
 #include "defects.hpp"
 #include "geometry/rigid_transform.hpp"
+#include "geometry/similarity.hpp"
+#include "row_quality.hpp"
 
 namespace plumbline::adjust {
 namespace {
@@ -172,13 +174,14 @@ std::vector<NamedPoint> named_points(const PointBlock& block, const std::vector<
 }
 
 /// Inner constraints over all object points: translation, rotation, and scale where no scale bar gives it.
-void set_inner_constraints(const PointBlock& block, const State& state, LinearBlock& linear) {
+void set_inner_constraints(const PointBlock& block, const State& state, PartitionedSystem& linear) {
   const auto points = named_points(block, state.points);
   const Eigen::Index count = block.scale_bars.empty() ? motion_count : motion_count - 1;
   const Eigen::MatrixXd motions = motion_basis(points, centre_of(points));
   linear.null_space = Eigen::MatrixXd::Zero(linear.kept_count, count);
   linear.null_space.topRows(motions.rows()) = motions.leftCols(count);
-  linear.datum = linear.null_space;
+  linear.datum_unknowns.resize(3 * points.size());
+  std::iota(linear.datum_unknowns.begin(), linear.datum_unknowns.end(), 0);  // points come first
 }
 
 /// Moves the block so that its points lie, by rotation and translation (and scale without a scale bar), as closely as
@@ -223,10 +226,10 @@ void fill_reliability(const PointBlock& block, const PointBlockOptions& options,
     const size_t label = static_cast<size_t>(rows.label);
     const double sigma = rows.group == 0 ? sigma_of(block.measurements[label], options) : block.scale_bars[label].sigma;
     const Eigen::Index count = rows.misclosure.size();
-    auto quality = reliability(sigma * Eigen::MatrixXd::Identity(count, count), -rows.misclosure, cofactors[i]);
+    auto quality = row_quality(sigma * Eigen::MatrixXd::Identity(count, count), rows, cofactors[i]);
     for (auto& q : quality) {
-      q.normalised_residual /= std::sqrt(factor);
-      q.minimal_detectable_error *= std::sqrt(factor);
+      q.w /= std::sqrt(factor);
+      q.mdb *= std::sqrt(factor);
     }
     if (rows.group == 0)
       result.measurement_reliability[label] = {quality[0], quality[1]};
@@ -236,7 +239,7 @@ void fill_reliability(const PointBlock& block, const PointBlockOptions& options,
 }
 
 void fill_covariances(const State& state, const AdjustedBlock& adjusted, double factor, PointBlockResult& result) {
-  const LinearSolution& solution = adjusted.solution;
+  const PartitionedSolution& solution = adjusted.solution;
   const Eigen::Index points = 3 * static_cast<Eigen::Index>(state.points.size());
   const Eigen::Index free = static_cast<Eigen::Index>(result.free_parameters.size());
   result.point_covariance = factor * solution.kept_cofactor.topLeftCorner(points, points);
@@ -245,15 +248,14 @@ void fill_covariances(const State& state, const AdjustedBlock& adjusted, double 
     result.interior_covariance.push_back(factor * solution.kept_cofactor.block(first, first, free, free));
   }
   for (size_t i = 0; i < state.poses.size(); ++i) {
-    const Matrix6 covariance = factor * solution.pose_cofactor[i];
+    const Matrix6 covariance = factor * solution.eliminated_cofactor[i];
     result.pose_covariance.push_back(covariance);
     const Eigen::Matrix3d turn = angles_by_turn(state.camera_from_block[i]);
     result.angle_covariance.push_back(turn * covariance.bottomRightCorner<3, 3>() * turn.transpose());
     const size_t camera = static_cast<size_t>(result.block.images[i].camera);
     const Eigen::Index first = points + free * static_cast<Eigen::Index>(camera);
-    const EliminatedCamera& eliminated = adjusted.reduced.cameras[i];
-    Eigen::MatrixXd correlation =
-        factor * pose_kept_cofactor(eliminated, solution.kept_cofactor).middleCols(first, free);
+    const EliminatedBlock& eliminated = adjusted.reduced.eliminated[i];
+    Eigen::MatrixXd correlation = factor * cross_cofactor(eliminated, solution.kept_cofactor).middleCols(first, free);
     correlation = covariance.diagonal().cwiseSqrt().cwiseInverse().asDiagonal() * correlation *
                   result.interior_covariance[camera].diagonal().cwiseSqrt().cwiseInverse().asDiagonal();
     result.pose_interior_correlation.push_back(correlation);
@@ -297,17 +299,17 @@ PointBlockResult adjust_point_block(const PointBlock& block, const PointBlockOpt
         state.fold();
         restore_datum(block, state);
       },
-      [&](LinearBlock& linear) { set_inner_constraints(block, state, linear); },
-      [&](const LinearBlock& linear, const ReducedSystem& reduced) {
+      [&](PartitionedSystem& linear) { set_inner_constraints(block, state, linear); },
+      [&](const PartitionedSystem& linear, const ReducedSystem& reduced) {
         require_full_rank(linear, reduced, images, model.kept_labels());
       });
   const auto cofactors = residual_cofactors(adjusted.linear, adjusted.reduced, adjusted.solution);
-  result.groups = group_statistics(adjusted.linear, cofactors);
+  result.groups = variance_components(adjusted.linear, cofactors);
   double sum = 0;
-  for (const auto& group : result.groups) sum += group.weighted_sum_of_squares;
+  for (const auto& group : result.groups) sum += group.sum_of_squares;
   result.observations = adjusted.linear.row_count();
   result.unknowns = adjusted.linear.unknown_count();
-  result.constraints = static_cast<int>(adjusted.linear.datum.cols());
+  result.constraints = adjusted.linear.defect();
   result.degrees_of_freedom = adjusted.linear.redundancy();
   result.iterations = adjusted.iterations;
   if (result.degrees_of_freedom < 1)

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "reliability.hpp"
+#include "block_model.hpp"
 
 namespace plumbline::adjust {
 
@@ -81,7 +81,7 @@ struct PointBlockResult {
   int constraints = 0;
   int degrees_of_freedom = 0;
   int iterations = 0;
-  std::vector<GroupStatistics> groups;
+  std::vector<adjustment::VarianceComponent> groups;
   std::vector<int> free_parameters;  ///< indices into SensorCamera::names
   /// All covariances are scaled with sigma0 and belong to the inner constraints.
   Eigen::MatrixXd point_covariance;                  ///< 3n × 3n [m²]
@@ -91,9 +91,9 @@ struct PointBlockResult {
   /// 6 × free parameters each: correlation of the pose (centre, rotations about the camera axes) with its camera's
   /// interior orientation.
   std::vector<Eigen::MatrixXd> pose_interior_correlation;
-  std::vector<std::array<Reliability, 2>>
-      measurement_reliability;                     ///< [mm] on the sensor, like PointBlock::measurements
-  std::vector<Reliability> scale_bar_reliability;  ///< [m]
+  std::vector<std::array<adjustment::RowStatistics, 2>>
+      measurement_reliability;                                   ///< [mm] on the sensor, like PointBlock::measurements
+  std::vector<adjustment::RowStatistics> scale_bar_reliability;  ///< [m]
 };
 
 /// R = Rx(ω) Ry(φ) Rz(κ): block from camera. And its inverse, with φ in (−π/2, π/2].

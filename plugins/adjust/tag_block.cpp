@@ -4,7 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "datum.hpp"
+#include "geometry/similarity.hpp"
+#include "row_quality.hpp"
 #include "tag_block_model.hpp"
 
 namespace plumbline::adjust {
@@ -65,12 +66,13 @@ void require_datum(const TagBlock& block, const TagBlockOptions& options, const 
 
 /// Inner constraints over all anchors. Scale is part of the datum unless a prior or a held tag size gives it.
 void set_free_datum(const TagBlock& block, const TagBlockOptions& options, const TagState& state, const TagModel& model,
-                    LinearBlock& linear) {
+                    PartitionedSystem& linear) {
   if (!options.free_network) return;
   const bool free_scale = scale_is_unknown(model) && std::isinf(options.tag_scale_sigma);
   linear.null_space = kept_motions(block, state, model).leftCols(free_scale ? motion_count : motion_count - 1);
-  linear.datum = Eigen::MatrixXd::Zero(linear.null_space.rows(), linear.null_space.cols());
-  for (int column : model.anchor_columns) linear.datum.middleRows<3>(column) = linear.null_space.middleRows<3>(column);
+  linear.datum_unknowns.clear();
+  for (int column : model.anchor_columns)
+    for (int c = 0; c < 3; ++c) linear.datum_unknowns.push_back(column + c);
 }
 
 /// Carries a free network back to where its tags were first placed; see fit_similarity().
@@ -157,13 +159,13 @@ Adjusted run(const TagBlock& block, const TagBlockOptions& options, TagState& st
           state.fold();
           restore_free_datum(block, options, state);
         },
-        [&](LinearBlock& linear) { set_free_datum(block, options, state, model, linear); },
-        [&](const LinearBlock& linear, const ReducedSystem& reduced) {
+        [&](PartitionedSystem& linear) { set_free_datum(block, options, state, model, linear); },
+        [&](const PartitionedSystem& linear, const ReducedSystem& reduced) {
           require_full_rank(linear, reduced, names, model.model.kept_labels());
         });
     adjusted.cofactors = residual_cofactors(adjusted.block.linear, adjusted.block.reduced, adjusted.block.solution);
-    result.groups = group_statistics(adjusted.block.linear, adjusted.cofactors);
-    const double factor = result.groups[group_images].variance_factor();
+    result.groups = variance_components(adjusted.block.linear, adjusted.cofactors);
+    const double factor = result.groups[group_images].factor;
     if (!options.estimate_image_variance || by_lambda || !(factor > 0) || std::abs(factor - 1) < 0.01) break;
     // No detector is 20 times better or 1000 times worse than it says; without this, a block without noise would run
     // away.
@@ -176,18 +178,18 @@ Adjusted run(const TagBlock& block, const TagBlockOptions& options, TagState& st
 
 void fill_statistics(const TagBlockOptions& options, const TagState& state, Adjusted& adjusted,
                      TagBlockResult& result) {
-  const LinearBlock& linear = adjusted.block.linear;
+  const PartitionedSystem& linear = adjusted.block.linear;
   result.observations = linear.row_count();
   result.unknowns = linear.unknown_count();
-  result.datum_defect = static_cast<int>(linear.datum.cols());
+  result.datum_defect = linear.defect();
   result.degrees_of_freedom = linear.redundancy();
   result.iterations = adjusted.block.iterations;
-  for (const auto& group : result.groups) result.weighted_sum_of_squares += group.weighted_sum_of_squares;
+  for (const auto& group : result.groups) result.weighted_sum_of_squares += group.sum_of_squares;
   if (result.degrees_of_freedom < 1)
     throw std::runtime_error("the block has no redundancy: nothing checks its observations");
   const double factor = result.weighted_sum_of_squares / result.degrees_of_freedom;
   result.sigma0 = std::sqrt(factor);
-  std::erase_if(result.groups, [](const GroupStatistics& group) { return group.observations == 0; });
+  std::erase_if(result.groups, [](const adjustment::VarianceComponent& group) { return group.rows == 0; });
   result.image_variance_factor = state.image_sigma_factor * state.image_sigma_factor;
   if (options.weighting == TagBlockOptions::Weighting::lambda && options.estimate_image_variance) {
     adjusted.variance = factor;  // λ fixes the ratio of the two groups: only their common variance can be estimated
@@ -208,7 +210,7 @@ void fill_poses(const TagBlock& block, const TagState& state, const Adjusted& ad
     jacobian.bottomLeftCorner<3, 3>() = -state.camera_matrices[i];
     jacobian.bottomRightCorner<3, 3>() = -skew(pose.translation);
     result.pose_covariance[image] =
-        adjusted.variance * jacobian * adjusted.block.solution.pose_cofactor[i] * jacobian.transpose();
+        adjusted.variance * jacobian * adjusted.block.solution.eliminated_cofactor[i] * jacobian.transpose();
   }
 }
 
@@ -253,12 +255,11 @@ AdjustedTag describe_tag(const TagBlock& block, const TagBlockOptions& options, 
       state.image_sigma_factor * corner_root(block.observations[static_cast<size_t>(tag.observation)], options);
   tag.smallest_redundancy = 1;
   double sum = 0;
-  for (const auto& r : reliability(root, -rows.misclosure, cofactor)) {
+  for (const auto& r : row_quality(root, rows, cofactor)) {
     sum += r.residual * r.residual;
-    tag.largest_normalised = std::max(tag.largest_normalised, std::abs(r.normalised_residual) / std::sqrt(variance));
+    tag.largest_normalised = std::max(tag.largest_normalised, std::abs(r.w) / std::sqrt(variance));
     tag.smallest_redundancy = std::min(tag.smallest_redundancy, r.redundancy_number);
-    tag.largest_detectable_error =
-        std::max(tag.largest_detectable_error, r.minimal_detectable_error * std::sqrt(variance));
+    tag.largest_detectable_error = std::max(tag.largest_detectable_error, r.mdb * std::sqrt(variance));
   }
   tag.rms = std::sqrt(sum / 8);
   return tag;
@@ -266,7 +267,7 @@ AdjustedTag describe_tag(const TagBlock& block, const TagBlockOptions& options, 
 
 void describe_control(const TagState& state, const TagModel& model, const Adjusted& adjusted,
                       const ObservationRows& rows, const Eigen::MatrixXd& cofactor, TagBlockResult& result) {
-  const auto quality = reliability(model.control_root, -rows.misclosure, cofactor);
+  const auto quality = row_quality(model.control_root, rows, cofactor);
   // Change of all unknowns per unit of error in one control coordinate: Q Aᵀ P e, with whitened rows Q A'ᵀ L⁻¹.
   const Eigen::MatrixXd inverse = model.control_root.triangularView<Eigen::Lower>().solve(
       Eigen::MatrixXd::Identity(model.control_root.rows(), model.control_root.cols()));
@@ -277,12 +278,12 @@ void describe_control(const TagState& state, const TagModel& model, const Adjust
     control.plate = state.plates[static_cast<size_t>(model.control_plates[k])];
     for (size_t c = 0; c < 3; ++c) {
       control.coordinates[c] = quality[3 * k + c];
-      control.coordinates[c].normalised_residual /= std::sqrt(adjusted.variance);
-      control.coordinates[c].minimal_detectable_error *= std::sqrt(adjusted.variance);
+      control.coordinates[c].w /= std::sqrt(adjusted.variance);
+      control.coordinates[c].mdb *= std::sqrt(adjusted.variance);
       double largest = 0;
       for (int column : model.anchor_columns)
         largest = std::max(largest, std::abs(influence(column + 2, static_cast<Eigen::Index>(3 * k + c))));
-      control.effect_on_height[c] = largest * control.coordinates[c].minimal_detectable_error;
+      control.effect_on_height[c] = largest * control.coordinates[c].mdb;
     }
     result.control.push_back(control);
   }

@@ -13,11 +13,11 @@
 #include <string>
 #include <vector>
 
+#include "adjustment/reliability.hpp"
 #include "block_model.hpp"
 #include "geometry/camera.hpp"
 #include "geometry/marker_plate.hpp"
 #include "geometry/rigid_transform.hpp"
-#include "reliability.hpp"
 
 namespace plumbline::adjust {
 
@@ -97,7 +97,7 @@ struct AdjustedTag {
 
 struct AdjustedControl {
   int plate = 0;
-  std::array<Reliability, 3> coordinates;  ///< [m]; residual is adjusted minus survey
+  std::array<adjustment::RowStatistics, 3> coordinates;  ///< [m]; residual is adjusted minus survey
   /// Effect of an undetected error of the size of the MDB in each coordinate: largest change of any anchor's height
   /// [m].
   std::array<double, 3> effect_on_height{};
@@ -124,7 +124,7 @@ struct TagBlockResult {
   int observations = 0, unknowns = 0, datum_defect = 0, degrees_of_freedom = 0, iterations = 0;
   double weighted_sum_of_squares = 0, sigma0 = 0;
   double image_variance_factor = 1;  ///< by which the given corner covariances were multiplied
-  std::vector<GroupStatistics> groups;
+  std::vector<adjustment::VarianceComponent> groups;
   std::vector<AdjustedTag> tags;
   std::vector<AdjustedControl> control;
   std::vector<int> rejected;            ///< observations left out as blunders

@@ -5,29 +5,10 @@
 #include <set>
 #include <stdexcept>
 
+#include "geometry/packed_symmetric.hpp"
+
 namespace plumbline::adjust {
 namespace {
-
-/// Symmetric matrix from its lower triangle, row by row; empty from nothing.
-Eigen::MatrixXd unpack_triangle(const std::vector<double>& values, Eigen::Index size, const std::string& what) {
-  if (values.empty()) return {};
-  if (values.size() != static_cast<size_t>(size * (size + 1) / 2))
-    throw std::runtime_error("the covariance of " + what + " has " + std::to_string(values.size()) +
-                             " values, expected " + std::to_string(size * (size + 1) / 2));
-  Eigen::MatrixXd matrix(size, size);
-  size_t next = 0;
-  for (Eigen::Index r = 0; r < size; ++r)
-    for (Eigen::Index c = 0; c <= r; ++c) matrix(r, c) = matrix(c, r) = values[next++];
-  return matrix;
-}
-
-template <typename Matrix>
-std::vector<double> pack_triangle(const Matrix& matrix) {
-  std::vector<double> values;
-  for (Eigen::Index r = 0; r < matrix.rows(); ++r)
-    for (Eigen::Index c = 0; c <= r; ++c) values.push_back(matrix(r, c));
-  return values;
-}
 
 /// Survey networks may hold points as exact, or have the singular covariance of a free network. Then a hundredth of a
 /// millimetre on top keeps the weights finite, far below what any survey reaches. A regular covariance stays as it is:
@@ -69,7 +50,7 @@ TagBlockBuilder::TagBlockBuilder(CameraT camera, PlatesT plates, PosesT poses)
 void TagBlockBuilder::set_prior(bool use_prior) {
   constexpr int count = BrownCamera::parameter_count;
   if (!use_prior) return;
-  block_.camera_covariance = unpack_triangle(camera_.covariance, count, "camera '" + camera_.id + "'");
+  block_.camera_covariance = unpack_symmetric(camera_.covariance, count, "camera '" + camera_.id + "'");
   if (block_.camera_covariance.size() == 0) block_.camera_covariance = Eigen::MatrixXd::Zero(count, count);
 }
 
@@ -115,7 +96,7 @@ void TagBlockBuilder::add_image(const ImageTagsT& image, double corner_sigma) {
 
 void TagBlockBuilder::set_control(const PointsT& points) {
   const Eigen::Index size = 3 * static_cast<Eigen::Index>(points.points.size());
-  Eigen::MatrixXd covariance = unpack_triangle(points.covariance, size, "the control points");
+  Eigen::MatrixXd covariance = unpack_symmetric(points.covariance, static_cast<size_t>(size), "the control points");
   if (covariance.size() == 0) {
     covariance = Eigen::MatrixXd::Zero(size, size);
     for (size_t i = 0; i < points.points.size(); ++i)
@@ -170,7 +151,7 @@ PointsT TagBlockBuilder::points(const TagBlockResult& result) const {
     entry->role = plate.role;
     points.points.push_back(std::move(entry));
   }
-  points.covariance = pack_triangle(result.anchor_covariance);
+  points.covariance = pack_symmetric(result.anchor_covariance);
   points.statistics = statistics(result);
   return points;
 }
@@ -180,7 +161,7 @@ CameraT TagBlockBuilder::camera(const TagBlockResult& result) const {
   const auto values = result.camera.parameters();
   adjusted.parameters.assign(values.begin(), values.end());
   if (result.camera_covariance.diagonal().maxCoeff() > 0) {
-    adjusted.covariance = pack_triangle(result.camera_covariance);
+    adjusted.covariance = pack_symmetric(result.camera_covariance);
     adjusted.source = "self-calibration";
   }
   return adjusted;
@@ -201,7 +182,7 @@ PosesT TagBlockBuilder::poses(const TagBlockResult& result) const {
     auto entry = std::make_unique<PoseT>();
     entry->path = block_.images[i].name;
     entry->cam_from_world = *result.cam_from_world[i];
-    entry->covariance = pack_triangle(result.pose_covariance[i]);
+    entry->covariance = pack_symmetric(result.pose_covariance[i]);
     entry->inliers = corners[i];
     entry->correspondences = offered[i];
     entry->rms = std::sqrt(squares[i] / std::max(1, 2 * corners[i]));
@@ -244,7 +225,8 @@ void TagBlockBuilder::describe_interior(const TagBlockResult& result, BlockT& ar
   }
   const Eigen::MatrixXd covariance = result.camera_covariance(estimated, estimated);
   const Eigen::VectorXd scale = covariance.diagonal().cwiseSqrt().cwiseInverse();
-  artifact.interior_correlations = pack_triangle(Eigen::MatrixXd(scale.asDiagonal() * covariance * scale.asDiagonal()));
+  artifact.interior_correlations =
+      pack_symmetric(Eigen::MatrixXd(scale.asDiagonal() * covariance * scale.asDiagonal()));
 }
 
 BlockT TagBlockBuilder::describe(const TagBlockResult& result, const TagBlockOptions& options) const {
@@ -258,10 +240,10 @@ BlockT TagBlockBuilder::describe(const TagBlockResult& result, const TagBlockOpt
   for (const auto& group : result.groups) {
     auto entry = std::make_unique<BlockGroupT>();
     entry->name = group.name;
-    entry->observations = group.observations;
-    entry->weighted_sum_of_squares = group.weighted_sum_of_squares;
+    entry->observations = group.rows;
+    entry->weighted_sum_of_squares = group.sum_of_squares;
     entry->redundancy = group.redundancy;
-    if (group.redundancy > 1e-6) entry->variance_factor = group.variance_factor();
+    if (group.redundancy > 1e-6) entry->variance_factor = group.factor;
     artifact.groups.push_back(std::move(entry));
   }
   describe_interior(result, artifact);
@@ -281,8 +263,8 @@ BlockT TagBlockBuilder::describe(const TagBlockResult& result, const TagBlockOpt
       auto coordinate = std::make_unique<ControlCoordinateT>();
       coordinate->residual = control.coordinates[c].residual;
       coordinate->redundancy_number = control.coordinates[c].redundancy_number;
-      coordinate->w = control.coordinates[c].normalised_residual;
-      coordinate->minimal_detectable_error = control.coordinates[c].minimal_detectable_error;
+      coordinate->w = control.coordinates[c].w;
+      coordinate->minimal_detectable_error = control.coordinates[c].mdb;
       coordinate->effect_on_height = control.effect_on_height[c];
       entry->coordinates.push_back(std::move(coordinate));
     }

@@ -7,6 +7,7 @@
 #include "artifacts/points.hpp"
 #include "evaluate/accuracy.hpp"
 #include "evaluate/metrics.hpp"
+#include "geometry/packed_symmetric.hpp"
 #include "plumbline/node.hpp"
 
 namespace plumbline::evaluate {
@@ -16,22 +17,13 @@ namespace {
 /// Full covariance from the packed lower triangle, else from the standard deviations, else 0 x 0.
 Eigen::MatrixXd covariance_of(const PointsT& points, const std::string& what) {
   const auto n = static_cast<Eigen::Index>(3 * points.points.size());
-  const auto packed = static_cast<std::size_t>(n * (n + 1) / 2);
   if (points.covariance.empty()) {
     Eigen::MatrixXd s = Eigen::MatrixXd::Zero(n, n);
     for (Eigen::Index i = 0; i < n; ++i)
       s(i, i) = std::pow(points.points[static_cast<std::size_t>(i / 3)]->sigma[i % 3], 2);
     return s.allFinite() ? s : Eigen::MatrixXd();
   }
-  if (points.covariance.size() != packed)
-    throw std::runtime_error("input '" + what + "': the covariance has " + std::to_string(points.covariance.size()) +
-                             " values, expected " + std::to_string(packed) + " for the lower triangle of " +
-                             std::to_string(points.points.size()) + " points");
-  Eigen::MatrixXd s(n, n);
-  std::size_t next = 0;
-  for (Eigen::Index i = 0; i < n; ++i)
-    for (Eigen::Index j = 0; j <= i; ++j) s(i, j) = s(j, i) = points.covariance[next++];
-  return s;
+  return unpack_symmetric(points.covariance, static_cast<std::size_t>(n), "input '" + what + "'");
 }
 
 PointSet point_set(const PointsT& points, const std::string& what) {

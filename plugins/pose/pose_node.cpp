@@ -4,6 +4,8 @@
 #include <optional>
 #include <utility>
 
+#include "geometry/packed_symmetric.hpp"
+
 namespace plumbline::pose {
 namespace {
 
@@ -90,13 +92,6 @@ std::optional<TagView> view_of(const TagT& tag, const Field::Entry& entry, const
   return view;
 }
 
-std::vector<double> lower_triangle(const Eigen::Matrix<double, 6, 6>& m) {
-  std::vector<double> values;
-  for (int i = 0; i < 6; ++i)
-    for (int j = 0; j <= i; ++j) values.push_back(m(i, j));
-  return values;
-}
-
 /// The pose of one image; throws with what is wrong and what to do, without the image's name.
 std::unique_ptr<PoseT> pose_of(const ImageTagsT& image, const Field& field, const BrownCamera& camera,
                                const TagPoseSolver& solver, const PoseSettings& settings) {
@@ -116,7 +111,7 @@ std::unique_ptr<PoseT> pose_of(const ImageTagsT& image, const Field& field, cons
   auto pose = std::make_unique<PoseT>();
   pose->path = image.path;
   pose->cam_from_world = found.cam_from_world;
-  pose->covariance = lower_triangle(found.covariance);
+  pose->covariance = pack_symmetric(found.covariance);
   pose->inliers = 4 * found.inlier_count;
   pose->correspondences = static_cast<int>(4 * views.size());
   pose->rms = found.rms;

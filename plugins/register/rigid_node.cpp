@@ -4,6 +4,7 @@
 
 #include "artifacts/points.hpp"
 #include "artifacts/transform.hpp"
+#include "geometry/packed_symmetric.hpp"
 #include "plumbline/node.hpp"
 #include "register/rigid_registration.hpp"
 
@@ -23,18 +24,9 @@ std::map<std::string, int> index_of(const PointsT& points, const char* port) {
 
 /// The full covariance if it is there, else that of the sigmas, else an empty matrix.
 Eigen::MatrixXd covariance_of(const PointsT& points, const char* port) {
-  const auto n = static_cast<Eigen::Index>(3 * points.points.size());
+  const std::size_t n = 3 * points.points.size();
+  if (!points.covariance.empty()) return unpack_symmetric(points.covariance, n, std::string("'") + port + "'");
   Eigen::MatrixXd c = Eigen::MatrixXd::Zero(n, n);
-  if (!points.covariance.empty()) {
-    if (static_cast<Eigen::Index>(points.covariance.size()) != n * (n + 1) / 2)
-      throw std::runtime_error(std::string("the covariance of '") + port + "' has " +
-                               std::to_string(points.covariance.size()) + " values, expected " +
-                               std::to_string(n * (n + 1) / 2));
-    const double* value = points.covariance.data();
-    for (Eigen::Index i = 0; i < n; ++i)
-      for (Eigen::Index j = 0; j <= i; ++j) c(i, j) = c(j, i) = *value++;
-    return c;
-  }
   for (size_t i = 0; i < points.points.size(); ++i) {
     const Eigen::Vector3d& sigma = points.points[i]->sigma;
     if (!sigma.allFinite()) return {};
@@ -58,13 +50,6 @@ Eigen::MatrixXd part(const Eigen::MatrixXd& c, const std::vector<int>& chosen) {
       out.block<3, 3>(3 * i, 3 * j) =
           c.block<3, 3>(3 * chosen[static_cast<size_t>(i)], 3 * chosen[static_cast<size_t>(j)]);
   return out;
-}
-
-std::vector<double> lower_triangle(const Eigen::MatrixXd& m) {
-  std::vector<double> values;
-  for (Eigen::Index i = 0; i < m.rows(); ++i)
-    for (Eigen::Index j = 0; j <= i; ++j) values.push_back(m(i, j));
-  return values;
 }
 
 std::vector<double> upper_of(const Eigen::Matrix3d& m) {
@@ -149,7 +134,7 @@ struct RegisterRigid : Node {
     TransformT t;
     t.to_from_from = found.to_from_from;
     t.scale = found.scale;
-    t.covariance = lower_triangle(found.covariance);
+    t.covariance = pack_symmetric(found.covariance);
     for (size_t i = 0; i < c.ids.size(); ++i) {
       auto residual = std::make_unique<RegistrationResidualT>();
       residual->id = c.ids[i];
@@ -182,7 +167,7 @@ struct RegisterRigid : Node {
       if (point->role.empty() && roles.count(point->id)) point->role = roles[point->id];
       result.points.push_back(std::move(point));
     }
-    result.covariance = lower_triangle(moved.covariance);
+    result.covariance = pack_symmetric(moved.covariance);
     return result;
   }
 };

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <memory>
 
+#include "geometry/packed_symmetric.hpp"
+
 namespace plumbline::survey {
 
 namespace {
@@ -150,10 +152,7 @@ void pack_tables(const NetworkResult& r, SurveyNetworkT& n) {
 PointsT to_points_artifact(const NetworkResult& r) {
   PointsT points;
   points.points = pack_points(r);
-  const Eigen::MatrixXd full = r.full_covariance();
-  points.covariance.reserve(static_cast<size_t>(full.rows() * (full.rows() + 1) / 2));
-  for (Eigen::Index i = 0; i < full.rows(); ++i)
-    for (Eigen::Index j = 0; j <= i; ++j) points.covariance.push_back(full(j, i));
+  points.covariance = pack_symmetric(r.full_covariance());
   points.statistics = pack_statistics(r);
   return points;
 }
@@ -185,12 +184,8 @@ ControlPoints control_from_artifact(const PointsT& points) {
     control.coordinates.segment<3>(3 * i) = p.position;
     sigmas.segment<3>(3 * i) = p.sigma;
   }
-  if (points.covariance.size() == static_cast<size_t>(3 * n * (3 * n + 1) / 2) && n > 0) {
-    control.covariance.resize(3 * n, 3 * n);
-    size_t k = 0;
-    for (Eigen::Index i = 0; i < 3 * n; ++i)
-      for (Eigen::Index j = 0; j <= i; ++j)
-        control.covariance(i, j) = control.covariance(j, i) = points.covariance[k++];
+  if (!points.covariance.empty()) {
+    control.covariance = unpack_symmetric(points.covariance, 3 * points.points.size(), "the control points");
   } else if (sigmas.allFinite() && (sigmas.array() > 0).all()) {
     control.covariance = sigmas.cwiseAbs2().asDiagonal();
   }

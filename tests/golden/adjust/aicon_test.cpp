@@ -252,13 +252,13 @@ TEST_F(AiconBlock, ResidualsRedundancyNumbersAndTests) {
       EXPECT_NEAR(ours.residual, reported.residual(e), 3e-6) << i;
       EXPECT_NEAR(ours.redundancy_number, reported.redundancy(e), 0.006) << i;
       if (ours.redundancy_number > 0.1) {
-        EXPECT_NEAR(std::abs(ours.normalised_residual), reported.test(e), 0.015) << i;
+        EXPECT_NEAR(std::abs(ours.w), reported.test(e), 0.015) << i;
       }
     }
   }
   // A single scale bar in a free network checks nothing.
   EXPECT_NEAR(result.scale_bar_reliability.at(0).redundancy_number, 0, 1e-9);
-  EXPECT_TRUE(std::isinf(result.scale_bar_reliability.at(0).minimal_detectable_error));
+  EXPECT_TRUE(std::isinf(result.scale_bar_reliability.at(0).mdb));
 }
 
 }  // namespace

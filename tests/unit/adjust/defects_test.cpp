@@ -3,8 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "adjust/datum.hpp"
 #include "geometry/rigid_transform.hpp"
+#include "geometry/similarity.hpp"
 
 namespace {
 
@@ -45,13 +45,13 @@ TEST(Defects, DatumOfThreePointsIsComplete) {
 }
 
 TEST(Datum, SimilarityIsRecovered) {
-  const adjust::SimilarityMotion truth{quaternion_from_rotation_vector({0.4, -2.0, 1.0}), {10, -20, 30}, 1.25};
+  const SimilarityMotion truth{quaternion_from_rotation_vector({0.4, -2.0, 1.0}), {10, -20, 30}, 1.25};
   std::vector<Eigen::Vector3d> from, to;
   for (int i = 0; i < 6; ++i) {
     from.emplace_back(std::sin(i), std::cos(2.0 * i), 0.3 * i);
     to.push_back(truth * from.back());
   }
-  const auto motion = adjust::fit_similarity(from, to, true);
+  const auto motion = fit_similarity(from, to, true);
   EXPECT_NEAR(motion.scale, 1.25, 1e-12);
   EXPECT_LT((motion.translation - truth.translation).norm(), 1e-12);
   EXPECT_LT(motion.rotation.angularDistance(truth.rotation), 1e-7);

@@ -51,10 +51,11 @@ TEST(TagBlock, CountsAndRedundancyAddUp) {
   for (const auto& control : result.control)
     for (size_t c = 0; c < 3; ++c) {
       EXPECT_GT(control.coordinates[c].redundancy_number, 0.3);
-      EXPECT_NEAR(control.coordinates[c].minimal_detectable_error,
-                  adjust::minimal_non_centrality() * 0.001 / std::sqrt(control.coordinates[c].redundancy_number), 1e-6);
+      EXPECT_NEAR(control.coordinates[c].mdb,
+                  adjustment::non_centrality(0.001, 0.8) * 0.001 / std::sqrt(control.coordinates[c].redundancy_number),
+                  1e-6);
       EXPECT_GT(control.effect_on_height[2], 0);
-      EXPECT_LT(control.effect_on_height[c], control.coordinates[c].minimal_detectable_error);
+      EXPECT_LT(control.effect_on_height[c], control.coordinates[c].mdb);
     }
 }
 

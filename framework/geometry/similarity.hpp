@@ -1,11 +1,12 @@
-// Similarity motions that carry a free network back to the datum of its approximate coordinates.
+// Similarity transforms between two sets of corresponding points, such as a free network and its approximate
+// coordinates.
 #pragma once
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <vector>
 
-namespace plumbline::adjust {
+namespace plumbline {
 
 /// p' = scale · rotation · p + translation.
 struct SimilarityMotion {
@@ -20,4 +21,4 @@ struct SimilarityMotion {
 SimilarityMotion fit_similarity(const std::vector<Eigen::Vector3d>& from, const std::vector<Eigen::Vector3d>& to,
                                 bool with_scale);
 
-}  // namespace plumbline::adjust
+}  // namespace plumbline

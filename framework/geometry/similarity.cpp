@@ -1,9 +1,9 @@
-#include "datum.hpp"
+#include "geometry/similarity.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <stdexcept>
 
-namespace plumbline::adjust {
+namespace plumbline {
 
 SimilarityMotion fit_similarity(const std::vector<Eigen::Vector3d>& from, const std::vector<Eigen::Vector3d>& to,
                                 bool with_scale) {
@@ -35,4 +35,4 @@ SimilarityMotion fit_similarity(const std::vector<Eigen::Vector3d>& from, const 
   return motion;
 }
 
-}  // namespace plumbline::adjust
+}  // namespace plumbline
