@@ -1,6 +1,7 @@
 // Inside of plan_survey: who can see whom, who is planned to, and what the adjustment of these sights will be worth.
 #pragma once
 
+#include <map>
 #include <utility>
 
 #include "plan_survey.hpp"
@@ -63,6 +64,20 @@ struct PlanPrediction {
 };
 PlanPrediction predict(const PlanLayout& layout, int sets);
 
+/// Predictions of one layout for several numbers of sets, each computed once.
+class PlanPredictions {
+ public:
+  explicit PlanPredictions(const PlanLayout& layout) : layout_(layout) {}
+  const PlanPrediction& of(int sets) {
+    const auto at = found_.find(sets);
+    return at != found_.end() ? at->second : found_.emplace(sets, predict(layout_, sets)).first->second;
+  }
+
+ private:
+  const PlanLayout& layout_;
+  std::map<int, PlanPrediction> found_;
+};
+
 /// Standard deviation of the step from one floor to the next; infinite if there is none.
 double transfer_sigma(const PlanLayout& layout, const PlanPrediction& prediction, int lower, int upper);
 
@@ -72,7 +87,7 @@ std::vector<PlanRemedy> remedies_for_sharing(const PlanLayout& layout, const Pla
                                              int upper);
 std::vector<PlanRemedy> remedies_for_rank(const PlanLayout& layout, const PlanOptions& options);
 std::vector<PlanRemedy> remedies_for_transfer(const PlanLayout& layout, const PlanOptions& options, int lower,
-                                              int upper);
+                                              int upper, PlanPredictions& predictions);
 
 /// "A, B and 3 more".
 std::string join_names(const std::vector<std::string>& ids);

@@ -8,6 +8,7 @@
 #include <set>
 #include <sstream>
 
+#include "plan_effect.hpp"
 #include "plan_layout.hpp"
 
 namespace plumbline::survey {
@@ -16,7 +17,6 @@ namespace {
 
 using Eigen::Index;
 using Eigen::Vector3d;
-using Sight = std::pair<size_t, size_t>;  // set-up, marker
 
 std::string describe(const PlanLayout& layout, const std::vector<Sight>& sights) {
   std::string text = "sight ";
@@ -39,15 +39,6 @@ PlanRemedy remedy_of(const PlanLayout& layout, const std::vector<Sight>& sights)
   return remedy;
 }
 
-/// Sights that are possible but not planned, of any set-up, onto markers that `wanted` takes.
-std::vector<Sight> spare_sights(const PlanLayout& layout, const std::function<bool(size_t)>& wanted) {
-  std::vector<Sight> spare;
-  for (size_t s = 0; s < layout.set_ups().size(); ++s)
-    for (size_t m = 0; m < layout.markers().size(); ++m)
-      if (layout.possible(s, m) && !layout.planned(s, m) && wanted(m)) spare.emplace_back(s, m);
-  return spare;
-}
-
 /// Shorter and less oblique is better.
 double quality(const PlannedSight& s) {
   return s.length / std::max(0.1, std::isnan(s.incidence) ? 1.0 : std::cos(s.incidence));
@@ -55,19 +46,23 @@ double quality(const PlannedSight& s) {
 
 // ---------------------------------------------------------------------------------------------------- new set-ups
 
-/// Where an instrument could stand before the facade: on the heights and in the depths that the plan uses, and around
-/// them, along the whole facade and a bit beyond.
-std::vector<PlannedSetUp> places_for_a_set_up(const PlanLayout& layout) {
+/// Where an instrument could stand before the facade: on the heights from which the plan sights the markers concerned,
+/// in usual depths, along the whole facade and a bit beyond.
+std::vector<PlannedSetUp> places_for_a_set_up(const PlanLayout& layout, const std::function<bool(size_t)>& keep) {
   Vector3d centre = Vector3d::Zero(), normal = Vector3d::Zero(), stations = Vector3d::Zero();
   for (const auto& m : layout.markers()) {
     centre += m.position / static_cast<double>(layout.markers().size());
     if (m.normal.allFinite()) normal += m.normal.normalized();
   }
   std::set<double> heights;
-  for (const auto& s : layout.set_ups()) {
-    stations += s.position / static_cast<double>(layout.set_ups().size());
-    heights.insert(std::round(10 * s.position.z()) / 10);
+  for (size_t s = 0; s < layout.set_ups().size(); ++s) {
+    stations += layout.set_ups()[s].position / static_cast<double>(layout.set_ups().size());
+    bool concerned = false;
+    for (size_t m = 0; m < layout.markers().size(); ++m) concerned = concerned || (layout.planned(s, m) && keep(m));
+    if (concerned) heights.insert(std::round(10 * layout.set_ups()[s].position.z()) / 10);
   }
+  if (heights.empty())
+    for (const auto& s : layout.set_ups()) heights.insert(std::round(10 * s.position.z()) / 10);
   if (normal.head<2>().norm() < 1e-6) normal = stations - centre;
   normal.z() = 0;
   if (normal.norm() < 1e-6) return {};
@@ -103,7 +98,7 @@ std::optional<NewSetUp> best_new_set_up(const PlanLayout& layout, const std::fun
   double best = 0;
   PlannedSetUp chosen;
   std::vector<size_t> sights;
-  for (PlannedSetUp place : places_for_a_set_up(layout)) {
+  for (PlannedSetUp place : places_for_a_set_up(layout, keep)) {
     PlanLayout trial = layout;
     trial.add_set_up(place);
     const size_t s = trial.set_ups().size() - 1;
@@ -149,96 +144,6 @@ double merit_if(bool holds, const PlanLayout& trial) {
     if (trial.planned(s, m)) worst = std::max(worst, quality(trial.sight(s, m)));
   return 1 + 1 / (1 + worst);
 }
-
-// ---------------------------------------------------------------------------------------------- effect of one sight
-
-/// Zenith angle and slope distance of a sight as rows over the unknowns, whitened. The direction is left out: its
-/// orientation unknown is not at hand and heights hardly depend on it, so the effect is slightly understated.
-struct SightRows {
-  std::array<int, 6> unknowns;
-  Eigen::Matrix<double, 2, 6> rows;
-};
-
-SightRows rows_of(const PlanLayout& layout, const NetworkResult& network, const PlanOptions& options, Sight sight) {
-  const PlannedSetUp& from = layout.set_ups()[sight.first];
-  const PlannedMarker& to = layout.markers()[sight.second];
-  const Vector3d d = to.position - from.position;
-  const double h = d.head<2>().norm(), s = d.norm();
-  const Vector3d zenith = Vector3d(d.z() * d.x() / h, d.z() * d.y() / h, -h) / (s * s);
-  SightRows r;
-  const auto& a = network.point(from.id).unknowns;
-  const auto& b = network.point(to.id).unknowns;
-  std::copy(a.begin(), a.end(), r.unknowns.begin());
-  std::copy(b.begin(), b.end(), r.unknowns.begin() + 3);
-  r.rows.row(0) << -zenith.transpose(), zenith.transpose();
-  r.rows.row(1) << -d.transpose() / s, d.transpose() / s;
-  r.rows.row(0) /= options.profile.zenith_angle(s, options.sets, false);
-  r.rows.row(1) /= options.profile.distance(s, options.sets);
-  return r;
-}
-
-bool known(const NetworkResult& network, const std::string& id) {
-  return std::any_of(network.points.begin(), network.points.end(), [&](const auto& p) {
-    return p.id == id && std::all_of(p.unknowns.begin(), p.unknowns.end(), [](int u) { return u >= 0; });
-  });
-}
-
-/// Sights that bring the transfer to the wanted sigma, each the one that helps most after those before it.
-class SightSearch {
- public:
-  SightSearch(const PlanLayout& layout, const PlanPrediction& prediction, const PlanOptions& options, int lower,
-              int upper)
-      : layout_(layout), network_(prediction.network), options_(options), q_(prediction.network.cofactors) {
-    weights_ = Eigen::VectorXd::Zero(q_.rows());
-    for (const auto& [m, w] : transfer_weights(layout.seen_on_floor(lower), layout.seen_on_floor(upper)))
-      weights_[network_.point(layout.markers()[m].id).unknowns[2]] += w;
-    for (const Sight& sight : spare_sights(layout, [](size_t) { return true; }))
-      if (known(network_, layout.set_ups()[sight.first].id) && known(network_, layout.markers()[sight.second].id))
-        spare_.push_back(sight);
-  }
-
-  /// Empty if `most` sights do not suffice.
-  std::vector<Sight> find(double wanted, size_t most) {
-    std::vector<Sight> found;
-    while (std::sqrt(std::max(0.0, weights_.dot(q_ * weights_))) > wanted) {
-      if (found.size() == most || spare_.empty()) return {};
-      found.push_back(take_best());
-    }
-    return found;
-  }
-
- private:
-  Sight take_best() {
-    const Eigen::VectorXd effect = q_ * weights_;
-    double most = -1;
-    size_t best = 0;
-    for (size_t i = 0; i < spare_.size(); ++i) {
-      const SightRows r = rows_of(layout_, network_, options_, spare_[i]);
-      const std::vector<int> at(r.unknowns.begin(), r.unknowns.end());
-      const Eigen::Vector2d g = r.rows * effect(at);
-      const Eigen::Matrix2d s = r.rows * q_(at, at) * r.rows.transpose() + Eigen::Matrix2d::Identity();
-      const double gain = g.dot(s.inverse() * g);
-      if (gain <= most) continue;
-      most = gain;
-      best = i;
-    }
-    const Sight sight = spare_[best];
-    const SightRows r = rows_of(layout_, network_, options_, sight);
-    const std::vector<int> at(r.unknowns.begin(), r.unknowns.end());
-    const Eigen::MatrixXd qa = q_(Eigen::all, at) * r.rows.transpose();
-    const Eigen::Matrix2d s = r.rows * q_(at, at) * r.rows.transpose() + Eigen::Matrix2d::Identity();
-    q_ -= qa * s.inverse() * qa.transpose();
-    spare_.erase(spare_.begin() + static_cast<std::ptrdiff_t>(best));
-    return sight;
-  }
-
-  const PlanLayout& layout_;
-  const NetworkResult& network_;
-  const PlanOptions& options_;
-  Eigen::MatrixXd q_;
-  Eigen::VectorXd weights_;
-  std::vector<Sight> spare_;
-};
 
 /// Pairs of set-ups, those first that lack fewest common markers.
 std::vector<std::pair<size_t, size_t>> pairs_by_common_markers(const PlanLayout& layout) {
@@ -361,29 +266,37 @@ std::vector<PlanRemedy> remedies_for_rank(const PlanLayout& layout, const PlanOp
     }
   }
   if (!added.empty() && predict(trial, options.sets).adjustable) return {remedy_of(layout, added)};
+  // Trying a place costs an adjustment; one that sees more is tried only after one that sees less has failed.
+  size_t most = 0;
   return as_list(best_new_set_up(
       layout, [](size_t) { return true; },
-      [&](const PlanLayout& with) { return merit_if(predict(with, options.sets).adjustable, with); }));
+      [&](const PlanLayout& with) {
+        size_t seen = 0;
+        for (size_t m = 0; m < with.markers().size(); ++m) seen += with.planned(with.set_ups().size() - 1, m);
+        if (seen <= most || !predict(with, options.sets).adjustable) return 0.0;
+        most = seen;
+        return static_cast<double>(seen);
+      }));
 }
 
 std::vector<PlanRemedy> remedies_for_transfer(const PlanLayout& layout, const PlanOptions& options, int lower,
-                                              int upper) {
+                                              int upper, PlanPredictions& predictions) {
   constexpr size_t kMostSights = 24;
   const double wanted = options.tolerance / 5;
   std::vector<PlanRemedy> remedies;
-  const auto predicted = [&](const PlanLayout& trial, int sets) {
-    return transfer_sigma(trial, predict(trial, sets), lower, upper);
+  const auto predicted = [&](const PlanLayout& trial) {
+    return transfer_sigma(trial, predict(trial, options.sets), lower, upper);
   };
-  const PlanPrediction prediction = predict(layout, options.sets);
-  const std::vector<Sight> sights = SightSearch(layout, prediction, options, lower, upper).find(wanted, kMostSights);
+  const PlanPrediction& prediction = predictions.of(options.sets);
+  const std::vector<Sight> sights = sights_for_transfer(layout, prediction, options, lower, upper, wanted, kMostSights);
   if (!sights.empty()) {
     PlanLayout trial = layout;
     for (const Sight& s : sights) trial.add_sight(s.first, s.second);
     remedies.push_back(remedy_of(layout, sights));
-    remedies.back().text += ": " + in_millimetres(predicted(trial, options.sets));
+    remedies.back().text += ": " + in_millimetres(predicted(trial));
   }
   for (int sets = options.sets + 1; sets <= 8; ++sets) {
-    const double sigma = predicted(layout, sets);
+    const double sigma = transfer_sigma(layout, predictions.of(sets), lower, upper);
     if (sigma > wanted) continue;
     remedies.push_back({"",
                         "measure " + std::to_string(sets) + " sets everywhere: " + in_millimetres(sigma),
@@ -391,13 +304,21 @@ std::vector<PlanRemedy> remedies_for_transfer(const PlanLayout& layout, const Pl
                         {}});
     break;
   }
+  const HeightWeights weights = transfer_weights(layout.seen_on_floor(lower), layout.seen_on_floor(upper));
   const auto set_up = best_new_set_up(
       layout, [&](size_t m) { return layout.markers()[m].floor == lower || layout.markers()[m].floor == upper; },
       [&](const PlanLayout& trial) {
-        const double sigma = trial.shared_markers(lower, upper) > 0 ? predicted(trial, options.sets) : 2 * wanted;
+        const double sigma = height_sigma_with(layout, prediction, options, trial, weights);
         return sigma <= wanted ? wanted / sigma : 0;
       });
-  if (set_up) remedies.push_back(set_up->remedy);
+  if (set_up) {
+    PlanLayout trial = layout;
+    trial.add_set_up(set_up->place);
+    const double sigma = predicted(trial);
+    remedies.push_back(set_up->remedy);
+    remedies.back().text += ": " + in_millimetres(sigma);
+    if (sigma > wanted) remedies.pop_back();
+  }
   if (remedies.empty())
     remedies.push_back({"",
                         "neither the sights left, eight sets nor one more set-up suffice: use a better instrument, or "

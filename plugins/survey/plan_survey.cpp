@@ -23,7 +23,8 @@ std::string number(double value, int decimals) {
 /// Rules, prediction and remedies of one layout, collected in the order they are read in.
 class Planner {
  public:
-  Planner(const PlanLayout& layout, const PlanOptions& options) : layout_(layout), options_(options) {
+  Planner(const PlanLayout& layout, const PlanOptions& options)
+      : layout_(layout), options_(options), predictions_(layout) {
     result_.floors = layout.floors();
   }
 
@@ -165,7 +166,7 @@ class Planner {
   }
 
   void check_precision() {
-    PlanPrediction prediction = predict(layout_, options_.sets);
+    const PlanPrediction& prediction = predictions_.of(options_.sets);
     result_.adjustable = prediction.adjustable;
     add_rule("determined", prediction.adjustable,
              prediction.adjustable
@@ -178,7 +179,7 @@ class Planner {
     add_drifts(prediction);
     for (size_t k = 0; k + 1 < result_.floors.size(); ++k)
       add_transfer(prediction, result_.floors[k], result_.floors[k + 1]);
-    result_.predicted = std::move(prediction.network);
+    result_.predicted = prediction.network;
   }
 
   void add_drifts(const PlanPrediction& prediction) {
@@ -210,11 +211,12 @@ class Planner {
     add_rule(name, sigma <= wanted,
              "predicted sigma " + in_millimetres(sigma) + ", wanted " + in_millimetres(wanted) +
                  " (a fifth of the tolerance)");
-    if (sigma > wanted) add_remedies(name, remedies_for_transfer(layout_, options_, lower, upper));
+    if (sigma > wanted) add_remedies(name, remedies_for_transfer(layout_, options_, lower, upper, predictions_));
   }
 
   const PlanLayout& layout_;
   const PlanOptions& options_;
+  PlanPredictions predictions_;
   PlanResult result_;
 };
 
