@@ -116,6 +116,39 @@ FloorResult floor_from(const FloorAccuracyT& floor, const AccuracyComparisonT& c
   return result;
 }
 
+/// Those of the floor means, each with what the columns say between the same floors.
+std::vector<TransferResult> transfers_from(const AccuracyComparisonT& comparison) {
+  std::vector<TransferResult> transfers;
+  for (const auto& transfer : comparison.transfers) {
+    if (transfer->column != 0 || !std::isfinite(transfer->error)) continue;
+    TransferResult result{transfer->lower_floor,
+                          transfer->upper_floor,
+                          transfer->error,
+                          transfer->difference,
+                          transfer->u,
+                          transfer->anchors,
+                          verdict_from(transfer->verdict),
+                          {}};
+    for (const auto& column : comparison.transfers)
+      if (column->column > 0 && column->lower_floor == transfer->lower_floor)
+        result.columns.emplace_back(column->column, column->difference);
+    transfers.push_back(std::move(result));
+  }
+  return transfers;
+}
+
+ColumnResult column_from(const ColumnDriftT& column, const AccuracyComparisonT& comparison) {
+  ColumnResult result;
+  result.column = column.column;
+  result.anchors_used = comparison.use == AnchorUse::check ? "check" : "control";
+  result.lowest_floor = column.lowest_floor, result.highest_floor = column.highest_floor;
+  result.drift = column.drift, result.u_drift = column.u_drift;
+  result.drift_verdict = verdict_from(column.drift_verdict);
+  result.relative_drift = column.relative_drift, result.u_relative_drift = column.u_relative_drift;
+  result.relative_verdict = verdict_from(column.relative_verdict);
+  return result;
+}
+
 /// The comparison with the survey that is evidence: on check anchors; on control anchors if there are no others.
 const AccuracyComparisonT* survey_comparison(const AccuracyT& accuracy) {
   const AccuracyComparisonT* found = nullptr;
@@ -214,6 +247,7 @@ AsBuilt as_built_from(const PointsT& model, const AccuracyT& accuracy) {
     AsBuiltAnchor to;
     to.id = anchor->id;
     to.floor = anchor->floor;
+    to.column = anchor->column;
     to.role = anchor->use == AnchorUse::control ? "control" : "check";
     if (const auto found = index.find(anchor->id); found != index.end()) {
       to.position = model.points[found->second]->position;
@@ -225,10 +259,8 @@ AsBuilt as_built_from(const PointsT& model, const AccuracyT& accuracy) {
   const AccuracyComparisonT* comparison = survey_comparison(accuracy);
   if (!comparison) return as_built;
   for (const auto& floor : comparison->floors) as_built.floors.push_back(floor_from(*floor, *comparison, accuracy));
-  for (const auto& transfer : comparison->transfers)
-    if (transfer->column == 0 && std::isfinite(transfer->error))
-      as_built.transfers.push_back({transfer->lower_floor, transfer->upper_floor, transfer->error, transfer->difference,
-                                    transfer->u, transfer->anchors, verdict_from(transfer->verdict)});
+  as_built.transfers = transfers_from(*comparison);
+  for (const auto& column : comparison->columns) as_built.columns.push_back(column_from(*column, *comparison));
   return as_built;
 }
 

@@ -35,6 +35,7 @@ struct AsBuiltAnchor {
   std::string id;                                                    ///< GUID, name or tag of the design element
   std::string role;                                                  ///< "control", "check" or empty
   int floor = 0;                                                     ///< from 1 at the bottom; 0 if unknown
+  int column = 0;                                                    ///< vertical marker column; 0 if it is in none
   Eigen::Vector3d position = Eigen::Vector3d::Constant(kUnknown);    ///< project frame [m]; nan if it was not measured
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Constant(kUnknown);  ///< [m²]; nan if unknown
   std::optional<SurveyResidual> survey;
@@ -59,12 +60,25 @@ struct TransferResult {
   double u = kUnknown;           ///< its standard uncertainty [m]
   int anchors = 0;
   Verdict verdict = Verdict::not_measured;
+  std::vector<std::pair<int, double>> columns;  ///< number of a marker column, its difference with sign [m]
+};
+
+/// Vertical residuals along one marker column.
+struct ColumnResult {
+  int column = 0;
+  std::string anchors_used;  ///< "check" or "control"
+  int lowest_floor = 0, highest_floor = 0;
+  double drift = kUnknown, u_drift = kUnknown;                    ///< (2) of the column alone [m]
+  Verdict drift_verdict = Verdict::not_measured;                  ///< (3) of the column alone
+  double relative_drift = kUnknown, u_relative_drift = kUnknown;  ///< highest minus lowest floor [m]
+  Verdict relative_verdict = Verdict::not_measured;
 };
 
 struct AsBuilt {
   std::vector<AsBuiltAnchor> anchors;
   std::vector<FloorResult> floors;
   std::vector<TransferResult> transfers;
+  std::vector<ColumnResult> columns;
   double tolerance_xy = 0.005, tolerance_z = 0.005;  ///< of the deviation from the design [m]
   double headline_tolerance = 0.005;                 ///< of the residual against the survey [m]
   double guard_factor = 2;                           ///< k

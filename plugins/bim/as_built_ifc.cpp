@@ -44,6 +44,7 @@ class Writer {
     find_floors();
     for (const FloorResult& floor : as_built_.floors) write_floor(floor);
     for (const TransferResult& transfer : as_built_.transfers) write_transfer(transfer);
+    for (const ColumnResult& column : as_built_.columns) write_column(column);
     for (const PanelFit& fit : fit_panels(design_, anchors_, as_built_.panel_reach)) write_panel(fit);
     if (options_.survey_points) write_survey_points();
     result_.bytes = appender_.bytes();
@@ -127,6 +128,7 @@ class Writer {
                : measured.role == "check" ? "CHECK"
                                           : "NONE",
                roles_, "A control anchor took part in the adjustment: its residual is no evidence of accuracy");
+    if (measured.column > 0) set.integer("Column", measured.column, "Vertical marker column");
     set.choice("Verdict", label_of(residual.verdict), verdicts_, "DeltaZ against the tolerance, with guard band");
     set.plus_minus("Tolerance", as_built_.headline_tolerance);
     set.probability("ConformanceProbability", residual.probability);
@@ -233,7 +235,41 @@ class Writer {
     set.length("Sigma", transfer.u, "Standard uncertainty of Difference");
     set.integer("SharedMarkers", transfer.anchors, "Anchors that took part");
     set.choice("Verdict", label_of(transfer.verdict), verdicts_);
+    std::vector<std::string> columns;
+    std::vector<double> differences;
+    for (const auto& [column, difference] : transfer.columns) {
+      columns.push_back(std::to_string(column));
+      differences.push_back(difference);
+    }
+    set.labels("Columns", columns, "Vertical marker columns that reach over both floors");
+    set.lengths("DifferencePerColumn", differences, "Difference along each of them, in their order");
     set.attach(pair, "ASB_InterFloor", "Inter-floor transfer error, model against survey", {group});
+  }
+
+  /// A marker column is a group of its anchors; the group carries what is known of it as a whole.
+  void write_column(const ColumnResult& column) {
+    std::vector<std::string> members;
+    for (const AnchorDeviation& anchor : anchors_)
+      if (anchor.measured && anchor.measured->column == column.column && anchor.measured->role == column.anchors_used)
+        members.push_back(reference(anchor.element->instance));
+    if (members.empty()) return;
+    const std::string number = std::to_string(column.column);
+    const std::string id = key("column/" + number + "/" + column.anchors_used);
+    const InstanceId group = appender_.add_root("IFCGROUP", id, "Marker column " + number,
+                                                "Anchors in one vertical line", {text("MarkerColumn")});
+    appender_.add_root("IFCRELASSIGNSTOGROUP", id, "", "", {list(members), null, reference(group)});
+    PropertySet set(appender_);
+    set.integer("Column", column.column, "As in the table of marker plates");
+    set.label("AnchorsUsed", column.anchors_used);
+    set.integer("LowestFloor", column.lowest_floor);
+    set.integer("HighestFloor", column.highest_floor);
+    set.length("Drift", column.drift, "Sum of the column's residuals over all floors");
+    set.length("StdDrift", column.u_drift, "Standard uncertainty of Drift");
+    set.choice("DriftVerdict", label_of(column.drift_verdict), verdicts_);
+    set.length("RelativeDrift", column.relative_drift, "Residual at the highest floor minus that at the lowest");
+    set.length("StdRelativeDrift", column.u_relative_drift, "Standard uncertainty of RelativeDrift");
+    set.choice("RelativeVerdict", label_of(column.relative_verdict), verdicts_);
+    set.attach(id, "ASB_ColumnDrift", "Vertical residuals along one marker column, model minus survey", {group});
   }
 
   /// Mean heights of the upper floor's measured anchors above those of the lower: by design, as built.

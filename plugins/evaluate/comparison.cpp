@@ -80,6 +80,7 @@ AccuracyComparisonT compare(const DifferenceSet& set, const std::vector<AnchorEn
   out.slope = drift_slope(set, table, floors, options.confidence);
   out.pass_rates = pass_rates(set.heights(), options.tolerances, options.confidence);
   out.transfers = height_transfers(set, table, floors, options);
+  out.columns = column_drifts(set, table, floors, options, with_drift);
   return out;
 }
 

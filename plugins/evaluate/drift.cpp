@@ -41,6 +41,18 @@ Eigen::VectorXd floor_weights(const DifferenceSet& set, const std::vector<Anchor
   return mean_weights(set, table, [floor](const AnchorEntry& anchor) { return anchor.floor == floor; });
 }
 
+Eigen::VectorXd column_weights(const DifferenceSet& set, const std::vector<AnchorEntry>& table, int floor, int column) {
+  return mean_weights(set, table, [&](const AnchorEntry& a) { return a.floor == floor && a.column == column; });
+}
+
+/// Numbers of the vertical marker columns, ascending.
+std::set<int> columns_of(const std::vector<AnchorEntry>& table) {
+  std::set<int> columns;
+  for (const AnchorEntry& anchor : table)
+    if (anchor.column > 0) columns.insert(anchor.column);
+  return columns;
+}
+
 int count_of(const Eigen::VectorXd& weights) { return static_cast<int>((weights.array() != 0).count()); }
 
 void fill_floor_statistics(const DifferenceSet& set, const Eigen::VectorXd& weights, FloorAccuracyT& floor) {
@@ -49,6 +61,40 @@ void fill_floor_statistics(const DifferenceSet& set, const Eigen::VectorXd& weig
   floor.max_abs_dz = 0;
   for (Eigen::Index i = 0; i < dz.size(); ++i)
     if (weights[i] != 0) floor.max_abs_dz = std::max(floor.max_abs_dz, std::abs(dz[i]));
+}
+
+/// Floors in ascending order, each with the weights of its mean.
+using FloorWeights = std::vector<std::pair<double, Eigen::VectorXd>>;
+
+/// Unweighted straight line through means over their floors; null with fewer than two.
+std::unique_ptr<DriftSlopeT> slope_through(const FloorWeights& means, const DifferenceSet& set, double confidence) {
+  if (means.size() < 2) return nullptr;
+  const auto n = static_cast<double>(means.size());
+  double centre = 0;
+  for (const auto& [floor, weights] : means) centre += floor;
+  centre /= n;
+  double squares = 0;
+  for (const auto& [floor, weights] : means) squares += (floor - centre) * (floor - centre);
+  const Eigen::VectorXd dz = set.heights();
+  Eigen::VectorXd slope_weights = Eigen::VectorXd::Zero(dz.size());
+  double level = 0;
+  for (const auto& [floor, weights] : means) {
+    slope_weights += (floor - centre) / squares * weights;
+    level += weights.dot(dz) / n;
+  }
+  const Linear slope = apply(slope_weights, dz, set.height_covariance());
+  auto result = std::make_unique<DriftSlopeT>();
+  result->per_floor = slope.value, result->u_per_floor = slope.u;
+  const double half = normal_quantile(0.5 + 0.5 * confidence) * slope.u;
+  result->lower = slope.value - half, result->upper = slope.value + half;
+  if (slope.u > 0) result->p_value = 2 * (1 - normal_probability(std::abs(slope.value) / slope.u));
+  if (means.size() > 2) {
+    double scatter = 0;
+    for (const auto& [floor, weights] : means)
+      scatter += std::pow(weights.dot(dz) - level - slope.value * (floor - centre), 2);
+    result->scatter_per_floor = std::sqrt(scatter / (n - 2) / squares);
+  }
+  return result;
 }
 
 double smallest_tolerance_met(double drift, const std::vector<double>& tolerances) {
@@ -111,39 +157,11 @@ std::vector<std::unique_ptr<FloorAccuracyT>> floor_accuracy(const DifferenceSet&
 
 std::unique_ptr<DriftSlopeT> drift_slope(const DifferenceSet& set, const std::vector<AnchorEntry>& table,
                                          const std::vector<int>& floors, double confidence) {
-  std::vector<std::pair<double, Eigen::VectorXd>> means;  // floor, weights of r_f
-  double centre = 0;
-  for (const int number : floors) {
-    Eigen::VectorXd weights = floor_weights(set, table, number);
-    if (weights.size() == 0) continue;
-    centre += number;
-    means.emplace_back(number, std::move(weights));
-  }
-  if (means.size() < 2) return nullptr;
-  const auto n = static_cast<double>(means.size());
-  centre /= n;
-  double squares = 0;
-  for (const auto& [floor, weights] : means) squares += (floor - centre) * (floor - centre);
-  const Eigen::VectorXd dz = set.heights();
-  Eigen::VectorXd slope_weights = Eigen::VectorXd::Zero(dz.size());
-  double level = 0;
-  for (const auto& [floor, weights] : means) {
-    slope_weights += (floor - centre) / squares * weights;
-    level += weights.dot(dz) / n;
-  }
-  const Linear slope = apply(slope_weights, dz, set.height_covariance());
-  auto result = std::make_unique<DriftSlopeT>();
-  result->per_floor = slope.value, result->u_per_floor = slope.u;
-  const double half = normal_quantile(0.5 + 0.5 * confidence) * slope.u;
-  result->lower = slope.value - half, result->upper = slope.value + half;
-  if (slope.u > 0) result->p_value = 2 * (1 - normal_probability(std::abs(slope.value) / slope.u));
-  if (means.size() > 2) {
-    double scatter = 0;
-    for (const auto& [floor, weights] : means)
-      scatter += std::pow(weights.dot(dz) - level - slope.value * (floor - centre), 2);
-    result->scatter_per_floor = std::sqrt(scatter / (n - 2) / squares);
-  }
-  return result;
+  FloorWeights means;
+  for (const int floor : floors)
+    if (Eigen::VectorXd weights = floor_weights(set, table, floor); weights.size() != 0)
+      means.emplace_back(floor, std::move(weights));
+  return slope_through(means, set, confidence);
 }
 
 std::vector<std::unique_ptr<HeightTransferT>> height_transfers(const DifferenceSet& set,
@@ -165,16 +183,45 @@ std::vector<std::unique_ptr<HeightTransferT>> height_transfers(const DifferenceS
     result.push_back(std::move(transfer));
   };
   for (const int floor : floors) add(floor, 0, floor_weights(set, table, floor), floor_weights(set, table, floor + 1));
-  std::set<int> columns;
-  for (const AnchorEntry& anchor : table)
-    if (anchor.column > 0) columns.insert(anchor.column);
-  for (const int column : columns)
+  for (const int column : columns_of(table))
+    for (const int floor : floors)
+      add(floor, column, column_weights(set, table, floor, column), column_weights(set, table, floor + 1, column));
+  return result;
+}
+
+std::vector<std::unique_ptr<ColumnDriftT>> column_drifts(const DifferenceSet& set,
+                                                         const std::vector<AnchorEntry>& table,
+                                                         const std::vector<int>& floors, const Options& options,
+                                                         bool with_drift) {
+  const Eigen::VectorXd dz = set.heights();
+  const Eigen::MatrixXd covariance = set.height_covariance();
+  std::vector<std::unique_ptr<ColumnDriftT>> result;
+  for (const int column : columns_of(table)) {
+    FloorWeights means;
+    auto drift = std::make_unique<ColumnDriftT>();
     for (const int floor : floors) {
-      const auto weights = [&](int f) {
-        return mean_weights(set, table, [&](const AnchorEntry& a) { return a.floor == f && a.column == column; });
-      };
-      add(floor, column, weights(floor), weights(floor + 1));
+      Eigen::VectorXd weights = column_weights(set, table, floor, column);
+      if (weights.size() == 0) continue;
+      if (means.empty()) drift->lowest_floor = floor;
+      drift->highest_floor = floor;
+      drift->anchors += count_of(weights);
+      means.emplace_back(floor, std::move(weights));
     }
+    if (means.size() < 2) continue;
+    drift->column = column;
+    const Linear relative = apply(means.back().second - means.front().second, dz, covariance);
+    drift->relative_drift = relative.value, drift->u_relative_drift = relative.u;
+    drift->relative_verdict = verdict_of(relative.value, relative.u, options.tau, options.guard_factor);
+    if (with_drift && means.size() == floors.size()) {
+      Eigen::VectorXd all = Eigen::VectorXd::Zero(dz.size());
+      for (const auto& [floor, weights] : means) all += weights;
+      const Linear sum = apply(all, dz, covariance);
+      drift->drift = sum.value, drift->u_drift = sum.u;
+      drift->drift_verdict = verdict_of(sum.value, sum.u, options.tau, options.guard_factor);
+    }
+    drift->slope = slope_through(means, set, options.confidence);
+    result.push_back(std::move(drift));
+  }
   return result;
 }
 

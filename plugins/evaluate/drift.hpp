@@ -28,4 +28,11 @@ std::vector<std::unique_ptr<HeightTransferT>> height_transfers(const DifferenceS
                                                                const std::vector<AnchorEntry>& table,
                                                                const std::vector<int>& floors, const Options& options);
 
+/// Drift along every column that has anchors on at least two floors, by column number: (2) and (3) of the column alone,
+/// and highest against lowest floor. The sum (2) needs an anchor of the column on every floor, and `with_drift`.
+std::vector<std::unique_ptr<ColumnDriftT>> column_drifts(const DifferenceSet& set,
+                                                         const std::vector<AnchorEntry>& table,
+                                                         const std::vector<int>& floors, const Options& options,
+                                                         bool with_drift);
+
 }  // namespace plumbline::evaluate

@@ -73,6 +73,20 @@ Json to_json(const HeightTransferT& t) {
           {"verdict", EnumNameToleranceVerdict(t.verdict)}};
 }
 
+Json to_json(const ColumnDriftT& c) {
+  return {{"column", c.column},
+          {"lowest_floor", c.lowest_floor},
+          {"highest_floor", c.highest_floor},
+          {"anchors", c.anchors},
+          {"drift", c.drift},
+          {"u_drift", c.u_drift},
+          {"drift_verdict", EnumNameToleranceVerdict(c.drift_verdict)},
+          {"relative_drift", c.relative_drift},
+          {"u_relative_drift", c.u_relative_drift},
+          {"relative_verdict", EnumNameToleranceVerdict(c.relative_verdict)},
+          {"slope", to_json(c.slope.get())}};
+}
+
 Json to_json(const ErrorConsistencyT* c) {
   if (!c) return nullptr;
   return {{"statistic", c->statistic},
@@ -118,6 +132,7 @@ Json to_json(const AccuracyComparisonT& c) {
           {"slope", to_json(c.slope.get())},
           {"pass_rates", list(c.pass_rates)},
           {"transfers", list(c.transfers)},
+          {"columns", list(c.columns)},
           {"consistency_z", to_json(c.consistency_z.get())},
           {"consistency_3d", to_json(c.consistency_3d.get())}};
 }

@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 
+#include "report/anchor_names.hpp"
 #include "report/format.hpp"
 #include "report/plot.hpp"
 #include "report/sections.hpp"
@@ -65,24 +66,6 @@ double smallest_spacing(const std::vector<Spot>& spots) {
 }
 
 bool has_design(const AccuracyT& accuracy) { return accuracy.design && accuracy.design->anchors > 0; }
-
-/// The part of the names that all anchors of a floor share, up to a separator: the drawing says the floor at its edge.
-std::map<int, std::string> common_prefixes(const AccuracyT& accuracy) {
-  std::map<int, std::pair<std::string, int>> shared;  // prefix, number of anchors
-  for (const auto& a : accuracy.anchors) {
-    auto& [prefix, number] = shared[a->floor];
-    if (number++ == 0) prefix = a->id;
-    const auto end = std::mismatch(prefix.begin(), prefix.end(), a->id.begin(), a->id.end()).first;
-    prefix.erase(end, prefix.end());
-  }
-  std::map<int, std::string> prefixes;
-  for (const auto& [floor, entry] : shared) {
-    const auto separator = entry.first.find_last_of("-_./ ");
-    if (floor > 0 && entry.second > 1 && separator != std::string::npos)
-      prefixes[floor] = entry.first.substr(0, separator + 1);
-  }
-  return prefixes;
-}
 
 Elevation layout(const AccuracyT& accuracy, const View& view) {
   Elevation e;

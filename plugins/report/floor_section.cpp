@@ -1,4 +1,4 @@
-// Drift chart, table of floors, table of height transfers.
+// Drift chart and table of floors.
 #include <algorithm>
 #include <cmath>
 
@@ -160,56 +160,6 @@ void write_floors(Markup& html, const AccuracyT& accuracy) {
   write_floor_table(html, *c);
   html.element("p", {{"class", "note"}},
                "“D(F) meets” is the smallest tolerance of the sweep that |D(F)| stays within, without a guard band.");
-}
-
-namespace {
-
-void write_transfer_rows(Markup& html, const AccuracyComparisonT& c, bool columns_only, const std::string& remark) {
-  for (const auto& t : c.transfers) {
-    if (columns_only && t->column == 0) continue;
-    Scope row(html, "tr");
-    html.element("th", {{"scope", "row"}}, std::to_string(t->lower_floor) + " → " + std::to_string(t->upper_floor));
-    html.element("td", {{"class", "text"}},
-                 (t->column == 0 ? std::string("floor means") : "column " + std::to_string(t->column)) + remark);
-    cell(html, std::to_string(t->anchors));
-    cell(html, mm_with_u(t->difference, t->u));
-    cell(html, mm(t->error));
-    verdict_cell(html, t->verdict);
-  }
-}
-
-/// Whether any transfer is of a column.
-bool has_columns(const AccuracyComparisonT& c) {
-  return std::any_of(c.transfers.begin(), c.transfers.end(), [](const auto& t) { return t->column != 0; });
-}
-
-}  // namespace
-
-void write_transfers(Markup& html, const AccuracyT& accuracy) {
-  const AccuracyComparisonT* c = headline(accuracy);
-  Scope part(html, "section", {{"id", "transfer"}});
-  html.element("h2", "Height transfer between floors");
-  if (!c || c->transfers.empty()) {
-    html.element("p", "No two adjacent floors have anchors to compare.");
-    return;
-  }
-  const AccuracyComparisonT* control = comparison(accuracy, AnchorUse::control, AccuracyReference::survey);
-  const bool borrow = c->use == AnchorUse::check && !has_columns(*c) && control && has_columns(*control);
-  html.element(
-      "p",
-      "Error of the height difference between two adjacent floors. The mean of the floors tells how storeys agree; a "
-      "single "
-      "column tells what a panel feels that spans both floors there." +
-          std::string(borrow ? " The check anchors stand in no common column, so the columns are those of control "
-                               "anchors: not evidence of accuracy, but a blunder would show."
-                             : ""));
-  Scope wide(html, "div", {{"class", "wide"}});
-  Scope table(html, "table", {{"class", "sortable"}});
-  table_head(html, {"Floors", left("Where"), "Anchors", "Model minus survey ± u [mm]", "E transfer [mm]",
-                    left("Against ±" + tolerance(accuracy.tau))});
-  Scope body(html, "tbody");
-  write_transfer_rows(html, *c, false, "");
-  if (borrow) write_transfer_rows(html, *control, true, " (control)");
 }
 
 }  // namespace plumbline::report

@@ -30,7 +30,8 @@ void check_options(const BuildingOptions& o) {
   require(anchors <= 587, std::to_string(anchors) + " anchors need more ids than the 587 of tag36h11");
 }
 
-/// Three places a floor that are no grid points: centres of cells, and for narrow grids the middle between two rows.
+/// Three places a floor that are no grid points, the same on every floor, so that each makes a column of its own:
+/// centres of cells, and for narrow grids the middle between two rows.
 std::vector<double> check_columns(int columns) {
   if (columns == 2) return {0.0, 0.5, 1.0};
   if (columns == 3) return {0.5, 1.5, 2.0};
@@ -102,8 +103,9 @@ Building make_building(const BuildingOptions& options, std::uint64_t seed) {
     }
     int number = 0;
     for (const double column : check_columns(options.columns)) {
-      add(floor, 0, 0, AnchorRole::check, name + "-K" + std::to_string(++number), options.spacing * (column + 0.5),
-          bottom + options.spacing);
+      ++number;
+      add(floor, options.columns + number, 0, AnchorRole::check, name + "-K" + std::to_string(number),
+          options.spacing * (column + 0.5), bottom + options.spacing);
     }
   }
   return building;

@@ -34,7 +34,7 @@ const char* to_string(AnchorRole role);  ///< "control", "check"
 struct Anchor {
   std::string id;  ///< "F02-C03-R1": floor, column, row from the left and below; check anchors "F02-K1"
   int floor = 0;   ///< from 1 at the bottom
-  int column = 0;  ///< from 1; 0 for a check anchor
+  int column = 0;  ///< vertical line it hangs in, from 1; those of check anchors follow those of control
   int row = 0;     ///< from 1 within the floor; 0 for a check anchor
   AnchorRole role = AnchorRole::control;
   Eigen::Vector3d design = Eigen::Vector3d::Zero();  ///< [m], building frame

@@ -170,7 +170,8 @@ class DesignWriter {
     for (const Anchor& anchor : building_.anchors) {
       if (anchor.floor != floor) continue;
       contained.push_back(write_anchor(anchor, at, elevation));
-      if (anchor.column > 0) fixings[static_cast<std::size_t>(anchor.column - 1)].push_back(contained.back());
+      if (anchor.role == AnchorRole::control)
+        fixings[static_cast<std::size_t>(anchor.column - 1)].push_back(contained.back());
     }
     for (int column = 1; column <= building_.options.columns; ++column) {
       panels.push_back(write_panel(floor, column, wall_placement, slab, fixings[static_cast<std::size_t>(column - 1)]));

@@ -55,8 +55,13 @@ AccuracyT accuracy_of(std::initializer_list<const char*> ids) {
       transfer->upper_floor = 2;
       transfer->column = column;
       transfer->error = 0.002;
+      transfer->difference = -0.002 - 0.001 * column;
       comparison->transfers.push_back(std::move(transfer));
     }
+    auto drift = std::make_unique<ColumnDriftT>();
+    drift->column = 1, drift->lowest_floor = 1, drift->highest_floor = 2;
+    drift->relative_drift = -0.003, drift->relative_verdict = ToleranceVerdict::pass;
+    comparison->columns.push_back(std::move(drift));
     accuracy.comparisons.push_back(std::move(comparison));
   }
   return accuracy;
@@ -129,7 +134,13 @@ TEST(BimArtifacts, FloorsComeFromCheckAnchorsIfThereAreAny) {
   EXPECT_EQ(as_built.floors[0].mean_dz, -0.003);
   // B and C are off by 3 mm
   EXPECT_EQ(as_built.floors[0].pass_rates, (std::vector<std::pair<double, double>>{{0.002, 0}, {0.004, 1}}));
-  ASSERT_EQ(as_built.transfers.size(), 1u);  // of the floor means, not of the columns
+  ASSERT_EQ(as_built.transfers.size(), 1u);  // of the floor means; the columns stand with it
+  EXPECT_EQ(as_built.transfers[0].difference, -0.002);
+  EXPECT_EQ(as_built.transfers[0].columns, (std::vector<std::pair<int, double>>{{1, -0.003}}));
+  ASSERT_EQ(as_built.columns.size(), 1u);
+  EXPECT_EQ(as_built.columns[0].anchors_used, "check");
+  EXPECT_EQ(as_built.columns[0].highest_floor, 2);
+  EXPECT_EQ(as_built.columns[0].relative_verdict, Verdict::pass);
   accuracy.comparisons[1]->anchors = 0;
   EXPECT_EQ(as_built_from(two_points(), accuracy).floors[0].anchors_used, "control");
 }

@@ -29,7 +29,9 @@ AsBuilt measurements(const Design& design) {
   as_built.floors = {
       {1, "check", true, 1, -0.0015, -0.0015, Verdict::pass, 0.0015, 0.0015, {{0.002, 1}, {0.0025, 1}}},
       {2, "check", true, 1, -0.0015, -0.003, Verdict::undecided, 0.0015, 0.0015, {{0.002, 1}, {0.0025, 1}}}};
-  as_built.transfers = {{1, 2, 0.0004, -0.0004, 0.0006, 2, Verdict::pass}};
+  as_built.transfers = {{1, 2, 0.0004, -0.0004, 0.0006, 2, Verdict::pass, {{1, -0.0003}, {2, -0.0005}}}};
+  as_built.columns = {{1, "check", 1, 2, -0.002, 0.0007, Verdict::pass, 0.001, 0.0005, Verdict::undecided}};
+  for (AsBuiltAnchor& anchor : as_built.anchors) anchor.column = 1;
   as_built.facade_normal = Eigen::Vector3d(1, 0, 0);
   as_built.provenance = {{"Method", "photogrammetry with survey control"}, {"SoftwareVersion", "Plumbline 0.1.0"}};
   return as_built;

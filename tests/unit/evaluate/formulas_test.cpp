@@ -99,6 +99,39 @@ TEST(Formulas, HeightTransferByFloorAndByColumn) {
   EXPECT_EQ(transfers[3]->verdict, ToleranceVerdict::undecided);  // 6 mm with u 0.71 mm against 5 mm
 }
 
+TEST(Formulas, DriftAlongEveryColumn) {
+  const AccuracyT accuracy = evaluate_small();
+  const auto& columns = test::find(accuracy, AnchorUse::check, AccuracyReference::survey)->columns;
+  ASSERT_EQ(columns.size(), 2u);  // dz of 1, -2, 4 and of 3, 0, 2 mm
+  const double sum[] = {3, 5}, top[] = {3, -1};
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(columns[i]->column, static_cast<int>(i) + 1);
+    EXPECT_EQ(columns[i]->lowest_floor, 1);
+    EXPECT_EQ(columns[i]->highest_floor, 3);
+    EXPECT_EQ(columns[i]->anchors, 3);
+    EXPECT_NEAR(columns[i]->drift, sum[i] * mm, 1e-15);
+    EXPECT_NEAR(columns[i]->u_drift, 0.5 * mm * std::sqrt(3.0), 1e-12);
+    EXPECT_NEAR(columns[i]->relative_drift, top[i] * mm, 1e-15);
+    EXPECT_NEAR(columns[i]->u_relative_drift, 0.5 * mm * std::sqrt(2.0), 1e-12);
+    EXPECT_NEAR(columns[i]->slope->per_floor, 0.5 * top[i] * mm, 1e-15);
+    EXPECT_EQ(columns[i]->relative_verdict, ToleranceVerdict::pass);
+  }
+}
+
+TEST(Formulas, AColumnWithAGapHasNoSumAndControlNeverHasOne) {
+  Inputs inputs = test::small_building();
+  inputs.model.positions[2].setConstant(std::nan(""));  // column 1 on floor 2
+  AccuracyT accuracy = evaluate_accuracy(inputs, {});
+  const auto& columns = test::find(accuracy, AnchorUse::check, AccuracyReference::survey)->columns;
+  ASSERT_EQ(columns.size(), 2u);
+  EXPECT_EQ(columns[0]->anchors, 2);
+  EXPECT_TRUE(std::isnan(columns[0]->drift));
+  EXPECT_TRUE(std::isfinite(columns[0]->relative_drift));
+  EXPECT_TRUE(std::isfinite(columns[1]->drift));
+  accuracy = evaluate_small(AnchorUse::control);
+  EXPECT_TRUE(std::isnan(accuracy.comparisons[0]->columns[0]->drift));
+}
+
 TEST(Formulas, PassRateOverTheSweep) {
   const AccuracyT accuracy = evaluate_small();
   const auto& rates = test::find(accuracy, AnchorUse::check, AccuracyReference::survey)->pass_rates;

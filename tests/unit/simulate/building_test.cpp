@@ -33,6 +33,27 @@ TEST(Building, StandsOnTheGridOfTable1) {
   }
 }
 
+TEST(Building, ControlAndCheckAnchorsHangInVerticalColumns) {
+  for (int columns = 2; columns <= 5; ++columns) {
+    const Building b = make_building({.floors = 4, .columns = columns}, 1);
+    std::map<int, std::set<double>> places;
+    std::map<int, std::set<int>> floors;
+    std::map<int, std::set<AnchorRole>> roles;
+    for (const Anchor& a : b.anchors) {
+      places[a.column].insert(a.design.x());
+      floors[a.column].insert(a.floor);
+      roles[a.column].insert(a.role);
+    }
+    ASSERT_EQ(places.size(), static_cast<std::size_t>(columns + 3));
+    EXPECT_EQ(places.begin()->first, 1) << "no anchor is without a column";
+    for (const auto& [column, xs] : places) {
+      EXPECT_EQ(xs.size(), 1u);
+      EXPECT_EQ(floors[column].size(), 4u);
+      EXPECT_EQ(roles[column].size(), 1u);
+    }
+  }
+}
+
 TEST(Building, PlatesDoNotTouch) {
   for (int columns = 2; columns <= 7; ++columns) {
     const Building b = make_building({.floors = 2, .columns = columns}, 3);
