@@ -29,6 +29,19 @@ Colour colour_of(NodeStatus status) {
   }
 }
 
+/// "1 min 55 s, 50 items of 3.58 s, side by side": time on the clock, then the mean time of an item where they
+/// overlapped.
+std::string times_and_items(const runtime::GraphNode& node, const runtime::NodeResult& result) {
+  std::string note = duration_text(result.seconds);
+  if (!node.maps) return note;
+  note += result.items_executed < result.items
+              ? ", " + std::to_string(result.items_executed) + " of " + std::to_string(result.items) + " items"
+              : ", " + std::to_string(result.items) + " items";
+  if (result.items_executed > 1 && result.item_seconds > 1.1 * result.seconds)
+    note += " of " + duration_text(result.item_seconds / static_cast<double>(result.items_executed)) + ", side by side";
+  return note;
+}
+
 size_t terminal_width() {
   winsize size{};
   return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 20 ? size.ws_col : 80;
@@ -58,10 +71,6 @@ void Progress::node_progress(const runtime::GraphNode& node, size_t items_done, 
 }
 
 void Progress::node_finished(const runtime::GraphNode& node, const runtime::NodeResult& result) {
-  // Time on the clock; the record has the time of all items together.
-  const auto started = running_.find(node.name);
-  const double elapsed =
-      started == running_.end() ? 0 : std::chrono::duration<double>(Clock::now() - started->second.start).count();
   running_.erase(node.name);
   ++done_;
   record_.node(node, result);
@@ -73,11 +82,7 @@ void Progress::node_finished(const runtime::GraphNode& node, const runtime::Node
     std::string name = node.name + " (" + node.kind.node->kind + ")";
     std::string note;
     if (result.status == NodeStatus::executed) {
-      note = duration_text(elapsed);
-      if (node.maps)
-        note += result.items_executed < result.items
-                    ? ", " + std::to_string(result.items_executed) + " of " + std::to_string(result.items) + " items"
-                    : ", " + std::to_string(result.items) + " items";
+      note = times_and_items(node, result);
     } else if (result.status == NodeStatus::skipped) {
       note = result.error;
     }

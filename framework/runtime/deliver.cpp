@@ -152,14 +152,18 @@ std::vector<Delivery> deliver(const Graph& graph, const Registry& registry, Stor
   if (error) throw std::runtime_error("cannot make the output folder " + out.string() + ": " + error.message());
   std::vector<Delivery> deliveries;
   for (const GraphOutput& output : graph.outputs) {
-    const NodeStatus status = result.nodes[output.from.node].status;
+    const NodeResult& source = result.nodes[output.from.node];
+    const NodeStatus status = source.status;
     const std::string& name = graph.nodes[output.from.node].name;
     Delivery delivery{output.file, ""};
     try {
       if (status == NodeStatus::executed || status == NodeStatus::reused)
         deliver_one(graph, registry, store, result, output, out / output.file);
       else
-        delivery.problem = "'" + name + "' " + (status == NodeStatus::failed ? "failed" : "did not run");
+        delivery.problem = "'" + name + "' " +
+                           (status == NodeStatus::failed    ? "failed"
+                            : status == NodeStatus::skipped ? "did not run because '" + source.cause + "' failed"
+                                                            : "did not run");
     } catch (const std::exception& failure) {
       delivery.problem = failure.what();
     }

@@ -5,6 +5,7 @@
 #include <oneapi/tbb/task_group.h>
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -68,8 +69,20 @@ struct Item {
   StoredRun run;
   std::string key, error;
   bool executed = false, cancelled = false, drew_seed = false;
+  std::chrono::steady_clock::time_point begin, end;  // of the node's run, if it ran
   std::vector<std::string> warnings;
 };
+
+void add_times(const std::vector<Item>& items, NodeResult& result) {
+  using Seconds = std::chrono::duration<double>;
+  auto begin = std::chrono::steady_clock::time_point::max(), end = std::chrono::steady_clock::time_point::min();
+  for (const Item& item : items) {
+    if (!item.executed) continue;
+    begin = std::min(begin, item.begin), end = std::max(end, item.end);
+    result.item_seconds += Seconds(item.end - item.begin).count();
+  }
+  if (begin < end) result.seconds = Seconds(end - begin).count();
+}
 
 class Execution {
  public:
@@ -123,9 +136,13 @@ class Execution {
     for (const auto& [port, source] : node.inputs) {
       const NodeStatus before = states_[source.node].result.status;
       if (before == NodeStatus::executed || before == NodeStatus::reused) continue;
+      const std::string& name = graph_.nodes[source.node].name;
+      result.cause = before == NodeStatus::failed ? name : states_[source.node].result.cause;
       return finish(index, before == NodeStatus::cancelled ? NodeStatus::cancelled : NodeStatus::skipped,
-                    "its input '" + port + "' comes from '" + graph_.nodes[source.node].name + "', which " +
-                        (before == NodeStatus::failed ? "failed" : "did not run"));
+                    "its input '" + port + "' comes from '" + name + "', which " +
+                        (before == NodeStatus::failed      ? "failed"
+                         : before == NodeStatus::cancelled ? "did not run"
+                                                           : "did not run because '" + result.cause + "' failed"));
     }
     try {
       result.inputs = inputs_of(node, outputs_);
@@ -189,7 +206,9 @@ class Execution {
         observe([&] { observer_.node_progress(node, 0, 1, fraction, text); });
       };
     NodeOutcome outcome;
+    item.begin = std::chrono::steady_clock::now();
     tbb::this_task_arena::isolate([&] { outcome = run_node(call, services); });
+    item.end = std::chrono::steady_clock::now();
     item.executed = true;
     item.cancelled = outcome.cancelled;
     item.error = outcome.error;
@@ -221,16 +240,14 @@ class Execution {
       for (const auto* warnings : {&item.warnings, &item.run.warnings})
         for (const std::string& text : *warnings) result.warnings.push_back(node.maps ? text + where : text);
       for (const std::string& text : item.run.messages) result.messages.push_back(node.maps ? text + where : text);
-      if (item.executed) {
-        ++result.items_executed;
-        result.seconds += item.run.seconds;
-      }
+      result.items_executed += item.executed;
       result.keys.push_back(item.key);
       cancelled |= item.cancelled;
       drew_seed |= item.drew_seed;
       if (!item.error.empty() && !item.cancelled)
         errors += (errors.empty() ? "" : "\n") + error_text(node, where, item.error);
     }
+    add_times(state.items, result);
     if (drew_seed) result.fields["seed"] = std::to_string(graph_.seed);
     state.items.clear();
     state.items.shrink_to_fit();

@@ -23,6 +23,7 @@ const char* to_text(NodeStatus status);
 struct NodeResult {
   NodeStatus status = NodeStatus::cancelled;
   std::string error;                              ///< why it failed or was skipped
+  std::string cause;                              ///< of a skipped node: the node whose failure began it
   size_t items = 0;                               ///< how often it had to run: 1, or the number of items
   size_t items_executed = 0;                      ///< of those, how many were not in the store
   KeyFields fields;                               ///< what its key is made of; over all items for a node that maps
@@ -30,7 +31,8 @@ struct NodeResult {
   std::map<std::string, Hashes> inputs, outputs;  ///< blobs by port
   std::vector<Metric> metrics;
   std::vector<std::string> warnings, messages;
-  double seconds = 0;  ///< sum over the items that ran now; 0 if all were reused
+  double seconds = 0;       ///< from the start of the first item that ran now to the end of the last; 0 if none ran
+  double item_seconds = 0;  ///< sum over those items; more than `seconds` where they ran side by side
 };
 
 struct RunResult {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <set>
 
 #include "runtime/parameters.hpp"
 #include "runtime/pipeline_file.hpp"
@@ -182,7 +183,9 @@ class Linker {
     if (state[i] == 1) {
       std::string circle;
       for (auto at = std::find(path.begin(), path.end(), i); at != path.end(); ++at) circle += nodes_[*at].name + " → ";
-      problem(nodes_[i].at, "the nodes go round in a circle: " + circle + nodes_[i].name);
+      if (circles_.insert(circle).second)  // two connections may close the same one
+        problem(nodes_[i].at, "the nodes go round in a circle: " + circle + nodes_[i].name +
+                                  "; one of them has to take its input from elsewhere");
       return;
     }
     state[i] = 1;
@@ -260,6 +263,7 @@ class Linker {
   std::vector<const NodeSpec*> specs_;
   std::set<std::pair<size_t, std::string>> missing_is_told_;
   std::vector<size_t> order_, position_;
+  std::set<std::string> circles_;  // that were told of
 };
 
 }  // namespace

@@ -93,6 +93,7 @@ std::string Record::node_line(const GraphNode& node, const NodeResult& result) {
   json["items"] = result.items;
   json["items_executed"] = result.items_executed;
   json["seconds"] = result.seconds;
+  json["item_seconds"] = result.item_seconds;
   const Plugin& plugin = *node.kind.plugin;
   json["plugin"] = {{"name", plugin.identity.name}, {"version", plugin.identity.version}, {"sha256", plugin.sha256}};
   json["parameters"] = parameters_json(node);
@@ -113,6 +114,7 @@ std::string Record::node_line(const GraphNode& node, const NodeResult& result) {
   if (!result.warnings.empty()) json["warnings"] = result.warnings;
   if (!result.messages.empty()) json["messages"] = result.messages;
   if (!result.error.empty()) json["error"] = result.error;
+  if (!result.cause.empty()) json["cause"] = result.cause;
   return dump(json);
 }
 

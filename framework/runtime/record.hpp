@@ -2,12 +2,16 @@
 //
 //   {"event": "run_start", "plumbline", "host", "cpu_flags", "pipeline", "pipeline_sha256", "variables", "seed",
 //   "store", ...}
-//   {"event": "node", "name", "kind", "status", "items", "items_executed", "seconds", "plugin", "parameters", "inputs",
-//    "outputs", "keys", "metrics", "warnings", "messages", "error"}                              one for each node, as
+//   {"event": "node", "name", "kind", "status", "items", "items_executed", "seconds",
+//    "item_seconds", "plugin", "parameters", "inputs",
+//    "outputs", "keys", "metrics", "warnings", "messages", "error",
+//    "cause"}                              one for each node, as
 //    it ends
 //   {"event": "run_end", "status", "executed", "reused", "failed", "skipped", "seconds", "peak_memory", "outputs"}
 //
-// Wall times are here and nowhere else: artifacts hold none.
+// "seconds" of a node is the time on the clock from the start of its first item to the end of its last; "item_seconds"
+// is the sum over its items, which is more where they ran side by side. "cause" names the failed node that made a node
+// skip. Wall times are here and nowhere else: artifacts hold none.
 #pragma once
 
 #include <filesystem>

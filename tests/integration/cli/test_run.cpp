@@ -77,7 +77,8 @@ TEST(Run, AFailureIsExitCode1AndTheOtherBranchIsDelivered) {
   const Answer answer = plumbline({"run", "f.yaml", "--out", "out"});
   EXPECT_EQ(answer.code, 1);
   EXPECT_TRUE(contains(answer.err, "f.yaml:3:3: node 'x' (story.throws) failed: the bridge is out\n")) << answer.err;
-  EXPECT_TRUE(contains(answer.err, "f.yaml: output 'y.json' is not written: 'y' did not run")) << answer.err;
+  EXPECT_TRUE(contains(answer.err, "f.yaml: output 'y.json' is not written: 'y' did not run because 'x' failed"))
+      << answer.err;
   EXPECT_TRUE(contains(answer.out, "skipped   y (story.add)")) << answer.out;
   EXPECT_TRUE(contains(answer.out, "f.yaml: 1 executed, 0 reused, 1 failed, 1 skipped")) << answer.out;
   EXPECT_TRUE(fs::exists(plumbline.work() / "out/c.json"));

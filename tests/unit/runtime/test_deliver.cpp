@@ -48,7 +48,7 @@ TEST(Deliver, WhatFailedIsAbsentAndTheRestIsThere) {
              "outputs: {a.json: a.sum, d.json: d.number}");
   story.run();
   const auto deliveries = deliver(story);
-  EXPECT_EQ(deliveries.at(0).problem, "'a' did not run");
+  EXPECT_EQ(deliveries.at(0).problem, "'a' did not run because 'c' failed");
   EXPECT_EQ(deliveries.at(1).problem, "");
   EXPECT_FALSE(fs::exists(story.folder.path() / "out" / "a.json")) << "an old result would be taken for a new one";
   EXPECT_TRUE(fs::exists(story.folder.path() / "out" / "d.json"));

@@ -38,7 +38,8 @@ TEST(Execute, AFailureEndsItsBranchOnly) {
   EXPECT_EQ(story.node("x").error,
             story.pipeline().string() + ":4:3: node 'x' (story.throws) failed: the bridge is out");
   EXPECT_EQ(story.node("y").error, "its input 'a' comes from 'x', which failed");
-  EXPECT_EQ(story.node("z").error, "its input 'a' comes from 'y', which did not run");
+  EXPECT_EQ(story.node("z").error, "its input 'a' comes from 'y', which did not run because 'x' failed");
+  EXPECT_EQ(story.node("y").cause + story.node("z").cause, "xx");
 }
 
 TEST(Execute, AFailedItemIsNamedAndTheOthersAreKept) {
@@ -50,6 +51,16 @@ TEST(Execute, AFailedItemIsNamedAndTheOthersAreKept) {
   EXPECT_NE(error.find("on item 4 of 4"), std::string::npos) << error;
   story.run({"s.with.values=[1, 2, 3, 4]"});
   EXPECT_EQ(story.node("q").items_executed, 2u) << "1 and 3 were done before";
+}
+
+TEST(Execute, ItemsOfOneThreadAddUpToLessThanTheTimeOnTheClock) {
+  Story story("s: {use: story.series, with: {values: [1, 2, 3, 4]}}\nq: {use: story.square, in: {number: s.numbers}}");
+  ASSERT_TRUE(story.run({}, 1).ok());
+  EXPECT_GT(story.node("q").item_seconds, 0);
+  EXPECT_LE(story.node("q").item_seconds, story.node("q").seconds + 1e-9);
+  ASSERT_TRUE(story.run({}, 1).ok());
+  EXPECT_EQ(story.node("q").seconds, 0) << "nothing ran";
+  EXPECT_EQ(story.node("q").item_seconds, 0);
 }
 
 TEST(Execute, AnEmptyListIsNoError) {
