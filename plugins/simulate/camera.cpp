@@ -136,11 +136,14 @@ RigidTransform look_at(const Eigen::Vector3d& position, const Eigen::Vector3d& t
 }
 
 std::vector<VisibleTag> visible_tags(const Building& building, const BrownCamera& camera,
-                                     const RigidTransform& camera_from_building, double margin) {
+                                     const RigidTransform& camera_from_building, double margin,
+                                     const Obstruction& obstruction) {
   const double limit = field_radius(camera);
   const Eigen::Vector3d centre = camera_from_building.inverse().translation;
   std::vector<VisibleTag> visible;
-  for (const Anchor& anchor : building.anchors) {
+  for (std::size_t index = 0; index < building.anchors.size(); ++index) {
+    const Anchor& anchor = building.anchors[index];
+    if (!tag_is_free(obstruction, building, index, centre)) continue;
     const Eigen::Vector3d normal = anchor.building_from_plate.rotation * Eigen::Vector3d::UnitZ();
     if (normal.dot((centre - anchor.built).normalized()) < std::cos(70.0 / 180.0 * std::numbers::pi)) continue;
     VisibleTag tag{&anchor, {}};

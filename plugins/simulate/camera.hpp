@@ -7,6 +7,7 @@
 
 #include "building.hpp"
 #include "geometry/camera.hpp"
+#include "obstruction.hpp"
 
 namespace plumbline::simulate {
 
@@ -65,8 +66,10 @@ struct VisibleTag {
   const Anchor* anchor = nullptr;
   std::array<Eigen::Vector2d, 4> corners;
 };
-/// Tags whose corners lie at least `margin` px inside the image, seen from within 70 degrees of their normal.
+/// Tags whose corners lie at least `margin` px inside the image, seen from within 70 degrees of their normal, and that
+/// nothing hides.
 std::vector<VisibleTag> visible_tags(const Building& building, const BrownCamera& camera,
-                                     const RigidTransform& camera_from_building, double margin = 12);
+                                     const RigidTransform& camera_from_building, double margin = 12,
+                                     const Obstruction& obstruction = {});
 
 }  // namespace plumbline::simulate

@@ -19,7 +19,8 @@ std::string campaign_yaml(const Campaign& c) {
   return "# What a site hands over; docs/campaign_folder.md explains every line.\n"
          "plumbline_campaign: 1\n"
          "name: simulated facade, " +
-         std::to_string(c.building.options.floors) + " floors, seed " + std::to_string(c.seed) +
+         std::to_string(c.building.options.floors) + " floors, " + std::to_string(c.building.options.columns) +
+         " columns" +
          "\n"
          "images: images/*.jpg\n"
          "camera: camera.yaml\n"
@@ -88,6 +89,7 @@ RenderOptions render_options(const Campaign& c, std::size_t index) {
   options.noise_scale = c.options.noise_scale;
   options.blur = c.options.blur;
   options.light_gradient = c.options.light_gradient;
+  options.haze = c.options.haze;
   Random random(c.seed, "light", index);
   options.exposure = 1 + 0.05 * (2 * random.uniform() - 1);
   options.seed = derive_seed(c.seed, "image", index);
@@ -103,6 +105,7 @@ Campaign make_campaign(const CampaignOptions& options, std::uint64_t seed) {
   c.building = make_building(options.building, seed);
   c.camera = make_camera(camera_profile(options.camera), seed);
   c.stations = plan_camera_stations(c.building, c.camera, options.cameras, seed);
+  c.obstruction = make_obstruction(c.building, options.obstruction, seed);
   c.plan = plan_set_ups(c.building, options.survey, seed);
   const std::vector<std::string> broken = broken_station_rules(c.building, c.plan);
   if (!broken.empty()) {
@@ -137,7 +140,7 @@ void write_images(const Campaign& c, const std::filesystem::path& folder,
   tbb::parallel_for(std::size_t{0}, c.stations.size(), [&](std::size_t i) {
     if (stopped) return;
     const CameraStation& station = c.stations[i];
-    const Renderer renderer(c.building, c.camera, station.camera_from_building, render_options(c, i));
+    const Renderer renderer(c.building, c.camera, station.camera_from_building, render_options(c, i), c.obstruction);
     const CameraProfile& profile = c.camera.profile;
     const ExifFields exif{profile.make, profile.model, taken_at(i), profile.focal_length};
     write_file(folder / "images" / station.image, encode_jpeg(renderer, profile.jpeg_quality, exif));
@@ -172,7 +175,7 @@ void write_truth(const Campaign& c, const std::filesystem::path& folder) {
     }
     for (const double v : pose.translation) cameras += "," + number(v);
     cameras += "\n";
-    for (const VisibleTag& tag : visible_tags(c.building, c.camera.truth, pose)) {
+    for (const VisibleTag& tag : visible_tags(c.building, c.camera.truth, pose, 12, c.obstruction)) {
       for (std::size_t i = 0; i < 4; ++i) {
         corners += s.image + "," + std::to_string(tag.anchor->tag_id) + "," + std::to_string(i) + "," +
                    number(tag.corners[i].x()) + "," + number(tag.corners[i].y()) + "\n";

@@ -19,6 +19,8 @@ struct CampaignOptions {
   double noise_scale = 1.0;     ///< of the image noise
   double blur = -1;             ///< [px]; negative: the camera profile's
   double light_gradient = 0.2;  ///< relative change of the light across the facade
+  double haze = 0;              ///< share of the light that dust or mist scatters in; contrast falls by it
+  ObstructionOptions obstruction;
   bool design_in_millimetres = false;
 };
 
@@ -28,6 +30,7 @@ struct Campaign {
   Building building;
   SimulatedCamera camera;
   std::vector<CameraStation> stations;
+  Obstruction obstruction;
   StationPlan plan;
   survey::SurveyObservations observations;
 };

@@ -173,8 +173,12 @@ class DesignWriter {
       if (anchor.role == AnchorRole::control)
         fixings[static_cast<std::size_t>(anchor.column - 1)].push_back(contained.back());
     }
-    for (int column = 1; column <= building_.options.columns; ++column) {
-      panels.push_back(write_panel(floor, column, wall_placement, slab, fixings[static_cast<std::size_t>(column - 1)]));
+    // A panel hangs between two columns of anchors and shares them with its neighbours.
+    for (int column = 1; column < building_.options.columns; ++column) {
+      std::vector<Id> corners = fixings[static_cast<std::size_t>(column - 1)];
+      corners.insert(corners.end(), fixings[static_cast<std::size_t>(column)].begin(),
+                     fixings[static_cast<std::size_t>(column)].end());
+      panels.push_back(write_panel(floor, column, wall_placement, slab, corners));
     }
     aggregate(name + " facade", wall, panels);
     add("IFCRELCONTAINEDINSPATIALSTRUCTURE",
@@ -186,7 +190,7 @@ class DesignWriter {
     char name[32];
     std::snprintf(name, sizeof name, "F%02d-P%02d", floor, column);
     const double pitch = building_.options.spacing, joint = 0.01;
-    const Id at = placement(wall_placement, {pitch * (column - 0.5), -0.20, 0.5 * joint});
+    const Id at = placement(wall_placement, {pitch * column, -0.20, 0.5 * joint});
     const Id form = box(0, 0, pitch - joint, 0.05, building_.storey_height - joint);
     const Id panel = add("IFCPLATE", {guid(name), reference(owner_), text(name), null, text("Facade panel"),
                                       reference(at), reference(form), text(name), enumeration("CURTAIN_PANEL")});

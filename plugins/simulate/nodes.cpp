@@ -28,11 +28,17 @@ struct SimulatedSite : Node {
   Param<double> tag_size{"tag_size", 0.2, "m", between(0.02, 1), "edge of a tag between its detected corners"};
   Param<double> tag_scale_sigma{"tag_scale_sigma", 0.00025, "1", between(0, 0.05), "scale error of a print batch"};
   Param<int64_t> print_batches{"print_batches", 1, between(1, 20), "batches the plates were printed in"};
-  Param<std::string> camera{"camera", "demo_24mp", one_of("demo_24mp", "hasselblad_100mp"), "camera profile"};
+  Param<std::string> camera{"camera", "demo_24mp", one_of("demo_24mp", "hasselblad_100mp", "quick_6mp"),
+                            "camera profile"};
   Param<int64_t> images_per_floor{"images_per_floor", 10, between(4, 100), "photographs taken from each floor"};
   Param<double> distance{"distance", 0.0, "m", between(0, 100), "of the camera from the facade; 0: the profile's"};
   Param<std::string> network{"network", "convergent", one_of("convergent", "parallel"),
                              "parallel: fronto-parallel and never rolled, weak in self-calibration"};
+  Param<double> scaffold_spacing{"scaffold_spacing", 0.0, "m", between(0, 20),
+                                 "between the upright tubes of a scaffold before the facade, 0.5 or more; 0: none"};
+  Param<double> scaffold_distance{"scaffold_distance", 1.0, "m", between(0.2, 3), "of its tubes from the facade"};
+  Param<double> lost_plates{"lost_plates", 0.0, "1", between(0, 1),
+                            "probability of each plate to be gone when the photographs are taken"};
 
   simulate::CampaignOptions site_options() const {
     simulate::CampaignOptions o;
@@ -48,6 +54,7 @@ struct SimulatedSite : Node {
     o.cameras.images_per_floor = static_cast<int>(*images_per_floor);
     o.cameras.distance = *distance;
     o.cameras.convergent = *network == "convergent";
+    o.obstruction = {*scaffold_spacing, *scaffold_distance, *lost_plates};
     return o;
   }
 };
@@ -68,6 +75,7 @@ struct SimulateCampaign : SimulatedSite {
   Param<double> image_noise{"image_noise", 1.0, "1", between(0, 20), "factor on the camera's noise"};
   Param<double> blur{"blur", -1.0, "px", between(-1, 10), "point spread function, 1 sigma; negative: the profile's"};
   Param<double> light_gradient{"light_gradient", 0.2, "1", between(0, 0.9), "change of the light across the facade"};
+  Param<double> haze{"haze", 0.0, "1", between(0, 0.95), "share of the light that dust or mist scatters in"};
   Param<std::string> ifc_unit{"ifc_unit", "millimetre", one_of("millimetre", "metre"), "length unit of the design IFC"};
   Out<Folder> folder{"folder", "the campaign, as a site would hand it over"};
   Out<Folder> truth{"truth", "what no processing may see"};
@@ -78,6 +86,7 @@ struct SimulateCampaign : SimulatedSite {
     o.noise_scale = *image_noise;
     o.blur = *blur;
     o.light_gradient = *light_gradient;
+    o.haze = *haze;
     o.design_in_millimetres = *ifc_unit == "millimetre";
     const simulate::Campaign campaign = simulate::make_campaign(o, context.seed());
 

@@ -9,7 +9,8 @@ namespace plumbline::simulate {
 std::vector<ObservedImage> observe_corners(const Campaign& campaign, double sigma, std::uint64_t seed) {
   std::vector<ObservedImage> images;
   for (const CameraStation& station : campaign.stations) {
-    ObservedImage image{&station, visible_tags(campaign.building, campaign.camera.truth, station.camera_from_building)};
+    ObservedImage image{&station, visible_tags(campaign.building, campaign.camera.truth, station.camera_from_building,
+                                               12, campaign.obstruction)};
     Random random(seed, "corners " + station.image);
     for (VisibleTag& tag : image.tags) {
       for (Eigen::Vector2d& corner : tag.corners) {

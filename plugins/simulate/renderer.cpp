@@ -54,6 +54,23 @@ __attribute__((target_clones("avx2", "default"))) void shade_wall(const float* x
   }
 }
 
+/// A scaffold tube as a camera sees it in front of the wall.
+struct Strip {
+  float middle, half;  ///< along x for an upright, along z for a ledger [m on the wall]
+};
+
+/// Blends a round tube over a row: bright where the light meets it, dark towards its edges.
+__attribute__((target_clones("avx2", "default"))) void draw_tube(const float* place, std::size_t count, Strip strip,
+                                                                 float pixel, float* reflectance) {
+  const float inverse_pixel = 1 / pixel, inverse_half = 1 / strip.half;
+  for (std::size_t i = 0; i < count; ++i) {
+    const float across = std::fabs(place[i] - strip.middle);
+    const float share = limit((strip.half - across) * inverse_pixel + 0.5f, 0.0f, 1.0f);
+    const float round = limit(across * inverse_half, 0.0f, 1.0f);
+    reflectance[i] += share * (0.62f - 0.40f * round * round - reflectance[i]);
+  }
+}
+
 /// Light to grey levels with noise of variance read² + shot · level; the sum of four bytes of a hash is nearly normal.
 __attribute__((target_clones("avx2", "default"))) void expose(const float* reflectance, const float* light,
                                                               std::size_t count, std::uint32_t row_seed, float read,
@@ -95,6 +112,8 @@ struct Renderer::Scene {
   int grid_columns = 0;
   std::vector<float> x, z, light;  ///< at every 16th pixel
   std::vector<PlateRaster> plates;
+  std::vector<Strip> uprights, ledgers;  ///< tubes as this camera sees them on the wall
+  float haze = 0;
 
   /// One image row of a quantity that is known at every 16th pixel.
   void interpolate(const std::vector<float>& grid, int row, std::vector<float>& out) const {
@@ -122,6 +141,15 @@ struct Renderer::Scene {
     }
   }
 
+  /// What stands in front of wall and plates. Rays through a tube's plane meet the wall in a line again, so a tube is a
+  /// strip of the wall seen from this one camera.
+  void cover(const std::vector<float>& row_x, const std::vector<float>& row_z, std::vector<float>& reflectance) const {
+    for (const auto& [strips, place] : {std::pair(&uprights, &row_x), std::pair(&ledgers, &row_z)})
+      for (const Strip& strip : *strips) draw_tube(place->data(), place->size(), strip, wall.pixel, reflectance.data());
+    if (haze > 0)
+      for (float& value : reflectance) value += haze * (0.7f - value);
+  }
+
   void colour(int row, const std::vector<float>& row_x, const std::vector<float>& row_z, std::uint8_t* blue,
               std::uint8_t* red) const {
     for (std::size_t i = 0; 2 * i + 1 < row_x.size(); ++i) {
@@ -141,8 +169,19 @@ struct Renderer::Scene {
   }
 };
 
+namespace {
+
+/// `camera`: the camera's place on the tubes' axis; `enlargement`: distance to the wall over distance to the tubes.
+void project_tubes(const std::vector<double>& tubes, double radius, double camera, double enlargement,
+                   std::vector<Strip>& out) {
+  for (const double at : tubes)
+    out.push_back({static_cast<float>(camera + enlargement * (at - camera)), static_cast<float>(enlargement * radius)});
+}
+
+}  // namespace
+
 Renderer::Renderer(const Building& building, const SimulatedCamera& camera, const RigidTransform& camera_from_building,
-                   const RenderOptions& options)
+                   const RenderOptions& options, const Obstruction& obstruction)
     : scene_(std::make_unique<Scene>()) {
   Scene& s = *scene_;
   const BrownCamera& c = camera.truth;
@@ -176,9 +215,16 @@ Renderer::Renderer(const Building& building, const SimulatedCamera& camera, cons
                                          (1 + 0.05 * stain(x, z, options.seed))));
   }
 
+  s.haze = static_cast<float>(options.haze);
+  if (centre.y() < obstruction.plane) {  // else the tubes stand behind the camera
+    const double enlargement = distance / (obstruction.plane - centre.y());
+    project_tubes(obstruction.uprights, obstruction.radius, centre.x(), enlargement, s.uprights);
+    project_tubes(obstruction.ledgers, obstruction.radius, centre.z(), enlargement, s.ledgers);
+  }
   const double blur = options.blur >= 0 ? options.blur : camera.profile.blur;
-  for (const Anchor& anchor : building.anchors) {
-    PlateRaster plate = raster_plate(anchor, c, camera_from_building, rays, blur);
+  for (std::size_t i = 0; i < building.anchors.size(); ++i) {
+    if (!obstruction.lost.empty() && obstruction.lost[i]) continue;
+    PlateRaster plate = raster_plate(building.anchors[i], c, camera_from_building, rays, blur);
     if (plate.width > 0) s.plates.push_back(std::move(plate));
   }
 }
@@ -203,6 +249,7 @@ void Renderer::render(int band, Band& out) const {
     s.interpolate(s.light, row, light);
     shade_wall(x.data(), z.data(), line, s.wall, reflectance.data());
     s.composite(row, reflectance);
+    s.cover(x, z, reflectance);
     expose(reflectance.data(), light.data(), line, s.noise_seed + static_cast<std::uint32_t>(row) * 0x85ebca77u, s.read,
            s.shot, grey.data());
     std::copy_n(grey.begin(), padded,

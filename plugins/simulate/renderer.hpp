@@ -12,6 +12,7 @@
 
 #include "building.hpp"
 #include "camera.hpp"
+#include "obstruction.hpp"
 
 namespace plumbline::simulate {
 
@@ -19,6 +20,7 @@ struct RenderOptions {
   double noise_scale = 1.0;     ///< multiplies the camera's read and shot noise; 0: none
   double blur = -1;             ///< standard deviation of the point spread function [px]; negative: the profile's
   double light_gradient = 0.2;  ///< relative change of the light across the facade
+  double haze = 0;              ///< share of scattered light in the image, 0 to 1: contrast falls by it
   double exposure = 1.0;
   std::uint64_t seed = 1;
 };
@@ -29,7 +31,7 @@ class Renderer {
 
   /// Throws std::invalid_argument if the camera's distortion cannot be inverted within the image.
   Renderer(const Building& building, const SimulatedCamera& camera, const RigidTransform& camera_from_building,
-           const RenderOptions& options);
+           const RenderOptions& options, const Obstruction& obstruction = {});
   ~Renderer();
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;

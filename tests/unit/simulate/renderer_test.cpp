@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "detect/tag_detector.hpp"
 #include "formats/grey_image.hpp"
 #include "jpeg.hpp"
@@ -172,6 +174,48 @@ TEST(Renderer, DetectedCornersAgreeWithTheTruth) {
       EXPECT_EQ(found, truth.size());
     }
   }
+}
+
+TEST(Renderer, AScaffoldHidesTheTagsThatItsGeometrySays) {
+  const Building b = make_building({.floors = 1}, 1);
+  const SimulatedCamera camera = small_camera(1);
+  const RigidTransform pose = plan_camera_stations(b, camera, {}, 1)[0].camera_from_building;
+  const auto all = visible_tags(b, camera.truth, pose);
+  std::size_t hidden = 0;
+  for (std::uint64_t seed = 1; seed <= 2; ++seed) {
+    Obstruction scaffold = make_obstruction(b, {.scaffold_spacing = 2.0}, seed);
+    const auto free = visible_tags(b, camera.truth, pose, 12, scaffold);
+    const GreyImage image = render(Renderer(b, camera, pose, {}, scaffold));
+    std::size_t found_free = 0, found = 0;
+    EXPECT_LT(corner_rms(image, free, detect::Refinement::edges, found_free), 0.06);
+    corner_rms(image, all, detect::Refinement::edges, found);
+    EXPECT_EQ(found_free, free.size()) << "a tag that no tube touches is found";
+    EXPECT_LE(found - found_free, 1u) << "a tag that a tube crosses is lost; one that it touches may be found";
+    hidden += all.size() - free.size();
+  }
+  EXPECT_GE(hidden, 3u);
+}
+
+TEST(Renderer, HazeLowersTheContrastAndLostPlatesAreGone) {
+  const Building b = make_building({.floors = 1}, 1);
+  const SimulatedCamera camera = small_camera(1);
+  const RigidTransform pose = plan_camera_stations(b, camera, {}, 1)[0].camera_from_building;
+  RenderOptions options;
+  options.noise_scale = 0;
+  const GreyImage clear = render(Renderer(b, camera, pose, options));
+  options.haze = 0.5;
+  const GreyImage hazy = render(Renderer(b, camera, pose, options));
+  const auto range = [](const GreyImage& image) {
+    const auto [low, high] = std::minmax_element(image.pixels.begin(), image.pixels.end());
+    return static_cast<double>(*high - *low);
+  };
+  EXPECT_NEAR(range(hazy) / range(clear), 0.5, 0.1);
+  Obstruction obstruction = make_obstruction(b, {.lost_plates = 1}, 1);
+  EXPECT_TRUE(visible_tags(b, camera.truth, pose, 12, obstruction).empty());
+  std::size_t found = 0;
+  corner_rms(render(Renderer(b, camera, pose, options, obstruction)), visible_tags(b, camera.truth, pose),
+             detect::Refinement::edges, found);
+  EXPECT_EQ(found, 0u);
 }
 
 TEST(Renderer, NoiseIsOfTheSizeTheCameraHas) {

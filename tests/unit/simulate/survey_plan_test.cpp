@@ -2,9 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <numbers>
+#include <set>
 
 namespace plumbline::simulate {
 namespace {
@@ -14,9 +17,43 @@ constexpr double kPi = std::numbers::pi;
 TEST(StationPlan, KeepsTheRulesForEveryBuildingOfTable1) {
   for (int floors = 1; floors <= 5; ++floors) {
     for (int columns = 3; columns <= 4; ++columns) {
-      const Building b = make_building({.floors = floors, .columns = columns}, 2);
-      EXPECT_TRUE(broken_station_rules(b, plan_set_ups(b, {}, 2)).empty()) << floors << " floors, " << columns;
+      for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+        const Building b = make_building({.floors = floors, .columns = columns}, seed);
+        const auto broken = broken_station_rules(b, plan_set_ups(b, {}, seed));
+        EXPECT_TRUE(broken.empty()) << floors << " floors, " << columns << " columns: " << broken.front();
+      }
     }
+  }
+}
+
+/// Section 6.4: no shallow sights. The rule allows 60 degrees; the plan for the buildings of Table 1 stays below 45.
+TEST(StationPlan, SightsMeetTheFacadeSteeply) {
+  double flattest = 0;
+  for (int floors = 1; floors <= 5; ++floors) {
+    const Building b = make_building({.floors = floors, .columns = 4}, 3);
+    for (const PlannedSetUp& s : plan_set_ups(b, {}, 3).set_ups)
+      for (const std::size_t a : s.anchors) {
+        const Eigen::Vector3d sight = s.axis - b.anchors[a].built;
+        flattest = std::max(flattest, std::acos(-sight.y() / sight.norm()) * 180 / kPi);
+      }
+  }
+  EXPECT_LT(flattest, 45);
+  EXPECT_GT(flattest, 20) << "the angle is computed wrongly";
+}
+
+/// Section 6.4: adjacent floors share markers, so that heights pass from one to the next.
+TEST(StationPlan, AdjacentFloorsShareTwoRowsOfMarkers) {
+  const Building b = make_building({.floors = 5}, 1);
+  const StationPlan plan = plan_set_ups(b, {}, 1);
+  for (int floor = 1; floor < 5; ++floor) {
+    std::set<std::string> from_below, from_above, shared;
+    for (const PlannedSetUp& s : plan.set_ups)
+      for (const std::size_t a : s.anchors)
+        if (s.floor == floor || s.floor == floor + 1)
+          (s.floor == floor ? from_below : from_above).insert(b.anchors[a].id);
+    std::set_intersection(from_below.begin(), from_below.end(), from_above.begin(), from_above.end(),
+                          std::inserter(shared, shared.end()));
+    EXPECT_EQ(shared.size(), 11u) << "two rows of four and three check anchors of floor " << floor;
   }
 }
 
