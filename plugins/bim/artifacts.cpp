@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <stdexcept>
+#include <tuple>
 
 namespace plumbline::bim {
 namespace {
@@ -149,6 +150,24 @@ ColumnResult column_from(const ColumnDriftT& column, const AccuracyComparisonT& 
   return result;
 }
 
+PanelResult panel_from(const PanelAccuracyT& panel) {
+  const std::tuple<const char*, const char*, const JudgedLengthT*> lengths[] = {
+      {"out_of_plane", "OutOfPlane", panel.out_of_plane.get()},
+      {"sideways", "Sideways", panel.sideways.get()},
+      {"vertical", "Vertical", panel.vertical.get()},
+      {"tilt", "Tilt", panel.tilt.get()},
+      {"warp", "Warp", panel.warp.get()},
+      {"misfit", "Misfit", panel.misfit.get()}};
+  PanelResult result;
+  result.guid = panel.guid;
+  result.verdict = verdict_from(panel.verdict);
+  for (const auto& [name, property, length] : lengths) {
+    if (length) result.lengths.emplace_back(property, length->value);
+    if (panel.decided_by == name) result.decided_by = property;
+  }
+  return result;
+}
+
 /// The comparison with the survey that is evidence: on check anchors; on control anchors if there are no others.
 const AccuracyComparisonT* survey_comparison(const AccuracyT& accuracy) {
   const AccuracyComparisonT* found = nullptr;
@@ -181,6 +200,7 @@ DesignT to_artifact(const Design& design) {
   }
   for (const Element& element : design.elements)
     to.elements.push_back(std::make_unique<DesignElementT>(to_artifact(element)));
+  to.facade_normal = estimate_facade_normal(design).value_or(Eigen::Vector3d::Constant(kUnknown));
   if (design.map_conversion) {
     const MapConversion& map = *design.map_conversion;
     to.map_conversion = std::make_unique<DesignMapConversionT>();
@@ -256,6 +276,7 @@ AsBuilt as_built_from(const PointsT& model, const AccuracyT& accuracy) {
     if (anchor->survey) to.survey = residual_from(*anchor->survey);
     as_built.anchors.push_back(std::move(to));
   }
+  for (const auto& panel : accuracy.panels) as_built.panels.push_back(panel_from(*panel));
   const AccuracyComparisonT* comparison = survey_comparison(accuracy);
   if (!comparison) return as_built;
   for (const auto& floor : comparison->floors) as_built.floors.push_back(floor_from(*floor, *comparison, accuracy));

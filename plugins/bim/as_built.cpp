@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <unordered_map>
 
+#include "geometry/panel_fit.hpp"
 #include "geometry/statistics.hpp"
 
 namespace plumbline::bim {
@@ -70,32 +71,18 @@ void assess(AnchorDeviation& anchor, const AsBuilt& as_built, const std::optiona
   anchor.in_plane = (d - anchor.out_of_plane * *normal).norm();
 }
 
-/// Small rotations: d = t + r × (p − centre), least squares over the anchors. About their own mean the two parts
-/// separate, and the pseudo-inverse leaves a rotation at zero that they cannot tell: all of it for one anchor, that
-/// about their line for two.
 void fit_pose(PanelFit& fit, const Eigen::Vector3d& centre) {
-  const double count = static_cast<double>(fit.anchors.size());
-  Eigen::Vector3d mean_point = Eigen::Vector3d::Zero(), mean_deviation = Eigen::Vector3d::Zero();
+  std::vector<Eigen::Vector3d> fixings;
+  Eigen::VectorXd deviations(3 * static_cast<Eigen::Index>(fit.anchors.size()));
   for (const AnchorDeviation* anchor : fit.anchors) {
-    mean_point += anchor->element->position / count;
-    mean_deviation += anchor->deviation / count;
+    deviations.segment<3>(3 * static_cast<Eigen::Index>(fixings.size())) = anchor->deviation;
+    fixings.push_back(anchor->element->position);
     fit.max_deviation = std::max(fit.max_deviation, anchor->deviation.norm());
     fit.verdict = std::max(fit.verdict, anchor->verdict);
   }
-  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d right = Eigen::Vector3d::Zero();
-  for (const AnchorDeviation* anchor : fit.anchors) {
-    const Eigen::Matrix3d arm = -skew(anchor->element->position - mean_point);
-    normal += arm.transpose() * arm;
-    right += arm.transpose() * (anchor->deviation - mean_deviation);
-  }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(normal);
-  for (int i = 0; i < 3; ++i) {
-    const double value = eigen.eigenvalues()(i);
-    if (value < 1e-4) continue;  // arms below a centimetre: a turn about the line of the anchors
-    fit.rotation += eigen.eigenvectors().col(i) * (eigen.eigenvectors().col(i).dot(right) / value);
-  }
-  fit.translation = mean_deviation + fit.rotation.cross(centre - mean_point);
+  const Eigen::VectorXd motion = fit_panel(fixings, centre).pose * deviations;
+  fit.translation = motion.head<3>();
+  fit.rotation = motion.tail<3>();
 }
 
 void require_same_frame(const Design& design, const std::vector<AnchorDeviation>& anchors) {
@@ -221,8 +208,7 @@ std::vector<PanelFit> fit_panels(const Design& design, const std::vector<AnchorD
     const auto fixes = [&](const Element& anchor) {
       if (!panel.anchor_guids.empty())
         return std::find(panel.anchor_guids.begin(), panel.anchor_guids.end(), anchor.guid) != panel.anchor_guids.end();
-      const Eigen::Vector3d local = panel_from_project * anchor.position;
-      return (panel.box_low - local).cwiseMax(local - panel.box_high).cwiseMax(0.0).norm() <= reach;
+      return distance_from_box(panel.box_low, panel.box_high, panel_from_project * anchor.position) <= reach;
     };
     for (const AnchorDeviation& anchor : anchors)
       if (anchor.deviation.allFinite() && fixes(*anchor.element)) fit.anchors.push_back(&anchor);

@@ -74,11 +74,20 @@ struct ColumnResult {
   Verdict relative_verdict = Verdict::not_measured;
 };
 
+/// How a panel sits by the evaluation, with the covariance of its anchors.
+struct PanelResult {
+  std::string guid;
+  std::vector<std::pair<std::string, double>> lengths;  ///< property name, value [m]; nan where the anchors cannot tell
+  Verdict verdict = Verdict::not_measured;              ///< the worst of them
+  std::string decided_by;                               ///< property name
+};
+
 struct AsBuilt {
   std::vector<AsBuiltAnchor> anchors;
   std::vector<FloorResult> floors;
   std::vector<TransferResult> transfers;
   std::vector<ColumnResult> columns;
+  std::vector<PanelResult> panels;
   double tolerance_xy = 0.005, tolerance_z = 0.005;  ///< of the deviation from the design [m]
   double headline_tolerance = 0.005;                 ///< of the residual against the survey [m]
   double guard_factor = 2;                           ///< k

@@ -297,8 +297,16 @@ class Writer {
     }
     std::vector<std::string> warnings;
     const double radian = read_units(model_, model_.all("IFCPROJECT").at(0), warnings).plane_angle;
+    const auto judged = std::find_if(as_built_.panels.begin(), as_built_.panels.end(),
+                                     [&](const PanelResult& panel) { return panel.guid == fit.panel->guid; });
+    const bool known = judged != as_built_.panels.end();
     PropertySet set(appender_);
-    set.choice("Verdict", label_of(fit.verdict), verdicts_, "The worst of its anchors");
+    set.choice("Verdict", label_of(known ? judged->verdict : fit.verdict), verdicts_,
+               known ? "The worst of its shifts, tilt, warp and misfit" : "The worst of its anchors");
+    if (known) {
+      set.label("DecidedBy", judged->decided_by);
+      for (const auto& [name, value] : judged->lengths) set.length(name, value);
+    }
     set.length("FitX", fit.translation.x(), "Shift of the panel's centre if it follows its anchors");
     set.length("FitY", fit.translation.y());
     set.length("FitZ", fit.translation.z());

@@ -9,6 +9,7 @@
 #include "evaluate/comparison.hpp"
 #include "evaluate/difference.hpp"
 #include "evaluate/drift.hpp"
+#include "evaluate/panels.hpp"
 #include "evaluate/tolerance.hpp"
 
 namespace plumbline::evaluate {
@@ -344,6 +345,7 @@ AccuracyT evaluate_accuracy(const Inputs& inputs, const Options& options) {
     const DifferenceSet design = against_exact(evaluation, *inputs.design, evaluation.design_index, "design");
     attach(evaluation, design, &AnchorAccuracyT::design);
     summarise_design(evaluation, design);
+    result.panels = panel_accuracy(design, inputs.anchors, *inputs.design, inputs.panels, evaluation.options);
   }
   warn_of_gaps(evaluation);
   warn_of_evidence(evaluation);

@@ -30,6 +30,14 @@ struct AnchorEntry {
   AnchorUse use = AnchorUse::check;
 };
 
+/// A facade panel of the design.
+struct PanelEntry {
+  std::string guid, name;
+  std::vector<std::string> anchors;                     ///< ids of the anchors that hold it
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();     ///< of its shape [m], frame of the points
+  Eigen::Vector3d outward = -Eigen::Vector3d::UnitY();  ///< horizontal direction out of the facade
+};
+
 /// How model and survey depend on each other.
 enum class Correlation {
   from_control,  ///< the model was adjusted to the survey of its control anchors with their covariance, as in (5)
@@ -51,6 +59,7 @@ struct Inputs {
   PointSet survey;
   std::optional<PointSet> truth;   ///< simulation only; taken as exact whatever its covariance
   std::optional<PointSet> design;  ///< ids are anchor ids; taken as exact
+  std::vector<PanelEntry> panels;  ///< of the design
 };
 
 /// Evaluates the model. Anchors without a finite model or reference position are listed with the reason and left out of

@@ -6,6 +6,7 @@
 #include "artifacts/plates.hpp"
 #include "artifacts/points.hpp"
 #include "evaluate/accuracy.hpp"
+#include "evaluate/design_input.hpp"
 #include "evaluate/metrics.hpp"
 #include "geometry/packed_symmetric.hpp"
 #include "plumbline/node.hpp"
@@ -61,24 +62,6 @@ std::vector<AnchorEntry> anchor_table(const PlatesT& plates) {
   return table;
 }
 
-/// Design positions of the anchors, by name; a name that several anchors bear says nothing and is left out.
-PointSet design_points(const DesignT& design, Context& context) {
-  std::map<std::string, std::vector<const DesignElementT*>> by_name;
-  for (const auto& element : design.elements)
-    if (element->is_anchor && !element->name.empty()) by_name[element->name].push_back(element.get());
-  PointSet set;
-  for (const auto& [name, elements] : by_name) {
-    if (elements.size() > 1) {
-      context.warn("input 'design': " + std::to_string(elements.size()) + " anchors are named '" + name +
-                   "'; they are not compared with the design");
-      continue;
-    }
-    set.ids.push_back(name);
-    set.positions.push_back(elements.front()->position);
-  }
-  return set;
-}
-
 FileT file_of(const std::string& name, const std::string& media_type, const std::string& text) {
   FileT file;
   file.name = name, file.media_type = media_type;
@@ -90,13 +73,13 @@ FileT file_of(const std::string& name, const std::string& media_type, const std:
 
 struct EvaluateAccuracy : Node {
   static constexpr Info info{"evaluate.accuracy", "metric", 1,
-                             "Anchor, floor and column accuracy of a model against the survey, (1)-(3) and (9)-(13)"};
+                             "Anchor, floor, column and panel accuracy of a model: (1)-(3) and (9)-(14)"};
   In<Points> model{"model", frame("frame=?F"), "points of the model with their covariance"};
   In<Points> survey{"survey", frame("frame=?F"), "surveyed points with their covariance"};
   In<Plates> plates{"plates", frame("frame=?F"), "anchor table: floor, column, row and role of every anchor"};
   Optional<Points> truth{"truth", frame("frame=?F"), "true points, in simulation"};
   Optional<Design> design{"design", frame("frame=?F"),
-                          "the design: its anchors bear the names of the anchor table, (14)"};
+                          "the design: its anchors bear the names of the anchor table, (14); with its panels"};
   Param<std::vector<double>> tolerances{"tolerances", default_tolerances(), "m", between(1e-6, 1),
                                         "sweep of (3) and (10)"};
   Param<double> tau{"tau", 0.005, "m", between(1e-6, 1), "headline tolerance of the verdicts"};
@@ -127,7 +110,11 @@ struct EvaluateAccuracy : Node {
     inputs.model = point_set(model.unpack(), "model");
     inputs.survey = point_set(survey.unpack(), "survey");
     if (truth) inputs.truth = point_set(truth.unpack(), "truth");
-    if (design) inputs.design = design_points(design.unpack(), context);
+    if (design) {
+      const DesignT read = design.unpack();
+      inputs.design = design_points(read, [&](const std::string& text) { context.warn(text); });
+      inputs.panels = design_panels(read, *inputs.design);
+    }
     const AccuracyT result = evaluate_accuracy(inputs, options());
     for (const std::string& warning : result.warnings) context.warn(warning);
     for (const auto& c : result.comparisons) {

@@ -98,6 +98,7 @@ Json to_json(const ErrorConsistencyT* c) {
 }
 
 Json to_json(const AccuracyComparisonT& c);
+Json to_json(const PanelAccuracyT& p);
 
 template <typename T>
 Json list(const std::vector<std::unique_ptr<T>>& items) {
@@ -150,6 +151,32 @@ Json to_json(const DesignComparisonT* d) {
           {"worst_anchor", d->worst_anchor}};
 }
 
+Json to_json(const JudgedLengthT& length) {
+  return {{"value", length.value}, {"u", length.u}, {"verdict", EnumNameToleranceVerdict(length.verdict)}};
+}
+
+Json to_json(const PanelAccuracyT& p) {
+  return {{"guid", p.guid},
+          {"name", p.name},
+          {"floor", p.floor},
+          {"anchors", p.anchors},
+          {"anchors_listed", p.anchors_listed},
+          {"out_of_plane", to_json(*p.out_of_plane)},
+          {"sideways", to_json(*p.sideways)},
+          {"vertical", to_json(*p.vertical)},
+          {"lean", p.lean},
+          {"u_lean", p.u_lean},
+          {"turn", p.turn},
+          {"u_turn", p.u_turn},
+          {"roll", p.roll},
+          {"u_roll", p.u_roll},
+          {"tilt", to_json(*p.tilt)},
+          {"warp", to_json(*p.warp)},
+          {"misfit", to_json(*p.misfit)},
+          {"verdict", EnumNameToleranceVerdict(p.verdict)},
+          {"decided_by", p.decided_by}};
+}
+
 const AccuracyComparisonT* headline(const AccuracyT& accuracy) {
   for (const auto& c : accuracy.comparisons)
     if (c->use == AnchorUse::check && c->reference == AccuracyReference::survey) return c.get();
@@ -174,7 +201,7 @@ std::string metrics_json(const AccuracyT& accuracy) {
                         {"fail", c ? c->failed : 0},
                         {"not_measured", c ? c->anchors_listed - c->anchors : 0}};
   const Json document = {{"format", "plumbline-metrics/1"},
-                         {"units", {{"length", "m"}, {"covariance", "m2"}, {"probability", "1"}}},
+                         {"units", {{"length", "m"}, {"angle", "rad"}, {"covariance", "m2"}, {"probability", "1"}}},
                          {"tau", accuracy.tau},
                          {"guard_factor", accuracy.guard_factor},
                          {"confidence", accuracy.confidence},
@@ -183,6 +210,7 @@ std::string metrics_json(const AccuracyT& accuracy) {
                          {"comparisons", list(accuracy.comparisons)},
                          {"anchors", list(accuracy.anchors)},
                          {"design", to_json(accuracy.design.get())},
+                         {"panels", list(accuracy.panels)},
                          {"correlation_note", accuracy.correlation_note},
                          {"warnings", accuracy.warnings}};
   // Ids come from files in any encoding: an invalid byte becomes U+FFFD instead of an exception.

@@ -83,7 +83,9 @@ svg .halo{paint-order:stroke;stroke:var(--bg);stroke-width:4px;stroke-linejoin:r
 details summary{cursor:pointer;color:var(--link);margin:8px 0}
 code{font-size:.86em;overflow-wrap:anywhere}
 .facts td{white-space:normal;text-align:left;overflow-wrap:anywhere}.facts th{text-align:left;vertical-align:top;width:16em}
-@media screen and (max-width:760px){main{padding:18px 16px 48px}.cards{grid-template-columns:1fr 1fr}.pair{grid-template-columns:1fr}}
+@media screen and (max-width:920px){.pair{grid-template-columns:1fr}table{font-size:.82rem}th,td{padding:5px 6px}
+figure>svg .tick,figure>svg .small,figure>svg .axis-title{font-size:15px}.pair figure>svg .small{font-size:12px}}
+@media screen and (max-width:760px){main{padding:18px 16px 48px}.cards{grid-template-columns:1fr 1fr}}
 @media print{
 :root{color-scheme:light;--bg:#fff;--fg:#000;--soft:#444;--line:#c8cdd2;--panel:#f5f7f9;--link:#000;
 --pass:#00664b;--pass-fill:#009e73;--undecided:#7a4f00;--undecided-fill:#e69f00;--fail:#a03400;--fail-fill:#d55e00;--blue:#0072b2;--band:#dcebf5;--band-edge:#8db8d6;--tol:#eef3ea}

@@ -105,6 +105,7 @@ void write_navigation(Markup& html, const ReportInput& input) {
   link("passrate", "Pass rate");
   link("facade", "Facade");
   link("transfer", "Height transfer");
+  if (!input.accuracy.panels.empty()) link("panels", "Panels");
   link("anchors", "Anchors");
   link("method", "How to read this");
   if (input.network) link("network", "Survey network");
@@ -127,6 +128,7 @@ void write_body(Markup& html, const ReportInput& input) {
   write_pass_rates(html, input.accuracy);
   write_facade(html, input.accuracy);
   write_transfers(html, input.accuracy);
+  write_panels(html, input.accuracy);
   write_anchors(html, input.accuracy);
   write_method(html, input.accuracy);
   if (input.network) write_network(html, *input.network, input.control_check ? &*input.control_check : nullptr);

@@ -1,11 +1,16 @@
 // report.html: the report as a node.
+#include <algorithm>
+
 #include "artifacts/accuracy.hpp"
+#include "artifacts/camera.hpp"
 #include "artifacts/design.hpp"
 #include "artifacts/file.hpp"
 #include "artifacts/folder.hpp"
 #include "artifacts/survey_comparison.hpp"
 #include "artifacts/survey_network.hpp"
+#include "artifacts/survey_observations.hpp"
 #include "plumbline/node.hpp"
+#include "report/format.hpp"
 #include "report/network_page.hpp"
 #include "report/report.hpp"
 #include "report/summary.hpp"
@@ -29,6 +34,29 @@ void add_design(const DesignT& design, std::vector<Fact>& facts) {
   facts.emplace_back("Design", value);
 }
 
+/// What the campaign was: anchors and floors, camera, total station.
+void add_campaign(const AccuracyT& accuracy, const CameraT* camera, const SurveyInfoT* survey,
+                  std::vector<Fact>& facts) {
+  int highest = 0, control = 0;
+  for (const auto& anchor : accuracy.anchors) {
+    highest = std::max(highest, anchor->floor);
+    control += anchor->use == AnchorUse::control;
+  }
+  const int check = static_cast<int>(accuracy.anchors.size()) - control;
+  facts.emplace_back("Anchors", count(control, "control anchor", "control anchors") + " and " +
+                                    count(check, "check anchor", "check anchors") + " on " +
+                                    count(highest, "floor", "floors"));
+  if (camera) {
+    std::string text = camera->id + ", " + std::to_string(camera->width) + " × " + std::to_string(camera->height);
+    if (camera->pixel_pitch > 0) text += " pixels of " + fixed(1e6 * camera->pixel_pitch, 2) + " µm";
+    facts.emplace_back("Camera", text);
+  }
+  if (survey && !survey->instrument.empty())
+    facts.emplace_back(
+        "Total station",
+        survey->instrument + (survey->instrument_serial.empty() ? "" : ", serial number " + survey->instrument_serial));
+}
+
 }  // namespace
 
 struct ReportHtml : Node {
@@ -39,22 +67,31 @@ struct ReportHtml : Node {
   Optional<SurveyComparison> control_check{"control_check", frame("frame=?F"),
                                            "the control points tested against the network, for a warning"};
   Optional<Design> design{"design", frame("frame=?F"), "the design, for the provenance"};
+  Optional<Camera> camera{"camera", "the calibrated camera, for the provenance"};
+  Optional<SurveyObservations> survey{"survey", frame("frame=?F"),
+                                      "the survey as read: its title stands under the heading, its instrument in the "
+                                      "provenance"};
   Optional<Folder> campaign{"campaign", "the folder the run started from: its files and hashes go into the provenance"};
   Param<std::string> title{"title", "Accuracy of the facade anchors", "heading"};
-  Param<std::string> subtitle{"subtitle", "", "site, scenario, date of the campaign"};
+  Param<std::string> subtitle{"subtitle", "", "site, scenario, date of the campaign; empty: the title of the survey"};
   Param<std::vector<std::string>> facts{"facts", std::vector<std::string>{}, "lines for the provenance: name=value"};
   Out<File> out{"file", "report.html"};
 
-  void run(Context& context) override {
+  void run(Context&) override {
     ReportInput input;
     input.title = *title, input.subtitle = *subtitle;
     input.accuracy = accuracy.unpack();
     if (network) input.network = network_page(network.unpack());
     if (control_check) input.control_check = control_check.unpack();
+    CameraT read_camera;
+    SurveyInfoT survey_info;
+    if (camera) read_camera = camera.unpack();
+    if (survey && survey->info()) survey->info()->UnPackTo(&survey_info);
+    if (input.subtitle.empty()) input.subtitle = survey_info.title;
     for (const std::string& text : *facts) input.provenance.push_back(fact_of(text));
+    add_campaign(input.accuracy, camera ? &read_camera : nullptr, survey ? &survey_info : nullptr, input.provenance);
     if (design) add_design(design.unpack(), input.provenance);
     input.provenance.emplace_back("Program", std::string("Plumbline ") + PLUMBLINE_BUILD_ID);
-    input.provenance.emplace_back("Seed of the run", std::to_string(context.seed()));
     if (campaign)
       for (const auto* entry : *campaign->files())
         input.files.push_back({entry->path()->str(), entry->sha256()->str(), entry->size()});

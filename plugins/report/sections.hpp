@@ -45,6 +45,7 @@ void write_floors(Markup& html, const AccuracyT& accuracy);
 void write_transfers(Markup& html, const AccuracyT& accuracy);
 void write_pass_rates(Markup& html, const AccuracyT& accuracy);
 void write_facade(Markup& html, const AccuracyT& accuracy);
+void write_panels(Markup& html, const AccuracyT& accuracy);
 void write_anchors(Markup& html, const AccuracyT& accuracy);
 void write_method(Markup& html, const AccuracyT& accuracy);
 /// `control` is the test of the control points against the network; null: none.

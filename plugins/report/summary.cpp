@@ -71,6 +71,23 @@ std::string floors_text(const AccuracyComparisonT& comparison) {
   return text;
 }
 
+std::string panels_text(const AccuracyT& accuracy) {
+  if (accuracy.panels.empty()) return "";
+  int count[4] = {};
+  const PanelAccuracyT* worst = accuracy.panels.front().get();
+  for (const auto& panel : accuracy.panels) {
+    ++count[static_cast<int>(panel->verdict)];
+    if (panel->verdict > worst->verdict) worst = panel.get();
+  }
+  std::string text =
+      row("Panels on their anchors: %zu, %d within tolerance, %d undecided, %d not", accuracy.panels.size(),
+          count[static_cast<int>(ToleranceVerdict::pass)], count[static_cast<int>(ToleranceVerdict::undecided)],
+          count[static_cast<int>(ToleranceVerdict::fail)]);
+  if (worst->verdict < ToleranceVerdict::undecided) return text;
+  text.pop_back();
+  return text + "; first " + worst->name + " (" + worst->decided_by + ")\n";
+}
+
 }  // namespace
 
 std::string summary_text(const AccuracyT& accuracy) {
@@ -82,6 +99,7 @@ std::string summary_text(const AccuracyT& accuracy) {
         "As built against design: %d anchors, %d within tolerance in height, %d undecided, %d not; worst %s mm (%s)",
         accuracy.design->anchors, accuracy.design->passed, accuracy.design->undecided, accuracy.design->failed,
         mm(accuracy.design->max_distance, 0).c_str(), accuracy.design->worst_anchor.c_str());
+  text += panels_text(accuracy);
   for (const std::string& warning : accuracy.warnings) text += "Note: " + warning + "\n";
   return text;
 }
