@@ -148,6 +148,7 @@ struct ReadCampaign : Node {
     }
     auto all = campaign::merge(parts);
     if (!description.instrument.empty()) all.info.instrument = description.instrument;
+    if (!description.name.empty()) all.info.title = description.name;
     survey.commit(plumbline::survey::to_artifact(all));
   }
 

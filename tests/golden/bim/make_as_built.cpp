@@ -62,6 +62,8 @@ Json box_of(const bim::Element& element) {
   return {box.min().x(), box.min().y(), box.min().z(), box.max().x(), box.max().y(), box.max().z()};
 }
 
+Json vector(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
 /// Whether the axes of the element are those of the project, so that its box is the box of the project's axes too.
 bool parallel(const bim::Element& element) {
   return (element.project_from_element.rotation.toRotationMatrix().cwiseAbs().array().round() -
@@ -81,12 +83,16 @@ void make(const std::filesystem::path& out, const std::string& name, const step:
                 {"elements", Json::array()},
                 {"anchors", Json::array()}};
   for (const bim::Storey& storey : design.storeys)
-    expected["storeys"].push_back({{"guid", storey.guid}, {"name", storey.name}});
+    expected["storeys"].push_back({{"guid", storey.guid}, {"name", storey.name}, {"height", storey.placement_height}});
   for (const bim::Element& element : design.elements)
     expected["elements"].push_back(
         {{"guid", element.guid},
          {"class", element.ifc_class},
          {"storey", element.storey_guid},
+         {"placement", vector(element.project_from_element.translation)},
+         {"axes",
+          {vector(element.project_from_element.rotation * Eigen::Vector3d::UnitX()),
+           vector(element.project_from_element.rotation * Eigen::Vector3d::UnitZ())}},
          {"box", element.rule == bim::ReferencePointRule::parts_centre ? Json() : box_of(element)},
          {"parallel", parallel(element)}});
   std::vector<std::string> unmatched;

@@ -62,6 +62,29 @@ function properties(model) {
   return found;
 }
 
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+const unit = (a) => a.map((v) => v / Math.hypot(...a));
+
+/// Origin [file's unit] and axes x, y, z of an object placement, up its chain, after the definitions of IfcLocalPlacement
+/// and IfcAxis2Placement3D; null for placements of another kind.
+function placementOf(model, handle) {
+  if (!handle) return { origin: [0, 0, 0], axes: [[1, 0, 0], [0, 1, 0], [0, 0, 1]] };
+  const placement = api.GetLine(model, handle.value);
+  if (placement.type !== WebIFC.IFCLOCALPLACEMENT) return null;
+  const parent = placementOf(model, placement.PlacementRelTo);
+  const own = api.GetLine(model, placement.RelativePlacement.value);
+  if (!parent || own.type !== WebIFC.IFCAXIS2PLACEMENT3D) return null;
+  const numbers = (ref, attribute, fallback) =>
+    ref ? api.GetLine(model, ref.value)[attribute].map((v) => v.value ?? v) : fallback;
+  const at = numbers(own.Location, 'Coordinates');
+  const z = unit(numbers(own.Axis, 'DirectionRatios', [0, 0, 1]));
+  const towards = numbers(own.RefDirection, 'DirectionRatios', Math.abs(z[0]) > 1 - 1e-9 ? [0, 1, 0] : [1, 0, 0]);
+  const x = unit(towards.map((v, i) => v - dot(towards, z) * z[i]));
+  const turned = (v) => [0, 1, 2].map((i) => parent.axes[0][i] * v[0] + parent.axes[1][i] * v[1] + parent.axes[2][i] * v[2]);
+  return { origin: turned(at).map((v, i) => v + parent.origin[i]), axes: [turned(x), turned(cross(z, x)), turned(z)] };
+}
+
 function near(actual, expected, tolerance, what) {
   assert.ok(Math.abs(actual - expected) <= tolerance, `${what}: web-ifc has ${actual}, expected ${expected}`);
 }
@@ -78,7 +101,18 @@ function check(folder, name) {
   assert.equal(shapesAfter.triangles, shapesBefore.triangles, `${name}: triangles`);
   assert.deepEqual([...shapesAfter.boxes.keys()].sort(), [...shapesBefore.boxes.keys()].sort(), `${name}: meshes`);
 
-  // Our reader found the same elements, in the same classes, where web-ifc's triangles are.
+  // Our reader found the same storeys, at the same heights.
+  const metres = expected.length_unit;
+  const storeys = new Map(lines(before, WebIFC.IFCBUILDINGSTOREY).map((line) => [line.GlobalId.value, line]));
+  assert.equal(storeys.size, expected.storeys.length, `${name}: number of storeys`);
+  for (const storey of expected.storeys) {
+    const line = storeys.get(storey.guid);
+    assert.equal(line?.Name?.value ?? '', storey.name, `${name}: name of storey ${storey.guid}`);
+    near(placementOf(before, line.ObjectPlacement).origin[2] * metres, storey.height, 1e-5, `${name}: height of storey ${storey.guid}`);
+  }
+
+  // And the same elements, in the same classes and placements, where web-ifc's triangles are.
+  let placements = 0;
   const elements = lines(before, WebIFC.IFCELEMENT, true);
   assert.equal(elements.length, expected.elements.length, `${name}: number of elements`);
   const byGuid = new Map(elements.map((line) => [line.GlobalId.value, line]));
@@ -86,6 +120,15 @@ function check(folder, name) {
     const line = byGuid.get(element.guid);
     assert.ok(line, `${name}: web-ifc has no element ${element.guid}`);
     assert.equal(api.GetNameFromTypeCode(line.type), element.class, `${name}: class of ${element.guid}`);
+    const placed = placementOf(before, line.ObjectPlacement);
+    if (placed) {
+      ++placements;
+      for (let i = 0; i < 3; ++i) {
+        near(placed.origin[i] * metres, element.placement[i], 1e-5, `${name}: placement of ${element.guid}`);
+        near(placed.axes[0][i], element.axes[0][i], 1e-9, `${name}: x axis of ${element.guid}`);
+        near(placed.axes[2][i], element.axes[1][i], 1e-9, `${name}: z axis of ${element.guid}`);
+      }
+    }
     const box = shapesBefore.boxes.get(line.expressID);
     if (!box || !element.box) continue;
     for (let i = 0; i < 6; ++i) {
@@ -95,8 +138,10 @@ function check(folder, name) {
     }
   }
 
+  assert.ok(placements > 0.9 * expected.elements.length, `${name}: ${placements} placements compared`);
+
   // The values arrive, in the unit of the project.
-  const found = properties(after), unit = expected.length_unit;
+  const found = properties(after);
   for (const anchor of expected.anchors) {
     const get = (set, property) => {
       const line = found.get(`${anchor.guid}/${set}/${property}`);
@@ -104,13 +149,13 @@ function check(folder, name) {
       return line;
     };
     ['X', 'Y', 'Z'].forEach((axis, i) =>
-      near(get('ASB_AnchorDeviation', 'Deviation' + axis).NominalValue.value * unit, anchor.deviation[i], 2e-9, `${name}: Deviation${axis}`));
-    near(get('ASB_ModelVsSurvey', 'DeltaZ').NominalValue.value * unit, anchor.delta_z, 2e-9, `${name}: DeltaZ`);
-    near(get('ASB_Uncertainty', 'StdZ').NominalValue.value * unit, 1e-4, 2e-9, `${name}: StdZ`);
+      near(get('ASB_AnchorDeviation', 'Deviation' + axis).NominalValue.value * metres, anchor.deviation[i], 2e-9, `${name}: Deviation${axis}`));
+    near(get('ASB_ModelVsSurvey', 'DeltaZ').NominalValue.value * metres, anchor.delta_z, 2e-9, `${name}: DeltaZ`);
+    near(get('ASB_Uncertainty', 'StdZ').NominalValue.value * metres, 1e-4, 2e-9, `${name}: StdZ`);
     assert.equal(get('ASB_AnchorDeviation', 'Verdict').EnumerationValues[0].value, anchor.verdict);
     assert.equal(get('ASB_Provenance', 'Method').NominalValue.value, 'test');
     const storey = expected.elements.find((element) => element.guid === anchor.guid).storey;
-    near(found.get(`${storey}/ASB_FloorStatistics/Drift`).NominalValue.value * unit, 0.0002, 2e-9, `${name}: Drift`);
+    near(found.get(`${storey}/ASB_FloorStatistics/Drift`).NominalValue.value * metres, 0.0002, 2e-9, `${name}: Drift`);
   }
   assert.equal(lines(after, WebIFC.IFCANNOTATION).length - lines(before, WebIFC.IFCANNOTATION).length, expected.anchors.length, `${name}: survey points`);
   assert.ok(expected.anchors.length > 0, `${name}: no anchors`);

@@ -1,4 +1,5 @@
-// Runs the built program as people do, in a folder of its own with the test plugins and its own store.
+// Runs the built program as people do, in a folder of its own with its own store; with the test plugins, or those of
+// the build.
 #pragma once
 
 #include <fcntl.h>
@@ -20,9 +21,10 @@ struct Answer {
 
 class Program {
  public:
-  Program() {
+  explicit Program(const std::filesystem::path& plugins = std::filesystem::path(PLUMBLINE_STORY_PLUGIN).parent_path())
+      : plugins_(plugins) {
     std::filesystem::create_directory(folder.path() / "work");
-    // Only the test plugins: a copy of the program in a folder without plugins beside it.
+    // Only those plugins: a copy of the program in a folder without plugins beside it.
     std::filesystem::create_directories(folder.path() / "bin");
     std::filesystem::copy_file(PLUMBLINE_PROGRAM, folder.path() / "bin" / "plumbline");
   }
@@ -38,7 +40,7 @@ class Program {
     std::vector<char*> words{const_cast<char*>(program.c_str())};
     for (const std::string& word : arguments) words.push_back(const_cast<char*>(word.c_str()));
     words.push_back(nullptr);
-    setenv("PLUMBLINE_PLUGIN_PATH", std::filesystem::path(PLUMBLINE_STORY_PLUGIN).parent_path().c_str(), 1);
+    setenv("PLUMBLINE_PLUGIN_PATH", plugins_.c_str(), 1);
     setenv("PLUMBLINE_STORE", (folder.path() / "store").c_str(), 1);
     setenv("XDG_CACHE_HOME", (folder.path() / "cache").c_str(), 1);
     const int out = open((folder.path() / "out").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
@@ -56,6 +58,9 @@ class Program {
   Answer operator()(const std::vector<std::string>& arguments) const { return finish(start(arguments)); }
 
   TemporaryFolder folder;
+
+ private:
+  std::filesystem::path plugins_;
 };
 
 inline bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
