@@ -1,10 +1,12 @@
 // evaluate.accuracy: the evaluation of accuracy.hpp as a node.
 #include <map>
 
+#include "artifacts/block.hpp"
 #include "artifacts/design.hpp"
 #include "artifacts/file.hpp"
 #include "artifacts/plates.hpp"
 #include "artifacts/points.hpp"
+#include "artifacts/transform.hpp"
 #include "evaluate/accuracy.hpp"
 #include "evaluate/design_input.hpp"
 #include "evaluate/metrics.hpp"
@@ -62,6 +64,23 @@ std::vector<AnchorEntry> anchor_table(const PlatesT& plates) {
   return table;
 }
 
+std::unique_ptr<AdjustmentSummaryT> summary_of(const BlockT& block) {
+  auto summary = std::make_unique<AdjustmentSummaryT>();
+  summary->datum = block.datum, summary->weighting = block.weighting, summary->lambda = block.lambda;
+  summary->statistics = std::make_unique<StatisticsT>(*block.statistics);
+  return summary;
+}
+
+std::unique_ptr<RegistrationSummaryT> summary_of(const TransformT& transform) {
+  auto summary = std::make_unique<RegistrationSummaryT>();
+  summary->statistics =
+      transform.statistics ? std::make_unique<StatisticsT>(*transform.statistics) : std::make_unique<StatisticsT>();
+  for (const auto& residual : transform.residuals) summary->down_weighted += residual->weight < 1;
+  summary->residual_covariance = transform.residual_covariance;
+  summary->residual_covariance_unbiased = transform.residual_covariance_unbiased;
+  return summary;
+}
+
 FileT file_of(const std::string& name, const std::string& media_type, const std::string& text) {
   FileT file;
   file.name = name, file.media_type = media_type;
@@ -80,6 +99,9 @@ struct EvaluateAccuracy : Node {
   Optional<Points> truth{"truth", frame("frame=?F"), "true points, in simulation"};
   Optional<Design> design{"design", frame("frame=?F"),
                           "the design: its anchors bear the names of the anchor table, (14); with its panels"};
+  Optional<Block> block{"block", frame("frame=?B"), "the adjustment behind the model, (4) or (5), for the metrics"};
+  Optional<Transform> registration{"registration", frame("to=?F,from=?B"),
+                                   "the registration behind it, (6) to (8), for the metrics"};
   Param<std::vector<double>> tolerances{"tolerances", default_tolerances(), "m", between(1e-6, 1),
                                         "sweep of (3) and (10)"};
   Param<double> tau{"tau", 0.005, "m", between(1e-6, 1), "headline tolerance of the verdicts"};
@@ -115,7 +137,9 @@ struct EvaluateAccuracy : Node {
       inputs.design = design_points(read, [&](const std::string& text) { context.warn(text); });
       inputs.panels = design_panels(read, *inputs.design);
     }
-    const AccuracyT result = evaluate_accuracy(inputs, options());
+    AccuracyT result = evaluate_accuracy(inputs, options());
+    if (block) result.adjustment = summary_of(block.unpack());
+    if (registration) result.registration = summary_of(registration.unpack());
     for (const std::string& warning : result.warnings) context.warn(warning);
     for (const auto& c : result.comparisons) {
       const std::string name = std::string(EnumNameAnchorUse(c->use)) + "_" + EnumNameAccuracyReference(c->reference);

@@ -151,6 +151,29 @@ Json to_json(const DesignComparisonT* d) {
           {"worst_anchor", d->worst_anchor}};
 }
 
+Json to_json(const StatisticsT& s) {
+  return {{"sigma0", s.sigma0},
+          {"degrees_of_freedom", s.degrees_of_freedom},
+          {"weighted_sum_of_squares", s.weighted_sum_of_squares},
+          {"observations", s.observations},
+          {"unknowns", s.unknowns},
+          {"datum_defect", s.datum_defect}};
+}
+
+Json to_json(const AdjustmentSummaryT* a) {
+  if (!a) return nullptr;
+  return {
+      {"datum", a->datum}, {"weighting", a->weighting}, {"lambda", a->lambda}, {"statistics", to_json(*a->statistics)}};
+}
+
+Json to_json(const RegistrationSummaryT* r) {
+  if (!r) return nullptr;
+  return {{"statistics", to_json(*r->statistics)},
+          {"down_weighted", r->down_weighted},
+          {"residual_covariance", r->residual_covariance},
+          {"residual_covariance_unbiased", r->residual_covariance_unbiased}};
+}
+
 Json to_json(const JudgedLengthT& length) {
   return {{"value", length.value}, {"u", length.u}, {"verdict", EnumNameToleranceVerdict(length.verdict)}};
 }
@@ -211,6 +234,8 @@ std::string metrics_json(const AccuracyT& accuracy) {
                          {"anchors", list(accuracy.anchors)},
                          {"design", to_json(accuracy.design.get())},
                          {"panels", list(accuracy.panels)},
+                         {"adjustment", to_json(accuracy.adjustment.get())},
+                         {"registration", to_json(accuracy.registration.get())},
                          {"correlation_note", accuracy.correlation_note},
                          {"warnings", accuracy.warnings}};
   // Ids come from files in any encoding: an invalid byte becomes U+FFFD instead of an exception.

@@ -55,6 +55,31 @@ TEST(MetricsJson, IsValidAfterItsSchema) {
   EXPECT_EQ(schema_errors(json::parse(metrics_json(evaluate_accuracy(bare, {})))), "");
 }
 
+TEST(MetricsJson, AdjustmentRegistrationAndPanelsAreValidToo) {
+  Inputs inputs = everything();
+  PanelEntry panel;
+  panel.guid = "guid", panel.name = "P", panel.anchors = {"F1C1", "F1C2", "F2C1", "F2C2"};
+  inputs.panels.push_back(panel);
+  AccuracyT accuracy = evaluate_accuracy(inputs, {});
+  accuracy.adjustment = std::make_unique<AdjustmentSummaryT>();
+  accuracy.adjustment->datum = "free", accuracy.adjustment->weighting = "covariance";
+  accuracy.adjustment->statistics = std::make_unique<StatisticsT>();
+  accuracy.registration = std::make_unique<RegistrationSummaryT>();
+  accuracy.registration->statistics = std::make_unique<StatisticsT>();
+  accuracy.registration->residual_covariance = {1e-6, 0, 0, 1e-6, 0, 1e-6};
+  const json document = json::parse(metrics_json(accuracy));
+  EXPECT_EQ(schema_errors(document), "");
+  EXPECT_EQ(document["panels"].size(), 1u);
+  EXPECT_TRUE(document["adjustment"]["lambda"].is_null());
+}
+
+TEST(MetricsJson, SchemaNamesEveryEquationOfThePaper) {
+  const std::string schema =
+      plumbline::test::read_file(std::string(PLUMBLINE_SOURCE_DIR) + "/schemas/metrics.schema.json");
+  for (int equation = 1; equation <= 14; ++equation)
+    EXPECT_NE(schema.find("(" + std::to_string(equation) + ")"), std::string::npos) << equation;
+}
+
 TEST(MetricsJson, SchemaRefusesWhatItShould) {
   json document = json::parse(metrics_json(evaluate_accuracy(everything(), {})));
   document["comparisons"][0]["rmse_z"] = "2 mm";
