@@ -155,6 +155,15 @@ TEST_F(BadCampaign, AnImageThatShowsTooFewMarkers) {
   expect_refused(process({"poses.with.on_too_few=skip"}), {"it is left out", "none of the 4 images could be oriented"});
 }
 
+TEST_F(BadCampaign, ASurveyFileCutInHalfIsRefusedAndMayBeGoneOnWith) {
+  const std::string survey = text("survey/total_station.gsi");
+  const size_t line = survey.rfind("\n", survey.size() * 2 / 3);
+  rewrite("survey/total_station.gsi", survey.substr(0, line + 60));  // in the middle of a line's second word
+  expect_refused(process(), {"survey/total_station.gsi:", "passed over", "strict=false"});
+  const Answer answer = process({"campaign.with.strict=false"});
+  EXPECT_TRUE(contains(answer.err, "warning: survey/total_station.gsi:")) << answer.err;
+}
+
 TEST_F(BadCampaign, ControlThatLeavesTheNetworkFreeIsNamed) {
   rewrite("control.csv", table("control.csv", [](const std::string& line) { return line.rfind("G1", 0) == 0; }));
   expect_refused(process(), {"node 'network'", "rank defect", "determined"});
