@@ -1,8 +1,10 @@
 // How long a network takes: simulated facades of the sizes the project promises, adjusted with full covariance and
 // reliability, as a library call and, where gama-local is on the PATH, against it as a process on the same network.
-//   survey_network_benchmark [markers set_ups sights_per_marker]
+//   survey_network_benchmark [markers set_ups sights_per_marker [runs]]
 #include <sys/resource.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdint>
@@ -12,6 +14,7 @@
 #include <fstream>
 #include <numbers>
 #include <string>
+#include <vector>
 
 #include "adjust_network.hpp"
 #include "formats/gama.hpp"
@@ -80,53 +83,95 @@ SurveyObservations facade(int markers, int set_ups, int sights) {
     }
   }
   s.info.format = "gama-xml";
+  s.info.largest_misclosure = 1.0;
   s.info.a_priori_sigma0 = 1;
   return s;
 }
 
-/// Seconds of `gama-local` on the same network; negative if it is not there or fails.
-double gama_seconds(const SurveyObservations& survey) {
-  if (std::system("command -v gama-local > /dev/null 2>&1") != 0) return -1;
-  const auto folder = std::filesystem::temp_directory_path() / "plumbline-survey-benchmark";
+struct Times {
+  double wall = 0, cpu = 0;  // [s]
+};
+
+double seconds(const timeval& time) {
+  return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+}
+
+/// Processor time of this process (RUSAGE_SELF) or of those it waited for (RUSAGE_CHILDREN).
+double cpu_seconds(int who) {
+  rusage usage{};
+  getrusage(who, &usage);
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+/// Medians of wall and processor time, each on its own.
+Times median(std::vector<Times> runs) {
+  const auto middle = [&](double Times::*time) {
+    std::nth_element(runs.begin(), runs.begin() + static_cast<std::ptrdiff_t>(runs.size() / 2), runs.end(),
+                     [&](const Times& a, const Times& b) { return a.*time < b.*time; });
+    return runs[runs.size() / 2].*time;
+  };
+  return {middle(&Times::wall), middle(&Times::cpu)};
+}
+
+NetworkResult adjust(const SurveyObservations& survey, Times& times) {
+  const double cpu = cpu_seconds(RUSAGE_SELF);
+  const auto start = Clock::now();
+  NetworkResult result = adjust_network(survey, {});
+  times = {seconds_since(start), cpu_seconds(RUSAGE_SELF) - cpu};
+  return result;
+}
+
+/// One run of `gama-local` as a process on the same network; nothing if it is not there or fails.
+void gama_run(const SurveyObservations& survey, std::vector<Times>& times) {
+  if (std::system("command -v gama-local > /dev/null 2>&1") != 0) return;
+  const auto folder = std::filesystem::temp_directory_path() / ("plumbline-benchmark-" + std::to_string(getpid()));
   std::filesystem::create_directories(folder);
   std::ofstream(folder / "network.gkf") << write_gama_xml(survey);
   const std::string command = "gama-local '" + (folder / "network.gkf").string() + "' --xml '" +
                               (folder / "network.xml").string() + "' > /dev/null 2>&1";
+  const double cpu = cpu_seconds(RUSAGE_CHILDREN);
   const auto start = Clock::now();
-  const int status = std::system(command.c_str());
-  const double elapsed = seconds_since(start);
+  if (std::system(command.c_str()) == 0) times.push_back({seconds_since(start), cpu_seconds(RUSAGE_CHILDREN) - cpu});
   std::filesystem::remove_all(folder);
-  return status == 0 ? elapsed : -1;
 }
 
-void run(int markers, int set_ups, int sights) {
+/// Ours and gama-local in turn, so that both meet the same load of the machine.
+void run(int markers, int set_ups, int sights, int runs, bool compare) {
   const SurveyObservations survey = facade(markers, set_ups, sights);
-  const auto start = Clock::now();
-  const NetworkResult r = adjust_network(survey, {});
-  const double ours = seconds_since(start);
+  std::vector<Times> ours(1), gama;
+  const NetworkResult r = adjust(survey, ours.front());
+  for (int i = 0; i < runs; ++i) {
+    if (i > 0) adjust(survey, ours.emplace_back());
+    if (compare) gama_run(survey, gama);
+  }
+  const Times own = median(ours);
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   std::printf(
-      "%5d markers %3d set-ups %6d observations %5d unknowns: %7.3f s, %d iterations, sigma0 %.4f, "
-      "sum of redundancy - f = %.1e, peak memory %ld MiB\n",
-      markers, set_ups, r.observations, r.unknowns, ours, seconds(usage.ru_utime) + seconds(usage.ru_stime),
-      r.iterations, r.sigma0, r.sum_of_redundancy_numbers - r.degrees_of_freedom, usage.ru_maxrss / 1024);
-  const double gama = gama_seconds(survey);
-  if (gama > 0)
-    std::printf("      gama-local: %.3f s, ratio %.0f\n", gama, gama / ours);
-  else
-    std::printf("      gama-local is not on the PATH: no comparison\n");
+      "%5d markers %3d set-ups %6d observations %5d unknowns: wall %.3f s, cpu %.3f s (medians of %d), %d iterations, "
+      "sigma0 %.4f, sum of redundancy - f = %.1e, peak memory %ld MiB\n",
+      markers, set_ups, r.observations, r.unknowns, own.wall, own.cpu, runs, r.iterations, r.sigma0,
+      r.sum_of_redundancy_numbers - r.degrees_of_freedom, usage.ru_maxrss / 1024);
+  if (!compare) return;
+  if (gama.empty()) {
+    std::printf("      gama-local is not on the PATH, or fails: no comparison\n");
+    return;
+  }
+  const Times other = median(gama);
+  std::printf("      gama-local: wall %.3f s, cpu %.3f s; ratio wall %.0f, cpu %.0f\n", other.wall, other.cpu,
+              other.wall / own.wall, other.cpu / own.cpu);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc == 4) {
-    run(std::atoi(argv[1]), std::atoi(argv[2]), std::atoi(argv[3]));
+  if (argc == 4 || argc == 5) {
+    run(std::atoi(argv[1]), std::atoi(argv[2]), std::atoi(argv[3]), argc == 5 ? std::max(1, std::atoi(argv[4])) : 5,
+        true);
     return 0;
   }
-  run(100, 6, 6);    // 1 800 observations
-  run(300, 20, 7);   // 6 300 observations
-  run(1000, 60, 7);  // 21 000 observations
+  run(100, 6, 6, 5, true);     // 1 800 observations
+  run(300, 20, 7, 5, true);    // 6 300 observations
+  run(1000, 60, 7, 5, false);  // 21 000 observations: gama-local takes minutes, ask for it with arguments
   return 0;
 }

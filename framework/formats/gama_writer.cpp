@@ -78,7 +78,10 @@ class GamaWriter {
         xml_escaped(s_.info.description.empty() ? s_.info.title : s_.info.description) + "</description>\n";
     const double sigma0 = std::isnan(s_.info.a_priori_sigma0) ? 1.0 : s_.info.a_priori_sigma0;
     text_ += "<parameters" + attribute("sigma-apr", format_shortest(sigma0)) +
-             attribute("sigma-act", s_.info.use_a_posteriori_sigma0 ? "aposteriori" : "apriori") + "/>\n";
+             attribute("sigma-act", s_.info.use_a_posteriori_sigma0 ? "aposteriori" : "apriori");
+    if (!std::isnan(s_.info.largest_misclosure))
+      text_ += attribute("tol-abs", format_shortest(1000 * s_.info.largest_misclosure));
+    text_ += "/>\n";
     text_ += "<points-observations>\n";
     for (const Point& p : s_.points) text_ += point(p);
     observations();

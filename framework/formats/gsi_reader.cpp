@@ -326,7 +326,7 @@ void GsiReader::read_zenith_angle(const GsiWord& word, Sighting& sighting) {
 
 // Instruments fill a remark nobody keyed in with dashes.
 void GsiReader::describe_point(const GsiBlock& block, const std::string& id) {
-  Point& point = builder_.point(id, builder_.at(line_));
+  Point& point = builder_.point(id, builder_.at(line_, block.words.front().column));
   for (int index = 71; index <= 79; ++index) {
     const GsiWord* word = block.find(index);
     if (!word) continue;

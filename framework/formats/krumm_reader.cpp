@@ -67,7 +67,7 @@ void KrummReader::read_datum(const std::vector<std::string_view>& parts) {
       reject(part, "x, y or z and the name of a point of [Coordinates], e.g. 'x51'");
       continue;
     }
-    Point& point = builder_.point(id, builder_.at(line_));
+    Point& point = builder_.point(id, builder_.at(line_, 1));
     if (std::isnan(point.coordinates[static_cast<Eigen::Index>(axis)])) {
       reject(part, "an axis for which [Coordinates] has a value");
       continue;

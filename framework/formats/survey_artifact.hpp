@@ -38,6 +38,13 @@ inline Eigen::VectorXd to_eigen(const std::vector<double>& v) {
   return Eigen::Map<const Eigen::VectorXd>(v.data(), static_cast<Eigen::Index>(v.size()));
 }
 
+template <typename Native>
+void put_source(const SourcePosition& at, Native& item) {
+  item.file = at.file;
+  item.line = at.line;
+  item.column = at.column;
+}
+
 inline SurveyInfoT to_artifact(const NetworkInfo& i) {
   SurveyInfoT r;
   r.format = i.format;
@@ -56,6 +63,7 @@ inline SurveyInfoT to_artifact(const NetworkInfo& i) {
   r.use_a_posteriori_sigma0 = i.use_a_posteriori_sigma0;
   r.confidence_level = i.confidence_level;
   r.refraction_coefficient = i.refraction_coefficient;
+  r.largest_misclosure = i.largest_misclosure;
   return r;
 }
 
@@ -77,6 +85,7 @@ inline NetworkInfo from_artifact(const SurveyInfoT& r) {
   i.use_a_posteriori_sigma0 = r.use_a_posteriori_sigma0;
   i.confidence_level = r.confidence_level;
   i.refraction_coefficient = r.refraction_coefficient;
+  i.largest_misclosure = r.largest_misclosure;
   return i;
 }
 
@@ -121,8 +130,7 @@ inline SurveyObservationT to_artifact(const Observation& o) {
   r.second_target_height = o.second_target_height;
   r.face = static_cast<int8_t>(o.face);
   r.set_number = o.set_number;
-  r.file = o.source.file;
-  r.line = o.source.line;
+  put_source(o.source, r);
   r.corrections = o.corrections;
   return r;
 }
@@ -143,7 +151,7 @@ inline Observation from_artifact(const SurveyObservationT& r) {
   o.second_target_height = r.second_target_height;
   o.face = r.face;
   o.set_number = r.set_number;
-  o.source = {r.file, r.line, 0};
+  o.source = {r.file, r.line, r.column};
   o.corrections = r.corrections;
   return o;
 }
@@ -157,6 +165,7 @@ inline SurveyCoordinatesT to_artifact(const CoordinateGroup& g) {
   r.values = to_vector(g.values);
   r.covariance = pack_lower(g.covariance);
   r.is_control = g.is_control;
+  put_source(g.source, r);
   return r;
 }
 
@@ -168,6 +177,7 @@ inline CoordinateGroup from_artifact(const SurveyCoordinatesT& r) {
   g.values = to_eigen(r.values);
   g.covariance = unpack_lower(r.covariance, static_cast<int>(r.values.size()));
   g.is_control = r.is_control;
+  g.source = {r.file, r.line, r.column};
   return g;
 }
 
@@ -180,6 +190,7 @@ inline SurveyVectorsT to_artifact(const VectorGroup& g) {
   }
   r.values = to_vector(g.values);
   r.covariance = pack_lower(g.covariance);
+  put_source(g.source, r);
   return r;
 }
 
@@ -191,6 +202,7 @@ inline VectorGroup from_artifact(const SurveyVectorsT& r) {
   for (size_t k = 0; k < n; ++k) g.vectors.push_back({r.from[k], r.to[k], r.heights[2 * k], r.heights[2 * k + 1]});
   g.values = to_eigen(r.values);
   g.covariance = unpack_lower(r.covariance, static_cast<int>(r.values.size()));
+  g.source = {r.file, r.line, r.column};
   return g;
 }
 
@@ -201,8 +213,7 @@ inline SurveyLocalCoordinateT to_artifact(const LocalCoordinate& c) {
   r.position = c.position;
   if (c.covariance.allFinite()) r.covariance = pack_lower(c.covariance);
   r.target_height = c.target_height;
-  r.file = c.source.file;
-  r.line = c.source.line;
+  put_source(c.source, r);
   r.corrections = c.corrections;
   return r;
 }
@@ -214,7 +225,7 @@ inline LocalCoordinate from_artifact(const SurveyLocalCoordinateT& r) {
   c.position = r.position;
   if (!r.covariance.empty()) c.covariance = unpack_lower(r.covariance, 3);
   c.target_height = r.target_height;
-  c.source = {r.file, r.line, 0};
+  c.source = {r.file, r.line, r.column};
   c.corrections = r.corrections;
   return c;
 }
@@ -240,8 +251,7 @@ inline SurveyObservationsT to_artifact(const SurveyObservations& s) {
     item->id = set_up.id;
     item->station = set_up.station;
     item->instrument_height = set_up.instrument_height;
-    item->file = set_up.source.file;
-    item->line = set_up.source.line;
+    detail::put_source(set_up.source, *item);
     r.set_ups.push_back(std::move(item));
   }
   detail::pack_list(s.observations, r.observations);
@@ -256,9 +266,7 @@ inline SurveyObservationsT to_artifact(const SurveyObservations& s) {
   detail::pack_list(s.local_coordinates, r.local_coordinates);
   for (const auto& skipped : s.skipped) {
     auto item = std::make_unique<SurveySkippedT>();
-    item->file = skipped.source.file;
-    item->line = skipped.source.line;
-    item->column = skipped.source.column;
+    detail::put_source(skipped.source, *item);
     item->found = skipped.found;
     item->expected = skipped.expected;
     r.skipped.push_back(std::move(item));
@@ -274,7 +282,7 @@ inline SurveyObservations from_artifact(const SurveyObservationsT& r) {
   s.files = r.files;
   detail::unpack_list(r.points, s.points);
   for (const auto& item : r.set_ups)
-    s.set_ups.push_back({item->id, item->station, item->instrument_height, {item->file, item->line, 0}});
+    s.set_ups.push_back({item->id, item->station, item->instrument_height, {item->file, item->line, item->column}});
   detail::unpack_list(r.observations, s.observations);
   for (const auto& item : r.covariances)
     s.covariances.push_back({item->indices, unpack_lower(item->covariance, static_cast<int>(item->indices.size()))});

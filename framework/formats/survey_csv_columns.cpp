@@ -58,7 +58,7 @@ const std::map<std::string, std::string>& survey_column_names() {
     add("set", {"satz", "round"});
     add("pointing", {});
     for (const char* own : {"record", "second_to", "kind", "value", "unit", "sigma", "second_target_height",
-                            "levelling_length", "role", "corrections", "source_file", "source_line"})
+                            "levelling_length", "role", "corrections", "source_file", "source_line", "source_column"})
       add(own, {});
     add("sigma_e", {"sigma_x", "s_e", "sd_e", "std_e", "sigma_east"});
     add("sigma_n", {"sigma_y", "s_n", "sd_n", "std_n", "sigma_north"});

@@ -63,7 +63,7 @@ SurveyObservations TableReader::read() {
                           columns_.has("horizontal_distance") || columns_.has("height_difference"));
   const bool points = columns_.has("id") && ((columns_.has("e") && columns_.has("n")) || columns_.has("h"));
   if (!records && !sightings && !points)
-    throw SurveyReadError(builder_.at(table_.header_line), found_nothing(),
+    throw SurveyReadError(builder_.at(table_.header_line, 1), found_nothing(),
                           std::string(kTables) + ", or " + understood_formats());
   for (const formats::CsvRow& row : table_.rows) {
     columns_.select(row);
@@ -144,7 +144,10 @@ void TableReader::read_sighting() {
 SourcePosition TableReader::original_position() const {
   const std::string file = columns_.text("source_file");
   if (file.empty()) return columns_.position();
-  return {file, static_cast<int>(formats::parse_integer(columns_.text("source_line")).value_or(0) & 0x7fffffff), 0};
+  const auto number = [&](const char* column) {
+    return static_cast<int>(formats::parse_integer(columns_.text(column)).value_or(0) & 0x7fffffff);
+  };
+  return {file, number("source_line"), number("source_column")};
 }
 
 void TableReader::read_record() {
@@ -242,7 +245,7 @@ SurveyObservations TableReader::read_set_up_coordinates() {
   const std::string id = columns_.has("target") ? "target" : "id";
   if (!(columns_.has("set_up") || columns_.has("station")) || !columns_.has(id) || !columns_.has("e") ||
       !columns_.has("n") || !columns_.has("h"))
-    throw SurveyReadError(builder_.at(table_.header_line), found_nothing(), expected);
+    throw SurveyReadError(builder_.at(table_.header_line, 1), found_nothing(), expected);
   builder_.survey.info.format = "setup-coordinates-csv";
   for (const formats::CsvRow& row : table_.rows) {
     columns_.select(row);

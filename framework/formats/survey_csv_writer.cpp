@@ -42,6 +42,7 @@ const char* const kHeader[] = {"record",
                                "description",
                                "source_file",
                                "source_line",
+                               "source_column",
                                "corrections"};
 
 [[noreturn]] void cannot(const std::string& what) {
@@ -87,6 +88,7 @@ void CsvWriter::end_row() {
 void CsvWriter::position(const SourcePosition& source) {
   set("source_file", source.file);
   if (source.line > 0) set("source_line", std::to_string(source.line));
+  if (source.column > 0) set("source_column", std::to_string(source.column));
 }
 
 void CsvWriter::coordinates(const Eigen::Vector3d& at) {

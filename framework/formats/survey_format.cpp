@@ -179,7 +179,7 @@ SurveyObservations read_survey(std::string_view bytes, const std::string& file) 
   const formats::DecodedText decoded = formats::decode_text(bytes.substr(0, kBeginning));
   const std::string_view text = formats::trim(decoded.text);
   const std::string_view first = text.substr(0, text.find_first_of("\r\n"));
-  throw SurveyReadError({file, text.empty() ? 0 : 1, 0},
+  throw SurveyReadError({file, text.empty() ? 0 : 1, text.empty() ? 0 : 1},
                         text.empty() ? "an empty file (" + std::to_string(bytes.size()) + " bytes)"
                                      : "a file that begins with " + formats::quoted(first),
                         understood_formats());

@@ -26,6 +26,14 @@ struct SourcePosition {
   int column = 0;
 };
 
+/// "file:line:column", as much of it as is known.
+inline std::string place(const SourcePosition& at) {
+  std::string text = at.file;
+  if (at.line > 0) text += ":" + std::to_string(at.line);
+  if (at.line > 0 && at.column > 0) text += ":" + std::to_string(at.column);
+  return text;
+}
+
 enum class ObservationKind {
   direction,            ///< circle reading [rad], clockwise; needs a set-up, which has one orientation unknown
   zenith_angle,         ///< [rad]
@@ -147,6 +155,8 @@ struct NetworkInfo {
   bool use_a_posteriori_sigma0 = false;  ///< covariances of the file's result were scaled with the a posteriori sigma0
   double confidence_level = kNotGiven;   ///< e.g. 0.95
   double refraction_coefficient = kNotGiven;
+  /// What contradicts the approximate coordinates by more than this [m] takes no part (gama: tol-abs); NaN: no limit.
+  double largest_misclosure = kNotGiven;
 };
 
 struct SurveyObservations {
@@ -177,10 +187,7 @@ class SurveyReadError : public std::runtime_error {
 
  private:
   static std::string describe(const SourcePosition& at, const std::string& found, const std::string& expected) {
-    std::string text = at.file;
-    if (at.line > 0) text += ":" + std::to_string(at.line);
-    if (at.column > 0) text += ":" + std::to_string(at.column);
-    return text + ": found " + found + ", expected " + expected;
+    return place(at) + ": found " + found + ", expected " + expected;
   }
 };
 

@@ -135,7 +135,7 @@ MeanResult mean_observations(const SurveyObservations& survey) {
     const double limit = is_angular(mean.observation.kind) ? 1e-3 : 0.02;
     if (mean.spread > limit)
       result.notes.push_back("readings from " + mean.observation.from + " to " + mean.observation.to + " (" +
-                             mean.observation.source.file + ":" + std::to_string(mean.observation.source.line) +
+                             place(mean.observation.source) +
                              ") differ among the sets far more than noise: check the point number");
     result.observations.push_back(std::move(mean));
   }

@@ -71,6 +71,7 @@ std::unique_ptr<NetworkObservationT> pack_row(const ResultRow& row) {
   o->sets = row.sets;
   o->file = row.source.file;
   o->line = row.source.line;
+  o->column = row.source.column;
   o->corrections = row.corrections;
   return o;
 }

@@ -80,6 +80,8 @@ std::vector<Finding> name_local_defects(const NetworkModel& model, const Network
 /// Uncontrolled and weak observations, hinge points, failing tests: what a surveyor should look at.
 std::vector<Finding> examine(const NetworkModel& model, const NetworkResult& result);
 
+/// "direction A -> B (file:line:column)", for messages.
+std::string name_of(const Observation& observation);
 std::string kind_name(ObservationKind kind);
 Group group_of(ObservationKind kind);
 const char* datum_name(DatumMode mode);

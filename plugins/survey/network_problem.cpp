@@ -213,8 +213,7 @@ class Assembler {
     try {
       block.set_sigmas(sigmas);
     } catch (const std::invalid_argument& error) {
-      throw NetworkError("observation " + o.from + " -> " + o.to + " (" + o.source.file + ":" +
-                         std::to_string(o.source.line) + "): " + error.what());
+      throw NetworkError(name_of(o) + ": " + error.what());
     }
   }
 
@@ -251,8 +250,7 @@ class Assembler {
               state_.sigma_factors[block->groups[a]] * state_.sigma_factors[block->groups[b]];
       const Observation& first = m_.observations[members.front()].observation;
       set_covariance(*block, covariance,
-                     "correlated observations from " + first.from + " (" + first.source.file + ":" +
-                         std::to_string(first.source.line) + ")");
+                     "correlated observations from " + first.from + " (" + place(first.source) + ")");
       finish(std::move(block), members, "");
     }
   }
@@ -268,7 +266,7 @@ class Assembler {
             {slot(*block, out_.point_blocks[point]), g.components[k].axis, g.values[static_cast<Eigen::Index>(k)]});
         rows.push_back(m_.first_row_of_group[group] + static_cast<int>(k));
       }
-      finish_given(std::move(block), g.covariance, rows, kGiven, "observed coordinates");
+      finish_given(std::move(block), g.covariance, rows, kGiven, "observed coordinates (" + place(g.source) + ")");
       ++group;
     }
     for (const VectorGroup& g : m_.survey.vectors) {
@@ -281,7 +279,7 @@ class Assembler {
         block->vectors.push_back({from, to, v.to_height - v.from_height});
       }
       for (int k = 0; k < g.values.size(); ++k) rows.push_back(m_.first_row_of_group[group] + k);
-      finish_given(std::move(block), g.covariance, rows, kGiven, "observed vectors");
+      finish_given(std::move(block), g.covariance, rows, kGiven, "observed vectors (" + place(g.source) + ")");
       ++group;
     }
     for (const LocalCoordinate& c : m_.survey.local_coordinates) add_local(c, m_.first_row_of_group[group++]);
@@ -300,7 +298,7 @@ class Assembler {
     const double factor = state_.sigma_factors[kLocalCoordinates];
     const Eigen::Matrix3d covariance = c.covariance.allFinite() ? c.covariance : polar_covariance(c.position);
     finish_given(std::move(block), factor * factor * covariance, {first_row, first_row + 1, first_row + 2},
-                 kLocalCoordinates, "local coordinates of " + c.point);
+                 kLocalCoordinates, "local coordinates of " + c.point + " (" + place(c.source) + ")");
   }
 
   /// Covariance of a point measured with the profile's angles and distance.

@@ -15,13 +15,6 @@ namespace {
 
 constexpr size_t skipped_shown = 10;
 
-std::string place(const survey::SourcePosition& source) {
-  std::string text = source.file;
-  if (source.line > 0) text += ":" + std::to_string(source.line);
-  if (source.column > 0) text += ":" + std::to_string(source.column);
-  return text;
-}
-
 survey::SurveyCsvOptions options_of(const TableReaderNode& node) {
   return {*node.columns, *node.angle_unit, *node.length_unit};
 }
@@ -37,13 +30,14 @@ void ReaderNode::deliver(Context& context, const survey::SurveyObservations& sur
   if (*strict && !survey.skipped.empty()) {
     const survey::SkippedLine& first = survey.skipped.front();
     const size_t more = survey.skipped.size() - 1;
-    throw std::runtime_error(place(first.source) + ": found " + first.found + ", expected " + first.expected +
-                             (more > 0 ? "; and " + std::to_string(more) + " more that cannot be used" : "") +
-                             ". Mend the file, or read its good part with strict=false; what was skipped is then listed");
+    throw std::runtime_error(
+        survey::place(first.source) + ": found " + first.found + ", expected " + first.expected +
+        (more > 0 ? "; and " + std::to_string(more) + " more that cannot be used" : "") +
+        ". Mend the file, or read its good part with strict=false; what was skipped is then listed");
   }
   for (const std::string& warning : survey.warnings) context.warn(name() + ": " + warning);
   for (size_t i = 0; i < survey.skipped.size() && i < skipped_shown; ++i)
-    context.warn(place(survey.skipped[i].source) + ": skipped " + survey.skipped[i].found + ", expected " +
+    context.warn(survey::place(survey.skipped[i].source) + ": skipped " + survey.skipped[i].found + ", expected " +
                  survey.skipped[i].expected);
   if (survey.skipped.size() > skipped_shown)
     context.warn(name() + ": " + std::to_string(survey.skipped.size() - skipped_shown) +

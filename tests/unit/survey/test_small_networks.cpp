@@ -170,5 +170,17 @@ TEST(SmallNetworks, LevellingLineBetweenTwoBenchMarks) {
   EXPECT_EQ(r.degrees_of_freedom, 1);
 }
 
+TEST(SmallNetworks, TheFileSaysWhatIsTooFarOff) {
+  const std::string xml = network(
+      "<point id='A' z='100' fix='z'/><point id='P' z='101' adj='z'/><height-differences>\n"
+      "<dh from='A' to='P' val='1' dist='1'/>\n  <dh from='A' to='P' val='1.5' dist='1'/></height-differences>");
+  EXPECT_NEAR(adjust(xml).point("P").position.z(), 101.25, 1e-12);
+  std::string strict = xml;
+  strict.replace(strict.find("sigma-act"), 0, "tol-abs=\"100\" ");
+  const NetworkResult r = adjust(strict);
+  EXPECT_NEAR(r.point("P").position.z(), 101, 1e-12);
+  EXPECT_NE(r.findings.front().text.find("(t.gkf:3:3) is not used"), std::string::npos) << r.findings.front().text;
+}
+
 }  // namespace
 }  // namespace plumbline::survey

@@ -1,0 +1,76 @@
+// Parts of adjust_network.cpp: one run from a model to a result. Blunder search and variance components are in
+// network_snooping.cpp, the result's tables in network_report.cpp.
+#pragma once
+
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "network_model.hpp"
+
+namespace plumbline::survey {
+
+/// One adjustment of the rows that are in.
+struct Pass {
+  NetworkProblem problem;
+  adjustment::Solution solution;
+  Eigen::MatrixXd cofactors;
+  adjustment::Reliability reliability;
+};
+
+class Adjuster {
+ public:
+  Adjuster(NetworkModel& model, const AdjustOptions& options) : m_(model), options_(options) {
+    state_.removed.assign(m_.rows.size(), 0);
+  }
+  NetworkResult run();
+
+ private:
+  /// Solves; with `statistics` also cofactors and reliability. RankDefect becomes words.
+  Pass adjust(bool statistics = true);
+  [[noreturn]] static void fail_with(const std::vector<Finding>& defects, const std::string& advice);
+
+  /// Inner constraints choose among positions of the whole network; they must not stand in for missing observations.
+  void refuse_local_defects(const NetworkProblem& problem, const adjustment::Solution& solution) const;
+  void add_statistics(Pass& pass) const;
+  [[noreturn]] void fail_to_converge(const NetworkProblem& problem, const adjustment::Solution& solution) const;
+  double critical_w() const;
+
+  /// Baarda's iterated data snooping: the worst goes, the rest is adjusted again, what was removed is tested again.
+  void snoop(Pass& pass);
+  int worst_row(const Pass& pass, const std::set<int>& kept) const;
+  std::pair<double, double> row_test(const Pass& pass, int row) const;
+
+  /// True if a point that had controlled observations has none any more.
+  bool makes_uncontrolled(const Pass& before, const Pass& after) const;
+  std::set<std::string> controlled_points(const Pass& pass) const;
+  bool is_unknown(const std::string& id) const;
+  void note_kept(int row, double w);
+  void log_action(int row, bool restored, double w, double blunder, const Pass& pass);
+
+  /// A removed observation that agrees with the network without it was masked by another blunder.
+  void restore_innocent(Pass& pass, std::set<int>& restored);
+
+  /// Test of an observation that took no part: its misfit against its own and the network's uncertainty. This is the w
+  /// the observation had before it was removed, with all other removed ones out.
+  adjustment::RowStatistics removed_statistics(const Pass& pass, int row) const;
+
+  /// Huber weights by iteration; observations they push out start as removed and must earn their way back.
+  void remove_by_robust_weights();
+
+  /// Förstner's iterated estimate; a group changes only if it has enough redundancy to say something.
+  void estimate_variance_components(Pass& pass);
+  NetworkResult report(Pass& pass);
+  void report_points(const Pass& pass, NetworkResult& result) const;
+  void report_set_ups(const Pass& pass, NetworkResult& result) const;
+  void report_rows(const Pass& pass, NetworkResult& result) const;
+  void report_pointings(const Pass& pass, NetworkResult& result) const;
+
+  NetworkModel& m_;
+  const AdjustOptions& options_;
+  StochasticState state_;
+  std::vector<SnoopingAction> actions_;
+};
+
+}  // namespace plumbline::survey
