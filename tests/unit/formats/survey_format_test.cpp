@@ -69,7 +69,7 @@ TEST(SurveyFormat, ReadsEveryFormatAndInUtf16Too) {
 
 TEST(SurveyFormat, AFileOfNoFormatSaysWhatWasFoundAndWhatIsUnderstood) {
   const std::string text = error_of([] { read_survey("Dear all,\nplease find attached\n", "letter.txt"); });
-  EXPECT_NE(text.find("letter.txt:1: found a file that begins with 'Dear all,'"), std::string::npos) << text;
+  EXPECT_NE(text.find("letter.txt:1:1: found a file that begins with 'Dear all,'"), std::string::npos) << text;
   EXPECT_NE(text.find("Leica GSI-8 and GSI-16"), std::string::npos);
   EXPECT_NE(error_of([] { read_survey("", "e"); }).find("an empty file (0 bytes)"), std::string::npos);
 }

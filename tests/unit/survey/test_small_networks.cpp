@@ -179,7 +179,7 @@ TEST(SmallNetworks, TheFileSaysWhatIsTooFarOff) {
   strict.replace(strict.find("sigma-act"), 0, "tol-abs=\"100\" ");
   const NetworkResult r = adjust(strict);
   EXPECT_NEAR(r.point("P").position.z(), 101, 1e-12);
-  EXPECT_NE(r.findings.front().text.find("(t.gkf:3:3) is not used"), std::string::npos) << r.findings.front().text;
+  EXPECT_NE(r.findings.front().text.find("(t.gkf:3:4) is not used"), std::string::npos) << r.findings.front().text;
 }
 
 }  // namespace
