@@ -5,5 +5,4 @@
 
 using namespace plumbline::survey;
 
-PLUMBLINE_PLUGIN("survey", "0.1.0", "MIT", AdjustNode, CompareEpochsNode, CheckControlNode, FileAxesNode,
-                 PlanNode)
+PLUMBLINE_PLUGIN("survey", "0.1.0", "MIT", AdjustNode, CompareEpochsNode, CheckControlNode, FileAxesNode, PlanNode)
