@@ -27,7 +27,6 @@ Switch to_switch(const std::string& name) {
 
 AdjustOptions AdjustNode::options() const {
   AdjustOptions o;
-  o.profile = profile_file->path.empty() ? built_in_profile(*profile) : read_profile(profile_file->path);
   o.datum = datum_mode(*datum);
   o.datum_points = *datum_points;
   o.alpha = *alpha;
@@ -55,8 +54,12 @@ void AdjustNode::run(Context& context) {
   if (surveys.empty()) throw std::runtime_error("'observations' holds no survey file");
   ControlPoints known;
   if (control) known = control_from_artifact(control.unpack());
-  const AdjustOptions o = options();
-  const NetworkResult result = adjust_network(merge_surveys(surveys), o, known);
+  const auto survey = merge_surveys(surveys);
+  AdjustOptions o = options();
+  std::string remark;
+  o.profile = choose_profile(*profile, profile_file->path, survey.info.instrument, remark);
+  if (!remark.empty()) context.info(remark);
+  const NetworkResult result = adjust_network(survey, o, known);
   for (const Finding& finding : result.findings)
     if (finding.severity != Finding::Severity::note) context.warn(finding.text);
   context.metric("sigma0", result.sigma0, "1");

@@ -16,9 +16,10 @@ struct AdjustNode : Node {
                                                    "readings of one campaign, from one or several files"};
   Optional<Points> control{"control", frame("frame=?S"), "points known beforehand, with or without covariance"};
   Param<std::string> profile{
-      "profile", "ics50_assumed",
-      one_of("ics50_assumed", "total_station_1arcsec", "total_station_2arcsec", "total_station_5arcsec"),
-      "instrument profile for readings whose file gives no standard deviation"};
+      "profile", "automatic",
+      one_of("automatic", "ics50_assumed", "total_station_1arcsec", "total_station_2arcsec", "total_station_5arcsec"),
+      "instrument profile for readings whose file gives no standard deviation; automatic: the one that the "
+      "observations name, or ics50_assumed"};
   Param<FilePath> profile_file{"profile_file", FilePath{}, "YAML file of a profile of your own, in place of `profile`"};
   Param<std::string> datum{"datum", "automatic", one_of("automatic", "file", "fixed", "weighted", "inner"),
                            "what defines the frame; automatic: weighted control if it has a covariance, fixed if not, "
@@ -54,7 +55,7 @@ struct AdjustNode : Node {
   Out<Points> points{"points", frame("frame=?S"), "adjusted points with full covariance"};
   Out<SurveyNetwork> network{"network", frame("frame=?S"), "the whole result: statistics, tests, every observation"};
 
-  AdjustOptions options() const;
+  AdjustOptions options() const;  ///< without the profile, which may depend on the observations
   void run(Context& context) override;
 };
 

@@ -155,11 +155,13 @@ void CheckControlNode::run(Context& context) {
   for (size_t i = 0; i < observations.size(); ++i) surveys.push_back(from_artifact(observations.unpack(i)));
   ControlPoints known;
   if (control) known = control_from_artifact(control.unpack());
+  const auto survey = merge_surveys(surveys);
   AdjustOptions adjustment;
-  adjustment.profile = profile_file->path.empty() ? built_in_profile(*profile) : read_profile(profile_file->path);
+  std::string remark;  // survey.adjust says it
+  adjustment.profile = choose_profile(*profile, profile_file->path, survey.info.instrument, remark);
   adjustment.remove_blunders = *remove_blunders;
   const ComparisonOptions options = options_of(*alpha, *alpha0, *power);
-  const ControlCheck result = check_control(merge_surveys(surveys), known, adjustment, options);
+  const ControlCheck result = check_control(survey, known, adjustment, options);
   if (result.problem.empty()) {
     ComparisonOptions used = options;
     used.free_motions = result.free_motions;

@@ -39,9 +39,10 @@ struct CheckControlNode : Node {
       "observations", frame("frame=?S"), "readings of one campaign; points that its files hold fixed are control too"};
   Optional<Points> control{"control", frame("frame=?S"), "points known beforehand, with or without covariance"};
   Param<std::string> profile{
-      "profile", "ics50_assumed",
-      one_of("ics50_assumed", "total_station_1arcsec", "total_station_2arcsec", "total_station_5arcsec"),
-      "instrument profile for readings whose file gives no standard deviation"};
+      "profile", "automatic",
+      one_of("automatic", "ics50_assumed", "total_station_1arcsec", "total_station_2arcsec", "total_station_5arcsec"),
+      "instrument profile for readings whose file gives no standard deviation; automatic: the one that the "
+      "observations name, or ics50_assumed"};
   Param<FilePath> profile_file{"profile_file", FilePath{}, "YAML file of a profile of your own, in place of `profile`"};
   Param<bool> remove_blunders{"remove_blunders", false, "data snooping cleans the free network first"};
   Param<double> alpha{"alpha", 0.05, "1", between(1e-6, 0.5), "error of the first kind of the global test"};

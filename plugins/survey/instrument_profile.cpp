@@ -140,4 +140,16 @@ InstrumentProfile built_in_profile(const std::string& name) {
                            "; a profile of your own is given by path");
 }
 
+InstrumentProfile choose_profile(const std::string& profile, const std::string& profile_file,
+                                 const std::string& instrument, std::string& remark) {
+  if (!profile_file.empty()) return read_profile(profile_file);
+  if (profile != "automatic") return built_in_profile(profile);
+  const std::vector<std::string> names = profile_names();
+  if (std::find(names.begin(), names.end(), instrument) != names.end()) return built_in_profile(instrument);
+  if (!instrument.empty())
+    remark = "the observations name the instrument '" + instrument +
+             "', of which there is no profile; ics50_assumed is used unless profile or profile_file says otherwise";
+  return built_in_profile("ics50_assumed");
+}
+
 }  // namespace plumbline::survey

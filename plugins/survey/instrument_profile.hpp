@@ -42,4 +42,10 @@ InstrumentProfile built_in_profile(const std::string& name);
 InstrumentProfile parse_profile(const std::string& yaml, const std::string& origin);
 InstrumentProfile read_profile(const std::string& path);
 
+/// Profile of the parameters `profile` and `profile_file` that several nodes have: the file if there is one; for
+/// "automatic" the built-in profile that the observations name (`instrument`, as campaign.yaml sets it), or else
+/// ics50_assumed with a sentence in `remark` if they name another instrument.
+InstrumentProfile choose_profile(const std::string& profile, const std::string& profile_file,
+                                 const std::string& instrument, std::string& remark);
+
 }  // namespace plumbline::survey

@@ -215,5 +215,15 @@ TEST(Network, BadIndicesAndValuesAreErrors) {
   EXPECT_THROW(adjust_network(SurveyObservations{}, {}), NetworkError);
 }
 
+TEST(InstrumentProfile, ObservationsNameTheirProfile) {
+  std::string remark;
+  EXPECT_EQ(choose_profile("automatic", "", "total_station_1arcsec", remark).name, "total_station_1arcsec");
+  EXPECT_EQ(choose_profile("total_station_2arcsec", "", "total_station_1arcsec", remark).name, "total_station_2arcsec");
+  EXPECT_EQ(choose_profile("automatic", "", "", remark).name, "ics50_assumed");
+  EXPECT_EQ(remark, "");
+  EXPECT_EQ(choose_profile("automatic", "", "Wild T2", remark).name, "ics50_assumed");
+  EXPECT_NE(remark.find("'Wild T2'"), std::string::npos) << remark;
+}
+
 }  // namespace
 }  // namespace plumbline::survey
