@@ -20,7 +20,8 @@ inline char upper(char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 
 
 class Scanner {
  public:
-  Scanner(std::string_view bytes, const std::string& name, std::size_t from = 0) : at(from), bytes_(bytes), name_(name) {}
+  Scanner(std::string_view bytes, const std::string& name, std::size_t from = 0)
+      : at(from), bytes_(bytes), name_(name) {}
 
   std::size_t at;
 

@@ -92,7 +92,8 @@ struct ReadCampaign : Node {
   Out<SurveyObservations> survey{"survey", frame("frame=building"),
                                  "all survey files in one; the datum is in `control`"};
   Out<Points> control{"control", frame("frame=building"), "the control points as given"};
-  Param<bool> strict{"strict", true, "refuse survey files of which anything has to be skipped; otherwise it is a warning"};
+  Param<bool> strict{"strict", true,
+                     "refuse survey files of which anything has to be skipped; otherwise it is a warning"};
   Out<File> design_file{"design_file", "the design IFC as it is"};
 
   void run(Context& context) override {
