@@ -34,7 +34,6 @@ class GsiReader {
   void read_sighting(const GsiBlock& block, const std::string& target);
   void read_zenith_angle(const GsiWord& word, Sighting& sighting);
   void describe_point(const GsiBlock& block, const std::string& id);
-  std::vector<std::string> distance_corrections(const GsiBlock& block, const GsiWord& distance) const;
   void warn_of_vertical_reference();
 
   std::optional<std::string> name(const GsiWord* word);
@@ -290,11 +289,12 @@ void GsiReader::read_sighting(const GsiBlock& block, const std::string& target) 
   // 32 and 33 are computed from 31 where that is there: only the measured value counts.
   if (slope) {
     sighting.slope_distance = length(slope).value_or(kNotGiven);
-    sighting.distance_corrections = distance_corrections(block, *slope);
+    sighting.distance_corrections = gsi_distance_corrections(block, *slope, options_.us_survey_foot);
   } else if (horizontal || height) {
     sighting.horizontal_distance = length(horizontal).value_or(kNotGiven);
     if (!block.find(22)) sighting.height_difference = length(height).value_or(kNotGiven);
-    sighting.distance_corrections = distance_corrections(block, horizontal ? *horizontal : *height);
+    sighting.distance_corrections =
+        gsi_distance_corrections(block, horizontal ? *horizontal : *height, options_.us_survey_foot);
     sighting.distance_corrections.push_back("reduced by the instrument (curvature and refraction as set there)");
   }
   for (double* distance : {&sighting.slope_distance, &sighting.horizontal_distance}) {
@@ -335,37 +335,6 @@ void GsiReader::describe_point(const GsiBlock& block, const std::string& id) {
     std::string& into = index == 71 ? point.code : point.description;
     if (into.empty()) into = text;
   }
-}
-
-std::vector<std::string> GsiReader::distance_corrections(const GsiBlock& block, const GsiWord& distance) const {
-  std::vector<std::string> done;
-  if (distance.unit == '1' || distance.unit == '7')
-    done.push_back(options_.us_survey_foot ? "from US survey feet" : "from international feet");
-  std::string constants;
-  if (const GsiWord* word = block.find(51); word && word->complete()) {
-    // ppm, then the prism constant behind a second sign whose place differs between instruments.
-    const std::size_t sign = word->data.find_first_of("+-", 1);
-    const auto ppm = formats::parse_integer(word->data.substr(0, sign));
-    const auto prism = sign == std::string_view::npos ? std::nullopt : formats::parse_integer(word->data.substr(sign));
-    if (ppm && prism)
-      constants =
-          "ppm " + std::to_string(word->negative ? -*ppm : *ppm) + ", prism constant " + std::to_string(*prism) + " mm";
-  }
-  if (const GsiWord* word = block.find(59)) {
-    if (const auto digits = gsi_digits(*word))
-      constants += (constants.empty() ? "" : ", ") + std::string("ppm ") +
-                   formats::format_fixed((word->negative ? -1e-4 : 1e-4) * static_cast<double>(*digits), 4);
-  }
-  if (const GsiWord* word = block.find(58)) {
-    if (const auto digits = gsi_digits(*word))
-      constants +=
-          (constants.empty() ? "" : ", ") + std::string("prism constant ") +
-          formats::format_fixed(
-              (word->negative ? -1.0 : 1.0) * (word->unit == '6' ? 0.1 : 1.0) * static_cast<double>(*digits), 1) +
-          " mm";
-  }
-  if (!constants.empty()) done.push_back("in the instrument: " + constants);
-  return done;
 }
 
 std::optional<std::string> GsiReader::name(const GsiWord* word) {

@@ -120,6 +120,37 @@ GsiValue gsi_length(const GsiWord& word, double foot) {
   }
 }
 
+std::vector<std::string> gsi_distance_corrections(const GsiBlock& block, const GsiWord& distance, bool us_survey_foot) {
+  std::vector<std::string> done;
+  if (distance.unit == '1' || distance.unit == '7')
+    done.push_back(us_survey_foot ? "from US survey feet" : "from international feet");
+  std::string constants;
+  if (const GsiWord* word = block.find(51); word && word->complete()) {
+    // ppm, then the prism constant behind a second sign whose place differs between instruments.
+    const std::size_t sign = word->data.find_first_of("+-", 1);
+    const auto ppm = formats::parse_integer(word->data.substr(0, sign));
+    const auto prism = sign == std::string_view::npos ? std::nullopt : formats::parse_integer(word->data.substr(sign));
+    if (ppm && prism)
+      constants =
+          "ppm " + std::to_string(word->negative ? -*ppm : *ppm) + ", prism constant " + std::to_string(*prism) + " mm";
+  }
+  if (const GsiWord* word = block.find(59)) {
+    if (const auto digits = gsi_digits(*word))
+      constants += (constants.empty() ? "" : ", ") + std::string("ppm ") +
+                   formats::format_fixed((word->negative ? -1e-4 : 1e-4) * static_cast<double>(*digits), 4);
+  }
+  if (const GsiWord* word = block.find(58)) {
+    if (const auto digits = gsi_digits(*word))
+      constants +=
+          (constants.empty() ? "" : ", ") + std::string("prism constant ") +
+          formats::format_fixed(
+              (word->negative ? -1.0 : 1.0) * (word->unit == '6' ? 0.1 : 1.0) * static_cast<double>(*digits), 1) +
+          " mm";
+  }
+  if (!constants.empty()) done.push_back("in the instrument: " + constants);
+  return done;
+}
+
 std::vector<GsiBlock> gsi_blocks(const formats::Line& source, std::vector<GsiNoise>& noise) {
   const CharacterLine line(source.text);
   std::vector<GsiBlock> blocks;

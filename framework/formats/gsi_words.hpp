@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -50,5 +51,9 @@ GsiValue gsi_angle(const GsiWord& word);
 /// [m], with sign, by the word's unit digit: 0, 6, 8 are 1, 0.1 and 0.01 mm; 1, 7 thousandths and ten-thousandths of
 /// `foot` metres.
 GsiValue gsi_length(const GsiWord& word, double foot);
+
+/// What the instrument had done to a distance before it wrote it, in words: its unit, and the ppm and prism constant
+/// of the block's words 51, 58 and 59.
+std::vector<std::string> gsi_distance_corrections(const GsiBlock& block, const GsiWord& distance, bool us_survey_foot);
 
 }  // namespace plumbline::survey

@@ -20,6 +20,7 @@
 #include "formats/sdr33.hpp"
 #include "formats/survey_csv.hpp"
 #include "formats/survey_format.hpp"
+#include "formats/survey_layout.hpp"
 
 namespace plumbline::fuzz {
 
@@ -87,6 +88,19 @@ void run_reader(std::size_t size, Reader read) {
   if (size % 16 == 0) check_writers(s);
 }
 
+inline void run_layout(std::string_view bytes) {
+  try {
+    const survey::SurveyLayout layout = survey::read_survey_layout(bytes, "f");
+    promise(!layout.markers.empty() && !layout.set_ups.empty(), "a layout has markers and set-ups");
+    for (const survey::LayoutMarker& m : layout.markers) {
+      promise(m.position.allFinite() && !std::isinf(m.facing_azimuth), "markers have finite places");
+      promise(m.floor >= 0 && m.floor <= 1000 && m.column >= 0 && m.column <= 1000, "floors and columns are small");
+    }
+    for (const survey::LayoutSetUp& s : layout.set_ups) promise(s.position.allFinite(), "set-ups have finite places");
+  } catch (const survey::SurveyReadError&) {
+  }
+}
+
 struct Target {
   const char* name;
   void (*run)(std::string_view bytes);
@@ -103,6 +117,7 @@ inline constexpr Target kTargets[] = {
     {"rw5", [](std::string_view b) { run_reader(b.size(), [&] { return survey::read_rw5(b, "f"); }); }},
     {"gama", [](std::string_view b) { run_reader(b.size(), [&] { return survey::read_gama_xml(b, "f"); }); }},
     {"krumm", [](std::string_view b) { run_reader(b.size(), [&] { return survey::read_krumm(b, "f"); }); }},
+    {"survey_layout", run_layout},
     {"survey_format", [](std::string_view b) { run_reader(b.size(), [&] { return survey::read_survey(b, "f"); }); }},
 };
 
