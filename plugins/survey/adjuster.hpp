@@ -1,5 +1,6 @@
 // Parts of adjust_network.cpp: one run from a model to a result. Blunder search and variance components are in
-// network_snooping.cpp, the result's tables in network_report.cpp.
+// network_snooping.cpp, errors that set-ups have in common in network_systematics.cpp, the result's tables in
+// network_report.cpp.
 #pragma once
 
 #include <set>
@@ -17,6 +18,16 @@ struct Pass {
   adjustment::Solution solution;
   Eigen::MatrixXd cofactors;
   adjustment::Reliability reliability;
+};
+
+/// An error that many observations have in common, as the hypothesis that explains most of the misfit.
+struct CommonError {
+  enum class Kind { constant, scale, index, height } kind = Kind::constant;
+  std::string set_up;    ///< empty: all set-ups
+  int observations = 0;  ///< that share it; 0: no such error
+  double w = 0;          ///< of the test, standard normal
+  double size = 0;       ///< by which the observations are too large: [m], [1] or [rad]
+  double sigma = 0;      ///< of the size
 };
 
 class Adjuster {
@@ -41,6 +52,13 @@ class Adjuster {
   void snoop(Pass& pass);
   int worst_row(const Pass& pass, const std::set<int>& kept) const;
   std::pair<double, double> row_test(const Pass& pass, int row) const;
+
+  /// The common error that explains more of the misfit than any single observation does; none: 0 observations.
+  CommonError largest_common_error(const Pass& pass) const;
+  CommonError test_common_error(const Pass& pass, const std::vector<std::pair<int, double>>& rows) const;
+  /// Coefficient of an instrument height noted too large: minus the derivative of the observation by that height.
+  double effect_of_instrument_height(const Pass& pass, int row) const;
+  void report_common_error(const Pass& pass, NetworkResult& result) const;
 
   /// True if a point that had controlled observations has none any more.
   bool makes_uncontrolled(const Pass& before, const Pass& after) const;

@@ -1,5 +1,6 @@
 // Says in words what the numbers mean: which observations nothing controls, where the network hangs on a single point.
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <set>
 
@@ -10,8 +11,13 @@ namespace plumbline::survey {
 
 namespace {
 
+/// No instrument is that much worse than its profile.
+constexpr double kAbsurd = 30;
+
 std::string describe(const ResultRow& row) {
-  return row.kind + " " + (row.from.empty() ? "" : row.from + " -> ") + row.to +
+  std::string kind = row.kind;
+  std::replace(kind.begin(), kind.end(), '_', ' ');
+  return kind + " " + (row.from.empty() ? "" : row.from + " -> ") + row.to +
          (row.source.line > 0 ? " (" + place(row.source) + ")" : "");
 }
 
@@ -24,7 +30,47 @@ std::string amount(const ResultRow& row, double value) {
   return fixed_digits(value * 1000, 1) + " mm";
 }
 
-void examine_rows(const NetworkResult& r, std::vector<Finding>& findings) {
+std::string in_words(long n, const std::string& what) {
+  return std::to_string(n) + " observation" + (n == 1 ? " is " : "s are ") + what;
+}
+
+/// Worst first: the others often follow from it. What would fail by chance alone is said too.
+void examine_failures(const NetworkResult& r, const AdjustOptions& options, std::vector<Finding>& findings) {
+  constexpr size_t kShown = 10;
+  std::vector<const ResultRow*> failing;
+  for (const ResultRow& row : r.rows)
+    if (row.flagged) failing.push_back(&row);
+  std::stable_sort(failing.begin(), failing.end(), [](const ResultRow* a, const ResultRow* b) {
+    return a->removed != b->removed ? a->removed : std::abs(a->statistics.w) > std::abs(b->statistics.w);
+  });
+  const auto removed = std::count_if(failing.begin(), failing.end(), [](const ResultRow* row) { return row->removed; });
+  for (size_t i = 0; i < failing.size() && i < kShown; ++i) {
+    const ResultRow& row = *failing[i];
+    findings.push_back({Finding::Severity::warning,
+                        (row.removed ? "removed: " : "suspect: ") + describe(row) +
+                            ", w = " + fixed_digits(row.statistics.w, 1) + ", probably wrong by " +
+                            amount(row, row.statistics.estimated_blunder),
+                        {row.from, row.to}});
+  }
+  if (failing.size() > kShown)
+    findings.push_back({Finding::Severity::warning,
+                        std::to_string(failing.size() - kShown) + " more fail, see the list of observations",
+                        {}});
+  const double by_chance = options.alpha0 * static_cast<double>(r.rows.size());
+  const auto suspects = static_cast<double>(static_cast<long>(failing.size()) - removed);
+  if (suspects > 0 && by_chance >= 1 && suspects <= by_chance + 3 * std::sqrt(by_chance))
+    findings.push_back({Finding::Severity::note,
+                        "of " + std::to_string(r.rows.size()) + " observations about " + fixed_digits(by_chance, 0) +
+                            " fail by chance alone where nothing is wrong",
+                        {}});
+  else if (suspects > 1)
+    findings.push_back(
+        {Finding::Severity::note,
+         "mend or remove the first suspect and adjust again: others may follow from it (remove_blunders=true does so)",
+         {}});
+}
+
+void examine_rows(const NetworkResult& r, const AdjustOptions& options, std::vector<Finding>& findings) {
   std::vector<std::string> uncontrolled, points;
   int weak = 0;
   for (const ResultRow& row : r.rows) {
@@ -34,23 +80,16 @@ void examine_rows(const NetworkResult& r, std::vector<Finding>& findings) {
       points.push_back(row.to);
     }
     weak += !row.removed && redundancy >= 0.1 && redundancy < 0.3;
-    if (row.flagged)
-      findings.push_back({Finding::Severity::warning,
-                          (row.removed ? "removed: " : "suspect: ") + describe(row) +
-                              ", w = " + fixed_digits(row.statistics.w, 1) + ", probably wrong by " +
-                              amount(row, row.statistics.estimated_blunder),
-                          {row.from, row.to}});
   }
+  examine_failures(r, options, findings);
   if (!uncontrolled.empty() && r.degrees_of_freedom > 0)
-    findings.push_back(
-        {Finding::Severity::warning,
-         std::to_string(uncontrolled.size()) +
-             " observations are not controlled by others (a blunder in them would go unseen): " + join(uncontrolled, 6),
-         points});
+    findings.push_back({Finding::Severity::warning,
+                        in_words(static_cast<long>(uncontrolled.size()), "not controlled by others (a blunder there ") +
+                            "would go unseen): " + join(uncontrolled, 6),
+                        points});
   if (weak > 0)
-    findings.push_back({Finding::Severity::note,
-                        std::to_string(weak) + " observations are weakly controlled (redundancy number below 0.3)",
-                        {}});
+    findings.push_back(
+        {Finding::Severity::note, in_words(weak, "weakly controlled (redundancy number below 0.3)"), {}});
 }
 
 /// Points whose loss would split the network: articulation points of the graph of sights (Tarjan 1972).
@@ -121,7 +160,7 @@ void examine_control(const NetworkModel& m, const NetworkResult& r, std::vector<
 
 }  // namespace
 
-std::vector<Finding> examine(const NetworkModel& model, const NetworkResult& result) {
+std::vector<Finding> examine(const NetworkModel& model, const AdjustOptions& options, const NetworkResult& result) {
   std::vector<Finding> findings;
   if (result.degrees_of_freedom == 0)
     findings.push_back({Finding::Severity::warning, "there is no redundancy: nothing controls the observations", {}});
@@ -130,13 +169,14 @@ std::vector<Finding> examine(const NetworkModel& model, const NetworkResult& res
   if (result.degrees_of_freedom > 0 && result.global_test.verdict == Verdict::high)
     findings.push_back({Finding::Severity::warning,
                         "global test fails: sigma0 " + sigma0 +
-                            " is too large; there are blunders, or the assumed accuracies are too good",
+                            " is too large; there are blunders, or the assumed accuracies are too good" +
+                            (result.sigma0 > kAbsurd ? "; so large: check the units of angles and lengths first" : ""),
                         {}});
   if (result.degrees_of_freedom > 0 && result.global_test.verdict == Verdict::low)
     findings.push_back({Finding::Severity::note,
                         "global test: sigma0 " + sigma0 + " is small; the assumed accuracies are too cautious",
                         {}});
-  examine_rows(result, findings);
+  examine_rows(result, options, findings);
   const HingePoints hinges(result);
   if (!hinges.points().empty()) {
     const std::vector<std::string> ids(hinges.points().begin(), hinges.points().end());

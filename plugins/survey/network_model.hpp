@@ -78,7 +78,7 @@ std::vector<Finding> name_local_defects(const NetworkModel& model, const Network
                                         const Eigen::MatrixXd& null_space);
 
 /// Uncontrolled and weak observations, hinge points, failing tests: what a surveyor should look at.
-std::vector<Finding> examine(const NetworkModel& model, const NetworkResult& result);
+std::vector<Finding> examine(const NetworkModel& model, const AdjustOptions& options, const NetworkResult& result);
 
 /// "direction A -> B (file:line:column)", for messages.
 std::string name_of(const Observation& observation);

@@ -110,13 +110,14 @@ NetworkResult Adjuster::report(Pass& pass) {
   for (size_t g = 0; g < components.size() && g < kGroups; ++g)
     if (components[g].rows > 0) result.groups.push_back({kGroupNames[g], state_.sigma_factors[g], components[g]});
   report_rows(pass, result);
+  report_common_error(pass, result);
   result.cofactors = std::move(pass.cofactors);
   if (result.variance_factor != 1) result.cofactors *= result.variance_factor;
   report_points(pass, result);
   report_set_ups(pass, result);
   report_pointings(pass, result);
-  result.findings = m_.findings;
-  const std::vector<Finding> examined = examine(m_, result);
+  result.findings.insert(result.findings.begin(), m_.findings.begin(), m_.findings.end());
+  const std::vector<Finding> examined = examine(m_, options_, result);
   result.findings.insert(result.findings.end(), examined.begin(), examined.end());
   return result;
 }

@@ -16,6 +16,7 @@ void Adjuster::snoop(Pass& pass) {
   while (static_cast<int>(std::count(state_.removed.begin(), state_.removed.end(), 1)) < most) {
     const int worst = worst_row(pass, kept);
     if (worst < 0) break;
+    if (largest_common_error(pass).observations > 0) break;  // it would be mended by removing innocent observations
     const auto [w, blunder] = row_test(pass, worst);
     state_.removed[worst] = 1;
     try {
