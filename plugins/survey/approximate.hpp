@@ -1,5 +1,5 @@
 // Approximate coordinates, with or without any known point: set-ups become rigid figures of polar coordinates that are
-// chained by the points they share; intersections, resections, levelling and vectors give the rest.
+// chained by the points they share; intersections, resections, trilateration, levelling and vectors give the rest.
 #pragma once
 
 #include <map>
@@ -17,9 +17,14 @@ struct Approximation {
 };
 
 /// `points` holds what is known beforehand (NaN: unknown) and is never changed. Without any known point the first
-/// figure defines the frame: its station is the origin, its circle's zero points north.
-Approximation approximate_coordinates(const SurveyObservations& survey,
-                                      const std::vector<MeanObservation>& observations,
-                                      const std::map<std::string, Eigen::Vector3d>& points);
+/// figure defines the frame: its station is the origin, its circle's zero points north; of distances alone, one end of
+/// the first is the origin and the other is east of it.
+///
+/// Two distances leave two places for a point, and so do others. Where no third observation decides at once, both are
+/// followed; the result is every set of coordinates that was found, in the order of how well all observations agree
+/// with it (at most 8 sets, at least one). Only the adjustment can tell which is right, or that several are possible.
+std::vector<Approximation> approximate_coordinates(const SurveyObservations& survey,
+                                                   const std::vector<MeanObservation>& observations,
+                                                   const std::map<std::string, Eigen::Vector3d>& points);
 
 }  // namespace plumbline::survey

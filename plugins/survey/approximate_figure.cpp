@@ -173,10 +173,31 @@ std::optional<PlaneMotion> fit_plane(const std::vector<Vector2d>& from, const st
 
 double Locus::misfit(const Vector2d& p) const {
   const Vector2d d = p - origin;
+  if (!std::isnan(angle)) {
+    const Vector2d a = left - p, b = right - p;
+    const double nearer = std::min(a.norm(), b.norm()), chord = (right - left).norm();
+    if (nearer < 1e-3 * chord) return chord;  // on one of the two itself: every such circle passes through them
+    const double seen = std::atan2(b.x(), b.y()) - std::atan2(a.x(), a.y());
+    return nearer * std::abs(wrap_angle(seen - angle));
+  }
   if (std::isnan(azimuth)) return std::abs(d.norm() - radius);
   const Vector2d u = polar(azimuth, 1);
   const double along = d.dot(u);
   return along > 0 ? std::abs(d.x() * u.y() - d.y() * u.x()) : d.norm();
+}
+
+std::optional<Locus> locus_of_angle(const Vector2d& left, const Vector2d& right, double angle) {
+  const Vector2d chord = right - left;
+  const double sine = std::sin(angle);
+  if (std::abs(sine) < 0.02 || chord.norm() < 1e-3) return std::nullopt;
+  Locus locus;
+  // Inscribed angle: the centre sees the chord under twice the angle; the point is to the right of left -> right.
+  locus.origin = 0.5 * (left + right) + 0.5 * std::cos(angle) / sine * Vector2d(chord.y(), -chord.x());
+  locus.radius = 0.5 * chord.norm() / std::abs(sine);
+  locus.angle = angle;
+  locus.left = left;
+  locus.right = right;
+  return locus;
 }
 
 std::vector<Vector2d> intersect(const Locus& first, const Locus& second) {
@@ -215,7 +236,7 @@ std::vector<Vector2d> intersect(const Locus& first, const Locus& second) {
   return points;
 }
 
-std::optional<Vector2d> best_intersection(const std::vector<Locus>& loci, bool accept_ambiguous) {
+std::vector<Vector2d> best_intersections(const std::vector<Locus>& loci) {
   constexpr double kCap = 10.0;  // [m]: one wrong line must not decide
   std::vector<std::pair<double, Vector2d>> candidates;
   for (size_t i = 0; i < loci.size(); ++i)
@@ -225,13 +246,20 @@ std::optional<Vector2d> best_intersection(const std::vector<Locus>& loci, bool a
         for (const Locus& locus : loci) score += std::min(kCap, locus.misfit(p));
         candidates.emplace_back(score, p);
       }
-  if (candidates.empty()) return std::nullopt;
-  const auto best = *std::min_element(candidates.begin(), candidates.end(),
-                                      [](const auto& a, const auto& b) { return a.first < b.first; });
-  for (const auto& [score, p] : candidates)
-    if (!accept_ambiguous && score < best.first + 0.5 && (p - best.second).norm() > 5 * (score + best.first) + 1.0)
-      return std::nullopt;
-  return best.second;
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<Vector2d> places;
+  if (candidates.empty()) return places;
+  const double best = candidates.front().first;
+  double length = 0;  // of the sights: small networks are known to centimetres, large ones to decimetres
+  for (const Locus& locus : loci) length = std::max(length, (candidates.front().second - locus.origin).norm());
+  const double slack = std::clamp(0.02 * length, 0.02, 0.5);
+  for (const auto& [score, p] : candidates) {
+    if (score >= best + slack && !places.empty()) break;
+    const auto near = [&, s = score](const Vector2d& q) { return (p - q).norm() <= 5 * (s + best) + 2 * slack; };
+    if (std::none_of(places.begin(), places.end(), near)) places.push_back(p);
+  }
+  return places;
 }
 
 std::optional<Vector2d> resection(const Vector2d known[3], const double directions[3]) {

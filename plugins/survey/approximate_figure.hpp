@@ -63,18 +63,23 @@ struct PlaneMotion {
 /// Needs >= 2 pairs that do not coincide; nullopt otherwise. Closed form (Horn 1987 in the plane), no scale.
 std::optional<PlaneMotion> fit_plane(const std::vector<Eigen::Vector2d>& from, const std::vector<Eigen::Vector2d>& to);
 
-/// Lines on which an unknown point lies: a ray from a known point, or a circle about one.
+/// Lines on which an unknown point lies: a ray from a known point, a circle about one, or the circle from which two
+/// known points are seen under a measured angle.
 struct Locus {
   Eigen::Vector2d origin;
   double azimuth = kNotGiven;  ///< ray if not NaN
   double radius = kNotGiven;   ///< circle otherwise
+  double angle = kNotGiven;    ///< clockwise from `left` to `right`, if the circle is that of an angle [rad]
+  Eigen::Vector2d left = Eigen::Vector2d::Zero(), right = Eigen::Vector2d::Zero();
   double misfit(const Eigen::Vector2d& p) const;
 };
+/// nullopt where the three points are nearly on a line, so that the circle has no centre.
+std::optional<Locus> locus_of_angle(const Eigen::Vector2d& left, const Eigen::Vector2d& right, double angle);
 /// 0, 1 or 2 points.
 std::vector<Eigen::Vector2d> intersect(const Locus& a, const Locus& b);
-/// Best point of all pairwise intersections: the one all loci agree with best. nullopt if no pair meets, or if two
-/// points agree equally (two circles) and `accept_ambiguous` is false.
-std::optional<Eigen::Vector2d> best_intersection(const std::vector<Locus>& loci, bool accept_ambiguous);
+/// Of all pairwise intersections the one that all loci agree with best, then those far from it that they agree with as
+/// well (two circles meet twice). Empty if no pair meets.
+std::vector<Eigen::Vector2d> best_intersections(const std::vector<Locus>& loci);
 /// Station from directions (clockwise) to three known points; nullopt on the danger circle. Pierlot and Van
 /// Droogenbroeck (2014).
 std::optional<Eigen::Vector2d> resection(const Eigen::Vector2d known[3], const double directions[3]);

@@ -49,6 +49,36 @@ void Frame::seed_shape(size_t figure, const std::string& target) {
     if (s.to == target) set_plan(target, kSide * Vector2d(std::sin(s.direction), std::cos(s.direction)));
 }
 
+double Frame::misfit() const {
+  double sum = 0;
+  const auto add = [&](double misclosure, double length) {
+    if (!std::isnan(misclosure)) sum += std::min(1.0, 10 * std::abs(misclosure) / std::max(length, 0.1));
+  };
+  const auto add_distance = [&](const std::string& a, const std::string& b, const DistanceLine& d) {
+    if (!has_plan(a) || !has_plan(b)) return;
+    const double own = (plan_.at(b) - plan_.at(a)).norm();
+    add(horizontal_of(a, b, d.horizontal, d.slope, d.heights) - own, own);
+    if (!std::isnan(d.slope) && has_height(a) && has_height(b))
+      add(std::hypot(own, height_.at(b) - height_.at(a) - d.heights) - d.slope, d.slope);
+  };
+  for (const DistanceLine& d : figures_.distances) add_distance(d.from, d.to, d);
+  for (const HeightDifference& d : figures_.height_differences)
+    if (has_height(d.from) && has_height(d.to)) add(height_.at(d.to) - height_.at(d.from) - d.value, 10);
+  for (const Figure& f : figures_.figures) {
+    const double orientation = f.oriented_to_north && !seeded_ ? 0 : mean_orientation(f).value_or(kNotGiven);
+    for (const PolarSight& s : f.sights) {
+      add_distance(f.station, s.to, {f.station, s.to, s.horizontal, s.slope, s.heights});
+      const bool heights = has_height(f.station) && has_height(s.to);
+      if (heights && !std::isnan(s.height_difference))
+        add(height_.at(s.to) - height_.at(f.station) - s.height_difference, 10);
+      if (!has_plan(f.station) || !has_plan(s.to)) continue;
+      const double turn = azimuth_between(plan_.at(f.station), plan_.at(s.to)) - s.direction - orientation;
+      add(std::isnan(turn) ? kNotGiven : wrap_angle(turn), 1);
+    }
+  }
+  return sum;
+}
+
 std::vector<double> Frame::scales_of_distances() const {
   std::vector<double> scales;
   const auto add = [&](const std::string& a, const std::string& b, double measured) {
@@ -164,6 +194,14 @@ bool Frame::orient(size_t f) {
     return true;
   }
   if (!has_plan(figure.station)) return orient_by_neighbour(f) || orient_by_reverse_sight(f);
+  const auto orientation = mean_orientation(figure);
+  if (!orientation) return orient_by_neighbour(f);
+  orientation_[f] = *orientation;
+  return true;
+}
+
+std::optional<double> Frame::mean_orientation(const Figure& figure) const {
+  if (!has_plan(figure.station)) return std::nullopt;
   const Vector2d& station = plan_.at(figure.station);
   Vector2d sum = Vector2d::Zero();  // longer sights orient better
   for (const PolarSight& s : figure.sights) {
@@ -172,9 +210,8 @@ bool Frame::orient(size_t f) {
     const double o = azimuth_between(station, target) - s.direction;
     sum += (target - station).norm() * Vector2d(std::sin(o), std::cos(o));
   }
-  if (sum.norm() < 1e-6) return orient_by_neighbour(f);
-  orientation_[f] = std::atan2(sum.x(), sum.y());
-  return true;
+  if (sum.norm() < 1e-6) return std::nullopt;
+  return std::atan2(sum.x(), sum.y());
 }
 
 bool Frame::orient_by_neighbour(size_t f) {

@@ -1,5 +1,6 @@
-// Part of approximate.cpp: a frame that grows from the points it knows. What rays, circles and spheres place in it is
-// in approximate_intersection.cpp, the rest in approximate_frame.cpp.
+// Part of approximate.cpp: a frame that grows from the points it knows. What rays and circles place in it is in
+// approximate_intersection.cpp, what slope distances place in approximate_spheres.cpp, the rest in
+// approximate_frame.cpp.
 #pragma once
 
 #include <map>
@@ -7,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "approximate_choices.hpp"
 #include "approximate_figure.hpp"
 #include "formats/survey_observations.hpp"
 
@@ -14,8 +16,13 @@ namespace plumbline::survey {
 
 class Frame {
  public:
-  Frame(const SurveyObservations& survey, const Figures& figures)
-      : survey_(survey), figures_(figures), orientation_(figures.figures.size(), kNotGiven) {}
+  /// `name` tells its choices from those of other frames.
+  Frame(const SurveyObservations& survey, const Figures& figures, Choices& choices, std::string name)
+      : survey_(survey),
+        figures_(figures),
+        choices_(choices),
+        name_(std::move(name)),
+        orientation_(figures.figures.size(), kNotGiven) {}
 
   void set_plan(const std::string& id, const Eigen::Vector2d& p) { plan_.emplace(id, p); }
   void set_height(const std::string& id, double h) { height_.emplace(id, h); }
@@ -24,6 +31,9 @@ class Frame {
   const std::map<std::string, Eigen::Vector2d>& plan() const { return plan_; }
   const std::map<std::string, double>& height() const { return height_; }
   double orientation(size_t figure) const { return orientation_[figure]; }
+
+  /// A point of a network in the plane.
+  bool heightless(const std::string& id) const;
 
   /// Places everything that follows from what is known; `guess`: where two places are equally good, takes one.
   void grow(bool guess);
@@ -34,6 +44,15 @@ class Frame {
   /// Starts a frame of unknown scale, for networks of angles: the station is the origin, the zero of the circle is
   /// north, `target` is a kilometre away. Distances and heights wait until the scale is settled.
   void seed_shape(size_t figure, const std::string& target);
+
+  /// Starts a frame from a measured distance alone: one end is the origin, the other is east of it. If all its
+  /// distances are slopes, a third point lies level with them (`third` not empty). False if these distances are not
+  /// measured.
+  bool seed_distance(const std::string& a, const std::string& b, const std::string& third);
+
+  /// What the distances, directions and height differences between placed points disagree with them: each counts up to
+  /// 1, reached at a tenth of the sight's length.
+  double misfit() const;
 
   /// Gives such a frame the scale of the distances between its points, else that of the points it shares with `known`,
   /// else leaves the kilometre.
@@ -57,11 +76,11 @@ class Frame {
   /// is.
   double horizontal_of(const std::string& a, const std::string& b, double horizontal, double slope,
                        double heights) const;
-  bool heightless(const std::string& id) const;
 
   /// Station and orientation from >= 2 known targets with direction and distance.
   bool place_free_station(size_t f);
   bool orient(size_t f);
+  std::optional<double> mean_orientation(const Figure& figure) const;
 
   /// Another figure on the same station (an azimuth, another round) that is oriented and sights a common target.
   bool orient_by_neighbour(size_t f);
@@ -79,11 +98,22 @@ class Frame {
   void add_circle(const std::string& known, const std::string& unknown, double radius,
                   std::map<std::string, std::vector<Locus>>& loci) const;
   void collect_loci(size_t f, std::map<std::string, std::vector<Locus>>& loci) const;
+  /// Two known targets of an instrument that is not oriented: the circle of their angle.
+  void collect_angle_loci(const Figure& figure, std::vector<Locus>& loci) const;
   bool place_by_resection(size_t f);
   double resection_misfit(const Eigen::Vector2d& p, const std::vector<const PolarSight*>& known) const;
 
-  /// Four spheres: differences of their equations are linear in the centre (height included).
-  bool place_by_slope_distances();
+  struct Sphere {
+    Eigen::Vector3d centre;
+    double radius;
+  };
+  std::map<std::string, std::vector<Sphere>> collect_spheres() const;
+  /// Differences of the spheres' equations are linear in the place: four spheres give one, three (or centres in one
+  /// plane) give two.
+  bool place_by_slope_distances(bool accept_ambiguous);
+  /// Where the plan is known already, a slope distance puts the point above or below the other.
+  bool place_height_by_slope_distances();
+  std::optional<double> slope_between(const std::string& a, const std::string& b) const;
 
   /// Measured by own length of each distance between placed points.
   std::vector<double> scales_of_distances() const;
@@ -92,6 +122,8 @@ class Frame {
 
   const SurveyObservations& survey_;
   const Figures& figures_;
+  Choices& choices_;
+  std::string name_;
   std::map<std::string, Eigen::Vector2d> plan_;
   std::map<std::string, double> height_;
   std::vector<double> orientation_;

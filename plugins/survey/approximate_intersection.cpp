@@ -1,5 +1,4 @@
 // What rays, circles and spheres place in a frame.
-#include <Eigen/LU>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -28,14 +27,15 @@ bool Frame::grow_by_intersection(bool accept_ambiguous) {
     add_circle(d.to, d.from, horizontal, loci);
   }
   for (const auto& [id, lines] : loci) {
-    const auto p = best_intersection(lines, accept_ambiguous);
-    if (!p) continue;
-    set_plan(id, *p);
+    const std::vector<Vector2d> places = best_intersections(lines);
+    if (places.empty() || (places.size() > 1 && !accept_ambiguous)) continue;
+    const int count = static_cast<int>(places.size());
+    set_plan(id, places[static_cast<size_t>(count > 1 ? choices_.choose(name_ + id, count) : 0)]);
     return true;
   }
   for (size_t f = 0; f < figures_.figures.size(); ++f)
     if (place_by_resection(f)) return true;
-  return place_by_slope_distances();
+  return place_by_slope_distances(accept_ambiguous) || (accept_ambiguous && place_height_by_slope_distances());
 }
 
 void Frame::add_circle(const std::string& known, const std::string& unknown, double radius,
@@ -49,6 +49,7 @@ void Frame::collect_loci(size_t f, std::map<std::string, std::vector<Locus>>& lo
   const bool to_north = figure.oriented_to_north && !seeded_;
   const bool oriented = !std::isnan(orientation_[f]) || to_north;
   const double turn = std::isnan(orientation_[f]) ? 0 : orientation_[f];
+  if (!oriented && !has_plan(figure.station)) collect_angle_loci(figure, loci[figure.station]);
   for (const PolarSight& s : figure.sights) {
     const double horizontal = horizontal_of(figure.station, s.to, s.horizontal, s.slope, s.heights);
     add_circle(figure.station, s.to, horizontal, loci);
@@ -59,6 +60,19 @@ void Frame::collect_loci(size_t f, std::map<std::string, std::vector<Locus>>& lo
     if (has_plan(s.to) && !has_plan(figure.station))
       loci[figure.station].push_back({plan_.at(s.to), s.direction + turn + std::numbers::pi, kNotGiven});
   }
+}
+
+void Frame::collect_angle_loci(const Figure& figure, std::vector<Locus>& loci) const {
+  constexpr size_t kMost = 8;
+  std::vector<const PolarSight*> known;
+  for (const PolarSight& s : figure.sights)
+    if (!std::isnan(s.direction) && has_plan(s.to) && known.size() < kMost) known.push_back(&s);
+  for (size_t i = 0; i < known.size(); ++i)
+    for (size_t j = i + 1; j < known.size(); ++j) {
+      const auto locus = locus_of_angle(plan_.at(known[i]->to), plan_.at(known[j]->to),
+                                        wrap_angle(known[j]->direction - known[i]->direction));
+      if (locus) loci.push_back(*locus);
+    }
 }
 
 bool Frame::place_by_resection(size_t f) {
@@ -92,47 +106,6 @@ double Frame::resection_misfit(const Vector2d& p, const std::vector<const PolarS
   double sum = 0;
   for (const PolarSight* s : known) sum += std::abs(wrap_angle(azimuth_between(p, plan_.at(s->to)) - s->direction - o));
   return sum;
-}
-
-bool Frame::place_by_slope_distances() {
-  if (scale_open_) return false;
-  struct Sphere {
-    Eigen::Vector3d centre;
-    double radius;
-  };
-  std::map<std::string, std::vector<Sphere>> spheres;
-  const auto add = [&](const std::string& known, const std::string& unknown, double slope, double lift) {
-    if (std::isnan(slope) || has_plan(unknown) || !has_plan(known) || !has_height(known)) return;
-    const Vector2d& p = plan_.at(known);
-    spheres[unknown].push_back({{p.x(), p.y(), height_.at(known) + lift}, slope});
-  };
-  for (const DistanceLine& d : figures_.distances) {
-    add(d.from, d.to, d.slope, d.heights);
-    add(d.to, d.from, d.slope, -d.heights);
-  }
-  for (const Figure& figure : figures_.figures)
-    for (const PolarSight& s : figure.sights) {
-      add(figure.station, s.to, s.slope, s.heights);
-      add(s.to, figure.station, s.slope, -s.heights);
-    }
-  for (const auto& [id, list] : spheres) {
-    if (list.size() < 4) continue;
-    Eigen::MatrixXd a(list.size() - 1, 3);
-    Eigen::VectorXd b(list.size() - 1);
-    for (size_t k = 1; k < list.size(); ++k) {
-      const auto row = static_cast<Eigen::Index>(k - 1);
-      const Eigen::Vector3d d = list[k].centre - list[0].centre;
-      a.row(row) = 2 * d.transpose();
-      b[row] = d.squaredNorm() + list[0].radius * list[0].radius - list[k].radius * list[k].radius;
-    }
-    // Normal equations suffice for approximate values; a flat configuration leaves the height near the known points.
-    const Eigen::Matrix3d n = a.transpose() * a + 1e-6 * Eigen::Matrix3d::Identity();
-    const Eigen::Vector3d p = list[0].centre + n.inverse() * (a.transpose() * b);
-    set_plan(id, p.head<2>());
-    set_height(id, p.z());
-    return true;
-  }
-  return false;
 }
 
 }  // namespace plumbline::survey

@@ -119,11 +119,8 @@ std::string sightings_of(const NetworkModel& m, const std::string& id) {
          ")";
 }
 
-void find_approximations(NetworkModel& m) {
-  std::map<std::string, Eigen::Vector3d> known;
-  for (size_t i = 0; i < m.ids.size(); ++i)
-    if (!m.initial[i].array().isNaN().all()) known[m.ids[i]] = m.initial[i];
-  const Approximation approximation = approximate_coordinates(m.survey, m.observations, known);
+/// Takes over approximate coordinates where the file gives none.
+void take_over(const Approximation& approximation, NetworkModel& m) {
   std::vector<std::string> lost, described;
   for (size_t i = 0; i < m.ids.size(); ++i) {
     const auto at = approximation.points.find(m.ids[i]);
@@ -146,6 +143,24 @@ void find_approximations(NetworkModel& m) {
     throw NetworkError("rank defect: the observations do not determine the coordinates of " + join(described) +
                            "; observe them from a second set-up, or with a distance and a zenith angle",
                        {{Finding::Severity::error, "not determined: " + join(lost), lost}});
+}
+
+/// The model with approximate coordinates, once for every set of them that is possible.
+std::vector<NetworkModel> with_approximations(NetworkModel m) {
+  std::map<std::string, Eigen::Vector3d> known;
+  for (size_t i = 0; i < m.ids.size(); ++i)
+    if (!m.initial[i].array().isNaN().all()) known[m.ids[i]] = m.initial[i];
+  m.starts_from_known_points = !known.empty() || !m.survey.coordinates.empty();
+  const std::vector<Approximation> approximations = approximate_coordinates(m.survey, m.observations, known);
+  std::vector<NetworkModel> models;
+  for (size_t i = 0; i + 1 < approximations.size(); ++i) models.push_back(m);
+  models.push_back(std::move(m));
+  for (size_t i = 0; i < models.size(); ++i) {
+    take_over(approximations[i], models[i]);
+    find_lengths(models[i]);
+    drop_unusable(models[i]);
+  }
+  return models;
 }
 
 ResultRow given_row(const std::string& kind, const std::string& from, const std::string& to, int axis, double value,
@@ -241,15 +256,13 @@ NetworkModel make_model(const SurveyObservations& survey, const AdjustOptions& o
   collect_points(m);
   distrust_equal_coordinates(m);
   apply_datum(m, options, control);
-  find_approximations(m);
-  find_lengths(m);
-  drop_unusable(m);
-  drop_outlying(m);
   const bool reduced_file = survey.info.format == "gama-xml" || survey.info.format == "krumm";
   m.curvature = options.curvature == Switch::on || (options.curvature == Switch::automatic && !reduced_file);
   m.refraction_coefficient = std::isnan(survey.info.refraction_coefficient) ? options.refraction_coefficient
                                                                             : survey.info.refraction_coefficient;
   make_rows(m);
+  m = choose_alternative(with_approximations(std::move(m)), options);
+  drop_outlying(m);
   return m;
 }
 

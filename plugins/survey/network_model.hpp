@@ -28,7 +28,8 @@ struct NetworkModel {
   std::map<std::string, int> index;           ///< their numbers
   std::vector<Eigen::Vector3d> initial;       ///< [m]; 0 for unused components
   std::vector<std::array<CoordinateRole, 3>> roles;
-  std::vector<double> orientations;  ///< initial, one per set-up
+  std::vector<double> orientations;       ///< initial, one per set-up
+  bool starts_from_known_points = false;  ///< false: the frame of `initial` is arbitrary
   DatumMode datum = DatumMode::automatic;
   std::vector<std::string> datum_points;
   bool curvature = false;

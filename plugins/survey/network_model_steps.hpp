@@ -18,6 +18,10 @@ void find_lengths(NetworkModel& model);
 /// Leaves out observations that cannot be used with the points as they are.
 void drop_unusable(NetworkModel& model);
 
+/// Adjusts each model, if there are several, and returns the one that fits best. Throws NetworkError if two of them fit
+/// equally well and are not the same network: with what would tell them apart.
+NetworkModel choose_alternative(std::vector<NetworkModel> models, const AdjustOptions& options);
+
 /// Leaves out what contradicts the approximate coordinates by more than the file allows (gama-local: tol-abs), because
 /// linearised it would spoil everything.
 void drop_outlying(NetworkModel& model);
