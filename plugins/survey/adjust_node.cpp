@@ -57,7 +57,7 @@ void AdjustNode::run(Context& context) {
   const auto survey = merge_surveys(surveys);
   AdjustOptions o = options();
   std::string remark;
-  o.profile = choose_profile(*profile, profile_file->path, survey.info.instrument, remark);
+  o.profile = chosen_profile(survey.info.instrument, remark);
   if (!remark.empty()) context.info(remark);
   const NetworkResult result = adjust_network(survey, o, known);
   for (const Finding& finding : result.findings)

@@ -5,22 +5,16 @@
 #include "artifacts/points.hpp"
 #include "artifacts/survey_network.hpp"
 #include "artifacts/survey_observations.hpp"
-#include "plumbline/node.hpp"
+#include "profiled_node.hpp"
 
 namespace plumbline::survey {
 
-struct AdjustNode : Node {
+struct AdjustNode : ProfiledNode {
   static constexpr Info info{"survey.adjust", "survey_adjuster", 1,
                              "Adjusts a survey network by least squares, with tests, reliability and full covariance"};
   List<plumbline::SurveyObservations> observations{"observations", frame("frame=?S"),
                                                    "readings of one campaign, from one or several files"};
   Optional<Points> control{"control", frame("frame=?S"), "points known beforehand, with or without covariance"};
-  Param<std::string> profile{
-      "profile", "automatic",
-      one_of("automatic", "ics50_assumed", "total_station_1arcsec", "total_station_2arcsec", "total_station_5arcsec"),
-      "instrument profile for readings whose file gives no standard deviation; automatic: the one that the "
-      "observations name, or ics50_assumed"};
-  Param<FilePath> profile_file{"profile_file", FilePath{}, "YAML file of a profile of your own, in place of `profile`"};
   Param<std::string> datum{"datum", "automatic", one_of("automatic", "file", "fixed", "weighted", "inner"),
                            "what defines the frame; automatic: weighted control if it has a covariance, fixed if not, "
                            "as the file says, or a free network"};

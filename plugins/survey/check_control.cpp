@@ -28,16 +28,6 @@ Epoch given_points(const SurveyObservations& survey, const ControlPoints& contro
   return e;
 }
 
-Epoch measured_points(const NetworkResult& r) {
-  Epoch e;
-  for (const ResultPoint& p : r.points) e.ids.push_back(p.id);
-  e.coordinates.resize(static_cast<Eigen::Index>(3 * e.ids.size()));
-  for (size_t i = 0; i < e.ids.size(); ++i)
-    e.coordinates.segment<3>(static_cast<Eigen::Index>(3 * i)) = r.points[i].position;
-  e.covariance = r.full_covariance();
-  return e;
-}
-
 /// Coordinate groups given as control would hold the free network; they are what is tested.
 SurveyObservations without_control(const SurveyObservations& survey) {
   SurveyObservations free = survey;
@@ -46,6 +36,16 @@ SurveyObservations without_control(const SurveyObservations& survey) {
 }
 
 }  // namespace
+
+Epoch epoch_of(const NetworkResult& network) {
+  Epoch e;
+  for (const ResultPoint& p : network.points) e.ids.push_back(p.id);
+  e.coordinates.resize(static_cast<Eigen::Index>(3 * e.ids.size()));
+  for (size_t i = 0; i < e.ids.size(); ++i)
+    e.coordinates.segment<3>(static_cast<Eigen::Index>(3 * i)) = network.points[i].position;
+  e.covariance = network.full_covariance();
+  return e;
+}
 
 int merged_motions(int first_defect, int second_defect) {
   const int larger = std::max(first_defect, second_defect), smaller = std::min(first_defect, second_defect);
@@ -66,7 +66,7 @@ ControlCheck check_control(const SurveyObservations& survey, const ControlPoints
   try {
     const NetworkResult r = adjust_network(without_control(survey), adjustment);
     options.free_motions = check.free_motions = merged_motions(r.defect, 0);
-    const Epoch measured = measured_points(r);
+    const Epoch measured = epoch_of(r);
     const size_t common = static_cast<size_t>(std::count_if(given.ids.begin(), given.ids.end(), [&](const auto& id) {
       return std::find(measured.ids.begin(), measured.ids.end(), id) != measured.ids.end();
     }));

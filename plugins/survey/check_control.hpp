@@ -14,6 +14,9 @@ struct ControlCheck {
   int free_motions = 0;
 };
 
+/// The points of an adjusted network with their full covariance.
+Epoch epoch_of(const NetworkResult& network);
+
 /// Control are `control` and the points that the files hold fixed with complete coordinates. Never throws NetworkError:
 /// what cannot be tested is said in `problem`.
 ControlCheck check_control(const SurveyObservations& survey, const ControlPoints& control, AdjustOptions adjustment,

@@ -158,7 +158,7 @@ void CheckControlNode::run(Context& context) {
   const auto survey = merge_surveys(surveys);
   AdjustOptions adjustment;
   std::string remark;  // survey.adjust says it
-  adjustment.profile = choose_profile(*profile, profile_file->path, survey.info.instrument, remark);
+  adjustment.profile = chosen_profile(survey.info.instrument, remark);
   adjustment.remove_blunders = *remove_blunders;
   const ComparisonOptions options = options_of(*alpha, *alpha0, *power);
   const ControlCheck result = check_control(survey, known, adjustment, options);

@@ -6,7 +6,7 @@
 #include "artifacts/survey_comparison.hpp"
 #include "artifacts/survey_network.hpp"
 #include "artifacts/survey_observations.hpp"
-#include "plumbline/node.hpp"
+#include "profiled_node.hpp"
 
 namespace plumbline::survey {
 
@@ -32,18 +32,12 @@ struct CompareEpochsNode : Node {
   void run(Context& context) override;
 };
 
-struct CheckControlNode : Node {
+struct CheckControlNode : ProfiledNode {
   static constexpr Info info{"survey.check_control", "", 1,
                              "Tests known points against a free network of the observations, before they bend it"};
   List<plumbline::SurveyObservations> observations{
       "observations", frame("frame=?S"), "readings of one campaign; points that its files hold fixed are control too"};
   Optional<Points> control{"control", frame("frame=?S"), "points known beforehand, with or without covariance"};
-  Param<std::string> profile{
-      "profile", "automatic",
-      one_of("automatic", "ics50_assumed", "total_station_1arcsec", "total_station_2arcsec", "total_station_5arcsec"),
-      "instrument profile for readings whose file gives no standard deviation; automatic: the one that the "
-      "observations name, or ics50_assumed"};
-  Param<FilePath> profile_file{"profile_file", FilePath{}, "YAML file of a profile of your own, in place of `profile`"};
   Param<bool> remove_blunders{"remove_blunders", false, "data snooping cleans the free network first"};
   Param<double> alpha{"alpha", 0.05, "1", between(1e-6, 0.5), "error of the first kind of the global test"};
   Param<double> alpha0{"alpha0", 0.001, "1", between(1e-9, 0.5), "error of the first kind of the test of a point"};

@@ -124,9 +124,9 @@ InstrumentProfile read_profile(const std::string& path) {
   return parse_profile(text.str(), path);
 }
 
-std::vector<std::string> profile_names() {
-  std::vector<std::string> names;
-  for (const auto& builtin : kBuiltinProfiles) names.emplace_back(builtin.name);
+std::vector<const char*> profile_names() {
+  std::vector<const char*> names;
+  for (const auto& builtin : kBuiltinProfiles) names.push_back(builtin.name);
   return names;
 }
 
@@ -144,7 +144,7 @@ InstrumentProfile choose_profile(const std::string& profile, const std::string& 
                                  const std::string& instrument, std::string& remark) {
   if (!profile_file.empty()) return read_profile(profile_file);
   if (profile != "automatic") return built_in_profile(profile);
-  const std::vector<std::string> names = profile_names();
+  const std::vector<const char*> names = profile_names();
   if (std::find(names.begin(), names.end(), instrument) != names.end()) return built_in_profile(instrument);
   if (!instrument.empty())
     remark = "the observations name the instrument '" + instrument +

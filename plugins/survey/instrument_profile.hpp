@@ -35,7 +35,7 @@ struct InstrumentProfile {
 };
 
 /// Names of the built-in profiles.
-std::vector<std::string> profile_names();
+std::vector<const char*> profile_names();
 /// Throws std::runtime_error with the known names if there is none.
 InstrumentProfile built_in_profile(const std::string& name);
 /// `origin` names the text in errors. Throws std::runtime_error with line and column.

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <memory>
 
+#include "ellipsoid_artifact.hpp"
 #include "geometry/packed_symmetric.hpp"
 
 namespace plumbline::survey {
@@ -74,21 +75,6 @@ std::unique_ptr<NetworkObservationT> pack_row(const ResultRow& row) {
   o->column = row.source.column;
   o->corrections = row.corrections;
   return o;
-}
-
-std::unique_ptr<NetworkEllipsoidT> pack_ellipsoid(const NetworkResult& r, const ResultPoint& p) {
-  const Eigen::Matrix3d covariance = r.covariance(p, p).array().isNaN().select(0.0, r.covariance(p, p));
-  const adjustment::ErrorEllipsoid ellipsoid = adjustment::error_ellipsoid(covariance);
-  auto e = std::make_unique<NetworkEllipsoidT>();
-  e->id = p.id;
-  e->semi_axes = ellipsoid.semi_axes;
-  e->first_axis = ellipsoid.axes.col(0);
-  e->second_axis = ellipsoid.axes.col(1);
-  const double mean = 0.5 * (covariance(0, 0) + covariance(1, 1));
-  const double largest = mean + std::hypot(0.5 * (covariance(0, 0) - covariance(1, 1)), covariance(0, 1));
-  e->plan_semi_axis_95 = adjustment::confidence_factor(0.95, 2) * std::sqrt(std::max(0.0, largest));
-  e->height_half_length_95 = adjustment::confidence_factor(0.95, 1) * std::sqrt(covariance(2, 2));
-  return e;
 }
 
 void pack_tables(const NetworkResult& r, SurveyNetworkT& n) {
@@ -170,7 +156,7 @@ SurveyNetworkT to_network_artifact(const NetworkResult& r, const AdjustOptions& 
   n.iterations = r.iterations;
   n.scaled_with_sigma0 = r.variance_factor != 1;
   pack_tables(r, n);
-  for (const ResultPoint& p : r.points) n.ellipsoids.push_back(pack_ellipsoid(r, p));
+  for (const ResultPoint& p : r.points) n.ellipsoids.push_back(ellipsoid_artifact(p.id, r.covariance(p, p)));
   return n;
 }
 

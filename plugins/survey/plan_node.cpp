@@ -117,7 +117,10 @@ SurveyPlanT to_artifact(const PlanResult& r, const PlanOptions& options) {
 void PlanNode::run(Context& context) {
   constexpr double kDegree = std::numbers::pi / 180;
   PlanOptions options;
-  options.profile = profile_file->path.empty() ? built_in_profile(*profile) : read_profile(profile_file->path);
+  const auto planned_survey = set_ups.unpack();
+  std::string remark;
+  options.profile = chosen_profile(planned_survey.info ? planned_survey.info->instrument : "", remark);
+  if (!remark.empty()) context.info(remark);
   options.sets = static_cast<int>(*sets);
   options.set_ups_per_marker = static_cast<int>(*set_ups_per_marker);
   options.shared_markers = static_cast<int>(*shared_markers);
@@ -131,7 +134,7 @@ void PlanNode::run(Context& context) {
   PlatesT layout;
   if (plates) layout = plates.unpack();
   const auto planned = planned_markers(markers.unpack(), plates ? &layout : nullptr);
-  const auto places = planned_set_ups(set_ups.unpack());
+  const auto places = planned_set_ups(planned_survey);
   const PlanResult result = plan_survey(planned, places, options);
   for (const PlannedRule& rule : result.rules)
     if (!rule.holds) context.warn(rule.name + ": " + rule.text);

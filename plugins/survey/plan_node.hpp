@@ -5,11 +5,11 @@
 #include "artifacts/points.hpp"
 #include "artifacts/survey_observations.hpp"
 #include "artifacts/survey_plan.hpp"
-#include "plumbline/node.hpp"
+#include "profiled_node.hpp"
 
 namespace plumbline::survey {
 
-struct PlanNode : Node {
+struct PlanNode : ProfiledNode {
   static constexpr Info info{"plan.survey", "", 2,
                              "Checks a planned layout of markers and set-ups and predicts the precision it will give"};
   In<Points> markers{"markers", frame("frame=?S"), "planned coordinates of the markers"};
@@ -19,11 +19,6 @@ struct PlanNode : Node {
       "set_ups", frame("frame=?S"),
       "its points are the planned set-ups; observations without value say what each is to "
       "sight, a set-up without any sights all that it can"};
-  Param<std::string> profile{
-      "profile", "ics50_assumed",
-      one_of("ics50_assumed", "total_station_1arcsec", "total_station_2arcsec", "total_station_5arcsec"),
-      "instrument profile"};
-  Param<FilePath> profile_file{"profile_file", FilePath{}, "YAML file of a profile of your own, in place of `profile`"};
   Param<int64_t> sets{"sets", 1, between(1, 20), "sets in both faces"};
   Param<int64_t> set_ups_per_marker{"set_ups_per_marker", 2, between(1, 10), "set-ups that must see each marker"};
   Param<int64_t> shared_markers{"shared_markers", 2, between(1, 100),

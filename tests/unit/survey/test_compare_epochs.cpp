@@ -2,8 +2,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 
-#include "adjust_network.hpp"
-#include "compare_epochs.hpp"
+#include "check_control.hpp"
 #include "simulated_network.hpp"
 #include "test_support.hpp"
 
@@ -13,14 +12,7 @@ namespace {
 Epoch epoch(const SurveyObservations& survey) {
   AdjustOptions options;
   options.curvature = Switch::off;
-  const NetworkResult r = adjust_network(survey, options);
-  Epoch e;
-  for (const ResultPoint& p : r.points) e.ids.push_back(p.id);
-  e.coordinates.resize(static_cast<Eigen::Index>(3 * e.ids.size()));
-  for (size_t i = 0; i < e.ids.size(); ++i)
-    e.coordinates.segment<3>(static_cast<Eigen::Index>(3 * i)) = r.points[i].position;
-  e.covariance = r.full_covariance();
-  return e;
+  return epoch_of(adjust_network(survey, options));
 }
 
 /// Without stations: they stand elsewhere in every epoch.

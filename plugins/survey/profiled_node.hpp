@@ -1,0 +1,30 @@
+// What the nodes that need an instrument profile have in common.
+#pragma once
+
+#include "instrument_profile.hpp"
+#include "plumbline/node.hpp"
+
+namespace plumbline::survey {
+
+struct ProfiledNode : Node {
+  Param<std::string> profile{
+      "profile", "automatic", choices(),
+      "instrument profile for readings whose file gives no standard deviation; automatic: the one that the "
+      "observations name, or ics50_assumed"};
+  Param<FilePath> profile_file{"profile_file", FilePath{}, "YAML file of a profile of your own, in place of `profile`"};
+
+ protected:
+  /// `instrument` as the observations name it, or ""; `remark`: what the user should know about the choice, or "".
+  InstrumentProfile chosen_profile(const std::string& instrument, std::string& remark) const {
+    return choose_profile(*profile, profile_file->path, instrument, remark);
+  }
+
+ private:
+  static Choices choices() {
+    Choices result{{"automatic"}};
+    for (const char* name : profile_names()) result.values.push_back(name);
+    return result;
+  }
+};
+
+}  // namespace plumbline::survey
