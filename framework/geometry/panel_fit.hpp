@@ -19,6 +19,9 @@ struct PanelMotion {
 /// centimetre). `fixings` and `centre` in one frame [m], at least one fixing.
 PanelMotion fit_panel(const std::vector<Eigen::Vector3d>& fixings, const Eigen::Vector3d& centre);
 
+/// Unless said otherwise, how far from a panel's box an anchor may be and still count as one of its fixings [m].
+inline constexpr double kPanelReach = 0.3;
+
 /// Distance of a point from an axis-parallel box [m]; 0 inside. All in the box's own axes.
 double distance_from_box(const Eigen::Vector3d& low, const Eigen::Vector3d& high, const Eigen::Vector3d& point);
 

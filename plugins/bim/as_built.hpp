@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "design.hpp"
+#include "geometry/panel_fit.hpp"
 
 namespace plumbline::bim {
 
@@ -92,7 +93,7 @@ struct AsBuilt {
   double headline_tolerance = 0.005;                 ///< of the residual against the survey [m]
   double guard_factor = 2;                           ///< k
   std::optional<Eigen::Vector3d> facade_normal;      ///< outward, project frame; else estimated from the anchors
-  double panel_reach = 0.3;                          ///< how far from a panel's box its anchors may be [m]
+  double panel_reach = kPanelReach;                  ///< how far from a panel's box its anchors may be [m]
   std::vector<std::pair<std::string, std::string>> provenance;  ///< property name and text
 };
 

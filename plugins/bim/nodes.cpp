@@ -58,7 +58,7 @@ struct WriteIfc : Node {
                             "of the vertical deviation; 0: tau of the evaluation"};
   Param<std::vector<double>> facade_normal{"facade_normal", std::vector<double>{}, "1", between(-1, 1),
                                            "outward, x y z; empty: from the anchors"};
-  Param<double> panel_reach{"panel_reach", 0.3, "m", between(0, 10),
+  Param<double> panel_reach{"panel_reach", kPanelReach, "m", between(0, 10),
                             "anchors so near to a panel fix it, where the design does not say"};
   Param<bool> survey_points{"survey_points", true, "an IfcAnnotation at every measured position"};
   Param<std::string> epoch{"epoch", "", "name of the campaign; campaigns of different names can stand in one file"};

@@ -7,12 +7,6 @@
 
 namespace plumbline::evaluate {
 
-namespace {
-
-constexpr double reach = 0.3;  // [m], as bim.write_ifc has it by default
-
-}  // namespace
-
 PointSet design_points(const DesignT& design, const std::function<void(const std::string&)>& warn) {
   std::map<std::string, std::vector<const DesignElementT*>> by_name;
   for (const auto& element : design.elements)
@@ -52,7 +46,7 @@ std::vector<PanelEntry> design_panels(const DesignT& design, const PointSet& poi
     const RigidTransform panel_from_project = element->placement.inverse();
     for (std::size_t i = 0; i < points.ids.size(); ++i) {
       const bool holds = said.empty() ? distance_from_box(element->box_low, element->box_high,
-                                                          panel_from_project * points.positions[i]) <= reach
+                                                          panel_from_project * points.positions[i]) <= kPanelReach
                                       : names.count(points.ids[i]) > 0;
       if (holds) panel.anchors.push_back(points.ids[i]);
     }

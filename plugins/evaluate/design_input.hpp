@@ -13,9 +13,9 @@ namespace plumbline::evaluate {
 /// is told.
 PointSet design_points(const DesignT& design, const std::function<void(const std::string&)>& warn);
 
-/// Facade panels with the anchors of `points` that hold them: those the design says, else those within 0.3 m of the
-/// panel's box. Wholes made of other panels (a curtain wall of plates) are left out, and all panels of a facade without
-/// a known direction.
+/// Facade panels with the anchors of `points` that hold them: those the design says, else those within kPanelReach of
+/// the panel's box. Wholes made of other panels (a curtain wall of plates) are left out, and all panels of a facade
+/// without a known direction.
 std::vector<PanelEntry> design_panels(const DesignT& design, const PointSet& points);
 
 }  // namespace plumbline::evaluate
