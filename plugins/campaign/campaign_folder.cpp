@@ -159,7 +159,7 @@ class Resolver {
 }  // namespace
 
 CampaignDescription parse_campaign(const std::string& yaml, const std::filesystem::path& shown,
-                                   std::vector<std::string> files) {
+                                   std::vector<std::string> files, bool survey_only) {
   const Mapping mapping(
       load(yaml, shown), shown,
       {"plumbline_campaign", "name", "images", "camera", "plates", "survey", "instrument", "control", "design"});
@@ -168,11 +168,12 @@ CampaignDescription parse_campaign(const std::string& yaml, const std::filesyste
   CampaignDescription c;
   if (mapping.has("name")) c.name = mapping.as<std::string>("name", "a text");
   if (mapping.has("instrument")) c.instrument = mapping.as<std::string>("instrument", "the name of a profile");
+  c.survey = resolver.many("survey");
+  if (mapping.has("control")) c.control = resolver.one("control");
+  if (survey_only) return c;
   c.images = resolver.many("images");
   c.camera = resolver.one("camera");
   c.plates = resolver.one("plates");
-  c.survey = resolver.many("survey");
-  if (mapping.has("control")) c.control = resolver.one("control");
   c.design = resolver.one("design");
   return c;
 }

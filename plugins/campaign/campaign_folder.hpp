@@ -33,9 +33,9 @@ struct CampaignDescription {
 
 /// `files`: what the folder holds, as relative paths with forward slashes. `shown` names campaign.yaml in messages.
 /// Throws CampaignError: unknown or missing key (with the near one), a file that is not there, a pattern without a
-/// match.
+/// match. A campaign of `survey_only` needs no images, camera, plates and design; if it names them they are left alone.
 CampaignDescription parse_campaign(const std::string& yaml, const std::filesystem::path& shown,
-                                   std::vector<std::string> files);
+                                   std::vector<std::string> files, bool survey_only = false);
 
 struct CameraCalibration {
   std::string id, make, model;

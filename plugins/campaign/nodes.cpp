@@ -1,5 +1,6 @@
 // read.campaign: the folder of a site as artifacts. The work is in campaign_folder.hpp, image_header.hpp and
 // survey_files.hpp.
+#include <algorithm>
 #include <fstream>
 #include <map>
 
@@ -83,6 +84,44 @@ PointsT to_artifact(const std::vector<campaign::ControlPoint>& entries) {
   return points;
 }
 
+campaign::CampaignDescription describe(const FolderT& given, const fs::path& root, bool survey_only) {
+  std::vector<std::string> names;
+  for (const auto& entry : given.files) names.push_back(entry->path);
+  const fs::path yaml = root / "campaign.yaml";
+  if (std::find(names.begin(), names.end(), "campaign.yaml") == names.end())
+    throw campaign::CampaignError(yaml, 0,
+                                  "this file is missing; it tells what the folder holds, see docs/campaign_folder.md");
+  return campaign::parse_campaign(read_text(yaml), yaml, names, survey_only);
+}
+
+PointsT read_control(const campaign::CampaignDescription& description, const fs::path& root) {
+  std::vector<campaign::ControlPoint> points;
+  if (!description.control.empty())
+    points = campaign::parse_control(read_text(root / description.control), root / description.control);
+  return to_artifact(points);
+}
+
+/// All survey files in one. A network adjusted from part of its readings must not look like one adjusted from all.
+SurveyObservationsT read_surveys(const campaign::CampaignDescription& description, const fs::path& root, bool strict,
+                                 Context& context) {
+  std::vector<plumbline::survey::SurveyObservations> parts;
+  for (const std::string& path : description.survey) {
+    parts.push_back(plumbline::survey::read_survey(read_text(root / path), path));  // by its own name, wherever it lies
+    for (const auto& skipped : parts.back().skipped) {
+      const std::string place = skipped.source.file + ":" + std::to_string(skipped.source.line);
+      if (strict)
+        throw std::runtime_error(place + ": found " + skipped.found + ", expected " + skipped.expected +
+                                 ". Mend the file, or go on without these readings with strict=false");
+      context.warn(place + ": passed over " + skipped.found + ", expected " + skipped.expected);
+    }
+    for (const std::string& warning : parts.back().warnings) context.warn(path + ": " + warning);
+  }
+  auto all = campaign::merge(parts);
+  if (!description.instrument.empty()) all.info.instrument = description.instrument;
+  if (!description.name.empty()) all.info.title = description.name;
+  return plumbline::survey::to_artifact(all);
+}
+
 struct ReadCampaign : Node {
   static constexpr Info info{"read.campaign", "", 2, "Reads the folder of a site: campaign.yaml and what it names"};
   In<Folder> folder{"folder", "a folder with a campaign.yaml; see docs/campaign_folder.md"};
@@ -100,22 +139,14 @@ struct ReadCampaign : Node {
     const FolderT given = folder.unpack();
     const fs::path root = context.resolve(given.uri);
     std::map<std::string, const FolderEntryT*> entries;
-    std::vector<std::string> names;
-    for (const auto& entry : given.files) {
-      entries[entry->path] = entry.get();
-      names.push_back(entry->path);
-    }
-    const fs::path yaml = root / "campaign.yaml";
-    if (!entries.count("campaign.yaml")) {
-      throw campaign::CampaignError(
-          yaml, 0, "this file is missing; it tells what the folder holds, see docs/campaign_folder.md");
-    }
-    const auto description = campaign::parse_campaign(read_text(yaml), yaml, names);
+    for (const auto& entry : given.files) entries[entry->path] = entry.get();
+    const auto description = describe(given, root, false);
 
     const auto calibration = campaign::parse_camera(read_text(root / description.camera), root / description.camera);
     camera.commit(to_artifact(calibration, description.camera));
     plates.commit(to_artifact(campaign::parse_plates(read_text(root / description.plates), root / description.plates)));
-    commit_survey(description, root, context);
+    control.commit(read_control(description, root));
+    survey.commit(read_surveys(description, root, *strict, context));
     for (const std::string& path : description.images) commit_image(*entries.at(path), given.uri, root, calibration);
 
     const std::string text = read_text(root / description.design);
@@ -127,32 +158,6 @@ struct ReadCampaign : Node {
   }
 
  private:
-  void commit_survey(const campaign::CampaignDescription& description, const fs::path& root, Context& context) {
-    std::vector<campaign::ControlPoint> points;
-    if (!description.control.empty()) {
-      points = campaign::parse_control(read_text(root / description.control), root / description.control);
-    }
-    control.commit(to_artifact(points));
-    std::vector<plumbline::survey::SurveyObservations> parts;
-    for (const std::string& path : description.survey) {
-      parts.push_back(
-          plumbline::survey::read_survey(read_text(root / path), path));  // by its own name, wherever it lies
-      for (const auto& skipped : parts.back().skipped) {
-        const std::string place = skipped.source.file + ":" + std::to_string(skipped.source.line);
-        // A network adjusted from part of its readings must not look like one adjusted from all.
-        if (*strict)
-          throw std::runtime_error(place + ": found " + skipped.found + ", expected " + skipped.expected +
-                                   ". Mend the file, or go on without these readings with strict=false");
-        context.warn(place + ": passed over " + skipped.found + ", expected " + skipped.expected);
-      }
-      for (const std::string& warning : parts.back().warnings) context.warn(path + ": " + warning);
-    }
-    auto all = campaign::merge(parts);
-    if (!description.instrument.empty()) all.info.instrument = description.instrument;
-    if (!description.name.empty()) all.info.title = description.name;
-    survey.commit(plumbline::survey::to_artifact(all));
-  }
-
   void commit_image(const FolderEntryT& entry, const std::string& uri, const fs::path& root,
                     const campaign::CameraCalibration& calibration) {
     const campaign::ImageHeader header = campaign::read_image_header(root / entry.path);
@@ -179,6 +184,25 @@ struct ReadCampaign : Node {
   }
 };
 
+struct ReadSurveyCampaign : Node {
+  static constexpr Info info{"read.survey_campaign", "", 1,
+                             "Reads the survey files and control points that a campaign.yaml names, and nothing else"};
+  In<Folder> folder{"folder", "a folder with a campaign.yaml; images, camera, plates and design may be left out"};
+  Out<SurveyObservations> survey{"survey", frame("frame=building"),
+                                 "all survey files in one; the datum is in `control`"};
+  Out<Points> control{"control", frame("frame=building"), "the control points as given"};
+  Param<bool> strict{"strict", true,
+                     "refuse survey files of which anything has to be skipped; otherwise it is a warning"};
+
+  void run(Context& context) override {
+    const FolderT given = folder.unpack();
+    const fs::path root = context.resolve(given.uri);
+    const auto description = describe(given, root, true);
+    control.commit(read_control(description, root));
+    survey.commit(read_surveys(description, root, *strict, context));
+  }
+};
+
 /// Only an evaluation may be fed from this.
 struct ReadTruth : Node {
   static constexpr Info info{"read.truth", "", 1, "Reads the truth beside a simulated campaign; for evaluation only"};
@@ -202,4 +226,4 @@ struct ReadTruth : Node {
 
 }  // namespace
 
-PLUMBLINE_PLUGIN("campaign", "0.1.0", "MIT", ReadCampaign, ReadTruth)
+PLUMBLINE_PLUGIN("campaign", "0.1.0", "MIT", ReadCampaign, ReadSurveyCampaign, ReadTruth)

@@ -1,6 +1,7 @@
 // Says in words what the numbers mean: which observations nothing controls, where the network hangs on a single point.
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <set>
 
@@ -18,6 +19,7 @@ std::string describe(const ResultRow& row) {
   std::string kind = row.kind;
   std::replace(kind.begin(), kind.end(), '_', ' ');
   return kind + " " + (row.from.empty() ? "" : row.from + " -> ") + row.to +
+         (row.detail.empty() ? "" : " (" + row.detail + ")") +
          (row.source.line > 0 ? " (" + place(row.source) + ")" : "");
 }
 
@@ -146,16 +148,23 @@ class HingePoints {
   std::set<std::string> hinges_;
 };
 
+/// One wrong control point pulls at the others, so the worst is named first.
 void examine_control(const NetworkModel& m, const NetworkResult& r, std::vector<Finding>& findings) {
   if (m.datum != DatumMode::weighted) return;
-  std::set<std::string> shifted;
+  std::map<std::string, double> largest;
   for (const ResultRow& row : r.rows)
-    if (row.kind == "coordinate" && row.flagged) shifted.insert(row.to);
-  for (const std::string& id : shifted)
-    findings.push_back({Finding::Severity::warning,
-                        "control point " + id +
-                            " does not fit the observations: it may have moved, or its coordinates are another point's",
-                        {id}});
+    if (row.kind == "coordinate" && row.flagged)
+      largest[row.to] = std::max(largest[row.to], std::abs(row.statistics.w));
+  if (largest.empty()) return;
+  std::vector<std::string> ids;
+  for (const auto& [id, w] : largest) ids.push_back(id);
+  std::stable_sort(ids.begin(), ids.end(), [&](const auto& a, const auto& b) { return largest[a] > largest[b]; });
+  const std::vector<std::string> others(ids.begin() + 1, ids.end());
+  findings.push_back({Finding::Severity::warning,
+                      "control point " + ids[0] +
+                          " does not fit the observations: it may have moved, or its coordinates are another point's" +
+                          (others.empty() ? "" : "; less so, and perhaps because of it, " + join(others)),
+                      ids});
 }
 
 }  // namespace

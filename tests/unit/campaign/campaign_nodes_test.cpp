@@ -1,6 +1,8 @@
 // read.campaign and simulate.observations as the host runs them.
 #include <gtest/gtest.h>
 
+#include <fstream>
+
 #include "artifacts/camera.hpp"
 #include "artifacts/file.hpp"
 #include "artifacts/folder.hpp"
@@ -77,6 +79,22 @@ TEST_F(ReadCampaignTest, GivesEveryPartOfTheFolder) {
   EXPECT_EQ(survey.observations.size(), campaign_.observations.observations.size());
   EXPECT_EQ(survey.info->instrument, "ics50_assumed");
   EXPECT_EQ(node.output<File>("design_file").name, "design.ifc");
+}
+
+TEST_F(ReadCampaignTest, SurveyCampaignNeedsNothingButSurveyFiles) {
+  for (const char* gone : {"plates.csv", "camera.yaml", "design.ifc"}) fs::remove(folder_.path() / gone);
+  fs::remove_all(folder_.path() / "images");
+  std::ofstream(folder_.path() / "campaign.yaml") << "plumbline_campaign: 1\nname: Tower\nsurvey: survey/*\ncontrol: "
+                                                     "control.csv\ninstrument: total_station_1arcsec\n";
+  NodeHarness node("read.survey_campaign");
+  node.input<Folder>("folder", list(folder_.path()));
+  node.run();
+  EXPECT_EQ(node.output<Points>("control").points.size(), 4u);
+  const SurveyObservationsT survey = node.output<SurveyObservations>("survey");
+  EXPECT_EQ(survey.observations.size(), campaign_.observations.observations.size());
+  EXPECT_EQ(survey.info->instrument, "total_station_1arcsec");
+  EXPECT_EQ(survey.info->title, "Tower");
+  EXPECT_NE(message().find("the key 'images' is missing"), std::string::npos) << message();
 }
 
 TEST_F(ReadCampaignTest, TruncatedPhotographIsNamed) {

@@ -1,0 +1,29 @@
+// survey.tables: what a surveyor opens in a spreadsheet.
+#pragma once
+
+#include "artifacts/file.hpp"
+#include "artifacts/points.hpp"
+#include "artifacts/survey_network.hpp"
+#include "plumbline/node.hpp"
+
+namespace plumbline::survey {
+
+struct TablesNode : Node {
+  static constexpr Info info{"survey.tables", "", 1,
+                             "Writes adjusted coordinates, and what neighbouring markers are known relative to each "
+                             "other, as CSV for a spreadsheet"};
+  In<Points> points{"points", frame("frame=?S"), "the adjusted points in E, N, H, with covariance"};
+  In<SurveyNetwork> network{"network", frame("frame=?F"),
+                            "the same adjustment, in E, N, H or in the axes of the file: the table has those"};
+  Param<std::vector<std::string>> pairs{"pairs", std::vector<std::string>{},
+                                        "further pairs for the relative table, each as 'A B' or 'A;B'"};
+  Param<int64_t> neighbours{"neighbours", 4, between(0, 1000),
+                            "every marker is paired with so many of its nearest ones in the relative table"};
+  Param<std::string> decimal{"decimal", "point", one_of("point", "comma"),
+                             "decimal separator; with a comma the cells are separated by semicolons"};
+  Out<File> coordinates{"coordinates", "one row a point: coordinates, standard deviations, 95 % ellipse"};
+  Out<File> relative{"relative", "one row a pair of points: difference, its covariance, 95 % relative ellipse"};
+  void run(Context& context) override;
+};
+
+}  // namespace plumbline::survey

@@ -1,0 +1,145 @@
+// survey.tables: coordinates and relative precision as a spreadsheet gets them.
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <sstream>
+
+#include "artifacts/file.hpp"
+#include "artifacts/points.hpp"
+#include "artifacts/survey_network.hpp"
+#include "artifacts/survey_observations.hpp"
+#include "formats/survey_artifact.hpp"
+#include "geometry/packed_symmetric.hpp"
+#include "geometry/relative_points.hpp"
+#include "node_harness.hpp"
+#include "simulated_network.hpp"
+
+namespace plumbline::survey {
+namespace {
+
+using Rows = std::vector<std::map<std::string, std::string>>;
+
+std::vector<std::string> cells_of(const std::string& line, char delimiter) {
+  std::vector<std::string> cells;
+  std::stringstream stream(line);
+  for (std::string cell; std::getline(stream, cell, delimiter);) cells.push_back(cell);
+  return cells;
+}
+
+Rows rows_of(const FileT& file, char delimiter = ',') {
+  std::stringstream stream(std::string(file.content.begin(), file.content.end()));
+  Rows rows;
+  std::vector<std::string> names;
+  for (std::string line; std::getline(stream, line);) {
+    if (!line.empty() && line.back() == '\r') line.pop_back();
+    const auto cells = cells_of(line, delimiter);
+    if (names.empty()) {
+      names = cells;
+      continue;
+    }
+    auto& row = rows.emplace_back();
+    for (size_t i = 0; i < cells.size() && i < names.size(); ++i) row[names[i]] = cells[i];
+  }
+  return rows;
+}
+
+class Tables : public testing::Test {
+ protected:
+  void SetUp() override {
+    plumbline::test::NodeHarness adjust("survey.adjust");
+    adjust.input<plumbline::SurveyObservations>("observations", to_artifact(test::simulate({}, 5).survey));
+    adjust.set("datum", "inner");
+    adjust.run();
+    points_ = adjust.output<Points>("points");
+    network_ = adjust.output<SurveyNetwork>("network");
+  }
+  plumbline::test::NodeHarness tables() const {
+    plumbline::test::NodeHarness node("survey.tables");
+    node.input<Points>("points", points_);
+    node.input<SurveyNetwork>("network", network_);
+    return node;
+  }
+  size_t index(const std::string& id) const {
+    for (size_t i = 0; i < points_.points.size(); ++i)
+      if (points_.points[i]->id == id) return i;
+    throw std::out_of_range(id);
+  }
+  PointsT points_;
+  SurveyNetworkT network_;
+};
+
+TEST_F(Tables, CoordinatesAndSigmas) {
+  auto node = tables();
+  node.run();
+  const Rows rows = rows_of(node.output<File>("coordinates"));
+  ASSERT_EQ(rows.size(), 15u);
+  const PointT& marker = *points_.points[index("M12")];
+  for (const auto& row : rows) {
+    EXPECT_EQ(row.at("kind"), row.at("point")[0] == 'S' ? "station" : "marker");
+    if (row.at("point") != "M12") continue;
+    EXPECT_NEAR(std::stod(row.at("east_m")), marker.position.x(), 6e-6);
+    EXPECT_NEAR(std::stod(row.at("height_m")), marker.position.z(), 6e-6);
+    EXPECT_NEAR(std::stod(row.at("sigma_north_mm")), 1e3 * marker.sigma.y(), 6e-4);
+    EXPECT_NEAR(std::stod(row.at("height_95_mm")), 1.959964e3 * marker.sigma.z(), 6e-4);
+  }
+}
+
+TEST_F(Tables, RelativePrecisionOfNeighboursAndWantedPairs) {
+  auto node = tables();
+  node.set("pairs", "M00 M23");
+  node.run();
+  const Rows rows = rows_of(node.output<File>("relative"));
+  ASSERT_GT(rows.size(), 12u);
+  EXPECT_EQ(rows[0].at("from"), "M00");
+  EXPECT_EQ(rows[0].at("to"), "M23");
+  const Eigen::MatrixXd all = unpack_symmetric(points_.covariance, 3 * points_.points.size(), "test");
+  for (const auto& row : rows) {
+    EXPECT_EQ(row.at("from")[0], 'M') << "stations are no markers";
+    const auto a = 3 * static_cast<Eigen::Index>(index(row.at("from"))),
+               b = 3 * static_cast<Eigen::Index>(index(row.at("to")));
+    const double variance = all(a + 2, a + 2) + all(b + 2, b + 2) - 2 * all(a + 2, b + 2);
+    EXPECT_NEAR(std::stod(row.at("sigma_d_height_mm")), 1e3 * std::sqrt(variance), 6e-4);
+    EXPECT_NEAR(std::stod(row.at("cov_hh_mm2")), 1e6 * variance, 1e-6);
+  }
+}
+
+TEST_F(Tables, DecimalCommaForSpreadsheetsThatWantIt) {
+  auto node = tables();
+  node.set("decimal", "comma");
+  node.run();
+  const Rows rows = rows_of(node.output<File>("coordinates"), ';');
+  ASSERT_EQ(rows.size(), 15u);
+  EXPECT_NE(rows[0].at("east_m").find(','), std::string::npos);
+}
+
+TEST_F(Tables, NamesAnUnknownPoint) {
+  auto node = tables();
+  node.set("pairs", "M00 M99");
+  try {
+    node.run();
+    FAIL();
+  } catch (const plumbline::test::NodeFailed& error) {
+    EXPECT_NE(std::string(error.what()).find("no point 'M99'"), std::string::npos) << error.what();
+  }
+}
+
+TEST(RelativePoints, EllipseHasTheAzimuthOfItsMajorAxis) {
+  const double azimuth = 0.4;  // clockwise from north
+  const Eigen::Vector2d major(std::sin(azimuth), std::cos(azimuth)), minor(-major.y(), major.x());
+  const Eigen::Matrix2d covariance = 9 * major * major.transpose() + 4 * minor * minor.transpose();
+  const ConfidenceEllipse e = confidence_ellipse(covariance, 2);
+  EXPECT_NEAR(e.major, 6, 1e-12);
+  EXPECT_NEAR(e.minor, 4, 1e-12);
+  EXPECT_NEAR(e.azimuth, azimuth, 1e-12);
+}
+
+TEST(RelativePoints, EveryPointHasItsNearest) {
+  const double nan = std::nan("");
+  const std::vector<Eigen::Vector3d> p = {{0, 0, 0}, {1, 0, 0}, {5, 0, 0}, {nan, 0, 0}};
+  EXPECT_EQ(neighbours(p, 1), (std::vector<std::pair<int, int>>{{0, 1}, {1, 2}}));
+  EXPECT_EQ(neighbours(p, 9).size(), 3u);
+  EXPECT_TRUE(neighbours(p, 0).empty());
+}
+
+}  // namespace
+}  // namespace plumbline::survey
