@@ -28,6 +28,7 @@ Pass Adjuster::adjust(bool statistics) {
     Solution solution = adjustment::solve(problem.problem, solver);
     refuse_local_defects(problem, solution);
     if (!solution.converged) fail_to_converge(problem, solution);
+    if (m_.unrelated) doubt(solution);
     Pass pass{std::move(problem), std::move(solution), {}, {}};
     if (statistics) add_statistics(pass);
     return pass;
@@ -73,6 +74,16 @@ void Adjuster::fail_to_converge(const NetworkProblem& problem, const Solution& s
             place(row.source) + "): check its point names and value";
   }
   throw NetworkError(text);
+}
+
+void Adjuster::doubt(const Solution& solution) const {
+  constexpr double kLargestSigma0 = 5;
+  const int degrees = solution.degrees_of_freedom();
+  if (degrees > 0 && solution.sum_of_squares() < kLargestSigma0 * kLargestSigma0 * degrees) return;
+  throw NetworkError(
+      "no approximate coordinates could be found that fit all observations: parts of the network are tied to each "
+      "other "
+      "by too few points in common; give approximate coordinates of its set-ups");
 }
 
 NetworkResult adjust_network(const SurveyObservations& survey, const AdjustOptions& options,

@@ -45,6 +45,8 @@ class Adjuster {
   /// Inner constraints choose among positions of the whole network; they must not stand in for missing observations.
   void refuse_local_defects(const NetworkProblem& problem, const adjustment::Solution& solution) const;
   void add_statistics(Pass& pass) const;
+  /// Initial values that were not related to each other may lead to a solution that is not the right one.
+  void doubt(const adjustment::Solution& solution) const;
   [[noreturn]] void fail_to_converge(const NetworkProblem& problem, const adjustment::Solution& solution) const;
   double critical_w() const;
 

@@ -37,7 +37,7 @@ int best_seed(const Figures& figures, const Frame& frame, const std::vector<char
 
 /// Figures with distances, each grown as far as it goes, one after another fitted onto the frame.
 void chain_figures(const SurveyObservations& survey, const Figures& figures, Choices& choices, bool guess,
-                   Frame& frame) {
+                   bool unrelated, Frame& frame) {
   std::vector<char> tried(figures.figures.size(), 0);
   for (int f = best_seed(figures, frame, tried); f >= 0; f = best_seed(figures, frame, tried)) {
     tried[f] = 1;
@@ -46,7 +46,7 @@ void chain_figures(const SurveyObservations& survey, const Figures& figures, Cho
     local.seed(static_cast<size_t>(f));
     local.grow(guess);
     local.settle_north();
-    if (frame.adopt(local, guess)) {
+    if (frame.adopt(local, guess) || (unrelated && frame.adopt_unrelated(local))) {
       frame.grow(guess);
       std::fill(tried.begin(), tried.end(), 0);
       tried[f] = 1;
@@ -131,6 +131,7 @@ struct Search {
   const SurveyObservations& survey;
   const Figures figures;
   const std::map<std::string, Eigen::Vector3d>& points;
+  bool unrelated = false;
 };
 
 /// One search, with the choices it met.
@@ -179,10 +180,11 @@ Hypothesis try_choices(const Search& search, Choices choices) {
   place_known(search, frame);
   for (const bool guess : {false, true}) {
     frame.grow(guess);
-    chain_figures(search.survey, search.figures, result.choices, guess, frame);
+    chain_figures(search.survey, search.figures, result.choices, guess, false, frame);
     chain_triangles(search.survey, search.figures, result.choices, guess, frame);
   }
   chain_distances(search.survey, search.figures, result.choices, frame);
+  if (search.unrelated) chain_figures(search.survey, search.figures, result.choices, true, true, frame);
   seed_height(search.figures, frame);
 
   std::map<std::string, Eigen::Vector3d>& points = result.approximation.points;
@@ -206,9 +208,10 @@ Hypothesis try_choices(const Search& search, Choices choices) {
 
 std::vector<Approximation> approximate_coordinates(const SurveyObservations& survey,
                                                    const std::vector<MeanObservation>& observations,
-                                                   const std::map<std::string, Eigen::Vector3d>& points) {
+                                                   const std::map<std::string, Eigen::Vector3d>& points,
+                                                   bool unrelated) {
   constexpr size_t kFollowed = 16, kReturned = 8, kMostSearches = 300;
-  const Search search{survey, make_figures(survey, observations), points};
+  const Search search{survey, make_figures(survey, observations), points, unrelated};
   std::vector<Hypothesis> followed = {try_choices(search, Choices())};
   size_t searches = 1;
   bool open = true;

@@ -23,8 +23,12 @@ struct Approximation {
 /// Two distances leave two places for a point, and so do others. Where no third observation decides at once, both are
 /// followed; the result is every set of coordinates that was found, in the order of how well all observations agree
 /// with it (at most 8 sets, at least one). Only the adjustment can tell which is right, or that several are possible.
+///
+/// With `unrelated`, parts that nothing connects each have a frame of their own, so that the adjustment can be asked
+/// what is missing between them.
 std::vector<Approximation> approximate_coordinates(const SurveyObservations& survey,
                                                    const std::vector<MeanObservation>& observations,
-                                                   const std::map<std::string, Eigen::Vector3d>& points);
+                                                   const std::map<std::string, Eigen::Vector3d>& points,
+                                                   bool unrelated = false);
 
 }  // namespace plumbline::survey

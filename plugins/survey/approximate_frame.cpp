@@ -131,6 +131,14 @@ bool Frame::adopt(const Frame& other, bool guess) {
   return plan_taken || height_taken;
 }
 
+bool Frame::adopt_unrelated(const Frame& other) {
+  for (const auto& [id, p] : other.plan_)
+    if (has_plan(id) || has_height(id)) return false;
+  plan_.insert(other.plan_.begin(), other.plan_.end());
+  height_.insert(other.height_.begin(), other.height_.end());
+  return !other.plan_.empty();
+}
+
 bool Frame::grow_well_determined() {
   bool any = false;
   for (bool changed = true; changed;) {
@@ -316,9 +324,11 @@ bool Frame::adopt_plan(const Frame& other, bool guess) {
       to.push_back(plan_.at(id));
     }
   PlaneMotion motion;
+  // Points above one another are one in the plane.
+  const auto coincide = [&](const Vector2d& p) { return (p - to.front()).norm() < 0.01; };
   if (const auto fit = fit_plane(from, to)) {
     motion = *fit;
-  } else if (from.size() == 1 && (guess || !other.seeded_)) {
+  } else if (!from.empty() && std::all_of(to.begin(), to.end(), coincide) && (guess || !other.seeded_)) {
     motion.translation = to[0] - from[0];
   } else if (!plan_.empty()) {
     return false;

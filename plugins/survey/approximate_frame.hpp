@@ -65,6 +65,9 @@ class Frame {
   /// is settled; with `guess` any north is believed.
   bool adopt(const Frame& other, bool guess);
 
+  /// Takes over a frame that shares nothing with this one, as it is.
+  bool adopt_unrelated(const Frame& other);
+
  private:
   bool grow_well_determined();
 

@@ -1,4 +1,6 @@
 // What holds the network: fixed points, control with covariance, or inner constraints.
+#include <cmath>
+
 #include "network_model_steps.hpp"
 
 namespace plumbline::survey {
@@ -24,9 +26,16 @@ int require_point(const NetworkModel& m, const std::string& id, const std::strin
   throw NetworkError(what + " '" + id + "' is not observed in this network; observed are " + join(m.ids));
 }
 
-void hold(NetworkModel& m, int point) {
+/// Holds the given components; a bench mark may have a height only.
+void hold(NetworkModel& m, int point, const Eigen::Vector3d& known) {
+  if (known.array().isNaN().all())
+    throw NetworkError("datum point '" + m.ids[point] +
+                       "' has no coordinates that could be held; give it some, or use datum: inner");
   for (int k = 0; k < 3; ++k)
-    if (m.roles[point][k] != CoordinateRole::unused) m.roles[point][k] = CoordinateRole::fixed;
+    if (m.roles[point][k] != CoordinateRole::unused && !std::isnan(known[k])) {
+      m.roles[point][k] = CoordinateRole::fixed;
+      m.initial[point][k] = known[k];
+    }
   m.datum_points.push_back(m.ids[point]);
 }
 
@@ -61,7 +70,10 @@ void add_weighted_control(NetworkModel& m, const ControlPoints& control) {
 void apply_datum(NetworkModel& m, const AdjustOptions& options, const ControlPoints& control) {
   for (size_t c = 0; c < control.ids.size(); ++c) {
     const auto at = m.index.find(control.ids[c]);
-    if (at != m.index.end()) m.initial[at->second] = control.coordinates.segment<3>(static_cast<Eigen::Index>(3 * c));
+    if (at == m.index.end()) continue;
+    for (int k = 0; k < 3; ++k)
+      if (const double value = control.coordinates[static_cast<Eigen::Index>(3 * c) + k]; !std::isnan(value))
+        m.initial[at->second][k] = value;
   }
   m.datum = choose_datum(m, options, control);
   using R = CoordinateRole;
@@ -78,10 +90,15 @@ void apply_datum(NetworkModel& m, const AdjustOptions& options, const ControlPoi
   } else if (m.datum == DatumMode::weighted) {
     add_weighted_control(m, control);
   } else if (m.datum == DatumMode::fixed) {
-    const auto& held = options.datum_points.empty() ? control.ids : options.datum_points;
-    for (const std::string& id : held)
-      if (options.datum_points.empty() ? m.index.contains(id) : true) hold(m, require_point(m, id, "datum point"));
-    if (held.empty())
+    for (const std::string& id : options.datum_points) {
+      const int point = require_point(m, id, "datum point");
+      hold(m, point, m.initial[point]);
+    }
+    if (options.datum_points.empty())
+      for (size_t c = 0; c < control.ids.size(); ++c)
+        if (const auto at = m.index.find(control.ids[c]); at != m.index.end())
+          hold(m, at->second, control.coordinates.segment<3>(static_cast<Eigen::Index>(3 * c)));
+    if (options.datum_points.empty() && control.ids.empty())
       for (size_t i = 0; i < m.ids.size(); ++i)
         if (m.roles[i][0] == R::fixed || m.roles[i][2] == R::fixed) m.datum_points.push_back(m.ids[i]);
   } else {

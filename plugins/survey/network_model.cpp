@@ -119,9 +119,9 @@ std::string sightings_of(const NetworkModel& m, const std::string& id) {
          ")";
 }
 
-/// Takes over approximate coordinates where the file gives none.
-void take_over(const Approximation& approximation, NetworkModel& m) {
-  std::vector<std::string> lost, described;
+/// Takes over approximate coordinates where the file gives none; returns the points that are still without.
+std::vector<int> take_over(const Approximation& approximation, NetworkModel& m) {
+  std::vector<int> lost;
   for (size_t i = 0; i < m.ids.size(); ++i) {
     const auto at = approximation.points.find(m.ids[i]);
     bool complete = true;
@@ -134,15 +134,22 @@ void take_over(const Approximation& approximation, NetworkModel& m) {
       if (std::isnan(value) && at != approximation.points.end()) value = at->second[k];
       complete &= !std::isnan(value);
     }
-    if (complete) continue;
-    lost.push_back(m.ids[i]);
-    described.push_back(sightings_of(m, m.ids[i]));
+    if (!complete) lost.push_back(static_cast<int>(i));
   }
   m.orientations = approximation.orientations;
-  if (!lost.empty())
-    throw NetworkError("rank defect: the observations do not determine the coordinates of " + join(described) +
-                           "; observe them from a second set-up, or with a distance and a zenith angle",
-                       {{Finding::Severity::error, "not determined: " + join(lost), lost}});
+  return lost;
+}
+
+[[noreturn]] void refuse_lost(const NetworkModel& m, const std::vector<int>& lost) {
+  std::vector<std::string> ids, described;
+  for (int i : lost) {
+    ids.push_back(m.ids[i]);
+    described.push_back(sightings_of(m, m.ids[i]));
+  }
+  throw NetworkError("rank defect: the observations do not determine the coordinates of " + join(described, 4) +
+                         "; observe them from a second set-up, or with a distance and a zenith angle, or give "
+                         "approximate coordinates",
+                     {{Finding::Severity::error, "not determined: " + join(ids), ids}});
 }
 
 /// The model with approximate coordinates, once for every set of them that is possible.
@@ -151,7 +158,17 @@ std::vector<NetworkModel> with_approximations(NetworkModel m) {
   for (size_t i = 0; i < m.ids.size(); ++i)
     if (!m.initial[i].array().isNaN().all()) known[m.ids[i]] = m.initial[i];
   m.starts_from_known_points = !known.empty() || !m.survey.coordinates.empty();
-  const std::vector<Approximation> approximations = approximate_coordinates(m.survey, m.observations, known);
+  std::vector<Approximation> approximations = approximate_coordinates(m.survey, m.observations, known);
+  NetworkModel trial = m;
+  const std::vector<int> lost = take_over(approximations.front(), trial);
+  if (!lost.empty()) {
+    // Something is missing between known points and the network, or between its parts. If each has a shape of its own,
+    // the rank doctor can say what it is.
+    approximations = approximate_coordinates(m.survey, m.observations, {}, true);
+    approximations.resize(1);
+    if (trial = m; !take_over(approximations.front(), trial).empty()) refuse_lost(m, lost);
+    m.unrelated = true;
+  }
   std::vector<NetworkModel> models;
   for (size_t i = 0; i + 1 < approximations.size(); ++i) models.push_back(m);
   models.push_back(std::move(m));
@@ -262,7 +279,7 @@ NetworkModel make_model(const SurveyObservations& survey, const AdjustOptions& o
                                                                             : survey.info.refraction_coefficient;
   make_rows(m);
   m = choose_alternative(with_approximations(std::move(m)), options);
-  drop_outlying(m);
+  if (!m.unrelated) drop_outlying(m);
   return m;
 }
 

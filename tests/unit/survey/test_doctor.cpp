@@ -84,6 +84,107 @@ TEST(NetworkDoctor, NamesSeparateParts) {
   expect_words(message_of(n.survey, options), {"of the part with", "M00"});
 }
 
+/// Of some markers, each with the components named (0 E, 1 N, 2 H).
+ControlPoints control_of(const test::SimulatedNetwork& n, const std::vector<size_t>& markers, bool heights_only,
+                         bool weighted) {
+  ControlPoints c;
+  c.coordinates.resize(static_cast<Eigen::Index>(3 * markers.size()));
+  for (size_t i = 0; i < markers.size(); ++i) {
+    c.ids.push_back(n.survey.points[markers[i]].id);
+    auto p = c.coordinates.segment<3>(static_cast<Eigen::Index>(3 * i));
+    p = n.truth[markers[i]];
+    if (heights_only) p.head<2>().setConstant(kNotGiven);
+  }
+  if (weighted) c.covariance = 1e-6 * Eigen::MatrixXd::Identity(c.coordinates.size(), c.coordinates.size());
+  return c;
+}
+
+/// What control leaves open has a name, whether it is held or weighted, with approximate coordinates or without any.
+TEST(NetworkDoctor, NamesWhatTooLittleControlLeavesOpen) {
+  for (const bool coordinates : {true, false})
+    for (const bool weighted : {true, false}) {
+      const auto n = simulate({.coordinates = coordinates}, 10);
+      const auto say = [&](const std::vector<size_t>& markers, bool heights_only) {
+        return message_of(n.survey, with_datum(weighted ? DatumMode::weighted : DatumMode::fixed),
+                          control_of(n, markers, heights_only, weighted));
+      };
+      const std::string one = say({0}, false);
+      expect_words(one, {"rotation about the vertical through M00 of the network is open",
+                         "give a second control point or an azimuth"});
+      EXPECT_EQ(one.find("not determined by"), std::string::npos) << one;
+      expect_words(say({0, 4, 8}, false), {"rotation about the vertical through M00, M10, M20", "off this line"});
+      const std::string heights = say({0, 3}, true);
+      expect_words(heights, {"translation in east", "translation in north", "rotation about the vertical"});
+      EXPECT_EQ(heights.find("translation in height"), std::string::npos) << heights;
+      EXPECT_EQ(say({0, 3}, false), "");
+    }
+}
+
+/// A control point that one direction ties to the network.
+TEST(NetworkDoctor, NamesMovementsThatAreOpenTogether) {
+  for (const bool coordinates : {true, false}) {
+    auto n = simulate({.coordinates = coordinates}, 11);
+    std::erase_if(n.survey.observations, [](const Observation& o) {
+      return o.to == "M00" && !(o.set_up == 0 && o.kind == ObservationKind::direction);
+    });
+    expect_words(message_of(n.survey, with_datum(DatumMode::fixed), control_of(n, {0}, false, false)),
+                 {"translation in height", "rotation about the vertical through M00", "1 further movement"});
+  }
+}
+
+TEST(NetworkDoctor, NamesASetUpThatSharesOneMarkerOrNone) {
+  for (const bool coordinates : {true, false}) {
+    auto n = simulate({.coordinates = coordinates}, 12);
+    std::erase_if(n.survey.observations, [](const Observation& o) { return o.set_up == 2 && o.to != "M01"; });
+    for (const bool is_free : {true, false}) {
+      const std::string message = message_of(n.survey, with_datum(is_free ? DatumMode::inner : DatumMode::fixed),
+                                             is_free ? ControlPoints{} : control_of(n, {0, 3}, false, false));
+      expect_words(message, {"set-up S3 shares only 1 point (M01)", "2 shared points are needed"});
+      EXPECT_EQ(message.find("not determined by"), std::string::npos) << message;
+    }
+    auto parts = simulate({.set_ups = 2, .coordinates = coordinates}, 13);
+    std::erase_if(parts.survey.observations, [](const Observation& o) { return (o.to[1] == '0') != (o.set_up == 0); });
+    expect_words(message_of(parts.survey, with_datum(DatumMode::inner)),
+                 {"place and rotation of the part with M00, M01, M02, M03, S1 are open", "shares no point"});
+  }
+}
+
+/// Slope distances alone, of a cube: nothing tells the vertical.
+TEST(NetworkDoctor, NamesTheTiltOfDistances) {
+  for (const size_t held : {1u, 2u, 3u}) {
+    SurveyObservations cube;
+    for (int i = 0; i < 8; ++i) {
+      Point p;
+      p.id = "P" + std::to_string(i);
+      p.coordinates = Eigen::Vector3d(10 * (i & 1), 8 * (i >> 1 & 1), 6 * (i >> 2 & 1));
+      if (cube.points.size() < held) p.roles.fill(CoordinateRole::fixed);
+      for (const Point& q : cube.points) {
+        Observation o;
+        o.kind = ObservationKind::slope_distance;
+        o.from = p.id;
+        o.to = q.id;
+        o.value = (p.coordinates - q.coordinates).norm();
+        o.sigma = 0.001;
+        cube.observations.push_back(o);
+      }
+      cube.points.push_back(p);
+    }
+    const std::string message = message_of(cube, with_datum(DatumMode::file));
+    if (held == 1) expect_words(message, {"vertical through P0", "tilt of the network", "through P0", "zenith angles"});
+    if (held == 2) expect_words(message, {"rotation of the network about the line through P0, P1 is open"});
+    EXPECT_EQ(message.empty(), held == 3) << message;
+    EXPECT_EQ(message.find("not determined by"), std::string::npos) << message;
+  }
+}
+
+/// A bench mark holds its height; where it lies is not invented.
+TEST(NetworkDoctor, DatumPointWithoutCoordinatesIsAnError) {
+  const auto n = simulate({.coordinates = false}, 14);
+  AdjustOptions options = with_datum(DatumMode::fixed);
+  options.datum_points = {"M00"};
+  expect_words(message_of(n.survey, options), {"datum point 'M00' has no coordinates"});
+}
+
 TEST(NetworkDoctor, ListsUncontrolledObservationsAndHinges) {
   auto n = simulate({}, 7);
   std::erase_if(n.survey.observations, [](const Observation& o) { return o.to == "M23" && o.set_up != 0; });
