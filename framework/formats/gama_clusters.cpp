@@ -14,6 +14,10 @@ namespace gama {
 using formats::attribute;
 using formats::parse_number;
 
+namespace {
+constexpr int kLargestCluster = 5000;  // observations under one matrix of 200 MB; survey files have a few hundred
+}
+
 bool GamaReader::read_angle(pugi::xml_node node, double& value, double& unit) {
   const std::string text = attribute(node, "val");
   if (parse_degrees_minutes_seconds(text, value)) {
@@ -135,10 +139,11 @@ ClusterItem GamaReader::add(pugi::xml_node node, Observation o) {
 Eigen::MatrixXd GamaReader::read_covariance(pugi::xml_node cluster, int size) {
   const auto node = formats::child(cluster, "cov-mat");
   if (!node) return {};
-  const int dimension = static_cast<int>(number(node, "dim", -1)), band = static_cast<int>(number(node, "band", -1));
+  const double dimension = number(node, "dim", -1), band = number(node, "band", -1);
   const auto tokens = formats::split_blanks(node.text().get());
-  const std::string expected = "cov-mat of dimension " + std::to_string(size) + " with its upper band by rows";
-  if (dimension != size || band < 0 || band >= std::max(1, dimension)) {
+  const std::string expected = "cov-mat of dimension " + std::to_string(size) + " (at most " +
+                               std::to_string(kLargestCluster) + ") with its upper band by rows";
+  if (dimension != size || size > kLargestCluster || !(band >= 0 && band < std::max(1, size))) {
     skip(node, "cov-mat dim=\"" + attribute(node, "dim") + "\" band=\"" + attribute(node, "band") + "\"", expected);
     return {};
   }

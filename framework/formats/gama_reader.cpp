@@ -92,12 +92,13 @@ void GamaReader::read_block(pugi::xml_node block) {
   zenith_sigma_ = number(block, "zenith-angle-stdev", kNotGiven);
   azimuth_sigma_ = number(block, "azimuth-stdev", kNotGiven);
   distance_model_.clear();
-  for (const auto& token : formats::split_blanks(attribute(block, "distance-stdev"))) {
+  const std::string model = attribute(block, "distance-stdev");
+  for (const auto& token : formats::split_blanks(model)) {
     const auto value = parse_number(token);
     if (value)
       distance_model_.push_back(*value);
     else
-      skip(block, "distance-stdev=\"" + attribute(block, "distance-stdev") + "\"", "up to three numbers");
+      skip(block, "distance-stdev=\"" + model + "\"", "up to three numbers");
   }
   for (pugi::xml_node node = block.first_child(); node; node = node.next_sibling()) {
     if (node.type() != pugi::node_element) continue;

@@ -3,6 +3,7 @@
 // CR-only line ends, UTF-16 exports, Windows-1252 remarks and 'nan' tokens are normal input here, never an exception.
 #pragma once
 
+#include <concepts>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -64,6 +65,11 @@ std::string to_lower(std::string_view ascii);
 /// The parts of `text` between single characters `delimiter`; "a;;b" has three. Blank runs: split_blanks.
 std::vector<std::string_view> split(std::string_view text, char delimiter);
 std::vector<std::string_view> split_blanks(std::string_view text);
+// Not of a temporary: the parts would point into what is gone.
+template <std::same_as<std::string> Temporary>
+std::vector<std::string_view> split(Temporary&& text, char delimiter) = delete;
+template <std::same_as<std::string> Temporary>
+std::vector<std::string_view> split_blanks(Temporary&& text) = delete;
 
 /// The finite number that all of `token` (trimmed) is; nullopt for anything else: empty text, rest after the number,
 /// 'nan', 'inf', hexadecimal, overflow. `decimal` is the decimal separator; '+' signs and exponents are allowed.
