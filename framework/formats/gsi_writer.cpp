@@ -34,6 +34,7 @@ class GsiWriter {
   void word(const std::string& head, const std::string& data, char sign = '+');
   void angle(const char* index, double value);
   void length(const char* index, double value, const char* mode);
+  void distance(const char* index, double value);
   /// Units of the last digit of a length in one metre.
   double scale() const { return options_.distance_unit == 0 ? 1e3 : options_.distance_unit == 6 ? 1e4 : 1e5; }
   std::string name(const std::string& id);
@@ -80,6 +81,13 @@ void GsiWriter::length(const char* index, double value, const char* mode) {
   if (!(std::abs(units) < 1e15)) cannot("the length " + formats::format_shortest(value) + " m");
   word(std::string(index) + mode + std::to_string(options_.distance_unit), formats::format_fixed(std::abs(units), 0),
        units < 0 ? '-' : '+');
+}
+
+// A distance of zero means "not measured".
+void GsiWriter::distance(const char* index, double value) {
+  if (std::round(value * scale()) == 0)
+    cannot("the distance " + formats::format_shortest(value) + " m: it rounds to zero");
+  length(index, value, "..0");
 }
 
 // A name in GSI's data field: zeros in front are filling there, so that two names may become one.
@@ -129,8 +137,8 @@ void GsiWriter::write_pointing(const Pointing& pointing) {
   begin("11", name(any.to));
   if (pointing.direction) angle("21", pointing.direction->value);
   if (pointing.zenith_angle) angle("22", pointing.zenith_angle->value);
-  if (pointing.slope_distance) length("31", pointing.slope_distance->value, "..0");
-  if (pointing.horizontal_distance) length("32", pointing.horizontal_distance->value, "..0");
+  if (pointing.slope_distance) distance("31", pointing.slope_distance->value);
+  if (pointing.horizontal_distance) distance("32", pointing.horizontal_distance->value);
   if (pointing.height_difference) length("33", pointing.height_difference->value, "..0");
   if (pointing.slope_distance || pointing.horizontal_distance) word("51..1.", "00000000+0000000");
   length("87", std::isnan(any.target_height) ? 0.0 : any.target_height, "..1");

@@ -69,8 +69,8 @@ inline void check_writers(const survey::SurveyObservations& s) {
     }
     try {
       check(read(text));
-    } catch (const survey::SurveyReadError&) {
-      promise(s.observations.empty(), "written observations can be read");
+    } catch (const survey::SurveyReadError& error) {
+      promise(s.observations.empty(), ("written observations can be read: " + std::string(error.what())).c_str());
     }
   }
 }
