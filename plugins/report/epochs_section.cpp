@@ -77,7 +77,7 @@ void write_movements(Markup& html, const SurveyComparisonT& c, const std::string
   Scope wide(html, "div", {{"class", "wide"}});
   Scope table(html, "table", {{"class", "sortable"}});
   table_head(html,
-             {"Point", "x [mm]", "y [mm]", "z [mm]", "σx", "σy", "σz",
+             {"Point", "E [mm]", "N [mm]", "H [mm]", "σE [mm]", "σN [mm]", "σH [mm]",
               "Test (critical " + fixed(c.critical_point, 1) + ")", "Detectable in height [mm]", left("Verdict")});
   std::vector<const PointMovementT*> order;
   for (const auto& p : c.points) order.push_back(p.get());
@@ -147,7 +147,7 @@ void write_control_warning(Markup& html, const SurveyComparisonT& c) {
   const auto bad = moved_points(c);
   html.element("p", (bad.empty() ? std::string("No single point explains it")
                                  : "Look at " + joined(bad) + ": moved, or coordinates of another point") +
-                        "; all results below lean on them. " + test_in_words(c) + ".");
+                        "; all results below lean on them. T" + test_in_words(c).substr(1) + ".");
 }
 
 void write_control_check(Markup& html, const SurveyComparisonT& c) {

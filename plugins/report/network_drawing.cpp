@@ -35,7 +35,13 @@ struct Layout {
   std::vector<Spot> spots;
   Scale x, y;
   double pixels_per_metre = 1, exaggeration = 1, drawing_height = 0;
+  double symbols = 1;     ///< size of dots, triangles and rings: smaller where points crowd
+  bool ellipses = false;  ///< there are any
+  bool rings = false;     ///< worth drawing: some points carry the datum, others do not
 };
+
+/// [px] of a semi-axis; a free instrument station may be known ten times worse than the markers.
+constexpr double largest_station_ellipse = 60;
 
 Spot spot_of(const NetworkPage::Point& point, const Projection& projection) {
   Spot spot{&point, projection.axes * point.position};
@@ -63,30 +69,56 @@ double usual_spacing(const std::vector<Spot>& spots) {
   return nearest[nearest.size() / 2];
 }
 
+/// Makes the usual ellipse as large as the distance to the next point allows, and the largest no larger than 90 px.
+/// Markers set the size: nobody minds a free instrument station that is known worse.
+double exaggeration_of(const std::vector<Spot>& spots, double pixels_per_metre, double spacing) {
+  const bool any_marker =
+      std::any_of(spots.begin(), spots.end(), [](const Spot& s) { return !s.point->station && s.semi_axes[0] > 0; });
+  std::vector<double> sizes;
+  double largest = 0, movement = 0;
+  for (const Spot& s : spots) {
+    if (s.semi_axes[0] > 0 && !(any_marker && s.point->station)) sizes.push_back(s.semi_axes[0]);
+    if (s.movement.allFinite()) movement = std::max(movement, s.movement.norm());
+  }
+  if (!sizes.empty()) {
+    std::sort(sizes.begin(), sizes.end());
+    largest = std::max(sizes.back(), movement);
+  }
+  if (!(largest > 0)) return 1;
+  const double usual = std::max(sizes[sizes.size() / 2], 0.1 * largest);
+  const double wanted = std::min(std::clamp(0.45 * spacing, 8.0, 26.0) / usual, 90 / largest);
+  return round_down(wanted / pixels_per_metre);
+}
+
+/// Rings say something if points carry the datum and other points of their kind do not.
+bool tell_apart(const std::vector<Spot>& spots) {
+  const auto count = [&](bool station, bool datum) {
+    return std::count_if(spots.begin(), spots.end(),
+                         [&](const Spot& s) { return s.point->station == station && s.point->datum == datum; });
+  };
+  const auto markers = count(false, true) + count(false, false);
+  if (markers == 0) return count(true, true) > 0 && count(true, false) > 0;
+  return count(false, false) > 0 && count(false, true) + count(true, true) > 0;
+}
+
 Layout layout(const NetworkPage& network, const Projection& projection) {
   Layout out;
   for (const auto& point : network.points)
     if (point.position.allFinite()) out.spots.push_back(spot_of(point, projection));
   if (out.spots.empty()) return out;
   Eigen::Vector2d low = out.spots.front().at, high = low;
-  double largest = 0;
-  // Markers set the size of the ellipses: a free instrument station may be known ten times worse, and nobody minds.
-  const bool any_marker = std::any_of(out.spots.begin(), out.spots.end(),
-                                      [](const Spot& s) { return !s.point->station && s.semi_axes[0] > 0; });
-  for (const Spot& s : out.spots) {
-    low = low.cwiseMin(s.at), high = high.cwiseMax(s.at);
-    if (std::isfinite(s.semi_axes[0]) && !(any_marker && s.point->station)) largest = std::max(largest, s.semi_axes[0]);
-    if (s.movement.allFinite()) largest = std::max(largest, s.movement.norm());
-  }
+  for (const Spot& s : out.spots) low = low.cwiseMin(s.at), high = high.cwiseMax(s.at);
   const Eigen::Vector2d span = (high - low).cwiseMax(1.0);
   out.pixels_per_metre = std::min((width - 2 * margin - 60) / span.x(), 520.0 / span.y());
   out.drawing_height = out.pixels_per_metre * span.y() + 2 * margin;
   const double used = out.pixels_per_metre * span.x(), start = 0.5 * (width - used);
   out.x = {low.x(), low.x() + span.x(), start, start + used};
   out.y = {low.y(), low.y() + span.y(), out.drawing_height - margin, margin};
-  // Ellipses may touch their neighbours but must stay visible in a network of many close points.
-  const double wanted = std::max(0.35 * usual_spacing(out.spots), 16 / out.pixels_per_metre);
-  if (largest > 0) out.exaggeration = round_down(wanted / largest);
+  const double spacing = usual_spacing(out.spots) * out.pixels_per_metre;
+  out.symbols = std::clamp(spacing / 30, out.spots.size() < 100 ? 0.6 : 0.35, 1.0);
+  out.rings = tell_apart(out.spots);
+  out.ellipses = std::any_of(out.spots.begin(), out.spots.end(), [](const Spot& s) { return s.semi_axes[0] > 0; });
+  out.exaggeration = exaggeration_of(out.spots, out.pixels_per_metre, spacing);
   return out;
 }
 
@@ -94,12 +126,15 @@ void draw_sights(Markup& svg, const NetworkPage& network, const Layout& layout) 
   std::map<std::string, const Spot*> by_id;
   for (const Spot& s : layout.spots) by_id[s.point->id] = &s;
   std::set<std::pair<std::string, std::string>> drawn;
+  std::string path;
   for (const auto& o : network.observations) {
     const auto from = by_id.find(o.from), to = by_id.find(o.to);
     if (from == by_id.end() || to == by_id.end() || !drawn.emplace(o.from, o.to).second) continue;
     const Eigen::Vector2d &a = from->second->at, &b = to->second->at;
-    line(svg, layout.x(a.x()), layout.y(a.y()), layout.x(b.x()), layout.y(b.y()), "sight");
+    path +=
+        "M" + px(layout.x(a.x())) + " " + px(layout.y(a.y())) + "L" + px(layout.x(b.x())) + " " + px(layout.y(b.y()));
   }
+  if (!path.empty()) svg.empty("path", {{"class", "sight"}, {"d", path}});
 }
 
 void draw_point(Markup& svg, const Layout& layout, const Spot& s) {
@@ -107,7 +142,7 @@ void draw_point(Markup& svg, const Layout& layout, const Spot& s) {
   const double scale = layout.exaggeration * layout.pixels_per_metre;
   // The ellipse of a movement stands at the head of its arrow: the point has moved if it leaves the dot outside.
   const Eigen::Vector2d tip = s.movement.allFinite() ? Eigen::Vector2d(scale * s.movement) : Eigen::Vector2d(0, 0);
-  if (std::isfinite(s.semi_axes[0]) && scale * s.semi_axes[0] < (s.point->station ? 60 : 1e4))
+  if (std::isfinite(s.semi_axes[0]) && (!s.point->station || scale * s.semi_axes[0] < largest_station_ellipse))
     svg.empty("ellipse", {{"class", "ellipse"},
                           {"cx", "0"},
                           {"cy", "0"},
@@ -116,13 +151,15 @@ void draw_point(Markup& svg, const Layout& layout, const Spot& s) {
                           {"transform", "translate(" + px(x + tip.x()) + " " + px(y - tip.y()) + ") rotate(" +
                                             px(-s.angle * 180 / M_PI) + ")"}});
   arrow(svg, x, y, x + tip.x(), y - tip.y(), s.point->moved ? "moved" : "unmoved");
+  const double k = layout.symbols;
   if (s.point->station)
     svg.empty("polygon", {{"class", "station"},
-                          {"points", px(x) + "," + px(y - 7) + " " + px(x + 6.5) + "," + px(y + 5) + " " + px(x - 6.5) +
-                                         "," + px(y + 5)}});
+                          {"points", px(x) + "," + px(y - 7 * k) + " " + px(x + 6.5 * k) + "," + px(y + 5 * k) + " " +
+                                         px(x - 6.5 * k) + "," + px(y + 5 * k)}});
   else
-    svg.empty("circle", {{"class", "dot"}, {"cx", px(x)}, {"cy", px(y)}, {"r", "3"}});
-  if (s.point->datum) svg.empty("circle", {{"class", "datum-ring"}, {"cx", px(x)}, {"cy", px(y)}, {"r", "9"}});
+    svg.empty("circle", {{"class", "dot"}, {"cx", px(x)}, {"cy", px(y)}, {"r", px(3 * k)}});
+  if (s.point->datum && layout.rings)
+    svg.empty("circle", {{"class", "datum-ring"}, {"cx", px(x)}, {"cy", px(y)}, {"r", px(9 * k)}});
 }
 
 /// Two bars below: length in the drawing, and size of an ellipse.
@@ -134,6 +171,7 @@ void draw_scales(Markup& svg, const Layout& layout) {
   line(svg, 20, y, 20 + metres * layout.pixels_per_metre, y, "axis");
   label(svg, 28 + metres * layout.pixels_per_metre, y + 4, fixed(metres, metres < 1 ? 1 : 0) + "\u00A0m", "small",
         "start");
+  if (!layout.ellipses) return;
   line(svg, 320, y, 320 + error * scale, y, "bar");
   label(svg, 328 + error * scale, y + 4, tolerance(error) + " for ellipses (×" + fixed(layout.exaggeration, 0) + ")",
         "small", "start");
@@ -175,19 +213,28 @@ void draw(Markup& html, const NetworkPage& network, const Projection& projection
   }
   const bool stations =
       std::any_of(network.points.begin(), network.points.end(), [](const auto& p) { return p.station; });
+  const bool markers =
+      std::any_of(network.points.begin(), network.points.end(), [](const auto& p) { return !p.station; });
   const bool datum = std::any_of(network.points.begin(), network.points.end(), [](const auto& p) { return p.datum; });
+  const bool hidden = std::any_of(view.spots.begin(), view.spots.end(), [&](const Spot& s) {
+    return s.point->station && view.exaggeration * view.pixels_per_metre * s.semi_axes[0] >= largest_station_ellipse;
+  });
   const bool crowded = std::any_of(view.spots.begin(), view.spots.end(), [&](const Spot& a) {
     return std::any_of(view.spots.begin(), view.spots.end(),
                        [&](const Spot& b) { return &a != &b && (a.at - b.at).norm() * view.pixels_per_metre <= 4; });
   });
-  html.element("figcaption",
-               projection.name + ": " + projection.horizontal + " to the right, " + projection.vertical +
-                   " up. Ellipses: " + network.ellipses + ", drawn ×" + fixed(view.exaggeration, 0) + "." +
-                   (stations ? " Triangles: instrument; dots: markers." : "") +
-                   (datum ? " Rings: " + network.rings + "." : "") +
-                   (crowded ? " “A1 +9” stands for A1 and nine more points at the same place; labels that would "
-                              "overlap are left out."
-                            : ""));
+  html.element(
+      "figcaption",
+      projection.name + ": " + projection.horizontal + " to the right, " + projection.vertical + " up." +
+          (view.ellipses ? " Ellipses: " + network.ellipses + ", drawn ×" + fixed(view.exaggeration, 0) + "." : "") +
+          (stations ? " Triangles: instrument; dots: markers." : "") +
+          (view.rings ? " Rings: " + network.rings + "."
+           : datum    ? std::string(markers ? " All markers are " : " All are ") + network.rings + "."
+                      : "") +
+          (hidden ? " Ellipses of instruments that are too large to draw are left out." : "") +
+          (crowded ? " “A1 +9” stands for A1 and nine more points at the same place; labels that would "
+                     "overlap are left out."
+                   : ""));
 }
 
 }  // namespace

@@ -1,8 +1,13 @@
 #include "report/network_page.hpp"
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
+
+#include "geometry/packed_symmetric.hpp"
+#include "geometry/relative_points.hpp"
 
 namespace plumbline::report {
 
@@ -42,6 +47,54 @@ NetworkPage::Observation observation_of(const NetworkObservationT& from) {
   return o;
 }
 
+/// "X south" for an axis of a file, e.g. 's'.
+std::string axis_name(char letter, char direction) {
+  const std::map<char, std::string> names = {{'e', "east"}, {'n', "north"}, {'w', "west"}, {'s', "south"}};
+  const auto found = names.find(direction);
+  return std::string(1, letter) + (found == names.end() ? "" : " " + found->second);
+}
+
+void fill_coordinates(const SurveyNetworkT& network, NetworkPage& page) {
+  if (network.axes.size() == 2 && network.axes != "en")
+    page.axis_names = {axis_name('x', network.axes[0]), axis_name('y', network.axes[1]), "z up"};
+  std::map<std::string, const NetworkEllipsoidT*> ellipsoids;
+  for (const auto& e : network.ellipsoids) ellipsoids[e->id] = e.get();
+  for (const auto& p : network.points) {
+    NetworkPage::Coordinates& row = page.coordinates.emplace_back();
+    row.id = p->id, row.position = p->position, row.sigma = p->sigma;
+    if (const auto e = ellipsoids.find(p->id); e != ellipsoids.end())
+      row.plan_95 = e->second->plan_semi_axis_95, row.height_95 = e->second->height_half_length_95;
+  }
+}
+
+/// Every marker with its four nearest, weakest height first.
+void fill_relative(const SurveyNetworkT& network, const PointsT& points, NetworkPage& page) {
+  constexpr double factor_1d = 1.959964, factor_2d = 2.447747;  // 95 %
+  if (points.covariance.empty()) return;
+  const Eigen::MatrixXd covariance = unpack_symmetric(points.covariance, 3 * points.points.size(), "the points");
+  std::set<std::string> stations;
+  for (const auto& s : network.set_ups) stations.insert(s->station);
+  std::vector<int> markers;
+  std::vector<Eigen::Vector3d> positions;
+  for (std::size_t i = 0; i < points.points.size(); ++i) {
+    if (stations.contains(points.points[i]->id)) continue;
+    markers.push_back(static_cast<int>(i));
+    positions.push_back(points.points[i]->position);
+  }
+  for (const auto& [i, j] : neighbours(positions, 4)) {
+    const int a = markers[static_cast<std::size_t>(i)], b = markers[static_cast<std::size_t>(j)];
+    const Eigen::Matrix3d c = relative_covariance(covariance, a, b);
+    if (!c.allFinite()) continue;
+    NetworkPage::Relative& row = page.relative.emplace_back();
+    row.from = points.points[static_cast<std::size_t>(a)]->id, row.to = points.points[static_cast<std::size_t>(b)]->id;
+    row.distance = (positions[static_cast<std::size_t>(j)] - positions[static_cast<std::size_t>(i)]).norm();
+    row.plan_95 = confidence_ellipse(c.topLeftCorner<2, 2>(), factor_2d).major;
+    row.sigma_height = std::sqrt(c(2, 2)), row.height_95 = factor_1d * row.sigma_height;
+  }
+  std::stable_sort(page.relative.begin(), page.relative.end(),
+                   [](const auto& a, const auto& b) { return a.height_95 > b.height_95; });
+}
+
 void fill_tests(const NetworkTestsT& tests, NetworkPage& page) {
   page.statistic = tests.statistic, page.lower = tests.lower, page.upper = tests.upper, page.alpha = tests.alpha;
   page.verdict = tests.verdict;
@@ -56,8 +109,11 @@ Eigen::Matrix3d covariance_of(const NetworkEllipsoidT& e) {
   return axes * e.semi_axes.cwiseAbs2().asDiagonal() * axes.transpose();
 }
 
-NetworkPage network_page(const SurveyNetworkT& network) {
+NetworkPage network_page(const SurveyNetworkT& network, const SurveyNetworkT* in_file_axes, const PointsT* points) {
   NetworkPage page;
+  fill_coordinates(in_file_axes ? *in_file_axes : network, page);
+  if (points) fill_relative(network, *points, page);
+  page.stochastic_model = network.stochastic_model;
   page.points = points_of(network);
   for (const auto& o : network.observations) page.observations.push_back(observation_of(*o));
   for (const auto& s : network.snooping)

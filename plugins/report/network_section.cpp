@@ -34,6 +34,14 @@ std::string name_of(const NetworkPage::Observation& o) {
   return o.source.empty() ? name : name + " (" + o.source + ")";
 }
 
+std::string datum_in_words(const NetworkPage& n) {
+  if (n.datum == "inner") return "free network, nothing outside is trusted";
+  if (n.datum == "fixed") return "control points held as if free of error";
+  if (n.datum == "weighted") return "control points with their standard deviations";
+  if (n.datum == "file") return "as the file says";
+  return n.datum;
+}
+
 void write_global_test(Markup& html, const NetworkPage& n) {
   const std::string bounds = fixed(n.statistic, 1) + " against " + fixed(n.lower, 1) + " to " + fixed(n.upper, 1) +
                              " with " + std::to_string(n.degrees_of_freedom) +
@@ -110,6 +118,25 @@ std::string flags_of(const NetworkPage::Observation& o) {
   return flags;
 }
 
+/// First rows open, the rest behind a click: `row(i)` writes one.
+template <typename Row>
+void write_long_table(Markup& html, const std::vector<Cell>& head, std::size_t rows, const std::string& rest,
+                      const Row& row) {
+  constexpr std::size_t shown = 25;
+  const auto write_rows = [&](std::size_t first, std::size_t last) {
+    Scope wide(html, "div", {{"class", "wide"}});
+    Scope table(html, "table", {{"class", "sortable"}});
+    table_head(html, head);
+    Scope body(html, "tbody");
+    for (std::size_t i = first; i < last; ++i) row(i);
+  };
+  write_rows(0, std::min(shown, rows));
+  if (rows <= shown) return;
+  Scope details(html, "details");
+  html.element("summary", "The other " + count(static_cast<long>(rows - shown), rest, rest + "s"));
+  write_rows(shown, rows);
+}
+
 void write_observations(Markup& html, const NetworkPage& n) {
   html.element("h3", "Observations, most suspect first");
   html.element("p",
@@ -124,38 +151,55 @@ void write_observations(Markup& html, const NetworkPage& n) {
     const auto size = [](const auto* o) { return std::isfinite(o->w) ? std::abs(o->w) : -1; };
     return a->removed != b->removed ? a->removed : size(a) > size(b);
   });
-  constexpr std::size_t shown = 25;
-  const auto write_rows = [&](std::size_t first, std::size_t last) {
-    Scope wide(html, "div", {{"class", "wide"}});
-    Scope table(html, "table", {{"class", "sortable"}});
-    table_head(html, {"Observation", "v", "σ", "r", "w", "MDB", "Effect [mm]", left("Flags")});
-    Scope body(html, "tbody");
-    for (std::size_t i = first; i < last; ++i) {
-      const NetworkPage::Observation& o = *order[i];
-      table_row(html,
-                {name_of(o), size_of(o, o.residual, false), positive_size_of(o, o.sigma), fixed(o.redundancy_number, 2),
-                 signed_fixed(o.w, 2), positive_size_of(o, o.mdb), mm(o.external_effect), left(flags_of(o))});
-    }
-  };
-  write_rows(0, std::min(shown, order.size()));
-  if (order.size() <= shown) return;
-  Scope details(html, "details");
-  html.element("summary", "The other " + std::to_string(order.size() - shown) + " observations");
-  write_rows(shown, order.size());
+  write_long_table(html, {"Observation", "v", "σ", "r", "w", "MDB", "Effect [mm]", left("Flags")}, order.size(),
+                   "observation", [&](std::size_t i) {
+                     const NetworkPage::Observation& o = *order[i];
+                     table_row(html, {name_of(o), size_of(o, o.residual, false), positive_size_of(o, o.sigma),
+                                      fixed(o.redundancy_number, 2), signed_fixed(o.w, 2), positive_size_of(o, o.mdb),
+                                      mm(o.external_effect), left(flags_of(o))});
+                   });
 }
 
 void write_points(Markup& html, const NetworkPage& n) {
-  Scope details(html, "details");
-  html.element("summary", "Coordinates and standard deviations of " +
-                              count(static_cast<long>(n.points.size()), "point", "points"));
+  if (n.coordinates.empty()) return;
+  html.element("h3", "Coordinates");
+  const auto& [x, y, z] = n.axis_names;
+  const bool own = x != "E";
+  html.element(
+      "p",
+      "σ: one standard deviation. Plan 95 %: largest semi-axis of the confidence ellipse; height 95 %: half "
+      "the confidence interval. " +
+          std::string(own ? "In the axes of the file: " + x + ", " + y + ", " + z + "; the drawings have north up."
+                          : "E east, N north, H height."));
+  write_long_table(
+      html,
+      {"Point", x + " [m]", y + " [m]", z + " [m]", "σ " + x.substr(0, 1) + " [mm]", "σ " + y.substr(0, 1) + " [mm]",
+       "σ " + z.substr(0, 1) + " [mm]", "Plan 95\u00A0% [mm]", "Height 95\u00A0% [mm]"},
+      n.coordinates.size(), "point", [&](std::size_t i) {
+        const NetworkPage::Coordinates& p = n.coordinates[i];
+        table_row(html, {p.id, fixed(p.position.x(), 4), fixed(p.position.y(), 4), fixed(p.position.z(), 4),
+                         mm(p.sigma.x()), mm(p.sigma.y()), mm(p.sigma.z()), mm(p.plan_95), mm(p.height_95)});
+      });
+}
+
+void write_relative(Markup& html, const NetworkPage& n) {
+  if (n.relative.empty()) return;
+  constexpr std::size_t shown = 10;
+  html.element("h3", "Neighbouring markers relative to each other");
+  html.element("p", "How well the step from a marker to one of its four nearest is known, weakest in height first" +
+                        std::string(n.relative.size() > shown
+                                        ? " (" + std::to_string(shown) + " of " +
+                                              count(static_cast<long>(n.relative.size()), "pair", "pairs") +
+                                              "; all of them, and any other pair, in relative.csv)"
+                                        : "") +
+                        ". Floor to floor this is what counts, not the ellipses above: they depend on the datum.");
   Scope wide(html, "div", {{"class", "wide"}});
   Scope table(html, "table", {{"class", "sortable"}});
-  table_head(html, {"Point", "x [m]", "y [m]", "z [m]", "σx [mm]", "σy [mm]", "σz [mm]"});
+  table_head(html, {"From", left("To"), "Distance [m]", "σ H [mm]", "Height 95\u00A0% [mm]", "Plan 95\u00A0% [mm]"});
   Scope body(html, "tbody");
-  for (const auto& p : n.points) {
-    const auto sigma = [&](int i) { return mm(std::sqrt(p.covariance(i, i))); };
-    table_row(html, {p.id, fixed(p.position.x(), 4), fixed(p.position.y(), 4), fixed(p.position.z(), 4), sigma(0),
-                     sigma(1), sigma(2)});
+  for (std::size_t i = 0; i < std::min(shown, n.relative.size()); ++i) {
+    const NetworkPage::Relative& r = n.relative[i];
+    table_row(html, {r.from, left(r.to), fixed(r.distance, 2), mm(r.sigma_height), mm(r.height_95), mm(r.plan_95)});
   }
 }
 
@@ -206,17 +250,20 @@ void write_network(Markup& html, const NetworkPage& network, const SurveyCompari
                    count(static_cast<long>(network.observations.size()), "observation", "observations") + ", " +
                    count(network.unknowns, "unknown", "unknowns") + ", " +
                    count(network.degrees_of_freedom, "degree of freedom", "degrees of freedom") +
-                   "; standard deviation of unit weight " + fixed(network.sigma0, 3) + "; datum: " + network.datum +
-                   ".");
+                   "; standard deviation of unit weight " + fixed(network.sigma0, 3) +
+                   ". Datum: " + datum_in_words(network) + ".");
+  if (!network.stochastic_model.empty())
+    html.element("p", {{"class", "note"}}, "Precision assumed, " + network.stochastic_model + ".");
   write_global_test(html, network);
   write_findings(html, network);
   if (control) write_control_check(html, *control);
   write_network_drawings(html, network);
+  write_points(html, network);
+  write_relative(html, network);
   write_removed(html, network);
   write_pointings(html, network);
   write_groups(html, network);
   write_observations(html, network);
-  write_points(html, network);
 }
 
 }  // namespace plumbline::report

@@ -137,7 +137,7 @@ void write_markers(Markup& html, const SurveyPlanT& plan) {
   html.element("summary", "Predicted precision of every marker");
   Scope wide(html, "div", {{"class", "wide"}});
   Scope table(html, "table", {{"class", "sortable"}});
-  table_head(html, {"Marker", "σx [mm]", "σy [mm]", "σz [mm]", "Set-ups", "Longest [m]", "Most oblique [°]"});
+  table_head(html, {"Marker", "σE [mm]", "σN [mm]", "σH [mm]", "Set-ups", "Longest [m]", "Most oblique [°]"});
   Scope body(html, "tbody");
   for (const auto& p : plan.points) {
     const auto seen = sights.find(p->id);

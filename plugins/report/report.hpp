@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -59,7 +60,24 @@ struct NetworkPage {
     std::string severity, text;
   };
 
+  /// A coordinate row of the page, in the axes that `axis_names` says.
+  struct Coordinates {
+    std::string id;
+    Eigen::Vector3d position = Eigen::Vector3d::Zero(), sigma = Eigen::Vector3d::Constant(nan);
+    double plan_95 = nan, height_95 = nan;  ///< largest semi-axis of the ellipse, half length of the interval [m]
+  };
+  /// Two neighbouring markers, b - a.
+  struct Relative {
+    std::string from, to;
+    double distance = nan, plan_95 = nan, height_95 = nan;  ///< [m]
+    double sigma_height = nan;                              ///< [m]
+  };
+
   std::vector<Point> points;
+  std::vector<Coordinates> coordinates;
+  std::array<std::string, 3> axis_names = {"E", "N", "H"};
+  std::vector<Relative> relative;  ///< weakest first; empty: not known
+  std::string stochastic_model;
   std::vector<Observation> observations;
   std::vector<Step> steps;
   std::vector<Group> groups;

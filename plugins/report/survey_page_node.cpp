@@ -5,6 +5,14 @@
 
 namespace plumbline::report {
 
+NetworkPage ReportSurvey::page_of_network() const {
+  SurveyNetworkT file_axes;
+  if (in_file_axes) file_axes = in_file_axes.unpack();
+  PointsT all;
+  if (points) all = points.unpack();
+  return network_page(network.unpack(), in_file_axes ? &file_axes : nullptr, points ? &all : nullptr);
+}
+
 void ReportSurvey::run(Context& context) {
   if (!plan && !epochs && !network)
     throw std::runtime_error("none of the inputs plan, epochs and network is connected");
@@ -20,7 +28,7 @@ void ReportSurvey::run(Context& context) {
     }
     if (plan) write_plan(html, plan.unpack());
     if (epochs) write_epochs(html, epochs.unpack());
-    if (network) write_network(html, network_page(network.unpack()), control_check ? &control : nullptr);
+    if (network) write_network(html, page_of_network(), control_check ? &control : nullptr);
   });
   FileT file;
   file.name = *name, file.media_type = "text/html";

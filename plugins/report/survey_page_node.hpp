@@ -2,10 +2,12 @@
 #pragma once
 
 #include "artifacts/file.hpp"
+#include "artifacts/points.hpp"
 #include "artifacts/survey_comparison.hpp"
 #include "artifacts/survey_network.hpp"
 #include "artifacts/survey_plan.hpp"
 #include "plumbline/node.hpp"
+#include "report/report.hpp"
 
 namespace plumbline::report {
 
@@ -17,11 +19,18 @@ struct ReportSurvey : Node {
   Optional<SurveyNetwork> network{"network", frame("frame=?F"), "an adjusted network"};
   Optional<SurveyComparison> control_check{"control_check", frame("frame=?F"),
                                            "the control points tested against the network"};
+  Optional<SurveyNetwork> in_file_axes{"in_file_axes", frame("frame=?X"),
+                                       "the same network in the axes of its file, for the table of coordinates"};
+  Optional<Points> points{"points", frame("frame=?F"),
+                          "its points with covariance, for what neighbours are known relative to each other"};
   Param<std::string> title{"title", "Survey", "heading"};
   Param<std::string> subtitle{"subtitle", "", "site and date"};
   Param<std::string> name{"name", "survey.html", "name of the file"};
   Out<File> out{"file", "the page"};
   void run(Context& context) override;
+
+ private:
+  NetworkPage page_of_network() const;
 };
 
 }  // namespace plumbline::report

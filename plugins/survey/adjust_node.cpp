@@ -1,5 +1,7 @@
 #include "adjust_node.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <numbers>
 
 #include "formats/survey_artifact.hpp"
@@ -21,6 +23,14 @@ DatumMode datum_mode(const std::string& name) {
 
 Switch to_switch(const std::string& name) {
   return name == "on" ? Switch::on : name == "off" ? Switch::off : Switch::automatic;
+}
+
+std::string stochastic_model(const plumbline::survey::SurveyObservations& survey, const InstrumentProfile& profile) {
+  const auto without = std::count_if(survey.observations.begin(), survey.observations.end(),
+                                     [](const auto& o) { return std::isnan(o.sigma); });
+  if (without == 0) return "";
+  return in_words(profile) + "; used for " + std::to_string(without) + " of " +
+         std::to_string(survey.observations.size()) + " readings, whose files give no standard deviation";
 }
 
 }  // namespace
@@ -65,7 +75,9 @@ void AdjustNode::run(Context& context) {
   context.metric("sigma0", result.sigma0, "1");
   context.metric("degrees_of_freedom", result.degrees_of_freedom, "1");
   points.commit(to_points_artifact(result));
-  network.commit(to_network_artifact(result, o));
+  SurveyNetworkT tables = to_network_artifact(result, o);
+  tables.stochastic_model = stochastic_model(survey, o.profile);
+  network.commit(tables);
 }
 
 }  // namespace plumbline::survey

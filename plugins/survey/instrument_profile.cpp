@@ -12,6 +12,7 @@
 #include <stdexcept>
 
 #include "builtin_profiles.hpp"
+#include "network_words.hpp"
 
 namespace plumbline::survey {
 
@@ -79,6 +80,13 @@ double InstrumentProfile::levelled(double length) const {
   return std::hypot(height_difference, height_difference_per_sqrt_km * std::sqrt(length / 1000));
 }
 
+std::string in_words(const InstrumentProfile& p) {
+  return p.name + ": directions " + fixed_digits(p.direction_sigma / kArcsecond, 1) + "\u2033, zenith angles " +
+         fixed_digits(p.zenith_sigma / kArcsecond, 1) + "\u2033 (one set in both faces), distances " +
+         fixed_digits(p.distance_constant / kMillimetre, 1) + " mm + " + fixed_digits(p.distance_ppm, 1) +
+         " ppm, centring of targets " + fixed_digits(p.target_centring / kMillimetre, 1) + " mm";
+}
+
 InstrumentProfile parse_profile(const std::string& yaml, const std::string& origin) {
   YAML::Node root;
   try {
@@ -105,8 +113,13 @@ InstrumentProfile parse_profile(const std::string& yaml, const std::string& orig
       } else {
         fail(origin, entry.first.Mark(), "unknown key '" + key + "', expected one of " + known_keys());
       }
-    } catch (const YAML::Exception& error) {
-      fail(origin, entry.second.Mark(), "value of '" + key + "': " + error.msg);
+    } catch (const YAML::Exception&) {
+      const std::string found = entry.second.IsScalar() ? "'" + entry.second.Scalar() + "'" : "no single value";
+      fail(origin, entry.second.Mark(),
+           "'" + key + "' is " + found + ", expected " +
+               (key == "name"             ? "a text"
+                : key == "sigmas_of_mean" ? "true or false"
+                                          : "a number"));
     }
   }
   for (const auto& [key, field] : fields())

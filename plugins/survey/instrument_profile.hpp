@@ -34,6 +34,8 @@ struct InstrumentProfile {
   double levelled(double length) const;
 };
 
+/// "total_station_1arcsec: directions 1.0", zenith angles 1.0", distances 1.0 mm + 1.0 ppm, targets 0.3 mm".
+std::string in_words(const InstrumentProfile& profile);
 /// Names of the built-in profiles.
 std::vector<const char*> profile_names();
 /// Throws std::runtime_error with the known names if there is none.

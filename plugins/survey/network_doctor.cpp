@@ -67,9 +67,7 @@ void examine_failures(const NetworkResult& r, const AdjustOptions& options, std:
                         {}});
   else if (suspects > 1)
     findings.push_back(
-        {Finding::Severity::note,
-         "mend or remove the first suspect and adjust again: others may follow from it (remove_blunders=true does so)",
-         {}});
+        {Finding::Severity::note, "mend or remove the first suspect and adjust again: others may follow from it", {}});
 }
 
 void examine_rows(const NetworkResult& r, const AdjustOptions& options, std::vector<Finding>& findings) {

@@ -1,4 +1,5 @@
 // From the last adjustment to the tables of the result.
+#include <algorithm>
 #include <cmath>
 
 #include "adjuster.hpp"
@@ -91,6 +92,12 @@ NetworkResult Adjuster::report(Pass& pass) {
   const Solution& s = pass.solution;
   result.datum = m_.datum;
   result.datum_points = m_.datum_points;
+  // Constrained points of a gama-local file carry the datum only where the observations leave one open.
+  if (m_.datum == DatumMode::file && s.datum.defect() == 0)
+    std::erase_if(result.datum_points, [&](const std::string& id) {
+      const auto& roles = m_.roles[static_cast<size_t>(m_.index.at(id))];
+      return std::find(roles.begin(), roles.end(), CoordinateRole::fixed) == roles.end();
+    });
   result.observations = s.linearisation.rows;
   result.unknowns = s.unknowns.count();
   result.defect = s.datum.defect();

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "artifacts/file.hpp"
+#include "artifacts/points.hpp"
 #include "artifacts/survey_observations.hpp"
 #include "formats/survey_observations.hpp"
 #include "plumbline/node.hpp"
@@ -112,6 +113,9 @@ struct WriteGsi : WriterNode {
 struct WriteGama : WriterNode {
   static constexpr Info info{"write.gama", "survey_writer", 1,
                              "Writes GNU Gama's gama-local XML; readings in face 2 become those of face 1"};
+  Optional<Points> points{"points", frame("frame=?S"),
+                          "coordinates for points that have none in the file, e.g. adjusted ones; if no point is held, "
+                          "they carry a free network's datum. gama-local finds none from free stations alone"};
   Param<double> direction_sigma{"direction_sigma", 1.5, "mgon", between(1e-6, 1e3),
                                 "of directions and angles without one"};
   Param<double> zenith_angle_sigma{"zenith_angle_sigma", 1.5, "mgon", between(1e-6, 1e3),

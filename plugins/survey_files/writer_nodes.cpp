@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "formats/gama.hpp"
@@ -20,6 +22,27 @@ void reduce_to_face_1(survey::Observation& observation) {
     observation.value = std::fmod(observation.value + pi, 2 * pi);
   if (observation.kind == survey::ObservationKind::zenith_angle) observation.value = 2 * pi - observation.value;
   observation.face = 0;
+}
+
+/// Without a point that holds the network, its datum is that of a free network on the given coordinates.
+void give_coordinates(const PointsT& points, survey::SurveyObservations& survey) {
+  using survey::CoordinateRole;
+  std::map<std::string, const PointT*> known;
+  for (const auto& p : points.points) known[p->id] = p.get();
+  const bool held = std::any_of(survey.points.begin(), survey.points.end(), [](const survey::Point& p) {
+    return std::any_of(p.roles.begin(), p.roles.end(), [](CoordinateRole role) {
+      return role == CoordinateRole::fixed || role == CoordinateRole::constrained;
+    });
+  });
+  for (survey::Point& p : survey.points) {
+    const auto found = known.find(p.id);
+    if (found == known.end()) continue;
+    for (int k = 0; k < 3; ++k) {
+      if (std::isnan(p.coordinates[k])) p.coordinates[k] = found->second->position[k];
+      if (!held && p.roles[k] == CoordinateRole::free && !std::isnan(p.coordinates[k]))
+        p.roles[k] = CoordinateRole::constrained;
+    }
+  }
 }
 
 }  // namespace
@@ -51,6 +74,7 @@ void WriteGama::run(Context&) {
     observation.sigma =
         angular ? (zenith ? *zenith_angle_sigma : *direction_sigma) * 1e-3 * pi / 200 : *distance_sigma * 1e-3;
   }
+  if (points) give_coordinates(points.unpack(), prepared);
   deliver("survey.gkf", "application/xml", survey::write_gama_xml(prepared));
 }
 

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "geometry/packed_symmetric.hpp"
+
 namespace plumbline::report {
 namespace {
 
@@ -39,6 +41,55 @@ TEST(NetworkPage, TakesEllipsoidsApart) {
   EXPECT_TRUE(page.points[1].station);
   EXPECT_TRUE(page.observations[0].angular);
   EXPECT_EQ(page.observations[0].source, "a.gsi:7");
+}
+
+TEST(NetworkPage, CoordinatesInTheAxesOfTheFile) {
+  SurveyNetworkT file = small_network();
+  file.axes = "sw";
+  file.points[0]->position = {-2, -1, 3};
+  ReportInput input;
+  input.network = network_page(small_network(), &file);
+  const std::string html = render_report(input);
+  for (const char* words :
+       {"x south [m]", "y west [m]", "In the axes of the file", "control points with their standard"})
+    EXPECT_NE(html.find(words), std::string::npos) << words;
+  EXPECT_EQ(input.network->coordinates[0].position.x(), -2);
+  EXPECT_EQ(input.network->points[0].position.x(), 1) << "drawings keep north up";
+}
+
+TEST(NetworkPage, NeighboursRelativeToEachOther) {
+  SurveyNetworkT network = small_network();
+  auto second = std::make_unique<PointT>();
+  second->id = "A2", second->position = {1, 2, 6};
+  network.points.push_back(std::move(second));
+  PointsT points;
+  for (const auto& p : network.points) points.points.push_back(std::make_unique<PointT>(*p));
+  // Heights of A1 and A2 of 3 mm each with correlation 0.5: 3 mm relative to each other.
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Identity(9, 9) * 9e-6;
+  covariance(2, 8) = covariance(8, 2) = 4.5e-6;
+  points.covariance = pack_symmetric(covariance);
+  const NetworkPage page = network_page(network, nullptr, &points);
+  ASSERT_EQ(page.relative.size(), 1u) << "the station is no marker";
+  EXPECT_EQ(page.relative[0].from + page.relative[0].to, "A1A2");
+  EXPECT_NEAR(page.relative[0].sigma_height, 0.003, 1e-12);
+  EXPECT_NEAR(page.relative[0].distance, 3, 1e-12);
+  ReportInput input;
+  input.network = page;
+  EXPECT_NE(render_report(input).find("relative to each other"), std::string::npos);
+}
+
+TEST(NetworkPage, RingsOnlyWhereTheyTellPointsApart) {
+  ReportInput input;
+  input.network = network_page(small_network());
+  const std::string all = render_report(input);
+  EXPECT_EQ(all.find("\"datum-ring\""), std::string::npos);
+  EXPECT_NE(all.find("All markers are points that carry the datum"), std::string::npos);
+  SurveyNetworkT network = small_network();
+  auto other = std::make_unique<PointT>();
+  other->id = "A2", other->position = {1, 2, 6};
+  network.points.push_back(std::move(other));
+  input.network = network_page(network);
+  EXPECT_NE(render_report(input).find("\"datum-ring\""), std::string::npos);
 }
 
 TEST(NetworkPage, RendersWithoutTestsAndStatistics) {
