@@ -162,7 +162,9 @@ std::string CsvTable::dialect() const {
 CsvTable read_csv(std::string_view bytes, const std::map<std::string, std::string>& known_names) {
   CsvTable table;
   table.decoded = decode_text(bytes);
-  const auto lines = split_lines(table.decoded.text);
+  auto lines = split_lines(table.decoded.text);
+  // Spreadsheets may write "sep=;" in front: the delimiter is found without it.
+  if (!lines.empty() && to_lower(trim(lines.front().text)).starts_with("sep=")) lines.erase(lines.begin());
   const Dialect dialect = detect(lines, known_names);
   table.delimiter = dialect.delimiter;
   table.decimal = dialect.decimal;

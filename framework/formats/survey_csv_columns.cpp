@@ -1,6 +1,7 @@
 #include "formats/survey_csv_columns.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -35,7 +36,7 @@ const std::map<std::string, std::string>& survey_column_names() {
       for (const char* synonym : synonyms) all[synonym] = column;
     };
     add("id", {"point", "pt", "name", "nr", "no", "number", "point_id", "pointid", "point_no", "point_name", "punkt",
-               "punktnummer", "pkt", "pnr", "p"});
+               "punktnummer", "punktnr", "punkt_nr", "punktname", "punktid", "pkt", "pnr", "p"});
     add("e", {"east", "easting", "ost", "ostwert", "rechtswert", "rechts"});
     add("n", {"north", "northing", "nord", "nordwert", "hochwert", "hoch"});
     add("h", {"z", "height", "elevation", "elev", "el", "hoehe", "h\xC3\xB6he"});
@@ -47,13 +48,15 @@ const std::map<std::string, std::string>& survey_column_names() {
     add("target", {"to", "ziel", "zielpunkt", "target_id"});
     add("set_up", {"setup", "setup_id", "set_up_id", "aufstellung"});
     add("direction", {"hz", "horizontal_angle", "horizontal_direction", "ha", "richtung"});
-    add("zenith", {"v", "zenith_angle", "vertical_angle", "va", "ze", "zenitwinkel"});
+    add("zenith", {"v", "zenith_angle", "vertical_angle", "va", "ze", "zenitwinkel", "zenitdistanz", "zenithdistanz"});
     add("azimuth", {"az"});
-    add("slope_distance", {"sd", "s", "slope_dist", "schraegstrecke", "schr\xC3\xA4gstrecke"});
-    add("horizontal_distance", {"hd", "horizontal_dist"});
+    add("slope_distance",
+        {"sd", "s", "slope_dist", "schraegstrecke", "schr\xC3\xA4gstrecke", "schraegdistanz", "schr\xC3\xA4gdistanz"});
+    add("horizontal_distance", {"hd", "horizontal_dist", "horizontalstrecke", "horizontaldistanz"});
     add("height_difference", {"dh"});
-    add("instrument_height", {"ih", "hi", "i_h"});
-    add("target_height", {"th", "ht", "hr", "reflector_height", "prism_height"});
+    add("instrument_height", {"ih", "hi", "i_h", "instrumentenhoehe", "instrumentenh\xC3\xB6he"});
+    add("target_height", {"th", "ht", "hr", "reflector_height", "prism_height", "zielhoehe", "zielh\xC3\xB6he",
+                          "reflektorhoehe", "reflektorh\xC3\xB6he", "prismenhoehe", "prismenh\xC3\xB6he"});
     add("face", {"lage"});
     add("set", {"satz", "round"});
     add("pointing", {});
@@ -139,9 +142,25 @@ void SurveyColumns::take_order(const std::string& order) {
   }
 }
 
+// A column that nobody understands may be a height: left out in silence it would spoil every reading.
 void SurveyColumns::take_header() {
-  for (std::size_t i = 0; i < table_.header.size(); ++i)
-    if (!table_.header[i].name.empty()) place(table_.header[i].name, i, table_.header[i].unit);
+  const auto& names = survey_column_names();
+  constexpr int kNamed = 6;
+  std::string ignored;
+  int count = 0;
+  for (std::size_t i = 0; i < table_.header.size(); ++i) {
+    const formats::CsvHeaderCell& cell = table_.header[i];
+    if (cell.name.empty()) continue;
+    const auto is_it = [&](const auto& entry) { return entry.second == cell.name; };
+    if (std::any_of(names.begin(), names.end(), is_it))
+      place(cell.name, i, cell.unit);
+    else if (++count <= kNamed)
+      ignored += (ignored.empty() ? "" : ", ") + formats::quoted(cell.name);
+  }
+  if (count > kNamed) ignored += " and " + std::to_string(count - kNamed) + " more";
+  if (count > 0)
+    builder_.warn("columns that are not known are left out: " + ignored +
+                  "; if one is needed, rename it (e.g. target_height, instrument_height, sd)");
 }
 
 const formats::CsvCell* SurveyColumns::cell(const std::string& column) const {

@@ -46,6 +46,25 @@ TEST(SurveyCsv, ReadsPointsWithDecimalCommaAndLatin1) {
   EXPECT_DOUBLE_EQ(survey.coordinates[0].covariance(0, 0), 0.8e-3 * 0.8e-3);
 }
 
+TEST(SurveyCsv, GermanHeightsAndColumnsThatNobodyKnows) {
+  const auto survey = read_survey_csv(
+      "Standpunkt;Zielpunkt;Hz [gon];Zenitdistanz [gon];Schr\xC3\xA4gstrecke [m];Instrumentenh\xC3\xB6he [m];"
+      "Zielh\xC3\xB6he [m];Wetter\r\nS1;A;0,0000;100,1234;12,3456;1,500;1,600;Sonne\r\n",
+      "de.csv");
+  ASSERT_EQ(survey.set_ups.size(), 1u);
+  EXPECT_DOUBLE_EQ(survey.set_ups[0].instrument_height, 1.5);
+  EXPECT_DOUBLE_EQ(survey.observations[0].target_height, 1.6);
+  ASSERT_EQ(survey.warnings.size(), 1u) << "a column that is left out might be a height";
+  EXPECT_NE(survey.warnings[0].find("'wetter'"), std::string::npos) << survey.warnings[0];
+}
+
+TEST(SurveyCsv, SpreadsheetsSepLineIsNoHeader) {
+  const auto survey = read_survey_csv("sep=;\r\nid;e;n;h\r\nA;1,5;2,0;3,0\r\n", "sep.csv");
+  EXPECT_EQ(point(survey, "A").coordinates, Eigen::Vector3d(1.5, 2, 3));
+  EXPECT_TRUE(survey.warnings.empty());
+  EXPECT_TRUE(survey.skipped.empty());
+}
+
 TEST(SurveyCsv, TableWithoutHeaderIsPenzdWithAWarningOrAsTold) {
   const auto survey = read_survey_csv(fixture("points_no_header.txt"), "p.txt");
   EXPECT_EQ(point(survey, "P1").coordinates, Eigen::Vector3d(1000.125, 2000.5, 10.25));
