@@ -29,6 +29,7 @@ class Table {
     const auto end =
         std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::fixed, decimals);
     std::string digits(buffer.data(), end.ptr);
+    if (digits[0] == '-' && digits.find_first_of("123456789") == std::string::npos) digits.erase(0, 1);
     if (const auto point = digits.find('.'); point != std::string::npos) digits[point] = format_.decimal;
     cell(digits);
   }

@@ -243,5 +243,24 @@ TEST(CheckControlNode, WithoutControlItSaysSoAndGoesOn) {
   EXPECT_EQ(check.remark, "there are no control points to check");
 }
 
+TEST(GamaWriter, AdjustedCoordinatesMakeAFreeNetworkThatGamaCanStartFrom) {
+  survey::test::SimulationSettings blind;
+  blind.coordinates = false;
+  const auto observations = survey::to_artifact(survey::test::simulate(blind, 3).survey);
+  NodeHarness adjust("survey.adjust");
+  adjust.input<SurveyObservations>("observations", observations);
+  adjust.set("datum", "inner");
+  adjust.run();
+  const PointsT points = adjust.output<Points>("points");
+  NodeHarness writer("write.gama");
+  writer.input<SurveyObservations>("observations", observations);
+  writer.input<Points>("points", points);
+  writer.run();
+  const FileT file = writer.output<File>("file");
+  const std::string text(file.content.begin(), file.content.end());
+  EXPECT_NE(text.find("adj=\"XYZ\""), std::string::npos) << "capital letters: these points carry the datum";
+  EXPECT_EQ(text.find("<point id=\"M00\" adj"), std::string::npos) << "a point without coordinates";
+}
+
 }  // namespace
 }  // namespace plumbline::test
