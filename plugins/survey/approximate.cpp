@@ -67,9 +67,24 @@ void chain_triangles(const SurveyObservations& survey, const Figures& figures, C
       local.grow(guess);
       if (local.plan().size() < 3) continue;  // not a triangle
       for (const auto& [id, p] : local.plan()) seen.insert(id);
-      local.settle_scale(frame);
+      if (!local.settle_scale(frame) && !guess) continue;
       local.grow(guess);
       local.settle_north();
+      if (frame.adopt(local, guess)) frame.grow(guess);
+    }
+}
+
+/// Vectors between points that nothing else has placed.
+void chain_vectors(const SurveyObservations& survey, const Figures& figures, Choices& choices, bool guess,
+                   Frame& frame) {
+  std::set<std::string> seen;
+  for (const VectorGroup& group : survey.vectors)
+    for (const auto& v : group.vectors) {
+      if ((frame.has_plan(v.from) && frame.has_plan(v.to)) || seen.contains(v.from)) continue;
+      Frame local(survey, figures, choices, v.from + ">");
+      local.seed_vector(v.from);
+      local.grow(guess);
+      for (const auto& [id, p] : local.plan()) seen.insert(id);
       if (frame.adopt(local, guess)) frame.grow(guess);
     }
 }
@@ -182,6 +197,7 @@ Hypothesis try_choices(const Search& search, Choices choices) {
     frame.grow(guess);
     chain_figures(search.survey, search.figures, result.choices, guess, false, frame);
     chain_triangles(search.survey, search.figures, result.choices, guess, frame);
+    chain_vectors(search.survey, search.figures, result.choices, guess, frame);
   }
   chain_distances(search.survey, search.figures, result.choices, frame);
   if (search.unrelated) chain_figures(search.survey, search.figures, result.choices, true, true, frame);

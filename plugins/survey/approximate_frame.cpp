@@ -94,7 +94,7 @@ std::vector<double> Frame::scales_of_distances() const {
   return scales;
 }
 
-void Frame::settle_scale(const Frame& known) {
+bool Frame::settle_scale(const Frame& known) {
   scale_open_ = false;
   std::vector<double> scales = scales_of_distances();
   if (scales.empty())
@@ -104,20 +104,29 @@ void Frame::settle_scale(const Frame& known) {
         if (own > 0 && known.has_plan(a->first) && known.has_plan(b->first))
           scales.push_back((known.plan_.at(b->first) - known.plan_.at(a->first)).norm() / own);
       }
-  if (scales.empty()) return;
+  if (scales.empty()) return false;
   const double scale = median(std::move(scales));
   for (auto& [id, p] : plan_) p *= scale;
+  return true;
 }
 
 void Frame::settle_north() {
+  if (!seeded_) return;
   std::vector<double> turns;
+  const auto add = [&](const std::string& from, const std::string& to, double azimuth) {
+    if (std::isnan(azimuth) || !has_plan(from) || !has_plan(to)) return;
+    const double turn = azimuth - azimuth_between(plan_.at(from), plan_.at(to));
+    turns.push_back(turns.empty() ? turn : turns.front() + wrap_angle(turn - turns.front()));
+  };
   for (const Figure& f : figures_.figures)
-    for (const PolarSight& s : f.sights) {
-      if (!f.oriented_to_north || std::isnan(s.direction) || !has_plan(f.station) || !has_plan(s.to)) continue;
-      const double turn = s.direction - azimuth_between(plan_.at(f.station), plan_.at(s.to));
-      turns.push_back(turns.empty() ? turn : turns.front() + wrap_angle(turn - turns.front()));
+    for (const PolarSight& s : f.sights)
+      if (f.oriented_to_north) add(f.station, s.to, s.direction);
+  for (const VectorGroup& group : survey_.vectors)
+    for (size_t k = 0; k < group.vectors.size(); ++k) {
+      const Eigen::Vector3d d = group.values.segment<3>(static_cast<Eigen::Index>(3 * k));
+      if (d.head<2>().norm() > 0) add(group.vectors[k].from, group.vectors[k].to, std::atan2(d.x(), d.y()));
     }
-  if (!seeded_ || turns.empty()) return;
+  if (turns.empty()) return;
   PlaneMotion motion;
   motion.rotation = median(std::move(turns));
   for (auto& [id, p] : plan_) p = motion(p);
@@ -125,17 +134,26 @@ void Frame::settle_north() {
   seeded_ = false;
 }
 
+void Frame::seed_vector(const std::string& from) {
+  set_plan(from, Vector2d::Zero());
+  set_height(from, 0);
+}
+
 bool Frame::adopt(const Frame& other, bool guess) {
   const bool plan_taken = adopt_plan(other, guess);
   const bool height_taken = adopt_height(other);
+  settle_north();
   return plan_taken || height_taken;
 }
 
 bool Frame::adopt_unrelated(const Frame& other) {
   for (const auto& [id, p] : other.plan_)
     if (has_plan(id) || has_height(id)) return false;
-  plan_.insert(other.plan_.begin(), other.plan_.end());
-  height_.insert(other.height_.begin(), other.height_.end());
+  // Beside the others: two frames whose origins coincide would give an observation between them no direction.
+  constexpr double kBeside = 1234.5;  // [m]
+  const Vector2d shift(kBeside * static_cast<double>(plan_.size()), 0);
+  for (const auto& [id, p] : other.plan_) plan_.emplace(id, p + shift);
+  for (const auto& [id, h] : other.height_) height_.emplace(id, h);
   return !other.plan_.empty();
 }
 
@@ -306,7 +324,7 @@ bool Frame::carry_vectors() {
       const auto& v = group.vectors[k];
       const Eigen::Vector3d d = group.values.segment<3>(static_cast<Eigen::Index>(3 * k));
       changed |= carry_height(v.from, v.to, d.z() + v.from_height - v.to_height);
-      if (has_plan(v.from) == has_plan(v.to)) continue;
+      if (seeded_ || has_plan(v.from) == has_plan(v.to)) continue;  // its axes are east and north
       if (has_plan(v.from))
         set_plan(v.to, plan_.at(v.from) + d.head<2>());
       else
@@ -329,11 +347,15 @@ bool Frame::adopt_plan(const Frame& other, bool guess) {
   if (const auto fit = fit_plane(from, to)) {
     motion = *fit;
   } else if (!from.empty() && std::all_of(to.begin(), to.end(), coincide) && (guess || !other.seeded_)) {
-    motion.translation = to[0] - from[0];
+    // A sight to another known point may decide how it turns, in two ways even: it starts in several.
+    constexpr int kTurns = 8;
+    if (other.seeded_) motion.rotation = choices_.choose(other.name_ + "north", kTurns) * 2 * std::numbers::pi / kTurns;
+    motion.translation = to[0] - motion(from[0]);
   } else if (!plan_.empty()) {
     return false;
   }
   bool changed = false;
+  if (plan_.empty()) seeded_ = other.seeded_;
   for (const auto& [id, p] : other.plan_) changed |= plan_.emplace(id, motion(p)).second;
   for (size_t f = 0; f < orientation_.size(); ++f)
     if (std::isnan(orientation_[f]) && !std::isnan(other.orientation_[f]))

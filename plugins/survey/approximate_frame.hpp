@@ -1,6 +1,6 @@
 // Part of approximate.cpp: a frame that grows from the points it knows. What rays and circles place in it is in
-// approximate_intersection.cpp, what slope distances place in approximate_spheres.cpp, the rest in
-// approximate_frame.cpp.
+// approximate_intersection.cpp, what slope distances place in approximate_spheres.cpp, what needs an iteration in
+// approximate_point.cpp, the rest in approximate_frame.cpp.
 #pragma once
 
 #include <map>
@@ -13,6 +13,16 @@
 #include "formats/survey_observations.hpp"
 
 namespace plumbline::survey {
+
+/// What one observation says of a point that is not placed, seen from one that is.
+struct PointCondition {
+  enum Kind { ray, angle, slope, horizontal, elevation, rise } kind;
+  Eigen::Vector3d known;   ///< [m]
+  double value = 0;        ///< azimuth from `known`, angle from `known` to `second` at the point, ... [rad, m]
+  Eigen::Vector3d second;  ///< angle only
+  /// [rad], or parts of the distance; of a height difference, parts of 10 m.
+  double misclosure(const Eigen::Vector3d& p) const;
+};
 
 class Frame {
  public:
@@ -50,15 +60,18 @@ class Frame {
   /// measured.
   bool seed_distance(const std::string& a, const std::string& b, const std::string& third);
 
+  /// Starts a frame whose north is right: the beginning of a vector is the origin.
+  void seed_vector(const std::string& from);
+
   /// What the distances, directions and height differences between placed points disagree with them: each counts up to
   /// 1, reached at a tenth of the sight's length.
   double misfit() const;
 
   /// Gives such a frame the scale of the distances between its points, else that of the points it shares with `known`,
-  /// else leaves the kilometre.
-  void settle_scale(const Frame& known);
+  /// else leaves the kilometre and returns false.
+  bool settle_scale(const Frame& known);
 
-  /// Turns a seeded frame so that azimuths between its points are right, if there are any.
+  /// Turns a seeded frame so that azimuths and vectors between its points are right, if there are any.
   void settle_north();
 
   /// Takes over the points of another frame. False if the two share too little: two points, or one if the other's north
@@ -116,6 +129,9 @@ class Frame {
   bool place_by_slope_distances(bool accept_ambiguous);
   /// Where the plan is known already, a slope distance puts the point above or below the other.
   bool place_height_by_slope_distances();
+  std::map<std::string, std::vector<PointCondition>> collect_conditions() const;
+  /// The last resort in space: iterated from starts all around.
+  bool place_by_conditions();
   std::optional<double> slope_between(const std::string& a, const std::string& b) const;
 
   /// Measured by own length of each distance between placed points.

@@ -35,7 +35,8 @@ bool Frame::grow_by_intersection(bool accept_ambiguous) {
   }
   for (size_t f = 0; f < figures_.figures.size(); ++f)
     if (place_by_resection(f)) return true;
-  return place_by_slope_distances(accept_ambiguous) || (accept_ambiguous && place_height_by_slope_distances());
+  return place_by_slope_distances(accept_ambiguous) ||
+         (accept_ambiguous && (place_height_by_slope_distances() || place_by_conditions()));
 }
 
 void Frame::add_circle(const std::string& known, const std::string& unknown, double radius,

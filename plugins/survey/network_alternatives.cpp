@@ -3,6 +3,7 @@
 #include <cmath>
 #include <optional>
 
+#include "approximate_figure.hpp"
 #include "network_model_steps.hpp"
 
 namespace plumbline::survey {
@@ -18,7 +19,7 @@ struct Trial {
   Places places;
 };
 
-/// Adjusts all observations of a model; nullopt if that does not converge.
+/// Adjusts all observations of a model; nullopt if that does not converge or has defects that its datum may not mend.
 std::optional<Trial> try_model(const NetworkModel& m, size_t number, const AdjustOptions& options) {
   StochasticState state;
   state.removed.assign(m.rows.size(), 0);
@@ -27,7 +28,8 @@ std::optional<Trial> try_model(const NetworkModel& m, size_t number, const Adjus
   solver.datum_unknowns = datum_unknowns(m, problem);
   try {
     const adjustment::Solution solution = adjustment::solve(problem.problem, solver);
-    if (!solution.converged) return std::nullopt;
+    if (!solution.converged || !name_local_defects(m, problem, solution.datum.null_space()).empty())
+      return std::nullopt;
     Trial trial{number, solution.sum_of_squares(), solution.degrees_of_freedom(), solution.datum.defect(), {}};
     for (int block : problem.point_blocks)
       trial.places.push_back(Eigen::Map<const Eigen::Vector3d>(problem.problem.parameters[block].value.data()));
@@ -43,13 +45,33 @@ double extent(const Places& places) {
   return largest;
 }
 
+/// The second solution turned and shifted onto the first, as a free network's datum leaves it open.
+Places aligned(const Trial& a, const Trial& b) {
+  if (a.defect == 0) return b.places;
+  std::vector<Eigen::Vector2d> from, to;
+  double lift = 0;
+  for (size_t i = 0; i < a.places.size(); ++i) {
+    from.push_back(b.places[i].head<2>());
+    to.push_back(a.places[i].head<2>());
+    lift += (a.places[i].z() - b.places[i].z()) / static_cast<double>(a.places.size());
+  }
+  const auto motion = fit_plane(from, to);
+  Places places = b.places;
+  for (Eigen::Vector3d& p : places) {
+    if (motion) p.head<2>() = (*motion)(p.head<2>());
+    p.z() += lift;
+  }
+  return places;
+}
+
 /// Number of the point two solutions disagree about most; -1 if they are the same.
 int farthest_apart(const Trial& a, const Trial& b) {
   // A free network follows its approximate coordinates, so two of the same shape need not agree to the last digit.
   double most = a.defect > 0 ? 0.01 * extent(a.places) : 1e-3;
+  const Places other = aligned(a, b);
   int point = -1;
   for (size_t i = 0; i < a.places.size(); ++i)
-    if (const double d = (a.places[i] - b.places[i]).norm(); d > most) {
+    if (const double d = (a.places[i] - other[i]).norm(); d > most) {
       most = d;
       point = static_cast<int>(i);
     }

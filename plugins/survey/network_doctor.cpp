@@ -179,6 +179,13 @@ std::vector<Finding> examine(const NetworkModel& model, const AdjustOptions& opt
                             " is too large; there are blunders, or the assumed accuracies are too good" +
                             (result.sigma0 > kAbsurd ? "; so large: check the units of angles and lengths first" : ""),
                         {}});
+  constexpr double kWrongPlace = 30;  // of sigma0: a few gross errors hardly reach it
+  if (model.searched && result.degrees_of_freedom > 0 && result.sigma0 > kWrongPlace)
+    findings.push_back(
+        {Finding::Severity::error,
+         "these coordinates are probably wrong: approximate coordinates had to be computed and sigma0 is " + sigma0 +
+             "; mend the gross errors, or give approximate coordinates",
+         {}});
   if (result.degrees_of_freedom > 0 && result.global_test.verdict == Verdict::low)
     findings.push_back({Finding::Severity::note,
                         "global test: sigma0 " + sigma0 + " is small; the assumed accuracies are too cautious",

@@ -131,6 +131,7 @@ std::vector<int> take_over(const Approximation& approximation, NetworkModel& m) 
         value = 0;
         continue;
       }
+      if (std::isnan(value)) m.searched = true;
       if (std::isnan(value) && at != approximation.points.end()) value = at->second[k];
       complete &= !std::isnan(value);
     }

@@ -30,6 +30,7 @@ struct NetworkModel {
   std::vector<std::array<CoordinateRole, 3>> roles;
   std::vector<double> orientations;       ///< initial, one per set-up
   bool starts_from_known_points = false;  ///< false: the frame of `initial` is arbitrary
+  bool searched = false;                  ///< part of `initial` was computed
   bool unrelated = false;                 ///< `initial` is good enough to find rank defects only
   DatumMode datum = DatumMode::automatic;
   std::vector<std::string> datum_points;

@@ -1,13 +1,21 @@
 // Networks without approximate coordinates: whatever can be determined is found, what has two solutions is refused.
 #include <cmath>
+#include <cstdlib>
+#include <iostream>
+#include <map>
 #include <numbers>
 
 #include "adjust_network.hpp"
+#include "approximate_figure.hpp"
 #include "formats/gama.hpp"
+#include "random_network.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::survey {
 namespace {
+
+using test::NetworkKind;
+using test::RandomNetwork;
 
 AdjustOptions plain() {
   AdjustOptions options;
@@ -105,6 +113,107 @@ TEST(Approximate, TwoDirectionsAndADistancePlaceAStation) {
       "'/><distance to='A' val='50'/></obs><obs><distance from='B' to='S' val='" + std::to_string(b) + "'/></obs>");
   EXPECT_LT((r.point("S").position.head<2>() - Eigen::Vector2d(30, 10)).norm(), 1e-3);
 }
+
+/// Largest distance between the two results, after the plane motion and the lift a free network leaves open.
+double disagreement(const NetworkResult& a, const NetworkResult& b) {
+  std::vector<Eigen::Vector2d> from, to;
+  double lift = 0;
+  int heights = 0;
+  for (const ResultPoint& p : a.points) {
+    const ResultPoint& q = b.point(p.id);
+    if (!std::isnan(p.position.x())) {
+      from.push_back(p.position.head<2>());
+      to.push_back(q.position.head<2>());
+    }
+    if (std::isnan(p.position.z())) continue;
+    lift += q.position.z() - p.position.z();
+    ++heights;
+  }
+  const bool is_free = a.defect > 0;
+  PlaneMotion motion;
+  if (const auto fit = fit_plane(from, to); fit && is_free) motion = *fit;
+  lift = is_free && heights > 0 ? lift / heights : 0;
+  double largest = 0;
+  for (const ResultPoint& p : a.points) {
+    const ResultPoint& q = b.point(p.id);
+    if (!std::isnan(p.position.x()))
+      largest = std::max(largest, (motion(p.position.head<2>()) - q.position.head<2>()).norm());
+    if (!std::isnan(p.position.z())) largest = std::max(largest, std::abs(p.position.z() + lift - q.position.z()));
+  }
+  return largest;
+}
+
+/// What becomes of a network without its approximate coordinates.
+enum class Outcome { undetermined, solved, refused, not_found, wrong };
+
+/// The message names points: with approximate coordinates of these it must come out right.
+Outcome outcome_of_remedy(const RandomNetwork& network, const NetworkResult& right, NetworkError refusal) {
+  SurveyObservations survey = network.without_coordinates();
+  for (int round = 0; round < 4; ++round) {
+    for (const Finding& f : refusal.findings)
+      for (const std::string& id : f.points)
+        for (size_t i = 0; i < survey.points.size(); ++i)
+          if (survey.points[i].id == id) survey.points[i].coordinates = network.truth[i];
+    try {
+      return disagreement(adjust_network(survey, plain()), right) < 1e-4 ? Outcome::refused : Outcome::wrong;
+    } catch (const NetworkError& again) {
+      refusal = again;
+    }
+  }
+  return Outcome::not_found;
+}
+
+/// Only what can be determined near the truth counts.
+Outcome outcome_of(const RandomNetwork& network, std::string& text) {
+  NetworkResult right;
+  try {
+    right = adjust_network(network.survey, plain());
+  } catch (const NetworkError&) {
+    return Outcome::undetermined;
+  }
+  try {
+    const NetworkResult r = adjust_network(network.without_coordinates(), plain());
+    // A better fit than the one near the truth is no mistake of the search: the observations cannot tell.
+    if (disagreement(r, right) < 1e-4 || r.sum_of_squares < right.sum_of_squares - 1e-6) return Outcome::solved;
+    for (const Finding& f : r.findings)
+      if (f.text.find("probably wrong") != std::string::npos) return Outcome::not_found;
+    text = "off by " + std::to_string(disagreement(r, right)) + " m";
+    return Outcome::wrong;
+  } catch (const NetworkError& error) {
+    text = error.what();
+    if (text.find("equally well") == std::string::npos) return Outcome::not_found;
+    return right.defect > 0 ? Outcome::refused : outcome_of_remedy(network, right, error);
+  }
+}
+
+class RandomNetworks : public testing::TestWithParam<NetworkKind> {};
+
+/// 25 networks of each kind; PLUMBLINE_TRIALS runs another number of them, PLUMBLINE_SHOW tells what became of them.
+TEST_P(RandomNetworks, AreFoundOrRefusedButNeverWrong) {
+  const char* trials = std::getenv("PLUMBLINE_TRIALS");
+  const auto count = static_cast<std::uint64_t>(trials ? std::atoi(trials) : 25);
+  const std::string name = test::kNetworkKindNames[static_cast<int>(GetParam())];
+  std::map<Outcome, int> outcomes;
+  for (std::uint64_t seed = 0; seed < count; ++seed) {
+    std::string text;
+    const Outcome outcome = outcome_of(RandomNetwork(GetParam(), seed), text);
+    ++outcomes[outcome];
+    EXPECT_NE(outcome, Outcome::wrong) << name << " " << seed << ": " << text;
+    if (std::getenv("PLUMBLINE_SHOW") && outcome == Outcome::not_found)
+      std::cout << name << " " << seed << ": " << text << "\n";
+  }
+  const int determined = static_cast<int>(count) - outcomes[Outcome::undetermined];
+  const int answered = outcomes[Outcome::solved] + outcomes[Outcome::refused];
+  if (std::getenv("PLUMBLINE_SHOW"))
+    std::cout << name << ": " << determined << " determined, " << outcomes[Outcome::solved] << " solved, "
+              << outcomes[Outcome::refused] << " have two solutions, " << outcomes[Outcome::not_found] << " not found, "
+              << outcomes[Outcome::wrong] << " wrong" << std::endl;
+  EXPECT_GT(determined, 0);
+  // Theodolites that see markers only, without distances, are beyond what the search knows.
+  EXPECT_GE(answered, (GetParam() == NetworkKind::theodolite ? 0 : 0.95) * determined);
+}
+
+INSTANTIATE_TEST_SUITE_P(Approximate, RandomNetworks, testing::ValuesIn(test::kNetworkKinds));
 
 }  // namespace
 }  // namespace plumbline::survey
