@@ -38,6 +38,7 @@ const std::map<std::string, Field>& fields() {
       {"instrument_centring_mm", {&P::instrument_centring, kMillimetre, false}},
       {"target_centring_mm", {&P::target_centring, kMillimetre, false}},
       {"height_centring_mm", {&P::height_centring, kMillimetre, false}},
+      {"levelling_arcsec", {&P::levelling, kArcsecond, false}},
       {"distance_centring_mm", {&P::distance_centring, kMillimetre, false}},
       {"height_difference_mm", {&P::height_difference, kMillimetre, false}},
       {"height_difference_mm_per_sqrt_km", {&P::height_difference_per_sqrt_km, kMillimetre, false}},
@@ -58,15 +59,16 @@ std::string known_keys() {
 
 }  // namespace
 
-double InstrumentProfile::direction(double horizontal, int sets, bool single_face) const {
+double InstrumentProfile::direction(double horizontal, double slope, int sets, bool single_face) const {
   const double one = direction_sigma * (single_face ? single_face_factor : 1.0);
   const double centring = std::hypot(instrument_centring, target_centring) / horizontal;
-  return std::hypot(one / std::sqrt(sigmas_of_mean ? 1.0 : sets), centring);
+  const double height = std::sqrt(std::max(0.0, slope * slope - horizontal * horizontal));
+  return std::hypot(one / std::sqrt(sigmas_of_mean ? 1.0 : sets), centring, levelling * height / horizontal);
 }
 
 double InstrumentProfile::zenith_angle(double slope, int sets, bool single_face) const {
   const double one = zenith_sigma * (single_face ? single_face_factor : 1.0);
-  return std::hypot(one / std::sqrt(sigmas_of_mean ? 1.0 : sets), height_centring / slope);
+  return std::hypot(one / std::sqrt(sigmas_of_mean ? 1.0 : sets), height_centring / slope, levelling);
 }
 
 double InstrumentProfile::distance(double slope, int sets) const {

@@ -20,6 +20,10 @@ struct InstrumentProfile {
   double instrument_centring = 0;  ///< horizontal [m]
   double target_centring = 0;      ///< horizontal [m]
   double height_centring = 0;      ///< of the line of sight's two ends together, vertical [m]
+  /// What is left of the vertical axis' error after levelling and compensator, each component [rad]. It holds for a
+  /// whole set-up, so sets do not average it away: tan(elevation) of it in a direction, all of it in a zenith angle
+  /// (Ghilani, Adjustment Computations, ch. 7).
+  double levelling = 0;
   /// Of distances [m]; NaN: instrument and target centring together.
   double distance_centring = std::numeric_limits<double>::quiet_NaN();
   double height_difference = 0;              ///< levelled height difference, constant part [m]
@@ -28,7 +32,7 @@ struct InstrumentProfile {
   bool sigmas_of_mean = false;
 
   /// Standard deviation of a mean of `sets` sets [rad or m]; `horizontal` and `slope` are the length of the sight [m].
-  double direction(double horizontal, int sets, bool single_face) const;
+  double direction(double horizontal, double slope, int sets, bool single_face) const;
   double zenith_angle(double slope, int sets, bool single_face) const;
   double distance(double slope, int sets) const;
   double levelled(double length) const;

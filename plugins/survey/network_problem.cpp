@@ -74,11 +74,12 @@ class Assembler {
     switch (o.kind) {
       case ObservationKind::direction:
       case ObservationKind::azimuth:
-        return factor * p.direction(horizontal, mean.sets, mean.single_face);
+        return factor * p.direction(horizontal, slope, mean.sets, mean.single_face);
       case ObservationKind::angle: {
         const Eigen::Vector3d right = m_.initial[m_.index.at(o.second_to)] - m_.initial[m_.index.at(o.from)];
         const double other = std::max(kShortestHorizontal, right.head<2>().norm());
-        return factor * std::hypot(p.direction(horizontal, mean.sets, false), p.direction(other, mean.sets, false));
+        return factor * std::hypot(p.direction(horizontal, slope, mean.sets, false),
+                                   p.direction(other, std::max(other, right.norm()), mean.sets, false));
       }
       case ObservationKind::zenith_angle:
         return factor * p.zenith_angle(slope, mean.sets, mean.single_face);
@@ -310,7 +311,7 @@ class Assembler {
     axes.col(1) = Eigen::Vector3d(p.y(), -p.x(), 0) / h;
     axes.col(2) = axes.col(0).cross(axes.col(1));
     const InstrumentProfile& profile = options_.profile;
-    const Eigen::Vector3d sigmas(profile.distance(s, 1), h * profile.direction(h, 1, true),
+    const Eigen::Vector3d sigmas(profile.distance(s, 1), h * profile.direction(h, s, 1, true),
                                  s * profile.zenith_angle(s, 1, true));
     return axes * sigmas.cwiseAbs2().asDiagonal() * axes.transpose();
   }

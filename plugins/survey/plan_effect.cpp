@@ -137,7 +137,7 @@ double height_sigma_with(const PlanLayout& layout, const PlanPrediction& predict
     rows << d.y() / (h * h), -d.x() / (h * h), 0,  //
         d.z() * d.x() / (h * length * length), d.z() * d.y() / (h * length * length), -h / (length * length),
         d.x() / length, d.y() / length, d.z() / length;
-    const Vector3d sigmas(options.profile.direction(h, options.sets, false),
+    const Vector3d sigmas(options.profile.direction(h, length, options.sets, false),
                           options.profile.zenith_angle(length, options.sets, false),
                           options.profile.distance(length, options.sets));
     rows = sigmas.cwiseInverse().asDiagonal() * rows;

@@ -215,6 +215,16 @@ TEST(Network, BadIndicesAndValuesAreErrors) {
   EXPECT_THROW(adjust_network(SurveyObservations{}, {}), NetworkError);
 }
 
+TEST(InstrumentProfile, LevellingErrorGrowsWithElevationAndIsNotAveraged) {
+  const InstrumentProfile p = parse_profile(
+      "{direction_arcsec: 1, zenith_angle_arcsec: 1, distance_mm: 1, distance_ppm: 1, levelling_arcsec: 3}", "test");
+  const double second = std::numbers::pi / 180 / 3600;
+  EXPECT_NEAR(p.direction(20, 20, 1, false), second, 1e-12);
+  EXPECT_NEAR(p.direction(20, 25, 1, false), second * std::hypot(1, 3 * 0.75), 1e-12);  // height 15
+  EXPECT_NEAR(p.direction(20, 25, 4, false), second * std::hypot(0.5, 3 * 0.75), 1e-12);
+  EXPECT_NEAR(p.zenith_angle(25, 4, false), second * std::hypot(0.5, 3), 1e-12);
+}
+
 TEST(InstrumentProfile, ObservationsNameTheirProfile) {
   std::string remark;
   EXPECT_EQ(choose_profile("automatic", "", "total_station_1arcsec", remark).name, "total_station_1arcsec");
