@@ -98,7 +98,11 @@ struct ReadSurvey : ReaderNode {
 /// What all writers are.
 struct WriterNode : Node {
   In<SurveyObservations> observations{"observations", frame("frame=?S"), "observations of any source"};
+  Optional<Points> points{"points", frame("frame=?S"),
+                          "coordinates for points that have none in the file, e.g. adjusted ones"};
   Out<File> file{"file", "the written file"};
+  /// The observations, with the coordinates of `points` where they had none.
+  survey::SurveyObservations survey_to_write() const;
   void deliver(const std::string& name, const char* media_type, const std::string& content) const;
 };
 
@@ -111,11 +115,10 @@ struct WriteGsi : WriterNode {
 };
 
 struct WriteGama : WriterNode {
-  static constexpr Info info{"write.gama", "survey_writer", 1,
-                             "Writes GNU Gama's gama-local XML; readings in face 2 become those of face 1"};
-  Optional<Points> points{"points", frame("frame=?S"),
-                          "coordinates for points that have none in the file, e.g. adjusted ones; if no point is held, "
-                          "they carry a free network's datum. gama-local finds none from free stations alone"};
+  static constexpr Info info{
+      "write.gama", "survey_writer", 1,
+      "Writes GNU Gama's gama-local XML; readings in face 2 become those of face 1. Coordinates given "
+      "in `points` carry a free network's datum if no point is held"};
   Param<double> direction_sigma{"direction_sigma", 1.5, "mgon", between(1e-6, 1e3),
                                 "of directions and angles without one"};
   Param<double> zenith_angle_sigma{"zenith_angle_sigma", 1.5, "mgon", between(1e-6, 1e3),

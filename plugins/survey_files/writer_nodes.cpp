@@ -24,28 +24,35 @@ void reduce_to_face_1(survey::Observation& observation) {
   observation.face = 0;
 }
 
-/// Without a point that holds the network, its datum is that of a free network on the given coordinates.
-void give_coordinates(const PointsT& points, survey::SurveyObservations& survey) {
+/// Without a point that holds the network, its datum is that of a free network on the coordinates there are:
+/// gama-local finds none of its own from free stations.
+void let_coordinates_hold(survey::SurveyObservations& survey) {
   using survey::CoordinateRole;
-  std::map<std::string, const PointT*> known;
-  for (const auto& p : points.points) known[p->id] = p.get();
   const bool held = std::any_of(survey.points.begin(), survey.points.end(), [](const survey::Point& p) {
     return std::any_of(p.roles.begin(), p.roles.end(), [](CoordinateRole role) {
       return role == CoordinateRole::fixed || role == CoordinateRole::constrained;
     });
   });
-  for (survey::Point& p : survey.points) {
-    const auto found = known.find(p.id);
-    if (found == known.end()) continue;
-    for (int k = 0; k < 3; ++k) {
-      if (std::isnan(p.coordinates[k])) p.coordinates[k] = found->second->position[k];
-      if (!held && p.roles[k] == CoordinateRole::free && !std::isnan(p.coordinates[k]))
-        p.roles[k] = CoordinateRole::constrained;
-    }
-  }
+  if (held) return;
+  for (survey::Point& p : survey.points)
+    for (int k = 0; k < 3; ++k)
+      if (p.roles[k] == CoordinateRole::free && !std::isnan(p.coordinates[k])) p.roles[k] = CoordinateRole::constrained;
 }
 
 }  // namespace
+
+survey::SurveyObservations WriterNode::survey_to_write() const {
+  survey::SurveyObservations survey = survey::from_artifact(observations.unpack());
+  if (!points) return survey;
+  const PointsT given = points.unpack();
+  std::map<std::string, const PointT*> known;
+  for (const auto& p : given.points) known[p->id] = p.get();
+  for (survey::Point& p : survey.points)
+    if (const auto found = known.find(p.id); found != known.end())
+      for (int k = 0; k < 3; ++k)
+        if (std::isnan(p.coordinates[k])) p.coordinates[k] = found->second->position[k];
+  return survey;
+}
 
 void WriterNode::deliver(const std::string& name, const char* media_type, const std::string& content) const {
   FileT result;
@@ -59,11 +66,11 @@ void WriteGsi::run(Context&) {
   survey::GsiWriteOptions options;
   if (*station_start == "station_coordinates") options.station_start = survey::GsiStationStart::station_coordinates;
   options.distance_unit = *resolution == "1 mm" ? 0 : *resolution == "0.1 mm" ? 6 : 8;
-  deliver("survey.gsi", "text/plain", survey::write_gsi(survey::from_artifact(observations.unpack()), options));
+  deliver("survey.gsi", "text/plain", survey::write_gsi(survey_to_write(), options));
 }
 
 void WriteGama::run(Context&) {
-  survey::SurveyObservations prepared = survey::from_artifact(observations.unpack());
+  survey::SurveyObservations prepared = survey_to_write();
   for (survey::Observation& observation : prepared.observations) {
     reduce_to_face_1(observation);
     if (!std::isnan(observation.sigma)) continue;
@@ -74,16 +81,12 @@ void WriteGama::run(Context&) {
     observation.sigma =
         angular ? (zenith ? *zenith_angle_sigma : *direction_sigma) * 1e-3 * pi / 200 : *distance_sigma * 1e-3;
   }
-  if (points) give_coordinates(points.unpack(), prepared);
+  if (points) let_coordinates_hold(prepared);
   deliver("survey.gkf", "application/xml", survey::write_gama_xml(prepared));
 }
 
-void WriteLandXml::run(Context&) {
-  deliver("survey.xml", "application/xml", survey::write_landxml(survey::from_artifact(observations.unpack())));
-}
+void WriteLandXml::run(Context&) { deliver("survey.xml", "application/xml", survey::write_landxml(survey_to_write())); }
 
-void WriteSurveyCsv::run(Context&) {
-  deliver("survey.csv", "text/csv", survey::write_survey_csv(survey::from_artifact(observations.unpack())));
-}
+void WriteSurveyCsv::run(Context&) { deliver("survey.csv", "text/csv", survey::write_survey_csv(survey_to_write())); }
 
 }  // namespace plumbline::survey_files

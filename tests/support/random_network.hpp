@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <numbers>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,8 @@ inline constexpr NetworkKind kNetworkKinds[] = {
 inline constexpr const char* kNetworkKindNames[] = {"levels",     "directions", "angles",
                                                     "distances",  "traverse",   "free stations",
                                                     "theodolite", "mixed",      "space distances"};
+/// Found by GoogleTest, which names its cases by it.
+inline void PrintTo(NetworkKind kind, std::ostream* out) { *out << kNetworkKindNames[static_cast<int>(kind)]; }
 
 class RandomNetwork {
  public:

@@ -213,7 +213,11 @@ TEST_P(RandomNetworks, AreFoundOrRefusedButNeverWrong) {
   EXPECT_GE(answered, (GetParam() == NetworkKind::theodolite ? 0 : 0.95) * determined);
 }
 
-INSTANTIATE_TEST_SUITE_P(Approximate, RandomNetworks, testing::ValuesIn(test::kNetworkKinds));
+INSTANTIATE_TEST_SUITE_P(Approximate, RandomNetworks, testing::ValuesIn(test::kNetworkKinds), [](const auto& kind) {
+  std::string name = test::kNetworkKindNames[static_cast<int>(kind.param)];
+  std::replace(name.begin(), name.end(), ' ', '_');
+  return name;
+});
 
 }  // namespace
 }  // namespace plumbline::survey
