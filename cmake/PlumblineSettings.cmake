@@ -39,11 +39,11 @@ if(PLUMBLINE_ASAN)
 endif()
 
 # plumbline_add_library(NAME SOURCES a.cpp ... [LINK lib ...])
-# A static library with the project's settings whose headers are included as <folder-of-framework/header.hpp>.
+# A static library with the project's settings whose headers are included as "folder/header.hpp", from libraries/ or framework/.
 function(plumbline_add_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
   add_library(${name} STATIC ${ARG_SOURCES})
-  target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR}/framework)
+  target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR}/libraries ${PROJECT_SOURCE_DIR}/framework)
   target_link_libraries(${name} PUBLIC ${ARG_LINK} PRIVATE plumbline_settings)
 endfunction()
 
@@ -53,9 +53,7 @@ function(plumbline_add_test name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests/support)
-  target_compile_definitions(${name} PRIVATE
-    PLUMBLINE_SOURCE_DIR="${PROJECT_SOURCE_DIR}" PLUMBLINE_BINARY_DIR="${PROJECT_BINARY_DIR}")
-  target_link_libraries(${name} PRIVATE ${ARG_LINK} plumbline_settings GTest::gtest_main)
+  target_link_libraries(${name} PRIVATE ${ARG_LINK} plumbline_test_paths plumbline_settings GTest::gtest_main)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   gtest_discover_tests(${name} TEST_PREFIX ${name}. DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 120 PROPERTIES TIMEOUT 600)
 endfunction()

@@ -16,9 +16,9 @@
 #include <string>
 #include <vector>
 
-#include "adjust_network.hpp"
-#include "formats/gama.hpp"
-#include "observation_equations.hpp"
+#include "survey/adjust/adjust_network.hpp"
+#include "survey/model/observation_equations.hpp"
+#include "survey_files/gama.hpp"
 
 namespace {
 

@@ -4,9 +4,9 @@
 #include "artifacts/adjusted_image_block.hpp"
 #include "artifacts/image_block.hpp"
 #include "artifacts/points.hpp"
+#include "block/point_block.hpp"
 #include "geometry/packed_symmetric.hpp"
 #include "plumbline/node.hpp"
-#include "point_block.hpp"
 
 namespace plumbline::adjust {
 

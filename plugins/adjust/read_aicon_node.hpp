@@ -1,9 +1,9 @@
 // read.aicon: an AICON block from a folder of its exchange files.
 #pragma once
 
-#include "aicon_files.hpp"
 #include "artifacts/folder.hpp"
 #include "artifacts/image_block.hpp"
+#include "block/aicon_files.hpp"
 #include "plumbline/node.hpp"
 
 namespace plumbline::adjust {

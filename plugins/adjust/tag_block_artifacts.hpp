@@ -12,8 +12,8 @@
 #include "artifacts/plates.hpp"
 #include "artifacts/points.hpp"
 #include "artifacts/poses.hpp"
-#include "defects.hpp"
-#include "tag_block.hpp"
+#include "block/defects.hpp"
+#include "block/tag_block.hpp"
 
 namespace plumbline::adjust {
 

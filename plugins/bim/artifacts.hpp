@@ -4,7 +4,7 @@
 #include "artifacts/accuracy.hpp"
 #include "artifacts/design.hpp"
 #include "artifacts/points.hpp"
-#include "as_built.hpp"
+#include "ifc/as_built.hpp"
 
 namespace plumbline::bim {
 

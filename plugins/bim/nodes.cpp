@@ -2,7 +2,7 @@
 #include "artifacts.hpp"
 #include "artifacts/file.hpp"
 #include "artifacts/plates.hpp"
-#include "as_built_ifc.hpp"
+#include "ifc/as_built_ifc.hpp"
 #include "plumbline/node.hpp"
 
 namespace plumbline::bim {

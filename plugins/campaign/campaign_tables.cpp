@@ -5,7 +5,7 @@
 #include <set>
 
 #include "campaign_folder.hpp"
-#include "formats/csv_table.hpp"
+#include "text/csv_table.hpp"
 
 namespace plumbline::campaign {
 namespace {

@@ -10,12 +10,12 @@
 #include "artifacts/image.hpp"
 #include "artifacts/plates.hpp"
 #include "artifacts/points.hpp"
+#include "artifacts/survey_artifact.hpp"
 #include "campaign_folder.hpp"
-#include "formats/survey_artifact.hpp"
-#include "formats/survey_format.hpp"
 #include "image_header.hpp"
 #include "plumbline/node.hpp"
 #include "survey_files.hpp"
+#include "survey_files/survey_format.hpp"
 
 namespace {
 

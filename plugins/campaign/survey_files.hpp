@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "formats/survey_observations.hpp"
+#include "survey/model/survey_observations.hpp"
 
 namespace plumbline::campaign {
 

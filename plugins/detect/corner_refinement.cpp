@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "formats/grey_image.hpp"
+#include "images/grey_image.hpp"
 
 namespace plumbline::detect {
 namespace {

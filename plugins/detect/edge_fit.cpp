@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "formats/grey_image.hpp"
+#include "images/grey_image.hpp"
 
 namespace plumbline::detect {
 namespace {

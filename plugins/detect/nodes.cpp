@@ -4,7 +4,7 @@
 #include "artifacts/tag_observations.hpp"
 #include "detect/detector_pool.hpp"
 #include "detect/tag_detector.hpp"
-#include "formats/grey_image.hpp"
+#include "images/grey_image.hpp"
 #include "plumbline/node.hpp"
 
 namespace {

@@ -10,7 +10,7 @@
 
 #include "detect/corner_refinement.hpp"
 #include "detect/tag_family.hpp"
-#include "formats/grey_image.hpp"
+#include "images/grey_image.hpp"
 
 namespace plumbline::detect {
 namespace {

@@ -7,10 +7,10 @@
 #include "artifacts/plates.hpp"
 #include "artifacts/points.hpp"
 #include "artifacts/transform.hpp"
-#include "evaluate/accuracy.hpp"
 #include "evaluate/design_input.hpp"
 #include "evaluate/metrics.hpp"
 #include "geometry/packed_symmetric.hpp"
+#include "judgement/accuracy.hpp"
 #include "plumbline/node.hpp"
 
 namespace plumbline::evaluate {

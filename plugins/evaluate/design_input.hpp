@@ -5,7 +5,7 @@
 #include <string>
 
 #include "artifacts/design.hpp"
-#include "evaluate/accuracy.hpp"
+#include "judgement/accuracy.hpp"
 
 namespace plumbline::evaluate {
 

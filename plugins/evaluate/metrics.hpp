@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "evaluate/accuracy.hpp"
+#include "judgement/accuracy.hpp"
 
 namespace plumbline::evaluate {
 

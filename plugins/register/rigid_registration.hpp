@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "geometry/rigid_transform.hpp"
+#include "plumbline/rigid_transform.hpp"
 
 namespace plumbline::registration {
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "geometry/marker_plate.hpp"
-#include "geometry/rigid_transform.hpp"
+#include "plumbline/rigid_transform.hpp"
 
 namespace plumbline::simulate {
 

@@ -7,9 +7,9 @@
 #include <stdexcept>
 
 #include "design_ifc.hpp"
-#include "formats/gsi.hpp"
 #include "geometry/random.hpp"
 #include "jpeg.hpp"
+#include "survey_files/gsi.hpp"
 #include "text_output.hpp"
 
 namespace plumbline::simulate {

@@ -3,8 +3,8 @@
 #include <cstdio>
 #include <vector>
 
-#include "formats/ifc_guid.hpp"
-#include "formats/step_writer.hpp"
+#include "ifc/ifc_guid.hpp"
+#include "ifc/step_writer.hpp"
 
 namespace plumbline::simulate {
 namespace {

@@ -136,7 +136,7 @@ class Observer {
 }  // namespace
 
 SimulatedInstrument simulated_instrument(const std::string& name) {
-  // The values of the profiles of the same names that the adjustment knows (plugins/survey/profiles).
+  // The values of the profiles of the same names that the adjustment knows (libraries/survey/model/profiles).
   static const SimulatedInstrument known[] = {{"ics50_assumed", 5 * kSecond, 5 * kSecond, 2e-3, 2.0, 0.5e-3},
                                               {"total_station_5arcsec", 5 * kSecond, 5 * kSecond, 2e-3, 2.0, 0.3e-3},
                                               {"total_station_2arcsec", 2 * kSecond, 2 * kSecond, 1e-3, 1.5, 0.3e-3},

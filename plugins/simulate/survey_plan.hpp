@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "building.hpp"
-#include "formats/survey_observations.hpp"
+#include "survey/model/survey_observations.hpp"
 
 namespace plumbline::simulate {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "formats/survey_artifact.hpp"
+#include "artifacts/survey_artifact.hpp"
 #include "network_artifact.hpp"
 
 namespace plumbline::survey {

@@ -1,11 +1,11 @@
 // survey.adjust: files of a campaign to coordinates with full covariance.
 #pragma once
 
-#include "adjust_network.hpp"
 #include "artifacts/points.hpp"
 #include "artifacts/survey_network.hpp"
 #include "artifacts/survey_observations.hpp"
 #include "profiled_node.hpp"
+#include "survey/adjust/adjust_network.hpp"
 
 namespace plumbline::survey {
 

@@ -5,13 +5,13 @@
 #include <set>
 #include <sstream>
 
-#include "check_control.hpp"
-#include "compare_epochs.hpp"
+#include "artifacts/survey_artifact.hpp"
 #include "ellipsoid_artifact.hpp"
-#include "formats/survey_artifact.hpp"
-#include "formats/survey_layout.hpp"
 #include "geometry/statistics.hpp"
 #include "network_artifact.hpp"
+#include "survey/doctor/check_control.hpp"
+#include "survey/epochs/compare_epochs.hpp"
+#include "survey_files/survey_layout.hpp"
 
 namespace plumbline::survey {
 

@@ -1,9 +1,9 @@
 // Results as artifacts.
 #pragma once
 
-#include "adjust_network.hpp"
 #include "artifacts/points.hpp"
 #include "artifacts/survey_network.hpp"
+#include "survey/adjust/adjust_network.hpp"
 
 namespace plumbline::survey {
 

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "ellipsoid_artifact.hpp"
-#include "plan_survey.hpp"
+#include "survey/plan/plan_survey.hpp"
 
 namespace plumbline::survey {
 

@@ -1,8 +1,8 @@
 // What the nodes that need an instrument profile have in common.
 #pragma once
 
-#include "instrument_profile.hpp"
 #include "plumbline/node.hpp"
+#include "survey/model/instrument_profile.hpp"
 
 namespace plumbline::survey {
 

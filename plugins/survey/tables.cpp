@@ -10,9 +10,9 @@
 #include <stdexcept>
 
 #include "adjustment/reliability.hpp"
-#include "formats/csv_table.hpp"
 #include "geometry/packed_symmetric.hpp"
 #include "geometry/relative_points.hpp"
+#include "text/csv_table.hpp"
 
 namespace plumbline::survey {
 

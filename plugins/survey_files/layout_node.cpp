@@ -4,8 +4,8 @@
 #include <cmath>
 #include <string_view>
 
-#include "formats/survey_artifact.hpp"
-#include "formats/survey_layout.hpp"
+#include "artifacts/survey_artifact.hpp"
+#include "survey_files/survey_layout.hpp"
 
 namespace plumbline::survey_files {
 

@@ -1,4 +1,4 @@
-// Nodes from and to survey files; each is an adapter over one function of framework/formats.
+// Nodes from and to survey files; each is an adapter over one function of libraries/survey_files.
 #pragma once
 
 #include <string>
@@ -7,8 +7,8 @@
 #include "artifacts/file.hpp"
 #include "artifacts/points.hpp"
 #include "artifacts/survey_observations.hpp"
-#include "formats/survey_observations.hpp"
 #include "plumbline/node.hpp"
+#include "survey/model/survey_observations.hpp"
 
 namespace plumbline::survey_files {
 

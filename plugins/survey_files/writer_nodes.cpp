@@ -3,12 +3,12 @@
 #include <map>
 #include <numbers>
 
-#include "formats/gama.hpp"
-#include "formats/gsi.hpp"
-#include "formats/landxml.hpp"
-#include "formats/survey_artifact.hpp"
-#include "formats/survey_csv.hpp"
+#include "artifacts/survey_artifact.hpp"
 #include "nodes.hpp"
+#include "survey_files/gama.hpp"
+#include "survey_files/gsi.hpp"
+#include "survey_files/landxml.hpp"
+#include "survey_files/survey_csv.hpp"
 
 namespace plumbline::survey_files {
 namespace {

@@ -4,7 +4,7 @@
 #include "artifacts/design.hpp"
 #include "artifacts/file.hpp"
 #include "artifacts/points.hpp"
-#include "formats/step.hpp"
+#include "ifc/step.hpp"
 #include "node_harness.hpp"
 
 namespace {

@@ -4,9 +4,9 @@
 #include <Eigen/Dense>
 
 #include "artifacts/points.hpp"
+#include "artifacts/survey_artifact.hpp"
 #include "artifacts/survey_network.hpp"
 #include "artifacts/survey_observations.hpp"
-#include "formats/survey_artifact.hpp"
 #include "node_harness.hpp"
 #include "simulated_network.hpp"
 

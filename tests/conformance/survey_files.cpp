@@ -7,6 +7,7 @@
 #include "artifacts/file.hpp"
 #include "artifacts/survey_observations.hpp"
 #include "node_harness.hpp"
+#include "test_paths.hpp"
 
 namespace {
 
@@ -23,7 +24,8 @@ FileT file_of(const std::string& name, const std::string& bytes) {
 
 std::vector<fs::path> fixtures() {
   std::vector<fs::path> all;
-  for (const auto& entry : fs::directory_iterator(fs::path(PLUMBLINE_SOURCE_DIR) / "tests/unit/formats/fixtures"))
+  for (const auto& entry :
+       fs::directory_iterator(fs::path(plumbline::test::source_dir()) / "tests/unit/survey_files/fixtures"))
     if (entry.is_regular_file()) all.push_back(entry.path());
   std::sort(all.begin(), all.end());
   return all;
@@ -57,7 +59,7 @@ TEST_P(SurveyReader, ReadsOrRefusesEveryFileWithItsName) {
       EXPECT_FALSE(observation->to.empty());
     }
   }
-  EXPECT_GE(read, 1u) << "no fixture in tests/unit/formats/fixtures is of this reader's format";
+  EXPECT_GE(read, 1u) << "no fixture in tests/unit/survey_files/fixtures is of this reader's format";
 }
 
 TEST_P(SurveyReader, GivesTheSameBytesForTheSameFile) {
@@ -108,7 +110,8 @@ INSTANTIATE_TEST_SUITE_P(All, SurveyReader, testing::ValuesIn(kinds_of_role("sur
 class SurveyWriter : public testing::TestWithParam<std::string> {};
 
 TEST_P(SurveyWriter, WritesWhatReadSurveyReadsBack) {
-  const fs::path fixture = fs::path(PLUMBLINE_SOURCE_DIR) / "tests/unit/formats/fixtures/code_block_cr_only.gsi";
+  const fs::path fixture =
+      fs::path(plumbline::test::source_dir()) / "tests/unit/survey_files/fixtures/code_block_cr_only.gsi";
   NodeHarness source = reader("read.survey", "source.gsi", read_file(fixture));
   source.run();
   const auto expected = source.output<SurveyObservations>("observations");

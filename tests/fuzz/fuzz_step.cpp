@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <string>
 
-#include "../../plugins/bim/design.hpp"
-#include "formats/step.hpp"
+#include "ifc/design.hpp"
+#include "ifc/step.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   try {

@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 
 std::vector<std::string> files_in(const char* folder) {
   std::vector<fs::path> paths;
-  const fs::path root = fs::path(PLUMBLINE_SOURCE_DIR) / folder;
+  const fs::path root = fs::path(plumbline::test::source_dir()) / folder;
   if (fs::exists(root))
     for (const auto& entry : fs::directory_iterator(root))
       if (entry.is_regular_file()) paths.push_back(entry.path());
@@ -25,7 +25,7 @@ std::vector<std::string> files_in(const char* folder) {
 }
 
 TEST(FuzzReplay, FixturesAndFindingsThroughAllTargets) {
-  for (const char* folder : {"tests/unit/formats/fixtures", "tests/fuzz/findings"})
+  for (const char* folder : {"tests/unit/survey_files/fixtures", "tests/fuzz/findings"})
     for (const std::string& bytes : files_in(folder))
       for (const fuzz::Target& target : fuzz::kTargets) target.run(bytes);
 }
@@ -36,7 +36,7 @@ TEST(FuzzReplay, DamagedFixturesThroughAllTargets) {
     state = state * 6364136223846793005ULL + 1442695040888963407ULL;
     return static_cast<std::size_t>((state >> 33) % below);
   };
-  for (const std::string& bytes : files_in("tests/unit/formats/fixtures")) {
+  for (const std::string& bytes : files_in("tests/unit/survey_files/fixtures")) {
     for (int round = 0; round < 20 && !bytes.empty(); ++round) {
       std::string damaged = bytes.substr(0, random(bytes.size()) + 1);
       for (int k = 0; k < 3; ++k) damaged[random(damaged.size())] = static_cast<char>(random(256));

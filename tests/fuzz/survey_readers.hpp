@@ -10,17 +10,17 @@
 #include <string>
 #include <string_view>
 
-#include "formats/csv_table.hpp"
-#include "formats/gama.hpp"
-#include "formats/gsi.hpp"
-#include "formats/jobxml.hpp"
-#include "formats/krumm.hpp"
-#include "formats/landxml.hpp"
-#include "formats/rw5.hpp"
-#include "formats/sdr33.hpp"
-#include "formats/survey_csv.hpp"
-#include "formats/survey_format.hpp"
-#include "formats/survey_layout.hpp"
+#include "survey_files/gama.hpp"
+#include "survey_files/gsi.hpp"
+#include "survey_files/jobxml.hpp"
+#include "survey_files/krumm.hpp"
+#include "survey_files/landxml.hpp"
+#include "survey_files/rw5.hpp"
+#include "survey_files/sdr33.hpp"
+#include "survey_files/survey_csv.hpp"
+#include "survey_files/survey_format.hpp"
+#include "survey_files/survey_layout.hpp"
+#include "text/csv_table.hpp"
 
 namespace plumbline::fuzz {
 

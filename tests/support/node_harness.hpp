@@ -34,7 +34,7 @@ struct NodeFailed : std::runtime_error {
 inline const runtime::Registry& built_registry() {
   static const runtime::Registry registry = [] {
     auto folders = runtime::Registry::search_path("/nowhere/bin/program");
-    folders.push_back(std::filesystem::path(PLUMBLINE_BINARY_DIR) / "lib/plumbline");
+    folders.push_back(std::filesystem::path(plumbline::test::binary_dir()) / "lib/plumbline");
     return runtime::Registry::discover(folders);
   }();
   return registry;

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "formats/survey_observations.hpp"
+#include "survey/model/survey_observations.hpp"
 
 namespace plumbline::survey::test {
 

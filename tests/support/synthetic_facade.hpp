@@ -17,7 +17,7 @@
 #include "artifacts/poses.hpp"
 #include "geometry/camera.hpp"
 #include "geometry/marker_plate.hpp"
-#include "geometry/rigid_transform.hpp"
+#include "plumbline/rigid_transform.hpp"
 
 namespace plumbline::test {
 

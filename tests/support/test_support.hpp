@@ -12,11 +12,13 @@
 #include <stdexcept>
 #include <string>
 
+#include "test_paths.hpp"
+
 namespace plumbline::test {
 
 inline std::filesystem::path data_folder() {
   if (const char* set = std::getenv("PLUMBLINE_TEST_DATA")) return set;
-  return std::filesystem::path(PLUMBLINE_SOURCE_DIR) / ".." / "shared" / "data";
+  return std::filesystem::path(plumbline::test::source_dir()) / ".." / "shared" / "data";
 }
 
 inline std::filesystem::path data_file(const std::string& relative) { return data_folder() / relative; }

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "geometry/rigid_transform.hpp"
+#include "plumbline/rigid_transform.hpp"
 
 namespace plumbline {
 struct Vec2;

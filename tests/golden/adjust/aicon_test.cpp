@@ -17,7 +17,7 @@
 #include <regex>
 #include <sstream>
 
-#include "adjust/aicon_files.hpp"
+#include "block/aicon_files.hpp"
 #include "test_support.hpp"
 
 namespace {

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "../../unit/bim/small_building.hpp"
-#include "as_built_ifc.hpp"
+#include "ifc/as_built_ifc.hpp"
 
 namespace {
 

@@ -3,7 +3,7 @@
 #include <regex>
 
 #include "detect/tag_detector.hpp"
-#include "formats/grey_image.hpp"
+#include "images/grey_image.hpp"
 #include "test_support.hpp"
 
 namespace plumbline {

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "formats/survey_observations.hpp"
+#include "survey/model/survey_observations.hpp"
 
 namespace plumbline::survey {
 

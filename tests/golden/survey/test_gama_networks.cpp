@@ -3,9 +3,9 @@
 // pvv = m0^2 sum (v / sigma)^2.
 #include <cmath>
 
-#include "adjust_network.hpp"
-#include "formats/gama.hpp"
 #include "gama_result.hpp"
+#include "survey/adjust/adjust_network.hpp"
+#include "survey_files/gama.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::survey {

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "adjust_network.hpp"
-#include "formats/gsi.hpp"
+#include "survey/adjust/adjust_network.hpp"
+#include "survey_files/gsi.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::survey {

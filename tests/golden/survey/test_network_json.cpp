@@ -16,10 +16,10 @@ using Json = nlohmann::json;
 Json run_pipeline(const std::filesystem::path& file) {
   const test::TemporaryFolder folder;
   const std::string out = folder.path() / "out";
-  const std::string command =
-      "PLUMBLINE_STORE='" + (folder.path() / "store").string() +
-      "' '" PLUMBLINE_PROGRAM "' run '" PLUMBLINE_SOURCE_DIR "/pipelines/survey_network.yaml' 'file=" + file.string() +
-      "' --out '" + out + "' > '" + (folder.path() / "log").string() + "' 2>&1";
+  const std::string command = "PLUMBLINE_STORE='" + (folder.path() / "store").string() +
+                              "' '" PLUMBLINE_PROGRAM "' run '" + std::string(plumbline::test::source_dir()) +
+                              "/pipelines/survey_network.yaml' 'file=" + file.string() + "' --out '" + out + "' > '" +
+                              (folder.path() / "log").string() + "' 2>&1";
   if (std::system(command.c_str()) != 0) throw std::runtime_error(test::read_file(folder.path() / "log"));
   return Json::parse(test::read_file(out + "/network.json"));
 }

@@ -3,13 +3,14 @@
 #include <algorithm>
 
 #include "program.hpp"
+#include "test_paths.hpp"
 
 namespace plumbline::test {
 namespace {
 
 namespace fs = std::filesystem;
 
-const std::string pipelines = std::string(PLUMBLINE_SOURCE_DIR) + "/pipelines/";
+const std::string pipelines = std::string(plumbline::test::source_dir()) + "/pipelines/";
 
 /// The program with the plugins of the build; its outputs go to work/out.
 class BadInput : public testing::Test {

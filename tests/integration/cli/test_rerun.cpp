@@ -4,6 +4,7 @@
 #include <set>
 
 #include "program.hpp"
+#include "test_paths.hpp"
 
 namespace plumbline::test {
 namespace {
@@ -23,7 +24,7 @@ std::set<std::string> nodes(const std::filesystem::path& out, const std::string&
 
 TEST(Rerun, ExecutesNothingAndAfterAChangeOnlyWhatFollows) {
   const Program plumbline(PLUMBLINE_PLUGIN_FOLDER);
-  const std::string pipeline = std::string(PLUMBLINE_SOURCE_DIR) + "/pipelines/single_floor.yaml";
+  const std::string pipeline = std::string(plumbline::test::source_dir()) + "/pipelines/single_floor.yaml";
   const std::filesystem::path out = plumbline.work() / "out";
   const auto run = [&](std::vector<std::string> more) {
     std::vector<std::string> arguments = {

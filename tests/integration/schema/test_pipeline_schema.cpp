@@ -60,7 +60,7 @@ std::string printed_schema() {
   return text;
 }
 
-const fs::path source = PLUMBLINE_SOURCE_DIR;
+const fs::path source = plumbline::test::source_dir();
 
 TEST(PipelineSchema, IsWhereEditorsLookForIt) {
   EXPECT_TRUE(printed_schema() == read_file(source / "schemas" / "pipeline.schema.json"))

@@ -1,10 +1,11 @@
 // The survey pipelines from outside: damaged files, encodings, a plan, two epochs.
 #include <nlohmann/json.hpp>
 
-#include "formats/gsi.hpp"
-#include "formats/survey_csv.hpp"
 #include "program.hpp"
 #include "simulated_network.hpp"
+#include "survey_files/gsi.hpp"
+#include "survey_files/survey_csv.hpp"
+#include "test_paths.hpp"
 
 namespace plumbline::test {
 namespace {
@@ -13,7 +14,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
 std::string pipeline(const std::string& name) {
-  return (fs::path(PLUMBLINE_SOURCE_DIR) / "pipelines" / (name + ".yaml")).string();
+  return (fs::path(plumbline::test::source_dir()) / "pipelines" / (name + ".yaml")).string();
 }
 
 /// A job as the instrument writes it, with readings rounded to its last digit.

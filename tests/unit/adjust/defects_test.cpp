@@ -1,10 +1,10 @@
-#include "adjust/defects.hpp"
+#include "block/defects.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "geometry/rigid_transform.hpp"
 #include "geometry/similarity.hpp"
+#include "plumbline/rigid_transform.hpp"
 
 namespace {
 

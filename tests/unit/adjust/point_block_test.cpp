@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "adjust/aicon_files.hpp"
+#include "block/aicon_files.hpp"
 #include "synthetic_block.hpp"
 #include "test_support.hpp"
 

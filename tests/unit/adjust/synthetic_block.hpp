@@ -11,7 +11,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "adjust/tag_block.hpp"
+#include "block/tag_block.hpp"
 
 namespace plumbline::test {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "formats/step.hpp"
+#include "ifc/step.hpp"
 
 namespace plumbline::test {
 

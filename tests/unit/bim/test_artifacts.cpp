@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "artifacts.hpp"
-#include "formats/step.hpp"
+#include "ifc/step.hpp"
 #include "small_building.hpp"
 
 namespace plumbline::bim {

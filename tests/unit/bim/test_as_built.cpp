@@ -1,7 +1,7 @@
 // Deviations, verdicts and panel fits, against values worked out by hand.
 #include <gtest/gtest.h>
 
-#include "as_built.hpp"
+#include "ifc/as_built.hpp"
 
 namespace plumbline::bim {
 namespace {

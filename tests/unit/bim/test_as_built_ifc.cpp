@@ -3,9 +3,9 @@
 #include <map>
 #include <set>
 
-#include "as_built_ifc.hpp"
 #include "express_schema.hpp"
-#include "ifc_model.hpp"
+#include "ifc/as_built_ifc.hpp"
+#include "ifc/ifc_model.hpp"
 #include "small_building.hpp"
 #include "test_support.hpp"
 

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "design.hpp"
+#include "ifc/design.hpp"
 #include "small_building.hpp"
 #include "test_support.hpp"
 

@@ -1,6 +1,6 @@
 // Our table of attribute positions and element classes against the EXPRESS text of the schemas.
 #include "express_schema.hpp"
-#include "ifc_schema.hpp"
+#include "ifc/ifc_schema.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::bim {

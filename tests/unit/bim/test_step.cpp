@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "formats/step.hpp"
+#include "ifc/step.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::step {

@@ -5,9 +5,9 @@
 #include <cstring>
 #include <limits>
 
-#include "formats/ifc_guid.hpp"
-#include "formats/step.hpp"
-#include "formats/step_writer.hpp"
+#include "ifc/ifc_guid.hpp"
+#include "ifc/step.hpp"
+#include "ifc/step_writer.hpp"
 
 namespace plumbline {
 namespace {

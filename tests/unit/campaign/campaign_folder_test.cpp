@@ -5,8 +5,8 @@
 #include <functional>
 #include <numbers>
 
-#include "formats/survey_format.hpp"
 #include "survey_files.hpp"
+#include "survey_files/survey_format.hpp"
 
 namespace plumbline::campaign {
 namespace {

@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 
 std::vector<fs::path> built_plugins() {
   std::vector<fs::path> found;
-  for (const auto& entry : fs::directory_iterator(fs::path(PLUMBLINE_BINARY_DIR) / "lib/plumbline"))
+  for (const auto& entry : fs::directory_iterator(fs::path(plumbline::test::binary_dir()) / "lib/plumbline"))
     if (entry.path().extension() == ".so") found.push_back(entry.path());
   return found;
 }
@@ -41,12 +41,14 @@ TEST(Plugins, CarryTheirIdentityAndAreAccepted) {
     EXPECT_EQ("plumbline_" + identity.name + ".so", library.filename().string());
     EXPECT_EQ(identity.licence, "MIT");
   }
-  const auto registry = plumbline::runtime::Registry::discover({fs::path(PLUMBLINE_BINARY_DIR) / "lib/plumbline"});
+  const auto registry =
+      plumbline::runtime::Registry::discover({fs::path(plumbline::test::binary_dir()) / "lib/plumbline"});
   for (const auto& refused : registry.refused()) ADD_FAILURE() << refused.path << " " << refused.problem;
 }
 
 TEST(Plugins, EveryNodeAndEveryPortAndParameterIsDocumented) {
-  const auto registry = plumbline::runtime::Registry::discover({fs::path(PLUMBLINE_BINARY_DIR) / "lib/plumbline"});
+  const auto registry =
+      plumbline::runtime::Registry::discover({fs::path(plumbline::test::binary_dir()) / "lib/plumbline"});
   for (const auto& [name, kind] : registry.kinds()) {
     EXPECT_GT(std::string(kind.node->summary).size(), 10u) << name;
     for (uint32_t i = 0; i < kind.node->input_count; ++i) EXPECT_STRNE(kind.node->inputs[i]->doc, "") << name;
@@ -57,7 +59,8 @@ TEST(Plugins, EveryNodeAndEveryPortAndParameterIsDocumented) {
 
 /// Nodes of one role can stand in for each other: same ports, same types, same frames.
 TEST(Plugins, NodesOfOneRoleHaveTheSamePorts) {
-  const auto registry = plumbline::runtime::Registry::discover({fs::path(PLUMBLINE_BINARY_DIR) / "lib/plumbline"});
+  const auto registry =
+      plumbline::runtime::Registry::discover({fs::path(plumbline::test::binary_dir()) / "lib/plumbline"});
   std::map<std::string, std::pair<std::string, std::string>> first;  // role -> (kind, ports)
   for (const auto& [name, kind] : registry.kinds()) {
     if (!*kind.node->role) continue;

@@ -80,8 +80,8 @@ std::string schema_problems(const fs::path& file) {
 
 TEST(ArtifactSchemas, EveryFieldHasCommentUnitAndASafeDefault) {
   int checked = 0;
-  for (const auto& entry :
-       fs::directory_iterator(fs::path(PLUMBLINE_BINARY_DIR) / "framework/include/plumbline_artifacts/artifacts")) {
+  for (const auto& entry : fs::directory_iterator(fs::path(plumbline::test::binary_dir()) /
+                                                  "framework/include/plumbline_artifacts/artifacts")) {
     if (entry.path().extension() != ".bfbs") continue;
     EXPECT_EQ(schema_problems(entry.path()), "");
     ++checked;

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "formats/grey_image.hpp"
+#include "images/grey_image.hpp"
 
 namespace plumbline::test {
 

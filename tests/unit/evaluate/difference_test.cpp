@@ -1,5 +1,5 @@
 // Covariance of the differences, the vacuous drift on control anchors, and input that is incomplete or wrong.
-#include "evaluate/difference.hpp"
+#include "judgement/difference.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,9 @@
 // Every formula of the evaluation against numbers worked by hand on the small building.
 #include <gtest/gtest.h>
 
-#include "evaluate/comparison.hpp"
-#include "evaluate/drift.hpp"
-#include "evaluate/tolerance.hpp"
+#include "judgement/comparison.hpp"
+#include "judgement/drift.hpp"
+#include "judgement/tolerance.hpp"
 #include "small_building.hpp"
 
 namespace plumbline::evaluate {

@@ -20,8 +20,8 @@ using nlohmann::json;
 using test::mm;
 
 std::string schema_errors(const json& document) {
-  const json text =
-      json::parse(plumbline::test::read_file(std::string(PLUMBLINE_SOURCE_DIR) + "/schemas/metrics.schema.json"));
+  const json text = json::parse(
+      plumbline::test::read_file(std::string(plumbline::test::source_dir()) + "/schemas/metrics.schema.json"));
   valijson::Schema schema;
   valijson::SchemaParser().populateSchema(valijson::adapters::NlohmannJsonAdapter(text), schema);
   valijson::ValidationResults results;
@@ -75,7 +75,7 @@ TEST(MetricsJson, AdjustmentRegistrationAndPanelsAreValidToo) {
 
 TEST(MetricsJson, SchemaNamesEveryEquationOfThePaper) {
   const std::string schema =
-      plumbline::test::read_file(std::string(PLUMBLINE_SOURCE_DIR) + "/schemas/metrics.schema.json");
+      plumbline::test::read_file(std::string(plumbline::test::source_dir()) + "/schemas/metrics.schema.json");
   for (int equation = 1; equation <= 14; ++equation)
     EXPECT_NE(schema.find("(" + std::to_string(equation) + ")"), std::string::npos) << equation;
 }

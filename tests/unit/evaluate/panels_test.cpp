@@ -1,5 +1,5 @@
 // Panels from the deviations of their anchors, against motions that are known.
-#include "evaluate/panels.hpp"
+#include "judgement/panels.hpp"
 
 #include <gtest/gtest.h>
 

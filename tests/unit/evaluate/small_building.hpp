@@ -9,7 +9,7 @@
 
 #include <cmath>
 
-#include "evaluate/accuracy.hpp"
+#include "judgement/accuracy.hpp"
 
 namespace plumbline::evaluate::test {
 

@@ -11,7 +11,7 @@ using plumbline::test::TemporaryFolder;
 using testing::HasSubstr;
 
 const Registry& registry() {
-  static const Registry loaded = Registry::discover({std::string(PLUMBLINE_BINARY_DIR) + "/lib/plumbline"});
+  static const Registry loaded = Registry::discover({std::string(plumbline::test::binary_dir()) + "/lib/plumbline"});
   return loaded;
 }
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "evaluate/accuracy.hpp"
+#include "judgement/accuracy.hpp"
 
 namespace plumbline::report::test {
 

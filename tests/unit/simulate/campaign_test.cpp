@@ -8,12 +8,12 @@
 #include <map>
 
 #include "campaign_folder.hpp"
-#include "design.hpp"
 #include "design_ifc.hpp"
 #include "express_schema.hpp"
-#include "formats/survey_format.hpp"
+#include "ifc/design.hpp"
 #include "image_header.hpp"
 #include "observations.hpp"
+#include "survey_files/survey_format.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::simulate {

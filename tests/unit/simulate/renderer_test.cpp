@@ -7,7 +7,7 @@
 #include <algorithm>
 
 #include "detect/tag_detector.hpp"
-#include "formats/grey_image.hpp"
+#include "images/grey_image.hpp"
 #include "jpeg.hpp"
 #include "plate_raster.hpp"
 

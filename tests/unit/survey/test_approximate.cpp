@@ -5,10 +5,10 @@
 #include <map>
 #include <numbers>
 
-#include "adjust_network.hpp"
-#include "approximate_figure.hpp"
-#include "formats/gama.hpp"
 #include "random_network.hpp"
+#include "survey/adjust/adjust_network.hpp"
+#include "survey/start/approximate_figure.hpp"
+#include "survey_files/gama.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::survey {

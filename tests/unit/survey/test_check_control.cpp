@@ -1,8 +1,8 @@
 // Control points with one wrong coordinate, and without.
-#include "adjust_network.hpp"
-#include "check_control.hpp"
-#include "formats/gama.hpp"
 #include "simulated_network.hpp"
+#include "survey/adjust/adjust_network.hpp"
+#include "survey/doctor/check_control.hpp"
+#include "survey_files/gama.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::survey {

@@ -1,8 +1,8 @@
 // Mistakes that a whole set-up shares are named as such; no single observation is taken out for them.
 #include <algorithm>
 
-#include "adjust_network.hpp"
 #include "simulated_network.hpp"
+#include "survey/adjust/adjust_network.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::survey {

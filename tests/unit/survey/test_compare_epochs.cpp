@@ -2,8 +2,8 @@
 #include <Eigen/Dense>
 #include <algorithm>
 
-#include "check_control.hpp"
 #include "simulated_network.hpp"
+#include "survey/doctor/check_control.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::survey {

@@ -1,6 +1,6 @@
 // What the network doctor says of sick networks.
-#include "adjust_network.hpp"
 #include "simulated_network.hpp"
+#include "survey/adjust/adjust_network.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::survey {

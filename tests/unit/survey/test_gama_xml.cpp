@@ -1,9 +1,9 @@
 // gama-local XML: every element and attribute, units and senses, damage, and the way back.
 #include <numbers>
 
-#include "adjust_network.hpp"
-#include "formats/gama.hpp"
 #include "simulated_network.hpp"
+#include "survey/adjust/adjust_network.hpp"
+#include "survey_files/gama.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::survey {

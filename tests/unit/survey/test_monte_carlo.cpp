@@ -3,9 +3,9 @@
 #include <Eigen/Dense>
 #include <cstdlib>
 
-#include "adjust_network.hpp"
 #include "geometry/statistics.hpp"
 #include "simulated_network.hpp"
+#include "survey/adjust/adjust_network.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::survey {

@@ -2,8 +2,8 @@
 #include <Eigen/Dense>
 #include <numbers>
 
-#include "adjust_network.hpp"
 #include "simulated_network.hpp"
+#include "survey/adjust/adjust_network.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::survey {

@@ -5,11 +5,11 @@
 #include "artifacts/file.hpp"
 #include "artifacts/plates.hpp"
 #include "artifacts/points.hpp"
+#include "artifacts/survey_artifact.hpp"
 #include "artifacts/survey_comparison.hpp"
 #include "artifacts/survey_network.hpp"
 #include "artifacts/survey_observations.hpp"
 #include "artifacts/survey_plan.hpp"
-#include "formats/survey_artifact.hpp"
 #include "node_harness.hpp"
 #include "simulated_network.hpp"
 

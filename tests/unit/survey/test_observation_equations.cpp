@@ -1,7 +1,7 @@
 // Partials against numeric differences, and values against geometry done by hand.
 #include <cmath>
 
-#include "observation_equations.hpp"
+#include "survey/model/observation_equations.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::survey {

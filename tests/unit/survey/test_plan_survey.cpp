@@ -2,8 +2,8 @@
 #include <algorithm>
 
 #include "geometry/statistics.hpp"
-#include "plan_survey.hpp"
 #include "simulated_network.hpp"
+#include "survey/plan/plan_survey.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::survey {

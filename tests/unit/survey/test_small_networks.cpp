@@ -6,8 +6,8 @@
 #include <numbers>
 #include <sstream>
 
-#include "adjust_network.hpp"
-#include "formats/gama.hpp"
+#include "survey/adjust/adjust_network.hpp"
+#include "survey_files/gama.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::survey {

@@ -6,9 +6,9 @@
 
 #include "artifacts/file.hpp"
 #include "artifacts/points.hpp"
+#include "artifacts/survey_artifact.hpp"
 #include "artifacts/survey_network.hpp"
 #include "artifacts/survey_observations.hpp"
-#include "formats/survey_artifact.hpp"
 #include "geometry/packed_symmetric.hpp"
 #include "geometry/relative_points.hpp"
 #include "node_harness.hpp"

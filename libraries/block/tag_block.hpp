@@ -1,0 +1,141 @@
+// Bundle adjustment of images of marker plates, equations (4) and (5): camera poses, plate poses, interior orientation,
+// and as nuisance the size error of each print batch of tags and the detector's corner inset. Control is what a survey
+// says of some anchors; without it the network is free.
+//
+// Units: m, rad, px. Frames: world is that of the approximate poses and of the control (z up); camera x right, y down,
+// z forward; plate as in geometry/marker_plate.hpp, its origin is the anchor.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "adjustment/reliability.hpp"
+#include "block/block_model.hpp"
+#include "geometry/camera.hpp"
+#include "geometry/marker_plate.hpp"
+#include "plumbline/rigid_transform.hpp"
+
+namespace plumbline::adjust {
+
+struct TagImage {
+  std::string name;
+  std::optional<RigidTransform>
+      cam_from_world;  ///< approximate; images without one are oriented from plates they share
+};
+
+struct TagPlate {
+  std::string anchor;
+  MarkerPlate plate;
+  Eigen::Quaterniond nominal_rotation = Eigen::Quaterniond::Identity();  ///< world_from_plate, true to some 20 degrees
+  std::string batch;                                                     ///< print batch
+};
+
+/// One tag seen in one image, corners in libapriltag's order.
+struct TagObservation {
+  int image = 0;  ///< index into TagBlock::images
+  int plate = 0;  ///< index into TagBlock::plates
+  std::array<Eigen::Vector2d, 4> corners;
+  std::array<Eigen::Matrix2d, 4> covariances;  ///< [px²]; ignored in lambda weighting
+};
+
+/// Survey coordinates of some anchors with their full covariance.
+struct TagControl {
+  std::vector<int> plates;     ///< indices into TagBlock::plates
+  Eigen::VectorXd position;    ///< 3m [m]
+  Eigen::MatrixXd covariance;  ///< 3m × 3m [m²], positive definite
+};
+
+struct TagBlock {
+  BrownCamera camera;
+  Eigen::MatrixXd camera_covariance;  ///< 9 × 9 prior of the interior orientation; empty: none
+  std::vector<TagImage> images;
+  std::vector<TagPlate> plates;
+  std::vector<TagObservation> observations;
+  TagControl control;
+};
+
+struct TagBlockOptions {
+  enum class Weighting { covariance, lambda } weighting = Weighting::covariance;
+  /// λ of (5) [px²/m²]: Σ‖x − π‖² + λ Σ‖X − X^S‖² is minimised, corners unweighted. Equal to weights by covariance if
+  /// corners have σ_px and control has σ_S = σ_px/√λ in each coordinate.
+  double lambda = 1e4;
+  /// Standard deviation of a corner coordinate in lambda weighting [px]: scales the covariances of the result, not the
+  /// solution.
+  double corner_sigma = 0.1;
+  bool free_network = false;  ///< ignore control; datum by inner constraints over all anchors
+  bool self_calibration = true;
+  std::vector<std::string> free_interior = {"fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2"};
+  bool fixed_aspect = false;  ///< hold fy/fx
+  /// Prior standard deviation of a batch's relative tag size; 0 holds it at 1 (then tags carry scale), infinity leaves
+  /// it free.
+  double tag_scale_sigma = 1e-3;
+  /// Prior standard deviation of a batch's corner inset [px]: how far the detector draws each edge inwards; 0 leaves it
+  /// out.
+  double corner_inset_sigma = 0;
+  RobustLoss loss = RobustLoss::huber;
+  double loss_scale = 2;  ///< of the root mean square of a tag's 8 residuals, in standard deviations
+  double reject_above =
+      5;  ///< tags whose root mean square is above are left out of the final least squares; 0 keeps all
+  /// Scales the corner covariances so that the images' variance component becomes 1 (Förstner 1979): detectors rarely
+  /// know theirs.
+  bool estimate_image_variance = true;
+  double weak_ratio = 30;  ///< see analyse_datum()
+  int max_iterations = 100;
+};
+
+struct AdjustedTag {
+  int observation = 0;            ///< index into TagBlock::observations
+  double rms = 0;                 ///< of its 8 residuals [px]
+  double largest_normalised = 0;  ///< |w|
+  double smallest_redundancy = 0;
+  double largest_detectable_error = 0;  ///< MDB [px]
+};
+
+struct AdjustedControl {
+  int plate = 0;
+  std::array<adjustment::RowStatistics, 3> coordinates;  ///< [m]; residual is adjusted minus survey
+  /// Effect of an undetected error of the size of the MDB in each coordinate: largest change of any anchor's height
+  /// [m].
+  std::array<double, 3> effect_on_height{};
+};
+
+struct TagBatch {
+  std::string name;
+  double scale = 1, scale_sigma = 0;  ///< estimated tag size over nominal
+  double inset = 0, inset_sigma = 0;  ///< [px]
+};
+
+struct TagBlockResult {
+  BrownCamera camera;
+  Eigen::MatrixXd camera_covariance;                          ///< 9 × 9, zero for parameters held fixed
+  std::vector<std::optional<RigidTransform>> cam_from_world;  ///< one an image; nothing if left out
+  std::vector<Matrix6> pose_covariance;                       ///< rotation vector in the camera frame, translation
+  std::vector<int> plates;                                    ///< adjusted plates, indices into TagBlock::plates
+  Eigen::VectorXd anchors;                                    ///< 3n, in the order of `plates` [m]
+  Eigen::MatrixXd anchor_covariance;                          ///< 3n × 3n [m²]
+  std::vector<Eigen::Quaterniond> world_from_plate;
+  std::vector<int> images_per_plate;
+  std::vector<TagBatch> batches;
+
+  int observations = 0, unknowns = 0, datum_defect = 0, degrees_of_freedom = 0, iterations = 0;
+  double weighted_sum_of_squares = 0, sigma0 = 0;
+  double image_variance_factor = 1;  ///< by which the given corner covariances were multiplied
+  std::vector<adjustment::VarianceComponent> groups;
+  std::vector<AdjustedTag> tags;
+  std::vector<AdjustedControl> control;
+  std::vector<int> rejected;            ///< observations left out as blunders
+  std::vector<std::string> weak_datum;  ///< motions of the block that control holds only weakly
+  double weakest_datum_sigma = 0;       ///< [m], see DatumAnalysis
+  std::vector<std::string> left_out;    ///< images and plates that could not be placed, with the reason
+};
+
+/// The adjustment. Covariances are with σ0 = 1 a priori (corner covariances scaled by image_variance_factor).
+/// Throws std::runtime_error that names the cause: too few images or tags, control that leaves the datum undetermined
+/// (the motions by name), any other rank defect (the unknowns by name), no convergence.
+TagBlockResult adjust_tag_block(const TagBlock& block, const TagBlockOptions& options);
+
+}  // namespace plumbline::adjust

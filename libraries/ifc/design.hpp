@@ -1,0 +1,88 @@
+// The design as Plumbline uses it: storeys, elements with one reference point each, and which of them are facade
+// anchors and panels.
+//
+// Frames: `project` is the coordinate system of the file's placements, in metres, z up. Map coordinates are not
+// applied: real files disagree about what their IfcMapConversion means, so it is handed on as written, with warnings.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ifc/ifc_schema.hpp"
+#include "ifc/step.hpp"
+#include "plumbline/rigid_transform.hpp"
+
+namespace plumbline::bim {
+
+struct Storey {
+  std::string guid, name;
+  double elevation = 0;         ///< attribute Elevation [m], else the height of its placement
+  double placement_height = 0;  ///< z of its placement in the project frame [m]
+  std::uint64_t instance = 0;   ///< number in the file
+};
+
+/// Where the reference point of an element comes from.
+enum class ReferencePointRule {
+  placement,            ///< origin of its placement, which lies within its shape (or it has none)
+  axis_middle,          ///< middle of the axis of its only solid: extrusion, cylinder or rod
+  bounding_box_centre,  ///< centre of the box of its shape, in its own axes
+  parts_centre,         ///< centre of the box around the parts it is an aggregate of
+};
+const char* name_of(ReferencePointRule rule);
+
+struct Element {
+  std::string guid, name, tag, object_type, type_name;
+  std::string ifc_class;                               ///< as in the standard: "IfcMechanicalFastener"
+  std::string storey, storey_guid;                     ///< empty if it is in none
+  std::string parent_guid;                             ///< of the element it is a part of
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< reference point, project frame [m]
+  ReferencePointRule rule = ReferencePointRule::placement;
+  bool is_anchor = false, is_panel = false;
+  RigidTransform project_from_element;  ///< its placement [m]
+  bool has_box = false;                 ///< whether the box below is known
+  Eigen::Vector3d box_low = Eigen::Vector3d::Zero(),
+                  box_high = Eigen::Vector3d::Zero();  ///< of its shape, in its own axes [m]
+  /// Of an anchor whose shape has several items (IFC lets one fastener stand for many): the centre of each, project
+  /// frame [m].
+  std::vector<Eigen::Vector3d> item_positions;
+  /// Of a panel: GlobalIds of the anchors that it is fixed by (IfcRelConnectsWithRealizingElements), if the file says
+  /// so.
+  std::vector<std::string> anchor_guids;
+  std::uint64_t instance = 0;  ///< number in the file
+};
+
+/// IfcMapConversion (or ePset_MapConversion in IFC2X3) as written: numbers in whatever unit the exporter meant.
+struct MapConversion {
+  double eastings = 0, northings = 0, orthogonal_height = 0;
+  double x_axis_abscissa = 1, x_axis_ordinate = 0;
+  double scale = 1;
+  bool scale_given = false;
+  std::string crs_name;
+};
+
+struct Design {
+  std::string file_name, schema, project_guid, project_name;
+  double length_unit = 1;  ///< metres in one length unit of the file
+  std::string length_unit_name;
+  std::vector<Storey> storeys;    ///< ascending elevation
+  std::vector<Element> elements;  ///< in the order of the file
+  std::optional<MapConversion> map_conversion;
+  std::vector<std::string> warnings;
+};
+
+/// Which elements are anchors: those of a class, those whose name, type or tag matches, those named or listed outright.
+struct AnchorRule {
+  std::vector<std::string> classes{"IfcMechanicalFastener", "IfcDiscreteAccessory"};
+  std::string
+      pattern;  ///< ECMAScript regular expression on name, object type, type name and tag; empty matches nothing
+  std::vector<std::string> guids;
+  std::vector<std::string> names;  ///< for example the anchors of the plates table: exact names or tags
+};
+
+/// Reads the design out of a file. Throws step::Error with file, line and column for damage, for a file without a
+/// project or without storeys, for an impossible pattern.
+Design read_design(const step::File& file, const AnchorRule& rule);
+
+}  // namespace plumbline::bim

@@ -1,0 +1,76 @@
+#include "ifc/ifc_units.hpp"
+
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace plumbline::bim {
+namespace {
+
+constexpr std::array<std::pair<std::string_view, int>, 16> kPrefixes{{{"EXA", 18},
+                                                                      {"PETA", 15},
+                                                                      {"TERA", 12},
+                                                                      {"GIGA", 9},
+                                                                      {"MEGA", 6},
+                                                                      {"KILO", 3},
+                                                                      {"HECTO", 2},
+                                                                      {"DECA", 1},
+                                                                      {"DECI", -1},
+                                                                      {"CENTI", -2},
+                                                                      {"MILLI", -3},
+                                                                      {"MICRO", -6},
+                                                                      {"NANO", -9},
+                                                                      {"PICO", -12},
+                                                                      {"FEMTO", -15},
+                                                                      {"ATTO", -18}}};
+
+/// The power of ten from one division or literal, so that MILLI is the double nearest to 0.001.
+double prefix_factor(const Entity& unit) {
+  const std::string prefix = unit.text("Prefix");
+  if (prefix.empty()) return 1;
+  for (const auto& [name, exponent] : kPrefixes)
+    if (name == prefix) return exponent < 0 ? 1 / std::pow(10, -exponent) : std::pow(10, exponent);
+  unit.fail("Prefix", "an SI prefix");
+}
+
+double factor_of(const Model& model, std::uint64_t id, std::uint64_t referrer, int depth) {
+  const Entity unit = model.entity(id, referrer);
+  if (unit.keyword() == "IFCSIUNIT") {
+    const std::string name = unit.text("Name");
+    if (name != "METRE" && name != "RADIAN") unit.fail("Name", "METRE or RADIAN here");
+    return prefix_factor(unit);
+  }
+  // A chain such as foot → inch → millimetre is legal; an endless one is not.
+  if (depth > 8) unit.fail("Name", "a unit that leads to an SI unit");
+  const Entity measure = model.entity(unit.reference("ConversionFactor"), id);
+  const double factor =
+      measure.number("ValueComponent") * factor_of(model, measure.reference("UnitComponent"), measure.id(), depth + 1);
+  if (!(factor > 0) || !std::isfinite(factor)) measure.fail("ValueComponent", "a positive factor");
+  return factor;
+}
+
+}  // namespace
+
+double unit_factor(const Model& model, std::uint64_t unit) { return factor_of(model, unit, 0, 0); }
+
+Units read_units(const Model& model, const Entity& project, std::vector<std::string>& warnings) {
+  Units units;
+  bool length_found = false;
+  if (const auto assignment = project.optional_reference("UnitsInContext")) {
+    for (const std::uint64_t id : model.entity(*assignment, project.id()).references("Units")) {
+      const std::string_view keyword = model.keyword(id);
+      if (keyword != "IFCSIUNIT" && !keyword.starts_with("IFCCONVERSIONBASEDUNIT")) continue;
+      const Entity unit = model.entity(id, *assignment);
+      const std::string type = unit.text("UnitType");
+      if (type == "PLANEANGLEUNIT") units.plane_angle = unit_factor(model, id);
+      if (type != "LENGTHUNIT") continue;
+      units.length = unit_factor(model, id);
+      units.length_name = (keyword == "IFCSIUNIT" ? unit.text("Prefix") : "") + unit.text("Name");
+      length_found = true;
+    }
+  }
+  if (!length_found) warnings.push_back("the project assigns no length unit; its lengths are taken as metres");
+  return units;
+}
+
+}  // namespace plumbline::bim

@@ -1,0 +1,20 @@
+// The decoders behind read_grey_image(), one a file format. Each throws ImageFileError without the file's name.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "images/grey_image.hpp"
+
+namespace plumbline::image_decoders {
+
+using Bytes = std::vector<std::uint8_t>;
+
+/// Above what any camera delivers; a damaged header must not make us ask for gigabytes.
+constexpr std::size_t kMostPixels = 1'000'000'000;
+
+GreyImage decode_jpeg(const Bytes& bytes);
+GreyImage decode_png(const Bytes& bytes);
+GreyImage decode_tiff(const Bytes& bytes);
+
+}  // namespace plumbline::image_decoders

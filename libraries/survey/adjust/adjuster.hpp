@@ -1,0 +1,96 @@
+// Parts of adjust_network.cpp: one run from a model to a result. Blunder search and variance components are in
+// network_snooping.cpp, errors that set-ups have in common in network_systematics.cpp, the result's tables in
+// network_report.cpp.
+#pragma once
+
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "survey/model/network_model.hpp"
+
+namespace plumbline::survey {
+
+/// One adjustment of the rows that are in.
+struct Pass {
+  NetworkProblem problem;
+  adjustment::Solution solution;
+  Eigen::MatrixXd cofactors;
+  adjustment::Reliability reliability;
+};
+
+/// An error that many observations have in common, as the hypothesis that explains most of the misfit.
+struct CommonError {
+  enum class Kind { constant, scale, index, height } kind = Kind::constant;
+  std::string set_up;    ///< empty: all set-ups
+  int observations = 0;  ///< that share it; 0: no such error
+  double w = 0;          ///< of the test, standard normal
+  double size = 0;       ///< by which the observations are too large: [m], [1] or [rad]
+  double sigma = 0;      ///< of the size
+};
+
+class Adjuster {
+ public:
+  Adjuster(NetworkModel& model, const AdjustOptions& options) : m_(model), options_(options) {
+    state_.removed.assign(m_.rows.size(), 0);
+  }
+  NetworkResult run();
+
+ private:
+  /// Solves; with `statistics` also cofactors and reliability. RankDefect becomes words.
+  Pass adjust(bool statistics = true);
+  [[noreturn]] static void fail_with(const std::vector<Finding>& defects, const std::string& advice);
+
+  /// Inner constraints choose among positions of the whole network; they must not stand in for missing observations.
+  void refuse_local_defects(const NetworkProblem& problem, const adjustment::Solution& solution) const;
+  void add_statistics(Pass& pass) const;
+  /// Initial values that were not related to each other may lead to a solution that is not the right one.
+  void doubt(const adjustment::Solution& solution) const;
+  [[noreturn]] void fail_to_converge(const NetworkProblem& problem, const adjustment::Solution& solution) const;
+  double critical_w() const;
+
+  /// Baarda's iterated data snooping: the worst goes, the rest is adjusted again, what was removed is tested again.
+  void snoop(Pass& pass);
+  int worst_row(const Pass& pass, const std::set<int>& kept) const;
+  std::pair<double, double> row_test(const Pass& pass, int row) const;
+
+  /// The common error that explains more of the misfit than any single observation does; none: 0 observations.
+  CommonError largest_common_error(const Pass& pass) const;
+  CommonError test_common_error(const Pass& pass, const std::vector<std::pair<int, double>>& rows) const;
+  /// Coefficient of an instrument height noted too large: minus the derivative of the observation by that height.
+  double effect_of_instrument_height(const Pass& pass, int row) const;
+  void report_common_error(const Pass& pass, NetworkResult& result) const;
+
+  /// True if a point that had controlled observations has none any more.
+  bool makes_uncontrolled(const Pass& before, const Pass& after) const;
+  std::set<std::string> controlled_points(const Pass& pass) const;
+  bool is_unknown(const std::string& id) const;
+  void note_kept(int row, double w);
+  void log_action(int row, bool restored, double w, double blunder, const Pass& pass);
+
+  /// A removed observation that agrees with the network without it was masked by another blunder.
+  void restore_innocent(Pass& pass, std::set<int>& restored);
+
+  /// Test of an observation that took no part: its misfit against its own and the network's uncertainty. This is the w
+  /// the observation had before it was removed, with all other removed ones out.
+  adjustment::RowStatistics removed_statistics(const Pass& pass, int row) const;
+
+  /// Huber weights by iteration; observations they push out start as removed and must earn their way back.
+  void remove_by_robust_weights();
+
+  /// Förstner's iterated estimate; a group changes only if it has enough redundancy to say something.
+  void estimate_variance_components(Pass& pass);
+  NetworkResult report(Pass& pass);
+  void report_points(const Pass& pass, NetworkResult& result) const;
+  void report_set_ups(const Pass& pass, NetworkResult& result) const;
+  void report_rows(const Pass& pass, NetworkResult& result) const;
+  void report_pointings(const Pass& pass, NetworkResult& result) const;
+
+  NetworkModel& m_;
+  const AdjustOptions& options_;
+  StochasticState state_;
+  std::vector<SnoopingAction> actions_;
+};
+
+}  // namespace plumbline::survey

@@ -1,0 +1,163 @@
+// From the last adjustment to the tables of the result.
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/statistics.hpp"
+#include "survey/adjust/adjuster.hpp"
+
+namespace plumbline::survey {
+
+using adjustment::Solution;
+
+void Adjuster::report_points(const Pass& pass, NetworkResult& result) const {
+  for (size_t i = 0; i < m_.ids.size(); ++i) {
+    ResultPoint point;
+    point.id = m_.ids[i];
+    point.roles = m_.roles[i];
+    const int block = pass.problem.point_blocks[i];
+    for (int k = 0; k < 3; ++k) {
+      const bool exists = m_.roles[i][k] != CoordinateRole::unused;
+      point.position[k] = exists ? pass.problem.problem.parameters[block].value[k] : kNotGiven;
+      point.unknowns[k] = pass.solution.unknowns(block, k);
+    }
+    result.points.push_back(std::move(point));
+  }
+}
+
+void Adjuster::report_set_ups(const Pass& pass, NetworkResult& result) const {
+  const auto sigma = [&](int block) {
+    const int u = pass.solution.unknowns(block, 0);
+    return std::sqrt(result.cofactors(u, u));
+  };
+  for (size_t i = 0; i < m_.survey.set_ups.size(); ++i) {
+    ResultSetUp set_up{m_.survey.set_ups[i].id, m_.survey.set_ups[i].station};
+    if (const int block = pass.problem.orientation_blocks[i]; block >= 0) {
+      set_up.orientation = wrap_angle(pass.problem.problem.parameters[block].value[0]);
+      set_up.orientation_sigma = sigma(block);
+    }
+    if (const int block = pass.problem.height_correction_blocks[i]; block >= 0)
+      set_up.instrument_height_correction = pass.problem.problem.parameters[block].value[0];
+    result.set_ups.push_back(std::move(set_up));
+  }
+  for (const auto& [name, block] : pass.problem.common_blocks)
+    result.parameters.push_back({name, pass.problem.problem.parameters[block].value[0], sigma(block)});
+}
+
+void Adjuster::report_rows(const Pass& pass, NetworkResult& result) const {
+  result.rows = m_.rows;
+  const auto finish = [&](ResultRow& row, const adjustment::RowStatistics& statistics) {
+    row.statistics = statistics;
+    row.flagged = std::abs(statistics.w) > result.critical_w;
+    if (statistics.external_group >= 0) row.external_point = m_.ids[statistics.external_group];
+  };
+  for (size_t r = 0; r < pass.problem.rows.size(); ++r)
+    if (pass.problem.rows[r] >= 0) finish(result.rows[pass.problem.rows[r]], pass.reliability.rows[r]);
+  for (size_t row = 0; row < result.rows.size(); ++row) {
+    if (!state_.removed[row]) continue;
+    result.rows[row].removed = true;
+    finish(result.rows[row], removed_statistics(pass, static_cast<int>(row)));
+  }
+  // Observations that cannot be used at all are told of in the findings and have no figures here.
+  std::vector<ResultRow> rows;
+  std::vector<int> position(result.rows.size(), -1);
+  for (size_t row = 0; row < result.rows.size(); ++row) {
+    if (row < m_.dropped.size() && m_.dropped[row]) continue;
+    position[row] = static_cast<int>(rows.size());
+    rows.push_back(std::move(result.rows[row]));
+  }
+  result.rows = std::move(rows);
+  result.snooping = actions_;
+  for (SnoopingAction& action : result.snooping) action.row = position[action.row];
+}
+
+void Adjuster::report_pointings(const Pass& pass, NetworkResult& result) const {
+  for (size_t b = 0; b < pass.problem.problem.residuals.size(); ++b) {
+    const auto& block = pass.solution.linearisation.blocks[b];
+    const int row = pass.problem.rows[block.row];
+    if (block.rows < 2 || row < 0 || pass.problem.block_names[b].empty()) continue;
+    ResultPointing pointing;
+    pointing.set_up = pass.problem.block_names[b];
+    pointing.to = m_.rows[row].to;
+    pointing.test = pass.reliability.blocks[b];
+    if (pointing.test.rank > 0) {
+      pointing.critical = chi_squared_quantile(1 - options_.alpha0, pointing.test.rank);
+      pointing.flagged = pointing.test.statistic > pointing.critical;
+    }
+    result.pointings.push_back(std::move(pointing));
+  }
+}
+
+NetworkResult Adjuster::report(Pass& pass) {
+  NetworkResult result;
+  const Solution& s = pass.solution;
+  result.datum = m_.datum;
+  result.datum_points = m_.datum_points;
+  // Constrained points of a gama-local file carry the datum only where the observations leave one open.
+  if (m_.datum == DatumMode::file && s.datum.defect() == 0)
+    std::erase_if(result.datum_points, [&](const std::string& id) {
+      const auto& roles = m_.roles[static_cast<size_t>(m_.index.at(id))];
+      return std::find(roles.begin(), roles.end(), CoordinateRole::fixed) == roles.end();
+    });
+  result.observations = s.linearisation.rows;
+  result.unknowns = s.unknowns.count();
+  result.defect = s.datum.defect();
+  result.degrees_of_freedom = s.degrees_of_freedom();
+  result.iterations = s.iterations();
+  result.sum_of_squares = s.sum_of_squares();
+  if (result.degrees_of_freedom > 0) result.sigma0 = std::sqrt(result.sum_of_squares / result.degrees_of_freedom);
+  result.sum_of_redundancy_numbers = pass.reliability.sum_of_redundancy_numbers;
+  result.global_test = adjustment::global_test(result.sum_of_squares, result.degrees_of_freedom, options_.alpha);
+  result.critical_w = critical_w();
+  result.critical_tau = adjustment::tau_critical(options_.alpha0, result.degrees_of_freedom);
+  result.null_space = s.datum.null_space();
+  const bool scale = options_.scale_with_sigma0 == Switch::on ||
+                     (options_.scale_with_sigma0 == Switch::automatic && m_.survey.info.use_a_posteriori_sigma0);
+  if (scale && result.degrees_of_freedom > 0) result.variance_factor = result.sigma0 * result.sigma0;
+  const auto components = adjustment::variance_components(pass.problem.problem, s, pass.reliability);
+  for (size_t g = 0; g < components.size() && g < kGroups; ++g)
+    if (components[g].rows > 0) result.groups.push_back({kGroupNames[g], state_.sigma_factors[g], components[g]});
+  report_rows(pass, result);
+  report_common_error(pass, result);
+  result.cofactors = std::move(pass.cofactors);
+  if (result.variance_factor != 1) result.cofactors *= result.variance_factor;
+  report_points(pass, result);
+  report_set_ups(pass, result);
+  report_pointings(pass, result);
+  result.findings.insert(result.findings.begin(), m_.findings.begin(), m_.findings.end());
+  const std::vector<Finding> examined = examine(m_, options_, result);
+  result.findings.insert(result.findings.end(), examined.begin(), examined.end());
+  return result;
+}
+
+const ResultPoint& NetworkResult::point(const std::string& id) const {
+  for (const ResultPoint& p : points)
+    if (p.id == id) return p;
+  throw std::out_of_range("no point '" + id + "' in the network");
+}
+
+Eigen::Matrix3d NetworkResult::covariance(const ResultPoint& a, const ResultPoint& b) const {
+  Eigen::Matrix3d c;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      const bool exist = !std::isnan(a.position[i]) && !std::isnan(b.position[j]);
+      const bool both = a.unknowns[i] >= 0 && b.unknowns[j] >= 0;
+      c(i, j) = !exist ? kNotGiven : both ? cofactors(a.unknowns[i], b.unknowns[j]) : 0.0;
+    }
+  return c;
+}
+
+Eigen::Matrix3d NetworkResult::relative_covariance(const ResultPoint& a, const ResultPoint& b) const {
+  const Eigen::Matrix3d ab = covariance(a, b);
+  return covariance(a, a) + covariance(b, b) - ab - ab.transpose();
+}
+
+Eigen::MatrixXd NetworkResult::full_covariance() const {
+  const auto n = static_cast<Eigen::Index>(points.size());
+  Eigen::MatrixXd full(3 * n, 3 * n);
+  for (Eigen::Index i = 0; i < n; ++i)
+    for (Eigen::Index j = 0; j < n; ++j)
+      full.block<3, 3>(3 * i, 3 * j) = covariance(points[static_cast<size_t>(i)], points[static_cast<size_t>(j)]);
+  return full;
+}
+
+}  // namespace plumbline::survey

@@ -1,0 +1,192 @@
+// Data snooping, robust start and variance components of the adjustment.
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/statistics.hpp"
+#include "survey/adjust/adjuster.hpp"
+
+namespace plumbline::survey {
+
+double Adjuster::critical_w() const { return normal_quantile(1 - 0.5 * options_.alpha0); }
+
+void Adjuster::snoop(Pass& pass) {
+  const int most = std::max(1, static_cast<int>(options_.largest_removed_share * static_cast<double>(m_.rows.size())));
+  std::set<int> kept;      // removal would have left a point uncontrolled
+  std::set<int> restored;  // came back once already
+  while (static_cast<int>(std::count(state_.removed.begin(), state_.removed.end(), 1)) < most) {
+    const int worst = worst_row(pass, kept);
+    if (worst < 0) break;
+    if (largest_common_error(pass).observations > 0) break;  // it would be mended by removing innocent observations
+    const auto [w, blunder] = row_test(pass, worst);
+    state_.removed[worst] = 1;
+    try {
+      Pass next = adjust();
+      if (makes_uncontrolled(pass, next)) throw NetworkError("uncontrolled");
+      pass = std::move(next);
+    } catch (const NetworkError&) {
+      state_.removed[worst] = 0;
+      kept.insert(worst);
+      note_kept(worst, w);
+      continue;
+    }
+    log_action(worst, false, w, blunder, pass);
+    restore_innocent(pass, restored);
+  }
+}
+
+int Adjuster::worst_row(const Pass& pass, const std::set<int>& kept) const {
+  int worst = -1;
+  double largest = critical_w();
+  for (size_t r = 0; r < pass.problem.rows.size(); ++r) {
+    const int row = pass.problem.rows[r];
+    if (row < 0 || !m_.rows[row].removable || kept.contains(row)) continue;
+    const double w = std::abs(pass.reliability.rows[r].w);
+    if (w <= largest) continue;
+    largest = w;
+    worst = row;
+  }
+  return worst;
+}
+
+std::pair<double, double> Adjuster::row_test(const Pass& pass, int row) const {
+  const auto at = std::find(pass.problem.rows.begin(), pass.problem.rows.end(), row) - pass.problem.rows.begin();
+  const auto& s = pass.reliability.rows[static_cast<size_t>(at)];
+  return {s.w, s.estimated_blunder};
+}
+
+bool Adjuster::makes_uncontrolled(const Pass& before, const Pass& after) const {
+  const std::set<std::string> had = controlled_points(before), has = controlled_points(after);
+  return !std::includes(has.begin(), has.end(), had.begin(), had.end());
+}
+
+std::set<std::string> Adjuster::controlled_points(const Pass& pass) const {
+  std::set<std::string> points;
+  for (size_t r = 0; r < pass.problem.rows.size(); ++r) {
+    const int row = pass.problem.rows[r];
+    if (row < 0 || pass.reliability.rows[r].redundancy_number < 0.01) continue;
+    for (const std::string& id : {m_.rows[row].from, m_.rows[row].to})
+      if (!id.empty() && is_unknown(id)) points.insert(id);
+  }
+  return points;
+}
+
+bool Adjuster::is_unknown(const std::string& id) const {
+  for (CoordinateRole role : m_.roles[m_.index.at(id)])
+    if (role == CoordinateRole::free || role == CoordinateRole::constrained) return true;
+  return false;
+}
+
+void Adjuster::note_kept(int row, double w) {
+  const ResultRow& r = m_.rows[row];
+  m_.findings.push_back({Finding::Severity::warning,
+                         r.kind + " " + r.from + " -> " + r.to + " fails its test (w = " + std::to_string(w) +
+                             ") but stays: without it a point would not be controlled",
+                         {r.from, r.to}});
+}
+
+void Adjuster::log_action(int row, bool restored, double w, double blunder, const Pass& pass) {
+  actions_.push_back({row, restored, w, blunder, pass.solution.sum_of_squares(), pass.solution.degrees_of_freedom()});
+}
+
+void Adjuster::restore_innocent(Pass& pass, std::set<int>& restored) {
+  for (int row = 0; row < static_cast<int>(m_.observations.size()); ++row) {
+    if (!state_.removed[row] || restored.contains(row)) continue;
+    const adjustment::RowStatistics test = removed_statistics(pass, row);
+    if (std::abs(test.w) > critical_w()) continue;
+    restored.insert(row);
+    state_.removed[row] = 0;
+    pass = adjust();
+    log_action(row, true, test.w, test.estimated_blunder, pass);
+  }
+}
+
+adjustment::RowStatistics Adjuster::removed_statistics(const Pass& pass, int row) const {
+  const auto block = single_block(m_, options_, state_, pass.problem, row);
+  const adjustment::Problem& problem = pass.problem.problem;
+  std::vector<const double*> values;
+  std::vector<std::vector<double>> storage;
+  std::vector<double*> jacobians;
+  for (int p : block->parameters) {
+    if (p < 0) return {};
+    values.push_back(problem.parameters[p].value.data());
+    storage.emplace_back(problem.parameters[p].tangent(), 0.0);
+  }
+  for (auto& s : storage) jacobians.push_back(s.data());
+  adjustment::RowStatistics result;
+  result.sigma = 1 / block->whitening()(0, 0);
+  if (!block->evaluate(values.data(), &result.residual, jacobians.data())) return result;
+  Eigen::VectorXd a = Eigen::VectorXd::Zero(pass.solution.unknowns.count());
+  for (size_t k = 0; k < block->parameters.size(); ++k)
+    for (size_t c = 0; c < storage[k].size(); ++c) {
+      const int unknown = pass.solution.unknowns(block->parameters[k], static_cast<int>(c));
+      if (unknown >= 0) a[unknown] += storage[k][c];
+    }
+  const double network = a.dot(pass.cofactors * a);
+  const double total = std::sqrt(result.sigma * result.sigma + network);
+  result.sigma_adjusted = std::sqrt(network);
+  result.redundancy_number = result.sigma * result.sigma / (total * total);
+  result.w = result.residual / total;
+  result.estimated_blunder = -result.residual;
+  const double delta0 = adjustment::non_centrality(options_.alpha0, options_.power);
+  result.mdb = delta0 * total;
+  result.bias_to_noise = delta0 * std::sqrt(network) / result.sigma;
+  return result;
+}
+
+void Adjuster::remove_by_robust_weights() {
+  constexpr double kHuber = 2.0;
+  state_.weight_factors.assign(m_.observations.size(), 1.0);
+  Pass pass = adjust(false);
+  for (int iteration = 0; iteration < 10; ++iteration) {
+    for (size_t r = 0; r < pass.problem.rows.size(); ++r) {
+      const int row = pass.problem.rows[r];
+      if (row < 0 || !m_.rows[row].removable) continue;
+      const double unit =
+          pass.solution.linearisation.residuals[static_cast<Eigen::Index>(r)] / std::sqrt(state_.weight_factors[row]);
+      state_.weight_factors[row] = std::min(1.0, kHuber / std::max(1e-12, std::abs(unit)));
+    }
+    pass = adjust(false);
+  }
+  const auto most = static_cast<size_t>(options_.largest_removed_share * static_cast<double>(m_.rows.size()));
+  std::vector<std::pair<double, int>> suspects;
+  for (size_t row = 0; row < state_.weight_factors.size(); ++row)
+    if (state_.weight_factors[row] < kHuber / 6.0) suspects.emplace_back(state_.weight_factors[row], row);
+  std::sort(suspects.begin(), suspects.end());
+  if (suspects.size() > most) suspects.resize(most);
+  state_.weight_factors.clear();
+  for (const auto& [weight, row] : suspects) state_.removed[row] = 1;
+  if (suspects.empty()) return;
+  try {
+    Pass clean = adjust();
+    std::set<int> restored;
+    for (const auto& [weight, row] : suspects) {
+      const auto test = removed_statistics(clean, row);
+      log_action(row, false, test.w, test.estimated_blunder, clean);
+    }
+    restore_innocent(clean, restored);
+  } catch (const NetworkError&) {  // too much at once: plain data snooping decides one by one
+    std::fill(state_.removed.begin(), state_.removed.end(), 0);
+    actions_.clear();
+  }
+}
+
+void Adjuster::estimate_variance_components(Pass& pass) {
+  constexpr double kEnoughRedundancy = 10, kClosest = 0.01, kLeast = 0.2, kMost = 5;
+  for (int iteration = 0; iteration < 20; ++iteration) {
+    const auto components = adjustment::variance_components(pass.problem.problem, pass.solution, pass.reliability);
+    double change = 0;
+    for (size_t g = 0; g < components.size() && g < kGiven; ++g) {
+      if (components[g].redundancy < kEnoughRedundancy) continue;
+      double& factor = state_.sigma_factors[g];
+      const double wanted = std::clamp(factor * std::sqrt(components[g].factor), kLeast, kMost);
+      change = std::max(change, std::abs(wanted * wanted / (factor * factor) - 1));
+      factor = wanted;
+    }
+    if (change < kClosest) return;
+    pass = adjust();
+  }
+  m_.findings.push_back(
+      {Finding::Severity::warning, "variance components did not settle within 20 iterations; the last are used", {}});
+}
+
+}  // namespace plumbline::survey

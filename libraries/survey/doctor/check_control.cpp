@@ -1,0 +1,88 @@
+#include "survey/doctor/check_control.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace plumbline::survey {
+
+namespace {
+
+/// Points as one epoch; `survey` adds those that its files hold fixed.
+Epoch given_points(const SurveyObservations& survey, const ControlPoints& control) {
+  Epoch e{control.ids, control.coordinates, control.covariance};
+  const auto n = static_cast<Eigen::Index>(3 * control.ids.size());
+  if (e.covariance.rows() != n) e.covariance = Eigen::MatrixXd::Zero(n, n);
+  if (n == 0) e.coordinates.resize(0);
+  for (const Point& p : survey.points) {
+    const bool fixed =
+        std::all_of(p.roles.begin(), p.roles.end(), [](CoordinateRole r) { return r == CoordinateRole::fixed; });
+    if (!fixed || !p.coordinates.allFinite() || std::find(e.ids.begin(), e.ids.end(), p.id) != e.ids.end()) continue;
+    const Eigen::Index old = e.coordinates.size();
+    e.ids.push_back(p.id);
+    e.coordinates.conservativeResize(old + 3);
+    e.coordinates.tail<3>() = p.coordinates;
+    const Eigen::MatrixXd covariance = e.covariance;
+    e.covariance = Eigen::MatrixXd::Zero(old + 3, old + 3);
+    e.covariance.topLeftCorner(old, old) = covariance;
+  }
+  return e;
+}
+
+/// Coordinate groups given as control would hold the free network; they are what is tested.
+SurveyObservations without_control(const SurveyObservations& survey) {
+  SurveyObservations free = survey;
+  std::erase_if(free.coordinates, [](const CoordinateGroup& g) { return g.is_control; });
+  return free;
+}
+
+}  // namespace
+
+Epoch epoch_of(const NetworkResult& network) {
+  Epoch e;
+  for (const ResultPoint& p : network.points) e.ids.push_back(p.id);
+  e.coordinates.resize(static_cast<Eigen::Index>(3 * e.ids.size()));
+  for (size_t i = 0; i < e.ids.size(); ++i)
+    e.coordinates.segment<3>(static_cast<Eigen::Index>(3 * i)) = network.points[i].position;
+  e.covariance = network.full_covariance();
+  return e;
+}
+
+int merged_motions(int first_defect, int second_defect) {
+  const int larger = std::max(first_defect, second_defect), smaller = std::min(first_defect, second_defect);
+  if (larger == 6 && smaller == 5) return 7;  // tilts of one, scale of the other
+  return larger < 3 ? 0 : std::min(7, larger);
+}
+
+ControlCheck check_control(const SurveyObservations& survey, const ControlPoints& control, AdjustOptions adjustment,
+                           ComparisonOptions options) {
+  ControlCheck check;
+  const Epoch given = given_points(survey, control);
+  if (given.ids.empty()) {
+    check.problem = "there are no control points to check";
+    return check;
+  }
+  adjustment.datum = DatumMode::inner;
+  adjustment.datum_points.clear();
+  try {
+    const NetworkResult r = adjust_network(without_control(survey), adjustment);
+    options.free_motions = check.free_motions = merged_motions(r.defect, 0);
+    const Epoch measured = epoch_of(r);
+    const size_t common = static_cast<size_t>(std::count_if(given.ids.begin(), given.ids.end(), [&](const auto& id) {
+      return std::find(measured.ids.begin(), measured.ids.end(), id) != measured.ids.end();
+    }));
+    if (common < 3) {
+      check.problem = "the control points cannot be checked: " + std::to_string(common) +
+                      " of them are observed, a check needs at least three";
+      return check;
+    }
+    check.comparison = compare_epochs(given, measured, options);
+  } catch (const NetworkError& error) {
+    check.problem =
+        std::string("the control points cannot be checked, the free network is not determined: ") + error.what();
+  } catch (const std::runtime_error& error) {
+    check.problem = std::string("the control points cannot be checked: ") + error.what();
+  }
+  return check;
+}
+
+}  // namespace plumbline::survey

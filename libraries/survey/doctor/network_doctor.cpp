@@ -1,0 +1,206 @@
+// Says in words what the numbers mean: which observations nothing controls, where the network hangs on a single point.
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <set>
+
+#include "survey/doctor/network_words.hpp"
+#include "survey/model/network_model.hpp"
+
+namespace plumbline::survey {
+
+namespace {
+
+/// No instrument is that much worse than its profile.
+constexpr double kAbsurd = 30;
+
+std::string describe(const ResultRow& row) {
+  std::string kind = row.kind;
+  std::replace(kind.begin(), kind.end(), '_', ' ');
+  return kind + " " + (row.from.empty() ? "" : row.from + " -> ") + row.to +
+         (row.detail.empty() ? "" : " (" + row.detail + ")") +
+         (row.source.line > 0 ? " (" + place(row.source) + ")" : "");
+}
+
+bool is_angular(const ResultRow& row) {
+  return row.kind == "direction" || row.kind == "zenith_angle" || row.kind == "angle" || row.kind == "azimuth";
+}
+
+std::string amount(const ResultRow& row, double value) {
+  if (is_angular(row)) return fixed_digits(value * 200000 / std::numbers::pi, 1) + " mgon";
+  return fixed_digits(value * 1000, 1) + " mm";
+}
+
+std::string in_words(long n, const std::string& what) {
+  return std::to_string(n) + " observation" + (n == 1 ? " is " : "s are ") + what;
+}
+
+/// Worst first: the others often follow from it. What would fail by chance alone is said too.
+void examine_failures(const NetworkResult& r, const AdjustOptions& options, std::vector<Finding>& findings) {
+  constexpr size_t kShown = 10;
+  std::vector<const ResultRow*> failing;
+  for (const ResultRow& row : r.rows)
+    if (row.flagged) failing.push_back(&row);
+  std::stable_sort(failing.begin(), failing.end(), [](const ResultRow* a, const ResultRow* b) {
+    return a->removed != b->removed ? a->removed : std::abs(a->statistics.w) > std::abs(b->statistics.w);
+  });
+  const auto removed = std::count_if(failing.begin(), failing.end(), [](const ResultRow* row) { return row->removed; });
+  for (size_t i = 0; i < failing.size() && i < kShown; ++i) {
+    const ResultRow& row = *failing[i];
+    findings.push_back({Finding::Severity::warning,
+                        (row.removed ? "removed: " : "suspect: ") + describe(row) +
+                            ", w = " + fixed_digits(row.statistics.w, 1) + ", probably wrong by " +
+                            amount(row, row.statistics.estimated_blunder),
+                        {row.from, row.to}});
+  }
+  if (failing.size() > kShown)
+    findings.push_back({Finding::Severity::warning,
+                        std::to_string(failing.size() - kShown) + " more fail, see the list of observations",
+                        {}});
+  const double by_chance = options.alpha0 * static_cast<double>(r.rows.size());
+  const auto suspects = static_cast<double>(static_cast<long>(failing.size()) - removed);
+  if (suspects > 0 && by_chance >= 1 && suspects <= by_chance + 3 * std::sqrt(by_chance))
+    findings.push_back({Finding::Severity::note,
+                        "of " + std::to_string(r.rows.size()) + " observations about " + fixed_digits(by_chance, 0) +
+                            " fail by chance alone where nothing is wrong",
+                        {}});
+  else if (suspects > 1)
+    findings.push_back(
+        {Finding::Severity::note, "mend or remove the first suspect and adjust again: others may follow from it", {}});
+}
+
+void examine_rows(const NetworkResult& r, const AdjustOptions& options, std::vector<Finding>& findings) {
+  std::vector<std::string> uncontrolled, points;
+  int weak = 0;
+  for (const ResultRow& row : r.rows) {
+    const double redundancy = row.statistics.redundancy_number;
+    if (!row.removed && redundancy < 0.1) {
+      uncontrolled.push_back(describe(row));
+      points.push_back(row.to);
+    }
+    weak += !row.removed && redundancy >= 0.1 && redundancy < 0.3;
+  }
+  examine_failures(r, options, findings);
+  if (!uncontrolled.empty() && r.degrees_of_freedom > 0)
+    findings.push_back({Finding::Severity::warning,
+                        in_words(static_cast<long>(uncontrolled.size()), "not controlled by others (a blunder there ") +
+                            "would go unseen): " + join(uncontrolled, 6),
+                        points});
+  if (weak > 0)
+    findings.push_back(
+        {Finding::Severity::note, in_words(weak, "weakly controlled (redundancy number below 0.3)"), {}});
+}
+
+/// Points whose loss would split the network: articulation points of the graph of sights (Tarjan 1972).
+class HingePoints {
+ public:
+  explicit HingePoints(const NetworkResult& r) {
+    for (const ResultRow& row : r.rows) {
+      if (row.removed || row.from.empty() || row.to.empty()) continue;
+      connect(row.from, row.to);
+      if (row.kind == "angle") connect(row.from, row.detail);
+    }
+    depth_.assign(neighbours_.size(), -1);
+    low_.assign(neighbours_.size(), 0);
+    for (size_t i = 0; i < neighbours_.size(); ++i)
+      if (depth_[i] < 0) visit(static_cast<int>(i), -1, 0);
+  }
+  const std::set<std::string>& points() const { return hinges_; }
+
+ private:
+  int number(const std::string& id) {
+    const auto [at, is_new] = index_.try_emplace(id, static_cast<int>(names_.size()));
+    if (is_new) {
+      names_.push_back(id);
+      neighbours_.emplace_back();
+    }
+    return at->second;
+  }
+  void connect(const std::string& a, const std::string& b) {
+    const int i = number(a), j = number(b);
+    neighbours_[i].insert(j);
+    neighbours_[j].insert(i);
+  }
+  void visit(int node, int parent, int depth) {
+    depth_[node] = low_[node] = depth;
+    int children = 0;
+    for (int next : neighbours_[node]) {
+      if (next == parent) continue;
+      if (depth_[next] >= 0) {
+        low_[node] = std::min(low_[node], depth_[next]);
+        continue;
+      }
+      visit(next, node, depth + 1);
+      low_[node] = std::min(low_[node], low_[next]);
+      // A dead end (a point seen from one place only) is told of as uncontrolled, not as a hinge.
+      if (parent >= 0 && low_[next] >= depth && neighbours_[next].size() > 1) hinges_.insert(names_[node]);
+      children += neighbours_[next].size() > 1;
+    }
+    if (parent < 0 && children > 1) hinges_.insert(names_[node]);
+  }
+  std::map<std::string, int> index_;
+  std::vector<std::string> names_;
+  std::vector<std::set<int>> neighbours_;
+  std::vector<int> depth_, low_;
+  std::set<std::string> hinges_;
+};
+
+/// One wrong control point pulls at the others, so the worst is named first.
+void examine_control(const NetworkModel& m, const NetworkResult& r, std::vector<Finding>& findings) {
+  if (m.datum != DatumMode::weighted) return;
+  std::map<std::string, double> largest;
+  for (const ResultRow& row : r.rows)
+    if (row.kind == "coordinate" && row.flagged)
+      largest[row.to] = std::max(largest[row.to], std::abs(row.statistics.w));
+  if (largest.empty()) return;
+  std::vector<std::string> ids;
+  for (const auto& [id, w] : largest) ids.push_back(id);
+  std::stable_sort(ids.begin(), ids.end(), [&](const auto& a, const auto& b) { return largest[a] > largest[b]; });
+  const std::vector<std::string> others(ids.begin() + 1, ids.end());
+  findings.push_back({Finding::Severity::warning,
+                      "control point " + ids[0] +
+                          " does not fit the observations: it may have moved, or its coordinates are another point's" +
+                          (others.empty() ? "" : "; less so, and perhaps because of it, " + join(others)),
+                      ids});
+}
+
+}  // namespace
+
+std::vector<Finding> examine(const NetworkModel& model, const AdjustOptions& options, const NetworkResult& result) {
+  std::vector<Finding> findings;
+  if (result.degrees_of_freedom == 0)
+    findings.push_back({Finding::Severity::warning, "there is no redundancy: nothing controls the observations", {}});
+  using Verdict = adjustment::GlobalTest::Verdict;
+  const std::string sigma0 = fixed_digits(result.sigma0, 2);
+  if (result.degrees_of_freedom > 0 && result.global_test.verdict == Verdict::high)
+    findings.push_back({Finding::Severity::warning,
+                        "global test fails: sigma0 " + sigma0 +
+                            " is too large; there are blunders, or the assumed accuracies are too good" +
+                            (result.sigma0 > kAbsurd ? "; so large: check the units of angles and lengths first" : ""),
+                        {}});
+  constexpr double kWrongPlace = 30;  // of sigma0: a few gross errors hardly reach it
+  if (model.searched && result.degrees_of_freedom > 0 && result.sigma0 > kWrongPlace)
+    findings.push_back(
+        {Finding::Severity::error,
+         "these coordinates are probably wrong: approximate coordinates had to be computed and sigma0 is " + sigma0 +
+             "; mend the gross errors, or give approximate coordinates",
+         {}});
+  if (result.degrees_of_freedom > 0 && result.global_test.verdict == Verdict::low)
+    findings.push_back({Finding::Severity::note,
+                        "global test: sigma0 " + sigma0 + " is small; the assumed accuracies are too cautious",
+                        {}});
+  examine_rows(result, options, findings);
+  const HingePoints hinges(result);
+  if (!hinges.points().empty()) {
+    const std::vector<std::string> ids(hinges.points().begin(), hinges.points().end());
+    findings.push_back({Finding::Severity::warning,
+                        "the network hangs on " + join(ids) +
+                            ": parts of it are connected through these points only; add sights past them",
+                        ids});
+  }
+  examine_control(model, result, findings);
+  return findings;
+}
+
+}  // namespace plumbline::survey

@@ -1,0 +1,293 @@
+#include "survey/epochs/compare_epochs.hpp"
+
+#include <Eigen/Dense>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "adjustment/reliability.hpp"
+#include "geometry/statistics.hpp"
+
+namespace plumbline::survey {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+void check(const Epoch& e, const char* which) {
+  const auto n = static_cast<Index>(3 * e.ids.size());
+  if (e.coordinates.size() == n && e.covariance.rows() == n && e.covariance.cols() == n) return;
+  throw std::runtime_error(std::string("the ") + which + " epoch has " + std::to_string(e.ids.size()) +
+                           " points but no covariance of all their coordinates; give the points of survey.adjust");
+}
+
+/// The common points of both epochs.
+struct Pair {
+  std::vector<std::string> ids;
+  VectorXd first, second;                        // 3n
+  MatrixXd first_covariance, second_covariance;  // 3n x 3n
+};
+
+struct Difference {
+  std::vector<std::string> ids;
+  VectorXd d;           // second minus first
+  MatrixXd covariance;  // sum of both
+  VectorXd place;       // 3n: coordinates of the first epoch
+};
+
+Pair common_points(const Epoch& first, const Epoch& second, Comparison& result) {
+  std::vector<Index> a, b;
+  Pair pair;
+  for (size_t i = 0; i < first.ids.size(); ++i) {
+    const auto at = std::find(second.ids.begin(), second.ids.end(), first.ids[i]);
+    if (at == second.ids.end()) {
+      result.only_first.push_back(first.ids[i]);
+      continue;
+    }
+    const auto k = static_cast<Index>(3 * i), l = static_cast<Index>(3 * (at - second.ids.begin()));
+    const Matrix3d both = first.covariance.block<3, 3>(k, k) + second.covariance.block<3, 3>(l, l);
+    // A point without coordinates, or held without error in both epochs, has nothing to compare.
+    if (!first.coordinates.segment<3>(k).allFinite() || !second.coordinates.segment<3>(l).allFinite() ||
+        !both.allFinite() || both.diagonal().minCoeff() <= 0) {
+      result.incomplete.push_back(first.ids[i]);
+      continue;
+    }
+    pair.ids.push_back(first.ids[i]);
+    for (Index c = 0; c < 3; ++c) {
+      a.push_back(k + c);
+      b.push_back(l + c);
+    }
+  }
+  for (const std::string& id : second.ids)
+    if (std::find(first.ids.begin(), first.ids.end(), id) == first.ids.end()) result.only_second.push_back(id);
+  pair.first = first.coordinates(a);
+  pair.second = second.coordinates(b);
+  pair.first_covariance = first.covariance(a, a);
+  pair.second_covariance = second.covariance(b, b);
+  return pair;
+}
+
+/// Best rotation onto the first epoch over the stable points: about the vertical, or any where tilts are free
+/// (Kabsch 1976; in the plane in closed form).
+Matrix3d turn_of(const Pair& p, const std::vector<char>& stable, int free_motions, Vector3d& from, Vector3d& to) {
+  from = to = Vector3d::Zero();
+  const auto n = static_cast<double>(std::count(stable.begin(), stable.end(), 1));
+  for (size_t i = 0; i < stable.size(); ++i) {
+    if (!stable[i]) continue;
+    from += p.second.segment<3>(static_cast<Index>(3 * i)) / n;
+    to += p.first.segment<3>(static_cast<Index>(3 * i)) / n;
+  }
+  Matrix3d h = Matrix3d::Zero();
+  for (size_t i = 0; i < stable.size(); ++i)
+    if (stable[i])
+      h += (p.second.segment<3>(static_cast<Index>(3 * i)) - from) *
+           (p.first.segment<3>(static_cast<Index>(3 * i)) - to).transpose();
+  if (free_motions < 4) return Matrix3d::Identity();
+  if (free_motions < 6) {
+    const double angle = std::atan2(h(0, 1) - h(1, 0), h(0, 0) + h(1, 1));
+    return Eigen::AngleAxisd(angle, Vector3d::UnitZ()).toRotationMatrix();
+  }
+  const Eigen::JacobiSVD<Matrix3d> svd(h, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Matrix3d sign = Matrix3d::Identity();
+  sign(2, 2) = (svd.matrixV() * svd.matrixU().transpose()).determinant();
+  return svd.matrixV() * sign * svd.matrixU().transpose();
+}
+
+/// Free networks may lie anywhere: the second epoch is first laid onto the first, so that the rest is small and linear.
+Difference difference_of(const Pair& p, const std::vector<char>& stable, int free_motions) {
+  Difference r{p.ids, p.second - p.first, p.first_covariance + p.second_covariance, p.first};
+  if (free_motions == 0) return r;
+  Vector3d from, to;
+  const Matrix3d turn = turn_of(p, stable, free_motions, from, to);
+  const Index n = p.first.size() / 3;
+  for (Index i = 0; i < n; ++i) {
+    r.d.segment<3>(3 * i) = turn * (p.second.segment<3>(3 * i) - from) + to - p.first.segment<3>(3 * i);
+    for (Index k = 0; k < n; ++k)
+      r.covariance.block<3, 3>(3 * i, 3 * k) = p.first_covariance.block<3, 3>(3 * i, 3 * k) +
+                                               turn * p.second_covariance.block<3, 3>(3 * i, 3 * k) * turn.transpose();
+  }
+  return r;
+}
+
+/// Columns of what the epochs are free to differ by, about the centre of the points; 3n x 0 to 7.
+MatrixXd motions(const Difference& r, int count) {
+  const Index n = r.d.size() / 3;
+  MatrixXd g = MatrixXd::Zero(3 * n, count);
+  Vector3d centre = Vector3d::Zero();
+  for (Index i = 0; i < n; ++i) centre += r.place.segment<3>(3 * i) / static_cast<double>(n);
+  for (Index i = 0; i < n && count > 0; ++i) {
+    const Vector3d p = r.place.segment<3>(3 * i) - centre;
+    g.block<3, 3>(3 * i, 0).setIdentity();
+    Index column = 3;
+    if (count >= 4) g.block<3, 1>(3 * i, column++) = Vector3d(p.y(), -p.x(), 0);
+    if (count >= 6) g.block<3, 1>(3 * i, column++) = Vector3d(0, p.z(), -p.y());
+    if (count >= 6) g.block<3, 1>(3 * i, column++) = Vector3d(-p.z(), 0, p.x());
+    if (count == 5 || count == 7) g.block<3, 1>(3 * i, column) = p;
+  }
+  return g;
+}
+
+/// R of the header: what all statistics are made of.
+MatrixXd weights_of(const Difference& r, const MatrixXd& g) {
+  // The term in G makes the covariance of two inner-constrained networks regular; R does not depend on its size.
+  MatrixXd c = r.covariance;
+  if (g.cols() > 0) {
+    const double scale = c.diagonal().mean();
+    for (Index k = 0; k < g.cols(); ++k)
+      c += scale / std::max(1e-12, g.col(k).cwiseAbs2().maxCoeff()) * g.col(k) * g.col(k).transpose();
+  }
+  const MatrixXd p = c.ldlt().solve(MatrixXd::Identity(c.rows(), c.cols()));
+  if (g.cols() == 0) return p;
+  const MatrixXd pg = p * g;
+  return p - pg * MatrixXd(g.transpose() * pg).ldlt().solve(MatrixXd(pg.transpose()));
+}
+
+std::vector<Index> rows_of(const std::vector<size_t>& points) {
+  std::vector<Index> rows;
+  for (size_t i : points)
+    for (Index c = 0; c < 3; ++c) rows.push_back(static_cast<Index>(3 * i) + c);
+  return rows;
+}
+
+/// Which points are to be left out until the rest is congruent.
+class Localisation {
+ public:
+  Localisation(const Difference& r, const MatrixXd& g, const ComparisonOptions& options)
+      : r_(r), options_(options), weights_(weights_of(r, g)), u_(weights_ * r.d) {
+    rank_ = static_cast<int>(r.d.size() - g.cols());
+    total_ = r.d.dot(u_);
+    // Two points are left to define a free datum; one of them would define nothing to compare with.
+    fewest_ = g.cols() > 0 ? 2 : 0;
+  }
+
+  int rank() const { return rank_; }
+  /// Without some points.
+  double statistic(const std::vector<size_t>& without) const {
+    if (without.empty()) return total_;
+    const auto rows = rows_of(without);
+    const VectorXd u = u_(rows);
+    return std::max(0.0, total_ - u.dot(MatrixXd(weights_(rows, rows)).ldlt().solve(u)));
+  }
+  double critical(size_t without) const {
+    const int rank = rank_ - 3 * static_cast<int>(without);
+    return rank > 0 ? chi_squared_quantile(1 - options_.alpha, rank) : 0.0;
+  }
+
+  std::vector<Exclusion> run(std::vector<size_t>& out) const {
+    std::vector<Exclusion> exclusions;
+    while (statistic(out) > critical(out.size()) && r_.ids.size() - out.size() > fewest_ &&
+           rank_ - 3 * static_cast<int>(out.size() + 1) > 0)
+      exclusions.push_back(exclude_one(out));
+    return exclusions;
+  }
+
+ private:
+  /// The one without which the rest fits best; the others that would do are told.
+  Exclusion exclude_one(std::vector<size_t>& out) const {
+    std::vector<double> without(r_.ids.size(), std::numeric_limits<double>::infinity());
+    for (size_t i = 0; i < r_.ids.size(); ++i) {
+      if (std::find(out.begin(), out.end(), i) != out.end()) continue;
+      std::vector<size_t> trial = out;
+      trial.push_back(i);
+      without[i] = statistic(trial);
+    }
+    const auto best = static_cast<size_t>(std::min_element(without.begin(), without.end()) - without.begin());
+    out.push_back(best);
+    Exclusion e{r_.ids[best], without[best], critical(out.size()), {}};
+    for (size_t i = 0; i < without.size(); ++i)
+      if (i != best && without[i] <= e.critical) e.alternatives.push_back(r_.ids[i]);
+    return e;
+  }
+
+  const Difference& r_;
+  const ComparisonOptions& options_;
+  MatrixXd weights_;
+  VectorXd u_;
+  int rank_ = 0;
+  double total_ = 0;
+  size_t fewest_ = 2;
+};
+
+/// Movements in the datum of the stable points: d2 = S d, S = I - G H, H = (E'G)^-1 E' with E the stable rows of G.
+void add_movements(const Difference& r, const MatrixXd& g, const std::vector<char>& stable,
+                   const ComparisonOptions& options, Comparison& result) {
+  MatrixXd h = g.transpose();
+  for (size_t i = 0; i < stable.size(); ++i)
+    if (!stable[i]) h.middleCols(static_cast<Index>(3 * i), 3).setZero();
+  if (g.cols() > 0) h = MatrixXd(h * g).ldlt().solve(h);
+  const VectorXd d = r.d - g * (h * r.d);
+  const MatrixXd hc = h * r.covariance, hch = hc * h.transpose();
+  const double delta = adjustment::non_centrality(options.alpha0, options.power);
+  const double critical = chi_squared_quantile(1 - options.alpha0, 3);
+  for (size_t i = 0; i < r.ids.size(); ++i) {
+    const auto k = static_cast<Index>(3 * i);
+    const MatrixXd gi = g.middleRows(k, 3), cross = gi * hc.middleCols(k, 3);
+    Movement m;
+    m.id = r.ids[i];
+    m.position = r.place.segment<3>(k);
+    m.movement = d.segment<3>(k);
+    m.covariance = r.covariance.block<3, 3>(k, k) - cross - cross.transpose() + gi * hch * gi.transpose();
+    m.sigma = m.covariance.diagonal().cwiseMax(0).cwiseSqrt();
+    m.statistic = m.movement.dot(m.covariance.ldlt().solve(m.movement));
+    m.stable = stable[i];
+    m.moved = !stable[i] || m.statistic > critical;
+    m.detectable_height = delta * m.sigma.z();
+    result.movements.push_back(std::move(m));
+  }
+}
+
+}  // namespace
+
+Epoch part_of(const Epoch& epoch, const std::vector<char>& keep) {
+  Epoch part;
+  std::vector<size_t> which;
+  for (size_t i = 0; i < epoch.ids.size(); ++i) {
+    if (!keep[i]) continue;
+    part.ids.push_back(epoch.ids[i]);
+    which.push_back(i);
+  }
+  const auto rows = rows_of(which);
+  part.coordinates = epoch.coordinates(rows);
+  part.covariance = epoch.covariance(rows, rows);
+  return part;
+}
+
+Comparison compare_epochs(const Epoch& first, const Epoch& second, const ComparisonOptions& options) {
+  check(first, "first");
+  check(second, "second");
+  Comparison result;
+  const Pair pair = common_points(first, second, result);
+  const size_t needed = options.free_motions >= 5 ? 4 : options.free_motions >= 3 ? 3 : 1;
+  if (pair.ids.size() < needed)
+    throw std::runtime_error("the two epochs have " + std::to_string(pair.ids.size()) +
+                             " points in common that can be compared; a comparison needs at least " +
+                             std::to_string(needed));
+  std::vector<char> stable(pair.ids.size(), 1);
+  // Laid on the points that stay; a second time if these are fewer than was thought.
+  for (int pass = 0;; ++pass) {
+    const Difference r = difference_of(pair, stable, options.free_motions);
+    const MatrixXd g = motions(r, options.free_motions);
+    const Localisation localisation(r, g, options);
+    std::vector<size_t> out;
+    result.excluded = localisation.run(out);
+    std::vector<char> found(pair.ids.size(), 1);
+    for (size_t i : out) found[i] = 0;
+    if (found != stable && pass < 5) {
+      stable = found;
+      continue;
+    }
+    result.rank = localisation.rank();
+    result.statistic = localisation.statistic({});
+    result.critical = localisation.critical(0);
+    result.congruent = result.statistic <= result.critical;
+    add_movements(r, g, found, options, result);
+    return result;
+  }
+}
+
+}  // namespace plumbline::survey

@@ -1,0 +1,92 @@
+// Between the survey and the least-squares core: which point is what, which scalar is which row.
+#pragma once
+
+#include <array>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "adjustment/solver.hpp"
+#include "survey/adjust/adjust_network.hpp"
+#include "survey/model/observation_equations.hpp"
+#include "survey/start/approximate.hpp"
+
+namespace plumbline::survey {
+
+/// Groups of variance components, in this order.
+inline constexpr const char* kGroupNames[] = {"directions",         "zenith angles",     "distances",
+                                              "height differences", "local coordinates", "given"};
+enum Group { kDirections, kZenithAngles, kDistances, kHeightDifferences, kLocalCoordinates, kGiven, kGroups };
+
+/// Everything decided before the first iteration.
+struct NetworkModel {
+  SurveyObservations survey;
+  std::vector<MeanObservation> observations;  ///< those that take part first; see `dropped`
+  std::vector<Eigen::Vector2d> lengths;       ///< horizontal and slope length of each observation's sight [m]
+  std::vector<char> dropped;                  ///< one per observation: cannot be used (noted in findings)
+  std::vector<std::string> ids;               ///< points of the network
+  std::map<std::string, int> index;           ///< their numbers
+  std::vector<Eigen::Vector3d> initial;       ///< [m]; 0 for unused components
+  std::vector<std::array<CoordinateRole, 3>> roles;
+  std::vector<double> orientations;       ///< initial, one per set-up
+  bool starts_from_known_points = false;  ///< false: the frame of `initial` is arbitrary
+  bool searched = false;                  ///< part of `initial` was computed
+  bool unrelated = false;                 ///< `initial` is good enough to find rank defects only
+  DatumMode datum = DatumMode::automatic;
+  std::vector<std::string> datum_points;
+  bool curvature = false;
+  double refraction_coefficient = 0.13;
+  std::vector<Finding> findings;
+  std::vector<ResultRow> rows;          ///< all scalars, statistics empty
+  std::vector<int> first_row_of_group;  ///< first row of coordinate groups, vectors, local coordinates in that order
+};
+
+/// Throws NetworkError.
+NetworkModel make_model(const SurveyObservations& survey, const AdjustOptions& options, const ControlPoints& control);
+
+/// A least-squares problem of the rows that are not removed, and the way back from its numbers to the model's.
+struct NetworkProblem {
+  adjustment::Problem problem;
+  std::vector<int> point_blocks;                           ///< one per point
+  std::vector<int> orientation_blocks;                     ///< one per set-up; -1
+  std::vector<int> height_correction_blocks, tilt_blocks;  ///< one per set-up; -1
+  std::vector<std::pair<std::string, int>> common_blocks;  ///< name and block of scale etc.
+  std::vector<int> rows;                                   ///< row of the model of each row of the problem; -1: prior
+  std::vector<std::string> block_names;  ///< of each residual block, for the tests of pointings: set-up
+};
+
+struct StochasticState {
+  std::vector<char> removed;           ///< one per row of the model
+  std::vector<double> weight_factors;  ///< one per row of the model; empty: 1
+  std::array<double, kGroups> sigma_factors = {1, 1, 1, 1, 1, 1};
+};
+
+NetworkProblem make_problem(const NetworkModel& model, const AdjustOptions& options, const StochasticState& state);
+
+/// Unknowns that carry the inner-constraint datum.
+std::vector<int> datum_unknowns(const NetworkModel& model, const NetworkProblem& problem);
+
+/// Residual block of one mean observation alone, with its a-priori sigma; used to test removed observations.
+std::unique_ptr<ObservationBlock> single_block(const NetworkModel& model, const AdjustOptions& options,
+                                               const StochasticState& state, const NetworkProblem& problem,
+                                               int observation);
+
+/// Names in words what the directions of a RankDefect are, with the points concerned.
+std::vector<Finding> name_defects(const NetworkModel& model, const NetworkProblem& problem,
+                                  const Eigen::MatrixXd& directions);
+
+/// Of a free network's null space, what is not a movement of the network as a whole: points or parts that the inner
+/// constraints would hold where no observation does. Empty: nothing.
+std::vector<Finding> name_local_defects(const NetworkModel& model, const NetworkProblem& problem,
+                                        const Eigen::MatrixXd& null_space);
+
+/// Uncontrolled and weak observations, hinge points, failing tests: what a surveyor should look at.
+std::vector<Finding> examine(const NetworkModel& model, const AdjustOptions& options, const NetworkResult& result);
+
+/// "direction A -> B (file:line:column)", for messages.
+std::string name_of(const Observation& observation);
+std::string kind_name(ObservationKind kind);
+Group group_of(ObservationKind kind);
+const char* datum_name(DatumMode mode);
+
+}  // namespace plumbline::survey

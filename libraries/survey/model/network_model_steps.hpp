@@ -1,0 +1,29 @@
+// Part of network_model.cpp: the steps from a survey to a model, in the order they are taken.
+#pragma once
+
+#include "survey/doctor/network_words.hpp"
+#include "survey/model/network_model.hpp"
+
+namespace plumbline::survey {
+
+inline bool is_free(CoordinateRole role) { return role == CoordinateRole::free || role == CoordinateRole::constrained; }
+
+/// Decides which datum is meant and gives every coordinate its role accordingly.
+void apply_datum(NetworkModel& model, const AdjustOptions& options, const ControlPoints& control);
+
+/// Lengths that standard deviations depend on: as measured where the sight has a distance, else from approximate
+/// coordinates.
+void find_lengths(NetworkModel& model);
+
+/// Leaves out observations that cannot be used with the points as they are.
+void drop_unusable(NetworkModel& model);
+
+/// Adjusts each model, if there are several, and returns the one that fits best. Throws NetworkError if two of them fit
+/// equally well and are not the same network: with what would tell them apart.
+NetworkModel choose_alternative(std::vector<NetworkModel> models, const AdjustOptions& options);
+
+/// Leaves out what contradicts the approximate coordinates by more than the file allows (gama-local: tol-abs), because
+/// linearised it would spoil everything.
+void drop_outlying(NetworkModel& model);
+
+}  // namespace plumbline::survey

@@ -1,0 +1,358 @@
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "survey/model/network_model.hpp"
+
+namespace plumbline::survey {
+
+namespace {
+
+double or_zero(double v) { return std::isnan(v) ? 0.0 : v; }
+
+/// Position of a parameter among those of a block; appended when new.
+int slot(adjustment::ResidualBlock& block, int parameter) {
+  if (parameter < 0) return -1;
+  const auto at = std::find(block.parameters.begin(), block.parameters.end(), parameter);
+  if (at != block.parameters.end()) return static_cast<int>(at - block.parameters.begin());
+  block.parameters.push_back(parameter);
+  return static_cast<int>(block.parameters.size()) - 1;
+}
+
+class Assembler {
+ public:
+  Assembler(const NetworkModel& model, const AdjustOptions& options, const StochasticState& state)
+      : m_(model), options_(options), state_(state) {}
+
+  NetworkProblem assemble() {
+    add_points();
+    add_set_ups();
+    add_common();
+    add_observations();
+    add_correlated_observations();
+    add_given();
+    return std::move(out_);
+  }
+
+  Equation equation(ObservationBlock& block, const Observation& o, const NetworkProblem& p) const {
+    Equation eq;
+    eq.kind = o.kind;
+    eq.value = o.value;
+    const double own = o.set_up >= 0 ? m_.survey.set_ups[o.set_up].instrument_height : 0.0;
+    eq.instrument_height = or_zero(std::isnan(o.instrument_height) ? own : o.instrument_height);
+    eq.target_height = or_zero(o.target_height);
+    eq.second_target_height = or_zero(o.second_target_height);
+    eq.from = slot(block, p.point_blocks[m_.index.at(o.from)]);
+    eq.to = slot(block, p.point_blocks[m_.index.at(o.to)]);
+    if (o.kind == ObservationKind::angle) eq.second_to = slot(block, p.point_blocks[m_.index.at(o.second_to)]);
+    const bool angular = o.kind == ObservationKind::direction || o.kind == ObservationKind::zenith_angle;
+    if (o.kind == ObservationKind::direction) eq.orientation = slot(block, p.orientation_blocks[o.set_up]);
+    if (o.set_up >= 0 && angular) eq.tilt = slot(block, p.tilt_blocks[o.set_up]);
+    if (o.set_up >= 0) eq.instrument_height_correction = slot(block, p.height_correction_blocks[o.set_up]);
+    const bool distance = o.kind == ObservationKind::slope_distance || o.kind == ObservationKind::horizontal_distance;
+    for (const auto& [name, parameter] : p.common_blocks) {
+      if (name == "scale" && distance) eq.scale = slot(block, parameter);
+      if (name == "additive constant" && distance) eq.additive_constant = slot(block, parameter);
+      if (name == "refraction coefficient" && o.kind == ObservationKind::zenith_angle)
+        eq.refraction = slot(block, parameter);
+      if (name == "vertical index" && o.kind == ObservationKind::zenith_angle) eq.index = slot(block, parameter);
+    }
+    eq.curvature = m_.curvature;
+    eq.refraction_coefficient = m_.refraction_coefficient;
+    return eq;
+  }
+
+  /// Standard deviation of the model: of the file if it gives one, else of the instrument profile.
+  double sigma(int index) const {
+    const MeanObservation& mean = m_.observations[index];
+    const Observation& o = mean.observation;
+    const double factor = state_.sigma_factors[group_of(o.kind)];
+    if (!std::isnan(o.sigma)) return factor * o.sigma;
+    const double horizontal = m_.lengths[index][0], slope = m_.lengths[index][1];
+    const InstrumentProfile& p = options_.profile;
+    switch (o.kind) {
+      case ObservationKind::direction:
+      case ObservationKind::azimuth:
+        return factor * p.direction(horizontal, slope, mean.sets, mean.single_face);
+      case ObservationKind::angle: {
+        const Eigen::Vector3d right = m_.initial[m_.index.at(o.second_to)] - m_.initial[m_.index.at(o.from)];
+        const double other = std::max(kShortestHorizontal, right.head<2>().norm());
+        return factor * std::hypot(p.direction(horizontal, slope, mean.sets, false),
+                                   p.direction(other, std::max(other, right.norm()), mean.sets, false));
+      }
+      case ObservationKind::zenith_angle:
+        return factor * p.zenith_angle(slope, mean.sets, mean.single_face);
+      case ObservationKind::slope_distance:
+      case ObservationKind::horizontal_distance:
+        return factor * p.distance(slope, mean.sets);
+      case ObservationKind::height_difference:
+        return factor * p.levelled(std::isnan(o.levelling_length) ? slope : o.levelling_length);
+    }
+    return kNotGiven;
+  }
+
+ private:
+  int add_block(const std::string& name, std::vector<double> value, std::vector<bool> constant = {}) {
+    out_.problem.parameters.push_back({name, std::move(value), std::move(constant)});
+    return static_cast<int>(out_.problem.parameters.size()) - 1;
+  }
+
+  void add_prior(int parameter, const Eigen::VectorXd& prior, double sigma) {
+    auto block = std::make_unique<PriorBlock>();
+    block->prior = prior;
+    block->set_sigmas(Eigen::VectorXd::Constant(prior.size(), sigma));
+    block->parameters = {parameter};
+    block->groups.assign(prior.size(), kGiven);
+    finish(std::move(block), std::vector<int>(prior.size(), -1), "");
+  }
+
+  void finish(std::unique_ptr<adjustment::ResidualBlock> block, const std::vector<int>& rows, const std::string& name) {
+    out_.rows.insert(out_.rows.end(), rows.begin(), rows.end());
+    out_.block_names.push_back(name);
+    out_.problem.residuals.push_back(std::move(block));
+  }
+
+  void add_points() {
+    for (size_t i = 0; i < m_.ids.size(); ++i) {
+      std::vector<bool> constant;
+      for (CoordinateRole role : m_.roles[i])
+        constant.push_back(role == CoordinateRole::unused || role == CoordinateRole::fixed);
+      const Eigen::Vector3d& p = m_.initial[i];
+      out_.point_blocks.push_back(add_block(m_.ids[i], {p.x(), p.y(), p.z()}, constant));
+    }
+  }
+
+  /// Orientation from the first direction, where the approximation gave none.
+  double initial_orientation(int set_up) const {
+    if (!std::isnan(m_.orientations[set_up])) return m_.orientations[set_up];
+    for (const MeanObservation& mean : m_.observations) {
+      const Observation& o = mean.observation;
+      if (o.set_up != set_up || o.kind != ObservationKind::direction) continue;
+      const Eigen::Vector3d d = m_.initial[m_.index.at(o.to)] - m_.initial[m_.index.at(o.from)];
+      return wrap_angle(std::atan2(d.x(), d.y()) - o.value);
+    }
+    return 0;
+  }
+
+  void add_set_ups() {
+    std::vector<char> directions(m_.survey.set_ups.size(), 0);
+    for (size_t i = 0; i < m_.observations.size(); ++i) {
+      const Observation& o = m_.observations[i].observation;
+      if (o.kind == ObservationKind::direction && !m_.dropped[i] && !state_.removed[i]) directions[o.set_up] = 1;
+    }
+    for (const LocalCoordinate& c : m_.survey.local_coordinates) directions[c.set_up] = 1;
+    for (int i = 0; i < static_cast<int>(m_.survey.set_ups.size()); ++i) {
+      const std::string& id = m_.survey.set_ups[i].id;
+      out_.orientation_blocks.push_back(directions[i] ? add_block("orientation " + id, {initial_orientation(i)}) : -1);
+      out_.height_correction_blocks.push_back(-1);
+      out_.tilt_blocks.push_back(-1);
+      if (options_.instrument_height_sigma > 0) {
+        out_.height_correction_blocks[i] = add_block("instrument height " + id, {0.0});
+        add_prior(out_.height_correction_blocks[i], Eigen::VectorXd::Zero(1), options_.instrument_height_sigma);
+      }
+      if (options_.tilt_sigma > 0) {
+        out_.tilt_blocks[i] = add_block("tilt " + id, {0.0, 0.0});
+        add_prior(out_.tilt_blocks[i], Eigen::VectorXd::Zero(2), options_.tilt_sigma);
+      }
+    }
+  }
+
+  void add_common(const std::string& name, double value, double prior_sigma) {
+    if (!(prior_sigma > 0)) return;
+    const int block = add_block(name, {value});
+    out_.common_blocks.emplace_back(name, block);
+    add_prior(block, Eigen::VectorXd::Constant(1, value), prior_sigma);
+  }
+
+  void add_common() {
+    add_common("scale", 0, options_.scale_sigma);
+    add_common("additive constant", 0, options_.additive_constant_sigma);
+    add_common("refraction coefficient", m_.refraction_coefficient, m_.curvature ? options_.refraction_sigma : 0);
+    add_common("vertical index", 0, options_.vertical_index_sigma);
+  }
+
+  bool takes_part(int observation) const { return !m_.dropped[observation] && !state_.removed[observation]; }
+
+  /// The observations of one sighting make one block, so that they are tested together.
+  void add_observations() {
+    std::map<std::tuple<int, std::string, std::string, double, ObservationKind>, int> seen;
+    std::vector<std::vector<int>> blocks;
+    std::map<std::tuple<int, std::string, std::string, double, int>, size_t> block_of;
+    for (int i = 0; i < static_cast<int>(m_.observations.size()); ++i) {
+      const Observation& o = m_.observations[i].observation;
+      if (!takes_part(i) || !m_.rows[i].removable) continue;
+      if (o.set_up < 0) {
+        blocks.push_back({i});
+        continue;
+      }
+      const double heights = or_zero(o.target_height) - or_zero(o.instrument_height);
+      const int occurrence = seen[{o.set_up, o.from, o.to, heights, o.kind}]++;
+      const auto [at, is_new] = block_of.try_emplace({o.set_up, o.from, o.to, heights, occurrence}, blocks.size());
+      if (is_new) blocks.emplace_back();
+      blocks[at->second].push_back(i);
+    }
+    for (const auto& members : blocks) add_observation_block(members);
+  }
+
+  void add_observation_block(const std::vector<int>& members) {
+    auto block = std::make_unique<ObservationBlock>();
+    Eigen::VectorXd sigmas(members.size());
+    for (size_t k = 0; k < members.size(); ++k) {
+      const MeanObservation& mean = m_.observations[members[k]];
+      block->equations.push_back(equation(*block, mean.observation, out_));
+      block->groups.push_back(group_of(mean.observation.kind));
+      sigmas[static_cast<Eigen::Index>(k)] = sigma(members[k]);
+      if (!state_.weight_factors.empty()) block->weight_factors.push_back(state_.weight_factors[members[k]]);
+    }
+    set_sigmas(*block, sigmas, m_.observations[members.front()].observation);
+    const int set_up = m_.observations[members.front()].observation.set_up;
+    finish(std::move(block), members, set_up >= 0 ? m_.survey.set_ups[set_up].id : "");
+  }
+
+  static void set_sigmas(ObservationBlock& block, const Eigen::VectorXd& sigmas, const Observation& o) {
+    try {
+      block.set_sigmas(sigmas);
+    } catch (const std::invalid_argument& error) {
+      throw NetworkError(name_of(o) + ": " + error.what());
+    }
+  }
+
+  static void set_covariance(adjustment::ResidualBlock& block, const Eigen::MatrixXd& covariance,
+                             const std::string& what) {
+    try {
+      block.set_covariance(covariance);
+    } catch (const std::invalid_argument& error) {
+      throw NetworkError(what + ": " + error.what());
+    }
+  }
+
+  void add_correlated_observations() {
+    std::map<int, int> mean_of;  // reading -> mean observation
+    for (int i = 0; i < static_cast<int>(m_.observations.size()); ++i) mean_of[m_.observations[i].members.front()] = i;
+    for (const ObservationCovariance& c : m_.survey.covariances) {
+      std::vector<int> members, kept;
+      for (int k = 0; k < static_cast<int>(c.indices.size()); ++k) {
+        const int i = mean_of.at(c.indices[k]);
+        if (!takes_part(i)) continue;
+        members.push_back(i);
+        kept.push_back(k);
+      }
+      if (members.empty()) continue;
+      auto block = std::make_unique<ObservationBlock>();
+      for (int i : members) {
+        block->equations.push_back(equation(*block, m_.observations[i].observation, out_));
+        block->groups.push_back(group_of(m_.observations[i].observation.kind));
+      }
+      Eigen::MatrixXd covariance = c.covariance(kept, kept);
+      for (size_t a = 0; a < kept.size(); ++a)
+        for (size_t b = 0; b < kept.size(); ++b)
+          covariance(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b)) *=
+              state_.sigma_factors[block->groups[a]] * state_.sigma_factors[block->groups[b]];
+      const Observation& first = m_.observations[members.front()].observation;
+      set_covariance(*block, covariance,
+                     "correlated observations from " + first.from + " (" + place(first.source) + ")");
+      finish(std::move(block), members, "");
+    }
+  }
+
+  void add_given() {
+    size_t group = 0;
+    for (const CoordinateGroup& g : m_.survey.coordinates) {
+      auto block = std::make_unique<CoordinateBlock>();
+      std::vector<int> rows;
+      for (size_t k = 0; k < g.components.size(); ++k) {
+        const int point = m_.index.at(g.components[k].point);
+        block->equations.push_back(
+            {slot(*block, out_.point_blocks[point]), g.components[k].axis, g.values[static_cast<Eigen::Index>(k)]});
+        rows.push_back(m_.first_row_of_group[group] + static_cast<int>(k));
+      }
+      finish_given(std::move(block), g.covariance, rows, kGiven, "observed coordinates (" + place(g.source) + ")");
+      ++group;
+    }
+    for (const VectorGroup& g : m_.survey.vectors) {
+      auto block = std::make_unique<VectorBlock>();
+      block->observed = g.values;
+      std::vector<int> rows;
+      for (const auto& v : g.vectors) {
+        const int from = slot(*block, out_.point_blocks[m_.index.at(v.from)]);
+        const int to = slot(*block, out_.point_blocks[m_.index.at(v.to)]);
+        block->vectors.push_back({from, to, v.to_height - v.from_height});
+      }
+      for (int k = 0; k < g.values.size(); ++k) rows.push_back(m_.first_row_of_group[group] + k);
+      finish_given(std::move(block), g.covariance, rows, kGiven, "observed vectors (" + place(g.source) + ")");
+      ++group;
+    }
+    for (const LocalCoordinate& c : m_.survey.local_coordinates) add_local(c, m_.first_row_of_group[group++]);
+  }
+
+  void add_local(const LocalCoordinate& c, int first_row) {
+    const SetUp& set_up = m_.survey.set_ups[c.set_up];
+    auto block = std::make_unique<LocalCoordinateBlock>();
+    block->observed = c.position;
+    block->instrument_height = or_zero(set_up.instrument_height);
+    block->target_height = or_zero(c.target_height);
+    block->parameters = {out_.point_blocks[m_.index.at(set_up.station)], out_.point_blocks[m_.index.at(c.point)],
+                         out_.orientation_blocks[c.set_up]};
+    if (out_.height_correction_blocks[c.set_up] >= 0)
+      block->parameters.push_back(out_.height_correction_blocks[c.set_up]);
+    const double factor = state_.sigma_factors[kLocalCoordinates];
+    const Eigen::Matrix3d covariance = c.covariance.allFinite() ? c.covariance : polar_covariance(c.position);
+    finish_given(std::move(block), factor * factor * covariance, {first_row, first_row + 1, first_row + 2},
+                 kLocalCoordinates, "local coordinates of " + c.point + " (" + place(c.source) + ")");
+  }
+
+  /// Covariance of a point measured with the profile's angles and distance.
+  Eigen::Matrix3d polar_covariance(const Eigen::Vector3d& p) const {
+    const double s = std::max(kShortestHorizontal, p.norm());
+    const double h = std::max(kShortestHorizontal, p.head<2>().norm());
+    Eigen::Matrix3d axes;  // along the sight, across, up across
+    axes.col(0) = p / s;
+    axes.col(1) = Eigen::Vector3d(p.y(), -p.x(), 0) / h;
+    axes.col(2) = axes.col(0).cross(axes.col(1));
+    const InstrumentProfile& profile = options_.profile;
+    const Eigen::Vector3d sigmas(profile.distance(s, 1), h * profile.direction(h, s, 1, true),
+                                 s * profile.zenith_angle(s, 1, true));
+    return axes * sigmas.cwiseAbs2().asDiagonal() * axes.transpose();
+  }
+
+  void finish_given(std::unique_ptr<adjustment::ResidualBlock> block, const Eigen::MatrixXd& covariance,
+                    const std::vector<int>& rows, int group, const std::string& what) {
+    set_covariance(*block, covariance, what);
+    block->groups.assign(rows.size(), group);
+    finish(std::move(block), rows, "");
+  }
+
+  const NetworkModel& m_;
+  const AdjustOptions& options_;
+  const StochasticState& state_;
+  NetworkProblem out_;
+};
+
+}  // namespace
+
+NetworkProblem make_problem(const NetworkModel& model, const AdjustOptions& options, const StochasticState& state) {
+  return Assembler(model, options, state).assemble();
+}
+
+std::unique_ptr<ObservationBlock> single_block(const NetworkModel& model, const AdjustOptions& options,
+                                               const StochasticState& state, const NetworkProblem& problem,
+                                               int observation) {
+  const Assembler assembler(model, options, state);
+  const MeanObservation& mean = model.observations[observation];
+  auto block = std::make_unique<ObservationBlock>();
+  block->equations.push_back(assembler.equation(*block, mean.observation, problem));
+  block->set_sigmas(Eigen::VectorXd::Constant(1, assembler.sigma(observation)));
+  return block;
+}
+
+std::vector<int> datum_unknowns(const NetworkModel& model, const NetworkProblem& problem) {
+  const adjustment::UnknownIndex unknowns(problem.problem);
+  std::vector<int> result;
+  for (size_t i = 0; i < model.ids.size(); ++i)
+    for (int k = 0; k < 3; ++k)
+      if (model.roles[i][k] == CoordinateRole::constrained) result.push_back(unknowns(problem.point_blocks[i], k));
+  return result;
+}
+
+}  // namespace plumbline::survey

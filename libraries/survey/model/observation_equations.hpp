@@ -1,0 +1,93 @@
+// Observation equations of a levelled total station, level, GNSS vector and coordinate sensor, as residual blocks.
+// Frame: E, N, H right-handed, H up, metres; directions and azimuths clockwise from +N, radians.
+// With d = X_to + TH e3 - X_from - IH e3, h = hypot(dE, dN), q = dH - (1 - k) h^2 / (2 R):
+//   direction           atan2(dE, dN) - orientation
+//   azimuth             atan2(dE, dN)
+//   zenith angle        atan2(h, q) + index
+//   slope distance      (1 + scale) |d| + constant
+//   horizontal distance (1 + scale) h + constant
+//   height difference   dH
+// Kahmen, Angewandte Geodäsie, ch. 5 and 6; R = 6 371 000 m.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "adjustment/problem.hpp"
+#include "survey/model/survey_observations.hpp"
+
+namespace plumbline::survey {
+
+inline constexpr double kEarthRadius = 6371000.0;  ///< [m]
+/// Sights steeper than this (horizontal distance [m]) give no direction: it would be noise of the centring.
+inline constexpr double kShortestHorizontal = 0.05;
+
+/// One scalar observation with the parameters it depends on, as positions in ResidualBlock::parameters; -1: does not.
+struct Equation {
+  ObservationKind kind = ObservationKind::direction;
+  double value = 0;              ///< [rad] or [m]
+  double instrument_height = 0;  ///< above `from` [m]
+  double target_height = 0;      ///< above `to` [m]
+  double second_target_height = 0;
+  int from = -1, to = -1, second_to = -1;  ///< point blocks (E, N, H)
+  int orientation = -1;                    ///< block of 1
+  int tilt = -1;  ///< block of 2: rotation about E and N of what the instrument takes for vertical [rad]
+  int instrument_height_correction = -1;  ///< block of 1 [m]
+  int scale = -1;                         ///< block of 1 [1]
+  int additive_constant = -1;             ///< block of 1 [m]
+  int index = -1;                         ///< vertical index, block of 1 [rad]
+  int refraction = -1;     ///< refraction coefficient k, block of 1; -1 with curvature = false: neither is applied
+  bool curvature = false;  ///< apply earth curvature; refraction_coefficient is used where `refraction` is -1
+  double refraction_coefficient = 0.13;
+};
+
+/// Scalar observations with a common covariance (a pointing, or a correlated group).
+class ObservationBlock : public adjustment::ResidualBlock {
+ public:
+  bool evaluate(const double* const* values, double* residuals, double* const* jacobians) const override;
+  std::vector<Equation> equations;  ///< one per row
+};
+
+/// Observed coordinates: row r is component `axis` of point block `point`.
+class CoordinateBlock : public adjustment::ResidualBlock {
+ public:
+  bool evaluate(const double* const* values, double* residuals, double* const* jacobians) const override;
+  struct Row {
+    int point = 0, axis = 0;
+    double value = 0;
+  };
+  std::vector<Row> equations;
+};
+
+/// Coordinate differences, three rows each.
+class VectorBlock : public adjustment::ResidualBlock {
+ public:
+  bool evaluate(const double* const* values, double* residuals, double* const* jacobians) const override;
+  struct Vector {
+    int from = 0, to = 0;
+    double height_difference = 0;  ///< height of the antenna at `to` minus at `from` [m]
+  };
+  std::vector<Vector> vectors;
+  Eigen::VectorXd observed;  ///< 3n
+};
+
+/// A point in the frame of a levelled set-up: p = R(orientation) (X + TH e3 - S - IH e3), y at the zero of the circle.
+class LocalCoordinateBlock : public adjustment::ResidualBlock {
+ public:
+  bool evaluate(const double* const* values, double* residuals, double* const* jacobians) const override;
+  Eigen::Vector3d observed;
+  double instrument_height = 0, target_height = 0;
+  // parameters: station, target, orientation, [instrument height correction]
+};
+
+/// A parameter known with a standard deviation: v = x - value, all components of the one block.
+class PriorBlock : public adjustment::ResidualBlock {
+ public:
+  bool evaluate(const double* const* values, double* residuals, double* const* jacobians) const override;
+  Eigen::VectorXd prior;
+};
+
+/// Into (-pi, pi].
+double wrap_angle(double angle);
+
+}  // namespace plumbline::survey

@@ -1,0 +1,270 @@
+#include "survey_files/survey_csv_columns.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+namespace plumbline::survey {
+namespace {
+
+using formats::equal_ignoring_case;
+
+bool is_angle_unit(std::string_view unit) {
+  for (const char* known : {"gon", "grad", "grads", "deg", "degree", "degrees", "dms", "rad"})
+    if (unit == known) return true;
+  return false;
+}
+
+bool is_angle_column(std::string_view name) { return name == "direction" || name == "zenith" || name == "azimuth"; }
+
+bool is_length_column(std::string_view name) {
+  for (const char* known : {"e", "n", "h", "x", "y", "slope_distance", "horizontal_distance", "height_difference",
+                            "instrument_height", "target_height", "second_target_height", "levelling_length"})
+    if (name == known) return true;
+  return name.starts_with("sigma_");
+}
+
+}  // namespace
+
+const std::map<std::string, std::string>& survey_column_names() {
+  static const std::map<std::string, std::string> names = [] {
+    std::map<std::string, std::string> all;
+    const auto add = [&all](const std::string& column, std::initializer_list<const char*> synonyms) {
+      all[column] = column;
+      for (const char* synonym : synonyms) all[synonym] = column;
+    };
+    add("id", {"point", "pt", "name", "nr", "no", "number", "point_id", "pointid", "point_no", "point_name", "punkt",
+               "punktnummer", "punktnr", "punkt_nr", "punktname", "punktid", "pkt", "pnr", "p"});
+    add("e", {"east", "easting", "ost", "ostwert", "rechtswert", "rechts"});
+    add("n", {"north", "northing", "nord", "nordwert", "hochwert", "hoch"});
+    add("h", {"z", "height", "elevation", "elev", "el", "hoehe", "h\xC3\xB6he"});
+    add("x", {});
+    add("y", {});
+    add("code", {"c", "feature"});
+    add("description", {"desc", "d", "remark", "bemerkung", "note"});
+    add("station", {"stn", "from", "standpunkt", "stand", "stationname", "station_name"});
+    add("target", {"to", "ziel", "zielpunkt", "target_id"});
+    add("set_up", {"setup", "setup_id", "set_up_id", "aufstellung"});
+    add("direction", {"hz", "horizontal_angle", "horizontal_direction", "ha", "richtung"});
+    add("zenith", {"v", "zenith_angle", "vertical_angle", "va", "ze", "zenitwinkel", "zenitdistanz", "zenithdistanz"});
+    add("azimuth", {"az"});
+    add("slope_distance",
+        {"sd", "s", "slope_dist", "schraegstrecke", "schr\xC3\xA4gstrecke", "schraegdistanz", "schr\xC3\xA4gdistanz"});
+    add("horizontal_distance", {"hd", "horizontal_dist", "horizontalstrecke", "horizontaldistanz"});
+    add("height_difference", {"dh"});
+    add("instrument_height", {"ih", "hi", "i_h", "instrumentenhoehe", "instrumentenh\xC3\xB6he"});
+    add("target_height", {"th", "ht", "hr", "reflector_height", "prism_height", "zielhoehe", "zielh\xC3\xB6he",
+                          "reflektorhoehe", "reflektorh\xC3\xB6he", "prismenhoehe", "prismenh\xC3\xB6he"});
+    add("face", {"lage"});
+    add("set", {"satz", "round"});
+    add("pointing", {});
+    for (const char* own : {"record", "second_to", "kind", "value", "unit", "sigma", "second_target_height",
+                            "levelling_length", "role", "corrections", "source_file", "source_line", "source_column"})
+      add(own, {});
+    add("sigma_e", {"sigma_x", "s_e", "sd_e", "std_e", "sigma_east"});
+    add("sigma_n", {"sigma_y", "s_n", "sd_n", "std_n", "sigma_north"});
+    add("sigma_h", {"sigma_z", "s_h", "sd_h", "std_h", "sigma_height"});
+    for (const auto& [own, local] : {std::pair{"cov_ee", "cov_xx"},
+                                     {"cov_en", "cov_xy"},
+                                     {"cov_eh", "cov_xz"},
+                                     {"cov_nn", "cov_yy"},
+                                     {"cov_nh", "cov_yz"},
+                                     {"cov_hh", "cov_zz"}})
+      add(own, {local});
+    return all;
+  }();
+  return names;
+}
+
+SurveyColumns::SurveyColumns(const formats::CsvTable& table, const SurveyCsvOptions& options, SurveyBuilder& builder)
+    : table_(table), options_(options), builder_(builder) {
+  if (!options.columns.empty()) {
+    take_order(options.columns);
+  } else if (!table.header.empty()) {
+    take_header();
+  } else {
+    take_order("PENZD");
+    builder_.warn(
+        "the table has no header: columns are taken as point, E, N, H, description; say so with the option "
+        "'columns' if their order is another (" +
+        table.dialect() + ")");
+  }
+  if (!has("e") && !has("n") && has("x") && has("y")) {
+    columns_["e"] = columns_["x"];
+    columns_["n"] = columns_["y"];
+  }
+}
+
+void SurveyColumns::place(const std::string& name, std::size_t index, const std::string& unit) {
+  if (columns_.contains(name)) {
+    builder_.warn("the table has two columns '" + name + "'; the first one counts");
+    return;
+  }
+  if (name.starts_with("cov_")) {
+    if (!unit.empty() && unit != "m2" && unit != "mm2")
+      throw SurveyReadError(builder_.at(table_.header_line, 1),
+                            "the unit " + formats::quoted(unit) + " of column " + name, "m2 or mm2");
+    columns_[name] = {index, unit.empty() ? "m2" : unit};
+    return;
+  }
+  const bool angle = is_angle_column(name);
+  if (!angle && !is_length_column(name)) {
+    columns_[name] = {index, ""};
+    return;
+  }
+  const std::string& used = unit.empty() ? (angle ? options_.angle_unit : options_.length_unit) : unit;
+  if (std::isnan(in_si(1.0, used)) || is_angle_unit(used) != angle)
+    throw SurveyReadError(builder_.at(unit.empty() ? 0 : table_.header_line, unit.empty() ? 0 : 1),
+                          "the unit " + formats::quoted(used) + " of column " + name,
+                          angle ? "gon, deg, dms or rad" : "m, cm, mm, ft or usft");
+  columns_[name] = {index, used};
+}
+
+void SurveyColumns::take_order(const std::string& order) {
+  const auto& names = survey_column_names();
+  const bool letters = order.find_first_of(",; _") == std::string::npos;
+  std::vector<std::string> wanted;
+  if (letters) {
+    for (const char c : order) wanted.emplace_back(1, c);
+  } else {
+    for (const auto part : formats::split(order, order.find(';') != std::string::npos ? ';' : ','))
+      wanted.emplace_back(formats::trim(part));
+  }
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    if (wanted[i] == "-" || wanted[i].empty()) continue;
+    const auto known = names.find(formats::to_lower(wanted[i]));
+    if (known == names.end())
+      throw SurveyReadError(builder_.at(0), "the column " + formats::quoted(wanted[i]) + " in the option columns",
+                            "letters as in PENZD or names such as station, target, hz, v, sd, id, E, N, H, code");
+    place(known->second, i, "");
+  }
+}
+
+// A column that nobody understands may be a height: left out in silence it would spoil every reading.
+void SurveyColumns::take_header() {
+  const auto& names = survey_column_names();
+  constexpr int kNamed = 6;
+  std::string ignored;
+  int count = 0;
+  for (std::size_t i = 0; i < table_.header.size(); ++i) {
+    const formats::CsvHeaderCell& cell = table_.header[i];
+    if (cell.name.empty()) continue;
+    const auto is_it = [&](const auto& entry) { return entry.second == cell.name; };
+    if (std::any_of(names.begin(), names.end(), is_it))
+      place(cell.name, i, cell.unit);
+    else if (++count <= kNamed)
+      ignored += (ignored.empty() ? "" : ", ") + formats::quoted(cell.name);
+  }
+  if (count > kNamed) ignored += " and " + std::to_string(count - kNamed) + " more";
+  if (count > 0)
+    builder_.warn("columns that are not known are left out: " + ignored +
+                  "; if one is needed, rename it (e.g. target_height, instrument_height, sd)");
+}
+
+const formats::CsvCell* SurveyColumns::cell(const std::string& column) const {
+  const auto found = columns_.find(column);
+  if (found == columns_.end() || found->second.index >= row_->cells.size()) return nullptr;
+  const formats::CsvCell& cell = row_->cells[found->second.index];
+  return cell.text.empty() ? nullptr : &cell;
+}
+
+std::string SurveyColumns::text(const std::string& column) const {
+  const formats::CsvCell* found = cell(column);
+  return found ? found->text : std::string();
+}
+
+void SurveyColumns::fail(const std::string& column, const std::string& expected) {
+  failed_ = true;
+  const formats::CsvCell* found = cell(column);
+  builder_.skip(row_->line, found ? found->column : 1, found ? found->text : "a row without a value for " + column,
+                expected);
+}
+
+double SurveyColumns::number(const std::string& column) {
+  const formats::CsvCell* found = cell(column);
+  if (!found) return kNotGiven;
+  const auto value = table_.number(*found);
+  if (value) return *value;
+  fail(column, "a number in column " + column + " (" + table_.dialect() + ")");
+  return kNotGiven;
+}
+
+int SurveyColumns::integer(const std::string& column, int otherwise) {
+  const formats::CsvCell* found = cell(column);
+  if (!found) return otherwise;
+  const auto value = formats::parse_integer(found->text);
+  if (value && *value >= -1 && *value <= 1'000'000'000) return static_cast<int>(*value);
+  fail(column, "a whole number in column " + column);
+  return otherwise;
+}
+
+double SurveyColumns::in_si(double value, const std::string& unit) {
+  for (const char* one : {"m", "meter", "metre", "meters", "metres", "rad", "m2"})
+    if (unit == one) return value;
+  if (unit == "mm") return value / 1e3;
+  if (unit == "mm2") return value / 1e6;
+  if (unit == "cm") return value / 1e2;
+  if (unit == "ft") return value * kFoot;
+  if (unit == "usft") return value * kUsSurveyFoot;
+  if (unit == "gon" || unit == "grad" || unit == "grads") return gon_to_rad(value);
+  if (unit == "deg" || unit == "degree" || unit == "degrees") return degrees_to_rad(value);
+  if (unit == "dms") return packed_degrees_to_rad(value).value_or(kNotGiven);
+  return kNotGiven;
+}
+
+double SurveyColumns::measured(const std::string& column, bool is_angle) {
+  const double value = number(column);
+  if (std::isnan(value)) return kNotGiven;
+  const double si = in_si(value, columns_.at(column).unit);
+  if (!std::isnan(si)) return si;
+  fail(column, is_angle ? "minutes and seconds below 60 in D.MMSS" : "a length");
+  return kNotGiven;
+}
+
+double SurveyColumns::length(const std::string& column) { return measured(column, false); }
+double SurveyColumns::angle(const std::string& column) { return measured(column, true); }
+
+Eigen::Vector3d SurveyColumns::coordinates() { return {length("e"), length("n"), length("h")}; }
+
+Eigen::Matrix3d SurveyColumns::covariance() {
+  Eigen::Matrix3d matrix = Eigen::Matrix3d::Constant(kNotGiven);
+  const char* axes = "enh";
+  const auto any_of = [&](const char* a, const char* b, const char* c) {
+    return !text(a).empty() || !text(b).empty() || !text(c).empty();
+  };
+  const bool full = any_of("cov_ee", "cov_nn", "cov_hh");
+  if (!full && !any_of("sigma_e", "sigma_n", "sigma_h")) return matrix;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = i; j < 3; ++j) {
+      if (full) {
+        const std::string column = std::string("cov_") + axes[i] + axes[j];
+        double value = number(column);
+        if (std::isnan(value)) value = i == j ? kNotGiven : 0.0;
+        matrix(i, j) = matrix(j, i) = has(column) ? in_si(value, columns_.at(column).unit) : value;
+      } else if (i != j) {
+        matrix(i, j) = matrix(j, i) = 0.0;
+      } else {
+        const double sigma = length(std::string("sigma_") + axes[i]);
+        matrix(i, i) = sigma * sigma;
+      }
+    }
+  }
+  if (failed_) return matrix;
+  // An axis without a coordinate has no variance either; the given ones must be positive definite among themselves.
+  Eigen::Matrix3d checked = matrix;
+  for (int i = 0; i < 3; ++i) {
+    if (!std::isnan(matrix(i, i))) continue;
+    checked.row(i).setZero();
+    checked.col(i).setZero();
+    checked(i, i) = 1.0;
+  }
+  const double scale = checked.diagonal().maxCoeff();
+  const bool usable = checked.array().isFinite().all() && checked.diagonal().minCoeff() > 0 && scale < 1e12;
+  if (!usable || Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(checked).eigenvalues()[0] <= 0)
+    fail(full ? "cov_ee" : "sigma_e", "standard deviations above zero or a positive definite covariance");
+  return matrix;
+}
+
+}  // namespace plumbline::survey

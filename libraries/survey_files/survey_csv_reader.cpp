@@ -1,0 +1,281 @@
+#include <array>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "survey_files/survey_builder.hpp"
+#include "survey_files/survey_csv.hpp"
+#include "survey_files/survey_csv_columns.hpp"
+#include "survey_files/survey_csv_kinds.hpp"
+#include "text/csv_table.hpp"
+
+namespace plumbline::survey {
+namespace {
+
+const char* const kTables =
+    "a table of points (id, E, N, H), of sightings (station, target, and hz, v or sd), or of records as "
+    "write_survey_csv writes them, with names in its first row or in the option 'columns'";
+
+class TableReader {
+ public:
+  TableReader(std::string_view bytes, const std::string& file, const SurveyCsvOptions& options)
+      : table_(formats::read_csv(bytes, survey_column_names())),
+        builder_(file, "csv"),
+        columns_(table_, options, builder_) {
+    if (table_.decoded.encoding != formats::Encoding::utf8)
+      builder_.warn(std::string("text encoding taken as ") + formats::name_of(table_.decoded.encoding));
+  }
+
+  SurveyObservations read();
+  SurveyObservations read_set_up_coordinates();
+
+ private:
+  void read_point();
+  void read_sighting();
+  void read_record();
+  void read_observation_record();
+  void read_local_coordinate(const std::string& point);
+  void select_set_up();
+  void add_coordinates(const std::string& id, const Eigen::Vector3d& at, const Eigen::Matrix3d& covariance,
+                       bool is_control);
+  SourcePosition original_position() const;
+  std::string required(const std::string& column);
+  std::string found_nothing() const {
+    return std::to_string(table_.rows.size()) + " rows of text (" + table_.dialect() + ")";
+  }
+
+  formats::CsvTable table_;
+  SurveyBuilder builder_;
+  SurveyColumns columns_;
+  std::map<std::string, int> set_ups_;  // name in the file -> index
+};
+
+std::string TableReader::required(const std::string& column) {
+  std::string value = columns_.text(column);
+  if (value.empty()) columns_.fail(column, "a value in column " + column);
+  return value;
+}
+
+SurveyObservations TableReader::read() {
+  const bool records = columns_.has("record");
+  const bool sightings = columns_.has("target") && (columns_.has("station") || columns_.has("set_up")) &&
+                         (columns_.has("direction") || columns_.has("zenith") || columns_.has("slope_distance") ||
+                          columns_.has("horizontal_distance") || columns_.has("height_difference"));
+  const bool points = columns_.has("id") && ((columns_.has("e") && columns_.has("n")) || columns_.has("h"));
+  if (!records && !sightings && !points)
+    throw SurveyReadError(builder_.at(table_.header_line, 1), found_nothing(),
+                          std::string(kTables) + ", or " + understood_formats());
+  for (const formats::CsvRow& row : table_.rows) {
+    columns_.select(row);
+    records ? read_record() : sightings ? read_sighting() : read_point();
+  }
+  return builder_.finish(found_nothing(), std::string(kTables) + ", or " + understood_formats());
+}
+
+void TableReader::add_coordinates(const std::string& id, const Eigen::Vector3d& at, const Eigen::Matrix3d& covariance,
+                                  bool is_control) {
+  CoordinateGroup group;
+  std::vector<int> axes;
+  for (int axis = 0; axis < 3; ++axis)
+    if (!std::isnan(at[axis]) && !std::isnan(covariance(axis, axis))) axes.push_back(axis);
+  if (axes.empty()) return;
+  const auto n = static_cast<Eigen::Index>(axes.size());
+  group.values.resize(n);
+  group.covariance.resize(n, n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const int axis = axes[static_cast<std::size_t>(i)];
+    group.components.push_back({id, axis});
+    group.values[i] = at[axis];
+    for (Eigen::Index j = 0; j < n; ++j) group.covariance(i, j) = covariance(axis, axes[static_cast<std::size_t>(j)]);
+  }
+  group.is_control = is_control;
+  group.source = original_position();
+  builder_.survey.coordinates.push_back(std::move(group));
+}
+
+void TableReader::read_point() {
+  const std::string id = required("id");
+  const Eigen::Vector3d at = columns_.coordinates();
+  const Eigen::Matrix3d covariance = columns_.covariance();
+  if (columns_.failed()) return;
+  if (at.array().isNaN().all()) return columns_.fail("e", "coordinates of the point");
+  builder_.give_coordinates(id, at, columns_.position());
+  Point& point = builder_.point(id, columns_.position());
+  if (point.code.empty()) point.code = columns_.text("code");
+  if (point.description.empty()) point.description = columns_.text("description");
+  add_coordinates(id, at, covariance, true);
+}
+
+// A row belongs to the set-up its column names; without one, rows of one station are one set-up.
+void TableReader::select_set_up() {
+  const std::string own = columns_.text("set_up"), station = columns_.text("station");
+  const std::string& key = own.empty() ? station : own;
+  const auto known = set_ups_.find(key);
+  if (known != set_ups_.end()) return builder_.select_set_up(known->second);
+  set_ups_[key] =
+      builder_.start_set_up(station.empty() ? own : station, columns_.length("instrument_height"), columns_.position());
+}
+
+void TableReader::read_sighting() {
+  Sighting sighting;
+  sighting.to = required("target");
+  if (columns_.text("set_up").empty()) required("station");
+  sighting.direction = columns_.angle("direction");
+  sighting.zenith_angle = columns_.angle("zenith");
+  sighting.slope_distance = columns_.length("slope_distance");
+  sighting.horizontal_distance = columns_.length("horizontal_distance");
+  sighting.height_difference = columns_.length("height_difference");
+  sighting.target_height = columns_.length("target_height");
+  sighting.face = columns_.integer("face", 0);
+  sighting.source = columns_.position();
+  const double instrument_height = columns_.length("instrument_height");
+  if (sighting.face != 0 && sighting.face != 1 && sighting.face != 2) columns_.fail("face", "face 1 or 2");
+  for (const char* column : {"slope_distance", "horizontal_distance"})
+    if (columns_.length(column) < 0) columns_.fail(column, "a distance that is not negative");
+  if (columns_.failed()) return;
+  select_set_up();
+  const SetUp& set_up = builder_.survey.set_ups[static_cast<std::size_t>(builder_.current_set_up())];
+  if (!std::isnan(instrument_height) && instrument_height != set_up.instrument_height)
+    sighting.instrument_height = instrument_height;
+  if (!builder_.add(sighting)) columns_.fail("direction", "at least one measured value");
+}
+
+// Records keep where their value stood in the file it was first read from.
+SourcePosition TableReader::original_position() const {
+  const std::string file = columns_.text("source_file");
+  if (file.empty()) return columns_.position();
+  const auto number = [&](const char* column) {
+    return static_cast<int>(formats::parse_integer(columns_.text(column)).value_or(0) & 0x7fffffff);
+  };
+  return {file, number("source_line"), number("source_column")};
+}
+
+void TableReader::read_record() {
+  const std::string record = columns_.text("record");
+  if (record == "observation") return read_observation_record();
+  const std::string id = required("id");
+  if (columns_.failed()) return;
+  if (record == "point") {
+    const Eigen::Vector3d at = columns_.coordinates();
+    const auto roles = roles_of(columns_.text("role"));
+    if (!roles) columns_.fail("role", "three letters of f, c, x, - for free, constrained, fixed, unused");
+    if (columns_.failed()) return;
+    builder_.give_coordinates(id, at, original_position());
+    Point& point = builder_.point(id, original_position());
+    point.roles = *roles;
+    point.code = columns_.text("code");
+    point.description = columns_.text("description");
+  } else if (record == "control" || record == "coordinates") {
+    const Eigen::Vector3d at = columns_.coordinates();
+    const Eigen::Matrix3d covariance = columns_.covariance();
+    if (columns_.failed()) return;
+    builder_.point(id, columns_.position());
+    add_coordinates(id, at, covariance, record == "control");
+  } else if (record == "set_up") {
+    const double height = columns_.length("instrument_height");
+    const std::string station = required("station");
+    if (columns_.failed()) return;
+    if (set_ups_.contains(id)) return columns_.fail("id", "a set-up that is not there already");
+    set_ups_[id] = builder_.start_set_up(station, height, original_position());
+    builder_.survey.set_ups.back().id = id;
+  } else if (record == "local") {
+    read_local_coordinate(id);
+  } else {
+    columns_.fail("record", "point, control, coordinates, set_up, observation or local");
+  }
+}
+
+void TableReader::read_observation_record() {
+  Observation o;
+  const auto kind = kind_of(columns_.text("kind"));
+  if (!kind) columns_.fail("kind", "direction, zenith_angle, slope_distance or another kind of observation");
+  const std::string unit = columns_.text("unit");
+  const bool angle = kind && is_angle(*kind);
+  const double one = SurveyColumns::in_si(1.0, unit);
+  if (std::isnan(one) || unit == "dms") columns_.fail("unit", angle ? "gon, deg or rad" : "m or mm");
+  if (columns_.text("value").empty()) columns_.fail("value", "the observation's value");
+  o.value = SurveyColumns::in_si(columns_.number("value"), unit);
+  o.sigma = SurveyColumns::in_si(columns_.number("sigma"), unit);
+  o.from = required("station");
+  o.to = required("target");
+  o.second_to = columns_.text("second_to");
+  o.pointing = columns_.integer("pointing", -1);
+  o.levelling_length = columns_.length("levelling_length");
+  o.instrument_height = columns_.length("instrument_height");
+  o.target_height = columns_.length("target_height");
+  o.second_target_height = columns_.length("second_target_height");
+  o.face = columns_.integer("face", 0);
+  o.set_number = columns_.integer("set", 0);
+  o.source = original_position();
+  const std::string set_up = columns_.text("set_up");
+  if (!set_up.empty()) {
+    const auto known = set_ups_.find(set_up);
+    if (known == set_ups_.end())
+      columns_.fail("set_up", "the id of a set_up record further up");
+    else
+      o.set_up = known->second;
+  }
+  if (o.face < 0 || o.face > 2) columns_.fail("face", "face 0, 1 or 2");
+  if (o.sigma <= 0) columns_.fail("sigma", "a standard deviation above zero");
+  if (columns_.failed()) return;
+  o.kind = *kind;
+  if (const std::string done = columns_.text("corrections"); !done.empty())
+    for (const auto part : formats::split(done, '|')) o.corrections.emplace_back(part);
+  builder_.add(std::move(o));
+}
+
+void TableReader::read_local_coordinate(const std::string& point) {
+  LocalCoordinate local;
+  local.point = point;
+  local.position = columns_.coordinates();
+  local.covariance = columns_.covariance();
+  local.target_height = columns_.length("target_height");
+  local.source = original_position();
+  if (columns_.text("set_up").empty()) required("station");
+  if (columns_.failed()) return;
+  if (local.position.array().isNaN().any()) return columns_.fail("e", "x, y and z of the point");
+  select_set_up();
+  local.set_up = builder_.current_set_up();
+  builder_.point(point, local.source);
+  builder_.survey.local_coordinates.push_back(std::move(local));
+}
+
+SurveyObservations TableReader::read_set_up_coordinates() {
+  const char* expected = "a table with the columns set_up (or station), point, x, y, z";
+  const std::string id = columns_.has("target") ? "target" : "id";
+  if (!(columns_.has("set_up") || columns_.has("station")) || !columns_.has(id) || !columns_.has("e") ||
+      !columns_.has("n") || !columns_.has("h"))
+    throw SurveyReadError(builder_.at(table_.header_line, 1), found_nothing(), expected);
+  builder_.survey.info.format = "setup-coordinates-csv";
+  for (const formats::CsvRow& row : table_.rows) {
+    columns_.select(row);
+    const std::string point = required(id);
+    if (!columns_.failed()) read_local_coordinate(point);
+  }
+  return builder_.finish(found_nothing(), expected);
+}
+
+}  // namespace
+
+SurveyObservations read_survey_csv(std::string_view bytes, const std::string& file, const SurveyCsvOptions& options) {
+  return TableReader(bytes, file, options).read();
+}
+
+SurveyObservations read_setup_coordinates(std::string_view bytes, const std::string& file,
+                                          const SurveyCsvOptions& options) {
+  return TableReader(bytes, file, options).read_set_up_coordinates();
+}
+
+bool has_setup_coordinates_header(std::string_view bytes) {
+  const formats::CsvTable table = formats::read_csv(bytes.substr(0, 4096), survey_column_names());
+  bool set_up = false, point = false, x = false, measured = false;
+  for (const formats::CsvHeaderCell& cell : table.header) {
+    set_up = set_up || cell.name == "set_up" || cell.name == "station";
+    point = point || cell.name == "id" || cell.name == "target";
+    x = x || cell.name == "x" || cell.name == "e";
+    measured = measured || cell.name == "direction" || cell.name == "zenith" || cell.name == "record";
+  }
+  return set_up && point && x && !measured;
+}
+
+}  // namespace plumbline::survey

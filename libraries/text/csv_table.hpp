@@ -1,0 +1,53 @@
+// A table in text whose delimiter and decimal separator nobody wrote down: both are found by which pair makes most
+// cells numbers. Header cells may carry a unit: "Hz [gon]", "sigma_e (mm)", "E_m".
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "text/text.hpp"
+
+namespace plumbline::formats {
+
+struct CsvCell {
+  std::string text;  ///< without quotes and blanks around
+  int column = 0;    ///< of its first character in the line, from 1
+};
+
+struct CsvRow {
+  int line = 0;
+  std::vector<CsvCell> cells;
+};
+
+struct CsvHeaderCell {
+  std::string name;  ///< lower case, letters, digits and '_' only, unit taken off
+  std::string unit;  ///< lower case; empty if none was given
+};
+
+struct CsvTable {
+  DecodedText decoded;
+  char delimiter = ',';  ///< ' ' stands for any run of blanks
+  char decimal = '.';
+  std::vector<CsvHeaderCell> header;  ///< empty if the first row holds data
+  int header_line = 0;
+  std::vector<CsvRow> rows;  ///< without header, comments and empty lines
+
+  /// The number in `cell`, with this table's decimal separator.
+  std::optional<double> number(const CsvCell& cell) const { return parse_number(cell.text, decimal); }
+  /// "delimiter ';', decimal separator ','", for messages.
+  std::string dialect() const;
+};
+
+/// Reads `bytes` as a table. Lines that begin with '#', '%' or "//" are comments. The first row (a comment too, if it
+/// is one) is the header when at least two of its cells are in `known_names` and none but the first is a number.
+/// `known_names` maps what a normalised header cell may be called to the name used for it in CsvTable::header; names
+/// that are not in it are kept as they are. Never throws; a text of no table has no rows or rows of one cell.
+CsvTable read_csv(std::string_view bytes, const std::map<std::string, std::string>& known_names);
+
+/// `text` as a CSV field: quoted where it holds a delimiter or quotes, line ends as blanks.
+std::string csv_field(std::string_view text);
+
+}  // namespace plumbline::formats

@@ -1,0 +1,151 @@
+// Reading image files: JPEG, PNG, TIFF, and what is said of damaged ones.
+#include <gmock/gmock.h>
+#include <jpeglib.h>
+#include <png.h>
+#include <tiffio.h>
+
+#include <fstream>
+
+#include "images/grey_image.hpp"
+#include "test_support.hpp"
+
+namespace plumbline {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+constexpr int kWidth = 37, kHeight = 21;
+
+/// A smooth ramp, so that JPEG's loss stays below three grey values.
+std::vector<std::uint8_t> ramp(int channels) {
+  std::vector<std::uint8_t> pixels;
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x)
+      for (int c = 0; c < channels; ++c) pixels.push_back(static_cast<std::uint8_t>(40 + 3 * x + 2 * y));
+  return pixels;
+}
+
+void write_jpeg(const std::filesystem::path& path) {
+  jpeg_compress_struct cinfo{};
+  jpeg_error_mgr errors{};
+  cinfo.err = jpeg_std_error(&errors);
+  jpeg_create_compress(&cinfo);
+  std::FILE* file = std::fopen(path.c_str(), "wb");
+  jpeg_stdio_dest(&cinfo, file);
+  cinfo.image_width = kWidth, cinfo.image_height = kHeight, cinfo.input_components = 3, cinfo.in_color_space = JCS_RGB;
+  jpeg_set_defaults(&cinfo);
+  jpeg_set_quality(&cinfo, 98, TRUE);
+  jpeg_start_compress(&cinfo, TRUE);
+  auto pixels = ramp(3);
+  for (int y = 0; y < kHeight; ++y) {
+    JSAMPROW row = pixels.data() + y * kWidth * 3;
+    jpeg_write_scanlines(&cinfo, &row, 1);
+  }
+  jpeg_finish_compress(&cinfo);
+  jpeg_destroy_compress(&cinfo);
+  std::fclose(file);
+}
+
+void write_png(const std::filesystem::path& path) {
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  image.width = kWidth, image.height = kHeight, image.format = PNG_FORMAT_RGB;
+  ASSERT_TRUE(png_image_write_to_file(&image, path.c_str(), 0, ramp(3).data(), 0, nullptr));
+}
+
+void write_tiff(const std::filesystem::path& path, int orientation) {
+  TIFF* tiff = TIFFOpen(path.c_str(), "w");
+  TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, kWidth);
+  TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, kHeight);
+  TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, 8);
+  TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, 1);
+  TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
+  TIFFSetField(tiff, TIFFTAG_ORIENTATION, orientation);
+  TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, 4);
+  auto pixels = ramp(1);
+  for (int y = 0; y < kHeight; ++y)
+    TIFFWriteScanline(tiff, pixels.data() + y * kWidth, static_cast<std::uint32_t>(y), 0);
+  TIFFClose(tiff);
+}
+
+void expect_ramp(const GreyImage& image, int tolerance) {
+  ASSERT_EQ(image.width, kWidth);
+  ASSERT_EQ(image.height, kHeight);
+  const auto expected = ramp(1);
+  for (std::size_t i = 0; i < expected.size(); ++i)
+    ASSERT_NEAR(image.pixels[i], expected[i], tolerance) << "pixel " << i;
+}
+
+std::string message_of(const std::filesystem::path& path) {
+  try {
+    read_grey_image(path);
+  } catch (const ImageFileError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+std::filesystem::path cut(const std::filesystem::path& path, double share) {
+  const std::string bytes = test::read_file(path);
+  const std::filesystem::path out = path.string() + ".cut";
+  std::ofstream(out, std::ios::binary) << bytes.substr(
+      0, static_cast<std::size_t>(share * static_cast<double>(bytes.size())));
+  return out;
+}
+
+TEST(GreyImage, ReadsJpegPngAndTiffByContent) {
+  const test::TemporaryFolder folder;
+  write_jpeg(folder.path() / "a.bin");
+  expect_ramp(read_grey_image(folder.path() / "a.bin"), 3);
+  write_png(folder.path() / "b.bin");
+  expect_ramp(read_grey_image(folder.path() / "b.bin"), 0);
+  write_tiff(folder.path() / "c.bin", ORIENTATION_TOPLEFT);
+  expect_ramp(read_grey_image(folder.path() / "c.bin"), 0);
+}
+
+TEST(GreyImage, LeavesThePixelsWhereTheSensorHadThem) {
+  const test::TemporaryFolder folder;
+  write_tiff(folder.path() / "turned.tif", ORIENTATION_BOTRIGHT);
+  expect_ramp(read_grey_image(folder.path() / "turned.tif"), 0);
+}
+
+TEST(GreyImage, RefusesTruncatedFilesByName) {
+  const test::TemporaryFolder folder;
+  write_jpeg(folder.path() / "a.jpg");
+  write_png(folder.path() / "b.png");
+  write_tiff(folder.path() / "c.tif", ORIENTATION_TOPLEFT);
+  for (const double share : {0.3, 0.6, 0.95}) {
+    EXPECT_THAT(message_of(cut(folder.path() / "a.jpg", share)),
+                AllOf(HasSubstr("a.jpg.cut: "), HasSubstr("truncated JPEG")));
+    EXPECT_THAT(message_of(cut(folder.path() / "b.png", share)),
+                AllOf(HasSubstr("b.png.cut: "), HasSubstr("truncated PNG")));
+    EXPECT_THAT(message_of(cut(folder.path() / "c.tif", share)),
+                AllOf(HasSubstr("c.tif.cut: "), HasSubstr("truncated TIFF")));
+  }
+}
+
+TEST(GreyImage, RefusesAJpegWithDamagedData) {
+  const test::TemporaryFolder folder;
+  write_jpeg(folder.path() / "a.jpg");
+  std::string bytes = test::read_file(folder.path() / "a.jpg");
+  // A marker in the middle of the entropy-coded data, as a bad block on a memory card leaves.
+  const std::size_t scan = bytes.rfind("\xff\xda");
+  bytes[(scan + bytes.size()) / 2] = '\xff';
+  bytes[(scan + bytes.size()) / 2 + 1] = '\xc4';
+  std::ofstream(folder.path() / "a.jpg", std::ios::binary) << bytes;
+  EXPECT_THAT(message_of(folder.path() / "a.jpg"), HasSubstr("damaged"));
+}
+
+TEST(GreyImage, RefusesWhatIsNoImage) {
+  const test::TemporaryFolder folder;
+  EXPECT_THAT(message_of(folder.path() / "missing.jpg"), HasSubstr("missing.jpg: no such image file"));
+  EXPECT_THAT(message_of(folder.path()), HasSubstr("is not a file"));
+  std::ofstream(folder.path() / "empty.jpg").flush();
+  EXPECT_THAT(message_of(folder.path() / "empty.jpg"), HasSubstr("empty"));
+  std::ofstream(folder.path() / "text.jpg") << "hello";
+  EXPECT_THAT(message_of(folder.path() / "text.jpg"), HasSubstr("neither JPEG, PNG nor TIFF"));
+}
+
+}  // namespace
+}  // namespace plumbline

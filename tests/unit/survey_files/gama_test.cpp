@@ -1,0 +1,47 @@
+#include "survey_files/gama.hpp"
+
+#include <gtest/gtest.h>
+
+#include "survey_test_support.hpp"
+
+namespace plumbline::survey {
+namespace {
+
+using namespace test_help;
+
+TEST(GamaWriter, AnySurveyReadsBackTheSame) {
+  for (unsigned long long seed = 1; seed <= 20; ++seed) {
+    SurveyObservations survey = random_survey(seed);
+    Random random{seed};
+    for (Observation& o : survey.observations) {
+      o.sigma = random.uniform(1e-6, 1e-2);
+      o.face = 0;
+      if (o.kind == ObservationKind::zenith_angle) o.value = std::abs(std::remainder(o.value, 2 * std::numbers::pi));
+    }
+    const std::string text = write_gama_xml(survey);
+    const auto again = read_gama_xml(text, "again.gkf");
+    EXPECT_TRUE(again.skipped.empty());
+    ASSERT_EQ(again.observations.size(), survey.observations.size());
+    EXPECT_EQ(again.set_ups.size(), survey.set_ups.size());
+    for (std::size_t i = 0; i < survey.observations.size(); ++i) {
+      const Observation &x = survey.observations[i], &y = again.observations[i];
+      EXPECT_EQ(x.kind, y.kind);
+      EXPECT_EQ(x.from, y.from);
+      EXPECT_EQ(x.to, y.to);
+      EXPECT_NEAR(std::remainder(x.value - y.value, 2 * std::numbers::pi), 0, 1e-11);
+      EXPECT_NEAR(x.sigma, y.sigma, 1e-12);
+      const double height = std::isnan(x.instrument_height)
+                                ? survey.set_ups[static_cast<std::size_t>(x.set_up)].instrument_height
+                                : x.instrument_height;
+      EXPECT_NEAR(height, y.instrument_height, 1e-12);
+    }
+    for (const Point& p : survey.points)
+      for (int axis = 0; axis < 3; ++axis)
+        if (!std::isnan(p.coordinates[axis])) {
+          EXPECT_EQ(point(again, p.id).coordinates[axis], p.coordinates[axis]);
+        }
+  }
+}
+
+}  // namespace
+}  // namespace plumbline::survey

@@ -1,0 +1,242 @@
+#include "survey_files/gsi.hpp"
+
+#include <gtest/gtest.h>
+
+#include "survey_test_support.hpp"
+
+namespace plumbline::survey {
+namespace {
+
+using namespace test_help;
+using enum ObservationKind;
+
+TEST(Gsi, ReadsGsi8WithStationCoordinatesAndAllUnits) {
+  const auto survey = read_gsi(fixture("station_coordinates.gsi"), "a.gsi");
+  ASSERT_EQ(survey.set_ups.size(), 2u);
+  EXPECT_EQ(survey.set_ups[0].station, "S1");
+  EXPECT_DOUBLE_EQ(survey.set_ups[0].instrument_height, 1.5);
+  EXPECT_DOUBLE_EQ(survey.set_ups[1].instrument_height, 1.4);
+  EXPECT_EQ(point(survey, "S1").coordinates, Eigen::Vector3d(100, 200, 10));
+  EXPECT_EQ(point(survey, "KP07").coordinates, Eigen::Vector3d(120, -5, 12));
+  EXPECT_TRUE(survey.skipped.empty());
+
+  EXPECT_DOUBLE_EQ(value(survey, 0, direction), 50 * kGon);
+  EXPECT_DOUBLE_EQ(value(survey, 0, slope_distance), 12.345);
+  EXPECT_EQ(observation(survey, 0, slope_distance).face, 1);
+  EXPECT_EQ(observation(survey, 0, slope_distance).corrections,
+            std::vector<std::string>{"in the instrument: ppm 220, prism constant 2 mm"});
+  EXPECT_EQ(observation(survey, 0, direction).source.line, 2);
+  EXPECT_EQ(point(survey, "A101").code, "PLATE A");
+  EXPECT_EQ(observation(survey, 1, zenith_angle).face, 2);
+  EXPECT_DOUBLE_EQ(value(survey, 1, zenith_angle), 310 * kGon) << "face 2 stays as measured";
+  EXPECT_DOUBLE_EQ(value(survey, 2, direction), 45 * kDegree);
+  EXPECT_DOUBLE_EQ(value(survey, 2, slope_distance), 10 * 0.3048);
+  EXPECT_NEAR(value(survey, 3, direction), (359 + 59 / 60. + 56.1 / 3600) * kDegree, 1e-15);
+  EXPECT_THROW(value(survey, 3, slope_distance), std::runtime_error) << "a distance of 0 is none";
+  EXPECT_DOUBLE_EQ(value(survey, 4, direction), std::numbers::pi / 2);
+  EXPECT_DOUBLE_EQ(value(survey, 4, slope_distance), 12.3456);
+  EXPECT_DOUBLE_EQ(value(survey, 5, slope_distance), 12.34567);
+  // Target height holds until changed; a change of the instrument height belongs to the observations after it.
+  EXPECT_DOUBLE_EQ(observation(survey, 3, direction).target_height, 1.6);
+  EXPECT_DOUBLE_EQ(observation(survey, 5, direction).target_height, 0);
+  EXPECT_TRUE(std::isnan(observation(survey, 3, direction).instrument_height));
+  EXPECT_DOUBLE_EQ(observation(survey, 5, direction).instrument_height, 1.51);
+  EXPECT_TRUE(std::isnan(observation(survey, 6, direction).instrument_height)) << "a new set-up has its own";
+  EXPECT_EQ(observation(survey, 6, direction).from, "S2");
+}
+
+TEST(Gsi, UsSurveyFeetOnRequest) {
+  const auto survey = read_gsi(fixture("station_coordinates.gsi"), "a.gsi", {.us_survey_foot = true});
+  EXPECT_DOUBLE_EQ(value(survey, 2, slope_distance), 10 * 1200.0 / 3937.0);
+}
+
+TEST(Gsi, ReadsCodeBlocksInAFileWithCrOnly) {
+  const auto survey = read_gsi(fixture("code_block_cr_only.gsi"), "a.gsi");
+  ASSERT_EQ(survey.set_ups.size(), 1u);
+  EXPECT_EQ(survey.set_ups[0].station, "ST01");
+  EXPECT_DOUBLE_EQ(survey.set_ups[0].instrument_height, 1.538);
+  ASSERT_EQ(survey.observations.size(), 9u);
+  EXPECT_EQ(observation(survey, 0, slope_distance).corrections.at(0), "in the instrument: ppm 17, prism constant 0 mm");
+  EXPECT_EQ(observation(survey, 1, slope_distance).corrections.at(0),
+            "in the instrument: ppm 12.0000, prism constant -34.4 mm");
+  EXPECT_EQ(point(survey, "A-101").code, "") << "dashes are an empty remark";
+  EXPECT_EQ(observation(survey, 2, direction).set_number, 1) << "first sighting in face 2";
+  ASSERT_EQ(survey.warnings.size(), 1u);
+  EXPECT_NE(survey.warnings[0].find("'13'"), std::string::npos);
+}
+
+TEST(Gsi, StationCodeIsConfigurable) {
+  GsiOptions options;
+  options.station_codes = {{.code = "13", .station_word = 42, .height_word = 43, .height_unit = 1.0}};
+  const auto survey = read_gsi(fixture("code_block_cr_only.gsi"), "a.gsi", options);
+  ASSERT_EQ(survey.set_ups.size(), 2u);
+  EXPECT_EQ(survey.set_ups[0].station, "free-station-1");
+  EXPECT_EQ(survey.set_ups[1].station, "REMARK");
+}
+
+TEST(Gsi, DamageCostsTheWordNotTheFile) {
+  const auto survey = read_gsi(fixture("damaged.gsi"), "cut.gsi");
+  ASSERT_EQ(survey.set_ups.size(), 3u);
+  EXPECT_EQ(survey.set_ups[0].station, "ST01") << "word 16";
+  EXPECT_EQ(survey.set_ups[1].station, "ST02");
+  EXPECT_EQ(survey.set_ups[2].station, "free-station-1") << "after an unreadable start, never the station before";
+  EXPECT_TRUE(skipped(survey, 2, 50, "16 digits")) << "text where digits belong";
+  EXPECT_TRUE(skipped(survey, 3, 74, "16 digits")) << "a number cut in half must not become another number";
+  EXPECT_TRUE(skipped(survey, 4, 26, "GSI word"));
+  EXPECT_TRUE(skipped(survey, 5, 1, "GSI word"));
+  EXPECT_TRUE(skipped(survey, 7, 26, "minutes and seconds below 60"));
+  EXPECT_TRUE(skipped(survey, 7, 74, "100 km"));
+  EXPECT_TRUE(skipped(survey, 8, 2, "code word"));
+  EXPECT_TRUE(skipped(survey, 10, 2, "the line seems cut"));
+  EXPECT_EQ(survey.skipped.front().source.file, "cut.gsi");
+  EXPECT_DOUBLE_EQ(value(survey, 0, slope_distance), 29.462) << "the good words of a damaged line are kept";
+  EXPECT_THROW(value(survey, 1, slope_distance), std::runtime_error);
+}
+
+TEST(Gsi, ALineCutInHalfNamesFileLineColumnAndWhatWasExpected) {
+  try {
+    read_gsi("*110015+000000000000BP03 21.322+00000000169\r\n", "half.gsi");
+    FAIL() << "nothing usable in the file";
+  } catch (const SurveyReadError& error) {
+    EXPECT_NE(
+        std::string(error.what()).find("half.gsi:1:26: found '21.322+00000000169', expected an angle of 16 digits"),
+        std::string::npos)
+        << error.what();
+  }
+}
+
+TEST(Gsi, ALineCutBetweenTwoWordsIsTold) {
+  const std::string station = "410001+00000021 42....+00000S1A 43....+00001500 \r\n";
+  const std::string whole = "110002+000000P1 21.322+01000000 22.322+10000000 31..00+00012345 87..10+00001600 \r\n";
+  const std::string next = "110003+000000P2 21.322+02000000 22.322+10000000 31..00+00012345 87..10+00001600 \r\n";
+  const auto name_only = read_gsi(station + whole + next.substr(0, 16), "cut.gsi");
+  ASSERT_EQ(name_only.skipped.size(), 1u);
+  EXPECT_TRUE(skipped(name_only, 3, 1, "words 21, 22, 31, 87 after it"));
+  const auto direction_only = read_gsi(station + whole + next.substr(0, 32), "cut.gsi");
+  EXPECT_TRUE(direction_only.skipped.empty()) << "a direction alone is a measurement";
+  ASSERT_EQ(direction_only.warnings.size(), 1u);
+  EXPECT_NE(direction_only.warnings[0].find("line 3 ends where the sighting before goes on with words 22, 31, 87"),
+            std::string::npos);
+  const auto no_distance =
+      read_gsi(station + whole + "110003+000000P2 21.322+02000000 22.322+10000000 87..10+00001600 \r\n", "whole.gsi");
+  EXPECT_TRUE(no_distance.skipped.empty() && no_distance.warnings.empty()) << "another kind of sighting, not a cut one";
+}
+
+TEST(Gsi, ReadsBlocksWithoutLineEndsAndNamesInWindows1252) {
+  const auto survey =
+      read_gsi(fixture("one_line_windows_1252.gsi"), "a.gsi", {.vertical_reference = GsiVerticalReference::horizon});
+  ASSERT_EQ(survey.set_ups.size(), 1u);
+  EXPECT_EQ(survey.set_ups[0].station,
+            "S\xC3\xBC"
+            "d-1");
+  EXPECT_EQ(observation(survey, 0, direction).to, "TOR T\xC3\x9CR");
+  EXPECT_DOUBLE_EQ(value(survey, 0, zenith_angle), 90 * kGon);
+  EXPECT_DOUBLE_EQ(value(survey, 1, zenith_angle), 310 * kGon) << "face 2";
+  EXPECT_EQ(observation(survey, 1, direction).face, 2);
+}
+
+TEST(Gsi, WarnsOfAHorizonReference) {
+  const auto survey = read_gsi(
+      "110001+00000001 21.322+05000000 22.322+00100000 31..00+00012345\n"
+      "110002+00000002 21.322+05000000 22.322+39900000 31..00+00012345\n",
+      "a.gsi");
+  ASSERT_EQ(survey.warnings.size(), 2u);
+  EXPECT_NE(survey.warnings[1].find("'horizon'"), std::string::npos);
+}
+
+TEST(Gsi, AFileThatIsNoneSaysWhatIsUnderstood) {
+  for (const std::string& bytes : {std::string(), std::string("\0\0\0\0", 4), std::string("hello\nworld\n"),
+                                   std::string(100000, '*'), fixture("empty_words.gsi")}) {
+    try {
+      read_gsi(bytes, "none.gsi");
+      FAIL() << bytes.substr(0, 20);
+    } catch (const SurveyReadError& error) {
+      EXPECT_NE(std::string(error.what()).find("none.gsi"), std::string::npos);
+    }
+  }
+  try {
+    read_gsi("hello", "none.gsi");
+  } catch (const SurveyReadError& error) {
+    EXPECT_NE(std::string(error.what()).find("JobXML"), std::string::npos) << error.what();
+  }
+}
+
+TEST(Gsi, ReadsTheNetworkOf22SetUps) {
+  PLUMBLINE_REQUIRE_DATA("survey/gsi/network_22_setups.GSI");
+  const auto survey = read_gsi(test::read_file(test::data_file("survey/gsi/network_22_setups.GSI")), "network.GSI");
+  EXPECT_EQ(survey.set_ups.size(), 22u);
+  EXPECT_EQ(survey.observations.size(), 3u * 1400u);
+  EXPECT_EQ(survey.points.size(), 22u);
+  EXPECT_TRUE(survey.skipped.empty());
+  EXPECT_TRUE(survey.warnings.empty());
+  // Lines 1 and 2 of the file.
+  EXPECT_EQ(survey.set_ups[0].station, "BP04");
+  EXPECT_DOUBLE_EQ(survey.set_ups[0].instrument_height, 1.538);
+  EXPECT_EQ(observation(survey, 0, direction).to, "BP03");
+  EXPECT_DOUBLE_EQ(value(survey, 0, direction), 169.01313 * kGon);
+  EXPECT_DOUBLE_EQ(value(survey, 0, zenith_angle), 99.55914 * kGon);
+  EXPECT_DOUBLE_EQ(value(survey, 0, slope_distance), 29.462);
+  EXPECT_DOUBLE_EQ(observation(survey, 0, slope_distance).target_height, 1.565);
+  // Four targets, each in both faces, seven rounds.
+  EXPECT_EQ(observation(survey, 4, zenith_angle).face, 2);
+  EXPECT_EQ(observation(survey, 4, zenith_angle).set_number, 1);
+  EXPECT_EQ(observation(survey, 8, zenith_angle).set_number, 2);
+}
+
+TEST(Gsi, ReadsSexagesimalAnglesWithoutAStation) {
+  PLUMBLINE_REQUIRE_DATA("survey/gsi/gurob_gsi16_dms.gsi");
+  const auto survey = read_gsi(test::read_file(test::data_file("survey/gsi/gurob_gsi16_dms.gsi")), "gurob.gsi");
+  EXPECT_EQ(survey.observations.size(), 3u * 343u);
+  ASSERT_EQ(survey.set_ups.size(), 1u);
+  EXPECT_DOUBLE_EQ(survey.set_ups[0].instrument_height, 1.324);
+  // 21.024+0000000003545100: 35 deg 45' 10.0"; 22.024+0000000009117510: 91 deg 17' 51.0".
+  EXPECT_NEAR(value(survey, 0, direction), (35 + 45 / 60. + 10 / 3600.) * kDegree, 1e-15);
+  EXPECT_NEAR(value(survey, 0, zenith_angle), (91 + 17 / 60. + 51 / 3600.) * kDegree, 1e-15);
+  EXPECT_DOUBLE_EQ(value(survey, 0, slope_distance), 13.825);
+  EXPECT_EQ(survey.warnings.size(), 1u) << "the station has no name";
+}
+
+TEST(GsiWriter, RealNetworkReadsBackTheSame) {
+  PLUMBLINE_REQUIRE_DATA("survey/gsi/network_22_setups.GSI");
+  const auto survey = read_gsi(test::read_file(test::data_file("survey/gsi/network_22_setups.GSI")), "network.GSI");
+  const std::string text = write_gsi(survey);
+  const auto again = read_gsi(text, "again.gsi");
+  expect_same(survey, again, 1e-12);
+  EXPECT_EQ(write_gsi(again), text);
+}
+
+TEST(GsiWriter, AnySurveyReadsBackTheSame) {
+  for (unsigned long long seed = 1; seed <= 50; ++seed) {
+    auto survey = random_survey(seed);
+    for (const auto start : {GsiStationStart::code_block, GsiStationStart::station_coordinates}) {
+      const std::string text = write_gsi(survey, {.station_start = start});
+      const auto again = read_gsi(text, "again.gsi");
+      EXPECT_TRUE(again.skipped.empty());
+      for (std::size_t i = 0; i < survey.observations.size() && i < again.observations.size(); ++i)
+        survey.observations[i].set_number = again.observations[i].set_number;
+      expect_same(survey, again, 1e-5);
+      EXPECT_EQ(write_gsi(again, {.station_start = start}), text) << "seed " << seed;
+    }
+  }
+}
+
+TEST(GsiWriter, RefusesWhatGsiCannotHold) {
+  const auto with = [](auto change) {
+    auto survey = random_survey(1);
+    change(survey);
+    return survey;
+  };
+  using Survey = SurveyObservations;
+  EXPECT_THROW(write_gsi(with([](Survey& s) { s.observations[0].to = "A NAME OF 17 CHARS"; })), std::runtime_error);
+  EXPECT_THROW(write_gsi(with([](Survey& s) { s.observations[0].to = ""; })), std::runtime_error);
+  EXPECT_THROW(write_gsi(with([](Survey& s) { s.observations[0].to = "\xD0\x96"; })), std::runtime_error);
+  EXPECT_THROW(write_gsi(with([](Survey& s) { s.observations[0].to = "7", s.observations[3].to = "007"; })),
+               std::runtime_error);
+  EXPECT_THROW(write_gsi(with([](Survey& s) { s.observations[0].kind = azimuth; })), std::runtime_error);
+  EXPECT_THROW(write_gsi(with([](Survey& s) { s.observations[0].set_up = -1; })), std::runtime_error);
+  EXPECT_THROW(write_gsi(with([](Survey& s) { s.observations[2].value = 1e30; })), std::runtime_error);
+  EXPECT_THROW(write_gsi(with([](Survey& s) { s.observations[1].kind = direction; })), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace plumbline::survey

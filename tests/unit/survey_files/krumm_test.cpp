@@ -1,0 +1,50 @@
+#include "survey_files/krumm.hpp"
+
+#include <gtest/gtest.h>
+
+#include "survey_test_support.hpp"
+
+namespace plumbline::survey {
+namespace {
+
+using namespace test_help;
+using enum ObservationKind;
+
+TEST(Krumm, ReadsSectionsAndListsWhatItCannotUse) {
+  const auto survey = read_krumm(fixture("krumm.dat"), "k.dat");
+  EXPECT_EQ(survey.info.title, "Test network");
+  EXPECT_EQ(point(survey, "B").coordinates, Eigen::Vector3d(100, 0, 11));
+  using enum CoordinateRole;
+  EXPECT_EQ(point(survey, "A").roles, (std::array{fixed, fixed, fixed}));
+  EXPECT_EQ(point(survey, "B").roles, (std::array{free, free, free}));
+  EXPECT_EQ(point(survey, "H").roles, (std::array{unused, unused, free})) << "a lone coordinate is a height";
+  ASSERT_EQ(survey.observations.size(), 3u);
+  EXPECT_DOUBLE_EQ(survey.observations[0].sigma, std::sqrt(9e-6 + 100.004 * 1e-8));
+  EXPECT_DOUBLE_EQ(survey.observations[1].sigma, 0.005);
+  EXPECT_EQ(survey.observations[2].kind, height_difference);
+  EXPECT_TRUE(skipped(survey, 8, 5, "a coordinate"));
+  EXPECT_TRUE(skipped(survey, 11, 14, "name of a point"));
+  EXPECT_TRUE(skipped(survey, 11, 17, "name of a point"));
+  EXPECT_TRUE(skipped(survey, 17, 5, "above zero"));
+  EXPECT_TRUE(skipped(survey, 18, 1, "another point"));
+  EXPECT_TRUE(skipped(survey, 19, 1, "from, to, value"));
+  EXPECT_TRUE(skipped(survey, 22, 1, "one of the sections"));
+}
+
+TEST(Krumm, ReadsTheNetworkOfBlankenbachAndWillert) {
+  const std::string name = "survey/BlankenbachWillert3D_Distance_fix.dat";
+  PLUMBLINE_REQUIRE_DATA(name);
+  const auto survey = read_krumm(test::read_file(test::data_file(name)), "b.dat");
+  EXPECT_EQ(survey.points.size(), 9u);
+  EXPECT_EQ(point(survey, "MS").coordinates, Eigen::Vector3d(-2.59, 24.22, 9.62));
+  EXPECT_EQ(point(survey, "MS").roles[0], CoordinateRole::free);
+  EXPECT_EQ(point(survey, "102").roles[2], CoordinateRole::fixed);
+  ASSERT_EQ(survey.observations.size(), 8u);
+  EXPECT_EQ(survey.observations[6].to, "103");
+  EXPECT_EQ(survey.observations[6].value, 8.17);
+  for (const Observation& o : survey.observations) EXPECT_EQ(o.sigma, 0.05);
+  EXPECT_TRUE(survey.skipped.empty());
+}
+
+}  // namespace
+}  // namespace plumbline::survey

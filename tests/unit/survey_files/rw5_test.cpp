@@ -1,0 +1,62 @@
+#include "survey_files/rw5.hpp"
+
+#include <gtest/gtest.h>
+
+#include "survey_test_support.hpp"
+
+namespace plumbline::survey {
+namespace {
+
+using namespace test_help;
+using enum ObservationKind;
+
+TEST(Rw5, ReadsAnglesFacesAndHeights) {
+  const auto survey = read_rw5(fixture("carlson.rw5"), "c.rw5");
+  EXPECT_EQ(point(survey, "K1").coordinates, Eigen::Vector3d(110, 210, 12));
+  EXPECT_EQ(point(survey, "S1").description, "nail");
+  EXPECT_DOUBLE_EQ(survey.set_ups.at(0).instrument_height, 1.5);
+  EXPECT_NEAR(value(survey, 0, zenith_angle), 90.5 * kDegree, 1e-15);
+  EXPECT_EQ(observation(survey, 1, direction).face, 2);
+  EXPECT_NEAR(value(survey, 1, direction), (180 + 10 / 3600.) * kDegree, 1e-15);
+  EXPECT_NEAR(value(survey, 2, direction), (55 + 5 / 60. + 52 / 3600.) * kDegree, 1e-15);
+  EXPECT_TRUE(skipped(survey, 9, 24, "D.MMSS")) << "70 minutes";
+  EXPECT_NEAR(value(survey, 3, direction), 350 * kDegree, 1e-14) << "angle left";
+  EXPECT_NEAR(value(survey, 3, zenith_angle), 89 * kDegree, 1e-15) << "vertical angle";
+  EXPECT_DOUBLE_EQ(value(survey, 3, horizontal_distance), 12.5);
+  EXPECT_DOUBLE_EQ(value(survey, 4, height_difference), 0.5);
+  EXPECT_DOUBLE_EQ(observation(survey, 4, direction).instrument_height, 1.51);
+  EXPECT_DOUBLE_EQ(observation(survey, 4, direction).target_height, 2.0);
+  // Azimuths need an orientation of their own, and a new backsight gives a new one.
+  ASSERT_EQ(survey.set_ups.size(), 3u);
+  EXPECT_EQ(survey.set_ups[1].id, "S1/2");
+  EXPECT_EQ(observation(survey, 5, direction).set_up, 1);
+  EXPECT_NEAR(value(survey, 6, direction), 225.5 * kDegree, 1e-14) << "bearing S45.30W";
+  EXPECT_NEAR(value(survey, 7, direction), 190 * kDegree, 1e-14) << "deflection right";
+  EXPECT_EQ(observation(survey, 7, direction).set_up, 2);
+  EXPECT_TRUE(skipped(survey, 13, 35, "a number behind SD"));
+  EXPECT_TRUE(skipped(survey, 18, 1, "a record"));
+  ASSERT_EQ(survey.warnings.size(), 1u);
+  EXPECT_NE(survey.warnings[0].find("'GPS'"), std::string::npos);
+}
+
+TEST(Rw5, ReadsARealFileInFeet) {
+  PLUMBLINE_REQUIRE_DATA("survey/rw5/Leica1200.rw5");
+  const auto survey = read_rw5(test::read_file(test::data_file("survey/rw5/Leica1200.rw5")), "Leica1200.rw5");
+  EXPECT_EQ(survey.info.title, "MY RW5 JOB");
+  ASSERT_EQ(survey.set_ups.size(), 1u);
+  EXPECT_EQ(survey.set_ups[0].station, "111");
+  EXPECT_DOUBLE_EQ(survey.set_ups[0].instrument_height, 5.684 * 0.3048);
+  EXPECT_EQ(survey.observations.size(), 3u * 10u);
+  EXPECT_NEAR(value(survey, 1, direction), (55 + 5 / 60. + 52.1 / 3600.) * kDegree, 1e-14);
+  EXPECT_DOUBLE_EQ(value(survey, 1, slope_distance), 3.3566 * 0.3048);
+  EXPECT_DOUBLE_EQ(observation(survey, 1, direction).instrument_height, 3.684 * 0.3048);
+  EXPECT_DOUBLE_EQ(point(survey, "111").coordinates[1], 16556174.237 * 0.3048);
+  EXPECT_TRUE(survey.skipped.empty());
+}
+
+TEST(Rw5, OtherTextIsRefused) {
+  EXPECT_NE(error_of([] { read_rw5("hello\n", "x.rw5"); }).find("x.rw5:1:1: found 'hello'"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace plumbline::survey

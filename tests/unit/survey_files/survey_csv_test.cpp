@@ -1,0 +1,167 @@
+#include "survey_files/survey_csv.hpp"
+
+#include <gtest/gtest.h>
+
+#include "survey_test_support.hpp"
+#include "text/csv_table.hpp"
+
+namespace plumbline::survey {
+namespace {
+
+using namespace test_help;
+using enum ObservationKind;
+
+TEST(CsvTable, DetectsDelimiterAndDecimalSeparator) {
+  const auto dialect = [](const char* text) { return formats::read_csv(text, {}).dialect(); };
+  EXPECT_EQ(dialect("1,2.5,3.5\n"), "delimiter ',', decimal separator '.'");
+  EXPECT_EQ(dialect("P1;2,5;3,5\n"), "delimiter ';', decimal separator ','");
+  EXPECT_EQ(dialect("P1 2,5 3,5\n"), "delimiter blank, decimal separator ','");
+  EXPECT_EQ(dialect("P1\t2.5\t3\n"), "delimiter tab, decimal separator '.'");
+  EXPECT_EQ(dialect("P1, 2.5, 3.25\n"), "delimiter ',', decimal separator '.'");
+  EXPECT_EQ(dialect("P1;1;2\nP2;1,5;2\n"), "delimiter ';', decimal separator ','");
+}
+
+TEST(CsvTable, QuotesAndColumns) {
+  const auto table = formats::read_csv("a,\"b,\"\"c\",  d\n", {});
+  ASSERT_EQ(table.rows.size(), 1u);
+  ASSERT_EQ(table.rows[0].cells.size(), 3u);
+  EXPECT_EQ(table.rows[0].cells[1].text, "b,\"c");
+  EXPECT_EQ(table.rows[0].cells[2].column, 13);
+  EXPECT_EQ(formats::csv_field("b,\"c"), "\"b,\"\"c\"");
+}
+
+TEST(SurveyCsv, ReadsPointsWithDecimalCommaAndLatin1) {
+  const auto survey = read_survey_csv(fixture("points_penzd.csv"), "p.csv");
+  EXPECT_EQ(point(survey, "A-1").coordinates, Eigen::Vector3d(1000.125, 2000.5, 10.25));
+  EXPECT_EQ(point(survey, "A-2").code, "Plat;te");
+  EXPECT_TRUE(std::isnan(point(survey, "A-5").coordinates[2]));
+  EXPECT_EQ(survey.points.size(), 3u);
+  EXPECT_TRUE(skipped(survey, 4, 5, "a number in column e (delimiter ';', decimal separator ',')"));
+  EXPECT_TRUE(skipped(survey, 5, 8, "a number"));
+  EXPECT_TRUE(skipped(survey, 7, 1, "above zero")) << "a standard deviation of zero is a mistake";
+  ASSERT_EQ(survey.coordinates.size(), 2u);
+  EXPECT_TRUE(survey.coordinates[0].is_control);
+  ASSERT_EQ(survey.coordinates[0].components.size(), 1u) << "only the height has a standard deviation";
+  EXPECT_EQ(survey.coordinates[0].components[0].axis, 2);
+  EXPECT_DOUBLE_EQ(survey.coordinates[0].covariance(0, 0), 0.8e-3 * 0.8e-3);
+}
+
+TEST(SurveyCsv, GermanHeightsAndColumnsThatNobodyKnows) {
+  const auto survey = read_survey_csv(
+      "Standpunkt;Zielpunkt;Hz [gon];Zenitdistanz [gon];Schr\xC3\xA4gstrecke [m];Instrumentenh\xC3\xB6he [m];"
+      "Zielh\xC3\xB6he [m];Wetter\r\nS1;A;0,0000;100,1234;12,3456;1,500;1,600;Sonne\r\n",
+      "de.csv");
+  ASSERT_EQ(survey.set_ups.size(), 1u);
+  EXPECT_DOUBLE_EQ(survey.set_ups[0].instrument_height, 1.5);
+  EXPECT_DOUBLE_EQ(survey.observations[0].target_height, 1.6);
+  ASSERT_EQ(survey.warnings.size(), 1u) << "a column that is left out might be a height";
+  EXPECT_NE(survey.warnings[0].find("'wetter'"), std::string::npos) << survey.warnings[0];
+}
+
+TEST(SurveyCsv, SpreadsheetsSepLineIsNoHeader) {
+  const auto survey = read_survey_csv("sep=;\r\nid;e;n;h\r\nA;1,5;2,0;3,0\r\n", "sep.csv");
+  EXPECT_EQ(point(survey, "A").coordinates, Eigen::Vector3d(1.5, 2, 3));
+  EXPECT_TRUE(survey.warnings.empty());
+  EXPECT_TRUE(survey.skipped.empty());
+}
+
+TEST(SurveyCsv, TableWithoutHeaderIsPenzdWithAWarningOrAsTold) {
+  const auto survey = read_survey_csv(fixture("points_no_header.txt"), "p.txt");
+  EXPECT_EQ(point(survey, "P1").coordinates, Eigen::Vector3d(1000.125, 2000.5, 10.25));
+  EXPECT_EQ(point(survey, "P1").description, "PLATE");
+  EXPECT_EQ(survey.skipped.size(), 1u) << "'nan' is no number";
+  ASSERT_EQ(survey.warnings.size(), 1u);
+  const auto swapped = read_survey_csv(fixture("points_no_header.txt"), "p.txt", {.columns = "PNEZC"});
+  EXPECT_EQ(point(swapped, "P1").coordinates, Eigen::Vector3d(2000.5, 1000.125, 10.25));
+  EXPECT_EQ(point(swapped, "P1").code, "PLATE");
+  EXPECT_TRUE(swapped.warnings.empty());
+  const auto named = read_survey_csv("S1 A 100 100 12,5\n", "s.txt", {.columns = "station,target,hz,v,sd"});
+  EXPECT_DOUBLE_EQ(value(named, 0, slope_distance), 12.5);
+  EXPECT_NE(error_of([] { read_survey_csv("P 1 2", "p.txt", {.columns = "PQ"}); }).find("'Q'"), std::string::npos);
+}
+
+TEST(SurveyCsv, ReadsSightingsWithUnitsInTheHeader) {
+  const auto survey = read_survey_csv(fixture("sightings.csv"), "s.csv");
+  ASSERT_EQ(survey.set_ups.size(), 2u);
+  EXPECT_DOUBLE_EQ(value(survey, 0, direction), 45.5 * kDegree);
+  EXPECT_DOUBLE_EQ(value(survey, 0, slope_distance), 12.345);
+  EXPECT_EQ(observation(survey, 1, zenith_angle).face, 2);
+  EXPECT_DOUBLE_EQ(observation(survey, 2, direction).instrument_height, 1.55);
+  EXPECT_TRUE(skipped(survey, 5, 13, "not negative"));
+  EXPECT_TRUE(skipped(survey, 6, 23, "face 1 or 2"));
+  EXPECT_DOUBLE_EQ(value(survey, 3, slope_distance), 5.0);
+}
+
+TEST(SurveyCsv, ReadsCoordinatesOfEachSetUpWithCovariance) {
+  ASSERT_TRUE(has_setup_coordinates_header(fixture("setup_coordinates.csv")));
+  EXPECT_FALSE(has_setup_coordinates_header(fixture("points_penzd.csv")));
+  EXPECT_FALSE(has_setup_coordinates_header(fixture("sightings.csv")));
+  const auto survey = read_setup_coordinates(fixture("setup_coordinates.csv"), "c.csv");
+  ASSERT_EQ(survey.local_coordinates.size(), 2u);
+  const LocalCoordinate& first = survey.local_coordinates[0];
+  EXPECT_EQ(first.position, Eigen::Vector3d(1.5, 12.25, 0.5));
+  EXPECT_DOUBLE_EQ(first.covariance(1, 0), 2e-7);
+  EXPECT_DOUBLE_EQ(first.target_height, 0.1);
+  EXPECT_TRUE(skipped(survey, 3, 21, "positive definite"));
+  EXPECT_TRUE(std::isnan(survey.local_coordinates[1].covariance(0, 0)));
+  EXPECT_EQ(survey.set_ups[1].station, "S2");
+  EXPECT_TRUE(skipped(survey, 5, 1, "x, y and z") || skipped(survey, 5, 6, "x, y and z"));
+}
+
+TEST(SurveyCsv, UnknownUnitsAndTablesAreErrors) {
+  EXPECT_NE(error_of([] {
+              read_survey_csv("station,target,hz [parsec]\nA,B,1\n", "u.csv");
+            }).find("u.csv:1:1: found the unit 'parsec'"),
+            std::string::npos);
+  EXPECT_NE(error_of([] { read_survey_csv("hello\n", "u.csv"); }).find("formats understood"), std::string::npos);
+  EXPECT_NE(error_of([] { read_survey_csv("", "u.csv"); }).find("u.csv"), std::string::npos);
+  EXPECT_NE(error_of([] { read_setup_coordinates("a,b\n1,2\n", "u.csv"); }).find("set_up"), std::string::npos);
+}
+
+TEST(SurveyCsvWriter, AnySurveyReadsBackTheSame) {
+  for (unsigned long long seed = 1; seed <= 20; ++seed) {
+    SurveyObservations survey = random_survey(seed);
+    survey.observations[3].sigma = 1e-5;
+    survey.observations[4].corrections = {"ppm 12", "prism constant -34.4 mm"};
+    survey.points[0].roles = {CoordinateRole::fixed, CoordinateRole::constrained, CoordinateRole::unused};
+    survey.points[1].description = "quoted \"text\", with; all";
+    CoordinateGroup control;
+    control.components = {{survey.points[0].id, 2}};
+    control.values = Eigen::VectorXd::Constant(1, 12.5);
+    control.covariance = Eigen::MatrixXd::Constant(1, 1, 1e-6);
+    control.is_control = true;
+    survey.coordinates.push_back(control);
+    LocalCoordinate local;
+    local.set_up = 1;
+    local.point = survey.points[4].id;
+    local.position = {1, 2, 3};
+    local.covariance = Eigen::Matrix3d::Identity() * 1e-6;
+    survey.local_coordinates.push_back(local);
+    const std::string text = write_survey_csv(survey);
+    const auto again = read_survey_csv(text, "again.csv");
+    EXPECT_TRUE(again.skipped.empty()) << again.skipped.front().expected << again.skipped.front().found;
+    for (std::size_t i = 0; i < survey.observations.size(); ++i)
+      survey.observations[i].set_number = again.observations.at(i).set_number;
+    expect_same(survey, again, 1e-13);
+    EXPECT_NEAR(again.observations[3].sigma, 1e-5, 1e-18);
+    EXPECT_EQ(again.observations[4].corrections, survey.observations[4].corrections);
+    ASSERT_EQ(again.points.size(), survey.points.size());
+    for (std::size_t i = 0; i < survey.points.size(); ++i) {
+      EXPECT_EQ(again.points[i].id, survey.points[i].id);
+      EXPECT_EQ(again.points[i].roles, survey.points[i].roles);
+      EXPECT_EQ(again.points[i].description, survey.points[i].description);
+      for (int axis = 0; axis < 3; ++axis)
+        EXPECT_TRUE(again.points[i].coordinates[axis] == survey.points[i].coordinates[axis] ||
+                    std::isnan(survey.points[i].coordinates[axis]));
+    }
+    ASSERT_EQ(again.coordinates.size(), 1u);
+    EXPECT_EQ(again.coordinates[0].components[0].axis, 2);
+    EXPECT_EQ(again.coordinates[0].covariance, control.covariance);
+    ASSERT_EQ(again.local_coordinates.size(), 1u);
+    EXPECT_EQ(again.local_coordinates[0].covariance, local.covariance);
+    EXPECT_EQ(again.local_coordinates[0].set_up, 1);
+  }
+}
+
+}  // namespace
+}  // namespace plumbline::survey

@@ -1,0 +1,94 @@
+#include "survey_files/survey_format.hpp"
+
+#include <gtest/gtest.h>
+
+#include "survey_test_support.hpp"
+#include "text/text.hpp"
+
+namespace plumbline::survey {
+namespace {
+
+using namespace test_help;
+
+struct Known {
+  const char* file;
+  SurveyFormat format;
+};
+
+constexpr Known kFixtures[] = {
+    {"station_coordinates.gsi", SurveyFormat::gsi},
+    {"code_block_cr_only.gsi", SurveyFormat::gsi},
+    {"damaged.gsi", SurveyFormat::gsi},
+    {"one_line_windows_1252.gsi", SurveyFormat::gsi},
+    {"survey.landxml", SurveyFormat::landxml},
+    {"leica.hexml.xml", SurveyFormat::landxml},
+    {"job.jxl", SurveyFormat::jobxml},
+    {"wide.sdr", SurveyFormat::sdr33},
+    {"narrow.sdr", SurveyFormat::sdr33},
+    {"carlson.rw5", SurveyFormat::rw5},
+    {"network.gkf", SurveyFormat::gama_xml},
+    {"krumm.dat", SurveyFormat::krumm},
+    {"setup_coordinates.csv", SurveyFormat::setup_coordinates},
+    {"points_penzd.csv", SurveyFormat::csv},
+    {"points_no_header.txt", SurveyFormat::csv},
+    {"sightings.csv", SurveyFormat::csv},
+};
+
+TEST(SurveyFormat, IsFoundFromTheContentAlone) {
+  for (const Known& known : kFixtures) {
+    EXPECT_EQ(detect_survey_format(fixture(known.file), "unnamed"), known.format) << known.file;
+    EXPECT_EQ(detect_survey_format(fixture(known.file), "misnamed.gsi"), known.format) << known.file;
+  }
+}
+
+TEST(SurveyFormat, UnknownContentIsNoFormat) {
+  for (const char* text : {"", "   \n", "Dear all,\nplease find attached\nthe report.\n", "<html><body/></html>",
+                           "{\"a\": 1}", "<", "<!--", "<!DOCTYPE x [", "<?xml"})
+    EXPECT_EQ(detect_survey_format(text, "unnamed"), std::nullopt) << text;
+  EXPECT_EQ(detect_survey_format("<!DOCTYPE a [<!ENTITY b 'c'>]><!-- x --><n:LandXML/>", ""), SurveyFormat::landxml);
+  EXPECT_EQ(detect_survey_format("<?xml version='1.0'?><gama-local xmlns='x'>", ""), SurveyFormat::gama_xml);
+}
+
+TEST(SurveyFormat, ReadsEveryFormatAndInUtf16Too) {
+  for (const Known& known : kFixtures) {
+    const std::string bytes = fixture(known.file);
+    const SurveyObservations survey = read_survey(bytes, known.file);
+    EXPECT_EQ(survey.files.at(0), known.file);
+    const std::string utf8 = formats::decode_text(bytes).text;
+    bool ascii = true;
+    std::string utf16 = "\xFE\xFF";
+    for (const char c : utf8) {
+      ascii = ascii && static_cast<unsigned char>(c) < 0x80;
+      utf16 += {'\0', c};
+    }
+    if (ascii) {
+      EXPECT_EQ(read_survey(utf16, known.file).observations.size(), survey.observations.size()) << known.file;
+    }
+  }
+}
+
+TEST(SurveyFormat, AFileOfNoFormatSaysWhatWasFoundAndWhatIsUnderstood) {
+  const std::string text = error_of([] { read_survey("Dear all,\nplease find attached\n", "letter.txt"); });
+  EXPECT_NE(text.find("letter.txt:1:1: found a file that begins with 'Dear all,'"), std::string::npos) << text;
+  EXPECT_NE(text.find("Leica GSI-8 and GSI-16"), std::string::npos);
+  EXPECT_NE(error_of([] { read_survey("", "e"); }).find("an empty file (0 bytes)"), std::string::npos);
+}
+
+TEST(SurveyFormat, RealFiles) {
+  const std::pair<const char*, SurveyFormat> files[] = {
+      {"survey/gsi/network_22_setups.GSI", SurveyFormat::gsi},
+      {"survey/gsi/gurob_gsi16_dms.gsi", SurveyFormat::gsi},
+      {"survey/landxml/landxml.xml", SurveyFormat::landxml},
+      {"survey/rw5/Leica1200.rw5", SurveyFormat::rw5},
+      {"survey/sdr33/20151125.sdr", SurveyFormat::sdr33},
+      {"survey/BlankenbachWillert3D_Distance_fix.dat", SurveyFormat::krumm},
+      {"survey/gama/local_3d.gkf", SurveyFormat::gama_xml},
+      {"survey/gama/from-to-dh.gkf", SurveyFormat::gama_xml}};
+  for (const auto& [file, format] : files) {
+    PLUMBLINE_REQUIRE_DATA(file);
+    EXPECT_EQ(detect_survey_format(test::read_file(test::data_file(file)), ""), format) << file;
+  }
+}
+
+}  // namespace
+}  // namespace plumbline::survey
