@@ -28,7 +28,7 @@ struct Options {
   std::string memory;                  ///< "3GiB"; empty: the default
   std::string format = "dot";
   int threads = 0;
-  bool durable = false, json = false, quiet = false;
+  bool durable = false, json = false, quiet = false, overwrite = false;
 };
 
 int run(const Options& options);

@@ -45,6 +45,7 @@ std::vector<Command> declare(CLI::App& app, Options& options) {
   add_pipeline(run, options);
   run.add_option("--out", options.out, "folder for the named outputs and run.jsonl (default: out/<pipeline>)")
       ->type_name("DIR");
+  run.add_flag("--overwrite", options.overwrite, "replace files in the way of an output whoever wrote them");
   run.add_option("--threads", options.threads, "number of threads (default: all processors)")
       ->check(CLI::Range(1, 4096));
   run.add_option("--memory", options.memory,

@@ -65,6 +65,18 @@ void warn_of_output_in_input(const runtime::Graph& graph, const fs::path& out) {
     }
 }
 
+/// Files of the user's that the outputs would replace: told before anything runs.
+void refuse_obstacles(const std::vector<std::string>& obstacles, const Options& options) {
+  if (obstacles.empty()) return;
+  constexpr size_t most = 10;
+  std::string text = "nothing was run, because outputs would replace what this program did not write:";
+  for (size_t i = 0; i < std::min(obstacles.size(), most); ++i) text += "\n  " + obstacles[i];
+  if (obstacles.size() > most) text += "\n  and " + std::to_string(obstacles.size() - most) + " more";
+  text += options.overwrite ? "\nMove it away or choose another folder with --out DIR."
+                            : "\nChoose another folder with --out DIR, or replace them with --overwrite.";
+  throw UsageError(text);
+}
+
 }  // namespace
 
 int run(const Options& options) {
@@ -81,7 +93,9 @@ int run(const Options& options) {
   run_options.cancel = &cancel;
   runtime::RunInfo info{PLUMBLINE_VERSION, options.overrides, store.folder(), run_options.threads, run_options.memory};
   warn_of_output_in_input(graph, out);
-  runtime::Record record(out, graph, info);
+  runtime::OutputFolder folder(out, store.file_hashes(), options.overwrite);
+  refuse_obstacles(obstacles_to(graph, folder), options);
+  runtime::Record record(folder, graph, info);
 
   std::signal(SIGINT, ask_to_stop);
   std::signal(SIGTERM, ask_to_stop);
@@ -94,11 +108,12 @@ int run(const Options& options) {
     result = execute(graph, registry, store, run_options, progress);
   }
   std::vector<runtime::Delivery> deliveries;
-  if (!result.cancelled) deliveries = deliver(graph, registry, store, result, out);
+  if (!result.cancelled) deliveries = deliver(graph, registry, store, result, folder);
   record.end(result, deliveries);
 
   bool delivered = true;
   for (const auto& delivery : deliveries) {
+    if (!delivery.note.empty()) std::fprintf(stderr, "warning: %s\n", delivery.note.c_str());
     if (delivery.problem.empty()) continue;
     delivered = false;
     std::fprintf(stderr, "%s: output '%s' is not written: %s\n", graph.file.c_str(), delivery.file.c_str(),

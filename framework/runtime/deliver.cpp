@@ -1,15 +1,11 @@
 #include "runtime/deliver.hpp"
 
-#include <unistd.h>
-
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 #include <set>
 
 #include "artifacts/file.hpp"
 #include "artifacts/folder.hpp"
 #include "runtime/artifact_type.hpp"
+#include "runtime/digest.hpp"
 
 namespace plumbline::runtime {
 
@@ -17,20 +13,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-fs::path beside(const fs::path& path) {
-  return path.parent_path() / ("." + path.filename().string() + ".tmp-" + std::to_string(getpid()));
-}
-
-/// Renames `made` to `target`, whatever lies there.
-void put_in_place(const fs::path& made, const fs::path& target) {
-  std::error_code error;
-  if (fs::is_directory(target) || fs::is_directory(made)) fs::remove_all(target, error);
-  fs::rename(made, target, error);
-  if (!error) return;
-  std::error_code ignored;
-  fs::remove_all(made, ignored);
-  throw std::runtime_error("cannot write " + target.string() + ": " + error.message());
-}
+/// Raised when the same artifact is written with other bytes than before.
+constexpr const char* delivery_format = "plumbline delivery 1";
 
 Blob verified(Store& store, const plumbline_type& type, const std::string& hash) {
   Blob blob = store.get(hash);
@@ -39,105 +23,102 @@ Blob verified(Store& store, const plumbline_type& type, const std::string& hash)
   return blob;
 }
 
-void write_file_artifact(const fs::path& path, const Blob& blob) {
-  const auto* file = flatbuffers::GetRoot<File>(blob.bytes().data);
-  write_file(path, file->content()->data(), file->content()->size());
+struct Delivered {
+  std::string type;
+  bool list = false, is_tree = false;
+};
+
+/// How an output is written depends on its port's type and cardinality, and on its name.
+Delivered what_is(const Graph& graph, const GraphOutput& output) {
+  const GraphNode& node = graph.nodes[output.from.node];
+  Delivered what{node.kind.output(output.from.port)->type, node.output_is_list.at(output.from.port), false};
+  what.is_tree =
+      (what.type == artifact_traits<File>::name && what.list) ||
+      (what.type == artifact_traits<Folder>::name && !what.list && fs::path(output.file).extension() != ".json");
+  return what;
 }
 
 /// A node chooses the names in a list of files, so they must not lead out of the folder.
-void write_file_list(Store& store, const plumbline_type& type, const Hashes& hashes, const fs::path& path) {
-  const fs::path making = beside(path);
-  fs::remove_all(making);
-  fs::create_directories(making);
+std::vector<TreeFile> files_of_list(Store& store, const plumbline_type& type, const Hashes& hashes) {
+  std::vector<TreeFile> files;
   std::set<std::string> names;
   for (const std::string& hash : hashes) {
     const Blob blob = verified(store, type, hash);
-    const std::string name = flatbuffers::GetRoot<File>(blob.bytes().data)->name()->str();
-    if (name.empty() || name[0] == '.' || name.find('/') != std::string::npos || !names.insert(name).second) {
-      fs::remove_all(making);
+    const auto* file = flatbuffers::GetRoot<File>(blob.bytes().data);
+    const std::string name = file->name()->str();
+    if (name.empty() || name[0] == '.' || name.find('/') != std::string::npos || !names.insert(name).second)
       throw std::runtime_error("a list of files with the name '" + name +
                                "', which is no plain name or is there twice");
-    }
-    write_file_artifact(making / name, blob);
+    files.push_back({name, sha256_of(file->content()->data(), file->content()->size()), [blob](const fs::path& target) {
+                       const auto* content = flatbuffers::GetRoot<File>(blob.bytes().data)->content();
+                       write_new_file(target, content->data(), content->size());
+                     }});
   }
-  put_in_place(making, path);
+  return files;
 }
 
-/// True if `path` holds the files of the folder and nothing else, so that gigabytes need not be copied again.
-bool holds_already(Store& store, const Folder& folder, const fs::path& path) {
-  std::error_code error;
-  if (!fs::is_directory(path, error)) return false;
-  size_t files = 0;
-  for (fs::recursive_directory_iterator entry(path, error), end; !error && entry != end; entry.increment(error))
-    files += !entry->is_directory(error);
-  if (error || files != folder.files()->size()) return false;
-  for (const auto* entry : *folder.files()) {
-    const fs::path file = path / entry->path()->str();
-    if (!fs::is_regular_file(file, error) || store.file_hashes().of_file(file) != entry->sha256()->str()) return false;
-  }
-  return true;
-}
-
-void copy_folder_artifact(Store& store, const Blob& blob, const fs::path& path) {
+/// The files are where the artifact says, and must still be what it says.
+std::vector<TreeFile> files_of_folder(Store& store, const Blob& blob) {
   const auto* folder = flatbuffers::GetRoot<Folder>(blob.bytes().data);
-  const fs::path source = store.resolve(folder->uri()->str()), making = beside(path);
+  const fs::path source = store.resolve(folder->uri()->str());
   if (source.empty() || !fs::is_directory(source))
     throw std::runtime_error("the folder " + folder->uri()->str() + " is not there any more");
-  if (holds_already(store, *folder, path)) return;
-  fs::remove_all(making);
-  fs::create_directories(making);
+  std::vector<TreeFile> files;
   for (const auto* entry : *folder->files()) {
     const fs::path relative = fs::path(entry->path()->str()).lexically_normal();
-    std::error_code error;
-    if (relative.empty() || relative.is_absolute() || *relative.begin() == "..")
-      error = std::make_error_code(std::errc::invalid_argument);
-    if (!error) fs::create_directories((making / relative).parent_path(), error);
-    if (!error) fs::copy_file(source / relative, making / relative, error);
-    if (error) {
-      fs::remove_all(making);
-      throw std::runtime_error("cannot copy " + (source / relative).string() + ": " + error.message());
-    }
+    if (relative.empty() || relative.is_absolute() || *relative.begin() == ".." || *relative.begin() == ".")
+      throw std::runtime_error("the folder " + source.string() + " lists a file '" + entry->path()->str() +
+                               "', which lies outside of it");
+    const std::string sha256 = entry->sha256()->str();
+    files.push_back({relative.generic_string(), sha256, [&store, source, relative, sha256](const fs::path& target) {
+                       copy_file_content(source / relative, target);
+                       if (store.file_hashes().of_file(source / relative) != sha256)
+                         throw std::runtime_error((source / relative).string() +
+                                                  " has changed since it was read; run again");
+                     }});
   }
-  put_in_place(making, path);
+  return files;
 }
 
-void deliver_one(const Graph& graph, const Registry& registry, Store& store, const RunResult& result,
-                 const GraphOutput& output, const fs::path& path) {
-  const GraphNode& node = graph.nodes[output.from.node];
-  const std::string type_name = node.kind.output(output.from.port)->type;
-  const plumbline_type* type = registry.type(type_name);
-  if (!type) throw std::runtime_error("no plugin brings the type " + type_name);
+/// What the output is made of; equal if it would be written with the same bytes.
+std::string identity_of(const plumbline_type& type, const Delivered& what, const Hashes& hashes) {
+  Sha256 hash;
+  hash.add_field(delivery_format);
+  hash.add_field(type.name);
+  hash.add_field(sha256_of(type.schema.data, type.schema.size));
+  hash.add_field(what.list ? "list" : "one");
+  for (const std::string& item : hashes) hash.add_field(item);
+  return hash.hex();
+}
+
+std::string deliver_one(const Graph& graph, const Registry& registry, Store& store, const RunResult& result,
+                        const GraphOutput& output, OutputFolder& out) {
+  const Delivered what = what_is(graph, output);
+  const plumbline_type* type = registry.type(what.type);
+  if (!type) throw std::runtime_error("no plugin brings the type " + what.type);
   const Hashes& hashes = result.nodes[output.from.node].outputs.at(output.from.port);
-  const bool list = node.output_is_list.at(output.from.port);
-  fs::create_directories(path.parent_path());
-  if (type_name == artifact_traits<File>::name) {
-    if (list) return write_file_list(store, *type, hashes, path);
-    return write_file_artifact(path, verified(store, *type, hashes.at(0)));
+  const std::string made_from = identity_of(*type, what, hashes);
+  if (out.holds(output.file, made_from)) return "";
+  if (what.is_tree)
+    return out.put_tree(
+        output.file,
+        what.list ? files_of_list(store, *type, hashes) : files_of_folder(store, verified(store, *type, hashes.at(0))),
+        made_from);
+  if (what.type == artifact_traits<File>::name) {
+    const Blob blob = verified(store, *type, hashes.at(0));
+    const auto* content = flatbuffers::GetRoot<File>(blob.bytes().data)->content();
+    out.put_file(output.file, content->data(), content->size(), made_from);
+    return "";
   }
-  if (type_name == artifact_traits<Folder>::name && !list && path.extension() != ".json")
-    return copy_folder_artifact(store, verified(store, *type, hashes.at(0)), path);
   std::string text;
   for (const std::string& hash : hashes) text += (text.empty() ? "" : ",\n") + blob_to_json(store, *type, hash);
-  if (list) text = "[\n" + text + "\n]";
+  if (what.list) text = "[\n" + text + "\n]";
   text += "\n";
-  write_file(path, text.data(), text.size());
+  out.put_file(output.file, text.data(), text.size(), made_from);
+  return "";
 }
 
 }  // namespace
-
-void write_file(const fs::path& path, const void* data, size_t size) {
-  const fs::path making = beside(path);
-  std::ofstream stream(making, std::ios::binary | std::ios::trunc);
-  stream.write(static_cast<const char*>(data), static_cast<std::streamsize>(size));
-  stream.close();
-  if (!stream) {
-    const std::string why = std::strerror(errno);
-    std::error_code ignored;
-    fs::remove(making, ignored);
-    throw std::runtime_error("cannot write " + path.string() + ": " + why);
-  }
-  put_in_place(making, path);
-}
 
 std::string blob_to_json(Store& store, const plumbline_type& type, const std::string& hash) {
   std::string text = artifact_to_json(type, verified(store, type, hash).bytes());
@@ -145,20 +126,24 @@ std::string blob_to_json(Store& store, const plumbline_type& type, const std::st
   return text;
 }
 
+std::vector<std::string> obstacles_to(const Graph& graph, const OutputFolder& out) {
+  std::vector<std::string> all;
+  for (const GraphOutput& output : graph.outputs)
+    for (std::string& text : out.obstacles(output.file, what_is(graph, output).is_tree)) all.push_back(std::move(text));
+  return all;
+}
+
 std::vector<Delivery> deliver(const Graph& graph, const Registry& registry, Store& store, const RunResult& result,
-                              const fs::path& out) {
-  std::error_code error;
-  fs::create_directories(out, error);
-  if (error) throw std::runtime_error("cannot make the output folder " + out.string() + ": " + error.message());
+                              OutputFolder& out) {
   std::vector<Delivery> deliveries;
   for (const GraphOutput& output : graph.outputs) {
     const NodeResult& source = result.nodes[output.from.node];
     const NodeStatus status = source.status;
     const std::string& name = graph.nodes[output.from.node].name;
-    Delivery delivery{output.file, ""};
+    Delivery delivery{output.file, "", ""};
     try {
       if (status == NodeStatus::executed || status == NodeStatus::reused)
-        deliver_one(graph, registry, store, result, output, out / output.file);
+        delivery.note = deliver_one(graph, registry, store, result, output, out);
       else
         delivery.problem = "'" + name + "' " +
                            (status == NodeStatus::failed    ? "failed"
@@ -167,9 +152,10 @@ std::vector<Delivery> deliver(const Graph& graph, const Registry& registry, Stor
     } catch (const std::exception& failure) {
       delivery.problem = failure.what();
     }
-    if (!delivery.problem.empty()) fs::remove_all(out / output.file, error);
+    if (!delivery.problem.empty()) delivery.problem += out.remove(output.file);
     deliveries.push_back(std::move(delivery));
   }
+  out.settle_ownership();
   return deliveries;
 }
 

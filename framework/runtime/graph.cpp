@@ -4,6 +4,7 @@
 #include <cstring>
 #include <set>
 
+#include "runtime/output_folder.hpp"
 #include "runtime/parameters.hpp"
 #include "runtime/pipeline_file.hpp"
 
@@ -245,10 +246,13 @@ class Linker {
   }
 
   void add_outputs(Graph& graph) {
+    std::set<std::string> names;
+    for (const auto& [file, text] : spec_.outputs) names.insert(file);
     for (const auto& [file, text] : spec_.outputs) {
-      const std::filesystem::path path = file;
-      if (path.is_absolute() || file.empty() || file.find("..") != std::string::npos)
-        problem(text.at, "'" + file + "' is not a name under the output folder");
+      if (const std::string wrong = output_name_problem(file); !wrong.empty()) problem(text.at, wrong);
+      for (size_t at = file.find('/'); at != std::string::npos; at = file.find('/', at + 1))
+        if (names.count(file.substr(0, at)))
+          problem(text.at, "output '" + file + "' lies inside output '" + file.substr(0, at) + "'; give it another name");
       Source source;
       if (!find_source(text, source)) continue;
       source.node = position_[source.node];

@@ -2,14 +2,17 @@
 
 #include <sys/resource.h>
 #include <sys/utsname.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <cmath>
 #include <ctime>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <thread>
 
 #include "runtime/digest.hpp"
+#include "runtime/ownership.hpp"
 
 namespace plumbline::runtime {
 
@@ -54,13 +57,7 @@ Json parameters_json(const GraphNode& node) {
 
 }  // namespace
 
-Record::Record(const fs::path& out, const Graph& graph, const RunInfo& info) : path_(out / "run.jsonl"), start_(now()) {
-  std::error_code error;
-  fs::create_directories(out, error);
-  if (!error) stream_.open(path_, std::ios::trunc);
-  if (error || !stream_)
-    throw std::runtime_error("cannot write to the output folder " + out.string() +
-                             (error ? ": " + error.message() : "") + "; choose another with --out");
+Record::Record(OutputFolder& out, const Graph& graph, const RunInfo& info) : out_(out), start_(now()) {
   utsname host{};
   uname(&host);
   Json json;
@@ -81,7 +78,10 @@ Record::Record(const fs::path& out, const Graph& graph, const RunInfo& info) : p
   json["store"] = info.store.string();
   json["threads"] = info.threads;
   json["memory_limit"] = info.memory;
-  line(dump(json));
+  json["process"] = getpid();
+  json["staging"] = out.staging_name();
+  json["owned"] = Json::parse(ownership_text(out.owned()));
+  out_.begin_record(dump(json));
 }
 
 std::string Record::node_line(const GraphNode& node, const NodeResult& result) {
@@ -118,7 +118,7 @@ std::string Record::node_line(const GraphNode& node, const NodeResult& result) {
   return dump(json);
 }
 
-void Record::node(const GraphNode& node, const NodeResult& result) { line(node_line(node, result)); }
+void Record::node(const GraphNode& node, const NodeResult& result) { out_.append(node_line(node, result)); }
 
 void Record::end(const RunResult& result, const std::vector<Delivery>& deliveries) {
   Json json;
@@ -135,12 +135,8 @@ void Record::end(const RunResult& result, const std::vector<Delivery>& deliverie
   json["outputs"] = Json::object();
   for (const Delivery& delivery : deliveries)
     json["outputs"][delivery.file] = delivery.problem.empty() ? "written" : delivery.problem;
-  line(dump(json));
-}
-
-void Record::line(const std::string& text) {
-  stream_ << text << "\n" << std::flush;
-  if (!stream_) throw std::runtime_error("cannot write " + path_.string() + "; is the disk full?");
+  json["owned"] = Json::parse(ownership_text(out_.owned()));
+  out_.append(dump(json));
 }
 
 }  // namespace plumbline::runtime

@@ -60,6 +60,42 @@ TEST(Run, JsonIsTheRecord) {
   EXPECT_EQ(events[2]["status"], "ok");
 }
 
+TEST(Run, FilesOfOthersAreRefusedBeforeAnythingRuns) {
+  const Program plumbline;
+  plumbline.write("p.yaml",
+                  "plumbline: 1\nnodes:\n  a: {use: story.constant}\n  w: {use: story.folder}\n"
+                  "outputs: {report.html: a.number, campaign: w.folder}\n");
+  fs::create_directories(plumbline.work() / "site/campaign/images");
+  plumbline.write("site/campaign/images/1.jpg", "photograph");
+  plumbline.write("site/report.html", "my own");
+  Answer answer = plumbline({"run", "p.yaml", "--out", "site"});
+  EXPECT_EQ(answer.code, 2);
+  EXPECT_EQ(answer.out, "") << "something ran";
+  EXPECT_TRUE(contains(answer.err, "site/report.html was not written by a run")) << answer.err;
+  EXPECT_TRUE(contains(answer.err, "site/campaign/images/1.jpg")) << answer.err;
+  EXPECT_TRUE(contains(answer.err, "--out") && contains(answer.err, "--overwrite")) << answer.err;
+  EXPECT_EQ(read_file(plumbline.work() / "site/campaign/images/1.jpg"), "photograph");
+  EXPECT_EQ(read_file(plumbline.work() / "site/report.html"), "my own");
+  EXPECT_FALSE(fs::exists(plumbline.work() / "site/run.jsonl"));
+  answer = plumbline({"run", "p.yaml", "--out", "site", "--overwrite"});
+  EXPECT_EQ(answer.code, 0) << answer.err;
+  EXPECT_TRUE(contains(answer.err, "stays there beside")) << answer.err;
+  EXPECT_EQ(read_file(plumbline.work() / "site/campaign/images/1.jpg"), "photograph");
+  EXPECT_EQ(read_file(plumbline.work() / "site/campaign/a.txt"), "hello");
+}
+
+TEST(Run, AnOutputCannotBeTheFolderItself) {
+  const Program plumbline;
+  plumbline.write("keep.txt", "keep");
+  for (const std::string name : {".", "./", "a/..", "run.jsonl"}) {
+    plumbline.write("p.yaml", "plumbline: 1\nnodes: {w: {use: story.throws}}\noutputs: {\"" + name + "\": w.number}\n");
+    const Answer answer = plumbline({"run", "p.yaml", "--out", "."});
+    EXPECT_EQ(answer.code, 1) << answer.out << answer.err;
+    EXPECT_TRUE(contains(answer.err, "p.yaml:3:11: '" + name + "' cannot be the name of an output")) << answer.err;
+    EXPECT_EQ(read_file(plumbline.work() / "keep.txt"), "keep");
+  }
+}
+
 TEST(Run, AnInvalidPipelineLeavesNoTrace) {
   const Program plumbline;
   plumbline.write("p.yaml", "plumbline: 1\nnodes: {a: {use: story.nothing}}\n");

@@ -11,14 +11,15 @@ TEST(Record, TellsWhatRan) {
               "outputs: {a.json: a.number}");
   story.run({"a.with.value=4"});
   const auto out = story.folder.path() / "out";
-  runtime::Record record(out, story.graph, {"0.0", {"a.with.value=4"}, story.store->folder(), 2, 1000});
+  runtime::OutputFolder folder(out, story.store->file_hashes());
+  runtime::Record record(folder, story.graph, {"0.0", {"a.with.value=4"}, story.store->folder(), 2, 1000});
   for (size_t i = 0; i < story.graph.nodes.size(); ++i) record.node(story.graph.nodes[i], story.result.nodes[i]);
-  record.end(story.result, deliver(story.graph, story_registry(), *story.store, story.result, out));
+  record.end(story.result, deliver(story.graph, story_registry(), *story.store, story.result, folder));
 
   std::istringstream lines(read_file(out / "run.jsonl"));
   std::vector<nlohmann::json> events;
   for (std::string line; std::getline(lines, line);) events.push_back(nlohmann::json::parse(line));
-  ASSERT_EQ(events.size(), 5u);
+  ASSERT_EQ(events.size(), 6u);
   EXPECT_EQ(events[0]["event"], "run_start");
   EXPECT_EQ(events[0]["pipeline_sha256"].get<std::string>().size(), 64u);
   EXPECT_EQ(events[0]["variables"]["seed"], "1");
@@ -32,10 +33,12 @@ TEST(Record, TellsWhatRan) {
   EXPECT_EQ(nodes["x"]["status"], "failed");
   EXPECT_NE(nodes["x"]["error"].get<std::string>().find("the bridge is out"), std::string::npos);
   EXPECT_EQ(nodes["y"]["status"], "skipped");
-  EXPECT_EQ(events[4]["status"], "failed");
-  EXPECT_EQ(events[4]["executed"], 1);
-  EXPECT_EQ(events[4]["outputs"]["a.json"], "written");
-  EXPECT_GT(events[4]["peak_memory"], 0);
+  EXPECT_EQ(events[4]["event"], "deliver");
+  EXPECT_EQ(events[5]["status"], "failed");
+  EXPECT_EQ(events[5]["executed"], 1);
+  EXPECT_EQ(events[5]["outputs"]["a.json"], "written");
+  EXPECT_EQ(events[5]["owned"]["files"]["a.json"], nlohmann::json::array({events[4]["files"]["a.json"]}));
+  EXPECT_GT(events[5]["peak_memory"], 0);
 }
 
 TEST(Record, AFolderThatCannotBeWrittenIsNamed) {
@@ -43,7 +46,7 @@ TEST(Record, AFolderThatCannotBeWrittenIsNamed) {
   story.run();
   const auto file = story.folder.path() / "file";
   std::ofstream(file) << "x";
-  EXPECT_THROW(runtime::Record(file / "out", story.graph, {}), std::runtime_error);
+  EXPECT_THROW(runtime::OutputFolder(file / "out", story.store->file_hashes()), std::runtime_error);
 }
 
 }  // namespace
