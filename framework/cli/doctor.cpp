@@ -82,7 +82,7 @@ void check_python(std::vector<Finding>& findings) {
 int doctor(const Options& options) {
   std::vector<Finding> findings;
   check_search_path(findings);
-  const runtime::Registry registry = discover();
+  const auto registry = runtime::Registry::discover(runtime::Registry::search_path(), true);
   check_plugins(registry, findings);
   check_store(options, findings);
   findings.push_back({Finding::good, "memory",

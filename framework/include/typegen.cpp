@@ -10,57 +10,12 @@
 #include <fstream>
 #include <iostream>
 #include <iterator>
-#include <set>
 #include <stdexcept>
 #include <string>
 
+#include "plumbline/schema_fingerprint.hpp"
+
 namespace {
-
-std::string attribute(const reflection::Field& field, const char* key) {
-  if (field.attributes())
-    if (const auto* found = field.attributes()->LookupByKey(key)) return found->value() ? found->value()->str() : "";
-  return "";
-}
-
-std::string attribute(const reflection::Object& object, const char* key) {
-  if (object.attributes())
-    if (const auto* found = object.attributes()->LookupByKey(key)) return found->value() ? found->value()->str() : "";
-  return "";
-}
-
-/// The text that is hashed: every field of the table and of what it holds, as "field:type~unit@frame;".
-void describe(const reflection::Schema& schema, const reflection::Object& object, std::set<std::string>& seen,
-              std::string& text) {
-  if (!seen.insert(object.name()->str()).second) return;
-  text += object.name()->str() + "{";
-  std::set<const reflection::Object*> inner;
-  // Fields in the order of their ids: the order of declaration, which is part of the layout.
-  for (uint16_t id = 0; id < object.fields()->size(); ++id) {
-    for (const auto* field : *object.fields()) {
-      if (field->id() != id) continue;
-      const auto type = field->type();
-      text += field->name()->str() + ":" + reflection::EnumNameBaseType(type->base_type()) + "/" +
-              reflection::EnumNameBaseType(type->element());
-      const bool holds_object = type->base_type() == reflection::Obj || type->element() == reflection::Obj;
-      if (holds_object) text += " " + schema.objects()->Get(type->index())->name()->str();
-      text += "~" + attribute(*field, "unit") + "@" + attribute(*field, "frame") + ";";
-      if (holds_object) inner.insert(schema.objects()->Get(type->index()));
-    }
-  }
-  text += "}";
-  for (const auto* field : *object.fields()) {
-    const auto type = field->type();
-    if (type->base_type() == reflection::Obj || type->element() == reflection::Obj)
-      describe(schema, *schema.objects()->Get(type->index()), seen, text);
-  }
-}
-
-/// FNV-1a, folded to 32 bits: this tells two builds apart, it protects from nobody.
-uint32_t fingerprint(const std::string& text) {
-  uint64_t hash = 0xcbf29ce484222325u;
-  for (const unsigned char c : text) hash = (hash ^ c) * 0x100000001b3u;
-  return static_cast<uint32_t>(hash ^ (hash >> 32));
-}
 
 void write_header(const std::string& bytes, const std::string& name) {
   flatbuffers::Verifier verifier(reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size());
@@ -76,18 +31,14 @@ void write_header(const std::string& bytes, const std::string& name) {
   const reflection::Object& root = *schema.root_table();
   const std::string full = root.name()->str();
   const std::string table = full.substr(full.rfind('.') + 1);
-  const std::string version = attribute(root, "artifact_version");
+  const std::string version = plumbline::detail::schema_attribute(root, "artifact_version");
   if (version.empty()) throw std::runtime_error(full + ": the root table needs (artifact_version: \"1\")");
   std::string cpp_name = "::";
   for (const char c : full) cpp_name += c == '.' ? std::string("::") : std::string(1, c);
-  std::string text;
-  std::set<std::string> seen;
-  describe(schema, root, seen, text);
-
   std::printf("namespace plumbline {\ntemplate <>\nstruct artifact_traits<%s> {\n", cpp_name.c_str());
   std::printf("  using Native = %sT;\n", cpp_name.c_str());
   std::printf("  static constexpr const char* name = \"%s/%s\";\n", full.c_str(), version.c_str());
-  std::printf("  static constexpr const char* fingerprint = \"%08x\";\n", fingerprint(text));
+  std::printf("  static constexpr const char* fingerprint = \"%s\";\n", plumbline::schema_fingerprint(schema).c_str());
   std::printf("  static const plumbline_type& type() {\n    alignas(8) static const unsigned char schema[] = {");
   for (size_t i = 0; i < bytes.size(); ++i)
     std::printf("%s%u,", i % 32 ? "" : "\n", static_cast<unsigned char>(bytes[i]));

@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <cstring>
 #include <set>
+#include <utility>
 
+#include "runtime/frames.hpp"
 #include "runtime/output_folder.hpp"
 #include "runtime/parameters.hpp"
 #include "runtime/pipeline_file.hpp"
+#include "runtime/type_schema.hpp"
 
 namespace plumbline::runtime {
 
@@ -43,21 +46,6 @@ std::string list_text(const std::vector<std::string>& names) {
   return text;
 }
 
-/// "to=?T,from=survey" -> {to: ?T, from: survey}
-std::map<std::string, std::string> parse_frames(const std::string& text) {
-  std::map<std::string, std::string> frames;
-  for (size_t at = 0; at < text.size();) {
-    const size_t end = std::min(text.find(',', at), text.size());
-    const std::string item = text.substr(at, end - at);
-    const size_t equals = item.find('=');
-    if (equals != std::string::npos) frames[item.substr(0, equals)] = item.substr(equals + 1);
-    at = end + 1;
-  }
-  return frames;
-}
-
-bool is_variable(const std::string& frame) { return !frame.empty() && frame[0] == '?'; }
-
 /// Builds the graph from the file's words; every step adds what is wrong to `problems` and goes on with the rest.
 class Linker {
  public:
@@ -93,10 +81,20 @@ class Linker {
       for (const auto& [name, entry] : registry_.kinds()) names.push_back(name);
       const std::string hint = did_you_mean(spec.use.text, names);
       problem(spec.use.at, "there is no node '" + spec.use.text + "'" +
-                               (hint.empty() ? "; `plumbline list` shows what there is" : hint));
+                               (hint.empty() ? "; `plumbline list` shows what there is" : hint) + refused_text());
     }
     nodes_.push_back(std::move(node));
     specs_.push_back(&spec);
+  }
+
+  /// What is missing may be in a plugin that was refused.
+  std::string refused_text() {
+    std::string text;
+    if (std::exchange(refused_are_told_, true)) return text;
+    for (const PluginIdentity& plugin : registry_.refused())
+      text += (text.empty() ? "; it may be in what was refused: " : "; ") + plugin.path.string() + ", which " +
+              plugin.problem;
+    return text;
   }
 
   /// "poses.poses" -> index of the node and its output port; nothing after telling what is wrong.
@@ -160,9 +158,23 @@ class Linker {
   bool types_agree(const GraphNode& node, const plumbline_port& port, const Source& source) {
     const GraphNode& from = nodes_[source.node];
     const plumbline_port& output = *from.kind.output(source.port);
-    if (std::strcmp(port.type, output.type) == 0) return true;
+    if (std::strcmp(port.type, output.type) == 0) return builds_agree(node, port, from, source);
     problem(source.at, "input '" + std::string(port.name) + "' of '" + node.name + "' takes " + port.type + ", '" +
                            from.name + "." + source.port + "' gives " + output.type);
+    return false;
+  }
+
+  /// Two plugins may have been built from different schemas of one name.
+  bool builds_agree(const GraphNode& node, const plumbline_port& port, const GraphNode& from, const Source& source) {
+    const plumbline_port& output = *from.kind.output(source.port);
+    if (std::strcmp(port.fingerprint, output.fingerprint) == 0) return true;
+    const std::string difference = compare_types(node.kind.type_of(port), from.kind.type_of(output));
+    if (difference.empty()) return true;
+    problem(source.at,
+            "input '" + std::string(port.name) + "' of '" + node.name + "' and '" + from.name + "." + source.port +
+                "' are both " + port.type + ", but " + node.kind.plugin->identity.path.filename().string() +
+                " (here) and " + from.kind.plugin->identity.path.filename().string() +
+                " (there) were built from different schemas: " + difference + "; rebuild the older of the two");
     return false;
   }
 
@@ -218,7 +230,7 @@ class Linker {
     for (uint32_t i = 0; i < node.kind.node->output_count; ++i) {
       const plumbline_port& port = *node.kind.node->outputs[i];
       std::string text;
-      for (const auto& [key, frame] : parse_frames(port.frames)) {
+      for (const auto& [key, frame] : split_frames(port.frames)) {
         const auto value = bound.find(frame);
         text += (text.empty() ? "" : ",") + key + "=" + (value == bound.end() ? frame : value->second);
       }
@@ -228,12 +240,13 @@ class Linker {
 
   void unify_port(const GraphNode& node, const plumbline_port& port, const GraphNode& from, const Source& source,
                   const std::string& given_text, std::map<std::string, std::string>& bound) {
-    const auto given = parse_frames(given_text);
-    for (const auto& [key, wanted] : parse_frames(port.frames)) {
+    std::map<std::string, std::string> given;
+    for (const auto& [key, frame] : split_frames(given_text)) given[key] = frame;
+    for (const auto& [key, wanted] : split_frames(port.frames)) {
       const auto found = given.find(key);
-      if (found == given.end() || is_variable(found->second)) continue;
+      if (found == given.end() || is_frame_variable(found->second)) continue;
       std::string expected = wanted, reason;
-      if (is_variable(wanted)) {
+      if (is_frame_variable(wanted)) {
         const auto [value, fresh] = bound.emplace(wanted, found->second);
         expected = value->second;
         reason = " (as its other inputs)";
@@ -267,6 +280,7 @@ class Linker {
   std::vector<const NodeSpec*> specs_;
   std::set<std::pair<size_t, std::string>> missing_is_told_;
   std::vector<size_t> order_, position_;
+  bool refused_are_told_ = false;
   std::set<std::string> circles_;  // that were told of
 };
 

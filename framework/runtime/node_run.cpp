@@ -102,7 +102,6 @@ class Host {
   int reserve_memory(uint64_t bytes);
 
   const plumbline_port& output(const std::string& port) const;
-  const plumbline_type& type_of(const plumbline_port& port) const;
   void check_outputs() const;
   void commit_folders();
 
@@ -116,15 +115,6 @@ class Host {
   std::deque<Folder> folders_;
   uint64_t reserved_ = 0;
 };
-
-/// The type as the node's own plugin was built with it: its answer to "what are these bytes" is the one that counts.
-const plumbline_type& Host::type_of(const plumbline_port& port) const {
-  const plumbline_plugin_table& table = *call_.node->kind.plugin->table;
-  for (uint32_t i = 0; i < table.type_count; ++i)
-    if (std::string_view(table.types[i]->name) == port.type) return *table.types[i];
-  if (const plumbline_type* type = call_.registry->type(port.type)) return *type;
-  throw std::runtime_error(std::string("no plugin brings the type ") + port.type);
-}
 
 const plumbline_port& Host::output(const std::string& port) const {
   const plumbline_port* found = call_.node->kind.output(port);
@@ -185,7 +175,7 @@ plumbline_bytes Host::get(const std::string& port, size_t index) {
     if (const auto found = open_.find({port, index}); found != open_.end()) return found->second.bytes();
   }
   const Blob blob = services_.store->get(items->second[index]);
-  if (const std::string problem = verify_artifact(type_of(*declared), blob.bytes()); !problem.empty())
+  if (const std::string problem = verify_artifact(call_.node->kind.type_of(*declared), blob.bytes()); !problem.empty())
     throw std::runtime_error("input '" + port + "' is no valid " + declared->type + ": " + problem);
   const std::scoped_lock lock(mutex_);
   return open_.try_emplace({port, index}, blob).first->second.bytes();
@@ -193,7 +183,7 @@ plumbline_bytes Host::get(const std::string& port, size_t index) {
 
 void Host::commit(const std::string& port, plumbline_bytes bytes) {
   const plumbline_port& declared = output(port);
-  if (const std::string problem = verify_artifact(type_of(declared), bytes); !problem.empty())
+  if (const std::string problem = verify_artifact(call_.node->kind.type_of(declared), bytes); !problem.empty())
     throw std::runtime_error("output '" + port + "' is no valid " + declared.type + ": " + problem);
   const std::string hash = services_.store->put(bytes.data, bytes.size);
   const std::scoped_lock lock(mutex_);
@@ -267,7 +257,7 @@ NodeOutcome Host::run() {
   outcome_.run.kind = node.kind;
   int answer = 1;
   try {
-    answer = node.run(&table_);
+    answer = node.run(&table_, &node);
   } catch (const std::exception& error) {  // a plugin without node.hpp may break the rule that nothing is thrown
     fail(error.what());
   } catch (...) {

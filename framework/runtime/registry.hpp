@@ -1,17 +1,22 @@
-// The plugins that are there: found, checked without running them, loaded, and their nodes and types by name.
+// The plugins that are there, and their nodes and types by name.
 //
 // Discovery looks in $PLUMBLINE_PLUGIN_PATH (folders separated by ':'), in the build tree beside the program
-// (../lib/plumbline of the program's folder, which is also where an installation has them). A library that is refused
-// stays in the list with the reason, so that `plumbline doctor` can name it. Libraries are never unloaded.
+// (../lib/plumbline of the program's folder, which is also where an installation has them). A library is never loaded
+// here to see what it offers: a child process does that and tells (plugin_scan.hpp), so that one that crashes, hangs or
+// lies costs nothing but itself. What is refused stays in the list with the reason and the mend, for `plumbline doctor`
+// and for whoever misses a node. Libraries are never unloaded.
 #pragma once
 
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "plumbline/plugin.h"
+#include "runtime/near_names.hpp"
+#include "runtime/roles.hpp"
 
 namespace plumbline::runtime {
 
@@ -26,11 +31,17 @@ struct PluginIdentity {
 /// Reads the note of a shared library from the file, without running any code of it.
 PluginIdentity read_identity(const std::filesystem::path& library);
 
+/// A plugin as its scan described it. Its library is loaded into this process when the first of its nodes runs.
 struct Plugin {
   PluginIdentity identity;
   std::string sha256;                         ///< of the library's file
   std::vector<std::string> linked_build_ids;  ///< "libceres.so.3:9f3c…" of the libraries it was linked with, sorted
-  const plumbline_plugin_table* table = nullptr;
+  const plumbline_plugin_table* table = nullptr;  ///< a copy; run() of its nodes loads the library and goes on there
+
+  Plugin();
+  ~Plugin();
+  struct Library;
+  std::unique_ptr<Library> library;
 };
 
 /// A node kind that can be used in a pipeline.
@@ -41,6 +52,8 @@ struct Kind {
   const plumbline_port* input(const std::string& name) const;   ///< nullptr if it has none of that name
   const plumbline_port* output(const std::string& name) const;  ///< likewise
   const plumbline_param* param(const std::string& name) const;  ///< likewise
+  /// The type of one of its ports as its own plugin was built with it: what its bytes mean.
+  const plumbline_type& type_of(const plumbline_port& port) const;
 };
 
 class Registry {
@@ -48,11 +61,12 @@ class Registry {
   /// The folders that discovery looks in, in order, for a program that lies at `program` (empty: this process's own).
   static std::vector<std::filesystem::path> search_path(const std::filesystem::path& program = {});
 
-  /// Loads every plugin of the folders. Never throws for a bad plugin: see refused().
-  static Registry discover(const std::vector<std::filesystem::path>& folders);
+  /// Takes every plugin of the folders. Never throws for a bad plugin: see refused(). `look_again`: trust nothing that
+  /// was remembered of them.
+  static Registry discover(const std::vector<std::filesystem::path>& folders, bool look_again = false);
 
-  /// Loads one library. False if it is refused; then refused() has it with the reason.
-  bool load(const std::filesystem::path& library);
+  /// Takes one library. False if it is refused; then refused() has it with the reason.
+  bool load(const std::filesystem::path& library, bool look_again = false);
 
   const Kind* find(const std::string& kind) const;
   const std::map<std::string, Kind>& kinds() const { return kinds_; }
@@ -60,15 +74,18 @@ class Registry {
   const std::map<std::string, const plumbline_type*>& types() const { return types_; }
   const std::vector<std::unique_ptr<Plugin>>& plugins() const { return plugins_; }
   const std::vector<PluginIdentity>& refused() const { return refused_; }
+  const Roles& roles() const { return roles_; }
 
  private:
+  static void describe(Plugin& plugin);
+  void add_roles_of(const std::filesystem::path& folder);
+
+  Roles roles_ = Roles::builtin();
+  std::set<std::filesystem::path> role_folders_;
   std::vector<std::unique_ptr<Plugin>> plugins_;
   std::vector<PluginIdentity> refused_;
   std::map<std::string, Kind> kinds_;
   std::map<std::string, const plumbline_type*> types_;
 };
-
-/// Up to three of `candidates` that are near `wanted` (optimal string alignment distance), best first.
-std::vector<std::string> near_names(const std::string& wanted, const std::vector<std::string>& candidates);
 
 }  // namespace plumbline::runtime

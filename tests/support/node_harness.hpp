@@ -94,7 +94,7 @@ class NodeHarness {
     outputs_.clear();
     error_.clear();
     const plumbline_host host = make_host();
-    if (kind_.node->run(&host)) throw NodeFailed(error_.empty() ? "(no message)" : error_);
+    if (kind_.node->run(&host, kind_.node)) throw NodeFailed(error_.empty() ? "(no message)" : error_);
     check_outputs();
   }
 

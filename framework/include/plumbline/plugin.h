@@ -2,8 +2,9 @@
  *
  * A plugin is a shared library that exports one function, plumbline_plugin(), which returns a table of its nodes and
  * types. The host checks the ELF note below before it runs any code of the library, then the table: `abi_major` must be
- * equal, `abi_minor` may not exceed the host's. Every struct starts with its own size, so that members can be added at
- * the end. Strings are UTF-8, live as long as the library, and are never freed by the other side.
+ * equal, `abi_minor` may not exceed the host's. Every struct starts with its own size, which each side checks, so that
+ * members can be added at the end. Strings are UTF-8, never null unless said, live as long as the library, and are never
+ * freed by the other side. The table must be the same at every call.
  *
  * Most authors never see this header: plumbline/node.hpp is the C++ layer over it.
  */
@@ -18,7 +19,7 @@ extern "C" {
 #endif
 
 #define PLUMBLINE_MAGIC 0x424D4C50u /* "PLMB" */
-#define PLUMBLINE_ABI_MAJOR 1
+#define PLUMBLINE_ABI_MAJOR 2
 #define PLUMBLINE_ABI_MINOR 0
 
 enum plumbline_cardinality {
@@ -49,7 +50,7 @@ typedef struct plumbline_port {
   uint32_t cardinality;
   const char* name;
   const char* type;        /* "plumbline.Points/1", a plumbline_type.name */
-  const char* fingerprint; /* of the type's fields, types and units, as this plugin was built */
+  const char* fingerprint; /* of the type as this plugin was built: that of its plumbline_type */
   const char* frames;      /* "frame=?S" or "to=?T,from=?S" or "frame=building" or "" */
   const char* doc;
 } plumbline_port;
@@ -89,25 +90,29 @@ typedef struct plumbline_host {
   int (*reserve_memory)(void* context, uint64_t bytes); /* waits until that much is free; given back after run() */
 } plumbline_host;
 
-typedef struct plumbline_node {
+typedef struct plumbline_node plumbline_node;
+
+struct plumbline_node {
   uint32_t size;
   uint32_t version; /* of the algorithm: raise it when the same input gives another output */
   const char* kind; /* "register.rigid": family, dot, name */
-  const char* role; /* nodes of one role have the same ports; "" for none */
+  const char* role; /* "" for none; else the ports are those that schemas/roles/<role>.yaml declares */
   const char* summary;
   const plumbline_port* const* inputs;
   const plumbline_port* const* outputs;
   const plumbline_param* const* params;
   uint32_t input_count, output_count, param_count;
-  uint32_t deterministic; /* 0: never reused from the store */
-  int (*run)(const plumbline_host* host);
-} plumbline_node;
+  uint32_t deterministic; /* 0: never reused from the store; else 1 */
+  /* `node` is this entry, so that one function can serve many nodes: what tells them apart is in `user_data`. */
+  int (*run)(const plumbline_host* host, const plumbline_node* node);
+  void* user_data; /* the plugin's own; the host never looks at it */
+};
 
 typedef struct plumbline_type {
   uint32_t size;
   uint32_t reserved;
   const char* name;        /* "plumbline.Points/1" */
-  const char* fingerprint; /* 8 hex digits over fields, types, units and frames */
+  const char* fingerprint; /* 8 hex digits, schema_fingerprint() of schema_fingerprint.hpp */
   plumbline_bytes schema;  /* binary FlatBuffers schema (.bfbs) with comments and attributes */
 } plumbline_type;
 

@@ -12,7 +12,7 @@ namespace plumbline {
 /// What the host offers beside ports and parameters.
 class Context {
  public:
-  explicit Context(const plumbline_host& host) : host_(host) {}
+  Context(const plumbline_host& host, const plumbline_node& node) : host_(host), node_(node) {}
   void info(const std::string& text) const { host_.log(host_.context, PLUMBLINE_INFO, text.c_str()); }
   void warn(const std::string& text) const { host_.log(host_.context, PLUMBLINE_WARNING, text.c_str()); }
   void progress(double fraction, const std::string& text = "") const {
@@ -41,9 +41,11 @@ class Context {
     if (host_.reserve_memory(host_.context, bytes)) throw std::runtime_error("cancelled while waiting for memory");
   }
   const plumbline_host& host() const { return host_; }
+  const plumbline_node& node() const { return node_; }  ///< the entry that is run
 
  private:
   const plumbline_host& host_;
+  const plumbline_node& node_;
 };
 
 }  // namespace plumbline

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <exception>
+#include <stdexcept>
+#include <type_traits>
 #include <vector>
 
 #include "plumbline/node/ports.hpp"
@@ -12,12 +14,14 @@ namespace plumbline {
 namespace detail {
 
 template <typename N>
-int run_node(const plumbline_host* host) noexcept {
+int run_node(const plumbline_host* host, const plumbline_node* entry) noexcept {
   try {
+    if (host->size < sizeof(plumbline_host))
+      throw std::logic_error("this host lends fewer services than the plugin was built for; update plumbline");
     host_of_this_run = host;
     N node;
     host_of_this_run = nullptr;
-    Context context(*host);
+    Context context(*host, *entry);
     static_cast<Node&>(node).run(context);
     return 0;
   } catch (const std::exception& error) {
@@ -29,9 +33,19 @@ int run_node(const plumbline_host* host) noexcept {
   return 1;
 }
 
+template <typename N>
+concept HasInfo = std::is_same_v<std::remove_cvref_t<decltype(N::info)>, Info>;
+
 /// A node object that lives as long as the library, because the declarations point into it.
 template <typename N>
 const NodeParts& parts_of() {
+  static_assert(std::is_base_of_v<Node, N>, "PLUMBLINE_PLUGIN lists a type that does not derive from plumbline::Node");
+  static_assert(!std::is_abstract_v<N>, "a node overrides `void run(plumbline::Context&)`");
+  static_assert(std::is_default_constructible_v<N>,
+                "a node has no constructor arguments: its ports and parameters are members");
+  static_assert(
+      HasInfo<N>,
+      "a node says what it is: static constexpr plumbline::Info info{\"family.name\", \"role\", 1, \"what it does\"};");
   static const N prototype;
   return prototype.parts();
 }
@@ -51,7 +65,8 @@ const plumbline_node* declare_node() {
                                        static_cast<uint32_t>(parts.outputs.size()),
                                        static_cast<uint32_t>(parts.params.size()),
                                        N::info.deterministic ? 1u : 0u,
-                                       &run_node<N>};
+                                       &run_node<N>,
+                                       nullptr};
   return &entry;
 }
 

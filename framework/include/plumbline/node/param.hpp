@@ -9,10 +9,14 @@
 
 namespace plumbline {
 
-/// A parameter: double, int64_t, bool, std::string, FilePath, FolderPath, or a std::vector of them. `*height` is its
-/// value.
+/// A parameter: double, any integer type, bool, std::string, FilePath, FolderPath, or a std::vector of them. `*height`
+/// is its value. The bounds of a narrow integer type are bounds of the parameter, so its value always fits.
 template <typename T>
 class Node::Param {
+  static_assert(detail::ParamKind<T>::known,
+                "Param<T> takes double, an integer type, bool, std::string, FilePath, FolderPath, or a std::vector of "
+                "one of them; in place of float write double, in place of const char* std::string");
+
  public:
   Param(const char* name, T fallback, const char* doc) : Param(name, fallback, "", Bounds{}, doc) {}
   Param(const char* name, T fallback, const char* unit, const char* doc) : Param(name, fallback, unit, Bounds{}, doc) {}
@@ -37,6 +41,7 @@ class Node::Param {
 
  private:
   void declare(const char* name, const char* unit, Bounds bounds, const char* doc, const char* default_text) {
+    bounds = detail::within_type<T>(bounds);
     param_ = {sizeof(plumbline_param),
               detail::ParamKind<T>::kind,
               detail::ParamKind<T>::is_list,

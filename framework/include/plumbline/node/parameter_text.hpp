@@ -1,11 +1,14 @@
 // Parameter values as the text in which they cross the C ABI, and the kinds that plugin.h has for them.
 #pragma once
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <concepts>
 #include <limits>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "plumbline/node/declarations.hpp"
@@ -21,8 +24,14 @@ inline std::string to_text(double v) {
   const auto end = std::to_chars(buffer, buffer + sizeof buffer, v).ptr;  // shortest text that reads back the same
   return {buffer, end};
 }
-inline std::string to_text(int64_t v) { return std::to_string(v); }
+template <typename T>
+concept Integer = std::integral<T> && !std::same_as<T, bool> && !std::same_as<T, char> && !std::same_as<T, wchar_t>;
+
 inline std::string to_text(bool v) { return v ? "true" : "false"; }
+template <Integer T>
+std::string to_text(T v) {
+  return std::to_string(v);
+}
 inline std::string to_text(const std::string& v) { return v; }
 inline std::string to_text(const FilePath& v) { return v.path; }
 inline std::string to_text(const FolderPath& v) { return v.path; }
@@ -40,7 +49,10 @@ inline void from_text(std::string_view text, double& v) {
   }
   std::from_chars(text.data(), text.data() + text.size(), v);
 }
-inline void from_text(std::string_view text, int64_t& v) { std::from_chars(text.data(), text.data() + text.size(), v); }
+template <Integer T>
+void from_text(std::string_view text, T& v) {
+  std::from_chars(text.data(), text.data() + text.size(), v);
+}
 inline void from_text(std::string_view text, bool& v) { v = text == "true"; }
 inline void from_text(std::string_view text, std::string& v) { v = text; }
 inline void from_text(std::string_view text, FilePath& v) { v.path = text; }
@@ -50,42 +62,59 @@ void from_text(std::string_view text, std::vector<T>& list) {
   list.clear();
   while (!text.empty()) {
     const size_t end = text.find('\x1f');
-    from_text(text.substr(0, end), list.emplace_back());
+    T item{};
+    from_text(text.substr(0, end), item);
+    list.push_back(std::move(item));
     if (end == std::string_view::npos) break;
     text.remove_prefix(end + 1);
   }
 }
 
+template <uint32_t Kind>
+struct KnownKind {
+  static constexpr bool known = true;
+  static constexpr uint32_t kind = Kind, is_list = 0;
+};
 template <typename T>
-struct ParamKind;
-template <>
-struct ParamKind<double> {
-  static constexpr uint32_t kind = PLUMBLINE_NUMBER, is_list = 0;
-};
-template <>
-struct ParamKind<int64_t> {
-  static constexpr uint32_t kind = PLUMBLINE_INTEGER, is_list = 0;
-};
-template <>
-struct ParamKind<bool> {
-  static constexpr uint32_t kind = PLUMBLINE_BOOLEAN, is_list = 0;
-};
-template <>
-struct ParamKind<std::string> {
+struct ParamKind {
+  static constexpr bool known = false;
   static constexpr uint32_t kind = PLUMBLINE_TEXT, is_list = 0;
 };
 template <>
-struct ParamKind<FilePath> {
-  static constexpr uint32_t kind = PLUMBLINE_FILE, is_list = 0;
-};
+struct ParamKind<double> : KnownKind<PLUMBLINE_NUMBER> {};
+template <Integer T>
+struct ParamKind<T> : KnownKind<PLUMBLINE_INTEGER> {};
 template <>
-struct ParamKind<FolderPath> {
-  static constexpr uint32_t kind = PLUMBLINE_FOLDER, is_list = 0;
-};
+struct ParamKind<bool> : KnownKind<PLUMBLINE_BOOLEAN> {};
+template <>
+struct ParamKind<std::string> : KnownKind<PLUMBLINE_TEXT> {};
+template <>
+struct ParamKind<FilePath> : KnownKind<PLUMBLINE_FILE> {};
+template <>
+struct ParamKind<FolderPath> : KnownKind<PLUMBLINE_FOLDER> {};
 template <typename T>
 struct ParamKind<std::vector<T>> {
+  static constexpr bool known = ParamKind<T>::known && !ParamKind<T>::is_list;
   static constexpr uint32_t kind = ParamKind<T>::kind, is_list = 1;
 };
+
+/// The bounds of an integer parameter end where its type does; texts cross as int64.
+template <typename T>
+Bounds within_type(Bounds bounds) {
+  if constexpr (Integer<T>) {
+    using Limits = std::numeric_limits<T>;
+    if constexpr (sizeof(T) < sizeof(int64_t) || Limits::min() == 0)
+      bounds.minimum = std::max(bounds.minimum, static_cast<double>(Limits::min()));
+    if constexpr (sizeof(T) < sizeof(int64_t))
+      bounds.maximum = std::min(bounds.maximum, static_cast<double>(Limits::max()));
+  }
+  return bounds;
+}
+template <typename List>
+requires Integer<typename List::value_type> && std::same_as<List, std::vector<typename List::value_type>> Bounds
+within_type(Bounds bounds) {
+  return within_type<typename List::value_type>(bounds);
+}
 
 }  // namespace detail
 

@@ -17,6 +17,10 @@ struct NodeParts {
   std::vector<const plumbline_param*> params;
   std::vector<const plumbline_type*> types;
 };
+template <typename Table>
+concept IsArtifact = requires {
+  typename artifact_traits<Table>::Native;
+};
 inline thread_local NodeParts* parts_under_construction = nullptr;
 inline thread_local const plumbline_host* host_of_this_run = nullptr;
 }  // namespace detail
@@ -56,6 +60,10 @@ class Node {
 /// An input or output: its declaration, and the host while the node runs.
 template <typename Table, uint32_t Cardinality>
 class Node::Port {
+  static_assert(
+      detail::IsArtifact<Table>,
+      "a port carries an artifact: include \"artifacts/NAME.hpp\", made by plumbline_add_artifacts() from a schema");
+
  public:
   using Native = typename artifact_traits<Table>::Native;
   Port(const char* name, Frames frames, const char* doc)

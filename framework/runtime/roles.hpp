@@ -1,0 +1,45 @@
+// Roles: what the nodes that can stand in for each other have in common. One file a role: those of schemas/roles are
+// compiled in; a folder of plugins may bring its own in roles/*.yaml beside the libraries.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "plumbline/plugin.h"
+
+namespace plumbline::runtime {
+
+struct RolePort {
+  std::string name, type, frames, doc;
+  uint32_t cardinality = PLUMBLINE_ONE;
+};
+
+struct Role {
+  std::string name, doc;
+  std::vector<RolePort> inputs, outputs;
+};
+
+class Roles {
+ public:
+  /// Those of schemas/roles.
+  static Roles builtin();
+
+  /// Adds the role of a file. Throws std::runtime_error with what is wrong: not a role, or another one of that name.
+  void add(const std::filesystem::path& file);
+
+  const std::map<std::string, Role>& all() const { return roles_; }
+
+  /// Why a node has not the ports of the role it claims, naming the port; "" if it has, or claims none. Frame variables
+  /// may be named otherwise.
+  std::string problem_of(const plumbline_node& node) const;
+
+ private:
+  void add(const std::string& yaml, const std::string& where);
+  std::map<std::string, Role> roles_;
+};
+
+const char* cardinality_text(uint32_t cardinality);  ///< "one", "optional", "list", "each"
+
+}  // namespace plumbline::runtime

@@ -1,0 +1,4 @@
+// Binds a frame parameter to nothing.
+#include "good.hpp"
+
+BROKEN(plugin.input.frames = "frame=";)

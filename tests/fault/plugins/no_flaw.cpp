@@ -1,0 +1,4 @@
+// The one that must be taken.
+#include "good.hpp"
+
+BROKEN()

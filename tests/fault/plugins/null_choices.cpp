@@ -1,0 +1,4 @@
+// Has choices, and no array of them.
+#include "good.hpp"
+
+BROKEN(plugin.choice.choices = nullptr;)

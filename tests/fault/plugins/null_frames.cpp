@@ -1,0 +1,4 @@
+// A port whose frames are null and not "".
+#include "good.hpp"
+
+BROKEN(plugin.input.frames = nullptr;)

@@ -1,0 +1,4 @@
+// A node without a summary.
+#include "good.hpp"
+
+BROKEN(plugin.node.summary = nullptr;)

@@ -1,0 +1,4 @@
+// A schema that ends too early.
+#include "good.hpp"
+
+BROKEN(plugin.type.schema.size /= 2;)

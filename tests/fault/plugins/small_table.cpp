@@ -1,0 +1,4 @@
+// A table of an earlier, smaller form.
+#include "good.hpp"
+
+BROKEN(plugin.table.size -= 8;)

@@ -1,0 +1,6 @@
+// Stops, as a debugger would stop it.
+#include <csignal>
+
+#include "good.hpp"
+
+BROKEN(raise(SIGSTOP);)
