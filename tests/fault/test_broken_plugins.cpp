@@ -86,7 +86,7 @@ TEST_F(BrokenPlugin, EveryFlawOfATableIsNamed) {
       {"kind_twice", "offers the node 'broken.node' twice"},
       {"kind_unwritable", "'broken node' as the kind of a node"},
       {"parameter_twice", "the parameter 'height' of 'broken.node' twice"},
-      {"input_twice", "'in' twice"},
+      {"input_twice", "input 'in' of 'broken.node' twice"},
       {"cardinality_of_output", "with the cardinality 3"},
       {"cardinality_unknown", "with the cardinality 9"},
       {"each_twice", "2 inputs of 'broken.node' of which it runs once for each item"},
