@@ -1,6 +1,7 @@
 #include "geometry/similarity.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/SVD>
 #include <stdexcept>
 
 namespace plumbline {
@@ -33,6 +34,12 @@ SimilarityMotion fit_similarity(const std::vector<Eigen::Vector3d>& from, const 
   if (with_scale && from_size > 0) motion.scale = std::sqrt(to_size / from_size);
   motion.translation = to_centre - motion.scale * (motion.rotation * from_centre);
   return motion;
+}
+
+Eigen::Matrix3d rotation_of_moment(const Eigen::Matrix3d& moment) {
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(moment, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const double sign = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
+  return svd.matrixU() * Eigen::Vector3d(1, 1, sign).asDiagonal() * svd.matrixV().transpose();
 }
 
 }  // namespace plumbline

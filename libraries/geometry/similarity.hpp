@@ -21,4 +21,9 @@ struct SimilarityMotion {
 SimilarityMotion fit_similarity(const std::vector<Eigen::Vector3d>& from, const std::vector<Eigen::Vector3d>& to,
                                 bool with_scale);
 
+/// The proper rotation R that maximises trace(Rᵀ · moment). With moment = Σ w (to − to̅)(from − from̅)ᵀ it is the
+/// rotation of the weighted least-squares fit of `from` onto `to`. Source: Kabsch (1976); the reflection is excluded as
+/// in Umeyama (1991).
+Eigen::Matrix3d rotation_of_moment(const Eigen::Matrix3d& moment);
+
 }  // namespace plumbline

@@ -1,10 +1,10 @@
 #include "pose/opencv_solvers.hpp"
 
-#include <Eigen/LU>
-#include <Eigen/SVD>
 #include <cmath>
 #include <opencv2/calib3d.hpp>
 #include <stdexcept>
+
+#include "geometry/similarity.hpp"
 
 namespace plumbline::pose {
 namespace {
@@ -79,13 +79,11 @@ PoseHypotheses single_tag(const TagView& tag) {
   return solve(data, cv::SOLVEPNP_IPPE_SQUARE);
 }
 
-/// Least-squares rotation and translation of centre points (Kabsch 1976).
+/// Least-squares rotation and translation of centre points.
 RigidTransform align(const Eigen::Matrix3Xd& world, const Eigen::Matrix3Xd& camera) {
   const Eigen::Vector3d world_mean = world.rowwise().mean(), camera_mean = camera.rowwise().mean();
   const Eigen::Matrix3d moment = (camera.colwise() - camera_mean) * (world.colwise() - world_mean).transpose();
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(moment, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const double sign = (svd.matrixU() * svd.matrixV().transpose()).determinant();
-  const Eigen::Matrix3d rotation = svd.matrixU() * Eigen::Vector3d(1, 1, sign).asDiagonal() * svd.matrixV().transpose();
+  const Eigen::Matrix3d rotation = rotation_of_moment(moment);
   return {Eigen::Quaterniond(rotation).normalized(), camera_mean - rotation * world_mean};
 }
 

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "geometry/random.hpp"
+#include "survey/model/instrument_profile.hpp"
 
 namespace plumbline::simulate {
 namespace {
@@ -74,7 +75,7 @@ class Observer {
  public:
   Observer(const SurveyOptions& options, const PlannedSetUp& set_up, std::uint64_t seed,
            survey::SurveyObservations& out)
-      : instrument_(simulated_instrument(options.instrument)),
+      : instrument_(survey::built_in_profile(options.instrument)),
         scale_(options.noise_scale),
         set_up_(set_up),
         random_(seed, "observations " + set_up.id),
@@ -125,7 +126,7 @@ class Observer {
   }
 
  private:
-  SimulatedInstrument instrument_;
+  survey::InstrumentProfile instrument_;
   double scale_;
   const PlannedSetUp& set_up_;
   Random random_;
@@ -134,20 +135,6 @@ class Observer {
 };
 
 }  // namespace
-
-SimulatedInstrument simulated_instrument(const std::string& name) {
-  // The values of the profiles of the same names that the adjustment knows (libraries/survey/model/profiles).
-  static const SimulatedInstrument known[] = {{"ics50_assumed", 5 * kSecond, 5 * kSecond, 2e-3, 2.0, 0.5e-3},
-                                              {"total_station_5arcsec", 5 * kSecond, 5 * kSecond, 2e-3, 2.0, 0.3e-3},
-                                              {"total_station_2arcsec", 2 * kSecond, 2 * kSecond, 1e-3, 1.5, 0.3e-3},
-                                              {"total_station_1arcsec", 1 * kSecond, 1 * kSecond, 1e-3, 1.0, 0.3e-3}};
-  std::string names;
-  for (const SimulatedInstrument& instrument : known) {
-    if (instrument.name == name) return instrument;
-    names += (names.empty() ? "" : ", ") + instrument.name;
-  }
-  throw std::invalid_argument("there is no instrument '" + name + "'; known are " + names);
-}
 
 StationPlan plan_set_ups(const Building& building, const SurveyOptions& options, std::uint64_t seed) {
   if (options.sets < 1 || options.sets > 20) {

@@ -11,26 +11,13 @@
 
 namespace plumbline::simulate {
 
-/// Standard deviations of a total station.
-struct SimulatedInstrument {
-  std::string name;
-  double direction_sigma = 0;    ///< mean of both faces [rad]
-  double zenith_sigma = 0;       ///< mean of both faces [rad]
-  double distance_constant = 0;  ///< [m]
-  double distance_ppm = 0;
-  double target_centring = 0;  ///< each axis, anew in each set-up [m]
-};
-/// "ics50_assumed" or "total_station_1arcsec", "..._2arcsec", "..._5arcsec". Throws std::invalid_argument that lists
-/// the names.
-SimulatedInstrument simulated_instrument(const std::string& name);
-
 struct SurveyOptions {
-  std::string instrument = "ics50_assumed";
-  double noise_scale = 1.0;          ///< multiplies every standard deviation of the instrument
-  int sets = 2;                      ///< rounds, each in two faces
-  double distance = 9.0;             ///< of the set-ups from the facade [m]
-  double control_sigma = 0.5e-3;     ///< of the ground control points' given coordinates, each axis [m]
-  double set_up_height_sigma = 0.0;  ///< error of the measured instrument height of a set-up [m]
+  std::string instrument = "ics50_assumed";  ///< a built-in profile of the survey library
+  double noise_scale = 1.0;                  ///< multiplies every standard deviation of the instrument
+  int sets = 2;                              ///< rounds, each in two faces
+  double distance = 9.0;                     ///< of the set-ups from the facade [m]
+  double control_sigma = 0.5e-3;             ///< of the ground control points' given coordinates, each axis [m]
+  double set_up_height_sigma = 0.0;          ///< error of the measured instrument height of a set-up [m]
 };
 
 /// A ground control point: it carries the datum.

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "adjustment/reliability.hpp"
+#include "geometry/similarity.hpp"
 #include "geometry/statistics.hpp"
 
 namespace plumbline::survey {
@@ -92,10 +93,7 @@ Matrix3d turn_of(const Pair& p, const std::vector<char>& stable, int free_motion
     const double angle = std::atan2(h(0, 1) - h(1, 0), h(0, 0) + h(1, 1));
     return Eigen::AngleAxisd(angle, Vector3d::UnitZ()).toRotationMatrix();
   }
-  const Eigen::JacobiSVD<Matrix3d> svd(h, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Matrix3d sign = Matrix3d::Identity();
-  sign(2, 2) = (svd.matrixV() * svd.matrixU().transpose()).determinant();
-  return svd.matrixV() * sign * svd.matrixU().transpose();
+  return rotation_of_moment(h.transpose());
 }
 
 /// Free networks may lie anywhere: the second epoch is first laid onto the first, so that the rest is small and linear.

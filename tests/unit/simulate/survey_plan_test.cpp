@@ -9,6 +9,8 @@
 #include <numbers>
 #include <set>
 
+#include "survey/model/instrument_profile.hpp"
+
 namespace plumbline::simulate {
 namespace {
 
@@ -130,7 +132,7 @@ TEST(Observations, ScatterAsTheInstrumentProfileSays) {
     const SurveyOptions options;
     const StationPlan plan = plan_set_ups(b, options, 7);
     const auto truth = means_of(observe(b, plan, {.noise_scale = 0}, seed));
-    const SimulatedInstrument instrument = simulated_instrument(options.instrument);
+    const survey::InstrumentProfile instrument = survey::built_in_profile(options.instrument);
     for (const auto& [key, m] : means_of(observe(b, plan, options, seed))) {
       const Mean& t = truth.at(key);
       const double s = t.distance / t.n, h = s * std::sin(t.zenith / t.n), sets = options.sets;
@@ -160,10 +162,12 @@ TEST(Observations, FacesDifferByCollimationAndIndex) {
 }
 
 TEST(Instrument, UnknownNameListsTheKnown) {
+  const Building b = make_building({.floors = 1}, 1);
+  const StationPlan plan = plan_set_ups(b, {}, 1);
   try {
-    simulated_instrument("ics60");
+    observe(b, plan, {.instrument = "ics60"}, 1);
     FAIL();
-  } catch (const std::invalid_argument& error) {
+  } catch (const std::runtime_error& error) {
     EXPECT_NE(std::string(error.what()).find("ics50_assumed"), std::string::npos);
   }
 }
