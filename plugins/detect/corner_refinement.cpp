@@ -16,15 +16,13 @@ double height_over(const Eigen::Vector2d& p, const Eigen::Vector2d& a, const Eig
   return std::abs(cross(b - a, p - a)) / (b - a).norm();
 }
 
-/// Strip of the edge from corner i to the next: as wide as the cell beside it is for certain.
+/// Strip of the edge from corner i to the next, with one cell of plain colour on either side.
 EdgeStrip strip_of(const std::array<Eigen::Vector2d, 4>& corner, int i, int modules) {
   const auto &previous = corner[(i + 3) % 4], &start = corner[i], &end = corner[(i + 1) % 4],
              &next = corner[(i + 2) % 4];
   const double cell = std::min(height_over(previous, start, end), height_over(next, start, end)) / modules;
   const double length = (end - start).norm();
-  // The next cell's edge blurs a pixel and a half into this one; below three pixels a cell nothing is plain any more.
-  const double reach = std::clamp(cell - 1.0, 1.6, 8.0);
-  return {start, end, std::clamp(0.12 * length, 3.0, 10.0), reach};
+  return {start, end, std::clamp(0.12 * length, 3.0, 10.0), cell};
 }
 
 struct EdgeValue {
@@ -58,19 +56,101 @@ bool intersect(const FittedEdge& first, const FittedEdge& second, Eigen::Vector2
   return false;
 }
 
-}  // namespace
+using Edges = std::array<std::optional<FittedEdge>, 4>;  // edge i goes from corner i to corner i + 1
 
-std::optional<RefinedCorners> refine_corners(const GreyImage& image, const std::array<Eigen::Vector2d, 4>& initial,
-                                             int modules, const EdgeFitOptions& options) {
-  std::array<std::optional<FittedEdge>, 4> edges;  // edge i goes from corner i to corner i + 1
-  for (int i = 0; i < 4; ++i) {
-    edges[i] = fit_edge(image, strip_of(initial, i, modules), options);
-    if (!edges[i]) return std::nullopt;
+Edges fit_edges(const GreyImage& image, const Quadrilateral& q, const EdgeFitOptions& options) {
+  Edges edges;
+  for (int i = 0; i < 4; ++i)
+    if (!(edges[i] = fit_edge(image, strip_of(q.corners, i, q.modules), options))) break;
+  return edges;
+}
+
+bool complete(const Edges& edges) { return edges[3].has_value(); }
+
+/// Exponent of the transfer curve that explains the image's edges best, over the exponents that cameras have. What the
+/// profiles differ from the model by decides, against how well any photograph keeps to the model (sharpening, print),
+/// not the noise: noise averages away over an image, an error of the model does not. The prior decides where blur is
+/// too small to tell.
+double estimate_gamma(const GreyImage& image, const std::vector<Quadrilateral>& found, EdgeFitOptions options) {
+  constexpr std::array<double, 5> exponent = {1.0, 1.4, 1.9, 2.4, 2.9};
+  constexpr double kPriorMean = 1.7, kPriorSigma = 0.7;
+  constexpr double kBins = 8;          // independent values of a profile
+  constexpr double kFloor = 0.0005;    // misfit that noise leaves [contrast]
+  constexpr std::size_t kEnough = 12;  // quadrilaterals
+  std::array<double, 5> misfit = {};
+  double count = 0;
+  const std::size_t stride = std::max<std::size_t>(1, found.size() / kEnough);
+  for (std::size_t k = 0; k < found.size(); k += stride) {
+    std::array<double, 5> own = {};
+    bool all = true;
+    for (std::size_t g = 0; g < exponent.size() && all; ++g) {
+      options.gamma = exponent[g];
+      const Edges edges = fit_edges(image, found[k], options);
+      all = complete(edges);
+      for (int i = 0; i < 4 && all; ++i) own[g] += edges[i]->misfit;
+    }
+    if (!all) continue;
+    for (std::size_t g = 0; g < exponent.size(); ++g) misfit[g] += own[g];
+    count += 4;
   }
-  RefinedCorners refined{initial, {}};
+  std::array<double, 5> cost = {};
+  for (std::size_t g = 0; g < exponent.size(); ++g)
+    cost[g] = (count > 0 ? kBins * std::log(std::max(0.0, misfit[g] / count) + kFloor * kFloor) : 0) +
+              std::pow((exponent[g] - kPriorMean) / kPriorSigma, 2);
+  const std::size_t best = static_cast<std::size_t>(std::min_element(cost.begin(), cost.end()) - cost.begin());
+  if (best == 0 || best + 1 == exponent.size()) return exponent[best];
+  // Vertex of the parabola through the three costs (Brent's step).
+  const double x = exponent[best], left = x - exponent[best - 1], right = x - exponent[best + 1];
+  const double by_left = cost[best] - cost[best - 1], by_right = cost[best] - cost[best + 1];
+  return x - 0.5 * (left * left * by_right - right * right * by_left) / (left * by_right - right * by_left);
+}
+
+/// Mean square misfit over all edges; 0 where noise explains it.
+double model_error_of(const std::vector<Edges>& measured) {
+  double sum = 0, count = 0;
+  for (const Edges& edges : measured) {
+    if (!complete(edges)) continue;
+    for (const auto& edge : edges) sum += edge->misfit, count += 1;
+  }
+  return count > 0 ? std::sqrt(std::max(0.0, sum / count)) : 0;
+}
+
+/// Adds to the fit's covariance what an error of the model does to an edge: a shift, and a turn of half the variance at
+/// its ends.
+void add_model_error(double model_error, FittedEdge& edge) {
+  constexpr double kMultiple = 9.0;
+  constexpr double kPixelVariance = 1.0 / 12;  // of a pixel's box [px²]
+  const double shift = kMultiple * model_error * std::sqrt(edge.blur * edge.blur + kPixelVariance);
+  edge.covariance(0, 0) += shift * shift;
+  edge.covariance(1, 1) += 0.5 * shift * shift;
+}
+
+std::optional<RefinedCorners> corners_of(const Edges& edges, const Quadrilateral& q) {
+  RefinedCorners refined{q.corners, {}};
   for (int i = 0; i < 4; ++i)
     if (!intersect(*edges[(i + 3) % 4], *edges[i], refined.corners[i], refined.covariances[i])) return std::nullopt;
   return refined;
+}
+
+}  // namespace
+
+Measurement measure_corners(const GreyImage& image, const std::vector<Quadrilateral>& found,
+                            const EdgeFitOptions& options) {
+  Measurement measurement;
+  EdgeFitOptions used = options;
+  if (options.gamma == 0) used.gamma = estimate_gamma(image, found, options);
+  std::vector<Edges> measured;
+  for (const Quadrilateral& q : found) measured.push_back(fit_edges(image, q, used));
+  measurement.quality = {used.gamma, model_error_of(measured)};
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    if (!complete(measured[k])) {
+      measurement.corners.emplace_back();
+      continue;
+    }
+    for (auto& edge : measured[k]) add_model_error(measurement.quality.model_error, *edge);
+    measurement.corners.push_back(corners_of(measured[k], found[k]));
+  }
+  return measurement;
 }
 
 }  // namespace plumbline::detect

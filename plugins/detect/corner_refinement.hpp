@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <optional>
+#include <vector>
 
 #include "detect/edge_fit.hpp"
 
@@ -15,9 +16,30 @@ struct RefinedCorners {
       covariances;  ///< [px²]; neighbours share an edge and are correlated, which is left out
 };
 
-/// Measures the corners of a quadrilateral whose edges are `modules` cells long and have one cell of plain colour on
-/// either side, from initial corners that are right to about 2 px. Nothing if one of the edges cannot be fitted.
-std::optional<RefinedCorners> refine_corners(const GreyImage& image, const std::array<Eigen::Vector2d, 4>& initial,
-                                             int modules, const EdgeFitOptions& options);
+/// A quadrilateral found in the image: four edges, each `modules` cells long with one cell of plain colour on either
+/// side.
+struct Quadrilateral {
+  std::array<Eigen::Vector2d, 4> corners;  ///< right to about 2 px [px]
+  int modules = 0;
+};
+
+/// How an image came to be, as the edges in it tell.
+struct ImageQuality {
+  double gamma = 1;  ///< exponent of the transfer curve, see EdgeFitOptions::gamma
+  double model_error =
+      0;  ///< what the edges' profiles differ from the model by, root mean square in units of the contrast
+};
+
+struct Measurement {
+  std::vector<std::optional<RefinedCorners>> corners;  ///< nothing where one of the edges cannot be fitted
+  ImageQuality quality;
+};
+
+/// Measures all quadrilaterals of one image. The transfer curve is common to the image and is estimated from its edges
+/// where options.gamma is 0. The stated covariance is that of the fit plus what an error of the model does to an edge:
+/// a profile that differs from the model by `model_error` displaces the edge by a multiple of model_error times its
+/// width; the multiple is measured on real boards (docs/photographs.md).
+Measurement measure_corners(const GreyImage& image, const std::vector<Quadrilateral>& found,
+                            const EdgeFitOptions& options);
 
 }  // namespace plumbline::detect

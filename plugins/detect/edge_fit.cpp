@@ -16,7 +16,9 @@ using Parameters =
 using Normal = Eigen::Matrix<double, 8, 8>;
 
 constexpr double kSmallestBlur = 0.15, kLargestBlur = 6.0;  // [px]
-constexpr int kBins = 24;  // along the edge, for telling an occluded part from the rest
+constexpr double kNeighbour = 3.2,
+                 kPlateau = 1.5;  // what the next edge's blur takes, what of a plateau must be left [blur]
+constexpr int kBins = 24;         // along the edge, for telling an occluded part from the rest
 
 struct Sample {
   double t, d;   // along [-1, 1] and across [px]
@@ -59,6 +61,12 @@ struct Frame {
   double box;  // width of the pixel's box across the edge [px]
 };
 
+/// How light becomes grey values.
+struct Imaging {
+  double box;    // width of the pixel's box across the edge [px]
+  double gamma;  // of the transfer curve
+};
+
 struct Prior {
   double curvature;  // standard deviation of c [px]
   // Sharp and defocused images lie within a factor of three of this; the prior only matters where the data say nothing,
@@ -89,8 +97,29 @@ std::vector<Sample> collect(const GreyImage& image, const Frame& frame, const Ei
   return samples;
 }
 
+/// Grey values and light: light = ((grey + a) / (255 + a))^gamma, a growing with gamma from 0 for linear files to
+/// sRGB's own curve (IEC 61966-2-1, without its toe below 10 grey values) at 2.4. Blur mixes light: the plateaus are
+/// taken back to light, mixed there, and the mixture is recorded.
+struct Mixture {
+  double value;                     // recorded [grey values]
+  double by_step, by_low, by_high;  // its derivatives
+};
+
+Mixture mix(double low, double high, double step, double gamma) {
+  if (gamma == 1) return {low + (high - low) * step, high - low, 1 - step, step};
+  const double offset = 255 * 0.055 * (gamma - 1) / (2.4 - 1);
+  constexpr double kDarkest = 0.5;  // a power has no slope at zero; half a grey value is below what is recorded
+  const double l = std::max(low, kDarkest) + offset, h = std::max(high, kDarkest) + offset;
+  const double light_low = std::pow(l, gamma), light_high = std::pow(h, gamma);
+  const double light = light_low + (light_high - light_low) * step;
+  const double root = std::pow(light, 1 / gamma), slope = root / (gamma * light);
+  return {root - offset, slope * (light_high - light_low), slope * (1 - step) * gamma * light_low / l,
+          slope * step * gamma * light_high / h};
+}
+
 /// Residual and gradient of the model at one sample.
-double residual_of(const Sample& sample, const Parameters& p, double box, Parameters& gradient) {
+double residual_of(const Sample& sample, const Parameters& p, const Imaging& imaging, Parameters& gradient) {
+  const double box = imaging.box;
   static const NormalTable normal;
   static constexpr std::array<double, 3> node = {-0.3872983346207417, 0,
                                                  0.3872983346207417};  // Gauss-Legendre on the pixel
@@ -106,11 +135,11 @@ double residual_of(const Sample& sample, const Parameters& p, double box, Parame
     slope += weight[k] * density;
     slope_z += weight[k] * density * z;
   }
-  const double low = p[4] + p[5] * t, rise = p[6] + p[7] * t - low;
-  const double by_position = -rise * slope / s;
-  gradient << by_position, t * by_position, t * t * by_position, -rise * slope_z, 1 - step, t * (1 - step), step,
-      t * step;
-  return sample.value - (low + rise * step);
+  const Mixture m = mix(p[4] + p[5] * t, p[6] + p[7] * t, step, imaging.gamma);
+  const double by_position = -m.by_step * slope / s;
+  gradient << by_position, t * by_position, t * t * by_position, -m.by_step * slope_z, m.by_low, t * m.by_low,
+      m.by_high, t * m.by_high;
+  return sample.value - m.value;
 }
 
 struct Solution {
@@ -120,13 +149,13 @@ struct Solution {
   bool converged = false;
 };
 
-double cost_of(const std::vector<Sample>& samples, const Parameters& p, double box, const Prior& prior, double noise,
-               Normal* normal, Parameters* right, double* sum_of_squares) {
+double cost_of(const std::vector<Sample>& samples, const Parameters& p, const Imaging& imaging, const Prior& prior,
+               double noise, Normal* normal, Parameters* right, double* sum_of_squares) {
   double sum = 0;
   Parameters gradient;
   if (normal) normal->setZero(), right->setZero();
   for (const Sample& sample : samples) {
-    const double r = residual_of(sample, p, box, gradient);
+    const double r = residual_of(sample, p, imaging, gradient);
     sum += r * r;
     if (!normal) continue;
     normal->selfadjointView<Eigen::Lower>().rankUpdate(gradient);
@@ -154,16 +183,16 @@ double noise_of(double sum_of_squares, std::size_t count) {
 }
 
 /// Levenberg-Marquardt from `p`.
-Solution solve(const std::vector<Sample>& samples, Parameters p, double box, const Prior& prior) {
+Solution solve(const std::vector<Sample>& samples, Parameters p, const Imaging& imaging, const Prior& prior) {
   Solution solution{p, Normal::Zero()};
   if (samples.size() < 24) return solution;
   double damping = 1e-3, sum = 0;
   Parameters right;
-  cost_of(samples, p, box, prior, 1, nullptr, nullptr, &sum);
+  cost_of(samples, p, imaging, prior, 1, nullptr, nullptr, &sum);
   double noise = noise_of(sum, samples.size());
   for (int iteration = 0; iteration < 30; ++iteration) {
     Normal normal;
-    const double cost = cost_of(samples, p, box, prior, noise, &normal, &right, &sum);
+    const double cost = cost_of(samples, p, imaging, prior, noise, &normal, &right, &sum);
     solution = {p, normal, noise};
     Normal weighted = normal / (noise * noise);
     Parameters weighted_right = right / (noise * noise);
@@ -176,7 +205,7 @@ Solution solve(const std::vector<Sample>& samples, Parameters p, double box, con
       trial[3] = std::clamp(trial[3], std::log(kSmallestBlur), std::log(kLargestBlur));
       double trial_sum = 0;
       if (trial.allFinite() &&
-          cost_of(samples, trial, box, prior, noise, nullptr, nullptr, &trial_sum) <= cost * (1 + 1e-12)) {
+          cost_of(samples, trial, imaging, prior, noise, nullptr, nullptr, &trial_sum) <= cost * (1 + 1e-12)) {
         step_size = (trial - p).head<3>().cwiseAbs().maxCoeff();
         p = trial, sum = trial_sum;
         damping = std::max(1e-9, damping * 0.1);
@@ -214,11 +243,11 @@ Parameters initial_parameters(const std::vector<Sample>& samples, double reach) 
 
 /// Removes the parts of the edge that something hides: bins whose mean square residual is nine times the median bin's.
 /// Returns the share of bins that stay.
-double drop_disturbed_bins(std::vector<Sample>& samples, const Parameters& p, double box) {
+double drop_disturbed_bins(std::vector<Sample>& samples, const Parameters& p, const Imaging& imaging) {
   std::array<double, kBins> square = {}, count = {};
   Parameters unused;
   for (const Sample& sample : samples) {
-    const double r = residual_of(sample, p, box, unused);
+    const double r = residual_of(sample, p, imaging, unused);
     square[sample.bin] += r * r;
     count[sample.bin] += 1;
   }
@@ -232,6 +261,33 @@ double drop_disturbed_bins(std::vector<Sample>& samples, const Parameters& p, do
   for (int i = 0; i < kBins; ++i) kept += count[i] > 0 && square[i] <= limit;
   std::erase_if(samples, [&](const Sample& sample) { return square[sample.bin] > limit; });
   return kept / static_cast<double>(means.size());
+}
+
+/// FittedEdge::misfit: the residuals' means over half-pixel bins across the edge, squared, less what the scatter within
+/// the bins explains of them.
+double misfit_of(const std::vector<Sample>& samples, const Parameters& p, const Imaging& imaging) {
+  constexpr int kHalf = 24, kAcross = 2 * kHalf;  // bins across, half a pixel each
+  constexpr double kFitted = 4;                   // parameters that the mean profile has been fitted with
+  std::array<double, kAcross> sum = {}, square = {}, count = {};
+  Parameters unused;
+  for (const Sample& sample : samples) {
+    const double r = residual_of(sample, p, imaging, unused);
+    const double e = sample.d - (p[0] + sample.t * (p[1] + sample.t * p[2]));
+    const int bin = std::clamp(static_cast<int>(std::floor(2 * e)) + kHalf, 0, kAcross - 1);
+    sum[bin] += r, square[bin] += r * r, count[bin] += 1;
+  }
+  double between = 0, within = 0, freedom = 0, bins = 0;
+  for (int i = 0; i < kAcross; ++i) {
+    if (count[i] < 2) continue;
+    const double of_mean = sum[i] * sum[i] / count[i];
+    between += of_mean;
+    within += square[i] - of_mean;
+    freedom += count[i] - 1;
+    bins += 1;
+  }
+  if (!(freedom > 0)) return 0;
+  const double contrast = p[6] - p[4];
+  return (between - (bins - kFitted) * within / freedom) / static_cast<double>(samples.size()) / (contrast * contrast);
 }
 
 Frame frame_of(const EdgeStrip& strip) {
@@ -250,24 +306,34 @@ Frame frame_of(const EdgeStrip& strip) {
 std::optional<FittedEdge> fit_edge(const GreyImage& image, const EdgeStrip& strip, const EdgeFitOptions& options) {
   const Frame frame = frame_of(strip);
   if (!(frame.half_length > strip.margin)) return std::nullopt;
+  const Imaging imaging{frame.box, options.gamma};
   const Prior prior{std::max(0.5 * options.curvature_sigma * frame.half_length * frame.half_length, 1e-6)};
 
-  std::vector<Sample> samples = collect(image, frame, Eigen::Vector3d::Zero(), strip.margin, strip.reach);
+  // The next edge's blur reaches into this strip too. At first the blur is taken to be small; below three pixels a cell
+  // nothing is plain any more.
+  double reach = std::clamp(strip.plain - 1.0, 1.6, 8.0);
+  std::vector<Sample> samples = collect(image, frame, Eigen::Vector3d::Zero(), strip.margin, reach);
   if (samples.size() < 24) return std::nullopt;
-  const Parameters start = initial_parameters(samples, strip.reach);
+  const Parameters start = initial_parameters(samples, reach);
   if (std::abs(start[6] - start[4]) < options.min_contrast) return std::nullopt;
-  Solution solution = solve(samples, start, frame.box, prior);
-  if (!solution.converged || solution.p.head<3>().cwiseAbs().sum() > strip.reach) return std::nullopt;
+  Solution solution = solve(samples, start, imaging, prior);
+  if (!solution.converged || solution.p.head<3>().cwiseAbs().sum() > reach) return std::nullopt;
 
-  // Once more with the strip on the edge that was found, no wider than the blur asks for: further out there is nothing
-  // to learn of the edge, but flare and dirt.
-  const double reach = std::min(strip.reach, 4 * std::exp(solution.p[3]) + 2);
-  samples = collect(image, frame, solution.p.head<3>(), strip.margin, reach);
-  solution = solve(samples, solution.p, frame.box, prior);
-  if (!solution.converged) return std::nullopt;
+  // Again with the strip on the edge that was found, as wide as its blur asks for and the next edge's blur allows:
+  // further out there is nothing to learn of the edge, but flare, dirt and the neighbour.
+  for (int pass = 0; pass < 3; ++pass) {
+    const double blur = std::exp(solution.p[3]), plain = strip.plain - kNeighbour * blur;
+    if (plain < kPlateau * blur) return std::nullopt;  // the two blurred edges run into each other
+    const double wanted = std::clamp(4 * blur + 2, 1.6, std::max(1.6, plain));
+    if (pass > 0 && std::abs(wanted - reach) < 0.25) break;
+    reach = wanted;
+    samples = collect(image, frame, solution.p.head<3>(), strip.margin, reach);
+    solution = solve(samples, solution.p, imaging, prior);
+    if (!solution.converged) return std::nullopt;
+  }
   const std::size_t before = samples.size();
-  if (drop_disturbed_bins(samples, solution.p, frame.box) < 0.5) return std::nullopt;
-  if (samples.size() < before) solution = solve(samples, solution.p, frame.box, prior);
+  if (drop_disturbed_bins(samples, solution.p, imaging) < 0.5) return std::nullopt;
+  if (samples.size() < before) solution = solve(samples, solution.p, imaging, prior);
 
   const double contrast = std::abs(solution.p[6] - solution.p[4]);
   if (!solution.converged || contrast < options.min_contrast || solution.noise > 0.25 * contrast) return std::nullopt;
@@ -282,7 +348,9 @@ std::optional<FittedEdge> fit_edge(const GreyImage& image, const EdgeStrip& stri
                   covariance.topLeftCorner<3, 3>(),
                   std::exp(solution.p[3]),
                   contrast,
-                  solution.noise};
+                  solution.noise,
+                  static_cast<int>(samples.size()),
+                  misfit_of(samples, solution.p, imaging)};
   if (!edge.shape.allFinite() || !(edge.covariance.diagonal().maxCoeff() < 0.25)) return std::nullopt;
   return edge;
 }

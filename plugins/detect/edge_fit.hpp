@@ -21,7 +21,7 @@ namespace plumbline::detect {
 struct EdgeStrip {
   Eigen::Vector2d start, end;  ///< of the edge [px]
   double margin = 0;           ///< pixels left out at either end, where the neighbouring edges' blur reaches [px]
-  double reach = 0;            ///< half width of the strip: what is known to hold nothing but the two plateaus [px]
+  double plain = 0;  ///< distance to the next edge on either side: up to there nothing but the two plateaus [px]
 };
 
 struct EdgeFitOptions {
@@ -29,6 +29,9 @@ struct EdgeFitOptions {
   /// with radial distortion k1 bows edges by 2 k1 r / f²: 3e-5 for k1 = -0.1, r = 3000 px, f = 4500 px. Small tags are
   /// held straight by it, large ones that show their bow are free.
   double curvature_sigma = 2e-5;
+  /// Exponent of the camera's transfer curve from light to grey values: 1 for linear files, 2.4 for sRGB. Blur mixes
+  /// light, so a curve that is left out moves edges towards the dark side by a share of the blur.
+  double gamma = 1;
   /// Grey values a plateau must differ by, at least [grey values].
   double min_contrast = 12;
 };
@@ -42,6 +45,10 @@ struct FittedEdge {
   double blur = 0;                        ///< s, standard deviation of the Gaussian [px]
   double contrast = 0;                    ///< difference of the plateaus at the middle [grey values]
   double noise = 0;                       ///< standard deviation of the residuals [grey values]
+  int samples = 0;                        ///< pixels that took part
+  /// What the profile across the edge differs from the model by, mean square in units of the contrast, with the share
+  /// that noise alone would leave taken off: below zero by chance where the model holds.
+  double misfit = 0;
 };
 
 /// Nothing if the strip leaves the image, is too short, has too little contrast or the fit does not converge near it.

@@ -87,22 +87,26 @@ std::vector<DetectedTag> TagDetector::detect(const GreyImage& image) {
   image_u8_t view{image.width, image.height, image.width, const_cast<std::uint8_t*>(image.pixels.data())};
   const Detections found(apriltag_detector_detect(impl_->detector.get(), &view), apriltag_detections_destroy);
 
+  std::vector<Quadrilateral> quadrilaterals;
   for (int k = 0; k < zarray_size(found.get()); ++k) {
     apriltag_detection_t* detection = nullptr;
     zarray_get(found.get(), k, &detection);
     if (detection->hamming > options.max_hamming ||
         static_cast<double>(detection->decision_margin) < options.min_decision_margin)
       continue;
-    DetectedTag tag = plain_tag(*detection, options.apriltag_sigma);
-    if (options.refinement == Refinement::edges)
-      if (const auto refined = refine_corners(image, tag.corners, detection->family->width_at_border, options.edge)) {
-        tag.corners = refined->corners;
-        for (int i = 0; i < 4; ++i)
-          tag.covariances[i] =
-              refined->covariances[i] + Eigen::Matrix2d::Identity() * options.sigma_floor * options.sigma_floor;
-        tag.refined = true;
-      }
-    tags.push_back(std::move(tag));
+    tags.push_back(plain_tag(*detection, options.apriltag_sigma));
+    quadrilaterals.push_back({tags.back().corners, detection->family->width_at_border});
+  }
+  if (options.refinement == Refinement::edges) {
+    const Measurement measured = measure_corners(image, quadrilaterals, options.edge);
+    for (std::size_t k = 0; k < tags.size(); ++k) {
+      if (!measured.corners[k]) continue;
+      tags[k].corners = measured.corners[k]->corners;
+      for (int i = 0; i < 4; ++i)
+        tags[k].covariances[i] = measured.corners[k]->covariances[i] +
+                                 Eigen::Matrix2d::Identity() * options.sigma_floor * options.sigma_floor;
+      tags[k].refined = true;
+    }
   }
   std::sort(tags.begin(), tags.end(), [](const DetectedTag& a, const DetectedTag& b) {
     const auto key = [](const DetectedTag& t) {
