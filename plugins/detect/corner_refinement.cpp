@@ -67,36 +67,52 @@ Edges fit_edges(const GreyImage& image, const Quadrilateral& q, const EdgeFitOpt
 
 bool complete(const Edges& edges) { return edges[3].has_value(); }
 
+/// Standard deviation of the mean misfit that chance alone gives, from the edges' noise, contrast and pixels.
+double chance_of(double relative_noise_squared, double samples) {
+  constexpr double kFactor = 7;  // of a sum of 24 squared means: sqrt(2 · 24)
+  return samples > 0 ? kFactor * relative_noise_squared / samples : 0;
+}
+
 /// Exponent of the transfer curve that explains the image's edges best, over the exponents that cameras have. What the
-/// profiles differ from the model by decides, against how well any photograph keeps to the model (sharpening, print),
-/// not the noise: noise averages away over an image, an error of the model does not. The prior decides where blur is
-/// too small to tell.
+/// profiles differ from the model by decides; noise averages away over an image, an error of the model does not. A
+/// curve is corrected only where the edges show it: where blur is too small, noise too large or the image sharpened,
+/// the exponent stays near 1, and what remains is an inset common to the image's corners.
 double estimate_gamma(const GreyImage& image, const std::vector<Quadrilateral>& found, EdgeFitOptions options) {
   constexpr std::array<double, 5> exponent = {1.0, 1.4, 1.9, 2.4, 2.9};
-  constexpr double kPriorMean = 1.7, kPriorSigma = 0.7;
-  constexpr double kBins = 8;          // independent values of a profile
-  constexpr double kFloor = 0.0005;    // misfit that noise leaves [contrast]
+  constexpr double kPrior = 3;         // exponential above 1: a curve must pay for itself
+  constexpr double kValues = 6;        // independent values of a profile
+  constexpr double kFloor = 0.0005;    // misfit of a perfect photograph [contrast]
+  constexpr double kFewest = 12;       // edges: chance fools a tag or two
   constexpr std::size_t kEnough = 12;  // quadrilaterals
   std::array<double, 5> misfit = {};
-  double count = 0;
+  double count = 0, noise = 0, samples = 0;
   const std::size_t stride = std::max<std::size_t>(1, found.size() / kEnough);
   for (std::size_t k = 0; k < found.size(); k += stride) {
     std::array<double, 5> own = {};
+    double own_noise = 0, own_samples = 0;
     bool all = true;
     for (std::size_t g = 0; g < exponent.size() && all; ++g) {
       options.gamma = exponent[g];
       const Edges edges = fit_edges(image, found[k], options);
       all = complete(edges);
-      for (int i = 0; i < 4 && all; ++i) own[g] += edges[i]->misfit;
+      for (int i = 0; i < 4 && all; ++i) {
+        own[g] += edges[i]->misfit;
+        if (g > 0) continue;
+        own_noise += std::pow(edges[i]->noise / edges[i]->contrast, 2);
+        own_samples += edges[i]->samples;
+      }
     }
     if (!all) continue;
     for (std::size_t g = 0; g < exponent.size(); ++g) misfit[g] += own[g];
     count += 4;
+    noise += own_noise;
+    samples += own_samples;
   }
+  if (count < kFewest) return 1;
+  const double floor = kFloor * kFloor + 4 * chance_of(noise / count, samples);
   std::array<double, 5> cost = {};
   for (std::size_t g = 0; g < exponent.size(); ++g)
-    cost[g] = (count > 0 ? kBins * std::log(std::max(0.0, misfit[g] / count) + kFloor * kFloor) : 0) +
-              std::pow((exponent[g] - kPriorMean) / kPriorSigma, 2);
+    cost[g] = kValues * std::log(std::max(0.0, misfit[g] / count) + floor) + kPrior * (exponent[g] - 1);
   const std::size_t best = static_cast<std::size_t>(std::min_element(cost.begin(), cost.end()) - cost.begin());
   if (best == 0 || best + 1 == exponent.size()) return exponent[best];
   // Vertex of the parabola through the three costs (Brent's step).
@@ -105,14 +121,17 @@ double estimate_gamma(const GreyImage& image, const std::vector<Quadrilateral>& 
   return x - 0.5 * (left * left * by_right - right * right * by_left) / (left * by_right - right * by_left);
 }
 
-/// Mean square misfit over all edges; 0 where noise explains it.
+/// Root mean square misfit over all edges; 0 where noise explains it.
 double model_error_of(const std::vector<Edges>& measured) {
-  double sum = 0, count = 0;
+  double sum = 0, count = 0, noise = 0, samples = 0;
   for (const Edges& edges : measured) {
     if (!complete(edges)) continue;
-    for (const auto& edge : edges) sum += edge->misfit, count += 1;
+    for (const auto& edge : edges) {
+      sum += edge->misfit, count += 1;
+      noise += std::pow(edge->noise / edge->contrast, 2), samples += edge->samples;
+    }
   }
-  return count > 0 ? std::sqrt(std::max(0.0, sum / count)) : 0;
+  return count > 0 ? std::sqrt(std::max(0.0, sum / count - chance_of(noise / count, samples))) : 0;
 }
 
 /// Adds to the fit's covariance what an error of the model does to an edge: a shift, and a turn of half the variance at
@@ -151,6 +170,11 @@ Measurement measure_corners(const GreyImage& image, const std::vector<Quadrilate
     measurement.corners.push_back(corners_of(measured[k], found[k]));
   }
   return measurement;
+}
+
+std::optional<RefinedCorners> refine_corners(const GreyImage& image, const std::array<Eigen::Vector2d, 4>& initial,
+                                             int modules, const EdgeFitOptions& options) {
+  return measure_corners(image, {{initial, modules}}, options).corners.front();
 }
 
 }  // namespace plumbline::detect

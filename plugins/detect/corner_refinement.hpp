@@ -42,4 +42,8 @@ struct Measurement {
 Measurement measure_corners(const GreyImage& image, const std::vector<Quadrilateral>& found,
                             const EdgeFitOptions& options);
 
+/// Of one quadrilateral alone; the others of an image tell its transfer curve better.
+std::optional<RefinedCorners> refine_corners(const GreyImage& image, const std::array<Eigen::Vector2d, 4>& initial,
+                                             int modules, const EdgeFitOptions& options);
+
 }  // namespace plumbline::detect

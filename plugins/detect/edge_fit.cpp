@@ -16,9 +16,9 @@ using Parameters =
 using Normal = Eigen::Matrix<double, 8, 8>;
 
 constexpr double kSmallestBlur = 0.15, kLargestBlur = 6.0;  // [px]
-constexpr double kNeighbour = 3.2,
-                 kPlateau = 1.5;  // what the next edge's blur takes, what of a plateau must be left [blur]
-constexpr int kBins = 24;         // along the edge, for telling an occluded part from the rest
+// In units of the blur: how far the next edge's blur reaches, and how near the next edge may be at all.
+constexpr double kNeighbour = 3.2, kNearest = 3.75;
+constexpr int kBins = 24;  // along the edge, for telling an occluded part from the rest
 
 struct Sample {
   double t, d;   // along [-1, 1] and across [px]
@@ -323,7 +323,7 @@ std::optional<FittedEdge> fit_edge(const GreyImage& image, const EdgeStrip& stri
   // further out there is nothing to learn of the edge, but flare, dirt and the neighbour.
   for (int pass = 0; pass < 3; ++pass) {
     const double blur = std::exp(solution.p[3]), plain = strip.plain - kNeighbour * blur;
-    if (plain < kPlateau * blur) return std::nullopt;  // the two blurred edges run into each other
+    if (strip.plain < kNearest * blur) return std::nullopt;  // the two blurred edges run into each other
     const double wanted = std::clamp(4 * blur + 2, 1.6, std::max(1.6, plain));
     if (pass > 0 && std::abs(wanted - reach) < 0.25) break;
     reach = wanted;

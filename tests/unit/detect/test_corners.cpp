@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 
 #include "detect/corner_refinement.hpp"
@@ -83,6 +84,91 @@ TEST(Corners, CarryACovarianceThatCoversTheirErrors) {
   // correlated.
   EXPECT_GT(f.mahalanobis, 0.6);
   EXPECT_LT(f.mahalanobis, 1.6);
+}
+
+/// sRGB (IEC 61966-2-1) of linear grey values, then sharpened by `amount` with a halo of a pixel.
+GreyImage photographed(GreyImage image, double amount) {
+  std::vector<double> grey;
+  for (const std::uint8_t value : image.pixels) {
+    const double light = value / 255.0;
+    grey.push_back(255 * (light <= 0.0031308 ? 12.92 * light : 1.055 * std::pow(light, 1 / 2.4) - 0.055));
+  }
+  for (int y = 1; y + 1 < image.height; ++y)
+    for (int x = 1; x + 1 < image.width; ++x) {
+      const auto at = [&](int dx, int dy) { return grey[static_cast<std::size_t>((y + dy) * image.width + x + dx)]; };
+      double mean = 0;
+      for (int dy = -1; dy <= 1; ++dy)
+        for (int dx = -1; dx <= 1; ++dx) mean += at(dx, dy) / 9;
+      image.pixels[static_cast<std::size_t>(y * image.width + x)] =
+          static_cast<std::uint8_t>(std::lround(std::clamp(at(0, 0) + amount * (at(0, 0) - mean), 0.0, 255.0)));
+    }
+  return image;
+}
+
+/// Images of one height side by side.
+GreyImage beside(const std::vector<GreyImage>& images) {
+  GreyImage row{0, images.front().height, {}};
+  for (const GreyImage& image : images) row.width += image.width;
+  for (int y = 0; y < row.height; ++y)
+    for (const GreyImage& image : images)
+      row.pixels.insert(row.pixels.end(), image.pixels.begin() + y * image.width,
+                        image.pixels.begin() + (y + 1) * image.width);
+  return row;
+}
+
+TEST(Corners, OfAPhotographWithATransferCurveAreNotMovedInwards) {
+  std::vector<GreyImage> images;
+  std::vector<detect::Quadrilateral> truth;
+  for (int k = 0; k < 5; ++k) {
+    TagScene scene = scene_of(120, 0.3 + 0.7 * k, 0.2, k);
+    scene.blur = 1.2;
+    detect::Quadrilateral q{test::true_corners(scene), 8};
+    for (auto& corner : q.corners) corner.x() += static_cast<double>(k) * scene.width;
+    images.push_back(render(scene));
+    truth.push_back(q);
+  }
+  const GreyImage image = photographed(beside(images), 0);
+  double outward_of[2] = {0, 0};
+  for (const int estimated : {0, 1}) {
+    detect::EdgeFitOptions options;
+    options.gamma = estimated ? 0 : 1;
+    const auto measured = detect::measure_corners(image, truth, options);
+    EXPECT_NEAR(measured.quality.gamma, estimated ? 2.4 : 1.0, 0.3);
+    for (std::size_t k = 0; k < truth.size(); ++k) {
+      ASSERT_TRUE(measured.corners[k]);
+      const auto& corners = truth[k].corners;
+      const Eigen::Vector2d centre = 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
+      for (int i = 0; i < 4; ++i)
+        outward_of[estimated] +=
+            (measured.corners[k]->corners[i] - corners[i]).dot((corners[i] - centre).normalized()) / 20;
+    }
+  }
+  EXPECT_LT(outward_of[0], -0.3) << "without the curve the tag looks smaller";
+  EXPECT_NEAR(outward_of[1], 0, 0.06);
+}
+
+TEST(Corners, OfASharpenedPhotographAreStatedToBeWorse) {
+  const TagScene scene = scene_of(90, 0.4, 0.2, 1);
+  const auto truth = test::true_corners(scene);
+  detect::EdgeFitOptions options;
+  options.gamma = 0;
+  const auto plain = detect::measure_corners(render(scene), {{truth, 8}}, options);
+  const auto sharpened = detect::measure_corners(photographed(render(scene), 1.0), {{truth, 8}}, options);
+  ASSERT_TRUE(plain.corners[0] && sharpened.corners[0]);
+  EXPECT_LT(plain.quality.model_error, 0.004);
+  EXPECT_GT(sharpened.quality.model_error, 0.01);
+  EXPECT_GT(sharpened.corners[0]->covariances[0].trace(), 9 * plain.corners[0]->covariances[0].trace());
+}
+
+TEST(Corners, WhoseEdgesRunIntoTheNextCellsAreLeftUnmeasured) {
+  TagScene scene = scene_of(80, 0.2, 0, 2);
+  scene.blur = 3.5;  // a cell has 10 px
+  EXPECT_FALSE(detect::refine_corners(render(scene), test::true_corners(scene), 8, {}));
+  TagScene large = scene_of(240, 0.2, 0, 2);
+  large.blur = 3;
+  const auto refined = detect::refine_corners(render(large), test::true_corners(large), 8, {});
+  ASSERT_TRUE(refined) << "cells of 30 px leave room for a blur of 3 px";
+  for (int i = 0; i < 4; ++i) EXPECT_LT((refined->corners[i] - test::true_corners(large)[i]).norm(), 0.1);
 }
 
 TEST(Corners, OfAnUnblurredTagOnThePixelGridAreExact) {
