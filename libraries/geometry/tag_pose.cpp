@@ -1,6 +1,8 @@
 #include "geometry/tag_pose.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -103,10 +105,12 @@ class Estimator {
   }
 
   /// Low is good. A tag that is far off counts by the logarithm of how far: a wrong one cannot outvote the right ones,
-  /// and a rough hypothesis that needs refinement is still told from one that is plainly wrong.
-  double score(const RigidTransform& pose) const {
+  /// and a rough hypothesis that needs refinement is still told from one that is plainly wrong. No tag lowers the sum,
+  /// so it is given up where it reaches `limit`: then the answer is only known to be no lower than that.
+  double score(const RigidTransform& pose, double limit = kInfinity) const {
     double sum = 0;
-    for (std::size_t i = 0; i < views_.size(); ++i) sum += std::log1p(std::min(distance(i, pose), 1e12) / gate_);
+    for (std::size_t i = 0; i < views_.size() && sum < limit; ++i)
+      sum += std::log1p(std::min(distance(i, pose), 1e12) / gate_);
     return sum;
   }
 
@@ -150,9 +154,9 @@ class Estimator {
 
   /// Fit to the chosen tags. The weights depend on the pose, but must not take part in the minimisation: a camera that
   /// comes closer would make every tag less certain. So they are held within a fit, and a few fits follow one another.
-  RigidTransform refine(const std::vector<bool>& chosen, RigidTransform pose) const {
+  RigidTransform refine(const std::vector<bool>& chosen, RigidTransform pose, int rounds = 5) const {
     std::vector<Weight> held;
-    for (int round = 0; round < 5; ++round) {
+    for (int round = 0; round < rounds; ++round) {
       if (!weights(chosen, pose, held)) return pose;
       const RigidTransform before = pose;
       pose = minimise(chosen, held, pose);
@@ -191,16 +195,45 @@ class Estimator {
   RigidTransform polish(RigidTransform pose, const std::vector<int>& sample) const {
     std::vector<bool> chosen(views_.size(), false);
     for (const int i : sample) chosen[static_cast<std::size_t>(i)] = true;
-    pose = refine(chosen, pose);
+    pose = refine(chosen, pose, 1);
     for (int round = 0; round < 12; ++round) {
       const double limit = gate_ * std::max(1.0, kLenience / ((round + 1) * (round + 1)));
       const std::vector<bool> now = inliers(pose, limit);
       if (std::count(now.begin(), now.end(), true) < 3) break;
       if (limit == gate_ && now == chosen) break;
       chosen = now;
-      pose = refine(chosen, pose);
+      pose = refine(chosen, pose, 2);
+      if (all_agree(chosen) && all_agree(inliers(pose, gate_))) break;  // closing the gate would change nothing
     }
     return pose;
+  }
+
+  static bool all_agree(const std::vector<bool>& list) {
+    return std::find(list.begin(), list.end(), false) == list.end();
+  }
+
+  /// Points in one plane fit nearly as well from a pose whose plane is mirrored about the line of sight
+  /// (Schweighofer and Pinz 2006). Of the pose and its twin, both refined on all tags, the better one.
+  RigidTransform better_of_twins(const RigidTransform& pose) const {
+    Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+    for (const TagView& view : views_) centre += view.anchor_in_world / static_cast<double>(views_.size());
+    for (const TagView& view : views_)
+      scatter += (view.anchor_in_world - centre) * (view.anchor_in_world - centre).transpose();
+    const Eigen::Vector3d normal =
+        pose.rotation * Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>().computeDirect(scatter).eigenvectors().col(0);
+    const Eigen::Vector3d place = pose * centre, sight = place.normalized();
+    const Eigen::Vector3d mirrored = 2 * sight.dot(normal) * sight - normal;
+    const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(normal, mirrored);
+    RigidTransform twin;
+    twin.rotation = (turn * pose.rotation).normalized();
+    twin.translation = place - twin.rotation * centre;
+    const std::vector<bool> all(views_.size(), true);
+    const double rival = score(pose);
+    twin = refine(all, twin, 1);
+    if (!(score(twin, 2 * rival) < 2 * rival)) return pose;  // most twins are far worse
+    twin = refine(all, twin);
+    return score(twin, rival) < rival ? twin : pose;
   }
 
  private:
@@ -248,26 +281,71 @@ struct Hypothesis {
   std::vector<int> sample;
 };
 
-/// The hypotheses with the lowest scores of all samples, best first.
-std::vector<Hypothesis> best_hypotheses(const Estimator& estimator, const std::vector<TagView>& views,
-                                        const TagPoseSolver& solver, const TagPoseOptions& options) {
-  constexpr std::size_t kKept = 8;
-  std::vector<Hypothesis> best;
-  const int count = static_cast<int>(views.size());
-  for (const auto& sample : samples_of(count, options.sample_size, options.max_samples, options.seed)) {
-    std::vector<const TagView*> tags;
-    for (const int i : sample) tags.push_back(&views[static_cast<std::size_t>(i)]);
-    for (const RigidTransform& pose : solver(tags)) {
-      if (!pose.translation.allFinite() || !pose.rotation.coeffs().allFinite()) continue;
-      const double score = estimator.score(pose);
-      if (best.size() == kKept && score >= best.back().score) continue;
-      if (best.size() == kKept) best.pop_back();
-      const auto place =
-          std::find_if(best.begin(), best.end(), [score](const Hypothesis& h) { return score < h.score; });
-      best.insert(place, {score, pose, sample});
-    }
+/// The hypotheses with the lowest scores, best first.
+class BestHypotheses {
+ public:
+  explicit BestHypotheses(const Estimator& estimator) : estimator_(estimator) {}
+
+  void offer(const RigidTransform& pose, const std::vector<int>& sample) {
+    if (!pose.translation.allFinite() || !pose.rotation.coeffs().allFinite()) return;
+    const bool full = list_.size() == kKept;
+    const double limit = full ? list_.back().score : kInfinity, score = estimator_.score(pose, limit);
+    if (full && score >= limit) return;
+    if (full) list_.pop_back();
+    const auto place =
+        std::find_if(list_.begin(), list_.end(), [score](const Hypothesis& h) { return score < h.score; });
+    list_.insert(place, {score, pose, sample});
   }
-  return best;
+  const std::vector<Hypothesis>& list() const { return list_; }
+
+ private:
+  static constexpr std::size_t kKept = 8;
+  const Estimator& estimator_;
+  std::vector<Hypothesis> list_;
+};
+
+/// Samples after which one without a wrong tag has been drawn with probability 1 - 1e-6, if `right` of `all` tags are
+/// right (Fischler and Bolles 1981).
+double samples_needed(double right, double all, int size) {
+  double clean = 1;
+  for (int i = 0; i < size; ++i) clean *= std::max(0.0, (right - i) / (all - i));
+  if (clean >= 1) return 1;
+  return clean > 0 ? std::log(1e-6) / std::log1p(-clean) : kInfinity;
+}
+
+/// The pose with the lowest score that samples lead to. Samples are drawn until enough of them are right ones, judged
+/// by the best pose so far, which is looked at after 1, 2, 4, 8 ... samples.
+RigidTransform search(const Estimator& estimator, const std::vector<TagView>& views, const TagPoseSolver& solver,
+                      const TagPoseOptions& options) {
+  BestHypotheses best(estimator);
+  const auto samples =
+      samples_of(static_cast<int>(views.size()), options.sample_size, options.max_samples, options.seed);
+  double looked_at = kInfinity;  // score of the hypothesis that was polished last
+  double needed = kInfinity;
+  for (std::size_t k = 0; k < samples.size() && static_cast<double>(k) < needed; ++k) {
+    std::vector<const TagView*> tags;
+    for (const int i : samples[k]) tags.push_back(&views[static_cast<std::size_t>(i)]);
+    for (const RigidTransform& pose : solver(tags)) best.offer(pose, samples[k]);
+    const bool power_of_two = ((k + 1) & k) == 0;
+    if (!power_of_two || best.list().empty() || best.list().front().score == looked_at) continue;
+    const Hypothesis& first = best.list().front();
+    looked_at = first.score;
+    const RigidTransform pose = estimator.polish(first.pose, first.sample);
+    const std::vector<bool> agreeing = estimator.inliers(pose, estimator.gate());
+    if (views.size() > 4 && Estimator::all_agree(agreeing)) return estimator.better_of_twins(pose);
+    const auto count = static_cast<double>(std::count(agreeing.begin(), agreeing.end(), true));
+    needed = samples_needed(count, static_cast<double>(views.size()), options.sample_size);
+  }
+  if (best.list().empty())
+    throw NoTagPose("the solver gives no pose for any sample of " + std::to_string(views.size()) + " tags");
+  RigidTransform pose;
+  double lowest = kInfinity;
+  for (const Hypothesis& hypothesis : best.list()) {
+    const RigidTransform polished = estimator.polish(hypothesis.pose, hypothesis.sample);
+    const double score = estimator.score(polished);
+    if (score < lowest) lowest = score, pose = polished;
+  }
+  return pose;
 }
 
 }  // namespace
@@ -292,16 +370,7 @@ TagPose estimate_centred(const BrownCamera& camera, const std::vector<TagView>& 
     throw NoTagPose("a pose needs " + std::to_string(options.sample_size) + " tags, there are " +
                     std::to_string(views.size()));
   const Estimator estimator(camera, views, options);
-  const auto hypotheses = best_hypotheses(estimator, views, solver, options);
-  if (hypotheses.empty()) throw NoTagPose("the solver gives no pose for any sample" + of + " tags");
-
-  RigidTransform pose;
-  double best = kInfinity;
-  for (const Hypothesis& hypothesis : hypotheses) {
-    const RigidTransform polished = estimator.polish(hypothesis.pose, hypothesis.sample);
-    const double score = estimator.score(polished);
-    if (score < best) best = score, pose = polished;
-  }
+  const RigidTransform pose = search(estimator, views, solver, options);
   TagPose result;
   result.inliers = estimator.inliers(pose, estimator.gate());
   result.inlier_count = static_cast<int>(std::count(result.inliers.begin(), result.inliers.end(), true));

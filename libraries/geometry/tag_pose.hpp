@@ -47,7 +47,7 @@ using TagPoseSolver = std::function<PoseHypotheses(const std::vector<const TagVi
 
 struct TagPoseOptions {
   int sample_size = 3;                  ///< tags a sample
-  int max_samples = 200;                ///< all samples are tried if there are no more than that
+  int max_samples = 200;                ///< at most; fewer once enough of them hold right tags only
   double plate_rotation_sigma = 0.035;  ///< of a plate against its nominal rotation, about each axis [rad]
   double inlier_probability = 0.999;    ///< of a right tag to be taken as one (chi-squared with 8 degrees of freedom)
   std::uint64_t seed = 1;               ///< of the samples
