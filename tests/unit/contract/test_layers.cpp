@@ -24,6 +24,7 @@ struct Library {
 const std::vector<Library> libraries = {
     {"text", {}},
     {"geometry", {}},
+    {"statistics", {"geometry"}},
     {"adjustment", {"geometry"}},
     {"images", {}},
     {"survey", {"adjustment", "geometry", "text"}},
