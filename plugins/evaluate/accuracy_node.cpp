@@ -7,7 +7,10 @@
 #include "artifacts/plates.hpp"
 #include "artifacts/points.hpp"
 #include "artifacts/transform.hpp"
+#include "evaluate/crlb_node.hpp"
+#include "evaluate/crossval_nodes.hpp"
 #include "evaluate/design_input.hpp"
+#include "evaluate/errors_node.hpp"
 #include "evaluate/metrics.hpp"
 #include "geometry/packed_symmetric.hpp"
 #include "judgement/accuracy.hpp"
@@ -155,4 +158,6 @@ struct EvaluateAccuracy : Node {
 
 }  // namespace plumbline::evaluate
 
-PLUMBLINE_PLUGIN("evaluate", "0.1.0", "MIT", plumbline::evaluate::EvaluateAccuracy)
+PLUMBLINE_PLUGIN("evaluate", "0.1.0", "MIT", plumbline::evaluate::EvaluateAccuracy, plumbline::evaluate::EvaluateErrors,
+                 plumbline::evaluate::EvaluateCrlb, plumbline::evaluate::EvaluateWithhold,
+                 plumbline::evaluate::EvaluateLengths)

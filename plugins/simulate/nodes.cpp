@@ -9,6 +9,7 @@
 #include "artifacts/image_tags.hpp"
 #include "artifacts/plates.hpp"
 #include "artifacts/points.hpp"
+#include "artifacts/poses.hpp"
 #include "campaign.hpp"
 #include "observations.hpp"
 #include "plumbline/node.hpp"
@@ -121,29 +122,46 @@ struct SimulateCampaign : SimulatedSite {
 };
 
 struct SimulateObservations : SimulatedSite {
-  static constexpr Info info{"simulate.observations", "", 1,
+  static constexpr Info info{"simulate.observations", "", 2,
                              "The site of simulate.campaign as observations with noise of known size, without files"};
   Param<double> pixel_sigma{"pixel_sigma", 0.1, "px", between(0, 10), "noise of each corner coordinate"};
   Param<double> survey_sigma{"survey_sigma", 0.001, "m", between(0, 0.1), "noise of each surveyed coordinate"};
   Param<double> height_walk{"height_walk", 0.0, "m", between(0, 0.1),
                             "height error common to a floor: a random walk with such steps from floor to floor"};
+  Param<std::string> control{"control", "all", one_of("all", "two_per_floor", "ground_floor", "one_column"),
+                             "which of the control markers hold the model; the others only tie the images together"};
+  Param<double> control_blunders{"control_blunders", 0.0, "1", between(0, 1),
+                                 "share of surveyed points that are off by a blunder in a random direction"};
+  Param<double> blunder_size{"blunder_size", 0.02, "m", between(0, 10), "how far they are off"};
+  Param<double> tag_blunders{"tag_blunders", 0.0, "1", between(0, 1),
+                             "share of tags whose corners are off together by 5 to 50 px in an image"};
   OutList<ImageTags> observations{"observations", "tags of each image, with the covariance of their corners"};
   Out<Camera> calibration{"camera", "calibration with its error and uncertainty"};
   Out<Plates> plates{"plates", frame("frame=building"), "which tag stands for which anchor"};
   Out<Points> points{"points", frame("frame=building"), "surveyed anchors with their covariance"};
   Out<Points> design{"design", frame("frame=building"), "anchors where the design has them"};
   Out<Points> truth{"truth", frame("frame=building"), "anchors where they really are"};
+  Out<Poses> true_poses{"true_poses", frame("frame=building"), "of the images, without covariance"};
 
   void run(Context& context) override {
     const uint64_t seed = context.seed();
     const simulate::Campaign campaign = simulate::make_campaign(site_options(), seed);
-    for (const auto& image : simulate::observe_corners(campaign, *pixel_sigma, seed)) commit_image(image, campaign);
+    for (auto& image : simulate::observe_corners(campaign, *pixel_sigma, seed)) {
+      simulate::displace_tags(image, *tag_blunders, seed);
+      commit_image(image, campaign);
+    }
     commit_camera(campaign.camera);
     commit_plates(campaign.building);
     commit_points(campaign, seed);
+    commit_poses(campaign);
   }
 
  private:
+  /// "check" for a control marker that the layout does not use: it must not hold the model.
+  std::string role_of(const simulate::Anchor& anchor) const {
+    return simulate::holds_model(anchor, static_cast<int>(*columns), *control) ? "control" : "check";
+  }
+
   void commit_image(const simulate::ObservedImage& image, const simulate::Campaign& campaign) {
     ImageTagsT out;
     out.path = "images/" + image.station->image;
@@ -164,6 +182,17 @@ struct SimulateObservations : SimulatedSite {
       out.tags.push_back(std::move(tag));
     }
     observations.commit(out);
+  }
+
+  void commit_poses(const simulate::Campaign& campaign) {
+    PosesT out;
+    for (const simulate::CameraStation& station : campaign.stations) {
+      auto pose = std::make_unique<PoseT>();
+      pose->path = "images/" + station.image;
+      pose->cam_from_world = station.camera_from_building;
+      out.poses.push_back(std::move(pose));
+    }
+    true_poses.commit(out);
   }
 
   void commit_camera(const simulate::SimulatedCamera& simulated) {
@@ -193,7 +222,7 @@ struct SimulateObservations : SimulatedSite {
       plate->tag_centre_in_plate = building.nominal_plate.tag_centre_in_plate;
       plate->nominal_rotation = simulate::facade_from_plate();
       plate->batch = "batch-" + std::to_string(anchor.batch + 1);
-      plate->role = simulate::to_string(anchor.role);
+      plate->role = role_of(anchor);
       plate->floor = anchor.floor;
       plate->column = anchor.column;
       plate->row = anchor.row;
@@ -203,18 +232,19 @@ struct SimulateObservations : SimulatedSite {
     plates.commit(out);
   }
 
-  static std::unique_ptr<PointT> point(const simulate::Anchor& anchor, const Eigen::Vector3d& position, double sigma) {
+  std::unique_ptr<PointT> point(const simulate::Anchor& anchor, const Eigen::Vector3d& position, double sigma) const {
     auto out = std::make_unique<PointT>();
     out->id = anchor.id;
     out->position = position;
     out->sigma.setConstant(sigma);
-    out->role = simulate::to_string(anchor.role);
+    out->role = role_of(anchor);
     return out;
   }
 
   void commit_points(const simulate::Campaign& campaign, uint64_t seed) {
     PointsT surveyed, designed, built;
-    const auto observed = simulate::observe_points(campaign, *survey_sigma, *height_walk, seed);
+    auto observed = simulate::observe_points(campaign, *survey_sigma, *height_walk, seed);
+    simulate::displace_points(observed, *control_blunders, *blunder_size, seed);
     const Eigen::MatrixXd covariance = simulate::point_covariance(observed, *survey_sigma, *height_walk);
     for (std::size_t i = 0; i < observed.size(); ++i) {
       const simulate::Anchor& anchor = *observed[i].anchor;
@@ -223,6 +253,9 @@ struct SimulateObservations : SimulatedSite {
       surveyed.points.back()->sigma.z() = std::sqrt(covariance(z, z));
       designed.points.push_back(point(anchor, anchor.design, std::nan("")));
       built.points.push_back(point(anchor, anchor.built, 0));
+      // Errors are compared on the same anchors whatever the layout: those that never are control.
+      if (anchor.role == simulate::AnchorRole::control && built.points.back()->role == "check")
+        built.points.back()->role = "tie";
     }
     for (Eigen::Index i = 0; i < covariance.rows(); ++i) {
       for (Eigen::Index j = 0; j <= i; ++j) surveyed.covariance.push_back(covariance(i, j));

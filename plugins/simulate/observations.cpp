@@ -1,6 +1,8 @@
 #include "observations.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 #include "geometry/random.hpp"
 
@@ -35,6 +37,35 @@ std::vector<ObservedPoint> observe_points(const Campaign& campaign, double sigma
     points.push_back({&anchor, anchor.built + random.normal3(sigma) + common});
   }
   return points;
+}
+
+bool holds_model(const Anchor& anchor, int columns, const std::string& layout) {
+  if (anchor.role != AnchorRole::control) return false;
+  if (layout == "ground_floor") return anchor.floor == 1;
+  if (layout == "one_column") return anchor.column == 1;
+  if (layout == "two_per_floor") {  // left below and right above, the other way round on the next floor
+    const bool rising = anchor.floor % 2 == 1;
+    return (anchor.column == 1 && anchor.row == (rising ? 1 : 2)) ||
+           (anchor.column == columns && anchor.row == (rising ? 2 : 1));
+  }
+  return true;
+}
+
+void displace_points(std::vector<ObservedPoint>& points, double share, double size, std::uint64_t seed) {
+  for (ObservedPoint& point : points) {
+    Random random(seed, "blunder " + point.anchor->id);
+    if (random.uniform() < share) point.position += size * random.normal3(1).normalized();
+  }
+}
+
+void displace_tags(ObservedImage& image, double share, std::uint64_t seed) {
+  Random random(seed, "tag blunders " + image.station->image);
+  for (VisibleTag& tag : image.tags) {
+    const double draw = random.uniform(), angle = random.uniform(0, 2 * std::numbers::pi),
+                 length = random.uniform(5, 50);
+    if (draw >= share) continue;
+    for (Eigen::Vector2d& corner : tag.corners) corner += length * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+  }
 }
 
 Eigen::MatrixXd point_covariance(const std::vector<ObservedPoint>& points, double sigma, double height_walk) {

@@ -109,6 +109,7 @@ class NodeHarness {
     return native;
   }
   const std::vector<std::string>& warnings() const { return warnings_; }
+  double metric(const std::string& name) const { return metrics_.at(name); }
 
  private:
   static NodeHarness& self(void* context) { return *static_cast<NodeHarness*>(context); }
@@ -124,7 +125,7 @@ class NodeHarness {
     host.progress = [](void*, double, const char*) {};
     host.cancelled = [](void*) { return 0; };
     host.seed = [](void* c) { return self(c).seed_; };
-    host.metric = [](void*, const char*, double, const char*) {};
+    host.metric = [](void* c, const char* name, double value, const char*) { self(c).metrics_[name] = value; };
     host.fail = [](void* c, const char* message) { self(c).error_ = message; };
     host.parameter = [](void* c, const char* name) -> const char* {
       const auto found = self(c).params_.find(name);
@@ -187,6 +188,7 @@ class NodeHarness {
   runtime::Kind kind_;
   std::map<std::string, std::string> params_;
   std::map<std::string, std::vector<std::vector<uint8_t>>> inputs_, outputs_;
+  std::map<std::string, double> metrics_;
   std::vector<std::string> warnings_;
   std::set<std::string> texts_;  // keeps what the host hands out as const char*
   std::string error_;

@@ -1,0 +1,29 @@
+// evaluate.errors: ports and parameters.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "artifacts/points.hpp"
+#include "plumbline/node.hpp"
+
+namespace plumbline::evaluate {
+
+struct EvaluateErrors : Node {
+  static constexpr Info info{"evaluate.errors", "", 1,
+                             "Errors of a model's points against the truth as metrics: rmse, bias, largest, and NEES"};
+  In<Points> model{"model", frame("frame=?F"), "points of the model with their covariance"};
+  In<Points> truth{"truth", frame("frame=?F"),
+                   "where they really are; its roles say which count; a covariance is added to the model's"};
+  Param<std::string> use{"use", "check", one_of("check", "control", "tie", "all"), "role of the points that count"};
+  Param<double> max_missing{"max_missing", 0.2, "1", between(0, 1),
+                            "share of them that may be missing in the model; more is an error"};
+  Out<Points> errors{"errors", frame("frame=?F"), "model minus truth in place of the coordinates"};
+
+  void run(Context& context) override;
+
+ private:
+  void report(Context& context, const PointsT& off, const Eigen::MatrixXd& of_heights,
+              const Eigen::MatrixXd& of_all) const;
+};
+
+}  // namespace plumbline::evaluate

@@ -1,0 +1,181 @@
+// evaluate.errors, evaluate.crlb, evaluate.withhold and evaluate.lengths as nodes.
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "artifacts/camera.hpp"
+#include "artifacts/image_tags.hpp"
+#include "artifacts/plates.hpp"
+#include "artifacts/points.hpp"
+#include "artifacts/poses.hpp"
+#include "node_harness.hpp"
+
+namespace plumbline::test {
+namespace {
+
+using testing::HasSubstr;
+
+std::unique_ptr<PointT> point(const std::string& id, double x, double y, double z, const std::string& role) {
+  auto made = std::make_unique<PointT>();
+  made->id = id;
+  made->position = {x, y, z};
+  made->sigma.setConstant(1e-3);
+  made->role = role;
+  return made;
+}
+
+PointsT points(std::initializer_list<std::tuple<const char*, double, double, double, const char*>> list) {
+  PointsT made;
+  for (const auto& [id, x, y, z, role] : list) made.points.push_back(point(id, x, y, z, role));
+  return made;
+}
+
+TEST(Errors, OfCheckPointsOnlyAndModelMinusTruth) {
+  NodeHarness node("evaluate.errors");
+  node.input<Points>("model", points({{"A", 1, 2, 3.002, ""}, {"B", 0, 0, 5, ""}, {"C", 0, 0, 0.999, ""}}));
+  node.input<Points>("truth", points({{"A", 1, 2, 3, "check"}, {"B", 0, 0, 0, "control"}, {"C", 0, 0, 1, "check"}}));
+  node.run();
+  const PointsT off = node.output<Points>("errors");
+  ASSERT_EQ(off.points.size(), 2u);
+  EXPECT_NEAR(off.points[0]->position.z(), 0.002, 1e-12);
+  EXPECT_NEAR(node.metric("rmse_z"), std::sqrt((4e-6 + 1e-6) / 2), 1e-12);
+  EXPECT_NEAR(node.metric("bias_z"), 0.5e-3, 1e-12);
+  EXPECT_NEAR(node.metric("max_abs_z"), 2e-3, 1e-12);
+  EXPECT_TRUE(std::isnan(node.metric("nees_z"))) << "the model has no covariance";
+}
+
+TEST(Errors, NeesTakesTheFullCovarianceOfModelAndTruth) {
+  PointsT model = points({{"A", 0, 0, 1e-3, ""}, {"B", 0, 0, 2e-3, ""}}),
+          truth = points({{"A", 0, 0, 0, "check"}, {"B", 0, 0, 0, "check"}});
+  for (PointsT* p : {&model, &truth}) p->covariance.assign(21, 0.0);
+  for (size_t k : {0, 2, 5, 9, 14, 20}) model.covariance[k] = 1e-6, truth.covariance[k] = 1e-6;
+  model.covariance[17] = 1e-6;  // row 5, column 2: the two heights
+  NodeHarness node("evaluate.errors");
+  node.input<Points>("model", model);
+  node.input<Points>("truth", truth);
+  node.run();
+  // S = [2 1; 1 2] mm², e = (1, 2) mm: (2·1 - 2·1·2 + 2·4) / 3 = 2.
+  EXPECT_NEAR(node.metric("nees_z"), 2.0, 1e-9);
+  EXPECT_NEAR(node.metric("predicted_rmse_z"), std::sqrt(2e-6), 1e-12);
+}
+
+TEST(Errors, AModelWithoutMostOfThePointsIsNoResult) {
+  NodeHarness node("evaluate.errors");
+  node.input<Points>("model", points({{"A", 0, 0, 0, ""}}));
+  node.input<Points>("truth", points({{"A", 0, 0, 0, "check"}, {"B", 0, 0, 0, "check"}}));
+  try {
+    node.run();
+    FAIL();
+  } catch (const NodeFailed& error) {
+    EXPECT_THAT(error.what(), HasSubstr("1 of 2 points are missing in the model, such as B"));
+  }
+}
+
+/// The adjuster's own covariance and the bound are two programs' answers to the same question.
+TEST(Crlb, IsWhatTheAdjusterPredictsForACleanSite) {
+  NodeHarness site("simulate.observations");
+  site.seed(5);
+  site.set("floors", "2");
+  site.run();
+  NodeHarness poses("pose.opengv"), block("adjust.ceres"), bound("evaluate.crlb");
+  for (NodeHarness* node : {&poses, &block, &bound}) {
+    for (std::size_t i = 0; i < site.output_count("observations"); ++i)
+      node->input<ImageTags>("observations", site.output<ImageTags>("observations", i));
+    node->input<Camera>("camera", site.output<Camera>("camera"));
+    node->input<Plates>("plates", site.output<Plates>("plates"));
+  }
+  poses.input<Points>("points", site.output<Points>("design"));
+  poses.run();
+  block.input<Poses>("poses", poses.output<Poses>("poses"));
+  block.input<Points>("control", site.output<Points>("points"));
+  block.set("estimate_image_variance", "false");
+  block.run();
+  bound.input<Poses>("poses", site.output<Poses>("true_poses"));
+  bound.input<Points>("points", site.output<Points>("truth"));
+  bound.input<Points>("control", site.output<Points>("points"));
+  bound.run();
+  const PointsT predicted = block.output<Points>("points"), limit = bound.output<Points>("bound");
+  std::map<std::string, const PointT*> of_limit;
+  for (const auto& p : limit.points) of_limit[p->id] = p.get();
+  ASSERT_EQ(predicted.points.size(), limit.points.size());
+  for (const auto& p : predicted.points)
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(p->sigma(c) / of_limit.at(p->id)->sigma(c), 1, 0.02) << p->id << " " << c;
+}
+
+PlatesT plates_of(int floors) {
+  PlatesT table;
+  for (int f = 1; f <= floors; ++f)
+    for (int k = 1; k <= 4; ++k) {
+      auto plate = std::make_unique<PlateT>();
+      plate->anchor = "F" + std::to_string(f) + "-" + std::to_string(k);
+      plate->tag_family = "tag36h11";
+      plate->tag_id = 10 * f + k;
+      plate->tag_size = 0.2;
+      plate->role = k == 4 ? "check" : "control";
+      plate->floor = f;
+      table.plates.push_back(std::move(plate));
+    }
+  return table;
+}
+
+PointsT control_of(const PlatesT& table) {
+  PointsT control;
+  for (const auto& plate : table.plates)
+    control.points.push_back(point(plate->anchor, 0, 0, plate->floor, plate->role));
+  return control;
+}
+
+TEST(Withhold, EveryControlPointIsWithheldInOneFoldAndCheckPointsStay) {
+  const PlatesT table = plates_of(3);
+  std::map<std::string, int> withheld;
+  for (int fold = 1; fold <= 3; ++fold) {
+    NodeHarness node("evaluate.withhold");
+    node.input<Plates>("plates", table);
+    node.input<Points>("control", control_of(table));
+    node.set("folds", "3");
+    node.set("fold", std::to_string(fold));
+    node.run();
+    const PointsT check = node.output<Points>("withheld"), control = node.output<Points>("control");
+    EXPECT_EQ(check.points.size(), 3u) << "nine control points in three folds";
+    for (const auto& p : check.points) {
+      EXPECT_EQ(p->role, "check");
+      ++withheld[p->id];
+    }
+    size_t used = 0;
+    for (const auto& p : control.points) used += p->role == "control";
+    EXPECT_EQ(used, 6u);
+    for (size_t i = 0; i < table.plates.size(); ++i)
+      EXPECT_EQ(node.output<Plates>("plates").plates[i]->role, control.points[i]->role);
+  }
+  EXPECT_EQ(withheld.size(), 9u);
+  for (const auto& [id, count] : withheld) EXPECT_EQ(count, 1) << id;
+}
+
+TEST(Withhold, AWholeFloor) {
+  NodeHarness node("evaluate.withhold");
+  const PlatesT table = plates_of(3);
+  node.input<Plates>("plates", table);
+  node.input<Points>("control", control_of(table));
+  node.set("by", "floor");
+  node.set("fold", "2");
+  node.run();
+  for (const auto& p : node.output<Points>("withheld").points) EXPECT_EQ(p->id.substr(0, 2), "F2");
+  node.set("fold", "4");
+  EXPECT_THROW(node.run(), NodeFailed);
+}
+
+TEST(Lengths, LargestErrorAgainstTheSpecification) {
+  NodeHarness node("evaluate.lengths");
+  node.input<Points>("model", points({{"A", 0, 0, 0, ""}, {"B", 3.001, 0, 0, ""}, {"C", 0, 4, 0, ""}}));
+  node.input<Points>("reference", points({{"A", 0, 0, 0, "check"}, {"B", 3, 0, 0, "check"}, {"C", 0, 4, 0, "check"}}));
+  node.set("a", "0.0005");
+  node.set("k", "0.0001");
+  node.run();
+  EXPECT_EQ(node.metric("lengths"), 3);
+  EXPECT_NEAR(node.metric("max_error"), 1e-3, 1e-9);               // AB; BC is off by 0.6 mm
+  EXPECT_NEAR(node.metric("largest_share"), 1e-3 / 0.8e-3, 1e-6);  // of A + L / K at 3 m
+  EXPECT_EQ(node.metric("exceeded"), 1);                           // BC: 0.6 mm of 1.0 mm
+}
+
+}  // namespace
+}  // namespace plumbline::test
