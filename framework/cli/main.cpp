@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <functional>
 
+#include "bench.hpp"
 #include "commands.hpp"
 
 namespace {
@@ -34,7 +35,7 @@ void add_store(CLI::App& app, Options& options) {
       ->type_name("DIR");
 }
 
-std::vector<Command> declare(CLI::App& app, Options& options) {
+std::vector<Command> declare(CLI::App& app, Options& options, plumbline::cli::BenchOptions& bench_options) {
   std::vector<Command> commands;
   const auto add = [&](const char* name, const char* summary, int (*action)(const Options&)) -> CLI::App& {
     commands.push_back({app.add_subcommand(name, summary), action});
@@ -55,6 +56,11 @@ std::vector<Command> declare(CLI::App& app, Options& options) {
   run.add_flag("--durable", options.durable, "sync every file of the store to disk, not only at the end");
   add_json(run, options);
   run.add_flag("-q,--quiet", options.quiet, "print nothing but warnings and errors");
+
+  CLI::App* bench =
+      app.add_subcommand("bench", "runs alternatives on many trials and says which is better, and by how much");
+  plumbline::cli::declare_bench(*bench, bench_options);
+  commands.push_back({bench, [&bench_options](const Options&) { return plumbline::cli::bench(bench_options); }});
 
   CLI::App& validate =
       add("validate", "checks a pipeline and shows all that is wrong with it", plumbline::cli::validate);
@@ -125,11 +131,12 @@ int main(int argc, char** argv) {
   google::InitGoogleLogging("plumbline");
 
   Options options;
+  plumbline::cli::BenchOptions bench_options;
   CLI::App app("Plumbline: survey-controlled photogrammetry as a dataflow of plugins");
   app.set_version_flag("--version", "plumbline " PLUMBLINE_VERSION);
   app.require_subcommand(1);
   app.failure_message(CLI::FailureMessage::simple);
-  const std::vector<Command> commands = declare(app, options);
+  const std::vector<Command> commands = declare(app, options, bench_options);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {  // --help, --version

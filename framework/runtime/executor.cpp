@@ -311,6 +311,7 @@ RunResult execute(const Graph& graph, const Registry& registry, Store& store, co
     Execution execution(graph, registry, store, options, observer);
     result = execution.run();
   }
+  if (!options.remember) return result;
   try {
     remember_keys(store, graph, result);
   } catch (const StoreError&) {  // the note only explains the next plan; what went wrong with the disk, sync() tells

@@ -56,6 +56,7 @@ struct RunOptions {
   int threads = 0;      ///< 0: as many as the machine has
   uint64_t memory = 0;  ///< bytes that nodes may reserve together; 0: MemoryBudget::default_limit()
   const std::atomic<bool>* cancel = nullptr;  ///< set it to end the run early
+  bool remember = true;  ///< at the end, keys for `plumbline plan`, and sync; a sweep of many graphs does without
 };
 
 /// Never throws for what a node does. At the end the store remembers the keys for `plumbline plan`.

@@ -31,6 +31,7 @@ class Program {
 
   void write(const std::string& name, const std::string& text) const { std::ofstream(work() / name) << text; }
   std::filesystem::path work() const { return folder.path() / "work"; }
+  const std::filesystem::path& plugins() const { return plugins_; }
 
   /// Starts the program in work() and returns its process.
   pid_t start(const std::vector<std::string>& arguments) const {

@@ -1,0 +1,347 @@
+#include "bench.hpp"
+
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "runtime/deliver.hpp"
+#include "runtime/record.hpp"
+#include "runtime/sweep_dispatch.hpp"
+#include "runtime/sweep_run.hpp"
+#include "runtime/sweep_table.hpp"
+#include "terminal.hpp"
+
+namespace plumbline::cli {
+
+namespace fs = std::filesystem;
+using runtime::SweepPlan;
+using runtime::SweepProgress;
+
+namespace {
+
+std::atomic<bool> cancel = false;
+static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler sets it");
+
+extern "C" void stop_bench(int signal) {
+  cancel = true;
+  std::signal(signal, SIG_DFL);
+}
+
+std::string counts_text(const SweepProgress& p) {
+  std::string text = std::to_string(p.done) + " of " + std::to_string(p.cells) + " cells";
+  if (p.found > 0) text += ", " + std::to_string(p.found) + " of them from before";
+  if (p.failed > 0) text += ", " + std::to_string(p.failed) + " failed";
+  return text;
+}
+
+/// One line that replaces itself on a terminal, a line every half minute elsewhere.
+class Ticker {
+ public:
+  explicit Ticker(bool silent) : silent_(silent), terminal_(isatty(STDERR_FILENO) != 0) {}
+  Ticker(const Ticker&) = delete;
+  Ticker& operator=(const Ticker&) = delete;
+  ~Ticker() {
+    if (shown_ && terminal_) std::fprintf(stderr, "\r\033[K");
+  }
+  void operator()(const SweepProgress& progress) {
+    const auto now = std::chrono::steady_clock::now();
+    if (silent_ || now - last_ < (terminal_ ? std::chrono::milliseconds(200) : std::chrono::seconds(30))) return;
+    last_ = now;
+    std::string text = counts_text(progress);
+    const double seconds = std::chrono::duration<double>(now - start_).count();
+    const size_t ran = progress.done - progress.found;
+    if (ran > 0) {
+      char left[64];
+      std::snprintf(left, sizeof left, ", about %.0f s left",
+                    seconds / static_cast<double>(ran) * static_cast<double>(progress.cells - progress.done));
+      text += left;
+    }
+    std::fprintf(stderr, terminal_ ? "\r\033[K%s" : "%s\n", text.c_str());
+    shown_ = true;
+  }
+
+ private:
+  bool silent_, terminal_, shown_ = false;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now(), last_ = start_;
+};
+
+/// The graph of the one node bench.summary, which makes the pages and tables of `cells`.
+runtime::Graph summary_graph(const SweepPlan& plan, const runtime::Registry& registry, const fs::path& cells) {
+  const runtime::Kind* kind = registry.find("bench.summary");
+  if (!kind)
+    throw std::runtime_error("there is no kind 'bench.summary': the plugin 'bench' is missing; see plumbline doctor");
+  runtime::Graph graph;
+  graph.file = plan.file.path.string();
+  graph.text = plan.file.text;
+  runtime::GraphNode node;
+  node.name = "summary";
+  node.kind = *kind;
+  node.at = {graph.file, 0, 0};
+  node.parameters["cells"] = cells.string();
+  for (uint32_t i = 0; i < kind->node->output_count; ++i) {
+    const std::string port = kind->node->outputs[i]->name;
+    node.output_is_list[port] = false;
+    graph.outputs.push_back({"bench." + port, {0, port, {}}});
+  }
+  graph.nodes.push_back(std::move(node));
+  return graph;
+}
+
+/// Puts bench.html and the tables in the output folder. The folder is opened before anything runs, so that what stands
+/// in the way of the results is said at once.
+class SummaryWriter {
+ public:
+  SummaryWriter(const fs::path& out, const SweepPlan& plan, const runtime::Registry& registry, runtime::Store& store,
+                const BenchOptions& options)
+      : plan_(plan),
+        registry_(registry),
+        store_(store),
+        options_(options),
+        cells_(store.folder() / "sweeps" / plan.id / "cells.json"),
+        graph_(summary_graph(plan, registry, cells_)),
+        folder_(out, store.file_hashes(), options.overwrite) {
+    std::string text;
+    for (const std::string& obstacle : obstacles_to(graph_, folder_)) text += "\n  " + obstacle;
+    if (!text.empty())
+      throw UsageError("nothing was run, because outputs would replace what this program did not write:" + text +
+                       "\nChoose another folder with --out DIR, or replace them with --overwrite.");
+  }
+
+  /// False if something could not be written.
+  bool write() {
+    const std::string table = sweep_table(plan_, runtime::CellRecords(store_), registry_, PLUMBLINE_VERSION);
+    fs::create_directories(cells_.parent_path());
+    const fs::path fresh = cells_.parent_path() / ("cells-" + std::to_string(getpid()) + ".json");
+    std::error_code ignored;
+    fs::remove(fresh, ignored);
+    runtime::write_new_file(fresh, table.data(), table.size());
+    fs::rename(fresh, cells_);
+    runtime::RunInfo info{PLUMBLINE_VERSION, options_.overrides, store_.folder(), 1, 0};
+    runtime::Record record(folder_, graph_, info);
+    runtime::Observer silent;
+    runtime::RunOptions run;
+    run.remember = false;
+    const runtime::RunResult result = execute(graph_, registry_, store_, run, silent);
+    record.node(graph_.nodes[0], result.nodes[0]);
+    const auto deliveries = deliver(graph_, registry_, store_, result, folder_);
+    record.end(result, deliveries);
+    if (!result.ok()) std::fprintf(stderr, "%s\n", result.nodes[0].error.c_str());
+    bool good = result.ok();
+    for (const auto& delivery : deliveries) {
+      if (delivery.problem.empty()) continue;
+      good = false;
+      std::fprintf(stderr, "%s: '%s' is not written: %s\n", graph_.file.c_str(), delivery.file.c_str(),
+                   delivery.problem.c_str());
+    }
+    return good;
+  }
+
+ private:
+  const SweepPlan& plan_;
+  const runtime::Registry& registry_;
+  runtime::Store& store_;
+  const BenchOptions& options_;
+  const fs::path cells_;
+  const runtime::Graph graph_;
+  runtime::OutputFolder folder_;
+};
+
+/// Counts from the records alone.
+SweepProgress progress_in_store(const SweepPlan& plan, const runtime::CellRecords& records) {
+  SweepProgress progress;
+  progress.cells = plan.cells.size();
+  for (const auto& cell : plan.cells)
+    if (const auto record = records.find(cell.key))
+      ++progress.done, progress.failed += !failure_of(*record, plan.file).empty();
+  return progress;
+}
+
+/// Every alternative that the file names, also one that ran nothing.
+void print_alternatives(const SweepPlan& plan, const runtime::CellRecords& records) {
+  struct Count {
+    size_t cells = 0, done = 0, failed = 0;
+    std::string reason;
+  };
+  std::map<std::pair<std::string, std::string>, Count> counts;
+  for (const auto& cell : plan.cells) {
+    const auto record = records.find(cell.key);
+    for (const auto& choice : cell.choices) {
+      Count& count = counts[choice];
+      ++count.cells;
+      if (!record) continue;
+      ++count.done;
+      const std::string failure = failure_of(*record, plan.file);
+      if (failure.empty()) continue;
+      ++count.failed;
+      if (count.reason.empty()) count.reason = failure;
+    }
+  }
+  for (const auto& group : plan.file.groups)
+    for (const auto& alternative : group.alternatives) {
+      const Count& count = counts[{group.name, alternative.name}];
+      std::printf("  %s=%s: %zu of %zu cells, %zu failed%s\n", group.name.c_str(), alternative.name.c_str(), count.done,
+                  count.cells, count.failed,
+                  count.cells == 0       ? " (all its cells are excluded)"
+                  : count.reason.empty() ? ""
+                                         : ("; the first: " + count.reason).c_str());
+    }
+}
+
+void print_end(const BenchOptions& options, const SweepPlan& plan, const SweepProgress& progress,
+               const runtime::CellRecords& records, const fs::path& out) {
+  if (options.json) {
+    nlohmann::ordered_json json{{"plan", plan.id},
+                                {"cells", progress.cells},
+                                {"found", progress.found},
+                                {"done", progress.done},
+                                {"failed", progress.failed},
+                                {"node_runs", progress.nodes},
+                                {"merged", progress.merged_nodes},
+                                {"executed", progress.executed},
+                                {"out", out.string()}};
+    std::printf("%s\n", json.dump().c_str());
+    return;
+  }
+  if (options.quiet) return;
+  std::printf("%s: %s\n", plan.file.path.c_str(), counts_text(progress).c_str());
+  if (progress.nodes > 0)
+    std::printf("  %zu node runs one by one, %zu after merging, %zu of them executed\n", progress.nodes,
+                progress.merged_nodes, progress.executed);
+  print_alternatives(plan, records);
+  if (out.empty()) return;
+  for (const char* name : {"bench.html", "bench.csv", "bench.json", "bench.md", "bench.tex"})
+    if (fs::exists(out / name)) std::printf("  %s\n", (out / name).c_str());
+}
+
+std::vector<std::string> split(const std::string& text) {
+  std::vector<std::string> parts;
+  std::istringstream stream(text);
+  for (std::string part; std::getline(stream, part, ',');)
+    if (!part.empty()) parts.push_back(part);
+  return parts;
+}
+
+int send(const BenchOptions& options, const SweepPlan& plan, runtime::Store& store) {
+  runtime::DispatchOptions dispatch;
+  dispatch.executor = options.executor;
+  dispatch.cells_per_task = static_cast<size_t>(options.cells_per_task);
+  dispatch.hosts = split(options.hosts);
+  dispatch.scheduler_options = options.scheduler_options;
+  dispatch.retry = options.retry;
+  dispatch.command = {fs::read_symlink("/proc/self/exe").string(), "bench", fs::absolute(options.file).string()};
+  dispatch.command.insert(dispatch.command.end(), options.overrides.begin(), options.overrides.end());
+  for (const std::string& seeds : options.seeds) dispatch.command.insert(dispatch.command.end(), {"--seeds", seeds});
+  dispatch.command.insert(dispatch.command.end(), {"--store", store.folder().string(), "--plan", plan.id, "--workers",
+                                                   std::to_string(std::max(1, options.workers)), "--cells-per-task",
+                                                   std::to_string(options.cells_per_task)});
+  if (options.limit > 0) dispatch.command.insert(dispatch.command.end(), {"--limit", std::to_string(options.limit)});
+  if (options.retry) dispatch.command.emplace_back("--retry");
+  const runtime::Dispatched sent = runtime::dispatch(plan, store, dispatch);
+  std::printf("%s", sent.text.c_str());
+  return sent.exit_code == 0 ? 0 : 1;
+}
+
+std::vector<size_t> cells_of_task(const BenchOptions& options, const SweepPlan& plan) {
+  if (!options.plan.empty() && options.plan != plan.id)
+    throw std::runtime_error("this task was sent for plan " + options.plan + ", but here the file makes plan " +
+                             plan.id + ": the bench file, a pipeline or a plugin differs from the one that submitted");
+  const auto chunks = runtime::chunks_of(plan, runtime::task_size(plan, static_cast<size_t>(options.cells_per_task)));
+  if (static_cast<size_t>(options.task) >= chunks.size())
+    throw std::runtime_error("there is no task " + std::to_string(options.task) + "; the plan has " +
+                             std::to_string(chunks.size()));
+  return chunks[static_cast<size_t>(options.task)];
+}
+
+}  // namespace
+
+void declare_bench(CLI::App& command, BenchOptions& options) {
+  command.add_option("file", options.file, "a bench file")->required()->type_name("FILE");
+  command.add_option("overrides", options.overrides, "variables and parameters for all cells, as for run")
+      ->type_name("KEY=VALUE");
+  command.add_option("--out", options.out, "folder for bench.html, .csv, .json, .md, .tex (default: out/<file>)")
+      ->type_name("DIR");
+  command.add_option("--store", options.store, "folder of the store; where other machines work, one they all see")
+      ->type_name("DIR");
+  command.add_option("--seeds", options.seeds, "in place of the file's, such as 1-20")->type_name("SEEDS");
+  command.add_option("--workers", options.workers, "trials side by side (default: one a processor)")
+      ->check(CLI::Range(1, 4096));
+  command.add_option("--memory", options.memory, "limit for memory that nodes announce, such as 3GiB")
+      ->type_name("SIZE");
+  command.add_option("--limit", options.limit, "seconds after which a cell is ended and counts as failed")
+      ->check(CLI::PositiveNumber);
+  command.add_flag("--retry", options.retry, "run failed cells again");
+  command.add_flag("--status", options.status, "run nothing: say how far it is, and with --out write the tables");
+  command.add_option("--executor", options.executor, "local, slurm (one sbatch --array), ssh (GNU parallel) or print")
+      ->check(CLI::IsMember({"local", "slurm", "ssh", "print"}))
+      ->capture_default_str();
+  command.add_option("--hosts", options.hosts, "for ssh: HOST,HOST,…")->type_name("HOSTS");
+  command.add_option("--sbatch", options.scheduler_options, "more options for sbatch")->type_name("TEXT");
+  command.add_option("--cells-per-task", options.cells_per_task, "for slurm, ssh and print")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  command.add_option("--task", options.task, "run this task of the plan only; the executors use it")
+      ->check(CLI::NonNegativeNumber);
+  command.add_option("--plan", options.plan, "the plan that the task belongs to");
+  command.add_flag("--overwrite", options.overwrite, "replace files in the output folder whoever wrote them");
+  command.add_flag("--json", options.json, "machine-readable output");
+  command.add_flag("-q,--quiet", options.quiet, "print nothing but warnings and errors");
+}
+
+int bench(const BenchOptions& options) {
+  const runtime::Registry registry = discover();
+  Options for_store;
+  for_store.store = options.store;
+  runtime::Store store = open_store(for_store);
+  runtime::SweepFile file = read_sweep(options.file, registry);
+  if (!options.seeds.empty()) {
+    const auto seeds = runtime::seeds_of(options.seeds);
+    if (!seeds) throw UsageError("--seeds takes whole numbers and ranges, such as 1-20");
+    file.seeds = *seeds;
+  }
+  const SweepPlan plan = plan_sweep(file, options.overrides, registry, store.file_hashes());
+  if (plan.cells.empty()) throw UsageError(options.file + ": everything is excluded, there is nothing to run");
+  if (options.executor != "local" && !options.status && options.task < 0) return send(options, plan, store);
+
+  const runtime::CellRecords records(store);
+  SweepProgress progress;
+  fs::path out;
+  std::unique_ptr<SummaryWriter> writer;
+  if (options.task < 0 && !(options.status && options.out.empty())) {
+    out = options.out.empty() ? fs::path("out") / fs::path(options.file).stem() : fs::path(options.out);
+    writer = std::make_unique<SummaryWriter>(out, plan, registry, store, options);
+  }
+  if (options.status) {
+    progress = progress_in_store(plan, records);
+  } else {
+    runtime::SweepRunOptions run;
+    run.workers = options.workers;
+    run.memory = options.memory.empty() ? 0 : parse_size(options.memory);
+    run.limit = options.limit;
+    run.retry = options.retry;
+    run.cancel = &cancel;
+    std::signal(SIGINT, stop_bench);
+    std::signal(SIGTERM, stop_bench);
+    Ticker ticker(options.quiet || options.json);
+    progress = run_cells(plan, options.task < 0 ? all_cells(plan) : cells_of_task(options, plan), registry, store, run,
+                         std::ref(ticker));
+  }
+  // What this file measures may be missing in cells that ran well.
+  if (options.task < 0) progress.failed = progress_in_store(plan, records).failed;
+  const bool written = !writer || writer->write();
+  print_end(options, plan, progress, records, out);
+  if (progress.cancelled || cancel) {
+    std::fprintf(stderr, "cancelled; what was finished is kept and the next run goes on from there\n");
+    return 130;
+  }
+  const bool complete = written && progress.done == progress.cells;
+  // A task has done its work when every cell has a result; a failed one is a result, and not worth a second try.
+  return complete && (progress.failed == 0 || options.task >= 0) ? 0 : 1;
+}
+
+}  // namespace plumbline::cli

@@ -1,0 +1,37 @@
+// plumbline bench: runs what a bench file asks for and compares.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "commands.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace plumbline::cli {
+
+struct BenchOptions {
+  std::string file;
+  std::vector<std::string> overrides;
+  std::string out;    ///< empty: out/<bench file>
+  std::string store;  ///< empty: Store::default_folder()
+  std::string memory;
+  std::string executor = "local";
+  std::string hosts;               ///< comma-separated, for ssh
+  std::string scheduler_options;   ///< for sbatch
+  std::vector<std::string> seeds;  ///< in place of the file's
+  int workers = 0, task = -1, cells_per_task = 50;
+  double limit = 0;
+  bool status = false, retry = false, overwrite = false, json = false, quiet = false;
+  std::string plan;  ///< of a task: the plan it was sent for
+};
+
+/// Declares the command's arguments; the options live as long as the app.
+void declare_bench(CLI::App& command, BenchOptions& options);
+
+/// 0: every cell has a result; 1: some failed or are missing; 130: cancelled.
+int bench(const BenchOptions& options);
+
+}  // namespace plumbline::cli

@@ -1,0 +1,311 @@
+#include "runtime/sweep_plan.hpp"
+
+#include <algorithm>
+#include <functional>
+#include <set>
+#include <unordered_map>
+
+#include "runtime/digest.hpp"
+#include "runtime/key.hpp"
+#include "runtime/pipeline_file.hpp"
+
+namespace plumbline::runtime {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Names of the nodes that a metric is asked of.
+std::set<std::string> measured_nodes(const SweepFile& file) {
+  std::set<std::string> nodes;
+  for (const auto& [quantity, metric] : file.measure) nodes.insert(metric.substr(0, metric.find('.')));
+  return nodes;
+}
+
+/// The nodes of those names and all that they take from.
+std::vector<bool> leading_to(const Graph& graph, const std::set<std::string>& wanted) {
+  std::vector<bool> needed(graph.nodes.size(), false);
+  for (size_t i = graph.nodes.size(); i-- > 0;) {
+    if (wanted.count(graph.nodes[i].name)) needed[i] = true;
+    if (needed[i])
+      for (const auto& [port, source] : graph.nodes[i].inputs) needed[source.node] = true;
+  }
+  return needed;
+}
+
+Graph reduced(const Graph& graph, const std::set<std::string>& wanted) {
+  const std::vector<bool> needed = leading_to(graph, wanted);
+  Graph result = graph;
+  result.nodes.clear();
+  result.outputs.clear();
+  std::vector<size_t> place(graph.nodes.size());
+  for (size_t i = 0; i < graph.nodes.size(); ++i) {
+    if (!needed[i]) continue;
+    place[i] = result.nodes.size();
+    result.nodes.push_back(graph.nodes[i]);
+    for (auto& [port, source] : result.nodes.back().inputs) source.node = place[source.node];
+  }
+  return result;
+}
+
+/// A node draws its seed by its name, so that belongs to what it computes.
+std::vector<std::string> recipes_of(const Graph& graph, FileHashes& hashes) {
+  std::vector<std::string> recipes;
+  for (const GraphNode& node : graph.nodes) {
+    KeyFields fields = key_fields(node, hashes);
+    fields["name"] = node.name;
+    for (const auto& [port, source] : node.inputs) fields["input " + port] = recipes[source.node] + "." + source.port;
+    recipes.push_back(key_of(fields));
+  }
+  return recipes;
+}
+
+/// One way to fill every place, without the seed.
+struct Combination {
+  const SweepScenario* scenario = nullptr;
+  std::map<std::string, std::string> values;
+  std::map<std::string, const SweepAlternative*> choices;
+};
+
+class Planner {
+ public:
+  Planner(const SweepFile& file, const Overrides& overrides, const Registry& registry, FileHashes& hashes)
+      : overrides_(overrides), registry_(registry), hashes_(hashes), wanted_(measured_nodes(file)) {
+    plan_.file = file;
+  }
+
+  SweepPlan plan() {
+    for (const SweepScenario& scenario : file().scenarios) {
+      Combination combination;
+      combination.scenario = &scenario;
+      each_value(combination, 0);
+    }
+    Sha256 id;
+    std::vector<std::string> keys;
+    for (const SweepCell& cell : plan_.cells) keys.push_back(cell.key);
+    std::sort(keys.begin(), keys.end());
+    for (const std::string& key : keys) id.add_field(key);
+    plan_.id = id.hex().substr(0, 16);
+    for (auto& [group, nodes] : swapped_) plan_.swapped[group].assign(nodes.begin(), nodes.end());
+    return std::move(plan_);
+  }
+
+ private:
+  const SweepFile& file() const { return plan_.file; }
+
+  void each_value(Combination& combination, size_t variable) {
+    if (variable == file().matrix.size()) return add_trials(combination);
+    for (const std::string& value : file().matrix[variable].values) {
+      combination.values[file().matrix[variable].name] = value;
+      each_value(combination, variable + 1);
+    }
+  }
+
+  /// All alternatives of one place, seed by seed.
+  void add_trials(const Combination& place) {
+    std::vector<Combination> ways{place};
+    for (const SweepGroup& group : file().groups) {
+      std::vector<Combination> more;
+      for (const Combination& way : ways)
+        for (const SweepAlternative& alternative : group.alternatives) {
+          more.push_back(way);
+          more.back().choices[group.name] = &alternative;
+        }
+      ways = std::move(more);
+    }
+    ways.erase(std::remove_if(ways.begin(), ways.end(), [&](const Combination& way) { return is_excluded(way); }),
+               ways.end());
+    std::vector<std::vector<SweepCell>> cells;
+    for (const Combination& way : ways) cells.push_back(cells_of(way));
+    const size_t seeds = std::max<size_t>(1, file().seeds.size());
+    for (size_t k = 0; k < seeds; ++k) {
+      // By turns a different alternative comes first, so that none always runs on the cold caches.
+      for (size_t i = 0; i < cells.size(); ++i) {
+        plan_.cells.push_back(std::move(cells[(i + k) % cells.size()][k]));
+        plan_.cells.back().trial = plan_.trials;
+      }
+      plan_.trials += !cells.empty();
+    }
+  }
+
+  static std::string value_of(const Combination& way, const std::string& key) {
+    if (key == "scenario") return way.scenario->name;
+    if (const auto value = way.values.find(key); value != way.values.end()) return value->second;
+    return way.choices.at(key)->name;
+  }
+
+  bool is_excluded(const Combination& way) {
+    for (const SweepExclusion& exclusion : file().exclude) {
+      const bool all = std::all_of(exclusion.where.begin(), exclusion.where.end(),
+                                   [&](const auto& pair) { return value_of(way, pair.first) == pair.second; });
+      if (!all) continue;
+      std::string what = way.scenario->name;
+      for (const auto& [name, value] : way.values) what += (what.empty() ? "" : ", ") + name + "=" + value;
+      for (const auto& [name, choice] : way.choices) what += (what.empty() ? "" : ", ") + name + "=" + choice->name;
+      plan_.excluded.push_back({what, exclusion.why, std::max<size_t>(1, file().seeds.size())});
+      return true;
+    }
+    return false;
+  }
+
+  fs::path pipeline_of(const Combination& way) const {
+    fs::path pipeline = file().pipeline;
+    for (const auto& [group, choice] : way.choices)
+      if (!choice->pipeline.empty()) pipeline = choice->pipeline;
+    return pipeline;
+  }
+
+  /// The node of the pipeline that a list of kinds fills: the one of that name, else the one of that role.
+  std::string node_for(const fs::path& pipeline, const std::string& group, const Overrides& overrides) const {
+    std::vector<Problem> ignored;  // load_pipeline() tells them
+    const PipelineSpec spec = read_pipeline(pipeline, overrides, ignored);
+    std::vector<std::string> of_role;
+    for (const NodeSpec& node : spec.nodes) {
+      if (node.name == group) return group;
+      const Kind* kind = registry_.find(node.use.text);
+      if (kind && group == kind->node->role) of_role.push_back(node.name);
+    }
+    if (of_role.size() == 1) return of_role[0];
+    std::string names;
+    for (const std::string& name : of_role) names += (names.empty() ? " (" : ", ") + name;
+    throw std::runtime_error(pipeline.string() + " has " +
+                             (of_role.empty() ? "no node" : "several nodes" + names + ")") + " of the role '" + group +
+                             "' and none of that name; name the node instead of the role");
+  }
+
+  Overrides overrides_of(const Combination& way) {
+    Overrides all = overrides_;
+    all.insert(all.end(), way.scenario->overrides.begin(), way.scenario->overrides.end());
+    for (const auto& [name, value] : way.values) all.push_back(name + "=" + value);
+    for (const auto& [group, choice] : way.choices) {
+      all.insert(all.end(), choice->overrides.begin(), choice->overrides.end());
+      for (const std::string& text : choice->overrides)
+        if (const size_t dot = text.find('.'); dot < text.find('=')) swapped_[group].insert(text.substr(0, dot));
+    }
+    for (const auto& [group, choice] : way.choices) {
+      if (choice->kind.empty()) continue;
+      const std::string node = node_for(pipeline_of(way), group, all);
+      swapped_[group].insert(node);
+      all.push_back(node + ".use=" + choice->kind);
+    }
+    return all;
+  }
+
+  std::shared_ptr<const CellGraph> load(const fs::path& pipeline, Overrides overrides, const uint64_t* seed) const {
+    if (seed) overrides.push_back("seed=" + std::to_string(*seed));
+    auto loaded = std::make_shared<CellGraph>();
+    loaded->graph = reduced(load_pipeline(pipeline, overrides, registry_), wanted_);
+    const std::string error = file().measure.at("error"), node = error.substr(0, error.find('.'));
+    if (std::none_of(loaded->graph.nodes.begin(), loaded->graph.nodes.end(),
+                     [&](const GraphNode& n) { return n.name == node; }))
+      throw std::runtime_error(pipeline.string() + " has no node '" + node + "', of which " + file().path.string() +
+                               " measures '" + error + "'");
+    loaded->recipes = recipes_of(loaded->graph, hashes_);
+    loaded->essential = leading_to(loaded->graph, {node});
+    return loaded;
+  }
+
+  std::vector<SweepCell> cells_of(const Combination& way) {
+    SweepCell cell;
+    cell.scenario = way.scenario->name;
+    cell.values = way.values;
+    for (const auto& [group, choice] : way.choices) cell.choices[group] = choice->name;
+    std::vector<SweepCell> cells(std::max<size_t>(1, file().seeds.size()), cell);
+    try {
+      const Overrides overrides = overrides_of(way);
+      const fs::path pipeline = pipeline_of(way);
+      if (file().seeds.empty()) {
+        cells[0].graph = load(pipeline, overrides, nullptr);
+        cells[0].seed = cells[0].graph->graph.seed;
+      }
+      // Where the seed changes nothing but the seed, which is the rule, linking twice is enough to know it.
+      bool same = true;
+      for (size_t k = 0; k < file().seeds.size(); ++k) {
+        cells[k].seed = file().seeds[k];
+        cells[k].graph = k >= 2 && same ? cells[0].graph : load(pipeline, overrides, &file().seeds[k]);
+        same = same && cells[k].graph->recipes == cells[0].graph->recipes;
+      }
+    } catch (const std::exception& error) {
+      for (size_t k = 0; k < cells.size(); ++k) {
+        cells[k].graph = nullptr;
+        cells[k].problem = error.what();
+        if (!file().seeds.empty()) cells[k].seed = file().seeds[k];
+      }
+    }
+    for (SweepCell& c : cells) c.key = key_of_cell(c);
+    return cells;
+  }
+
+  static std::string key_of_cell(const SweepCell& cell) {
+    Sha256 hash;
+    hash.add_field("plumbline cell 1");
+    hash.add_field(std::to_string(cell.seed));
+    if (cell.graph) {
+      std::vector<std::string> recipes = cell.graph->recipes;
+      std::sort(recipes.begin(), recipes.end());
+      for (const std::string& recipe : recipes) hash.add_field(recipe);
+    } else {
+      hash.add_field(cell.label());
+      hash.add_field(cell.problem);
+    }
+    return hash.hex();
+  }
+
+  const Overrides& overrides_;
+  const Registry& registry_;
+  FileHashes& hashes_;
+  const std::set<std::string> wanted_;
+  SweepPlan plan_;
+  std::map<std::string, std::set<std::string>> swapped_;
+};
+
+}  // namespace
+
+std::string SweepCell::label() const {
+  std::string text = scenario;
+  const auto add = [&](const std::string& part) { text += (text.empty() ? "" : ", ") + part; };
+  for (const auto& [name, value] : values) add(name + "=" + value);
+  for (const auto& [group, choice] : choices) add(group + "=" + choice);
+  add("seed " + std::to_string(seed));
+  return text;
+}
+
+SweepPlan plan_sweep(const SweepFile& file, const Overrides& overrides, const Registry& registry, FileHashes& hashes) {
+  return Planner(file, overrides, registry, hashes).plan();
+}
+
+MergedGraph merge_cells(const std::vector<const SweepCell*>& cells) {
+  MergedGraph merged;
+  std::unordered_map<std::string, size_t> known;
+  for (const SweepCell* cell : cells) {
+    const Graph& graph = cell->graph->graph;
+    if (merged.nodes.empty()) {
+      merged.graph.file = graph.file;
+      merged.graph.seed = cell->seed;
+    }
+    std::vector<size_t> place;
+    for (size_t i = 0; i < graph.nodes.size(); ++i) {
+      const auto [found, added] = known.emplace(cell->graph->recipes[i], merged.graph.nodes.size());
+      place.push_back(found->second);
+      if (!added) continue;
+      merged.graph.nodes.push_back(graph.nodes[i]);
+      for (auto& [port, source] : merged.graph.nodes.back().inputs) source.node = place[source.node];
+    }
+    merged.nodes.push_back(std::move(place));
+  }
+  return merged;
+}
+
+std::vector<std::vector<size_t>> chunks_of(const SweepPlan& plan, size_t size) {
+  std::vector<std::vector<size_t>> chunks;
+  size_t last_trial = 0;
+  for (size_t i = 0; i < plan.cells.size(); ++i) {
+    const bool new_trial = i == 0 || plan.cells[i].trial != last_trial;
+    if (chunks.empty() || (new_trial && chunks.back().size() >= size)) chunks.emplace_back();
+    chunks.back().push_back(i);
+    last_trial = plan.cells[i].trial;
+  }
+  return chunks;
+}
+
+}  // namespace plumbline::runtime

@@ -1,0 +1,108 @@
+#include "runtime/sweep_table.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <thread>
+
+namespace plumbline::runtime {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+std::string processor() {
+  std::ifstream stream("/proc/cpuinfo");
+  for (std::string line; std::getline(stream, line);)
+    if (line.rfind("model name", 0) == 0 && line.find(": ") != std::string::npos)
+      return line.substr(line.find(": ") + 2);
+  return "unknown processor";
+}
+
+Json groups_of(const SweepPlan& plan) {
+  Json groups = Json::array();
+  for (const SweepGroup& group : plan.file.groups) {
+    Json json;
+    json["name"] = group.name;
+    bool whole_pipelines = false;
+    for (const SweepAlternative& alternative : group.alternatives) {
+      json["alternatives"].push_back(alternative.name);
+      whole_pipelines |= !alternative.pipeline.empty();
+    }
+    const auto nodes = plan.swapped.find(group.name);
+    json["nodes"] = nodes == plan.swapped.end() ? std::vector<std::string>() : nodes->second;
+    json["whole_pipelines"] = whole_pipelines;
+    groups.push_back(std::move(json));
+  }
+  return groups;
+}
+
+Json cell_json(const SweepCell& cell, const std::optional<CellRecord>& record, const SweepFile& file) {
+  Json json;
+  json["scenario"] = cell.scenario;
+  json["values"] = cell.values;
+  json["choices"] = cell.choices;
+  json["seed"] = cell.seed;
+  const std::string failure = record ? failure_of(*record, file) : "";
+  json["status"] = !record ? "missing" : failure.empty() ? "done" : "failed";
+  if (!record) return json;
+  if (!failure.empty()) json["error"] = failure;
+  json["measures"] = Json::object();
+  for (const auto& [quantity, name] : file.measure)
+    if (const auto found = record->metrics.find(name); found != record->metrics.end())
+      json["measures"][quantity] = found->second.value;
+  json["inputs"] = record->inputs;
+  json["seconds"] = record->seconds;
+  if (!record->warnings.empty()) json["warnings"] = record->warnings.size();
+  return json;
+}
+
+}  // namespace
+
+std::string failure_of(const CellRecord& record, const SweepFile& file) {
+  if (record.failed) return record.error;
+  const std::string& name = file.measure.at("error");
+  const auto metric = record.metrics.find(name);
+  if (metric == record.metrics.end()) return "it gave no metric '" + name + "'";
+  return std::isfinite(metric->second.value) ? "" : "it gave no finite value of '" + name + "'";
+}
+
+std::string sweep_table(const SweepPlan& plan, const CellRecords& records, const Registry& registry,
+                        const std::string& version) {
+  const SweepFile& file = plan.file;
+  Json json;
+  json["title"] = file.title;
+  json["file"] = file.path.filename().string();
+  json["measure"] = file.measure;
+  json["rope"] = file.rope;
+  json["tolerances"] = file.tolerances;
+  for (const SweepScenario& scenario : file.scenarios) json["scenarios"].push_back(scenario.name);
+  json["variables"] = Json::array();
+  for (const SweepVariable& variable : file.matrix)
+    json["variables"].push_back({{"name", variable.name}, {"values", variable.values}});
+  json["groups"] = groups_of(plan);
+  json["excluded"] = Json::array();
+  for (const ExcludedCells& cells : plan.excluded)
+    json["excluded"].push_back({{"what", cells.what}, {"why", cells.why}, {"cells", cells.cells}});
+  std::set<std::string> hosts;
+  json["cells"] = Json::array();
+  for (const SweepCell& cell : plan.cells) {
+    const auto record = records.find(cell.key);
+    if (record && !record->host.empty()) hosts.insert(record->host);
+    json["cells"].push_back(cell_json(cell, record, file));
+  }
+  Json machine;
+  machine["version"] = version;
+  machine["processor"] = processor();
+  machine["processors"] = std::thread::hardware_concurrency();
+  machine["hosts"] = hosts;
+  for (const auto& plugin : registry.plugins())
+    machine["plugins"].push_back(plugin->identity.name + " " + plugin->identity.version + " " +
+                                 plugin->sha256.substr(0, 12));
+  json["machine"] = std::move(machine);
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace plumbline::runtime

@@ -1,0 +1,20 @@
+// Everything a sweep has found so far, as one JSON text: what the node bench.summary reads.
+#pragma once
+
+#include <string>
+
+#include "runtime/sweep_plan.hpp"
+#include "runtime/sweep_records.hpp"
+
+namespace plumbline::runtime {
+
+/// Why a cell counts as failed: its record's error, or that it has no finite value of the error that the file measures.
+/// Empty if it counts.
+std::string failure_of(const CellRecord& record, const SweepFile& file);
+
+/// {"title", "pipeline", "measure", "rope", "tolerances", "scenarios", "variables", "groups", "excluded", "machine",
+/// "cells"}: see docs/benchmarking.md. Cells that have not run yet are there with the status "missing".
+std::string sweep_table(const SweepPlan& plan, const CellRecords& records, const Registry& registry,
+                        const std::string& version);
+
+}  // namespace plumbline::runtime

@@ -1,0 +1,92 @@
+#include "bench/bench_data.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+namespace plumbline::bench {
+
+using Json = nlohmann::json;
+
+namespace {
+
+double number(const Json& json) { return json.is_number() ? json.get<double>() : std::nan(""); }
+
+std::string place_text(const Json& cell, const std::vector<Variable>& variables) {
+  std::string text = cell.at("scenario");
+  for (const Variable& variable : variables) {
+    if (variable.values.size() < 2) continue;  // says nothing
+    text += (text.empty() ? "" : ", ") + variable.name + "=" + cell.at("values").at(variable.name).get<std::string>();
+  }
+  return text;
+}
+
+Cell read_cell(const Json& json, const std::vector<Variable>& variables) {
+  Cell cell;
+  cell.place = place_text(json, variables);
+  json.at("values").get_to(cell.values);
+  json.at("choices").get_to(cell.choices);
+  json.at("seed").get_to(cell.seed);
+  json.at("status").get_to(cell.status);
+  cell.error = json.value("error", "");
+  if (json.contains("measures"))
+    for (const auto& [name, value] : json.at("measures").items()) cell.measures[name] = number(value);
+  if (json.contains("inputs")) json.at("inputs").get_to(cell.inputs);
+  if (json.contains("seconds")) json.at("seconds").get_to(cell.seconds);
+  return cell;
+}
+
+Bench read(const Json& json) {
+  Bench bench;
+  json.at("title").get_to(bench.title);
+  json.at("file").get_to(bench.file);
+  json.at("measure").at("error").get_to(bench.error_metric);
+  json.at("rope").get_to(bench.rope);
+  json.at("tolerances").get_to(bench.tolerances);
+  json.at("scenarios").get_to(bench.scenarios);
+  for (const Json& item : json.at("variables")) bench.variables.push_back({item.at("name"), item.at("values")});
+  for (const Json& item : json.at("groups"))
+    bench.groups.push_back({item.at("name"), item.at("alternatives"), item.at("nodes"), item.at("whole_pipelines")});
+  for (const Json& item : json.at("excluded"))
+    bench.excluded.push_back({item.at("what"), item.at("why"), item.at("cells")});
+  const Json& machine = json.at("machine");
+  bench.machine.push_back("plumbline " + machine.at("version").get<std::string>());
+  bench.machine.push_back(machine.at("processor").get<std::string>() + ", " +
+                          std::to_string(machine.at("processors").get<int>()) + " processors");
+  for (const Json& host : machine.at("hosts")) bench.machine.push_back("host " + host.get<std::string>());
+  for (const Json& plugin : machine.at("plugins")) bench.machine.push_back("plugin " + plugin.get<std::string>());
+  for (const Json& cell : json.at("cells")) bench.cells.push_back(read_cell(cell, bench.variables));
+  return bench;
+}
+
+}  // namespace
+
+double Cell::measure(const std::string& quantity) const {
+  const auto found = measures.find(quantity);
+  return found == measures.end() ? std::nan("") : found->second;
+}
+
+std::vector<std::string> Bench::places() const {
+  std::vector<std::string> places;
+  for (const Cell& cell : cells)
+    if (std::find(places.begin(), places.end(), cell.place) == places.end()) places.push_back(cell.place);
+  return places;
+}
+
+Bench parse_bench(const std::string& text) {
+  try {
+    return read(Json::parse(text));
+  } catch (const Json::exception& error) {
+    throw std::runtime_error(std::string("this is no table of cells as 'plumbline bench' writes it: ") + error.what());
+  }
+}
+
+std::string choices_text(const std::map<std::string, std::string>& choices, const std::string& without) {
+  std::string text;
+  for (const auto& [group, choice] : choices)
+    if (group != without) text += (text.empty() ? "" : " · ") + choice;
+  return text;
+}
+
+}  // namespace plumbline::bench

@@ -1,0 +1,60 @@
+// What `plumbline bench` hands to the node bench.summary: every cell with what was measured (docs/benchmarking.md).
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace plumbline::bench {
+
+struct Cell {
+  std::string place;                           ///< scenario and variables, in words; empty if there is only one
+  std::map<std::string, std::string> values;   ///< of the matrix
+  std::map<std::string, std::string> choices;  ///< alternative by group
+  std::uint64_t seed = 0;
+  std::string status;  ///< "done", "failed", "missing"
+  std::string error;
+  std::map<std::string, double> measures;             ///< nan where not known
+  std::map<std::string, std::string> inputs;          ///< hash of what each node got
+  std::map<std::string, double> seconds;              ///< of the nodes that ran
+  double measure(const std::string& quantity) const;  ///< nan if it is not there
+};
+
+struct Group {
+  std::string name;
+  std::vector<std::string> alternatives;
+  std::vector<std::string> nodes;  ///< that the alternatives change
+  bool whole_pipelines = false;    ///< alternatives are pipelines of their own
+};
+
+struct Variable {
+  std::string name;
+  std::vector<std::string> values;
+};
+
+struct Excluded {
+  std::string what, why;
+  std::size_t cells = 0;
+};
+
+struct Bench {
+  std::string title, file, error_metric;
+  double rope = 0;                 ///< [m]
+  std::vector<double> tolerances;  ///< [m]
+  std::vector<std::string> scenarios;
+  std::vector<Variable> variables;
+  std::vector<Group> groups;
+  std::vector<Excluded> excluded;
+  std::vector<std::string> machine;  ///< lines to show
+  std::vector<Cell> cells;
+  std::vector<std::string> places() const;  ///< in the file's order
+};
+
+/// Throws std::runtime_error if the text is not what sweep_table() writes.
+Bench parse_bench(const std::string& json);
+
+/// "adjust.ceres · pose.opengv"; the choice of `without` left out.
+std::string choices_text(const std::map<std::string, std::string>& choices, const std::string& without = "");
+
+}  // namespace plumbline::bench

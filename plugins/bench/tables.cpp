@@ -1,0 +1,280 @@
+#include "bench/tables.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <set>
+
+namespace plumbline::bench {
+
+using Json = nlohmann::ordered_json;
+using statistics::Estimate;
+
+namespace {
+
+std::string printed(const char* format, double value) {
+  char text[64];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
+std::string shortest(double value) { return std::isfinite(value) ? Json(value).dump() : ""; }
+
+std::string csv_field(const std::string& text) {
+  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + "\"";
+}
+
+Json estimate_json(const Estimate& estimate) {
+  return {{"value", estimate.value}, {"lower", estimate.interval.lower}, {"upper", estimate.interval.upper}};
+}
+
+Json row_json(const Row& row) {
+  const auto& s = row.summary;
+  Json json{{"place", row.place},
+            {"choices", row.choices},
+            {"trials", s.trials},
+            {"failures", s.failures},
+            {"missing", row.missing},
+            {"rmse", estimate_json(s.rmse)},
+            {"mean", estimate_json(s.mean)},
+            {"bias", estimate_json(s.bias)},
+            {"predicted", estimate_json(s.predicted)},
+            {"efficiency", estimate_json(s.efficiency)},
+            {"nees", {{"value", s.nees}, {"band", {s.nees_band.lower, s.nees_band.upper}}}},
+            {"seconds", row.seconds},
+            {"final_cost", row.final_cost}};
+  json["failure_rates"] = Json::array();
+  for (const auto& rate : s.failure_rates)
+    json["failure_rates"].push_back({{"tau", rate.tau},
+                                     {"failed", rate.failed},
+                                     {"share", rate.share},
+                                     {"lower", rate.interval.lower},
+                                     {"upper", rate.interval.upper}});
+  return json;
+}
+
+Json duel_json(const Duel& duel) {
+  Json json{{"group", duel.group}, {"first", duel.first}, {"second", duel.second}};
+  json["place"] = duel.overall ? Json() : Json(duel.place);
+  json["words"] = duel.words;
+  if (!duel.refused.empty()) {
+    json["refused"] = duel.refused;
+    return json;
+  }
+  json["verdict"] = to_text(duel.errors.verdict);
+  json["pairs"] = duel.errors.pairs;
+  json["difference"] = estimate_json(duel.errors.difference);
+  json["narrow"] = {duel.errors.narrow.lower, duel.errors.narrow.upper};
+  json["improvement"] = estimate_json(duel.errors.improvement);
+  json["p"] = duel.errors.p;
+  json["adjusted_p"] = duel.errors.adjusted_p;
+  json["only_first"] = duel.only_first;
+  json["only_second"] = duel.only_second;
+  json["time_ratio"] = estimate_json(duel.times.ratio);
+  json["time_confirmed"] = duel.times.confirmed;
+  return json;
+}
+
+std::string table_cell(std::string text) {
+  for (char& c : text)
+    if (c == '\n' || c == '|') c = ' ';
+  return text.size() > 400 ? text.substr(0, 400) + " …" : text;
+}
+
+std::string rate_text(const Row& row, double tau) {
+  for (const auto& rate : row.summary.failure_rates)
+    if (rate.tau == tau)
+      return printed("%.1f %%", 100 * rate.share) + " (" + printed("%.1f", 100 * rate.interval.lower) + "–" +
+             printed("%.1f", 100 * rate.interval.upper) + ")";
+  return "–";
+}
+
+std::string seeds_text(const std::vector<std::uint64_t>& seeds) {
+  std::string text;
+  for (std::size_t i = 0; i < std::min<std::size_t>(seeds.size(), 5); ++i)
+    text += (i ? ", " : "") + std::to_string(seeds[i]);
+  return seeds.size() > 5 ? text + ", …" : text;
+}
+
+/// Characters that \csname cannot take.
+std::string tex_name(std::string name) {
+  for (char& c : name)
+    if (std::string("\\{}%#&~^$_").find(c) != std::string::npos) c = '-';
+  for (std::size_t at; (at = name.find("·")) != std::string::npos;) name.replace(at, std::string("·").size(), "+");
+  return name;
+}
+
+}  // namespace
+
+std::string number_text(double value, double uncertainty) {
+  if (!std::isfinite(value)) return "–";
+  int decimals = 3;
+  if (std::isfinite(uncertainty) && uncertainty > 0)
+    decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(uncertainty))), 0, 6);
+  char text[64];
+  std::snprintf(text, sizeof text, "%.*f", decimals, value);
+  return text;
+}
+
+std::string interval_text(const Estimate& estimate, double scale) {
+  if (!std::isfinite(estimate.value)) return "–";
+  const double half = 0.5 * scale * (estimate.interval.upper - estimate.interval.lower);
+  const std::string value = number_text(scale * estimate.value, half);
+  if (!std::isfinite(half)) return value;
+  return value + " (" + number_text(scale * estimate.interval.lower, half) + "–" +
+         number_text(scale * estimate.interval.upper, half) + ")";
+}
+
+std::string coverage_text(const Bench& bench, const Analysis& analysis) {
+  std::string text = std::to_string(analysis.cells) + " cells with " + std::to_string(analysis.seeds) +
+                     (analysis.seeds == 1 ? " seed: " : " different seeds: ") + std::to_string(analysis.done) +
+                     " finished, " + std::to_string(analysis.failed) + " failed, " + std::to_string(analysis.missing) +
+                     " not run yet";
+  std::size_t excluded = 0;
+  for (const Excluded& item : bench.excluded) excluded += item.cells;
+  if (excluded > 0) text += "; " + std::to_string(excluded) + " excluded by the file";
+  return text;
+}
+
+std::string to_csv(const Bench& bench) {
+  std::set<std::string> quantities;
+  for (const Cell& cell : bench.cells)
+    for (const auto& [name, value] : cell.measures) quantities.insert(name);
+  std::string text = "place";
+  for (const Variable& variable : bench.variables) text += "," + csv_field(variable.name);
+  for (const Group& group : bench.groups) text += "," + csv_field(group.name);
+  text += ",seed,status";
+  for (const std::string& quantity : quantities) text += "," + csv_field(quantity);
+  text += ",seconds,error_text\r\n";
+  for (const Cell& cell : bench.cells) {
+    text += csv_field(cell.place);
+    for (const Variable& variable : bench.variables) text += "," + csv_field(cell.values.at(variable.name));
+    for (const Group& group : bench.groups) text += "," + csv_field(cell.choices.at(group.name));
+    text += "," + std::to_string(cell.seed) + "," + cell.status;
+    for (const std::string& quantity : quantities) text += "," + shortest(cell.measure(quantity));
+    double seconds = 0;
+    for (const auto& [node, s] : cell.seconds) seconds += s;
+    text += "," + (cell.seconds.empty() ? "" : shortest(seconds)) + "," + csv_field(cell.error) + "\r\n";
+  }
+  return text;
+}
+
+std::string to_json(const Bench& bench, const Analysis& analysis) {
+  Json json;
+  json["title"] = bench.title;
+  json["error"] = {{"metric", bench.error_metric}, {"unit", "m"}};
+  json["rope"] = bench.rope;
+  json["confidence"] = analysis.confidence;
+  json["cells"] = {
+      {"all", analysis.cells}, {"done", analysis.done}, {"failed", analysis.failed}, {"missing", analysis.missing}};
+  json["choices"] = choices_to_make(bench, analysis);
+  json["verdicts"] = verdicts(bench, analysis);
+  json["unused"] = analysis.unused;
+  json["rows"] = Json::array();
+  for (const Row& row : analysis.rows) json["rows"].push_back(row_json(row));
+  json["comparisons"] = Json::array();
+  for (const Duel& duel : analysis.duels) json["comparisons"].push_back(duel_json(duel));
+  json["failures"] = Json::array();
+  for (const Failure& f : analysis.failures)
+    json["failures"].push_back(
+        {{"place", f.place}, {"name", f.name}, {"reason", f.reason}, {"cells", f.cells}, {"seeds", f.seeds}});
+  json["excluded"] = Json::array();
+  for (const Excluded& item : bench.excluded)
+    json["excluded"].push_back({{"what", item.what}, {"why", item.why}, {"cells", item.cells}});
+  json["machine"] = bench.machine;
+  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string to_markdown(const Bench& bench, const Analysis& analysis) {
+  std::string text = "# " + bench.title + "\n\n" + coverage_text(bench, analysis) + ".\n\n";
+  if (!bench.groups.empty()) text += "## What to choose\n\n";
+  for (const std::string& sentence : choices_to_make(bench, analysis)) text += "- " + sentence + "\n";
+  if (!bench.groups.empty()) text += "\n## Verdicts\n\n";
+  for (const std::string& sentence : verdicts(bench, analysis)) text += "- " + sentence + "\n";
+  for (const std::string& sentence : analysis.unused) text += "- " + sentence + "\n";
+  const double tau = bench.tolerances.empty() ? 0 : bench.tolerances.front();
+  text +=
+      "\n| place | alternative | trials | failed | RMSE [mm] | bias [mm] | predicted [mm] | bound²/MSE | NEES / "
+      "freedom (band) | worst error above " +
+      printed("%g", 1e3 * tau) + " mm | time [s] |\n|---|---|---|---|---|---|---|---|---|---|---|\n";
+  for (const Row& row : analysis.rows) {
+    const auto& s = row.summary;
+    text += "| " + table_cell(row.place) + " | " + table_cell(row.name) + " | " + std::to_string(s.trials) +
+            (row.missing ? " (" + std::to_string(row.missing) + " to come)" : "") + " | " + std::to_string(s.failures) +
+            " | " + interval_text(s.rmse, 1e3) + " | " + interval_text(s.bias, 1e3) + " | " +
+            number_text(1e3 * s.predicted.value, 1e-2) + " | " + interval_text(s.efficiency, 1) + " | " +
+            number_text(s.nees, 0.1) +
+            (std::isfinite(s.nees_band.lower)
+                 ? " (" + number_text(s.nees_band.lower, 0.1) + "–" + number_text(s.nees_band.upper, 0.1) + ")"
+                 : "") +
+            " | " + rate_text(row, tau) + " | " + number_text(row.seconds, 0.5 * row.seconds) + " |\n";
+  }
+  text += "\nIntervals: " + printed("%g", 100 * analysis.confidence) +
+          " %, BCa bootstrap over trials; rates by Wilson. Differences are paired by seed, p adjusted by Holm" +
+          (bench.rope > 0 ? "; what is smaller than " + printed("%g", 1e3 * bench.rope) + " mm counts as equal" : "") +
+          ".\n";
+  if (!analysis.failures.empty()) {
+    text += "\n## Failed cells\n\n| place | alternative | cells | seeds | reason |\n|---|---|---|---|---|\n";
+    for (const Failure& f : analysis.failures)
+      text += "| " + table_cell(f.place) + " | " + table_cell(f.name) + " | " + std::to_string(f.cells) + " | " +
+              seeds_text(f.seeds) + " | " + table_cell(f.reason) + " |\n";
+  }
+  if (!bench.excluded.empty()) {
+    text += "\n## Excluded\n\n";
+    for (const Excluded& item : bench.excluded)
+      text += "- " + item.what + " (" + std::to_string(item.cells) + " cells)" +
+              (item.why.empty() ? "" : ": " + item.why) + "\n";
+  }
+  text += "\n";
+  for (const std::string& line : bench.machine)
+    if (line.rfind("plugin ", 0) != 0) text += "- " + line + "\n";
+  return text;
+}
+
+std::string to_tex(const Bench& bench, const Analysis& analysis) {
+  std::string text =
+      "% " + bench.title +
+      "\n% \\bench{place/alternative/quantity}: millimetres, seconds and plain numbers; quantities rmse, "
+      "rmse-low, rmse-high,\n% bias, predicted, efficiency, nees, failures, trials, seconds. "
+      "\\benchdiff{place/first/second}: mm, -low, -high.\n"
+      "\\makeatletter\n"
+      "\\newcommand{\\bench}[1]{\\ifcsname bench@#1\\endcsname\\csname bench@#1\\endcsname\\else\\textbf{??}\\fi}\n"
+      "\\newcommand{\\benchdiff}[1]{\\bench{diff/#1}}\n";
+  const auto define = [&](const std::string& name, const std::string& value) {
+    text += "\\expandafter\\def\\csname bench@" + tex_name(name) + "\\endcsname{" +
+            (value == "–" ? "\\textendash{}" : value) + "}\n";
+  };
+  define("cells", std::to_string(analysis.cells));
+  define("seeds", std::to_string(analysis.seeds));
+  for (const Row& row : analysis.rows) {
+    const auto& s = row.summary;
+    const std::string name = (row.place.empty() ? "all" : row.place) + "/" + row.name + "/";
+    const double half = 0.5e3 * (s.rmse.interval.upper - s.rmse.interval.lower);
+    define(name + "rmse", number_text(1e3 * s.rmse.value, half));
+    define(name + "rmse-low", number_text(1e3 * s.rmse.interval.lower, half));
+    define(name + "rmse-high", number_text(1e3 * s.rmse.interval.upper, half));
+    define(name + "bias", number_text(1e3 * s.bias.value, half));
+    define(name + "predicted", number_text(1e3 * s.predicted.value, half));
+    define(name + "efficiency", number_text(s.efficiency.value, 0.01));
+    define(name + "nees", number_text(s.nees, 0.1));
+    define(name + "trials", std::to_string(s.trials));
+    define(name + "failures", std::to_string(s.failures));
+    define(name + "seconds", number_text(row.seconds, 0.5 * row.seconds));
+  }
+  for (const Duel& duel : analysis.duels) {
+    if (!duel.refused.empty()) continue;
+    const Estimate& d = duel.errors.difference;
+    const double half = 0.5e3 * (d.interval.upper - d.interval.lower);
+    const std::string name =
+        "diff/" + (duel.overall || duel.place.empty() ? "all" : duel.place) + "/" + duel.first + "/" + duel.second;
+    define(name, number_text(1e3 * d.value, half));
+    define(name + "-low", number_text(1e3 * d.interval.lower, half));
+    define(name + "-high", number_text(1e3 * d.interval.upper, half));
+  }
+  return text + "\\makeatother\n";
+}
+
+}  // namespace plumbline::bench

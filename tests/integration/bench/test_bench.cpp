@@ -1,0 +1,200 @@
+// plumbline bench from outside: what is shared runs once, what failed is told every time, the order never matters.
+#include "bench_program.hpp"
+
+namespace plumbline::test {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+const std::string two = "seeds: 1-8\nalternatives: {method: {good: {}, worse: {solver.with.factor: 1.5}}}\n";
+
+TEST(Bench, WhatAlternativesShareRunsOnceAndNothingRunsTwice) {
+  BenchProgram plumbline;
+  plumbline.bench_file(two);
+  Json first = plumbline.run();
+  EXPECT_EQ(plumbline.answer.code, 0) << plumbline.answer.err;
+  EXPECT_EQ(first["cells"], 16);
+  EXPECT_EQ(first["node_runs"], 32);  // two nodes a cell, one by one
+  EXPECT_EQ(first["merged"], 24);     // the site of a seed is one node
+  EXPECT_EQ(first["executed"], 24);
+  const Json second = plumbline.run();
+  EXPECT_EQ(second["found"], 16);
+  EXPECT_EQ(second["node_runs"], 0);
+  // One more alternative: its own node runs, the site comes from the store.
+  plumbline.bench_file(
+      "seeds: 1-8\nalternatives: {method: {good: {}, worse: {solver.with.factor: 1.5}, "
+      "worst: {solver.with.factor: 2}}}\n");
+  const Json third = plumbline.run();
+  EXPECT_EQ(third["found"], 16);
+  EXPECT_EQ(third["executed"], 8);
+}
+
+TEST(Bench, TheOrderOfAlternativesAndOtherNamesForThemChangeNothing) {
+  BenchProgram plumbline;
+  plumbline.bench_file(two);
+  plumbline.run();
+  const Json before = plumbline.summary();
+  plumbline.bench_file(
+      "seeds: [8, 3, 1-2, 4-7]\nalternatives: {method: {worse: {solver.with.factor: 1.5}, good: {}}}\n");
+  EXPECT_EQ(plumbline.run()["found"], 16);
+  const Json after = plumbline.summary();
+  EXPECT_EQ(before["comparisons"], after["comparisons"]);
+  EXPECT_EQ(before["verdicts"], after["verdicts"]);
+  plumbline.bench_file("seeds: 1-8\nalternatives: {way: {a: {}, b: {solver.with.factor: 1.50}}}\n");
+  EXPECT_EQ(plumbline.run()["found"], 16);
+}
+
+TEST(Bench, WritesAllItsFilesAndTheVerdictInWords) {
+  BenchProgram plumbline;
+  plumbline.bench_file(two + "rope: 0.05 mm\ntitle: Good and worse\n");
+  plumbline.run();
+  for (const char* name : {"bench.html", "bench.csv", "bench.json", "bench.md", "bench.tex"})
+    EXPECT_TRUE(fs::exists(plumbline.work() / "out/b" / name)) << name;
+  EXPECT_THAT(plumbline.summary()["verdicts"][0].get<std::string>(), HasSubstr("good beats worse by 0.3"));
+  const std::string page = read_file(plumbline.work() / "out/b/bench.html");
+  EXPECT_THAT(page, HasSubstr("good beats worse by"));
+  EXPECT_THAT(page, Not(HasSubstr("http"))) << "a page that needs no network";
+  EXPECT_THAT(read_file(plumbline.work() / "out/b/bench.tex"), HasSubstr("bench@all/good/rmse"));
+  const std::string csv = read_file(plumbline.work() / "out/b/bench.csv");
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 17);
+}
+
+TEST(Bench, AFailedCellIsAResultWithItsReasonEveryTimeItIsShown) {
+  BenchProgram plumbline;
+  plumbline.bench_file("seeds: 1-10\nalternatives: {method: {sound: {}, weak: {solver.with.fails: 0.5}}}\n");
+  for (int time = 0; time < 2; ++time) {
+    const Json counts = plumbline.run();
+    EXPECT_EQ(plumbline.answer.code, 1);
+    EXPECT_GT(counts["failed"], 0);
+    EXPECT_LT(counts["failed"], 10);
+    const Json summary = plumbline.summary();
+    ASSERT_GE(summary["failures"].size(), 1u);
+    EXPECT_EQ(summary["failures"][0]["name"], "weak");
+    EXPECT_THAT(summary["failures"][0]["reason"].get<std::string>(), HasSubstr("is beyond this solver"));
+    EXPECT_THAT(read_file(plumbline.work() / "out/b/bench.csv"), HasSubstr("is beyond this solver"));
+    EXPECT_THAT(read_file(plumbline.work() / "out/b/bench.md"), HasSubstr("is beyond this solver"));
+    // Failed trials count as failed at every tolerance.
+    for (const Json& row : summary["rows"])
+      EXPECT_EQ(row["failure_rates"].back()["failed"], row["choices"]["method"] == "weak" ? counts["failed"] : Json(0));
+  }
+  EXPECT_EQ(plumbline.run({"--retry"})["found"], 20 - plumbline.summary()["cells"]["failed"].get<int>());
+}
+
+TEST(Bench, ACrashIsAFailedCellAndTheOthersGoOn) {
+  BenchProgram plumbline;
+  plumbline.bench_file("seeds: 1-12\nalternatives: {method: {sound: {}, deadly: {solver.with.crashes: 0.3}}}\n");
+  const Json counts = plumbline.run({"--workers", "2"});
+  EXPECT_EQ(counts["done"], 24);
+  EXPECT_GT(counts["failed"], 0);
+  EXPECT_LT(counts["failed"], 12);
+  for (const Json& failure : plumbline.summary()["failures"]) {
+    EXPECT_EQ(failure["name"], "deadly");
+    EXPECT_THAT(failure["reason"].get<std::string>(), HasSubstr("signal 11"));
+  }
+}
+
+TEST(Bench, ACellThatTakesTooLongIsEnded) {
+  BenchProgram plumbline;
+  plumbline.bench_file("seeds: 1-2\nalternatives: {method: {quick: {}, slow: {solver.with.milliseconds: 60000}}}\n");
+  const Json counts = plumbline.run({"--limit", "2"});
+  EXPECT_EQ(counts["failed"], 2);
+  EXPECT_THAT(plumbline.summary()["failures"][0]["reason"].get<std::string>(), HasSubstr("longer than 2 s"));
+}
+
+TEST(Bench, EveryAlternativeThatIsNamedAppears) {
+  BenchProgram plumbline;
+  plumbline.bench_file(
+      "seeds: 1-3\nmatrix: {factor: [1, 2]}\n"
+      "alternatives: {solver: [trial.plain, trial.unbuilt], mood: {calm: {}, never: {solver.with.own: 1}}}\n"
+      "exclude: [{mood: never, why: it is never right}]\n");
+  plumbline.run();
+  const Json summary = plumbline.summary();
+  ASSERT_EQ(summary["unused"].size(), 2u);
+  EXPECT_THAT(summary["unused"][0].get<std::string>(), HasSubstr("solver=trial.unbuilt gave no result: all that ran"));
+  EXPECT_THAT(summary["unused"][1].get<std::string>(), HasSubstr("mood=never gave no result: all its cells are excl"));
+  EXPECT_THAT(read_file(plumbline.work() / "out/b/bench.md"), HasSubstr("it is never right"));
+  const Answer words = plumbline({"bench", "b.yaml", "--out", "out/b"});
+  EXPECT_THAT(words.out, HasSubstr("mood=never: 0 of 0 cells"));
+  EXPECT_THAT(words.out, HasSubstr("solver=trial.unbuilt: 6 of 6 cells, 6 failed"));
+}
+
+TEST(Bench, AComparisonFromDifferentStartsIsRefused) {
+  BenchProgram plumbline;
+  plumbline.write("trial.yaml",
+                  "plumbline: 1\nvars: {seed: 1}\nnodes:\n  site: {use: story.draw}\n  other: {use: story.draw}\n"
+                  "  solver: {use: trial.plain, in: {site: site.number}}\n");
+  plumbline.bench_file(
+      "seeds: 1-8\nalternatives: {solver: {mine: {solver.with.factor: 0.5}, "
+      "theirs: {solver.in.site: other.number}}}\n");
+  plumbline.run();
+  const Json duel = plumbline.summary()["comparisons"][0];
+  EXPECT_THAT(duel["refused"].get<std::string>(), HasSubstr("did not get the same inputs"));
+  EXPECT_FALSE(duel.contains("verdict"));
+}
+
+TEST(Bench, AnyNumberOfWorkersAndAThrownAwayStoreGiveTheSameBits) {
+  BenchProgram one, three, scratch;
+  const std::string rest = "seeds: 1-20\nalternatives: {method: {a: {}, b: {solver.with.fails: 0.2}}}\n";
+  for (const BenchProgram* program : {&one, &three}) program->bench_file(rest);
+  scratch.bench_file(rest + "keep: results\n");
+  one.run({"--workers", "1"});
+  three.run({"--workers", "3"});
+  scratch.run({"--workers", "2"});
+  EXPECT_EQ(one.results().size(), 40u);
+  // The reason of a failure names the pipeline's file, which lies elsewhere.
+  const auto without_paths = [](std::map<std::string, std::string> results) {
+    for (auto& [key, text] : results)
+      if (const size_t at = text.find("\"error\""); at != std::string::npos) text.resize(at);
+    return results;
+  };
+  EXPECT_EQ(without_paths(one.results()), without_paths(three.results()));
+  EXPECT_EQ(without_paths(one.results()), without_paths(scratch.results()));
+  EXPECT_FALSE(fs::exists(one.folder.path() / "store/tmp/plumbline-cells"));
+  size_t solver_runs = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(scratch.folder.path() / "store/runs"))
+    if (entry.is_regular_file() && contains(read_file(entry.path()), "trial.plain")) ++solver_runs;
+  EXPECT_EQ(solver_runs, 0u);
+}
+
+TEST(Bench, StatusSaysHowFarItIsAndRunsNothing) {
+  BenchProgram plumbline;
+  plumbline.bench_file(two);
+  Answer answer = plumbline({"bench", "b.yaml", "--status"});
+  EXPECT_THAT(answer.out, HasSubstr("0 of 16 cells"));
+  EXPECT_TRUE(plumbline.results().empty());
+  plumbline.run({"--seeds", "1-3"});
+  answer = plumbline({"bench", "b.yaml", "--status", "--out", "out/status"});
+  EXPECT_THAT(answer.out, HasSubstr("6 of 16 cells"));
+  EXPECT_EQ(answer.code, 1) << "not complete";
+  EXPECT_THAT(read_file(plumbline.work() / "out/status/bench.md"), HasSubstr("10 not run yet"));
+}
+
+TEST(Bench, ASolverFromOutsideTakesPartByItsName) {
+  BenchProgram plumbline(
+      {PLUMBLINE_STORY_PLUGIN, PLUMBLINE_TRIAL_PLUGIN, PLUMBLINE_BENCH_PLUGIN, PLUMBLINE_OUTSIDE_PLUGIN});
+  plumbline.bench_file("seeds: 1-8\nalternatives: {solver: [trial.plain, outside.solver]}\nrope: 0.01 mm\n");
+  EXPECT_EQ(plumbline.run()["failed"], 0) << plumbline.answer.err;
+  EXPECT_THAT(plumbline.summary()["verdicts"][0].get<std::string>(),
+              HasSubstr("outside.solver and trial.plain are equal within 0.01 mm"));
+  EXPECT_THAT(plumbline({"list"}).out, HasSubstr("outside.solver"));
+  EXPECT_THAT(plumbline({"schema"}).out, HasSubstr("outside.solver"));
+}
+
+TEST(Bench, ARunThatWasCutOffGoesOnWhereItWas) {
+  BenchProgram plumbline;
+  plumbline.bench_file("seeds: 1-20\nalternatives: {method: {a: {solver.with.milliseconds: 50}}}\n");
+  const pid_t process = plumbline.start({"bench", "b.yaml", "--workers", "1", "--out", "out/b"});
+  while (plumbline.results().size() < 3) usleep(5000);
+  kill(process, SIGTERM);
+  EXPECT_EQ(plumbline.finish(process).code, 130);
+  const size_t done = plumbline.results().size();
+  EXPECT_LT(done, 20u);
+  EXPECT_EQ(plumbline.run()["found"], done);
+  EXPECT_EQ(plumbline.results().size(), 20u);
+}
+
+}  // namespace
+}  // namespace plumbline::test

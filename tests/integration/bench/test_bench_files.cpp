@@ -1,0 +1,67 @@
+// Bench files that are wrong: all that is wrong at once, with its place.
+#include "bench_program.hpp"
+
+namespace plumbline::test {
+namespace {
+
+using testing::HasSubstr;
+
+Answer refused(const std::string& text) {
+  const BenchProgram plumbline;
+  plumbline.write("b.yaml", text);
+  const Answer answer = plumbline({"bench", "b.yaml"});
+  EXPECT_EQ(answer.code, 1) << answer.out << answer.err;
+  EXPECT_FALSE(std::filesystem::exists(plumbline.work() / "out"));
+  return answer;
+}
+
+TEST(BenchFile, AllThatIsWrongComesAtOnceWithItsPlace) {
+  const Answer answer = refused(
+      "bench: 1\npipeline: nowhere.yaml\nrope: 0.05\nseeds: 5-1\nmatrx: {}\n"
+      "measure: {error: rmse}\nexclude: [{scenari: x}]\nkeep: some\n");
+  for (const char* part :
+       {"b.yaml:2:11: there is no pipeline", "b.yaml:3:7: '0.05' is no length", "b.yaml:4:8: seeds are",
+        "b.yaml:5:1: a bench file has no key 'matrx' — did you mean 'matrix'?", "b.yaml:6:18: a metric is NODE.METRIC",
+        "has no key 'scenari' — did you mean 'scenario'?", "b.yaml:8:7: 'keep' is"})
+    EXPECT_THAT(answer.err, HasSubstr(part));
+}
+
+TEST(BenchFile, NoBenchFileNoYamlNoFile) {
+  EXPECT_THAT(refused("plumbline: 1\nnodes: {}\n").err, HasSubstr("the first line is 'bench: 1'"));
+  EXPECT_THAT(refused("bench: [1\n").err, HasSubstr("b.yaml:2"));
+  EXPECT_THAT(refused("- a\n- b\n").err, HasSubstr("a bench file is a map"));
+  const BenchProgram plumbline;
+  EXPECT_THAT(plumbline({"bench", "none.yaml"}).err, HasSubstr("none.yaml"));
+}
+
+TEST(BenchFile, TwiceTheSameSeedValueOrAlternative) {
+  EXPECT_THAT(refused("bench: 1\npipeline: trial.yaml\nseeds: [1-3, 2]\n").err, HasSubstr("without repetition"));
+  EXPECT_THAT(refused("bench: 1\npipeline: trial.yaml\nmatrix: {factor: [1, 1]}\n").err,
+              HasSubstr("has a value twice"));
+  EXPECT_THAT(refused("bench: 1\npipeline: trial.yaml\nalternatives: {solver: [a, a]}\n").err, HasSubstr("twice"));
+}
+
+TEST(BenchFile, AnExclusionThatNeverAppliesIsAnError) {
+  EXPECT_THAT(refused("bench: 1\npipeline: trial.yaml\nmatrix: {factor: [1, 2]}\nexclude: [{factor: 3}]\n").err,
+              HasSubstr("'factor' never is '3'"));
+}
+
+TEST(BenchFile, ACombinationThatIsNoPipelineIsAFailedCellWithItsReason) {
+  BenchProgram plumbline;
+  plumbline.bench_file("seeds: 1-2\nalternatives: {method: {a: {}, b: {solver.with.factr: 2}}}\n");
+  EXPECT_EQ(plumbline.run()["failed"], 2);
+  EXPECT_THAT(plumbline.summary()["failures"][0]["reason"].get<std::string>(), HasSubstr("'factr'"));
+}
+
+TEST(BenchFile, AMetricThatNoNodeGivesIsAFailedCell) {
+  BenchProgram plumbline;
+  plumbline.write("b.yaml", "bench: 1\npipeline: trial.yaml\nmeasure: {error: solver.rmsez}\nseeds: 1-2\n");
+  plumbline.run();
+  EXPECT_THAT(plumbline.summary()["failures"][0]["reason"].get<std::string>(), HasSubstr("no metric 'solver.rmsez'"));
+  plumbline.write("b.yaml", "bench: 1\npipeline: trial.yaml\nmeasure: {error: solvr.rmse_z}\nseeds: 1-2\n");
+  plumbline.run();
+  EXPECT_THAT(plumbline.summary()["failures"][0]["reason"].get<std::string>(), HasSubstr("has no node 'solvr'"));
+}
+
+}  // namespace
+}  // namespace plumbline::test
