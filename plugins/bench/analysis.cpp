@@ -330,15 +330,20 @@ std::vector<std::string> choices_to_make(const Bench& bench, const Analysis& ana
   for (const Group& group : bench.groups) {
     struct Standing {
       std::vector<std::string> beaten_on;
-      double most = 0;  // largest difference by which it is beaten [m]
+      double most = 0;     // largest difference by which it is beaten [m]
+      double overall = 0;  // largest over all places together [m]
       std::size_t cells = 0, failed = 0;
     };
     std::map<std::string, Standing> standings;
     for (const Duel& duel : analysis.duels) {
-      if (duel.group != group.name || !duel.refused.empty() || (duel.overall && places > 1)) continue;
+      if (duel.group != group.name || !duel.refused.empty()) continue;
       const bool first_loses = duel.errors.verdict == statistics::Verdict::second_better;
       if (!first_loses && duel.errors.verdict != statistics::Verdict::first_better) continue;
       Standing& loser = standings[first_loses ? duel.first : duel.second];
+      if (duel.overall) {
+        loser.overall = std::max(loser.overall, std::abs(duel.errors.difference.value));
+        continue;
+      }
       if (std::find(loser.beaten_on.begin(), loser.beaten_on.end(), duel.place) == loser.beaten_on.end())
         loser.beaten_on.push_back(duel.place);
       loser.most = std::max(loser.most, std::abs(duel.errors.difference.value));
@@ -354,7 +359,10 @@ std::vector<std::string> choices_to_make(const Bench& bench, const Analysis& ana
       const Standing& s = standings[name];
       if (s.cells == 0) continue;
       text += text.back() == ':' ? " " : "; ";
-      if (s.beaten_on.empty())
+      if (s.overall > 0)
+        text += name + " is beaten by " + fixed(1e3 * s.overall, 2) + " mm over all places together, and on " +
+                std::to_string(s.beaten_on.size()) + " of " + std::to_string(places) + " by itself";
+      else if (s.beaten_on.empty())
         text += name + " is beaten nowhere";
       else if (places == 1)
         text += name + " is beaten by " + fixed(1e3 * s.most, 2) + " mm";

@@ -97,7 +97,7 @@ function drawDifferences(group) {
   const lines = data.duels.filter(d => d.group === group && !d.refused && known(d.difference[1])).map(d => ({
     name: `${d.first} − ${d.second}${d.overall ? ', all places' : d.place ? ', ' + d.place : ''}`, value: mm(d.difference[0]), low: mm(d.difference[1]), high: mm(d.difference[2]),
     colour: tint[d.verdict] || 'var(--soft)', title: d.words, strong: d.overall}));
-  forest('differences', lines, 'difference of RMSE [mm]; left of zero the first is better' + (data.rope ? '; shaded: smaller than the rope' : ''), [0], data.rope ? [-mm(data.rope), mm(data.rope)] : null);
+  forest('differences', lines, 'difference of RMSE [mm]; left: the first is better' + (data.rope ? '; shaded: rope' : ''), [0], data.rope ? [-mm(data.rope), mm(data.rope)] : null);
 }
 
 function drawPairs(duel) {
