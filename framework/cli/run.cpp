@@ -42,6 +42,23 @@ void print_summary(const runtime::Graph& graph, const runtime::RunResult& result
   std::printf("  %s\n", (out / "run.jsonl").c_str());
 }
 
+/// An output named verdict.txt is what a pipeline says to the person in front of it: it is shown too.
+void print_verdict(const std::vector<runtime::Delivery>& deliveries, const fs::path& out) {
+  for (const auto& delivery : deliveries) {
+    if (delivery.file != "verdict.txt" || !delivery.problem.empty()) continue;
+    std::ifstream stream(out / delivery.file);
+    for (std::string line; std::getline(stream, line);) std::printf("%s\n", line.c_str());
+  }
+}
+
+/// A node that has a result which must not be used says so with the metric `invalid`.
+bool is_invalid(const runtime::RunResult& result) {
+  for (const auto& node : result.nodes)
+    for (const auto& metric : node.metrics)
+      if (metric.name == "invalid" && metric.value > 0) return true;
+  return false;
+}
+
 void print_json_end(const fs::path& out) {
   std::ifstream stream(out / "run.jsonl");
   std::string line, last;
@@ -122,12 +139,13 @@ int run(const Options& options) {
   if (options.json)
     print_json_end(out);
   else if (!options.quiet)
-    print_summary(graph, result, deliveries, out);
+    print_summary(graph, result, deliveries, out), print_verdict(deliveries, out);
   if (result.cancelled) {
     std::fprintf(stderr, "cancelled; what was finished is kept and the next run goes on from there\n");
     return 130;
   }
-  return result.ok() && delivered ? 0 : 1;
+  if (!result.ok() || !delivered) return 1;
+  return is_invalid(result) ? 3 : 0;
 }
 
 }  // namespace plumbline::cli

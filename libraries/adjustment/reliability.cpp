@@ -81,7 +81,11 @@ RowStatistics row_statistics(const BlockMatrices& m, const Eigen::VectorXd& whit
   row.redundancy_number = m.unwhitening.row(i) * m.residual * m.whitening.col(i);
   const double weighted = m.whitening.col(i).dot(whitened);                                  // (P v)_i
   const double cofactor = m.whitening.col(i).transpose() * m.residual * m.whitening.col(i);  // (P Qvv P)_ii
-  if (row.redundancy_number < kUncontrolled || !(cofactor > 0)) {
+  const double weight = m.whitening.col(i).squaredNorm();                                    // P_ii
+  row.controlled = std::clamp(cofactor / weight, 0.0, 1.0);
+  // Correlated rows may have a redundancy number below zero and be well controlled: the test decides by its own
+  // variance.
+  if (!(row.controlled >= kUncontrolled)) {
     row.estimated_blunder = std::numeric_limits<double>::quiet_NaN();
     row.mdb = row.bias_to_noise = row.external_effect = std::numeric_limits<double>::infinity();
     return row;
@@ -89,7 +93,7 @@ RowStatistics row_statistics(const BlockMatrices& m, const Eigen::VectorXd& whit
   row.w = weighted / std::sqrt(cofactor);
   row.estimated_blunder = -weighted / cofactor;
   row.mdb = delta0 / std::sqrt(cofactor);
-  row.bias_to_noise = delta0 * std::sqrt(std::max(0.0, 1 - row.redundancy_number) / row.redundancy_number);
+  row.bias_to_noise = delta0 * std::sqrt((1 - row.controlled) / row.controlled);
   return row;
 }
 

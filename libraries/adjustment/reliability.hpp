@@ -20,11 +20,12 @@ struct RowStatistics {
   double residual = 0;           ///< v = adjusted - observed, unit of the observation
   double sigma = 0;              ///< a priori, of the observation
   double sigma_adjusted = 0;     ///< of the adjusted observation
-  double redundancy_number = 0;  ///< 0 (uncontrolled) .. 1
+  double redundancy_number = 0;  ///< 0 (uncontrolled) .. 1; of correlated rows it may lie outside
+  double controlled = 0;         ///< (P Qvv P)_ii / P_ii, 0 .. 1: what a row's own test sees; uncorrelated: r_i
   double w = 0;                  ///< normalised residual; 0 where uncontrolled
   double estimated_blunder = 0;  ///< NaN where uncontrolled
   double mdb = 0;                ///< minimal detectable blunder; infinity where uncontrolled
-  double bias_to_noise = 0;      ///< delta0 sqrt((1 - r) / r)
+  double bias_to_noise = 0;      ///< mdb sqrt((P A Qxx A' P)_ii); uncorrelated: delta0 sqrt((1 - r) / r)
   double external_effect = 0;    ///< largest movement of a group of unknowns (a point) by a blunder of size mdb
   int external_group = -1;       ///< which group that is
 };
@@ -54,7 +55,7 @@ struct ReliabilityOptions {
   std::vector<std::vector<int>> groups;
 };
 
-/// Rows whose redundancy number is below this are taken as uncontrolled: w and blunder are numerically meaningless.
+/// Rows that are `controlled` by less than this are taken as uncontrolled: w and blunder are numerically meaningless.
 inline constexpr double kUncontrolled = 1e-6;
 
 /// `cofactors` is Qxx (n x n) of the solution.

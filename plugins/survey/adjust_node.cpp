@@ -43,7 +43,9 @@ AdjustOptions AdjustNode::options() const {
   o.alpha0 = *alpha0;
   o.power = *power;
   o.remove_blunders = *remove_blunders;
+  o.removal_alpha = *removal_alpha;
   o.largest_removed_share = *largest_removed_share;
+  for (const std::string& text : *exclude) o.exclude.push_back(parse_exclusion(text));
   o.robust_start = *robust_start;
   o.estimate_variance_components = *variance_components;
   o.scale_with_sigma0 = to_switch(*scale_with_sigma0);
@@ -68,15 +70,21 @@ void AdjustNode::run(Context& context) {
   AdjustOptions o = options();
   std::string remark;
   o.profile = chosen_profile(survey.info.instrument, remark);
-  if (!remark.empty()) context.info(remark);
+  if (!remark.empty()) context.warn(remark);
   const NetworkResult result = adjust_network(survey, o, known);
+  if (result.validity != Validity::sound) context.warn(result.verdict);
   for (const Finding& finding : result.findings)
     if (finding.severity != Finding::Severity::note) context.warn(finding.text);
   context.metric("sigma0", result.sigma0, "1");
   context.metric("degrees_of_freedom", result.degrees_of_freedom, "1");
+  context.metric("invalid", result.validity == Validity::invalid ? 1 : 0, "1");
   points.commit(to_points_artifact(result));
   SurveyNetworkT tables = to_network_artifact(result, o);
   tables.stochastic_model = stochastic_model(survey, o.profile);
+  tables.instrument = survey.info.instrument;
+  if (!survey.info.instrument_serial.empty()) tables.instrument += ", no. " + survey.info.instrument_serial;
+  tables.date = survey.info.date;
+  tables.files = survey.files;
   network.commit(tables);
 }
 

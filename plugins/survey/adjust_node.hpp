@@ -10,7 +10,7 @@
 namespace plumbline::survey {
 
 struct AdjustNode : ProfiledNode {
-  static constexpr Info info{"survey.adjust", "survey_adjuster", 1,
+  static constexpr Info info{"survey.adjust", "survey_adjuster", 2,
                              "Adjusts a survey network by least squares, with tests, reliability and full covariance"};
   List<plumbline::SurveyObservations> observations{"observations", frame("frame=?S"),
                                                    "readings of one campaign, from one or several files"};
@@ -23,10 +23,20 @@ struct AdjustNode : ProfiledNode {
   Param<double> alpha{"alpha", 0.05, "1", between(1e-6, 0.5), "error of the first kind of the global test"};
   Param<double> alpha0{"alpha0", 0.001, "1", between(1e-9, 0.5), "error of the first kind of one w-test"};
   Param<double> power{"power", 0.80, "1", between(0.5, 0.999), "power that minimal detectable blunders refer to"};
-  Param<bool> remove_blunders{"remove_blunders", false, "data snooping removes what fails; otherwise it is flagged"};
+  Param<bool> remove_blunders{"remove_blunders", false,
+                              "mistakes are mended: wrong readings removed, errors that a set-up has in common "
+                              "estimated, units and turned circles put right; otherwise they are only named"};
+  Param<double> removal_alpha{"removal_alpha", 0.003, "1", between(1e-9, 0.5),
+                              "chance that a network in which nothing is wrong loses a reading"};
+  Param<std::vector<std::string>> exclude{
+      "exclude", std::vector<std::string>{},
+      "what is left out, each with the reason that the page prints: 'point A7: knocked over', 'set-up S3: ...', "
+      "'line job.gsi:57: ...'"};
   Param<double> largest_removed_share{"largest_removed_share", 0.10, "1", between(0, 0.5),
                                       "data snooping stops when this share of the observations is removed"};
-  Param<bool> robust_start{"robust_start", false, "robust weights find the first suspects of data snooping"};
+  Param<bool> robust_start{
+      "robust_start", false,
+      "robust weights find the first suspects of data snooping; else only where it does not end clean without"};
   Param<bool> variance_components{"variance_components", false,
                                   "estimate one factor for each kind of observation with enough redundancy"};
   Param<std::string> scale_with_sigma0{

@@ -91,9 +91,17 @@ std::string tests_in_words(const Comparison& c) {
 std::string movement_in_words(const Movement& m) {
   std::ostringstream text;
   text.precision(2);
-  text << std::fixed << std::showpos << "E " << 1000 * m.movement.x() << ", N " << 1000 * m.movement.y() << ", H "
-       << 1000 * m.movement.z() << " mm" << std::noshowpos << " (sigma " << 1000 * m.sigma.x() << ", "
-       << 1000 * m.sigma.y() << ", " << 1000 * m.sigma.z() << " mm)";
+  std::string separator, sigmas;
+  for (int k = 0; k < 3; ++k) {
+    if (std::isnan(m.movement[k])) continue;  // a bench mark has a height only
+    text << separator << "ENH"[k] << " " << std::showpos << std::fixed << 1000 * m.movement[k] << std::noshowpos;
+    std::ostringstream sigma;
+    sigma.precision(2);
+    sigma << std::fixed << 1000 * m.sigma[k];
+    sigmas += separator + sigma.str();
+    separator = ", ";
+  }
+  text << " mm (sigma " << sigmas << " mm)";
   return text.str();
 }
 
@@ -116,7 +124,7 @@ ComparisonOptions options_of(double alpha, double alpha0, double power) {
 void CompareEpochsNode::run(Context& context) {
   const PointsT a = first.unpack(), b = second.unpack();
   ComparisonOptions options = options_of(*alpha, *alpha0, *power);
-  options.free_motions = merged_motions(defect_of(a), defect_of(b));
+  options.free_motions = merged_motions(defect_of(a), defect_of(b), epoch_of(a, "first"));
   if (*datum == "fixed") options.free_motions = 0;
   if (*datum == "free" && options.free_motions == 0) options.free_motions = 4;
   std::set<std::string> stations;

@@ -66,7 +66,7 @@ std::unique_ptr<NetworkObservationT> pack_row(const ResultRow& row) {
   o->mdb = s.mdb;
   o->external_effect = s.external_effect;
   o->external_point = row.external_point;
-  o->control = s.redundancy_number < 0.1 ? "uncontrolled" : s.redundancy_number < 0.3 ? "weak" : "controlled";
+  o->control = s.controlled < 0.1 ? "uncontrolled" : s.controlled < 0.3 ? "weak" : "controlled";
   o->flagged = row.flagged;
   o->removed = row.removed;
   o->sets = row.sets;
@@ -114,6 +114,10 @@ void pack_tables(const NetworkResult& r, SurveyNetworkT& n) {
     set_up->orientation = s.orientation;
     set_up->orientation_sigma = s.orientation_sigma;
     set_up->instrument_height_correction = s.instrument_height_correction;
+    set_up->instrument_height = s.instrument_height;
+    set_up->index = s.index.value, set_up->index_sigma = s.index.sigma;
+    set_up->constant = s.constant.value, set_up->constant_sigma = s.constant.sigma;
+    set_up->scale = s.scale.value, set_up->scale_sigma = s.scale.sigma;
     n.set_ups.push_back(std::move(set_up));
   }
   for (const ResultGroup& g : r.groups) {
@@ -156,7 +160,12 @@ SurveyNetworkT to_network_artifact(const NetworkResult& r, const AdjustOptions& 
   n.iterations = r.iterations;
   n.scaled_with_sigma0 = r.variance_factor != 1;
   pack_tables(r, n);
-  for (const ResultPoint& p : r.points) n.ellipsoids.push_back(ellipsoid_artifact(p.id, r.covariance(p, p)));
+  static const char* const validities[] = {"sound", "doubtful", "invalid"};
+  n.validity = validities[static_cast<int>(r.validity)];
+  n.verdict = r.verdict;
+  n.left_out = r.left_out;
+  if (r.validity != Validity::invalid)  // what is no result has no precision
+    for (const ResultPoint& p : r.points) n.ellipsoids.push_back(ellipsoid_artifact(p.id, r.covariance(p, p)));
   return n;
 }
 

@@ -2,9 +2,10 @@
 #include "compare_node.hpp"
 #include "file_axes_node.hpp"
 #include "plan_node.hpp"
+#include "simulate_node.hpp"
 #include "tables_node.hpp"
 
 using namespace plumbline::survey;
 
 PLUMBLINE_PLUGIN("survey", "0.1.0", "MIT", AdjustNode, CompareEpochsNode, CheckControlNode, FileAxesNode, PlanNode,
-                 TablesNode)
+                 SimulateSurveyNode, TablesNode)

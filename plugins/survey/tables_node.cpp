@@ -1,15 +1,17 @@
 #include "tables_node.hpp"
 
+#include "point_files.hpp"
 #include "tables.hpp"
+#include "verdict_text.hpp"
 
 namespace plumbline::survey {
 
 namespace {
 
-FileT csv(const char* name, const std::string& text) {
+FileT file_of(const char* name, const char* media_type, const std::string& text) {
   FileT file;
   file.name = name;
-  file.media_type = "text/csv";
+  file.media_type = media_type;
   file.content.assign(text.begin(), text.end());
   return file;
 }
@@ -20,8 +22,12 @@ void TablesNode::run(Context&) {
   const PointsT all = points.unpack();
   const SurveyNetworkT result = network.unpack();
   const TableFormat format = *decimal == "comma" ? TableFormat{',', ';'} : TableFormat{};
-  coordinates.commit(csv("coordinates.csv", coordinate_table(result, all, format)));
-  relative.commit(csv("relative.csv", relative_table(result, all, *pairs, static_cast<int>(*neighbours), format)));
+  coordinates.commit(file_of("coordinates.csv", "text/csv", coordinate_table(result, all, format)));
+  relative.commit(
+      file_of("relative.csv", "text/csv", relative_table(result, all, *pairs, static_cast<int>(*neighbours), format)));
+  verdict.commit(file_of("verdict.txt", "text/plain", verdict_text(result)));
+  blocks.commit(file_of("points.json", "application/json", points_as_json(all)));
+  covariance.commit(file_of("covariance.npy", "application/octet-stream", covariance_as_npy(all, *full_covariance)));
 }
 
 }  // namespace plumbline::survey

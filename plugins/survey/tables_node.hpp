@@ -9,7 +9,7 @@
 namespace plumbline::survey {
 
 struct TablesNode : Node {
-  static constexpr Info info{"survey.tables", "", 1,
+  static constexpr Info info{"survey.tables", "", 2,
                              "Writes adjusted coordinates, and what neighbouring markers are known relative to each "
                              "other, as CSV for a spreadsheet"};
   In<Points> points{"points", frame("frame=?S"), "the adjusted points in E, N, H, with covariance"};
@@ -22,7 +22,14 @@ struct TablesNode : Node {
   Param<std::string> decimal{"decimal", "point", one_of("point", "comma"),
                              "decimal separator; with a comma the cells are separated by semicolons"};
   Out<File> coordinates{"coordinates", "one row a point: coordinates, standard deviations, 95 % ellipse"};
+  Param<bool> full_covariance{
+      "full_covariance", false,
+      "`covariance` holds the whole covariance of all points; otherwise nothing but its header"};
   Out<File> relative{"relative", "one row a pair of points: difference, its covariance, 95 % relative ellipse"};
+  Out<File> verdict{"verdict", "the verdict, the worst five readings and what to measure again, as text"};
+  Out<File> blocks{"blocks", "every point with its 3 x 3 covariance, as JSON"};
+  Out<File> covariance{"covariance",
+                       "the 3n x 3n covariance [m^2] of all points in the order of `blocks`, as NumPy .npy"};
   void run(Context& context) override;
 };
 

@@ -1,6 +1,11 @@
 #include "survey/adjust/adjust_network.hpp"
 
+#include <algorithm>
+#include <set>
+
 #include "survey/adjust/adjuster.hpp"
+#include "survey/adjust/exclusions.hpp"
+#include "survey/doctor/network_words.hpp"
 
 namespace plumbline::survey {
 
@@ -12,7 +17,7 @@ NetworkResult Adjuster::run() {
   if (options_.remove_blunders) snoop(pass);
   if (options_.estimate_variance_components) {
     estimate_variance_components(pass);
-    if (options_.remove_blunders) snoop(pass);
+    if (options_.remove_blunders) mend(pass);
   }
   return report(pass);
 }
@@ -42,7 +47,9 @@ Pass Adjuster::adjust(bool statistics) {
 void Adjuster::fail_with(const std::vector<Finding>& defects, const std::string& advice) {
   std::string text = "rank defect: the network is not determined";
   for (const Finding& f : defects) text += "; " + f.text;
-  throw NetworkError(text + advice, defects);
+  std::set<std::string> points;
+  for (const Finding& f : defects) points.insert(f.points.begin(), f.points.end());
+  throw NetworkError(text + advice, defects, {points.begin(), points.end()});
 }
 
 void Adjuster::refuse_local_defects(const NetworkProblem& problem, const Solution& solution) const {
@@ -86,10 +93,66 @@ void Adjuster::doubt(const Solution& solution) const {
       "by too few points in common; give approximate coordinates of its set-ups");
 }
 
+namespace {
+
+/// Points that observations touch.
+size_t points_of(const SurveyObservations& survey) {
+  std::set<std::string> ids;
+  for (const Observation& o : survey.observations) ids.insert({o.from, o.to});
+  return ids.size();
+}
+
+/// What is not determined may be left out where it is little beside the rest: a marker sighted once, a set-up that
+/// hangs in the air. If it is much, something else is missing, and the user is to say what.
+bool may_be_left_out(const std::vector<std::string>& points, size_t all, const AdjustOptions& options,
+                     const ControlPoints& control) {
+  constexpr size_t kShare = 3;
+  if (points.empty() || kShare * points.size() > all) return false;
+  const auto wanted = [&](const std::string& id) {
+    return std::find(control.ids.begin(), control.ids.end(), id) != control.ids.end() ||
+           std::find(options.datum_points.begin(), options.datum_points.end(), id) != options.datum_points.end();
+  };
+  return std::none_of(points.begin(), points.end(), wanted);
+}
+
+/// Where set-ups contradict each other, that is the cause, and what the solver says of it a consequence.
+[[noreturn]] void fail_with_cause(const NetworkModel& model, const NetworkError& error) {
+  for (const Finding& f : model.findings)
+    if (model.contradicted && f.severity != Finding::Severity::note) {
+      std::vector<Finding> findings = {f};
+      findings.insert(findings.end(), error.findings.begin(), error.findings.end());
+      throw NetworkError(f.text + "; mend that first. As it is, " + error.what(), findings);
+    }
+  throw error;
+}
+
+}  // namespace
+
 NetworkResult adjust_network(const SurveyObservations& survey, const AdjustOptions& options,
                              const ControlPoints& control) {
-  NetworkModel model = make_model(survey, options, control);
-  return Adjuster(model, options).run();
+  std::vector<Finding> said;
+  SurveyObservations rest = without_excluded(survey, options.exclude, said);
+  const size_t all = points_of(rest);
+  std::vector<std::string> left_out;
+  for (;;) {
+    NetworkModel model;
+    try {
+      model = make_model(rest, options, control);
+      NetworkResult result = Adjuster(model, options).run();
+      result.left_out = left_out;
+      result.findings.insert(result.findings.begin(), said.begin(), said.end());
+      return result;
+    } catch (const NetworkError& error) {
+      std::vector<std::string> now = left_out;
+      now.insert(now.end(), error.undetermined.begin(), error.undetermined.end());
+      if (error.undetermined.empty() || !may_be_left_out(now, all, options, control)) fail_with_cause(model, error);
+      said.push_back({Finding::Severity::warning,
+                      "left out, the rest is adjusted: " + join(error.undetermined) + ". " + error.what(),
+                      error.undetermined});
+      left_out = now;
+      rest = without_points(rest, error.undetermined);
+    }
+  }
 }
 
 }  // namespace plumbline::survey

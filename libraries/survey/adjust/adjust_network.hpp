@@ -26,6 +26,16 @@ enum class DatumMode {
 
 enum class Switch { automatic, off, on };
 
+/// What the user wants left out, and why; printed with the result.
+struct ExcludedItem {
+  enum class Kind { point, set_up, line } kind = Kind::point;
+  std::string what;  ///< name of the point or set-up; "file:line" or "line" of a reading
+  std::string reason;
+};
+/// "point A7: knocked over", "set-up S3: on a moving slab", "line job.gsi:57: read twice". Throws std::invalid_argument
+/// that says what was expected.
+ExcludedItem parse_exclusion(const std::string& text);
+
 struct AdjustOptions {
   InstrumentProfile profile;
   DatumMode datum = DatumMode::automatic;
@@ -33,9 +43,14 @@ struct AdjustOptions {
   double alpha = 0.05;                    ///< global test
   double alpha0 = 0.001;                  ///< w-tests
   double power = 0.80;                    ///< for MDBs
-  bool remove_blunders = false;           ///< data snooping takes observations out; otherwise it only flags
+  /// Mistakes are mended: wrong readings are taken out, errors that a set-up has in common estimated, units and turned
+  /// circles put right. Otherwise they are only named.
+  bool remove_blunders = false;
+  double removal_alpha = 0.003;  ///< chance that a sound network loses a reading, over all its tests (Sidak)
   double largest_removed_share = 0.10;
-  bool robust_start = false;  ///< Huber weights find the start of data snooping
+  bool robust_start =
+      false;  ///< Huber weights find the start of data snooping; else only where it ends unclean without
+  std::vector<ExcludedItem> exclude;
   bool estimate_variance_components = false;
   Switch scale_with_sigma0 = Switch::automatic;  ///< automatic: as the file asks
   Switch curvature =
@@ -66,9 +81,11 @@ struct Finding {
 /// The network cannot be adjusted; what() says why in words, `findings` in detail.
 class NetworkError : public std::runtime_error {
  public:
-  explicit NetworkError(const std::string& message, std::vector<Finding> what_was_found = {})
-      : std::runtime_error(message), findings(std::move(what_was_found)) {}
+  explicit NetworkError(const std::string& message, std::vector<Finding> what_was_found = {},
+                        std::vector<std::string> points = {})
+      : std::runtime_error(message), findings(std::move(what_was_found)), undetermined(std::move(points)) {}
   std::vector<Finding> findings;
+  std::vector<std::string> undetermined;  ///< points without which the rest might be adjusted; may be empty
 };
 
 /// One scalar of the adjustment: a mean observation, or a component of observed coordinates, vectors, local
@@ -92,10 +109,20 @@ struct ResultPoint {
   std::array<CoordinateRole, 3> roles = {};
 };
 
+/// An error that the readings of a set-up may have in common, as the network would estimate it.
+struct CommonEstimate {
+  double value = kNotGiven, sigma = kNotGiven;  ///< NaN: the network cannot tell it from its unknowns
+};
+
 struct ResultSetUp {
   std::string id, station;
   double orientation = kNotGiven, orientation_sigma = kNotGiven;  ///< [rad]
-  double instrument_height_correction = kNotGiven;                ///< [m]
+  double instrument_height = kNotGiven;                           ///< as noted [m]
+  double instrument_height_correction = kNotGiven;                ///< [m]; NaN: not estimated, or it cannot be
+  Eigen::Vector2d tilt = Eigen::Vector2d::Constant(kNotGiven);    ///< about E and N [rad]; NaN likewise
+  CommonEstimate index;                                           ///< of the zenith angles [rad]
+  CommonEstimate constant;                                        ///< of the distances [m]
+  CommonEstimate scale;                                           ///< of the distances [1]
 };
 
 struct ResultParameter {
@@ -124,7 +151,17 @@ struct SnoopingAction {
   int degrees_of_freedom = 0;
 };
 
+/// Whether the coordinates may be used.
+enum class Validity {
+  sound,     ///< every test passes, or nothing can be tested
+  doubtful,  ///< tests fail; the coordinates are those of the readings as they are
+  invalid    ///< mistakes are left that bend the network: its coordinates and ellipses are not a result
+};
+
 struct NetworkResult {
+  Validity validity = Validity::sound;
+  std::string verdict;                ///< one sentence: may it be used, and why not
+  std::vector<std::string> left_out;  ///< points that the observations do not determine
   std::vector<ResultPoint> points;
   std::vector<ResultSetUp> set_ups;
   std::vector<ResultRow> rows;

@@ -5,6 +5,7 @@
 
 #include <set>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -22,8 +23,9 @@ struct Pass {
 
 /// An error that many observations have in common, as the hypothesis that explains most of the misfit.
 struct CommonError {
-  enum class Kind { constant, scale, index, height } kind = Kind::constant;
-  std::string set_up;    ///< empty: all set-ups
+  enum class Kind { constant, scale, index, height, circle } kind = Kind::constant;
+  int set_up = -1;       ///< -1: all set-ups
+  int first = -1;        ///< circle: row of the first direction after it was turned
   int observations = 0;  ///< that share it; 0: no such error
   double w = 0;          ///< of the test, standard normal
   double size = 0;       ///< by which the observations are too large: [m], [1] or [rad]
@@ -34,6 +36,7 @@ class Adjuster {
  public:
   Adjuster(NetworkModel& model, const AdjustOptions& options) : m_(model), options_(options) {
     state_.removed.assign(m_.rows.size(), 0);
+    find_set_ups_of_rows();
   }
   NetworkResult run();
 
@@ -49,15 +52,33 @@ class Adjuster {
   void doubt(const adjustment::Solution& solution) const;
   [[noreturn]] void fail_to_converge(const NetworkProblem& problem, const adjustment::Solution& solution) const;
   double critical_w() const;
+  /// Of removals and diagnoses: over all tests of the network together they err with probability removal_alpha.
+  double critical_removal() const;
 
   /// Baarda's iterated data snooping: the worst goes, the rest is adjusted again, what was removed is tested again.
   void snoop(Pass& pass);
   int worst_row(const Pass& pass, const std::set<int>& kept) const;
   std::pair<double, double> row_test(const Pass& pass, int row) const;
 
-  /// The common error that explains more of the misfit than any single observation does; none: 0 observations.
+  /// Takes out what the check of the set-ups holds for wrong, and lets back in what proves innocent.
+  void set_aside(Pass& pass);
+  /// Iterates until no test fails: the hypothesis that explains most, one reading or an error in common, is mended.
+  void mend(Pass& pass);
+  bool remove_worst(Pass& pass, int worst, std::set<int>& kept, std::set<int>& restored);
+  /// Makes an unknown of the error, or a set-up of its own of the sights after the circle was turned.
+  bool estimate(Pass& pass, const CommonError& error);
+  void split_set_up(const CommonError& error);
+  bool clean(const Pass& pass) const;
+  int removed() const;
+  void find_set_ups_of_rows();
+
+  /// The plausible common error that explains more of the misfit than any single observation does; none: 0
+  /// observations.
   CommonError largest_common_error(const Pass& pass) const;
+  std::vector<CommonError> common_errors(const Pass& pass) const;
+  void add_circle_errors(const Pass& pass, std::vector<CommonError>& errors) const;
   CommonError test_common_error(const Pass& pass, const std::vector<std::pair<int, double>>& rows) const;
+  std::string describe(const CommonError& error) const;
   /// Coefficient of an instrument height noted too large: minus the derivative of the observation by that height.
   double effect_of_instrument_height(const Pass& pass, int row) const;
   void report_common_error(const Pass& pass, NetworkResult& result) const;
@@ -82,6 +103,7 @@ class Adjuster {
   /// Förstner's iterated estimate; a group changes only if it has enough redundancy to say something.
   void estimate_variance_components(Pass& pass);
   NetworkResult report(Pass& pass);
+  void report_common_estimates(const Pass& pass, const std::vector<CommonError>& common, NetworkResult& result) const;
   void report_points(const Pass& pass, NetworkResult& result) const;
   void report_set_ups(const Pass& pass, NetworkResult& result) const;
   void report_rows(const Pass& pass, NetworkResult& result) const;
@@ -91,6 +113,8 @@ class Adjuster {
   const AdjustOptions& options_;
   StochasticState state_;
   std::vector<SnoopingAction> actions_;
+  std::vector<int> set_up_of_row_;                             ///< number; -1: none
+  std::set<std::tuple<CommonError::Kind, int, int>> refused_;  ///< common errors that could not be estimated after all
 };
 
 }  // namespace plumbline::survey

@@ -29,18 +29,43 @@ void Adjuster::report_set_ups(const Pass& pass, NetworkResult& result) const {
     const int u = pass.solution.unknowns(block, 0);
     return std::sqrt(result.cofactors(u, u));
   };
+  // An unknown whose standard deviation is still that of its prior was not estimated, and is not shown as if it were.
+  const auto is_told = [&](int block, double prior) {
+    return sigma(block) < 0.98 * prior * std::sqrt(result.variance_factor);
+  };
+  const auto prior_of = [&](const std::string& name) {
+    return name == "scale"               ? options_.scale_sigma
+           : name == "additive constant" ? options_.additive_constant_sigma
+           : name == "vertical index"    ? options_.vertical_index_sigma
+                                         : options_.refraction_sigma;
+  };
   for (size_t i = 0; i < m_.survey.set_ups.size(); ++i) {
-    ResultSetUp set_up{m_.survey.set_ups[i].id, m_.survey.set_ups[i].station};
+    ResultSetUp set_up;
+    set_up.id = m_.survey.set_ups[i].id, set_up.station = m_.survey.set_ups[i].station;
     if (const int block = pass.problem.orientation_blocks[i]; block >= 0) {
       set_up.orientation = wrap_angle(pass.problem.problem.parameters[block].value[0]);
       set_up.orientation_sigma = sigma(block);
     }
-    if (const int block = pass.problem.height_correction_blocks[i]; block >= 0)
+    set_up.instrument_height = m_.survey.set_ups[i].instrument_height;
+    if (const int block = pass.problem.height_correction_blocks[i];
+        block >= 0 && is_told(block, options_.instrument_height_sigma))
       set_up.instrument_height_correction = pass.problem.problem.parameters[block].value[0];
+    if (const int block = pass.problem.tilt_blocks[i]; block >= 0 && is_told(block, options_.tilt_sigma))
+      for (Eigen::Index k = 0; k < 2; ++k)
+        set_up.tilt[k] = pass.problem.problem.parameters[block].value[static_cast<size_t>(k)];
     result.set_ups.push_back(std::move(set_up));
   }
-  for (const auto& [name, block] : pass.problem.common_blocks)
-    result.parameters.push_back({name, pass.problem.problem.parameters[block].value[0], sigma(block)});
+  for (const auto& [name, block] : pass.problem.common_blocks) {
+    if (is_told(block, prior_of(name)))
+      result.parameters.push_back({name, pass.problem.problem.parameters[block].value[0], sigma(block)});
+    else
+      m_.findings.push_back({Finding::Severity::note,
+                             name + " cannot be told from these observations: it stays what was assumed before",
+                             {}});
+  }
+  for (const int block : pass.problem.extra_blocks)
+    result.parameters.push_back(
+        {pass.problem.problem.parameters[block].name, pass.problem.problem.parameters[block].value[0], sigma(block)});
 }
 
 void Adjuster::report_rows(const Pass& pass, NetworkResult& result) const {
@@ -118,14 +143,17 @@ NetworkResult Adjuster::report(Pass& pass) {
     if (components[g].rows > 0) result.groups.push_back({kGroupNames[g], state_.sigma_factors[g], components[g]});
   report_rows(pass, result);
   report_common_error(pass, result);
+  const std::vector<CommonError> common = common_errors(pass);
   result.cofactors = std::move(pass.cofactors);
   if (result.variance_factor != 1) result.cofactors *= result.variance_factor;
   report_points(pass, result);
   report_set_ups(pass, result);
+  report_common_estimates(pass, common, result);
   report_pointings(pass, result);
   result.findings.insert(result.findings.begin(), m_.findings.begin(), m_.findings.end());
   const std::vector<Finding> examined = examine(m_, options_, result);
   result.findings.insert(result.findings.end(), examined.begin(), examined.end());
+  judge(m_, critical_removal(), result);
   return result;
 }
 

@@ -9,34 +9,105 @@ namespace plumbline::survey {
 
 double Adjuster::critical_w() const { return normal_quantile(1 - 0.5 * options_.alpha0); }
 
+double Adjuster::critical_removal() const {
+  const auto tests = static_cast<double>(m_.rows.size() + 5 * m_.survey.set_ups.size());
+  const double one = -std::expm1(std::log1p(-options_.removal_alpha) / std::max(1.0, tests));
+  return std::max(critical_w(), normal_quantile(1 - 0.5 * one));
+}
+
+int Adjuster::removed() const { return static_cast<int>(std::count(state_.removed.begin(), state_.removed.end(), 1)); }
+
+bool Adjuster::clean(const Pass& pass) const {
+  constexpr double kClearly = 0.001;
+  return worst_row(pass, {}) < 0 &&
+         adjustment::global_test(pass.solution.sum_of_squares(), pass.solution.degrees_of_freedom(), kClearly)
+                 .verdict != adjustment::GlobalTest::Verdict::high;
+}
+
 void Adjuster::snoop(Pass& pass) {
+  set_aside(pass);
+  const NetworkModel model = m_;
+  const StochasticState before = state_;
+  const std::vector<SnoopingAction> actions = actions_;
+  mend(pass);
+  if (clean(pass) || options_.robust_start) return;
+  // Blunders may mask each other: once more, with the suspects of a robust adjustment out from the start.
+  const NetworkModel mended = m_;
+  const StochasticState after = state_;
+  const std::vector<SnoopingAction> taken = actions_;
+  m_ = model, state_ = before, actions_ = actions;
+  find_set_ups_of_rows();
+  try {
+    remove_by_robust_weights();
+    Pass other = adjust();
+    mend(other);
+    if (clean(other)) {
+      pass = std::move(other);
+      return;
+    }
+  } catch (const NetworkError&) {  // the first attempt stands
+  }
+  m_ = mended, state_ = after, actions_ = taken;
+  find_set_ups_of_rows();
+}
+
+void Adjuster::set_aside(Pass& pass) {
+  std::vector<int> rows;
+  for (const int row : m_.set_aside)
+    if (m_.rows[static_cast<size_t>(row)].removable && !m_.dropped[static_cast<size_t>(row)]) rows.push_back(row);
+  if (rows.empty()) return;
+  for (const int row : rows) state_.removed[row] = 1;
+  try {
+    Pass without = adjust();
+    pass = std::move(without);
+  } catch (const NetworkError&) {  // they carry the network: it is told of, and the tests decide
+    for (const int row : rows) state_.removed[row] = 0;
+    return;
+  }
+  for (const int row : rows) {
+    const auto test = removed_statistics(pass, row);
+    log_action(row, false, test.w, test.estimated_blunder, pass);
+  }
+  std::set<int> restored;
+  restore_innocent(pass, restored);
+}
+
+void Adjuster::mend(Pass& pass) {
   const int most = std::max(1, static_cast<int>(options_.largest_removed_share * static_cast<double>(m_.rows.size())));
   std::set<int> kept;      // removal would have left a point uncontrolled
   std::set<int> restored;  // came back once already
-  while (static_cast<int>(std::count(state_.removed.begin(), state_.removed.end(), 1)) < most) {
-    const int worst = worst_row(pass, kept);
-    if (worst < 0) break;
-    if (largest_common_error(pass).observations > 0) break;  // it would be mended by removing innocent observations
-    const auto [w, blunder] = row_test(pass, worst);
-    state_.removed[worst] = 1;
-    try {
-      Pass next = adjust();
-      if (makes_uncontrolled(pass, next)) throw NetworkError("uncontrolled");
-      pass = std::move(next);
-    } catch (const NetworkError&) {
-      state_.removed[worst] = 0;
-      kept.insert(worst);
-      note_kept(worst, w);
+  for (;;) {
+    if (const CommonError error = largest_common_error(pass); error.observations > 0) {
+      if (!estimate(pass, error)) refused_.insert({error.kind, error.set_up, error.first});
       continue;
     }
-    log_action(worst, false, w, blunder, pass);
-    restore_innocent(pass, restored);
+    const int worst = worst_row(pass, kept);
+    if (worst < 0 || removed() >= most) return;
+    remove_worst(pass, worst, kept, restored);
   }
+}
+
+bool Adjuster::remove_worst(Pass& pass, int worst, std::set<int>& kept, std::set<int>& restored) {
+  const auto [w, blunder] = row_test(pass, worst);
+  state_.removed[worst] = 1;
+  try {
+    Pass next = adjust();
+    if (makes_uncontrolled(pass, next)) throw NetworkError("uncontrolled");
+    pass = std::move(next);
+  } catch (const NetworkError&) {
+    state_.removed[worst] = 0;
+    kept.insert(worst);
+    note_kept(worst, w);
+    return false;
+  }
+  log_action(worst, false, w, blunder, pass);
+  restore_innocent(pass, restored);
+  return true;
 }
 
 int Adjuster::worst_row(const Pass& pass, const std::set<int>& kept) const {
   int worst = -1;
-  double largest = critical_w();
+  double largest = critical_removal();
   for (size_t r = 0; r < pass.problem.rows.size(); ++r) {
     const int row = pass.problem.rows[r];
     if (row < 0 || !m_.rows[row].removable || kept.contains(row)) continue;
@@ -63,7 +134,7 @@ std::set<std::string> Adjuster::controlled_points(const Pass& pass) const {
   std::set<std::string> points;
   for (size_t r = 0; r < pass.problem.rows.size(); ++r) {
     const int row = pass.problem.rows[r];
-    if (row < 0 || pass.reliability.rows[r].redundancy_number < 0.01) continue;
+    if (row < 0 || pass.reliability.rows[r].controlled < 0.01) continue;
     for (const std::string& id : {m_.rows[row].from, m_.rows[row].to})
       if (!id.empty() && is_unknown(id)) points.insert(id);
   }
@@ -92,7 +163,7 @@ void Adjuster::restore_innocent(Pass& pass, std::set<int>& restored) {
   for (int row = 0; row < static_cast<int>(m_.observations.size()); ++row) {
     if (!state_.removed[row] || restored.contains(row)) continue;
     const adjustment::RowStatistics test = removed_statistics(pass, row);
-    if (std::abs(test.w) > critical_w()) continue;
+    if (std::abs(test.w) > critical_removal()) continue;
     restored.insert(row);
     state_.removed[row] = 0;
     pass = adjust();
@@ -124,7 +195,7 @@ adjustment::RowStatistics Adjuster::removed_statistics(const Pass& pass, int row
   const double network = a.dot(pass.cofactors * a);
   const double total = std::sqrt(result.sigma * result.sigma + network);
   result.sigma_adjusted = std::sqrt(network);
-  result.redundancy_number = result.sigma * result.sigma / (total * total);
+  result.redundancy_number = result.controlled = result.sigma * result.sigma / (total * total);
   result.w = result.residual / total;
   result.estimated_blunder = -result.residual;
   const double delta0 = adjustment::non_centrality(options_.alpha0, options_.power);
@@ -150,10 +221,13 @@ void Adjuster::remove_by_robust_weights() {
   const auto most = static_cast<size_t>(options_.largest_removed_share * static_cast<double>(m_.rows.size()));
   std::vector<std::pair<double, int>> suspects;
   for (size_t row = 0; row < state_.weight_factors.size(); ++row)
-    if (state_.weight_factors[row] < kHuber / 6.0) suspects.emplace_back(state_.weight_factors[row], row);
+    if (!state_.removed[row] && state_.weight_factors[row] < kHuber / 6.0)
+      suspects.emplace_back(state_.weight_factors[row], row);
   std::sort(suspects.begin(), suspects.end());
   if (suspects.size() > most) suspects.resize(most);
   state_.weight_factors.clear();
+  const std::vector<char> before = state_.removed;
+  const std::vector<SnoopingAction> actions = actions_;
   for (const auto& [weight, row] : suspects) state_.removed[row] = 1;
   if (suspects.empty()) return;
   try {
@@ -165,8 +239,8 @@ void Adjuster::remove_by_robust_weights() {
     }
     restore_innocent(clean, restored);
   } catch (const NetworkError&) {  // too much at once: plain data snooping decides one by one
-    std::fill(state_.removed.begin(), state_.removed.end(), 0);
-    actions_.clear();
+    state_.removed = before;
+    actions_ = actions;
   }
 }
 

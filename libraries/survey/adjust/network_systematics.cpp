@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <set>
 
 #include "survey/adjust/adjuster.hpp"
 #include "survey/doctor/network_words.hpp"
@@ -27,8 +28,28 @@ const char* known_difference(double millimetres, double sigma) {
   return "";
 }
 
-std::string describe(const CommonError& e) {
-  const std::string owner = e.set_up.empty() ? "" : " of set-up " + e.set_up;
+/// What the mistakes of the field can amount to: prism constants, settings of ppm, indices, heights read off a tape.
+/// What is larger is another mistake, or none of these.
+double largest_plausible(CommonError::Kind kind) {
+  switch (kind) {
+    case CommonError::Kind::constant:
+      return 0.1;  // [m]
+    case CommonError::Kind::scale:
+      return 1e-3;
+    case CommonError::Kind::index:
+      return 0.016;  // [rad], 1 gon
+    case CommonError::Kind::height:
+      return 2.0;  // [m]
+    case CommonError::Kind::circle:
+      return std::numbers::pi;
+  }
+  return 0;
+}
+
+}  // namespace
+
+std::string Adjuster::describe(const CommonError& e) const {
+  const std::string owner = e.set_up < 0 ? "" : " of set-up " + m_.survey.set_ups[static_cast<size_t>(e.set_up)].id;
   const std::string all = "all " + std::to_string(e.observations) + " ";
   std::string text;
   switch (e.kind) {
@@ -49,12 +70,16 @@ std::string describe(const CommonError& e) {
       text = "the instrument height" + owner + " looks too " + (e.size > 0 ? "large" : "small") + " by " +
              fixed_digits(std::abs(e.size) * 1000, 1) + " mm: check it, and the point the instrument stood on";
       break;
+    case CommonError::Kind::circle: {
+      const std::string at = place(m_.rows[static_cast<size_t>(e.first)].source);
+      text = "the circle" + owner + " looks turned by " + fixed_digits(e.size * 200000 / std::numbers::pi, 1) +
+             " mgon before " + m_.rows[static_cast<size_t>(e.first)].to + " was sighted" +
+             (at.empty() ? "" : " (" + at + ")");
+      break;
+    }
   }
-  return text + " (w = " + fixed_digits(e.w, 1) +
-         "). This explains the misfit better than any single observation; mend it first, others may follow from it";
+  return text + " (w = " + fixed_digits(e.w, 1) + ")";
 }
-
-}  // namespace
 
 /// One hypothesis: `rows` of the problem, each with its coefficient c.
 CommonError Adjuster::test_common_error(const Pass& pass, const std::vector<std::pair<int, double>>& rows) const {
@@ -87,7 +112,9 @@ CommonError Adjuster::test_common_error(const Pass& pass, const std::vector<std:
   CommonError result;
   result.observations = static_cast<int>(rows.size());
   const double information = own - network;
-  if (!(information > 1e-6 * own)) return result;  // the network cannot tell this error from its unknowns
+  // The network cannot tell this error from its unknowns: a scale in a free network, the height of a free station. What
+  // is left of it there is noise of linearisation and of weak ties.
+  if (!(information > 1e-3 * own)) return result;
   result.w = numerator / std::sqrt(information);
   result.size = -numerator / information;
   result.sigma = 1 / std::sqrt(information);
@@ -106,19 +133,23 @@ double Adjuster::effect_of_instrument_height(const Pass& pass, int row) const {
   return o.kind == "zenith_angle" ? -h / (s * s) : o.kind == "slope_distance" ? d.z() / s : 0;
 }
 
-CommonError Adjuster::largest_common_error(const Pass& pass) const {
+void Adjuster::find_set_ups_of_rows() {
+  set_up_of_row_.assign(m_.rows.size(), -1);
+  for (size_t row = 0; row < m_.observations.size(); ++row)
+    set_up_of_row_[row] = m_.observations[row].observation.set_up;
+}
+
+std::vector<CommonError> Adjuster::common_errors(const Pass& pass) const {
   using Kind = CommonError::Kind;
-  std::map<std::pair<Kind, std::string>, std::vector<std::pair<int, double>>> hypotheses;  // set-up "": all
-  double single = critical_w();
+  std::map<std::pair<Kind, int>, std::vector<std::pair<int, double>>> hypotheses;  // set-up -1: all
   for (int r = 0; r < static_cast<int>(pass.problem.rows.size()); ++r) {
     const int row = pass.problem.rows[r];
     if (row < 0) continue;
-    single = std::max(single, std::abs(pass.reliability.rows[r].w));
     const ResultRow& o = m_.rows[row];
     const bool distance = is_distance(o.kind);
-    if (!o.removable || (!distance && o.kind != "zenith_angle")) continue;
-    const std::string& own = o.set_up.empty() ? o.from : o.set_up;
-    for (const std::string& set_up : {std::string(), own}) {
+    const int own = set_up_of_row_[static_cast<size_t>(row)];
+    if (!o.removable || own < 0 || (!distance && o.kind != "zenith_angle")) continue;
+    for (const int set_up : {-1, own}) {
       if (distance) hypotheses[{Kind::constant, set_up}].emplace_back(r, 1.0);
       if (distance) hypotheses[{Kind::scale, set_up}].emplace_back(r, o.value);
       if (!distance) hypotheses[{Kind::index, set_up}].emplace_back(r, 1.0);
@@ -126,22 +157,146 @@ CommonError Adjuster::largest_common_error(const Pass& pass) const {
     if (o.kind != "horizontal_distance")
       hypotheses[{Kind::height, own}].emplace_back(r, effect_of_instrument_height(pass, row));
   }
-  CommonError worst;
+  std::vector<CommonError> errors;
   for (const auto& [hypothesis, rows] : hypotheses) {
     if (rows.size() < 3) continue;
     CommonError error = test_common_error(pass, rows);
     error.kind = hypothesis.first, error.set_up = hypothesis.second;
+    errors.push_back(error);
+  }
+  return errors;
+}
+
+/// A step in the directions of a set-up, in the order they were read. Many tests, so only where a direction fails.
+void Adjuster::add_circle_errors(const Pass& pass, std::vector<CommonError>& errors) const {
+  constexpr size_t kFewest = 3;                                // on either side: fewer are as well wrong one by one
+  std::map<int, std::vector<std::pair<int, int>>> directions;  // set-up -> first reading, row of the problem
+  std::set<int> failing;
+  for (int r = 0; r < static_cast<int>(pass.problem.rows.size()); ++r) {
+    const int row = pass.problem.rows[r];
+    if (row < 0 || m_.rows[row].kind != "direction" || !m_.rows[row].removable) continue;
+    const int set_up = set_up_of_row_[static_cast<size_t>(row)];
+    directions[set_up].emplace_back(m_.observations[static_cast<size_t>(row)].members.front(), r);
+    if (std::abs(pass.reliability.rows[static_cast<size_t>(r)].w) > critical_w()) failing.insert(set_up);
+  }
+  for (const int set_up : failing) {
+    auto& list = directions.at(set_up);
+    std::sort(list.begin(), list.end());
+    for (size_t k = kFewest; k + kFewest <= list.size(); ++k) {
+      std::vector<std::pair<int, double>> rows;
+      for (size_t i = k; i < list.size(); ++i) rows.emplace_back(list[i].second, 1.0);
+      std::sort(rows.begin(), rows.end());
+      CommonError error = test_common_error(pass, rows);
+      error.kind = CommonError::Kind::circle, error.set_up = set_up;
+      error.first = pass.problem.rows[static_cast<size_t>(list[k].second)];
+      errors.push_back(error);
+    }
+  }
+}
+
+CommonError Adjuster::largest_common_error(const Pass& pass) const {
+  double single = critical_removal();
+  for (size_t r = 0; r < pass.problem.rows.size(); ++r)
+    if (pass.problem.rows[r] >= 0) single = std::max(single, std::abs(pass.reliability.rows[r].w));
+  std::vector<CommonError> errors = common_errors(pass);
+  add_circle_errors(pass, errors);
+  CommonError worst;
+  for (const CommonError& error : errors) {
+    if (std::abs(error.size) > largest_plausible(error.kind) ||
+        refused_.contains({error.kind, error.set_up, error.first}))
+      continue;
     // Sights of similar length cannot tell a constant from a scale: then the constant is the usual mistake.
-    const double preference = error.kind == Kind::scale ? 0.95 : 1.0;
+    const double preference = error.kind == CommonError::Kind::scale ? 0.95 : 1.0;
     if (preference * std::abs(error.w) > std::abs(worst.w)) worst = error;
   }
   return std::abs(worst.w) > single ? worst : CommonError{};
 }
 
+void Adjuster::split_set_up(const CommonError& error) {
+  SetUp part = m_.survey.set_ups[static_cast<size_t>(error.set_up)];
+  const auto taken = [&](const std::string& id) {
+    return std::any_of(m_.survey.set_ups.begin(), m_.survey.set_ups.end(), [&](const SetUp& s) { return s.id == id; });
+  };
+  int number = 2;
+  const std::string base = part.id;
+  while (taken(part.id = base + " (part " + std::to_string(number) + ")")) ++number;
+  const int index = static_cast<int>(m_.survey.set_ups.size());
+  m_.survey.set_ups.push_back(part);
+  m_.orientations.push_back(m_.orientations[static_cast<size_t>(error.set_up)] - error.size);
+  const int from = m_.observations[static_cast<size_t>(error.first)].members.front();
+  for (size_t i = 0; i < m_.observations.size(); ++i) {
+    Observation& o = m_.observations[i].observation;
+    if (o.set_up != error.set_up || m_.observations[i].members.front() < from) continue;
+    o.set_up = index;
+    m_.rows[i].set_up = part.id;
+  }
+  find_set_ups_of_rows();
+}
+
+bool Adjuster::estimate(Pass& pass, const CommonError& error) {
+  using Kind = CommonError::Kind;
+  constexpr size_t kMost = 12;  // beyond that nothing is common any more
+  if (state_.extra.size() >= kMost) return false;
+  const NetworkModel before = m_;
+  const StochasticState state = state_;
+  if (error.kind == Kind::circle) {
+    split_set_up(error);
+  } else {
+    static constexpr ExtraUnknown::Kind kinds[] = {ExtraUnknown::Kind::constant, ExtraUnknown::Kind::scale,
+                                                   ExtraUnknown::Kind::index, ExtraUnknown::Kind::height};
+    state_.extra.push_back({kinds[static_cast<int>(error.kind)], error.set_up});
+  }
+  m_.findings.push_back(
+      {Finding::Severity::warning,
+       describe(error) + (error.kind == Kind::circle ? "; the sights after it have an orientation of their own now"
+                                                     : "; it was estimated with the network and taken off"),
+       {}});
+  try {
+    Pass next = adjust();
+    // The test was of the linearised network: what it promised must come true.
+    if (next.solution.sum_of_squares() > pass.solution.sum_of_squares() - 0.5 * error.w * error.w)
+      throw NetworkError("no gain");
+    pass = std::move(next);
+    return true;
+  } catch (const NetworkError&) {
+    m_ = before;
+    state_ = state;
+    find_set_ups_of_rows();
+    return false;
+  }
+}
+
 void Adjuster::report_common_error(const Pass& pass, NetworkResult& result) const {
   const CommonError error = largest_common_error(pass);
   if (error.observations == 0) return;
-  result.findings.push_back({Finding::Severity::warning, describe(error), {}});
+  result.findings.push_back({Finding::Severity::warning,
+                             describe(error) + ". This explains the misfit better than any single observation; mend it "
+                                               "first, others may follow from it",
+                             {}});
+}
+
+void Adjuster::report_common_estimates(const Pass& pass, const std::vector<CommonError>& common,
+                                       NetworkResult& result) const {
+  using Kind = CommonError::Kind;
+  const double factor = std::sqrt(result.variance_factor);
+  const auto put = [](ResultSetUp& s, Kind kind, const CommonEstimate& estimate) {
+    if (kind == Kind::index) s.index = estimate;
+    if (kind == Kind::constant) s.constant = estimate;
+    if (kind == Kind::scale) s.scale = estimate;
+    if (kind == Kind::height) s.instrument_height_correction = estimate.value;
+  };
+  for (const CommonError& e : common)
+    if (e.set_up >= 0 && e.sigma > 0 && e.kind != Kind::height)
+      put(result.set_ups[static_cast<size_t>(e.set_up)], e.kind, {e.size, factor * e.sigma});
+  for (size_t k = 0; k < state_.extra.size(); ++k) {
+    const auto [kind, set_up] = state_.extra[k];
+    const int block = pass.problem.extra_blocks[k], unknown = pass.solution.unknowns(block, 0);
+    const CommonEstimate estimate{pass.problem.problem.parameters[static_cast<size_t>(block)].value[0],
+                                  std::sqrt(result.cofactors(unknown, unknown))};
+    static constexpr Kind kinds[] = {Kind::constant, Kind::scale, Kind::index, Kind::height};
+    for (size_t s = 0; s < result.set_ups.size(); ++s)
+      if (set_up < 0 || set_up == static_cast<int>(s)) put(result.set_ups[s], kinds[static_cast<int>(kind)], estimate);
+  }
 }
 
 }  // namespace plumbline::survey

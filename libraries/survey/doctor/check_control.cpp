@@ -47,9 +47,16 @@ Epoch epoch_of(const NetworkResult& network) {
   return e;
 }
 
-int merged_motions(int first_defect, int second_defect) {
+int merged_motions(int first_defect, int second_defect, const Epoch& epoch) {
   const int larger = std::max(first_defect, second_defect), smaller = std::min(first_defect, second_defect);
-  if (larger == 6 && smaller == 5) return 7;  // tilts of one, scale of the other
+  bool plan = false, height = false;
+  for (Eigen::Index i = 0; i + 2 < epoch.coordinates.size(); i += 3) {
+    plan |= std::isfinite(epoch.coordinates[i]) && std::isfinite(epoch.coordinates[i + 1]);
+    height |= std::isfinite(epoch.coordinates[i + 2]);
+  }
+  if (!plan) return larger > 0 ? 3 : 0;                          // levelling: a lift
+  if (!height) return larger < 2 ? 0 : std::min(5, larger + 1);  // plane: the lift is not among its defects
+  if (larger == 6 && smaller == 5) return 7;                     // tilts of one, scale of the other
   return larger < 3 ? 0 : std::min(7, larger);
 }
 
@@ -65,7 +72,7 @@ ControlCheck check_control(const SurveyObservations& survey, const ControlPoints
   adjustment.datum_points.clear();
   try {
     const NetworkResult r = adjust_network(without_control(survey), adjustment);
-    options.free_motions = check.free_motions = merged_motions(r.defect, 0);
+    options.free_motions = check.free_motions = merged_motions(r.defect, 0, epoch_of(r));
     const Epoch measured = epoch_of(r);
     const size_t common = static_cast<size_t>(std::count_if(given.ids.begin(), given.ids.end(), [&](const auto& id) {
       return std::find(measured.ids.begin(), measured.ids.end(), id) != measured.ids.end();

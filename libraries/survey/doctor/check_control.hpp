@@ -22,7 +22,8 @@ Epoch epoch_of(const NetworkResult& network);
 ControlCheck check_control(const SurveyObservations& survey, const ControlPoints& control, AdjustOptions adjustment,
                            ComparisonOptions options);
 
-/// What two networks with these rank defects may differ by, as ComparisonOptions::free_motions.
-int merged_motions(int first_defect, int second_defect);
+/// What two networks with these rank defects may differ by, as ComparisonOptions::free_motions; `epoch` says whether
+/// they have plan positions and heights.
+int merged_motions(int first_defect, int second_defect, const Epoch& epoch);
 
 }  // namespace plumbline::survey

@@ -74,7 +74,7 @@ void examine_rows(const NetworkResult& r, const AdjustOptions& options, std::vec
   std::vector<std::string> uncontrolled, points;
   int weak = 0;
   for (const ResultRow& row : r.rows) {
-    const double redundancy = row.statistics.redundancy_number;
+    const double redundancy = row.statistics.controlled;
     if (!row.removed && redundancy < 0.1) {
       uncontrolled.push_back(describe(row));
       points.push_back(row.to);

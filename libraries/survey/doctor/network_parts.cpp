@@ -16,6 +16,7 @@ std::vector<int> parts_of(const NetworkProblem& p) {
   };
   std::set<int> common;
   for (const auto& [name, block] : p.common_blocks) common.insert(block);
+  common.insert(p.extra_blocks.begin(), p.extra_blocks.end());
   for (const auto& residual : p.problem.residuals) {
     int first = -1;
     for (int block : residual->parameters) {

@@ -3,7 +3,9 @@
 #include <Eigen/Dense>
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numeric>
 #include <stdexcept>
 
 #include "adjustment/reliability.hpp"
@@ -27,15 +29,20 @@ void check(const Epoch& e, const char* which) {
                            " points but no covariance of all their coordinates; give the points of survey.adjust");
 }
 
-/// The common points of both epochs.
+/// Which of E, N, H a point has in both epochs: a bench mark has a height only, a point of a plane network has none.
+using Components = std::array<bool, 3>;
+
+/// The common points of both epochs. Components that a point does not have are zero and without variance.
 struct Pair {
   std::vector<std::string> ids;
+  std::vector<Components> has;
   VectorXd first, second;                        // 3n
   MatrixXd first_covariance, second_covariance;  // 3n x 3n
 };
 
 struct Difference {
   std::vector<std::string> ids;
+  std::vector<Components> has;
   VectorXd d;           // second minus first
   MatrixXd covariance;  // sum of both
   VectorXd place;       // 3n: coordinates of the first epoch
@@ -51,14 +58,20 @@ Pair common_points(const Epoch& first, const Epoch& second, Comparison& result) 
       continue;
     }
     const auto k = static_cast<Index>(3 * i), l = static_cast<Index>(3 * (at - second.ids.begin()));
-    const Matrix3d both = first.covariance.block<3, 3>(k, k) + second.covariance.block<3, 3>(l, l);
-    // A point without coordinates, or held without error in both epochs, has nothing to compare.
-    if (!first.coordinates.segment<3>(k).allFinite() || !second.coordinates.segment<3>(l).allFinite() ||
-        !both.allFinite() || both.diagonal().minCoeff() <= 0) {
+    // A coordinate that is not there, or held without error in both epochs, is nothing to compare.
+    Components has;
+    for (Index c = 0; c < 3; ++c) {
+      const double variance = first.covariance(k + c, k + c) + second.covariance(l + c, l + c);
+      has[static_cast<size_t>(c)] =
+          std::isfinite(first.coordinates[k + c]) && std::isfinite(second.coordinates[l + c]) && variance > 0;
+    }
+    has[0] = has[1] = has[0] && has[1];  // half a position is none
+    if (!has[0] && !has[2]) {
       result.incomplete.push_back(first.ids[i]);
       continue;
     }
     pair.ids.push_back(first.ids[i]);
+    pair.has.push_back(has);
     for (Index c = 0; c < 3; ++c) {
       a.push_back(k + c);
       b.push_back(l + c);
@@ -70,6 +83,14 @@ Pair common_points(const Epoch& first, const Epoch& second, Comparison& result) 
   pair.second = second.coordinates(b);
   pair.first_covariance = first.covariance(a, a);
   pair.second_covariance = second.covariance(b, b);
+  for (size_t i = 0; i < pair.ids.size(); ++i)
+    for (size_t c = 0; c < 3; ++c) {
+      if (pair.has[i][c]) continue;
+      const auto row = static_cast<Index>(3 * i + c);
+      pair.first[row] = pair.second[row] = 0;
+      for (MatrixXd* m : {&pair.first_covariance, &pair.second_covariance})
+        m->row(row).setZero(), m->col(row).setZero();
+    }
   return pair;
 }
 
@@ -77,15 +98,19 @@ Pair common_points(const Epoch& first, const Epoch& second, Comparison& result) 
 /// (Kabsch 1976; in the plane in closed form).
 Matrix3d turn_of(const Pair& p, const std::vector<char>& stable, int free_motions, Vector3d& from, Vector3d& to) {
   from = to = Vector3d::Zero();
-  const auto n = static_cast<double>(std::count(stable.begin(), stable.end(), 1));
-  for (size_t i = 0; i < stable.size(); ++i) {
-    if (!stable[i]) continue;
-    from += p.second.segment<3>(static_cast<Index>(3 * i)) / n;
-    to += p.first.segment<3>(static_cast<Index>(3 * i)) / n;
+  for (size_t c = 0; c < 3; ++c) {
+    double n = 0;
+    for (size_t i = 0; i < stable.size(); ++i) n += stable[i] && p.has[i][c];
+    for (size_t i = 0; i < stable.size(); ++i) {
+      if (!stable[i] || !p.has[i][c]) continue;
+      const auto row = static_cast<Index>(3 * i + c);
+      from[static_cast<Index>(c)] += p.second[row] / n;
+      to[static_cast<Index>(c)] += p.first[row] / n;
+    }
   }
   Matrix3d h = Matrix3d::Zero();
   for (size_t i = 0; i < stable.size(); ++i)
-    if (stable[i])
+    if (stable[i] && p.has[i][0] && (free_motions < 6 || p.has[i][2]))
       h += (p.second.segment<3>(static_cast<Index>(3 * i)) - from) *
            (p.first.segment<3>(static_cast<Index>(3 * i)) - to).transpose();
   if (free_motions < 4) return Matrix3d::Identity();
@@ -98,13 +123,15 @@ Matrix3d turn_of(const Pair& p, const std::vector<char>& stable, int free_motion
 
 /// Free networks may lie anywhere: the second epoch is first laid onto the first, so that the rest is small and linear.
 Difference difference_of(const Pair& p, const std::vector<char>& stable, int free_motions) {
-  Difference r{p.ids, p.second - p.first, p.first_covariance + p.second_covariance, p.first};
+  Difference r{p.ids, p.has, p.second - p.first, p.first_covariance + p.second_covariance, p.first};
   if (free_motions == 0) return r;
   Vector3d from, to;
   const Matrix3d turn = turn_of(p, stable, free_motions, from, to);
   const Index n = p.first.size() / 3;
   for (Index i = 0; i < n; ++i) {
     r.d.segment<3>(3 * i) = turn * (p.second.segment<3>(3 * i) - from) + to - p.first.segment<3>(3 * i);
+    for (Index c = 0; c < 3; ++c)
+      if (!p.has[static_cast<size_t>(i)][static_cast<size_t>(c)]) r.d[3 * i + c] = 0;
     for (Index k = 0; k < n; ++k)
       r.covariance.block<3, 3>(3 * i, 3 * k) = p.first_covariance.block<3, 3>(3 * i, 3 * k) +
                                                turn * p.second_covariance.block<3, 3>(3 * i, 3 * k) * turn.transpose();
@@ -112,12 +139,18 @@ Difference difference_of(const Pair& p, const std::vector<char>& stable, int fre
   return r;
 }
 
-/// Columns of what the epochs are free to differ by, about the centre of the points; 3n x 0 to 7.
+/// Columns of what the epochs are free to differ by, about the centre of the points; 3n x 0 to 7. What moves no
+/// coordinate that is there (a turn of bench marks) is left out.
 MatrixXd motions(const Difference& r, int count) {
   const Index n = r.d.size() / 3;
   MatrixXd g = MatrixXd::Zero(3 * n, count);
   Vector3d centre = Vector3d::Zero();
-  for (Index i = 0; i < n; ++i) centre += r.place.segment<3>(3 * i) / static_cast<double>(n);
+  for (Index c = 0; c < 3; ++c) {
+    double sum = 0, present = 0;
+    for (Index i = 0; i < n; ++i)
+      if (r.has[static_cast<size_t>(i)][static_cast<size_t>(c)]) sum += r.place[3 * i + c], ++present;
+    if (present > 0) centre[c] = sum / present;
+  }
   for (Index i = 0; i < n && count > 0; ++i) {
     const Vector3d p = r.place.segment<3>(3 * i) - centre;
     g.block<3, 3>(3 * i, 0).setIdentity();
@@ -126,30 +159,47 @@ MatrixXd motions(const Difference& r, int count) {
     if (count >= 6) g.block<3, 1>(3 * i, column++) = Vector3d(0, p.z(), -p.y());
     if (count >= 6) g.block<3, 1>(3 * i, column++) = Vector3d(-p.z(), 0, p.x());
     if (count == 5 || count == 7) g.block<3, 1>(3 * i, column) = p;
+    for (Index c = 0; c < 3; ++c)
+      if (!r.has[static_cast<size_t>(i)][static_cast<size_t>(c)]) g.row(3 * i + c).setZero();
   }
-  return g;
+  std::vector<Index> moving;
+  for (Index k = 0; k < g.cols(); ++k)
+    if (g.col(k).cwiseAbs().maxCoeff() > 0) moving.push_back(k);
+  return g(Eigen::all, moving);
 }
 
-/// R of the header: what all statistics are made of.
-MatrixXd weights_of(const Difference& r, const MatrixXd& g) {
+/// Rows of the coordinates of some points that are there.
+std::vector<Index> rows_of(const Difference& r, const std::vector<size_t>& points) {
+  std::vector<Index> rows;
+  for (const size_t i : points)
+    for (size_t c = 0; c < 3; ++c)
+      if (r.has[i][c]) rows.push_back(static_cast<Index>(3 * i + c));
+  return rows;
+}
+
+std::vector<Index> all_rows(const Difference& r) {
+  std::vector<size_t> all(r.ids.size());
+  std::iota(all.begin(), all.end(), size_t{0});
+  return rows_of(r, all);
+}
+
+/// R of the header: what all statistics are made of; zero where a point has no coordinate.
+MatrixXd weights_of(const Difference& r, const MatrixXd& all_motions) {
+  const std::vector<Index> rows = all_rows(r);
+  const MatrixXd g = all_motions(rows, Eigen::all);
+  MatrixXd full = MatrixXd::Zero(r.d.size(), r.d.size());
   // The term in G makes the covariance of two inner-constrained networks regular; R does not depend on its size.
-  MatrixXd c = r.covariance;
+  MatrixXd c = r.covariance(rows, rows);
   if (g.cols() > 0) {
     const double scale = c.diagonal().mean();
     for (Index k = 0; k < g.cols(); ++k)
       c += scale / std::max(1e-12, g.col(k).cwiseAbs2().maxCoeff()) * g.col(k) * g.col(k).transpose();
   }
   const MatrixXd p = c.ldlt().solve(MatrixXd::Identity(c.rows(), c.cols()));
-  if (g.cols() == 0) return p;
   const MatrixXd pg = p * g;
-  return p - pg * MatrixXd(g.transpose() * pg).ldlt().solve(MatrixXd(pg.transpose()));
-}
-
-std::vector<Index> rows_of(const std::vector<size_t>& points) {
-  std::vector<Index> rows;
-  for (size_t i : points)
-    for (Index c = 0; c < 3; ++c) rows.push_back(static_cast<Index>(3 * i) + c);
-  return rows;
+  full(rows, rows) =
+      g.cols() == 0 ? p : MatrixXd(p - pg * MatrixXd(g.transpose() * pg).ldlt().solve(MatrixXd(pg.transpose())));
+  return full;
 }
 
 /// Which points are to be left out until the rest is congruent.
@@ -157,46 +207,55 @@ class Localisation {
  public:
   Localisation(const Difference& r, const MatrixXd& g, const ComparisonOptions& options)
       : r_(r), options_(options), weights_(weights_of(r, g)), u_(weights_ * r.d) {
-    rank_ = static_cast<int>(r.d.size() - g.cols());
+    rank_ = static_cast<int>(all_rows(r).size()) - static_cast<int>(g.cols());
     total_ = r.d.dot(u_);
-    // Two points are left to define a free datum; one of them would define nothing to compare with.
-    fewest_ = g.cols() > 0 ? 2 : 0;
+    // Two points are left to define a free datum; one of them would define nothing to compare with (bench marks: one).
+    const bool plan = std::any_of(r.has.begin(), r.has.end(), [](const Components& has) { return has[0]; });
+    fewest_ = g.cols() == 0 ? 0 : plan ? 2 : 1;
   }
 
   int rank() const { return rank_; }
   /// Without some points.
   double statistic(const std::vector<size_t>& without) const {
     if (without.empty()) return total_;
-    const auto rows = rows_of(without);
+    const auto rows = rows_of(r_, without);
     const VectorXd u = u_(rows);
     return std::max(0.0, total_ - u.dot(MatrixXd(weights_(rows, rows)).ldlt().solve(u)));
   }
-  double critical(size_t without) const {
-    const int rank = rank_ - 3 * static_cast<int>(without);
-    return rank > 0 ? chi_squared_quantile(1 - options_.alpha, rank) : 0.0;
+  int rank(const std::vector<size_t>& without) const { return rank_ - static_cast<int>(rows_of(r_, without).size()); }
+  double critical(const std::vector<size_t>& without) const {
+    const int left = rank(without);
+    return left > 0 ? chi_squared_quantile(1 - options_.alpha, left) : 0.0;
   }
 
   std::vector<Exclusion> run(std::vector<size_t>& out) const {
     std::vector<Exclusion> exclusions;
-    while (statistic(out) > critical(out.size()) && r_.ids.size() - out.size() > fewest_ &&
-           rank_ - 3 * static_cast<int>(out.size() + 1) > 0)
+    while (statistic(out) > critical(out) && r_.ids.size() - out.size() > fewest_ && some_may_go(out))
       exclusions.push_back(exclude_one(out));
     return exclusions;
   }
 
  private:
+  bool may_go(const std::vector<size_t>& out, size_t point) const {
+    return rank(out) > static_cast<int>(rows_of(r_, {point}).size());
+  }
+  bool some_may_go(const std::vector<size_t>& out) const {
+    for (size_t i = 0; i < r_.ids.size(); ++i)
+      if (std::find(out.begin(), out.end(), i) == out.end() && may_go(out, i)) return true;
+    return false;
+  }
   /// The one without which the rest fits best; the others that would do are told.
   Exclusion exclude_one(std::vector<size_t>& out) const {
     std::vector<double> without(r_.ids.size(), std::numeric_limits<double>::infinity());
     for (size_t i = 0; i < r_.ids.size(); ++i) {
-      if (std::find(out.begin(), out.end(), i) != out.end()) continue;
+      if (std::find(out.begin(), out.end(), i) != out.end() || !may_go(out, i)) continue;
       std::vector<size_t> trial = out;
       trial.push_back(i);
       without[i] = statistic(trial);
     }
     const auto best = static_cast<size_t>(std::min_element(without.begin(), without.end()) - without.begin());
     out.push_back(best);
-    Exclusion e{r_.ids[best], without[best], critical(out.size()), {}};
+    Exclusion e{r_.ids[best], without[best], critical(out), {}};
     for (size_t i = 0; i < without.size(); ++i)
       if (i != best && without[i] <= e.critical) e.alternatives.push_back(r_.ids[i]);
     return e;
@@ -221,19 +280,27 @@ void add_movements(const Difference& r, const MatrixXd& g, const std::vector<cha
   const VectorXd d = r.d - g * (h * r.d);
   const MatrixXd hc = h * r.covariance, hch = hc * h.transpose();
   const double delta = adjustment::non_centrality(options.alpha0, options.power);
-  const double critical = chi_squared_quantile(1 - options.alpha0, 3);
   for (size_t i = 0; i < r.ids.size(); ++i) {
     const auto k = static_cast<Index>(3 * i);
     const MatrixXd gi = g.middleRows(k, 3), cross = gi * hc.middleCols(k, 3);
     Movement m;
     m.id = r.ids[i];
-    m.position = r.place.segment<3>(k);
-    m.movement = d.segment<3>(k);
+    const std::vector<Index> rows = rows_of(r, {i});
+    std::vector<Index> own;  // of the point's three
+    for (const Index row : rows) own.push_back(row - k);
+    m.rank = static_cast<int>(rows.size());
+    m.critical = chi_squared_quantile(1 - options.alpha0, m.rank);
     m.covariance = r.covariance.block<3, 3>(k, k) - cross - cross.transpose() + gi * hch * gi.transpose();
-    m.sigma = m.covariance.diagonal().cwiseMax(0).cwiseSqrt();
-    m.statistic = m.movement.dot(m.covariance.ldlt().solve(m.movement));
+    const VectorXd movement = d(rows);
+    m.statistic = movement.dot(MatrixXd(m.covariance(own, own)).ldlt().solve(movement));
+    for (const Index c : own) {
+      m.position[c] = r.place[k + c];
+      m.movement[c] = d[k + c];
+      m.sigma[c] = std::sqrt(std::max(0.0, m.covariance(c, c)));
+    }
     m.stable = stable[i];
-    m.moved = !stable[i] || m.statistic > critical;
+    // Left out of the datum is not yet moved: with many points one fits least by chance, or because another moved.
+    m.moved = m.statistic > m.critical;
     m.detectable_height = delta * m.sigma.z();
     result.movements.push_back(std::move(m));
   }
@@ -249,7 +316,9 @@ Epoch part_of(const Epoch& epoch, const std::vector<char>& keep) {
     part.ids.push_back(epoch.ids[i]);
     which.push_back(i);
   }
-  const auto rows = rows_of(which);
+  std::vector<Index> rows;
+  for (const size_t i : which)
+    for (size_t c = 0; c < 3; ++c) rows.push_back(static_cast<Index>(3 * i + c));
   part.coordinates = epoch.coordinates(rows);
   part.covariance = epoch.covariance(rows, rows);
   return part;
@@ -260,7 +329,8 @@ Comparison compare_epochs(const Epoch& first, const Epoch& second, const Compari
   check(second, "second");
   Comparison result;
   const Pair pair = common_points(first, second, result);
-  const size_t needed = options.free_motions >= 5 ? 4 : options.free_motions >= 3 ? 3 : 1;
+  const bool plan = std::any_of(pair.has.begin(), pair.has.end(), [](const Components& has) { return has[0]; });
+  const size_t needed = options.free_motions < 3 ? 1 : !plan ? 2 : options.free_motions >= 5 ? 4 : 3;
   if (pair.ids.size() < needed)
     throw std::runtime_error("the two epochs have " + std::to_string(pair.ids.size()) +
                              " points in common that can be compared; a comparison needs at least " +
@@ -281,7 +351,7 @@ Comparison compare_epochs(const Epoch& first, const Epoch& second, const Compari
     }
     result.rank = localisation.rank();
     result.statistic = localisation.statistic({});
-    result.critical = localisation.critical(0);
+    result.critical = localisation.critical({});
     result.congruent = result.statistic <= result.critical;
     add_movements(r, g, found, options, result);
     return result;

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -21,11 +22,15 @@ struct Epoch {
 
 struct Movement {
   std::string id;
-  Eigen::Vector3d position;         ///< in the first epoch [m]
-  Eigen::Vector3d movement, sigma;  ///< second minus first [m]
-  Eigen::Matrix3d covariance;       ///< of the movement [m^2]
-  double statistic = 0;             ///< chi-squared with 3 degrees of freedom without movement
-  bool moved = false, stable = true;
+  /// In the first epoch, and second minus first [m]; NaN: the point has no such coordinate (levelling, plane networks).
+  Eigen::Vector3d position = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+  Eigen::Vector3d movement = position, sigma = position;
+  Eigen::Matrix3d covariance;  ///< of the movement [m^2]
+  double statistic = 0;        ///< chi-squared with `rank` degrees of freedom without movement
+  double critical = 0;
+  int rank = 3;                  ///< coordinates it has
+  bool moved = false;            ///< the statistic exceeds its critical value
+  bool stable = true;            ///< carries the datum
   double detectable_height = 0;  ///< [m], at the power given
 };
 
@@ -51,6 +56,7 @@ struct ComparisonOptions {
   double power = 0.80;
   /// Motions the two epochs may differ by: 0 none (both in one fixed frame), 3 translation, 4 with rotation about the
   /// vertical (levelled networks with distances), 5 with scale, 6 any rigid motion, 7 with scale.
+  /// Of these, what moves no coordinate that is there does not count: of bench marks, 3 is a common lift.
   int free_motions = 4;
 };
 

@@ -1,9 +1,12 @@
 #include "survey/model/network_model.hpp"
 
 #include <cmath>
+#include <optional>
 #include <set>
 
+#include "survey/doctor/check_set_ups.hpp"
 #include "survey/model/network_model_steps.hpp"
+#include "survey/start/set_up_chain.hpp"
 
 namespace plumbline::survey {
 
@@ -150,15 +153,28 @@ std::vector<int> take_over(const Approximation& approximation, NetworkModel& m) 
   throw NetworkError("rank defect: the observations do not determine the coordinates of " + join(described, 4) +
                          "; observe them from a second set-up, or with a distance and a zenith angle, or give "
                          "approximate coordinates",
-                     {{Finding::Severity::error, "not determined: " + join(ids), ids}});
+                     {{Finding::Severity::error, "not determined: " + join(ids), ids}}, ids);
+}
+
+/// The model started from the chain of its set-ups, where that gives every coordinate: most networks of total stations.
+std::optional<NetworkModel> with_simple_start(const NetworkModel& m, const SetUpChain& chain,
+                                              const std::map<std::string, Eigen::Vector3d>& known) {
+  const auto start = start_from_chain(chain, m.survey.set_ups.size(), known);
+  if (!start) return std::nullopt;
+  NetworkModel started = m;
+  if (!take_over({start->points, start->orientations}, started).empty()) return std::nullopt;
+  find_lengths(started);
+  drop_unusable(started);
+  return started;
 }
 
 /// The model with approximate coordinates, once for every set of them that is possible.
-std::vector<NetworkModel> with_approximations(NetworkModel m) {
+std::vector<NetworkModel> with_approximations(NetworkModel m, const SetUpChain& chain) {
   std::map<std::string, Eigen::Vector3d> known;
   for (size_t i = 0; i < m.ids.size(); ++i)
     if (!m.initial[i].array().isNaN().all()) known[m.ids[i]] = m.initial[i];
   m.starts_from_known_points = !known.empty() || !m.survey.coordinates.empty();
+  if (auto simple = with_simple_start(m, chain, known)) return {std::move(*simple)};
   std::vector<Approximation> approximations = approximate_coordinates(m.survey, m.observations, known);
   NetworkModel trial = m;
   const std::vector<int> lost = take_over(approximations.front(), trial);
@@ -259,13 +275,40 @@ void check_indices(const SurveyObservations& s) {
       throw NetworkError("local coordinates of " + c.point + " refer to set-up " + std::to_string(c.set_up));
 }
 
+/// The set-ups beside each other. What can be mended without losing a reading is, if the user wants mending, and they
+/// are looked at again; what cannot is set aside for the adjustment.
+SetUpChain check_and_mend(const AdjustOptions& options, NetworkModel& m, MeanResult& means) {
+  constexpr int kMost = 5;  // a set-up for each; more is not a survey
+  for (int round = 0;; ++round) {
+    means = mean_observations(m.survey);
+    SetUpChain chain(m.survey, means.observations, options.profile);
+    const std::vector<SetUpProblem> problems = check_set_ups(m.survey, means.observations, chain);
+    const bool mended = options.remove_blunders && round < kMost && mend_set_ups(problems, m.survey);
+    for (const SetUpProblem& p : problems) {
+      using Kind = SetUpProblem::Kind;
+      const bool by_itself = p.kind == Kind::unit || p.kind == Kind::turned_circle || p.kind == Kind::moved_instrument;
+      if (mended && !(by_itself && p.certain)) continue;  // it is met again
+      const bool done = options.remove_blunders && p.certain && (mended || !by_itself);
+      const char* what = p.kind == Kind::unit               ? "; they were converted"
+                         : p.kind == Kind::turned_circle    ? "; these sights have an orientation of their own now"
+                         : p.kind == Kind::moved_instrument ? "; these sights are a set-up of their own now"
+                                                            : "; left out";
+      m.findings.push_back({Finding::Severity::warning, p.text + (done ? what : ""), p.points});
+      if (done && !by_itself) m.set_aside.insert(m.set_aside.end(), p.observations.begin(), p.observations.end());
+      m.contradicted |= !done && p.kind != Kind::reading;
+    }
+    if (!mended) return chain;
+  }
+}
+
 }  // namespace
 
 NetworkModel make_model(const SurveyObservations& survey, const AdjustOptions& options, const ControlPoints& control) {
   check_indices(survey);
   NetworkModel m;
   m.survey = survey;
-  MeanResult means = mean_observations(survey);
+  MeanResult means;
+  const SetUpChain chain = check_and_mend(options, m, means);
   m.observations = std::move(means.observations);
   for (const std::string& note : means.notes) m.findings.push_back({Finding::Severity::warning, note, {}});
   if (m.observations.empty() && survey.coordinates.empty() && survey.vectors.empty() &&
@@ -279,7 +322,7 @@ NetworkModel make_model(const SurveyObservations& survey, const AdjustOptions& o
   m.refraction_coefficient = std::isnan(survey.info.refraction_coefficient) ? options.refraction_coefficient
                                                                             : survey.info.refraction_coefficient;
   make_rows(m);
-  m = choose_alternative(with_approximations(std::move(m)), options);
+  m = choose_alternative(with_approximations(std::move(m), chain), options);
   if (!m.unrelated) drop_outlying(m);
   return m;
 }

@@ -37,6 +37,8 @@ struct NetworkModel {
   bool curvature = false;
   double refraction_coefficient = 0.13;
   std::vector<Finding> findings;
+  std::vector<int> set_aside;  ///< observations that the check of the set-ups takes for wrong, in the adjustment's hand
+  bool contradicted = false;   ///< the check of the set-ups found mistakes that are not mended
   std::vector<ResultRow> rows;          ///< all scalars, statistics empty
   std::vector<int> first_row_of_group;  ///< first row of coordinate groups, vectors, local coordinates in that order
 };
@@ -51,11 +53,20 @@ struct NetworkProblem {
   std::vector<int> orientation_blocks;                     ///< one per set-up; -1
   std::vector<int> height_correction_blocks, tilt_blocks;  ///< one per set-up; -1
   std::vector<std::pair<std::string, int>> common_blocks;  ///< name and block of scale etc.
+  std::vector<int> extra_blocks;                           ///< one per StochasticState::extra
   std::vector<int> rows;                                   ///< row of the model of each row of the problem; -1: prior
   std::vector<std::string> block_names;  ///< of each residual block, for the tests of pointings: set-up
 };
 
+/// An error that readings of a set-up (-1: of all) have in common, estimated with the network. `scale` [1] and
+/// `constant` [m] of distances, `index` [rad] of zenith angles, `height` [m] of the instrument.
+struct ExtraUnknown {
+  enum class Kind { constant, scale, index, height } kind = Kind::constant;
+  int set_up = -1;
+};
+
 struct StochasticState {
+  std::vector<ExtraUnknown> extra;
   std::vector<char> removed;           ///< one per row of the model
   std::vector<double> weight_factors;  ///< one per row of the model; empty: 1
   std::array<double, kGroups> sigma_factors = {1, 1, 1, 1, 1, 1};
@@ -82,6 +93,10 @@ std::vector<Finding> name_local_defects(const NetworkModel& model, const Network
 
 /// Uncontrolled and weak observations, hinge points, failing tests: what a surveyor should look at.
 std::vector<Finding> examine(const NetworkModel& model, const AdjustOptions& options, const NetworkResult& result);
+
+/// Whether the result may be used: `validity` and `verdict` of the result. An invalid result's cofactors are multiplied
+/// with sigma0 squared, so that nobody who takes it all the same believes it. `critical` is that of removals.
+void judge(const NetworkModel& model, double critical, NetworkResult& result);
 
 /// "direction A -> B (file:line:column)", for messages.
 std::string name_of(const Observation& observation);

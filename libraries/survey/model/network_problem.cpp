@@ -58,6 +58,7 @@ class Assembler {
         eq.refraction = slot(block, parameter);
       if (name == "vertical index" && o.kind == ObservationKind::zenith_angle) eq.index = slot(block, parameter);
     }
+    add_extra(block, o, p, eq);
     eq.curvature = m_.curvature;
     eq.refraction_coefficient = m_.refraction_coefficient;
     return eq;
@@ -93,6 +94,20 @@ class Assembler {
   }
 
  private:
+  void add_extra(ObservationBlock& block, const Observation& o, const NetworkProblem& p, Equation& eq) const {
+    using Kind = ExtraUnknown::Kind;
+    const bool distance = o.kind == ObservationKind::slope_distance || o.kind == ObservationKind::horizontal_distance;
+    for (size_t k = 0; k < state_.extra.size(); ++k) {
+      const auto [kind, set_up] = state_.extra[k];
+      if (set_up >= 0 && o.set_up != set_up) continue;
+      const int parameter = p.extra_blocks[k];
+      if (kind == Kind::constant && distance) eq.additive_constant = slot(block, parameter);
+      if (kind == Kind::scale && distance) eq.scale = slot(block, parameter);
+      if (kind == Kind::index && o.kind == ObservationKind::zenith_angle) eq.index = slot(block, parameter);
+      if (kind == Kind::height && o.set_up >= 0) eq.instrument_height_correction = slot(block, parameter);
+    }
+  }
+
   int add_block(const std::string& name, std::vector<double> value, std::vector<bool> constant = {}) {
     out_.problem.parameters.push_back({name, std::move(value), std::move(constant)});
     return static_cast<int>(out_.problem.parameters.size()) - 1;
@@ -170,6 +185,12 @@ class Assembler {
     add_common("additive constant", 0, options_.additive_constant_sigma);
     add_common("refraction coefficient", m_.refraction_coefficient, m_.curvature ? options_.refraction_sigma : 0);
     add_common("vertical index", 0, options_.vertical_index_sigma);
+    static const char* const names[] = {"additive constant", "scale", "vertical index", "instrument height correction"};
+    for (const auto& [kind, set_up] : state_.extra)
+      out_.extra_blocks.push_back(
+          add_block(std::string(names[static_cast<int>(kind)]) +
+                        (set_up >= 0 ? " of " + m_.survey.set_ups[static_cast<size_t>(set_up)].id : ""),
+                    {0.0}));
   }
 
   bool takes_part(int observation) const { return !m_.dropped[observation] && !state_.removed[observation]; }

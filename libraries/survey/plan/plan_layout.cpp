@@ -198,7 +198,12 @@ PlanPrediction predict(const PlanLayout& layout, int sets) {
   try {
     const AdjustOptions options = layout.adjustment();
     if (options.datum_points.empty()) throw NetworkError("no marker of the lowest floor is seen");
-    prediction.network = adjust_network(layout.readings(sets), options);
+    NetworkResult network = adjust_network(layout.readings(sets), options);
+    // In the field the rest of a network is worth having; a plan is to determine all of it.
+    for (const Finding& f : network.findings)
+      if (!network.left_out.empty() && f.text.starts_with("left out"))
+        throw NetworkError(f.text.substr(f.text.find(". ") + 2));
+    prediction.network = std::move(network);
     prediction.adjustable = true;
   } catch (const NetworkError& error) {
     prediction.problem = error.what();

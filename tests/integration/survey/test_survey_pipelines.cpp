@@ -1,5 +1,6 @@
 // The survey pipelines from outside: damaged files, encodings, a plan, two epochs.
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "program.hpp"
 #include "simulated_network.hpp"
@@ -155,6 +156,38 @@ TEST(SurveyPipelines, TwoFilesAreComparedAsEpochs) {
   EXPECT_EQ(json["rank"], 3 * 12 - 4);
   EXPECT_EQ(json["congruent"], true);
   EXPECT_TRUE(contains(read_file(plumbline.work() / "out/movements.html"), "No point has moved significantly."));
+}
+
+/// docs/examples/before.csv with the distances of one set-up in feet.
+std::string with_feet(const std::string& set_up) {
+  std::istringstream stream(read_file(fs::path(source_dir()) / "docs/examples/before.csv"));
+  std::string text;
+  for (std::string line; std::getline(stream, line);) {
+    if (line.rfind(set_up + ",", 0) == 0) {
+      const size_t comma = line.rfind(',');
+      line = line.substr(0, comma + 1) + std::to_string(std::stod(line.substr(comma + 1)) / 0.3048);
+    }
+    text += line + "\n";
+  }
+  return text;
+}
+
+TEST(SurveyPipelines, ASetUpInFeetIsNoResultUntilItIsMended) {
+  const Program plumbline;
+  plumbline.write("job.csv", with_feet("S2"));
+  Answer answer = plumbline({"run", pipeline("survey_network"), "file=job.csv", "--out", "out"});
+  EXPECT_NE(answer.code, 0);
+  EXPECT_TRUE(contains(answer.err, "set-up S2 are 3.2808 times")) << answer.err;
+  if (answer.code == 3) {
+    EXPECT_TRUE(contains(answer.out, "NOT A RESULT")) << answer.out;
+    EXPECT_TRUE(contains(read_file(plumbline.work() / "out/network.html"), "NOT A RESULT"));
+  }
+  answer = plumbline(
+      {"run", pipeline("survey_network"), "file=job.csv", "network.with.remove_blunders=true", "--out", "mended"});
+  EXPECT_EQ(answer.code, 0) << answer.err;
+  EXPECT_TRUE(contains(answer.out, "Sound: ")) << answer.out;
+  EXPECT_TRUE(contains(answer.out, "they were converted")) << answer.out;
+  EXPECT_FALSE(contains(read_file(plumbline.work() / "mended/network.html"), "NOT A RESULT"));
 }
 
 }  // namespace

@@ -171,6 +171,7 @@ Outcome outcome_of(const RandomNetwork& network, std::string& text) {
   } catch (const NetworkError&) {
     return Outcome::undetermined;
   }
+  if (!right.left_out.empty()) return Outcome::undetermined;  // not all of it
   try {
     const NetworkResult r = adjust_network(network.without_coordinates(), plain());
     // A better fit than the one near the truth is no mistake of the search: the observations cannot tell.

@@ -11,7 +11,9 @@ using test::simulate;
 std::string message_of(const SurveyObservations& survey, const AdjustOptions& options,
                        const ControlPoints& control = {}) {
   try {
-    adjust_network(survey, options, control);
+    // What is little beside the rest is left out with the same words.
+    for (const Finding& f : adjust_network(survey, options, control).findings)
+      if (f.text.starts_with("left out")) return f.text;
   } catch (const NetworkError& error) {
     return error.what();
   }

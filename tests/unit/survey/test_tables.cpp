@@ -1,5 +1,6 @@
 // survey.tables: coordinates and relative precision as a spreadsheet gets them.
 #include <cmath>
+#include <cstring>
 #include <map>
 #include <numbers>
 #include <sstream>
@@ -139,6 +140,57 @@ TEST(RelativePoints, EveryPointHasItsNearest) {
   EXPECT_EQ(neighbours(p, 1), (std::vector<std::pair<int, int>>{{0, 1}, {1, 2}}));
   EXPECT_EQ(neighbours(p, 9).size(), 3u);
   EXPECT_TRUE(neighbours(p, 0).empty());
+}
+
+std::string text_of(const FileT& file) { return {file.content.begin(), file.content.end()}; }
+
+TEST_F(Tables, VerdictAsASurveyorReadsIt) {
+  auto node = tables();
+  node.run();
+  const std::string sound = text_of(node.output<File>("verdict"));
+  EXPECT_EQ(sound.find("Sound: "), 0u) << sound;
+  for (const char* words :
+       {"15 points, 3 set-ups, 108 readings", "Nothing has to be measured again", "Weakest at 95 %"})
+    EXPECT_NE(sound.find(words), std::string::npos) << words << " in:\n" << sound;
+  network_.validity = "invalid";
+  network_.verdict = "not a result: the readings contradict each other (sigma0 314.00)";
+  network_.left_out = {"X7"};
+  auto& worst = *network_.observations[4];
+  worst.w = 77.7, worst.estimated_blunder = 0.0123, worst.kind = "slope_distance", worst.flagged = true;
+  auto invalid = tables();
+  invalid.run();
+  const std::string text = text_of(invalid.output<File>("verdict"));
+  EXPECT_EQ(text.find("NOT A RESULT: "), 0u) << text;
+  for (const std::string& words : {"1. slope distance S1 -> " + worst.to + ": w +77.7, off by +12.3 mm, suspect",
+                                   "  - sight " + worst.to + " from set-up S1", std::string("  - sight X7")})
+    EXPECT_NE(text.find(words), std::string::npos) << words << " in:\n" << text;
+}
+
+TEST_F(Tables, BlocksAndTheFullCovarianceForNumPy) {
+  auto node = tables();
+  node.set("full_covariance", "true");
+  node.run();
+  const auto n = 3 * points_.points.size();
+  const Eigen::MatrixXd covariance = unpack_symmetric(points_.covariance, n, "the points");
+  const std::string npy = text_of(node.output<File>("covariance"));
+  ASSERT_EQ(npy.substr(1, 5), "NUMPY");
+  const size_t header = 10 + static_cast<unsigned char>(npy[8]) + 256 * static_cast<unsigned char>(npy[9]);
+  EXPECT_EQ(header % 64, 0u);
+  EXPECT_NE(npy.find("'shape': (" + std::to_string(n) + ", " + std::to_string(n) + ")"), std::string::npos);
+  ASSERT_EQ(npy.size(), header + 8 * n * n);
+  const auto element = [&](size_t i, size_t j) {
+    double value = 0;
+    std::memcpy(&value, npy.data() + header + 8 * (i * n + j), 8);
+    return value;
+  };
+  for (const auto& [i, j] : {std::pair<size_t, size_t>{0, 0}, {7, 2}, {2, 7}, {n - 1, 3}})
+    EXPECT_EQ(element(i, j), covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)));
+  const std::string json = text_of(node.output<File>("blocks"));
+  EXPECT_NE(json.find("{\"id\": \"M00\", \"position\": [1"), std::string::npos) << json.substr(0, 300);
+  EXPECT_LT(json.size(), 600 * points_.points.size());
+  auto without = tables();
+  without.run();
+  EXPECT_NE(text_of(without.output<File>("covariance")).find("(0, 0)"), std::string::npos);
 }
 
 }  // namespace

@@ -1,0 +1,218 @@
+// How often a mistake of the field is named and mended: 40 markers, 4 set-ups, one mistake planted in each trial,
+// adjusted with remove_blunders. Prints a Markdown table.
+//   survey_mistakes_benchmark [TRIALS [SCENARIO]]
+// clean: the verdict is "sound" and every marker lies within 5 of its standard deviations (plus 0.2 mm) of the truth.
+// named: a finding says what was wrong, and where. innocent: a reading was taken out in which nothing was wrong.
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <numbers>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "geometry/random.hpp"
+#include "survey/adjust/adjust_network.hpp"
+#include "survey/simulate/simulate_survey.hpp"
+
+namespace {
+
+using namespace plumbline;
+using namespace plumbline::survey;
+using Kind = SurveyMistake::Kind;
+
+constexpr double kGon = std::numbers::pi / 200;
+
+struct Trial {
+  SurveyLayout layout;
+  SurveyObservations survey;
+  std::set<int> wrong;             // lines
+  std::vector<std::string> words;  // one of which the findings must have
+};
+
+double sign(Random& random) { return random.uniform() < 0.5 ? -1 : 1; }
+/// Between two sizes, each decade as often.
+double size(Random& random, double least, double most) {
+  return least * std::pow(most / least, random.uniform()) * sign(random);
+}
+
+void plant(Trial& t, const SurveyMistake& mistake) {
+  for (const int i : survey::plant(mistake, t.layout, t.survey)) t.wrong.insert(i + 1);
+}
+
+void gross_reading(Trial& t, Random& random) {
+  SurveyMistake m;
+  m.observation = static_cast<int>(random.uniform() * static_cast<double>(t.survey.observations.size()));
+  const Observation& o = t.survey.observations[static_cast<std::size_t>(m.observation)];
+  m.size = o.kind == ObservationKind::slope_distance ? size(random, 0.02, 5) : size(random, 0.05 * kGon, 20 * kGon);
+  m.set_up = o.set_up;
+  t.words.push_back(t.survey.set_ups[static_cast<std::size_t>(o.set_up)].station + " -> " + o.to);
+  plant(t, m);
+}
+
+/// Two markers that a set-up sees, near each other or far.
+void swapped(Trial& t, Random& random, bool near) {
+  SurveyMistake m;
+  m.kind = Kind::swapped_names;
+  m.set_up = static_cast<int>(random.uniform() * 4);
+  std::vector<const SimulatedPoint*> seen;
+  const auto& sees = t.layout.set_ups[static_cast<std::size_t>(m.set_up)].sees;
+  for (const SimulatedPoint& p : t.layout.points)
+    if (p.id[0] == 'M' && std::find(sees.begin(), sees.end(), p.id) != sees.end()) seen.push_back(&p);
+  for (;;) {
+    const auto pick = [&] {
+      return seen[static_cast<std::size_t>(random.uniform() * static_cast<double>(seen.size()))];
+    };
+    const SimulatedPoint *a = pick(), *b = pick();
+    const double apart = (a->position - b->position).norm();
+    if (a == b || near != (apart < 3.5) || (!near && apart < 8)) continue;
+    m.first = a->id, m.second = b->id;
+    break;
+  }
+  t.words = {m.first + " and " + m.second, m.second + " and " + m.first};
+  plant(t, m);
+}
+
+void of_set_up(Trial& t, Random& random, Kind kind) {
+  SurveyMistake m;
+  m.kind = kind;
+  m.set_up = static_cast<int>(random.uniform() * 4);
+  const std::string set_up = "set-up S" + std::to_string(m.set_up + 1);
+  const auto sights = t.layout.set_ups[static_cast<std::size_t>(m.set_up)].sees.size();
+  if (kind == Kind::turned_circle) {
+    m.size = size(random, 0.02 * kGon, 100 * kGon);
+    m.from_sight = 5 + static_cast<int>(random.uniform() * (static_cast<double>(sights) - 10));
+    t.words = {set_up + " looks turned", set_up + ": the circle was turned"};
+  } else if (kind == Kind::prism) {
+    const double sizes[] = {0.0344, 0.0231, 0.0175};
+    m.size = sizes[static_cast<std::size_t>(random.uniform() * 3)] * sign(random);
+    t.words = {"distances of " + set_up + " look too"};
+  } else if (kind == Kind::instrument_height) {
+    m.size = size(random, 0.02, 1);
+    t.words = {"instrument height of " + set_up};
+  } else if (kind == Kind::unit) {
+    m.size = 0.3048;
+    t.words = {"distances of " + set_up + " are 3.2808 times"};
+  } else {
+    m.size = size(random, 0.05, 0.5);
+    m.from_sight = 8 + static_cast<int>(random.uniform() * (static_cast<double>(sights) - 16));
+    t.words = {set_up + ": the instrument stood elsewhere"};
+  }
+  plant(t, m);
+}
+
+struct Scenario {
+  const char* name;
+  void (*make)(Trial&, Random&);
+};
+
+const Scenario kScenarios[] = {
+    {"nothing wrong", [](Trial&, Random&) {}},
+    {"one gross reading", [](Trial& t, Random& r) { gross_reading(t, r); }},
+    {"three gross readings",
+     [](Trial& t, Random& r) {
+       for (int k = 0; k < 3; ++k) gross_reading(t, r);
+     }},
+    {"names swapped, neighbours", [](Trial& t, Random& r) { swapped(t, r, true); }},
+    {"names swapped, far apart", [](Trial& t, Random& r) { swapped(t, r, false); }},
+    {"circle turned within a set-up", [](Trial& t, Random& r) { of_set_up(t, r, Kind::turned_circle); }},
+    {"wrong prism in a set-up", [](Trial& t, Random& r) { of_set_up(t, r, Kind::prism); }},
+    {"wrong instrument height", [](Trial& t, Random& r) { of_set_up(t, r, Kind::instrument_height); }},
+    {"a set-up in feet", [](Trial& t, Random& r) { of_set_up(t, r, Kind::unit); }},
+    {"instrument moved within a set-up", [](Trial& t, Random& r) { of_set_up(t, r, Kind::moved_instrument); }},
+};
+
+/// Markers within 5 sigma of the truth, after turn and shift of the free network onto it.
+bool is_true(const NetworkResult& r, const SurveyLayout& layout) {
+  Eigen::Vector3d from = Eigen::Vector3d::Zero(), to = from;
+  std::vector<std::pair<const ResultPoint*, Eigen::Vector3d>> markers;
+  for (const SimulatedPoint& p : layout.points) {
+    if (p.id[0] != 'M') continue;
+    const auto at = std::find_if(r.points.begin(), r.points.end(), [&](const auto& q) { return q.id == p.id; });
+    if (at == r.points.end()) return false;
+    markers.emplace_back(&*at, p.position);
+    from += at->position, to += p.position;
+  }
+  from /= static_cast<double>(markers.size()), to /= static_cast<double>(markers.size());
+  double sine = 0, cosine = 0;
+  for (const auto& [p, truth] : markers) {
+    const Eigen::Vector3d a = p->position - from, b = truth - to;
+    cosine += a.x() * b.x() + a.y() * b.y(), sine += a.x() * b.y() - a.y() * b.x();
+  }
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(std::atan2(sine, cosine), Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  for (const auto& [p, truth] : markers) {
+    const Eigen::Vector3d error = turn * (p->position - from) + to - truth, sigma = turn.cwiseAbs() * r.sigma(*p);
+    for (int k = 0; k < 3; ++k)
+      if (!(std::abs(error[k]) <= 5 * sigma[k] + 2e-4)) return false;
+  }
+  return true;
+}
+
+bool is_diagnosis(const Finding& f) {
+  for (const char* word : {"looks", "look too", "look wrong", "set-up S"})
+    if (f.severity != Finding::Severity::note && f.text.find(word) != std::string::npos) return true;
+  return false;
+}
+
+struct Tally {
+  int clean = 0, named = 0, innocent = 0, diagnosed = 0, failed = 0;
+};
+
+void run_trial(const Scenario& scenario, std::uint64_t seed, Tally& tally) {
+  Random random(seed, scenario.name);
+  Trial t;
+  t.layout = facade_layout(40, 4, seed);
+  SimulationOptions simulation;
+  simulation.profile = built_in_profile("total_station_2arcsec");
+  t.survey = simulate_survey(t.layout, simulation, seed);
+  scenario.make(t, random);
+  AdjustOptions options;
+  options.profile = simulation.profile;
+  options.datum = DatumMode::inner;
+  options.remove_blunders = true;
+  try {
+    const NetworkResult r = adjust_network(t.survey, options);
+    const bool clean = r.validity == Validity::sound && is_true(r, t.layout);
+    bool innocent = false, diagnosed = false;
+    int named = 0;
+    for (const ResultRow& row : r.rows) innocent |= row.removed && !t.wrong.contains(row.source.line);
+    for (const Finding& f : r.findings) diagnosed |= is_diagnosis(f);
+    for (const std::string& word : t.words)
+      named += std::any_of(r.findings.begin(), r.findings.end(),
+                           [&](const Finding& f) { return f.text.find(word) != std::string::npos; });
+    tally.clean += clean, tally.innocent += innocent, tally.diagnosed += diagnosed, tally.named += named > 0;
+    if (std::getenv("PLUMBLINE_SHOW") && (!clean || innocent || (t.words.empty() && diagnosed))) {
+      std::printf("  %s, seed %lu: %s%s\n", scenario.name, static_cast<unsigned long>(seed), r.verdict.c_str(),
+                  innocent ? ", innocent readings removed" : "");
+      for (const Finding& f : r.findings)
+        if (f.severity != Finding::Severity::note) std::printf("    %s\n", f.text.substr(0, 200).c_str());
+    }
+  } catch (const NetworkError& error) {
+    ++tally.failed;
+    if (std::getenv("PLUMBLINE_SHOW"))
+      std::printf("  %s, seed %lu: %s\n", scenario.name, static_cast<unsigned long>(seed), error.what());
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const int trials = argc > 1 ? std::max(1, std::atoi(argv[1])) : 200;
+  const std::string only = argc > 2 ? argv[2] : "";
+  std::printf("| %d trials each | ends clean | named | innocent readings removed | refused |\n|---|---|---|---|---|\n",
+              trials);
+  for (const Scenario& scenario : kScenarios) {
+    if (std::string(scenario.name).find(only) == std::string::npos) continue;
+    Tally tally;
+    for (int trial = 1; trial <= trials; ++trial) run_trial(scenario, static_cast<std::uint64_t>(trial), tally);
+    const auto share = [&](int n) { return 100.0 * n / trials; };
+    std::printf("| %s | %.1f %% | %s%.1f %% | %.1f %% | %d |\n", scenario.name, share(tally.clean),
+                scenario.make == kScenarios[0].make ? "false diagnosis " : "",
+                share(scenario.make == kScenarios[0].make ? tally.diagnosed : tally.named), share(tally.innocent),
+                tally.failed);
+    std::fflush(stdout);
+  }
+  return 0;
+}

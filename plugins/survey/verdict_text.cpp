@@ -1,0 +1,134 @@
+#include "verdict_text.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <set>
+#include <sstream>
+#include <vector>
+
+namespace plumbline::survey {
+
+namespace {
+
+constexpr size_t kWorst = 5, kFindings = 4, kAgain = 8;
+
+std::string digits(double value, int n, bool sign = false) {
+  std::ostringstream text;
+  text.precision(n);
+  text << std::fixed << (sign ? std::showpos : std::noshowpos) << value;
+  return text.str();
+}
+
+bool is_angular(const NetworkObservationT& o) {
+  return o.kind == "direction" || o.kind == "zenith_angle" || o.kind == "angle" || o.kind == "azimuth";
+}
+
+std::string amount(const NetworkObservationT& o, double value) {
+  if (!std::isfinite(value)) return "unknown";
+  return is_angular(o) ? digits(value * 200e3 / std::numbers::pi, 1, true) + " mgon"
+                       : digits(1e3 * value, 1, true) + " mm";
+}
+
+std::string name_of(const NetworkObservationT& o) {
+  std::string kind = o.kind;
+  std::replace(kind.begin(), kind.end(), '_', ' ');
+  std::string name = kind + " " + (o.from.empty() ? "" : o.from + " -> ") + o.to;
+  if (!o.file.empty()) name += " (" + o.file + (o.line > 0 ? ":" + std::to_string(o.line) : "") + ")";
+  return name;
+}
+
+void write_worst(const std::vector<const NetworkObservationT*>& worst, std::ostringstream& text) {
+  if (worst.empty()) return;
+  text << "Worst readings (w beyond 3.3 is suspect):\n";
+  for (size_t i = 0; i < worst.size() && i < kWorst; ++i) {
+    const NetworkObservationT& o = *worst[i];
+    text << "  " << i + 1 << ". " << name_of(o) << ": w " << digits(o.w, 1, true) << ", off by "
+         << amount(o, o.estimated_blunder)
+         << (o.removed   ? ", taken out"
+             : o.flagged ? ", suspect"
+                         : "")
+         << "\n";
+  }
+}
+
+/// Suspect sights, and points that nothing controls.
+void write_again(const SurveyNetworkT& n, const std::vector<const NetworkObservationT*>& worst,
+                 std::ostringstream& text) {
+  std::vector<std::string> again;
+  const auto say = [&](const std::string& what) {
+    if (std::find(again.begin(), again.end(), what) == again.end()) again.push_back(what);
+  };
+  for (const NetworkObservationT* o : worst)
+    if (o->flagged || o->removed) say("sight " + o->to + (o->set_up.empty() ? "" : " from set-up " + o->set_up));
+  std::map<std::string, bool> controlled;  // by target
+  std::set<std::string> stations;
+  for (const auto& s : n.set_ups) stations.insert(s->station);
+  for (const auto& o : n.observations)
+    if (!o->removed && !o->to.empty()) controlled[o->to] |= o->control != "uncontrolled";
+  for (const auto& [id, yes] : controlled)
+    if (!yes && !stations.contains(id)) say("sight " + id + " from another set-up: nothing controls it");
+  for (const std::string& id : n.left_out)
+    say("sight " + id + " with a distance, or from another set-up: not determined");
+  if (again.empty()) {
+    text << "Nothing has to be measured again.\n";
+    return;
+  }
+  text << "Measure again before the instrument is packed:\n";
+  for (size_t i = 0; i < again.size() && i < kAgain; ++i) text << "  - " << again[i] << "\n";
+  if (again.size() > kAgain) text << "  and " << again.size() - kAgain << " more, see the page\n";
+}
+
+void write_precision(const SurveyNetworkT& n, std::ostringstream& text) {
+  std::set<std::string> stations;
+  for (const auto& s : n.set_ups) stations.insert(s->station);
+  const NetworkEllipsoidT *plan = nullptr, *height = nullptr;
+  for (const auto& e : n.ellipsoids) {
+    if (stations.contains(e->id) && stations.size() < n.points.size()) continue;
+    if (std::isfinite(e->plan_semi_axis_95) && (!plan || e->plan_semi_axis_95 > plan->plan_semi_axis_95))
+      plan = e.get();
+    if (std::isfinite(e->height_half_length_95) &&
+        (!height || e->height_half_length_95 > height->height_half_length_95))
+      height = e.get();
+  }
+  if (plan && height)
+    text << "Weakest at 95 %: in plan " << plan->id << " " << digits(1e3 * plan->plan_semi_axis_95, 1)
+         << " mm, in height " << height->id << " " << digits(1e3 * height->height_half_length_95, 1) << " mm.\n";
+}
+
+}  // namespace
+
+std::string verdict_text(const SurveyNetworkT& n) {
+  std::ostringstream text;
+  std::string verdict = n.verdict;
+  if (n.validity == "invalid")
+    std::transform(verdict.begin(), verdict.begin() + 12, verdict.begin(), ::toupper);
+  else if (!verdict.empty())
+    verdict[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(verdict[0])));
+  text << verdict << ".\n";
+  text << n.points.size() << " points, " << n.set_ups.size() << (n.set_ups.size() == 1 ? " set-up, " : " set-ups, ")
+       << n.observations.size() << " readings";
+  if (n.statistics) text << ", " << n.statistics->degrees_of_freedom << " more than needed";
+  text << "; datum: " << n.datum << ".\n";
+  size_t said = 0;
+  for (const auto& f : n.findings) {
+    const bool reading = f->text.starts_with("suspect: ") || f->text.starts_with("removed: ");
+    if (f->severity == "note" ? !f->text.starts_with("excluded: ") : reading) continue;
+    if (++said > kFindings) continue;
+    text << (f->severity == "note" ? "" : "! ") << f->text << ".\n";
+  }
+  if (said > kFindings) text << "  and " << said - kFindings << " findings more, see the page\n";
+  std::vector<const NetworkObservationT*> worst;
+  for (const auto& o : n.observations)
+    if (std::isfinite(o->w) && o->w != 0) worst.push_back(o.get());
+  std::stable_sort(worst.begin(), worst.end(), [](const auto* a, const auto* b) {
+    return a->removed != b->removed ? a->removed : std::abs(a->w) > std::abs(b->w);
+  });
+  write_worst(worst, text);
+  write_again(n, worst, text);
+  write_precision(n, text);
+  return text.str();
+}
+
+}  // namespace plumbline::survey
