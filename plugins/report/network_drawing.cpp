@@ -125,16 +125,21 @@ Layout layout(const NetworkPage& network, const Projection& projection) {
 void draw_sights(Markup& svg, const NetworkPage& network, const Layout& layout) {
   std::map<std::string, const Spot*> by_id;
   for (const Spot& s : layout.spots) by_id[s.point->id] = &s;
-  std::set<std::pair<std::string, std::string>> drawn;
-  std::string path;
-  for (const auto& o : network.observations) {
+  std::set<std::pair<std::string, std::string>> drawn, suspect;
+  std::string path, suspects;
+  const auto line_to = [&](const NetworkPage::Observation& o) {
     const auto from = by_id.find(o.from), to = by_id.find(o.to);
-    if (from == by_id.end() || to == by_id.end() || !drawn.emplace(o.from, o.to).second) continue;
+    if (from == by_id.end() || to == by_id.end()) return std::string();
     const Eigen::Vector2d &a = from->second->at, &b = to->second->at;
-    path +=
-        "M" + px(layout.x(a.x())) + " " + px(layout.y(a.y())) + "L" + px(layout.x(b.x())) + " " + px(layout.y(b.y()));
-  }
+    return "M" + px(layout.x(a.x())) + " " + px(layout.y(a.y())) + "L" + px(layout.x(b.x())) + " " +
+           px(layout.y(b.y()));
+  };
+  for (const auto& o : network.observations)
+    if ((o.flagged || o.removed) && suspect.emplace(o.from, o.to).second) suspects += line_to(o);
+  for (const auto& o : network.observations)
+    if (!suspect.contains({o.from, o.to}) && drawn.emplace(o.from, o.to).second) path += line_to(o);
   if (!path.empty()) svg.empty("path", {{"class", "sight"}, {"d", path}});
+  if (!suspects.empty()) svg.empty("path", {{"class", "sight suspect"}, {"d", suspects}});
 }
 
 void draw_point(Markup& svg, const Layout& layout, const Spot& s) {
@@ -228,6 +233,10 @@ void draw(Markup& html, const NetworkPage& network, const Projection& projection
       projection.name + ": " + projection.horizontal + " to the right, " + projection.vertical + " up." +
           (view.ellipses ? " Ellipses: " + network.ellipses + ", drawn ×" + fixed(view.exaggeration, 0) + "." : "") +
           (stations ? " Triangles: instrument; dots: markers." : "") +
+          (std::any_of(network.observations.begin(), network.observations.end(),
+                       [](const auto& o) { return o.flagged || o.removed; })
+               ? " Thick red: sights with a suspect or removed reading."
+               : "") +
           (view.rings ? " Rings: " + network.rings + "."
            : datum    ? std::string(markers ? " All markers are " : " All are ") + network.rings + "."
                       : "") +

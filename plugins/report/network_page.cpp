@@ -28,8 +28,10 @@ std::vector<NetworkPage::Point> points_of(const SurveyNetworkT& network) {
     NetworkPage::Point& p = points.emplace_back();
     p.id = point->id, p.position = point->position;
     const auto ellipsoid = ellipsoids.find(point->id);
-    p.covariance = ellipsoid != ellipsoids.end() ? covariance_of(*ellipsoid->second)
-                                                 : Eigen::Matrix3d(point->sigma.cwiseAbs2().asDiagonal());
+    if (ellipsoid != ellipsoids.end())
+      p.covariance = covariance_of(*ellipsoid->second);
+    else if (network.validity != "invalid")  // what is no result has no ellipses
+      p.covariance = point->sigma.cwiseAbs2().asDiagonal();
     p.station = stations.count(point->id) > 0, p.datum = datum.count(point->id) > 0;
   }
   return points;
@@ -40,7 +42,8 @@ NetworkPage::Observation observation_of(const NetworkObservationT& from) {
   o.kind = from.kind, o.from = from.from, o.to = from.to;
   if (!from.detail.empty()) o.to += " (" + from.detail + ")";
   o.angular = is_angular(from.kind);
-  o.residual = from.residual, o.sigma = from.sigma, o.redundancy_number = from.redundancy_number, o.w = from.w;
+  o.value = from.value, o.residual = from.residual, o.sigma = from.sigma, o.redundancy_number = from.redundancy_number,
+  o.w = from.w;
   o.estimated_blunder = from.estimated_blunder, o.mdb = from.mdb, o.external_effect = from.external_effect;
   o.flagged = from.flagged, o.removed = from.removed;
   if (!from.file.empty()) o.source = from.line > 0 ? from.file + ":" + std::to_string(from.line) : from.file;
@@ -70,7 +73,7 @@ void fill_coordinates(const SurveyNetworkT& network, NetworkPage& page) {
 /// Every marker with its four nearest, weakest height first.
 void fill_relative(const SurveyNetworkT& network, const PointsT& points, NetworkPage& page) {
   constexpr double factor_1d = 1.959964, factor_2d = 2.447747;  // 95 %
-  if (points.covariance.empty()) return;
+  if (points.covariance.empty() || network.validity == "invalid") return;
   const Eigen::MatrixXd covariance = unpack_symmetric(points.covariance, 3 * points.points.size(), "the points");
   std::set<std::string> stations;
   for (const auto& s : network.set_ups) stations.insert(s->station);
@@ -114,6 +117,12 @@ NetworkPage network_page(const SurveyNetworkT& network, const SurveyNetworkT* in
   fill_coordinates(in_file_axes ? *in_file_axes : network, page);
   if (points) fill_relative(network, *points, page);
   page.stochastic_model = network.stochastic_model;
+  page.validity = network.validity, page.outcome = network.verdict;
+  page.instrument = network.instrument, page.date = network.date, page.files = network.files;
+  for (const auto& s : network.set_ups)
+    page.set_ups.push_back({s->id, s->station, s->orientation, s->orientation_sigma, s->instrument_height,
+                            s->instrument_height_correction, s->index, s->index_sigma, s->constant, s->constant_sigma,
+                            s->scale, s->scale_sigma});
   page.points = points_of(network);
   for (const auto& o : network.observations) page.observations.push_back(observation_of(*o));
   for (const auto& s : network.snooping)

@@ -28,6 +28,14 @@ std::string positive_size_of(const NetworkPage::Observation& o, double value) {
   return fixed(o.angular ? value * 200e3 / M_PI : 1e3 * value, 2);
 }
 
+/// An observed value as it is read off: gon with 0.1 mgon, metres with 0.1 mm.
+std::string reading_of(const NetworkPage::Observation& o) {
+  if (!std::isfinite(o.value)) return unknown;
+  if (!o.angular) return fixed(o.value, 4);
+  const double gon = o.value * 200 / M_PI;
+  return fixed(gon < 0 ? gon + 400 : gon, 4);
+}
+
 std::string name_of(const NetworkPage::Observation& o) {
   std::string name = kind_words(o.kind) + " ";
   name += o.from.empty() ? o.to : o.from + " → " + o.to;
@@ -67,6 +75,48 @@ void write_global_test(Markup& html, const NetworkPage& n) {
   } else {
     html.element("p", "There is no redundancy to test the network with: blunders would stay unseen.");
   }
+}
+
+/// "12.3 ± 0.4", or a dash.
+std::string with_sigma(double value, double sigma, double factor, int digits) {
+  if (!std::isfinite(value)) return unknown;
+  const std::string text = signed_fixed(factor * value, digits);
+  return std::isfinite(sigma) ? text + " ± " + fixed(factor * sigma, digits) : text;
+}
+
+/// The result must not be taken for one where it is none.
+void write_banner(Markup& html, const NetworkPage& n) {
+  if (n.validity != "invalid") return;
+  Scope banner(html, "div", {{"class", "verdict fail"}, {"role", "alert"}});
+  html.element("p", "NOT A RESULT. The coordinates below are " + n.outcome + ".");
+}
+
+void write_set_ups(Markup& html, const NetworkPage& n) {
+  if (n.set_ups.empty()) return;
+  html.element("h3", "Set-ups");
+  html.element("p",
+               "Index, constant and ppm: what the network says the zenith angles and distances of the set-up have in "
+               "common, each estimated alone; beyond three times its ± it is a mistake or belongs into the instrument. "
+               "A dash: the network cannot tell it.");
+  Scope wide(html, "div", {{"class", "wide"}});
+  Scope table(html, "table");
+  table_head(html, {"Set-up", left("Station"), "Orientation [gon]", "Instrument height [m]", "Correction [mm]",
+                    "Index [mgon]", "Constant [mm]", "ppm"});
+  Scope body(html, "tbody");
+  constexpr double mgon = 200e3 / M_PI;
+  for (const auto& s : n.set_ups) {
+    const double turn = s.orientation * 200 / M_PI;
+    table_row(html, {s.id, left(s.station), std::isfinite(turn) ? fixed(turn < 0 ? turn + 400 : turn, 4) : unknown,
+                     std::isfinite(s.instrument_height) ? fixed(s.instrument_height, 3) : unknown,
+                     with_sigma(s.height_correction, std::nan(""), 1e3, 1), with_sigma(s.index, s.index_sigma, mgon, 1),
+                     with_sigma(s.constant, s.constant_sigma, 1e3, 1), with_sigma(s.scale, s.scale_sigma, 1e6, 0)});
+  }
+}
+
+std::string joined(const std::vector<std::string>& texts) {
+  std::string all;
+  for (const std::string& text : texts) all += (all.empty() ? "" : ", ") + text;
+  return all;
 }
 
 void write_findings(Markup& html, const NetworkPage& n) {
@@ -151,12 +201,12 @@ void write_observations(Markup& html, const NetworkPage& n) {
     const auto size = [](const auto* o) { return std::isfinite(o->w) ? std::abs(o->w) : -1; };
     return a->removed != b->removed ? a->removed : size(a) > size(b);
   });
-  write_long_table(html, {"Observation", "v", "σ", "r", "w", "MDB", "Effect [mm]", left("Flags")}, order.size(),
-                   "observation", [&](std::size_t i) {
+  write_long_table(html, {"Observation", "Observed [gon, m]", "v", "σ", "r", "w", "MDB", "Effect [mm]", left("Flags")},
+                   order.size(), "observation", [&](std::size_t i) {
                      const NetworkPage::Observation& o = *order[i];
-                     table_row(html, {name_of(o), size_of(o, o.residual, false), positive_size_of(o, o.sigma),
-                                      fixed(o.redundancy_number, 2), signed_fixed(o.w, 2), positive_size_of(o, o.mdb),
-                                      mm(o.external_effect), left(flags_of(o))});
+                     table_row(html, {name_of(o), reading_of(o), size_of(o, o.residual, false),
+                                      positive_size_of(o, o.sigma), fixed(o.redundancy_number, 2), signed_fixed(o.w, 2),
+                                      positive_size_of(o, o.mdb), mm(o.external_effect), left(flags_of(o))});
                    });
 }
 
@@ -245,6 +295,7 @@ void write_pointings(Markup& html, const NetworkPage& n) {
 void write_network(Markup& html, const NetworkPage& network, const SurveyComparisonT* control) {
   Scope part(html, "section", {{"id", "network"}});
   html.element("h2", "Survey network");
+  write_banner(html, network);
   html.element("p", {{"class", "note"}},
                count(static_cast<long>(network.points.size()), "point", "points") + ", " +
                    count(static_cast<long>(network.observations.size()), "observation", "observations") + ", " +
@@ -254,12 +305,17 @@ void write_network(Markup& html, const NetworkPage& network, const SurveyCompari
                    ". Datum: " + datum_in_words(network) + ".");
   if (!network.stochastic_model.empty())
     html.element("p", {{"class", "note"}}, "Precision assumed, " + network.stochastic_model + ".");
+  const std::string about = (network.instrument.empty() ? "" : "Instrument: " + network.instrument + ". ") +
+                            (network.date.empty() ? "" : "Date: " + network.date + ". ") +
+                            (network.files.empty() ? "" : "Files: " + joined(network.files) + ".");
+  if (!about.empty()) html.element("p", {{"class", "note"}}, about);
   write_global_test(html, network);
   write_findings(html, network);
   if (control) write_control_check(html, *control);
   write_network_drawings(html, network);
   write_points(html, network);
   write_relative(html, network);
+  write_set_ups(html, network);
   write_removed(html, network);
   write_pointings(html, network);
   write_groups(html, network);

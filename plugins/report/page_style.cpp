@@ -77,7 +77,7 @@ svg .halo{paint-order:stroke;stroke:var(--bg);stroke-width:4px;stroke-linejoin:r
 .moved.shaft{stroke:var(--fail-fill)}.moved.head{fill:var(--fail-fill)}
 .storey{stroke:var(--line);stroke-dasharray:3 5}
 .ellipse{fill:var(--band);stroke:var(--blue);stroke-width:1.3;fill-opacity:.75}.bar{stroke:var(--blue);stroke-width:2}
-.sight{fill:none;stroke:var(--line);stroke-width:1}.station{fill:var(--fg)}.datum-ring{fill:none;stroke:var(--fg);stroke-width:1.4}.dot{fill:var(--fg)}
+.sight{fill:none;stroke:var(--line);stroke-width:1}.sight.suspect{stroke:var(--fail-fill);stroke-width:2.4}.station{fill:var(--fg)}.datum-ring{fill:none;stroke:var(--fg);stroke-width:1.4}.dot{fill:var(--fg)}
 .slider{display:flex;flex-wrap:wrap;gap:8px 16px;align-items:center;padding:10px 14px;border:1px solid var(--line);border-radius:6px;background:var(--panel);margin:10px 0}
 .slider[hidden]{display:none}.slider input{flex:1 1 260px;accent-color:var(--blue)}.slider output{font-weight:600}
 details summary{cursor:pointer;color:var(--link);margin:8px 0}

@@ -33,10 +33,18 @@ struct NetworkPage {
     std::string kind;  ///< "direction", "zenith_angle", "slope_distance", ...
     std::string from, to;
     bool angular = false;
-    double residual = nan, sigma = nan, redundancy_number = nan, w = nan, estimated_blunder = nan, mdb = nan;
+    double value = nan, residual = nan, sigma = nan, redundancy_number = nan, w = nan, estimated_blunder = nan,
+           mdb = nan;
     double external_effect = nan;  ///< [m]
     bool flagged = false, removed = false;
     std::string source;  ///< "file:line"
+  };
+  struct SetUp {
+    std::string id, station;
+    double orientation = nan, orientation_sigma = nan;                            ///< [rad]
+    double instrument_height = nan, height_correction = nan;                      ///< [m]
+    double index = nan, index_sigma = nan;                                        ///< [rad]
+    double constant = nan, constant_sigma = nan, scale = nan, scale_sigma = nan;  ///< [m], [1]
   };
   struct Step {
     std::size_t observation = 0;  ///< index into observations
@@ -78,6 +86,10 @@ struct NetworkPage {
   std::array<std::string, 3> axis_names = {"E", "N", "H"};
   std::vector<Relative> relative;  ///< weakest first; empty: not known
   std::string stochastic_model;
+  std::string validity, outcome;  ///< "sound", "doubtful", "invalid"; the same in a sentence
+  std::string instrument, date;
+  std::vector<std::string> files;
+  std::vector<SetUp> set_ups;
   std::vector<Observation> observations;
   std::vector<Step> steps;
   std::vector<Group> groups;

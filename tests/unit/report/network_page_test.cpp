@@ -99,5 +99,34 @@ TEST(NetworkPage, RendersWithoutTestsAndStatistics) {
   EXPECT_NE(render_report(input).find("no redundancy to test"), std::string::npos);
 }
 
+TEST(NetworkPage, AnInvalidResultSaysSoAndHasNoEllipses) {
+  SurveyNetworkT network = small_network();
+  network.validity = "invalid", network.verdict = "not a result: set-ups contradict each other";
+  network.ellipsoids.clear();
+  ReportInput input;
+  input.network = network_page(network);
+  EXPECT_FALSE(input.network->points[0].covariance.allFinite());
+  const std::string html = render_report(input);
+  EXPECT_NE(html.find("NOT A RESULT"), std::string::npos);
+  EXPECT_EQ(html.find("class=\"ellipse\""), std::string::npos);
+  input.network = network_page(small_network());
+  EXPECT_EQ(render_report(input).find("NOT A RESULT"), std::string::npos);
+}
+
+TEST(NetworkPage, SetUpsValuesAndSuspects) {
+  SurveyNetworkT network = small_network();
+  auto& set_up = *network.set_ups[0];
+  set_up.orientation = -M_PI / 2, set_up.instrument_height = 1.603;
+  set_up.constant = 0.0344, set_up.constant_sigma = 0.0004;
+  network.observations[0]->value = M_PI / 2, network.observations[0]->flagged = true;
+  network.instrument = "TS 16, no. 4711", network.date = "2026-11-21";
+  ReportInput input;
+  input.network = network_page(network);
+  const std::string html = render_report(input);
+  for (const char* words :
+       {"300.0000", "1.603", "+34.4 ± 0.4", "100.0000", "sight suspect", "TS 16, no. 4711", "2026-11-21"})
+    EXPECT_NE(html.find(words), std::string::npos) << words;
+}
+
 }  // namespace
 }  // namespace plumbline::report
