@@ -1,10 +1,15 @@
-// detect.apriltag: tags of one image; detect.collect: the tags of all images in one artifact.
+// detect.apriltag, detect.aruco: tags of one image; detect.collect: the tags of all images in one artifact;
+// detect.board: the points of a calibration board; read.tag_family: the codes of a dictionary file; write.observations:
+// the tags as a JSON file of their own.
 #include "artifacts/image.hpp"
 #include "artifacts/image_tags.hpp"
 #include "artifacts/tag_observations.hpp"
+#include "aruco_node.hpp"
+#include "board_node.hpp"
+#include "collect_nodes.hpp"
 #include "detect/detector_pool.hpp"
 #include "detect/tag_detector.hpp"
-#include "images/grey_image.hpp"
+#include "detector_node.hpp"
 #include "plumbline/node.hpp"
 
 namespace {
@@ -17,24 +22,11 @@ pd::DetectorPool& pool() {
   return detectors;
 }
 
-std::unique_ptr<TagT> tag_artifact(const pd::DetectedTag& found) {
-  auto tag = std::make_unique<TagT>();
-  tag->family = found.family;
-  tag->id = found.id;
-  tag->hamming = found.hamming;
-  tag->decision_margin = static_cast<float>(found.decision_margin);
-  for (int i = 0; i < 4; ++i) {
-    tag->corners.push_back(found.corners[i]);
-    const Eigen::Matrix2d& c = found.covariances[i];
-    for (const double value : {c(0, 0), c(0, 1), c(1, 1)}) tag->corner_covariances.push_back(value);
-  }
-  return tag;
-}
-
 struct DetectAprilTag : Node {
-  static constexpr Info info{"detect.apriltag", "detector", 2,
+  static constexpr Info info{"detect.apriltag", "detector", 3,
                              "Finds AprilTags and measures their corners in the full-resolution image"};
   Each<Image> images{"images", "photographs: JPEG, PNG or TIFF"};
+  Optional<File> family{"family", "the family of read.tag_family, in place of `families`"};
   Out<ImageTags> observations{"observations", "the tags with the covariance of every corner"};
   Param<std::vector<std::string>> families{
       "families",
@@ -58,37 +50,28 @@ struct DetectAprilTag : Node {
   Param<double> apriltag_sigma{"apriltag_sigma", 0.25, "px", between(0.001, 10),
                                "sigma of corners that are libapriltag's own"};
 
+  Param<std::string> on_bad_image{"on_bad_image", "error", one_of("error", "leave_out"),
+                                  "what to do with a photograph that cannot be read: stop, or go on without it"};
+
   void run(Context& context) override {
     // The file's bytes, the grey values, and what libapriltag takes: 30 bytes for each pixel of the reduced image.
     const double pixels = static_cast<double>(images->width()) * images->height();
     const double factor = *decimate > 0 ? *decimate : pd::decimation_for(images->width(), images->height());
     context.reserve_memory(
         static_cast<uint64_t>(static_cast<double>(images->size()) + pixels * (1 + 30 / (factor * factor))));
-
-    const std::string path = context.resolve(images->uri()->str());
-    const GreyImage grey = read_grey_image(path);
-    if (images->width() > 0 && (grey.width != images->width() || grey.height != images->height()))
-      throw std::runtime_error(path + " has " + std::to_string(grey.width) + " x " + std::to_string(grey.height) +
-                               " pixels, but was registered with " + std::to_string(images->width()) + " x " +
-                               std::to_string(images->height()) + "; it was changed since");
-    const auto tags =
-        pool().with_detector(key(), options(), [&](pd::TagDetector& detector) { return detector.detect(grey); });
-    if (tags.empty()) context.warn("no tag found in " + images->path()->str());
-
-    ImageTagsT result;
-    result.path = images->path()->str();
-    result.sha256 = images->sha256()->str();
-    if (images->camera()) result.camera = images->camera()->str();
-    result.width = grey.width;
-    result.height = grey.height;
-    for (const auto& tag : tags) result.tags.push_back(tag_artifact(tag));
-    observations.commit(result);
+    const pd::DetectorOptions chosen = options();
+    observations.commit(pd::search_image(context, *images, *on_bad_image == "error", [&](const GreyImage& grey) {
+      return pool().with_detector(key(chosen), chosen,
+                                  [&](pd::TagDetector& detector) { return detector.detect(grey); });
+    }));
   }
 
  private:
-  pd::DetectorOptions options() const {
+  pd::DetectorOptions options() {
     pd::DetectorOptions o;
-    o.families = *families;
+    o.families =
+        family ? std::vector<std::string>{pd::apriltag_family_of(family->name()->str(), family->content()->size())}
+               : *families;
     o.decimate = *decimate;
     o.bits_corrected = static_cast<int>(*bits_corrected);
     o.max_hamming = static_cast<int>(*max_hamming);
@@ -99,9 +82,9 @@ struct DetectAprilTag : Node {
     o.apriltag_sigma = *apriltag_sigma;
     return o;
   }
-  std::string key() const {
+  std::string key(const pd::DetectorOptions& chosen) const {
     using plumbline::detail::to_text;
-    std::string text = to_text(*families) + '|' + *refine;
+    std::string text = to_text(chosen.families) + '|' + *refine;
     for (const double value : {*decimate, static_cast<double>(*bits_corrected), static_cast<double>(*max_hamming),
                                *min_decision_margin, *curvature_sigma, *sigma_floor, *apriltag_sigma})
       text += '|' + to_text(value);
@@ -109,19 +92,8 @@ struct DetectAprilTag : Node {
   }
 };
 
-struct CollectTags : Node {
-  static constexpr Info info{"detect.collect", "", 1, "Gathers the tags of all images in one artifact"};
-  List<ImageTags> observations{"observations", "tags of each image"};
-  Out<TagObservations> all{"observations", "the same, in the same order"};
-
-  void run(Context&) override {
-    TagObservationsT result;
-    for (size_t i = 0; i < observations.size(); ++i)
-      result.images.push_back(std::make_unique<ImageTagsT>(observations.unpack(i)));
-    all.commit(result);
-  }
-};
-
 }  // namespace
 
-PLUMBLINE_PLUGIN("detect", "0.1.0", "MIT", DetectAprilTag, CollectTags)
+PLUMBLINE_PLUGIN("detect", "0.1.0", "MIT", DetectAprilTag, plumbline::detect::DetectAruco,
+                 plumbline::detect::CollectTags, plumbline::detect::ReadTagFamily, plumbline::detect::WriteObservations,
+                 plumbline::detect::DetectBoard)

@@ -10,7 +10,9 @@
 #include "artifacts/survey_network.hpp"
 #include "artifacts/survey_observations.hpp"
 #include "plumbline/node.hpp"
+#include "report/calibration_page_node.hpp"
 #include "report/format.hpp"
+#include "report/image_block_page_node.hpp"
 #include "report/network_page.hpp"
 #include "report/report.hpp"
 #include "report/summary.hpp"
@@ -120,4 +122,5 @@ struct ReportSummary : Node {
 }  // namespace plumbline::report
 
 PLUMBLINE_PLUGIN("report", "0.1.0", "MIT", plumbline::report::ReportHtml, plumbline::report::ReportSummary,
-                 plumbline::report::ReportSurvey)
+                 plumbline::report::ReportSurvey, plumbline::report::ReportImageBlock,
+                 plumbline::report::ReportCalibration)

@@ -1,0 +1,430 @@
+#include "markers/calibration.hpp"
+
+#include <ceres/autodiff_cost_function.h>
+#include <ceres/rotation.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "block/defects.hpp"
+#include "markers/planar_pose.hpp"
+
+namespace plumbline::markers {
+namespace {
+
+constexpr int count = BrownCamera::parameter_count;
+
+/// One point. Parameters: pose (translation, rotation vector on top of the approximate one), interior orientation,
+/// bend.
+struct PointCost {
+  Eigen::Vector3d board;
+  Eigen::Vector2d pixel, unit;  // `unit`: the point from −1 to 1 over the board
+  double sigma;
+  const Eigen::Matrix3d* camera_matrix;
+
+  template <typename T>
+  bool operator()(const T* pose, const T* interior, const T* bend, T* residual) const {
+    using Vector = Eigen::Matrix<T, 3, 1>;
+    const T z = T(board.z()) + bend[0] * T(1 - unit.x() * unit.x()) + bend[1] * T(1 - unit.y() * unit.y());
+    const Vector start = camera_matrix->cast<T>() * Vector(T(board.x()), T(board.y()), z);
+    Vector turned;
+    ceres::AngleAxisRotatePoint(pose + 3, start.data(), turned.data());
+    const T depth = turned[2] + pose[2];
+    if (!(depth > T(1e-9))) return false;
+    T computed[2];
+    project_normalised(interior, T((turned[0] + pose[0]) / depth), T((turned[1] + pose[1]) / depth), computed);
+    residual[0] = (computed[0] - T(pixel.x())) / T(sigma);
+    residual[1] = (computed[1] - T(pixel.y())) / T(sigma);
+    return true;
+  }
+};
+
+struct ScaledCost {
+  double sigma;
+  template <typename T>
+  bool operator()(const T* bend, T* residual) const {
+    residual[0] = bend[0] / T(sigma), residual[1] = bend[1] / T(sigma);
+    return true;
+  }
+};
+
+struct State {
+  std::vector<std::array<double, 6>> poses;
+  std::vector<Eigen::Quaterniond> rotations;
+  std::vector<Eigen::Matrix3d> matrices;
+  std::array<double, count> interior{};
+  std::array<double, 2> bend{};
+
+  void fold() {
+    for (size_t i = 0; i < poses.size(); ++i) {
+      rotations[i] =
+          (quaternion_from_rotation_vector({poses[i][3], poses[i][4], poses[i][5]}) * rotations[i]).normalized();
+      matrices[i] = rotations[i].toRotationMatrix();
+      poses[i][3] = poses[i][4] = poses[i][5] = 0;
+    }
+  }
+};
+
+struct Labelled {
+  int view = 0, point = 0;
+};
+
+class Calibrator {
+ public:
+  Calibrator(const std::vector<CalibrationView>& views, int width, int height, const CalibrationOptions& options)
+      : views_(views), width_(width), height_(height), options_(options) {
+    Eigen::AlignedBox2d box;
+    for (const auto& view : views)
+      for (const auto& p : view.points) box.extend(p.board.head<2>());
+    middle_ = box.center(), half_ = 0.5 * box.sizes().cwiseMax(1e-9);
+    for (const auto& view : views) use_.emplace_back(view.points.size(), true);
+  }
+
+  Calibration run() {
+    start();
+    reject();
+    adjust::AdjustedBlock block = adjust();
+    return result(block);
+  }
+
+ private:
+  double focal_length() const {
+    double ab = 0, aa = 0;
+    const double unit = std::max(width_, height_);
+    for (const auto& view : views_) {
+      std::vector<Eigen::Vector2d> plane, image;
+      for (const auto& p : view.points) {
+        plane.push_back((p.board.head<2>() - middle_) / half_.maxCoeff());
+        image.emplace_back((p.pixel.x() - 0.5 * width_) / unit, (p.pixel.y() - 0.5 * height_) / unit);
+      }
+      const Eigen::Matrix3d h = plane_homography(plane, image);
+      const Eigen::Vector3d h1 = h.col(0), h2 = h.col(1);
+      const double scale = h1.head<2>().squaredNorm() + h2.head<2>().squaredNorm();
+      const double a1 = h1.head<2>().dot(h2.head<2>()) / scale, b1 = h1.z() * h2.z() / scale;
+      const double a2 = (h1.head<2>().squaredNorm() - h2.head<2>().squaredNorm()) / scale,
+                   b2 = (h1.z() * h1.z() - h2.z() * h2.z()) / scale;
+      ab += a1 * b1 + a2 * b2, aa += a1 * a1 + a2 * a2;
+    }
+    const double w = -ab / aa;
+    return w > 0 && std::isfinite(w) ? unit / std::sqrt(w) : std::nan("");
+  }
+
+  bool pose_all(double f) {
+    state_ = State{};
+    state_.interior = {f, f, 0.5 * (width_ - 1), 0.5 * (height_ - 1), 0, 0, 0, 0, 0};
+    for (const auto& view : views_) {
+      std::vector<Eigen::Vector2d> plane, image;
+      for (const auto& p : view.points) {
+        plane.push_back(p.board.head<2>());
+        image.emplace_back((p.pixel.x() - state_.interior[2]) / f, (p.pixel.y() - state_.interior[3]) / f);
+      }
+      const auto poses = poses_of_plane(plane, image);
+      if (poses.empty()) return false;
+      const RigidTransform& pose = poses.front().cam_from_figure;
+      state_.poses.push_back({pose.translation.x(), pose.translation.y(), pose.translation.z(), 0, 0, 0});
+      state_.rotations.push_back(pose.rotation);
+    }
+    state_.matrices.resize(state_.poses.size());
+    state_.fold();
+    return true;
+  }
+
+  void build(adjust::BlockModel& model) {
+    labels_.clear();
+    model.add_group("points"), model.add_group("bend");
+    for (auto& pose : state_.poses) model.add_pose(pose.data());
+    std::vector<bool> free(count, false);
+    for (const auto& name : options_.free) {
+      const auto at = std::find_if(BrownCamera::parameter_names.begin(), BrownCamera::parameter_names.end(),
+                                   [&](const char* known) { return name == known; });
+      if (at == BrownCamera::parameter_names.end())
+        throw std::runtime_error("unknown interior parameter '" + name +
+                                 "'; known are fx, fy, cx, cy, k1, k2, k3, p1, p2");
+      free[static_cast<size_t>(at - BrownCamera::parameter_names.begin())] = true;
+    }
+    columns_ = model.add_kept(state_.interior.data(), free,
+                              {BrownCamera::parameter_names.begin(), BrownCamera::parameter_names.end()});
+    const bool bent = options_.bend_sigma > 0;
+    bend_columns_ =
+        model.add_kept(state_.bend.data(), {bent, bent}, {"bend of the board in x", "bend of the board in y"});
+    if (bent)
+      model.add_term(
+          std::make_unique<ceres::AutoDiffCostFunction<ScaledCost, 2, 2>>(new ScaledCost{options_.bend_sigma}),
+          {state_.bend.data()}, 1, 0);
+    for (size_t v = 0; v < views_.size(); ++v)
+      for (size_t k = 0; k < views_[v].points.size(); ++k) {
+        if (!use_[v][k]) continue;
+        const CalibrationPoint& p = views_[v].points[k];
+        const Eigen::Vector2d unit = (p.board.head<2>() - middle_).cwiseQuotient(half_);
+        model.add_term(std::make_unique<ceres::AutoDiffCostFunction<PointCost, 2, 6, count, 2>>(
+                           new PointCost{p.board, p.pixel, unit, p.sigma, &state_.matrices[v]}),
+                       {state_.poses[v].data(), state_.interior.data(), state_.bend.data()}, 0,
+                       static_cast<int>(labels_.size()), true);
+        labels_.push_back({static_cast<int>(v), static_cast<int>(k)});
+      }
+  }
+
+  /// Lengths of the whitened residuals, in the order of labels_.
+  std::vector<double> misfits(const adjust::BlockModel& model) const {
+    std::vector<double> lengths;
+    for (const auto& rows : model.linearise().observations)
+      if (rows.group == 0) lengths.push_back(rows.misclosure.norm());
+    return lengths;
+  }
+
+  static double median(std::vector<double> values) {
+    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
+    return values[values.size() / 2];
+  }
+
+  /// The best of several principal distances, minimised robustly.
+  void start() {
+    const double extent = std::max(width_, height_), zhang = focal_length();
+    std::vector<double> candidates;
+    if (zhang > 0.3 * extent && zhang < 20 * extent) candidates.push_back(zhang);
+    for (const double factor : {1.0, 0.6, 1.8, 4.0}) candidates.push_back(factor * extent);
+    State best;
+    double lowest = std::numeric_limits<double>::infinity();
+    for (const double f : candidates) {
+      if (!pose_all(f)) continue;
+      adjust::BlockModel model;
+      build(model);
+      model.minimise(options_.max_iterations, adjust::RobustLoss::huber, 30);
+      state_.fold();
+      const double fit = median(misfits(model));
+      if (fit < lowest) lowest = fit, best = state_;
+      const double sigma = views_.front().points.front().sigma;
+      if (lowest * sigma < 1e-3 * extent) break;
+    }
+    if (!std::isfinite(lowest))
+      throw std::runtime_error(
+          "no photograph gives a pose of the board; check columns, rows and the order of its points");
+    state_ = best;
+    for (size_t i = 0; i < state_.poses.size(); ++i) state_.matrices[i] = state_.rotations[i].toRotationMatrix();
+  }
+
+  void reject() {
+    if (!(options_.reject_above > 0)) return;
+    double unit = 1;
+    for (int pass = 0; pass < 2; ++pass) {
+      adjust::BlockModel model;
+      build(model);
+      unit = std::max(1e-3, median(misfits(model)));
+      model.minimise(options_.max_iterations, adjust::RobustLoss::huber, 3 * unit);
+      state_.fold();
+    }
+    adjust::BlockModel model;
+    build(model);
+    const std::vector<double> fits = misfits(model);
+    unit = median(fits);
+    std::vector<Labelled> labels = labels_;
+    for (size_t k = 0; k < fits.size(); ++k) {
+      if (fits[k] <= options_.reject_above * unit) continue;
+      const auto [v, p] = labels[k];
+      use_[static_cast<size_t>(v)][static_cast<size_t>(p)] = false;
+      rejected_.push_back(labels[k]);
+    }
+  }
+
+  adjust::AdjustedBlock adjust() {
+    adjust::BlockModel model;
+    build(model);
+    std::vector<std::string> names;
+    for (const auto& view : views_) names.push_back(view.path);
+    adjust::AdjustedBlock block = adjust::adjust_to_convergence(
+        model, options_.max_iterations, [&] { state_.fold(); }, [](adjust::PartitionedSystem&) {},
+        [&](const adjust::PartitionedSystem& linear, const adjust::ReducedSystem& reduced) {
+          try {
+            adjust::require_full_rank(linear, reduced, names, model.kept_labels());
+          } catch (const std::runtime_error& error) {
+            throw std::runtime_error(std::string(error.what()) +
+                                     "; photograph the board tilted, from several sides, and over the whole image");
+          }
+        });
+    return block;
+  }
+
+  Calibration result(const adjust::AdjustedBlock& block) const {
+    Calibration c;
+    c.camera.width = width_, c.camera.height = height_;
+    c.camera.set_parameters(state_.interior);
+    c.observations = block.linear.row_count(), c.unknowns = block.linear.unknown_count();
+    c.degrees_of_freedom = block.linear.redundancy();
+    if (c.degrees_of_freedom < 10)
+      throw std::runtime_error("the photographs hold hardly more observations than unknowns (" +
+                               std::to_string(c.degrees_of_freedom) + " to spare); take more of them");
+    double weighted = 0, squares = 0, variance = 0;
+    for (size_t v = 0; v < views_.size(); ++v) {
+      CalibratedView view;
+      view.view = static_cast<int>(v);
+      view.cam_from_board = {state_.rotations[v], {state_.poses[v][0], state_.poses[v][1], state_.poses[v][2]}};
+      const Eigen::Vector3d normal = state_.rotations[v] * Eigen::Vector3d::UnitZ();
+      const Eigen::Vector3d sight = view.cam_from_board * Eigen::Vector3d(middle_.x(), middle_.y(), 0);
+      view.tilt = std::acos(std::clamp(std::abs(normal.dot(sight.normalized())), 0.0, 1.0));
+      c.views.push_back(view);
+    }
+    for (const auto& rows : block.linear.observations) {
+      weighted += rows.misclosure.squaredNorm();
+      if (rows.group != 0) continue;
+      const auto [v, p] = labels_[static_cast<size_t>(rows.label)];
+      const double sigma = views_[static_cast<size_t>(v)].points[static_cast<size_t>(p)].sigma;
+      CalibratedView& view = c.views[static_cast<size_t>(v)];
+      view.points.push_back(p);
+      view.residuals.push_back(sigma * rows.misclosure.head<2>());
+      view.rms += view.residuals.back().squaredNorm();
+      variance += sigma * sigma;
+    }
+    for (auto& view : c.views) {
+      squares += view.rms;
+      if (!view.points.empty()) view.rms = std::sqrt(view.rms / static_cast<double>(view.points.size()));
+    }
+    const double points = static_cast<double>(labels_.size()), factor = weighted / c.degrees_of_freedom;
+    c.rms = std::sqrt(squares / points);
+    c.sigma = std::sqrt(factor * variance / points);
+    c.covariance = Eigen::MatrixXd::Zero(count, count);
+    const Eigen::MatrixXd& cofactor = block.solution.kept_cofactor;
+    for (int i = 0; i < count; ++i)
+      for (int j = 0; j < count; ++j) {
+        const int row = columns_[static_cast<size_t>(i)], column = columns_[static_cast<size_t>(j)];
+        if (row >= 0 && column >= 0) c.covariance(i, j) = factor * cofactor(row, column);
+      }
+    c.bend_x = state_.bend[0], c.bend_y = state_.bend[1];
+    if (bend_columns_[0] >= 0) c.bend_x_sigma = std::sqrt(factor * cofactor(bend_columns_[0], bend_columns_[0]));
+    if (bend_columns_[1] >= 0) c.bend_y_sigma = std::sqrt(factor * cofactor(bend_columns_[1], bend_columns_[1]));
+    for (const auto& [v, p] : rejected_)
+      c.rejected.push_back("point " + std::to_string(p) + " in " + views_[static_cast<size_t>(v)].path +
+                           ": its residual is more than 5 times that of the median point");
+    return c;
+  }
+
+  const std::vector<CalibrationView>& views_;
+  int width_, height_;
+  const CalibrationOptions& options_;
+  Eigen::Vector2d middle_, half_;
+  std::vector<std::vector<bool>> use_;
+  std::vector<Labelled> labels_, rejected_;
+  std::vector<int> columns_, bend_columns_;
+  State state_;
+};
+
+/// Directions of the grid's pixels, with the derivative of the pixel by a rotation of the direction.
+struct Ray {
+  bool valid = false;
+  Eigen::Vector3d direction;
+  Eigen::Matrix<double, 2, 3> by_rotation;
+};
+
+std::vector<Ray> rays_of(const BrownCamera& camera, int columns, int rows) {
+  std::vector<Ray> rays;
+  for (int row = 0; row < rows; ++row)
+    for (int column = 0; column < columns; ++column) {
+      Ray ray;
+      const auto q = unproject(camera, grid_pixel(camera, columns, rows, column, row));
+      if (q) {
+        ray.direction = q->homogeneous().normalized();
+        const auto slope = project_with_slope(camera, ray.direction);
+        ray.valid = slope.has_value();
+        if (slope) ray.by_rotation = slope->by_point * -skew(ray.direction);
+      }
+      rays.push_back(ray);
+    }
+  return rays;
+}
+
+/// Derivative of the pixel by the nine parameters, by central differences.
+Eigen::Matrix<double, 2, count> by_parameters(const BrownCamera& camera, const Eigen::Vector3d& direction) {
+  Eigen::Matrix<double, 2, count> slope;
+  const auto values = camera.parameters();
+  for (int k = 0; k < count; ++k) {
+    const double step = k < 4 ? 1e-3 : 1e-7;
+    double pixels[2][2];
+    for (int side = 0; side < 2; ++side) {
+      auto moved = values;
+      moved[static_cast<size_t>(k)] += side ? step : -step;
+      project_normalised(moved.data(), direction.x() / direction.z(), direction.y() / direction.z(), pixels[side]);
+    }
+    slope.col(k) = Eigen::Vector2d(pixels[1][0] - pixels[0][0], pixels[1][1] - pixels[0][1]) / (2 * step);
+  }
+  return slope;
+}
+
+}  // namespace
+
+Calibration calibrate(const std::vector<CalibrationView>& views, int width, int height,
+                      const CalibrationOptions& options) {
+  if (views.size() < 3)
+    throw std::runtime_error("the board was found in " + std::to_string(views.size()) +
+                             (views.size() == 1 ? " photograph" : " photographs") +
+                             "; at least 3 are needed, 15 to 30 are good, tilted and over the whole image");
+  for (const auto& view : views)
+    if (view.points.size() < 4) throw std::runtime_error(view.path + " has fewer than 4 points of the board");
+  return Calibrator(views, width, height, options).run();
+}
+
+Eigen::Vector2d grid_pixel(const BrownCamera& camera, int columns, int rows, int column, int row) {
+  return {(camera.width - 1.0) * column / (columns - 1), (camera.height - 1.0) * row / (rows - 1)};
+}
+
+std::vector<double> projection_uncertainty(const BrownCamera& camera, const Eigen::MatrixXd& covariance, int columns,
+                                           int rows) {
+  const std::vector<Ray> rays = rays_of(camera, columns, rows);
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Eigen::Matrix<double, 3, count> right = Eigen::Matrix<double, 3, count>::Zero();
+  std::vector<Eigen::Matrix<double, 2, count>> slopes(rays.size());
+  for (size_t i = 0; i < rays.size(); ++i) {
+    if (!rays[i].valid) continue;
+    slopes[i] = by_parameters(camera, rays[i].direction);
+    normal += rays[i].by_rotation.transpose() * rays[i].by_rotation;
+    right += rays[i].by_rotation.transpose() * slopes[i];
+  }
+  const Eigen::Matrix<double, 3, count> rotation = normal.ldlt().solve(right);
+  std::vector<double> result;
+  for (size_t i = 0; i < rays.size(); ++i) {
+    if (!rays[i].valid) {
+      result.push_back(std::nan(""));
+      continue;
+    }
+    const Eigen::Matrix<double, 2, count> total = slopes[i] - rays[i].by_rotation * rotation;
+    const Eigen::Matrix2d c = total * covariance * total.transpose();
+    const double mean = 0.5 * c.trace();
+    result.push_back(std::sqrt(std::max(0.0, mean + std::hypot(0.5 * (c(0, 0) - c(1, 1)), c(0, 1)))));
+  }
+  return result;
+}
+
+std::vector<double> projection_difference(const BrownCamera& a, const BrownCamera& b, int columns, int rows) {
+  const std::vector<Ray> rays = rays_of(a, columns, rows);
+  Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();
+  const auto difference = [&](const Ray& ray, int column, int row) -> std::optional<Eigen::Vector2d> {
+    const auto pixel = project(b, turn * ray.direction);
+    if (!ray.valid || !pixel) return std::nullopt;
+    return *pixel - grid_pixel(a, columns, rows, column, row);
+  };
+  for (int iteration = 0; iteration < 5; ++iteration) {
+    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    for (int row = 0; row < rows; ++row)
+      for (int column = 0; column < columns; ++column) {
+        const Ray& ray = rays[static_cast<size_t>(row * columns + column)];
+        const auto d = difference(ray, column, row);
+        if (!d) continue;
+        normal += ray.by_rotation.transpose() * ray.by_rotation;
+        right += ray.by_rotation.transpose() * *d;
+      }
+    turn = quaternion_from_rotation_vector(-normal.ldlt().solve(right)) * turn;
+  }
+  std::vector<double> result;
+  for (int row = 0; row < rows; ++row)
+    for (int column = 0; column < columns; ++column) {
+      const auto d = difference(rays[static_cast<size_t>(row * columns + column)], column, row);
+      result.push_back(d ? d->norm() : std::nan(""));
+    }
+  return result;
+}
+
+}  // namespace plumbline::markers

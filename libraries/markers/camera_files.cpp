@@ -1,0 +1,257 @@
+#include "markers/camera_files.hpp"
+
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <optional>
+#include <pugixml.hpp>
+#include <stdexcept>
+#include <vector>
+
+namespace plumbline::markers {
+namespace {
+
+[[noreturn]] void refuse(const std::string& file, const std::string& what) {
+  throw std::runtime_error(
+      file + ": " + what +
+      ". A camera file is ours (plumbline_camera: 1), or one of OpenCV, ROS, Kalibr or PhotonVision "
+      "with camera matrix and distortion coefficients");
+}
+
+/// An XML element as the YAML node of the same content.
+YAML::Node node_of(const pugi::xml_node& element) {
+  bool has_children = false;
+  YAML::Node map(YAML::NodeType::Map);
+  for (const auto& child : element.children())
+    if (child.type() == pugi::node_element) map[child.name()] = node_of(child), has_children = true;
+  if (has_children) return map;
+  std::string text = element.child_value();
+  std::vector<std::string> words;
+  size_t at = 0;
+  while ((at = text.find_first_not_of(" \t\r\n", at)) != std::string::npos) {
+    const size_t end = std::min(text.find_first_of(" \t\r\n", at), text.size());
+    words.push_back(text.substr(at, end - at));
+    at = end;
+  }
+  if (words.size() == 1) return YAML::Node(words.front());
+  YAML::Node list(YAML::NodeType::Sequence);
+  for (const auto& word : words) list.push_back(word);
+  return list;
+}
+
+YAML::Node parse(const std::string& text, const std::string& file) {
+  const size_t first = text.find_first_not_of(" \t\r\n\xef\xbb\xbf");
+  if (first == std::string::npos) refuse(file, "the file is empty");
+  if (text[first] == '<') {
+    pugi::xml_document document;
+    const auto parsed = document.load_buffer(text.data(), text.size());
+    if (!parsed) refuse(file, std::string("not well-formed XML (") + parsed.description() + ")");
+    return node_of(document.document_element());
+  }
+  std::string body = text.substr(first);
+  // OpenCV writes "%YAML:1.0", which is no YAML directive.
+  if (body.rfind("%YAML", 0) == 0) body.erase(0, std::min(body.find('\n'), body.size()));
+  try {
+    return YAML::Load(body);
+  } catch (const YAML::Exception& error) {
+    refuse(file, "neither YAML nor JSON nor XML (line " + std::to_string(error.mark.line + 1) + ": " + error.msg + ")");
+  }
+}
+
+std::string simple(const std::string& key) {
+  std::string name;
+  for (const char c : key)
+    if (std::isalnum(static_cast<unsigned char>(c)))
+      name += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return name;
+}
+
+/// The first value under one of the names, wherever it stands; names in small letters without '_'.
+YAML::Node find(const YAML::Node& node, const std::vector<std::string>& names, int depth = 0) {
+  if (depth > 6 || !node.IsDefined()) return YAML::Node(YAML::NodeType::Undefined);
+  if (node.IsMap()) {
+    for (const auto& name : names)
+      for (const auto& entry : node)
+        if (entry.first.IsScalar() && simple(entry.first.as<std::string>()) == name) return entry.second;
+    for (const auto& entry : node) {
+      const YAML::Node found = find(entry.second, names, depth + 1);
+      if (found.IsDefined() && !found.IsNull()) return found;
+    }
+  }
+  if (node.IsSequence())
+    for (const auto& item : node) {
+      if (!item.IsMap()) continue;
+      const YAML::Node found = find(item, names, depth + 1);
+      if (found.IsDefined() && !found.IsNull()) return found;
+    }
+  return YAML::Node(YAML::NodeType::Undefined);
+}
+
+/// All numbers of a matrix, whether a list, a list of lists, or {rows, cols, data}.
+std::vector<double> numbers(const YAML::Node& node) {
+  std::vector<double> values;
+  if (!node.IsDefined()) return values;
+  if (node.IsMap()) {
+    for (const char* name : {"data", "Data"})
+      if (node[name]) return numbers(node[name]);
+    return values;
+  }
+  if (node.IsScalar()) {
+    try {
+      values.push_back(node.as<double>());
+    } catch (const YAML::Exception&) {
+      values.push_back(std::nan(""));
+    }
+    return values;
+  }
+  for (const auto& item : node)
+    for (const double v : numbers(item)) values.push_back(v);
+  return values;
+}
+
+std::optional<int> whole(const YAML::Node& node) {
+  const auto values = numbers(node);
+  if (values.size() != 1 || !(values[0] >= 0 && values[0] < 1e6)) return std::nullopt;
+  return static_cast<int>(values[0]);
+}
+
+void read_size(const YAML::Node& root, BrownCamera& camera) {
+  const auto width = whole(find(root, {"imagewidth", "width"})), height = whole(find(root, {"imageheight", "height"}));
+  if (width && height) camera.width = *width, camera.height = *height;
+  const auto both = numbers(find(root, {"imagesize", "imgsize", "resolution", "imageresolution"}));
+  if (!camera.width && both.size() == 2)
+    camera.width = static_cast<int>(both[0]), camera.height = static_cast<int>(both[1]);
+}
+
+/// k1, k2, p1, p2, k3, ... in OpenCV's order.
+void set_distortion(const std::vector<double>& d, const std::string& file, BrownCamera& camera) {
+  for (size_t i = 5; i < d.size(); ++i)
+    if (std::abs(d[i]) > 1e-12)
+      refuse(file, "has " + std::to_string(d.size()) +
+                       " distortion coefficients, of which the sixth and later are not zero; Brown's model has five: "
+                       "k1, k2, p1, p2, k3. Calibrate without the rational model");
+  const auto value = [&](size_t i) { return i < d.size() ? d[i] : 0.0; };
+  camera.k1 = value(0), camera.k2 = value(1), camera.p1 = value(2), camera.p2 = value(3), camera.k3 = value(4);
+}
+
+void read_opencv(const YAML::Node& root, const std::string& file, CameraFile& result) {
+  const auto k = numbers(find(root, {"cameramatrix", "camera", "cameraintrinsics", "intrinsicmatrix", "k", "kmatrix",
+                                     "mtx", "intrinsics", "intrinsic"}));
+  if (k.size() == 9) {
+    if (std::abs(k[1]) > 1e-6 * std::abs(k[0]))
+      refuse(file, "the camera matrix has a skew, which Brown's model has not");
+    result.camera.fx = k[0], result.camera.cx = k[2], result.camera.fy = k[4], result.camera.cy = k[5];
+  } else if (k.size() == 4) {
+    result.camera.fx = k[0], result.camera.fy = k[1], result.camera.cx = k[2], result.camera.cy = k[3];
+  } else {
+    const auto fx = numbers(find(root, {"fx"})), fy = numbers(find(root, {"fy"})), cx = numbers(find(root, {"cx"})),
+               cy = numbers(find(root, {"cy"}));
+    if (fx.size() != 1 || cx.size() != 1 || cy.size() != 1)
+      refuse(file, "no camera matrix found (" + std::to_string(k.size()) + " numbers, expected 9)");
+    result.camera.fx = fx[0], result.camera.fy = fy.size() == 1 ? fy[0] : fx[0];
+    result.camera.cx = cx[0], result.camera.cy = cy[0];
+  }
+  const YAML::Node model = find(root, {"distortionmodel", "cameramodel", "model"});
+  const std::string name = model.IsDefined() && model.IsScalar() ? simple(model.as<std::string>()) : "";
+  for (const char* other : {"equidistant", "fisheye", "kannala", "omni", "mei", "eucm", "ds", "fov"})
+    if (name.find(other) != std::string::npos && name.find("pinhole") == std::string::npos)
+      refuse(file,
+             "the distortion model is '" + model.as<std::string>() + "'; only Brown's (plumb_bob, radtan) is known");
+  const YAML::Node fisheye = find(root, {"fisheyemodel"});
+  if (fisheye.IsDefined() && whole(fisheye).value_or(0) != 0)
+    refuse(file, "it is a fisheye calibration; only Brown's model is known");
+  const auto d = numbers(find(root, {"distortioncoefficients", "distcoeffs", "distcoeff", "distortion", "dist", "d",
+                                     "distortioncoeffs", "cameradistortion", "distcoefs"}));
+  std::vector<double> named = d;
+  if (d.empty()) {
+    named.assign(5, 0);
+    const char* names[] = {"k1", "k2", "p1", "p2", "k3"};
+    for (size_t i = 0; i < 5; ++i) {
+      const auto value = numbers(find(root, {names[i]}));
+      if (value.size() == 1) named[i] = value[0];
+    }
+  }
+  set_distortion(named, file, result.camera);
+}
+
+bool read_ours(const YAML::Node& root, const std::string& file, CameraFile& result) {
+  if (!root["plumbline_camera"]) return false;
+  result.format = "Plumbline";
+  const YAML::Node parameters = root["parameters"];
+  if (!parameters || !parameters.IsMap()) refuse(file, "'parameters' is missing");
+  std::array<double, BrownCamera::parameter_count> values{}, sigmas{};
+  for (size_t i = 0; i < values.size(); ++i) {
+    const char* name = BrownCamera::parameter_names[i];
+    if (parameters[name]) values[i] = numbers(parameters[name]).at(0);
+    if (root["sigmas"] && root["sigmas"][name]) sigmas[i] = numbers(root["sigmas"][name]).at(0);
+  }
+  result.camera.set_parameters(values);
+  if (root["pixel_origin"] && root["pixel_origin"].as<std::string>("") == "corner")
+    result.camera.cx -= 0.5, result.camera.cy -= 0.5;
+  if (*std::max_element(sigmas.begin(), sigmas.end()) > 0) {
+    result.covariance = Eigen::MatrixXd::Zero(9, 9);
+    for (Eigen::Index i = 0; i < 9; ++i) result.covariance(i, i) = std::pow(sigmas[static_cast<size_t>(i)], 2);
+  }
+  return true;
+}
+
+}  // namespace
+
+CameraFile parse_camera_file(const std::string& text, const std::string& file, const std::string& which) {
+  CameraFile result;
+  YAML::Node root = parse(text, file);
+  if (!root.IsMap() && !root.IsSequence()) refuse(file, "holds no keys");
+  if (root.IsMap() && !which.empty()) {
+    if (!root[which]) refuse(file, "there is no '" + which + "' in it");
+    root = root[which];
+  } else if (root.IsMap() && root["cam0"]) {
+    result.format = "Kalibr", root = root["cam0"], result.id = "cam0";
+  }
+  const size_t slash = file.find_last_of('/');
+  if (result.id.empty()) result.id = slash == std::string::npos ? file : file.substr(slash + 1);
+  const YAML::Node id = root.IsMap() ? root["id"] : YAML::Node();
+  if (id && id.IsScalar()) result.id = id.as<std::string>();
+  const YAML::Node name = find(root, {"cameraname"});
+  if (name.IsDefined() && name.IsScalar()) result.id = name.as<std::string>();
+  read_size(root, result.camera);
+  if (!root.IsMap() || !read_ours(root, file, result)) {
+    if (result.format.empty()) result.format = "OpenCV";
+    read_opencv(root, file, result);
+  }
+  for (const double value : result.camera.parameters())
+    if (!std::isfinite(value)) refuse(file, "a parameter is not a number");
+  if (!(result.camera.fx > 0 && result.camera.fy > 0)) refuse(file, "the principal distance (fx, fy) is not positive");
+  const double extent = std::max(result.camera.width, result.camera.height);
+  if (extent > 0 && (result.camera.fx < 0.05 * extent || result.camera.fx > 200 * extent))
+    refuse(file, "fx is " + std::to_string(result.camera.fx) + " px for an image of " +
+                     std::to_string(result.camera.width) + " x " + std::to_string(result.camera.height) +
+                     " px; the principal distance must be in pixels");
+  return result;
+}
+
+std::string camera_yaml(const CameraFile& file) {
+  const auto number = [](double value) {
+    char text[40];
+    std::snprintf(text, sizeof text, "%.17g", value);
+    return std::string(text);
+  };
+  std::string id;
+  for (const char c : file.id) id += c == '"' || c == '\\' || static_cast<unsigned char>(c) < 32 ? '_' : c;
+  std::string text = "plumbline_camera: 1\nid: \"" + id + "\"\nwidth: " + std::to_string(file.camera.width) +
+                     "\nheight: " + std::to_string(file.camera.height) +
+                     "\npixel_origin: centre     # the centre of the top-left pixel is (0, 0), as OpenCV has it\n"
+                     "parameters:              # px; Brown's distortion, order and signs of OpenCV\n";
+  const auto values = file.camera.parameters();
+  for (size_t i = 0; i < values.size(); ++i)
+    text += std::string("  ") + BrownCamera::parameter_names[i] + ": " + number(values[i]) + "\n";
+  if (file.covariance.size() == 0) return text;
+  text += "sigmas:                  # standard deviations; 0: held\n";
+  for (Eigen::Index i = 0; i < 9; ++i)
+    text += std::string("  ") + BrownCamera::parameter_names[static_cast<size_t>(i)] + ": " +
+            number(std::sqrt(std::max(0.0, file.covariance(i, i)))) + "\n";
+  return text;
+}
+
+}  // namespace plumbline::markers

@@ -1,0 +1,133 @@
+#include "detect/aruco_detector.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <opencv2/aruco.hpp>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+#include <tuple>
+
+#include "detect/corner_refinement.hpp"
+#include "images/grey_image.hpp"
+
+namespace plumbline::detect {
+namespace {
+
+using Corners = std::array<Eigen::Vector2d, 4>;
+
+cv::Ptr<cv::aruco::Dictionary> opencv_dictionary(const TagDictionary& dictionary) {
+  auto result = cv::makePtr<cv::aruco::Dictionary>();
+  result->markerSize = dictionary.size;
+  result->maxCorrectionBits = dictionary.correctable_bits;
+  for (const auto& code : dictionary.codes) {
+    const cv::Mat bits(dictionary.size, dictionary.size, CV_8UC1, const_cast<std::uint8_t*>(code.data()));
+    result->bytesList.push_back(cv::aruco::Dictionary::getByteListFromBits(bits));
+  }
+  return result;
+}
+
+double shortest_side(const Corners& c) {
+  double shortest = (c[0] - c[3]).norm();
+  for (size_t i = 0; i < 3; ++i) shortest = std::min(shortest, (c[i + 1] - c[i]).norm());
+  return shortest;
+}
+
+double largest_move(const Corners& a, const Corners& b) {
+  double largest = 0;
+  for (size_t i = 0; i < 4; ++i) largest = std::max(largest, (a[i] - b[i]).norm());
+  return largest;
+}
+
+}  // namespace
+
+struct ArucoDetector::Impl {
+  TagDictionary dictionary;
+  ArucoOptions options;
+  cv::Ptr<cv::aruco::Dictionary> codes;
+
+  cv::Ptr<cv::aruco::DetectorParameters> parameters(int longest_side) const {
+    auto p = cv::aruco::DetectorParameters::create();
+    p->cornerRefinementMethod = cv::aruco::CORNER_REFINE_NONE;
+    p->errorCorrectionRate = options.correction_rate;
+    p->detectInvertedMarker = options.white_on_black;
+    p->minMarkerPerimeterRate = std::min(0.03, 4 * options.min_side / longest_side);
+    p->adaptiveThreshWinSizeMin = 3;
+    p->adaptiveThreshWinSizeMax = std::clamp(longest_side / 30, 23, 83);
+    p->adaptiveThreshWinSizeStep = p->adaptiveThreshWinSizeMax <= 23 ? 10 : 20;
+    return p;
+  }
+
+  /// OpenCV's own measurement, for tags whose edges cannot be fitted: within a third of a cell.
+  Corners subpixel_corners(const cv::Mat& view, const Corners& initial, double cell) const {
+    std::vector<cv::Point2f> points;
+    for (const auto& c : initial) points.emplace_back(static_cast<float>(c.x()), static_cast<float>(c.y()));
+    const int window = std::clamp(static_cast<int>(std::floor(0.4 * cell)), 1, 5);
+    cv::cornerSubPix(view, points, {window, window}, {-1, -1},
+                     cv::TermCriteria(cv::TermCriteria::EPS + cv::TermCriteria::COUNT, 30, 0.01));
+    Corners result;
+    for (size_t i = 0; i < 4; ++i) {
+      result[i] = {static_cast<double>(points[i].x), static_cast<double>(points[i].y)};
+      if ((result[i] - initial[i]).norm() > std::max(2.0, 0.5 * cell)) result[i] = initial[i];
+    }
+    return result;
+  }
+
+  void measure(const GreyImage& image, const cv::Mat& view, DetectedTag& tag) const {
+    const Corners initial = tag.corners;
+    const int modules = dictionary.size + 2;
+    const double cell = shortest_side(initial) / modules;
+    tag.corners = subpixel_corners(view, initial, cell);
+    for (auto& c : tag.covariances) c = Eigen::Matrix2d::Identity() * options.unrefined_sigma * options.unrefined_sigma;
+    if (options.refinement != Refinement::edges) return;
+    // OpenCV's contours are good to a pixel or two; the second pass has its strips in the right place.
+    const auto first = refine_corners(image, tag.corners, modules, options.edge);
+    if (!first || largest_move(first->corners, initial) > std::max(3.0, 0.7 * cell)) return;
+    const auto second = refine_corners(image, first->corners, modules, options.edge);
+    if (!second || largest_move(second->corners, first->corners) > std::max(0.5, 0.1 * cell)) return;
+    tag.corners = second->corners;
+    for (size_t i = 0; i < 4; ++i)
+      tag.covariances[i] =
+          second->covariances[i] + Eigen::Matrix2d::Identity() * options.sigma_floor * options.sigma_floor;
+    tag.refined = true;
+  }
+};
+
+ArucoDetector::ArucoDetector(const TagDictionary& dictionary, const ArucoOptions& options)
+    : impl_(std::make_unique<Impl>()) {
+  cv::setNumThreads(1);  // images are the unit of parallel work
+  impl_->dictionary = dictionary;
+  impl_->options = options;
+  impl_->codes = opencv_dictionary(dictionary);
+}
+ArucoDetector::~ArucoDetector() = default;
+
+std::vector<DetectedTag> ArucoDetector::detect(const GreyImage& image) const {
+  std::vector<DetectedTag> tags;
+  if (image.width < 16 || image.height < 16) return tags;
+  const cv::Mat view(image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.pixels.data()));
+  std::vector<std::vector<cv::Point2f>> corners;
+  std::vector<int> numbers;
+  cv::aruco::detectMarkers(view, impl_->codes, corners, numbers,
+                           impl_->parameters(std::max(image.width, image.height)));
+  // OpenCV goes clockwise from the top left of its own drawing of the marker.
+  const std::array<size_t, 4> order =
+      impl_->dictionary.turned ? std::array<size_t, 4>{1, 0, 3, 2} : std::array<size_t, 4>{3, 2, 1, 0};
+  for (size_t k = 0; k < numbers.size(); ++k) {
+    DetectedTag tag;
+    tag.family = impl_->dictionary.name;
+    tag.id = impl_->dictionary.ids[static_cast<size_t>(numbers[k])];
+    tag.decision_margin = std::nan("");
+    for (size_t i = 0; i < 4; ++i)
+      tag.corners[i] = {static_cast<double>(corners[k][order[i]].x), static_cast<double>(corners[k][order[i]].y)};
+    impl_->measure(image, view, tag);
+    tags.push_back(std::move(tag));
+  }
+  std::sort(tags.begin(), tags.end(), [](const DetectedTag& a, const DetectedTag& b) {
+    return std::make_tuple(a.id, a.corners[0].x(), a.corners[0].y()) <
+           std::make_tuple(b.id, b.corners[0].x(), b.corners[0].y());
+  });
+  return tags;
+}
+
+}  // namespace plumbline::detect

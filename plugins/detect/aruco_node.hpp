@@ -1,0 +1,59 @@
+// detect.aruco: square markers of OpenCV's dictionaries, the AprilTag families and dictionaries of one's own.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <mutex>
+
+#include "artifacts/file.hpp"
+#include "detect/aruco_detector.hpp"
+#include "detector_node.hpp"
+
+namespace plumbline::detect {
+
+struct DetectAruco : Node {
+  static constexpr Info info{"detect.aruco", "detector", 1,
+                             "Finds ArUco markers (also those of a ChArUco board) and measures their corners"};
+  Each<Image> images{"images", "photographs: JPEG, PNG or TIFF"};
+  Optional<File> family{"family", "the dictionary of read.tag_family, in place of `dictionary`"};
+  Param<std::string> dictionary{"dictionary", "DICT_6X6_1000",
+                                "DICT_4X4_50 ... DICT_7X7_1000, DICT_ARUCO_ORIGINAL, tag36h11, tag36h10, tag25h9 or "
+                                "tag16h5"};
+  Param<double> correction_rate{"correction_rate", 0.6, between(0, 1),
+                                "share of the dictionary's correctable bits that are corrected"};
+  Param<double> min_side{"min_side", 10.0, "px", between(6, 10000), "smallest side of a tag that is looked for"};
+  Param<bool> white_on_black{"white_on_black", false, "look for tags in negative, too"};
+  Param<std::string> refine{"refine", "edges", one_of("edges", "opencv"),
+                            "edges: corners from a fit of the four edges, with its covariance; opencv: OpenCV's own"};
+  Param<double> curvature_sigma{"curvature_sigma", 2e-5, "1/px", at_least(0),
+                                "how much a lens may bow a straight edge; 0: not at all"};
+  Param<double> sigma_floor{"sigma_floor", 0.02, "px", between(0, 10), "added in quadrature to the fit's sigma"};
+  Param<double> opencv_sigma{"opencv_sigma", 0.3, "px", between(0.001, 10), "sigma of corners that are OpenCV's own"};
+  Param<std::string> on_bad_image{"on_bad_image", "error", one_of("error", "leave_out"),
+                                  "what to do with a photograph that cannot be read: stop, or go on without it"};
+  Out<ImageTags> observations{"observations", "the tags with the covariance of every corner"};
+
+  void run(Context& context) override {
+    const double pixels = static_cast<double>(images->width()) * images->height();
+    context.reserve_memory(static_cast<uint64_t>(static_cast<double>(images->size()) + 12 * pixels));
+    ArucoOptions options;
+    options.correction_rate = *correction_rate, options.min_side = *min_side, options.white_on_black = *white_on_black;
+    options.refinement = *refine == "edges" ? Refinement::edges : Refinement::apriltag;
+    options.edge.curvature_sigma = *curvature_sigma;
+    options.sigma_floor = *sigma_floor, options.unrefined_sigma = *opencv_sigma;
+    const ArucoDetector detector(codes(), options);
+    observations.commit(search_image(context, *images, *on_bad_image == "error",
+                                     [&](const GreyImage& grey) { return detector.detect(grey); }));
+  }
+
+ private:
+  TagDictionary codes() const {
+    if (!family) return builtin_dictionary(*dictionary);
+    const std::string name = family->name()->str();
+    const auto* content = family->content();
+    if (content->size() == 0) return builtin_dictionary(name);
+    return parse_dictionary(std::string(content->begin(), content->end()), name);
+  }
+};
+
+}  // namespace plumbline::detect

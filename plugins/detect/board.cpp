@@ -1,0 +1,361 @@
+#include "detect/board.hpp"
+
+#include <yaml-cpp/yaml.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
+#include <stdexcept>
+
+#include "detect/aruco_detector.hpp"
+#include "images/grey_image.hpp"
+
+namespace plumbline::detect {
+namespace {
+
+[[noreturn]] void refuse(const std::string& file, const std::string& what) {
+  throw std::runtime_error(
+      file + ": " + what +
+      ". A board file has type (chessboard, charuco or tags), columns, rows, square [m], marker [m], "
+      "gap [m], dictionary and first_id; docs/photographs.md has an example of each");
+}
+
+YAML::Node value(const YAML::Node& root, std::initializer_list<const char*> names) {
+  for (const char* name : names)
+    if (root[name]) return root[name];
+  return YAML::Node(YAML::NodeType::Undefined);
+}
+
+double length(const YAML::Node& root, const std::string& file, std::initializer_list<const char*> names,
+              double fallback) {
+  const YAML::Node node = value(root, names);
+  if (!node.IsDefined()) return fallback;
+  const double metres = node.as<double>(std::nan(""));
+  if (!(metres > 0))
+    refuse(file,
+           std::string("'") + *names.begin() + "' is '" + node.as<std::string>("") + "', expected a length in metres");
+  if (metres > 2)
+    refuse(file, std::string("'") + *names.begin() + "' is " + node.as<std::string>("") +
+                     " m; lengths are in metres: 0.025 for 25 mm");
+  return metres;
+}
+
+int whole(const YAML::Node& root, const std::string& file, std::initializer_list<const char*> names, int fallback,
+          int least) {
+  const YAML::Node node = value(root, names);
+  const int number = node.IsDefined() ? node.as<int>(-1) : fallback;
+  if (number < least || number > 1000)
+    refuse(file, std::string("'") + *names.begin() + "' is " +
+                     (node.IsDefined() ? "'" + node.as<std::string>("") + "'" : "missing") +
+                     ", expected a whole number of at least " + std::to_string(least));
+  return number;
+}
+
+BoardKind kind_of(const YAML::Node& root, const std::string& file) {
+  const YAML::Node node = value(root, {"type", "target_type", "pattern", "board"});
+  if (!node.IsDefined()) refuse(file, "'type' is missing");
+  std::string name;
+  for (const char c : node.as<std::string>("")) name += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (name == "chessboard" || name == "checkerboard") return BoardKind::chessboard;
+  if (name == "charuco") return BoardKind::charuco;
+  if (name == "tags" || name == "aprilgrid" || name == "grid" || name == "aruco" || name == "tag_grid")
+    return BoardKind::tags;
+  refuse(file, "'type' is '" + name + "'");
+}
+
+TagDictionary dictionary_of(const YAML::Node& root, const std::string& file, const char* fallback) {
+  const YAML::Node node = value(root, {"dictionary", "family", "dict"});
+  const std::string name = node.IsDefined() ? node.as<std::string>("") : fallback;
+  const size_t slash = file.find_last_of('/');
+  const std::string path =
+      name.empty() || name[0] == '/' || slash == std::string::npos ? name : file.substr(0, slash + 1) + name;
+  std::ifstream stream(path, std::ios::binary);
+  if (name.find_first_of("./") != std::string::npos && stream)
+    return parse_dictionary({std::istreambuf_iterator<char>(stream), {}}, path);
+  try {
+    return builtin_dictionary(name);
+  } catch (const std::runtime_error& error) {
+    refuse(file, error.what());
+  }
+}
+
+double side(const std::array<Eigen::Vector2d, 4>& c) {
+  return 0.25 * ((c[0] - c[1]).norm() + (c[1] - c[2]).norm() + (c[2] - c[3]).norm() + (c[3] - c[0]).norm());
+}
+
+cv::Point2f point(const Eigen::Vector2d& p) { return {static_cast<float>(p.x()), static_cast<float>(p.y())}; }
+
+void refine(const cv::Mat& view, std::vector<cv::Point2f>& points, double spacing) {
+  const int window = std::clamp(static_cast<int>(0.25 * spacing), 2, 11);
+  cv::cornerSubPix(view, points, {window, window}, {-1, -1},
+                   cv::TermCriteria(cv::TermCriteria::EPS + cv::TermCriteria::COUNT, 60, 0.001));
+}
+
+SeenBoard find_chessboard(const cv::Mat& view, const Board& board) {
+  SeenBoard seen;
+  std::vector<cv::Point2f> corners;
+  const cv::Size size(board.columns, board.rows);
+  bool found =
+      cv::findChessboardCorners(view, size, corners, cv::CALIB_CB_ADAPTIVE_THRESH + cv::CALIB_CB_NORMALIZE_IMAGE);
+  if (!found)
+    found = cv::findChessboardCornersSB(view, size, corners, cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_EXHAUSTIVE);
+  if (!found) {
+    seen.problem = "no chessboard of " + std::to_string(board.columns) + " x " + std::to_string(board.rows) +
+                   " inner corners was found; the whole board has to be in the photograph, sharp, and columns and rows "
+                   "in the board file count inner corners";
+    return seen;
+  }
+  double spacing = 1e9;
+  for (size_t i = 1; i < corners.size(); ++i)
+    if (i % static_cast<size_t>(board.columns)) spacing = std::min(spacing, cv::norm(corners[i] - corners[i - 1]));
+  refine(view, corners, spacing);
+  for (size_t i = 0; i < corners.size(); ++i)
+    seen.points.push_back({static_cast<int>(i),
+                           {static_cast<double>(i % static_cast<size_t>(board.columns)) * board.square,
+                            -static_cast<double>(i / static_cast<size_t>(board.columns)) * board.square_y, 0},
+                           {static_cast<double>(corners[i].x), static_cast<double>(corners[i].y)},
+                           0.1});
+  return seen;
+}
+
+/// Centres of a ChArUco board's markers by id. `legacy`: the top left square holds a marker, as OpenCV before 4.6 drew
+/// boards with an even number of rows.
+std::map<int, Eigen::Vector2d> charuco_markers(const Board& board, bool legacy) {
+  std::map<int, Eigen::Vector2d> centres;
+  int id = board.first_id;
+  for (int row = 0; row < board.rows; ++row)
+    for (int column = 0; column < board.columns; ++column)
+      if ((row + column) % 2 == (legacy ? 0 : 1))
+        centres[id++] = {(column + 0.5) * board.square, -(row + 0.5) * board.square};
+  return centres;
+}
+
+Eigen::Matrix3d homography(const std::vector<cv::Point2f>& from, const std::vector<cv::Point2f>& to, int method) {
+  const cv::Mat h = cv::findHomography(from, to, method, 3);
+  if (h.empty()) return Eigen::Matrix3d::Constant(std::nan(""));
+  Eigen::Matrix3d m;
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c) m(r, c) = h.at<double>(r, c);
+  return m;
+}
+
+Eigen::Vector2d mapped(const Eigen::Matrix3d& h, const Eigen::Vector2d& p) {
+  return (h * p.homogeneous()).hnormalized();
+}
+
+/// Squares per unit of length: homographies work best near 1.
+struct Layout {
+  bool legacy = false;
+  double misfit = 1e9;
+};
+
+SeenBoard find_charuco(const GreyImage& image, const cv::Mat& view, const Board& board) {
+  SeenBoard seen;
+  ArucoOptions options;
+  options.refinement = Refinement::apriltag;
+  const auto tags = ArucoDetector(board.dictionary, options).detect(image);
+  const size_t expected = charuco_markers(board, false).size();
+  size_t known = 0;
+  for (const auto& tag : tags)
+    known += tag.id >= board.first_id && tag.id < board.first_id + static_cast<int>(expected) + 1;
+  if (known < 4) {
+    seen.problem = std::to_string(known) + " of the board's " + std::to_string(expected) + " markers were found (" +
+                   std::to_string(tags.size()) + " tags of " + board.dictionary.name +
+                   " in all), needed are 4; check the "
+                   "dictionary and first_id, or photograph it larger and sharper";
+    return seen;
+  }
+  Layout best;
+  for (const bool legacy : {false, true}) {
+    const auto centres = charuco_markers(board, legacy);
+    std::vector<cv::Point2f> from, to;
+    for (const auto& tag : tags)
+      if (const auto at = centres.find(tag.id); at != centres.end()) {
+        from.push_back(point(at->second / board.square));
+        to.push_back(point(0.25 * (tag.corners[0] + tag.corners[1] + tag.corners[2] + tag.corners[3])));
+      }
+    if (from.size() < 4) continue;
+    const Eigen::Matrix3d h = homography(from, to, cv::RANSAC);
+    if (!h.allFinite()) continue;
+    std::vector<double> misfits;
+    for (size_t i = 0; i < from.size(); ++i)
+      misfits.push_back((mapped(h, {static_cast<double>(from[i].x), static_cast<double>(from[i].y)}) -
+                         Eigen::Vector2d(static_cast<double>(to[i].x), static_cast<double>(to[i].y)))
+                            .norm());
+    std::nth_element(misfits.begin(), misfits.begin() + static_cast<std::ptrdiff_t>(misfits.size() / 2), misfits.end());
+    if (misfits[misfits.size() / 2] < best.misfit) best = {legacy, misfits[misfits.size() / 2]};
+  }
+  if (best.misfit > 0.01 * std::max(image.width, image.height)) {
+    seen.problem = "the markers are not where the board file has them: they miss their squares by " +
+                   std::to_string(best.misfit) + " px; check columns, rows and first_id";
+    return seen;
+  }
+  const auto centres = charuco_markers(board, best.legacy);
+  std::map<int, const DetectedTag*> by_id;
+  for (const auto& tag : tags) by_id[tag.id] = &tag;
+  // Each inner corner from the markers around it: over a few squares a lens is as good as straight.
+  std::vector<cv::Point2f> corners;
+  std::vector<SeenPoint> points;
+  double smallest_square = 1e9;
+  const double free = 0.45 * (1 - board.marker / board.square);  // of a square: what holds no part of a marker
+  for (int row = 1; row < board.rows; ++row)
+    for (int column = 1; column < board.columns; ++column) {
+      const Eigen::Vector2d at(column * board.square, -row * board.square);
+      std::vector<cv::Point2f> from, to;
+      bool beside = false;
+      for (const auto& [id, centre] : centres) {
+        const auto tag = by_id.find(id);
+        const double distance = (centre - at).norm() / board.square;
+        if (tag == by_id.end() || distance > 2.2) continue;
+        beside = beside || distance < 0.8;
+        const double h = 0.5 * board.marker;
+        const Eigen::Vector2d offsets[] = {{-h, -h}, {h, -h}, {h, h}, {-h, h}};
+        for (size_t k = 0; k < 4; ++k) {
+          from.push_back(point((centre + offsets[k]) / board.square));
+          to.push_back(point(tag->second->corners[k]));
+        }
+      }
+      if (!beside || from.size() < 8) continue;
+      const Eigen::Matrix3d h = homography(from, to, 0);
+      if (!h.allFinite()) continue;
+      const Eigen::Vector2d pixel = mapped(h, at / board.square);
+      const double square = std::min((mapped(h, at / board.square + Eigen::Vector2d(1, 0)) - pixel).norm(),
+                                     (mapped(h, at / board.square + Eigen::Vector2d(0, 1)) - pixel).norm());
+      const double margin = 0.3 * square;
+      if (!(pixel.x() > margin && pixel.y() > margin && pixel.x() < image.width - 1 - margin &&
+            pixel.y() < image.height - 1 - margin))
+        continue;
+      smallest_square = std::min(smallest_square, square);
+      std::vector<cv::Point2f> corner{point(pixel)};
+      const int window = std::clamp(static_cast<int>(free * square), 2, 11);
+      cv::cornerSubPix(view, corner, {window, window}, {-1, -1},
+                       cv::TermCriteria(cv::TermCriteria::EPS + cv::TermCriteria::COUNT, 60, 0.001));
+      corners.push_back(corner.front());
+      points.push_back({(row - 1) * (board.columns - 1) + column - 1, {at.x(), at.y(), 0}, pixel, 0.1});
+    }
+  if (points.size() < 6) {
+    seen.problem = std::to_string(points.size()) + " inner corners have a marker beside them, needed are 6";
+    return seen;
+  }
+  std::vector<cv::Point2f> from, to;
+  for (size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector2d refined(static_cast<double>(corners[i].x), static_cast<double>(corners[i].y));
+    if ((refined - points[i].pixel).norm() > std::max(1.5, 0.15 * smallest_square)) continue;
+    points[i].pixel = refined;
+    seen.points.push_back(points[i]);
+    from.push_back(point(refined)), to.push_back(point(points[i].board.head<2>() / board.square));
+  }
+  if (seen.points.size() < 6) {
+    seen.problem =
+        "only " + std::to_string(seen.points.size()) + " inner corners could be measured; the photograph is blurred";
+    seen.points.clear();
+    return seen;
+  }
+  const Eigen::Matrix3d back = homography(from, to, 0);
+  double ratio = 0;
+  size_t measured = 0;
+  for (const auto& tag : tags) {
+    if (!centres.count(tag.id) || !back.allFinite()) continue;
+    std::array<Eigen::Vector2d, 4> on_board;
+    for (size_t k = 0; k < 4; ++k) on_board[k] = mapped(back, tag.corners[k]);
+    ratio += side(on_board), ++measured;
+  }
+  if (measured) seen.marker_ratio = ratio / static_cast<double>(measured);
+  return seen;
+}
+
+SeenBoard find_tags(const GreyImage& image, const Board& board) {
+  SeenBoard seen;
+  const double pitch = board.marker + board.gap, h = 0.5 * board.marker;
+  size_t found = 0;
+  for (const auto& tag : ArucoDetector(board.dictionary, {}).detect(image)) {
+    const int k = tag.id - board.first_id;
+    if (k < 0 || k >= board.columns * board.rows) continue;
+    ++found;
+    const int row = board.ids_from_bottom ? board.rows - 1 - k / board.columns : k / board.columns,
+              column = k % board.columns;
+    const Eigen::Vector3d centre(column * pitch, -row * pitch, 0);
+    const Eigen::Vector3d offsets[] = {{-h, -h, 0}, {h, -h, 0}, {h, h, 0}, {-h, h, 0}};
+    for (int c = 0; c < 4; ++c) {
+      const size_t i = static_cast<size_t>(c);
+      seen.points.push_back(
+          {4 * k + c, centre + offsets[i], tag.corners[i], std::sqrt(0.5 * tag.covariances[i].trace() + 0.1 * 0.1)});
+    }
+  }
+  std::sort(seen.points.begin(), seen.points.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
+  if (found < 2) {
+    seen.points.clear();
+    seen.problem = std::to_string(found) + " of the board's " + std::to_string(board.columns * board.rows) +
+                   " tags were found; check dictionary and first_id";
+  }
+  return seen;
+}
+
+}  // namespace
+
+std::string Board::words() const {
+  const auto mm = [](double metres) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.5g mm", 1e3 * metres);
+    return std::string(text);
+  };
+  const std::string size = std::to_string(columns) + " x " + std::to_string(rows);
+  if (kind == BoardKind::chessboard) return "chessboard of " + size + " inner corners, squares " + mm(square);
+  if (kind == BoardKind::charuco)
+    return "ChArUco board of " + size + " squares of " + mm(square) + ", markers " + mm(marker) + ", " +
+           dictionary.name;
+  return "grid of " + size + " tags of " + mm(marker) + ", gap " + mm(gap) + ", " + dictionary.name;
+}
+
+Board parse_board(const std::string& text, const std::string& file) {
+  YAML::Node root;
+  try {
+    root = YAML::Load(text);
+  } catch (const YAML::Exception& error) {
+    refuse(file, "neither YAML nor JSON (line " + std::to_string(error.mark.line + 1) + ": " + error.msg + ")");
+  }
+  if (!root.IsMap()) refuse(file, "holds no keys");
+  Board board;
+  board.kind = kind_of(root, file);
+  board.columns =
+      whole(root, file, {"columns", "cols", "squares_x", "squaresX", "targetCols", "tagCols", "width"}, -1, 2);
+  board.rows = whole(root, file, {"rows", "squares_y", "squaresY", "targetRows", "tagRows", "height"}, -1, 2);
+  board.first_id = whole(root, file, {"first_id", "start_id", "tagStartId"}, 0, 0);
+  board.square = length(root, file, {"square", "square_size", "square_length", "squareLength", "colSpacingMeters"}, 0);
+  board.square_y = length(root, file, {"square_y", "rowSpacingMeters"}, board.square);
+  board.marker =
+      length(root, file, {"marker", "marker_size", "marker_length", "markerLength", "tag_size", "tagSize", "size"}, 0);
+  board.gap = length(root, file, {"gap", "separation", "marker_separation", "markerSeparation"}, 0);
+  if (root["tagSpacing"]) board.gap = root["tagSpacing"].as<double>(0) * board.marker, board.ids_from_bottom = true;
+  if (board.kind != BoardKind::tags && !(board.square > 0))
+    refuse(file, "'square' is missing: the edge of a square in metres");
+  if (board.kind == BoardKind::chessboard) return board;
+  if (!(board.marker > 0)) refuse(file, "'marker' is missing: the edge of a marker in metres");
+  if (board.kind == BoardKind::charuco && board.marker >= board.square)
+    refuse(file, "the markers are not smaller than the squares (" + std::to_string(board.marker) + " m, " +
+                     std::to_string(board.square) + " m)");
+  if (board.kind == BoardKind::tags && !(board.gap > 0))
+    refuse(file, "'gap' is missing: the space between two tags in metres");
+  board.dictionary = dictionary_of(root, file, root["target_type"] ? "tag36h11" : "");
+  const int needed = board.kind == BoardKind::charuco ? board.columns * board.rows / 2 : board.columns * board.rows;
+  if (board.first_id + needed > 1 + *std::max_element(board.dictionary.ids.begin(), board.dictionary.ids.end()))
+    refuse(file, "the board has " + std::to_string(needed) + " markers from number " + std::to_string(board.first_id) +
+                     ", but " + board.dictionary.name + " ends at " +
+                     std::to_string(*std::max_element(board.dictionary.ids.begin(), board.dictionary.ids.end())));
+  return board;
+}
+
+SeenBoard find_board(const GreyImage& image, const Board& board) {
+  const cv::Mat view(image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.pixels.data()));
+  if (image.width < 32 || image.height < 32) return {{}, "the photograph is too small", std::nan("")};
+  cv::setNumThreads(1);
+  if (board.kind == BoardKind::chessboard) return find_chessboard(view, board);
+  if (board.kind == BoardKind::charuco) return find_charuco(image, view, board);
+  return find_tags(image, board);
+}
+
+}  // namespace plumbline::detect

@@ -1,0 +1,64 @@
+// detect.board: the points of a calibration board in every photograph.
+#pragma once
+
+#include <fstream>
+#include <iterator>
+
+#include "artifacts/board_points.hpp"
+#include "artifacts/image.hpp"
+#include "detect/board.hpp"
+#include "images/grey_image.hpp"
+#include "plumbline/node.hpp"
+
+namespace plumbline::detect {
+
+struct DetectBoard : Node {
+  static constexpr Info info{"detect.board", "", 1,
+                             "Finds a calibration board (chessboard, ChArUco or grid of tags) and measures its points"};
+  Each<Image> images{"images", "photographs of the board"};
+  Param<FilePath> board{"board", required, "board file (YAML); docs/photographs.md has an example of each kind"};
+  Out<BoardPoints> points{"points", "the points that were found, or why none were"};
+
+  void run(Context& context) override {
+    const double pixels = static_cast<double>(images->width()) * images->height();
+    context.reserve_memory(static_cast<uint64_t>(static_cast<double>(images->size()) + 14 * pixels));
+    std::ifstream stream(board->path, std::ios::binary);
+    const Board pattern = parse_board({std::istreambuf_iterator<char>(stream), {}}, board->path);
+    BoardPointsT result;
+    result.path = images->path()->str();
+    result.sha256 = images->sha256()->str();
+    result.board = pattern.words();
+    try {
+      const GreyImage grey = read_grey_image(context.resolve(images->uri()->str()));
+      result.width = grey.width, result.height = grey.height;
+      const SeenBoard seen = find_board(grey, pattern);
+      result.problem = seen.problem, result.marker_ratio = seen.marker_ratio;
+      for (const SeenPoint& p : seen.points) {
+        auto point = std::make_unique<BoardPointT>();
+        point->id = p.id, point->board = p.board, point->pixel = p.pixel, point->sigma = p.sigma;
+        result.points.push_back(std::move(point));
+      }
+      check_pitch(pattern, seen, result);
+    } catch (const ImageFileError& error) {
+      result.problem = error.what();
+    }
+    if (!result.problem.empty()) context.warn(result.path + ": " + result.problem);
+    points.commit(result);
+  }
+
+ private:
+  /// Markers of another size against their squares than the file says: one of its two lengths is wrong.
+  static void check_pitch(const Board& pattern, const SeenBoard& seen, BoardPointsT& result) {
+    if (pattern.kind != BoardKind::charuco || !std::isfinite(seen.marker_ratio)) return;
+    const double stated = pattern.marker / pattern.square;
+    if (std::abs(seen.marker_ratio / stated - 1) < 0.06) return;
+    char text[200];
+    std::snprintf(text, sizeof text,
+                  "the markers measure %.3f of a square, the board file says %.3f: 'marker' or 'square' in it is wrong",
+                  seen.marker_ratio, stated);
+    result.problem = text;
+    result.points.clear();
+  }
+};
+
+}  // namespace plumbline::detect

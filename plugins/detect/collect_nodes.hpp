@@ -1,0 +1,61 @@
+// Around the detectors: the family they look for, their tags gathered, and as a file.
+#pragma once
+
+#include "artifacts/file.hpp"
+#include "artifacts/image_tags.hpp"
+#include "artifacts/tag_observations.hpp"
+#include "plumbline/node.hpp"
+
+namespace plumbline::detect {
+
+/// The name by which libapriltag knows the family; throws with the mend for dictionaries that only detect.aruco reads.
+std::string apriltag_family_of(const std::string& name, size_t file_size);
+
+/// The observations as JSON: images[] {path, width, height, problem, tags[] {family, id, corners [[x, y] × 4],
+/// covariance [[xx, xy, yy] × 4], refined}}, numbers with 17 significant digits.
+std::string observations_json(const TagObservationsT& observations);
+
+/// What read.tag_family gives: the name alone, or name and content of the file of that name. Throws with what is known.
+FileT tag_family_file(const std::string& family);
+
+struct ReadTagFamily : Node {
+  // Reads a file that is told only by its name among names of families, so the host cannot know when it changed.
+  static constexpr Info info{"read.tag_family", "", 1, "A family of tags by its name, or a dictionary file by its path",
+                             false};
+  Param<std::string> family{
+      "family", required, "a name (tag36h11, DICT_6X6_1000, ...) or the path of a dictionary file in OpenCV's format"};
+  Out<File> out{"family", "name, and for a dictionary file its content"};
+
+  void run(Context&) override { out.commit(tag_family_file(*family)); }
+};
+
+struct CollectTags : Node {
+  static constexpr Info info{"detect.collect", "", 1, "Gathers the tags of all images in one artifact"};
+  List<ImageTags> observations{"observations", "tags of each image"};
+  Out<TagObservations> all{"observations", "the same, in the same order"};
+
+  void run(Context&) override {
+    TagObservationsT result;
+    for (size_t i = 0; i < observations.size(); ++i)
+      result.images.push_back(std::make_unique<ImageTagsT>(observations.unpack(i)));
+    all.commit(result);
+  }
+};
+
+struct WriteObservations : Node {
+  static constexpr Info info{"write.observations", "", 1, "Writes the tags of all images as a JSON file"};
+  In<TagObservations> observations{"observations", "tags of all images"};
+  Param<std::string> name{"name", "observations.json", "base name of the file"};
+  Out<File> file{"file", "JSON; docs/photographs.md has its fields"};
+
+  void run(Context&) override {
+    const std::string text = observations_json(observations.unpack());
+    FileT result;
+    result.name = *name;
+    result.media_type = "application/json";
+    result.content.assign(text.begin(), text.end());
+    file.commit(result);
+  }
+};
+
+}  // namespace plumbline::detect

@@ -1,0 +1,80 @@
+// What every detector of tags has in common: from a photograph by reference to its tags as an artifact.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "artifacts/image.hpp"
+#include "artifacts/image_tags.hpp"
+#include "detect/tag_detector.hpp"
+#include "images/grey_image.hpp"
+#include "plumbline/node.hpp"
+
+namespace plumbline::detect {
+
+using SearchImage = std::function<std::vector<DetectedTag>(const GreyImage&)>;
+
+inline std::unique_ptr<TagT> tag_artifact(const DetectedTag& found) {
+  auto tag = std::make_unique<TagT>();
+  tag->family = found.family;
+  tag->id = found.id;
+  tag->hamming = found.hamming;
+  tag->decision_margin = static_cast<float>(found.decision_margin);
+  tag->refined = found.refined;
+  for (size_t i = 0; i < 4; ++i) {
+    tag->corners.push_back(found.corners[i]);
+    const Eigen::Matrix2d& c = found.covariances[i];
+    for (const double value : {c(0, 0), c(0, 1), c(1, 1)}) tag->corner_covariances.push_back(value);
+  }
+  return tag;
+}
+
+inline GreyImage mirrored(const GreyImage& image) {
+  GreyImage result = image;
+  for (int y = 0; y < image.height; ++y) {
+    const auto row = result.pixels.begin() + static_cast<std::ptrdiff_t>(y) * image.width;
+    std::reverse(row, row + image.width);
+  }
+  return result;
+}
+
+/// Reads the photograph and searches it. A file that cannot be read is an error, or with `stop_at_bad` false a result
+/// that says so in `problem`.
+inline ImageTagsT search_image(const Context& context, const Image& photograph, bool stop_at_bad,
+                               const SearchImage& search) {
+  ImageTagsT result;
+  result.path = photograph.path()->str();
+  result.sha256 = photograph.sha256()->str();
+  if (photograph.camera()) result.camera = photograph.camera()->str();
+  result.width = photograph.width(), result.height = photograph.height();
+  GreyImage grey;
+  const std::string path = context.resolve(photograph.uri()->str());
+  try {
+    grey = read_grey_image(path);
+    if (photograph.width() > 0 && (grey.width != photograph.width() || grey.height != photograph.height()))
+      throw ImageFileError(path + " has " + std::to_string(grey.width) + " x " + std::to_string(grey.height) +
+                           " pixels, but was registered with " + std::to_string(photograph.width()) + " x " +
+                           std::to_string(photograph.height()) + "; it was changed since");
+  } catch (const ImageFileError& error) {
+    if (stop_at_bad) throw;
+    result.problem = error.what();
+    context.warn("left out: " + result.problem);
+    return result;
+  }
+  result.width = grey.width, result.height = grey.height;
+  const auto tags = search(grey);
+  if (tags.empty()) {
+    const size_t in_mirror = search(mirrored(grey)).size();
+    if (in_mirror > 0)
+      result.problem = "the photograph is mirrored: " + std::to_string(in_mirror) +
+                       (in_mirror == 1 ? " tag is" : " tags are") +
+                       " found only after a flip. Export it from the camera without mirroring (selfie and web-camera "
+                       "programs mirror)";
+    context.warn(result.path + ": " + (in_mirror > 0 ? result.problem : "no tag found"));
+  }
+  for (const auto& tag : tags) result.tags.push_back(tag_artifact(tag));
+  return result;
+}
+
+}  // namespace plumbline::detect

@@ -1,0 +1,73 @@
+// adjust.marker_board: tags in unknown places, from photographs alone.
+#pragma once
+
+#include "output.hpp"
+#include "plumbline/node.hpp"
+
+namespace plumbline::markers {
+
+struct AdjustMarkerBoard : Node {
+  static constexpr Info info{"adjust.marker_board", "", 1,
+                             "Adjusts photographs of tags in unknown places: a free network with self-calibration"};
+  List<Image> images{"images", "the photographs, for what EXIF says of their cameras"};
+  In<TagObservations> observations{"observations", "the tags in them"};
+  Optional<Camera> camera{"camera", "calibration of the one camera; without it every camera calibrates itself"};
+  Param<double> tag_size{"tag_size", 0.0, "m", between(0, 100),
+                         "edge of the tags between their detected corners; 0: unknown, `distance` gives the scale"};
+  Param<std::string> distance{"distance", "",
+                              "A,B,metres[,sigma]: distance between the centres of tags A and B; it gives the scale in "
+                              "place of the printed size"};
+  Param<double> size_sigma{"size_sigma", 1e-3, "1", between(0, 1),
+                           "prior standard deviation of each tag's printed size, relative"};
+  Param<double> corner_inset_sigma{"corner_inset_sigma", 0.3, "px", between(0, 10),
+                                   "prior standard deviation of how far the detector draws tag edges inwards"};
+  Param<double> reject_above{"reject_above", 5.0, "1", at_least(0),
+                             "tags whose rms residual is this many times the median are left out; 0 keeps all"};
+  Param<std::string> cameras{"cameras", "by_folder", one_of("by_folder", "one"),
+                             "by_folder: photographs of another folder are from another camera; one: only size, model "
+                             "and focal length tell"};
+  Out<File> tags{"tags", "tags.json: centre, corners and sigma of every tag"};
+  Out<File> block{"block", "block.json: the adjustment with its statistics, residuals and what was left out"};
+  Out<Points> points{"points", frame("frame=board"), "the tags' centres with their full covariance"};
+  Out<Poses> poses{"poses", frame("frame=board"), "exterior orientations with covariance"};
+  OutList<Camera> adjusted{"cameras", "interior orientations after the adjustment"};
+
+  void run(Context& context) override {
+    if (*tag_size == 0 && distance->empty())
+      throw std::runtime_error(
+          "nothing gives the scale: set tag_size to the edge of a tag in metres (0.05 for 50 mm), "
+          "or distance to A,B,metres between the centres of two tags");
+    std::vector<ImageT> photographs;
+    for (size_t i = 0; i < images.size(); ++i) photographs.push_back(images.unpack(i));
+    CameraT known;
+    if (camera) known = camera.unpack();
+    const TagObservationsT seen = observations.unpack();
+    // Without a size any will do: the distance replaces it.
+    const BlockInput input = block_of(photographs, seen, camera ? &known : nullptr,
+                                      {*tag_size > 0 ? *tag_size : 0.1, *cameras == "by_folder"});
+    for (const auto& image : input.left_out) context.warn("left out: " + image.path + ": " + image.reason);
+    for (const auto& text : input.warnings) context.warn(text);
+    if (input.block.views.empty())
+      throw std::runtime_error("no photograph shows a usable tag" +
+                               (input.left_out.empty()
+                                    ? std::string()
+                                    : ": " + input.left_out.front().path + ": " + input.left_out.front().reason) +
+                               ". Check the family of the tags");
+    MarkerOptions options;
+    options.size_sigma = *size_sigma, options.inset_sigma = *corner_inset_sigma, options.reject_above = *reject_above;
+    if (!distance->empty()) options.distance = parse_distance(*distance, input.block);
+    const MarkerResult result = adjust_marker_block(input.block, options);
+    for (const auto& text : result.left_out) context.warn("left out: " + text);
+    for (const auto& text : result.warnings) context.warn(text);
+    context.metric("rms", result.rms, "px");
+    context.metric("degrees_of_freedom", result.degrees_of_freedom, "1");
+    tags.commit(file_of("tags.json", "application/json", tags_json(input.block, result)));
+    block.commit(file_of("block.json", "application/json", block_json(input, result)));
+    points.commit(points_of(input.block, result));
+    poses.commit(poses_of(input.block, result));
+    for (size_t c = 0; c < input.block.cameras.size(); ++c)
+      adjusted.commit(camera_artifact(input.block.cameras[c], result.cameras[c]));
+  }
+};
+
+}  // namespace plumbline::markers

@@ -1,0 +1,185 @@
+#include "colmap_node.hpp"
+
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "markers/control_block.hpp"
+#include "output.hpp"
+#include "read_nodes.hpp"
+#include "text/csv_table.hpp"
+
+namespace plumbline::markers {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json vector(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+Json cameras_json(const ControlResult& result) {
+  Json cameras = Json::array();
+  for (const auto& [id, camera] : result.model.cameras) {
+    const Eigen::MatrixXd& c = result.camera_covariance.at(id);
+    Json parameters = Json::array(), correlations = Json::array();
+    const auto values = camera.camera.parameters();
+    for (size_t k = 0; k < values.size(); ++k) {
+      const Eigen::Index i = static_cast<Eigen::Index>(k);
+      parameters.push_back({{"name", BrownCamera::parameter_names[k]},
+                            {"value", values[k]},
+                            {"sigma", std::sqrt(c(i, i))},
+                            {"estimated", c(i, i) > 0}});
+      for (Eigen::Index j = 0; j < i; ++j)
+        if (c(i, i) * c(j, j) > 0)
+          correlations.push_back({{"of", BrownCamera::parameter_names[static_cast<size_t>(j)]},
+                                  {"with", BrownCamera::parameter_names[k]},
+                                  {"correlation", c(i, j) / std::sqrt(c(i, i) * c(j, j))}});
+    }
+    double squares = 0;
+    int images = 0, points = 0;
+    for (const auto& [image_id, image] : result.model.images) {
+      if (image.camera != id || !result.image_rms.count(image_id)) continue;
+      const int n = result.image_points.at(image_id);
+      squares += std::pow(result.image_rms.at(image_id), 2) * n, points += n, ++images;
+    }
+    cameras.push_back({{"id", "camera " + std::to_string(id)},
+                       {"source", "COLMAP, " + camera.model},
+                       {"width", camera.camera.width},
+                       {"height", camera.camera.height},
+                       {"interior_orientation", parameters},
+                       {"correlations", correlations},
+                       {"images", images},
+                       {"rms_px", points ? std::sqrt(squares / points) : 0}});
+  }
+  return cameras;
+}
+
+Json images_json(const ControlResult& result) {
+  Json images = Json::array();
+  for (const auto& [id, image] : result.model.images) {
+    const auto covariance = result.pose_covariance.find(id);
+    Json entry = {
+        {"path", image.name},
+        {"oriented", true},
+        {"reason",
+         covariance == result.pose_covariance.end() ? "too few points took part: it kept its place in the model" : ""},
+        {"camera", "camera " + std::to_string(image.camera)},
+        {"centre", vector(image.cam_from_world.inverse().translation)}};
+    if (covariance != result.pose_covariance.end())
+      entry["sigma"] = vector(covariance->second.diagonal().head<3>().cwiseSqrt());
+    const Eigen::Quaterniond& q = image.cam_from_world.rotation;
+    entry["rotation"] = {q.w(), q.x(), q.y(), q.z()};
+    if (result.image_rms.count(id))
+      entry["tags"] = result.image_points.at(id), entry["rms_px"] = result.image_rms.at(id);
+    images.push_back(entry);
+  }
+  return images;
+}
+
+std::string block_text(const ControlResult& result) {
+  Json groups = Json::array(), points = Json::array(), observations = Json::array(), warnings = Json::array(),
+       left_out = Json::array();
+  for (const auto& g : result.groups)
+    groups.push_back({{"name", g.name},
+                      {"observations", g.rows},
+                      {"weighted_sum_of_squares", g.sum_of_squares},
+                      {"redundancy", g.redundancy},
+                      {"variance_factor", g.factor}});
+  for (const auto& p : result.points) {
+    if (!p.used) continue;
+    points.push_back({{"id", p.name},
+                      {"role", p.check ? "check" : "control"},
+                      {"position", vector(p.position)},
+                      {"sigma", vector(p.covariance.diagonal().cwiseSqrt())},
+                      {"surveyed", vector(p.surveyed)},
+                      {"difference", vector(p.position - p.surveyed)},
+                      {"w", vector(p.w)},
+                      {"rays", p.rays},
+                      {"largest_angle_deg", p.largest_angle * 180 / M_PI},
+                      {"rms_px", p.rms}});
+  }
+  for (const auto& o : result.observations)
+    observations.push_back({{"image", o.image},
+                            {"point", o.point},
+                            {"control", o.control},
+                            {"corners", {{o.pixel.x(), o.pixel.y()}}},
+                            {"residuals", {{o.residual.x(), o.residual.y()}}},
+                            {"rms_px", o.residual.norm() / std::sqrt(2.0)},
+                            {"largest_w", o.w}});
+  for (const auto& w : result.warnings) warnings.push_back(w);
+  for (const auto& l : result.left_out) left_out.push_back(l);
+  const Json root = {
+      {"kind", "COLMAP model with control"},
+      {"unit", "m"},
+      {"datum", "the surveyed control points with their standard deviations; one unit of the model was " +
+                    std::to_string(result.scale) + " m"},
+      {"statistics",
+       {{"sigma0", result.sigma0},
+        {"degrees_of_freedom", result.degrees_of_freedom},
+        {"weighted_sum_of_squares", result.weighted_sum_of_squares},
+        {"observations", result.n_observations},
+        {"unknowns", result.unknowns},
+        {"datum_defect", 0},
+        {"rms_px", result.rms},
+        {"tie_points", result.tie_points},
+        {"rejected_tie_observations", result.rejected}}},
+      {"groups", groups},
+      {"cameras", cameras_json(result)},
+      {"images", images_json(result)},
+      {"points", points},
+      {"observations", observations},
+      {"scale_bars", Json::array()},
+      {"rejected", Json::array()},
+      {"left_out", left_out},
+      {"warnings", warnings}};
+  return root.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string table_text(const ControlResult& result) {
+  std::string text = "name,role,x_m,y_m,z_m,sigma_x_m,sigma_y_m,sigma_z_m,dx_m,dy_m,dz_m,rays,rms_px,reason\n";
+  for (const auto& p : result.points) {
+    text += formats::csv_field(p.name) + "," + (p.check ? "check" : "control");
+    const auto add = [&](double value) {
+      char number[40];
+      std::snprintf(number, sizeof number, ",%.6f", value);
+      text += std::isfinite(value) && p.used ? number : ",";
+    };
+    for (int k = 0; k < 3; ++k) add(p.position(k));
+    for (int k = 0; k < 3; ++k) add(std::sqrt(p.covariance(k, k)));
+    for (int k = 0; k < 3; ++k) add(p.position(k) - p.surveyed(k));
+    text += "," + std::to_string(p.rays);
+    add(p.rms);
+    text += "," + formats::csv_field(p.reason) + "\n";
+  }
+  return text;
+}
+
+}  // namespace
+
+void AdjustColmapControl::run(Context& context) {
+  ControlOptions options;
+  options.control_sigma = *control_sigma, options.measured_sigma = *measured_sigma, options.tie_sigma = *tie_sigma;
+  options.self_calibration = *self_calibration, options.max_tie_points = static_cast<int>(*max_tie_points),
+  options.reject_above = *reject_above;
+  const ControlResult result = adjust_with_control(
+      read_colmap(model->path), parse_control(text_of_file(control->path), control->path),
+      parse_image_points(text_of_file(observations->path), observations->path, *pixel_origin == "corner"), options);
+  for (const auto& text : result.warnings) context.warn(text);
+  for (const auto& text : result.left_out) context.warn("left out: " + text);
+  context.metric("rms", result.rms, "px");
+  block.commit(file_of("block.json", "application/json", block_text(result)));
+  table.commit(file_of("points.csv", "text/csv", table_text(result)));
+  const auto folder = adjusted.make_folder();
+  FolderT listing;
+  listing.uri = folder.uri;
+  for (const auto& [name, text] : colmap_text(result.model)) {
+    std::ofstream stream(folder.path + "/" + name, std::ios::binary);
+    if (!(stream << text).flush()) throw std::runtime_error("cannot write " + folder.path + "/" + name);
+    stream.close();
+    auto entry = std::make_unique<FolderEntryT>();
+    entry->path = name, entry->sha256 = context.digest(folder.path + "/" + name), entry->size = text.size();
+    listing.files.push_back(std::move(entry));
+  }
+  adjusted.commit(listing);
+}
+
+}  // namespace plumbline::markers

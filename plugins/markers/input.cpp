@@ -1,0 +1,283 @@
+#include "input.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+
+#include "geometry/packed_symmetric.hpp"
+
+namespace plumbline::markers {
+namespace {
+
+std::string size_text(int width, int height) { return std::to_string(width) + " x " + std::to_string(height); }
+
+std::string folder_of(const std::string& path) {
+  const size_t slash = path.find_last_of('/');
+  return slash == std::string::npos ? "" : path.substr(0, slash);
+}
+
+/// What tells one camera from another.
+struct CameraKey {
+  std::string folder, model;
+  int width = 0, height = 0;
+  double focal_length = 0;
+  auto operator<=>(const CameraKey&) const = default;
+};
+
+struct CameraGroup {
+  CameraKey key;
+  std::vector<size_t> images;  ///< indices into the observations
+  double principal_distance = std::nan("");
+};
+
+/// Groups in the order of their first image.
+std::vector<CameraGroup> groups_of(const std::vector<ImageT>& images, const TagObservationsT& observations,
+                                   const std::vector<bool>& use, bool by_folder) {
+  std::map<std::string, const ImageT*> header;
+  for (const ImageT& image : images) header[image.path] = &image;
+  std::map<CameraKey, size_t> index;
+  std::vector<CameraGroup> groups;
+  for (size_t i = 0; i < observations.images.size(); ++i) {
+    if (!use[i]) continue;
+    const ImageTagsT& seen = *observations.images[i];
+    const auto found = header.find(seen.path);
+    CameraKey key{by_folder ? folder_of(seen.path) : "", "", seen.width, seen.height, 0};
+    double principal = std::nan("");
+    if (found != header.end()) {
+      key.model = found->second->model;
+      if (std::isfinite(found->second->focal_length)) key.focal_length = found->second->focal_length;
+      principal = found->second->principal_distance;
+    }
+    const auto [at, is_new] = index.emplace(key, groups.size());
+    if (is_new) groups.push_back({key, {}, principal});
+    groups[at->second].images.push_back(i);
+    if (!std::isfinite(groups[at->second].principal_distance)) groups[at->second].principal_distance = principal;
+  }
+  return groups;
+}
+
+/// Groups too small to calibrate beside a large one of the same folder: turned, cropped or resized by a program.
+void drop_odd_groups(std::vector<CameraGroup>& groups, const TagObservationsT& observations, BlockInput& input) {
+  constexpr size_t enough = 3;
+  std::vector<CameraGroup> kept;
+  for (const CameraGroup& group : groups) {
+    const CameraGroup* large = nullptr;
+    for (const CameraGroup& other : groups)
+      if (other.key.folder == group.key.folder && other.images.size() >= enough &&
+          other.images.size() > group.images.size())
+        large = &other;
+    if (group.images.size() >= enough || !large) {
+      kept.push_back(group);
+      continue;
+    }
+    const bool turned = group.key.width == large->key.height && group.key.height == large->key.width;
+    const bool other_size = group.key.width != large->key.width || group.key.height != large->key.height;
+    for (const size_t i : group.images) {
+      std::string reason;
+      if (turned)
+        reason = "has " + size_text(group.key.width, group.key.height) + " pixels where the others have " +
+                 size_text(large->key.width, large->key.height) +
+                 ": a program turned its pixels. Use the file as the camera wrote it";
+      else if (other_size)
+        reason = "has " + size_text(group.key.width, group.key.height) + " pixels where the others have " +
+                 size_text(large->key.width, large->key.height) +
+                 ": it was resized, cropped or taken by another camera, and too few are like it to calibrate that one";
+      else
+        reason = "was taken with another camera or focal length (" +
+                 (group.key.model.empty() ? std::string("no EXIF") : group.key.model) + ", " +
+                 std::to_string(static_cast<int>(std::lround(1000 * group.key.focal_length))) +
+                 " mm) than the others, and too few are like it to calibrate it";
+      input.left_out.push_back({observations.images[i]->path, reason});
+    }
+  }
+  groups = kept;
+}
+
+MarkerCamera camera_from(const CameraGroup& group, size_t number, size_t count) {
+  MarkerCamera camera;
+  camera.id = !group.key.folder.empty() ? group.key.folder : !group.key.model.empty() ? group.key.model : "camera";
+  if (count > 1 && group.key.folder.empty()) camera.id += " " + std::to_string(number + 1);
+  camera.camera.width = group.key.width, camera.camera.height = group.key.height;
+  camera.source = "self-calibration, started from the shapes of the tags";
+  if (std::isfinite(group.principal_distance)) {
+    camera.camera.fx = camera.camera.fy = group.principal_distance;
+    camera.camera.cx = 0.5 * (group.key.width - 1), camera.camera.cy = 0.5 * (group.key.height - 1);
+    camera.source = "self-calibration, started from EXIF";
+  }
+  return camera;
+}
+
+MarkerCamera camera_from(const CameraT& known) {
+  MarkerCamera camera;
+  camera.id = known.id;
+  camera.camera = camera_of(known);
+  camera.source = known.source;
+  camera.covariance = unpack_symmetric(known.covariance, BrownCamera::parameter_count, "camera '" + known.id + "'");
+  camera.held = camera.covariance.size() == 0 || camera.covariance.diagonal().maxCoeff() == 0;
+  return camera;
+}
+
+/// Which photographs can take part at all.
+std::vector<bool> usable(const TagObservationsT& observations, const CameraT* known, BlockInput& input) {
+  std::vector<bool> use(observations.images.size(), false);
+  std::map<std::string, std::string> by_content;
+  int width = known ? known->width : 0, height = known ? known->height : 0;
+  for (size_t i = 0; i < observations.images.size(); ++i) {
+    const ImageTagsT& image = *observations.images[i];
+    const auto leave_out = [&](const std::string& why) { input.left_out.push_back({image.path, why}); };
+    if (!image.problem.empty()) {
+      leave_out(image.problem);
+      continue;
+    }
+    if (!image.sha256.empty()) {
+      const auto [at, is_new] = by_content.emplace(image.sha256, image.path);
+      if (!is_new) {
+        leave_out("is the same file as " + at->second + "; one of them is enough");
+        continue;
+      }
+    }
+    if (image.tags.empty()) {
+      leave_out("no tag of the family was found in it");
+      continue;
+    }
+    if (known && width == 0) width = image.width, height = image.height;
+    if (known && (image.width != width || image.height != height)) {
+      const bool turned = image.width == height && image.height == width;
+      leave_out("has " + size_text(image.width, image.height) + " pixels, camera '" + known->id + "' has " +
+                size_text(width, height) +
+                (turned ? ": a program turned its pixels; use the file as the camera wrote it"
+                        : "; calibrate the camera at the size of these photographs"));
+      continue;
+    }
+    use[i] = true;
+  }
+  return use;
+}
+
+Eigen::Matrix2d covariance_of(const TagT& tag, size_t corner) {
+  Eigen::Matrix2d c = 0.09 * Eigen::Matrix2d::Identity();
+  if (tag.corner_covariances.size() != 12) return c;
+  const double* v = &tag.corner_covariances[3 * corner];
+  Eigen::Matrix2d given;
+  given << v[0], v[1], v[1], v[2];
+  if (given.allFinite() && given(0, 0) > 0 && given.determinant() > 0) c = given;
+  return c;
+}
+
+void add_views(const ImageTagsT& seen, int image, std::map<std::pair<std::string, int>, int>& marker_of, double size,
+               BlockInput& input) {
+  std::map<std::pair<std::string, int>, int> times;
+  for (const auto& tag : seen.tags) ++times[{tag->family, tag->id}];
+  for (const auto& [name, count] : times)
+    if (count > 1)
+      input.warnings.push_back("tag " + std::to_string(name.second) + " is " + std::to_string(count) + " times in " +
+                               seen.path + ": left out there, because only one can be it. Print every id once");
+  for (const auto& tag : seen.tags) {
+    if (times[{tag->family, tag->id}] > 1 || tag->corners.size() != 4) continue;
+    MarkerView view;
+    bool inside = true;
+    for (size_t k = 0; k < 4; ++k) {
+      view.corners[k] = tag->corners[k];
+      inside = inside && view.corners[k].allFinite() && view.corners[k].minCoeff() >= 0 &&
+               view.corners[k].x() <= seen.width - 1 && view.corners[k].y() <= seen.height - 1;
+      view.covariances[k] = covariance_of(*tag, k);
+    }
+    if (!inside) {
+      input.warnings.push_back("tag " + std::to_string(tag->id) + " is cut by the border of " + seen.path +
+                               ": left out there");
+      continue;
+    }
+    const auto [at, is_new] =
+        marker_of.emplace(std::make_pair(tag->family, tag->id), static_cast<int>(input.block.markers.size()));
+    if (is_new) input.block.markers.push_back({tag->family, tag->id, size, std::nullopt});
+    view.image = image, view.marker = at->second, view.refined = tag->refined;
+    input.block.views.push_back(view);
+  }
+}
+
+}  // namespace
+
+BrownCamera camera_of(const CameraT& artifact) {
+  if (artifact.parameters.size() != BrownCamera::parameter_count)
+    throw std::runtime_error("camera '" + artifact.id + "' has " + std::to_string(artifact.parameters.size()) +
+                             " parameters, expected 9: fx, fy, cx, cy, k1, k2, k3, p1, p2");
+  BrownCamera camera;
+  camera.width = artifact.width, camera.height = artifact.height;
+  std::array<double, BrownCamera::parameter_count> values;
+  std::copy(artifact.parameters.begin(), artifact.parameters.end(), values.begin());
+  camera.set_parameters(values);
+  if (!(camera.fx > 0 && camera.fy > 0))
+    throw std::runtime_error("camera '" + artifact.id + "' has no positive principal distance (fx, fy)");
+  return camera;
+}
+
+BlockInput block_of(const std::vector<ImageT>& images, const TagObservationsT& observations, const CameraT* known,
+                    const InputOptions& options) {
+  BlockInput input;
+  const std::vector<bool> use = usable(observations, known, input);
+  std::vector<int> camera_of_image(observations.images.size(), -1);
+  if (known) {
+    input.block.cameras.push_back(camera_from(*known));
+    BrownCamera& camera = input.block.cameras.back().camera;
+    for (size_t i = 0; i < use.size() && camera.width == 0; ++i)  // OpenCV's files do not say the size
+      if (use[i]) camera.width = observations.images[i]->width, camera.height = observations.images[i]->height;
+    for (size_t i = 0; i < use.size(); ++i)
+      if (use[i]) camera_of_image[i] = 0;
+  } else {
+    std::vector<CameraGroup> groups = groups_of(images, observations, use, options.camera_by_folder);
+    drop_odd_groups(groups, observations, input);
+    for (size_t g = 0; g < groups.size(); ++g) {
+      input.block.cameras.push_back(camera_from(groups[g], g, groups.size()));
+      for (const size_t i : groups[g].images) camera_of_image[i] = static_cast<int>(g);
+    }
+  }
+  std::map<std::pair<std::string, int>, int> marker_of;
+  for (size_t i = 0; i < observations.images.size(); ++i) {
+    if (camera_of_image[i] < 0) continue;
+    const ImageTagsT& seen = *observations.images[i];
+    const size_t before = input.block.views.size();
+    add_views(seen, static_cast<int>(input.block.images.size()), marker_of, options.tag_size, input);
+    if (input.block.views.size() == before) {
+      input.left_out.push_back({seen.path, "none of its " + std::to_string(seen.tags.size()) + " tags can be used"});
+      continue;
+    }
+    input.block.images.push_back({seen.path, camera_of_image[i]});
+  }
+  return input;
+}
+
+MarkerDistance parse_distance(const std::string& text, const MarkerBlock& block) {
+  std::vector<std::string> parts;
+  std::istringstream stream(text);
+  for (std::string part; std::getline(stream, part, ',');) parts.push_back(part);
+  const auto refuse = [&](const std::string& what) {
+    throw std::runtime_error("distance is '" + text + "': " + what +
+                             "; expected the ids of two tags and the metres between their centres, as 3,17,1.2345");
+  };
+  if (parts.size() < 3 || parts.size() > 4) refuse("it has " + std::to_string(parts.size()) + " parts");
+  const auto find = [&](std::string name) {
+    std::string family;
+    if (const size_t colon = name.find(':'); colon != std::string::npos)
+      family = name.substr(0, colon), name = name.substr(colon + 1);
+    int id = -1;
+    std::istringstream(name) >> id;
+    for (size_t m = 0; m < block.markers.size(); ++m)
+      if (block.markers[m].id == id && (family.empty() || block.markers[m].family == family))
+        return static_cast<int>(m);
+    refuse("tag '" + name + "' is in no photograph");
+    return -1;
+  };
+  MarkerDistance distance;
+  distance.from = find(parts[0]), distance.to = find(parts[1]);
+  if (distance.from == distance.to) refuse("both tags are the same");
+  std::istringstream(parts[2]) >> distance.length;
+  distance.sigma = 0.0005;
+  if (parts.size() == 4) std::istringstream(parts[3]) >> distance.sigma;
+  if (!(distance.length > 0)) refuse("'" + parts[2] + "' is no positive length");
+  if (!(distance.sigma >= 0)) refuse("'" + parts[3] + "' is no standard deviation");
+  return distance;
+}
+
+}  // namespace plumbline::markers

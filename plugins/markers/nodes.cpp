@@ -1,0 +1,12 @@
+// adjust.marker_board: photographs of tags whose places nobody knows, as a free network.
+// adjust.colmap_control: a COLMAP model with surveyed points.
+// read.camera, read.plates: what is known beforehand.
+// adjust.marker_field: photographs in a field of tags with an approximate layout.
+#include "board_node.hpp"
+#include "colmap_node.hpp"
+#include "field_node.hpp"
+#include "read_nodes.hpp"
+
+PLUMBLINE_PLUGIN("markers", "0.1.0", "MIT", plumbline::markers::AdjustMarkerBoard,
+                 plumbline::markers::AdjustMarkerField, plumbline::markers::ReadCamera, plumbline::markers::ReadPlates,
+                 plumbline::markers::AdjustColmapControl)

@@ -1,0 +1,40 @@
+// Drawings of an image block: cameras and points in space, residuals over the image, crops of single tags.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <string>
+#include <vector>
+
+#include "report/markup.hpp"
+
+namespace plumbline {
+struct GreyImage;
+}
+
+namespace plumbline::report {
+
+struct DrawnCamera {
+  std::string name;
+  Eigen::Vector3d centre, forward;  ///< `forward` is a unit vector
+};
+
+struct DrawnPoint {
+  std::string name;
+  Eigen::Vector3d position;
+};
+
+/// Two parallel projections side by side: along the points' normal, and from above it.
+void draw_scene(Markup& html, const std::vector<DrawnCamera>& cameras, const std::vector<DrawnPoint>& points);
+
+struct DrawnResidual {
+  Eigen::Vector2d at, residual;  ///< [px]
+};
+
+/// Residuals as arrows over a frame of width × height pixels, with the scale of the arrows in words.
+void draw_residuals(Markup& html, int width, int height, const std::vector<DrawnResidual>& residuals);
+
+/// The photograph around four corners, with the measured corners; nothing if they lie outside.
+void draw_crop(Markup& html, const GreyImage& image, const std::vector<Eigen::Vector2d>& corners);
+
+}  // namespace plumbline::report

@@ -1,0 +1,25 @@
+#include "report/image_block_page_node.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "report/image_block_page.hpp"
+#include "report/sections.hpp"
+
+namespace plumbline::report {
+
+void ReportImageBlock::run(Context& context) {
+  const auto* content = block->content();
+  const auto json = nlohmann::ordered_json::parse(content->begin(), content->end(), nullptr, false);
+  if (json.is_discarded() || !json.is_object() || !json.contains("statistics"))
+    throw std::runtime_error("the input 'block' is not a block.json: 'statistics' is missing");
+  PhotographFiles files;
+  for (size_t i = 0; i < images.size(); ++i) files[images[i].path()->str()] = context.resolve(images[i].uri()->str());
+  const std::string page =
+      render_page(*title, [&](Markup& html) { write_image_block(html, json, *title, *subtitle, files); });
+  FileT file;
+  file.name = *name, file.media_type = "text/html";
+  file.content.assign(page.begin(), page.end());
+  out.commit(file);
+}
+
+}  // namespace plumbline::report

@@ -1,0 +1,272 @@
+// Blocks of tags and calibrations whose truth is known.
+#include <gmock/gmock.h>
+
+#include <Eigen/Geometry>
+#include <random>
+
+#include "geometry/similarity.hpp"
+#include "markers/calibration.hpp"
+#include "markers/marker_block.hpp"
+#include "markers/planar_pose.hpp"
+#include "test_support.hpp"
+
+namespace plumbline::markers {
+namespace {
+
+using testing::HasSubstr;
+
+BrownCamera true_camera() {
+  BrownCamera c;
+  c.width = 1600, c.height = 1200, c.fx = c.fy = 1500, c.cx = 812, c.cy = 590, c.k1 = -0.12, c.k2 = 0.05, c.p1 = 4e-4;
+  return c;
+}
+
+/// A camera at `centre` that looks at `target`, turned about its own axis.
+RigidTransform look(const Eigen::Vector3d& centre, const Eigen::Vector3d& target, double roll) {
+  const Eigen::Vector3d z = (target - centre).normalized(), x = Eigen::Vector3d(0, 1, 0.1).cross(z).normalized();
+  Eigen::Matrix3d r;
+  r << x.transpose(), z.cross(x).transpose(), z.transpose();
+  const Eigen::Quaterniond q =
+      Eigen::Quaterniond(Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitZ())) * Eigen::Quaterniond(r);
+  return {q, -(q * centre)};
+}
+
+Eigen::Vector3d corner(double size, size_t k) {
+  const double h = 0.5 * size;
+  return {k == 1 || k == 2 ? h : -h, k >= 2 ? h : -h, 0};
+}
+
+struct Scene {
+  MarkerBlock block;
+  std::vector<RigidTransform> tags, images;
+};
+
+/// Twelve tags on two walls of a corner, ten photographs; noise of `sigma` px, stated as such.
+Scene scene(double sigma, unsigned seed) {
+  Scene s;
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> noise(0, sigma > 0 ? sigma : 1);
+  MarkerCamera camera;
+  camera.camera.width = true_camera().width, camera.camera.height = true_camera().height;
+  s.block.cameras = {camera};
+  for (int i = 0; i < 12; ++i) {
+    const bool side = i >= 6;
+    const double a = 0.3 * (i % 3), b = 0.3 * ((i % 6) / 3);
+    const Eigen::Quaterniond turn = side ? Eigen::Quaterniond(Eigen::AngleAxisd(-M_PI / 2, Eigen::Vector3d::UnitY()))
+                                         : Eigen::Quaterniond::Identity();
+    s.tags.push_back({turn, side ? Eigen::Vector3d(1.1, b, 0.2 + a) : Eigen::Vector3d(a, b, 0)});
+    s.block.markers.push_back({"tag36h11", i, 0.12, std::nullopt});
+  }
+  for (int k = 0; k < 10; ++k) {
+    const double u = (k % 5) / 4.0, v = k / 5;
+    s.images.push_back(
+        look({-0.6 + 1.0 * u, -0.4 + 1.1 * v, 1.5 + 0.3 * u}, {0.55, 0.2, 0.15}, k % 2 ? M_PI / 2 : 0.1));
+    s.block.images.push_back({"image" + std::to_string(k) + ".jpg", 0});
+    for (size_t m = 0; m < s.tags.size(); ++m) {
+      MarkerView view;
+      view.image = k, view.marker = static_cast<int>(m);
+      bool inside = true;
+      for (size_t q = 0; q < 4; ++q) {
+        const auto pixel = project(true_camera(), s.images.back() * (s.tags[m] * corner(0.12, q)));
+        inside = inside && pixel && pixel->minCoeff() > 0 && pixel->x() < 1599 && pixel->y() < 1199;
+        if (!inside) break;
+        view.corners[q] = *pixel + (sigma > 0 ? Eigen::Vector2d(noise(random), noise(random)) : Eigen::Vector2d(0, 0));
+        view.covariances[q] = Eigen::Matrix2d::Identity() * std::pow(sigma > 0 ? sigma : 0.01, 2);
+      }
+      const Eigen::Vector3d normal = s.tags[m].rotation * Eigen::Vector3d::UnitZ();
+      const Eigen::Vector3d sight = (s.images.back().inverse().translation - s.tags[m].translation).normalized();
+      if (inside && normal.dot(sight) > 0.2) s.block.views.push_back(view);
+    }
+  }
+  return s;
+}
+
+/// Root mean square of the centres after the best rigid motion [m].
+double error_of(const Scene& s, const MarkerResult& result) {
+  std::vector<Eigen::Vector3d> from, to;
+  for (const auto& m : result.markers) {
+    from.push_back(m.world_from_tag.translation);
+    to.push_back(s.tags[static_cast<size_t>(m.marker)].translation);
+  }
+  const SimilarityMotion motion = fit_similarity(from, to, false);
+  double sum = 0;
+  for (size_t i = 0; i < from.size(); ++i) sum += (motion * from[i] - to[i]).squaredNorm();
+  return std::sqrt(sum / (3.0 * static_cast<double>(from.size())));
+}
+
+TEST(PlanarPose, GivesBothPosesOfASquareTheTrueOneFirst) {
+  const RigidTransform truth = look({0.2, -0.4, 1.6}, {0, 0, 0}, 0.3);
+  std::array<Eigen::Vector2d, 4> corners;
+  for (size_t k = 0; k < 4; ++k) corners[k] = (truth * corner(0.1, k)).hnormalized();
+  const auto poses = poses_of_square(corners, 0.1);
+  ASSERT_EQ(poses.size(), 2u);
+  EXPECT_LT(poses[0].rms, 1e-12);
+  EXPECT_LT(poses[0].cam_from_figure.rotation.angularDistance(truth.rotation), 1e-9);
+  EXPECT_LT((poses[0].cam_from_figure.translation - truth.translation).norm(), 1e-9);
+  // The other one is tilted the other way and fits a tag this small to a hundredth of its size.
+  EXPECT_GT(poses[1].cam_from_figure.rotation.angularDistance(truth.rotation), 0.1);
+  EXPECT_GT(poses[1].rms, 1e-6);
+  EXPECT_LT(poses[1].rms, 1e-2);
+}
+
+TEST(MarkerBlock, RecoversTagsAndCameraWithoutNoiseAndWithoutAnyStart) {
+  const Scene s = scene(0, 1);
+  const MarkerResult result = adjust_marker_block(s.block, {});
+  ASSERT_EQ(result.markers.size(), 12u);
+  EXPECT_LT(error_of(s, result), 2e-6);
+  EXPECT_NEAR(result.cameras[0].camera.fx, 1500, 0.2);
+  EXPECT_NEAR(result.cameras[0].camera.k1, -0.12, 1e-3);
+  for (const auto& image : result.images) EXPECT_TRUE(image.oriented);
+  // Corners are those of the tag in its own frame.
+  EXPECT_NEAR((result.markers[3].corners[1] - result.markers[3].corners[0]).norm(), 0.12, 1e-5);
+  EXPECT_LT((0.25 * (result.markers[3].corners[0] + result.markers[3].corners[1] + result.markers[3].corners[2] +
+                     result.markers[3].corners[3]) -
+             result.markers[3].world_from_tag.translation)
+                .norm(),
+            1e-12);
+  EXPECT_LT(result.markers[0].world_from_tag.translation.norm(), 1e-12) << "the frame is that of the lowest id";
+}
+
+TEST(MarkerBlock, StatedCovarianceCoversTheErrorsItMakes) {
+  double nees = 0;
+  int count = 0;
+  for (unsigned seed = 1; seed <= 8; ++seed) {
+    const Scene s = scene(0.1, seed);
+    const MarkerResult result = adjust_marker_block(s.block, {});
+    // Distances do not hang on the datum: error over standard deviation of all pairs of neighbours.
+    const Eigen::Index n = static_cast<Eigen::Index>(result.markers.size());
+    for (Eigen::Index i = 0; i + 1 < n; ++i) {
+      const auto &a = result.markers[static_cast<size_t>(i)], &b = result.markers[static_cast<size_t>(i + 1)];
+      const Eigen::Vector3d d = b.world_from_tag.translation - a.world_from_tag.translation;
+      Eigen::RowVectorXd slope = Eigen::RowVectorXd::Zero(3 * n);
+      slope.segment<3>(3 * i) = -d.normalized(), slope.segment<3>(3 * i + 3) = d.normalized();
+      const double truth =
+          (s.tags[static_cast<size_t>(b.marker)].translation - s.tags[static_cast<size_t>(a.marker)].translation)
+              .norm();
+      nees += std::pow(d.norm() - truth, 2) / (slope * result.centre_covariance * slope.transpose())(0, 0);
+      ++count;
+    }
+    EXPECT_NEAR(result.groups[0].factor, 1, 0.3) << "the stated noise is the true one";
+  }
+  EXPECT_GT(nees / count, 0.4);
+  EXPECT_LT(nees / count, 1.8);
+}
+
+TEST(MarkerBlock, DistanceReplacesThePrintedSize) {
+  Scene s = scene(0, 1);
+  for (auto& marker : s.block.markers) marker.size = 0.2;  // wrong by two thirds
+  MarkerOptions options;
+  options.distance = MarkerDistance{0, 2, 0.6, 0.0003};
+  const MarkerResult result = adjust_marker_block(s.block, options);
+  EXPECT_LT(error_of(s, result), 5e-6);
+  EXPECT_NEAR(result.markers[0].scale * 0.2, 0.12, 1e-5);
+  const auto& a = result.centre_covariance;
+  EXPECT_GT(std::sqrt(a.diagonal().maxCoeff()), 1e-4) << "the distance's own uncertainty is in the coordinates";
+}
+
+TEST(MarkerBlock, NamesATagThatIsNotWhereTheOthersSayItIs) {
+  Scene s = scene(0.1, 3);
+  for (auto& c : s.block.views[5].corners) c += Eigen::Vector2d(6, -4);
+  const MarkerResult result = adjust_marker_block(s.block, {});
+  EXPECT_EQ(result.rejected, std::vector<int>{5});
+  EXPECT_LT(error_of(s, result), 5e-4);
+}
+
+TEST(MarkerBlock, KeepsBothPosesOfASingleTagUntilImagesDecide) {
+  // An image with one tag is oriented through it, and says which other pose there is.
+  Scene s = scene(0.05, 4);
+  bool first = true;
+  std::erase_if(s.block.views, [&](const MarkerView& v) {
+    if (v.image != 9) return false;
+    const bool drop = !first;
+    first = false;
+    return drop;
+  });
+  const MarkerResult result = adjust_marker_block(s.block, {});
+  ASSERT_TRUE(result.images[9].oriented);
+  EXPECT_TRUE(result.images[9].other_centre.has_value());
+  EXPECT_GT(result.images[9].ambiguity, 1);
+}
+
+TEST(MarkerBlock, LayoutOrientsEveryImageInItsFrame) {
+  Scene s = scene(0.1, 5);
+  for (size_t m = 0; m < s.tags.size(); ++m) s.block.markers[m].world_from_tag = s.tags[m];
+  s.block.cameras[0].camera = true_camera();
+  s.block.cameras[0].held = true;
+  s.block.images.resize(1);
+  std::erase_if(s.block.views, [](const MarkerView& v) { return v.image != 0; });
+  const MarkerResult result = adjust_marker_block(s.block, {});
+  ASSERT_TRUE(result.images[0].oriented);
+  EXPECT_LT((result.images[0].centre - s.images[0].inverse().translation).norm(), 0.05);
+}
+
+TEST(MarkerBlock, RefusesWhatCannotBeInWords) {
+  const auto message = [](const MarkerBlock& block) {
+    try {
+      adjust_marker_block(block, {});
+    } catch (const std::runtime_error& error) {
+      return std::string(error.what());
+    }
+    return std::string("nothing was thrown");
+  };
+  EXPECT_THAT(message({}), HasSubstr("no tag was found"));
+  Scene one = scene(0, 1);
+  one.block.images.resize(1);
+  std::erase_if(one.block.views, [](const MarkerView& v) { return v.image != 0; });
+  EXPECT_THAT(message(one.block), HasSubstr("one photograph"));
+  Scene without_size = scene(0, 1);
+  without_size.block.markers[0].size = 0;
+  EXPECT_THAT(message(without_size.block), HasSubstr("has no size"));
+}
+
+std::vector<CalibrationView> board_views(double sigma, double bend, unsigned seed) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> noise(0, 1);
+  std::vector<CalibrationView> views;
+  for (int k = 0; k < 14; ++k) {
+    const RigidTransform pose =
+        look({0.25 * std::cos(1.1 * k) + 0.12, -0.1 + 0.3 * std::sin(1.7 * k), 0.42 + 0.02 * (k % 4)},
+             {0.12 + 0.05 * (k % 3 - 1), -0.08, 0}, 0.4 * k);
+    CalibrationView view;
+    view.path = std::to_string(k);
+    for (int r = 0; r < 7; ++r)
+      for (int c = 0; c < 10; ++c) {
+        const Eigen::Vector3d board(0.025 * c, -0.025 * r, 0);
+        const double x = (board.x() - 0.1125) / 0.1125;
+        const auto pixel = project(true_camera(), pose * (board + Eigen::Vector3d(0, 0, bend * (1 - x * x))));
+        if (!pixel || pixel->minCoeff() < 0 || pixel->x() > 1599 || pixel->y() > 1199) continue;
+        view.points.push_back({board, *pixel + sigma * Eigen::Vector2d(noise(random), noise(random)), 0.1});
+      }
+    views.push_back(view);
+  }
+  return views;
+}
+
+TEST(Calibration, RecoversCameraAndBendAndStatesTheirUncertainty) {
+  CalibrationOptions options;
+  options.bend_sigma = 1e-3;
+  const Calibration c = calibrate(board_views(0.15, 4e-4, 7), 1600, 1200, options);
+  const auto found = c.camera.parameters(), truth = true_camera().parameters();
+  for (size_t k = 0; k < found.size(); ++k) {
+    const double sigma = std::sqrt(c.covariance(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(k)));
+    EXPECT_GT(sigma, 0);
+    EXPECT_LT(std::abs(found[k] - truth[k]), 4 * sigma) << BrownCamera::parameter_names[k];
+  }
+  EXPECT_NEAR(c.bend_x, 4e-4, 4 * c.bend_x_sigma);
+  EXPECT_NEAR(c.sigma, 0.15, 0.015);
+  const auto u = projection_uncertainty(c.camera, c.covariance, 9, 7);
+  EXPECT_LT(u[31], u[0]) << "the middle is surer than a corner";
+  // A change of the camera that is nothing but a rotation leaves hardly a difference.
+  BrownCamera turned = true_camera();
+  turned.cx += 0.5;
+  EXPECT_LT(projection_difference(true_camera(), turned, 9, 7)[31], 0.2);
+}
+
+TEST(Calibration, SaysWhatIsMissing) {
+  auto views = board_views(0.1, 0, 1);
+  views.resize(2);
+  EXPECT_THROW(calibrate(views, 1600, 1200, {}), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace plumbline::markers

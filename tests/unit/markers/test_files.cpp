@@ -1,0 +1,182 @@
+// Files around photographs: dictionaries, cameras, layouts, control, COLMAP models.
+#include <gmock/gmock.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "detect/board.hpp"
+#include "detect/tag_dictionary.hpp"
+#include "markers/camera_files.hpp"
+#include "markers/colmap_files.hpp"
+#include "markers/control_files.hpp"
+#include "markers/layout_files.hpp"
+#include "test_support.hpp"
+
+namespace plumbline {
+namespace {
+
+using testing::HasSubstr;
+
+template <typename Work>
+std::string message_of(Work&& work) {
+  try {
+    work();
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "nothing was thrown";
+}
+
+TEST(TagDictionary, ReadsWhatOpenCVWritesAndChecksIt) {
+  const auto d = detect::parse_dictionary(
+      "%YAML:1.0\n---\nnmarkers: 2\nmarkersize: 3\nmaxCorrectionBits: 4\nmarker_0: \"110001010\"\nmarker_5: "
+      "\"100111101\"\n",
+      "mine.yml");
+  EXPECT_EQ(d.size, 3);
+  EXPECT_EQ(d.ids, (std::vector<int>{0, 5}));
+  EXPECT_LE(d.correctable_bits, 1) << "never more than half the distance of the codes";
+  EXPECT_THAT(
+      message_of([] { detect::parse_dictionary("nmarkers: 1\nmarkersize: 3\nmarker_0: \"11000\"\n", "a.yml"); }),
+      HasSubstr("a.yml: marker_0 has 5 cells, expected 9"));
+  EXPECT_THAT(
+      message_of([] { detect::parse_dictionary("nmarkers: 3\nmarkersize: 3\nmarker_0: \"110001010\"\n", "a.yml"); }),
+      HasSubstr("nmarkers is 3, but there are 1"));
+  EXPECT_THAT(message_of([] {
+                detect::parse_dictionary("markersize: 3\nmarker_0: \"110001010\"\nmarker_1: \"001100011\"\n", "a.yml");
+              }),
+              HasSubstr("same"));
+  EXPECT_THAT(message_of([] { detect::builtin_dictionary("DICT_9X9_50"); }), HasSubstr("DICT_6X6_1000"));
+  EXPECT_EQ(detect::builtin_dictionary("apriltag_36h11").name, "tag36h11");
+  EXPECT_EQ(detect::builtin_dictionary("5x5_100").name, "DICT_5X5_100");
+}
+
+TEST(Board, IsReadWithItsUnitsChecked) {
+  const auto b = detect::parse_board(
+      "type: charuco\ncolumns: 8\nrows: 8\nsquare: 0.0254\nmarker: 0.01905\ndictionary: DICT_4X4_50\n", "b.yaml");
+  EXPECT_EQ(b.columns, 8);
+  EXPECT_THAT(message_of([] { detect::parse_board("type: chessboard\ncolumns: 9\nrows: 6\nsquare: 25\n", "b.yaml"); }),
+              HasSubstr("0.025 for 25 mm"));
+  EXPECT_THAT(message_of([] {
+                detect::parse_board(
+                    "type: charuco\ncolumns: 20\nrows: 20\nsquare: 0.02\nmarker: 0.01\ndictionary: DICT_4X4_50\n",
+                    "b.yaml");
+              }),
+              HasSubstr("ends at 49"));
+  EXPECT_THAT(message_of([] { detect::parse_board("columns: 9\n", "b.yaml"); }),
+              HasSubstr("b.yaml: 'type' is missing"));
+  const auto kalibr = detect::parse_board(
+      "target_type: 'aprilgrid'\ntagCols: 6\ntagRows: 6\ntagSize: 0.088\ntagSpacing: 0.3\n", "k.yaml");
+  EXPECT_NEAR(kalibr.gap, 0.0264, 1e-12);
+  EXPECT_TRUE(kalibr.ids_from_bottom);
+}
+
+TEST(CameraFiles, OfOpenCVRosKalibrAndOurs) {
+  const auto opencv = markers::parse_camera_file(
+      "%YAML:1.0\n---\nimage_width: 640\nimage_height: 480\ncamera_matrix: !!opencv-matrix\n   rows: 3\n   cols: 3\n   "
+      "dt: d\n   data: [ 600., 0., 320., 0., 610., 240., 0., 0., 1. ]\n"
+      "distortion_coefficients: !!opencv-matrix\n   rows: 5\n   cols: 1\n   dt: d\n   data: [ 0.1, 0.2, 0.003, 0.004, "
+      "0.5 ]\n",
+      "o.yml");
+  EXPECT_EQ(opencv.camera.width, 640);
+  EXPECT_EQ(opencv.camera.fy, 610);
+  EXPECT_EQ(opencv.camera.p2, 0.004);
+  EXPECT_EQ(opencv.camera.k3, 0.5);
+  const auto xml = markers::parse_camera_file(
+      "<?xml version=\"1.0\"?><opencv_storage><Camera_Matrix "
+      "type_id=\"opencv-matrix\"><rows>3</rows><cols>3</cols><dt>d</dt><data>500 0 300 0 500 200 0 0 "
+      "1</data></Camera_Matrix>"
+      "<Distortion_Coefficients><rows>1</rows><cols>4</cols><data>-0.1 0.02 0 "
+      "0</data></Distortion_Coefficients></opencv_storage>",
+      "o.xml");
+  EXPECT_EQ(xml.camera.cx, 300);
+  EXPECT_EQ(xml.camera.k1, -0.1);
+  EXPECT_EQ(xml.camera.width, 0);
+  const auto kalibr = markers::parse_camera_file(
+      "cam0:\n  camera_model: pinhole\n  intrinsics: [461.6, 460.3, 362.7, 248.1]\n  distortion_model: radtan\n  "
+      "distortion_coeffs: [-0.28, 0.07, 0.0002, 1.7e-05]\n  resolution: [752, 480]\n",
+      "chain.yaml");
+  EXPECT_EQ(kalibr.camera.fx, 461.6);
+  EXPECT_EQ(kalibr.camera.height, 480);
+  const auto ours = markers::parse_camera_file(
+      markers::camera_yaml({"x", opencv.camera, Eigen::MatrixXd::Identity(9, 9) * 4, ""}), "camera.yaml");
+  EXPECT_EQ(ours.camera.parameters(), opencv.camera.parameters());
+  EXPECT_DOUBLE_EQ(ours.covariance(0, 0), 4);
+  EXPECT_THAT(message_of([] { markers::parse_camera_file("camera_matrix: [1, 2, 3]\n", "bad.yml"); }),
+              HasSubstr("bad.yml"));
+  EXPECT_THAT(message_of([] {
+                markers::parse_camera_file(
+                    "intrinsics: [500, 500, 300, 200]\ndistortion_model: equidistant\nresolution: [640, 480]\n",
+                    "f.yaml");
+              }),
+              HasSubstr("equidistant"));
+}
+
+TEST(LayoutFiles, TurnWPILibsFacesIntoTags) {
+  const auto tags = markers::parse_layout(
+      R"({"tags":[{"ID":3,"pose":{"translation":{"x":1,"y":2,"z":3},"rotation":{"quaternion":{"W":1,"X":0,"Y":0,"Z":0}}}}]})",
+      "field.json");
+  ASSERT_EQ(tags.size(), 1u);
+  const Eigen::Matrix3d r = tags[0].world_from_tag.rotation.toRotationMatrix();
+  EXPECT_LT((r.col(2) - Eigen::Vector3d::UnitX()).norm(), 1e-12) << "out of the face";
+  EXPECT_LT((r.col(1) - Eigen::Vector3d::UnitZ()).norm(), 1e-12) << "up";
+  const auto csv =
+      markers::parse_layout("tag_id,x_mm,y_mm,z_mm,facing_azimuth_deg\n7,1000,2000,500,180\n", "plates.csv");
+  EXPECT_DOUBLE_EQ(csv[0].world_from_tag.translation.y(), 2);
+  EXPECT_LT((csv[0].world_from_tag.rotation * Eigen::Vector3d::UnitZ() + Eigen::Vector3d::UnitY()).norm(), 1e-12);
+  EXPECT_THAT(message_of([] {
+                markers::parse_layout("tag_id,x_m,y_m,z_m,facing_azimuth_deg\n7,1,2,0,0\n7,3,2,0,0\n", "p.csv");
+              }),
+              HasSubstr("tag 7 stands in it twice"));
+  EXPECT_THAT(message_of([] { markers::parse_layout("tag_id,x_m,y_m\n7,1,2\n", "p.csv"); }), HasSubstr("p.csv"));
+}
+
+TEST(ControlFiles, ReadCsvAndGcpLists) {
+  const auto control =
+      markers::parse_control("name,x,y,z,sigma,role\nA,1,2,3,0.002,control\nB,4,5,6,0.003,check\n", "c.csv");
+  ASSERT_EQ(control.size(), 2u);
+  EXPECT_TRUE(control[1].check);
+  EXPECT_DOUBLE_EQ(control[0].sigma.z(), 0.002);
+  const std::string list =
+      "EPSG:32632\n500000.1 5000000.2 100.3 10.5 20.5 a.jpg P1\n500000.1 5000000.2 100.3 11.5 21.5 b.jpg P1\n";
+  const auto gcp = markers::parse_control(list, "gcp_list.txt");
+  ASSERT_EQ(gcp.size(), 1u);
+  const auto measured = markers::parse_image_points(list, "gcp_list.txt", true);
+  ASSERT_EQ(measured.size(), 2u);
+  EXPECT_DOUBLE_EQ(measured[1].pixel.x(), 11.0);
+  EXPECT_THAT(markers::gcp_list(gcp, measured, "EPSG:32632"),
+              HasSubstr("500000.100000 5000000.200000 100.300000 10.0000 20.0000 a.jpg P1"));
+  EXPECT_THAT(message_of([] { markers::parse_control("EPSG:4326\n8.1 48.2 100 1 2 a.jpg\n", "g.txt"); }),
+              HasSubstr("degrees"));
+  EXPECT_THAT(message_of([] { markers::parse_control("name,x,y,z\nA,1,2,x\n", "c.csv"); }), HasSubstr("c.csv:2"));
+}
+
+TEST(ColmapFiles, ComeBackAsTheyWereWritten) {
+  markers::ColmapModel model;
+  markers::ColmapCamera camera;
+  camera.id = 1, camera.camera = {640, 480, 600, 610, 319.5, 239.5, -0.1, 0.02, 0, 0.001, 0.002};
+  model.cameras[1] = camera;
+  markers::ColmapImage image;
+  image.id = 4, image.camera = 1, image.name = "a b.jpg";
+  image.cam_from_world = {Eigen::Quaterniond(0.8, 0.6, 0, 0), {1, 2, 3}};
+  image.features = {{{10.25, 20.5}, 9}, {{30, 40}, -1}};
+  model.images[4] = image;
+  markers::ColmapPoint point;
+  point.position = {1, 2, 3}, point.error = 0.5, point.track = {{4, 0}};
+  model.points[9] = point;
+  const test::TemporaryFolder folder;
+  for (const auto& [name, text] : markers::colmap_text(model)) std::ofstream(folder.path() / name) << text;
+  const auto back = markers::read_colmap(folder.path().string());
+  EXPECT_EQ(back.cameras.at(1).camera.parameters(), camera.camera.parameters());
+  EXPECT_EQ(back.images.at(4).name, "a b.jpg");
+  EXPECT_EQ(back.images.at(4).features.at(0).pixel, image.features[0].pixel);
+  EXPECT_EQ(back.points.at(9).track, point.track);
+  std::ofstream(folder.path() / "points3D.txt") << "9 1 2 3 0 0 0 0.5 7 0\n";
+  EXPECT_THAT(message_of([&] { markers::read_colmap(folder.path().string()); }),
+              HasSubstr("image 7, which is not there"));
+  std::ofstream(folder.path() / "cameras.txt") << "1 OPENCV_FISHEYE 640 480 1 2 3 4 5 6 7 8\n";
+  EXPECT_THAT(message_of([&] { markers::read_colmap(folder.path().string()); }), HasSubstr("OPENCV_FISHEYE"));
+  EXPECT_THAT(message_of([] { markers::read_colmap("/nowhere"); }), HasSubstr("no COLMAP model"));
+}
+
+}  // namespace
+}  // namespace plumbline
