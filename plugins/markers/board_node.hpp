@@ -23,9 +23,11 @@ struct AdjustMarkerBoard : Node {
                                    "prior standard deviation of how far the detector draws tag edges inwards"};
   Param<double> reject_above{"reject_above", 5.0, "1", at_least(0),
                              "tags whose rms residual is this many times the median are left out; 0 keeps all"};
-  Param<std::string> cameras{"cameras", "by_folder", one_of("by_folder", "one"),
-                             "by_folder: photographs of another folder are from another camera; one: only size, model "
-                             "and focal length tell"};
+  Param<std::string> cameras{
+      "cameras", "by_folder", one_of("by_folder", "by_name", "one"),
+      "by_folder: photographs of another folder are from another camera; by_name: of another name before the last "
+      "number (cam0_17.png), too; one: only size, model "
+      "and focal length tell"};
   Out<File> tags{"tags", "tags.json: centre, corners and sigma of every tag"};
   Out<File> block{"block", "block.json: the adjustment with its statistics, residuals and what was left out"};
   Out<Points> points{"points", frame("frame=board"), "the tags' centres with their full covariance"};
@@ -43,8 +45,8 @@ struct AdjustMarkerBoard : Node {
     if (camera) known = camera.unpack();
     const TagObservationsT seen = observations.unpack();
     // Without a size any will do: the distance replaces it.
-    const BlockInput input = block_of(photographs, seen, camera ? &known : nullptr,
-                                      {*tag_size > 0 ? *tag_size : 0.1, *cameras == "by_folder"});
+    const BlockInput input =
+        block_of(photographs, seen, camera ? &known : nullptr, {*tag_size > 0 ? *tag_size : 0.1, *cameras});
     for (const auto& image : input.left_out) context.warn("left out: " + image.path + ": " + image.reason);
     for (const auto& text : input.warnings) context.warn(text);
     if (input.block.views.empty())

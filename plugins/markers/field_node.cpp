@@ -57,8 +57,7 @@ void AdjustMarkerField::run(Context& context) {
   for (size_t i = 0; i < images.size(); ++i) photographs.push_back(images.unpack(i));
   CameraT known;
   if (camera) known = camera.unpack();
-  BlockInput input =
-      block_of(photographs, observations.unpack(), camera ? &known : nullptr, {*tag_size, *cameras == "by_folder"});
+  BlockInput input = block_of(photographs, observations.unpack(), camera ? &known : nullptr, {*tag_size, *cameras});
   apply_layout(plates.unpack(), layout.unpack(), *tag_size, input);
   for (const auto& image : input.left_out) context.warn("left out: " + image.path + ": " + image.reason);
   for (const auto& text : input.warnings) context.warn(text);

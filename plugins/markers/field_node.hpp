@@ -27,7 +27,7 @@ struct AdjustMarkerField : Node {
                                    "prior standard deviation of how far the detector draws tag edges inwards"};
   Param<double> reject_above{"reject_above", 8.0, "1", at_least(0),
                              "tags whose rms residual is this many times the median are left out; 0 keeps all"};
-  Param<std::string> cameras{"cameras", "by_folder", one_of("by_folder", "one"),
+  Param<std::string> cameras{"cameras", "by_folder", one_of("by_folder", "by_name", "one"),
                              "by_folder: photographs of another folder are from another camera"};
   Out<File> poses_file{"file", "poses.json: every photograph with its pose or the reason why it has none"};
   Out<File> table{"table", "points.csv: the tags after the adjustment"};

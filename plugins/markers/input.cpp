@@ -18,6 +18,16 @@ std::string folder_of(const std::string& path) {
   return slash == std::string::npos ? "" : path.substr(0, slash);
 }
 
+/// "rig/cam0" of "rig/cam0_0017.png": what stands before the last number of the name.
+std::string prefix_of(const std::string& path) {
+  const size_t end = path.find_last_of('.'), last = path.find_last_of("0123456789", end);
+  if (last == std::string::npos) return folder_of(path);
+  const size_t before = path.find_last_not_of("0123456789", last);
+  std::string prefix = before == std::string::npos ? "" : path.substr(0, before + 1);
+  while (!prefix.empty() && std::string("_-. ").find(prefix.back()) != std::string::npos) prefix.pop_back();
+  return prefix;
+}
+
 /// What tells one camera from another.
 struct CameraKey {
   std::string folder, model;
@@ -34,7 +44,7 @@ struct CameraGroup {
 
 /// Groups in the order of their first image.
 std::vector<CameraGroup> groups_of(const std::vector<ImageT>& images, const TagObservationsT& observations,
-                                   const std::vector<bool>& use, bool by_folder) {
+                                   const std::vector<bool>& use, const std::string& by) {
   std::map<std::string, const ImageT*> header;
   for (const ImageT& image : images) header[image.path] = &image;
   std::map<CameraKey, size_t> index;
@@ -43,7 +53,10 @@ std::vector<CameraGroup> groups_of(const std::vector<ImageT>& images, const TagO
     if (!use[i]) continue;
     const ImageTagsT& seen = *observations.images[i];
     const auto found = header.find(seen.path);
-    CameraKey key{by_folder ? folder_of(seen.path) : "", "", seen.width, seen.height, 0};
+    CameraKey key{by == "by_folder" ? folder_of(seen.path)
+                  : by == "by_name" ? prefix_of(seen.path)
+                                    : "",
+                  "", seen.width, seen.height, 0};
     double principal = std::nan("");
     if (found != header.end()) {
       key.model = found->second->model;
@@ -226,7 +239,7 @@ BlockInput block_of(const std::vector<ImageT>& images, const TagObservationsT& o
     for (size_t i = 0; i < use.size(); ++i)
       if (use[i]) camera_of_image[i] = 0;
   } else {
-    std::vector<CameraGroup> groups = groups_of(images, observations, use, options.camera_by_folder);
+    std::vector<CameraGroup> groups = groups_of(images, observations, use, options.cameras);
     drop_odd_groups(groups, observations, input);
     for (size_t g = 0; g < groups.size(); ++g) {
       input.block.cameras.push_back(camera_from(groups[g], g, groups.size()));

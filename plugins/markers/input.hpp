@@ -24,8 +24,9 @@ struct BlockInput {
 };
 
 struct InputOptions {
-  double tag_size = 0;           ///< [m]
-  bool camera_by_folder = true;  ///< photographs of another folder are from another camera
+  double tag_size = 0;  ///< [m]
+  std::string cameras =
+      "by_folder";  ///< what tells cameras apart: by_folder, by_name (what stands before the last number), one
 };
 
 /// The block's images, views and markers; markers get `tag_size`. Cameras: `known` if given (photographs of another

@@ -4,9 +4,12 @@
 // adjust.marker_field: photographs in a field of tags with an approximate layout.
 #include "board_node.hpp"
 #include "colmap_node.hpp"
+#include "exchange_nodes.hpp"
 #include "field_node.hpp"
 #include "read_nodes.hpp"
 
 PLUMBLINE_PLUGIN("markers", "0.1.0", "MIT", plumbline::markers::AdjustMarkerBoard,
                  plumbline::markers::AdjustMarkerField, plumbline::markers::ReadCamera, plumbline::markers::ReadPlates,
-                 plumbline::markers::AdjustColmapControl)
+                 plumbline::markers::AdjustColmapControl, plumbline::markers::ReadPoints,
+                 plumbline::markers::ReadImageObservations, plumbline::markers::ReadColmap,
+                 plumbline::markers::WriteGcp, plumbline::markers::WritePly)

@@ -7,19 +7,30 @@
 
 namespace plumbline::report {
 
-void ReportImageBlock::run(Context& context) {
-  const auto* content = block->content();
+namespace {
+
+FileT page_of(const File& block, const PhotographFiles& files, const std::string& title, const std::string& subtitle,
+              const std::string& name) {
+  const auto* content = block.content();
   const auto json = nlohmann::ordered_json::parse(content->begin(), content->end(), nullptr, false);
   if (json.is_discarded() || !json.is_object() || !json.contains("statistics"))
     throw std::runtime_error("the input 'block' is not a block.json: 'statistics' is missing");
+  const std::string page =
+      render_page(title, [&](Markup& html) { write_image_block(html, json, title, subtitle, files); });
+  FileT file;
+  file.name = name, file.media_type = "text/html";
+  file.content.assign(page.begin(), page.end());
+  return file;
+}
+
+}  // namespace
+
+void ReportImageBlock::run(Context& context) {
   PhotographFiles files;
   for (size_t i = 0; i < images.size(); ++i) files[images[i].path()->str()] = context.resolve(images[i].uri()->str());
-  const std::string page =
-      render_page(*title, [&](Markup& html) { write_image_block(html, json, *title, *subtitle, files); });
-  FileT file;
-  file.name = *name, file.media_type = "text/html";
-  file.content.assign(page.begin(), page.end());
-  out.commit(file);
+  out.commit(page_of(*block, files, *title, *subtitle, *name));
 }
+
+void ReportModelBlock::run(Context&) { out.commit(page_of(*block, {}, *title, *subtitle, *name)); }
 
 }  // namespace plumbline::report

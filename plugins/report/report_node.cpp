@@ -123,4 +123,4 @@ struct ReportSummary : Node {
 
 PLUMBLINE_PLUGIN("report", "0.1.0", "MIT", plumbline::report::ReportHtml, plumbline::report::ReportSummary,
                  plumbline::report::ReportSurvey, plumbline::report::ReportImageBlock,
-                 plumbline::report::ReportCalibration)
+                 plumbline::report::ReportModelBlock, plumbline::report::ReportCalibration)

@@ -132,7 +132,9 @@ TEST(MarkerBlock, StatedCovarianceCoversTheErrorsItMakes) {
   int count = 0;
   for (unsigned seed = 1; seed <= 8; ++seed) {
     const Scene s = scene(0.1, seed);
-    const MarkerResult result = adjust_marker_block(s.block, {});
+    MarkerOptions options;  // the tags have exactly their nominal size, and the detector draws no edge inwards
+    options.size_sigma = 1e-6, options.inset_sigma = 0;
+    const MarkerResult result = adjust_marker_block(s.block, options);
     // Distances do not hang on the datum: error over standard deviation of all pairs of neighbours.
     const Eigen::Index n = static_cast<Eigen::Index>(result.markers.size());
     for (Eigen::Index i = 0; i + 1 < n; ++i) {

@@ -1,0 +1,131 @@
+#include "exchange_nodes.hpp"
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "markers/colmap_files.hpp"
+#include "markers/control_files.hpp"
+#include "output.hpp"
+#include "read_nodes.hpp"
+
+namespace plumbline::markers {
+namespace {
+
+/// The centre of a square in perspective: where its diagonals meet.
+Eigen::Vector2d centre_of(const TagT& tag) {
+  Eigen::Vector3d c[4];
+  for (size_t k = 0; k < 4; ++k) c[k] = tag.corners[k].homogeneous();
+  return c[0].cross(c[2]).cross(c[1].cross(c[3])).hnormalized();
+}
+
+std::unique_ptr<TagT> tag_of(const nlohmann::json& entry) {
+  auto tag = std::make_unique<TagT>();
+  tag->family = entry.at("family").get<std::string>();
+  tag->id = entry.at("id").get<int>();
+  tag->refined = entry.value("refined", false);
+  for (const auto& c : entry.at("corners")) tag->corners.push_back({c.at(0).get<double>(), c.at(1).get<double>()});
+  if (tag->corners.size() != 4)
+    throw std::runtime_error("tag " + std::to_string(tag->id) + " has " + std::to_string(tag->corners.size()) +
+                             " corners, expected 4");
+  if (entry.contains("covariance"))
+    for (const auto& c : entry.at("covariance"))
+      for (const auto& v : c) tag->corner_covariances.push_back(v.get<double>());
+  return tag;
+}
+
+}  // namespace
+
+void ReadPoints::run(Context&) {
+  PointsT result;
+  for (const ControlPoint& p : parse_control(text_of_file(file->path), file->path)) {
+    auto point = std::make_unique<PointT>();
+    point->id = p.name, point->position = p.position, point->sigma = p.sigma;
+    point->role = p.check ? "check" : "control";
+    result.points.push_back(std::move(point));
+  }
+  points.commit(result);
+}
+
+void ReadImageObservations::run(Context&) {
+  TagObservationsT result;
+  try {
+    const auto root = nlohmann::json::parse(text_of_file(file->path));
+    for (const auto& entry : root.at("images")) {
+      auto image = std::make_unique<ImageTagsT>();
+      image->path = entry.at("path").get<std::string>();
+      image->width = entry.value("width", 0), image->height = entry.value("height", 0);
+      image->problem = entry.value("problem", std::string());
+      for (const auto& tag : entry.at("tags")) image->tags.push_back(tag_of(tag));
+      result.images.push_back(std::move(image));
+    }
+  } catch (const std::exception& error) {
+    throw std::runtime_error(file->path + ": not the observations.json of a detector (" + error.what() +
+                             "); docs/photographs.md has its fields");
+  }
+  observations.commit(result);
+}
+
+void ReadColmap::run(Context&) {
+  const ColmapModel model = read_colmap(folder->path);
+  for (const auto& [id, camera] : model.cameras) {
+    CameraT artifact;
+    artifact.id = std::to_string(id);
+    artifact.width = camera.camera.width, artifact.height = camera.camera.height;
+    const auto values = camera.camera.parameters();
+    artifact.parameters.assign(values.begin(), values.end());
+    artifact.source = "COLMAP, " + camera.model;
+    cameras.commit(artifact);
+  }
+  PosesT all;
+  for (const auto& [id, image] : model.images) {
+    auto pose = std::make_unique<PoseT>();
+    pose->path = image.name, pose->cam_from_world = image.cam_from_world;
+    for (const auto& f : image.features) pose->inliers += f.point >= 0;
+    pose->correspondences = pose->inliers;
+    all.poses.push_back(std::move(pose));
+  }
+  poses.commit(all);
+  PointsT cloud;
+  for (const auto& [id, p] : model.points) {
+    auto point = std::make_unique<PointT>();
+    point->id = std::to_string(id), point->position = p.position;
+    point->sigma = Eigen::Vector3d::Constant(std::nan(""));
+    cloud.points.push_back(std::move(point));
+  }
+  points.commit(cloud);
+}
+
+void WriteGcp::run(Context& context) {
+  std::vector<ControlPoint> control;
+  std::map<std::string, bool> known;
+  const PointsT given = points.unpack();
+  for (const auto& p : given.points)
+    control.push_back({p->id, p->position, p->sigma, p->role == "check"}), known[p->id] = true;
+  std::vector<ImagePoint> measured;
+  const TagObservationsT seen = observations.unpack();
+  for (const auto& image : seen.images)
+    for (const auto& tag : image->tags) {
+      const std::string id = std::to_string(tag->id), full = tag->family + ":" + id;
+      const std::string name = known.count(full) ? full : id;
+      if (known.count(name) && tag->corners.size() == 4)
+        measured.push_back({image->path, name, centre_of(*tag) + Eigen::Vector2d(0.5, 0.5), 0});
+    }
+  if (measured.empty()) context.warn("no tag has the name of a point: the list is empty");
+  file.commit(file_of("gcp_list.txt", "text/plain", gcp_list(control, measured, *projection)));
+}
+
+void WritePly::run(Context&) {
+  const PointsT given = points.unpack();
+  std::string text = "ply\nformat ascii 1.0\nelement vertex " + std::to_string(given.points.size()) +
+                     "\nproperty double x\nproperty double y\nproperty double z\nend_header\n";
+  for (const auto& p : given.points) {
+    char line[120];
+    std::snprintf(line, sizeof line, "%.6f %.6f %.6f\n", p->position.x(), p->position.y(), p->position.z());
+    text += line;
+  }
+  file.commit(file_of(*name, "model/ply", text));
+}
+
+}  // namespace plumbline::markers
