@@ -73,23 +73,35 @@ struct ArucoDetector::Impl {
     return result;
   }
 
-  void measure(const GreyImage& image, const cv::Mat& view, DetectedTag& tag) const {
-    const Corners initial = tag.corners;
+  /// OpenCV's own corners for every tag, and in their place those of the edge fit where it holds.
+  void measure(const GreyImage& image, const cv::Mat& view, std::vector<DetectedTag>& tags) const {
     const int modules = dictionary.size + 2;
-    const double cell = shortest_side(initial) / modules;
-    tag.corners = subpixel_corners(view, initial, cell);
-    for (auto& c : tag.covariances) c = Eigen::Matrix2d::Identity() * options.unrefined_sigma * options.unrefined_sigma;
+    std::vector<Corners> initial;
+    std::vector<Quadrilateral> found;
+    for (DetectedTag& tag : tags) {
+      initial.push_back(tag.corners);
+      tag.corners = subpixel_corners(view, tag.corners, shortest_side(tag.corners) / modules);
+      for (auto& c : tag.covariances)
+        c = Eigen::Matrix2d::Identity() * options.unrefined_sigma * options.unrefined_sigma;
+      found.push_back({tag.corners, modules});
+    }
     if (options.refinement != Refinement::edges) return;
     // OpenCV's contours are good to a pixel or two; the second pass has its strips in the right place.
-    const auto first = refine_corners(image, tag.corners, modules, options.edge);
-    if (!first || largest_move(first->corners, initial) > std::max(3.0, 0.7 * cell)) return;
-    const auto second = refine_corners(image, first->corners, modules, options.edge);
-    if (!second || largest_move(second->corners, first->corners) > std::max(0.5, 0.1 * cell)) return;
-    tag.corners = second->corners;
-    for (size_t i = 0; i < 4; ++i)
-      tag.covariances[i] =
-          second->covariances[i] + Eigen::Matrix2d::Identity() * options.sigma_floor * options.sigma_floor;
-    tag.refined = true;
+    const Measurement first = measure_corners(image, found, options.edge);
+    for (size_t k = 0; k < tags.size(); ++k)
+      if (first.corners[k]) found[k].corners = first.corners[k]->corners;
+    const Measurement second = measure_corners(image, found, options.edge);
+    for (size_t k = 0; k < tags.size(); ++k) {
+      if (!first.corners[k] || !second.corners[k]) continue;
+      const double cell = shortest_side(initial[k]) / modules;
+      if (largest_move(first.corners[k]->corners, initial[k]) > std::max(3.0, 0.7 * cell)) continue;
+      if (largest_move(second.corners[k]->corners, first.corners[k]->corners) > std::max(0.5, 0.1 * cell)) continue;
+      tags[k].corners = second.corners[k]->corners;
+      for (size_t i = 0; i < 4; ++i)
+        tags[k].covariances[i] =
+            second.corners[k]->covariances[i] + Eigen::Matrix2d::Identity() * options.sigma_floor * options.sigma_floor;
+      tags[k].refined = true;
+    }
   }
 };
 
@@ -120,9 +132,9 @@ std::vector<DetectedTag> ArucoDetector::detect(const GreyImage& image) const {
     tag.decision_margin = std::nan("");
     for (size_t i = 0; i < 4; ++i)
       tag.corners[i] = {static_cast<double>(corners[k][order[i]].x), static_cast<double>(corners[k][order[i]].y)};
-    impl_->measure(image, view, tag);
     tags.push_back(std::move(tag));
   }
+  impl_->measure(image, view, tags);
   std::sort(tags.begin(), tags.end(), [](const DetectedTag& a, const DetectedTag& b) {
     return std::make_tuple(a.id, a.corners[0].x(), a.corners[0].y()) <
            std::make_tuple(b.id, b.corners[0].x(), b.corners[0].y());

@@ -15,9 +15,9 @@ struct ArucoOptions {
   double min_side = 10;          ///< smallest side of a tag that is looked for [px]
   bool white_on_black = false;   ///< tags printed in negative, too
   Refinement refinement = Refinement::edges;  ///< `apriltag` stands for the detector's own corners
-  EdgeFitOptions edge;
-  double sigma_floor = 0.02;     ///< added in quadrature to the fit's sigma [px]
-  double unrefined_sigma = 0.3;  ///< of corners that are OpenCV's own [px]
+  EdgeFitOptions edge = {.gamma = 0};         ///< the transfer curve is estimated from the image
+  double sigma_floor = 0.02;                  ///< added in quadrature to the fit's sigma [px]
+  double unrefined_sigma = 0.3;               ///< of corners that are OpenCV's own [px]
 };
 
 /// May be used by several threads at a time.
