@@ -31,6 +31,7 @@ const std::vector<Library> libraries = {
     {"survey_files", {"text", "geometry", "survey"}},
     {"ifc", {"geometry", "text"}},
     {"block", {"adjustment", "geometry", "text"}},
+    {"markers", {"block", "adjustment", "geometry", "text"}},
     {"judgement", {"geometry", "ifc"}},
     {"artifacts", {"geometry", "survey", "survey_files", "block", "judgement"}},
 };
