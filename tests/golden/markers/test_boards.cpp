@@ -67,7 +67,7 @@ TEST(Boards, ArucoAndAprilTagAgreeOnCornersAndTheirOrder) {
   int compared = 0;
   for (const auto& a : april)
     for (const auto& b : aruco) {
-      if (a.id != b.id || (a.corners[0] - b.corners[0]).norm() > 20) continue;
+      if (a.id != b.id || (a.corners[0] - b.corners[0]).norm() > 4) continue;
       ++compared;
       for (size_t k = 0; k < 4; ++k)
         EXPECT_LT((a.corners[k] - b.corners[k]).norm(), a.refined && b.refined ? 0.3 : 2.0) << a.id;
