@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <set>
+#include <utility>
 
 #include "survey/adjust/adjuster.hpp"
 #include "survey/adjust/exclusions.hpp"
@@ -134,15 +135,17 @@ NetworkResult adjust_network(const SurveyObservations& survey, const AdjustOptio
   SurveyObservations rest = without_excluded(survey, options.exclude, said);
   const size_t all = points_of(rest);
   std::vector<std::string> left_out;
+  bool simple_start = true;
   for (;;) {
     NetworkModel model;
     try {
-      model = make_model(rest, options, control);
+      model = make_model(rest, options, control, simple_start);
       NetworkResult result = Adjuster(model, options).run();
       result.left_out = left_out;
       result.findings.insert(result.findings.begin(), said.begin(), said.end());
       return result;
     } catch (const NetworkError& error) {
+      if (std::exchange(simple_start, false)) continue;  // the chain of set-ups is a shortcut, not a judgement
       std::vector<std::string> now = left_out;
       now.insert(now.end(), error.undetermined.begin(), error.undetermined.end());
       if (error.undetermined.empty() || !may_be_left_out(now, all, options, control)) fail_with_cause(model, error);

@@ -169,12 +169,13 @@ std::optional<NetworkModel> with_simple_start(const NetworkModel& m, const SetUp
 }
 
 /// The model with approximate coordinates, once for every set of them that is possible.
-std::vector<NetworkModel> with_approximations(NetworkModel m, const SetUpChain& chain) {
+std::vector<NetworkModel> with_approximations(NetworkModel m, const SetUpChain& chain, bool simple_start) {
   std::map<std::string, Eigen::Vector3d> known;
   for (size_t i = 0; i < m.ids.size(); ++i)
     if (!m.initial[i].array().isNaN().all()) known[m.ids[i]] = m.initial[i];
   m.starts_from_known_points = !known.empty() || !m.survey.coordinates.empty();
-  if (auto simple = with_simple_start(m, chain, known)) return {std::move(*simple)};
+  if (simple_start)
+    if (auto simple = with_simple_start(m, chain, known)) return {std::move(*simple)};
   std::vector<Approximation> approximations = approximate_coordinates(m.survey, m.observations, known);
   NetworkModel trial = m;
   const std::vector<int> lost = take_over(approximations.front(), trial);
@@ -303,7 +304,8 @@ SetUpChain check_and_mend(const AdjustOptions& options, NetworkModel& m, MeanRes
 
 }  // namespace
 
-NetworkModel make_model(const SurveyObservations& survey, const AdjustOptions& options, const ControlPoints& control) {
+NetworkModel make_model(const SurveyObservations& survey, const AdjustOptions& options, const ControlPoints& control,
+                        bool simple_start) {
   check_indices(survey);
   NetworkModel m;
   m.survey = survey;
@@ -322,7 +324,7 @@ NetworkModel make_model(const SurveyObservations& survey, const AdjustOptions& o
   m.refraction_coefficient = std::isnan(survey.info.refraction_coefficient) ? options.refraction_coefficient
                                                                             : survey.info.refraction_coefficient;
   make_rows(m);
-  m = choose_alternative(with_approximations(std::move(m), chain), options);
+  m = choose_alternative(with_approximations(std::move(m), chain, simple_start), options);
   if (!m.unrelated) drop_outlying(m);
   return m;
 }

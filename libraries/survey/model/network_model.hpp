@@ -44,7 +44,10 @@ struct NetworkModel {
 };
 
 /// Throws NetworkError.
-NetworkModel make_model(const SurveyObservations& survey, const AdjustOptions& options, const ControlPoints& control);
+/// `simple_start`: from the chain of set-ups where it gives every coordinate; false searches every place that the
+/// observations leave.
+NetworkModel make_model(const SurveyObservations& survey, const AdjustOptions& options, const ControlPoints& control,
+                        bool simple_start = true);
 
 /// A least-squares problem of the rows that are not removed, and the way back from its numbers to the model's.
 struct NetworkProblem {

@@ -42,7 +42,7 @@ TEST(TagDictionary, ReadsWhatOpenCVWritesAndChecksIt) {
       message_of([] { detect::parse_dictionary("nmarkers: 3\nmarkersize: 3\nmarker_0: \"110001010\"\n", "a.yml"); }),
       HasSubstr("nmarkers is 3, but there are 1"));
   EXPECT_THAT(message_of([] {
-                detect::parse_dictionary("markersize: 3\nmarker_0: \"110001010\"\nmarker_1: \"001100011\"\n", "a.yml");
+                detect::parse_dictionary("markersize: 3\nmarker_0: \"110001010\"\nmarker_1: \"001101010\"\n", "a.yml");
               }),
               HasSubstr("same"));
   EXPECT_THAT(message_of([] { detect::builtin_dictionary("DICT_9X9_50"); }), HasSubstr("DICT_6X6_1000"));
