@@ -20,7 +20,7 @@ TEST(Krumm, ReadsSectionsAndListsWhatItCannotUse) {
   EXPECT_EQ(point(survey, "H").roles, (std::array{unused, unused, free})) << "a lone coordinate is a height";
   ASSERT_EQ(survey.observations.size(), 3u);
   EXPECT_DOUBLE_EQ(survey.observations[0].sigma, std::sqrt(9e-6 + 100.004 * 1e-8));
-  EXPECT_DOUBLE_EQ(survey.observations[1].sigma, 0.005);
+  EXPECT_DOUBLE_EQ(survey.observations[1].sigma, std::sqrt(9e-6 + 50 * 1e-8)) << "that of the line before holds on";
   EXPECT_EQ(survey.observations[2].kind, height_difference);
   EXPECT_TRUE(skipped(survey, 8, 5, "a coordinate"));
   EXPECT_TRUE(skipped(survey, 11, 14, "name of a point"));
