@@ -43,7 +43,7 @@ struct DetectAprilTag : Node {
                                     "tags that were decoded with less contrast are dropped"};
   Param<std::string> refine{"refine", "edges", one_of("edges", "apriltag"),
                             "edges: corners from a fit of the four edges, with its covariance; apriltag: libapriltag's "
-                            "own corners, which scatter three times as much"};
+                            "own corners, with one fixed covariance"};
   Param<double> curvature_sigma{"curvature_sigma", 2e-5, "1/px", at_least(0),
                                 "how much a lens may bow a straight edge; 0: not at all"};
   Param<double> sigma_floor{"sigma_floor", 0.02, "px", between(0, 10), "added in quadrature to the fit's sigma"};
