@@ -78,7 +78,7 @@ runtime::Graph summary_graph(const SweepPlan& plan, const runtime::Registry& reg
     throw std::runtime_error("there is no kind 'bench.summary': the plugin 'bench' is missing; see plumbline doctor");
   runtime::Graph graph;
   graph.file = plan.file.path.string();
-  graph.text = plan.file.text;
+  graph.sources = {{graph.file, plan.file.text}};
   runtime::GraphNode node;
   node.name = "summary";
   node.kind = *kind;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -27,8 +28,12 @@ struct Options {
   std::string store;                   ///< empty: Store::default_folder()
   std::string memory;                  ///< "3GiB"; empty: the default
   std::string format = "dot";
+  std::vector<std::string> runs;  ///< records: run.jsonl or their folders
+  double tolerance = 0;           ///< of `diff`
+  std::string limit;              ///< of `cache prune`: "2GiB"
+  double days = -1;               ///< likewise; negative: any age
   int threads = 0;
-  bool durable = false, json = false, quiet = false, overwrite = false;
+  bool durable = false, json = false, quiet = false, overwrite = false, trust_others = false;
 };
 
 int run(const Options& options);
@@ -40,13 +45,27 @@ int describe(const Options& options);
 int schema(const Options& options);
 int doctor(const Options& options);
 int show(const Options& options);
+int why(const Options& options);
+int diff(const Options& options);
+int export_run(const Options& options);
+int verify(const Options& options);
+int cache(const Options& options);
+int prune(const Options& options);
 
 /// The file of `name`: itself if there is such a file, else <name>.yaml in ./pipelines, in the source tree the program
 /// was built from, or in share/plumbline/pipelines beside it. Throws UsageError with near names.
 std::filesystem::path find_pipeline(const std::string& name);
 
+/// Folders of pipelines that are found by name, also by `include:`.
+std::vector<std::filesystem::path> pipeline_folders();
+
+/// The pipeline of the command line: found, read and linked.
+runtime::Graph load(const Options& options, const runtime::Registry& registry);
+
 runtime::Registry discover();
 runtime::Store open_store(const Options& options);
+/// For commands that only look: also one that cannot be written.
+std::unique_ptr<runtime::Store> open_store_to_read(const Options& options);
 
 /// "3GiB", "500 MB", "1.5g" or plain bytes; k, M, G are powers of 1024 with or without "iB", and of 1000 with "B".
 /// Throws UsageError.

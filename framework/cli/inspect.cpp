@@ -14,7 +14,7 @@ int validate(const Options& options) {
   const runtime::Registry registry = discover();
   const auto file = find_pipeline(options.pipeline);
   try {
-    const runtime::Graph graph = load_pipeline(file, options.overrides, registry);
+    const runtime::Graph graph = load_pipeline(file, options.overrides, registry, pipeline_folders());
     if (options.json)
       std::printf("%s\n", Json{{"valid", true}, {"file", graph.file}, {"nodes", graph.nodes.size()}}.dump().c_str());
     else if (!options.quiet)
@@ -35,9 +35,9 @@ int validate(const Options& options) {
 
 int plan(const Options& options) {
   const runtime::Registry registry = discover();
-  const runtime::Graph graph = load_pipeline(find_pipeline(options.pipeline), options.overrides, registry);
-  runtime::Store store = open_store(options);
-  const auto planned = runtime::plan(graph, store);
+  const runtime::Graph graph = load(options, registry);
+  const auto store = open_store_to_read(options);
+  const auto planned = runtime::plan(graph, *store);
   size_t running = 0;
   Json json = Json::array();
   std::vector<std::vector<std::string>> rows;
@@ -68,7 +68,7 @@ int plan(const Options& options) {
 
 int draw(const Options& options) {
   const runtime::Registry registry = discover();
-  const runtime::Graph graph = load_pipeline(find_pipeline(options.pipeline), options.overrides, registry);
+  const runtime::Graph graph = load(options, registry);
   std::printf("%s", (options.format == "mermaid" ? to_mermaid(graph) : to_dot(graph)).c_str());
   return 0;
 }

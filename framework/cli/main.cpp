@@ -2,7 +2,10 @@
 #include <glog/logging.h>
 
 #include <CLI/CLI.hpp>
+#include <cerrno>
 #include <cstdio>
+#include <cstdlib>
+#include <cstring>
 #include <functional>
 
 #include "bench.hpp"
@@ -33,6 +36,15 @@ void add_store(CLI::App& app, Options& options) {
          "--store", options.store,
          "folder of the store (default: $PLUMBLINE_STORE, else $XDG_CACHE_HOME/plumbline, else ~/.cache/plumbline)")
       ->type_name("DIR");
+  app.add_flag("--trust-others", options.trust_others,
+               "use a store and plugins that other users of this machine may write (PLUMBLINE_TRUST_OTHERS=1)");
+}
+
+void add_runs(CLI::App& app, Options& options, int count) {
+  app.add_option("run", options.runs, "a run.jsonl or the output folder that holds it")
+      ->required(count > 0)
+      ->expected(std::max(count, 1))
+      ->type_name("RUN");
 }
 
 std::vector<Command> declare(CLI::App& app, Options& options, plumbline::cli::BenchOptions& bench_options) {
@@ -100,6 +112,41 @@ std::vector<Command> declare(CLI::App& app, Options& options, plumbline::cli::Be
   show.add_option("--type", options.role, "its type, such as plumbline.Points/1, where the bytes leave a choice")
       ->type_name("TYPE");
   add_store(show, options);
+
+  CLI::App& why = add("why", "says why a node ran in a run, or why it did not", plumbline::cli::why);
+  why.add_option("node", options.name, "its name in the pipeline")->required()->type_name("NODE");
+  add_runs(why, options, 0);
+  add_json(why, options);
+
+  CLI::App& diff = add("diff", "compares two runs node by node", plumbline::cli::diff);
+  add_runs(diff, options, 2);
+  diff.add_option("--tolerance", options.tolerance, "numbers that differ by less than this part of them count as equal")
+      ->check(CLI::Range(0.0, 1.0));
+  add_store(diff, options);
+  add_json(diff, options);
+
+  CLI::App& verify = add("verify",
+                         "runs a pipeline twice from nothing, with one and with several threads, and compares all "
+                         "results bit by bit",
+                         plumbline::cli::verify);
+  add_pipeline(verify, options);
+  verify.add_option("--threads", options.threads, "of the second run (default: 2)")->check(CLI::Range(2, 4096));
+  add_json(verify, options);
+
+  CLI::App& exported = add("export", "prints a run in a format of others", plumbline::cli::export_run);
+  add_runs(exported, options, 1);
+  exported.add_option("--format", options.format, "trace (Chrome, Perfetto) or ro-crate")
+      ->check(CLI::IsMember({"trace", "ro-crate"}))
+      ->required();
+
+  CLI::App& cache = add("cache", "lists what the store holds", plumbline::cli::cache);
+  add_store(cache, options);
+  add_json(cache, options);
+  CLI::App* prune = cache.add_subcommand("prune", "removes what was not used for the longest time");
+  add_store(*prune, options);
+  prune->add_option("--keep", options.limit, "the store may keep that much, such as 2GiB")->type_name("SIZE");
+  prune->add_option("--days", options.days, "and what was used within so many days")->check(CLI::NonNegativeNumber);
+  commands.push_back({prune, plumbline::cli::prune});
   return commands;
 }
 
@@ -120,6 +167,13 @@ std::string usage_text(const CLI::ParseError& error, int argc, char** argv, cons
       return "there is no option '" + word + "'" + plumbline::cli::did_you_mean(word, known);
   }
   return error.what();
+}
+
+/// What was printed must have arrived: on a full disk it has not.
+int finished(int code) {
+  if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return code;
+  std::fprintf(stderr, "plumbline: cannot write to standard output: %s\n", std::strerror(errno));
+  return code == 0 ? 1 : code;
 }
 
 }  // namespace
@@ -146,9 +200,11 @@ int main(int argc, char** argv) {
                  usage_text(error, argc, argv, app).c_str());
     return 2;
   }
+  if (options.trust_others) setenv("PLUMBLINE_TRUST_OTHERS", "1", 1);
   try {
-    for (const Command& command : commands)
-      if (command.app->parsed()) return command.action(options);
+    // The last one first: a command below another one stands after it.
+    for (auto command = commands.rbegin(); command != commands.rend(); ++command)
+      if (command->app->parsed()) return finished(command->action(options));
   } catch (const plumbline::cli::UsageError& error) {
     std::fprintf(stderr, "plumbline: %s\n", error.what());
     return 2;

@@ -10,8 +10,6 @@ namespace plumbline::cli {
 
 namespace fs = std::filesystem;
 
-namespace {
-
 std::vector<fs::path> pipeline_folders() {
   std::vector<fs::path> folders{"pipelines"};
   std::error_code failed;
@@ -21,7 +19,9 @@ std::vector<fs::path> pipeline_folders() {
   return folders;
 }
 
-}  // namespace
+runtime::Graph load(const Options& options, const runtime::Registry& registry) {
+  return load_pipeline(find_pipeline(options.pipeline), options.overrides, registry, pipeline_folders());
+}
 
 std::string did_you_mean(const std::string& wanted, const std::vector<std::string>& candidates) {
   std::string text;
@@ -56,6 +56,11 @@ runtime::Registry discover() { return runtime::Registry::discover(runtime::Regis
 runtime::Store open_store(const Options& options) {
   return runtime::Store(options.store.empty() ? runtime::Store::default_folder() : fs::path(options.store),
                         options.durable);
+}
+
+std::unique_ptr<runtime::Store> open_store_to_read(const Options& options) {
+  return runtime::Store::for_reading(options.store.empty() ? runtime::Store::default_folder()
+                                                           : fs::path(options.store));
 }
 
 uint64_t parse_size(const std::string& text) {

@@ -1,4 +1,6 @@
 // plumbline run
+#include <unistd.h>
+
 #include <csignal>
 #include <cstdio>
 #include <fstream>
@@ -21,10 +23,12 @@ namespace {
 std::atomic<bool> cancel = false;
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler sets it");
 
-/// The first signal asks the nodes to stop, the second ends the program at once.
+/// The first signal asks the nodes to stop and says so at once, the second ends the program.
 extern "C" void ask_to_stop(int signal) {
   cancel = true;
   std::signal(signal, SIG_DFL);
+  static constexpr char text[] = "\nstopping as soon as the nodes that run now can; once more to end at once\n";
+  [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, text, sizeof text - 1);
 }
 
 void print_summary(const runtime::Graph& graph, const runtime::RunResult& result,
@@ -99,7 +103,7 @@ void refuse_obstacles(const std::vector<std::string>& obstacles, const Options& 
 int run(const Options& options) {
   const fs::path file = find_pipeline(options.pipeline);
   const runtime::Registry registry = discover();
-  const runtime::Graph graph = load_pipeline(file, options.overrides, registry);
+  const runtime::Graph graph = load_pipeline(file, options.overrides, registry, pipeline_folders());
   runtime::Store store = open_store(options);
   const fs::path out = options.out.empty() ? fs::path("out") / file.stem() : fs::path(options.out);
 

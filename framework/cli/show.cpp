@@ -66,13 +66,13 @@ int show(const Options& options) {
   const runtime::Registry registry = discover();
   const size_t colon = options.name.rfind(':');
   if (colon != std::string::npos && fs::is_regular_file(options.name.substr(0, colon))) {
-    runtime::Store store = open_store(options);
+    const auto store = open_store_to_read(options);
     const auto [hashes, type_name] = find_in_record(options.name.substr(0, colon), options.name.substr(colon + 1));
     const plumbline_type* type = registry.type(type_name);
     if (!type) throw UsageError("no plugin brings the type " + type_name);
     if (hashes.size() != 1) std::printf("[\n");
     for (size_t i = 0; i < hashes.size(); ++i)
-      std::printf("%s%s\n", blob_to_json(store, *type, hashes[i]).c_str(), i + 1 < hashes.size() ? "," : "");
+      std::printf("%s%s\n", blob_to_json(*store, *type, hashes[i]).c_str(), i + 1 < hashes.size() ? "," : "");
     if (hashes.size() != 1) std::printf("]\n");
     return 0;
   }
@@ -82,14 +82,14 @@ int show(const Options& options) {
     print_of_some_type(registry, {bytes.data(), bytes.size()}, options.role);
     return 0;
   }
-  runtime::Store store = open_store(options);
-  const auto found = store.blobs_starting_with(options.name);
+  const auto store = open_store_to_read(options);
+  const auto found = store->blobs_starting_with(options.name);
   if (found.empty())
     throw UsageError("'" + options.name + "' is no file, no RUN.jsonl:NODE.PORT, and the store " +
-                     store.folder().string() + " has no blob whose hash starts so (at least 4 digits)");
+                     store->folder().string() + " has no blob whose hash starts so (at least 4 digits)");
   if (found.size() > 1)
     throw UsageError(std::to_string(found.size()) + " blobs start with '" + options.name + "'; write more digits");
-  print_of_some_type(registry, store.get(found[0]).bytes(), options.role);
+  print_of_some_type(registry, store->get(found[0]).bytes(), options.role);
   return 0;
 }
 

@@ -13,6 +13,7 @@
 
 #include "runtime/digest.hpp"
 #include "runtime/node_run.hpp"
+#include "runtime/running_nodes.hpp"
 
 namespace plumbline::runtime {
 
@@ -69,6 +70,7 @@ struct Item {
   StoredRun run;
   std::string key, error;
   bool executed = false, cancelled = false, drew_seed = false;
+  uint64_t memory_announced = 0;
   std::chrono::steady_clock::time_point begin, end;  // of the node's run, if it ran
   std::vector<std::string> warnings;
 };
@@ -80,8 +82,13 @@ void add_times(const std::vector<Item>& items, NodeResult& result) {
     if (!item.executed) continue;
     begin = std::min(begin, item.begin), end = std::max(end, item.end);
     result.item_seconds += Seconds(item.end - item.begin).count();
+    result.memory_announced = std::max(result.memory_announced, item.memory_announced);
   }
-  if (begin < end) result.seconds = Seconds(end - begin).count();
+  if (begin >= end) return;
+  result.seconds = Seconds(end - begin).count();
+  // The steady clock has no date; its distance from the one that has is taken now.
+  const auto ago = Seconds(std::chrono::steady_clock::now() - begin).count();
+  result.start = Seconds(std::chrono::system_clock::now().time_since_epoch()).count() - ago;
 }
 
 class Execution {
@@ -94,6 +101,7 @@ class Execution {
         memory_(options.memory),
         threads_(options.threads > 0 ? options.threads : static_cast<int>(std::thread::hardware_concurrency())),
         cancel_(options.cancel ? *options.cancel : never_),
+        last_(options.remember ? last_keys(store, graph) : std::map<std::string, KeyFields>()),
         states_(graph.nodes.size()),
         outputs_(graph.nodes.size()) {
     for (size_t i = 0; i < graph.nodes.size(); ++i) {
@@ -200,22 +208,80 @@ class Execution {
       }
       if (!stored.damage.empty()) item.warnings.push_back("its stored result cannot be used: " + stored.damage);
     }
-    NodeServices services{&store_, &memory_, &cancel_, {}};
+    Turn turn(store_.claims(), call.key, key_with_seed(call.key, call.seed));
+    if (node.kind.node->deterministic && !wait_for_turn(node, state, call, turn, item)) return;
+    NodeServices services{&store_, &memory_, &cancel_, {}, [&turn] { turn.seed_was_drawn(); }};
     if (state.items.size() == 1)
       services.progress = [&](double fraction, const std::string& text) {
         observe([&] { observer_.node_progress(node, 0, 1, fraction, text); });
       };
     NodeOutcome outcome;
     item.begin = std::chrono::steady_clock::now();
-    tbb::this_task_arena::isolate([&] { outcome = run_node(call, services); });
+    {
+      const RunningNode running(node.at.text() + ": node '" + node.name + "' (" + node.kind.node->kind + ")");
+      tbb::this_task_arena::isolate([&] { outcome = run_node(call, services); });
+    }
     item.end = std::chrono::steady_clock::now();
     item.executed = true;
     item.cancelled = outcome.cancelled;
     item.error = outcome.error;
     item.drew_seed = outcome.drew_seed;
+    item.memory_announced = outcome.memory_announced;
     item.key = outcome.drew_seed ? key_with_seed(call.key, call.seed) : call.key;
     item.run = std::move(outcome.run);
-    if (item.error.empty() && node.kind.node->deterministic) store_.put_run(item.key, item.run);
+    if (!item.error.empty() || item.cancelled) return;
+    check_files(node, state);
+    if (!node.kind.node->deterministic) return;
+    store_.put_run(item.key, item.run);
+    turn.done();
+  }
+
+  /// What parameters name must be after the run what it was when the key was made.
+  void check_files(const GraphNode& node, const State& state) {
+    bool names_files = false;
+    for (uint32_t i = 0; i < node.kind.node->param_count; ++i)
+      names_files |=
+          node.kind.node->params[i]->kind == PLUMBLINE_FILE || node.kind.node->params[i]->kind == PLUMBLINE_FOLDER;
+    if (!names_files) return;
+    for (const auto& [field, value] : key_fields(node, store_.file_hashes()))
+      if (state.fields.at(field) != value)
+        throw std::runtime_error(field + " changed while the node worked with it; run again");
+  }
+
+  /// Waits as long as somebody else computes the same, and takes over what came of it. False: there is nothing to
+  /// compute any more.
+  bool wait_for_turn(const GraphNode& node, const State& state, const NodeCall& call, Turn& turn, Item& item) {
+    bool waited = false, was_done = false;
+    const auto since = std::chrono::steady_clock::now();
+    for (int pause = 1; !turn.take(); pause = std::min(2 * pause, 50)) {
+      if (cancel_) {
+        item.cancelled = true;
+        return false;
+      }
+      if (store_.claims().holder_is_stopped(turn.busy())) return true;
+      const std::string holder = store_.claims().holder(turn.busy());
+      if (waited && state.items.size() == 1 && std::chrono::steady_clock::now() - since > std::chrono::seconds(1))
+        observe(
+            [&] { observer_.node_progress(node, 0, 1, 0, "waits for " + (holder.empty() ? "another run" : holder)); });
+      waited = true;
+      store_.claims().wait(pause);
+    }
+    was_done = waited && turn.was_done();
+    // A shared folder may show a file some seconds after the other machine has written it.
+    for (int attempt = 0;; ++attempt) {
+      Stored stored = look_up(store_, call.key, call.seed);
+      if (!stored.key.empty()) {
+        item.drew_seed = stored.key != call.key;
+        item.key = stored.key;
+        item.run = std::move(stored.run);
+        item.warnings.clear();
+        return false;
+      }
+      if (!was_done || attempt == 100 || cancel_) break;
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
+    turn.begin();
+    return true;
   }
 
   static std::string error_text(const GraphNode& node, const std::string& where, const std::string& what) {
@@ -249,12 +315,24 @@ class Execution {
     }
     add_times(state.items, result);
     if (drew_seed) result.fields["seed"] = std::to_string(graph_.seed);
+    if (result.items_executed > 0) explain(node, result);
     state.items.clear();
     state.items.shrink_to_fit();
     if (!errors.empty()) return finish(index, NodeStatus::failed, errors);
     if (cancelled) return finish(index, NodeStatus::cancelled, "");
     outputs_[index] = result.outputs;
     finish(index, result.items_executed > 0 ? NodeStatus::executed : NodeStatus::reused, "");
+  }
+
+  void explain(const GraphNode& node, NodeResult& result) const {
+    const auto before = last_.find(node.name);
+    if (!node.kind.node->deterministic)
+      result.why = {"it is not deterministic and always runs"};
+    else if (before == last_.end())
+      result.why = {"it never ran in this pipeline before"};
+    else
+      result.why = compare(before->second, result.fields);
+    if (result.why.empty()) result.why = {"its result was not in the store any more"};
   }
 
   void finish(size_t index, NodeStatus status, const std::string& error) {
@@ -282,6 +360,7 @@ class Execution {
   const int threads_;
   const std::atomic<bool> never_ = false;
   const std::atomic<bool>& cancel_;
+  const std::map<std::string, KeyFields> last_;  // of the pipeline's last run
   std::vector<State> states_;
   std::vector<std::map<std::string, Hashes>> outputs_;  // of the nodes that are done
   tbb::task_group group_;
@@ -306,6 +385,7 @@ void remember_keys(Store& store, const Graph& graph, const RunResult& result) {
 
 RunResult execute(const Graph& graph, const Registry& registry, Store& store, const RunOptions& options,
                   Observer& observer) {
+  name_nodes_that_end_the_process();
   RunResult result;
   {
     Execution execution(graph, registry, store, options, observer);

@@ -3,7 +3,7 @@
 // A node starts when the nodes it takes from are done. Each run of a node is inside this_task_arena::isolate: a thread
 // that waits in a node's own parallel loop must not start another node on its stack. A node that fails ends its branch:
 // what follows is skipped, the other branches go on. Results are joined in the items' order, so they do not depend on
-// the number of threads.
+// the number of threads. What another thread or process computes already is waited for and taken over (claims.hpp).
 #pragma once
 
 #include <atomic>
@@ -31,6 +31,9 @@ struct NodeResult {
   std::map<std::string, Hashes> inputs, outputs;  ///< blobs by port
   std::vector<Metric> metrics;
   std::vector<std::string> warnings, messages;
+  std::vector<std::string> why;   ///< of one that was executed: what of its key changed since the pipeline's last run
+  double start = 0;               ///< seconds since 1970 at which the first item that ran now began; 0 if none did
+  uint64_t memory_announced = 0;  ///< the most that one item asked for, in bytes
   double seconds = 0;       ///< from the start of the first item that ran now to the end of the last; 0 if none ran
   double item_seconds = 0;  ///< sum over those items; more than `seconds` where they ran side by side
 };

@@ -22,6 +22,15 @@ namespace {
 
 constexpr int64_t settle_seconds = 2;
 constexpr int deepest_folder = 64;
+const std::string no_identity = "-";  // of what is remembered only for its place
+
+/// Makes it the last one. False if it was.
+bool add_place(std::vector<std::string>& places, const std::string& place) {
+  if (!places.empty() && places.back() == place) return false;
+  places.erase(std::remove(places.begin(), places.end(), place), places.end());
+  places.push_back(place);
+  return true;
+}
 
 std::string identity_of(const struct stat& info) {
   const auto time = [](const timespec& t) { return std::to_string(t.tv_sec) + "." + std::to_string(t.tv_nsec); };
@@ -47,14 +56,17 @@ bool settled(const fs::path& path) {
 
 }  // namespace
 
-FileHashes::FileHashes(fs::path log) : log_(std::move(log)) {
+FileHashes::FileHashes(fs::path log, const fs::path& passing) : log_(std::move(log)) {
+  if (!passing.empty()) passing_ = fs::absolute(passing).lexically_normal().string() + "/";
   std::ifstream stream(log_);
   for (std::string line; std::getline(stream, line);) {
     const size_t blank = line.find(' ');
     // A line that another process is just writing, or that a crash cut off, is passed over.
     if (blank == std::string::npos || stream.eof()) continue;
-    const std::string hash = line.substr(blank + 1);
-    if (hash.size() == 64) known_[line.substr(0, blank)] = hash;
+    const std::string identity = line.substr(0, blank), hash = line.substr(blank + 1, 64);
+    if (hash.size() != 64 || hash.find_first_not_of("0123456789abcdef") != std::string::npos) continue;
+    if (identity != no_identity) known_[identity] = hash;
+    if (line.size() > blank + 66 && line[blank + 65] == ' ') add_place(places_[hash], line.substr(blank + 66));
   }
 }
 
@@ -62,24 +74,64 @@ std::string FileHashes::of_file(const fs::path& path) {
   const std::string identity = identity_of(path);
   {
     const std::scoped_lock lock(mutex_);
-    if (const auto found = known_.find(identity); found != known_.end()) return found->second;
+    if (const auto found = known_.find(identity); found != known_.end()) {
+      const std::string hash = found->second;
+      remember(identity, hash, path);
+      return hash;
+    }
   }
   const bool keep = settled(path);
   const std::string hash = sha256_of_file(path);
-  if (!keep || identity_of(path) != identity) return hash;
+  const bool unchanged = keep && identity_of(path) == identity;
   const std::scoped_lock lock(mutex_);
-  if (!known_.emplace(identity, hash).second) return hash;
-  const std::string line = identity + " " + hash + "\n";
+  remember(unchanged ? identity : no_identity, hash, path);
+  return hash;
+}
+
+/// Under the lock. Appends a line if it tells something new.
+void FileHashes::remember(const std::string& identity, const std::string& hash, const fs::path& path) {
+  std::string place = fs::absolute(path).lexically_normal().string();
+  if (!passing_.empty() && place.compare(0, passing_.size(), passing_) == 0) place.clear();
+  const bool fresh = identity != no_identity && known_.emplace(identity, hash).second;
+  const bool moved = !place.empty() && add_place(places_[hash], place);
+  if (!moved && !fresh) return;
+  if (place.find('\n') != std::string::npos) place.clear();
+  const std::string line = identity + " " + hash + (place.empty() ? "" : " " + place) + "\n";
   // One write with O_APPEND: lines of several processes do not mix. That it fails costs only time at the next run.
   const int file = open(log_.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC, 0666);
   if (file >= 0) {
     [[maybe_unused]] const ssize_t written = write(file, line.data(), line.size());
     close(file);
   }
-  return hash;
 }
 
-std::string FileHashes::of_tree(const fs::path& folder) {
+std::string FileHashes::of(const fs::path& path) { return fs::is_directory(path) ? of_tree(path) : of_file(path); }
+
+fs::path FileHashes::locate(const std::string& hash) {
+  std::vector<std::string> places;
+  {
+    const std::scoped_lock lock(mutex_);
+    if (const auto found = places_.find(hash); found != places_.end()) places = found->second;
+  }
+  std::string reasons;
+  for (auto place = places.rbegin(); place != places.rend(); ++place) {
+    std::error_code error;
+    if (!fs::exists(*place, error)) {
+      reasons += (reasons.empty() ? "" : "; ") + *place + " is not there any more";
+      continue;
+    }
+    try {
+      if (of(*place) == hash) return *place;
+      reasons += (reasons.empty() ? "" : "; ") + *place + " has changed since it was read";
+    } catch (const std::exception& unreadable) {
+      reasons += (reasons.empty() ? "" : "; ") + std::string(unreadable.what());
+    }
+  }
+  throw std::runtime_error("cannot find the content " + hash.substr(0, 12) + "…" +
+                           (reasons.empty() ? "" : ": " + reasons) + "; put it back, or run again");
+}
+
+FileHashes::Tree FileHashes::files_of(const fs::path& folder) {
   std::vector<fs::path> files;
   std::error_code error;
   fs::recursive_directory_iterator entry(folder, fs::directory_options::follow_directory_symlink, error);
@@ -93,15 +145,32 @@ std::string FileHashes::of_tree(const fs::path& folder) {
     if (entry->is_regular_file(ignored)) files.push_back(entry->path());
   }
   if (error) throw std::runtime_error("cannot read the folder " + folder.string() + ": " + error.message());
+  Tree tree;
+  for (const fs::path& file : files) tree.emplace_back(file.lexically_relative(folder).generic_string(), of_file(file));
+  std::sort(tree.begin(), tree.end());
+  return tree;
+}
+
+std::string FileHashes::hash_of(const Tree& tree) {
   std::vector<std::string> lines;
-  for (const fs::path& file : files) {
-    std::string relative = file.lexically_relative(folder).generic_string();
-    lines.push_back(std::move(relative.append(1, '\0').append(of_file(file)).append(1, '\n')));
-  }
+  for (const auto& [path, hash] : tree) lines.push_back(std::string(path).append(1, '\0').append(hash).append(1, '\n'));
   std::sort(lines.begin(), lines.end());
   Sha256 hash;
   for (const std::string& line : lines) hash.add_field(line);
   return hash.hex();
+}
+
+void FileHashes::remember_places(const fs::path& folder, const Tree& tree) {
+  const std::scoped_lock lock(mutex_);
+  for (const auto& [path, hash] : tree) remember(no_identity, hash, folder / path);
+  remember(no_identity, hash_of(tree), folder);
+}
+
+std::string FileHashes::of_tree(const fs::path& folder) {
+  std::string hash = hash_of(files_of(folder));
+  const std::scoped_lock lock(mutex_);
+  remember(no_identity, hash, folder);
+  return hash;
 }
 
 }  // namespace plumbline::runtime

@@ -60,7 +60,7 @@ class Linker {
     for (GraphNode& node : graph.nodes) unify(graph, node);
     add_outputs(graph);
     graph.variables = spec_.variables;
-    graph.text = spec_.text;
+    graph.sources = spec_.sources;
     return graph;
   }
 
@@ -71,7 +71,9 @@ class Linker {
     GraphNode node;
     node.name = spec.name;
     node.at = spec.at;
-    if (spec.use.text.empty()) {
+    if (spec.use.unresolved) {
+      // told already
+    } else if (spec.use.text.empty()) {
       problem(spec.at, "node '" + spec.name + "' does not say which kind to use: {use: family.name}");
     } else if (const Kind* kind = registry_.find(spec.use.text)) {
       node.kind = *kind;
@@ -83,6 +85,7 @@ class Linker {
       problem(spec.use.at, "there is no node '" + spec.use.text + "'" +
                                (hint.empty() ? "; `plumbline list` shows what there is" : hint) + refused_text());
     }
+    index_.emplace(node.name, nodes_.size());
     nodes_.push_back(std::move(node));
     specs_.push_back(&spec);
   }
@@ -99,19 +102,20 @@ class Linker {
 
   /// "poses.poses" -> index of the node and its output port; nothing after telling what is wrong.
   bool find_source(const Scalar& text, Source& source) {
+    if (text.unresolved) return false;  // told already
     const size_t dot = text.text.find('.');
     const std::string name = text.text.substr(0, dot);
-    const auto found = std::find_if(nodes_.begin(), nodes_.end(), [&](const GraphNode& n) { return n.name == name; });
-    if (found == nodes_.end()) {
+    const auto at = index_.find(name);
+    if (at == index_.end()) {
       std::vector<std::string> names;
       for (const GraphNode& node : nodes_) names.push_back(node.name);
       problem(text.at, "there is no node '" + name + "' in this pipeline" + did_you_mean(name, names));
       return false;
     }
+    const GraphNode* found = &nodes_[at->second];
     if (!found->kind.node) return false;  // its kind is unknown, which was told already
     const auto outputs = port_names(found->kind.node->outputs, found->kind.node->output_count);
-    source = {static_cast<size_t>(found - nodes_.begin()), dot == std::string::npos ? "" : text.text.substr(dot + 1),
-              text.at};
+    source = {at->second, dot == std::string::npos ? "" : text.text.substr(dot + 1), text.at};
     if (found->kind.output(source.port)) return true;
     problem(text.at, (source.port.empty()
                           ? "write node.port, not only '" + name + "'"
@@ -179,34 +183,49 @@ class Linker {
   }
 
   void sort(Graph& graph) {
-    std::vector<int> state(nodes_.size(), 0);  // 0 new, 1 on the path, 2 done
-    std::vector<size_t> path;
-    for (size_t i = 0; i < nodes_.size(); ++i) visit(i, state, path);
-    std::vector<size_t> position(nodes_.size());
-    for (size_t i = 0; i < order_.size(); ++i) position[order_[i]] = i;
+    std::vector<State> state(nodes_.size(), State::fresh);
+    for (size_t i = 0; i < nodes_.size(); ++i) visit(i, state);
+    position_.resize(nodes_.size());
+    for (size_t i = 0; i < order_.size(); ++i) position_[order_[i]] = i;
+    graph.nodes.reserve(nodes_.size());
     for (const size_t i : order_) {
-      for (auto& [port, source] : nodes_[i].inputs) source.node = position[source.node];
+      for (auto& [port, source] : nodes_[i].inputs) source.node = position_[source.node];
       graph.nodes.push_back(nodes_[i]);
     }
-    position_ = position;
   }
 
-  void visit(size_t i, std::vector<int>& state, std::vector<size_t>& path) {
-    if (state[i] == 2) return;
-    if (state[i] == 1) {
-      std::string circle;
-      for (auto at = std::find(path.begin(), path.end(), i); at != path.end(); ++at) circle += nodes_[*at].name + " → ";
-      if (circles_.insert(circle).second)  // two connections may close the same one
-        problem(nodes_[i].at, "the nodes go round in a circle: " + circle + nodes_[i].name +
-                                  "; one of them has to take its input from elsewhere");
-      return;
+  enum class State { fresh, on_path, done };
+
+  /// Depth first with a path of its own: a chain of many thousand nodes must not grow the stack.
+  void visit(size_t first, std::vector<State>& state) {
+    struct Step {
+      size_t node;
+      std::map<std::string, Source>::const_iterator next;
+    };
+    if (state[first] != State::fresh) return;
+    std::vector<Step> path{{first, nodes_[first].inputs.begin()}};
+    state[first] = State::on_path;
+    while (!path.empty()) {
+      Step& step = path.back();
+      if (step.next == nodes_[step.node].inputs.end()) {
+        state[step.node] = State::done;
+        order_.push_back(step.node);
+        path.pop_back();
+        continue;
+      }
+      const size_t source = (step.next++)->second.node;
+      if (state[source] == State::fresh) {
+        state[source] = State::on_path;
+        path.push_back({source, nodes_[source].inputs.begin()});
+      } else if (state[source] == State::on_path) {
+        std::string circle;
+        auto at = std::find_if(path.begin(), path.end(), [&](const Step& s) { return s.node == source; });
+        for (; at != path.end(); ++at) circle += nodes_[at->node].name + " → ";
+        if (circles_.insert(circle).second)  // two connections may close the same one
+          problem(nodes_[source].at, "the nodes go round in a circle: " + circle + nodes_[source].name +
+                                         "; one of them has to take its input from elsewhere");
+      }
     }
-    state[i] = 1;
-    path.push_back(i);
-    for (const auto& [port, source] : nodes_[i].inputs) visit(source.node, state, path);
-    path.pop_back();
-    state[i] = 2;
-    order_.push_back(i);
   }
 
   /// Checks cardinalities and binds the frame variables of a node whose sources are done.
@@ -265,7 +284,8 @@ class Linker {
       if (const std::string wrong = output_name_problem(file); !wrong.empty()) problem(text.at, wrong);
       for (size_t at = file.find('/'); at != std::string::npos; at = file.find('/', at + 1))
         if (names.count(file.substr(0, at)))
-          problem(text.at, "output '" + file + "' lies inside output '" + file.substr(0, at) + "'; give it another name");
+          problem(text.at,
+                  "output '" + file + "' lies inside output '" + file.substr(0, at) + "'; give it another name");
       Source source;
       if (!find_source(text, source)) continue;
       source.node = position_[source.node];
@@ -278,6 +298,7 @@ class Linker {
   std::vector<Problem>& problems_;
   std::vector<GraphNode> nodes_;
   std::vector<const NodeSpec*> specs_;
+  std::map<std::string, size_t> index_;  // in nodes_, by name
   std::set<std::pair<size_t, std::string>> missing_is_told_;
   std::vector<size_t> order_, position_;
   bool refused_are_told_ = false;
@@ -289,14 +310,17 @@ class Linker {
 InvalidPipeline::InvalidPipeline(std::vector<Problem> problems)
     : std::runtime_error(join_problems(problems)), problems_(std::move(problems)) {}
 
-Graph load_pipeline(const std::filesystem::path& file, const std::vector<std::string>& overrides,
-                    const Registry& registry) {
-  std::vector<Problem> problems;
-  const PipelineSpec spec = read_pipeline(file, overrides, problems);
+namespace {
+
+Graph read_and_link(const std::filesystem::path& file, const std::vector<std::string>& overrides,
+                    const Registry& registry, const std::vector<std::filesystem::path>& include_folders,
+                    std::vector<Problem>& problems) {
+  const PipelineSpec spec = read_pipeline(file, overrides, include_folders, problems);
   Graph graph = Linker(spec, registry, problems).link();
   if (problems.empty() && graph.nodes.empty())
     problems.push_back({{file.string(), 1, 1}, "this pipeline has no nodes"});
   graph.file = file.string();
+  graph.overrides = overrides;
   if (const auto seed = spec.variables.find("seed"); seed != spec.variables.end()) {
     const bool digits = !seed->second.empty() && seed->second.size() < 19 &&
                         seed->second.find_first_not_of("0123456789") == std::string::npos;
@@ -306,13 +330,56 @@ Graph load_pipeline(const std::filesystem::path& file, const std::vector<std::st
       problems.push_back(
           {{file.string(), 0, 0}, "the variable 'seed' is a whole number, found '" + seed->second + "'"});
   }
-  if (!problems.empty()) {
-    std::stable_sort(problems.begin(), problems.end(), [](const Problem& a, const Problem& b) {
-      return std::tie(a.at.file, a.at.line, a.at.column) < std::tie(b.at.file, b.at.line, b.at.column);
-    });
-    throw InvalidPipeline(std::move(problems));
-  }
+  std::stable_sort(problems.begin(), problems.end(), [](const Problem& a, const Problem& b) {
+    return std::tie(a.at.file, a.at.line, a.at.column) < std::tie(b.at.file, b.at.line, b.at.column);
+  });
   return graph;
+}
+
+/// A pipeline that is valid without the overrides of nodes: the one that breaks it comes first, then the first of what
+/// does not fit. The rest follows from it.
+void name_breaking_override(const std::filesystem::path& file, const std::vector<std::string>& overrides,
+                            const Registry& registry, const std::vector<std::filesystem::path>& include_folders,
+                            std::vector<Problem>& problems) {
+  const auto valid_with = [&](const std::vector<std::string>& some) {
+    std::vector<Problem> found;
+    read_and_link(file, some, registry, include_folders, found);
+    return found.empty();
+  };
+  std::vector<std::string> basic, breaking;
+  for (const std::string& text : overrides)
+    if (!is_node_override(text)) basic.push_back(text);
+  if (basic.size() == overrides.size() || !valid_with(basic)) return;
+  for (const std::string& text : overrides) {
+    if (!is_node_override(text)) continue;
+    std::vector<std::string> with_one = basic;
+    with_one.push_back(text);
+    if (!valid_with(with_one)) breaking.push_back(text);
+  }
+  // What is wrong with an override itself names it already.
+  for (const Problem& problem : problems)
+    if (problem.at.line == 0 && problem.at.file[0] == '\'') return;
+  std::string names;
+  for (const std::string& text : breaking) names += (names.empty() ? "'" : ", '") + text + "'";
+  constexpr size_t shown = 3;
+  const size_t more = problems.size() > shown ? problems.size() - shown : 0;
+  if (more) problems.resize(shown);
+  problems.insert(problems.begin(),
+                  {{names.empty() ? "the overrides together" : names, 0, 0},
+                   std::string("without ") + (breaking.size() == 1 ? "it" : "them") + " the pipeline is valid, with " +
+                       (breaking.size() == 1 ? "it" : "them") + " these things do not fit" +
+                       (more ? ", and " + std::to_string(more) + " more that follow from them" : "") + ":"});
+}
+
+}  // namespace
+
+Graph load_pipeline(const std::filesystem::path& file, const std::vector<std::string>& overrides,
+                    const Registry& registry, const std::vector<std::filesystem::path>& include_folders) {
+  std::vector<Problem> problems;
+  Graph graph = read_and_link(file, overrides, registry, include_folders, problems);
+  if (problems.empty()) return graph;
+  name_breaking_override(file, overrides, registry, include_folders, problems);
+  throw InvalidPipeline(std::move(problems));
 }
 
 }  // namespace plumbline::runtime

@@ -62,20 +62,27 @@ struct GraphOutput {
   Source from;
 };
 
+/// A file that a pipeline was read from.
+struct SourceFile {
+  std::string path, text;
+};
+
 struct Graph {
   std::string file;                  ///< the pipeline's path as given
   std::vector<GraphNode> nodes;      ///< in topological order, ties in the file's order
   std::vector<GraphOutput> outputs;  ///< in the file's order
   std::map<std::string, std::string> variables;
-  uint64_t seed = 0;  ///< the run's seed: the variable `seed`, 0 if there is none
-  std::string text;   ///< the file's content, for the record
+  uint64_t seed = 0;                   ///< the run's seed: the variable `seed`, 0 if there is none
+  std::vector<SourceFile> sources;     ///< the file itself, then what it includes: for the record
+  std::vector<std::string> overrides;  ///< as given, in order
 };
 
 /// `overrides` are the KEY=VALUE arguments in order: `floors=3` sets a variable, `poses.with.solver=epnp` a parameter,
 /// `poses.use=pose.opencv` a kind. Relative paths in parameters: those written in the pipeline file are relative to its
-/// folder, those given on the command line to the working directory. Throws InvalidPipeline.
+/// folder, those given on the command line to the working directory. What `include:` names is looked for beside the
+/// file and then in `include_folders`. Throws InvalidPipeline.
 Graph load_pipeline(const std::filesystem::path& file, const std::vector<std::string>& overrides,
-                    const Registry& registry);
+                    const Registry& registry, const std::vector<std::filesystem::path>& include_folders = {});
 
 /// The graph as Graphviz DOT or as a Mermaid flowchart, left to right.
 std::string to_dot(const Graph& graph);

@@ -36,7 +36,7 @@ std::string parameter_field(const plumbline_param& param, const std::string& tex
       if (param.kind == PLUMBLINE_FILE)
         field += fs::path(path).filename().string() + " sha256:" + files.of_file(path);
       else
-        field += path + " tree:" + files.of_tree(path);
+        field += "tree:" + files.of_tree(path);
     } catch (const std::exception& error) {
       throw std::runtime_error("parameter '" + std::string(param.name) + "': " + error.what());
     }

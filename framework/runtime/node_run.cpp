@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <deque>
 #include <filesystem>
@@ -9,6 +10,7 @@
 #include <set>
 
 #include "runtime/artifact_type.hpp"
+#include "runtime/digest.hpp"
 
 namespace plumbline::runtime {
 
@@ -25,7 +27,7 @@ class Host {
     table_.context = this;
     table_.log = [](void* c, int level, const char* text) { self(c).log(level, text); };
     table_.progress = [](void* c, double fraction, const char* text) { self(c).progress(fraction, text); };
-    table_.cancelled = [](void* c) -> int { return self(c).services_.cancel->load(); };
+    table_.cancelled = [](void* c) -> int { return self(c).cancelled(); };
     table_.seed = [](void* c) { return self(c).seed(); };
     table_.metric = [](void* c, const char* name, double value, const char* unit) {
       self(c).metric(name, value, unit);
@@ -46,7 +48,7 @@ class Host {
       return self(c).guarded([=](Host& h) { h.make_folder(port, path, uri); });
     };
     table_.digest = [](void* c, const char* path) {
-      return self(c).text_or_null([=](Host& h) { return h.services_.store->file_hashes().of_file(path); });
+      return self(c).text_or_null([=](Host& h) { return h.services_.store->file_hashes().of(path); });
     };
     table_.reserve_memory = [](void* c, uint64_t bytes) { return self(c).reserve_memory(bytes); };
   }
@@ -62,7 +64,11 @@ class Host {
 
  private:
   struct Folder {
-    std::string port, name, uri, path;
+    std::string port, name, uri, path;  // `name` stands for the hash of its tree as long as that is not known
+  };
+  struct Held {
+    std::string port;
+    std::vector<char> bytes;
   };
 
   static Host& self(void* context) { return *static_cast<Host*>(context); }
@@ -83,13 +89,16 @@ class Host {
       std::string text = action(*this);
       const std::scoped_lock lock(mutex_);
       return texts_.emplace_back(std::move(text)).c_str();
-    } catch (const std::exception&) {
+    } catch (const std::exception& error) {
+      const std::scoped_lock lock(mutex_);
+      unanswered_ = error.what();
       return nullptr;
     }
   }
 
   void log(int level, const char* text);
   void progress(double fraction, const char* text);
+  bool cancelled();
   uint64_t seed();
   void metric(const char* name, double value, const char* unit);
   void fail(const std::string& message);
@@ -104,6 +113,7 @@ class Host {
   const plumbline_port& output(const std::string& port) const;
   void check_outputs() const;
   void commit_folders();
+  void check_references() const;
 
   const NodeCall& call_;
   const NodeServices& services_;
@@ -113,6 +123,11 @@ class Host {
   std::map<std::pair<std::string, size_t>, Blob> open_;  // valid until the run ends
   std::deque<std::string> texts_;                        // what const char* answers point into
   std::deque<Folder> folders_;
+  std::set<std::string> committed_;                     // outputs of one item
+  std::vector<Held> held_;                              // outputs that may name a folder that is not done
+  std::vector<std::pair<std::string, fs::path>> used_;  // content hash and place of what was resolved
+  std::atomic<bool> told_to_stop_ = false;
+  std::string unanswered_;  // why resolve() or digest() gave nothing: the cause, if the node then fails
   uint64_t reserved_ = 0;
 };
 
@@ -132,8 +147,15 @@ void Host::progress(double fraction, const char* text) {
   if (services_.progress) services_.progress(fraction, text ? text : "");
 }
 
+bool Host::cancelled() {
+  if (!services_.cancel->load()) return false;
+  told_to_stop_ = true;
+  return true;
+}
+
 uint64_t Host::seed() {
   const std::scoped_lock lock(mutex_);
+  if (!outcome_.drew_seed && services_.seed_drawn) services_.seed_drawn();
   if (!outcome_.drew_seed && !folders_.empty() && outcome_.error.empty())
     outcome_.error =
         "the node asked for its seed after make_folder(); it must ask before, because the folder's name depends on it";
@@ -149,7 +171,9 @@ void Host::metric(const char* name, double value, const char* unit) {
 /// The first failure is the cause; what follows is mostly its echo.
 void Host::fail(const std::string& message) {
   const std::scoped_lock lock(mutex_);
-  if (outcome_.error.empty()) outcome_.error = message.empty() ? "no reason given" : message;
+  if (!outcome_.error.empty()) return;
+  outcome_.error = message.empty() ? "no reason given" : message;
+  if (!unanswered_.empty()) outcome_.error += ": " + unanswered_;
 }
 
 const char* Host::parameter(const char* name) const {
@@ -185,12 +209,19 @@ void Host::commit(const std::string& port, plumbline_bytes bytes) {
   const plumbline_port& declared = output(port);
   if (const std::string problem = verify_artifact(call_.node->kind.type_of(declared), bytes); !problem.empty())
     throw std::runtime_error("output '" + port + "' is no valid " + declared.type + ": " + problem);
+  {
+    const std::scoped_lock lock(mutex_);
+    if (declared.cardinality != PLUMBLINE_LIST && !committed_.insert(port).second)
+      throw std::runtime_error("output '" + port + "' was committed twice; it holds one item");
+    if (!folders_.empty()) {
+      const char* begin = static_cast<const char*>(bytes.data);
+      held_.push_back({port, {begin, begin + bytes.size}});
+      return;
+    }
+  }
   const std::string hash = services_.store->put(bytes.data, bytes.size);
   const std::scoped_lock lock(mutex_);
-  Hashes& items = outcome_.run.outputs[port];
-  if (declared.cardinality != PLUMBLINE_LIST && !items.empty())
-    throw std::runtime_error("output '" + port + "' was committed twice; it holds one item");
-  items.push_back(hash);
+  outcome_.run.outputs[port].push_back(hash);
 }
 
 std::string Host::resolve(const std::string& uri) {
@@ -200,21 +231,32 @@ std::string Host::resolve(const std::string& uri) {
       if (uri == folder.uri || uri.compare(0, folder.uri.size() + 1, folder.uri + "/") == 0)
         return folder.path + uri.substr(folder.uri.size());
   }
+  static const std::string scheme = "sha256:";
+  if (uri.compare(0, scheme.size(), scheme) == 0) {
+    const std::string
+        hash = uri.substr(scheme.size(), 64),
+        rest =
+            fs::path(uri.substr(std::min(uri.size(), scheme.size() + 64))).relative_path().lexically_normal().string();
+    const fs::path place = services_.store->file_hashes().locate(hash);
+    const std::scoped_lock lock(mutex_);
+    used_.emplace_back(hash, place);
+    if (!fs::is_directory(place) || rest.empty() || rest.compare(0, 2, "..") == 0) return place.string();
+    return (place / rest).string();
+  }
   const fs::path path = services_.store->resolve(uri);
-  if (path.empty() || !fs::exists(path)) throw std::runtime_error("nothing there");
+  if (path.empty() || !fs::exists(path))
+    throw std::runtime_error("there is nothing at " + (path.empty() ? uri : path.string()));
   return path.string();
 }
 
 void Host::make_folder(const std::string& port, const char** path, const char** uri) {
   output(port);
   const std::scoped_lock lock(mutex_);
-  std::string name = (outcome_.drew_seed ? key_with_seed(call_.key, call_.seed) : call_.key) + "-" + port;
-  if (!call_.node->kind.node->deterministic) {
-    // Never found again by its key, and it must not replace the folder of an earlier run.
-    static std::atomic<uint64_t> count = 0;
-    name += "-" + std::to_string(std::chrono::system_clock::now().time_since_epoch().count()) + "-" +
-            std::to_string(getpid()) + "-" + std::to_string(++count);
-  }
+  // The folder's name will be the hash of its tree, which nobody knows yet. What is committed until then names it by
+  // another hash, which commit_folders() replaces.
+  static std::atomic<uint64_t> count = 0;
+  const std::string text = call_.key + " " + port + " " + std::to_string(getpid()) + " " + std::to_string(++count);
+  const std::string name = sha256_of(text.data(), text.size());
   for (const Folder& folder : folders_)
     if (folder.port == port) throw std::runtime_error("make_folder() was called twice for output '" + port + "'");
   const Folder& made = folders_.emplace_back(Folder{port, name, "store:" + name, services_.store->new_folder()});
@@ -228,7 +270,10 @@ int Host::reserve_memory(uint64_t bytes) {
     const std::scoped_lock lock(mutex_);
     held = reserved_;
   }
-  if (!services_.memory->acquire(bytes, held, *services_.cancel)) return 1;
+  if (!services_.memory->acquire(bytes, held, *services_.cancel)) {
+    told_to_stop_ = true;
+    return 1;
+  }
   const std::scoped_lock lock(mutex_);
   reserved_ += bytes;
   return 0;
@@ -238,16 +283,38 @@ void Host::check_outputs() const {
   const plumbline_node& node = *call_.node->kind.node;
   for (uint32_t i = 0; i < node.output_count; ++i) {
     const plumbline_port& port = *node.outputs[i];
-    if (port.cardinality == PLUMBLINE_ONE && !outcome_.run.outputs.count(port.name))
+    if (port.cardinality == PLUMBLINE_ONE && !committed_.count(port.name))
       throw std::runtime_error(std::string("the node ended without committing its output '") + port.name + "'");
   }
 }
 
 void Host::commit_folders() {
+  std::vector<std::pair<std::string, std::string>> names;
   while (!folders_.empty()) {
-    outcome_.run.folders[folders_.front().name] =
-        services_.store->commit_folder(folders_.front().path, folders_.front().name);
+    const std::string tree = services_.store->commit_folder(folders_.front().path);
+    outcome_.run.folders[tree] = tree;
+    names.emplace_back(folders_.front().name, tree);
     folders_.pop_front();
+  }
+  for (Held& held : held_) {
+    for (const auto& [name, tree] : names)
+      for (auto at = held.bytes.begin();
+           (at = std::search(at, held.bytes.end(), name.begin(), name.end())) != held.bytes.end();)
+        at = std::copy(tree.begin(), tree.end(), at);
+    outcome_.run.outputs[held.port].push_back(services_.store->put(held.bytes.data(), held.bytes.size()));
+  }
+  held_.clear();
+}
+
+/// A file that changed while the node read it: what came out belongs to neither content.
+void Host::check_references() const {
+  for (const auto& [hash, place] : used_) {
+    std::string now;
+    try {
+      now = services_.store->file_hashes().of(place);
+    } catch (const std::exception&) {  // it is gone
+    }
+    if (now != hash) throw std::runtime_error(place.string() + " changed while the node worked with it; run again");
   }
 }
 
@@ -265,13 +332,16 @@ NodeOutcome Host::run() {
   }
   if (answer != 0 && outcome_.error.empty())
     outcome_.error = "it returned " + std::to_string(answer) + " without a reason";
-  if (services_.cancel->load() && !outcome_.error.empty()) outcome_.cancelled = true;
-  if (outcome_.error.empty())
+  // Told to stop, a node may end with half of its outputs and no error.
+  outcome_.cancelled = told_to_stop_ || (services_.cancel->load() && !outcome_.error.empty());
+  if (outcome_.error.empty() && !outcome_.cancelled)
     guarded([](Host& h) {
       h.check_outputs();
+      h.check_references();
       h.commit_folders();
     });
   for (uint32_t i = 0; i < node.output_count; ++i) outcome_.run.outputs[node.outputs[i]->name];  // empty lists too
+  outcome_.memory_announced = reserved_;
   outcome_.run.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return std::move(outcome_);
 }

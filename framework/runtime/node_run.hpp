@@ -28,11 +28,13 @@ struct NodeServices {
   MemoryBudget* memory = nullptr;
   const std::atomic<bool>* cancel = nullptr;
   std::function<void(double fraction, const std::string& text)> progress;  ///< may be empty
+  std::function<void()> seed_drawn;                                        ///< at the first time; may be empty
 };
 
 struct NodeOutcome {
-  std::string error;  ///< empty: all went well, and `run` is complete
-  bool cancelled = false;
+  std::string error;       ///< empty: all went well, and `run` is complete
+  bool cancelled = false;  ///< it was told to stop: what it gave may be half of it, and must not be stored
+  uint64_t memory_announced = 0;
   bool drew_seed = false;  ///< then the result belongs to the key with the seed
   StoredRun run;
 };

@@ -58,6 +58,8 @@ std::vector<std::string> parents_of(const std::string& path) {
   return parents;
 }
 
+const std::string record_begin = "{\"event\":\"run_start\"";
+
 bool starts_with(const std::string& text, const std::string& start) {
   return text.compare(0, start.size(), start) == 0;
 }
@@ -112,12 +114,13 @@ void OutputFolder::read_record() {
 void OutputFolder::put_away_leftovers() {
   const fs::path begun = folder_ / ".run.jsonl.new";
   struct stat info {};
-  if (lstat(begun.c_str(), &info) == 0) {
-    Ownership ignored;
-    std::string staging;
-    std::map<std::string, std::string> displaced;
-    if (S_ISREG(info.st_mode) && (info.st_size == 0 || read_ownership(begun, ignored, staging, displaced)))
-      ::unlink(begun.c_str());
+  if (lstat(begun.c_str(), &info) == 0 && S_ISREG(info.st_mode)) {
+    // Cut off anywhere: what there is of it must be how a record begins.
+    std::ifstream stream(begun, std::ios::binary);
+    std::string text(record_begin.size(), '\0');
+    stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+    text.resize(static_cast<size_t>(stream.gcount()));
+    if (record_begin.compare(0, text.size(), text) == 0) ::unlink(begun.c_str());
   }
   if (old_staging_.empty()) return;
   const fs::path staged = folder_ / old_staging_;

@@ -40,7 +40,7 @@ class Checker {
       : param_(param), name_("parameter '" + std::string(param.name) + "' of " + owner), problems_(problems) {}
 
   std::string check(const Scalar& value) {
-    if (value.text.find("${") != std::string::npos) return "";  // a variable that was told to be missing already
+    if (value.unresolved) return "";
     switch (param_.kind) {
       case PLUMBLINE_NUMBER:
         return number(value);

@@ -22,31 +22,37 @@ std::string did_you_mean(const std::string& wanted, const std::vector<std::strin
 }
 
 struct Variable {
-  std::string value;
+  Scalar value;
   bool given = false;  ///< has a value
-  Position at;
-  fs::path base;
+  enum { open, busy, done } state = open;
 };
 
 /// Reads one file and, first, those it includes.
 class Reader {
  public:
-  Reader(const std::vector<std::string>& overrides, std::vector<Problem>& problems)
-      : overrides_(overrides), problems_(problems) {}
+  Reader(const std::vector<std::string>& overrides, const std::vector<fs::path>& include_folders,
+         std::vector<Problem>& problems)
+      : overrides_(overrides), include_folders_(include_folders), problems_(problems) {}
 
   PipelineSpec read(const fs::path& file) {
     PipelineSpec spec;
-    collect(file, spec, true);
+    collect(file, spec);
     apply_variable_overrides();
+    apply_node_overrides(spec);
+    for (auto& [name, variable] : variables_)
+      if (variable.given) resolve(variable);
     for (NodeSpec& node : spec.nodes) {
+      refuse_variable_in_name(node.name, node.at);
       replace(node.use);
       for (auto& [port, source] : node.inputs) replace(source);
       for (auto& [name, parameter] : node.parameters)
         for (Scalar& value : parameter.values) replace(value);
     }
-    for (auto& [name, source] : spec.outputs) replace(source);
-    apply_node_overrides(spec);
-    for (const auto& [name, variable] : variables_) spec.variables[name] = variable.value;
+    for (auto& [name, source] : spec.outputs) {
+      refuse_variable_in_name(name, source.at);
+      replace(source);
+    }
+    for (const auto& [name, variable] : variables_) spec.variables[name] = variable.value.text;
     return spec;
   }
 
@@ -58,9 +64,10 @@ class Reader {
     return {file.string(), mark.line + 1, mark.column + 1};
   }
 
-  void collect(const fs::path& file, PipelineSpec& spec, bool outermost) {
+  void collect(const fs::path& file, PipelineSpec& spec) {
+    read_.insert(fs::weakly_canonical(file));
     const std::string text = read_text(file);
-    if (outermost) spec.text = text;
+    spec.sources.push_back({file.string(), text});
     YAML::Node root;
     try {
       root = YAML::Load(text);
@@ -88,9 +95,16 @@ class Reader {
   }
 
   std::string read_text(const fs::path& file) {
-    std::ifstream stream(file, std::ios::binary);
-    if (!stream || fs::is_directory(file)) {
+    std::error_code error;
+    std::ifstream stream;
+    if (fs::is_regular_file(file, error)) stream.open(file, std::ios::binary);
+    if (!stream.is_open() || !stream) {
       problem({file.string(), 0, 0}, "cannot read this pipeline file");
+      return "plumbline: 1";
+    }
+    if (const auto size = fs::file_size(file, error); error || size > largest_pipeline_file) {
+      problem({file.string(), 0, 0}, "has " + std::to_string(size >> 20) + " MiB; a pipeline file has at most " +
+                                         std::to_string(largest_pipeline_file >> 20) + ". Is it data?");
       return "plumbline: 1";
     }
     std::ostringstream text;
@@ -121,15 +135,32 @@ class Reader {
       for (const auto& item : list) items.push_back(item);
     including_.push_back(fs::weakly_canonical(file));
     for (const YAML::Node& item : items) {
-      const fs::path included = file.parent_path() / item.as<std::string>("");
-      if (!fs::is_regular_file(included))
-        problem(position(file, item), "included file not found: " + included.string());
-      else if (std::find(including_.begin(), including_.end(), fs::weakly_canonical(included)) != including_.end())
+      const fs::path included = find_include(file, item.as<std::string>(""));
+      const fs::path same = fs::weakly_canonical(included);
+      if (included.empty())
+        problem(position(file, item), "included file not found: " + included_places(file, item.as<std::string>("")));
+      else if (std::find(including_.begin(), including_.end(), same) != including_.end())
         problem(position(file, item), "this include goes round in a circle");
-      else
-        collect(included, spec, false);
+      else if (!read_.count(same))
+        collect(included, spec);
     }
     including_.pop_back();
+  }
+
+  fs::path find_include(const fs::path& file, const std::string& name) const {
+    if (name.empty()) return {};
+    std::vector<fs::path> folders{file.parent_path()};
+    folders.insert(folders.end(), include_folders_.begin(), include_folders_.end());
+    for (const fs::path& folder : folders)
+      for (const fs::path& candidate : {folder / name, folder / (name + ".yaml")})
+        if (fs::is_regular_file(candidate)) return candidate.lexically_normal();
+    return {};
+  }
+
+  std::string included_places(const fs::path& file, const std::string& name) const {
+    std::string text = (file.parent_path() / name).lexically_normal().string();
+    for (const fs::path& folder : include_folders_) text += ", nor in " + folder.string();
+    return text;
   }
 
   void read_variables(const fs::path& file, const YAML::Node& map) {
@@ -142,9 +173,7 @@ class Reader {
       }
       Variable& variable = variables_[item.first.as<std::string>("")];
       variable.given = item.second.IsScalar();
-      variable.value = variable.given ? item.second.Scalar() : "";
-      variable.at = position(file, item.first);
-      variable.base = file.parent_path();
+      variable.value = {variable.given ? item.second.Scalar() : "", position(file, item.first), file.parent_path()};
     }
   }
 
@@ -161,20 +190,17 @@ class Reader {
       }
       check_keys(file, item.second, {"use", "in", "with"}, "a node");
       // An including file may change parts of an included node: what it says replaces, the rest stays.
-      auto found =
-          std::find_if(spec.nodes.begin(), spec.nodes.end(), [&](const NodeSpec& n) { return n.name == name; });
-      if (found == spec.nodes.end()) {
-        spec.nodes.push_back({name, {}, {}, {}, {}});
-        found = spec.nodes.end() - 1;
-      }
-      found->at = position(file, item.first);
-      read_node(file, item.second, *found);
+      const auto [found, fresh] = node_index_.emplace(name, spec.nodes.size());
+      if (fresh) spec.nodes.push_back({name, {}, {}, {}, {}});
+      NodeSpec& node = spec.nodes[found->second];
+      node.at = position(file, item.first);
+      read_node(file, item.second, node);
     }
   }
 
   Scalar scalar(const fs::path& file, const YAML::Node& node) {
     if (!node.IsScalar()) problem(position(file, node), "one plain value is expected here");
-    return {node.IsScalar() ? node.Scalar() : "", position(file, node), file.parent_path()};
+    return {node.IsScalar() ? node.Scalar() : "", position(file, node), file.parent_path(), !node.IsScalar()};
   }
 
   template <typename Value>
@@ -224,8 +250,6 @@ class Reader {
     }
   }
 
-  static bool names_a_node(const std::string& key) { return key.find('.') != std::string::npos; }
-
   std::vector<std::string> variable_names() const {
     std::vector<std::string> names;
     for (const auto& [name, variable] : variables_) names.push_back(name);
@@ -240,30 +264,29 @@ class Reader {
         continue;
       }
       const std::string key = text.substr(0, equals);
-      if (names_a_node(key)) continue;
+      if (is_node_override(text)) continue;
       const auto found = variables_.find(key);
       if (found == variables_.end()) {
         problem({"'" + text + "'", 0, 0},
                 "this pipeline has no variable '" + key + "'" + did_you_mean(key, variable_names()));
         continue;
       }
-      found->second.value = text.substr(equals + 1);
+      found->second.value = {text.substr(equals + 1), {"'" + text + "'", 0, 0}, fs::current_path()};
       found->second.given = true;
-      found->second.base = fs::current_path();
     }
   }
 
   void apply_node_overrides(PipelineSpec& spec) {
     for (const std::string& text : overrides_) {
       const size_t equals = text.find('=');
-      if (equals == std::string::npos || !names_a_node(text.substr(0, equals))) continue;
+      if (!is_node_override(text)) continue;
       const std::string key = text.substr(0, equals), value = text.substr(equals + 1);
       const Position at{"'" + text + "'", 0, 0};
       const size_t dot = key.find('.');
       const std::string name = key.substr(0, dot), what = key.substr(dot + 1);
-      const auto node =
-          std::find_if(spec.nodes.begin(), spec.nodes.end(), [&](const NodeSpec& n) { return n.name == name; });
-      if (node == spec.nodes.end()) {
+      const auto found = node_index_.find(name);
+      NodeSpec* node = found == node_index_.end() ? nullptr : &spec.nodes[found->second];
+      if (!node) {
         std::vector<std::string> names;
         for (const NodeSpec& n : spec.nodes) names.push_back(n.name);
         problem(at, "this pipeline has no node '" + name + "'" + did_you_mean(name, names));
@@ -297,37 +320,85 @@ class Reader {
     return parameter;
   }
 
+  void refuse_variable_in_name(const std::string& name, const Position& at) {
+    if (name.find("${") != std::string::npos)
+      problem(at, "'" + name + "': variables stand in values, not in names; write the name out");
+  }
+
+  /// The value of a variable may hold other variables.
+  void resolve(Variable& variable) {
+    if (variable.state == Variable::done) return;
+    if (variable.state == Variable::busy) {
+      problem(variable.value.at,
+              "this variable takes its value from itself; write a value that does not lead back to it");
+      variable.value.unresolved = true;
+      return;
+    }
+    variable.state = Variable::busy;
+    replace(variable.value);
+    variable.state = Variable::done;
+  }
+
   /// Replaces every ${name}; a path that came with a variable stays relative to where the variable was given.
   void replace(Scalar& scalar) {
-    size_t at = 0;
-    while ((at = scalar.text.find("${", at)) != std::string::npos) {
+    const auto give_up = [&](const Position& at, const std::string& message) {
+      problem(at, message);
+      scalar.unresolved = true;
+    };
+    std::string result;
+    size_t done = 0;
+    for (size_t at; (at = scalar.text.find("${", done)) != std::string::npos;) {
       const size_t end = scalar.text.find('}', at);
-      if (end == std::string::npos) return problem(scalar.at, "'${' without '}' in '" + scalar.text + "'");
+      if (end == std::string::npos) return give_up(scalar.at, "'${' without '}' in '" + scalar.text + "'");
       const std::string name = scalar.text.substr(at + 2, end - at - 2);
       const auto found = variables_.find(name);
       if (found == variables_.end())
-        return problem(scalar.at,
+        return give_up(scalar.at,
                        "there is no variable '" + name + "' under vars" + did_you_mean(name, variable_names()));
-      if (!found->second.given)
-        return problem(found->second.at,
-                       "the variable '" + name + "' has no value: give " + name + "=… on the command line");
-      if (at == 0) scalar.base = found->second.base;
-      scalar.text.replace(at, end - at + 1, found->second.value);
-      at += found->second.value.size();
+      Variable& variable = found->second;
+      if (!variable.given) {
+        const bool first = told_.insert(name).second;
+        scalar.unresolved = true;
+        if (first)
+          problem(variable.value.at,
+                  "the variable '" + name + "' has no value: give " + name + "=… on the command line");
+        return;
+      }
+      resolve(variable);
+      if (variable.value.unresolved) {
+        scalar.unresolved = true;
+        return;
+      }
+      if (at == 0) scalar.base = variable.value.base;
+      result += scalar.text.substr(done, at - done) + variable.value.text;
+      if (result.size() > largest_value) return give_up(scalar.at, "its value grows beyond a mebibyte");
+      done = end + 1;
     }
+    scalar.text = result + scalar.text.substr(done);
   }
 
+  static constexpr size_t largest_value = size_t{1} << 20;
+
   const std::vector<std::string>& overrides_;
+  const std::vector<fs::path>& include_folders_;
   std::vector<Problem>& problems_;
   std::map<std::string, Variable> variables_;
+  std::map<std::string, size_t> node_index_;  // in PipelineSpec::nodes
+  std::set<std::string> told_;                // variables without a value that were told of
+  std::set<fs::path> read_;
   std::vector<fs::path> including_;
 };
 
 }  // namespace
 
 PipelineSpec read_pipeline(const fs::path& file, const std::vector<std::string>& overrides,
-                           std::vector<Problem>& problems) {
-  return Reader(overrides, problems).read(file);
+                           const std::vector<fs::path>& include_folders, std::vector<Problem>& problems) {
+  return Reader(overrides, include_folders, problems).read(file);
+}
+
+bool is_node_override(const std::string& text) {
+  const size_t equals = text.find('=');
+  return equals != std::string::npos && text.find('.') < equals;
 }
 
 }  // namespace plumbline::runtime

@@ -16,6 +16,7 @@ struct Scalar {
   std::string text;
   Position at;
   std::filesystem::path base;  ///< folder that a relative path in it is relative to
+  bool unresolved = false;     ///< a variable in it has no value, which was told; the text says nothing
 };
 
 struct ParameterSpec {
@@ -36,12 +37,19 @@ struct PipelineSpec {
   std::vector<NodeSpec> nodes;                          ///< in the file's order, included files first
   std::vector<std::pair<std::string, Scalar>> outputs;  ///< file -> "node.port"
   std::map<std::string, std::string> variables;         ///< final values
-  std::string text;                                     ///< of the file itself
+  std::vector<SourceFile> sources;                      ///< the file itself, then what it includes
 };
 
-/// Reads `file` and what it includes. Everything wrong with the text goes to `problems`; what could be read is
-/// returned.
+/// A pipeline written by hand has some kilobytes. What is larger is no pipeline, and would take minutes to find out.
+constexpr std::uintmax_t largest_pipeline_file = std::uintmax_t{16} << 20;
+
+/// Reads `file` and what it includes, each file once. What an include names is looked for beside the file that names it
+/// and then in `include_folders`, with or without ".yaml". Everything wrong with the text goes to `problems`; what
+/// could be read is returned.
 PipelineSpec read_pipeline(const std::filesystem::path& file, const std::vector<std::string>& overrides,
-                           std::vector<Problem>& problems);
+                           const std::vector<std::filesystem::path>& include_folders, std::vector<Problem>& problems);
+
+/// True if the override is about a node (`poses.use=…`), not about a variable.
+bool is_node_override(const std::string& text);
 
 }  // namespace plumbline::runtime

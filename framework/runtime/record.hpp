@@ -1,15 +1,19 @@
 // The run record: run.jsonl in the output folder, one JSON object a line, in the order of events.
 //
-//   {"event": "run_start", "plumbline", "host", "cpu_flags", "pipeline", "pipeline_sha256", "variables", "seed",
-//   "store", "staging", "owned", ...}
-//   {"event": "node", "name", "kind", "status", "items", "items_executed", "seconds",
-//    "item_seconds", "plugin", "parameters", "inputs",
-//    "outputs", "keys", "metrics", "warnings", "messages", "error",
-//    "cause"}                              one for each node, as
-//    it ends
+//   {"event": "run_start", "plumbline", "time", "start", "host", "cpu_flags", "pipeline", "pipeline_sha256", "folder",
+//    "sources", "arguments", "variables", "seed", "store", "threads", "memory_limit", "plugins",
+//    "process", "staging", "owned"}
+//   {"event": "node", "name", "kind", "at", "status", "items", "items_executed", "start", "seconds", "item_seconds",
+//    "memory", "plugin", "parameters", "connections", "fields", "why", "inputs", "outputs", "types", "keys", "metrics",
+//    "warnings", "messages", "error", "cause"}                          one for each node, as it ends
 //   {"event": "deliver", "output", "number", "files", "folders"}      before an output is put in place
 //   {"event": "run_end", "status", "executed", "reused", "failed", "skipped", "seconds", "peak_memory", "outputs",
 //    "owned"}
+//
+// "sources" are the texts of the pipeline and of all it includes, "arguments" the overrides, "folder" the working
+// folder: with the plugins of "plugin" (and the build ids of the libraries they are linked with) they make the run
+// again. "fields" is what the node's key was made of, "why" what of it changed since the pipeline's last run. "memory"
+// has what the node announced, and the most that the process had used when it ended.
 //
 // "seconds" of a node is the time on the clock from the start of its first item to the end of its last; "item_seconds"
 // is the sum over its items, which is more where they ran side by side. "cause" names the failed node that made a node
@@ -36,16 +40,18 @@ struct RunInfo {
 
 class Record {
  public:
-  /// Starts run.jsonl in `out`, which must outlive the record. Throws std::runtime_error if it cannot be written.
+  /// Starts run.jsonl in `out`, which must outlive the record as must the graph. Throws std::runtime_error if it cannot
+  /// be written.
   Record(OutputFolder& out, const Graph& graph, const RunInfo& info);
   void node(const GraphNode& node, const NodeResult& result);
   void end(const RunResult& result, const std::vector<Delivery>& deliveries);
 
-  /// The line of a node as JSON text, without its end of line.
-  static std::string node_line(const GraphNode& node, const NodeResult& result);
+  /// The line of a node as JSON text, without its end of line; with its connections if the graph is given.
+  static std::string node_line(const GraphNode& node, const NodeResult& result, const Graph* graph = nullptr);
 
  private:
   OutputFolder& out_;
+  const Graph& graph_;
   double start_ = 0;
 };
 

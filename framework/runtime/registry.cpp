@@ -10,6 +10,7 @@
 #include "runtime/elf.hpp"
 #include "runtime/plugin_check.hpp"
 #include "runtime/plugin_scan.hpp"
+#include "runtime/trust.hpp"
 
 namespace plumbline::runtime {
 
@@ -175,11 +176,19 @@ void Registry::add_roles_of(const fs::path& folder) {
     }
 }
 
+/// What a plugin does it does with the user's rights.
+static std::string plugin_distrust(const fs::path& library) {
+  std::string problem = distrust(library);
+  if (problem.empty()) problem = distrust(fs::absolute(library).parent_path());
+  return problem.empty() ? "" : "is not believed: " + problem;
+}
+
 bool Registry::load(const fs::path& library, bool look_again) {
   add_roles_of(library.parent_path());
   auto plugin = std::make_unique<Plugin>();
   plugin->identity = read_identity(library);
   std::string& problem = plugin->identity.problem;
+  if (problem.empty()) problem = plugin_distrust(library);
   try {
     if (problem.empty()) {
       auto behind = std::make_unique<Plugin::Library>();

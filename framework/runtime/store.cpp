@@ -17,6 +17,7 @@
 #include <sstream>
 
 #include "runtime/digest.hpp"
+#include "runtime/trust.hpp"
 
 namespace plumbline::runtime {
 
@@ -77,6 +78,15 @@ bool read_all(int file, void* data, size_t size) {
   return true;
 }
 
+/// The time of modification of a result is that of its last use, to the hour: prune() goes by it.
+void mark_used(const fs::path& file) {
+  struct stat info {};
+  timespec now{};
+  clock_gettime(CLOCK_REALTIME, &now);
+  if (stat(file.c_str(), &info) == 0 && info.st_mtim.tv_sec + 3600 < now.tv_sec)
+    utimensat(AT_FDCWD, file.c_str(), nullptr, 0);
+}
+
 bool is_hash(const std::string& text) {
   return text.size() == 64 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
 }
@@ -99,17 +109,42 @@ fs::path Store::default_folder() {
 }
 
 Store::Store(const fs::path& folder, bool durable) : folder_(fs::absolute(folder)), durable_(durable) {
+  check_trust();
+  const bool fresh = !fs::exists(folder_);
   for (const char* part : {"blobs", "runs", "folders", "pipelines", "tmp"}) {
     std::error_code error;
     fs::create_directories(folder_ / part, error);
     if (error) fail("cannot make " + (folder_ / part).string(), error.value());
   }
+  // Whatever the umask: what others could write would not be believed the next time.
+  if (fresh) fs::permissions(folder_, fs::perms::group_write | fs::perms::others_write, fs::perm_options::remove);
   if (access((folder_ / "tmp").c_str(), W_OK | X_OK) != 0) fail("cannot write to " + (folder_ / "tmp").string(), errno);
   char host[65] = "host";
   gethostname(host, sizeof host - 1);
   temporary_prefix_ = std::string(host) + "-" + std::to_string(getpid()) + "-";
   remove_leftovers();
-  file_hashes_ = std::make_unique<FileHashes>(folder_ / "file-hashes");
+  file_hashes_ = std::make_unique<FileHashes>(folder_ / "file-hashes", folder_ / "tmp");
+  claims_ = std::make_unique<Claims>(folder_ / "claims");
+  if (!claims_->use_store())
+    throw StoreError("the store " + folder_.string() + " is being pruned; try again in a moment");
+}
+
+Store::Store(const fs::path& folder, ReadOnly) : folder_(fs::absolute(folder)), writable_(false) {
+  if (!fs::is_directory(folder_)) throw StoreError("there is no store " + folder_.string());
+  check_trust();
+  file_hashes_ = std::make_unique<FileHashes>(folder_ / "file-hashes", folder_ / "tmp");
+  claims_ = std::make_unique<Claims>("/nonexistent/claims");
+}
+
+std::unique_ptr<Store> Store::for_reading(const fs::path& folder) {
+  if (!fs::exists(folder) || access((folder / "tmp").c_str(), W_OK | X_OK) == 0) return std::make_unique<Store>(folder);
+  return std::unique_ptr<Store>(new Store(folder, ReadOnly{}));
+}
+
+/// A result of somebody else's would be delivered as one's own.
+void Store::check_trust() const {
+  if (const std::string problem = distrust(folder_); !problem.empty())
+    throw StoreError("the store is not believed: " + problem + ", or choose another with --store or PLUMBLINE_STORE");
 }
 
 void Store::fail(const std::string& what, int error) const {
@@ -121,17 +156,17 @@ void Store::fail(const std::string& what, int error) const {
   throw StoreError(text);
 }
 
-/// What processes of this machine left in tmp/ that are no more.
+/// What processes left in tmp/ that are no more. Names begin with host-process-. Without locks nobody can say who is
+/// alive, and it stays.
 void Store::remove_leftovers() const {
-  const std::string host = temporary_prefix_.substr(0, temporary_prefix_.rfind('-', temporary_prefix_.size() - 2) + 1);
-  const auto old = fs::file_time_type::clock::now() - std::chrono::minutes(10);
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(folder_ / "tmp", ignored)) {
     const std::string name = entry.path().filename().string();
-    if (name.compare(0, host.size(), host) != 0) continue;
-    const long process = std::strtol(name.c_str() + host.size(), nullptr, 10);
-    const bool dead = process > 0 && kill(static_cast<pid_t>(process), 0) != 0 && errno == ESRCH;
-    if (dead && entry.last_write_time(ignored) < old) fs::remove_all(entry.path(), ignored);
+    const size_t last = name.rfind('-'),
+                 before = last == 0 || last == std::string::npos ? last : name.rfind('-', last - 1);
+    if (before == std::string::npos || name.compare(0, temporary_prefix_.size(), temporary_prefix_) == 0) continue;
+    const long process = std::strtol(name.c_str() + before + 1, nullptr, 10);
+    if (process > 0 && claims_->is_gone(process)) fs::remove_all(entry.path(), ignored);
   }
 }
 
@@ -219,9 +254,9 @@ Blob Store::get(const std::string& hash) {
     throw StoreError("blob " + hash + " is missing in the store " + folder_.string());
   }
   if (!checked && sha256_of(memory->data(), memory->size) != hash) {
-    ::unlink(path.c_str());
+    const bool removed = ::unlink(path.c_str()) == 0;
     throw StoreError("blob " + hash + " in the store " + folder_.string() +
-                     " is damaged: its content does not match its name. It has been removed");
+                     " is damaged: its content does not match its name" + (removed ? ". It has been removed" : ""));
   }
   const std::scoped_lock lock(mutex_);
   checked_.insert(hash);
@@ -246,11 +281,13 @@ void Store::put_run(const std::string& key, const StoredRun& run) {
 
 std::optional<StoredRun> Store::find_run(const std::string& key, std::string& damage) {
   damage.clear();
-  std::ifstream stream(folder_ / "runs" / key.substr(0, 2) / (key + ".json"));
-  if (!stream) return std::nullopt;
+  const fs::path path = folder_ / "runs" / key.substr(0, 2) / (key + ".json");
+  const auto text = load(path);
+  if (!text) return std::nullopt;
   StoredRun run;
   try {
-    const auto json = nlohmann::json::parse(stream);
+    const char* begin = static_cast<const char*>(text->data());
+    const auto json = nlohmann::json::parse(begin, begin + text->size);
     json.at("kind").get_to(run.kind);
     json.at("outputs").get_to(run.outputs);
     if (json.contains("folders")) json.at("folders").get_to(run.folders);
@@ -276,6 +313,7 @@ std::optional<StoredRun> Store::find_run(const std::string& key, std::string& da
     damage = error.what();
     return std::nullopt;
   }
+  mark_used(path);
   return run;
 }
 
@@ -286,12 +324,16 @@ fs::path Store::new_folder() {
 }
 
 std::string Store::commit_folder(const fs::path& filled, const std::string& name) {
-  const std::string tree = file_hashes_->of_tree(filled);
-  const fs::path target = folder_path(name);
+  const FileHashes::Tree files = file_hashes_->files_of(filled);
+  const std::string tree = FileHashes::hash_of(files);
+  const fs::path target = folder_path(name.empty() ? tree : name);
   unsynced_ = true;
   if (durable_) sync();
   for (int attempt = 0; attempt < 8; ++attempt) {
-    if (::rename(filled.c_str(), target.c_str()) == 0) return tree;
+    if (::rename(filled.c_str(), target.c_str()) == 0) {
+      file_hashes_->remember_places(target, files);
+      return tree;
+    }
     if (errno != EEXIST && errno != ENOTEMPTY) fail("cannot make the folder " + target.string(), errno);
     std::error_code ignored;
     try {

@@ -5,6 +5,7 @@
 //   folders/<name>/        what a node wrote as a folder; artifacts name it by the uri "store:<name>"
 //   pipelines/<id>.json    key of every node in the last run of a pipeline, for `plumbline plan`
 //   file-hashes            see file_hashes.hpp
+//   claims                 see claims.hpp
 //   tmp/                   whatever is not finished
 //
 // Everything is written in tmp/ and renamed into place, so readers see whole files only, several programs can share a
@@ -26,6 +27,7 @@
 #include <vector>
 
 #include "plumbline/plugin.h"
+#include "runtime/claims.hpp"
 #include "runtime/file_hashes.hpp"
 
 namespace plumbline::runtime {
@@ -69,8 +71,11 @@ class Store {
   /// $PLUMBLINE_STORE, else $XDG_CACHE_HOME/plumbline, else ~/.cache/plumbline. Throws StoreError if none is set.
   static std::filesystem::path default_folder();
 
-  /// Opens or makes the store. `durable`: every file reaches the disk before the next step. Throws StoreError.
+  /// Opens or makes the store. `durable`: every file reaches the disk before the next step. Throws StoreError, also for
+  /// a store that somebody else may write (trust.hpp).
   explicit Store(const std::filesystem::path& folder, bool durable = false);
+  /// Opens a store that is there to look at it; it may be one that cannot be written. Throws StoreError.
+  static std::unique_ptr<Store> for_reading(const std::filesystem::path& folder);
   const std::filesystem::path& folder() const { return folder_; }
 
   /// Keeps the bytes and returns their hash. Throws StoreError, e.g. if the disk is full.
@@ -85,9 +90,9 @@ class Store {
 
   /// An empty folder for a node to fill, then commit_folder() or discard it.
   std::filesystem::path new_folder();
-  /// Moves a filled folder to its name and returns the hash of its tree. If that name holds the same tree already, that
-  /// stays.
-  std::string commit_folder(const std::filesystem::path& filled, const std::string& name);
+  /// Moves a filled folder to its name, or to that of its content if none is given, and returns the hash of its tree.
+  /// If that name holds the same tree already, that stays.
+  std::string commit_folder(const std::filesystem::path& filled, const std::string& name = "");
   std::filesystem::path folder_path(const std::string& name) const;
   /// Path of a file or folder that an artifact names: "store:<name>/..." or a path. Empty if the uri leads out of the
   /// store.
@@ -101,11 +106,29 @@ class Store {
   std::vector<std::string> blobs_starting_with(const std::string& prefix) const;
 
   FileHashes& file_hashes() { return *file_hashes_; }
+  Claims& claims() { return *claims_; }
 
   /// Lets the disk catch up with what was written since the last call.
   void sync();
 
+  /// What is stored of each kind of node: runs, and bytes of the blobs and folders that no kind before it named.
+  struct Usage {
+    size_t runs = 0;
+    uint64_t bytes = 0;
+  };
+  std::map<std::string, Usage> usage() const;
+  struct Pruned {
+    size_t runs = 0, blobs = 0, folders = 0;
+    uint64_t bytes = 0;
+  };
+  /// Removes the results that were not used for the longest time, until those that stay take at most `bytes` and none
+  /// is older than `days`; then what no result names. Throws StoreError while a program uses the store.
+  Pruned prune(uint64_t bytes, double days);
+
  private:
+  struct ReadOnly {};
+  Store(const std::filesystem::path& folder, ReadOnly);
+  void check_trust() const;
   std::filesystem::path blob_path(const std::string& hash) const;
   std::filesystem::path temporary_name();
   void write(const std::filesystem::path& path, const void* data, size_t size);
@@ -114,10 +137,11 @@ class Store {
   void remove_leftovers() const;
 
   std::filesystem::path folder_;
-  bool durable_ = false;
+  bool durable_ = false, writable_ = true;
   std::string temporary_prefix_;
   std::atomic<bool> unsynced_ = false;
   std::unique_ptr<FileHashes> file_hashes_;
+  std::unique_ptr<Claims> claims_;
   std::mutex mutex_;
   std::map<std::string, std::weak_ptr<const Blob::Memory>> open_;  // blobs in use
   std::set<std::string> checked_;                                  // blobs that matched their name

@@ -158,7 +158,7 @@ class Planner {
   /// The node of the pipeline that a list of kinds fills: the one of that name, else the one of that role.
   std::string node_for(const fs::path& pipeline, const std::string& group, const Overrides& overrides) const {
     std::vector<Problem> ignored;  // load_pipeline() tells them
-    const PipelineSpec spec = read_pipeline(pipeline, overrides, ignored);
+    const PipelineSpec spec = read_pipeline(pipeline, overrides, {}, ignored);
     std::vector<std::string> of_role;
     for (const NodeSpec& node : spec.nodes) {
       if (node.name == group) return group;

@@ -42,7 +42,7 @@ class SparseFactor {
   /// solutions with a zero right side there stay zero. False if a pivot is not safely positive.
   bool factorise(const Eigen::SparseMatrix<double>& lower, double shift, const std::vector<int>& pinned);
   Eigen::MatrixXd solve(const Eigen::MatrixXd& right_side) const;
-  /// The full inverse, n x n. Work is split over the machine's threads; the result does not depend on their number.
+  /// The full inverse, n x n. Work is split over oneTBB's threads; the result does not depend on their number.
   Eigen::MatrixXd inverse() const;
 
  private:
@@ -50,7 +50,7 @@ class SparseFactor {
   std::unique_ptr<Implementation> implementation_;
 };
 
-/// Runs body(first, last) on a few threads over disjoint ranges that cover [0, count). The body's result must not
+/// Runs body(first, last) on oneTBB's threads, as many as the program allows, over disjoint ranges that cover [0, count). The body's result must not
 /// depend on the split. An exception of a body is thrown again here.
 void parallel_ranges(int count, int grain, const std::function<void(int, int)>& body);
 

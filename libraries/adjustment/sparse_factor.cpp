@@ -1,10 +1,10 @@
 // The factorisation is Eigen's simplicial L D L'. The triangular solves are ours: several right sides at a time,
 // interleaved, so that each entry of L is read once for all of them and the inner loop is a fixed-length vector
 // operation.
+#include <tbb/parallel_for.h>
+
 #include <Eigen/SparseCholesky>
 #include <algorithm>
-#include <exception>
-#include <thread>
 
 #include "adjustment/normal_equations.hpp"
 
@@ -147,23 +147,8 @@ Eigen::MatrixXd SparseFactor::inverse() const {
 }
 
 void parallel_ranges(int count, int grain, const std::function<void(int, int)>& body) {
-  const int threads =
-      std::clamp(std::min(static_cast<int>(std::thread::hardware_concurrency()), count / std::max(1, grain)), 1, 16);
-  std::vector<std::exception_ptr> errors(threads);
-  const auto run = [&](int t) {
-    try {
-      const auto bound = [&](int k) { return static_cast<int>(static_cast<long long>(count) * k / threads); };
-      body(bound(t), bound(t + 1));
-    } catch (...) {
-      errors[t] = std::current_exception();
-    }
-  };
-  std::vector<std::thread> workers;
-  for (int t = 1; t < threads; ++t) workers.emplace_back(run, t);
-  run(0);
-  for (auto& worker : workers) worker.join();
-  for (const auto& error : errors)
-    if (error) std::rethrow_exception(error);
+  tbb::parallel_for(tbb::blocked_range<int>(0, count, static_cast<size_t>(std::max(1, grain))),
+                    [&](const tbb::blocked_range<int>& range) { body(range.begin(), range.end()); });
 }
 
 }  // namespace plumbline::adjustment

@@ -123,7 +123,7 @@ SurveyObservationsT read_surveys(const campaign::CampaignDescription& descriptio
 }
 
 struct ReadCampaign : Node {
-  static constexpr Info info{"read.campaign", "", 2, "Reads the folder of a site: campaign.yaml and what it names"};
+  static constexpr Info info{"read.campaign", "", 3, "Reads the folder of a site: campaign.yaml and what it names"};
   In<Folder> folder{"folder", "a folder with a campaign.yaml; see docs/campaign_folder.md"};
   OutList<Image> images{"images", "the photographs, by reference, ordered by path"};
   Out<Camera> camera{"camera", "the calibration, with the uncertainty its file states"};
@@ -147,7 +147,7 @@ struct ReadCampaign : Node {
     plates.commit(to_artifact(campaign::parse_plates(read_text(root / description.plates), root / description.plates)));
     control.commit(read_control(description, root));
     survey.commit(read_surveys(description, root, *strict, context));
-    for (const std::string& path : description.images) commit_image(*entries.at(path), given.uri, root, calibration);
+    for (const std::string& path : description.images) commit_image(*entries.at(path), root, calibration);
 
     const std::string text = read_text(root / description.design);
     FileT file;
@@ -158,8 +158,7 @@ struct ReadCampaign : Node {
   }
 
  private:
-  void commit_image(const FolderEntryT& entry, const std::string& uri, const fs::path& root,
-                    const campaign::CameraCalibration& calibration) {
+  void commit_image(const FolderEntryT& entry, const fs::path& root, const campaign::CameraCalibration& calibration) {
     const campaign::ImageHeader header = campaign::read_image_header(root / entry.path);
     if (header.width != calibration.camera.width || header.height != calibration.camera.height) {
       throw campaign::CampaignError(root / entry.path, 0,
@@ -171,7 +170,8 @@ struct ReadCampaign : Node {
     }
     ImageT image;
     image.path = entry.path;
-    image.uri = uri + "/" + entry.path;
+    // By content: a folder that is moved, or made again, leaves all that follows as it is.
+    image.uri = "sha256:" + entry.sha256 + "/" + fs::path(entry.path).filename().string();
     image.sha256 = entry.sha256;
     image.size = entry.size;
     image.width = header.width;

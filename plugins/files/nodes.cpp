@@ -36,7 +36,7 @@ struct ReadFile : Node {
 };
 
 struct ReadFolder : Node {
-  static constexpr Info info{"read.folder", "", 1, "Lists a folder with the hash of every file in it"};
+  static constexpr Info info{"read.folder", "", 2, "Lists a folder with the hash of every file in it"};
   Param<FolderPath> folder{"folder", required, "the folder"};
   Out<Folder> out{"folder", "its files, by reference"};
 
@@ -46,7 +46,7 @@ struct ReadFolder : Node {
     for (const auto& entry : fs::recursive_directory_iterator(root))
       if (entry.is_regular_file()) paths.push_back(entry.path());
     FolderT result;
-    result.uri = root.string();
+    result.uri = "sha256:" + context.digest(root.string());
     for (const fs::path& path : paths) {
       auto item = std::make_unique<FolderEntryT>();
       item->path = path.lexically_relative(root).generic_string();

@@ -75,7 +75,6 @@ ImageT describe(const fs::path& file, const fs::path& folder, bool stop_at_bad) 
   Exiv2::LogMsg::setLevel(Exiv2::LogMsg::mute);
   ImageT image;
   image.path = file.lexically_relative(folder).generic_string();
-  image.uri = file.string();
   image.size = fs::file_size(file);
   try {
     const auto header = Exiv2::ImageFactory::open(file.string());
@@ -130,6 +129,7 @@ struct ReadImages : Node {
     for (const fs::path& file : files) {
       ImageT image = describe(file, root, *on_bad_image == "error");
       image.sha256 = context.digest(file.string());
+      image.uri = "sha256:" + image.sha256 + "/" + file.filename().string();
       image.camera = *camera;
       images.commit(image);
     }

@@ -22,6 +22,7 @@
 #include "plumbline/plugin.h"
 #include "runtime/artifact_type.hpp"
 #include "runtime/digest.hpp"
+#include "runtime/file_hashes.hpp"
 #include "runtime/registry.hpp"
 #include "test_support.hpp"
 
@@ -144,7 +145,15 @@ class NodeHarness {
     host.commit = [](void* c, const char* port, const void* data, size_t size) {
       return self(c).take(port, data, size);
     };
-    host.resolve = [](void* c, const char* uri) -> const char* { return self(c).texts_.insert(uri).first->c_str(); };
+    host.resolve = [](void* c, const char* uri) -> const char* {
+      const std::string text = uri;
+      try {
+        if (text.rfind("sha256:", 0) != 0) return self(c).texts_.insert(text).first->c_str();
+        return self(c).texts_.insert(files().locate(text.substr(7, 64)).string()).first->c_str();
+      } catch (const std::exception&) {
+        return nullptr;
+      }
+    };
     host.make_folder = [](void* c, const char* port, const char** path, const char** uri) {
       const auto folder = self(c).folder_->path() / port;
       std::filesystem::create_directories(folder);
@@ -153,13 +162,19 @@ class NodeHarness {
     };
     host.digest = [](void* c, const char* path) -> const char* {
       try {
-        return self(c).texts_.insert(runtime::sha256_of_file(path)).first->c_str();
+        return self(c).texts_.insert(files().of(path)).first->c_str();
       } catch (const std::exception&) {
         return nullptr;
       }
     };
     host.reserve_memory = [](void*, uint64_t) { return 0; };
     return host;
+  }
+
+  /// Where contents were seen, by any harness of the test.
+  static runtime::FileHashes& files() {
+    static runtime::FileHashes hashes("/dev/null");
+    return hashes;
   }
 
   int take(const std::string& port, const void* data, size_t size) {

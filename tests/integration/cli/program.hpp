@@ -30,6 +30,7 @@ class Program {
   }
 
   void write(const std::string& name, const std::string& text) const { std::ofstream(work() / name) << text; }
+  void use_plugins(const std::filesystem::path& folder_of_plugins) { plugins_ = folder_of_plugins; }
   std::filesystem::path work() const { return folder.path() / "work"; }
   const std::filesystem::path& plugins() const { return plugins_; }
 

@@ -23,7 +23,7 @@ std::set<std::string> nodes(const std::filesystem::path& out, const std::string&
 }
 
 TEST(Rerun, ExecutesNothingAndAfterAChangeOnlyWhatFollows) {
-  const Program plumbline(PLUMBLINE_PLUGIN_FOLDER);
+  Program plumbline(PLUMBLINE_PLUGIN_FOLDER);
   const std::string pipeline = std::string(plumbline::test::source_dir()) + "/pipelines/single_floor.yaml";
   const std::filesystem::path out = plumbline.work() / "out";
   const auto run = [&](std::vector<std::string> more) {
@@ -55,6 +55,17 @@ TEST(Rerun, ExecutesNothingAndAfterAChangeOnlyWhatFollows) {
   run({});
   EXPECT_EQ(nodes(out, "executed"), std::set<std::string>{}) << "the first result is still there";
   EXPECT_EQ(read_file(out / "metrics.json"), metrics);
+
+  // A simulator that was built anew: another binary, the same photographs.
+  const std::filesystem::path rebuilt = plumbline.folder.path() / "rebuilt";
+  std::filesystem::copy(PLUMBLINE_PLUGIN_FOLDER, rebuilt, std::filesystem::copy_options::recursive);
+  for (const auto& entry : std::filesystem::directory_iterator(rebuilt))
+    if (entry.path().filename().string().find("simulate") != std::string::npos)
+      std::ofstream(entry.path(), std::ios::app | std::ios::binary) << "rebuilt";
+  plumbline.use_plugins(rebuilt);
+  answer = run({});
+  EXPECT_EQ(answer.code, 0) << answer.err;
+  EXPECT_EQ(nodes(out, "executed"), std::set<std::string>{"site"}) << "it detected the same tags again";
 }
 
 }  // namespace

@@ -127,4 +127,65 @@ TEST_F(GraphTest, DrawsItself) {
   EXPECT_THAT(to_mermaid(graph), HasSubstr("a[\"a<br/><i>read.file</i>\"]"));
 }
 
+TEST_F(GraphTest, VariablesInVariablesToAFixedPointAndNothingLeftOver) {
+  write("data.txt", "x");
+  const auto file = write("p.yaml", R"(plumbline: 1
+vars: {a: "${b}.${c}", b: "${stem}", c: txt, stem: data}
+nodes:
+  input: {use: read.file, with: {file: "${a}"}}
+outputs: {copy.txt: input.file}
+)");
+  EXPECT_EQ(load_pipeline(file, {}, registry()).nodes[0].parameters.at("file"), (folder_.path() / "data.txt").string());
+  EXPECT_EQ(load_pipeline(file, {}, registry()).variables.at("a"), "data.txt");
+  // What comes from the command line is treated alike.
+  EXPECT_EQ(
+      load_pipeline(file, {"input.with.file=" + folder_.path().string() + "/${stem}.txt", "stem=data"}, registry())
+          .nodes[0]
+          .parameters.at("file"),
+      (folder_.path() / "data.txt").string());
+  const std::string nodes = "nodes: {i: {use: read.file, with: {file: \"${a}\"}}}\n";
+  EXPECT_THAT(problems("plumbline: 1\nvars: {a: \"${k}\"}\n" + nodes),
+              HasSubstr("p.yaml:2:8: there is no variable 'k'"));
+  EXPECT_THAT(problems("plumbline: 1\nvars: {a: x}\n" + nodes, {"a=${k}"}), HasSubstr("there is no variable 'k'"));
+  EXPECT_THAT(problems("plumbline: 1\nvars: {a: x}\n" + nodes, {"i.with.file=${k}"}),
+              HasSubstr("'i.with.file=${k}': there is no variable 'k'"));
+  EXPECT_THAT(problems("plumbline: 1\nvars: {a: \"${b}\", b: \"${a}\"}\n" + nodes),
+              HasSubstr("takes its value from itself"));
+  EXPECT_THAT(problems("plumbline: 1\nvars: {a: \"${\"}\n" + nodes), HasSubstr("'${' without '}'"));
+  EXPECT_THAT(problems("plumbline: 1\nvars: {a: \"${b}\", b: ~}\n" + nodes), HasSubstr("'b' has no value"));
+  EXPECT_THAT(problems("plumbline: 1\nvars: {a: x}\nnodes: {\"n${a}\": {use: read.file, with: {file: p.yaml}}}\n"),
+              HasSubstr("variables stand in values, not in names"));
+  // A value that doubles with every variable would fill the memory.
+  std::string doubling = "plumbline: 1\nvars:\n  v0: xxxxxxxxxx\n";
+  for (int i = 1; i < 60; ++i)
+    doubling +=
+        "  v" + std::to_string(i) + ": \"${v" + std::to_string(i - 1) + "}${v" + std::to_string(i - 1) + "}\"\n";
+  EXPECT_THAT(problems(doubling + "nodes: {i: {use: read.file, with: {file: \"${v59}\"}}}\n"),
+              HasSubstr("grows beyond a mebibyte"));
+}
+
+TEST_F(GraphTest, IncludesAreReadOnceAndFoundAmongTheShippedOnes) {
+  // Every file includes the one before twice: read each time, the last would be read 2^40 times.
+  write("f0.yaml", "plumbline: 1\nnodes: {i: {use: read.file, with: {file: f0.yaml}}}\n");
+  for (int i = 1; i <= 40; ++i)
+    write("f" + std::to_string(i) + ".yaml",
+          "plumbline: 1\ninclude: [f" + std::to_string(i - 1) + ".yaml, f" + std::to_string(i - 1) + ".yaml]\n");
+  const Graph graph = load_pipeline(folder_.path() / "f40.yaml", {}, registry());
+  EXPECT_EQ(graph.nodes.size(), 1u);
+  EXPECT_EQ(graph.sources.size(), 41u);
+
+  std::filesystem::create_directories(folder_.path() / "shipped/parts");
+  write("shipped/parts/base.yaml", "plumbline: 1\nnodes: {i: {use: read.file, with: {file: base.yaml}}}\n");
+  const auto file = write("p.yaml", "plumbline: 1\ninclude: parts/base\noutputs: {x: i.file}\n");
+  EXPECT_EQ(load_pipeline(file, {}, registry(), {folder_.path() / "shipped"}).sources.at(1).path,
+            (folder_.path() / "shipped/parts/base.yaml").string());
+  EXPECT_THAT(problems("plumbline: 1\ninclude: parts/base\n"), HasSubstr("included file not found: parts/base"));
+}
+
+TEST_F(GraphTest, AFileOfManyMegabytesIsNoPipeline) {
+  write("big.yaml", "plumbline: 1\nnodes: {i: {use: read.file, with: {file: p.yaml}}}\n");
+  std::filesystem::resize_file(folder_.path() / "big.yaml", std::uintmax_t{112} << 20);
+  EXPECT_THAT(problems("plumbline: 1\ninclude: big.yaml\n"), HasSubstr("big.yaml: has 112 MiB"));
+}
+
 }  // namespace

@@ -31,6 +31,23 @@ TEST(Cancel, EndsTheRunAndLeavesNothingHalfWritten) {
   EXPECT_TRUE(fs::is_empty(story.folder.path() / "store" / "tmp"));
 }
 
+TEST(Cancel, WhatANodeGaveAfterItWasToldToStopIsNotStored) {
+  // story.logs ends without an error when it is told to stop.
+  Story story("");
+  const std::string log = (story.folder.path() / "log").string();
+  story.tell("l: {use: story.logs, with: {log: " + log + ", milliseconds: 60000}}");
+  std::atomic<bool> cancel = false;
+  std::thread person([&] {
+    wait_for(log);
+    cancel = true;
+  });
+  story.run({}, 2, 0, &cancel);
+  person.join();
+  EXPECT_EQ(story.status("l"), "cancelled");
+  story.run({"l.with.milliseconds=60000"}, 2, 0, &cancel);
+  EXPECT_EQ(story.status("l"), "cancelled") << "half a result was taken from the store";
+}
+
 TEST(Cancel, WakesThoseWhoWaitForMemory) {
   runtime::MemoryBudget budget(1000);
   std::atomic<bool> cancel = false;

@@ -154,5 +154,49 @@ TEST(Execute, TwoProgramsShareOneStore) {
   EXPECT_EQ(story.executed(), "");
 }
 
+TEST(Link, AnOverrideThatBreaksTheGraphIsNamedFirst) {
+  std::string nodes = "a: {use: story.constant}\nb: {use: story.add, in: {a: a.number}}";
+  for (int n = 0; n < 9; ++n) nodes += "\nn" + std::to_string(n) + ": {use: story.add, in: {a: b.sum}}";
+  Story story(nodes);
+  story.plan();
+  try {
+    story.plan({"seed=3", "b.use=story.folder", "n1.with.offset=2"});
+    FAIL();
+  } catch (const runtime::InvalidPipeline& error) {
+    const std::string text = error.what();
+    EXPECT_EQ(text.rfind("'b.use=story.folder': without it the pipeline is valid, with it these things do not fit, and "
+                         "7 more that follow from them:\n",
+                         0),
+              0u)
+        << text;
+    EXPECT_EQ(error.problems().size(), 4u);
+  }
+  try {  // what is wrong with the override itself needs no other words
+    story.plan({"b.use=story.ad"});
+    FAIL();
+  } catch (const runtime::InvalidPipeline& error) {
+    EXPECT_NE(std::string(error.what()).find("'b.use=story.ad': there is no node 'story.ad'"), std::string::npos);
+    EXPECT_EQ(std::string(error.what()).find("without it"), std::string::npos) << error.what();
+  }
+}
+
+TEST(Link, SixtyThousandNodesInARow) {
+  // The last one first, so that following the connections goes as deep as it can.
+  std::string nodes;
+  for (int n = 60000; n-- > 1;)
+    nodes += "n" + std::to_string(n) + ": {use: story.add, in: {a: n" + std::to_string(n - 1) +
+             (n == 1 ? ".number}}\n" : ".sum}}\n");
+  Story story("");
+  std::ofstream(story.pipeline()) << "plumbline: 1\nnodes:\n";
+  std::ofstream stream(story.pipeline(), std::ios::app);
+  std::istringstream lines(nodes + "n0: {use: story.constant}\n");
+  for (std::string line; std::getline(lines, line);) stream << "  " << line << "\n";
+  stream.close();
+  const auto graph = load_pipeline(story.pipeline(), {}, story_registry());
+  ASSERT_EQ(graph.nodes.size(), 60000u);
+  EXPECT_EQ(graph.nodes.front().name, "n0");
+  EXPECT_EQ(graph.nodes.back().name, "n59999");
+}
+
 }  // namespace
 }  // namespace plumbline::test

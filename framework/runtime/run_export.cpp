@@ -1,0 +1,160 @@
+// A run record in the formats of others: Chrome's trace events, and RO-Crate 1.1 (https://w3id.org/ro/crate/1.1) with
+// the terms of the Process Run Crate profile.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "runtime/digest.hpp"
+#include "runtime/run_record.hpp"
+
+namespace plumbline::runtime {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string dump(const Json& json) { return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n"; }
+
+std::string utc(double seconds) {
+  const auto whole = static_cast<std::time_t>(std::floor(seconds));
+  std::tm parts{};
+  gmtime_r(&whole, &parts);
+  char text[40];
+  const size_t size = std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%S", &parts);
+  std::snprintf(text + size, sizeof text - size, ".%03dZ",
+                static_cast<int>(std::floor((seconds - std::floor(seconds)) * 1000)));
+  return text;
+}
+
+Json reference(const std::string& id) { return {{"@id", id}}; }
+
+/// An identifier of RFC 3986: what is no plain character is written as its bytes.
+std::string uri_path(const std::string& path) {
+  static const std::string plain = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~/";
+  std::string text;
+  for (const char c : path) {
+    if (plain.find(c) != std::string::npos) {
+      text += c;
+      continue;
+    }
+    char code[4];
+    std::snprintf(code, sizeof code, "%%%02X", static_cast<unsigned char>(c));
+    text += code;
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string chrome_trace(const RecordedRun& run) {
+  std::vector<const RecordedNode*> nodes;
+  for (const RecordedNode& node : run.nodes)
+    if (node.start > 0) nodes.push_back(&node);
+  std::sort(nodes.begin(), nodes.end(), [](const auto* a, const auto* b) { return a->start < b->start; });
+  Json events = Json::array();
+  events.push_back({{"name", "process_name"}, {"ph", "M"}, {"pid", 1}, {"args", {{"name", run.pipeline}}}});
+  std::vector<double> free_at;  // by lane
+  for (const RecordedNode* node : nodes) {
+    size_t lane = 0;
+    while (lane < free_at.size() && free_at[lane] > node->start) ++lane;
+    if (lane == free_at.size()) free_at.push_back(0);
+    free_at[lane] = node->start + node->seconds;
+    events.push_back({{"name", node->name},
+                      {"cat", node->kind},
+                      {"ph", "X"},
+                      {"pid", 1},
+                      {"tid", lane + 1},
+                      {"ts", std::round((node->start - run.start) * 1e6)},
+                      {"dur", std::round(node->seconds * 1e6)},
+                      {"args",
+                       {{"kind", node->kind},
+                        {"status", node->status},
+                        {"items", node->items},
+                        {"items_executed", node->items_executed},
+                        {"why", node->why}}}});
+  }
+  return dump({{"displayTimeUnit", "ms"}, {"traceEvents", events}});
+}
+
+std::string ro_crate(const RecordedRun& run) {
+  Json graph = Json::array();
+  graph.push_back({{"@id", "ro-crate-metadata.json"},
+                   {"@type", "CreativeWork"},
+                   {"conformsTo", reference("https://w3id.org/ro/crate/1.1")},
+                   {"about", reference("./")}});
+  Json parts = Json::array({reference("run.jsonl")}), mentions = Json::array();
+  Json files = Json::array(), actions = Json::array(), programs = Json::array();
+  for (const auto& [path, hash] : run.delivered) {
+    parts.push_back(reference(uri_path(path)));
+    files.push_back({{"@id", uri_path(path)}, {"@type", "File"}, {"name", path}, {"sha256", hash}});
+  }
+  std::map<std::string, bool> seen;
+  for (const RecordedNode& node : run.nodes) {
+    const std::string program = "#plugin-" + uri_path(node.plugin) + "-" + node.plugin_sha256.substr(0, 12);
+    if (!seen[program])
+      programs.push_back({{"@id", program},
+                          {"@type", "SoftwareApplication"},
+                          {"name", node.plugin},
+                          {"softwareVersion", node.plugin_version},
+                          {"sha256", node.plugin_sha256}});
+    seen[program] = true;
+    Json action = {{"@id", "#node-" + uri_path(node.name)},
+                   {"@type", "CreateAction"},
+                   {"name", node.name + " (" + node.kind + "): " + node.status},
+                   {"instrument", reference(program)},
+                   {"actionStatus", node.status == "executed" || node.status == "reused"
+                                        ? "http://schema.org/CompletedActionStatus"
+                                        : "http://schema.org/FailedActionStatus"}};
+    if (!node.error.empty()) action["error"] = node.error;
+    if (node.start > 0) {
+      action["startTime"] = utc(node.start);
+      action["endTime"] = utc(node.start + node.seconds);
+    }
+    const auto artifacts = [&](const std::string& key, const std::map<std::string, Hashes>& ports) {
+      for (const auto& [port, hashes] : ports)
+        for (const std::string& hash : hashes) action[key].push_back(reference("#artifact-" + hash));
+    };
+    artifacts("result", node.outputs);
+    for (const auto& [port, source] : node.connections) {
+      const RecordedNode* from = run.find(source.substr(0, source.find('.')));
+      const auto hashes = from ? from->outputs.find(source.substr(source.find('.') + 1)) : node.outputs.end();
+      if (from && hashes != from->outputs.end())
+        for (const std::string& hash : hashes->second) action["object"].push_back(reference("#artifact-" + hash));
+    }
+    mentions.push_back(reference("#node-" + uri_path(node.name)));
+    actions.push_back(action);
+    for (const auto& [port, hashes] : node.outputs)
+      for (const std::string& hash : hashes) {
+        const std::string id = "#artifact-" + hash;
+        const auto type = node.types.find(port);
+        if (!seen[id])
+          files.push_back({{"@id", id},
+                           {"@type", "CreativeWork"},
+                           {"name", node.name + "." + port},
+                           {"additionalType", type == node.types.end() ? "" : type->second},
+                           {"sha256", hash}});
+        seen[id] = true;
+      }
+  }
+  std::string arguments;
+  for (const std::string& argument : run.arguments) arguments += (arguments.empty() ? "" : " ") + argument;
+  graph.push_back({{"@id", "./"},
+                   {"@type", "Dataset"},
+                   {"name", "Run of " + run.pipeline},
+                   {"description",
+                    "plumbline run " + run.pipeline + (arguments.empty() ? "" : " " + arguments) + ": " + run.status},
+                   {"datePublished", run.time},
+                   {"license", "the owner of the data decides"},
+                   {"hasPart", parts},
+                   {"mentions", mentions}});
+  graph.push_back(
+      {{"@id", "run.jsonl"}, {"@type", "File"}, {"name", "run record"}, {"encodingFormat", "application/jsonl"}});
+  for (Json* list : {&files, &programs, &actions})
+    for (Json& item : *list) graph.push_back(std::move(item));
+  return dump({{"@context", "https://w3id.org/ro/crate/1.1/context"}, {"@graph", graph}});
+}
+
+}  // namespace plumbline::runtime

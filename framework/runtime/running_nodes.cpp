@@ -1,0 +1,129 @@
+#include "runtime/running_nodes.hpp"
+
+#include <signal.h>
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+
+namespace plumbline::runtime {
+
+namespace {
+
+// Read by signal handlers: atomics and plain pointers only.
+std::array<std::atomic<const char*>, 512> running;
+thread_local const char* in_this_thread = nullptr;
+
+void say(const char* text) { [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, text, std::strlen(text)); }
+
+bool any_runs() {
+  for (const auto& slot : running)
+    if (slot.load()) return true;
+  return false;
+}
+
+/// The node of this thread; in a thread that a node started, all that run are in question.
+void name_culprits(const char* what, const char* detail) {
+  say("\n");
+  if (in_this_thread) {
+    say(in_this_thread);
+  } else {
+    const char* joint = "";
+    for (const auto& slot : running)
+      if (const char* text = slot.load()) {
+        say(joint);
+        say(text);
+        joint = "\nor ";
+      }
+  }
+  say(what);
+  say(detail);
+  say(".\nThe nodes that were done are kept, and the next run goes on from there. Mend the node's plugin or use another"
+      " kind.\n");
+}
+
+const char* name_of(int signal) {
+  switch (signal) {
+    case SIGSEGV:
+      return "SIGSEGV, access to memory that is not there";
+    case SIGBUS:
+      return "SIGBUS, access to memory whose file was cut short or whose disk failed";
+    case SIGFPE:
+      return "SIGFPE, an impossible operation on integers";
+    case SIGILL:
+      return "SIGILL, an instruction this processor does not have";
+    default:
+      return "SIGABRT, abort() or an exception that nobody caught";
+  }
+}
+
+extern "C" void on_fatal_signal(int signal) {
+  if (any_runs()) name_culprits(" crashed: ", name_of(signal));
+  ::raise(signal);  // SA_RESETHAND has put the default action back
+}
+
+void on_exit() {
+  if (!any_runs()) return;
+  name_culprits(" called exit(), which a node must not do", "");
+  ::_exit(1);
+}
+
+/// A stack for signal handlers: a node that has used up its own must still be named.
+struct SignalStack {
+  std::unique_ptr<char[]> memory;
+  SignalStack() {
+    stack_t old{};
+    if (sigaltstack(nullptr, &old) != 0 || !(old.ss_flags & SS_DISABLE)) return;
+    constexpr size_t size = size_t{64} << 10;
+    memory = std::make_unique<char[]>(size);
+    stack_t mine{};
+    mine.ss_sp = memory.get();
+    mine.ss_size = size;
+    sigaltstack(&mine, nullptr);
+  }
+  ~SignalStack() {
+    if (!memory) return;
+    stack_t none{};
+    none.ss_flags = SS_DISABLE;
+    sigaltstack(&none, nullptr);
+  }
+};
+
+}  // namespace
+
+void name_nodes_that_end_the_process() {
+  static const bool installed = [] {
+    std::atexit(on_exit);
+    std::at_quick_exit(on_exit);
+#if !defined(__SANITIZE_ADDRESS__)  // which tells more than we could
+    struct sigaction action {};
+    action.sa_handler = on_fatal_signal;
+    action.sa_flags = static_cast<int>(SA_RESETHAND) | SA_ONSTACK | SA_NODEFER;
+    for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT}) sigaction(signal, &action, nullptr);
+#endif
+    return true;
+  }();
+  (void)installed;
+}
+
+RunningNode::RunningNode(std::string text) : text_(std::move(text)), slot_(running.size()), outer_(in_this_thread) {
+  thread_local const SignalStack stack;
+  in_this_thread = text_.c_str();
+  for (size_t i = 0; i < running.size(); ++i) {
+    const char* empty = nullptr;
+    if (running[i].compare_exchange_strong(empty, text_.c_str())) {
+      slot_ = i;
+      break;
+    }
+  }
+}
+
+RunningNode::~RunningNode() {
+  if (slot_ < running.size()) running[slot_] = nullptr;
+  in_this_thread = outer_;
+}
+
+}  // namespace plumbline::runtime

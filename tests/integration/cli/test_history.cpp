@@ -1,0 +1,196 @@
+// What the record of a run is good for: why, diff, export, verify; and the store's upkeep.
+#include <sys/stat.h>
+
+#include <nlohmann/json.hpp>
+
+#include "program.hpp"
+
+namespace plumbline::test {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+std::vector<Json> lines(const fs::path& file) {
+  std::vector<Json> all;
+  std::istringstream stream(read_file(file));
+  for (std::string line; std::getline(stream, line);) all.push_back(Json::parse(line));
+  return all;
+}
+
+TEST(History, TheRecordHoldsAllThatMakesTheRunAgain) {
+  const Program plumbline;
+  plumbline.write("base.yaml", chain);
+  plumbline.write("p.yaml", "plumbline: 1\ninclude: base.yaml\nnodes: {b: {with: {offset: \"${value}\"}}}\n");
+  ASSERT_EQ(plumbline({"run", "p.yaml", "value=7"}).code, 0);
+  const auto events = lines(plumbline.work() / "out/p/run.jsonl");
+  const Json& start = events.at(0);
+  EXPECT_EQ(start["folder"], fs::canonical(plumbline.work()).string());
+  ASSERT_EQ(start["sources"].size(), 2u);
+  EXPECT_EQ(start["sources"][1]["text"], chain);
+  EXPECT_EQ(start["arguments"], Json::array({"value=7"}));
+  const Json& b = events.at(2);
+  EXPECT_EQ(b["name"], "b");
+  EXPECT_EQ(b["connections"], (Json{{"a", "a.number"}}));
+  EXPECT_EQ(b["fields"]["parameter offset"], "7");
+  EXPECT_EQ(b["plugin"]["name"], "story");
+  EXPECT_EQ(start["plugins"][0]["sha256"], b["plugin"]["sha256"]);
+  EXPECT_TRUE(start["plugins"][0]["linked"].is_array());
+  EXPECT_GT(b["start"].get<double>(), 1.7e9);
+  EXPECT_TRUE(b["memory"]["announced"].is_number() && b["memory"]["process_peak"].get<double>() > 0);
+  EXPECT_EQ(b["at"], "p.yaml:3:9");
+}
+
+TEST(History, WhySaysWhichPartOfTheKeyChanged) {
+  const Program plumbline;
+  plumbline.write("p.yaml", chain);
+  ASSERT_EQ(plumbline({"run", "p.yaml"}).code, 0);
+  EXPECT_TRUE(contains(plumbline({"why", "b"}).out, "it never ran in this pipeline before"));
+  ASSERT_EQ(plumbline({"run", "p.yaml", "b.with.offset=2"}).code, 0);
+  Answer answer = plumbline({"why", "b"});
+  EXPECT_EQ(answer.code, 0) << answer.err;
+  EXPECT_EQ(answer.out, "b (story.add) was executed in out/p/run.jsonl\n  parameter offset: 1 -> 2\n");
+  EXPECT_TRUE(contains(plumbline({"why", "a", "out/p"}).out, "nothing that its result depends on has changed"));
+  EXPECT_EQ(Json::parse(plumbline({"why", "b", "--json"}).out)["why"][0], "parameter offset: 1 -> 2");
+  answer = plumbline({"why", "bb", "out/p"});
+  EXPECT_EQ(answer.code, 2);
+  EXPECT_TRUE(contains(answer.err, "did you mean 'b'?")) << answer.err;
+}
+
+TEST(History, DiffComparesNumberByNumber) {
+  const Program plumbline;
+  plumbline.write("p.yaml", chain);
+  ASSERT_EQ(plumbline({"run", "p.yaml", "--out", "one"}).code, 0);
+  ASSERT_EQ(plumbline({"run", "p.yaml", "--out", "same"}).code, 0);
+  ASSERT_EQ(plumbline({"run", "p.yaml", "b.with.offset=1.000001", "--out", "near"}).code, 0);
+  Answer answer = plumbline({"diff", "one", "same"});
+  EXPECT_EQ(answer.code, 0) << answer.err;
+  EXPECT_EQ(answer.out, "0 of 2 nodes differ; the results agree\n");
+  answer = plumbline({"diff", "one", "near/run.jsonl"});
+  EXPECT_EQ(answer.code, 1);
+  EXPECT_TRUE(contains(answer.out, "parameter offset: 1 -> 1.000001")) << answer.out;
+  EXPECT_TRUE(
+      contains(answer.out, "output sum: 1 numbers differ, at most by 2.5e-07 of their size, value: 4 and 4.000001"))
+      << answer.out;
+  EXPECT_EQ(plumbline({"diff", "one", "near", "--tolerance", "1e-6"}).code, 0);
+  EXPECT_EQ(plumbline({"diff", "one", "near", "--tolerance", "1e-7"}).code, 1);
+  const Json json = Json::parse(plumbline({"diff", "one", "near", "--json"}).out);
+  EXPECT_EQ(json["equal"], false);
+  EXPECT_EQ(json["nodes"][0]["node"], "b");
+  plumbline.write("no.jsonl", "{}\n");
+  answer = plumbline({"diff", "one", "no.jsonl"});
+  EXPECT_EQ(answer.code, 1);
+  EXPECT_TRUE(contains(answer.err, "no.jsonl:1")) << answer.err;
+}
+
+TEST(History, ExportsATraceAndAnRoCrate) {
+  const Program plumbline;
+  plumbline.write("p.yaml", chain);
+  ASSERT_EQ(plumbline({"run", "p.yaml"}).code, 0);
+  const Json trace = Json::parse(plumbline({"export", "out/p", "--format", "trace"}).out);
+  size_t complete = 0;
+  for (const Json& event : trace["traceEvents"]) complete += event["ph"] == "X";
+  EXPECT_EQ(complete, 2u);
+  const Json crate = Json::parse(plumbline({"export", "out/p", "--format", "ro-crate"}).out);
+  EXPECT_EQ(crate["@context"], "https://w3id.org/ro/crate/1.1/context");
+  std::map<std::string, Json> entities;
+  for (const Json& entity : crate["@graph"]) entities[entity["@id"]] = entity;
+  EXPECT_EQ(entities["ro-crate-metadata.json"]["about"]["@id"], "./");
+  EXPECT_EQ(entities["b.json"]["@type"], "File");
+  EXPECT_EQ(entities["b.json"]["sha256"].get<std::string>().size(), 64u);
+  EXPECT_EQ(entities["#node-b"]["@type"], "CreateAction");
+  EXPECT_EQ(entities["#node-b"]["object"], entities["#node-a"]["result"]);
+  // Every reference leads to an entity of the crate or of the web.
+  for (const auto& [id, entity] : entities)
+    for (const auto& [key, value] : entity.items())
+      for (const Json& target : value.is_array() ? value : Json::array({value}))
+        if (target.is_object() && target.contains("@id") && target["@id"].get<std::string>().rfind("http", 0) != 0)
+          EXPECT_TRUE(entities.count(target["@id"])) << id << "." << key << " -> " << target["@id"];
+}
+
+TEST(History, VerifyFindsWhatIsNotTheSameTwice) {
+  const Program plumbline;
+  plumbline.write("p.yaml", chain);
+  Answer answer = plumbline({"verify", "p.yaml"});
+  EXPECT_EQ(answer.code, 0) << answer.err;
+  EXPECT_EQ(answer.out, "p.yaml: 2 nodes, run twice: the same bits\n");
+  EXPECT_FALSE(fs::exists(plumbline.work() / "out"));
+  plumbline.write("c.yaml", "plumbline: 1\nnodes:\n  c: {use: story.clock}\n  a: {use: story.constant}\n");
+  answer = plumbline({"verify", "c.yaml"});
+  EXPECT_EQ(answer.code, 1);
+  EXPECT_TRUE(contains(answer.out, "c (story.clock)\n  output number differs\n")) << answer.out;
+}
+
+TEST(Cache, ListsAndPrunes) {
+  const Program plumbline;
+  plumbline.write("p.yaml", "plumbline: 1\nnodes:\n  a: {use: story.constant}\n  w: {use: story.folder}\n");
+  ASSERT_EQ(plumbline({"run", "p.yaml"}).code, 0);
+  const Json json = Json::parse(plumbline({"cache", "--json"}).out);
+  EXPECT_EQ(json["results"], 2);
+  EXPECT_EQ(json["kinds"][0]["kind"], "story.folder");
+  EXPECT_TRUE(contains(plumbline({"cache"}).out, "1 results  story.constant"));
+  EXPECT_EQ(plumbline({"cache", "prune"}).code, 2) << "without a limit";
+  Answer answer = plumbline({"cache", "prune", "--keep", "1GiB", "--days", "1"});
+  EXPECT_TRUE(contains(answer.out, "removed 0 results")) << answer.out << answer.err;
+  EXPECT_TRUE(contains(plumbline({"run", "p.yaml"}).out, "2 reused"));
+  // While a run is at work nothing is pruned.
+  const fs::path log = plumbline.work() / "log";
+  plumbline.write("l.yaml", "plumbline: 1\nnodes: {l: {use: story.logs, with: {log: " + log.string() +
+                                ", milliseconds: 60000}}}\n");
+  const pid_t process = plumbline.start({"run", "l.yaml"});
+  for (int i = 0; i < 6000 && !fs::exists(log); ++i) usleep(5000);
+  const Program other;
+  answer = other({"cache", "prune", "--days", "0", "--store", (plumbline.folder.path() / "store").string()});
+  EXPECT_EQ(answer.code, 1);
+  EXPECT_TRUE(contains(answer.err, "a program uses the store")) << answer.err;
+  kill(process, SIGTERM);
+  plumbline.finish(process);
+  answer = plumbline({"cache", "prune", "--days", "0"});
+  EXPECT_TRUE(contains(answer.out, "removed 2 results, 2 blobs and 1 folders")) << answer.out;
+  EXPECT_TRUE(contains(plumbline({"run", "p.yaml"}).out, "2 executed"));
+}
+
+TEST(Trust, AStoreThatOthersMayWriteIsRefused) {
+  const Program plumbline;
+  plumbline.write("p.yaml", chain);
+  const std::string store = (plumbline.folder.path() / "shared").string();
+  fs::create_directory(store);
+  chmod(store.c_str(), 0777);
+  Answer answer = plumbline({"run", "p.yaml", "--store", store});
+  EXPECT_EQ(answer.code, 1);
+  EXPECT_TRUE(contains(answer.err, "shared may be written by everybody on this machine")) << answer.err;
+  EXPECT_TRUE(contains(answer.err, "chmod o-w") && contains(answer.err, "--trust-others")) << answer.err;
+  EXPECT_EQ(plumbline({"run", "p.yaml", "--store", store, "--trust-others"}).code, 0);
+  answer = plumbline({"plan", "p.yaml", "--store", store});
+  EXPECT_EQ(answer.code, 1) << answer.out;
+  // In a folder that others may write, somebody could put another store in its place.
+  chmod(store.c_str(), 0700);
+  const fs::path open_folder = plumbline.folder.path() / "open";
+  fs::create_directory(open_folder);
+  chmod(open_folder.c_str(), 0777);
+  EXPECT_EQ(plumbline({"run", "p.yaml", "--store", (open_folder / "store").string()}).code, 1);
+  chmod(open_folder.c_str(), 01777);
+  EXPECT_EQ(plumbline({"run", "p.yaml", "--store", (open_folder / "store").string()}).code, 0);
+}
+
+TEST(Trust, APluginThatOthersMayWriteIsRefused) {
+  Program plumbline;
+  plumbline.write("p.yaml", chain);
+  const fs::path folder = plumbline.folder.path() / "plugins";
+  fs::create_directory(folder);
+  fs::copy_file(PLUMBLINE_STORY_PLUGIN, folder / "plumbline_story.so");
+  plumbline.use_plugins(folder);
+  EXPECT_EQ(plumbline({"validate", "p.yaml"}).code, 0);
+  for (const bool of_folder : {true, false}) {
+    const fs::path spoiled = of_folder ? folder : folder / "plumbline_story.so";
+    chmod(spoiled.c_str(), 0777);
+    EXPECT_EQ(plumbline({"validate", "p.yaml"}).code, 1);
+    const Answer doctor = plumbline({"doctor"});
+    EXPECT_TRUE(contains(doctor.out, "may be written by everybody on this machine")) << doctor.out;
+    EXPECT_EQ(plumbline({"run", "p.yaml", "--trust-others"}).code, 0);
+    chmod(spoiled.c_str(), 0700);
+  }
+}
+
+}  // namespace
+}  // namespace plumbline::test

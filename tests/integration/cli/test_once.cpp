@@ -1,0 +1,125 @@
+// Several programs on one store: what they share is computed once, whatever happens to one of them. A node that ends
+// the process is named.
+#include <algorithm>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "program.hpp"
+
+namespace plumbline::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Programs that share the store of the first.
+class Together {
+ public:
+  explicit Together(size_t count, const std::string& nodes) {
+    for (size_t i = 0; i < count; ++i) {
+      programs.push_back(std::make_unique<Program>());
+      programs[i]->write("p.yaml", "plumbline: 1\nvars: {seed: 1}\nnodes:\n" + nodes);
+    }
+  }
+  pid_t start(size_t i, std::vector<std::string> more = {}) const {
+    std::vector<std::string> words = {"run", "p.yaml", "--threads", "3", "--store", store().string()};
+    words.insert(words.end(), more.begin(), more.end());
+    return programs[i]->start(words);
+  }
+  fs::path store() const { return programs[0]->folder.path() / "store"; }
+  std::vector<std::unique_ptr<Program>> programs;
+};
+
+size_t lines_of(const fs::path& file) {
+  std::ifstream stream(file);
+  size_t count = 0;
+  for (std::string line; std::getline(stream, line);) ++count;
+  return count;
+}
+
+bool wait_for_lines(const fs::path& file, size_t count) {
+  for (int i = 0; i < 6000 && lines_of(file) < count; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  return lines_of(file) >= count;
+}
+
+std::string three(const fs::path& log, int milliseconds) {
+  std::string text;
+  for (int i = 0; i < 3; ++i)
+    text += "  n" + std::to_string(i) + ": {use: story.logs, with: {log: " + log.string() +
+            ", value: " + std::to_string(i) + ", milliseconds: " + std::to_string(milliseconds) + "}}\n";
+  return text;
+}
+
+TEST(Once, FourRunsThatShareThreeNodesExecuteThree) {
+  const TemporaryFolder folder;
+  const fs::path log = folder.path() / "log";
+  const Together together(4, three(log, 300));
+  std::vector<pid_t> processes;
+  for (size_t i = 0; i < 4; ++i) processes.push_back(together.start(i));
+  for (size_t i = 0; i < 4; ++i) {
+    const Answer answer = together.programs[i]->finish(processes[i]);
+    EXPECT_EQ(answer.code, 0) << answer.err;
+  }
+  EXPECT_EQ(lines_of(log), 3u);
+}
+
+TEST(Once, AClaimGoesWithAKilledOwner) {
+  const TemporaryFolder folder;
+  const fs::path log = folder.path() / "log";
+  const Together together(3, three(log, 1500));
+  const pid_t first = together.start(0);
+  ASSERT_TRUE(wait_for_lines(log, 3));
+  const pid_t second = together.start(1), third = together.start(2);
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  EXPECT_EQ(lines_of(log), 3u) << "they do not wait for the first";
+  kill(first, SIGKILL);
+  EXPECT_EQ(together.programs[0]->finish(first).code, 128 + SIGKILL);
+  EXPECT_EQ(together.programs[1]->finish(second).code, 0);
+  EXPECT_EQ(together.programs[2]->finish(third).code, 0);
+  EXPECT_EQ(lines_of(log), 6u) << "three that were killed, and each of them once more";
+}
+
+TEST(Once, AStoppedOwnerKeepsNobodyWaiting) {
+  const TemporaryFolder folder;
+  const fs::path log = folder.path() / "log";
+  const Together together(2, three(log, 200));
+  const pid_t first = together.start(0);
+  ASSERT_TRUE(wait_for_lines(log, 3));
+  kill(first, SIGSTOP);
+  const Answer answer = together.programs[1]->finish(together.start(1));
+  EXPECT_EQ(answer.code, 0) << answer.err;
+  kill(first, SIGCONT);
+  EXPECT_EQ(together.programs[0]->finish(first).code, 0);
+}
+
+TEST(Ends, ANodeThatEndsTheProcessIsNamedAndTheExitCodeIsNotZero) {
+  const Program plumbline;
+  plumbline.write(
+      "p.yaml", "plumbline: 1\nnodes:\n  a: {use: story.constant}\n  bad: {use: story.ends, in: {after: a.number}}\n");
+  for (const std::string how : {"exit", "abort", "crash", "overflow", "throw_in_thread"}) {
+    const Answer answer = plumbline({"run", "p.yaml", "bad.with.how=" + how});
+    EXPECT_NE(answer.code, 0) << how;
+    EXPECT_TRUE(contains(answer.err, "p.yaml:4:3: node 'bad' (story.ends) " +
+                                         std::string(how == "exit" ? "called exit()" : "crashed: SIG")))
+        << how << ": " << answer.err;
+    EXPECT_EQ(answer.code, how == "exit" ? 1 : 128 + (how == "crash" || how == "overflow" ? SIGSEGV : SIGABRT)) << how;
+  }
+  plumbline.write("a.yaml", "plumbline: 1\nnodes:\n  a: {use: story.constant}\n");
+  EXPECT_TRUE(contains(plumbline({"run", "a.yaml"}).out, "1 reused")) << "what was done before is kept";
+}
+
+TEST(Ends, AnInterruptIsAnsweredAtOnce) {
+  const Program plumbline;
+  const fs::path log = plumbline.work() / "log";
+  plumbline.write("p.yaml", "plumbline: 1\nnodes:\n  w: {use: story.logs, with: {log: " + log.string() +
+                                ", milliseconds: 60000}}\n");
+  const pid_t process = plumbline.start({"run", "p.yaml"});
+  ASSERT_TRUE(wait_for_lines(log, 1));
+  kill(process, SIGINT);
+  const Answer answer = plumbline.finish(process);
+  EXPECT_EQ(answer.code, 130);
+  EXPECT_TRUE(contains(answer.err, "stopping as soon as the nodes that run now can")) << answer.err;
+}
+
+}  // namespace
+}  // namespace plumbline::test
