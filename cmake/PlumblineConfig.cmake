@@ -1,20 +1,15 @@
-# find_package(Plumbline): plumbline_add_plugin() and plumbline_add_artifacts() for plugins outside Plumbline's own tree.
+# find_package(Plumbline): the targets Plumbline::node, ::geometry, ::adjustment, ::survey, ::block, ::pose, ..., ::testing, and the
+# functions plumbline_add_plugin(), plumbline_add_artifacts(), plumbline_test_role().
 include(CMakeFindDependencyMacro)
 find_dependency(Eigen3)
 find_program(FLATC flatc REQUIRED)
+# What single libraries need is looked for, and missed only by who links that library.
+foreach(package Threads Boost Ceres yaml-cpp pugixml JPEG PNG TIFF OpenSSL TBB nlohmann_json)
+  find_package(${package} QUIET)
+endforeach()
 get_filename_component(PLUMBLINE_PREFIX ${CMAKE_CURRENT_LIST_DIR}/../../.. ABSOLUTE)
 set(PLUMBLINE_SCHEMA_DIR ${PLUMBLINE_PREFIX}/share/plumbline/schemas/artifacts)
-if(NOT TARGET plumbline_contract)
-  add_executable(plumbline-typegen IMPORTED)
-  set_target_properties(plumbline-typegen PROPERTIES IMPORTED_LOCATION ${PLUMBLINE_PREFIX}/bin/plumbline-typegen)
-  add_library(plumbline_contract INTERFACE IMPORTED)
-  target_include_directories(plumbline_contract INTERFACE ${PLUMBLINE_PREFIX}/include)
-  target_compile_features(plumbline_contract INTERFACE cxx_std_20)
-  # Same bits as Plumbline's own plugins; never -march or -mavx: Eigen's alignment is part of the ABI of its neighbours.
-  target_compile_options(plumbline_contract INTERFACE -ffp-contract=off)
-  add_library(plumbline_artifacts INTERFACE IMPORTED)
-  target_link_libraries(plumbline_artifacts INTERFACE plumbline_contract Eigen3::Eigen)
-  # flatc's includes of Plumbline's own schemas carry no folder.
-  target_include_directories(plumbline_artifacts INTERFACE ${PLUMBLINE_PREFIX}/include/artifacts)
-endif()
+set(PLUMBLINE_CONFORMANCE_DIR ${PLUMBLINE_PREFIX}/share/plumbline/conformance)
+include(${CMAKE_CURRENT_LIST_DIR}/PlumblineTargets.cmake)
 include(${CMAKE_CURRENT_LIST_DIR}/PlumblinePlugin.cmake)
+include(${CMAKE_CURRENT_LIST_DIR}/PlumblineTesting.cmake)

@@ -10,6 +10,10 @@ endif()
 # code and the traits (type name, fingerprint over fields, types and units, embedded schema) of the root table.
 function(plumbline_add_artifacts name)
   cmake_parse_arguments(ARG "" "" "SCHEMAS" ${ARGN})
+  set(typegen Plumbline::typegen)  # of an installation
+  if(TARGET plumbline-typegen)
+    set(typegen plumbline-typegen)
+  endif()
   set(out ${CMAKE_CURRENT_BINARY_DIR}/${name})
   set(headers)
   set(bfbs_files)
@@ -22,8 +26,8 @@ function(plumbline_add_artifacts name)
       OUTPUT ${header} ${out}/artifacts/${base}_generated.h ${out}/artifacts/${base}.bfbs
       COMMAND ${FLATC} --cpp --cpp-std c++17 --gen-object-api --no-warnings ${include_flags} -o ${out}/artifacts ${schema}
       COMMAND ${FLATC} -b --schema --bfbs-comments --bfbs-builtins --no-warnings ${include_flags} -o ${out}/artifacts ${schema}
-      COMMAND sh -c "$<TARGET_FILE:plumbline-typegen> ${out}/artifacts/${base}.bfbs ${base} > ${header}.tmp && mv ${header}.tmp ${header}"
-      DEPENDS ${ARG_SCHEMAS} plumbline-typegen
+      COMMAND sh -c "$<TARGET_FILE:${typegen}> ${out}/artifacts/${base}.bfbs ${base} > ${header}.tmp && mv ${header}.tmp ${header}"
+      DEPENDS ${ARG_SCHEMAS} ${typegen}
       COMMENT "Artifact ${base}" VERBATIM)
     list(APPEND headers ${header})
     list(APPEND bfbs_files ${out}/artifacts/${base}.bfbs)
@@ -32,8 +36,8 @@ function(plumbline_add_artifacts name)
   add_library(${name} INTERFACE)
   add_dependencies(${name} ${name}_generate)
   # SYSTEM: flatc's output is not written for our warnings.
-  target_include_directories(${name} SYSTEM INTERFACE ${out})
-  target_link_libraries(${name} INTERFACE plumbline_contract)
+  target_include_directories(${name} SYSTEM INTERFACE $<BUILD_INTERFACE:${out}>)
+  target_link_libraries(${name} INTERFACE Plumbline::contract)
   set_target_properties(${name} PROPERTIES PLUMBLINE_BFBS "${bfbs_files}")
 endfunction()
 
@@ -44,7 +48,7 @@ function(plumbline_add_plugin family)
   cmake_parse_arguments(ARG "" "FOLDER" "SOURCES;LINK" ${ARGN})
   set(target plumbline_plugin_${family})
   add_library(${target} MODULE ${ARG_SOURCES})
-  target_link_libraries(${target} PRIVATE plumbline_contract plumbline_artifacts ${ARG_LINK})
+  target_link_libraries(${target} PRIVATE Plumbline::node ${ARG_LINK})
   if(TARGET plumbline_settings)
     target_link_libraries(${target} PRIVATE plumbline_settings)
   endif()

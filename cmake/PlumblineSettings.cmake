@@ -43,8 +43,10 @@ endif()
 function(plumbline_add_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
   add_library(${name} STATIC ${ARG_SOURCES})
-  target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR}/libraries ${PROJECT_SOURCE_DIR}/framework)
-  target_link_libraries(${name} PUBLIC ${ARG_LINK} PRIVATE plumbline_settings)
+  target_include_directories(${name} PUBLIC
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/libraries> $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/framework>
+    $<INSTALL_INTERFACE:include/plumbline/libraries>)
+  target_link_libraries(${name} PUBLIC ${ARG_LINK} PRIVATE $<BUILD_INTERFACE:plumbline_settings>)
 endfunction()
 
 # plumbline_add_test(NAME SOURCES a.cpp ... [LINK lib ...])

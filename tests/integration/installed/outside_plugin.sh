@@ -1,25 +1,34 @@
 #!/usr/bin/env bash
-# usage: outside_plugin.sh BUILD WORK GUIDE     the plugin is the C++ block of the guide, so the guide cannot go stale
+# usage: outside_plugin.sh BUILD WORK GUIDE     the plugins are the C++ and CMake blocks of the guide, so the guide cannot go stale
 set -euo pipefail
 build=$1 work=$2 guide=$3
 rm -rf "$work"
-mkdir -p "$work/plugin"
+mkdir -p "$work"
 exec 3>&1 >"$work/log" 2>&1
 trap 'status=$?; ((status == 0)) || cat "$work/log" >&3' EXIT
 
 cmake --install "$build" --prefix "$work/prefix"
-awk '/^```cpp/ {inside = 1; next} /^```/ {if (inside) exit} inside' "$guide" >"$work/plugin/lift.cpp"
-cat >"$work/plugin/CMakeLists.txt" <<'CMAKE'
-cmake_minimum_required(VERSION 3.25)
-project(lift VERSION 0.1.0 LANGUAGES CXX)
-find_package(Plumbline REQUIRED)
-plumbline_add_plugin(demo SOURCES lift.cpp)
-CMAKE
-cmake -S "$work/plugin" -B "$work/plugin/build" -G Ninja -DCMAKE_PREFIX_PATH="$work/prefix"
-cmake --build "$work/plugin/build"
+
+# block LANGUAGE NUMBER: what stands in the guide's block of that number
+block() { awk -v open="\`\`\`$1" -v wanted="$2" '$0 == open {inside = ++n == wanted; next} /^```/ {inside = 0} inside' "$guide"; }
+number=0
+for name in demo outside; do
+  ((++number))
+  mkdir -p "$work/$name"
+  block cpp $number >"$work/$name/$name.cpp"
+  block cmake $number >"$work/$name/CMakeLists.txt"
+  lines=$(cat "$work/$name"/* | grep -c '[^[:space:]]')
+  ((lines <= 60)) || { echo "$name takes its author $lines lines, 60 are promised"; exit 1; }
+  cmake -S "$work/$name" -B "$work/$name/build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH="$work/prefix"
+  cmake --build "$work/$name/build" -j2
+done
 
 cd "$work"
-export PLUMBLINE_PLUGIN_PATH="$work/plugin/build/lib/plumbline"
-prefix/bin/plumbline describe demo.lift | grep 'how far up'
-# The installed program finds its own pipelines and plugins, not those of the tree it was built from.
-prefix/bin/plumbline validate single_floor | grep "$work/prefix/share/plumbline/pipelines/single_floor.yaml"
+PLUMBLINE_PLUGIN_PATH="$work/demo/build/lib/plumbline" prefix/bin/plumbline describe demo.lift | grep 'how far up'
+# The role's kit, over the solver from outside: it ran, and passed.
+ctest --test-dir outside/build --output-on-failure | tee kit.log
+grep 'pose_plane' kit.log
+export PLUMBLINE_PLUGIN_PATH="$work/outside/build/lib/plumbline"
+prefix/bin/plumbline describe metrics.line | grep 'how many anchors'
+# It takes the place of the shipped solver; the installed program finds its own pipelines, not those of the tree it was built from.
+prefix/bin/plumbline validate single_floor poses.use=pose.plane | grep "$work/prefix/share/plumbline/pipelines/single_floor.yaml"

@@ -33,6 +33,7 @@ const std::vector<Library> libraries = {
     {"block", {"adjustment", "geometry", "text"}},
     {"markers", {"block", "adjustment", "geometry", "text"}},
     {"judgement", {"geometry", "ifc"}},
+    {"pose", {"geometry"}},
     {"artifacts", {"geometry", "survey", "survey_files", "block", "judgement"}},
 };
 

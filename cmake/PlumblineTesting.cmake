@@ -1,0 +1,20 @@
+# plumbline_test_role(FAMILY ROLE)
+# Puts the nodes of ROLE in the plugin FAMILY, made with plumbline_add_plugin(), through the conformance kit of the role: a
+# GoogleTest program FAMILY_ROLE_test, every test of it one of ctest. Needs enable_testing().
+function(plumbline_test_role family role)
+  set(kit ${PLUMBLINE_CONFORMANCE_DIR}/${role}.cpp)
+  if(NOT EXISTS ${kit})
+    file(GLOB kits RELATIVE ${PLUMBLINE_CONFORMANCE_DIR} ${PLUMBLINE_CONFORMANCE_DIR}/*.cpp)
+    list(REMOVE_ITEM kits test_paths.cpp)
+    message(FATAL_ERROR "plumbline_test_role(${family} ${role}): there is no kit of that role; there are ${kits}")
+  endif()
+  find_package(GTest REQUIRED)
+  include(GoogleTest)
+  set(target ${family}_${role}_test)
+  add_executable(${target} ${kit} ${PLUMBLINE_CONFORMANCE_DIR}/test_paths.cpp)
+  target_compile_definitions(${target} PRIVATE
+    PLUMBLINE_SOURCE_DIR="${PROJECT_SOURCE_DIR}" PLUMBLINE_BINARY_DIR="${CMAKE_BINARY_DIR}")
+  target_link_libraries(${target} PRIVATE Plumbline::testing GTest::gtest_main)
+  add_dependencies(${target} plumbline_plugin_${family})
+  gtest_discover_tests(${target} TEST_PREFIX ${target}. DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 120)
+endfunction()
