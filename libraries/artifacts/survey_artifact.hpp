@@ -137,6 +137,12 @@ inline SurveyObservationT to_artifact(const Observation& o) {
 
 inline Observation from_artifact(const SurveyObservationT& r) {
   Observation o;
+  if (static_cast<int>(r.kind) < 0 || static_cast<int>(r.kind) > static_cast<int>(ObservationKind::azimuth))
+    throw std::runtime_error("an observation from '" + r.from + "' has the kind " +
+                             std::to_string(static_cast<int>(r.kind)) + ", expected 0 to 6");
+  if (r.face < 0 || r.face > 2)
+    throw std::runtime_error("the observation " + r.from + " -> " + r.to + " has the face " + std::to_string(r.face) +
+                             ", expected 0, 1 or 2");
   o.kind = static_cast<ObservationKind>(r.kind);
   o.set_up = r.set_up;
   o.pointing = r.pointing;
@@ -173,7 +179,12 @@ inline CoordinateGroup from_artifact(const SurveyCoordinatesT& r) {
   CoordinateGroup g;
   if (r.axes.size() != r.points.size() || r.values.size() != r.points.size())
     throw std::runtime_error("observed coordinates: points, axes and values differ in number");
-  for (size_t k = 0; k < r.points.size(); ++k) g.components.push_back({r.points[k], r.axes[k]});
+  for (size_t k = 0; k < r.points.size(); ++k) {
+    if (r.axes[k] < 0 || r.axes[k] > 2)
+      throw std::runtime_error("observed coordinates of '" + r.points[k] + "' have the axis " +
+                               std::to_string(r.axes[k]) + ", expected 0, 1 or 2");
+    g.components.push_back({r.points[k], r.axes[k]});
+  }
   g.values = to_eigen(r.values);
   g.covariance = unpack_lower(r.covariance, static_cast<int>(r.values.size()));
   g.is_control = r.is_control;
@@ -230,6 +241,20 @@ inline LocalCoordinate from_artifact(const SurveyLocalCoordinateT& r) {
   return c;
 }
 
+/// Indices are as good as the artifact they come from.
+inline void check_indices(const SurveyObservations& s) {
+  const auto check = [](int index, size_t count, int least, const std::string& what) {
+    if (index < least || index >= static_cast<int>(count))
+      throw std::runtime_error(what + " number " + std::to_string(index) + ", there are " + std::to_string(count));
+  };
+  for (const Observation& o : s.observations)
+    check(o.set_up, s.set_ups.size(), -1, "the observation " + o.from + " -> " + o.to + " refers to set-up");
+  for (const LocalCoordinate& c : s.local_coordinates)
+    check(c.set_up, s.set_ups.size(), 0, "local coordinates of " + c.point + " refer to set-up");
+  for (const ObservationCovariance& c : s.covariances)
+    for (int i : c.indices) check(i, s.observations.size(), 0, "a covariance refers to observation");
+}
+
 template <typename Plain, typename Native>
 void pack_list(const std::vector<Plain>& from, std::vector<std::unique_ptr<Native>>& to) {
   for (const auto& item : from) to.push_back(std::make_unique<Native>(to_artifact(item)));
@@ -251,6 +276,7 @@ inline SurveyObservationsT to_artifact(const SurveyObservations& s) {
     item->id = set_up.id;
     item->station = set_up.station;
     item->instrument_height = set_up.instrument_height;
+    item->stated_orientation = set_up.stated_orientation;
     detail::put_source(set_up.source, *item);
     r.set_ups.push_back(std::move(item));
   }
@@ -282,7 +308,11 @@ inline SurveyObservations from_artifact(const SurveyObservationsT& r) {
   s.files = r.files;
   detail::unpack_list(r.points, s.points);
   for (const auto& item : r.set_ups)
-    s.set_ups.push_back({item->id, item->station, item->instrument_height, {item->file, item->line, item->column}});
+    s.set_ups.push_back({item->id,
+                         item->station,
+                         item->instrument_height,
+                         {item->file, item->line, item->column},
+                         item->stated_orientation});
   detail::unpack_list(r.observations, s.observations);
   for (const auto& item : r.covariances)
     s.covariances.push_back({item->indices, unpack_lower(item->covariance, static_cast<int>(item->indices.size()))});
@@ -292,6 +322,7 @@ inline SurveyObservations from_artifact(const SurveyObservationsT& r) {
   for (const auto& item : r.skipped)
     s.skipped.push_back({{item->file, item->line, item->column}, item->found, item->expected});
   s.warnings = r.warnings;
+  detail::check_indices(s);
   return s;
 }
 

@@ -1,74 +1,31 @@
+#include "survey_files/gsi_reader.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <optional>
-
-#include "survey_files/gsi.hpp"
-#include "survey_files/gsi_words.hpp"
-#include "survey_files/survey_builder.hpp"
-#include "text/text.hpp"
 
 namespace plumbline::survey {
 namespace {
 
-constexpr double kLongestDistance = 1e5;  // [m]; no instrument measures farther, so longer ones are damage
 constexpr std::size_t kCodesListed = 10;
 
-class GsiReader {
- public:
-  GsiReader(std::string_view bytes, const std::string& file, const GsiOptions& options)
-      : decoded_(formats::decode_text(bytes)), builder_(file, "gsi"), options_(options) {}
-
-  SurveyObservations read();
-
- private:
-  void read_block(const GsiBlock& block);
-  void read_code_block(const GsiBlock& block);
-  void read_heights(const GsiBlock& block);
-  void read_info(const GsiBlock& block);
-  bool starts_station(const GsiBlock& block, bool has_measurement);
-  void start_station(const std::optional<std::string>& station, double height, const SourcePosition& source);
-  void settle_instrument_height(Sighting& sighting);
-  void lose_station(const GsiBlock& block, const GsiWord& word, const std::string& expected);
-  bool passes_cut_line(const GsiBlock& block, bool has_measurement);
-  void read_sighting(const GsiBlock& block, const std::string& target);
-  void read_zenith_angle(const GsiWord& word, Sighting& sighting);
-  void describe_point(const GsiBlock& block, const std::string& id);
-  void warn_of_vertical_reference();
-
-  std::optional<std::string> name(const GsiWord* word);
-  std::optional<double> angle(const GsiWord* word);
-  std::optional<double> length(const GsiWord* word);
-  Eigen::Vector3d coordinates(const GsiBlock& block, int east);
-  void reject(const GsiWord& word, const std::string& expected) {
-    builder_.skip(line_, word.column, word.whole, expected);
-  }
-
-  formats::DecodedText decoded_;
-  SurveyBuilder builder_;
-  const GsiOptions& options_;
-  int line_ = 0;
-  double instrument_height_ = kNotGiven, target_height_ = kNotGiven;
-  bool height_is_of_set_up_ = false;  // given at the start of the current set-up or since
-  std::size_t observations_at_start_ = 0;
-  bool lost_station_ = false;
-  Eigen::Vector3d station_coordinates_ = Eigen::Vector3d::Constant(kNotGiven);
-  std::vector<std::string> other_codes_;
-  std::vector<int> words_of_sighting_;  // of the last one that was not cut off
-};
+}  // namespace
 
 SurveyObservations GsiReader::read() {
   std::vector<GsiNoise> noise;
-  std::size_t blocks = 0;
+  std::vector<GsiBlock> all;
   for (const formats::Line& line : formats::split_lines(decoded_.text)) {
     noise.clear();
-    const auto in_line = gsi_blocks(line, noise);
+    auto in_line = gsi_blocks(line, noise);
     if (!noise.empty())
       builder_.skip(noise.front().line, noise.front().column, noise.front().text,
                     "a GSI word: word index, information, sign and 8 or 16 characters, e.g. '31..00+00012345'");
-    blocks += in_line.size();
-    for (const GsiBlock& block : in_line) read_block(block);
+    for (GsiBlock& block : in_line) all.push_back(std::move(block));
   }
+  const std::size_t blocks = all.size();
+  plan_ = plan_gsi_stations(all, options_, options_.us_survey_foot ? kUsSurveyFoot : kFoot);
+  for (std::size_t i = 0; i < all.size(); ++i) read_block(all[i], i);
+  level_.finish_position();
   if (decoded_.encoding != formats::Encoding::utf8)
     builder_.warn(std::string("text encoding taken as ") + formats::name_of(decoded_.encoding));
   if (!other_codes_.empty()) {
@@ -103,11 +60,40 @@ void GsiReader::warn_of_vertical_reference() {
         "reader's vertical reference to 'horizon'");
 }
 
-void GsiReader::read_block(const GsiBlock& block) {
+// What gsi_stations.cpp found: a set-up that begins here, a height that 83 shows to have changed, an oriented circle.
+void GsiReader::begin_planned(const GsiBlock& block, std::size_t number) {
+  if (const auto start = plan_.starts.find(number); start != plan_.starts.end()) {
+    const GsiStart& found = start->second;
+    const SourcePosition source = builder_.at(line_, block.words.front().column);
+    start_station(found.station.empty() ? std::nullopt : std::optional(found.station), found.instrument_height, source);
+    SetUp& set_up = builder_.survey.set_ups[static_cast<std::size_t>(builder_.current_set_up())];
+    set_up.stated_orientation = found.orientation;
+    // Where the axis is known and no point below it, the point is the axis.
+    if (found.station.empty()) {
+      set_up.instrument_height = instrument_height_ = kNotGiven;
+      builder_.give_coordinates(set_up.station, found.coordinates, source);
+    }
+    builder_.warn("the sightings from line " + std::to_string(line_) + " on " + found.reason);
+  }
+  if (const auto height = plan_.instrument_height.find(number); height != plan_.instrument_height.end()) {
+    instrument_height_ = std::round(height->second * 1e3) / 1e3;
+    height_is_of_set_up_ = true;
+    builder_.warn("line " + std::to_string(line_) + ": word 83 shows the instrument height " +
+                  formats::format_fixed(instrument_height_, 3) + " m from here on; it is taken");
+  }
+  if (plan_.oriented.contains(number) && builder_.current_set_up() >= 0) {
+    SetUp& set_up = builder_.survey.set_ups[static_cast<std::size_t>(builder_.current_set_up())];
+    if (std::isnan(set_up.stated_orientation)) set_up.stated_orientation = 0;
+  }
+}
+
+void GsiReader::read_block(const GsiBlock& block, std::size_t number) {
   line_ = block.line;
+  if (read_level_block(block)) return;
   if (block.words.front().index == 41) return read_code_block(block);
   read_info(block);
   read_heights(block);
+  begin_planned(block, number);
   const GsiWord* id_word = block.find(11);
   const bool has_measurement = std::any_of(block.words.begin(), block.words.end(), [](const GsiWord& w) {
     return w.index == 21 || w.index == 22 || w.index == 31 || w.index == 32 || w.index == 33;
@@ -270,110 +256,6 @@ bool GsiReader::starts_station(const GsiBlock& block, bool has_measurement) {
   builder_.give_coordinates(station, here, source);
   return true;
 }
-
-void GsiReader::read_sighting(const GsiBlock& block, const std::string& target) {
-  if (builder_.current_set_up() < 0 || lost_station_) {
-    start_station(std::nullopt, length(block.find(88)).value_or(kNotGiven),
-                  builder_.at(line_, block.words.front().column));
-  }
-  Sighting sighting;
-  sighting.to = target;
-  sighting.source = builder_.at(line_, block.words.front().column);
-  sighting.target_height = target_height_;
-  settle_instrument_height(sighting);
-  if (const auto direction = angle(block.find(21))) sighting.direction = *direction;
-  if (const GsiWord* word = block.find(22)) read_zenith_angle(*word, sighting);
-  const GsiWord* slope = block.find(31);
-  const GsiWord* horizontal = block.find(32);
-  const GsiWord* height = block.find(33);
-  // 32 and 33 are computed from 31 where that is there: only the measured value counts.
-  if (slope) {
-    sighting.slope_distance = length(slope).value_or(kNotGiven);
-    sighting.distance_corrections = gsi_distance_corrections(block, *slope, options_.us_survey_foot);
-  } else if (horizontal || height) {
-    sighting.horizontal_distance = length(horizontal).value_or(kNotGiven);
-    if (!block.find(22)) sighting.height_difference = length(height).value_or(kNotGiven);
-    sighting.distance_corrections =
-        gsi_distance_corrections(block, horizontal ? *horizontal : *height, options_.us_survey_foot);
-    sighting.distance_corrections.push_back("reduced by the instrument (curvature and refraction as set there)");
-  }
-  for (double* distance : {&sighting.slope_distance, &sighting.horizontal_distance}) {
-    if (*distance >= 0 && *distance <= kLongestDistance) continue;
-    if (!std::isnan(*distance)) reject(slope ? *slope : *horizontal, "a distance between 0 and 100 km");
-    *distance = kNotGiven;
-  }
-  builder_.add(sighting);
-  describe_point(block, target);
-}
-
-void GsiReader::read_zenith_angle(const GsiWord& word, Sighting& sighting) {
-  if (options_.vertical_reference == GsiVerticalReference::percent) {
-    const auto digits = gsi_digits(word);
-    if (!digits) return reject(word, "a slope in percent, all characters digits");
-    const double percent = (word.negative ? -1e-5 : 1e-5) * static_cast<double>(*digits);
-    sighting.zenith_angle = std::atan2(100.0, percent);
-    sighting.zenith_corrections.push_back("from a slope in percent; the face is not known");
-    return;
-  }
-  const auto value = angle(&word);
-  if (!value) return;
-  sighting.zenith_angle = *value;
-  if (options_.vertical_reference == GsiVerticalReference::horizon) {
-    sighting.zenith_angle = std::numbers::pi / 2 - *value;
-    sighting.zenith_corrections.push_back("counted from the horizon in the file");
-  }
-}
-
-// Instruments fill a remark nobody keyed in with dashes.
-void GsiReader::describe_point(const GsiBlock& block, const std::string& id) {
-  Point& point = builder_.point(id, builder_.at(line_, block.words.front().column));
-  for (int index = 71; index <= 79; ++index) {
-    const GsiWord* word = block.find(index);
-    if (!word) continue;
-    const std::string text(word->text());
-    if (text.find_first_not_of("-?0 ") == std::string::npos) continue;
-    std::string& into = index == 71 ? point.code : point.description;
-    if (into.empty()) into = text;
-  }
-}
-
-std::optional<std::string> GsiReader::name(const GsiWord* word) {
-  if (!word) return std::nullopt;
-  if (!word->complete() || word->text().empty()) {
-    reject(*word, "a name of " + std::to_string(word->digits) + " characters; the line seems cut");
-    return std::nullopt;
-  }
-  return std::string(word->text());
-}
-
-std::optional<double> GsiReader::angle(const GsiWord* word) {
-  if (!word) return std::nullopt;
-  const GsiValue value = gsi_angle(*word);
-  if (value.expected) {
-    reject(*word, value.expected);
-    return std::nullopt;
-  }
-  if (word->unit == '3' || word->unit == '4') builder_.survey.info.angles_in_degrees = true;
-  return value.value;
-}
-
-std::optional<double> GsiReader::length(const GsiWord* word) {
-  if (!word) return std::nullopt;
-  const GsiValue value = gsi_length(*word, options_.us_survey_foot ? kUsSurveyFoot : kFoot);
-  if (value.expected) {
-    reject(*word, value.expected);
-    return std::nullopt;
-  }
-  return value.value;
-}
-
-Eigen::Vector3d GsiReader::coordinates(const GsiBlock& block, int east) {
-  Eigen::Vector3d result;
-  for (int axis = 0; axis < 3; ++axis) result[axis] = length(block.find(east + axis)).value_or(kNotGiven);
-  return result;
-}
-
-}  // namespace
 
 SurveyObservations read_gsi(std::string_view bytes, const std::string& file, const GsiOptions& options) {
   return GsiReader(bytes, file, options).read();

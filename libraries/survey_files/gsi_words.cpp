@@ -69,6 +69,10 @@ const GsiWord* GsiBlock::find(int index) const {
   return found == words.end() ? nullptr : &*found;
 }
 
+bool GsiWord::is_blank() const {
+  return data.find("---") != std::string_view::npos && data.find_first_not_of("-0 ") == std::string_view::npos;
+}
+
 std::optional<long long> gsi_digits(const GsiWord& word) {
   if (!word.complete() || word.data.empty()) return std::nullopt;
   for (const char c : word.data)

@@ -14,7 +14,8 @@ using formats::child_text;
 class JobXmlReader {
  public:
   JobXmlReader(std::string_view bytes, const std::string& file)
-      : xml_(bytes, file, {"PointRecord", "StationRecord", "TargetRecord", "AtmosphereRecord", "Point"}),
+      : xml_(bytes, file,
+             {"PointRecord", "StationRecord", "TargetRecord", "AtmosphereRecord", "BackBearingRecord", "Point"}),
         builder_(file, "jobxml") {}
 
   SurveyObservations read();
@@ -27,6 +28,7 @@ class JobXmlReader {
   void read_record(pugi::xml_node record);
   void read_station(pugi::xml_node record);
   void read_target(pugi::xml_node record);
+  void read_back_bearing(pugi::xml_node record);
   void read_point(pugi::xml_node record);
   void read_circle(pugi::xml_node record, pugi::xml_node circle, const std::string& name);
   void read_coordinates(const std::string& name, pugi::xml_node grid);
@@ -81,6 +83,15 @@ void JobXmlReader::read_target(pugi::xml_node record) {
   Target& target = targets_[attribute(record, "ID")];
   target.height = number(record, "TargetHeight");
   target.prism_constant = number(record, "PrismConstant");
+}
+
+// What is added to the circle's readings to make them azimuths.
+void JobXmlReader::read_back_bearing(pugi::xml_node record) {
+  const auto station = stations_.find(child_text(record, "StationRecordID"));
+  const double correction = degrees(record, "OrientationCorrection");
+  const int set_up = station != stations_.end() ? station->second : builder_.current_set_up();
+  if (set_up >= 0 && !std::isnan(correction))
+    builder_.survey.set_ups[static_cast<std::size_t>(set_up)].stated_orientation = wrap_to_circle(correction);
 }
 
 void JobXmlReader::read_coordinates(const std::string& name, pugi::xml_node grid) {
@@ -159,6 +170,7 @@ void JobXmlReader::read_record(pugi::xml_node record) {
   NetworkInfo& info = builder_.survey.info;
   if (kind == "StationRecord") return read_station(record);
   if (kind == "TargetRecord") return read_target(record);
+  if (kind == "BackBearingRecord") return read_back_bearing(record);
   if (kind == "PointRecord") return read_point(record);
   if (kind == "AtmosphereRecord") {
     last_atmosphere_ = attribute(record, "ID");

@@ -205,6 +205,10 @@ void LandXmlReader::read_set_ups() {
       if (set_ups_.contains(id)) builder_.warn("two set-ups have the id " + formats::quoted(id));
       const int index = builder_.start_set_up(station, length(node, "instrumentHeight"), xml_.position(node));
       if (!id.empty()) set_ups_.try_emplace(id, index);
+      // To the backsight: its azimuth and the circle's reading. Programs write 0.0 for "none": only both say something.
+      const double azimuth = angle(node, "orientationAzimuth"), reading = angle(node, "circleAzimuth");
+      if (!std::isnan(azimuth) && !std::isnan(reading))
+        builder_.survey.set_ups[static_cast<std::size_t>(index)].stated_orientation = wrap_to_circle(azimuth - reading);
       const Eigen::Vector3d at = north_east_height(instrument);
       if (!at.array().isNaN().all()) builder_.give_coordinates(station, at, xml_.position(instrument));
     }

@@ -57,6 +57,7 @@ class Rw5Reader {
   void read_sighting(const Record& record);
   void read_point(const Record& record, const char* name_field);
   void begin_set_up(const std::string& station);
+  void read_backsight(const Record& record);
   double direction(const Record& record);
   double zenith_angle(const Record& record);
 
@@ -157,6 +158,25 @@ void Rw5Reader::read_point(const Record& record, const char* name_field) {
   if (point.description.empty()) point.description = std::string(record.note);
 }
 
+// BK: occupied point, backsight, its azimuth BS and the circle's reading to it BC. Sightings count from the backsight;
+// with another reading than zero it is not said whether they hold it.
+void Rw5Reader::read_backsight(const Record& record) {
+  const std::string station = text(record, "OP");
+  if (station.empty()) return;
+  const int current = builder_.current_set_up();
+  const bool measured = builder_.survey.observations.size() > observations_at_start_;
+  if (current < 0 || measured || builder_.survey.set_ups[static_cast<std::size_t>(current)].station != station)
+    begin_set_up(station);
+  const double azimuth = angle(record, "BS"), reading = angle(record, "BC");
+  if (std::isnan(azimuth)) return;
+  if (reading != 0 && !std::isnan(reading)) {
+    builder_.warn("line " + std::to_string(line_) + ": the backsight of " + formats::quoted(station) +
+                  " was not read as zero; its azimuth is not used");
+    return;
+  }
+  builder_.survey.set_ups[static_cast<std::size_t>(builder_.current_set_up())].stated_orientation = azimuth;
+}
+
 double Rw5Reader::direction(const Record& record) {
   const auto has = [&](const char* head) { return record.fields.contains(head); };
   if (has("AR")) return angle(record, "AR");
@@ -200,6 +220,7 @@ void Rw5Reader::read_sighting(const Record& record) {
   const bool has_sightings = builder_.survey.observations.size() > observations_at_start_;
   if (!same_station || (has_sightings && absolute != absolute_)) begin_set_up(station);
   absolute_ = absolute;
+  if (absolute) builder_.survey.set_ups[static_cast<std::size_t>(builder_.current_set_up())].stated_orientation = 0;
   const double height = builder_.survey.set_ups[static_cast<std::size_t>(builder_.current_set_up())].instrument_height;
   if (!std::isnan(instrument_height_) && instrument_height_ != height) sighting.instrument_height = instrument_height_;
   if (!builder_.add(sighting)) return builder_.skip(line_, 1, record.type, "at least one measured value");
@@ -219,8 +240,7 @@ void Rw5Reader::read_record(const Record& record) {
     read_point(record, "OP");
     if (const std::string station = text(record, "OP"); !station.empty()) begin_set_up(station);
   } else if (type == "BK") {
-    const std::string station = text(record, "OP");
-    if (!station.empty() && builder_.survey.observations.size() > observations_at_start_) begin_set_up(station);
+    read_backsight(record);
   } else if (type == "LS") {
     read_heights(record);
   } else if (type == "SP") {

@@ -32,6 +32,7 @@ class Sdr33Reader {
   void read_header(const formats::CharacterLine& line);
   void read_station(const formats::CharacterLine& line);
   void read_coordinates(const formats::CharacterLine& line);
+  void read_backsight(const formats::CharacterLine& line);
   void read_observation(const formats::CharacterLine& line);
   void select_set_up(const std::string& station, const SourcePosition& source);
 
@@ -102,6 +103,18 @@ void Sdr33Reader::read_station(const formats::CharacterLine& line) {
   if (!at.array().isNaN().all()) builder_.give_coordinates(name.text, at, source);
 }
 
+// 07: station, backsight, its azimuth, the circle's reading to it.
+void Sdr33Reader::read_backsight(const formats::CharacterLine& line) {
+  const Field from = field(line, 4, layout_.point);
+  const std::size_t values = 4 + 2 * layout_.point;
+  const double azimuth = number(field(line, values, layout_.number), "the azimuth of the backsight");
+  const double reading = number(field(line, values + layout_.number, layout_.number), "the circle's reading to it");
+  const int current = builder_.current_set_up();
+  if (current < 0 || std::isnan(azimuth) || std::isnan(reading)) return;
+  SetUp& set_up = builder_.survey.set_ups[static_cast<std::size_t>(current)];
+  if (set_up.station == from.text) set_up.stated_orientation = wrap_to_circle((azimuth - reading) * radians_);
+}
+
 void Sdr33Reader::read_coordinates(const formats::CharacterLine& line) {
   const Field name = field(line, 4, layout_.point);
   if (name.text.empty()) return reject(name, "the name of the point");
@@ -165,6 +178,7 @@ void Sdr33Reader::read_record(const formats::CharacterLine& line) {
   const std::string_view type = line.part(0, 2);
   ++records_;
   if (type == "00") return read_header(line);
+  if (type == "07") return read_backsight(line);
   if (type == "02") return read_station(line);
   if (type == "08") return read_coordinates(line);
   if (type == "09") return read_observation(line);
@@ -196,6 +210,9 @@ SurveyObservations Sdr33Reader::read() {
     line_ = source.number;
     const std::string_view text = source.text;
     if (formats::trim(text).empty()) continue;
+    // Sent over a cable, a file is framed by STX and ETX (decoded as '?'), and a record 0000 with a check sum ends it.
+    if (formats::trim(text) == "?") continue;
+    if (formats::trim(text).substr(0, 4) == "0000") break;
     const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
     if (text.size() >= 4 && is_digit(text[0]) && is_digit(text[1]))
       read_record(formats::CharacterLine(text));

@@ -18,9 +18,11 @@ constexpr double kCoordinateConflict = 0.01;  // [m]
 }  // namespace
 
 std::string understood_formats() {
-  return "one of the formats understood: Leica GSI-8 and GSI-16, LandXML 1.2 survey and HeXML, Trimble JobXML, Sokkia "
-         "SDR33, Carlson RW5, gama-local XML, Krumm .dat, CSV of points (PENZD) or observations, CSV of per-set-up "
-         "coordinates";
+  return "one of the formats understood: Leica GSI-8 and GSI-16 (total stations and levels), Leica IDX, LandXML 1.2 "
+         "survey "
+         "and HeXML, Trimble JobXML, Zeiss and Trimble M5, R5, R4, Sokkia SDR33, Carlson RW5, Nikon RAW, Topcon GTS-7 "
+         "and GTS-210, Geodimeter, STAR*NET, gama-local XML, Krumm .dat, CSV of points (PENZD) or observations, CSV of "
+         "per-set-up coordinates";
 }
 
 double gon_to_rad(double gon) { return gon * (kPi / 200.0); }

@@ -24,6 +24,9 @@ class TableReader {
         columns_(table_, options, builder_) {
     if (table_.decoded.encoding != formats::Encoding::utf8)
       builder_.warn(std::string("text encoding taken as ") + formats::name_of(table_.decoded.encoding));
+    for (const formats::CsvRow& row : table_.doubtful)
+      builder_.skip(row.line, 1, row.cells[0].text,
+                    std::string("a row without a comment mark in front: ") + formats::kDoubtfulRow);
   }
 
   SurveyObservations read();

@@ -1,27 +1,32 @@
 #include "survey_files/survey_format.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <vector>
 
+#include "survey_files/field_books.hpp"
 #include "survey_files/gama.hpp"
 #include "survey_files/gsi.hpp"
 #include "survey_files/gsi_words.hpp"
 #include "survey_files/jobxml.hpp"
 #include "survey_files/krumm.hpp"
+#include "survey_files/krumm_sections.hpp"
 #include "survey_files/landxml.hpp"
 #include "survey_files/rw5.hpp"
 #include "survey_files/sdr33.hpp"
+#include "survey_files/starnet.hpp"
 #include "survey_files/survey_builder.hpp"
 #include "survey_files/survey_csv.hpp"
 #include "survey_files/survey_csv_columns.hpp"
+#include "survey_files/zeiss.hpp"
 #include "text/csv_table.hpp"
 #include "text/text.hpp"
 
 namespace plumbline::survey {
 namespace {
 
-constexpr std::size_t kBeginning = 65536;
+constexpr std::size_t kBeginning = 16384;
 constexpr std::size_t kLinesLookedAt = 60;
 
 // Name of the root element, without prefix; empty if `text` is no XML. Passes over declarations, comments and DOCTYPE.
@@ -55,39 +60,112 @@ std::optional<SurveyFormat> xml_format(std::string_view text) {
   return std::nullopt;
 }
 
-// Lines of each kind among the first ones; a format is taken when it explains at least half of them.
-std::optional<SurveyFormat> line_format(const std::vector<formats::Line>& lines) {
-  static constexpr std::array<std::string_view, 14> kRw5 = {"JB,", "MO,", "OC,", "BK,", "LS,", "SS,",  "TR,",
-                                                            "BD,", "BR,", "FD,", "FR,", "SP,", "GPS,", "--"};
-  std::size_t looked_at = 0, gsi = 0, sdr = 0, rw5 = 0, comments = 0;
-  bool sections = false;
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+template <std::size_t N>
+bool begins_with_any(std::string_view text, const std::array<std::string_view, N>& beginnings) {
+  return std::any_of(beginnings.begin(), beginnings.end(), [&](std::string_view b) { return text.starts_with(b); });
+}
+
+bool is_gsi(std::string_view text) {
   std::vector<GsiNoise> noise;
-  for (const formats::Line& line : lines) {
+  return !gsi_blocks({text.substr(0, 1000), 1}, noise).empty() && noise.empty();
+}
+
+// Two digits and two letters, or letter and digit: "09F1".
+bool is_sdr(std::string_view text) {
+  const auto is_tag = [](char c) { return is_digit(c) || (c >= 'A' && c <= 'Z'); };
+  return text.size() >= 4 && is_digit(text[0]) && is_digit(text[1]) && is_tag(text[2]) && is_tag(text[3]) &&
+         !(is_digit(text[2]) && is_digit(text[3]));
+}
+
+bool is_rw5(std::string_view text) {
+  static constexpr std::array<std::string_view, 14> kRecords = {"JB,", "MO,", "OC,", "BK,", "LS,", "SS,OP", "TR,",
+                                                                "BD,", "BR,", "FD,", "FR,", "SP,", "GPS,",  "--"};
+  return begins_with_any(text, kRecords);
+}
+
+bool is_nikon(std::string_view text) {
+  static constexpr std::array<std::string_view, 11> kRecords = {"CO,", "ST,", "F1,", "F2,", "MP,", "MC,",
+                                                                "UP,", "CC,", "RE,", "SO,", "SS,"};
+  return begins_with_any(text, kRecords) && !text.starts_with("SS,OP");
+}
+
+bool is_gts7(std::string_view text) {
+  static constexpr std::array<std::string_view, 14> kKeys = {
+      "JOB ", "INST ", "UNITS ", "STN ", "XYZ ", "BKB ", "BS ", "FS ", "SS ", "SD ", "HV ", "HD ", "DATE ", "TEMP "};
+  return begins_with_any(text, kKeys) && text.find(',') != std::string_view::npos;
+}
+
+bool is_geodimeter(std::string_view text) {
+  const std::size_t equals = text.find('=');
+  return equals != std::string_view::npos && equals > 0 && equals <= 3 &&
+         std::all_of(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(equals), is_digit);
+}
+
+enum class StarNetLine { no, weak, strong };
+
+// A table may have points called A or C: only options, names joined by '-' and direction sets are sure.
+StarNetLine starnet_line(std::string_view text) {
+  const auto parts = formats::split_blanks(text);
+  if (parts.size() < 2) return StarNetLine::no;
+  const std::string code = formats::to_lower(parts[0]);
+  for (const char* option : {".units", ".order", ".3d", ".2d", ".delta"})
+    if (code == option) return StarNetLine::strong;
+  for (const char* joined : {"a", "d", "v", "b", "m", "bm", "dv", "ss", "l"})
+    if (code == joined && parts.size() > 2)
+      return parts[1].find('-', 1) != std::string_view::npos && !formats::parse_number(parts[1]) ? StarNetLine::strong
+                                                                                                 : StarNetLine::no;
+  for (const char* set : {"db", "dn", "dm", "tb", "te"})
+    if (code == set) return StarNetLine::strong;
+  return code == "c" || code == "e" || code == "t" ? StarNetLine::weak : StarNetLine::no;
+}
+
+bool is_krumm_section(std::string_view text) {
+  if (!text.starts_with('[')) return false;
+  const auto section = krumm_section(text.substr(1, std::min(text.find(']'), text.size()) - 1));
+  return section && text.find(']') != std::string_view::npos;
+}
+
+// Lines of each kind among the first ones; a format is taken when it explains at least half of them.
+std::optional<SurveyFormat> line_format(std::string_view beginning) {
+  std::size_t looked_at = 0, gsi = 0, sdr = 0, rw5 = 0, nikon = 0, gts7 = 0, geodimeter = 0, zeiss = 0, comments = 0;
+  std::size_t starnet = 0, starnet_sure = 0;
+  bool sections = false;
+  for (const formats::Line& line : formats::split_lines(beginning)) {
     const std::string_view text = formats::trim(line.text);
-    if (text.empty()) continue;
+    if (text.empty() || text == "?") continue;  // '?': STX, ETX
     if (++looked_at > kLinesLookedAt) break;
-    noise.clear();
-    if (!gsi_blocks({text.substr(0, 1000), line.number}, noise).empty() && noise.empty()) ++gsi;
-    const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
-    const auto is_tag = [&](char c) { return is_digit(c) || (c >= 'A' && c <= 'Z'); };
-    if (text.size() >= 4 && is_digit(text[0]) && is_digit(text[1]) && is_tag(text[2]) && is_tag(text[3]) &&
-        !(is_digit(text[2]) && is_digit(text[3])))
-      ++sdr;
-    for (const std::string_view start : kRw5)
-      if (text.starts_with(start)) {
-        ++rw5;
-        break;
-      }
-    if (text.front() == '#' || text.front() == '%') ++comments;
-    const std::string section = formats::to_lower(text);
-    sections = sections || section.starts_with("[coordinates]") || section.starts_with("[spatialdistances]") ||
-               section.starts_with("[datum]");
+    gsi += is_gsi(text);
+    sdr += is_sdr(text);
+    rw5 += is_rw5(text);
+    nikon += is_nikon(text);
+    gts7 += is_gts7(text);
+    geodimeter += is_geodimeter(text);
+    zeiss += text.starts_with("For M5|") || text.starts_with("For R5|") || text.starts_with("For R4|");
+    comments += text.front() == '#' || text.front() == '%';
+    sections = sections || is_krumm_section(text);
+    const StarNetLine kind = starnet_line(text);
+    starnet += kind != StarNetLine::no;
+    starnet_sure += kind == StarNetLine::strong;
   }
   const auto explains = [&](std::size_t count) { return count > 0 && 2 * count >= looked_at - comments; };
   if (sections) return SurveyFormat::krumm;
+  if (explains(zeiss)) return SurveyFormat::zeiss;
   if (explains(gsi)) return SurveyFormat::gsi;
   if (explains(sdr)) return SurveyFormat::sdr33;
+  if (explains(nikon) && nikon > rw5) return SurveyFormat::nikon;
   if (explains(rw5)) return SurveyFormat::rw5;
+  if (explains(gts7)) return SurveyFormat::topcon_gts7;
+  if (explains(geodimeter)) return SurveyFormat::geodimeter;
+  if (starnet_sure > 0 && explains(starnet)) return SurveyFormat::starnet;
+  return std::nullopt;
+}
+
+// Formats that show by how they begin.
+std::optional<SurveyFormat> format_by_beginning(std::string_view text) {
+  if (text.starts_with("_'") && text.find("_+") != std::string_view::npos) return SurveyFormat::topcon_gts210;
+  if (text.starts_with("HEADER") && text.find("DATABASE") != std::string_view::npos) return SurveyFormat::idx;
   return std::nullopt;
 }
 
@@ -105,7 +183,7 @@ bool looks_like_table(std::string_view text) {
 
 std::optional<SurveyFormat> suffix_format(const std::string& file_name) {
   const std::string name = formats::to_lower(file_name);
-  static constexpr std::array<std::pair<std::string_view, SurveyFormat>, 9> kSuffixes = {{
+  static constexpr std::array<std::pair<std::string_view, SurveyFormat>, 13> kSuffixes = {{
       {".gsi", SurveyFormat::gsi},
       {".jxl", SurveyFormat::jobxml},
       {".jobxml", SurveyFormat::jobxml},
@@ -115,6 +193,10 @@ std::optional<SurveyFormat> suffix_format(const std::string& file_name) {
       {".landxml", SurveyFormat::landxml},
       {".hexml", SurveyFormat::landxml},
       {".csv", SurveyFormat::csv},
+      {".m5", SurveyFormat::zeiss},
+      {".are", SurveyFormat::geodimeter},
+      {".gts7", SurveyFormat::topcon_gts7},
+      {".idx", SurveyFormat::idx},
   }};
   for (const auto& [suffix, format] : kSuffixes)
     if (name.ends_with(suffix)) return format;
@@ -124,16 +206,18 @@ std::optional<SurveyFormat> suffix_format(const std::string& file_name) {
 }  // namespace
 
 const char* short_name(SurveyFormat format) {
-  static constexpr const char* kNames[] = {"gsi",   "landxml",           "jobxml", "sdr33", "rw5", "gama-xml",
-                                           "krumm", "setup-coordinates", "csv"};
+  static constexpr const char* kNames[] = {
+      "gsi", "landxml", "jobxml", "sdr33",       "rw5",           "gama-xml",   "krumm", "setup-coordinates",
+      "csv", "zeiss",   "nikon",  "topcon-gts7", "topcon-gts210", "geodimeter", "idx",   "starnet"};
   return kNames[static_cast<std::size_t>(format)];
 }
 
 const char* long_name(SurveyFormat format) {
   static constexpr const char* kNames[] = {
-      "Leica GSI",   "LandXML survey", "Trimble JobXML", "Sokkia SDR33",
-      "Carlson RW5", "gama-local XML", "Krumm .dat",     "CSV of coordinates in each set-up",
-      "CSV table"};
+      "Leica GSI",      "LandXML survey",     "Trimble JobXML", "Sokkia SDR33",
+      "Carlson RW5",    "gama-local XML",     "Krumm .dat",     "CSV of coordinates in each set-up",
+      "CSV table",      "Zeiss M5, R5 or R4", "Nikon RAW",      "Topcon GTS-7",
+      "Topcon GTS-210", "Geodimeter",         "Leica IDX",      "STAR*NET"};
   return kNames[static_cast<std::size_t>(format)];
 }
 
@@ -146,7 +230,8 @@ std::optional<SurveyFormat> detect_survey_format(std::string_view bytes, const s
     const auto format = xml_format(text);
     return format ? format : suffix_format(file_name);
   }
-  if (const auto format = line_format(formats::split_lines(text))) return format;
+  if (const auto format = format_by_beginning(text)) return format;
+  if (const auto format = line_format(text)) return format;
   if (has_setup_coordinates_header(text)) return SurveyFormat::setup_coordinates;
   if (looks_like_table(text)) return SurveyFormat::csv;
   return suffix_format(file_name);
@@ -174,6 +259,20 @@ SurveyObservations read_survey(std::string_view bytes, const std::string& file) 
         return read_survey_csv(bytes, file);
       case SurveyFormat::gama_xml:
         return read_gama_xml(bytes, file);
+      case SurveyFormat::zeiss:
+        return read_zeiss(bytes, file);
+      case SurveyFormat::nikon:
+        return read_nikon(bytes, file);
+      case SurveyFormat::topcon_gts7:
+        return read_topcon_gts7(bytes, file);
+      case SurveyFormat::topcon_gts210:
+        return read_topcon_gts210(bytes, file);
+      case SurveyFormat::geodimeter:
+        return read_geodimeter(bytes, file);
+      case SurveyFormat::idx:
+        return read_idx(bytes, file);
+      case SurveyFormat::starnet:
+        return read_starnet(bytes, file);
     }
   }
   const formats::DecodedText decoded = formats::decode_text(bytes.substr(0, kBeginning));

@@ -9,13 +9,30 @@
 
 namespace plumbline::survey {
 
-enum class SurveyFormat { gsi, landxml, jobxml, sdr33, rw5, gama_xml, krumm, setup_coordinates, csv };
+enum class SurveyFormat {
+  gsi,
+  landxml,
+  jobxml,
+  sdr33,
+  rw5,
+  gama_xml,
+  krumm,
+  setup_coordinates,
+  csv,
+  zeiss,
+  nikon,
+  topcon_gts7,
+  topcon_gts210,
+  geodimeter,
+  idx,
+  starnet
+};
 
 /// Short name, e.g. "gsi", and what a person calls it, e.g. "Leica GSI".
 const char* short_name(SurveyFormat format);
 const char* long_name(SurveyFormat format);
 
-/// The format of `bytes`, nullopt if it looks like none. Reads the beginning only (64 KiB) and never throws.
+/// The format of `bytes`, nullopt if it looks like none. Reads the beginning only (16 KiB) and never throws.
 std::optional<SurveyFormat> detect_survey_format(std::string_view bytes, const std::string& file_name);
 
 /// Reads a file of any of the formats with the reader's default options. Throws SurveyReadError, for a file of no

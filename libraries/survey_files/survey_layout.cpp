@@ -28,6 +28,8 @@ class LayoutReader {
     table_ = formats::read_csv(bytes, known);
     if (table_.header.empty())
       throw SurveyReadError({file_, 1, 0}, "no header line", std::string("the columns ") + kColumns);
+    for (const auto& row : table_.doubtful)
+      fail(row.line, "a row that begins with '" + row.cells[0].text + "'", formats::kDoubtfulRow);
     for (size_t i = 0; i < table_.header.size(); ++i) {
       const std::string& name = table_.header[i].name;
       const bool is_known = std::any_of(known.begin(), known.end(), [&](const auto& k) { return k.second == name; });

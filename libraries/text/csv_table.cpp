@@ -16,6 +16,25 @@ bool is_comment(std::string_view line) {
   return line.starts_with('#') || line.starts_with('%') || line.starts_with("//");
 }
 
+// Apostrophes, then what a spreadsheet begins a formula with: csv_field writes one apostrophe more than the text has.
+bool has_formula_sign(std::string_view text) {
+  const std::size_t first = text.find_first_not_of('\'');
+  return first != std::string_view::npos && std::string_view("=+-@").find(text[first]) != std::string_view::npos;
+}
+
+// A comment mark with a name at once behind it, and at least two numbers in the cells after the first.
+bool is_doubtful(std::string_view line, const CsvRow& row, const CsvTable& table) {
+  line = trim(line);
+  const std::size_t mark = line.starts_with("//") ? 2 : 1;
+  if (line.size() <= mark || std::string_view(" \t#%/-=*").find(line[mark]) != std::string_view::npos) return false;
+  if (row.cells.size() < 3 ||
+      (!table.header.empty() && row.cells.size() < std::min<std::size_t>(table.header.size(), 4)))
+    return false;
+  std::size_t numbers = 0;
+  for (std::size_t i = 1; i < row.cells.size(); ++i) numbers += table.number(row.cells[i]) ? 1 : 0;
+  return numbers >= 2;
+}
+
 std::vector<CsvCell> cells_of(std::string_view line, char delimiter) {
   std::vector<CsvCell> cells;
   const bool blanks = delimiter == ' ';
@@ -46,6 +65,7 @@ std::vector<CsvCell> cells_of(std::string_view line, char delimiter) {
       cell.text = line.substr(start, i - start);
     }
     cell.text = std::string(trim(cell.text));
+    if (cell.text.starts_with('\'') && has_formula_sign(cell.text)) cell.text.erase(0, 1);
     cells.push_back(std::move(cell));
     if (i >= line.size()) break;
     ++i;
@@ -173,8 +193,7 @@ CsvTable read_csv(std::string_view bytes, const std::map<std::string, std::strin
     std::string_view text = line.text;
     if (trim(text).empty()) continue;
     const bool comment = is_comment(text);
-    if (comment && !first) continue;
-    if (comment) text.remove_prefix(std::min(text.find_first_not_of("#%/ \t"), text.size()));
+    if (comment && first) text.remove_prefix(std::min(text.find_first_not_of("#%/ \t"), text.size()));
     CsvRow row = {line.number, cells_of(text, table.delimiter)};
     if (first && table.header.empty()) {
       table.header = header_of(row.cells, table, known_names);
@@ -184,17 +203,22 @@ CsvTable read_csv(std::string_view bytes, const std::map<std::string, std::strin
         continue;
       }
     }
-    if (comment) continue;
+    if (comment) {
+      CsvRow whole = {line.number, cells_of(line.text, table.delimiter)};
+      if (is_doubtful(line.text, whole, table)) table.doubtful.push_back(std::move(whole));
+      continue;
+    }
     first = false;
     table.rows.push_back(std::move(row));
   }
   return table;
 }
 
-std::string csv_field(std::string_view text) {
-  const bool plain = text.find_first_of(",;\"\r\n\t") == std::string_view::npos && trim(text) == text &&
+std::string csv_field(std::string_view plain_text) {
+  const std::string text = (has_formula_sign(plain_text) ? "'" : "") + std::string(plain_text);
+  const bool plain = text.find_first_of(",;\"\r\n\t") == std::string::npos && trim(text) == text &&
                      !(!text.empty() && (text[0] == '#' || text[0] == '%' || text[0] == '/'));
-  if (plain) return std::string(text);
+  if (plain) return text;
   std::string out = "\"";
   for (const char c : text) {
     if (c == '"') out += '"';

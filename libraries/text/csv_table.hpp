@@ -34,6 +34,9 @@ struct CsvTable {
   std::vector<CsvHeaderCell> header;  ///< empty if the first row holds data
   int header_line = 0;
   std::vector<CsvRow> rows;  ///< without header, comments and empty lines
+  /// Lines that begin with a comment mark and a name at once and hold numbers as a row does ("#7,12.5,3.1,0.2"): a
+  /// point called #7, or a row taken out. The reader of the table refuses them with kDoubtfulRow.
+  std::vector<CsvRow> doubtful;
 
   /// The number in `cell`, with this table's decimal separator.
   std::optional<double> number(const CsvCell& cell) const { return parse_number(cell.text, decimal); }
@@ -41,13 +44,18 @@ struct CsvTable {
   std::string dialect() const;
 };
 
+/// What to do about a doubtful row.
+inline constexpr const char* kDoubtfulRow =
+    "if that is a name, put it in quotes (\"#7\"); if the row is a comment, put a blank after the mark";
+
 /// Reads `bytes` as a table. Lines that begin with '#', '%' or "//" are comments. The first row (a comment too, if it
 /// is one) is the header when at least two of its cells are in `known_names` and none but the first is a number.
 /// `known_names` maps what a normalised header cell may be called to the name used for it in CsvTable::header; names
 /// that are not in it are kept as they are. Never throws; a text of no table has no rows or rows of one cell.
 CsvTable read_csv(std::string_view bytes, const std::map<std::string, std::string>& known_names);
 
-/// `text` as a CSV field: quoted where it holds a delimiter or quotes, line ends as blanks.
+/// `text` as a CSV field: quoted where it holds a delimiter or quotes, line ends as blanks. Text that a spreadsheet
+/// would take for a formula (=, +, - or @ in front) gets an apostrophe in front, which read_csv takes off again.
 std::string csv_field(std::string_view text);
 
 }  // namespace plumbline::formats

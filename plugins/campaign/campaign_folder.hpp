@@ -65,8 +65,10 @@ struct ControlPoint {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< E, N, H [m]
   Eigen::Vector3d sigma = Eigen::Vector3d::Zero();     ///< [m]
 };
-/// A control.csv. Throws CampaignError.
-std::vector<ControlPoint> parse_control(const std::string& csv, const std::filesystem::path& shown);
+/// A control.csv, in any dialect of read.survey_csv: names of columns also in German, no header for the order PENZD.
+/// Without standard deviations 1 mm is assumed, which `warnings` says. Throws CampaignError.
+std::vector<ControlPoint> parse_control(const std::string& csv, const std::filesystem::path& shown,
+                                        std::vector<std::string>* warnings = nullptr);
 
 /// A row of truth/anchors.csv, which simulate.campaign writes.
 struct TrueAnchor {

@@ -5,6 +5,8 @@
 #include <set>
 
 #include "campaign_folder.hpp"
+#include "survey_files/survey_builder.hpp"
+#include "survey_files/survey_csv_columns.hpp"
 #include "text/csv_table.hpp"
 
 namespace plumbline::campaign {
@@ -27,6 +29,14 @@ const char* example_of(Quantity quantity) {
   return quantity == Quantity::length ? "_m or _mm" : quantity == Quantity::angle ? "_deg, _gon or _rad" : "";
 }
 
+/// A row that begins with '#' and looks like data may be a name or commented out: nobody guesses which.
+void refuse_doubtful(const CsvTable& table, const std::filesystem::path& shown) {
+  if (table.doubtful.empty()) return;
+  throw CampaignError(shown, table.doubtful.front().line,
+                      std::string("found a row that begins with '") + table.doubtful.front().cells[0].text +
+                          "': " + formats::kDoubtfulRow);
+}
+
 /// Reads cells by column name; every error names file, line and column.
 class Table {
  public:
@@ -39,6 +49,7 @@ class Table {
       throw CampaignError(shown, 1, "found no header line, expected the columns " + names());
     }
     check_header();
+    refuse_doubtful(table_, shown);
     if (table_.rows.empty()) throw CampaignError(shown, table_.header_line, "found a header and no row under it");
   }
 
@@ -135,6 +146,49 @@ class Table {
   std::map<std::string, double> factor_;
 };
 
+constexpr double kAssumedSigma = 1e-3;  // [m], of control without standard deviations; said in a warning
+
+/// The columns, orders and units of read.survey_csv: one dialect for every table of points.
+std::vector<ControlPoint> read_control_rows(const std::string& csv, const std::filesystem::path& shown,
+                                            std::vector<std::string>* warnings) {
+  const CsvTable table = formats::read_csv(csv, survey::survey_column_names());
+  survey::SurveyBuilder builder(shown.string(), "csv");
+  survey::SurveyColumns columns(table, {}, builder);
+  if (!columns.has("id") || !columns.has("e") || !columns.has("n") || !columns.has("h"))
+    throw CampaignError(shown, table.header_line,
+                        "found no columns id, E, N and H (or the names that read.survey_csv knows for them)");
+  refuse_doubtful(table, shown);
+  if (table.rows.empty()) throw CampaignError(shown, table.header_line, "found no row with a point");
+  const bool with_sigmas = columns.has("sigma_e") || columns.has("cov_ee");
+  if (!with_sigmas)
+    builder.warn(
+        "no standard deviations: 1 mm in E, N and H is assumed; say better with sigma_e_mm, sigma_n_mm, "
+        "sigma_h_mm");
+  std::vector<ControlPoint> points;
+  std::set<std::string> ids;
+  for (const CsvRow& row : table.rows) {
+    columns.select(row);
+    ControlPoint p;
+    p.id = columns.text("id");
+    p.position = columns.coordinates();
+    p.sigma = with_sigmas ? columns.covariance().diagonal().cwiseSqrt().eval()
+                          : Eigen::Vector3d::Constant(kAssumedSigma).eval();
+    if (columns.failed()) {
+      const survey::SkippedLine& found = builder.survey.skipped.front();
+      throw CampaignError(shown, row.line, "found " + found.found + ", expected " + found.expected);
+    }
+    if (p.id.empty()) throw CampaignError(shown, row.line, "a point without a name");
+    if (p.position.array().isNaN().any()) throw CampaignError(shown, row.line, "'" + p.id + "' lacks E, N or H");
+    if (!(p.sigma.minCoeff() > 0))
+      throw CampaignError(shown, row.line, "'" + p.id + "' lacks a standard deviation above zero for E, N or H");
+    if (!ids.insert(p.id).second)
+      throw CampaignError(shown, row.line, "control point '" + p.id + "' stands here a second time");
+    points.push_back(std::move(p));
+  }
+  if (warnings) *warnings = builder.survey.warnings;
+  return points;
+}
+
 }  // namespace
 
 std::vector<PlateEntry> parse_plates(const std::string& csv, const std::filesystem::path& shown) {
@@ -182,27 +236,13 @@ std::vector<PlateEntry> parse_plates(const std::string& csv, const std::filesyst
   return plates;
 }
 
-std::vector<ControlPoint> parse_control(const std::string& csv, const std::filesystem::path& shown) {
-  const Table table(csv, shown,
-                    {{"id", Quantity::text, true},
-                     {"east", Quantity::length, true},
-                     {"north", Quantity::length, true},
-                     {"height", Quantity::length, true},
-                     {"sigma_east", Quantity::length, true},
-                     {"sigma_north", Quantity::length, true},
-                     {"sigma_height", Quantity::length, true}});
-  std::vector<ControlPoint> points;
-  std::set<std::string> ids;
-  for (const CsvRow& row : table.rows()) {
-    ControlPoint p;
-    p.id = table.text(row, "id");
-    p.position = {table.number(row, "east"), table.number(row, "north"), table.number(row, "height")};
-    p.sigma = {table.number(row, "sigma_east"), table.number(row, "sigma_north"), table.number(row, "sigma_height")};
-    if (!(p.sigma.minCoeff() > 0)) table.fail(row, "standard deviations of '" + p.id + "' must be positive");
-    if (!ids.insert(p.id).second) table.fail(row, "control point '" + p.id + "' stands here a second time");
-    points.push_back(std::move(p));
+std::vector<ControlPoint> parse_control(const std::string& csv, const std::filesystem::path& shown,
+                                        std::vector<std::string>* warnings) {
+  try {
+    return read_control_rows(csv, shown, warnings);
+  } catch (const survey::SurveyReadError& error) {
+    throw CampaignError(shown, error.source.line, "found " + error.found + ", expected " + error.expected);
   }
-  return points;
 }
 
 std::vector<TrueAnchor> parse_true_anchors(const std::string& csv, const std::filesystem::path& shown) {

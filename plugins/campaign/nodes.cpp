@@ -14,7 +14,7 @@
 #include "campaign_folder.hpp"
 #include "image_header.hpp"
 #include "plumbline/node.hpp"
-#include "survey_files.hpp"
+#include "survey/model/merge_surveys.hpp"
 #include "survey_files/survey_format.hpp"
 
 namespace {
@@ -94,16 +94,18 @@ campaign::CampaignDescription describe(const FolderT& given, const fs::path& roo
   return campaign::parse_campaign(read_text(yaml), yaml, names, survey_only);
 }
 
-PointsT read_control(const campaign::CampaignDescription& description, const fs::path& root) {
-  std::vector<campaign::ControlPoint> points;
-  if (!description.control.empty())
-    points = campaign::parse_control(read_text(root / description.control), root / description.control);
-  return to_artifact(points);
+std::vector<campaign::ControlPoint> read_control(const campaign::CampaignDescription& description, const fs::path& root,
+                                                 Context& context) {
+  if (description.control.empty()) return {};
+  std::vector<std::string> warnings;
+  auto points = campaign::parse_control(read_text(root / description.control), root / description.control, &warnings);
+  for (const std::string& warning : warnings) context.warn(description.control + ": " + warning);
+  return points;
 }
 
 /// All survey files in one. A network adjusted from part of its readings must not look like one adjusted from all.
-SurveyObservationsT read_surveys(const campaign::CampaignDescription& description, const fs::path& root, bool strict,
-                                 Context& context) {
+SurveyObservationsT read_surveys(const campaign::CampaignDescription& description, const fs::path& root,
+                                 const std::vector<campaign::ControlPoint>& known, bool strict, Context& context) {
   std::vector<plumbline::survey::SurveyObservations> parts;
   for (const std::string& path : description.survey) {
     parts.push_back(plumbline::survey::read_survey(read_text(root / path), path));  // by its own name, wherever it lies
@@ -116,7 +118,17 @@ SurveyObservationsT read_surveys(const campaign::CampaignDescription& descriptio
     }
     for (const std::string& warning : parts.back().warnings) context.warn(path + ": " + warning);
   }
-  auto all = campaign::merge(parts);
+  plumbline::survey::MergeOptions options;
+  for (const campaign::ControlPoint& point : known) options.known.push_back(point.id);
+  plumbline::survey::MergedSurvey merged = plumbline::survey::merge_surveys(parts, options);
+  auto& all = merged.survey;
+  for (const plumbline::survey::Finding& finding : merged.findings) {
+    all.warnings.push_back(finding.text);
+    if (finding.severity == plumbline::survey::Finding::Severity::note)
+      context.info(finding.text);
+    else
+      context.warn(finding.text);
+  }
   if (!description.instrument.empty()) all.info.instrument = description.instrument;
   if (!description.name.empty()) all.info.title = description.name;
   return plumbline::survey::to_artifact(all);
@@ -145,8 +157,9 @@ struct ReadCampaign : Node {
     const auto calibration = campaign::parse_camera(read_text(root / description.camera), root / description.camera);
     camera.commit(to_artifact(calibration, description.camera));
     plates.commit(to_artifact(campaign::parse_plates(read_text(root / description.plates), root / description.plates)));
-    control.commit(read_control(description, root));
-    survey.commit(read_surveys(description, root, *strict, context));
+    const auto known = read_control(description, root, context);
+    control.commit(to_artifact(known));
+    survey.commit(read_surveys(description, root, known, *strict, context));
     for (const std::string& path : description.images) commit_image(*entries.at(path), root, calibration);
 
     const std::string text = read_text(root / description.design);
@@ -198,8 +211,9 @@ struct ReadSurveyCampaign : Node {
     const FolderT given = folder.unpack();
     const fs::path root = context.resolve(given.uri);
     const auto description = describe(given, root, true);
-    control.commit(read_control(description, root));
-    survey.commit(read_surveys(description, root, *strict, context));
+    const auto known = read_control(description, root, context);
+    control.commit(to_artifact(known));
+    survey.commit(read_surveys(description, root, known, *strict, context));
   }
 };
 

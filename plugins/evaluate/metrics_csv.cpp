@@ -2,17 +2,11 @@
 #include <cmath>
 
 #include "evaluate/metrics.hpp"
+#include "text/csv_table.hpp"
 
 namespace plumbline::evaluate {
 
 namespace {
-
-std::string cell(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
-}
 
 /// Fixed decimals without a locale; an unknown number is an empty cell.
 std::string number(double value, int decimals) {
@@ -44,11 +38,11 @@ std::string metrics_csv(const AccuracyT& accuracy) {
   std::string text =
       "anchor,floor,column,row,use,x_m,y_m,z_m," + header("survey") + header("truth") + header("design") + "note\n";
   for (const auto& a : accuracy.anchors) {
-    text += cell(a->id) + "," + std::to_string(a->floor) + "," + std::to_string(a->column) + "," +
+    text += formats::csv_field(a->id) + "," + std::to_string(a->floor) + "," + std::to_string(a->column) + "," +
             std::to_string(a->row) + "," + EnumNameAnchorUse(a->use) + "," + number(a->x, 6) + "," + number(a->y, 6) +
             "," + number(a->z, 6) + ",";
     text += difference_cells(a->survey.get()) + difference_cells(a->truth.get()) + difference_cells(a->design.get());
-    text += cell(a->note) + "\n";
+    text += formats::csv_field(a->note) + "\n";
   }
   return text;
 }

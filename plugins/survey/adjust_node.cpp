@@ -6,6 +6,7 @@
 
 #include "artifacts/survey_artifact.hpp"
 #include "network_artifact.hpp"
+#include "survey/model/merge_surveys.hpp"
 
 namespace plumbline::survey {
 
@@ -66,12 +67,14 @@ void AdjustNode::run(Context& context) {
   if (surveys.empty()) throw std::runtime_error("'observations' holds no survey file");
   ControlPoints known;
   if (control) known = control_from_artifact(control.unpack());
-  const auto survey = merge_surveys(surveys);
+  const MergedSurvey merged = merge_surveys(surveys, {known.ids, *same_stations});
+  const auto& survey = merged.survey;
   AdjustOptions o = options();
   std::string remark;
   o.profile = chosen_profile(survey.info.instrument, remark);
   if (!remark.empty()) context.warn(remark);
-  const NetworkResult result = adjust_network(survey, o, known);
+  NetworkResult result = adjust_network(survey, o, known);
+  result.findings.insert(result.findings.begin(), merged.findings.begin(), merged.findings.end());
   if (result.validity != Validity::sound) context.warn(result.verdict);
   for (const Finding& finding : result.findings)
     if (finding.severity != Finding::Severity::note) context.warn(finding.text);

@@ -20,6 +20,9 @@ struct AdjustNode : ProfiledNode {
                            "as the file says, or a free network"};
   Param<std::vector<std::string>> datum_points{"datum_points", std::vector<std::string>{},
                                                "points that carry a fixed or inner datum; empty: all that can"};
+  Param<std::vector<std::string>> same_stations{
+      "same_stations", std::vector<std::string>{},
+      "stations that several files occupy and that are one mark though nothing in the files shows it; '*': all"};
   Param<double> alpha{"alpha", 0.05, "1", between(1e-6, 0.5), "error of the first kind of the global test"};
   Param<double> alpha0{"alpha0", 0.001, "1", between(1e-9, 0.5), "error of the first kind of one w-test"};
   Param<double> power{"power", 0.80, "1", between(0.5, 0.999), "power that minimal detectable blunders refer to"};

@@ -11,6 +11,7 @@
 #include "network_artifact.hpp"
 #include "survey/doctor/check_control.hpp"
 #include "survey/epochs/compare_epochs.hpp"
+#include "survey/model/merge_surveys.hpp"
 #include "survey_files/survey_layout.hpp"
 
 namespace plumbline::survey {
@@ -163,7 +164,7 @@ void CheckControlNode::run(Context& context) {
   for (size_t i = 0; i < observations.size(); ++i) surveys.push_back(from_artifact(observations.unpack(i)));
   ControlPoints known;
   if (control) known = control_from_artifact(control.unpack());
-  const auto survey = merge_surveys(surveys);
+  const auto survey = merge_surveys(surveys, {known.ids, *same_stations}).survey;  // survey.adjust says what was united
   AdjustOptions adjustment;
   std::string remark;  // survey.adjust says it
   adjustment.profile = chosen_profile(survey.info.instrument, remark);

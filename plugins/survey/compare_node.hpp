@@ -38,6 +38,8 @@ struct CheckControlNode : ProfiledNode {
   List<plumbline::SurveyObservations> observations{
       "observations", frame("frame=?S"), "readings of one campaign; points that its files hold fixed are control too"};
   Optional<Points> control{"control", frame("frame=?S"), "points known beforehand, with or without covariance"};
+  Param<std::vector<std::string>> same_stations{"same_stations", std::vector<std::string>{},
+                                                "as in survey.adjust: stations of several files that are one mark"};
   Param<bool> remove_blunders{"remove_blunders", false, "data snooping cleans the free network first"};
   Param<double> alpha{"alpha", 0.05, "1", between(1e-6, 0.5), "error of the first kind of the global test"};
   Param<double> alpha0{"alpha0", 0.001, "1", between(1e-9, 0.5), "error of the first kind of the test of a point"};

@@ -58,6 +58,43 @@ struct ReadRw5 : ReaderNode {
   void run(Context& context) override;
 };
 
+struct ReadZeiss : ReaderNode {
+  static constexpr Info info{"read.zeiss", "survey_reader", 1,
+                             "Reads Zeiss and Trimble M5, R5 and R4: total stations and digital levels"};
+  void run(Context& context) override;
+};
+
+struct ReadNikon : ReaderNode {
+  static constexpr Info info{"read.nikon", "survey_reader", 1,
+                             "Reads Nikon RAW, also of Ruide, Spectra and Trimble M3"};
+  void run(Context& context) override;
+};
+
+struct ReadTopconGts7 : ReaderNode {
+  static constexpr Info info{"read.topcon_gts7", "survey_reader", 1, "Reads Topcon GTS-7 and South NTS"};
+  void run(Context& context) override;
+};
+
+struct ReadTopconGts210 : ReaderNode {
+  static constexpr Info info{"read.topcon_gts210", "survey_reader", 1, "Reads Topcon GTS-210 streams"};
+  void run(Context& context) override;
+};
+
+struct ReadGeodimeter : ReaderNode {
+  static constexpr Info info{"read.geodimeter", "survey_reader", 1, "Reads Geodimeter JOB and ARE"};
+  void run(Context& context) override;
+};
+
+struct ReadIdx : ReaderNode {
+  static constexpr Info info{"read.idx", "survey_reader", 1, "Reads Leica IDX"};
+  void run(Context& context) override;
+};
+
+struct ReadStarNet : ReaderNode {
+  static constexpr Info info{"read.starnet", "survey_reader", 1, "Reads STAR*NET data files"};
+  void run(Context& context) override;
+};
+
 struct ReadGama : ReaderNode {
   static constexpr Info info{"read.gama", "survey_reader", 1, "Reads the XML networks of gama-local"};
   void run(Context& context) override;

@@ -1,5 +1,6 @@
 #include "artifacts/survey_artifact.hpp"
 #include "nodes.hpp"
+#include "survey_files/field_books.hpp"
 #include "survey_files/gama.hpp"
 #include "survey_files/gsi.hpp"
 #include "survey_files/jobxml.hpp"
@@ -7,8 +8,10 @@
 #include "survey_files/landxml.hpp"
 #include "survey_files/rw5.hpp"
 #include "survey_files/sdr33.hpp"
+#include "survey_files/starnet.hpp"
 #include "survey_files/survey_csv.hpp"
 #include "survey_files/survey_format.hpp"
+#include "survey_files/zeiss.hpp"
 
 namespace plumbline::survey_files {
 namespace {
@@ -59,6 +62,13 @@ void ReadLandXml::run(Context& context) { deliver(context, survey::read_landxml(
 void ReadJobXml::run(Context& context) { deliver(context, survey::read_jobxml(bytes(), name())); }
 void ReadSdr33::run(Context& context) { deliver(context, survey::read_sdr33(bytes(), name())); }
 void ReadRw5::run(Context& context) { deliver(context, survey::read_rw5(bytes(), name())); }
+void ReadZeiss::run(Context& context) { deliver(context, survey::read_zeiss(bytes(), name())); }
+void ReadNikon::run(Context& context) { deliver(context, survey::read_nikon(bytes(), name())); }
+void ReadTopconGts7::run(Context& context) { deliver(context, survey::read_topcon_gts7(bytes(), name())); }
+void ReadTopconGts210::run(Context& context) { deliver(context, survey::read_topcon_gts210(bytes(), name())); }
+void ReadGeodimeter::run(Context& context) { deliver(context, survey::read_geodimeter(bytes(), name())); }
+void ReadIdx::run(Context& context) { deliver(context, survey::read_idx(bytes(), name())); }
+void ReadStarNet::run(Context& context) { deliver(context, survey::read_starnet(bytes(), name())); }
 void ReadGama::run(Context& context) { deliver(context, survey::read_gama_xml(bytes(), name())); }
 void ReadKrumm::run(Context& context) { deliver(context, survey::read_krumm(bytes(), name())); }
 

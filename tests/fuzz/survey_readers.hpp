@@ -10,6 +10,7 @@
 #include <string>
 #include <string_view>
 
+#include "survey_files/field_books.hpp"
 #include "survey_files/gama.hpp"
 #include "survey_files/gsi.hpp"
 #include "survey_files/jobxml.hpp"
@@ -17,9 +18,11 @@
 #include "survey_files/landxml.hpp"
 #include "survey_files/rw5.hpp"
 #include "survey_files/sdr33.hpp"
+#include "survey_files/starnet.hpp"
 #include "survey_files/survey_csv.hpp"
 #include "survey_files/survey_format.hpp"
 #include "survey_files/survey_layout.hpp"
+#include "survey_files/zeiss.hpp"
 #include "text/csv_table.hpp"
 
 namespace plumbline::fuzz {
@@ -117,6 +120,14 @@ inline constexpr Target kTargets[] = {
     {"rw5", [](std::string_view b) { run_reader(b.size(), [&] { return survey::read_rw5(b, "f"); }); }},
     {"gama", [](std::string_view b) { run_reader(b.size(), [&] { return survey::read_gama_xml(b, "f"); }); }},
     {"krumm", [](std::string_view b) { run_reader(b.size(), [&] { return survey::read_krumm(b, "f"); }); }},
+    {"zeiss", [](std::string_view b) { run_reader(b.size(), [&] { return survey::read_zeiss(b, "f"); }); }},
+    {"nikon", [](std::string_view b) { run_reader(b.size(), [&] { return survey::read_nikon(b, "f"); }); }},
+    {"topcon_gts7", [](std::string_view b) { run_reader(b.size(), [&] { return survey::read_topcon_gts7(b, "f"); }); }},
+    {"topcon_gts210",
+     [](std::string_view b) { run_reader(b.size(), [&] { return survey::read_topcon_gts210(b, "f"); }); }},
+    {"geodimeter", [](std::string_view b) { run_reader(b.size(), [&] { return survey::read_geodimeter(b, "f"); }); }},
+    {"idx", [](std::string_view b) { run_reader(b.size(), [&] { return survey::read_idx(b, "f"); }); }},
+    {"starnet", [](std::string_view b) { run_reader(b.size(), [&] { return survey::read_starnet(b, "f"); }); }},
     {"survey_layout", run_layout},
     {"survey_format", [](std::string_view b) { run_reader(b.size(), [&] { return survey::read_survey(b, "f"); }); }},
 };

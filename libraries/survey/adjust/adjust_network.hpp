@@ -192,9 +192,6 @@ struct NetworkResult {
   Eigen::MatrixXd full_covariance() const;
 };
 
-/// Several files of one campaign as one network: set-ups and pointings renumbered, points of the same name united.
-SurveyObservations merge_surveys(const std::vector<SurveyObservations>& surveys);
-
 /// Throws NetworkError: no observations, undetermined coordinates, rank defect (named), no convergence.
 NetworkResult adjust_network(const SurveyObservations& survey, const AdjustOptions& options,
                              const ControlPoints& control = {});

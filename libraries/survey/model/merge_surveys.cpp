@@ -1,84 +1,348 @@
+#include "survey/model/merge_surveys.hpp"
+
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <map>
+#include <set>
 
-#include "survey/adjust/adjust_network.hpp"
+#include "survey/model/station_identity.hpp"
 
 namespace plumbline::survey {
 
 namespace {
+
+constexpr double kSameCoordinates = 0.01;           // [m]
+constexpr double kFixedContradiction = 0.001;       // [m]
+constexpr double kOtherFrame = 0.5;                 // [m]; points do not move that far between two days
+constexpr const char* kInvented = "free-station-";  // SurveyBuilder::start_unnamed_set_up
 
 template <typename Item>
 void append(const std::vector<Item>& from, std::vector<Item>& to) {
   to.insert(to.end(), from.begin(), from.end());
 }
 
+std::string listed(const std::vector<std::string>& names, size_t most = 8) {
+  std::string text;
+  for (size_t i = 0; i < std::min(most, names.size()); ++i) text += (i > 0 ? ", " : "") + names[i];
+  return names.size() > most ? text + " and " + std::to_string(names.size() - most) + " more" : text;
+}
+
+std::string in_metres(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3f m", value);
+  return text;
+}
+
+/// "monday" of "survey/monday.gsi": short enough to stand in front of a point's name.
+std::string stem(const std::string& file) {
+  const std::string name =
+      file.substr(file.find_last_of("/\\") == std::string::npos ? 0 : file.find_last_of("/\\") + 1);
+  const size_t dot = name.rfind('.');
+  return dot == std::string::npos || dot == 0 ? name : name.substr(0, dot);
+}
+
+class Merger {
+ public:
+  Merger(const std::vector<SurveyObservations>& surveys, const MergeOptions& options)
+      : surveys_(surveys), options_(options) {
+    name_files();
+  }
+  MergedSurvey run();
+
+ private:
+  void name_files();
+  void decide_stations();
+  void decide_station(const std::string& station, const std::vector<size_t>& files);
+  StationEvidence evidence(const std::string& station, size_t a, size_t b) const;
+  void compare_coordinates();
+  void compare_coordinates(size_t a, size_t b);
+  void refuse_fixed(const Point& a, const Point& b, size_t file_a, size_t file_b) const;
+  std::string name_in(size_t file, const std::string& id) const;
+  void merge_info(const NetworkInfo& info);
+  void merge_points(size_t file);
+  void merge_observations(size_t file);
+  void merge_groups(size_t file);
+  void find(Finding::Severity severity, const std::string& text, std::vector<std::string> points) {
+    merged_.findings.push_back({severity, text, std::move(points)});
+  }
+
+  const std::vector<SurveyObservations>& surveys_;
+  const MergeOptions& options_;
+  MergedSurvey merged_;
+  std::vector<std::string> files_;                           // a short, unique name of each
+  std::vector<std::map<std::string, std::string>> renamed_;  // by file
+  std::vector<char> drop_coordinates_;                       // of free points, by file
+  std::vector<std::set<std::string>> drop_points_;           // likewise, of single points
+  std::map<std::string, size_t> index_;
+  std::set<std::string> set_up_ids_;
+  int pointings_ = 0;
+};
+
+void Merger::name_files() {
+  std::set<std::string> used;
+  for (size_t i = 0; i < surveys_.size(); ++i) {
+    const std::string base = surveys_[i].files.empty() ? "file " + std::to_string(i + 1) : stem(surveys_[i].files[0]);
+    std::string name = base;
+    for (int k = 2; !used.insert(name).second; ++k) name = base + "-" + std::to_string(k);
+    files_.push_back(name);
+  }
+  renamed_.resize(surveys_.size());
+  drop_points_.resize(surveys_.size());
+  drop_coordinates_.assign(surveys_.size(), 0);
+}
+
+std::string Merger::name_in(size_t file, const std::string& id) const {
+  const auto at = renamed_[file].find(id);
+  return at == renamed_[file].end() ? id : at->second;
+}
+
+StationEvidence Merger::evidence(const std::string& station, size_t a, size_t b) const {
+  const auto contains = [](const std::vector<std::string>& list, const std::string& id) {
+    return std::find(list.begin(), list.end(), id) != list.end();
+  };
+  if (contains(options_.same_stations, station) || contains(options_.same_stations, "*"))
+    return {true, "you say that it is the same mark"};
+  if (station.starts_with(kInvented)) return {false, "their files do not name them"};
+  const StationEvidence seen = compare_figures(surveys_[a], surveys_[b], station);
+  if (seen.decided) return seen;
+  if (contains(options_.known, station)) return {true, "it is a known point"};
+  return compare_marks(surveys_[a], surveys_[b], station);
+}
+
+void Merger::decide_station(const std::string& station, const std::vector<size_t>& files) {
+  // Files whose mark is shown to be the same as that of an earlier one share its name.
+  std::vector<std::vector<size_t>> groups;
+  std::vector<std::string> reasons;
+  std::string doubt;
+  for (const size_t file : files) {
+    bool placed = false;
+    for (size_t g = 0; g < groups.size() && !placed; ++g)
+      for (const size_t other : groups[g]) {
+        const StationEvidence found = evidence(station, other, file);
+        if (!found.same) {
+          doubt = found.reason;
+          continue;
+        }
+        groups[g].push_back(file);
+        reasons[g] = found.reason;
+        placed = true;
+        break;
+      }
+    if (placed) continue;
+    groups.push_back({file});
+    reasons.emplace_back();
+  }
+  const auto names = [&](const std::vector<size_t>& group) {
+    std::vector<std::string> list;
+    for (const size_t file : group) list.push_back(files_[file]);
+    return listed(list);
+  };
+  for (size_t g = 0; g < groups.size(); ++g)
+    if (groups[g].size() > 1)
+      find(Finding::Severity::note,
+           "station " + station + " of " + names(groups[g]) + " was united to one point: " + reasons[g], {station});
+  if (groups.size() < 2) return;
+  std::vector<std::string> now;
+  for (const auto& group : groups) {
+    const std::string name = files_[group.front()] + ":" + station;
+    now.push_back(name);
+    for (const size_t file : group) renamed_[file][station] = name;
+  }
+  find(Finding::Severity::warning,
+       "station " + station + " is occupied in " + names(files) + ", and nothing shows that it is the same mark (" +
+           doubt + "): they are points of their own, " + listed(now) +
+           (station.starts_with(kInvented) ? "" : "; if it is one mark, name it in same_stations"),
+       now);
+}
+
+void Merger::decide_stations() {
+  std::map<std::string, std::vector<size_t>> occupied;
+  std::vector<std::set<std::string>> sighted(surveys_.size());
+  for (size_t i = 0; i < surveys_.size(); ++i) {
+    for (const SetUp& s : surveys_[i].set_ups) {
+      std::vector<size_t>& files = occupied[s.station];
+      if (files.empty() || files.back() != i) files.push_back(i);
+    }
+    for (const Observation& o : surveys_[i].observations) sighted[i].insert(o.to);
+  }
+  for (const auto& [station, files] : occupied) {
+    if (files.size() > 1) {
+      decide_station(station, files);
+      continue;
+    }
+    if (station.starts_with(kInvented)) continue;
+    std::vector<std::string> elsewhere;
+    for (size_t i = 0; i < surveys_.size(); ++i)
+      if (i != files.front() && sighted[i].contains(station)) elsewhere.push_back(files_[i]);
+    if (!elsewhere.empty())
+      find(
+          Finding::Severity::note,
+          "station " + station + " of " + files_[files.front()] + " is the target of that name in " + listed(elsewhere),
+          {station});
+  }
+}
+
+void Merger::refuse_fixed(const Point& a, const Point& b, size_t file_a, size_t file_b) const {
+  for (int k = 0; k < 3; ++k) {
+    const auto axis = static_cast<size_t>(k);
+    const bool fixed = a.roles[axis] == CoordinateRole::fixed && b.roles[axis] == CoordinateRole::fixed;
+    if (fixed && std::abs(a.coordinates[k] - b.coordinates[k]) > kFixedContradiction)
+      throw NetworkError("the fixed point " + a.id + " has in " + files_[file_a] + " another " + "ENH"[k] + " (" +
+                         in_metres(a.coordinates[k]) + ", " + place(a.source) + ") than in " + files_[file_b] + " (" +
+                         in_metres(b.coordinates[k]) + ", " + place(b.source) + "): mend one of the files");
+  }
+}
+
+void Merger::compare_coordinates(size_t a, size_t b) {
+  std::map<std::string, const Point*> known;
+  for (const Point& p : surveys_[a].points) known[name_in(a, p.id)] = &p;
+  std::vector<std::string> different;
+  size_t shared = 0;
+  double largest = 0;
+  for (const Point& p : surveys_[b].points) {
+    const auto at = known.find(name_in(b, p.id));
+    if (at == known.end()) continue;
+    refuse_fixed(*at->second, p, a, b);
+    const Eigen::Vector3d d = p.coordinates - at->second->coordinates;
+    double worst = kNotGiven;
+    for (int k = 0; k < 3; ++k)
+      if (!std::isnan(d[k])) worst = std::isnan(worst) ? std::abs(d[k]) : std::max(worst, std::abs(d[k]));
+    if (std::isnan(worst)) continue;
+    ++shared;
+    largest = std::max(largest, worst);
+    if (worst > kSameCoordinates) different.push_back(at->first);
+  }
+  if (different.empty()) return;
+  const std::string what = "the coordinates of " + listed(different) + " in " + files_[b] + " differ from those in " +
+                           files_[a] + " by up to " + in_metres(largest);
+  // Most of them far off: the two files count from different origins, and no coordinate of the later one helps.
+  if (2 * different.size() >= shared && largest > kOtherFrame) {
+    drop_coordinates_[b] = 1;
+    find(Finding::Severity::warning,
+         what + ": the files are in different frames. The coordinates of " + files_[b] +
+             " are not used, its points are computed from the observations",
+         different);
+    return;
+  }
+  for (const std::string& id : different) drop_points_[b].insert(id);
+  find(Finding::Severity::warning, what + "; those of " + files_[a] + " are taken as approximate values", different);
+}
+
+void Merger::compare_coordinates() {
+  for (size_t b = 1; b < surveys_.size(); ++b)
+    for (size_t a = 0; a < b && !drop_coordinates_[b]; ++a)
+      if (!drop_coordinates_[a]) compare_coordinates(a, b);
+}
+
 /// The first file that has something of the file as a whole decides; what differs is nobody's any more.
-void merge_info(const NetworkInfo& info, NetworkInfo& all) {
+void Merger::merge_info(const NetworkInfo& info) {
+  NetworkInfo& all = merged_.survey.info;
   if (all.format == info.format) return;
   all.format = "several";
   all.largest_misclosure = kNotGiven;
 }
 
-/// Points of the same name become one: the first coordinates, the strongest role.
-void merge_points(const std::vector<Point>& points, std::map<std::string, size_t>& index, std::vector<Point>& all) {
-  for (const Point& p : points) {
-    const auto [at, is_new] = index.try_emplace(p.id, all.size());
+/// Points of the same name are one now: the first coordinates, the strongest role, which brings its coordinates along.
+void Merger::merge_points(size_t file) {
+  std::vector<Point>& all = merged_.survey.points;
+  for (Point p : surveys_[file].points) {
+    p.id = name_in(file, p.id);
+    for (int k = 0; k < 3; ++k)
+      if ((drop_coordinates_[file] || drop_points_[file].contains(p.id)) &&
+          p.roles[static_cast<size_t>(k)] <= CoordinateRole::free)
+        p.coordinates[k] = kNotGiven;
+    const auto [at, is_new] = index_.try_emplace(p.id, all.size());
     if (is_new) {
       all.push_back(p);
       continue;
     }
     Point& known = all[at->second];
     for (int k = 0; k < 3; ++k) {
-      if (std::isnan(known.coordinates[k])) known.coordinates[k] = p.coordinates[k];
-      known.roles[k] = std::max(known.roles[k], p.roles[k]);
+      const auto axis = static_cast<size_t>(k);
+      const bool stronger = p.roles[axis] > known.roles[axis] && !std::isnan(p.coordinates[k]);
+      if (std::isnan(known.coordinates[k]) || stronger) known.coordinates[k] = p.coordinates[k];
+      known.roles[axis] = std::max(known.roles[axis], p.roles[axis]);
     }
+    if (known.code.empty()) known.code = p.code;
+    if (known.description.empty()) known.description = p.description;
   }
 }
 
 /// Observations and what refers to them, behind those that are there already.
-void merge_observations(const SurveyObservations& s, int& pointings, SurveyObservations& all) {
+void Merger::merge_observations(size_t file) {
+  const SurveyObservations& s = surveys_[file];
+  SurveyObservations& all = merged_.survey;
   const int set_up_offset = static_cast<int>(all.set_ups.size());
   const int observation_offset = static_cast<int>(all.observations.size());
-  int next_pointing = pointings;
-  append(s.set_ups, all.set_ups);
+  for (SetUp set_up : s.set_ups) {
+    if (const std::string now = name_in(file, set_up.station); now != set_up.station) {
+      if (set_up.id.starts_with(set_up.station)) set_up.id = now + set_up.id.substr(set_up.station.size());
+      set_up.station = now;
+    }
+    if (!set_up_ids_.insert(set_up.id).second) {
+      set_up.id = files_[file] + ":" + set_up.id;
+      set_up_ids_.insert(set_up.id);
+    }
+    all.set_ups.push_back(std::move(set_up));
+  }
+  int next_pointing = pointings_;
   for (Observation o : s.observations) {
     if (o.set_up >= 0) o.set_up += set_up_offset;
-    if (o.pointing >= 0) o.pointing += pointings;
+    if (o.pointing >= 0) o.pointing += pointings_;
     next_pointing = std::max(next_pointing, o.pointing + 1);
+    for (std::string* id : {&o.from, &o.to, &o.second_to}) *id = name_in(file, *id);
     all.observations.push_back(std::move(o));
   }
-  pointings = next_pointing;
+  pointings_ = next_pointing;
   for (ObservationCovariance c : s.covariances) {
     for (int& i : c.indices) i += observation_offset;
     all.covariances.push_back(std::move(c));
   }
   for (LocalCoordinate c : s.local_coordinates) {
     if (c.set_up >= 0) c.set_up += set_up_offset;
+    c.point = name_in(file, c.point);
     all.local_coordinates.push_back(std::move(c));
   }
 }
 
+void Merger::merge_groups(size_t file) {
+  SurveyObservations& all = merged_.survey;
+  for (CoordinateGroup g : surveys_[file].coordinates) {
+    for (auto& c : g.components) c.point = name_in(file, c.point);
+    all.coordinates.push_back(std::move(g));
+  }
+  for (VectorGroup g : surveys_[file].vectors) {
+    for (auto& v : g.vectors) {
+      v.from = name_in(file, v.from);
+      v.to = name_in(file, v.to);
+    }
+    all.vectors.push_back(std::move(g));
+  }
+}
+
+MergedSurvey Merger::run() {
+  merged_.survey.info = surveys_.front().info;
+  decide_stations();
+  compare_coordinates();
+  for (size_t i = 0; i < surveys_.size(); ++i) {
+    merge_info(surveys_[i].info);
+    append(surveys_[i].files, merged_.survey.files);
+    merge_points(i);
+    merge_observations(i);
+    merge_groups(i);
+    append(surveys_[i].skipped, merged_.survey.skipped);
+    append(surveys_[i].warnings, merged_.survey.warnings);
+  }
+  return std::move(merged_);
+}
+
 }  // namespace
 
-SurveyObservations merge_surveys(const std::vector<SurveyObservations>& surveys) {
+MergedSurvey merge_surveys(const std::vector<SurveyObservations>& surveys, const MergeOptions& options) {
   if (surveys.empty()) return {};
-  if (surveys.size() == 1) return surveys.front();
-  SurveyObservations all;
-  all.info = surveys.front().info;
-  std::map<std::string, size_t> index;
-  int pointings = 0;
-  for (const SurveyObservations& s : surveys) {
-    merge_info(s.info, all.info);
-    append(s.files, all.files);
-    merge_points(s.points, index, all.points);
-    merge_observations(s, pointings, all);
-    append(s.coordinates, all.coordinates);
-    append(s.vectors, all.vectors);
-    append(s.skipped, all.skipped);
-    append(s.warnings, all.warnings);
-  }
-  return all;
+  if (surveys.size() == 1) return {surveys.front(), {}};
+  return Merger(surveys, options).run();
 }
 
 }  // namespace plumbline::survey

@@ -1,5 +1,6 @@
 #include "survey/model/network_model.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <set>
@@ -198,6 +199,33 @@ std::vector<NetworkModel> with_approximations(NetworkModel m, const SetUpChain& 
   return models;
 }
 
+/// What orients a network with fewer than two known points is not measured: it is stated first, so that nobody takes
+/// such coordinates for those of a site grid.
+void tell_orientation(NetworkModel& m) {
+  std::vector<size_t> known;
+  for (size_t i = 0; i < m.ids.size(); ++i)
+    if (m.roles[i][0] != CoordinateRole::unused && !m.initial[i].head<2>().array().isNaN().any()) known.push_back(i);
+  const auto elsewhere = [&](size_t i) { return (m.initial[i] - m.initial[known.front()]).head<2>().norm() > 0.01; };
+  if (known.empty() || std::any_of(known.begin(), known.end(), elsewhere)) return;
+  const bool north = std::any_of(m.observations.begin(), m.observations.end(), [](const MeanObservation& mean) {
+    return mean.observation.kind == ObservationKind::azimuth;
+  });
+  if (north || !m.survey.vectors.empty() || !m.survey.coordinates.empty() || m.survey.set_ups.empty()) return;
+  const SetUp* oriented = nullptr;
+  for (const SetUp& s : m.survey.set_ups)
+    if (!oriented && !std::isnan(s.stated_orientation)) oriented = &s;
+  std::string text;
+  if (oriented) {
+    text = "the network is oriented by what the file states of set-up " + oriented->id + " (" +
+           place(oriented->source) + "), and by nothing measured: only " + m.ids[known.front()] + " is known";
+  } else {
+    text = "the orientation is free: only " + m.ids[known.front()] +
+           " is known and no backsight, azimuth or orientation is given; the zero of the circle of set-up " +
+           m.survey.set_ups.front().id + " was taken as north. Give a second known point, or a backsight";
+  }
+  m.findings.insert(m.findings.begin(), {oriented ? Finding::Severity::note : Finding::Severity::warning, text, {}});
+}
+
 ResultRow given_row(const std::string& kind, const std::string& from, const std::string& to, int axis, double value,
                     const SourcePosition& source, int group) {
   ResultRow row;
@@ -267,7 +295,13 @@ void check_indices(const SurveyObservations& s) {
       throw NetworkError("observation " + o.from + " -> " + o.to + " refers to set-up " + std::to_string(o.set_up) +
                          ", there are " + std::to_string(set_ups));
     if (!std::isfinite(o.value)) throw NetworkError(name_of(o) + " has no value");
+    if (o.face < 0 || o.face > 2)
+      throw NetworkError(name_of(o) + " has the face " + std::to_string(o.face) + ", expected 0, 1 or 2");
   }
+  for (const CoordinateGroup& g : s.coordinates)
+    for (const auto& c : g.components)
+      if (c.axis < 0 || c.axis > 2)
+        throw NetworkError("coordinates of " + c.point + " refer to axis " + std::to_string(c.axis));
   for (const auto& c : s.covariances)
     for (int i : c.indices)
       if (i < 0 || i >= observations) throw NetworkError("a covariance refers to observation " + std::to_string(i));
@@ -312,7 +346,8 @@ NetworkModel make_model(const SurveyObservations& survey, const AdjustOptions& o
   MeanResult means;
   const SetUpChain chain = check_and_mend(options, m, means);
   m.observations = std::move(means.observations);
-  for (const std::string& note : means.notes) m.findings.push_back({Finding::Severity::warning, note, {}});
+  for (const std::string& text : means.warnings) m.findings.push_back({Finding::Severity::warning, text, {}});
+  for (const std::string& text : means.notes) m.findings.push_back({Finding::Severity::note, text, {}});
   if (m.observations.empty() && survey.coordinates.empty() && survey.vectors.empty() &&
       survey.local_coordinates.empty())
     throw NetworkError("there are no observations to adjust");
@@ -323,6 +358,7 @@ NetworkModel make_model(const SurveyObservations& survey, const AdjustOptions& o
   m.curvature = options.curvature == Switch::on || (options.curvature == Switch::automatic && !reduced_file);
   m.refraction_coefficient = std::isnan(survey.info.refraction_coefficient) ? options.refraction_coefficient
                                                                             : survey.info.refraction_coefficient;
+  tell_orientation(m);
   make_rows(m);
   m = choose_alternative(with_approximations(std::move(m), chain, simple_start), options);
   if (!m.unrelated) drop_outlying(m);

@@ -1,9 +1,11 @@
-// Raw readings to the observations that are adjusted: face 2 reduced to face 1, means over faces and sets.
+// Raw readings to the observations that are adjusted: face 2 reduced to face 1, readings tested among themselves, means
+// over faces and sets.
 #pragma once
 
 #include <string>
 #include <vector>
 
+#include "survey/model/reading_tests.hpp"
 #include "survey/model/survey_observations.hpp"
 
 namespace plumbline::survey {
@@ -17,14 +19,25 @@ struct MeanObservation {
   std::vector<int> members;  ///< indices of the readings
 };
 
+/// A reading that the others of its target contradict; it is in no mean.
+struct RemovedReading {
+  int observation = -1;
+  double difference = 0;  ///< from the median of the others [rad or m]
+};
+
 struct MeanResult {
   std::vector<MeanObservation> observations;
-  std::vector<std::string> notes;  ///< what was found odd, e.g. readings that differ by more than they should
+  std::vector<InstrumentErrors> instrument;  ///< one per set-up
+  std::vector<RemovedReading> removed;
+  std::vector<std::string> warnings;  ///< which readings contradict each other, one sentence a line of the file
+  std::vector<std::string> notes;     ///< collimation and index of each set-up
 };
 
 /// Readings with their own sigma, or in a covariance, stay as they are; all others of one set-up, kind, target and
 /// target height become one mean. Sets whose circle was turned in between (constant offset of all directions) are
-/// brought onto the first.
+/// brought onto the first. Before that each reading is tested (test_readings): one that the majority contradicts is
+/// left out, two that contradict each other become observations of their own, so that the network decides between
+/// them. Readings in one face get the set-up's collimation and index taken out where three pairs determine them.
 MeanResult mean_observations(const SurveyObservations& survey);
 
 }  // namespace plumbline::survey

@@ -51,6 +51,9 @@ struct SetUp {
   double instrument_height =
       kNotGiven;  ///< tilting axis above the station point [m]; NaN: the point is the axis itself
   SourcePosition source;
+  /// Azimuth of the circle's zero, clockwise from +N [rad], as the file states it or as its backsight makes it; it
+  /// orients a network that nothing else does and is no observation. NaN: not stated.
+  double stated_orientation = kNotGiven;
 };
 
 struct Observation {

@@ -334,6 +334,19 @@ bool Frame::carry_vectors() {
   return changed;
 }
 
+double Frame::stated_turn() const {
+  const auto turn_to = [&](size_t f, double orientation) { return wrap_angle(orientation - orientation_[f]); };
+  for (size_t f = 0; f < figures_.figures.size(); ++f) {
+    const int set_up = figures_.figures[f].set_up;
+    if (set_up < 0 || std::isnan(orientation_[f])) continue;
+    const double stated = survey_.set_ups[static_cast<size_t>(set_up)].stated_orientation;
+    if (!std::isnan(stated)) return turn_to(f, stated);
+  }
+  for (size_t f = 0; f < figures_.figures.size(); ++f)
+    if (figures_.figures[f].set_up >= 0 && !std::isnan(orientation_[f])) return turn_to(f, 0);
+  return 0;
+}
+
 bool Frame::adopt_plan(const Frame& other, bool guess) {
   std::vector<Vector2d> from, to;
   for (const auto& [id, p] : other.plan_)
@@ -347,12 +360,19 @@ bool Frame::adopt_plan(const Frame& other, bool guess) {
   if (const auto fit = fit_plane(from, to)) {
     motion = *fit;
   } else if (!from.empty() && std::all_of(to.begin(), to.end(), coincide) && (guess || !other.seeded_)) {
-    // A sight to another known point may decide how it turns, in two ways even: it starts in several.
+    // A sight to another known point may decide how it turns, in two ways even: it starts in several. Without another
+    // known point nothing decides but what the file states.
     constexpr int kTurns = 8;
-    if (other.seeded_) motion.rotation = choices_.choose(other.name_ + "north", kTurns) * 2 * std::numbers::pi / kTurns;
+    const bool decided_by_sights =
+        std::any_of(plan_.begin(), plan_.end(), [&](const auto& known) { return !coincide(known.second); });
+    if (other.seeded_) motion.rotation = other.stated_turn();
+    if (other.seeded_ && decided_by_sights)
+      motion.rotation += choices_.choose(other.name_ + "north", kTurns) * 2 * std::numbers::pi / kTurns;
     motion.translation = to[0] - motion(from[0]);
   } else if (!plan_.empty()) {
     return false;
+  } else if (other.seeded_) {
+    motion.rotation = other.stated_turn();
   }
   bool changed = false;
   if (plan_.empty()) seeded_ = other.seeded_;

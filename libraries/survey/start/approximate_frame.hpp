@@ -134,6 +134,10 @@ class Frame {
   bool place_by_conditions();
   std::optional<double> slope_between(const std::string& a, const std::string& b) const;
 
+  /// By how much a frame whose north is arbitrary has to be turned so that its first set-up with a stated orientation
+  /// has it; where none is stated, so that the zero of its first circle is north.
+  double stated_turn() const;
+
   /// Measured by own length of each distance between placed points.
   std::vector<double> scales_of_distances() const;
   bool adopt_plan(const Frame& other, bool guess);

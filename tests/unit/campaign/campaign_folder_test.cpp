@@ -5,9 +5,6 @@
 #include <functional>
 #include <numbers>
 
-#include "survey_files.hpp"
-#include "survey_files/survey_format.hpp"
-
 namespace plumbline::campaign {
 namespace {
 
@@ -171,24 +168,26 @@ TEST(ControlCsv, ReadsAndRefuses) {
   const auto message = [&](const std::string& text) { return message_of([&] { parse_control(text, "k.csv"); }); };
   EXPECT_NE(message(replaced(csv, "G2", "G1")).find("k.csv:3: control point 'G1' stands here a second time"),
             std::string::npos);
-  EXPECT_NE(
-      message(replaced(csv, "0.5,0.5,1", "0.5,0,1")).find("k.csv:2: standard deviations of 'G1' must be positive"),
-      std::string::npos);
-  EXPECT_NE(message(replaced(csv, "east_m", "east_km")).find("is in 'km', expected"), std::string::npos);
+  EXPECT_NE(message(replaced(csv, "0.5,0.5,1", "0.5,0,1"))
+                .find("k.csv:2: found '0.5', expected standard deviations above zero"),
+            std::string::npos);
+  EXPECT_NE(message(replaced(csv, "east_m", "east_km")).find("the unit 'km' of column e"), std::string::npos);
+  EXPECT_NE(message(replaced(csv, "G2", "#G2")).find("k.csv:3: found a row that begins with '#G2'"), std::string::npos);
+  EXPECT_NE(message(replaced(csv, ",1,1,1\n", ",,1,1\n")).find("k.csv:3: 'G2' lacks a standard deviation"),
+            std::string::npos);
 }
 
-TEST(SurveyFiles, MergeKeepsReferences) {
-  const std::string gsi =
-      "*410001+0000000000000021 42....+00000000000000S1 43....+0000000000001500 \r\n"
-      "*110002+00000000000000P1 21.322+0000000010000000 22.322+0000000010000000 31..00+0000000000010000 \r\n";
-  const auto one = survey::read_survey(gsi, "a.gsi");
-  const auto all = merge({one, one});
-  ASSERT_EQ(all.set_ups.size(), 2u);
-  ASSERT_EQ(all.observations.size(), 6u);
-  EXPECT_EQ(all.observations[0].set_up, 0);
-  EXPECT_EQ(all.observations[3].set_up, 1);
-  EXPECT_NE(all.observations[0].pointing, all.observations[3].pointing);
-  EXPECT_EQ(all.observations[3].pointing, all.observations[5].pointing);
+TEST(ControlCsv, SpeaksTheDialectsOfSurveyCsv) {
+  std::vector<std::string> warnings;
+  const auto german =
+      parse_control("Punktnummer;Rechtswert;Hochwert;H\xC3\xB6he\nG1;1,5;2,5;3,5\n", "k.csv", &warnings);
+  EXPECT_EQ(german.at(0).position, Eigen::Vector3d(1.5, 2.5, 3.5));
+  EXPECT_DOUBLE_EQ(german.at(0).sigma.x(), 1e-3);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings[0].find("1 mm in E, N and H is assumed"), std::string::npos);
+  const auto penzd = parse_control("G1,1,2,3,bolt\nG2,4,5,6,\n", "k.csv", &warnings);
+  EXPECT_EQ(penzd.at(1).position, Eigen::Vector3d(4, 5, 6));
+  EXPECT_EQ(parse_control("id,E,N,H\n\"#7\",1,2,3\n# out of use: G9,1,2,3\n", "k.csv").at(0).id, "#7");
 }
 
 }  // namespace

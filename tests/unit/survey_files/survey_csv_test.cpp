@@ -27,6 +27,15 @@ TEST(CsvTable, QuotesAndColumns) {
   ASSERT_EQ(table.rows[0].cells.size(), 3u);
   EXPECT_EQ(table.rows[0].cells[1].text, "b,\"c");
   EXPECT_EQ(table.rows[0].cells[2].column, 13);
+  for (const char* name : {"=1+1", "+A", "-1", "@x", "'=x", "''+y", "=a,b"}) {
+    const std::string field = formats::csv_field(name);
+    EXPECT_NE(std::string("=+-@").find(field[field[0] == '"']), 0u) << field;
+    EXPECT_EQ(field[field[0] == '"'], '\'') << field << ": a spreadsheet must not take it for a formula";
+    const auto table = formats::read_csv("id,e\n" + field + ",1\n", {{"id", "id"}, {"e", "e"}});
+    ASSERT_EQ(table.rows.size(), 1u);
+    EXPECT_EQ(table.rows[0].cells[0].text, name) << "and reads back as it was";
+  }
+  EXPECT_EQ(formats::csv_field("O'Neill"), "O'Neill");
   EXPECT_EQ(formats::csv_field("b,\"c"), "\"b,\"\"c\"");
 }
 
@@ -161,6 +170,17 @@ TEST(SurveyCsvWriter, AnySurveyReadsBackTheSame) {
     EXPECT_EQ(again.local_coordinates[0].covariance, local.covariance);
     EXPECT_EQ(again.local_coordinates[0].set_up, 1);
   }
+}
+
+TEST(SurveyCsv, ANameThatBeginsLikeACommentIsAskedFor) {
+  const auto survey =
+      read_survey_csv("id,E,N,H\n#A1,1,2,3\n# A2,1,2,3\n%A3,4,5,6\n//A4,7,8,9\n\"#A5\",1,1,1\nA6,2,2,2\n", "p.csv");
+  ASSERT_EQ(survey.skipped.size(), 3u) << "a blank behind the mark makes a comment";
+  EXPECT_TRUE(skipped(survey, 2, 1, "put it in quotes"));
+  EXPECT_TRUE(skipped(survey, 4, 1, "put it in quotes"));
+  EXPECT_TRUE(skipped(survey, 5, 1, "put it in quotes"));
+  EXPECT_EQ(survey.points.size(), 2u);
+  EXPECT_EQ(survey.points[0].id, "#A5");
 }
 
 }  // namespace

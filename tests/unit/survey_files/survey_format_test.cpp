@@ -32,6 +32,15 @@ constexpr Known kFixtures[] = {
     {"points_penzd.csv", SurveyFormat::csv},
     {"points_no_header.txt", SurveyFormat::csv},
     {"sightings.csv", SurveyFormat::csv},
+    {"level.gsi", SurveyFormat::gsi},
+    {"elta.m5", SurveyFormat::zeiss},
+    {"dini.m5", SurveyFormat::zeiss},
+    {"nikon.raw", SurveyFormat::nikon},
+    {"topcon.gts7", SurveyFormat::topcon_gts7},
+    {"topcon.210", SurveyFormat::topcon_gts210},
+    {"geodimeter.job", SurveyFormat::geodimeter},
+    {"leica.idx", SurveyFormat::idx},
+    {"starnet.dat", SurveyFormat::starnet},
 };
 
 TEST(SurveyFormat, IsFoundFromTheContentAlone) {

@@ -1,0 +1,133 @@
+#include "survey/model/station_identity.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <vector>
+
+#include "survey/model/observation_equations.hpp"
+
+namespace plumbline::survey {
+
+namespace {
+
+using Eigen::Vector2d;
+using Figure = std::map<std::string, Vector2d>;  // target seen from the station, zero of the circle as y [m]
+
+constexpr double kSameFigure = 0.015;      // [m]: centring twice, and what targets may move
+constexpr double kSameCoordinates = 0.01;  // [m]
+
+bool is_face_2(const Observation& o) { return o.face == 2; }
+
+/// One sighting of the station with what it measured.
+struct Sight {
+  std::string to;
+  double direction = kNotGiven, zenith = kNotGiven, slope = kNotGiven, horizontal = kNotGiven;
+};
+
+std::vector<Sight> sights_of(const SurveyObservations& s, int set_up) {
+  std::map<int, Sight> by_pointing;
+  for (const Observation& o : s.observations) {
+    if (o.set_up != set_up || o.pointing < 0) continue;
+    Sight& sight = by_pointing[o.pointing];
+    sight.to = o.to;
+    if (o.kind == ObservationKind::direction)
+      sight.direction = is_face_2(o) ? o.value - std::numbers::pi : o.value;
+    else if (o.kind == ObservationKind::zenith_angle)
+      sight.zenith = is_face_2(o) && o.value > std::numbers::pi ? 2 * std::numbers::pi - o.value : o.value;
+    else if (o.kind == ObservationKind::slope_distance)
+      sight.slope = o.value;
+    else if (o.kind == ObservationKind::horizontal_distance)
+      sight.horizontal = o.value;
+  }
+  std::vector<Sight> sights;
+  for (auto& [pointing, sight] : by_pointing) sights.push_back(std::move(sight));
+  return sights;
+}
+
+/// The first complete sighting of each target decides: means are not needed to tell millimetres from metres.
+Figure figure_of(const SurveyObservations& s, int set_up) {
+  Figure figure;
+  for (const Sight& sight : sights_of(s, set_up)) {
+    const double horizontal = std::isnan(sight.horizontal) ? sight.slope * std::sin(sight.zenith) : sight.horizontal;
+    if (std::isnan(sight.direction) || std::isnan(horizontal)) continue;
+    figure.try_emplace(sight.to, horizontal * std::sin(sight.direction), horizontal * std::cos(sight.direction));
+  }
+  for (const LocalCoordinate& c : s.local_coordinates)
+    if (c.set_up == set_up) figure.try_emplace(c.point, c.position.head<2>());
+  return figure;
+}
+
+struct Agreement {
+  size_t shared = 0, within = 0;
+};
+
+/// The turn that the shared target decides which brings most others onto each other.
+Agreement agreement(const Figure& a, const Figure& b) {
+  std::vector<std::pair<Vector2d, Vector2d>> pairs;
+  for (const auto& [id, p] : a)
+    if (const auto at = b.find(id); at != b.end()) pairs.push_back({p, at->second});
+  Agreement best{pairs.size(), 0};
+  for (const auto& [from, to] : pairs) {
+    const double turn = std::atan2(to.x(), to.y()) - std::atan2(from.x(), from.y());
+    size_t within = 0;
+    for (const auto& [p, q] : pairs) {
+      const Vector2d turned(std::cos(turn) * p.x() + std::sin(turn) * p.y(),
+                            -std::sin(turn) * p.x() + std::cos(turn) * p.y());
+      within += (turned - q).norm() < kSameFigure;
+    }
+    best.within = std::max(best.within, within);
+  }
+  return best;
+}
+
+const Point* point_of(const SurveyObservations& s, const std::string& id) {
+  for (const Point& p : s.points)
+    if (p.id == id) return &p;
+  return nullptr;
+}
+
+bool sights_it(const SurveyObservations& s, const std::string& id) {
+  return std::any_of(s.observations.begin(), s.observations.end(), [&](const Observation& o) { return o.to == id; });
+}
+
+bool is_datum(const Point& p) { return p.roles[0] >= CoordinateRole::constrained; }
+
+bool is_round(double value) { return std::abs(value - std::round(value)) < 5e-4; }
+
+}  // namespace
+
+StationEvidence compare_figures(const SurveyObservations& a, const SurveyObservations& b, const std::string& station) {
+  Agreement best;
+  for (size_t i = 0; i < a.set_ups.size(); ++i) {
+    if (a.set_ups[i].station != station) continue;
+    const Figure seen = figure_of(a, static_cast<int>(i));
+    for (size_t j = 0; j < b.set_ups.size(); ++j) {
+      if (b.set_ups[j].station != station) continue;
+      const Agreement found = agreement(seen, figure_of(b, static_cast<int>(j)));
+      if (found.within > best.within || best.shared == 0) best = found;
+    }
+  }
+  if (best.shared < 2) return {false, "they share fewer than two targets", false};
+  const std::string targets = std::to_string(best.within) + " of " + std::to_string(best.shared) + " shared targets";
+  if (best.within >= 2 && 2 * best.within > best.shared) return {true, targets + " are seen at the same places", true};
+  return {false, "the shared targets are seen at other places from there", true};
+}
+
+StationEvidence compare_marks(const SurveyObservations& a, const SurveyObservations& b, const std::string& station) {
+  const Point* p = point_of(a, station);
+  const Point* q = point_of(b, station);
+  if (p && q && is_datum(*p) && is_datum(*q)) return {true, "it is a datum point in both"};
+  if (sights_it(a, station) && sights_it(b, station)) return {true, "it is sighted as a target in both"};
+  if (p && q) {
+    const Eigen::Vector2d d = (p->coordinates - q->coordinates).head<2>();
+    const bool round = is_round(p->coordinates[0]) && is_round(p->coordinates[1]);
+    if (d.norm() < kSameCoordinates && !round) return {true, "it has the same coordinates in both"};
+    if (d.norm() < kSameCoordinates) return {false, "its coordinates, round to the metre, look like an assumed origin"};
+    if (d.norm() >= kSameCoordinates) return {false, "it has other coordinates"};
+  }
+  return {false, "they share fewer than two targets"};
+}
+
+}  // namespace plumbline::survey

@@ -1,0 +1,96 @@
+#include <gtest/gtest.h>
+
+#include "simulated_network.hpp"
+#include "survey/model/merge_surveys.hpp"
+
+namespace plumbline::survey {
+namespace {
+
+/// A day of the simulated facade whose file has a name; its set-ups are S1, S2.
+SurveyObservations day(const std::string& file, std::uint64_t seed, const Eigen::Vector3d& shift = {0, 0, 0}) {
+  test::SimulationSettings settings;
+  settings.set_ups = 2;
+  settings.coordinates = false;
+  auto n = test::simulate(settings, seed);
+  n.survey.files = {file};
+  if (shift.norm() == 0) return n.survey;
+  // Other free stations: what they measure is computed anew from where they stand.
+  for (Observation& o : n.survey.observations) {
+    const auto index = [&](const std::string& id) {
+      for (size_t i = 0; i < n.survey.points.size(); ++i)
+        if (n.survey.points[i].id == id) return i;
+      return size_t{0};
+    };
+    const Eigen::Vector3d d = n.truth[index(o.to)] - n.truth[index(o.from)] - shift;
+    const double h = d.head<2>().norm();
+    if (o.kind == ObservationKind::direction) o.value = std::atan2(d.x(), d.y());
+    if (o.kind == ObservationKind::zenith_angle) o.value = std::atan2(h, d.z());
+    if (o.kind == ObservationKind::slope_distance) o.value = d.norm();
+  }
+  return n.survey;
+}
+
+bool says(const MergedSurvey& merged, const std::string& text) {
+  for (const Finding& f : merged.findings)
+    if (f.text.find(text) != std::string::npos) return true;
+  return false;
+}
+
+TEST(MergeSurveys, FreeStationsOfOneNameAreTwoPoints) {
+  const MergedSurvey merged = merge_surveys({day("a/monday.gsi", 1), day("b/tuesday.gsi", 2, {3, -2, 0.1})});
+  EXPECT_TRUE(says(merged, "monday:S1, tuesday:S1"));
+  ASSERT_EQ(merged.survey.set_ups.size(), 4u);
+  EXPECT_EQ(merged.survey.set_ups[2].station, "tuesday:S1");
+  EXPECT_EQ(merged.survey.set_ups[2].id, "tuesday:S1");
+  for (const Observation& o : merged.survey.observations)
+    EXPECT_EQ(o.from, merged.survey.set_ups[static_cast<size_t>(o.set_up)].station);
+  const NetworkResult result = adjust_network(merged.survey, {});
+  EXPECT_LT(result.sigma0, 1.3);
+}
+
+TEST(MergeSurveys, TheSameFigureIsTheSameMark) {
+  const MergedSurvey merged = merge_surveys({day("monday.gsi", 1), day("tuesday.gsi", 2)});
+  EXPECT_TRUE(says(merged, "station S1 of monday, tuesday was united"));
+  EXPECT_EQ(merged.survey.points.size(), 14u);
+  EXPECT_EQ(merged.survey.set_ups[2].id, "tuesday:S1") << "two set-ups on one point have two ids";
+  EXPECT_LT(adjust_network(merged.survey, {}).sigma0, 1.3);
+}
+
+TEST(MergeSurveys, TheUserMaySayThatItIsOneMark) {
+  const auto two = {day("monday.gsi", 1), day("tuesday.gsi", 2, {3, -2, 0.1})};
+  EXPECT_FALSE(says(merge_surveys(two, {{}, {"S1"}}), "tuesday:S1"));
+  EXPECT_TRUE(says(merge_surveys(two, {{}, {"S1"}}), "tuesday:S2"));
+  EXPECT_FALSE(says(merge_surveys(two, {{}, {"*"}}), "tuesday:S2"));
+}
+
+TEST(MergeSurveys, NamesThatAReaderInventedNeverUnite) {
+  SurveyObservations a = day("monday.gsi", 1), b = day("tuesday.gsi", 2);
+  for (SurveyObservations* s : {&a, &b}) {
+    for (SetUp& u : s->set_ups)
+      if (u.station == "S1") u.station = u.id = "free-station-1";
+    for (Observation& o : s->observations)
+      if (o.from == "S1") o.from = "free-station-1";
+    for (Point& p : s->points)
+      if (p.id == "S1") p.id = "free-station-1";
+  }
+  EXPECT_TRUE(says(merge_surveys({a, b}), "monday:free-station-1, tuesday:free-station-1"));
+}
+
+TEST(MergeSurveys, CoordinatesThatContradictAreLookedAt) {
+  SurveyObservations a = day("monday.gsi", 1), b = day("tuesday.gsi", 2);
+  for (size_t i = 0; i < 4; ++i) {
+    a.points[i].coordinates = Eigen::Vector3d(10.0 * static_cast<double>(i), 5, 1);
+    b.points[i].coordinates = a.points[i].coordinates + Eigen::Vector3d(1000, 2000, 3);
+  }
+  const MergedSurvey frames = merge_surveys({a, b});
+  EXPECT_TRUE(says(frames, "the files are in different frames"));
+  EXPECT_EQ(frames.survey.points[1].coordinates.x(), 10);
+  b.points[0].coordinates = a.points[0].coordinates + Eigen::Vector3d(0, 0, 0.05);
+  for (size_t i = 1; i < 4; ++i) b.points[i].coordinates = a.points[i].coordinates;
+  EXPECT_TRUE(says(merge_surveys({a, b}), "by up to 0.050 m; those of monday are taken"));
+  a.points[0].roles[2] = b.points[0].roles[2] = CoordinateRole::fixed;
+  EXPECT_THROW(merge_surveys({a, b}), NetworkError);
+}
+
+}  // namespace
+}  // namespace plumbline::survey

@@ -1,0 +1,200 @@
+// Field books of other makers. One geometry in all of them: from K (1000, 2000, 100; instrument 1.5 m) to A (1030,
+// 2040, 101) and B (960, 2030, 99), targets at 1.3 m; azimuth = circle + 10 degrees.
+#include "survey_files/field_books.hpp"
+
+#include <gtest/gtest.h>
+
+#include "survey_files/gsi.hpp"
+#include "survey_files/starnet.hpp"
+#include "survey_files/zeiss.hpp"
+#include "survey_test_support.hpp"
+
+namespace plumbline::survey {
+namespace {
+
+using namespace test_help;
+using enum ObservationKind;
+
+constexpr double kSecond = std::numbers::pi / 180 / 3600;
+const Eigen::Vector3d kA(1030, 2040, 101), kB(960, 2030, 99);
+
+/// Where the pointing leads by what the file says of station, orientation and heights.
+Eigen::Vector3d place_of(const SurveyObservations& s, int pointing) {
+  const Observation& d = observation(s, pointing, direction);
+  const SetUp& set_up = s.set_ups.at(static_cast<size_t>(d.set_up));
+  const double azimuth = d.value + set_up.stated_orientation, z = value(s, pointing, zenith_angle),
+               length = value(s, pointing, slope_distance);
+  const Eigen::Vector3d at(length * std::sin(z) * std::sin(azimuth), length * std::sin(z) * std::cos(azimuth),
+                           length * std::cos(z));
+  return point(s, set_up.station).coordinates + at + Eigen::Vector3d(0, 0, set_up.instrument_height - d.target_height);
+}
+
+void expect_at(const Eigen::Vector3d& found, const Eigen::Vector3d& expected) {
+  EXPECT_LT((found - expected).norm(), 2e-3) << found.transpose();
+}
+
+TEST(Nikon, ReadsStationsSightingsAndBothFaces) {
+  const auto s = read_nikon(fixture("nikon.raw"), "n.raw");
+  ASSERT_EQ(s.set_ups.size(), 1u);
+  EXPECT_DOUBLE_EQ(s.set_ups[0].instrument_height, 1.5);
+  expect_at(place_of(s, 0), kA);
+  EXPECT_EQ(observation(s, 1, direction).face, 2);
+  expect_at(place_of(s, 2), kB);
+  EXPECT_EQ(point(s, "B").code, "bolt");
+  EXPECT_EQ(point(s, "K").coordinates, Eigen::Vector3d(1000, 2000, 100)) << "ENZ";
+  EXPECT_TRUE(skipped(s, 14, 1, "a record CO, ST"));
+  EXPECT_EQ(s.observations.size(), 9u) << "SO and '*SS' are no sightings";
+}
+
+TEST(Nikon, ABacksightReadBeforeItsAzimuthWasSetIsASetUpOfItsOwn) {
+  const auto s = read_nikon(
+      "CO,Dist Units: Metres\nCO,Angle Units: Gons\nST,S,,A,,1.2,100.0000,100.0000\nF1,A,1.3,50.0,30.0000,99.0,\n"
+      "SS,P,1.3,20.0,150.0000,98.0,\nSS,Q,1.3,20.0,160.0000,98.0,\n",
+      "r.raw");
+  ASSERT_EQ(s.set_ups.size(), 2u);
+  EXPECT_NEAR(s.set_ups[0].stated_orientation, 70 * kGon, 1e-12);
+  EXPECT_NEAR(s.set_ups[1].stated_orientation, 0, 1e-12);
+  EXPECT_EQ(observation(s, 1, direction).set_up, observation(s, 2, direction).set_up);
+}
+
+TEST(Topcon, ReadsGts7) {
+  const auto s = read_topcon_gts7(fixture("topcon.gts7"), "t.gts7");
+  expect_at(place_of(s, 0), kA);
+  expect_at(place_of(s, 1), kB);
+  EXPECT_NEAR(value(s, 2, zenith_angle), (89 + 59.0 / 60 + 60.0 / 3600) * kDegree, kSecond);
+  EXPECT_DOUBLE_EQ(value(s, 3, horizontal_distance), 10);
+  EXPECT_TRUE(s.skipped.empty());
+}
+
+TEST(Topcon, ReadsGts210AndTakesOffCheckSums) {
+  const std::string one = fixture("topcon.210");
+  const auto s = read_topcon_gts210(one, "t.210");
+  point(s, "K");
+  for (const auto& [pointing, expected] : {std::pair{0, kA}, {1, kB}}) {
+    const Observation& d = observation(s, pointing, direction);
+    EXPECT_NEAR(d.value,
+                std::fmod(std::atan2(expected.x() - 1000, expected.y() - 2000) - 10 * kDegree + 4 * std::numbers::pi,
+                          2 * std::numbers::pi),
+                2 * kSecond);
+    EXPECT_NEAR(value(s, pointing, slope_distance), pointing == 0 ? 50.006 : 50.014, 1e-9);
+    EXPECT_DOUBLE_EQ(d.target_height, 1.3);
+  }
+  EXPECT_EQ(point(s, "B").code, "bolt");
+  ASSERT_EQ(s.skipped.size(), 1u) << "another mode than slope distances";
+  const std::string lines = one.substr(0, 100) + "0048\r\n" + one.substr(100) + "1081\r\n";
+  EXPECT_EQ(read_topcon_gts210(lines, "t.210").observations.size(), s.observations.size());
+}
+
+TEST(Geodimeter, ReadsLabelsOfBothFaces) {
+  const auto s = read_geodimeter(fixture("geodimeter.job"), "g.job");
+  EXPECT_EQ(point(s, "K").coordinates, Eigen::Vector3d(1000, 2000, 100));
+  EXPECT_NEAR(value(s, 0, zenith_angle), 89.083346 * kDegree, kSecond);
+  EXPECT_EQ(observation(s, 1, direction).face, 2);
+  EXPECT_NEAR(observation(s, 1, direction).value - value(s, 0, direction), std::numbers::pi, 1e-9);
+  EXPECT_NEAR(value(s, 2, slope_distance), 50.0144, 1e-9);
+  EXPECT_DOUBLE_EQ(observation(s, 2, direction).target_height, 1.3);
+  EXPECT_DOUBLE_EQ(s.set_ups.at(0).instrument_height, 1.5);
+  EXPECT_TRUE(skipped(s, 22, 1, "a label and a value"));
+}
+
+TEST(Idx, ReadsTheColumnsThatTheFileNames) {
+  const auto s = read_idx(fixture("leica.idx"), "l.idx");
+  ASSERT_EQ(s.set_ups.size(), 1u);
+  EXPECT_EQ(s.set_ups[0].station, "K");
+  EXPECT_DOUBLE_EQ(s.set_ups[0].instrument_height, 1.5);
+  EXPECT_NEAR(value(s, 0, slope_distance), 50.0064, 1e-9);
+  EXPECT_EQ(s.observations.size(), 5u) << "a distance of zero is none";
+  EXPECT_TRUE(std::isnan(point(s, "A").coordinates.x())) << "what the instrument computed is no given coordinate";
+  EXPECT_DOUBLE_EQ(point(s, "K").coordinates.y(), 2000);
+}
+
+TEST(Zeiss, ReadsATotalStation) {
+  const auto s = read_zeiss(fixture("elta.m5"), "e.m5");
+  ASSERT_EQ(s.set_ups.size(), 2u) << "before and after the circle was oriented";
+  EXPECT_NEAR(s.set_ups[0].stated_orientation, 10 * kDegree, 1e-12);
+  expect_at(place_of(s, 1), kA);
+  expect_at(place_of(s, 2), kB);
+  EXPECT_NEAR(value(s, 0, direction) + 10 * kDegree, value(s, 1, direction), kSecond);
+  EXPECT_TRUE(skipped(s, 10, 1, "a record 'For M5|"));
+}
+
+TEST(Zeiss, ReadsADigitalLevel) {
+  const auto s = read_zeiss(fixture("dini.m5"), "d.m5");
+  ASSERT_EQ(s.observations.size(), 3u);
+  const Observation& first = s.observations[0];
+  EXPECT_EQ(first.kind, height_difference);
+  EXPECT_EQ(first.from + first.to, "BM1TP1");
+  EXPECT_NEAR(first.value, (1.523 + 1.5234 - 1.211 - 1.2112) / 2, 1e-9)
+      << "the repeated reading replaces its forerunner";
+  EXPECT_NEAR(first.levelling_length, 50, 1e-9);
+  EXPECT_NEAR(s.observations[1].value, -0.2, 1e-9) << "German marks";
+  EXPECT_EQ(s.observations[2].to, "IS");
+  EXPECT_NEAR(s.observations[2].value, 1.5 - 2.0, 1e-9);
+  EXPECT_TRUE(s.set_ups.empty());
+  EXPECT_DOUBLE_EQ(point(s, "BM1").coordinates.z(), 100);
+}
+
+TEST(Zeiss, ReadsTheShortRecordsOfR4) {
+  const auto s = read_zeiss(
+      "For R4|KR A     0|X        1.000 m   |Y        2.000 m   |                   |\n"
+      "For R4|KR NTR1100|X       21.259 m   |Y       59.620 m   |Z       11.256 m   |\n",
+      "a.r4");
+  EXPECT_EQ(point(s, "1100").coordinates, Eigen::Vector3d(59.620, 21.259, 11.256)) << "X north, Y east";
+}
+
+TEST(GsiLevel, GivesHeightDifferences) {
+  const auto s = read_gsi(fixture("level.gsi"), "l.gsi");
+  ASSERT_EQ(s.observations.size(), 3u);
+  EXPECT_NEAR(s.observations[0].value, 0.3120, 1e-9);
+  EXPECT_NEAR(s.observations[0].levelling_length, 50.21, 1e-9);
+  EXPECT_NEAR(s.observations[1].value, -0.8967, 1e-9);
+  EXPECT_EQ(s.observations[2].from + s.observations[2].to, "TP1IS01");
+  EXPECT_NEAR(s.observations[2].value, 0.9875 - 2.1050, 1e-9);
+  for (const Observation& o : s.observations) EXPECT_EQ(o.kind, height_difference);
+  EXPECT_TRUE(s.set_ups.empty());
+  EXPECT_TRUE(s.skipped.empty());
+}
+
+TEST(StarNet, ReadsCoordinatesMeasurementsSetsAndTraverses) {
+  const auto s = read_starnet(fixture("starnet.dat"), "s.dat");
+  using enum CoordinateRole;
+  EXPECT_EQ(point(s, "K").roles, (std::array{fixed, fixed, fixed}));
+  EXPECT_EQ(point(s, "A").coordinates, kA);
+  ASSERT_EQ(s.coordinates.size(), 1u);
+  EXPECT_EQ(s.coordinates[0].components.size(), 2u) << "'*' leaves the height free";
+  const auto find = [&](ObservationKind kind, int line) -> const Observation& {
+    for (const Observation& o : s.observations)
+      if (o.kind == kind && o.source.line == line) return o;
+    throw std::runtime_error("not found");
+  };
+  EXPECT_NEAR(find(azimuth, 8).sigma, 5 * kSecond, 1e-12);
+  EXPECT_EQ(find(angle, 9).second_to, "B");
+  EXPECT_EQ(find(slope_distance, 9).to, "B");
+  EXPECT_DOUBLE_EQ(find(slope_distance, 9).sigma, 0.002);
+  EXPECT_DOUBLE_EQ(find(zenith_angle, 9).target_height, 1.3);
+  EXPECT_TRUE(std::isnan(find(slope_distance, 10).sigma));
+  EXPECT_EQ(find(direction, 12).set_up, 0);
+  EXPECT_TRUE(std::isnan(find(slope_distance, 13).sigma)) << "'&' is the program's default";
+  EXPECT_LT(find(zenith_angle, 13).sigma, 1e-5) << "'!' holds";
+  EXPECT_DOUBLE_EQ(find(height_difference, 16).levelling_length, 250);
+  EXPECT_TRUE(skipped(s, 17, 1, "an angle as"));
+  EXPECT_TRUE(skipped(s, 18, 1, "GPS vectors"));
+  EXPECT_EQ(find(angle, 20).from + find(angle, 20).to + find(angle, 20).second_to, "KBC");
+  EXPECT_EQ(find(angle, 21).from + find(angle, 21).to + find(angle, 21).second_to, "CKA");
+  EXPECT_DOUBLE_EQ(find(slope_distance, 20).instrument_height, 1.5);
+  for (const Observation& o : s.observations) EXPECT_NE(o.source.line, 15) << "'*' takes no part";
+}
+
+TEST(FieldBooks, RefuseWhatIsNone) {
+  const std::string nothing = "Dear all,\nplease find attached\n";
+  EXPECT_NE(error_of([&] { read_nikon(nothing, "x"); }).find("x:1:1"), std::string::npos);
+  EXPECT_NE(error_of([&] { read_topcon_gts7(nothing, "x"); }).find("x:1:1"), std::string::npos);
+  EXPECT_NE(error_of([&] { read_topcon_gts210(nothing, "x"); }).find("x"), std::string::npos);
+  EXPECT_NE(error_of([&] { read_geodimeter(nothing, "x"); }).find("x:1:1"), std::string::npos);
+  EXPECT_NE(error_of([&] { read_idx(nothing, "x"); }).find("x"), std::string::npos);
+  EXPECT_NE(error_of([&] { read_zeiss(nothing, "x"); }).find("x:1:1"), std::string::npos);
+  EXPECT_NE(error_of([&] { read_starnet(nothing, "x"); }).find("x:1:1"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace plumbline::survey
