@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kLongestStaff = 10;  // [m]
 
-std::optional<StaffReading::Kind> kind_of(int index) {
+std::optional<StaffReading::Kind> reading_kind(int index) {
   if (index == 331 || index == 335) return StaffReading::Kind::back;
   if (index == 332 || index == 336) return StaffReading::Kind::ahead;
   if (index == 333) return StaffReading::Kind::intermediate;
@@ -46,7 +46,7 @@ bool GsiReader::read_level_block(const GsiBlock& block) {
 }
 
 void GsiReader::read_staff(const GsiBlock& block, const GsiWord& word) {
-  const auto kind = kind_of(word.index);
+  const auto kind = reading_kind(word.index);
   if (!kind) {
     builder_.warn("line " + std::to_string(line_) + ": staff readings of word " + std::to_string(word.index) +
                   " (measured only, or staked out) tie no points together and were passed over");

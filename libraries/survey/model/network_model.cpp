@@ -226,6 +226,40 @@ void tell_orientation(NetworkModel& m) {
   m.findings.insert(m.findings.begin(), {oriented ? Finding::Severity::note : Finding::Severity::warning, text, {}});
 }
 
+/// Where a single point is held, only the stated orientation says where north is: it is held too, by an azimuth to the
+/// set-up's first target. A free network gets it with its approximate coordinates.
+void hold_stated_orientation(NetworkModel& m) {
+  constexpr double kHeld = 1e-7;  // [rad]
+  if (m.datum == DatumMode::inner || !m.survey.vectors.empty()) return;
+  std::set<std::string> held;
+  for (size_t i = 0; i < m.ids.size(); ++i)
+    if (m.roles[i][0] == CoordinateRole::fixed) held.insert(m.ids[i]);
+  for (const CoordinateGroup& g : m.survey.coordinates)
+    for (const auto& c : g.components)
+      if (c.axis < 2) held.insert(c.point);
+  const MeanObservation* first = nullptr;
+  for (const MeanObservation& mean : m.observations) {
+    const Observation& o = mean.observation;
+    if (o.kind == ObservationKind::azimuth) return;
+    if (!first && o.kind == ObservationKind::direction &&
+        !std::isnan(m.survey.set_ups[static_cast<size_t>(o.set_up)].stated_orientation))
+      first = &mean;
+  }
+  if (held.size() != 1 || !first) return;
+  Observation azimuth = first->observation;
+  const SetUp& set_up = m.survey.set_ups[static_cast<size_t>(azimuth.set_up)];
+  azimuth.kind = ObservationKind::azimuth;
+  azimuth.value = wrap_angle(azimuth.value + set_up.stated_orientation);
+  azimuth.sigma = kHeld;
+  azimuth.set_up = azimuth.pointing = -1;
+  azimuth.corrections.push_back("stated orientation of set-up " + set_up.id + ", held");
+  MeanObservation mean;
+  mean.members = {static_cast<int>(m.survey.observations.size())};
+  mean.observation = azimuth;
+  m.survey.observations.push_back(azimuth);
+  m.observations.push_back(std::move(mean));
+}
+
 ResultRow given_row(const std::string& kind, const std::string& from, const std::string& to, int axis, double value,
                     const SourcePosition& source, int group) {
   ResultRow row;
@@ -359,6 +393,7 @@ NetworkModel make_model(const SurveyObservations& survey, const AdjustOptions& o
   m.refraction_coefficient = std::isnan(survey.info.refraction_coefficient) ? options.refraction_coefficient
                                                                             : survey.info.refraction_coefficient;
   tell_orientation(m);
+  hold_stated_orientation(m);
   make_rows(m);
   m = choose_alternative(with_approximations(std::move(m), chain, simple_start), options);
   if (!m.unrelated) drop_outlying(m);

@@ -13,7 +13,7 @@ namespace plumbline::survey {
 namespace {
 
 using Eigen::Vector2d;
-using Figure = std::map<std::string, Vector2d>;  // target seen from the station, zero of the circle as y [m]
+using SeenFigure = std::map<std::string, Vector2d>;  // target seen from the station, zero of the circle as y [m]
 
 constexpr double kSameFigure = 0.015;      // [m]: centring twice, and what targets may move
 constexpr double kSameCoordinates = 0.01;  // [m]
@@ -47,8 +47,8 @@ std::vector<Sight> sights_of(const SurveyObservations& s, int set_up) {
 }
 
 /// The first complete sighting of each target decides: means are not needed to tell millimetres from metres.
-Figure figure_of(const SurveyObservations& s, int set_up) {
-  Figure figure;
+SeenFigure figure_of(const SurveyObservations& s, int set_up) {
+  SeenFigure figure;
   for (const Sight& sight : sights_of(s, set_up)) {
     const double horizontal = std::isnan(sight.horizontal) ? sight.slope * std::sin(sight.zenith) : sight.horizontal;
     if (std::isnan(sight.direction) || std::isnan(horizontal)) continue;
@@ -64,7 +64,7 @@ struct Agreement {
 };
 
 /// The turn that the shared target decides which brings most others onto each other.
-Agreement agreement(const Figure& a, const Figure& b) {
+Agreement agreement(const SeenFigure& a, const SeenFigure& b) {
   std::vector<std::pair<Vector2d, Vector2d>> pairs;
   for (const auto& [id, p] : a)
     if (const auto at = b.find(id); at != b.end()) pairs.push_back({p, at->second});
@@ -102,7 +102,7 @@ StationEvidence compare_figures(const SurveyObservations& a, const SurveyObserva
   Agreement best;
   for (size_t i = 0; i < a.set_ups.size(); ++i) {
     if (a.set_ups[i].station != station) continue;
-    const Figure seen = figure_of(a, static_cast<int>(i));
+    const SeenFigure seen = figure_of(a, static_cast<int>(i));
     for (size_t j = 0; j < b.set_ups.size(); ++j) {
       if (b.set_ups[j].station != station) continue;
       const Agreement found = agreement(seen, figure_of(b, static_cast<int>(j)));

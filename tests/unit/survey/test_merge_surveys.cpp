@@ -66,7 +66,8 @@ TEST(MergeSurveys, TheUserMaySayThatItIsOneMark) {
 TEST(MergeSurveys, NamesThatAReaderInventedNeverUnite) {
   SurveyObservations a = day("monday.gsi", 1), b = day("tuesday.gsi", 2);
   for (SurveyObservations* s : {&a, &b}) {
-    for (SetUp& u : s->set_ups)
+    for (auto& u : s->set_ups)  // SetUp is a member of the test here
+
       if (u.station == "S1") u.station = u.id = "free-station-1";
     for (Observation& o : s->observations)
       if (o.from == "S1") o.from = "free-station-1";
