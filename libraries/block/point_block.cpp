@@ -1,108 +1,31 @@
 #include "block/point_block.hpp"
 
-#include <ceres/autodiff_cost_function.h>
-#include <ceres/rotation.h>
-
 #include <Eigen/Dense>
 #include <algorithm>
-#include <numeric>
+#include <cmath>
 #include <stdexcept>
 
-#include "block/block_model.hpp"
 #include "block/defects.hpp"
-#include "block/row_quality.hpp"
 #include "geometry/similarity.hpp"
 #include "plumbline/rigid_transform.hpp"
 
 namespace plumbline::adjust {
 namespace {
 
-/// Sensor coordinates [mm] of a direction in the camera frame.
-template <typename T>
-void image_point(const T* interior, double balance_radius, const T* direction, T* sensor) {
-  const T x = interior[0] * direction[0] / direction[2];
-  const T y = interior[0] * direction[1] / direction[2];
-  const T r2 = x * x + y * y;
-  const double b2 = balance_radius * balance_radius;
-  const T radial = interior[3] * (r2 - T(b2)) + interior[4] * (r2 * r2 - T(b2 * b2)) +
-                   interior[5] * (r2 * r2 * r2 - T(b2 * b2 * b2));
-  const T cross = T(2) * x * y;
-  sensor[0] = interior[1] + x + x * radial + interior[6] * (r2 + T(2) * x * x) + interior[7] * cross + interior[8] * x +
-              interior[9] * y;
-  sensor[1] = interior[2] + y + y * radial + interior[7] * (r2 + T(2) * y * y) + interior[6] * cross;
+constexpr double held_sigma = 1e-7;  ///< [m] of a single coordinate that is held while others of its point are not
+
+enum Group { group_images, group_bars, group_control };
+
+/// Where the points end and the block begins: coordinates of a site may have seven digits.
+Eigen::Vector3d origin_of(const PointBlock& block) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const auto& point : block.points) sum += point.position;
+  return (sum / std::max<double>(1.0, static_cast<double>(block.points.size()))).array().round();
 }
 
-/// Pose values: projection centre, then a rotation vector in the camera frame on top of the rotation held here.
-struct ImagePointCost {
-  Eigen::Vector2d observed;
-  double sigma;
-  double balance_radius;
-  const Eigen::Matrix3d* camera_from_block;
-
-  template <typename T>
-  bool operator()(const T* pose, const T* interior, const T* point, T* residual) const {
-    const Eigen::Matrix<T, 3, 1> ray(point[0] - pose[0], point[1] - pose[1], point[2] - pose[2]);
-    const Eigen::Matrix<T, 3, 1> turned = camera_from_block->cast<T>() * ray;
-    T direction[3];
-    ceres::AngleAxisRotatePoint(pose + 3, turned.data(), direction);
-    if (!(direction[2] < T(0))) return false;  // the scene lies at negative z
-    T sensor[2];
-    image_point(interior, balance_radius, direction, sensor);
-    residual[0] = (sensor[0] - T(observed.x())) / T(sigma);
-    residual[1] = (sensor[1] - T(observed.y())) / T(sigma);
-    return true;
-  }
-};
-
-struct DistanceCost {
-  double length, sigma;
-  template <typename T>
-  bool operator()(const T* a, const T* b, T* residual) const {
-    const Eigen::Matrix<T, 3, 1> d(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
-    residual[0] = (d.norm() - T(length)) / T(sigma);
-    return true;
-  }
-};
-
-struct State {
-  std::vector<std::array<double, 6>> poses;
-  std::vector<Eigen::Quaterniond> camera_from_block;
-  std::vector<Eigen::Matrix3d> matrices;  ///< of camera_from_block, where the cost functions read them
-  std::vector<Eigen::Vector3d> points;
-  std::vector<std::array<double, SensorCamera::parameter_count>> interiors;
-
-  void fold() {
-    for (size_t i = 0; i < poses.size(); ++i) {
-      const Eigen::Vector3d turn(poses[i][3], poses[i][4], poses[i][5]);
-      camera_from_block[i] = (quaternion_from_rotation_vector(turn) * camera_from_block[i]).normalized();
-      matrices[i] = camera_from_block[i].toRotationMatrix();
-      poses[i][3] = poses[i][4] = poses[i][5] = 0;
-    }
-  }
-};
-
-State initial_state(const PointBlock& block) {
-  State state;
-  for (const auto& image : block.images) {
-    state.poses.push_back({image.centre.x(), image.centre.y(), image.centre.z(), 0, 0, 0});
-    state.camera_from_block.emplace_back(rotation_from_angles(image.angles).transpose());
-    state.matrices.push_back(state.camera_from_block.back().toRotationMatrix());
-  }
-  for (const auto& point : block.points) state.points.push_back(point.position);
-  for (const auto& camera : block.cameras) state.interiors.push_back(camera.values);
-  return state;
-}
-
-std::vector<int> parameter_indices(const std::vector<std::string>& names) {
-  std::vector<int> indices;
-  for (int i = 0; i < SensorCamera::parameter_count; ++i)
-    if (std::find(names.begin(), names.end(), SensorCamera::names[static_cast<size_t>(i)]) != names.end())
-      indices.push_back(i);
-  for (const auto& name : names)
-    if (std::find(SensorCamera::names.begin(), SensorCamera::names.end(), name) == SensorCamera::names.end())
-      throw std::runtime_error("unknown interior parameter '" + name +
-                               "'; known are Ck, xh, yh, A1, A2, A3, B1, B2, C1, C2");
-  return indices;
+std::string list(const std::vector<std::string>& names) {
+  if (names.size() <= 8) return enumerate(names);
+  return enumerate({names[0], names[1], names[2], std::to_string(names.size() - 3) + " more"});
 }
 
 void require_enough_observations(const PointBlock& block) {
@@ -113,16 +36,19 @@ void require_enough_observations(const PointBlock& block) {
     ++rays[static_cast<size_t>(m.point)];
     ++seen[static_cast<size_t>(m.image)];
   }
+  std::vector<bool> known(block.points.size());
+  for (size_t k = 0; k < block.control.points.size(); ++k)
+    known[static_cast<size_t>(block.control.points[k])] = !block.control.is_check[k];
   std::vector<std::string> few;
   for (size_t i = 0; i < rays.size(); ++i)
-    if (rays[i] < 2) few.push_back(block.points[i].name);
+    if (rays[i] < 2 && !known[i]) few.push_back(block.points[i].name);
   if (!few.empty())
-    throw std::runtime_error("object point" + std::string(few.size() > 1 ? "s " : " ") + enumerate(few) +
+    throw std::runtime_error("object point" + std::string(few.size() > 1 ? "s " : " ") + list(few) +
                              " measured in fewer than 2 images: no position follows from that; leave the point out");
   for (size_t i = 0; i < seen.size(); ++i)
     if (seen[i] < 3) few.push_back(std::to_string(block.images[i].id) + " (" + std::to_string(seen[i]) + ")");
   if (!few.empty())
-    throw std::runtime_error("image" + std::string(few.size() > 1 ? "s " : " ") + enumerate(few) +
+    throw std::runtime_error("image" + std::string(few.size() > 1 ? "s " : " ") + list(few) +
                              " with fewer than 3 measured points: the pose is undetermined; leave the image out");
 }
 
@@ -130,144 +56,245 @@ double sigma_of(const BlockMeasurement& measurement, const PointBlockOptions& op
   return measurement.sigma > 0 ? measurement.sigma : options.image_sigma;
 }
 
-BlockModel build_model(const PointBlock& block, const PointBlockOptions& options, const std::vector<int>& free,
-                       State& state) {
-  BlockModel model;
-  std::vector<bool> is_free(SensorCamera::parameter_count, false);
-  for (int i : free) is_free[static_cast<size_t>(i)] = true;
-  for (size_t j = 0; j < block.points.size(); ++j) {
-    const std::string name = "point " + block.points[j].name;
-    model.add_kept(state.points[j].data(), {true, true, true}, {name + " x", name + " y", name + " z"});
-  }
-  for (size_t c = 0; c < block.cameras.size(); ++c) {
-    std::vector<std::string> labels;
-    for (const char* name : SensorCamera::names)
-      labels.push_back(std::string(name) + " of camera " + std::to_string(block.cameras[c].id));
-    model.add_kept(state.interiors[c].data(), is_free, labels);
-  }
-  for (auto& pose : state.poses) model.add_pose(pose.data());
-  const int images = model.add_group("image coordinates"), bars = model.add_group("scale bars");
-  for (size_t i = 0; i < block.measurements.size(); ++i) {
-    const auto& m = block.measurements[i];
-    const size_t image = static_cast<size_t>(m.image), camera = static_cast<size_t>(block.images[image].camera);
-    auto* cost = new ImagePointCost{m.position, sigma_of(m, options), block.cameras[camera].balance_radius,
-                                    &state.matrices[image]};
-    model.add_term(
-        std::make_unique<ceres::AutoDiffCostFunction<ImagePointCost, 2, 6, 10, 3>>(cost),
-        {state.poses[image].data(), state.interiors[camera].data(), state.points[static_cast<size_t>(m.point)].data()},
-        images, static_cast<int>(i));
-  }
-  for (size_t i = 0; i < block.scale_bars.size(); ++i) {
-    const auto& bar = block.scale_bars[i];
-    model.add_term(
-        std::make_unique<ceres::AutoDiffCostFunction<DistanceCost, 1, 3, 3>>(new DistanceCost{bar.length, bar.sigma}),
-        {state.points[static_cast<size_t>(bar.from)].data(), state.points[static_cast<size_t>(bar.to)].data()}, bars,
-        static_cast<int>(i));
-  }
-  return model;
+std::vector<bool> free_values(const SensorCamera& camera, const std::vector<std::string>& wanted) {
+  static const std::vector<std::string> balanced = {"Ck", "xh", "yh", "A1", "A2", "B1", "B2"};
+  std::vector<std::string> chosen;
+  for (const auto& name : wanted)
+    if (name != "auto")
+      chosen.push_back(name);
+    else if (camera.lens == bundle::Lens::balanced)
+      chosen.insert(chosen.end(), balanced.begin(), balanced.end());
+  std::vector<bool> free;
+  for (const auto& name : camera.names()) free.push_back(std::find(chosen.begin(), chosen.end(), name) != chosen.end());
+  return free;
 }
 
-std::vector<NamedPoint> named_points(const PointBlock& block, const std::vector<Eigen::Vector3d>& positions) {
-  std::vector<NamedPoint> named;
-  for (size_t i = 0; i < positions.size(); ++i) named.push_back({"point " + block.points[i].name, positions[i]});
-  return named;
-}
-
-/// Inner constraints over all object points: translation, rotation, and scale where no scale bar gives it.
-void set_inner_constraints(const PointBlock& block, const State& state, PartitionedSystem& linear) {
-  const auto points = named_points(block, state.points);
-  const Eigen::Index count = block.scale_bars.empty() ? motion_count : motion_count - 1;
-  const Eigen::MatrixXd motions = motion_basis(points, centre_of(points));
-  linear.null_space = Eigen::MatrixXd::Zero(linear.kept_count, count);
-  linear.null_space.topRows(motions.rows()) = motions.leftCols(count);
-  linear.datum_unknowns.resize(3 * points.size());
-  std::iota(linear.datum_unknowns.begin(), linear.datum_unknowns.end(), 0);  // points come first
-}
-
-/// Moves the block so that its points lie, by rotation and translation (and scale without a scale bar), as closely as
-/// possible to where they started: the datum that inner constraints against the approximate coordinates define,
-/// whatever way the iteration took.
-void restore_datum(const PointBlock& block, State& state) {
-  std::vector<Eigen::Vector3d> start;
-  for (const auto& point : block.points) start.push_back(point.position);
-  const SimilarityMotion move = fit_similarity(state.points, start, block.scale_bars.empty());
-  for (auto& point : state.points) point = move * point;
-  for (size_t i = 0; i < state.poses.size(); ++i) {
-    const Eigen::Vector3d centre = move * Eigen::Vector3d(state.poses[i][0], state.poses[i][1], state.poses[i][2]);
-    std::copy(centre.data(), centre.data() + 3, state.poses[i].begin());
-    state.camera_from_block[i] = (state.camera_from_block[i] * move.rotation.conjugate()).normalized();
-    state.matrices[i] = state.camera_from_block[i].toRotationMatrix();
-  }
-}
-
-/// d(ω, φ, κ)/d(rotation vector in the camera frame), by central differences: exact to 1e-10, and no table of cases.
-Eigen::Matrix3d angles_by_turn(const Eigen::Quaterniond& camera_from_block) {
-  constexpr double step = 1e-5;
-  Eigen::Matrix3d derivative;
-  for (int k = 0; k < 3; ++k) {
-    Eigen::Vector3d difference = Eigen::Vector3d::Zero();
-    for (int sign : {1, -1}) {
-      const Eigen::Quaterniond turned =
-          quaternion_from_rotation_vector(sign * step * Eigen::Vector3d::Unit(k)) * camera_from_block;
-      difference += sign * angles_from_rotation(turned.toRotationMatrix().transpose());
+void require_known_names(const PointBlock& block, const std::vector<std::string>& wanted) {
+  for (const auto& name : wanted) {
+    bool found = name == "auto";
+    std::string known;
+    for (const auto& camera : block.cameras) {
+      found = found || std::find(camera.names().begin(), camera.names().end(), name) != camera.names().end();
+      if (known.empty())
+        for (const auto& n : camera.names()) known += (known.empty() ? "" : ", ") + n;
     }
-    for (double& d : difference) d -= 2 * M_PI * std::round(d / (2 * M_PI));
-    derivative.col(k) = difference / (2 * step);
+    if (!found) throw std::runtime_error("unknown interior parameter '" + name + "'; known are " + known);
   }
-  return derivative;
 }
 
-void fill_reliability(const PointBlock& block, const PointBlockOptions& options, const AdjustedBlock& adjusted,
-                      const std::vector<Eigen::MatrixXd>& cofactors, double factor, PointBlockResult& result) {
-  result.measurement_reliability.resize(block.measurements.size());
-  result.scale_bar_reliability.resize(block.scale_bars.size());
-  for (size_t i = 0; i < adjusted.linear.observations.size(); ++i) {
-    const ObservationRows& rows = adjusted.linear.observations[i];
-    const size_t label = static_cast<size_t>(rows.label);
-    const double sigma = rows.group == 0 ? sigma_of(block.measurements[label], options) : block.scale_bars[label].sigma;
-    const Eigen::Index count = rows.misclosure.size();
-    auto quality = row_quality(sigma * Eigen::MatrixXd::Identity(count, count), rows, cofactors[i]);
-    for (auto& q : quality) {
-      q.w /= std::sqrt(factor);
-      q.mdb *= std::sqrt(factor);
+bool is_fixed(const BlockControl& control, size_t k) {
+  return control.covariance.diagonal().segment<3>(3 * static_cast<Eigen::Index>(k)).maxCoeff() <= 0;
+}
+
+Eigen::MatrixXd whitening_of(Eigen::MatrixXd covariance) {
+  for (Eigen::Index i = 0; i < covariance.rows(); ++i)
+    if (covariance(i, i) <= 0) covariance(i, i) = held_sigma * held_sigma;
+  const Eigen::LLT<Eigen::MatrixXd> factor(covariance);
+  if (factor.info() != Eigen::Success || !covariance.allFinite())
+    throw std::runtime_error("the covariance of the control points is not positive definite");
+  return factor.matrixL().solve(Eigen::MatrixXd::Identity(covariance.rows(), covariance.cols()));
+}
+
+struct Built {
+  bundle::Problem problem;
+  bundle::State state;
+  std::vector<std::pair<size_t, Eigen::Index>> control_row;  ///< by control point: index into known, first row
+};
+
+/// Known points: those that share a covariance with others in one term, the rest each on its own, so that they do not
+/// tie the block together.
+void add_control(const PointBlock& block, const Eigen::Vector3d& origin, Built& built) {
+  const BlockControl& control = block.control;
+  built.control_row.assign(control.points.size(), {SIZE_MAX, 0});
+  std::vector<size_t> weighted;
+  for (size_t k = 0; k < control.points.size(); ++k) {
+    if (control.is_check[k]) continue;
+    const Eigen::Vector3d position = control.position.segment<3>(3 * static_cast<Eigen::Index>(k));
+    if (is_fixed(control, k)) {
+      built.problem.points[static_cast<size_t>(control.points[k])].fixed = true;
+      built.state.points[static_cast<size_t>(control.points[k])] = position - origin;
+    } else {
+      weighted.push_back(k);
     }
-    if (rows.group == 0)
-      result.measurement_reliability[label] = {quality[0], quality[1]};
+  }
+  const auto add = [&](const std::vector<size_t>& together) {
+    if (together.empty()) return;
+    bundle::Known term;
+    std::vector<Eigen::Index> rows;
+    term.target.resize(3 * static_cast<Eigen::Index>(together.size()));
+    for (size_t k : together) {
+      term.refs.push_back({bundle::Kind::point, control.points[k]});
+      built.control_row[k] = {built.problem.known.size(), static_cast<Eigen::Index>(rows.size())};
+      for (Eigen::Index c = 0; c < 3; ++c) {
+        term.target(static_cast<Eigen::Index>(rows.size())) =
+            control.position(3 * static_cast<Eigen::Index>(k) + c) - origin(c);
+        rows.push_back(3 * static_cast<Eigen::Index>(k) + c);
+      }
+    }
+    term.whitening = whitening_of(control.covariance(rows, rows));
+    term.group = group_control;
+    built.problem.known.push_back(std::move(term));
+  };
+  std::vector<size_t> tied;
+  for (size_t k : weighted) {
+    bool alone = true;
+    for (size_t other : weighted)
+      if (other != k) alone = alone && control.covariance.block(3 * k, 3 * other, 3, 3).isZero(0);
+    if (alone)
+      add({k});
     else
-      result.scale_bar_reliability[label] = quality[0];
+      tied.push_back(k);
+  }
+  add(tied);
+}
+
+Built build(const PointBlock& block, const PointBlockOptions& options, const Eigen::Vector3d& origin) {
+  Built built;
+  bundle::Problem& problem = built.problem;
+  problem.groups = {{"image coordinates"}, {"scale bars"}, {"control"}};
+  for (const auto& camera : block.cameras) {
+    problem.cameras.push_back(
+        {std::to_string(camera.id), camera.lens, camera.balance_radius, free_values(camera, options.free_parameters)});
+    built.state.interiors.push_back(camera.values);
+  }
+  for (const auto& image : block.images) {
+    problem.images.push_back({std::to_string(image.id), image.camera});
+    built.state.images.emplace_back();
+    built.state.images.back().set(Eigen::Quaterniond(rotation_from_angles(image.angles).transpose()),
+                                  image.centre - origin);
+  }
+  for (const auto& point : block.points) {
+    problem.points.push_back({point.name});
+    built.state.points.push_back(point.position - origin);
+  }
+  for (const auto& m : block.measurements)
+    problem.image_points.push_back(
+        {m.image, m.point, m.position, Eigen::Matrix2d::Identity() / sigma_of(m, options), group_images});
+  for (const auto& bar : block.scale_bars)
+    problem.distances.push_back(
+        {bar.name, {bundle::Kind::point, bar.from}, {bundle::Kind::point, bar.to}, bar.length, bar.sigma, group_bars});
+  add_control(block, origin, built);
+  return built;
+}
+
+/// d(ω, φ, κ)/d(rotation vector in the camera frame). With Rᵀ = camera_from_block, a turn δ there is the spatial turn
+/// −R δ of R, and ω, φ, κ turn about x, Rx y and Rx Ry z.
+Eigen::Matrix3d angles_by_turn(const Eigen::Vector3d& angles, const Eigen::Matrix3d& block_from_camera) {
+  const Eigen::AngleAxisd x(angles.x(), Eigen::Vector3d::UnitX()), y(angles.y(), Eigen::Vector3d::UnitY());
+  Eigen::Matrix3d axes;
+  axes << Eigen::Vector3d::UnitX(), x * Eigen::Vector3d::UnitY(), x * (y * Eigen::Vector3d::UnitZ());
+  return -axes.inverse() * block_from_camera;
+}
+
+void fill_covariances(const Built& built, const bundle::Layout& layout, const bundle::Adjusted& adjusted, double factor,
+                      PointBlockResult& result) {
+  const bundle::Cofactors& cofactors = *adjusted.cofactors;
+  const auto block_of = [&](bundle::Kind kind, size_t i) { return layout.block({kind, static_cast<int>(i)}); };
+  const auto own = cofactors.all_own();
+  std::vector<int> points;
+  for (size_t j = 0; j < built.problem.points.size(); ++j) {
+    points.push_back(block_of(bundle::Kind::point, j));
+    const auto& q = own[static_cast<size_t>(points.back())];
+    result.point_covariances.push_back(q.size() > 0 ? Eigen::Matrix3d(factor * q) : Eigen::Matrix3d::Zero());
+  }
+  if (points.size() <= max_joint_points) {
+    const Eigen::Index size = 3 * static_cast<Eigen::Index>(points.size());
+    result.point_covariance = Eigen::MatrixXd::Zero(size, size);
+    std::vector<Eigen::Index> unknown;
+    for (size_t j = 0; j < points.size(); ++j)
+      for (int c = 0; c < layout.size(points[j]); ++c) unknown.push_back(3 * static_cast<Eigen::Index>(j) + c);
+    result.point_covariance(unknown, unknown) = factor * cofactors.joint(points);
+  }
+  for (size_t c = 0; c < built.problem.cameras.size(); ++c) {
+    result.free_parameters.push_back(layout.free_values(static_cast<int>(c)));
+    const auto& q = own[static_cast<size_t>(block_of(bundle::Kind::camera, c))];
+    result.interior_covariance.push_back(factor * q);
+  }
+  for (size_t i = 0; i < built.problem.images.size(); ++i) {
+    const size_t camera = static_cast<size_t>(built.problem.images[i].camera);
+    const int image = block_of(bundle::Kind::image, i), interior = block_of(bundle::Kind::camera, camera);
+    const Eigen::MatrixXd joint = factor * cofactors.joint({image, interior});
+    result.pose_covariance.push_back(joint.topLeftCorner<6, 6>());
+    Matrix6 turn = Matrix6::Identity();
+    turn.bottomRightCorner<3, 3>() =
+        angles_by_turn(result.block.images[i].angles, adjusted.state.images[i].matrix.transpose());
+    result.orientation_covariance.push_back(turn * joint.topLeftCorner<6, 6>() * turn.transpose());
+    const Eigen::VectorXd scale = joint.diagonal().cwiseSqrt().cwiseInverse();
+    result.pose_interior_correlation.push_back(
+        (scale.asDiagonal() * joint * scale.asDiagonal()).topRightCorner(6, layout.size(interior)));
   }
 }
 
-void fill_covariances(const State& state, const AdjustedBlock& adjusted, double factor, PointBlockResult& result) {
-  const PartitionedSolution& solution = adjusted.solution;
-  const Eigen::Index points = 3 * static_cast<Eigen::Index>(state.points.size());
-  const Eigen::Index free = static_cast<Eigen::Index>(result.free_parameters.size());
-  result.point_covariance = factor * solution.kept_cofactor.topLeftCorner(points, points);
-  for (size_t c = 0; c < state.interiors.size(); ++c) {
-    const Eigen::Index first = points + free * static_cast<Eigen::Index>(c);
-    result.interior_covariance.push_back(factor * solution.kept_cofactor.block(first, first, free, free));
-  }
-  for (size_t i = 0; i < state.poses.size(); ++i) {
-    const Matrix6 covariance = factor * solution.eliminated_cofactor[i];
-    result.pose_covariance.push_back(covariance);
-    const Eigen::Matrix3d turn = angles_by_turn(state.camera_from_block[i]);
-    result.angle_covariance.push_back(turn * covariance.bottomRightCorner<3, 3>() * turn.transpose());
-    const size_t camera = static_cast<size_t>(result.block.images[i].camera);
-    const Eigen::Index first = points + free * static_cast<Eigen::Index>(camera);
-    const EliminatedBlock& eliminated = adjusted.reduced.eliminated[i];
-    Eigen::MatrixXd correlation = factor * cross_cofactor(eliminated, solution.kept_cofactor).middleCols(first, free);
-    correlation = covariance.diagonal().cwiseSqrt().cwiseInverse().asDiagonal() * correlation *
-                  result.interior_covariance[camera].diagonal().cwiseSqrt().cwiseInverse().asDiagonal();
-    result.pose_interior_correlation.push_back(correlation);
+void fill_control(const PointBlock& given, const Built& built, const bundle::Reliability& reliability, double factor,
+                  PointBlockResult& result) {
+  for (size_t k = 0; k < given.control.points.size(); ++k) {
+    const Eigen::Index at = 3 * static_cast<Eigen::Index>(k);
+    const size_t point = static_cast<size_t>(given.control.points[k]);
+    ControlResult entry;
+    entry.point = given.control.points[k];
+    entry.check = given.control.is_check[k];
+    entry.fixed = !entry.check && is_fixed(given.control, k);
+    entry.given = given.control.position.segment<3>(at);
+    entry.given_sigma = given.control.covariance.diagonal().segment<3>(at).cwiseMax(0).cwiseSqrt();
+    entry.residual = result.block.points[point].position - entry.given;
+    entry.rays = result.rays[point];
+    const auto& [term, row] = built.control_row[k];
+    for (Eigen::Index c = 0; c < 3; ++c) {
+      if (term != SIZE_MAX) {
+        const auto& q = reliability.known[term][static_cast<size_t>(row + c)];
+        entry.w(c) = q.w / std::sqrt(factor);
+        entry.redundancy_number(c) = q.redundancy_number;
+      } else if (entry.check) {
+        entry.w(c) = entry.residual(c) /
+                     std::sqrt(result.point_covariances[point](c, c) + given.control.covariance(at + c, at + c));
+        entry.redundancy_number(c) = 1;
+      }
+    }
+    result.control.push_back(entry);
   }
 }
 
-void store_values(const State& state, PointBlock& block) {
-  for (size_t j = 0; j < state.points.size(); ++j) block.points[j].position = state.points[j];
+void fill_reliability(const bundle::Reliability& reliability, double factor, PointBlockResult& result) {
+  result.measurement_reliability = reliability.points;
+  result.scale_bar_reliability = reliability.distances;
+  const auto rescale = [&](adjustment::RowStatistics& row) {
+    row.w /= std::sqrt(factor);
+    row.mdb *= std::sqrt(factor);
+  };
+  for (auto& rows : result.measurement_reliability)
+    for (auto& row : rows) rescale(row);
+  for (auto& row : result.scale_bar_reliability) rescale(row);
+  result.groups = reliability.groups;
+  std::erase_if(result.groups, [](const auto& group) { return group.rows == 0; });
+}
+
+void store_values(const bundle::State& state, const Eigen::Vector3d& origin, PointBlock& block) {
+  for (size_t j = 0; j < state.points.size(); ++j) block.points[j].position = state.points[j] + origin;
   for (size_t c = 0; c < state.interiors.size(); ++c) block.cameras[c].values = state.interiors[c];
-  for (size_t i = 0; i < state.poses.size(); ++i) {
-    block.images[i].centre = {state.poses[i][0], state.poses[i][1], state.poses[i][2]};
-    block.images[i].angles = angles_from_rotation(state.matrices[i].transpose());
+  for (size_t i = 0; i < state.images.size(); ++i) {
+    block.images[i].centre = state.images[i].position + origin;
+    block.images[i].angles = angles_from_rotation(state.images[i].matrix.transpose());
+  }
+}
+
+/// Carries approximate values over to the frame of the control, if they are in another one.
+void align_to_control(PointBlock& block) {
+  std::vector<Eigen::Vector3d> from, to;
+  for (size_t k = 0; k < block.control.points.size(); ++k) {
+    if (block.control.is_check[k]) continue;
+    from.push_back(block.points[static_cast<size_t>(block.control.points[k])].position);
+    to.emplace_back(block.control.position.segment<3>(3 * static_cast<Eigen::Index>(k)));
+  }
+  if (from.size() < 3) return;
+  Eigen::Matrix3Xd spread(3, static_cast<Eigen::Index>(to.size()));
+  for (size_t k = 0; k < to.size(); ++k) spread.col(static_cast<Eigen::Index>(k)) = to[k] - to[0];
+  const Eigen::JacobiSVD<Eigen::Matrix3Xd> svd(spread.colwise() - spread.rowwise().mean());
+  if (svd.singularValues()(1) < 1e-3 * svd.singularValues()(0)) return;  // a line does not tell the rotation
+  const SimilarityMotion move = fit_similarity(from, to, true);
+  for (auto& point : block.points) point.position = move * point.position;
+  for (auto& image : block.images) {
+    image.centre = move * image.centre;
+    image.angles = angles_from_rotation(move.rotation.toRotationMatrix() * rotation_from_angles(image.angles));
   }
 }
 
@@ -284,42 +311,43 @@ Eigen::Vector3d angles_from_rotation(const Eigen::Matrix3d& r) {
   return {std::atan2(-r(1, 2), r(2, 2)), std::asin(std::clamp(r(0, 2), -1.0, 1.0)), std::atan2(-r(0, 1), r(0, 0))};
 }
 
-PointBlockResult adjust_point_block(const PointBlock& block, const PointBlockOptions& options) {
-  require_enough_observations(block);
-  PointBlockResult result;
-  result.free_parameters = parameter_indices(options.free_parameters);
-  result.block = block;
-  State state = initial_state(block);
-  BlockModel model = build_model(block, options, result.free_parameters, state);
-  std::vector<std::string> images;
-  for (const auto& image : block.images) images.push_back("image " + std::to_string(image.id));
-  const AdjustedBlock adjusted = adjust_to_convergence(
-      model, options.max_iterations,
-      [&] {
-        state.fold();
-        restore_datum(block, state);
-      },
-      [&](PartitionedSystem& linear) { set_inner_constraints(block, state, linear); },
-      [&](const PartitionedSystem& linear, const ReducedSystem& reduced) {
-        require_full_rank(linear, reduced, images, model.kept_labels());
-      });
-  const auto cofactors = residual_cofactors(adjusted.linear, adjusted.reduced, adjusted.solution);
-  result.groups = variance_components(adjusted.linear, cofactors);
-  double sum = 0;
-  for (const auto& group : result.groups) sum += group.sum_of_squares;
-  result.observations = adjusted.linear.row_count();
-  result.unknowns = adjusted.linear.unknown_count();
-  result.constraints = adjusted.linear.defect();
-  result.degrees_of_freedom = adjusted.linear.redundancy();
-  result.iterations = adjusted.iterations;
-  if (result.degrees_of_freedom < 1)
+PointBlockResult adjust_point_block(const PointBlock& given, const PointBlockOptions& options) {
+  require_enough_observations(given);
+  require_known_names(given, options.free_parameters);
+  PointBlock block = given;
+  align_to_control(block);
+  const Eigen::Vector3d origin = origin_of(block);
+  const Built built = build(block, options, origin);
+  const bundle::Layout layout(built.problem);
+  bundle::AdjustOptions how;
+  how.minimise.max_iterations = options.max_iterations;
+  how.minimise.threads = options.threads;
+  how.minimise.side = options.side;
+  how.minimiser = options.minimiser;
+  const int motions = bundle::free_motions(built.problem);
+  how.datum = options.free_datum == PointBlockOptions::FreeDatum::inner
+                  ? bundle::inner_datum(built.problem, layout, motions)
+                  : bundle::first_image_datum(built.problem, layout, built.state, motions);
+  const bundle::Adjusted adjusted = bundle::adjust(built.problem, layout, built.state, how);
+  if (adjusted.redundancy() < 1)
     throw std::runtime_error("the block has no redundancy: nothing checks its observations");
-  const double factor = sum / result.degrees_of_freedom;
+  const double factor = adjusted.sum_of_squares / adjusted.redundancy();
+  PointBlockResult result;
+  result.block = block;
+  result.observations = adjusted.rows;
+  result.unknowns = adjusted.unknowns;
+  result.constraints = adjusted.defect;
+  result.degrees_of_freedom = adjusted.redundancy();
+  result.iterations = adjusted.iterations;
   result.sigma0 = options.image_sigma * std::sqrt(factor);
-  result.weighted_sum_of_squares = options.image_sigma * options.image_sigma * sum;
-  store_values(state, result.block);
-  fill_covariances(state, adjusted, factor, result);
-  fill_reliability(block, options, adjusted, cofactors, factor, result);
+  result.weighted_sum_of_squares = options.image_sigma * options.image_sigma * adjusted.sum_of_squares;
+  result.rays.resize(block.points.size());
+  for (const auto& m : block.measurements) ++result.rays[static_cast<size_t>(m.point)];
+  store_values(adjusted.state, origin, result.block);
+  fill_covariances(built, layout, adjusted, factor, result);
+  const bundle::Reliability reliability = bundle::reliability_of(built.problem, adjusted);
+  fill_reliability(reliability, factor, result);
+  fill_control(given, built, reliability, factor, result);
   return result;
 }
 

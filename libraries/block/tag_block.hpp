@@ -13,13 +13,15 @@
 #include <string>
 #include <vector>
 
-#include "adjustment/reliability.hpp"
-#include "block/block_model.hpp"
+#include "block/bundle/adjust.hpp"
 #include "geometry/camera.hpp"
 #include "geometry/marker_plate.hpp"
 #include "plumbline/rigid_transform.hpp"
 
 namespace plumbline::adjust {
+
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+enum class RobustLoss { none, huber, cauchy, tukey };
 
 struct TagImage {
   std::string name;
@@ -85,6 +87,8 @@ struct TagBlockOptions {
   bool estimate_image_variance = true;
   double weak_ratio = 30;  ///< see analyse_datum()
   int max_iterations = 100;
+  int threads = 1;
+  bundle::Minimiser minimiser = bundle::minimise_schur;
 };
 
 struct AdjustedTag {
@@ -101,6 +105,15 @@ struct AdjustedControl {
   /// Effect of an undetected error of the size of the MDB in each coordinate: largest change of any anchor's height
   /// [m].
   std::array<double, 3> effect_on_height{};
+};
+
+/// A global test: the variance of a group of observations against what was assumed of it before the adjustment.
+struct GroupTest {
+  std::string group;
+  double factor = 1;  ///< estimated over assumed variance
+  double limit = 1;   ///< the test fails above it
+  bool passed = true;
+  std::string words;  ///< what a failure means
 };
 
 struct TagBatch {
@@ -125,17 +138,23 @@ struct TagBlockResult {
   double weighted_sum_of_squares = 0, sigma0 = 0;
   double image_variance_factor = 1;  ///< by which the given corner covariances were multiplied
   std::vector<adjustment::VarianceComponent> groups;
+  /// Images against the detector's own covariances (before image_variance_factor), within what detectors are wrong by;
+  /// control, interior and tag scale priors by the chi-squared test.
+  std::vector<GroupTest> tests;
+  std::vector<double> plate_w;  ///< largest |w| of the control coordinates and of the median tag at each plate
   std::vector<AdjustedTag> tags;
   std::vector<AdjustedControl> control;
   std::vector<int> rejected;            ///< observations left out as blunders
   std::vector<std::string> weak_datum;  ///< motions of the block that control holds only weakly
   double weakest_datum_sigma = 0;       ///< [m], see DatumAnalysis
   std::vector<std::string> left_out;    ///< images and plates that could not be placed, with the reason
+  std::vector<std::string> warnings;    ///< what people should know although the block could be adjusted
 };
 
 /// The adjustment. Covariances are with σ0 = 1 a priori (corner covariances scaled by image_variance_factor).
 /// Throws std::runtime_error that names the cause: too few images or tags, control that leaves the datum undetermined
-/// (the motions by name), any other rank defect (the unknowns by name), no convergence.
+/// (the motions by name) or contradicts the images (another unit, exchanged plates), any other rank defect (the
+/// unknowns by name), no convergence (its cause).
 TagBlockResult adjust_tag_block(const TagBlock& block, const TagBlockOptions& options);
 
 }  // namespace plumbline::adjust

@@ -209,38 +209,6 @@ Placed grow(const TagBlock& block, const std::vector<std::vector<const View*>>& 
   return placed;
 }
 
-void fill_state(const TagBlock& block, const Placed& placed, const std::vector<View>& views, TagState& state) {
-  std::map<std::string, int> batches;
-  for (int j : state.plates) {
-    const TagPlate& plate = block.plates[static_cast<size_t>(j)];
-    const RigidTransform& pose = *placed.world_from_plate[static_cast<size_t>(j)];
-    state.anchors.push_back(pose.translation - state.origin);
-    state.turns.emplace_back(Eigen::Vector3d::Zero());
-    state.local_from_plate.push_back(pose.rotation);
-    const auto [at, is_new] = batches.emplace(plate.batch, static_cast<int>(batches.size()));
-    if (is_new) state.batch_names.push_back(plate.batch);
-    state.batch_of_plate.push_back(at->second);
-  }
-  state.scales.assign(batches.size(), 1.0);
-  state.insets.assign(batches.size(), 0.0);
-  for (int i : state.images) {
-    const RigidTransform& pose = *placed.cam_from_world[static_cast<size_t>(i)];
-    const Eigen::Vector3d centre = pose.inverse().translation - state.origin;
-    state.poses.push_back({centre.x(), centre.y(), centre.z(), 0, 0, 0});
-    state.cam_from_local.push_back(pose.rotation.normalized());
-  }
-  state.camera_matrices.resize(state.poses.size());
-  state.plate_matrices.resize(state.anchors.size());
-  state.interior = block.camera.parameters();
-  state.fold();
-  for (size_t j = 0; j < state.plates.size(); ++j) state.start.push_back(state.tag_centre(block, j));
-  for (const View& view : views) {
-    const auto& pose = placed.cam_from_world[static_cast<size_t>(view.image)];
-    const auto& plate = placed.world_from_plate[static_cast<size_t>(view.plate)];
-    if (pose && plate) state.observations.push_back(view.observation);
-  }
-}
-
 /// Pairs whose tag would lie behind the camera cannot enter an adjustment: either value is wrong.
 void drop_impossible(const TagBlock& block, const Placed& placed, std::vector<View>& views,
                      std::vector<std::string>& left_out) {
@@ -261,7 +229,7 @@ void drop_impossible(const TagBlock& block, const Placed& placed, std::vector<Vi
 
 }  // namespace
 
-TagState start_tag_block(const TagBlock& block, const std::vector<bool>& use, std::vector<std::string>& left_out) {
+TagStart start_tag_block(const TagBlock& block, const std::vector<bool>& use, std::vector<std::string>& left_out) {
   std::vector<View> views = undistort(block, use, left_out);
   std::vector<std::vector<const View*>> by_image(block.images.size()), by_plate(block.plates.size());
   for (const View& view : views) {
@@ -275,30 +243,38 @@ TagState start_tag_block(const TagBlock& block, const std::vector<bool>& use, st
     if (placed.cam_from_world[static_cast<size_t>(view.image)] &&
         placed.world_from_plate[static_cast<size_t>(view.plate)])
       image_used[static_cast<size_t>(view.image)] = plate_used[static_cast<size_t>(view.plate)] = true;
-  TagState state;
+  std::vector<bool> plate_seen(block.plates.size()), image_saw(block.images.size());
+  for (const auto& seen : block.observations)
+    plate_seen[static_cast<size_t>(seen.plate)] = image_saw[static_cast<size_t>(seen.image)] = true;
+  TagStart start;
   for (size_t i = 0; i < image_used.size(); ++i)
     if (image_used[i])
-      state.images.push_back(static_cast<int>(i));
+      start.images.push_back(static_cast<int>(i));
     else
-      left_out.push_back(block.images[i].name +
-                         (by_image[i].empty() ? ": no tag of a known plate" : ": sees no plate that could be placed"));
+      left_out.push_back(block.images[i].name + (!image_saw[i]         ? ": no tag of a known plate"
+                                                 : by_image[i].empty() ? ": all its tags were left out as blunders"
+                                                                       : ": sees no plate that could be placed"));
   for (size_t j = 0; j < plate_used.size(); ++j)
     if (plate_used[j])
-      state.plates.push_back(static_cast<int>(j));
+      start.plates.push_back(static_cast<int>(j));
     else
-      left_out.push_back(block.plates[j].anchor +
-                         (by_plate[j].empty() ? ": its tag is in no image" : ": its tag is in no oriented image"));
-  if (state.images.size() < 2)
+      left_out.push_back(
+          block.plates[j].anchor +
+          (!plate_seen[j] ? ": its tag is in no image"
+           : by_plate[j].empty()
+               ? ": its tag contradicts all others in every image: exchanged with another plate, or of another size"
+               : ": its tag is in no oriented image"));
+  if (start.images.size() < 2)
     throw std::runtime_error("a block needs at least 2 oriented images that see plates, this one has " +
-                             std::to_string(state.images.size()) + " of " + std::to_string(block.images.size()) +
+                             std::to_string(start.images.size()) + " of " + std::to_string(block.images.size()) +
                              (left_out.empty() ? "" : " (" + left_out.front() + ")"));
-  for (int j : state.plates)
-    state.origin +=
-        placed.world_from_plate[static_cast<size_t>(j)]->translation / static_cast<double>(state.plates.size());
-  // Whole metres: subtracting them from the coordinates of control loses no digit.
-  state.origin = state.origin.array().round().matrix();
-  fill_state(block, placed, views, state);
-  return state;
+  for (int i : start.images) start.cam_from_world.push_back(*placed.cam_from_world[static_cast<size_t>(i)]);
+  for (int j : start.plates) start.world_from_plate.push_back(*placed.world_from_plate[static_cast<size_t>(j)]);
+  for (const View& view : views)
+    if (placed.cam_from_world[static_cast<size_t>(view.image)] &&
+        placed.world_from_plate[static_cast<size_t>(view.plate)])
+      start.observations.push_back(view.observation);
+  return start;
 }
 
 }  // namespace plumbline::adjust

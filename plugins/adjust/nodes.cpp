@@ -1,7 +1,7 @@
 // The nodes of this family; each is described in its own header.
-#include "ceres_node.hpp"
-#include "image_block_node.hpp"
-#include "read_aicon_node.hpp"
+#include "adjuster_node.hpp"
+#include "read_block_nodes.hpp"
 
-PLUMBLINE_PLUGIN("adjust", "0.1.0", "MIT", plumbline::adjust::AdjustCeres, plumbline::adjust::AdjustImageBlock,
-                 plumbline::adjust::ReadAicon)
+PLUMBLINE_PLUGIN("adjust", "0.1.0", "MIT", plumbline::adjust::Adjuster<plumbline::adjust::SchurEngine>,
+                 plumbline::adjust::Adjuster<plumbline::adjust::CeresEngine>, plumbline::adjust::ReadAicon,
+                 plumbline::adjust::ReadPhotoModeler, plumbline::adjust::ReadImageBlock)

@@ -275,6 +275,7 @@ BlockT TagBlockBuilder::describe(const TagBlockResult& result, const TagBlockOpt
     auto entry = std::make_unique<BlockAnchorT>();
     entry->anchor = block_.plates[static_cast<size_t>(result.plates[j])].anchor;
     entry->images = result.images_per_plate[j];
+    entry->largest_w = result.plate_w[j];
     entry->rotation = result.world_from_plate[j];
     artifact.anchors.push_back(std::move(entry));
   }
@@ -285,6 +286,16 @@ BlockT TagBlockBuilder::describe(const TagBlockResult& result, const TagBlockOpt
     entry->anchor = block_.plates[static_cast<size_t>(seen.plate)].anchor;
     artifact.rejected.push_back(std::move(entry));
   }
+  for (const auto& test : result.tests) {
+    auto entry = std::make_unique<BlockTestT>();
+    entry->group = test.group;
+    entry->variance_factor = test.factor;
+    entry->limit = test.limit;
+    entry->passed = test.passed;
+    entry->words = test.words;
+    artifact.tests.push_back(std::move(entry));
+  }
+  artifact.warnings = result.warnings;
   artifact.left_out = result.left_out;
   artifact.weak_datum = result.weak_datum;
   if (!options.free_network) artifact.weakest_datum_sigma = result.weakest_datum_sigma;

@@ -3,7 +3,6 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "artifacts/adjusted_image_block.hpp"
 #include "artifacts/block.hpp"
 #include "artifacts/image_block.hpp"
 #include "node_harness.hpp"
@@ -136,30 +135,86 @@ TEST(AdjustCeresNode, TwoControlPointsLeaveARotation) {
   EXPECT_THAT(failure(node), HasSubstr("rotation about the line through F01-C02-R1 and F01-C02-R2"));
 }
 
-TEST(ImageBlockNodes, AiconFolderToAdjustedBlock) {
+class ImageBlockNodes : public testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(Adjusters, ImageBlockNodes, testing::Values("adjust.schur", "adjust.ceres"), test_name);
+
+TEST_P(ImageBlockNodes, AiconFolderToAdjustedBlock) {
   PLUMBLINE_REQUIRE_DATA("blocks/aicon/example.phc");
-  NodeHarness read("read.aicon");
+  NodeHarness read("read.image_block");
   read.set("folder", data_file("blocks/aicon").string());
   read.run();
-  NodeHarness adjust("adjust.image_block");
+  NodeHarness adjust(GetParam());
   adjust.input<ImageBlock>("block", read.output<ImageBlock>("block"));
   adjust.run();
-  const AdjustedImageBlockT block = adjust.output<AdjustedImageBlock>("block");
-  EXPECT_NEAR(block.statistics->sigma0, 0.000405, 0.01 * 0.000405);
+  const BlockT block = adjust.output<Block>("block");
+  EXPECT_EQ(block.adjuster, GetParam());
+  EXPECT_EQ(block.datum, "free");
+  EXPECT_NEAR(block.statistics->sigma0, 0.81, 0.01);
   EXPECT_EQ(block.statistics->degrees_of_freedom, 18804);
   EXPECT_EQ(block.statistics->datum_defect, 6);
-  EXPECT_EQ(block.points.size(), 150u);
-  EXPECT_EQ(block.images.size(), 115u);
-  ASSERT_EQ(block.cameras.size(), 1u);
-  EXPECT_EQ(block.cameras[0]->interior_orientation[0]->name, "Ck");
-  EXPECT_NEAR(block.cameras[0]->interior_orientation[0]->sigma, 2.51e-4, 2e-6);
-  EXPECT_FALSE(block.cameras[0]->interior_orientation[5]->estimated);
-  EXPECT_EQ(block.cameras[0]->correlations.size(), 28u);
+  ASSERT_TRUE(block.targets);
+  const TargetBlockT& targets = *block.targets;
+  EXPECT_NEAR(targets.image_sigma, 0.000405, 0.01 * 0.000405);
+  EXPECT_NEAR(targets.image_sigma_px, 0.098, 0.002);
+  EXPECT_EQ(targets.points.size(), 150u);
+  EXPECT_EQ(targets.images.size(), 115u);
+  ASSERT_EQ(targets.cameras.size(), 1u);
+  EXPECT_EQ(targets.cameras[0]->interior_orientation[0]->name, "Ck");
+  EXPECT_NEAR(targets.cameras[0]->interior_orientation[0]->sigma, 2.51e-4, 2e-6);
+  EXPECT_FALSE(targets.cameras[0]->interior_orientation[5]->estimated);
+  EXPECT_EQ(targets.cameras[0]->correlations.size(), 28u);
+  EXPECT_EQ(targets.images[0]->correlations.size(), 21u);
   EXPECT_EQ(block.left_out.size(), 2u);
   EXPECT_EQ(adjust.output<Points>("points").covariance.size(), 450u * 451u / 2u);
+  EXPECT_EQ(adjust.output<Poses>("poses").poses.size(), 115u);
 }
 
-TEST(ImageBlockNodes, AnEmptyFolderIsRefused) {
+TEST_P(ImageBlockNodes, PhotoModelerExportWithControl) {
+  PLUMBLINE_REQUIRE_DATA("blocks/photomodeler_cam/ref/ctrlpts-weighted.txt");
+  NodeHarness read("read.photomodeler");
+  read.set("file", data_file("blocks/photomodeler_cam/pmexports/weighted-with-orient-pmexport.txt").string());
+  read.set("control", data_file("blocks/photomodeler_cam/ref/ctrlpts-weighted.txt").string());
+  read.run();
+  NodeHarness adjust(GetParam());
+  adjust.input<ImageBlock>("block", read.output<ImageBlock>("block"));
+  adjust.run();
+  const BlockT block = adjust.output<Block>("block");
+  EXPECT_EQ(block.datum, "control");
+  EXPECT_NEAR(block.statistics->sigma0, 1.60984, 0.001);
+  EXPECT_EQ(block.targets->control.size(), 4u);
+  EXPECT_EQ(block.targets->control[0]->use, "weighted");
+}
+
+TEST(AdjusterNode, NeedsTagsOrTargets) {
+  NodeHarness node("adjust.schur");
+  EXPECT_THAT(failure(node), HasSubstr("connect either 'observations', 'poses', 'camera' and 'plates'"));
+}
+
+TEST(AdjusterNode, GlobalTestsNameAWrongCalibration) {
+  SyntheticFacade facade = make_facade(noisy);
+  NodeHarness sound("adjust.schur");
+  connect(sound, facade);
+  sound.run();
+  const BlockT good = sound.output<Block>("block");
+  EXPECT_GE(good.tests.size(), 2u);
+  for (const auto& test : good.tests) EXPECT_TRUE(test->passed) << test->group << " " << test->variance_factor;
+  CameraT camera = facade.camera_artifact();
+  camera.parameters[0] *= 1.01;
+  camera.parameters[1] *= 1.01;
+  NodeHarness wrong("adjust.schur");
+  wrong.input<Camera>("camera", camera);
+  wrong.input<Plates>("plates", facade.plates);
+  wrong.input<Poses>("poses", facade.poses);
+  for (const ImageTagsT& image : facade.images) wrong.input<ImageTags>("observations", image);
+  wrong.input<Points>("control", facade.control);
+  wrong.run();
+  bool failed = false;
+  for (const auto& test : wrong.output<Block>("block").tests)
+    failed = failed || (!test->passed && !test->words.empty());
+  EXPECT_TRUE(failed);
+}
+
+TEST(ReadAicon, AnEmptyFolderIsRefused) {
   const TemporaryFolder folder;
   NodeHarness read("read.aicon");
   read.set("folder", folder.path().string());

@@ -1,26 +1,49 @@
-// adjust.ceres: bundle adjustment of marker plates, equations (4) and (5).
+// adjust.schur, adjust.ceres: bundle adjustment of marker plates, equations (4) and (5), or of measured
+// targets. One node over every engine: they differ in how the minimum is found, and in nothing that is said about it.
 #pragma once
 
 #include "artifacts/block.hpp"
 #include "artifacts/camera.hpp"
+#include "artifacts/image_block.hpp"
 #include "artifacts/image_tags.hpp"
 #include "artifacts/plates.hpp"
 #include "artifacts/points.hpp"
 #include "artifacts/poses.hpp"
 #include "plumbline/node.hpp"
 #include "tag_block_artifacts.hpp"
+#include "target_block_artifacts.hpp"
 
 namespace plumbline::adjust {
 
-struct AdjustCeres : Node {
-  static constexpr Info info{"adjust.ceres", "adjuster", 1,
-                             "Bundle adjustment of marker plates with Ceres, free (4) or with surveyed control (5)"};
+struct SchurEngine {
+  static constexpr Info info{"adjust.schur", "adjuster", 1,
+                             "Bundle adjustment with our own solver, free (4) or with control (5)"};
+  static bundle::MinimiseSummary minimise(const bundle::Problem& problem, bundle::State& state,
+                                          const bundle::MinimiseOptions& options) {
+    return bundle::minimise_schur(problem, state, options);
+  }
+};
+
+struct CeresEngine {
+  static constexpr Info info{"adjust.ceres", "adjuster", 2,
+                             "Bundle adjustment with Ceres (DENSE_SCHUR), free (4) or with control (5)"};
+  static bundle::MinimiseSummary minimise(const bundle::Problem& problem, bundle::State& state,
+                                          const bundle::MinimiseOptions& options) {
+    return bundle::minimise_ceres(problem, state, options);
+  }
+};
+
+template <typename Engine>
+struct Adjuster : Node {
+  static constexpr Info info = Engine::info;
   List<ImageTags> observations{"observations", "tags of every image"};
-  In<Poses> poses{"poses", frame("frame=?F"),
-                  "approximate poses; images without one are oriented from plates they share"};
-  In<Camera> camera{"camera", "interior orientation; its covariance is the prior of a self-calibration"};
-  In<Plates> plates{"plates", frame("frame=?F"), "which tag stands for which anchor, control and check anchors"};
+  Optional<Poses> poses{"poses", frame("frame=?F"),
+                        "approximate poses; images without one are oriented from plates they share"};
+  Optional<Camera> camera{"camera", "interior orientation; its covariance is the prior of a self-calibration"};
+  Optional<Plates> plates{"plates", frame("frame=?F"), "which tag stands for which anchor, control and check anchors"};
   Optional<Points> control{"control", frame("frame=?F"), "surveyed anchors; without it the network is free"};
+  Optional<ImageBlock> targets{"block", frame("frame=?F"),
+                               "measured targets with approximate values and control, in place of all the others"};
 
   Param<std::string> weighting{"weighting", "covariance", one_of("covariance", "lambda"),
                                "weights by the covariances of corners and control, or (5) with a scalar λ as printed"};
@@ -53,6 +76,18 @@ struct AdjustCeres : Node {
       "weak_ratio", 30.0, "1", at_least(1),
       "a motion of the block is weak if its displacement is this much less certain than the best held one"};
   Param<int64_t> max_iterations{"max_iterations", 100, between(1, 10000), "of the damped iteration"};
+  Param<int64_t> threads{"threads", 1, between(1, 64), "of adjust.schur; the result is the same to the bit"};
+  Param<double> image_sigma{
+      "image_sigma", 0.0, "mm", between(0, 1),
+      "targets: a priori standard deviation of a sensor coordinate; 0: as the files have it, else "
+      "0.0005 mm"};
+  Param<std::vector<std::string>> free{
+      "free",
+      {"auto"},
+      "targets: interior parameters to estimate; auto: Ck, xh, yh, A1, A2, B1, B2 of a balanced camera, "
+      "none of a correcting one, which comes calibrated"};
+  Param<std::string> free_datum{"free_datum", "inner", one_of("inner", "first_image"),
+                                "targets without control: inner constraints over all points, or the first image held"};
 
   Out<Points> points{"points", frame("frame=?F"), "adjusted anchors with their full marginal covariance"};
   Out<Camera> adjusted_camera{"camera", "interior orientation after the adjustment"};
@@ -79,10 +114,17 @@ struct AdjustCeres : Node {
     o.estimate_image_variance = *estimate_image_variance;
     o.weak_ratio = *weak_ratio;
     o.max_iterations = static_cast<int>(*max_iterations);
+    o.threads = static_cast<int>(*threads);
+    o.minimiser = Engine::minimise;
     return o;
   }
 
   void run(Context& context) override {
+    if (targets) return run_targets(context);
+    if (!poses || !camera || !plates)
+      throw std::runtime_error(
+          "connect either 'observations', 'poses', 'camera' and 'plates' (marker plates) or 'block' (measured "
+          "targets)");
     TagBlockBuilder builder(camera.unpack(), plates.unpack(), poses.unpack());
     builder.set_prior(*self_calibration == "prior");
     for (size_t i = 0; i < observations.size(); ++i) builder.add_image(observations.unpack(i), *corner_sigma);
@@ -94,11 +136,39 @@ struct AdjustCeres : Node {
     points.commit(builder.points(result));
     adjusted_camera.commit(builder.camera(result));
     adjusted_poses.commit(builder.poses(result));
-    block.commit(builder.describe(result, chosen));
+    BlockT artifact = builder.describe(result, chosen);
+    artifact.adjuster = info.kind;
+    block.commit(artifact);
+  }
+
+  void run_targets(Context& context) {
+    const ImageBlockT given = targets.unpack();
+    const PointBlock measured = target_block_of(given);
+    PointBlockOptions o;
+    o.image_sigma = *image_sigma > 0 ? *image_sigma : image_sigma_of(measured);
+    o.free_parameters = *free;
+    o.free_datum =
+        *free_datum == "inner" ? PointBlockOptions::FreeDatum::inner : PointBlockOptions::FreeDatum::first_image;
+    o.max_iterations = static_cast<int>(*max_iterations);
+    o.threads = static_cast<int>(*threads);
+    o.minimiser = Engine::minimise;
+    const PointBlockResult result = adjust_point_block(measured, o);
+    context.metric("sigma0", result.sigma0 / o.image_sigma, "1");
+    context.metric("degrees_of_freedom", result.degrees_of_freedom, "1");
+    BlockT artifact = describe_targets(result, o);
+    artifact.adjuster = info.kind;
+    artifact.left_out = given.left_out;
+    points.commit(target_points(result));
+    adjusted_camera.commit(target_camera(result));
+    adjusted_poses.commit(target_poses(result));
+    block.commit(artifact);
   }
 
   void report(Context& context, const TagBlock& given, const TagBlockResult& result) const {
     for (const auto& what : result.left_out) context.warn("left out: " + what);
+    for (const auto& what : result.warnings) context.warn(what);
+    for (const auto& test : result.tests)
+      if (!test.passed) context.warn("global test of the image block failed: " + test.words);
     for (int o : result.rejected) {
       const TagObservation& seen = given.observations[static_cast<size_t>(o)];
       context.warn("left out as a blunder: the tag of " + given.plates[static_cast<size_t>(seen.plate)].anchor +

@@ -1,0 +1,199 @@
+// Bundle adjustment of synthetic blocks of the shape of well-known ones: our own solver and Ceres DENSE_SCHUR, from the
+// same start, with the same derivatives and the same stopping rule, one thread, one run beside the other. Answers are
+// checked: same final cost, and coordinates near the truth. Then the covariance by selected inverse.
+//
+//   adjust_benchmark [IMAGES POINTS RAYS]
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+
+#include "block/bundle/adjust.hpp"
+#include "plumbline/rigid_transform.hpp"
+
+namespace {
+
+using namespace plumbline;
+using namespace plumbline::bundle;
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+/// splitmix64 and Box-Muller: the same problem everywhere.
+class Random {
+ public:
+  explicit Random(uint64_t seed) : state_(seed) {}
+  double uniform() {
+    uint64_t z = (state_ += 0x9e3779b97f4a7c15ULL);
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
+    return (static_cast<double>((z ^ (z >> 31)) >> 11) + 0.5) * 0x1p-53;
+  }
+  double normal() { return std::sqrt(-2 * std::log(uniform())) * std::cos(2 * M_PI * uniform()); }
+  Eigen::Vector3d vector(double size) { return size * Eigen::Vector3d(normal(), normal(), normal()); }
+
+ private:
+  uint64_t state_;
+};
+
+struct Shape {
+  const char* name;
+  int images, points, rays;
+};
+
+struct Made {
+  Problem problem;
+  State truth, start;
+};
+
+/// Images on a ring around a cube of points, one camera, each point seen by `rays` neighbouring images; 0.5 px noise;
+/// three points known, so that the datum is given.
+Made make(const Shape& shape) {
+  Made made;
+  Problem& p = made.problem;
+  Random random(1);
+  p.groups = {{"images"}, {"control"}};
+  p.cameras.push_back({"camera", Lens::brown, 0, {true, true, true, true, true, true, false, false, false}});
+  made.truth.interiors.push_back({3000, 3000, 2000, 1500, -0.1, 0.05, 0, 0, 0, 0});
+  for (int i = 0; i < shape.images; ++i) {
+    const double angle = 2 * M_PI * i / shape.images;
+    const Eigen::Vector3d centre(20 * std::cos(angle), 20 * std::sin(angle), 4 * std::sin(3 * angle));
+    const Eigen::Vector3d z = (random.vector(0.5) - centre).normalized();
+    const Eigen::Vector3d x = z.cross(Eigen::Vector3d::UnitZ()).normalized();
+    Eigen::Matrix3d world_from_camera;
+    world_from_camera << x, z.cross(x), z;
+    p.images.push_back({std::to_string(i), 0});
+    made.truth.images.emplace_back();
+    made.truth.images.back().set(Eigen::Quaterniond(Eigen::Matrix3d(world_from_camera.transpose())), centre);
+  }
+  for (int j = 0; j < shape.points; ++j) {
+    p.points.push_back({std::to_string(j)});
+    made.truth.points.emplace_back(8 * (random.uniform() - 0.5), 8 * (random.uniform() - 0.5),
+                                   8 * (random.uniform() - 0.5));
+    const int first = static_cast<int>(random.uniform() * shape.images);
+    for (int r = 0; r < shape.rays; ++r) {
+      ImagePoint o;
+      o.image = (first + r) % shape.images;
+      o.point = j;
+      const Placement& pose = made.truth.images[static_cast<size_t>(o.image)];
+      LensRows rows;
+      if (!evaluate_lens(Lens::brown, made.truth.interiors[0].data(), 0,
+                         pose.matrix * (made.truth.points.back() - pose.position), Eigen::Vector2d::Zero(), false,
+                         rows))
+        continue;
+      o.observed = rows.misclosure + 0.5 * Eigen::Vector2d(random.normal(), random.normal());
+      o.whitening = 2 * Eigen::Matrix2d::Identity();
+      p.image_points.push_back(o);
+    }
+  }
+  made.start = made.truth;
+  for (int j = 0; j < 4; ++j) {
+    Known known;
+    known.refs = {{Kind::point, j * shape.points / 4}};
+    known.target = made.truth.points[static_cast<size_t>(j * shape.points / 4)];
+    known.whitening = 1e3 * Eigen::Matrix3d::Identity();
+    known.group = 1;
+    p.known.push_back(known);
+  }
+  for (auto& pose : made.start.images)
+    pose.set(quaternion_from_rotation_vector(random.vector(0.002)) * pose.rotation,
+             pose.position + random.vector(0.05));
+  for (auto& point : made.start.points) point += random.vector(0.05);
+  return made;
+}
+
+struct Run {
+  double seconds = 0;
+  MinimiseSummary summary;
+  State state;
+};
+
+Run run(const Made& made, const Minimiser& engine) {
+  MinimiseOptions options;
+  options.function_tolerance = 1e-10;
+  Run result;
+  result.state = made.start;
+  const auto start = Clock::now();
+  result.summary = engine(made.problem, result.state, options);
+  result.seconds = seconds_since(start);
+  return result;
+}
+
+double rms_error(const State& found, const State& truth) {
+  double sum = 0;
+  for (size_t j = 0; j < truth.points.size(); ++j) sum += (found.points[j] - truth.points[j]).squaredNorm();
+  return std::sqrt(sum / static_cast<double>(truth.points.size()));
+}
+
+double peak_megabytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024;
+}
+
+double median(std::vector<double> v) {
+  std::sort(v.begin(), v.end());
+  return v[v.size() / 2];
+}
+
+void print(const char* engine, const std::vector<Run>& runs, const Made& made) {
+  std::vector<double> seconds;
+  for (const auto& r : runs) seconds.push_back(r.seconds);
+  const Run& last = runs.back();
+  std::printf("  %-6s %8.3f s  %2d iterations  %6.3f us per observation and iteration  cost %.10g  rms error %.2f mm\n",
+              engine, median(seconds), last.summary.iterations,
+              1e6 * median(seconds) / last.summary.iterations / static_cast<double>(made.problem.image_points.size()),
+              last.summary.final_cost, 1e3 * rms_error(last.state, made.truth));
+}
+
+bool compare(const Shape& shape) {
+  const Made made = make(shape);
+  std::printf("%s: %d images, %d points, %zu observations\n", shape.name, shape.images, shape.points,
+              made.problem.image_points.size());
+  std::vector<Run> ours, ceres;
+  std::vector<double> ratios;
+  for (int repeat = 0; repeat < 3; ++repeat) {  // interleaved, so that a busy machine slows both
+    ours.push_back(run(made, minimise_schur));
+    ceres.push_back(run(made, minimise_ceres));
+    ratios.push_back(ceres.back().seconds / ours.back().seconds);
+  }
+  print("schur", ours, made);
+  print("ceres", ceres, made);
+  const double difference = ours.back().summary.final_cost / ceres.back().summary.final_cost - 1;
+  std::printf("  ratio %.2f (median of 3), final costs differ by %.1e\n", median(ratios), difference);
+  const Layout layout(made.problem);
+  const auto start = Clock::now();
+  Elimination elimination(made.problem, layout);
+  elimination.build(ours.back().state);
+  if (!elimination.factorise({})) return false;
+  const Cofactors cofactors(made.problem, layout, ours.back().state, elimination, {});
+  const auto own = cofactors.all_own();
+  std::vector<int> anchors;
+  for (int j = 0; j < std::min(300, shape.points); ++j)
+    anchors.push_back(layout.block({Kind::point, j * shape.points / std::min(300, shape.points)}));
+  const Eigen::MatrixXd joint = cofactors.joint(anchors);
+  std::printf(
+      "  covariance: every image 6 x 6, every point 3 x 3, %zu points jointly: %.3f s, peak memory so far %.0f MB\n",
+      anchors.size(), seconds_since(start), peak_megabytes());
+  // A joint block of the matrix is the block computed on its own.
+  const Eigen::Matrix3d apart = joint.topLeftCorner<3, 3>() - own[static_cast<size_t>(anchors[0])];
+  return std::abs(difference) < 1e-8 && apart.norm() < 1e-9 * own[static_cast<size_t>(anchors[0])].norm();
+}
+
+}  // namespace
+
+int main(int count, char** words) {
+  bool sound = true;
+  if (count == 4) {
+    sound = compare({"given", std::atoi(words[1]), std::atoi(words[2]), std::atoi(words[3])});
+  } else {
+    for (const Shape& shape : {Shape{"100 x 3000", 100, 3000, 20}, Shape{"16 x 22106 (ladybug shape)", 16, 22106, 4},
+                               Shape{"49 x 7776 (ladybug shape)", 49, 7776, 4}, Shape{"200 x 10000", 200, 10000, 20}})
+      sound = compare(shape) && sound;
+  }
+  if (!sound) std::fprintf(stderr, "the engines do not agree\n");
+  return sound ? 0 : 1;
+}

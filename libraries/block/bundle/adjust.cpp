@@ -1,0 +1,297 @@
+#include "block/bundle/adjust.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numeric>
+#include <stdexcept>
+
+namespace plumbline::bundle {
+namespace {
+
+constexpr double rank_tolerance = 1e-12;  ///< of scaled eigenvalues; rounding leaves about 1e-15
+constexpr double weak_eigenvalue = 1e-9;  ///< below it a step of unit length changes next to nothing
+
+/// Null vectors of the reduced, scaled matrix of a free block, orthonormal: added as B Bᵀ they complete its rank.
+Eigen::MatrixXd constraints_of(const Problem& problem, const Layout& layout, const State& state,
+                               const Elimination& elimination, const Datum& datum) {
+  if (datum.count == 0 || elimination.kept_count() < datum.count) return {};
+  const Eigen::MatrixXd g =
+      motions_of(problem, layout, state, adjust::centre_of(bodies_of(problem, state))).leftCols(datum.count);
+  Eigen::MatrixXd kept = Eigen::MatrixXd::Zero(elimination.kept_count(), datum.count);
+  for (int b = 0; b < layout.block_count(); ++b)
+    if (const int at = elimination.kept_offset(b); at >= 0)
+      kept.middleRows(at, layout.size(b)) = g.middleRows(layout.offset(b), layout.size(b));
+  kept = elimination.scale().cwiseInverse().asDiagonal() * kept;
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(kept);
+  return qr.householderQ() * Eigen::MatrixXd::Identity(kept.rows(), kept.cols());
+}
+
+double smallest_eigenvalue(const Eigen::LLT<Eigen::MatrixXd>& factor, Eigen::Index n, Eigen::VectorXd& vector) {
+  vector.resize(n);
+  for (Eigen::Index i = 0; i < n; ++i) vector(i) = 1 + 0.3 * std::sin(1.7 * static_cast<double>(i + 1));
+  double value = 1;
+  for (int step = 0; step < 12; ++step) {
+    vector.normalize();
+    vector = factor.solve(vector);
+    value = 1 / vector.norm();
+  }
+  vector.normalize();
+  return value;
+}
+
+/// A vector of the scaled reduced system as a direction in all unknowns, scaled to their conditional standard
+/// deviations.
+struct Direction {
+  Eigen::VectorXd unknowns;
+};
+Direction full_direction(const Layout& layout, const Elimination& elimination, const Eigen::VectorXd& scaled) {
+  Direction d;
+  d.unknowns.setZero(layout.unknown_count());
+  const Eigen::VectorXd kept = elimination.scale().cwiseProduct(scaled);
+  for (int b = 0; b < layout.block_count(); ++b)
+    if (const int at = elimination.kept_offset(b); at >= 0)
+      d.unknowns.segment(layout.offset(b), layout.size(b)) = kept.segment(at, layout.size(b));
+  for (const auto& block : elimination.blocks()) {
+    if (block.weakest < rank_tolerance) continue;
+    Eigen::VectorXd sum = Eigen::VectorXd::Zero(block.size);
+    const auto y = elimination.y(block);
+    for (size_t k = 0; k < block.kept.size(); ++k)
+      sum -= y.middleCols(block.local[k], layout.size(block.kept[k])) *
+             kept.segment(elimination.kept_offset(block.kept[k]), layout.size(block.kept[k]));
+    d.unknowns.segment(layout.offset(block.block), block.size) =
+        block.factor.topLeftCorner(block.size, block.size).triangularView<Eigen::Lower>().transpose().solve(sum);
+  }
+  return d;
+}
+
+/// What a direction does, in words: a motion of the whole block if it is nearly one, else the unknowns with the largest
+/// part in it.
+std::string describe_direction(const Problem& problem, const Layout& layout, const State& state,
+                               const Elimination& elimination, const Eigen::VectorXd& direction) {
+  const auto bodies = bodies_of(problem, state);
+  const Eigen::Vector3d centre = adjust::centre_of(bodies);
+  std::vector<int> body_unknowns;
+  for (int b = 0; b < layout.block_count(); ++b) {
+    const Kind kind = layout.ref(b).kind;
+    if ((kind == Kind::point || kind == Kind::plate) && layout.size(b) > 0)
+      for (int c = 0; c < 3; ++c) body_unknowns.push_back(layout.offset(b) + c);
+  }
+  if (body_unknowns.size() >= 9) {
+    const Eigen::MatrixXd g = motions_of(problem, layout, state, centre)(body_unknowns, Eigen::all);
+    const Eigen::VectorXd moved = direction(body_unknowns);
+    const Eigen::VectorXd motion = g.completeOrthogonalDecomposition().solve(moved);
+    if (moved.norm() > 0 && (g * motion - moved).norm() < 0.05 * moved.norm()) {
+      double extent = 1e-9;
+      for (const auto& b : bodies) extent = std::max(extent, (b.position - centre).norm());
+      std::vector<adjust::NamedPoint> still;  // what stays where it is names the axis
+      double largest = 0;
+      for (Eigen::Index i = 0; i + 2 < moved.size(); i += 3) largest = std::max(largest, moved.segment<3>(i).norm());
+      for (size_t i = 0; i < bodies.size() && 3 * i + 2 < static_cast<size_t>(moved.size()); ++i)
+        if (moved.segment<3>(static_cast<Eigen::Index>(3 * i)).norm() < 0.02 * largest) still.push_back(bodies[i]);
+      const auto names = adjust::describe_motions(motion, centre, extent, still);
+      if (!names.empty()) return names.front() + " of the whole block";
+    }
+  }
+  const Eigen::VectorXd scaled = direction.cwiseProduct(elimination.diagonal().cwiseMax(0).cwiseSqrt());
+  std::vector<int> order(static_cast<size_t>(scaled.size()));
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return std::abs(scaled(a)) > std::abs(scaled(b)); });
+  std::vector<std::string> parts;
+  for (size_t k = 0; k < std::min<size_t>(order.size(), 4); ++k)
+    if (k == 0 || std::abs(scaled(order[k])) > 0.3 * std::abs(scaled(order[0])))
+      parts.push_back(name_of_unknown(problem, layout, order[k]));
+  return "a combination of " + adjust::enumerate(parts);
+}
+
+/// Where most of the misfit is, for a message.
+std::string worst_images(const Problem& problem, const Layout& layout, const State& state) {
+  std::vector<double> squares(problem.images.size());
+  std::vector<int> rows(problem.images.size());
+  Rows r;
+  const auto add = [&](const auto& term) {
+    const size_t image = static_cast<size_t>(term.image);
+    ++rows[image];
+    squares[image] += evaluate(problem, layout, state, term, false, r) ? r.values().squaredNorm() / r.rows : 1e12;
+  };
+  for (const auto& o : problem.image_points) add(o);
+  for (const auto& o : problem.image_tags) add(o);
+  std::vector<size_t> order(squares.size());
+  std::iota(order.begin(), order.end(), size_t{0});
+  const auto rms = [&](size_t i) { return rows[i] > 0 ? std::sqrt(squares[i] / rows[i]) : 0.0; };
+  std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return rms(a) > rms(b); });
+  std::vector<std::string> words;
+  for (size_t k = 0; k < std::min<size_t>(3, order.size()); ++k) {
+    char text[64];
+    std::snprintf(text, sizeof text, " (rms %.3g sigma)", rms(order[k]));
+    words.push_back(problem.images[order[k]].name + text);
+  }
+  return adjust::enumerate(words);
+}
+
+/// Largest correction in units of the conditional standard deviation of its unknown.
+double largest_step(const Elimination& elimination, const Eigen::VectorXd& step) {
+  return step.cwiseAbs().cwiseProduct(elimination.diagonal().cwiseMax(0).cwiseSqrt()).maxCoeff();
+}
+
+[[noreturn]] void fail_to_converge(const Problem& problem, const Layout& layout, const State& state,
+                                   Elimination& elimination, const Datum& datum, int iterations,
+                                   const std::string& engine) {
+  std::string cause;
+  const Eigen::MatrixXd constraints = constraints_of(problem, layout, state, elimination, datum);
+  Eigen::VectorXd weakest;
+  if (elimination.build(state)) {
+    require_determined(problem, layout, state, elimination, datum);
+    if (elimination.factorise(constraints) && elimination.kept_count() > 0 &&
+        smallest_eigenvalue(elimination.factor(), elimination.kept_count(), weakest) < weak_eigenvalue)
+      cause = "the observations hardly determine " +
+              describe_direction(problem, layout, state, elimination,
+                                 full_direction(layout, elimination, weakest).unknowns) +
+              ": every step along it changes the fit by next to nothing; add observations that fix it, or hold it";
+  }
+  if (cause.empty())
+    cause = "the approximate values do not lead to a minimum: the worst fit is in " +
+            worst_images(problem, layout, state) + "; check their approximate poses and point numbers";
+  throw std::runtime_error("the block adjustment did not converge in " + std::to_string(iterations) +
+                           " iterations: " + cause + (engine.empty() ? "" : " (the engine says: " + engine + ")"));
+}
+
+}  // namespace
+
+void require_determined(const Problem& problem, const Layout& layout, const State& state,
+                        const Elimination& elimination, const Datum& datum) {
+  std::vector<std::string> images, points;
+  for (const auto& block : elimination.blocks()) {
+    if (block.weakest >= rank_tolerance) continue;
+    const Ref ref = layout.ref(block.block);
+    if (ref.kind == Kind::image)
+      images.push_back(problem.images[static_cast<size_t>(ref.index)].name);
+    else
+      points.push_back(ref.kind == Kind::point ? problem.points[static_cast<size_t>(ref.index)].name
+                                               : problem.plates[static_cast<size_t>(ref.index)].name);
+  }
+  if (images.size() > 10) images = {images[0], images[1], std::to_string(images.size() - 2) + " others"};
+  if (points.size() > 10) points = {points[0], points[1], std::to_string(points.size() - 2) + " others"};
+  if (!images.empty())
+    throw std::runtime_error("the pose of " + adjust::enumerate(images) +
+                             " is undetermined: too few or only collinear points in the image");
+  if (!points.empty())
+    throw std::runtime_error("the position of " + adjust::enumerate(points) +
+                             " is undetermined: its rays are parallel or it is seen only once");
+  const Eigen::Index n = elimination.kept_count();
+  if (n == 0) return;
+  const Eigen::MatrixXd scaled = elimination.scaled_matrix(constraints_of(problem, layout, state, elimination, datum));
+  const Eigen::LLT<Eigen::MatrixXd> factor(scaled);
+  Eigen::VectorXd weakest;
+  if (factor.info() == Eigen::Success && smallest_eigenvalue(factor, n, weakest) > 2 * rank_tolerance) return;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> spectrum(scaled);
+  std::string message;
+  int defect = 0;
+  for (Eigen::Index i = 0; i < n && spectrum.eigenvalues()(i) < rank_tolerance; ++i, ++defect)
+    if (defect < 7)
+      message +=
+          "; " + describe_direction(problem, layout, state, elimination,
+                                    full_direction(layout, elimination, spectrum.eigenvectors().col(i)).unknowns);
+  if (defect == 0) return;
+  throw std::runtime_error("the block has a rank defect of " + std::to_string(defect) + ": undetermined is" +
+                           message.substr(1));
+}
+
+Adjusted adjust(const Problem& problem, const Layout& layout, const State& start, const AdjustOptions& options) {
+  constexpr int max_refinements = 30;
+  constexpr double smallest_step = 1e-7;
+  problem.require_consistent();
+  Adjusted result;
+  result.state = start;
+  result.rows = problem.row_count();
+  result.unknowns = layout.unknown_count();
+  result.defect = options.datum.count;
+  MinimiseOptions minimise = options.minimise;
+  minimise.loss = {};
+  const MinimiseSummary summary = options.minimiser(problem, result.state, minimise);
+  restore_datum(problem, layout, options.datum, start, result.state);
+  result.elimination = std::make_unique<Elimination>(problem, layout, minimise.side, minimise.threads);
+  Elimination& elimination = *result.elimination;
+  double last = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < max_refinements; ++i) {
+    result.iterations = summary.iterations + i;
+    if (!elimination.build(result.state))
+      throw std::runtime_error(elimination.undefined() +
+                               " cannot be computed after the adjustment: it lies behind the camera or outside the "
+                               "camera model; a wrong number or a bad approximate pose");
+    const Eigen::MatrixXd constraints = constraints_of(problem, layout, result.state, elimination, options.datum);
+    if (i == 0) require_determined(problem, layout, result.state, elimination, options.datum);
+    if (!elimination.factorise(constraints))
+      fail_to_converge(problem, layout, result.state, elimination, options.datum, result.iterations, summary.message);
+    Eigen::VectorXd step = elimination.step();
+    const double size = largest_step(elimination, step);
+    if (size < smallest_step) {
+      result.sum_of_squares = elimination.sum_of_squares();
+      result.cofactors = std::make_unique<Cofactors>(problem, layout, result.state, elimination, options.datum);
+      return result;
+    }
+    if (!step.allFinite() || (size > 100 && size > 10 * last)) break;
+    last = size;
+    apply_step(problem, layout, step, result.state);
+    restore_datum(problem, layout, options.datum, start, result.state);
+  }
+  fail_to_converge(problem, layout, result.state, elimination, options.datum, result.iterations, summary.message);
+}
+
+Reliability reliability_of(const Problem& problem, const Adjusted& adjusted) {
+  static const double non_centrality = adjustment::non_centrality(0.001, 0.8);
+  Reliability result;
+  result.points.resize(problem.image_points.size());
+  result.tags.resize(problem.image_tags.size());
+  result.distances.resize(problem.distances.size());
+  result.groups.resize(problem.groups.size());
+  for (size_t g = 0; g < problem.groups.size(); ++g) result.groups[g].name = problem.groups[g].name;
+  const auto add = [&](int group, const Eigen::VectorXd& residuals, const Eigen::MatrixXd& cofactor) {
+    auto& sums = result.groups[static_cast<size_t>(group)];
+    sums.sum_of_squares += residuals.squaredNorm();
+    sums.redundancy += cofactor.trace();
+    sums.rows += static_cast<int>(residuals.size());
+  };
+  const auto factor_of = [&](int group) { return problem.groups[static_cast<size_t>(group)].sigma_factor; };
+  adjusted.cofactors->visit_rows(adjusted.state, [&](const Elimination::TermRef& term, const Rows& rows,
+                                                     const Eigen::Ref<const Eigen::MatrixXd>& cofactor) {
+    const size_t i = static_cast<size_t>(term.index);
+    if (term.kind == Elimination::TermRef::Kind::point) {
+      const auto& o = problem.image_points[i];
+      const auto quality =
+          adjustment::row_statistics(o.whitening / factor_of(o.group), rows.values(), cofactor, non_centrality);
+      std::copy(quality.begin(), quality.end(), result.points[i].begin());
+      add(o.group, rows.values(), cofactor);
+    } else if (term.kind == Elimination::TermRef::Kind::tag) {
+      const auto& o = problem.image_tags[i];
+      Eigen::MatrixXd whitening = Eigen::MatrixXd::Zero(8, 8);
+      for (int k = 0; k < 4; ++k)
+        whitening.block<2, 2>(2 * k, 2 * k) = o.whitening[static_cast<size_t>(k)] / factor_of(o.group);
+      const auto quality = adjustment::row_statistics(whitening, rows.values(), cofactor, non_centrality);
+      std::copy(quality.begin(), quality.end(), result.tags[i].begin());
+      add(o.group, rows.values(), cofactor);
+    } else {
+      const auto& o = problem.distances[i];
+      result.distances[i] =
+          adjustment::row_statistics(Eigen::MatrixXd::Constant(1, 1, 1 / (o.sigma * factor_of(o.group))), rows.values(),
+                                     cofactor, non_centrality)[0];
+      add(o.group, rows.values(), cofactor);
+    }
+  });
+  for (size_t k = 0; k < problem.known.size(); ++k) {
+    const auto& term = problem.known[k];
+    const Cofactors::KnownQuality quality = adjusted.cofactors->known(adjusted.state, k);
+    if (term.whitening.rows() == term.whitening.cols())
+      result.known.push_back(adjustment::row_statistics(term.whitening / factor_of(term.group), quality.rows.residual,
+                                                        quality.residual_cofactor, non_centrality));
+    else
+      result.known.emplace_back();
+    add(term.group, quality.rows.residual, quality.residual_cofactor);
+  }
+  for (auto& group : result.groups)
+    if (group.redundancy > 1e-6) group.factor = group.sum_of_squares / group.redundancy;
+  return result;
+}
+
+}  // namespace plumbline::bundle

@@ -1,0 +1,283 @@
+#include "block/bundle/cofactors.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+
+namespace plumbline::bundle {
+namespace {
+
+constexpr double singular_block = 1e-12;
+constexpr Eigen::Index panel = 96;
+
+/// (L Lᵀ)⁻¹ by panels: half of what a solve with the unit matrix takes.
+Eigen::MatrixXd inverse_of(const Eigen::LLT<Eigen::MatrixXd>& factor, Eigen::Index n) {
+  Eigen::MatrixXd inverse = Eigen::MatrixXd::Zero(n, n);  // of L, lower triangle
+  const auto& lower = factor.matrixLLT();
+  for (Eigen::Index at = 0; at < n; at += panel) {
+    const Eigen::Index width = std::min(panel, n - at);
+    auto right = inverse.block(at, at, n - at, width);
+    right.topRows(width).setIdentity();
+    lower.block(at, at, n - at, n - at).triangularView<Eigen::Lower>().solveInPlace(right);
+  }
+  Eigen::MatrixXd result(n, n);
+  for (Eigen::Index at = 0; at < n; at += panel) {
+    const Eigen::Index width = std::min(panel, n - at);
+    result.block(0, at, at + width, width).noalias() =
+        inverse.block(at, 0, n - at, at + width).transpose() * inverse.block(at, at, n - at, width);
+  }
+  result.triangularView<Eigen::StrictlyLower>() = result.transpose();
+  return result;
+}
+
+}  // namespace
+
+Cofactors::Cofactors(const Problem& problem, const Layout& layout, const State& state, const Elimination& elimination,
+                     const Datum& datum)
+    : problem_(problem), layout_(layout), elimination_(elimination) {
+  const Eigen::Index n = elimination.kept_count();
+  if (n > 0) {
+    kept_ = inverse_of(elimination.factor(), n);
+    const auto& scale = elimination.scale();
+    for (Eigen::Index c = 0; c < n; ++c) kept_.col(c).array() *= scale.array() * scale(c);
+  }
+  if (datum.count == 0) return;
+  g_ = motions_of(problem, layout, state, adjust::centre_of(bodies_of(problem, state))).leftCols(datum.count);
+  Eigen::MatrixXd c = Eigen::MatrixXd::Zero(g_.rows(), datum.count);
+  c(datum.held, Eigen::all) = g_(datum.held, Eigen::all);
+  const Eigen::MatrixXd inverse = (c.transpose() * g_).inverse();
+  p_ = inverse * elimination.solve(c).transpose();
+  m_ = p_ * c * inverse.transpose();
+}
+
+Cofactors::Local Cofactors::local(const Elimination::Block& block) const {
+  Local result;
+  const auto y = elimination_.y(block);
+  const Eigen::Index s = block.size;
+  if (block.weakest < singular_block) {
+    result.t.setZero(s, block.columns);
+    result.own.setZero(s, s);
+    return result;
+  }
+  Eigen::MatrixXd q(block.columns, block.columns);
+  for (size_t a = 0; a < block.kept.size(); ++a)
+    for (size_t b = 0; b < block.kept.size(); ++b)
+      q.block(block.local[a], block.local[b], layout_.size(block.kept[a]), layout_.size(block.kept[b])) =
+          kept_.block(elimination_.kept_offset(block.kept[a]), elimination_.kept_offset(block.kept[b]),
+                      layout_.size(block.kept[a]), layout_.size(block.kept[b]));
+  result.t.noalias() = y * q;
+  const auto lower = block.factor.topLeftCorner(s, s).triangularView<Eigen::Lower>();
+  result.own = Eigen::MatrixXd::Identity(s, s) + result.t * y.transpose();
+  const Eigen::MatrixXd inverse = lower.solve(Eigen::MatrixXd::Identity(s, s));
+  result.own = (inverse.transpose() * result.own * inverse).eval();
+  result.own = (0.5 * (result.own + result.own.transpose())).eval();
+  return result;
+}
+
+Eigen::MatrixXd Cofactors::raw(int a, int b) const {
+  const int ea = elimination_.eliminated(a), eb = elimination_.eliminated(b);
+  if (ea < 0 && eb < 0)
+    return kept_.block(elimination_.kept_offset(a), elimination_.kept_offset(b), layout_.size(a), layout_.size(b));
+  if (ea < 0) return raw(b, a).transpose();
+  const auto& block = elimination_.blocks()[static_cast<size_t>(ea)];
+  if (ea == eb) return local(block).own;
+  // −L⁻ᵀ Y Q to what is kept.
+  const auto y = elimination_.y(block);
+  const auto upper = block.factor.topLeftCorner(block.size, block.size).triangularView<Eigen::Lower>().transpose();
+  const auto to_kept = [&](int offset, int size) {
+    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(block.size, size);
+    if (block.weakest < singular_block) return sum;
+    for (size_t k = 0; k < block.kept.size(); ++k)
+      sum -= y.middleCols(block.local[k], layout_.size(block.kept[k])) *
+             kept_.block(elimination_.kept_offset(block.kept[k]), offset, layout_.size(block.kept[k]), size);
+    return Eigen::MatrixXd(upper.solve(sum));
+  };
+  if (eb < 0) return to_kept(elimination_.kept_offset(b), layout_.size(b));
+  const auto& other = elimination_.blocks()[static_cast<size_t>(eb)];
+  if (other.weakest < singular_block) return Eigen::MatrixXd::Zero(block.size, other.size);
+  const auto y_other = elimination_.y(other);
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(block.size, other.size);
+  for (size_t k = 0; k < other.kept.size(); ++k)
+    sum -= to_kept(elimination_.kept_offset(other.kept[k]), layout_.size(other.kept[k])) *
+           y_other.middleCols(other.local[k], layout_.size(other.kept[k])).transpose();
+  // sum = −Q_ak Yᵀ; the other side's L⁻¹ from the right.
+  return other.factor.topLeftCorner(other.size, other.size)
+      .triangularView<Eigen::Lower>()
+      .transpose()
+      .solve(sum.transpose())
+      .transpose();
+}
+
+void Cofactors::to_datum(int a, int b, Eigen::Ref<Eigen::MatrixXd> q) const {
+  if (g_.size() == 0) return;
+  const auto ga = g_.middleRows(layout_.offset(a), layout_.size(a));
+  const auto gb = g_.middleRows(layout_.offset(b), layout_.size(b));
+  q -= ga * p_.middleCols(layout_.offset(b), layout_.size(b));
+  q -= p_.middleCols(layout_.offset(a), layout_.size(a)).transpose() * gb.transpose();
+  q += ga * m_ * gb.transpose();
+}
+
+Eigen::MatrixXd Cofactors::joint(const std::vector<int>& blocks) const {
+  std::vector<int> offset{0};
+  for (int b : blocks) offset.push_back(offset.back() + layout_.size(b));
+  Eigen::MatrixXd q(offset.back(), offset.back());
+  // Rows of an eliminated block to everything kept, once for all its partners.
+  std::vector<Eigen::MatrixXd> to_kept(blocks.size());
+  const bool many = blocks.size() > 8;
+  for (size_t i = 0; i < blocks.size() && many; ++i) {
+    const int e = elimination_.eliminated(blocks[i]);
+    if (e < 0) continue;
+    const auto& block = elimination_.blocks()[static_cast<size_t>(e)];
+    to_kept[i] = Eigen::MatrixXd::Zero(block.size, elimination_.kept_count());
+    if (block.weakest < singular_block) continue;
+    const auto y = elimination_.y(block);
+    for (size_t k = 0; k < block.kept.size(); ++k)
+      to_kept[i].noalias() -= y.middleCols(block.local[k], layout_.size(block.kept[k])) *
+                              kept_.middleRows(elimination_.kept_offset(block.kept[k]), layout_.size(block.kept[k]));
+    block.factor.topLeftCorner(block.size, block.size)
+        .triangularView<Eigen::Lower>()
+        .transpose()
+        .solveInPlace(to_kept[i]);
+  }
+  for (size_t i = 0; i < blocks.size(); ++i)
+    for (size_t j = 0; j <= i; ++j) {
+      auto part = q.block(offset[i], offset[j], layout_.size(blocks[i]), layout_.size(blocks[j]));
+      const int ei = elimination_.eliminated(blocks[i]), ej = elimination_.eliminated(blocks[j]);
+      if (!many || ei == ej || (ei < 0 && ej < 0)) {
+        part = raw(blocks[i], blocks[j]);
+      } else if (ei >= 0 && ej >= 0) {
+        const auto& other = elimination_.blocks()[static_cast<size_t>(ej)];
+        part.setZero();
+        if (other.weakest >= singular_block) {
+          const auto y = elimination_.y(other);
+          Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(other.size, part.rows());
+          for (size_t k = 0; k < other.kept.size(); ++k)
+            sum.noalias() -=
+                y.middleCols(other.local[k], layout_.size(other.kept[k])) *
+                to_kept[i].middleCols(elimination_.kept_offset(other.kept[k]), layout_.size(other.kept[k])).transpose();
+          part = other.factor.topLeftCorner(other.size, other.size)
+                     .triangularView<Eigen::Lower>()
+                     .transpose()
+                     .solve(sum)
+                     .transpose();
+        }
+      } else if (ei >= 0) {
+        part = to_kept[i].middleCols(elimination_.kept_offset(blocks[j]), part.cols());
+      } else {
+        part = to_kept[j].middleCols(elimination_.kept_offset(blocks[i]), part.rows()).transpose();
+      }
+      to_datum(blocks[i], blocks[j], part);
+      if (i == j) part = (0.5 * (part + part.transpose())).eval();
+      if (i != j) q.block(offset[j], offset[i], part.cols(), part.rows()) = part.transpose();
+    }
+  return q;
+}
+
+Eigen::MatrixXd Cofactors::cross(const std::vector<int>& blocks, const std::vector<int>& unknowns,
+                                 const std::vector<int>& blocks_of_unknowns) const {
+  std::vector<int> all = blocks;
+  all.insert(all.end(), blocks_of_unknowns.begin(), blocks_of_unknowns.end());
+  std::vector<Eigen::Index> columns;
+  Eigen::Index rows = 0;
+  for (int b : blocks) rows += layout_.size(b);
+  for (Eigen::Index at : positions(unknowns, blocks_of_unknowns)) columns.push_back(rows + at);
+  return joint(all).topRows(rows)(Eigen::all, columns);
+}
+
+std::vector<Eigen::Index> Cofactors::positions(const std::vector<int>& unknowns, const std::vector<int>& blocks) const {
+  std::vector<Eigen::Index> result;
+  for (int u : unknowns) {
+    Eigen::Index at = 0;
+    for (int b : blocks) {
+      if (u >= layout_.offset(b) && u < layout_.offset(b) + layout_.size(b)) {
+        result.push_back(at + u - layout_.offset(b));
+        break;
+      }
+      at += layout_.size(b);
+    }
+  }
+  return result;
+}
+
+std::vector<Eigen::MatrixXd> Cofactors::all_own() const {
+  std::vector<Eigen::MatrixXd> result(static_cast<size_t>(layout_.block_count()));
+  for (int b = 0; b < layout_.block_count(); ++b)
+    if (layout_.size(b) > 0) result[static_cast<size_t>(b)] = own(b);
+  return result;
+}
+
+void Cofactors::visit_rows(const State& state, const Visit& visit) const {
+  Rows rows;
+  const auto evaluate_term = [&](const Elimination::TermRef& term) {
+    const size_t i = static_cast<size_t>(term.index);
+    if (term.kind == Elimination::TermRef::Kind::point)
+      evaluate(problem_, layout_, state, problem_.image_points[i], true, rows);
+    else if (term.kind == Elimination::TermRef::Kind::tag)
+      evaluate(problem_, layout_, state, problem_.image_tags[i], true, rows);
+    else
+      evaluate(problem_, layout_, state, problem_.distances[i], true, rows);
+  };
+  using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, Rows::max_rows, Rows::max_rows>;
+  for (size_t e = 0; e < elimination_.blocks().size(); ++e) {
+    const auto& block = elimination_.blocks()[e];
+    const Local near = local(block);
+    const auto lower = block.factor.topLeftCorner(block.size, block.size).triangularView<Eigen::Lower>();
+    for (const auto& term : elimination_.terms(static_cast<int>(e))) {
+      if (term.kind == Elimination::TermRef::Kind::known) continue;
+      evaluate_term(term);
+      Square q = Square::Identity(rows.rows, rows.rows);
+      int own = 0;
+      while (rows.part[static_cast<size_t>(own)].block != block.block) ++own;
+      Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, Rows::max_rows> half =
+          rows.jacobian(own).transpose();  // L⁻¹ Jᵀ of the eliminated block
+      if (block.weakest >= singular_block) lower.solveInPlace(half);
+      q.noalias() -= rows.jacobian(own) * near.own * rows.jacobian(own).transpose();
+      int next = 0;
+      std::array<int, Rows::max_parts> local_of{};
+      for (int k = 0; k < rows.parts; ++k)
+        if (k != own) local_of[static_cast<size_t>(k)] = term.local[static_cast<size_t>(next++)];
+      for (int k = 0; k < rows.parts; ++k) {
+        if (k == own) continue;
+        const auto& a = rows.part[static_cast<size_t>(k)];
+        const Square mixed = half.transpose() * near.t.middleCols(local_of[static_cast<size_t>(k)], a.size) *
+                             rows.jacobian(k).transpose();
+        q += mixed + mixed.transpose();
+        for (int l = 0; l < rows.parts; ++l) {
+          if (l == own) continue;
+          const auto& b = rows.part[static_cast<size_t>(l)];
+          q.noalias() -=
+              rows.jacobian(k) *
+              kept_.block(elimination_.kept_offset(a.block), elimination_.kept_offset(b.block), a.size, b.size) *
+              rows.jacobian(l).transpose();
+        }
+      }
+      visit(term, rows, q);
+    }
+  }
+  for (const auto& term : elimination_.loose_terms()) {
+    if (term.kind == Elimination::TermRef::Kind::known) continue;
+    evaluate_term(term);
+    Square q = Square::Identity(rows.rows, rows.rows);
+    for (int k = 0; k < rows.parts; ++k)
+      for (int l = 0; l < rows.parts; ++l)
+        q.noalias() -= rows.jacobian(k) *
+                       kept_.block(elimination_.kept_offset(rows.part[static_cast<size_t>(k)].block),
+                                   elimination_.kept_offset(rows.part[static_cast<size_t>(l)].block),
+                                   rows.part[static_cast<size_t>(k)].size, rows.part[static_cast<size_t>(l)].size) *
+                       rows.jacobian(l).transpose();
+    visit(term, rows, q);
+  }
+}
+
+Cofactors::KnownQuality Cofactors::known(const State& state, size_t index) const {
+  KnownQuality result;
+  result.rows = evaluate(problem_, layout_, state, problem_.known[index]);
+  const Eigen::Index rows = result.rows.residual.size();
+  result.residual_cofactor = Eigen::MatrixXd::Identity(rows, rows);
+  if (result.rows.columns.empty()) return result;
+  const auto at = positions(result.rows.columns, result.rows.blocks);
+  const Eigen::MatrixXd own = joint(result.rows.blocks)(at, at);
+  result.residual_cofactor -= result.rows.jacobian * own * result.rows.jacobian.transpose();
+  return result;
+}
+
+}  // namespace plumbline::bundle

@@ -1,0 +1,577 @@
+#include "block/bundle/elimination.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "block/bundle/parallel.hpp"
+#include "block/bundle/terms.hpp"
+
+namespace plumbline::bundle {
+namespace {
+
+constexpr double singular_block = 1e-12;
+constexpr int max_chunks = 8, smallest_chunk = 64;
+
+/// dst (size × count, column-major with leading dimension ld) += Aᵀ B for Jacobians of R rows, column-major too.
+template <int R, int Size>
+void add_fixed(double* dst, int ld, const double* a, const double* b, int count) {
+  double across[R][Size];  // the first factor row by row, so that the inner loop runs along memory
+  for (int r = 0; r < Size; ++r)
+    for (int k = 0; k < R; ++k) across[k][r] = a[r * R + k];
+  for (int c = 0; c < count; ++c)
+    for (int k = 0; k < R; ++k) {
+      const double factor = b[c * R + k];
+      for (int r = 0; r < Size; ++r) dst[c * ld + r] += across[k][r] * factor;
+    }
+}
+
+void add_product(int rows, double* dst, int ld, const double* a, int size, const double* b, int count) {
+  if (rows == 2 && size == 6) return add_fixed<2, 6>(dst, ld, a, b, count);
+  if (rows == 2 && size == 3) return add_fixed<2, 3>(dst, ld, a, b, count);
+  if (rows == 8 && size == 6) return add_fixed<8, 6>(dst, ld, a, b, count);
+  for (int c = 0; c < count; ++c)
+    for (int r = 0; r < size; ++r) {
+      double sum = 0;
+      for (int k = 0; k < rows; ++k) sum += a[r * rows + k] * b[c * rows + k];
+      dst[c * ld + r] += sum;
+    }
+}
+
+/// dst (b × a, leading dimension ld) −= B Aᵀ for blocks of Yᵀ, S columns each, both with leading dimension `columns`.
+template <int S, int A, int B>
+void subtract_fixed(double* dst, Eigen::Index ld, const double* b, const double* a, Eigen::Index columns) {
+  using Stride = Eigen::OuterStride<>;
+  const Eigen::Map<const Eigen::Matrix<double, B, S>, 0, Stride> left(b, Stride(columns));
+  const Eigen::Map<const Eigen::Matrix<double, A, S>, 0, Stride> right(a, Stride(columns));
+  Eigen::Map<Eigen::Matrix<double, B, A>, 0, Stride>(dst, Stride(ld)).noalias() -= left.lazyProduct(right.transpose());
+}
+
+void subtract_product(int s, double* dst, Eigen::Index ld, const double* b, int b_size, const double* a, int a_size,
+                      Eigen::Index columns) {
+  if (s == 3 && a_size == 6 && b_size == 6) return subtract_fixed<3, 6, 6>(dst, ld, b, a, columns);
+  if (s == 6 && a_size == 3 && b_size == 3) return subtract_fixed<6, 3, 3>(dst, ld, b, a, columns);
+  if (s == 6 && a_size == 6 && b_size == 6) return subtract_fixed<6, 6, 6>(dst, ld, b, a, columns);
+  for (int c = 0; c < a_size; ++c)
+    for (int k = 0; k < s; ++k) {
+      const double factor = a[c + k * columns];
+      for (int r = 0; r < b_size; ++r) dst[c * ld + r] -= b[r + k * columns] * factor;
+    }
+}
+
+bool is_shared(Kind kind) { return kind == Kind::camera || kind == Kind::scale || kind == Kind::inset; }
+
+/// Weighs the rows of a robust observation; returns its part of the cost.
+double apply_loss(const Loss& loss, bool robust, bool jacobians, Rows& rows) {
+  const double s = rows.values().squaredNorm();
+  if (!robust || loss.kind == Loss::Kind::none) return s;
+  if (jacobians) {
+    const double factor = std::sqrt(loss.slope(s));
+    for (int i = 0; i < rows.rows; ++i) rows.residual[static_cast<size_t>(i)] *= factor;
+    for (int k = 0; k < rows.parts; ++k) {
+      const auto& part = rows.part[static_cast<size_t>(k)];
+      for (int i = 0; i < rows.rows * part.size; ++i) part.jacobian[i] *= factor;
+    }
+  }
+  return loss.value(s);
+}
+
+}  // namespace
+
+double Loss::value(double s) const {
+  const double d = scale * scale;
+  switch (kind) {
+    case Kind::huber:
+      return s <= d ? s : 2 * scale * std::sqrt(s) - d;
+    case Kind::cauchy:
+      return d * std::log1p(s / d);
+    case Kind::tukey:
+      return s >= d ? d / 3 : d / 3 * (1 - std::pow(1 - s / d, 3));
+    case Kind::none:
+      break;
+  }
+  return s;
+}
+
+double Loss::slope(double s) const {
+  const double d = scale * scale;
+  switch (kind) {
+    case Kind::huber:
+      return s <= d ? 1 : scale / std::sqrt(s);
+    case Kind::cauchy:
+      return 1 / (1 + s / d);
+    case Kind::tukey:
+      return s >= d ? 0 : (1 - s / d) * (1 - s / d);
+    case Kind::none:
+      break;
+  }
+  return 1;
+}
+
+/// Sums over a chunk of eliminated blocks of what belongs to kept unknowns alone.
+struct Elimination::Sums {
+  std::vector<double> diagonal;  ///< 6 × 6 a kept block, at a third of its offset
+  Eigen::MatrixXd border;        ///< shared × primary
+  Eigen::MatrixXd corner;        ///< shared × shared
+  Eigen::VectorXd right;         ///< all unknowns, −Jᵀ r
+  Eigen::VectorXd own_diagonal;  ///< all unknowns
+  double cost = 0;
+  std::string undefined;
+};
+
+Elimination::Elimination(const Problem& problem, const Layout& layout, Side side, int threads)
+    : problem_(problem), layout_(layout), threads_(threads) {
+  choose_side(side);
+  sort_unknowns();
+  sort_terms();
+}
+
+void Elimination::choose_side(Side side) {
+  tied_.assign(static_cast<size_t>(layout_.block_count()), false);
+  for (const auto& d : problem_.distances)
+    for (Ref ref : {d.from, d.to}) tied_[static_cast<size_t>(layout_.block(ref))] = true;
+  for (const auto& k : problem_.known)
+    if (k.refs.size() > 1)
+      for (Ref ref : k.refs) tied_[static_cast<size_t>(layout_.block(ref))] = true;
+  bool images_tied = false;
+  for (size_t i = 0; i < problem_.images.size(); ++i)
+    images_tied = images_tied || tied_[static_cast<size_t>(layout_.block({Kind::image, static_cast<int>(i)}))];
+  if (side != Side::automatic) {
+    side_ = side;
+    return;
+  }
+  // Multiplications of the elimination and of the factorisation, roughly.
+  std::vector<double> seen_by_image(problem_.images.size()), seen_by_point(problem_.points.size()),
+      seen_by_plate(problem_.plates.size());
+  for (const auto& o : problem_.image_points)
+    seen_by_image[static_cast<size_t>(o.image)] += 3, seen_by_point[static_cast<size_t>(o.point)] += 6;
+  for (const auto& o : problem_.image_tags)
+    seen_by_image[static_cast<size_t>(o.image)] += 6, seen_by_plate[static_cast<size_t>(o.plate)] += 6;
+  double body_size = 0, image_size = 6 * static_cast<double>(problem_.images.size()), by_body = 0, by_image = 0;
+  for (double s : seen_by_image) by_image += 3 * s * s;
+  for (size_t j = 0; j < seen_by_point.size(); ++j) {
+    body_size += 3;
+    if (tied_[static_cast<size_t>(layout_.block({Kind::point, static_cast<int>(j)}))])
+      image_size += 3;
+    else
+      by_body += 1.5 * seen_by_point[j] * seen_by_point[j];
+  }
+  for (size_t j = 0; j < seen_by_plate.size(); ++j) {
+    body_size += 6;
+    if (tied_[static_cast<size_t>(layout_.block({Kind::plate, static_cast<int>(j)}))])
+      image_size += 6;
+    else
+      by_body += 3 * seen_by_plate[j] * seen_by_plate[j];
+  }
+  by_body += std::pow(image_size, 3) / 6;
+  by_image += std::pow(body_size, 3) / 6;
+  side_ = by_image < by_body && !images_tied ? Side::images : Side::bodies;
+}
+
+void Elimination::sort_unknowns() {
+  const int count = layout_.block_count();
+  eliminated_.assign(static_cast<size_t>(count), -1);
+  kept_offset_.assign(static_cast<size_t>(count), -1);
+  std::vector<int> shared;
+  for (int b = 0; b < count; ++b) {
+    if (layout_.size(b) == 0) continue;
+    const Kind kind = layout_.ref(b).kind;
+    const bool body = kind == Kind::point || kind == Kind::plate;
+    const bool goes = side_ == Side::bodies ? body && !tied_[static_cast<size_t>(b)] : kind == Kind::image;
+    if (goes) {
+      eliminated_[static_cast<size_t>(b)] = static_cast<int>(blocks_.size());
+      blocks_.emplace_back();
+      blocks_.back().block = b;
+      blocks_.back().size = layout_.size(b);
+    } else if (is_shared(kind)) {
+      shared.push_back(b);
+    } else {
+      kept_offset_[static_cast<size_t>(b)] = kept_count_;
+      kept_count_ += layout_.size(b);
+      kept_blocks_.push_back(b);
+    }
+  }
+  primary_count_ = kept_count_;
+  for (int b : shared) {
+    kept_offset_[static_cast<size_t>(b)] = kept_count_;
+    kept_count_ += layout_.size(b);
+    kept_blocks_.push_back(b);
+  }
+}
+
+std::vector<int> Elimination::blocks_of(const TermRef& term) const {
+  std::vector<int> all;
+  const size_t i = static_cast<size_t>(term.index);
+  if (term.kind == TermRef::Kind::point) {
+    const ImagePoint& o = problem_.image_points[i];
+    all = {layout_.block({Kind::image, o.image}), layout_.block({Kind::point, o.point}),
+           layout_.block({Kind::camera, problem_.images[static_cast<size_t>(o.image)].camera})};
+  } else if (term.kind == TermRef::Kind::tag) {
+    const ImageTag& o = problem_.image_tags[i];
+    const int batch = problem_.plates[static_cast<size_t>(o.plate)].batch;
+    all = {layout_.block({Kind::image, o.image}), layout_.block({Kind::plate, o.plate}),
+           layout_.block({Kind::camera, problem_.images[static_cast<size_t>(o.image)].camera}),
+           layout_.block({Kind::scale, batch}), layout_.block({Kind::inset, batch})};
+  } else if (term.kind == TermRef::Kind::distance) {
+    all = {layout_.block(problem_.distances[i].from), layout_.block(problem_.distances[i].to)};
+  } else {
+    for (Ref ref : problem_.known[i].refs) all.push_back(layout_.block(ref));
+  }
+  std::erase_if(all, [&](int b) { return layout_.size(b) == 0; });
+  return all;
+}
+
+void Elimination::sort_terms() {
+  terms_.resize(blocks_.size());
+  const auto add = [&](TermRef::Kind kind, size_t count) {
+    for (size_t i = 0; i < count; ++i) {
+      const TermRef term{kind, static_cast<int>(i), {}};
+      const auto all = blocks_of(term);
+      const auto goes = std::find_if(all.begin(), all.end(), [&](int b) { return eliminated(b) >= 0; });
+      if (goes == all.end()) {
+        loose_.push_back(term);
+        continue;
+      }
+      terms_[static_cast<size_t>(eliminated(*goes))].push_back(term);
+      auto& kept = blocks_[static_cast<size_t>(eliminated(*goes))].kept;
+      for (int b : all)
+        if (b != *goes) kept.push_back(b);
+    }
+  };
+  add(TermRef::Kind::point, problem_.image_points.size());
+  add(TermRef::Kind::tag, problem_.image_tags.size());
+  add(TermRef::Kind::distance, problem_.distances.size());
+  add(TermRef::Kind::known, problem_.known.size());
+  coupled_.resize(static_cast<size_t>(layout_.block_count()));
+  size_t y = 0;
+  for (size_t e = 0; e < blocks_.size(); ++e) {
+    Block& block = blocks_[e];
+    std::sort(block.kept.begin(), block.kept.end(), [&](int a, int b) { return kept_offset(a) < kept_offset(b); });
+    block.kept.erase(std::unique(block.kept.begin(), block.kept.end()), block.kept.end());
+    block.y = y;
+    for (size_t k = 0; k < block.kept.size(); ++k) {
+      block.local.push_back(block.columns);
+      block.columns += layout_.size(block.kept[k]);
+      coupled_[static_cast<size_t>(block.kept[k])].emplace_back(static_cast<int>(e), static_cast<int>(k));
+    }
+    y += static_cast<size_t>(block.size) * static_cast<size_t>(block.columns);
+    for (auto& term : terms_[e]) {
+      size_t next = 0;
+      for (int b : blocks_of(term)) {
+        if (b == block.block) continue;
+        const auto at = std::lower_bound(block.kept.begin(), block.kept.end(), b,
+                                         [&](int p, int q) { return kept_offset(p) < kept_offset(q); });
+        term.local[next++] = block.local[static_cast<size_t>(at - block.kept.begin())];
+      }
+    }
+  }
+  y_.resize(y);
+}
+
+std::string Elimination::name(const TermRef& term) const {
+  const size_t i = static_cast<size_t>(term.index);
+  if (term.kind == TermRef::Kind::point) {
+    const auto& o = problem_.image_points[i];
+    return "point " + problem_.points[static_cast<size_t>(o.point)].name + " in image " +
+           problem_.images[static_cast<size_t>(o.image)].name;
+  }
+  if (term.kind == TermRef::Kind::tag) {
+    const auto& o = problem_.image_tags[i];
+    return "the tag of " + problem_.plates[static_cast<size_t>(o.plate)].name + " in image " +
+           problem_.images[static_cast<size_t>(o.image)].name;
+  }
+  return "the distance '" + problem_.distances[i].name + "'";
+}
+
+bool Elimination::linearise(const State& state, const Loss& loss, int first, int last, double damping, Sums& sums) {
+  const int shared = kept_count_ - primary_count_;
+  sums.diagonal.assign(36 * static_cast<size_t>(primary_count_ / 3 + 1), 0.0);
+  sums.border.setZero(shared, primary_count_);
+  sums.corner.setZero(shared, shared);
+  sums.right.setZero(layout_.unknown_count());
+  sums.own_diagonal.setZero(layout_.unknown_count());
+  Rows rows;
+  std::vector<double> coupling;
+  for (int e = first; e < last; ++e) {
+    Block& block = blocks_[static_cast<size_t>(e)];
+    coupling.assign(static_cast<size_t>(block.size) * static_cast<size_t>(block.columns), 0.0);
+    double* w = coupling.data();
+    Eigen::Matrix<double, 6, 6> v = Eigen::Matrix<double, 6, 6>::Zero();
+    Eigen::Matrix<double, 6, 1> g = Eigen::Matrix<double, 6, 1>::Zero();
+    for (const TermRef& term : terms_[static_cast<size_t>(e)]) {
+      const size_t i = static_cast<size_t>(term.index);
+      if (term.kind == TermRef::Kind::known) {  // of this block alone: others are tied and kept
+        const KnownRows known = evaluate(problem_, layout_, state, problem_.known[i]);
+        std::vector<int> own;
+        for (int c : known.columns) own.push_back(c - layout_.offset(block.block));
+        v(own, own) += known.jacobian.transpose() * known.jacobian;
+        g(own) += known.jacobian.transpose() * known.residual;
+        sums.cost += known.residual.squaredNorm();
+        continue;
+      }
+      const bool is_point = term.kind == TermRef::Kind::point;
+      const bool defined = is_point ? evaluate(problem_, layout_, state, problem_.image_points[i], true, rows)
+                                    : evaluate(problem_, layout_, state, problem_.image_tags[i], true, rows);
+      const bool robust = is_point ? problem_.image_points[i].robust : problem_.image_tags[i].robust;
+      const double cost = defined ? apply_loss(loss, robust, true, rows) : std::nan("");
+      if (!std::isfinite(cost)) {
+        sums.undefined = name(term);
+        return false;
+      }
+      sums.cost += cost;
+      int own = 0;
+      while (rows.part[static_cast<size_t>(own)].block != block.block) ++own;
+      const Rows::Part& mine = rows.part[static_cast<size_t>(own)];
+      add_product(rows.rows, v.data(), 6, mine.jacobian, mine.size, mine.jacobian, mine.size);
+      add_product(rows.rows, g.data(), 6, mine.jacobian, mine.size, rows.residual.data(), 1);
+      int next = 0;
+      for (int k = 0; k < rows.parts; ++k) {
+        if (k == own) continue;
+        const Rows::Part& a = rows.part[static_cast<size_t>(k)];
+        const int local = term.local[static_cast<size_t>(next++)];
+        add_product(rows.rows, w + block.size * local, block.size, mine.jacobian, mine.size, a.jacobian, a.size);
+        double* right = sums.right.data() + layout_.offset(a.block);
+        for (int c = 0; c < a.size; ++c)
+          for (int r = 0; r < rows.rows; ++r)
+            right[c] -= a.jacobian[c * rows.rows + r] * rows.residual[static_cast<size_t>(r)];
+        const int a_at = kept_offset(a.block);
+        if (a_at < primary_count_) {
+          add_product(rows.rows, sums.diagonal.data() + 36 * static_cast<size_t>(a_at / 3), 6, a.jacobian, a.size,
+                      a.jacobian, a.size);
+          continue;
+        }
+        for (int l = 0; l < rows.parts; ++l) {
+          const Rows::Part& b = rows.part[static_cast<size_t>(l)];
+          if (l == own) continue;
+          const int b_at = kept_offset(b.block);
+          if (b_at < primary_count_)
+            add_product(rows.rows, &sums.border(a_at - primary_count_, b_at), shared, a.jacobian, a.size, b.jacobian,
+                        b.size);
+          else
+            add_product(rows.rows, &sums.corner(a_at - primary_count_, b_at - primary_count_), shared, a.jacobian,
+                        a.size, b.jacobian, b.size);
+        }
+      }
+    }
+    for (int c = 0; c < block.size; ++c) sums.own_diagonal(layout_.offset(block.block) + c) = v(c, c);
+    const Eigen::Matrix<double, 6, 1> right = -g;
+    eliminate(block, damping, w, v, right);
+    sums.right.segment(layout_.offset(block.block), block.size) = right.head(block.size);
+  }
+  return true;
+}
+
+void Elimination::eliminate(Block& block, double damping, double* w, const Eigen::Matrix<double, 6, 6>& v,
+                            const Eigen::Matrix<double, 6, 1>& g) {
+  const int s = block.size;
+  Eigen::Matrix<double, 6, 1> root;
+  block.weakest = 1;
+  block.factor.setZero();
+  block.half.setZero();
+  for (int c = 0; c < s; ++c) {
+    if (!(v(c, c) > 0)) block.weakest = 0;
+    root(c) = std::sqrt(std::max(v(c, c), 1e-300));
+  }
+  // Cholesky of V scaled to a unit diagonal: a pivot is what of an unknown the ones before it do not tell.
+  for (int c = 0; c < s && block.weakest >= singular_block; ++c)
+    for (int r = c; r < s; ++r) {
+      double sum = v(r, c) / (root(r) * root(c)) + (r == c ? damping : 0.0);
+      for (int k = 0; k < c; ++k) sum -= block.factor(r, k) * block.factor(c, k);
+      if (r == c) {
+        block.weakest = std::min(block.weakest, sum);
+        if (sum < singular_block) break;
+        block.factor(c, c) = std::sqrt(sum);
+      } else {
+        block.factor(r, c) = sum / block.factor(c, c);
+      }
+    }
+  if (block.weakest < singular_block) {
+    block.factor.setZero();
+    std::fill_n(y_.data() + block.y, static_cast<size_t>(s) * static_cast<size_t>(block.columns), 0.0);
+    return;
+  }
+  for (int r = 0; r < s; ++r)
+    for (int c = 0; c <= r; ++c) block.factor(r, c) *= root(r);
+  for (int column = 0; column <= block.columns; ++column) {
+    double* x = column < block.columns ? w + static_cast<size_t>(s) * static_cast<size_t>(column) : block.half.data();
+    if (column == block.columns) block.half.head(s) = g.head(s);
+    for (int r = 0; r < s; ++r) {
+      for (int c = 0; c < r; ++c) x[r] -= block.factor(r, c) * x[c];
+      x[r] /= block.factor(r, r);
+    }
+  }
+  double* y = y_.data() + block.y;
+  for (int r = 0; r < s; ++r)
+    for (int column = 0; column < block.columns; ++column) *y++ = w[column * s + r];
+}
+
+bool Elimination::add_loose(const State& state, const Loss& loss) {
+  Rows rows;
+  for (const TermRef& term : loose_) {
+    const size_t i = static_cast<size_t>(term.index);
+    if (term.kind == TermRef::Kind::known) {
+      const KnownRows known = evaluate(problem_, layout_, state, problem_.known[i]);
+      const Eigen::MatrixXd own = known.jacobian.transpose() * known.jacobian;
+      const Eigen::VectorXd g = known.jacobian.transpose() * known.residual;
+      std::vector<int> at;
+      for (int b : known.blocks)
+        for (int c : known.columns)
+          if (c >= layout_.offset(b) && c < layout_.offset(b) + layout_.size(b))
+            at.push_back(kept_offset(b) + c - layout_.offset(b));
+      for (Eigen::Index c = 0; c < own.cols(); ++c) {
+        right_(known.columns[static_cast<size_t>(c)]) -= g(c);
+        for (Eigen::Index r = 0; r < own.rows(); ++r)
+          if (at[static_cast<size_t>(r)] >= at[static_cast<size_t>(c)])
+            normal_(at[static_cast<size_t>(r)], at[static_cast<size_t>(c)]) += own(r, c);
+      }
+      cost_ += known.residual.squaredNorm();
+      continue;
+    }
+    bool defined = false, robust = false;
+    if (term.kind == TermRef::Kind::point)
+      defined = evaluate(problem_, layout_, state, problem_.image_points[i], true, rows),
+      robust = problem_.image_points[i].robust;
+    else if (term.kind == TermRef::Kind::tag)
+      defined = evaluate(problem_, layout_, state, problem_.image_tags[i], true, rows),
+      robust = problem_.image_tags[i].robust;
+    else
+      defined = evaluate(problem_, layout_, state, problem_.distances[i], true, rows);
+    const double cost = defined ? apply_loss(loss, robust, true, rows) : std::nan("");
+    if (!std::isfinite(cost)) {
+      undefined_ = name(term);
+      return false;
+    }
+    cost_ += cost;
+    for (int k = 0; k < rows.parts; ++k) {
+      const Rows::Part& a = rows.part[static_cast<size_t>(k)];
+      right_.segment(layout_.offset(a.block), a.size) -= rows.jacobian(k).transpose() * rows.values();
+      for (int l = 0; l < rows.parts; ++l) {
+        const Rows::Part& b = rows.part[static_cast<size_t>(l)];
+        if (kept_offset(a.block) < kept_offset(b.block)) continue;
+        normal_.block(kept_offset(a.block), kept_offset(b.block), a.size, b.size) +=
+            rows.jacobian(k).transpose() * rows.jacobian(l);
+      }
+    }
+  }
+  return true;
+}
+
+void Elimination::subtract(int kept_block) {
+  const int at = kept_offset(kept_block), size = layout_.size(kept_block);
+  for (const auto& [e, k] : coupled_[static_cast<size_t>(kept_block)]) {
+    const Block& block = blocks_[static_cast<size_t>(e)];
+    const double* y = y_.data() + block.y;
+    const double* own = y + block.local[static_cast<size_t>(k)];
+    for (int c = 0; c < size; ++c)
+      for (int r = 0; r < block.size; ++r) reduced_right_(at + c) -= own[c + r * block.columns] * block.half(r);
+    for (size_t other = static_cast<size_t>(k); other < block.kept.size(); ++other) {
+      const int b = block.kept[other];
+      subtract_product(block.size, &normal_(kept_offset(b), at), normal_.rows(), y + block.local[other],
+                       layout_.size(b), own, size, block.columns);
+    }
+  }
+}
+
+bool Elimination::build(const State& state, double damping, const Loss& loss) {
+  const int count = static_cast<int>(blocks_.size());
+  const double bytes = 8.0 * (12.0 * primary_count_ + double(kept_count_ - primary_count_) * kept_count_ +
+                              2.0 * layout_.unknown_count());
+  const int chunks = bytes * max_chunks > 2e8 ? 1 : std::clamp(count / smallest_chunk, 1, max_chunks);
+  std::vector<Sums> sums(static_cast<size_t>(chunks));
+  for_each_index(chunks, threads_, [&](int c) {
+    const auto bound = [&](int k) { return static_cast<int>(static_cast<int64_t>(count) * k / chunks); };
+    linearise(state, loss, bound(c), bound(c + 1), damping, sums[static_cast<size_t>(c)]);
+  });
+  undefined_.clear();
+  for (const Sums& s : sums)
+    if (!s.undefined.empty()) {
+      undefined_ = s.undefined;
+      return false;
+    }
+  cost_ = 0;
+  normal_.setZero(kept_count_, kept_count_);
+  right_.setZero(layout_.unknown_count());
+  diagonal_.setZero(layout_.unknown_count());
+  const int shared = kept_count_ - primary_count_;
+  for (const Sums& s : sums) {
+    cost_ += s.cost;
+    right_ += s.right;
+    diagonal_ += s.own_diagonal;
+    for (int b : kept_blocks_) {
+      const int at = kept_offset(b), size = layout_.size(b);
+      if (at >= primary_count_) break;
+      normal_.block(at, at, size, size) +=
+          Eigen::Map<const Eigen::Matrix<double, 6, 6>>(s.diagonal.data() + 36 * static_cast<size_t>(at / 3))
+              .topLeftCorner(size, size);
+    }
+    normal_.bottomLeftCorner(shared, primary_count_) += s.border;
+    normal_.bottomRightCorner(shared, shared) += s.corner;
+  }
+  if (!add_loose(state, loss)) return false;
+  scale_.resize(kept_count_);
+  reduced_right_.resize(kept_count_);
+  for (int b : kept_blocks_)
+    for (int c = 0; c < layout_.size(b); ++c) {
+      const int at = kept_offset(b) + c;
+      double& d = normal_(at, at);
+      diagonal_(layout_.offset(b) + c) = d;
+      scale_(at) = d > 0 ? 1 / std::sqrt(d) : 1.0;
+      reduced_right_(at) = right_(layout_.offset(b) + c);
+      d *= 1 + damping;
+    }
+  for_each_index(static_cast<int>(kept_blocks_.size()), threads_,
+                 [&](int k) { subtract(kept_blocks_[static_cast<size_t>(k)]); });
+  return true;
+}
+
+Eigen::MatrixXd Elimination::scaled_matrix(const Eigen::MatrixXd& constraints) const {
+  Eigen::MatrixXd scaled = normal_;
+  for (int c = 0; c < kept_count_; ++c)
+    scaled.col(c).tail(kept_count_ - c).array() *= scale_.tail(kept_count_ - c).array() * scale_(c);
+  if (constraints.cols() > 0) scaled.selfadjointView<Eigen::Lower>().rankUpdate(constraints);
+  return scaled;
+}
+
+bool Elimination::factorise(const Eigen::MatrixXd& constraints) {
+  if (kept_count_ == 0) return true;
+  factor_.compute(scaled_matrix(constraints));
+  return factor_.info() == Eigen::Success;
+}
+
+Eigen::MatrixXd Elimination::solve(const Eigen::MatrixXd& right) const {
+  const Eigen::Index d = right.cols();
+  Eigen::MatrixXd kept(kept_count_, d), result = Eigen::MatrixXd::Zero(right.rows(), d);
+  std::vector<Eigen::MatrixXd> half(blocks_.size());
+  for (int b : kept_blocks_)
+    kept.middleRows(kept_offset(b), layout_.size(b)) = right.middleRows(layout_.offset(b), layout_.size(b));
+  for (size_t e = 0; e < blocks_.size(); ++e) {
+    const Block& block = blocks_[e];
+    if (block.weakest < singular_block) continue;
+    half[e] = block.factor.topLeftCorner(block.size, block.size)
+                  .triangularView<Eigen::Lower>()
+                  .solve(right.middleRows(layout_.offset(block.block), block.size));
+    const auto own = y(block);
+    for (size_t k = 0; k < block.kept.size(); ++k)
+      kept.middleRows(kept_offset(block.kept[k]), layout_.size(block.kept[k])) -=
+          own.middleCols(block.local[k], layout_.size(block.kept[k])).transpose() * half[e];
+  }
+  if (kept_count_ > 0) {
+    kept = scale_.asDiagonal() * kept;
+    factor_.solveInPlace(kept);
+    kept = scale_.asDiagonal() * kept;
+  }
+  for (int b : kept_blocks_)
+    result.middleRows(layout_.offset(b), layout_.size(b)) = kept.middleRows(kept_offset(b), layout_.size(b));
+  for (size_t e = 0; e < blocks_.size(); ++e) {
+    const Block& block = blocks_[e];
+    if (block.weakest < singular_block) continue;
+    const auto own = y(block);
+    for (size_t k = 0; k < block.kept.size(); ++k)
+      half[e] -= own.middleCols(block.local[k], layout_.size(block.kept[k])) *
+                 kept.middleRows(kept_offset(block.kept[k]), layout_.size(block.kept[k]));
+    result.middleRows(layout_.offset(block.block), block.size) =
+        block.factor.topLeftCorner(block.size, block.size).triangularView<Eigen::Lower>().transpose().solve(half[e]);
+  }
+  return result;
+}
+
+}  // namespace plumbline::bundle

@@ -1,0 +1,121 @@
+// Normal equations of a block with one class of unknowns eliminated: either the bodies (points, plates) or the images,
+// whichever leaves less work; bodies that an observation ties to other bodies are kept. Observations are linearised one
+// after the other, each once, and only L⁻¹ of an eliminated block's coupling is kept: memory is 3 × 6 numbers an
+// observation and the square of the kept unknowns.
+//
+// With V the normal matrix of an eliminated block, V = L Lᵀ, W its coupling with kept unknowns and Y = L⁻¹ W, the
+// reduced normal matrix is S = N − Σ Yᵀ Y. Source: Brown (1958); Förstner & Wrobel (2016), Photogrammetric Computer
+// Vision, 15.3.
+//
+// The order of every sum follows from the problem alone, so any number of threads gives the same bits.
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <vector>
+
+#include "block/bundle/problem.hpp"
+
+namespace plumbline::bundle {
+
+/// ρ(s) of the squared norm of an observation's whitened residuals, for observations marked robust.
+struct Loss {
+  enum class Kind { none, huber, cauchy, tukey } kind = Kind::none;
+  double scale = 1;  ///< of the norm
+  double value(double s) const;
+  double slope(double s) const;
+};
+
+enum class Side { automatic, bodies, images };
+
+class Elimination {
+ public:
+  /// Sorts observations and unknowns; `problem` and `layout` must outlive it.
+  Elimination(const Problem& problem, const Layout& layout, Side side = Side::automatic, int threads = 1);
+
+  /// Linearises at `state`, adds `damping` times the diagonal to it, eliminates. False if an observation cannot be
+  /// computed there (undefined() says which).
+  bool build(const State& state, double damping = 0, const Loss& loss = {});
+  /// Factorises the reduced matrix, to which B Bᵀ of the scaled `constraints` (kept_count × d) is added; false if it
+  /// has no Cholesky factor.
+  bool factorise(const Eigen::MatrixXd& constraints);
+  /// N⁻¹ right for all unknowns (Layout's order), n × d. Precondition: factorise().
+  Eigen::MatrixXd solve(const Eigen::MatrixXd& right) const;
+  /// Gauss-Newton step from the last build().
+  Eigen::VectorXd step() const { return solve(right_); }
+
+  double sum_of_squares() const { return cost_; }  ///< Σ ρ
+  const std::string& undefined() const { return undefined_; }
+  const Eigen::VectorXd& right() const { return right_; }        ///< −Jᵀ r, all unknowns
+  const Eigen::VectorXd& diagonal() const { return diagonal_; }  ///< of N before the elimination and without damping
+  int kept_count() const { return kept_count_; }
+  bool eliminates_images() const { return side_ == Side::images; }
+
+  // What is left of the elimination, for cofactors and rank decisions.
+  struct Block {
+    int block = 0, size = 0;
+    std::vector<int> kept;   ///< kept blocks it is coupled with, ascending
+    std::vector<int> local;  ///< first column of each in Y
+    int columns = 0;         ///< of Y
+    size_t y = 0;            ///< start in the storage
+    double weakest = 1;      ///< smallest squared pivot of V scaled to a unit diagonal; below 1e-12 V is singular and
+                             ///< the block takes no part
+    Eigen::Matrix<double, 6, 6> factor;  ///< L in its top left corner
+    Eigen::Matrix<double, 6, 1> half;    ///< L⁻¹ right
+  };
+  const std::vector<Block>& blocks() const { return blocks_; }
+  /// Y, size × columns; stored column by column of its transpose, so that products of its blocks run along memory.
+  auto y(const Block& b) const {
+    return Eigen::Map<const Eigen::MatrixXd>(y_.data() + b.y, b.columns, b.size).transpose();
+  }
+  /// Index into blocks(), or −1.
+  int eliminated(int block) const { return eliminated_[static_cast<size_t>(block)]; }
+  /// First row of a kept block in the reduced system, or −1.
+  int kept_offset(int block) const { return kept_offset_[static_cast<size_t>(block)]; }
+  /// Scale of each kept unknown in the factorised matrix: 1/√diagonal.
+  const Eigen::VectorXd& scale() const { return scale_; }
+  /// S scaled to its diagonal before the elimination (plus constraints), lower triangle, before its factorisation.
+  Eigen::MatrixXd scaled_matrix(const Eigen::MatrixXd& constraints) const;
+  const Eigen::LLT<Eigen::MatrixXd>& factor() const { return factor_; }
+
+  struct TermRef {
+    enum class Kind : int { point, tag, distance, known } kind;
+    int index;
+    std::array<int, 4> local;  ///< columns in Y of its kept parts, in the order of its parts
+  };
+  const std::vector<TermRef>& terms(int eliminated) const { return terms_[static_cast<size_t>(eliminated)]; }
+  const std::vector<TermRef>& loose_terms() const { return loose_; }
+
+ private:
+  struct Sums;
+  void choose_side(Side side);
+  void sort_unknowns();
+  void sort_terms();
+  std::vector<int> blocks_of(const TermRef& term) const;
+  bool linearise(const State& state, const Loss& loss, int first, int last, double damping, Sums& sums);
+  bool add_loose(const State& state, const Loss& loss);
+  void eliminate(Block& block, double damping, double* w, const Eigen::Matrix<double, 6, 6>& v,
+                 const Eigen::Matrix<double, 6, 1>& right);
+  void subtract(int kept_block);
+  std::string name(const TermRef& term) const;
+
+  const Problem& problem_;
+  const Layout& layout_;
+  Side side_ = Side::bodies;
+  int threads_ = 1;
+  int kept_count_ = 0, primary_count_ = 0;
+  std::vector<int> eliminated_, kept_offset_, kept_blocks_;
+  std::vector<bool> tied_;  ///< bodies that an observation ties to others
+  std::vector<Block> blocks_;
+  std::vector<std::vector<TermRef>> terms_;
+  std::vector<TermRef> loose_;
+  std::vector<std::vector<std::pair<int, int>>> coupled_;  ///< by kept block: (eliminated, position in its list)
+  std::vector<double> y_;
+  Eigen::MatrixXd normal_;  ///< reduced, lower triangle
+  Eigen::VectorXd right_, diagonal_, reduced_right_, scale_;
+  Eigen::LLT<Eigen::MatrixXd> factor_;
+  double cost_ = 0;
+  std::string undefined_;
+};
+
+}  // namespace plumbline::bundle

@@ -1,0 +1,232 @@
+#include "block/bundle/terms.hpp"
+
+#include <cmath>
+
+#include "plumbline/rigid_transform.hpp"
+
+namespace plumbline::bundle {
+namespace {
+
+using Matrix23 = Eigen::Matrix<double, 2, 3>;
+
+/// M [v]×, row by row: m × v negated, without building the matrix.
+inline Matrix23 times_skew(const Matrix23& m, const Eigen::Vector3d& v) {
+  Matrix23 r;
+  for (int i = 0; i < 2; ++i) {
+    r(i, 0) = m(i, 1) * v.z() - m(i, 2) * v.y();
+    r(i, 1) = m(i, 2) * v.x() - m(i, 0) * v.z();
+    r(i, 2) = m(i, 0) * v.y() - m(i, 1) * v.x();
+  }
+  return r;
+}
+
+double* add_part(Rows& rows, double*& next, int block, int size) {
+  Rows::Part& part = rows.part[static_cast<size_t>(rows.parts++)];
+  part = {block, size, next};
+  next += rows.rows * size;
+  return part.jacobian;
+}
+
+Eigen::Vector3d position_of(const State& state, Ref ref) {
+  const size_t i = static_cast<size_t>(ref.index);
+  if (ref.kind == Kind::point) return state.points[i];
+  return ref.kind == Kind::plate ? state.plates[i].position : state.images[i].position;
+}
+
+/// Derivatives of one corner's drawn position by all four projected corners. Both edges at the corner move inwards by
+/// the inset: along each edge by inset / sin(angle between them).
+struct DrawnCorners {
+  Eigen::Matrix<double, 8, 1> shift;  ///< for an inset of 1
+  Eigen::Matrix<double, 8, 8> by_pixels;
+};
+
+void draw_corners(const std::array<Eigen::Vector2d, 4>& pixels, double inset, bool jacobians, DrawnCorners& drawn) {
+  drawn.by_pixels.setIdentity();
+  for (int k = 0; k < 4; ++k) {
+    const int neighbours[2] = {(k + 1) % 4, (k + 3) % 4};
+    Eigen::Vector2d unit[2];
+    Eigen::Matrix2d slope[2];  // of the unit vector by its end
+    for (int n = 0; n < 2; ++n) {
+      const Eigen::Vector2d edge = pixels[static_cast<size_t>(neighbours[n])] - pixels[static_cast<size_t>(k)];
+      const double length = edge.norm();
+      unit[n] = edge / length;
+      slope[n] = (Eigen::Matrix2d::Identity() - unit[n] * unit[n].transpose()) / length;
+    }
+    const double cross = unit[0].x() * unit[1].y() - unit[0].y() * unit[1].x(), sign = cross < 0 ? -1 : 1;
+    const double sine = sign * cross;
+    const Eigen::Vector2d sum = unit[0] + unit[1];
+    drawn.shift.segment<2>(2 * k) = sum / sine;
+    if (!jacobians || inset == 0) continue;
+    const Eigen::RowVector2d by_unit[2] = {sign * Eigen::RowVector2d(unit[1].y(), -unit[1].x()),
+                                           sign * Eigen::RowVector2d(-unit[0].y(), unit[0].x())};
+    for (int n = 0; n < 2; ++n) {
+      const Eigen::Matrix2d by_end = inset * (slope[n] / sine - sum / (sine * sine) * (by_unit[n] * slope[n]).eval());
+      drawn.by_pixels.block<2, 2>(2 * k, 2 * neighbours[n]) += by_end;
+      drawn.by_pixels.block<2, 2>(2 * k, 2 * k) -= by_end;
+    }
+  }
+}
+
+}  // namespace
+
+bool evaluate(const Problem& problem, const Layout& layout, const State& state, const ImagePoint& term, bool jacobians,
+              Rows& rows) {
+  const Image& image = problem.images[static_cast<size_t>(term.image)];
+  const Camera& camera = problem.cameras[static_cast<size_t>(image.camera)];
+  const Placement& pose = state.images[static_cast<size_t>(term.image)];
+  const Eigen::Vector3d v = pose.matrix * (state.points[static_cast<size_t>(term.point)] - pose.position);
+  LensRows lens;
+  if (!evaluate_lens(camera.lens, state.interiors[static_cast<size_t>(image.camera)].data(), camera.balance_radius, v,
+                     term.observed, jacobians, lens))
+    return false;
+  const Eigen::Matrix2d w = term.whitening / problem.groups[static_cast<size_t>(term.group)].sigma_factor;
+  rows.rows = 2;
+  rows.parts = 0;
+  Eigen::Map<Eigen::Vector2d>(rows.residual.data()) = w * lens.misclosure;
+  if (!jacobians) return true;
+  double* next = rows.storage.data();
+  const Matrix23 by_direction = w * lens.by_direction;
+  const Matrix23 by_point = by_direction * pose.matrix;
+  if (!image.fixed) {
+    double* jacobian = add_part(rows, next, layout.block({Kind::image, term.image}), 6);
+    Eigen::Map<Matrix23>(jacobian).noalias() = -by_point;
+    Eigen::Map<Matrix23>(jacobian + 6) = -times_skew(by_direction, v);
+  }
+  if (!problem.points[static_cast<size_t>(term.point)].fixed)
+    Eigen::Map<Matrix23>(add_part(rows, next, layout.block({Kind::point, term.point}), 3)) = by_point;
+  const auto& free = layout.free_values(image.camera);
+  if (free.empty()) return true;
+  double* jacobian = add_part(rows, next, layout.block({Kind::camera, image.camera}), static_cast<int>(free.size()));
+  for (size_t c = 0; c < free.size(); ++c)
+    Eigen::Map<Eigen::Vector2d>(jacobian + 2 * c) = w * lens.by_interior.col(free[c]);
+  return true;
+}
+
+bool evaluate(const Problem& problem, const Layout& layout, const State& state, const ImageTag& term, bool jacobians,
+              Rows& rows) {
+  const Image& image = problem.images[static_cast<size_t>(term.image)];
+  const Camera& camera = problem.cameras[static_cast<size_t>(image.camera)];
+  const Plate& plate = problem.plates[static_cast<size_t>(term.plate)];
+  const Placement& pose = state.images[static_cast<size_t>(term.image)];
+  const Placement& body = state.plates[static_cast<size_t>(term.plate)];
+  const size_t batch = static_cast<size_t>(plate.batch);
+  const double scale = state.scales[batch], inset = state.insets[batch], half = 0.5 * plate.shape.tag_size;
+  const auto& free = layout.free_values(image.camera);
+  const Eigen::Index f = static_cast<Eigen::Index>(free.size());
+  std::array<Eigen::Vector2d, 4> pixels;
+  Eigen::Matrix<double, 8, 6> by_pose, by_plate;
+  Eigen::Matrix<double, 8, Eigen::Dynamic, 0, 8, max_interior> by_interior(8, f);
+  Eigen::Matrix<double, 8, 1> by_scale;
+  for (int k = 0; k < 4; ++k) {
+    const Eigen::Vector3d edge((k == 1 || k == 2) ? half : -half, k >= 2 ? half : -half, 0);
+    const Eigen::Vector3d arm = body.matrix * (plate.shape.tag_centre_in_plate + scale * edge);
+    const Eigen::Vector3d v = pose.matrix * (body.position + arm - pose.position);
+    LensRows lens;
+    if (!evaluate_lens(camera.lens, state.interiors[static_cast<size_t>(image.camera)].data(), camera.balance_radius, v,
+                       Eigen::Vector2d::Zero(), jacobians, lens))
+      return false;
+    pixels[static_cast<size_t>(k)] = lens.misclosure;
+    if (!jacobians) continue;
+    const Matrix23 by_point = lens.by_direction * pose.matrix;
+    by_pose.block<2, 3>(2 * k, 0) = -by_point;
+    by_pose.block<2, 3>(2 * k, 3) = -times_skew(lens.by_direction, v);
+    by_plate.block<2, 3>(2 * k, 0) = by_point;
+    by_plate.block<2, 3>(2 * k, 3) = -times_skew(by_point, arm);
+    by_scale.segment<2>(2 * k) = by_point * (body.matrix * edge);
+    for (Eigen::Index c = 0; c < f; ++c)
+      by_interior.block<2, 1>(2 * k, c) = lens.by_interior.col(free[static_cast<size_t>(c)]);
+  }
+  DrawnCorners drawn;
+  draw_corners(pixels, inset, jacobians, drawn);
+  const double factor = problem.groups[static_cast<size_t>(term.group)].sigma_factor;
+  Eigen::Matrix<double, 8, 8> w = Eigen::Matrix<double, 8, 8>::Zero();
+  rows.rows = 8;
+  rows.parts = 0;
+  for (int k = 0; k < 4; ++k) {
+    const size_t at = static_cast<size_t>(k);
+    w.block<2, 2>(2 * k, 2 * k) = term.whitening[at] / factor;
+    Eigen::Map<Eigen::Vector2d>(rows.residual.data() + 2 * k) =
+        w.block<2, 2>(2 * k, 2 * k) * (pixels[at] + inset * drawn.shift.segment<2>(2 * k) - term.corners[at]);
+  }
+  if (!jacobians) return true;
+  const Eigen::Matrix<double, 8, 8> weighted = w * drawn.by_pixels;
+  double* next = rows.storage.data();
+  using Map86 = Eigen::Map<Eigen::Matrix<double, 8, 6>>;
+  using Map81 = Eigen::Map<Eigen::Matrix<double, 8, 1>>;
+  if (!image.fixed) Map86(add_part(rows, next, layout.block({Kind::image, term.image}), 6)) = weighted * by_pose;
+  Map86(add_part(rows, next, layout.block({Kind::plate, term.plate}), 6)) = weighted * by_plate;
+  if (f > 0)
+    Eigen::Map<Eigen::MatrixXd>(add_part(rows, next, layout.block({Kind::camera, image.camera}), static_cast<int>(f)),
+                                8, f) = weighted * by_interior;
+  if (problem.batches[batch].scale_free)
+    Map81(add_part(rows, next, layout.block({Kind::scale, plate.batch}), 1)) = weighted * by_scale;
+  if (problem.batches[batch].inset_free)
+    Map81(add_part(rows, next, layout.block({Kind::inset, plate.batch}), 1)) = w * drawn.shift;
+  return true;
+}
+
+bool evaluate(const Problem& problem, const Layout& layout, const State& state, const Distance& term, bool jacobians,
+              Rows& rows) {
+  const Eigen::Vector3d d = position_of(state, term.to) - position_of(state, term.from);
+  const double length = d.norm(), sigma = term.sigma * problem.groups[static_cast<size_t>(term.group)].sigma_factor;
+  if (!(length > 0)) return false;
+  rows.rows = 1;
+  rows.parts = 0;
+  rows.residual[0] = (length - term.length) / sigma;
+  if (!jacobians) return true;
+  double* next = rows.storage.data();
+  for (int end = 0; end < 2; ++end) {
+    const int block = layout.block(end == 0 ? term.from : term.to), size = layout.size(block);
+    if (size == 0) continue;
+    Eigen::Map<Eigen::RowVectorXd> jacobian(add_part(rows, next, block, size), size);
+    jacobian.setZero();
+    jacobian.head<3>() = (end == 0 ? -1 : 1) * d.transpose() / (length * sigma);
+  }
+  return true;
+}
+
+KnownRows evaluate(const Problem& problem, const Layout& layout, const State& state, const Known& term) {
+  KnownRows result;
+  Eigen::VectorXd value(term.target.size());
+  std::vector<int> chosen;  // columns of the whitening that belong to an unknown
+  Eigen::Index at = 0;
+  for (Ref ref : term.refs) {
+    const int block = layout.block(ref), offset = layout.offset(block), size = layout.size(block);
+    if (size > 0) result.blocks.push_back(block);
+    const size_t i = static_cast<size_t>(ref.index);
+    if (ref.kind == Kind::camera) {
+      const Eigen::Index count = value_count(problem.cameras[i].lens);
+      for (Eigen::Index k = 0; k < count; ++k) value(at + k) = state.interiors[i][static_cast<size_t>(k)];
+      int next = offset;
+      for (int k : layout.free_values(ref.index)) {
+        chosen.push_back(static_cast<int>(at) + k);
+        result.columns.push_back(next++);
+      }
+      at += count;
+    } else if (ref.kind == Kind::scale || ref.kind == Kind::inset) {
+      value(at) = ref.kind == Kind::scale ? state.scales[i] : state.insets[i];
+      if (size > 0) chosen.push_back(static_cast<int>(at)), result.columns.push_back(offset);
+      at += 1;
+    } else {
+      value.segment<3>(at) = position_of(state, ref);
+      for (int k = 0; k < 3 && size > 0; ++k) {
+        chosen.push_back(static_cast<int>(at) + k);
+        result.columns.push_back(offset + k);
+      }
+      at += 3;
+    }
+  }
+  const Eigen::MatrixXd w = term.whitening / problem.groups[static_cast<size_t>(term.group)].sigma_factor;
+  result.residual = w * (value - term.target);
+  result.jacobian = w(Eigen::all, chosen);
+  return result;
+}
+
+Eigen::Vector2d computed_image_point(const Camera& camera, const Interior& interior, const Eigen::Vector3d& v) {
+  LensRows rows;
+  rows.misclosure.setConstant(std::nan(""));
+  evaluate_lens(camera.lens, interior.data(), camera.balance_radius, v, Eigen::Vector2d::Zero(), false, rows);
+  return rows.misclosure;
+}
+
+}  // namespace plumbline::bundle

@@ -1,0 +1,51 @@
+// Observations as whitened rows with their derivatives in the unknowns of Layout, all written out. Rows are
+// "computed minus observed", multiplied by the whitening and divided by their group's sigma factor.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "block/bundle/problem.hpp"
+
+namespace plumbline::bundle {
+
+/// Rows of one observation and their derivatives by up to five blocks of unknowns. A column-major matrix of `rows` rows
+/// stands behind each part; parts of held blocks are left out.
+struct Rows {
+  static constexpr int max_rows = 8, max_parts = 5;
+  struct Part {
+    int block = 0, size = 0;
+    double* jacobian = nullptr;
+  };
+  int rows = 0, parts = 0;
+  std::array<Part, max_parts> part;
+  std::array<double, max_rows> residual;
+  std::array<double, max_rows*(6 + 6 + max_interior + 2)> storage;
+
+  auto values() const { return Eigen::Map<const Eigen::VectorXd>(residual.data(), rows); }
+  auto jacobian(int k) const {
+    const Part& p = part[static_cast<size_t>(k)];
+    return Eigen::Map<const Eigen::MatrixXd>(p.jacobian, rows, p.size);
+  }
+};
+
+/// False if the point is not in front of the camera. Without `jacobians` only the residuals are filled.
+bool evaluate(const Problem& problem, const Layout& layout, const State& state, const ImagePoint& term, bool jacobians,
+              Rows& rows);
+bool evaluate(const Problem& problem, const Layout& layout, const State& state, const ImageTag& term, bool jacobians,
+              Rows& rows);
+bool evaluate(const Problem& problem, const Layout& layout, const State& state, const Distance& term, bool jacobians,
+              Rows& rows);
+
+/// Linear terms have any number of rows: residuals, and the dense Jacobian by the unknowns in `columns`.
+struct KnownRows {
+  Eigen::VectorXd residual;
+  Eigen::MatrixXd jacobian;
+  std::vector<int> columns;  ///< unknowns, see Layout
+  std::vector<int> blocks;   ///< they belong to
+};
+KnownRows evaluate(const Problem& problem, const Layout& layout, const State& state, const Known& term);
+
+/// Image point in the unit of the camera of what lies at `v` in the camera frame, by the brown and balanced models.
+Eigen::Vector2d computed_image_point(const Camera& camera, const Interior& interior, const Eigen::Vector3d& v);
+
+}  // namespace plumbline::bundle
