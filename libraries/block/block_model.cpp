@@ -1,0 +1,224 @@
+#include "block/block_model.hpp"
+
+#include <ceres/loss_function.h>
+#include <ceres/manifold.h>
+#include <ceres/problem.h>
+#include <ceres/solver.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace plumbline::adjust {
+namespace {
+
+std::unique_ptr<ceres::LossFunction> make_loss(RobustLoss loss, double scale) {
+  switch (loss) {
+    case RobustLoss::huber:
+      return std::make_unique<ceres::HuberLoss>(scale);
+    case RobustLoss::cauchy:
+      return std::make_unique<ceres::CauchyLoss>(scale);
+    case RobustLoss::tukey:
+      return std::make_unique<ceres::TukeyLoss>(scale);
+    case RobustLoss::none:
+      break;
+  }
+  return nullptr;
+}
+
+void hold_fixed_values(ceres::Problem& problem, double* values, const std::vector<int>& columns) {
+  std::vector<int> held;
+  for (size_t i = 0; i < columns.size(); ++i)
+    if (columns[i] < 0) held.push_back(static_cast<int>(i));
+  if (held.size() == columns.size())
+    problem.SetParameterBlockConstant(values);
+  else if (!held.empty())
+    problem.SetManifold(values, new ceres::SubsetManifold(static_cast<int>(columns.size()), held));
+}
+
+/// Largest correction in units of the conditional standard deviation of its unknown.
+double largest_step(const ReducedSystem& reduced, const PartitionedSolution& solution) {
+  double largest = 0;
+  for (Eigen::Index i = 0; i < solution.kept.size(); ++i)
+    largest = std::max(largest, std::abs(solution.kept(i)) * std::sqrt(std::max(0.0, reduced.diagonal(i))));
+  return largest;
+}
+
+}  // namespace
+
+int BlockModel::add_pose(double* values) {
+  Parameter parameter;
+  parameter.values = values;
+  parameter.camera = static_cast<int>(poses_.size());
+  index_.insert(std::upper_bound(index_.begin(), index_.end(), std::make_pair(values, size_t{0})),
+                {values, parameters_.size()});
+  parameters_.push_back(parameter);
+  poses_.push_back(values);
+  return parameter.camera;
+}
+
+std::vector<int> BlockModel::add_kept(double* values, const std::vector<bool>& free,
+                                      const std::vector<std::string>& labels) {
+  Parameter parameter;
+  parameter.values = values;
+  for (size_t i = 0; i < free.size(); ++i) {
+    parameter.columns.push_back(free[i] ? kept_count() : -1);
+    if (!free[i]) continue;
+    kept_values_.push_back(values + i);
+    kept_labels_.push_back(labels.at(i));
+  }
+  index_.insert(std::upper_bound(index_.begin(), index_.end(), std::make_pair(values, size_t{0})),
+                {values, parameters_.size()});
+  parameters_.push_back(parameter);
+  return parameter.columns;
+}
+
+int BlockModel::add_group(const std::string& name) {
+  groups_.push_back(name);
+  return static_cast<int>(groups_.size()) - 1;
+}
+
+void BlockModel::add_term(std::unique_ptr<ceres::CostFunction> cost, std::vector<double*> parameters, int group,
+                          int label, bool robust) {
+  Term term;
+  term.cost = std::move(cost);
+  term.group = group;
+  term.label = label;
+  term.robust = robust;
+  for (double* values : parameters) {
+    const auto at = std::lower_bound(index_.begin(), index_.end(), std::make_pair(values, size_t{0}));
+    if (at == index_.end() || at->first != values)
+      throw std::logic_error("BlockModel: a term uses a parameter that was not added");
+    term.parameters.push_back(at->second);
+  }
+  terms_.push_back(std::move(term));
+}
+
+ObservationRows BlockModel::rows_of(const Term& term) const {
+  const int count = term.cost->num_residuals();
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  std::vector<RowMajor> storage;
+  std::vector<const double*> values;
+  std::vector<double*> jacobians;
+  for (size_t p : term.parameters) storage.emplace_back(count, parameters_[p].size());
+  for (size_t i = 0; i < storage.size(); ++i) {
+    values.push_back(parameters_[term.parameters[i]].values);
+    jacobians.push_back(storage[i].data());
+  }
+  ObservationRows rows;
+  rows.group = term.group;
+  rows.label = term.label;
+  Eigen::VectorXd residual(count);
+  if (!term.cost->Evaluate(values.data(), residual.data(), jacobians.data()) || !residual.allFinite())
+    throw std::runtime_error("observation " + std::to_string(term.label) + " of group '" +
+                             groups_[static_cast<size_t>(term.group)] +
+                             "' cannot be computed: its point lies behind the camera or outside the camera model");
+  rows.misclosure = -residual;
+  for (size_t p : term.parameters)
+    for (int column : parameters_[p].columns)
+      if (column >= 0) rows.columns.push_back(column);
+  rows.kept.resize(count, static_cast<Eigen::Index>(rows.columns.size()));
+  Eigen::Index next = 0;
+  for (size_t i = 0; i < storage.size(); ++i) {
+    const Parameter& parameter = parameters_[term.parameters[i]];
+    if (parameter.camera >= 0) {
+      rows.eliminated = parameter.camera;
+      rows.own = storage[i];
+      continue;
+    }
+    for (size_t c = 0; c < parameter.columns.size(); ++c)
+      if (parameter.columns[c] >= 0) rows.kept.col(next++) = storage[i].col(static_cast<Eigen::Index>(c));
+  }
+  return rows;
+}
+
+PartitionedSystem BlockModel::linearise() const {
+  PartitionedSystem block;
+  block.kept_count = kept_count();
+  block.eliminated_count = static_cast<int>(poses_.size());
+  block.groups = groups_;
+  block.observations.reserve(terms_.size());
+  for (const Term& term : terms_) block.observations.push_back(rows_of(term));
+  return block;
+}
+
+BlockModel::Summary BlockModel::minimise(int max_iterations, RobustLoss loss, double scale) {
+  ceres::Problem::Options problem_options;
+  problem_options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  problem_options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  const auto robust = make_loss(loss, scale);
+  // Ceres orders parameters by their addresses. In one array the order is ours; scattered over the heap it would change
+  // from run to run, and with it the order of summation and the last bits.
+  size_t size = 0;
+  for (const Parameter& parameter : parameters_) size += static_cast<size_t>(parameter.size());
+  std::vector<double> array(size);
+  std::vector<double*> places;
+  ceres::Problem problem(problem_options);
+  ceres::Solver::Options options;
+  options.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
+  double* next = array.data();
+  for (const Parameter& parameter : parameters_) {
+    std::copy(parameter.values, parameter.values + parameter.size(), next);
+    places.push_back(next);
+    problem.AddParameterBlock(next, parameter.size());
+    options.linear_solver_ordering->AddElementToGroup(next, parameter.camera >= 0 ? 0 : 1);
+    if (parameter.camera < 0) hold_fixed_values(problem, next, parameter.columns);
+    next += parameter.size();
+  }
+  for (const Term& term : terms_) {
+    std::vector<double*> values;
+    for (size_t p : term.parameters) values.push_back(places[p]);
+    problem.AddResidualBlock(term.cost.get(), term.robust ? robust.get() : nullptr, values);
+  }
+  options.linear_solver_type = ceres::DENSE_SCHUR;
+  options.num_threads = 1;  // two threads sum in another order: other bits
+  options.logging_type = ceres::SILENT;
+  options.max_num_iterations = max_iterations;
+  options.function_tolerance = 1e-12;
+  options.gradient_tolerance = 1e-14;
+  options.parameter_tolerance = 1e-12;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  for (size_t p = 0; p < places.size(); ++p)
+    std::copy(places[p], places[p] + parameters_[p].size(), parameters_[p].values);
+  return {summary.termination_type == ceres::CONVERGENCE, static_cast<int>(summary.iterations.size()), summary.message};
+}
+
+void BlockModel::apply(const PartitionedSolution& solution) {
+  for (size_t i = 0; i < kept_values_.size(); ++i) *kept_values_[i] += solution.kept(static_cast<Eigen::Index>(i));
+  for (size_t i = 0; i < poses_.size(); ++i)
+    for (int k = 0; k < 6; ++k) poses_[i][k] += solution.eliminated[i](k);
+}
+
+AdjustedBlock adjust_to_convergence(BlockModel& model, int max_iterations, const Fold& fold, const SetDatum& set_datum,
+                                    const CheckSystem& check) {
+  constexpr int max_refinements = 20;
+  constexpr double smallest_step = 1e-7;
+  if (model.kept_count() > max_kept_unknowns)
+    throw std::runtime_error("the block has " + std::to_string(model.kept_count()) +
+                             " unknowns besides the poses; the dense covariance of this adjustment takes up to " +
+                             std::to_string(max_kept_unknowns) + ": divide the block or leave points out");
+  AdjustedBlock result;
+  const auto summary = model.minimise(max_iterations);
+  fold();
+  for (int i = 0; i < max_refinements; ++i) {
+    result.linear = model.linearise();
+    set_datum(result.linear);
+    result.reduced = reduce(result.linear);
+    if (i == 0) check(result.linear, result.reduced);
+    if (!solve_corrections(result.linear, result.reduced, result.solution) || !result.solution.kept.allFinite())
+      throw std::runtime_error("the normal matrix of the block is singular after " +
+                               std::to_string(summary.iterations + i) + " iterations");
+    result.iterations = summary.iterations + i;
+    if (largest_step(result.reduced, result.solution) < smallest_step) {
+      add_cofactors(result.linear, result.reduced, result.solution);
+      return result;
+    }
+    model.apply(result.solution);
+    fold();
+  }
+  throw std::runtime_error("the block adjustment did not converge in " + std::to_string(summary.iterations) +
+                           " damped and " + std::to_string(max_refinements) + " undamped iterations; Ceres: " +
+                           summary.message + "; check the approximate poses and coordinates");
+}
+
+}  // namespace plumbline::adjust
