@@ -4,11 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <stdexcept>
 
 #include "geometry/statistics.hpp"
+#include "ifc/as_built_solids.hpp"
 #include "ifc/ifc_appender.hpp"
-#include "ifc/ifc_placement.hpp"
 #include "ifc/ifc_units.hpp"
 #include "ifc/step_writer.hpp"
 
@@ -22,31 +23,67 @@ using step::text;
 
 constexpr double kSquareMillimetres = 1e6;  // in a square metre
 
+const char* property_of(const std::string& part) {
+  static const std::map<std::string, const char*> names = {{"out_of_plane", "OutOfPlane"},
+                                                           {"sideways", "Sideways"},
+                                                           {"vertical", "Vertical"},
+                                                           {"tilt", "Tilt"},
+                                                           {"warp", "Warp"},
+                                                           {"misfit", "Misfit"},
+                                                           {"corner", "Corner"},
+                                                           {"joint", "Joint"},
+                                                           {"anchor", "Anchor"},
+                                                           {"missing_anchor", "MissingAnchor"}};
+  const auto found = names.find(part);
+  return found == names.end() ? "" : found->second;
+}
+
+/// The comparison with the survey that is evidence: on check anchors; on control anchors if there are no others.
+const AccuracyComparisonT* survey_comparison(const AccuracyT& accuracy) {
+  const AccuracyComparisonT* found = nullptr;
+  for (const auto& comparison : accuracy.comparisons) {
+    if (comparison->reference != AccuracyReference::survey || comparison->anchors == 0) continue;
+    if (!found || comparison->use == AnchorUse::check) found = comparison.get();
+  }
+  return found;
+}
+
+std::string use_word(const AccuracyComparisonT& comparison) {
+  return comparison.use == AnchorUse::check ? "check" : "control";
+}
+
 class Writer {
  public:
-  Writer(const step::File& file, const Design& design, const AsBuilt& as_built, const AsBuiltIfcOptions& options)
+  Writer(const step::File& file, const Design& design, const DeviationT& deviation, const AccuracyT& accuracy,
+         const AsBuiltIfcOptions& options)
       : model_(file),
         design_(design),
-        as_built_(as_built),
+        deviation_(deviation),
+        accuracy_(accuracy),
         options_(options),
-        appender_(model_, design.project_guid, design.length_unit, options.timestamp) {}
+        appender_(model_, design.project_guid, design.length_unit, options.timestamp),
+        products_(appender_, design, options.epoch.empty() ? "" : options.epoch + "/") {
+    for (const auto& anchor : accuracy.anchors) residuals_[anchor->id] = anchor.get();
+    for (const Storey& storey : design.storeys) storeys_[storey.guid] = &storey;
+    for (const auto& floor : deviation.floors)
+      if (const auto storey = storeys_.find(floor->storey_guid); storey != storeys_.end())
+        floors_[floor->floor] = storey->second;
+  }
 
   AsBuiltIfc write() {
-    std::vector<std::string> unmatched;
-    anchors_ = match_anchors(design_, as_built_, unmatched);
-    for (const std::string& id : unmatched)
-      result_.warnings.push_back("anchor '" + id +
-                                 "' fits no element of the design by GlobalId, name or tag; it is left out");
-    verdicts_ = enumeration("ASB_Verdict", {"PASS", "FAIL", "UNDECIDED", "NOTMEASURED"});
-    roles_ = enumeration("ASB_Role", {"CONTROL", "CHECK", "NONE"});
-    for (const AnchorDeviation& anchor : anchors_) write_anchor(anchor);
+    verdicts_ = appender_.enumeration("ASB_Verdict", {"PASS", "FAIL", "UNDECIDED", "NOTMEASURED"});
+    roles_ = appender_.enumeration("ASB_Role", {"CONTROL", "CHECK", "NONE"});
+    find_standard_sets();
+    for (const auto& anchor : deviation_.anchors) write_anchor(*anchor);
     write_provenance();
-    find_floors();
-    for (const FloorResult& floor : as_built_.floors) write_floor(floor);
-    for (const TransferResult& transfer : as_built_.transfers) write_transfer(transfer);
-    for (const ColumnResult& column : as_built_.columns) write_column(column);
-    for (const PanelFit& fit : fit_panels(design_, anchors_, as_built_.panel_reach)) write_panel(fit);
-    if (options_.survey_points) write_survey_points();
+    if (const AccuracyComparisonT* comparison = survey_comparison(accuracy_)) {
+      for (const auto& floor : comparison->floors) write_floor(*floor, *comparison);
+      for (const auto& transfer : comparison->transfers)
+        if (transfer->column == 0 && std::isfinite(transfer->error)) write_transfer(*transfer, *comparison);
+      for (const auto& column : comparison->columns) write_column(*column, use_word(*comparison));
+    }
+    for (const auto& panel : deviation_.panels) write_panel(*panel);
+    write_products();
     result_.bytes = appender_.bytes();
     result_.instances_added = appender_.count();
     return std::move(result_);
@@ -54,93 +91,122 @@ class Writer {
 
  private:
   std::string key(const std::string& what) const { return options_.epoch.empty() ? what : options_.epoch + "/" + what; }
-
-  InstanceId enumeration(const std::string& name, const std::vector<const char*>& values) {
-    std::vector<std::string> labels;
-    for (const char* value : values) labels.push_back(step::typed("IFCLABEL", text(value)));
-    return appender_.add("IFCPROPERTYENUMERATION", {text(name), list(labels), null});
+  /// Names of sets are unique on an object, so every epoch has its own.
+  std::string set_name(const std::string& name) const {
+    return options_.epoch.empty() ? name : name + "_" + options_.epoch;
+  }
+  void attach(PropertySet& set, const std::string& what, const std::string& name, const std::string& description,
+              const std::vector<InstanceId>& objects) {
+    set.label("Epoch", options_.epoch);
+    set.attach(key(what), set_name(name), description, objects);
   }
 
-  void count(Verdict verdict) {
-    ++(verdict == Verdict::pass        ? result_.passed
-       : verdict == Verdict::fail      ? result_.failed
-       : verdict == Verdict::undecided ? result_.undecided
-                                       : result_.not_measured);
-    result_.measured += verdict != Verdict::not_measured;
-  }
-
-  void write_anchor(const AnchorDeviation& anchor) {
-    const Element& element = *anchor.element;
-    const std::vector<InstanceId> object{element.instance};
-    count(anchor.verdict);
+  void write_anchor(const AnchorDeviationT& anchor) {
+    if (anchor.instance == 0) return;
+    const std::vector<InstanceId> object{anchor.instance};
     PropertySet deviation(appender_);
     deviation.choice("Verdict", label_of(anchor.verdict), verdicts_,
                      "Deviation against the tolerances, with guard band");
+    deviation.label("DecidedBy", anchor.decided_by);
     deviation.length("DeviationX", anchor.deviation.x());
     deviation.length("DeviationY", anchor.deviation.y());
     deviation.length("DeviationZ", anchor.deviation.z(), "Upward positive");
     deviation.length("Deviation3D", anchor.deviation.norm());
-    deviation.length("DeviationInPlane", anchor.in_plane, "Within the facade plane");
-    deviation.length("DeviationOutOfPlane", anchor.out_of_plane, "Along the facade normal, outward positive");
-    deviation.lengths("DesignPosition", {element.position.x(), element.position.y(), element.position.z()});
-    if (anchor.measured)
-      deviation.lengths("AsBuiltPosition",
-                        {anchor.measured->position.x(), anchor.measured->position.y(), anchor.measured->position.z()});
-    deviation.plus_minus("ToleranceXY", as_built_.tolerance_xy, "Of the horizontal deviation");
-    deviation.plus_minus("ToleranceZ", as_built_.tolerance_z, "Of the vertical deviation");
+    for (const auto& axis : anchor.axes) {
+      if (axis->axis == "horizontal") deviation.length("DeviationHorizontal", axis->value);
+      if (axis->axis == "in_plane") deviation.length("DeviationInPlane", axis->value, "Within the facade plane");
+      if (axis->axis == "out_of_plane")
+        deviation.length("DeviationOutOfPlane", axis->value, "Along the facade normal, outward positive");
+    }
+    deviation.lengths("DesignPosition", {anchor.design.x(), anchor.design.y(), anchor.design.z()},
+                      "Of the surveyed point: reference point of the element and target offset");
+    deviation.lengths("AsBuiltPosition", {anchor.as_built.x(), anchor.as_built.y(), anchor.as_built.z()});
+    for (const auto& axis : anchor.axes) {
+      static const std::map<std::string, const char*> names = {{"horizontal", "ToleranceXY"},
+                                                               {"vertical", "ToleranceZ"},
+                                                               {"in_plane", "ToleranceInPlane"},
+                                                               {"out_of_plane", "ToleranceOutOfPlane"},
+                                                               {"space", "Tolerance3D"}};
+      if (axis->tolerance > 0) deviation.plus_minus(names.at(axis->axis), axis->tolerance, axis->source);
+    }
     deviation.probability("PassProbability", anchor.pass_probability,
-                          "That the true deviation is within both tolerances");
+                          "That the true deviation is within all tolerances");
     deviation.label("Frame", "project", "Coordinate system of the object placements");
-    deviation.label("ReferencePointRule", name_of(element.rule), "Where the design position was taken from");
-    deviation.attach(key(element.guid), "ASB_AnchorDeviation", "As-built minus design", object);
+    deviation.label("ReferencePointRule", anchor.reference_point_rule, "Where the design position was taken from");
+    if (anchor.target_offset.norm() > 0)
+      deviation.lengths("TargetOffset", {anchor.target_offset.x(), anchor.target_offset.y(), anchor.target_offset.z()},
+                        "From the reference point to the surveyed target, project axes");
+    deviation.label("MatchedBy", anchor.found_by, "What led from the name in the survey to this element");
+    deviation.label("SurveyName", anchor.id);
+    deviation.label("Note", anchor.note);
+    attach(deviation, anchor.guid, "ASB_AnchorDeviation", "As-built minus design", object);
     write_standard_sets(anchor, object);
-    if (!anchor.measured) return;
-    write_residual(*anchor.measured, element, object);
-    write_uncertainty(*anchor.measured, element, object);
+    if (const auto residual = residuals_.find(anchor.id); residual != residuals_.end() && residual->second->survey)
+      write_residual(*residual->second, anchor, object);
+    write_uncertainty(anchor, object);
   }
 
-  /// IFC4X3 has sets of its own for tolerance and uncertainty; before it their names are reserved for nothing.
-  void write_standard_sets(const AnchorDeviation& anchor, const std::vector<InstanceId>& object) {
+  /// Names of the sets that objects of the design have already, of those that we might write too.
+  void find_standard_sets() {
+    if (appender_.schema() != Schema::ifc4x3) return;
+    for (const std::uint32_t index : model_.file().of_type("IFCRELDEFINESBYPROPERTIES")) {
+      try {
+        const Entity relation = model_.entity(model_.file().instances()[index]);
+        const InstanceId set = relation.reference("RelatingPropertyDefinition");
+        if (model_.keyword(set) != "IFCPROPERTYSET") continue;
+        const std::string name = model_.entity(set).text("Name");
+        if (name != "Pset_Tolerance" && name != "Pset_Uncertainty") continue;
+        for (const InstanceId object : relation.references("RelatedObjects")) standard_sets_.insert({object, name});
+      } catch (const step::Error&) {  // damage of the design is told by its reader
+      }
+    }
+  }
+
+  /// IFC4X3 has sets of its own for tolerance and uncertainty; before it their names are reserved for nothing. A set
+  /// that the design or an earlier epoch wrote stays the only one.
+  void write_standard_sets(const AnchorDeviationT& anchor, const std::vector<InstanceId>& object) {
     if (appender_.schema() != Schema::ifc4x3) return;
     PropertySet tolerance(appender_);
-    tolerance.positive_length("HorizontalTolerance", as_built_.tolerance_xy);
-    tolerance.positive_length("VerticalTolerance", as_built_.tolerance_z);
-    if (!tolerance.empty()) tolerance.attach(key(anchor.element->guid), "Pset_Tolerance", "", object);
-    if (!anchor.measured || !anchor.measured->covariance.allFinite()) return;
-    const Eigen::Vector3d variances = anchor.measured->covariance.diagonal().cwiseMax(0);
+    if (!standard_sets_.contains({anchor.instance, "Pset_Tolerance"})) {
+      for (const auto& axis : anchor.axes) {
+        if (axis->axis == "horizontal") tolerance.positive_length("HorizontalTolerance", axis->tolerance);
+        if (axis->axis == "vertical") tolerance.positive_length("VerticalTolerance", axis->tolerance);
+      }
+      if (!tolerance.empty()) tolerance.attach(key(anchor.guid), "Pset_Tolerance", "", object);
+    }
+    if (anchor.covariance.size() != 9 || standard_sets_.contains({anchor.instance, "Pset_Uncertainty"})) return;
     PropertySet uncertainty(appender_);
-    uncertainty.positive_length("HorizontalUncertainty", std::sqrt(variances.x() + variances.y()));
-    uncertainty.positive_length("VerticalUncertainty", std::sqrt(variances.z()));
-    if (!uncertainty.empty()) uncertainty.attach(key(anchor.element->guid), "Pset_Uncertainty", "", object);
+    uncertainty.positive_length("HorizontalUncertainty", std::sqrt(anchor.covariance[0] + anchor.covariance[4]));
+    uncertainty.positive_length("VerticalUncertainty", std::sqrt(anchor.covariance[8]));
+    if (!uncertainty.empty()) uncertainty.attach(key(anchor.guid), "Pset_Uncertainty", "", object);
   }
 
-  void write_residual(const AsBuiltAnchor& measured, const Element& element, const std::vector<InstanceId>& object) {
-    if (!measured.survey) return;
-    const SurveyResidual& residual = *measured.survey;
+  void write_residual(const AnchorAccuracyT& measured, const AnchorDeviationT& anchor,
+                      const std::vector<InstanceId>& object) {
+    const AnchorDifferenceT& residual = *measured.survey;
     PropertySet set(appender_);
-    set.length("DeltaZ", residual.difference.z(), "Vertical residual, upward positive");
-    set.length("DeltaX", residual.difference.x());
-    set.length("DeltaY", residual.difference.y());
-    set.length("Distance3D", residual.difference.norm());
+    set.length("DeltaZ", residual.dz, "Vertical residual, upward positive");
+    set.length("DeltaX", residual.dx);
+    set.length("DeltaY", residual.dy);
+    set.length("Distance3D", residual.distance);
     set.length("StdDeltaZ", residual.u_dz, "Standard uncertainty of DeltaZ");
-    set.choice("Role",
-               measured.role == "control" ? "CONTROL"
-               : measured.role == "check" ? "CHECK"
-                                          : "NONE",
-               roles_, "A control anchor took part in the adjustment: its residual is no evidence of accuracy");
+    set.choice("Role", measured.use == AnchorUse::control ? "CONTROL" : "CHECK", roles_,
+               "A control anchor took part in the adjustment: its residual is no evidence of accuracy");
     if (measured.column > 0) set.integer("Column", measured.column, "Vertical marker column");
     set.choice("Verdict", label_of(residual.verdict), verdicts_, "DeltaZ against the tolerance, with guard band");
-    set.plus_minus("Tolerance", as_built_.headline_tolerance);
-    set.probability("ConformanceProbability", residual.probability);
-    set.attach(key(element.guid), "ASB_ModelVsSurvey", "Photogrammetric model minus survey", object);
+    set.plus_minus("Tolerance", accuracy_.tau);
+    set.probability("ConformanceProbability", residual.conformance_probability);
+    attach(set, anchor.guid, "ASB_ModelVsSurvey", "Photogrammetric model minus survey", object);
   }
 
-  void write_uncertainty(const AsBuiltAnchor& measured, const Element& element, const std::vector<InstanceId>& object) {
-    if (!measured.covariance.allFinite()) return;
-    const Eigen::Matrix3d c = measured.covariance * kSquareMillimetres;
-    const Eigen::Vector3d std_deviation = measured.covariance.diagonal().cwiseMax(0).cwiseSqrt();
+  void write_uncertainty(const AnchorDeviationT& anchor, const std::vector<InstanceId>& object) {
+    if (anchor.covariance.size() != 9) return;
+    const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> s(anchor.covariance.data());
+    if (!s.allFinite()) return;
+    const Eigen::Matrix3d c = s * kSquareMillimetres;
+    const Eigen::Vector3d std_deviation = s.diagonal().cwiseMax(0).cwiseSqrt();
     const double largest =
-        std::max(0.0, Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(measured.covariance).eigenvalues()(2));
+        std::max(0.0, Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(Eigen::Matrix3d(s)).eigenvalues()(2));
     PropertySet set(appender_);
     set.length("StdX", std_deviation.x(), "Standard uncertainty of the as-built position");
     set.length("StdY", std_deviation.y());
@@ -150,71 +216,67 @@ class Writer {
     set.reals("CovarianceUpper_mm2", {c(0, 0), c(0, 1), c(0, 2), c(1, 1), c(1, 2), c(2, 2)},
               "xx, xy, xz, yy, yz, zz in mm2");
     set.label("UncertaintyBasis", "covariance of the adjustment");
-    set.attach(key(element.guid), "ASB_Uncertainty", "Uncertainty of the as-built position", object);
+    attach(set, anchor.guid, "ASB_Uncertainty", "Uncertainty of the as-built position", object);
   }
 
   void write_provenance() {
     std::vector<InstanceId> objects;
-    for (const AnchorDeviation& anchor : anchors_)
-      if (anchor.measured) objects.push_back(anchor.element->instance);
+    for (const auto& anchor : deviation_.anchors)
+      if (anchor->instance != 0 && anchor->deviation.allFinite()) objects.push_back(anchor->instance);
     PropertySet set(appender_);
-    for (const auto& [name, value] : as_built_.provenance) set.label(name, value);
-    if (!objects.empty() && !set.empty())
-      set.attach(key("anchors"), "ASB_Provenance", "How the as-built values came about", objects);
-  }
-
-  /// Floors are numbers in the evaluation and objects in the file: each anchor that has both votes.
-  void find_floors() {
-    std::map<int, std::map<std::string, int>> votes;
-    for (const AnchorDeviation& anchor : anchors_)
-      if (anchor.measured && anchor.measured->floor > 0 && !anchor.element->storey_guid.empty())
-        ++votes[anchor.measured->floor][anchor.element->storey_guid];
-    std::map<std::string, int> taken;
-    for (const auto& [floor, storeys] : votes) {
-      const auto winner = std::max_element(storeys.begin(), storeys.end(),
-                                           [](const auto& a, const auto& b) { return a.second < b.second; });
-      if (storeys.size() > 1)
-        result_.warnings.push_back("the anchors of floor " + std::to_string(floor) + " stand in " +
-                                   std::to_string(storeys.size()) +
-                                   " storeys of the design; its statistics go to the one with most of them");
-      const auto [other, added] = taken.emplace(winner->first, floor);
-      if (!added)
-        throw std::runtime_error("floors " + std::to_string(other->second) + " and " + std::to_string(floor) +
-                                 " have their anchors in the same storey of " + design_.file_name +
-                                 ", expected one storey for each floor");
-      const auto storey = std::find_if(design_.storeys.begin(), design_.storeys.end(),
-                                       [&](const Storey& s) { return s.guid == winner->first; });
-      if (storey != design_.storeys.end()) floors_[floor] = &*storey;
+    for (const auto& [name, value] : options_.provenance) {
+      if (name == "ObservationTime")
+        set.date_time(name, value);
+      else
+        set.label(name, value);
     }
+    set.labels("InputSha256", options_.input_hashes, "Files the run started from, with their SHA-256");
+    if (!objects.empty() && !set.empty())
+      attach(set, "anchors", "ASB_Provenance", "How the as-built values came about", objects);
   }
 
   const Storey* storey_of(int floor) {
     const auto found = floors_.find(floor);
     if (found != floors_.end()) return found->second;
-    result_.warnings.push_back("floor " + std::to_string(floor) +
-                               " has no anchor in a storey of the design; its statistics are not written");
+    if (missing_floors_.insert(floor).second)
+      result_.warnings.push_back("floor " + std::to_string(floor) +
+                                 " has no storey of its own in the design; its statistics are in the report only");
     return nullptr;
   }
 
-  void write_floor(const FloorResult& floor) {
+  void write_floor(const FloorAccuracyT& floor, const AccuracyComparisonT& comparison) {
     const Storey* storey = storey_of(floor.floor);
     if (!storey) return;
     PropertySet set(appender_);
     set.integer("N", floor.anchors, "Anchors evaluated");
-    set.label("AnchorsUsed", floor.anchors_used);
-    set.boolean("Evidence", floor.evidence,
+    set.label("AnchorsUsed", use_word(comparison));
+    set.boolean("Evidence", comparison.evidence,
                 "False where the anchors were control of the adjustment: the sums then vanish by construction");
     set.length("MeanDeltaZ", floor.mean_dz, "r_f: mean of model minus survey");
     set.length("Drift", floor.drift, "D(F): sum of the means up to this floor");
     set.choice("DriftVerdict", label_of(floor.drift_verdict), verdicts_);
     set.length("RMSE_Z", floor.rmse_z);
     set.length("MaxAbsDeltaZ", floor.max_abs_dz);
-    set.table("PassRate", floor.pass_rates, "Share of the anchors within a tolerance");
-    set.attach(key(storey->guid + "/" + floor.anchors_used), "ASB_FloorStatistics",
-               "Vertical residuals of the floor, model minus survey", {storey->instance});
+    std::vector<std::pair<double, double>> rates;
+    for (const auto& rate : floor.pass_rates)
+      if (std::isfinite(rate->rate)) rates.emplace_back(rate->tolerance, rate->rate);
+    set.table("PassRate", rates, "Share of the anchors within a tolerance");
+    for (const auto& built : deviation_.floors) {
+      if (built->floor != floor.floor) continue;
+      set.integer("AnchorsPassed", built->passed, "Deviation from the design");
+      set.integer("AnchorsUndecided", built->undecided);
+      set.integer("AnchorsFailed", built->failed);
+      set.integer("AnchorsNotMeasured", built->not_measured);
+      set.integer("PanelsPassed", built->panels_passed);
+      set.integer("PanelsUndecided", built->panels_undecided);
+      set.integer("PanelsFailed", built->panels_failed);
+      set.choice("Verdict", label_of(built->verdict), verdicts_, "The worst of its anchors and panels");
+    }
+    attach(set, storey->guid + "/" + use_word(comparison), "ASB_FloorStatistics",
+           "Vertical residuals of the floor, model minus survey, and deviations from the design", {storey->instance});
   }
 
-  void write_transfer(const TransferResult& transfer) {
+  void write_transfer(const HeightTransferT& transfer, const AccuracyComparisonT& comparison) {
     const Storey *lower = storey_of(transfer.lower_floor), *upper = storey_of(transfer.upper_floor);
     if (!lower || !upper) return;
     // Property sets cannot stand on a relation, and storeys cannot be connected: a group of the two carries them.
@@ -237,30 +299,33 @@ class Writer {
     set.choice("Verdict", label_of(transfer.verdict), verdicts_);
     std::vector<std::string> columns;
     std::vector<double> differences;
-    for (const auto& [column, difference] : transfer.columns) {
-      columns.push_back(std::to_string(column));
-      differences.push_back(difference);
+    for (const auto& column : comparison.transfers) {
+      if (column->column == 0 || column->lower_floor != transfer.lower_floor) continue;
+      columns.push_back(std::to_string(column->column));
+      differences.push_back(column->difference);
     }
     set.labels("Columns", columns, "Vertical marker columns that reach over both floors");
     set.lengths("DifferencePerColumn", differences, "Difference along each of them, in their order");
-    set.attach(pair, "ASB_InterFloor", "Inter-floor transfer error, model against survey", {group});
+    set.label("Epoch", options_.epoch);
+    set.attach(pair, set_name("ASB_InterFloor"), "Inter-floor transfer error, model against survey", {group});
   }
 
   /// A marker column is a group of its anchors; the group carries what is known of it as a whole.
-  void write_column(const ColumnResult& column) {
+  void write_column(const ColumnDriftT& column, const std::string& use) {
     std::vector<std::string> members;
-    for (const AnchorDeviation& anchor : anchors_)
-      if (anchor.measured && anchor.measured->column == column.column && anchor.measured->role == column.anchors_used)
-        members.push_back(reference(anchor.element->instance));
+    for (const auto& anchor : deviation_.anchors)
+      if (anchor->instance != 0 && anchor->as_built.allFinite() && anchor->column == column.column &&
+          anchor->use == use)
+        members.push_back(reference(anchor->instance));
     if (members.empty()) return;
     const std::string number = std::to_string(column.column);
-    const std::string id = key("column/" + number + "/" + column.anchors_used);
+    const std::string id = key("column/" + number + "/" + use);
     const InstanceId group = appender_.add_root("IFCGROUP", id, "Marker column " + number,
                                                 "Anchors in one vertical line", {text("MarkerColumn")});
     appender_.add_root("IFCRELASSIGNSTOGROUP", id, "", "", {list(members), null, reference(group)});
     PropertySet set(appender_);
     set.integer("Column", column.column, "As in the table of marker plates");
-    set.label("AnchorsUsed", column.anchors_used);
+    set.label("AnchorsUsed", use);
     set.integer("LowestFloor", column.lowest_floor);
     set.integer("HighestFloor", column.highest_floor);
     set.length("Drift", column.drift, "Sum of the column's residuals over all floors");
@@ -269,130 +334,152 @@ class Writer {
     set.length("RelativeDrift", column.relative_drift, "Residual at the highest floor minus that at the lowest");
     set.length("StdRelativeDrift", column.u_relative_drift, "Standard uncertainty of RelativeDrift");
     set.choice("RelativeVerdict", label_of(column.relative_verdict), verdicts_);
-    set.attach(id, "ASB_ColumnDrift", "Vertical residuals along one marker column, model minus survey", {group});
+    set.label("Epoch", options_.epoch);
+    set.attach(id, set_name("ASB_ColumnDrift"), "Vertical residuals along one marker column, model minus survey",
+               {group});
   }
 
   /// Mean heights of the upper floor's measured anchors above those of the lower: by design, as built.
   std::pair<double, double> heights_between(int lower, int upper) const {
     Eigen::Vector2d sums[2] = {Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
     double counts[2] = {0, 0};
-    for (const AnchorDeviation& anchor : anchors_) {
-      if (!anchor.deviation.allFinite() || (anchor.measured->floor != lower && anchor.measured->floor != upper))
-        continue;
-      const int i = anchor.measured->floor == upper;
-      sums[i] += Eigen::Vector2d(anchor.element->position.z(), anchor.measured->position.z());
+    for (const auto& anchor : deviation_.anchors) {
+      if (!anchor->deviation.allFinite() || (anchor->floor != lower && anchor->floor != upper)) continue;
+      const int i = anchor->floor == upper;
+      sums[i] += Eigen::Vector2d(anchor->design.z(), anchor->as_built.z());
       ++counts[i];
     }
     const Eigen::Vector2d heights = sums[1] / counts[1] - sums[0] / counts[0];  // nan without anchors
     return {heights(0), heights(1)};
   }
 
-  void write_panel(const PanelFit& fit) {
-    ++result_.panels;
-    std::vector<std::string> guids;
-    std::vector<double> shims;
-    for (const AnchorDeviation* anchor : fit.anchors) {
-      guids.push_back(anchor->element->guid);
-      shims.push_back(-anchor->out_of_plane);
+  void write_panel(const PanelDeviationT& panel) {
+    std::vector<std::string> guids, corners, neighbours;
+    std::vector<double> shims, sideways, upward, moved, narrowest, widest;
+    for (const auto& fixing : panel.fixings) {
+      guids.push_back(fixing->guid);
+      shims.push_back(fixing->shim), sideways.push_back(fixing->sideways), upward.push_back(fixing->upward);
+    }
+    for (const auto& corner : panel.corners) {
+      if (!corner->movement.allFinite()) continue;
+      corners.push_back(corner->name);
+      moved.insert(moved.end(), {corner->movement.x(), corner->movement.y(), corner->movement.z()});
+    }
+    for (const auto& joint : panel.joints) {
+      neighbours.push_back(joint->panel);
+      narrowest.push_back(joint->narrowest), widest.push_back(joint->widest);
     }
     std::vector<std::string> warnings;
     const double radian = read_units(model_, model_.all("IFCPROJECT").at(0), warnings).plane_angle;
-    const auto judged = std::find_if(as_built_.panels.begin(), as_built_.panels.end(),
-                                     [&](const PanelResult& panel) { return panel.guid == fit.panel->guid; });
-    const bool known = judged != as_built_.panels.end();
     PropertySet set(appender_);
-    set.choice("Verdict", label_of(known ? judged->verdict : fit.verdict), verdicts_,
-               known ? "The worst of its shifts, tilt, warp and misfit" : "The worst of its anchors");
-    if (known) {
-      set.label("DecidedBy", judged->decided_by);
-      for (const auto& [name, value] : judged->lengths) set.length(name, value);
-    }
-    set.length("FitX", fit.translation.x(), "Shift of the panel's centre if it follows its anchors");
-    set.length("FitY", fit.translation.y());
-    set.length("FitZ", fit.translation.z());
-    set.angle("FitRotationX", fit.rotation.x(), radian,
+    set.choice("Verdict", label_of(panel.verdict), verdicts_, "The worst of its lengths, joints and anchors");
+    set.label("DecidedBy", property_of(panel.decided_by));
+    set.label("Reason", panel.reason);
+    const std::pair<const char*, const JudgedLengthT*> lengths[] = {{"OutOfPlane", panel.out_of_plane.get()},
+                                                                    {"Sideways", panel.sideways.get()},
+                                                                    {"Vertical", panel.vertical.get()},
+                                                                    {"Tilt", panel.tilt.get()},
+                                                                    {"Warp", panel.warp.get()},
+                                                                    {"Misfit", panel.misfit.get()},
+                                                                    {"Corner", panel.corner.get()}};
+    for (const auto& [name, length] : lengths)
+      if (length) set.length(name, length->value);
+    set.length("FitX", panel.shift.x(), "Shift of the panel's centre if it follows its anchors");
+    set.length("FitY", panel.shift.y());
+    set.length("FitZ", panel.shift.z());
+    set.angle("FitRotationX", panel.rotation.x(), radian,
               "Turn about the panel's centre; 0 where the anchors cannot tell");
-    set.angle("FitRotationY", fit.rotation.y(), radian);
-    set.angle("FitRotationZ", fit.rotation.z(), radian);
-    set.length("MaxAnchorDeviation", fit.max_deviation);
+    set.angle("FitRotationY", panel.rotation.y(), radian);
+    set.angle("FitRotationZ", panel.rotation.z(), radian);
     set.labels("AnchorGUIDs", guids);
     set.lengths("ShimPerAnchor", shims,
                 "Outward correction that brings each anchor back to its design plane, in the order of AnchorGUIDs");
-    set.attach(key(fit.panel->guid), "ASB_PanelFit",
-               "Best fit of the panel to the as-built minus design deviations of its anchors", {fit.panel->instance});
+    set.lengths("SidewaysPerAnchor", sideways, "Correction to the right as seen from outside");
+    set.lengths("UpwardPerAnchor", upward, "Correction upward");
+    set.labels("MissingAnchors", panel.missing, "That hold the panel and were not measured");
+    set.labels("Corners", corners, "As seen from outside");
+    set.lengths("CornerMovement", moved, "x, y, z of each, in the order of Corners");
+    set.labels("JointTo", neighbours, "GlobalIds of the neighbouring panels");
+    set.lengths("JointNarrowest", narrowest, "As built, in the order of JointTo");
+    set.lengths("JointWidest", widest, "As built, in the order of JointTo");
+    attach(set, panel.guid, "ASB_PanelFit",
+           "Best fit of the panel to the as-built minus design deviations of its anchors", {panel.instance});
   }
 
-  void write_survey_points();
-  InstanceId body_context() const;
+  void write_products() {
+    if (!options_.survey_points && !options_.solids) return;
+    if (!products_.possible()) {
+      result_.warnings.push_back(
+          "the design has no three-dimensional representation context, or no storey, building or site to contain "
+          "anything; survey points and solids are not written");
+      return;
+    }
+    std::map<std::uint64_t, const Element*> elements;
+    for (const Element& element : design_.elements) elements[element.instance] = &element;
+    const std::string when = options_.epoch.empty() ? "" : " " + options_.epoch;
+    for (const auto& anchor : deviation_.anchors) {
+      if (anchor->instance == 0 || !anchor->deviation.allFinite()) continue;
+      if (options_.survey_points) products_.add_survey_point(*anchor, "As-built " + anchor->id + when);
+      if (options_.solids) products_.add_marker(*anchor, "As-built " + anchor->id + when);
+    }
+    for (const auto& panel : deviation_.panels)
+      if (const auto element = elements.find(panel->instance);
+          options_.solids && element != elements.end() && element->second->has_box)
+        products_.add_panel(*panel, *element->second);
+    products_.finish();
+  }
 
   Model model_;
   const Design& design_;
-  const AsBuilt& as_built_;
+  const DeviationT& deviation_;
+  const AccuracyT& accuracy_;
   const AsBuiltIfcOptions& options_;
   Appender appender_;
+  ProductWriter products_;
   AsBuiltIfc result_;
-  std::vector<AnchorDeviation> anchors_;
   InstanceId verdicts_ = 0, roles_ = 0;
+  std::map<std::string, const AnchorAccuracyT*> residuals_;
+  std::map<std::string, const Storey*> storeys_;
   std::map<int, const Storey*> floors_;
+  std::set<int> missing_floors_;
+  std::set<std::pair<InstanceId, std::string>> standard_sets_;
 };
 
-/// The three-dimensional context of the project; 0 if it has none.
-InstanceId Writer::body_context() const {
-  for (const InstanceId id : model_.all("IFCPROJECT").at(0).references("RepresentationContexts")) {
-    if (model_.keyword(id) != "IFCGEOMETRICREPRESENTATIONCONTEXT") continue;
-    const auto arguments =
-        model_.entity(id).arguments();  // ContextIdentifier, ContextType, CoordinateSpaceDimension, …
-    if (arguments.size() > 2 && arguments[2].number == 3) return id;
-  }
-  return 0;
-}
-
-/// One annotation a point, contained in the storey of its anchor: property sets can then name it alone.
-void Writer::write_survey_points() {
-  const InstanceId context = body_context();
-  if (!context)
-    return result_.warnings.push_back(
-        "the project has no three-dimensional representation context; survey points are not written");
-  Placements placements(model_);
-  std::map<std::string, std::vector<std::string>> by_storey;
-  InstanceId origin = 0;
-  for (const AnchorDeviation& anchor : anchors_) {
-    const Element& element = *anchor.element;
-    if (!anchor.deviation.allFinite() || element.storey_guid.empty()) continue;
-    const auto storey = std::find_if(design_.storeys.begin(), design_.storeys.end(),
-                                     [&](const Storey& s) { return s.guid == element.storey_guid; });
-    const auto parent = model_.entity(storey->instance).optional_reference("ObjectPlacement");
-    Eigen::Vector3d local = anchor.measured->position;
-    if (parent) {
-      RigidTransform project_from_storey = placements.project_from_placement(*parent, storey->instance);
-      project_from_storey.translation *= design_.length_unit;
-      local = project_from_storey.inverse() * local;
-    }
-    const InstanceId placement = appender_.add_placement(parent.value_or(0), local);
-    if (!origin) origin = appender_.add("IFCCARTESIANPOINT", {list({"0.", "0.", "0."})});
-    const InstanceId points = appender_.add("IFCGEOMETRICSET", {list({reference(origin)})});
-    const InstanceId shape = appender_.add("IFCSHAPEREPRESENTATION", {reference(context), text("Annotation"),
-                                                                      text("GeometricSet"), list({reference(points)})});
-    const InstanceId definition = appender_.add("IFCPRODUCTDEFINITIONSHAPE", {null, null, list({reference(shape)})});
-    std::vector<std::string> rest{text("SurveyPoint"), reference(placement), reference(definition)};
-    if (appender_.schema() == Schema::ifc4x3) rest.push_back(step::enumeration("SURVEY"));
-    const InstanceId point = appender_.add_root("IFCANNOTATION", key(element.guid), "As-built " + anchor.measured->id,
-                                                "Measured position of the anchor", rest);
-    appender_.add_root("IFCRELASSIGNSTOPRODUCT", key(element.guid), "", "",
-                       {list({reference(point)}), null, reference(element.instance)});
-    by_storey[element.storey_guid].push_back(reference(point));
-  }
-  for (const Storey& storey : design_.storeys)
-    if (const auto found = by_storey.find(storey.guid); found != by_storey.end())
-      appender_.add_root("IFCRELCONTAINEDINSPATIALSTRUCTURE", key(storey.guid), "", "",
-                         {list(found->second), reference(storey.instance)});
+void require_same_file(const step::File& file, const DeviationT& deviation) {
+  const auto check = [&](std::uint64_t number, const std::string& guid) {
+    const step::Instance* instance = file.find(number);
+    if (number == 0 || (instance && file.contains(*instance, guid))) return;
+    throw std::runtime_error("the deviations were judged against " + deviation.design_file + ", in which #" +
+                             std::to_string(number) + " is " + guid + "; in " + file.name() +
+                             " it is not: connect all to the same design file");
+  };
+  for (const auto& anchor : deviation.anchors) check(anchor->instance, anchor->guid);
+  for (const auto& panel : deviation.panels) check(panel->instance, panel->guid);
 }
 
 }  // namespace
 
-AsBuiltIfc write_as_built(const step::File& file, const Design& design, const AsBuilt& as_built,
-                          const AsBuiltIfcOptions& options) {
-  return Writer(file, design, as_built, options).write();
+const char* label_of(ToleranceVerdict verdict) {
+  switch (verdict) {
+    case ToleranceVerdict::pass:
+      return "PASS";
+    case ToleranceVerdict::undecided:
+      return "UNDECIDED";
+    case ToleranceVerdict::fail:
+      return "FAIL";
+    case ToleranceVerdict::not_measured:
+      break;
+  }
+  return "NOTMEASURED";
+}
+
+AsBuiltIfc write_as_built(const step::File& file, const Design& design, const DeviationT& deviation,
+                          const AccuracyT& accuracy, const AsBuiltIfcOptions& options) {
+  if (design.project_guid.empty())
+    throw std::runtime_error(file.name() +
+                             ": found no IfcProject, expected one: as-built values need its units and its GlobalId");
+  require_same_file(file, deviation);
+  return Writer(file, design, deviation, accuracy, options).write();
 }
 
 }  // namespace plumbline::bim

@@ -1,33 +1,45 @@
-// The as-built IFC: the design file with property sets about what was measured.
+// The as-built IFC: the design file with property sets and small solids about what was measured. Nothing is judged
+// here: every verdict comes from the artifact `Deviation`.
+//
+// Two quantities that must not be mixed: the deviation Δp = as-built − design (14) says how well the building was
+// built; the residual Δz = model − survey (9) says how well the model was measured. They go into different property
+// sets.
 #pragma once
 
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "ifc/as_built.hpp"
+#include "artifacts/accuracy.hpp"
+#include "artifacts/deviation.hpp"
+#include "ifc/design.hpp"
 #include "ifc/step.hpp"
 
 namespace plumbline::bim {
 
 struct AsBuiltIfcOptions {
-  std::string epoch;           ///< part of every new GlobalId: campaigns of different epochs can stand in one file
+  std::string epoch;  ///< part of every new GlobalId and of the names of the sets: epochs can stand in one file
   std::int64_t timestamp = 0;  ///< of the additions, s since 1970; 0 takes the latest date of the design file
   bool survey_points = true;   ///< an IfcAnnotation at every measured position, assigned to its anchor
+  bool solids = true;          ///< a small solid of the verdict's colour there, and a thin one for every panel
+  std::vector<std::pair<std::string, std::string>> provenance;  ///< property name and text of ASB_Provenance
+  std::vector<std::string> input_hashes;                        ///< "path sha256" of what the run started from
 };
 
 struct AsBuiltIfc {
   std::string bytes;  ///< the design file's own bytes, with lines added before the end of its DATA section
   std::size_t instances_added = 0;
-  int measured = 0, passed = 0, undecided = 0, failed = 0, not_measured = 0, panels = 0;
   std::vector<std::string> warnings;
 };
 
+const char* label_of(ToleranceVerdict verdict);  ///< "PASS", "FAIL", "UNDECIDED", "NOTMEASURED"
+
 /// Writes ASB_AnchorDeviation, ASB_ModelVsSurvey and ASB_Uncertainty on anchors, ASB_Provenance on all of them
 /// together, ASB_FloorStatistics on storeys, ASB_InterFloor on a group of two storeys, ASB_PanelFit on panels. Lengths
-/// are in the project's unit. The same input gives the same bytes. Throws std::runtime_error (see match_anchors,
-/// Appender).
-AsBuiltIfc write_as_built(const step::File& file, const Design& design, const AsBuilt& as_built,
-                          const AsBuiltIfcOptions& options);
+/// are in the project's unit. The same input gives the same bytes. Throws std::runtime_error if `deviation` names
+/// instances that the file does not have, or the file holds this epoch already.
+AsBuiltIfc write_as_built(const step::File& file, const Design& design, const DeviationT& deviation,
+                          const AccuracyT& accuracy, const AsBuiltIfcOptions& options);
 
 }  // namespace plumbline::bim

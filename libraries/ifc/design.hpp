@@ -6,11 +6,13 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "ifc/ifc_schema.hpp"
+#include "ifc/selection.hpp"
 #include "ifc/step.hpp"
 #include "plumbline/rigid_transform.hpp"
 
@@ -50,8 +52,12 @@ struct Element {
   /// Of a panel: GlobalIds of the anchors that it is fixed by (IfcRelConnectsWithRealizingElements), if the file says
   /// so.
   std::vector<std::string> anchor_guids;
-  std::uint64_t instance = 0;  ///< number in the file
+  std::vector<Property> properties;  ///< of an anchor or panel, its own before its type's
+  std::uint64_t instance = 0;        ///< number in the file
 };
+
+/// What a selection looks at.
+ElementFacts facts_of(const Element& element);
 
 /// IfcMapConversion (or ePset_MapConversion in IFC2X3) as written: numbers in whatever unit the exporter meant.
 struct MapConversion {
@@ -60,15 +66,25 @@ struct MapConversion {
   double scale = 1;
   bool scale_given = false;
   std::string crs_name;
+  double map_unit = std::numeric_limits<double>::quiet_NaN();  ///< metres in one unit of the map; nan: not given
+
+  /// The same numbers; the map's unit may be missing in both.
+  bool operator==(const MapConversion& o) const {
+    return eastings == o.eastings && northings == o.northings && orthogonal_height == o.orthogonal_height &&
+           x_axis_abscissa == o.x_axis_abscissa && x_axis_ordinate == o.x_axis_ordinate && scale == o.scale;
+  }
 };
 
 struct Design {
   std::string file_name, schema, project_guid, project_name;
   double length_unit = 1;  ///< metres in one length unit of the file
   std::string length_unit_name;
-  std::vector<Storey> storeys;    ///< ascending elevation
-  std::vector<Element> elements;  ///< in the order of the file
-  std::optional<MapConversion> map_conversion;
+  std::vector<Storey> storeys;                  ///< ascending elevation
+  std::vector<Element> elements;                ///< in the order of the file
+  std::optional<MapConversion> map_conversion;  ///< the first, if the file has several
+  /// Origin of the IfcSite's placement: where exporters put map coordinates, too [m]; nan without.
+  Eigen::Vector3d site_origin = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+  std::vector<std::string> skipped;  ///< elements that were not placed, with the reason
   std::vector<std::string> warnings;
 };
 
@@ -78,11 +94,18 @@ struct AnchorRule {
   std::string
       pattern;  ///< ECMAScript regular expression on name, object type, type name and tag; empty matches nothing
   std::vector<std::string> guids;
-  std::vector<std::string> names;  ///< for example the anchors of the plates table: exact names or tags
+  std::vector<std::string> names;       ///< for example the anchors of the plates table: exact names or tags
+  std::vector<std::string> selections{};  ///< in the language of selection.hpp
 };
 
-/// Reads the design out of a file. Throws step::Error with file, line and column for damage, for a file without a
-/// project or without storeys, for an impossible pattern.
+/// Horizontal outward normal of the facade that the anchors lie in: across the line they form in plan, away from the
+/// rest of the building. Nothing if they form no line (a single column of anchors, several facades).
+std::optional<Eigen::Vector3d> estimate_facade_normal(const Design& design);
+
+/// Reads the design out of a file. What cannot be placed (a curved grid axis, a dangling reference, an argument that is
+/// missing) is left out and stands in `skipped`; a file without project or storeys is read with a warning. Throws
+/// step::Error with file, line and column for a file that cannot be read at all, for units that cannot be (a length
+/// that may be wrong by a factor is worse than none), for an impossible pattern.
 Design read_design(const step::File& file, const AnchorRule& rule);
 
 }  // namespace plumbline::bim

@@ -31,8 +31,13 @@ class Appender {
   /// A length of `metres` in the unit of the file, rounded to a nanometre: the digits beyond are noise.
   std::string length(double metres) const;
   std::string length_measure(double metres) const;  ///< the same as IFCLENGTHMEASURE(…)
+  InstanceId add_point(const Eigen::Vector3d& metres);
+  InstanceId add_direction(const Eigen::Vector3d& direction);
   /// The position of something under the given placement, in the file's unit, as an IfcLocalPlacement relative to it.
   InstanceId add_placement(InstanceId parent, const Eigen::Vector3d& position_in_parent);
+  InstanceId add_placement(InstanceId parent, const RigidTransform& parent_from_own);
+  /// An IfcPropertyEnumeration: the file's own, if it has one of that name, since the name must be unique.
+  InstanceId enumeration(const std::string& name, const std::vector<const char*>& values);
 
   Schema schema() const { return model_.schema(); }
   const Model& model() const { return model_; }
@@ -44,6 +49,8 @@ class Appender {
   InstanceId owner_history();
   InstanceId find_application() const;
 
+  bool is_new(const std::string& guid);
+
   const Model& model_;
   std::string project_guid_, line_end_, lines_;
   double length_unit_;
@@ -51,7 +58,8 @@ class Appender {
   std::int64_t timestamp_;
   InstanceId next_ = 1, owner_history_ = 0;
   std::size_t count_ = 0;
-  std::set<std::string> guids_;  // of the file and of the additions
+  std::vector<std::uint64_t> guids_;     // hashes of the file's, ascending
+  std::set<std::uint64_t> added_guids_;  // of the additions
 };
 
 /// The properties of one set, in order; values that are nan are left out.
@@ -74,6 +82,8 @@ class PropertySet {
   void reals(const std::string& name, const std::vector<double>& values, const std::string& description = "");
   void labels(const std::string& name, const std::vector<std::string>& values, const std::string& description = "");
   /// ±metres, with 0 as set point where the schema has one.
+  /// An instant as text, ISO 8601.
+  void date_time(const std::string& name, const std::string& value, const std::string& description = "");
   void plus_minus(const std::string& name, double metres, const std::string& description = "");
   void table(const std::string& name, const std::vector<std::pair<double, double>>& metres_to_ratio,
              const std::string& description = "");

@@ -11,6 +11,10 @@ namespace {
 
 constexpr int kDeepestNesting = 64;
 constexpr int kSamplesOfRevolution = 32;
+/// Instances and points that one element may need: the densest real ones (scanned ornaments) have some 10^5.
+constexpr std::size_t kWorkOfElement = 2'000'000;
+/// The same for a whole file, which grows with it: honest geometry shows every byte a few times.
+constexpr std::size_t kWorkOfSmallFile = 20'000'000;
 
 Eigen::Vector3d middle(const PointCloud& points) {
   Eigen::AlignedBox3d box;
@@ -69,7 +73,26 @@ int rank_of(const std::string& identifier) {
 
 }  // namespace
 
+Extents::Extents(const Model& model, double radian)
+    : model_(model),
+      radian_(radian),
+      work_left_(kWorkOfElement),
+      work_left_of_file_(std::max(kWorkOfSmallFile, 4 * model.file().bytes().size())) {}
+
+void Extents::charge(std::size_t work) const {
+  if (work <= work_left_ && work <= work_left_of_file_) {
+    work_left_ -= work, work_left_of_file_ -= work;
+    return;
+  }
+  const bool file = work > work_left_of_file_;
+  work_left_ = 0;
+  throw UnsupportedGeometry(file ? "the shapes of this file repeat nested items more often than any building needs"
+                                 : "its shape repeats nested items more than " + std::to_string(kWorkOfElement) +
+                                       " times");
+}
+
 std::vector<ItemExtent> Extents::of_shape(std::uint64_t shape_id, std::uint64_t referrer) {
+  work_left_ = kWorkOfElement;
   const Entity shape = model_.entity(shape_id, referrer);
   std::array<std::vector<std::uint64_t>, 3> ranked;
   for (const std::uint64_t id : shape.references("Representations")) {
@@ -89,6 +112,7 @@ std::vector<ItemExtent> Extents::of_representation(const Entity& representation,
   if (depth > kDeepestNesting)
     throw UnsupportedGeometry("mapped items are nested deeper than " + std::to_string(depth));
   std::vector<ItemExtent> items;
+  charge(1);
   for (const std::uint64_t id : representation.references("Items")) {
     const Entity item = model_.entity(id, representation.id());
     if (item.keyword() == "IFCSTYLEDITEM") continue;
@@ -114,6 +138,7 @@ std::vector<ItemExtent> Extents::of_mapped_item(const Entity& item, int depth) {
     for (ItemExtent& extent : shown) transform(extent, from_origin);
     maps_[source] = std::move(shown);
   }
+  for (const ItemExtent& extent : maps_[source]) charge(1 + extent.points.size());
   std::vector<ItemExtent> items = maps_[source];
   const Eigen::Affine3d motion = read_operator(model_, item.reference("MappingTarget"), item.id());
   for (ItemExtent& extent : items) transform(extent, motion);
@@ -124,6 +149,7 @@ ItemExtent Extents::of_item(std::uint64_t id, std::uint64_t referrer, int depth)
   const Entity item = model_.entity(id, referrer);
   const std::string& kind = item.keyword();
   if (depth > kDeepestNesting) throw UnsupportedGeometry("geometry is nested deeper than " + std::to_string(depth));
+  charge(1 + item.arguments().size());
   ItemExtent extent;
   if (kind.starts_with("IFCEXTRUDEDAREASOLID")) return of_extrusion(item, depth);
   if (kind.starts_with("IFCREVOLVEDAREASOLID")) return of_revolution(item, depth);
@@ -137,6 +163,7 @@ ItemExtent Extents::of_item(std::uint64_t id, std::uint64_t referrer, int depth)
   } else if (kind == "IFCTRIANGULATEDFACESET" || kind == "IFCPOLYGONALFACESET" ||
              kind == "IFCTRIANGULATEDIRREGULARNETWORK") {
     const Entity list = model_.entity(item.reference("Coordinates"), id);
+    charge(list.value("CoordList").items.size());
     for (const step::Value& row : list.value("CoordList").items) {
       if (row.items.size() != 3) item.fail("Coordinates", "points of three numbers");
       extent.points.emplace_back(row.items[0].number, row.items[1].number, row.items[2].number);
@@ -145,6 +172,7 @@ ItemExtent Extents::of_item(std::uint64_t id, std::uint64_t referrer, int depth)
     extent = of_item(item.reference("FirstOperand"), id, depth + 1);
     if (item.value("Operator").text == "UNION")
       append(extent.points, of_item(item.reference("SecondOperand"), id, depth + 1).points);
+    charge(extent.points.size());
   } else if (kind == "IFCCSGSOLID") {
     return of_item(item.reference("TreeRootExpression"), id, depth + 1);
   } else if (kind == "IFCMAPPEDITEM") {
@@ -152,6 +180,7 @@ ItemExtent Extents::of_item(std::uint64_t id, std::uint64_t referrer, int depth)
   } else if (kind == "IFCGEOMETRICSET" || kind == "IFCGEOMETRICCURVESET") {
     for (const std::uint64_t part : item.references("Elements"))
       append(extent.points, of_item(part, id, depth + 1).points);
+    charge(extent.points.size());
   } else if (kind == "IFCCARTESIANPOINT") {
     extent.points.push_back(read_point(model_, id, referrer));
   } else if (kind == "IFCBLOCK" || kind == "IFCRECTANGULARPYRAMID" || kind == "IFCRIGHTCIRCULARCYLINDER" ||
@@ -186,6 +215,7 @@ ItemExtent Extents::of_revolution(const Entity& solid, int depth) const {
   const Eigen::Vector3d direction = given ? read_direction(model_, *given, axis.id()) : Eigen::Vector3d::UnitZ();
   const double angle = solid.number("Angle") * radian_;
   ItemExtent extent;
+  charge(profile.size() * kSamplesOfRevolution);
   for (int i = 0; i <= kSamplesOfRevolution; ++i) {
     const Eigen::AngleAxisd turn(angle * i / kSamplesOfRevolution, direction);
     for (const Eigen::Vector3d& point : profile) extent.points.push_back(origin + turn * (point - origin));
@@ -199,6 +229,7 @@ ItemExtent Extents::of_rod(const Entity& solid, int depth) const {
   const PointCloud directrix = of_curve(solid.reference("Directrix"), solid.id(), depth);
   const double radius = solid.number("Radius");
   ItemExtent extent;
+  charge(directrix.size() * 32);
   for (std::size_t i = 0; i < directrix.size(); ++i) {
     const Eigen::Vector3d& before = directrix[i ? i - 1 : 0];
     const Eigen::Vector3d& after = directrix[std::min(i + 1, directrix.size() - 1)];
@@ -246,6 +277,7 @@ ItemExtent Extents::of_primitive(const Entity& solid) const {
 }
 
 void Extents::add_faces(const std::vector<std::uint64_t>& faces, std::uint64_t referrer, PointCloud& points) const {
+  charge(faces.size());
   for (const std::uint64_t face_id : faces) {
     const Entity face = model_.entity(face_id, referrer);
     for (const std::uint64_t bound_id : face.references("Bounds")) {
@@ -260,7 +292,9 @@ void Extents::add_loop(const Entity& loop, PointCloud& points) const {
     const Entity vertex = model_.entity(id, referrer);
     points.push_back(read_point(model_, vertex.reference("VertexGeometry"), id));
   };
+  charge(loop.arguments().size());
   if (loop.keyword() == "IFCPOLYLOOP") {
+    charge(loop.references("Polygon").size());
     for (const std::uint64_t point : loop.references("Polygon")) points.push_back(read_point(model_, point, loop.id()));
   } else if (loop.keyword() == "IFCVERTEXLOOP") {
     add_vertex(loop.reference("LoopVertex"), loop.id());

@@ -29,7 +29,7 @@ struct ItemExtent {
 class Extents {
  public:
   /// `radian` is radians in one plane angle unit of the file.
-  Extents(const Model& model, double radian) : model_(model), radian_(radian) {}
+  Extents(const Model& model, double radian);
 
   /// The extents of the items of an IfcProductDefinitionShape that show the body of the element; mapped items come as
   /// the items they show. Throws UnsupportedGeometry, or step::Error for damage.
@@ -49,8 +49,13 @@ class Extents {
   void add_faces(const std::vector<std::uint64_t>& faces, std::uint64_t referrer, PointCloud& points) const;
   void add_loop(const Entity& loop, PointCloud& points) const;
 
+  /// Counts instances visited and points made; throws UnsupportedGeometry when an element, or all of them together,
+  /// need more than any building does: a few lines of nested items can describe 10^12 of them.
+  void charge(std::size_t work) const;
+
   const Model& model_;
   double radian_;
+  mutable std::size_t work_left_, work_left_of_file_;
   std::unordered_map<std::uint64_t, std::vector<ItemExtent>>
       maps_;  // by IfcRepresentationMap: they are shown many times
 };

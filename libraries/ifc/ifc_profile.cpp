@@ -133,6 +133,7 @@ PointCloud Extents::of_curve(std::uint64_t id, std::uint64_t referrer, int depth
   const Entity curve = model_.entity(id, referrer);
   const std::string& kind = curve.keyword();
   if (depth > kDeepestNesting) throw UnsupportedGeometry("geometry is nested deeper than " + std::to_string(depth));
+  charge(1);
   PointCloud points;
   if (kind == "IFCPOLYLINE" || kind == "IFCBSPLINECURVEWITHKNOTS" || kind == "IFCRATIONALBSPLINECURVEWITHKNOTS") {
     for (const std::uint64_t point : curve.references(kind == "IFCPOLYLINE" ? "Points" : "ControlPointsList"))
@@ -156,6 +157,7 @@ PointCloud Extents::of_curve(std::uint64_t id, std::uint64_t referrer, int depth
   } else {
     unsupported(curve);
   }
+  charge(points.size());
   return points;
 }
 
@@ -163,6 +165,7 @@ PointCloud Extents::of_profile(std::uint64_t id, std::uint64_t referrer, int dep
   const Entity profile = model_.entity(id, referrer);
   const std::string& kind = profile.keyword();
   if (depth > kDeepestNesting) throw UnsupportedGeometry("profiles are nested deeper than " + std::to_string(depth));
+  charge(1);
   PointCloud points;
   if (kind == "IFCARBITRARYCLOSEDPROFILEDEF" || kind == "IFCARBITRARYPROFILEDEFWITHVOIDS")
     return of_curve(profile.reference("OuterCurve"), id);
@@ -170,6 +173,7 @@ PointCloud Extents::of_profile(std::uint64_t id, std::uint64_t referrer, int dep
     for (const std::uint64_t part_id : profile.references("Profiles")) {
       const PointCloud part = of_profile(part_id, id, depth + 1);
       points.insert(points.end(), part.begin(), part.end());
+      charge(part.size());
     }
     return points;
   }

@@ -42,6 +42,9 @@ constexpr EntityLayout kLayouts[] = {
      "GlobalId OwnerHistory Name Description ConnectionGeometry RelatingElement RelatedElement RealizingElements "
      "ConnectionType"},
     {"IFCRELDEFINESBYTYPE", kAllSchemas, "GlobalId OwnerHistory Name Description RelatedObjects RelatingType"},
+    {"IFCRELDEFINESBYPROPERTIES", kAllSchemas,
+     "GlobalId OwnerHistory Name Description RelatedObjects RelatingPropertyDefinition"},
+    {"IFCPROPERTYENUMERATION", kAllSchemas, "Name EnumerationValues Unit"},
     {"IFCPROPERTYSET", kAllSchemas, "GlobalId OwnerHistory Name Description HasProperties"},
     {"IFCPROPERTYSINGLEVALUE", k2x3 | k4, "Name Description NominalValue Unit"},
     {"IFCPROPERTYSINGLEVALUE", k4x3, "Name Specification NominalValue Unit"},
@@ -56,6 +59,7 @@ constexpr EntityLayout kLayouts[] = {
     {"IFCMAPCONVERSIONSCALED", k4x3,
      "SourceCRS TargetCRS Eastings Northings OrthogonalHeight XAxisAbscissa XAxisOrdinate Scale FactorX FactorY "
      "FactorZ"},
+    {"IFCRIGIDOPERATION", k4x3, "SourceCRS TargetCRS FirstCoordinate SecondCoordinate Height"},
     {"IFCPROJECTEDCRS", k4, "Name Description GeodeticDatum VerticalDatum MapProjection MapZone MapUnit"},
     {"IFCPROJECTEDCRS", k4x3, "Name Description GeodeticDatum VerticalDatum MapProjection MapZone MapUnit"},
     // placements

@@ -4,9 +4,17 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <cstring>
-#include <fstream>
-#include <sstream>
+#include <mutex>
+#include <unordered_map>
+
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "ifc/step_scanner.hpp"
 
@@ -26,6 +34,39 @@ void refuse_other_formats(const Scanner& scanner) {
   if (scanner.starts_with("<"))
     scanner.fail("an ISO-10303-21 file; this is XML (ifcXML): export as IFC (STEP) instead");
 }
+
+/// The first of ' " ; / = at or after `at`; the size of the text if there is none. What lies between is skipped sixteen
+/// bytes at a time: this loop sees every byte of a model.
+std::size_t find_special(std::string_view bytes, std::size_t at) {
+#ifdef __SSE2__
+  const __m128i quote = _mm_set1_epi8('\''), binary = _mm_set1_epi8('"'), end = _mm_set1_epi8(';'),
+                solidus = _mm_set1_epi8('/'), equals = _mm_set1_epi8('=');
+  for (; at + 16 <= bytes.size(); at += 16) {
+    const __m128i block = _mm_loadu_si128(reinterpret_cast<const __m128i*>(bytes.data() + at));
+    const __m128i found =
+        _mm_or_si128(_mm_or_si128(_mm_or_si128(_mm_cmpeq_epi8(block, quote), _mm_cmpeq_epi8(block, end)),
+                                  _mm_or_si128(_mm_cmpeq_epi8(block, binary), _mm_cmpeq_epi8(block, solidus))),
+                     _mm_cmpeq_epi8(block, equals));
+    if (const int mask = _mm_movemask_epi8(found))
+      return at + static_cast<std::size_t>(__builtin_ctz(static_cast<unsigned>(mask)));
+  }
+#endif
+  constexpr std::string_view special = "'\";/=";
+  while (at < bytes.size() && special.find(bytes[at]) == std::string_view::npos) ++at;
+  return at;
+}
+
+/// A file in memory, for reading only.
+struct Mapping {
+  void* data = MAP_FAILED;
+  std::size_t size = 0;
+  Mapping() = default;
+  Mapping(const Mapping&) = delete;
+  Mapping& operator=(const Mapping&) = delete;
+  ~Mapping() {
+    if (data != MAP_FAILED) munmap(data, size);
+  }
+};
 
 }  // namespace
 
@@ -102,6 +143,35 @@ void Scanner::skip_arguments() {
   fail("')' that closes the arguments opened at " + place(bytes_, name_, begin));
 }
 
+/// Fast over what is well formed; what is not goes the slow way, which says what is wrong. An '=' outside strings means
+/// that the instance was never closed.
+void Scanner::skip_instance(std::uint64_t id) {
+  const std::size_t begin = at;
+  for (;;) {
+    const std::size_t found = find_special(bytes_, at);
+    const char c = found < bytes_.size() ? bytes_[found] : '=';
+    if (c == ';') {
+      std::size_t last = found - 1;
+      while (last > begin && static_cast<unsigned char>(bytes_[last]) <= ' ') --last;
+      if (bytes_[last] != ')' && bytes_[last] != '/') break;
+      at = found + 1;
+      return;
+    }
+    if (c == '=') break;
+    at = found;
+    if (c != '/')
+      skip_string();
+    else if (starts_with("/*"))
+      skip_blank();
+    else
+      ++at;
+  }
+  at = begin;
+  skip_arguments();
+  skip_blank();
+  expect(';', ("at the end of #" + std::to_string(id)).c_str());
+}
+
 std::string Scanner::read_keyword() {
   if (!is_letter(peek())) fail("a keyword");
   std::string keyword;
@@ -128,18 +198,48 @@ void Scanner::expect(char wanted, const char* where) {
   if (!accept(wanted)) fail(std::string("'") + wanted + "' " + where);
 }
 
+struct File::Lists {
+  std::mutex mutex;
+  std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> by_type;
+};
+
 File File::read(const std::string& path) {
-  std::ifstream stream(path, std::ios::binary);
-  std::ostringstream text;
-  if (stream) text << stream.rdbuf();
-  if (!stream || !text) throw Error(path + ": cannot be read, expected an IFC or STEP file");
-  return File(std::move(text).str(), path);
+  auto mapping = std::make_shared<Mapping>();
+  const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  struct stat status {};
+  const bool regular = descriptor >= 0 && fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode);
+  if (regular && status.st_size > 0) {
+    mapping->size = static_cast<std::size_t>(status.st_size);
+    mapping->data = mmap(nullptr, mapping->size, PROT_READ, MAP_PRIVATE, descriptor, 0);
+  }
+  if (descriptor >= 0) close(descriptor);
+  const bool empty = regular && status.st_size == 0;
+  if (!regular || (!empty && mapping->data == MAP_FAILED))
+    throw Error(path + ": cannot be read, expected an IFC or STEP file");
+  const std::string_view bytes(empty ? "" : static_cast<const char*>(mapping->data), mapping->size);
+  return File(std::move(mapping), bytes, path);
 }
 
-File::File(std::string bytes, std::string name) : bytes_(std::move(bytes)), name_(std::move(name)) { read_index(); }
+File File::view(std::string_view bytes, std::string name) { return File(nullptr, bytes, std::move(name)); }
+
+File::File(std::string bytes, std::string name) : name_(std::move(name)), lists_(std::make_shared<Lists>()) {
+  auto owner = std::make_shared<const std::string>(std::move(bytes));
+  bytes_ = *owner;
+  owner_ = std::move(owner);
+  read_index();
+}
+
+File::File(std::shared_ptr<const void> owner, std::string_view bytes, std::string name)
+    : owner_(std::move(owner)), bytes_(bytes), name_(std::move(name)), lists_(std::make_shared<Lists>()) {
+  read_index();
+}
 
 void File::read_index() {
   Scanner scanner(bytes_, name_);
+  if (bytes_.size() >> 40) scanner.fail("a file of less than a terabyte");
+  type_table_.assign(1024, 0);
+  // Pages of a reserve that are never written take no memory; growing by doubling would copy the index several times.
+  instances_.reserve(bytes_.size() / 40);
   if (scanner.starts_with("\xEF\xBB\xBF")) scanner.at = 3;  // a byte order mark
   scanner.skip_blank();
   refuse_other_formats(scanner);
@@ -198,23 +298,54 @@ void File::read_header_entry(Scanner& scanner) {
 
 void File::read_instance(Scanner& scanner) {
   Instance instance;
-  instance.begin = scanner.at++;
+  instance.begin = scanner.at++ & ((std::uint64_t{1} << 40) - 1);
   instance.id = scanner.read_number();
   scanner.skip_blank();
   scanner.expect('=', "after the number of the instance");
   scanner.skip_blank();
-  const std::string keyword = scanner.peek() == '(' ? std::string() : scanner.read_keyword();
-  const auto [entry, added] = types_.try_emplace(keyword, static_cast<std::uint32_t>(type_names_.size()));
-  if (added) type_names_.push_back(keyword), by_type_.emplace_back();
-  instance.type = entry->second;
+  instance.type = type_of(scanner) & 0xFFFFFF;
   scanner.skip_blank();
   if (scanner.peek() != '(') scanner.fail("'(' before the arguments of #" + std::to_string(instance.id));
-  instance.arguments = scanner.at;
-  scanner.skip_arguments();
-  scanner.skip_blank();
-  scanner.expect(';', ("at the end of #" + std::to_string(instance.id)).c_str());
-  by_type_[instance.type].push_back(static_cast<std::uint32_t>(instances_.size()));
+  scanner.skip_instance(instance.id);
   instances_.push_back(instance);
+}
+
+/// Index of the keyword at the cursor, which is left behind it; the empty keyword of a complex instance at '('. Looked
+/// up by its bytes, because a model has millions of instances and some hundred keywords.
+std::uint32_t File::type_of(Scanner& scanner) {
+  const std::size_t begin = scanner.at;
+  if (scanner.peek() != '(' && !is_letter(scanner.peek())) scanner.fail("a keyword");
+  std::uint64_t hash = 14695981039346656037u;  // FNV-1a over capitals
+  std::size_t end = begin;
+  for (; end < bytes_.size() && (is_letter(bytes_[end]) || is_digit(bytes_[end]) || bytes_[end] == '-'); ++end)
+    hash = (hash ^ static_cast<unsigned char>(upper(bytes_[end]))) * 1099511628211u;
+  const std::string_view keyword = bytes_.substr(begin, end - begin);
+  scanner.at = end;
+  const std::size_t mask = type_table_.size() - 1;
+  std::size_t slot = (hash ^ (hash >> 32)) & mask;
+  for (; type_table_[slot] != 0; slot = (slot + 1) & mask) {
+    const std::string& known = type_names_[type_table_[slot] - 1];
+    if (std::equal(known.begin(), known.end(), keyword.begin(), keyword.end(),
+                   [](char a, char b) { return a == upper(b); }))
+      return type_table_[slot] - 1;
+  }
+  if (type_names_.size() >= 60000) scanner.fail_at(begin, "found more than 60000 keywords, expected those of IFC");
+  std::string capitals(keyword);
+  for (char& c : capitals) c = upper(c);
+  type_names_.push_back(std::move(capitals));
+  type_table_[slot] = static_cast<std::uint32_t>(type_names_.size());
+  if (2 * type_names_.size() > type_table_.size()) {
+    std::vector<std::uint32_t> larger(2 * type_table_.size(), 0);
+    for (std::uint32_t i = 0; i < type_names_.size(); ++i) {
+      std::uint64_t h = 14695981039346656037u;
+      for (const char c : type_names_[i]) h = (h ^ static_cast<unsigned char>(c)) * 1099511628211u;
+      std::size_t place = (h ^ (h >> 32)) & (larger.size() - 1);
+      while (larger[place] != 0) place = (place + 1) & (larger.size() - 1);
+      larger[place] = i + 1;
+    }
+    type_table_ = std::move(larger);
+  }
+  return static_cast<std::uint32_t>(type_names_.size() - 1);
 }
 
 void File::note_schemas() {
@@ -228,27 +359,65 @@ void File::note_schemas() {
 }
 
 void File::sort_ids(const Scanner& scanner) {
-  by_id_.reserve(instances_.size());
-  for (std::uint32_t i = 0; i < instances_.size(); ++i) by_id_.emplace_back(instances_[i].id, i);
-  std::sort(by_id_.begin(), by_id_.end());
+  const auto ascending = [](const Instance& a, const Instance& b) { return a.id >= b.id; };
+  const bool sorted = std::adjacent_find(instances_.begin(), instances_.end(), ascending) == instances_.end();
+  largest_id_ = instances_.empty() ? 0 : instances_.back().id;
+  if (sorted) return;
+  by_id_.resize(instances_.size());
+  for (std::uint32_t i = 0; i < by_id_.size(); ++i) by_id_[i] = i;
+  std::stable_sort(by_id_.begin(), by_id_.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return instances_[a].id < instances_[b].id; });
+  largest_id_ = instances_[by_id_.back()].id;
   for (std::size_t i = 1; i < by_id_.size(); ++i) {
-    if (by_id_[i].first != by_id_[i - 1].first) continue;
-    const std::string first = where(instances_[by_id_[i - 1].second].begin);
-    scanner.fail_at(instances_[by_id_[i].second].begin,
-                    "found #" + std::to_string(by_id_[i].first) +
-                        " a second time, expected every number once; the first is at " + first);
+    const Instance &first = instances_[by_id_[i - 1]], &second = instances_[by_id_[i]];
+    if (first.id == second.id)
+      scanner.fail_at(second.begin, "found #" + std::to_string(second.id) +
+                                        " a second time, expected every number once; the first is at " +
+                                        where(first.begin));
   }
 }
 
 const Instance* File::find(std::uint64_t id) const {
-  const auto found = std::lower_bound(by_id_.begin(), by_id_.end(), std::pair<std::uint64_t, std::uint32_t>(id, 0));
-  return found != by_id_.end() && found->first == id ? &instances_[found->second] : nullptr;
+  if (by_id_.empty()) {
+    const auto found =
+        std::lower_bound(instances_.begin(), instances_.end(), id,
+                         [](const Instance& instance, std::uint64_t wanted) { return instance.id < wanted; });
+    return found != instances_.end() && found->id == id ? &*found : nullptr;
+  }
+  const auto found = std::lower_bound(by_id_.begin(), by_id_.end(), id, [&](std::uint32_t index, std::uint64_t wanted) {
+    return instances_[index].id < wanted;
+  });
+  return found != by_id_.end() && instances_[*found].id == id ? &instances_[*found] : nullptr;
 }
 
 const std::vector<std::uint32_t>& File::of_type(std::string_view keyword) const {
   static const std::vector<std::uint32_t> none;
-  const auto found = types_.find(keyword);
-  return found == types_.end() ? none : by_type_[found->second];
+  const auto name = std::find(type_names_.begin(), type_names_.end(), keyword);
+  if (name == type_names_.end()) return none;
+  const auto type = static_cast<std::uint32_t>(name - type_names_.begin());
+  const std::lock_guard lock(lists_->mutex);
+  const auto [list, added] = lists_->by_type.try_emplace(type);
+  if (added)
+    for (std::uint32_t i = 0; i < instances_.size(); ++i)
+      if (instances_[i].type == type) list->second.push_back(i);
+  return list->second;
+}
+
+std::size_t File::arguments_at(const Instance& instance) const {
+  Scanner scanner(bytes_, name_, instance.begin + 1);
+  scanner.read_number();
+  scanner.skip_blank();
+  scanner.expect('=', "after the number of the instance");
+  scanner.skip_blank();
+  if (scanner.peek() != '(') scanner.read_keyword();
+  scanner.skip_blank();
+  return scanner.at;
+}
+
+bool File::contains(const Instance& instance, std::string_view text) const {
+  const auto next = static_cast<std::size_t>(&instance - instances_.data()) + 1;
+  const std::size_t end = next < instances_.size() ? instances_[next].begin : data_end_;
+  return bytes_.substr(instance.begin, end - instance.begin).find(text) != std::string_view::npos;
 }
 
 std::string File::where(std::size_t offset) const { return place(bytes_, name_, offset); }

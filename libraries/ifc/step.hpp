@@ -1,8 +1,10 @@
 // Reader of ISO 10303-21 files (STEP physical files, the syntax of IFC).
 //
-// A file is read once to find where every instance stands: its number, its keyword and the place of its arguments.
-// Arguments are parsed when somebody asks for them, because a building model is mostly triangles that nobody asks for.
-// The bytes stay as they came, so that a writer can copy the file and add to it.
+// Index, do not parse: a file is looked through once to find where every instance begins and what its keyword is, 16
+// bytes an instance. Arguments are parsed when somebody asks for them, because a building model is mostly triangles
+// that nobody asks for; so an instance whose arguments are damaged is an error of the one who reads it, not of the
+// file. The bytes stay as they came, mapped rather than copied where they lie in a file, so that a writer can copy the
+// file and add to it.
 //
 // Read leniently where real exporters err and nothing is lost by it (lower-case keywords, blanks inside `#1= X`, line
 // breaks and unescaped solidi in strings, reals without a point, UTF-8 or Latin-1 bytes); everything else is an error
@@ -11,11 +13,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <string_view>
-#include <unordered_map>
-#include <utility>
 #include <vector>
 
 namespace plumbline::step {
@@ -46,10 +47,10 @@ struct Record {
 
 struct Instance {
   std::uint64_t id = 0;
-  std::size_t begin = 0;      ///< offset of its '#'
-  std::size_t arguments = 0;  ///< offset of the '(' after the keyword, or that opens a complex instance
-  std::uint32_t type = 0;     ///< index of the keyword; see File::type_name
+  std::uint64_t begin : 40 = 0;  ///< offset of its '#'
+  std::uint64_t type : 24 = 0;   ///< index of the keyword; see File::type_name
 };
+static_assert(sizeof(Instance) == 16);
 
 class Scanner;
 
@@ -57,10 +58,12 @@ class File {
  public:
   /// Takes the bytes of a file; `name` is for messages. Throws Error.
   File(std::string bytes, std::string name);
-  /// Reads the file at `path`. Throws Error, also when it cannot be read.
+  /// Looks at bytes that the caller keeps alive and unchanged. Throws Error.
+  static File view(std::string_view bytes, std::string name);
+  /// Maps the file at `path`, for reading only. Throws Error, also when it cannot be read.
   static File read(const std::string& path);
 
-  const std::string& bytes() const { return bytes_; }
+  std::string_view bytes() const { return bytes_; }
   const std::string& name() const { return name_; }
   const std::vector<Record>& header() const { return header_; }
   /// The names in FILE_SCHEMA, in capitals.
@@ -70,7 +73,8 @@ class File {
   const Instance* find(std::uint64_t id) const;                          ///< nullptr if there is none
   /// Keyword in capitals; empty for a complex instance.
   const std::string& type_name(const Instance& instance) const { return type_names_[instance.type]; }
-  /// Indices into `instances()` of those with this keyword (capitals), in the order of the file.
+  /// Indices into `instances()` of those with this keyword (capitals), in the order of the file; found when first asked
+  /// for. May be called from several threads.
   const std::vector<std::uint32_t>& of_type(std::string_view keyword) const;
   /// Every keyword that occurs, in the order of first appearance; the index is Instance::type.
   const std::vector<std::string>& type_names() const { return type_names_; }
@@ -80,32 +84,39 @@ class File {
   /// The parts of an instance; a simple one has one part.
   std::vector<Record> records(const Instance& instance) const;
 
-  std::uint64_t largest_id() const { return by_id_.empty() ? 0 : by_id_.back().first; }
+  /// Offset of the '(' after the keyword, or that opens a complex instance.
+  std::size_t arguments_at(const Instance& instance) const;
+  /// Whether the text stands somewhere between the instance's '#' and the next one's: a look before parsing.
+  bool contains(const Instance& instance, std::string_view text) const;
+
+  std::uint64_t largest_id() const { return largest_id_; }
   /// Offset of the ENDSEC that closes the (last) DATA section: where new instances go.
   std::size_t data_end() const { return data_end_; }
   /// "name:line:column" of an offset, both from 1.
   std::string where(std::size_t offset) const;
 
  private:
-  struct TextHash {
-    using is_transparent = void;
-    std::size_t operator()(std::string_view text) const { return std::hash<std::string_view>{}(text); }
-  };
+  struct Lists;
+  File(std::shared_ptr<const void> owner, std::string_view bytes, std::string name);
   void read_index();
   bool read_section(Scanner& scanner);
   void read_header_entry(Scanner& scanner);
   void read_instance(Scanner& scanner);
+  std::uint32_t type_of(Scanner& scanner);
   void sort_ids(const Scanner& scanner);
   void note_schemas();
 
-  std::string bytes_, name_;
+  std::shared_ptr<const void> owner_;  // of the bytes; null if that is the caller
+  std::string_view bytes_;
+  std::string name_;
   std::vector<Record> header_;
   std::vector<std::string> schemas_;
   std::vector<Instance> instances_;
   std::vector<std::string> type_names_;
-  std::unordered_map<std::string, std::uint32_t, TextHash, std::equal_to<>> types_;
-  std::vector<std::vector<std::uint32_t>> by_type_;
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> by_id_;  // ascending
+  std::vector<std::uint32_t> type_table_;  // hash table of indices into type_names_, plus one
+  std::vector<std::uint32_t> by_id_;       // order of ascending numbers; empty if the file has that order itself
+  std::shared_ptr<Lists> lists_;           // of_type
+  std::uint64_t largest_id_ = 0;
   std::size_t data_end_ = 0;
 };
 

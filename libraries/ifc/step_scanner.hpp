@@ -1,4 +1,4 @@
-// The cursor that the two passes of the Part 21 reader share; private to formats/step*.cpp.
+// The cursor that the two passes of the Part 21 reader share; private to ifc/step*.cpp.
 #pragma once
 
 #include <string>
@@ -29,11 +29,12 @@ class Scanner {
   char peek() const { return ended() ? '\0' : bytes_[at]; }
   bool starts_with(std::string_view text) const { return bytes_.substr(at, text.size()) == text; }
 
-  void skip_blank();            ///< white space and comments
-  void skip_string();           ///< at its opening quote; doubled quotes need no care here
-  void skip_arguments();        ///< at '('; leaves the cursor behind the ')' that closes it
-  std::string read_keyword();   ///< in capitals
-  std::uint64_t read_number();  ///< digits of an instance number
+  void skip_blank();                     ///< white space and comments
+  void skip_string();                    ///< at its opening quote; doubled quotes need no care here
+  void skip_arguments();                 ///< at '('; leaves the cursor behind the ')' that closes it
+  void skip_instance(std::uint64_t id);  ///< at '('; leaves the cursor behind the ';' of the instance
+  std::string read_keyword();            ///< in capitals
+  std::uint64_t read_number();           ///< digits of an instance number
   void expect(char wanted, const char* where);
   bool accept(char wanted);
 

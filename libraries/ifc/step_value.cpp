@@ -201,16 +201,19 @@ std::vector<Value> Scanner::read_list(int depth) {
 }
 
 std::vector<Value> File::arguments(const Instance& instance) const {
-  Scanner scanner(bytes_, name_, instance.arguments);
+  Scanner scanner(bytes_, name_, arguments_at(instance));
   if (type_name(instance).empty())
     scanner.fail_at(instance.begin, "found a complex instance, expected one keyword with its arguments");
-  return scanner.read_list(0);
+  std::vector<Value> values = scanner.read_list(0);
+  scanner.skip_blank();
+  scanner.expect(';', ("at the end of #" + std::to_string(instance.id)).c_str());
+  return values;
 }
 
 std::vector<Record> File::records(const Instance& instance) const {
   if (!type_name(instance).empty()) return {{type_name(instance), arguments(instance)}};
   std::vector<Record> parts;
-  Scanner scanner(bytes_, name_, instance.arguments);
+  Scanner scanner(bytes_, name_, arguments_at(instance));
   scanner.expect('(', "at the start of a complex instance");
   for (;;) {
     scanner.skip_blank();

@@ -9,7 +9,6 @@
 #include "judgement/comparison.hpp"
 #include "judgement/difference.hpp"
 #include "judgement/drift.hpp"
-#include "judgement/panels.hpp"
 #include "judgement/tolerance.hpp"
 
 namespace plumbline::evaluate {
@@ -23,7 +22,7 @@ struct Evaluation {
   const Inputs& inputs;
   Options options;
   PointSet model, survey;  ///< as given, without a covariance that cannot be used
-  PointIndex model_index, survey_index, truth_index, design_index;
+  PointIndex model_index, survey_index, truth_index;
   AccuracyT result;
 
   void warn(const std::string& text) { result.warnings.push_back(text); }
@@ -237,35 +236,6 @@ void add_anchor_rows(Evaluation& evaluation) {
   }
 }
 
-void summarise_design(Evaluation& evaluation, const DifferenceSet& set) {
-  auto summary = std::make_unique<DesignComparisonT>();
-  summary->anchors = static_cast<int>(set.size());
-  if (set.size() > 0) {
-    const auto comparison = compare(set, evaluation.inputs.anchors, evaluation.options, false);
-    summary->passed = comparison.passed, summary->undecided = comparison.undecided, summary->failed = comparison.failed;
-    summary->rmse_z = comparison.rmse_z, summary->rmse_3d = comparison.rmse_3d,
-    summary->max_distance = comparison.max_distance;
-    const auto n = static_cast<Eigen::Index>(set.size());
-    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-    double worst = -1;
-    for (Eigen::Index i = 0; i < n; ++i) {
-      const Eigen::Vector3d d = set.difference.segment<3>(3 * i);
-      mean += d / static_cast<double>(n);
-      if (d.norm() > worst) {
-        worst = d.norm();
-        summary->worst_anchor = evaluation.inputs.anchors[set.anchors[static_cast<std::size_t>(i)]].id;
-      }
-    }
-    summary->mean_dx = mean.x(), summary->mean_dy = mean.y(), summary->mean_dz = mean.z();
-    if (n > 2 && mean.norm() > 0.5 * evaluation.options.tau)
-      evaluation.warn(
-          "All anchors together are shifted from the design by more than half the tolerance: check the datum of the "
-          "survey "
-          "against the design before single anchors are mended.");
-  }
-  evaluation.result.design = std::move(summary);
-}
-
 void warn_of_gaps(Evaluation& evaluation) {
   std::vector<std::string> unmeasured, unlisted;
   std::set<std::string> listed;
@@ -320,7 +290,7 @@ std::vector<double> default_tolerances() {
 AccuracyT evaluate_accuracy(const Inputs& inputs, const Options& options) {
   check_options(options);
   check_table(inputs.anchors);
-  Evaluation evaluation{inputs, options, {}, {}, {}, {}, {}, {}, {}};
+  Evaluation evaluation{inputs, options, {}, {}, {}, {}, {}, {}};
   if (options.tolerances.empty()) evaluation.options.tolerances = default_tolerances();
   evaluation.model_index = index_points(inputs.model, "model");
   evaluation.survey_index = index_points(inputs.survey, "survey");
@@ -339,13 +309,6 @@ AccuracyT evaluate_accuracy(const Inputs& inputs, const Options& options) {
     const DifferenceSet truth = against_exact(evaluation, *inputs.truth, evaluation.truth_index, "truth");
     attach(evaluation, truth, &AnchorAccuracyT::truth);
     add_comparisons(evaluation, truth, AccuracyReference::truth);
-  }
-  if (inputs.design) {
-    evaluation.design_index = index_points(*inputs.design, "design");
-    const DifferenceSet design = against_exact(evaluation, *inputs.design, evaluation.design_index, "design");
-    attach(evaluation, design, &AnchorAccuracyT::design);
-    summarise_design(evaluation, design);
-    result.panels = panel_accuracy(design, inputs.anchors, *inputs.design, inputs.panels, evaluation.options);
   }
   warn_of_gaps(evaluation);
   warn_of_evidence(evaluation);

@@ -1,4 +1,4 @@
-// Accuracy of model points against survey points: equations (1)-(3) and (9)-(14) of the paper, each with its
+// Accuracy of model points against survey points: equations (1)-(3) and (9)-(13) of the paper, each with its
 // uncertainty.
 //
 // The result is the artifact `Accuracy` (schemas/artifacts/accuracy.fbs) in its C++ form, so that there is one
@@ -30,14 +30,6 @@ struct AnchorEntry {
   AnchorUse use = AnchorUse::check;
 };
 
-/// A facade panel of the design.
-struct PanelEntry {
-  std::string guid, name;
-  std::vector<std::string> anchors;                     ///< ids of the anchors that hold it
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();     ///< of its shape [m], frame of the points
-  Eigen::Vector3d outward = -Eigen::Vector3d::UnitY();  ///< horizontal direction out of the facade
-};
-
 /// How model and survey depend on each other.
 enum class Correlation {
   from_control,  ///< the model was adjusted to the survey of its control anchors with their covariance, as in (5)
@@ -57,9 +49,7 @@ struct Inputs {
   std::vector<AnchorEntry> anchors;
   PointSet model;
   PointSet survey;
-  std::optional<PointSet> truth;   ///< simulation only; taken as exact whatever its covariance
-  std::optional<PointSet> design;  ///< ids are anchor ids; taken as exact
-  std::vector<PanelEntry> panels;  ///< of the design
+  std::optional<PointSet> truth;  ///< simulation only; taken as exact whatever its covariance
 };
 
 /// Evaluates the model. Anchors without a finite model or reference position are listed with the reason and left out of

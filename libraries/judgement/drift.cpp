@@ -139,6 +139,10 @@ std::vector<std::unique_ptr<FloorAccuracyT>> floor_accuracy(const DifferenceSet&
       const Linear mean = apply(weights, dz, covariance);
       floor->mean_dz = mean.value, floor->u_mean_dz = mean.u;
       fill_floor_statistics(set, weights, *floor);
+      Eigen::VectorXd own(floor->anchors);
+      for (Eigen::Index i = 0, k = 0; i < dz.size(); ++i)
+        if (weights[i] != 0) own[k++] = dz[i];
+      floor->pass_rates = pass_rates(own, options.tolerances, options.confidence);
       if (first.size() == 0) first = weights;
       const Linear relative = apply(weights - first, dz, covariance);
       floor->relative_drift = relative.value, floor->u_relative_drift = relative.u;

@@ -4,16 +4,16 @@
 #include <memory>
 #include <vector>
 
+#include "judgement/deviation.hpp"
 #include "judgement/difference.hpp"
 
-namespace plumbline::evaluate {
+namespace plumbline::judgement {
 
-/// One entry for every panel with at least one measured anchor, in the order given. `deviations`: as-built minus design
-/// (14) of the anchors, as the indices of `table` name them; `design` holds their design positions.
-std::vector<std::unique_ptr<PanelAccuracyT>> panel_accuracy(const DifferenceSet& deviations,
-                                                            const std::vector<AnchorEntry>& table,
-                                                            const PointSet& design,
-                                                            const std::vector<PanelEntry>& panels,
-                                                            const Options& options);
+/// One entry for every panel with at least one measured anchor, in the order given, without joints. `deviations`: (14)
+/// of the measured anchors, as indices into `inputs.anchors`; `judged` holds the anchors' verdicts.
+std::vector<std::unique_ptr<PanelDeviationT>> judge_panels(const DeviationInputs& inputs,
+                                                           const evaluate::DifferenceSet& deviations,
+                                                           const std::vector<std::unique_ptr<AnchorDeviationT>>& judged,
+                                                           const DeviationOptions& options);
 
-}  // namespace plumbline::evaluate
+}  // namespace plumbline::judgement

@@ -1,19 +1,34 @@
-// bim.read_ifc and bim.write_ifc: the design in, the as-built state out.
+// bim.read_ifc and bim.write_ifc: the design in, the as-built state out; match.elements between them.
+#include <optional>
+
 #include "artifacts.hpp"
+#include "artifacts/accuracy.hpp"
+#include "artifacts/deviation.hpp"
 #include "artifacts/file.hpp"
+#include "artifacts/folder.hpp"
 #include "artifacts/plates.hpp"
+#include "artifacts/survey_observations.hpp"
+#include "check_node.hpp"
 #include "ifc/as_built_ifc.hpp"
+#include "ifc/bcf.hpp"
+#include "ifc/ifc_guid.hpp"
+#include "instant.hpp"
+#include "match_node.hpp"
 #include "plumbline/node.hpp"
 
 namespace plumbline::bim {
 namespace {
 
-step::File step_file(const FileT& file) {
-  return step::File(std::string(file.content.begin(), file.content.end()), file.name);
+/// The bytes stay where they are: the node holds the artifact as long as it runs.
+step::File step_file(const plumbline::File& file) {
+  const auto* content = file.content();
+  const std::string_view bytes =
+      content ? std::string_view(reinterpret_cast<const char*>(content->data()), content->size()) : std::string_view();
+  return step::File::view(bytes, file.name() ? file.name()->str() : "design.ifc");
 }
 
 struct ReadIfc : Node {
-  static constexpr Info info{"bim.read_ifc", "", 1,
+  static constexpr Info info{"bim.read_ifc", "", 2,
                              "Reads storeys, elements, anchors and panels from an IFC file (IFC2X3, IFC4, IFC4X3)"};
   In<plumbline::File> file{"file", "the IFC file (STEP text)"};
   Optional<Plates> plates{"plates", "anchor table: elements of these names (or tags) are anchors too"};
@@ -22,20 +37,23 @@ struct ReadIfc : Node {
   Param<std::string> anchor_pattern{
       "anchor_pattern", "",
       "regular expression; elements whose name, object type, type name or tag it finds are anchors too"};
+  Param<std::vector<std::string>> anchor_selection{
+      "anchor_selection", std::vector<std::string>{},
+      "elements that are anchors too, such as 'class=IfcPlate & name~^ANKER' or 'Pset_X.Kind=anchor'"};
   Param<std::vector<std::string>> anchor_guids{"anchor_guids", std::vector<std::string>{},
                                                "GlobalIds of elements that are anchors too"};
   Out<plumbline::Design> design{"design", frame("frame=building"), "the design in the project frame"};
   Out<Points> anchor_points{"anchors", frame("frame=building"), "reference points of the anchors"};
 
   AnchorRule rule() const {
-    AnchorRule rule{*anchors, *anchor_pattern, *anchor_guids, {}};
+    AnchorRule rule{*anchors, *anchor_pattern, *anchor_guids, {}, *anchor_selection};
     if (!plates) return rule;
     for (const auto& plate : plates.unpack().plates) rule.names.push_back(plate->anchor);
     return rule;
   }
 
   void run(Context& context) override {
-    const Design result = read_design(step_file(file.unpack()), rule());
+    const Design result = read_design(step_file(*file), rule());
     for (const std::string& warning : result.warnings) context.warn(warning);
     const PointsT points = bim::anchor_points(result);
     context.info(std::to_string(result.storeys.size()) + " storeys, " + std::to_string(result.elements.size()) +
@@ -46,84 +64,141 @@ struct ReadIfc : Node {
 };
 
 struct WriteIfc : Node {
-  static constexpr Info info{"bim.write_ifc", "bim_writer", 1,
-                             "Writes the as-built state into a copy of the design IFC, as property sets; (14) and dz"};
+  static constexpr Info info{"bim.write_ifc", "bim_writer", 2,
+                             "Writes (14) and dz into a copy of the design IFC, as property sets and small solids"};
   In<plumbline::File> design_file{"design_file", "the design IFC; its own lines stay as they are"};
   In<plumbline::Design> design{"design", frame("frame=?F"), "what bim.read_ifc read from that file"};
+  In<Deviation> deviation{"deviation", frame("frame=?F"), "as-built minus design, judged"};
   In<Accuracy> accuracy{"accuracy", frame("frame=?F"), "evaluation against the survey"};
-  In<Points> model{"model", frame("frame=?F"), "as-built points with their covariance"};
-  Param<double> tolerance_xy{"tolerance_xy", 0, "m", between(0, 1),
-                             "of the horizontal deviation from the design; 0: tau of the evaluation"};
-  Param<double> tolerance_z{"tolerance_z", 0, "m", between(0, 1),
-                            "of the vertical deviation; 0: tau of the evaluation"};
-  Param<std::vector<double>> facade_normal{"facade_normal", std::vector<double>{}, "1", between(-1, 1),
-                                           "outward, x y z; empty: from the anchors"};
-  Param<double> panel_reach{"panel_reach", kPanelReach, "m", between(0, 10),
-                            "anchors so near to a panel fix it, where the design does not say"};
+  Optional<SurveyObservations> survey{"survey", frame("frame=?S"),
+                                      "the survey as read: instrument and date of the provenance"};
+  Optional<Folder> campaign{"campaign", "the folder the run started from: its hashes"};
   Param<bool> survey_points{"survey_points", true, "an IfcAnnotation at every measured position"};
-  Param<std::string> epoch{"epoch", "", "name of the campaign; campaigns of different names can stand in one file"};
+  Param<bool> solids{"solids", true, "a small solid of the verdict's colour there, and a thin one for every panel"};
+  Param<std::string> epoch{"epoch", "",
+                           "name of the campaign, such as 2026-05; campaigns of different names can stand in one file"};
   Param<int64_t> timestamp{"timestamp", 0, "s", at_least(0),
-                           "date of the additions since 1970; 0: the latest date in the design file"};
+                           "date of the additions since 1970; 0: when it was measured"};
   Param<std::string> file_name{"file_name", "as_built.ifc", "name of the file"};
   Param<std::string> method{"method", "photogrammetry under survey control", "for ASB_Provenance"};
-  Param<std::string> instrument{"instrument", "", "for ASB_Provenance, such as total station and camera"};
-  Param<std::string> observation_time{"observation_time", "", "for ASB_Provenance, ISO 8601"};
-  Param<std::string> run_id{"run_id", "", "for ASB_Provenance"};
+  Param<std::string> instrument{"instrument", "", "for ASB_Provenance; empty: that of the survey"};
+  Param<std::string> observation_time{"observation_time", "",
+                                      "for ASB_Provenance, ISO 8601; empty: that of the survey"};
+  Param<std::string> run_id{"run_id", "", "for ASB_Provenance; empty: derived from the hashes of the campaign"};
   Out<plumbline::File> out{"file", "the as-built IFC"};
 
-  AsBuilt as_built(const Design& read) const {
-    AsBuilt result = as_built_from(model.unpack(), accuracy.unpack());
-    if (*tolerance_xy > 0) result.tolerance_xy = *tolerance_xy;
-    if (*tolerance_z > 0) result.tolerance_z = *tolerance_z;
-    result.panel_reach = *panel_reach;
-    if (facade_normal->size() == 3) {
-      const Eigen::Vector3d normal(facade_normal->data());
-      if (!(normal.norm() > 1e-6)) throw std::runtime_error("parameter 'facade_normal' is 0 0 0, expected a direction");
-      result.facade_normal = normal.normalized();
-    } else if (!facade_normal->empty()) {
-      throw std::runtime_error("parameter 'facade_normal' has " + std::to_string(facade_normal->size()) +
-                               " numbers, expected three");
+  std::optional<Instant> measured_at() const {
+    if (!observation_time->empty()) {
+      const auto given = instant_of(*observation_time);
+      if (!given)
+        throw std::runtime_error("parameter 'observation_time' is '" + *observation_time +
+                                 "', expected a date such as 2026-05-12T10:30:00");
+      return given;
     }
-    result.provenance = {{"Method", *method},
-                         {"Instrument", *instrument},
-                         {"ObservationTime", *observation_time},
-                         {"AdjustmentRunId", *run_id},
-                         {"DesignFile", read.file_name},
-                         {"SoftwareVersion", "Plumbline " PLUMBLINE_BUILD_ID}};
-    return result;
+    if (survey && survey->info() && survey->info()->date())
+      if (const auto of_survey = instant_of(survey->info()->date()->str())) return of_survey;
+    return {};
+  }
+
+  void add_provenance(const Design& read, const std::optional<Instant>& when, AsBuiltIfcOptions& options) const {
+    std::string instrument_name = *instrument;
+    if (instrument_name.empty() && survey && survey->info()) {
+      SurveyInfoT of_survey;
+      survey->info()->UnPackTo(&of_survey);
+      instrument_name = of_survey.instrument;
+      if (!of_survey.instrument_serial.empty()) instrument_name += ", serial number " + of_survey.instrument_serial;
+    }
+    std::string run = *run_id;
+    int image_count = 0;
+    if (campaign) {
+      std::string all;
+      for (const auto* file : *campaign->files()) {
+        const std::string path = file->path()->str();
+        const bool image =
+            path.starts_with("images/") || path.ends_with(".jpg") || path.ends_with(".JPG") || path.ends_with(".png");
+        all += path + file->sha256()->str();
+        image_count += image;
+        if (!image) options.input_hashes.push_back(path + " " + file->sha256()->str());
+      }
+      if (run.empty()) run = derived_ifc_guid(read.project_guid, all);
+    }
+    options.provenance = {{"Method", *method},
+                          {"Instrument", instrument_name},
+                          {"ObservationTime", when ? when->text : ""},
+                          {"AdjustmentRunId", run},
+                          {"ImageCount", image_count > 0 ? std::to_string(image_count) : ""},
+                          {"DesignFile", read.file_name},
+                          {"SoftwareVersion", "Plumbline " PLUMBLINE_BUILD_ID}};
   }
 
   void run(Context& context) override {
-    const FileT original = design_file.unpack();
-    const step::File file = step_file(original);
+    const step::File file = step_file(*design_file);
     const Design read = from_artifact(design.unpack());
-    require_same_file(file, read);
-    const AsBuiltIfc result = write_as_built(file, read, as_built(read), {*epoch, *timestamp, *survey_points});
+    const auto when = measured_at();
+    AsBuiltIfcOptions options{*epoch, *timestamp, *survey_points, *solids, {}, {}};
+    if (options.timestamp == 0 && when) options.timestamp = when->seconds;
+    if (options.timestamp == 0)
+      context.warn(
+          "the survey does not say when it was measured: the additions carry the latest date of the design; "
+          "'observation_time' says it");
+    add_provenance(read, when, options);
+    AsBuiltIfc result = write_as_built(file, read, deviation.unpack(), accuracy.unpack(), options);
     for (const std::string& warning : result.warnings) context.warn(warning);
-    context.metric("anchors_measured", result.measured, "1");
-    context.metric("anchors_passed", result.passed, "1");
-    context.metric("anchors_undecided", result.undecided, "1");
-    context.metric("anchors_failed", result.failed, "1");
     FileT to;
     to.name = *file_name;
     to.media_type = "application/x-step";
     to.content.assign(result.bytes.begin(), result.bytes.end());
+    result.bytes = std::string();
     out.commit(to);
   }
+};
 
-  /// The additions refer to instances by number: those of another file would be nonsense.
-  static void require_same_file(const step::File& file, const Design& read) {
-    for (const Element& element : read.elements) {
-      const step::Instance* instance = file.find(element.instance);
-      if (instance && file.arguments(*instance).at(0).text == element.guid) continue;
-      throw std::runtime_error("input 'design' was read from " + read.file_name + ", in which #" +
-                               std::to_string(element.instance) + " is " + element.guid + "; in 'design_file' " +
-                               file.name() + " it is not: connect both to the same file");
-    }
+struct WriteBcf : Node {
+  static constexpr Info info{
+      "bim.write_bcf", "", 1,
+      "Issues in BCF 2.1: a topic with viewpoint and snapshot for every failing or undecided anchor and panel"};
+  In<Deviation> deviation{"deviation", frame("frame=?F"), "as-built minus design, judged"};
+  In<plumbline::Design> design{"design", frame("frame=?F"), "the design, for the ids"};
+  Optional<SurveyObservations> survey{"survey", frame("frame=?S"), "the survey as read: the date of the topics"};
+  Param<std::string> epoch{"epoch", "", "name of the campaign; a label of the topics"};
+  Param<std::string> date{"date", "", "of the topics, ISO 8601; empty: that of the survey"};
+  Param<std::string> author{"author", "plumbline", "of the topics"};
+  Param<std::string> assigned_to{"assigned_to", "", "of the topics; empty: nobody"};
+  Param<std::string> due_date{"due_date", "", "of the topics, ISO 8601; empty: none"};
+  Out<plumbline::File> out{"file", "issues.bcf"};
+
+  static std::string date_of(const std::string& text, const char* parameter) {
+    if (text.empty()) return "";
+    const auto instant = instant_of(text);
+    if (!instant)
+      throw std::runtime_error(std::string("parameter '") + parameter + "' is '" + text +
+                               "', expected a date such as 2026-05-12");
+    return instant->text;
+  }
+
+  void run(Context& context) override {
+    BcfOptions options;
+    options.project_guid = design->project_guid()->str();
+    options.epoch = *epoch, options.author = *author, options.assigned_to = *assigned_to;
+    options.due_date = date_of(*due_date, "due_date");
+    std::string when = date_of(*date, "date");
+    if (when.empty() && survey && survey->info() && survey->info()->date())
+      if (const auto instant = instant_of(survey->info()->date()->str())) when = instant->text;
+    if (when.empty())
+      context.warn("the survey does not say when it was measured: the BCF topics are dated 1970; 'date' says it");
+    else
+      options.date = when;
+    FileT to;
+    to.name = "issues.bcf";
+    to.media_type = "application/zip";
+    const std::string bytes = write_bcf(deviation.unpack(), options);
+    to.content.assign(bytes.begin(), bytes.end());
+    out.commit(to);
   }
 };
 
 }  // namespace
 }  // namespace plumbline::bim
 
-PLUMBLINE_PLUGIN("bim", "0.1.0", "MIT", plumbline::bim::ReadIfc, plumbline::bim::WriteIfc)
+PLUMBLINE_PLUGIN("bim", "0.1.0", "MIT", plumbline::bim::ReadIfc, plumbline::bim::MatchElements,
+                 plumbline::bim::WriteIfc, plumbline::bim::WriteBcf, plumbline::bim::CheckIfc)

@@ -160,9 +160,9 @@ class Resolver {
 
 CampaignDescription parse_campaign(const std::string& yaml, const std::filesystem::path& shown,
                                    std::vector<std::string> files, bool survey_only) {
-  const Mapping mapping(
-      load(yaml, shown), shown,
-      {"plumbline_campaign", "name", "images", "camera", "plates", "survey", "instrument", "control", "design"});
+  const Mapping mapping(load(yaml, shown), shown,
+                        {"plumbline_campaign", "name", "images", "camera", "plates", "survey", "instrument", "control",
+                         "design", "mapping"});
   mapping.require_version("plumbline_campaign");
   const Resolver resolver(mapping, std::move(files));
   CampaignDescription c;
@@ -175,6 +175,7 @@ CampaignDescription parse_campaign(const std::string& yaml, const std::filesyste
   c.camera = resolver.one("camera");
   c.plates = resolver.one("plates");
   c.design = resolver.one("design");
+  if (mapping.has("mapping")) c.mapping = resolver.one("mapping");
   return c;
 }
 

@@ -27,6 +27,7 @@ struct CampaignDescription {
   std::string name;
   std::vector<std::string> images;
   std::string camera, plates, control, design;  ///< control may be empty: then the survey files hold the datum
+  std::string mapping;                          ///< from points to elements of the design; may be empty
   std::vector<std::string> survey;
   std::string instrument;  ///< name of an instrument profile; may be empty
 };

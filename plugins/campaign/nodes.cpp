@@ -146,6 +146,7 @@ struct ReadCampaign : Node {
   Param<bool> strict{"strict", true,
                      "refuse survey files of which anything has to be skipped; otherwise it is a warning"};
   Out<File> design_file{"design_file", "the design IFC as it is"};
+  Out<File> mapping{"mapping", "the mapping table from points to elements of the design; empty without one"};
 
   void run(Context& context) override {
     const FolderT given = folder.unpack();
@@ -161,6 +162,15 @@ struct ReadCampaign : Node {
     control.commit(to_artifact(known));
     survey.commit(read_surveys(description, root, known, *strict, context));
     for (const std::string& path : description.images) commit_image(*entries.at(path), root, calibration);
+
+    FileT table;
+    table.name = description.mapping.empty() ? "mapping.csv" : fs::path(description.mapping).filename().string();
+    if (!description.mapping.empty()) {
+      const std::string rows = read_text(root / description.mapping);
+      table.media_type = "text/csv";
+      table.content.assign(rows.begin(), rows.end());
+    }
+    mapping.commit(table);
 
     const std::string text = read_text(root / description.design);
     FileT file;

@@ -2,45 +2,23 @@
 #include <map>
 
 #include "artifacts/block.hpp"
-#include "artifacts/design.hpp"
+#include "artifacts/deviation.hpp"
 #include "artifacts/file.hpp"
 #include "artifacts/plates.hpp"
 #include "artifacts/points.hpp"
 #include "artifacts/transform.hpp"
 #include "evaluate/crlb_node.hpp"
 #include "evaluate/crossval_nodes.hpp"
-#include "evaluate/design_input.hpp"
+#include "evaluate/deviation_node.hpp"
 #include "evaluate/errors_node.hpp"
 #include "evaluate/metrics.hpp"
-#include "geometry/packed_symmetric.hpp"
+#include "evaluate/point_input.hpp"
 #include "judgement/accuracy.hpp"
 #include "plumbline/node.hpp"
 
 namespace plumbline::evaluate {
 
 namespace {
-
-/// Full covariance from the packed lower triangle, else from the standard deviations, else 0 x 0.
-Eigen::MatrixXd covariance_of(const PointsT& points, const std::string& what) {
-  const auto n = static_cast<Eigen::Index>(3 * points.points.size());
-  if (points.covariance.empty()) {
-    Eigen::MatrixXd s = Eigen::MatrixXd::Zero(n, n);
-    for (Eigen::Index i = 0; i < n; ++i)
-      s(i, i) = std::pow(points.points[static_cast<std::size_t>(i / 3)]->sigma[i % 3], 2);
-    return s.allFinite() ? s : Eigen::MatrixXd();
-  }
-  return unpack_symmetric(points.covariance, static_cast<std::size_t>(n), "input '" + what + "'");
-}
-
-PointSet point_set(const PointsT& points, const std::string& what) {
-  PointSet set;
-  for (const auto& point : points.points) {
-    set.ids.push_back(point->id);
-    set.positions.push_back(point->position);
-  }
-  set.covariance = covariance_of(points, what);
-  return set;
-}
 
 AnchorUse use_of(const PlateT& plate) {
   if (plate.role == "control") return AnchorUse::control;
@@ -94,14 +72,13 @@ FileT file_of(const std::string& name, const std::string& media_type, const std:
 }  // namespace
 
 struct EvaluateAccuracy : Node {
-  static constexpr Info info{"evaluate.accuracy", "metric", 1,
-                             "Anchor, floor, column and panel accuracy of a model: (1)-(3) and (9)-(14)"};
+  static constexpr Info info{"evaluate.accuracy", "metric", 2,
+                             "Anchor, floor and column accuracy of a model: (1)-(3) and (9)-(13); the metrics files"};
   In<Points> model{"model", frame("frame=?F"), "points of the model with their covariance"};
   In<Points> survey{"survey", frame("frame=?F"), "surveyed points with their covariance"};
   In<Plates> plates{"plates", frame("frame=?F"), "anchor table: floor, column, row and role of every anchor"};
   Optional<Points> truth{"truth", frame("frame=?F"), "true points, in simulation"};
-  Optional<Design> design{"design", frame("frame=?F"),
-                          "the design: its anchors bear the names of the anchor table, (14); with its panels"};
+  Optional<Deviation> deviation{"deviation", frame("frame=?F"), "as-built minus design (14), for the metrics"};
   Optional<Block> block{"block", frame("frame=?B"), "the adjustment behind the model, (4) or (5), for the metrics"};
   Optional<Transform> registration{"registration", frame("to=?F,from=?B"),
                                    "the registration behind it, (6) to (8), for the metrics"};
@@ -119,6 +96,7 @@ struct EvaluateAccuracy : Node {
   Out<Accuracy> accuracy{"accuracy", frame("frame=?F"), "the evaluation"};
   Out<File> metrics{"metrics", "metrics.json"};
   Out<File> table{"table", "metrics.csv"};
+  Out<File> junit{"junit", "metrics.xml in the format of JUnit: what fails can fail a CI job"};
 
   Options options() const {
     Options chosen;
@@ -135,11 +113,6 @@ struct EvaluateAccuracy : Node {
     inputs.model = point_set(model.unpack(), "model");
     inputs.survey = point_set(survey.unpack(), "survey");
     if (truth) inputs.truth = point_set(truth.unpack(), "truth");
-    if (design) {
-      const DesignT read = design.unpack();
-      inputs.design = design_points(read, [&](const std::string& text) { context.warn(text); });
-      inputs.panels = design_panels(read, *inputs.design);
-    }
     AccuracyT result = evaluate_accuracy(inputs, options());
     if (block) result.adjustment = summary_of(block.unpack());
     if (registration) result.registration = summary_of(registration.unpack());
@@ -151,8 +124,12 @@ struct EvaluateAccuracy : Node {
       context.metric("rmse_3d_" + name, c->rmse_3d, "m");
     }
     accuracy.commit(result);
-    metrics.commit(file_of("metrics.json", "application/json", metrics_json(result)));
-    table.commit(file_of("metrics.csv", "text/csv", metrics_csv(result)));
+    DeviationT built;
+    if (deviation) built = deviation.unpack();
+    const DeviationT* told = deviation ? &built : nullptr;
+    metrics.commit(file_of("metrics.json", "application/json", metrics_json(result, told)));
+    table.commit(file_of("metrics.csv", "text/csv", metrics_csv(result, told)));
+    junit.commit(file_of("metrics.xml", "application/xml", junit_xml(result, told)));
   }
 };
 
@@ -160,4 +137,4 @@ struct EvaluateAccuracy : Node {
 
 PLUMBLINE_PLUGIN("evaluate", "0.1.0", "MIT", plumbline::evaluate::EvaluateAccuracy, plumbline::evaluate::EvaluateErrors,
                  plumbline::evaluate::EvaluateCrlb, plumbline::evaluate::EvaluateWithhold,
-                 plumbline::evaluate::EvaluateLengths)
+                 plumbline::evaluate::EvaluateLengths, plumbline::evaluate::EvaluateDeviation)

@@ -1,21 +1,19 @@
-// What the evaluation takes from a design artifact: anchors and panels.
+// What the judgement takes from the artifacts: which anchor is which element, its tolerances, and the panels it holds.
 #pragma once
 
-#include <functional>
-#include <string>
-
 #include "artifacts/design.hpp"
-#include "judgement/accuracy.hpp"
+#include "artifacts/element_matches.hpp"
+#include "artifacts/plates.hpp"
+#include "judgement/deviation.hpp"
 
 namespace plumbline::evaluate {
 
-/// Design positions of the anchors, by name; a name that several anchors bear says nothing: it is left out, and `warn`
-/// is told.
-PointSet design_points(const DesignT& design, const std::function<void(const std::string&)>& warn);
-
-/// Facade panels with the anchors of `points` that hold them: those the design says, else those within kPanelReach of
-/// the panel's box. Wholes made of other panels (a curtain wall of plates) are left out, and all panels of a facade
-/// without a known direction.
-std::vector<PanelEntry> design_panels(const DesignT& design, const PointSet& points);
+/// Anchors of the plate table with their elements, then those anchors of the design that it does not list; leaf panels
+/// with the anchors that hold them: those the design says, else those within kPanelReach of the panel's box. Wholes
+/// made of other panels (a curtain wall of plates) are left out, and all panels of a facade without a known direction.
+/// `model` is not filled. Throws std::runtime_error if `matches` names elements that `design` does not have.
+judgement::DeviationInputs deviation_inputs(const DesignT& design, const ElementMatchesT& matches,
+                                            const PlatesT& plates, const judgement::ToleranceTable& tolerances,
+                                            double panel_reach);
 
 }  // namespace plumbline::evaluate

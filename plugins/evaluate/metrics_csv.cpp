@@ -1,5 +1,6 @@
 #include <charconv>
 #include <cmath>
+#include <map>
 
 #include "evaluate/metrics.hpp"
 #include "text/csv_table.hpp"
@@ -25,6 +26,25 @@ std::string difference_cells(const AnchorDifferenceT* d) {
          number(d->conformance_probability, 4) + ",";
 }
 
+/// As-built minus design: the anchor's deviation, its axes and its verdict.
+std::string deviation_header() {
+  std::string text = "guid,design_dx_mm,design_dy_mm,design_dz_mm,";
+  for (const char* axis : {"horizontal", "vertical", "in_plane", "out_of_plane", "space"})
+    for (const char* what : {"mm", "u_mm", "tolerance_mm", "verdict"})
+      text += std::string("design_") + axis + "_" + what + ",";
+  return text + "design_verdict,design_decided_by,design_pass_probability,";
+}
+
+std::string deviation_cells(const AnchorDeviationT* d) {
+  if (!d) return std::string(4 + 20 + 3, ',');
+  std::string text = formats::csv_field(d->guid) + "," + millimetres(d->deviation.x()) + "," + millimetres(d->deviation.y()) + "," +
+                     millimetres(d->deviation.z()) + ",";
+  for (const auto& axis : d->axes)
+    text += millimetres(axis->value) + "," + millimetres(axis->u) + "," + millimetres(axis->tolerance) + "," +
+            EnumNameToleranceVerdict(axis->verdict) + ",";
+  return text + EnumNameToleranceVerdict(d->verdict) + "," + d->decided_by + "," + number(d->pass_probability, 4) + ",";
+}
+
 std::string header(const std::string& reference) {
   std::string text;
   for (const char* name : {"dx_mm", "dy_mm", "dz_mm", "u_dz_mm", "distance_mm", "verdict", "conformance_probability"})
@@ -34,15 +54,28 @@ std::string header(const std::string& reference) {
 
 }  // namespace
 
-std::string metrics_csv(const AccuracyT& accuracy) {
+std::string metrics_csv(const AccuracyT& accuracy, const DeviationT* deviation) {
+  std::map<std::string, const AnchorDeviationT*> built;
+  if (deviation)
+    for (const auto& anchor : deviation->anchors) built[anchor->id] = anchor.get();
   std::string text =
-      "anchor,floor,column,row,use,x_m,y_m,z_m," + header("survey") + header("truth") + header("design") + "note\n";
+      "anchor,floor,column,row,use,x_m,y_m,z_m," + header("survey") + header("truth") + deviation_header() + "note\n";
   for (const auto& a : accuracy.anchors) {
     text += formats::csv_field(a->id) + "," + std::to_string(a->floor) + "," + std::to_string(a->column) + "," +
             std::to_string(a->row) + "," + EnumNameAnchorUse(a->use) + "," + number(a->x, 6) + "," + number(a->y, 6) +
             "," + number(a->z, 6) + ",";
-    text += difference_cells(a->survey.get()) + difference_cells(a->truth.get()) + difference_cells(a->design.get());
+    const auto found = built.find(a->id);
+    text += difference_cells(a->survey.get()) + difference_cells(a->truth.get()) +
+            deviation_cells(found == built.end() ? nullptr : found->second);
     text += formats::csv_field(a->note) + "\n";
+    if (found != built.end()) built.erase(found);
+  }
+  if (!deviation) return text;
+  for (const auto& anchor : deviation->anchors) {  // those that only the design knows, in its order
+    if (!built.contains(anchor->id)) continue;
+    text += formats::csv_field(anchor->id) + "," + std::to_string(anchor->floor) + "," + std::to_string(anchor->column) + ",,,,,," +
+            difference_cells(nullptr) + difference_cells(nullptr) + deviation_cells(anchor.get()) + formats::csv_field(anchor->note) +
+            "\n";
   }
   return text;
 }

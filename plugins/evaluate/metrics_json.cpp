@@ -32,8 +32,7 @@ Json to_json(const AnchorAccuracyT& a) {
           {"verdict", EnumNameToleranceVerdict(a.survey ? a.survey->verdict : ToleranceVerdict::not_measured)},
           {"note", a.note},
           {"survey", to_json(a.survey.get())},
-          {"truth", to_json(a.truth.get())},
-          {"design", to_json(a.design.get())}};
+          {"truth", to_json(a.truth.get())}};
 }
 
 Json to_json(const FloorAccuracyT& f) {
@@ -98,7 +97,12 @@ Json to_json(const ErrorConsistencyT* c) {
 }
 
 Json to_json(const AccuracyComparisonT& c);
-Json to_json(const PanelAccuracyT& p);
+Json to_json(const PanelDeviationT& p);
+Json to_json(const JudgedAxisT& a);
+Json to_json(const AnchorDeviationT& a);
+Json to_json(const FloorDeviationT& f);
+Json to_json(const PanelFixingT& f);
+Json to_json(const PanelJointT& j);
 
 template <typename T>
 Json list(const std::vector<std::unique_ptr<T>>& items) {
@@ -138,19 +142,6 @@ Json to_json(const AccuracyComparisonT& c) {
           {"consistency_3d", to_json(c.consistency_3d.get())}};
 }
 
-Json to_json(const DesignComparisonT* d) {
-  if (!d) return nullptr;
-  return {{"anchors", d->anchors},
-          {"pass", d->passed},
-          {"undecided", d->undecided},
-          {"fail", d->failed},
-          {"mean", {d->mean_dx, d->mean_dy, d->mean_dz}},
-          {"rmse_z", d->rmse_z},
-          {"rmse_3d", d->rmse_3d},
-          {"max_distance", d->max_distance},
-          {"worst_anchor", d->worst_anchor}};
-}
-
 Json to_json(const StatisticsT& s) {
   return {{"sigma0", s.sigma0},
           {"degrees_of_freedom", s.degrees_of_freedom},
@@ -175,15 +166,27 @@ Json to_json(const RegistrationSummaryT* r) {
 }
 
 Json to_json(const JudgedLengthT& length) {
-  return {{"value", length.value}, {"u", length.u}, {"verdict", EnumNameToleranceVerdict(length.verdict)}};
+  return {{"value", length.value},
+          {"u", length.u},
+          {"tolerance", length.tolerance},
+          {"verdict", EnumNameToleranceVerdict(length.verdict)}};
 }
 
-Json to_json(const PanelAccuracyT& p) {
+Json to_json(const PanelFixingT& f) {
+  return {{"anchor", f.anchor}, {"shim", f.shim}, {"u_shim", f.u_shim}, {"sideways", f.sideways}, {"upward", f.upward}};
+}
+
+Json to_json(const PanelJointT& j) {
+  return {{"panel", j.panel},         {"side", j.side},     {"design", j.design},
+          {"narrowest", j.narrowest}, {"widest", j.widest}, {"change", to_json(*j.change)}};
+}
+
+Json to_json(const PanelDeviationT& p) {
   return {{"guid", p.guid},
           {"name", p.name},
           {"floor", p.floor},
-          {"anchors", p.anchors},
-          {"anchors_listed", p.anchors_listed},
+          {"anchors", list(p.fixings)},
+          {"missing", p.missing},
           {"out_of_plane", to_json(*p.out_of_plane)},
           {"sideways", to_json(*p.sideways)},
           {"vertical", to_json(*p.vertical)},
@@ -196,8 +199,58 @@ Json to_json(const PanelAccuracyT& p) {
           {"tilt", to_json(*p.tilt)},
           {"warp", to_json(*p.warp)},
           {"misfit", to_json(*p.misfit)},
+          {"corner", to_json(*p.corner)},
+          {"joints", list(p.joints)},
           {"verdict", EnumNameToleranceVerdict(p.verdict)},
-          {"decided_by", p.decided_by}};
+          {"decided_by", p.decided_by},
+          {"reason", p.reason}};
+}
+
+Json to_json(const JudgedAxisT& a) {
+  return {{"axis", a.axis},
+          {"value", a.value},
+          {"u", a.u},
+          {"tolerance", a.tolerance},
+          {"verdict", EnumNameToleranceVerdict(a.verdict)},
+          {"source", a.source}};
+}
+
+Json to_json(const AnchorDeviationT& a) {
+  return {{"id", a.id},
+          {"guid", a.guid},
+          {"floor", a.floor},
+          {"use", a.use},
+          {"deviation", {a.deviation.x(), a.deviation.y(), a.deviation.z()}},
+          {"axes", list(a.axes)},
+          {"verdict", EnumNameToleranceVerdict(a.verdict)},
+          {"decided_by", a.decided_by},
+          {"pass_probability", a.pass_probability},
+          {"note", a.note}};
+}
+
+Json to_json(const FloorDeviationT& f) {
+  return {{"floor", f.floor},
+          {"storey", f.storey},
+          {"pass", f.passed},
+          {"undecided", f.undecided},
+          {"fail", f.failed},
+          {"not_measured", f.not_measured},
+          {"panels_pass", f.panels_passed},
+          {"panels_undecided", f.panels_undecided},
+          {"panels_fail", f.panels_failed},
+          {"verdict", EnumNameToleranceVerdict(f.verdict)}};
+}
+
+Json to_json(const DeviationT* d) {
+  if (!d) return nullptr;
+  return {{"verdict", EnumNameToleranceVerdict(d->verdict)},
+          {"pass", d->passed},
+          {"undecided", d->undecided},
+          {"fail", d->failed},
+          {"not_measured", d->not_measured},
+          {"common_shift", d->common_shift ? d->common_shift->words : ""},
+          {"floors", list(d->floors)},
+          {"anchors", list(d->anchors)}};
 }
 
 const AccuracyComparisonT* headline(const AccuracyT& accuracy) {
@@ -215,7 +268,7 @@ std::string overall_verdict(const AccuracyT& accuracy) {
   return c->undecided > 0 || c->anchors < c->anchors_listed ? "undecided" : "pass";
 }
 
-std::string metrics_json(const AccuracyT& accuracy) {
+std::string metrics_json(const AccuracyT& accuracy, const DeviationT* deviation) {
   const AccuracyComparisonT* c = headline(accuracy);
   const Json verdict = {{"overall", overall_verdict(accuracy)},
                         {"anchors", c ? c->anchors : 0},
@@ -223,7 +276,9 @@ std::string metrics_json(const AccuracyT& accuracy) {
                         {"undecided", c ? c->undecided : 0},
                         {"fail", c ? c->failed : 0},
                         {"not_measured", c ? c->anchors_listed - c->anchors : 0}};
-  const Json document = {{"format", "plumbline-metrics/1"},
+  std::vector<std::string> warnings = accuracy.warnings;
+  if (deviation) warnings.insert(warnings.end(), deviation->warnings.begin(), deviation->warnings.end());
+  const Json document = {{"format", "plumbline-metrics/2"},
                          {"units", {{"length", "m"}, {"angle", "rad"}, {"covariance", "m2"}, {"probability", "1"}}},
                          {"tau", accuracy.tau},
                          {"guard_factor", accuracy.guard_factor},
@@ -232,12 +287,12 @@ std::string metrics_json(const AccuracyT& accuracy) {
                          {"verdict", verdict},
                          {"comparisons", list(accuracy.comparisons)},
                          {"anchors", list(accuracy.anchors)},
-                         {"design", to_json(accuracy.design.get())},
-                         {"panels", list(accuracy.panels)},
+                         {"deviation", to_json(deviation)},
+                         {"panels", deviation ? list(deviation->panels) : Json::array()},
                          {"adjustment", to_json(accuracy.adjustment.get())},
                          {"registration", to_json(accuracy.registration.get())},
                          {"correlation_note", accuracy.correlation_note},
-                         {"warnings", accuracy.warnings}};
+                         {"warnings", warnings}};
   // Ids come from files in any encoding: an invalid byte becomes U+FFFD instead of an exception.
   return document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

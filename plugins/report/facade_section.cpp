@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <optional>
 
 #include "report/anchor_names.hpp"
 #include "report/format.hpp"
@@ -18,17 +19,29 @@ namespace {
 
 /// An anchor in the plane of the facade.
 struct Spot {
-  const AnchorAccuracyT* anchor;
-  double along, height;  ///< [m]
+  std::string id;
+  int floor = 0;
+  bool control = false;
+  Eigen::Vector3d position = Eigen::Vector3d::Zero(), difference = Eigen::Vector3d::Zero();  ///< [m]; nan: not measured
+  double number = 0;                                                                         ///< beside the name [m]
+  ToleranceVerdict verdict = ToleranceVerdict::not_measured;
+  double along = 0, height = 0;  ///< [m]
+};
+
+/// A panel as a quadrangle.
+struct Quad {
+  std::string name;
+  ToleranceVerdict verdict;
+  std::vector<Eigen::Vector3d> corners;  ///< bottom left, bottom right, top right, top left
 };
 
 /// Horizontal direction along which the anchors spread most; pointing to +x, or to +y where that is undecided.
-Eigen::Vector2d facade_direction(const std::vector<const AnchorAccuracyT*>& anchors) {
+Eigen::Vector2d facade_direction(const std::vector<Spot>& anchors) {
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
-  for (const auto* a : anchors) mean += Eigen::Vector2d(a->x, a->y) / static_cast<double>(anchors.size());
+  for (const Spot& a : anchors) mean += a.position.head<2>() / static_cast<double>(anchors.size());
   Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
-  for (const auto* a : anchors) {
-    const Eigen::Vector2d d = Eigen::Vector2d(a->x, a->y) - mean;
+  for (const Spot& a : anchors) {
+    const Eigen::Vector2d d = a.position.head<2>() - mean;
     scatter += d * d.transpose();
   }
   if (scatter.trace() < 1e-6) return {1, 0};  // one vertical column
@@ -40,9 +53,11 @@ Eigen::Vector2d facade_direction(const std::vector<const AnchorAccuracyT*>& anch
 /// What one drawing shows.
 struct View {
   std::string question;
-  std::string name;  ///< "model minus survey"
-  std::unique_ptr<AnchorDifferenceT> AnchorAccuracyT::*difference;
-  bool mark_control;  ///< control anchors hollow
+  std::string name;    ///< "model minus survey"
+  std::string number;  ///< what stands beside the names
+  std::vector<Spot> spots;
+  std::vector<Quad> panels;
+  std::optional<Eigen::Vector2d> direction;  ///< to the right as one stands before the facade
 };
 
 struct Elevation {
@@ -65,44 +80,62 @@ double smallest_spacing(const std::vector<Spot>& spots) {
   return spacing < 1e9 ? spacing : 2.0;
 }
 
-bool has_design(const AccuracyT& accuracy) { return accuracy.design && accuracy.design->anchors > 0; }
-
 Elevation layout(const AccuracyT& accuracy, const View& view) {
   Elevation e;
-  std::vector<const AnchorAccuracyT*> placed;
-  for (const auto& a : accuracy.anchors)
-    if (std::isfinite(a->x) && std::isfinite(a->y) && std::isfinite(a->z)) placed.push_back(a.get());
-  if (placed.empty()) return e;
-  e.direction = facade_direction(placed);
+  for (const Spot& spot : view.spots)
+    if (spot.position.allFinite()) e.spots.push_back(spot);
+  if (e.spots.empty()) return e;
+  e.direction = view.direction.value_or(facade_direction(e.spots));
   e.prefixes = common_prefixes(accuracy);
   double left = 1e300, right = -1e300, low = 1e300, high = -1e300, largest = 0;
-  for (const auto* a : placed) {
-    const double along = e.direction.dot(Eigen::Vector2d(a->x, a->y));
-    e.spots.push_back({a, along, a->z});
-    left = std::min(left, along), right = std::max(right, along);
-    low = std::min(low, a->z), high = std::max(high, a->z);
-    if (const auto* d = (a->*view.difference).get())
-      largest = std::max(largest, std::hypot(e.direction.dot(Eigen::Vector2d(d->dx, d->dy)), d->dz));
+  const auto reach = [&](const Eigen::Vector3d& p) {
+    left = std::min(left, e.direction.dot(p.head<2>())), right = std::max(right, e.direction.dot(p.head<2>()));
+    low = std::min(low, p.z()), high = std::max(high, p.z());
+  };
+  for (Spot& spot : e.spots) {
+    spot.along = e.direction.dot(spot.position.head<2>()), spot.height = spot.position.z();
+    reach(spot.position);
+    if (spot.difference.allFinite())
+      largest = std::max(largest, std::hypot(e.direction.dot(spot.difference.head<2>()), spot.difference.z()));
   }
+  for (const Quad& quad : view.panels)
+    for (const Eigen::Vector3d& corner : quad.corners) reach(corner);
   const double span_x = std::max(right - left, 1.0), span_y = std::max(high - low, 1.0);
-  e.width = has_design(accuracy) ? 520 : 1040;
-  const double margin_left = 72, margin_right = has_design(accuracy) ? 110 : 150, margin = 70;
-  e.pixels_per_metre = std::min((e.width - margin_left - margin_right) / span_x, 900.0 / span_y);
+  // As wide as the names need: some 110 px from anchor to anchor, within what a page can show.
+  const double margin_left = 72, margin_right = 150, margin = 70, spacing = smallest_spacing(e.spots);
+  e.width = std::clamp(margin_left + margin_right + 110 * span_x / spacing, 1040.0, 2400.0);
+  e.pixels_per_metre =
+      std::min((e.width - margin_left - margin_right) / span_x, std::max(900.0, 60 * span_y / spacing) / span_y);
   const double used = e.pixels_per_metre * span_x;
   const double start = margin_left + 0.5 * (e.width - margin_left - margin_right - used);
   e.height = e.pixels_per_metre * span_y + 2 * margin;
   e.x = {left, left + span_x, start, start + used};
   e.y = {low, low + span_y, e.height - margin, margin};
   // No arrow longer than nine tenths of the way to the next anchor, nor than the margins are wide.
-  const double longest = std::min(0.9 * smallest_spacing(e.spots), 60 / e.pixels_per_metre);
+  const double longest = std::min(0.9 * spacing, 60 / e.pixels_per_metre);
   e.exaggeration = largest > 0 ? round_down(longest / largest) : 1;
   return e;
+}
+
+void draw_panels(Markup& svg, const Elevation& e, const View& view) {
+  for (const Quad& quad : view.panels) {
+    std::string points;
+    Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+    for (const Eigen::Vector3d& corner : quad.corners) {
+      const Eigen::Vector2d at(e.x(e.direction.dot(corner.head<2>())), e.y(corner.z()));
+      points += (points.empty() ? "" : " ") + px(at.x()) + "," + px(at.y());
+      middle += at / static_cast<double>(quad.corners.size());
+    }
+    svg.empty("polygon", {{"class", std::string("quad ") + verdict_class(quad.verdict)}, {"points", points}});
+    label(svg, middle.x(), middle.y(), quad.name, "small halo", "middle");
+    verdict_symbol(svg, middle.x(), middle.y() + 12, 4, quad.verdict, false);
+  }
 }
 
 void draw_storeys(Markup& svg, const Elevation& e) {
   std::map<int, std::pair<double, int>> heights;
   for (const Spot& s : e.spots)
-    if (s.anchor->floor > 0) heights[s.anchor->floor].first += s.height, ++heights[s.anchor->floor].second;
+    if (s.floor > 0) heights[s.floor].first += s.height, ++heights[s.floor].second;
   double previous = std::nan("");
   for (const auto& [floor, sum] : heights) {
     const double mean = sum.first / sum.second;
@@ -125,6 +158,7 @@ void draw_scale_arrow(Markup& svg, const Elevation& e) {
 
 void draw_elevation(Markup& html, const Elevation& e, const View& view) {
   Scope svg = drawing(html, e.width, e.height, "Elevation of the facade with " + view.name + " as arrows");
+  draw_panels(html, e, view);
   draw_storeys(html, e);
   draw_scale_arrow(html, e);
   LabelPlacer labels({60, 2, e.width - 2, e.height - 2}, 13);
@@ -137,29 +171,28 @@ void draw_elevation(Markup& html, const Elevation& e, const View& view) {
   for (const Spot& s : e.spots) {
     const double x = e.x(s.along), y = e.y(s.height);
     Tip tip{x, y};
-    if (const auto* d = (s.anchor->*view.difference).get()) {
+    if (s.difference.allFinite()) {
       const double scale = e.exaggeration * e.pixels_per_metre;
-      tip = {x + scale * e.direction.dot(Eigen::Vector2d(d->dx, d->dy)), y - scale * d->dz};
+      tip = {x + scale * e.direction.dot(s.difference.head<2>()), y - scale * s.difference.z()};
     }
     labels.block({x - 8, y - 8, x + 8, y + 8});
     labels.block_segment(x, y, tip.x, tip.y);
     tips.push_back(tip);
   }
-  for (const Spot& s : e.spots) {
-    const auto* d = (s.anchor->*view.difference).get();
-    verdict_symbol(html, e.x(s.along), e.y(s.height), 6, d ? d->verdict : ToleranceVerdict::not_measured,
-                   view.mark_control && s.anchor->use == AnchorUse::control);
-  }
+  for (const Spot& s : e.spots) verdict_symbol(html, e.x(s.along), e.y(s.height), 6, s.verdict, s.control);
   // Above the symbols, or short arrows would vanish under them.
   for (std::size_t i = 0; i < e.spots.size(); ++i)
     arrow(html, e.x(e.spots[i].along), e.y(e.spots[i].height), tips[i].x, tips[i].y, "arrow");
   for (const Spot& s : e.spots) {
-    const auto* d = (s.anchor->*view.difference).get();
-    const std::string value = d ? " " + signed_mm(d->dz, 1) : "";
+    const std::string value = std::isfinite(s.number) ? " " + signed_mm(s.number, 1) : "";
     const double x = e.x(s.along), y = e.y(s.height);
-    const auto prefix = e.prefixes.find(s.anchor->floor);
-    const std::string name = s.anchor->id.substr(prefix == e.prefixes.end() ? 0 : prefix->second.size());
-    if (!labels.place(html, x, y, 13, name + value, "halo mark")) labels.place(html, x, y, 13, name, "halo mark");
+    const auto prefix = e.prefixes.find(s.floor);
+    const bool cut = prefix != e.prefixes.end() && s.id.starts_with(prefix->second);
+    const std::string name = s.id.substr(cut ? prefix->second.size() : 0);
+    if (labels.place(html, x, y, 13, name + value, "halo mark")) continue;
+    // A name that finds no free place stands over something else: covered is better than lost.
+    if (!labels.place(html, x, y, 13, name, "halo mark"))
+      label(html, x + 9, y + 4, name + value, "halo small", "start");
   }
 }
 
@@ -180,7 +213,7 @@ void write_legend(Markup& html) {
   item(ToleranceVerdict::pass, true, "hollow: control anchor");
 }
 
-void write_view(Markup& html, const AccuracyT& accuracy, const View& view) {
+void write_elevation(Markup& html, const AccuracyT& accuracy, const View& view) {
   const Elevation e = layout(accuracy, view);
   if (e.spots.empty()) return;
   Scope figure(html, "figure");
@@ -188,24 +221,67 @@ void write_view(Markup& html, const AccuracyT& accuracy, const View& view) {
   draw_elevation(html, e, view);
   html.element("figcaption", "Arrows: " + view.name + ", drawn ×" + fixed(e.exaggeration, 0) +
                                  " (the arrow at the right edge stands for " + tolerance(scale_deviation(e)) +
-                                 "); numbers: height deviation in mm. " +
+                                 "); numbers: " + view.number + " in mm. " +
                                  (e.prefixes.empty() ? "" : "Names without the part that a floor has in common. ") +
                                  "Drawn along the facade, " +
                                  (std::abs(e.direction.x()) >= std::abs(e.direction.y()) ? "x" : "y") +
                                  " increasing to the right.");
 }
 
+View model_view(const AccuracyT& accuracy) {
+  View view{"Is the model right?", "model minus survey", "height deviation", {}, {}, {}};
+  for (const auto& a : accuracy.anchors) {
+    Spot spot;
+    spot.id = a->id, spot.floor = a->floor, spot.control = a->use == AnchorUse::control;
+    spot.position = {a->x, a->y, a->z};
+    spot.difference.setConstant(std::nan("")), spot.number = std::nan("");
+    if (const auto* d = a->survey.get())
+      spot.difference = {d->dx, d->dy, d->dz}, spot.number = d->dz, spot.verdict = d->verdict;
+    view.spots.push_back(std::move(spot));
+  }
+  return view;
+}
+
+/// As-built minus design with the panels; with out-of-plane numbers, or with heights.
+View built_view(const DeviationT& deviation, bool out_of_plane) {
+  View view{out_of_plane ? "How far out of the facade's plane?" : "Are the anchors in place?",
+            "as-built minus design",
+            out_of_plane ? "out of plane, outward positive," : "height deviation",
+            {},
+            {},
+            {}};
+  const Eigen::Vector3d& normal = deviation.facade_normal;
+  if (normal.allFinite()) view.direction = Eigen::Vector2d(-normal.y(), normal.x());
+  if (out_of_plane && !normal.allFinite()) return view;
+  for (const auto& a : deviation.anchors) {
+    Spot spot;
+    spot.id = a->id, spot.floor = a->floor, spot.position = a->design, spot.difference = a->deviation;
+    spot.number = out_of_plane ? a->deviation.dot(normal) : a->deviation.z(), spot.verdict = a->verdict;
+    view.spots.push_back(std::move(spot));
+  }
+  for (const auto& panel : deviation.panels) {
+    Quad quad{panel->name, panel->verdict, std::vector<Eigen::Vector3d>(4, Eigen::Vector3d::Zero())};
+    const char* order[] = {"bottom_left", "bottom_right", "top_right", "top_left"};
+    for (const auto& corner : panel->corners)
+      for (std::size_t i = 0; i < 4; ++i)
+        if (corner->name == order[i]) quad.corners[i] = corner->design;
+    view.panels.push_back(std::move(quad));
+  }
+  return view;
+}
+
 }  // namespace
 
-void write_facade(Markup& html, const AccuracyT& accuracy) {
+void write_facade(Markup& html, const ReportInput& input) {
   Scope part(html, "section", {{"id", "facade"}});
   html.element("h2", "Facade");
-  const bool with_design = has_design(accuracy);
   write_legend(html);
-  Scope views(html, "div", {{"class", with_design ? "pair" : "views"}});
-  write_view(html, accuracy, {"Is the model right?", "model minus survey", &AnchorAccuracyT::survey, true});
-  if (with_design)
-    write_view(html, accuracy, {"Are the anchors in place?", "as-built minus design", &AnchorAccuracyT::design, false});
+  Scope views(html, "div", {{"class", "views"}});
+  if (input.deviation) {
+    write_elevation(html, input.accuracy, built_view(*input.deviation, false));
+    write_elevation(html, input.accuracy, built_view(*input.deviation, true));
+  }
+  write_elevation(html, input.accuracy, model_view(input.accuracy));
 }
 
 }  // namespace plumbline::report

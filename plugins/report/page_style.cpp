@@ -39,7 +39,7 @@ display:flex;gap:20px;align-items:flex-start}
 .card .name{font-size:.85rem;color:var(--soft)}
 .card .value{font-size:1.5rem;font-weight:600;line-height:1.3;white-space:nowrap}
 .card .more{font-size:.82rem;color:var(--soft);line-height:1.4}
-.wide{overflow-x:auto}
+.wide{overflow-x:auto}.wide table{min-width:min(100%,max-content)}
 table{border-collapse:collapse;width:100%;font-size:.9rem;margin:8px 0 4px}
 th,td{padding:5px 9px;text-align:right;border-bottom:1px solid var(--line);white-space:nowrap}
 th{font-weight:600}
@@ -53,7 +53,7 @@ thead th[aria-sort=ascending]::after{content:" ▲";font-size:.7em}thead th[aria
 .badge{white-space:nowrap;font-weight:600}.badge svg{vertical-align:-1px;margin-right:5px}.badge .symbol:not(.open){stroke:none}
 .badge.pass{color:var(--pass)}.badge.undecided{color:var(--undecided)}.badge.fail{color:var(--fail)}.badge.unmeasured{color:var(--soft)}
 figure{margin:14px 0 6px}
-figure>svg,.drawing>svg{display:block;max-width:100%;height:auto}
+figure,.drawing{overflow-x:auto}figure>svg,.drawing>svg{display:block;max-width:100%;height:auto}
 .pair{display:grid;grid-template-columns:1fr 1fr;gap:24px;align-items:start}.pair figure{margin-top:0}
 .legend{display:flex;flex-wrap:wrap;gap:4px 20px;font-size:.86rem;color:var(--soft);margin:2px 0 4px}
 .legend svg{vertical-align:-2px;margin-right:6px}
@@ -75,6 +75,10 @@ svg .halo{paint-order:stroke;stroke:var(--bg);stroke-width:4px;stroke-linejoin:r
 .symbol.open{fill:none;stroke:var(--soft)}
 .shaft{stroke:var(--fg);stroke-width:2}.head{fill:var(--fg)}
 .moved.shaft{stroke:var(--fail-fill)}.moved.head{fill:var(--fail-fill)}
+.quad{fill-opacity:.16;stroke-width:1.2}.quad.pass{fill:var(--pass-fill);stroke:var(--pass-fill)}.quad.undecided{fill:var(--undecided-fill);stroke:var(--undecided-fill);stroke-dasharray:6 3}
+.quad.fail{fill:var(--fail-fill);stroke:var(--fail-fill);stroke-width:2.4}.quad.unmeasured{fill:none;stroke:var(--soft);stroke-dasharray:2 3}
+.tasks td.words{min-width:14em;max-width:34em}.tally b{min-width:4.5em;font-weight:600}
+#canvas{width:100%;height:auto;touch-action:none;border:1px solid var(--line);border-radius:6px;cursor:grab}
 .storey{stroke:var(--line);stroke-dasharray:3 5}
 .ellipse{fill:var(--band);stroke:var(--blue);stroke-width:1.3;fill-opacity:.75}.bar{stroke:var(--blue);stroke-width:2}
 .sight{fill:none;stroke:var(--line);stroke-width:1}.sight.suspect{stroke:var(--fail-fill);stroke-width:2.4}.station{fill:var(--fg)}.datum-ring{fill:none;stroke:var(--fg);stroke-width:1.4}.dot{fill:var(--fg)}
@@ -85,52 +89,39 @@ code{font-size:.86em;overflow-wrap:anywhere}
 .facts td{white-space:normal;text-align:left;overflow-wrap:anywhere}.facts th{text-align:left;vertical-align:top;width:16em}
 @media screen and (max-width:920px){.pair{grid-template-columns:1fr}table{font-size:.82rem}th,td{padding:5px 6px}
 figure>svg .tick,figure>svg .small,figure>svg .axis-title{font-size:15px}.pair figure>svg .small{font-size:12px}}
-@media screen and (max-width:760px){main{padding:18px 16px 48px}.cards{grid-template-columns:1fr 1fr}}
+@media screen and (max-width:760px){figure>svg{max-width:none;min-width:760px}figure>svg text,figure>svg .tick,figure>svg .small,figure>svg .axis-title{font-size:14px}
+.verdict{padding:12px;gap:10px}.verdict>svg{width:30px;height:30px}.tasks td.words{min-width:11em}th,td{white-space:normal}
+main{padding:18px 16px 48px}.cards{grid-template-columns:1fr 1fr}}
 @media print{
 :root{color-scheme:light;--bg:#fff;--fg:#000;--soft:#444;--line:#c8cdd2;--panel:#f5f7f9;--link:#000;
 --pass:#00664b;--pass-fill:#009e73;--undecided:#7a4f00;--undecided-fill:#e69f00;--fail:#a03400;--fail-fill:#d55e00;--blue:#0072b2;--band:#dcebf5;--band-edge:#8db8d6;--tol:#eef3ea}
 @page{size:A4;margin:14mm 14mm 16mm}
 body{font-size:10pt;-webkit-print-color-adjust:exact;print-color-adjust:exact}
-main{max-width:none;padding:0}nav,.slider{display:none}
+main{max-width:none;padding:0}nav,.slider,.screen{display:none}figure>svg{max-width:100%;max-height:230mm}figure{overflow:visible}
 section{margin-top:20pt}h2{break-after:avoid}h3{break-after:avoid}
 figure,.card,.verdict,.warnings,tr{break-inside:avoid}thead{display:table-header-group}
-html{font-size:12.5px}table{font-size:7.3pt}th,td{padding:2pt 3pt}.pair{gap:10px}.pair svg .mark{font-size:14px}.card .value{font-size:14pt}
+html{font-size:12.5px}table{font-size:7.3pt}th,td{padding:2pt 3pt;white-space:normal;overflow-wrap:anywhere}.pair{gap:10px}.pair svg .mark{font-size:14px}.card .value{font-size:14pt}
 .wide{overflow:visible}a{text-decoration:none}
-details>*{display:block}details summary{display:none}
+details summary{font-weight:600;color:var(--fg);list-style:none}details::details-content{content-visibility:visible;display:block}
 }
 )css";
 
 const char* const page_script = R"js(
 "use strict";
 (() => {
-  const quantile = 1.959963984540054;
-  const slider = document.getElementById("tau-slider");
-  if (slider) {
-    const heights = slider.dataset.heights.split(" ").filter(Boolean).map(Number);
-    const input = slider.querySelector("input"), output = slider.querySelector("output");
-    const marker = document.getElementById("tau-marker"), axis = marker && marker.dataset;
-    const z = Number(slider.dataset.quantile) || quantile;
-    const show = () => {
-      const tau = Number(input.value), n = heights.length;
-      const passed = heights.filter(d => Math.abs(d) <= tau).length, p = passed / n;
-      const centre = (p + z * z / (2 * n)) / (1 + z * z / n);
-      const half = z / (1 + z * z / n) * Math.sqrt(p * (1 - p) / n + z * z / (4 * n * n));
-      const percent = v => (100 * Math.min(1, Math.max(0, v))).toFixed(1) + "\u00a0%";
-      output.textContent = "±" + tau + "\u00a0mm: " + passed + " of " + n + " within = " + percent(p) +
-        " (interval " + percent(centre - half) + " to " + percent(centre + half) + ")";
-      if (marker) {
-        const x = Number(axis.x0) + (tau - Number(axis.v0)) / (Number(axis.v1) - Number(axis.v0)) * (Number(axis.x1) - Number(axis.x0));
-        marker.setAttribute("x1", x); marker.setAttribute("x2", x);
-      }
-    };
-    input.addEventListener("input", show);
-    slider.hidden = false;
-    show();
-  }
+  // What is folded here is open without this script, and on paper.
+  const folds = () => document.querySelectorAll("details");
+  for (const fold of document.querySelectorAll("details.fold")) fold.open = false;
+  let before = [];
+  addEventListener("beforeprint", () => { before = [...folds()].map(d => [d, d.open]); for (const d of folds()) d.open = true; });
+  addEventListener("afterprint", () => { for (const [d, open] of before) d.open = open; });
   const key = cell => {
     const text = cell ? cell.textContent.trim() : "";
     const number = parseFloat(text.replace("\u2212", "-").replace(/[<>\u00a0 ]/g, ""));
-    return Number.isNaN(number) || /^[A-Za-z]/.test(text) ? text : number;
+    const verdicts = ["fail", "undecided", "not measured", "pass"], rank = verdicts.indexOf(text);
+    if (rank >= 0) return rank;
+    // A name that begins with a digit is no number.
+    return Number.isNaN(number) || /^[A-Za-z]/.test(text) || (cell && cell.tagName === "TH" && !/^[-+0-9.\u2212]+$/.test(text)) ? text : number;
   };
   for (const table of document.querySelectorAll("table.sortable")) {
     const heads = [...table.tHead.rows[0].cells], body = table.tBodies[0];

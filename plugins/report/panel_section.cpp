@@ -1,6 +1,7 @@
 // Deviation at panel level: how each panel sits if it follows its anchors.
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "report/format.hpp"
 #include "report/plot.hpp"
@@ -15,57 +16,65 @@ std::string per_metre(double angle) { return std::isfinite(angle) ? signed_fixed
 
 std::string length(const JudgedLengthT& l) { return mm_with_u(l.value, l.u, 1); }
 
-/// "tilt", "out of plane".
-std::string words_of(std::string name) {
-  std::replace(name.begin(), name.end(), '_', ' ');
-  return name;
+std::string fixings(const PanelDeviationT& panel) {
+  std::string text;
+  for (const auto& fixing : panel.fixings)
+    text += (text.empty() ? "" : ", ") + fixing->anchor + " " + signed_mm(fixing->shim, 1);
+  for (const std::string& missing : panel.missing) text += (text.empty() ? "" : ", ") + missing + " not measured";
+  return text;
 }
 
-std::vector<const PanelAccuracyT*> worst_first(const AccuracyT& accuracy) {
-  std::vector<const PanelAccuracyT*> panels;
-  for (const auto& panel : accuracy.panels) panels.push_back(panel.get());
-  std::stable_sort(panels.begin(), panels.end(),
-                   [](const PanelAccuracyT* a, const PanelAccuracyT* b) { return a->verdict > b->verdict; });
-  return panels;
+std::string joints(const PanelDeviationT& panel) {
+  std::string text;
+  for (const auto& joint : panel.joints)
+    text += (text.empty() ? "" : ", ") + joint->side + " " + mm(joint->narrowest, 1) + "\u2013" + mm(joint->widest, 1) +
+            " (" + mm(joint->design, 1) + ")";
+  return text.empty() ? unknown : text;
 }
 
-void write_row(Markup& html, const PanelAccuracyT& panel) {
+void write_row(Markup& html, const PanelDeviationT& panel, std::size_t index) {
   Scope row(html, "tr");
   html.element("th", {{"scope", "row"}}, panel.name.empty() ? panel.guid : panel.name);
   {
-    Scope td(html, "td", {{"class", "text"}});
+    Scope td(html, "td", {{"class", "text"}, {"data-panel", std::to_string(index)}});
     verdict_badge(html, panel.verdict);
   }
-  html.element("td", {{"class", "text"}}, words_of(panel.decided_by));
-  html.element("td", std::to_string(panel.anchors.size()) + " of " + std::to_string(panel.anchors_listed));
+  html.element("td", {{"class", "words"}}, panel.reason.empty() ? words_of(panel.decided_by) : panel.reason);
   for (const auto* l : {panel.out_of_plane.get(), panel.sideways.get(), panel.vertical.get()})
     html.element("td", length(*l));
   for (const double angle : {panel.lean, panel.turn, panel.roll}) html.element("td", per_metre(angle));
-  for (const auto* l : {panel.tilt.get(), panel.warp.get(), panel.misfit.get()}) html.element("td", mm(l->value, 1));
+  for (const auto* l : {panel.tilt.get(), panel.warp.get(), panel.misfit.get(), panel.corner.get()})
+    html.element("td", mm(l->value, 1));
+  html.element("td", {{"class", "words"}}, fixings(panel));
+  html.element("td", {{"class", "words"}}, joints(panel));
 }
 
 }  // namespace
 
-void write_panels(Markup& html, const AccuracyT& accuracy) {
-  if (accuracy.panels.empty()) return;
+void write_panels(Markup& html, const DeviationT& deviation) {
+  if (deviation.panels.empty()) return;
+  std::map<const PanelDeviationT*, std::size_t> index;
+  for (std::size_t i = 0; i < deviation.panels.size(); ++i) index[deviation.panels[i].get()] = i;
   Scope part(html, "section", {{"id", "panels"}});
-  html.element("h2", "Panels");
+  html.element("h2", "Panels, first to mend first");
+  {
+    Scope wide(html, "div", {{"class", "wide"}});
+    Scope table(html, "table", {{"class", "sortable"}});
+    table_head(html,
+               {"Panel", left("Verdict"), left("Decided by"), "Out ± u [mm]", "Sideways ± u [mm]", "Vertical ± u [mm]",
+                "Lean [mm/m]", "Turn [mm/m]", "Roll [mm/m]", "Tilt [mm]", "Warp [mm]", "Slots [mm]", "Corner [mm]",
+                left("Shim per anchor, outward [mm]"), left("Joints as built (design) [mm]")});
+    Scope body(html, "tbody");
+    for (const PanelDeviationT* panel : worst_panels_first(deviation)) write_row(html, *panel, index[panel]);
+  }
   html.element(
-      "p",
-      "How each facade panel would sit if it were hung on its anchors as they were built, against the design. A "
-      "stiff panel is moved to fit its anchors best: out of the facade plane (outward positive), sideways (to "
-      "the right, seen from outside) and vertically; it leans (outward at the top), turns (outward at the "
-      "right) and rolls (up at the right), in mm per metre. Tilt is what these three turns move its farthest "
-      "anchor by. Warp and misfit are what no motion of a stiff panel explains, out of its plane and within "
-      "it: shims and slotted holes have to take them up. Each is judged against ±" +
-          tolerance(accuracy.tau) + ", and the worst decides.");
-  Scope wide(html, "div", {{"class", "wide"}});
-  Scope table(html, "table", {{"class", "sortable"}});
-  table_head(html, {"Panel", left("Verdict"), left("Decided by"), "Anchors", "Out ± u [mm]", "Sideways ± u [mm]",
-                    "Vertical ± u [mm]", "Lean [mm/m]", "Turn [mm/m]", "Roll [mm/m]", "Tilt [mm]", "Warp [mm]",
-                    "Misfit [mm]"});
-  Scope body(html, "tbody");
-  for (const PanelAccuracyT* panel : worst_first(accuracy)) write_row(html, *panel);
+      "p", {{"class", "note"}},
+      "How each facade panel sits if it is hung on its anchors as they were built. A stiff panel is moved to fit "
+      "its anchors best: out of the facade plane (outward positive), sideways (to the right, seen from outside) "
+      "and vertically; it leans (outward at the top), turns (outward at the right) and rolls (up at the right). "
+      "Tilt is what these turns move its farthest anchor by, corner the farthest movement of a corner out of the "
+      "plane. Warp and slots are what no motion of a stiff panel explains, out of its plane and within it. A "
+      "panel is never better than the worst of its anchors and joints.");
 }
 
 }  // namespace plumbline::report

@@ -1,7 +1,7 @@
-// Pass rate over the tolerance, with its confidence band; the slider recomputes it where scripts run.
+// Pass rate over the tolerance, with its confidence band; the slider of the first screen moves its mark where scripts
+// run.
 #include <cmath>
 
-#include "geometry/statistics.hpp"
 #include "report/format.hpp"
 #include "report/plot.hpp"
 #include "report/sections.hpp"
@@ -65,39 +65,7 @@ void draw_curve(Markup& html, const AccuracyT& accuracy, const AccuracyCompariso
                       {"data-v1", px(axes.x.value1)}});
 }
 
-/// Residuals in mm for the script.
-std::string heights_of(const AccuracyT& accuracy, AnchorUse use) {
-  std::string text;
-  for (const auto& a : accuracy.anchors)
-    if (a->use == use && a->survey) {
-      std::string value = fixed(1e3 * a->survey->dz, 6);
-      if (const auto minus = value.find("\u2212"); minus != std::string::npos) value.replace(minus, 3, "-");
-      text += (text.empty() ? "" : " ") + value;
-    }
-  return text;
-}
-
-void write_slider(Markup& html, const AccuracyT& accuracy, const AccuracyComparisonT& c) {
-  const double factor = normal_quantile(0.5 + 0.5 * accuracy.confidence);
-  Scope box(html, "div",
-            {{"class", "slider"},
-             {"id", "tau-slider"},
-             {"hidden", "hidden"},
-             {"data-heights", heights_of(accuracy, c.use)},
-             {"data-quantile", fixed(factor, 9)}});
-  html.element("label", {{"for", "tau-input"}}, "Try another tolerance");
-  html.empty("input", {{"id", "tau-input"},
-                       {"type", "range"},
-                       {"min", px(1e3 * c.pass_rates.front()->tolerance)},
-                       {"max", px(1e3 * c.pass_rates.back()->tolerance)},
-                       {"step", "0.1"},
-                       {"value", px(1e3 * accuracy.tau)}});
-  html.element("output", {{"for", "tau-input"}}, "");
-}
-
 void write_rate_table(Markup& html, const AccuracyComparisonT& c, double confidence) {
-  Scope details(html, "details");
-  html.element("summary", "All tolerances as a table");
   Scope wide(html, "div", {{"class", "wide"}});
   Scope table(html, "table");
   table_head(html, {"Tolerance", "Within", "Evaluated", "Pass rate", "Wilson interval (" + percent(confidence, 0) + ")",
@@ -125,8 +93,7 @@ void write_pass_rates(Markup& html, const AccuracyT& accuracy) {
     Scope figure(html, "figure");
     draw_curve(html, accuracy, *c);
   }
-  write_slider(html, accuracy, *c);
-  write_rate_table(html, *c, accuracy.confidence);
+  folded(html, "All tolerances as a table", [&] { write_rate_table(html, *c, accuracy.confidence); });
 }
 
 }  // namespace plumbline::report

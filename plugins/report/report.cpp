@@ -1,5 +1,8 @@
 #include "report/report.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "report/format.hpp"
 #include "report/page_style.hpp"
 #include "report/plot.hpp"
@@ -46,6 +49,63 @@ void table_head(Markup& html, const std::vector<Cell>& labels) {
   }
 }
 
+void folded(Markup& html, const std::string& summary, const std::function<void()>& content) {
+  Scope details(html, "details", {{"open", "open"}, {"class", "fold"}});
+  html.element("summary", summary);
+  content();
+}
+
+std::string words_of(std::string name) {
+  std::replace(name.begin(), name.end(), '_', ' ');
+  return name;
+}
+
+const JudgedAxisT* deciding_axis(const AnchorDeviationT& anchor) {
+  for (const auto& axis : anchor.axes)
+    if (!anchor.decided_by.empty() && axis->axis == anchor.decided_by) return axis.get();
+  return nullptr;
+}
+
+namespace {
+
+/// Fail, undecided, not measured, pass.
+int urgency(ToleranceVerdict verdict) {
+  return verdict == ToleranceVerdict::fail        ? 3
+         : verdict == ToleranceVerdict::undecided ? 2
+         : verdict == ToleranceVerdict::pass      ? 0
+                                                  : 1;
+}
+
+/// Share of its tolerance that the deciding length uses.
+double usage(const AnchorDeviationT& anchor) {
+  const JudgedAxisT* axis = deciding_axis(anchor);
+  return axis && axis->tolerance > 0 ? std::abs(axis->value) / axis->tolerance : 0;
+}
+
+double usage(const PanelDeviationT& panel) {
+  double most = 0;
+  for (const auto* l : {panel.out_of_plane.get(), panel.sideways.get(), panel.vertical.get(), panel.tilt.get(),
+                        panel.warp.get(), panel.misfit.get(), panel.corner.get()})
+    if (l && l->tolerance > 0 && std::isfinite(l->value)) most = std::max(most, std::abs(l->value) / l->tolerance);
+  return most;
+}
+
+template <typename T>
+std::vector<const T*> sorted(const std::vector<std::unique_ptr<T>>& items) {
+  std::vector<const T*> list;
+  for (const auto& item : items) list.push_back(item.get());
+  std::stable_sort(list.begin(), list.end(), [](const T* a, const T* b) {
+    if (urgency(a->verdict) != urgency(b->verdict)) return urgency(a->verdict) > urgency(b->verdict);
+    return usage(*a) > usage(*b);
+  });
+  return list;
+}
+
+}  // namespace
+
+std::vector<const AnchorDeviationT*> worst_first(const DeviationT& deviation) { return sorted(deviation.anchors); }
+std::vector<const PanelDeviationT*> worst_panels_first(const DeviationT& deviation) { return sorted(deviation.panels); }
+
 void verdict_cell(Markup& html, ToleranceVerdict verdict) {
   Scope td(html, "td", {{"class", "text"}});
   if (verdict == ToleranceVerdict::not_measured)
@@ -58,17 +118,16 @@ namespace {
 
 void write_files(Markup& html, const std::vector<SourceFile>& files) {
   if (files.empty()) return;
-  Scope details(html, "details");
-  html.element("summary",
-               count(static_cast<long>(files.size()), "file", "files") + " the run started from, with SHA-256");
-  Scope table(html, "table", {{"class", "facts"}});
-  Scope body(html, "tbody");
-  for (const SourceFile& file : files) {
-    Scope row(html, "tr");
-    html.element("th", {{"scope", "row"}}, file.path);
-    Scope cell(html, "td");
-    html.element("code", file.sha256).text(" " + std::to_string(file.size) + "\u00A0bytes");
-  }
+  folded(html, count(static_cast<long>(files.size()), "file", "files") + " the run started from, with SHA-256", [&] {
+    Scope table(html, "table", {{"class", "facts"}});
+    Scope body(html, "tbody");
+    for (const SourceFile& file : files) {
+      Scope row(html, "tr");
+      html.element("th", {{"scope", "row"}}, file.path);
+      Scope cell(html, "td");
+      html.element("code", file.sha256).text(" " + std::to_string(file.size) + "\u00A0bytes");
+    }
+  });
 }
 
 }  // namespace
@@ -100,15 +159,21 @@ void write_navigation(Markup& html, const ReportInput& input) {
   const auto link = [&](const char* id, const char* text) {
     html.element("a", {{"href", std::string("#") + id}}, text);
   };
+  if (input.deviation) {
+    link("view", "In space");
+    link("facade", "Facade");
+    if (!input.deviation->panels.empty()) link("panels", "Panels");
+  }
+  link("quality", "Measuring quality");
   link("numbers", "Key numbers");
   link("floors", "Floors");
   link("passrate", "Pass rate");
-  link("facade", "Facade");
+  if (!input.deviation) link("facade", "Facade");
   link("transfer", "Height transfer");
-  if (!input.accuracy.panels.empty()) link("panels", "Panels");
-  link("anchors", "Anchors");
-  link("method", "How to read this");
+  if (input.block) link("block", "Image block");
   if (input.network) link("network", "Survey network");
+  link("anchors", "All anchors");
+  link("method", "How to read this");
   if (!input.provenance.empty() || !input.files.empty()) link("provenance", "Provenance");
 }
 
@@ -118,20 +183,29 @@ void write_body(Markup& html, const ReportInput& input) {
     Scope header(html, "header");
     html.element("h1", input.title);
     if (!input.subtitle.empty()) html.element("p", {{"class", "subtitle"}}, input.subtitle);
-    write_verdict(html, input);
-    write_warnings(html, input.accuracy);
+    write_installation(html, input);
+    if (!input.deviation) write_verdict(html, input);
+    write_warnings(html, input);
     if (input.control_check) write_control_warning(html, *input.control_check);
     write_navigation(html, input);
+  }
+  if (input.deviation) {
+    write_view(html, input);
+    write_facade(html, input);
+    write_panels(html, *input.deviation);
+    Scope part(html, "section", {{"id", "quality"}});
+    html.element("h2", "Measuring quality");
+    write_verdict(html, input);
   }
   write_key_numbers(html, input.accuracy);
   write_floors(html, input.accuracy);
   write_pass_rates(html, input.accuracy);
-  write_facade(html, input.accuracy);
+  if (!input.deviation) write_facade(html, input);
   write_transfers(html, input.accuracy);
-  write_panels(html, input.accuracy);
-  write_anchors(html, input.accuracy);
-  write_method(html, input.accuracy);
+  write_block(html, input);
   if (input.network) write_network(html, *input.network, input.control_check ? &*input.control_check : nullptr);
+  write_anchors(html, input);
+  write_method(html, input.accuracy);
   write_provenance(html, input);
 }
 
@@ -154,7 +228,7 @@ std::string render_page(const std::string& title, const std::function<void(Marku
     }
     Scope body(html, "body");
     write_content(html);
-    html.open("script").raw(page_script).close();
+    html.open("script").raw(page_script).raw(view_script).close();
   }
   return html.str();
 }

@@ -1,4 +1,5 @@
-// The report: one HTML file that reads without a network, without scripts, on screen and on A4.
+// The report: one HTML file that reads without a network, without scripts, on screen and on A4. It shows verdicts and
+// makes none: those of anchors and panels come with the artifact `Deviation`, those of the measurement with `Accuracy`.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,6 +12,8 @@
 #include <vector>
 
 #include "artifacts/accuracy.hpp"
+#include "artifacts/block.hpp"
+#include "artifacts/deviation.hpp"
 #include "artifacts/survey_comparison.hpp"
 
 namespace plumbline::report {
@@ -118,6 +121,9 @@ struct ReportInput {
   std::string title = "Accuracy report";
   std::string subtitle;  ///< site, scenario, date: as the pipeline gives them
   AccuracyT accuracy;
+  std::optional<DeviationT> deviation;  ///< as-built minus design; without it the page is about measuring only
+  std::optional<BlockT> block;          ///< the adjustment of the images
+  std::vector<Fact> images;             ///< what came in from the photographs, and what was left out
   std::optional<NetworkPage> network;
   std::optional<SurveyComparisonT> control_check;
   std::vector<Fact> provenance;

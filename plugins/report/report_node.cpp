@@ -1,14 +1,19 @@
 // report.html: the report as a node.
 #include <algorithm>
+#include <cmath>
 
 #include "artifacts/accuracy.hpp"
+#include "artifacts/block.hpp"
 #include "artifacts/camera.hpp"
 #include "artifacts/design.hpp"
+#include "artifacts/deviation.hpp"
 #include "artifacts/file.hpp"
 #include "artifacts/folder.hpp"
+#include "artifacts/poses.hpp"
 #include "artifacts/survey_comparison.hpp"
 #include "artifacts/survey_network.hpp"
 #include "artifacts/survey_observations.hpp"
+#include "artifacts/transform.hpp"
 #include "plumbline/node.hpp"
 #include "report/calibration_page_node.hpp"
 #include "report/format.hpp"
@@ -59,18 +64,52 @@ void add_campaign(const AccuracyT& accuracy, const CameraT* camera, const Survey
         survey->instrument + (survey->instrument_serial.empty() ? "" : ", serial number " + survey->instrument_serial));
 }
 
+/// What the photographs gave before the adjustment: two pose solvers do not give the same.
+void add_images(const PosesT& poses, std::vector<Fact>& facts) {
+  int inliers = 0, offered = 0;
+  double squares = 0;
+  for (const auto& pose : poses.poses) {
+    inliers += pose->inliers, offered += pose->correspondences;
+    squares += pose->rms * pose->rms;
+  }
+  const auto n = static_cast<double>(poses.poses.size());
+  facts.emplace_back("Images with an approximate pose",
+                     count(static_cast<long>(poses.poses.size()), "image", "images") + "; " + std::to_string(inliers) +
+                         " of " + std::to_string(offered) + " tag corners agree, RMS " +
+                         fixed(std::sqrt(squares / n), 3) + " px before the adjustment");
+}
+
+/// The way from the survey's frame to the building's.
+void add_frames(const TransformT& transform, std::vector<Fact>& facts) {
+  const RigidTransform& t = transform.to_from_from;
+  const double turn = 2 * std::atan2(t.rotation.z(), t.rotation.w());
+  std::string text = "turned by " + fixed(turn * 180 / M_PI, 6) + "° about the vertical, shifted by " +
+                     fixed(t.translation.x(), 4) + ", " + fixed(t.translation.y(), 4) + ", " +
+                     fixed(t.translation.z(), 4) + "\u00A0m, scale " + fixed(transform.scale, 8);
+  const bool same = std::abs(turn) < 1e-15 && t.translation.norm() < 1e-12 && transform.scale == 1;
+  if (transform.covariance.size() >= 21)
+    text += "; standard deviations of the shift " + mm(std::sqrt(transform.covariance[9])) + ", " +
+            mm(std::sqrt(transform.covariance[14])) + ", " + mm(std::sqrt(transform.covariance[20])) + "\u00A0mm";
+  facts.emplace_back("Frames", same ? "survey and building share one frame: project coordinates of the design"
+                                    : "survey \u2192 building: " + text);
+}
+
 }  // namespace
 
 struct ReportHtml : Node {
   static constexpr Info info{"report.html", "", 1,
                              "One offline HTML file: verdict, charts, tables, survey network, provenance"};
   In<Accuracy> accuracy{"accuracy", frame("frame=?F"), "the evaluation"};
-  Optional<SurveyNetwork> network{"network", frame("frame=?F"), "the adjusted survey network, for its page"};
-  Optional<SurveyComparison> control_check{"control_check", frame("frame=?F"),
+  Optional<Deviation> deviation{"deviation", frame("frame=?F"), "as-built minus design, judged: the first screen"};
+  Optional<Block> block{"block", frame("frame=?B"), "the adjustment of the images, with what it rejected"};
+  Optional<Poses> poses{"poses", frame("frame=?P"), "the poses before the adjustment"};
+  Optional<Transform> frames{"frames", frame("to=?F,from=?S"), "the way from the survey's frame, for the provenance"};
+  Optional<SurveyNetwork> network{"network", frame("frame=?S"), "the adjusted survey network, for its page"};
+  Optional<SurveyComparison> control_check{"control_check", frame("frame=?S"),
                                            "the control points tested against the network, for a warning"};
   Optional<Design> design{"design", frame("frame=?F"), "the design, for the provenance"};
   Optional<Camera> camera{"camera", "the calibrated camera, for the provenance"};
-  Optional<SurveyObservations> survey{"survey", frame("frame=?F"),
+  Optional<SurveyObservations> survey{"survey", frame("frame=?S"),
                                       "the survey as read: its title stands under the heading, its instrument in the "
                                       "provenance"};
   Optional<Folder> campaign{"campaign", "the folder the run started from: its files and hashes go into the provenance"};
@@ -83,6 +122,9 @@ struct ReportHtml : Node {
     ReportInput input;
     input.title = *title, input.subtitle = *subtitle;
     input.accuracy = accuracy.unpack();
+    if (deviation) input.deviation = deviation.unpack();
+    if (block) input.block = block.unpack();
+    if (poses) add_images(poses.unpack(), input.images);
     if (network) input.network = network_page(network.unpack());
     if (control_check) input.control_check = control_check.unpack();
     CameraT read_camera;
@@ -90,9 +132,13 @@ struct ReportHtml : Node {
     if (camera) read_camera = camera.unpack();
     if (survey && survey->info()) survey->info()->UnPackTo(&survey_info);
     if (input.subtitle.empty()) input.subtitle = survey_info.title;
+    if (!survey_info.date.empty() && input.subtitle.find(survey_info.date) == std::string::npos)
+      input.subtitle += (input.subtitle.empty() ? "" : ", ") + ("measured " + survey_info.date);
     for (const std::string& text : *facts) input.provenance.push_back(fact_of(text));
     add_campaign(input.accuracy, camera ? &read_camera : nullptr, survey ? &survey_info : nullptr, input.provenance);
+    if (!survey_info.date.empty()) input.provenance.emplace_back("Measured", survey_info.date);
     if (design) add_design(design.unpack(), input.provenance);
+    if (frames) add_frames(frames.unpack(), input.provenance);
     input.provenance.emplace_back("Program", std::string("Plumbline ") + PLUMBLINE_BUILD_ID);
     if (campaign)
       for (const auto* entry : *campaign->files())
@@ -108,12 +154,17 @@ struct ReportHtml : Node {
 struct ReportSummary : Node {
   static constexpr Info info{"report.summary", "", 1, "Writes the result of an evaluation as a few lines of text"};
   In<Accuracy> accuracy{"accuracy", frame("frame=?F"), "the evaluation"};
+  Optional<Deviation> deviation{"deviation", frame("frame=?F"), "as-built minus design, judged"};
   Out<File> out{"file", "summary.txt"};
 
   void run(Context&) override {
     FileT file;
     file.name = "summary.txt", file.media_type = "text/plain";
-    const std::string text = summary_text(accuracy.unpack());
+    const std::string text = deviation ? [&] {
+      const DeviationT built = deviation.unpack();
+      return summary_text(accuracy.unpack(), &built);
+    }()
+                                       : summary_text(accuracy.unpack());
     file.content.assign(text.begin(), text.end());
     out.commit(file);
   }

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <functional>
+#include <string>
+#include <vector>
 
 #include "artifacts/survey_plan.hpp"
 #include "report/markup.hpp"
@@ -11,6 +13,15 @@ namespace plumbline::report {
 
 /// A whole page with style and script around `write_content`.
 std::string render_page(const std::string& title, const std::function<void(Markup&)>& write_content);
+
+/// "out of plane", from the name of an axis or of what decides.
+std::string words_of(std::string name);
+/// The axis that decides an anchor's verdict; null if none does.
+const JudgedAxisT* deciding_axis(const AnchorDeviationT& anchor);
+/// Anchors (panels) as they should be mended: fail, undecided, not measured, pass; then by the share of the tolerance
+/// used.
+std::vector<const AnchorDeviationT*> worst_first(const DeviationT& deviation);
+std::vector<const PanelDeviationT*> worst_panels_first(const DeviationT& deviation);
 
 /// The comparison of the anchors of one use against one reference; null if there is none.
 const AccuracyComparisonT* comparison(const AccuracyT& accuracy, AnchorUse use, AccuracyReference reference);
@@ -35,18 +46,28 @@ inline Cell left(std::string text) {
 void table_row(Markup& html, const std::vector<Cell>& cells);
 /// Table head; scripts can sort by every column of a table of class "sortable".
 void table_head(Markup& html, const std::vector<Cell>& labels);
+/// A part that is folded on a screen with scripts, and open without them and on paper: nothing is lost in print.
+void folded(Markup& html, const std::string& summary, const std::function<void()>& content);
 /// Cell with a verdict; a dash where there is none.
 void verdict_cell(Markup& html, ToleranceVerdict verdict);
 
+/// First screen: can we install, where not and what to do, how sure. Nothing without a design.
+void write_installation(Markup& html, const ReportInput& input);
+/// Anchors and panels in space, and the numbers that the slider and the view recompute from.
+void write_view(Markup& html, const ReportInput& input);
+/// Is the model right: the check anchors against the survey.
 void write_verdict(Markup& html, const ReportInput& input);
-void write_warnings(Markup& html, const AccuracyT& accuracy);
+/// All warnings, the cause before its consequences.
+void write_warnings(Markup& html, const ReportInput& input);
+/// The adjustment of the images: tests, groups, what was rejected.
+void write_block(Markup& html, const ReportInput& input);
 void write_key_numbers(Markup& html, const AccuracyT& accuracy);
 void write_floors(Markup& html, const AccuracyT& accuracy);
 void write_transfers(Markup& html, const AccuracyT& accuracy);
 void write_pass_rates(Markup& html, const AccuracyT& accuracy);
-void write_facade(Markup& html, const AccuracyT& accuracy);
-void write_panels(Markup& html, const AccuracyT& accuracy);
-void write_anchors(Markup& html, const AccuracyT& accuracy);
+void write_facade(Markup& html, const ReportInput& input);
+void write_panels(Markup& html, const DeviationT& deviation);
+void write_anchors(Markup& html, const ReportInput& input);
 void write_method(Markup& html, const AccuracyT& accuracy);
 /// `control` is the test of the control points against the network; null: none.
 void write_network(Markup& html, const NetworkPage& network, const SurveyComparisonT* control = nullptr);

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "report/sections.hpp"
+
 namespace plumbline::report {
 
 namespace {
@@ -18,7 +20,7 @@ std::string mm(double metres, int width) {
 }
 
 std::string row(const char* format, auto... values) {
-  char text[200];
+  char text[400];
   std::snprintf(text, sizeof text, format, values...);
   return std::string(text) + "\n";
 }
@@ -71,35 +73,48 @@ std::string floors_text(const AccuracyComparisonT& comparison) {
   return text;
 }
 
-std::string panels_text(const AccuracyT& accuracy) {
-  if (accuracy.panels.empty()) return "";
-  int count[4] = {};
-  const PanelAccuracyT* worst = accuracy.panels.front().get();
-  for (const auto& panel : accuracy.panels) {
-    ++count[static_cast<int>(panel->verdict)];
-    if (panel->verdict > worst->verdict) worst = panel.get();
-  }
-  std::string text =
-      row("Panels on their anchors: %zu, %d within tolerance, %d undecided, %d not", accuracy.panels.size(),
-          count[static_cast<int>(ToleranceVerdict::pass)], count[static_cast<int>(ToleranceVerdict::undecided)],
-          count[static_cast<int>(ToleranceVerdict::fail)]);
-  if (worst->verdict < ToleranceVerdict::undecided) return text;
+std::string counts(int passed, int undecided, int failed, int not_measured) {
+  std::string text = row("%d pass, %d undecided, %d fail", passed, undecided, failed);
   text.pop_back();
-  return text + "; first " + worst->name + " (" + worst->decided_by + ")\n";
+  return not_measured > 0 ? text + ", " + std::to_string(not_measured) + " not measured" : text;
+}
+
+/// Can we install, and what first.
+std::string installation_text(const DeviationT& deviation) {
+  int panels[4] = {};
+  for (const auto& panel : deviation.panels) ++panels[static_cast<int>(panel->verdict)];
+  const auto at = [&](ToleranceVerdict verdict) { return panels[static_cast<int>(verdict)]; };
+  std::string text = std::string("Installation: ") + verdict_of(deviation.verdict) + ". Anchors against the design: " +
+                     counts(deviation.passed, deviation.undecided, deviation.failed, deviation.not_measured);
+  if (!deviation.panels.empty())
+    text += "; panels: " +
+            counts(at(ToleranceVerdict::pass), at(ToleranceVerdict::undecided), at(ToleranceVerdict::fail), 0);
+  text += ".\n";
+  int listed = 0;
+  for (const AnchorDeviationT* anchor : worst_first(deviation)) {
+    const JudgedAxisT* axis = deciding_axis(*anchor);
+    if (!axis || anchor->verdict < ToleranceVerdict::undecided || ++listed > 10) break;
+    text += row("  %-20.40s %-10s %s %s +- %s mm (limit %s)", anchor->id.c_str(), verdict_of(anchor->verdict),
+                words_of(axis->axis).c_str(), mm(axis->value, 0).c_str(), mm(axis->u, 0).c_str(),
+                mm(axis->tolerance, 0).c_str());
+  }
+  int shown = 0;
+  for (const PanelDeviationT* panel : worst_panels_first(deviation)) {
+    if (panel->verdict < ToleranceVerdict::undecided || ++shown > 5) break;
+    text += row("  panel %-14.40s %-10s %.120s", (panel->name.empty() ? panel->guid : panel->name).c_str(),
+                verdict_of(panel->verdict), panel->reason.c_str());
+  }
+  for (const std::string& warning : deviation.warnings) text += "Note: " + warning + "\n";
+  return text;
 }
 
 }  // namespace
 
-std::string summary_text(const AccuracyT& accuracy) {
-  std::string text = row("Tolerance %s mm, guard band %.3g u.", mm(accuracy.tau, 0).c_str(), accuracy.guard_factor);
+std::string summary_text(const AccuracyT& accuracy, const DeviationT* deviation) {
+  std::string text = deviation ? installation_text(*deviation) : "";
+  text += row("Tolerance %s mm, guard band %.3g u.", mm(accuracy.tau, 0).c_str(), accuracy.guard_factor);
   text += comparisons_text(accuracy);
   if (!accuracy.comparisons.empty()) text += floors_text(*accuracy.comparisons.front());
-  if (accuracy.design && accuracy.design->anchors > 0)
-    text += row(
-        "As built against design: %d anchors, %d within tolerance in height, %d undecided, %d not; worst %s mm (%s)",
-        accuracy.design->anchors, accuracy.design->passed, accuracy.design->undecided, accuracy.design->failed,
-        mm(accuracy.design->max_distance, 0).c_str(), accuracy.design->worst_anchor.c_str());
-  text += panels_text(accuracy);
   for (const std::string& warning : accuracy.warnings) text += "Note: " + warning + "\n";
   return text;
 }

@@ -4,11 +4,12 @@
 #include <string>
 
 #include "artifacts/accuracy.hpp"
+#include "artifacts/deviation.hpp"
 
 namespace plumbline::report {
 
 /// At most about 25 lines of at most 100 characters; lengths in mm. Comparisons in the order of the artifact, the
 /// floors of the first one, the inter-floor transfers of the first one, and the warnings.
-std::string summary_text(const AccuracyT& accuracy);
+std::string summary_text(const AccuracyT& accuracy, const DeviationT* deviation = nullptr);
 
 }  // namespace plumbline::report

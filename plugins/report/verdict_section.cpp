@@ -136,28 +136,6 @@ void write_model_verdict(Markup& html, const AccuracyT& accuracy) {
   write_verdict_box(html, tally, model_heading(tally, accuracy.tau, uncertainty_known), more);
 }
 
-void write_design_verdict(Markup& html, const AccuracyT& accuracy) {
-  const DesignComparisonT* d = accuracy.design.get();
-  if (!d || d->anchors == 0) return;
-  const Tally tally{d->passed, d->undecided, d->failed, 0};
-  const std::string limit = "±" + tolerance(accuracy.tau);
-  const std::string n = std::to_string(d->anchors);
-  std::string heading = "Installation: all " + n + " anchors sit within " + limit + " of their design height.";
-  if (d->failed > 0)
-    heading = "Installation: " + of_total(d->failed, d->anchors) + " anchors sit outside " + limit +
-              " of their design height.";
-  else if (d->undecided > 0)
-    heading = "Installation: " + of_total(d->undecided, d->anchors) + " anchors are too close to " + limit +
-              " of their design height to call.";
-  std::vector<std::string> more;
-  const std::string failing = ids_with(accuracy, ToleranceVerdict::fail, &AnchorAccuracyT::design, true, true);
-  if (!failing.empty()) more.push_back("To be shimmed or reset: " + failing + ".");
-  more.push_back("Largest deviation in space " + mm_unit(d->max_distance, 1) + " at " + d->worst_anchor +
-                 "; mean shift of all anchors " + signed_mm(d->mean_dx, 1) + ", " + signed_mm(d->mean_dy, 1) + ", " +
-                 signed_mm(d->mean_dz, 1) + "\u00A0mm (x, y, z).");
-  write_verdict_box(html, tally, heading, more);
-}
-
 void card(Markup& html, const std::string& name, const std::string& value, const std::string& more) {
   Scope box(html, "div", {{"class", "card"}});
   html.element("div", {{"class", "name"}}, name);
@@ -200,17 +178,25 @@ const HeightTransferT* worst_transfer(const AccuracyComparisonT& c) {
 
 }  // namespace
 
-void write_verdict(Markup& html, const ReportInput& input) {
-  write_model_verdict(html, input.accuracy);
-  write_design_verdict(html, input.accuracy);
-}
+void write_verdict(Markup& html, const ReportInput& input) { write_model_verdict(html, input.accuracy); }
 
-void write_warnings(Markup& html, const AccuracyT& accuracy) {
-  if (accuracy.warnings.empty()) return;
+void write_warnings(Markup& html, const ReportInput& input) {
+  // A datum that does not fit explains what follows; then the design, then the measurement.
+  std::vector<std::string> warnings;
+  if (input.deviation) {
+    warnings = input.deviation->warnings;
+    const CommonShiftT* shift = input.deviation->common_shift.get();
+    if (shift && shift->significant) {
+      std::erase(warnings, shift->words);
+      warnings.insert(warnings.begin(), shift->words);
+    }
+  }
+  warnings.insert(warnings.end(), input.accuracy.warnings.begin(), input.accuracy.warnings.end());
+  if (warnings.empty()) return;
   Scope box(html, "div", {{"class", "warnings"}});
   html.element("h2", "Before you rely on this");
   Scope list(html, "ul");
-  for (const std::string& warning : accuracy.warnings) html.element("li", warning);
+  for (const std::string& warning : warnings) html.element("li", warning);
 }
 
 void write_key_numbers(Markup& html, const AccuracyT& accuracy) {

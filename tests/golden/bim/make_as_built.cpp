@@ -6,6 +6,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "../../unit/bim/measured.hpp"
 #include "../../unit/bim/small_building.hpp"
 #include "ifc/as_built_ifc.hpp"
 
@@ -14,40 +15,13 @@ namespace {
 using namespace plumbline;
 using Json = nlohmann::json;
 
-bim::AsBuilt measurements(const bim::Design& design) {
-  bim::AsBuilt as_built;
+/// Every anchor a little higher than the one before.
+DeviationT measurements(const bim::Design& design) {
+  std::map<std::string, Eigen::Vector3d> deviations;
   double step = 0;
-  for (const bim::Element& element : design.elements) {
-    if (!element.is_anchor) continue;
-    bim::AsBuiltAnchor anchor;
-    anchor.id = element.guid;
-    anchor.role = "check";
-    // Floors by storey, so that every storey gets statistics.
-    for (std::size_t i = 0; i < design.storeys.size(); ++i)
-      if (design.storeys[i].guid == element.storey_guid) anchor.floor = static_cast<int>(i) + 1;
-    anchor.position = element.position + Eigen::Vector3d(0.001, -0.002, 0.0001 * step);
-    anchor.covariance = Eigen::Matrix3d::Identity() * 1e-8;
-    anchor.survey = bim::SurveyResidual{{0, 0, 0.00005 * step}, 0.0001, bim::Verdict::pass, 1};
-    as_built.anchors.push_back(anchor);
-    ++step;
-  }
-  for (const bim::AsBuiltAnchor& anchor : as_built.anchors) {
-    const bool known = std::any_of(as_built.floors.begin(), as_built.floors.end(),
-                                   [&](const auto& f) { return f.floor == anchor.floor; });
-    if (!known)
-      as_built.floors.push_back({anchor.floor,
-                                 "check",
-                                 true,
-                                 1,
-                                 0.0001,
-                                 0.0002,
-                                 bim::Verdict::pass,
-                                 0.0003,
-                                 0.0004,
-                                 {{0.002, 1}, {0.008, 1}}});
-  }
-  as_built.provenance = {{"Method", "test"}};
-  return as_built;
+  for (const bim::Element& element : design.elements)
+    if (element.is_anchor) deviations[element.guid] = Eigen::Vector3d(0.001, -0.002, 0.0001 * step++);
+  return test::judged(design, deviations, Eigen::Vector3d::Constant(1e-4), Eigen::Vector3d::Constant(std::nan("")));
 }
 
 Json box_of(const bim::Element& element) {
@@ -73,9 +47,13 @@ bool parallel(const bim::Element& element) {
 }
 
 void make(const std::filesystem::path& out, const std::string& name, const step::File& file) {
-  const bim::Design design = bim::read_design(file, {{"IfcMechanicalFastener", "IfcWindow", "IfcPlate"}, "", {}, {}});
-  const bim::AsBuilt as_built = measurements(design);
-  const bim::AsBuiltIfc result = bim::write_as_built(file, design, as_built, {});
+  const bim::Design design =
+      bim::read_design(file, {{"IfcMechanicalFastener", "IfcWindow", "IfcPlate"}, "", {}, {}, {}});
+  const DeviationT deviation = measurements(design);
+  const AccuracyT accuracy = test::residuals(deviation, 0.00005);
+  bim::AsBuiltIfcOptions options;
+  options.provenance = {{"Method", "test"}};
+  const bim::AsBuiltIfc result = bim::write_as_built(file, design, deviation, accuracy, options);
   std::ofstream(out / (name + ".design.ifc"), std::ios::binary) << file.bytes();
   std::ofstream(out / (name + ".as_built.ifc"), std::ios::binary) << result.bytes;
   Json expected{{"length_unit", design.length_unit},
@@ -95,13 +73,12 @@ void make(const std::filesystem::path& out, const std::string& name, const step:
            vector(element.project_from_element.rotation * Eigen::Vector3d::UnitZ())}},
          {"box", element.rule == bim::ReferencePointRule::parts_centre ? Json() : box_of(element)},
          {"parallel", parallel(element)}});
-  std::vector<std::string> unmatched;
-  for (const bim::AnchorDeviation& anchor : bim::match_anchors(design, as_built, unmatched))
-    expected["anchors"].push_back({{"guid", anchor.element->guid},
-                                   {"deviation", {anchor.deviation.x(), anchor.deviation.y(), anchor.deviation.z()}},
-                                   {"delta_z", anchor.measured->survey->difference.z()},
-                                   {"verdict", bim::label_of(anchor.verdict)},
-                                   {"floor", anchor.measured->floor}});
+  for (const auto& anchor : deviation.anchors)
+    expected["anchors"].push_back({{"guid", anchor->guid},
+                                   {"deviation", {anchor->deviation.x(), anchor->deviation.y(), anchor->deviation.z()}},
+                                   {"delta_z", 0.00005},
+                                   {"verdict", bim::label_of(anchor->verdict)},
+                                   {"floor", anchor->floor}});
   std::ofstream(out / (name + ".json")) << expected.dump(1);
 }
 

@@ -5,42 +5,33 @@
 
 #include "express_schema.hpp"
 #include "ifc/as_built_ifc.hpp"
+#include "ifc/check.hpp"
 #include "ifc/ifc_model.hpp"
+#include "measured.hpp"
 #include "small_building.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::bim {
 namespace {
 
-/// Three of four anchors measured, with residuals, floors, a transfer and provenance.
-AsBuilt measurements(const Design& design) {
-  AsBuilt as_built;
-  for (const Element& element : design.elements) {
-    if (!element.is_anchor || element.name == "F2-C2") continue;
-    AsBuiltAnchor anchor;
-    anchor.id = element.name;
-    anchor.floor = element.storey == "Level 1" ? 1 : 2;
-    anchor.role = element.name == "F1-C1" ? "control" : "check";
-    anchor.position = element.position + Eigen::Vector3d(0.001, -0.002, anchor.floor == 1 ? 0.0005 : 0.009);
-    anchor.covariance = Eigen::Vector3d(4e-8, 9e-8, 1e-8).asDiagonal();
-    anchor.survey = SurveyResidual{{0.0001, 0.0002, -0.0015}, 0.0004, Verdict::pass, 0.999};
-    as_built.anchors.push_back(anchor);
-  }
-  as_built.floors = {
-      {1, "check", true, 1, -0.0015, -0.0015, Verdict::pass, 0.0015, 0.0015, {{0.002, 1}, {0.0025, 1}}},
-      {2, "check", true, 1, -0.0015, -0.003, Verdict::undecided, 0.0015, 0.0015, {{0.002, 1}, {0.0025, 1}}}};
-  as_built.transfers = {{1, 2, 0.0004, -0.0004, 0.0006, 2, Verdict::pass, {{1, -0.0003}, {2, -0.0005}}}};
-  as_built.columns = {{1, "check", 1, 2, -0.002, 0.0007, Verdict::pass, 0.001, 0.0005, Verdict::undecided}};
-  for (AsBuiltAnchor& anchor : as_built.anchors) anchor.column = 1;
-  as_built.facade_normal = Eigen::Vector3d(1, 0, 0);
-  as_built.provenance = {{"Method", "photogrammetry with survey control"}, {"SoftwareVersion", "Plumbline 0.1.0"}};
-  return as_built;
+/// Three of four anchors measured.
+DeviationT measurements(const Design& design) {
+  std::map<std::string, Eigen::Vector3d> deviations;
+  for (const Element& element : design.elements)
+    if (element.is_anchor && element.name != "F2-C2")
+      deviations[element.guid] = Eigen::Vector3d(0.001, -0.002, element.storey == "Level 1" ? 0.0005 : 0.009);
+  return test::judged(design, deviations, {0.0002, 0.0003, 0.0001}, {1, 0, 0});
 }
 
-AsBuiltIfc enrich(const std::string& bytes, const AsBuiltIfcOptions& options = {}) {
+AsBuiltIfc enrich(const std::string& bytes, AsBuiltIfcOptions options = {}) {
   const step::File file(bytes, "t.ifc");
   const Design design = read_design(file, {});
-  return write_as_built(file, design, measurements(design), options);
+  options.provenance = {{"Method", "photogrammetry with survey control"},
+                        {"ObservationTime", "2026-05-12T10:00:00"},
+                        {"SoftwareVersion", "Plumbline 0.1.0"}};
+  options.input_hashes = {"survey/a.gsi 60303ae2"};
+  const DeviationT deviation = measurements(design);
+  return write_as_built(file, design, deviation, test::residuals(deviation, -0.0015), options);
 }
 
 /// Property sets of the objects, as "name of object/set/property" → the value argument.
@@ -80,11 +71,6 @@ TEST_P(AsBuiltFile, KeepsTheDesignsBytesAndIsStable) {
   EXPECT_EQ(after.bytes.find("\n\n"), std::string::npos);
   EXPECT_EQ(std::count(after.bytes.begin(), after.bytes.end(), '\n'),
             std::count(after.bytes.begin(), after.bytes.end(), '\r'));
-  EXPECT_EQ(after.measured, 3);
-  EXPECT_EQ(after.not_measured, 1);
-  EXPECT_EQ(after.failed, 1);
-  EXPECT_EQ(after.passed, 2);
-  EXPECT_EQ(after.panels, 2);  // the plate, and the curtain wall it is a part of
   EXPECT_TRUE(after.warnings.empty()) << after.warnings[0];
 }
 
@@ -100,6 +86,15 @@ TEST_P(AsBuiltFile, IsValidAgainstTheExpressSchema) {
       EXPECT_TRUE(guids.insert(file.arguments(instance).at(0).text).second) << "GlobalId twice: #" << instance.id;
     }
   }
+}
+
+TEST_P(AsBuiltFile, BreaksNoRule) {
+  AsBuiltIfcOptions second;
+  second.epoch = "2026-06";
+  const std::string once = enrich(design_bytes()).bytes, twice = enrich(once, second).bytes;
+  for (const std::string& bytes : {once, twice})
+    for (const Violation& violation : check_ifc(step::File(bytes, "t.ifc")))
+      ADD_FAILURE() << violation.rule << " #" << violation.instance << " " << violation.words;
 }
 
 TEST_P(AsBuiltFile, ObeysTheContainmentRules) {
@@ -119,6 +114,9 @@ TEST_P(AsBuiltFile, ObeysTheContainmentRules) {
   for (const std::uint32_t index : annotations) EXPECT_EQ(contained[file.instances()[index].id], 1);
   for (const std::uint32_t index : file.of_type("IFCPROPERTYSET")) {
     const std::string name = file.arguments(file.instances()[index]).at(2).text;
+    if (name.starts_with("ASB_")) {
+      EXPECT_LE(name.size(), 40u);
+    }
     const bool standard = name == "Pset_Tolerance" || name == "Pset_Uncertainty";
     // Names that start with Pset are reserved; these two exist since IFC4X3.
     EXPECT_TRUE(name.starts_with("ASB_") || (standard && GetParam() == Schema::ifc4x3)) << name;
@@ -147,6 +145,8 @@ TEST_P(AsBuiltFile, CarriesTheValuesInTheUnitOfTheProject) {
   EXPECT_NEAR(number(found, "F1-C1/ASB_ModelVsSurvey/Distance3D"), std::sqrt(2.30), 1e-6);
   EXPECT_EQ(text("F1-C1/ASB_ModelVsSurvey/Role"), "CONTROL");
   EXPECT_EQ(text("F1-C2/ASB_ModelVsSurvey/Role"), "CHECK");
+  EXPECT_EQ(text("Panel 1/ASB_PanelFit/Verdict"), "FAIL");
+  EXPECT_EQ(found.at("F1-C1/ASB_Provenance/InputSha256").items.at(0).items.at(0).text, "survey/a.gsi 60303ae2");
   EXPECT_EQ(number(found, "F1-C1/ASB_Uncertainty/StdY"), 0.3);
   EXPECT_EQ(found.at("F1-C1/ASB_Uncertainty/CovarianceUpper_mm2").items.at(3).items.at(0).number, 0.09);
   EXPECT_EQ(found.at("F1-C1/ASB_Provenance/SoftwareVersion").items.at(0).text, "Plumbline 0.1.0");
@@ -172,6 +172,29 @@ TEST_P(AsBuiltFile, SurveyPointsStandWhereTheAnchorsWereMeasured) {
   EXPECT_EQ(point.numbers("Coordinates"), (std::vector<double>{1998, -1, 500.5}));
 }
 
+TEST_P(AsBuiltFile, SolidsStandAtTheAnchorsAndAreTiedToThem) {
+  const step::File file(enrich(design_bytes()).bytes, "t.ifc");
+  const Model model(file);
+  const auto proxies = model.all("IFCBUILDINGELEMENTPROXY");
+  ASSERT_EQ(proxies.size(), 4u);  // three anchors and a panel
+  std::map<std::uint64_t, std::uint64_t> element_of;
+  for (const std::uint32_t index : file.of_type("IFCRELASSIGNSTOPRODUCT")) {
+    const auto relation = file.arguments(file.instances()[index]);
+    element_of[relation.at(4).items.at(0).id] = relation.at(6).id;
+  }
+  EXPECT_EQ(model.entity(element_of.at(proxies[0].id())).text("Name"), "F1-C1");
+  EXPECT_EQ(model.entity(element_of.at(proxies[3].id())).text("Name"), "Panel 1");
+  EXPECT_EQ(file.of_type("IFCSTYLEDITEM").size(), 4u);
+  EXPECT_EQ(file.of_type("IFCSURFACESTYLE").size(), 3u);  // pass and fail of anchors, fail of a panel
+  // Read back as a design: the marker's middle is where the anchor was measured, 1 mm, -2 mm, 0.5 mm off.
+  const Design after = read_design(file, {});
+  for (const Element& element : after.elements) {
+    if (element.name != "As-built " + after.elements[0].guid) continue;
+    EXPECT_NEAR((element.position - after.elements[0].position - Eigen::Vector3d(0.001, -0.002, 0.0005)).norm(), 0,
+                1e-6);
+  }
+}
+
 TEST_P(AsBuiltFile, EpochsStandSideBySideAndRepetitionsAreRefused) {
   AsBuiltIfcOptions first, second;
   first.epoch = "2026-05";
@@ -179,11 +202,23 @@ TEST_P(AsBuiltFile, EpochsStandSideBySideAndRepetitionsAreRefused) {
   const std::string once = enrich(design_bytes(), first).bytes;
   const std::string twice = enrich(once, second).bytes;
   const step::File file(twice, "t.ifc");
+  const Model model(file);
   EXPECT_EQ(file.of_type("IFCANNOTATION").size(), 6u);
   int applications = 0;
-  for (const Entity& application : Model(file).all("IFCAPPLICATION"))
+  for (const Entity& application : model.all("IFCAPPLICATION"))
     applications += application.text("ApplicationIdentifier") == "plumbline-as-built";
   EXPECT_EQ(applications, 1);
+  // UniquePropertySetNames: no object has two sets of one name. IfcPropertyEnumeration: the name is unique.
+  std::set<std::pair<std::uint64_t, std::string>> sets;
+  for (const Entity& relation : model.all("IFCRELDEFINESBYPROPERTIES"))
+    for (const std::uint64_t object : relation.references("RelatedObjects")) {
+      const std::string name = model.entity(relation.reference("RelatingPropertyDefinition")).text("Name");
+      EXPECT_TRUE(sets.insert({object, name}).second) << name;
+    }
+  std::set<std::string> enumerations;
+  for (const Entity& enumeration : model.all("IFCPROPERTYENUMERATION"))
+    EXPECT_TRUE(enumerations.insert(enumeration.text("Name")).second);
+  EXPECT_EQ(properties_of(file).at("F1-C1/ASB_AnchorDeviation_2026-06/Epoch").items.at(0).text, "2026-06");
   try {
     enrich(once, first);
     FAIL() << "the same epoch was written twice";
@@ -191,6 +226,16 @@ TEST_P(AsBuiltFile, EpochsStandSideBySideAndRepetitionsAreRefused) {
     EXPECT_NE(std::string(error.what()).find("start from the design file, or give another 'epoch'"), std::string::npos)
         << error.what();
   }
+}
+
+TEST_P(AsBuiltFile, AdditionsCarryTheirOwnDate) {
+  AsBuiltIfcOptions options;
+  options.timestamp = 1778580000;
+  const step::File file(enrich(design_bytes(), options).bytes, "t.ifc");
+  const Model model(file);
+  const auto histories = model.all("IFCOWNERHISTORY");
+  EXPECT_EQ(histories.back().number("CreationDate"), 1778580000);
+  EXPECT_EQ(histories.front().number("CreationDate"), 1700000000);
 }
 
 INSTANTIATE_TEST_SUITE_P(Schemas, AsBuiltFile, testing::Values(Schema::ifc2x3, Schema::ifc4, Schema::ifc4x3),
@@ -204,13 +249,17 @@ TEST(AsBuiltUnits, FeetStayFeet) {
   EXPECT_NEAR(number(properties_of(file), "F1-C1/ASB_AnchorDeviation/DeviationX"), 0.001 / 0.3048, 1e-9);
 }
 
-TEST(AsBuiltFloors, TwoFloorsInOneStoreyAreRefused) {
-  const step::File file(test::small_building("IFC4"), "t.ifc");
-  const Design design = read_design(file, {});
-  AsBuilt as_built = measurements(design);
-  as_built.anchors[0].floor = 3;
-  as_built.anchors[1].floor = 1;
-  EXPECT_THROW(write_as_built(file, design, as_built, {}), std::runtime_error);
+TEST(AsBuiltFloors, WithoutStoreysOnlyTheFloorStatisticsAreMissing) {
+  std::string bytes = test::small_building("IFC4");
+  for (const char* line : {"#36=IFCBUILDINGSTOREY", "#37=IFCBUILDINGSTOREY", "#40=", "#200=", "#201="}) {
+    const std::size_t at = bytes.find(line);
+    bytes.erase(at, bytes.find('\n', at) + 1 - at);
+  }
+  const AsBuiltIfc result = enrich(bytes);
+  const step::File file(result.bytes, "t.ifc");
+  EXPECT_EQ(file.of_type("IFCANNOTATION").size(), 3u);  // in the building
+  EXPECT_EQ(properties_of(file).count("F1-C1/ASB_AnchorDeviation/Verdict"), 1u);
+  EXPECT_EQ(result.bytes.find("ASB_FloorStatistics"), std::string::npos);
 }
 
 TEST(AsBuiltRealFiles, AreEnrichedAndValid) {
@@ -219,21 +268,19 @@ TEST(AsBuiltRealFiles, AreEnrichedAndValid) {
     PLUMBLINE_REQUIRE_DATA(std::string("ifc/") + name);
     const step::File file = step::File::read(test::data_file(std::string("ifc/") + name).string());
     // No real file at hand has fasteners: windows and plates stand in.
-    const Design design = read_design(file, {{"IfcPlate", "IfcWindow"}, "", {}, {}});
-    AsBuilt as_built;
-    for (const Element& element : design.elements) {
-      if (!element.is_anchor) continue;
-      AsBuiltAnchor anchor;
-      anchor.id = element.guid;
-      anchor.position = element.position + Eigen::Vector3d(0.001, 0.002, 0.003);
-      anchor.covariance = Eigen::Matrix3d::Identity() * 1e-7;
-      as_built.anchors.push_back(anchor);
-    }
-    const AsBuiltIfc result = write_as_built(file, design, as_built, {});
-    EXPECT_EQ(result.measured, static_cast<int>(as_built.anchors.size()));
+    const Design design = read_design(file, {{"IfcPlate", "IfcWindow"}, "", {}, {}, {}});
+    std::map<std::string, Eigen::Vector3d> deviations;
+    for (const Element& element : design.elements)
+      if (element.is_anchor) deviations[element.guid] = Eigen::Vector3d(0.001, 0.002, 0.003);
+    const DeviationT deviation =
+        test::judged(design, deviations, Eigen::Vector3d::Constant(3e-4), Eigen::Vector3d::Constant(std::nan("")));
+    EXPECT_EQ(deviation.passed, static_cast<int>(deviations.size())) << name;
+    const AsBuiltIfc result = write_as_built(file, design, deviation, test::residuals(deviation, 0.001), {});
     EXPECT_EQ(result.bytes.substr(0, file.data_end()), file.bytes().substr(0, file.data_end())) << name;
     EXPECT_TRUE(result.bytes.ends_with(file.bytes().substr(file.data_end()))) << name;
     const step::File after(result.bytes, name);
+    for (const Violation& violation : check_ifc(after, file.largest_id() + 1))
+      ADD_FAILURE() << name << " " << violation.rule << " #" << violation.instance << " " << violation.words;
     const std::string express = std::string("ifc/express/") + design.schema + ".exp";
     const test::ExpressSchema schema(test::read_file(test::data_file(express)));
     for (const step::Instance& instance : after.instances())

@@ -30,6 +30,19 @@ std::string message_of(const std::string& bytes, const AnchorRule& rule = {}) {
   return "no error";
 }
 
+/// The error, or what the design says of what it could not read.
+std::string said_of(const std::string& bytes) {
+  std::string text;
+  try {
+    const Design design = read(bytes);
+    for (const std::string& skipped : design.skipped) text += skipped + "\n";
+    for (const std::string& warning : design.warnings) text += warning + "\n";
+  } catch (const step::Error& error) {
+    text = error.what();
+  }
+  return text.empty() ? "no error" : text;
+}
+
 void expect_point(const Eigen::Vector3d& found, double x, double y, double z) {
   EXPECT_NEAR((found - Eigen::Vector3d(x, y, z)).norm(), 0, 1e-9) << found.transpose();
 }
@@ -233,10 +246,10 @@ TEST(Damage, IsNamedAndNeverCrashes) {
     for (std::size_t at = 0; (at = bytes.find(from, at)) != std::string::npos; at += to.size())
       bytes.replace(at, from.size(), to);
     EXPECT_NE(bytes, whole) << from;
-    return message_of(bytes);
+    return said_of(bytes);
   };
-  EXPECT_NE(changed("IFCBUILDINGSTOREY(", "IFCPOST(").find("found no IfcBuildingStorey"), std::string::npos);
-  EXPECT_NE(changed("IFCPROJECT(", "IFCPOST(").find("found no IfcProject"), std::string::npos);
+  EXPECT_NE(changed("IFCBUILDINGSTOREY(", "IFCPOST(").find("has no IfcBuildingStorey"), std::string::npos);
+  EXPECT_NE(changed("IFCPROJECT(", "IFCPOST(").find("has no IfcProject"), std::string::npos);
   EXPECT_NE(changed("#28=IFCLOCALPLACEMENT($,", "#28=IFCLOCALPLACEMENT(#35,").find("is a cycle"), std::string::npos);
   EXPECT_NE(changed("#28=IFCLOCALPLACEMENT($,#27", "#28=IFCLOCALPLACEMENT($,#9999")
                 .find("refers to #9999, which is not in the file"),
@@ -249,6 +262,71 @@ TEST(Damage, IsNamedAndNeverCrashes) {
   EXPECT_NE(changed("('IFC4')", "('AP214')").find("expected IFC2X3, IFC4 or IFC4X3"), std::string::npos);
 }
 
+TEST(Damage, OneElementThatCannotBePlacedCostsOnlyItself) {
+  std::string bytes = small_building("IFC4");
+  bytes.replace(bytes.find("'F1-C2'"), 7, "#5");
+  bytes.replace(bytes.find("#122=IFCLOCALPLACEMENT(#34,#121"), 31, "#122=IFCLOCALPLACEMENT(#34,#999");
+  const Design design = read(bytes);
+  EXPECT_EQ(design.elements.size(), 4u);
+  ASSERT_EQ(design.skipped.size(), 2u);
+  EXPECT_NE(design.skipped[1].find("IfcMechanicalFastener 'F2-C1' (#123)"), std::string::npos) << design.skipped[1];
+  EXPECT_NE(design.skipped[1].find("refers to #999, which is not in the file"), std::string::npos) << design.skipped[1];
+  EXPECT_NE(design.warnings.back().find("2 elements cannot be placed and were left out"), std::string::npos);
+}
+
+/// `levels` shape maps, each of which shows the one before it twice; the last has a bolt.
+std::string nested_maps(int levels) {
+  std::string out;
+  for (int i = 0; i < levels; ++i) {
+    const std::string own = std::to_string(1000 + 4 * i), map = std::to_string(1001 + 4 * i),
+                      item = std::to_string(1002 + 4 * i);
+    const std::string items =
+        i == 0 ? "#53" : "#" + std::to_string(1002 + 4 * (i - 1)) + ",#" + std::to_string(1002 + 4 * (i - 1));
+    out += "#" + own + "=IFCSHAPEREPRESENTATION(#22,'Body','MappedRepresentation',(" + items + "));\n";
+    out += "#" + map + "=IFCREPRESENTATIONMAP(#21,#" + own + ");\n";
+    out += "#" + item + "=IFCMAPPEDITEM(#" + map + ",#990);\n";
+  }
+  return out + "#990=IFCCARTESIANTRANSFORMATIONOPERATOR3D($,$,#20,1.,$);";
+}
+
+TEST(HostileShapes, NestedMappedItemsStopAtTheirBudget) {
+  std::string extra = nested_maps(40) + "#520=IFCMAPPEDITEM(#" + std::to_string(1001 + 4 * 39) + ",#990);";
+  const Design design = read(with_anchor(extra));
+  EXPECT_FALSE(named(design, "Odd").has_box);
+  EXPECT_NE(design.warnings.at(0).find("repeats nested items"), std::string::npos) << design.warnings.at(0);
+  EXPECT_TRUE(named(design, "Panel 1").has_box);  // the others keep their shapes
+}
+
+TEST(HostileShapes, DoubledBooleansAndProfilesStopAtTheirBudget) {
+  std::string unions = "#1000=IFCBOOLEANRESULT(.UNION.,#53,#53);",
+              profiles = "#2000=IFCCOMPOSITEPROFILEDEF(.AREA.,$,(#50,#50),$);";
+  for (int i = 1; i < 60; ++i) {
+    unions += "#" + std::to_string(1000 + i) + "=IFCBOOLEANRESULT(.UNION.,#" + std::to_string(999 + i) + ",#" +
+              std::to_string(999 + i) + ");";
+    profiles += "#" + std::to_string(2000 + i) + "=IFCCOMPOSITEPROFILEDEF(.AREA.,$,(#" + std::to_string(1999 + i) +
+                ",#" + std::to_string(1999 + i) + "),$);";
+  }
+  EXPECT_FALSE(named(read(with_anchor(unions, "#1059")), "Odd").has_box);
+  EXPECT_FALSE(named(read(with_anchor(profiles + "#520=IFCEXTRUDEDAREASOLID(#2059,$,#24,100.);")), "Odd").has_box);
+}
+
+TEST(Properties, OfAnchorsAndTheirTypesAreRead) {
+  const Design design =
+      read(small_building("IFC4",
+                          "#500=IFCPROPERTYSET('0evctVUKr0kugbFTf53O9L',#5,'Pset_Tolerance',$,(#501,#502));"
+                          "#501=IFCPROPERTYSINGLEVALUE('VerticalTolerance',$,IFCPOSITIVELENGTHMEASURE(3.),$);"
+                          "#502=IFCPROPERTYSINGLEVALUE('Mark',$,IFCLABEL('M7'),$);"
+                          "#503=IFCRELDEFINESBYPROPERTIES('1evctVUKr0kugbFTf53O9L',#5,$,$,(#103),#500);"));
+  const Element& anchor = named(design, "F1-C1");
+  ASSERT_EQ(anchor.properties.size(), 2u);
+  EXPECT_NEAR(anchor.properties[0].number, 0.003, 1e-15);  // the file is in millimetres
+  EXPECT_EQ(anchor.properties[1].text, "M7");
+  AnchorRule rule;
+  rule.selections = {"Pset_Tolerance.Mark=M7"}, rule.classes.clear();
+  const Design selected = read(small_building("IFC4"), rule);
+  EXPECT_FALSE(named(selected, "F1-C1").is_anchor);
+}
+
 TEST(Damage, EveryChangedByteIsReadOrNamed) {
   // Not random: each byte in turn becomes a character that means something.
   const std::string whole = small_building("IFC4");
@@ -256,7 +334,7 @@ TEST(Damage, EveryChangedByteIsReadOrNamed) {
   for (std::size_t at = whole.find("DATA;"); at < whole.size(); ++at) {
     std::string damaged = whole;
     damaged[at] = "$#(9'.,"[at % 7];
-    (message_of(damaged) == "no error" ? accepted : refused)++;
+    (said_of(damaged) == "no error" ? accepted : refused)++;
   }
   EXPECT_GT(accepted, 100);
   EXPECT_GT(refused, 100);

@@ -227,23 +227,5 @@ TEST(Formulas, PredictedRmseAndItsRangeCoverSimulatedErrors) {
   EXPECT_NEAR(consistent / 600.0, 0.95, 0.03);
 }
 
-TEST(Formulas, DeviationFromDesign) {
-  Inputs inputs = test::small_building();
-  inputs.design = inputs.survey;
-  inputs.design->covariance.resize(0, 0);
-  for (auto& p : inputs.design->positions) p.x() -= 10 * mm;
-  const AccuracyT accuracy = evaluate_accuracy(inputs, {});
-  ASSERT_NE(accuracy.design, nullptr);
-  EXPECT_NEAR(accuracy.design->mean_dx, 10 * mm, 1e-12);
-  EXPECT_NEAR(accuracy.design->mean_dz, 8.0 / 6.0 * mm, 1e-12);
-  EXPECT_EQ(accuracy.design->worst_anchor, "F3C1");
-  const AnchorDifferenceT& d = *accuracy.anchors[4]->design;
-  EXPECT_NEAR(d.distance, std::sqrt(116.0) * mm, 1e-12);
-  EXPECT_NEAR(d.u_dz, 0.3 * mm, 1e-12);  // the design is exact
-  EXPECT_EQ(d.verdict, ToleranceVerdict::pass);
-  EXPECT_EQ(d.verdict_distance, ToleranceVerdict::fail);
-  EXPECT_TRUE(test::warns(accuracy, "shifted from the design"));
-}
-
 }  // namespace
 }  // namespace plumbline::evaluate

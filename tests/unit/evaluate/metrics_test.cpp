@@ -10,6 +10,7 @@
 #include <valijson/schema_parser.hpp>
 #include <valijson/validator.hpp>
 
+#include "judgement/deviation.hpp"
 #include "small_building.hpp"
 #include "test_support.hpp"
 
@@ -39,7 +40,7 @@ Inputs everything() {
   Inputs inputs = test::small_building();
   test::add_anchor(inputs, "K, \"left\"", 1, 3, AnchorUse::control, {0, 0, 1 * mm});
   test::set_sigmas(inputs, 0.3 * mm, 0.4 * mm);
-  inputs.truth = inputs.survey, inputs.design = inputs.survey;
+  inputs.truth = inputs.survey;
   inputs.anchors.push_back({"missing", 2, 3, 1, AnchorUse::check});
   return inputs;
 }
@@ -55,22 +56,63 @@ TEST(MetricsJson, IsValidAfterItsSchema) {
   EXPECT_EQ(schema_errors(json::parse(metrics_json(evaluate_accuracy(bare, {})))), "");
 }
 
-TEST(MetricsJson, AdjustmentRegistrationAndPanelsAreValidToo) {
-  Inputs inputs = everything();
-  PanelEntry panel;
-  panel.guid = "guid", panel.name = "P", panel.anchors = {"F1C1", "F1C2", "F2C1", "F2C2"};
+/// The small building's anchors on a facade, with a panel on four of them.
+DeviationT built() {
+  const Inputs measured = test::small_building();
+  judgement::DeviationInputs inputs;
+  inputs.facade_normal = Eigen::Vector3d(0, -1, 0);
+  inputs.model = measured.model;
+  for (std::size_t i = 0; i < measured.anchors.size(); ++i) {
+    judgement::AnchorCase anchor;
+    anchor.id = measured.anchors[i].id, anchor.floor = measured.anchors[i].floor, anchor.use = "check";
+    anchor.element.guid = "g" + anchor.id;
+    anchor.design = measured.survey.positions[i] + Eigen::Vector3d(0, 0, 3.0 * anchor.floor);
+    inputs.model.positions[i] += Eigen::Vector3d(0, 0, 3.0 * anchor.floor);
+    anchor.tolerances = judgement::tolerances_of({}, {});
+    inputs.anchors.push_back(anchor);
+  }
+  judgement::PanelCase panel;
+  panel.guid = "guid", panel.name = "P", panel.anchors = {0, 1, 2, 3};
+  panel.low = {2, -0.1, 3}, panel.high = {4, 0, 6}, panel.tolerances = judgement::tolerances_of({}, {});
   inputs.panels.push_back(panel);
-  AccuracyT accuracy = evaluate_accuracy(inputs, {});
+  judgement::AnchorCase stranger;
+  stranger.id = "=evil", stranger.note = "not in the plate table";
+  stranger.design = {9, 0, 3};
+  inputs.anchors.push_back(stranger);
+  return judgement::judge_deviations(inputs, {});
+}
+
+TEST(MetricsJson, AdjustmentRegistrationAndDeviationAreValidToo) {
+  AccuracyT accuracy = evaluate_accuracy(everything(), {});
   accuracy.adjustment = std::make_unique<AdjustmentSummaryT>();
   accuracy.adjustment->datum = "free", accuracy.adjustment->weighting = "covariance";
   accuracy.adjustment->statistics = std::make_unique<StatisticsT>();
   accuracy.registration = std::make_unique<RegistrationSummaryT>();
   accuracy.registration->statistics = std::make_unique<StatisticsT>();
   accuracy.registration->residual_covariance = {1e-6, 0, 0, 1e-6, 0, 1e-6};
-  const json document = json::parse(metrics_json(accuracy));
+  const DeviationT deviation = built();
+  const json document = json::parse(metrics_json(accuracy, &deviation));
   EXPECT_EQ(schema_errors(document), "");
   EXPECT_EQ(document["panels"].size(), 1u);
+  EXPECT_EQ(document["deviation"]["anchors"].size(), 7u);
   EXPECT_TRUE(document["adjustment"]["lambda"].is_null());
+}
+
+TEST(MetricsFiles, NoNameBecomesAFormulaOrMarkup) {
+  const DeviationT deviation = built();
+  const AccuracyT accuracy = evaluate_accuracy(everything(), {});
+  EXPECT_NE(metrics_csv(accuracy, &deviation).find("\n'=evil,"), std::string::npos);
+  EXPECT_NE(stake_out_csv(deviation).find("'=evil;9.0000;0.0000;3.0000;;;;not_measured"), std::string::npos);
+  AccuracyT odd = evaluate_accuracy(everything(), {});
+  odd.anchors[0]->id = "a\"<b>&\xff";
+  EXPECT_NE(junit_xml(odd).find("name=\"a&quot;&lt;b&gt;&amp;\""), std::string::npos);
+}
+
+TEST(StakeOut, HoldsDesignAndCorrectionWorstFirst) {
+  DeviationT deviation = built();
+  deviation.anchors[4]->verdict = ToleranceVerdict::fail;  // F3C1, 4 mm too high
+  const std::string table = stake_out_csv(deviation);
+  EXPECT_EQ(table.substr(0, table.find('\n')), "F3C1;2.0000;0.0000;9.0000;0.0000;0.0000;-0.0040;fail");
 }
 
 TEST(MetricsJson, SchemaNamesEveryEquationOfThePaper) {
@@ -126,6 +168,10 @@ TEST(MetricsCsv, HasOneRowAnAnchorInMillimetres) {
   EXPECT_EQ(lines[7].substr(0, 13), "\"K, \"\"left\"\"\"");
   EXPECT_EQ(lines[8].substr(lines[8].size() - 14), "no model point");
   const auto commas = std::count(lines[0].begin(), lines[0].end(), ',');
+  const DeviationT deviation = built();
+  for (std::istringstream rows(metrics_csv(evaluate_accuracy(everything(), {}), &deviation));
+       std::getline(rows, lines[0]);)
+    EXPECT_GE(std::count(lines[0].begin(), lines[0].end(), ','), commas) << lines[0];
   EXPECT_EQ(std::count(lines[5].begin(), lines[5].end(), ','), commas);
   EXPECT_EQ(std::count(lines[8].begin(), lines[8].end(), ','), commas);
 }

@@ -5,46 +5,48 @@
 
 #include "small_building.hpp"
 
-namespace plumbline::evaluate {
+namespace plumbline::judgement {
 namespace {
 
-using test::mm;
+using evaluate::test::mm;
 
 /// A facade that looks to -y: a panel of 2 m by 2 m about (1, 0, 1), held at its corners a, b (below), c, d (above).
-Inputs facade(int anchors) {
+DeviationInputs facade(std::size_t anchors) {
   const char* names[] = {"a", "c", "b", "d"};  // the first two stand above each other
   const Eigen::Vector3d places[] = {{0, 0, 0}, {0, 0, 2}, {2, 0, 0}, {2, 0, 2}};
-  Inputs inputs;
-  inputs.design.emplace();
-  PanelEntry panel;
-  panel.guid = "guid", panel.name = "P", panel.centre = {1, 0, 1};
-  for (int i = 0; i < anchors; ++i) {
-    inputs.anchors.push_back({names[i], 2, 1, 1, AnchorUse::check});
-    inputs.survey.ids.push_back(names[i]);
-    inputs.survey.positions.push_back(places[i]);
-    panel.anchors.push_back(names[i]);
+  DeviationInputs inputs;
+  inputs.facade_normal = {0, -1, 0};
+  PanelCase panel;
+  panel.guid = "guid", panel.name = "P", panel.low = {0, -0.01, 0}, panel.high = {2, 0.01, 2};
+  panel.tolerances = tolerances_of({}, {});
+  for (std::size_t i = 0; i < anchors; ++i) {
+    AnchorCase anchor;
+    anchor.id = names[i], anchor.floor = 2, anchor.use = "check", anchor.element.guid = std::string("g") + names[i];
+    anchor.design = places[i], anchor.tolerances = tolerances_of({}, {});
+    inputs.anchors.push_back(anchor);
+    inputs.model.ids.push_back(names[i]);
+    inputs.model.positions.push_back(places[i]);
+    panel.anchors.push_back(i);
   }
-  inputs.model = inputs.survey;
-  *inputs.design = inputs.survey;
-  test::set_sigmas(inputs, 0.3 * mm, 0.4 * mm);
+  inputs.model.covariance = evaluate::test::isotropic(anchors, 0.3 * mm);
   inputs.panels.push_back(panel);
   return inputs;
 }
 
-void move(Inputs& inputs, const Eigen::Vector3d& shift, const Eigen::Vector3d& turn) {
+void move(DeviationInputs& inputs, const Eigen::Vector3d& shift, const Eigen::Vector3d& turn) {
   for (Eigen::Vector3d& p : inputs.model.positions)
-    p += shift + turn.cross(Eigen::Vector3d(p - inputs.panels[0].centre));
+    p += shift + turn.cross(Eigen::Vector3d(p - Eigen::Vector3d(1, 0, 1)));
 }
 
 TEST(Panels, AStiffMotionIsFoundAndLeavesNothing) {
-  Inputs inputs = facade(4);
+  DeviationInputs inputs = facade(4);
   // Outward is -y, right is +x. Lean outward at the top: turn about +x by +: z -> -y. So the vector is (+, ., .).
   move(inputs, {2 * mm, -3 * mm, 1 * mm}, {4e-4, 3e-4, -2e-4});
-  const AccuracyT accuracy = evaluate_accuracy(inputs, {});
-  ASSERT_EQ(accuracy.panels.size(), 1u);
-  const PanelAccuracyT& p = *accuracy.panels[0];
+  const DeviationT deviation = judge_deviations(inputs, {});
+  ASSERT_EQ(deviation.panels.size(), 1u);
+  const PanelDeviationT& p = *deviation.panels[0];
   EXPECT_EQ(p.floor, 2);
-  EXPECT_EQ(p.anchors.size(), 4u);
+  EXPECT_EQ(p.fixings.size(), 4u);
   EXPECT_NEAR(p.out_of_plane->value, 3 * mm, 1e-12);
   EXPECT_NEAR(p.sideways->value, 2 * mm, 1e-12);
   EXPECT_NEAR(p.vertical->value, 1 * mm, 1e-12);
@@ -59,31 +61,34 @@ TEST(Panels, AStiffMotionIsFoundAndLeavesNothing) {
   EXPECT_NEAR(p.out_of_plane->u, 0.15 * mm, 1e-12);
   EXPECT_NEAR(p.u_lean, 0.15e-3, 1e-9);
   EXPECT_EQ(p.verdict, ToleranceVerdict::pass);
-  EXPECT_EQ(p.decided_by, "out_of_plane");
+  // The top right corner leans and turns outward on top of the shift: 3 + 0.4 + 0.2 mm.
+  EXPECT_NEAR(p.corner->value, 3.6 * mm, 1e-12);
+  EXPECT_EQ(p.decided_by, "corner");
+  EXPECT_NEAR(p.fixings[0]->shim, -(3 - 0.4 - 0.2) * mm, 1e-12);
 }
 
 TEST(Panels, WarpAndMisfitAreWhatAStiffPanelCannotFollow) {
-  Inputs inputs = facade(4);
+  DeviationInputs inputs = facade(4);
   const double signs[] = {1, -1, -1, 1};  // a saddle: opposite corners alike
   for (std::size_t i = 0; i < 4; ++i) inputs.model.positions[i].y() -= 9 * mm * signs[i];
-  AccuracyT accuracy = evaluate_accuracy(inputs, {});
-  EXPECT_NEAR(accuracy.panels[0]->warp->value, 9 * mm, 1e-12);
-  EXPECT_NEAR(accuracy.panels[0]->tilt->value, 0, 1e-12);
-  EXPECT_EQ(accuracy.panels[0]->verdict, ToleranceVerdict::fail);
-  EXPECT_EQ(accuracy.panels[0]->decided_by, "warp");
+  DeviationT deviation = judge_deviations(inputs, {});
+  EXPECT_NEAR(deviation.panels[0]->warp->value, 9 * mm, 1e-12);
+  EXPECT_NEAR(deviation.panels[0]->tilt->value, 0, 1e-12);
+  EXPECT_EQ(deviation.panels[0]->verdict, ToleranceVerdict::fail);
+  EXPECT_EQ(deviation.panels[0]->decided_by, "warp");
 
   inputs = facade(4);
   inputs.model.positions[2].x() += 4 * mm, inputs.model.positions[3].x() += 4 * mm;  // the columns stand apart
-  accuracy = evaluate_accuracy(inputs, {});
-  EXPECT_NEAR(accuracy.panels[0]->misfit->value, 2 * mm, 1e-12);
-  EXPECT_NEAR(accuracy.panels[0]->sideways->value, 2 * mm, 1e-12);
+  deviation = judge_deviations(inputs, {});
+  EXPECT_NEAR(deviation.panels[0]->misfit->value, 2 * mm, 1e-12);
+  EXPECT_NEAR(deviation.panels[0]->sideways->value, 2 * mm, 1e-12);
 }
 
 TEST(Panels, WhatTheAnchorsCannotTellIsUnknown) {
-  Inputs inputs = facade(2);  // above each other
+  DeviationInputs inputs = facade(2);  // above each other
   move(inputs, {0, -1 * mm, 0}, {1e-3, 0, 0});
-  AccuracyT accuracy = evaluate_accuracy(inputs, {});
-  const PanelAccuracyT& two = *accuracy.panels[0];
+  DeviationT deviation = judge_deviations(inputs, {});
+  const PanelDeviationT& two = *deviation.panels[0];
   EXPECT_NEAR(two.lean, 1e-3, 1e-12);
   EXPECT_TRUE(std::isnan(two.turn));
   EXPECT_TRUE(std::isfinite(two.roll));
@@ -92,21 +97,68 @@ TEST(Panels, WhatTheAnchorsCannotTellIsUnknown) {
 
   inputs = facade(1);
   move(inputs, {0, -1 * mm, 0}, Eigen::Vector3d::Zero());
-  accuracy = evaluate_accuracy(inputs, {});
-  EXPECT_NEAR(accuracy.panels[0]->out_of_plane->value, 1 * mm, 1e-12);
-  EXPECT_TRUE(std::isnan(accuracy.panels[0]->lean) && std::isnan(accuracy.panels[0]->tilt->value));
-  EXPECT_EQ(accuracy.panels[0]->tilt->verdict, ToleranceVerdict::not_measured);
+  deviation = judge_deviations(inputs, {});
+  EXPECT_NEAR(deviation.panels[0]->out_of_plane->value, 1 * mm, 1e-12);
+  EXPECT_TRUE(std::isnan(deviation.panels[0]->lean) && std::isnan(deviation.panels[0]->tilt->value));
+  EXPECT_EQ(deviation.panels[0]->tilt->verdict, ToleranceVerdict::not_measured);
 }
 
 TEST(Panels, UnmeasuredAnchorsAreLeftOutAndAPanelWithoutAnyIsNotListed) {
-  Inputs inputs = facade(4);
+  DeviationInputs inputs = facade(4);
   inputs.model.positions[1].setConstant(std::nan(""));
-  AccuracyT accuracy = evaluate_accuracy(inputs, {});
-  EXPECT_EQ(accuracy.panels[0]->anchors.size(), 3u);
-  EXPECT_EQ(accuracy.panels[0]->anchors_listed, 4);
+  DeviationT deviation = judge_deviations(inputs, {});
+  EXPECT_EQ(deviation.panels[0]->fixings.size(), 3u);
+  EXPECT_EQ(deviation.panels[0]->missing, std::vector<std::string>{"c"});
+  EXPECT_EQ(deviation.panels[0]->verdict, ToleranceVerdict::undecided);
+  EXPECT_EQ(deviation.panels[0]->decided_by, "missing_anchor");
   for (auto& p : inputs.model.positions) p.setConstant(std::nan(""));
-  EXPECT_TRUE(evaluate_accuracy(inputs, {}).panels.empty());
+  EXPECT_TRUE(judge_deviations(inputs, {}).panels.empty());
+}
+
+TEST(Panels, NeverPassOnAnAnchorThatFails) {
+  DeviationInputs inputs = facade(4);
+  inputs.model.positions[0].y() -= 7 * mm;  // one of four: shift 1.75, warp 1.75 mm, each within 5 mm
+  const DeviationT deviation = judge_deviations(inputs, {});
+  EXPECT_EQ(deviation.anchors[0]->verdict, ToleranceVerdict::fail);
+  EXPECT_LT(std::abs(deviation.panels[0]->out_of_plane->value), 2 * mm);
+  EXPECT_EQ(deviation.panels[0]->verdict, ToleranceVerdict::fail);
+  EXPECT_EQ(deviation.panels[0]->decided_by, "anchor");
+  EXPECT_NE(deviation.panels[0]->reason.find("anchor a horizontal 7.0 mm (limit 5 mm)"), std::string::npos)
+      << deviation.panels[0]->reason;
+}
+
+TEST(Panels, JointsBetweenNeighbours) {
+  DeviationInputs inputs = facade(4);
+  DeviationInputs right = facade(4);  // the same panel 2.02 m to the right: a joint of 20 mm
+  PanelCase neighbour = right.panels[0];
+  neighbour.guid = "right", neighbour.name = "Q", neighbour.low.x() += 2.02, neighbour.high.x() += 2.02,
+  neighbour.anchors.clear();
+  for (AnchorCase anchor : right.anchors) {
+    anchor.id += "2", anchor.element.guid += "2", anchor.design.x() += 2.02;
+    neighbour.anchors.push_back(inputs.anchors.size());
+    inputs.model.ids.push_back(anchor.id);
+    // 4 mm to the right below, 3 mm above: turned in its plane.
+    inputs.model.positions.push_back(anchor.design + Eigen::Vector3d(anchor.design.z() > 1 ? 3 * mm : 4 * mm, 0, 0));
+    inputs.anchors.push_back(anchor);
+  }
+  inputs.panels.push_back(neighbour);
+  inputs.model.covariance = evaluate::test::isotropic(8, 0.3 * mm);
+  for (std::size_t i = 0; i < 4; ++i) inputs.model.positions[i].x() -= 1 * mm;
+  const DeviationT deviation = judge_deviations(inputs, {});
+  ASSERT_EQ(deviation.panels[0]->joints.size(), 1u);
+  const PanelJointT& joint = *deviation.panels[0]->joints[0];
+  EXPECT_EQ(joint.side, "right");
+  EXPECT_EQ(joint.panel, "right");
+  EXPECT_NEAR(joint.design, 20 * mm, 1e-12);
+  EXPECT_NEAR(joint.narrowest, 24 * mm, 1e-9);
+  EXPECT_NEAR(joint.widest, 25 * mm, 1e-9);
+  EXPECT_NEAR(joint.change->value, 5 * mm, 1e-9);
+  EXPECT_NEAR(joint.change->tolerance, 10 * mm, 1e-12);
+  EXPECT_EQ(deviation.panels[1]->joints[0]->side, "left");
+  // Two columns of two anchors: each side's end moves with the mean of all four, turned about the centre. The two
+  // panels share no anchor, so the variances add: at the lower end (1/4 + (1 m)²·2/(8 m²)) σ² each, in x.
+  EXPECT_NEAR(joint.change->u, 0.3 * mm * std::sqrt(2 * (0.25 + 1.0 / 8)), 1e-6);
 }
 
 }  // namespace
-}  // namespace plumbline::evaluate
+}  // namespace plumbline::judgement

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "judgement/accuracy.hpp"
+#include "judgement/deviation.hpp"
 
 namespace plumbline::report::test {
 
@@ -30,9 +31,9 @@ std::string id_of(int floor, int column, int row) {
   return "F0" + std::to_string(floor) + "-C0" + std::to_string(column) + "-R" + std::to_string(row);
 }
 
-evaluate::Inputs campaign(int floors) {
+evaluate::Inputs campaign(int floors, evaluate::PointSet& designed) {
   evaluate::Inputs inputs;
-  inputs.design.emplace(), inputs.truth.emplace();
+  inputs.truth.emplace();
   Normal normal(4);
   const auto noise = [&](double sigma) {
     return Eigen::Vector3d(sigma * normal(), sigma * normal(), sigma * normal());
@@ -49,7 +50,7 @@ evaluate::Inputs campaign(int floors) {
           set.ids.push_back(id);
           set.positions.push_back(p);
         };
-        add(*inputs.design, design);
+        add(designed, design);
         add(*inputs.truth, truth);
         add(inputs.survey, truth + noise(0.7 * mm));
         const double blunder = i == 18 ? 7 * mm : i == 9 ? 3.6 * mm : 0;
@@ -62,6 +63,34 @@ evaluate::Inputs campaign(int floors) {
   inputs.model.covariance = isotropic(inputs.model.ids.size(), 0.4 * mm);
   inputs.survey.covariance = isotropic(inputs.survey.ids.size(), 0.7 * mm);
   return inputs;
+}
+
+/// The same anchors against their design, with a panel between every four.
+DeviationT built(const evaluate::Inputs& inputs, const evaluate::PointSet& designed) {
+  judgement::DeviationInputs cases;
+  cases.model = inputs.model, cases.design_file = "tower.ifc", cases.facade_normal = {0, -1, 0};
+  for (std::size_t i = 0; i < inputs.anchors.size(); ++i) {
+    judgement::AnchorCase anchor;
+    anchor.id = inputs.anchors[i].id, anchor.floor = inputs.anchors[i].floor, anchor.column = inputs.anchors[i].column;
+    anchor.use = inputs.anchors[i].use == AnchorUse::check ? "check" : "control";
+    anchor.element.guid = "guid of " + anchor.id, anchor.element.ifc_class = "IfcMechanicalFastener";
+    anchor.found_by = "name", anchor.reference_point_rule = "placement", anchor.instance = i + 1;
+    anchor.storey_guid = "storey" + std::to_string(anchor.floor),
+    anchor.element.storey = "Level " + std::to_string(anchor.floor);
+    anchor.design = designed.positions[i], anchor.tolerances = judgement::tolerances_of({}, {});
+    cases.anchors.push_back(anchor);
+  }
+  for (std::size_t i = 0; i + 5 < inputs.anchors.size(); i += 8)  // eight anchors a floor in two rows
+    for (std::size_t column = 0; column < 3; ++column) {
+      judgement::PanelCase panel;
+      panel.guid = "panel" + std::to_string(i + column), panel.name = "P" + std::to_string(cases.panels.size() + 1);
+      panel.anchors = {i + column, i + column + 1, i + column + 4, i + column + 5};
+      panel.low = designed.positions[i + column] + Eigen::Vector3d(0.01, -0.1, 0);
+      panel.high = designed.positions[i + column + 5] + Eigen::Vector3d(-0.01, 0, 0);
+      panel.tolerances = judgement::tolerances_of({}, {});
+      cases.panels.push_back(panel);
+    }
+  return judgement::judge_deviations(cases, {});
 }
 
 NetworkPage network(const evaluate::Inputs& inputs) {
@@ -112,11 +141,13 @@ NetworkPage network(const evaluate::Inputs& inputs) {
 }  // namespace
 
 ReportInput example(int floors) {
-  const evaluate::Inputs inputs = campaign(floors);
+  evaluate::PointSet designed;
+  const evaluate::Inputs inputs = campaign(floors, designed);
   ReportInput report;
   report.title = "Facade anchors, full height";
   report.subtitle = "Example building, south facade, 5 floors. Campaign of 12 May 2025";
   report.accuracy = evaluate::evaluate_accuracy(inputs, {});
+  report.deviation = built(inputs, designed);
   report.network = network(inputs);
   report.provenance = {
       {"Pipeline", "full_height"}, {"Plumbline", "0.1.0"}, {"Seed", "1"}, {"Design", "tower.ifc (IFC4)"}};

@@ -14,15 +14,65 @@ namespace {
 
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
-TEST(Report, SaysTheVerdictFirst) {
-  const std::string html = render_report(test::example());
-  const auto verdict = html.find("class=\"verdict undecided\"");
+TEST(Report, SaysFirstWhetherOneCanInstallAndWhatToMend) {
+  const ReportInput input = test::example();
+  const std::string html = render_report(input);
+  const auto verdict = html.find("class=\"verdict fail\" id=\"install\"");
   ASSERT_NE(verdict, std::string::npos);
   EXPECT_LT(verdict, html.find("<table"));
+  EXPECT_TRUE(contains(html, "Not ready: "));
+  // The first row of the first table is the anchor with the largest share of its tolerance.
+  double worst = 0;
+  std::string id;
+  for (const auto& anchor : input.deviation->anchors)
+    for (const auto& axis : anchor->axes)
+      if (axis->axis == anchor->decided_by && anchor->verdict == ToleranceVerdict::fail &&
+          std::abs(axis->value) > worst)
+        worst = std::abs(axis->value), id = anchor->id;
+  const std::string first = html.substr(html.find("<tbody>", html.find("Where not, and what to do")), 200);
+  EXPECT_TRUE(contains(first, "Anchor " + id)) << first;
   EXPECT_TRUE(contains(html, "Undecided: 1 of 15 check anchors is too close to ±5\u00A0mm to call."));
-  for (const char* id :
-       {"numbers", "floors", "passrate", "facade", "transfer", "anchors", "method", "network", "provenance"})
-    EXPECT_TRUE(contains(html, std::string("id=\"") + id + "\"")) << id;
+  for (const char* id_of : {"view", "quality", "panels", "numbers", "floors", "passrate", "facade", "transfer",
+                            "anchors", "method", "network", "provenance"})
+    EXPECT_TRUE(contains(html, std::string("id=\"") + id_of + "\"")) << id_of;
+}
+
+TEST(Report, LosesNoNameInTheFacade) {
+  const ReportInput input = test::example();
+  const std::string html = render_report(input);
+  const std::string facade =
+      html.substr(html.find("id=\"facade\""), html.find("id=\"panels\"") - html.find("id=\"facade\""));
+  for (const auto& anchor : input.deviation->anchors) {
+    const std::string name = anchor->id.substr(4);  // without "F01-"
+    std::size_t times = 0;
+    for (std::size_t at = 0; (at = facade.find(">" + name, at)) != std::string::npos; ++at) ++times;
+    EXPECT_GE(times, 3u) << anchor->id;  // three drawings
+  }
+}
+
+TEST(Report, WithoutDesignItIsAboutMeasuring) {
+  ReportInput input = test::example();
+  input.deviation.reset();
+  const std::string html = render_report(input);
+  EXPECT_FALSE(contains(html, "id=\"install\""));
+  EXPECT_FALSE(contains(html, "id=\"judged\""));
+  EXPECT_TRUE(contains(html, "class=\"verdict undecided\""));
+}
+
+TEST(Report, WarnsOfTheCauseBeforeItsConsequences) {
+  ReportInput input = test::example();
+  input.deviation->common_shift->significant = true;
+  input.deviation->common_shift->words = "All are shifted.";
+  input.deviation->warnings = {"consequence", "All are shifted."};
+  const std::string html = render_report(input);
+  EXPECT_LT(html.find("<li>All are shifted.</li>"), html.find("<li>consequence</li>"));
+}
+
+TEST(Report, FoldsNothingAwayWithoutScript) {
+  const std::string html = render_report(test::example());
+  const std::string own = html.substr(0, html.find("id=\"network\""));
+  EXPECT_FALSE(contains(own, "<details>"));
+  EXPECT_TRUE(contains(own, "<details open=\"open\" class=\"fold\">"));
 }
 
 TEST(Report, RequestsNothingFromOutside) {
@@ -41,7 +91,12 @@ TEST(Report, EscapesEverythingThatComesFromFiles) {
   for (auto& c : input.accuracy.comparisons) c->worst_anchor = c->evidence_note = attack;
   input.accuracy.warnings = {attack};
   input.accuracy.correlation_note = attack;
-  input.accuracy.design->worst_anchor = attack;
+  for (auto& a : input.deviation->anchors) a->id = a->guid = a->note = a->class_ = a->found_by = attack + a->id;
+  for (auto& p : input.deviation->panels) {
+    p->name = p->reason = attack;
+    for (auto& fixing : p->fixings) fixing->anchor = attack + fixing->anchor;
+  }
+  input.deviation->warnings = {attack};
   for (auto& p : input.network->points) p.id = attack;
   for (auto& o : input.network->observations) o.from = o.to = o.kind = o.source = attack;
   for (auto& g : input.network->groups) g.name = attack;
@@ -58,7 +113,9 @@ TEST(Report, ElementsAreBalancedAndNumbersAreFinite) {
   const std::string html = render_report(test::example());
   const std::regex tag("<(/?)([a-z0-9]+)([^>]*)>");
   std::vector<std::string> open;
-  const std::string body = html.substr(html.find("<body"), html.find("<script>") - html.find("<body"));
+  std::string body = html.substr(html.find("<body"), html.rfind("<script>") - html.find("<body"));
+  const std::size_t data = body.find("<script type=\"application/json\"");
+  body.erase(data, body.find("</script>", data) + 9 - data);
   for (std::sregex_iterator it(body.begin(), body.end(), tag), end; it != end; ++it) {
     const std::string name = (*it)[2], rest = (*it)[3];
     if (!rest.empty() && rest.back() == '/') continue;

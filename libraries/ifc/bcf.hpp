@@ -1,0 +1,26 @@
+// Issues for the people who mend them: BCF 2.1, the version that every BIM program reads. Nothing is judged here.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "artifacts/deviation.hpp"
+
+namespace plumbline::bim {
+
+struct BcfOptions {
+  std::string project_guid;                  ///< IFC GlobalId, the name space of the topics' ids
+  std::string epoch;                         ///< part of the ids
+  std::string date = "1970-01-01T00:00:00";  ///< of the topics, xs:dateTime
+  std::string author = "plumbline";
+  std::string assigned_to, due_date;  ///< left out where empty
+};
+
+/// A .bcf (ZIP): one topic for every failing or undecided anchor and panel, worst first, with a viewpoint that selects
+/// and colours it (camera in metres, project coordinates) and a snapshot. The same input gives the same bytes.
+std::string write_bcf(const DeviationT& deviation, const BcfOptions& options);
+
+/// The snapshot: the facade from outside with panels and anchors, the one meant framed. PNG.
+std::string snapshot_png(const DeviationT& deviation, const Eigen::Vector3d& centre, double reach);
+
+}  // namespace plumbline::bim

@@ -1,0 +1,297 @@
+#include "ifc/match_elements.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <set>
+#include <stdexcept>
+#include <unordered_map>
+
+namespace plumbline::bim {
+namespace {
+
+std::string trimmed(const std::string& text) {
+  const std::size_t first = text.find_first_not_of(" \t"), last = text.find_last_not_of(" \t");
+  return first == std::string::npos ? std::string() : text.substr(first, last - first + 1);
+}
+
+std::string value_of(const Element& element, const std::string& key) {
+  if (key == "guid") return element.guid;
+  if (key == "tag") return element.tag;
+  if (key == "name") return element.name;
+  const std::size_t dot = key.find('.');
+  if (dot == std::string::npos)
+    throw std::runtime_error("match: found the key '" + key + "', expected guid, tag, name or Set.Property");
+  for (const Property& property : element.properties)
+    if (property.set == key.substr(0, dot) && property.name == key.substr(dot + 1)) return property.text;
+  return "";
+}
+
+/// Capitals without separators, leading zeros of numbers dropped: what two spellings of one name have in common.
+std::string bare(const std::string& text) {
+  std::string out;
+  bool digit_before = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto c = static_cast<unsigned char>(text[i]);
+    const bool digit = c >= '0' && c <= '9';
+    if (c == '0' && !digit_before && i + 1 < text.size() && text[i + 1] >= '0' && text[i + 1] <= '9') continue;
+    digit_before = digit;
+    if (digit || (c >= 'A' && c <= 'Z') || c >= 0x80) out += text[i];
+    if (c >= 'a' && c <= 'z') out += static_cast<char>(c - 'a' + 'A');
+  }
+  return out;
+}
+
+/// Levenshtein distance, at most 3.
+int distance(const std::string& a, const std::string& b) {
+  if (a.size() > b.size() + 2 || b.size() > a.size() + 2 || a.size() > 100) return 3;
+  std::vector<int> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = static_cast<int>(j);
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    int diagonal = row[0];
+    row[0] = static_cast<int>(i);
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const int above = row[j];
+      row[j] = std::min({above + 1, row[j - 1] + 1, diagonal + (a[i - 1] != b[j - 1])});
+      diagonal = above;
+    }
+  }
+  return std::min(row[b.size()], 3);
+}
+
+std::string words_of(const Element& element) {
+  return element.ifc_class + " '" + element.name + "'" + (element.tag.empty() ? "" : ", Tag '" + element.tag + "'") +
+         " (" + element.guid + ")";
+}
+
+std::string list_of(const std::vector<const Element*>& elements) {
+  std::string text;
+  for (std::size_t i = 0; i < std::min<std::size_t>(elements.size(), 3); ++i)
+    text += (i ? "; " : "") + words_of(*elements[i]);
+  return text + (elements.size() > 3 ? "; and " + std::to_string(elements.size() - 3) + " more" : "");
+}
+
+class Matcher {
+ public:
+  Matcher(const Design& design, const MatchOptions& options)
+      : design_(design), options_(options), normal_(estimate_facade_normal(design)) {
+    for (const std::string& key : options.by) {
+      auto& index = index_[key];
+      for (const Element& element : design.elements)
+        if (const std::string value = value_of(element, key); !value.empty()) index[value].push_back(&element);
+    }
+    for (const MappingRow& row : options.mapping) mapping_[row.point].push_back(&row);
+  }
+
+  MatchedElement match(const std::string& anchor) const {
+    MatchedElement found;
+    found.anchor = anchor;
+    if (const auto rows = mapping_.find(anchor); rows != mapping_.end()) {
+      if (rows->second.size() > 1) {
+        found.note = "the mapping table has it in lines " + std::to_string(rows->second[0]->line) + " and " +
+                     std::to_string(rows->second[1]->line);
+        return found;
+      }
+      const MappingRow& row = *rows->second[0];
+      resolve(row.element, found);
+      if (found.element) found.found_by = "mapping";
+      if (!found.element)
+        found.note =
+            "line " + std::to_string(row.line) + " of the mapping table leads to '" + row.element + "': " + found.note;
+    } else {
+      resolve(anchor, found);
+    }
+    if (found.element) place(found);
+    return found;
+  }
+
+ private:
+  void resolve(const std::string& id, MatchedElement& found) const {
+    std::vector<const Element*> ambiguous;
+    std::string ambiguous_key;
+    for (const std::string& key : options_.by) {
+      const auto entry = index_.at(key).find(id);
+      if (entry == index_.at(key).end()) continue;
+      std::vector<const Element*> candidates = entry->second;
+      if (candidates.size() > 1 &&
+          std::any_of(candidates.begin(), candidates.end(), [](const Element* e) { return e->is_anchor; }))
+        std::erase_if(candidates, [](const Element* element) { return !element->is_anchor; });
+      if (candidates.size() > 1) {
+        if (ambiguous.empty()) ambiguous = candidates, ambiguous_key = key;
+        continue;
+      }
+      if (found.element && found.element != candidates[0]) {
+        found.note = "its " + found.found_by + " is that of " + words_of(*found.element) + ", its " + key +
+                     " that of " + words_of(*candidates[0]) + "; say in a mapping table which is meant";
+        found.element = nullptr, found.found_by.clear();
+        return;
+      }
+      if (!found.element) found.element = candidates[0], found.found_by = key;
+    }
+    if (found.element) return;
+    if (!ambiguous.empty())
+      found.note = std::to_string(ambiguous.size()) + " elements have this " + ambiguous_key + ": " +
+                   list_of(ambiguous) + "; name them by GlobalId or Tag, or give a mapping table";
+    else
+      found.note = "no element has this " + keys() + near_misses(id);
+  }
+
+  std::string keys() const {
+    std::string text;
+    for (std::size_t i = 0; i < options_.by.size(); ++i)
+      text += (i == 0 ? "" : i + 1 < options_.by.size() ? ", " : " or ") + options_.by[i];
+    return text;
+  }
+
+  std::string near_misses(const std::string& id) const {
+    const std::string own = bare(id);
+    std::vector<const Element*> alike, cut, close;
+    for (const Element& element : design_.elements)
+      for (const std::string& key : options_.by) {
+        const std::string value = value_of(element, key);
+        if (value.empty() || own.empty()) continue;
+        const std::string other = bare(value);
+        auto* list = other == own ? &alike
+                     : (id.size() == 8 || id.size() == 16) && value.size() > id.size() &&
+                             (value.starts_with(id) || value.ends_with(id))
+                         ? &cut
+                     : element.is_anchor && own.size() > 3 && distance(own, other) <= 2 ? &close
+                                                                                        : nullptr;
+        if (!list) continue;
+        list->push_back(&element);
+        break;
+      }
+    if (!alike.empty()) return "; but for case, separators or leading zeros it is " + list_of(alike);
+    if (!cut.empty())
+      return "; it has the " + std::to_string(id.size()) + " characters of a GSI file, cut off from " + list_of(cut) +
+             ": give a mapping table";
+    if (!close.empty()) return "; near to it: " + list_of(close);
+    return "";
+  }
+
+  void place(MatchedElement& found) const {
+    const Element& element = *found.element;
+    const ElementFacts facts = facts_of(element);
+    found.reference = element.position, found.reference_rule = name_of(element.rule);
+    for (const ReferencePoint& reference : options_.references) {
+      if (!reference.selection.matches(facts)) continue;
+      found.reference = reference_point(element, reference.rule), found.reference_rule = reference.rule;
+    }
+    for (const TargetOffset& offset : options_.offsets) {
+      if (!offset.selection.matches(facts)) continue;
+      found.target_offset = element.project_from_element.rotation * offset.own;
+      if (offset.out == 0 && offset.right == 0 && offset.up == 0) continue;
+      const Eigen::Vector3d out = facade(offset.selection.text());
+      found.target_offset +=
+          offset.out * out + offset.right * Eigen::Vector3d::UnitZ().cross(out) + offset.up * Eigen::Vector3d::UnitZ();
+    }
+  }
+
+  const Eigen::Vector3d& facade(const std::string& rule) const {
+    if (!normal_)
+      throw std::runtime_error("'" + rule + "' asks for a place on the facade, but the anchors of " +
+                               design_.file_name +
+                               " lie in no single facade; give the offset in the element's axes (x, y, z)");
+    return *normal_;
+  }
+
+  Eigen::Vector3d reference_point(const Element& element, const std::string& rule) const {
+    if (rule == "placement") return element.project_from_element.translation;
+    if (!element.has_box) return element.position;
+    const Eigen::Vector3d middle =
+        element.project_from_element * Eigen::Vector3d(0.5 * (element.box_low + element.box_high));
+    if (rule == "middle") return middle;
+    const Eigen::Vector3d out = facade(rule);
+    const Eigen::Vector3d own = element.project_from_element.rotation.conjugate() * out;
+    const Eigen::Vector3d half = 0.5 * (element.box_high - element.box_low);
+    return middle + own.cwiseAbs().dot(half) * out;
+  }
+
+  const Design& design_;
+  const MatchOptions& options_;
+  std::optional<Eigen::Vector3d> normal_;
+  std::map<std::string, std::unordered_map<std::string, std::vector<const Element*>>> index_;
+  std::map<std::string, std::vector<const MappingRow*>> mapping_;
+};
+
+/// The part before the last colon, and what follows.
+std::pair<std::string, std::string> split(const std::string& text, const char* example) {
+  const std::size_t colon = text.rfind(':');
+  if (colon == std::string::npos)
+    throw std::runtime_error("'" + text + "': found no ':', expected such as '" + example + "'");
+  return {trimmed(text.substr(0, colon)), trimmed(text.substr(colon + 1))};
+}
+
+}  // namespace
+
+TargetOffset parse_offset(const std::string& text) {
+  const char* example = "class=IfcMechanicalFastener: out=40mm, up=-5mm";
+  const auto [selection, rest] = split(text, example);
+  TargetOffset offset{Selection(selection), 0, 0, 0, Eigen::Vector3d::Zero()};
+  std::map<std::string, double*> places = {{"out", &offset.out},   {"right", &offset.right}, {"up", &offset.up},
+                                           {"x", &offset.own.x()}, {"y", &offset.own.y()},   {"z", &offset.own.z()}};
+  std::string list = rest;
+  for (bool more = true; more;) {
+    const std::size_t comma = list.find(',');
+    const std::string part = trimmed(list.substr(0, comma));
+    more = comma != std::string::npos;
+    if (more) list = list.substr(comma + 1);
+    const std::size_t equals = part.find('=');
+    const auto place = equals == std::string::npos ? places.end() : places.find(trimmed(part.substr(0, equals)));
+    const std::string number = equals == std::string::npos ? "" : trimmed(part.substr(equals + 1));
+    double value = 0;
+    const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), value);
+    const std::string unit = trimmed(std::string(end, number.data() + number.size()));
+    if (place == places.end() || error != std::errc() || (unit != "mm" && unit != "m"))
+      throw std::runtime_error("target offset '" + text + "': found '" + part +
+                               "', expected out, right, up, x, y or z with a length in mm or m, such as '" + example +
+                               "'");
+    *place->second = value * (unit == "mm" ? 1e-3 : 1);
+  }
+  return offset;
+}
+
+ReferencePoint parse_reference(const std::string& text) {
+  const auto [selection, rule] = split(text, "class=IfcMechanicalFastener: head");
+  if (rule != "placement" && rule != "middle" && rule != "head")
+    throw std::runtime_error("reference point '" + text + "': found '" + rule +
+                             "', expected placement, middle or head");
+  return {Selection(selection), rule};
+}
+
+std::vector<MatchedElement> match_elements(const Design& design, const std::vector<std::string>& anchors,
+                                           const MatchOptions& options, std::vector<std::string>& warnings) {
+  const Matcher matcher(design, options);
+  std::vector<MatchedElement> matches;
+  std::map<const Element*, std::size_t> taken;
+  for (const std::string& anchor : anchors) {
+    matches.push_back(matcher.match(anchor));
+    MatchedElement& found = matches.back();
+    if (!found.element) continue;
+    const auto [other, added] = taken.emplace(found.element, matches.size() - 1);
+    if (added) continue;
+    const std::string note =
+        "'" + matches[other->second].anchor + "' and '" + found.anchor + "' are both " + words_of(*other->first);
+    for (MatchedElement* both : {&matches[other->second], &found})
+      both->note = note, both->element = nullptr, both->found_by.clear();
+  }
+  std::size_t unmatched = 0;
+  std::string first;
+  for (const MatchedElement& match : matches) {
+    if (match.element) continue;
+    if (unmatched++ == 0) first = "'" + match.anchor + "': " + match.note;
+    if (unmatched <= 10) warnings.push_back("anchor '" + match.anchor + "': " + match.note);
+  }
+  if (unmatched > 10) warnings.push_back(std::to_string(unmatched - 10) + " more anchors fit no element of the design");
+  const std::set<std::string> known(anchors.begin(), anchors.end());
+  for (const MappingRow& row : options.mapping)
+    if (!known.contains(row.point))
+      warnings.push_back("line " + std::to_string(row.line) + " of the mapping table: the plate table has no anchor '" +
+                         row.point + "'");
+  if (!matches.empty() && unmatched == matches.size())
+    throw std::runtime_error("none of the " + std::to_string(matches.size()) +
+                             " anchors of the plate table is an element of " + design.file_name + "; the first, " +
+                             first);
+  return matches;
+}
+
+}  // namespace plumbline::bim

@@ -1,0 +1,242 @@
+#include "judgement/deviation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <stdexcept>
+
+#include "judgement/common_shift.hpp"
+#include "judgement/difference.hpp"
+#include "judgement/panels.hpp"
+
+namespace plumbline::judgement {
+namespace {
+
+using evaluate::DifferenceSet;
+
+/// Beyond this the points are in another frame, not badly built [m].
+constexpr double kFarthestAnchor = 1.0;
+
+struct Work {
+  const DeviationInputs& inputs;
+  const DeviationOptions& options;
+  DeviationT out;
+  DifferenceSet deviations;
+};
+
+std::unique_ptr<AnchorDeviationT> row_of(const AnchorCase& anchor) {
+  auto row = std::make_unique<AnchorDeviationT>();
+  row->id = anchor.id, row->guid = anchor.element.guid, row->name = anchor.element.name, row->tag = anchor.element.tag;
+  row->class_ = anchor.element.ifc_class, row->instance = anchor.instance, row->storey_guid = anchor.storey_guid;
+  row->found_by = anchor.found_by, row->reference_point_rule = anchor.reference_point_rule;
+  row->floor = anchor.floor, row->column = anchor.column, row->use = anchor.use;
+  row->design = anchor.design, row->target_offset = anchor.target_offset, row->note = anchor.note;
+  row->as_built.setConstant(AnchorCase::nan), row->deviation.setConstant(AnchorCase::nan);
+  return row;
+}
+
+/// 3 x 3 block, or 0 x 0.
+Eigen::MatrixXd block_of(const Eigen::MatrixXd& covariance, std::size_t i) {
+  if (covariance.size() == 0) return {};
+  return covariance.block<3, 3>(3 * static_cast<Eigen::Index>(i), 3 * static_cast<Eigen::Index>(i));
+}
+
+void judge_anchors(Work& work) {
+  const auto& model = work.inputs.model;
+  const auto index = evaluate::index_points(model, "model");
+  std::vector<std::size_t> places;
+  std::set<std::string> ids;
+  for (std::size_t i = 0; i < work.inputs.anchors.size(); ++i) {
+    const AnchorCase& anchor = work.inputs.anchors[i];
+    if (!ids.insert(anchor.id).second)
+      throw std::runtime_error("the anchor '" + anchor.id + "' occurs twice; ids must be unique");
+    auto row = row_of(anchor);
+    const auto found = index.find(anchor.id);
+    const bool measured = found != index.end() && model.positions[found->second].allFinite();
+    Eigen::MatrixXd covariance;
+    if (measured) {
+      row->as_built = model.positions[found->second];
+      covariance = block_of(model.covariance, found->second);
+    }
+    const Eigen::Vector3d deviation = row->as_built - anchor.design;
+    judge_anchor(deviation, covariance, work.inputs.facade_normal, anchor.tolerances, work.options.guard_factor, *row);
+    if (deviation.allFinite()) {
+      work.deviations.anchors.push_back(i);
+      places.push_back(found->second);
+    } else if (row->note.empty()) {
+      row->note = measured ? "no element of the design fits" : "not measured";
+    }
+    work.out.anchors.push_back(std::move(row));
+  }
+  const auto n = static_cast<Eigen::Index>(places.size());
+  work.deviations.difference.resize(3 * n);
+  for (Eigen::Index i = 0; i < n; ++i)
+    work.deviations.difference.segment<3>(3 * i) =
+        work.out.anchors[work.deviations.anchors[static_cast<std::size_t>(i)]]->deviation;
+  if (model.covariance.size() == 0) return;
+  work.deviations.covariance.resize(3 * n, 3 * n);
+  for (Eigen::Index i = 0; i < n; ++i)
+    for (Eigen::Index j = 0; j < n; ++j)
+      work.deviations.covariance.block<3, 3>(3 * i, 3 * j) =
+          model.covariance.block<3, 3>(3 * static_cast<Eigen::Index>(places[static_cast<std::size_t>(i)]),
+                                       3 * static_cast<Eigen::Index>(places[static_cast<std::size_t>(j)]));
+}
+
+void require_same_frame(const Work& work) {
+  std::vector<double> lengths;
+  for (const auto& anchor : work.out.anchors)
+    if (anchor->deviation.allFinite()) lengths.push_back(anchor->deviation.norm());
+  if (lengths.empty()) return;
+  std::nth_element(lengths.begin(), lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2), lengths.end());
+  const double median = lengths[lengths.size() / 2];
+  if (median < kFarthestAnchor) return;
+  throw std::runtime_error("the measured anchors lie " + std::to_string(median) +
+                           " m (median) from their design positions in " + work.inputs.design_file +
+                           ": they are not in the frame of the design; 'frames.to_building' brings a survey there");
+}
+
+/// Floors are numbers in the plate table and storeys in the design: each anchor that has both votes.
+void judge_floors(Work& work) {
+  std::map<int, std::map<std::string, int>> votes;
+  std::map<std::string, std::string> names;
+  for (std::size_t i = 0; i < work.inputs.anchors.size(); ++i) {
+    const AnchorCase& anchor = work.inputs.anchors[i];
+    names[anchor.storey_guid] = anchor.element.storey;
+    if (!anchor.use.empty() && anchor.floor > 0 && !anchor.storey_guid.empty())
+      ++votes[anchor.floor][anchor.storey_guid];
+  }
+  std::map<std::string, std::vector<int>> floors_of_storey;
+  std::map<int, std::string> storey_of;
+  for (const auto& [floor, storeys] : votes) {
+    const auto winner = std::max_element(storeys.begin(), storeys.end(),
+                                         [](const auto& a, const auto& b) { return a.second < b.second; });
+    storey_of[floor] = winner->first;
+    floors_of_storey[winner->first].push_back(floor);
+  }
+  for (const auto& [storey, floors] : floors_of_storey) {
+    if (floors.size() < 2) continue;
+    work.out.warnings.push_back(
+        std::to_string(floors.size()) + " floors of the plate table have their anchors in one storey of " +
+        work.inputs.design_file + " ('" + names[storey] +
+        "'): the statistics of these floors are in the report, not in the storeys of the as-built IFC.");
+    for (const int floor : floors) storey_of.erase(floor);
+  }
+  // Anchors that the plate table does not list stand on the floor of their storey.
+  std::map<std::string, int> floor_of;
+  for (const auto& [floor, storey] : storey_of) floor_of[storey] = floor;
+  std::map<int, std::unique_ptr<FloorDeviationT>> floors;
+  const auto floor_at = [&](int number) -> FloorDeviationT& {
+    auto& entry = floors[number];
+    if (!entry) {
+      entry = std::make_unique<FloorDeviationT>();
+      entry->floor = number;
+      if (const auto storey = storey_of.find(number); storey != storey_of.end())
+        entry->storey_guid = storey->second, entry->storey = names[storey->second];
+    }
+    return *entry;
+  };
+  for (auto& anchor : work.out.anchors) {
+    if (anchor->floor == 0)
+      if (const auto floor = floor_of.find(anchor->storey_guid); floor != floor_of.end()) anchor->floor = floor->second;
+    FloorDeviationT& floor = floor_at(anchor->floor);
+    ++(anchor->verdict == ToleranceVerdict::pass        ? floor.passed
+       : anchor->verdict == ToleranceVerdict::fail      ? floor.failed
+       : anchor->verdict == ToleranceVerdict::undecided ? floor.undecided
+                                                        : floor.not_measured);
+  }
+  for (const auto& panel : work.out.panels) {
+    FloorDeviationT& floor = floor_at(panel->floor);
+    ++(panel->verdict == ToleranceVerdict::pass   ? floor.panels_passed
+       : panel->verdict == ToleranceVerdict::fail ? floor.panels_failed
+                                                  : floor.panels_undecided);
+  }
+  for (auto& [number, floor] : floors) {
+    if (floor->failed + floor->panels_failed > 0)
+      floor->verdict = ToleranceVerdict::fail;
+    else if (floor->undecided + floor->panels_undecided > 0 || (floor->not_measured > 0 && floor->passed > 0))
+      floor->verdict = ToleranceVerdict::undecided;
+    else if (floor->passed > 0)
+      floor->verdict = ToleranceVerdict::pass;
+    work.out.floors.push_back(std::move(floor));
+  }
+}
+
+void summarise(Work& work) {
+  DeviationT& out = work.out;
+  int panels_failed = 0, panels_open = 0;
+  for (const auto& floor : out.floors) {
+    out.passed += floor->passed, out.undecided += floor->undecided, out.failed += floor->failed;
+    out.not_measured += floor->not_measured;
+    panels_failed += floor->panels_failed, panels_open += floor->panels_undecided;
+  }
+  if (out.failed + panels_failed > 0)
+    out.verdict = ToleranceVerdict::fail;
+  else if (out.undecided + panels_open > 0 || (out.not_measured > 0 && out.passed > 0))
+    out.verdict = ToleranceVerdict::undecided;
+  else if (out.passed > 0)
+    out.verdict = ToleranceVerdict::pass;
+  for (const auto& anchor : out.anchors)
+    if (anchor->verdict == ToleranceVerdict::pass && !(anchor->pass_probability >= out.weakest_pass))
+      out.weakest_pass = anchor->pass_probability;
+}
+
+void find_common_shift(Work& work) {
+  std::vector<Eigen::Vector3d> positions, deviations;
+  double smallest = work.options.tau;
+  for (const std::size_t i : work.deviations.anchors) {
+    positions.push_back(work.out.anchors[i]->design), deviations.push_back(work.out.anchors[i]->deviation);
+    for (const auto& [axis, tolerance] : work.inputs.anchors[i].tolerances)
+      smallest = std::min(smallest, tolerance.value);
+  }
+  const auto would_pass = [&](const std::vector<Eigen::Vector3d>& corrected) {
+    int passing = 0;
+    for (std::size_t k = 0; k < corrected.size(); ++k) {
+      AnchorDeviationT judged;
+      judge_anchor(corrected[k], block_of(work.deviations.covariance, k), work.inputs.facade_normal,
+                   work.inputs.anchors[work.deviations.anchors[k]].tolerances, work.options.guard_factor, judged,
+                   false);
+      passing += judged.verdict == ToleranceVerdict::pass;
+    }
+    return passing;
+  };
+  work.out.common_shift = common_shift(positions, deviations, work.deviations.covariance, smallest, would_pass);
+  if (work.out.common_shift && work.out.common_shift->significant)
+    work.out.warnings.push_back(work.out.common_shift->words);
+}
+
+void warn_of_gaps(Work& work) {
+  std::vector<std::string> homeless;
+  for (const auto& anchor : work.out.anchors)
+    if (anchor->guid.empty()) homeless.push_back(anchor->id);
+  if (!homeless.empty()) {
+    std::string names;
+    for (std::size_t i = 0; i < std::min<std::size_t>(homeless.size(), 5); ++i) names += (i ? ", " : "") + homeless[i];
+    work.out.warnings.push_back(std::to_string(homeless.size()) + " anchors of the plate table are no element of " +
+                                work.inputs.design_file + " and were not judged: " + names +
+                                (homeless.size() > 5 ? ", …" : "") + ".");
+  }
+  if (work.deviations.size() > 0 && work.deviations.covariance.size() == 0)
+    work.out.warnings.push_back(
+        "The model has no covariance: without uncertainty nothing can pass or fail, every verdict is undecided.");
+}
+
+}  // namespace
+
+DeviationT judge_deviations(const DeviationInputs& inputs, const DeviationOptions& options) {
+  if (!(options.tau > 0) || !(options.guard_factor >= 0))
+    throw std::runtime_error("the tolerance must be positive and the guard factor not negative");
+  Work work{inputs, options, {}, {}};
+  work.out.tau = options.tau, work.out.guard_factor = options.guard_factor;
+  work.out.design_file = inputs.design_file, work.out.facade_normal = inputs.facade_normal;
+  judge_anchors(work);
+  require_same_frame(work);
+  work.out.panels = judge_panels(inputs, work.deviations, work.out.anchors, options);
+  judge_floors(work);
+  summarise(work);
+  warn_of_gaps(work);
+  find_common_shift(work);
+  return std::move(work.out);
+}
+
+}  // namespace plumbline::judgement

@@ -1,0 +1,41 @@
+// evaluate.deviation: as-built minus design, judged once for everybody.
+#pragma once
+
+#include "artifacts/design.hpp"
+#include "artifacts/deviation.hpp"
+#include "artifacts/element_matches.hpp"
+#include "artifacts/file.hpp"
+#include "artifacts/plates.hpp"
+#include "artifacts/points.hpp"
+#include "geometry/panel_fit.hpp"
+#include "plumbline/node.hpp"
+
+namespace plumbline::evaluate {
+
+struct EvaluateDeviation : Node {
+  static constexpr Info info{
+      "evaluate.deviation", "", 1,
+      "As-built minus design (14): verdicts of anchors, panels and floors, joints, shims, common shift"};
+  In<Points> model{"model", frame("frame=?F"), "as-built points with their covariance"};
+  In<Design> design{"design", frame("frame=?F"), "the design"};
+  In<ElementMatches> matches{"matches", frame("frame=?F"), "which anchor is which element"};
+  In<Plates> plates{"plates", frame("frame=?P"), "anchor table: floor, column and role of every anchor"};
+  Param<double> tau{"tau", 0.005, "m", between(1e-6, 1),
+                    "tolerance of the horizontal and of the vertical deviation; joints: twice that"};
+  Param<std::vector<std::string>> tolerances{
+      "tolerances", std::vector<std::string>{},
+      "tolerances of their own: 'class=IfcPlate & storey=Level 2: out_of_plane=3mm, vertical=5mm' (horizontal, "
+      "vertical, "
+      "in_plane, out_of_plane, space, joint; 0mm: not judged); later rules go before earlier ones"};
+  Param<bool> design_tolerances{"design_tolerances", true, "Pset_Tolerance of an element goes before tau"};
+  Param<double> guard_factor{"guard_factor", 1.645, "1", between(0, 10),
+                             "k of the guard band: pass if |d| + k u <= tolerance; 1.645: 5 % risk"};
+  Param<double> panel_reach{"panel_reach", kPanelReach, "m", between(0, 10),
+                            "anchors so near to a panel hold it, where the design does not say"};
+  Out<Deviation> deviation{"deviation", frame("frame=?F"), "the judgement"};
+  Out<File> stake_out{"stake_out", "stake_out.csv: PtID;E;N;H and corrections, as site instruments import it"};
+
+  void run(Context& context) override;
+};
+
+}  // namespace plumbline::evaluate

@@ -1,0 +1,132 @@
+// Verdicts as JUnit XML and as a stake-out table.
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <vector>
+
+#include "evaluate/metrics.hpp"
+
+namespace plumbline::evaluate {
+
+namespace {
+
+std::string fixed(double value, int decimals) {
+  if (!std::isfinite(value)) return "";
+  char buffer[64];
+  const auto end = std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::fixed, decimals);
+  const std::string text(buffer, end.ptr);
+  // Never "-0.0000".
+  return text[0] == '-' && text.find_first_not_of("-0.") == std::string::npos ? text.substr(1) : text;
+}
+
+/// For XML: the five characters replaced, control characters that it forbids and bytes beyond ASCII that are no UTF-8
+/// left out.
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto c = static_cast<unsigned char>(text[i]);
+    if (c == '&')
+      out += "&amp;";
+    else if (c == '<')
+      out += "&lt;";
+    else if (c == '>')
+      out += "&gt;";
+    else if (c == '"')
+      out += "&quot;";
+    else if (c < 0x20)
+      out += ' ';
+    else if (c < 0x80)
+      out += text[i];
+    else {
+      const std::size_t length = c >= 0xF0 && c < 0xF5 ? 4 : c >= 0xE0 && c < 0xF0 ? 3 : c >= 0xC2 && c < 0xE0 ? 2 : 0;
+      bool whole = length > 0 && i + length <= text.size();
+      for (std::size_t k = 1; whole && k < length; ++k)
+        whole = (static_cast<unsigned char>(text[i + k]) & 0xC0) == 0x80;
+      if (!whole) continue;
+      out += text.substr(i, length);
+      i += length - 1;
+    }
+  }
+  return out;
+}
+
+struct Case {
+  std::string name, message;
+  ToleranceVerdict verdict;
+};
+
+std::string suite(const std::string& name, const std::vector<Case>& cases) {
+  int failures = 0, skipped = 0;
+  for (const Case& c : cases) {
+    failures += c.verdict == ToleranceVerdict::fail || c.verdict == ToleranceVerdict::undecided;
+    skipped += c.verdict == ToleranceVerdict::not_measured;
+  }
+  std::string text = "  <testsuite name=\"" + name + "\" tests=\"" + std::to_string(cases.size()) + "\" failures=\"" +
+                     std::to_string(failures) + "\" errors=\"0\" skipped=\"" + std::to_string(skipped) + "\">\n";
+  for (const Case& c : cases) {
+    text += "    <testcase classname=\"" + name + "\" name=\"" + escaped(c.name) + "\"";
+    if (c.verdict == ToleranceVerdict::pass) {
+      text += "/>\n";
+    } else if (c.verdict == ToleranceVerdict::not_measured) {
+      text += "><skipped message=\"" + escaped(c.message) + "\"/></testcase>\n";
+    } else {
+      const std::string type = EnumNameToleranceVerdict(c.verdict);
+      text += "><failure type=\"" + type + "\" message=\"" + escaped(c.message) + "\"/></testcase>\n";
+    }
+  }
+  return text + "  </testsuite>\n";
+}
+
+std::string words_of(const AnchorDeviationT& anchor) {
+  for (const auto& axis : anchor.axes)
+    if (axis->axis == anchor.decided_by)
+      return axis->axis + " " + fixed(1e3 * axis->value, 1) + " mm, u " + fixed(1e3 * axis->u, 1) + " mm, limit " +
+             fixed(1e3 * axis->tolerance, 1) + " mm";
+  return anchor.note;
+}
+
+}  // namespace
+
+std::string junit_xml(const AccuracyT& accuracy, const DeviationT* deviation) {
+  std::string text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites name=\"plumbline\">\n";
+  if (deviation) {
+    std::vector<Case> anchors, panels;
+    for (const auto& a : deviation->anchors) anchors.push_back({a->id, words_of(*a), a->verdict});
+    for (const auto& p : deviation->panels)
+      panels.push_back({p->name.empty() ? p->guid : p->name, p->reason, p->verdict});
+    text += suite("anchors_against_design", anchors) + suite("panels", panels);
+  }
+  std::vector<Case> checks;
+  for (const auto& a : accuracy.anchors) {
+    if (a->use != AnchorUse::check) continue;
+    const ToleranceVerdict verdict = a->survey ? a->survey->verdict : ToleranceVerdict::not_measured;
+    const std::string words = a->survey ? "dz " + fixed(1e3 * a->survey->dz, 1) + " mm, u " +
+                                              fixed(1e3 * a->survey->u_dz, 1) + " mm, limit " +
+                                              fixed(1e3 * accuracy.tau, 1) + " mm"
+                                        : a->note;
+    checks.push_back({a->id, words, verdict});
+  }
+  return text + suite("check_anchors_against_survey", checks) + "</testsuites>\n";
+}
+
+std::string stake_out_csv(const DeviationT& deviation) {
+  std::vector<const AnchorDeviationT*> anchors;
+  for (const auto& anchor : deviation.anchors)
+    if (anchor->design.allFinite()) anchors.push_back(anchor.get());
+  std::stable_sort(anchors.begin(), anchors.end(),
+                   [](const auto* a, const auto* b) { return a->verdict > b->verdict; });
+  std::string text;
+  for (const AnchorDeviationT* anchor : anchors) {
+    std::string id = anchor->id;
+    for (char& c : id)
+      if (c == ';' || static_cast<unsigned char>(c) < 0x20 || c == '"') c = '_';
+    if (!id.empty() && std::string("=+-@").find(id[0]) != std::string::npos) id = "'" + id;
+    text += id;
+    for (int k = 0; k < 3; ++k) text += ";" + fixed(anchor->design[k], 4);
+    for (int k = 0; k < 3; ++k) text += ";" + fixed(-anchor->deviation[k], 4);
+    text += std::string(";") + EnumNameToleranceVerdict(anchor->verdict) + "\n";
+  }
+  return text;
+}
+
+}  // namespace plumbline::evaluate

@@ -1,0 +1,76 @@
+// The image block behind the model: groups of observations, images, what was rejected or left out.
+#include <cmath>
+
+#include "report/format.hpp"
+#include "report/plot.hpp"
+#include "report/sections.hpp"
+
+namespace plumbline::report {
+
+namespace {
+
+void write_groups(Markup& html, const BlockT& block) {
+  Scope wide(html, "div", {{"class", "wide"}});
+  Scope table(html, "table");
+  table_head(html, {"Observations", "Number", "Redundancy", "Weighted squares", "Variance factor"});
+  Scope body(html, "tbody");
+  for (const auto& group : block.groups)
+    table_row(html, {group->name, std::to_string(group->observations), fixed(group->redundancy, 1),
+                     fixed(group->weighted_sum_of_squares, 1), fixed(group->variance_factor, 2)});
+}
+
+void write_images(Markup& html, const BlockT& block) {
+  Scope wide(html, "div", {{"class", "wide"}});
+  Scope table(html, "table", {{"class", "sortable"}});
+  table_head(html, {"Image", "Tags", "RMS [px]", "Largest |w|", "Smallest redundancy"});
+  Scope body(html, "tbody");
+  for (const auto& image : block.images)
+    table_row(html, {image->path, std::to_string(image->tags), fixed(image->rms, 3), fixed(image->largest_w, 1),
+                     fixed(image->smallest_redundancy_number, 2)});
+}
+
+std::string joined(const std::vector<std::string>& items) {
+  std::string text;
+  for (const std::string& item : items) text += (text.empty() ? "" : ", ") + item;
+  return text;
+}
+
+}  // namespace
+
+void write_block(Markup& html, const ReportInput& input) {
+  if (!input.block && input.images.empty()) return;
+  Scope part(html, "section", {{"id", "block"}});
+  html.element("h2", "Image block");
+  if (!input.images.empty()) {
+    Scope table(html, "table", {{"class", "facts"}});
+    Scope body(html, "tbody");
+    for (const auto& [name, value] : input.images) {
+      Scope row(html, "tr");
+      html.element("th", {{"scope", "row"}}, name);
+      html.element("td", value);
+    }
+  }
+  if (!input.block) return;
+  const BlockT& block = *input.block;
+  html.element(
+      "p", "Adjusted with datum “" + block.datum + "”, weights by " + block.weighting +
+               (std::isfinite(block.lambda) ? ", λ " + fixed(block.lambda, 1) + " px²/m²" : "") + "; σ0 " +
+               fixed(block.statistics->sigma0, 3) + " with " + std::to_string(block.statistics->degrees_of_freedom) +
+               " degrees of freedom, " + std::to_string(block.statistics->observations) + " observations, " +
+               std::to_string(block.statistics->unknowns) + " unknowns; variance factor of the images before scaling " +
+               fixed(block.image_variance_factor, 2) + ".");
+  write_groups(html, block);
+  if (block.rejected.empty()) {
+    html.element("p", "No sighting of a tag was rejected.");
+  } else {
+    std::vector<std::string> rejected;
+    for (const auto& item : block.rejected) rejected.push_back(item->anchor + " in " + item->path);
+    html.element("p", count(static_cast<long>(rejected.size()), "sighting of a tag was", "sightings of tags were") +
+                          " rejected by its tests: " + joined(rejected) + ".");
+  }
+  if (!block.left_out.empty()) html.element("p", "Left out: " + joined(block.left_out) + ".");
+  if (!block.weak_datum.empty()) html.element("p", "Weak geometry: " + joined(block.weak_datum) + ".");
+  folded(html, count(static_cast<long>(block.images.size()), "image", "images"), [&] { write_images(html, block); });
+}
+
+}  // namespace plumbline::report

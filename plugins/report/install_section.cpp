@@ -1,0 +1,238 @@
+// The first screen: can we install, where not and what to do, how sure.
+#include <algorithm>
+#include <cmath>
+
+#include "report/format.hpp"
+#include "report/plot.hpp"
+#include "report/sections.hpp"
+
+namespace plumbline::report {
+
+namespace {
+
+/// What fits on the first screen; the rest is folded.
+constexpr std::size_t kFirstRows = 8;
+
+std::string with_sign(double value, double u, double tolerance) {
+  std::string text = signed_mm(value, 1);
+  if (std::isfinite(u)) text += " ± " + mm(u, 1);
+  return text + "\u00A0mm, limit " + mm(tolerance, 1);
+}
+
+/// "6.9 mm inward, 2.1 mm to the right, 1.2 mm down": the way back to the design.
+std::string way_back(const Eigen::Vector3d& deviation, const Eigen::Vector3d& normal) {
+  std::string text;
+  const auto part = [&](double length, const char* positive, const char* negative) {
+    if (std::abs(length) < 0.5e-3) return;
+    text += (text.empty() ? "" : ", ") + mm(std::abs(length), 1) + "\u00A0mm " + (length > 0 ? positive : negative);
+  };
+  if (normal.allFinite()) {
+    const Eigen::Vector3d right = Eigen::Vector3d::UnitZ().cross(normal);
+    part(-normal.dot(deviation), "outward", "inward");
+    part(-right.dot(deviation), "to the right", "to the left");
+  } else {
+    part(-deviation.x(), "in +x", "in −x");
+    part(-deviation.y(), "in +y", "in −y");
+  }
+  part(-deviation.z(), "up", "down");
+  return text;
+}
+
+/// A line of the work list.
+struct Task {
+  int floor;
+  ToleranceVerdict verdict;
+  std::string what, found, todo;
+};
+
+Task task_of(const AnchorDeviationT& anchor, const DeviationT& deviation) {
+  Task task{anchor.floor, anchor.verdict, "Anchor " + anchor.id, "", ""};
+  const JudgedAxisT* axis = deciding_axis(anchor);
+  if (!axis) {
+    task.found = anchor.note.empty() ? "not measured" : anchor.note;
+    task.todo = "Measure it.";
+    return task;
+  }
+  task.found = words_of(axis->axis) + " " + with_sign(axis->value, axis->u, axis->tolerance);
+  const std::string way = way_back(anchor.deviation, deviation.facade_normal);
+  if (anchor.verdict == ToleranceVerdict::fail) {
+    task.todo = "Reset or shim: " + (way.empty() ? "back to design" : way) + ".";
+  } else if (!std::isfinite(axis->u)) {
+    task.todo = "Its uncertainty is not known: measure with one.";
+  } else {
+    const double needed = std::abs(axis->tolerance - std::abs(axis->value)) / std::max(deviation.guard_factor, 1e-9);
+    task.todo = needed > 0.1e-3 ? "Measure again: decided once u is below " + mm(needed, 1) + "\u00A0mm"
+                                : std::string("At the limit: no measurement will decide it");
+    task.todo += way.empty() ? "." : "; or set it " + way + ".";
+  }
+  return task;
+}
+
+Task task_of(const PanelDeviationT& panel) {
+  Task task{panel.floor, panel.verdict, "Panel " + (panel.name.empty() ? panel.guid : panel.name), panel.reason, ""};
+  if (!panel.missing.empty() && panel.decided_by == "missing_anchor") {
+    task.todo = "Measure " + panel.missing.front() + ".";
+    return task;
+  }
+  std::string shims;
+  for (const auto& fixing : panel.fixings)
+    if (std::abs(fixing->shim) >= 0.5e-3)
+      shims += (shims.empty() ? "" : ", ") + fixing->anchor + " " + signed_mm(fixing->shim, 1);
+  task.todo =
+      shims.empty() ? "Its anchors are in plane: adjust along the facade." : "Shims, outward: " + shims + "\u00A0mm.";
+  return task;
+}
+
+std::vector<Task> tasks_of(const DeviationT& deviation) {
+  std::vector<Task> tasks;
+  const auto open = [](ToleranceVerdict verdict) { return verdict != ToleranceVerdict::pass; };
+  for (const ToleranceVerdict wanted :
+       {ToleranceVerdict::fail, ToleranceVerdict::undecided, ToleranceVerdict::not_measured}) {
+    for (const AnchorDeviationT* anchor : worst_first(deviation))
+      if (anchor->verdict == wanted && open(wanted)) tasks.push_back(task_of(*anchor, deviation));
+    for (const PanelDeviationT* panel : worst_panels_first(deviation))
+      if (panel->verdict == wanted && open(wanted)) tasks.push_back(task_of(*panel));
+  }
+  return tasks;
+}
+
+void write_tasks(Markup& html, const std::vector<Task>& tasks, std::size_t from, std::size_t to) {
+  Scope wide(html, "div", {{"class", "wide"}});
+  Scope table(html, "table", {{"class", from == 0 ? "tasks" : "tasks sortable"}});
+  table_head(html, {left("Where"), "Floor", left("Verdict"), left("Found"), left("To do")});
+  Scope body(html, "tbody");
+  for (std::size_t i = from; i < to; ++i) {
+    const Task& task = tasks[i];
+    Scope row(html, "tr");
+    html.element("th", {{"scope", "row"}}, task.what);
+    html.element("td", task.floor > 0 ? std::to_string(task.floor) : unknown);
+    {
+      Scope td(html, "td", {{"class", "text"}});
+      verdict_badge(html, task.verdict);
+    }
+    html.element("td", {{"class", "words"}}, task.found);
+    html.element("td", {{"class", "words"}}, task.todo);
+  }
+}
+
+void write_floors_overview(Markup& html, const DeviationT& deviation) {
+  const bool with_panels = !deviation.panels.empty();
+  html.element("h3", "Floor by floor");
+  Scope wide(html, "div", {{"class", "wide"}});
+  Scope table(html, "table");
+  std::vector<Cell> heads = {"Floor",     left("Storey"), left("Verdict"), "Anchors pass",
+                             "undecided", "fail",         "not measured"};
+  if (with_panels) heads.insert(heads.end(), {"Panels pass", "undecided", "fail"});
+  table_head(html, heads);
+  Scope body(html, "tbody");
+  for (auto floor = deviation.floors.rbegin(); floor != deviation.floors.rend(); ++floor) {
+    const FloorDeviationT& f = **floor;
+    Scope row(html, "tr");
+    html.element("th", {{"scope", "row"}}, f.floor > 0 ? std::to_string(f.floor) : "unknown");
+    html.element("td", {{"class", "text"}}, f.storey.empty() ? unknown : f.storey);
+    {
+      Scope td(html, "td", {{"class", "text"}});
+      verdict_badge(html, f.verdict);
+    }
+    for (const int n : {f.passed, f.undecided, f.failed, f.not_measured}) html.element("td", std::to_string(n));
+    if (with_panels)
+      for (const int n : {f.panels_passed, f.panels_undecided, f.panels_failed}) html.element("td", std::to_string(n));
+  }
+}
+
+std::string heading_of(const DeviationT& d, int panels_failed, int panels_open) {
+  const auto anchors = [](int n) { return count(n, "anchor", "anchors"); };
+  const auto panels = [](int n) { return count(n, "panel", "panels"); };
+  if (d.verdict == ToleranceVerdict::pass)
+    return "Ready to install: all " + anchors(d.passed) +
+           (d.panels.empty() ? "" : " and " + panels(static_cast<int>(d.panels.size()))) + " are within tolerance.";
+  if (d.verdict == ToleranceVerdict::fail) {
+    std::string text = "Not ready: ";
+    if (d.failed > 0) text += anchors(d.failed);
+    if (panels_failed > 0) text += (d.failed > 0 ? " and " : "") + panels(panels_failed);
+    return text + (d.failed + panels_failed == 1 ? " is" : " are") + " out of tolerance.";
+  }
+  if (d.verdict == ToleranceVerdict::undecided) {
+    std::string text = "Not decided: ";
+    if (d.undecided > 0) text += anchors(d.undecided) + " too close to call";
+    if (d.not_measured > 0) text += (d.undecided > 0 ? ", " : "") + anchors(d.not_measured) + " without verdict";
+    if (d.undecided + d.not_measured == 0) text += panels(panels_open) + " too close to call";
+    return text + ".";
+  }
+  return "No verdict: no anchor of the design was measured.";
+}
+
+/// How sure: the guard band, the weakest pass, and whether the model itself stands.
+std::vector<std::string> confidence_of(const ReportInput& input) {
+  const DeviationT& d = *input.deviation;
+  std::vector<std::string> lines;
+  std::string sure =
+      "Pass means that the deviation and " + fixed(d.guard_factor, 3) + " times its uncertainty are within tolerance.";
+  if (std::isfinite(d.weakest_pass))
+    sure += " The weakest pass is in order with a probability of " + percent(d.weakest_pass) + ".";
+  lines.push_back(sure);
+  const AccuracyComparisonT* c = comparison(input.accuracy, AnchorUse::check, AccuracyReference::survey);
+  if (c && c->anchors > 0)
+    lines.push_back("The measurement behind it: " + std::to_string(c->passed) + " of " +
+                    std::to_string(c->anchors_listed) + " check anchors agree with the survey in height within ±" +
+                    tolerance(input.accuracy.tau) +
+                    (c->failed > 0 ? ", " + std::to_string(c->failed) + " do not" : "") + "; RMSE " + mm(c->rmse_z) +
+                    "\u00A0mm, expected " + mm(c->predicted_rmse_z) + ".");
+  else
+    lines.push_back("No check anchor was evaluated: nothing shows how good the measurement behind this is.");
+  return lines;
+}
+
+void write_count(Markup& html, const char* what, std::initializer_list<std::pair<int, ToleranceVerdict>> counts) {
+  Scope list(html, "div", {{"class", "tally"}});
+  html.element("b", what);
+  for (const auto& [n, verdict] : counts) {
+    if (verdict == ToleranceVerdict::not_measured && n == 0) continue;
+    Scope span(html, "span");
+    html.text(std::to_string(n) + "\u00A0");
+    verdict_badge(html, verdict);
+  }
+}
+
+}  // namespace
+
+void write_installation(Markup& html, const ReportInput& input) {
+  if (!input.deviation) return;
+  const DeviationT& d = *input.deviation;
+  int panels_failed = 0, panels_open = 0;
+  for (const auto& panel : d.panels)
+    panels_failed += panel->verdict == ToleranceVerdict::fail,
+        panels_open += panel->verdict == ToleranceVerdict::undecided;
+  {
+    Scope box(html, "div", {{"class", std::string("verdict ") + verdict_class(d.verdict)}, {"id", "install"}});
+    {
+      Scope svg(html, "svg", {{"viewBox", "0 0 44 44"}, {"width", "44"}, {"height", "44"}, {"aria-hidden", "true"}});
+      verdict_symbol(html, 22, 23, 16, d.verdict, false);
+    }
+    Scope words(html, "div");
+    html.element("strong", heading_of(d, panels_failed, panels_open));
+    write_count(html, "Anchors",
+                {{d.passed, ToleranceVerdict::pass},
+                 {d.undecided, ToleranceVerdict::undecided},
+                 {d.failed, ToleranceVerdict::fail},
+                 {d.not_measured, ToleranceVerdict::not_measured}});
+    if (!d.panels.empty())
+      write_count(html, "Panels",
+                  {{static_cast<int>(d.panels.size()) - panels_failed - panels_open, ToleranceVerdict::pass},
+                   {panels_open, ToleranceVerdict::undecided},
+                   {panels_failed, ToleranceVerdict::fail}});
+    if (d.common_shift && d.common_shift->significant) html.element("p", d.common_shift->words);
+    for (const std::string& line : confidence_of(input)) html.element("p", line);
+  }
+  const std::vector<Task> tasks = tasks_of(d);
+  if (!tasks.empty()) {
+    html.element("h3", "Where not, and what to do: first to mend first");
+    write_tasks(html, tasks, 0, std::min(kFirstRows, tasks.size()));
+    if (tasks.size() > kFirstRows)
+      folded(html, std::to_string(tasks.size() - kFirstRows) + " more",
+             [&] { write_tasks(html, tasks, kFirstRows, tasks.size()); });
+  }
+  write_floors_overview(html, d);
+}
+
+}  // namespace plumbline::report

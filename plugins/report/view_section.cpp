@@ -1,0 +1,164 @@
+// The building in space, and the numbers from which the slider recomputes verdicts where scripts run. Everything that
+// the view shows stands in the tables too.
+#include <charconv>
+#include <cmath>
+#include <map>
+
+#include "report/format.hpp"
+#include "report/plot.hpp"
+#include "report/sections.hpp"
+
+namespace plumbline::report {
+
+namespace {
+
+/// For the script: plain decimals, null for what is not known.
+std::string number(double value, int decimals = 6) {
+  if (!std::isfinite(value)) return "null";
+  char buffer[64];
+  const auto end = std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::fixed, decimals);
+  return std::string(buffer, end.ptr);
+}
+
+/// A JSON string that cannot end the script element.
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte < 0x20 || byte >= 0x7F || c == '"' || c == '\\' || c == '<' || c == '>' || c == '&') {
+      // Latin-1 escapes of the bytes; the script decodes them as UTF-8.
+      char escape[8];
+      std::snprintf(escape, sizeof escape, "\\u%04x", byte);
+      out += escape;
+    } else {
+      out += c;
+    }
+  }
+  return out + "\"";
+}
+
+std::string vector_of(const Eigen::Vector3d& v, int decimals) {
+  return "[" + number(v.x(), decimals) + "," + number(v.y(), decimals) + "," + number(v.z(), decimals) + "]";
+}
+
+/// [value, u, tolerance, factor] in mm; factor: how many times tau the tolerance is, 0 if it does not move with it.
+std::string judged(double value, double u, double tolerance, double factor) {
+  return "[" + number(1e3 * value) + "," + number(1e3 * u) + "," + number(1e3 * tolerance) + "," + number(factor, 0) +
+         "]";
+}
+
+double factor_of(double tolerance, double tau) {
+  return std::abs(tolerance - tau) < 1e-12 ? 1 : std::abs(tolerance - 2 * tau) < 1e-12 ? 2 : 0;
+}
+
+std::string anchor_json(const AnchorDeviationT& a, const Eigen::Vector3d& origin) {
+  std::string axes;
+  for (const auto& axis : a.axes)
+    if (axis->tolerance > 0 && std::isfinite(axis->value))
+      axes += (axes.empty() ? "" : ",") +
+              judged(axis->value, axis->u, axis->tolerance, axis->source.starts_with("default") ? 1 : 0);
+  return "{\"n\":" + quoted(a.id) + ",\"f\":" + std::to_string(a.floor) + ",\"p\":" + vector_of(a.design - origin, 4) +
+         ",\"d\":" + vector_of(1e3 * a.deviation, 3) + ",\"w\":" + std::to_string(static_cast<int>(a.verdict)) +
+         ",\"l\":[" + axes + "]}";
+}
+
+std::string panel_json(const PanelDeviationT& p, const DeviationT& deviation, const Eigen::Vector3d& origin,
+                       const std::map<std::string, std::size_t>& index) {
+  std::string lengths, anchors, corners;
+  const auto add = [&](const JudgedLengthT* l) {
+    if (l && l->tolerance > 0 && std::isfinite(l->value))
+      lengths +=
+          (lengths.empty() ? "" : ",") + judged(l->value, l->u, l->tolerance, factor_of(l->tolerance, deviation.tau));
+  };
+  for (const auto* l : {p.out_of_plane.get(), p.sideways.get(), p.vertical.get(), p.tilt.get(), p.warp.get(),
+                        p.misfit.get(), p.corner.get()})
+    add(l);
+  for (const auto& joint : p.joints) add(joint->change.get());
+  for (const auto& fixing : p.fixings)
+    anchors += (anchors.empty() ? "" : ",") + std::to_string(index.at(fixing->anchor));
+  std::map<std::string, Eigen::Vector3d> place;
+  for (const auto& corner : p.corners) place[corner->name] = corner->design;
+  for (const char* name : {"bottom_left", "bottom_right", "top_right", "top_left"})
+    corners += (corners.empty() ? "" : ",") + vector_of(place[name] - origin, 4);
+  return "{\"n\":" + quoted(p.name.empty() ? p.guid : p.name) + ",\"f\":" + std::to_string(p.floor) +
+         ",\"w\":" + std::to_string(static_cast<int>(p.verdict)) + ",\"m\":" + (p.missing.empty() ? "0" : "1") +
+         ",\"l\":[" + lengths + "],\"a\":[" + anchors + "],\"q\":[" + corners + "]}";
+}
+
+std::string data_of(const ReportInput& input) {
+  std::string text;
+  {
+    const DeviationT& d = *input.deviation;
+    Eigen::Vector3d origin = Eigen::Vector3d::Zero();
+    double n = 0;
+    for (const auto& anchor : d.anchors)
+      if (anchor->design.allFinite()) origin += anchor->design, ++n;
+    if (n > 0) origin /= n;
+    std::map<std::string, std::size_t> index;
+    std::string anchors, panels;
+    for (const auto& anchor : d.anchors) {
+      index[anchor->id] = index.size();
+      anchors += (anchors.empty() ? "" : ",\n") + anchor_json(*anchor, origin);
+    }
+    for (const auto& panel : d.panels) panels += (panels.empty() ? "" : ",\n") + panel_json(*panel, d, origin, index);
+    text = "{\"tau\":" + number(1e3 * d.tau) + ",\"k\":" + number(d.guard_factor) + ",\"anchors\":[" + anchors +
+           "],\"panels\":[" + panels + "]";
+  }
+  std::string heights;
+  if (const AccuracyComparisonT* c = headline(input.accuracy))
+    for (const auto& a : input.accuracy.anchors)
+      if (a->use == c->use && a->survey) heights += (heights.empty() ? "" : ",") + number(1e3 * a->survey->dz);
+  return text + ",\"checks\":[" + heights + "]}";
+}
+
+}  // namespace
+
+void write_view(Markup& html, const ReportInput& input) {
+  if (!input.deviation) return;
+  Scope part(html, "section", {{"id", "view"}});
+  {
+    Scope box(html, "div", {{"class", "slider"}, {"id", "tau-slider"}, {"hidden", "hidden"}});
+    html.element("label", {{"for", "tau-input"}}, "Try another tolerance");
+    html.empty("input", {{"id", "tau-input"},
+                         {"type", "range"},
+                         {"min", "1"},
+                         {"max", "20"},
+                         {"step", "0.1"},
+                         {"value", px(1e3 * input.deviation->tau)}});
+    html.element("output", {{"for", "tau-input"}}, "");
+  }
+  {
+    Scope badges(html, "div", {{"hidden", "hidden"}, {"id", "badges"}});
+    for (const auto verdict :
+         {ToleranceVerdict::not_measured, ToleranceVerdict::pass, ToleranceVerdict::undecided, ToleranceVerdict::fail})
+      verdict_badge(html, verdict);
+  }
+  {
+    Scope figure(html, "figure", {{"id", "space"}, {"hidden", "hidden"}, {"class", "screen"}});
+    html.element("h2", "In space");
+    {
+      Scope bar(html, "div", {{"class", "slider"}});
+      html.element("label", {{"for", "floor-input"}}, "Floor");
+      html.open("select", {{"id", "floor-input"}});
+      html.element("option", {{"value", ""}}, "all");
+      html.close();
+      html.element("label", {{"for", "factor-input"}}, "Arrows ×");
+      html.empty(
+          "input",
+          {{"id", "factor-input"}, {"type", "range"}, {"min", "0"}, {"max", "500"}, {"step", "10"}, {"value", "100"}});
+      html.element("output", {{"id", "factor-output"}}, "");
+    }
+    html.element("canvas",
+                 {{"id", "canvas"},
+                  {"width", "1040"},
+                  {"height", "560"},
+                  {"role", "img"},
+                  {"aria-label", "Anchors and panels in space; all numbers stand in the tables"}},
+                 "");
+    html.element("p", {{"id", "picked"}, {"class", "note"}},
+                 "Drag to turn, wheel or pinch to zoom, tap an anchor for its values.");
+  }
+  html.open("script", {{"type", "application/json"}, {"id", "judged"}}).raw(data_of(input)).close();
+}
+
+}  // namespace plumbline::report

@@ -1,0 +1,87 @@
+// BCF 2.1: a topic for every failing or undecided anchor and panel, valid against buildingSMART's schemas.
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include "ifc/bcf.hpp"
+#include "ifc/ifc_guid.hpp"
+#include "measured.hpp"
+#include "small_building.hpp"
+#include "test_support.hpp"
+
+namespace plumbline::bim {
+namespace {
+
+/// The stored files of a ZIP by name.
+std::map<std::string, std::string> unzipped(const std::string& bytes) {
+  std::map<std::string, std::string> files;
+  const auto number = [&](std::size_t at, int count) {
+    std::size_t value = 0;
+    for (int i = count - 1; i >= 0; --i)
+      value = value << 8 | static_cast<unsigned char>(bytes[at + static_cast<std::size_t>(i)]);
+    return value;
+  };
+  for (std::size_t at = 0; number(at, 4) == 0x04034b50;) {
+    const std::size_t size = number(at + 18, 4), name = number(at + 26, 2);
+    files[bytes.substr(at + 30, name)] = bytes.substr(at + 30 + name, size);
+    at += 30 + name + size;
+  }
+  return files;
+}
+
+std::map<std::string, std::string> example() {
+  const Design design = read_design(step::File(test::small_building("IFC4"), "t.ifc"), {});
+  std::map<std::string, Eigen::Vector3d> deviations;
+  for (const Element& element : design.elements)
+    if (element.is_anchor)
+      deviations[element.guid] = Eigen::Vector3d(0.001, 0, element.name == "F2-C1" ? 0.009 : 0.001);
+  DeviationT deviation = test::judged(design, deviations, Eigen::Vector3d::Constant(1e-4), {1, 0, 0});
+  deviation.anchors[0]->id = "A & <B>";
+  BcfOptions options;
+  options.project_guid = design.project_guid, options.date = "2026-05-12T10:00:00", options.epoch = "2026-05";
+  const std::string bytes = write_bcf(deviation, options);
+  EXPECT_EQ(write_bcf(deviation, options), bytes);
+  return unzipped(bytes);
+}
+
+TEST(Bcf, HasATopicForEveryIssueWithViewpointAndSnapshot) {
+  const auto files = example();
+  EXPECT_EQ(files.count("bcf.version"), 1u);
+  EXPECT_EQ(files.size(), 1 + 3 * 2u);  // the anchor and the panel that fail
+  for (const auto& [name, content] : files) {
+    if (name.ends_with("snapshot.png")) {
+      EXPECT_EQ(content.substr(1, 3), "PNG");
+    }
+    if (name.ends_with("markup.bcf")) {
+      EXPECT_NE(content.find("<CreationDate>2026-05-12T10:00:00</CreationDate>"), std::string::npos);
+      EXPECT_TRUE(uuid_from_text(name.substr(0, name.find('/')))) << name;
+    }
+  }
+}
+
+TEST(Bcf, IsValidAgainstItsSchemas) {
+  PLUMBLINE_REQUIRE_DATA("bcf/markup.xsd");
+  if (std::system("xmllint --version > /dev/null 2>&1") != 0) GTEST_SKIP() << "xmllint is not installed";
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / ("plumbline_bcf_" + std::to_string(getpid()));
+  std::filesystem::create_directories(folder);
+  int number = 0;
+  for (const auto& [name, content] : example()) {
+    const std::string schema = name == "bcf.version"     ? "version"
+                               : name.ends_with(".bcf")  ? "markup"
+                               : name.ends_with(".bcfv") ? "visinfo"
+                                                         : "";
+    if (schema.empty()) continue;
+    const std::filesystem::path file = folder / std::to_string(number++);
+    std::ofstream(file, std::ios::binary) << content;
+    const std::string command = "xmllint --noout --schema '" + test::data_file("bcf/" + schema + ".xsd").string() +
+                                "' '" + file.string() + "' 2>&1";
+    EXPECT_EQ(std::system(command.c_str()), 0) << name << "\n" << content;
+  }
+  std::filesystem::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace plumbline::bim

@@ -1,0 +1,274 @@
+// One judgement: the artifact, metrics.json, metrics.csv, metrics.xml, the as-built IFC, the BCF, the summary and the
+// report say the same of every anchor, panel and floor, in random campaigns. PLUMBLINE_LONG=1 runs 500.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <regex>
+
+#include "artifacts.hpp"
+#include "evaluate/design_input.hpp"
+#include "evaluate/metrics.hpp"
+#include "ifc/as_built_ifc.hpp"
+#include "ifc/bcf.hpp"
+#include "ifc/ifc_guid.hpp"
+#include "ifc/ifc_model.hpp"
+#include "ifc/match_elements.hpp"
+#include "report/report.hpp"
+#include "report/summary.hpp"
+#include "small_building.hpp"
+
+namespace plumbline::evaluate {
+namespace {
+
+using test::mm;
+using test::Normal;
+
+std::string guid_of(const std::string& key) { return derived_ifc_guid("0YvctVUKr0kugbFTf53O9L", key); }
+
+/// A facade of floors and columns with an anchor at every crossing and a panel in every field between.
+std::string facade_ifc(int floors, int columns, const std::string& schema) {
+  const std::string tail = schema == "IFC2X3" ? ");" : ",$);", fastener = schema == "IFC2X3" ? "$,$);" : "$,$,$);";
+  std::string out =
+      "ISO-10303-21;\nHEADER;\nFILE_DESCRIPTION((''),'2;1');\nFILE_NAME('f.ifc','2024-01-01T00:00:00',(''),(''),'','','"
+      "');\n"
+      "FILE_SCHEMA(('" +
+      schema + "'));\nENDSEC;\nDATA;\n";
+  const auto line = [&](const std::string& text) { out += text + "\n"; };
+  line("#1=IFCPERSON($,'Doe',$,$,$,$,$,$);");
+  line("#2=IFCORGANIZATION($,'Office',$,$,$);");
+  line("#3=IFCPERSONANDORGANIZATION(#1,#2,$);");
+  line("#4=IFCAPPLICATION(#2,'1','Modeller','MOD');");
+  line("#5=IFCOWNERHISTORY(#3,#4,$,.ADDED.,1700000000,$,$,1700000000);");
+  line("#11=IFCSIUNIT(*,.LENGTHUNIT.,$,.METRE.);");
+  line("#12=IFCSIUNIT(*,.PLANEANGLEUNIT.,$,.RADIAN.);");
+  line("#13=IFCUNITASSIGNMENT((#11,#12));");
+  line("#20=IFCCARTESIANPOINT((0.,0.,0.));");
+  line("#21=IFCAXIS2PLACEMENT3D(#20,$,$);");
+  line("#22=IFCGEOMETRICREPRESENTATIONCONTEXT($,'Model',3,1.E-05,#21,$);");
+  line("#23=IFCPROJECT('0YvctVUKr0kugbFTf53O9L',#5,'P',$,$,$,$,(#22),#13);");
+  line("#24=IFCLOCALPLACEMENT($,#21);");
+  line("#25=IFCBUILDING('" + guid_of("building") + "',#5,'B',$,$,#24,$,$,.ELEMENT.,$,$,$);");
+  line("#26=IFCDIRECTION((0.,0.,1.));");
+  line("#27=IFCCARTESIANPOINT((0.,0.));");
+  line("#28=IFCAXIS2PLACEMENT2D(#27,$);");
+  line("#29=IFCRECTANGLEPROFILEDEF(.AREA.,$,#28,1.98,0.02);");
+  line("#30=IFCEXTRUDEDAREASOLID(#29,#21,#26,2.98);");
+  line("#31=IFCSHAPEREPRESENTATION(#22,'Body','SweptSolid',(#30));");
+  line("#32=IFCPRODUCTDEFINITIONSHAPE($,$,(#31));");
+  line("#33=IFCRELAGGREGATES('" + guid_of("r") + "',#5,$,$,#23,(#25));");
+  int id = 100;
+  std::string storeys;
+  for (int floor = 1; floor <= floors; ++floor) {
+    const int storey = id++;
+    line("#" + std::to_string(storey) + "=IFCBUILDINGSTOREY('" + guid_of("storey" + std::to_string(floor)) +
+         "',#5,'Level " + std::to_string(floor) + "',$,$,#24,$,$,.ELEMENT.," + std::to_string(3 * floor) + ".);");
+    storeys += (storeys.empty() ? "#" : ",#") + std::to_string(storey);
+    std::string contained;
+    for (int column = 0; column < columns; ++column) {
+      const std::string name = "F" + std::to_string(floor) + "C" + std::to_string(column);
+      const int point = id, axes = id + 1, placement = id + 2, element = id + 3;
+      id += 4;
+      line("#" + std::to_string(point) + "=IFCCARTESIANPOINT((" + std::to_string(2 * column) + ".,0.," +
+           std::to_string(3 * floor) + ".));");
+      line("#" + std::to_string(axes) + "=IFCAXIS2PLACEMENT3D(#" + std::to_string(point) + ",$,$);");
+      line("#" + std::to_string(placement) + "=IFCLOCALPLACEMENT(#24,#" + std::to_string(axes) + ");");
+      line("#" + std::to_string(element) + "=IFCMECHANICALFASTENER('" + guid_of(name) + "',#5,'" + name + "',$,$,#" +
+           std::to_string(placement) + ",$,'T" + name + "'," + fastener);
+      contained += (contained.empty() ? "#" : ",#") + std::to_string(element);
+      if (floor == floors || column + 1 == columns) continue;
+      const std::string panel = "P" + name;
+      line("#" + std::to_string(id) + "=IFCCARTESIANPOINT((" + std::to_string(2 * column + 1) + ".,-0.05," +
+           std::to_string(3 * floor) + ".01));");
+      line("#" + std::to_string(id + 1) + "=IFCAXIS2PLACEMENT3D(#" + std::to_string(id) + ",$,$);");
+      line("#" + std::to_string(id + 2) + "=IFCLOCALPLACEMENT(#24,#" + std::to_string(id + 1) + ");");
+      line("#" + std::to_string(id + 3) + "=IFCPLATE('" + guid_of(panel) + "',#5,'" + panel + "',$,$,#" +
+           std::to_string(id + 2) + ",#32,$" + tail);
+      contained += ",#" + std::to_string(id + 3);
+      id += 4;
+    }
+    line("#" + std::to_string(id++) + "=IFCRELCONTAINEDINSPATIALSTRUCTURE('" + guid_of("c" + std::to_string(floor)) +
+         "',#5,$,$,(" + contained + "),#" + std::to_string(storey) + ");");
+  }
+  line("#" + std::to_string(id) + "=IFCRELAGGREGATES('" + guid_of("s") + "',#5,$,$,#25,(" + storeys + "));");
+  return out + "ENDSEC;\nEND-ISO-10303-21;\n";
+}
+
+struct Campaign {
+  std::string bytes;
+  bim::Design design;
+  AccuracyT accuracy;
+  DeviationT deviation;
+};
+
+Campaign random_campaign(std::uint64_t seed) {
+  Normal normal(seed);
+  const auto die = [&](int sides) { return static_cast<int>(std::abs(normal()) * 1000) % sides; };
+  Campaign c;
+  const int floors = 2 + die(3), columns = 2 + die(4);
+  c.bytes = facade_ifc(floors, columns, die(2) ? "IFC4" : die(2) ? "IFC2X3" : "IFC4X3");
+  c.design = bim::read_design(step::File(c.bytes, "f.ifc"), {});
+  Inputs inputs;
+  PlatesT plates;
+  std::vector<std::string> ids;
+  const double sigma = die(6) ? (0.1 + 0.3 * die(8)) * mm : 0;  // sometimes nobody knows the uncertainty
+  const double built = (1 + die(5)) * mm;
+  for (const bim::Element& element : c.design.elements) {
+    if (!element.is_anchor || die(12) == 0) continue;  // some are not in the plate table
+    const std::string id = die(2) ? element.name : element.tag;
+    const int floor = element.name[1] - '0';
+    ids.push_back(id);
+    auto plate = std::make_unique<PlateT>();
+    plate->anchor = id, plate->floor = floor, plate->column = 1, plate->role = die(2) ? "check" : "control";
+    inputs.anchors.push_back({id, floor, 1, 1, plate->role == "check" ? AnchorUse::check : AnchorUse::control});
+    plates.plates.push_back(std::move(plate));
+    const Eigen::Vector3d place = element.position + Eigen::Vector3d(normal(), normal(), normal()) * built;
+    inputs.survey.ids.push_back(id), inputs.survey.positions.push_back(place);
+    if (die(10) == 0) continue;  // some were not measured
+    inputs.model.ids.push_back(id);
+    inputs.model.positions.push_back(place + Eigen::Vector3d(normal(), normal(), normal()) * 0.5 * mm);
+  }
+  inputs.model.covariance = sigma > 0 ? test::isotropic(inputs.model.ids.size(), sigma) : Eigen::MatrixXd();
+  inputs.survey.covariance = test::isotropic(inputs.survey.ids.size(), 0.5 * mm);
+  std::vector<std::string> warnings;
+  ElementMatchesT matches;
+  for (const bim::MatchedElement& match : bim::match_elements(c.design, ids, {}, warnings)) {
+    auto entry = std::make_unique<ElementMatchT>();
+    entry->anchor = match.anchor, entry->found_by = match.found_by, entry->note = match.note;
+    entry->guid = match.element ? match.element->guid : "";
+    entry->position = match.reference, entry->target_offset.setZero();
+    matches.matches.push_back(std::move(entry));
+  }
+  judgement::ToleranceTable table;
+  if (die(2))
+    table.rules = {judgement::parse_rule("name~C1$: vertical=3mm, out_of_plane=4mm"),
+                   judgement::parse_rule("class=IfcPlate: joint=6mm")};
+  auto cases = deviation_inputs(bim::to_artifact(c.design), matches, plates, table, 0.3);
+  cases.model = inputs.model;
+  c.deviation = judgement::judge_deviations(cases, {});
+  c.accuracy = evaluate_accuracy(inputs, {});
+  return c;
+}
+
+using Verdicts = std::map<std::string, std::string>;
+
+/// Verdict by GlobalId out of the property sets of a name in an as-built IFC.
+Verdicts verdicts_in_ifc(const step::File& file, const std::string& set_name) {
+  const bim::Model model(file);
+  Verdicts found;
+  for (const bim::Entity& relation : model.all("IFCRELDEFINESBYPROPERTIES")) {
+    const bim::Entity set = model.entity(relation.reference("RelatingPropertyDefinition"));
+    if (set.text("Name") != set_name) continue;
+    for (const std::uint64_t id : set.references("HasProperties")) {
+      const auto property = file.arguments(*file.find(id));
+      if (property.at(0).text == "Verdict")
+        found[file.arguments(*file.find(relation.references("RelatedObjects").at(0))).at(0).text] =
+            property.at(2).items.at(0).items.at(0).text;
+    }
+  }
+  return found;
+}
+
+/// Rows of the last table under an id in the page: name → verdict word of a column marked by an attribute.
+Verdicts verdicts_in_page(const std::string& html, const std::string& attribute) {
+  Verdicts found;
+  const std::regex row("<tr><th scope=\"row\">([^<]*)</th>(?:(?!</tr>)[\\s\\S])*?<td class=\"text\" " + attribute +
+                       "=\"[0-9]*\"><span class=\"badge [a-z]+\">(?:(?!</span>)[\\s\\S])*?</svg>\\s*([a-z ]+)</span>");
+  for (std::sregex_iterator it(html.begin(), html.end(), row), end; it != end; ++it) found[(*it)[1]] = (*it)[2];
+  return found;
+}
+
+std::string word(ToleranceVerdict verdict) { return EnumNameToleranceVerdict(verdict); }
+std::string spaced(ToleranceVerdict verdict) {
+  return verdict == ToleranceVerdict::not_measured ? "not measured" : word(verdict);
+}
+
+TEST(Agreement, AllOutputsSayTheSameOfEveryAnchorPanelAndFloor) {
+  const int trials = std::getenv("PLUMBLINE_LONG") ? 500 : 25;
+  int seen[4] = {};
+  for (int trial = 1; trial <= trials; ++trial) {
+    SCOPED_TRACE("seed " + std::to_string(trial));
+    const Campaign c = random_campaign(static_cast<std::uint64_t>(trial));
+    const DeviationT& d = c.deviation;
+    const step::File design(c.bytes, "f.ifc");
+    bim::AsBuiltIfcOptions options;
+    options.epoch = trial % 2 ? "" : "2026-05";
+    const std::string bytes = bim::write_as_built(design, c.design, d, c.accuracy, options).bytes;
+    const step::File written(bytes, "a.ifc");
+    const std::string suffix = trial % 2 ? "" : "_2026-05";
+    const Verdicts anchors = verdicts_in_ifc(written, "ASB_AnchorDeviation" + suffix),
+                   panels = verdicts_in_ifc(written, "ASB_PanelFit" + suffix),
+                   floors = verdicts_in_ifc(written, "ASB_FloorStatistics" + suffix);
+    bim::BcfOptions bcf_options;
+    bcf_options.project_guid = "0YvctVUKr0kugbFTf53O9L";
+    const auto json = nlohmann::json::parse(metrics_json(c.accuracy, &d));
+    const std::string csv = metrics_csv(c.accuracy, &d), junit = junit_xml(c.accuracy, &d),
+                      bcf = bim::write_bcf(d, bcf_options);
+    report::ReportInput input;
+    input.accuracy.tau = c.accuracy.tau;
+    for (const auto& a : c.accuracy.anchors) input.accuracy.anchors.push_back(std::make_unique<AnchorAccuracyT>(*a));
+    input.deviation = d;
+    const std::string html = report::render_report(input);
+    const Verdicts page = verdicts_in_page(html, "data-anchor"), page_panels = verdicts_in_page(html, "data-panel");
+    std::size_t open = 0;
+    for (std::size_t i = 0; i < d.anchors.size(); ++i) {
+      const AnchorDeviationT& a = *d.anchors[i];
+      ++seen[static_cast<int>(a.verdict)];
+      EXPECT_EQ(json["deviation"]["anchors"][i]["verdict"], word(a.verdict)) << a.id;
+      if (!a.guid.empty()) {
+        EXPECT_EQ(anchors.at(a.guid), bim::label_of(a.verdict)) << a.id;
+      }
+      EXPECT_EQ(page.at(a.id), spaced(a.verdict)) << a.id;
+      EXPECT_NE(csv.find("," + word(a.verdict) + "," + a.decided_by + ",", csv.find("\n" + a.id + ",")),
+                std::string::npos)
+          << a.id;
+      const std::string test_case = "<testcase classname=\"anchors_against_design\" name=\"" + a.id + "\"";
+      const std::size_t at = junit.find(test_case);
+      ASSERT_NE(at, std::string::npos) << a.id;
+      const std::string rest = junit.substr(at + test_case.size(), 60);
+      EXPECT_EQ(rest.starts_with("/>"), a.verdict == ToleranceVerdict::pass) << a.id;
+      EXPECT_EQ(rest.find("type=\"" + word(a.verdict)) != std::string::npos,
+                a.verdict == ToleranceVerdict::fail || a.verdict == ToleranceVerdict::undecided)
+          << a.id;
+      const bool issue = a.verdict >= ToleranceVerdict::undecided;
+      open += issue;
+      EXPECT_EQ(bcf.find("IfcGuid=\"" + a.guid + "\"") != std::string::npos, issue) << a.id;
+    }
+    for (std::size_t i = 0; i < d.panels.size(); ++i) {
+      const PanelDeviationT& p = *d.panels[i];
+      EXPECT_EQ(json["panels"][i]["verdict"], word(p.verdict));
+      EXPECT_EQ(panels.at(p.guid), bim::label_of(p.verdict));
+      EXPECT_EQ(page_panels.at(p.name), spaced(p.verdict));
+      EXPECT_EQ(bcf.find("IfcGuid=\"" + p.guid + "\"") != std::string::npos, p.verdict >= ToleranceVerdict::undecided);
+      for (const auto& fixing : p.fixings)  // never better than its anchors
+        for (const auto& a : d.anchors)
+          if (a->id == fixing->anchor) {
+            EXPECT_GE(p.verdict, a->verdict) << p.name;
+          }
+    }
+    EXPECT_EQ(anchors.size(), static_cast<std::size_t>(std::count_if(d.anchors.begin(), d.anchors.end(),
+                                                                     [](const auto& a) { return !a->guid.empty(); })));
+    EXPECT_EQ(panels.size(), d.panels.size());
+    int counts[4] = {};
+    for (std::size_t i = 0; i < d.floors.size(); ++i) {
+      const FloorDeviationT& f = *d.floors[i];
+      EXPECT_EQ(json["deviation"]["floors"][i]["verdict"], word(f.verdict));
+      if (const auto floor = floors.find(f.storey_guid); floor != floors.end()) {
+        EXPECT_EQ(floor->second, bim::label_of(f.verdict));
+      }
+      counts[0] += f.not_measured, counts[1] += f.passed, counts[2] += f.undecided, counts[3] += f.failed;
+    }
+    EXPECT_EQ(counts[1], d.passed);
+    EXPECT_EQ(counts[2] + counts[3], static_cast<int>(open));
+    const std::string summary = report::summary_text(c.accuracy, &d);
+    EXPECT_NE(summary.find("Anchors against the design: " + std::to_string(d.passed) + " pass, " +
+                           std::to_string(d.undecided) + " undecided, " + std::to_string(d.failed) + " fail"),
+              std::string::npos)
+        << summary;
+  }
+  for (const int n : seen) EXPECT_GT(n, 0);  // every verdict occurred
+}
+
+}  // namespace
+}  // namespace plumbline::evaluate

@@ -1,0 +1,191 @@
+// Deviations judged per axis, against values worked out by hand; the guard band's promise over simulated campaigns.
+#include "judgement/deviation.hpp"
+
+#include <gtest/gtest.h>
+
+#include "small_building.hpp"
+
+namespace plumbline::judgement {
+namespace {
+
+using evaluate::test::isotropic;
+using evaluate::test::mm;
+using evaluate::test::Normal;
+
+const Eigen::Vector3d kOut(0, -1, 0);
+
+AnchorDeviationT judge(const Eigen::Vector3d& deviation, double u, const Tolerances& tolerances, double k = 2) {
+  AnchorDeviationT out;
+  judge_anchor(deviation, u > 0 ? Eigen::MatrixXd(u * u * Eigen::Matrix3d::Identity()) : Eigen::MatrixXd(), kOut,
+               tolerances, k, out);
+  return out;
+}
+
+const JudgedAxisT& axis(const AnchorDeviationT& anchor, const std::string& name) {
+  for (const auto& a : anchor.axes)
+    if (a->axis == name) return *a;
+  throw std::runtime_error("no axis " + name);
+}
+
+TEST(AnchorJudgement, HorizontalAndVerticalByDefault) {
+  const Tolerances tolerances = tolerances_of({}, {});
+  // 7 mm out of plane: what only heights were judged by was green.
+  const AnchorDeviationT anchor = judge({0, -7 * mm, 1 * mm}, 0.2 * mm, tolerances);
+  EXPECT_EQ(anchor.verdict, ToleranceVerdict::fail);
+  EXPECT_EQ(anchor.decided_by, "horizontal");
+  EXPECT_NEAR(axis(anchor, "out_of_plane").value, 7 * mm, 1e-12);
+  EXPECT_NEAR(axis(anchor, "in_plane").value, 1 * mm, 1e-12);
+  EXPECT_NEAR(axis(anchor, "space").value, std::sqrt(50.0) * mm, 1e-12);
+  EXPECT_EQ(axis(anchor, "vertical").verdict, ToleranceVerdict::pass);
+  EXPECT_EQ(axis(anchor, "space").verdict, ToleranceVerdict::not_measured);  // told, not judged
+  EXPECT_NEAR(axis(anchor, "horizontal").u, 0.2 * mm, 1e-12);
+}
+
+TEST(AnchorJudgement, WithoutUncertaintyNothingIsDecided) {
+  EXPECT_EQ(judge({0, 0, 9 * mm}, 0, tolerances_of({}, {})).verdict, ToleranceVerdict::undecided);
+  EXPECT_TRUE(std::isnan(judge({0, 0, 9 * mm}, 0, tolerances_of({}, {})).pass_probability));
+}
+
+TEST(AnchorJudgement, ProbabilityIsThatOfAllAxesTogether) {
+  const ToleranceTable vertical{5 * mm, false, {parse_rule("*: horizontal=0mm")}};
+  EXPECT_NEAR(judge({0, 0, 5 * mm}, 1 * mm, tolerances_of(vertical, {})).pass_probability, 0.5, 2e-3);
+  // Rayleigh: P(r <= 2 sigma) = 1 - exp(-2); with the height's P(|z| <= 2 sigma) = 0.9545.
+  const Tolerances both = tolerances_of({2 * mm, false, {}}, {});
+  EXPECT_NEAR(judge({0, 0, 0}, 1 * mm, both).pass_probability, (1 - std::exp(-2.0)) * 0.9545, 3e-3);
+}
+
+TEST(ToleranceRules, LaterRulesAndTheDesignGoBeforeTheDefault) {
+  const std::vector<bim::Property> properties = {{"Pset_Tolerance", "VerticalTolerance", "3.", 3 * mm}};
+  bim::ElementFacts element;
+  element.ifc_class = "IfcMechanicalFastener", element.name = "A1", element.properties = &properties;
+  ToleranceTable table;
+  Tolerances found = tolerances_of(table, element);
+  EXPECT_EQ(found[Axis::vertical].value, 3 * mm);
+  EXPECT_EQ(found[Axis::vertical].source, "design: Pset_Tolerance.VerticalTolerance");
+  EXPECT_EQ(found[Axis::horizontal].value, 5 * mm);
+  table.rules = {parse_rule("class=IfcMechanicalFastener: vertical=8mm, out_of_plane=2mm"),
+                 parse_rule("name=A1: vertical=0.004m, horizontal=0mm")};
+  found = tolerances_of(table, element);
+  EXPECT_EQ(found[Axis::vertical].value, 4 * mm);
+  EXPECT_EQ(found[Axis::out_of_plane].value, 2 * mm);
+  EXPECT_FALSE(found.contains(Axis::horizontal));
+  for (const char* wrong : {"*", "*: vertical", "*: upward=3mm", "*: vertical=3", "*: vertical=-3mm", "*: vertical=2m",
+                            "x=y: vertical=3mm"})
+    EXPECT_THROW(parse_rule(wrong), std::runtime_error) << wrong;
+}
+
+/// A grid of anchors on a facade along x.
+DeviationInputs grid(int columns, int rows) {
+  DeviationInputs inputs;
+  inputs.facade_normal = kOut, inputs.design_file = "d.ifc";
+  for (int row = 0; row < rows; ++row)
+    for (int column = 0; column < columns; ++column) {
+      AnchorCase anchor;
+      anchor.id = "A" + std::to_string(row) + "." + std::to_string(column);
+      anchor.element.guid = "g" + anchor.id, anchor.instance = inputs.anchors.size() + 1;
+      anchor.storey_guid = "s" + std::to_string(row), anchor.element.storey = "Level " + std::to_string(row + 1);
+      anchor.floor = row + 1, anchor.use = "check";
+      anchor.design = {2.0 * column, 0, 3.0 * row};
+      anchor.tolerances = tolerances_of({}, {});
+      inputs.model.ids.push_back(anchor.id);
+      inputs.model.positions.push_back(anchor.design);
+      inputs.anchors.push_back(anchor);
+    }
+  inputs.model.covariance = isotropic(inputs.model.ids.size(), 0.4 * mm);
+  return inputs;
+}
+
+TEST(CommonShift, OneOutlierIsNoCommonShift) {
+  DeviationInputs inputs = grid(5, 4);
+  Normal normal(3);
+  for (auto& p : inputs.model.positions) p += Eigen::Vector3d(normal(), normal(), normal()) * 1 * mm;
+  inputs.model.positions[7] += Eigen::Vector3d(0.5, 0, 0);  // a mean would be shifted by 25 mm
+  const DeviationT result = judge_deviations(inputs, {});
+  ASSERT_TRUE(result.common_shift);
+  EXPECT_FALSE(result.common_shift->significant);
+  EXPECT_EQ(result.anchors[7]->verdict, ToleranceVerdict::fail);
+}
+
+TEST(CommonShift, AShiftedDatumIsNamedWithItsTurn) {
+  DeviationInputs inputs = grid(5, 4);
+  Normal normal(4);
+  const Eigen::Vector3d shift(6 * mm, -3 * mm, 2 * mm);
+  for (auto& p : inputs.model.positions)
+    p += shift + Eigen::Vector3d(0, 0, 5e-4).cross(p - Eigen::Vector3d(4, 0, 4.5)) +
+         Eigen::Vector3d(normal(), normal(), normal()) * 0.8 * mm;
+  inputs.model.positions[3] += Eigen::Vector3d(0.3, 0, 0);
+  const DeviationT result = judge_deviations(inputs, {});
+  ASSERT_TRUE(result.common_shift->significant);
+  EXPECT_NEAR((result.common_shift->shift - shift).norm(), 0, 0.8 * mm);
+  EXPECT_NEAR(result.common_shift->rotation.z(), 5e-4, 2e-4);
+  EXPECT_GT(result.common_shift->would_pass, result.passed + 5);
+  EXPECT_NE(result.common_shift->words.find("do not share their datum"), std::string::npos);
+  EXPECT_EQ(result.warnings.back(), result.common_shift->words);
+}
+
+TEST(CommonShift, SoundCampaignsGiveNoAlarm) {
+  int alarms = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    DeviationInputs inputs = grid(4, 3);
+    Normal normal(static_cast<std::uint64_t>(trial) + 10);
+    for (auto& p : inputs.model.positions) p += Eigen::Vector3d(normal(), normal(), normal()) * 3 * mm;
+    alarms += judge_deviations(inputs, {}).common_shift->significant;
+  }
+  EXPECT_LE(alarms, 2);
+}
+
+TEST(Deviation, FloorsSharingAStoreyCostTheStoreyOnly) {
+  DeviationInputs inputs = grid(3, 3);
+  for (auto& anchor : inputs.anchors) anchor.storey_guid = anchor.floor == 3 ? "top" : "hall";
+  const DeviationT result = judge_deviations(inputs, {});
+  ASSERT_EQ(result.floors.size(), 3u);
+  EXPECT_EQ(result.floors[0]->storey_guid, "");
+  EXPECT_EQ(result.floors[2]->storey_guid, "top");
+  EXPECT_EQ(result.passed, 9);
+  EXPECT_NE(result.warnings.at(0).find("2 floors of the plate table have their anchors in one storey"),
+            std::string::npos);
+}
+
+TEST(Deviation, PointsOfAnotherFrameAreRefused) {
+  DeviationInputs inputs = grid(3, 2);
+  for (auto& p : inputs.model.positions) p += Eigen::Vector3d(691000, 5335000, 500);
+  EXPECT_THROW(judge_deviations(inputs, {}), std::runtime_error);
+}
+
+TEST(Deviation, WhatHasNoElementOrNoMeasurementIsListedWithTheReason) {
+  DeviationInputs inputs = grid(3, 1);
+  inputs.model.positions[1].setConstant(std::nan(""));
+  inputs.anchors[2].element.guid.clear(), inputs.anchors[2].design.setConstant(std::nan(""));
+  const DeviationT result = judge_deviations(inputs, {});
+  EXPECT_EQ(result.anchors[1]->note, "not measured");
+  EXPECT_EQ(result.anchors[2]->note, "no element of the design fits");
+  EXPECT_EQ(result.verdict, ToleranceVerdict::undecided);
+  EXPECT_EQ(result.not_measured, 2);
+}
+
+/// JCGM 106: with k = 1.645 an item just out of tolerance passes in at most 5 % of measurements, per axis and in space.
+TEST(Deviation, FalsePassesKeepTheGuardBandsPromise) {
+  const ToleranceTable tables[] = {{5 * mm, false, {parse_rule("*: horizontal=0mm")}},
+                                   {5 * mm, false, {parse_rule("*: vertical=0mm")}},
+                                   {5 * mm, false, {parse_rule("*: horizontal=0mm, vertical=0mm, out_of_plane=5mm")}},
+                                   {5 * mm, false, {parse_rule("*: horizontal=0mm, vertical=0mm, in_plane=5mm")}},
+                                   {5 * mm, false, {parse_rule("*: horizontal=0mm, vertical=0mm, space=5mm")}}};
+  const Eigen::Vector3d truths[] = {{0, 0, 5.0001 * mm},
+                                    {3.5357 * mm, 3.5357 * mm, 0},
+                                    {0, -5.0001 * mm, 0},
+                                    {4.001 * mm, 0, 3 * mm},
+                                    {3 * mm, 3 * mm, 2.6459 * mm}};
+  Normal normal(1);
+  for (std::size_t i = 0; i < 5; ++i) {
+    const Tolerances tolerances = tolerances_of(tables[i], {});
+    int passed = 0;
+    for (int trial = 0; trial < 1000; ++trial) {
+      const Eigen::Vector3d noise(normal(), normal(), normal());
+      passed += judge(truths[i] + noise * 0.5 * mm, 0.5 * mm, tolerances, 1.645).verdict == ToleranceVerdict::pass;
+    }
+    EXPECT_LE(passed, 70) << i;  // 50 expected at most, plus three standard deviations
+  }
+}
+
+}  // namespace
+}  // namespace plumbline::judgement
