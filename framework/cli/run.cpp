@@ -46,10 +46,10 @@ void print_summary(const runtime::Graph& graph, const runtime::RunResult& result
   std::printf("  %s\n", (out / "run.jsonl").c_str());
 }
 
-/// An output named verdict.txt is what a pipeline says to the person in front of it: it is shown too.
+/// An output named verdict.txt or summary.txt is what a pipeline says to the person in front of it: it is shown too.
 void print_verdict(const std::vector<runtime::Delivery>& deliveries, const fs::path& out) {
   for (const auto& delivery : deliveries) {
-    if (delivery.file != "verdict.txt" || !delivery.problem.empty()) continue;
+    if ((delivery.file != "verdict.txt" && delivery.file != "summary.txt") || !delivery.problem.empty()) continue;
     std::ifstream stream(out / delivery.file);
     for (std::string line; std::getline(stream, line);) std::printf("%s\n", line.c_str());
   }

@@ -69,7 +69,7 @@ Units read_units(const Model& model, const Entity& project, std::vector<std::str
       length_found = true;
     }
   }
-  if (!length_found) warnings.push_back("the project assigns no length unit; its lengths are taken as metres");
+  if (!length_found) warnings.emplace_back("the project assigns no length unit; its lengths are taken as metres");
   return units;
 }
 
