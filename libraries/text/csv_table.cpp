@@ -215,7 +215,8 @@ CsvTable read_csv(std::string_view bytes, const std::map<std::string, std::strin
 }
 
 std::string csv_field(std::string_view plain_text) {
-  const std::string text = (has_formula_sign(plain_text) ? "'" : "") + std::string(plain_text);
+  const bool formula = has_formula_sign(plain_text) && !parse_number(plain_text, '.');  // "-1" is a number to both
+  const std::string text = (formula ? "'" : "") + std::string(plain_text);
   const bool plain = text.find_first_of(",;\"\r\n\t") == std::string::npos && trim(text) == text &&
                      !(!text.empty() && (text[0] == '#' || text[0] == '%' || text[0] == '/'));
   if (plain) return text;

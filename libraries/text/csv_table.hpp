@@ -55,7 +55,8 @@ inline constexpr const char* kDoubtfulRow =
 CsvTable read_csv(std::string_view bytes, const std::map<std::string, std::string>& known_names);
 
 /// `text` as a CSV field: quoted where it holds a delimiter or quotes, line ends as blanks. Text that a spreadsheet
-/// would take for a formula (=, +, - or @ in front) gets an apostrophe in front, which read_csv takes off again.
+/// would take for a formula (=, +, - or @ in front, but not a number) gets an apostrophe in front, which read_csv takes
+/// off again.
 std::string csv_field(std::string_view text);
 
 }  // namespace plumbline::formats

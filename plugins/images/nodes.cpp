@@ -99,7 +99,7 @@ ImageT describe(const fs::path& file, const fs::path& folder, bool stop_at_bad) 
 }
 
 struct ReadImages : Node {
-  static constexpr Info info{"read.images", "", 2, "Lists the photographs of a folder, by reference"};
+  static constexpr Info info{"read.images", "", 3, "Lists the photographs of a folder, by reference"};
   Param<FolderPath> folder{"folder", required, "folder with JPEG, PNG or TIFF files, also in folders below it"};
   Param<std::string> camera{"camera", "", "name of the camera that took them: Camera.id"};
   Param<std::string> on_bad_image{

@@ -27,7 +27,7 @@ TEST(CsvTable, QuotesAndColumns) {
   ASSERT_EQ(table.rows[0].cells.size(), 3u);
   EXPECT_EQ(table.rows[0].cells[1].text, "b,\"c");
   EXPECT_EQ(table.rows[0].cells[2].column, 13);
-  for (const char* name : {"=1+1", "+A", "-1", "@x", "'=x", "''+y", "=a,b"}) {
+  for (const char* name : {"=1+1", "+A", "-1-1", "-A", "@x", "'=x", "''+y", "=a,b"}) {
     const std::string field = formats::csv_field(name);
     EXPECT_NE(std::string("=+-@").find(field[field[0] == '"']), 0u) << field;
     EXPECT_EQ(field[field[0] == '"'], '\'') << field << ": a spreadsheet must not take it for a formula";
@@ -36,6 +36,7 @@ TEST(CsvTable, QuotesAndColumns) {
     EXPECT_EQ(table.rows[0].cells[0].text, name) << "and reads back as it was";
   }
   EXPECT_EQ(formats::csv_field("O'Neill"), "O'Neill");
+  for (const char* number : {"-1", "+2.5", "-1e-3"}) EXPECT_EQ(formats::csv_field(number), number);
   EXPECT_EQ(formats::csv_field("b,\"c"), "\"b,\"\"c\"");
 }
 
