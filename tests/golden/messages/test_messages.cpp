@@ -51,7 +51,7 @@ TEST_P(Messages, AreAsTheyWereAgreed) {
   EXPECT_EQ(found, read_file(expected)) << "with PLUMBLINE_UPDATE_GOLDEN=1 it is written anew";
 }
 
-INSTANTIATE_TEST_SUITE_P(Golden, Messages, testing::ValuesIn(cases()), [](const auto& info) { return info.param; });
+INSTANTIATE_TEST_SUITE_P(Golden, Messages, testing::ValuesIn(cases()), [](const auto& one) { return one.param; });
 
 }  // namespace
 }  // namespace plumbline::test

@@ -104,8 +104,9 @@ TEST(History, ExportsATraceAndAnRoCrate) {
   for (const auto& [id, entity] : entities)
     for (const auto& [key, value] : entity.items())
       for (const Json& target : value.is_array() ? value : Json::array({value}))
-        if (target.is_object() && target.contains("@id") && target["@id"].get<std::string>().rfind("http", 0) != 0)
+        if (target.is_object() && target.contains("@id") && target["@id"].get<std::string>().rfind("http", 0) != 0) {
           EXPECT_TRUE(entities.count(target["@id"])) << id << "." << key << " -> " << target["@id"];
+        }
 }
 
 TEST(History, VerifyFindsWhatIsNotTheSameTwice) {
