@@ -181,7 +181,8 @@ TEST_P(FieldCase, IsSaidAsExpected) {
   EXPECT_GT(checks, 0);
 }
 
-INSTANTIATE_TEST_SUITE_P(Folders, FieldCase, ::testing::ValuesIn(cases()), [](const auto& info) { return info.param; });
+INSTANTIATE_TEST_SUITE_P(Folders, FieldCase, ::testing::ValuesIn(cases()),
+                         [](const auto& folder) { return folder.param; });
 
 }  // namespace
 }  // namespace plumbline::survey
