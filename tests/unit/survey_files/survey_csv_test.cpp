@@ -31,9 +31,9 @@ TEST(CsvTable, QuotesAndColumns) {
     const std::string field = formats::csv_field(name);
     EXPECT_NE(std::string("=+-@").find(field[field[0] == '"']), 0u) << field;
     EXPECT_EQ(field[field[0] == '"'], '\'') << field << ": a spreadsheet must not take it for a formula";
-    const auto table = formats::read_csv("id,e\n" + field + ",1\n", {{"id", "id"}, {"e", "e"}});
-    ASSERT_EQ(table.rows.size(), 1u);
-    EXPECT_EQ(table.rows[0].cells[0].text, name) << "and reads back as it was";
+    const auto back = formats::read_csv("id,e\n" + field + ",1\n", {{"id", "id"}, {"e", "e"}});
+    ASSERT_EQ(back.rows.size(), 1u);
+    EXPECT_EQ(back.rows[0].cells[0].text, name) << "and reads back as it was";
   }
   EXPECT_EQ(formats::csv_field("O'Neill"), "O'Neill");
   for (const char* number : {"-1", "+2.5", "-1e-3"}) EXPECT_EQ(formats::csv_field(number), number);
