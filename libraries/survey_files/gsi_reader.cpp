@@ -68,6 +68,7 @@ void GsiReader::begin_planned(const GsiBlock& block, std::size_t number) {
     start_station(found.station.empty() ? std::nullopt : std::optional(found.station), found.instrument_height, source);
     SetUp& set_up = builder_.survey.set_ups[static_cast<std::size_t>(builder_.current_set_up())];
     set_up.stated_orientation = found.orientation;
+    turn_ = found.turn;
     // Where the axis is known and no point below it, the point is the axis.
     if (found.station.empty()) {
       set_up.instrument_height = instrument_height_ = kNotGiven;
@@ -98,6 +99,7 @@ void GsiReader::read_block(const GsiBlock& block, std::size_t number) {
   const bool has_measurement = std::any_of(block.words.begin(), block.words.end(), [](const GsiWord& w) {
     return w.index == 21 || w.index == 22 || w.index == 31 || w.index == 32 || w.index == 33;
   });
+  if (plan_.continued.contains(number) && builder_.current_set_up() >= 0) return continue_station(block);
   if (starts_station(block, has_measurement) && !has_measurement) return;
   const bool has_target_coordinates = block.find(81) || block.find(82) || block.find(83);
   if (!passes_cut_line(block, has_measurement)) return;
@@ -164,7 +166,16 @@ void GsiReader::read_heights(const GsiBlock& block) {
   }
 }
 
+// The block of a station whose targets were measured before it: the same set-up, with the circle turned.
+void GsiReader::continue_station(const GsiBlock& block) {
+  turn_ = 0;
+  station_coordinates_ = coordinates(block, 84);
+  const SetUp& set_up = builder_.survey.set_ups[static_cast<std::size_t>(builder_.current_set_up())];
+  builder_.give_coordinates(set_up.station, station_coordinates_, builder_.at(line_, block.words.front().column));
+}
+
 void GsiReader::start_station(const std::optional<std::string>& station, double height, const SourcePosition& source) {
+  turn_ = 0;
   height_is_of_set_up_ = !std::isnan(height);
   if (height_is_of_set_up_) instrument_height_ = height;
   if (station)

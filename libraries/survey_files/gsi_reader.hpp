@@ -32,6 +32,7 @@ class GsiReader {
   void read_info(const GsiBlock& block);
   bool starts_station(const GsiBlock& block, bool has_measurement);
   void start_station(const std::optional<std::string>& station, double height, const SourcePosition& source);
+  void continue_station(const GsiBlock& block);
   void settle_instrument_height(Sighting& sighting);
   void lose_station(const GsiBlock& block, const GsiWord& word, const std::string& expected);
   bool passes_cut_line(const GsiBlock& block, bool has_measurement);
@@ -59,6 +60,7 @@ class GsiReader {
   bool height_is_of_set_up_ = false;  // given at the start of the current set-up or since
   std::size_t observations_at_start_ = 0;
   bool lost_station_ = false;
+  double turn_ = 0;  // [rad], of the circle, which the block of this station tells only behind its targets
   Eigen::Vector3d station_coordinates_ = Eigen::Vector3d::Constant(kNotGiven);
   std::vector<std::string> other_codes_;
   std::vector<int> words_of_sighting_;  // of the last one that was not cut off

@@ -20,7 +20,13 @@ void GsiReader::read_sighting(const GsiBlock& block, const std::string& target) 
   sighting.source = builder_.at(line_, block.words.front().column);
   sighting.target_height = target_height_;
   settle_instrument_height(sighting);
-  if (const auto direction = angle(block.find(21))) sighting.direction = *direction;
+  if (const auto direction = angle(block.find(21))) {
+    sighting.direction = turn_ == 0 ? *direction : wrap_to_circle(*direction + turn_);
+    if (turn_ != 0)
+      sighting.direction_corrections.push_back("circle turned by " +
+                                               formats::format_fixed(turn_ * 200 / std::numbers::pi, 4) +
+                                               " gon, as word 25 of the station says");
+  }
   if (const GsiWord* word = block.find(22)) read_zenith_angle(*word, sighting);
   const GsiWord* slope = block.find(31);
   const GsiWord* horizontal = block.find(32);

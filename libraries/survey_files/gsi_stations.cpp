@@ -46,6 +46,8 @@ class Planner {
   bool belongs_ahead(std::size_t first, std::size_t station, std::size_t before) const;
   double misfit(std::size_t sighting, const Fact& station) const;
   void follow_computed_coordinates();
+  void join_tails();
+  std::size_t last_of_repeated(std::size_t station) const;
   void follow_axis(std::size_t i, double station_height, double& axis);
   std::size_t run_from(std::size_t first) const;
   GsiStart start_at(const Fact& first) const;
@@ -61,6 +63,7 @@ class Planner {
   std::vector<Fact> facts_;
   std::map<std::string, Vector2d> targets_;  // coordinates that the file gives of a point, the first
   std::map<std::pair<long long, long long>, std::vector<std::size_t>> places_;  // named stations and points by cell
+  std::map<std::size_t, std::size_t> tails_;  // first sighting before a station block that it belongs to -> that block
   GsiStations plan_;
 };
 
@@ -184,6 +187,7 @@ void Planner::give_tails_to_their_station() {
       start.reason = "were measured before the block of station '" + facts_[s].name + "' in line " +
                      std::to_string(blocks_[s].line) + ", which was computed from them: they belong to it";
       plan_.starts[first] = start;
+      tails_[first] = s;
     }
     before = s;
   }
@@ -285,6 +289,36 @@ void Planner::follow_axis(std::size_t i, double station_height, double& axis) {
   plan_.instrument_height[i] = axis - station_height;
 }
 
+/// The last of the station blocks that only repeat block `station`.
+std::size_t Planner::last_of_repeated(std::size_t station) const {
+  std::size_t last = station;
+  for (std::size_t i = station + 1; i < facts_.size(); ++i) {
+    const Fact& fact = facts_[i];
+    if (fact.kind == Fact::Kind::sighting || fact.kind == Fact::Kind::names_its_station) break;
+    if (fact.kind != Fact::Kind::station) continue;
+    if (fact.name != facts_[station].name || fact.at.head<2>() != facts_[station].at.head<2>()) break;
+    last = i;
+  }
+  return last;
+}
+
+/// Word 25 is by how much the circle was turned at the station block. Where the sightings behind it show that it then
+/// read azimuths, those before and behind are one set-up with one circle.
+void Planner::join_tails() {
+  for (const auto& [first, station] : tails_) {
+    const std::size_t last = last_of_repeated(station), next = next_sighting(last + 1);
+    if (next >= facts_.size() || std::isnan(facts_[station].correction) || plan_.starts.contains(next)) continue;
+    if (!plan_.oriented.contains(next) ||
+        !((facts_[next].implied() - facts_[station].at.head<2>()).norm() < kSamePlace))
+      continue;
+    GsiStart& start = plan_.starts[first];
+    start.turn = facts_[station].correction;
+    start.orientation = 0;
+    for (std::size_t i = station; i <= last; ++i)
+      if (facts_[i].kind == Fact::Kind::station) plan_.continued.insert(i);
+  }
+}
+
 GsiStations Planner::run() {
   for (const GsiBlock& block : blocks_) facts_.push_back(fact_of(block));
   for (const Fact& fact : facts_)
@@ -292,6 +326,7 @@ GsiStations Planner::run() {
   index_places();
   give_tails_to_their_station();
   follow_computed_coordinates();
+  join_tails();
   return std::move(plan_);
 }
 

@@ -19,13 +19,15 @@ struct GsiStart {
   Eigen::Vector3d coordinates = Eigen::Vector3d::Constant(kNotGiven);  ///< [m], where nothing else in the file has them
   double instrument_height = kNotGiven;                                ///< [m]
   double orientation = kNotGiven;                                      ///< azimuth of the circle's zero [rad]
-  std::string reason;                                                  ///< in words, for the warning
+  double turn = 0;     ///< [rad], added to its directions up to the station block, where the circle was set to azimuths
+  std::string reason;  ///< in words, for the warning
 };
 
 struct GsiStations {
   std::map<std::size_t, GsiStart> starts;           ///< by the block that they begin before
   std::map<std::size_t, double> instrument_height;  ///< [m], from this block on, where 83 shows that it changed
   std::set<std::size_t> oriented;                   ///< sightings whose circle reads azimuths
+  std::set<std::size_t> continued;                  ///< station blocks whose set-up began before them
 };
 
 /// Plans the set-ups of `blocks`, which are those of the whole file in order. `foot`: as gsi_length.
