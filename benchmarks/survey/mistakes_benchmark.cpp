@@ -1,6 +1,6 @@
 // How often a mistake of the field is named and mended: 40 markers, 4 set-ups, one mistake planted in each trial,
 // adjusted with remove_blunders. Prints a Markdown table.
-//   survey_mistakes_benchmark [TRIALS [SCENARIO]]
+//   survey_mistakes_benchmark [TRIALS [SCENARIO [FIRST_SEED]]]      SCENARIO: part of a name, "" for all
 // clean: the verdict is "sound" and every marker lies within 5 of its standard deviations (plus 0.2 mm) of the truth.
 // named: a finding says what was wrong, and where. innocent: a reading was taken out in which nothing was wrong.
 #include <Eigen/Dense>
@@ -201,12 +201,15 @@ void run_trial(const Scenario& scenario, std::uint64_t seed, Tally& tally) {
 int main(int argc, char** argv) {
   const int trials = argc > 1 ? std::max(1, std::atoi(argv[1])) : 200;
   const std::string only = argc > 2 ? argv[2] : "";
-  std::printf("| %d trials each | ends clean | named | innocent readings removed | refused |\n|---|---|---|---|---|\n",
-              trials);
+  const std::uint64_t first = argc > 3 ? std::strtoull(argv[3], nullptr, 10) : 1;
+  std::printf(
+      "| %d trials each, seeds from %llu | ends clean | named | innocent readings removed | refused |\n"
+      "|---|---|---|---|---|\n",
+      trials, static_cast<unsigned long long>(first));
   for (const Scenario& scenario : kScenarios) {
     if (std::string(scenario.name).find(only) == std::string::npos) continue;
     Tally tally;
-    for (int trial = 1; trial <= trials; ++trial) run_trial(scenario, static_cast<std::uint64_t>(trial), tally);
+    for (int trial = 0; trial < trials; ++trial) run_trial(scenario, first + static_cast<std::uint64_t>(trial), tally);
     const auto share = [&](int n) { return 100.0 * n / trials; };
     std::printf("| %s | %.1f %% | %s%.1f %% | %.1f %% | %d |\n", scenario.name, share(tally.clean),
                 scenario.make == kScenarios[0].make ? "false diagnosis " : "",
