@@ -1,4 +1,4 @@
-// register.rigid: equations (6) and (8) of a free block against surveyed control.
+// register.rigid: equations (6), (7) and (8) of a free block against surveyed control.
 #include <cmath>
 #include <map>
 
@@ -6,7 +6,7 @@
 #include "artifacts/transform.hpp"
 #include "geometry/packed_symmetric.hpp"
 #include "plumbline/node.hpp"
-#include "register/rigid_registration.hpp"
+#include "registration/robust_registration.hpp"
 
 namespace {
 
@@ -57,8 +57,8 @@ std::vector<double> upper_of(const Eigen::Matrix3d& m) {
 }
 
 struct RegisterRigid : Node {
-  static constexpr Info info{"register.rigid", "registrar", 1,
-                             "Weighted rigid or similarity registration of points to control, equations (6) and (8)"};
+  static constexpr Info info{"register.rigid", "registrar", 2,
+                             "Weighted rigid or similarity registration of points to control, (6), (7) and (8)"};
   In<Points> source{"source", frame("frame=?S"), "points to move; those with role check never take part in the fit"};
   In<Points> target{"target", frame("frame=?T"),
                     "control, matched by id; those with role check never take part in the fit"};
@@ -68,7 +68,17 @@ struct RegisterRigid : Node {
       "weights", "auto", one_of("auto", "equal", "scalar", "covariance"),
       "equal; scalar: one weight a point from its variances; covariance: the full covariance of both sides; "
       "auto: covariance if either side has one, else equal"};
-  Param<std::string> scale{"scale", "fixed", one_of("fixed", "estimated"), "6 or 7 parameters"};
+  Param<std::string> scale{"scale", "fixed", one_of("fixed", "estimated", "tested"),
+                           "6 or 7 parameters; tested: 7 if the scale differs from 1 at 1 %, else 6"};
+  Param<std::string> estimator{
+      "estimator", "least_squares",
+      one_of("least_squares", "huber", "cauchy", "tukey", "geman_mcclure", "truncated", "ransac"),
+      "(6), or a robust cost (7); truncated: truncated least squares by graduated non-convexity"};
+  Param<double> threshold{"threshold", 0.0, "sigma", at_least(0),
+                          "residual in space at which the cost departs from squares or a point is rejected; 0: the "
+                          "estimator's own"};
+  Param<double> sigma{"sigma", 0.0, "m", at_least(0),
+                      "robust with equal weights: standard deviation of a coordinate difference; 0: from the points"};
   Param<double> min_width_ratio{
       "min_width_ratio", 0.01, "1", between(0, 1),
       "a figure of control points narrower than this against its length is refused as a line"};
@@ -81,23 +91,56 @@ struct RegisterRigid : Node {
     c.source_covariance = part(from_covariance, chosen_from);
     c.target_covariance = part(to_covariance, chosen_to);
 
-    const reg::Registration found = reg::register_points(c, options(c));
-    const reg::MovedPoints moved =
-        reg::move_points(found, positions_of(from), from_covariance, chosen_from, c.target_covariance);
-    context.metric("sigma0", found.sigma0, "1");
-    transform.commit(transform_artifact(c, found));
-    points.commit(points_artifact(from, to, moved));
+    reg::RobustOptions how = options(c);
+    reg::RobustRegistration result = reg::register_robust(c, how);
+    double scale_w = std::nan("");
+    if (how.fit.estimate_scale) {
+      const double variance = result.fit.centred_covariance(6, 6);
+      scale_w = variance > 0 ? (result.fit.scale - 1) / std::sqrt(variance) : std::nan("");
+      constexpr double significant = 2.5758;  // two-sided, 1 %
+      if (*scale == "tested" && std::abs(scale_w) < significant) {
+        how.fit.estimate_scale = false;
+        result = reg::register_robust(c, how);
+      }
+    }
+    for (size_t i = 0; i < c.ids.size(); ++i)
+      if (result.weights(static_cast<Eigen::Index>(i)) <= 0)
+        context.warn("rejected: " + c.ids[i] + " is " +
+                     std::to_string(1e3 * result.residuals.col(static_cast<Eigen::Index>(i)).norm()) +
+                     " mm from where the other points have it");
+    context.metric("sigma0", result.fit.sigma0, "1");
+    transform.commit(transform_artifact(c, result, scale_w));
+    points.commit(points_artifact(from, to, move(c, result, positions_of(from), from_covariance, chosen_from)));
   }
 
  private:
-  reg::Options options(const reg::Correspondences& c) const {
-    reg::Options o;
+  reg::RobustOptions options(const reg::Correspondences& c) const {
+    static const std::map<std::string, reg::Estimator> estimators = {{"least_squares", reg::Estimator::least_squares},
+                                                                     {"huber", reg::Estimator::huber},
+                                                                     {"cauchy", reg::Estimator::cauchy},
+                                                                     {"tukey", reg::Estimator::tukey},
+                                                                     {"geman_mcclure", reg::Estimator::geman_mcclure},
+                                                                     {"truncated", reg::Estimator::truncated},
+                                                                     {"ransac", reg::Estimator::ransac}};
+    reg::RobustOptions o;
     const bool known = c.source_covariance.size() > 0 || c.target_covariance.size() > 0;
-    if (*weights == "scalar") o.weighting = reg::Weighting::scalar;
-    if (*weights == "covariance" || (*weights == "auto" && known)) o.weighting = reg::Weighting::covariance;
-    o.estimate_scale = *scale == "estimated";
-    o.min_width_ratio = *min_width_ratio;
+    if (*weights == "scalar") o.fit.weighting = reg::Weighting::scalar;
+    if (*weights == "covariance" || (*weights == "auto" && known)) o.fit.weighting = reg::Weighting::covariance;
+    o.fit.estimate_scale = *scale != "fixed";
+    o.fit.min_width_ratio = *min_width_ratio;
+    o.estimator = estimators.at(*estimator);
+    o.threshold = *threshold;
+    o.sigma = *sigma;
     return o;
+  }
+
+  /// All source points, with the errors of those that took part acting twice.
+  static reg::MovedPoints move(const reg::Correspondences& c, const reg::RobustRegistration& result,
+                               const Eigen::Matrix3Xd& positions, const Eigen::MatrixXd& covariance,
+                               const std::vector<int>& chosen) {
+    std::vector<int> fitted;
+    for (int i : result.used) fitted.push_back(chosen[static_cast<size_t>(i)]);
+    return reg::move_points(result.fit, positions, covariance, fitted, part(c.target_covariance, result.used));
   }
 
   static reg::Correspondences match(const PointsT& from, const PointsT& to, std::vector<int>& chosen_from,
@@ -130,16 +173,21 @@ struct RegisterRigid : Node {
     return c;
   }
 
-  static TransformT transform_artifact(const reg::Correspondences& c, const reg::Registration& found) {
+  TransformT transform_artifact(const reg::Correspondences& c, const reg::RobustRegistration& result,
+                                double scale_w) const {
+    const reg::Registration& found = result.fit;
     TransformT t;
+    t.estimator = *estimator;
+    t.scale_w = scale_w;
     t.to_from_from = found.to_from_from;
     t.scale = found.scale;
     t.covariance = pack_symmetric(found.covariance);
     for (size_t i = 0; i < c.ids.size(); ++i) {
       auto residual = std::make_unique<RegistrationResidualT>();
       residual->id = c.ids[i];
-      residual->residual = found.residuals.col(static_cast<Eigen::Index>(i));
-      residual->weight = 1;
+      residual->residual = result.residuals.col(static_cast<Eigen::Index>(i));
+      residual->weight = result.weights(static_cast<Eigen::Index>(i));
+      residual->w = result.w.col(static_cast<Eigen::Index>(i));
       t.residuals.push_back(std::move(residual));
     }
     t.residual_covariance = upper_of(found.residual_covariance);
@@ -148,7 +196,7 @@ struct RegisterRigid : Node {
     t.statistics->sigma0 = found.sigma0;
     t.statistics->degrees_of_freedom = found.degrees_of_freedom;
     t.statistics->weighted_sum_of_squares = found.weighted_sum_of_squares;
-    t.statistics->observations = static_cast<int64_t>(3 * c.ids.size());
+    t.statistics->observations = static_cast<int64_t>(3 * result.used.size());
     t.statistics->unknowns = found.unknowns;
     return t;
   }

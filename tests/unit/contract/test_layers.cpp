@@ -30,6 +30,7 @@ const std::vector<Library> libraries = {
     {"survey", {"adjustment", "geometry", "text"}},
     {"survey_files", {"text", "geometry", "survey"}},
     {"ifc", {"geometry", "text"}},
+    {"registration", {"geometry"}},
     {"block", {"adjustment", "geometry", "text"}},
     {"markers", {"block", "adjustment", "geometry", "text"}},
     {"judgement", {"geometry", "ifc"}},

@@ -7,7 +7,7 @@
 #include <Eigen/QR>
 #include <cmath>
 
-#include "register/rigid_registration.hpp"
+#include "registration/rigid_registration.hpp"
 
 namespace plumbline::registration {
 namespace {

@@ -22,6 +22,9 @@ struct Options {
   /// Width of the figure of control points over its length (ratio of the second to the first principal deviation). A
   /// figure that is narrower is taken for a line: the rotation about it would come from noise.
   double min_width_ratio = 0.01;
+  /// One a point, positive; empty: 1. For robust estimation, with weighting by covariance only. They change the
+  /// estimate; its covariance is that of the given covariances through the weighted estimate.
+  Eigen::VectorXd point_weights;
 };
 
 /// Points that correspond, one a column [m], each with the 3n x 3n covariance [m²] or an empty matrix if it is not
@@ -47,7 +50,8 @@ struct Registration {
   int unknowns = 6;
   /// Influence of the residuals on (rotation vector, position of the source's centroid, scale), unknowns x 3n.
   Eigen::MatrixXd influence;
-  Eigen::Vector3d source_centroid;  ///< about which `influence` is meant
+  Eigen::Vector3d source_centroid;     ///< about which `influence` is meant
+  Eigen::MatrixXd centred_covariance;  ///< of (rotation vector, position of the source's centroid, scale)
 };
 
 /// The points do not determine the transform; the text names the direction that is free.
@@ -61,6 +65,9 @@ class DegenerateRegistration : public std::runtime_error {
 /// needs the transform to cover the null space. Throws DegenerateRegistration, and std::invalid_argument for what does
 /// not fit together.
 Registration register_points(const Correspondences& points, const Options& options);
+
+/// Derivative of a moved point by (rotation vector, position of the source's centroid, scale), 3 × unknowns.
+Eigen::MatrixXd point_slopes(const Registration& registration, const Eigen::Vector3d& source);
 
 /// Points of the source frame in the target frame, with covariance. `fitted` are the columns of `points` that took part
 /// in the registration, in its order: their errors act twice, by themselves and through the transform, and that is

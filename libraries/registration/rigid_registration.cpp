@@ -1,12 +1,13 @@
-#include "register/rigid_registration.hpp"
+#include "registration/rigid_registration.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+
+#include "geometry/similarity.hpp"
 
 namespace plumbline::registration {
 namespace {
@@ -35,6 +36,10 @@ void check_input(const Correspondences& points, const Options& options) {
       points.target_covariance.size() == 0)
     throw std::invalid_argument(
         "registration: weights are to follow covariances, but neither side has any; use equal weights");
+  if (options.point_weights.size() > 0 &&
+      (options.weighting != Weighting::covariance || options.point_weights.size() != n ||
+       !(options.point_weights.minCoeff() > 0)))
+    throw std::invalid_argument("registration: point weights need covariances, and must be positive");
   if (n < 3)
     throw DegenerateRegistration(
         "a registration needs at least 3 points that both sides have and that may take part, found " +
@@ -71,11 +76,9 @@ Centred closed_form(const Correspondences& points, const Eigen::VectorXd& weight
   t.centroid = points.source * weights / total;
   t.image = points.target * weights / total;
   const Eigen::Matrix3Xd x = points.source.colwise() - t.centroid, y = points.target.colwise() - t.image;
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(y * weights.asDiagonal() * x.transpose(),
-                                              Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Vector3d sign(1, 1, (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1);
-  t.rotation = svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
-  if (with_scale) t.scale = svd.singularValues().dot(sign) / (x.cwiseAbs2() * weights).sum();
+  const Eigen::Matrix3d moment = y * weights.asDiagonal() * x.transpose();
+  t.rotation = rotation_of_moment(moment);
+  if (with_scale) t.scale = t.rotation.cwiseProduct(moment).sum() / (x.cwiseAbs2() * weights).sum();
   return t;
 }
 
@@ -139,11 +142,22 @@ void apply_step(Centred& t, const Eigen::VectorXd& step) {
   if (step.size() == 7) t.scale += step[6];
 }
 
+/// D C D with D = 1/√weight of each point: a point of weight ¼ counts as if it were twice as uncertain.
+Eigen::MatrixXd down_weighted(Eigen::MatrixXd c, const Eigen::VectorXd& weights) {
+  for (Index i = 0; i < weights.size(); ++i) {
+    const double d = 1 / std::sqrt(weights(i));
+    c.middleRows<3>(3 * i) *= d;
+    c.middleCols<3>(3 * i) *= d;
+  }
+  return c;
+}
+
 /// Gauss-Newton with the full covariance, whose weights follow the rotation.
-Eigen::MatrixXd fit_with_covariance(const Correspondences& points, int unknowns, Centred& t) {
+Eigen::MatrixXd fit_with_covariance(const Correspondences& points, const Eigen::VectorXd& weights, int unknowns,
+                                    Centred& t) {
   for (int iteration = 0; iteration < 50; ++iteration) {
     const Eigen::MatrixXd a = slopes(t, points.source, unknowns);
-    const auto weight = weight_of(residual_covariance_of(points, t), a);
+    const auto weight = weight_of(down_weighted(residual_covariance_of(points, t), weights), a);
     const Eigen::MatrixXd influence = influence_of(a, weight.solve(a));
     const Eigen::VectorXd step = influence * flat(points.target - t.apply(points.source));
     if (!step.allFinite()) break;
@@ -190,7 +204,7 @@ Registration register_local(const Correspondences& points, const Options& option
   const Eigen::VectorXd weights = scalar_weights(points, options.weighting);
   Centred t = closed_form(points, weights, options.estimate_scale);
   if (options.weighting == Weighting::covariance) {
-    result.influence = fit_with_covariance(points, result.unknowns, t);
+    result.influence = fit_with_covariance(points, options.point_weights, result.unknowns, t);
   } else {
     const Eigen::MatrixXd a = slopes(t, points.source, result.unknowns);
     Eigen::MatrixXd weighted = a;
@@ -205,7 +219,8 @@ Registration register_local(const Correspondences& points, const Options& option
   const Eigen::MatrixXd known = residual_covariance_of(points, t);
   Eigen::MatrixXd covariance;
   if (known.size() > 0) {
-    result.weighted_sum_of_squares = weighted_square(known, slopes(t, points.source, result.unknowns), v);
+    result.weighted_sum_of_squares =
+        weighted_square(down_weighted(known, options.point_weights), slopes(t, points.source, result.unknowns), v);
     covariance = result.influence * known * result.influence.transpose();
   } else {
     result.weighted_sum_of_squares = v.squaredNorm();
@@ -214,6 +229,7 @@ Registration register_local(const Correspondences& points, const Options& option
   if (result.degrees_of_freedom > 0)
     result.sigma0 = std::sqrt(result.weighted_sum_of_squares / result.degrees_of_freedom);
   if (known.size() == 0) covariance *= result.sigma0 * result.sigma0;
+  result.centred_covariance = covariance;
   leave_centroid(t, covariance, result);
 
   const Eigen::Matrix3d squares = result.residuals * result.residuals.transpose();
@@ -235,6 +251,14 @@ Registration register_points(const Correspondences& points, const Options& optio
   Registration result = register_local(local, options);
   result.to_from_from.translation += origin;
   return result;
+}
+
+Eigen::MatrixXd point_slopes(const Registration& registration, const Eigen::Vector3d& source) {
+  Centred t;
+  t.rotation = registration.to_from_from.rotation.toRotationMatrix();
+  t.scale = registration.scale;
+  t.centroid = registration.source_centroid;
+  return slopes(t, source, registration.unknowns);
 }
 
 MovedPoints move_points(const Registration& registration, const Eigen::Matrix3Xd& points,
