@@ -140,7 +140,7 @@ struct WriteIfc : Node {
     if (options.timestamp == 0)
       context.warn(
           "the survey does not say when it was measured: the additions carry the latest date of the design; "
-          "'observation_time' says it");
+          "'date' in campaign.yaml or 'observation_time' says it");
     add_provenance(read, when, options);
     AsBuiltIfc result = write_as_built(file, read, deviation.unpack(), accuracy.unpack(), options);
     for (const std::string& warning : result.warnings) context.warn(warning);
@@ -185,7 +185,9 @@ struct WriteBcf : Node {
     if (when.empty() && survey && survey->info() && survey->info()->date())
       if (const auto instant = instant_of(survey->info()->date()->str())) when = instant->text;
     if (when.empty())
-      context.warn("the survey does not say when it was measured: the BCF topics are dated 1970; 'date' says it");
+      context.warn(
+          "the survey does not say when it was measured: the BCF topics are dated 1970; 'date' in campaign.yaml or "
+          "here says it");
     else
       options.date = when;
     FileT to;

@@ -161,13 +161,14 @@ class Resolver {
 CampaignDescription parse_campaign(const std::string& yaml, const std::filesystem::path& shown,
                                    std::vector<std::string> files, bool survey_only) {
   const Mapping mapping(load(yaml, shown), shown,
-                        {"plumbline_campaign", "name", "images", "camera", "plates", "survey", "instrument", "control",
-                         "design", "mapping"});
+                        {"plumbline_campaign", "name", "images", "camera", "plates", "survey", "instrument", "date",
+                         "control", "design", "mapping"});
   mapping.require_version("plumbline_campaign");
   const Resolver resolver(mapping, std::move(files));
   CampaignDescription c;
   if (mapping.has("name")) c.name = mapping.as<std::string>("name", "a text");
   if (mapping.has("instrument")) c.instrument = mapping.as<std::string>("instrument", "the name of a profile");
+  if (mapping.has("date")) c.date = mapping.as<std::string>("date", "a day such as 2026-05-12");
   c.survey = resolver.many("survey");
   if (mapping.has("control")) c.control = resolver.one("control");
   if (survey_only) return c;

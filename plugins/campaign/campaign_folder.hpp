@@ -30,6 +30,7 @@ struct CampaignDescription {
   std::string mapping;                          ///< from points to elements of the design; may be empty
   std::vector<std::string> survey;
   std::string instrument;  ///< name of an instrument profile; may be empty
+  std::string date;        ///< when it was measured; may be empty
 };
 
 /// `files`: what the folder holds, as relative paths with forward slashes. `shown` names campaign.yaml in messages.

@@ -130,12 +130,13 @@ SurveyObservationsT read_surveys(const campaign::CampaignDescription& descriptio
       context.warn(finding.text);
   }
   if (!description.instrument.empty()) all.info.instrument = description.instrument;
+  if (!description.date.empty()) all.info.date = description.date;
   if (!description.name.empty()) all.info.title = description.name;
   return plumbline::survey::to_artifact(all);
 }
 
 struct ReadCampaign : Node {
-  static constexpr Info info{"read.campaign", "", 3, "Reads the folder of a site: campaign.yaml and what it names"};
+  static constexpr Info info{"read.campaign", "", 4, "Reads the folder of a site: campaign.yaml and what it names"};
   In<Folder> folder{"folder", "a folder with a campaign.yaml; see docs/campaign_folder.md"};
   OutList<Image> images{"images", "the photographs, by reference, ordered by path"};
   Out<Camera> camera{"camera", "the calibration, with the uncertainty its file states"};

@@ -29,6 +29,7 @@ std::string campaign_yaml(const Campaign& c) {
          "instrument: " +
          c.options.survey.instrument +
          "\n"
+         "date: 2026-05-04\n"
          "control: control.csv\n"
          "design: design.ifc\n";
 }

@@ -62,7 +62,7 @@ struct SimulatedSite : Node {
 
 struct SimulateCampaign : SimulatedSite {
   static constexpr Info info{
-      "simulate.campaign", "", 1,
+      "simulate.campaign", "", 2,
       "Simulates a site: photographs, total-station file, design IFC, and the truth beside them"};
   Param<std::string> instrument{
       "instrument", "ics50_assumed",
