@@ -78,6 +78,7 @@ TEST_F(ReadCampaignTest, GivesEveryPartOfTheFolder) {
   const SurveyObservationsT survey = node.output<SurveyObservations>("survey");
   EXPECT_EQ(survey.observations.size(), campaign_.observations.observations.size());
   EXPECT_EQ(survey.info->instrument, "ics50_assumed");
+  EXPECT_EQ(survey.info->date, "2026-05-04");
   EXPECT_EQ(node.output<File>("design_file").name, "design.ifc");
 }
 
