@@ -46,7 +46,7 @@ th{font-weight:600}
 thead th{vertical-align:bottom;border-bottom:2px solid var(--soft);line-height:1.25;white-space:normal}
 tbody th{font-weight:500}
 td.text,th.text,tbody th,thead th:first-child{text-align:left}
-td.words{white-space:normal;text-align:left}
+td.words{white-space:normal;text-align:left}.wide td.words{min-width:15em}
 tbody tr:nth-child(even){background:var(--panel)}
 thead th[data-sortable]{cursor:pointer}
 thead th[aria-sort=ascending]::after{content:" ▲";font-size:.7em}thead th[aria-sort=descending]::after{content:" ▼";font-size:.7em}
@@ -101,7 +101,7 @@ main{max-width:none;padding:0}nav,.slider,.screen{display:none}figure>svg{max-wi
 section{margin-top:20pt}h2{break-after:avoid}h3{break-after:avoid}
 figure,.card,.verdict,.warnings,tr{break-inside:avoid}thead{display:table-header-group}
 html{font-size:12.5px}table{font-size:7.3pt}th,td{padding:2pt 3pt;white-space:normal;overflow-wrap:anywhere}.pair{gap:10px}.pair svg .mark{font-size:14px}.card .value{font-size:14pt}
-.wide{overflow:visible}a{text-decoration:none}
+.wide{overflow:visible}.wide td.words{min-width:0}.wide table{font-size:7pt}a{text-decoration:none}
 details summary{font-weight:600;color:var(--fg);list-style:none}details::details-content{content-visibility:visible;display:block}
 }
 )css";
