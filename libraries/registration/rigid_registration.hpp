@@ -24,7 +24,7 @@ struct Options {
   double min_width_ratio = 0.01;
   /// One a point, positive; empty: 1. For robust estimation, with weighting by covariance only. They change the
   /// estimate; its covariance is that of the given covariances through the weighted estimate.
-  Eigen::VectorXd point_weights;
+  Eigen::VectorXd point_weights{};
 };
 
 /// Points that correspond, one a column [m], each with the 3n x 3n covariance [m²] or an empty matrix if it is not
