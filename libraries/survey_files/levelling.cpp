@@ -38,6 +38,7 @@ bool LevelRun::complete() const {
 void LevelRun::add(StaffReading reading) {
   any_ = true;
   if (reading.kind == StaffReading::Kind::intermediate) {
+    if (readings_ > 0 && complete()) finish_position();
     const StaffReading& back = back_.empty() ? last_back_ : back_.front();
     if (back.point.empty()) {
       builder_.warn("line " + std::to_string(reading.source.line) +
