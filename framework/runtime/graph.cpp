@@ -121,7 +121,7 @@ class Linker {
                           ? "write node.port, not only '" + name + "'"
                           : "'" + name + "' (" + found->kind.node->kind + ") has no output '" + source.port + "'") +
                          (source.port.empty() || did_you_mean(source.port, outputs).empty()
-                              ? "; its outputs are: " + list_text(outputs)
+                              ? (outputs.empty() ? "; it has none" : "; its outputs are: " + list_text(outputs))
                               : did_you_mean(source.port, outputs)));
     return false;
   }
@@ -135,7 +135,9 @@ class Linker {
         const auto inputs = port_names(node.kind.node->inputs, node.kind.node->input_count);
         const std::string hint = did_you_mean(port_name, inputs);
         problem(text.at, "'" + std::string(node.kind.node->kind) + "' has no input '" + port_name + "'" +
-                             (hint.empty() ? "; its inputs are: " + list_text(inputs) : hint));
+                             (!hint.empty()    ? hint
+                              : inputs.empty() ? "; it has none"
+                                               : "; its inputs are: " + list_text(inputs)));
         continue;
       }
       Source source;

@@ -20,6 +20,13 @@ std::string number_text(double value) {
   return text;
 }
 
+/// Two digits say how large a difference is.
+std::string size_text(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2g", value);
+  return text;
+}
+
 /// How two artifacts differ: the largest difference of numbers, and whether anything else does.
 struct Comparison {
   double largest = 0;  // relative
@@ -137,7 +144,7 @@ class Comparer {
     std::string line =
         name + (a.size() > 1 ? " (" + std::to_string(differing) + " of " + std::to_string(a.size()) + " items)" : "");
     if (all.numbers)
-      line += ": " + std::to_string(all.numbers) + " numbers differ, at most by " + number_text(all.largest) +
+      line += ": " + std::to_string(all.numbers) + " numbers differ, at most by " + size_text(all.largest) +
               " of their size, " + all.where;
     if (!all.other.empty()) line += (all.numbers ? "; and " : ": ") + all.other;
     if (!all.numbers && all.other.empty()) line += ": other bytes, the same content";

@@ -122,11 +122,11 @@ Store::Store(const fs::path& folder, bool durable) : folder_(fs::absolute(folder
   char host[65] = "host";
   gethostname(host, sizeof host - 1);
   temporary_prefix_ = std::string(host) + "-" + std::to_string(getpid()) + "-";
-  remove_leftovers();
   file_hashes_ = std::make_unique<FileHashes>(folder_ / "file-hashes", folder_ / "tmp");
   claims_ = std::make_unique<Claims>(folder_ / "claims");
   if (!claims_->use_store())
     throw StoreError("the store " + folder_.string() + " is being pruned; try again in a moment");
+  remove_leftovers();
 }
 
 Store::Store(const fs::path& folder, ReadOnly) : folder_(fs::absolute(folder)), writable_(false) {

@@ -37,7 +37,7 @@ struct DatumAnalysis {
 
 /// Splits the similarity motions by how well `information` (7 × 7 normal matrix of the motions [1/m², 1/(m·rad) …])
 /// fixes them. A motion is measured by the rms displacement of `points` [m]; it is undetermined if its standard
-/// deviation is 1e5 times, weak if it is `weak_ratio` times that of the best determined one. `with_scale` false leaves
+/// deviation is 1000 times, weak if it is `weak_ratio` times that of the best determined one. `with_scale` false leaves
 /// scale out.
 DatumAnalysis analyse_datum(const Eigen::MatrixXd& information, const std::vector<NamedPoint>& points,
                             const std::vector<NamedPoint>& fixed, bool with_scale, double weak_ratio);

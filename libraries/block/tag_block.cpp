@@ -327,6 +327,19 @@ void fill_control(const TagStart& start, const TagModel& model, const bundle::La
   }
 }
 
+/// Control nearly on a line lets the block swing by degrees; the iteration that follows has this cause and no other.
+Solved solve_under(const std::vector<std::string>& weak_datum, const TagBlockOptions& options,
+                   const bundle::Layout& layout, TagModel& model) {
+  try {
+    return solve(options, layout, model);
+  } catch (const std::runtime_error& error) {
+    if (weak_datum.empty()) throw;
+    throw std::runtime_error("the control hardly determines " + enumerate(weak_datum) +
+                             " of the block; add control that is not on one line, or adjust a free network (" +
+                             error.what() + ")");
+  }
+}
+
 }  // namespace
 
 TagBlockResult adjust_tag_block(const TagBlock& given, const TagBlockOptions& options) {
@@ -354,7 +367,7 @@ TagBlockResult adjust_tag_block(const TagBlock& given, const TagBlockOptions& op
     result.warnings = warnings;
   }
   const bundle::Layout layout(model.problem);
-  Solved solved = solve(options, layout, model);
+  Solved solved = solve_under(result.weak_datum, options, layout, model);
   fill_statistics(options, model, solved, result);
   fill_tests(options, result);
   fill_poses(block, start, model, layout, solved, result);

@@ -46,7 +46,7 @@ struct Fit {
   Eigen::Matrix<double, 6, 6> cofactor = Eigen::Matrix<double, 6, 6>::Zero();  ///< pseudo-inverse of the normal matrix
   Eigen::VectorXd weights;                                                     ///< one an anchor
   double scatter = 0;
-  int rank = 0;
+  int rank = 0, freedom = 0;
 };
 
 /// Weighted solution; motions that the anchors cannot tell (a turn about their own line) stay zero.
@@ -64,6 +64,19 @@ void solve(const Motion& motion, const Eigen::VectorXd& d, Fit& fit) {
   }
   fit.gain = fit.cofactor * weighted;
   fit.x = fit.gain * d;
+}
+
+/// What stood out is left out, the rest counts alike: its scatter has a known distribution, that of the median has not.
+void least_squares_of_the_rest(const Motion& motion, const Eigen::VectorXd& d, Fit& fit) {
+  fit.weights = (fit.weights.array() > 0).cast<double>();
+  const int kept = static_cast<int>(fit.weights.sum());
+  if (kept < 4) return;
+  solve(motion, d, fit);
+  fit.freedom = 3 * kept - fit.rank;
+  double squares = 0;
+  const Eigen::VectorXd residual = d - motion.rows * fit.x;
+  for (Index i = 0; i < d.size(); ++i) squares += fit.weights[i / 3] * residual[i] * residual[i];
+  fit.scatter = std::max(std::sqrt(squares / fit.freedom), kSmallestScatter);
 }
 
 Fit robust_fit(const Motion& motion, const Eigen::VectorXd& d) {
@@ -89,6 +102,7 @@ Fit robust_fit(const Motion& motion, const Eigen::VectorXd& d) {
     solve(motion, d, fit);
     if ((fit.x - before).norm() < 1e-9) break;
   }
+  least_squares_of_the_rest(motion, d, fit);
   return fit;
 }
 
@@ -140,7 +154,7 @@ std::unique_ptr<CommonShiftT> common_shift(
     corrected.push_back(d.segment<3>(3 * i) - moved.segment<3>(3 * i));
   }
   out->would_pass = would_pass(corrected);
-  if (fit.rank == 0 || fit.gain.size() == 0) return out;
+  if (fit.rank == 0 || fit.freedom <= 0) return out;
   Eigen::Matrix<double, 6, 6> s = fit.scatter * fit.scatter * fit.cofactor;
   if (covariance.size() != 0) s += fit.gain * covariance * fit.gain.transpose();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> eigen(s);
@@ -148,7 +162,7 @@ std::unique_ptr<CommonShiftT> common_shift(
   for (int k = 0; k < 6; ++k)
     if (eigen.eigenvalues()[k] > 1e-12 * eigen.eigenvalues().maxCoeff())
       out->statistic += std::pow(eigen.eigenvectors().col(k).dot(fit.x), 2) / eigen.eigenvalues()[k];
-  out->critical = chi_squared_quantile(0.999, fit.rank);
+  out->critical = fit.rank * fisher_f_quantile(0.999, fit.rank, fit.freedom);
   out->significant = out->statistic > out->critical && 3 * out->following >= 2 * out->anchors &&
                      out->largest_effect >= 0.5 * smallest_tolerance;
   if (out->significant) out->words = words_of(*out, would_pass(deviations));

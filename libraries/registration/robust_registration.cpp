@@ -183,9 +183,11 @@ Eigen::VectorXd graduate(const Problem& problem, std::vector<int>& used, Registr
     for (Index i = 0; i < d.size(); ++i) {
       const double s = d(i) * d(i);
       weights(i) = s >= (mu + 1) / mu * c2 ? 0 : s <= mu / (mu + 1) * c2 ? 1 : std::sqrt(c2 * mu * (mu + 1) / s) - mu;
-      binary = binary && (weights(i) < smallest_weight || weights(i) > 1 - smallest_weight);
+      binary = binary && (weights(i) == 0 || weights(i) == 1);
     }
-    fit = problem.fit(weights, used);
+    // Far from the end all weights are tiny; only their ratios matter.
+    const double largest = weights.maxCoeff();
+    fit = problem.fit(largest > 0 ? Eigen::VectorXd(weights / largest) : weights, used);
     if (binary) break;
   }
   return weights;

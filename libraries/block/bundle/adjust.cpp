@@ -66,6 +66,13 @@ Direction full_direction(const Layout& layout, const Elimination& elimination, c
   return d;
 }
 
+/// "the pose of image 3", "the position of F01-C02-R1"
+std::string name_of_block(const Problem& problem, const Ref& ref) {
+  const size_t i = static_cast<size_t>(ref.index);
+  if (ref.kind == Kind::image) return "the pose of " + problem.images[i].name;
+  return "the position of " + (ref.kind == Kind::point ? problem.points[i].name : problem.plates[i].name);
+}
+
 /// What a direction does, in words: a motion of the whole block if it is nearly one, else the unknowns with the largest
 /// part in it.
 std::string describe_direction(const Problem& problem, const Layout& layout, const State& state,
@@ -95,6 +102,12 @@ std::string describe_direction(const Problem& problem, const Layout& layout, con
     }
   }
   const Eigen::VectorXd scaled = direction.cwiseProduct(elimination.diagonal().cwiseMax(0).cwiseSqrt());
+  for (int b = 0; b < layout.block_count(); ++b) {  // all of it in one point, plate or image
+    const Kind kind = layout.ref(b).kind;
+    if ((kind == Kind::point || kind == Kind::plate || kind == Kind::image) && layout.size(b) > 0 &&
+        scaled.segment(layout.offset(b), layout.size(b)).squaredNorm() > 0.999 * scaled.squaredNorm())
+      return name_of_block(problem, layout.ref(b));
+  }
   std::vector<int> order(static_cast<size_t>(scaled.size()));
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return std::abs(scaled(a)) > std::abs(scaled(b)); });

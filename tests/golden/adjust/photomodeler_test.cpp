@@ -103,7 +103,8 @@ TEST_P(PhotoModelerBlock, AgreesWithItsReport) {
     const char* names[] = {"Xc", "Yc", "Zc", "Omega", "Phi", "Kappa"};
     for (int k = 0; k < 6; ++k) {
       const auto& reported = photo.at(names[k]);
-      const double unit = k < 3 ? 1 : degree, printed = k < 3 ? 0.5e-5 : 0.5e-4;
+      const double unit = k < 3 ? 1 : degree;
+      const double printed = 0.5 * std::pow(10, std::floor(std::log10(reported.sigma)) - 2);  // three digits
       EXPECT_NEAR(sigma(k) / unit, reported.sigma, 0.001 * reported.sigma + printed) << i << " " << names[k];
       const double value = k < 3 ? image.centre(k) - shift(k) : image.angles(k - 3) / degree;
       EXPECT_NEAR(k < 3 ? value - reported.value : std::remainder(value - reported.value, 360.0), 0,

@@ -80,7 +80,8 @@ TEST(Slurm, AThousandCellsAndAKilledNode) {
   ASSERT_TRUE(wait_for(100, 120)) << done();
   ASSERT_LT(done(), 1000u) << "the node should die while there is work";
   EXPECT_EQ(cluster.script("kill-node", "2"), 0);
-  EXPECT_TRUE(contains(sent({"bench", "b.yaml", "--status"}).out, " of 1000 cells"));
+  const Answer status = sent({"bench", "b.yaml", "--status"});
+  EXPECT_TRUE(contains(status.out, " of 1000 cells")) << status.code << status.out << status.err;
   // Slurm holds what it requeues for two minutes; the test does not wait that long.
   setenv("PATH", path.c_str(), 1);
   for (int i = 0; i < 60 && !wait_for(1000, 3); ++i)

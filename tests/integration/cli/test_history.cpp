@@ -179,7 +179,9 @@ TEST(Trust, APluginThatOthersMayWriteIsRefused) {
   plumbline.write("p.yaml", chain);
   const fs::path folder = plumbline.folder.path() / "plugins";
   fs::create_directory(folder);
-  fs::copy_file(PLUMBLINE_STORY_PLUGIN, folder / "plumbline_story.so");
+  const fs::path story = PLUMBLINE_STORY_PLUGIN;
+  fs::copy_file(story, folder / "plumbline_story.so");
+  fs::copy(story.parent_path() / "roles", folder / "roles");
   plumbline.use_plugins(folder);
   EXPECT_EQ(plumbline({"validate", "p.yaml"}).code, 0);
   for (const bool of_folder : {true, false}) {

@@ -85,7 +85,7 @@ class Artifacts(unittest.TestCase):
         poses = schema("transform")
         for name_length in range(9):  # strings of every length move what stands before them
             data = poses.write({"to_from_from": ((1, 0, 0, 0), (1, 2, 3)), "scale": 1.5, "covariance": np.arange(21.0),
-                                "residuals": [{"id": "x" * name_length, "residual": (0.1, 0.2, 0.3), "weight": 1}]})
+                                "residuals": [{"id": "x" * name_length, "residual": (0.1, 0.2, 0.3), "weight": 1, "w": (1, 2, 3)}]})
             found = poses.read(data)
             self.assertEqual(found.to_from_from["translation"]["z"], 3)
             self.assertEqual(found.residuals[0].residual["y"], 0.2)

@@ -367,7 +367,7 @@ TEST(Bundle, WhatIsUndeterminedIsNamed) {
   alone.problem.image_points.back().point = 12;
   const Layout larger(alone.problem);
   EXPECT_THAT(error_of([&] { bundle::adjust(alone.problem, larger, alone.state, {}); }),
-              HasSubstr("the position of lonely is undetermined"));
+              HasSubstr("undetermined is the position of lonely"));
 }
 
 TEST(Bundle, ABadStartNamesTheImage) {
