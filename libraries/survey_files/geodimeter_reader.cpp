@@ -1,6 +1,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <vector>
 
 #include "survey_files/field_books.hpp"
 #include "survey_files/survey_builder.hpp"
@@ -28,6 +29,7 @@ class GeodimeterReader {
  private:
   void read_label(long long label, std::string_view value);
   void read_units(std::string_view value);
+  void find_unit(const std::vector<formats::Line>& lines);
   void finish_target();
   void add_face(double circle, double zenith, int face, bool with_distance);
   void finish_point();
@@ -194,8 +196,40 @@ void GeodimeterReader::read_label(long long label, std::string_view value) {
   }
 }
 
+// Without label 23 the readings themselves must show it: D.MMSS has no 60 minutes, a full circle no 390 degrees, and
+// zenith angles of both faces add up to one.
+void GeodimeterReader::find_unit(const std::vector<formats::Line>& lines) {
+  bool packed = true, beyond_degrees = false, any = false;
+  double zenith = kNotGiven, gon = 0, degrees = 0;
+  for (const formats::Line& line : lines) {
+    const std::size_t equals = line.text.find('=');
+    if (equals == std::string_view::npos) continue;
+    const auto label = formats::parse_integer(formats::trim(line.text.substr(0, equals)));
+    const auto value = formats::parse_number(formats::trim(line.text.substr(equals + 1)));
+    if (label == 23) return;
+    const bool circle = label == 7 || label == 17 || label == 24, vertical = label == 8 || label == 18 || label == 25;
+    if (!value || (!circle && !vertical)) continue;
+    any = true;
+    packed &= packed_degrees_to_rad(*value).has_value();
+    beyond_degrees |= *value >= 360;
+    if (label == 25) zenith = *value;
+    if (label == 18) gon += std::abs(zenith + *value - 400) < 1, degrees += std::abs(zenith + *value - 360) < 1;
+  }
+  if (!any || (packed && !beyond_degrees)) return;
+  if (!beyond_degrees && gon == degrees)
+    throw SurveyReadError(builder_.at(1), "angles that are no D.MMSS, without their unit",
+                          "label 23, e.g. 23=1112 (1 gon, 2 D.MMSS, 3 degrees, 4 mil; 1 m, 2 ft) in front");
+  angle_unit_ = beyond_degrees || gon > degrees ? '1' : '3';
+  has_units_ = true;
+  builder_.survey.info.angles_in_degrees = angle_unit_ != '1';
+  builder_.warn(std::string("the file has no label 23; its angles can only be in ") +
+                (angle_unit_ == '1' ? "gon" : "degrees") + ", metres are assumed");
+}
+
 SurveyObservations GeodimeterReader::read() {
-  for (const formats::Line& line : formats::split_lines(decoded_.text)) {
+  const std::vector<formats::Line> lines = formats::split_lines(decoded_.text);
+  find_unit(lines);
+  for (const formats::Line& line : lines) {
     line_ = line.number;
     const std::string_view text = formats::trim(line.text);
     if (text.empty() || text == "?") continue;

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -142,7 +143,12 @@ void IdxReader::read_line(std::string_view text) {
     table_ = Table::none;
     return;
   }
-  if (table_ != Table::none) {
+  // Tables may stand within tables: "THEMINFO(PointNo, PointID, Attribute, Value)" among the points.
+  const auto is_name = [](char c) { return (c >= 'A' && c <= 'Z') || c == '_'; };
+  const std::size_t open = text.find('(');
+  const bool names_columns = open != std::string_view::npos && open > 0 && text.ends_with(')') &&
+                             std::all_of(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(open), is_name);
+  if (table_ != Table::none && !names_columns) {
     cells_ = cells_of(text);
     if (table_ == Table::points) read_point();
     if (table_ == Table::slope) read_slope();

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -211,9 +212,11 @@ SurveyObservations Sdr33Reader::read() {
     const std::string_view text = source.text;
     if (formats::trim(text).empty()) continue;
     // Sent over a cable, a file is framed by STX and ETX (decoded as '?'), and a record 0000 with a check sum ends it.
-    if (formats::trim(text) == "?") continue;
-    if (formats::trim(text).substr(0, 4) == "0000") break;
+    const std::string_view whole = formats::trim(text);
     const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+    if (whole == "?") continue;
+    if (whole.substr(0, 4) == "0000") break;
+    if (whole.front() == '?' && whole.size() <= 6 && std::all_of(whole.begin() + 1, whole.end(), is_digit)) break;
     if (text.size() >= 4 && is_digit(text[0]) && is_digit(text[1]))
       read_record(formats::CharacterLine(text));
     else

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -21,7 +22,8 @@ class TableReader {
   TableReader(std::string_view bytes, const std::string& file, const SurveyCsvOptions& options)
       : table_(formats::read_csv(bytes, survey_column_names())),
         builder_(file, "csv"),
-        columns_(table_, options, builder_) {
+        columns_(table_, options, builder_),
+        columns_given_(!options.columns.empty()) {
     if (table_.decoded.encoding != formats::Encoding::utf8)
       builder_.warn(std::string("text encoding taken as ") + formats::name_of(table_.decoded.encoding));
     for (const formats::CsvRow& row : table_.doubtful)
@@ -33,6 +35,7 @@ class TableReader {
   SurveyObservations read_set_up_coordinates();
 
  private:
+  void refuse_other_tables() const;
   void read_point();
   void read_sighting();
   void read_record();
@@ -51,6 +54,10 @@ class TableReader {
   SurveyBuilder builder_;
   SurveyColumns columns_;
   std::map<std::string, int> set_ups_;  // name in the file -> index
+  const bool columns_given_;
+  std::size_t failed_rows_ = 0, other_places_ = 0;
+  const formats::CsvRow* first_failed_ = nullptr;
+  int other_place_line_ = 0;  // of the first point that has been elsewhere before
 };
 
 std::string TableReader::required(const std::string& column) {
@@ -71,7 +78,10 @@ SurveyObservations TableReader::read() {
   for (const formats::CsvRow& row : table_.rows) {
     columns_.select(row);
     records ? read_record() : sightings ? read_sighting() : read_point();
+    if (!columns_.failed()) continue;
+    if (failed_rows_++ == 0) first_failed_ = &row;
   }
+  if (!records && !sightings) refuse_other_tables();
   return builder_.finish(found_nothing(), std::string(kTables) + ", or " + understood_formats());
 }
 
@@ -96,12 +106,33 @@ void TableReader::add_coordinates(const std::string& id, const Eigen::Vector3d& 
   builder_.survey.coordinates.push_back(std::move(group));
 }
 
+// Any text with commas looks like a table of points if one is content with a few of its rows.
+void TableReader::refuse_other_tables() const {
+  const std::string how = ", or name the columns with the option 'columns', or " + understood_formats();
+  const std::size_t rows = table_.rows.size();
+  if (table_.header.empty() && !columns_given_ && failed_rows_ > std::max<std::size_t>(2, rows / 10))
+    throw SurveyReadError(builder_.at(first_failed_->line, 1),
+                          std::to_string(failed_rows_) + " of " + std::to_string(rows) +
+                              " rows that are no points (here " +
+                              formats::quoted(first_failed_->cells.empty() ? "" : first_failed_->cells[0].text) + ")",
+                          "a name and coordinates in every row of a table that has no header" + how);
+  if (other_places_ > 3 && 3 * other_places_ > rows)
+    throw SurveyReadError(builder_.at(other_place_line_, 1),
+                          std::to_string(other_places_) + " of " + std::to_string(rows) +
+                              " rows with a name that a row before has at another place",
+                          "one row for each point: these may be no points, or another column has their names" + how);
+}
+
 void TableReader::read_point() {
+  constexpr double kSamePlace = 0.5, kFarthest = 1e8;  // [m]
   const std::string id = required("id");
   const Eigen::Vector3d at = columns_.coordinates();
+  if ((at.array().abs() > kFarthest).any()) columns_.fail("e", "coordinates below 100 000 km");
   const Eigen::Matrix3d covariance = columns_.covariance();
   if (columns_.failed()) return;
   if (at.array().isNaN().all()) return columns_.fail("e", "coordinates of the point");
+  const Eigen::Vector3d known = builder_.point(id, columns_.position()).coordinates;
+  if ((at - known).head<2>().norm() > kSamePlace && other_places_++ == 0) other_place_line_ = columns_.row().line;
   builder_.give_coordinates(id, at, columns_.position());
   Point& point = builder_.point(id, columns_.position());
   if (point.code.empty()) point.code = columns_.text("code");

@@ -142,7 +142,12 @@ Dialect detect(const std::vector<Line>& lines, const std::map<std::string, std::
                                                  Dialect{'\t', ','}, Dialect{'|', ','},  Dialect{' ', ','}};
   Dialect best = {',', '.'};
   std::pair<std::size_t, std::size_t> most = {0, 0};
+  // A blank separates nothing where every row has tabs: "Point ID<tab>Slope Dist".
+  const bool tabs = std::all_of(lines.begin(), lines.end(), [](const Line& line) {
+    return trim(line.text).empty() || is_comment(line.text) || std::count(line.text.begin(), line.text.end(), '\t') > 1;
+  });
   for (const Dialect& candidate : candidates) {
+    if (tabs && candidate.delimiter == ' ') continue;
     std::size_t numbers = 0, sampled = 0;
     const std::size_t names = names_in(lines, candidate.delimiter, known_names);
     for (const Line& line : lines) {

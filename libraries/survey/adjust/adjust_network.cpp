@@ -1,6 +1,7 @@
 #include "survey/adjust/adjust_network.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <utility>
 
@@ -116,6 +117,43 @@ bool may_be_left_out(const std::vector<std::string>& points, size_t all, const A
   return std::none_of(points.begin(), points.end(), wanted);
 }
 
+bool has_plan(const Point& p) { return !p.coordinates.head<2>().array().isNaN().any(); }
+
+/// A job on known points is not determined as a free network: its backsights are sighted without a distance, its parts
+/// share nothing but them. Then what the file gives is held, and that is said. False if it gives less than two
+/// points, or of most (these are approximate), or if the user has said what the datum is.
+bool hold_given(SurveyObservations& survey, const AdjustOptions& options, const ControlPoints& control,
+                std::vector<Finding>& said) {
+  const bool of_adjustment = survey.info.format == "gama-xml" || survey.info.format == "krumm";
+  if (options.datum != DatumMode::automatic || !options.datum_points.empty() || !control.ids.empty() ||
+      !survey.coordinates.empty() || of_adjustment)
+    return false;
+  std::set<std::string> observed;
+  for (const Observation& o : survey.observations) observed.insert({o.from, o.to});
+  std::vector<std::string> held;
+  for (Point& p : survey.points) {
+    if (!observed.contains(p.id) || !has_plan(p)) continue;
+    if (p.roles[0] == CoordinateRole::fixed) return false;
+    held.push_back(p.id);
+  }
+  if (held.size() < 2 || 2 * held.size() > observed.size()) return false;
+  for (Point& p : survey.points)
+    if (observed.contains(p.id) && has_plan(p))
+      for (int k = 0; k < 3; ++k)
+        if (!std::isnan(p.coordinates[k])) p.roles[static_cast<size_t>(k)] = CoordinateRole::fixed;
+  said.push_back({Finding::Severity::warning,
+                  "the observations alone do not determine the network: the coordinates that the file gives of " +
+                      join(held) + " are held as they are; an error in them goes into the result unseen",
+                  held});
+  return true;
+}
+
+bool any_is_given(const SurveyObservations& survey, const std::vector<std::string>& ids) {
+  return std::any_of(survey.points.begin(), survey.points.end(), [&](const Point& p) {
+    return has_plan(p) && std::find(ids.begin(), ids.end(), p.id) != ids.end();
+  });
+}
+
 /// Where set-ups contradict each other, that is the cause, and what the solver says of it a consequence.
 [[noreturn]] void fail_with_cause(const NetworkModel& model, const NetworkError& error) {
   for (const Finding& f : model.findings)
@@ -148,7 +186,13 @@ NetworkResult adjust_network(const SurveyObservations& survey, const AdjustOptio
       if (std::exchange(simple_start, false)) continue;  // the chain of set-ups is a shortcut, not a judgement
       std::vector<std::string> now = left_out;
       now.insert(now.end(), error.undetermined.begin(), error.undetermined.end());
-      if (error.undetermined.empty() || !may_be_left_out(now, all, options, control)) fail_with_cause(model, error);
+      const bool little = !error.undetermined.empty() && may_be_left_out(now, all, options, control);
+      const bool known = any_is_given(rest, error.undetermined);
+      if (!error.undetermined.empty() && (known || !little) && hold_given(rest, options, control, said)) {
+        simple_start = true;
+        continue;
+      }
+      if (!little) fail_with_cause(model, error);
       said.push_back({Finding::Severity::warning,
                       "left out, the rest is adjusted: " + join(error.undetermined) + ". " + error.what(),
                       error.undetermined});

@@ -8,6 +8,14 @@ namespace plumbline::survey {
 
 inline bool is_free(CoordinateRole role) { return role == CoordinateRole::free || role == CoordinateRole::constrained; }
 
+/// What orients a network with fewer than two known points is not measured: it is stated first, so that nobody takes
+/// such coordinates for those of a site grid.
+void tell_orientation(NetworkModel& model);
+
+/// Where a single point is held, only the stated orientation says where north is: it is held too, by an azimuth to the
+/// set-up's first target. A free network gets it with its approximate coordinates.
+void hold_stated_orientation(NetworkModel& model);
+
 /// Decides which datum is meant and gives every coordinate its role accordingly.
 void apply_datum(NetworkModel& model, const AdjustOptions& options, const ControlPoints& control);
 
