@@ -45,6 +45,17 @@ class GeodimeterReader {
   Target target_;
   std::string point_;  // that coordinates belong to
   Eigen::Vector3d at_ = Eigen::Vector3d::Constant(kNotGiven);
+  /// What the circle read, or was set to, at a reference object (62, 21); its azimuth follows from coordinates.
+  struct Reference {
+    int set_up = -1;
+    std::string name;
+    double reading = kNotGiven;
+  };
+  void finish_reference();
+  void orient_set_ups();
+  std::string reference_;
+  double reference_reading_ = kNotGiven;
+  std::vector<Reference> references_;
   std::size_t records_ = 0;
 };
 
@@ -119,6 +130,22 @@ void GeodimeterReader::finish_target() {
   target_ = {};
 }
 
+void GeodimeterReader::finish_reference() {
+  if (!reference_.empty() && !std::isnan(reference_reading_) && builder_.current_set_up() >= 0)
+    references_.push_back({builder_.current_set_up(), reference_, reference_reading_});
+  reference_.clear();
+  reference_reading_ = kNotGiven;
+}
+
+void GeodimeterReader::orient_set_ups() {
+  for (const Reference& r : references_) {
+    SetUp& set_up = builder_.survey.set_ups[static_cast<std::size_t>(r.set_up)];
+    if (!builder_.has_point(r.name)) continue;
+    const Eigen::Vector3d d = builder_.point(r.name, {}).coordinates - builder_.point(set_up.station, {}).coordinates;
+    if (d.head<2>().norm() > 0.1) set_up.stated_orientation = wrap_to_circle(std::atan2(d.x(), d.y()) - r.reading);
+  }
+}
+
 void GeodimeterReader::finish_point() {
   if (!point_.empty() && !at_.array().isNaN().all()) builder_.give_coordinates(point_, at_, builder_.at(line_, 1));
   at_.setConstant(kNotGiven);
@@ -130,6 +157,7 @@ void GeodimeterReader::read_label(long long label, std::string_view value) {
     case 2:
       finish_target();
       finish_point();
+      finish_reference();
       point_ = std::string(value);
       if (value.empty()) return builder_.skip(line_, 1, "2=", "the name of the station");
       builder_.start_set_up(point_, instrument_height_ = kNotGiven, builder_.at(line_, 1));
@@ -145,6 +173,7 @@ void GeodimeterReader::read_label(long long label, std::string_view value) {
       finish_target();
       finish_point();
       point_ = target_.name = std::string(value);
+      if (label == 62) finish_reference(), reference_ = point_;
       target_.source = builder_.at(line_, 1);
       return;
     case 4:
@@ -155,6 +184,9 @@ void GeodimeterReader::read_label(long long label, std::string_view value) {
       return;
     case 7:
       target_.circle = angle(value);
+      return;
+    case 21:
+      reference_reading_ = angle(value);
       return;
     case 24:
       target_.circle_1 = angle(value);
@@ -242,6 +274,8 @@ SurveyObservations GeodimeterReader::read() {
   }
   finish_target();
   finish_point();
+  finish_reference();
+  orient_set_ups();
   if (has_angles_ && !has_units_) builder_.warn("the file has no label 23; D.MMSS and metres are assumed");
   return builder_.finish(std::to_string(records_) + " labels without sightings or coordinates",
                          records_ == 0 ? understood_formats() : "labels 5 and 7, 8, 9 or 37, 38, 39");

@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <numbers>
 #include <set>
 #include <utility>
 
 #include "survey/adjust/adjuster.hpp"
 #include "survey/adjust/exclusions.hpp"
 #include "survey/doctor/network_words.hpp"
+#include "survey/model/observation_equations.hpp"
 
 namespace plumbline::survey {
 
@@ -148,6 +151,45 @@ bool hold_given(SurveyObservations& survey, const AdjustOptions& options, const 
   return true;
 }
 
+/// Set-ups that hang on one point are turned by what the file states of their circles, if it does: an azimuth to the
+/// first target, held. False if no set-up that touches `open` has a stated orientation.
+bool hold_orientations(SurveyObservations& survey, const std::vector<std::string>& open, const AdjustOptions& options,
+                       std::vector<Finding>& said) {
+  constexpr double kHeld = 1e-7;  // [rad]
+  if (options.datum != DatumMode::automatic) return false;
+  const auto is_open = [&](const std::string& id) { return std::find(open.begin(), open.end(), id) != open.end(); };
+  std::map<int, size_t> first;  // set-up -> its first direction
+  std::set<int> touching;
+  for (size_t i = 0; i < survey.observations.size(); ++i) {
+    const Observation& o = survey.observations[i];
+    if (o.set_up < 0 || o.kind != ObservationKind::direction || o.from == o.to) continue;
+    if (std::isnan(survey.set_ups[static_cast<size_t>(o.set_up)].stated_orientation)) continue;
+    first.try_emplace(o.set_up, i);
+    if (is_open(o.from) || is_open(o.to)) touching.insert(o.set_up);
+  }
+  std::vector<std::string> names;
+  for (const int s : touching) {
+    const SetUp& set_up = survey.set_ups[static_cast<size_t>(s)];
+    Observation azimuth = survey.observations[first.at(s)];
+    azimuth.kind = ObservationKind::azimuth;
+    azimuth.value = wrap_angle(azimuth.value + set_up.stated_orientation - (azimuth.face == 2 ? std::numbers::pi : 0));
+    azimuth.sigma = kHeld;
+    azimuth.set_up = azimuth.pointing = -1;
+    azimuth.face = azimuth.set_number = 0;
+    azimuth.corrections.push_back("stated orientation of set-up " + set_up.id + ", held");
+    survey.observations.push_back(std::move(azimuth));
+    names.push_back(set_up.id);
+  }
+  if (names.empty()) return false;
+  said.push_back({Finding::Severity::warning,
+                  "the observations alone do not orient " + std::string(names.size() == 1 ? "set-up " : "set-ups ") +
+                      join(names) +
+                      ": what the file states of the circle is held; an error in it goes into the "
+                      "result unseen",
+                  {}});
+  return true;
+}
+
 bool any_is_given(const SurveyObservations& survey, const std::vector<std::string>& ids) {
   return std::any_of(survey.points.begin(), survey.points.end(), [&](const Point& p) {
     return has_plan(p) && std::find(ids.begin(), ids.end(), p.id) != ids.end();
@@ -173,7 +215,7 @@ NetworkResult adjust_network(const SurveyObservations& survey, const AdjustOptio
   SurveyObservations rest = without_excluded(survey, options.exclude, said);
   const size_t all = points_of(rest);
   std::vector<std::string> left_out;
-  bool simple_start = true;
+  bool simple_start = true, oriented = false;
   for (;;) {
     NetworkModel model;
     try {
@@ -189,6 +231,11 @@ NetworkResult adjust_network(const SurveyObservations& survey, const AdjustOptio
       const bool little = !error.undetermined.empty() && may_be_left_out(now, all, options, control);
       const bool known = any_is_given(rest, error.undetermined);
       if (!error.undetermined.empty() && (known || !little) && hold_given(rest, options, control, said)) {
+        simple_start = true;
+        continue;
+      }
+      if (!error.undetermined.empty() && !std::exchange(oriented, true) &&
+          hold_orientations(rest, error.undetermined, options, said)) {
         simple_start = true;
         continue;
       }
