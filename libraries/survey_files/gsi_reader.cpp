@@ -36,6 +36,9 @@ SurveyObservations GsiReader::read() {
                   (other_codes_.size() > kCodesListed ? ", ..." : "") +
                   "); if one of them begins a set-up, name it in the reader's station codes");
   }
+  if (renamed_ > 0)
+    builder_.warn(std::to_string(renamed_) + " sightings have a point number that was used before for another place (" +
+                  first_renamed_ + " is the first): they are points of their own, named with '/2'");
   warn_of_vertical_reference();
   return builder_.finish(blocks == 0 ? "no GSI block" : std::to_string(blocks) + " GSI blocks without measurements",
                          blocks == 0 ? understood_formats() : "words 21, 22, 31 (measurements) or 81, 82, 83");
@@ -110,7 +113,10 @@ void GsiReader::read_block(const GsiBlock& block, std::size_t number) {
     return;
   }
   if (has_measurement) {
-    read_sighting(block, *id);
+    const auto other = plan_.renamed.find(number);
+    if (other != plan_.renamed.end() && renamed_++ == 0)
+      first_renamed_ = "'" + *id + "' in line " + std::to_string(line_);
+    read_sighting(block, other == plan_.renamed.end() ? *id : other->second);
   } else {
     builder_.give_coordinates(*id, coordinates(block, 81), builder_.at(line_, id_word->column));
     describe_point(block, *id);

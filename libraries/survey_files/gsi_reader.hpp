@@ -62,6 +62,8 @@ class GsiReader {
   bool lost_station_ = false;
   double turn_ = 0;  // [rad], of the circle, which the block of this station tells only behind its targets
   Eigen::Vector3d station_coordinates_ = Eigen::Vector3d::Constant(kNotGiven);
+  std::size_t renamed_ = 0;
+  std::string first_renamed_;
   std::vector<std::string> other_codes_;
   std::vector<int> words_of_sighting_;  // of the last one that was not cut off
 };

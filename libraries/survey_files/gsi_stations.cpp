@@ -13,6 +13,7 @@ using Eigen::Vector2d;
 
 constexpr double kSamePlace = 0.03;     // [m]: coordinates and readings are rounded to 1 mm and 1 mgon
 constexpr double kSameHeight = 0.006;   // [m]
+constexpr double kOtherPoint = 0.5;     // [m] between sightings of one number
 constexpr double kSameDistance = 0.05;  // [m] between a reading and coordinates that were measured before
 
 /// What one block is to the planning.
@@ -47,6 +48,7 @@ class Planner {
   double misfit(std::size_t sighting, const Fact& station) const;
   void follow_computed_coordinates();
   void join_tails();
+  void tell_numbers_apart();
   std::size_t last_of_repeated(std::size_t station) const;
   void follow_axis(std::size_t i, double station_height, double& axis);
   std::size_t run_from(std::size_t first) const;
@@ -319,6 +321,25 @@ void Planner::join_tails() {
   }
 }
 
+/// Numbering begins again at 1 after a change of memory or of day: the instrument's coordinates show that it is another
+/// point. Stations and points that the file gives keep their name, whatever was noted.
+void Planner::tell_numbers_apart() {
+  std::set<std::string> given;
+  for (const Fact& fact : facts_)
+    if (fact.kind == Fact::Kind::station || fact.kind == Fact::Kind::point) given.insert(fact.name);
+  std::map<std::string, std::vector<Vector2d>> places;
+  for (std::size_t i = 0; i < facts_.size(); ++i) {
+    const Fact& fact = facts_[i];
+    const Vector2d at = fact.at.head<2>();
+    if (fact.kind != Fact::Kind::sighting || !plan_.oriented.contains(i) || given.contains(fact.name)) continue;
+    std::vector<Vector2d>& known = places[fact.name];
+    std::size_t k = 0;
+    while (k < known.size() && !((known[k] - at).norm() < kOtherPoint)) ++k;
+    if (k == known.size()) known.push_back(at);
+    if (k > 0) plan_.renamed[i] = fact.name + "/" + std::to_string(k + 1);
+  }
+}
+
 GsiStations Planner::run() {
   for (const GsiBlock& block : blocks_) facts_.push_back(fact_of(block));
   for (const Fact& fact : facts_)
@@ -327,6 +348,7 @@ GsiStations Planner::run() {
   give_tails_to_their_station();
   follow_computed_coordinates();
   join_tails();
+  tell_numbers_apart();
   return std::move(plan_);
 }
 

@@ -27,6 +27,7 @@ struct GsiStations {
   std::map<std::size_t, GsiStart> starts;           ///< by the block that they begin before
   std::map<std::size_t, double> instrument_height;  ///< [m], from this block on, where 83 shows that it changed
   std::set<std::size_t> oriented;                   ///< sightings whose circle reads azimuths
+  std::map<std::size_t, std::string> renamed;       ///< sightings whose number was used before, for another place
   std::set<std::size_t> continued;                  ///< station blocks whose set-up began before them
 };
 

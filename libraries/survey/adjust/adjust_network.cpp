@@ -152,9 +152,9 @@ bool hold_given(SurveyObservations& survey, const AdjustOptions& options, const 
 }
 
 /// Set-ups that hang on one point are turned by what the file states of their circles, if it does: an azimuth to the
-/// first target, held. False if no set-up that touches `open` has a stated orientation.
+/// first target, held. False if no other set-up than `held` that touches `open` has a stated orientation.
 bool hold_orientations(SurveyObservations& survey, const std::vector<std::string>& open, const AdjustOptions& options,
-                       std::vector<Finding>& said) {
+                       std::set<int>& held, std::vector<Finding>& said) {
   constexpr double kHeld = 1e-7;  // [rad]
   if (options.datum != DatumMode::automatic) return false;
   const auto is_open = [&](const std::string& id) { return std::find(open.begin(), open.end(), id) != open.end(); };
@@ -165,11 +165,12 @@ bool hold_orientations(SurveyObservations& survey, const std::vector<std::string
     if (o.set_up < 0 || o.kind != ObservationKind::direction || o.from == o.to) continue;
     if (std::isnan(survey.set_ups[static_cast<size_t>(o.set_up)].stated_orientation)) continue;
     first.try_emplace(o.set_up, i);
-    if (is_open(o.from) || is_open(o.to)) touching.insert(o.set_up);
+    if ((is_open(o.from) || is_open(o.to)) && !held.contains(o.set_up)) touching.insert(o.set_up);
   }
   std::vector<std::string> names;
   for (const int s : touching) {
     const SetUp& set_up = survey.set_ups[static_cast<size_t>(s)];
+    held.insert(s);
     Observation azimuth = survey.observations[first.at(s)];
     azimuth.kind = ObservationKind::azimuth;
     azimuth.value = wrap_angle(azimuth.value + set_up.stated_orientation - (azimuth.face == 2 ? std::numbers::pi : 0));
@@ -215,7 +216,8 @@ NetworkResult adjust_network(const SurveyObservations& survey, const AdjustOptio
   SurveyObservations rest = without_excluded(survey, options.exclude, said);
   const size_t all = points_of(rest);
   std::vector<std::string> left_out;
-  bool simple_start = true, oriented = false;
+  bool simple_start = true;
+  std::set<int> oriented;  // set-ups whose stated orientation is held
   for (;;) {
     NetworkModel model;
     try {
@@ -234,8 +236,7 @@ NetworkResult adjust_network(const SurveyObservations& survey, const AdjustOptio
         simple_start = true;
         continue;
       }
-      if (!error.undetermined.empty() && !std::exchange(oriented, true) &&
-          hold_orientations(rest, error.undetermined, options, said)) {
+      if (hold_orientations(rest, error.undetermined, options, oriented, said)) {
         simple_start = true;
         continue;
       }

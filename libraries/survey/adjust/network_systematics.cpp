@@ -209,7 +209,9 @@ CommonError Adjuster::largest_common_error(const Pass& pass) const {
     const double preference = error.kind == CommonError::Kind::scale ? 0.95 : 1.0;
     if (preference * std::abs(error.w) > std::abs(worst.w)) worst = error;
   }
-  return std::abs(worst.w) > single ? worst : CommonError{};
+  // Where little is controlled one reading and many explain the same misfit equally well.
+  constexpr double kClearlyMore = 1.01;
+  return std::abs(worst.w) > kClearlyMore * single ? worst : CommonError{};
 }
 
 void Adjuster::split_set_up(const CommonError& error) {
