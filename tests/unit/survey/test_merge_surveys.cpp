@@ -93,5 +93,24 @@ TEST(MergeSurveys, CoordinatesThatContradictAreLookedAt) {
   EXPECT_THROW(merge_surveys({a, b}), NetworkError);
 }
 
+TEST(MergeSurveys, LocalCoordinatesKeepTheirSetUp) {
+  const auto local = [](const std::string& file, const std::string& station) {
+    SurveyObservations survey;
+    survey.files = {file};
+    survey.set_ups.push_back({station + "/1", station, 1.5, {}});
+    survey.set_ups.push_back({station + "/2", station, 1.5, {}});
+    LocalCoordinate c;
+    c.set_up = 1;
+    c.point = "M1";
+    c.position = {1, 20, 3};
+    survey.local_coordinates.push_back(c);
+    return survey;
+  };
+  const MergedSurvey merged = merge_surveys({local("monday.csv", "A"), local("tuesday.csv", "B")});
+  ASSERT_EQ(merged.survey.local_coordinates.size(), 2u);
+  EXPECT_EQ(merged.survey.set_ups.at(static_cast<size_t>(merged.survey.local_coordinates[0].set_up)).id, "A/2");
+  EXPECT_EQ(merged.survey.set_ups.at(static_cast<size_t>(merged.survey.local_coordinates[1].set_up)).id, "B/2");
+}
+
 }  // namespace
 }  // namespace plumbline::survey

@@ -6,6 +6,7 @@
 
 #include "survey_files/gsi.hpp"
 #include "survey_files/starnet.hpp"
+#include "survey_files/survey_builder.hpp"
 #include "survey_files/zeiss.hpp"
 #include "survey_test_support.hpp"
 
@@ -95,6 +96,32 @@ TEST(Geodimeter, ReadsLabelsOfBothFaces) {
   EXPECT_DOUBLE_EQ(observation(s, 2, direction).target_height, 1.3);
   EXPECT_DOUBLE_EQ(s.set_ups.at(0).instrument_height, 1.5);
   EXPECT_TRUE(skipped(s, 21, 1, "a label and a value"));
+}
+
+TEST(Geodimeter, WithoutLabel23TheReadingsShowTheirUnit) {
+  const std::string gon = "2=K\n37=2000\n38=1000\n39=100\n62=A\n37=2040\n38=1030\n39=101\n21=30.9666\n3=1.5\n";
+  const auto s =
+      read_geodimeter(gon + "5=B\n6=1.3\n7=332.3\n8=101.5\n9=50.01\n5=C\n7=398.1250\n8=99.7\n9=10\n", "g.are");
+  EXPECT_NEAR(value(s, 0, direction), 332.3 * kGon, 1e-12);
+  EXPECT_TRUE(s.skipped.empty());
+  ASSERT_FALSE(s.warnings.empty());
+  EXPECT_NE(s.warnings[0].find("can only be in gon"), std::string::npos) << s.warnings[0];
+  // The azimuth of the reference object follows from coordinates, the circle was set to label 21.
+  EXPECT_NEAR(wrap_to_circle(s.set_ups.at(0).stated_orientation - std::atan2(30, 40) + 30.9666 * kGon + 1), 1, 1e-9);
+  EXPECT_THROW(read_geodimeter("2=K\n5=B\n7=33.99\n8=99.99\n9=50\n", "g.are"), SurveyReadError)
+      << "no D.MMSS, and nothing tells gon from degrees";
+  const auto faces = read_geodimeter("2=K\n5=B\n24=33.99\n25=99.99\n17=233.99\n18=300.01\n9=50\n", "g.are");
+  EXPECT_NEAR(value(faces, 0, zenith_angle), 99.99 * kGon, 1e-12) << "the faces add up to 400";
+}
+
+TEST(Idx, ATableWithinATableIsNoRowOfIt) {
+  std::string text = fixture("leica.idx");
+  const std::size_t end = text.find("\tEND POINTS");
+  ASSERT_NE(end, std::string::npos);
+  text.insert(end, "\t\tTHEMINFO(PointNo, PointID, Attribute, Value)\r\n\t\tEND THEMINFO\r\n");
+  const auto s = read_idx(text, "l.idx");
+  EXPECT_TRUE(s.skipped.empty());
+  EXPECT_EQ(s.observations.size(), 5u);
 }
 
 TEST(Idx, ReadsTheColumnsThatTheFileNames) {

@@ -31,6 +31,15 @@ TEST(Sdr33, ReadsRecordsOfFixedColumns) {
   EXPECT_EQ(survey.warnings.size(), 2u) << "S9 without station record; reduced observations";
 }
 
+TEST(Sdr33, ACheckSumEndsWhatWasSentOverACable) {
+  const std::string whole = fixture("wide.sdr");
+  const auto framed = read_sdr33("\x02\r\n" + whole +
+                                     "\x03"
+                                     "58903\r\n",
+                                 "wide.sdr");
+  EXPECT_EQ(framed.skipped.size(), read_sdr33(whole, "wide.sdr").skipped.size());
+}
+
 TEST(Sdr33, ReadsTheNarrowVariantInFeetEastFirstFromTheHorizon) {
   const auto survey = read_sdr33(fixture("narrow.sdr"), "narrow.sdr");
   EXPECT_EQ(point(survey, "0001").coordinates, Eigen::Vector3d(100, 200, 10) * 0.3048);

@@ -90,6 +90,36 @@ TEST(SurveyCsv, TableWithoutHeaderIsPenzdWithAWarningOrAsTold) {
   EXPECT_NE(error_of([] { read_survey_csv("P 1 2", "p.txt", {.columns = "PQ"}); }).find("'Q'"), std::string::npos);
 }
 
+/// A field book that nobody here reads has commas and numbers too; as points it would be nonsense without a word.
+TEST(SurveyCsv, OtherTextsWithNumbersAreNoPoints) {
+  std::string book, list = "id,e,n\n";
+  for (int i = 0; i < 12; ++i) {
+    book += "F,P" + std::to_string(i) + ",17857,6528,42.97\nB,DEFAULT,------,0.0\n";
+    list += "SS," + std::to_string(10 * i) + "," + std::to_string(20 * i) + "\n";
+  }
+  try {
+    read_survey_csv(book, "0407A2.mes");
+    ADD_FAILURE() << "was read";
+  } catch (const SurveyReadError& error) {
+    EXPECT_NE(error.found.find("24 of 24 rows that are no points"), std::string::npos) << error.what();
+  }
+  try {
+    read_survey_csv(list, "raw.csv");
+    ADD_FAILURE() << "was read";
+  } catch (const SurveyReadError& error) {
+    EXPECT_NE(error.found.find("11 of 12 rows with a name that a row before has at another place"), std::string::npos)
+        << error.what();
+  }
+  std::string titled = "Job 7\nmeasured in May\n";
+  for (int i = 0; i < 12; ++i) titled += "P" + std::to_string(i) + ",1,2,3\n";
+  EXPECT_EQ(read_survey_csv(titled, "p.csv").points.size(), 12u) << "two lines of title are told, not refused";
+}
+
+TEST(SurveyCsv, ABlankSeparatesNothingWhereEveryRowHasTabs) {
+  const auto s = read_survey_csv("Point ID\tEast\tNorth\tElev\nPier 1\t1\t2\t3\nPier 2\t4\t5\t6\n", "p.txt");
+  EXPECT_EQ(point(s, "Pier 2").coordinates, Eigen::Vector3d(4, 5, 6));
+}
+
 TEST(SurveyCsv, ReadsSightingsWithUnitsInTheHeader) {
   const auto survey = read_survey_csv(fixture("sightings.csv"), "s.csv");
   ASSERT_EQ(survey.set_ups.size(), 2u);

@@ -1,0 +1,162 @@
+// From readings to what is adjusted: faces, sets, a turned circle, instrument errors, and the reading that is wrong.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "survey/model/observation_equations.hpp"
+#include "survey/model/station_reduction.hpp"
+
+namespace plumbline::survey {
+namespace {
+
+constexpr double kPi = std::numbers::pi, kMgon = kPi / 200e3;
+
+/// One set-up whose instrument has a collimation and an index error, without noise unless a test adds some.
+class Readings {
+ public:
+  Readings() {
+    survey_.files = {"job.gsi"};
+    survey_.set_ups.push_back({"S", "S", 1.5, {}});
+  }
+
+  double direction(int target) const { return wrap_to_turn(0.5 * target + 0.1); }
+  double zenith(int target) const { return kPi / 2 - 0.1 * (target - 3); }
+
+  /// Sighting of `target`; `circle` is by how much the circle reads more than at first.
+  void sight(int target, int face, int set, double circle = 0, double extra = 0) {
+    const double z = zenith(target), c = collimation / std::sin(z);
+    const double hz = direction(target) + circle + extra;
+    add(ObservationKind::direction, target, face, set, face == 1 ? hz + c : hz + kPi - c);
+    add(ObservationKind::zenith_angle, target, face, set, face == 1 ? z + index : 2 * kPi - (z - index));
+    ++pointing_;
+  }
+
+  MeanResult reduce() const { return mean_observations(survey_); }
+  SurveyObservations& survey() { return survey_; }
+
+  double collimation = 0, index = 0;
+
+ private:
+  static double wrap_to_turn(double a) { return a - 2 * kPi * std::floor(a / (2 * kPi)); }
+
+  void add(ObservationKind kind, int target, int face, int set, double value) {
+    Observation o;
+    o.kind = kind;
+    o.set_up = 0, o.pointing = pointing_;
+    o.from = "S", o.to = "T" + std::to_string(target);
+    o.value = wrap_to_turn(value);
+    o.face = face, o.set_number = set;
+    o.source = {"job.gsi", static_cast<int>(survey_.observations.size()) + 1, 1};
+    survey_.observations.push_back(o);
+  }
+
+  SurveyObservations survey_;
+  int pointing_ = 0;
+};
+
+const MeanObservation& mean_of(const MeanResult& result, ObservationKind kind, int target) {
+  for (const MeanObservation& m : result.observations)
+    if (m.observation.kind == kind && m.observation.to == "T" + std::to_string(target)) return m;
+  throw std::runtime_error("no mean of T" + std::to_string(target));
+}
+
+/// To 1e-8: the zenith angle that a collimation is reduced with has the index in it, which is worth c * i * cot z.
+void expect_true_values(const Readings& readings, const MeanResult& result, std::initializer_list<int> targets) {
+  for (const int t : targets) {
+    EXPECT_NEAR(wrap_angle(mean_of(result, ObservationKind::direction, t).observation.value - readings.direction(t)), 0,
+                1e-8)
+        << "T" << t;
+    EXPECT_NEAR(mean_of(result, ObservationKind::zenith_angle, t).observation.value, readings.zenith(t), 1e-8)
+        << "T" << t;
+  }
+}
+
+TEST(StationReduction, BothFacesAreFreeOfCollimationAndIndexAndTellThem) {
+  Readings r;
+  r.collimation = 4 * kMgon, r.index = -3 * kMgon;
+  for (int t = 1; t <= 5; ++t) r.sight(t, 1, 1), r.sight(t, 2, 1);
+  const MeanResult result = r.reduce();
+  expect_true_values(r, result, {1, 2, 3, 4, 5});
+  ASSERT_EQ(result.instrument.size(), 1u);
+  EXPECT_NEAR(result.instrument[0].collimation, r.collimation, 1e-9);
+  EXPECT_NEAR(result.instrument[0].index, r.index, 1e-9);
+  EXPECT_EQ(mean_of(result, ObservationKind::direction, 2).sets, 1);
+  EXPECT_FALSE(mean_of(result, ObservationKind::direction, 2).single_face);
+  EXPECT_TRUE(result.warnings.empty());
+}
+
+TEST(StationReduction, ReadingsInOneFaceGetTheSetUpsErrorsTakenOut) {
+  Readings r;
+  r.collimation = 4 * kMgon, r.index = -3 * kMgon;
+  for (int t = 1; t <= 5; ++t) r.sight(t, 1, 1), r.sight(t, 2, 1);
+  r.sight(6, 1, 1);
+  r.sight(7, 2, 1);
+  const MeanResult result = r.reduce();
+  expect_true_values(r, result, {6, 7});
+  EXPECT_TRUE(mean_of(result, ObservationKind::direction, 6).single_face);
+  EXPECT_TRUE(mean_of(result, ObservationKind::zenith_angle, 7).single_face);
+}
+
+TEST(StationReduction, ACircleTurnedBetweenSetsIsTurnedBack) {
+  for (const double turn : {0.7, -0.7, 3.5}) {
+    Readings r;
+    for (int t = 1; t <= 5; ++t) r.sight(t, 1, 1), r.sight(t, 2, 1);
+    for (int t = 1; t <= 5; ++t) r.sight(t, 1, 2, turn), r.sight(t, 2, 2, turn);
+    const MeanResult result = r.reduce();
+    expect_true_values(r, result, {1, 2, 3, 4, 5});
+    EXPECT_EQ(mean_of(result, ObservationKind::direction, 3).sets, 2);
+    EXPECT_TRUE(result.removed.empty());
+    EXPECT_TRUE(result.warnings.empty()) << result.warnings.front();
+  }
+}
+
+TEST(StationReduction, SecondsBetweenSetsAreNoiseAndStayInTheMean) {
+  Readings r;
+  for (int t = 1; t <= 5; ++t) r.sight(t, 1, 1), r.sight(t, 2, 1);
+  for (int t = 1; t <= 5; ++t) r.sight(t, 1, 2, 1 * kMgon), r.sight(t, 2, 2, 1 * kMgon);
+  const MeanResult result = r.reduce();
+  EXPECT_NEAR(mean_of(result, ObservationKind::direction, 2).observation.value - r.direction(2), 0.5 * kMgon, 1e-9);
+  EXPECT_NEAR(mean_of(result, ObservationKind::direction, 2).spread, kMgon / std::numbers::sqrt2, 1e-9);
+}
+
+TEST(StationReduction, AWrongReadingOfManyIsLeftOutByItsLine) {
+  Readings r;
+  int wrong = -1;
+  for (int set = 1; set <= 6; ++set)
+    for (int t = 1; t <= 4; ++t) {
+      if (set == 4 && t == 2) wrong = static_cast<int>(r.survey().observations.size());
+      r.sight(t, 1, set, 0, set == 4 && t == 2 ? 0.004 : (set % 2 ? 1 : -1) * 0.3 * kMgon);
+    }
+  const MeanResult result = r.reduce();
+  ASSERT_EQ(result.removed.size(), 1u);
+  EXPECT_EQ(result.removed[0].observation, wrong);
+  EXPECT_NEAR(result.removed[0].difference, 0.004, kMgon);
+  ASSERT_FALSE(result.warnings.empty());
+  EXPECT_NE(result.warnings[0].find("job.gsi:" + std::to_string(wrong + 1) + ":1"), std::string::npos)
+      << result.warnings[0];
+  EXPECT_EQ(mean_of(result, ObservationKind::direction, 2).sets, 5);
+}
+
+TEST(StationReduction, TwoThatContradictEachOtherAreNotAveraged) {
+  Readings r;
+  for (int t = 1; t <= 5; ++t) r.sight(t, 1, 1), r.sight(t, 2, 1, 0, t == 3 ? 200 * kMgon : 0);
+  const MeanResult result = r.reduce();
+  int of_3 = 0;
+  for (const MeanObservation& m : result.observations)
+    of_3 += m.observation.kind == ObservationKind::direction && m.observation.to == "T3";
+  EXPECT_EQ(of_3, 2);
+  ASSERT_FALSE(result.warnings.empty());
+  EXPECT_NE(result.warnings[0].find("differ by 200"), std::string::npos) << result.warnings[0];
+}
+
+TEST(StationReduction, ReadingsWithTheirOwnSigmaStayAsTheyAre) {
+  Readings r;
+  r.sight(1, 1, 1);
+  r.sight(1, 1, 2);
+  for (Observation& o : r.survey().observations) o.sigma = 1e-5;
+  EXPECT_EQ(r.reduce().observations.size(), 4u);
+}
+
+}  // namespace
+}  // namespace plumbline::survey
