@@ -1,6 +1,8 @@
 // Mistakes that a whole set-up shares are named as such; no single observation is taken out for them.
 #include <algorithm>
+#include <set>
 
+#include "geometry/random.hpp"
 #include "simulated_network.hpp"
 #include "survey/adjust/adjust_network.hpp"
 #include "test_support.hpp"
@@ -74,6 +76,37 @@ TEST(CommonErrors, SoundNetworksRaiseFewFalseAlarms) {
   }
   // 12 hypotheses at 0.1 % in each of 200 networks: 2.4 expected at most; Poisson, 99.9 %.
   EXPECT_LE(alarms, 8);
+}
+
+/// Five blunders mask each other: the robust start takes out whoever looks bad beside them, and the innocent come back.
+TEST(RobustStart, TakesSuspectsOutAtOnceAndGivesTheInnocentBack) {
+  auto n = simulate({}, 7);
+  Random random(7, "x");
+  std::set<size_t> wrong;
+  for (int k = 0; k < 5; ++k) {
+    const auto i = static_cast<size_t>(random.uniform() * static_cast<double>(n.survey.observations.size()));
+    Observation& o = n.survey.observations[i];
+    o.value += (o.kind == ObservationKind::slope_distance ? 0.05 : 0.004) * (0.5 + random.uniform());
+    wrong.insert(i);
+  }
+  const auto removed = [](const NetworkResult& r) {
+    std::set<size_t> rows;
+    for (size_t i = 0; i < r.rows.size(); ++i)
+      if (r.rows[i].removed) rows.insert(i);
+    return rows;
+  };
+  const auto given_back = [](const NetworkResult& r) {
+    return std::count_if(r.snooping.begin(), r.snooping.end(), [](const SnoopingAction& a) { return a.restored; });
+  };
+  AdjustOptions options = free_network(true);
+  options.largest_removed_share = 0.15;
+  const NetworkResult one_by_one = adjust_network(n.survey, options);
+  EXPECT_EQ(removed(one_by_one), wrong);
+  EXPECT_EQ(given_back(one_by_one), 0);
+  options.robust_start = true;
+  const NetworkResult at_once = adjust_network(n.survey, options);
+  EXPECT_EQ(removed(at_once), wrong);
+  EXPECT_GT(given_back(at_once), 0);
 }
 
 TEST(NetworkDoctor, NamesTheWorstSuspectFirst) {
