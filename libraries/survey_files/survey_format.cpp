@@ -164,6 +164,7 @@ std::optional<SurveyFormat> line_format(std::string_view beginning) {
 
 // Formats that show by how they begin.
 std::optional<SurveyFormat> format_by_beginning(std::string_view text) {
+  if (text.starts_with('?')) text = formats::trim(text.substr(1));  // STX
   if (text.starts_with("_'") && text.find("_+") != std::string_view::npos) return SurveyFormat::topcon_gts210;
   if (text.starts_with("HEADER") && text.find("DATABASE") != std::string_view::npos) return SurveyFormat::idx;
   return std::nullopt;

@@ -170,8 +170,11 @@ void Gts210Reader::join(const std::string& text) {
   const auto lines = formats::split_lines(text);
   std::size_t filled = 0;
   for (const formats::Line& line : lines) filled += formats::trim(line.text).empty() ? 0 : 1;
+  const bool framed = !lines.empty() && lines.front().text.starts_with('?');  // each line between STX and ETX
   for (const formats::Line& line : lines) {
     std::string_view part = line.text;
+    if (framed && part.starts_with('?')) part.remove_prefix(1);
+    if (framed && part.ends_with('?')) part.remove_suffix(1);
     const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
     if (filled > 1 && part.size() > 4 && std::all_of(part.end() - 4, part.end(), is_digit)) part.remove_suffix(4);
     stream_ += part;

@@ -7,6 +7,7 @@
 #include "survey_files/gsi.hpp"
 #include "survey_files/starnet.hpp"
 #include "survey_files/survey_builder.hpp"
+#include "survey_files/survey_format.hpp"
 #include "survey_files/zeiss.hpp"
 #include "survey_test_support.hpp"
 
@@ -84,6 +85,9 @@ TEST(Topcon, ReadsGts210AndTakesOffCheckSums) {
   ASSERT_EQ(s.skipped.size(), 1u) << "another mode than slope distances";
   const std::string lines = one.substr(0, 100) + "0048\r\n" + one.substr(100) + "1081\r\n";
   EXPECT_EQ(read_topcon_gts210(lines, "t.210").observations.size(), s.observations.size());
+  const std::string framed = "\x02" + one.substr(0, 100) + "0048\x03\r\n\x02" + one.substr(100) + "1081\x03\r\n";
+  EXPECT_EQ(read_topcon_gts210(framed, "t.210").observations.size(), s.observations.size());
+  EXPECT_EQ(detect_survey_format(framed, "t"), SurveyFormat::topcon_gts210);
 }
 
 TEST(Geodimeter, ReadsLabelsOfBothFaces) {
