@@ -29,7 +29,7 @@ Sight sight(const Equation& eq, int target, double target_height, const double* 
   s.level.z() += target_height - eq.instrument_height;
   if (eq.instrument_height_correction >= 0) s.level.z() -= values[eq.instrument_height_correction][0];
   if (eq.tilt >= 0) s.tilt = {values[eq.tilt][0], values[eq.tilt][1], 0};
-  s.d = s.level + s.tilt.cross(s.level);
+  s.d = s.level - s.tilt.cross(s.level);  // the axes turn by t, what they see turns back
   return s;
 }
 
@@ -45,14 +45,14 @@ struct RowWriter {
 /// Spreads the partial by the sight onto points, tilt and instrument height.
 void add_sight_partials(const Equation& eq, int target, const Sight& s, const Vector3d& by_d, const RowWriter& out) {
   // d = (I + [t]x) level, so the partial by `level` is (I + [t]x)' by_d = by_d - t x by_d.
-  const Vector3d by_level = by_d - s.tilt.cross(by_d);
+  const Vector3d by_level = by_d + s.tilt.cross(by_d);
   for (int k = 0; k < 3; ++k) {
     out.add(target, 3, k, by_level[k]);
     out.add(eq.from, 3, k, -by_level[k]);
   }
   out.add(eq.instrument_height_correction, 1, 0, -by_level.z());
   if (eq.tilt < 0) return;
-  const Vector3d by_tilt = s.level.cross(by_d);  // by_d . (t x level) = t . (level x by_d)
+  const Vector3d by_tilt = by_d.cross(s.level);  // -by_d . (t x level) = t . (by_d x level)
   out.add(eq.tilt, 2, 0, by_tilt.x());
   out.add(eq.tilt, 2, 1, by_tilt.y());
 }

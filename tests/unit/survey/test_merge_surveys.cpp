@@ -93,6 +93,16 @@ TEST(MergeSurveys, CoordinatesThatContradictAreLookedAt) {
   EXPECT_THROW(merge_surveys({a, b}), NetworkError);
 }
 
+/// A target of which one day has the direction only tells nothing of the mark; it neither counts nor stands for zero.
+TEST(MergeSurveys, TargetsWithoutADistanceAreNotShared) {
+  SurveyObservations a = day("monday.gsi", 1), b = day("tuesday.gsi", 2);
+  int kept = 0;
+  std::erase_if(b.observations, [&](const Observation& o) {
+    return o.kind == ObservationKind::slope_distance && o.from == "S1" && ++kept > 3;
+  });
+  EXPECT_TRUE(says(merge_surveys({a, b}), "3 of 3 shared targets"));
+}
+
 TEST(MergeSurveys, LocalCoordinatesKeepTheirSetUp) {
   const auto local = [](const std::string& file, const std::string& station) {
     SurveyObservations survey;
