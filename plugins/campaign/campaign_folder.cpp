@@ -161,8 +161,8 @@ class Resolver {
 CampaignDescription parse_campaign(const std::string& yaml, const std::filesystem::path& shown,
                                    std::vector<std::string> files, bool survey_only) {
   const Mapping mapping(load(yaml, shown), shown,
-                        {"plumbline_campaign", "name", "images", "camera", "plates", "survey", "instrument", "date",
-                         "control", "design", "mapping"});
+                        {"plumbline_campaign", "name", "images", "observations", "camera", "plates", "survey",
+                         "instrument", "date", "control", "design", "mapping"});
   mapping.require_version("plumbline_campaign");
   const Resolver resolver(mapping, std::move(files));
   CampaignDescription c;
@@ -172,7 +172,8 @@ CampaignDescription parse_campaign(const std::string& yaml, const std::filesyste
   c.survey = resolver.many("survey");
   if (mapping.has("control")) c.control = resolver.one("control");
   if (survey_only) return c;
-  c.images = resolver.many("images");
+  if (mapping.has("observations")) c.observations = resolver.one("observations");
+  if (c.observations.empty() || mapping.has("images")) c.images = resolver.many("images");
   c.camera = resolver.one("camera");
   c.plates = resolver.one("plates");
   c.design = resolver.one("design");

@@ -26,6 +26,7 @@ class CampaignError : public std::runtime_error {
 struct CampaignDescription {
   std::string name;
   std::vector<std::string> images;
+  std::string observations;                     ///< tags that were measured already; then `images` may be empty
   std::string camera, plates, control, design;  ///< control may be empty: then the survey files hold the datum
   std::string mapping;                          ///< from points to elements of the design; may be empty
   std::vector<std::string> survey;
@@ -48,6 +49,18 @@ struct CameraCalibration {
 };
 /// A camera.yaml. `pixel_origin: corner` (COLMAP, libapriltag) is shifted to our convention. Throws CampaignError.
 CameraCalibration parse_camera(const std::string& yaml, const std::filesystem::path& shown);
+
+/// One tag in one image, as another program measured it.
+struct ObservedTag {
+  std::string image, family;
+  int id = 0;
+  std::array<Eigen::Vector2d, 4> corners;  ///< bottom left, bottom right, top right, top left [px], first pixel (0, 0)
+  double sigma = 0;                        ///< of a corner coordinate [px]
+};
+/// An observations.csv, in the order of images and tags. Throws CampaignError, also for a tag that an image has twice
+/// and a corner outside of the camera's image.
+std::vector<ObservedTag> parse_observations(const std::string& csv, const std::filesystem::path& shown,
+                                            const BrownCamera& camera);
 
 struct PlateEntry {
   std::string anchor, tag_family, batch, role;  ///< role "control" or "check"

@@ -3,6 +3,7 @@
 #include <map>
 #include <numbers>
 #include <set>
+#include <tuple>
 
 #include "campaign_folder.hpp"
 #include "survey_files/survey_builder.hpp"
@@ -17,7 +18,7 @@ using formats::CsvRow;
 using formats::CsvTable;
 
 /// What a column holds.
-enum class Quantity { text, whole, length, angle };
+enum class Quantity { text, whole, length, angle, pixels };
 
 struct ColumnRule {
   const char* name;
@@ -26,7 +27,10 @@ struct ColumnRule {
 };
 
 const char* example_of(Quantity quantity) {
-  return quantity == Quantity::length ? "_m or _mm" : quantity == Quantity::angle ? "_deg, _gon or _rad" : "";
+  return quantity == Quantity::length   ? "_m or _mm"
+         : quantity == Quantity::angle  ? "_deg, _gon or _rad"
+         : quantity == Quantity::pixels ? "_px"
+                                        : "";
 }
 
 /// A row that begins with '#' and looks like data may be a name or commented out: nobody guesses which.
@@ -85,7 +89,10 @@ class Table {
     std::string all;
     for (const ColumnRule& rule : rules_) {
       all += (all.empty() ? "" : ", ") + std::string(rule.name);
-      if (*example_of(rule.quantity)) all += std::string("_") + (rule.quantity == Quantity::angle ? "deg" : "m");
+      if (*example_of(rule.quantity))
+        all += std::string("_") + (rule.quantity == Quantity::angle    ? "deg"
+                                   : rule.quantity == Quantity::pixels ? "px"
+                                                                       : "m");
     }
     return all;
   }
@@ -116,8 +123,11 @@ class Table {
     static const std::map<std::string, double> lengths = {{"m", 1}, {"mm", 1e-3}};
     static const std::map<std::string, double> angles = {
         {"deg", std::numbers::pi / 180}, {"gon", std::numbers::pi / 200}, {"rad", 1}};
+    static const std::map<std::string, double> pixels = {{"px", 1}};
     if (rule.quantity == Quantity::text || rule.quantity == Quantity::whole) return 1;
-    const auto& units = rule.quantity == Quantity::length ? lengths : angles;
+    const auto& units = rule.quantity == Quantity::length   ? lengths
+                        : rule.quantity == Quantity::pixels ? pixels
+                                                            : angles;
     const auto found = units.find(unit);
     if (found != units.end()) return found->second;
     throw CampaignError(shown_, table_.header_line,
@@ -269,6 +279,39 @@ std::vector<TrueAnchor> parse_true_anchors(const std::string& csv, const std::fi
                        {table.number(row, "x"), table.number(row, "y"), table.number(row, "z")}});
   }
   return anchors;
+}
+
+std::vector<ObservedTag> parse_observations(const std::string& csv, const std::filesystem::path& shown,
+                                            const BrownCamera& camera) {
+  static constexpr std::array<const char*, 8> coordinates = {"x0", "y0", "x1", "y1", "x2", "y2", "x3", "y3"};
+  std::vector<ColumnRule> rules = {{"image", Quantity::text, true},
+                                   {"family", Quantity::text, true},
+                                   {"tag_id", Quantity::whole, true},
+                                   {"sigma", Quantity::pixels, true}};
+  for (const char* name : coordinates) rules.push_back({name, Quantity::pixels, true});
+  const Table table(csv, shown, rules);
+  std::vector<ObservedTag> tags;
+  std::set<std::tuple<std::string, std::string, int>> seen;
+  for (const CsvRow& row : table.rows()) {
+    ObservedTag tag;
+    tag.image = table.text(row, "image"), tag.family = table.text(row, "family"), tag.id = table.whole(row, "tag_id");
+    tag.sigma = table.number(row, "sigma");
+    for (std::size_t k = 0; k < 8; ++k)
+      tag.corners[k / 2][static_cast<Eigen::Index>(k % 2)] = table.number(row, coordinates[k]);
+    for (const Eigen::Vector2d& corner : tag.corners)
+      if (!(corner.x() > -0.5 && corner.x() < camera.width - 0.5 && corner.y() > -0.5 &&
+            corner.y() < camera.height - 0.5))
+        table.fail(row, "a corner lies outside of the camera's " + std::to_string(camera.width) + " x " +
+                            std::to_string(camera.height) + " pixels");
+    if (!(tag.sigma > 0)) table.fail(row, "'sigma' is not above zero");
+    if (!seen.insert({tag.image, tag.family, tag.id}).second)
+      table.fail(row, "tag " + std::to_string(tag.id) + " stands here a second time in image '" + tag.image + "'");
+    tags.push_back(tag);
+  }
+  std::stable_sort(tags.begin(), tags.end(), [](const ObservedTag& a, const ObservedTag& b) {
+    return std::tie(a.image, a.family, a.id) < std::tie(b.image, b.family, b.id);
+  });
+  return tags;
 }
 
 }  // namespace plumbline::campaign

@@ -8,6 +8,7 @@
 #include "artifacts/file.hpp"
 #include "artifacts/folder.hpp"
 #include "artifacts/image.hpp"
+#include "artifacts/image_tags.hpp"
 #include "artifacts/plates.hpp"
 #include "artifacts/points.hpp"
 #include "artifacts/survey_artifact.hpp"
@@ -136,9 +137,10 @@ SurveyObservationsT read_surveys(const campaign::CampaignDescription& descriptio
 }
 
 struct ReadCampaign : Node {
-  static constexpr Info info{"read.campaign", "", 4, "Reads the folder of a site: campaign.yaml and what it names"};
+  static constexpr Info info{"read.campaign", "", 5, "Reads the folder of a site: campaign.yaml and what it names"};
   In<Folder> folder{"folder", "a folder with a campaign.yaml; see docs/campaign_folder.md"};
   OutList<Image> images{"images", "the photographs, by reference, ordered by path"};
+  OutList<ImageTags> observations{"observations", "tags that were measured already, where campaign.yaml names a table"};
   Out<Camera> camera{"camera", "the calibration, with the uncertainty its file states"};
   Out<Plates> plates{"plates", frame("frame=building"), "which tag stands for which anchor"};
   Out<SurveyObservations> survey{"survey", frame("frame=building"),
@@ -163,6 +165,10 @@ struct ReadCampaign : Node {
     control.commit(to_artifact(known));
     survey.commit(read_surveys(description, root, known, *strict, context));
     for (const std::string& path : description.images) commit_image(*entries.at(path), root, calibration);
+    if (!description.observations.empty()) {
+      const fs::path table = root / description.observations;
+      commit_observations(campaign::parse_observations(read_text(table), table, calibration.camera), calibration);
+    }
 
     FileT table;
     table.name = description.mapping.empty() ? "mapping.csv" : fs::path(description.mapping).filename().string();
@@ -182,6 +188,29 @@ struct ReadCampaign : Node {
   }
 
  private:
+  void commit_observations(const std::vector<campaign::ObservedTag>& tags,
+                           const campaign::CameraCalibration& calibration) {
+    for (std::size_t first = 0, last = 0; first < tags.size(); first = last) {
+      ImageTagsT image;
+      image.path = tags[first].image;
+      image.camera = calibration.id;
+      image.width = calibration.camera.width;
+      image.height = calibration.camera.height;
+      for (; last < tags.size() && tags[last].image == image.path; ++last) {
+        auto tag = std::make_unique<TagT>();
+        tag->family = tags[last].family;
+        tag->id = tags[last].id;
+        tag->corners.assign(tags[last].corners.begin(), tags[last].corners.end());
+        tag->refined = true;
+        const double variance = tags[last].sigma * tags[last].sigma;
+        for (int corner = 0; corner < 4; ++corner)
+          for (const double value : {variance, 0.0, variance}) tag->corner_covariances.push_back(value);
+        image.tags.push_back(std::move(tag));
+      }
+      observations.commit(image);
+    }
+  }
+
   void commit_image(const FolderEntryT& entry, const fs::path& root, const campaign::CameraCalibration& calibration) {
     const campaign::ImageHeader header = campaign::read_image_header(root / entry.path);
     if (header.width != calibration.camera.width || header.height != calibration.camera.height) {

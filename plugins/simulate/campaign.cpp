@@ -9,20 +9,19 @@
 #include "design_ifc.hpp"
 #include "geometry/random.hpp"
 #include "jpeg.hpp"
+#include "observations.hpp"
 #include "survey_files/gsi.hpp"
 #include "text_output.hpp"
 
 namespace plumbline::simulate {
 namespace {
 
-std::string campaign_yaml(const Campaign& c) {
+std::string campaign_yaml(const Campaign& c, bool observed) {
   return "# What a site hands over; docs/campaign_folder.md explains every line.\n"
          "plumbline_campaign: 1\n"
          "name: simulated facade, " +
          std::to_string(c.building.options.floors) + " floors, " + std::to_string(c.building.options.columns) +
-         " columns" +
-         "\n"
-         "images: images/*.jpg\n"
+         " columns\n" + (observed ? "observations: observations.csv\n" : "images: images/*.jpg\n") +
          "camera: camera.yaml\n"
          "plates: plates.csv\n"
          "survey: survey/*.gsi\n"
@@ -117,9 +116,20 @@ Campaign make_campaign(const CampaignOptions& options, std::uint64_t seed) {
   return c;
 }
 
-void write_campaign_files(const Campaign& c, const std::filesystem::path& folder) {
+void write_observations(const Campaign& c, const std::filesystem::path& folder, double sigma) {
+  std::string text = "image,family,tag_id,x0_px,y0_px,x1_px,y1_px,x2_px,y2_px,x3_px,y3_px,sigma_px\n";
+  for (const ObservedImage& image : observe_corners(c, sigma, c.seed))
+    for (const VisibleTag& tag : image.tags) {
+      text += "images/" + image.station->image + ",tag36h11," + std::to_string(tag.anchor->tag_id);
+      for (const Eigen::Vector2d& corner : tag.corners) text += "," + fixed(corner.x(), 4) + "," + fixed(corner.y(), 4);
+      text += "," + number(sigma) + "\n";
+    }
+  write_file(folder / "observations.csv", text);
+}
+
+void write_campaign_files(const Campaign& c, const std::filesystem::path& folder, bool observed) {
   std::filesystem::create_directories(folder / "survey");
-  write_file(folder / "campaign.yaml", campaign_yaml(c));
+  write_file(folder / "campaign.yaml", campaign_yaml(c, observed));
   write_file(folder / "camera.yaml", camera_yaml(c.camera, c.camera.calibration, true));
   write_file(folder / "plates.csv", plates_csv(c.building));
   write_file(folder / "control.csv", control_csv(c.plan));

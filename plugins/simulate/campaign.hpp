@@ -39,7 +39,11 @@ struct Campaign {
 Campaign make_campaign(const CampaignOptions& options, std::uint64_t seed);
 
 /// campaign.yaml, camera.yaml, plates.csv, control.csv, survey/total_station.gsi, design.ifc. The folder must exist.
-void write_campaign_files(const Campaign& campaign, const std::filesystem::path& folder);
+/// With `observed` the campaign names observations.csv in place of photographs.
+void write_campaign_files(const Campaign& campaign, const std::filesystem::path& folder, bool observed = false);
+
+/// observations.csv: what a detector with normal noise of `sigma` [px] would find in the photographs.
+void write_observations(const Campaign& campaign, const std::filesystem::path& folder, double sigma);
 
 /// images/*.jpg, rendered in parallel. `progress` is called from any thread after each image with how many are done,
 /// and may return false to stop: then std::runtime_error is thrown.

@@ -62,7 +62,7 @@ struct SimulatedSite : Node {
 
 struct SimulateCampaign : SimulatedSite {
   static constexpr Info info{
-      "simulate.campaign", "", 2,
+      "simulate.campaign", "", 3,
       "Simulates a site: photographs, total-station file, design IFC, and the truth beside them"};
   Param<std::string> instrument{
       "instrument", "ics50_assumed",
@@ -78,6 +78,9 @@ struct SimulateCampaign : SimulatedSite {
   Param<double> light_gradient{"light_gradient", 0.2, "1", between(0, 0.9), "change of the light across the facade"};
   Param<double> haze{"haze", 0.0, "1", between(0, 0.95), "share of the light that dust or mist scatters in"};
   Param<std::string> ifc_unit{"ifc_unit", "millimetre", one_of("millimetre", "metre"), "length unit of the design IFC"};
+  Param<std::string> photographs{"photographs", "rendered", one_of("rendered", "observed"),
+                                 "observed: observations.csv with the corners and noise of pixel_sigma, in no time"};
+  Param<double> pixel_sigma{"pixel_sigma", 0.1, "px", between(0.001, 10), "noise of observed corners"};
   Out<Folder> folder{"folder", "the campaign, as a site would hand it over"};
   Out<Folder> truth{"truth", "what no processing may see"};
 
@@ -91,20 +94,28 @@ struct SimulateCampaign : SimulatedSite {
     o.design_in_millimetres = *ifc_unit == "millimetre";
     const simulate::Campaign campaign = simulate::make_campaign(o, context.seed());
 
-    const auto workers = static_cast<uint64_t>(tbb::this_task_arena::max_concurrency());
-    context.reserve_memory(workers * simulate::image_memory(campaign.camera.profile));
+    const bool observed = *photographs == "observed";
     const auto campaign_folder = folder.make_folder(), truth_folder = truth.make_folder();
-    simulate::write_campaign_files(campaign, campaign_folder.path);
-    simulate::write_images(campaign, campaign_folder.path, [&](std::size_t done) {
-      context.progress(static_cast<double>(done) / static_cast<double>(campaign.stations.size()), "rendering");
-      return !context.cancelled();
-    });
+    simulate::write_campaign_files(campaign, campaign_folder.path, observed);
+    if (observed)
+      simulate::write_observations(campaign, campaign_folder.path, *pixel_sigma);
+    else
+      render(campaign, campaign_folder.path, context);
     simulate::write_truth(campaign, truth_folder.path);
     folder.commit(list_files(campaign_folder.path, campaign_folder.uri, context));
     truth.commit(list_files(truth_folder.path, truth_folder.uri, context));
   }
 
  private:
+  static void render(const simulate::Campaign& campaign, const fs::path& folder, Context& context) {
+    const auto workers = static_cast<uint64_t>(tbb::this_task_arena::max_concurrency());
+    context.reserve_memory(workers * simulate::image_memory(campaign.camera.profile));
+    simulate::write_images(campaign, folder, [&](std::size_t done) {
+      context.progress(static_cast<double>(done) / static_cast<double>(campaign.stations.size()), "rendering");
+      return !context.cancelled();
+    });
+  }
+
   static FolderT list_files(const fs::path& root, const std::string& uri, const Context& context) {
     FolderT result;
     result.uri = uri;
