@@ -1,13 +1,15 @@
 #include "pose/pose_node.hpp"
 
+#include <algorithm>
 #include <map>
 #include <optional>
 #include <utility>
 
 #include "geometry/packed_symmetric.hpp"
+#include "pose/explanation.hpp"
+#include "pose/tag_field.hpp"
 
 namespace plumbline::pose {
-namespace {
 
 BrownCamera camera_of(const CameraT& artifact) {
   if (artifact.parameters.size() != BrownCamera::parameter_count)
@@ -24,39 +26,7 @@ BrownCamera camera_of(const CameraT& artifact) {
   return camera;
 }
 
-/// The plate of every tag, with its anchor's approximate coordinates.
-class Field {
- public:
-  struct Entry {
-    const PlateT* plate;
-    const PointT* point;
-  };
-
-  Field(const PlatesT& plates, const PointsT& points) {
-    std::map<std::string, const PointT*> by_id;
-    for (const auto& point : points.points) by_id[point->id] = point.get();
-    for (const auto& plate : plates.plates) {
-      const auto point = by_id.find(plate->anchor);
-      if (point == by_id.end() || !point->second->position.allFinite()) continue;
-      const auto added =
-          entries_.emplace(std::make_pair(plate->tag_family, plate->tag_id), Entry{plate.get(), point->second});
-      if (!added.second)
-        throw std::runtime_error("tag " + plate->tag_family + " " + std::to_string(plate->tag_id) +
-                                 " stands for two anchors, " + added.first->second.plate->anchor + " and " +
-                                 plate->anchor + "; correct the plate table");
-      if (!(plate->tag_size > 0))
-        throw std::runtime_error("the plate of anchor " + plate->anchor + " has no tag_size; give it in metres");
-    }
-  }
-  const Entry* find(const TagT& tag) const {
-    const auto found = entries_.find({tag.family, tag.id});
-    return found == entries_.end() ? nullptr : &found->second;
-  }
-  std::size_t size() const { return entries_.size(); }
-
- private:
-  std::map<std::pair<std::string, int>, Entry> entries_;
-};
+namespace {
 
 Eigen::Matrix2d covariance_of_corner(const TagT& tag, int i, double fallback_sigma) {
   Eigen::Matrix2d c = Eigen::Matrix2d::Identity() * fallback_sigma * fallback_sigma;
@@ -69,7 +39,8 @@ Eigen::Matrix2d covariance_of_corner(const TagT& tag, int i, double fallback_sig
   return c;
 }
 
-/// Nothing for a tag whose corners cannot be: too few, or outside of where the distortion can be inverted.
+}  // namespace
+
 std::optional<TagView> view_of(const TagT& tag, const Field::Entry& entry, const BrownCamera& camera,
                                const PoseSettings& settings) {
   if (tag.corners.size() != 4) return std::nullopt;
@@ -91,6 +62,8 @@ std::optional<TagView> view_of(const TagT& tag, const Field::Entry& entry, const
   }
   return view;
 }
+
+namespace {
 
 /// The pose of one image; throws with what is wrong and what to do, without the image's name.
 std::unique_ptr<PoseT> pose_of(const ImageTagsT& image, const Field& field, const BrownCamera& camera,
@@ -118,6 +91,20 @@ std::unique_ptr<PoseT> pose_of(const ImageTagsT& image, const Field& field, cons
   return pose;
 }
 
+/// What to do about an image without a pose; `cause` comes first where there is one.
+std::string advice(const ImageTagsT& image, const Field& field, const PoseSettings& settings,
+                   const std::string& cause) {
+  if (!cause.empty()) return "Probable cause: " + cause;
+  const auto known = std::count_if(image.tags.begin(), image.tags.end(), [&](const auto& t) { return field.find(*t); });
+  if (known < settings.min_markers)
+    return "Photograph it again with more markers in view, check the plate table, or set on_too_few: skip to go on "
+           "without it";
+  return "Its " + std::to_string(known) +
+         " tags contradict each other: check the camera's calibration, the tag sizes and ids of the plate table and "
+         "the "
+         "approximate anchors, or set on_too_few: skip to go on without it";
+}
+
 }  // namespace
 
 PosesT initial_poses(const std::vector<ImageTagsT>& images, const CameraT& camera, const PlatesT& plates,
@@ -126,6 +113,13 @@ PosesT initial_poses(const std::vector<ImageTagsT>& images, const CameraT& camer
   const BrownCamera brown = camera_of(camera);
   const Field field(plates, points);
   PosesT result;
+  std::size_t agree = 0, all = 0;
+  std::optional<std::string> explanation;  // searched for once
+  const auto explain = [&] {
+    if (!explanation) explanation = what_would_explain(images, camera, field, solver, settings);
+    return *explanation;
+  };
+  for (const std::string& sentence : same_photographs(images)) warn(sentence);
   for (const ImageTagsT& image : images) {
     try {
       if (image.width > 0 && brown.width > 0 && (image.width != brown.width || image.height != brown.height))
@@ -133,20 +127,24 @@ PosesT initial_poses(const std::vector<ImageTagsT>& images, const CameraT& camer
                                  " pixels, camera '" + camera.id + "' has " + std::to_string(brown.width) + " x " +
                                  std::to_string(brown.height));
       result.poses.push_back(pose_of(image, field, brown, solver, settings));
+      agree += static_cast<std::size_t>(result.poses.back()->inliers);
+      all += static_cast<std::size_t>(result.poses.back()->correspondences);
     } catch (const NoTagPose& error) {
       const std::string text = "image " + image.path + ": " + error.what();
-      if (!settings.skip_poor_images)
-        throw std::runtime_error(
-            text +
-            ". Photograph it again with more markers in view, check the plate table and the approximate "
-            "anchors, or set on_too_few: skip to go on without it");
+      if (!settings.skip_poor_images) throw std::runtime_error(text + ". " + advice(image, field, settings, explain()));
       warn(text + "; it is left out");
     } catch (const std::runtime_error& error) {
       throw std::runtime_error("image " + image.path + ": " + error.what());
     }
   }
+  const double share = all == 0 ? 0 : static_cast<double>(agree) / static_cast<double>(all);
+  const std::string cause = share < 0.95 && !images.empty() ? explain() : "";
+  if (!cause.empty()) warn("probable cause: " + cause);
   if (result.poses.empty() && !images.empty())
     throw std::runtime_error("none of the " + std::to_string(images.size()) + " images could be oriented");
+  if (const std::string unknown = unknown_tags(images, plates); !unknown.empty()) warn(unknown);
+  if (cause.empty())
+    for (const std::string& sentence : exchanged_plates(images, result, brown, field)) warn(sentence);
   return result;
 }
 
