@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <stdexcept>
 
+#include "block/control_words.hpp"
 #include "block/tag_block_model.hpp"
 #include "geometry/statistics.hpp"
 
@@ -184,7 +185,7 @@ void fill_statistics(const TagBlockOptions& options, const TagModel& model, Solv
 constexpr double largest_image_factor = 25;
 constexpr double test_level = 1e-4;
 
-void fill_tests(const TagBlockOptions& options, TagBlockResult& result) {
+void fill_tests(const TagBlock& block, const TagBlockOptions& options, TagBlockResult& result) {
   if (options.weighting == TagBlockOptions::Weighting::lambda) return;  // weights are not claims about variances there
   for (const auto& group : result.groups) {
     if (!(group.redundancy > 0.1)) continue;
@@ -213,6 +214,7 @@ void fill_tests(const TagBlockOptions& options, TagBlockResult& result) {
           std::string(figure);
     }
     test.passed = test.factor <= test.limit;
+    if (group.name == "control" && !test.passed) test.words += control_in_words(block, result);
     if (test.passed) test.words.clear();
     result.tests.push_back(test);
   }
@@ -369,11 +371,11 @@ TagBlockResult adjust_tag_block(const TagBlock& given, const TagBlockOptions& op
   const bundle::Layout layout(model.problem);
   Solved solved = solve_under(result.weak_datum, options, layout, model);
   fill_statistics(options, model, solved, result);
-  fill_tests(options, result);
   fill_poses(block, start, model, layout, solved, result);
   fill_unknowns(block, start, model, layout, solved, result);
   fill_tags(start, model, solved, result);
   fill_control(start, model, layout, solved, result);
+  fill_tests(block, options, result);
   return result;
 }
 

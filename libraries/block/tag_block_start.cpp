@@ -262,7 +262,7 @@ TagStart start_tag_block(const TagBlock& block, const std::vector<bool>& use, st
           block.plates[j].anchor +
           (!plate_seen[j] ? ": its tag is in no image"
            : by_plate[j].empty()
-               ? ": its tag contradicts all others in every image: exchanged with another plate, or of another size"
+               ? ": its tag contradicts all others in every image: exchanged with another plate, of another size, or not where the plate table has it on its plate"
                : ": its tag is in no oriented image"));
   if (start.images.size() < 2)
     throw std::runtime_error("a block needs at least 2 oriented images that see plates, this one has " +

@@ -83,6 +83,40 @@ void judge_anchors(Work& work) {
                                        3 * static_cast<Eigen::Index>(places[static_cast<std::size_t>(j)]));
 }
 
+/// A measurement that contradicts itself shows no anchor to be in order; what is out of tolerance stays so.
+void take_doubts(Work& work) {
+  work.out.doubts = work.inputs.doubts;
+  if (work.out.doubts.empty()) return;
+  for (auto& anchor : work.out.anchors)
+    if (anchor->verdict == ToleranceVerdict::pass) anchor->verdict = ToleranceVerdict::undecided;
+}
+
+/// Anchors that were measured where the design has another one: plates or names were exchanged.
+void find_exchanged(Work& work) {
+  std::map<std::size_t, std::size_t> lies_at;
+  for (const std::size_t i : work.deviations.anchors) {
+    const AnchorDeviationT& anchor = *work.out.anchors[i];
+    for (const std::size_t k : work.deviations.anchors) {
+      const AnchorDeviationT& other = *work.out.anchors[k];
+      const double apart = (other.design - anchor.design).norm();
+      if (i != k && anchor.deviation.norm() > 0.75 * apart &&
+          (anchor.as_built - other.design).norm() < std::min(0.25 * apart, kFarthestAnchor / 4))
+        lies_at[i] = k;
+    }
+  }
+  for (const auto& [anchor, place] : lies_at) {
+    const auto back = lies_at.find(place);
+    const bool pair = back != lies_at.end() && back->second == anchor;
+    if (pair && place < anchor) continue;
+    const std::string &one = work.out.anchors[anchor]->id, &other = work.out.anchors[place]->id;
+    work.out.warnings.push_back(pair ? one + " and " + other +
+                                           " were measured in each other's place: their plates are exchanged in the "
+                                           "plate table, or on the facade."
+                                     : one + " was measured where the design has " + other +
+                                           ": check which plate is which.");
+  }
+}
+
 void require_same_frame(const Work& work) {
   std::vector<double> lengths;
   for (const auto& anchor : work.out.anchors)
@@ -231,6 +265,8 @@ DeviationT judge_deviations(const DeviationInputs& inputs, const DeviationOption
   work.out.design_file = inputs.design_file, work.out.facade_normal = inputs.facade_normal;
   judge_anchors(work);
   require_same_frame(work);
+  take_doubts(work);
+  find_exchanged(work);
   work.out.panels = judge_panels(inputs, work.deviations, work.out.anchors, options);
   judge_floors(work);
   summarise(work);

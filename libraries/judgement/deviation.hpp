@@ -43,6 +43,7 @@ struct DeviationInputs {
   evaluate::PointSet model;                                                    ///< as built, by anchor id
   Eigen::Vector3d facade_normal = Eigen::Vector3d::Constant(AnchorCase::nan);  ///< horizontal, outward; nan: none
   std::string design_file;
+  std::vector<std::string> doubts;  ///< why the measurement is not to be trusted: then nothing passes
 };
 
 struct DeviationOptions {

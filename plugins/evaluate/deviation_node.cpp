@@ -7,6 +7,17 @@
 
 namespace plumbline::evaluate {
 
+std::vector<std::string> EvaluateDeviation::doubts() {
+  std::vector<std::string> found;
+  if (network && network->validity() && network->validity()->str() != "sound")
+    found.push_back("the survey: " + (network->verdict() ? network->verdict()->str() : network->validity()->str()));
+  if (block && block->tests())
+    for (const auto* test : *block->tests())
+      if (!test->passed())
+        found.push_back("the image block: " + (test->words() ? test->words()->str() : test->group()->str()));
+  return found;
+}
+
 void EvaluateDeviation::run(Context& context) {
   judgement::ToleranceTable table;
   table.tau = *tau, table.from_design = *design_tolerances;
@@ -14,6 +25,7 @@ void EvaluateDeviation::run(Context& context) {
   judgement::DeviationInputs inputs =
       deviation_inputs(design.unpack(), matches.unpack(), plates.unpack(), table, *panel_reach);
   inputs.model = point_set(model.unpack(), "model");
+  inputs.doubts = doubts();
   std::string dropped;
   if (inputs.model.covariance.size() != 0 && !inputs.model.covariance.allFinite()) {
     inputs.model.covariance.resize(0, 0);

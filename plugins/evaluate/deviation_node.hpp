@@ -1,12 +1,14 @@
 // evaluate.deviation: as-built minus design, judged once for everybody.
 #pragma once
 
+#include "artifacts/block.hpp"
 #include "artifacts/design.hpp"
 #include "artifacts/deviation.hpp"
 #include "artifacts/element_matches.hpp"
 #include "artifacts/file.hpp"
 #include "artifacts/plates.hpp"
 #include "artifacts/points.hpp"
+#include "artifacts/survey_network.hpp"
 #include "geometry/panel_fit.hpp"
 #include "plumbline/node.hpp"
 
@@ -14,12 +16,16 @@ namespace plumbline::evaluate {
 
 struct EvaluateDeviation : Node {
   static constexpr Info info{
-      "evaluate.deviation", "", 1,
+      "evaluate.deviation", "", 2,
       "As-built minus design (14): verdicts of anchors, panels and floors, joints, shims, common shift"};
   In<Points> model{"model", frame("frame=?F"), "as-built points with their covariance"};
   In<Design> design{"design", frame("frame=?F"), "the design"};
   In<ElementMatches> matches{"matches", frame("frame=?F"), "which anchor is which element"};
   In<Plates> plates{"plates", frame("frame=?P"), "anchor table: floor, column and role of every anchor"};
+  Optional<Block> block{"block", frame("frame=?B"),
+                        "the adjusted block: one that fails its global tests proves nothing"};
+  Optional<SurveyNetwork> network{"network", frame("frame=?N"),
+                                  "the survey: one that contradicts itself proves nothing"};
   Param<double> tau{"tau", 0.005, "m", between(1e-6, 1),
                     "tolerance of the horizontal and of the vertical deviation; joints: twice that"};
   Param<std::vector<std::string>> tolerances{
@@ -36,6 +42,9 @@ struct EvaluateDeviation : Node {
   Out<File> stake_out{"stake_out", "stake_out.csv: PtID;E;N;H and corrections, as site instruments import it"};
 
   void run(Context& context) override;
+
+ private:
+  std::vector<std::string> doubts();
 };
 
 }  // namespace plumbline::evaluate

@@ -153,6 +153,7 @@ std::string heading_of(const DeviationT& d, int panels_failed, int panels_open) 
     return text + (d.failed + panels_failed == 1 ? " is" : " are") + " out of tolerance.";
   }
   if (d.verdict == ToleranceVerdict::undecided) {
+    if (!d.doubts.empty()) return "Not decided: the measurement contradicts itself and shows no anchor to be in order.";
     std::string text = "Not decided: ";
     if (d.undecided > 0) text += anchors(d.undecided) + " too close to call";
     if (d.not_measured > 0) text += (d.undecided > 0 ? ", " : "") + anchors(d.not_measured) + " without verdict";
@@ -166,6 +167,7 @@ std::string heading_of(const DeviationT& d, int panels_failed, int panels_open) 
 std::vector<std::string> confidence_of(const ReportInput& input) {
   const DeviationT& d = *input.deviation;
   std::vector<std::string> lines;
+  for (const std::string& doubt : d.doubts) lines.push_back("Not to be trusted, " + doubt + ".");
   std::string sure =
       "Pass means that the deviation and " + fixed(d.guard_factor, 3) + " times its uncertainty are within tolerance.";
   if (std::isfinite(d.weakest_pass))

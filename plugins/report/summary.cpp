@@ -84,8 +84,10 @@ std::string installation_text(const DeviationT& deviation) {
   int panels[4] = {};
   for (const auto& panel : deviation.panels) ++panels[static_cast<int>(panel->verdict)];
   const auto at = [&](ToleranceVerdict verdict) { return panels[static_cast<int>(verdict)]; };
-  std::string text = std::string("Installation: ") + verdict_of(deviation.verdict) + ". Anchors against the design: " +
-                     counts(deviation.passed, deviation.undecided, deviation.failed, deviation.not_measured);
+  std::string text;
+  for (const std::string& doubt : deviation.doubts) text += "NOT TO BE TRUSTED, " + doubt + "\n";
+  text += std::string("Installation: ") + verdict_of(deviation.verdict) + ". Anchors against the design: " +
+          counts(deviation.passed, deviation.undecided, deviation.failed, deviation.not_measured);
   if (!deviation.panels.empty())
     text += "; panels: " +
             counts(at(ToleranceVerdict::pass), at(ToleranceVerdict::undecided), at(ToleranceVerdict::fail), 0);

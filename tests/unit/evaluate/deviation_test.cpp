@@ -134,6 +134,29 @@ TEST(CommonShift, SoundCampaignsGiveNoAlarm) {
   EXPECT_LE(alarms, 2);
 }
 
+TEST(Deviation, NothingPassesOnAMeasurementThatContradictsItself) {
+  DeviationInputs inputs = grid(3, 3);
+  inputs.model.positions[4].z() += 9 * mm;
+  ASSERT_EQ(judge_deviations(inputs, {}).passed, 8);
+  inputs.doubts = {"the image block: wrong calibration"};
+  const DeviationT result = judge_deviations(inputs, {});
+  EXPECT_EQ(result.doubts, inputs.doubts);
+  EXPECT_EQ(result.passed, 0);
+  EXPECT_EQ(result.undecided, 8);
+  EXPECT_EQ(result.failed, 1) << "what is out of tolerance stays so";
+}
+
+TEST(Deviation, AnchorsInEachOthersPlaceAreNamed) {
+  DeviationInputs inputs = grid(3, 3);
+  EXPECT_TRUE(judge_deviations(inputs, {}).warnings.empty());
+  std::swap(inputs.model.positions[2], inputs.model.positions[5]);
+  const DeviationT result = judge_deviations(inputs, {});
+  ASSERT_FALSE(result.warnings.empty());
+  EXPECT_EQ(result.warnings[0], inputs.anchors[2].id + " and " + inputs.anchors[5].id +
+                                    " were measured in each other's place: their plates are exchanged in the plate "
+                                    "table, or on the facade.");
+}
+
 TEST(Deviation, FloorsSharingAStoreyCostTheStoreyOnly) {
   DeviationInputs inputs = grid(3, 3);
   for (auto& anchor : inputs.anchors) anchor.storey_guid = anchor.floor == 3 ? "top" : "hall";

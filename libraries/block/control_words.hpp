@@ -1,0 +1,18 @@
+// Where images and survey contradict each other, in words.
+#pragma once
+
+#include <string>
+
+#include "block/tag_block.hpp"
+
+namespace plumbline::adjust {
+
+/// What the residuals of the control look like: an error that all tag offsets have in common, or the control points
+/// that stand out. Begins with "; ", empty without control. `result` needs anchors, world_from_plate and control.
+///
+/// An offset that is wrong by e on every plate moves the adjusted anchors by R_k e, R_k the plate's rotation. Of that
+/// the datum takes the mean, and only the plates' different tilts leave a trace: r_k = R_k e + t + ω × (p_k − c), least
+/// squares.
+std::string control_in_words(const TagBlock& block, const TagBlockResult& result);
+
+}  // namespace plumbline::adjust
