@@ -171,6 +171,7 @@ void CheckControlNode::run(Context& context) {
   adjustment.remove_blunders = *remove_blunders;
   const ComparisonOptions options = options_of(*alpha, *alpha0, *power);
   const ControlCheck result = check_control(survey, known, adjustment, options);
+  if (!result.cause.empty()) context.warn("the control points do not fit the observations: " + result.cause);
   if (result.problem.empty()) {
     ComparisonOptions used = options;
     used.free_motions = result.free_motions;

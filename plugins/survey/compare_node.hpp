@@ -33,7 +33,7 @@ struct CompareEpochsNode : Node {
 };
 
 struct CheckControlNode : ProfiledNode {
-  static constexpr Info info{"survey.check_control", "", 1,
+  static constexpr Info info{"survey.check_control", "", 2,
                              "Tests known points against a free network of the observations, before they bend it"};
   List<plumbline::SurveyObservations> observations{
       "observations", frame("frame=?S"), "readings of one campaign; points that its files hold fixed are control too"};
@@ -41,7 +41,7 @@ struct CheckControlNode : ProfiledNode {
   Param<std::vector<std::string>> same_stations{"same_stations", std::vector<std::string>{},
                                                 "as in survey.adjust: stations of several files that are one mark"};
   Param<bool> remove_blunders{"remove_blunders", false, "data snooping cleans the free network first"};
-  Param<double> alpha{"alpha", 0.05, "1", between(1e-6, 0.5), "error of the first kind of the global test"};
+  Param<double> alpha{"alpha", 0.01, "1", between(1e-6, 0.5), "error of the first kind of the global test"};
   Param<double> alpha0{"alpha0", 0.001, "1", between(1e-9, 0.5), "error of the first kind of the test of a point"};
   Param<double> power{"power", 0.80, "1", between(0.5, 0.999), "power that the detectable difference refers to"};
   Out<SurveyComparison> check{"check", frame("frame=?S"), "given coordinates against measured ones, and tests"};

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/similarity.hpp"
+
 namespace plumbline::survey {
 
 namespace {
@@ -33,6 +35,57 @@ SurveyObservations without_control(const SurveyObservations& survey) {
   SurveyObservations free = survey;
   std::erase_if(free.coordinates, [](const CoordinateGroup& g) { return g.is_control; });
   return free;
+}
+
+/// Points that both epochs have with all three coordinates.
+struct Pairs {
+  std::vector<Eigen::Vector3d> given, measured;
+};
+
+Pairs common_points(const Epoch& given, const Epoch& measured) {
+  Pairs pairs;
+  for (size_t i = 0; i < given.ids.size(); ++i) {
+    const auto at = std::find(measured.ids.begin(), measured.ids.end(), given.ids[i]);
+    if (at == measured.ids.end()) continue;
+    const Eigen::Vector3d a = given.coordinates.segment<3>(static_cast<Eigen::Index>(3 * i));
+    const Eigen::Vector3d b = measured.coordinates.segment<3>(3 * (at - measured.ids.begin()));
+    if (a.allFinite() && b.allFinite()) pairs.given.push_back(a), pairs.measured.push_back(b);
+  }
+  return pairs;
+}
+
+/// Rms of given − motion(measured) over the extent, and the scale of the motion.
+std::pair<double, double> misfit(const Pairs& pairs) {
+  const SimilarityMotion motion = fit_similarity(pairs.measured, pairs.given, true);
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const auto& p : pairs.given) mean += p / static_cast<double>(pairs.given.size());
+  double squares = 0, extent = 0;
+  for (size_t i = 0; i < pairs.given.size(); ++i) {
+    squares += (pairs.given[i] - motion * pairs.measured[i]).squaredNorm();
+    extent += (pairs.given[i] - mean).squaredNorm();
+  }
+  return {std::sqrt(squares / std::max(extent, 1e-12)), motion.scale};
+}
+
+/// A misfit that all points share.
+std::string cause_of(Pairs pairs) {
+  constexpr double kFits = 0.002;  // of the extent: 20 mm in 10 m
+  if (pairs.given.size() < 3) return "";
+  const auto [rest, scale] = misfit(pairs);
+  static const std::pair<double, const char*> units[] = {
+      {3.28084, "the given coordinates are in feet, the distances in metres"},
+      {0.3048, "the given coordinates are in metres, the distances in feet"},
+      {1000, "the given coordinates are in millimetres, the distances in metres"},
+      {0.001, "the given coordinates are in metres, the distances in millimetres"},
+      {100, "the given coordinates are in centimetres, the distances in metres"}};
+  for (const auto& [factor, words] : units)
+    if (rest < kFits && std::abs(scale / factor - 1) < 0.005) return words;
+  if (rest < kFits) return "";
+  for (auto& p : pairs.given) std::swap(p.x(), p.y());
+  const auto [exchanged, exchanged_scale] = misfit(pairs);
+  if (exchanged < kFits && std::abs(exchanged_scale - 1) < 0.005)
+    return "east and north of the given coordinates are exchanged";
+  return "";
 }
 
 }  // namespace
@@ -82,6 +135,7 @@ ControlCheck check_control(const SurveyObservations& survey, const ControlPoints
                       " of them are observed, a check needs at least three";
       return check;
     }
+    check.cause = cause_of(common_points(given, measured));
     check.comparison = compare_epochs(given, measured, options);
   } catch (const NetworkError& error) {
     check.problem =

@@ -12,6 +12,7 @@ struct ControlCheck {
   std::string problem;    ///< why nothing could be tested; empty: `comparison` holds
   Comparison comparison;  ///< first: as given; second: as measured
   int free_motions = 0;
+  std::string cause;  ///< of a misfit that all points share: another unit, axes exchanged; empty if none is plain
 };
 
 /// The points of an adjusted network with their full covariance.

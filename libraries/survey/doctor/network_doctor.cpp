@@ -5,6 +5,7 @@
 #include <numbers>
 #include <set>
 
+#include "geometry/statistics.hpp"
 #include "survey/doctor/network_words.hpp"
 #include "survey/model/network_model.hpp"
 
@@ -39,6 +40,7 @@ std::string in_words(long n, const std::string& what) {
 /// Worst first: the others often follow from it. What would fail by chance alone is said too.
 void examine_failures(const NetworkResult& r, const AdjustOptions& options, std::vector<Finding>& findings) {
   constexpr size_t kShown = 10;
+  constexpr double kFalseAlarm = 0.01;  ///< chance that a sound network has a warning
   std::vector<const ResultRow*> failing;
   for (const ResultRow& row : r.rows)
     if (row.flagged) failing.push_back(&row);
@@ -46,9 +48,13 @@ void examine_failures(const NetworkResult& r, const AdjustOptions& options, std:
     return a->removed != b->removed ? a->removed : std::abs(a->statistics.w) > std::abs(b->statistics.w);
   });
   const auto removed = std::count_if(failing.begin(), failing.end(), [](const ResultRow* row) { return row->removed; });
+  // One of many readings fails by chance; a warning is for what the largest of them all would hardly reach.
+  const double warned =
+      normal_quantile(1 - 0.5 * kFalseAlarm / static_cast<double>(std::max<size_t>(1, r.rows.size())));
   for (size_t i = 0; i < failing.size() && i < kShown; ++i) {
     const ResultRow& row = *failing[i];
-    findings.push_back({Finding::Severity::warning,
+    const bool by_chance = !row.removed && std::abs(row.statistics.w) < warned;
+    findings.push_back({by_chance ? Finding::Severity::note : Finding::Severity::warning,
                         (row.removed ? "removed: " : "suspect: ") + describe(row) +
                             ", w = " + fixed_digits(row.statistics.w, 1) + ", probably wrong by " +
                             amount(row, row.statistics.estimated_blunder),
@@ -173,8 +179,12 @@ std::vector<Finding> examine(const NetworkModel& model, const AdjustOptions& opt
     findings.push_back({Finding::Severity::warning, "there is no redundancy: nothing controls the observations", {}});
   using Verdict = adjustment::GlobalTest::Verdict;
   const std::string sigma0 = fixed_digits(result.sigma0, 2);
+  // One sound network in twenty fails at the usual level: that is a note. A warning is for what is certain.
+  const bool certain = result.degrees_of_freedom > 0 &&
+                       result.sigma0 * result.sigma0 * result.degrees_of_freedom >
+                           chi_squared_quantile(0.999, result.degrees_of_freedom);
   if (result.degrees_of_freedom > 0 && result.global_test.verdict == Verdict::high)
-    findings.push_back({Finding::Severity::warning,
+    findings.push_back({certain ? Finding::Severity::warning : Finding::Severity::note,
                         "global test fails: sigma0 " + sigma0 +
                             " is too large; there are blunders, or the assumed accuracies are too good" +
                             (result.sigma0 > kAbsurd ? "; so large: check the units of angles and lengths first" : ""),
