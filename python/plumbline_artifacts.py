@@ -9,8 +9,13 @@ An artifact is a FlatBuffers table of a type from schemas/artifacts/*.fbs. No co
 
 Reading: numbers are numbers, strings are str ("" if absent), structs and lists of numbers or structs are numpy views on the bytes
 (no copy), tables are Table, lists of tables are lists. Enum fields are numbers; Schema.enums has their names.
+
+A node that is an executable (a manifest NAME.node.yaml beside it) begins with `call = Call()`.
 """
+import json
+import os
 import struct
+import sys
 
 import flatbuffers
 import numpy as np
@@ -211,3 +216,39 @@ class Table:
 
 def _struct_form(base):
     return {1: "<B", 2: "<?", 3: "<b", 4: "<B", 5: "<h", 6: "<H", 7: "<i", 8: "<I", 9: "<q", 10: "<Q", 11: "<f", 12: "<d"}[base]
+
+
+class Call:
+    """One run of a node that is an executable: what the host put into the folder named by the last argument."""
+
+    def __init__(self, folder=None):
+        self.folder = folder or sys.argv[-1]
+        with open(os.path.join(self.folder, "call.json"), encoding="utf-8") as stream:
+            call = json.load(stream)
+        self.kind, self.parameters, self.seed = call["kind"], call["parameters"], call.get("seed")
+        self._references = call["references"]
+        self._committed = {}
+
+    def schema(self, type_name):
+        """Of a type such as "plumbline.Points/1"."""
+        with open(os.path.join(self.folder, "schemas", type_name.replace("/", "-") + ".bfbs"), "rb") as stream:
+            return Schema(stream.read())
+
+    def inputs(self, port, type_name):
+        """The artifacts of an input, in order; none if it is not connected."""
+        folder, schema = os.path.join(self.folder, "inputs", port), self.schema(type_name)
+        names = sorted(os.listdir(folder)) if os.path.isdir(folder) else []
+        return [schema.read(open(os.path.join(folder, name), "rb").read()) for name in names]
+
+    def path(self, uri):
+        """Where the file lies that an artifact names."""
+        if uri not in self._references:
+            raise FileNotFoundError(f"no input names '{uri}'")
+        return self._references[uri]
+
+    def commit(self, port, type_name, values):
+        """Writes an artifact to an output."""
+        number = self._committed.get(port, 0)
+        self._committed[port] = number + 1
+        with open(os.path.join(self.folder, "outputs", port, f"{number:06d}"), "wb") as stream:
+            stream.write(self.schema(type_name).write(values))

@@ -1,5 +1,6 @@
-// What a node costs besides its own work: one graph, run by Plumbline (nothing stored, then all of it) and by a plain
-// oneTBB flow graph that adds the same numbers and stores nothing. See README.md.
+// What a node costs besides its own work: one graph, run by Plumbline (nothing stored, then all of it, then every node
+// in a process of its own) and by a plain oneTBB flow graph that adds the same numbers and stores nothing. See
+// README.md.
 //
 //   runtime_benchmark FOLDER [NODES]        FOLDER: where the stores go; /dev/shm for a tmpfs
 #include <oneapi/tbb/flow_graph.h>
@@ -47,8 +48,23 @@ std::string pipeline(int nodes, bool chain) {
 }
 
 struct Times {
-  double link = 0, executed = 1e9, reused = 1e9;  // seconds
+  double link = 0, executed = 1e9, reused = 1e9, isolated = 1e9;  // seconds
 };
+
+/// One run, from the opening of the output folder to the end of the record.
+double run_seconds(const fs::path& folder, const fs::path& store_folder, const Graph& graph, const Registry& registry,
+                   const RunOptions& options, NodeStatus expected) {
+  Store store(store_folder);
+  OutputFolder out(folder / "out", store.file_hashes());
+  const double start = now();
+  Record record(out, graph, {});
+  Recorder recorder(record);
+  const RunResult result = execute(graph, registry, store, options, recorder);
+  record.end(result, {});
+  const double seconds = now() - start;
+  if (result.count(expected) != graph.nodes.size()) throw std::runtime_error("not all nodes did what they should");
+  return seconds;
+}
 
 Times plumbline_times(const fs::path& folder, int nodes, bool chain, int threads) {
   const fs::path file = folder / "p.yaml";
@@ -60,22 +76,19 @@ Times plumbline_times(const fs::path& folder, int nodes, bool chain, int threads
   const Graph graph = load_pipeline(file, {}, registry);
   times.link = now() - start;
   for (int repeat = 0; repeat < 5; ++repeat) {
-    const fs::path store_folder = folder / ("store" + std::to_string(repeat));
-    for (double* best : {&times.executed, &times.reused}) {
-      Store store(store_folder);
-      OutputFolder out(folder / "out", store.file_hashes());
-      start = now();
-      Record record(out, graph, {});
-      Recorder recorder(record);
-      RunOptions options;
-      options.threads = threads;
-      const RunResult result = execute(graph, registry, store, options, recorder);
-      record.end(result, {});
-      *best = std::min(*best, now() - start);
-      const size_t expected = result.count(best == &times.executed ? NodeStatus::executed : NodeStatus::reused);
-      if (expected != graph.nodes.size()) throw std::runtime_error("not all nodes did what they should");
-    }
-    fs::remove_all(store_folder);
+    const fs::path store = folder / ("store" + std::to_string(repeat)), other = folder / "other";
+    RunOptions options;
+    options.threads = threads;
+    options.worker = PLUMBLINE_WORKER;
+    const auto run = [&](double& best, const fs::path& store_folder, NodeStatus expected) {
+      best = std::min(best, run_seconds(folder, store_folder, graph, registry, options, expected));
+    };
+    run(times.executed, store, NodeStatus::executed);
+    run(times.reused, store, NodeStatus::reused);
+    options.isolate = true;
+    run(times.isolated, other, NodeStatus::executed);
+    fs::remove_all(store);
+    fs::remove_all(other);
   }
   return times;
 }
@@ -115,13 +128,15 @@ int main(int argc, char** argv) {
   const fs::path folder = fs::path(argv[1]) / ("plumbline-benchmark-" + std::to_string(getpid()));
   fs::create_directories(folder);
   std::printf("%d nodes in %s, microseconds a node (best of 5)\n", nodes, argv[1]);
-  std::printf("%-7s %-8s %10s %10s %10s %10s\n", "graph", "threads", "link", "executed", "reused", "oneTBB");
+  std::printf("%-7s %-8s %10s %10s %10s %10s %10s\n", "graph", "threads", "link", "executed", "isolated", "reused",
+              "oneTBB");
   for (const bool chain : {true, false})
     for (const int threads : {1, 2}) {
       const Times times = plumbline_times(folder, nodes, chain, threads);
       const double each = 1e6 / nodes;
-      std::printf("%-7s %-8d %10.1f %10.1f %10.1f %10.2f\n", chain ? "chain" : "wide", threads, times.link * each,
-                  times.executed * each, times.reused * each, tbb_seconds(nodes, chain, threads) * each);
+      std::printf("%-7s %-8d %10.1f %10.1f %10.1f %10.1f %10.2f\n", chain ? "chain" : "wide", threads,
+                  times.link * each, times.executed * each, times.isolated * each, times.reused * each,
+                  tbb_seconds(nodes, chain, threads) * each);
     }
   fs::remove_all(folder);
   return 0;

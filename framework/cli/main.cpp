@@ -67,6 +67,8 @@ std::vector<Command> declare(CLI::App& app, Options& options, plumbline::cli::Be
   add_store(run, options);
   run.add_flag("--durable", options.durable, "sync every file of the store to disk, not only at the end");
   add_json(run, options);
+  run.add_flag("--isolate", options.isolate,
+               "run every node in a process of its own, so that a crash is an error of that node alone");
   run.add_flag("-q,--quiet", options.quiet, "print nothing but warnings and errors");
 
   CLI::App* bench =

@@ -1,10 +1,9 @@
 // Where pipelines, plugins and the store are found.
 #include <algorithm>
-#include <cctype>
-#include <cmath>
 #include <cstdlib>
 
 #include "commands.hpp"
+#include "runtime/quantities.hpp"
 
 namespace plumbline::cli {
 
@@ -64,21 +63,9 @@ std::unique_ptr<runtime::Store> open_store_to_read(const Options& options) {
 }
 
 uint64_t parse_size(const std::string& text) {
-  char* end = nullptr;
-  const double number = std::strtod(text.c_str(), &end);
-  std::string unit;
-  for (; *end; ++end)
-    if (*end != ' ') unit += static_cast<char>(std::tolower(static_cast<unsigned char>(*end)));
-  const std::string prefixes = "kmgt";
-  double factor = 1;
-  if (!unit.empty() && prefixes.find(unit[0]) != std::string::npos) {
-    const double base = unit.substr(1) == "b" ? 1000 : 1024;
-    factor = std::pow(base, static_cast<double>(prefixes.find(unit[0]) + 1));
-    if (unit.substr(1) == "" || unit.substr(1) == "b" || unit.substr(1) == "ib") unit = "b";
-  }
-  if (!(number > 0) || !(number * factor < 9e18) || (!unit.empty() && unit != "b"))
-    throw UsageError("'" + text + "' is no size of memory; write for example 3GiB or 500MB");
-  return static_cast<uint64_t>(number * factor);
+  const auto bytes = runtime::parse_bytes(text);
+  if (!bytes) throw UsageError("'" + text + "' is no size of memory; write for example 3GiB or 500MB");
+  return *bytes;
 }
 
 }  // namespace plumbline::cli

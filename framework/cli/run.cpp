@@ -112,6 +112,7 @@ int run(const Options& options) {
       options.threads > 0 ? options.threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   run_options.memory = options.memory.empty() ? runtime::MemoryBudget::default_limit() : parse_size(options.memory);
   run_options.cancel = &cancel;
+  run_options.isolate = options.isolate;
   runtime::RunInfo info{PLUMBLINE_VERSION, options.overrides, store.folder(), run_options.threads, run_options.memory};
   warn_of_output_in_input(graph, out);
   runtime::OutputFolder folder(out, store.file_hashes(), options.overwrite);

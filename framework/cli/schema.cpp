@@ -77,7 +77,15 @@ int schema(const Options&) {
   const Json node{
       {"type", "object"},
       {"additionalProperties", false},
-      {"properties", {{"use", {{"anyOf", kinds}}}, {"in", {{"type", "object"}}}, {"with", {{"type", "object"}}}}},
+      {"properties",
+       {{"use", {{"anyOf", kinds}}},
+        {"in", {{"type", "object"}}},
+        {"with", {{"type", "object"}}},
+        {"isolate",
+         {{"anyOf", {{{"enum", {"process", "no"}}}, {{"$ref", "#/$defs/variable"}}}},
+          {"description", "process: run it in a process of its own"}}},
+        {"time_limit", {{"type", {"string", "number"}}, {"description", "90 s or 5 min; implies isolate: process"}}},
+        {"memory_limit", {{"type", {"string", "number"}}, {"description", "2GiB; implies isolate: process"}}}}},
       {"allOf", rules}};
   const Json include{{"anyOf", {{{"type", "string"}}, {{"type", "array"}, {"items", {{"type", "string"}}}}}},
                      {"description", "pipelines to start from, relative to this file; what stands here replaces"}};

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <thread>
 
 #include "runtime/digest.hpp"
@@ -101,6 +102,8 @@ class Execution {
         memory_(options.memory),
         threads_(options.threads > 0 ? options.threads : static_cast<int>(std::thread::hardware_concurrency())),
         cancel_(options.cancel ? *options.cancel : never_),
+        isolate_all_(options.isolate),
+        workers_(options.worker, threads_),
         last_(options.remember ? last_keys(store, graph) : std::map<std::string, KeyFields>()),
         states_(graph.nodes.size()),
         outputs_(graph.nodes.size()) {
@@ -210,7 +213,12 @@ class Execution {
     }
     Turn turn(store_.claims(), call.key, key_with_seed(call.key, call.seed));
     if (node.kind.node->deterministic && !wait_for_turn(node, state, call, turn, item)) return;
-    NodeServices services{&store_, &memory_, &cancel_, {}, [&turn] { turn.seed_was_drawn(); }};
+    NodeServices services{&store_,
+                          &memory_,
+                          &cancel_,
+                          {},
+                          [&turn] { turn.seed_was_drawn(); },
+                          isolate_all_ || node.isolate ? &workers_ : nullptr};
     if (state.items.size() == 1)
       services.progress = [&](double fraction, const std::string& text) {
         observe([&] { observer_.node_progress(node, 0, 1, fraction, text); });
@@ -218,7 +226,9 @@ class Execution {
     NodeOutcome outcome;
     item.begin = std::chrono::steady_clock::now();
     {
-      const RunningNode running(node.at.text() + ": node '" + node.name + "' (" + node.kind.node->kind + ")");
+      std::optional<RunningNode> running;  // what runs elsewhere cannot end this process
+      if (!services.workers && !node.kind.plugin->executable)
+        running.emplace(node.at.text() + ": node '" + node.name + "' (" + node.kind.node->kind + ")");
       tbb::this_task_arena::isolate([&] { outcome = run_node(call, services); });
     }
     item.end = std::chrono::steady_clock::now();
@@ -360,6 +370,8 @@ class Execution {
   const int threads_;
   const std::atomic<bool> never_ = false;
   const std::atomic<bool>& cancel_;
+  const bool isolate_all_;
+  Workers workers_;
   const std::map<std::string, KeyFields> last_;  // of the pipeline's last run
   std::vector<State> states_;
   std::vector<std::map<std::string, Hashes>> outputs_;  // of the nodes that are done

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <atomic>
+#include <filesystem>
 #include <map>
 #include <string>
 #include <vector>
@@ -60,6 +61,8 @@ struct RunOptions {
   uint64_t memory = 0;  ///< bytes that nodes may reserve together; 0: MemoryBudget::default_limit()
   const std::atomic<bool>* cancel = nullptr;  ///< set it to end the run early
   bool remember = true;  ///< at the end, keys for `plumbline plan`, and sync; a sweep of many graphs does without
+  bool isolate = false;  ///< every node in a process of its own, not only those that ask for it
+  std::filesystem::path worker = {};  ///< the program for that, if it is not where it is installed
 };
 
 /// Never throws for what a node does. At the end the store remembers the keys for `plumbline plan`.

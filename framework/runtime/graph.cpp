@@ -9,6 +9,7 @@
 #include "runtime/output_folder.hpp"
 #include "runtime/parameters.hpp"
 #include "runtime/pipeline_file.hpp"
+#include "runtime/quantities.hpp"
 #include "runtime/type_schema.hpp"
 
 namespace plumbline::runtime {
@@ -86,8 +87,42 @@ class Linker {
                                (hint.empty() ? "; `plumbline list` shows what there is" : hint) + refused_text());
     }
     index_.emplace(node.name, nodes_.size());
+    set_conditions(node, spec);
     nodes_.push_back(std::move(node));
     specs_.push_back(&spec);
+  }
+
+  void set_conditions(GraphNode& node, const NodeSpec& spec) {
+    const NodeSpec::Condition* refusal = nullptr;
+    for (const auto& condition : spec.conditions) {
+      const auto& [name, value] = condition;
+      if (value.unresolved) continue;
+      const std::string expected = set_condition(node, name, value.text);
+      if (!expected.empty())
+        problem(value.at, "'" + name + "' of node '" + spec.name + "' is " + expected + ", found '" + value.text + "'");
+      if (name == "isolate" && value.text == "no") refusal = &condition;
+    }
+    if (refusal && node.isolate)
+      problem(refusal->second.at, "node '" + spec.name +
+                                      "' has a limit, which is kept only in a process of its own; take away the limit "
+                                      "or write isolate: process");
+  }
+
+  /// Returns what would be right, if this is not.
+  static std::string set_condition(GraphNode& node, const std::string& name, const std::string& text) {
+    if (name == "isolate") {
+      node.isolate |= text == "process";
+      return text == "process" || text == "no" ? "" : "process or no";
+    }
+    node.isolate = true;
+    if (name == "time_limit") {
+      const auto seconds = parse_seconds(text);
+      node.limits.seconds = seconds.value_or(0);
+      return seconds ? "" : "a time, such as 90 s or 5 min";
+    }
+    const auto bytes = parse_bytes(text);
+    node.limits.memory = bytes.value_or(0);
+    return bytes ? "" : "a size of memory, such as 2GiB";
   }
 
   /// What is missing may be in a plugin that was refused.

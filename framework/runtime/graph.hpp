@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "runtime/quantities.hpp"
 #include "runtime/registry.hpp"
 
 namespace plumbline::runtime {
@@ -54,6 +55,8 @@ struct GraphNode {
   std::string each_port;
   /// By output port: one item, or a list (a LIST output, or any output of a node that maps).
   std::map<std::string, bool> output_is_list;
+  bool isolate = false;  ///< it wants a process of its own (workers.hpp); limits imply it
+  Limits limits;         ///< of each run
   Position at;
 };
 

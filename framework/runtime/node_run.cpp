@@ -11,6 +11,7 @@
 
 #include "runtime/artifact_type.hpp"
 #include "runtime/digest.hpp"
+#include "runtime/executable_node.hpp"
 
 namespace plumbline::runtime {
 
@@ -110,6 +111,7 @@ class Host {
   void make_folder(const std::string& port, const char** path, const char** uri);
   int reserve_memory(uint64_t bytes);
 
+  int run_it();
   const plumbline_port& output(const std::string& port) const;
   void check_outputs() const;
   void commit_folders();
@@ -318,13 +320,21 @@ void Host::check_references() const {
   }
 }
 
+int Host::run_it() {
+  const GraphNode& node = *call_.node;
+  if (const auto& executable = node.kind.plugin->executable)
+    return executable->run(table_, *node.kind.node, node.limits);
+  if (services_.workers) return services_.workers->run(table_, node);
+  return node.kind.node->run(&table_, node.kind.node);
+}
+
 NodeOutcome Host::run() {
   const auto start = std::chrono::steady_clock::now();
   const plumbline_node& node = *call_.node->kind.node;
   outcome_.run.kind = node.kind;
   int answer = 1;
   try {
-    answer = node.run(&table_, &node);
+    answer = run_it();
   } catch (const std::exception& error) {  // a plugin without node.hpp may break the rule that nothing is thrown
     fail(error.what());
   } catch (...) {

@@ -11,6 +11,7 @@
 #include "runtime/key.hpp"
 #include "runtime/memory_budget.hpp"
 #include "runtime/store.hpp"
+#include "runtime/workers.hpp"
 
 namespace plumbline::runtime {
 
@@ -29,6 +30,7 @@ struct NodeServices {
   const std::atomic<bool>* cancel = nullptr;
   std::function<void(double fraction, const std::string& text)> progress;  ///< may be empty
   std::function<void()> seed_drawn;                                        ///< at the first time; may be empty
+  Workers* workers = nullptr;  ///< where the node runs; null: in this process
 };
 
 struct NodeOutcome {

@@ -44,6 +44,7 @@ class Reader {
     for (NodeSpec& node : spec.nodes) {
       refuse_variable_in_name(node.name, node.at);
       replace(node.use);
+      for (auto& [name, value] : node.conditions) replace(value);
       for (auto& [port, source] : node.inputs) replace(source);
       for (auto& [name, parameter] : node.parameters)
         for (Scalar& value : parameter.values) replace(value);
@@ -188,7 +189,7 @@ class Reader {
         problem(position(file, item.second), "node '" + name + "' is a map: {use: …, in: {…}, with: {…}}");
         continue;
       }
-      check_keys(file, item.second, {"use", "in", "with"}, "a node");
+      check_keys(file, item.second, {"use", "in", "with", "isolate", "time_limit", "memory_limit"}, "a node");
       // An including file may change parts of an included node: what it says replaces, the rest stays.
       const auto [found, fresh] = node_index_.emplace(name, spec.nodes.size());
       if (fresh) spec.nodes.push_back({name, {}, {}, {}, {}});
@@ -215,6 +216,8 @@ class Reader {
 
   void read_node(const fs::path& file, const YAML::Node& map, NodeSpec& node) {
     if (map["use"]) node.use = scalar(file, map["use"]);
+    for (const char* condition : {"isolate", "time_limit", "memory_limit"})
+      if (map[condition]) set(node.conditions, condition, scalar(file, map[condition]));
     if (const YAML::Node inputs = map["in"]) {
       if (!inputs.IsMap()) return problem(position(file, inputs), "'in' is a map: {port: node.port}");
       check_keys(file, inputs, {}, "in");
@@ -296,8 +299,11 @@ class Reader {
         set(node->parameters, what.substr(5), override_value(value, at));
       } else if (what.rfind("in.", 0) == 0) {
         set(node->inputs, what.substr(3), Scalar{value, at, fs::current_path()});
+      } else if (what == "isolate" || what == "time_limit" || what == "memory_limit") {
+        set(node->conditions, what, Scalar{value, at, fs::current_path()});
       } else {
-        problem(at, "write " + name + ".use=KIND, " + name + ".with.PARAMETER=VALUE or " + name + ".in.PORT=NODE.PORT");
+        problem(at, "write " + name + ".use=KIND, " + name + ".with.PARAMETER=VALUE, " + name + ".in.PORT=NODE.PORT, " +
+                        name + ".isolate=process, " + name + ".time_limit=TIME or " + name + ".memory_limit=SIZE");
       }
     }
   }

@@ -31,6 +31,8 @@ struct NodeSpec {
   Scalar use;
   std::vector<std::pair<std::string, Scalar>> inputs;  ///< port -> "node.port"; Scalar::at is that of the port's name
   std::vector<std::pair<std::string, ParameterSpec>> parameters;
+  using Condition = std::pair<std::string, Scalar>;
+  std::vector<Condition> conditions = {};  ///< how it is run: "isolate", "time_limit", "memory_limit"
 };
 
 struct PipelineSpec {

@@ -1,12 +1,10 @@
 #include "runtime/plugin_scan.hpp"
 
-#include <dlfcn.h>
 #include <fcntl.h>
 #include <link.h>
 #include <poll.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
-#include <sys/stat.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -21,6 +19,7 @@
 
 #include "runtime/digest.hpp"
 #include "runtime/elf.hpp"
+#include "runtime/library.hpp"
 #include "runtime/plugin_check.hpp"
 
 namespace plumbline::runtime {
@@ -29,7 +28,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-using Entry = const plumbline_plugin_table* (*)();
 using Clock = std::chrono::steady_clock;
 
 constexpr char good = '+', bad = '-';  // first byte of the child's word; its last one is `end`
@@ -296,29 +294,6 @@ PluginScan scan_in_child(const fs::path& library, const Roles& roles, std::strin
 }
 
 }  // namespace
-
-std::string file_identity(const fs::path& path) {
-  struct stat found {};
-  if (stat(path.c_str(), &found) != 0) return "absent";
-  std::ostringstream text;
-  text << found.st_dev << ' ' << found.st_ino << ' ' << found.st_size << ' ' << found.st_mtim.tv_sec << ' '
-       << found.st_mtim.tv_nsec;
-  return text.str();
-}
-
-const plumbline_plugin_table* open_table(const fs::path& library) {
-  void* handle = dlopen(library.c_str(), RTLD_NOW | RTLD_LOCAL);
-  if (!handle) {
-    const std::string why = dlerror();
-    const bool missing = why.find("cannot open shared object file") != std::string::npos;
-    throw std::runtime_error("cannot be loaded: " + why +
-                             (missing ? "; install the package that has it, or set LD_LIBRARY_PATH"
-                                      : "; link it with every library it uses (-Wl,--no-undefined tells at once)"));
-  }
-  const auto entry = reinterpret_cast<Entry>(dlsym(handle, "plumbline_plugin"));
-  if (!entry) throw std::runtime_error("does not export plumbline_plugin(); use plumbline_add_plugin() in CMake");
-  return entry();
-}
 
 PluginScan scan_plugin(const fs::path& library, const std::string& sha256, const Roles& roles, bool look_again) {
   PluginScan scan;

@@ -27,11 +27,4 @@ struct PluginScan {
 PluginScan scan_plugin(const std::filesystem::path& library, const std::string& sha256, const Roles& roles,
                        bool look_again = false);
 
-/// Loads the library into this process and calls its one function. Throws std::runtime_error with the loader's words
-/// and the mend. What it returns is not looked at.
-const plumbline_plugin_table* open_table(const std::filesystem::path& library);
-
-/// Which file lies at a path now: another text when its content changes.
-std::string file_identity(const std::filesystem::path& path);
-
 }  // namespace plumbline::runtime

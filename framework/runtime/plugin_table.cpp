@@ -1,72 +1,15 @@
 #include "runtime/plugin_table.hpp"
 
-#include <cstring>
-#include <stdexcept>
 #include <tuple>
 #include <utility>
+
+#include "runtime/wire.hpp"
 
 namespace plumbline::runtime {
 
 namespace {
 
-/// Fixed-size numbers in the machine's order, texts and bytes with their length before them: it never leaves the
-/// machine.
-class Writer {
- public:
-  template <typename Number>
-  void number(Number value) {
-    bytes_.append(reinterpret_cast<const char*>(&value), sizeof value);
-  }
-  void bytes(const void* data, size_t size) {
-    number(static_cast<uint64_t>(size));
-    bytes_.append(static_cast<const char*>(data), size);
-  }
-  void text(const char* text) {
-    number(static_cast<uint8_t>(text != nullptr));
-    if (text) bytes(text, std::strlen(text));
-  }
-  std::string take() { return std::move(bytes_); }
-
- private:
-  std::string bytes_;
-};
-
-class Reader {
- public:
-  explicit Reader(const std::string& bytes) : bytes_(bytes) {}
-  template <typename Number>
-  Number number() {
-    Number value;
-    std::memcpy(&value, take(sizeof value), sizeof value);
-    return value;
-  }
-  uint32_t count() {
-    const auto value = number<uint32_t>();
-    if (value > bytes_.size()) fail();  // every entry takes at least a byte
-    return value;
-  }
-  std::string bytes() {
-    const auto size = number<uint64_t>();
-    const char* data = take(size);
-    return {data, static_cast<size_t>(size)};
-  }
-  bool there() { return number<uint8_t>() != 0; }
-  void end() const {
-    if (at_ != bytes_.size()) fail();
-  }
-
- private:
-  [[noreturn]] static void fail() { throw std::runtime_error("is no description of a plugin"); }
-  const char* take(uint64_t size) {
-    if (size > bytes_.size() - at_) fail();
-    at_ += size;
-    return bytes_.data() + at_ - size;
-  }
-  const std::string& bytes_;
-  size_t at_ = 0;
-};
-
-void write_ports(Writer& out, const plumbline_port* const* ports, uint32_t count) {
+void write_ports(WireWriter& out, const plumbline_port* const* ports, uint32_t count) {
   out.number(count);
   for (uint32_t i = 0; i < count; ++i) {
     out.number(ports[i]->cardinality);
@@ -75,7 +18,7 @@ void write_ports(Writer& out, const plumbline_port* const* ports, uint32_t count
   }
 }
 
-void write_node(Writer& out, const plumbline_node& node) {
+void write_node(WireWriter& out, const plumbline_node& node) {
   out.number(node.version);
   out.number(node.deterministic);
   for (const char* text : {node.kind, node.role, node.summary}) out.text(text);
@@ -183,7 +126,7 @@ class PluginTable::Parser {
     return &to_.params_.emplace_back(param);
   }
 
-  Reader in_;
+  WireReader in_;
   PluginTable& to_;
 };
 
@@ -200,7 +143,7 @@ void PluginTable::run_by(int (*run)(const plumbline_host*, const plumbline_node*
 }
 
 std::string serialise(const plumbline_plugin_table& table) {
-  Writer out;
+  WireWriter out;
   out.number(table.abi_major);
   out.number(table.abi_minor);
   for (const char* text : {table.name, table.version, table.licence, table.build_id}) out.text(text);

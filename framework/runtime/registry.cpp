@@ -8,6 +8,8 @@
 
 #include "runtime/digest.hpp"
 #include "runtime/elf.hpp"
+#include "runtime/executable_node.hpp"
+#include "runtime/library.hpp"
 #include "runtime/plugin_check.hpp"
 #include "runtime/plugin_scan.hpp"
 #include "runtime/trust.hpp"
@@ -44,7 +46,7 @@ struct Plugin::Library {
     std::call_once(once, [this] {
       try {
         const std::string changed = path.string() + " is not the file any more that was looked at; run again";
-        if (file_identity(path) != identity) throw std::runtime_error(changed);
+        if (runtime::file_identity(path) != identity) throw std::runtime_error(changed);
         table = open_table(path);
         if (!table || table->magic != PLUMBLINE_MAGIC || serialise(*table) != serialise(description->table()))
           throw std::runtime_error(path.string() + " offers something else than when it was looked at; rebuild it");
@@ -156,6 +158,15 @@ Registry Registry::discover(const std::vector<fs::path>& folders, bool look_agai
     std::sort(libraries.begin(), libraries.end());
     for (const fs::path& library : libraries) registry.load(library, look_again);
   }
+  // After all libraries, which bring the types.
+  for (const fs::path& folder : folders) {
+    std::vector<fs::path> manifests;
+    std::error_code failed;
+    for (const auto& entry : fs::directory_iterator(folder, failed))
+      if (entry.path().filename().string().ends_with(".node.yaml")) manifests.push_back(entry.path());
+    std::sort(manifests.begin(), manifests.end());
+    for (const fs::path& manifest : manifests) registry.load_manifest(manifest);
+  }
   return registry;
 }
 
@@ -193,7 +204,7 @@ bool Registry::load(const fs::path& library, bool look_again) {
     if (problem.empty()) {
       auto behind = std::make_unique<Plugin::Library>();
       behind->path = fs::absolute(library);
-      behind->identity = file_identity(behind->path);
+      behind->identity = plugin->file_identity = file_identity(behind->path);
       plugin->sha256 = sha256_of_file(library);
       PluginScan scan = scan_plugin(behind->path, plugin->sha256, roles_, look_again);
       problem = scan.problem;
@@ -205,6 +216,46 @@ bool Registry::load(const fs::path& library, bool look_again) {
   } catch (const std::exception& error) {
     problem = error.what();
   }
+  return add(std::move(plugin));
+}
+
+void Registry::describe_manifest(Plugin& plugin) {
+  const fs::path& manifest = plugin.identity.path;
+  if (const std::string problem = plugin_distrust(manifest); !problem.empty()) throw std::runtime_error(problem);
+  plugin.executable = read_manifest(manifest, [this](const std::string& name) { return type(name); });
+  const ExecutableNode& node = *plugin.executable;
+  std::vector<fs::path> files = node.files;
+  files.emplace_back(node.command[0]);
+  for (const fs::path& file : files)
+    if (const std::string problem = plugin_distrust(file); !problem.empty()) throw std::runtime_error(problem);
+  plugin.table = &node.table->table();
+  if (const std::string problem = check_table(plugin.table, roles_); !problem.empty())
+    throw std::runtime_error(problem);
+  plugin.identity.name = plugin.table->name;
+  plugin.identity.version = node.version;
+  plugin.identity.licence = node.licence;
+  std::string hashes;
+  for (const fs::path& file : files) hashes += sha256_of_file(file);
+  plugin.sha256 = sha256_of(hashes.data(), hashes.size());
+  // Many nodes run without it, in other languages; but it is on every one's PYTHONPATH.
+  const fs::path module = python_folder() / "plumbline_artifacts.py";
+  if (fs::exists(module)) plugin.linked_build_ids.push_back("plumbline_artifacts.py:" + sha256_of_file(module));
+}
+
+bool Registry::load_manifest(const fs::path& manifest) {
+  add_roles_of(manifest.parent_path());
+  auto plugin = std::make_unique<Plugin>();
+  plugin->identity.path = manifest;
+  try {
+    describe_manifest(*plugin);
+  } catch (const std::exception& error) {
+    plugin->identity.problem = error.what();
+  }
+  return add(std::move(plugin));
+}
+
+bool Registry::add(std::unique_ptr<Plugin> plugin) {
+  std::string& problem = plugin->identity.problem;
   for (uint32_t i = 0; problem.empty() && i < plugin->table->node_count; ++i) {
     const char* kind = plugin->table->nodes[i]->kind;
     if (const auto found = kinds_.find(kind); found != kinds_.end())

@@ -20,6 +20,8 @@
 
 namespace plumbline::runtime {
 
+struct ExecutableNode;
+
 /// Identity of a plugin as its ELF note tells it; `problem` is empty if the host accepts it.
 struct PluginIdentity {
   std::filesystem::path path;
@@ -35,6 +37,7 @@ PluginIdentity read_identity(const std::filesystem::path& library);
 struct Plugin {
   PluginIdentity identity;
   std::string sha256;                         ///< of the library's file
+  std::string file_identity;                  ///< which file it was, to see that it is still the same
   std::vector<std::string> linked_build_ids;  ///< "libceres.so.3:9f3c…" of the libraries it was linked with, sorted
   const plumbline_plugin_table* table = nullptr;  ///< a copy; run() of its nodes loads the library and goes on there
 
@@ -42,6 +45,7 @@ struct Plugin {
   ~Plugin();
   struct Library;
   std::unique_ptr<Library> library;
+  std::unique_ptr<ExecutableNode> executable;  ///< in place of a library: a node in another language
 };
 
 /// A node kind that can be used in a pipeline.
@@ -68,6 +72,9 @@ class Registry {
   /// Takes one library. False if it is refused; then refused() has it with the reason.
   bool load(const std::filesystem::path& library, bool look_again = false);
 
+  /// Takes a node that is an executable, by its manifest (executable_node.hpp). The types of its ports must be known.
+  bool load_manifest(const std::filesystem::path& manifest);
+
   const Kind* find(const std::string& kind) const;
   const std::map<std::string, Kind>& kinds() const { return kinds_; }
   const plumbline_type* type(const std::string& name) const;
@@ -78,6 +85,8 @@ class Registry {
 
  private:
   static void describe(Plugin& plugin);
+  void describe_manifest(Plugin& plugin);
+  bool add(std::unique_ptr<Plugin> plugin);
   void add_roles_of(const std::filesystem::path& folder);
 
   Roles roles_ = Roles::builtin();

@@ -274,6 +274,17 @@ SweepPlan plan_sweep(const SweepFile& file, const Overrides& overrides, const Re
   return Planner(file, overrides, registry, hashes).plan();
 }
 
+namespace {
+
+/// What one cell of two lets a node take, the node that serves both may take.
+void join_conditions(GraphNode& node, const GraphNode& other) {
+  const auto looser = [](auto a, auto b) { return a == 0 || b == 0 ? 0 : std::max(a, b); };
+  node.isolate |= other.isolate;
+  node.limits = {looser(node.limits.seconds, other.limits.seconds), looser(node.limits.memory, other.limits.memory)};
+}
+
+}  // namespace
+
 MergedGraph merge_cells(const std::vector<const SweepCell*>& cells) {
   MergedGraph merged;
   std::unordered_map<std::string, size_t> known;
@@ -287,7 +298,10 @@ MergedGraph merge_cells(const std::vector<const SweepCell*>& cells) {
     for (size_t i = 0; i < graph.nodes.size(); ++i) {
       const auto [found, added] = known.emplace(cell->graph->recipes[i], merged.graph.nodes.size());
       place.push_back(found->second);
-      if (!added) continue;
+      if (!added) {
+        join_conditions(merged.graph.nodes[found->second], graph.nodes[i]);
+        continue;
+      }
       merged.graph.nodes.push_back(graph.nodes[i]);
       for (auto& [port, source] : merged.graph.nodes.back().inputs) source.node = place[source.node];
     }

@@ -32,3 +32,24 @@ export PLUMBLINE_PLUGIN_PATH="$work/outside/build/lib/plumbline"
 prefix/bin/plumbline describe metrics.line | grep 'how many anchors'
 # It takes the place of the shipped solver; the installed program finds its own pipelines, not those of the tree it was built from.
 prefix/bin/plumbline validate single_floor poses.use=pose.plane | grep "$work/prefix/share/plumbline/pipelines/single_floor.yaml"
+
+# The guide's node in Python, and a node of the installation in a process of its own.
+mkdir lift
+block yaml 1 >lift/lift.node.yaml
+block python 1 >lift/lift.py
+printf 'name,x,y,z,sigma\nA,1,2,3,0.001\nB,4,5,6,0.001\n' >points.csv
+cat >lift.yaml <<'END'
+plumbline: 1
+nodes:
+  points: {use: read.points, with: {file: points.csv}, isolate: process}
+  lift: {use: outside.lift, in: {points: points.points}, with: {height: 2.5}}
+outputs: {lifted.json: lift.points}
+END
+export PLUMBLINE_PLUGIN_PATH="$work/lift:$work/prefix/share/plumbline/python/examples"
+prefix/bin/plumbline describe detect.squares | grep 'Finds dark squares'
+if /usr/bin/python3 -c 'import numpy, flatbuffers'; then
+  prefix/bin/plumbline run lift.yaml --store store --out out
+  grep '5.5' out/lifted.json
+else
+  echo 'the node in Python is not run: python3-numpy or python3-flatbuffers is not there'
+fi

@@ -1,4 +1,4 @@
-"""The Python module against flatc: each reads what the other wrote.
+"""The Python module against flatc: each reads what the other wrote, and the node in Python against squares of known corners.
 usage: test_artifacts.py FLATC SCHEMAS BFBS PYTHON"""
 import json
 import os
@@ -10,8 +10,13 @@ import unittest
 FLATC, SCHEMAS, BFBS, PYTHON = sys.argv[1:5]
 sys.path.insert(0, PYTHON)
 
-import numpy as np  # noqa: E402
-from plumbline_artifacts import Schema  # noqa: E402
+try:
+    import numpy as np
+    from PIL import Image, ImageDraw
+    from plumbline_artifacts import Schema
+except ImportError as missing:
+    print(f"skipped: {sys.executable} has no {missing.name}; scripts/setup --tests installs python3-numpy, python3-flatbuffers and python3-pil")
+    sys.exit(77)
 
 POINTS = {"frame": "building", "points": [
     {"id": "A1", "position": {"x": 1.5, "y": -2.25, "z": 1e-3}, "sigma": {"x": 0.001, "y": 0.002, "z": 0.003}},
@@ -98,6 +103,86 @@ class Artifacts(unittest.TestCase):
             schema("image_tags").write({"tags": []})
         with self.assertRaisesRegex(AttributeError, "has no 'pathh'"):
             schema("image_tags").read(schema("image_tags").write({"path": "a", "tags": []})).pathh
+
+
+class DetectSquares(unittest.TestCase):
+    """What every detector must do, with squares in place of tags."""
+    UPRIGHT = [(20, 10), (49, 10), (49, 39), (20, 39)]
+
+    def detect(self, picture, **parameters):
+        """`picture`: an image, or the bytes of a file."""
+        with tempfile.TemporaryDirectory() as folder:
+            file = os.path.join(folder, "squares.png")
+            if isinstance(picture, bytes):
+                with open(file, "wb") as stream:
+                    stream.write(picture)
+            else:
+                picture.save(file)
+            for sub in ("inputs/images", "schemas", "outputs/observations"):
+                os.makedirs(os.path.join(folder, sub))
+            for name, base in (("plumbline.Image-1", "image"), ("plumbline.ImageTags-1", "image_tags")):
+                with open(os.path.join(BFBS, base + ".bfbs"), "rb") as source, \
+                        open(os.path.join(folder, "schemas", name + ".bfbs"), "wb") as target:
+                    target.write(source.read())
+            with open(os.path.join(folder, "inputs/images/000000"), "wb") as stream:
+                stream.write(schema("image").write({"path": "squares.png", "uri": "here", "sha256": "0" * 64}))
+            with open(os.path.join(folder, "call.json"), "w", encoding="utf-8") as stream:
+                json.dump({"kind": "detect.squares", "parameters": {"threshold": 0.5, "min_side": 8, "sigma": 0.1, **parameters},
+                           "references": {"here": file}}, stream)
+            subprocess.run([sys.executable, os.path.join(PYTHON, "examples/detect_squares.py"), folder], check=True,
+                           env={**os.environ, "PYTHONPATH": PYTHON})
+            with open(os.path.join(folder, "outputs/observations/000000"), "rb") as stream:
+                self.bytes = stream.read()
+        return schema("image_tags").read(self.bytes)
+
+    @staticmethod
+    def picture(*polygons, light=255, dark=0):
+        picture = Image.new("L", (120, 80), light)
+        for polygon in polygons:
+            ImageDraw.Draw(picture).polygon(polygon, fill=dark)
+        return picture
+
+    @staticmethod
+    def corners(tag):
+        return np.column_stack([tag.corners["x"], tag.corners["y"]])
+
+    def test_finds_corners_in_the_order_of_the_role(self):
+        found = self.detect(self.picture(self.UPRIGHT, [(70, 20), (100, 23), (97, 53), (67, 50)]))
+        self.assertEqual((found.width, found.height, [tag.id for tag in found.tags]), (120, 80, [0, 1]))
+        upright, turned = map(self.corners, found.tags)
+        self.assertLess(np.abs(upright - [(19.5, 39.5), (49.5, 39.5), (49.5, 9.5), (19.5, 9.5)]).max(), 1e-9)
+        self.assertLess(np.abs(turned - [(67, 50), (97, 53), (100, 23), (70, 20)]).max(), 0.75)
+
+    def test_moves_with_the_picture_and_is_the_same_twice(self):
+        turned = [(30, 20), (60, 25), (55, 55), (25, 50)]
+        here = self.corners(self.detect(self.picture(turned)).tags[0])
+        first = self.bytes
+        self.detect(self.picture(turned))
+        self.assertEqual(self.bytes, first)
+        there = self.corners(self.detect(self.picture([(x + 31, y + 17) for x, y in turned])).tags[0])
+        self.assertLess(np.abs(there - here - (31, 17)).max(), 1e-9)
+
+    def test_brightness_plays_no_part(self):
+        bright = self.corners(self.detect(self.picture(self.UPRIGHT)).tags[0])
+        dim = self.corners(self.detect(self.picture(self.UPRIGHT, light=90, dark=10)).tags[0])
+        self.assertTrue(np.array_equal(bright, dim))
+
+    def test_parameters_have_their_effect(self):
+        picture = self.picture(self.UPRIGHT, dark=100)
+        self.assertEqual(len(self.detect(picture, threshold=0.3).tags), 0)
+        self.assertEqual(len(self.detect(picture, min_side=31).tags), 0)
+        self.assertAlmostEqual(self.detect(picture, sigma=0.5).tags[0].corner_covariances[0], 0.25)
+
+    def test_nothing_is_found_where_nothing_is(self):
+        disc = Image.new("L", (120, 80), 255)
+        ImageDraw.Draw(disc).ellipse((20, 10, 60, 50), fill=0)
+        for picture in (self.picture(), self.picture([(30, 60), (50, 20), (70, 60)]), disc, self.picture(light=0)):
+            self.assertEqual(len(self.detect(picture).tags), 0)
+
+    def test_a_broken_photograph_is_a_finding_and_no_crash(self):
+        found = self.detect(b"\x89PNG\r\n no picture")
+        self.assertEqual(len(found.tags), 0)
+        self.assertIn("could not be searched", found.problem)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,328 @@
+// A node in a process of its own can do what it likes: it is an error of that node, told with its cause, and all else
+// goes on.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <thread>
+#include <tuple>
+
+#include "runtime/artifact_type.hpp"
+#include "runtime/deliver.hpp"
+#include "runtime/executor.hpp"
+#include "test_support.hpp"
+
+namespace plumbline::test {
+namespace {
+
+using namespace runtime;
+namespace fs = std::filesystem;
+
+class Isolation : public testing::Test {
+ protected:
+  Isolation() {
+    for (const char* library : {PLUMBLINE_ACCIDENT_PLUGIN, PLUMBLINE_STORY_PLUGIN})
+      if (!registry_.load(library)) throw std::runtime_error(registry_.refused().back().problem);
+  }
+
+  /// Runs nodes given as lines of YAML; all of them in workers if `all`.
+  RunResult& run(const std::string& nodes, bool all = false, const std::atomic<bool>* cancel = nullptr) {
+    std::ofstream(folder_.path() / "p.yaml") << "plumbline: 1\nvars: {seed: 1}\nnodes:\n" << nodes;
+    graph_ = load_pipeline(folder_.path() / "p.yaml", {}, registry_);
+    store_ = std::make_unique<Store>(folder_.path() / "store");
+    Observer silent;
+    RunOptions options;
+    options.threads = 2;
+    options.memory = uint64_t{1} << 30;
+    options.cancel = cancel;
+    options.isolate = all;
+    options.worker = PLUMBLINE_WORKER_PROGRAM;
+    result_ = execute(graph_, registry_, *store_, options, silent);
+    return result_;
+  }
+  const NodeResult& node(const std::string& name) const {
+    for (size_t i = 0; i < graph_.nodes.size(); ++i)
+      if (graph_.nodes[i].name == name) return result_.nodes[i];
+    throw std::runtime_error("no node " + name);
+  }
+  std::string value(const std::string& name) {
+    const NodeResult& found = node(name);
+    return blob_to_json(*store_, *registry_.type("plumbline.Number/1"), found.outputs.at("number").at(0));
+  }
+
+  TemporaryFolder folder_;
+  Registry registry_;
+  Graph graph_;
+  std::unique_ptr<Store> store_;
+  RunResult result_;
+};
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+TEST_F(Isolation, AnAccidentIsAnErrorOfItsNodeAndOtherBranchesGoOn) {
+  const std::pair<const char*, const char*> accidents[] = {
+      {"crash", "died of signal 11 (Segmentation fault)"},
+      {"abort", "died of signal 6 (Aborted)"},
+      {"exit", "ended by itself with exit code 0"},
+      {"kill", "died of signal 9 (Killed)"},
+      {"throw", "thrown on purpose"},
+  };
+  for (const auto& [how, words] : accidents) {
+    run("  bad: {use: accident.happens, isolate: process, with: {how: " + std::string(how) + "}}\n" +
+        "  after: {use: accident.happens, in: {number: bad.number}}\n" + "  other: {use: accident.happens}\n" +
+        "  more: {use: accident.happens, isolate: process, in: {number: other.number}}\n");
+    EXPECT_EQ(node("bad").status, NodeStatus::failed) << how;
+    EXPECT_TRUE(contains(node("bad").error, words)) << node("bad").error;
+    EXPECT_TRUE(contains(node("bad").error, "p.yaml:4:")) << node("bad").error;
+    EXPECT_EQ(node("after").status, NodeStatus::skipped) << how;
+    EXPECT_TRUE(node("more").error.empty()) << node("more").error;
+    EXPECT_TRUE(contains(value("more"), "2")) << value("more");
+    EXPECT_EQ(contains(node("bad").error, "about to " + std::string(how)), std::string(how) != "throw");
+  }
+}
+
+TEST_F(Isolation, AHangIsKilledAtItsTimeLimit) {
+  run("  bad: {use: accident.happens, time_limit: 0.3 s, with: {how: hang}}\n");
+  EXPECT_TRUE(contains(node("bad").error, "took longer than its limit of 0.3 s and was killed")) << node("bad").error;
+}
+
+TEST_F(Isolation, HungerEndsAtTheLimitOfMemory) {
+  run("  bad: {use: accident.happens, memory_limit: 200MiB, with: {how: eat}}\n"
+      "  worse: {use: accident.happens, memory_limit: 200MiB, with: {how: eat_unchecked}}\n");
+  EXPECT_TRUE(contains(node("bad").error, "bad_alloc: its limit of memory is 200 MiB")) << node("bad").error;
+  EXPECT_TRUE(contains(node("worse").error, "died of signal 11")) << node("worse").error;
+  EXPECT_TRUE(contains(node("worse").error, "its limit of memory is 200 MiB")) << node("worse").error;
+}
+
+/// Of what it prints only the end is kept: it neither fills the memory nor the error.
+TEST_F(Isolation, OneThatPrintsWithoutEndIsKilledAtItsTimeLimit) {
+  run("  bad: {use: accident.happens, time_limit: 0.5 s, with: {how: shout}}\n");
+  EXPECT_TRUE(contains(node("bad").error, "took longer than its limit of 0.5 s")) << node("bad").error;
+  EXPECT_LT(node("bad").error.size(), 1000u);
+}
+
+TEST_F(Isolation, TwoRunAtATimeInProcessesOfTheirOwn) {
+  const TemporaryFolder place;
+  const auto node_that_takes = [&](const std::string& mebibytes) {  // equal ones would be computed once
+    return "{use: accident.happens, isolate: process, with: {how: meet, mebibytes: " + mebibytes +
+           ", place: " + place.path().string() + "}}\n";
+  };
+  run("  a: " + node_that_takes("1") + "  b: " + node_that_takes("2"));
+  EXPECT_TRUE(result_.ok()) << node("a").error << node("b").error;
+  EXPECT_EQ(std::distance(fs::directory_iterator(place.path()), {}), 2);
+}
+
+/// a -> b -> c, of which b is isolated and fails or does not; d aside. What was done before is kept.
+TEST_F(Isolation, InTheMiddleOfAGraph) {
+  const auto graph = [](const std::string& how) {
+    return "  a: {use: accident.happens}\n"
+           "  b: {use: accident.happens, isolate: process, in: {number: a.number}, with: {how: " +
+           how +
+           "}}\n"
+           "  c: {use: accident.happens, in: {number: b.number}}\n  d: {use: accident.happens}\n";
+  };
+  run(graph("crash"));
+  EXPECT_EQ(to_text(node("a").status) + std::string(to_text(node("b").status)) + to_text(node("c").status) +
+                to_text(node("d").status),
+            "executedfailedskippedexecuted");
+  EXPECT_EQ(node("c").cause, "b");
+  EXPECT_FALSE(result_.ok());
+  run(graph("not"));
+  EXPECT_EQ(node("a").status, NodeStatus::reused);
+  EXPECT_TRUE(contains(value("c"), "3")) << value("c");
+}
+
+/// A worker that is killed between two nodes is replaced, and no node suffers.
+TEST_F(Isolation, AWorkerThatIsKilledWhileItWaitsIsReplaced) {
+  run("  who: {use: accident.happens, isolate: process, with: {how: say_pid}}\n"
+      "  killer: {use: accident.happens, in: {number: who.number}, with: {how: kill_pid}}\n"
+      "  next: {use: accident.happens, isolate: process, in: {number: killer.number}}\n");
+  EXPECT_TRUE(result_.ok()) << node("next").error;
+}
+
+/// One process serves many nodes, one that failed is not used again.
+TEST_F(Isolation, WorkersArePooled) {
+  run("  a: {use: accident.happens, isolate: process, with: {how: say_pid}}\n"
+      "  b: {use: accident.happens, isolate: process, in: {number: a.number}, with: {how: say_pid}}\n"
+      "  c: {use: accident.happens, isolate: process, in: {number: b.number}, with: {how: throw}}\n");
+  EXPECT_EQ(value("a"), value("b"));
+  EXPECT_EQ(value("a").find(std::to_string(getpid())), std::string::npos);
+  EXPECT_TRUE(contains(node("c").error, "thrown on purpose"));
+}
+
+/// The result is that of a run without isolation: same key, same bits, metrics, seed.
+TEST_F(Isolation, NothingElseChanges) {
+  const std::string nodes =
+      "  series: {use: story.series}\n  many: {use: accident.count, in: {number: series.numbers}}\n"
+      "  draw: {use: accident.happens}\n  folder: {use: story.folder}\n"
+      "  length: {use: story.read, in: {folder: folder.folder}}\n";
+  run(nodes);
+  const RunResult plain = result_;
+  std::filesystem::remove_all(folder_.path() / "store");
+  run(nodes, true);
+  ASSERT_EQ(plain.nodes.size(), result_.nodes.size());
+  for (size_t i = 0; i < plain.nodes.size(); ++i) {
+    EXPECT_EQ(result_.nodes[i].error, "");
+    EXPECT_EQ(result_.nodes[i].status, NodeStatus::executed);
+    EXPECT_EQ(plain.nodes[i].outputs, result_.nodes[i].outputs) << graph_.nodes[i].name;
+    EXPECT_EQ(plain.nodes[i].keys, result_.nodes[i].keys) << graph_.nodes[i].name;
+    ASSERT_EQ(plain.nodes[i].metrics.size(), result_.nodes[i].metrics.size());
+  }
+  run(nodes);
+  EXPECT_EQ(result_.count(NodeStatus::reused), plain.nodes.size());
+}
+
+TEST_F(Isolation, OneThatDoesNotStopWhenItIsToldIsKilled) {
+  std::atomic<bool> cancel = false;
+  std::thread later([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    cancel = true;
+  });
+  run("  bad: {use: accident.happens, isolate: process, with: {how: hang}}\n", false, &cancel);
+  later.join();
+  EXPECT_NE(node("bad").status, NodeStatus::executed);
+  EXPECT_TRUE(result_.cancelled);
+}
+
+/// What a node announces in a worker counts in the budget of the run: two times 600 of 1024 MiB cannot be at once.
+TEST_F(Isolation, MemoryIsAnnouncedToTheOneBudget) {
+  const TemporaryFolder place;
+  const auto node_that_takes = [&](const std::string& mebibytes) {
+    return "{use: accident.happens, isolate: process, with: {how: alone, mebibytes: " + mebibytes +
+           ", place: " + place.path().string() + "}}\n";
+  };
+  run("  a: " + node_that_takes("600") + "  b: " + node_that_takes("601") + "  c: " + node_that_takes("602"));
+  EXPECT_TRUE(result_.ok()) << node("a").error << node("b").error << node("c").error;
+  EXPECT_EQ(node("b").memory_announced, uint64_t{601} << 20);
+}
+
+/// A manifest and a script beside it, in a folder of plugins.
+fs::path write_node(const fs::path& folder, const std::string& script, const std::string& more = "") {
+  std::ofstream(folder / "add.node.yaml")
+      << "plumbline_node: 1\nkind: outside.add\nversion: 1\nsummary: Adds a number\nrun: [/usr/bin/python3, add.py]\n"
+         "inputs: {number: {type: plumbline.Number/1, doc: a number}}\n"
+         "outputs: {number: {type: plumbline.Number/1, doc: the sum}}\n"
+         "parameters: {offset: {kind: number, default: 1, unit: m, minimum: 0, maximum: 100, doc: added}}\n"
+      << more;
+  std::ofstream(folder / "add.py") << "from plumbline_artifacts import Call\nimport os, sys\ncall = Call()\n" << script;
+  return folder / "add.node.yaml";
+}
+
+const char* const adds =
+    "value = call.inputs('number', 'plumbline.Number/1')[0].value\n"
+    "print('warning: adding', file=sys.stderr)\n"
+    "call.commit('number', 'plumbline.Number/1', {'value': value + call.parameters['offset']})\n";
+
+TEST_F(Isolation, ANodeInPythonIsANodeLikeAnyOther) {
+  ASSERT_TRUE(registry_.load_manifest(write_node(folder_.path(), adds))) << registry_.refused().back().problem;
+  const std::string nodes =
+      "  a: {use: story.constant, with: {value: 3}}\n"
+      "  b: {use: outside.add, in: {number: a.number}, with: {offset: 4}}\n"
+      "  c: {use: accident.happens, in: {number: b.number}}\n";
+  run(nodes, true);
+  ASSERT_EQ(node("b").error, "");
+  EXPECT_TRUE(contains(value("b"), "7")) << value("b");
+  EXPECT_TRUE(contains(value("c"), "8")) << value("c");
+  EXPECT_EQ(node("b").warnings, std::vector<std::string>{"adding"});
+  run(nodes);
+  EXPECT_EQ(node("b").status, NodeStatus::reused);
+}
+
+TEST_F(Isolation, ANodeInPythonThatFailsIsNamedWithItsLastWords) {
+  const std::tuple<const char*, const char*, const char*> accidents[] = {
+      {"raise RuntimeError('no such thing')", "", "RuntimeError: no such thing"},
+      {"os.kill(os.getpid(), 11)", "", "died of signal 11"},
+      {"", "", "without committing its output 'number'"},
+      {"open(os.path.join(call.folder, 'outputs/number/0'), 'wb').write(b'rubbish!')", "",
+       "is no valid plumbline.Number/1"},
+      {"import time\ntime.sleep(3600)", "time_limit: 0.5 s\n", "longer than its limit of 0.5 s"},
+  };
+  for (const auto& [script, more, words] : accidents) {
+    const TemporaryFolder folder;
+    Registry registry;
+    ASSERT_TRUE(registry.load(PLUMBLINE_STORY_PLUGIN));
+    ASSERT_TRUE(registry.load_manifest(write_node(folder.path(), script, more))) << registry.refused().back().problem;
+    std::swap(registry, registry_);
+    run("  a: {use: story.constant}\n  b: {use: outside.add, in: {number: a.number}}\n");
+    EXPECT_TRUE(contains(node("b").error, words)) << script << ": " << node("b").error;
+    std::swap(registry, registry_);
+  }
+}
+
+TEST_F(Isolation, AManifestIsCheckedLikeATable) {
+  const std::pair<const char*, const char*> flaws[] = {
+      {"licens: MIT\n", "is wrong at line 9: a manifest has no 'licens' — did you mean 'licence'?"},
+      {"kind: outside.add\n", "line 9: 'kind' stands twice in a manifest"},
+      {"needs: [weights.bin]\n", "line 9: there is no file"},
+      {"needs: weights.bin\n", "line 9: 'needs' is a list"},
+      {"seed: maybe\n", "line 9: 'seed' is true or false"},
+      {"memory_limit: []\n", "line 9: 'memory_limit' is one plain value"},
+      {"licence: [\n", "is wrong at line"},
+      {"role: detector\n", "in the role 'detector', but it has no input 'images'"},
+      {"time_limit: soon\n", "'time_limit' is a time"},
+  };
+  for (const auto& [more, words] : flaws) {
+    const TemporaryFolder folder;
+    EXPECT_FALSE(registry_.load_manifest(write_node(folder.path(), adds, more)));
+    EXPECT_TRUE(contains(registry_.refused().back().problem, words)) << registry_.refused().back().problem;
+  }
+}
+
+/// `needs` and the script are part of the key.
+TEST_F(Isolation, AChangeOfWhatAnExecutableNeedsRunsItAgain) {
+  const std::string nodes = "  a: {use: story.constant}\n  b: {use: outside.add, in: {number: a.number}}\n";
+  const fs::path plugins = folder_.path() / "plugins";
+  fs::create_directory(plugins);
+  const auto run_with = [&](const std::string& table) {
+    std::ofstream(plugins / "table.txt") << table;
+    Registry registry;
+    ASSERT_TRUE(registry.load(PLUMBLINE_STORY_PLUGIN));
+    ASSERT_TRUE(registry.load_manifest(write_node(plugins, adds, "needs: [table.txt]\n")));
+    std::swap(registry, registry_);
+    run(nodes);
+    std::swap(registry, registry_);
+  };
+  run_with("1");
+  run_with("1");
+  EXPECT_EQ(node("b").status, NodeStatus::reused) << node("b").error;
+  run_with("2");
+  EXPECT_EQ(node("b").status, NodeStatus::executed) << node("b").error;
+}
+
+/// What an executable does it does with the user's rights: nobody else may have written it.
+TEST_F(Isolation, AnExecutableThatOthersMayWriteIsRefused) {
+  for (const std::string file : {"", "add.node.yaml", "add.py"}) {
+    const TemporaryFolder folder;
+    const fs::path manifest = write_node(folder.path(), adds);
+    fs::permissions(folder.path() / file, fs::perms::others_write, fs::perm_options::add);
+    EXPECT_FALSE(registry_.load_manifest(manifest)) << file;
+    EXPECT_TRUE(contains(registry_.refused().back().problem, "may be written by everybody on this machine"))
+        << registry_.refused().back().problem;
+  }
+}
+
+/// A limit in the pipeline stands in place of the manifest's.
+TEST_F(Isolation, APipelineLimitsAnExecutable) {
+  ASSERT_TRUE(
+      registry_.load_manifest(write_node(folder_.path(), "import time\ntime.sleep(3600)", "time_limit: 1 h\n")));
+  run("  a: {use: story.constant}\n  b: {use: outside.add, in: {number: a.number}, time_limit: 0.5 s}\n");
+  EXPECT_TRUE(contains(node("b").error, "longer than its limit of 0.5 s")) << node("b").error;
+}
+
+TEST_F(Isolation, ConditionsAreChecked) {
+  try {
+    run("  a: {use: accident.happens, isolate: thread}\n  b: {use: accident.happens, time_limit: soon}\n"
+        "  c: {use: accident.happens, memory_limit: much}\n  d: {use: accident.happens, isolate: no, time_limit: 5}\n");
+    FAIL();
+  } catch (const InvalidPipeline& error) {
+    const std::string text = error.what();
+    EXPECT_TRUE(contains(text, "'isolate' of node 'a' is process or no, found 'thread'")) << text;
+    EXPECT_TRUE(contains(text, "'time_limit' of node 'b' is a time, such as 90 s or 5 min, found 'soon'")) << text;
+    EXPECT_TRUE(contains(text, "'memory_limit' of node 'c' is a size of memory")) << text;
+    EXPECT_TRUE(contains(text, "node 'd' has a limit, which is kept only in a process of its own")) << text;
+  }
+}
+
+}  // namespace
+}  // namespace plumbline::test
