@@ -52,6 +52,7 @@ class StarNetReader {
   std::string at_, backsight_;  // of the direction set or traverse
   Observation pending_like_;    // of the traverse line that waits for its foresight
   std::string pending_, line_text_;
+  char separator_ = '-';  // between the names of stations
   std::size_t records_ = 0;
   bool used_order_ = false, used_angles_ = false;
 };
@@ -107,9 +108,9 @@ std::optional<double> StarNetReader::sigma_of(std::string_view text, Observation
 
 bool StarNetReader::names(std::string_view joined, std::size_t count, std::vector<std::string>& out) {
   out.clear();
-  for (const auto part : formats::split(joined, '-')) out.emplace_back(formats::trim(part));
+  for (const auto part : formats::split(joined, separator_)) out.emplace_back(formats::trim(part));
   if (out.size() == count && std::none_of(out.begin(), out.end(), [](const auto& n) { return n.empty(); })) return true;
-  reject(joined, std::to_string(count) + " station names joined by '-'");
+  reject(joined, std::to_string(count) + " station names joined by '" + separator_ + "'");
   return false;
 }
 
@@ -187,6 +188,9 @@ void StarNetReader::read_option(const Parts& parts) {
     if (has("ne")) east_first_ = false;
     if (has("fromatto")) from_at_to_ = true;
     if (has("atfromto")) from_at_to_ = false;
+  } else if (is_option(".separator")) {
+    if (parts.size() < 2 || parts[1].size() != 1) return reject(parts[0], ".SEPARATOR and one sign");
+    separator_ = parts[1].front();
   } else if (is_option(".delta")) {
     delta_ = !has("off");
   } else if (is_option(".scale") || is_option(".mapmode") || is_option(".grid")) {

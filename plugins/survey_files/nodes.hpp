@@ -169,6 +169,12 @@ struct WriteLandXml : WriterNode {
   void run(Context& context) override;
 };
 
+struct WriteStarNet : WriterNode {
+  static constexpr Info info{"write.starnet", "survey_writer", 1,
+                             "Writes a STAR*NET data file; readings in face 2 become those of face 1"};
+  void run(Context& context) override;
+};
+
 struct WriteSurveyCsv : WriterNode {
   static constexpr Info info{"write.survey_csv", "survey_writer", 1,
                              "Writes points, set-ups and observations as one CSV table"};

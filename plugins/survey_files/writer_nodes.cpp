@@ -8,6 +8,7 @@
 #include "survey_files/gama.hpp"
 #include "survey_files/gsi.hpp"
 #include "survey_files/landxml.hpp"
+#include "survey_files/starnet.hpp"
 #include "survey_files/survey_csv.hpp"
 
 namespace plumbline::survey_files {
@@ -86,6 +87,12 @@ void WriteGama::run(Context&) {
 }
 
 void WriteLandXml::run(Context&) { deliver("survey.xml", "application/xml", survey::write_landxml(survey_to_write())); }
+
+void WriteStarNet::run(Context&) {
+  survey::SurveyObservations prepared = survey_to_write();
+  for (survey::Observation& observation : prepared.observations) reduce_to_face_1(observation);
+  deliver("survey.dat", "text/plain", survey::write_starnet(prepared));
+}
 
 void WriteSurveyCsv::run(Context&) { deliver("survey.csv", "text/csv", survey::write_survey_csv(survey_to_write())); }
 

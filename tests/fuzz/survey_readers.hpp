@@ -62,7 +62,9 @@ inline void check_writers(const survey::SurveyObservations& s) {
       {[](const survey::SurveyObservations& x) { return survey::write_survey_csv(x); },
        [](const std::string& t) { return survey::read_survey_csv(t, "written"); }},
       {[](const survey::SurveyObservations& x) { return survey::write_gama_xml(x); },
-       [](const std::string& t) { return survey::read_gama_xml(t, "written"); }}};
+       [](const std::string& t) { return survey::read_gama_xml(t, "written"); }},
+      {[](const survey::SurveyObservations& x) { return survey::write_starnet(x); },
+       [](const std::string& t) { return survey::read_starnet(t, "written"); }}};
   for (const auto& [write, read] : formats) {
     std::string text;
     try {

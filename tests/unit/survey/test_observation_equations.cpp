@@ -110,6 +110,31 @@ TEST(ObservationEquations, CurvatureAndRefractionLowerFarTargets) {
   EXPECT_NEAR(residual * 100, 0.68e-3, 0.01e-3);  // 0.68 mm at 100 m with k = 0.13
 }
 
+/// At 20 km a metre farther is 3 mm deeper: the partial by the distance has the curvature's part in it.
+TEST(ObservationEquations, PartialsOfFarSightsKnowTheCurvature) {
+  ObservationBlock block;
+  Equation eq;
+  eq.kind = ObservationKind::zenith_angle;
+  eq.from = 0;
+  eq.to = 1;
+  eq.curvature = true;
+  block.equations.push_back(eq);
+  const double from[] = {0, 0, 0};
+  const auto residual_at = [&](double north, double* partials) {
+    const double to[] = {0, north, 0};
+    const double* values[] = {from, to};
+    double* jacobians[] = {nullptr, partials};
+    double residual = 0;
+    EXPECT_TRUE(block.evaluate(values, &residual, jacobians));
+    return residual;
+  };
+  double partials[3] = {0, 0, 0};
+  residual_at(20000, partials);
+  const double numeric = (residual_at(20010, nullptr) - residual_at(19990, nullptr)) / 20;
+  EXPECT_NEAR(numeric / 6.8e-8, 1, 0.01) << "(1 - k) / 2R";
+  EXPECT_NEAR(partials[1] / numeric, 1, 1e-4);
+}
+
 TEST(ObservationEquations, ResidualsWrapAtTheCircle) {
   EXPECT_NEAR(wrap_angle(2 * std::acos(-1.0) + 0.1), 0.1, 1e-15);
   EXPECT_NEAR(wrap_angle(std::acos(-1.0) + 0.1), 0.1 - std::acos(-1.0), 1e-15);

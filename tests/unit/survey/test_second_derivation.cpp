@@ -57,6 +57,17 @@ TEST(SecondDerivation, BiasToNoiseAndAdjustedSigma) {
   }
 }
 
+TEST(SecondDerivation, EachKindOfObservationHasItsGroup) {
+  const NetworkResult r = adjust_network(test::simulate({}, 52).survey, free_network());
+  ASSERT_EQ(r.groups.size(), 3u);
+  double redundancy = 0;
+  for (const ResultGroup& g : r.groups) {
+    EXPECT_EQ(g.component.rows, 36);
+    redundancy += g.component.redundancy;
+  }
+  EXPECT_NEAR(redundancy, r.degrees_of_freedom, 1e-6);
+}
+
 TEST(SecondDerivation, PointingTestIsWhatTheSightingTakesOffTheSum) {
   auto n = test::simulate({}, 53);
   const NetworkResult r = adjust_network(n.survey, free_network());

@@ -86,6 +86,17 @@ TEST(StationReduction, BothFacesAreFreeOfCollimationAndIndexAndTellThem) {
   EXPECT_TRUE(result.warnings.empty());
 }
 
+TEST(StationReduction, CollimationHasTheSigmaOfAMedian) {
+  Readings r;
+  for (int t = 1; t <= 5; ++t) {  // errors of -2, -1, 0, 1, 2 mgon in the index: the median deviation is 1 mgon
+    r.index = (t - 3) * kMgon;
+    r.sight(t, 1, 1), r.sight(t, 2, 1);
+  }
+  const MeanResult result = r.reduce();
+  EXPECT_NEAR(result.instrument.at(0).index, 0, 1e-9);
+  EXPECT_NEAR(result.instrument.at(0).index_sigma, 1.2533 * 1.4826 * kMgon / std::sqrt(5), 1e-9);
+}
+
 TEST(StationReduction, ReadingsInOneFaceGetTheSetUpsErrorsTakenOut) {
   Readings r;
   r.collimation = 4 * kMgon, r.index = -3 * kMgon;

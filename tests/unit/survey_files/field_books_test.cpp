@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <tuple>
+
 #include "survey_files/gsi.hpp"
 #include "survey_files/starnet.hpp"
 #include "survey_files/survey_builder.hpp"
@@ -225,6 +228,60 @@ TEST(FieldBooks, RefuseWhatIsNone) {
   EXPECT_NE(error_of([&] { read_idx(nothing, "x"); }).find("x"), std::string::npos);
   EXPECT_NE(error_of([&] { read_zeiss(nothing, "x"); }).find("x:1:1"), std::string::npos);
   EXPECT_NE(error_of([&] { read_starnet(nothing, "x"); }).find("x:1:1"), std::string::npos);
+}
+
+TEST(StarNetWriter, ReadsBackAsItWas) {
+  SurveyObservations s = read_starnet(fixture("starnet.dat"), "s.dat");
+  for (Point& p : s.points)
+    if (p.id == "B") p.id = "F01-B";
+  for (Observation& o : s.observations)
+    for (std::string* id : {&o.from, &o.to, &o.second_to})
+      if (*id == "B") *id = "F01-B";
+  const std::string text = write_starnet(s);
+  EXPECT_NE(text.find(".SEPARATOR |"), std::string::npos) << "a name has the '-' that joins names";
+  const SurveyObservations again = read_starnet(text, "again.dat");
+  EXPECT_TRUE(again.skipped.empty()) << text;
+  ASSERT_EQ(again.observations.size(), s.observations.size()) << text;
+  ASSERT_EQ(again.set_ups.size(), s.set_ups.size());
+  // Distances without a direction stand behind the set, and belong to no set-up any more.
+  const auto key = [](const Observation& o) {
+    return std::tuple(o.kind, o.from, o.to, o.kind == ObservationKind::angle ? o.second_to : "",
+                      std::round(1e7 * o.value), std::isnan(o.sigma) ? 0 : std::round(1e9 * o.sigma));
+  };
+  const auto sorted = [&](SurveyObservations& survey) {
+    std::sort(survey.observations.begin(), survey.observations.end(),
+              [&](const Observation& a, const Observation& b) { return key(a) < key(b); });
+  };
+  SurveyObservations back = again;
+  sorted(s);
+  sorted(back);
+  for (size_t i = 0; i < s.observations.size(); ++i) {
+    const Observation &a = s.observations[i], &b = back.observations[i];
+    SCOPED_TRACE(a.from + " " + a.to + "\n" + text);
+    EXPECT_EQ(a.kind, b.kind);
+    EXPECT_EQ(a.from + a.to, b.from + b.to);
+    EXPECT_NEAR(a.value, b.value, 1e-10);
+    EXPECT_EQ(std::isnan(a.sigma), std::isnan(b.sigma));
+    if (!std::isnan(a.sigma)) {
+      EXPECT_NEAR(a.sigma / b.sigma, 1, 1e-9);
+    }
+    if (a.kind == slope_distance || a.kind == zenith_angle) {
+      EXPECT_EQ(std::isnan(a.target_height) ? 0 : a.target_height, std::isnan(b.target_height) ? 0 : b.target_height);
+    }
+    EXPECT_EQ(std::isnan(a.levelling_length), std::isnan(b.levelling_length));
+  }
+  EXPECT_EQ(point(again, "K").roles, point(s, "K").roles);
+  ASSERT_EQ(again.coordinates.size(), s.coordinates.size());
+  EXPECT_EQ(again.coordinates[0].covariance(0, 0), s.coordinates[0].covariance(0, 0));
+  Observation horizontal;
+  horizontal.kind = horizontal_distance;
+  horizontal.from = "K", horizontal.to = "A", horizontal.value = 12.5;
+  s.observations.push_back(horizontal);
+  const SurveyObservations third = read_starnet(write_starnet(s), "third.dat");
+  EXPECT_EQ(third.observations.back().kind, horizontal_distance);
+  s.points.back().id = "a b";
+  s.points.back().coordinates = {1, 2, 3};
+  EXPECT_THROW(write_starnet(s), std::runtime_error);
 }
 
 }  // namespace
