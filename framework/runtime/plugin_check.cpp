@@ -21,7 +21,18 @@ struct Flaw : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-[[noreturn]] void flaw(const std::string& text) { throw Flaw(text); }
+/// A name of a megabyte is no reading: of a long text the ends are kept, whole letters of it.
+std::string shortened(const std::string& text) {
+  constexpr size_t head = 600, tail = 300;
+  if (text.size() <= 2 * (head + tail)) return text;
+  const auto inside_letter = [&](size_t at) { return (static_cast<unsigned char>(text[at]) & 0xC0) == 0x80; };
+  size_t end = head, begin = text.size() - tail;
+  for (int i = 0; i < 3 && inside_letter(end); ++i) --end;
+  for (int i = 0; i < 3 && inside_letter(begin); ++i) ++begin;
+  return text.substr(0, end) + " … " + text.substr(begin);
+}
+
+[[noreturn]] void flaw(const std::string& text) { throw Flaw(shortened(text)); }
 
 constexpr uint32_t most_entries = 100000;  // a count beyond is rubbish in memory, not a plugin
 constexpr size_t longest_text = 1 << 20;
@@ -114,6 +125,7 @@ class Checker {
 
   void check_node(const plumbline_node& node, const std::string& kind) {
     text(node.summary, of_node("the summary", kind));
+    text(node.role, of_node("the role", kind));
     if (!node.run) flaw("gives a null pointer as " + of_node("run()", kind));
     if (node.deterministic > 1) flaw("says neither 0 nor 1 for " + of_node("`deterministic`", kind));
     const auto inputs = entries(node.inputs, node.input_count, of_node("inputs", kind));

@@ -69,6 +69,7 @@ TEST_F(BrokenPlugin, EveryFlawOfATableIsNamed) {
       {"null_choice", "null pointer as a choice of parameter 'mode'"},
       {"null_name", "null pointer as the name of an output of 'broken.node'"},
       {"null_summary", "null pointer as the summary of 'broken.node'"},
+      {"role_not_utf8", "not UTF-8 as the role of 'broken.node'"},
       {"null_frames", "null pointer as the frames of input 'in' of 'broken.node'"},
       {"null_run", "null pointer as run() of 'broken.node'"},
       {"small_table", "the struct of the table has"},
