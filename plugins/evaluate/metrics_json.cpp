@@ -277,6 +277,8 @@ std::string metrics_json(const AccuracyT& accuracy, const DeviationT* deviation)
                         {"fail", c ? c->failed : 0},
                         {"not_measured", c ? c->anchors_listed - c->anchors : 0}};
   std::vector<std::string> warnings = accuracy.warnings;
+  if (deviation)
+    for (const std::string& doubt : deviation->doubts) warnings.insert(warnings.begin(), "Not to be trusted, " + doubt);
   if (deviation) warnings.insert(warnings.end(), deviation->warnings.begin(), deviation->warnings.end());
   const Json document = {{"format", "plumbline-metrics/2"},
                          {"units", {{"length", "m"}, {"angle", "rad"}, {"covariance", "m2"}, {"probability", "1"}}},

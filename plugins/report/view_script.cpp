@@ -20,7 +20,9 @@ const char* const view_script = R"js(
     if (Math.abs(d) + data.k * u <= limit + 1e-9) return 1;
     return Math.abs(d) - data.k * u > limit + 1e-9 ? 3 : 2;
   };
-  const worst = (lengths, tau) => lengths.reduce((w, l) => Math.max(w, verdict(l, tau)), 0);
+  // A measurement that contradicts itself lets nothing pass, at any tolerance.
+  const held = w => data.doubt && w === 1 ? 2 : w;
+  const worst = (lengths, tau) => held(lengths.reduce((w, l) => Math.max(w, verdict(l, tau)), 0));
   const slider = document.getElementById("tau-slider"), input = slider.querySelector("input"), output = slider.querySelector("output");
   const marker = document.getElementById("tau-marker"), axis = marker && marker.dataset;
   let state = { anchors: anchors.map(a => a.w), panels: panels.map(p => p.w) }, draw = () => {};

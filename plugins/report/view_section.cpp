@@ -101,8 +101,9 @@ std::string data_of(const ReportInput& input) {
       anchors += (anchors.empty() ? "" : ",\n") + anchor_json(*anchor, origin);
     }
     for (const auto& panel : d.panels) panels += (panels.empty() ? "" : ",\n") + panel_json(*panel, d, origin, index);
-    text = "{\"tau\":" + number(1e3 * d.tau) + ",\"k\":" + number(d.guard_factor) + ",\"anchors\":[" + anchors +
-           "],\"panels\":[" + panels + "]";
+    text = "{\"tau\":" + number(1e3 * d.tau) + ",\"k\":" + number(d.guard_factor) +
+           ",\"doubt\":" + (d.doubts.empty() ? "false" : "true") + ",\"anchors\":[" + anchors + "],\"panels\":[" +
+           panels + "]";
   }
   std::string heights;
   if (const AccuracyComparisonT* c = headline(input.accuracy))
