@@ -74,14 +74,14 @@ class Checker {
     std::map<std::string, std::uint64_t> names;
     each("IFCPROPERTYENUMERATION", [&](const Instance& instance, const std::vector<Value>& a) {
       const auto [other, added] = names.emplace(at(a, 0).text, instance.id);
-      if (!added)
+      if (!added && counts(instance.id))
         tell("IfcPropertyEnumeration.UR1", instance.id,
              "the name '" + at(a, 0).text + "' is that of #" + std::to_string(other->second) +
                  " too, expected one of a name");
     });
     std::set<std::string> applications;
     each("IFCAPPLICATION", [&](const Instance& instance, const std::vector<Value>& a) {
-      if (!applications.insert(at(a, 3).text).second)
+      if (!applications.insert(at(a, 3).text).second && counts(instance.id))
         tell("IfcApplication.UR1", instance.id, "the identifier '" + at(a, 3).text + "' occurs twice");
     });
   }
@@ -115,7 +115,7 @@ class Checker {
           tell("PJS003 GlobalId", instance.id,
                "'" + guid + "' is no GlobalId: 22 characters of 0-9A-Za-z_$, the first 0 to 3");
         const auto [other, added] = guids.emplace(guid, instance.id);
-        if (!added)
+        if (!added && counts(instance.id))
           tell("IfcRoot.UR1", instance.id, "has the GlobalId of #" + std::to_string(other->second) + ", " + guid);
       }
       if (!counts(instance.id)) continue;

@@ -17,9 +17,9 @@ struct Violation {
   std::string words;           ///< found, expected
 };
 
-/// All violations, in the order of the rules, then of the instances. `first` limits the rules about single instances to
-/// those with numbers from it on (additions to a file); rules about the whole file always hold. Throws step::Error for
-/// a schema we do not read.
+/// All violations, in the order of the rules, then of the instances. `first` limits them to what instances with numbers
+/// from it on (additions to a file) break, by themselves or against what was there before; the rules about the number
+/// of schemas and projects always hold. Throws step::Error for a schema we do not read.
 std::vector<Violation> check_ifc(const step::File& file, std::uint64_t first = 0);
 
 }  // namespace plumbline::bim

@@ -56,6 +56,7 @@ double unit_factor(const Model& model, std::uint64_t unit) { return factor_of(mo
 Units read_units(const Model& model, const Entity& project, std::vector<std::string>& warnings) {
   Units units;
   bool length_found = false;
+  std::vector<std::uint64_t> no_length;  // called one by exporters that mean something else
   if (const auto assignment = project.optional_reference("UnitsInContext")) {
     for (const std::uint64_t id : model.entity(*assignment, project.id()).references("Units")) {
       const std::string_view keyword = model.keyword(id);
@@ -64,10 +65,22 @@ Units read_units(const Model& model, const Entity& project, std::vector<std::str
       const std::string type = unit.text("UnitType");
       if (type == "PLANEANGLEUNIT") units.plane_angle = unit_factor(model, id);
       if (type != "LENGTHUNIT") continue;
-      units.length = unit_factor(model, id);
+      if (keyword == "IFCSIUNIT" && unit.text("Name") != "METRE") {
+        no_length.push_back(id);
+        continue;
+      }
+      const double factor = unit_factor(model, id);
+      if (length_found && factor != units.length)
+        unit.fail("UnitType", "one length unit, as an IfcUnitAssignment has (another stands before it)");
+      units.length = factor;
       units.length_name = (keyword == "IFCSIUNIT" ? unit.text("Prefix") : "") + unit.text("Name");
       length_found = true;
     }
+  }
+  for (const std::uint64_t id : no_length) {
+    if (!length_found) unit_factor(model, id);  // says what is wrong with it
+    warnings.push_back("#" + std::to_string(id) + " calls itself a unit of length and is " +
+                       model.entity(id).text("Name") + "; it is not used");
   }
   if (!length_found) warnings.emplace_back("the project assigns no length unit; its lengths are taken as metres");
   return units;

@@ -68,6 +68,15 @@ struct Mapping {
   }
 };
 
+/// Whether the apostrophe at `quote`, in the string that begins at `begin`, belongs to \S\' (U+00A7): the one directive
+/// whose character may be an apostrophe that is not doubled (ISO 10303-21, LATIN_CODEPOINT).
+bool shifts_code_page(std::string_view bytes, std::size_t begin, std::size_t quote) {
+  if (quote < begin + 4 || bytes.substr(quote - 3, 3) != "\\S\\") return false;
+  std::size_t solidi = 0;  // an even number before the S are solidi of the text
+  while (quote - 3 - solidi > begin && bytes[quote - 3 - solidi] == '\\') ++solidi;
+  return solidi % 2 == 1;
+}
+
 }  // namespace
 
 std::string place(std::string_view bytes, const std::string& name, std::size_t offset) {
@@ -105,7 +114,13 @@ void Scanner::skip_blank() {
 
 void Scanner::skip_string() {
   const char quote = peek();
-  const std::size_t end = bytes_.find(quote, at + 1);
+  std::size_t end = bytes_.find(quote, at + 1);
+  while (end != std::string_view::npos && quote == '\'' && shifts_code_page(bytes_, at, end)) {
+    // Some exporters double this one too; where it closes the string, a delimiter follows.
+    const std::size_t next = bytes_.find_first_not_of(" \t\r\n", end + 2);
+    const bool doubled = bytes_.substr(end + 1, 1) == "'" && bytes_.find_first_of(",)/", next) != next;
+    end = bytes_.find(quote, end + (doubled ? 2 : 1));
+  }
   if (end == std::string_view::npos)
     fail_at(at, std::string("found a string that is never closed, expected ") + quote + " before the end of the file");
   at = end + 1;

@@ -82,7 +82,8 @@ std::size_t decode_directive(std::string_view text, std::string& out) {
     return append_utf8(out, code), 5;
   } else if (has("\\S\\") && text.size() > 3 && text[3] >= ' ') {
     // Upper half of the current ISO 8859 part. Parts other than 1 need \P?\ before, which IFC does not use.
-    return append_utf8(out, static_cast<char32_t>((static_cast<unsigned char>(text[3]) | 0x80))), 4;
+    append_utf8(out, static_cast<char32_t>((static_cast<unsigned char>(text[3]) | 0x80)));
+    return text.substr(3, 2) == "''" ? 5 : 4;
   } else if (text.size() > 3 && text[1] == 'P' && text[3] == '\\') {
     return 4;
   } else if (has("\\N\\")) {

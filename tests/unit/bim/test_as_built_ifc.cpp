@@ -228,6 +228,21 @@ TEST_P(AsBuiltFile, EpochsStandSideBySideAndRepetitionsAreRefused) {
   }
 }
 
+TEST_P(AsBuiltFile, SolidsOfAnEarlierEpochAreNoAnchors) {
+  AsBuiltIfcOptions options;
+  options.epoch = "2026-05";
+  AnchorRule by_name;
+  by_name.pattern = "F[0-9]-C[0-9]";
+  by_name.classes.emplace_back("IfcBuildingElementProxy");
+  const auto anchors = [&](const std::string& bytes) {
+    std::vector<std::string> names;
+    for (const Element& element : read_design(step::File(bytes, "t.ifc"), by_name).elements)
+      if (element.is_anchor) names.push_back(element.name);
+    return names;
+  };
+  EXPECT_EQ(anchors(enrich(design_bytes(), options).bytes), anchors(design_bytes()));
+}
+
 TEST_P(AsBuiltFile, AdditionsCarryTheirOwnDate) {
   AsBuiltIfcOptions options;
   options.timestamp = 1778580000;

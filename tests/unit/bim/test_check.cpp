@@ -72,7 +72,16 @@ TEST(CheckIfc, EveryRuleIsFoundBroken) {
         << rules_broken(extra);
 }
 
-TEST(CheckIfc, WhatWasThereBeforeIsNotOurs) { EXPECT_EQ(rules_broken("#500=IFCDIRECTION((0.,0.,0.));", 501), ""); }
+TEST(CheckIfc, WhatWasThereBeforeIsNotOurs) {
+  EXPECT_EQ(rules_broken("#500=IFCDIRECTION((0.,0.,0.));", 501), "");
+  const std::string twice =
+      "#500=IFCAPPLICATION(#2,'1','A','TWICE');#501=IFCAPPLICATION(#2,'1','B','TWICE');"
+      "#502=IFCGROUP('0evctVUKr0kugbFTf53O9L',#5,'G',$,$);#503=IFCGROUP('0evctVUKr0kugbFTf53O9L',#5,'H',$,$);";
+  EXPECT_EQ(rules_broken(twice, 504), "");
+  // An addition that repeats what the design has is one of ours.
+  EXPECT_EQ(rules_broken(twice, 503), "IfcRoot.UR1\n");
+  EXPECT_EQ(rules_broken(twice, 501), "IfcApplication.UR1\nIfcRoot.UR1\n");
+}
 
 }  // namespace
 }  // namespace plumbline::bim

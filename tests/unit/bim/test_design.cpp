@@ -194,6 +194,17 @@ TEST(Units, FollowTheAssignment) {
   EXPECT_NE(message_of(small_building("IFC4", "", "#11=IFCCONVERSIONBASEDUNIT(#14,.LENGTHUNIT.,'X',#15);"))
                 .find("leads to an SI unit"),
             std::string::npos);
+  // Areas that call themselves lengths are passed over; two lengths that differ are not chosen from.
+  const auto with_third = [](const std::string& unit) {
+    std::string bytes = small_building("IFC4", "#17=" + unit);
+    return bytes.replace(bytes.find("((#11,#12))"), 11, "((#11,#12,#17))");
+  };
+  const Design named_wrongly = read(with_third("IFCSIUNIT(*,.LENGTHUNIT.,$,.SQUARE_METRE.);"));
+  EXPECT_DOUBLE_EQ(named_wrongly.length_unit, 0.001);
+  ASSERT_FALSE(named_wrongly.warnings.empty());
+  EXPECT_NE(named_wrongly.warnings[0].find("#17 calls itself a unit of length and is SQUARE_METRE"), std::string::npos);
+  EXPECT_NE(message_of(with_third("IFCSIUNIT(*,.LENGTHUNIT.,$,.METRE.);")).find("expected one length unit"),
+            std::string::npos);
 }
 
 TEST(Anchors, AreFoundByClassPatternNameAndGuid) {

@@ -72,6 +72,11 @@ TEST(StepReader, DecodesStrings) {
   EXPECT_EQ(text_of("'\\X\\E4'"), "\u00E4");
   EXPECT_EQ(text_of("'\\S\\d'"), "\u00E4");
   EXPECT_EQ(text_of("'\\PA\\x'"), "x");
+  EXPECT_EQ(text_of("'\\S\\' 34'"), "\u00A7 34");  // its character may be an apostrophe,
+  EXPECT_EQ(text_of("'(\\S\\'\\S\\')'"), "(\u00A7\u00A7)");
+  EXPECT_EQ(text_of("'\\S\\'' 34'"), "\u00A7 34");  // which some exporters double
+  EXPECT_EQ(text_of("'at \\S\\''"), "at \u00A7");
+  EXPECT_EQ(text_of("'D:\\\\S\\\\'"), "D:\\S\\");  // and solidi of the text are none of it
   EXPECT_EQ(text_of("'a\\\\b'"), "a\\b");
   EXPECT_EQ(text_of("'C:\\Temp\\'"), "C:\\Temp\\");  // a solidus that was not escaped
   EXPECT_EQ(text_of("'\\X2\\00D'"), "\\X2\\00D");    // a directive cut off
