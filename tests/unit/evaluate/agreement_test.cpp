@@ -1,5 +1,5 @@
-// One judgement: the artifact, metrics.json, metrics.csv, metrics.xml, the as-built IFC, the BCF, the summary and the
-// report say the same of every anchor, panel and floor, in random campaigns. PLUMBLINE_LONG=1 runs 500.
+// One judgement: the artifact, metrics.json, metrics.csv, metrics.xml, stake_out.csv, the as-built IFC, the BCF, the
+// summary and the report say the same of every anchor, panel and floor, in random campaigns. PLUMBLINE_LONG=1 runs 500.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -179,6 +179,18 @@ Verdicts verdicts_in_page(const std::string& html, const std::string& attribute)
   return found;
 }
 
+/// Floors of the page's overview: number (or "unknown") → verdict word and the counts behind it, separated by blanks.
+Verdicts floors_in_page(const std::string& html) {
+  Verdicts found;
+  const std::size_t begin = html.find("Floor by floor</h3>");
+  const std::string table = html.substr(begin, html.find("</table>", begin) - begin);
+  const std::regex row(
+      "<tr><th scope=\"row\">([^<]*)</th>(?:(?!</tr>)[\\s\\S])*?</svg>\\s*([a-z ]+)</span></td>((?:<td>[0-9]+</td>)+)");
+  for (std::sregex_iterator it(table.begin(), table.end(), row), end; it != end; ++it)
+    found[(*it)[1]] = (*it)[2].str() + std::regex_replace((*it)[3].str(), std::regex("<td>([0-9]+)</td>"), " $1");
+  return found;
+}
+
 std::string word(ToleranceVerdict verdict) { return EnumNameToleranceVerdict(verdict); }
 std::string spaced(ToleranceVerdict verdict) {
   return verdict == ToleranceVerdict::not_measured ? "not measured" : word(verdict);
@@ -211,6 +223,8 @@ TEST(Agreement, AllOutputsSayTheSameOfEveryAnchorPanelAndFloor) {
     input.deviation = d;
     const std::string html = report::render_report(input);
     const Verdicts page = verdicts_in_page(html, "data-anchor"), page_panels = verdicts_in_page(html, "data-panel");
+    const Verdicts page_floors = floors_in_page(html);
+    const std::string stake_out = "\n" + stake_out_csv(d);
     std::size_t open = 0;
     for (std::size_t i = 0; i < d.anchors.size(); ++i) {
       const AnchorDeviationT& a = *d.anchors[i];
@@ -223,6 +237,12 @@ TEST(Agreement, AllOutputsSayTheSameOfEveryAnchorPanelAndFloor) {
       EXPECT_NE(csv.find("," + word(a.verdict) + "," + a.decided_by + ",", csv.find("\n" + a.id + ",")),
                 std::string::npos)
           << a.id;
+      if (a.design.allFinite()) {
+        const std::size_t line = stake_out.find("\n" + a.id + ";");
+        ASSERT_NE(line, std::string::npos) << a.id;
+        const std::size_t line_end = stake_out.find('\n', line + 1);
+        EXPECT_TRUE(stake_out.substr(line, line_end - line).ends_with(";" + word(a.verdict))) << a.id;
+      }
       const std::string test_case = "<testcase classname=\"anchors_against_design\" name=\"" + a.id + "\"";
       const std::size_t at = junit.find(test_case);
       ASSERT_NE(at, std::string::npos) << a.id;
@@ -240,6 +260,14 @@ TEST(Agreement, AllOutputsSayTheSameOfEveryAnchorPanelAndFloor) {
       EXPECT_EQ(json["panels"][i]["verdict"], word(p.verdict));
       EXPECT_EQ(panels.at(p.guid), bim::label_of(p.verdict));
       EXPECT_EQ(page_panels.at(p.name), spaced(p.verdict));
+      const std::string panel_case = "<testcase classname=\"panels\" name=\"" + p.name + "\"";
+      const std::size_t panel_at = junit.find(panel_case);
+      ASSERT_NE(panel_at, std::string::npos) << p.name;
+      const std::string panel_rest = junit.substr(panel_at + panel_case.size(), 60);
+      EXPECT_EQ(panel_rest.starts_with("/>"), p.verdict == ToleranceVerdict::pass) << p.name;
+      EXPECT_EQ(panel_rest.find("type=\"" + word(p.verdict)) != std::string::npos,
+                p.verdict >= ToleranceVerdict::undecided)
+          << p.name;
       EXPECT_EQ(bcf.find("IfcGuid=\"" + p.guid + "\"") != std::string::npos, p.verdict >= ToleranceVerdict::undecided);
       for (const auto& fixing : p.fixings)  // never better than its anchors
         for (const auto& a : d.anchors)
@@ -257,6 +285,11 @@ TEST(Agreement, AllOutputsSayTheSameOfEveryAnchorPanelAndFloor) {
       if (const auto floor = floors.find(f.storey_guid); floor != floors.end()) {
         EXPECT_EQ(floor->second, bim::label_of(f.verdict));
       }
+      std::string told = spaced(f.verdict);
+      for (const int n : {f.passed, f.undecided, f.failed, f.not_measured}) told += " " + std::to_string(n);
+      if (!d.panels.empty())
+        for (const int n : {f.panels_passed, f.panels_undecided, f.panels_failed}) told += " " + std::to_string(n);
+      EXPECT_EQ(page_floors.at(f.floor > 0 ? std::to_string(f.floor) : "unknown"), told);
       counts[0] += f.not_measured, counts[1] += f.passed, counts[2] += f.undecided, counts[3] += f.failed;
     }
     EXPECT_EQ(counts[1], d.passed);
@@ -266,6 +299,14 @@ TEST(Agreement, AllOutputsSayTheSameOfEveryAnchorPanelAndFloor) {
                            std::to_string(d.undecided) + " undecided, " + std::to_string(d.failed) + " fail"),
               std::string::npos)
         << summary;
+    if (!d.panels.empty()) {
+      int of_panels[4] = {};
+      for (const auto& panel : d.panels) ++of_panels[static_cast<int>(panel->verdict)];
+      EXPECT_NE(summary.find("; panels: " + std::to_string(of_panels[1]) + " pass, " + std::to_string(of_panels[2]) +
+                             " undecided, " + std::to_string(of_panels[3]) + " fail"),
+                std::string::npos)
+          << summary;
+    }
   }
   for (const int n : seen) EXPECT_GT(n, 0);  // every verdict occurred
 }
