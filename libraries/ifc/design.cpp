@@ -20,6 +20,8 @@ namespace {
 
 /// Slack of "the placement lies within the shape": bim practice puts origins on surfaces, and surfaces are rounded.
 constexpr double kPlacementSlack = 0.005;
+/// GlobalId, OwnerHistory, Name, Description, ObjectType, ObjectPlacement, Representation.
+constexpr std::size_t kArgumentsOfProduct = 7;
 
 using Parents = std::unordered_map<std::uint64_t, std::uint64_t>;
 
@@ -226,6 +228,12 @@ class Reader {
   }
 
   Element read_element(const Entity& entity, std::string_view ifc_class) {
+    // An argument that is missing reads like $, and an anchor without placement would stand at the origin.
+    if (entity.arguments().size() < kArgumentsOfProduct)
+      throw step::Error(model_.file().where(model_.file().find(entity.id())->begin) + ": #" +
+                        std::to_string(entity.id()) + " " + entity.keyword() + ": found " +
+                        std::to_string(entity.arguments().size()) + " arguments, expected at least " +
+                        std::to_string(kArgumentsOfProduct) + " (up to Representation)");
     Element element;
     element.instance = entity.id();
     element.ifc_class = ifc_class;

@@ -118,7 +118,9 @@ RigidTransform Placements::project_from_placement(std::uint64_t id, std::uint64_
 RigidTransform Placements::resolve(std::uint64_t id, std::uint64_t referrer, int depth) {
   if (const auto known = known_.find(id); known != known_.end()) return known->second;
   const Entity placement = model_.entity(id, referrer);
-  if (depth > kLongestChain) placement.fail("PlacementRelTo", "a chain of placements that ends; this one is a cycle");
+  if (depth > kLongestChain)
+    placement.fail("PlacementRelTo", "a chain of at most " + std::to_string(kLongestChain) +
+                                         " placements; this one is longer or is a cycle");
   RigidTransform own;
   std::optional<std::uint64_t> parent;
   if (placement.keyword() == "IFCGRIDPLACEMENT") {

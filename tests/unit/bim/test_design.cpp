@@ -285,6 +285,14 @@ TEST(Damage, OneElementThatCannotBePlacedCostsOnlyItself) {
   EXPECT_NE(design.warnings.back().find("2 elements cannot be placed and were left out"), std::string::npos);
 }
 
+TEST(Damage, AnElementCutShortIsNotPutAtTheOrigin) {
+  const Design design = read(small_building("IFC4", "#500=IFCMECHANICALFASTENER('0evctVUKr0kugbFTf53O9L',$,'CUT');"));
+  for (const Element& element : design.elements) EXPECT_NE(element.name, "CUT");
+  ASSERT_EQ(design.skipped.size(), 1u);
+  EXPECT_NE(design.skipped[0].find("IfcMechanicalFastener 'CUT' (#500)"), std::string::npos) << design.skipped[0];
+  EXPECT_NE(design.skipped[0].find("found 3 arguments, expected at least 7"), std::string::npos) << design.skipped[0];
+}
+
 /// `levels` shape maps, each of which shows the one before it twice; the last has a bolt.
 std::string nested_maps(int levels) {
   std::string out;
