@@ -231,6 +231,8 @@ std::string StarNetWriter::write() {
   sighted.observations.clear();
   for (const Observation& o : survey_.observations) {
     if (std::isnan(o.value)) cannot("the observation " + o.from + " to " + o.to + " has no value");
+    if (o.from == o.to || (o.kind == ObservationKind::angle && (o.second_to == o.from || o.second_to == o.to)))
+      cannot("the observation " + o.from + " to " + o.to + " has one point twice; leave it out");
     if (o.face == 2 && is_angle_kind(o.kind)) cannot("readings in face 2 are to be reduced before");
     const bool alone_stands = o.set_up < 0 || o.kind == ObservationKind::angle || o.kind == ObservationKind::azimuth;
     if (alone_stands)

@@ -278,7 +278,9 @@ SurveyObservations read_survey(std::string_view bytes, const std::string& file) 
   }
   const formats::DecodedText decoded = formats::decode_text(bytes.substr(0, kBeginning));
   const std::string_view text = formats::trim(decoded.text);
-  const std::string_view first = text.substr(0, text.find_first_of("\r\n"));
+  const std::string_view first = text.substr(0, text.find_first_of("\r\n")), root = root_element(text);
+  if (!root.empty())
+    throw SurveyReadError({file, 1, 1}, "XML with the root element " + formats::quoted(root), understood_formats());
   throw SurveyReadError({file, text.empty() ? 0 : 1, text.empty() ? 0 : 1},
                         text.empty() ? "an empty file (" + std::to_string(bytes.size()) + " bytes)"
                                      : "a file that begins with " + formats::quoted(first),

@@ -279,6 +279,9 @@ TEST(StarNetWriter, ReadsBackAsItWas) {
   s.observations.push_back(horizontal);
   const SurveyObservations third = read_starnet(write_starnet(s), "third.dat");
   EXPECT_EQ(third.observations.back().kind, horizontal_distance);
+  s.observations.back().to = "K";
+  EXPECT_THROW(write_starnet(s), std::runtime_error) << "sights its own station";
+  s.observations.pop_back();
   s.points.back().id = "a b";
   s.points.back().coordinates = {1, 2, 3};
   EXPECT_THROW(write_starnet(s), std::runtime_error);

@@ -99,5 +99,14 @@ TEST(SurveyFormat, RealFiles) {
   }
 }
 
+TEST(SurveyFormat, AnotherXmlIsNamedByItsRoot) {
+  try {
+    read_survey("<?xml version=\"1.0\"?>\n<DnaXmlFormat type=\"Measurement File\"></DnaXmlFormat>", "m.xml");
+    ADD_FAILURE() << "was read";
+  } catch (const SurveyReadError& error) {
+    EXPECT_NE(error.found.find("DnaXmlFormat"), std::string::npos) << error.what();
+  }
+}
+
 }  // namespace
 }  // namespace plumbline::survey
