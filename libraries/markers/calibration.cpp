@@ -236,7 +236,7 @@ class Calibrator {
     build(model);
     std::vector<std::string> names;
     for (const auto& view : views_) names.push_back(view.path);
-    adjust::AdjustedBlock block = adjust::adjust_to_convergence(
+    return adjust::adjust_to_convergence(
         model, options_.max_iterations, [&] { state_.fold(); }, [](adjust::PartitionedSystem&) {},
         [&](const adjust::PartitionedSystem& linear, const adjust::ReducedSystem& reduced) {
           try {
@@ -246,7 +246,6 @@ class Calibrator {
                                      "; photograph the board tilted, from several sides, and over the whole image");
           }
         });
-    return block;
   }
 
   Calibration result(const adjust::AdjustedBlock& block) const {
@@ -363,7 +362,18 @@ Calibration calibrate(const std::vector<CalibrationView>& views, int width, int 
                              "; at least 3 are needed, 15 to 30 are good, tilted and over the whole image");
   for (const auto& view : views)
     if (view.points.size() < 4) throw std::runtime_error(view.path + " has fewer than 4 points of the board");
-  return Calibrator(views, width, height, options).run();
+  if (!(options.bend_sigma > 0)) return Calibrator(views, width, height, options).run();
+  try {
+    return Calibrator(views, width, height, options).run();
+  } catch (const std::runtime_error&) {
+    // Photographs that are too much alike do not tell a bend from the lens. If it is not that, the flat board says
+    // what.
+    CalibrationOptions flat = options;
+    flat.bend_sigma = 0;
+    Calibration result = Calibrator(views, width, height, flat).run();
+    result.held_flat = true;
+    return result;
+  }
 }
 
 Eigen::Vector2d grid_pixel(const BrownCamera& camera, int columns, int rows, int column, int row) {

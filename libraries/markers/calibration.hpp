@@ -52,6 +52,7 @@ struct Calibration {
   double sigma = 0;  ///< standard deviation of an image coordinate, from the residuals and their redundancy [px]
   int observations = 0, unknowns = 0, degrees_of_freedom = 0;
   std::vector<std::string> rejected;  ///< in words
+  bool held_flat = false;  ///< the photographs did not tell a bend of the board from the lens, so it was held flat
 };
 
 /// Throws std::runtime_error that says what is missing: fewer than three views or too few points, all views from one

@@ -217,9 +217,7 @@ void run_adjustment(const MarkerBlock& block, const MarkerOptions& options, cons
         [&](PartitionedSystem& linear) {
           if (!free_network) return;
           linear.null_space = free_motions(run.state, run.model);
-          linear.datum_unknowns.clear();
-          for (const int column : run.model.centre_columns)
-            for (int c = 0; c < 3; ++c) linear.datum_unknowns.push_back(column + c);
+          linear.datum_unknowns = datum_columns(block, run.state, run.model);
         },
         [&](const PartitionedSystem& linear, const adjustment::ReducedSystem& reduced) {
           adjust::require_full_rank(linear, reduced, names, run.model.model.kept_labels());
@@ -249,6 +247,28 @@ void run_adjustment(const MarkerBlock& block, const MarkerOptions& options, cons
   for (const size_t g : {size_t{0}, size_t{1}}) groups[g].factor *= std::pow(run.state.sigma_factors[g], 2);
   std::erase_if(groups, [](const auto& group) { return group.rows == 0; });
   result.groups = groups;
+}
+
+/// The adjustment, whose failure says what these photographs lack.
+void run_or_explain(const MarkerBlock& block, const MarkerOptions& options, const Trial& trial, Run& run,
+                    MarkerResult& result) {
+  try {
+    run_adjustment(block, options, trial, run, result);
+  } catch (const std::runtime_error& error) {
+    const bool self_calibration =
+        std::any_of(block.cameras.begin(), block.cameras.end(), [](const MarkerCamera& c) { return !c.held; });
+    if (!self_calibration) throw;
+    throw std::runtime_error(
+        std::to_string(block.images.size()) + " photographs with " + std::to_string(block.markers.size()) +
+        (block.markers.size() == 1 ? " tag" : " tags") + ", " +
+        number(static_cast<double>(block.views.size()) / static_cast<double>(block.images.size()), 1) +
+        " in each on the average, do not calibrate " + std::to_string(block.cameras.size()) +
+        (block.cameras.size() == 1 ? " camera" : " cameras") +
+        ". Photograph several tags together, from several directions, tilted; or calibrate the camera on a board "
+        "(calibrate_camera) and orient with marker_field; if several cameras are in one folder, cameras=by_name tells "
+        "them by the names of their files. In detail: " +
+        error.what());
+  }
 }
 
 /// An inset that is not significant is set to zero, but its uncertainty stays in all covariances: with one distance it
@@ -412,7 +432,7 @@ void scale_by_distance(const MarkerBlock& block, const MarkerDistance& distance,
 }
 
 /// Into the frame of the tag with the lowest id.
-void to_first_tag(const MarkerBlock& block, MarkerResult& result) {
+void to_first_tag(const MarkerBlock& block, bool in_one_line, MarkerResult& result) {
   const auto first = std::min_element(result.markers.begin(), result.markers.end(), [&](const auto& a, const auto& b) {
     const Marker &ma = block.markers[static_cast<size_t>(a.marker)], &mb = block.markers[static_cast<size_t>(b.marker)];
     return std::tie(ma.family, ma.id) < std::tie(mb.family, mb.id);
@@ -435,8 +455,43 @@ void to_first_tag(const MarkerBlock& block, MarkerResult& result) {
     image.covariance.topRows<3>() = r * image.covariance.topRows<3>();
     image.covariance.leftCols<3>() = image.covariance.leftCols<3>() * r.transpose();
   }
-  result.datum = "free network: inner constraints over the centres of all tags, shown in the frame of tag " +
-                 block.markers[static_cast<size_t>(first->marker)].name() + " (x right, y up, z out of it)";
+  result.datum = "free network: inner constraints over the centres" + std::string(in_one_line ? " and rotations" : "") +
+                 " of all tags, shown in the frame of tag " + block.markers[static_cast<size_t>(first->marker)].name() +
+                 " (x right, y up, z out of it)";
+}
+
+/// What gives the lengths, and how well. The print of the tags errs alike for all of them: ink spreads, printers scale,
+/// and the inset of the detector is hardly to be told from either, so that a network which fits to a hundredth of a
+/// pixel can be too large by a per cent.
+void state_scale(const MarkerBlock& block, const MarkerOptions& options, MarkerResult& result) {
+  if (options.distance) {
+    result.scale_sigma = options.distance->sigma / options.distance->length;
+    result.datum += "; lengths by the distance of tags " +
+                    block.markers[static_cast<size_t>(options.distance->from)].name() + " and " +
+                    block.markers[static_cast<size_t>(options.distance->to)].name() + ", good to " +
+                    number(100 * result.scale_sigma, 2) + " %";
+    return;
+  }
+  double size = 0;
+  for (const auto& marker : result.markers)
+    size += block.markers[static_cast<size_t>(marker.marker)].size / static_cast<double>(result.markers.size());
+  result.scale_sigma = std::hypot(options.print_sigma / size, options.size_sigma);
+  result.datum += "; lengths by the printed size of the tags, good to " + number(100 * result.scale_sigma, 2) + " % (" +
+                  number(1e3 * options.print_sigma, 2) + " mm of " + number(1e3 * size, 1) +
+                  " mm), which the standard deviations do not hold: distance=A,B,metres gives them better";
+}
+
+/// Corners that are much worse than the detector states are a finding about the photographs.
+void warn_about_variance(MarkerResult& result) {
+  constexpr double limit = 4;  // twice the stated standard deviation
+  for (const auto& group : result.groups) {
+    const bool corners = group.name.rfind("corners", 0) == 0;
+    if (!corners || !(group.redundancy > 10) || !(group.factor > limit)) continue;
+    result.warnings.push_back(group.name + ": " + number(std::sqrt(group.factor), 1) +
+                              " times as uncertain as the detector states (variance factor " + number(group.factor, 1) +
+                              "): motion, sharpening, or a lens or tags that are no plane squares. All standard "
+                              "deviations are scaled by it");
+  }
 }
 
 /// Why an image is not oriented, or how sure its orientation is.
@@ -546,17 +601,20 @@ MarkerResult adjust_marker_block(const MarkerBlock& block, const MarkerOptions& 
   Trial trial = best_start(block, options);
   find_blunders(block, options, trial, result);
   Run run;
-  run_adjustment(block, options, trial, run, result);
+  run_or_explain(block, options, trial, run, result);
   drop_insignificant_insets(block, options, trial, run);
   fill_cameras(block, run, result);
   fill_markers(block, run, result);
   fill_images(block, run, result);
   fill_views(block, run, result);
   if (options.distance) scale_by_distance(block, *options.distance, result);
-  if (has_layout(block))
+  if (has_layout(block)) {
     result.datum = "the layout's places of the tags, with their standard deviations";
-  else
-    to_first_tag(block, result);
+  } else {
+    to_first_tag(block, in_one_line(block, run.state), result);
+    state_scale(block, options, result);
+  }
+  warn_about_variance(result);
   explain_images(block, result);
   explain_single_tags(block, result);
   warn_about_weak(block, result);

@@ -64,7 +64,10 @@ struct MarkerDistance {
 };
 
 struct MarkerOptions {
-  double size_sigma = 1e-3;             ///< prior of each tag's size relative to nominal
+  double size_sigma = 1e-3;  ///< prior of each tag's size relative to nominal
+  /// What is not known of the printed size of all tags together [m]: ink that spreads, a printer's scale, a ruler. It
+  /// is no unknown, because a free network does not see it: it comes into MarkerResult::scale_sigma.
+  double print_sigma = 1e-4;
   double inset_sigma = 0.3;             ///< prior of how far the detector draws edges inwards [px]; 0 leaves it out
   double layout_position_sigma = 0.02;  ///< of a tag's place in the layout, each axis [m]
   double layout_rotation_sigma = 0.02;  ///< of its rotation, about each axis [rad]
@@ -126,6 +129,9 @@ struct MarkerResult {
   std::vector<std::string> left_out;  ///< what could not take part, and why
   std::vector<std::string> warnings;
   std::string datum;  ///< in words
+  /// Relative standard deviation of all lengths together, which the covariances above leave out: of the tags' printed
+  /// size, or of the given distance. 0 with a layout.
+  double scale_sigma = 0;
 };
 
 /// Adjusts the block. Free network with inner constraints over all tags' centres if no tag has a place in a layout; the

@@ -4,6 +4,7 @@
 #include <ceres/rotation.h>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -267,6 +268,31 @@ void build_model(const MarkerBlock& block, const MarkerOptions& options, MarkerS
                     state.interiors[c].data(), &state.insets[c]},
                    view.refined ? group_refined : group_unrefined, static_cast<int>(k), true);
   }
+}
+
+bool in_one_line(const MarkerBlock& block, const MarkerState& state) {
+  const Eigen::Index count = static_cast<Eigen::Index>(state.centres.size());
+  Eigen::MatrixXd centres(3, count);
+  double size = 0;
+  for (Eigen::Index j = 0; j < count; ++j) {
+    centres.col(j) = Eigen::Map<const Eigen::Vector3d>(state.centres[static_cast<size_t>(j)].data());
+    size = std::max(size, block.markers[static_cast<size_t>(state.markers[static_cast<size_t>(j)])].size);
+  }
+  const Eigen::MatrixXd offsets = centres.colwise() - centres.rowwise().mean();
+  const Eigen::Matrix3d scatter = offsets * offsets.transpose() / static_cast<double>(count);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> spread(scatter);
+  return std::sqrt(std::max(0.0, spread.eigenvalues()(1))) < 0.1 * size;
+}
+
+std::vector<int> datum_columns(const MarkerBlock& block, const MarkerState& state, const MarkerModel& model) {
+  std::vector<int> columns;
+  const auto add = [&](const std::vector<int>& firsts) {
+    for (const int first : firsts)
+      for (int c = 0; c < 3; ++c) columns.push_back(first + c);
+  };
+  add(model.centre_columns);
+  if (in_one_line(block, state)) add(model.turn_columns);
+  return columns;
 }
 
 Eigen::MatrixXd free_motions(const MarkerState& state, const MarkerModel& model) {

@@ -67,6 +67,13 @@ void build_model(const MarkerBlock& block, const MarkerOptions& options, MarkerS
 /// size.
 Eigen::MatrixXd free_motions(const MarkerState& state, const MarkerModel& model);
 
+/// Unknowns over which the inner constraints of a free network are taken: the centres of all tags, and where these lie
+/// in one line (one tag, two tags, a row) their rotations, too: centres alone leave the turn about the line open.
+std::vector<int> datum_columns(const MarkerBlock& block, const MarkerState& state, const MarkerModel& model);
+
+/// Whether the tags' centres lie in one line, to a tenth of a tag.
+bool in_one_line(const MarkerBlock& block, const MarkerState& state);
+
 /// Whether a tag has a place in a layout.
 bool has_layout(const MarkerBlock& block);
 

@@ -158,6 +158,7 @@ struct Adjuster : Node {
     BlockT artifact = describe_targets(result, o);
     artifact.adjuster = info.kind;
     artifact.left_out = given.left_out;
+    for (const auto& what : artifact.warnings) context.warn(what);
     points.commit(target_points(result));
     adjusted_camera.commit(target_camera(result));
     adjusted_poses.commit(target_poses(result));

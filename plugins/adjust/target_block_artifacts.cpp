@@ -265,6 +265,9 @@ ImageBlockT target_block_artifact(const ReadBlock& read) {
   return artifact;
 }
 
+/// Programs know the standard deviation of their image coordinates to a factor of some five at best.
+constexpr double worst_misfit = 5;
+
 double image_sigma_of(const PointBlock& block) {
   for (const auto& m : block.measurements)
     if (m.sigma > 0) return m.sigma;
@@ -309,6 +312,19 @@ BlockT describe_targets(const PointBlockResult& result, const PointBlockOptions&
   artifact.statistics->observations = result.observations;
   artifact.statistics->unknowns = result.unknowns;
   artifact.statistics->datum_defect = result.constraints;
+  if (result.sigma0 > worst_misfit * options.image_sigma) {
+    char text[400];
+    std::snprintf(
+        text, sizeof text,
+        "the images contradict what they are adjusted with: image coordinates fit %.0f times worse than their "
+        "standard deviation (%.3g mm%s). The camera is not calibrated (block.with.free=[c, xp, yp, K1, K2] "
+        "estimates it), points are mixed up, or control is wrong; no coordinate here is to be trusted",
+        result.sigma0 / options.image_sigma, result.sigma0,
+        std::isfinite(targets.image_sigma_px) && targets.image_sigma_px > 0
+            ? (", " + std::to_string(targets.image_sigma_px).substr(0, 5) + " px").c_str()
+            : "");
+    artifact.warnings.emplace_back(text);
+  }
   return artifact;
 }
 

@@ -163,6 +163,10 @@ std::vector<std::string> warnings_of(const Selection& selection, const Calibrati
     warnings.emplace_back(
         "Most photographs look straight at the board: the principal distance then hangs on the distance. Tilt "
         "the board by 30 to 50 degrees in half of them");
+  if (c.held_flat)
+    warnings.emplace_back(
+        "The photographs are too much alike to tell a bend of the board from the lens: the board is taken as flat, and "
+        "the standard deviations know nothing of a bend");
   // Coverage in a 4 × 4 grid of the image.
   std::array<int, 16> cells{};
   for (const auto& view : c.views)

@@ -90,7 +90,9 @@ struct ArucoDetector::Impl {
     const Measurement first = measure_corners(image, found, options.edge);
     for (size_t k = 0; k < tags.size(); ++k)
       if (first.corners[k]) found[k].corners = first.corners[k]->corners;
-    const Measurement second = measure_corners(image, found, options.edge);
+    EdgeFitOptions again = options.edge;
+    again.gamma = first.quality.gamma;  // the image's, and most of the work
+    const Measurement second = measure_corners(image, found, again);
     for (size_t k = 0; k < tags.size(); ++k) {
       if (!first.corners[k] || !second.corners[k]) continue;
       const double cell = shortest_side(initial[k]) / modules;

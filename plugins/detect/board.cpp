@@ -64,6 +64,10 @@ BoardKind kind_of(const YAML::Node& root, const std::string& file) {
   if (name == "charuco") return BoardKind::charuco;
   if (name == "tags" || name == "aprilgrid" || name == "grid" || name == "aruco" || name == "tag_grid")
     return BoardKind::tags;
+  if (name.find("circle") != std::string::npos)
+    refuse(file, "'type' is '" + name +
+                     "': grids of circles are not measured, because the image of a circle's centre is not the centre "
+                     "of its image. Print a chessboard or a ChArUco board");
   refuse(file, "'type' is '" + name + "'");
 }
 
@@ -265,6 +269,13 @@ SeenBoard find_charuco(const GreyImage& image, const cv::Mat& view, const Board&
     ratio += side(on_board), ++measured;
   }
   if (measured) seen.marker_ratio = ratio / static_cast<double>(measured);
+  if (!(seen.marker_ratio > 0.05 && seen.marker_ratio < 1.2)) {
+    seen.points.clear();
+    seen.marker_ratio = std::nan("");
+    seen.problem = "the markers are not where a board of " + std::to_string(board.columns) + " x " +
+                   std::to_string(board.rows) +
+                   " squares has them; check columns and rows (are they exchanged?) and first_id";
+  }
   return seen;
 }
 

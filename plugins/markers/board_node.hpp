@@ -19,6 +19,8 @@ struct AdjustMarkerBoard : Node {
                               "place of the printed size"};
   Param<double> size_sigma{"size_sigma", 1e-3, "1", between(0, 1),
                            "prior standard deviation of each tag's printed size, relative"};
+  Param<double> print_sigma{"print_sigma", 1e-4, "m", between(0, 1),
+                            "what is not known of the printed size of all tags together; states how good lengths are"};
   Param<double> corner_inset_sigma{"corner_inset_sigma", 0.3, "px", between(0, 10),
                                    "prior standard deviation of how far the detector draws tag edges inwards"};
   Param<double> reject_above{"reject_above", 5.0, "1", at_least(0),
@@ -56,6 +58,7 @@ struct AdjustMarkerBoard : Node {
                                     : ": " + input.left_out.front().path + ": " + input.left_out.front().reason) +
                                ". Check the family of the tags");
     MarkerOptions options;
+    options.print_sigma = *print_sigma;
     options.size_sigma = *size_sigma, options.inset_sigma = *corner_inset_sigma, options.reject_above = *reject_above;
     if (!distance->empty()) options.distance = parse_distance(*distance, input.block);
     const MarkerResult result = adjust_marker_block(input.block, options);

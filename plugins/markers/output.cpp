@@ -180,6 +180,10 @@ std::string tags_json(const MarkerBlock& block, const MarkerResult& result) {
   }
   return text_of({{"unit", "m"},
                   {"frame", result.datum},
+                  {"scale_sigma", result.scale_sigma},
+                  {"sigma_is",
+                   "standard deviation of the centre in the network's own scale; scale_sigma, relative, "
+                   "holds for all lengths together"},
                   {"corner_order", "bottom left, bottom right, top right, top left of the upright tag"},
                   {"rotation_is", "frame from tag, quaternion w, x, y, z"},
                   {"tags", tags}});
@@ -243,6 +247,7 @@ std::string block_json(const BlockInput& input, const MarkerResult& result) {
   return text_of({{"kind", "block of tags"},
                   {"unit", "m"},
                   {"datum", result.datum},
+                  {"scale_sigma", result.scale_sigma},
                   {"statistics", statistics_json(result)},
                   {"groups", groups},
                   {"cameras", cameras},

@@ -190,6 +190,50 @@ TEST(MarkerBlock, KeepsBothPosesOfASingleTagUntilImagesDecide) {
   EXPECT_GT(result.images[9].ambiguity, 1);
 }
 
+/// The scene with nothing but the tags of `keep`.
+Scene only(Scene s, const std::vector<int>& keep) {
+  std::erase_if(s.block.views,
+                [&](const MarkerView& v) { return std::find(keep.begin(), keep.end(), v.marker) == keep.end(); });
+  return s;
+}
+
+TEST(MarkerBlock, OneTagOrARowOfThemHasADatum) {
+  // Centres in one line leave the turn about it open: the rotations of the tags have to be in the datum, too.
+  for (const auto& keep : {std::vector<int>{2}, std::vector<int>{0, 1}, std::vector<int>{0, 1, 2}}) {
+    Scene s = only(scene(0.05, 6), keep);
+    s.block.cameras[0].camera = true_camera();
+    s.block.cameras[0].held = true;
+    MarkerResult result;
+    ASSERT_NO_THROW(result = adjust_marker_block(s.block, {})) << keep.size();
+    EXPECT_EQ(result.markers.size(), keep.size());
+    EXPECT_EQ(result.datum_defect, 6);
+    EXPECT_THAT(result.datum, HasSubstr("centres and rotations"));
+    if (keep.size() > 2) {
+      EXPECT_LT(error_of(s, result), 3e-4);
+    }
+  }
+}
+
+TEST(MarkerBlock, SaysWhenCornersAreWorseThanStated) {
+  Scene s = scene(0.3, 7);
+  for (auto& view : s.block.views)
+    for (auto& c : view.covariances) c = Eigen::Matrix2d::Identity() * 0.1 * 0.1;
+  EXPECT_THAT(adjust_marker_block(s.block, {}).warnings, testing::Contains(HasSubstr("times as uncertain")));
+  EXPECT_THAT(adjust_marker_block(scene(0.1, 7).block, {}).warnings,
+              testing::Not(testing::Contains(HasSubstr("times as uncertain"))));
+}
+
+TEST(MarkerBlock, StatesHowGoodItsLengthsAre) {
+  MarkerOptions options;
+  options.print_sigma = 0.6e-3, options.size_sigma = 0;  // of tags of 120 mm
+  const MarkerResult printed = adjust_marker_block(scene(0.1, 7).block, options);
+  EXPECT_NEAR(printed.scale_sigma, 0.005, 1e-12);
+  EXPECT_THAT(printed.datum, HasSubstr("0.50 %"));
+  options.distance = MarkerDistance{0, 2, 0.6, 0.0003};
+  const MarkerResult measured = adjust_marker_block(scene(0.1, 7).block, options);
+  EXPECT_NEAR(measured.scale_sigma, 0.0005, 1e-12);
+}
+
 TEST(MarkerBlock, LayoutOrientsEveryImageInItsFrame) {
   Scene s = scene(0.1, 5);
   for (size_t m = 0; m < s.tags.size(); ++m) s.block.markers[m].world_from_tag = s.tags[m];
@@ -216,6 +260,9 @@ TEST(MarkerBlock, RefusesWhatCannotBeInWords) {
   one.block.images.resize(1);
   std::erase_if(one.block.views, [](const MarkerView& v) { return v.image != 0; });
   EXPECT_THAT(message(one.block), HasSubstr("one photograph"));
+  // One tag in ten photographs does not calibrate a camera that nothing is known of.
+  EXPECT_THAT(message(only(scene(2, 3), {2}).block),
+              testing::AnyOf(HasSubstr("calibrate_camera"), HasSubstr("nothing was thrown")));
   Scene without_size = scene(0, 1);
   without_size.block.markers[0].size = 0;
   EXPECT_THAT(message(without_size.block), HasSubstr("has no size"));
