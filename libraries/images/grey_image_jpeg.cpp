@@ -74,9 +74,10 @@ GreyImage decode_jpeg(const Bytes& bytes) {
   jpeg_create_decompress(&cinfo);
   const std::unique_ptr<jpeg_decompress_struct, void (*)(jpeg_decompress_struct*)> release(
       &cinfo, [](auto* c) { jpeg_destroy_decompress(c); });
-  if (!decode(bytes, state, cinfo, image))
-    throw ImageFileError("damaged or truncated JPEG (" + std::string(state.message.data()) + ")");
-  return image;
+  if (decode(bytes, state, cinfo, image)) return image;
+  if (cinfo.jpeg_color_space == JCS_CMYK || cinfo.jpeg_color_space == JCS_YCCK)
+    throw ImageFileError("the JPEG is in CMYK, the colours of a printing press; export it as RGB or grey");
+  throw ImageFileError("damaged or truncated JPEG (" + std::string(state.message.data()) + ")");
 }
 
 }  // namespace plumbline::image_decoders

@@ -183,6 +183,21 @@ TEST_P(ImageBlockNodes, PhotoModelerExportWithControl) {
   EXPECT_NEAR(block.statistics->sigma0, 1.60984, 0.001);
   EXPECT_EQ(block.targets->control.size(), 4u);
   EXPECT_EQ(block.targets->control[0]->use, "weighted");
+  EXPECT_TRUE(block.warnings.empty());
+}
+
+TEST_P(ImageBlockNodes, WarnsOfTargetsThatContradictTheirCamera) {
+  PLUMBLINE_REQUIRE_DATA("blocks/photomodeler_cam/ref/ctrlpts-weighted.txt");
+  NodeHarness read("read.photomodeler");
+  read.set("file", data_file("blocks/photomodeler_cam/pmexports/weighted-with-orient-pmexport.txt").string());
+  read.run();
+  ImageBlockT spoilt = read.output<ImageBlock>("block");
+  for (auto& camera : spoilt.cameras) camera->parameters[3] += 0.01;  // K1 of another lens
+  NodeHarness adjust(GetParam());
+  adjust.input<ImageBlock>("block", spoilt);
+  adjust.run();
+  ASSERT_FALSE(adjust.output<Block>("block").warnings.empty());
+  EXPECT_THAT(adjust.output<Block>("block").warnings[0], HasSubstr("the images contradict"));
 }
 
 TEST(AdjusterNode, NeedsTagsOrTargets) {

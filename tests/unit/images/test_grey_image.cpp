@@ -26,20 +26,21 @@ std::vector<std::uint8_t> ramp(int channels) {
   return pixels;
 }
 
-void write_jpeg(const std::filesystem::path& path) {
+void write_jpeg(const std::filesystem::path& path, J_COLOR_SPACE space = JCS_RGB, int channels = 3) {
   jpeg_compress_struct cinfo{};
   jpeg_error_mgr errors{};
   cinfo.err = jpeg_std_error(&errors);
   jpeg_create_compress(&cinfo);
   std::FILE* file = std::fopen(path.c_str(), "wb");
   jpeg_stdio_dest(&cinfo, file);
-  cinfo.image_width = kWidth, cinfo.image_height = kHeight, cinfo.input_components = 3, cinfo.in_color_space = JCS_RGB;
+  cinfo.image_width = kWidth, cinfo.image_height = kHeight, cinfo.input_components = channels,
+  cinfo.in_color_space = space;
   jpeg_set_defaults(&cinfo);
   jpeg_set_quality(&cinfo, 98, TRUE);
   jpeg_start_compress(&cinfo, TRUE);
-  auto pixels = ramp(3);
+  auto pixels = ramp(channels);
   for (int y = 0; y < kHeight; ++y) {
-    JSAMPROW row = pixels.data() + y * kWidth * 3;
+    JSAMPROW row = pixels.data() + y * kWidth * channels;
     jpeg_write_scanlines(&cinfo, &row, 1);
   }
   jpeg_finish_compress(&cinfo);
@@ -135,6 +136,12 @@ TEST(GreyImage, RefusesAJpegWithDamagedData) {
   bytes[(scan + bytes.size()) / 2 + 1] = '\xc4';
   std::ofstream(folder.path() / "a.jpg", std::ios::binary) << bytes;
   EXPECT_THAT(message_of(folder.path() / "a.jpg"), HasSubstr("damaged"));
+}
+
+TEST(GreyImage, NamesTheColoursOfAPrintingPress) {
+  const test::TemporaryFolder folder;
+  write_jpeg(folder.path() / "a.jpg", JCS_CMYK, 4);
+  EXPECT_THAT(message_of(folder.path() / "a.jpg"), AllOf(HasSubstr("a.jpg: "), HasSubstr("CMYK")));
 }
 
 TEST(GreyImage, RefusesWhatIsNoImage) {

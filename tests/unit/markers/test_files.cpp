@@ -62,6 +62,9 @@ TEST(Board, IsReadWithItsUnitsChecked) {
                     "b.yaml");
               }),
               HasSubstr("ends at 49"));
+  EXPECT_THAT(
+      message_of([] { detect::parse_board("target_type: circlegrid\ntargetCols: 6\ntargetRows: 7\n", "b.yaml"); }),
+      HasSubstr("circles are not measured"));
   EXPECT_THAT(message_of([] { detect::parse_board("columns: 9\n", "b.yaml"); }),
               HasSubstr("b.yaml: 'type' is missing"));
   const auto kalibr = detect::parse_board(
