@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "text/csv_table.hpp"
+
 namespace plumbline::bench {
 
 using Json = nlohmann::ordered_json;
@@ -19,13 +21,6 @@ std::string printed(const char* format, double value) {
 }
 
 std::string shortest(double value) { return std::isfinite(value) ? Json(value).dump() : ""; }
-
-std::string csv_field(const std::string& text) {
-  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
-}
 
 Json estimate_json(const Estimate& estimate) {
   return {{"value", estimate.value}, {"lower", estimate.interval.lower}, {"upper", estimate.interval.upper}};
@@ -144,20 +139,20 @@ std::string to_csv(const Bench& bench) {
   for (const Cell& cell : bench.cells)
     for (const auto& [name, value] : cell.measures) quantities.insert(name);
   std::string text = "place";
-  for (const Variable& variable : bench.variables) text += "," + csv_field(variable.name);
-  for (const Group& group : bench.groups) text += "," + csv_field(group.name);
+  for (const Variable& variable : bench.variables) text += "," + formats::csv_field(variable.name);
+  for (const Group& group : bench.groups) text += "," + formats::csv_field(group.name);
   text += ",seed,status";
-  for (const std::string& quantity : quantities) text += "," + csv_field(quantity);
+  for (const std::string& quantity : quantities) text += "," + formats::csv_field(quantity);
   text += ",seconds,error_text\r\n";
   for (const Cell& cell : bench.cells) {
-    text += csv_field(cell.place);
-    for (const Variable& variable : bench.variables) text += "," + csv_field(cell.values.at(variable.name));
-    for (const Group& group : bench.groups) text += "," + csv_field(cell.choices.at(group.name));
+    text += formats::csv_field(cell.place);
+    for (const Variable& variable : bench.variables) text += "," + formats::csv_field(cell.values.at(variable.name));
+    for (const Group& group : bench.groups) text += "," + formats::csv_field(cell.choices.at(group.name));
     text += "," + std::to_string(cell.seed) + "," + cell.status;
     for (const std::string& quantity : quantities) text += "," + shortest(cell.measure(quantity));
     double seconds = 0;
     for (const auto& [node, s] : cell.seconds) seconds += s;
-    text += "," + (cell.seconds.empty() ? "" : shortest(seconds)) + "," + csv_field(cell.error) + "\r\n";
+    text += "," + (cell.seconds.empty() ? "" : shortest(seconds)) + "," + formats::csv_field(cell.error) + "\r\n";
   }
   return text;
 }

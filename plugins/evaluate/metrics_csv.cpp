@@ -42,7 +42,7 @@ std::string deviation_cells(const AnchorDeviationT* d) {
   for (const auto& axis : d->axes)
     text += millimetres(axis->value) + "," + millimetres(axis->u) + "," + millimetres(axis->tolerance) + "," +
             EnumNameToleranceVerdict(axis->verdict) + ",";
-  return text + EnumNameToleranceVerdict(d->verdict) + "," + d->decided_by + "," + number(d->pass_probability, 4) + ",";
+  return text + EnumNameToleranceVerdict(d->verdict) + "," + formats::csv_field(d->decided_by) + "," + number(d->pass_probability, 4) + ",";
 }
 
 std::string header(const std::string& reference) {

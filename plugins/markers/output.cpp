@@ -280,7 +280,7 @@ std::string points_csv(const MarkerBlock& block, const MarkerResult& result) {
       "from_layout_z_m\n";
   for (const AdjustedMarker* marker : ordered(block, result)) {
     const Marker& m = block.markers[static_cast<size_t>(marker->marker)];
-    text += m.name() + "," + formats::csv_field(m.family);
+    text += formats::csv_field(m.name()) + "," + formats::csv_field(m.family);
     const Eigen::Vector3d sigma = sigma_of(marker->centre_covariance), at = marker->world_from_tag.translation;
     for (int k = 0; k < 3; ++k) text += "," + csv_number(at(k), 6);
     for (int k = 0; k < 3; ++k) text += "," + csv_number(sigma(k), 6);

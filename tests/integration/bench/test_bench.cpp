@@ -62,6 +62,15 @@ TEST(Bench, WritesAllItsFilesAndTheVerdictInWords) {
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 17);
 }
 
+TEST(Bench, NamesAreNoFormulasInTheTable) {
+  BenchProgram plumbline;
+  plumbline.bench_file("seeds: 1-8\nalternatives: {way: {\"=a\": {}, b: {solver.with.factor: 1.50}}}\n");
+  plumbline.run();
+  const std::string csv = read_file(plumbline.work() / "out/b/bench.csv");
+  EXPECT_THAT(csv, HasSubstr(",'=a,"));
+  EXPECT_THAT(csv, Not(HasSubstr(",=a")));
+}
+
 TEST(Bench, AFailedCellIsAResultWithItsReasonEveryTimeItIsShown) {
   BenchProgram plumbline;
   plumbline.bench_file("seeds: 1-10\nalternatives: {method: {sound: {}, weak: {solver.with.fails: 0.5}}}\n");
