@@ -51,6 +51,13 @@ std::vector<Entry> entries_of(const ReportInput& input) {
   return entries;
 }
 
+/// Of the plane, of the facade and in space: lengths without a direction, so without a sign.
+std::string axis_with_u(const JudgedAxisT& axis) {
+  std::string text = mm_with_u(axis.value, axis.u, 1);
+  const bool directed = axis.axis == "vertical" || axis.axis == "out_of_plane";
+  return !directed && text.starts_with('+') ? text.substr(1) : text;
+}
+
 void write_built_cells(Markup& html, const Entry& entry) {
   const AnchorDeviationT* d = entry.built;
   {
@@ -63,7 +70,7 @@ void write_built_cells(Markup& html, const Entry& entry) {
     const JudgedAxisT* found = nullptr;
     for (std::size_t i = 0; d && i < d->axes.size(); ++i)
       if (d->axes[i]->axis == name) found = d->axes[i].get();
-    html.element("td", found ? mm_with_u(found->value, found->u, 1) : unknown);
+    html.element("td", found ? axis_with_u(*found) : unknown);
   }
   html.element("td", d ? percent(d->pass_probability) : unknown);
 }
@@ -116,8 +123,8 @@ void write_all_numbers(Markup& html, const DeviationT& deviation) {
     const auto u = [&](std::size_t i) { return known ? mm(std::sqrt(std::max(0.0, a->covariance[4 * i]))) : unknown; };
     std::string tolerances, in_plane = unknown, in_space = unknown;
     for (const auto& axis : a->axes) {
-      if (axis->axis == "in_plane") in_plane = mm_with_u(axis->value, axis->u, 1);
-      if (axis->axis == "space") in_space = mm_with_u(axis->value, axis->u, 1);
+      if (axis->axis == "in_plane") in_plane = axis_with_u(*axis);
+      if (axis->axis == "space") in_space = axis_with_u(*axis);
       if (axis->tolerance > 0)
         tolerances += (tolerances.empty() ? "" : ", ") + words_of(axis->axis) + " " + fixed(1e3 * axis->tolerance, 1) +
                       (axis->source == "default" ? "" : " (" + axis->source + ")");

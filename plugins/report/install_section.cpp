@@ -13,8 +13,9 @@ namespace {
 /// What fits on the first screen; the rest is folded.
 constexpr std::size_t kFirstRows = 8;
 
-std::string with_sign(double value, double u, double tolerance) {
-  std::string text = signed_mm(value, 1);
+/// "+7.6 ± 0.4 mm, limit 5.0"; only up and outward have a sign.
+std::string found_on(const std::string& axis, double value, double u, double tolerance) {
+  std::string text = axis == "vertical" || axis == "out_of_plane" ? signed_mm(value, 1) : mm(value, 1);
   if (std::isfinite(u)) text += " ± " + mm(u, 1);
   return text + "\u00A0mm, limit " + mm(tolerance, 1);
 }
@@ -53,7 +54,7 @@ Task task_of(const AnchorDeviationT& anchor, const DeviationT& deviation) {
     task.todo = "Measure it.";
     return task;
   }
-  task.found = words_of(axis->axis) + " " + with_sign(axis->value, axis->u, axis->tolerance);
+  task.found = words_of(axis->axis) + " " + found_on(axis->axis, axis->value, axis->u, axis->tolerance);
   const std::string way = way_back(anchor.deviation, deviation.facade_normal);
   if (anchor.verdict == ToleranceVerdict::fail) {
     task.todo = "Reset or shim: " + (way.empty() ? "back to design" : way) + ".";
@@ -105,13 +106,13 @@ void write_tasks(Markup& html, const std::vector<Task>& tasks, std::size_t from,
     const Task& task = tasks[i];
     Scope row(html, "tr");
     html.element("th", {{"scope", "row"}}, task.what);
-    html.element("td", task.floor > 0 ? std::to_string(task.floor) : unknown);
+    html.element("td", {{"data-head", "Floor"}}, task.floor > 0 ? std::to_string(task.floor) : unknown);
     {
       Scope td(html, "td", {{"class", "text"}});
       verdict_badge(html, task.verdict);
     }
     html.element("td", {{"class", "words"}}, task.found);
-    html.element("td", {{"class", "words"}}, task.todo);
+    html.element("td", {{"class", "words todo"}}, task.todo);
   }
 }
 

@@ -90,7 +90,10 @@ code{font-size:.86em;overflow-wrap:anywhere}
 @media screen and (max-width:920px){.pair{grid-template-columns:1fr}table{font-size:.82rem}th,td{padding:5px 6px}
 figure>svg .tick,figure>svg .small,figure>svg .axis-title{font-size:15px}.pair figure>svg .small{font-size:12px}}
 @media screen and (max-width:760px){figure>svg{max-width:none;min-width:760px}figure>svg text,figure>svg .tick,figure>svg .small,figure>svg .axis-title{font-size:14px}
-.verdict{padding:12px;gap:10px}.verdict>svg{width:30px;height:30px}.tasks td.words{min-width:11em}th,td{white-space:normal}
+.verdict{padding:12px;gap:10px}.verdict>svg{width:30px;height:30px}th,td{white-space:normal}
+.tasks,.tasks tbody{display:block;min-width:0}.tasks thead{display:none}
+.tasks tr{display:block;padding:8px 0;border-bottom:1px solid var(--line)}.tasks th,.tasks td,.tasks td.words{display:inline-block;min-width:0;max-width:none;border:0;padding:1px 8px 1px 0}
+.tasks td.words{display:block}.tasks td[data-head]::before{content:attr(data-head) " "}.tasks .todo{font-weight:600}
 main{padding:18px 16px 48px}.cards{grid-template-columns:1fr 1fr}}
 @media print{
 :root{color-scheme:light;--bg:#fff;--fg:#000;--soft:#444;--line:#c8cdd2;--panel:#f5f7f9;--link:#000;
@@ -100,8 +103,8 @@ body{font-size:10pt;-webkit-print-color-adjust:exact;print-color-adjust:exact}
 main{max-width:none;padding:0}nav,.slider,.screen{display:none}figure>svg{max-width:100%;max-height:230mm}figure{overflow:visible}
 section{margin-top:20pt}h2{break-after:avoid}h3{break-after:avoid}
 figure,.card,.verdict,.warnings,tr{break-inside:avoid}thead{display:table-header-group}
-html{font-size:12.5px}table{font-size:7.3pt}th,td{padding:2pt 3pt;white-space:normal;overflow-wrap:anywhere}.pair{gap:10px}.pair svg .mark{font-size:14px}.card .value{font-size:14pt}
-.wide{overflow:visible}.wide td.words{min-width:0}.wide table{font-size:7pt}a{text-decoration:none}
+html{font-size:12.5px}table{font-size:7.3pt}th,td{padding:2pt;white-space:normal;overflow-wrap:break-word}td:not(.text):not(.words){white-space:nowrap}.pair{gap:10px}.pair svg .mark{font-size:14px}.card .value{font-size:14pt}
+.wide{overflow:visible}.wide td.words{min-width:0}.wide table{font-size:6.3pt}a{text-decoration:none}
 details summary{font-weight:600;color:var(--fg);list-style:none}details::details-content{content-visibility:visible;display:block}
 }
 )css";

@@ -8,6 +8,7 @@
 #include <regex>
 
 #include "example.hpp"
+#include "report/format.hpp"
 
 namespace plumbline::report {
 namespace {
@@ -35,6 +36,25 @@ TEST(Report, SaysFirstWhetherOneCanInstallAndWhatToMend) {
   for (const char* id_of : {"view", "quality", "panels", "numbers", "floors", "passrate", "facade", "transfer",
                             "anchors", "method", "network", "provenance"})
     EXPECT_TRUE(contains(html, std::string("id=\"") + id_of + "\"")) << id_of;
+}
+
+TEST(Report, LengthsWithoutDirectionHaveNoSign) {
+  const ReportInput input = test::example();
+  const std::string html = render_report(input);
+  for (const char* words : {"horizontal +", "in plane +", "in space +"}) EXPECT_FALSE(contains(html, words)) << words;
+  for (const auto& anchor : input.deviation->anchors)
+    for (const auto& axis : anchor->axes) {
+      const std::string with_sign = mm_with_u(axis->value, axis->u, 1);
+      if (axis->axis != "horizontal" || !with_sign.starts_with('+')) continue;
+      EXPECT_TRUE(contains(html, "<td>" + with_sign.substr(1) + "</td>")) << anchor->id << " " << with_sign;
+    }
+}
+
+TEST(Report, PrintBreaksNoNumber) {
+  const std::string html = render_report(test::example());
+  const std::string print = html.substr(html.find("@media print"), html.find("</style>") - html.find("@media print"));
+  EXPECT_TRUE(contains(print, "td:not(.text):not(.words){white-space:nowrap}"));
+  EXPECT_FALSE(contains(print, "overflow-wrap:anywhere"));
 }
 
 TEST(Report, LosesNoNameInTheFacade) {
