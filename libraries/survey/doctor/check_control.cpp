@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-
-#include "geometry/similarity.hpp"
+#include <complex>
+#include <numeric>
 
 namespace plumbline::survey {
 
@@ -37,9 +37,9 @@ SurveyObservations without_control(const SurveyObservations& survey) {
   return free;
 }
 
-/// Points that both epochs have with all three coordinates.
+/// Points that both epochs have, in plan: east + i·north. In space a figure that lies flat could be turned over.
 struct Pairs {
-  std::vector<Eigen::Vector3d> given, measured;
+  std::vector<std::complex<double>> given, measured;
 };
 
 Pairs common_points(const Epoch& given, const Epoch& measured) {
@@ -47,24 +47,29 @@ Pairs common_points(const Epoch& given, const Epoch& measured) {
   for (size_t i = 0; i < given.ids.size(); ++i) {
     const auto at = std::find(measured.ids.begin(), measured.ids.end(), given.ids[i]);
     if (at == measured.ids.end()) continue;
-    const Eigen::Vector3d a = given.coordinates.segment<3>(static_cast<Eigen::Index>(3 * i));
-    const Eigen::Vector3d b = measured.coordinates.segment<3>(3 * (at - measured.ids.begin()));
-    if (a.allFinite() && b.allFinite()) pairs.given.push_back(a), pairs.measured.push_back(b);
+    const Eigen::Vector2d a = given.coordinates.segment<2>(static_cast<Eigen::Index>(3 * i));
+    const Eigen::Vector2d b = measured.coordinates.segment<2>(3 * (at - measured.ids.begin()));
+    if (!a.allFinite() || !b.allFinite()) continue;
+    pairs.given.emplace_back(a.x(), a.y());
+    pairs.measured.emplace_back(b.x(), b.y());
   }
   return pairs;
 }
 
-/// Rms of given − motion(measured) over the extent, and the scale of the motion.
+/// Rms of given − (a·measured + b), least squares, over the extent of the given points, and the scale |a|.
 std::pair<double, double> misfit(const Pairs& pairs) {
-  const SimilarityMotion motion = fit_similarity(pairs.measured, pairs.given, true);
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const auto& p : pairs.given) mean += p / static_cast<double>(pairs.given.size());
-  double squares = 0, extent = 0;
+  const auto n = static_cast<double>(pairs.given.size());
+  const std::complex<double> g = std::accumulate(pairs.given.begin(), pairs.given.end(), std::complex<double>{}) / n;
+  const std::complex<double> m =
+      std::accumulate(pairs.measured.begin(), pairs.measured.end(), std::complex<double>{}) / n;
+  std::complex<double> product;
+  double given = 0, measured = 0;
   for (size_t i = 0; i < pairs.given.size(); ++i) {
-    squares += (pairs.given[i] - motion * pairs.measured[i]).squaredNorm();
-    extent += (pairs.given[i] - mean).squaredNorm();
+    product += std::conj(pairs.measured[i] - m) * (pairs.given[i] - g);
+    given += std::norm(pairs.given[i] - g), measured += std::norm(pairs.measured[i] - m);
   }
-  return {std::sqrt(squares / std::max(extent, 1e-12)), motion.scale};
+  if (!(given > 0 && measured > 0)) return {1, 1};
+  return {std::sqrt(std::max(0.0, given - std::norm(product) / measured) / given), std::abs(product) / measured};
 }
 
 /// A misfit that all points share.
@@ -81,7 +86,7 @@ std::string cause_of(Pairs pairs) {
   for (const auto& [factor, words] : units)
     if (rest < kFits && std::abs(scale / factor - 1) < 0.005) return words;
   if (rest < kFits) return "";
-  for (auto& p : pairs.given) std::swap(p.x(), p.y());
+  for (auto& p : pairs.given) p = {p.imag(), p.real()};
   const auto [exchanged, exchanged_scale] = misfit(pairs);
   if (exchanged < kFits && std::abs(exchanged_scale - 1) < 0.005)
     return "east and north of the given coordinates are exchanged";
