@@ -11,7 +11,8 @@
 namespace plumbline::pose {
 namespace {
 
-constexpr double kAgrees = 0.9, kBetter = 0.2;
+constexpr double kAgrees = 0.9;
+constexpr double kLeft = 0.4;  ///< of the tags that disagree, at most so many may be left
 
 /// One mistake: how what was given would have to be read to be right.
 struct Hypothesis {
@@ -196,7 +197,7 @@ std::string what_would_explain(const std::vector<ImageTagsT>& images, const Came
   add_corners(all);
   add_ids(field, all);
   const double now = share(most, brown, field, solver, settings, {});
-  double best = std::max(kAgrees, now + kBetter);
+  double best = std::max(kAgrees, 1 - kLeft * (1 - now));
   std::string words;
   for (const Hypothesis& hypothesis : all) {
     const double agree = share(most, brown, field, solver, settings, hypothesis);
