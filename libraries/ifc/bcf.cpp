@@ -6,37 +6,17 @@
 
 #include "ifc/ifc_guid.hpp"
 #include "ifc/zip_writer.hpp"
+#include "text/xml_text.hpp"
 
 namespace plumbline::bim {
 namespace {
 
 const std::string kHead = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
 
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (c == '&')
-      out += "&amp;";
-    else if (c == '<')
-      out += "&lt;";
-    else if (c == '>')
-      out += "&gt;";
-    else if (c == '"')
-      out += "&quot;";
-    else if (byte < 0x20)
-      out += ' ';
-    else if (byte < 0x80)
-      out += c;
-    else {  // any byte is a code point of Latin-1 at least; names from IFC are UTF-8 already
-      out += c;
-    }
-  }
-  return out;
-}
+using formats::xml_escaped;
 
 std::string element(const std::string& name, const std::string& text) {
-  return text.empty() ? "" : "<" + name + ">" + escaped(text) + "</" + name + ">";
+  return text.empty() ? "" : "<" + name + ">" + xml_escaped(text) + "</" + name + ">";
 }
 
 std::string vector(const std::string& name, const Eigen::Vector3d& v) {
@@ -117,7 +97,7 @@ std::string viewpoint(const Issue& issue, const DeviationT& deviation, const std
   const Eigen::Vector3d normal =
       deviation.facade_normal.allFinite() ? deviation.facade_normal : -Eigen::Vector3d::UnitY();
   const double away = std::max(4.0, 4 * issue.reach);
-  const std::string component = "<Component IfcGuid=\"" + escaped(issue.guid) + "\"/>";
+  const std::string component = "<Component IfcGuid=\"" + xml_escaped(issue.guid) + "\"/>";
   const char* colour = issue.verdict == ToleranceVerdict::fail ? "FFD55E00" : "FFE69F00";
   return kHead + "<VisualizationInfo Guid=\"" + view + "\"><Components><Selection>" + component +
          "</Selection><Visibility DefaultVisibility=\"true\"/><Coloring><Color Color=\"" + colour + "\">" + component +

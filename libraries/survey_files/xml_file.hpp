@@ -12,6 +12,7 @@
 
 #include "survey/model/survey_observations.hpp"
 #include "text/text.hpp"
+#include "text/xml_text.hpp"
 
 namespace plumbline::formats {
 
@@ -57,8 +58,5 @@ std::vector<pugi::xml_node> descendants(pugi::xml_node node, std::initializer_li
 std::string child_text(pugi::xml_node node, std::string_view name);
 /// Value of the attribute of that local name, trimmed; empty if there is none.
 std::string attribute(pugi::xml_node node, std::string_view name);
-
-/// `text` with &, <, >, quotes escaped and control characters left out, for XML text and attributes.
-std::string xml_escaped(std::string_view text);
 
 }  // namespace plumbline::formats

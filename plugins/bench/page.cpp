@@ -6,6 +6,7 @@
 
 #include "bench/tables.hpp"
 #include "page_parts.hpp"
+#include "text/xml_text.hpp"
 
 namespace plumbline::bench {
 
@@ -14,22 +15,7 @@ using statistics::Estimate;
 
 namespace {
 
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '&')
-      out += "&amp;";
-    else if (c == '<')
-      out += "&lt;";
-    else if (c == '>')
-      out += "&gt;";
-    else if (c == '"')
-      out += "&quot;";
-    else
-      out += c;
-  }
-  return out;
-}
+using formats::xml_escaped;
 
 /// Six digits are more than any plot shows; they halve the page.
 double rounded(double value) {
@@ -130,7 +116,7 @@ std::string main_table(const Bench& bench, const Analysis& analysis) {
   for (const Row& row : analysis.rows) {
     const auto& s = row.summary;
     text += s.failures == s.trials && s.trials > 0 ? "<tr class=\"failed\">" : "<tr>";
-    text += "<td>" + escaped(row.place) + "</td><td>" + escaped(row.name) + "</td>";
+    text += "<td>" + xml_escaped(row.place) + "</td><td>" + xml_escaped(row.name) + "</td>";
     text += number_cell(std::to_string(s.trials) + (row.missing ? " of " + std::to_string(s.trials + row.missing) : ""),
                         static_cast<double>(s.trials));
     text += number_cell(std::to_string(s.failures), static_cast<double>(s.failures));
@@ -147,7 +133,7 @@ std::string main_table(const Bench& bench, const Analysis& analysis) {
 
 std::string verdict_list(const Bench& bench, const Analysis& analysis) {
   std::string text = "<ul class=\"verdicts\">\n";
-  for (const std::string& sentence : analysis.unused) text += "<li class=\"bad\">" + escaped(sentence) + "</li>\n";
+  for (const std::string& sentence : analysis.unused) text += "<li class=\"bad\">" + xml_escaped(sentence) + "</li>\n";
   for (const std::string& sentence : verdicts(bench, analysis)) {
     const bool win = sentence.find(" beats ") != std::string::npos;
     const bool refused = sentence.find("are not compared") != std::string::npos;
@@ -157,7 +143,7 @@ std::string verdict_list(const Bench& bench, const Analysis& analysis) {
              : win   ? "win"
              : equal ? ""
                      : "open") +
-            "\">" + escaped(sentence) + "</li>\n";
+            "\">" + xml_escaped(sentence) + "</li>\n";
   }
   return text + "</ul>\n";
 }
@@ -175,8 +161,8 @@ std::string failure_table(const Bench& bench, const Analysis& analysis) {
       for (std::size_t i = 0; i < std::min<std::size_t>(8, f.seeds.size()); ++i)
         seeds += (i ? ", " : "") + std::to_string(f.seeds[i]);
       if (f.seeds.size() > 8) seeds += ", …";
-      text += "<tr><td>" + escaped(f.place) + "</td><td>" + escaped(f.name) + "</td><td class=\"n\">" +
-              std::to_string(f.cells) + "</td><td>" + seeds + "</td><td class=\"reason\">" + escaped(f.reason) +
+      text += "<tr><td>" + xml_escaped(f.place) + "</td><td>" + xml_escaped(f.name) + "</td><td class=\"n\">" +
+              std::to_string(f.cells) + "</td><td>" + seeds + "</td><td class=\"reason\">" + xml_escaped(f.reason) +
               "</td></tr>\n";
     }
     text += "</tbody></table></div>\n";
@@ -184,8 +170,8 @@ std::string failure_table(const Bench& bench, const Analysis& analysis) {
   if (!bench.excluded.empty()) {
     text += "<h2>Excluded by the file</h2><ul>\n";
     for (const Excluded& item : bench.excluded)
-      text += "<li>" + escaped(item.what) + " (" + std::to_string(item.cells) + " cells)" +
-              (item.why.empty() ? "" : ": " + escaped(item.why)) + "</li>\n";
+      text += "<li>" + xml_escaped(item.what) + " (" + std::to_string(item.cells) + " cells)" +
+              (item.why.empty() ? "" : ": " + xml_escaped(item.why)) + "</li>\n";
     text += "</ul>\n";
   }
   return text + "</section>\n";
@@ -224,16 +210,17 @@ std::string to_html(const Bench& bench, const Analysis& analysis) {
   std::string text =
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"><title>" +
-      escaped(bench.title) + "</title>\n<style>" + page_style + "</style></head><body>\n";
-  text += "<h1>" + escaped(bench.title) + "</h1>\n<p class=\"soft\">" + escaped(coverage_text(bench, analysis)) +
-          ". Errors are " + escaped(bench.error_metric) +
+      xml_escaped(bench.title) + "</title>\n<style>" + page_style + "</style></head><body>\n";
+  text += "<h1>" + xml_escaped(bench.title) + "</h1>\n<p class=\"soft\">" +
+          xml_escaped(coverage_text(bench, analysis)) + ". Errors are " + xml_escaped(bench.error_metric) +
           "; intervals are 95 %, BCa bootstrap over trials, rates by Wilson; differences are paired by seed and p is "
           "adjusted by Holm" +
           (bench.rope > 0 ? "; differences below " + number_text(1e3 * bench.rope, 0.01) + " mm count as equal" : "") +
           ".</p>\n";
   if (!bench.groups.empty()) {
     text += "<section><h2>What to choose</h2>\n<ul>\n";
-    for (const std::string& sentence : choices_to_make(bench, analysis)) text += "<li>" + escaped(sentence) + "</li>\n";
+    for (const std::string& sentence : choices_to_make(bench, analysis))
+      text += "<li>" + xml_escaped(sentence) + "</li>\n";
     text += "</ul></section>\n";
   }
   text += "<section><h2>Verdicts</h2>\n" + verdict_list(bench, analysis) + "</section>\n";
@@ -244,7 +231,7 @@ std::string to_html(const Bench& bench, const Analysis& analysis) {
       main_table(bench, analysis) + "</section>\n";
   text += plots() + failure_table(bench, analysis);
   text += "<section><h2>Machine and versions</h2>\n<p class=\"soft\">";
-  for (const std::string& line : bench.machine) text += escaped(line) + "<br>";
+  for (const std::string& line : bench.machine) text += xml_escaped(line) + "<br>";
   text += "</p></section>\n<script type=\"application/json\" id=\"data\">" + data_text(bench, analysis) +
           "</script>\n<script>" + page_script + "</script>\n</body></html>\n";
   return text;

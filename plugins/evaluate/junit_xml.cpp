@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "evaluate/metrics.hpp"
+#include "text/xml_text.hpp"
 
 namespace plumbline::evaluate {
 
@@ -19,36 +20,7 @@ std::string fixed(double value, int decimals) {
   return text[0] == '-' && text.find_first_not_of("-0.") == std::string::npos ? text.substr(1) : text;
 }
 
-/// For XML: the five characters replaced, control characters that it forbids and bytes beyond ASCII that are no UTF-8
-/// left out.
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const auto c = static_cast<unsigned char>(text[i]);
-    if (c == '&')
-      out += "&amp;";
-    else if (c == '<')
-      out += "&lt;";
-    else if (c == '>')
-      out += "&gt;";
-    else if (c == '"')
-      out += "&quot;";
-    else if (c < 0x20)
-      out += ' ';
-    else if (c < 0x80)
-      out += text[i];
-    else {
-      const std::size_t length = c >= 0xF0 && c < 0xF5 ? 4 : c >= 0xE0 && c < 0xF0 ? 3 : c >= 0xC2 && c < 0xE0 ? 2 : 0;
-      bool whole = length > 0 && i + length <= text.size();
-      for (std::size_t k = 1; whole && k < length; ++k)
-        whole = (static_cast<unsigned char>(text[i + k]) & 0xC0) == 0x80;
-      if (!whole) continue;
-      out += text.substr(i, length);
-      i += length - 1;
-    }
-  }
-  return out;
-}
+using formats::xml_escaped;
 
 struct Case {
   std::string name, message;
@@ -64,14 +36,14 @@ std::string suite(const std::string& name, const std::vector<Case>& cases) {
   std::string text = "  <testsuite name=\"" + name + "\" tests=\"" + std::to_string(cases.size()) + "\" failures=\"" +
                      std::to_string(failures) + "\" errors=\"0\" skipped=\"" + std::to_string(skipped) + "\">\n";
   for (const Case& c : cases) {
-    text += "    <testcase classname=\"" + name + "\" name=\"" + escaped(c.name) + "\"";
+    text += "    <testcase classname=\"" + name + "\" name=\"" + xml_escaped(c.name) + "\"";
     if (c.verdict == ToleranceVerdict::pass) {
       text += "/>\n";
     } else if (c.verdict == ToleranceVerdict::not_measured) {
-      text += "><skipped message=\"" + escaped(c.message) + "\"/></testcase>\n";
+      text += "><skipped message=\"" + xml_escaped(c.message) + "\"/></testcase>\n";
     } else {
       const std::string type = EnumNameToleranceVerdict(c.verdict);
-      text += "><failure type=\"" + type + "\" message=\"" + escaped(c.message) + "\"/></testcase>\n";
+      text += "><failure type=\"" + type + "\" message=\"" + xml_escaped(c.message) + "\"/></testcase>\n";
     }
   }
   return text + "  </testsuite>\n";

@@ -75,7 +75,8 @@ TEST_P(Robust, EqualWeightsFindTheirOwnStandardDeviation) {
   c.target_covariance.resize(0, 0);
   RobustOptions o = with(GetParam());
   o.fit.weighting = Weighting::equal;
-  if (GetParam() == Estimator::huber || GetParam() == Estimator::cauchy) return;  // convex, or nearly: pulled by metres
+  if (GetParam() == Estimator::huber || GetParam() == Estimator::cauchy)
+    GTEST_SKIP() << "convex, or nearly: two points that are off by metres pull it";
   EXPECT_LT(largest_error(register_robust(c, o), c), 0.006);
 }
 

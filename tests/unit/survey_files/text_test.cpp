@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "text/xml_text.hpp"
+
 namespace plumbline::formats {
 namespace {
 
@@ -23,6 +25,19 @@ TEST(Text, DecodesCommonEncodings) {
 }
 
 TEST(Text, ControlCharactersBecomePrintable) { EXPECT_EQ(decode_text("A\0B\x01 C\t\r\n\x1A"sv).text, "A B? C\t\r\n "); }
+
+TEST(XmlText, IsWellFormedWhateverComes) {
+  EXPECT_EQ(formats::xml_escaped("a<b>&\"c\""), "a&lt;b&gt;&amp;&quot;c&quot;");
+  EXPECT_EQ(formats::xml_escaped("M\xC3\xBC"
+                                 "hle"),
+            "M\xC3\xBC"
+            "hle");
+  EXPECT_EQ(formats::xml_escaped("M\xFC"
+                                 "hle\x01"),
+            "Mhle ")
+      << "a byte that is no UTF-8, and a control character";
+  EXPECT_EQ(formats::xml_escaped("cut \xE2\x82"), "cut ");
+}
 
 TEST(Text, InvalidUtf8IsWindows1252) {
   for (const auto bytes : {"\xC0\x80"sv, "\xED\xA0\x80"sv, "\xF4\x90\x80\x80"sv, "\xE2\x82"sv})
