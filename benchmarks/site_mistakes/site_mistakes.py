@@ -4,7 +4,8 @@
     benchmarks/site_mistakes/site_mistakes.py build/bin/plumbline --campaigns 20 --table table.md
 
 A campaign is made at observation level (corners with noise in place of photographs, readings of a total station), spoilt in
-its files as a person would spoil them, and run through pipelines/site_observations.yaml. Verdicts:
+its files as a person would spoil them, and run through pipelines/site_observations.yaml. With --rendered it has photographs,
+goes through pipelines/site_campaign.yaml, and the mistakes are those that need them. Verdicts:
 
     named     the terminal or summary.txt holds the expected words
     alarmed   a warning or an error that the sound campaign does not have, but not the cause
@@ -21,9 +22,11 @@ import os
 import random
 import re
 import shutil
+import struct
 import subprocess
 import sys
 import tempfile
+import zlib
 from pathlib import Path
 
 
@@ -318,8 +321,57 @@ MISTAKES = [
 ]
 
 
-def run(program, folder, out, store):
-    done = subprocess.run([program, "run", "site_observations", f"folder={folder}", "--out", str(out), "--store", str(store)],
+def photographs(c):
+    return sorted((c.folder / "images").iterdir())
+
+
+def copied(c, rng):
+    first = rng.choice(photographs(c))
+    shutil.copy(first, first.with_name("copy_of_" + first.name))
+
+
+def truncated(c, rng):
+    path = rng.choice(photographs(c))
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+
+
+def turned_by_exif(c, rng):
+    """As after turning it in a file browser: the pixels stay, the EXIF header says orientation 6."""
+    path = rng.choice(photographs(c))
+    tiff = b"II*\0\x08\0\0\0" + struct.pack("<HHHIHHI", 1, 0x112, 3, 1, 6, 0, 0)
+    body = b"Exif\0\0" + tiff
+    path.write_bytes(b"\xff\xd8\xff\xe1" + struct.pack(">H", len(body) + 2) + body + path.read_bytes()[2:])
+
+
+def foreign_photograph(c, rng):
+    """A picture of another camera among the photographs (a PNG under the name of a JPEG)."""
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    width, height = 1200, 900
+    rows = b"".join(b"\0" + bytes([128]) * width for _ in range(height))
+    header = struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)
+    (c.folder / "images" / "phone.jpg").write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) +
+                                                    chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+
+
+# name, what the simulator renders differently, what spoils the files, the words that name it
+RENDERED = [
+    ("out of focus", {"blur": 8}, None, r"blur|sharp|focus"),
+    ("dense mist", {"haze": 0.93}, None, r"contrast|haze|tags|sigma"),
+    ("wrong tag family", {}, plates(for_each("tag_family", lambda v: "tag25h9")), r"family"),
+    ("focal length +3 %", {}, focal(1.03), CALIBRATION),
+    ("tags printed at 98 %", {}, plates(for_each("tag_size_mm", lambda v: f"{float(v) / 0.98:.4f}")), r"tags? .*(printed|measure|size|scale)"),
+    ("ids moved by one", {}, plates(for_each("tag_id", lambda v: str(int(v) + 1))), r"ids of the plate table are moved"),
+    ("two control plates swapped", {}, plates(swap_plates("control")), r"exchanged|each other's place|hangs where"),
+    ("a photograph twice", {}, copied, r"same photograph|twice|copy|identical"),
+    ("a photograph cut short", {}, truncated, r"truncated|cut|ends|damaged|corrupt|incomplete"),
+    ("a photograph turned by EXIF", {}, turned_by_exif, r"orientation|turned|rotated|EXIF"),
+    ("a photograph of another camera", {}, foreign_photograph, r"1200"),
+]
+
+
+def run(program, pipeline, folder, out, store):
+    done = subprocess.run([program, "run", pipeline, f"folder={folder}", "--out", str(out), "--store", str(store)],
                           capture_output=True, text=True, timeout=300)
     text = done.stdout + done.stderr
     summary = out / "summary.txt"
@@ -353,60 +405,53 @@ def moved(sound, spoilt):
     return worst
 
 
-def one(program, work, store, seed, floors, kinds, show):
-    base = work / f"campaign-{seed}"
+def make(program, work, store, seed, options, changes):
+    """The campaign folder of a seed."""
+    values = {"floors": options.floors} | ({"camera": "quick_6mp", "images_per_floor": 6} if options.rendered else
+                                           {"photographs": "observed"}) | changes
     pipeline = work / "make.yaml"
-    pipeline.write_text("plumbline: 1\nvars: {seed: 1}\nnodes:\n  site: {use: simulate.campaign, with: {floors: %d, "
-                        "photographs: observed}}\noutputs: {campaign: site.folder}\n" % floors)
-    subprocess.run([program, "run", str(pipeline), f"seed={seed}", "--out", str(base), "--store", str(store)], check=True,
+    pipeline.write_text("plumbline: 1\nvars: {seed: 1}\nnodes:\n  site: {use: simulate.campaign, with: {" +
+                        ", ".join(f"{k}: {v}" for k, v in values.items()) + "}}\noutputs: {campaign: site.folder}\n")
+    out = work / f"campaign-{seed}"
+    shutil.rmtree(out, ignore_errors=True)
+    subprocess.run([program, "run", str(pipeline), f"seed={seed}", "--out", str(out), "--store", str(store)], check=True,
                    capture_output=True)
-    code, sound_text = run(program, base / "campaign", work / f"sound-{seed}", store)
+    return out / "campaign"
+
+
+def verdict_of(named, new, code, effect):
+    return "named" if named else "alarmed" if new or code != 0 else "harmless" if effect < 0.001 else "silent"
+
+
+def one(work, seed, options, kinds):
+    program, store = os.path.abspath(options.program), work / "store"
+    pipeline = "site_campaign" if options.rendered else "site_observations"
+    base = work / "sound"
+    shutil.rmtree(base, ignore_errors=True)
+    shutil.copytree(make(program, work, store, seed, options, {}), base)
+    code, sound_text = run(program, pipeline, base, work / f"sound-{seed}", store)
     sound_alarms, sound = set(alarms(sound_text)), positions(work / f"sound-{seed}")
     results = [("sound", "sound" if code == 0 and not sound_alarms else "false alarm", code, sorted(sound_alarms), 0.0)]
-    for name, spoil, words in kinds:
+    for name, changes, spoil, words in kinds:
         folder, out = work / "spoilt", work / "out"
         for path in (folder, out):
             shutil.rmtree(path, ignore_errors=True)
-        shutil.copytree(base / "campaign", folder)
-        spoil(Campaign(folder), random.Random(seed))
-        code, text = run(program, folder, out, store)
+        shutil.copytree(make(program, work, store, seed, options, changes) if changes else base, folder)
+        if spoil:
+            spoil(Campaign(folder), random.Random(seed))
+        code, text = run(program, pipeline, folder, out, store)
         new = [a for a in alarms(text) if a not in sound_alarms]
         effect = moved(sound, positions(out))
-        named = re.search(words, "\n".join(new), re.I) is not None
-        verdict = ("named" if named else "alarmed" if new or code not in (0,) else "harmless" if effect < 0.001 else "silent")
+        verdict = verdict_of(re.search(words, "\n".join(new), re.I) is not None, new, code, effect)
         results.append((name, verdict, code, new, effect))
-        if show:
+        if options.show:
             print(f"{name:36} {verdict:9} exit {code}  moved {1000 * effect:8.2f} mm")
             for line in new[: 4 if verdict == "named" else 8]:
                 print("      " + line[:400])
     return results
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("program")
-    parser.add_argument("--campaigns", type=int, default=1)
-    parser.add_argument("--first-seed", type=int, default=1)
-    parser.add_argument("--floors", type=int, default=3)
-    parser.add_argument("--only", default="", help="regular expression over the names of mistakes")
-    parser.add_argument("--part", default="0/1", help="K/N: the K-th of N parts of the mistakes")
-    parser.add_argument("--table", help="file for the table in Markdown")
-    parser.add_argument("--show", action="store_true", help="print what the program said")
-    parser.add_argument("--require", action="store_true", help="exit code 1 unless every mistake is named or harmless")
-    options = parser.parse_args()
-    part, parts = map(int, options.part.split("/"))
-    kinds = [k for k in MISTAKES if re.search(options.only, k[0])][part::parts]
-    counts = {}
-    bad = 0
-    with tempfile.TemporaryDirectory(prefix="site_mistakes.") as work:
-        for seed in range(options.first_seed, options.first_seed + options.campaigns):
-            for name, verdict, code, new, effect in one(os.path.abspath(options.program), Path(work), Path(work) / "store",
-                                                        seed, options.floors, kinds, options.show):
-                counts.setdefault(name, {}).setdefault(verdict, 0)
-                counts[name][verdict] += 1
-                bad += verdict in ("silent", "alarmed")
-                if verdict in ("silent", "false alarm", "alarmed"):
-                    print(f"seed {seed}: {name}: {verdict}\n      " + "\n      ".join(new[:6]), flush=True)
+def table(counts, campaigns):
     columns = ["named", "alarmed", "harmless", "silent"]
     lines = ["| mistake | " + " | ".join(columns) + " |", "|---|" + "---|" * len(columns)]
     for name, found in counts.items():
@@ -415,10 +460,39 @@ def main():
     total = {c: sum(f.get(c, 0) for n, f in counts.items() if n != "sound") for c in columns}
     lines.append("| all | " + " | ".join(str(total[c]) for c in columns) + " |")
     lines.append("")
-    lines.append(f"Sound campaigns with a warning: {counts['sound'].get('false alarm', 0)} of {options.campaigns}.")
-    print("\n".join(lines))
-    if options.table:
-        Path(options.table).write_text("\n".join(lines) + "\n")
+    lines.append(f"Sound campaigns with a warning: {counts['sound'].get('false alarm', 0)} of {campaigns}.")
+    return "\n".join(lines) + "\n"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("program")
+    parser.add_argument("--campaigns", type=int, default=1)
+    parser.add_argument("--first-seed", type=int, default=1)
+    parser.add_argument("--floors", type=int, default=3)
+    parser.add_argument("--rendered", action="store_true", help="mistakes that need photographs, on rendered ones")
+    parser.add_argument("--only", default="", help="regular expression over the names of mistakes")
+    parser.add_argument("--part", default="0/1", help="K/N: the K-th of N parts of the mistakes")
+    parser.add_argument("--table", help="file for the table in Markdown")
+    parser.add_argument("--show", action="store_true", help="print what the program said")
+    parser.add_argument("--require", action="store_true", help="exit code 1 unless every mistake is named or harmless")
+    options = parser.parse_args()
+    part, parts = map(int, options.part.split("/"))
+    kinds = RENDERED if options.rendered else [(name, {}, spoil, words) for name, spoil, words in MISTAKES]
+    kinds = [k for k in kinds if re.search(options.only, k[0])][part::parts]
+    counts = {}
+    bad = 0
+    with tempfile.TemporaryDirectory(prefix="site_mistakes.") as work:
+        for seed in range(options.first_seed, options.first_seed + options.campaigns):
+            for name, verdict, code, new, effect in one(Path(work), seed, options, kinds):
+                counts.setdefault(name, {}).setdefault(verdict, 0)
+                counts[name][verdict] += 1
+                bad += verdict in ("silent", "alarmed")
+                if verdict in ("silent", "false alarm", "alarmed"):
+                    print(f"seed {seed}: {name}: {verdict}\n      " + "\n      ".join(new[:6]), flush=True)
+            if options.table:  # after each campaign: a long run that is ended keeps what it found
+                Path(options.table).write_text(table(counts, seed - options.first_seed + 1))
+    print(table(counts, options.campaigns), end="")
     return 1 if options.require and bad else 0
 
 

@@ -73,6 +73,7 @@ std::unique_ptr<PoseT> pose_of(const ImageTagsT& image, const Field& field, cons
     if (const Field::Entry* entry = field.find(*tag))
       if (const auto view = view_of(*tag, *entry, camera, settings)) views.push_back(*view);
   const std::string need = std::to_string(settings.min_markers);
+  if (image.tags.empty() && !image.problem.empty()) throw NoTagPose("shows no tag: " + image.problem);
   if (static_cast<int>(views.size()) < settings.min_markers)
     throw NoTagPose("shows " + std::to_string(views.size()) + " markers that are in the plate table (" +
                     std::to_string(image.tags.size()) + " tags were detected, " + std::to_string(field.size()) +
@@ -95,6 +96,8 @@ std::unique_ptr<PoseT> pose_of(const ImageTagsT& image, const Field& field, cons
 std::string advice(const ImageTagsT& image, const Field& field, const PoseSettings& settings,
                    const std::string& cause) {
   if (!cause.empty()) return "Probable cause: " + cause;
+  if (image.tags.empty() && !image.problem.empty())
+    return "Take it again or take it away; with on_too_few: skip the others are used without it";
   const auto known = std::count_if(image.tags.begin(), image.tags.end(), [&](const auto& t) { return field.find(*t); });
   if (known < settings.min_markers)
     return "Photograph it again with more markers in view, check the plate table, or set on_too_few: skip to go on "

@@ -9,6 +9,7 @@
 #include "artifacts/image_tags.hpp"
 #include "detect/tag_detector.hpp"
 #include "images/grey_image.hpp"
+#include "images/visibility.hpp"
 #include "plumbline/node.hpp"
 
 namespace plumbline::detect {
@@ -71,7 +72,10 @@ inline ImageTagsT search_image(const Context& context, const Image& photograph, 
                        (in_mirror == 1 ? " tag is" : " tags are") +
                        " found only after a flip. Export it from the camera without mirroring (selfie and web-camera "
                        "programs mirror)";
-    context.warn(result.path + ": " + (in_mirror > 0 ? result.problem : "no tag found"));
+    else
+      result.problem = why_nothing_is_found(grey);
+    context.warn(result.path + ": " + (in_mirror > 0 ? "" : "no tag found") +
+                 (in_mirror == 0 && !result.problem.empty() ? "; " : "") + result.problem);
   }
   for (const auto& tag : tags) result.tags.push_back(tag_artifact(tag));
   return result;

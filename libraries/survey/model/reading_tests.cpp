@@ -15,6 +15,7 @@ constexpr double kLeastDistance = 4e-4;    // [m]
 constexpr double kAcross = 5e-4;           // [m] of pointing and target, across the sight
 constexpr double kUntestedError = 7.9e-4;  // [rad], 50 mgon: collimation and index that no pair tells more of
 constexpr int kPairsEnough = 3;
+constexpr size_t kNeighbours = 20;  // readings before it that one is compared with: linear in a group of any size
 
 double median(std::vector<double> values) {
   const size_t middle = values.size() / 2;
@@ -84,22 +85,23 @@ std::vector<double> corrected(const ReadingGroup& group, const std::vector<Instr
   return values;
 }
 
-/// Standard deviation of one reading by kind, over all groups of three and more; of face pairs where there are none.
+/// Standard deviation of one reading by kind: of the median difference between two readings of one group. Deviations
+/// from a group's own median are far from normal in small groups: of four readings two lie half their gap from it, and
+/// the sigma of their MAD is a third too small.
 std::array<double, kKinds> reading_sigmas(const std::vector<ReadingGroup>& groups,
                                           const std::vector<InstrumentErrors>& errors) {
-  std::array<std::vector<double>, kKinds> deviations;
+  std::array<std::vector<double>, kKinds> differences;
   for (const ReadingGroup& g : groups) {
     if (g.alone || g.readings.size() < 2) continue;
     const std::vector<double> values = corrected(g, errors);
-    const double centre = median(values);
-    // Around their own median, n readings lose a degree of freedom.
-    const double n = static_cast<double>(values.size());
-    for (const double v : values) deviations[kind_index(g.kind)].push_back((v - centre) * std::sqrt(n / (n - 1)));
+    for (size_t i = 1; i < values.size(); ++i)
+      for (size_t j = i - std::min<size_t>(i, kNeighbours); j < i; ++j)
+        differences[kind_index(g.kind)].push_back(std::abs(values[i] - values[j]));
   }
   std::array<double, kKinds> sigmas{};
   for (size_t k = 0; k < kKinds; ++k) {
     const double least = is_angle(static_cast<ObservationKind>(k)) ? kLeastAngle : kLeastDistance;
-    sigmas[k] = deviations[k].empty() ? least : std::max(least, sigma_by_mad(deviations[k], 0));
+    sigmas[k] = differences[k].empty() ? least : std::max(least, kMadToSigma * median(differences[k]) / std::sqrt(2.0));
   }
   return sigmas;
 }

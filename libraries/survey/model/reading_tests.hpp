@@ -53,7 +53,7 @@ struct GroupVerdict {
 };
 
 /// Tests every group against 5 standard deviations of one reading, which are estimated from all groups of a kind
-/// (median absolute deviation) and are at least 1.5e-5 rad or 0.4 mm, with 0.5 mm across the sight.
+/// (median difference of two readings) and are at least 1.5e-5 rad or 0.4 mm, with 0.5 mm across the sight.
 std::vector<GroupVerdict> test_readings(const std::vector<ReadingGroup>& groups,
                                         const std::vector<InstrumentErrors>& errors);
 

@@ -4,9 +4,11 @@
 #include <png.h>
 #include <tiffio.h>
 
+#include <cmath>
 #include <fstream>
 
 #include "images/grey_image.hpp"
+#include "images/visibility.hpp"
 #include "test_support.hpp"
 
 namespace plumbline {
@@ -152,6 +154,34 @@ TEST(GreyImage, RefusesWhatIsNoImage) {
   EXPECT_THAT(message_of(folder.path() / "empty.jpg"), HasSubstr("empty"));
   std::ofstream(folder.path() / "text.jpg") << "hello";
   EXPECT_THAT(message_of(folder.path() / "text.jpg"), HasSubstr("neither JPEG, PNG nor TIFF"));
+}
+
+/// A vertical step from `dark` to `bright`, blurred by a Gaussian.
+GreyImage step(double dark, double bright, double sigma) {
+  GreyImage image{200, 100, {}};
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x)
+      image.pixels.push_back(static_cast<std::uint8_t>(
+          std::lround(dark + (bright - dark) * 0.5 * std::erfc(-(x - 100) / (sigma * std::sqrt(2.0))))));
+  return image;
+}
+
+TEST(Visibility, BlurOfAnEdgeIsFound) {
+  for (const double sigma : {2.0, 5.0, 9.0}) {
+    const Visibility seen = visibility(step(20, 220, sigma));
+    EXPECT_NEAR(seen.edge_sigma, sigma, 0.1 * sigma);
+    EXPECT_EQ(seen.darkest, 20);
+    EXPECT_EQ(seen.brightest, 220);
+  }
+}
+
+TEST(Visibility, SaysWhatKeepsTagsFromBeingFound) {
+  EXPECT_THAT(why_nothing_is_found(step(0, 10, 1)), HasSubstr("dark"));
+  EXPECT_THAT(why_nothing_is_found(step(250, 255, 1)), HasSubstr("overexposed"));
+  EXPECT_THAT(why_nothing_is_found(step(120, 140, 1)), HasSubstr("contrast"));
+  EXPECT_THAT(why_nothing_is_found(step(20, 220, 8)), AllOf(HasSubstr("blur of 8 px"), HasSubstr("out of focus")));
+  EXPECT_EQ(why_nothing_is_found(step(20, 220, 1)), "");
+  EXPECT_EQ(why_nothing_is_found(step(100, 140, 3)), "");
 }
 
 }  // namespace
