@@ -10,8 +10,18 @@
 
 namespace plumbline::runtime {
 
+namespace {
+
+/// Fetched once: EVP_sha256() looks its implementation up again for each digest.
+const EVP_MD* sha256_method() {
+  static const EVP_MD* const method = EVP_MD_fetch(nullptr, "SHA256", nullptr);
+  return method;
+}
+
+}  // namespace
+
 Sha256::Sha256() : context_(EVP_MD_CTX_new()) {
-  if (!context_ || EVP_DigestInit_ex(context_, EVP_sha256(), nullptr) != 1)
+  if (!context_ || !sha256_method() || EVP_DigestInit_ex(context_, sha256_method(), nullptr) != 1)
     throw std::runtime_error("OpenSSL does not offer SHA-256");
 }
 

@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "runtime/digest.hpp"
+#include "runtime/json_text.hpp"
 #include "runtime/node_run.hpp"
 #include "runtime/running_nodes.hpp"
 
@@ -104,7 +105,7 @@ class Execution {
         cancel_(options.cancel ? *options.cancel : never_),
         isolate_all_(options.isolate),
         workers_(options.worker, threads_),
-        last_(options.remember ? last_keys(store, graph) : std::map<std::string, KeyFields>()),
+        remember_(options.remember),
         states_(graph.nodes.size()),
         outputs_(graph.nodes.size()) {
     for (size_t i = 0; i < graph.nodes.size(); ++i) {
@@ -334,7 +335,11 @@ class Execution {
     finish(index, result.items_executed > 0 ? NodeStatus::executed : NodeStatus::reused, "");
   }
 
-  void explain(const GraphNode& node, NodeResult& result) const {
+  void explain(const GraphNode& node, NodeResult& result) {
+    // Read only now: where all is reused nobody asks for it.
+    std::call_once(last_read_, [&] {
+      if (remember_) last_ = last_keys(store_, graph_);
+    });
     const auto before = last_.find(node.name);
     if (!node.kind.node->deterministic)
       result.why = {"it is not deterministic and always runs"};
@@ -372,7 +377,9 @@ class Execution {
   const std::atomic<bool>& cancel_;
   const bool isolate_all_;
   Workers workers_;
-  const std::map<std::string, KeyFields> last_;  // of the pipeline's last run
+  const bool remember_;
+  std::once_flag last_read_;
+  std::map<std::string, KeyFields> last_;  // of the pipeline's last run
   std::vector<State> states_;
   std::vector<std::map<std::string, Hashes>> outputs_;  // of the nodes that are done
   tbb::task_group group_;
@@ -380,17 +387,23 @@ class Execution {
 
 /// A node that failed keeps what the note says of its last good run.
 void remember_keys(Store& store, const Graph& graph, const RunResult& result) {
-  std::map<std::string, KeyFields> keys = last_keys(store, graph), now;
+  const auto is_good = [](const NodeResult& node) {
+    return node.status == NodeStatus::executed || node.status == NodeStatus::reused;
+  };
+  const bool all_good = std::all_of(result.nodes.begin(), result.nodes.end(), is_good);
+  const auto before = all_good ? std::map<std::string, KeyFields>() : last_keys(store, graph);
+  JsonText json;
+  json.open('{');
   for (size_t i = 0; i < graph.nodes.size(); ++i) {
-    const std::string& name = graph.nodes[i].name;
-    const NodeStatus status = result.nodes[i].status;
-    if (status == NodeStatus::executed || status == NodeStatus::reused)
-      now[name] = result.nodes[i].fields;
-    else if (keys.count(name))
-      now[name] = keys[name];
+    const auto old = before.find(graph.nodes[i].name);
+    const bool good = is_good(result.nodes[i]);
+    if (!good && old == before.end()) continue;
+    json.name(graph.nodes[i].name).open('{');
+    for (const auto& [field, value] : good ? result.nodes[i].fields : old->second) json.field(field, value);
+    json.close('}');
   }
-  store.put_pipeline_note(pipeline_id(graph),
-                          nlohmann::json(now).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+  const std::string id = pipeline_id(graph), text = json.close('}').take() + "\n";
+  if (store.pipeline_note(id) != text) store.put_pipeline_note(id, text);
 }
 
 }  // namespace

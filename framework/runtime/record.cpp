@@ -4,6 +4,7 @@
 #include <sys/utsname.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <ctime>
@@ -12,6 +13,7 @@
 #include <thread>
 
 #include "runtime/digest.hpp"
+#include "runtime/json_text.hpp"
 #include "runtime/ownership.hpp"
 
 namespace plumbline::runtime {
@@ -42,17 +44,6 @@ std::string cpu_line(const std::string& name) {
     if (text.compare(0, name.size(), name) == 0 && text.find(": ") != std::string::npos)
       return text.substr(text.find(": ") + 2);
   return "";
-}
-
-Json parameters_json(const GraphNode& node) {
-  Json json = Json::object();
-  for (const auto& [name, text] : node.parameters) {
-    std::string shown = text;
-    for (char& c : shown)
-      if (c == '\x1f') c = ',';
-    json[name] = shown;
-  }
-  return json;
 }
 
 /// Once for all nodes: what a plugin was, and what it was linked with.
@@ -110,49 +101,81 @@ Record::Record(OutputFolder& out, const Graph& graph, const RunInfo& info) : out
   out_.begin_record(dump(json));
 }
 
-std::string Record::node_line(const GraphNode& node, const NodeResult& result, const Graph* graph) {
-  Json json;
-  json["event"] = "node";
-  json["name"] = node.name;
-  json["kind"] = node.kind.node->kind;
-  json["at"] = node.at.text();
-  json["status"] = to_text(result.status);
-  json["items"] = result.items;
-  json["items_executed"] = result.items_executed;
-  if (result.start > 0) json["start"] = result.start;
-  json["seconds"] = result.seconds;
-  json["item_seconds"] = result.item_seconds;
-  const Plugin& plugin = *node.kind.plugin;
-  json["plugin"] = {{"name", plugin.identity.name}, {"version", plugin.identity.version}, {"sha256", plugin.sha256}};
+namespace {
+
+void write_parameters(JsonText& json, const GraphNode& node) {
+  json.name("parameters").open('{');
+  for (const auto& [name, text] : node.parameters) {
+    if (text.find('\x1f') == std::string::npos) {
+      json.field(name, text);
+      continue;
+    }
+    std::string shown = text;
+    std::replace(shown.begin(), shown.end(), '\x1f', ',');
+    json.field(name, shown);
+  }
+  json.close('}');
+}
+
+void write_ports(JsonText& json, const char* name, const std::map<std::string, Hashes>& ports) {
+  json.name(name).open('{');
+  for (const auto& [port, hashes] : ports) json.field(port, hashes);
+  json.close('}');
+}
+
+void write_metrics(JsonText& json, const std::vector<Metric>& metrics) {
+  if (metrics.empty()) return;
+  json.name("metrics").open('[');
+  for (const Metric& metric : metrics)
+    json.open('{').field("name", metric.name).field("value", metric.value).field("unit", metric.unit).close('}');
+  json.close(']');
+}
+
+void write_texts(JsonText& json, const NodeResult& result) {
+  if (!result.warnings.empty()) json.field("warnings", result.warnings);
+  if (!result.messages.empty()) json.field("messages", result.messages);
+  if (!result.error.empty()) json.field("error", result.error);
+  if (!result.cause.empty()) json.field("cause", result.cause);
+}
+
+std::uint64_t peak_memory() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
-  json["memory"] = {{"announced", result.memory_announced},
-                    {"process_peak", static_cast<uint64_t>(usage.ru_maxrss) * 1024}};
-  json["parameters"] = parameters_json(node);
-  if (graph && !node.inputs.empty())
-    for (const auto& [port, source] : node.inputs)
-      json["connections"][port] = graph->nodes[source.node].name + "." + source.port;
-  json["fields"] = result.fields;
-  if (!result.why.empty()) json["why"] = result.why;
-  for (const auto* side : {&result.inputs, &result.outputs}) {
-    Json ports = Json::object();
-    for (const auto& [port, hashes] : *side) ports[port] = hashes;
-    json[side == &result.inputs ? "inputs" : "outputs"] = ports;
+  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+}  // namespace
+
+std::string Record::node_line(const GraphNode& node, const NodeResult& result, const Graph* graph) {
+  const Plugin& plugin = *node.kind.plugin;
+  JsonText json;
+  json.open('{').field("event", "node").field("name", node.name).field("kind", node.kind.node->kind);
+  json.field("at", node.at.text()).field("status", to_text(result.status));
+  json.field("items", std::uint64_t{result.items}).field("items_executed", std::uint64_t{result.items_executed});
+  if (result.start > 0) json.field("start", result.start);
+  json.field("seconds", result.seconds).field("item_seconds", result.item_seconds);
+  json.name("plugin").open('{').field("name", plugin.identity.name).field("version", plugin.identity.version);
+  json.field("sha256", plugin.sha256).close('}');
+  json.name("memory").open('{').field("announced", std::uint64_t{result.memory_announced});
+  json.field("process_peak", peak_memory()).close('}');
+  write_parameters(json, node);
+  if (graph && !node.inputs.empty()) {
+    json.name("connections").open('{');
+    for (const auto& [port, source] : node.inputs) json.field(port, graph->nodes[source.node].name + "." + source.port);
+    json.close('}');
   }
-  Json types = Json::object();
-  for (const auto& [port, hashes] : result.outputs) types[port] = node.kind.output(port)->type;
-  json["types"] = types;
-  json["keys"] = result.keys;
-  if (!result.metrics.empty()) {
-    json["metrics"] = Json::array();
-    for (const Metric& metric : result.metrics)
-      json["metrics"].push_back({{"name", metric.name}, {"value", metric.value}, {"unit", metric.unit}});
-  }
-  if (!result.warnings.empty()) json["warnings"] = result.warnings;
-  if (!result.messages.empty()) json["messages"] = result.messages;
-  if (!result.error.empty()) json["error"] = result.error;
-  if (!result.cause.empty()) json["cause"] = result.cause;
-  return dump(json);
+  json.name("fields").open('{');
+  for (const auto& [name, value] : result.fields) json.field(name, value);
+  json.close('}');
+  if (!result.why.empty()) json.field("why", result.why);
+  write_ports(json, "inputs", result.inputs);
+  write_ports(json, "outputs", result.outputs);
+  json.name("types").open('{');
+  for (const auto& [port, hashes] : result.outputs) json.field(port, node.kind.output(port)->type);
+  json.close('}').field("keys", result.keys);
+  write_metrics(json, result.metrics);
+  write_texts(json, result);
+  return json.close('}').take();
 }
 
 void Record::node(const GraphNode& node, const NodeResult& result) { out_.append(node_line(node, result, &graph_)); }
@@ -166,9 +189,7 @@ void Record::end(const RunResult& result, const std::vector<Delivery>& deliverie
        {NodeStatus::executed, NodeStatus::reused, NodeStatus::failed, NodeStatus::skipped, NodeStatus::cancelled})
     json[to_text(status)] = result.count(status);
   json["seconds"] = now() - start_;
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  json["peak_memory"] = static_cast<uint64_t>(usage.ru_maxrss) * 1024;
+  json["peak_memory"] = peak_memory();
   json["outputs"] = Json::object();
   for (const Delivery& delivery : deliveries)
     json["outputs"][delivery.file] = delivery.problem.empty() ? "written" : delivery.problem;

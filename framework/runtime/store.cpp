@@ -17,6 +17,7 @@
 #include <sstream>
 
 #include "runtime/digest.hpp"
+#include "runtime/json_text.hpp"
 #include "runtime/trust.hpp"
 
 namespace plumbline::runtime {
@@ -79,7 +80,7 @@ bool read_all(int file, void* data, size_t size) {
 }
 
 /// The time of modification of a result is that of its last use, to the hour: prune() goes by it.
-void mark_used(const fs::path& file) {
+void mark_used(const std::string& file) {
   struct stat info {};
   timespec now{};
   clock_gettime(CLOCK_REALTIME, &now);
@@ -170,20 +171,27 @@ void Store::remove_leftovers() const {
   }
 }
 
-fs::path Store::blob_path(const std::string& hash) const { return folder_ / "blobs" / hash.substr(0, 2) / hash; }
-
-fs::path Store::temporary_name() {
-  // Of the process and not of the store: one process may have the same store open twice.
-  static std::atomic<uint64_t> count = 0;
-  return folder_ / "tmp" / (temporary_prefix_ + std::to_string(++count));
+// Put together as text: a path is split into its parts at each step, which a node pays for several times.
+std::string Store::blob_path(const std::string& hash) const {
+  return folder_.native() + "/blobs/" + hash.substr(0, 2) + "/" + hash;
 }
 
-void Store::write(const fs::path& path, const void* data, size_t size) {
-  const fs::path temporary = temporary_name();
+std::string Store::run_path(const std::string& key) const {
+  return folder_.native() + "/runs/" + key.substr(0, 2) + "/" + key + ".json";
+}
+
+std::string Store::temporary_name() {
+  // Of the process and not of the store: one process may have the same store open twice.
+  static std::atomic<uint64_t> count = 0;
+  return folder_.native() + "/tmp/" + temporary_prefix_ + std::to_string(++count);
+}
+
+void Store::write(const std::string& path, const void* data, size_t size) {
+  const std::string temporary = temporary_name();
   const auto give_up = [&](const char* what) {
     const int error = errno;
     ::unlink(temporary.c_str());
-    fail(what + path.string(), error);
+    fail(what + path, error);
   };
   {
     const File file(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
@@ -193,17 +201,17 @@ void Store::write(const fs::path& path, const void* data, size_t size) {
   }
   if (::rename(temporary.c_str(), path.c_str()) != 0) {
     std::error_code ignored;
-    fs::create_directories(path.parent_path(), ignored);
+    fs::create_directories(fs::path(path).parent_path(), ignored);
     if (::rename(temporary.c_str(), path.c_str()) != 0) give_up("cannot write ");
   }
   if (durable_) {
-    const File parent(::open(path.parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+    const File parent(::open(fs::path(path).parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
     if (parent.number >= 0) fsync(parent.number);
   }
   unsynced_ = true;
 }
 
-std::shared_ptr<const Blob::Memory> Store::load(const fs::path& path) const {
+std::shared_ptr<const Blob::Memory> Store::load(const std::string& path) const {
   const File file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
   if (file.number < 0) return nullptr;
   struct stat info {};
@@ -223,7 +231,7 @@ std::shared_ptr<const Blob::Memory> Store::load(const fs::path& path) const {
 
 std::string Store::put(const void* data, size_t size) {
   std::string hash = sha256_of(data, size);
-  const fs::path path = blob_path(hash);
+  const std::string path = blob_path(hash);
   {
     const std::scoped_lock lock(mutex_);
     if (checked_.count(hash) && access(path.c_str(), R_OK) == 0) return hash;
@@ -246,7 +254,7 @@ Blob Store::get(const std::string& hash) {
       if (auto memory = found->second.lock()) return Blob(std::move(memory));
     checked = checked_.count(hash) > 0;
   }
-  const fs::path path = blob_path(hash);
+  const std::string path = blob_path(hash);
   auto memory = load(path);
   if (!memory) {
     const std::scoped_lock lock(mutex_);
@@ -265,23 +273,30 @@ Blob Store::get(const std::string& hash) {
 }
 
 void Store::put_run(const std::string& key, const StoredRun& run) {
-  nlohmann::ordered_json json;
-  json["kind"] = run.kind;
-  json["outputs"] = run.outputs;
-  if (!run.folders.empty()) json["folders"] = run.folders;
-  for (const Metric& metric : run.metrics)
-    json["metrics"].push_back({{"name", metric.name}, {"value", metric.value}, {"unit", metric.unit}});
-  if (!run.warnings.empty()) json["warnings"] = run.warnings;
-  if (!run.messages.empty()) json["messages"] = run.messages;
-  json["seconds"] = run.seconds;
-  // Text that a node made of foreign bytes may be no UTF-8; a record is not the place to fail for that.
-  const std::string text = json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
-  write(folder_ / "runs" / key.substr(0, 2) / (key + ".json"), text.data(), text.size());
+  JsonText json;
+  json.open('{').field("kind", run.kind).name("outputs").open('{');
+  for (const auto& [port, hashes] : run.outputs) json.field(port, hashes);
+  json.close('}');
+  if (!run.folders.empty()) {
+    json.name("folders").open('{');
+    for (const auto& [name, tree] : run.folders) json.field(name, tree);
+    json.close('}');
+  }
+  if (!run.metrics.empty()) {
+    json.name("metrics").open('[');
+    for (const Metric& metric : run.metrics)
+      json.open('{').field("name", metric.name).field("value", metric.value).field("unit", metric.unit).close('}');
+    json.close(']');
+  }
+  if (!run.warnings.empty()) json.field("warnings", run.warnings);
+  if (!run.messages.empty()) json.field("messages", run.messages);
+  const std::string text = json.field("seconds", run.seconds).close('}').take() + "\n";
+  write(run_path(key), text.data(), text.size());
 }
 
 std::optional<StoredRun> Store::find_run(const std::string& key, std::string& damage) {
   damage.clear();
-  const fs::path path = folder_ / "runs" / key.substr(0, 2) / (key + ".json");
+  const std::string path = run_path(key);
   const auto text = load(path);
   if (!text) return std::nullopt;
   StoredRun run;

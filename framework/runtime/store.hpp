@@ -129,10 +129,11 @@ class Store {
   struct ReadOnly {};
   Store(const std::filesystem::path& folder, ReadOnly);
   void check_trust() const;
-  std::filesystem::path blob_path(const std::string& hash) const;
-  std::filesystem::path temporary_name();
-  void write(const std::filesystem::path& path, const void* data, size_t size);
-  std::shared_ptr<const Blob::Memory> load(const std::filesystem::path& path) const;
+  std::string blob_path(const std::string& hash) const;
+  std::string run_path(const std::string& key) const;
+  std::string temporary_name();
+  void write(const std::string& path, const void* data, size_t size);
+  std::shared_ptr<const Blob::Memory> load(const std::string& path) const;
   [[noreturn]] void fail(const std::string& what, int error) const;
   void remove_leftovers() const;
 

@@ -5,6 +5,8 @@
 #include <limits>
 #include <optional>
 
+#include "plumbline/stop.hpp"
+
 namespace plumbline::adjustment {
 
 namespace {
@@ -114,6 +116,7 @@ Solution solve(Problem& problem, const SolverOptions& options) {
   Solution s = start(problem, options);
   double damping = 0;
   while (s.iterations() < options.max_iterations && !s.converged) {
+    stop_point();
     const bool taken = iterate(problem, s, damping, options);
     if (taken) {
       linearise(problem, s.unknowns, true, s.linearisation);

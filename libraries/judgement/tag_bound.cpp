@@ -6,6 +6,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "plumbline/stop.hpp"
+
 namespace plumbline::evaluate {
 
 namespace {
@@ -44,8 +46,10 @@ class Bound {
   Eigen::MatrixXd solve() {
     std::vector<std::vector<const BoundTag*>> by_image(p_.cam_from_world.size());
     for (const BoundTag& tag : p_.tags) by_image.at(tag.image).push_back(&tag);
-    for (std::size_t i = 0; i < by_image.size(); ++i)
+    for (std::size_t i = 0; i < by_image.size(); ++i) {
+      stop_point();
       if (!by_image[i].empty()) eliminate(i, by_image[i]);
+    }
     add_priors();
     return anchors();
   }

@@ -8,6 +8,8 @@
 #include <functional>
 #include <set>
 
+#include "plumbline/stop.hpp"
+
 namespace plumbline::pose {
 namespace {
 
@@ -200,6 +202,7 @@ std::string what_would_explain(const std::vector<ImageTagsT>& images, const Came
   double best = std::max(kAgrees, 1 - kLeft * (1 - now));
   std::string words;
   for (const Hypothesis& hypothesis : all) {
+    stop_point();
     const double agree = share(most, brown, field, solver, settings, hypothesis);
     if (agree < best || (agree == best && !words.empty())) continue;
     best = agree;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "geometry/packed_symmetric.hpp"
+#include "plumbline/stop.hpp"
 #include "pose/explanation.hpp"
 #include "pose/tag_field.hpp"
 
@@ -124,6 +125,7 @@ PosesT initial_poses(const std::vector<ImageTagsT>& images, const CameraT& camer
   };
   for (const std::string& sentence : same_photographs(images)) warn(sentence);
   for (const ImageTagsT& image : images) {
+    stop_point();
     try {
       if (image.width > 0 && brown.width > 0 && (image.width != brown.width || image.height != brown.height))
         throw std::runtime_error("has " + std::to_string(image.width) + " x " + std::to_string(image.height) +

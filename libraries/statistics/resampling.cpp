@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "geometry/random.hpp"
+#include "plumbline/stop.hpp"
 
 namespace plumbline::statistics {
 
@@ -26,6 +27,7 @@ std::vector<double> bootstrap(const std::vector<std::size_t>& trials, const Stat
   std::vector<double> values;
   values.reserve(static_cast<std::size_t>(options.resamples));
   for (int b = 0; b < options.resamples; ++b) {
+    stop_point();
     for (std::vector<double>& stratum : weights) {
       std::fill(stratum.begin(), stratum.end(), 0.0);
       for (std::size_t k = 0; k < stratum.size(); ++k)

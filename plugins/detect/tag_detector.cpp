@@ -11,6 +11,7 @@
 #include "detect/corner_refinement.hpp"
 #include "detect/tag_family.hpp"
 #include "images/grey_image.hpp"
+#include "plumbline/stop.hpp"
 
 namespace plumbline::detect {
 namespace {
@@ -87,6 +88,7 @@ std::vector<DetectedTag> TagDetector::detect(const GreyImage& image) {
   image_u8_t view{image.width, image.height, image.width, const_cast<std::uint8_t*>(image.pixels.data())};
   const Detections found(apriltag_detector_detect(impl_->detector.get(), &view), apriltag_detections_destroy);
 
+  stop_point();
   std::vector<Quadrilateral> quadrilaterals;
   for (int k = 0; k < zarray_size(found.get()); ++k) {
     apriltag_detection_t* detection = nullptr;

@@ -12,6 +12,7 @@
 
 #include "block/bundle/adjust.hpp"
 #include "plumbline/rigid_transform.hpp"
+#include "plumbline/stop.hpp"
 
 namespace plumbline::bundle {
 namespace {
@@ -207,6 +208,13 @@ void add_terms(const std::vector<Term>& terms, const Values& values, ceres::Loss
   }
 }
 
+class StopIfAsked : public ceres::IterationCallback {
+ public:
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary&) override {
+    return StopScope::is_asked_for() ? ceres::SOLVER_ABORT : ceres::SOLVER_CONTINUE;
+  }
+};
+
 }  // namespace
 
 MinimiseSummary minimise_ceres(const Problem& problem, State& state, const MinimiseOptions& options) {
@@ -244,8 +252,11 @@ MinimiseSummary minimise_ceres(const Problem& problem, State& state, const Minim
   solver.function_tolerance = options.function_tolerance;
   solver.gradient_tolerance = 1e-14;
   solver.parameter_tolerance = options.step_tolerance;
+  StopIfAsked stop;
+  solver.callbacks.push_back(&stop);
   ceres::Solver::Summary found;
   ceres::Solve(solver, &ceres_problem, &found);
+  stop_point();
   values.read();
   state = values.state;
   return {found.termination_type == ceres::CONVERGENCE, static_cast<int>(found.iterations.size()),

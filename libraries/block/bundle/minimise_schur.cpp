@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "block/bundle/adjust.hpp"
+#include "plumbline/stop.hpp"
 
 namespace plumbline::bundle {
 namespace {
@@ -35,6 +36,7 @@ MinimiseSummary minimise_schur(const Problem& problem, State& state, const Minim
   double growth = 2;
   State trial;
   while (summary.iterations < options.max_iterations) {
+    stop_point();
     ++summary.iterations;
     Eigen::VectorXd step;
     bool usable = elimination.factorise({});

@@ -9,6 +9,7 @@
 #include <iterator>
 #include <set>
 
+#include "plumbline/stop.hpp"
 #include "survey/start/approximate_figure.hpp"
 #include "survey/start/approximate_frame.hpp"
 
@@ -234,6 +235,7 @@ std::vector<Approximation> approximate_coordinates(const SurveyObservations& sur
   for (size_t level = 0; open && searches < kMostSearches; ++level) {
     open = false;
     for (size_t h = 0, n = followed.size(); h < n; ++h) {
+      stop_point();
       if (followed[h].choices.met().size() <= level) continue;
       open = true;
       for (int place = 1; place < followed[h].choices.met()[level].places; ++place, ++searches) {

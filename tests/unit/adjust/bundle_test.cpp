@@ -6,6 +6,7 @@
 #include <Eigen/Dense>
 
 #include "block/bundle/adjust.hpp"
+#include "plumbline/stop.hpp"
 #include "synthetic_block.hpp"
 #include "test_support.hpp"
 
@@ -378,6 +379,24 @@ TEST(Bundle, ABadStartNamesTheImage) {
   options.minimise.max_iterations = 1;
   const Layout layout(scene.problem);
   EXPECT_THAT(error_of([&] { bundle::adjust(scene.problem, layout, scene.state, options); }), HasSubstr("image3"));
+}
+
+/// Both engines ask once an iteration; nothing asks outside of the scope.
+TEST(Bundle, StopsWhenNobodyWaitsForIt) {
+  const Scene scene = noisy_scene(1, false);
+  const Layout layout(scene.problem);
+  AdjustOptions schur, ceres;
+  ceres.minimiser = minimise_ceres;
+  for (const AdjustOptions* options : {&schur, &ceres}) {
+    int asked = 0;
+    {
+      const StopScope scope([](const void* count) { return ++*static_cast<int*>(const_cast<void*>(count)) > 1; },
+                            &asked);
+      EXPECT_THROW(bundle::adjust(scene.problem, layout, scene.state, *options), Stopped);
+    }
+    EXPECT_GE(asked, 2);
+    EXPECT_NO_THROW(bundle::adjust(scene.problem, layout, scene.state, *options));
+  }
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "runtime/json_text.hpp"
 #include "story.hpp"
 
 namespace plumbline::test {
@@ -47,6 +48,24 @@ TEST(Record, AFolderThatCannotBeWrittenIsNamed) {
   const auto file = story.folder.path() / "file";
   std::ofstream(file) << "x";
   EXPECT_THROW(runtime::OutputFolder(file / "out", story.store->file_hashes()), std::runtime_error);
+}
+
+TEST(JsonText, IsWhatAParserReadsBack) {
+  runtime::JsonText json;
+  json.open('{').field("text", "a \"quoted\" line\n\ttab \\ \xc3\xbc").field("no utf-8", std::string("a\xff") + "b");
+  json.field("tenth", 0.1).field("whole", 2.0).field("nan", std::nan("")).field("big", ~std::uint64_t{0});
+  json.field("list", std::vector<std::string>{"x", "y"}).name("empty").open('[').close(']').close('}');
+  const auto read = nlohmann::json::parse(json.take());
+  EXPECT_EQ(read["text"], "a \"quoted\" line\n\ttab \\ \xc3\xbc");
+  EXPECT_EQ(read["no utf-8"],
+            "a\xef\xbf\xbd"
+            "b");
+  EXPECT_EQ(read["tenth"], 0.1);
+  EXPECT_TRUE(read["whole"].is_number_float());
+  EXPECT_TRUE(read["nan"].is_null());
+  EXPECT_EQ(read["big"], ~std::uint64_t{0});
+  EXPECT_EQ(read["list"], (std::vector<std::string>{"x", "y"}));
+  EXPECT_TRUE(read["empty"].empty());
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "plumbline/node/ports.hpp"
+#include "plumbline/stop.hpp"
 
 namespace plumbline {
 
@@ -22,6 +23,7 @@ int run_node(const plumbline_host* host, const plumbline_node* entry) noexcept {
     N node;
     host_of_this_run = nullptr;
     Context context(*host, *entry);
+    const StopScope scope([](const void* of) { return static_cast<const Context*>(of)->cancelled(); }, &context);
     static_cast<Node&>(node).run(context);
     return 0;
   } catch (const std::exception& error) {
