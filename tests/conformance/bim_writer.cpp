@@ -6,6 +6,7 @@
 #include "artifacts/file.hpp"
 #include "ifc/step.hpp"
 #include "node_harness.hpp"
+#include "parameter_effects.hpp"
 
 namespace {
 
@@ -55,12 +56,16 @@ struct Problem {
 
 class BimWriter : public testing::TestWithParam<std::string> {
  protected:
-  static std::string written(const Problem& problem) {
+  static NodeHarness prepared(const Problem& problem) {
     NodeHarness node(GetParam());
     node.input<plumbline::File>("design_file", problem.file);
     node.input<Design>("design", problem.design);
     node.input<Deviation>("deviation", problem.deviation);
     node.input<Accuracy>("accuracy", problem.accuracy);
+    return node;
+  }
+  static std::string written(const Problem& problem) {
+    NodeHarness node = prepared(problem);
     node.run();
     const FileT file = node.output<plumbline::File>("file");
     return {file.content.begin(), file.content.end()};
@@ -118,6 +123,11 @@ TEST_P(BimWriter, RefusesADesignOfAnotherFileAndDamage) {
   Problem cut(small_building("IFC4"));
   cut.file.content.resize(cut.file.content.size() / 2);
   EXPECT_THROW(written(cut), NodeFailed);
+}
+
+TEST_P(BimWriter, EveryParameterHasItsEffect) {
+  const Problem problem(small_building("IFC4"));
+  EXPECT_EQ(parameters_at_fault({[&] { return prepared(problem); }}), "");
 }
 
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(BimWriter);

@@ -1,5 +1,6 @@
 // What every pose initialiser must do.
 #include "node_harness.hpp"
+#include "parameter_effects.hpp"
 #include "synthetic_facade.hpp"
 
 namespace {
@@ -64,6 +65,22 @@ TEST_P(PoseInitialiser, NamesAnImageWithTooFewMarkers) {
   } catch (const NodeFailed& error) {
     EXPECT_NE(std::string(error.what()).find(facade.images[2].path), std::string::npos) << error.what();
   }
+}
+
+TEST_P(PoseInitialiser, EveryParameterHasItsEffect) {
+  // Seven tags in two images, three of them wrong, and no sigmas in the second.
+  SyntheticFacade facade = make_facade({.floors = 1, .pixel_sigma = 0.3});
+  facade.images.resize(2);
+  for (ImageTagsT& image : facade.images) {
+    image.tags.resize(7);
+    for (size_t i = 0; i < 3; ++i)
+      for (auto& corner : image.tags[2 * i]->corners) corner += Eigen::Vector2d(431.0, -377.0) * (1.0 + double(i));
+  }
+  for (auto& tag : facade.images[1].tags) tag->corner_covariances.clear();
+  SyntheticFacade poor = make_facade({.floors = 1, .pixel_sigma = 0.3});
+  poor.images.resize(2);
+  poor.images[1].tags.resize(2);
+  EXPECT_EQ(parameters_at_fault({[&] { return prepared(facade); }, [&] { return prepared(poor); }}), "");
 }
 
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(PoseInitialiser);

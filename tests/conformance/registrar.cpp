@@ -1,6 +1,7 @@
 // What every registrar must do: equations (6) and (8).
 #include "artifacts/transform.hpp"
 #include "node_harness.hpp"
+#include "parameter_effects.hpp"
 #include "synthetic_facade.hpp"
 
 namespace {
@@ -64,6 +65,30 @@ TEST_P(Registrar, RefusesTooFewAndCollinearPoints) {
   }
   EXPECT_THROW(registered(two, two), NodeFailed);
   EXPECT_THROW(registered(line, line), NodeFailed);
+}
+
+TEST_P(Registrar, EveryParameterHasItsEffect) {
+  SyntheticFacade facade = make_facade({.floors = 2, .survey_sigma = 0.001, .seed = 5});
+  facade.control.points[3]->position.x() += 0.05;  // a blunder, for what is robust
+  const auto prepared = [&](const PointsT& target, const std::map<std::string, std::string>& settings) {
+    return [&facade, target = &target, settings] {
+      NodeHarness node(GetParam());
+      node.input<Points>("source", facade.truth);
+      node.input<Points>("target", *target);
+      for (const auto& [name, value] : settings)
+        if (node.has_parameter(name, value)) node.set(name, value);
+      return node;
+    };
+  };
+  PointsT narrow;  // a figure a hundred times longer than wide
+  for (const auto& point : facade.control.points) {
+    narrow.points.push_back(std::make_unique<PointT>(*point));
+    narrow.points.back()->position.x() *= 0.005;
+  }
+  EXPECT_EQ(parameters_at_fault({prepared(facade.control, {}), prepared(facade.control, {{"estimator", "huber"}}),
+                                 prepared(facade.control, {{"estimator", "truncated"}, {"weights", "equal"}}),
+                                 prepared(narrow, {})}),
+            "");
 }
 
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(Registrar);

@@ -8,6 +8,7 @@
 #include "artifacts/survey_network.hpp"
 #include "artifacts/survey_observations.hpp"
 #include "node_harness.hpp"
+#include "parameter_effects.hpp"
 #include "simulated_network.hpp"
 
 namespace plumbline {
@@ -117,6 +118,33 @@ TEST_P(SurveyAdjuster, NamesWhatADegenerateNetworkLacks) {
     EXPECT_NE(std::string(error.what()).find("M12"), std::string::npos) << error.what();
     EXPECT_NE(std::string(error.what()).find("rank defect"), std::string::npos) << error.what();
   }
+}
+
+TEST_P(SurveyAdjuster, EveryParameterHasItsEffect) {
+  // Two readings are wrong, one of them hardly; without sigmas the instrument's profile counts.
+  SimulationSettings settings;
+  auto given = survey::test::simulate(settings, 5);
+  settings.sigmas = false;
+  auto by_profile = survey::test::simulate(settings, 5);
+  for (auto* n : {&given, &by_profile}) {
+    n->survey.observations[20].value += 0.02;
+    n->survey.observations[50].value += 0.006;
+  }
+  const PointsT control = control_of(given, {0, 3, 8}, 0.002);
+  const auto with = [&](const SimulatedNetwork& n, bool known, const std::map<std::string, std::string>& values) {
+    return [&n, &control, known, values] {
+      test::NodeHarness node(GetParam());
+      node.input<SurveyObservations>("observations", survey::to_artifact(n.survey));
+      if (known) node.input<Points>("control", control);
+      for (const auto& [name, value] : values)
+        if (node.has_parameter(name, value)) node.set(name, value);
+      return node;
+    };
+  };
+  EXPECT_EQ(test::parameters_at_fault({with(given, false, {}), with(given, true, {}), with(by_profile, true, {}),
+                                       with(given, true, {{"remove_blunders", "true"}}),
+                                       with(given, true, {{"datum", "weighted"}, {"curvature", "on"}})}),
+            "");
 }
 
 INSTANTIATE_TEST_SUITE_P(Conformance, SurveyAdjuster, testing::ValuesIn(test::kinds_of_role("survey_adjuster")),

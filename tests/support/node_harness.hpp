@@ -11,6 +11,7 @@
 // kit.
 #pragma once
 
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <set>
@@ -97,6 +98,37 @@ class NodeHarness {
     const plumbline_host host = make_host();
     if (kind_.node->run(&host, kind_.node)) throw NodeFailed(error_.empty() ? "(no message)" : error_);
     check_outputs();
+  }
+
+  /// Runs the node; all that came of it as one text: outputs, metrics and warnings, or the error after "failed: ".
+  std::string outcome() {
+    try {
+      run();
+    } catch (const NodeFailed& error) {
+      return std::string("failed: ") + error.what();
+    }
+    std::string text;
+    for (const auto& [port, items] : outputs_)
+      for (const auto& bytes : items) text += port + " " + runtime::sha256_of(bytes.data(), bytes.size()) + "\n";
+    for (const auto& [name, value] : metrics_) text += name + " " + std::to_string(value) + "\n";
+    for (const std::string& warning : warnings_) text += warning + "\n";
+    return text;
+  }
+
+  std::vector<const plumbline_param*> declared_parameters() const {
+    return {kind_.node->params, kind_.node->params + kind_.node->param_count};
+  }
+  /// Whether it has the parameter, and `value` is among its choices if it has choices.
+  bool has_parameter(const std::string& name, const std::string& value) const {
+    const plumbline_param* param = kind_.param(name);
+    if (!param || param->choice_count == 0) return param != nullptr;
+    return std::find(param->choices, param->choices + param->choice_count, value) !=
+           param->choices + param->choice_count;
+  }
+  /// The value that is set, or the default; empty if there is neither.
+  std::string parameter(const std::string& name) const {
+    const auto found = params_.find(name);
+    return found == params_.end() ? "" : found->second;
   }
 
   size_t output_count(const std::string& port) const { return outputs_.count(port) ? outputs_.at(port).size() : 0; }

@@ -166,6 +166,14 @@ void Merger::decide_stations() {
     }
     for (const Observation& o : surveys_[i].observations) sighted[i].insert(o.to);
   }
+  for (const std::string& station : options_.same_stations)
+    if (const auto found = occupied.find(station);
+        station != "*" && (found == occupied.end() || found->second.size() < 2))
+      find(Finding::Severity::warning,
+           "same_stations names " + station + ", which is occupied in " +
+               (found == occupied.end() ? std::string("no file") : files_[found->second.front()] + " only") +
+               ": there is nothing to unite; check the name",
+           {station});
   for (const auto& [station, files] : occupied) {
     if (files.size() > 1) {
       decide_station(station, files);
@@ -341,7 +349,7 @@ MergedSurvey Merger::run() {
 
 MergedSurvey merge_surveys(const std::vector<SurveyObservations>& surveys, const MergeOptions& options) {
   if (surveys.empty()) return {};
-  if (surveys.size() == 1) return {surveys.front(), {}};
+  if (surveys.size() == 1 && options.same_stations.empty()) return {surveys.front(), {}};
   return Merger(surveys, options).run();
 }
 

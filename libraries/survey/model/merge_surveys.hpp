@@ -12,7 +12,8 @@ namespace plumbline::survey {
 struct MergeOptions {
   /// Points known beforehand (control): a set-up on one of them stands on that mark, in whatever file.
   std::vector<std::string> known;
-  /// Stations of which the user says that they are the same mark in all files; "*": all of them.
+  /// Stations of which the user says that they are the same mark in all files; "*": all of them. One that fewer than
+  /// two files occupy is a warning.
   std::vector<std::string> same_stations;
 };
 

@@ -48,6 +48,16 @@ TEST(MergeSurveys, FreeStationsOfOneNameAreTwoPoints) {
   EXPECT_LT(result.sigma0, 1.3);
 }
 
+TEST(MergeSurveys, AMistypedNameOfASameStationIsSaid) {
+  MergeOptions options;
+  options.same_stations = {"S3", "S1"};
+  EXPECT_TRUE(
+      says(merge_surveys({day("monday.gsi", 1)}, options), "same_stations names S3, which is occupied in no file"));
+  const MergedSurvey merged = merge_surveys({day("monday.gsi", 1), day("tuesday.gsi", 2)}, options);
+  EXPECT_TRUE(says(merged, "S3, which is occupied in no file"));
+  EXPECT_FALSE(says(merged, "S1, which is"));
+}
+
 TEST(MergeSurveys, TheSameFigureIsTheSameMark) {
   const MergedSurvey merged = merge_surveys({day("monday.gsi", 1), day("tuesday.gsi", 2)});
   EXPECT_TRUE(says(merged, "station S1 of monday, tuesday was united"));
