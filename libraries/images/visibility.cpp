@@ -1,5 +1,6 @@
 #include "images/visibility.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -23,6 +24,22 @@ int value_exceeded_by(const Histogram& histogram, double share) {
   return 0;
 }
 
+/// Between the 2nd and the 98th of a hundred grey values, in the square of 64 px that has most.
+int best_contrast(const GreyImage& image) {
+  constexpr int kSide = 64;
+  int best = 0;
+  for (int top = 0; top < image.height; top += kSide)
+    for (int left = 0; left < image.width; left += kSide) {
+      Histogram values{};
+      for (int y = top; y < std::min(top + kSide, image.height); ++y)
+        for (int x = left; x < std::min(left + kSide, image.width); ++x)
+          ++values[image.pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
+                                static_cast<std::size_t>(x)]];
+      best = std::max(best, value_exceeded_by(values, 0.02) - value_exceeded_by(values, 0.98));
+    }
+  return best;
+}
+
 std::string rounded(double value) { return std::to_string(static_cast<int>(std::lround(value))); }
 
 }  // namespace
@@ -41,6 +58,7 @@ Visibility visibility(const GreyImage& image) {
     }
   Visibility result;
   result.darkest = value_exceeded_by(values, 0.995), result.brightest = value_exceeded_by(values, 0.005);
+  result.contrast = best_contrast(image);
   const double slope = 0.5 * value_exceeded_by(slopes, 1e-4);
   const double step = result.brightest - result.darkest;
   result.edge_sigma =
@@ -57,8 +75,9 @@ std::string why_nothing_is_found(const GreyImage& image) {
                             std::to_string(seen.brightest) + " of 255";
   if (seen.brightest < kDark) return "the photograph is dark (" + range + "): expose longer, or take off the cap";
   if (seen.darkest > kBright) return "the photograph is overexposed (" + range + "): expose shorter";
-  if (seen.brightest - seen.darkest < kContrast)
-    return "the photograph has next to no contrast (" + range + "): mist, dirt on the lens, or wrong exposure";
+  if (seen.contrast < kContrast)
+    return "the photograph has next to no contrast (at most " + std::to_string(seen.contrast) +
+           " of 255 grey values in any square of 64 px): mist, dirt on the lens, or wrong exposure";
   if (seen.edge_sigma > kBlur)
     return "the photograph is blurred (its sharpest edges have a blur of " +
            (std::isfinite(seen.edge_sigma) ? rounded(seen.edge_sigma) : std::string("more than 100")) +

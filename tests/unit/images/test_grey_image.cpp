@@ -179,6 +179,7 @@ TEST(Visibility, SaysWhatKeepsTagsFromBeingFound) {
   EXPECT_THAT(why_nothing_is_found(step(0, 10, 1)), HasSubstr("dark"));
   EXPECT_THAT(why_nothing_is_found(step(250, 255, 1)), HasSubstr("overexposed"));
   EXPECT_THAT(why_nothing_is_found(step(120, 140, 1)), HasSubstr("contrast"));
+  EXPECT_THAT(why_nothing_is_found(step(40, 200, 250)), HasSubstr("contrast")) << "light that changes is no contrast";
   EXPECT_THAT(why_nothing_is_found(step(20, 220, 8)), AllOf(HasSubstr("blur of 8 px"), HasSubstr("out of focus")));
   EXPECT_EQ(why_nothing_is_found(step(20, 220, 1)), "");
   EXPECT_EQ(why_nothing_is_found(step(100, 140, 3)), "");
