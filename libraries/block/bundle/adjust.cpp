@@ -7,6 +7,8 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "block/bundle/parts.hpp"
+
 namespace plumbline::bundle {
 namespace {
 
@@ -207,6 +209,7 @@ void require_determined(const Problem& problem, const Layout& layout, const Stat
           "; " + describe_direction(problem, layout, state, elimination,
                                     full_direction(layout, elimination, spectrum.eigenvectors().col(i)).unknowns);
   if (defect == 0) return;
+  if (const std::string parts = words_of_parts(problem); !parts.empty()) throw std::runtime_error(parts);
   throw std::runtime_error("the block has a rank defect of " + std::to_string(defect) + ": undetermined is" +
                            message.substr(1));
 }

@@ -6,6 +6,7 @@
 #include <Eigen/Dense>
 
 #include "block/bundle/adjust.hpp"
+#include "block/bundle/parts.hpp"
 #include "plumbline/stop.hpp"
 #include "synthetic_block.hpp"
 #include "test_support.hpp"
@@ -369,6 +370,27 @@ TEST(Bundle, WhatIsUndeterminedIsNamed) {
   const Layout larger(alone.problem);
   EXPECT_THAT(error_of([&] { bundle::adjust(alone.problem, larger, alone.state, {}); }),
               HasSubstr("undetermined is the position of lonely"));
+}
+
+TEST(Bundle, PartsThatShareNothingAreNamed) {
+  Scene one = noisy_scene(1, false), two = noisy_scene(1, false);
+  EXPECT_EQ(image_parts(one.problem).size(), 1u);
+  one.problem.known.clear(), one.problem.distances.clear();
+  // The same block once more, beside the first: what it is made of has numbers of its own.
+  const int images = static_cast<int>(one.problem.images.size()), points = static_cast<int>(one.problem.points.size()),
+            plates = static_cast<int>(one.problem.plates.size());
+  const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+  append(one.problem.images, two.problem.images), append(one.state.images, two.state.images);
+  append(one.problem.points, two.problem.points), append(one.state.points, two.state.points);
+  append(one.problem.plates, two.problem.plates), append(one.state.plates, two.state.plates);
+  for (auto o : two.problem.image_points) o.image += images, o.point += points, one.problem.image_points.push_back(o);
+  for (auto o : two.problem.image_tags) o.image += images, o.plate += plates, one.problem.image_tags.push_back(o);
+  EXPECT_EQ(image_parts(one.problem).size(), 2u);
+  const Layout layout(one.problem);
+  AdjustOptions options;
+  options.datum = inner_datum(one.problem, layout, 7);
+  EXPECT_THAT(error_of([&] { bundle::adjust(one.problem, layout, one.state, options); }),
+              HasSubstr("falls into 2 parts that share no tag and no point"));
 }
 
 TEST(Bundle, ABadStartNamesTheImage) {
