@@ -68,6 +68,10 @@ struct Elevation {
   double pixels_per_metre = 1;
   double exaggeration = 1;
   std::map<int, std::string> prefixes;  ///< of names, left out in the drawing
+
+  Eigen::Vector2d drawn(const Eigen::Vector3d& point) const {
+    return {x(direction.dot(point.head<2>())), y(point.z())};
+  }
 };
 
 double smallest_spacing(const std::vector<Spot>& spots) {
@@ -120,15 +124,35 @@ Elevation layout(const AccuracyT& accuracy, const View& view) {
 void draw_panels(Markup& svg, const Elevation& e, const View& view) {
   for (const Quad& quad : view.panels) {
     std::string points;
-    Eigen::Vector2d middle = Eigen::Vector2d::Zero();
     for (const Eigen::Vector3d& corner : quad.corners) {
-      const Eigen::Vector2d at(e.x(e.direction.dot(corner.head<2>())), e.y(corner.z()));
+      const Eigen::Vector2d at = e.drawn(corner);
       points += (points.empty() ? "" : " ") + px(at.x()) + "," + px(at.y());
-      middle += at / static_cast<double>(quad.corners.size());
     }
     svg.empty("polygon", {{"class", std::string("quad ") + verdict_class(quad.verdict)}, {"points", points}});
-    label(svg, middle.x(), middle.y(), quad.name, "small halo", "middle");
-    verdict_symbol(svg, middle.x(), middle.y() + 12, 4, quad.verdict, false);
+  }
+}
+
+/// Names of panels where their anchors leave room, with the sign of the verdict: the middle often holds a check anchor.
+void name_panels(Markup& svg, const Elevation& e, const View& view, LabelPlacer& labels) {
+  for (const Quad& quad : view.panels) {
+    const char* sign = quad.verdict == ToleranceVerdict::pass        ? "● "
+                       : quad.verdict == ToleranceVerdict::undecided ? "▲ "
+                       : quad.verdict == ToleranceVerdict::fail      ? "■ "
+                                                                     : "✕ ";
+    const auto at = [&](double across, double up) {
+      const Eigen::Vector3d low = quad.corners[0] + across * (quad.corners[1] - quad.corners[0]);
+      const Eigen::Vector3d high = quad.corners[3] + across * (quad.corners[2] - quad.corners[3]);
+      return e.drawn(low + up * (high - low));
+    };
+    bool placed = false;
+    for (const double up : {0.9, 0.1, 0.7, 0.3, 0.6, 0.4, 0.5})
+      for (const double across : {0.5, 0.3, 0.7}) {
+        const Eigen::Vector2d p = at(across, up);
+        placed = placed || labels.place_at(svg, p.x(), p.y(), "middle", sign + quad.name, "small halo");
+      }
+    if (placed) continue;
+    const Eigen::Vector2d p = at(0.5, 0.9);
+    label(svg, p.x(), p.y(), sign + quad.name, "small halo", "middle");
   }
 }
 
@@ -194,6 +218,7 @@ void draw_elevation(Markup& html, const Elevation& e, const View& view) {
     if (!labels.place(html, x, y, 13, name, "halo mark"))
       label(html, x + 9, y + 4, name + value, "halo small", "start");
   }
+  name_panels(html, e, view, labels);
 }
 
 void write_legend(Markup& html) {

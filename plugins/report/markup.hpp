@@ -12,9 +12,6 @@ namespace plumbline::report {
 
 using Attributes = std::initializer_list<std::pair<std::string_view, std::string>>;
 
-/// Text with & < > " ' replaced, control characters that XML forbids dropped, and bytes that are no UTF-8 as U+FFFD.
-std::string escape(std::string_view text);
-
 class Markup {
  public:
   /// Opens an element; close() closes the innermost.

@@ -63,22 +63,26 @@ void LabelPlacer::block_segment(double x0, double y0, double x1, double y1) {
   }
 }
 
-bool LabelPlacer::place(Markup& svg, double x, double y, double gap, const std::string& text,
-                        const std::string& css_class) {
+bool LabelPlacer::place_at(Markup& svg, double x, double y, const char* anchor_name, const std::string& text,
+                           const std::string& css_class) {
   // 0.62 em is the widest average of the fonts the style names.
   const double width = 0.62 * font_size_ * character_count(text), height = 1.1 * font_size_;
-  for (const Candidate& candidate : candidates) {
-    const double cx = x + candidate.x * gap, cy = y + candidate.y * gap;
-    const std::string anchor = candidate.anchor;
-    const double left = anchor == "start" ? cx : anchor == "end" ? cx - width : cx - 0.5 * width;
-    const Box box{left, cy - 0.5 * height, left + width, cy + 0.5 * height};
-    if (box.left < area_.left || box.right > area_.right || box.top < area_.top || box.bottom > area_.bottom) continue;
-    if (std::any_of(taken_.begin(), taken_.end(), [&](const Box& other) { return other.overlaps(box); })) continue;
-    taken_.push_back(box);
-    label(svg, cx, cy + 0.35 * font_size_, text, css_class, anchor);
-    return true;
-  }
-  return false;
+  const std::string anchor = anchor_name;
+  const double left = anchor == "start" ? x : anchor == "end" ? x - width : x - 0.5 * width;
+  const Box box{left, y - 0.5 * height, left + width, y + 0.5 * height};
+  if (box.left < area_.left || box.right > area_.right || box.top < area_.top || box.bottom > area_.bottom)
+    return false;
+  if (std::any_of(taken_.begin(), taken_.end(), [&](const Box& other) { return other.overlaps(box); })) return false;
+  taken_.push_back(box);
+  label(svg, x, y + 0.35 * font_size_, text, css_class, anchor);
+  return true;
+}
+
+bool LabelPlacer::place(Markup& svg, double x, double y, double gap, const std::string& text,
+                        const std::string& css_class) {
+  return std::any_of(candidates.begin(), candidates.end(), [&](const Candidate& c) {
+    return place_at(svg, x + c.x * gap, y + c.y * gap, c.anchor, text, css_class);
+  });
 }
 
 Scope drawing(Markup& markup, double width, double height, const std::string& description) {

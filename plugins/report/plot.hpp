@@ -40,6 +40,9 @@ class LabelPlacer {
   void block_segment(double x0, double y0, double x1, double y1);
   /// Writes the label; false if it was left out. `gap` is the distance from the point to the text.
   bool place(Markup& svg, double x, double y, double gap, const std::string& text, const std::string& css_class);
+  /// Writes the label at (x, y), which is the `anchor` (start, middle, end) of its middle line, if that place is free.
+  bool place_at(Markup& svg, double x, double y, const char* anchor, const std::string& text,
+                const std::string& css_class);
 
  private:
   Box area_;

@@ -61,20 +61,30 @@ const char* const view_script = R"js(
   figure.hidden = false;
   const floors = document.getElementById("floor-input"), factor = document.getElementById("factor-input"), told = document.getElementById("factor-output");
   for (const f of [...new Set(placed.map(a => a.f))].sort((x, y) => x - y)) floors.add(new Option(f || "unknown", f));
-  const reach = Math.max(1, ...placed.map(a => Math.hypot(...a.p)), ...panels.flatMap(p => p.q.map(c => Math.hypot(...c))));
-  let yaw = 0.5, pitch = 0.25, zoom = 1, picked = -1, spots = [];
+  const corners = [...placed.map(a => a.p), ...panels.flatMap(p => p.q).filter(c => c[0] !== null)];
+  const reach = corners.reduce((r, c) => Math.max(r, Math.hypot(...c)), 1);
+  let frame, yaw = 0.5, pitch = 0.25, zoom = 1, picked = -1, spots = [];
   const colour = name => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
   const project = ([x, y, z]) => {
     const c = Math.cos(yaw), s = Math.sin(yaw), u = c * x + s * y, v = -s * x + c * y;
     const depth = Math.cos(pitch) * v - Math.sin(pitch) * z, up = Math.sin(pitch) * v + Math.cos(pitch) * z;
-    const scale = zoom * 0.46 * Math.min(canvas.width, 1.6 * canvas.height) / reach * 3.2 / (3.2 + depth / reach);
-    return [canvas.width / 2 + scale * u, canvas.height / 2 - scale * up, depth];
+    const near = 3.2 / (3.2 + depth / reach);
+    return [canvas.width / 2 + frame.scale * (near * u - frame.u), canvas.height / 2 - frame.scale * (near * up - frame.up), depth];
+  };
+  // All of it fits, with room for names and arrows, from whatever side it is seen.
+  const fit = () => {
+    frame = { scale: 1, u: 0, up: 0 };
+    const at = corners.map(project), box = k => at.reduce(([a, b], c) => [Math.min(a, c[k]), Math.max(b, c[k])], [Infinity, -Infinity]);
+    const [l, r] = box(0), [t, b] = box(1);
+    frame = { scale: zoom * Math.min((canvas.width - 160) / Math.max(1, r - l), (canvas.height - 90) / Math.max(1, b - t)),
+              u: (l + r - canvas.width) / 2, up: (canvas.height - t - b) / 2 };
   };
   draw = () => {
     const fills = [colour("--soft"), colour("--pass-fill"), colour("--undecided-fill"), colour("--fail-fill")];
     const ink = colour("--fg"), only = floors.value, times = Number(factor.value), shown = item => only === "" || String(item.f) === only;
     told.textContent = "\u00d7" + times;
     pen.clearRect(0, 0, canvas.width, canvas.height);
+    fit();
     const quads = panels.map((p, i) => ({ p, i, q: p.q.map(project) })).filter(({ p }) => shown(p) && p.q[0][0] !== null)
       .sort((a, b) => b.q.reduce((s, c) => s + c[2], 0) - a.q.reduce((s, c) => s + c[2], 0));
     for (const { i, q } of quads) {
@@ -109,23 +119,23 @@ const char* const view_script = R"js(
     if (chosen) pen.fillText(utf8(chosen.a.n), chosen.at[0] + 12, chosen.at[1] - 8);
   };
   const place = event => { const box = canvas.getBoundingClientRect(); return [(event.clientX - box.left) * canvas.width / box.width, (event.clientY - box.top) * canvas.height / box.height]; };
-  const held = new Map();
+  const pointers = new Map();
   let moved = 0;
-  canvas.addEventListener("pointerdown", event => { canvas.setPointerCapture(event.pointerId); held.set(event.pointerId, place(event)); moved = 0; });
+  canvas.addEventListener("pointerdown", event => { canvas.setPointerCapture(event.pointerId); pointers.set(event.pointerId, place(event)); moved = 0; });
   canvas.addEventListener("pointermove", event => {
-    const last = held.get(event.pointerId);
+    const last = pointers.get(event.pointerId);
     if (!last) return;
     const now = place(event), dx = now[0] - last[0], dy = now[1] - last[1];
     moved += Math.hypot(dx, dy);
-    if (held.size === 1) { yaw += dx / 200; pitch = Math.min(1.5, Math.max(-1.5, pitch + dy / 200)); }
-    if (held.size === 2) {
-      const other = [...held.entries()].find(([id]) => id !== event.pointerId)[1];
+    if (pointers.size === 1) { yaw += dx / 200; pitch = Math.min(1.5, Math.max(-1.5, pitch + dy / 200)); }
+    if (pointers.size === 2) {
+      const other = [...pointers.entries()].find(([id]) => id !== event.pointerId)[1];
       zoom = Math.min(20, Math.max(0.3, zoom * Math.hypot(now[0] - other[0], now[1] - other[1]) / Math.max(1, Math.hypot(last[0] - other[0], last[1] - other[1]))));
     }
-    held.set(event.pointerId, now); draw();
+    pointers.set(event.pointerId, now); draw();
   });
   const release = event => {
-    const at = held.get(event.pointerId); held.delete(event.pointerId);
+    const at = pointers.get(event.pointerId); pointers.delete(event.pointerId);
     if (!at || moved > 6) return;
     const near = spots.map(s => [Math.hypot(s.at[0] - at[0], s.at[1] - at[1]), s.a]).sort((a, b) => a[0] - b[0])[0];
     if (!near || near[0] > 30) return;
@@ -136,7 +146,7 @@ const char* const view_script = R"js(
     draw();
   };
   canvas.addEventListener("pointerup", release);
-  canvas.addEventListener("pointercancel", event => held.delete(event.pointerId));
+  canvas.addEventListener("pointercancel", event => pointers.delete(event.pointerId));
   canvas.addEventListener("wheel", event => { event.preventDefault(); zoom = Math.min(20, Math.max(0.3, zoom * Math.exp(-event.deltaY / 500))); draw(); }, { passive: false });
   floors.addEventListener("input", draw); factor.addEventListener("input", draw);
   show();

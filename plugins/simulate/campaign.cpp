@@ -20,8 +20,9 @@ std::string campaign_yaml(const Campaign& c, bool observed) {
   return "# What a site hands over; docs/campaign_folder.md explains every line.\n"
          "plumbline_campaign: 1\n"
          "name: simulated facade, " +
-         std::to_string(c.building.options.floors) + " floors, " + std::to_string(c.building.options.columns) +
-         " columns\n" + (observed ? "observations: observations.csv\n" : "images: images/*.jpg\n") +
+         std::to_string(c.building.options.floors) + (c.building.options.floors == 1 ? " floor, " : " floors, ") +
+         std::to_string(c.building.options.columns) + " columns\n" +
+         (observed ? "observations: observations.csv\n" : "images: images/*.jpg\n") +
          "camera: camera.yaml\n"
          "plates: plates.csv\n"
          "survey: survey/*.gsi\n"

@@ -105,7 +105,7 @@ TEST(MetricsFiles, NoNameBecomesAFormulaOrMarkup) {
   EXPECT_NE(stake_out_csv(deviation).find("'=evil;9.0000;0.0000;3.0000;;;;not_measured"), std::string::npos);
   AccuracyT odd = evaluate_accuracy(everything(), {});
   odd.anchors[0]->id = "a\"<b>&\xff";
-  EXPECT_NE(junit_xml(odd).find("name=\"a&quot;&lt;b&gt;&amp;\""), std::string::npos);
+  EXPECT_NE(junit_xml(odd).find("name=\"a&quot;&lt;b&gt;&amp;\uFFFD\""), std::string::npos);
 }
 
 TEST(StakeOut, HoldsDesignAndCorrectionWorstFirst) {

@@ -5,15 +5,33 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
+#include <fstream>
 #include <regex>
 
 #include "example.hpp"
 #include "report/format.hpp"
+#include "test_support.hpp"
 
 namespace plumbline::report {
 namespace {
 
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+/// A script that does not parse does nothing at all: no folding, no sorting, no slider, no view.
+TEST(Report, ItsScriptsAreJavaScript) {
+  if (std::system("node --version > /dev/null 2>&1") != 0) GTEST_SKIP() << "node is not installed";
+  const std::string html = render_report(test::example());
+  const plumbline::test::TemporaryFolder folder;
+  int scripts = 0;
+  for (std::size_t at = 0; (at = html.find("<script>", at)) != std::string::npos; ++scripts) {
+    at += 8;
+    const auto file = folder.path() / ("script" + std::to_string(scripts) + ".js");
+    std::ofstream(file) << html.substr(at, html.find("</script>", at) - at);
+    EXPECT_EQ(std::system(("node --check " + file.string()).c_str()), 0);
+  }
+  EXPECT_GE(scripts, 1);
+}
 
 TEST(Report, SaysFirstWhetherOneCanInstallAndWhatToMend) {
   const ReportInput input = test::example();
