@@ -110,4 +110,48 @@ TEST(Layers, APluginIncludesNoOtherPluginAndNotTheRuntime) {
 
 TEST(Layers, TheRuleFindsAViolation) { EXPECT_NE(violations({"framework/runtime", {"plumbline"}}), ""); }
 
+std::string read(const fs::path& file) {
+  std::ifstream stream(file);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+std::vector<fs::path> pages() {
+  const fs::path root = plumbline::test::source_dir();
+  std::vector<fs::path> found = {root / "README.md", root / "CONTRIBUTING.md"};
+  for (const char* folder : {"docs", "benchmarks"})
+    for (const auto& entry : fs::recursive_directory_iterator(root / folder))
+      if (entry.path().extension() == ".md") found.push_back(entry.path());
+  return found;
+}
+
+TEST(Docs, FilesAndLinksThatPagesNameAreThere) {
+  const fs::path root = plumbline::test::source_dir();
+  static const std::regex link("\\]\\(([^)#\\s:]+)(#[^)]*)?\\)");
+  static const std::regex path(
+      "`((libraries|plugins|framework|tests|schemas|pipelines|benchmarks|scripts)/[\\w/.-]+)`");
+  const std::vector<std::string> examples = {"plugins/demo", "schemas/roles/ROLE.yaml",
+                                             "schemas/plumbline.Points-1.bfbs"};
+  for (const fs::path& page : pages()) {
+    const std::string text = read(page);
+    for (std::sregex_iterator m(text.begin(), text.end(), link), end; m != end; ++m)
+      EXPECT_TRUE(fs::exists(page.parent_path() / (*m)[1].str())) << page << " links " << (*m)[1];
+    for (std::sregex_iterator m(text.begin(), text.end(), path), end; m != end; ++m) {
+      const std::string name = (*m)[1];
+      if (std::any_of(examples.begin(), examples.end(), [&](const auto& e) { return name.starts_with(e); })) continue;
+      EXPECT_TRUE(fs::exists(root / name)) << page << " names " << name;
+    }
+  }
+}
+
+// docs/architecture.md says where each equation of the paper lives.
+TEST(Docs, EveryEquationIsInTheFunctionThatIsNamed) {
+  const fs::path root = plumbline::test::source_dir();
+  const std::string text = read(root / "docs/architecture.md");
+  static const std::regex row("\\| `(libraries/[^`]+)` \\| `(\\w+)` \\|");
+  int rows = 0;
+  for (std::sregex_iterator m(text.begin(), text.end(), row), end; m != end; ++m, ++rows)
+    EXPECT_NE(read(root / (*m)[1].str()).find((*m)[2].str() + "("), std::string::npos) << (*m)[0];
+  EXPECT_GE(rows, 9);
+}
+
 }  // namespace
