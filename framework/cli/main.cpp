@@ -65,7 +65,7 @@ std::vector<Command> declare(CLI::App& app, Options& options, plumbline::cli::Be
                  "limit for memory that nodes announce, such as 3GiB (default: half of it, at most 3GiB)")
       ->type_name("SIZE");
   add_store(run, options);
-  run.add_flag("--durable", options.durable, "sync every file of the store to disk, not only at the end");
+  run.add_flag("--durable", options.durable, "sync every file of the store to disk before the next step: a power failure then costs nothing");
   add_json(run, options);
   run.add_flag("--isolate", options.isolate,
                "run every node in a process of its own, so that a crash is an error of that node alone");

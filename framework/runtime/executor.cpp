@@ -419,9 +419,8 @@ RunResult execute(const Graph& graph, const Registry& registry, Store& store, co
   if (!options.remember) return result;
   try {
     remember_keys(store, graph, result);
-  } catch (const StoreError&) {  // the note only explains the next plan; what went wrong with the disk, sync() tells
+  } catch (const StoreError&) {  // the note only explains the next plan
   }
-  store.sync();
   return result;
 }
 

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <chrono>
 #include <cmath>
@@ -15,6 +16,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <utility>
 
 #include "runtime/digest.hpp"
 #include "runtime/json_text.hpp"
@@ -48,6 +50,7 @@ namespace {
 struct File {
   int number = -1;
   explicit File(int n) : number(n) {}
+  int close() { return ::close(std::exchange(number, -1)); }
   File(const File&) = delete;
   File& operator=(const File&) = delete;
   ~File() {
@@ -194,10 +197,11 @@ void Store::write(const std::string& path, const void* data, size_t size) {
     fail(what + path, error);
   };
   {
-    const File file(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+    File file(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
     if (file.number < 0) give_up("cannot write ");
     if (!write_all(file.number, data, size)) give_up("cannot write ");
     if (durable_ && fsync(file.number) != 0) give_up("cannot sync ");
+    if (file.close() != 0) give_up("cannot write ");  // where a network file system says that it is full
   }
   if (::rename(temporary.c_str(), path.c_str()) != 0) {
     std::error_code ignored;
@@ -208,7 +212,6 @@ void Store::write(const std::string& path, const void* data, size_t size) {
     const File parent(::open(fs::path(path).parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
     if (parent.number >= 0) fsync(parent.number);
   }
-  unsynced_ = true;
 }
 
 std::shared_ptr<const Blob::Memory> Store::load(const std::string& path) const {
@@ -342,7 +345,6 @@ std::string Store::commit_folder(const fs::path& filled, const std::string& name
   const FileHashes::Tree files = file_hashes_->files_of(filled);
   const std::string tree = FileHashes::hash_of(files);
   const fs::path target = folder_path(name.empty() ? tree : name);
-  unsynced_ = true;
   if (durable_) sync();
   for (int attempt = 0; attempt < 8; ++attempt) {
     if (::rename(filled.c_str(), target.c_str()) == 0) {
@@ -401,8 +403,7 @@ std::vector<std::string> Store::blobs_starting_with(const std::string& prefix) c
   return found;
 }
 
-void Store::sync() {
-  if (!unsynced_.exchange(false)) return;
+void Store::sync() const {
   const File file(::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (file.number >= 0 && syncfs(file.number) != 0) fail("cannot sync " + folder_.string(), errno);
 }

@@ -11,10 +11,10 @@
 // Everything is written in tmp/ and renamed into place, so readers see whole files only, several programs can share a
 // store, and a killed one leaves nothing but rubbish in tmp/. Content is checked against its name when it is first read
 // in a process: a file that a power failure left empty is found there, removed, and the node that made it runs again.
-// Hence correctness needs no fsync, and syncing can wait for the end of a run unless `durable` is asked for.
+// Hence correctness needs no fsync, and none is done unless `durable` is asked for: syncing the file system of a busy
+// machine took seconds a run.
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -108,9 +108,6 @@ class Store {
   FileHashes& file_hashes() { return *file_hashes_; }
   Claims& claims() { return *claims_; }
 
-  /// Lets the disk catch up with what was written since the last call.
-  void sync();
-
   /// What is stored of each kind of node: runs, and bytes of the blobs and folders that no kind before it named.
   struct Usage {
     size_t runs = 0;
@@ -136,11 +133,11 @@ class Store {
   std::shared_ptr<const Blob::Memory> load(const std::string& path) const;
   [[noreturn]] void fail(const std::string& what, int error) const;
   void remove_leftovers() const;
+  void sync() const;
 
   std::filesystem::path folder_;
   bool durable_ = false, writable_ = true;
   std::string temporary_prefix_;
-  std::atomic<bool> unsynced_ = false;
   std::unique_ptr<FileHashes> file_hashes_;
   std::unique_ptr<Claims> claims_;
   std::mutex mutex_;

@@ -391,7 +391,6 @@ SweepProgress run_cells(const SweepPlan& plan, const std::vector<size_t>& indice
     Pool pool(plan, registry, store, scratch ? scratch->folder() : fs::path(), options, progress, tell);
     pool.run(std::move(jobs));
   }
-  store.sync();
   return progress;
 }
 
