@@ -6,6 +6,7 @@
 
 #include "block/defects.hpp"
 #include "block/tag_block_model.hpp"
+#include "geometry/exchanged_places.hpp"
 #include "geometry/similarity.hpp"
 
 namespace plumbline::adjust {
@@ -97,12 +98,19 @@ std::string in_words(const SimilarityMotion& motion, const Eigen::Vector3d& at) 
 /// Control points that lie where other plates hang.
 void refuse_exchanged(const TagBlock& block, const TagStart& start, const Agreement& agreement) {
   std::vector<std::string> exchanged;
+  std::vector<Eigen::Vector3d> placed, surveyed;
   for (const Pair& pair : agreement.other)
-    for (const Pair& other : agreement.other)
-      if (pair.plate != other.plate && (agreement.motion * pair.placed - other.surveyed).norm() < same_place)
-        exchanged.push_back("the plate of " + block.plates[static_cast<size_t>(start.plates[pair.plate])].anchor +
-                            " hangs where the survey has " +
-                            block.plates[static_cast<size_t>(start.plates[other.plate])].anchor);
+    placed.push_back(agreement.motion * pair.placed), surveyed.push_back(pair.surveyed);
+  const auto anchor = [&](size_t k) {
+    return block.plates[static_cast<size_t>(start.plates[agreement.other[k].plate])].anchor;
+  };
+  const auto tell = [&](size_t thing, size_t place) {
+    exchanged.push_back("the plate of " + anchor(thing) + " hangs where the survey has " + anchor(place));
+  };
+  for (const ExchangedPlace& pair : exchanged_places(placed, surveyed)) {
+    tell(pair.thing, pair.place);
+    if (pair.mutual) tell(pair.place, pair.thing);
+  }
   if (!exchanged.empty())
     throw std::runtime_error(enumerate(exchanged) +
                              ": plates or names in the survey are exchanged; correct the plate table or the survey");

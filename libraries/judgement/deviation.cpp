@@ -6,6 +6,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "geometry/exchanged_places.hpp"
 #include "judgement/common_shift.hpp"
 #include "judgement/difference.hpp"
 #include "judgement/panels.hpp"
@@ -93,27 +94,19 @@ void take_doubts(Work& work) {
 
 /// Anchors that were measured where the design has another one: plates or names were exchanged.
 void find_exchanged(Work& work) {
-  std::map<std::size_t, std::size_t> lies_at;
-  for (const std::size_t i : work.deviations.anchors) {
-    const AnchorDeviationT& anchor = *work.out.anchors[i];
-    for (const std::size_t k : work.deviations.anchors) {
-      const AnchorDeviationT& other = *work.out.anchors[k];
-      const double apart = (other.design - anchor.design).norm();
-      if (i != k && anchor.deviation.norm() > 0.75 * apart &&
-          (anchor.as_built - other.design).norm() < std::min(0.25 * apart, kFarthestAnchor / 4))
-        lies_at[i] = k;
-    }
-  }
-  for (const auto& [anchor, place] : lies_at) {
-    const auto back = lies_at.find(place);
-    const bool pair = back != lies_at.end() && back->second == anchor;
-    if (pair && place < anchor) continue;
-    const std::string &one = work.out.anchors[anchor]->id, &other = work.out.anchors[place]->id;
-    work.out.warnings.push_back(pair ? one + " and " + other +
-                                           " were measured in each other's place: their plates are exchanged in the "
-                                           "plate table, or on the facade."
-                                     : one + " was measured where the design has " + other +
-                                           ": check which plate is which.");
+  std::vector<Eigen::Vector3d> found, expected;
+  for (const std::size_t i : work.deviations.anchors)
+    found.push_back(work.out.anchors[i]->as_built), expected.push_back(work.out.anchors[i]->design);
+  for (const ExchangedPlace& pair : exchanged_places(found, expected)) {
+    const auto id = [&](std::size_t k) -> const std::string& {
+      return work.out.anchors[work.deviations.anchors[k]]->id;
+    };
+    const std::string &one = id(pair.thing), &other = id(pair.place);
+    work.out.warnings.push_back(pair.mutual ? one + " and " + other +
+                                                  " were measured in each other's place: their plates are exchanged in "
+                                                  "the plate table, or on the facade."
+                                            : one + " was measured where the design has " + other +
+                                                  ": check which plate is which.");
   }
 }
 

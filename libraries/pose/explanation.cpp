@@ -8,6 +8,7 @@
 #include <functional>
 #include <set>
 
+#include "geometry/exchanged_places.hpp"
 #include "plumbline/stop.hpp"
 
 namespace plumbline::pose {
@@ -260,31 +261,22 @@ std::vector<std::string> exchanged_plates(const std::vector<ImageTagsT>& images,
                                          (world_from_cam.rotation * normalised->homogeneous()).normalized());
     }
   }
-  std::map<std::string, std::string> hangs_at;  // anchor → anchor
+  std::vector<std::string> anchors;
+  std::vector<Eigen::Vector3d> places, expected;
   for (const auto& [key, entry] : field.entries()) {
     const auto found = rays.find(key);
-    if (found == rays.end()) continue;
-    const auto place = found->second.meet(0.15);
-    if (!place) continue;
-    const double own = (*place - centre_of(entry)).norm();
-    for (const auto& [other_key, other] : field.entries()) {
-      const double apart = (centre_of(other) - centre_of(entry)).norm();
-      const double there = (*place - centre_of(other)).norm();
-      if (other_key != key && there < 0.25 * apart && own > 0.75 * apart && there < 0.25)
-        hangs_at[entry.plate->anchor] = other.plate->anchor;
-    }
+    const auto place = found == rays.end() ? std::nullopt : found->second.meet(0.15);
+    anchors.push_back(entry.plate->anchor), expected.push_back(centre_of(entry));
+    places.push_back(place.value_or(Eigen::Vector3d::Constant(std::nan(""))));
   }
   std::vector<std::string> sentences;
-  for (const auto& [anchor, place] : hangs_at) {
-    const auto back = hangs_at.find(place);
-    const bool pair = back != hangs_at.end() && back->second == anchor;
-    if (pair && place < anchor) continue;
-    sentences.push_back(pair ? "the plates of " + anchor + " and " + place +
-                                   " hang in each other's place: their tags are "
-                                   "exchanged in the plate table, or on the facade"
-                             : "the plate of " + anchor + " hangs where " + place +
-                                   " should: check its tag in the plate "
-                                   "table, and which plate is which");
+  for (const ExchangedPlace& pair : exchanged_places(places, expected)) {
+    const std::string &anchor = anchors[pair.thing], &place = anchors[pair.place];
+    sentences.push_back(pair.mutual ? "the plates of " + anchor + " and " + place +
+                                          " hang in each other's place: their tags are exchanged in the plate table, "
+                                          "or on the facade"
+                                    : "the plate of " + anchor + " hangs where " + place +
+                                          " should: check its tag in the plate table, and which plate is which");
   }
   return sentences;
 }
