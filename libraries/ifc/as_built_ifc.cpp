@@ -84,7 +84,7 @@ class Writer {
     }
     for (const auto& panel : deviation_.panels) write_panel(*panel);
     write_products();
-    result_.bytes = appender_.bytes();
+    result_.additions = appender_.take_lines();
     result_.instances_added = appender_.count();
     return std::move(result_);
   }
@@ -447,7 +447,7 @@ class Writer {
 
 void require_same_file(const step::File& file, const DeviationT& deviation) {
   const auto check = [&](std::uint64_t number, const std::string& guid) {
-    const step::Instance* instance = file.find(number);
+    const auto instance = file.find(number);
     if (number == 0 || (instance && file.contains(*instance, guid))) return;
     throw std::runtime_error("the deviations were judged against " + deviation.design_file + ", in which #" +
                              std::to_string(number) + " is " + guid + "; in " + file.name() +
@@ -480,6 +480,19 @@ AsBuiltIfc write_as_built(const step::File& file, const Design& design, const De
                              ": found no IfcProject, expected one: as-built values need its units and its GlobalId");
   require_same_file(file, deviation);
   return Writer(file, design, deviation, accuracy, options).write();
+}
+
+void copy_enriched(const step::File& file, const AsBuiltIfc& as_built, char* to) {
+  const std::string_view design = file.bytes();
+  to = std::copy_n(design.begin(), file.data_end(), to);
+  to = std::copy(as_built.additions.begin(), as_built.additions.end(), to);
+  std::copy(design.begin() + static_cast<std::ptrdiff_t>(file.data_end()), design.end(), to);
+}
+
+std::string enriched(const step::File& file, const AsBuiltIfc& as_built) {
+  std::string all(file.bytes().size() + as_built.additions.size(), '\0');
+  copy_enriched(file, as_built, all.data());
+  return all;
 }
 
 }  // namespace plumbline::bim

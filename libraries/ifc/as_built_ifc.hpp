@@ -28,7 +28,7 @@ struct AsBuiltIfcOptions {
 };
 
 struct AsBuiltIfc {
-  std::string bytes;  ///< the design file's own bytes, with lines added before the end of its DATA section
+  std::string additions;  ///< lines that belong at File::data_end() of the design, whose own bytes stay as they are
   std::size_t instances_added = 0;
   std::vector<std::string> warnings;
 };
@@ -39,7 +39,12 @@ const char* label_of(ToleranceVerdict verdict);  ///< "PASS", "FAIL", "UNDECIDED
 /// together, ASB_FloorStatistics on storeys, ASB_InterFloor on a group of two storeys, ASB_PanelFit on panels. Lengths
 /// are in the project's unit. The same input gives the same bytes. Throws std::runtime_error if `deviation` names
 /// instances that the file does not have, or the file holds this epoch already.
+/// See enriched() for the whole file.
 AsBuiltIfc write_as_built(const step::File& file, const Design& design, const DeviationT& deviation,
                           const AccuracyT& accuracy, const AsBuiltIfcOptions& options);
+
+/// The design file with the additions: room for file.bytes().size() + additions.size() bytes.
+void copy_enriched(const step::File& file, const AsBuiltIfc& as_built, char* to);
+std::string enriched(const step::File& file, const AsBuiltIfc& as_built);
 
 }  // namespace plumbline::bim

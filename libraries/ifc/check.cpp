@@ -45,7 +45,7 @@ class Checker {
   /// Calls `use` with the arguments of every instance of a keyword; unreadable ones are violations themselves.
   void each(const char* keyword, const std::function<void(const Instance&, const std::vector<Value>&)>& use) {
     for (const std::uint32_t index : file_.of_type(keyword)) {
-      const Instance& instance = file_.instances()[index];
+      const Instance instance = file_.instances()[index];
       try {
         use(instance, file_.arguments(instance));
       } catch (const step::Error& error) {
@@ -153,7 +153,7 @@ class Checker {
       const auto ids = references(at(a, 4));
       if (ids.empty()) tell("IfcPropertySet.HasProperties", instance.id, "has no property, expected at least one");
       for (const std::uint64_t id : ids)
-        if (const Instance* property = file_.find(id))
+        if (const auto property = file_.find(id))
           if (!names.insert(at(file_.arguments(*property), 0).text).second)
             tell("UniquePropertyNames", instance.id,
                  "has two properties '" + at(file_.arguments(*property), 0).text + "'");
@@ -168,7 +168,7 @@ class Checker {
           tell("IfcPropertyListValue.WR31", instance.id, "mixes " + at(a, 2).items[0].text + " and " + value.text);
     });
     each("IFCPROPERTYENUMERATEDVALUE", [&](const Instance& instance, const std::vector<Value>& a) {
-      const Instance* enumeration = at(a, 3).kind == Kind::reference ? file_.find(at(a, 3).id) : nullptr;
+      const auto enumeration = at(a, 3).kind == Kind::reference ? file_.find(at(a, 3).id) : std::nullopt;
       if (!counts(instance.id) || !enumeration) return;
       std::set<std::string> allowed;
       const std::vector<Value> defined = file_.arguments(*enumeration);
@@ -252,7 +252,7 @@ class Checker {
                           const std::unordered_map<std::uint64_t, std::uint64_t>& container) {
     const auto in = container.find(instance.id);
     if (in == container.end() || placement.kind != Kind::reference) return;
-    const Instance *placed = file_.find(placement.id), *container_instance = file_.find(in->second);
+    const auto placed = file_.find(placement.id), container_instance = file_.find(in->second);
     if (!placed || !container_instance) return;  // told as a dangling reference
     const Value own = at(file_.arguments(*placed), 0), of_container = at(file_.arguments(*container_instance), 5);
     if (own.kind == Kind::reference && of_container.kind == Kind::reference && own.id != of_container.id)
@@ -270,7 +270,7 @@ class Checker {
           tell("IfcLocalPlacement", instance.id, "its chain of placements is a cycle");
           break;
         }
-        const Instance* parent = file_.find(up.id);
+        const auto parent = file_.find(up.id);
         up = parent ? at(file_.arguments(*parent), 0) : Value();
       }
     });

@@ -94,8 +94,11 @@ struct AnchorRule {
   std::string
       pattern;  ///< ECMAScript regular expression on name, object type, type name and tag; empty matches nothing
   std::vector<std::string> guids;
-  std::vector<std::string> names;       ///< for example the anchors of the plates table: exact names or tags
+  std::vector<std::string> names;  ///< for example the anchors of the plates table: exact names, tags or GlobalIds
   std::vector<std::string> selections{};  ///< in the language of selection.hpp
+  /// Reads the shapes of all elements, and not only of anchors, panels, their parts and some of the others: it is most
+  /// of the work.
+  bool all_shapes = false;
 };
 
 /// Horizontal outward normal of the facade that the anchors lie in: across the line they form in plan, away from the
@@ -103,9 +106,9 @@ struct AnchorRule {
 std::optional<Eigen::Vector3d> estimate_facade_normal(const Design& design);
 
 /// Reads the design out of a file. What cannot be placed (a curved grid axis, a dangling reference, an argument that is
-/// missing) is left out and stands in `skipped`; a file without project or storeys is read with a warning. Throws
-/// step::Error with file, line and column for a file that cannot be read at all, for units that cannot be (a length
-/// that may be wrong by a factor is worse than none), for an impossible pattern.
+/// missing, an anchor with neither placement nor shape) is left out and stands in `skipped`; a file without project or
+/// storeys is read with a warning. Throws step::Error with file, line and column for a file that cannot be read at all,
+/// for units that cannot be (a length that may be wrong by a factor is worse than none), for an impossible pattern.
 Design read_design(const step::File& file, const AnchorRule& rule);
 
 }  // namespace plumbline::bim

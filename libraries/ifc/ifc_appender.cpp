@@ -148,17 +148,12 @@ InstanceId Appender::enumeration(const std::string& name, const std::vector<cons
   return add("IFCPROPERTYENUMERATION", {step::text(name), list(labels), null});
 }
 
-std::string Appender::bytes() const {
+std::string Appender::take_lines() {
   const std::string_view original = model_.file().bytes();
   const std::size_t end = model_.file().data_end();
   const bool at_line_start = end == 0 || original[end - 1] == '\n' || original[end - 1] == '\r';
-  std::string all;
-  all.reserve(original.size() + lines_.size() + 2);
-  all.append(original.substr(0, end))
-      .append(at_line_start ? "" : line_end_)
-      .append(lines_)
-      .append(original.substr(end));
-  return all;
+  if (!at_line_start && !lines_.empty()) lines_.insert(0, line_end_);
+  return std::move(lines_);
 }
 
 void PropertySet::single(const std::string& name, const std::string& value, const std::string& description) {

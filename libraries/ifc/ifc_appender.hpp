@@ -42,8 +42,8 @@ class Appender {
   Schema schema() const { return model_.schema(); }
   const Model& model() const { return model_; }
   std::size_t count() const { return count_; }  ///< instances added
-  /// The whole new file.
-  std::string bytes() const;
+  /// The lines of all of them, to stand at File::data_end(); nothing can be added afterwards.
+  std::string take_lines();
 
  private:
   InstanceId owner_history();

@@ -40,10 +40,10 @@ const char* describe(const step::Value& value) {
 
 }  // namespace
 
-const std::string& Entity::keyword() const { return model_->file().type_name(*instance_); }
+const std::string& Entity::keyword() const { return model_->file().type_name(instance_); }
 
 void Entity::fail(std::string_view attribute, const std::string& expected) const {
-  throw step::Error(model_->file().where(instance_->begin) + ": #" + std::to_string(id()) + " " + keyword() +
+  throw step::Error(model_->file().where(instance_.begin) + ": #" + std::to_string(id()) + " " + keyword() +
                     ": found " + describe(value(attribute)) + " as " + std::string(attribute) + ", expected " +
                     expected);
 }
@@ -51,7 +51,7 @@ void Entity::fail(std::string_view attribute, const std::string& expected) const
 const step::Value& Entity::value(std::string_view attribute) const {
   const auto position = layout_ ? attribute_position(*layout_, attribute) : std::nullopt;
   if (!position)
-    throw step::Error(model_->file().where(instance_->begin) + ": #" + std::to_string(id()) + " is an " + keyword() +
+    throw step::Error(model_->file().where(instance_.begin) + ": #" + std::to_string(id()) + " is an " + keyword() +
                       " of " + schema_name(model_->schema()) + ", expected an entity with the attribute " +
                       std::string(attribute));
   return *position < arguments_.size() ? arguments_[*position] : kNull;
@@ -119,22 +119,22 @@ Model::Model(const step::File& file) : file_(file), schema_(schema_of(file)) {
 Entity Model::entity(const step::Instance& instance) const {
   Entity entity;
   entity.model_ = this;
-  entity.instance_ = &instance;
+  entity.instance_ = instance;
   entity.layout_ = layouts_[instance.type];
   entity.arguments_ = file_.arguments(instance);
   return entity;
 }
 
 Entity Model::entity(std::uint64_t id, std::uint64_t referrer) const {
-  if (const step::Instance* instance = file_.find(id)) return entity(*instance);
-  const step::Instance* from = referrer ? file_.find(referrer) : nullptr;
+  if (const auto instance = file_.find(id)) return entity(*instance);
+  const auto from = referrer ? file_.find(referrer) : std::nullopt;
   if (!from) throw step::Error(file_.name() + ": found no instance #" + std::to_string(id));
   throw step::Error(file_.where(from->begin) + ": #" + std::to_string(referrer) + " " + file_.type_name(*from) +
                     " refers to #" + std::to_string(id) + ", which is not in the file");
 }
 
 std::string_view Model::keyword(std::uint64_t id) const {
-  const step::Instance* instance = file_.find(id);
+  const auto instance = file_.find(id);
   return instance ? std::string_view(file_.type_name(*instance)) : std::string_view();
 }
 

@@ -18,7 +18,7 @@ class Model;
 /// One instance with its arguments.
 class Entity {
  public:
-  std::uint64_t id() const { return instance_->id; }
+  std::uint64_t id() const { return instance_.id; }
   const std::string& keyword() const;  ///< capitals
   const std::vector<step::Value>& arguments() const { return arguments_; }
 
@@ -36,7 +36,7 @@ class Entity {
  private:
   friend class Model;
   const Model* model_ = nullptr;
-  const step::Instance* instance_ = nullptr;
+  step::Instance instance_;
   const EntityLayout* layout_ = nullptr;
   std::vector<step::Value> arguments_;
 };

@@ -120,8 +120,10 @@ PointCloud trimmed_curve(const Model& model, const Entity& curve, double radian)
   double to = trim_angle(model, curve, "Trim2", position, a, b, radian);
   if (curve.value("SenseAgreement").text == "F") std::swap(from, to);
   if (!std::isfinite(from) || !std::isfinite(to)) curve.fail("Trim1", "finite angles");
-  to = from + std::remainder(to - from, 2 * std::numbers::pi);
-  if (to <= from) to += 2 * std::numbers::pi;
+  // Once round, and what a rounded parameter has beyond it, is all of the circle and not the rest of a division.
+  constexpr double turn = 2 * std::numbers::pi;
+  to = from + (to - from >= turn ? turn : std::remainder(to - from, turn));
+  if (to <= from) to += turn;
   add_arc(points, a, b, from, to);
   transform(points, position);
   return points;

@@ -254,7 +254,7 @@ void File::read_index() {
   if (bytes_.size() >> 40) scanner.fail("a file of less than a terabyte");
   type_table_.assign(1024, 0);
   // Pages of a reserve that are never written take no memory; growing by doubling would copy the index several times.
-  instances_.reserve(bytes_.size() / 40);
+  entries_.reserve(bytes_.size() / 24);
   if (scanner.starts_with("\xEF\xBB\xBF")) scanner.at = 3;  // a byte order mark
   scanner.skip_blank();
   refuse_other_formats(scanner);
@@ -312,17 +312,21 @@ void File::read_header_entry(Scanner& scanner) {
 }
 
 void File::read_instance(Scanner& scanner) {
-  Instance instance;
-  instance.begin = scanner.at++ & ((std::uint64_t{1} << 40) - 1);
-  instance.id = scanner.read_number();
+  Entry entry;
+  entry.begin = scanner.at++ & ((std::uint64_t{1} << 40) - 1);
+  const std::uint64_t id = scanner.read_number();
   scanner.skip_blank();
   scanner.expect('=', "after the number of the instance");
   scanner.skip_blank();
-  instance.type = type_of(scanner) & 0xFFFFFF;
+  entry.type = type_of(scanner) & 0xFFFFFF;
   scanner.skip_blank();
-  if (scanner.peek() != '(') scanner.fail("'(' before the arguments of #" + std::to_string(instance.id));
-  scanner.skip_instance(instance.id);
-  instances_.push_back(instance);
+  if (scanner.peek() != '(') scanner.fail("'(' before the arguments of #" + std::to_string(id));
+  scanner.skip_instance(id);
+  if (!entries_.empty() && id <= last_id_) ascending_ = false;
+  if (ascending_ && entries_.size() % kMark == 0) marks_.push_back(id);
+  last_id_ = id;
+  largest_id_ = std::max(largest_id_, id);
+  entries_.push_back(entry);
 }
 
 /// Index of the keyword at the cursor, which is left behind it; the empty keyword of a complex instance at '('. Looked
@@ -374,35 +378,47 @@ void File::note_schemas() {
 }
 
 void File::sort_ids(const Scanner& scanner) {
-  const auto ascending = [](const Instance& a, const Instance& b) { return a.id >= b.id; };
-  const bool sorted = std::adjacent_find(instances_.begin(), instances_.end(), ascending) == instances_.end();
-  largest_id_ = instances_.empty() ? 0 : instances_.back().id;
-  if (sorted) return;
-  by_id_.resize(instances_.size());
+  if (ascending_) return;
+  std::vector<std::uint64_t> ids(entries_.size());
+  for (std::size_t i = 0; i < ids.size(); ++i) ids[i] = id_at(entries_[i].begin);
+  by_id_.resize(ids.size());
   for (std::uint32_t i = 0; i < by_id_.size(); ++i) by_id_[i] = i;
-  std::stable_sort(by_id_.begin(), by_id_.end(),
-                   [&](std::uint32_t a, std::uint32_t b) { return instances_[a].id < instances_[b].id; });
-  largest_id_ = instances_[by_id_.back()].id;
-  for (std::size_t i = 1; i < by_id_.size(); ++i) {
-    const Instance &first = instances_[by_id_[i - 1]], &second = instances_[by_id_[i]];
-    if (first.id == second.id)
-      scanner.fail_at(second.begin, "found #" + std::to_string(second.id) +
-                                        " a second time, expected every number once; the first is at " +
-                                        where(first.begin));
+  std::sort(by_id_.begin(), by_id_.end(),
+            [&](std::uint32_t a, std::uint32_t b) { return ids[a] != ids[b] ? ids[a] < ids[b] : a < b; });
+  marks_.clear();
+  for (std::size_t i = 0; i < by_id_.size(); ++i) {
+    if (i % kMark == 0) marks_.push_back(ids[by_id_[i]]);
+    if (i > 0 && ids[by_id_[i - 1]] == ids[by_id_[i]])
+      scanner.fail_at(entries_[by_id_[i]].begin, "found #" + std::to_string(ids[by_id_[i]]) +
+                                                     " a second time, expected every number once; the first is at " +
+                                                     where(entries_[by_id_[i - 1]].begin));
   }
 }
 
-const Instance* File::find(std::uint64_t id) const {
-  if (by_id_.empty()) {
-    const auto found =
-        std::lower_bound(instances_.begin(), instances_.end(), id,
-                         [](const Instance& instance, std::uint64_t wanted) { return instance.id < wanted; });
-    return found != instances_.end() && found->id == id ? &*found : nullptr;
+std::uint64_t File::id_at(std::uint64_t begin) const {
+  std::uint64_t id = 0;
+  std::from_chars(bytes_.data() + begin + 1, bytes_.data() + bytes_.size(), id);
+  return id;
+}
+
+std::optional<Instance> File::find(std::uint64_t id) const {
+  const auto mark = std::upper_bound(marks_.begin(), marks_.end(), id);
+  if (mark == marks_.begin()) return std::nullopt;
+  std::size_t first = static_cast<std::size_t>(mark - marks_.begin() - 1) * kMark;
+  // Numbers ascend by one at least, so it stands no further behind the mark than its number does.
+  std::size_t end = std::min(first + kMark, entries_.size());
+  if (id - mark[-1] < kMark) end = std::min(end, first + static_cast<std::size_t>(id - mark[-1]) + 1);
+  // In most files the numbers have no gaps: the last place first.
+  for (std::size_t place = end - 1; first < end; place = first + (end - first) / 2) {
+    const std::size_t index = at_place(place);
+    const std::uint64_t found = id_at(entries_[index].begin);
+    if (found == id) return instance(index);
+    if (found < id)
+      first = place + 1;
+    else
+      end = place;
   }
-  const auto found = std::lower_bound(by_id_.begin(), by_id_.end(), id, [&](std::uint32_t index, std::uint64_t wanted) {
-    return instances_[index].id < wanted;
-  });
-  return found != by_id_.end() && instances_[*found].id == id ? &instances_[*found] : nullptr;
+  return std::nullopt;
 }
 
 const std::vector<std::uint32_t>& File::of_type(std::string_view keyword) const {
@@ -413,8 +429,8 @@ const std::vector<std::uint32_t>& File::of_type(std::string_view keyword) const 
   const std::lock_guard lock(lists_->mutex);
   const auto [list, added] = lists_->by_type.try_emplace(type);
   if (added)
-    for (std::uint32_t i = 0; i < instances_.size(); ++i)
-      if (instances_[i].type == type) list->second.push_back(i);
+    for (std::uint32_t i = 0; i < entries_.size(); ++i)
+      if (entries_[i].type == type) list->second.push_back(i);
   return list->second;
 }
 
@@ -430,8 +446,8 @@ std::size_t File::arguments_at(const Instance& instance) const {
 }
 
 bool File::contains(const Instance& instance, std::string_view text) const {
-  const auto next = static_cast<std::size_t>(&instance - instances_.data()) + 1;
-  const std::size_t end = next < instances_.size() ? instances_[next].begin : data_end_;
+  const std::size_t next = instance.index + std::size_t{1};
+  const std::size_t end = next < entries_.size() ? entries_[next].begin : data_end_;
   return bytes_.substr(instance.begin, end - instance.begin).find(text) != std::string_view::npos;
 }
 

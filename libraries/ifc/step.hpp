@@ -1,10 +1,10 @@
 // Reader of ISO 10303-21 files (STEP physical files, the syntax of IFC).
 //
-// Index, do not parse: a file is looked through once to find where every instance begins and what its keyword is, 16
-// bytes an instance. Arguments are parsed when somebody asks for them, because a building model is mostly triangles
-// that nobody asks for; so an instance whose arguments are damaged is an error of the one who reads it, not of the
-// file. The bytes stay as they came, mapped rather than copied where they lie in a file, so that a writer can copy the
-// file and add to it.
+// Index, do not parse: a file is looked through once to find where every instance begins and what its keyword is, 8.25
+// bytes an instance (its number stands in the text). Arguments are parsed when somebody asks for them, because a
+// building model is mostly triangles that nobody asks for; so an instance whose arguments are damaged is an error of
+// the one who reads it, not of the file. The bytes stay as they came, mapped rather than copied where they lie in a
+// file, so that a writer can copy the file and add to it.
 //
 // Read leniently where real exporters err and nothing is lost by it (lower-case keywords, blanks inside `#1= X`, line
 // breaks and unescaped solidi in strings, reals without a point, UTF-8 or Latin-1 bytes); everything else is an error
@@ -14,6 +14,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -45,12 +46,44 @@ struct Record {
   std::vector<Value> arguments;
 };
 
+/// An instance as the index knows it.
 struct Instance {
   std::uint64_t id = 0;
-  std::uint64_t begin : 40 = 0;  ///< offset of its '#'
-  std::uint64_t type : 24 = 0;   ///< index of the keyword; see File::type_name
+  std::uint64_t begin = 0;  ///< offset of its '#'
+  std::uint32_t type = 0;   ///< index of the keyword; see File::type_name
+  std::uint32_t index = 0;  ///< in the order of the file
 };
-static_assert(sizeof(Instance) == 16);
+
+class File;
+
+/// The instances of a file, in its order. The number of one is read from the text when it is asked for.
+class Instances {
+ public:
+  class Iterator {
+   public:
+    Iterator(const File& file, std::size_t index) : file_(&file), index_(index) {}
+    Instance operator*() const;
+    Iterator& operator++() {
+      ++index_;
+      return *this;
+    }
+    bool operator==(const Iterator& other) const { return index_ == other.index_; }
+
+   private:
+    const File* file_;
+    std::size_t index_;
+  };
+
+  explicit Instances(const File& file) : file_(file) {}
+  std::size_t size() const;
+  bool empty() const { return size() == 0; }
+  Instance operator[](std::size_t index) const { return *Iterator(file_, index); }
+  Iterator begin() const { return {file_, 0}; }
+  Iterator end() const { return {file_, size()}; }
+
+ private:
+  const File& file_;
+};
 
 class Scanner;
 
@@ -69,8 +102,8 @@ class File {
   /// The names in FILE_SCHEMA, in capitals.
   const std::vector<std::string>& schemas() const { return schemas_; }
 
-  const std::vector<Instance>& instances() const { return instances_; }  ///< in the order of the file
-  const Instance* find(std::uint64_t id) const;                          ///< nullptr if there is none
+  Instances instances() const { return Instances(*this); }
+  std::optional<Instance> find(std::uint64_t id) const;
   /// Keyword in capitals; empty for a complex instance.
   const std::string& type_name(const Instance& instance) const { return type_names_[instance.type]; }
   /// Indices into `instances()` of those with this keyword (capitals), in the order of the file; found when first asked
@@ -96,7 +129,23 @@ class File {
   std::string where(std::size_t offset) const;
 
  private:
+  friend class Instances;
   struct Lists;
+  struct Entry {
+    std::uint64_t begin : 40 = 0;
+    std::uint64_t type : 24 = 0;
+  };
+  static_assert(sizeof(Entry) == 8);
+  /// A number of every so many is kept for searching; the others are read from the text.
+  static constexpr std::size_t kMark = 32;
+
+  Instance instance(std::size_t index) const {
+    const Entry& entry = entries_[index];
+    return {id_at(entry.begin), entry.begin, static_cast<std::uint32_t>(entry.type), static_cast<std::uint32_t>(index)};
+  }
+  std::uint64_t id_at(std::uint64_t begin) const;
+  /// Index of the instance that stands in a place of the order of ascending numbers.
+  std::size_t at_place(std::size_t place) const { return by_id_.empty() ? place : by_id_[place]; }
   File(std::shared_ptr<const void> owner, std::string_view bytes, std::string name);
   void read_index();
   bool read_section(Scanner& scanner);
@@ -111,13 +160,19 @@ class File {
   std::string name_;
   std::vector<Record> header_;
   std::vector<std::string> schemas_;
-  std::vector<Instance> instances_;
+  std::vector<Entry> entries_;
   std::vector<std::string> type_names_;
   std::vector<std::uint32_t> type_table_;  // hash table of indices into type_names_, plus one
   std::vector<std::uint32_t> by_id_;       // order of ascending numbers; empty if the file has that order itself
-  std::shared_ptr<Lists> lists_;           // of_type
+  std::vector<std::uint64_t> marks_;       // in that order, the number of every kMark-th
+  bool ascending_ = true;
+  std::uint64_t last_id_ = 0;     // while reading
+  std::shared_ptr<Lists> lists_;  // of_type
   std::uint64_t largest_id_ = 0;
   std::size_t data_end_ = 0;
 };
+
+inline Instance Instances::Iterator::operator*() const { return file_->instance(index_); }
+inline std::size_t Instances::size() const { return file_.entries_.size(); }
 
 }  // namespace plumbline::step

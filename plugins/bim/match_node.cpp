@@ -5,13 +5,14 @@
 #include <set>
 
 #include "artifacts.hpp"
-#include "ifc/match_elements.hpp"
 #include "text/csv_table.hpp"
 
 namespace plumbline::bim {
 namespace {
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+
+}  // namespace
 
 std::vector<MappingRow> mapping_rows(const FileT& file) {
   const std::string bytes(file.content.begin(), file.content.end());
@@ -37,8 +38,6 @@ std::vector<MappingRow> mapping_rows(const FileT& file) {
   }
   return rows;
 }
-
-}  // namespace
 
 void MatchElements::run(Context& context) {
   const Design read = from_artifact(design.unpack());

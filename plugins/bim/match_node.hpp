@@ -6,9 +6,13 @@
 #include "artifacts/file.hpp"
 #include "artifacts/plates.hpp"
 #include "artifacts/points.hpp"
+#include "ifc/match_elements.hpp"
 #include "plumbline/node.hpp"
 
 namespace plumbline::bim {
+
+/// The rows of a mapping table; none of an empty file. Throws std::runtime_error with file and line.
+std::vector<MappingRow> mapping_rows(const FileT& file);
 
 struct MatchElements : Node {
   static constexpr Info info{

@@ -4,7 +4,7 @@
 #include "artifacts.hpp"
 #include "artifacts/accuracy.hpp"
 #include "artifacts/deviation.hpp"
-#include "artifacts/file.hpp"
+#include "artifacts/file_artifact.hpp"
 #include "artifacts/folder.hpp"
 #include "artifacts/plates.hpp"
 #include "artifacts/survey_observations.hpp"
@@ -28,7 +28,7 @@ step::File step_file(const plumbline::File& file) {
 }
 
 struct ReadIfc : Node {
-  static constexpr Info info{"bim.read_ifc", "", 2,
+  static constexpr Info info{"bim.read_ifc", "", 3,
                              "Reads storeys, elements, anchors and panels from an IFC file (IFC2X3, IFC4, IFC4X3)"};
   In<plumbline::File> file{"file", "the IFC file (STEP text)"};
   Optional<Plates> plates{"plates", "anchor table: elements of these names (or tags) are anchors too"};
@@ -42,13 +42,19 @@ struct ReadIfc : Node {
       "elements that are anchors too, such as 'class=IfcPlate & name~^ANKER' or 'Pset_X.Kind=anchor'"};
   Param<std::vector<std::string>> anchor_guids{"anchor_guids", std::vector<std::string>{},
                                                "GlobalIds of elements that are anchors too"};
+  Optional<plumbline::File> mapping{"mapping", "mapping table: the elements that it leads to are anchors too"};
+  Param<bool> all_shapes{"all_shapes", false,
+                         "read where every element's shape is, and not only those of anchors, panels and some of the "
+                         "others; it is most of the work"};
   Out<plumbline::Design> design{"design", frame("frame=building"), "the design in the project frame"};
   Out<Points> anchor_points{"anchors", frame("frame=building"), "reference points of the anchors"};
 
   AnchorRule rule() const {
-    AnchorRule rule{*anchors, *anchor_pattern, *anchor_guids, {}, *anchor_selection};
-    if (!plates) return rule;
-    for (const auto& plate : plates.unpack().plates) rule.names.push_back(plate->anchor);
+    AnchorRule rule{*anchors, *anchor_pattern, *anchor_guids, {}, *anchor_selection, *all_shapes};
+    if (plates)
+      for (const auto& plate : plates.unpack().plates) rule.names.push_back(plate->anchor);
+    if (mapping)
+      for (const MappingRow& row : mapping_rows(mapping.unpack())) rule.names.push_back(row.element);
     return rule;
   }
 
@@ -142,14 +148,10 @@ struct WriteIfc : Node {
           "the survey does not say when it was measured: the additions carry the latest date of the design; "
           "'date' in campaign.yaml or 'observation_time' says it");
     add_provenance(read, when, options);
-    AsBuiltIfc result = write_as_built(file, read, deviation.unpack(), accuracy.unpack(), options);
+    const AsBuiltIfc result = write_as_built(file, read, deviation.unpack(), accuracy.unpack(), options);
     for (const std::string& warning : result.warnings) context.warn(warning);
-    FileT to;
-    to.name = *file_name;
-    to.media_type = "application/x-step";
-    to.content.assign(result.bytes.begin(), result.bytes.end());
-    result.bytes = std::string();
-    out.commit(to);
+    out.commit(file_artifact(*file_name, "application/x-step", file.bytes().size() + result.additions.size(),
+                             [&](char* to) { copy_enriched(file, result, to); }));
   }
 };
 

@@ -5,7 +5,7 @@
 #include <map>
 
 #include "artifacts/camera.hpp"
-#include "artifacts/file.hpp"
+#include "artifacts/file_artifact.hpp"
 #include "artifacts/folder.hpp"
 #include "artifacts/image.hpp"
 #include "artifacts/image_tags.hpp"
@@ -179,12 +179,7 @@ struct ReadCampaign : Node {
     }
     mapping.commit(table);
 
-    const std::string text = read_text(root / description.design);
-    FileT file;
-    file.name = fs::path(description.design).filename().string();
-    file.media_type = "application/x-step";
-    file.content.assign(text.begin(), text.end());
-    design_file.commit(file);
+    design_file.commit(file_artifact(root / description.design, "application/x-step"));
   }
 
  private:

@@ -1,9 +1,8 @@
 // Files and folders from outside the pipeline: the only nodes that turn a path into data.
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 
-#include "artifacts/file.hpp"
+#include "artifacts/file_artifact.hpp"
 #include "artifacts/folder.hpp"
 #include "plumbline/node.hpp"
 
@@ -12,27 +11,12 @@ namespace {
 using namespace plumbline;
 namespace fs = std::filesystem;
 
-/// Artifacts address their content with 32 bits.
-constexpr uintmax_t largest_file = uintmax_t{1} << 30;
-
 struct ReadFile : Node {
   static constexpr Info info{"read.file", "", 1, "Reads one file as it is"};
   Param<FilePath> file{"file", required, "the file"};
   Out<File> out{"file", "its content and base name"};
 
-  void run(Context&) override {
-    const fs::path path = file->path;
-    const uintmax_t size = fs::file_size(path);
-    if (size > largest_file)
-      throw std::runtime_error(path.string() + " has " + std::to_string(size) + " bytes; read.file takes up to 1 GiB");
-    FileT result;
-    result.name = path.filename().string();
-    result.content.resize(size);
-    std::ifstream stream(path, std::ios::binary);
-    stream.read(reinterpret_cast<char*>(result.content.data()), static_cast<std::streamsize>(size));
-    if (!stream) throw std::runtime_error("cannot read " + path.string());
-    out.commit(result);
-  }
+  void run(Context&) override { out.commit(file_artifact(file->path, "")); }
 };
 
 struct ReadFolder : Node {

@@ -210,7 +210,7 @@ std::string ExpressSchema::check_named(const step::File& file, const step::Value
     return type == types_.end() ? "unknown type " + name : check_value(file, value, type->second);
   }
   if (value.kind != step::Kind::reference) return "no reference to an " + name;
-  const step::Instance* target = file.find(value.id);
+  const auto target = file.find(value.id);
   if (!target) return "a reference to nothing";
   return is_a(file.type_name(*target), name) ? "" : "a reference to an " + file.type_name(*target) + ", not an " + name;
 }

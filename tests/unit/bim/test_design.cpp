@@ -152,6 +152,12 @@ TEST(ReferencePoint, CurvesReachAsFarAsTheyShould) {
   };
   const double s = std::sqrt(0.5);
   EXPECT_NEAR((box("#541=IFCCIRCLE(#551,1000.);") - Eigen::Vector4d(-1, -1, 1, 1)).norm(), 0, 1e-9);
+  // once round with the rounding of an exporter (743--segfault-on-geometry.ifc of IfcOpenShell's files)
+  EXPECT_NEAR((box("#541=IFCTRIMMEDCURVE(#550,(IFCPARAMETERVALUE(0.)),(IFCPARAMETERVALUE(6.28318977355957)),.T.,"
+                   ".PARAMETER.);") -
+               Eigen::Vector4d(-1, -1, 1, 1))
+                  .norm(),
+              0, 1e-9);
   // from −45° to 45°, by angles in radians, and the other way round by points
   EXPECT_NEAR((box("#541=IFCTRIMMEDCURVE(#550,(IFCPARAMETERVALUE(-0.785398163397448)),(IFCPARAMETERVALUE(0."
                    "785398163397448)),.T.,.PARAMETER.);") -
@@ -306,6 +312,18 @@ std::string nested_maps(int levels) {
     out += "#" + item + "=IFCMAPPEDITEM(#" + map + ",#990);\n";
   }
   return out + "#990=IFCCARTESIANTRANSFORMATIONOPERATOR3D($,$,#20,1.,$);";
+}
+
+TEST(Damage, AnAnchorWithNeitherPlacementNorShapeIsNowhere) {
+  const std::string unplaced = "#500=IFCMECHANICALFASTENER('0aaaaaaaaaaaaaaaaaaaaa',#5,'LOST',$,$,$,$,$,$,$,$);";
+  const Design design = read(test::small_building("IFC4", unplaced));
+  ASSERT_EQ(design.skipped.size(), 1u);
+  EXPECT_NE(design.skipped[0].find("'LOST' (#500): it has neither a placement nor a shape"), std::string::npos);
+  EXPECT_TRUE(std::none_of(design.elements.begin(), design.elements.end(),
+                           [](const Element& element) { return element.name == "LOST"; }));
+  // An assembly without both is nowhere either, but its parts are somewhere, and nothing is judged by it.
+  const std::string assembly = "#500=IFCELEMENTASSEMBLY('0aaaaaaaaaaaaaaaaaaaaa',#5,'WHOLE',$,$,$,$,$,$,$);";
+  EXPECT_TRUE(read(test::small_building("IFC4", assembly)).skipped.empty());
 }
 
 TEST(HostileShapes, NestedMappedItemsStopAtTheirBudget) {

@@ -1,6 +1,7 @@
 // The Part 21 reader on what the standard allows, on what exporters write, and on damage.
 #include <algorithm>
 #include <cstdint>
+#include <set>
 
 #include "ifc/step.hpp"
 #include "test_support.hpp"
@@ -96,9 +97,36 @@ TEST(StepReader, TakesBlanksCommentsLineBreaksAndSmallLetters) {
   EXPECT_EQ(file.arguments(*file.find(1)).at(2).text, "T");
   EXPECT_EQ(file.largest_id(), UINT64_MAX);
   EXPECT_TRUE(file.arguments(*file.find(UINT64_MAX)).empty());
-  EXPECT_EQ(file.find(3), nullptr);
+  EXPECT_FALSE(file.find(3));
   EXPECT_EQ(file.schemas(), std::vector<std::string>{"IFC4"});
   EXPECT_EQ(file.bytes().substr(file.data_end(), 7), "ENDSEC;");
+}
+
+TEST(StepReader, FindsEveryNumberWhateverTheirOrderAndGaps) {
+  std::uint64_t state = 1;
+  const auto random = [&state](std::uint64_t below) {
+    state = state * 6364136223846793005ULL + 1442695040888963407ULL;
+    return (state >> 33) % below;
+  };
+  for (const std::uint64_t gap : {1u, 2u, 40u, 1000u})
+    for (const bool shuffled : {false, true}) {
+      std::vector<std::uint64_t> numbers{1 + random(50)};
+      while (numbers.size() < 300) numbers.push_back(numbers.back() + 1 + random(gap));
+      const std::set<std::uint64_t> all(numbers.begin(), numbers.end());
+      if (shuffled)
+        for (std::size_t i = numbers.size() - 1; i > 0; --i) std::swap(numbers[i], numbers[random(i + 1)]);
+      std::string lines;
+      for (const std::uint64_t number : numbers) lines += "#" + std::to_string(number) + "=A();";
+      const File file(file_with(lines), "t.ifc");
+      EXPECT_EQ(file.largest_id(), *all.rbegin());
+      for (std::size_t i = 0; i < numbers.size(); ++i) {
+        EXPECT_EQ(file.instances()[i].id, numbers[i]);
+        ASSERT_TRUE(file.find(numbers[i])) << numbers[i];
+        EXPECT_EQ(file.find(numbers[i])->index, i);
+      }
+      for (std::uint64_t number = 0; number < *all.rbegin() + 50; ++number)
+        EXPECT_EQ(file.find(number).has_value(), all.contains(number)) << number;
+    }
 }
 
 TEST(StepReader, ReadsComplexInstancesAndEdition3Sections) {

@@ -206,7 +206,7 @@ TEST(Agreement, AllOutputsSayTheSameOfEveryAnchorPanelAndFloor) {
     const step::File design(c.bytes, "f.ifc");
     bim::AsBuiltIfcOptions options;
     options.epoch = trial % 2 ? "" : "2026-05";
-    const std::string bytes = bim::write_as_built(design, c.design, d, c.accuracy, options).bytes;
+    const std::string bytes = bim::enriched(design, bim::write_as_built(design, c.design, d, c.accuracy, options));
     const step::File written(bytes, "a.ifc");
     const std::string suffix = trial % 2 ? "" : "_2026-05";
     const Verdicts anchors = verdicts_in_ifc(written, "ASB_AnchorDeviation" + suffix),

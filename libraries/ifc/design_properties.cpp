@@ -1,0 +1,83 @@
+#include "ifc/design_properties.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <limits>
+
+namespace plumbline::bim {
+
+void Properties::read_types() {
+  for_all(model_, "IFCRELDEFINESBYTYPE", damage_, [&](const Entity& relation) {
+    const auto type = model_.file().find(relation.reference("RelatingType"));
+    if (!type || model_.file().type_name(*type).empty()) return;
+    const auto arguments = model_.file().arguments(*type);  // every IfcTypeObject: GlobalId, OwnerHistory, Name
+    if (arguments.size() < 3 || arguments[2].kind != step::Kind::text) return;
+    type_names_.try_emplace(type->id, arguments[2].text);
+    for (const std::uint64_t id : relation.references("RelatedObjects")) types_.try_emplace(id, type->id);
+  });
+}
+
+const std::string& Properties::type_name(std::uint64_t object) const {
+  static const std::string none;
+  const auto type = types_.find(object);
+  return type == types_.end() ? none : type_names_.at(type->second);
+}
+
+void Properties::find_sets(const std::unordered_set<std::uint64_t>& objects) {
+  for_all(model_, "IFCRELDEFINESBYPROPERTIES", damage_, [&](const Entity& relation) {
+    if (relation.value("RelatingPropertyDefinition").kind != step::Kind::reference) return;
+    const std::uint64_t set = relation.reference("RelatingPropertyDefinition");
+    if (model_.keyword(set) != "IFCPROPERTYSET") return;
+    for (const std::uint64_t id : relation.references("RelatedObjects"))
+      if (objects.contains(id)) sets_[id].push_back(set);
+  });
+}
+
+void Properties::add(std::uint64_t set_id, std::vector<Property>& to) {
+  const Entity set = model_.entity(set_id);
+  const std::string set_name = set.text("Name");
+  for (const std::uint64_t id : set.references("HasProperties")) {
+    if (model_.keyword(id) != "IFCPROPERTYSINGLEVALUE") continue;
+    const Entity entity = model_.entity(id, set_id);
+    Property property{set_name, entity.text("Name"), "", std::numeric_limits<double>::quiet_NaN()};
+    const bool known = std::any_of(to.begin(), to.end(), [&](const Property& other) {
+      return other.set == property.set && other.name == property.name;
+    });
+    const step::Value& value = entity.value("NominalValue");
+    if (known || value.kind != step::Kind::typed || value.items.empty()) continue;
+    const step::Value& item = value.items[0];
+    property.text = item.text;
+    if (item.is_number()) {
+      const bool length = value.text.ends_with("LENGTHMEASURE");
+      property.number = item.number * (length ? length_unit : 1);
+      char text[40];
+      const auto end = std::to_chars(text, text + sizeof text, item.number);
+      property.text.assign(text, end.ptr);
+    }
+    to.push_back(std::move(property));
+  }
+}
+
+std::vector<Property> Properties::of(std::uint64_t element) {
+  std::vector<Property> properties;
+  const auto try_add = [&](std::uint64_t set) {
+    try {
+      add(set, properties);
+    } catch (const step::Error& error) {
+      auto& [count, reason] = damage_["IFCPROPERTYSET"];
+      if (++count == 1) reason = error.what();
+    }
+  };
+  if (const auto sets = sets_.find(element); sets != sets_.end())
+    for (const std::uint64_t set : sets->second) try_add(set);
+  if (const auto type = types_.find(element); type != types_.end()) {
+    const auto arguments = model_.file().arguments(*model_.file().find(type->second));
+    // every IfcTypeObject: GlobalId, OwnerHistory, Name, Description, ApplicableOccurrence, HasPropertySets
+    if (arguments.size() > 5)
+      for (const step::Value& set : arguments[5].items)
+        if (set.kind == step::Kind::reference && model_.keyword(set.id) == "IFCPROPERTYSET") try_add(set.id);
+  }
+  return properties;
+}
+
+}  // namespace plumbline::bim

@@ -1,0 +1,40 @@
+// Types and property sets of the objects of a design.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <unordered_map>
+#include <unordered_set>
+#include <vector>
+
+#include "ifc/design_relations.hpp"
+#include "ifc/selection.hpp"
+
+namespace plumbline::bim {
+
+class Properties {
+ public:
+  /// Keeps references; `length_unit` in metres. What is damaged is counted in `damage`.
+  Properties(const Model& model, Damage& damage) : model_(model), damage_(damage) { read_types(); }
+
+  /// Metres in one length unit of the file: lengths among the properties come in metres.
+  double length_unit = 1;
+
+  const std::string& type_name(std::uint64_t object) const;
+  /// Looks up which sets these objects have, once and for all of them; without it objects have those of their types.
+  void find_sets(const std::unordered_set<std::uint64_t>& objects);
+  /// Single values, those of the object before its type's.
+  std::vector<Property> of(std::uint64_t object);
+
+ private:
+  void read_types();
+  void add(std::uint64_t set, std::vector<Property>& to);
+
+  const Model& model_;
+  Damage& damage_;
+  std::unordered_map<std::uint64_t, std::string> type_names_;  // by type
+  std::unordered_map<std::uint64_t, std::uint64_t> types_;     // by object
+  std::unordered_map<std::uint64_t, std::vector<std::uint64_t>> sets_;
+};
+
+}  // namespace plumbline::bim
