@@ -126,14 +126,16 @@ class Reader {
     std::vector<std::string_view> classes;  // by step::Instance::type
     for (const std::string& keyword : model_.file().type_names())
       classes.push_back(keyword == "IFCPROXY" ? "IfcProxy" : element_class_name(model_.schema(), keyword));
+    const step::Instances instances = model_.file().instances();
     if (needs_properties()) {
       std::unordered_set<std::uint64_t> all;
-      for (const step::Instance instance : model_.file().instances())
-        if (!classes[instance.type].empty()) all.insert(instance.id);
+      for (std::size_t i = 0; i < instances.size(); ++i)
+        if (!classes[instances.type(i)].empty()) all.insert(instances[i].id);
       properties_.find_sets(all);
     }
-    for (const step::Instance instance : model_.file().instances()) {
-      if (classes[instance.type].empty()) continue;
+    for (std::size_t i = 0; i < instances.size(); ++i) {
+      if (classes[instances.type(i)].empty()) continue;
+      const step::Instance instance = instances[i];
       try {
         const Entity entity = model_.entity(instance);
         Element element = read_element(entity, classes[instance.type]);

@@ -31,11 +31,19 @@ std::uint64_t hash_of(std::string_view guid) {
 }
 
 /// Every GlobalId of the file: the first argument of whatever starts with a string that looks like one.
-std::vector<std::uint64_t> guids_of(const step::File& file) {
+std::vector<std::uint64_t> guids_of(const Model& model) {
+  const step::File& file = model.file();
+  std::vector<bool> without;  // by type: known to begin with something else
+  for (const std::string& keyword : file.type_names()) {
+    const EntityLayout* layout = find_layout(model.schema(), keyword);
+    without.push_back(layout && !layout->attributes.starts_with("GlobalId "));
+  }
   std::vector<std::uint64_t> guids;
   const std::string_view bytes = file.bytes();
-  for (const step::Instance& instance : file.instances()) {
-    std::size_t at = instance.begin;
+  const step::Instances instances = file.instances();
+  for (std::size_t i = 0; i < instances.size(); ++i) {
+    if (without[instances.type(i)]) continue;
+    std::size_t at = instances[i].begin;
     while (at < bytes.size() && bytes[at] != '(') ++at;
     for (++at; at < bytes.size() && bytes[at] == ' ';) ++at;
     if (at + 23 < bytes.size() && bytes[at] == '\'' && bytes[at + 23] == '\'')
@@ -54,7 +62,7 @@ Appender::Appender(const Model& model, std::string project_guid, double length_u
       length_decimals_(std::clamp(static_cast<int>(std::ceil(9 + std::log10(length_unit) - 1e-9)), 0, 15)),
       timestamp_(timestamp),
       next_(model.file().largest_id() + 1),
-      guids_(guids_of(model.file())) {
+      guids_(guids_of(model)) {
   const std::string_view bytes = model.file().bytes();
   const std::size_t first = bytes.find('\n');
   line_end_ = first != std::string::npos && first > 0 && bytes[first - 1] == '\r' ? "\r\n" : "\n";

@@ -78,6 +78,7 @@ class Instances {
   std::size_t size() const;
   bool empty() const { return size() == 0; }
   Instance operator[](std::size_t index) const { return *Iterator(file_, index); }
+  std::uint32_t type(std::size_t index) const;  ///< without reading the number
   Iterator begin() const { return {file_, 0}; }
   Iterator end() const { return {file_, size()}; }
 
@@ -138,6 +139,7 @@ class File {
   static_assert(sizeof(Entry) == 8);
   /// A number of every so many is kept for searching; the others are read from the text.
   static constexpr std::size_t kMark = 32;
+  static constexpr std::uint32_t kNone = UINT32_MAX;
 
   Instance instance(std::size_t index) const {
     const Entry& entry = entries_[index];
@@ -163,8 +165,9 @@ class File {
   std::vector<Entry> entries_;
   std::vector<std::string> type_names_;
   std::vector<std::uint32_t> type_table_;  // hash table of indices into type_names_, plus one
-  std::vector<std::uint32_t> by_id_;       // order of ascending numbers; empty if the file has that order itself
-  std::vector<std::uint64_t> marks_;       // in that order, the number of every kMark-th
+  // Where the numbers do not ascend: the index of each, if there are few gaps; else their order.
+  std::vector<std::uint32_t> by_number_, by_id_;
+  std::vector<std::uint64_t> marks_;  // in the order of ascending numbers, that of every kMark-th
   bool ascending_ = true;
   std::uint64_t last_id_ = 0;     // while reading
   std::shared_ptr<Lists> lists_;  // of_type
@@ -174,5 +177,8 @@ class File {
 
 inline Instance Instances::Iterator::operator*() const { return file_->instance(index_); }
 inline std::size_t Instances::size() const { return file_.entries_.size(); }
+inline std::uint32_t Instances::type(std::size_t index) const {
+  return static_cast<std::uint32_t>(file_.entries_[index].type);
+}
 
 }  // namespace plumbline::step
