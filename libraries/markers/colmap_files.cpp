@@ -34,6 +34,10 @@ constexpr std::array<Model, 11> models = {{{0, "SIMPLE_PINHOLE", 3},
                                            {9, "RADIAL_FISHEYE", 5},
                                            {10, "THIN_PRISM_FISHEYE", 12}}};
 
+constexpr const char* representable =
+    "run COLMAP with --ImageReader.camera_model OPENCV, or give the model that colmap image_undistorter writes, with "
+    "points measured in its photographs";
+
 ColmapCamera camera_of(std::uint32_t id, const std::string& model, int width, int height, const std::vector<double>& p,
                        const std::string& where) {
   ColmapCamera c;
@@ -62,12 +66,13 @@ ColmapCamera camera_of(std::uint32_t id, const std::string& model, int width, in
     if (std::abs(p[9]) + std::abs(p[10]) + std::abs(p[11]) > 1e-12)
       throw std::runtime_error(where + ": camera " + std::to_string(id) +
                                " has the rational terms k4 to k6, which Brown's model has "
-                               "not; run COLMAP with --ImageReader.camera_model OPENCV");
+                               "not; " +
+                               representable);
   } else {
-    throw std::runtime_error(
-        where + ": camera " + std::to_string(id) + " is " + model +
-        "; known are SIMPLE_PINHOLE, PINHOLE, "
-        "SIMPLE_RADIAL, RADIAL, OPENCV and FULL_OPENCV. Run COLMAP with --ImageReader.camera_model OPENCV");
+    throw std::runtime_error(where + ": camera " + std::to_string(id) + " is " + model +
+                             "; known are SIMPLE_PINHOLE, PINHOLE, "
+                             "SIMPLE_RADIAL, RADIAL, OPENCV and FULL_OPENCV; " +
+                             representable);
   }
   b.cx -= 0.5, b.cy -= 0.5;
   if (!(b.fx > 0 && b.fy > 0))

@@ -13,7 +13,7 @@
 #include "block/block_model.hpp"
 #include "block/defects.hpp"
 #include "block/row_quality.hpp"
-#include "geometry/similarity.hpp"
+#include "markers/robust_similarity.hpp"
 
 namespace plumbline::markers {
 namespace {
@@ -224,42 +224,22 @@ void align(ColmapModel& model, std::vector<Target>& targets, ControlResult& resu
     throw std::runtime_error(std::to_string(from.size()) +
                              " control points are measured in two photographs or more; at least 3 are needed that "
                              "are not on one line, better 5 or more spread over the object");
-  SimilarityMotion best = fit_similarity(from, to, true);
-  // Three points at a time: the motion that most points agree with, by the median distance.
-  double lowest = 1e300;
-  const size_t n = from.size();
-  for (size_t i = 0; i < n && n > 3; ++i)
-    for (size_t j = i + 1; j < n; ++j)
-      for (size_t k = j + 1; k < n; ++k) {
-        if (n > 12 && (i * 31 + j * 17 + k * 7) % (n / 6) != 0) continue;
-        const double area = (to[j] - to[i]).cross(to[k] - to[i]).norm(),
-                     side = (to[j] - to[i]).squaredNorm() + (to[k] - to[i]).squaredNorm();
-        if (area < 0.02 * side) continue;
-        const SimilarityMotion motion = fit_similarity({from[i], from[j], from[k]}, {to[i], to[j], to[k]}, true);
-        std::vector<double> distances;
-        for (size_t m = 0; m < n; ++m) distances.push_back((motion * from[m] - to[m]).norm());
-        std::nth_element(distances.begin(), distances.begin() + static_cast<std::ptrdiff_t>(2 * n / 3),
-                         distances.end());
-        if (distances[2 * n / 3] < lowest) lowest = distances[2 * n / 3], best = motion;
-      }
-  if (n > 3 && lowest < 1e300) {
-    std::vector<Eigen::Vector3d> good_from, good_to;
-    for (size_t m = 0; m < n; ++m) {
-      const double distance = (best * from[m] - to[m]).norm();
-      if (distance < std::max(5 * lowest, 0.05)) {
-        good_from.push_back(from[m]), good_to.push_back(to[m]);
-      } else {
-        result.warnings.push_back("control point " + used[m]->name + " lies " + std::to_string(distance) +
-                                  " m from where the model and the other control points have it: it is left out. Is "
-                                  "its name or a measurement wrong?");
-        used[m]->rays.clear();
-      }
-    }
-    if (good_from.size() >= 3) best = fit_similarity(good_from, good_to, true);
+  RobustSimilarity fit;
+  try {
+    fit = fit_similarity_robustly(from, to, 0.05);
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error("the model cannot be brought to the control points: " + std::string(error.what()));
   }
-  result.scale = best.scale;
-  transform(model, best);
-  for (Target& t : targets) t.position = best * t.position;
+  for (size_t m = 0; m < used.size(); ++m) {
+    if (fit.agrees[m]) continue;
+    result.warnings.push_back("control point " + used[m]->name + " lies " + std::to_string(fit.distances[m]) +
+                              " m from where the model and the other control points have it: it is left out. Is "
+                              "its name or a measurement wrong?");
+    used[m]->rays.clear();
+  }
+  result.scale = fit.motion.scale;
+  transform(model, fit.motion);
+  for (Target& t : targets) t.position = fit.motion * t.position;
 }
 
 class Adjustment {
@@ -492,7 +472,8 @@ class Adjustment {
       }
       AdjustedControlPoint p;
       p.name = t.name, p.check = t.control->check, p.used = true;
-      p.surveyed = t.control->position, p.position = at + result_.origin;
+      p.surveyed = t.control->position, p.surveyed_sigma = sigma_of(*t.control);
+      p.position = at + result_.origin;
       p.covariance = cofactor.block<3, 3>(point_columns_[j], point_columns_[j]);
       p.rays = static_cast<int>(t.rays.size());
       p.rms = std::sqrt(rms_[j] / (2.0 * static_cast<double>(std::max<size_t>(1, t.rays.size()))));
@@ -525,6 +506,22 @@ class Adjustment {
   std::map<size_t, double> rms_;
 };
 
+/// All control points together: standard deviations that nobody stated, or stated too small.
+void warn_about_control(const std::vector<ControlPoint>& control, const ControlOptions& options,
+                        ControlResult& result) {
+  constexpr double limit = 9;  // three times the stated standard deviations
+  const bool assumed =
+      std::any_of(control.begin(), control.end(), [](const ControlPoint& p) { return std::isnan(p.sigma.sum()); });
+  for (const auto& group : result.groups)
+    if (group.name == "control" && group.redundancy > 2 && group.factor > limit)
+      result.warnings.push_back("the control points fit " + std::to_string(std::sqrt(group.factor)) +
+                                " times worse than their standard deviations" +
+                                (assumed ? ", which their file does not state (" +
+                                               std::to_string(options.control_sigma) + " m is assumed): say them"
+                                         : ": they are too small, or points are confused") +
+                                ". All standard deviations of the result are too small by that");
+}
+
 }  // namespace
 
 ControlResult adjust_with_control(const ColmapModel& model, const std::vector<ControlPoint>& control,
@@ -556,12 +553,13 @@ ControlResult adjust_with_control(const ColmapModel& model, const std::vector<Co
         std::any_of(result.points.begin(), result.points.end(), [&](const auto& q) { return q.name == p.name; });
     if (there) continue;
     AdjustedControlPoint unused;
-    unused.name = p.name, unused.check = p.check, unused.surveyed = p.position;
+    unused.name = p.name, unused.check = p.check, unused.surveyed = p.position, unused.surveyed_sigma = p.sigma;
     unused.position.setConstant(std::nan(""));
     unused.reason = "it is not measured in two photographs of the model, or disagrees with the others";
     result.points.push_back(unused);
     result.left_out.push_back("control point " + p.name + ": " + unused.reason);
   }
+  warn_about_control(control, options, result);
   for (const auto& p : result.points)
     if (p.used && !p.check && p.w.cwiseAbs().maxCoeff() > 3.29)
       result.warnings.push_back("control point " + p.name +

@@ -24,7 +24,7 @@ struct ControlOptions {
 struct AdjustedControlPoint {
   std::string name;
   bool check = false, used = false;
-  Eigen::Vector3d surveyed, position;
+  Eigen::Vector3d surveyed, surveyed_sigma, position;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   Eigen::Vector3d w = Eigen::Vector3d::Zero();  ///< normalised residuals of control
   int rays = 0;

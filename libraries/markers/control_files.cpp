@@ -3,7 +3,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <Eigen/Geometry>
-
+#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <map>
@@ -24,32 +24,60 @@ struct GcpLine {
   std::string image, name;
 };
 
+/// The first line of a gcp_list.txt. OpenDroneMap takes EPSG codes, PROJ strings and "WGS84 UTM 16N".
+bool is_projection(const std::string& line) {
+  const std::string text = formats::to_lower(line);
+  for (const char* start : {"epsg:", "+proj", "+init", "wgs84", "nad83", "local"})
+    if (text.rfind(start, 0) == 0) return text.find(',') == std::string::npos;
+  return false;
+}
+
+/// Whether the projection counts in degrees.
+bool is_geographic(const std::string& projection) {
+  const std::string text = formats::to_lower(projection);
+  if (text.find("longlat") != std::string::npos || text.find("latlong") != std::string::npos || text == "wgs84")
+    return true;
+  for (const char* code : {"epsg:4326", "epsg:4979", "epsg:4258", "epsg:4269"})
+    if (text == code || text.find(std::string("=") + code) != std::string::npos) return true;
+  return false;
+}
+
 /// The lines after the projection; nothing if the text is no gcp_list.
 std::optional<std::vector<GcpLine>> gcp_lines(const std::string& text, const std::string& file) {
-  std::istringstream stream(text);
-  std::string line;
-  if (!std::getline(stream, line)) return std::nullopt;
-  std::string first = line.substr(0, line.find_first_of("\r"));
-  const bool projection =
-      first.rfind("EPSG:", 0) == 0 || first.rfind("+proj", 0) == 0 || first.rfind("WGS84", 0) == 0 || first == "LOCAL";
-  if (!projection) return std::nullopt;
-  if (first.find("longlat") != std::string::npos || first == "EPSG:4326" || first == "WGS84")
+  std::istringstream stream(text.rfind("\xef\xbb\xbf", 0) == 0 ? text.substr(3) : text);
+  std::string line, first;
+  int number = 0;
+  while (first.empty() && std::getline(stream, line)) {
+    ++number;
+    if (line[0] != '#') first = formats::trim(line);
+  }
+  if (!is_projection(first)) return std::nullopt;
+  if (is_geographic(first))
     throw std::runtime_error(file + ": the points are in degrees (" + first +
                              "); transform them to a projected system in metres first");
   std::vector<GcpLine> lines;
   std::map<std::string, std::string> names;
-  for (int number = 2; std::getline(stream, line); ++number) {
-    if (line.find_first_not_of(" \t\r") == std::string::npos || line[0] == '#') continue;
+  std::map<std::string, std::pair<Eigen::Vector3d, int>> positions;
+  while (std::getline(stream, line)) {
+    ++number;
+    if (formats::trim(line).empty() || line[0] == '#') continue;
     GcpLine g;
     std::istringstream words(line);
     if (!(words >> g.position.x() >> g.position.y() >> g.position.z() >> g.pixel.x() >> g.pixel.y() >> g.image))
-      throw std::runtime_error(file + ":" + std::to_string(number) + ": expected x y z column row image [name]");
+      throw std::runtime_error(file + ":" + std::to_string(number) + ": found '" +
+                               std::string(formats::trim(line).substr(0, 80)) +
+                               "', expected x y z column row image [name]");
     if (!(words >> g.name)) {  // points without a name are told apart by their coordinates
       std::ostringstream key;
       key.precision(12);
       key << g.position.transpose();
       g.name = names.emplace(key.str(), "gcp" + std::to_string(names.size() + 1)).first->second;
     }
+    const auto [at, is_new] = positions.try_emplace(g.name, g.position, number);
+    if (!is_new && (at->second.first - g.position).norm() > 1e-4)
+      throw std::runtime_error(file + ":" + std::to_string(number) + ": point " + g.name +
+                               " has other coordinates here than in line " + std::to_string(at->second.second) +
+                               "; one of the lines is of another point");
     lines.push_back(g);
   }
   if (lines.empty()) throw std::runtime_error(file + ": there is no point under the projection");
@@ -58,23 +86,22 @@ std::optional<std::vector<GcpLine>> gcp_lines(const std::string& text, const std
 
 class Table {
  public:
+  /// `orders`: what the columns of a table without a header are, by their number.
   Table(const std::string& text, const std::string& file, const std::map<std::string, std::string>& names,
-        const char* expected)
+        const char* expected, const std::vector<std::vector<std::string>>& orders)
       : file_(file), table_(formats::read_csv(text, names)) {
-    if (table_.header.empty() || table_.rows.empty())
+    if (table_.rows.empty())
       throw std::runtime_error(file + ": found no table; expected a CSV table with the columns " + expected);
+    if (!table_.doubtful.empty())
+      throw std::runtime_error(file + ":" + std::to_string(table_.doubtful.front().line) +
+                               ": found a row that begins with '" + table_.doubtful.front().cells[0].text +
+                               "': " + formats::kDoubtfulRow);
     for (size_t i = 0; i < table_.header.size(); ++i) {
-      std::string name = table_.header[i].name;
-      double unit = table_.header[i].unit == "mm" ? 1e-3 : 1;
-      if (name.ends_with("_mm"))
-        name.resize(name.size() - 3), unit = 1e-3;
-      else if (name.ends_with("_m"))
-        name.resize(name.size() - 2);
-      else if (name.ends_with("_px"))
-        name.resize(name.size() - 3);
+      const std::string& name = table_.header[i].name;
       const auto known = names.find(name);
-      columns_[known == names.end() ? name : known->second] = {i, unit};
+      columns_[known == names.end() ? name : known->second] = {i, factor_of(table_.header[i])};
     }
+    if (table_.header.empty()) take_order(orders, expected);
     expected_ = expected;
   }
   const std::vector<formats::CsvRow>& rows() const { return table_.rows; }
@@ -98,6 +125,32 @@ class Table {
   }
 
  private:
+  double factor_of(const formats::CsvHeaderCell& cell) const {
+    static const std::map<std::string, double> known = {{"", 1}, {"m", 1}, {"cm", 1e-2}, {"mm", 1e-3}, {"px", 1}};
+    const auto found = known.find(cell.unit);
+    if (found == known.end())
+      throw std::runtime_error(file_ + ": the column '" + cell.name + "' is in '" + cell.unit +
+                               "', expected m, cm, mm or px: convert it");
+    return found->second;
+  }
+
+  /// Columns by their place, where the first row shows that there is no header: it holds numbers.
+  void take_order(const std::vector<std::vector<std::string>>& orders, const char* expected) {
+    const formats::CsvRow& first = table_.rows.front();
+    size_t count = first.cells.size();
+    while (count > 0 && first.cells[count - 1].text.empty()) --count;  // "7;1.0;2.0;3.0;"
+    const auto is_name = [](const std::string& name) { return name == "name" || name == "image" || name == "point"; };
+    for (const auto& order : orders) {
+      bool fits = order.size() == count;
+      for (size_t i = 0; fits && i < count; ++i) fits = is_name(order[i]) || table_.number(first.cells[i]);
+      if (!fits) continue;
+      for (size_t i = 0; i < count; ++i) columns_[order[i]] = {i, 1};
+      return;
+    }
+    throw std::runtime_error(file_ + ":" + std::to_string(first.line) + ": found " + std::to_string(count) +
+                             " columns and no header; expected one with the columns " + expected);
+  }
+
   std::string file_, expected_;
   formats::CsvTable table_;
   std::map<std::string, std::pair<size_t, double>> columns_;
@@ -159,14 +212,11 @@ std::vector<ControlPoint> parse_control(const std::string& text, const std::stri
                                                            {"sx", "sigma_x"},
                                                            {"sy", "sigma_y"},
                                                            {"sz", "sigma_z"},
-                                                           {"role", "role"},
-                                                           {"x_m", "x_m"},
-                                                           {"y_m", "y_m"},
-                                                           {"z_m", "z_m"},
-                                                           {"east_m", "east_m"},
-                                                           {"north_m", "north_m"},
-                                                           {"height_m", "height_m"}};
-  const Table table(text, file, names, "name, x, y, z and optionally sigma (or sigma_x, sigma_y, sigma_z) and role");
+                                                           {"role", "role"}};
+  const Table table(text, file, names, "name, x, y, z and optionally sigma (or sigma_x, sigma_y, sigma_z) and role",
+                    {{"name", "x", "y", "z"},
+                     {"name", "x", "y", "z", "sigma"},
+                     {"name", "x", "y", "z", "sigma_x", "sigma_y", "sigma_z"}});
   std::set<std::string> seen;
   for (const auto& row : table.rows()) {
     ControlPoint p{table.text(row, "name"),
@@ -177,7 +227,21 @@ std::vector<ControlPoint> parse_control(const std::string& text, const std::stri
     const char* axes[] = {"sigma_x", "sigma_y", "sigma_z"};
     for (int k = 0; k < 3; ++k)
       if (table.has(axes[k])) p.sigma(k) = table.number(row, axes[k]);
-    if (table.has("role")) p.check = table.text(row, "role") == "check";
+    if (table.has("role")) {
+      const std::string role = formats::to_lower(table.text(row, "role"));
+      p.check = role == "check";
+      if (!role.empty() && role != "check" && role != "control")
+        throw std::runtime_error(file + ":" + std::to_string(row.line) + ": 'role' is '" + role +
+                                 "', expected control or check");
+    }
+    const int given = table.has("sigma_x") + table.has("sigma_y") + table.has("sigma_z");
+    if (given != 0 && given != 3 && !table.has("sigma"))
+      throw std::runtime_error(file +
+                               ": standard deviations are given for some of x, y and z only; expected sigma, or "
+                               "sigma_x, sigma_y and sigma_z");
+    if (p.sigma.minCoeff() < 0)
+      throw std::runtime_error(file + ":" + std::to_string(row.line) + ": point '" + p.name +
+                               "' has a negative standard deviation");
     if (!seen.insert(p.name).second)
       throw std::runtime_error(file + ":" + std::to_string(row.line) + ": point '" + p.name + "' stands in it twice");
     points.push_back(p);
@@ -193,13 +257,11 @@ std::vector<ImagePoint> parse_image_points(const std::string& text, const std::s
     for (const auto& g : *lines) points.push_back({g.image, g.name, g.pixel, 0});
   } else {
     static const std::map<std::string, std::string> names = {
-        {"image", "image"}, {"photo", "image"}, {"path", "image"},
-        {"file", "image"},  {"point", "point"}, {"name", "point"},
-        {"id", "point"},    {"label", "point"}, {"x", "x"},
-        {"y", "y"},         {"column", "x"},    {"row", "y"},
-        {"u", "x"},         {"v", "y"},         {"sigma", "sigma"},
-        {"x_px", "x_px"},   {"y_px", "y_px"},   {"sigma_px", "sigma_px"}};
-    const Table table(text, file, names, "image, point, x, y and optionally sigma");
+        {"image", "image"}, {"photo", "image"}, {"path", "image"},  {"file", "image"}, {"point", "point"},
+        {"name", "point"},  {"id", "point"},    {"label", "point"}, {"x", "x"},        {"y", "y"},
+        {"column", "x"},    {"row", "y"},       {"u", "x"},         {"v", "y"},        {"sigma", "sigma"}};
+    const Table table(text, file, names, "image, point, x, y and optionally sigma",
+                      {{"image", "point", "x", "y"}, {"image", "point", "x", "y", "sigma"}});
     for (const auto& row : table.rows())
       points.push_back({table.text(row, "image"),
                         table.text(row, "point"),

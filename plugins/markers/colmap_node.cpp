@@ -1,9 +1,12 @@
 #include "colmap_node.hpp"
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 
+#include "exchange_nodes.hpp"
 #include "markers/control_block.hpp"
 #include "output.hpp"
 #include "read_nodes.hpp"
@@ -53,8 +56,24 @@ Json cameras_json(const ControlResult& result) {
   return cameras;
 }
 
+/// Part of each photograph that its points cover, as the area of their bounding box over the image's.
+std::map<std::string, double> coverages(const ControlResult& result) {
+  std::map<std::string, Eigen::AlignedBox2d> boxes;
+  for (const auto& o : result.observations) boxes[o.image].extend(o.pixel);
+  std::map<std::string, double> parts;
+  for (const auto& [id, image] : result.model.images) {
+    const BrownCamera& camera = result.model.cameras.at(image.camera).camera;
+    const auto box = boxes.find(image.name);
+    parts[image.name] = box == boxes.end() || camera.width <= 0 || camera.height <= 0
+                            ? 0
+                            : box->second.volume() / (static_cast<double>(camera.width) * camera.height);
+  }
+  return parts;
+}
+
 Json images_json(const ControlResult& result) {
   Json images = Json::array();
+  const auto covered = coverages(result);
   for (const auto& [id, image] : result.model.images) {
     const auto covariance = result.pose_covariance.find(id);
     Json entry = {
@@ -70,6 +89,7 @@ Json images_json(const ControlResult& result) {
     entry["rotation"] = {q.w(), q.x(), q.y(), q.z()};
     if (result.image_rms.count(id))
       entry["tags"] = result.image_points.at(id), entry["rms_px"] = result.image_rms.at(id);
+    entry["coverage"] = covered.at(image.name);
     images.push_back(entry);
   }
   return images;
@@ -91,6 +111,7 @@ std::string block_text(const ControlResult& result) {
                       {"position", vector(p.position)},
                       {"sigma", vector(p.covariance.diagonal().cwiseSqrt())},
                       {"surveyed", vector(p.surveyed)},
+                      {"surveyed_sigma", vector(p.surveyed_sigma)},
                       {"difference", vector(p.position - p.surveyed)},
                       {"w", vector(p.w)},
                       {"rays", p.rays},
@@ -169,17 +190,7 @@ void AdjustColmapControl::run(Context& context) {
   block.commit(file_of("block.json", "application/json", block_text(result)));
   table.commit(file_of("points.csv", "text/csv", table_text(result)));
   const auto folder = adjusted.make_folder();
-  FolderT listing;
-  listing.uri = folder.uri;
-  for (const auto& [name, text] : colmap_text(result.model)) {
-    std::ofstream stream(folder.path + "/" + name, std::ios::binary);
-    if (!(stream << text).flush()) throw std::runtime_error("cannot write " + folder.path + "/" + name);
-    stream.close();
-    auto entry = std::make_unique<FolderEntryT>();
-    entry->path = name, entry->sha256 = context.digest(folder.path + "/" + name), entry->size = text.size();
-    listing.files.push_back(std::move(entry));
-  }
-  adjusted.commit(listing);
+  adjusted.commit(write_model(result.model, folder.uri, folder.path, context));
 }
 
 }  // namespace plumbline::markers

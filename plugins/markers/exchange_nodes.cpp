@@ -2,9 +2,11 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "markers/camera_groups.hpp"
 #include "markers/colmap_files.hpp"
 #include "markers/control_files.hpp"
 #include "output.hpp"
@@ -95,6 +97,75 @@ void ReadColmap::run(Context&) {
     cloud.points.push_back(std::move(point));
   }
   points.commit(cloud);
+}
+
+FolderT write_model(const ColmapModel& model, const std::string& uri, const std::string& path, Context& context) {
+  FolderT listing;
+  listing.uri = uri;
+  for (const auto& [name, text] : colmap_text(model)) {
+    std::ofstream stream(path + "/" + name, std::ios::binary);
+    if (!(stream << text).flush()) throw std::runtime_error("cannot write " + path + "/" + name);
+    stream.close();
+    auto entry = std::make_unique<FolderEntryT>();
+    entry->path = name, entry->sha256 = context.digest(path + "/" + name), entry->size = text.size();
+    listing.files.push_back(std::move(entry));
+  }
+  return listing;
+}
+
+namespace {
+
+/// Features of the image: the centres of its tags that stand for a point.
+void add_features(const ImageTagsT& seen, const std::map<std::string, std::int64_t>& point_of, ColmapModel& model,
+                  ColmapImage& image) {
+  for (const auto& tag : seen.tags) {
+    const std::string id = std::to_string(tag->id), full = tag->family + ":" + id;
+    const auto point = point_of.count(full) ? point_of.find(full) : point_of.find(id);
+    if (point == point_of.end() || tag->corners.size() != 4) continue;
+    model.points.at(point->second).track.emplace_back(image.id, static_cast<std::uint32_t>(image.features.size()));
+    image.features.push_back({centre_of(*tag), point->second});
+  }
+}
+
+}  // namespace
+
+void WriteColmap::run(Context& context) {
+  ColmapModel result;
+  std::map<std::string, std::uint32_t> camera_of_name;
+  for (size_t i = 0; i < cameras.size(); ++i) {
+    const CameraT given = cameras.unpack(i);
+    ColmapCamera camera;
+    camera.id = static_cast<std::uint32_t>(i + 1), camera.camera = camera_of(given);
+    camera_of_name[given.id] = camera.id;
+    result.cameras[camera.id] = camera;
+  }
+  std::map<std::string, std::int64_t> point_of;
+  const PointsT cloud = points ? points.unpack() : PointsT();
+  for (const auto& p : cloud.points) {
+    const auto id = static_cast<std::int64_t>(result.points.size() + 1);
+    point_of[p->id] = id;
+    result.points[id].position = p->position;
+  }
+  std::map<std::string, const ImageTagsT*> seen;
+  const TagObservationsT tags = observations ? observations.unpack() : TagObservationsT();
+  for (const auto& image : tags.images) seen[image->path] = image.get();
+  const PosesT oriented = poses.unpack();
+  for (const auto& pose : oriented.poses) {
+    ColmapImage image;
+    image.id = static_cast<std::uint32_t>(result.images.size() + 1), image.name = pose->path;
+    const auto named = camera_of_name.find(folder_of(pose->path));
+    if (result.cameras.size() != 1 && named == camera_of_name.end())
+      throw std::runtime_error(pose->path + " is of none of the " + std::to_string(result.cameras.size()) +
+                               " cameras: give one camera, or several that are called as the images' folders");
+    image.camera = result.cameras.size() == 1 ? 1 : named->second;
+    image.cam_from_world = pose->cam_from_world;
+    if (const auto tags_of = seen.find(pose->path); tags_of != seen.end())
+      add_features(*tags_of->second, point_of, result, image);
+    result.images[image.id] = image;
+  }
+  if (result.images.empty()) context.warn("there is no pose: the model is empty");
+  const auto folder = model.make_folder();
+  model.commit(write_model(result, folder.uri, folder.path, context));
 }
 
 void WriteGcp::run(Context& context) {

@@ -3,9 +3,11 @@
 
 #include "artifacts/camera.hpp"
 #include "artifacts/file.hpp"
+#include "artifacts/folder.hpp"
 #include "artifacts/points.hpp"
 #include "artifacts/poses.hpp"
 #include "artifacts/tag_observations.hpp"
+#include "markers/colmap_files.hpp"
 #include "plumbline/node.hpp"
 
 namespace plumbline::markers {
@@ -32,6 +34,20 @@ struct ReadColmap : Node {
   OutList<Camera> cameras{"cameras", "interior orientations, in the order of their ids"};
   Out<Poses> poses{"poses", frame("frame=colmap"), "exterior orientations, in the order of the images' ids"};
   Out<Points> points{"points", frame("frame=colmap"), "the model's points; sigmas are not known"};
+  void run(Context& context) override;
+};
+
+/// The model as COLMAP text files in the folder at `path`, which the host knows as `uri`.
+FolderT write_model(const ColmapModel& model, const std::string& uri, const std::string& path, Context& context);
+
+struct WriteColmap : Node {
+  static constexpr Info info{"write.colmap", "", 1, "Writes cameras, poses and points as a COLMAP model, text"};
+  In<Poses> poses{"poses", frame("frame=?F"), "exterior orientations"};
+  List<Camera> cameras{"cameras", "the camera of all images, or several that are called as the images' folders"};
+  Optional<Points> points{"points", frame("frame=?F"), "points of the model"};
+  Optional<TagObservations> observations{
+      "observations", "tags whose id, or family:id, is the name of a point: their centres become features of it"};
+  Out<Folder> model{"model", "cameras.txt, images.txt and points3D.txt; the corner of the top-left pixel is (0, 0)"};
   void run(Context& context) override;
 };
 
