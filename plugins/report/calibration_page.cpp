@@ -39,11 +39,8 @@ Counts counts_of(const Json& c) {
   return n;
 }
 
-void write_head(Markup& html, const Json& c, const std::string& title, const std::string& subtitle) {
+void write_verdict(Markup& html, const Json& c) {
   const Counts n = counts_of(c);
-  Scope header(html, "header");
-  html.element("h1", title);
-  html.element("p", {{"class", "subtitle"}}, subtitle.empty() ? text(c, "board") : text(c, "board") + " · " + subtitle);
   {
     Scope box(html, "div",
               {{"class", list(c, "warnings").empty() && n.used == n.all ? "verdict pass" : "verdict undecided"}});
@@ -205,15 +202,79 @@ void write_images(Markup& html, const Json& c) {
   for (const Json& r : rejected) html.element("li", r.get<std::string>());
 }
 
-}  // namespace
-
-void write_calibration(Markup& html, const Json& c, const std::string& title, const std::string& subtitle) {
-  Scope main(html, "main");
-  write_head(html, c, title, subtitle);
+void write_camera(Markup& html, const Json& c) {
   write_parameters(html, c);
   write_map(html, c);
   write_residuals(html, c);
   write_images(html, c);
+}
+
+/// How the cameras stand to each other.
+void write_rig(Markup& html, const Json& rig) {
+  Scope section(html, "section", {{"id", "rig"}});
+  html.element("h2", "The cameras of the rig");
+  if (rig.empty()) {
+    html.element("p",
+                 "No two cameras have three photographs of the same moments: the last number of a photograph's name "
+                 "has to be that of the moment.");
+    return;
+  }
+  html.element("p",
+               "Camera from reference, mean over the moments at which both saw the board. The standard deviations are "
+               "from the scatter of the moments; what an interior orientation does to all of them they do not hold.");
+  Scope wide(html, "div", {{"class", "wide"}});
+  Scope table(html, "table");
+  {
+    Scope thead(html, "thead");
+    Scope row(html, "tr");
+    for (const char* name : {"Camera", "Reference", "Moments", "Left out", "Translation x, y, z [mm]", "Sigma [mm]",
+                             "Turn [°]", "Sigma [°]", "One moment scatters [mm]"})
+      html.element("th", name);
+  }
+  Scope body(html, "tbody");
+  const auto triple = [](const Json& v, double unit, int digits) {
+    return fixed(unit * v[0].get<double>(), digits) + ", " + fixed(unit * v[1].get<double>(), digits) + ", " +
+           fixed(unit * v[2].get<double>(), digits);
+  };
+  for (const Json& pose : rig) {
+    Scope row(html, "tr");
+    const double w = std::clamp(std::abs(list(pose, "rotation")[0].get<double>()), 0.0, 1.0);
+    double turn_variance = 0;
+    for (const Json& v : list(pose, "rotation_sigma")) turn_variance += std::pow(v.get<double>(), 2) / 3;
+    html.element("th", text(pose, "camera"));
+    html.element("td", text(pose, "reference"));
+    html.element("td", std::to_string(list(pose, "moments").size()));
+    html.element("td", std::to_string(list(pose, "left_out").size()));
+    html.element("td", triple(list(pose, "translation"), 1e3, 2));
+    html.element("td", triple(list(pose, "translation_sigma"), 1e3, 2));
+    html.element("td", fixed(2 * std::acos(w) * 180 / M_PI, 3));
+    html.element("td", fixed(std::sqrt(turn_variance) * 180 / M_PI, 4));
+    html.element("td", mm(number(pose, "translation_scatter"), 2));
+  }
+}
+
+}  // namespace
+
+void write_calibration(Markup& html, const Json& c, const std::string& title, const std::string& subtitle) {
+  Scope main(html, "main");
+  const bool several = c.contains("cameras");
+  {
+    const std::string board = text(several && !list(c, "cameras").empty() ? c["cameras"][0] : c, "board");
+    Scope header(html, "header");
+    html.element("h1", title);
+    html.element("p", {{"class", "subtitle"}}, subtitle.empty() ? board : board + " · " + subtitle);
+    if (!several) write_verdict(html, c);
+  }
+  if (!several) {
+    write_camera(html, c);
+    return;
+  }
+  write_rig(html, list(c, "rig"));
+  for (const Json& camera : list(c, "cameras")) {
+    html.element("h1", text(camera, "id"));
+    write_verdict(html, camera);
+    write_camera(html, camera);
+  }
 }
 
 }  // namespace plumbline::report

@@ -10,8 +10,8 @@ namespace plumbline::report {
 void ReportCalibration::run(Context&) {
   const auto* content = calibration->content();
   const auto json = nlohmann::ordered_json::parse(content->begin(), content->end(), nullptr, false);
-  if (json.is_discarded() || !json.is_object() || !json.contains("parameters"))
-    throw std::runtime_error("the input 'calibration' is not a calibration.json: 'parameters' is missing");
+  if (json.is_discarded() || !json.is_object() || (!json.contains("parameters") && !json.contains("cameras")))
+    throw std::runtime_error("the input 'calibration' is not a calibration.json: 'parameters' or 'cameras' is missing");
   const std::string page = render_page(*title, [&](Markup& html) { write_calibration(html, json, *title, *subtitle); });
   FileT file;
   file.name = *name, file.media_type = "text/html";

@@ -27,6 +27,9 @@ struct DrawnPoint {
 /// Two parallel projections side by side: along the points' normal, and from above it.
 void draw_scene(Markup& html, const std::vector<DrawnCamera>& cameras, const std::vector<DrawnPoint>& points);
 
+/// A view that can be turned, where scripts run; nothing else shows only there.
+void draw_space(Markup& html, const std::vector<DrawnCamera>& cameras, const std::vector<DrawnPoint>& points);
+
 struct DrawnResidual {
   Eigen::Vector2d at, residual;  ///< [px]
 };

@@ -1,5 +1,6 @@
 #include "report/image_block_page_node.hpp"
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "report/image_block_page.hpp"
@@ -31,6 +32,14 @@ void ReportImageBlock::run(Context& context) {
   out.commit(page_of(*block, files, *title, *subtitle, *name));
 }
 
-void ReportModelBlock::run(Context&) { out.commit(page_of(*block, {}, *title, *subtitle, *name)); }
+void ReportModelBlock::run(Context&) {
+  namespace fs = std::filesystem;
+  PhotographFiles files;
+  if (!photographs->path.empty())
+    for (const auto& entry : fs::recursive_directory_iterator(photographs->path))
+      if (entry.is_regular_file())
+        files[entry.path().lexically_relative(photographs->path).generic_string()] = entry.path().string();
+  out.commit(page_of(*block, files, *title, *subtitle, *name));
+}
 
 }  // namespace plumbline::report

@@ -21,8 +21,10 @@ struct ReportImageBlock : Node {
 };
 
 struct ReportModelBlock : Node {
-  static constexpr Info info{"report.model_block", "", 1, "HTML page of a block whose photographs are not at hand"};
+  static constexpr Info info{"report.model_block", "", 1, "HTML page of a block whose photographs may not be at hand"};
   In<File> block{"block", "the block.json of adjust.colmap_control or of any other block"};
+  Param<FolderPath> photographs{"photographs", FolderPath{},
+                                "folder with the photographs, by the names the block has for them: crops are shown"};
   Param<std::string> title{"title", "Image block", "heading"};
   Param<std::string> subtitle{"subtitle", "", "line below the heading"};
   Param<std::string> name{"name", "report.html", "base name of the file"};

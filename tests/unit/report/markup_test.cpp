@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <nlohmann/json.hpp>
 
 #include "report/format.hpp"
+#include "report/image_block_page.hpp"
 #include "report/plot.hpp"
 
 namespace plumbline::report {
@@ -55,6 +57,30 @@ TEST(Plot, LabelsNeverOverlap) {
   EXPECT_GE(placed, 2);  // places around one point; the neighbours of a taken one are taken as well
   EXPECT_LE(placed, 8);
   EXPECT_FALSE(placer.place(svg, 5, 600, 12, "outside", "x"));
+}
+
+TEST(ImageBlockPage, ShowsSurveyedPointsWithWhatWasWithheldAndEveryRejection) {
+  const auto block = nlohmann::ordered_json::parse(R"({
+    "statistics": {"rms_px": 0.25}, "datum": "control",
+    "cameras": [{"id": "c", "width": 100, "height": 80, "rms_px": 0.25, "pixel_pitch_um": 4.0}],
+    "images": [{"path": "a</script>.jpg", "oriented": true, "camera": "c", "centre": [0, 0, 5], "sigma": [0.001, 0.001, 0.001],
+                "rotation": [0, 1, 0, 0], "tags": 3, "rms_px": 0.25, "coverage": 0.5}],
+    "points": [
+      {"id": "P1", "role": "check", "position": [0, 0, 0], "sigma": [0.001, 0.001, 0.001], "surveyed": [0, 0, 0],
+       "surveyed_sigma": [0.002, 0.002, 0.002], "difference": [0.003, -0.004, 0], "w": [0, 0, 0], "rays": 2, "largest_angle_deg": 41},
+      {"id": "P2", "role": "control", "position": [1, 0, 0], "sigma": [0.001, 0.001, 0.001], "surveyed": [1, 0, 0],
+       "difference": [0, 0, 0.001], "w": [0.5, -3.6, 0], "rays": 2, "largest_angle_deg": 12},
+      {"id": "P3", "position": [0, 1, 0], "sigma": [0.001, 0.001, 0.001], "rays": 2, "largest_angle_deg": 5}],
+    "observations": [{"image": "a</script>.jpg", "point": "P1", "corners": [[10, 10]], "residuals": [[0.1, 0.2]], "rms_px": 0.16}],
+    "rejected": [{"image": "a</script>.jpg", "point": "P3", "corners": [[1, 1]], "reason": "it disagrees"}]})");
+  Markup m;
+  write_image_block(m, block, "Title", "", {});
+  const std::string& page = m.str();
+  for (const char* expected : {"3.0\u00a0mm in x, 4.0\u00a0mm in y", "over 1\u00a0point", ">3.6<", "it disagrees",
+                               "0.250 px (1.00 µm)", "1\u00a0observation was left out", "\"n\":\"P1\""})
+    EXPECT_NE(page.find(expected), std::string::npos) << expected;
+  EXPECT_EQ(page.find("a</script>"), std::string::npos) << "a name cannot end the script";
+  EXPECT_NE(page.find("<td>41</td>"), std::string::npos) << "the photograph's largest angle";
 }
 
 }  // namespace
