@@ -197,6 +197,15 @@ bool read_ours(const YAML::Node& root, const std::string& file, CameraFile& resu
   return true;
 }
 
+/// Names of the cameras in a file of ours that holds several.
+std::vector<std::string> names_of(const YAML::Node& root) {
+  std::vector<std::string> names;
+  if (root.IsMap() && !root["plumbline_camera"])
+    for (const auto& entry : root)
+      if (entry.second.IsMap() && entry.second["plumbline_camera"]) names.push_back(entry.first.as<std::string>(""));
+  return names;
+}
+
 }  // namespace
 
 CameraFile parse_camera_file(const std::string& text, const std::string& file, const std::string& which) {
@@ -206,8 +215,12 @@ CameraFile parse_camera_file(const std::string& text, const std::string& file, c
   if (root.IsMap() && !which.empty()) {
     if (!root[which]) refuse(file, "there is no '" + which + "' in it");
     root = root[which];
-  } else if (root.IsMap() && root["cam0"]) {
+  } else if (root.IsMap() && root["cam0"] && !root["cam0"]["plumbline_camera"]) {
     result.format = "Kalibr", root = root["cam0"], result.id = "cam0";
+  } else {
+    std::string names;
+    for (const auto& name : names_of(root)) names += (names.empty() ? "'" : ", '") + name + "'";
+    if (!names.empty()) refuse(file, "it holds several cameras; choose one with which=: " + names);
   }
   const size_t slash = file.find_last_of('/');
   if (result.id.empty()) result.id = slash == std::string::npos ? file : file.substr(slash + 1);
@@ -229,6 +242,24 @@ CameraFile parse_camera_file(const std::string& text, const std::string& file, c
                      std::to_string(result.camera.width) + " x " + std::to_string(result.camera.height) +
                      " px; the principal distance must be in pixels");
   return result;
+}
+
+std::vector<CameraFile> parse_camera_files(const std::string& text, const std::string& file, const std::string& which) {
+  const std::vector<std::string> names = which.empty() ? names_of(parse(text, file)) : std::vector<std::string>();
+  if (names.empty()) return {parse_camera_file(text, file, which)};
+  std::vector<CameraFile> cameras;
+  for (const auto& name : names) {
+    cameras.push_back(parse_camera_file(text, file, name));
+    cameras.back().id = name;
+  }
+  return cameras;
+}
+
+Eigen::MatrixXd usual_covariance(const BrownCamera& camera) {
+  Eigen::VectorXd sigma(9);
+  const double f = 1e-3 * camera.fx;
+  sigma << f, f, 2 * f, 2 * f, 0.01, 0.03, camera.k3 != 0 ? 0.05 : 0.0, 5e-4, 5e-4;
+  return sigma.cwiseAbs2().asDiagonal();
 }
 
 std::string camera_yaml(const CameraFile& file) {

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <string>
+#include <vector>
 
 #include "geometry/camera.hpp"
 
@@ -20,6 +21,15 @@ struct CameraFile {
 /// Throws std::runtime_error that names `file`, what was found and what was expected; also for models that are not
 /// Brown's (fisheye, rational with more than five coefficients that are not zero).
 CameraFile parse_camera_file(const std::string& text, const std::string& file, const std::string& which = "");
+
+/// All cameras of a file of ours that holds several, each under its name; else, or with `which`, the one camera that
+/// parse_camera_file reads.
+std::vector<CameraFile> parse_camera_files(const std::string& text, const std::string& file,
+                                           const std::string& which = "");
+
+/// 9 × 9: what a calibration that does not state its uncertainty is usually good for, a thousandth of the principal
+/// distance and distortion to match.
+Eigen::MatrixXd usual_covariance(const BrownCamera& camera);
 
 /// Our own format, as campaign folders take it; docs/campaign_folder.md.
 std::string camera_yaml(const CameraFile& camera);

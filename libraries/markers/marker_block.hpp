@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -26,6 +27,7 @@ struct MarkerCamera {
   std::string source;          ///< where the start comes from, in words
   Eigen::MatrixXd covariance;  ///< 9 × 9 prior; empty: none. Parameters of variance 0 are held
   bool held = false;           ///< the interior orientation is taken as exact
+  double pixel_pitch = std::numeric_limits<double>::quiet_NaN();  ///< edge of a pixel on the sensor [m]; nan: unknown
 };
 
 struct MarkerImage {

@@ -43,12 +43,11 @@ struct AdjustMarkerBoard : Node {
           "or distance to A,B,metres between the centres of two tags");
     std::vector<ImageT> photographs;
     for (size_t i = 0; i < images.size(); ++i) photographs.push_back(images.unpack(i));
-    CameraT known;
-    if (camera) known = camera.unpack();
+    std::vector<CameraT> known;
+    if (camera) known.push_back(camera.unpack());
     const TagObservationsT seen = observations.unpack();
     // Without a size any will do: the distance replaces it.
-    const BlockInput input =
-        block_of(photographs, seen, camera ? &known : nullptr, {*tag_size > 0 ? *tag_size : 0.1, *cameras});
+    const BlockInput input = block_of(photographs, seen, known, {*tag_size > 0 ? *tag_size : 0.1, *cameras});
     for (const auto& image : input.left_out) context.warn("left out: " + image.path + ": " + image.reason);
     for (const auto& text : input.warnings) context.warn(text);
     if (input.block.views.empty())

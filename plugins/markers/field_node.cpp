@@ -55,9 +55,9 @@ void apply_layout(const PlatesT& plates, const PointsT& points, double tag_size,
 void AdjustMarkerField::run(Context& context) {
   std::vector<ImageT> photographs;
   for (size_t i = 0; i < images.size(); ++i) photographs.push_back(images.unpack(i));
-  CameraT known;
-  if (camera) known = camera.unpack();
-  BlockInput input = block_of(photographs, observations.unpack(), camera ? &known : nullptr, {*tag_size, *cameras});
+  std::vector<CameraT> known;
+  for (size_t i = 0; i < calibrations.size(); ++i) known.push_back(calibrations.unpack(i));
+  BlockInput input = block_of(photographs, observations.unpack(), known, {*tag_size, *cameras});
   apply_layout(plates.unpack(), layout.unpack(), *tag_size, input);
   for (const auto& image : input.left_out) context.warn("left out: " + image.path + ": " + image.reason);
   for (const auto& text : input.warnings) context.warn(text);

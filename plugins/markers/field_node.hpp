@@ -14,7 +14,10 @@ struct AdjustMarkerField : Node {
   In<TagObservations> observations{"observations", "the tags in them"};
   In<Plates> plates{"plates", frame("frame=?F"), "the tags of the layout"};
   In<Points> layout{"points", frame("frame=?F"), "the places of their plates"};
-  Optional<Camera> camera{"camera", "calibration of the camera; without it every camera calibrates itself"};
+  List<Camera> calibrations{
+      "camera",
+      "calibration of the one camera, or of several by the names of `cameras`; none: every camera "
+      "calibrates itself"};
   Param<double> tag_size{"tag_size", 0.0, "m", between(0, 100),
                          "edge of the tags between their detected corners, where the layout does not say it"};
   Param<double> position_sigma{"position_sigma", 0.02, "m", between(1e-6, 10),
@@ -28,7 +31,8 @@ struct AdjustMarkerField : Node {
   Param<double> reject_above{"reject_above", 8.0, "1", at_least(0),
                              "tags whose rms residual is this many times the median are left out; 0 keeps all"};
   Param<std::string> cameras{"cameras", "by_folder", one_of("by_folder", "by_name", "one"),
-                             "by_folder: photographs of another folder are from another camera"};
+                             "by_folder: photographs of another folder are from another camera; by_name: of another "
+                             "name before the last number (cam0_17.png), too"};
   Out<File> poses_file{"file", "poses.json: every photograph with its pose or the reason why it has none"};
   Out<File> table{"table", "points.csv: the tags after the adjustment"};
   Out<File> block{"block", "block.json: the adjustment with its statistics, residuals and what was left out"};

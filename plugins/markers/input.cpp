@@ -7,26 +7,12 @@
 #include <stdexcept>
 
 #include "geometry/packed_symmetric.hpp"
+#include "markers/camera_groups.hpp"
 
 namespace plumbline::markers {
 namespace {
 
 std::string size_text(int width, int height) { return std::to_string(width) + " x " + std::to_string(height); }
-
-std::string folder_of(const std::string& path) {
-  const size_t slash = path.find_last_of('/');
-  return slash == std::string::npos ? "" : path.substr(0, slash);
-}
-
-/// "rig/cam0" of "rig/cam0_0017.png": what stands before the last number of the name.
-std::string prefix_of(const std::string& path) {
-  const size_t end = path.find_last_of('.'), last = path.find_last_of("0123456789", end);
-  if (last == std::string::npos) return folder_of(path);
-  const size_t before = path.find_last_not_of("0123456789", last);
-  std::string prefix = before == std::string::npos ? "" : path.substr(0, before + 1);
-  while (!prefix.empty() && std::string("_-. ").find(prefix.back()) != std::string::npos) prefix.pop_back();
-  return prefix;
-}
 
 /// What tells one camera from another.
 struct CameraKey {
@@ -53,10 +39,7 @@ std::vector<CameraGroup> groups_of(const std::vector<ImageT>& images, const TagO
     if (!use[i]) continue;
     const ImageTagsT& seen = *observations.images[i];
     const auto found = header.find(seen.path);
-    CameraKey key{by == "by_folder" ? folder_of(seen.path)
-                  : by == "by_name" ? prefix_of(seen.path)
-                                    : "",
-                  "", seen.width, seen.height, 0};
+    CameraKey key{camera_name(seen.path, by), "", seen.width, seen.height, 0};
     double principal = std::nan("");
     if (found != header.end()) {
       key.model = found->second->model;
@@ -118,6 +101,7 @@ MarkerCamera camera_from(const CameraGroup& group, size_t number, size_t count) 
     camera.camera.fx = camera.camera.fy = group.principal_distance;
     camera.camera.cx = 0.5 * (group.key.width - 1), camera.camera.cy = 0.5 * (group.key.height - 1);
     camera.source = "self-calibration, started from EXIF";
+    if (group.key.focal_length > 0) camera.pixel_pitch = group.key.focal_length / group.principal_distance;
   }
   return camera;
 }
@@ -127,16 +111,37 @@ MarkerCamera camera_from(const CameraT& known) {
   camera.id = known.id;
   camera.camera = camera_of(known);
   camera.source = known.source;
+  camera.pixel_pitch = known.pixel_pitch;
   camera.covariance = unpack_symmetric(known.covariance, BrownCamera::parameter_count, "camera '" + known.id + "'");
   camera.held = camera.covariance.size() == 0 || camera.covariance.diagonal().maxCoeff() == 0;
   return camera;
 }
 
-/// Which photographs can take part at all.
-std::vector<bool> usable(const TagObservationsT& observations, const CameraT* known, BlockInput& input) {
+/// Index of the calibration that holds for a photograph; −1: none does.
+int calibration_of(const std::string& path, const std::vector<CameraT>& known, const std::string& by) {
+  if (known.size() == 1) return 0;
+  const std::string name = camera_name(path, by);
+  for (size_t c = 0; c < known.size(); ++c)
+    if (known[c].id == name) return static_cast<int>(c);
+  return -1;
+}
+
+/// Why a photograph cannot be one of its calibrated camera; empty if it can.
+std::string contradiction(const ImageTagsT& image, CameraT& camera) {
+  if (camera.width == 0) camera.width = image.width, camera.height = image.height;  // OpenCV's files do not say it
+  if (image.width == camera.width && image.height == camera.height) return "";
+  const bool turned = image.width == camera.height && image.height == camera.width;
+  return "has " + size_text(image.width, image.height) + " pixels, camera '" + camera.id + "' has " +
+         size_text(camera.width, camera.height) +
+         (turned ? ": a program turned its pixels; use the file as the camera wrote it"
+                 : "; calibrate the camera at the size of these photographs");
+}
+
+/// Which photographs can take part at all. Calibrations without a size get that of their first photograph.
+std::vector<bool> usable(const TagObservationsT& observations, std::vector<CameraT>& known, const std::string& by,
+                         BlockInput& input) {
   std::vector<bool> use(observations.images.size(), false);
   std::map<std::string, std::string> by_content;
-  int width = known ? known->width : 0, height = known ? known->height : 0;
   for (size_t i = 0; i < observations.images.size(); ++i) {
     const ImageTagsT& image = *observations.images[i];
     const auto leave_out = [&](const std::string& why) { input.left_out.push_back({image.path, why}); };
@@ -155,14 +160,16 @@ std::vector<bool> usable(const TagObservationsT& observations, const CameraT* kn
       leave_out("no tag of the family was found in it");
       continue;
     }
-    if (known && width == 0) width = image.width, height = image.height;
-    if (known && (image.width != width || image.height != height)) {
-      const bool turned = image.width == height && image.height == width;
-      leave_out("has " + size_text(image.width, image.height) + " pixels, camera '" + known->id + "' has " +
-                size_text(width, height) +
-                (turned ? ": a program turned its pixels; use the file as the camera wrote it"
-                        : "; calibrate the camera at the size of these photographs"));
-      continue;
+    if (!known.empty()) {
+      const int c = calibration_of(image.path, known, by);
+      const std::string why = c < 0 ? "is of camera '" + camera_name(image.path, by) +
+                                          "', which the file of calibrations has not (it has '" + known.front().id +
+                                          "' and others); cameras=by_name or by_folder tells how they are called"
+                                    : contradiction(image, known[static_cast<size_t>(c)]);
+      if (!why.empty()) {
+        leave_out(why);
+        continue;
+      }
     }
     use[i] = true;
   }
@@ -226,20 +233,24 @@ BrownCamera camera_of(const CameraT& artifact) {
   return camera;
 }
 
-BlockInput block_of(const std::vector<ImageT>& images, const TagObservationsT& observations, const CameraT* known,
+BlockInput block_of(const std::vector<ImageT>& images, const TagObservationsT& observations, std::vector<CameraT> known,
                     const InputOptions& options) {
   BlockInput input;
-  const std::vector<bool> use = usable(observations, known, input);
+  const std::vector<bool> use = usable(observations, known, options.cameras, input);
   std::vector<int> camera_of_image(observations.images.size(), -1);
-  if (known) {
-    input.block.cameras.push_back(camera_from(*known));
-    BrownCamera& camera = input.block.cameras.back().camera;
-    for (size_t i = 0; i < use.size() && camera.width == 0; ++i)  // OpenCV's files do not say the size
-      if (use[i]) camera.width = observations.images[i]->width, camera.height = observations.images[i]->height;
+  if (!known.empty()) {
+    for (const CameraT& camera : known) input.block.cameras.push_back(camera_from(camera));
     for (size_t i = 0; i < use.size(); ++i)
-      if (use[i]) camera_of_image[i] = 0;
+      if (use[i]) camera_of_image[i] = calibration_of(observations.images[i]->path, known, options.cameras);
   } else {
     std::vector<CameraGroup> groups = groups_of(images, observations, use, options.cameras);
+    std::vector<std::string> paths;
+    for (const auto& image : observations.images) paths.push_back(image->path);
+    const std::string suspects = options.cameras == "by_folder" ? suspected_cameras(paths) : "";
+    if (!suspects.empty())
+      input.warnings.push_back("the photographs are called " + suspects +
+                               ", each with the same numbers, and count as one camera's: cameras=by_name calibrates "
+                               "each by itself, cameras=one says that it is one");
     drop_odd_groups(groups, observations, input);
     for (size_t g = 0; g < groups.size(); ++g) {
       input.block.cameras.push_back(camera_from(groups[g], g, groups.size()));

@@ -29,9 +29,10 @@ struct InputOptions {
       "by_folder";  ///< what tells cameras apart: by_folder, by_name (what stands before the last number), one
 };
 
-/// The block's images, views and markers; markers get `tag_size`. Cameras: `known` if given (photographs of another
-/// size are left out), else one for each folder, EXIF model, size and focal length, started from EXIF.
-BlockInput block_of(const std::vector<ImageT>& images, const TagObservationsT& observations, const CameraT* known,
+/// The block's images, views and markers; markers get `tag_size`. Cameras: `known` if there are any (one for all
+/// photographs, or several that are called as camera_name calls them; photographs of another size are left out), else
+/// one for each name, EXIF model, size and focal length, started from EXIF.
+BlockInput block_of(const std::vector<ImageT>& images, const TagObservationsT& observations, std::vector<CameraT> known,
                     const InputOptions& options);
 
 /// "7,12,1.234" or "tag36h11:7,12,1.234,0.0005": two tags, the distance between their centres in metres and, if given,

@@ -58,6 +58,7 @@ Json camera_json(const MarkerCamera& given, const AdjustedMarkerCamera& camera) 
           {"source", given.source},
           {"width", camera.camera.width},
           {"height", camera.camera.height},
+          {"pixel_pitch_um", 1e6 * given.pixel_pitch},
           {"interior_orientation", parameters},
           {"correlations", correlations},
           {"corner_inset", camera.inset},

@@ -25,33 +25,26 @@ struct ReadCamera : Node {
   static constexpr Info info{"read.camera", "", 1,
                              "Reads an interior orientation: ours, OpenCV's YAML or XML, ROS, Kalibr, PhotonVision"};
   Param<FilePath> file{"file", required, "the file"};
-  Param<std::string> which{"which", "", "key of the camera in a file of several, such as cam1"};
+  Param<std::string> which{
+      "which", "", "key of the camera in a file of several, such as cam1; empty: all of ours, the first of others"};
   Param<bool> exact{"exact", false,
                     "take the parameters as free of error; else a file without sigmas starts a "
                     "self-calibration with weak priors"};
-  Out<Camera> camera{"camera", "the interior orientation, with the uncertainty that the file states"};
+  OutList<Camera> camera{"camera", "the interior orientations, with the uncertainty that the file states"};
 
   void run(Context& context) override {
-    const CameraFile read = parse_camera_file(text_of_file(file->path), file->path, *which);
-    CameraT result;
-    result.id = read.id;
-    result.width = read.camera.width, result.height = read.camera.height;
-    const auto values = read.camera.parameters();
-    result.parameters.assign(values.begin(), values.end());
-    if (!*exact) result.covariance = pack_symmetric(read.covariance.size() ? read.covariance : usual(read.camera));
-    result.source = read.format + " file";
-    context.info(read.format + " camera, fx " + std::to_string(read.camera.fx) + " px");
-    camera.commit(result);
-  }
-
- private:
-  /// What a calibration that does not state its uncertainty is usually good for: a thousandth of the principal
-  /// distance, distortion to match.
-  static Eigen::MatrixXd usual(const BrownCamera& camera) {
-    Eigen::VectorXd sigma(9);
-    const double f = 1e-3 * camera.fx;
-    sigma << f, f, 2 * f, 2 * f, 0.01, 0.03, camera.k3 != 0 ? 0.05 : 0.0, 5e-4, 5e-4;
-    return sigma.cwiseAbs2().asDiagonal();
+    for (const CameraFile& read : parse_camera_files(text_of_file(file->path), file->path, *which)) {
+      CameraT result;
+      result.id = read.id;
+      result.width = read.camera.width, result.height = read.camera.height;
+      const auto values = read.camera.parameters();
+      result.parameters.assign(values.begin(), values.end());
+      if (!*exact)
+        result.covariance = pack_symmetric(read.covariance.size() ? read.covariance : usual_covariance(read.camera));
+      result.source = read.format + " file";
+      context.info(read.format + " camera, fx " + std::to_string(read.camera.fx) + " px");
+      camera.commit(result);
+    }
   }
 };
 
