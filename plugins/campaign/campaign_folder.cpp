@@ -7,6 +7,8 @@
 #include <numbers>
 #include <set>
 
+#include "images/photograph_header.hpp"
+
 namespace plumbline::campaign {
 namespace {
 
@@ -159,7 +161,7 @@ class Resolver {
 }  // namespace
 
 CampaignDescription parse_campaign(const std::string& yaml, const std::filesystem::path& shown,
-                                   std::vector<std::string> files, bool survey_only) {
+                                   std::vector<std::string> files, CampaignUse use) {
   const Mapping mapping(load(yaml, shown), shown,
                         {"plumbline_campaign", "name", "images", "observations", "camera", "plates", "survey",
                          "instrument", "date", "control", "design", "mapping"});
@@ -169,15 +171,37 @@ CampaignDescription parse_campaign(const std::string& yaml, const std::filesyste
   if (mapping.has("name")) c.name = mapping.as<std::string>("name", "a text");
   if (mapping.has("instrument")) c.instrument = mapping.as<std::string>("instrument", "the name of a profile");
   if (mapping.has("date")) c.date = mapping.as<std::string>("date", "a day such as 2026-05-12");
-  c.survey = resolver.many("survey");
+  const bool optional = use == CampaignUse::photographs;
+  const auto wanted = [&](const char* key) { return !optional || mapping.has(key); };
+  if (wanted("survey")) c.survey = resolver.many("survey");
   if (mapping.has("control")) c.control = resolver.one("control");
-  if (survey_only) return c;
+  if (use == CampaignUse::survey) return c;
+  if (c.survey.empty() && c.control.empty())
+    throw CampaignError(shown, 0, "found neither 'survey' nor 'control': where the points are, nothing says");
   if (mapping.has("observations")) c.observations = resolver.one("observations");
   if (c.observations.empty() || mapping.has("images")) c.images = resolver.many("images");
-  c.camera = resolver.one("camera");
-  c.plates = resolver.one("plates");
+  if (wanted("camera")) c.camera = resolver.one("camera");
+  if (wanted("plates")) c.plates = resolver.one("plates");
+  if (optional) return c;
   c.design = resolver.one("design");
   if (mapping.has("mapping")) c.mapping = resolver.one("mapping");
+  return c;
+}
+
+CampaignDescription find_campaign(const std::filesystem::path& folder, std::vector<std::string> files) {
+  std::sort(files.begin(), files.end());
+  CampaignDescription c;
+  for (const std::string& file : files) {
+    if (file == "camera.yaml") c.camera = file;
+    if (file == "plates.csv") c.plates = file;
+    if (file == "control.csv") c.control = file;
+    if (file.starts_with("survey/")) c.survey.push_back(file);
+    if (is_photograph_name(file)) c.images.push_back(file);
+  }
+  const std::string mend = "; expected them by these names, or a campaign.yaml that says otherwise";
+  if (c.images.empty()) throw CampaignError(folder, 0, "found no photograph (JPEG, PNG or TIFF) in this folder" + mend);
+  if (c.survey.empty() && c.control.empty())
+    throw CampaignError(folder, 0, "found no survey files in survey/ and no control.csv" + mend);
   return c;
 }
 

@@ -34,11 +34,22 @@ struct CampaignDescription {
   std::string date;        ///< when it was measured; may be empty
 };
 
+/// What is to be done with a campaign, and so what it must hold.
+enum class CampaignUse {
+  site,         ///< all of it
+  photographs,  ///< photographs (or observations), and survey files or control points; the rest if it is there
+  survey        ///< survey files; images, camera, plates and design are left alone
+};
+
 /// `files`: what the folder holds, as relative paths with forward slashes. `shown` names campaign.yaml in messages.
 /// Throws CampaignError: unknown or missing key (with the near one), a file that is not there, a pattern without a
-/// match. A campaign of `survey_only` needs no images, camera, plates and design; if it names them they are left alone.
+/// match.
 CampaignDescription parse_campaign(const std::string& yaml, const std::filesystem::path& shown,
-                                   std::vector<std::string> files, bool survey_only = false);
+                                   std::vector<std::string> files, CampaignUse use = CampaignUse::site);
+
+/// The same for a folder without campaign.yaml, for CampaignUse::photographs: all photographs in it, what lies in
+/// survey/, and camera.yaml, plates.csv and control.csv. `folder` is for messages. Throws CampaignError.
+CampaignDescription find_campaign(const std::filesystem::path& folder, std::vector<std::string> files);
 
 struct CameraCalibration {
   std::string id, make, model;
@@ -69,8 +80,10 @@ struct PlateEntry {
   Eigen::Vector3d tag_centre_in_plate = Eigen::Vector3d::Zero();  ///< [m]
   double facing_azimuth = 0;  ///< of the plate's outward normal, clockwise from north [rad]
 };
-/// A plates.csv, ordered by anchor. Throws CampaignError, also for an anchor or a tag that occurs twice.
-std::vector<PlateEntry> parse_plates(const std::string& csv, const std::filesystem::path& shown);
+/// A plates.csv, ordered by anchor. Throws CampaignError, also for an anchor or a tag that occurs twice. With
+/// CampaignUse::photographs role (control), floor (1), size (nan), offsets (0) and azimuth (0) may be left out.
+std::vector<PlateEntry> parse_plates(const std::string& csv, const std::filesystem::path& shown,
+                                     CampaignUse use = CampaignUse::site);
 
 /// Rotation of an upright plate whose normal is horizontal: frame_from_plate for a frame of E, N, H.
 Eigen::Quaterniond upright_plate(double facing_azimuth);

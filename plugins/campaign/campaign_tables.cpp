@@ -1,5 +1,6 @@
 // The two tables of a campaign: plates and control points.
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <numbers>
 #include <set>
@@ -58,6 +59,7 @@ class Table {
   }
 
   const std::vector<CsvRow>& rows() const { return table_.rows; }
+  bool has(const char* name) const { return column_.count(name) > 0; }
   [[noreturn]] void fail(const CsvRow& row, const std::string& what) const {
     throw CampaignError(shown_, row.line, what);
   }
@@ -201,20 +203,21 @@ std::vector<ControlPoint> read_control_rows(const std::string& csv, const std::f
 
 }  // namespace
 
-std::vector<PlateEntry> parse_plates(const std::string& csv, const std::filesystem::path& shown) {
+std::vector<PlateEntry> parse_plates(const std::string& csv, const std::filesystem::path& shown, CampaignUse use) {
+  const bool needed = use != CampaignUse::photographs;
   const Table table(csv, shown,
                     {{"anchor", Quantity::text, true},
-                     {"role", Quantity::text, true},
-                     {"floor", Quantity::whole, true},
+                     {"role", Quantity::text, needed},
+                     {"floor", Quantity::whole, needed},
                      {"column", Quantity::whole, false},
                      {"row", Quantity::whole, false},
                      {"tag_family", Quantity::text, true},
                      {"tag_id", Quantity::whole, true},
-                     {"tag_size", Quantity::length, true},
-                     {"tag_x", Quantity::length, true},
-                     {"tag_y", Quantity::length, true},
-                     {"tag_z", Quantity::length, true},
-                     {"facing_azimuth", Quantity::angle, true},
+                     {"tag_size", Quantity::length, needed},
+                     {"tag_x", Quantity::length, needed},
+                     {"tag_y", Quantity::length, needed},
+                     {"tag_z", Quantity::length, needed},
+                     {"facing_azimuth", Quantity::angle, needed},
                      {"batch", Quantity::text, false}});
   std::vector<PlateEntry> plates;
   std::set<std::string> anchors;
@@ -223,19 +226,20 @@ std::vector<PlateEntry> parse_plates(const std::string& csv, const std::filesyst
     PlateEntry p;
     p.anchor = table.text(row, "anchor");
     p.role = table.text(row, "role");
-    p.floor = table.whole(row, "floor");
+    if (p.role.empty() && !needed) p.role = "control";
+    p.floor = needed || table.has("floor") ? table.whole(row, "floor") : 1;
     p.column = table.whole(row, "column");
     p.row = table.whole(row, "row");
     p.tag_family = table.text(row, "tag_family");
     p.tag_id = table.whole(row, "tag_id");
-    p.tag_size = table.number(row, "tag_size");
+    p.tag_size = needed || table.has("tag_size") ? table.number(row, "tag_size") : std::nan("");
     p.tag_centre_in_plate = {table.number(row, "tag_x"), table.number(row, "tag_y"), table.number(row, "tag_z")};
     p.facing_azimuth = table.number(row, "facing_azimuth");
     p.batch = table.text(row, "batch");
     if (p.role != "control" && p.role != "check") {
       table.fail(row, "column 'role' holds '" + p.role + "', expected control or check");
     }
-    if (!(p.tag_size > 0)) table.fail(row, "the tag size must be positive");
+    if (!(p.tag_size > 0) && !std::isnan(p.tag_size)) table.fail(row, "the tag size must be positive");
     if (!anchors.insert(p.anchor).second) table.fail(row, "anchor '" + p.anchor + "' has a plate already");
     if (!tags.insert({p.tag_family, p.tag_id}).second) {
       table.fail(row, "tag " + std::to_string(p.tag_id) + " of " + p.tag_family + " hangs at another anchor already");

@@ -1,140 +1,18 @@
-// read.campaign: the folder of a site as artifacts. The work is in campaign_folder.hpp, image_header.hpp and
-// survey_files.hpp.
-#include <algorithm>
-#include <fstream>
+// read.campaign: the folder of a site as artifacts. The work is in campaign_folder.hpp, campaign_artifacts.hpp and
+// image_header.hpp.
 #include <map>
 
-#include "artifacts/camera.hpp"
 #include "artifacts/file_artifact.hpp"
-#include "artifacts/folder.hpp"
 #include "artifacts/image.hpp"
 #include "artifacts/image_tags.hpp"
-#include "artifacts/plates.hpp"
-#include "artifacts/points.hpp"
-#include "artifacts/survey_artifact.hpp"
-#include "campaign_folder.hpp"
+#include "campaign_artifacts.hpp"
 #include "image_header.hpp"
-#include "plumbline/node.hpp"
-#include "survey/model/merge_surveys.hpp"
-#include "survey_files/survey_format.hpp"
+#include "photo_campaign_node.hpp"
 
 namespace {
 
 using namespace plumbline;
 namespace fs = std::filesystem;
-
-std::string read_text(const fs::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(stream), {}};
-  if (!stream) throw campaign::CampaignError(path, 0, "the file cannot be read");
-  return text;
-}
-
-CameraT to_artifact(const campaign::CameraCalibration& c, const std::string& source) {
-  CameraT camera;
-  camera.id = c.id;
-  camera.width = c.camera.width;
-  camera.height = c.camera.height;
-  camera.pixel_pitch = c.pixel_pitch;
-  const auto parameters = c.camera.parameters();
-  camera.parameters.assign(parameters.begin(), parameters.end());
-  if (std::any_of(c.sigmas.begin(), c.sigmas.end(), [](double s) { return s > 0; })) {
-    for (std::size_t i = 0; i < c.sigmas.size(); ++i) {
-      for (std::size_t j = 0; j <= i; ++j) camera.covariance.push_back(i == j ? c.sigmas[i] * c.sigmas[i] : 0.0);
-    }
-  }
-  camera.source = source;
-  return camera;
-}
-
-PlatesT to_artifact(const std::vector<campaign::PlateEntry>& entries) {
-  PlatesT plates;
-  for (const campaign::PlateEntry& e : entries) {
-    auto plate = std::make_unique<PlateT>();
-    plate->anchor = e.anchor;
-    plate->tag_family = e.tag_family;
-    plate->tag_id = e.tag_id;
-    plate->tag_size = e.tag_size;
-    plate->tag_centre_in_plate = e.tag_centre_in_plate;
-    plate->nominal_rotation = campaign::upright_plate(e.facing_azimuth);
-    plate->batch = e.batch;
-    plate->role = e.role;
-    plate->floor = e.floor;
-    plate->column = e.column;
-    plate->row = e.row;
-    plates.plates.push_back(std::move(plate));
-  }
-  return plates;
-}
-
-PointsT to_artifact(const std::vector<campaign::ControlPoint>& entries) {
-  PointsT points;
-  Eigen::VectorXd variances(static_cast<Eigen::Index>(3 * entries.size()));
-  for (std::size_t i = 0; i < entries.size(); ++i) {
-    auto point = std::make_unique<PointT>();
-    point->id = entries[i].id;
-    point->position = entries[i].position;
-    point->sigma = entries[i].sigma;
-    point->role = "control";
-    points.points.push_back(std::move(point));
-    variances.segment<3>(static_cast<Eigen::Index>(3 * i)) = entries[i].sigma.array().square();
-  }
-  for (Eigen::Index i = 0; i < variances.size(); ++i) {
-    for (Eigen::Index j = 0; j <= i; ++j) points.covariance.push_back(i == j ? variances[i] : 0.0);
-  }
-  return points;
-}
-
-campaign::CampaignDescription describe(const FolderT& given, const fs::path& root, bool survey_only) {
-  std::vector<std::string> names;
-  for (const auto& entry : given.files) names.push_back(entry->path);
-  const fs::path yaml = root / "campaign.yaml";
-  if (std::find(names.begin(), names.end(), "campaign.yaml") == names.end())
-    throw campaign::CampaignError(yaml, 0,
-                                  "this file is missing; it tells what the folder holds, see docs/campaign_folder.md");
-  return campaign::parse_campaign(read_text(yaml), yaml, names, survey_only);
-}
-
-std::vector<campaign::ControlPoint> read_control(const campaign::CampaignDescription& description, const fs::path& root,
-                                                 Context& context) {
-  if (description.control.empty()) return {};
-  std::vector<std::string> warnings;
-  auto points = campaign::parse_control(read_text(root / description.control), root / description.control, &warnings);
-  for (const std::string& warning : warnings) context.warn(description.control + ": " + warning);
-  return points;
-}
-
-/// All survey files in one. A network adjusted from part of its readings must not look like one adjusted from all.
-SurveyObservationsT read_surveys(const campaign::CampaignDescription& description, const fs::path& root,
-                                 const std::vector<campaign::ControlPoint>& known, bool strict, Context& context) {
-  std::vector<plumbline::survey::SurveyObservations> parts;
-  for (const std::string& path : description.survey) {
-    parts.push_back(plumbline::survey::read_survey(read_text(root / path), path));  // by its own name, wherever it lies
-    for (const auto& skipped : parts.back().skipped) {
-      const std::string place = skipped.source.file + ":" + std::to_string(skipped.source.line);
-      if (strict)
-        throw std::runtime_error(place + ": found " + skipped.found + ", expected " + skipped.expected +
-                                 ". Mend the file, or go on without these readings with strict=false");
-      context.warn(place + ": passed over " + skipped.found + ", expected " + skipped.expected);
-    }
-    for (const std::string& warning : parts.back().warnings) context.warn(path + ": " + warning);
-  }
-  plumbline::survey::MergeOptions options;
-  for (const campaign::ControlPoint& point : known) options.known.push_back(point.id);
-  plumbline::survey::MergedSurvey merged = plumbline::survey::merge_surveys(parts, options);
-  auto& all = merged.survey;
-  for (const plumbline::survey::Finding& finding : merged.findings) {
-    all.warnings.push_back(finding.text);
-    if (finding.severity == plumbline::survey::Finding::Severity::note)
-      context.info(finding.text);
-    else
-      context.warn(finding.text);
-  }
-  if (!description.instrument.empty()) all.info.instrument = description.instrument;
-  if (!description.date.empty()) all.info.date = description.date;
-  if (!description.name.empty()) all.info.title = description.name;
-  return plumbline::survey::to_artifact(all);
-}
 
 struct ReadCampaign : Node {
   static constexpr Info info{"read.campaign", "", 5, "Reads the folder of a site: campaign.yaml and what it names"};
@@ -156,24 +34,27 @@ struct ReadCampaign : Node {
     const fs::path root = context.resolve(given.uri);
     std::map<std::string, const FolderEntryT*> entries;
     for (const auto& entry : given.files) entries[entry->path] = entry.get();
-    const auto description = describe(given, root, false);
+    const auto description = campaign::describe(given, root, campaign::CampaignUse::site);
 
-    const auto calibration = campaign::parse_camera(read_text(root / description.camera), root / description.camera);
-    camera.commit(to_artifact(calibration, description.camera));
-    plates.commit(to_artifact(campaign::parse_plates(read_text(root / description.plates), root / description.plates)));
-    const auto known = read_control(description, root, context);
-    control.commit(to_artifact(known));
-    survey.commit(read_surveys(description, root, known, *strict, context));
+    const auto calibration =
+        campaign::parse_camera(campaign::read_text(root / description.camera), root / description.camera);
+    camera.commit(campaign::to_artifact(calibration, description.camera));
+    plates.commit(campaign::to_artifact(
+        campaign::parse_plates(campaign::read_text(root / description.plates), root / description.plates)));
+    const auto known = campaign::read_control(description, root, context);
+    control.commit(campaign::to_artifact(known));
+    survey.commit(campaign::read_surveys(description, root, known, *strict, context));
     for (const std::string& path : description.images) commit_image(*entries.at(path), root, calibration);
     if (!description.observations.empty()) {
       const fs::path table = root / description.observations;
-      commit_observations(campaign::parse_observations(read_text(table), table, calibration.camera), calibration);
+      commit_observations(campaign::parse_observations(campaign::read_text(table), table, calibration.camera),
+                          calibration);
     }
 
     FileT table;
     table.name = description.mapping.empty() ? "mapping.csv" : fs::path(description.mapping).filename().string();
     if (!description.mapping.empty()) {
-      const std::string rows = read_text(root / description.mapping);
+      const std::string rows = campaign::read_text(root / description.mapping);
       table.media_type = "text/csv";
       table.content.assign(rows.begin(), rows.end());
     }
@@ -245,10 +126,10 @@ struct ReadSurveyCampaign : Node {
   void run(Context& context) override {
     const FolderT given = folder.unpack();
     const fs::path root = context.resolve(given.uri);
-    const auto description = describe(given, root, true);
-    const auto known = read_control(description, root, context);
-    control.commit(to_artifact(known));
-    survey.commit(read_surveys(description, root, known, *strict, context));
+    const auto description = campaign::describe(given, root, campaign::CampaignUse::survey);
+    const auto known = campaign::read_control(description, root, context);
+    control.commit(campaign::to_artifact(known));
+    survey.commit(campaign::read_surveys(description, root, known, *strict, context));
   }
 };
 
@@ -261,7 +142,7 @@ struct ReadTruth : Node {
   void run(Context& context) override {
     const fs::path path = fs::path(context.resolve(std::string(truth->uri()->string_view()))) / "anchors.csv";
     PointsT result;
-    for (const campaign::TrueAnchor& anchor : campaign::parse_true_anchors(read_text(path), path)) {
+    for (const campaign::TrueAnchor& anchor : campaign::parse_true_anchors(campaign::read_text(path), path)) {
       auto point = std::make_unique<PointT>();
       point->id = anchor.id;
       point->position = anchor.position;
@@ -275,4 +156,4 @@ struct ReadTruth : Node {
 
 }  // namespace
 
-PLUMBLINE_PLUGIN("campaign", "0.1.0", "MIT", ReadCampaign, ReadSurveyCampaign, ReadTruth)
+PLUMBLINE_PLUGIN("campaign", "0.1.0", "MIT", ReadCampaign, campaign::ReadPhotoCampaign, ReadSurveyCampaign, ReadTruth)

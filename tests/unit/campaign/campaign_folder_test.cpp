@@ -39,6 +39,24 @@ TEST(CampaignYaml, ResolvesPatternsInOrder) {
   EXPECT_EQ(c.control, "k.csv");
 }
 
+TEST(CampaignYaml, PhotographsNeedASurveyButNeitherDesignNorCalibration) {
+  const auto use = CampaignUse::photographs;
+  const std::string yaml = "plumbline_campaign: 1\nimages: img/*.jpg\ncontrol: k.csv\n";
+  const CampaignDescription c = parse_campaign(yaml, "campaign.yaml", kFiles, use);
+  EXPECT_EQ(c.control, "k.csv");
+  EXPECT_TRUE(c.camera.empty() && c.plates.empty() && c.design.empty() && c.survey.empty());
+  EXPECT_EQ(parse_campaign(kCampaign, "campaign.yaml", kFiles, use).plates, "p.csv") << "what is there is taken";
+  EXPECT_EQ(message_of([&] { parse_campaign(replaced(yaml, "control: k.csv\n", ""), "c.yaml", kFiles, use); }),
+            "c.yaml: found neither 'survey' nor 'control': where the points are, nothing says");
+  const CampaignDescription found =
+      find_campaign("site", {"survey/b.gsi", "camera.yaml", "x/2.JPG", "1.png", "notes.txt", "control.csv"});
+  EXPECT_EQ(found.images, (std::vector<std::string>{"1.png", "x/2.JPG"}));
+  EXPECT_EQ(found.survey, std::vector<std::string>{"survey/b.gsi"});
+  EXPECT_EQ(found.camera + found.control + found.plates, "camera.yamlcontrol.csv");
+  EXPECT_NE(message_of([&] { find_campaign("site", {"1.png"}); }).find("no survey files in survey/ and no control.csv"),
+            std::string::npos);
+}
+
 TEST(CampaignYaml, ErrorsNameFileLineAndMend) {
   EXPECT_EQ(campaign_message(replaced(kCampaign, "plates", "plate")),
             "site/campaign.yaml:4: unknown key 'plate', did you mean 'plates'?");
@@ -116,6 +134,16 @@ TEST(PlatesCsv, ReadsUnitsFromTheHeader) {
   EXPECT_DOUBLE_EQ(plates[0].tag_size, 0.2);
   EXPECT_DOUBLE_EQ(plates[1].tag_centre_in_plate.y(), 0.2);
   EXPECT_DOUBLE_EQ(plates[1].facing_azimuth, std::numbers::pi);
+}
+
+TEST(PlatesCsv, OfPhotographsNeedOnlyNamesAndTags) {
+  const std::string csv = "anchor,tag_family,tag_id\nP1,tag36h11,7\n";
+  const auto plates = parse_plates(csv, "p.csv", CampaignUse::photographs);
+  ASSERT_EQ(plates.size(), 1u);
+  EXPECT_EQ(plates[0].role, "control");
+  EXPECT_EQ(plates[0].floor, 1);
+  EXPECT_TRUE(std::isnan(plates[0].tag_size));
+  EXPECT_NE(plates_message(csv).find("the column 'role' is missing"), std::string::npos);
 }
 
 TEST(PlatesCsv, TakesSemicolonsAndDecimalCommas) {

@@ -1,15 +1,20 @@
 // Files around photographs: dictionaries, cameras, layouts, control, COLMAP models.
 #include <gmock/gmock.h>
 
+#include <Eigen/Geometry>
 #include <filesystem>
 #include <fstream>
 
 #include "detect/board.hpp"
 #include "detect/tag_dictionary.hpp"
 #include "markers/camera_files.hpp"
+#include "markers/camera_groups.hpp"
 #include "markers/colmap_files.hpp"
 #include "markers/control_files.hpp"
 #include "markers/layout_files.hpp"
+#include "markers/rig.hpp"
+#include "markers/robust_similarity.hpp"
+#include "markers/survey_frame.hpp"
 #include "test_support.hpp"
 
 namespace plumbline {
@@ -114,6 +119,57 @@ TEST(CameraFiles, OfOpenCVRosKalibrAndOurs) {
               HasSubstr("equidistant"));
 }
 
+TEST(CameraFiles, OfSeveralCamerasAreReadByName) {
+  const std::string one =
+      "  plumbline_camera: 1\n  width: 640\n  height: 480\n  parameters: {fx: 500, fy: 501, cx: 320, cy: 240}\n";
+  const std::string text = "\"left\":\n" + one + "\"rig/right\":\n" + one;
+  const auto cameras = markers::parse_camera_files(text, "c.yaml");
+  ASSERT_EQ(cameras.size(), 2u);
+  EXPECT_EQ(cameras[1].id, "rig/right");
+  EXPECT_EQ(cameras[1].camera.width, 640);
+  EXPECT_EQ(markers::parse_camera_files(text, "c.yaml", "left").size(), 1u);
+  EXPECT_THAT(message_of([&] { markers::parse_camera_file(text, "c.yaml"); }),
+              HasSubstr("several cameras; choose one with which=: 'left', 'rig/right'"));
+}
+
+TEST(CameraGroups, AreToldFromFoldersAndNames) {
+  EXPECT_EQ(markers::camera_name("rig/left/0017.png", "by_folder"), "rig/left");
+  EXPECT_EQ(markers::camera_name("rig/left/0017.png", "by_name"), "rig/left");
+  EXPECT_EQ(markers::camera_name("cam_0_frame_0017.png", "by_name"), "cam_0_frame");
+  EXPECT_EQ(markers::camera_name("left01.jpg", "by_name"), "left");
+  EXPECT_EQ(markers::camera_name("left01.jpg", "one"), "");
+  EXPECT_EQ(markers::moment_of("a/cam_0_frame_0050.jpg"), markers::moment_of("b/cam1_50.jpg"));
+  EXPECT_EQ(markers::moment_of("2024-01-01/first.jpg"), "first.jpg");
+  EXPECT_EQ(
+      markers::suspected_cameras({"left1.jpg", "left2.jpg", "left3.jpg", "right1.jpg", "right2.jpg", "right3.jpg"}),
+      "left and right");
+  EXPECT_EQ(markers::suspected_cameras({"a1.jpg", "a2.jpg", "a3.jpg", "b4.jpg", "b5.jpg", "b6.jpg"}), "")
+      << "names that only count on";
+}
+
+TEST(Rig, IsTheMeanOverMomentsWithoutThoseThatDisagree) {
+  const RigidTransform right_from_left{Eigen::Quaterniond(Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitY())),
+                                       Eigen::Vector3d(-0.5, 0.01, 0.02)};
+  std::vector<std::vector<markers::RigView>> cameras(3);
+  for (int k = 0; k < 9; ++k) {
+    const std::string moment = std::to_string(k);
+    const RigidTransform left{Eigen::Quaterniond(Eigen::AngleAxisd(0.1 * k, Eigen::Vector3d(1, k, 0).normalized())),
+                              Eigen::Vector3d(0.1 * k, 0.2, 1 + 0.1 * k)};
+    RigidTransform right = right_from_left * left;
+    right.translation.x() += k == 4 ? 0.1 : k % 2 ? 1e-4 : -1e-4;
+    cameras[0].push_back({moment, left});
+    cameras[1].push_back({moment, right});
+    if (k < 2) cameras[2].push_back({moment, left});
+  }
+  const auto rig = markers::rig_of(cameras);
+  ASSERT_EQ(rig.size(), 1u) << "two moments are too few";
+  EXPECT_EQ(rig[0].left_out, std::vector<std::string>{"4"});
+  EXPECT_EQ(rig[0].moments.size(), 8u);
+  EXPECT_NEAR(rig[0].cam_from_reference.translation.x(), -0.5, 1e-9);
+  EXPECT_NEAR(rig[0].cam_from_reference.rotation.angularDistance(right_from_left.rotation), 0, 1e-7);
+  EXPECT_NEAR(rig[0].translation_sigma.x(), 1e-4 / std::sqrt(7.0), 1e-9);
+}
+
 TEST(LayoutFiles, TurnWPILibsFacesIntoTags) {
   const auto tags = markers::parse_layout(
       R"({"tags":[{"ID":3,"pose":{"translation":{"x":1,"y":2,"z":3},"rotation":{"quaternion":{"W":1,"X":0,"Y":0,"Z":0}}}}]})",
@@ -151,6 +207,76 @@ TEST(ControlFiles, ReadCsvAndGcpLists) {
   EXPECT_THAT(message_of([] { markers::parse_control("EPSG:4326\n8.1 48.2 100 1 2 a.jpg\n", "g.txt"); }),
               HasSubstr("degrees"));
   EXPECT_THAT(message_of([] { markers::parse_control("name,x,y,z\nA,1,2,x\n", "c.csv"); }), HasSubstr("c.csv:2"));
+}
+
+TEST(ControlFiles, TakeTablesWithoutHeaderAndTellWhatTheyCannotTake) {
+  // As Find-GCP and lcmrl/COLMAP_GroundControlPoints have them.
+  const auto semicolons = markers::parse_control("5;65.7885;287.7204;2.0694;\n6;66.3062;288.4897;1.1083;\n", "a.txt");
+  ASSERT_EQ(semicolons.size(), 2u);
+  EXPECT_EQ(semicolons[1].name, "6");
+  EXPECT_NEAR(semicolons[1].position.y(), 288.4897, 1e-12);
+  const auto with_sigma = markers::parse_control("P1 450000.5 5400000.25 300 0.002\n", "b.txt");
+  EXPECT_NEAR(with_sigma.at(0).sigma.z(), 0.002, 1e-12);
+  const auto seen = markers::parse_image_points("a.jpg,P1,10.5,20\n", "o.csv", false);
+  EXPECT_NEAR(seen.at(0).pixel.x(), 10.5, 1e-12);
+  EXPECT_THAT(message_of([] { markers::parse_control("P1,1,2\n", "c.csv"); }), HasSubstr("c.csv:1: found 3 columns"));
+  EXPECT_THAT(message_of([] { markers::parse_control("name,x_ft,y_ft,z_ft\nA,1,2,3\n", "c.csv"); }),
+              HasSubstr("is in 'ft'"));
+  EXPECT_THAT(message_of([] { markers::parse_control("name,x,y,z,role\nA,1,2,3,chek\n", "c.csv"); }),
+              HasSubstr("c.csv:2: 'role' is 'chek'"));
+  EXPECT_THAT(message_of([] { markers::parse_control("name,x,y,z,sx\nA,1,2,3,1\n", "c.csv"); }),
+              HasSubstr("for some of x, y and z only"));
+}
+
+TEST(ControlFiles, GcpListsOfOpenDroneMapKeepOnePlaceAPoint) {
+  const std::string list = "# made by hand\nWGS84 UTM 16N \n1 2 3 10 20 a.jpg g1\n1 2 3 11 21 b.jpg g1\n";
+  EXPECT_EQ(markers::parse_control(list, "g.txt").size(), 1u);
+  EXPECT_EQ(markers::parse_image_points(list, "g.txt", false).size(), 2u);
+  EXPECT_THAT(message_of([&] { markers::parse_control(list + "1 2 4 12 22 c.jpg g1\n", "g.txt"); }),
+              HasSubstr("g.txt:5: point g1 has other coordinates here than in line 3"));
+  EXPECT_THAT(message_of([] { markers::parse_control("epsg:4979\n8 48 1 2 3 a.jpg\n", "g.txt"); }),
+              HasSubstr("in degrees"));
+}
+
+TEST(RobustSimilarity, LeavesOutWhatDisagreesAndRefusesALine) {
+  std::vector<Eigen::Vector3d> from, to;
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(1.1, Eigen::Vector3d(1, -2, 3).normalized()));
+  for (int k = 0; k < 30; ++k) {  // more triples than are tried
+    from.emplace_back(k % 5, k / 5, 0.3 * (k % 3));
+    to.push_back(2.5 * (turn * from.back()) + Eigen::Vector3d(4e5, 5e6, 100));
+  }
+  to[3].x() += 2, to[17].z() -= 5;
+  const auto fit = markers::fit_similarity_robustly(from, to, 0.05);
+  EXPECT_NEAR(fit.motion.scale, 2.5, 1e-9);
+  EXPECT_NEAR(fit.distances[3], 2, 1e-6);
+  for (size_t k = 0; k < 30; ++k) EXPECT_EQ(fit.agrees[k], k != 3 && k != 17) << k;
+  const std::vector<Eigen::Vector3d> line = {{0, 0, 0}, {1, 1, 1}, {2, 2, 2}, {5, 5, 5}};
+  EXPECT_THAT(message_of([&] { markers::fit_similarity_robustly(line, line, 0.05); }), HasSubstr("on one line"));
+}
+
+TEST(SurveyFrame, CarriesPlateOffsetsThroughAnUnknownScale) {
+  // Tags of unknown size: the network is 4 times too small. Points are 60 mm beside their tags.
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(-0.4, Eigen::Vector3d(2, 1, 1).normalized()));
+  const Eigen::Vector3d shift(100, 200, 30), offset(0.06, 0, 0.01);
+  markers::MarkerResult network;
+  std::vector<markers::SurveyedTag> surveyed;
+  for (int k = 0; k < 5; ++k) {
+    markers::AdjustedMarker marker;
+    marker.marker = k;
+    marker.world_from_tag = {Eigen::Quaterniond(Eigen::AngleAxisd(0.5 * k, Eigen::Vector3d::UnitZ())),
+                             Eigen::Vector3d(k % 2, k / 2, 0.2 * (k % 3))};
+    network.markers.push_back(marker);
+    const Eigen::Vector3d tag = 4 * (turn * marker.world_from_tag.translation) + shift;
+    surveyed.push_back({k, "P" + std::to_string(k), tag - turn * (marker.world_from_tag.rotation * offset), offset});
+  }
+  const auto frame = markers::fit_to_survey(network, surveyed);
+  EXPECT_NEAR(frame.motion.scale, 4, 2e-3);
+  for (const double d : frame.distance) EXPECT_LT(d, 1e-3);
+  const Eigen::Vector3d centre(0.3, 0.4, 5);
+  const RigidTransform image{Eigen::Quaterniond::Identity(), -centre};
+  EXPECT_LT((markers::in_survey_frame(frame, image).inverse().translation - (frame.motion * centre)).norm(), 1e-9);
+  network.markers.resize(2);
+  EXPECT_THAT(message_of([&] { markers::fit_to_survey(network, surveyed); }), HasSubstr("at least 3 are needed"));
 }
 
 TEST(ColmapFiles, ComeBackAsTheyWereWritten) {

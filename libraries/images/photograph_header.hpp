@@ -1,0 +1,26 @@
+// What the header and the EXIF of a photograph say, without its pixels.
+#pragma once
+
+#include <filesystem>
+#include <limits>
+#include <string>
+
+namespace plumbline {
+
+struct PhotographHeader {
+  int width = 0, height = 0;  ///< as stored, whatever `orientation` says [px]
+  std::string model;          ///< EXIF Make and Model; empty if absent
+  std::string taken_at;       ///< EXIF DateTimeOriginal, as written; empty if absent
+  double focal_length = std::numeric_limits<double>::quiet_NaN();  ///< [m]; nan if absent
+  /// Of the file as it is [px]; nan if EXIF tells neither the sensor's pitch nor the focal length for 35 mm film.
+  double principal_distance = std::numeric_limits<double>::quiet_NaN();
+  int orientation = 0;  ///< EXIF, 1 to 8; 0 if absent
+};
+
+/// Whether the name ends as those of the formats that are read do: JPEG, PNG, TIFF.
+bool is_photograph_name(const std::filesystem::path& path);
+
+/// Throws std::runtime_error with the reason (without the path) if the file is no readable image.
+PhotographHeader read_photograph_header(const std::filesystem::path& path);
+
+}  // namespace plumbline

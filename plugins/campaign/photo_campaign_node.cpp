@@ -1,0 +1,99 @@
+#include "photo_campaign_node.hpp"
+
+#include <map>
+
+#include "campaign_artifacts.hpp"
+#include "geometry/packed_symmetric.hpp"
+#include "images/photograph_header.hpp"
+#include "markers/camera_files.hpp"
+
+namespace plumbline::campaign {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Ours, or another program's. A calibration without standard deviations starts a self-calibration.
+CameraT camera_of(const fs::path& path, const std::string& name, Context& context) {
+  const std::string text = read_text(path);
+  if (text.find("plumbline_camera") != std::string::npos) return to_artifact(parse_camera(text, path), name);
+  const markers::CameraFile file = markers::parse_camera_file(text, path.string());
+  CameraT camera;
+  camera.id = file.id;
+  camera.width = file.camera.width, camera.height = file.camera.height;
+  const auto values = file.camera.parameters();
+  camera.parameters.assign(values.begin(), values.end());
+  camera.covariance = pack_symmetric(file.covariance.size() ? file.covariance : markers::usual_covariance(file.camera));
+  camera.source = file.format + " file " + name;
+  context.info(name + ": " + file.format + " camera");
+  return camera;
+}
+
+ImageT image_of(const FolderEntryT& entry, const fs::path& root) {
+  ImageT image;
+  image.path = entry.path;
+  // By content: a folder that is moved, or made again, leaves all that follows as it is.
+  image.uri = "sha256:" + entry.sha256 + "/" + fs::path(entry.path).filename().string();
+  image.sha256 = entry.sha256;
+  image.size = entry.size;
+  try {
+    const PhotographHeader header = read_photograph_header(root / entry.path);
+    image.width = header.width, image.height = header.height;
+    image.model = header.model, image.taken_at = header.taken_at;
+    image.focal_length = header.focal_length, image.principal_distance = header.principal_distance;
+    image.orientation = header.orientation;
+  } catch (const std::runtime_error&) {
+    // The detector, which reads the pixels, tells what is wrong with them.
+  }
+  return image;
+}
+
+/// Surveyed points of which nobody has the readings: coordinates that were measured.
+SurveyObservationsT as_measured(const std::vector<ControlPoint>& points, const CampaignDescription& description) {
+  survey::SurveyObservations all;
+  survey::CoordinateGroup group;
+  group.values.resize(static_cast<Eigen::Index>(3 * points.size()));
+  group.covariance = Eigen::MatrixXd::Zero(group.values.size(), group.values.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    survey::Point point;
+    point.id = points[i].id, point.coordinates = points[i].position;
+    all.points.push_back(point);
+    for (int axis = 0; axis < 3; ++axis) {
+      const Eigen::Index k = static_cast<Eigen::Index>(3 * i) + axis;
+      group.components.push_back({points[i].id, axis});
+      group.values(k) = points[i].position(axis), group.covariance(k, k) = std::pow(points[i].sigma(axis), 2);
+    }
+  }
+  all.coordinates.push_back(group);
+  all.files = {description.control};
+  all.info.format = "csv", all.info.title = description.name, all.info.date = description.date;
+  return survey::to_artifact(all);
+}
+
+}  // namespace
+
+void ReadPhotoCampaign::run(Context& context) {
+  const FolderT given = folder.unpack();
+  const fs::path root = context.resolve(given.uri);
+  const CampaignDescription description = describe(given, root, CampaignUse::photographs);
+  if (description.images.empty())
+    throw CampaignError(root / "campaign.yaml", 0,
+                        "names 'observations' and no images; pipelines/site_observations.yaml takes those");
+  std::map<std::string, const FolderEntryT*> entries;
+  for (const auto& entry : given.files) entries[entry->path] = entry.get();
+  for (const std::string& path : description.images) images.commit(image_of(*entries.at(path), root));
+  if (!description.camera.empty()) cameras.commit(camera_of(root / description.camera, description.camera, context));
+  plates.commit(description.plates.empty()
+                    ? PlatesT()
+                    : to_artifact(parse_plates(read_text(root / description.plates), root / description.plates,
+                                               CampaignUse::photographs)));
+  const auto known = read_control(description, root, context);
+  if (description.survey.empty()) {
+    survey.commit(as_measured(known, description));
+    control.commit(PointsT());
+  } else {
+    survey.commit(read_surveys(description, root, known, *strict, context));
+    control.commit(to_artifact(known));
+  }
+}
+
+}  // namespace plumbline::campaign

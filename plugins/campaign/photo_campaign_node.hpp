@@ -1,0 +1,30 @@
+// read.photo_campaign: photographs and a survey of their tags, without a design.
+#pragma once
+
+#include "artifacts/camera.hpp"
+#include "artifacts/folder.hpp"
+#include "artifacts/image.hpp"
+#include "artifacts/plates.hpp"
+#include "artifacts/points.hpp"
+#include "artifacts/survey_artifact.hpp"
+#include "plumbline/node.hpp"
+
+namespace plumbline::campaign {
+
+struct ReadPhotoCampaign : Node {
+  static constexpr Info info{"read.photo_campaign", "", 1,
+                             "Reads photographs and the survey of their tags: a campaign without a design"};
+  In<Folder> folder{"folder", "a folder with photographs and survey files or control points; docs/photographs.md"};
+  OutList<Image> images{"images", "the photographs, by reference, ordered by path"};
+  OutList<Camera> cameras{"cameras", "the calibration, where the folder has one"};
+  Out<Plates> plates{"plates", frame("frame=building"), "which tag stands for which point; empty: names tell"};
+  Out<SurveyObservations> survey{"survey", frame("frame=building"),
+                                 "all survey files in one; without any, the control points as measured coordinates"};
+  Out<Points> control{"control", frame("frame=building"), "the control points that the survey hangs on"};
+  Param<bool> strict{"strict", true,
+                     "refuse survey files of which anything has to be skipped; otherwise it is a warning"};
+
+  void run(Context& context) override;
+};
+
+}  // namespace plumbline::campaign

@@ -1,0 +1,218 @@
+#include "start_node.hpp"
+
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "geometry/packed_symmetric.hpp"
+#include "markers/survey_frame.hpp"
+
+namespace plumbline::markers {
+namespace {
+
+constexpr double unknown_size = 0.1;  // [m] of a tag whose size nobody said: the survey gives the scale
+
+std::string listed(const std::set<std::string>& names) {
+  std::string text;
+  size_t shown = 0;
+  for (const auto& name : names)
+    if (++shown <= 8) text += (text.empty() ? "" : ", ") + name;
+  return text + (names.size() > 8 ? ", ..." : "");
+}
+
+/// "tag36h11:7" or "7".
+std::string point_of_tag(const Marker& marker, const std::map<std::string, const PointT*>& points) {
+  const std::string number = std::to_string(marker.id), full = marker.family + ":" + number;
+  return points.count(full) ? full : points.count(number) ? number : "";
+}
+
+/// The plate of every tag that was seen; those of the table first, as they stand there.
+PlatesT plates_of(const PlatesT& given, const MarkerBlock& block, const PointsT& surveyed, double tag_size) {
+  std::map<std::string, const PointT*> points;
+  for (const auto& point : surveyed.points) points[point->id] = point.get();
+  PlatesT table;
+  std::set<std::pair<std::string, int>> known;
+  std::set<std::string> anchors;
+  for (const auto& plate : given.plates) {
+    known.insert({plate->tag_family, plate->tag_id}), anchors.insert(plate->anchor);
+    table.plates.push_back(std::make_unique<PlateT>(*plate));
+  }
+  for (const Marker& marker : block.markers) {
+    if (known.count({marker.family, marker.id})) continue;
+    auto plate = std::make_unique<PlateT>();
+    if (given.plates.empty()) plate->anchor = point_of_tag(marker, points);
+    if (plate->anchor.empty()) plate->anchor = "tag " + marker.family + ":" + std::to_string(marker.id);
+    if (!anchors.insert(plate->anchor).second) continue;  // "7" for tags of two families: the first one's
+    plate->tag_family = marker.family, plate->tag_id = marker.id;
+    plate->tag_centre_in_plate = Eigen::Vector3d::Zero();
+    plate->nominal_rotation = Eigen::Quaterniond::Identity();
+    plate->role = "control", plate->floor = 1;
+    table.plates.push_back(std::move(plate));
+  }
+  for (auto& plate : table.plates)
+    if (!(plate->tag_size > 0)) plate->tag_size = tag_size > 0 ? tag_size : std::nan("");
+  return table;
+}
+
+/// The tags of the table in the block: their sizes, and which of them are surveyed control.
+std::vector<SurveyedTag> surveyed_tags(const PlatesT& table, const PointsT& points, MarkerBlock& block) {
+  std::map<std::string, const PointT*> point_of;
+  for (const auto& point : points.points) point_of[point->id] = point.get();
+  std::map<std::pair<std::string, int>, const PlateT*> plate_of;
+  for (const auto& plate : table.plates) plate_of[{plate->tag_family, plate->tag_id}] = plate.get();
+  std::vector<SurveyedTag> surveyed;
+  for (size_t m = 0; m < block.markers.size(); ++m) {
+    Marker& marker = block.markers[m];
+    const auto plate = plate_of.find({marker.family, marker.id});
+    if (plate == plate_of.end()) continue;
+    if (plate->second->tag_size > 0) marker.size = plate->second->tag_size;
+    const auto point = point_of.find(plate->second->anchor);
+    if (point == point_of.end() || plate->second->role == "check" || !point->second->position.allFinite()) continue;
+    surveyed.push_back(
+        {static_cast<int>(m), point->second->id, point->second->position, plate->second->tag_centre_in_plate});
+  }
+  return surveyed;
+}
+
+/// Sizes are either all known or none: a network of which some tags have one would be bent by the guessed ones. Tags
+/// that are not in the plate table can be left out.
+void require_sizes(const PlatesT& given, PlatesT& table, BlockInput& input) {
+  std::set<std::pair<std::string, int>> listed_tags;
+  for (const auto& plate : given.plates) listed_tags.insert({plate->tag_family, plate->tag_id});
+  std::set<std::pair<std::string, int>> strangers;
+  std::set<std::string> without, left_out;
+  bool known = false;
+  for (const auto& plate : table.plates) {
+    const std::string name = plate->tag_family + ":" + std::to_string(plate->tag_id);
+    const bool stranger = !given.plates.empty() && !listed_tags.count({plate->tag_family, plate->tag_id});
+    known = known || plate->tag_size > 0;
+    if (plate->tag_size > 0) continue;
+    if (stranger)
+      strangers.insert({plate->tag_family, plate->tag_id}), left_out.insert(name);
+    else
+      without.insert(name);
+  }
+  if (!known) return;
+  if (!without.empty())
+    throw std::runtime_error("the size of some tags is known and that of others (" + listed(without) +
+                             ") not: give tag_size in metres, or the column tag_size in every row of the plate table");
+  if (strangers.empty()) return;
+  input.warnings.push_back(
+      "tags " + listed(left_out) +
+      " are in no row of the plate table and their size is not known: left out; tag_size in metres "
+      "lets them tie photographs together");
+  const auto is_stranger = [&](const std::string& family, int id) { return strangers.count({family, id}) > 0; };
+  std::erase_if(table.plates, [&](const auto& plate) { return is_stranger(plate->tag_family, plate->tag_id); });
+  std::erase_if(input.block.views, [&](const MarkerView& view) {
+    const Marker& marker = input.block.markers[static_cast<size_t>(view.marker)];
+    return is_stranger(marker.family, marker.id);
+  });
+}
+
+SurveyFrame frame_of(const MarkerResult& network, const std::vector<SurveyedTag>& surveyed, const MarkerBlock& block,
+                     const PointsT& points) {
+  try {
+    return fit_to_survey(network, surveyed);
+  } catch (const std::runtime_error& error) {
+    std::set<std::string> tags, names;
+    for (const auto& marker : network.markers)
+      tags.insert(block.markers[static_cast<size_t>(marker.marker)].family + ":" +
+                  block.markers[static_cast<size_t>(marker.marker)].name());
+    for (const auto& point : points.points) names.insert(point->id);
+    throw std::runtime_error("the photographs cannot be brought to the survey: of the surveyed points with a tag, " +
+                             std::string(error.what()) + ". Tags in the photographs: " + listed(tags) +
+                             ". Surveyed points: " + listed(names) +
+                             ". A plate table (plates.csv) says which belong together where the names do not");
+  }
+}
+
+/// What EXIF, or nothing at all, says of an interior orientation: parts of the principal distance and of the width.
+Eigen::MatrixXd weak_prior(const BrownCamera& camera, double of_distance, double of_width, double distortion) {
+  Eigen::VectorXd sigma(9);
+  const double f = of_distance * camera.fx, c = of_width * camera.width;
+  sigma << f, f, c, c, distortion, 2 * distortion, 0, 0.03 * distortion, 0.03 * distortion;
+  return sigma.cwiseAbs2().asDiagonal();
+}
+
+/// With priors so weak that the same observations do not count twice: once here, once in the adjustment that follows.
+CameraT start_of(const MarkerCamera& given, const AdjustedMarkerCamera& adjusted) {
+  CameraT camera = camera_artifact(given, adjusted);
+  camera.covariance = pack_symmetric(weak_prior(adjusted.camera, 0.1, 0.02, 0.3));
+  return camera;
+}
+
+}  // namespace
+
+void AdjustMarkerStart::run(Context& context) {
+  std::vector<ImageT> photographs;
+  for (size_t i = 0; i < images.size(); ++i) photographs.push_back(images.unpack(i));
+  const TagObservationsT seen = observations.unpack();
+  const PointsT surveyed_points = points.unpack();
+  std::vector<CameraT> known;
+  for (size_t i = 0; i < calibration.size(); ++i) known.push_back(calibration.unpack(i));
+  BlockInput input = block_of(photographs, seen, known, {*tag_size > 0 ? *tag_size : unknown_size, "one"});
+  for (const auto& image : input.left_out) context.warn("left out: " + image.path + ": " + image.reason);
+  if (input.block.views.empty())
+    throw std::runtime_error("no photograph shows a usable tag" +
+                             (input.left_out.empty()
+                                  ? std::string()
+                                  : ": " + input.left_out.front().path + ": " + input.left_out.front().reason) +
+                             ". Check the family of the tags");
+  if (input.block.cameras.size() > 1) {
+    std::set<std::string> names;
+    for (const auto& one : input.block.cameras)
+      names.insert(one.id + " (" + std::to_string(one.camera.width) + " x " + std::to_string(one.camera.height) + ")");
+    throw std::runtime_error("the photographs are of " + std::to_string(input.block.cameras.size()) +
+                             " cameras: " + listed(names) +
+                             ". One is adjusted here: make a folder for each, or use marker_field with the surveyed "
+                             "tags as its layout, which takes several");
+  }
+  const PlatesT given = plates.unpack();
+  PlatesT table = plates_of(given, input.block, surveyed_points, *tag_size);
+  require_sizes(given, table, input);
+  for (const auto& text : input.warnings) context.warn(text);
+  const std::vector<SurveyedTag> surveyed = surveyed_tags(table, surveyed_points, input.block);
+  if (known.empty() && input.block.cameras.front().camera.fx > 0)  // few photographs do not calibrate
+    input.block.cameras.front().covariance = weak_prior(input.block.cameras.front().camera, 0.05, 0.01, 0.1);
+  const MarkerResult network = adjust_marker_block(input.block, {});
+  for (const auto& text : network.left_out) context.warn("left out: " + text);
+  const SurveyFrame frame = frame_of(network, surveyed, input.block, surveyed_points);
+  for (size_t k = 0; k < surveyed.size(); ++k)
+    if (std::isfinite(frame.distance[k]) && !frame.agrees[k])
+      context.warn("point " + surveyed[k].name + " lies " + std::to_string(frame.distance[k]) +
+                   " m from where the photographs and the other surveyed points have its tag: is it another tag's?");
+
+  std::map<std::pair<std::string, int>, const AdjustedMarker*> adjusted;
+  for (const auto& marker : network.markers) {
+    const Marker& m = input.block.markers[static_cast<size_t>(marker.marker)];
+    adjusted[{m.family, m.id}] = &marker;
+  }
+  for (auto& plate : table.plates) {
+    const auto marker = adjusted.find({plate->tag_family, plate->tag_id});
+    if (!(plate->tag_size > 0)) plate->tag_size = unknown_size * frame.motion.scale;
+    if (marker != adjusted.end())
+      plate->nominal_rotation = (frame.motion.rotation * marker->second->world_from_tag.rotation).normalized();
+  }
+  PosesT approximate = poses_of(input.block, network);
+  std::set<std::string> oriented;
+  for (auto& pose : approximate.poses) {
+    pose->cam_from_world = in_survey_frame(frame, pose->cam_from_world);
+    pose->covariance.clear();
+    oriented.insert(pose->path);
+  }
+  CameraT used = !known.empty() ? known.front() : start_of(input.block.cameras.front(), network.cameras.front());
+  if (used.width == 0)  // OpenCV's files do not say it
+    used.width = input.block.cameras.front().camera.width, used.height = input.block.cameras.front().camera.height;
+  for (const auto& image : seen.images) {
+    if (!oriented.count(image->path)) continue;
+    ImageTagsT tags(*image);
+    tags.camera = used.id;
+    usable.commit(tags);
+  }
+  context.metric("images_oriented", static_cast<double>(oriented.size()), "1");
+  placed.commit(table);
+  poses.commit(approximate);
+  camera.commit(used);
+}
+
+}  // namespace plumbline::markers
