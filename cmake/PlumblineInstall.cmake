@@ -28,6 +28,7 @@ install(DIRECTORY tests/support/ DESTINATION include/plumbline/testing COMPONENT
 install(DIRECTORY schemas/artifacts DESTINATION share/plumbline/schemas COMPONENT Development)
 # The kits that need nothing but the nodes under test.
 install(FILES tests/conformance/adjuster.cpp tests/conformance/pose_initialiser.cpp tests/conformance/registrar.cpp
+  tests/conformance/triangulator.cpp
   tests/conformance/survey_adjuster.cpp tests/support/test_paths.cpp DESTINATION share/plumbline/conformance COMPONENT Development)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/PlumblineConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES cmake/PlumblineConfig.cmake cmake/PlumblinePlugin.cmake cmake/PlumblineTesting.cmake cmake/plugin_exports.map

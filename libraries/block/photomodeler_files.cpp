@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "block/aicon_files.hpp"
+#include "block/bal_files.hpp"
 #include "block/defects.hpp"
 #include "text/text.hpp"
 
@@ -232,17 +233,21 @@ void compact(PointBlock& block, const std::vector<bool>& drop_point, const std::
 
 }  // namespace
 
-ReadBlock read_photomodeler_export(const fs::path& file) {
+ReadBlock read_photomodeler_export(const fs::path& file, const std::array<int, 2>& image_size) {
   Reader reader(file);
   ReadBlock result;
   PointBlock& block = result.block;
   reader.line("a title");
-  const auto head = reader.numbers(2, "tolerance, iterations, image width and height [px]");
-  if (head.size() < 4 || !(head[2] > 0 && head[3] > 0))
-    reader.fail(
-        "the second line has no image size: write width and height in pixels behind tolerance and iterations, the "
-        "marks "
-        "are in pixels and the camera is in millimetres");
+  auto head = reader.numbers(2, "tolerance, iterations, image width and height [px]");
+  if (head.size() < 4 || !(head[2] > 0 && head[3] > 0)) {
+    if (image_size[0] <= 0 || image_size[1] <= 0)
+      reader.fail(
+          "the second line has no image size, and marks are in pixels where the camera is in millimetres: say "
+          "image_size=[WIDTH, HEIGHT] (in image_block: files.with.image_size=[WIDTH,HEIGHT])");
+    head.resize(4);
+    head[2] = image_size[0];
+    head[3] = image_size[1];
+  }
   reader.numbers(1, "default standard deviations");
   auto project_camera = reader.numbers(10, "the project's camera");
   project_camera.resize(10);
@@ -379,16 +384,21 @@ void drop_unusable(ReadBlock& read) {
   std::vector<std::string> single, unmarked, poor;
   for (bool changed = true; changed;) {
     changed = false;
-    std::vector<int> rays(block.points.size()), marks(block.images.size());
-    for (const auto& m : block.measurements)
-      ++rays[static_cast<size_t>(m.point)], ++marks[static_cast<size_t>(m.image)];
+    std::vector<int> rays(block.points.size()), ties(block.images.size());
+    for (const auto& m : block.measurements) ++rays[static_cast<size_t>(m.point)];
+    for (const auto& m : block.measurements) {
+      const size_t j = static_cast<size_t>(m.point);
+      if (rays[j] >= 2 || known[j]) ties[static_cast<size_t>(m.image)] += known[j] || rays[j] > 2 ? 2 : 1;
+    }
     for (size_t j = 0; j < rays.size(); ++j)
       if (!drop_point[j] && rays[j] < (known[j] ? 1 : 2)) {
         drop_point[j] = changed = true;
         (rays[j] == 0 ? unmarked : single).push_back(block.points[j].name);
       }
-    for (size_t i = 0; i < marks.size(); ++i)
-      if (!drop_image[i] && marks[i] < 3) {
+    // A point that two other images place fixes both coordinates of its mark; one that a single other image sees has
+    // its distance still open and fixes one. A pose takes six.
+    for (size_t i = 0; i < ties.size(); ++i)
+      if (!drop_image[i] && ties[i] < 6) {
         drop_image[i] = changed = true;
         poor.push_back(std::to_string(block.images[i].id));
       }
@@ -399,51 +409,87 @@ void drop_unusable(ReadBlock& read) {
   if (!unmarked.empty())
     read.left_out.push_back(std::to_string(unmarked.size()) + " points measured in no image: " + few_of(unmarked));
   if (!poor.empty())
-    read.left_out.push_back(std::to_string(poor.size()) + " images with fewer than 3 usable points: " + few_of(poor));
+    read.left_out.push_back(std::to_string(poor.size()) +
+                            " images that too few points tie to the others: " + few_of(poor));
   compact(block, drop_point, drop_image);
 }
 
-ReadBlock read_image_block(const fs::path& folder, const std::string& project, const std::string& control,
-                           const std::vector<std::string>& check) {
-  if (!fs::is_directory(folder)) throw std::runtime_error(folder.string() + " is not a folder");
-  std::vector<fs::path> aicon, exports;
+namespace {
+
+/// Whether a text begins as an export does, whatever it is called: a title, then lines of numbers.
+bool looks_like_export(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::string line;
+  if (!std::getline(stream, line)) return false;
+  for (size_t count : {2, 9, 10, 10}) {
+    line.clear();
+    for (char c; line.size() < 400 && stream.get(c) && c != '\n';) line += c;
+    const auto words = words_of(line.substr(0, line.find('\r')), false);
+    if (words.size() < count || words.size() > count + 2) return false;
+    for (const auto& word : words)
+      if (!formats::parse_number(word, '.')) return false;
+  }
+  return true;
+}
+
+enum class Format { aicon, photomodeler, bal };
+struct Found {
+  fs::path path;  ///< file, or the folder of an AICON block
+  Format format;
+};
+
+/// All blocks in a folder and below, by path.
+std::vector<Found> blocks_in(const fs::path& folder) {
+  std::vector<Found> found;
   for (const auto& entry : fs::recursive_directory_iterator(folder, fs::directory_options::skip_permission_denied)) {
     if (!entry.is_regular_file()) continue;
-    const std::string name = entry.path().filename().string();
-    if (entry.path().extension() == ".phc") aicon.push_back(entry.path().parent_path());
-    if (name.size() >= 12 && name.ends_with(".txt") && name.find("pmexport") != std::string::npos)
-      exports.push_back(entry.path());
+    const fs::path& path = entry.path();
+    const std::string name = path.filename().string();
+    if (path.extension() == ".phc")
+      found.push_back({path.parent_path(), Format::aicon});
+    else if (path.extension() == ".txt" && name.find("pmexport") != std::string::npos)
+      found.push_back({path, Format::photomodeler});
+    else if (path.extension() == ".txt" && looks_like_export(path))
+      found.push_back({path, Format::photomodeler});
+    else if ((path.extension() == ".txt" || path.extension() == ".bal") && looks_like_bal(path))
+      found.push_back({path, Format::bal});
   }
-  const auto choose = [&](std::vector<fs::path>& found) {
-    std::sort(found.begin(), found.end());
-    std::erase_if(found, [&](const fs::path& path) {
-      return path.filename().string().rfind(project, 0) != 0 &&
-             fs::relative(path, folder).string().rfind(project, 0) != 0;
-    });
-  };
+  std::sort(found.begin(), found.end(), [](const Found& a, const Found& b) { return a.path < b.path; });
+  return found;
+}
+
+}  // namespace
+
+ReadBlock read_image_block(const fs::path& folder, const std::string& project, const std::string& control,
+                           const std::vector<std::string>& check, const std::array<int, 2>& image_size) {
+  if (!fs::is_directory(folder)) throw std::runtime_error(folder.string() + " is not a folder");
+  std::vector<Found> found = blocks_in(folder);
   std::vector<std::string> names;
-  for (const auto* found : {&aicon, &exports})
-    for (const auto& path : *found) names.push_back(fs::relative(path, folder).string());
-  std::sort(names.begin(), names.end());
-  if (!project.empty()) choose(aicon), choose(exports);
-  if (aicon.size() + exports.size() != 1)
+  for (const auto& block : found) names.push_back(fs::relative(block.path, folder).string());
+  if (!project.empty())
+    std::erase_if(found, [&](const Found& block) {
+      return block.path.filename().string().rfind(project, 0) != 0 &&
+             fs::relative(block.path, folder).string().rfind(project, 0) != 0;
+    });
+  if (found.size() != 1)
     throw std::runtime_error(
-        folder.string() +
-        (names.empty() ? " holds neither an AICON block (.phc, .obc, .eor, .ior) nor a PhotoModeler text export "
-                         "(*pmexport*.txt)"
-                       : " holds " + std::to_string(names.size()) + " blocks (" + few_of(names) + ")" +
-                             (project.empty() ? ": choose one with project=BEGINNING_OF_ITS_NAME"
-                                              : ", and project=" + project + " does not choose one of them")));
+        folder.string() + (names.empty()
+                               ? " holds no AICON block (.phc, .obc, .eor, .ior), no PhotoModeler text export "
+                                 "(*pmexport*.txt) and no bundle adjustment problem (BAL)"
+                               : " holds " + std::to_string(names.size()) + " blocks (" + few_of(names) + ")" +
+                                     (project.empty() ? ": choose one with project=BEGINNING_OF_ITS_NAME"
+                                                      : ", and project=" + project + " does not choose one of them")));
   ReadBlock read;
-  if (!aicon.empty()) {
-    AiconBlock block = read_aicon_folder(aicon[0]);
+  const fs::path& path = found[0].path;
+  if (found[0].format == Format::aicon) {
+    AiconBlock block = read_aicon_folder(path);
     read = {std::move(block.block), block.measurements_read, std::move(block.left_out)};
   } else {
-    std::sort(exports.begin(), exports.end());
-    read = read_photomodeler_export(exports[0]);
+    read = found[0].format == Format::bal ? read_bal_file(path, bal_pixel_pitch)
+                                          : read_photomodeler_export(path, image_size);
   }
   if (!control.empty()) {
-    const fs::path inside = folder / control, beside = exports.empty() ? inside : exports[0].parent_path() / control;
+    const fs::path inside = folder / control, beside = path.parent_path() / control;
     const fs::path file = fs::is_regular_file(inside)   ? inside
                           : fs::is_regular_file(beside) ? beside
                                                         : fs::path(control);

@@ -27,9 +27,10 @@ struct ReadBlock {
 };
 
 /// Throws std::runtime_error with file and line for what cannot be read. Marks of unknown points, points with a single
-/// ray and no known coordinates, and photos with fewer than three marks are left out and told of. Call add_control()
-/// before drop_unusable(): a known point needs no second ray.
-ReadBlock read_photomodeler_export(const std::filesystem::path& file);
+/// ray and no known coordinates, and photos that too few points tie to the others are left out and told of. Call
+/// add_control() before drop_unusable(): a known point needs no second ray. `image_size` [px] is for exports whose
+/// second line has none; 0 × 0: it must have one.
+ReadBlock read_photomodeler_export(const std::filesystem::path& file, const std::array<int, 2>& image_size = {0, 0});
 
 /// Adds the control points of a list, matched by id or by name; those named in `check` are compared with only. Points
 /// of the list that no image measures are told of. Throws if none matches, if one occurs twice, or for a line that
@@ -39,10 +40,11 @@ void add_control(const std::filesystem::path& file, const std::vector<std::strin
 /// Leaves out what cannot be adjusted: see read_photomodeler_export(). Until nothing changes.
 void drop_unusable(ReadBlock& read);
 
-/// An AICON folder or a PhotoModeler export, whichever `folder` holds (also in folders below it). `project` chooses one
-/// of several exports by the beginning of its name or path; `control` is a list of control points, in the folder or a
-/// path of its own; empty: none. Throws std::runtime_error that names what was found.
+/// An AICON folder, a PhotoModeler export or a problem of bal_files.hpp, whichever `folder` holds (also in folders
+/// below it). Exports are known by their name or by how they begin. `project` chooses one of several by the beginning
+/// of its name or path; `control` is a list of control points, in the folder or a path of its own; empty: none. Throws
+/// std::runtime_error that names what was found.
 ReadBlock read_image_block(const std::filesystem::path& folder, const std::string& project, const std::string& control,
-                           const std::vector<std::string>& check);
+                           const std::vector<std::string>& check, const std::array<int, 2>& image_size = {0, 0});
 
 }  // namespace plumbline::adjust

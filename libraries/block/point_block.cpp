@@ -62,6 +62,8 @@ std::vector<bool> free_values(const SensorCamera& camera, const std::vector<std:
   for (const auto& name : wanted)
     if (name != "auto")
       chosen.push_back(name);
+    else if (!camera.estimated.empty())
+      chosen.insert(chosen.end(), camera.estimated.begin(), camera.estimated.end());
     else if (camera.lens == bundle::Lens::balanced)
       chosen.insert(chosen.end(), balanced.begin(), balanced.end());
   std::vector<bool> free;

@@ -27,6 +27,7 @@ struct SensorCamera {
   double balance_radius = 0;                     ///< R0 of the balanced model [mm]
   double sensor_width = 0, sensor_height = 0;    ///< [mm]
   int width = 0, height = 0;                     ///< [px]
+  std::vector<std::string> estimated;            ///< what "auto" estimates of it; empty: what its lens says
   const std::vector<std::string>& names() const { return bundle::value_names(lens); }
 };
 
@@ -76,7 +77,7 @@ struct PointBlock {
 struct PointBlockOptions {
   double image_sigma = 0.0005;  ///< a priori standard deviation of a sensor coordinate of weight 1 [mm]
   /// Interior parameters to estimate, of every camera whose model has them. "auto" stands for Ck, xh, yh, A1, A2, B1,
-  /// B2 of a balanced camera, and for none of a correcting one, which comes calibrated.
+  /// B2 of a balanced camera, and for none of a correcting one, which comes calibrated; see SensorCamera::estimated.
   std::vector<std::string> free_parameters = {"auto"};
   enum class FreeDatum {
     inner,       ///< inner constraints over all points

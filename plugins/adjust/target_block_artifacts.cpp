@@ -190,6 +190,7 @@ PointBlock target_block_of(const ImageBlockT& artifact) {
     camera.height = entry->height;
     std::copy(entry->parameters.begin(), entry->parameters.end(), camera.values.begin());
     camera.balance_radius = entry->balance_radius;
+    camera.estimated = entry->estimated;
     block.cameras.push_back(camera);
   }
   for (const auto& entry : artifact.images)
@@ -220,6 +221,7 @@ ImageBlockT target_block_artifact(const ReadBlock& read) {
     entry->sensor_height = camera.sensor_height;
     entry->width = camera.width;
     entry->height = camera.height;
+    entry->estimated = camera.estimated;
     artifact.cameras.push_back(std::move(entry));
   }
   for (const auto& image : read.block.images) {

@@ -1,4 +1,7 @@
 // What every adjuster must do: equations (4) and (5).
+#include <Eigen/Dense>
+#include <cstdlib>
+
 #include "node_harness.hpp"
 #include "parameter_effects.hpp"
 #include "synthetic_facade.hpp"
@@ -64,6 +67,66 @@ TEST_P(Adjuster, ItsCovarianceCoversItsErrors) {
   // chi-squared with trials * coordinates degrees of freedom, four standard deviations.
   const double expected = static_cast<double>(trials) * static_cast<double>(coordinates);
   EXPECT_NEAR(sum, expected, 4 * std::sqrt(2 * expected));
+}
+
+Eigen::MatrixXd unpacked(const std::vector<double>& packed, Eigen::Index n) {
+  Eigen::MatrixXd c(n, n);
+  size_t k = 0;
+  for (Eigen::Index i = 0; i < n; ++i)
+    for (Eigen::Index j = 0; j <= i; ++j, ++k) c(i, j) = c(j, i) = packed.at(k);
+  return c;
+}
+
+/// Every standard deviation and correlation of poses and interior orientation is in these normalised squared errors;
+/// 200 trials with PLUMBLINE_LONG.
+TEST_P(Adjuster, CovariancesOfPosesAndCameraCoverTheirErrors) {
+  const int trials = std::getenv("PLUMBLINE_LONG") ? 200 : 8;
+  const std::vector<double> prior = {2, 2, 2, 2, 1e-3, 1e-3, 0, 0, 0};  // of the calibration; 0 is held
+  double of_poses = 0, of_first_pose = 0, of_camera = 0;
+  for (int trial = 0; trial < trials; ++trial) {
+    const SyntheticFacade facade = make_facade(
+        {.floors = 1, .pixel_sigma = 0.1, .survey_sigma = 0.001, .seed = 500u + static_cast<uint64_t>(trial)});
+    CameraT given = facade.camera_artifact();
+    Random random(9000 + static_cast<uint64_t>(trial));
+    for (size_t i = 0; i < prior.size(); ++i) {
+      given.parameters[i] += prior[i] * random.normal();
+      for (size_t j = 0; j <= i; ++j) given.covariance.push_back(i == j ? prior[i] * prior[i] : 0);
+    }
+    NodeHarness node(GetParam());
+    node.input<Camera>("camera", given);
+    node.input<Plates>("plates", facade.plates);
+    node.input<Poses>("poses", facade.poses);
+    for (const ImageTagsT& image : facade.images) node.input<ImageTags>("observations", image);
+    node.input<Points>("control", facade.control);
+    node.run();
+    const PosesT poses = node.output<Poses>("poses");
+    ASSERT_EQ(poses.poses.size(), facade.poses.poses.size());
+    for (size_t i = 0; i < poses.poses.size(); ++i) {
+      const RigidTransform &found = poses.poses[i]->cam_from_world, &truth = facade.poses.poses[i]->cam_from_world;
+      const Eigen::AngleAxisd turn(found.rotation * truth.rotation.conjugate());
+      Eigen::Matrix<double, 6, 1> error;
+      error << turn.angle() * turn.axis(), found.translation - truth.translation;
+      const double square = error.dot(unpacked(poses.poses[i]->covariance, 6).ldlt().solve(error));
+      of_poses += square / static_cast<double>(poses.poses.size());
+      if (i == 0) of_first_pose += square;
+    }
+    const CameraT camera = node.output<Camera>("camera");
+    const Eigen::MatrixXd covariance = unpacked(camera.covariance, 9);
+    std::vector<int> free;
+    Eigen::VectorXd error(9);
+    for (int i = 0; i < 9; ++i) {
+      error(i) = camera.parameters[static_cast<size_t>(i)] - facade.camera.parameters()[static_cast<size_t>(i)];
+      if (covariance(i, i) > 0) free.push_back(i);
+    }
+    ASSERT_EQ(free.size(), 6u);
+    of_camera += Eigen::VectorXd(error(free)).dot(Eigen::MatrixXd(covariance(free, free)).ldlt().solve(error(free)));
+  }
+  // Chi-squared with 6 degrees of freedom a trial; the mean over the poses of a trial scatters no more than one of
+  // them.
+  const double expected = 6.0 * trials, slack = 4 * std::sqrt(2 * expected);
+  EXPECT_NEAR(of_poses, expected, slack);
+  EXPECT_NEAR(of_first_pose, expected, slack);
+  EXPECT_NEAR(of_camera, expected, slack);
 }
 
 TEST_P(Adjuster, IsEquivariantUnderAChangeOfFrame) {

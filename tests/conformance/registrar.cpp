@@ -1,4 +1,7 @@
 // What every registrar must do: equations (6) and (8).
+#include <Eigen/Dense>
+#include <cstdlib>
+
 #include "artifacts/transform.hpp"
 #include "node_harness.hpp"
 #include "parameter_effects.hpp"
@@ -89,6 +92,54 @@ TEST_P(Registrar, EveryParameterHasItsEffect) {
                                  prepared(facade.control, {{"estimator", "truncated"}, {"weights", "equal"}}),
                                  prepared(narrow, {})}),
             "");
+}
+
+/// Errors of the source are common to all points and single, those of the target single; 400 trials with
+/// PLUMBLINE_LONG.
+TEST_P(Registrar, CovariancesOfTransformAndPointsCoverTheirErrors) {
+  const int trials = std::getenv("PLUMBLINE_LONG") ? 400 : 30;
+  constexpr double common = 0.002, single = 0.0005, surveyed = 0.001;
+  const size_t n = facade_.truth.points.size();
+  double of_transform = 0, of_fitted = 0, of_check = 0;
+  const auto unpacked = [](const std::vector<double>& packed, Eigen::Index size) {
+    Eigen::MatrixXd c(size, size);
+    size_t k = 0;
+    for (Eigen::Index i = 0; i < size; ++i)
+      for (Eigen::Index j = 0; j <= i; ++j, ++k) c(i, j) = c(j, i) = packed.at(k);
+    return c;
+  };
+  for (int trial = 0; trial < trials; ++trial) {
+    Random random(70 + static_cast<uint64_t>(trial));
+    PointsT source = moved(facade_.truth, {}), target = moved(facade_.truth, motion_);
+    source.points.back()->role = target.points.back()->role = "check";
+    const Eigen::Vector3d shift = random.normal3(common);
+    for (size_t i = 0; i < n; ++i) {
+      source.points[i]->position += shift + random.normal3(single);
+      target.points[i]->position += random.normal3(surveyed);
+    }
+    for (size_t i = 0; i < 3 * n; ++i)
+      for (size_t j = 0; j <= i; ++j) {
+        source.covariance.push_back((i % 3 == j % 3 ? common * common : 0) + (i == j ? single * single : 0));
+        target.covariance.push_back(i == j ? surveyed * surveyed : 0);
+      }
+    const NodeHarness node = registered(source, target);
+    const TransformT found = node.output<Transform>("transform");
+    const Eigen::AngleAxisd turn(found.to_from_from.rotation * motion_.rotation.conjugate());
+    Eigen::Matrix<double, 6, 1> error;
+    error << turn.angle() * turn.axis(), found.to_from_from.translation - motion_.translation;
+    of_transform += error.dot(unpacked(found.covariance, 6).ldlt().solve(error));
+    const PointsT points = node.output<Points>("points");
+    const Eigen::MatrixXd covariance = unpacked(points.covariance, 3 * static_cast<Eigen::Index>(n));
+    for (const size_t i : {size_t{0}, n - 1}) {
+      const Eigen::Vector3d e = points.points[i]->position - motion_ * facade_.truth.points[i]->position;
+      const Eigen::Matrix3d c =
+          covariance.block<3, 3>(3 * static_cast<Eigen::Index>(i), 3 * static_cast<Eigen::Index>(i));
+      (i == 0 ? of_fitted : of_check) += e.dot(c.ldlt().solve(e));
+    }
+  }
+  EXPECT_NEAR(of_transform, 6.0 * trials, 4 * std::sqrt(12.0 * trials));
+  EXPECT_NEAR(of_fitted, 3.0 * trials, 4 * std::sqrt(6.0 * trials));
+  EXPECT_NEAR(of_check, 3.0 * trials, 4 * std::sqrt(6.0 * trials));
 }
 
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(Registrar);

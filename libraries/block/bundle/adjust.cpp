@@ -30,13 +30,13 @@ Eigen::MatrixXd constraints_of(const Problem& problem, const Layout& layout, con
   return qr.householderQ() * Eigen::MatrixXd::Identity(kept.rows(), kept.cols());
 }
 
-double smallest_eigenvalue(const Eigen::LLT<Eigen::MatrixXd>& factor, Eigen::Index n, Eigen::VectorXd& vector) {
+double smallest_eigenvalue(const Cholesky& factor, Eigen::Index n, Eigen::VectorXd& vector) {
   vector.resize(n);
   for (Eigen::Index i = 0; i < n; ++i) vector(i) = 1 + 0.3 * std::sin(1.7 * static_cast<double>(i + 1));
   double value = 1;
   for (int step = 0; step < 12; ++step) {
     vector.normalize();
-    vector = factor.solve(vector);
+    factor.solve_in_place(vector);
     value = 1 / vector.norm();
   }
   vector.normalize();
@@ -197,9 +197,9 @@ void require_determined(const Problem& problem, const Layout& layout, const Stat
   const Eigen::Index n = elimination.kept_count();
   if (n == 0) return;
   const Eigen::MatrixXd scaled = elimination.scaled_matrix(constraints_of(problem, layout, state, elimination, datum));
-  const Eigen::LLT<Eigen::MatrixXd> factor(scaled);
+  Cholesky factor;
   Eigen::VectorXd weakest;
-  if (factor.info() == Eigen::Success && smallest_eigenvalue(factor, n, weakest) > 2 * rank_tolerance) return;
+  if (factor.compute(scaled) && smallest_eigenvalue(factor, n, weakest) > 2 * rank_tolerance) return;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> spectrum(scaled);
   std::string message;
   int defect = 0;

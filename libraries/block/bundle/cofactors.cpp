@@ -7,27 +7,6 @@ namespace plumbline::bundle {
 namespace {
 
 constexpr double singular_block = 1e-12;
-constexpr Eigen::Index panel = 96;
-
-/// (L Lᵀ)⁻¹ by panels: half of what a solve with the unit matrix takes.
-Eigen::MatrixXd inverse_of(const Eigen::LLT<Eigen::MatrixXd>& factor, Eigen::Index n) {
-  Eigen::MatrixXd inverse = Eigen::MatrixXd::Zero(n, n);  // of L, lower triangle
-  const auto& lower = factor.matrixLLT();
-  for (Eigen::Index at = 0; at < n; at += panel) {
-    const Eigen::Index width = std::min(panel, n - at);
-    auto right = inverse.block(at, at, n - at, width);
-    right.topRows(width).setIdentity();
-    lower.block(at, at, n - at, n - at).triangularView<Eigen::Lower>().solveInPlace(right);
-  }
-  Eigen::MatrixXd result(n, n);
-  for (Eigen::Index at = 0; at < n; at += panel) {
-    const Eigen::Index width = std::min(panel, n - at);
-    result.block(0, at, at + width, width).noalias() =
-        inverse.block(at, 0, n - at, at + width).transpose() * inverse.block(at, at, n - at, width);
-  }
-  result.triangularView<Eigen::StrictlyLower>() = result.transpose();
-  return result;
-}
 
 }  // namespace
 
@@ -36,7 +15,7 @@ Cofactors::Cofactors(const Problem& problem, const Layout& layout, const State& 
     : problem_(problem), layout_(layout), elimination_(elimination) {
   const Eigen::Index n = elimination.kept_count();
   if (n > 0) {
-    kept_ = inverse_of(elimination.factor(), n);
+    kept_ = elimination.factor().inverse();
     const auto& scale = elimination.scale();
     for (Eigen::Index c = 0; c < n; ++c) kept_.col(c).array() *= scale.array() * scale(c);
   }
@@ -58,19 +37,26 @@ Cofactors::Local Cofactors::local(const Elimination::Block& block) const {
     result.own.setZero(s, s);
     return result;
   }
-  Eigen::MatrixXd q(block.columns, block.columns);
-  for (size_t a = 0; a < block.kept.size(); ++a)
-    for (size_t b = 0; b < block.kept.size(); ++b)
-      q.block(block.local[a], block.local[b], layout_.size(block.kept[a]), layout_.size(block.kept[b])) =
-          kept_.block(elimination_.kept_offset(block.kept[a]), elimination_.kept_offset(block.kept[b]),
-                      layout_.size(block.kept[a]), layout_.size(block.kept[b]));
-  result.t.noalias() = y * q;
+  result.t.resize(s, block.columns);
+  multiply_kept(block, result.t);
   const auto lower = block.factor.topLeftCorner(s, s).triangularView<Eigen::Lower>();
   result.own = Eigen::MatrixXd::Identity(s, s) + result.t * y.transpose();
   const Eigen::MatrixXd inverse = lower.solve(Eigen::MatrixXd::Identity(s, s));
   result.own = (inverse.transpose() * result.own * inverse).eval();
   result.own = (0.5 * (result.own + result.own.transpose())).eval();
   return result;
+}
+
+/// Y Q of the local kept unknowns, or of all of them if `product` has as many columns.
+void Cofactors::multiply_kept(const Elimination::Block& block, Eigen::MatrixXd& product) const {
+  const bool all = product.cols() == kept_.cols();
+  const Run* runs = elimination_.runs(block);
+  const Run whole{0, 0, static_cast<int>(kept_.cols())};
+  Eigen::Index at = 0;
+  for (const Run* run = all ? &whole : runs; run < (all ? &whole + 1 : runs + block.run_count); ++run)
+    for (int c = 0; c < run->length; ++c)
+      multiply_runs(elimination_.y_of(block), block.size, block.columns, runs, block.run_count,
+                    kept_.col(run->offset + c).data(), product.col(at++).data());
 }
 
 Eigen::MatrixXd Cofactors::raw(int a, int b) const {
@@ -129,10 +115,8 @@ Eigen::MatrixXd Cofactors::joint(const std::vector<int>& blocks) const {
     const auto& block = elimination_.blocks()[static_cast<size_t>(e)];
     to_kept[i] = Eigen::MatrixXd::Zero(block.size, elimination_.kept_count());
     if (block.weakest < singular_block) continue;
-    const auto y = elimination_.y(block);
-    for (size_t k = 0; k < block.kept.size(); ++k)
-      to_kept[i].noalias() -= y.middleCols(block.local[k], layout_.size(block.kept[k])) *
-                              kept_.middleRows(elimination_.kept_offset(block.kept[k]), layout_.size(block.kept[k]));
+    multiply_kept(block, to_kept[i]);
+    to_kept[i] *= -1;
     block.factor.topLeftCorner(block.size, block.size)
         .triangularView<Eigen::Lower>()
         .transpose()

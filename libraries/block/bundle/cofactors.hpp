@@ -49,6 +49,7 @@ class Cofactors {
   };
   std::vector<Eigen::Index> positions(const std::vector<int>& unknowns, const std::vector<int>& blocks) const;
   Local local(const Elimination::Block& block) const;
+  void multiply_kept(const Elimination::Block& block, Eigen::MatrixXd& product) const;
   Eigen::MatrixXd raw(int a, int b) const;
   void to_datum(int a, int b, Eigen::Ref<Eigen::MatrixXd> q) const;
 

@@ -12,52 +12,6 @@ namespace {
 constexpr double singular_block = 1e-12;
 constexpr int max_chunks = 8, smallest_chunk = 64;
 
-/// dst (size × count, column-major with leading dimension ld) += Aᵀ B for Jacobians of R rows, column-major too.
-template <int R, int Size>
-void add_fixed(double* dst, int ld, const double* a, const double* b, int count) {
-  double across[R][Size];  // the first factor row by row, so that the inner loop runs along memory
-  for (int r = 0; r < Size; ++r)
-    for (int k = 0; k < R; ++k) across[k][r] = a[r * R + k];
-  for (int c = 0; c < count; ++c)
-    for (int k = 0; k < R; ++k) {
-      const double factor = b[c * R + k];
-      for (int r = 0; r < Size; ++r) dst[c * ld + r] += across[k][r] * factor;
-    }
-}
-
-void add_product(int rows, double* dst, int ld, const double* a, int size, const double* b, int count) {
-  if (rows == 2 && size == 6) return add_fixed<2, 6>(dst, ld, a, b, count);
-  if (rows == 2 && size == 3) return add_fixed<2, 3>(dst, ld, a, b, count);
-  if (rows == 8 && size == 6) return add_fixed<8, 6>(dst, ld, a, b, count);
-  for (int c = 0; c < count; ++c)
-    for (int r = 0; r < size; ++r) {
-      double sum = 0;
-      for (int k = 0; k < rows; ++k) sum += a[r * rows + k] * b[c * rows + k];
-      dst[c * ld + r] += sum;
-    }
-}
-
-/// dst (b × a, leading dimension ld) −= B Aᵀ for blocks of Yᵀ, S columns each, both with leading dimension `columns`.
-template <int S, int A, int B>
-void subtract_fixed(double* dst, Eigen::Index ld, const double* b, const double* a, Eigen::Index columns) {
-  using Stride = Eigen::OuterStride<>;
-  const Eigen::Map<const Eigen::Matrix<double, B, S>, 0, Stride> left(b, Stride(columns));
-  const Eigen::Map<const Eigen::Matrix<double, A, S>, 0, Stride> right(a, Stride(columns));
-  Eigen::Map<Eigen::Matrix<double, B, A>, 0, Stride>(dst, Stride(ld)).noalias() -= left.lazyProduct(right.transpose());
-}
-
-void subtract_product(int s, double* dst, Eigen::Index ld, const double* b, int b_size, const double* a, int a_size,
-                      Eigen::Index columns) {
-  if (s == 3 && a_size == 6 && b_size == 6) return subtract_fixed<3, 6, 6>(dst, ld, b, a, columns);
-  if (s == 6 && a_size == 3 && b_size == 3) return subtract_fixed<6, 3, 3>(dst, ld, b, a, columns);
-  if (s == 6 && a_size == 6 && b_size == 6) return subtract_fixed<6, 6, 6>(dst, ld, b, a, columns);
-  for (int c = 0; c < a_size; ++c)
-    for (int k = 0; k < s; ++k) {
-      const double factor = a[c + k * columns];
-      for (int r = 0; r < b_size; ++r) dst[c * ld + r] -= b[r + k * columns] * factor;
-    }
-}
-
 bool is_shared(Kind kind) { return kind == Kind::camera || kind == Kind::scale || kind == Kind::inset; }
 
 /// Weighs the rows of a robust observation; returns its part of the cost.
@@ -67,10 +21,8 @@ double apply_loss(const Loss& loss, bool robust, bool jacobians, Rows& rows) {
   if (jacobians) {
     const double factor = std::sqrt(loss.slope(s));
     for (int i = 0; i < rows.rows; ++i) rows.residual[static_cast<size_t>(i)] *= factor;
-    for (int k = 0; k < rows.parts; ++k) {
-      const auto& part = rows.part[static_cast<size_t>(k)];
-      for (int i = 0; i < rows.rows * part.size; ++i) part.jacobian[i] *= factor;
-    }
+    for (int i = 0; i < rows.rows; ++i)
+      for (int c = 0; c < rows.columns; ++c) rows.storage[static_cast<size_t>(i * Rows::stride + c)] *= factor;
   }
   return loss.value(s);
 }
@@ -112,8 +64,7 @@ struct Elimination::Sums {
   std::vector<double> diagonal;  ///< 6 × 6 a kept block, at a third of its offset
   Eigen::MatrixXd border;        ///< shared × primary
   Eigen::MatrixXd corner;        ///< shared × shared
-  Eigen::VectorXd right;         ///< all unknowns, −Jᵀ r
-  Eigen::VectorXd own_diagonal;  ///< all unknowns
+  Eigen::VectorXd gradient;      ///< Jᵀ r of kept unknowns
   double cost = 0;
   std::string undefined;
 };
@@ -198,19 +149,22 @@ void Elimination::sort_unknowns() {
   }
 }
 
+/// In the order of Rows' parts.
 std::vector<int> Elimination::blocks_of(const TermRef& term) const {
   std::vector<int> all;
   const size_t i = static_cast<size_t>(term.index);
   if (term.kind == TermRef::Kind::point) {
     const ImagePoint& o = problem_.image_points[i];
-    all = {layout_.block({Kind::image, o.image}), layout_.block({Kind::point, o.point}),
-           layout_.block({Kind::camera, problem_.images[static_cast<size_t>(o.image)].camera})};
+    all = {layout_.block({Kind::image, o.image}),
+           layout_.block({Kind::camera, problem_.images[static_cast<size_t>(o.image)].camera}),
+           layout_.block({Kind::point, o.point})};
   } else if (term.kind == TermRef::Kind::tag) {
     const ImageTag& o = problem_.image_tags[i];
     const int batch = problem_.plates[static_cast<size_t>(o.plate)].batch;
-    all = {layout_.block({Kind::image, o.image}), layout_.block({Kind::plate, o.plate}),
+    all = {layout_.block({Kind::image, o.image}),
            layout_.block({Kind::camera, problem_.images[static_cast<size_t>(o.image)].camera}),
-           layout_.block({Kind::scale, batch}), layout_.block({Kind::inset, batch})};
+           layout_.block({Kind::scale, batch}), layout_.block({Kind::inset, batch}),
+           layout_.block({Kind::plate, o.plate})};
   } else if (term.kind == TermRef::Kind::distance) {
     all = {layout_.block(problem_.distances[i].from), layout_.block(problem_.distances[i].to)};
   } else {
@@ -248,12 +202,17 @@ void Elimination::sort_terms() {
     std::sort(block.kept.begin(), block.kept.end(), [&](int a, int b) { return kept_offset(a) < kept_offset(b); });
     block.kept.erase(std::unique(block.kept.begin(), block.kept.end()), block.kept.end());
     block.y = y;
+    block.first_run = static_cast<int>(runs_.size());
     for (size_t k = 0; k < block.kept.size(); ++k) {
+      const int offset = kept_offset(block.kept[k]), size = layout_.size(block.kept[k]);
+      if (block.run_count > 0 && runs_.back().offset + runs_.back().length == offset)
+        runs_.back().length += size;
+      else
+        runs_.push_back({block.columns, offset, size}), ++block.run_count;
       block.local.push_back(block.columns);
-      block.columns += layout_.size(block.kept[k]);
-      coupled_[static_cast<size_t>(block.kept[k])].emplace_back(static_cast<int>(e), static_cast<int>(k));
+      block.columns += size;
     }
-    y += static_cast<size_t>(block.size) * static_cast<size_t>(block.columns);
+    y += static_cast<size_t>(block.size) * (static_cast<size_t>(block.columns) + 1);
     for (auto& term : terms_[e]) {
       size_t next = 0;
       for (int b : blocks_of(term)) {
@@ -265,6 +224,10 @@ void Elimination::sort_terms() {
     }
   }
   y_.resize(y);
+  for (const Block& block : blocks_)
+    for (size_t k = 0; k < block.kept.size(); ++k)
+      coupled_[static_cast<size_t>(block.kept[k])].push_back(
+          {y_of(block), runs(block), block.run_count, block.size, block.columns, block.local[k]});
 }
 
 std::string Elimination::name(const TermRef& term) const {
@@ -287,14 +250,12 @@ bool Elimination::linearise(const State& state, const Loss& loss, int first, int
   sums.diagonal.assign(36 * static_cast<size_t>(primary_count_ / 3 + 1), 0.0);
   sums.border.setZero(shared, primary_count_);
   sums.corner.setZero(shared, shared);
-  sums.right.setZero(layout_.unknown_count());
-  sums.own_diagonal.setZero(layout_.unknown_count());
+  sums.gradient.setZero(kept_count_);
   Rows rows;
-  std::vector<double> coupling;
   for (int e = first; e < last; ++e) {
     Block& block = blocks_[static_cast<size_t>(e)];
-    coupling.assign(static_cast<size_t>(block.size) * static_cast<size_t>(block.columns), 0.0);
-    double* w = coupling.data();
+    double* w = y_.data() + block.y;
+    std::fill_n(w, static_cast<size_t>(block.size) * (static_cast<size_t>(block.columns) + 1), 0.0);
     Eigen::Matrix<double, 6, 6> v = Eigen::Matrix<double, 6, 6>::Zero();
     Eigen::Matrix<double, 6, 1> g = Eigen::Matrix<double, 6, 1>::Zero();
     for (const TermRef& term : terms_[static_cast<size_t>(e)]) {
@@ -318,49 +279,61 @@ bool Elimination::linearise(const State& state, const Loss& loss, int first, int
         return false;
       }
       sums.cost += cost;
-      int own = 0;
-      while (rows.part[static_cast<size_t>(own)].block != block.block) ++own;
-      const Rows::Part& mine = rows.part[static_cast<size_t>(own)];
-      add_product(rows.rows, v.data(), 6, mine.jacobian, mine.size, mine.jacobian, mine.size);
-      add_product(rows.rows, g.data(), 6, mine.jacobian, mine.size, rows.residual.data(), 1);
-      int next = 0;
-      for (int k = 0; k < rows.parts; ++k) {
-        if (k == own) continue;
-        const Rows::Part& a = rows.part[static_cast<size_t>(k)];
-        const int local = term.local[static_cast<size_t>(next++)];
-        add_product(rows.rows, w + block.size * local, block.size, mine.jacobian, mine.size, a.jacobian, a.size);
-        double* right = sums.right.data() + layout_.offset(a.block);
-        for (int c = 0; c < a.size; ++c)
-          for (int r = 0; r < rows.rows; ++r)
-            right[c] -= a.jacobian[c * rows.rows + r] * rows.residual[static_cast<size_t>(r)];
-        const int a_at = kept_offset(a.block);
-        if (a_at < primary_count_) {
-          add_product(rows.rows, sums.diagonal.data() + 36 * static_cast<size_t>(a_at / 3), 6, a.jacobian, a.size,
-                      a.jacobian, a.size);
-          continue;
-        }
-        for (int l = 0; l < rows.parts; ++l) {
-          const Rows::Part& b = rows.part[static_cast<size_t>(l)];
-          if (l == own) continue;
-          const int b_at = kept_offset(b.block);
-          if (b_at < primary_count_)
-            add_product(rows.rows, &sums.border(a_at - primary_count_, b_at), shared, a.jacobian, a.size, b.jacobian,
-                        b.size);
-          else
-            add_product(rows.rows, &sums.corner(a_at - primary_count_, b_at - primary_count_), shared, a.jacobian,
-                        a.size, b.jacobian, b.size);
-        }
-      }
+      add_products(block, term, rows, w, v.data(), g.data(), sums);
     }
-    for (int c = 0; c < block.size; ++c) sums.own_diagonal(layout_.offset(block.block) + c) = v(c, c);
-    const Eigen::Matrix<double, 6, 1> right = -g;
-    eliminate(block, damping, w, v, right);
-    sums.right.segment(layout_.offset(block.block), block.size) = right.head(block.size);
+    diagonal_.segment(layout_.offset(block.block), block.size) = v.diagonal().head(block.size);
+    right_.segment(layout_.offset(block.block), block.size) = -g.head(block.size);
+    eliminate(block, damping, v, -g);
   }
   return true;
 }
 
-void Elimination::eliminate(Block& block, double damping, double* w, const Eigen::Matrix<double, 6, 6>& v,
+/// All products of the derivatives of one observation, each to where it belongs: V and its gradient, W, and what the
+/// kept unknowns have among themselves.
+void Elimination::add_products(const Block& block, const TermRef& term, const Rows& rows, double* w, double* v,
+                               double* g, Sums& sums) const {
+  const int shared = kept_count_ - primary_count_;
+  std::array<Outer, 32> jobs;
+  int count = 0;
+  const auto add = [&](double* target, std::ptrdiff_t stride, const Rows::Part& a, const Rows::Part& b) {
+    jobs[static_cast<size_t>(count++)] = {
+        target,       stride,      rows.storage.data() + a.column, rows.storage.data() + b.column, a.size, b.size,
+        Rows::stride, Rows::stride};
+  };
+  const auto add_gradient = [&](double* target, const Rows::Part& b) {
+    jobs[static_cast<size_t>(count++)] = {target, 0, rows.residual.data(), rows.storage.data() + b.column, 1,
+                                          b.size, 1, Rows::stride};
+  };
+  int own = 0;
+  while (rows.part[static_cast<size_t>(own)].block != block.block) ++own;
+  const Rows::Part& mine = rows.part[static_cast<size_t>(own)];
+  add(v, 6, mine, mine);
+  add_gradient(g, mine);
+  int next = 0;
+  for (int k = 0; k < rows.parts; ++k) {
+    if (k == own) continue;
+    const Rows::Part& a = rows.part[static_cast<size_t>(k)];
+    const int at = kept_offset(a.block);
+    add(w + term.local[static_cast<size_t>(next++)], block.columns, mine, a);
+    add_gradient(sums.gradient.data() + at, a);
+    if (at < primary_count_) {
+      add(sums.diagonal.data() + 36 * static_cast<size_t>(at / 3), 6, a, a);
+      continue;
+    }
+    for (int l = 0; l < rows.parts; ++l) {
+      const Rows::Part& b = rows.part[static_cast<size_t>(l)];
+      if (l == own) continue;
+      const int b_at = kept_offset(b.block);
+      if (b_at < primary_count_)
+        add(&sums.border(at - primary_count_, b_at), shared, b, a);
+      else
+        add(&sums.corner(at - primary_count_, b_at - primary_count_), shared, b, a);
+    }
+  }
+  add_outer(rows.rows, jobs.data(), count);
+}
+
+void Elimination::eliminate(Block& block, double damping, const Eigen::Matrix<double, 6, 6>& v,
                             const Eigen::Matrix<double, 6, 1>& g) {
   const int s = block.size;
   Eigen::Matrix<double, 6, 1> root;
@@ -384,24 +357,21 @@ void Elimination::eliminate(Block& block, double damping, double* w, const Eigen
         block.factor(r, c) = sum / block.factor(c, c);
       }
     }
+  double* y = y_.data() + block.y;
   if (block.weakest < singular_block) {
     block.factor.setZero();
-    std::fill_n(y_.data() + block.y, static_cast<size_t>(s) * static_cast<size_t>(block.columns), 0.0);
+    std::fill_n(y, static_cast<size_t>(s) * (static_cast<size_t>(block.columns) + 1), 0.0);
     return;
   }
   for (int r = 0; r < s; ++r)
     for (int c = 0; c <= r; ++c) block.factor(r, c) *= root(r);
-  for (int column = 0; column <= block.columns; ++column) {
-    double* x = column < block.columns ? w + static_cast<size_t>(s) * static_cast<size_t>(column) : block.half.data();
-    if (column == block.columns) block.half.head(s) = g.head(s);
-    for (int r = 0; r < s; ++r) {
-      for (int c = 0; c < r; ++c) x[r] -= block.factor(r, c) * x[c];
-      x[r] /= block.factor(r, r);
-    }
+  solve_lower(s, block.factor.data(), y, block.columns);
+  block.half.head(s) = g.head(s);
+  for (int r = 0; r < s; ++r) {
+    for (int c = 0; c < r; ++c) block.half(r) -= block.factor(r, c) * block.half(c);
+    block.half(r) /= block.factor(r, r);
+    y[s * block.columns + r] = block.half(r);
   }
-  double* y = y_.data() + block.y;
-  for (int r = 0; r < s; ++r)
-    for (int column = 0; column < block.columns; ++column) *y++ = w[column * s + r];
 }
 
 bool Elimination::add_loose(const State& state, const Loss& loss) {
@@ -456,27 +426,19 @@ bool Elimination::add_loose(const State& state, const Loss& loss) {
 }
 
 void Elimination::subtract(int kept_block) {
-  const int at = kept_offset(kept_block), size = layout_.size(kept_block);
-  for (const auto& [e, k] : coupled_[static_cast<size_t>(kept_block)]) {
-    const Block& block = blocks_[static_cast<size_t>(e)];
-    const double* y = y_.data() + block.y;
-    const double* own = y + block.local[static_cast<size_t>(k)];
-    for (int c = 0; c < size; ++c)
-      for (int r = 0; r < block.size; ++r) reduced_right_(at + c) -= own[c + r * block.columns] * block.half(r);
-    for (size_t other = static_cast<size_t>(k); other < block.kept.size(); ++other) {
-      const int b = block.kept[other];
-      subtract_product(block.size, &normal_(kept_offset(b), at), normal_.rows(), y + block.local[other],
-                       layout_.size(b), own, size, block.columns);
-    }
-  }
+  const int at = kept_offset(kept_block);
+  const auto& coupled = coupled_[static_cast<size_t>(kept_block)];
+  subtract_strip(normal_.col(at).data(), normal_.rows(), layout_.size(kept_block), coupled.data(), coupled.size(),
+                 reduced_right_.data() + at);
 }
 
 bool Elimination::build(const State& state, double damping, const Loss& loss) {
   const int count = static_cast<int>(blocks_.size());
-  const double bytes = 8.0 * (12.0 * primary_count_ + double(kept_count_ - primary_count_) * kept_count_ +
-                              2.0 * layout_.unknown_count());
+  const double bytes = 8.0 * (13.0 * primary_count_ + double(kept_count_ - primary_count_) * kept_count_);
   const int chunks = bytes * max_chunks > 2e8 ? 1 : std::clamp(count / smallest_chunk, 1, max_chunks);
   std::vector<Sums> sums(static_cast<size_t>(chunks));
+  right_.setZero(layout_.unknown_count());
+  diagonal_.setZero(layout_.unknown_count());
   for_each_index(chunks, threads_, [&](int c) {
     const auto bound = [&](int k) { return static_cast<int>(static_cast<int64_t>(count) * k / chunks); };
     linearise(state, loss, bound(c), bound(c + 1), damping, sums[static_cast<size_t>(c)]);
@@ -489,16 +451,13 @@ bool Elimination::build(const State& state, double damping, const Loss& loss) {
     }
   cost_ = 0;
   normal_.setZero(kept_count_, kept_count_);
-  right_.setZero(layout_.unknown_count());
-  diagonal_.setZero(layout_.unknown_count());
   const int shared = kept_count_ - primary_count_;
   for (const Sums& s : sums) {
     cost_ += s.cost;
-    right_ += s.right;
-    diagonal_ += s.own_diagonal;
     for (int b : kept_blocks_) {
       const int at = kept_offset(b), size = layout_.size(b);
-      if (at >= primary_count_) break;
+      right_.segment(layout_.offset(b), size) -= s.gradient.segment(at, size);
+      if (at >= primary_count_) continue;
       normal_.block(at, at, size, size) +=
           Eigen::Map<const Eigen::Matrix<double, 6, 6>>(s.diagonal.data() + 36 * static_cast<size_t>(at / 3))
               .topLeftCorner(size, size);
@@ -533,8 +492,27 @@ Eigen::MatrixXd Elimination::scaled_matrix(const Eigen::MatrixXd& constraints) c
 
 bool Elimination::factorise(const Eigen::MatrixXd& constraints) {
   if (kept_count_ == 0) return true;
-  factor_.compute(scaled_matrix(constraints));
-  return factor_.info() == Eigen::Success;
+  return factor_.compute(scaled_matrix(constraints));
+}
+
+Eigen::VectorXd Elimination::step() const {
+  Eigen::VectorXd result = Eigen::VectorXd::Zero(layout_.unknown_count()), kept = scale_.cwiseProduct(reduced_right_);
+  if (kept_count_ > 0) factor_.solve_in_place(kept);
+  kept = scale_.cwiseProduct(kept);
+  for (int b : kept_blocks_)
+    result.segment(layout_.offset(b), layout_.size(b)) = kept.segment(kept_offset(b), layout_.size(b));
+  std::array<double, 6> from_kept;
+  for (const Block& block : blocks_) {
+    if (block.weakest < singular_block) continue;
+    multiply_runs(y_of(block), block.size, block.columns, runs(block), block.run_count, kept.data(), from_kept.data());
+    auto x = result.segment(layout_.offset(block.block), block.size);
+    for (int r = block.size - 1; r >= 0; --r) {
+      double sum = block.half(r) - from_kept[static_cast<size_t>(r)];
+      for (int k = r + 1; k < block.size; ++k) sum -= block.factor(k, r) * x(k);
+      x(r) = sum / block.factor(r, r);
+    }
+  }
+  return result;
 }
 
 Eigen::MatrixXd Elimination::solve(const Eigen::MatrixXd& right) const {
@@ -556,7 +534,7 @@ Eigen::MatrixXd Elimination::solve(const Eigen::MatrixXd& right) const {
   }
   if (kept_count_ > 0) {
     kept = scale_.asDiagonal() * kept;
-    factor_.solveInPlace(kept);
+    factor_.solve_in_place(kept);
     kept = scale_.asDiagonal() * kept;
   }
   for (int b : kept_blocks_)

@@ -10,10 +10,11 @@
 // The order of every sum follows from the problem alone, so any number of threads gives the same bits.
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <vector>
 
+#include "block/bundle/cholesky.hpp"
+#include "block/bundle/kernels.hpp"
 #include "block/bundle/problem.hpp"
 
 namespace plumbline::bundle {
@@ -28,6 +29,8 @@ struct Loss {
 
 enum class Side { automatic, bodies, images };
 
+struct Rows;
+
 class Elimination {
  public:
   /// Sorts observations and unknowns; `problem` and `layout` must outlive it.
@@ -41,8 +44,8 @@ class Elimination {
   bool factorise(const Eigen::MatrixXd& constraints);
   /// N⁻¹ right for all unknowns (Layout's order), n × d. Precondition: factorise().
   Eigen::MatrixXd solve(const Eigen::MatrixXd& right) const;
-  /// Gauss-Newton step from the last build().
-  Eigen::VectorXd step() const { return solve(right_); }
+  /// Gauss-Newton step from the last build(). Precondition: factorise().
+  Eigen::VectorXd step() const;
 
   double sum_of_squares() const { return cost_; }  ///< Σ ρ
   const std::string& undefined() const { return undefined_; }
@@ -58,13 +61,16 @@ class Elimination {
     std::vector<int> local;  ///< first column of each in Y
     int columns = 0;         ///< of Y
     size_t y = 0;            ///< start in the storage
-    double weakest = 1;      ///< smallest squared pivot of V scaled to a unit diagonal; below 1e-12 V is singular and
-                             ///< the block takes no part
+    int first_run = 0, run_count = 0;
+    double weakest = 1;  ///< smallest squared pivot of V scaled to a unit diagonal; below 1e-12 V is singular and
+                         ///< the block takes no part
     Eigen::Matrix<double, 6, 6> factor;  ///< L in its top left corner
     Eigen::Matrix<double, 6, 1> half;    ///< L⁻¹ right
   };
   const std::vector<Block>& blocks() const { return blocks_; }
-  /// Y, size × columns; stored column by column of its transpose, so that products of its blocks run along memory.
+  const Run* runs(const Block& b) const { return runs_.data() + b.first_run; }
+  const double* y_of(const Block& b) const { return y_.data() + b.y; }
+  /// Y, size × columns; stored row by row, so that products of its blocks run along memory.
   auto y(const Block& b) const {
     return Eigen::Map<const Eigen::MatrixXd>(y_.data() + b.y, b.columns, b.size).transpose();
   }
@@ -76,7 +82,7 @@ class Elimination {
   const Eigen::VectorXd& scale() const { return scale_; }
   /// S scaled to its diagonal before the elimination (plus constraints), lower triangle, before its factorisation.
   Eigen::MatrixXd scaled_matrix(const Eigen::MatrixXd& constraints) const;
-  const Eigen::LLT<Eigen::MatrixXd>& factor() const { return factor_; }
+  const Cholesky& factor() const { return factor_; }
 
   struct TermRef {
     enum class Kind : int { point, tag, distance, known } kind;
@@ -94,7 +100,9 @@ class Elimination {
   std::vector<int> blocks_of(const TermRef& term) const;
   bool linearise(const State& state, const Loss& loss, int first, int last, double damping, Sums& sums);
   bool add_loose(const State& state, const Loss& loss);
-  void eliminate(Block& block, double damping, double* w, const Eigen::Matrix<double, 6, 6>& v,
+  void add_products(const Block& block, const TermRef& term, const Rows& rows, double* w, double* v, double* g,
+                    Sums& sums) const;
+  void eliminate(Block& block, double damping, const Eigen::Matrix<double, 6, 6>& v,
                  const Eigen::Matrix<double, 6, 1>& right);
   void subtract(int kept_block);
   std::string name(const TermRef& term) const;
@@ -109,11 +117,12 @@ class Elimination {
   std::vector<Block> blocks_;
   std::vector<std::vector<TermRef>> terms_;
   std::vector<TermRef> loose_;
-  std::vector<std::vector<std::pair<int, int>>> coupled_;  ///< by kept block: (eliminated, position in its list)
+  std::vector<std::vector<Coupled>> coupled_;  ///< by kept block
   std::vector<double> y_;
+  std::vector<Run> runs_;
   Eigen::MatrixXd normal_;  ///< reduced, lower triangle
   Eigen::VectorXd right_, diagonal_, reduced_right_, scale_;
-  Eigen::LLT<Eigen::MatrixXd> factor_;
+  Cholesky factor_;
   double cost_ = 0;
   std::string undefined_;
 };

@@ -20,11 +20,14 @@ inline Matrix23 times_skew(const Matrix23& m, const Eigen::Vector3d& v) {
   return r;
 }
 
-double* add_part(Rows& rows, double*& next, int block, int size) {
-  Rows::Part& part = rows.part[static_cast<size_t>(rows.parts++)];
-  part = {block, size, next};
-  next += rows.rows * size;
-  return part.jacobian;
+/// The next `size` columns of the matrix of derivatives, for a block of unknowns.
+template <int R, int C>
+auto add_part(Rows& rows, int block, int size = C) {
+  using RowMajor = Eigen::Matrix<double, R, C, Eigen::RowMajor>;
+  rows.part[static_cast<size_t>(rows.parts++)] = {block, size, rows.columns};
+  double* at = rows.storage.data() + rows.columns;
+  rows.columns += size;
+  return Eigen::Map<RowMajor, 0, Eigen::OuterStride<Rows::stride>>(at, R, size);
 }
 
 Eigen::Vector3d position_of(const State& state, Ref ref) {
@@ -81,24 +84,24 @@ bool evaluate(const Problem& problem, const Layout& layout, const State& state, 
     return false;
   const Eigen::Matrix2d w = term.whitening / problem.groups[static_cast<size_t>(term.group)].sigma_factor;
   rows.rows = 2;
-  rows.parts = 0;
+  rows.parts = rows.columns = 0;
   Eigen::Map<Eigen::Vector2d>(rows.residual.data()) = w * lens.misclosure;
   if (!jacobians) return true;
-  double* next = rows.storage.data();
   const Matrix23 by_direction = w * lens.by_direction;
   const Matrix23 by_point = by_direction * pose.matrix;
   if (!image.fixed) {
-    double* jacobian = add_part(rows, next, layout.block({Kind::image, term.image}), 6);
-    Eigen::Map<Matrix23>(jacobian).noalias() = -by_point;
-    Eigen::Map<Matrix23>(jacobian + 6) = -times_skew(by_direction, v);
+    auto part = add_part<2, 6>(rows, layout.block({Kind::image, term.image}));
+    part.leftCols<3>() = -by_point;
+    part.rightCols<3>() = -times_skew(by_direction, v);
+  }
+  const auto& free = layout.free_values(image.camera);
+  if (!free.empty()) {
+    auto part =
+        add_part<2, Eigen::Dynamic>(rows, layout.block({Kind::camera, image.camera}), static_cast<int>(free.size()));
+    for (size_t c = 0; c < free.size(); ++c) part.col(static_cast<Eigen::Index>(c)) = w * lens.by_interior.col(free[c]);
   }
   if (!problem.points[static_cast<size_t>(term.point)].fixed)
-    Eigen::Map<Matrix23>(add_part(rows, next, layout.block({Kind::point, term.point}), 3)) = by_point;
-  const auto& free = layout.free_values(image.camera);
-  if (free.empty()) return true;
-  double* jacobian = add_part(rows, next, layout.block({Kind::camera, image.camera}), static_cast<int>(free.size()));
-  for (size_t c = 0; c < free.size(); ++c)
-    Eigen::Map<Eigen::Vector2d>(jacobian + 2 * c) = w * lens.by_interior.col(free[c]);
+    add_part<2, 3>(rows, layout.block({Kind::point, term.point})) = by_point;
   return true;
 }
 
@@ -141,7 +144,7 @@ bool evaluate(const Problem& problem, const Layout& layout, const State& state, 
   const double factor = problem.groups[static_cast<size_t>(term.group)].sigma_factor;
   Eigen::Matrix<double, 8, 8> w = Eigen::Matrix<double, 8, 8>::Zero();
   rows.rows = 8;
-  rows.parts = 0;
+  rows.parts = rows.columns = 0;
   for (int k = 0; k < 4; ++k) {
     const size_t at = static_cast<size_t>(k);
     w.block<2, 2>(2 * k, 2 * k) = term.whitening[at] / factor;
@@ -150,18 +153,15 @@ bool evaluate(const Problem& problem, const Layout& layout, const State& state, 
   }
   if (!jacobians) return true;
   const Eigen::Matrix<double, 8, 8> weighted = w * drawn.by_pixels;
-  double* next = rows.storage.data();
-  using Map86 = Eigen::Map<Eigen::Matrix<double, 8, 6>>;
-  using Map81 = Eigen::Map<Eigen::Matrix<double, 8, 1>>;
-  if (!image.fixed) Map86(add_part(rows, next, layout.block({Kind::image, term.image}), 6)) = weighted * by_pose;
-  Map86(add_part(rows, next, layout.block({Kind::plate, term.plate}), 6)) = weighted * by_plate;
+  if (!image.fixed) add_part<8, 6>(rows, layout.block({Kind::image, term.image})) = weighted * by_pose;
   if (f > 0)
-    Eigen::Map<Eigen::MatrixXd>(add_part(rows, next, layout.block({Kind::camera, image.camera}), static_cast<int>(f)),
-                                8, f) = weighted * by_interior;
+    add_part<8, Eigen::Dynamic>(rows, layout.block({Kind::camera, image.camera}), static_cast<int>(f)) =
+        weighted * by_interior;
   if (problem.batches[batch].scale_free)
-    Map81(add_part(rows, next, layout.block({Kind::scale, plate.batch}), 1)) = weighted * by_scale;
+    add_part<8, Eigen::Dynamic>(rows, layout.block({Kind::scale, plate.batch}), 1) = weighted * by_scale;
   if (problem.batches[batch].inset_free)
-    Map81(add_part(rows, next, layout.block({Kind::inset, plate.batch}), 1)) = w * drawn.shift;
+    add_part<8, Eigen::Dynamic>(rows, layout.block({Kind::inset, plate.batch}), 1) = w * drawn.shift;
+  add_part<8, 6>(rows, layout.block({Kind::plate, term.plate})) = weighted * by_plate;
   return true;
 }
 
@@ -171,16 +171,15 @@ bool evaluate(const Problem& problem, const Layout& layout, const State& state, 
   const double length = d.norm(), sigma = term.sigma * problem.groups[static_cast<size_t>(term.group)].sigma_factor;
   if (!(length > 0)) return false;
   rows.rows = 1;
-  rows.parts = 0;
+  rows.parts = rows.columns = 0;
   rows.residual[0] = (length - term.length) / sigma;
   if (!jacobians) return true;
-  double* next = rows.storage.data();
   for (int end = 0; end < 2; ++end) {
     const int block = layout.block(end == 0 ? term.from : term.to), size = layout.size(block);
     if (size == 0) continue;
-    Eigen::Map<Eigen::RowVectorXd> jacobian(add_part(rows, next, block, size), size);
-    jacobian.setZero();
-    jacobian.head<3>() = (end == 0 ? -1 : 1) * d.transpose() / (length * sigma);
+    auto part = add_part<1, Eigen::Dynamic>(rows, block, size);
+    part.setZero();
+    part.leftCols<3>() = (end == 0 ? -1 : 1) * d.transpose() / (length * sigma);
   }
   return true;
 }

@@ -8,23 +8,24 @@
 
 namespace plumbline::bundle {
 
-/// Rows of one observation and their derivatives by up to five blocks of unknowns. A column-major matrix of `rows` rows
-/// stands behind each part; parts of held blocks are left out.
+/// Rows of one observation and their derivatives by up to five blocks of unknowns, parts side by side in one row-major
+/// matrix; parts of held blocks are left out. What is shared by many observations stands side by side.
 struct Rows {
-  static constexpr int max_rows = 8, max_parts = 5;
+  static constexpr int max_rows = 8, max_parts = 5, stride = 24;  // image 6, camera 10, scale, inset, body 6
   struct Part {
     int block = 0, size = 0;
-    double* jacobian = nullptr;
+    int column = 0;
   };
-  int rows = 0, parts = 0;
+  int rows = 0, parts = 0, columns = 0;
   std::array<Part, max_parts> part;
   std::array<double, max_rows> residual;
-  std::array<double, max_rows*(6 + 6 + max_interior + 2)> storage;
+  std::array<double, max_rows * stride> storage;
 
   auto values() const { return Eigen::Map<const Eigen::VectorXd>(residual.data(), rows); }
   auto jacobian(int k) const {
+    using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
     const Part& p = part[static_cast<size_t>(k)];
-    return Eigen::Map<const Eigen::MatrixXd>(p.jacobian, rows, p.size);
+    return Eigen::Map<const RowMajor, 0, Eigen::OuterStride<stride>>(storage.data() + p.column, rows, p.size);
   }
 };
 

@@ -140,6 +140,7 @@ TEST(PhotoModelerFiles, ErrorsNameFileAndLine) {
   };
   EXPECT_THAT(read(""), HasSubstr("the file ends, expected a title"));
   EXPECT_THAT(read("t\n0.0005 20\n"), HasSubstr(":2: the second line has no image size"));
+  EXPECT_THAT(error_of([&] { adjust::read_photomodeler_export(file, {2000, 1000}); }), HasSubstr("the file ends"));
   const std::string head = "t\n0.0005 20 2000 1000\n1 0.1\n7 4 2 8 4 0 0 0 0 0\n0\n";
   EXPECT_THAT(read(head + "\n\n\n\n"), HasSubstr("the export has no photo"));
   const std::string photo = "0 a.jpg\n0 0 0 5 0 0 0\n0 0 0 0 0 0 0\n\n0 7 4 2 8 4 0 0 0 0 0\n0 0\n\n";

@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <map>
 
 #include "block/tag_block_model.hpp"
+#include "block/tag_cost.hpp"
 #include "synthetic_block.hpp"
 #include "test_support.hpp"
 
@@ -171,6 +173,35 @@ TEST(TagBlockStatistics, SurveyInAnotherFrameUnitOrOrder) {
   swapped.control.position.segment<3>(9) = first;
   EXPECT_THAT(error_of([&] { adjust::adjust_tag_block(swapped, options); }),
               HasSubstr("the plate of F01-C01-R1 hangs where the survey has F01-C02-R2"));
+}
+
+/// The cost that anybody computes of a result is the one that the adjustment reached, and no other place has less.
+TEST(TagCost, IsWhatTheAdjustmentMinimised) {
+  auto synthetic = test::make_block({.floors = 1});
+  synthetic.block.camera = synthetic.camera;
+  adjust::TagBlockOptions options;
+  options.self_calibration = options.estimate_image_variance = false;
+  options.tag_scale_sigma = options.reject_above = 0;
+  options.loss = adjust::RobustLoss::none;
+  const auto result = adjust::adjust_tag_block(synthetic.block, options);
+  std::map<std::string, Eigen::Vector3d> start, found;
+  for (size_t j = 0; j < result.plates.size(); ++j) {
+    const size_t plate = static_cast<size_t>(result.plates[j]);
+    found[synthetic.block.plates[plate].anchor] = result.anchors.segment<3>(3 * static_cast<Eigen::Index>(j));
+    start[synthetic.block.plates[plate].anchor] = synthetic.anchors[plate];
+  }
+  const double at_start = adjust::cost_of_tag_block(synthetic.block, start).total();
+  adjust::TagBlock adjusted = synthetic.block;
+  for (size_t i = 0; i < adjusted.images.size(); ++i) adjusted.images[i].cam_from_world = result.cam_from_world[i];
+  const adjust::TagCost cost = adjust::cost_of_tag_block(adjusted, found);
+  EXPECT_NEAR(cost.total() / result.weighted_sum_of_squares, 1, 1e-7);
+  EXPECT_EQ(cost.corner_rows + cost.control_rows, result.observations);
+  EXPECT_EQ(cost.left_out, 0);
+  EXPECT_GT(at_start, 1.1 * cost.total());
+  adjusted.images[3].cam_from_world->translation.x() += 1e-4;
+  EXPECT_GT(adjust::cost_of_tag_block(adjusted, found).total(), cost.total());
+  found.erase(synthetic.block.plates[0].anchor);
+  EXPECT_GT(adjust::cost_of_tag_block(adjusted, found).left_out, 0);
 }
 
 }  // namespace

@@ -1,0 +1,211 @@
+#include "block/bundle/kernels.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <vector>
+
+#if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__) || !defined(__x86_64__)
+#define PLUMBLINE_CLONES
+#else
+#define PLUMBLINE_CLONES __attribute__((target_clones("avx2", "default")))
+#endif
+#define PLUMBLINE_INLINE inline __attribute__((always_inline))
+
+namespace plumbline::bundle {
+namespace {
+
+// Vectors of the compiler, not of the instruction set: what a processor lacks is done in halves, with the same bits.
+#pragma GCC diagnostic ignored "-Wpsabi"  // everything that takes or returns one is inlined
+typedef double V4 __attribute__((vector_size(32)));
+typedef double V2 __attribute__((vector_size(16)));
+
+template <typename V>
+PLUMBLINE_INLINE V load(const double* from) {  // from any address
+  V value;
+  __builtin_memcpy(&value, from, sizeof value);
+  return value;
+}
+
+template <typename V>
+PLUMBLINE_INLINE void store(double* to, const V& value) {
+  __builtin_memcpy(to, &value, sizeof value);
+}
+
+template <typename V>
+PLUMBLINE_INLINE void outer_at(int rows, const Outer& job, int c) {
+  double* to = job.target + c;
+  if (rows == 2) {
+    const V b0 = load<V>(job.b + c), b1 = load<V>(job.b + job.b_stride + c);
+    for (int r = 0; r < job.a_size; ++r, to += job.target_stride)
+      store<V>(to, load<V>(to) + (job.a[r] * b0 + job.a[job.a_stride + r] * b1));
+    return;
+  }
+  for (int r = 0; r < job.a_size; ++r, to += job.target_stride) {
+    V sum = job.a[r] * load<V>(job.b + c);
+    for (int k = 1; k < rows; ++k) sum += job.a[k * job.a_stride + r] * load<V>(job.b + k * job.b_stride + c);
+    store<V>(to, load<V>(to) + sum);
+  }
+}
+
+template <typename V>
+PLUMBLINE_INLINE void strip_at(double* to, std::ptrdiff_t stride, int size, const double* own, const double* y,
+                               int y_rows, int columns) {
+  if (y_rows == 3) {
+    const V y0 = load<V>(y), y1 = load<V>(y + columns), y2 = load<V>(y + 2 * columns);
+    for (int c = 0; c < size; ++c, to += stride)
+      store<V>(to, load<V>(to) - ((own[c] * y0 + own[columns + c] * y1) + own[2 * columns + c] * y2));
+    return;
+  }
+  for (int c = 0; c < size; ++c, to += stride) {
+    V sum = own[c] * load<V>(y);
+    for (int k = 1; k < y_rows; ++k) sum += own[k * columns + c] * load<V>(y + k * columns);
+    store<V>(to, load<V>(to) - sum);
+  }
+}
+
+/// The same for eight rows, three rows of Y: what is read of the kept block serves both halves.
+PLUMBLINE_INLINE void strip_of_eight(double* to, std::ptrdiff_t stride, int size, const double* own, const double* y,
+                                     int columns) {
+  const V4 y0 = load<V4>(y), y1 = load<V4>(y + columns), y2 = load<V4>(y + 2 * columns), z0 = load<V4>(y + 4),
+           z1 = load<V4>(y + columns + 4), z2 = load<V4>(y + 2 * columns + 4);
+  for (int c = 0; c < size; ++c, to += stride) {
+    const double a = own[c], b = own[columns + c], d = own[2 * columns + c];
+    store<V4>(to, load<V4>(to) - ((a * y0 + b * y1) + d * y2));
+    store<V4>(to + 4, load<V4>(to + 4) - ((a * z0 + b * z1) + d * z2));
+  }
+}
+
+template <typename V>
+PLUMBLINE_INLINE void solve_at(int size, const double* factor, double* w, int columns) {
+  for (int r = 0; r < size; ++r) {
+    V sum = load<V>(w + r * columns);
+    for (int k = 0; k < r; ++k) sum -= factor[6 * k + r] * load<V>(w + k * columns);
+    store<V>(w + r * columns, sum * (1 / factor[7 * r]));
+  }
+}
+
+constexpr int tile_rows = 8, tile_columns = 4, inner_step = 256, column_step = 256, row_step = 128;
+
+/// Strips of `width` rows of a matrix, one after the other, each column by column; short strips are filled with zeros.
+void pack(const double* from, std::ptrdiff_t row, std::ptrdiff_t column, int rows, int inner, int width,
+          std::vector<double>& to) {
+  to.assign(static_cast<size_t>((rows + width - 1) / width * width) * static_cast<size_t>(inner), 0.0);
+  double* next = to.data();
+  for (int i = 0; i < rows; i += width, next += static_cast<std::ptrdiff_t>(width) * inner) {
+    const int count = std::min(width, rows - i);
+    for (int k = 0; k < inner; ++k)
+      for (int r = 0; r < count; ++r) next[k * width + r] = from[(i + r) * row + k * column];
+  }
+}
+
+/// tile (8 × 4, column-major) = A Bᵀ of packed strips.
+PLUMBLINE_CLONES
+void multiply_tile(const double* a, const double* b, int inner, double* tile) {
+  V4 sum[tile_columns][2] = {};
+  for (int k = 0; k < inner; ++k, a += tile_rows, b += tile_columns) {
+    const V4 upper = load<V4>(a), lower = load<V4>(a + 4);
+    for (int c = 0; c < tile_columns; ++c) {
+      sum[c][0] += b[c] * upper;
+      sum[c][1] += b[c] * lower;
+    }
+  }
+  std::memcpy(tile, sum, sizeof sum);
+}
+
+}  // namespace
+
+PLUMBLINE_CLONES
+void add_outer(int rows, const Outer* jobs, int count) {
+  for (const Outer* job = jobs; job < jobs + count; ++job) {
+    int c = 0;
+    for (; c + 4 <= job->b_size; c += 4) outer_at<V4>(rows, *job, c);
+    if (c + 2 <= job->b_size) outer_at<V2>(rows, *job, c), c += 2;
+    if (c < job->b_size) outer_at<double>(rows, *job, c);
+  }
+}
+
+PLUMBLINE_CLONES
+void solve_lower(int size, const double* factor, double* w, int columns) {
+  int c = 0;
+  for (; c + 4 <= columns; c += 4) solve_at<V4>(size, factor, w + c, columns);
+  for (; c < columns; ++c) solve_at<double>(size, factor, w + c, columns);
+}
+
+PLUMBLINE_CLONES
+void subtract_strip(double* reduced, std::ptrdiff_t stride, int size, const Coupled* coupled, std::size_t count,
+                    double* right) {
+  for (const Coupled* block = coupled; block < coupled + count; ++block) {
+    const double* own = block->y + block->first;
+    const double* half = block->y + static_cast<std::ptrdiff_t>(block->rows) * block->columns;
+    for (int c = 0; c < size; ++c) {
+      double sum = own[c] * half[0];
+      for (int k = 1; k < block->rows; ++k) sum += own[k * block->columns + c] * half[k];
+      right[c] -= sum;
+    }
+    for (const Run* run = block->runs; run < block->runs + block->run_count; ++run) {
+      const int end = run->local + run->length;
+      if (end <= block->first) continue;
+      int c = std::max(run->local, block->first);
+      double* to = reduced + run->offset - run->local;
+      const double* y = block->y;
+      for (; block->rows == 3 && c + 8 <= end; c += 8) strip_of_eight(to + c, stride, size, own, y + c, block->columns);
+      for (; c + 4 <= end; c += 4) strip_at<V4>(to + c, stride, size, own, y + c, block->rows, block->columns);
+      if (c + 2 <= end) strip_at<V2>(to + c, stride, size, own, y + c, block->rows, block->columns), c += 2;
+      if (c < end) strip_at<double>(to + c, stride, size, own, y + c, block->rows, block->columns);
+    }
+  }
+}
+
+PLUMBLINE_CLONES
+void multiply_runs(const double* y, int y_rows, int columns, const Run* runs, int run_count, const double* x,
+                   double* sums) {
+  for (int k0 = 0; k0 < y_rows; k0 += 3) {
+    const double* row = y + static_cast<std::ptrdiff_t>(k0) * columns;
+    const int count = std::min(3, y_rows - k0);
+    V4 sum[3] = {};
+    double rest[3] = {};
+    for (const Run* run = runs; run < runs + run_count; ++run) {
+      const double* from = x + run->offset;
+      int c = 0;
+      for (; c + 4 <= run->length; c += 4) {
+        const V4 value = load<V4>(from + c);
+        for (int k = 0; k < count; ++k) sum[k] += value * load<V4>(row + k * columns + run->local + c);
+      }
+      for (; c < run->length; ++c)
+        for (int k = 0; k < count; ++k) rest[k] += from[c] * row[k * columns + run->local + c];
+    }
+    for (int k = 0; k < count; ++k) sums[k0 + k] = ((sum[k][0] + sum[k][1]) + (sum[k][2] + sum[k][3])) + rest[k];
+  }
+}
+
+void subtract_product(double* c, std::ptrdiff_t stride, int rows, int columns, int inner, const Factors& f,
+                      bool lower) {
+  std::vector<double> a, b;
+  double tile[tile_rows * tile_columns];
+  for (int k = 0; k < inner; k += inner_step) {
+    const int depth = std::min(inner_step, inner - k);
+    for (int j = 0; j < columns; j += column_step) {
+      const int width = std::min(column_step, columns - j);
+      pack(f.b + j * f.b_row + k * f.b_column, f.b_row, f.b_column, width, depth, tile_columns, b);
+      for (int i = lower ? j / row_step * row_step : 0; i < rows; i += row_step) {
+        const int height = std::min(row_step, rows - i);
+        pack(f.a + i * f.a_row + k * f.a_column, f.a_row, f.a_column, height, depth, tile_rows, a);
+        for (int jj = 0; jj < width; jj += tile_columns)
+          for (int ii = 0; ii < height; ii += tile_rows) {
+            if (lower && i + ii + tile_rows <= j + jj) continue;
+            multiply_tile(a.data() + static_cast<std::ptrdiff_t>(ii) * depth,
+                          b.data() + static_cast<std::ptrdiff_t>(jj) * depth, depth, tile);
+            for (int cc = 0; cc < std::min(tile_columns, width - jj); ++cc) {
+              double* to = c + (j + jj + cc) * stride + i + ii;
+              if (height - ii >= tile_rows)
+                for (int r = 0; r < tile_rows; ++r) to[r] -= tile[cc * tile_rows + r];
+              else
+                for (int r = 0; r < height - ii; ++r) to[r] -= tile[cc * tile_rows + r];
+            }
+          }
+      }
+    }
+  }
+}
+
+}  // namespace plumbline::bundle

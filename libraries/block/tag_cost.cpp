@@ -1,0 +1,81 @@
+#include "block/tag_cost.hpp"
+
+#include <stdexcept>
+
+#include "block/bundle/terms.hpp"
+#include "block/tag_block_model.hpp"
+
+namespace plumbline::adjust {
+namespace {
+
+constexpr double held = 1e-8;  ///< [m] standard deviation that holds an anchor: nothing that images tell moves it
+
+TagStart start_of(const TagBlock& block, const std::map<std::string, Eigen::Vector3d>& anchors, TagCost& cost) {
+  TagStart start;
+  std::vector<bool> image(block.images.size()), plate(block.plates.size());
+  for (size_t o = 0; o < block.observations.size(); ++o) {
+    const TagObservation& seen = block.observations[o];
+    const size_t i = static_cast<size_t>(seen.image), j = static_cast<size_t>(seen.plate);
+    if (!block.images[i].cam_from_world || anchors.count(block.plates[j].anchor) == 0) {
+      ++cost.left_out;
+      continue;
+    }
+    image[i] = plate[j] = true;
+    start.observations.push_back(static_cast<int>(o));
+  }
+  for (size_t i = 0; i < image.size(); ++i)
+    if (image[i]) {
+      start.images.push_back(static_cast<int>(i));
+      start.cam_from_world.push_back(*block.images[i].cam_from_world);
+    }
+  for (size_t j = 0; j < plate.size(); ++j)
+    if (plate[j]) {
+      start.plates.push_back(static_cast<int>(j));
+      start.world_from_plate.push_back({block.plates[j].nominal_rotation, anchors.at(block.plates[j].anchor)});
+    }
+  if (start.images.size() < 2 || start.plates.empty())
+    throw std::runtime_error("a cost needs two images with a pose that see anchors with coordinates; there are " +
+                             std::to_string(start.images.size()) + " images and " +
+                             std::to_string(start.plates.size()) + " anchors");
+  return start;
+}
+
+}  // namespace
+
+TagCost cost_of_tag_block(const TagBlock& block, const std::map<std::string, Eigen::Vector3d>& anchors) {
+  TagCost cost;
+  TagBlockOptions options;
+  options.self_calibration = false;
+  options.tag_scale_sigma = 0;
+  options.free_network = block.control.plates.empty();
+  TagModel model = build_tag_model(block, options, start_of(block, anchors, cost));
+  bundle::Problem turning = model.problem;
+  turning.known.clear();
+  for (auto& image : turning.images) image.fixed = true;
+  for (auto& tag : turning.image_tags) tag.robust = false;
+  for (int j = 0; j < static_cast<int>(turning.plates.size()); ++j)
+    turning.known.push_back({{{bundle::Kind::plate, j}},
+                             model.state.plates[static_cast<size_t>(j)].position,
+                             Eigen::Matrix3d::Identity() / held,
+                             group_control});
+  bundle::minimise_schur(turning, model.state, {});
+  const bundle::Layout layout(model.problem);
+  bundle::Rows rows;
+  for (const auto& tag : model.problem.image_tags) {
+    if (!bundle::evaluate(model.problem, layout, model.state, tag, false, rows))
+      throw std::runtime_error("the tag of " + model.problem.plates[static_cast<size_t>(tag.plate)].name +
+                               " lies behind the camera of " +
+                               model.problem.images[static_cast<size_t>(tag.image)].name);
+    cost.images += rows.values().squaredNorm();
+    cost.corner_rows += rows.rows;
+  }
+  if (model.control_term >= 0) {
+    const auto control = bundle::evaluate(model.problem, layout, model.state,
+                                          model.problem.known[static_cast<size_t>(model.control_term)]);
+    cost.control = control.residual.squaredNorm();
+    cost.control_rows = static_cast<int>(control.residual.size());
+  }
+  return cost;
+}
+
+}  // namespace plumbline::adjust

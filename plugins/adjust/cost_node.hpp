@@ -1,0 +1,53 @@
+// evaluate.cost: what an adjustment minimises, of any start and any result.
+#pragma once
+
+#include "artifacts/file.hpp"
+#include "block/tag_cost.hpp"
+#include "tag_block_artifacts.hpp"
+
+namespace plumbline::adjust {
+
+struct EvaluateCost : Node {
+  static constexpr Info info{"evaluate.cost", "", 1,
+                             "Cost of poses, anchors and camera against the images and the survey, whatever made them"};
+  List<ImageTags> observations{"observations", "tags of every image"};
+  In<Poses> poses{"poses", frame("frame=?F"), "exterior orientations to be judged"};
+  In<Camera> camera{"camera", "interior orientation to be judged"};
+  In<Plates> plates{"plates", frame("frame=?F"), "which tag stands for which anchor"};
+  In<Points> points{"points", frame("frame=?F"), "anchors to be judged; plates may turn about them as fits best"};
+  Optional<Points> control{"control", frame("frame=?F"), "surveyed anchors; their misfit is part of the cost"};
+  Param<double> corner_sigma{"corner_sigma", 0.1, "px", between(1e-4, 100),
+                             "standard deviation of a corner whose detector gives none"};
+  Out<File> cost{"cost", "sums of squared weighted residuals of images and control, as JSON"};
+
+  void run(Context& context) override {
+    TagBlockBuilder builder(camera.unpack(), plates.unpack(), poses.unpack());
+    for (size_t i = 0; i < observations.size(); ++i) builder.add_image(observations.unpack(i), *corner_sigma);
+    if (control) builder.set_control(control.unpack());
+    for (const auto& warning : builder.warnings()) context.warn(warning);
+    std::map<std::string, Eigen::Vector3d> anchors;
+    const PointsT judged = points.unpack();
+    for (const auto& point : judged.points)
+      if (point->position.allFinite()) anchors[point->id] = point->position;
+    const TagCost found = cost_of_tag_block(builder.block(), anchors);
+    if (found.left_out > 0)
+      context.warn(std::to_string(found.left_out) +
+                   " tags are not in the cost: their image has no pose or their anchor no coordinates");
+    context.metric("cost", found.total(), "1");
+    context.metric("cost_images", found.images, "1");
+    context.metric("cost_control", found.control, "1");
+    char text[400];
+    const int length = std::snprintf(
+        text, sizeof text,
+        "{\"cost\": %.17g, \"images\": %.17g, \"control\": %.17g, \"corner_coordinates\": %d, "
+        "\"control_coordinates\": %d, \"tags_left_out\": %d}\n",
+        found.total(), found.images, found.control, found.corner_rows, found.control_rows, found.left_out);
+    FileT file;
+    file.name = "cost.json";
+    file.media_type = "application/json";
+    file.content.assign(text, text + length);
+    cost.commit(file);
+  }
+};
+
+}  // namespace plumbline::adjust
