@@ -79,7 +79,7 @@ TEST(DegenerateTagBlock, TwoPartsWithoutCommonPlates) {
   });
   std::erase_if(synthetic.block.plates, [](const auto&) { return false; });
   synthetic.use_control(synthetic.choose([](int, int column, int) { return column <= 2; }));
-  EXPECT_THAT(refusal(synthetic.block), HasSubstr("rank defect"));
+  EXPECT_THAT(refusal(synthetic.block), HasSubstr("falls into 2 parts"));
 }
 
 TEST(DegenerateTagBlock, ControlCovarianceThatIsNone) {
