@@ -2,9 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <memory>
 #include <vector>
 
 #include "images/grey_image.hpp"
+#include "images/grey_rows.hpp"
 
 namespace plumbline::image_decoders {
 
@@ -14,6 +17,9 @@ using Bytes = std::vector<std::uint8_t>;
 constexpr std::size_t kMostPixels = 1'000'000'000;
 
 GreyImage decode_jpeg(const Bytes& bytes);
+/// Whether the file begins like a JPEG; false if it cannot be read.
+bool is_jpeg(const std::filesystem::path& path);
+std::unique_ptr<GreyRows> open_jpeg(const std::filesystem::path& path);
 GreyImage decode_png(const Bytes& bytes);
 GreyImage decode_tiff(const Bytes& bytes);
 

@@ -1,6 +1,8 @@
 #include <array>
+#include <cerrno>
 #include <csetjmp>
 #include <cstdio>
+#include <cstring>
 #include <memory>
 #include <string>
 
@@ -61,23 +63,100 @@ bool decode(const Bytes& bytes, JpegState& state, jpeg_decompress_struct& cinfo,
   return true;
 }
 
+void connect(JpegState& state, jpeg_decompress_struct& cinfo) {
+  cinfo.err = jpeg_std_error(&state.errors);
+  state.errors.error_exit = on_error;
+  state.errors.emit_message = on_message;
+  cinfo.client_data = &state;
+}
+
+[[noreturn]] void refuse(const JpegState& state, const jpeg_decompress_struct& cinfo) {
+  if (cinfo.jpeg_color_space == JCS_CMYK || cinfo.jpeg_color_space == JCS_YCCK)
+    throw ImageFileError("the JPEG is in CMYK, the colours of a printing press; export it as RGB or grey");
+  throw ImageFileError("damaged or truncated JPEG (" + std::string(state.message.data()) + ")");
+}
+
+/// Decodes while it reads. No call into libjpeg has an object with a destructor between its setjmp and itself.
+class JpegRows : public GreyRows {
+ public:
+  explicit JpegRows(const std::filesystem::path& path) : file_(std::fopen(path.c_str(), "rb"), std::fclose) {
+    if (!file_) throw ImageFileError(std::string("cannot be opened for reading: ") + std::strerror(errno));
+    connect(state_, cinfo_);
+    jpeg_create_decompress(&cinfo_);
+    if (!start()) {
+      const std::unique_ptr<jpeg_decompress_struct, void (*)(jpeg_decompress_struct*)> release(
+          &cinfo_, [](auto* c) { jpeg_destroy_decompress(c); });
+      refuse(state_, cinfo_);
+    }
+    width_ = static_cast<int>(cinfo_.output_width);
+    height_ = static_cast<int>(cinfo_.output_height);
+  }
+  ~JpegRows() override { jpeg_destroy_decompress(&cinfo_); }
+  JpegRows(const JpegRows&) = delete;
+  JpegRows& operator=(const JpegRows&) = delete;
+
+  void next(std::uint8_t* row) override {
+    if (!read(row)) refuse(state_, cinfo_);
+  }
+  void skip(int count) override {
+    if (!pass(count)) refuse(state_, cinfo_);
+  }
+
+ private:
+  bool start() {
+    if (setjmp(state_.leave) != 0) return false;
+    jpeg_stdio_src(&cinfo_, file_.get());
+    jpeg_read_header(&cinfo_, TRUE);
+    cinfo_.out_color_space = JCS_GRAYSCALE;
+    cinfo_.dct_method = JDCT_ISLOW;
+    if (static_cast<std::size_t>(cinfo_.image_width) * cinfo_.image_height > kMostPixels) {
+      std::snprintf(state_.message.data(), state_.message.size(), "it claims %u x %u pixels", cinfo_.image_width,
+                    cinfo_.image_height);
+      return false;
+    }
+    jpeg_start_decompress(&cinfo_);
+    return true;
+  }
+  bool read(std::uint8_t* row) {
+    if (setjmp(state_.leave) != 0) return false;
+    JSAMPROW rows = row;
+    jpeg_read_scanlines(&cinfo_, &rows, 1);
+    // What follows the last row may be damaged, too, and says that rows before it were guessed.
+    if (cinfo_.output_scanline == cinfo_.output_height) jpeg_finish_decompress(&cinfo_);
+    return true;
+  }
+  bool pass(int count) {
+    if (setjmp(state_.leave) != 0) return false;
+    jpeg_skip_scanlines(&cinfo_, static_cast<JDIMENSION>(count));
+    return true;
+  }
+
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
+  JpegState state_;
+  jpeg_decompress_struct cinfo_{};
+};
+
 }  // namespace
+
+bool is_jpeg(const std::filesystem::path& path) {
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
+  std::array<unsigned char, 3> magic{};
+  return file && std::fread(magic.data(), 1, magic.size(), file.get()) == magic.size() &&
+         magic == std::array<unsigned char, 3>{0xff, 0xd8, 0xff};
+}
+
+std::unique_ptr<GreyRows> open_jpeg(const std::filesystem::path& path) { return std::make_unique<JpegRows>(path); }
 
 GreyImage decode_jpeg(const Bytes& bytes) {
   GreyImage image;
   JpegState state;
   jpeg_decompress_struct cinfo{};
-  cinfo.err = jpeg_std_error(&state.errors);
-  state.errors.error_exit = on_error;
-  state.errors.emit_message = on_message;
-  cinfo.client_data = &state;
+  connect(state, cinfo);
   jpeg_create_decompress(&cinfo);
   const std::unique_ptr<jpeg_decompress_struct, void (*)(jpeg_decompress_struct*)> release(
       &cinfo, [](auto* c) { jpeg_destroy_decompress(c); });
   if (decode(bytes, state, cinfo, image)) return image;
-  if (cinfo.jpeg_color_space == JCS_CMYK || cinfo.jpeg_color_space == JCS_YCCK)
-    throw ImageFileError("the JPEG is in CMYK, the colours of a printing press; export it as RGB or grey");
-  throw ImageFileError("damaged or truncated JPEG (" + std::string(state.message.data()) + ")");
+  refuse(state, cinfo);
 }
 
 }  // namespace plumbline::image_decoders

@@ -58,10 +58,10 @@ bool intersect(const FittedEdge& first, const FittedEdge& second, Eigen::Vector2
 
 using Edges = std::array<std::optional<FittedEdge>, 4>;  // edge i goes from corner i to corner i + 1
 
-Edges fit_edges(const GreyImage& image, const Quadrilateral& q, const EdgeFitOptions& options) {
+Edges fit_edges(const Quadrilateral& q, const EdgeFitOptions& options) {
   Edges edges;
   for (int i = 0; i < 4; ++i)
-    if (!(edges[i] = fit_edge(image, strip_of(q.corners, i, q.modules), options))) break;
+    if (!(edges[i] = fit_edge(*q.part, strip_of(q.corners, i, q.modules), options))) break;
   return edges;
 }
 
@@ -77,7 +77,7 @@ double chance_of(double relative_noise_squared, double samples) {
 /// profiles differ from the model by decides; noise averages away over an image, an error of the model does not. A
 /// curve is corrected only where the edges show it: where blur is too small, noise too large or the image sharpened,
 /// the exponent stays near 1, and what remains is an inset common to the image's corners.
-double estimate_gamma(const GreyImage& image, const std::vector<Quadrilateral>& found, EdgeFitOptions options) {
+double estimate_gamma(const std::vector<Quadrilateral>& found, const EdgeFitOptions& options) {
   constexpr std::array<double, 5> exponent = {1.0, 1.4, 1.9, 2.4, 2.9};
   constexpr double kPrior = 3;         // exponential above 1: a curve must pay for itself
   constexpr double kValues = 6;        // independent values of a profile
@@ -86,21 +86,19 @@ double estimate_gamma(const GreyImage& image, const std::vector<Quadrilateral>& 
   constexpr std::size_t kEnough = 12;  // quadrilaterals
   std::array<double, 5> misfit = {};
   double count = 0, noise = 0, samples = 0;
-  const std::size_t stride = std::max<std::size_t>(1, found.size() / kEnough);
-  for (std::size_t k = 0; k < found.size(); k += stride) {
+  const std::size_t stride = (found.size() + kEnough - 1) / kEnough;
+  for (std::size_t k = 0; k < found.size(); k += std::max<std::size_t>(1, stride)) {
     std::array<double, 5> own = {};
     double own_noise = 0, own_samples = 0;
     bool all = true;
-    for (std::size_t g = 0; g < exponent.size() && all; ++g) {
-      options.gamma = exponent[g];
-      const Edges edges = fit_edges(image, found[k], options);
-      all = complete(edges);
-      for (int i = 0; i < 4 && all; ++i) {
-        own[g] += edges[i]->misfit;
-        if (g > 0) continue;
-        own_noise += std::pow(edges[i]->noise / edges[i]->contrast, 2);
-        own_samples += edges[i]->samples;
-      }
+    for (int i = 0; i < 4 && all; ++i) {
+      const auto edges = fit_edge_with_curves(*found[k].part, strip_of(found[k].corners, i, found[k].modules), options,
+                                              {exponent.begin(), exponent.end()});
+      all = !edges.empty();
+      for (std::size_t g = 0; g < edges.size(); ++g) own[g] += edges[g].misfit;
+      if (!all) continue;
+      own_noise += std::pow(edges[0].noise / edges[0].contrast, 2);
+      own_samples += edges[0].samples;
     }
     if (!all) continue;
     for (std::size_t g = 0; g < exponent.size(); ++g) misfit[g] += own[g];
@@ -155,11 +153,17 @@ std::optional<RefinedCorners> corners_of(const Edges& edges, const Quadrilateral
 
 Measurement measure_corners(const GreyImage& image, const std::vector<Quadrilateral>& found,
                             const EdgeFitOptions& options) {
+  std::vector<Quadrilateral> in_image = found;
+  for (Quadrilateral& q : in_image) q.part = &image;
+  return measure_corners(in_image, options);
+}
+
+Measurement measure_corners(const std::vector<Quadrilateral>& found, const EdgeFitOptions& options) {
   Measurement measurement;
   EdgeFitOptions used = options;
-  if (options.gamma == 0) used.gamma = estimate_gamma(image, found, options);
+  if (options.gamma == 0) used.gamma = estimate_gamma(found, options);
   std::vector<Edges> measured;
-  for (const Quadrilateral& q : found) measured.push_back(fit_edges(image, q, used));
+  for (const Quadrilateral& q : found) measured.push_back(fit_edges(q, used));
   measurement.quality = {used.gamma, model_error_of(measured)};
   for (std::size_t k = 0; k < found.size(); ++k) {
     if (!complete(measured[k])) {

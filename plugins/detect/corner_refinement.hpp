@@ -21,6 +21,8 @@ struct RefinedCorners {
 struct Quadrilateral {
   std::array<Eigen::Vector2d, 4> corners;  ///< right to about 2 px [px]
   int modules = 0;
+  const GreyImage* part =
+      nullptr;  ///< the part of the image that it lies in and that `corners` count from; null: the image
 };
 
 /// How an image came to be, as the edges in it tell.
@@ -41,6 +43,9 @@ struct Measurement {
 /// width; the multiple is measured on real boards (docs/photographs.md).
 Measurement measure_corners(const GreyImage& image, const std::vector<Quadrilateral>& found,
                             const EdgeFitOptions& options);
+
+/// The same where each quadrilateral has a part of the image of its own.
+Measurement measure_corners(const std::vector<Quadrilateral>& found, const EdgeFitOptions& options);
 
 /// Of one quadrilateral alone; the others of an image tell its transfer curve better.
 std::optional<RefinedCorners> refine_corners(const GreyImage& image, const std::array<Eigen::Vector2d, 4>& initial,

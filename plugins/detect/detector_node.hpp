@@ -40,30 +40,41 @@ inline GreyImage mirrored(const GreyImage& image) {
   return result;
 }
 
-/// Reads the photograph and searches it. A file that cannot be read is an error, or with `stop_at_bad` false a result
-/// that says so in `problem`.
-inline ImageTagsT search_image(const Context& context, const Image& photograph, bool stop_at_bad,
-                               const SearchImage& search) {
+/// The result for a photograph, without tags yet.
+inline ImageTagsT registered(const Image& photograph) {
   ImageTagsT result;
   result.path = photograph.path()->str();
   result.sha256 = photograph.sha256()->str();
   if (photograph.camera()) result.camera = photograph.camera()->str();
   result.width = photograph.width(), result.height = photograph.height();
+  return result;
+}
+
+/// Takes over the size of the file at `path`; an ImageFileError if it was registered with another.
+inline void check_size(const std::string& path, int width, int height, ImageTagsT& result) {
+  if (result.width > 0 && (width != result.width || height != result.height))
+    throw ImageFileError(path + " has " + std::to_string(width) + " x " + std::to_string(height) +
+                         " pixels, but was registered with " + std::to_string(result.width) + " x " +
+                         std::to_string(result.height) + "; it was changed since");
+  result.width = width, result.height = height;
+}
+
+/// Reads the photograph and searches it. A file that cannot be read is an error, or with `stop_at_bad` false a result
+/// that says so in `problem`.
+inline ImageTagsT search_image(const Context& context, const Image& photograph, bool stop_at_bad,
+                               const SearchImage& search) {
+  ImageTagsT result = registered(photograph);
   GreyImage grey;
   const std::string path = context.resolve(photograph.uri()->str());
   try {
     grey = read_grey_image(path);
-    if (photograph.width() > 0 && (grey.width != photograph.width() || grey.height != photograph.height()))
-      throw ImageFileError(path + " has " + std::to_string(grey.width) + " x " + std::to_string(grey.height) +
-                           " pixels, but was registered with " + std::to_string(photograph.width()) + " x " +
-                           std::to_string(photograph.height()) + "; it was changed since");
+    check_size(path, grey.width, grey.height, result);
   } catch (const ImageFileError& error) {
     if (stop_at_bad) throw;
     result.problem = error.what();
     context.warn("left out: " + result.problem);
     return result;
   }
-  result.width = grey.width, result.height = grey.height;
   const auto tags = search(grey);
   if (tags.empty()) {
     const size_t in_mirror = search(mirrored(grey)).size();

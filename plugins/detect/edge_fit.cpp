@@ -4,9 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <vector>
 
 #include "images/grey_image.hpp"
+
+#define PLUMBLINE_CLONES __attribute__((target_clones("avx2", "default")))
 
 namespace plumbline::detect {
 namespace {
@@ -20,51 +23,70 @@ constexpr double kSmallestBlur = 0.15, kLargestBlur = 6.0;  // [px]
 constexpr double kNeighbour = 3.2, kNearest = 3.75;
 constexpr int kBins = 24;  // along the edge, for telling an occluded part from the rest
 
-struct Sample {
-  double t, d;   // along [-1, 1] and across [px]
-  double value;  // [grey values]
-  int bin;
+constexpr std::size_t kLanes = 4;  // samples that are worked on side by side
+
+/// Samples as columns, padded with samples of weight 0 to whole groups of kLanes.
+struct Samples {
+  std::vector<double> t, d;           // along [-1, 1] and across [px]
+  std::vector<double> light, weight;  // recorded light, and grey values a unit of light is worth there
+  std::vector<std::uint8_t> grey, bin;
+  std::size_t count = 0;
+
+  void add(double along, double across, std::uint8_t value, int bin_along) {
+    t.push_back(along), d.push_back(across);
+    grey.push_back(value), bin.push_back(static_cast<std::uint8_t>(bin_along));
+    ++count;
+  }
+  /// Keeps the samples for which `wanted(i)` holds.
+  template <class Wanted>
+  void keep(Wanted&& wanted) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      if (!wanted(i)) continue;
+      t[kept] = t[i], d[kept] = d[i], grey[kept] = grey[i], bin[kept] = bin[i];
+      ++kept;
+    }
+    t.resize(kept), d.resize(kept), grey.resize(kept), bin.resize(kept);
+    count = kept;
+  }
 };
 
-/// The normal distribution function and its density by cubic Hermite interpolation: error 2e-10, a tenth of the time of
-/// erfc.
-class NormalTable {
+/// Grey values and light: light = ((grey + a) / (255 + a))^gamma, a growing with gamma from 0 for linear files to
+/// sRGB's own curve (IEC 61966-2-1, without its toe below 10 grey values) at 2.4. Blur mixes light, so it is light that
+/// the model is fitted to; a residual counts by the grey values that it is at the recorded one, where the noise is.
+class Curve {
  public:
-  NormalTable() {
-    for (int i = 0; i <= 2 * kSteps; ++i) {
-      const double z = (i - kSteps) * kStep;
-      value_[i] = 0.5 * std::erfc(-z * M_SQRT1_2);
-      density_[i] = std::exp(-0.5 * z * z) * 0.3989422804014327;
+  explicit Curve(double gamma) : gamma_(gamma), offset_(255 * 0.055 * (gamma - 1) / (2.4 - 1)) {
+    for (std::size_t i = 0; i < 256; ++i) {
+      light_[i] = to_light(static_cast<double>(i));
+      weight_[i] = 1 / light_slope(static_cast<double>(i));
     }
   }
-  void operator()(double z, double& value, double& density) const {
-    if (!(z > -kEnd)) return void(value = density = 0);
-    if (z >= kEnd) return void((value = 1, density = 0));
-    const double position = (z + kEnd) / kStep;
-    const int i = std::min(static_cast<int>(position), 2 * kSteps - 1);
-    const double u = position - i, rise = value_[i + 1] - value_[i];
-    const double m0 = density_[i] * kStep, m1 = density_[i + 1] * kStep;
-    const double c2 = 3 * rise - 2 * m0 - m1, c3 = m0 + m1 - 2 * rise;
-    value = value_[i] + u * (m0 + u * (c2 + u * c3));
-    density = (m0 + u * (2 * c2 + 3 * u * c3)) / kStep;
+  double to_light(double grey) const { return std::pow(share(grey), gamma_); }
+  double to_grey(double light) const { return std::pow(std::max(light, 0.0), 1 / gamma_) * (255 + offset_) - offset_; }
+  /// Light by grey value.
+  double light_slope(double grey) const { return gamma_ * std::pow(share(grey), gamma_ - 1) / (255 + offset_); }
+  void record(Samples& samples) const {
+    const std::size_t padded = (samples.count + kLanes - 1) / kLanes * kLanes;
+    samples.light.assign(padded, 0), samples.weight.assign(padded, 0);
+    samples.t.resize(padded), samples.d.resize(padded);
+    for (std::size_t i = 0; i < samples.count; ++i) {
+      samples.light[i] = light_[samples.grey[i]];
+      samples.weight[i] = weight_[samples.grey[i]];
+    }
   }
 
  private:
-  static constexpr int kSteps = 320;
-  static constexpr double kEnd = 5, kStep = kEnd / kSteps;
-  std::array<double, 2 * kSteps + 1> value_{}, density_{};
+  // A power has no slope at zero; half a grey value is below what is recorded.
+  double share(double grey) const { return (gamma_ == 1 ? grey : std::max(grey, 0.5) + offset_) / (255 + offset_); }
+  double gamma_, offset_;
+  std::array<double, 256> light_{}, weight_{};
 };
 
 struct Frame {
   Eigen::Vector2d centre, along, across;
   double half_length;
   double box;  // width of the pixel's box across the edge [px]
-};
-
-/// How light becomes grey values.
-struct Imaging {
-  double box;    // width of the pixel's box across the edge [px]
-  double gamma;  // of the transfer curve
 };
 
 struct Prior {
@@ -74,72 +96,159 @@ struct Prior {
   double log_blur = std::log(0.7), log_blur_sigma = 1.0;
 };
 
-std::vector<Sample> collect(const GreyImage& image, const Frame& frame, const Eigen::Vector3d& shape, double margin,
-                            double reach) {
+/// Narrows [from, to] to the x with |x · slope + rest| <= limit.
+void narrow(double slope, double rest, double limit, double& from, double& to) {
+  if (std::abs(slope) < 1e-9) {
+    if (std::abs(rest) > limit) to = from - 1;
+    return;
+  }
+  const double a = (-limit - rest) / slope, b = (limit - rest) / slope;
+  from = std::max(from, std::min(a, b));
+  to = std::min(to, std::max(a, b));
+}
+
+Samples collect(const GreyImage& image, const Frame& frame, const Eigen::Vector3d& shape, double margin, double reach) {
   const double t_limit = 1 - margin / frame.half_length;
-  std::vector<Sample> samples;
+  Samples samples;
   if (!(t_limit > 0)) return samples;
   const double length = frame.half_length * t_limit;
   const double width = reach + shape.cwiseAbs().sum();
+  const auto expected = static_cast<std::size_t>(4 * length * width) + 16;
+  samples.t.reserve(expected), samples.d.reserve(expected), samples.grey.reserve(expected);
+  samples.bin.reserve(expected);
   const Eigen::Vector2d half = (frame.along * length).cwiseAbs() + (frame.across * width).cwiseAbs();
   const Eigen::Vector2d low = frame.centre - half, high = frame.centre + half;
   if (low.x() < 0 || low.y() < 0 || high.x() > image.width - 1 || high.y() > image.height - 1) return samples;
-  for (int y = static_cast<int>(std::ceil(low.y())); y <= static_cast<int>(high.y()); ++y)
-    for (int x = static_cast<int>(std::ceil(low.x())); x <= static_cast<int>(high.x()); ++x) {
+  for (int y = static_cast<int>(std::ceil(low.y())); y <= static_cast<int>(high.y()); ++y) {
+    const double dy = y - frame.centre.y();
+    double from = low.x() - frame.centre.x(), to = high.x() - frame.centre.x();
+    narrow(frame.along.x(), frame.along.y() * dy, length, from, to);
+    narrow(frame.across.x(), frame.across.y() * dy, width, from, to);
+    const std::uint8_t* row = &image.pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width)];
+    const int last = std::min(image.width - 1, static_cast<int>(std::floor(to + frame.centre.x())));
+    for (int x = std::max(0, static_cast<int>(std::ceil(from + frame.centre.x()))); x <= last; ++x) {
       const Eigen::Vector2d offset = Eigen::Vector2d(x, y) - frame.centre;
       const double t = offset.dot(frame.along) / frame.half_length;
       if (std::abs(t) > t_limit) continue;
       const double d = offset.dot(frame.across);
       if (std::abs(d - (shape[0] + t * (shape[1] + t * shape[2]))) > reach) continue;
-      const int bin = std::min(kBins - 1, static_cast<int>((t / t_limit + 1) * 0.5 * kBins));
-      samples.push_back({t, d, static_cast<double>(image.pixels[static_cast<std::size_t>(y) * image.width + x]), bin});
+      samples.add(t, d, row[x], std::min(kBins - 1, static_cast<int>((t / t_limit + 1) * 0.5 * kBins)));
     }
+  }
   return samples;
 }
 
-/// Grey values and light: light = ((grey + a) / (255 + a))^gamma, a growing with gamma from 0 for linear files to
-/// sRGB's own curve (IEC 61966-2-1, without its toe below 10 grey values) at 2.4. Blur mixes light: the plateaus are
-/// taken back to light, mixed there, and the mixture is recorded.
-struct Mixture {
-  double value;                     // recorded [grey values]
-  double by_step, by_low, by_high;  // its derivatives
+/// What one evaluation of the model leaves for each sample: residual, and derivatives by position, log blur and the two
+/// plateaus [grey values].
+struct Columns {
+  std::vector<double> residual, position, blur, low, high;
+  void resize(std::size_t n) {
+    for (auto* column : {&residual, &position, &blur, &low, &high}) column->resize(n);
+  }
 };
 
-Mixture mix(double low, double high, double step, double gamma) {
-  if (gamma == 1) return {low + (high - low) * step, high - low, 1 - step, step};
-  const double offset = 255 * 0.055 * (gamma - 1) / (2.4 - 1);
-  constexpr double kDarkest = 0.5;  // a power has no slope at zero; half a grey value is below what is recorded
-  const double l = std::max(low, kDarkest) + offset, h = std::max(high, kDarkest) + offset;
-  const double light_low = std::pow(l, gamma), light_high = std::pow(h, gamma);
-  const double light = light_low + (light_high - light_low) * step;
-  const double root = std::pow(light, 1 / gamma), slope = root / (gamma * light);
-  return {root - offset, slope * (light_high - light_low), slope * (1 - step) * gamma * light_low / l,
-          slope * step * gamma * light_high / h};
+/// The normal distribution function and its density. Density: exp(x) = exp(x / 64)^64, to 1e-9 where it matters;
+/// function: Abramowitz and Stegun 26.2.17, to 7.5e-8. Plain arithmetic, so that loops are vectorised.
+inline void normal(double z, double& value, double& density) {
+  const double x = std::abs(z) < 6 ? std::abs(z) : 6.0;
+  const double u = x * x * (-0.5 / 64);
+  double e = 1 + u * (1 + u * (0.5 + u * (1.0 / 6 + u * (1.0 / 24 + u * (1.0 / 120 + u * (1.0 / 720))))));
+  e *= e, e *= e, e *= e, e *= e, e *= e, e *= e;
+  density = e * 0.3989422804014327;
+  const double k = 1 / (1 + 0.2316419 * x);
+  const double tail =
+      density * k * (0.319381530 + k * (-0.356563782 + k * (1.781477937 + k * (-1.821255978 + k * 1.330274429))));
+  value = z > 0 ? 1 - tail : tail;
 }
 
-/// Residual and gradient of the model at one sample.
-double residual_of(const Sample& sample, const Parameters& p, const Imaging& imaging, Parameters& gradient) {
-  const double box = imaging.box;
-  static const NormalTable normal;
-  static constexpr std::array<double, 3> node = {-0.3872983346207417, 0,
-                                                 0.3872983346207417};  // Gauss-Legendre on the pixel
-  static constexpr std::array<double, 3> weight = {5.0 / 18, 8.0 / 18, 5.0 / 18};
-  const double s = std::exp(p[3]), t = sample.t;
-  const double e = sample.d - (p[0] + t * (p[1] + t * p[2]));
-  double step = 0, slope = 0, slope_z = 0;
-  for (int k = 0; k < 3; ++k) {
-    const double z = (e + node[k] * box) / s;
-    double value, density;
-    normal(z, value, density);
-    step += weight[k] * value;
-    slope += weight[k] * density;
-    slope_z += weight[k] * density * z;
+/// Residuals and derivatives of all samples. `box`: width of the pixel's box across the edge [px].
+PLUMBLINE_CLONES void evaluate(const double* __restrict t, const double* __restrict d, const double* __restrict light,
+                               const double* __restrict weight, std::size_t count, const double* __restrict p,
+                               double blur, double box, double* __restrict residual, double* __restrict by_position,
+                               double* __restrict by_blur, double* __restrict by_low, double* __restrict by_high) {
+  // The mean of Φ over the box, by its antiderivative z Φ(z) + φ(z).
+  const double inverse = 1 / blur, half = 0.5 * box * inverse, by_box = 1 / box, blur_by_box = blur / box;
+  const double p0 = p[0], p1 = p[1], p2 = p[2], p4 = p[4], p5 = p[5], p6 = p[6], p7 = p[7];
+  for (std::size_t i = 0; i < count; ++i) {
+    const double z = (d[i] - (p0 + t[i] * (p1 + t[i] * p2))) * inverse;
+    const double from = z - half, to = z + half;
+    double value0, value1, density0, density1;
+    normal(from, value0, density0);
+    normal(to, value1, density1);
+    const double step = blur_by_box * (to * value1 + density1 - from * value0 - density0);
+    const double slope = by_box * (value1 - value0);
+    const double slope_blur = blur_by_box * (density1 - density0);
+    const double low = p4 + p5 * t[i], contrast = p6 + p7 * t[i] - low, w = weight[i];
+    residual[i] = w * (light[i] - low - contrast * step);
+    by_position[i] = -w * contrast * slope;
+    by_blur[i] = w * contrast * slope_blur;
+    by_low[i] = w * (1 - step);
+    by_high[i] = w * step;
   }
-  const Mixture m = mix(p[4] + p[5] * t, p[6] + p[7] * t, step, imaging.gamma);
-  const double by_position = -m.by_step * slope / s;
-  gradient << by_position, t * by_position, t * t * by_position, -m.by_step * slope_z, m.by_low, t * m.by_low,
-      m.by_high, t * m.by_high;
-  return sample.value - m.value;
+}
+
+/// Sums of products of the eight derivatives and the residual, lane by lane: `sums` has 45 groups of kLanes, the lower
+/// triangle of the 9 × 9 matrix row by row.
+PLUMBLINE_CLONES void sum_products(const double* __restrict t, const double* __restrict residual,
+                                   const double* __restrict by_position, const double* __restrict by_blur,
+                                   const double* __restrict by_low, const double* __restrict by_high, std::size_t count,
+                                   double* __restrict sums) {
+  for (std::size_t i = 0; i < count; i += kLanes) {
+    double g[9][kLanes];
+    for (std::size_t l = 0; l < kLanes; ++l) {
+      const double along = t[i + l];
+      g[0][l] = by_position[i + l];
+      g[1][l] = along * by_position[i + l];
+      g[2][l] = along * along * by_position[i + l];
+      g[3][l] = by_blur[i + l];
+      g[4][l] = by_low[i + l];
+      g[5][l] = along * by_low[i + l];
+      g[6][l] = by_high[i + l];
+      g[7][l] = along * by_high[i + l];
+      g[8][l] = residual[i + l];
+    }
+    double* sum = sums;
+#pragma GCC unroll 9
+    for (std::size_t a = 0; a < 9; ++a)
+#pragma GCC unroll 9
+      for (std::size_t b = 0; b <= a; ++b, sum += kLanes)
+        for (std::size_t l = 0; l < kLanes; ++l) sum[l] += g[a][l] * g[b][l];
+  }
+}
+
+/// J^T J, J^T r and r^T r.
+struct Equations {
+  Normal normal = Normal::Zero();
+  Parameters right = Parameters::Zero();
+  double sum = 0;
+};
+
+void evaluate(const Samples& samples, const Parameters& p, double box, Columns& columns) {
+  columns.resize(samples.t.size());
+  evaluate(samples.t.data(), samples.d.data(), samples.light.data(), samples.weight.data(), samples.t.size(), p.data(),
+           std::exp(p[3]), box, columns.residual.data(), columns.position.data(), columns.blur.data(),
+           columns.low.data(), columns.high.data());
+}
+
+Equations equations(const Samples& samples, const Parameters& p, double box, Columns& columns) {
+  evaluate(samples, p, box, columns);
+  std::array<double, 45 * kLanes> sums{};
+  sum_products(samples.t.data(), columns.residual.data(), columns.position.data(), columns.blur.data(),
+               columns.low.data(), columns.high.data(), samples.t.size(), sums.data());
+  Equations e;
+  const double* sum = sums.data();
+  for (int a = 0; a < 9; ++a)
+    for (int b = 0; b <= a; ++b, sum += kLanes) {
+      double total = 0;
+      for (std::size_t l = 0; l < kLanes; ++l) total += sum[l];
+      if (a < 8)
+        e.normal(a, b) = e.normal(b, a) = total;
+      else if (b < 8)
+        e.right[b] = total;
+      else
+        e.sum = total;
+    }
+  return e;
 }
 
 struct Solution {
@@ -149,22 +258,9 @@ struct Solution {
   bool converged = false;
 };
 
-double cost_of(const std::vector<Sample>& samples, const Parameters& p, const Imaging& imaging, const Prior& prior,
-               double noise, Normal* normal, Parameters* right, double* sum_of_squares) {
-  double sum = 0;
-  Parameters gradient;
-  if (normal) normal->setZero(), right->setZero();
-  for (const Sample& sample : samples) {
-    const double r = residual_of(sample, p, imaging, gradient);
-    sum += r * r;
-    if (!normal) continue;
-    normal->selfadjointView<Eigen::Lower>().rankUpdate(gradient);
-    *right += r * gradient;
-  }
-  if (normal) *normal = normal->selfadjointView<Eigen::Lower>();
-  *sum_of_squares = sum;
+double cost_of(const Equations& e, const Parameters& p, const Prior& prior, double noise) {
   const double bend = p[2] / prior.curvature, blur = (p[3] - prior.log_blur) / prior.log_blur_sigma;
-  return sum / (noise * noise) + bend * bend + blur * blur;
+  return e.sum / (noise * noise) + bend * bend + blur * blur;
 }
 
 /// Adds the priors to the weighted normal matrix (and the right-hand side).
@@ -182,56 +278,65 @@ double noise_of(double sum_of_squares, std::size_t count) {
   return std::sqrt(std::max(sum_of_squares / static_cast<double>(count - 8), 1.0 / 12));
 }
 
+/// The damped step; at the limit of the blur the others move as if it were known.
+Parameters bounded_step(const Normal& weighted, const Parameters& right, double damping, double log_blur) {
+  static const double lower = std::log(kSmallestBlur), upper = std::log(kLargestBlur);
+  Normal damped = weighted;
+  damped.diagonal() *= 1 + damping;
+  Parameters step = damped.ldlt().solve(right);
+  if (log_blur + step[3] >= lower && log_blur + step[3] <= upper) return step;
+  const double held = std::clamp(log_blur + step[3], lower, upper) - log_blur;
+  Parameters rest = right - damped.col(3) * held;
+  damped.row(3).setZero(), damped.col(3).setZero();
+  damped(3, 3) = 1, rest[3] = held;
+  step = damped.ldlt().solve(rest);
+  return step;
+}
+
 /// Levenberg-Marquardt from `p`.
-Solution solve(const std::vector<Sample>& samples, Parameters p, const Imaging& imaging, const Prior& prior) {
+Solution solve(const Samples& samples, Parameters p, double box, const Prior& prior) {
+  // The last step changes the edge by less than 1e-4 px, or all parameters together by less than 0.03 standard
+  // deviations: sharpened edges, narrower than the model can be, do not come nearer.
+  constexpr double kEnough = 1e-4, kEnoughOfDeviation = 1e-3;
   Solution solution{p, Normal::Zero()};
-  if (samples.size() < 24) return solution;
-  double damping = 1e-3, sum = 0;
-  Parameters right;
-  cost_of(samples, p, imaging, prior, 1, nullptr, nullptr, &sum);
-  double noise = noise_of(sum, samples.size());
-  for (int iteration = 0; iteration < 30; ++iteration) {
-    Normal normal;
-    const double cost = cost_of(samples, p, imaging, prior, noise, &normal, &right, &sum);
-    solution = {p, normal, noise};
-    Normal weighted = normal / (noise * noise);
-    Parameters weighted_right = right / (noise * noise);
+  if (samples.count < 24) return solution;
+  Columns columns;
+  Equations now = equations(samples, p, box, columns);
+  double damping = 1e-3, noise = noise_of(now.sum, samples.count);
+  for (int iteration = 0; iteration < 30 && !solution.converged; ++iteration) {
+    Normal weighted = now.normal / (noise * noise);
+    Parameters weighted_right = now.right / (noise * noise);
     add_prior(prior, p, weighted, &weighted_right);
-    double step_size = 0;
+    const double cost = cost_of(now, p, prior, noise);
+    double step_size = 0, change = 0;
     for (int attempt = 0;; ++attempt) {
-      Normal damped = weighted;
-      damped.diagonal() *= 1 + damping;
-      Parameters trial = p + damped.ldlt().solve(weighted_right);
-      trial[3] = std::clamp(trial[3], std::log(kSmallestBlur), std::log(kLargestBlur));
-      double trial_sum = 0;
-      if (trial.allFinite() &&
-          cost_of(samples, trial, imaging, prior, noise, nullptr, nullptr, &trial_sum) <= cost * (1 + 1e-12)) {
-        step_size = (trial - p).head<3>().cwiseAbs().maxCoeff();
-        p = trial, sum = trial_sum;
-        damping = std::max(1e-9, damping * 0.1);
-        break;
+      const Parameters trial = p + bounded_step(weighted, weighted_right, damping, p[3]);
+      if (trial.allFinite()) {
+        const Equations then = equations(samples, trial, box, columns);
+        if (cost_of(then, trial, prior, noise) <= cost * (1 + 1e-12)) {
+          step_size = (trial - p).head<3>().cwiseAbs().maxCoeff();
+          change = (trial - p).dot(weighted * (trial - p));
+          p = trial, now = then;
+          damping = std::max(1e-9, damping * 0.1);
+          break;
+        }
       }
       damping *= 10;
       if (attempt == 8) break;
     }
-    noise = noise_of(sum, samples.size());
-    if (step_size < 1e-5) {
-      solution.converged = true;
-      solution.p = p;
-      solution.noise = noise;
-      break;
-    }
+    noise = noise_of(now.sum, samples.count);
+    solution = {p, now.normal, noise, step_size < kEnough || change < kEnoughOfDeviation};
   }
   return solution;
 }
 
 /// The plateaus' means on either side of the expected edge; the blur is a guess.
-Parameters initial_parameters(const std::vector<Sample>& samples, double reach) {
+Parameters initial_parameters(const Samples& samples, double reach) {
   std::array<double, 2> sum = {}, count = {};
-  for (const Sample& sample : samples) {
-    if (std::abs(sample.d) < 0.4 * reach) continue;
-    const int side = sample.d > 0;
-    sum[side] += sample.value;
+  for (std::size_t i = 0; i < samples.count; ++i) {
+    if (std::abs(samples.d[i]) < 0.4 * reach) continue;
+    const int side = samples.d[i] > 0;
+    sum[side] += samples.light[i];
     count[side] += 1;
   }
   Parameters p = Parameters::Zero();
@@ -243,13 +348,13 @@ Parameters initial_parameters(const std::vector<Sample>& samples, double reach) 
 
 /// Removes the parts of the edge that something hides: bins whose mean square residual is nine times the median bin's.
 /// Returns the share of bins that stay.
-double drop_disturbed_bins(std::vector<Sample>& samples, const Parameters& p, const Imaging& imaging) {
+double drop_disturbed_bins(Samples& samples, const Parameters& p, double box) {
   std::array<double, kBins> square = {}, count = {};
-  Parameters unused;
-  for (const Sample& sample : samples) {
-    const double r = residual_of(sample, p, imaging, unused);
-    square[sample.bin] += r * r;
-    count[sample.bin] += 1;
+  Columns columns;
+  evaluate(samples, p, box, columns);
+  for (std::size_t i = 0; i < samples.count; ++i) {
+    square[samples.bin[i]] += columns.residual[i] * columns.residual[i];
+    count[samples.bin[i]] += 1;
   }
   std::vector<double> means;
   for (int i = 0; i < kBins; ++i)
@@ -259,20 +364,21 @@ double drop_disturbed_bins(std::vector<Sample>& samples, const Parameters& p, co
   const double limit = std::max(9 * means[means.size() / 2], 4.0);
   int kept = 0;
   for (int i = 0; i < kBins; ++i) kept += count[i] > 0 && square[i] <= limit;
-  std::erase_if(samples, [&](const Sample& sample) { return square[sample.bin] > limit; });
+  samples.keep([&](std::size_t i) { return square[samples.bin[i]] <= limit; });
   return kept / static_cast<double>(means.size());
 }
 
 /// FittedEdge::misfit: the residuals' means over half-pixel bins across the edge, squared, less what the scatter within
 /// the bins explains of them.
-double misfit_of(const std::vector<Sample>& samples, const Parameters& p, const Imaging& imaging) {
+double misfit_of(const Samples& samples, const Parameters& p, double box, double contrast) {
   constexpr int kHalf = 24, kAcross = 2 * kHalf;  // bins across, half a pixel each
   constexpr double kFitted = 4;                   // parameters that the mean profile has been fitted with
   std::array<double, kAcross> sum = {}, square = {}, count = {};
-  Parameters unused;
-  for (const Sample& sample : samples) {
-    const double r = residual_of(sample, p, imaging, unused);
-    const double e = sample.d - (p[0] + sample.t * (p[1] + sample.t * p[2]));
+  Columns columns;
+  evaluate(samples, p, box, columns);
+  for (std::size_t i = 0; i < samples.count; ++i) {
+    const double r = columns.residual[i], t = samples.t[i];
+    const double e = samples.d[i] - (p[0] + t * (p[1] + t * p[2]));
     const int bin = std::clamp(static_cast<int>(std::floor(2 * e)) + kHalf, 0, kAcross - 1);
     sum[bin] += r, square[bin] += r * r, count[bin] += 1;
   }
@@ -286,8 +392,7 @@ double misfit_of(const std::vector<Sample>& samples, const Parameters& p, const 
     bins += 1;
   }
   if (!(freedom > 0)) return 0;
-  const double contrast = p[6] - p[4];
-  return (between - (bins - kFitted) * within / freedom) / static_cast<double>(samples.size()) / (contrast * contrast);
+  return (between - (bins - kFitted) * within / freedom) / static_cast<double>(samples.count) / (contrast * contrast);
 }
 
 Frame frame_of(const EdgeStrip& strip) {
@@ -301,22 +406,39 @@ Frame frame_of(const EdgeStrip& strip) {
   return frame;
 }
 
-}  // namespace
+/// One edge's samples and the fit to them, so that it can be fitted again with another transfer curve.
+struct Fit {
+  Frame frame;
+  Prior prior;
+  Samples samples;
+  Solution solution;
+};
 
-std::optional<FittedEdge> fit_edge(const GreyImage& image, const EdgeStrip& strip, const EdgeFitOptions& options) {
-  const Frame frame = frame_of(strip);
+/// At most about `most` samples, evenly taken: the start needs no more.
+void thin(Samples& samples, std::size_t most) {
+  const std::size_t stride = samples.count / most | 1;  // odd, so that it does not beat with the rows
+  if (stride > 1) samples.keep([&](std::size_t i) { return i % stride == 0; });
+}
+
+std::optional<Fit> fit_strip(const GreyImage& image, const EdgeStrip& strip, const EdgeFitOptions& options,
+                             const Curve& curve) {
+  Fit fit{frame_of(strip), {}, {}, {}};
+  const Frame& frame = fit.frame;
   if (!(frame.half_length > strip.margin)) return std::nullopt;
-  const Imaging imaging{frame.box, options.gamma};
-  const Prior prior{std::max(0.5 * options.curvature_sigma * frame.half_length * frame.half_length, 1e-6)};
+  fit.prior.curvature = std::max(0.5 * options.curvature_sigma * frame.half_length * frame.half_length, 1e-6);
 
   // The next edge's blur reaches into this strip too. At first the blur is taken to be small; below three pixels a cell
   // nothing is plain any more.
   double reach = std::clamp(strip.plain - 1.0, 1.6, 8.0);
-  std::vector<Sample> samples = collect(image, frame, Eigen::Vector3d::Zero(), strip.margin, reach);
-  if (samples.size() < 24) return std::nullopt;
+  Samples& samples = fit.samples;
+  samples = collect(image, frame, Eigen::Vector3d::Zero(), strip.margin, reach);
+  if (samples.count < 24) return std::nullopt;
+  thin(samples, 300);
+  curve.record(samples);
   const Parameters start = initial_parameters(samples, reach);
-  if (std::abs(start[6] - start[4]) < options.min_contrast) return std::nullopt;
-  Solution solution = solve(samples, start, imaging, prior);
+  if (std::abs(curve.to_grey(start[6]) - curve.to_grey(start[4])) < options.min_contrast) return std::nullopt;
+  Solution& solution = fit.solution;
+  solution = solve(samples, start, frame.box, fit.prior);
   if (!solution.converged || solution.p.head<3>().cwiseAbs().sum() > reach) return std::nullopt;
 
   // Again with the strip on the edge that was found, as wide as its blur asks for and the next edge's blur allows:
@@ -328,14 +450,20 @@ std::optional<FittedEdge> fit_edge(const GreyImage& image, const EdgeStrip& stri
     if (pass > 0 && std::abs(wanted - reach) < 0.25) break;
     reach = wanted;
     samples = collect(image, frame, solution.p.head<3>(), strip.margin, reach);
-    solution = solve(samples, solution.p, imaging, prior);
+    curve.record(samples);
+    solution = solve(samples, solution.p, frame.box, fit.prior);
     if (!solution.converged) return std::nullopt;
   }
-  const std::size_t before = samples.size();
-  if (drop_disturbed_bins(samples, solution.p, imaging) < 0.5) return std::nullopt;
-  if (samples.size() < before) solution = solve(samples, solution.p, imaging, prior);
+  const std::size_t before = samples.count;
+  if (drop_disturbed_bins(samples, solution.p, frame.box) < 0.5) return std::nullopt;
+  curve.record(samples);
+  if (samples.count < before) solution = solve(samples, solution.p, frame.box, fit.prior);
+  return fit;
+}
 
-  const double contrast = std::abs(solution.p[6] - solution.p[4]);
+std::optional<FittedEdge> edge_of(const Fit& fit, const EdgeFitOptions& options, const Curve& curve) {
+  const auto& [frame, prior, samples, solution] = fit;
+  const double contrast = std::abs(curve.to_grey(solution.p[6]) - curve.to_grey(solution.p[4]));
   if (!solution.converged || contrast < options.min_contrast || solution.noise > 0.25 * contrast) return std::nullopt;
   Normal weighted = solution.normal / (solution.noise * solution.noise);
   add_prior(prior, solution.p, weighted, nullptr);
@@ -349,10 +477,50 @@ std::optional<FittedEdge> fit_edge(const GreyImage& image, const EdgeStrip& stri
                   std::exp(solution.p[3]),
                   contrast,
                   solution.noise,
-                  static_cast<int>(samples.size()),
-                  misfit_of(samples, solution.p, imaging)};
+                  static_cast<int>(samples.count),
+                  misfit_of(samples, solution.p, frame.box, contrast)};
   if (!edge.shape.allFinite() || !(edge.covariance.diagonal().maxCoeff() < 0.25)) return std::nullopt;
   return edge;
+}
+
+/// The plateaus in another curve's light.
+void change_curve(const Curve& from, const Curve& to, Parameters& p) {
+  for (const int level : {4, 6}) {
+    const double grey = from.to_grey(p[level]);
+    p[level + 1] *= to.light_slope(grey) / from.light_slope(grey);
+    p[level] = to.to_light(grey);
+  }
+}
+
+}  // namespace
+
+std::optional<FittedEdge> fit_edge(const GreyImage& image, const EdgeStrip& strip, const EdgeFitOptions& options) {
+  const Curve curve(options.gamma);
+  const auto fit = fit_strip(image, strip, options, curve);
+  return fit ? edge_of(*fit, options, curve) : std::nullopt;
+}
+
+std::vector<FittedEdge> fit_edge_with_curves(const GreyImage& image, const EdgeStrip& strip,
+                                             const EdgeFitOptions& options, const std::vector<double>& gammas) {
+  std::vector<FittedEdge> edges;
+  std::optional<Fit> fit;
+  std::optional<Curve> curve;
+  for (const double gamma : gammas) {
+    const Curve next(gamma);
+    if (!fit) {
+      fit = fit_strip(image, strip, options, next);
+      if (!fit) return {};
+    } else {
+      change_curve(*curve, next, fit->solution.p);
+      next.record(fit->samples);
+      fit->solution = solve(fit->samples, fit->solution.p, fit->frame.box, fit->prior);
+    }
+    curve = next;
+    const auto edge = edge_of(*fit, options, next);
+    if (!edge) return {};
+    edges.push_back(*edge);
+  }
+  return edges;
 }
 
 }  // namespace plumbline::detect

@@ -10,6 +10,7 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <vector>
 
 namespace plumbline {
 struct GreyImage;
@@ -53,5 +54,10 @@ struct FittedEdge {
 
 /// Nothing if the strip leaves the image, is too short, has too little contrast or the fit does not converge near it.
 std::optional<FittedEdge> fit_edge(const GreyImage& image, const EdgeStrip& strip, const EdgeFitOptions& options);
+
+/// The same edge with each of several exponents in place of options.gamma, over the same pixels: those of the fit with
+/// the first. Empty if one of the fits fails.
+std::vector<FittedEdge> fit_edge_with_curves(const GreyImage& image, const EdgeStrip& strip,
+                                             const EdgeFitOptions& options, const std::vector<double>& gammas);
 
 }  // namespace plumbline::detect

@@ -1,6 +1,6 @@
-// detect.apriltag, detect.aruco: tags of one image; detect.collect: the tags of all images in one artifact;
-// detect.board: the points of a calibration board; read.tag_family: the codes of a dictionary file; write.observations:
-// the tags as a JSON file of their own.
+// detect.apriltag, detect.aruco, detect.tag_pyramid: tags of one image; detect.collect: the tags of all images in one
+// artifact; detect.board: the points of a calibration board;
+// read.tag_family: the codes of a dictionary file; write.observations: the tags as a JSON file of their own.
 #include "artifacts/image.hpp"
 #include "artifacts/image_tags.hpp"
 #include "artifacts/tag_observations.hpp"
@@ -11,6 +11,7 @@
 #include "detect/tag_detector.hpp"
 #include "detector_node.hpp"
 #include "plumbline/node.hpp"
+#include "pyramid_node.hpp"
 
 namespace {
 
@@ -23,7 +24,7 @@ pd::DetectorPool& pool() {
 }
 
 struct DetectAprilTag : Node {
-  static constexpr Info info{"detect.apriltag", "detector", 3,
+  static constexpr Info info{"detect.apriltag", "detector", 4,
                              "Finds AprilTags and measures their corners in the full-resolution image"};
   Each<Image> images{"images", "photographs: JPEG, PNG or TIFF"};
   Optional<File> family{"family", "the family of read.tag_family, in place of `families`"};
@@ -33,9 +34,10 @@ struct DetectAprilTag : Node {
       {"tag36h11"},
       "tag36h11, tag36h10, tag25h9, tag16h5, tagCircle21h7, tagCircle49h12, tagCustom48h12, tagStandard41h12 or "
       "tagStandard52h13"};
-  Param<double> decimate{"decimate", 0.0, between(0, 16),
-                         "reduction of the image for the search: 1, 1.5, 2, 3, ...; 0 leaves it about 4.5 megapixels. "
-                         "Tags smaller than 16 px times this are lost; corners keep their accuracy"};
+  Param<double> decimate{
+      "decimate", 0.0, between(0, 16),
+      "reduction of the image for the search: 1, 1.5, 2, 3, ...; 0 leaves it about 4.5 megapixels. "
+      "Tags smaller than 16 px times this are lost, with 0 those smaller than 24 px; corners keep their accuracy"};
   Param<int64_t> bits_corrected{"bits_corrected", 2, between(0, 2),
                                 "bits a decoder may correct; families of 48 bits and more get 1 for their memory"};
   Param<int64_t> max_hamming{"max_hamming", 1, between(0, 2), "tags that needed more corrected bits are dropped"};
@@ -95,5 +97,5 @@ struct DetectAprilTag : Node {
 }  // namespace
 
 PLUMBLINE_PLUGIN("detect", "0.1.0", "MIT", DetectAprilTag, plumbline::detect::DetectAruco,
-                 plumbline::detect::CollectTags, plumbline::detect::ReadTagFamily, plumbline::detect::WriteObservations,
-                 plumbline::detect::DetectBoard)
+                 plumbline::detect::DetectTagPyramid, plumbline::detect::CollectTags, plumbline::detect::ReadTagFamily,
+                 plumbline::detect::WriteObservations, plumbline::detect::DetectBoard)

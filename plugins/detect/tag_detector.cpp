@@ -10,6 +10,7 @@
 
 #include "detect/corner_refinement.hpp"
 #include "detect/tag_family.hpp"
+#include "detect/tag_pyramid.hpp"
 #include "images/grey_image.hpp"
 #include "plumbline/stop.hpp"
 
@@ -45,6 +46,17 @@ DetectedTag plain_tag(const apriltag_detection_t& found, double sigma) {
   return tag;
 }
 
+/// Whether `tags` has one of the same number where `tag` is.
+bool known(const std::vector<DetectedTag>& tags, const DetectedTag& tag) {
+  const auto centre = [](const DetectedTag& t) {
+    return Eigen::Vector2d(0.25 * (t.corners[0] + t.corners[1] + t.corners[2] + t.corners[3]));
+  };
+  const double reach = 0.5 * (tag.corners[1] - tag.corners[0]).norm();
+  return std::any_of(tags.begin(), tags.end(), [&](const DetectedTag& other) {
+    return other.id == tag.id && other.family == tag.family && (centre(other) - centre(tag)).norm() < reach;
+  });
+}
+
 }  // namespace
 
 double decimation_for(int width, int height) {
@@ -56,7 +68,8 @@ double decimation_for(int width, int height) {
 
 struct TagDetector::Impl {
   DetectorOptions options;
-  std::vector<TagFamily> families;  // before the detector: its destruction frees their tables
+  std::vector<TagFamily> families;         // before the detector: its destruction frees their tables
+  std::unique_ptr<TagPyramid> small_tags;  // those that automatic decimation loses
   std::unique_ptr<apriltag_detector_t, void (*)(apriltag_detector_t*)> detector{apriltag_detector_create(),
                                                                                 apriltag_detector_destroy};
 
@@ -70,6 +83,16 @@ struct TagDetector::Impl {
     }
     detector->nthreads = 1;  // images are the unit of parallel work
     detector->refine_edges = true;
+    if (options.decimate > 0) return;
+    PyramidOptions search;
+    search.refinement = Refinement::apriltag;
+    search.smallest_tag = 24;
+    search.max_hamming = std::min(options.max_hamming, options.bits_corrected);
+    search.min_decision_margin = options.min_decision_margin;
+    search.unrefined_sigma = options.apriltag_sigma;
+    std::vector<SquareFamily> squares;
+    for (const std::string& name : options.families) squares.push_back(apriltag_square_family(name));
+    small_tags = std::make_unique<TagPyramid>(std::move(squares), search);
   }
 };
 
@@ -98,6 +121,17 @@ std::vector<DetectedTag> TagDetector::detect(const GreyImage& image) {
       continue;
     tags.push_back(plain_tag(*detection, options.apriltag_sigma));
     quadrilaterals.push_back({tags.back().corners, detection->family->width_at_border});
+  }
+  if (impl_->small_tags && impl_->detector->quad_decimate > 1) {
+    const auto part = [&](int left, int top, int width, int height) {
+      return part_of(image, left, top, width, height);
+    };
+    for (DetectedTag& tag : impl_->small_tags->detect(*rows_of(image), part).tags) {
+      if (known(tags, tag)) continue;
+      const int modules = apriltag_square_family(tag.family).modules;
+      quadrilaterals.push_back({tag.corners, modules});
+      tags.push_back(std::move(tag));
+    }
   }
   if (options.refinement == Refinement::edges) {
     const Measurement measured = measure_corners(image, quadrilaterals, options.edge);

@@ -23,7 +23,8 @@ enum class Refinement {
 struct DetectorOptions {
   std::vector<std::string> families = {"tag36h11"};
   /// Linear factor by which the image is reduced for the search (corners are measured at full resolution all the same):
-  /// 1, 1.5, 2, 3, 4, ...; 0 chooses by decimation_for(). Tags smaller than about 16 px · factor a side are lost.
+  /// 1, 1.5, 2, 3, 4, ...; 0 chooses by decimation_for(). Tags smaller than about 16 px · factor a side are lost to
+  /// libapriltag; with 0 the search of tag_pyramid.hpp finds those of 24 px and more.
   double decimate = 0;
   int bits_corrected = 2;           ///< at most; families of 48 bits and more get 1, see affordable_bits_corrected()
   int max_hamming = 1;              ///< detections that needed more corrected bits are dropped as doubtful

@@ -102,15 +102,41 @@ TEST(DetectNodes, SayThatAFolderHoldsNoImage) {
 TEST(DetectNodes, WarnOfAnImageWithoutTags) {
   const test::TemporaryFolder folder;
   write_png(folder.path() / "grey.png", GreyImage{64, 64, std::vector<std::uint8_t>(4096, 77)});
-  test::NodeHarness detect("detect.apriltag");
-  ImageT image;
-  image.path = "grey.png";
-  image.uri = (folder.path() / "grey.png").string();
-  detect.input<Image>("images", image);
-  detect.run();
-  EXPECT_TRUE(detect.output<ImageTags>("observations").tags.empty());
-  ASSERT_EQ(detect.warnings().size(), 1u);
-  EXPECT_THAT(detect.warnings()[0], HasSubstr("grey.png"));
+  for (const std::string detector : {"detect.apriltag", "detect.tag_pyramid"}) {
+    test::NodeHarness detect(detector);
+    ImageT image;
+    image.path = "grey.png";
+    image.uri = (folder.path() / "grey.png").string();
+    detect.input<Image>("images", image);
+    detect.run();
+    EXPECT_TRUE(detect.output<ImageTags>("observations").tags.empty());
+    ASSERT_EQ(detect.warnings().size(), 1u);
+    EXPECT_THAT(detect.warnings()[0], HasSubstr("grey.png"));
+  }
+}
+
+TEST(DetectNodes, SearchStripByStripLeavesOutWhatCannotBeRead) {
+  const test::TemporaryFolder folder;
+  write_png(folder.path() / "whole.png", render(scene()));
+  const std::string bytes = test::read_file(folder.path() / "whole.png");
+  std::ofstream(folder.path() / "cut.png", std::ios::binary) << bytes.substr(0, bytes.size() / 2);
+  const auto run = [&](const std::string& name, int width) {
+    test::NodeHarness detect("detect.tag_pyramid");
+    detect.set("on_bad_image", "leave_out");
+    ImageT image;
+    image.path = name;
+    image.uri = (folder.path() / name).string();
+    image.width = width, image.height = 200;
+    detect.input<Image>("images", image);
+    detect.run();
+    return detect.output<ImageTags>("observations");
+  };
+  const ImageTagsT found = run("whole.png", 200);
+  ASSERT_EQ(found.tags.size(), 1u);
+  EXPECT_EQ(found.tags[0]->id, 7);
+  for (size_t i = 0; i < 4; ++i) EXPECT_LT((found.tags[0]->corners[i] - scene().corners[i]).norm(), 0.05);
+  EXPECT_THAT(run("cut.png", 200).problem, testing::AllOf(HasSubstr("cut.png"), HasSubstr("truncated PNG")));
+  EXPECT_THAT(run("whole.png", 300).problem, HasSubstr("was registered with 300 x 200"));
 }
 
 }  // namespace

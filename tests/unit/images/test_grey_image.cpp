@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "images/grey_image.hpp"
+#include "images/grey_rows.hpp"
 #include "images/visibility.hpp"
 #include "test_support.hpp"
 
@@ -183,6 +184,55 @@ TEST(Visibility, SaysWhatKeepsTagsFromBeingFound) {
   EXPECT_THAT(why_nothing_is_found(step(20, 220, 8)), AllOf(HasSubstr("blur of 8 px"), HasSubstr("out of focus")));
   EXPECT_EQ(why_nothing_is_found(step(20, 220, 1)), "");
   EXPECT_EQ(why_nothing_is_found(step(100, 140, 3)), "");
+}
+
+TEST(GreyRows, GiveTheSamePixelsAsTheWholeImageAndAsAPart) {
+  const test::TemporaryFolder folder;
+  const auto jpeg = folder.path() / "a.jpg", png = folder.path() / "a.png";
+  write_jpeg(jpeg);
+  write_png(png);
+  for (const auto& path : {jpeg, png}) {
+    const GreyImage whole = read_grey_image(path);
+    const auto rows = open_grey_rows(path);
+    ASSERT_EQ(rows->width(), kWidth);
+    ASSERT_EQ(rows->height(), kHeight);
+    std::vector<std::uint8_t> row(kWidth);
+    for (int y = 0; y < kHeight; ++y) {
+      rows->next(row.data());
+      EXPECT_TRUE(std::equal(row.begin(), row.end(), whole.pixels.begin() + y * kWidth)) << path << y;
+    }
+    const GreyImage part = read_grey_part(path, 30, 11, 20, 5);
+    ASSERT_EQ(part.width, kWidth - 30);
+    ASSERT_EQ(part.height, 5);
+    for (int y = 0; y < part.height; ++y)
+      for (int x = 0; x < part.width; ++x)
+        EXPECT_EQ(part.pixels[static_cast<std::size_t>(y * part.width + x)],
+                  whole.pixels[static_cast<std::size_t>((11 + y) * kWidth + 30 + x)]);
+    EXPECT_THROW(read_grey_part(path, 40, 0, 5, 5), ImageFileError);
+  }
+}
+
+TEST(GreyRows, NameAFileThatEndsEarlyOrIsMissing) {
+  const test::TemporaryFolder folder;
+  write_jpeg(folder.path() / "a.jpg");
+  const std::string bytes = test::read_file(folder.path() / "a.jpg");
+  std::ofstream(folder.path() / "cut.jpg", std::ios::binary) << bytes.substr(0, bytes.size() - 200);
+  const auto failure = [](auto&& call) -> std::string {
+    try {
+      call();
+    } catch (const ImageFileError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(failure([&] {
+                const auto rows = open_grey_rows(folder.path() / "cut.jpg");
+                std::vector<std::uint8_t> row(kWidth);
+                for (int y = 0; y < kHeight; ++y) rows->next(row.data());
+              }),
+              AllOf(HasSubstr("cut.jpg"), HasSubstr("truncated JPEG")));
+  EXPECT_THAT(failure([&] { open_grey_rows(folder.path() / "none.jpg"); }), HasSubstr("no such image file"));
+  EXPECT_THAT(failure([&] { open_grey_rows(folder.path()); }), HasSubstr("is not a file"));
 }
 
 }  // namespace
