@@ -42,6 +42,12 @@ std::vector<double> check_columns(int columns) {
 
 const char* to_string(AnchorRole role) { return role == AnchorRole::control ? "control" : "check"; }
 
+std::array<Eigen::Vector3d, 4> Anchor::tag_corners() const {
+  auto corners = tag_corners_in_plate(true_plate);
+  for (std::size_t i = 0; i < 4; ++i) corners[i].z() += i % 2 == 0 ? bend : -bend;
+  return corners;
+}
+
 Eigen::Quaterniond facade_from_plate() {
   Eigen::Matrix3d axes;
   axes.col(0) = Eigen::Vector3d::UnitX();
@@ -89,6 +95,12 @@ Building make_building(const BuildingOptions& options, std::uint64_t seed) {
     anchor.building_from_plate = {(facade_from_plate() * tilt).normalized(), anchor.built};
     anchor.true_plate = building.nominal_plate;
     anchor.true_plate.tag_size *= building.batch_scale[static_cast<std::size_t>(anchor.batch)];
+    Random flaws(seed, "flaws of " + anchor.id);
+    Eigen::Vector3d offset = flaws.normal3(options.flaws.plate_offset_sigma);
+    offset.z() = 0;  // the print lies on the plate
+    anchor.true_plate.tag_centre_in_plate += offset;
+    anchor.building_from_plate.translation += flaws.normal3(options.flaws.mounting_sigma);
+    anchor.bend = flaws.normal(options.flaws.plate_bend);
     building.anchors.push_back(std::move(anchor));
   };
 

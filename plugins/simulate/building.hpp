@@ -5,11 +5,13 @@
 // stand at negative y), z up. Survey axes E, N, H are x, y, z.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
 
 #include "geometry/marker_plate.hpp"
+#include "perturbations.hpp"
 #include "plumbline/rigid_transform.hpp"
 
 namespace plumbline::simulate {
@@ -23,6 +25,7 @@ struct BuildingOptions {
   double tag_size = 0.2;                ///< nominal edge between the detected corners [m]
   double tag_scale_sigma = 0.05 / 200;  ///< error of a print batch, relative: 0.05 mm of 200 mm
   int print_batches = 1;                ///< plates are printed in so many batches, floor by floor
+  Perturbations flaws = {};             ///< of prints and plates
 };
 
 enum class AnchorRole {
@@ -44,6 +47,11 @@ struct Anchor {
   int batch = 0;                       ///< print batch of the plate, from 0
   RigidTransform building_from_plate;  ///< truth
   MarkerPlate true_plate;              ///< with the size the printer really gave
+  double bend = 0;  ///< the tag's upper right and lower left corner lie this much above its plane, the others below [m]
+  /// The surveyed target: the plate's origin, which mounting has moved off the anchor [m].
+  const Eigen::Vector3d& target() const { return building_from_plate.translation; }
+  /// Corners of the tag in the plate frame [m].
+  std::array<Eigen::Vector3d, 4> tag_corners() const;
 };
 
 struct Building {

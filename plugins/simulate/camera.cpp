@@ -148,7 +148,7 @@ std::vector<VisibleTag> visible_tags(const Building& building, const BrownCamera
     if (normal.dot((centre - anchor.built).normalized()) < std::cos(70.0 / 180.0 * std::numbers::pi)) continue;
     VisibleTag tag{&anchor, {}};
     bool whole = true;
-    const auto corners = tag_corners_in_plate(anchor.true_plate);
+    const auto corners = anchor.tag_corners();
     for (std::size_t i = 0; i < 4 && whole; ++i) {
       const Eigen::Vector3d p = camera_from_building * (anchor.building_from_plate * corners[i]);
       const auto pixel = p.z() > 0.1 && p.head<2>().norm() < limit * p.z() ? project(camera, p) : std::nullopt;

@@ -66,12 +66,19 @@ std::string plates_csv(const Building& building) {
   return text;
 }
 
-std::string control_csv(const StationPlan& plan) {
+std::string control_csv(const StationPlan& plan, const SurveyOptions& survey) {
   std::string text = "id,east_m,north_m,height_m,sigma_east_mm,sigma_north_mm,sigma_height_mm\n";
   for (const GroundPoint& p : plan.ground_points) {
     text += p.id;
     for (const double coordinate : p.given) text += "," + fixed(coordinate, 5);
     for (int axis = 0; axis < 3; ++axis) text += "," + number(1e3 * p.sigma);
+    text += "\n";
+  }
+  for (const PlannedSetUp& s : plan.set_ups) {
+    if (!survey.known_marks) break;
+    text += s.id;
+    for (const double coordinate : s.given_mark) text += "," + fixed(coordinate, 5);
+    for (int axis = 0; axis < 3; ++axis) text += "," + number(1e3 * survey.control_sigma);
     text += "\n";
   }
   return text;
@@ -94,6 +101,7 @@ RenderOptions render_options(const Campaign& c, std::size_t index) {
   Random random(c.seed, "light", index);
   options.exposure = 1 + 0.05 * (2 * random.uniform() - 1);
   options.seed = derive_seed(c.seed, "image", index);
+  options.perturbations = c.options.perturbations;
   return options;
 }
 
@@ -117,6 +125,17 @@ Campaign make_campaign(const CampaignOptions& options, std::uint64_t seed) {
   return c;
 }
 
+SimulatedCamera camera_at(const Campaign& c, std::size_t station) {
+  SimulatedCamera camera = c.camera;
+  Random random(c.seed, "interior of " + c.stations[station].image);
+  const Perturbations& p = c.options.perturbations;
+  camera.truth.cx += random.normal(p.principal_point_sigma);
+  camera.truth.cy += random.normal(p.principal_point_sigma);
+  const double change = 1 + random.normal(p.distance_distortion);
+  camera.truth.k1 *= change, camera.truth.k2 *= change;
+  return camera;
+}
+
 void write_observations(const Campaign& c, const std::filesystem::path& folder, double sigma) {
   std::string text = "image,family,tag_id,x0_px,y0_px,x1_px,y1_px,x2_px,y2_px,x3_px,y3_px,sigma_px\n";
   for (const ObservedImage& image : observe_corners(c, sigma, c.seed))
@@ -133,7 +152,7 @@ void write_campaign_files(const Campaign& c, const std::filesystem::path& folder
   write_file(folder / "campaign.yaml", campaign_yaml(c, observed));
   write_file(folder / "camera.yaml", camera_yaml(c.camera, c.camera.calibration, true));
   write_file(folder / "plates.csv", plates_csv(c.building));
-  write_file(folder / "control.csv", control_csv(c.plan));
+  write_file(folder / "control.csv", control_csv(c.plan, c.options.survey));
   write_file(folder / "survey/total_station.gsi", survey::write_gsi(c.observations));
   write_file(folder / "design.ifc", write_design_ifc(c.building, c.seed, c.options.design_in_millimetres));
 }
@@ -152,10 +171,13 @@ void write_images(const Campaign& c, const std::filesystem::path& folder,
   tbb::parallel_for(std::size_t{0}, c.stations.size(), [&](std::size_t i) {
     if (stopped) return;
     const CameraStation& station = c.stations[i];
-    const Renderer renderer(c.building, c.camera, station.camera_from_building, render_options(c, i), c.obstruction);
+    const Renderer renderer(c.building, camera_at(c, i), station.camera_from_building, render_options(c, i),
+                            c.obstruction);
     const CameraProfile& profile = c.camera.profile;
+    const int quality = c.options.perturbations.jpeg_quality;
     const ExifFields exif{profile.make, profile.model, taken_at(i), profile.focal_length};
-    write_file(folder / "images" / station.image, encode_jpeg(renderer, profile.jpeg_quality, exif));
+    write_file(folder / "images" / station.image,
+               encode_jpeg(renderer, quality > 0 ? quality : profile.jpeg_quality, exif));
     if (progress && !progress(++done)) stopped = true;
   });
   if (stopped) throw std::runtime_error("stopped while rendering images");
@@ -179,7 +201,8 @@ void write_truth(const Campaign& c, const std::filesystem::path& folder) {
   }
   std::string cameras = "image,w,x,y,z,tx_m,ty_m,tz_m\n";  // camera_from_building
   std::string corners = "image,tag_id,corner,x_px,y_px\n";
-  for (const CameraStation& s : c.stations) {
+  for (std::size_t station = 0; station < c.stations.size(); ++station) {
+    const CameraStation& s = c.stations[station];
     const RigidTransform& pose = s.camera_from_building;
     cameras += s.image;
     for (const double v : {pose.rotation.w(), pose.rotation.x(), pose.rotation.y(), pose.rotation.z()}) {
@@ -187,7 +210,7 @@ void write_truth(const Campaign& c, const std::filesystem::path& folder) {
     }
     for (const double v : pose.translation) cameras += "," + number(v);
     cameras += "\n";
-    for (const VisibleTag& tag : visible_tags(c.building, c.camera.truth, pose, 12, c.obstruction)) {
+    for (const VisibleTag& tag : visible_tags(c.building, camera_at(c, station).truth, pose, 12, c.obstruction)) {
       for (std::size_t i = 0; i < 4; ++i) {
         corners += s.image + "," + std::to_string(tag.anchor->tag_id) + "," + std::to_string(i) + "," +
                    number(tag.corners[i].x()) + "," + number(tag.corners[i].y()) + "\n";

@@ -22,6 +22,7 @@ struct CampaignOptions {
   double haze = 0;              ///< share of the light that dust or mist scatters in; contrast falls by it
   ObstructionOptions obstruction;
   bool design_in_millimetres = false;
+  Perturbations perturbations = {};  ///< those of plates are in building.flaws, too
 };
 
 struct Campaign {
@@ -37,6 +38,9 @@ struct Campaign {
 
 /// Throws std::invalid_argument for options out of bounds and for a plan that breaks the rules of the station plan.
 Campaign make_campaign(const CampaignOptions& options, std::uint64_t seed);
+
+/// The camera as it was for one photograph: with that image's own principal point and distortion.
+SimulatedCamera camera_at(const Campaign& campaign, std::size_t station);
 
 /// campaign.yaml, camera.yaml, plates.csv, control.csv, survey/total_station.gsi, design.ifc. The folder must exist.
 /// With `observed` the campaign names observations.csv in place of photographs.

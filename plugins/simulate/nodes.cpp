@@ -41,8 +41,54 @@ struct SimulatedSite : Node {
   Param<double> lost_plates{"lost_plates", 0.0, "1", between(0, 1),
                             "probability of each plate to be gone when the photographs are taken"};
 
+  // What real cameras, prints and plates have and ideal ones have not. A negative size is that of `optics`.
+  Param<std::string> optics{"optics", "ideal", one_of("ideal", "real"),
+                            "ideal: none of the perturbations that follow; real: a usual size of each"};
+  Param<std::string> transfer_curve{"transfer_curve", "", one_of("", "linear", "srgb", "camera"),
+                                    "from light to grey values; empty: that of optics"};
+  Param<double> sharpening{"sharpening", -1.0, "1", between(-1, 3),
+                           "share of the difference from the surroundings added"};
+  Param<int64_t> jpeg_quality{"jpeg_quality", -1, between(-1, 100), "0: the camera profile's"};
+  Param<double> motion_blur{"motion_blur", -1.0, "px", between(-1, 30), "longest movement during an exposure"};
+  Param<double> rolling_shutter{"rolling_shutter", -1.0, "px", between(-1, 100),
+                                "movement from the first to the last row"};
+  Param<double> low_light{"low_light", -1.0, "1", between(-1, 8), "stops that light is short of: noise grows"};
+  Param<double> principal_point_sigma{"principal_point_sigma", -1.0, "px", between(-1, 100), "of each image's own"};
+  Param<double> distance_distortion{"distance_distortion", -1.0, "1", between(-1, 1),
+                                    "relative change of k1 and k2 from image to image"};
+  Param<double> ink_spread{"ink_spread", -1.0, "m", between(-1, 0.01), "growth of black at every edge"};
+  Param<double> dirt{"dirt", -1.0, "1", between(-1, 1000), "specks on a plate, on average"};
+  Param<double> glare{"glare", -1.0, "1", between(-1, 1), "share of plates that mirror a lamp, image by image"};
+  Param<double> plate_bend{"plate_bend", -1.0, "m", between(-1, 0.1), "twist: height of a tag's corners over a plane"};
+  Param<double> plate_offset_sigma{"plate_offset_sigma", -1.0, "m", between(-1, 0.1), "of a tag's place on its plate"};
+  Param<double> mounting_sigma{"mounting_sigma", -1.0, "m", between(-1, 0.1), "of a plate's place on its anchor"};
+  Param<double> clutter{"clutter", -1.0, "1", between(-1, 1), "share of the wall that is brick, mesh or text"};
+
+  simulate::Perturbations perturbations() const {
+    simulate::Perturbations p = simulate::optics_of(*optics);
+    if (!transfer_curve->empty()) p.transfer = *transfer_curve;
+    if (*jpeg_quality >= 0) p.jpeg_quality = static_cast<int>(*jpeg_quality);
+    for (const auto& [given, size] : {std::pair(*sharpening, &p.sharpening),
+                                      {*motion_blur, &p.motion_blur},
+                                      {*rolling_shutter, &p.rolling_shutter},
+                                      {*low_light, &p.low_light},
+                                      {*principal_point_sigma, &p.principal_point_sigma},
+                                      {*distance_distortion, &p.distance_distortion},
+                                      {*ink_spread, &p.ink_spread},
+                                      {*dirt, &p.dirt},
+                                      {*glare, &p.glare},
+                                      {*plate_bend, &p.plate_bend},
+                                      {*plate_offset_sigma, &p.plate_offset_sigma},
+                                      {*mounting_sigma, &p.mounting_sigma},
+                                      {*clutter, &p.clutter}})
+      if (given >= 0) *size = given;
+    return p;
+  }
+
   simulate::CampaignOptions site_options() const {
     simulate::CampaignOptions o;
+    o.perturbations = perturbations();
+    o.building.flaws = o.perturbations;
     o.building.floors = static_cast<int>(*floors);
     o.building.columns = static_cast<int>(*columns);
     o.building.spacing = *spacing;
@@ -62,7 +108,7 @@ struct SimulatedSite : Node {
 
 struct SimulateCampaign : SimulatedSite {
   static constexpr Info info{
-      "simulate.campaign", "", 3,
+      "simulate.campaign", "", 4,
       "Simulates a site: photographs, total-station file, design IFC, and the truth beside them"};
   Param<std::string> instrument{
       "instrument", "ics50_assumed",
@@ -71,8 +117,11 @@ struct SimulateCampaign : SimulatedSite {
   Param<double> survey_noise{"survey_noise", 1.0, "1", between(0, 100), "factor on the instrument's errors"};
   Param<int64_t> sets{"sets", 2, between(1, 20), "rounds of observations, each in two faces"};
   Param<double> control_sigma{"control_sigma", 0.0005, "m", between(1e-5, 0.1), "of the ground control points"};
-  Param<double> set_up_height_sigma{"set_up_height_sigma", 0.0, "m", between(0, 0.1),
-                                    "error of measured instrument heights"};
+  Param<double> set_up_height_sigma{
+      "set_up_height_sigma", 0.0, "m", between(0, 0.1),
+      "error of measured instrument heights: common to all that a set-up over a known mark "
+      "sees; without known_marks the set-up's own height takes it up"};
+  Param<bool> known_marks{"known_marks", false, "the set-ups stand over marks whose coordinates are in control.csv"};
   Param<double> image_noise{"image_noise", 1.0, "1", between(0, 20), "factor on the camera's noise"};
   Param<double> blur{"blur", -1.0, "px", between(-1, 10), "point spread function, 1 sigma; negative: the profile's"};
   Param<double> light_gradient{"light_gradient", 0.2, "1", between(0, 0.9), "change of the light across the facade"};
@@ -86,7 +135,8 @@ struct SimulateCampaign : SimulatedSite {
 
   void run(Context& context) override {
     simulate::CampaignOptions o = site_options();
-    o.survey = {*instrument, *survey_noise, static_cast<int>(*sets), 9.0, *control_sigma, *set_up_height_sigma};
+    o.survey = {*instrument,          *survey_noise, static_cast<int>(*sets), 9.0, *control_sigma,
+                *set_up_height_sigma, *known_marks};
     o.noise_scale = *image_noise;
     o.blur = *blur;
     o.light_gradient = *light_gradient;
@@ -133,7 +183,7 @@ struct SimulateCampaign : SimulatedSite {
 };
 
 struct SimulateObservations : SimulatedSite {
-  static constexpr Info info{"simulate.observations", "", 2,
+  static constexpr Info info{"simulate.observations", "", 3,
                              "The site of simulate.campaign as observations with noise of known size, without files"};
   Param<double> pixel_sigma{"pixel_sigma", 0.1, "px", between(0, 10), "noise of each corner coordinate"};
   Param<double> survey_sigma{"survey_sigma", 0.001, "m", between(0, 0.1), "noise of each surveyed coordinate"};

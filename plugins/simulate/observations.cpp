@@ -10,9 +10,10 @@ namespace plumbline::simulate {
 
 std::vector<ObservedImage> observe_corners(const Campaign& campaign, double sigma, std::uint64_t seed) {
   std::vector<ObservedImage> images;
-  for (const CameraStation& station : campaign.stations) {
-    ObservedImage image{&station, visible_tags(campaign.building, campaign.camera.truth, station.camera_from_building,
-                                               12, campaign.obstruction)};
+  for (std::size_t i = 0; i < campaign.stations.size(); ++i) {
+    const CameraStation& station = campaign.stations[i];
+    ObservedImage image{&station, visible_tags(campaign.building, camera_at(campaign, i).truth,
+                                               station.camera_from_building, 12, campaign.obstruction)};
     Random random(seed, "corners " + station.image);
     for (VisibleTag& tag : image.tags) {
       for (Eigen::Vector2d& corner : tag.corners) {
@@ -34,7 +35,7 @@ std::vector<ObservedPoint> observe_points(const Campaign& campaign, double sigma
   for (const Anchor& anchor : campaign.building.anchors) {
     Random random(seed, "survey " + anchor.id);
     const Eigen::Vector3d common(0, 0, floor_error[static_cast<std::size_t>(anchor.floor - 1)]);
-    points.push_back({&anchor, anchor.built + random.normal3(sigma) + common});
+    points.push_back({&anchor, anchor.target() + random.normal3(sigma) + common});
   }
   return points;
 }

@@ -10,6 +10,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "geometry/random.hpp"
+
 namespace plumbline::simulate {
 namespace {
 
@@ -21,9 +23,24 @@ struct PlateDrawing {
   std::array<float, 144> modules;  // 12 × 12: the tag with its white edge, and the plate's metal around
   float module_size, inverse_module_size, tag_x, tag_y;
   float half_width, bottom, top, target_radius;
+  float ink_spread, bend, inverse_half;      // bend at the tag's corners, 1 / half its edge
+  std::vector<std::array<float, 3>> specks;  // u, v, radius
 };
 
-PlateDrawing make_drawing(const Anchor& anchor) {
+/// Specks of a plate: the same in every photograph of it.
+std::vector<std::array<float, 3>> specks_of(const Anchor& anchor, const PlateOutline& outline, double mean) {
+  std::vector<std::array<float, 3>> specks;
+  if (!(mean > 0)) return specks;
+  Random random(static_cast<std::uint64_t>(anchor.tag_id), "dirt");
+  const int count = static_cast<int>(mean + random.uniform());  // one more on some: `mean` on average
+  for (int i = 0; i < count; ++i)
+    specks.push_back({static_cast<float>(random.uniform(-outline.half_width, outline.half_width)),
+                      static_cast<float>(random.uniform(outline.bottom, outline.top)),
+                      static_cast<float>(random.uniform(0.002, 0.008))});
+  return specks;
+}
+
+PlateDrawing make_drawing(const Anchor& anchor, const Perturbations& flaws) {
   PlateDrawing d{};
   d.modules.fill(kMetal);
   const std::vector<float> tag = tag_modules(anchor.tag_id);
@@ -39,6 +56,10 @@ PlateDrawing make_drawing(const Anchor& anchor) {
   d.bottom = static_cast<float>(outline.bottom);
   d.top = static_cast<float>(outline.top);
   d.target_radius = static_cast<float>(outline.target_radius);
+  d.ink_spread = static_cast<float>(flaws.ink_spread);
+  d.bend = static_cast<float>(anchor.bend);
+  d.inverse_half = static_cast<float>(2 / anchor.true_plate.tag_size);
+  d.specks = specks_of(anchor, outline, flaws.dirt);
   return d;
 }
 
@@ -82,6 +103,26 @@ inline float tag_at(const PlateDrawing& d, float u, float v, float inverse_width
   return upper + b * (lower - upper);
 }
 
+/// The tag with its black grown at every edge: the darkest of a square of twice the spread.
+inline float printed_tag_at(const PlateDrawing& d, float u, float v, float inverse_width) {
+  const float g = d.ink_spread;
+  if (g == 0) return tag_at(d, u, v, inverse_width);
+  const float left = std::min(tag_at(d, u - g, v - g, inverse_width), tag_at(d, u - g, v + g, inverse_width));
+  return std::min(left, std::min(tag_at(d, u + g, v - g, inverse_width), tag_at(d, u + g, v + g, inverse_width)));
+}
+
+/// Dirt of a middle grey over everything.
+void draw_specks(const PlateDrawing& d, const float* u, const float* v, std::size_t count, float inverse_width,
+                 float* weighted, const float* coverage) {
+  constexpr float kDirt = 0.25f, kOpaque = 0.8f;
+  for (const auto& [x, y, radius] : d.specks)
+    for (std::size_t i = 0; i < count; ++i) {
+      const float du = u[i] - x, dv = v[i] - y;
+      const float share = kOpaque * step(radius - std::sqrt(du * du + dv * dv), inverse_width);
+      weighted[i] += share * (kDirt * coverage[i] - weighted[i]);
+    }
+}
+
 /// Draws samples at plate coordinates (u, v) [m]: reflectance · coverage and coverage.
 void draw_samples(const PlateDrawing& d, const float* u, const float* v, std::size_t count, float inverse_width,
                   float* weighted, float* coverage) {
@@ -90,8 +131,9 @@ void draw_samples(const PlateDrawing& d, const float* u, const float* v, std::si
     coverage[i] = share;
     weighted[i] = share <= 0                      ? 0
                   : v[i] < 1.3f * d.target_radius ? share * target_at(d, u[i], v[i], inverse_width)
-                                                  : share * tag_at(d, u[i], v[i], inverse_width);
+                                                  : share * printed_tag_at(d, u[i], v[i], inverse_width);
   }
+  draw_specks(d, u, v, count, inverse_width, weighted, coverage);
 }
 
 /// A quotient of linear functions at i = 0, 1, ...: where samples along a line of the image meet the plate.
@@ -170,8 +212,9 @@ class SampleLine {
  public:
   /// `footprint`: width of a sample on the plate [m]; `stride`: pixels a line holds.
   SampleLine(const PlateDrawing& drawing, const Eigen::Matrix3d& plate_from_image, const RayGrid& rays,
-             double footprint, std::size_t stride)
+             const Eigen::Vector3d& camera_in_plate, double footprint, std::size_t stride)
       : drawing_(drawing),
+        camera_(camera_in_plate.cast<float>()),
         h_(plate_from_image),
         rays_(rays),
         inverse_width_(static_cast<float>(1.0 / footprint)),
@@ -184,6 +227,7 @@ class SampleLine {
   /// stride + i / 4, so that the integration runs over neighbours in memory.
   void draw(double row, int first, std::vector<float>& weighted, std::vector<float>& coverage) {
     place(row, first);
+    if (drawing_.bend != 0) follow_bend();
     draw_samples(drawing_, u_.data(), v_.data(), u_.size(), inverse_width_, weighted_.data(), coverage_.data());
     const std::size_t stride = u_.size() / kSamples;
     for (std::size_t k = 0; k < kSamples; ++k) {
@@ -195,6 +239,20 @@ class SampleLine {
   }
 
  private:
+  /// From the plane to the twisted plate, z = bend · u v / h² about the tag's centre: two steps towards the camera.
+  void follow_bend() {
+    for (std::size_t i = 0; i < u_.size(); ++i) {
+      float u = u_[i], v = v_[i];
+      for (int pass = 0; pass < 2; ++pass) {
+        const float z =
+            drawing_.bend * (u - drawing_.tag_x) * (v - drawing_.tag_y) * drawing_.inverse_half * drawing_.inverse_half;
+        const float share = z / camera_.z();
+        u = u_[i] + (camera_.x() - u_[i]) * share, v = v_[i] + (camera_.y() - v_[i]) * share;
+      }
+      u_[i] = u, v_[i] = v;
+    }
+  }
+
   /// Plate coordinates of all samples, cell by cell of the grid of rays: within one, a ray is linear along the row.
   void place(double row, int first) {
     const int cell_row = std::clamp(static_cast<int>(std::floor(row / RayGrid::step)), 0, rays_.rows - 2);
@@ -221,6 +279,7 @@ class SampleLine {
   }
 
   const PlateDrawing& drawing_;
+  const Eigen::Vector3f camera_;
   const Eigen::Matrix3d h_;
   const RayGrid& rays_;
   float inverse_width_;
@@ -246,13 +305,14 @@ void integrate_line(const std::vector<float>& samples, const std::vector<float>&
 
 }  // namespace
 
-RayGrid::RayGrid(const BrownCamera& camera)
+RayGrid::RayGrid(const BrownCamera& camera, const Eigen::Vector2d& drift)
     : columns((camera.width + step - 1) / step + 1), rows((camera.height + step - 1) / step + 1) {
   x.reserve(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
   y.reserve(x.capacity());
   for (int r = 0; r < rows; ++r) {
+    const Eigen::Vector2d moved = drift * (static_cast<double>(r * step) / camera.height - 0.5);
     for (int c = 0; c < columns; ++c) {
-      const auto ray = unproject(camera, Eigen::Vector2d(c * step, r * step));
+      const auto ray = unproject(camera, Eigen::Vector2d(c * step, r * step) + moved);
       if (!ray) throw std::invalid_argument("the camera's distortion cannot be inverted within the image");
       x.push_back(ray->x());
       y.push_back(ray->y());
@@ -283,11 +343,11 @@ std::vector<float> tag_modules(int tag_id) {
 }
 
 PlateRaster raster_plate(const Anchor& anchor, const BrownCamera& camera, const RigidTransform& camera_from_building,
-                         const RayGrid& rays, double blur) {
+                         const RayGrid& rays, double blur, const Perturbations& flaws) {
   const std::vector<float> kernel = integration_kernel(blur);
   const int reach = static_cast<int>(kernel.size()) / 2;  // samples
   const int margin = (reach + kSamples - 1) / kSamples;   // pixels
-  const Window w = find_window(anchor, camera, camera_from_building, margin + 1);
+  const Window w = find_window(anchor, camera, camera_from_building, margin + 1 + flaws.rolling_shutter);
   PlateRaster out;
   if (w.right <= w.left || w.bottom <= w.top) return out;
   out.left = w.left, out.top = w.top, out.width = w.right - w.left, out.height = w.bottom - w.top;
@@ -295,7 +355,7 @@ PlateRaster raster_plate(const Anchor& anchor, const BrownCamera& camera, const 
   out.reflectance.assign(width * height, 0);
   out.coverage.assign(width * height, 0);
 
-  const PlateDrawing drawing = make_drawing(anchor);
+  const PlateDrawing drawing = make_drawing(anchor, flaws);
 
   // Lines of samples are integrated along the row first, then each adds to the rows of pixels it lies near. Tap k of
   // pixel i is sample 4 i + k - lead; drawing starts whole pixels before the window, `skip` samples before the first
@@ -306,7 +366,9 @@ PlateRaster raster_plate(const Anchor& anchor, const BrownCamera& camera, const 
   const std::size_t stride = width + static_cast<std::size_t>(2 * pixels_before + 1);
   std::vector<float> weighted(kSamples * stride), coverage(kSamples * stride), row_weighted(width), row_coverage(width);
   const double footprint = (camera_from_building * anchor.built).z() / camera.fx / kSamples;
-  SampleLine line(drawing, plate_from_image(anchor, camera_from_building), rays, footprint, stride);
+  const Eigen::Vector3d camera_in_plate =
+      (camera_from_building * anchor.building_from_plate).inverse() * Eigen::Vector3d::Zero();
+  SampleLine line(drawing, plate_from_image(anchor, camera_from_building), rays, camera_in_plate, footprint, stride);
   for (int s = -lead; s < kSamples * out.height + lead; ++s) {
     const double row = w.top + (s + 0.5) / kSamples - 0.5;
     line.draw(row, w.left - pixels_before, weighted, coverage);

@@ -5,6 +5,7 @@
 
 #include "building.hpp"
 #include "geometry/camera.hpp"
+#include "perturbations.hpp"
 
 namespace plumbline::simulate {
 
@@ -15,7 +16,8 @@ struct RayGrid {
   std::vector<double> x, y;  ///< rows × columns
 
   /// Throws std::invalid_argument if the distortion cannot be inverted within the image.
-  explicit RayGrid(const BrownCamera& camera);
+  /// `drift`: how far the image moves between the exposures of the first and the last row [px].
+  explicit RayGrid(const BrownCamera& camera, const Eigen::Vector2d& drift = {0, 0});
   std::size_t index(int column, int row) const {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(column);
   }
@@ -31,8 +33,8 @@ struct PlateRaster {
   std::vector<float> reflectance, coverage;      ///< height × width
 };
 
-/// `blur`: standard deviation of the point spread function [px].
+/// `blur`: standard deviation of the point spread function [px]; of `flaws`, ink_spread and dirt are drawn.
 PlateRaster raster_plate(const Anchor& anchor, const BrownCamera& camera, const RigidTransform& camera_from_building,
-                         const RayGrid& rays, double blur);
+                         const RayGrid& rays, double blur, const Perturbations& flaws = {});
 
 }  // namespace plumbline::simulate

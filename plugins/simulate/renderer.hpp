@@ -3,7 +3,8 @@
 // Plates are what is measured, so they are exact: each is sampled 4 × 4 times a pixel through the true camera
 // (distortion by a grid of 16 px whose interpolation error is about 0.001 px), edges inside a sample are area-filtered,
 // and the samples are integrated over pixel and point spread function. The wall behind them only has to look like one:
-// it is sampled once a pixel. Luma is linear in light. Same inputs, same bytes.
+// it is sampled once a pixel. Luma is linear in light, unless the perturbations ask for a transfer curve. Same inputs,
+// same bytes.
 #pragma once
 
 #include <cstdint>
@@ -13,6 +14,7 @@
 #include "building.hpp"
 #include "camera.hpp"
 #include "obstruction.hpp"
+#include "perturbations.hpp"
 
 namespace plumbline::simulate {
 
@@ -22,6 +24,7 @@ struct RenderOptions {
   double light_gradient = 0.2;  ///< relative change of the light across the facade
   double haze = 0;              ///< share of scattered light in the image, 0 to 1: contrast falls by it
   double exposure = 1.0;
+  Perturbations perturbations = {};  ///< those of the camera, the print and the scene
   std::uint64_t seed = 1;
 };
 

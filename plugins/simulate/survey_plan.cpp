@@ -159,6 +159,7 @@ StationPlan plan_set_ups(const Building& building, const SurveyOptions& options,
                random.normal3(0.1);
       s.instrument_height = round_to(1.45 + random.uniform(0, 0.25), 1e-3);  // read on a tape
       s.orientation = random.uniform(0, 2 * kPi);
+      s.given_mark = s.axis - Eigen::Vector3d(0, 0, s.instrument_height) + random.normal3(options.control_sigma);
       for (std::size_t a = 0; a < building.anchors.size(); ++a) {
         const int of = building.anchors[a].floor;
         // A single storey has nothing below it; each set-up sees its own storey and the one below.
@@ -235,7 +236,7 @@ survey::SurveyObservations observe(const Building& building, const StationPlan& 
           {point.id, observer.centred(point.truth + Eigen::Vector3d(0, 0, point.target_height)), point.target_height});
     }
     for (const std::size_t a : s.anchors) {
-      targets.push_back({building.anchors[a].id, observer.centred(building.anchors[a].built), 0.0});
+      targets.push_back({building.anchors[a].id, observer.centred(building.anchors[a].target()), 0.0});
     }
     for (int set = 1; set <= options.sets; ++set) {
       for (const Target& t : targets) observer.point_at(t.id, t.position, t.height, 1, set);

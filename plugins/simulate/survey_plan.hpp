@@ -18,6 +18,7 @@ struct SurveyOptions {
   double distance = 9.0;                     ///< of the set-ups from the facade [m]
   double control_sigma = 0.5e-3;             ///< of the ground control points' given coordinates, each axis [m]
   double set_up_height_sigma = 0.0;          ///< error of the measured instrument height of a set-up [m]
+  bool known_marks = false;                  ///< the set-ups' marks are control points, too
 };
 
 /// A ground control point: it carries the datum.
@@ -36,8 +37,10 @@ struct PlannedSetUp {
   Eigen::Vector3d axis = Eigen::Vector3d::Zero();  ///< truth: the instrument's centre [m]
   double instrument_height = 0;                    ///< truth: above the mark [m]
   double orientation = 0;                          ///< truth: azimuth of the circle's zero [rad]
-  std::vector<std::size_t> anchors;                ///< indices into Building::anchors
-  std::vector<std::size_t> ground_points;          ///< indices into StationPlan::ground_points
+  Eigen::Vector3d given_mark =
+      Eigen::Vector3d::Zero();             ///< what control.csv says of the mark below, if it is known [m]
+  std::vector<std::size_t> anchors;        ///< indices into Building::anchors
+  std::vector<std::size_t> ground_points;  ///< indices into StationPlan::ground_points
 };
 
 struct StationPlan {

@@ -99,6 +99,45 @@ TEST(SimulatedCampaign, IsWhatTheReaderOfSitesReads) {
   EXPECT_NEAR(header.focal_length, 0.024, 1e-9);
 }
 
+/// Over known marks a wrong instrument height moves all that its set-up sees: station and height are in control.csv.
+TEST(SimulatedCampaign, SetUpsMayStandOverKnownMarks) {
+  const test::TemporaryFolder folder;
+  CampaignOptions options;
+  options.building.floors = 2;
+  options.survey.known_marks = true;
+  options.survey.set_up_height_sigma = 0.003;
+  const Campaign c = make_campaign(options, 3);
+  write_campaign_files(c, folder.path());
+  const auto control = campaign::parse_control(test::read_file(folder.path() / "control.csv"), "control.csv");
+  ASSERT_EQ(control.size(), 4 + c.plan.set_ups.size());
+  double largest = 0;
+  for (std::size_t i = 0; i < c.plan.set_ups.size(); ++i) {
+    EXPECT_EQ(control[4 + i].id, c.plan.set_ups[i].id);
+    const double height = control[4 + i].position.z() + c.observations.set_ups[i].instrument_height;
+    EXPECT_LT((control[4 + i].position - c.plan.set_ups[i].axis).head<2>().norm(), 0.003);
+    EXPECT_NEAR(height, c.plan.set_ups[i].axis.z(), 0.015);
+    largest = std::max(largest, std::abs(height - c.plan.set_ups[i].axis.z()));
+  }
+  EXPECT_GT(largest, 0.001);
+}
+
+/// Each photograph has an interior orientation of its own, and the truth of its corners is taken with it.
+TEST(SimulatedCampaign, ImagesMayHaveTheirOwnPrincipalPoints) {
+  CampaignOptions options;
+  options.building.floors = 1;
+  options.cameras.images_per_floor = 4;
+  const Campaign fixed = make_campaign(options, 3);
+  options.perturbations.principal_point_sigma = 2;
+  const Campaign moving = make_campaign(options, 3);
+  const auto steady = observe_corners(fixed, 0, 3), moved = observe_corners(moving, 0, 3);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Eigen::Vector2d shift = moved[i].tags[0].corners[0] - steady[i].tags[0].corners[0];
+    EXPECT_NEAR(shift.x(), camera_at(moving, i).truth.cx - fixed.camera.truth.cx, 1e-9);
+    EXPECT_GT(shift.norm(), 0.01);
+  }
+  EXPECT_NE(camera_at(moving, 0).truth.cx, camera_at(moving, 1).truth.cx);
+}
+
 TEST(SimulatedCampaign, GsiHoldsTheObservations) {
   const test::TemporaryFolder folder;
   const Campaign c = small_campaign(1, 3);

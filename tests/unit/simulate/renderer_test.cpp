@@ -176,6 +176,100 @@ TEST(Renderer, DetectedCornersAgreeWithTheTruth) {
   }
 }
 
+/// What perturbs plates is in the truth of the corners: twisted and displaced tags are found where that says.
+TEST(Perturbations, OfPlatesAreInTheTruthOfTheCorners) {
+  BuildingOptions options{.floors = 1};
+  const Building plain = make_building(options, 1);
+  options.flaws.plate_bend = 0.004, options.flaws.plate_offset_sigma = 0.005, options.flaws.mounting_sigma = 0.005;
+  const Building flawed = make_building(options, 1);
+  const SimulatedCamera camera = small_camera(1);
+  const RigidTransform pose = plan_camera_stations(plain, camera, {}, 1)[0].camera_from_building;
+  RenderOptions render_options;
+  render_options.noise_scale = 0;
+  const GreyImage image = render(Renderer(flawed, camera, pose, render_options));
+  std::size_t found = 0, found_elsewhere = 0;
+  const auto truth = visible_tags(flawed, camera.truth, pose);
+  EXPECT_LT(corner_rms(image, truth, detect::Refinement::edges, found), 0.04);
+  EXPECT_EQ(found, truth.size());
+  EXPECT_GT(corner_rms(image, visible_tags(plain, camera.truth, pose), detect::Refinement::edges, found_elsewhere),
+            0.5);
+  EXPECT_EQ(flawed.anchors[3].built, plain.anchors[3].built);
+  EXPECT_GT((flawed.anchors[3].target() - flawed.anchors[3].built).norm(), 1e-3);
+}
+
+/// The same view in a tenth of the demo camera's resolution.
+GreyImage tiny_view(const Perturbations& perturbations) {
+  CameraProfile profile = camera_profile("demo_24mp");
+  BrownCamera& c = profile.nominal;
+  c.width = 600, c.height = 400;
+  for (double* value : {&c.fx, &c.fy, &c.cx, &c.cy}) *value *= 0.1;
+  const SimulatedCamera camera = make_camera(profile, 1);
+  const Building b = make_building({.floors = 1}, 1);
+  RenderOptions options;
+  options.noise_scale = 0;
+  options.perturbations = perturbations;
+  return render(Renderer(b, camera, look_at({4, -8, 2}, {4, 0, 2}, 0), options));
+}
+
+TEST(Perturbations, HaveEachItsEffectAndNoneOfThemIsTheIdealPicture) {
+  const GreyImage ideal = tiny_view({});
+  EXPECT_EQ(ideal.pixels, tiny_view(optics_of("ideal")).pixels);
+  const auto changed = [&](auto member, double size) {
+    Perturbations p;
+    p.*member = size;
+    return tiny_view(p).pixels != ideal.pixels;
+  };
+  EXPECT_TRUE(changed(&Perturbations::sharpening, 0.5));
+  EXPECT_TRUE(changed(&Perturbations::motion_blur, 5));
+  EXPECT_TRUE(changed(&Perturbations::rolling_shutter, 5));
+  EXPECT_TRUE(changed(&Perturbations::ink_spread, 0.01));
+  EXPECT_TRUE(changed(&Perturbations::dirt, 20));
+  EXPECT_TRUE(changed(&Perturbations::glare, 1));
+  EXPECT_TRUE(changed(&Perturbations::clutter, 1));
+  EXPECT_THROW(optics_of("kind"), std::invalid_argument);
+  EXPECT_GT(optics_of("real").sharpening, 0);
+  Perturbations unknown;
+  unknown.transfer = "film";
+  EXPECT_THROW(tiny_view(unknown), std::invalid_argument);
+}
+
+TEST(Perturbations, TransferCurveIsThatOfSrgb) {
+  Perturbations p;
+  p.transfer = "srgb";
+  const GreyImage linear = tiny_view({}), curved = tiny_view(p);
+  std::size_t off = 0;
+  for (std::size_t i = 0; i < linear.pixels.size(); ++i) {
+    // A linear value stands for half a grey value up and down; at 0.04 and more of the light the curve is less than 4
+    // steep.
+    if (linear.pixels[i] < 10 || linear.pixels[i] > 254) continue;
+    const double expected = 255 * (1.055 * std::pow(linear.pixels[i] / 255.0, 1 / 2.4) - 0.055);
+    off += std::abs(curved.pixels[i] - expected) > 3;
+  }
+  EXPECT_EQ(off, 0u);
+}
+
+TEST(Perturbations, LackOfLightIsNoise) {
+  const auto noise = [](double stops) {
+    Perturbations p;
+    p.low_light = stops;
+    const Building b = make_building({.floors = 1}, 1);
+    CameraProfile profile = camera_profile("quick_6mp");
+    const SimulatedCamera camera = make_camera(profile, 1);
+    RenderOptions with, without;
+    with.perturbations = without.perturbations = p;
+    without.noise_scale = 0;
+    const RigidTransform pose = look_at({4, -8, 2}, {4, 0, 2}, 0);
+    Renderer::Band noisy, clean;
+    Renderer(b, camera, pose, with).render(60, noisy);
+    Renderer(b, camera, pose, without).render(60, clean);
+    double sum = 0;
+    for (std::size_t i = 0; i < clean.luma.size(); ++i) sum += std::pow(noisy.luma[i] - clean.luma[i], 2);
+    return std::sqrt(sum / static_cast<double>(clean.luma.size()));
+  };
+  const double little = noise(2), much = noise(6);  // 2 and 8 times the noise of full light
+  EXPECT_NEAR(much / little, 4, 0.4);
+}
+
 TEST(Renderer, AScaffoldHidesTheTagsThatItsGeometrySays) {
   const Building b = make_building({.floors = 1}, 1);
   const SimulatedCamera camera = small_camera(1);
