@@ -64,11 +64,17 @@ struct DetectTagPyramid : Node {
     });
     for (const auto& tag : found.tags) result.tags.push_back(tag_artifact(tag));
     if (!found.tags.empty()) return;
-    if (found.mirrored)
+    if (found.mirrored) {
       result.problem =
           "the photograph is mirrored: tags are found only after a flip. Export it from the camera without mirroring "
           "(selfie and web-camera programs mirror)";
-    context.warn(result.path + ": " + (found.mirrored ? result.problem : "no tag found"));
+    } else {
+      constexpr int kSide = 2048;  // the middle tells what is wrong without holding the image
+      result.problem = why_nothing_is_found(
+          read_grey_part(path, (rows->width() - kSide) / 2, (rows->height() - kSide) / 2, kSide, kSide));
+    }
+    context.warn(result.path + ": " + (found.mirrored ? "" : "no tag found") +
+                 (!found.mirrored && !result.problem.empty() ? "; " : "") + result.problem);
   }
 
   std::vector<SquareFamily> wanted() const {

@@ -8,6 +8,7 @@
 
 #include "detect/corner_refinement.hpp"
 #include "detect/level_search.hpp"
+#include "plumbline/stop.hpp"
 
 #define PLUMBLINE_CLONES __attribute__((target_clones("avx2", "default")))
 
@@ -346,6 +347,7 @@ PyramidResult TagPyramid::detect(GreyRows& rows, const ReadPart& part) const {
   // Rows below a figure's first one that have to be known before it is followed.
   const int depth = held - kBlock - 2 * kMargin - kLag * levels.back().factor;
   while (window.end() < height) {
+    stop_point();
     for (int i = 0; i < kBlock && window.end() < height; ++i) {
       std::uint8_t* row = window.next();
       rows.next(row);
