@@ -1,10 +1,10 @@
 // Cameras and points in space on a plain canvas: no library and no WebGL, so it runs wherever the page opens.
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 #include "report/image_block_drawing.hpp"
+#include "report/script_data.hpp"
 
 namespace plumbline::report {
 namespace {
@@ -62,32 +62,6 @@ const char* const space_script = R"js(
 })();
 )js";
 
-std::string number(double value) {
-  char buffer[64];
-  const auto end = std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::fixed, 5);
-  return std::string(buffer, end.ptr);
-}
-
-/// A JSON string that cannot end the script element; bytes as Latin-1 escapes, which the script decodes as UTF-8.
-std::string quoted(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (byte < 0x20 || byte >= 0x7F || c == '"' || c == '\\' || c == '<' || c == '>' || c == '&') {
-      char escape[8];
-      std::snprintf(escape, sizeof escape, "\\u%04x", byte);
-      out += escape;
-    } else {
-      out += c;
-    }
-  }
-  return out + "\"";
-}
-
-std::string array(const Eigen::Vector3d& v) {
-  return "[" + number(v.x()) + "," + number(v.y()) + "," + number(v.z()) + "]";
-}
-
 }  // namespace
 
 void draw_space(Markup& html, const std::vector<DrawnCamera>& cameras, const std::vector<DrawnPoint>& points) {
@@ -104,12 +78,12 @@ void draw_space(Markup& html, const std::vector<DrawnCamera>& cameras, const std
   std::string list, seen;
   for (size_t i = 0; i < std::min(most, points.size()); ++i)
     if (points[i].position.allFinite())
-      list += (list.empty() ? "" : ",") + ("{\"n\":" + quoted(points[i].name)) +
-              ",\"p\":" + array(points[i].position - middle) + "}";
+      list += (list.empty() ? "" : ",") + ("{\"n\":" + script_text(points[i].name)) +
+              ",\"p\":" + script_vector(points[i].position - middle, 5) + "}";
   for (const auto& c : cameras)
     if (c.centre.allFinite() && c.forward.allFinite())
-      seen += (seen.empty() ? "" : ",") + ("{\"n\":" + quoted(c.name)) + ",\"p\":" + array(c.centre - middle) +
-              ",\"d\":" + array(c.forward) + "}";
+      seen += (seen.empty() ? "" : ",") + ("{\"n\":" + script_text(c.name)) +
+              ",\"p\":" + script_vector(c.centre - middle, 5) + ",\"d\":" + script_vector(c.forward, 5) + "}";
   {
     Scope figure(html, "figure", {{"id", "space"}, {"hidden", "hidden"}, {"class", "screen"}});
     html.element("canvas",
@@ -123,8 +97,8 @@ void draw_space(Markup& html, const std::vector<DrawnCamera>& cameras, const std
     html.element("p", {{"class", "note"}}, "Drag to turn, wheel to zoom, tap a camera or a point for its name.");
   }
   html.open("script", {{"type", "application/json"}, {"id", "space-data"}})
-      .raw("{\"axes\":[" + array(right) + "," + array(up) + "," + array(right.cross(up)) + "],\"points\":[" + list +
-           "],\"cameras\":[" + seen + "]}")
+      .raw("{\"axes\":[" + script_vector(right, 5) + "," + script_vector(up, 5) + "," +
+           script_vector(right.cross(up), 5) + "],\"points\":[" + list + "],\"cameras\":[" + seen + "]}")
       .close();
   html.open("script").raw(space_script).close();
 }

@@ -6,45 +6,17 @@
 
 #include "report/format.hpp"
 #include "report/plot.hpp"
+#include "report/script_data.hpp"
 #include "report/sections.hpp"
 
 namespace plumbline::report {
 
 namespace {
 
-/// For the script: plain decimals, null for what is not known.
-std::string number(double value, int decimals = 6) {
-  if (!std::isfinite(value)) return "null";
-  char buffer[64];
-  const auto end = std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::fixed, decimals);
-  return std::string(buffer, end.ptr);
-}
-
-/// A JSON string that cannot end the script element.
-std::string quoted(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (byte < 0x20 || byte >= 0x7F || c == '"' || c == '\\' || c == '<' || c == '>' || c == '&') {
-      // Latin-1 escapes of the bytes; the script decodes them as UTF-8.
-      char escape[8];
-      std::snprintf(escape, sizeof escape, "\\u%04x", byte);
-      out += escape;
-    } else {
-      out += c;
-    }
-  }
-  return out + "\"";
-}
-
-std::string vector_of(const Eigen::Vector3d& v, int decimals) {
-  return "[" + number(v.x(), decimals) + "," + number(v.y(), decimals) + "," + number(v.z(), decimals) + "]";
-}
-
 /// [value, u, tolerance, factor] in mm; factor: how many times tau the tolerance is, 0 if it does not move with it.
 std::string judged(double value, double u, double tolerance, double factor) {
-  return "[" + number(1e3 * value) + "," + number(1e3 * u) + "," + number(1e3 * tolerance) + "," + number(factor, 0) +
-         "]";
+  return "[" + script_number(1e3 * value, 6) + "," + script_number(1e3 * u, 6) + "," +
+         script_number(1e3 * tolerance, 6) + "," + script_number(factor, 0) + "]";
 }
 
 double factor_of(double tolerance, double tau) {
@@ -57,9 +29,9 @@ std::string anchor_json(const AnchorDeviationT& a, const Eigen::Vector3d& origin
     if (axis->tolerance > 0 && std::isfinite(axis->value))
       axes += (axes.empty() ? "" : ",") +
               judged(axis->value, axis->u, axis->tolerance, axis->source.starts_with("default") ? 1 : 0);
-  return "{\"n\":" + quoted(a.id) + ",\"f\":" + std::to_string(a.floor) + ",\"p\":" + vector_of(a.design - origin, 4) +
-         ",\"d\":" + vector_of(1e3 * a.deviation, 3) + ",\"w\":" + std::to_string(static_cast<int>(a.verdict)) +
-         ",\"l\":[" + axes + "]}";
+  return "{\"n\":" + script_text(a.id) + ",\"f\":" + std::to_string(a.floor) +
+         ",\"p\":" + script_vector(a.design - origin, 4) + ",\"d\":" + script_vector(1e3 * a.deviation, 3) +
+         ",\"w\":" + std::to_string(static_cast<int>(a.verdict)) + ",\"l\":[" + axes + "]}";
 }
 
 std::string panel_json(const PanelDeviationT& p, const DeviationT& deviation, const Eigen::Vector3d& origin,
@@ -79,8 +51,8 @@ std::string panel_json(const PanelDeviationT& p, const DeviationT& deviation, co
   std::map<std::string, Eigen::Vector3d> place;
   for (const auto& corner : p.corners) place[corner->name] = corner->design;
   for (const char* name : {"bottom_left", "bottom_right", "top_right", "top_left"})
-    corners += (corners.empty() ? "" : ",") + vector_of(place[name] - origin, 4);
-  return "{\"n\":" + quoted(p.name.empty() ? p.guid : p.name) + ",\"f\":" + std::to_string(p.floor) +
+    corners += (corners.empty() ? "" : ",") + script_vector(place[name] - origin, 4);
+  return "{\"n\":" + script_text(p.name.empty() ? p.guid : p.name) + ",\"f\":" + std::to_string(p.floor) +
          ",\"w\":" + std::to_string(static_cast<int>(p.verdict)) + ",\"m\":" + (p.missing.empty() ? "0" : "1") +
          ",\"l\":[" + lengths + "],\"a\":[" + anchors + "],\"q\":[" + corners + "]}";
 }
@@ -101,14 +73,15 @@ std::string data_of(const ReportInput& input) {
       anchors += (anchors.empty() ? "" : ",\n") + anchor_json(*anchor, origin);
     }
     for (const auto& panel : d.panels) panels += (panels.empty() ? "" : ",\n") + panel_json(*panel, d, origin, index);
-    text = "{\"tau\":" + number(1e3 * d.tau) + ",\"k\":" + number(d.guard_factor) +
+    text = "{\"tau\":" + script_number(1e3 * d.tau, 6) + ",\"k\":" + script_number(d.guard_factor, 6) +
            ",\"doubt\":" + (d.doubts.empty() ? "false" : "true") + ",\"anchors\":[" + anchors + "],\"panels\":[" +
            panels + "]";
   }
   std::string heights;
   if (const AccuracyComparisonT* c = headline(input.accuracy))
     for (const auto& a : input.accuracy.anchors)
-      if (a->use == c->use && a->survey) heights += (heights.empty() ? "" : ",") + number(1e3 * a->survey->dz);
+      if (a->use == c->use && a->survey)
+        heights += (heights.empty() ? "" : ",") + script_number(1e3 * a->survey->dz, 6);
   return text + ",\"checks\":[" + heights + "]}";
 }
 

@@ -1,0 +1,17 @@
+// Data for the scripts of a page, as JSON that may stand inside a script element.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+
+namespace plumbline::report {
+
+/// Plain decimals; null for what is not known or has more than fifty digits.
+std::string script_number(double value, int decimals);
+/// A string that cannot end the script element: bytes beyond plain ASCII as Latin-1 escapes, which the script decodes
+/// as UTF-8.
+std::string script_text(const std::string& text);
+/// [x,y,z]
+std::string script_vector(const Eigen::Vector3d& v, int decimals);
+
+}  // namespace plumbline::report
