@@ -11,6 +11,7 @@
 #include "evaluate/crossval_nodes.hpp"
 #include "evaluate/deviation_node.hpp"
 #include "evaluate/errors_node.hpp"
+#include "evaluate/image_plan_node.hpp"
 #include "evaluate/metrics.hpp"
 #include "evaluate/point_input.hpp"
 #include "judgement/accuracy.hpp"
@@ -136,5 +137,6 @@ struct EvaluateAccuracy : Node {
 }  // namespace plumbline::evaluate
 
 PLUMBLINE_PLUGIN("evaluate", "0.1.0", "MIT", plumbline::evaluate::EvaluateAccuracy, plumbline::evaluate::EvaluateErrors,
-                 plumbline::evaluate::EvaluateCrlb, plumbline::evaluate::EvaluateWithhold,
-                 plumbline::evaluate::EvaluateLengths, plumbline::evaluate::EvaluateDeviation)
+                 plumbline::evaluate::EvaluateCrlb, plumbline::evaluate::PlanImages,
+                 plumbline::evaluate::EvaluateWithhold, plumbline::evaluate::EvaluateLengths,
+                 plumbline::evaluate::EvaluateDeviation)

@@ -1,15 +1,17 @@
 // The bound against a second derivation: the whole system at once, its derivatives by differences of the projection.
-#include "judgement/tag_bound.hpp"
+#include "block/tag_bound.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
 #include <cmath>
 
+#include "block/image_plan.hpp"
 #include "geometry/marker_plate.hpp"
 #include "geometry/random.hpp"
 
-namespace plumbline::evaluate {
+namespace plumbline::adjust {
 namespace {
 
 /// Five plates on a facade in two batches, four convergent images, control on three of them with correlated heights.
@@ -147,7 +149,13 @@ TEST(TagBound, ControlOnOneLineLeavesTheDatumOpen) {
   BoundProblem problem = small_problem();
   problem.control = {0};
   problem.control_covariance = 1e-6 * Eigen::MatrixXd::Identity(3, 3);
-  EXPECT_THROW(tag_bound(problem), std::runtime_error);
+  try {
+    tag_bound(problem);
+    FAIL() << "one anchor holds no rotation";
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("rotation about"));
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("of the whole block"));
+  }
 }
 
 TEST(TagBound, MoreObservationsNeverRaiseIt) {
@@ -166,5 +174,63 @@ TEST(TagBound, APlateThatNoImageShowsHasNone) {
   EXPECT_TRUE(bound.topLeftCorner(15, 15).allFinite());
 }
 
+const std::vector<std::size_t> all_plates{0, 1, 2, 3, 4};
+
+/// Variances of the heights of all plates.
+Eigen::VectorXd height_variances(const BoundProblem& problem) {
+  const Eigen::VectorXd diagonal = tag_bound(problem).diagonal();
+  return diagonal(Eigen::seqN(2, static_cast<Eigen::Index>(problem.plates.size()), 3));
+}
+
+TEST(ImagePlan, GainOfAnImageIsThatOfAdjustingWithIt) {
+  const BoundProblem problem = small_problem();
+  BoundProblem more = problem;
+  std::vector<BoundTag> tags;
+  for (const BoundTag& tag : problem.tags)
+    if (tag.image == 3) tags.push_back(tag);
+  more.cam_from_world.push_back(problem.cam_from_world[3]);
+  for (BoundTag tag : tags) tag.image = 4, more.tags.push_back(tag);
+  const TagBound bound(problem);
+  const Eigen::VectorXd gain = bound.height_gain(bound.of_image(problem.cam_from_world[3], tags), all_plates),
+                        expected = height_variances(problem) - height_variances(more);
+  for (Eigen::Index i = 0; i < gain.size(); ++i) EXPECT_NEAR(gain(i), expected(i), 1e-6 * expected.maxCoeff());
+  EXPECT_GT(expected.minCoeff(), 0);
+}
+
+TEST(ImagePlan, GainOfASurveyedMarkerIsThatOfAdjustingWithIt) {
+  const BoundProblem problem = small_problem();
+  BoundProblem more = problem;
+  more.control.push_back(3);
+  more.control_covariance.conservativeResizeLike(Eigen::MatrixXd::Zero(12, 12));
+  more.control_covariance.bottomRightCorner<3, 3>() = 4e-6 * Eigen::Matrix3d::Identity();
+  const TagBound bound(problem);
+  const Eigen::VectorXd gain = bound.height_gain(bound.of_survey(3, 2e-3), all_plates),
+                        expected = height_variances(problem) - height_variances(more);
+  for (Eigen::Index i = 0; i < gain.size(); ++i) EXPECT_NEAR(gain(i), expected(i), 1e-6 * expected.maxCoeff());
+}
+
+TEST(ImagePlan, ListsWhatSaysLittleAndWhatGainsMost) {
+  BoundProblem problem = small_problem();
+  std::erase_if(problem.tags, [](const BoundTag& tag) { return tag.image == 1 && tag.plate > 1; });
+  const ImagePlan plan = plan_images(problem, TagBound(problem), {0, 2, 3, 4}, {});
+  ASSERT_EQ(plan.weak.size(), 1u);
+  EXPECT_EQ(plan.weak[0].image, 1u);
+  EXPECT_EQ(plan.weak[0].plates, 2);
+  const std::vector<int> wanted{0, 2, 3, 4};
+  const Eigen::VectorXd heights = height_variances(problem)(wanted);
+  EXPECT_NEAR(plan.rmse_z, std::sqrt(heights.mean()), 1e-12);
+  EXPECT_NEAR(plan.worst_sigma, std::sqrt(heights.maxCoeff()), 1e-12);
+  std::size_t surveys = 0;
+  for (std::size_t i = 0; i < plan.additions.size(); ++i) {
+    const Addition& a = plan.additions[i];
+    EXPECT_LE(a.rmse_z, plan.rmse_z);
+    const double cost = a.kind == Addition::Kind::survey ? 3 : 1;
+    EXPECT_NEAR(a.per_cost, (1 - a.rmse_z / plan.rmse_z) / cost, 1e-12);
+    EXPECT_LE(a.per_cost, plan.additions[i > 0 ? i - 1 : 0].per_cost);
+    surveys += a.kind == Addition::Kind::survey;
+  }
+  EXPECT_EQ(surveys, 1u);  // plate 1: neither control nor one that counts
+}
+
 }  // namespace
-}  // namespace plumbline::evaluate
+}  // namespace plumbline::adjust

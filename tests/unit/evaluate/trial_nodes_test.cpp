@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "artifacts/camera.hpp"
+#include "artifacts/file.hpp"
+#include "artifacts/image_plan.hpp"
 #include "artifacts/image_tags.hpp"
 #include "artifacts/plates.hpp"
 #include "artifacts/points.hpp"
@@ -100,6 +102,33 @@ TEST(Crlb, IsWhatTheAdjusterPredictsForACleanSite) {
   ASSERT_EQ(predicted.points.size(), limit.points.size());
   for (const auto& p : predicted.points)
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(p->sigma(c) / of_limit.at(p->id)->sigma(c), 1, 0.02) << p->id << " " << c;
+}
+
+/// With control on the ground floor only, what helps is a survey higher up; the words say so.
+TEST(PlanImages, AdvisesToSurveyWhereTheControlIsMissing) {
+  NodeHarness site("simulate.observations"), plan("plan.images");
+  site.seed(5);
+  site.set("floors", "3");
+  site.set("control", "ground_floor");
+  site.run();
+  for (std::size_t i = 0; i < site.output_count("observations"); ++i)
+    plan.input<ImageTags>("observations", site.output<ImageTags>("observations", i));
+  plan.input<Camera>("camera", site.output<Camera>("camera"));
+  plan.input<Plates>("plates", site.output<Plates>("plates"));
+  plan.input<Poses>("poses", site.output<Poses>("true_poses"));
+  plan.input<Points>("points", site.output<Points>("truth"));
+  plan.input<Points>("control", site.output<Points>("points"));
+  plan.set("additions", "2");
+  plan.run();
+  const ImagePlanT result = plan.output<ImagePlan>("plan");
+  ASSERT_EQ(result.additions.size(), 6u) << "two of each kind";
+  EXPECT_EQ(result.additions[0]->what, "survey");
+  EXPECT_EQ(result.additions[0]->of.substr(0, 3), "F03");
+  EXPECT_LT(result.additions[0]->rmse_z, 0.7 * result.rmse_z);
+  EXPECT_GT(result.rmse_3d, result.rmse_z);
+  EXPECT_NEAR(result.pass_rate, 1, 0.02);
+  const FileT file = plan.output<File>("verdict");
+  EXPECT_THAT(std::string(file.content.begin(), file.content.end()), HasSubstr("survey: " + result.additions[0]->of));
 }
 
 PlatesT plates_of(int floors) {

@@ -1,0 +1,238 @@
+#include "block/tag_bound.hpp"
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "block/defects.hpp"
+#include "plumbline/stop.hpp"
+
+namespace plumbline::adjust {
+
+namespace {
+
+using Eigen::Index;
+using Matrix26 = Eigen::Matrix<double, 2, 6>;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+/// Derivatives of a pixel by the camera's parameters, by central differences: the model is smooth and of order one.
+Eigen::Matrix<double, 2, BrownCamera::parameter_count> by_camera(const BrownCamera& camera, double x, double y) {
+  Eigen::Matrix<double, 2, BrownCamera::parameter_count> slope;
+  const auto values = camera.parameters();
+  for (int i = 0; i < BrownCamera::parameter_count; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const double step = i < 4 ? 1e-2 : 1e-5;
+    Eigen::Vector2d ends[2];
+    for (int side = 0; side < 2; ++side) {
+      auto moved = values;
+      moved[k] += side ? step : -step;
+      project_normalised(moved.data(), x, y, ends[side].data());
+    }
+    slope.col(i) = (ends[1] - ends[0]) / (2 * step);
+  }
+  return slope;
+}
+
+/// "the position of A and B", or a motion of the whole block, for a null vector of the scaled information.
+std::string name_of_defect(const BoundProblem& problem, const Eigen::VectorXd& change) {
+  std::vector<NamedPoint> points, held;
+  for (const BoundPlate& plate : problem.plates) points.push_back({plate.anchor, plate.position});
+  for (const std::size_t j : problem.control) held.push_back(points[j]);
+  Eigen::VectorXd moved(static_cast<Index>(3 * points.size()));
+  double largest = 0;
+  for (std::size_t j = 0; j < points.size(); ++j) {
+    moved.segment<3>(static_cast<Index>(3 * j)) = change.segment<3>(static_cast<Index>(6 * j));
+    largest = std::max(largest, moved.segment<3>(static_cast<Index>(3 * j)).norm());
+  }
+  const Eigen::Vector3d centre = centre_of(points);
+  const Eigen::MatrixXd basis = motion_basis(points, centre);
+  const Eigen::VectorXd motion = basis.completeOrthogonalDecomposition().solve(moved);
+  if (largest > 0 && (basis * motion - moved).norm() < 0.05 * moved.norm()) {
+    double extent = 1e-9;
+    for (const auto& point : points) extent = std::max(extent, (point.position - centre).norm());
+    const auto names = describe_motions(motion, centre, extent, held);
+    if (!names.empty()) return names.front() + " of the whole block";
+  }
+  std::vector<std::string> loose;
+  for (std::size_t j = 0; j < points.size() && largest > 0; ++j)
+    if (moved.segment<3>(static_cast<Index>(3 * j)).norm() > 0.3 * largest) loose.push_back(points[j].name);
+  if (loose.size() > 6) loose = {loose[0], loose[1], loose[2], std::to_string(loose.size() - 3) + " others"};
+  return loose.empty() ? "the interior orientation" : "the position of " + enumerate(loose);
+}
+
+Eigen::MatrixXd inverse(const Eigen::MatrixXd& covariance) {
+  const Eigen::LLT<Eigen::MatrixXd> factor(covariance);
+  if (factor.info() != Eigen::Success) throw std::runtime_error("a covariance that is given is not positive definite");
+  return factor.solve(Eigen::MatrixXd::Identity(covariance.rows(), covariance.cols()));
+}
+
+}  // namespace
+
+TagBound::TagBound(const BoundProblem& problem)
+    : problem_(problem),
+      camera_at_(static_cast<Index>(6 * problem.plates.size())),
+      batch_at_(camera_at_ + static_cast<Index>(problem.free_parameters.size())),
+      size_(batch_at_ + (problem.batch_scale_sigma > 0 ? problem.batches : 0)),
+      information_(Eigen::MatrixXd::Zero(size_, size_)) {
+  std::vector<std::vector<const BoundTag*>> by_image(problem_.cam_from_world.size());
+  for (const BoundTag& tag : problem_.tags) by_image.at(tag.image).push_back(&tag);
+  for (std::size_t i = 0; i < by_image.size(); ++i) {
+    stop_point();
+    const std::string name = i < problem_.images.size() ? problem_.images[i] : "number " + std::to_string(i + 1);
+    if (!by_image[i].empty()) add(eliminate(problem_.cam_from_world[i], by_image[i], name));
+  }
+  add_priors();
+  invert();
+}
+
+/// Columns of the rest that a tag touches: its plate, the camera, its batch.
+std::vector<Index> TagBound::columns_of(const BoundTag& tag) const {
+  std::vector<Index> columns;
+  for (Index k = 0; k < 6; ++k) columns.push_back(static_cast<Index>(6 * tag.plate) + k);
+  for (Index k = camera_at_; k < batch_at_; ++k) columns.push_back(k);
+  if (scales_batches()) columns.push_back(batch_at_ + problem_.plates[tag.plate].batch);
+  return columns;
+}
+
+/// Whitened derivatives of a tag's corners by the pose (rotation in the camera frame, translation) and the rest.
+void TagBound::derivatives(const RigidTransform& pose, const BoundTag& tag, Eigen::Matrix<double, 8, 6>& by_pose,
+                           Eigen::MatrixXd& by_rest) const {
+  const BoundPlate& plate = problem_.plates[tag.plate];
+  const Eigen::Matrix3d rotation = pose.rotation.toRotationMatrix(),
+                        plate_rotation = plate.world_from_plate.toRotationMatrix();
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Eigen::Vector3d arm = plate_rotation * plate.corners_in_plate[i],
+                          in_camera = rotation * (plate.position + arm) + pose.translation;
+    const auto projection = project_with_slope(problem_.camera, in_camera);
+    if (!projection)
+      throw std::runtime_error("anchor " + plate.anchor +
+                               " lies behind an image that shows it; poses and points do not "
+                               "belong together");
+    const Eigen::Matrix2d whiten =
+        Eigen::LLT<Eigen::Matrix2d>(tag.covariances[i]).matrixL().solve(Eigen::Matrix2d::Identity());
+    const Eigen::Matrix<double, 2, 3> slope = whiten * projection->by_point;
+    const auto row = static_cast<Index>(2 * i);
+    by_pose.block<2, 3>(row, 0) = -slope * skew(in_camera - pose.translation);
+    by_pose.block<2, 3>(row, 3) = slope;
+    by_rest.block<2, 3>(row, 0) = slope * rotation;
+    by_rest.block<2, 3>(row, 3) = -slope * rotation * skew(arm);
+    const auto camera = by_camera(problem_.camera, in_camera.x() / in_camera.z(), in_camera.y() / in_camera.z());
+    for (std::size_t k = 0; k < problem_.free_parameters.size(); ++k)
+      by_rest.block<2, 1>(row, 6 + static_cast<Index>(k)) = whiten * camera.col(problem_.free_parameters[k]);
+    if (scales_batches())
+      by_rest.block<2, 1>(row, by_rest.cols() - 1) =
+          slope * rotation * plate_rotation * (plate.corners_in_plate[i] - plate.tag_centre_in_plate);
+  }
+}
+
+/// What an image says of the rest once its pose is eliminated (Schur complement).
+BoundInformation TagBound::eliminate(const RigidTransform& cam_from_world, const std::vector<const BoundTag*>& tags,
+                                     const std::string& image) const {
+  Matrix6 pose = Matrix6::Zero();
+  std::vector<Index> place(static_cast<std::size_t>(size_), -1);
+  BoundInformation result;
+  const Index widest = static_cast<Index>(6 * tags.size()) + size_ - camera_at_;
+  Eigen::MatrixXd cross = Eigen::MatrixXd::Zero(6, widest), own = Eigen::MatrixXd::Zero(widest, widest);
+  for (const BoundTag* tag : tags) {
+    std::vector<Index> touched = columns_of(*tag);
+    Eigen::Matrix<double, 8, 6> by_pose;
+    Eigen::MatrixXd by_rest(8, static_cast<Index>(touched.size()));
+    derivatives(cam_from_world, *tag, by_pose, by_rest);
+    for (Index& column : touched) {
+      Index& where = place[static_cast<std::size_t>(column)];
+      if (where < 0) {
+        where = static_cast<Index>(result.unknowns.size());
+        result.unknowns.push_back(column);
+      }
+      column = where;
+    }
+    pose += by_pose.transpose() * by_pose;
+    cross(Eigen::all, touched) += by_pose.transpose() * by_rest;
+    own(touched, touched) += by_rest.transpose() * by_rest;
+  }
+  // Rotations are of order one and translations of metres, so the pivots can be compared with the largest.
+  const Eigen::LDLT<Matrix6> factor(pose);
+  if (factor.info() != Eigen::Success || !(factor.vectorD().minCoeff() > 1e-12 * factor.vectorD().maxCoeff()))
+    throw std::runtime_error("image " + image + " with " + std::to_string(tags.size()) +
+                             " tags does not determine its pose");
+  const auto used = static_cast<Index>(result.unknowns.size());
+  result.matrix = own.topLeftCorner(used, used) - cross.leftCols(used).transpose() * factor.solve(cross.leftCols(used));
+  return result;
+}
+
+void TagBound::add(const BoundInformation& more) { information_(more.unknowns, more.unknowns) += more.matrix; }
+
+void TagBound::add_priors() {
+  const Index cameras = batch_at_ - camera_at_;
+  if (problem_.camera_prior.size() > 0)
+    information_.block(camera_at_, camera_at_, cameras, cameras) += inverse(problem_.camera_prior);
+  if (scales_batches())
+    for (Index k = batch_at_; k < size_; ++k)
+      information_(k, k) += 1 / (problem_.batch_scale_sigma * problem_.batch_scale_sigma);
+  std::vector<Index> rows;
+  for (const std::size_t j : problem_.control)
+    for (Index c = 0; c < 3; ++c) rows.push_back(static_cast<Index>(6 * j) + c);
+  if (!rows.empty()) information_(rows, rows) += inverse(problem_.control_covariance);
+}
+
+void TagBound::invert() {
+  // Scaled to a unit diagonal (Jacobi), so that the pivots tell what is determined. Plates that no image shows are
+  // left out; their bound is infinite.
+  std::vector<Index> used;
+  for (Index k = 0; k < size_; ++k)
+    if (information_(k, k) > 0) used.push_back(k);
+  const auto n = static_cast<Index>(used.size());
+  const Eigen::VectorXd scale = information_.diagonal()(used).cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd scaled = scale.asDiagonal() * information_(used, used) * scale.asDiagonal();
+  const Eigen::LDLT<Eigen::MatrixXd> factor(scaled);
+  if (factor.info() != Eigen::Success || !(factor.vectorD().minCoeff() > 1e-13)) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> spectrum(scaled);
+    Eigen::VectorXd change = Eigen::VectorXd::Zero(size_);
+    change(used) = scale.cwiseProduct(spectrum.eigenvectors().col(0));
+    throw std::runtime_error("the geometry leaves " + name_of_defect(problem_, change) +
+                             " undetermined: control that is missing or lies on one line, or plates in too few images");
+  }
+  covariance_ = Eigen::MatrixXd::Zero(size_, size_);
+  covariance_.diagonal().setConstant(std::numeric_limits<double>::infinity());
+  covariance_(used, used) = scale.asDiagonal() * factor.solve(Eigen::MatrixXd::Identity(n, n)) * scale.asDiagonal();
+}
+
+Eigen::MatrixXd TagBound::anchors() const {
+  std::vector<Index> rows;
+  for (std::size_t j = 0; j < problem_.plates.size(); ++j)
+    for (Index c = 0; c < 3; ++c) rows.push_back(static_cast<Index>(6 * j) + c);
+  return covariance_(rows, rows);
+}
+
+BoundInformation TagBound::of_image(const RigidTransform& cam_from_world, const std::vector<BoundTag>& tags) const {
+  std::vector<const BoundTag*> known;
+  for (const BoundTag& tag : tags)
+    if (information_(static_cast<Index>(6 * tag.plate), static_cast<Index>(6 * tag.plate)) > 0) known.push_back(&tag);
+  if (known.empty()) return {};
+  return eliminate(cam_from_world, known, "that is added");
+}
+
+BoundInformation TagBound::of_survey(std::size_t plate, double sigma) const {
+  BoundInformation result;
+  for (Index c = 0; c < 3; ++c) result.unknowns.push_back(static_cast<Index>(6 * plate) + c);
+  result.matrix = Eigen::Matrix3d::Identity() / (sigma * sigma);
+  return result;
+}
+
+Eigen::VectorXd TagBound::height_gain(const BoundInformation& more, const std::vector<std::size_t>& plates) const {
+  if (more.unknowns.empty()) return Eigen::VectorXd::Zero(static_cast<Index>(plates.size()));
+  std::vector<Index> heights;
+  for (const std::size_t j : plates) heights.push_back(static_cast<Index>(6 * j + 2));
+  const auto n = static_cast<Index>(more.unknowns.size());
+  const Eigen::MatrixXd across = covariance_(heights, more.unknowns),
+                        grown =
+                            Eigen::MatrixXd::Identity(n, n) + covariance_(more.unknowns, more.unknowns) * more.matrix;
+  // R (I + C R)^-1 is symmetric, so its transpose can be solved for.
+  const Eigen::MatrixXd weight = grown.transpose().partialPivLu().solve(more.matrix);
+  return (across * weight).cwiseProduct(across).rowwise().sum();
+}
+
+Eigen::MatrixXd tag_bound(const BoundProblem& problem) { return TagBound(problem).anchors(); }
+
+}  // namespace plumbline::adjust
