@@ -6,24 +6,12 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include "block/control_words.hpp"
 #include "block/tag_block_model.hpp"
-#include "geometry/statistics.hpp"
 
 namespace plumbline::adjust {
 namespace {
 
 using bundle::Kind;
-
-void require_usable(const TagBlock& block, const TagBlockOptions& options) {
-  if (block.images.size() < 2)
-    throw std::runtime_error("a block needs at least 2 images, this one has " + std::to_string(block.images.size()));
-  if (block.observations.empty()) throw std::runtime_error("no image shows a tag of a known plate");
-  if (options.weighting == TagBlockOptions::Weighting::lambda && !(options.lambda > 0 && options.corner_sigma > 0))
-    throw std::runtime_error("lambda weighting needs lambda > 0 [px^2/m^2] and corner_sigma > 0 [px]");
-  for (const auto& plate : block.plates)
-    if (!(plate.plate.tag_size > 0)) throw std::runtime_error("the plate of " + plate.anchor + " has no tag size");
-}
 
 bool scale_is_unknown(const TagModel& model) {
   return std::any_of(model.problem.batches.begin(), model.problem.batches.end(),
@@ -181,45 +169,6 @@ void fill_statistics(const TagBlockOptions& options, const TagModel& model, Solv
   }
 }
 
-/// Detectors know their standard deviations to a factor of some five: residuals larger than that are no noise.
-constexpr double largest_image_factor = 25;
-constexpr double test_level = 1e-4;
-
-void fill_tests(const TagBlock& block, const TagBlockOptions& options, TagBlockResult& result) {
-  if (options.weighting == TagBlockOptions::Weighting::lambda) return;  // weights are not claims about variances there
-  for (const auto& group : result.groups) {
-    if (!(group.redundancy > 0.1)) continue;
-    GroupTest test;
-    test.group = group.name;
-    test.factor = group.factor;
-    char figure[160];
-    if (group.name == "images") {
-      test.factor *= result.image_variance_factor;
-      test.limit = largest_image_factor;
-      std::snprintf(figure, sizeof figure, "the tags fit %.1f times worse than the detector says of its corners",
-                    std::sqrt(test.factor));
-      test.words = std::string(figure) + ": camera model or calibration, tag size or plate table are wrong";
-    } else {
-      test.limit = chi_squared_quantile(1 - test_level, group.redundancy) / group.redundancy;
-      std::snprintf(figure, sizeof figure, " (variance factor %.3g, expected 1, at most %.2f)", test.factor,
-                    test.limit);
-      test.words =
-          (group.name == "control"
-               ? "images and survey contradict each other far beyond the survey's standard deviations"
-           : group.name == "interior prior" ? "the images contradict the camera's calibration far beyond its sigmas: "
-                                              "wrong calibration, lens or focus"
-           : group.name == "tag scale prior"
-               ? "the tags are not of the size given: printed at another scale, or measured wrong"
-               : "the images contradict the " + group.name) +
-          std::string(figure);
-    }
-    test.passed = test.factor <= test.limit;
-    if (group.name == "control" && !test.passed) test.words += control_in_words(block, result);
-    if (test.passed) test.words.clear();
-    result.tests.push_back(test);
-  }
-}
-
 void fill_poses(const TagBlock& block, const TagStart& start, const TagModel& model, const bundle::Layout& layout,
                 const Solved& solved, TagBlockResult& result) {
   result.cam_from_world.resize(block.images.size());
@@ -344,8 +293,18 @@ Solved solve_under(const std::vector<std::string>& weak_datum, const TagBlockOpt
 
 }  // namespace
 
+void require_usable(const TagBlock& block) {
+  if (block.images.size() < 2)
+    throw std::runtime_error("a block needs at least 2 images, this one has " + std::to_string(block.images.size()));
+  if (block.observations.empty()) throw std::runtime_error("no image shows a tag of a known plate");
+  for (const auto& plate : block.plates)
+    if (!(plate.plate.tag_size > 0)) throw std::runtime_error("the plate of " + plate.anchor + " has no tag size");
+}
+
 TagBlockResult adjust_tag_block(const TagBlock& given, const TagBlockOptions& options) {
-  require_usable(given, options);
+  require_usable(given);
+  if (options.weighting == TagBlockOptions::Weighting::lambda && !(options.lambda > 0 && options.corner_sigma > 0))
+    throw std::runtime_error("lambda weighting needs lambda > 0 [px^2/m^2] and corner_sigma > 0 [px]");
   TagBlockResult result;
   std::vector<bool> use(given.observations.size(), true);
   TagBlock block = given;
@@ -375,7 +334,8 @@ TagBlockResult adjust_tag_block(const TagBlock& given, const TagBlockOptions& op
   fill_unknowns(block, start, model, layout, solved, result);
   fill_tags(start, model, solved, result);
   fill_control(start, model, layout, solved, result);
-  fill_tests(block, options, result);
+  // Weights by λ are no claims about variances.
+  if (options.weighting != TagBlockOptions::Weighting::lambda) test_groups(block, result);
   return result;
 }
 

@@ -126,10 +126,10 @@ struct TagBlockResult {
   BrownCamera camera;
   Eigen::MatrixXd camera_covariance;                          ///< 9 × 9, zero for parameters held fixed
   std::vector<std::optional<RigidTransform>> cam_from_world;  ///< one an image; nothing if left out
-  std::vector<Matrix6> pose_covariance;                       ///< rotation vector in the camera frame, translation
-  std::vector<int> plates;                                    ///< adjusted plates, indices into TagBlock::plates
-  Eigen::VectorXd anchors;                                    ///< 3n, in the order of `plates` [m]
-  Eigen::MatrixXd anchor_covariance;                          ///< 3n × 3n [m²]
+  std::vector<Matrix6> pose_covariance;  ///< rotation vector in the camera frame, translation; empty: not known
+  std::vector<int> plates;               ///< adjusted plates, indices into TagBlock::plates
+  Eigen::VectorXd anchors;               ///< 3n, in the order of `plates` [m]
+  Eigen::MatrixXd anchor_covariance;     ///< 3n × 3n [m²]; empty: not known
   std::vector<Eigen::Quaterniond> world_from_plate;
   std::vector<int> images_per_plate;
   std::vector<TagBatch> batches;

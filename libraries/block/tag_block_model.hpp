@@ -36,4 +36,12 @@ struct TagModel {
 };
 TagModel build_tag_model(const TagBlock& block, const TagBlockOptions& options, const TagStart& start);
 
+/// Fills result.tests from result.groups: images against the detector's own covariances (before image_variance_factor),
+/// within what detectors are wrong by; control and priors by the chi-squared test at 1e-4. Groups without redundancy
+/// are not tested.
+void test_groups(const TagBlock& block, TagBlockResult& result);
+
+/// Throws std::runtime_error if the block has fewer than two images, no tag of a known plate or a plate without size.
+void require_usable(const TagBlock& block);
+
 }  // namespace plumbline::adjust

@@ -23,6 +23,10 @@ Eigen::MatrixXd regular(Eigen::MatrixXd covariance) {
 
 bool is_check(const std::string& role) { return role == "check"; }
 
+/// The larger or the smaller of two, and nan if either is not known.
+double larger(double a, double b) { return std::isnan(b) ? b : std::max(a, b); }
+double smaller(double a, double b) { return std::isnan(b) ? b : std::min(a, b); }
+
 }  // namespace
 
 TagBlockBuilder::TagBlockBuilder(CameraT camera, PlatesT plates, PosesT poses)
@@ -147,11 +151,13 @@ PointsT TagBlockBuilder::points(const TagBlockResult& result) const {
     auto entry = std::make_unique<PointT>();
     entry->id = plate.anchor;
     entry->position = result.anchors.segment<3>(at);
-    entry->sigma = result.anchor_covariance.diagonal().segment<3>(at).cwiseSqrt();
+    entry->sigma.setConstant(std::nan(""));
+    if (result.anchor_covariance.size() > 0)
+      entry->sigma = result.anchor_covariance.diagonal().segment<3>(at).cwiseSqrt();
     entry->role = plate.role;
     points.points.push_back(std::move(entry));
   }
-  points.covariance = pack_symmetric(result.anchor_covariance);
+  if (result.anchor_covariance.size() > 0) points.covariance = pack_symmetric(result.anchor_covariance);
   points.statistics = statistics(result);
   return points;
 }
@@ -182,7 +188,7 @@ PosesT TagBlockBuilder::poses(const TagBlockResult& result) const {
     auto entry = std::make_unique<PoseT>();
     entry->path = block_.images[i].name;
     entry->cam_from_world = *result.cam_from_world[i];
-    entry->covariance = pack_symmetric(result.pose_covariance[i]);
+    if (!result.pose_covariance.empty()) entry->covariance = pack_symmetric(result.pose_covariance[i]);
     entry->inliers = corners[i];
     entry->correspondences = offered[i];
     entry->rms = std::sqrt(squares[i] / std::max(1, 2 * corners[i]));
@@ -199,10 +205,10 @@ void TagBlockBuilder::describe_images(const TagBlockResult& result, BlockT& arti
       image.largest_w = image.rms = image.largest_minimal_detectable_error = 0, image.smallest_redundancy_number = 1;
     ++image.tags;
     image.rms += tag.rms * tag.rms;
-    image.largest_w = std::max(image.largest_w, tag.largest_normalised);
-    image.smallest_redundancy_number = std::min(image.smallest_redundancy_number, tag.smallest_redundancy);
+    image.largest_w = larger(image.largest_w, tag.largest_normalised);
+    image.smallest_redundancy_number = smaller(image.smallest_redundancy_number, tag.smallest_redundancy);
     image.largest_minimal_detectable_error =
-        std::max(image.largest_minimal_detectable_error, tag.largest_detectable_error);
+        larger(image.largest_minimal_detectable_error, tag.largest_detectable_error);
   }
   for (auto& [index, image] : images) {
     image.path = block_.images[static_cast<size_t>(index)].name;

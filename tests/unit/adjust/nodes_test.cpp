@@ -135,6 +135,12 @@ TEST(AdjustCeresNode, TwoControlPointsLeaveARotation) {
   EXPECT_THAT(failure(node), HasSubstr("rotation about the line through F01-C02-R1 and F01-C02-R2"));
 }
 
+TEST(AdjustColmapNode, RefusesMeasuredTargetsInWords) {
+  NodeHarness node("adjust.colmap");
+  node.input<ImageBlock>("block", ImageBlockT());
+  EXPECT_THAT(failure(node), HasSubstr("use adjust.schur or adjust.ceres"));
+}
+
 class ImageBlockNodes : public testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(Adjusters, ImageBlockNodes, testing::Values("adjust.schur", "adjust.ceres"), test_name);
 

@@ -33,6 +33,7 @@ const std::vector<Library> libraries = {
     {"registration", {"geometry"}},
     {"block", {"adjustment", "geometry", "text"}},
     {"markers", {"block", "adjustment", "geometry", "text"}},
+    {"colmap", {"markers", "block", "registration", "adjustment", "geometry"}},
     {"judgement", {"geometry", "ifc"}},
     {"pose", {"geometry"}},
     {"artifacts", {"geometry", "survey", "survey_files", "block", "judgement"}},
