@@ -39,12 +39,32 @@ double largest_move(const Corners& a, const Corners& b) {
   return largest;
 }
 
+std::vector<const std::uint8_t*> rows_of(const GreyImage& image) {
+  std::vector<const std::uint8_t*> rows;
+  for (int y = 0; y < image.height; ++y)
+    rows.push_back(&image.pixels[static_cast<size_t>(y) * static_cast<size_t>(image.width)]);
+  return rows;
+}
+
+/// The same tags printed white on black.
+SquareFamily negative_of(SquareFamily family) {
+  const size_t bits = family.cells.size();
+  const std::uint64_t mask = bits < 64 ? (std::uint64_t{1} << bits) - 1 : ~std::uint64_t{0};
+  for (std::uint64_t& code : family.codes) code ^= mask;
+  family.bright_inside = !family.bright_inside;
+  return family;
+}
+
 }  // namespace
 
 struct ArucoDetector::Impl {
   TagDictionary dictionary;
   ArucoOptions options;
   cv::Ptr<cv::aruco::Dictionary> codes;
+  double chance = 0;
+  LikenessLimit limit;
+  // Of dictionaries up to 8 x 8 cells; larger ones need no check.
+  std::optional<SquareDecoder> plain, negative;
 
   cv::Ptr<cv::aruco::DetectorParameters> parameters(int longest_side) const {
     auto p = cv::aruco::DetectorParameters::create();
@@ -105,6 +125,32 @@ struct ArucoDetector::Impl {
       tags[k].refined = true;
     }
   }
+
+  /// Whether the tag of code number `index` looks like its drawing; white on black too if that is looked for.
+  bool alike(const PixelRows& image, const DetectedTag& tag, size_t index) const {
+    if (!limit.checks() || !plain) return true;
+    Corners upright = tag.corners;  // as OpenCV draws it
+    if (dictionary.turned) std::rotate(upright.begin(), upright.begin() + 2, upright.end());
+    return limit.holds(likeness(image, upright, plain->family(), index)) ||
+           (options.white_on_black && limit.holds(likeness(image, upright, negative->family(), index)));
+  }
+
+  /// Squares that are no tags of the dictionary, but would be in a mirror.
+  int mirrored_in(const PixelRows& image, const std::vector<std::vector<cv::Point2f>>& rejected) const {
+    if (!plain) return 0;
+    const LikenessLimit sure = likeness_limit(1);
+    int count = 0;
+    for (const auto& square : rejected) {
+      Corners c;
+      for (size_t i = 0; i < 4; ++i) c[i] = {static_cast<double>(square[i].x), static_cast<double>(square[i].y)};
+      const auto code = plain->read(image, {c[0], c[3], c[2], c[1]}).code;
+      if (!code) continue;
+      const auto& ids = plain->family().ids;
+      const auto index = static_cast<size_t>(std::find(ids.begin(), ids.end(), code->id) - ids.begin());
+      count += sure.holds(likeness(image, code->corners, plain->family(), index));
+    }
+    return count;
+  }
 };
 
 ArucoDetector::ArucoDetector(const TagDictionary& dictionary, const ArucoOptions& options)
@@ -113,20 +159,31 @@ ArucoDetector::ArucoDetector(const TagDictionary& dictionary, const ArucoOptions
   impl_->dictionary = dictionary;
   impl_->options = options;
   impl_->codes = opencv_dictionary(dictionary);
+  const auto bits = static_cast<size_t>(dictionary.size) * static_cast<size_t>(dictionary.size);
+  impl_->chance = chance_of_code(dictionary.codes.size(), bits,
+                                 static_cast<int>(options.correction_rate * dictionary.correctable_bits));
+  impl_->limit = options.limit ? *options.limit : likeness_limit(impl_->chance);
+  if (dictionary.size > 8) return;
+  const SquareFamily family = dictionary_square_family(dictionary);
+  impl_->plain.emplace(family, 0);
+  impl_->negative.emplace(negative_of(family), 0);
 }
 ArucoDetector::~ArucoDetector() = default;
 
-std::vector<DetectedTag> ArucoDetector::detect(const GreyImage& image) const {
-  std::vector<DetectedTag> tags;
-  if (image.width < 16 || image.height < 16) return tags;
+double ArucoDetector::chance() const { return impl_->chance; }
+
+ArucoSearch ArucoDetector::search(const GreyImage& image) const {
+  ArucoSearch result;
+  if (image.width < 16 || image.height < 16) return result;
   const cv::Mat view(image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.pixels.data()));
-  std::vector<std::vector<cv::Point2f>> corners;
+  std::vector<std::vector<cv::Point2f>> corners, rejected;
   std::vector<int> numbers;
-  cv::aruco::detectMarkers(view, impl_->codes, corners, numbers,
-                           impl_->parameters(std::max(image.width, image.height)));
+  cv::aruco::detectMarkers(view, impl_->codes, corners, numbers, impl_->parameters(std::max(image.width, image.height)),
+                           rejected);
   // OpenCV goes clockwise from the top left of its own drawing of the marker.
   const std::array<size_t, 4> order =
       impl_->dictionary.turned ? std::array<size_t, 4>{1, 0, 3, 2} : std::array<size_t, 4>{3, 2, 1, 0};
+  std::vector<DetectedTag> tags;
   for (size_t k = 0; k < numbers.size(); ++k) {
     DetectedTag tag;
     tag.family = impl_->dictionary.name;
@@ -137,11 +194,20 @@ std::vector<DetectedTag> ArucoDetector::detect(const GreyImage& image) const {
     tags.push_back(std::move(tag));
   }
   impl_->measure(image, view, tags);
-  std::sort(tags.begin(), tags.end(), [](const DetectedTag& a, const DetectedTag& b) {
+  const auto rows = rows_of(image);
+  const PixelRows pixels{0, image.width, 0, image.height, rows.data()};
+  for (size_t k = 0; k < tags.size(); ++k) {
+    if (impl_->alike(pixels, tags[k], static_cast<size_t>(numbers[k])))
+      result.tags.push_back(std::move(tags[k]));
+    else
+      ++result.unlike;
+  }
+  result.mirrored = impl_->mirrored_in(pixels, rejected);
+  std::sort(result.tags.begin(), result.tags.end(), [](const DetectedTag& a, const DetectedTag& b) {
     return std::make_tuple(a.id, a.corners[0].x(), a.corners[0].y()) <
            std::make_tuple(b.id, b.corners[0].x(), b.corners[0].y());
   });
-  return tags;
+  return result;
 }
 
 }  // namespace plumbline::detect

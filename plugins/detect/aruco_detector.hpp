@@ -3,8 +3,10 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
+#include "detect/likeness.hpp"
 #include "detect/tag_detector.hpp"
 #include "detect/tag_dictionary.hpp"
 
@@ -18,6 +20,14 @@ struct ArucoOptions {
   EdgeFitOptions edge = {.gamma = 0};         ///< the transfer curve is estimated from the image
   double sigma_floor = 0.02;                  ///< added in quadrature to the fit's sigma [px]
   double unrefined_sigma = 0.3;               ///< of corners that are OpenCV's own [px]
+  /// What a tag must look like; unset: by how likely chance reads a code of the dictionary.
+  std::optional<LikenessLimit> limit;
+};
+
+struct ArucoSearch {
+  std::vector<DetectedTag> tags;
+  int unlike = 0;    ///< read as a tag, but do not look like its drawing, and are left out
+  int mirrored = 0;  ///< tags seen in a mirror or printed mirrored
 };
 
 /// May be used by several threads at a time.
@@ -30,7 +40,11 @@ class ArucoDetector {
 
   /// Tags of the image, sorted by id and position, corners in the order of DetectedTag; the same image gives the same
   /// bits.
-  std::vector<DetectedTag> detect(const GreyImage& image) const;
+  std::vector<DetectedTag> detect(const GreyImage& image) const { return search(image).tags; }
+  ArucoSearch search(const GreyImage& image) const;
+
+  /// Probability that a square of the scene with cells of chance is read as a tag.
+  double chance() const;
 
  private:
   struct Impl;

@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <utility>
 
 #include "artifacts/file.hpp"
 #include "detect/aruco_detector.hpp"
@@ -12,7 +13,7 @@
 namespace plumbline::detect {
 
 struct DetectAruco : Node {
-  static constexpr Info info{"detect.aruco", "detector", 2,
+  static constexpr Info info{"detect.aruco", "detector", 3,
                              "Finds ArUco markers (also those of a ChArUco board) and measures their corners"};
   Each<Image> images{"images", "photographs: JPEG, PNG or TIFF"};
   Optional<File> family{"family", "the dictionary of read.tag_family, in place of `dictionary`"};
@@ -29,6 +30,9 @@ struct DetectAruco : Node {
                                 "how much a lens may bow a straight edge; 0: not at all"};
   Param<double> sigma_floor{"sigma_floor", 0.02, "px", between(0, 10), "added in quadrature to the fit's sigma"};
   Param<double> opencv_sigma{"opencv_sigma", 0.3, "px", between(0.001, 10), "sigma of corners that are OpenCV's own"};
+  Param<double> min_likeness{"min_likeness", 0.0, between(-1, 1),
+                             "smallest correlation of a tag's grey values with its drawing; 0: by how easily chance "
+                             "reads a code of the dictionary (0.85 from 1 % on, 0.7 from 0.01 % on), -1: none"};
   Param<std::string> on_bad_image{"on_bad_image", "error", one_of("error", "leave_out"),
                                   "what to do with a photograph that cannot be read: stop, or go on without it"};
   Out<ImageTags> observations{"observations", "the tags with the covariance of every corner"};
@@ -41,9 +45,23 @@ struct DetectAruco : Node {
     options.refinement = *refine == "edges" ? Refinement::edges : Refinement::apriltag;
     options.edge.curvature_sigma = *curvature_sigma;
     options.sigma_floor = *sigma_floor, options.unrefined_sigma = *opencv_sigma;
+    if (*min_likeness != 0) options.limit = LikenessLimit{*min_likeness, 1e300};
     const ArucoDetector detector(codes(), options);
-    observations.commit(search_image(context, *images, *on_bad_image == "error",
-                                     [&](const GreyImage& grey) { return detector.detect(grey); }));
+    ArucoSearch first;
+    bool searched = false;  // the photograph as it is; later calls look at it in a mirror
+    ImageTagsT result = search_image(
+        context, *images, *on_bad_image == "error",
+        [&](const GreyImage& grey) {
+          ArucoSearch found = detector.search(grey);
+          if (!std::exchange(searched, true)) first = found;
+          return std::move(found.tags);
+        },
+        detector.chance() >= kWeakChance);
+    if (!result.tags.empty() && first.mirrored > 0)
+      context.warn(
+          result.path + ": " + std::to_string(first.mirrored) + (first.mirrored == 1 ? " tag is" : " tags are") +
+          " mirrored (printed so, or seen in glass or water) and left out. Print them again as they are drawn");
+    observations.commit(result);
   }
 
  private:

@@ -161,6 +161,7 @@ SeenBoard find_charuco(const GreyImage& image, const cv::Mat& view, const Board&
   SeenBoard seen;
   ArucoOptions options;
   options.refinement = Refinement::apriltag;
+  options.limit = LikenessLimit{};  // the board's geometry tells what does not belong to it
   const auto tags = ArucoDetector(board.dictionary, options).detect(image);
   const size_t expected = charuco_markers(board, false).size();
   size_t known = 0;

@@ -41,7 +41,7 @@ std::string apriltag_family_of(const std::string& name, size_t file_size) {
   throw std::runtime_error("'" + name + "' is an OpenCV dictionary, not an AprilTag family; use detector=aruco");
 }
 
-FileT tag_family_file(const std::string& family) {
+FileT tag_family_file(const std::string& family, std::string& weakness) {
   FileT result;
   result.name = family;
   std::error_code failed;
@@ -49,7 +49,7 @@ FileT tag_family_file(const std::string& family) {
   if (!fs::is_regular_file(family, failed)) {
     const bool looks_like_path = family.find_first_of("/.") != std::string::npos;
     if (!looks_like_path) {
-      if (!is_dictionary(family)) builtin_dictionary(family);  // throws what is known
+      weakness = weakness_of(builtin_dictionary(family));  // throws what is known
       return result;
     }
     throw std::runtime_error("there is no dictionary file " + fs::absolute(family).string() +
@@ -62,7 +62,8 @@ FileT tag_family_file(const std::string& family) {
   std::ifstream stream(family, std::ios::binary);
   result.name = fs::path(family).filename().string();
   result.content.assign(std::istreambuf_iterator<char>(stream), {});
-  parse_dictionary(std::string(result.content.begin(), result.content.end()), family);  // a mistake is told here, once
+  // A mistake is told here, once.
+  weakness = weakness_of(parse_dictionary(std::string(result.content.begin(), result.content.end()), family));
   return result;
 }
 

@@ -15,8 +15,9 @@ std::string apriltag_family_of(const std::string& name, size_t file_size);
 /// covariance [[xx, xy, yy] × 4], refined}}, numbers with 17 significant digits.
 std::string observations_json(const TagObservationsT& observations);
 
-/// What read.tag_family gives: the name alone, or name and content of the file of that name. Throws with what is known.
-FileT tag_family_file(const std::string& family);
+/// What read.tag_family gives: the name alone, or name and content of the file of that name; `weakness` has what is
+/// doubtful about it. Throws with what is known.
+FileT tag_family_file(const std::string& family, std::string& weakness);
 
 struct ReadTagFamily : Node {
   // Reads a file that is told only by its name among names of families, so the host cannot know when it changed.
@@ -26,7 +27,12 @@ struct ReadTagFamily : Node {
       "family", required, "a name (tag36h11, DICT_6X6_1000, ...) or the path of a dictionary file in OpenCV's format"};
   Out<File> out{"family", "name, and for a dictionary file its content"};
 
-  void run(Context&) override { out.commit(tag_family_file(*family)); }
+  void run(Context& context) override {
+    std::string weakness;
+    const FileT file = tag_family_file(*family, weakness);
+    if (!weakness.empty()) context.warn(*family + ": " + weakness);
+    out.commit(file);
+  }
 };
 
 struct CollectTags : Node {

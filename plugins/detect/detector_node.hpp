@@ -40,6 +40,29 @@ inline GreyImage mirrored(const GreyImage& image) {
   return result;
 }
 
+inline GreyImage negative(const GreyImage& image) {
+  GreyImage result = image;
+  for (auto& pixel : result.pixels) pixel = static_cast<std::uint8_t>(255 - pixel);
+  return result;
+}
+
+/// Why a photograph shows `count` tags where there are more: they are found only in a mirror, or as negatives.
+inline std::string found_only_otherwise(const GreyImage& grey, size_t count, bool by_chance,
+                                        const SearchImage& search) {
+  const auto some = [](size_t n) { return std::to_string(n) + (n == 1 ? " tag is" : " tags are"); };
+  const size_t in_mirror = search(mirrored(grey)).size();
+  if (in_mirror > 2 * count + (by_chance ? 1 : 0))
+    return "the photograph is mirrored: " + some(in_mirror) +
+           " found only after a flip. Export it from the camera without mirroring (selfie and web-camera programs "
+           "mirror)";
+  const size_t as_negative = count == 0 ? search(negative(grey)).size() : 0;
+  if (as_negative > 0)
+    return some(as_negative) +
+           " printed white on black. detector=aruco tags.with.white_on_black=true takes them, or print them as they "
+           "are drawn";
+  return {};
+}
+
 /// The result for a photograph, without tags yet.
 inline ImageTagsT registered(const Image& photograph) {
   ImageTagsT result;
@@ -60,9 +83,10 @@ inline void check_size(const std::string& path, int width, int height, ImageTags
 }
 
 /// Reads the photograph and searches it. A file that cannot be read is an error, or with `stop_at_bad` false a result
-/// that says so in `problem`.
+/// that says so in `problem`. `by_chance`: squares of the scene may be read as tags, so some are found in a mirrored
+/// photograph, too.
 inline ImageTagsT search_image(const Context& context, const Image& photograph, bool stop_at_bad,
-                               const SearchImage& search) {
+                               const SearchImage& search, bool by_chance = false) {
   ImageTagsT result = registered(photograph);
   GreyImage grey;
   const std::string path = context.resolve(photograph.uri()->str());
@@ -76,17 +100,17 @@ inline ImageTagsT search_image(const Context& context, const Image& photograph, 
     return result;
   }
   const auto tags = search(grey);
+  if (tags.empty() || by_chance) {
+    const std::string otherwise = found_only_otherwise(grey, tags.size(), by_chance, search);
+    if (!otherwise.empty()) {
+      result.problem = otherwise;
+      context.warn(result.path + ": " + otherwise);
+      return result;
+    }
+  }
   if (tags.empty()) {
-    const size_t in_mirror = search(mirrored(grey)).size();
-    if (in_mirror > 0)
-      result.problem = "the photograph is mirrored: " + std::to_string(in_mirror) +
-                       (in_mirror == 1 ? " tag is" : " tags are") +
-                       " found only after a flip. Export it from the camera without mirroring (selfie and web-camera "
-                       "programs mirror)";
-    else
-      result.problem = why_nothing_is_found(grey);
-    context.warn(result.path + ": " + (in_mirror > 0 ? "" : "no tag found") +
-                 (in_mirror == 0 && !result.problem.empty() ? "; " : "") + result.problem);
+    result.problem = why_nothing_is_found(grey);
+    context.warn(result.path + ": no tag found" + (result.problem.empty() ? "" : "; ") + result.problem);
   }
   for (const auto& tag : tags) result.tags.push_back(tag_artifact(tag));
   return result;

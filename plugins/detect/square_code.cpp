@@ -14,20 +14,6 @@
 namespace plumbline::detect {
 namespace {
 
-/// Plane projectivity from cells (0 … modules) to the image.
-Eigen::Matrix3d image_from_cells(const std::array<Eigen::Vector2d, 4>& c, int modules) {
-  // From the unit square (Heckbert 1989, eq. 2.14), corners in the order (0,0), (1,0), (1,1), (0,1).
-  const Eigen::Vector2d d1 = c[1] - c[2], d2 = c[3] - c[2], s = c[0] - c[1] + c[2] - c[3];
-  const double determinant = d1.x() * d2.y() - d2.x() * d1.y();
-  const double g = (s.x() * d2.y() - d2.x() * s.y()) / determinant;
-  const double h = (d1.x() * s.y() - s.x() * d1.y()) / determinant;
-  Eigen::Matrix3d m;
-  m << c[1].x() - c[0].x() + g * c[1].x(), c[3].x() - c[0].x() + h * c[3].x(), c[0].x(),
-      c[1].y() - c[0].y() + g * c[1].y(), c[3].y() - c[0].y() + h * c[3].y(), c[0].y(), g, h, 1;
-  m.leftCols<2>() /= modules;
-  return m;
-}
-
 /// Grey values of one colour over the tag: a plane, so that a gradient of the light does no harm.
 class GreyPlane {
  public:
@@ -50,6 +36,19 @@ class GreyPlane {
 };
 
 }  // namespace
+
+Eigen::Matrix3d image_from_cells(const std::array<Eigen::Vector2d, 4>& c, int modules) {
+  // From the unit square (Heckbert 1989, eq. 2.14), corners in the order (0,0), (1,0), (1,1), (0,1).
+  const Eigen::Vector2d d1 = c[1] - c[2], d2 = c[3] - c[2], s = c[0] - c[1] + c[2] - c[3];
+  const double determinant = d1.x() * d2.y() - d2.x() * d1.y();
+  const double g = (s.x() * d2.y() - d2.x() * s.y()) / determinant;
+  const double h = (d1.x() * s.y() - s.x() * d1.y()) / determinant;
+  Eigen::Matrix3d m;
+  m << c[1].x() - c[0].x() + g * c[1].x(), c[3].x() - c[0].x() + h * c[3].x(), c[0].x(),
+      c[1].y() - c[0].y() + g * c[1].y(), c[3].y() - c[0].y() + h * c[3].y(), c[0].y(), g, h, 1;
+  m.leftCols<2>() /= modules;
+  return m;
+}
 
 SquareFamily apriltag_square_family(const std::string& name) {
   const TagFamily source = make_tag_family(name);
@@ -117,6 +116,19 @@ SquareDecoder::SquareDecoder(const SquareFamily& family, int max_hamming)
     mirrored_.push_back(index.at({last - x, y}));
   }
   for (std::size_t i = 0; i < family.codes.size(); ++i) exact_.emplace(family.codes[i], static_cast<int>(i));
+}
+
+double chance_of_code(std::size_t codes, std::size_t bits, int corrected) {
+  double words = 0, choices = 1;  // binomial coefficient of `bits` over k
+  for (int k = 0; k <= corrected; ++k) {
+    words += choices;
+    choices *= static_cast<double>(bits - static_cast<std::size_t>(k)) / (k + 1);
+  }
+  return std::min(1.0, 4 * static_cast<double>(codes) * words * std::pow(0.5, static_cast<double>(bits)));
+}
+
+double SquareDecoder::chance() const {
+  return chance_of_code(family_.codes.size(), family_.cells.size(), max_hamming_);
 }
 
 std::optional<std::array<int, 2>> SquareDecoder::find(std::uint64_t code) const {

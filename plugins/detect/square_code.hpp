@@ -43,6 +43,13 @@ struct PixelRows {
   float at(double x, double y) const;
 };
 
+/// Plane projectivity from cells (0 … modules, from the upper left corner) to the image; `corners` clockwise from the
+/// upper left.
+Eigen::Matrix3d image_from_cells(const std::array<Eigen::Vector2d, 4>& corners, int modules);
+
+/// Probability that cells of chance are read as a code, in one of four turns and with up to `corrected` wrong bits.
+double chance_of_code(std::size_t codes, std::size_t bits, int corrected);
+
 struct ReadCode {
   int id = 0, hamming = 0;
   double decision_margin = 0;  ///< mean distance of the cells from the threshold, the smaller of black and white
@@ -58,6 +65,8 @@ class SquareDecoder {
  public:
   SquareDecoder(const SquareFamily& family, int max_hamming);
   const SquareFamily& family() const { return family_; }
+  /// Probability that cells of chance are read as a code.
+  double chance() const;
 
   /// `corners` clockwise as seen [px, centre of the first pixel (0, 0)], right to a fifth of a cell.
   CodeReading read(const PixelRows& image, const std::array<Eigen::Vector2d, 4>& corners) const;

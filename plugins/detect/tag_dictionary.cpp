@@ -4,11 +4,17 @@
 
 #include <algorithm>
 #include <array>
+#include <bitset>
 #include <cmath>
 #include <map>
 #include <opencv2/aruco/dictionary.hpp>
+#include <regex>
 #include <sstream>
 #include <stdexcept>
+#include <tuple>
+
+#include "detect/dictionary_sources.hpp"
+#include "detect/likeness.hpp"
 
 namespace plumbline::detect {
 namespace {
@@ -56,25 +62,48 @@ std::string canonical(const std::string& name) {
   return text;
 }
 
-/// Cells after a quarter turn.
-std::vector<std::uint8_t> turned(const std::vector<std::uint8_t>& code, int size) {
-  std::vector<std::uint8_t> result(code.size());
+/// Cells of one code in one turn; 100 at most.
+using Cells = std::bitset<100>;
+
+Cells turned(const std::vector<std::uint8_t>& code, int size, int turn) {
+  Cells result;
   for (int row = 0; row < size; ++row)
-    for (int column = 0; column < size; ++column)
-      result[static_cast<size_t>(column * size + size - 1 - row)] = code[static_cast<size_t>(row * size + column)];
+    for (int column = 0; column < size; ++column) {
+      int r = row, c = column;
+      for (int k = 0; k < turn; ++k) std::tie(r, c) = std::pair(c, size - 1 - r);
+      result[static_cast<size_t>(r * size + c)] = code[static_cast<size_t>(row * size + column)] != 0;
+    }
   return result;
 }
 
-int distance(const std::vector<std::uint8_t>& a, const std::vector<std::uint8_t>& b) {
-  int different = 0;
-  for (size_t i = 0; i < a.size(); ++i) different += a[i] != b[i];
-  return different;
+struct Nearest {
+  int distance = 0;
+  size_t first = 0, second = 0;
+};
+
+/// The two codes that differ least in some turn; a code and itself in another turn count, too: it has no upright
+/// position if they are alike.
+Nearest nearest_codes(const TagDictionary& dictionary) {
+  std::vector<Cells> upright;
+  for (const auto& code : dictionary.codes) upright.push_back(turned(code, dictionary.size, 0));
+  Nearest nearest{dictionary.size * dictionary.size + 1, 0, 0};
+  for (size_t i = 0; i < upright.size(); ++i)
+    for (int turn = 0; turn < 4; ++turn) {
+      const Cells other = turned(dictionary.codes[i], dictionary.size, turn);
+      for (size_t j = turn == 0 ? i + 1 : i; j < upright.size(); ++j) {
+        const int d = static_cast<int>((other ^ upright[j]).count());
+        if (d < nearest.distance) nearest = {d, i, j};
+      }
+    }
+  return nearest;
 }
 
 [[noreturn]] void refuse(const std::string& file, const std::string& what) {
-  throw std::runtime_error(file + ": " + what +
-                           ". A dictionary file holds nmarkers, markersize, maxCorrectionBits and marker_0, marker_1, "
-                           "... as strings of zeros and ones, as OpenCV writes it");
+  throw std::runtime_error(
+      file + ": " + what +
+      ". A dictionary file holds nmarkers, markersize, maxCorrectionBits and marker_0, marker_1, "
+      "... as strings of zeros and ones, as OpenCV writes it (YAML, JSON or XML); the lists of the "
+      "ArUco library and libapriltag's tag*.c are read, too");
 }
 
 std::vector<std::uint8_t> bits_of(const std::string& text) {
@@ -87,24 +116,14 @@ std::vector<std::uint8_t> bits_of(const std::string& text) {
 /// Two codes that look alike in some turn would be taken for each other; the smallest distance also limits what can be
 /// corrected.
 void check_codes(TagDictionary& dictionary, const std::string& file, int stated_correction) {
-  int smallest = dictionary.size * dictionary.size;
-  for (size_t i = 0; i < dictionary.codes.size(); ++i) {
-    std::vector<std::uint8_t> other = dictionary.codes[i];
-    for (int turn = 0; turn < 4; ++turn) {
-      // A code that is like itself in another turn has no upright position.
-      for (size_t j = turn == 0 ? i + 1 : i; j < dictionary.codes.size(); ++j) {
-        const int d = distance(other, dictionary.codes[j]);
-        if (d == 0)
-          refuse(file, i == j ? "marker_" + std::to_string(dictionary.ids[i]) +
-                                    " looks the same after a turn, so its upright position cannot be told"
-                              : "marker_" + std::to_string(dictionary.ids[i]) + " and marker_" +
-                                    std::to_string(dictionary.ids[j]) + " have the same cells up to a turn");
-        smallest = std::min(smallest, d);
-      }
-      other = turned(other, dictionary.size);
-    }
-  }
-  const int safe = (smallest - 1) / 2;
+  const Nearest nearest = nearest_codes(dictionary);
+  const std::string first = "marker_" + std::to_string(dictionary.ids[nearest.first]);
+  if (nearest.distance == 0)
+    refuse(file, nearest.first == nearest.second
+                     ? first + " looks the same after a turn, so its upright position cannot be told"
+                     : first + " and marker_" + std::to_string(dictionary.ids[nearest.second]) +
+                           " have the same cells up to a turn");
+  const int safe = (nearest.distance - 1) / 2;
   dictionary.correctable_bits = stated_correction >= 0 ? std::min(stated_correction, safe) : safe;
 }
 
@@ -123,8 +142,38 @@ TagDictionary parse_aruco_list(const std::string& text, const std::string& file)
   return dictionary;
 }
 
+/// The elements of OpenCV's XML, as lines of YAML.
+std::string yaml_of_xml(const std::string& text) {
+  static const std::regex element(R"x(<(\w+)>\s*"?([^<>"]*)"?\s*</\1>)x");
+  std::string result;
+  for (std::sregex_iterator it(text.begin(), text.end(), element), end; it != end; ++it)
+    result += (*it)[1].str() + ": \"" + (*it)[2].str() + "\"\n";
+  return result;
+}
+
+/// The map that holds the markers: the root, or the only one in it that does.
+YAML::Node markers_in(const YAML::Node& root, const std::string& file) {
+  const auto holds = [](const YAML::Node& map) {
+    for (const auto& entry : map)
+      if (lower(entry.first.as<std::string>("")).rfind("marker_", 0) == 0) return true;
+    return false;
+  };
+  if (holds(root)) return root;
+  YAML::Node found = root;
+  std::string names;
+  int count = 0;
+  for (const auto& entry : root)
+    if (entry.second.IsMap() && holds(entry.second)) {
+      found.reset(entry.second);
+      names += (count++ > 0 ? ", " : "") + entry.first.as<std::string>("");
+    }
+  if (count > 1) refuse(file, "holds several dictionaries (" + names + "); put each in a file of its own");
+  return found;
+}
+
 TagDictionary parse_yaml(const std::string& text, const std::string& file, int& correction) {
-  std::string body = text;
+  std::string body = text.find("<opencv_storage>") != std::string::npos ? yaml_of_xml(text) : text;
+  if (body.rfind("\xef\xbb\xbf", 0) == 0) body.erase(0, 3);
   if (body.rfind("%YAML", 0) == 0) body.erase(0, body.find('\n') == std::string::npos ? body.size() : body.find('\n'));
   TagDictionary dictionary;
   YAML::Node root;
@@ -134,6 +183,7 @@ TagDictionary parse_yaml(const std::string& text, const std::string& file, int& 
     refuse(file, "neither YAML nor JSON (line " + std::to_string(error.mark.line + 1) + ": " + error.msg + ")");
   }
   if (!root.IsMap()) return parse_aruco_list(text, file);
+  root = markers_in(root, file);
   int stated_markers = -1;
   std::map<int, std::vector<std::uint8_t>> codes;
   for (const auto& entry : root) {
@@ -167,38 +217,49 @@ TagDictionary parse_yaml(const std::string& text, const std::string& file, int& 
   return dictionary;
 }
 
+TagDictionary from_opencv(const cv::aruco::Dictionary& source, const std::string& name) {
+  TagDictionary dictionary;
+  dictionary.name = name;
+  dictionary.size = source.markerSize;
+  dictionary.correctable_bits = source.maxCorrectionBits;
+  for (int id = 0; id < source.bytesList.rows; ++id) {
+    const cv::Mat bits =
+        cv::aruco::Dictionary::getBitsFromByteList(source.bytesList.rowRange(id, id + 1), source.markerSize);
+    dictionary.ids.push_back(id);
+    dictionary.codes.emplace_back(bits.begin<std::uint8_t>(), bits.end<std::uint8_t>());
+  }
+  return dictionary;
+}
+
+/// Find-GCP's own: what OpenCV's generator makes of 32 markers of 3 x 3 cells with its first seed.
+TagDictionary find_gcp_dictionary() { return from_opencv(*cv::aruco::generateCustomDictionary(32, 3), "DICT_3X3_32"); }
+
 }  // namespace
 
 std::string builtin_dictionary_names() {
   std::string names;
   for (const Builtin& builtin : builtins) names += (names.empty() ? "" : ", ") + std::string(builtin.name);
-  return names;
+  return names + ", DICT_3X3_32 (of Find-GCP)";
 }
 
 TagDictionary builtin_dictionary(const std::string& name) {
   for (const Builtin& builtin : builtins) {
     if (canonical(name) != canonical(builtin.name)) continue;
-    const auto source = cv::aruco::getPredefinedDictionary(builtin.number);
-    TagDictionary dictionary;
-    dictionary.name = builtin.name;
-    dictionary.size = source->markerSize;
-    dictionary.correctable_bits = source->maxCorrectionBits;
+    TagDictionary dictionary = from_opencv(*cv::aruco::getPredefinedDictionary(builtin.number), builtin.name);
     dictionary.turned = std::string(builtin.name).rfind("tag", 0) == 0;
-    for (int id = 0; id < source->bytesList.rows; ++id) {
-      const cv::Mat bits =
-          cv::aruco::Dictionary::getBitsFromByteList(source->bytesList.rowRange(id, id + 1), source->markerSize);
-      dictionary.ids.push_back(id);
-      dictionary.codes.emplace_back(bits.begin<std::uint8_t>(), bits.end<std::uint8_t>());
-    }
     return dictionary;
   }
+  if (canonical(name) == "3x3_32") return find_gcp_dictionary();
   throw std::runtime_error("unknown tag family '" + name + "': it is neither a file nor one of " +
                            builtin_dictionary_names());
 }
 
 TagDictionary parse_dictionary(const std::string& text, const std::string& file) {
+  if (text.find('\0') != std::string::npos || text.rfind("\x93NUMPY", 0) == 0)
+    refuse(file, "is a binary file (NumPy, MATLAB, an image or a drawing), not text");
   int correction = -1;
-  TagDictionary dictionary = parse_yaml(text, file, correction);
+  TagDictionary dictionary =
+      is_dictionary_source(text) ? parse_dictionary_source(text, file) : parse_yaml(text, file, correction);
   if (dictionary.size == 0)
     dictionary.size = static_cast<int>(std::lround(std::sqrt(static_cast<double>(dictionary.codes.front().size()))));
   if (dictionary.size < 3 || dictionary.size > 10)
@@ -212,6 +273,38 @@ TagDictionary parse_dictionary(const std::string& text, const std::string& file)
   check_codes(dictionary, file, correction);
   if (dictionary.name.empty()) dictionary.name = file.substr(file.find_last_of('/') + 1);
   return dictionary;
+}
+
+int smallest_distance(const TagDictionary& dictionary) { return nearest_codes(dictionary).distance; }
+
+std::string weakness_of(const TagDictionary& dictionary) {
+  const int n = dictionary.size;
+  std::string words;
+  constexpr double kCorrected = 0.6;  // share of the correctable bits that detect.aruco corrects
+  const double chance = chance_of_code(dictionary.codes.size(), static_cast<size_t>(n * n),
+                                       static_cast<int>(kCorrected * dictionary.correctable_bits));
+  if (chance >= kWeakChance) {
+    std::ostringstream text;
+    text.precision(2);
+    text
+        << dictionary.codes.size() << " codes of " << n << " x " << n
+        << " cells, whose smallest distance in any turn is " << smallest_distance(dictionary)
+        << ": a dark square of the scene is read as one of them with a chance of " << 100 * chance
+        << " %, and a photograph holds about 10 such squares, one of 24 megapixels 300. What does not look like the "
+           "drawing of its tag is left out (border, quiet zone, cells), a square of another dictionary that looks like "
+           "one is not. A dictionary of more cells or fewer codes is safer";
+    words = text.str();
+  }
+  bool bordered = n > 4;
+  for (const auto& code : dictionary.codes)
+    for (int k = 0; k < n && bordered; ++k)
+      for (const int at : {k, (n - 1) * n + k, k * n, k * n + n - 1}) bordered &= code[static_cast<size_t>(at)] == 0;
+  if (bordered)
+    words += (words.empty() ? "" : ". ") +
+             std::string(
+                 "the outer cells of all markers are black: if they are the border, leave them out of the file "
+                 "(a border of one black cell is understood)");
+  return words;
 }
 
 }  // namespace plumbline::detect

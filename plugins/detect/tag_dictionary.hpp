@@ -26,9 +26,16 @@ TagDictionary builtin_dictionary(const std::string& name);
 /// Names that builtin_dictionary() takes, separated by commas.
 std::string builtin_dictionary_names();
 
-/// A custom dictionary as OpenCV writes it (YAML or JSON: nmarkers, markersize, maxCorrectionBits, marker_0 …, each a
-/// string of zeros and ones, 1 is white) or as the ArUco library does (name, nbits, one string of bits a line).
+/// A custom dictionary: as OpenCV writes it (YAML, JSON or XML: nmarkers, markersize, maxCorrectionBits, marker_0 …,
+/// each a string of zeros and ones, 1 is white; also under a name of its own), as the ArUco library does (name, nbits,
+/// one string of bits a line), or as source text (dictionary_sources.hpp).
 /// Throws std::runtime_error that names `file`, what was found and what was expected.
 TagDictionary parse_dictionary(const std::string& text, const std::string& file);
+
+/// Smallest number of cells that two codes differ in, over all pairs and turns; also a code and itself in another turn.
+int smallest_distance(const TagDictionary& dictionary);
+
+/// What is doubtful about a dictionary, in words; empty where nothing is.
+std::string weakness_of(const TagDictionary& dictionary);
 
 }  // namespace plumbline::detect

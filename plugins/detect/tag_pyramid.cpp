@@ -8,6 +8,7 @@
 
 #include "detect/corner_refinement.hpp"
 #include "detect/level_search.hpp"
+#include "detect/likeness.hpp"
 #include "plumbline/stop.hpp"
 
 #define PLUMBLINE_CLONES __attribute__((target_clones("avx2", "default")))
@@ -157,6 +158,14 @@ std::optional<std::array<Eigen::Vector2d, 4>> on_edges(const PixelRows& image,
   return result;
 }
 
+std::vector<const std::uint8_t*> rows_of(const GreyImage& image, int first, int end) {
+  std::vector<const std::uint8_t*> rows(static_cast<std::size_t>(end));
+  for (int y = first; y < end; ++y)
+    rows[static_cast<std::size_t>(y)] =
+        &image.pixels[static_cast<std::size_t>(y - first) * static_cast<std::size_t>(image.width)];
+  return rows;
+}
+
 double shortest_side(const std::array<Eigen::Vector2d, 4>& c) {
   double shortest = (c[0] - c[3]).norm();
   for (std::size_t i = 0; i < 3; ++i) shortest = std::min(shortest, (c[i + 1] - c[i]).norm());
@@ -166,8 +175,9 @@ double shortest_side(const std::array<Eigen::Vector2d, 4>& c) {
 /// A tag that was read, with the copy of its surroundings that its corners count from.
 struct Candidate {
   DetectedTag tag;
-  int modules, factor;
-  Eigen::Vector2d origin;
+  const SquareFamily* family = nullptr;
+  LikenessLimit limit;
+  Eigen::Vector2d origin = Eigen::Vector2d::Zero();
   std::unique_ptr<GreyImage> part;
 };
 
@@ -197,7 +207,7 @@ class Reader {
       if (!reading.code && edges) reading = decoder.read(image, rough);
       mirrored_ |= reading.mirrored;
       if (reading.code && reading.code->decision_margin >= options_.min_decision_margin)
-        keep(*reading.code, decoder.family(), factor, image);
+        keep(*reading.code, decoder, image);
     }
   }
   std::vector<Candidate>& candidates() { return candidates_; }
@@ -222,8 +232,11 @@ class Reader {
     return high - low >= static_cast<float>(options_.min_contrast);
   }
 
-  void keep(const ReadCode& code, const SquareFamily& family, int factor, const PixelRows& image) {
-    Candidate found{{}, family.modules, factor, {}, nullptr};
+  void keep(const ReadCode& code, const SquareDecoder& decoder, const PixelRows& image) {
+    const SquareFamily& family = decoder.family();
+    Candidate found;
+    found.family = &family;
+    found.limit = likeness_limit(decoder.chance());
     found.tag.family = family.name;
     found.tag.id = code.id;
     found.tag.hamming = code.hamming;
@@ -274,17 +287,15 @@ void read_tall(Reader& reader, const LevelQuad& quad, int factor, bool bright_in
   const int top = std::max(0, static_cast<int>(low.y() * factor) - border);
   const GreyImage held = part(left, top, static_cast<int>(high.x() * factor) + border - left,
                               static_cast<int>(high.y() * factor) + border - top);
-  std::vector<const std::uint8_t*> rows(static_cast<std::size_t>(height));
-  for (int y = 0; y < held.height; ++y)
-    rows[static_cast<std::size_t>(top + y)] =
-        &held.pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(held.width)];
+  std::vector<const std::uint8_t*> rows = rows_of(held, top, top + held.height);
+  rows.resize(static_cast<std::size_t>(height));
   reader.read(quad, factor, bright_inside, {left, left + held.width, top, top + held.height, rows.data()});
 }
 
 void measure(std::vector<Candidate>& candidates, const PyramidOptions& options) {
   std::vector<Quadrilateral> found;
   for (const Candidate& c : candidates) {
-    Quadrilateral q{c.tag.corners, c.modules, c.part.get()};
+    Quadrilateral q{c.tag.corners, c.family->modules, c.part.get()};
     for (auto& corner : q.corners) corner -= c.origin;
     found.push_back(q);
   }
@@ -299,6 +310,17 @@ void measure(std::vector<Candidate>& candidates, const PyramidOptions& options) 
     }
     tag.refined = true;
   }
+}
+
+/// Whether the tag looks like its drawing; see likeness_limit().
+bool alike(const Candidate& c) {
+  if (!c.limit.checks()) return true;
+  const auto& ids = c.family->ids;
+  const auto index = static_cast<std::size_t>(std::find(ids.begin(), ids.end(), c.tag.id) - ids.begin());
+  std::array<Eigen::Vector2d, 4> corners = c.tag.corners;
+  for (auto& corner : corners) corner -= c.origin;
+  const auto rows = rows_of(*c.part, 0, c.part->height);
+  return c.limit.holds(likeness({0, c.part->width, 0, c.part->height, rows.data()}, corners, *c.family, index));
 }
 
 }  // namespace
@@ -381,7 +403,8 @@ PyramidResult TagPyramid::detect(GreyRows& rows, const ReadPart& part) const {
     if (cut) c.tag.covariances.fill(Eigen::Matrix2d::Identity() * std::max(1.0, std::pow(options_.unrefined_sigma, 2)));
   }
   if (options_.refinement == Refinement::edges) measure(reader.candidates(), options_);
-  for (Candidate& c : reader.candidates()) result.tags.push_back(std::move(c.tag));
+  for (Candidate& c : reader.candidates())
+    if (alike(c)) result.tags.push_back(std::move(c.tag));
   std::sort(result.tags.begin(), result.tags.end(), [](const DetectedTag& a, const DetectedTag& b) {
     const auto key = [](const DetectedTag& t) {
       return std::make_tuple(t.family, t.id, t.corners[0].x(), t.corners[0].y());

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "detect/aruco_detector.hpp"
 #include "detect/corner_refinement.hpp"
 #include "detect/tag_detector.hpp"
 #include "detect/tag_family.hpp"
@@ -14,8 +15,10 @@
 namespace plumbline {
 namespace {
 
+using detect::ArucoDetector;
 using detect::DetectorOptions;
 using detect::TagDetector;
+using detect::TagDictionary;
 using test::TagScene;
 
 constexpr double kTurn = 2 * M_PI;
@@ -301,6 +304,53 @@ TEST(Detector, DecimatesByTheSizeOfTheImage) {
   EXPECT_EQ(detect::decimation_for(4000, 3000), 2);
   EXPECT_EQ(detect::decimation_for(6000, 4000), 3);
   EXPECT_EQ(detect::decimation_for(11656, 8742), 5);
+}
+
+/// The drawing of a code in whole pixels, 200 on 40, in the middle of a light image.
+GreyImage drawn(const TagDictionary& dictionary, std::size_t index, int cell, bool mirrored = false) {
+  const int n = dictionary.size, side = (n + 6) * cell;
+  GreyImage image{side, side, std::vector<std::uint8_t>(static_cast<std::size_t>(side * side), 200)};
+  for (int y = 2 * cell; y < (n + 4) * cell; ++y)
+    for (int x = 2 * cell; x < (n + 4) * cell; ++x) {
+      const int row = y / cell - 3, column = mirrored ? n - 1 - (x / cell - 3) : x / cell - 3;
+      const bool code = row >= 0 && row < n && column >= 0 && column < n;
+      const bool white = code && dictionary.codes[index][static_cast<std::size_t>(row * n + column)] != 0;
+      image.pixels[static_cast<std::size_t>(y * side + x)] = white ? 200 : 40;
+    }
+  return image;
+}
+
+/// Nearly every tag of another dictionary can be read as some code of 3 x 3 cells; it does not look like it.
+TEST(ArucoDetector, LeavesOutWhatDoesNotLookLikeItsTag) {
+  const TagDictionary weak = detect::builtin_dictionary("DICT_3X3_32"),
+                      other = detect::builtin_dictionary("DICT_4X4_50");
+  const ArucoDetector detector(weak, {});
+  detect::ArucoOptions credulous;
+  credulous.limit = detect::LikenessLimit{};
+  const ArucoDetector unchecked(weak, credulous);
+  int unlike = 0;
+  for (std::size_t k = 0; k < other.codes.size(); k += 2) {
+    const GreyImage image = drawn(other, k, 8);
+    const detect::ArucoSearch found = detector.search(image);
+    EXPECT_THAT(found.tags, testing::IsEmpty()) << other.ids[k];
+    EXPECT_EQ(unchecked.detect(image).size(), static_cast<std::size_t>(found.unlike));
+    unlike += found.unlike;
+  }
+  EXPECT_GT(unlike, 2);
+  for (std::size_t k = 0; k < weak.codes.size(); k += 5) {
+    const auto tags = detector.detect(drawn(weak, k, 6));
+    ASSERT_THAT(tags, testing::SizeIs(1)) << weak.ids[k];
+    EXPECT_EQ(tags[0].id, weak.ids[k]);
+    EXPECT_LT((tags[0].corners[0] - Eigen::Vector2d(11.5, 41.5)).norm(), 0.1);
+  }
+}
+
+TEST(ArucoDetector, TellsMirroredTags) {
+  const TagDictionary dictionary = detect::builtin_dictionary("DICT_5X5_50");
+  const ArucoDetector detector(dictionary, {});
+  const detect::ArucoSearch mirrored = detector.search(drawn(dictionary, 3, 8, true));
+  EXPECT_THAT(mirrored.tags, testing::IsEmpty());
+  EXPECT_EQ(mirrored.mirrored, 1);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <png.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 
@@ -112,6 +113,28 @@ TEST(DetectNodes, WarnOfAnImageWithoutTags) {
     EXPECT_TRUE(detect.output<ImageTags>("observations").tags.empty());
     ASSERT_EQ(detect.warnings().size(), 1u);
     EXPECT_THAT(detect.warnings()[0], HasSubstr("grey.png"));
+  }
+}
+
+TEST(DetectNodes, SayThatAllTagsAreNegativeOrMirrored) {
+  const test::TemporaryFolder folder;
+  GreyImage inverse = render(scene()), mirror = inverse;
+  for (auto& pixel : inverse.pixels) pixel = static_cast<std::uint8_t>(255 - pixel);
+  for (int y = 0; y < mirror.height; ++y)
+    std::reverse(mirror.pixels.begin() + y * mirror.width, mirror.pixels.begin() + (y + 1) * mirror.width);
+  write_png(folder.path() / "negative.png", inverse);
+  write_png(folder.path() / "mirror.png", mirror);
+  for (const std::string name : {"negative", "mirror"}) {
+    test::NodeHarness detect("detect.aruco");
+    detect.set("dictionary", "tag36h11");
+    ImageT image;
+    image.path = name + ".png";
+    image.uri = (folder.path() / image.path).string();
+    detect.input<Image>("images", image);
+    detect.run();
+    const ImageTagsT result = detect.output<ImageTags>("observations");
+    EXPECT_TRUE(result.tags.empty());
+    EXPECT_THAT(result.problem, HasSubstr(name == "mirror" ? "is mirrored" : "white on black"));
   }
 }
 

@@ -231,6 +231,26 @@ TEST(TagPyramid, SaysThatAPhotographIsMirroredAndCorrectsNoMoreThanItIsTold) {
   EXPECT_THAT(detect_in(image, strict).result.tags, IsEmpty());
 }
 
+/// Tags of 4 x 4 cells, some of which are read as 3 x 3.
+TEST(TagPyramid, LeavesOutWhatDoesNotLookLikeItsTag) {
+  const SquareFamily weak = square_family("DICT_3X3_32");
+  const SquareDecoder decoder(weak, 0);
+  int read = 0;
+  for (int id = 0; id < 30; id += 2) {
+    test::TagScene scene;
+    scene.family = "tag16h5";
+    scene.id = id;
+    scene.corners = test::square_corners({100, 100}, 72, 0);
+    const GreyImage image = render(scene);
+    std::vector<const std::uint8_t*> rows;
+    for (int y = 0; y < image.height; ++y) rows.push_back(&image.pixels[static_cast<std::size_t>(y * image.width)]);
+    const auto& c = scene.corners;
+    read += decoder.read({0, 200, 0, 200, rows.data()}, {c[3], c[2], c[1], c[0]}).code.has_value();
+    EXPECT_THAT(detect_in(image, {}, "DICT_3X3_32").result.tags, IsEmpty()) << id;
+  }
+  EXPECT_GT(read, 0);
+}
+
 /// The code of a tag whose corner is just outside of the image can be read; its corners are marked as not measured.
 TEST(TagPyramid, MarksATagThatTheBorderCuts) {
   test::TagScene scene;

@@ -55,6 +55,60 @@ TEST(TagDictionary, ReadsWhatOpenCVWritesAndChecksIt) {
   EXPECT_EQ(detect::builtin_dictionary("5x5_100").name, "DICT_5X5_100");
 }
 
+TEST(TagDictionary, IsReadInEveryFormItIsFoundIn) {
+  const std::vector<std::string> forms = {
+      "<?xml version=\"1.0\"?>\n<opencv_storage>\n<nmarkers>2</nmarkers>\n<markersize>3</markersize>\n"
+      "<marker_0>\"110001010\"</marker_0>\n<marker_1>100111101</marker_1>\n</opencv_storage>\n",
+      "{\"nmarkers\": 2, \"markersize\": 3, \"marker_0\": \"110001010\", \"marker_1\": \"100111101\"}",
+      "%YAML:1.0\n---\nmine:\n   nmarkers: 2\n   markersize: 3\n   marker_0: \"110001010\"\n   marker_1: "
+      "\"100111101\"\n",
+      "mine\n9\n1 1 0 0 0 1 0 1 0\n100111101\n",
+      "markersize: 3\nmarker_0: [[1, 1, 0], [0, 0, 1], [0, 1, 0]]\nmarker_1: [100, 111, 101]\n",
+      // Four turns of each code, the ninth cell in a byte of its own.
+      "static unsigned char MINE_BYTES[][4][2] = { // of 3 x 3\n  { {197, 0}, {86, 0}, {81, 1}, {53, 0} },\n"
+      "  { {158, 1}, {107, 1}, {188, 1}, {235, 0} },\n};\n",
+      // Bits of libapriltag go round the square.
+      "static uint64_t codedata[2] = {\n 0x00000000000001a8UL,\n 0x0000000000000137UL,\n};\ntf->ncodes = 2;\n"
+      "tf->name = strdup(\"mine\");\ntf->bit_x[0] = 1;\ntf->bit_y[0] = 1;\ntf->bit_x[1] = 2;\ntf->bit_y[1] = 1;\n"
+      "tf->bit_x[2] = 3;\ntf->bit_y[2] = 1;\ntf->bit_x[3] = 3;\ntf->bit_y[3] = 2;\ntf->bit_x[4] = 3;\n"
+      "tf->bit_y[4] = 3;\ntf->bit_x[5] = 2;\ntf->bit_y[5] = 3;\ntf->bit_x[6] = 1;\ntf->bit_y[6] = 3;\n"
+      "tf->bit_x[7] = 1;\ntf->bit_y[7] = 2;\ntf->bit_x[8] = 2;\ntf->bit_y[8] = 2;\ntf->width_at_border = 5;\n"
+      "tf->reversed_border = false;\n",
+      "const unsigned long long mine[] = { 0x018aULL, 0x013dULL };\nconst TagCodes codes = TagCodes(9, 1, mine, 2);\n"};
+  for (const auto& text : forms) {
+    const auto d = detect::parse_dictionary(text, "mine.txt");
+    EXPECT_EQ(d.size, 3) << text;
+    ASSERT_EQ(d.codes.size(), 2u) << text;
+    EXPECT_EQ(d.codes[0], (std::vector<std::uint8_t>{1, 1, 0, 0, 0, 1, 0, 1, 0})) << text;
+    EXPECT_EQ(d.codes[1], (std::vector<std::uint8_t>{1, 0, 0, 1, 1, 1, 1, 0, 1})) << text;
+  }
+}
+
+TEST(TagDictionary, RefusesInWordsWhatItIsNot) {
+  const auto words = [](const std::string& text) {
+    return message_of([&] { detect::parse_dictionary(text, "mine"); });
+  };
+  EXPECT_THAT(words(std::string("\x93NUMPY\1\0", 8)), HasSubstr("binary file"));
+  EXPECT_THAT(words("tf->bit_x[0] = -2;\ntf->bit_y[0] = -2;\ntf->width_at_border = 5;\nreversed_border = true;\n"
+                    "codes[0] = 0x0001UL;"),
+              HasSubstr("do not fill a square inside one black border"));
+  EXPECT_THAT(words("unsigned char A[][4][2] = {{{1,2},{3,4},{5,6},{7,8}}};"), HasSubstr("not its four turns"));
+  EXPECT_THAT(words("unsigned char A[][4][2] = {{{1,2}}};"), HasSubstr("no multiple of 4 x 2"));
+  EXPECT_THAT(words("a: {marker_0: \"110001010\"}\nb: {marker_0: \"110001010\"}"), HasSubstr("several dictionaries"));
+  EXPECT_THAT(words("static uint64_t codedata[1] = { 0x0000ffffUL };"), HasSubstr("size of the tags"));
+}
+
+TEST(TagDictionary, SaysHowWeakItIs) {
+  EXPECT_THAT(detect::weakness_of(detect::builtin_dictionary("DICT_3X3_32")),
+              testing::AllOf(HasSubstr("32 codes of 3 x 3 cells"), HasSubstr("25 %"), HasSubstr("in any turn is 1")));
+  EXPECT_EQ(detect::weakness_of(detect::builtin_dictionary("DICT_6X6_250")), "");
+  auto bordered = detect::builtin_dictionary("DICT_5X5_50");
+  for (auto& code : bordered.codes)
+    for (int k = 0; k < 5; ++k)
+      for (const int at : {k, 20 + k, 5 * k, 5 * k + 4}) code[static_cast<size_t>(at)] = 0;
+  EXPECT_THAT(detect::weakness_of(bordered), HasSubstr("leave them out of the file"));
+}
+
 TEST(Board, IsReadWithItsUnitsChecked) {
   const auto b = detect::parse_board(
       "type: charuco\ncolumns: 8\nrows: 8\nsquare: 0.0254\nmarker: 0.01905\ndictionary: DICT_4X4_50\n", "b.yaml");
