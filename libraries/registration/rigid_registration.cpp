@@ -40,6 +40,8 @@ void check_input(const Correspondences& points, const Options& options) {
       (options.weighting != Weighting::covariance || options.point_weights.size() != n ||
        !(options.point_weights.minCoeff() > 0)))
     throw std::invalid_argument("registration: point weights need covariances, and must be positive");
+  if (options.rotation && (options.weighting != Weighting::equal || options.estimate_scale))
+    throw std::invalid_argument("registration: a given rotation is of equal weights and without scale");
   if (n < 3)
     throw DegenerateRegistration(
         "a registration needs at least 3 points that both sides have and that may take part, found " +
@@ -70,15 +72,15 @@ void check_figure(const Eigen::Matrix3Xd& points, const std::vector<std::string>
 }
 
 /// Weighted least squares in closed form: Umeyama (1991), IEEE PAMI 13(4), with weights.
-Centred closed_form(const Correspondences& points, const Eigen::VectorXd& weights, bool with_scale) {
+Centred closed_form(const Correspondences& points, const Eigen::VectorXd& weights, const Options& options) {
   Centred t;
   const double total = weights.sum();
   t.centroid = points.source * weights / total;
   t.image = points.target * weights / total;
   const Eigen::Matrix3Xd x = points.source.colwise() - t.centroid, y = points.target.colwise() - t.image;
   const Eigen::Matrix3d moment = y * weights.asDiagonal() * x.transpose();
-  t.rotation = rotation_of_moment(moment);
-  if (with_scale) t.scale = t.rotation.cwiseProduct(moment).sum() / (x.cwiseAbs2() * weights).sum();
+  t.rotation = options.rotation ? options.rotation(x, y) : rotation_of_moment(moment);
+  if (options.estimate_scale) t.scale = t.rotation.cwiseProduct(moment).sum() / (x.cwiseAbs2() * weights).sum();
   return t;
 }
 
@@ -202,7 +204,7 @@ Registration register_local(const Correspondences& points, const Options& option
   const Index n = points.source.cols();
 
   const Eigen::VectorXd weights = scalar_weights(points, options.weighting);
-  Centred t = closed_form(points, weights, options.estimate_scale);
+  Centred t = closed_form(points, weights, options);
   if (options.weighting == Weighting::covariance) {
     result.influence = fit_with_covariance(points, options.point_weights, result.unknowns, t);
   } else {

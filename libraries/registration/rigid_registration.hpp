@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -25,6 +26,10 @@ struct Options {
   /// One a point, positive; empty: 1. For robust estimation, with weighting by covariance only. They change the
   /// estimate; its covariance is that of the given covariances through the weighted estimate.
   Eigen::VectorXd point_weights{};
+  /// Somebody else's least-squares rotation of equal weights between points that have both their
+  /// centroid at the origin: target = R source. Takes the place of ours; translation and statistics follow from it. For
+  /// equal weights without scale only.
+  std::function<Eigen::Matrix3d(const Eigen::Matrix3Xd& source, const Eigen::Matrix3Xd& target)> rotation{};
 };
 
 /// Points that correspond, one a column [m], each with the 3n x 3n covariance [m²] or an empty matrix if it is not

@@ -47,6 +47,28 @@ TEST(RegisterRigid, KeepsCheckPointsOutOfTheFitAndMovesThem) {
   EXPECT_LT((points.points[3]->position - facade.truth.points[3]->position).norm(), 0.005);
 }
 
+/// Another program's least squares of equal weights: same transform, and the same statistics about it.
+TEST(RegisterOpengvArun, AgreesWithOurClosedForm) {
+  auto facade = test::make_facade({.floors = 2, .survey_sigma = 0.001, .seed = 2});
+  facade.control.points[3]->role = "check";
+  for (auto& point : facade.control.points) point->position += Eigen::Vector3d(4e6, 5e6, 300);  // national coordinates
+  NodeHarness ours("register.rigid"), theirs("register.opengv_arun");
+  ours.set("weights", "equal");
+  for (NodeHarness* node : {&ours, &theirs}) {
+    node->input<Points>("source", facade.truth);
+    node->input<Points>("target", facade.control);
+    node->run();
+  }
+  const TransformT a = ours.output<Transform>("transform"), b = theirs.output<Transform>("transform");
+  EXPECT_LT(a.to_from_from.rotation.angularDistance(b.to_from_from.rotation), 1e-12);
+  EXPECT_LT((a.to_from_from.translation - b.to_from_from.translation).norm(), 1e-8);
+  ASSERT_EQ(b.residuals.size(), a.residuals.size());
+  ASSERT_EQ(b.covariance.size(), a.covariance.size());
+  for (size_t i = 0; i < a.covariance.size(); ++i)
+    EXPECT_NEAR(b.covariance[i], a.covariance[i], 1e-9 * a.covariance[20]);
+  for (size_t i = 0; i < 6; ++i) EXPECT_NEAR(b.residual_covariance[i], a.residual_covariance[i], 1e-14);
+}
+
 TEST(RegisterRigid, GivesNoSigmaWhereTheSourceHasNone) {
   const auto facade = test::make_facade({.floors = 1, .survey_sigma = 0.001});
   NodeHarness node("register.rigid");
