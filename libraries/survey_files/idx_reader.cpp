@@ -111,7 +111,7 @@ void IdxReader::begin_table(std::string_view text) {
 
 void IdxReader::read_point() {
   const std::string id = text("pointid");
-  if (id.empty()) return;
+  if (id.empty()) return builder_.skip(line_, 1, cells_.front(), "a point with its name in column PointID");
   // What the instrument computed for a measured point is approximate at best.
   const Eigen::Vector3d at = Eigen::Vector3d(number("east"), number("north"), number("elevation")) * metres_;
   if (at.array().isNaN().all() || text("class") == "MEAS") return;
@@ -172,8 +172,11 @@ void IdxReader::read_line(std::string_view text) {
   if (key == "OPERATOR") builder_.survey.info.operator_name = std::string(value);
   if (!in_set_up_) return;
   if (key == "STN_ID") station_ = std::string(value);
-  if (key == "INST_HT")
-    if (const auto height = formats::parse_number(value)) instrument_height_ = *height * metres_;
+  if (key != "INST_HT") return;
+  if (const auto height = formats::parse_number(value))
+    instrument_height_ = *height * metres_;
+  else
+    builder_.skip(line_, 1, value, "an instrument height");
 }
 
 SurveyObservations IdxReader::read() {

@@ -48,7 +48,7 @@ class StarNetReader {
   double metres_ = 1;
   enum class AngleUnit { dms, gon, degrees } unit_ = AngleUnit::dms;
   bool east_first_ = false, has_order_ = false, from_at_to_ = false, three_ = true, has_dimension_ = false,
-       delta_ = false, in_comment_ = false;
+       delta_ = false;
   std::string at_, backsight_;  // of the direction set or traverse
   Observation pending_like_;    // of the traverse line that waits for its foresight
   std::string pending_, line_text_;

@@ -86,7 +86,7 @@ struct ReadGeodimeter : ReaderNode {
 };
 
 struct ReadIdx : ReaderNode {
-  static constexpr Info info{"read.idx", "survey_reader", 1, "Reads Leica IDX"};
+  static constexpr Info info{"read.idx", "survey_reader", 2, "Reads Leica IDX"};
   void run(Context& context) override;
 };
 
@@ -109,19 +109,19 @@ struct ReadKrumm : ReaderNode {
 struct TableReaderNode : ReaderNode {
   Param<std::string> columns{
       "columns", "", "order of the columns of a table without header: letters as in PENZD, or names with commas"};
-  Param<std::string> angle_unit{"angle_unit", "gon", one_of("gon", "deg", "dms", "rad"),
-                                "of angle columns whose header names none"};
   Param<std::string> length_unit{"length_unit", "m", one_of("m", "cm", "mm", "ft", "usft"),
                                  "of length columns whose header names none"};
 };
 
 struct ReadSurveyCsv : TableReaderNode {
   static constexpr Info info{"read.survey_csv", "survey_reader", 1, "Reads tables of points or sightings in CSV"};
+  Param<std::string> angle_unit{"angle_unit", "gon", one_of("gon", "deg", "dms", "rad"),
+                                "of angle columns whose header names none"};
   void run(Context& context) override;
 };
 
 struct ReadSetupCoordinates : TableReaderNode {
-  static constexpr Info info{"read.setup_coordinates", "survey_reader", 1,
+  static constexpr Info info{"read.setup_coordinates", "survey_reader", 2,
                              "Reads coordinates in the frame of each set-up, with covariance, from CSV"};
   void run(Context& context) override;
 };

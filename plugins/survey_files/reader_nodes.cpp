@@ -18,10 +18,6 @@ namespace {
 
 constexpr size_t skipped_shown = 10;
 
-survey::SurveyCsvOptions options_of(const TableReaderNode& node) {
-  return {*node.columns, *node.angle_unit, *node.length_unit};
-}
-
 }  // namespace
 
 std::string_view ReaderNode::bytes() const {
@@ -73,11 +69,11 @@ void ReadGama::run(Context& context) { deliver(context, survey::read_gama_xml(by
 void ReadKrumm::run(Context& context) { deliver(context, survey::read_krumm(bytes(), name())); }
 
 void ReadSurveyCsv::run(Context& context) {
-  deliver(context, survey::read_survey_csv(bytes(), name(), options_of(*this)));
+  deliver(context, survey::read_survey_csv(bytes(), name(), {*columns, *angle_unit, *length_unit}));
 }
 
 void ReadSetupCoordinates::run(Context& context) {
-  deliver(context, survey::read_setup_coordinates(bytes(), name(), options_of(*this)));
+  deliver(context, survey::read_setup_coordinates(bytes(), name(), {*columns, "gon", *length_unit}));
 }
 
 void ReadSurvey::run(Context& context) {

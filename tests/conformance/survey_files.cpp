@@ -7,6 +7,7 @@
 #include "artifacts/file.hpp"
 #include "artifacts/survey_observations.hpp"
 #include "node_harness.hpp"
+#include "parameter_effects.hpp"
 #include "test_paths.hpp"
 
 namespace {
@@ -105,6 +106,31 @@ TEST_P(SurveyReader, StrictRefusesWhatIsOtherwiseSkipped) {
   }
 }
 
+/// The text cut off, and with a line that means nothing: what `strict` refuses.
+std::vector<std::string> damaged(const std::string& bytes) {
+  std::vector<std::string> all;
+  for (const size_t tenths : {5, 9}) {
+    const size_t at = bytes.size() * tenths / 10, line = std::min(bytes.find('\n', at), bytes.size() - 1) + 1;
+    all.push_back(bytes.substr(0, at));
+    all.push_back(bytes.substr(0, line) + "no line of any format ???\n" + bytes.substr(line));
+  }
+  return all;
+}
+
+TEST_P(SurveyReader, EveryDeclaredParameterHasItsEffect) {
+  std::vector<std::string> texts, spoilt;
+  for (const fs::path& path : fixtures()) {
+    const std::string bytes = read_file(path);
+    if (reader(GetParam(), "file", bytes).outcome().rfind("failed: ", 0) == 0) continue;
+    texts.push_back(bytes);
+    for (std::string& one : damaged(bytes)) spoilt.push_back(std::move(one));
+  }
+  texts.insert(texts.end(), spoilt.begin(), spoilt.end());
+  std::vector<Situation> situations;
+  for (const std::string& bytes : texts) situations.push_back([bytes] { return reader(GetParam(), "file", bytes); });
+  EXPECT_EQ(parameters_at_fault(situations), "");
+}
+
 INSTANTIATE_TEST_SUITE_P(All, SurveyReader, testing::ValuesIn(kinds_of_role("survey_reader")), test_name);
 
 class SurveyWriter : public testing::TestWithParam<std::string> {};
@@ -129,6 +155,20 @@ TEST_P(SurveyWriter, WritesWhatReadSurveyReadsBack) {
   const double own = found.observations[0]->instrument_height;
   EXPECT_NEAR(std::isnan(own) ? found.set_ups[0]->instrument_height : own, expected.set_ups[0]->instrument_height,
               1e-9);
+}
+
+TEST_P(SurveyWriter, EveryDeclaredParameterHasItsEffect) {
+  const auto written = [this](const char* fixture) -> Situation {
+    const fs::path path = fs::path(plumbline::test::source_dir()) / "tests/unit/survey_files/fixtures" / fixture;
+    NodeHarness source = reader("read.survey", "source.gsi", read_file(path));
+    source.run();
+    return [survey = source.output<SurveyObservations>("observations")] {
+      NodeHarness writer(GetParam());
+      writer.input<SurveyObservations>("observations", survey);
+      return writer;
+    };
+  };
+  EXPECT_EQ(parameters_at_fault({written("code_block_cr_only.gsi"), written("station_coordinates.gsi")}), "");
 }
 
 INSTANTIATE_TEST_SUITE_P(All, SurveyWriter, testing::ValuesIn(kinds_of_role("survey_writer")), test_name);

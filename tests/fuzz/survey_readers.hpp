@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <stdexcept>
@@ -80,8 +81,15 @@ inline void check_writers(const survey::SurveyObservations& s) {
   }
 }
 
+/// One input in 64, whatever its length: writing and reading back takes ten times as long as reading.
+inline bool is_written(std::string_view bytes) {
+  std::uint32_t hash = 2166136261u;  // FNV-1a
+  for (const char c : bytes) hash = (hash ^ static_cast<unsigned char>(c)) * 16777619u;
+  return (hash ^ (hash >> 16)) % 64 == 0;
+}
+
 template <typename Reader>
-void run_reader(std::size_t size, Reader read) {
+void run_reader(std::string_view bytes, Reader read) {
   survey::SurveyObservations s;
   try {
     s = read();
@@ -89,8 +97,7 @@ void run_reader(std::size_t size, Reader read) {
     return;
   }
   check(s);
-  // Writing and reading back takes far longer than reading: some inputs are enough.
-  if (size % 16 == 0) check_writers(s);
+  if (is_written(bytes)) check_writers(s);
 }
 
 inline void run_layout(std::string_view bytes) {
@@ -112,26 +119,25 @@ struct Target {
 };
 
 inline constexpr Target kTargets[] = {
-    {"gsi", [](std::string_view b) { run_reader(b.size(), [&] { return survey::read_gsi(b, "f"); }); }},
-    {"survey_csv", [](std::string_view b) { run_reader(b.size(), [&] { return survey::read_survey_csv(b, "f"); }); }},
+    {"gsi", [](std::string_view b) { run_reader(b, [&] { return survey::read_gsi(b, "f"); }); }},
+    {"survey_csv", [](std::string_view b) { run_reader(b, [&] { return survey::read_survey_csv(b, "f"); }); }},
     {"setup_coordinates",
-     [](std::string_view b) { run_reader(b.size(), [&] { return survey::read_setup_coordinates(b, "f"); }); }},
-    {"landxml", [](std::string_view b) { run_reader(b.size(), [&] { return survey::read_landxml(b, "f"); }); }},
-    {"jobxml", [](std::string_view b) { run_reader(b.size(), [&] { return survey::read_jobxml(b, "f"); }); }},
-    {"sdr33", [](std::string_view b) { run_reader(b.size(), [&] { return survey::read_sdr33(b, "f"); }); }},
-    {"rw5", [](std::string_view b) { run_reader(b.size(), [&] { return survey::read_rw5(b, "f"); }); }},
-    {"gama", [](std::string_view b) { run_reader(b.size(), [&] { return survey::read_gama_xml(b, "f"); }); }},
-    {"krumm", [](std::string_view b) { run_reader(b.size(), [&] { return survey::read_krumm(b, "f"); }); }},
-    {"zeiss", [](std::string_view b) { run_reader(b.size(), [&] { return survey::read_zeiss(b, "f"); }); }},
-    {"nikon", [](std::string_view b) { run_reader(b.size(), [&] { return survey::read_nikon(b, "f"); }); }},
-    {"topcon_gts7", [](std::string_view b) { run_reader(b.size(), [&] { return survey::read_topcon_gts7(b, "f"); }); }},
-    {"topcon_gts210",
-     [](std::string_view b) { run_reader(b.size(), [&] { return survey::read_topcon_gts210(b, "f"); }); }},
-    {"geodimeter", [](std::string_view b) { run_reader(b.size(), [&] { return survey::read_geodimeter(b, "f"); }); }},
-    {"idx", [](std::string_view b) { run_reader(b.size(), [&] { return survey::read_idx(b, "f"); }); }},
-    {"starnet", [](std::string_view b) { run_reader(b.size(), [&] { return survey::read_starnet(b, "f"); }); }},
+     [](std::string_view b) { run_reader(b, [&] { return survey::read_setup_coordinates(b, "f"); }); }},
+    {"landxml", [](std::string_view b) { run_reader(b, [&] { return survey::read_landxml(b, "f"); }); }},
+    {"jobxml", [](std::string_view b) { run_reader(b, [&] { return survey::read_jobxml(b, "f"); }); }},
+    {"sdr33", [](std::string_view b) { run_reader(b, [&] { return survey::read_sdr33(b, "f"); }); }},
+    {"rw5", [](std::string_view b) { run_reader(b, [&] { return survey::read_rw5(b, "f"); }); }},
+    {"gama", [](std::string_view b) { run_reader(b, [&] { return survey::read_gama_xml(b, "f"); }); }},
+    {"krumm", [](std::string_view b) { run_reader(b, [&] { return survey::read_krumm(b, "f"); }); }},
+    {"zeiss", [](std::string_view b) { run_reader(b, [&] { return survey::read_zeiss(b, "f"); }); }},
+    {"nikon", [](std::string_view b) { run_reader(b, [&] { return survey::read_nikon(b, "f"); }); }},
+    {"topcon_gts7", [](std::string_view b) { run_reader(b, [&] { return survey::read_topcon_gts7(b, "f"); }); }},
+    {"topcon_gts210", [](std::string_view b) { run_reader(b, [&] { return survey::read_topcon_gts210(b, "f"); }); }},
+    {"geodimeter", [](std::string_view b) { run_reader(b, [&] { return survey::read_geodimeter(b, "f"); }); }},
+    {"idx", [](std::string_view b) { run_reader(b, [&] { return survey::read_idx(b, "f"); }); }},
+    {"starnet", [](std::string_view b) { run_reader(b, [&] { return survey::read_starnet(b, "f"); }); }},
     {"survey_layout", run_layout},
-    {"survey_format", [](std::string_view b) { run_reader(b.size(), [&] { return survey::read_survey(b, "f"); }); }},
+    {"survey_format", [](std::string_view b) { run_reader(b, [&] { return survey::read_survey(b, "f"); }); }},
 };
 
 inline const Target& target(std::string_view name) {

@@ -142,6 +142,17 @@ TEST(Idx, ReadsTheColumnsThatTheFileNames) {
   EXPECT_DOUBLE_EQ(point(s, "K").coordinates.y(), 2000);
 }
 
+TEST(Idx, HeightsAndPointsThatCannotBeReadAreListed) {
+  std::string text = fixture("leica.idx");
+  text.replace(text.find("1.500000;"), 9, "1,500 m;");
+  text.insert(text.find("\tEND POINTS"), "\t\tgone\n");
+  const auto s = read_idx(text, "l.idx");
+  ASSERT_EQ(s.skipped.size(), 2u);
+  EXPECT_EQ(s.skipped[0].found, "'gone'");
+  EXPECT_EQ(s.skipped[1].found, "'1,500 m'");
+  EXPECT_TRUE(std::isnan(s.set_ups[0].instrument_height));
+}
+
 TEST(Zeiss, ReadsATotalStation) {
   const auto s = read_zeiss(fixture("elta.m5"), "e.m5");
   ASSERT_EQ(s.set_ups.size(), 2u) << "before and after the circle was oriented";
