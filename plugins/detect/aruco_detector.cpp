@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <opencv2/aruco.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -71,7 +72,8 @@ struct ArucoDetector::Impl {
     p->cornerRefinementMethod = cv::aruco::CORNER_REFINE_NONE;
     p->errorCorrectionRate = options.correction_rate;
     p->detectInvertedMarker = options.white_on_black;
-    p->minMarkerPerimeterRate = std::min(0.03, 4 * options.min_side / longest_side);
+    // OpenCV counts the pixels of the contour: along a diagonal there are fewer by the root of 2.
+    p->minMarkerPerimeterRate = 4 / std::numbers::sqrt2 * options.min_side / longest_side;
     p->adaptiveThreshWinSizeMin = 3;
     p->adaptiveThreshWinSizeMax = std::clamp(longest_side / 30, 23, 83);
     p->adaptiveThreshWinSizeStep = p->adaptiveThreshWinSizeMax <= 23 ? 10 : 20;
@@ -184,6 +186,7 @@ ArucoSearch ArucoDetector::search(const GreyImage& image) const {
   const std::array<size_t, 4> order =
       impl_->dictionary.turned ? std::array<size_t, 4>{1, 0, 3, 2} : std::array<size_t, 4>{3, 2, 1, 0};
   std::vector<DetectedTag> tags;
+  std::vector<size_t> kept;  // their numbers in the dictionary
   for (size_t k = 0; k < numbers.size(); ++k) {
     DetectedTag tag;
     tag.family = impl_->dictionary.name;
@@ -191,13 +194,15 @@ ArucoSearch ArucoDetector::search(const GreyImage& image) const {
     tag.decision_margin = std::nan("");
     for (size_t i = 0; i < 4; ++i)
       tag.corners[i] = {static_cast<double>(corners[k][order[i]].x), static_cast<double>(corners[k][order[i]].y)};
+    if (shortest_side(tag.corners) < impl_->options.min_side - 1) continue;  // contours are good to a pixel
     tags.push_back(std::move(tag));
+    kept.push_back(static_cast<size_t>(numbers[k]));
   }
   impl_->measure(image, view, tags);
   const auto rows = rows_of(image);
   const PixelRows pixels{0, image.width, 0, image.height, rows.data()};
   for (size_t k = 0; k < tags.size(); ++k) {
-    if (impl_->alike(pixels, tags[k], static_cast<size_t>(numbers[k])))
+    if (impl_->alike(pixels, tags[k], kept[k]))
       result.tags.push_back(std::move(tags[k]));
     else
       ++result.unlike;

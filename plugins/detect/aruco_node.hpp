@@ -13,7 +13,7 @@
 namespace plumbline::detect {
 
 struct DetectAruco : Node {
-  static constexpr Info info{"detect.aruco", "detector", 3,
+  static constexpr Info info{"detect.aruco", "detector", 4,
                              "Finds ArUco markers (also those of a ChArUco board) and measures their corners"};
   Each<Image> images{"images", "photographs: JPEG, PNG or TIFF"};
   Optional<File> family{"family", "the dictionary of read.tag_family, in place of `dictionary`"};

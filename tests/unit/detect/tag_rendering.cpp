@@ -2,11 +2,13 @@
 
 #include <apriltag/apriltag.h>
 #include <apriltag/common/image_u8.h>
+#include <png.h>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "detect/tag_family.hpp"
 
@@ -142,6 +144,15 @@ GreyImage render(const TagScene& scene) {
     image.pixels.push_back(static_cast<std::uint8_t>(std::clamp(std::lround(value), 0l, 255l)));
   }
   return image;
+}
+
+void write_png(const std::filesystem::path& path, const GreyImage& grey) {
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  image.width = static_cast<png_uint_32>(grey.width), image.height = static_cast<png_uint_32>(grey.height);
+  image.format = PNG_FORMAT_GRAY;
+  if (!png_image_write_to_file(&image, path.c_str(), 0, grey.pixels.data(), 0, nullptr))
+    throw std::runtime_error(path.string() + " cannot be written: " + image.message);
 }
 
 }  // namespace plumbline::test

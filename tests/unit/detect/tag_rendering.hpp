@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,9 @@ GreyImage render(const TagScene& scene);
 
 /// Where `render` puts the corners; differs from scene.corners only with a bow.
 std::array<Eigen::Vector2d, 4> true_corners(const TagScene& scene);
+
+/// Writes the image as a grey PNG; a std::runtime_error if it cannot.
+void write_png(const std::filesystem::path& path, const GreyImage& grey);
 
 /// Deterministic normal deviates.
 class NormalNoise {

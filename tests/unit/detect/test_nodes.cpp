@@ -1,6 +1,5 @@
 // The nodes around the detector, on files.
 #include <gmock/gmock.h>
-#include <png.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -16,15 +15,8 @@ namespace plumbline {
 namespace {
 
 namespace fs = std::filesystem;
+using test::write_png;
 using testing::HasSubstr;
-
-void write_png(const fs::path& path, const GreyImage& grey) {
-  png_image image{};
-  image.version = PNG_IMAGE_VERSION;
-  image.width = static_cast<png_uint_32>(grey.width), image.height = static_cast<png_uint_32>(grey.height);
-  image.format = PNG_FORMAT_GRAY;
-  ASSERT_TRUE(png_image_write_to_file(&image, path.c_str(), 0, grey.pixels.data(), 0, nullptr));
-}
 
 test::TagScene scene() {
   test::TagScene scene;
