@@ -1,5 +1,6 @@
 #include "evaluate/deviation_node.hpp"
 
+#include "artifacts/frame_artifact.hpp"
 #include "evaluate/design_input.hpp"
 #include "evaluate/metrics.hpp"
 #include "evaluate/point_input.hpp"
@@ -41,7 +42,8 @@ void EvaluateDeviation::run(Context& context) {
   deviation.commit(result);
   FileT file;
   file.name = "stake_out.csv", file.media_type = "text/csv";
-  const std::string text = stake_out_csv(result);
+  const std::string text =
+      stake_out_csv(result, frames ? frame_link(frames.unpack(), "building", "survey") : FrameLink());
   file.content.assign(text.begin(), text.end());
   stake_out.commit(file);
 }

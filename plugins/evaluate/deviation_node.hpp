@@ -9,6 +9,7 @@
 #include "artifacts/plates.hpp"
 #include "artifacts/points.hpp"
 #include "artifacts/survey_network.hpp"
+#include "artifacts/transform.hpp"
 #include "geometry/panel_fit.hpp"
 #include "plumbline/node.hpp"
 
@@ -26,6 +27,9 @@ struct EvaluateDeviation : Node {
                         "the adjusted block: one that fails its global tests proves nothing"};
   Optional<SurveyNetwork> network{"network", frame("frame=?N"),
                                   "the survey: one that contradicts itself proves nothing"};
+  Optional<Transform> frames{"frames", frame("to=?F,from=?S"),
+                             "the way from the survey's frame: the stake-out list is in that one, because instruments "
+                             "are; without it, in the design's"};
   Param<double> tau{"tau", 0.005, "m", between(1e-6, 1),
                     "tolerance of the horizontal and of the vertical deviation; joints: twice that"};
   Param<std::vector<std::string>> tolerances{
@@ -39,7 +43,8 @@ struct EvaluateDeviation : Node {
   Param<double> panel_reach{"panel_reach", kPanelReach, "m", between(0, 10),
                             "anchors so near to a panel hold it, where the design does not say"};
   Out<Deviation> deviation{"deviation", frame("frame=?F"), "the judgement"};
-  Out<File> stake_out{"stake_out", "stake_out.csv: PtID;E;N;H and corrections, as site instruments import it"};
+  Out<File> stake_out{"stake_out",
+                      "stake_out.csv: PtID;E;N;H and corrections in the survey's frame, as site instruments import it"};
 
   void run(Context& context) override;
 

@@ -81,12 +81,13 @@ std::string junit_xml(const AccuracyT& accuracy, const DeviationT* deviation) {
   return text + suite("check_anchors_against_survey", checks) + "</testsuites>\n";
 }
 
-std::string stake_out_csv(const DeviationT& deviation) {
+std::string stake_out_csv(const DeviationT& deviation, const FrameLink& building_from_survey) {
   std::vector<const AnchorDeviationT*> anchors;
   for (const auto& anchor : deviation.anchors)
     if (anchor->design.allFinite()) anchors.push_back(anchor.get());
   std::stable_sort(anchors.begin(), anchors.end(),
                    [](const auto* a, const auto* b) { return a->verdict > b->verdict; });
+  const Eigen::Matrix3d survey_from_building = building_from_survey.linear().inverse();
   std::string text;
   for (const AnchorDeviationT* anchor : anchors) {
     std::string id = anchor->id;
@@ -94,8 +95,13 @@ std::string stake_out_csv(const DeviationT& deviation) {
       if (c == ';' || static_cast<unsigned char>(c) < 0x20 || c == '"') c = '_';
     if (!id.empty() && std::string("=+-@").find(id[0]) != std::string::npos) id = "'" + id;
     text += id;
-    for (int k = 0; k < 3; ++k) text += ";" + fixed(anchor->design[k], 4);
-    for (int k = 0; k < 3; ++k) text += ";" + fixed(-anchor->deviation[k], 4);
+    const Eigen::Vector3d place = building_from_survey.apply_inverse(anchor->design);
+    // Plan and height by themselves: one of them may be unknown, and the frames differ by a turn about the vertical.
+    Eigen::Vector3d correction;
+    correction << survey_from_building.topLeftCorner<2, 2>() * -anchor->deviation.head<2>(),
+        -survey_from_building(2, 2) * anchor->deviation.z();
+    for (int k = 0; k < 3; ++k) text += ";" + fixed(place[k], 4);
+    for (int k = 0; k < 3; ++k) text += ";" + fixed(correction[k], 4);
     text += std::string(";") + EnumNameToleranceVerdict(anchor->verdict) + "\n";
   }
   return text;

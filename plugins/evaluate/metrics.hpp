@@ -4,6 +4,7 @@
 #include <string>
 
 #include "artifacts/deviation.hpp"
+#include "geometry/frame_graph.hpp"
 #include "judgement/accuracy.hpp"
 
 namespace plumbline::evaluate {
@@ -22,8 +23,9 @@ std::string metrics_csv(const AccuracyT& accuracy, const DeviationT* deviation =
 std::string junit_xml(const AccuracyT& accuracy, const DeviationT* deviation = nullptr);
 
 /// Stake-out table: `PtID;E;N;H;dE;dN;dH;code` with the design positions of the anchors in m and the corrections to
-/// what is there, those first that fail. No header: site instruments import it as it is.
-std::string stake_out_csv(const DeviationT& deviation);
+/// what is there, those first that fail, in the frame of the survey, in which the instrument stands. No header: site
+/// instruments import it as it is.
+std::string stake_out_csv(const DeviationT& deviation, const FrameLink& building_from_survey = {});
 
 /// Verdict over the check anchors against the survey: "pass" if all pass, "fail" if one fails, "undecided" in between
 /// or when some were not measured, "no_evidence" without a check anchor.

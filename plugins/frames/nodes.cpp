@@ -1,6 +1,7 @@
 // Nodes that say what frame coordinates belong to.
 #include "artifacts/plates.hpp"
 #include "artifacts/points.hpp"
+#include "frames/graph_node.hpp"
 #include "frames/to_building.hpp"
 #include "plumbline/node.hpp"
 
@@ -39,4 +40,4 @@ struct LocalBlock : Node {
 
 }  // namespace
 
-PLUMBLINE_PLUGIN("frames", "0.1.0", "MIT", LocalBlock, frames::ToBuilding)
+PLUMBLINE_PLUGIN("frames", "0.1.0", "MIT", LocalBlock, frames::ToBuilding, frames::FramesGraph)

@@ -1,9 +1,9 @@
 #include "frames/to_building.hpp"
 
 #include <cmath>
-#include <limits>
 #include <map>
 
+#include "artifacts/frame_artifact.hpp"
 #include "geometry/packed_symmetric.hpp"
 #include "ifc/georeference.hpp"
 
@@ -34,71 +34,59 @@ std::vector<bim::Reading> readings(const DesignT& design) {
                           design.length_unit);
 }
 
-/// What is applied: survey_from_design, and the covariance of (angle, translation).
+/// What is applied: survey_from_design, the covariance of (angle, translation), and where it comes from.
 struct Choice {
   PlanTransform transform;
   Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
+  std::string origin;
 };
 
-/// Positions and their covariance; what all have in common through the transform is added to it.
-PointsT moved(const PointsT& points, const Choice& choice) {
-  PointsT out = points;
-  const auto n = static_cast<Eigen::Index>(points.points.size());
-  const double c = std::cos(choice.transform.angle), s = std::sin(choice.transform.angle),
-               k = 1 / choice.transform.scale;
-  Eigen::Matrix3d turn;
-  turn << k * c, k * s, 0, -k * s, k * c, 0, 0, 0, 1;
-  Eigen::MatrixXd common(3 * n, 4);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    auto& point = out.points[static_cast<std::size_t>(i)];
-    const Eigen::Vector3d from = point->position;
-    point->position = bim::design_from_survey(choice.transform, from);
-    // p = k R(-angle)(q - t): by the angle it moves by -up × (what R turns), by t against it.
-    const Eigen::Vector3d arm = turn * (from - choice.transform.translation);
-    common.block<3, 1>(3 * i, 0) = Eigen::Vector3d(arm.y(), -arm.x(), 0);
-    common.block<3, 3>(3 * i, 1) = -turn;
-  }
-  const bool uncertain = choice.covariance.cwiseAbs().maxCoeff() > 0;
-  if (points.covariance.empty() && !uncertain) {
-    for (auto& point : out.points) point->sigma = (turn.cwiseAbs2() * point->sigma.cwiseAbs2()).cwiseSqrt();
-    return out;
-  }
-  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(3 * n, 3 * n);
-  if (!points.covariance.empty())
-    covariance = unpack_symmetric(points.covariance, static_cast<std::size_t>(3 * n), "input 'points'");
-  else
-    for (Eigen::Index i = 0; i < n; ++i)
-      covariance.block<3, 3>(3 * i, 3 * i) = points.points[static_cast<std::size_t>(i)]->sigma.cwiseAbs2().asDiagonal();
-  for (Eigen::Index i = 0; i < n; ++i)
-    covariance.middleRows<3>(3 * i) = (turn * covariance.middleRows<3>(3 * i)).eval();
-  for (Eigen::Index i = 0; i < n; ++i)
-    covariance.middleCols<3>(3 * i) = (covariance.middleCols<3>(3 * i) * turn.transpose()).eval();
-  if (uncertain) covariance += common * choice.covariance * common.transpose();
-  out.covariance = pack_symmetric(covariance);
-  for (Eigen::Index i = 0; i < n; ++i)
-    out.points[static_cast<std::size_t>(i)]->sigma = covariance.diagonal().segment<3>(3 * i).cwiseMax(0).cwiseSqrt();
-  return out;
-}
-
-TransformT artifact_of(const Choice& choice) {
-  TransformT out;
-  const double angle = -choice.transform.angle;
-  out.to_from_from.rotation = Eigen::Quaterniond(std::cos(angle / 2), 0, 0, std::sin(angle / 2));
-  out.scale = 1 / choice.transform.scale;
-  out.to_from_from.translation = bim::design_from_survey(choice.transform, Eigen::Vector3d::Zero());
-  if (choice.covariance.cwiseAbs().maxCoeff() == 0) return out;
-  // (rotation vector, translation) of building_from_survey, to first order: the turn reversed, the shift turned back.
-  const double c = std::cos(choice.transform.angle), s = std::sin(choice.transform.angle);
-  Eigen::Matrix3d turn;
-  turn << c, s, 0, -s, c, 0, 0, 0, 1;
-  const Eigen::Vector3d& t = out.to_from_from.translation;
+/// The way back: building_from_survey. Its covariance is, to first order, that of the turn reversed and the shift
+/// turned back.
+FrameLink link_of(const Choice& choice) {
+  FrameLink link;
+  link.to = "building", link.from = "survey", link.origin = choice.origin;
+  const double angle = 0 - choice.transform.angle;  // and not -0
+  link.to_from_from.rotation = Eigen::Quaterniond(std::cos(angle / 2), 0, 0, std::sin(angle / 2));
+  link.to_from_from.translation = bim::design_from_survey(choice.transform, Eigen::Vector3d::Zero());
+  link.scale = 1 / choice.transform.scale;
+  link.plan_only = true;
+  const Eigen::Vector3d& t = link.to_from_from.translation;
   Eigen::Matrix<double, 6, 4> rows = Eigen::Matrix<double, 6, 4>::Zero();
   rows(2, 0) = -1;
   rows.block<3, 1>(3, 0) = Eigen::Vector3d(t.y(), -t.x(), 0);
-  rows.block<3, 3>(3, 1) = -turn;
-  const Eigen::Matrix<double, 6, 6> covariance = rows * choice.covariance * rows.transpose();
-  for (int i = 0; i < 6; ++i)
-    for (int j = 0; j <= i; ++j) out.covariance.push_back(covariance(i, j));
+  rows.block<3, 3>(3, 1) = -link.linear();
+  link.covariance.topLeftCorner<6, 6>() = rows * choice.covariance * rows.transpose();
+  return link;
+}
+
+/// Positions and their covariance; what all have in common through the transform is added to it.
+PointsT moved(const PointsT& points, const FrameLink& link) {
+  PointsT out = points;
+  const auto n = static_cast<Eigen::Index>(points.points.size());
+  FramePoints given;
+  for (const auto& point : points.points) given.positions.push_back(point->position);
+  const bool uncertain = link.covariance.cwiseAbs().maxCoeff() > 0;
+  if (!points.covariance.empty()) {
+    given.covariance = unpack_symmetric(points.covariance, static_cast<std::size_t>(3 * n), "input 'points'");
+  } else if (uncertain) {
+    given.covariance = Eigen::MatrixXd::Zero(3 * n, 3 * n);
+    for (Eigen::Index i = 0; i < n; ++i)
+      given.covariance.block<3, 3>(3 * i, 3 * i) =
+          points.points[static_cast<std::size_t>(i)]->sigma.cwiseAbs2().asDiagonal();
+  }
+  FrameGraph graph;
+  graph.add(link);
+  const FramePoints result = graph.express(given, link.to, link.from);
+  const Eigen::Matrix3d linear = link.linear();
+  for (Eigen::Index i = 0; i < n; ++i) {
+    PointT& point = *out.points[static_cast<std::size_t>(i)];
+    point.position = result.positions[static_cast<std::size_t>(i)];
+    point.sigma = result.covariance.size() > 0
+                      ? Eigen::Vector3d(result.covariance.diagonal().segment<3>(3 * i).cwiseMax(0).cwiseSqrt())
+                      : Eigen::Vector3d((linear.cwiseAbs2() * point.sigma.cwiseAbs2()).cwiseSqrt());
+  }
+  if (result.covariance.size() > 0) out.covariance = pack_symmetric(result.covariance);
   return out;
 }
 
@@ -111,7 +99,9 @@ void ToBuilding::run(Context& context) {
   const auto known = readings(read);
   const std::string& how = *use;
   Choice choice;
+  choice.origin = "survey and design share one frame";
   if (how == "fitted") {
+    choice.origin = "fitted to " + std::to_string(common.ids.size()) + " anchors";
     choice.transform = bim::fit_plan(common, choice.covariance);
     context.warn(
         "the survey was fitted to the design by its anchors (shift and turn): a common shift of the building cannot be "
@@ -121,6 +111,7 @@ void ToBuilding::run(Context& context) {
       throw std::runtime_error("parameter 'translation' has " + std::to_string(translation->size()) +
                                " numbers, expected E N H of the design's origin with use=given");
     choice.transform = {*rotation, *grid_scale, Eigen::Vector3d(translation->data())};
+    choice.origin = "given in the pipeline";
     if (!sigmas->empty() && sigmas->size() != 4)
       throw std::runtime_error("parameter 'sigmas' has " + std::to_string(sigmas->size()) +
                                " numbers, expected four: rotation, E, N, H");
@@ -135,6 +126,7 @@ void ToBuilding::run(Context& context) {
                                              : "the map conversion of " + read.file_name +
                                                    " reads the same with use=map_conversion: take that");
     choice.transform = reading->transform;
+    choice.origin = reading->words + " (" + read.file_name + ")";
   }
   const double left = bim::misfit(common, choice.transform);
   if (how == "same") {
@@ -149,13 +141,13 @@ void ToBuilding::run(Context& context) {
     context.warn("survey and design name no anchor alike, so nothing shows that they share a frame");
   else
     context.metric("misfit_of_survey_and_design", left, "m");
-  building.commit(moved(survey, choice));
+  const FrameLink link = link_of(choice);
+  building.commit(moved(survey, link));
   PlatesT turned = plates.unpack();
-  const double angle = -choice.transform.angle;
-  const Eigen::Quaterniond turn(std::cos(angle / 2), 0, 0, std::sin(angle / 2));
-  for (auto& plate : turned.plates) plate->nominal_rotation = (turn * plate->nominal_rotation).normalized();
+  for (auto& plate : turned.plates)
+    plate->nominal_rotation = (link.to_from_from.rotation * plate->nominal_rotation).normalized();
   building_plates.commit(turned);
-  transform.commit(artifact_of(choice));
+  transform.commit(transform_artifact(link));
 }
 
 }  // namespace plumbline::frames

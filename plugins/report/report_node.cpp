@@ -10,10 +10,10 @@
 #include "artifacts/file.hpp"
 #include "artifacts/folder.hpp"
 #include "artifacts/poses.hpp"
+#include "artifacts/site_frames.hpp"
 #include "artifacts/survey_comparison.hpp"
 #include "artifacts/survey_network.hpp"
 #include "artifacts/survey_observations.hpp"
-#include "artifacts/transform.hpp"
 #include "plumbline/node.hpp"
 #include "report/calibration_page_node.hpp"
 #include "report/format.hpp"
@@ -79,19 +79,24 @@ void add_images(const PosesT& poses, std::vector<Fact>& facts) {
                          fixed(std::sqrt(squares / n), 3) + " px before the adjustment");
 }
 
-/// The way from the survey's frame to the building's.
-void add_frames(const TransformT& transform, std::vector<Fact>& facts) {
-  const RigidTransform& t = transform.to_from_from;
-  const double turn = 2 * std::atan2(t.rotation.z(), t.rotation.w());
-  std::string text = "turned by " + fixed(turn * 180 / M_PI, 6) + "° about the vertical, shifted by " +
-                     fixed(t.translation.x(), 4) + ", " + fixed(t.translation.y(), 4) + ", " +
-                     fixed(t.translation.z(), 4) + "\u00A0m, scale " + fixed(transform.scale, 8);
-  const bool same = std::abs(turn) < 1e-15 && t.translation.norm() < 1e-12 && transform.scale == 1;
-  if (transform.covariance.size() >= 21)
-    text += "; standard deviations of the shift " + mm(std::sqrt(transform.covariance[9])) + ", " +
-            mm(std::sqrt(transform.covariance[14])) + ", " + mm(std::sqrt(transform.covariance[20])) + "\u00A0mm";
-  facts.emplace_back("Frames", same ? "survey and building share one frame: project coordinates of the design"
-                                    : "survey \u2192 building: " + text);
+/// Every transform between the frames of the site.
+void add_frames(const SiteFramesT& frames, std::vector<Fact>& facts) {
+  for (const auto& link : frames.links) {
+    const TransformT& transform = *link->transform;
+    const RigidTransform& t = transform.to_from_from;
+    const double turn = Eigen::AngleAxisd(t.rotation).angle();
+    const bool same = std::abs(turn) < 1e-15 && t.translation.norm() < 1e-12 && transform.scale == 1;
+    std::string text = transform.origin;
+    if (!same)
+      text += ": turned by " + fixed(turn * 180 / M_PI, 6) + "°" + (transform.plan_only ? " about the vertical" : "") +
+              ", shifted by " + fixed(t.translation.x(), 4) + ", " + fixed(t.translation.y(), 4) + ", " +
+              fixed(t.translation.z(), 4) + "\u00A0m, scale " + fixed(transform.scale, 8) +
+              (transform.plan_only && transform.scale != 1 ? " in the plan" : "");
+    if (transform.covariance.size() >= 21)
+      text += "; standard deviations of the shift " + mm(std::sqrt(transform.covariance[9])) + ", " +
+              mm(std::sqrt(transform.covariance[14])) + ", " + mm(std::sqrt(transform.covariance[20])) + "\u00A0mm";
+    facts.emplace_back("Frames: " + link->from + " \u2192 " + link->to, text);
+  }
 }
 
 }  // namespace
@@ -103,7 +108,7 @@ struct ReportHtml : Node {
   Optional<Deviation> deviation{"deviation", frame("frame=?F"), "as-built minus design, judged: the first screen"};
   Optional<Block> block{"block", frame("frame=?B"), "the adjustment of the images, with what it rejected"};
   Optional<Poses> poses{"poses", frame("frame=?P"), "the poses before the adjustment"};
-  Optional<Transform> frames{"frames", frame("to=?F,from=?S"), "the way from the survey's frame, for the provenance"};
+  Optional<SiteFrames> frames{"frames", "the frames of the site, for the provenance"};
   Optional<SurveyNetwork> network{"network", frame("frame=?S"), "the adjusted survey network, for its page"};
   Optional<SurveyComparison> control_check{"control_check", frame("frame=?S"),
                                            "the control points tested against the network, for a warning"};

@@ -115,6 +115,21 @@ TEST(StakeOut, HoldsDesignAndCorrectionWorstFirst) {
   EXPECT_EQ(table.substr(0, table.find('\n')), "F3C1;2.0000;0.0000;9.0000;0.0000;0.0000;-0.0040;fail");
 }
 
+/// The instrument stands in the survey: positions and corrections are in its frame, heights unscaled.
+TEST(StakeOut, IsInTheFrameOfTheSurvey) {
+  DeviationT deviation = built();
+  deviation.anchors[4]->verdict = ToleranceVerdict::fail;
+  deviation.anchors[4]->deviation = {0.002, 0, 0.004};
+  FrameLink building_from_survey;  // the survey is turned by 90 degrees and starts at (1000, 2000, 100)
+  building_from_survey.to_from_from.rotation =
+      Eigen::Quaterniond(Eigen::AngleAxisd(-M_PI / 2, Eigen::Vector3d::UnitZ()));
+  building_from_survey.to_from_from.translation =
+      -(building_from_survey.to_from_from.rotation * Eigen::Vector3d(1000, 2000, 100));
+  building_from_survey.plan_only = true;
+  const std::string table = stake_out_csv(deviation, building_from_survey);
+  EXPECT_EQ(table.substr(0, table.find('\n')), "F3C1;1000.0000;2002.0000;109.0000;0.0000;-0.0020;-0.0040;fail");
+}
+
 TEST(MetricsJson, SchemaNamesEveryEquationOfThePaper) {
   const std::string schema =
       plumbline::test::read_file(std::string(plumbline::test::source_dir()) + "/schemas/metrics.schema.json");

@@ -1,0 +1,154 @@
+// frames.to_building and frames.graph as nodes.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "artifacts/design.hpp"
+#include "artifacts/file.hpp"
+#include "artifacts/plates.hpp"
+#include "artifacts/points.hpp"
+#include "artifacts/site_frames.hpp"
+#include "artifacts/transform.hpp"
+#include "node_harness.hpp"
+
+namespace plumbline {
+namespace {
+
+using test::NodeFailed;
+using test::NodeHarness;
+using ::testing::HasSubstr;
+
+PointsT points_at(const std::vector<Eigen::Vector3d>& positions) {
+  PointsT out;
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    auto point = std::make_unique<PointT>();
+    point->id = "A" + std::to_string(i);
+    point->position = positions[i];
+    point->sigma = Eigen::Vector3d::Constant(1e-3);
+    out.points.push_back(std::move(point));
+  }
+  return out;
+}
+
+const std::vector<Eigen::Vector3d> in_building{{0, 0, 3}, {10, 0, 60}, {10, 5, 3}, {0, 5, 60}};
+
+/// p_map = 0.9996 Rz(30°) p + (691000, 5335000, 500) in the plan; heights keep their lengths.
+Eigen::Vector3d in_map(const Eigen::Vector3d& p) {
+  const double c = 0.9996 * std::cos(M_PI / 6), s = 0.9996 * std::sin(M_PI / 6);
+  return {691000 + c * p.x() - s * p.y(), 5335000 + s * p.x() + c * p.y(), 500 + p.z()};
+}
+
+DesignT design_with_map() {
+  DesignT design;
+  design.file_name = "tower.ifc";
+  design.length_unit = 1;
+  design.map_conversion = std::make_unique<DesignMapConversionT>();
+  DesignMapConversionT& map = *design.map_conversion;
+  map.eastings = 691000, map.northings = 5335000, map.orthogonal_height = 500;
+  map.x_axis_abscissa = std::cos(M_PI / 6), map.x_axis_ordinate = std::sin(M_PI / 6);
+  map.scale = 0.9996, map.scale_given = true, map.map_unit = 1, map.crs_name = "EPSG:25832";
+  return design;
+}
+
+PointsT surveyed_in_map() {
+  std::vector<Eigen::Vector3d> positions;
+  for (const auto& p : in_building) positions.push_back(in_map(p));
+  return points_at(positions);
+}
+
+TransformT brought_to_building(NodeHarness& node) {
+  node.input<Points>("points", surveyed_in_map());
+  node.input<Points>("designed", points_at(in_building));
+  node.input<Design>("design", design_with_map());
+  node.input<Plates>("plates", PlatesT());
+  node.set("use", "map_conversion");
+  node.run();
+  return node.output<Transform>("transform");
+}
+
+TEST(ToBuilding, AMapConversionScalesThePlanAndNotTheHeights) {
+  NodeHarness node("frames.to_building");
+  const TransformT transform = brought_to_building(node);
+  const PointsT there = node.output<Points>("points");
+  for (std::size_t i = 0; i < in_building.size(); ++i)
+    EXPECT_NEAR((there.points[i]->position - in_building[i]).norm(), 0, 1e-8) << i;
+  EXPECT_NEAR(there.points[0]->sigma.x(), 1e-3 / 0.9996, 1e-9);
+  EXPECT_NEAR(there.points[0]->sigma.z(), 1e-3, 1e-12);
+  EXPECT_TRUE(transform.plan_only);
+  EXPECT_NEAR(transform.scale, 1 / 0.9996, 1e-12);
+  EXPECT_EQ(transform.origin, "its map conversion (tower.ifc)");
+}
+
+TEST(ToBuilding, ASurveyElsewhereIsRefusedWithWhatWouldExplainIt) {
+  NodeHarness node("frames.to_building");
+  node.input<Points>("points", surveyed_in_map());
+  node.input<Points>("designed", points_at(in_building));
+  node.input<Design>("design", design_with_map());
+  node.input<Plates>("plates", PlatesT());
+  try {
+    node.run();
+    FAIL();
+  } catch (const NodeFailed& error) {
+    EXPECT_THAT(error.what(), HasSubstr("frames.with.use=map_conversion"));
+  }
+}
+
+/// With `given` and its sigmas: what the transform is uncertain by, all points have in common.
+TEST(ToBuilding, AGivenTransformBringsItsUncertainty) {
+  NodeHarness node("frames.to_building");
+  node.input<Points>("points", points_at(in_building));
+  node.input<Points>("designed", points_at(in_building));
+  node.input<Design>("design", DesignT());
+  node.input<Plates>("plates", PlatesT());
+  node.set("use", "given");
+  // Items of a list are separated by the unit separator, as the host hands them on.
+  node.set("translation",
+           "0\x1f"
+           "0\x1f"
+           "0");
+  node.set("sigmas",
+           "0.001\x1f"
+           "0\x1f"
+           "0\x1f"
+           "0.004");
+  node.run();
+  const PointsT there = node.output<Points>("points");
+  EXPECT_NEAR(there.points[1]->sigma.z(), std::hypot(1e-3, 4e-3), 1e-9);
+  EXPECT_NEAR(there.points[1]->sigma.y(), std::hypot(1e-3, 1e-3 * 10), 1e-9) << "the turn acts on a lever of 10 m";
+  EXPECT_NEAR(there.points[1]->sigma.x(), 1e-3, 1e-9);
+}
+
+std::string text_of(const FileT& file) { return {file.content.begin(), file.content.end()}; }
+
+TEST(FramesGraph, GivesPointsInEveryFrame) {
+  TransformT same;
+  same.scale = 1;
+  same.origin = "survey and design share one frame";
+  NodeHarness node("frames.graph");
+  node.input<Transform>("survey", same);
+  node.input<Design>("design", design_with_map());
+  node.input<Points>("points", points_at(in_building));
+  node.run();
+  const SiteFramesT frames = node.output<SiteFrames>("frames");
+  ASSERT_EQ(frames.links.size(), 2u);
+  EXPECT_EQ(frames.links[1]->to, "map");
+  EXPECT_EQ(frames.links[1]->transform->origin, "map conversion of tower.ifc to EPSG:25832");
+  const std::string table = text_of(node.output<File>("coordinates"));
+  EXPECT_THAT(table, HasSubstr("A1,survey,10.00000,0.00000,60.00000,"));
+  const Eigen::Vector3d expected = in_map(in_building[1]);
+  char line[100];
+  std::snprintf(line, sizeof line, "A1,map,%.5f,%.5f,%.5f,", expected.x(), expected.y(), expected.z());
+  EXPECT_THAT(table, HasSubstr(line));
+}
+
+TEST(FramesGraph, ASurveyInMapCoordinatesIsTheMap) {
+  NodeHarness survey("frames.to_building"), node("frames.graph");
+  node.input<Transform>("survey", brought_to_building(survey));
+  node.input<Design>("design", design_with_map());
+  node.run();
+  EXPECT_EQ(node.output<SiteFrames>("frames").links.size(), 1u);
+}
+
+}  // namespace
+}  // namespace plumbline
