@@ -40,6 +40,27 @@ std::vector<RolePort> read_ports(const YAML::Node& map, const std::string& where
   return ports;
 }
 
+std::vector<RoleMeasure> read_measures(const YAML::Node& map, const std::string& where) {
+  std::vector<RoleMeasure> measures;
+  for (const auto& entry : map) {
+    RoleMeasure measure;
+    measure.quantity = entry.first.as<std::string>();
+    measure.use = text_of(entry.second, "use", "");
+    measure.metric = text_of(entry.second, "metric", "");
+    for (const auto& port : entry.second["in"]) {
+      const auto from = port.second.as<std::string>();
+      if (from.rfind("in.", 0) != 0 && from.rfind("out.", 0) != 0)
+        throw std::runtime_error(where + ": measure '" + measure.quantity + "' takes '" + from +
+                                 "'; it takes in.PORT or out.PORT of the node that is judged");
+      measure.inputs[port.first.as<std::string>()] = from;
+    }
+    if (measure.use.empty() || measure.metric.empty())
+      throw std::runtime_error(where + ": measure '" + measure.quantity + "' is {use: KIND, metric: NAME, in: {…}}");
+    measures.push_back(measure);
+  }
+  return measures;
+}
+
 bool same_ports(const std::vector<RolePort>& a, const std::vector<RolePort>& b) {
   if (a.size() != b.size()) return false;
   for (size_t i = 0; i < a.size(); ++i)
@@ -137,14 +158,15 @@ void Roles::add(const std::string& yaml, const std::string& where) {
     if (!document.IsMap()) throw std::runtime_error(where + ": a role is a map of role, doc, inputs, outputs");
     for (const auto& entry : document) {
       const auto key = entry.first.as<std::string>();
-      if (key != "role" && key != "doc" && key != "inputs" && key != "outputs")
-        throw std::runtime_error(where + ": a role has no '" + key + "'; it has role, doc, inputs, outputs");
+      if (key != "role" && key != "doc" && key != "inputs" && key != "outputs" && key != "measures")
+        throw std::runtime_error(where + ": a role has no '" + key + "'; it has role, doc, inputs, outputs, measures");
     }
     role.name = text_of(document, "role", "");
     role.doc = text_of(document, "doc", "");
     if (role.name.empty()) throw std::runtime_error(where + ": says no name: role: NAME");
     role.inputs = read_ports(document["inputs"], where);
     role.outputs = read_ports(document["outputs"], where);
+    role.measures = read_measures(document["measures"], where);
   } catch (const YAML::Exception& error) {
     throw std::runtime_error(where + ": " + error.what());
   }

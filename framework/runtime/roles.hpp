@@ -16,9 +16,17 @@ struct RolePort {
   uint32_t cardinality = PLUMBLINE_ONE;
 };
 
+/// What `plumbline bench` computes of a node of the role by a node that belongs to neither of those it compares.
+struct RoleMeasure {
+  std::string quantity;                       ///< "start_cost"
+  std::string use, metric;                    ///< kind of the node that computes it, and which of its metrics it is
+  std::map<std::string, std::string> inputs;  ///< its port -> "in.PORT" or "out.PORT" of the node that is judged
+};
+
 struct Role {
   std::string name, doc;
   std::vector<RolePort> inputs, outputs;
+  std::vector<RoleMeasure> measures;
 };
 
 class Roles {

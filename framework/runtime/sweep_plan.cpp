@@ -8,6 +8,7 @@
 #include "runtime/digest.hpp"
 #include "runtime/key.hpp"
 #include "runtime/pipeline_file.hpp"
+#include "runtime/sweep_measures.hpp"
 
 namespace plumbline::runtime {
 
@@ -70,11 +71,16 @@ struct Combination {
 class Planner {
  public:
   Planner(const SweepFile& file, const Overrides& overrides, const Registry& registry, FileHashes& hashes)
-      : overrides_(overrides), registry_(registry), hashes_(hashes), wanted_(measured_nodes(file)) {
+      : overrides_(overrides),
+        registry_(registry),
+        hashes_(hashes),
+        given_(file.measure),
+        wanted_(measured_nodes(file)) {
     plan_.file = file;
   }
 
   SweepPlan plan() {
+    find_compared();
     for (const SweepScenario& scenario : file().scenarios) {
       Combination combination;
       combination.scenario = &scenario;
@@ -155,6 +161,21 @@ class Planner {
     return pipeline;
   }
 
+  /// Before any combination is looked at, so that their order decides nothing.
+  void find_compared() {
+    for (const SweepGroup& group : file().groups)
+      for (const SweepAlternative& alternative : group.alternatives) {
+        for (const std::string& text : alternative.overrides)
+          if (const size_t dot = text.find('.'); dot < text.find('=')) swapped_[group.name].insert(text.substr(0, dot));
+        if (alternative.kind.empty()) continue;
+        try {
+          swapped_[group.name].insert(node_for(file().pipeline, group.name, overrides_));
+        } catch (const std::runtime_error&) {
+          // The combinations that it concerns tell it.
+        }
+      }
+  }
+
   /// The node of the pipeline that a list of kinds fills: the one of that name, else the one of that role.
   std::string node_for(const fs::path& pipeline, const std::string& group, const Overrides& overrides) const {
     std::vector<Problem> ignored;  // load_pipeline() tells them
@@ -173,25 +194,40 @@ class Planner {
                              "' and none of that name; name the node instead of the role");
   }
 
-  Overrides overrides_of(const Combination& way) {
+  /// What two groups both set would be that of one of them, under the name of the other.
+  static void require_set_once(std::map<std::string, std::string>& set_by, const std::string& group,
+                               const std::string& key) {
+    const auto [found, fresh] = set_by.emplace(key, group);
+    if (!fresh && found->second != group)
+      throw std::runtime_error("the groups '" + found->second + "' and '" + group + "' both set " + key +
+                               ": only one of them could hold; make them one group, or exclude this combination");
+  }
+
+  /// `compared` gets the nodes that alternatives of this combination change.
+  Overrides overrides_of(const Combination& way, std::set<std::string>& compared) {
+    std::map<std::string, std::string> set_by;
     Overrides all = overrides_;
     all.insert(all.end(), way.scenario->overrides.begin(), way.scenario->overrides.end());
     for (const auto& [name, value] : way.values) all.push_back(name + "=" + value);
     for (const auto& [group, choice] : way.choices) {
       all.insert(all.end(), choice->overrides.begin(), choice->overrides.end());
-      for (const std::string& text : choice->overrides)
-        if (const size_t dot = text.find('.'); dot < text.find('=')) swapped_[group].insert(text.substr(0, dot));
+      for (const std::string& text : choice->overrides) require_set_once(set_by, group, text.substr(0, text.find('=')));
     }
     for (const auto& [group, choice] : way.choices) {
       if (choice->kind.empty()) continue;
       const std::string node = node_for(pipeline_of(way), group, all);
+      require_set_once(set_by, group, node + ".use");
       swapped_[group].insert(node);
       all.push_back(node + ".use=" + choice->kind);
     }
+    for (const auto& [group, choice] : way.choices)
+      if (const auto nodes = swapped_.find(group); nodes != swapped_.end())
+        compared.insert(nodes->second.begin(), nodes->second.end());
     return all;
   }
 
-  std::shared_ptr<const CellGraph> load(const fs::path& pipeline, Overrides overrides, const uint64_t* seed) const {
+  std::shared_ptr<const CellGraph> load(const fs::path& pipeline, Overrides overrides,
+                                        const std::set<std::string>& compared, const uint64_t* seed) {
     if (seed) overrides.push_back("seed=" + std::to_string(*seed));
     auto loaded = std::make_shared<CellGraph>();
     loaded->graph = reduced(load_pipeline(pipeline, overrides, registry_), wanted_);
@@ -200,6 +236,7 @@ class Planner {
                      [&](const GraphNode& n) { return n.name == node; }))
       throw std::runtime_error(pipeline.string() + " has no node '" + node + "', of which " + file().path.string() +
                                " measures '" + error + "'");
+    plan_.file.measure.merge(add_role_measures(loaded->graph, compared, given_, registry_, plan_.judged));
     loaded->recipes = recipes_of(loaded->graph, hashes_);
     loaded->essential = leading_to(loaded->graph, {node});
     return loaded;
@@ -212,17 +249,18 @@ class Planner {
     for (const auto& [group, choice] : way.choices) cell.choices[group] = choice->name;
     std::vector<SweepCell> cells(std::max<size_t>(1, file().seeds.size()), cell);
     try {
-      const Overrides overrides = overrides_of(way);
+      std::set<std::string> compared;
+      const Overrides overrides = overrides_of(way, compared);
       const fs::path pipeline = pipeline_of(way);
       if (file().seeds.empty()) {
-        cells[0].graph = load(pipeline, overrides, nullptr);
+        cells[0].graph = load(pipeline, overrides, compared, nullptr);
         cells[0].seed = cells[0].graph->graph.seed;
       }
       // Where the seed changes nothing but the seed, which is the rule, linking twice is enough to know it.
       bool same = true;
       for (size_t k = 0; k < file().seeds.size(); ++k) {
         cells[k].seed = file().seeds[k];
-        cells[k].graph = k >= 2 && same ? cells[0].graph : load(pipeline, overrides, &file().seeds[k]);
+        cells[k].graph = k >= 2 && same ? cells[0].graph : load(pipeline, overrides, compared, &file().seeds[k]);
         same = same && cells[k].graph->recipes == cells[0].graph->recipes;
       }
     } catch (const std::exception& error) {
@@ -254,6 +292,7 @@ class Planner {
   const Overrides& overrides_;
   const Registry& registry_;
   FileHashes& hashes_;
+  const std::map<std::string, std::string> given_;  ///< what the file itself measures
   const std::set<std::string> wanted_;
   SweepPlan plan_;
   std::map<std::string, std::set<std::string>> swapped_;

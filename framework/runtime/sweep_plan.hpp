@@ -8,6 +8,7 @@
 
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -46,7 +47,8 @@ struct SweepPlan {
   size_t trials = 0;
   std::vector<ExcludedCells> excluded;
   std::map<std::string, std::vector<std::string>> swapped;  ///< by group: nodes that its alternatives change
-  std::string id;                                           ///< of all keys: equal plans have equal ids
+  std::set<std::string> judged;  ///< nodes of which the bench itself computes what their role says (sweep_measures.hpp)
+  std::string id;                ///< of all keys: equal plans have equal ids
 };
 
 /// `overrides` hold for every cell; what the file says goes before them. A combination that makes no valid pipeline

@@ -83,6 +83,7 @@ std::string sweep_table(const SweepPlan& plan, const CellRecords& records, const
   for (const SweepVariable& variable : file.matrix)
     json["variables"].push_back({{"name", variable.name}, {"values", variable.values}});
   json["groups"] = groups_of(plan);
+  json["judged"] = plan.judged;
   json["excluded"] = Json::array();
   for (const ExcludedCells& cells : plan.excluded)
     json["excluded"].push_back({{"what", cells.what}, {"why", cells.why}, {"cells", cells.cells}});

@@ -40,25 +40,16 @@ TagStart start_of(const TagBlock& block, const std::map<std::string, Eigen::Vect
   return start;
 }
 
-}  // namespace
-
-TagCost cost_of_tag_block(const TagBlock& block, const std::map<std::string, Eigen::Vector3d>& anchors) {
-  TagCost cost;
+TagModel judged_model(const TagBlock& block, const TagStart& start) {
   TagBlockOptions options;
   options.self_calibration = false;
   options.tag_scale_sigma = 0;
   options.free_network = block.control.plates.empty();
-  TagModel model = build_tag_model(block, options, start_of(block, anchors, cost));
-  bundle::Problem turning = model.problem;
-  turning.known.clear();
-  for (auto& image : turning.images) image.fixed = true;
-  for (auto& tag : turning.image_tags) tag.robust = false;
-  for (int j = 0; j < static_cast<int>(turning.plates.size()); ++j)
-    turning.known.push_back({{{bundle::Kind::plate, j}},
-                             model.state.plates[static_cast<size_t>(j)].position,
-                             Eigen::Matrix3d::Identity() / held,
-                             group_control});
-  bundle::minimise_schur(turning, model.state, {});
+  return build_tag_model(block, options, start);
+}
+
+/// Adds up the squares at the model's state.
+void sum_up(const TagModel& model, TagCost& cost) {
   const bundle::Layout layout(model.problem);
   bundle::Rows rows;
   for (const auto& tag : model.problem.image_tags) {
@@ -75,6 +66,35 @@ TagCost cost_of_tag_block(const TagBlock& block, const std::map<std::string, Eig
     cost.control = control.residual.squaredNorm();
     cost.control_rows = static_cast<int>(control.residual.size());
   }
+}
+
+}  // namespace
+
+TagCost cost_of_tag_block(const TagBlock& block, const std::map<std::string, Eigen::Vector3d>& anchors) {
+  TagCost cost;
+  TagModel model = judged_model(block, start_of(block, anchors, cost));
+  bundle::Problem turning = model.problem;
+  turning.known.clear();
+  for (auto& image : turning.images) image.fixed = true;
+  for (auto& tag : turning.image_tags) tag.robust = false;
+  for (int j = 0; j < static_cast<int>(turning.plates.size()); ++j)
+    turning.known.push_back({{{bundle::Kind::plate, j}},
+                             model.state.plates[static_cast<size_t>(j)].position,
+                             Eigen::Matrix3d::Identity() / held,
+                             group_control});
+  bundle::minimise_schur(turning, model.state, {});
+  sum_up(model, cost);
+  return cost;
+}
+
+TagCost start_cost_of_tag_block(const TagBlock& block) {
+  require_usable(block);
+  TagCost cost;
+  std::vector<std::string> left_out, warnings;
+  TagStart start = start_tag_block(block, std::vector<bool>(block.observations.size(), true), left_out);
+  if (!block.control.plates.empty()) move_to_control(block, start, warnings);
+  cost.left_out = static_cast<int>(block.observations.size() - start.observations.size());
+  sum_up(judged_model(block, start), cost);
   return cost;
 }
 

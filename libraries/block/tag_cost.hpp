@@ -23,4 +23,9 @@ struct TagCost {
 /// computed because it lies behind its camera.
 TagCost cost_of_tag_block(const TagBlock& block, const std::map<std::string, Eigen::Vector3d>& anchors);
 
+/// The same where every adjustment starts: anchors and plates where the poses put them, images without a pose oriented
+/// from plates they share, all of it in the frame of the control. Throws what start_tag_block() and move_to_control()
+/// throw, and naming the tag that lies behind its camera.
+TagCost start_cost_of_tag_block(const TagBlock& block);
+
 }  // namespace plumbline::adjust

@@ -8,13 +8,15 @@
 namespace plumbline::adjust {
 
 struct EvaluateCost : Node {
-  static constexpr Info info{"evaluate.cost", "", 1,
+  static constexpr Info info{"evaluate.cost", "", 2,
                              "Cost of poses, anchors and camera against the images and the survey, whatever made them"};
   List<ImageTags> observations{"observations", "tags of every image"};
   In<Poses> poses{"poses", frame("frame=?F"), "exterior orientations to be judged"};
   In<Camera> camera{"camera", "interior orientation to be judged"};
   In<Plates> plates{"plates", frame("frame=?F"), "which tag stands for which anchor"};
-  In<Points> points{"points", frame("frame=?F"), "anchors to be judged; plates may turn about them as fits best"};
+  Optional<Points> points{"points", frame("frame=?F"),
+                          "anchors to be judged; plates may turn about them as fits best. Without them: the cost where "
+                          "every adjuster starts from the poses"};
   Optional<Points> control{"control", frame("frame=?F"), "surveyed anchors; their misfit is part of the cost"};
   Param<double> corner_sigma{"corner_sigma", 0.1, "px", between(1e-4, 100),
                              "standard deviation of a corner whose detector gives none"};
@@ -25,11 +27,8 @@ struct EvaluateCost : Node {
     for (size_t i = 0; i < observations.size(); ++i) builder.add_image(observations.unpack(i), *corner_sigma);
     if (control) builder.set_control(control.unpack());
     for (const auto& warning : builder.warnings()) context.warn(warning);
-    std::map<std::string, Eigen::Vector3d> anchors;
-    const PointsT judged = points.unpack();
-    for (const auto& point : judged.points)
-      if (point->position.allFinite()) anchors[point->id] = point->position;
-    const TagCost found = cost_of_tag_block(builder.block(), anchors);
+    const TagCost found = points ? cost_of_tag_block(builder.block(), anchors_of(points.unpack()))
+                                 : start_cost_of_tag_block(builder.block());
     if (found.left_out > 0)
       context.warn(std::to_string(found.left_out) +
                    " tags are not in the cost: their image has no pose or their anchor no coordinates");
@@ -47,6 +46,14 @@ struct EvaluateCost : Node {
     file.media_type = "application/json";
     file.content.assign(text, text + length);
     cost.commit(file);
+  }
+
+ private:
+  static std::map<std::string, Eigen::Vector3d> anchors_of(const PointsT& judged) {
+    std::map<std::string, Eigen::Vector3d> anchors;
+    for (const auto& point : judged.points)
+      if (point->position.allFinite()) anchors[point->id] = point->position;
+    return anchors;
   }
 };
 

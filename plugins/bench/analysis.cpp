@@ -20,7 +20,7 @@ double seconds_of(const Cell& cell, const std::set<std::string>& nodes, bool all
   double sum = 0;
   std::size_t timed = 0;
   for (const auto& [node, seconds] : cell.seconds)
-    if (all || nodes.count(node)) sum += seconds, ++timed;
+    if ((all && node != "start_cost" && node != "final_cost") || nodes.count(node)) sum += seconds, ++timed;
   if (timed == 0) return kNan;
   if (!all)
     for (const std::string& node : nodes)
@@ -41,7 +41,7 @@ Row row_of(const std::vector<const Cell*>& cells, const Bench& bench, const stat
     whole |= group.whole_pipelines;
   }
   std::vector<statistics::Trial> trials;
-  std::vector<double> seconds, costs;
+  std::vector<double> seconds, starts, costs;
   std::size_t failures = 0;
   for (const Cell* cell : cells) {
     row.missing += cell->status == "missing";
@@ -53,10 +53,12 @@ Row row_of(const std::vector<const Cell*>& cells, const Bench& bench, const stat
     row.worst.push_back(trials.back().worst);
     row.seeds.push_back(cell->seed);
     if (const double s = seconds_of(*cell, nodes, whole); std::isfinite(s)) seconds.push_back(s);
+    if (const double c = cell->measure("start_cost"); std::isfinite(c)) starts.push_back(c);
     if (const double c = cell->measure("final_cost"); std::isfinite(c)) costs.push_back(c);
   }
   row.summary = summarise(trials, failures, bench.tolerances, options);
   row.seconds = statistics::median(seconds);
+  row.start_cost = statistics::median(starts);
   row.final_cost = statistics::median(costs);
   return row;
 }
@@ -65,7 +67,7 @@ Row row_of(const std::vector<const Cell*>& cells, const Bench& bench, const stat
 class DuelBuilder {
  public:
   DuelBuilder(const Bench& bench, const Group& group, const std::string& first, const std::string& second)
-      : group_(group), first_(first), second_(second) {
+      : group_(group), costs_count_(costs_count(bench, group)), first_(first), second_(second) {
     std::map<std::tuple<std::string, std::string, std::uint64_t>, std::pair<const Cell*, const Cell*>> twins;
     for (const Cell& cell : bench.cells) {
       const auto choice = cell.choices.find(group.name);
@@ -123,10 +125,19 @@ class DuelBuilder {
     for (const auto& [seed, sum] : by_seed) strata.back().push_back({sum.first / sum.count, sum.second / sum.count});
   }
 
+  /// Costs that the bench computed are those of one node. Alternatives before it are compared by where they make it
+  /// start, and whole pipelines have costs of different problems.
+  static bool costs_count(const Bench& bench, const Group& group) {
+    if (bench.judged.empty()) return true;
+    return !group.whole_pipelines && std::any_of(group.nodes.begin(), group.nodes.end(), [&](const std::string& node) {
+      return std::find(bench.judged.begin(), bench.judged.end(), node) != bench.judged.end();
+    });
+  }
+
   void refuse_other_starts(const Cell& a, const Cell& b, Duel& duel) const {
     if (!duel.refused.empty()) return;
     const double start_a = a.measure("start_cost"), start_b = b.measure("start_cost");
-    if (std::isfinite(start_a) && std::isfinite(start_b) &&
+    if (costs_count_ && std::isfinite(start_a) && std::isfinite(start_b) &&
         std::abs(start_a - start_b) > 1e-9 * std::max(std::abs(start_a), std::abs(start_b))) {
       duel.refused = "they started from different costs, " + std::to_string(start_a) + " and " +
                      std::to_string(start_b) + " with seed " + std::to_string(a.seed);
@@ -146,6 +157,7 @@ class DuelBuilder {
   }
 
   const Group& group_;
+  const bool costs_count_;
   const std::string first_, second_;
   std::map<std::string, std::vector<Twin>> twins_;  // by place
 };

@@ -14,11 +14,11 @@ struct Row {
   std::map<std::string, std::string> values;  ///< of the matrix
   std::map<std::string, std::string> choices;
   statistics::TrialSummary summary;
-  std::size_t missing = 0;            ///< cells that have not run yet
-  double seconds = 0;                 ///< median over trials, of the nodes that alternatives change; nan: unknown
-  double final_cost = 0;              ///< median; nan: not measured
-  std::vector<double> errors, worst;  ///< of the finished trials [m]
-  std::vector<std::uint64_t> seeds;   ///< theirs
+  std::size_t missing = 0;                ///< cells that have not run yet
+  double seconds = 0;                     ///< median over trials, of the nodes that alternatives change; nan: unknown
+  double start_cost = 0, final_cost = 0;  ///< medians; nan: not measured
+  std::vector<double> errors, worst;      ///< of the finished trials [m]
+  std::vector<std::uint64_t> seeds;       ///< theirs
 };
 
 struct Duel {

@@ -48,6 +48,7 @@ Bench read(const Json& json) {
   for (const Json& item : json.at("variables")) bench.variables.push_back({item.at("name"), item.at("values")});
   for (const Json& item : json.at("groups"))
     bench.groups.push_back({item.at("name"), item.at("alternatives"), item.at("nodes"), item.at("whole_pipelines")});
+  if (json.contains("judged")) json.at("judged").get_to(bench.judged);
   for (const Json& item : json.at("excluded"))
     bench.excluded.push_back({item.at("what"), item.at("why"), item.at("cells")});
   const Json& machine = json.at("machine");

@@ -47,6 +47,8 @@ struct Bench {
   std::vector<Group> groups;
   std::vector<Excluded> excluded;
   std::vector<std::string> machine;  ///< lines to show
+  /// Nodes of which the bench itself computed start_cost and final_cost; empty: the file measures them, or nobody.
+  std::vector<std::string> judged;
   std::vector<Cell> cells;
   std::vector<std::string> places() const;  ///< in the file's order
 };

@@ -112,7 +112,11 @@ std::string main_table(const Bench& bench, const Analysis& analysis) {
       "<th class=\"n\">predicted [mm]</th><th class=\"n\">bound²/MSE</th><th class=\"n\">NEES/freedom</th>";
   for (const double tau : shown_tolerances(bench))
     text += "<th class=\"n\">above " + number_text(1e3 * tau, 1) + " mm</th>";
-  text += "<th class=\"n\">time [ms]</th></tr></thead><tbody>\n";
+  const bool costs = std::any_of(analysis.rows.begin(), analysis.rows.end(),
+                                 [](const Row& row) { return std::isfinite(row.start_cost + row.final_cost); });
+  text += "<th class=\"n\">time [ms]</th>";
+  if (costs) text += "<th class=\"n\">start cost</th><th class=\"n\">final cost</th>";
+  text += "</tr></thead><tbody>\n";
   for (const Row& row : analysis.rows) {
     const auto& s = row.summary;
     text += s.failures == s.trials && s.trials > 0 ? "<tr class=\"failed\">" : "<tr>";
@@ -126,7 +130,10 @@ std::string main_table(const Bench& bench, const Analysis& analysis) {
     text += interval_cell(s.efficiency, 1);
     text += number_cell(number_text(s.nees, 0.1), s.nees);
     for (const double tau : shown_tolerances(bench)) text += rate_cell(row, tau);
-    text += number_cell(number_text(1e3 * row.seconds, 500 * row.seconds), row.seconds) + "</tr>\n";
+    text += number_cell(number_text(1e3 * row.seconds, 500 * row.seconds), row.seconds);
+    for (const double cost : {row.start_cost, row.final_cost})
+      if (costs) text += number_cell(cost_text(cost), cost);
+    text += "</tr>\n";
   }
   return text + "</tbody></table></div>\n";
 }

@@ -40,6 +40,7 @@ Json row_json(const Row& row) {
             {"efficiency", estimate_json(s.efficiency)},
             {"nees", {{"value", s.nees}, {"band", {s.nees_band.lower, s.nees_band.upper}}}},
             {"seconds", row.seconds},
+            {"start_cost", row.start_cost},
             {"final_cost", row.final_cost}};
   json["failure_rates"] = Json::array();
   for (const auto& rate : s.failure_rates)
@@ -103,6 +104,8 @@ std::string tex_name(std::string name) {
 }
 
 }  // namespace
+
+std::string cost_text(double cost) { return std::isfinite(cost) ? printed("%.6g", cost) : "–"; }
 
 std::string number_text(double value, double uncertainty) {
   if (!std::isfinite(value)) return "–";
@@ -191,10 +194,13 @@ std::string to_markdown(const Bench& bench, const Analysis& analysis) {
   for (const std::string& sentence : verdicts(bench, analysis)) text += "- " + sentence + "\n";
   for (const std::string& sentence : analysis.unused) text += "- " + sentence + "\n";
   const double tau = bench.tolerances.empty() ? 0 : bench.tolerances.front();
+  const bool costs = std::any_of(analysis.rows.begin(), analysis.rows.end(),
+                                 [](const Row& row) { return std::isfinite(row.start_cost + row.final_cost); });
   text +=
       "\n| place | alternative | trials | failed | RMSE [mm] | bias [mm] | predicted [mm] | bound²/MSE | NEES / "
       "freedom (band) | worst error above " +
-      printed("%g", 1e3 * tau) + " mm | time [s] |\n|---|---|---|---|---|---|---|---|---|---|---|\n";
+      printed("%g", 1e3 * tau) + " mm | time [s] |" + (costs ? " start cost | final cost |" : "") +
+      "\n|---|---|---|---|---|---|---|---|---|---|---|" + (costs ? "---|---|" : "") + "\n";
   for (const Row& row : analysis.rows) {
     const auto& s = row.summary;
     text += "| " + table_cell(row.place) + " | " + table_cell(row.name) + " | " + std::to_string(s.trials) +
@@ -205,7 +211,8 @@ std::string to_markdown(const Bench& bench, const Analysis& analysis) {
             (std::isfinite(s.nees_band.lower)
                  ? " (" + number_text(s.nees_band.lower, 0.1) + "–" + number_text(s.nees_band.upper, 0.1) + ")"
                  : "") +
-            " | " + rate_text(row, tau) + " | " + number_text(row.seconds, 0.5 * row.seconds) + " |\n";
+            " | " + rate_text(row, tau) + " | " + number_text(row.seconds, 0.5 * row.seconds) + " |" +
+            (costs ? " " + cost_text(row.start_cost) + " | " + cost_text(row.final_cost) + " |" : "") + "\n";
   }
   text += "\nIntervals: " + printed("%g", 100 * analysis.confidence) +
           " %, BCa bootstrap over trials; rates by Wilson. Differences are paired by seed, p adjusted by Holm" +

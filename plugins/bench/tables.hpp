@@ -15,6 +15,7 @@ std::string to_tex(const Bench& bench, const Analysis& analysis);
 
 /// "12.3": so many decimals that the half width of the interval keeps two digits; "–" for nan.
 std::string number_text(double value, double uncertainty);
+std::string cost_text(double cost);  ///< six digits, "–" if it is not known
 std::string interval_text(const statistics::Estimate& estimate, double scale);  ///< "0.24 (0.21–0.28)"
 
 /// What stands above every table: how many cells, trials, failures.

@@ -62,6 +62,37 @@ TEST(Bench, WritesAllItsFilesAndTheVerdictInWords) {
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 17);
 }
 
+/// Start and final cost are those of the node that the role names, not what a solver says of itself.
+TEST(Bench, ComputesTheCostsThatTheRoleOfWhatIsComparedNames) {
+  BenchProgram plumbline;
+  plumbline.bench_file(
+      "seeds: 1-8\nalternatives: {method: {good: {solver.use: trial.judged}, worse: {solver.use: trial.judged, "
+      "solver.with.factor: 1.5}}}\n");
+  const Json counts = plumbline.run();
+  EXPECT_EQ(counts["failed"], 0) << plumbline.answer.err;
+  EXPECT_EQ(counts["merged"], 8 * 6);  // site, start cost; solver and final cost of either
+  const Json summary = plumbline.summary();
+  ASSERT_EQ(summary["rows"].size(), 2u);
+  const Json &good = summary["rows"][0], &worse = summary["rows"][1];
+  EXPECT_GT(good["start_cost"].get<double>(), 1000);
+  EXPECT_EQ(good["start_cost"], worse["start_cost"]);
+  EXPECT_NEAR(worse["final_cost"].get<double>() / good["final_cost"].get<double>(), 1.5 * 1.5, 1e-9);
+  EXPECT_THAT(summary["verdicts"][0].get<std::string>(), HasSubstr("good beats worse"));
+  EXPECT_THAT(read_file(plumbline.work() / "out/b/bench.md"), HasSubstr("| start cost | final cost |"));
+  EXPECT_THAT(read_file(plumbline.work() / "out/b/bench.csv"), HasSubstr(",final_cost,start_cost,"));
+}
+
+TEST(Bench, TwoGroupsThatSetTheSameAreRefusedInWords) {
+  BenchProgram plumbline;
+  plumbline.bench_file(
+      "seeds: 1-2\nalternatives: {solver: [trial.plain, trial.judged], method: {a: {}, b: {solver.use: "
+      "trial.judged}}}\n");
+  const Json counts = plumbline.run();
+  EXPECT_EQ(counts["failed"], 4);
+  EXPECT_THAT(plumbline.summary()["failures"][0]["reason"].get<std::string>(),
+              HasSubstr("the groups 'method' and 'solver' both set solver.use"));
+}
+
 TEST(Bench, NamesAreNoFormulasInTheTable) {
   BenchProgram plumbline;
   plumbline.bench_file("seeds: 1-8\nalternatives: {way: {\"=a\": {}, b: {solver.with.factor: 1.50}}}\n");
@@ -142,6 +173,31 @@ TEST(Bench, AComparisonFromDifferentStartsIsRefused) {
   const Json duel = plumbline.summary()["comparisons"][0];
   EXPECT_THAT(duel["refused"].get<std::string>(), HasSubstr("did not get the same inputs"));
   EXPECT_FALSE(duel.contains("verdict"));
+}
+
+/// By the cost that the bench computes where they start; alternatives of nodes before are compared by where they lead.
+TEST(Bench, AComparisonFromDifferentCostsIsRefusedInWords) {
+  BenchProgram plumbline;
+  const std::string nodes =
+      "plumbline: 1\nvars: {seed: 1}\nnodes:\n  site: {use: story.draw}\n  other: {use: story.draw}\n"
+      "  between: {use: trial.plain, in: {site: site.number}}\n"
+      "  solver: {use: trial.judged, in: {site: site.number}}\n";
+  plumbline.write("trial.yaml", nodes);
+  plumbline.bench_file(
+      "seeds: 1-8\nalternatives: {solver: {mine: {solver.with.factor: 0.5}, "
+      "theirs: {solver.in.site: other.number}}}\n");
+  plumbline.run();
+  EXPECT_THAT(plumbline.summary()["comparisons"][0]["refused"].get<std::string>(),
+              HasSubstr("they started from different costs, "));
+  EXPECT_THAT(plumbline.summary()["verdicts"][0].get<std::string>(),
+              HasSubstr("mine and theirs are not compared: they started from different costs"));
+  plumbline.bench_file(
+      "seeds: 1-8\nalternatives: {start: {one: {between.with.own: 0}, other: {between.with.own: 1}}, "
+      "solver: {mine: {solver.in.site: between.error, solver.with.factor: 0.5}, theirs: {solver.in.site: "
+      "between.error}}}\n");
+  plumbline.run();
+  ASSERT_EQ(plumbline.summary()["comparisons"].size(), 2u);
+  for (const Json& duel : plumbline.summary()["comparisons"]) EXPECT_FALSE(duel.contains("refused")) << duel;
 }
 
 TEST(Bench, AnyNumberOfWorkersAndAThrownAwayStoreGiveTheSameBits) {
