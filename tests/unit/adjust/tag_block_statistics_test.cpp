@@ -191,6 +191,14 @@ TEST(TagCost, IsWhatTheAdjustmentMinimised) {
     start[synthetic.block.plates[plate].anchor] = synthetic.anchors[plate];
   }
   const double at_start = adjust::cost_of_tag_block(synthetic.block, start).total();
+  // Where an adjustment starts by itself, from approximate poses and from true ones.
+  const adjust::TagCost own_start = adjust::start_cost_of_tag_block(synthetic.block);
+  EXPECT_GT(own_start.total(), 10 * result.weighted_sum_of_squares);
+  EXPECT_EQ(own_start.left_out, 0);
+  adjust::TagBlock at_truth = synthetic.block;
+  at_truth.camera = synthetic.camera;
+  for (size_t i = 0; i < at_truth.images.size(); ++i) at_truth.images[i].cam_from_world = synthetic.cam_from_world[i];
+  EXPECT_LT(adjust::start_cost_of_tag_block(at_truth).total(), 0.01 * own_start.total());
   adjust::TagBlock adjusted = synthetic.block;
   for (size_t i = 0; i < adjusted.images.size(); ++i) adjusted.images[i].cam_from_world = result.cam_from_world[i];
   const adjust::TagCost cost = adjust::cost_of_tag_block(adjusted, found);
