@@ -362,17 +362,29 @@ Calibration calibrate(const std::vector<CalibrationView>& views, int width, int 
                              "; at least 3 are needed, 15 to 30 are good, tilted and over the whole image");
   for (const auto& view : views)
     if (view.points.size() < 4) throw std::runtime_error(view.path + " has fewer than 4 points of the board");
-  if (!(options.bend_sigma > 0)) return Calibrator(views, width, height, options).run();
-  try {
-    return Calibrator(views, width, height, options).run();
-  } catch (const std::runtime_error&) {
-    // Photographs that are too much alike do not tell a bend from the lens. If it is not that, the flat board says
-    // what.
-    CalibrationOptions flat = options;
-    flat.bend_sigma = 0;
-    Calibration result = Calibrator(views, width, height, flat).run();
-    result.held_flat = true;
-    return result;
+  // Photographs that are too much alike tell neither a bend from the lens nor its third radial coefficient. If it is
+  // not that, the last attempt says what.
+  std::vector<CalibrationOptions> attempts{options};
+  const auto add = [&](bool flat, bool without_k3) {
+    attempts.push_back(options);
+    if (flat) attempts.back().bend_sigma = 0;
+    if (without_k3) std::erase(attempts.back().free, "k3");
+  };
+  const bool bent = options.bend_sigma > 0;
+  if (bent) add(true, false);
+  if (std::find(options.free.begin(), options.free.end(), "k3") != options.free.end()) {
+    if (bent) add(false, true);
+    add(true, true);
+  }
+  for (size_t k = 0;; ++k) {
+    try {
+      Calibration result = Calibrator(views, width, height, attempts[k]).run();
+      result.held_flat = bent && !(attempts[k].bend_sigma > 0);
+      result.held_k3 = attempts[k].free.size() < options.free.size();
+      return result;
+    } catch (const std::runtime_error&) {
+      if (k + 1 == attempts.size()) throw;
+    }
   }
 }
 

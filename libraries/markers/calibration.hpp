@@ -53,6 +53,7 @@ struct Calibration {
   int observations = 0, unknowns = 0, degrees_of_freedom = 0;
   std::vector<std::string> rejected;  ///< in words
   bool held_flat = false;  ///< the photographs did not tell a bend of the board from the lens, so it was held flat
+  bool held_k3 = false;    ///< nor the third radial coefficient, which was held at zero
 };
 
 /// Throws std::runtime_error that says what is missing: fewer than three views or too few points, all views from one

@@ -63,7 +63,7 @@ CameraT artifact_of(const Calibrated& one, const std::string& id) {
 
 struct CalibrateBoard : Node {
   static constexpr Info info{
-      "calibrate.board", "", 2,
+      "calibrate.board", "", 3,
       "Calibrates cameras on photographs of a board: parameters, covariance, uncertainty over the image, rigs"};
   List<BoardPoints> points{"points", "the board's points in each photograph"};
   Param<std::vector<std::string>> free{
@@ -124,11 +124,11 @@ struct CalibrateBoard : Node {
     context.metric("rms", std::sqrt(squares / count), "px");
     yaml.commit(file_of("camera.yaml", "application/yaml", yaml_of(all, *id)));
     json.commit(file_of("calibration.json", "application/json",
-                        document(all, context).dump(1, ' ', false, Json::error_handler_t::replace) + "\n"));
+                        document(all, options, context).dump(1, ' ', false, Json::error_handler_t::replace) + "\n"));
   }
 
  private:
-  Json document(const std::vector<Calibrated>& all, Context& context) const {
+  Json document(const std::vector<Calibrated>& all, const CalibrationOptions& options, Context& context) const {
     if (all.size() == 1) return calibration_json(all[0].selection, all[0].calibration, all[0].halves);
     Json list = Json::array();
     for (const auto& one : all) {
@@ -137,14 +137,16 @@ struct CalibrateBoard : Node {
       list.push_back(entry);
     }
     std::vector<std::string> warnings;
-    Json rig = rig_json(all, *cameras, warnings);
+    Json rig = rig_json(all, *cameras, options, warnings);
     for (const auto& text : warnings) context.warn(text);
-    return {{"cameras", list},
-            {"rig_is",
-             "camera from reference: rotation quaternion w, x, y, z; translation in m; sigmas of the mean over "
-             "the moments, scatters of one moment"},
-            {"rig", rig},
-            {"warnings", warnings}};
+    return {
+        {"cameras", list},
+        {"rig_is",
+         "camera from reference, from one adjustment of all cameras: rotation quaternion w, x, y, z; translation in "
+         "m; covariance of a rotation vector in the camera's frame [rad], then of the translation [m]; halves: mean "
+         "square difference of two halves of the moments over its covariance; parameters of the camera there"},
+        {"rig", rig},
+        {"warnings", warnings}};
   }
 };
 

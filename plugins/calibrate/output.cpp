@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdio>
 #include <sstream>
 
 #include "markers/camera_files.hpp"
 #include "markers/camera_groups.hpp"
-#include "markers/rig.hpp"
+#include "markers/rig_adjustment.hpp"
 
 namespace plumbline::markers {
 
@@ -81,6 +82,10 @@ std::vector<std::string> warnings_of(const Selection& selection, const Calibrati
     warnings.emplace_back(
         "The photographs are too much alike to tell a bend of the board from the lens: the board is taken as flat, and "
         "the standard deviations know nothing of a bend");
+  if (c.held_k3)
+    warnings.emplace_back(
+        "The photographs do not determine the third radial coefficient: k3 is held at 0. Bring the board into the "
+        "corners of the image");
   // Coverage in a 4 × 4 grid of the image.
   std::array<int, 16> cells{};
   for (const auto& view : c.views)
@@ -152,38 +157,104 @@ Json calibration_json(const Selection& selection, const Calibration& c, const Ha
       {"images", images_json(selection, c)}};
 }
 
-Json rig_json(const std::vector<Calibrated>& cameras, const std::string& by, std::vector<std::string>& warnings) {
-  std::vector<std::vector<RigView>> views;
-  for (const auto& one : cameras) {
-    views.emplace_back();
-    for (const auto& view : one.calibration.views) {
-      const std::string& path = one.selection.views[static_cast<size_t>(view.view)].path;
-      views.back().push_back({moment_of(path), view.cam_from_board});
+namespace {
+
+Json triple(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+Json pose_json(const AdjustedRig& rig, const AdjustedRigCamera& c, const std::vector<Calibrated>& cameras,
+               const std::vector<std::vector<std::string>>& moments) {
+  const auto& own = cameras[static_cast<size_t>(c.camera)];
+  std::vector<std::string> left_out;
+  for (const auto& path : rig.left_out)
+    for (const auto& view : own.selection.views)
+      if (view.path == path) left_out.push_back(moment_of(path));
+  Json covariance = Json::array(), parameters, sigmas;
+  for (Eigen::Index i = 0; i < 6; ++i)
+    for (Eigen::Index j = 0; j <= i; ++j) covariance.push_back(c.covariance(i, j));
+  const auto values = c.interior.parameters();
+  for (size_t k = 0; k < values.size(); ++k) {
+    const Eigen::Index i = static_cast<Eigen::Index>(k);
+    parameters[BrownCamera::parameter_names[k]] = values[k];
+    sigmas[BrownCamera::parameter_names[k]] = std::sqrt(c.interior_covariance(i, i));
+  }
+  const RigidTransform& t = c.cam_from_reference;
+  const Eigen::Matrix<double, 6, 1> sigma = c.covariance.diagonal().cwiseSqrt();
+  return {{"camera", own.selection.camera},
+          {"reference", cameras[static_cast<size_t>(rig.reference)].selection.camera},
+          {"rotation", {t.rotation.w(), t.rotation.x(), t.rotation.y(), t.rotation.z()}},
+          {"translation", triple(t.translation)},
+          {"rotation_sigma", triple(sigma.head<3>())},
+          {"translation_sigma", triple(sigma.tail<3>())},
+          {"covariance_lower_triangle", covariance},
+          {"halves", c.halves},
+          {"rms_px", c.rms},
+          {"separate_rms_px", c.separate_rms},
+          {"shared", c.shared},
+          {"moments", moments[static_cast<size_t>(c.camera)]},
+          {"left_out", left_out},
+          {"parameters", parameters},
+          {"sigmas", sigmas}};
+}
+
+void add_rig_warnings(const AdjustedRig& rig, const std::vector<Calibrated>& cameras,
+                      std::vector<std::string>& warnings) {
+  if (!rig.left_out.empty())
+    warnings.push_back("Left out of the rig: photographs that do not show the board where the rig has it (" +
+                       std::to_string(rig.left_out.size()) + ", the first is " + rig.left_out.front() +
+                       "): not taken at the same moment as the others of their number, or the rig moved");
+  if (!rig.held.empty())
+    warnings.push_back("The rig is adjusted with " + rig.held +
+                       " held as the cameras' own calibrations have them, because these photographs do not determine "
+                       "them together; its standard deviations do not hold their uncertainty");
+  double separate = 0;
+  for (const auto& c : rig.cameras) separate = std::max(separate, c.separate_rms);
+  if (rig.rms > 2.5 * separate) {
+    char text[300];
+    std::snprintf(
+        text, sizeof text,
+        "As a rig the photographs fit to %.2f px where each camera alone fits to %.2f px: those of one moment "
+        "were not taken at quite the same time, or the cameras moved a little. The standard deviations of the "
+        "rig are made of the larger residuals",
+        rig.rms, separate);
+    warnings.emplace_back(text);
+  }
+  for (const auto& c : rig.cameras)
+    if (c.halves > 3) {
+      char text[300];
+      std::snprintf(text, sizeof text,
+                    "Two halves of the moments place camera %s %.1f times as far apart as their standard deviations "
+                    "make expected: the cameras moved against each other, or lens and board are not as the model has "
+                    "them. Take the standard deviations that many times",
+                    cameras[static_cast<size_t>(c.camera)].selection.camera.c_str(), std::sqrt(c.halves));
+      warnings.emplace_back(text);
     }
+}
+
+}  // namespace
+
+Json rig_json(const std::vector<Calibrated>& cameras, const std::string& by, const CalibrationOptions& options,
+              std::vector<std::string>& warnings) {
+  Json result = Json::array();
+  if (by == "one") return result;
+  std::vector<RigCamera> given;
+  std::vector<std::vector<std::string>> moments;
+  for (const auto& one : cameras) {
+    given.push_back({one.selection.camera, &one.selection.views, &one.calibration});
+    moments.emplace_back();
+    for (const auto& view : one.selection.views) moments.back().push_back(moment_of(view.path));
   }
-  Json rig = Json::array();
-  if (by == "one") return rig;
-  for (const RigPose& pose : rig_of(views)) {
-    const auto name = [&](int k) { return cameras[static_cast<size_t>(k)].selection.camera; };
-    const RigidTransform& t = pose.cam_from_reference;
-    rig.push_back(
-        {{"camera", name(pose.camera)},
-         {"reference", name(pose.reference)},
-         {"rotation", {t.rotation.w(), t.rotation.x(), t.rotation.y(), t.rotation.z()}},
-         {"translation", {t.translation.x(), t.translation.y(), t.translation.z()}},
-         {"rotation_sigma", {pose.rotation_sigma.x(), pose.rotation_sigma.y(), pose.rotation_sigma.z()}},
-         {"translation_sigma", {pose.translation_sigma.x(), pose.translation_sigma.y(), pose.translation_sigma.z()}},
-         {"rotation_scatter", pose.rotation_scatter},
-         {"translation_scatter", pose.translation_scatter},
-         {"moments", pose.moments},
-         {"left_out", pose.left_out}});
-    if (!pose.left_out.empty())
-      warnings.push_back("Cameras " + name(pose.reference) + " and " + name(pose.camera) +
-                         " do not stand to each other in " + std::to_string(pose.left_out.size()) +
-                         " of their common photographs as in the others (the first is number " + pose.left_out.front() +
-                         "): not taken at the same moment, or the rig moved");
+  for (const AdjustedRig& rig : adjust_rigs(given, moments, options)) {
+    if (!rig.refused.empty()) {
+      warnings.push_back("No rig: " + rig.refused +
+                         ". Each camera is calibrated by itself. Photographs of one moment need the same last number "
+                         "in their names");
+      continue;
+    }
+    for (const auto& camera : rig.cameras)
+      if (camera.camera != rig.reference) result.push_back(pose_json(rig, camera, cameras, moments));
+    add_rig_warnings(rig, cameras, warnings);
   }
-  return rig;
+  return result;
 }
 
 std::string yaml_of(const std::vector<Calibrated>& cameras, const std::string& id) {

@@ -29,9 +29,10 @@ std::vector<std::string> warnings_of(const Selection& selection, const Calibrati
 /// calibration.json of one camera.
 nlohmann::ordered_json calibration_json(const Selection& selection, const Calibration& c, const Halves& halves);
 
-/// How the cameras stand to each other, `by` as in camera_name; what contradicts itself becomes a warning.
+/// How the cameras stand to each other, from one adjustment of all photographs, `by` as in camera_name; what
+/// contradicts itself becomes a warning.
 nlohmann::ordered_json rig_json(const std::vector<Calibrated>& cameras, const std::string& by,
-                                std::vector<std::string>& warnings);
+                                const CalibrationOptions& options, std::vector<std::string>& warnings);
 
 /// One camera as it is; several each under its name, as read.camera takes them with `which`.
 std::string yaml_of(const std::vector<Calibrated>& cameras, const std::string& id);

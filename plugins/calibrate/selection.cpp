@@ -1,11 +1,23 @@
 #include "selection.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <map>
 
 #include "markers/camera_groups.hpp"
 
 namespace plumbline::markers {
 namespace {
+
+/// Whether the points lie so nearly in one line that they give no pose: their spread across it is below a tenth of that
+/// along it.
+bool in_one_line(const std::vector<CalibrationPoint>& points) {
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  for (const auto& p : points) mean += p.board.head<2>() / static_cast<double>(points.size());
+  Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
+  for (const auto& p : points) scatter += (p.board.head<2>() - mean) * (p.board.head<2>() - mean).transpose();
+  const Eigen::Vector2d spread = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(scatter).eigenvalues();
+  return !(spread(0) > 0.01 * spread(1));
+}
 
 Selection select_one(const std::vector<const BoardPointsT*>& photographs) {
   Selection result;
@@ -36,7 +48,11 @@ Selection select_one(const std::vector<const BoardPointsT*>& photographs) {
       view.path = p->path;
       for (const auto& point : p->points)
         view.points.push_back({point->board, point->pixel, point->sigma > 0 ? point->sigma : 0.1});
-      result.views.push_back(std::move(view));
+      if (view.points.size() < 4 || in_one_line(view.points))
+        result.left_out.emplace_back(p->path, "its " + std::to_string(view.points.size()) +
+                                                  " points of the board lie in one line and give no pose");
+      else
+        result.views.push_back(std::move(view));
     }
   }
   return result;

@@ -154,7 +154,8 @@ Eigen::Vector2d mapped(const Eigen::Matrix3d& h, const Eigen::Vector2d& p) {
 /// Squares per unit of length: homographies work best near 1.
 struct Layout {
   bool legacy = false;
-  double misfit = 1e9;
+  double misfit = 1e9;  ///< of the median marker [px]
+  double score = 1e9;   ///< mean over all markers, each bounded: every other row alone fits the wrong layout exactly
 };
 
 SeenBoard find_charuco(const GreyImage& image, const cv::Mat& view, const Board& board) {
@@ -192,7 +193,10 @@ SeenBoard find_charuco(const GreyImage& image, const cv::Mat& view, const Board&
                          Eigen::Vector2d(static_cast<double>(to[i].x), static_cast<double>(to[i].y)))
                             .norm());
     std::nth_element(misfits.begin(), misfits.begin() + static_cast<std::ptrdiff_t>(misfits.size() / 2), misfits.end());
-    if (misfits[misfits.size() / 2] < best.misfit) best = {legacy, misfits[misfits.size() / 2]};
+    const double bound = 0.01 * std::max(image.width, image.height);
+    double score = 0;
+    for (const double m : misfits) score += std::min(m, bound) / static_cast<double>(misfits.size());
+    if (score < best.score) best = {legacy, misfits[misfits.size() / 2], score};
   }
   if (best.misfit > 0.01 * std::max(image.width, image.height)) {
     seen.problem = "the markers are not where the board file has them: they miss their squares by " +
@@ -362,12 +366,22 @@ Board parse_board(const std::string& text, const std::string& file) {
 }
 
 SeenBoard find_board(const GreyImage& image, const Board& board) {
-  const cv::Mat view(image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.pixels.data()));
   if (image.width < 32 || image.height < 32) return {{}, "the photograph is too small", std::nan("")};
   cv::setNumThreads(1);
-  if (board.kind == BoardKind::chessboard) return find_chessboard(view, board);
-  if (board.kind == BoardKind::charuco) return find_charuco(image, view, board);
-  return find_tags(image, board);
+  if (board.kind == BoardKind::chessboard) {
+    const cv::Mat view(image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.pixels.data()));
+    return find_chessboard(view, board);
+  }
+  const auto find = [&](const GreyImage& grey) {
+    const cv::Mat pixels(grey.height, grey.width, CV_8UC1, const_cast<std::uint8_t*>(grey.pixels.data()));
+    return board.kind == BoardKind::charuco ? find_charuco(grey, pixels, board) : find_tags(grey, board);
+  };
+  const SeenBoard seen = find(image);
+  if (!seen.points.empty()) return seen;
+  GreyImage negative = image;  // boards are also printed white on black
+  for (auto& pixel : negative.pixels) pixel = static_cast<std::uint8_t>(255 - pixel);
+  const SeenBoard inverted = find(negative);
+  return inverted.points.empty() ? seen : inverted;
 }
 
 }  // namespace plumbline::detect

@@ -13,7 +13,7 @@
 namespace plumbline::detect {
 
 struct DetectBoard : Node {
-  static constexpr Info info{"detect.board", "", 1,
+  static constexpr Info info{"detect.board", "", 2,
                              "Finds a calibration board (chessboard, ChArUco or grid of tags) and measures its points"};
   Each<Image> images{"images", "photographs of the board"};
   Param<FilePath> board{"board", required, "board file (YAML); docs/photographs.md has an example of each kind"};

@@ -219,16 +219,18 @@ void write_rig(Markup& html, const Json& rig) {
                  "has to be that of the moment.");
     return;
   }
-  html.element("p",
-               "Camera from reference, mean over the moments at which both saw the board. The standard deviations are "
-               "from the scatter of the moments; what an interior orientation does to all of them they do not hold.");
+  html.element(
+      "p",
+      "Camera from reference, from one adjustment of all cameras: the rig is the same at every moment, the "
+      "board has a pose at each. Halves: how far two halves of the moments place the camera apart, in units of "
+      "what their standard deviations make expected.");
   Scope wide(html, "div", {{"class", "wide"}});
   Scope table(html, "table");
   {
     Scope thead(html, "thead");
     Scope row(html, "tr");
-    for (const char* name : {"Camera", "Reference", "Moments", "Left out", "Translation x, y, z [mm]", "Sigma [mm]",
-                             "Turn [°]", "Sigma [°]", "One moment scatters [mm]"})
+    for (const char* name : {"Camera", "Reference", "Moments shared", "Left out", "Translation x, y, z [mm]",
+                             "Sigma [mm]", "Turn [°]", "Sigma [°]", "Residuals here, alone [px]", "Halves"})
       html.element("th", name);
   }
   Scope body(html, "tbody");
@@ -243,13 +245,15 @@ void write_rig(Markup& html, const Json& rig) {
     for (const Json& v : list(pose, "rotation_sigma")) turn_variance += std::pow(v.get<double>(), 2) / 3;
     html.element("th", text(pose, "camera"));
     html.element("td", text(pose, "reference"));
-    html.element("td", std::to_string(list(pose, "moments").size()));
+    html.element("td", fixed(number(pose, "shared"), 0));
     html.element("td", std::to_string(list(pose, "left_out").size()));
     html.element("td", triple(list(pose, "translation"), 1e3, 2));
     html.element("td", triple(list(pose, "translation_sigma"), 1e3, 2));
     html.element("td", fixed(2 * std::acos(w) * 180 / M_PI, 3));
     html.element("td", fixed(std::sqrt(turn_variance) * 180 / M_PI, 4));
-    html.element("td", mm(number(pose, "translation_scatter"), 2));
+    html.element("td", fixed(number(pose, "rms_px"), 3) + ", " + fixed(number(pose, "separate_rms_px"), 3));
+    const double halves = number(pose, "halves");
+    html.element("td", std::isfinite(halves) ? fixed(std::sqrt(halves), 1) : "too few");
   }
 }
 
