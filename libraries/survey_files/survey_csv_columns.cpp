@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <numbers>
 #include <utility>
 
@@ -18,6 +19,25 @@ bool is_angle_unit(std::string_view unit) {
 }
 
 bool is_angle_column(std::string_view name) { return name == "direction" || name == "zenith" || name == "azimuth"; }
+
+/// Names that only a German table gives its columns.
+bool is_german(const std::string& written) {
+  for (const char* start : {"punkt", "pkt", "pnr", "hoehe", "h\xC3\xB6he", "bemerkung", "hochwert", "rechtswert"})
+    if (written.starts_with(start)) return true;
+  return false;
+}
+
+/// Whether national coordinates [m] such as these are northing and easting: a distance from the equator beside an
+/// offset from a meridian (UTM, Lambert, Gauss-Krueger without zone), Gauss-Krueger or UTM with the number of the zone
+/// in front of the easting, the Swiss LV95.
+bool is_northing_beside(double north, double east) {
+  const auto in = [](double value, double from, double to) { return value >= from && value <= to; };
+  if (in(north, 3.5e6, 9.9e6) && std::abs(east) < 1.3e6) return true;
+  if (in(north, 3.5e6, 9.9e6) && in(east, 1.1e7, 6.1e7)) return true;
+  const double in_zone = std::fmod(east, 1e6);
+  if (in(north, 5.2e6, 6.2e6) && in(east, 1e6, 5e6) && in(in_zone, 3.0e5, 7.0e5)) return true;
+  return in(north, 1.07e6, 1.3e6) && in(east, 2.48e6, 2.84e6);
+}
 
 bool is_length_column(std::string_view name) {
   for (const char* known : {"e", "n", "h", "x", "y", "slope_distance", "horizontal_distance", "height_difference",
@@ -91,10 +111,84 @@ SurveyColumns::SurveyColumns(const formats::CsvTable& table, const SurveyCsvOpti
         "'columns' if their order is another (" +
         table.dialect() + ")");
   }
-  if (!has("e") && !has("n") && has("x") && has("y")) {
-    columns_["e"] = columns_["x"];
-    columns_["n"] = columns_["y"];
+  if (!has("e") && !has("n") && has("x") && has("y")) take_axes();
+}
+
+// Geodesists of German-speaking countries count X to the north and Y to the east, nearly everybody else the other way
+// round. Coordinates in the frame of a set-up have their own definition.
+void SurveyColumns::take_axes() {
+  const bool own_frame = has("set_up") || has("station");
+  const Axes axes = own_frame ? Axes{false, ""} : axes_of_xy();
+  if (!own_frame)
+    builder_.warn(std::string("columns X and Y are taken as ") +
+                  (axes.y_is_east ? "Y = east and X = north" : "X = east and Y = north") + " (" + axes.reason +
+                  "); if that is wrong, name them E and N");
+  columns_["e"] = columns_[axes.y_is_east ? "y" : "x"];
+  columns_["n"] = columns_[axes.y_is_east ? "x" : "y"];
+  if (!axes.y_is_east) return;
+  // Standard deviations that were named after X and Y were taken as east and north.
+  for (const auto& [one, other] : {std::pair{"sigma_e", "sigma_n"}, {"cov_ee", "cov_nn"}, {"cov_eh", "cov_nh"}}) {
+    const bool first = has(one) && named_after_xy(one), second = has(other) && named_after_xy(other);
+    if (!first && !second) continue;
+    const auto a = first ? columns_.extract(one) : std::map<std::string, Column>::node_type();
+    const auto b = second ? columns_.extract(other) : std::map<std::string, Column>::node_type();
+    if (a) columns_[other] = a.mapped();
+    if (b) columns_[one] = b.mapped();
   }
+}
+
+bool SurveyColumns::named_after_xy(const std::string& column) const {
+  const std::size_t index = columns_.at(column).index;
+  if (index >= table_.header.size()) return false;
+  const std::string& written = table_.header[index].written;
+  return written == "sigma_x" || written == "sigma_y" ||
+         (written.starts_with("cov_") && written.find_first_of("xy") != std::string::npos);
+}
+
+SurveyColumns::Axes SurveyColumns::axes_of_xy() const {
+  const auto& header = table_.header;
+  const bool german = std::any_of(header.begin(), header.end(), [](const auto& c) { return is_german(c.written); });
+  const auto is_z = [](const auto& c) { return c.written == "z"; };
+  const bool with_z = std::any_of(header.begin(), header.end(), is_z);
+  const bool y_first = columns_.at("y").index < columns_.at("x").index;
+  const double x = typical("x"), y = typical("y");
+  const bool x_north = is_northing_beside(x, y), y_north = is_northing_beside(y, x);
+  char values[96];
+  std::snprintf(values, sizeof values, "values near X = %.0f m, Y = %.0f m", x, y);
+  const std::string named = german ? "the other columns have German names" : "";
+  const bool says_y_east = german && (y_first || !with_z);
+  const std::string order = y_first ? "Y stands in front of X" : "X stands in front of Y";
+  if (x_north) {
+    if (!german && !y_first)
+      refuse_axes(std::string(values) + ", as X has them where it is the northing, beside English names and " + order);
+    return {true, values};
+  }
+  if (y_north) {
+    if (says_y_east) refuse_axes(std::string(values) + ", as Y has them where it is the northing, though " + named);
+    return {false, values};
+  }
+  if (says_y_east) return {true, named};
+  if (german) refuse_axes("X, Y and Z among German names, where X may be the north or the east");
+  if (y_first) refuse_axes("Y in front of X, so that either may be the east");
+  return {false, "nothing speaks against it"};
+}
+
+void SurveyColumns::refuse_axes(const std::string& found) const {
+  throw SurveyReadError(builder_.at(table_.header_line, 1), found,
+                        "columns that say which is which: E and N, or Rechtswert and Hochwert");
+}
+
+// The median of the column [m], NaN without a number.
+double SurveyColumns::typical(const std::string& column) const {
+  const Column& at = columns_.at(column);
+  std::vector<double> values;
+  for (const formats::CsvRow& row : table_.rows)
+    if (at.index < row.cells.size())
+      if (const auto value = table_.number(row.cells[at.index])) values.push_back(in_si(*value, at.unit));
+  if (values.empty()) return kNotGiven;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
 }
 
 void SurveyColumns::place(const std::string& name, std::size_t index, const std::string& unit) {

@@ -107,6 +107,7 @@ CsvHeaderCell header_cell(std::string_view text, const std::map<std::string, std
       cell.name.push_back('_');
   }
   while (!cell.name.empty() && cell.name.back() == '_') cell.name.pop_back();
+  cell.written = cell.name;
   if (const auto known = known_names.find(cell.name); known != known_names.end()) {
     cell.name = known->second;
     return cell;
@@ -116,6 +117,7 @@ CsvHeaderCell header_cell(std::string_view text, const std::map<std::string, std
   if (bar == std::string::npos || !cell.unit.empty()) return cell;
   if (const auto known = known_names.find(cell.name.substr(0, bar)); known != known_names.end()) {
     cell.unit = cell.name.substr(bar + 1);
+    cell.written = cell.name.substr(0, bar);
     cell.name = known->second;
   }
   return cell;

@@ -23,8 +23,9 @@ struct CsvRow {
 };
 
 struct CsvHeaderCell {
-  std::string name;  ///< lower case, letters, digits and '_' only, unit taken off
-  std::string unit;  ///< lower case; empty if none was given
+  std::string name;     ///< lower case, letters, digits and '_' only, unit taken off
+  std::string unit;     ///< lower case; empty if none was given
+  std::string written;  ///< the name as the file has it, normalised likewise but not replaced by the known one
 };
 
 struct CsvTable {

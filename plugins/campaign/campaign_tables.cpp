@@ -104,7 +104,7 @@ class Table {
 
   void check_header() {
     for (std::size_t i = 0; i < table_.header.size(); ++i) {
-      const auto& [name, unit] = table_.header[i];
+      const std::string &name = table_.header[i].name, &unit = table_.header[i].unit;
       const auto rule = std::find_if(rules_.begin(), rules_.end(), [&](const ColumnRule& r) { return name == r.name; });
       if (rule == rules_.end()) {
         throw CampaignError(shown_, table_.header_line, "unknown column '" + name + "'; known are " + names());

@@ -68,6 +68,34 @@ TEST(SurveyCsv, GermanHeightsAndColumnsThatNobodyKnows) {
   EXPECT_NE(survey.warnings[0].find("'wetter'"), std::string::npos) << survey.warnings[0];
 }
 
+// Gauss-Krueger: Y is the easting. Read the other way round, two control points and a total station stay "sound".
+TEST(SurveyCsv, XAndYAreTheAxesThatTheTableMeans) {
+  const auto read = [](const std::string& text) { return read_survey_csv(text, "k.csv"); };
+  const auto refused = [&](const std::string& text) { return error_of([&] { read(text); }); };
+  for (const char* table : {"Punktnr;Y;X;H\nK1;4500000,000;5300050,000;500,300\n",   // magnitudes and names agree
+                            "id,y,x,z\nK1,4500000.000,5300050.000,500.300\n",        // magnitudes alone
+                            "Punkt;X;Y;Z\nK1;5300050,000;4500000,000;500,300\n"}) {  // whatever the order
+    const auto survey = read(table);
+    EXPECT_EQ(point(survey, "K1").coordinates, Eigen::Vector3d(4500000, 5300050, 500.3)) << table;
+    ASSERT_EQ(survey.warnings.size(), 1u);
+    EXPECT_NE(survey.warnings[0].find("Y = east and X = north"), std::string::npos) << survey.warnings[0];
+  }
+  const auto local = read("Punktnr;Y;X;H\xC3\xB6he;sigma_y [mm];sigma_x [mm];sigma_z [mm]\nK1;10,5;20,5;3,5;1;2;3\n");
+  EXPECT_EQ(point(local, "K1").coordinates, Eigen::Vector3d(10.5, 20.5, 3.5)) << "German names alone";
+  ASSERT_EQ(local.coordinates.size(), 1u);
+  EXPECT_DOUBLE_EQ(local.coordinates[0].covariance(0, 0), 1e-6) << "sigma_y is that of the easting";
+  EXPECT_DOUBLE_EQ(local.coordinates[0].covariance(1, 1), 4e-6);
+  const auto english = read("id,x,y,z\nA,1,2,3\n");
+  EXPECT_EQ(point(english, "A").coordinates, Eigen::Vector3d(1, 2, 3));
+  ASSERT_EQ(english.warnings.size(), 1u) << "a choice is never silent";
+  EXPECT_NE(english.warnings[0].find("X = east and Y = north"), std::string::npos) << english.warnings[0];
+  EXPECT_EQ(point(read("id,x,y,z\nA,691000,5335000,520\n"), "A").coordinates[0], 691000) << "UTM";
+  EXPECT_EQ(point(read("id,x,y,z\nA,2600000,1200000,520\n"), "A").coordinates[0], 2600000) << "LV95";
+  for (const char* table : {"id,x,y,z\nK1,5300050,4500000,500\n", "id,x,y,z\nA,5335000,691000,520\n",
+                            "Punktnr;Y;X;H\nK1;5300050;4500000;500\n", "Punkt;X;Y;Z\nA;1;2;3\n", "id,y,x,z\nA,1,2,3\n"})
+    EXPECT_NE(refused(table).find("E and N, or Rechtswert and Hochwert"), std::string::npos) << table;
+}
+
 TEST(SurveyCsv, SpreadsheetsSepLineIsNoHeader) {
   const auto survey = read_survey_csv("sep=;\r\nid;e;n;h\r\nA;1,5;2,0;3,0\r\n", "sep.csv");
   EXPECT_EQ(point(survey, "A").coordinates, Eigen::Vector3d(1.5, 2, 3));
