@@ -1,0 +1,75 @@
+#!/usr/bin/env python3
+"""Prints the report of a simulated site with Chromium and looks for every number of the page in the text of the PDF.
+
+    printed_report.py PLUMBLINE     exit code 77: Chromium or pdftotext is not here
+"""
+import collections
+import html.parser
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+SITE = """plumbline: 1
+nodes:
+  site: {use: simulate.campaign, with: {floors: 2, photographs: observed}}
+outputs: {campaign: site.folder}
+"""
+NUMBER = re.compile(r"[-+]?\d+(?:[.,]\d+)*")
+
+
+class VisibleText(html.parser.HTMLParser):
+    """Text of all elements but scripts and styles; what is folded counts, because printing unfolds it."""
+
+    def __init__(self):
+        super().__init__()
+        self.hidden = 0
+        self.pieces = []
+
+    def handle_starttag(self, tag, attributes):
+        self.hidden += tag in ("script", "style", "title")
+
+    def handle_endtag(self, tag):
+        self.hidden -= tag in ("script", "style", "title")
+
+    def handle_data(self, data):
+        if not self.hidden:
+            self.pieces.append(data)
+
+
+def numbers(text):
+    return collections.Counter(NUMBER.findall(text.replace("\u2212", "-").replace("\u00a0", " ")))
+
+
+def main():
+    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    if not chromium or not shutil.which("pdftotext"):
+        print("skipped: this test needs chromium and pdftotext (apt install chromium poppler-utils)")
+        return 77
+    with tempfile.TemporaryDirectory() as folder:
+        work = pathlib.Path(folder)
+        environment = dict(os.environ, PLUMBLINE_STORE=str(work / "store"), HOME=folder)
+        run = lambda *command: subprocess.run(command, check=True, env=environment, stdout=subprocess.DEVNULL)
+        (work / "site.yaml").write_text(SITE)
+        run(sys.argv[1], "run", str(work / "site.yaml"), "--out", str(work / "site"))
+        run(sys.argv[1], "run", "site_observations", f"folder={work}/site/campaign", "--out", str(work / "out"))
+        subprocess.run([chromium, "--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={work}/profile",
+                        "--no-pdf-header-footer", f"--print-to-pdf={work}/report.pdf", f"file://{work}/out/report.html"],
+                       check=True, env=environment, stderr=subprocess.DEVNULL)
+        printed = subprocess.run(["pdftotext", "-layout", str(work / "report.pdf"), "-"], check=True, text=True,
+                                 capture_output=True).stdout
+        page = VisibleText()
+        page.feed((work / "out" / "report.html").read_text(encoding="utf-8"))
+    on_page, on_paper = numbers(" ".join(page.pieces)), numbers(printed)
+    missing = {number: (count, on_paper[number]) for number, count in on_page.items() if on_paper[number] < count}
+    print(f"{sum(on_page.values())} numbers on the page, {len(missing)} of them less often in the PDF")
+    for number, (page_count, paper_count) in sorted(missing.items())[:40]:
+        print(f"  {number}: {page_count} times on the page, {paper_count} times on paper")
+    return 1 if missing or sum(on_page.values()) < 1000 else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
