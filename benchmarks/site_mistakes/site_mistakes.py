@@ -251,6 +251,24 @@ def twice(rows, rng):
     return rows + [dict(r, image=image.replace(".jpg", " (copy).jpg")) for r in rows if r["image"] == image]
 
 
+def saved_again(rows, rng):
+    """The copy of a photograph has other compression: corners move by hundredths of a pixel, a tag is lost."""
+    copy = [dict(r) for r in twice(rows, rng)[len(rows):]][:-1]
+    for row in copy:
+        corners(row, lambda x, y: (x + rng.gauss(0, 0.03), y + rng.gauss(0, 0.03)))
+    return rows + copy
+
+
+def one_check_offset(rows, rng):
+    row = rng.choice([r for r in rows if r["role"] == "check"])
+    row["tag_x_mm"] = f"{float(row['tag_x_mm']) + 40:g}"
+
+
+def exchange_floor_numbers(rows, rng):
+    for row in rows:
+        row["floor"] = {"1": "2", "2": "1"}.get(row["floor"], row["floor"])
+
+
 def strange_tags(rows, rng):
     extra = [dict(r, tag_id=str(400 + int(r["tag_id"]))) for r in rows[:3]]
     for row in extra:
@@ -292,6 +310,8 @@ MISTAKES = [
     ("tag size in metres", plates(for_each("tag_size_mm", lambda v: f"{float(v) / 1000:g}")), r"tag.{0,40}(size|mm)"),
     ("plate offsets in cm", plates(for_each("tag_y_mm", lambda v: f"{float(v) / 10:g}")), r"offset of the tag .* on all plates"),
     ("one plate's offset wrong by 40 mm", plates(one_offset), r"most at F.*offset of the tag|F\d\d-C\d\d-R\d: its tag contradicts"),
+    ("a check plate's offset wrong by 40 mm", plates(one_check_offset), r"agree with the survey in height and not in place: F"),
+    ("floor numbers exchanged", plates(exchange_floor_numbers), r"Floor 2 lies below floor 1"),
     ("two check plates swapped", plates(swap_plates("check")), r"exchanged|each other's place|hangs where"),
     ("two control plates swapped", plates(swap_plates("control")), r"exchanged|each other's place|hangs where"),
     ("control and check plate swapped", plates(swap_plates("control", "check")), r"exchanged|each other's place|hangs where"),
@@ -303,6 +323,7 @@ MISTAKES = [
     ("corners from another start", seen(order_of_corners(1)), r"corner|upright|order|turned"),
     ("corners the other way round", seen(order_of_corners(3, True)), r"corner|mirrored|order"),
     ("a photograph twice", seen(twice), r"same photograph|twice|copy|identical"),
+    ("a photograph saved again", seen(saved_again), r"saved twice"),
     ("tags that plates.csv lacks", seen(strange_tags), r"in no row of the plate table"),
     ("control points swapped", control(swap_control), r"swap|G\d"),
     ("control E and N swapped", control(swap_axes), r"exchanged"),

@@ -7,6 +7,8 @@
 
 #include "commands.hpp"
 #include "runtime/memory_budget.hpp"
+#include "runtime/trust.hpp"
+#include "runtime/workers.hpp"
 #include "terminal.hpp"
 
 namespace plumbline::cli {
@@ -42,6 +44,14 @@ void check_plugins(const runtime::Registry& registry, std::vector<Finding>& find
     findings.push_back({Finding::bad, "plugin", refused.path.string() + " is refused: it " + refused.problem});
   if (registry.plugins().empty())
     findings.push_back({Finding::bad, "plugin", "no plugin was found; build the project or set PLUMBLINE_PLUGIN_PATH"});
+}
+
+void check_worker(std::vector<Finding>& findings) {
+  const fs::path program = runtime::worker_program();
+  if (access(program.c_str(), X_OK) != 0)
+    findings.push_back({Finding::note, "worker", program.string() + " is not there; only isolated nodes need it"});
+  else if (const std::string problem = runtime::distrust(program); !problem.empty())
+    findings.push_back({Finding::bad, "worker", "isolated nodes are not run: " + problem});
 }
 
 void check_store(const Options& options, std::vector<Finding>& findings) {
@@ -84,6 +94,7 @@ int doctor(const Options& options) {
   check_search_path(findings);
   const auto registry = runtime::Registry::discover(runtime::Registry::search_path(), true);
   check_plugins(registry, findings);
+  check_worker(findings);
   check_store(options, findings);
   findings.push_back({Finding::good, "memory",
                       size_text(static_cast<double>(runtime::MemoryBudget::default_limit())) +

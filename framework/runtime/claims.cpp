@@ -27,7 +27,7 @@ struct Claims::Slot {
   bool is_of(const std::string& k) const { return k.compare(0, sizeof key, key, sizeof key) == 0; }
 };
 
-Claims::Claims(const std::filesystem::path& file) : file_(::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666)) {
+Claims::Claims(const std::filesystem::path& file) : file_(::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644)) {
   char name[65] = "host";
   gethostname(name, sizeof name - 1);
   host_ = std::string(name).substr(0, sizeof(Slot::host) - 1);

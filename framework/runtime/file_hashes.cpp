@@ -21,7 +21,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int64_t settle_seconds = 2;
-constexpr int deepest_folder = 64;
 const std::string no_identity = "-";  // of what is remembered only for its place
 
 /// Makes it the last one. False if it was.
@@ -98,7 +97,7 @@ void FileHashes::remember(const std::string& identity, const std::string& hash, 
   if (place.find('\n') != std::string::npos) place.clear();
   const std::string line = identity + " " + hash + (place.empty() ? "" : " " + place) + "\n";
   // One write with O_APPEND: lines of several processes do not mix. That it fails costs only time at the next run.
-  const int file = open(log_.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC, 0666);
+  const int file = open(log_.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC, 0644);
   if (file >= 0) {
     [[maybe_unused]] const ssize_t written = write(file, line.data(), line.size());
     close(file);
@@ -131,22 +130,54 @@ fs::path FileHashes::locate(const std::string& hash) {
                            (reasons.empty() ? "" : ": " + reasons) + "; put it back, or run again");
 }
 
-FileHashes::Tree FileHashes::files_of(const fs::path& folder) {
+namespace {
+
+/// Regular files below a folder, through links. A link that leads back to a folder that holds it is refused: behind it
+/// everything stands once more, and behind two of them without end.
+class Walk {
+ public:
+  explicit Walk(const fs::path& top) : top_(top) { enter(top); }
   std::vector<fs::path> files;
-  std::error_code error;
-  fs::recursive_directory_iterator entry(folder, fs::directory_options::follow_directory_symlink, error);
-  if (error) throw std::runtime_error("cannot read the folder " + folder.string() + ": " + error.message());
-  for (const fs::recursive_directory_iterator end; entry != end; entry.increment(error)) {
-    if (error) throw std::runtime_error("cannot read the folder " + folder.string() + ": " + error.message());
-    if (entry.depth() > deepest_folder)
-      throw std::runtime_error(folder.string() + " is nested deeper than " + std::to_string(deepest_folder) +
-                               " folders; does a link in it lead back to itself?");
-    std::error_code ignored;
-    if (entry->is_regular_file(ignored)) files.push_back(entry->path());
+
+ private:
+  static constexpr std::size_t most_files = 2'000'000;
+
+  void enter(const fs::path& folder) {
+    struct stat info {};
+    std::error_code error;
+    fs::directory_iterator entry(folder, error);
+    if (error || stat(folder.c_str(), &info) != 0)
+      throw std::runtime_error("cannot read the folder " + folder.string() + ": " +
+                               (error ? error.message() : std::strerror(errno)));
+    const std::pair<dev_t, ino_t> self{info.st_dev, info.st_ino};
+    if (std::find(above_.begin(), above_.end(), self) != above_.end())
+      throw std::runtime_error("the link " + folder.string() +
+                               " leads back to a folder that holds it; take the link away");
+    above_.push_back(self);
+    for (const fs::directory_iterator end; entry != end; entry.increment(error)) {
+      if (error) throw std::runtime_error("cannot read the folder " + folder.string() + ": " + error.message());
+      std::error_code ignored;
+      if (entry->is_directory(ignored))
+        enter(entry->path());
+      else if (entry->is_regular_file(ignored))
+        files.push_back(entry->path());
+      if (files.size() > most_files)
+        throw std::runtime_error(top_.string() + " holds more than " + std::to_string(most_files) +
+                                 " files; do links in it show folders again and again?");
+    }
+    above_.pop_back();
   }
-  if (error) throw std::runtime_error("cannot read the folder " + folder.string() + ": " + error.message());
+
+  fs::path top_;
+  std::vector<std::pair<dev_t, ino_t>> above_;
+};
+
+}  // namespace
+
+FileHashes::Tree FileHashes::files_of(const fs::path& folder) {
   Tree tree;
-  for (const fs::path& file : files) tree.emplace_back(file.lexically_relative(folder).generic_string(), of_file(file));
+  for (const fs::path& file : Walk(folder).files)
+    tree.emplace_back(file.lexically_relative(folder).generic_string(), of_file(file));
   std::sort(tree.begin(), tree.end());
   return tree;
 }

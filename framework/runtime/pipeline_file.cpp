@@ -27,6 +27,8 @@ struct Variable {
   enum { open, busy, done } state = open;
 };
 
+constexpr size_t deepest_include = 100;
+
 /// Reads one file and, first, those it includes.
 class Reader {
  public:
@@ -142,6 +144,9 @@ class Reader {
         problem(position(file, item), "included file not found: " + included_places(file, item.as<std::string>("")));
       else if (std::find(including_.begin(), including_.end(), same) != including_.end())
         problem(position(file, item), "this include goes round in a circle");
+      else if (including_.size() > deepest_include)
+        problem(position(file, item), "files include one another deeper than " + std::to_string(deepest_include) +
+                                          " levels; name them side by side in one list");
       else if (!read_.count(same))
         collect(included, spec);
     }

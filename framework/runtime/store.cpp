@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
+#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
@@ -115,13 +116,14 @@ fs::path Store::default_folder() {
 Store::Store(const fs::path& folder, bool durable) : folder_(fs::absolute(folder)), durable_(durable) {
   check_trust();
   const bool fresh = !fs::exists(folder_);
-  for (const char* part : {"blobs", "runs", "folders", "pipelines", "tmp"}) {
-    std::error_code error;
-    fs::create_directories(folder_ / part, error);
-    if (error) fail("cannot make " + (folder_ / part).string(), error.value());
-  }
+  std::error_code error;
+  fs::create_directories(folder_, error);
+  if (error) fail("cannot make " + folder_.string(), error.value());
   // Whatever the umask: what others could write would not be believed the next time.
   if (fresh) fs::permissions(folder_, fs::perms::group_write | fs::perms::others_write, fs::perm_options::remove);
+  for (const char* part : {"blobs", "runs", "folders", "pipelines", "tmp"})
+    if (::mkdir((folder_ / part).c_str(), 0755) != 0 && errno != EEXIST)
+      fail("cannot make " + (folder_ / part).string(), errno);
   if (access((folder_ / "tmp").c_str(), W_OK | X_OK) != 0) fail("cannot write to " + (folder_ / "tmp").string(), errno);
   char host[65] = "host";
   gethostname(host, sizeof host - 1);
@@ -147,7 +149,10 @@ std::unique_ptr<Store> Store::for_reading(const fs::path& folder) {
 
 /// A result of somebody else's would be delivered as one's own.
 void Store::check_trust() const {
-  if (const std::string problem = distrust(folder_); !problem.empty())
+  std::string problem = distrust(folder_);
+  for (const char* part : {"blobs", "runs", "folders", "pipelines"})
+    if (problem.empty()) problem = distrust(folder_ / part);
+  if (!problem.empty())
     throw StoreError("the store is not believed: " + problem + ", or choose another with --store or PLUMBLINE_STORE");
 }
 
@@ -160,16 +165,21 @@ void Store::fail(const std::string& what, int error) const {
   throw StoreError(text);
 }
 
-/// What processes left in tmp/ that are no more. Names begin with host-process-. Without locks nobody can say who is
-/// alive, and it stays.
+/// What processes of this machine left in tmp/ that are no more. Names are host-process-count, and nothing that is
+/// called otherwise is touched. Without locks nobody can say who is alive, and it stays.
 void Store::remove_leftovers() const {
   std::error_code ignored;
+  const std::string host = temporary_prefix_.substr(0, temporary_prefix_.rfind('-', temporary_prefix_.size() - 2) + 1);
   for (const auto& entry : fs::directory_iterator(folder_ / "tmp", ignored)) {
     const std::string name = entry.path().filename().string();
-    const size_t last = name.rfind('-'),
-                 before = last == 0 || last == std::string::npos ? last : name.rfind('-', last - 1);
-    if (before == std::string::npos || name.compare(0, temporary_prefix_.size(), temporary_prefix_) == 0) continue;
-    const long process = std::strtol(name.c_str() + before + 1, nullptr, 10);
+    if (name.compare(0, host.size(), host) != 0 || name.compare(0, temporary_prefix_.size(), temporary_prefix_) == 0)
+      continue;
+    const char* const end = name.data() + name.size();
+    long process = 0, count = 0;
+    const auto first = std::from_chars(name.data() + host.size(), end, process);
+    if (first.ec != std::errc() || first.ptr == end || *first.ptr != '-') continue;
+    const auto second = std::from_chars(first.ptr + 1, end, count);
+    if (second.ec != std::errc() || second.ptr != end) continue;
     if (process > 0 && claims_->is_gone(process)) fs::remove_all(entry.path(), ignored);
   }
 }
@@ -197,15 +207,14 @@ void Store::write(const std::string& path, const void* data, size_t size) {
     fail(what + path, error);
   };
   {
-    File file(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+    File file(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644));
     if (file.number < 0) give_up("cannot write ");
     if (!write_all(file.number, data, size)) give_up("cannot write ");
     if (durable_ && fsync(file.number) != 0) give_up("cannot sync ");
     if (file.close() != 0) give_up("cannot write ");  // where a network file system says that it is full
   }
   if (::rename(temporary.c_str(), path.c_str()) != 0) {
-    std::error_code ignored;
-    fs::create_directories(fs::path(path).parent_path(), ignored);
+    ::mkdir(fs::path(path).parent_path().c_str(), 0755);
     if (::rename(temporary.c_str(), path.c_str()) != 0) give_up("cannot write ");
   }
   if (durable_) {
@@ -337,7 +346,7 @@ std::optional<StoredRun> Store::find_run(const std::string& key, std::string& da
 
 fs::path Store::new_folder() {
   const fs::path path = temporary_name();
-  if (::mkdir(path.c_str(), 0777) != 0) fail("cannot make the folder " + path.string(), errno);
+  if (::mkdir(path.c_str(), 0755) != 0) fail("cannot make the folder " + path.string(), errno);
   return path;
 }
 

@@ -16,6 +16,21 @@ namespace fs = std::filesystem;
 
 namespace {
 
+bool is_hash(const std::string& text) {
+  return text.size() == 64 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
+}
+
+/// Whether the store could have made a file or folder of this name: a hash, and what may follow it. Nothing else is
+/// ever counted or removed.
+bool is_named_by_store(const fs::path& path, const std::string& ending) {
+  const std::string name = path.filename().string();
+  return is_hash(name.substr(0, 64)) && name.substr(64) == ending;
+}
+bool is_stored_folder(const fs::path& path) {
+  const std::string name = path.filename().string();
+  return is_hash(name.substr(0, 64)) && (name.size() == 64 || name[64] == '-');
+}
+
 struct StoredFile {
   fs::path path;
   std::string kind;
@@ -41,7 +56,7 @@ std::vector<StoredFile> results_in(const fs::path& runs) {
   std::error_code error;
   for (fs::recursive_directory_iterator entry(runs, error), end; !error && entry != end; entry.increment(error)) {
     std::error_code gone;
-    if (!entry->is_regular_file(gone) || entry->path().extension() != ".json") continue;
+    if (!entry->is_regular_file(gone) || !is_named_by_store(entry->path(), ".json")) continue;
     StoredFile result;
     result.path = entry->path();
     result.age = std::chrono::duration<double, std::ratio<86400>>(now - entry->last_write_time(gone)).count();
@@ -118,12 +133,14 @@ Store::Pruned Store::prune(uint64_t bytes, double days) {
   std::vector<fs::path> unnamed;
   for (fs::recursive_directory_iterator entry(folder_ / "blobs", gone), end; !gone && entry != end;
        entry.increment(gone))
-    if (std::error_code ignored; entry->is_regular_file(ignored) && !kept.count(entry->path().filename().string()))
+    if (std::error_code ignored; entry->is_regular_file(ignored) && is_named_by_store(entry->path(), "") &&
+                                 !kept.count(entry->path().filename().string()))
       unnamed.push_back(entry->path());
   for (const fs::path& blob : unnamed) remove(blob, fs::file_size(blob, gone), pruned.blobs);
   unnamed.clear();
   for (fs::directory_iterator entry(folder_ / "folders", gone), end; !gone && entry != end; entry.increment(gone))
-    if (!kept.count(entry->path().filename().string())) unnamed.push_back(entry->path());
+    if (is_stored_folder(entry->path()) && !kept.count(entry->path().filename().string()))
+      unnamed.push_back(entry->path());
   for (const fs::path& folder : unnamed) remove(folder, size_of_tree(folder), pruned.folders);
   const std::scoped_lock lock(mutex_);
   checked_.clear();

@@ -11,6 +11,7 @@
 #include <stdexcept>
 
 #include "runtime/child_process.hpp"
+#include "runtime/trust.hpp"
 #include "runtime/worker_messages.hpp"
 
 namespace plumbline::runtime {
@@ -227,6 +228,12 @@ class Conversation {
 
 }  // namespace
 
+fs::path worker_program() {
+  std::error_code failed;
+  return fs::read_symlink("/proc/self/exe", failed).parent_path().parent_path() / "lib" / "plumbline" /
+         "plumbline-worker";
+}
+
 Workers::Workers(fs::path program, int threads) : program_(std::move(program)), threads_(threads) {}
 
 Workers::~Workers() {
@@ -252,11 +259,10 @@ Worker Workers::take(const std::string& library) {
     worker.library = library;
     return worker;
   }
-  std::error_code failed;
-  return start(program_.empty() ? fs::read_symlink("/proc/self/exe", failed).parent_path().parent_path() / "lib" /
-                                      "plumbline" / "plumbline-worker"
-                                : program_,
-               library);
+  const fs::path program = program_.empty() ? worker_program() : program_;
+  if (const std::string problem = distrust(program); !problem.empty())
+    throw std::runtime_error("no worker is started: " + problem);
+  return start(program, library);
 }
 
 int Workers::run(const plumbline_host& host, const GraphNode& node) {

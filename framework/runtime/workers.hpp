@@ -18,10 +18,13 @@ namespace plumbline::runtime {
 
 struct Worker;
 
+/// The plumbline-worker of this installation or build, beside the plugins.
+std::filesystem::path worker_program();
+
 class Workers {
  public:
-  /// `program`: the plumbline-worker to start, empty: that of this installation or build, beside the plugins. Nothing
-  /// is started before a node needs it. `threads`: how many each may use.
+  /// `program`: the plumbline-worker to start, empty: worker_program(). Nothing is started before a node needs it, and
+  /// never a program that others may write (trust.hpp). `threads`: how many each may use.
   Workers(std::filesystem::path program, int threads);
   ~Workers();
   Workers(const Workers&) = delete;

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "geometry/statistics.hpp"
+#include "judgement/anchor_doubts.hpp"
 #include "judgement/comparison.hpp"
 #include "judgement/difference.hpp"
 #include "judgement/drift.hpp"
@@ -338,6 +339,8 @@ AccuracyT evaluate_accuracy(const Inputs& inputs, const Options& options) {
     add_comparisons(evaluation, truth, AccuracyReference::truth);
   }
   warn_of_gaps(evaluation);
+  for (const auto& doubts : {floor_doubts(result), space_doubts(result)})
+    for (const std::string& doubt : doubts) evaluation.warn(doubt);
   warn_of_evidence(evaluation);
   return std::move(evaluation.result);
 }

@@ -16,8 +16,8 @@ struct ControlOptions {
   double measured_sigma = 0.5;   ///< of a measured control point whose file says none [px]
   double tie_sigma = 1.0;        ///< of a tie point's image coordinate; scaled by its variance component [px]
   bool self_calibration = true;
-  int max_tie_points = 3000;  ///< those with the longest tracks; the others follow the cameras
-  double reject_above = 5;    ///< tie observations whose residual is this many times the median are left out
+  int max_tie_points = 600;  ///< those with the longest tracks; the others follow the cameras
+  double reject_above = 5;   ///< tie observations whose residual is this many times the median are left out
   int max_iterations = 100;
 };
 

@@ -24,7 +24,8 @@ std::vector<std::string> exchanged_plates(const std::vector<ImageTagsT>& images,
 /// Tags that were seen and are in no row of the plate table, in one sentence; empty if there are none.
 std::string unknown_tags(const std::vector<ImageTagsT>& images, const PlatesT& plates);
 
-/// Images whose tags lie in the very same places: one photograph under two names, which would count double.
+/// Images whose tags lie in the very same places, or within a third of a pixel: one photograph under two names, saved
+/// again perhaps, which would count double.
 std::vector<std::string> same_photographs(const std::vector<ImageTagsT>& images);
 
 }  // namespace plumbline::pose

@@ -47,7 +47,9 @@ struct Adjuster : Node {
 
   Param<std::string> weighting{"weighting", "covariance", one_of("covariance", "lambda"),
                                "weights by the covariances of corners and control, or (5) with a scalar λ as printed"};
-  Param<double> lambda{"lambda", 1e4, "px^2/m^2", between(1e-12, 1e18), "λ of (5), (σ_px/σ_S)²; for weighting lambda"};
+  static constexpr double default_lambda = 1e4;
+  Param<double> lambda{"lambda", default_lambda, "px^2/m^2", between(1e-12, 1e18),
+                       "λ of (5), (σ_px/σ_S)²; for weighting lambda"};
   Param<double> corner_sigma{"corner_sigma", 0.1, "px", between(1e-4, 100),
                              "standard deviation of a corner whose detector gives none, and with weighting lambda"};
   Param<std::string> self_calibration{
@@ -131,6 +133,8 @@ struct Adjuster : Node {
     if (control) builder.set_control(control.unpack());
     for (const auto& warning : builder.warnings()) context.warn(warning);
     const TagBlockOptions chosen = options();
+    if (*lambda != default_lambda && *weighting != "lambda")
+      context.warn("parameter 'lambda' has no effect with weighting=covariance; set weighting=lambda, or leave it out");
     const TagBlockResult result = adjust_tag_block(builder.block(), chosen);
     report(context, builder.block(), result);
     points.commit(builder.points(result));

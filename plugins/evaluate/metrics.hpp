@@ -27,8 +27,8 @@ std::string junit_xml(const AccuracyT& accuracy, const DeviationT* deviation = n
 /// instruments import it as it is.
 std::string stake_out_csv(const DeviationT& deviation, const FrameLink& building_from_survey = {});
 
-/// Verdict over the check anchors against the survey: "pass" if all pass, "fail" if one fails, "undecided" in between
-/// or when some were not measured, "no_evidence" without a check anchor.
+/// Verdict over the check anchors against the survey: "pass" if all pass in height, "fail" if one fails in height or in
+/// space, "undecided" in between or when some were not measured, "no_evidence" without a check anchor.
 std::string overall_verdict(const AccuracyT& accuracy);
 
 }  // namespace plumbline::evaluate

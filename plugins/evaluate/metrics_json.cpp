@@ -265,6 +265,10 @@ std::string overall_verdict(const AccuracyT& accuracy) {
   const AccuracyComparisonT* c = headline(accuracy);
   if (!c || c->anchors == 0) return "no_evidence";
   if (c->failed > 0) return "fail";
+  // What agrees in height and not in space has not been built where it should be.
+  for (const auto& anchor : accuracy.anchors)
+    if (anchor->use == AnchorUse::check && anchor->survey && anchor->survey->verdict_distance == ToleranceVerdict::fail)
+      return "fail";
   return c->undecided > 0 || c->anchors < c->anchors_listed ? "undecided" : "pass";
 }
 

@@ -25,7 +25,7 @@ struct AdjustColmapControl : Node {
   Param<double> tie_sigma{"tie_sigma", 1.0, "px", between(0.001, 100), "of a tie point, before its variance component"};
   Param<bool> self_calibration{"self_calibration", true, "estimate the interior orientations, too"};
   Param<int64_t> max_tie_points{
-      "max_tie_points", 3000, between(0, 1000000),
+      "max_tie_points", 600, between(0, 1000000),
       "tie points that take part, those with the longest tracks first; the others follow the cameras"};
   Param<double> reject_above{"reject_above", 5.0, "1", at_least(0),
                              "tie observations whose residual is this many times the median are left out"};

@@ -81,6 +81,38 @@ TEST(Formulas, DistanceIsThreeDimensional) {
   EXPECT_NEAR(accuracy.comparisons[0]->rmse_3d, 3 * mm, 1e-15);
 }
 
+std::vector<std::string> warnings_about(const Inputs& inputs, const std::string& word) {
+  std::vector<std::string> found;
+  for (const std::string& warning : evaluate_accuracy(inputs, {}).warnings)
+    if (warning.find(word) != std::string::npos) found.push_back(warning);
+  return found;
+}
+
+/// (9) to (11) look at heights; a plate that hangs beside its anchor must be told all the same.
+TEST(Doubts, ACheckAnchorThatIsOffInPlanIsNamed) {
+  Inputs inputs = test::small_building();
+  EXPECT_TRUE(warnings_about(inputs, "not in place").empty());
+  inputs.model.positions[3].x() += 0.04;
+  const auto told = warnings_about(inputs, "not in place");
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_NE(told[0].find("F2C2 (40.0 mm in space, 0.0 mm in height)"), std::string::npos) << told[0];
+}
+
+TEST(Doubts, FloorsThatDoNotLieAboveOneAnother) {
+  Inputs inputs = test::small_building();
+  for (std::size_t i = 0; i < inputs.anchors.size(); ++i) {
+    inputs.survey.positions[i].z() += 3.0 * inputs.anchors[i].floor;
+    inputs.model.positions[i].z() += 3.0 * inputs.anchors[i].floor;
+  }
+  EXPECT_TRUE(warnings_about(inputs, "exchanged?").empty());
+  for (auto& anchor : inputs.anchors) anchor.floor = anchor.floor == 3 ? 3 : 3 - anchor.floor;
+  const auto told = warnings_about(inputs, "exchanged?");
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_EQ(told[0].substr(0, 30), "Floor 2 lies below floor 1 (me");
+  for (auto& anchor : inputs.anchors) --anchor.floor;
+  EXPECT_EQ(warnings_about(inputs, "2 anchors have a floor below 1").size(), 1u);
+}
+
 TEST(Formulas, HeightTransferByFloorAndByColumn) {
   const AccuracyT accuracy = evaluate_small();
   const auto& transfers = test::find(accuracy, AnchorUse::check, AccuracyReference::survey)->transfers;

@@ -182,6 +182,13 @@ TEST_F(GraphTest, IncludesAreReadOnceAndFoundAmongTheShippedOnes) {
   EXPECT_THAT(problems("plumbline: 1\ninclude: parts/base\n"), HasSubstr("included file not found: parts/base"));
 }
 
+TEST_F(GraphTest, AChainOfIncludesHasAnEnd) {
+  write("f0.yaml", "plumbline: 1\nnodes: {i: {use: read.file, with: {file: f0.yaml}}}\n");
+  for (int i = 1; i <= 3000; ++i)
+    write("f" + std::to_string(i) + ".yaml", "plumbline: 1\ninclude: f" + std::to_string(i - 1) + ".yaml\n");
+  EXPECT_THAT(problems("plumbline: 1\ninclude: f3000.yaml\n"), HasSubstr("deeper than 100 levels"));
+}
+
 TEST_F(GraphTest, AFileOfManyMegabytesIsNoPipeline) {
   write("big.yaml", "plumbline: 1\nnodes: {i: {use: read.file, with: {file: p.yaml}}}\n");
   std::filesystem::resize_file(folder_.path() / "big.yaml", std::uintmax_t{112} << 20);

@@ -124,6 +124,47 @@ TEST(Store, AFullDiskIsAnErrorThatSaysSo) {
   EXPECT_FALSE(fs::exists(folder.path() / "blobs" / runtime::sha256_of(text.data(), text.size())));
 }
 
+/// A folder of the user's may be given as a store by mistake: nothing in it that has not the name of something stored
+/// goes away, neither when it is opened nor when it is made smaller.
+TEST(Store, RemovesNothingThatItDidNotWrite) {
+  const TemporaryFolder folder;
+  const std::vector<std::string> mine{"tmp/site-2024-photos/c.jpg",
+                                      "tmp/holiday-99999999-7/d.jpg",
+                                      "tmp/notes-3",
+                                      "runs/monday.json",
+                                      "folders/photos/a.jpg",
+                                      "blobs/b.dat",
+                                      "blobs/ab/c.dat"};
+  for (const std::string& file : mine) {
+    fs::create_directories((folder.path() / file).parent_path());
+    std::ofstream(folder.path() / file) << "mine";
+  }
+  {
+    runtime::Store store(folder.path());
+    store.put("abc", 3);
+  }
+  runtime::Store store(folder.path());
+  const auto pruned = store.prune(0, 0);
+  EXPECT_EQ(pruned.blobs, 1u);
+  EXPECT_EQ(pruned.runs + pruned.folders, 0u);
+  for (const std::string& file : mine) EXPECT_EQ(read_file(folder.path() / file), "mine") << file;
+}
+
+TEST(Store, IsNotForOthersToWriteWhateverTheUmask) {
+  const TemporaryFolder folder;
+  const mode_t before = umask(0);
+  {
+    runtime::Store store(folder.path() / "store");
+    store.put("abc", 3);
+  }
+  umask(before);
+  for (const auto& entry : fs::recursive_directory_iterator(folder.path()))
+    EXPECT_EQ(entry.status().permissions() & (fs::perms::others_write | fs::perms::group_write), fs::perms::none)
+        << entry.path();
+  fs::permissions(folder.path() / "store" / "runs", fs::perms::others_write, fs::perm_options::add);
+  EXPECT_THROW(runtime::Store(folder.path() / "store"), runtime::StoreError);
+}
+
 TEST(Store, DefaultFolderFollowsTheEnvironment) {
   const auto set = [](const char* name, const char* value) { value ? setenv(name, value, 1) : unsetenv(name); };
   const char* old_home = getenv("HOME");
@@ -194,6 +235,27 @@ TEST(FileHashes, NameWhatCannotBeRead) {
   fs::create_directory(folder.path() / "loop");
   fs::create_directory_symlink("..", folder.path() / "loop" / "up");
   EXPECT_THROW(hashes.of_tree(folder.path() / "loop"), std::runtime_error);
+}
+
+/// With two links that lead back, everything stands 2^depth times behind them.
+TEST(FileHashes, NameALinkThatLeadsBack) {
+  const TemporaryFolder folder;
+  const fs::path campaign = folder.path() / "campaign", images = campaign / "images";
+  fs::create_directories(images);
+  std::ofstream(images / "a.jpg") << "a";
+  fs::create_directory_symlink(".", images / "loop");
+  fs::create_directory_symlink("../images", images / "again");
+  try {
+    runtime::FileHashes(folder.path() / "hashes").of_tree(campaign);
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("leads back to a folder that holds it"), std::string::npos)
+        << error.what();
+  }
+  fs::remove(images / "loop");
+  fs::remove(images / "again");
+  fs::create_directory_symlink("images", campaign / "photographs");  // the same twice is no circle
+  EXPECT_EQ(runtime::FileHashes(folder.path() / "hashes").files_of(campaign).size(), 2u);
 }
 
 }  // namespace
