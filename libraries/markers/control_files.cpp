@@ -262,11 +262,15 @@ std::vector<ImagePoint> parse_image_points(const std::string& text, const std::s
         {"column", "x"},    {"row", "y"},       {"u", "x"},         {"v", "y"},        {"sigma", "sigma"}};
     const Table table(text, file, names, "image, point, x, y and optionally sigma",
                       {{"image", "point", "x", "y"}, {"image", "point", "x", "y", "sigma"}});
-    for (const auto& row : table.rows())
+    for (const auto& row : table.rows()) {
       points.push_back({table.text(row, "image"),
                         table.text(row, "point"),
                         {table.number(row, "x"), table.number(row, "y")},
                         table.has("sigma") ? table.number(row, "sigma") : 0});
+      if (points.back().sigma < 0)
+        throw std::runtime_error(file + ":" + std::to_string(row.line) + ": point '" + points.back().point +
+                                 "' has a negative standard deviation");
+    }
   }
   if (corner_origin)
     for (auto& p : points) p.pixel -= Eigen::Vector2d(0.5, 0.5);

@@ -95,10 +95,10 @@ void GamaReader::read_block(pugi::xml_node block) {
   const std::string model = attribute(block, "distance-stdev");
   for (const auto& token : formats::split_blanks(model)) {
     const auto value = parse_number(token);
-    if (value)
+    if (value && *value >= 0)
       distance_model_.push_back(*value);
     else
-      skip(block, "distance-stdev=\"" + model + "\"", "up to three numbers");
+      skip(block, "distance-stdev=\"" + model + "\"", "up to three numbers that are not negative");
   }
   for (pugi::xml_node node = block.first_child(); node; node = node.next_sibling()) {
     if (node.type() != pugi::node_element) continue;

@@ -162,6 +162,8 @@ void KrummReader::finish_dynamic_datum() {
     const auto given = static_cast<Eigen::Index>(row.values.size());
     if (!sigmas && given != i + 1 && given != n)
       return builder_.skip(row.source.line, 1, row.point, "a row of a covariance matrix, or one standard deviation");
+    if (row.values[sigmas ? 0 : static_cast<std::size_t>(i)] < 0)
+      return builder_.skip(row.source.line, 1, row.point, "a standard deviation or variance that is not negative");
     for (Eigen::Index j = 0; j <= i; ++j) {
       const double value =
           sigmas ? (i == j ? row.values[0] * row.values[0] : 0) : row.values[static_cast<std::size_t>(j)];

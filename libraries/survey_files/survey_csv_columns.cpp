@@ -340,7 +340,9 @@ Eigen::Matrix3d SurveyColumns::covariance() {
       } else if (i != j) {
         matrix(i, j) = matrix(j, i) = 0.0;
       } else {
-        const double sigma = length(std::string("sigma_") + axes[i]);
+        const std::string column = std::string("sigma_") + axes[i];
+        const double sigma = length(column);
+        if (sigma <= 0) fail(column, "standard deviations above zero");
         matrix(i, i) = sigma * sigma;
       }
     }
@@ -357,7 +359,7 @@ Eigen::Matrix3d SurveyColumns::covariance() {
   const double scale = checked.diagonal().maxCoeff();
   const bool usable = checked.array().isFinite().all() && checked.diagonal().minCoeff() > 0 && scale < 1e12;
   if (!usable || Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(checked).eigenvalues()[0] <= 0)
-    fail(full ? "cov_ee" : "sigma_e", "standard deviations above zero or a positive definite covariance");
+    fail(full ? "cov_ee" : "sigma_e", "standard deviations that can be, or a positive definite covariance");
   return matrix;
 }
 

@@ -171,7 +171,9 @@ std::vector<ControlPoint> read_control_rows(const std::string& csv, const std::f
                         "found no columns id, E, N and H (or the names that read.survey_csv knows for them)");
   refuse_doubtful(table, shown);
   if (table.rows.empty()) throw CampaignError(shown, table.header_line, "found no row with a point");
-  const bool with_sigmas = columns.has("sigma_e") || columns.has("cov_ee");
+  bool with_sigmas = false;
+  for (const char* column : {"sigma_e", "sigma_n", "sigma_h", "cov_ee", "cov_nn", "cov_hh"})
+    with_sigmas = with_sigmas || columns.has(column);
   if (!with_sigmas)
     builder.warn(
         "no standard deviations: 1 mm in E, N and H is assumed; say better with sigma_e_mm, sigma_n_mm, "

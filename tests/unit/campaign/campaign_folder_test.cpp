@@ -197,8 +197,16 @@ TEST(ControlCsv, ReadsAndRefuses) {
   EXPECT_NE(message(replaced(csv, "G2", "G1")).find("k.csv:3: control point 'G1' stands here a second time"),
             std::string::npos);
   EXPECT_NE(message(replaced(csv, "0.5,0.5,1", "0.5,0,1"))
-                .find("k.csv:2: found '0.5', expected standard deviations above zero"),
+                .find("k.csv:2: found '0', expected standard deviations above zero"),
             std::string::npos);
+  for (const char* sigma : {"-1", "nan", "inf", "x"})
+    EXPECT_NE(message(replaced(csv, "0.5,0.5,1", std::string(sigma) + ",0.5,1"))
+                  .find("k.csv:2: found '" + std::string(sigma)),
+              std::string::npos)
+        << sigma;
+  EXPECT_NE(message("id,e,n,h,sigma_n_mm\nG1,1,2,3,1\n").find("k.csv:2: 'G1' lacks a standard deviation"),
+            std::string::npos)
+      << "one that is given is not put aside for 1 mm";
   EXPECT_NE(message(replaced(csv, "east_m", "east_km")).find("the unit 'km' of column e"), std::string::npos);
   EXPECT_NE(message(replaced(csv, "G2", "#G2")).find("k.csv:3: found a row that begins with '#G2'"), std::string::npos);
   EXPECT_NE(message(replaced(csv, ",1,1,1\n", ",,1,1\n")).find("k.csv:3: 'G2' lacks a standard deviation"),

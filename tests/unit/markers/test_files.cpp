@@ -420,6 +420,11 @@ TEST(ControlFiles, TakeTablesWithoutHeaderAndTellWhatTheyCannotTake) {
   EXPECT_THAT(message_of([] { markers::parse_control("P1,1,2\n", "c.csv"); }), HasSubstr("c.csv:1: found 3 columns"));
   EXPECT_THAT(message_of([] { markers::parse_control("name,x_ft,y_ft,z_ft\nA,1,2,3\n", "c.csv"); }),
               HasSubstr("is in 'ft'"));
+  EXPECT_THAT(message_of([] { markers::parse_control("name,x,y,z,sigma\nA,1,2,3,-1\n", "c.csv"); }),
+              HasSubstr("c.csv:2: point 'A' has a negative standard deviation"));
+  EXPECT_THAT(
+      message_of([] { markers::parse_image_points("image,point,x,y,sigma\na.jpg,A,1,2,-1\n", "o.csv", false); }),
+      HasSubstr("o.csv:2: point 'A' has a negative standard deviation"));
   EXPECT_THAT(message_of([] { markers::parse_control("name,x,y,z,role\nA,1,2,3,chek\n", "c.csv"); }),
               HasSubstr("c.csv:2: 'role' is 'chek'"));
   EXPECT_THAT(message_of([] { markers::parse_control("name,x,y,z,sx\nA,1,2,3,1\n", "c.csv"); }),

@@ -9,6 +9,16 @@ namespace {
 
 using namespace test_help;
 
+TEST(Gama, ADistanceModelHasNoNegativePart) {
+  const auto survey = read_gama_xml(
+      "<gama-local><network><points-observations distance-stdev='-1 3 1'><point id='A' x='0' y='0' fix='xy'/>"
+      "<obs from='A'><distance to='B' val='2000'/><distance to='C' val='100' stdev='5'/></obs></points-observations>"
+      "</network></gama-local>",
+      "g.xml");
+  ASSERT_FALSE(survey.skipped.empty()) << "-1 + 3 d is above zero from 333 m on";
+  EXPECT_NE(survey.skipped[0].expected.find("not negative"), std::string::npos) << survey.skipped[0].expected;
+}
+
 TEST(GamaWriter, AnySurveyReadsBackTheSame) {
   for (unsigned long long seed = 1; seed <= 20; ++seed) {
     SurveyObservations survey = random_survey(seed);

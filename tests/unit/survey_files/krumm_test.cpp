@@ -31,6 +31,16 @@ TEST(Krumm, ReadsSectionsAndListsWhatItCannotUse) {
   EXPECT_TRUE(skipped(survey, 22, 1, "one of the sections"));
 }
 
+TEST(Krumm, ANegativeStandardDeviationOfTheDatumIsNone) {
+  for (const char* sigma : {"0.01", "-0.01"}) {
+    const auto survey = read_krumm(std::string("[Project]\nx\n[Coordinates]\nA 0 0 10\nB 100 0 11\n[Datum]\ndyn\nxA ") +
+                                       sigma + "\nyA 0.01\n[Distances]\nA B 100.004 0.003 0 0\n",
+                                   "k.dat");
+    EXPECT_EQ(survey.coordinates.size(), sigma[0] == '-' ? 0u : 1u);
+    EXPECT_EQ(skipped(survey, 8, 1, "not negative"), sigma[0] == '-');
+  }
+}
+
 TEST(Krumm, ReadsTheNetworkOfBlankenbachAndWillert) {
   const std::string name = "survey/BlankenbachWillert3D_Distance_fix.dat";
   PLUMBLINE_REQUIRE_DATA(name);

@@ -48,7 +48,7 @@ TEST(SurveyCsv, ReadsPointsWithDecimalCommaAndLatin1) {
   EXPECT_EQ(survey.points.size(), 3u);
   EXPECT_TRUE(skipped(survey, 4, 5, "a number in column e (delimiter ';', decimal separator ',')"));
   EXPECT_TRUE(skipped(survey, 5, 8, "a number"));
-  EXPECT_TRUE(skipped(survey, 7, 1, "above zero")) << "a standard deviation of zero is a mistake";
+  EXPECT_TRUE(skipped(survey, 7, 19, "above zero")) << "a standard deviation of zero is a mistake";
   ASSERT_EQ(survey.coordinates.size(), 2u);
   EXPECT_TRUE(survey.coordinates[0].is_control);
   ASSERT_EQ(survey.coordinates[0].components.size(), 1u) << "only the height has a standard deviation";
@@ -94,6 +94,17 @@ TEST(SurveyCsv, XAndYAreTheAxesThatTheTableMeans) {
   for (const char* table : {"id,x,y,z\nK1,5300050,4500000,500\n", "id,x,y,z\nA,5335000,691000,520\n",
                             "Punktnr;Y;X;H\nK1;5300050;4500000;500\n", "Punkt;X;Y;Z\nA;1;2;3\n", "id,y,x,z\nA,1,2,3\n"})
     EXPECT_NE(refused(table).find("E and N, or Rechtswert and Hochwert"), std::string::npos) << table;
+}
+
+TEST(SurveyCsv, AStandardDeviationIsANumberAboveZero) {
+  for (const char* sigma : {"-1", "0", "nan", "NaN", "inf", "abc", "-0.5"}) {
+    const auto survey = read_survey_csv(
+        "id,e,n,h,sigma_e_mm,sigma_n_mm,sigma_h_mm\nA,1,2,3,1,1,1\nG1,4,5,6," + std::string(sigma) + ",1,1\n", "k.csv");
+    EXPECT_EQ(survey.coordinates.size(), 1u) << sigma;
+    ASSERT_EQ(survey.skipped.size(), 1u) << sigma;
+    EXPECT_EQ(survey.skipped[0].source.line, 3);
+    EXPECT_EQ(survey.skipped[0].found, "'" + std::string(sigma) + "'");
+  }
 }
 
 TEST(SurveyCsv, SpreadsheetsSepLineIsNoHeader) {
