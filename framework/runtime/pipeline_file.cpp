@@ -43,14 +43,17 @@ class Reader {
     apply_node_overrides(spec);
     for (auto& [name, variable] : variables_)
       if (variable.given) resolve(variable);
+    std::vector<Scalar*> descriptions;
     for (NodeSpec& node : spec.nodes) {
       refuse_variable_in_name(node.name, node.at);
       replace(node.use);
       for (auto& [name, value] : node.conditions) replace(value);
       for (auto& [port, source] : node.inputs) replace(source);
       for (auto& [name, parameter] : node.parameters)
-        for (Scalar& value : parameter.values) replace(value);
+        for (Scalar& value : parameter.values) is_description(value) ? descriptions.push_back(&value) : replace(value);
     }
+    const std::string nodes = descriptions.empty() ? "" : nodes_in_words(spec);
+    for (Scalar* value : descriptions) value->text = nodes;
     for (auto& [name, source] : spec.outputs) {
       refuse_variable_in_name(name, source.at);
       replace(source);
@@ -61,6 +64,27 @@ class Reader {
 
  private:
   void problem(const Position& at, const std::string& message) { problems_.push_back({at, message}); }
+
+  /// The value "${pipeline}": what runs, in words, for a report. A variable of that name goes before it.
+  bool is_description(const Scalar& value) const {
+    return value.text == "${pipeline}" && !variables_.count("pipeline");
+  }
+
+  /// A line for each node: its name, its kind, and the parameters that the pipeline gives it. Paths are left out: where
+  /// a file lies is no part of a result, and what is in it is told by hashes.
+  std::string nodes_in_words(const PipelineSpec& spec) const {
+    std::string text;
+    for (const NodeSpec& node : spec.nodes) {
+      text += (text.empty() ? "" : "\n") + node.name + ": " + node.use.text;
+      for (const auto& [name, parameter] : node.parameters) {
+        std::string values;
+        for (const Scalar& value : parameter.values)
+          if (!is_description(value)) values += (values.empty() ? "" : ",") + value.text;
+        if (!values.empty() && values.find('/') == std::string::npos) text += " " + name + "=" + values;
+      }
+    }
+    return text;
+  }
 
   static Position position(const fs::path& file, const YAML::Node& node) {
     const YAML::Mark mark = node.Mark();

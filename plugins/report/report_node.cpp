@@ -1,6 +1,7 @@
 // report.html: the report as a node.
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 #include "artifacts/accuracy.hpp"
 #include "artifacts/block.hpp"
@@ -79,6 +80,14 @@ void add_images(const PosesT& poses, std::vector<Fact>& facts) {
                          fixed(std::sqrt(squares / n), 3) + " px before the adjustment");
 }
 
+/// A line for each node of the pipeline: two solvers that give the same bits are still two solvers.
+void add_nodes(const std::string& pipeline, std::vector<Fact>& facts) {
+  std::istringstream lines(pipeline);
+  for (std::string line; std::getline(lines, line);)
+    if (const std::size_t colon = line.find(": "); colon != std::string::npos)
+      facts.emplace_back("Node " + line.substr(0, colon), line.substr(colon + 2));
+}
+
 /// Every transform between the frames of the site.
 void add_frames(const SiteFramesT& frames, std::vector<Fact>& facts) {
   for (const auto& link : frames.links) {
@@ -121,6 +130,9 @@ struct ReportHtml : Node {
   Param<std::string> title{"title", "Accuracy of the facade anchors", "heading"};
   Param<std::string> subtitle{"subtitle", "", "site, scenario, date of the campaign; empty: the title of the survey"};
   Param<std::vector<std::string>> facts{"facts", std::vector<std::string>{}, "lines for the provenance: name=value"};
+  Param<std::string> pipeline{"pipeline", "",
+                              "what ran, for the provenance: a line 'node: kind parameter=value' for each node, as "
+                              "${pipeline} gives it"};
   Out<File> out{"file", "report.html"};
 
   void run(Context&) override {
@@ -145,6 +157,7 @@ struct ReportHtml : Node {
     if (design) add_design(design.unpack(), input.provenance);
     if (frames) add_frames(frames.unpack(), input.provenance);
     input.provenance.emplace_back("Program", std::string("Plumbline ") + PLUMBLINE_BUILD_ID);
+    add_nodes(*pipeline, input.provenance);
     if (campaign)
       for (const auto* entry : *campaign->files())
         input.files.push_back({entry->path()->str(), entry->sha256()->str(), entry->size()});

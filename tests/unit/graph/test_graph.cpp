@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include "runtime/graph.hpp"
+#include "runtime/pipeline_file.hpp"
 #include "test_support.hpp"
 
 namespace {
@@ -180,6 +181,22 @@ TEST_F(GraphTest, IncludesAreReadOnceAndFoundAmongTheShippedOnes) {
   EXPECT_EQ(load_pipeline(file, {}, registry(), {folder_.path() / "shipped"}).sources.at(1).path,
             (folder_.path() / "shipped/parts/base.yaml").string());
   EXPECT_THAT(problems("plumbline: 1\ninclude: parts/base\n"), HasSubstr("included file not found: parts/base"));
+}
+
+TEST_F(GraphTest, AReportMayBeToldWhatRuns) {
+  const auto value_of = [&](const std::string& override_text) {
+    const auto file = write("p.yaml",
+                            "plumbline: 1\nvars: {kind: read.file}\nnodes:\n"
+                            "  i: {use: \"${kind}\", with: {file: p.yaml}}\n"
+                            "  t: {use: report.image_block, with: {title: \"${pipeline}\"}}\n");
+    const std::vector<std::string> overrides{override_text};
+    std::vector<Problem> problems;
+    const PipelineSpec spec = read_pipeline(file, overrides, {}, problems);
+    EXPECT_TRUE(problems.empty());
+    return spec.nodes.at(1).parameters.at(0).second.values.at(0).text;
+  };
+  EXPECT_EQ(value_of("kind=read.file"), "i: read.file file=p.yaml\nt: report.image_block");
+  EXPECT_EQ(value_of("i.with.file=/tmp/x/p.yaml"), "i: read.file\nt: report.image_block") << "no paths";
 }
 
 TEST_F(GraphTest, AChainOfIncludesHasAnEnd) {
