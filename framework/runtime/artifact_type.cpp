@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "runtime/json_text.hpp"
+
 namespace plumbline::runtime {
 
 namespace {
@@ -30,38 +32,6 @@ void append_double(double value, bool single, std::string& out) {
   out.append(buffer, end);
 }
 
-void append_string(std::string_view text, std::string& out) {
-  out += '"';
-  for (const char c : text) {
-    switch (c) {
-      case '"':
-        out += "\\\"";
-        break;
-      case '\\':
-        out += "\\\\";
-        break;
-      case '\n':
-        out += "\\n";
-        break;
-      case '\r':
-        out += "\\r";
-        break;
-      case '\t':
-        out += "\\t";
-        break;
-      default:
-        if (static_cast<unsigned char>(c) < 0x20) {
-          char buffer[8];
-          std::snprintf(buffer, sizeof buffer, "\\u%04x", c);
-          out += buffer;
-        } else {
-          out += c;
-        }
-    }
-  }
-  out += '"';
-}
-
 /// Prints by walking schema and data together. Fields come in the order of their declaration.
 class Printer {
  public:
@@ -76,7 +46,7 @@ class Printer {
         out_ += first ? "\n" : ",\n";
         first = false;
         indent(depth + 1);
-        append_string(field->name()->string_view(), out_);
+        out_ += json_quoted(field->name()->string_view());
         out_ += ": ";
         value(*field, table, depth + 1);
       }
@@ -126,7 +96,7 @@ class Printer {
     const auto* type = field.type();
     switch (type->base_type()) {
       case reflection::String:
-        append_string(table.GetPointer<const flatbuffers::String*>(field.offset())->string_view(), out_);
+        out_ += json_quoted(table.GetPointer<const flatbuffers::String*>(field.offset())->string_view());
         break;
       case reflection::Vector:
         vector(field, table, depth);
@@ -166,7 +136,7 @@ class Printer {
       else if (object)
         this->table(*object, *flatbuffers::GetAnyVectorElemPointer<const flatbuffers::Table>(&list, i), depth + 1);
       else if (element == reflection::String)
-        append_string(flatbuffers::GetAnyVectorElemPointer<const flatbuffers::String>(&list, i)->string_view(), out_);
+        out_ += json_quoted(flatbuffers::GetAnyVectorElemPointer<const flatbuffers::String>(&list, i)->string_view());
       else
         scalar(element, list.Data() + i * flatbuffers::GetTypeSize(element));
     }

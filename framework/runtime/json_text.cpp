@@ -7,19 +7,17 @@
 
 namespace plumbline::runtime {
 
+std::string json_quoted(std::string_view text) {
+  const bool plain =
+      std::all_of(text.begin(), text.end(), [](char c) { return c >= 0x20 && c < 0x7f && c != '"' && c != '\\'; });
+  return plain ? std::string(1, '"').append(text).append(1, '"')
+               : nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
 void JsonText::comma() {
   if (text_.empty()) return;
   const char last = text_.back();
   if (last != '{' && last != '[' && last != ':') text_ += ',';
-}
-
-void JsonText::quote(std::string_view text) {
-  const bool plain =
-      std::all_of(text.begin(), text.end(), [](char c) { return c >= 0x20 && c < 0x7f && c != '"' && c != '\\'; });
-  if (plain)
-    text_.append(1, '"').append(text).append(1, '"');
-  else
-    text_ += nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 JsonText& JsonText::open(char bracket) {
@@ -35,14 +33,14 @@ JsonText& JsonText::close(char bracket) {
 
 JsonText& JsonText::name(std::string_view text) {
   comma();
-  quote(text);
+  text_ += json_quoted(text);
   text_ += ':';
   return *this;
 }
 
 JsonText& JsonText::value(std::string_view text) {
   comma();
-  quote(text);
+  text_ += json_quoted(text);
   return *this;
 }
 

@@ -10,8 +10,11 @@
 
 namespace plumbline::runtime {
 
-/// Objects and arrays are opened and closed by the caller, in pairs; commas come by themselves. Text that is no UTF-8
-/// is written with U+FFFD in place of each wrong byte; a number that is not finite as null.
+/// A JSON string of it. Text that is no UTF-8 is written with U+FFFD in place of each wrong byte.
+std::string json_quoted(std::string_view text);
+
+/// Objects and arrays are opened and closed by the caller, in pairs; commas come by themselves. Text as
+/// json_quoted() writes it; a number that is not finite as null.
 class JsonText {
  public:
   JsonText& open(char bracket);   ///< '{' or '['
@@ -31,7 +34,6 @@ class JsonText {
 
  private:
   void comma();
-  void quote(std::string_view text);
   std::string text_;
 };
 
