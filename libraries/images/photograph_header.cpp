@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exiv2/exiv2.hpp>
+#include <initializer_list>
 #include <stdexcept>
 
 namespace plumbline {
@@ -50,12 +51,33 @@ std::string model_of(const Exiv2::ExifData& exif) {
 
 }  // namespace
 
-bool is_photograph_name(const std::filesystem::path& path) {
+namespace {
+
+bool ends_as(const std::filesystem::path& path, std::initializer_list<const char*> extensions) {
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return std::tolower(c); });
-  return extension == ".jpg" || extension == ".jpeg" || extension == ".png" || extension == ".tif" ||
-         extension == ".tiff";
+  return std::find(extensions.begin(), extensions.end(), extension) != extensions.end();
+}
+
+}  // namespace
+
+bool is_photograph_name(const std::filesystem::path& path) {
+  return ends_as(path, {".jpg", ".jpeg", ".png", ".tif", ".tiff"});
+}
+
+std::string unread_photographs(std::vector<std::string> names) {
+  constexpr size_t kMost = 10;
+  std::erase_if(names, [](const std::string& name) {
+    return !ends_as(name, {".heic", ".heif", ".avif", ".webp", ".bmp", ".gif", ".jp2", ".dng", ".nef", ".cr2", ".cr3",
+                           ".arw", ".raf", ".orf", ".rw2", ".raw", ".pgm", ".ppm", ".pnm"});
+  });
+  if (names.empty()) return {};
+  std::sort(names.begin(), names.end());
+  std::string text = "left out, because their format is not read (export them as JPEG, PNG or TIFF in full size): ";
+  for (size_t i = 0; i < std::min(names.size(), kMost); ++i) text += (i > 0 ? ", " : "") + names[i];
+  if (names.size() > kMost) text += " and " + std::to_string(names.size() - kMost) + " more";
+  return text;
 }
 
 PhotographHeader read_photograph_header(const std::filesystem::path& path) {

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <limits>
 #include <string>
+#include <vector>
 
 namespace plumbline {
 
@@ -19,6 +20,10 @@ struct PhotographHeader {
 
 /// Whether the name ends as those of the formats that are read do: JPEG, PNG, TIFF.
 bool is_photograph_name(const std::filesystem::path& path);
+
+/// The sentence that names the photographs among `names` whose format is not read (HEIC, raw files, WebP, ...), because
+/// their owner expects them to take part; empty if there are none.
+std::string unread_photographs(std::vector<std::string> names);
 
 /// Throws std::runtime_error with the reason (without the path) if the file is no readable image.
 PhotographHeader read_photograph_header(const std::filesystem::path& path);

@@ -197,14 +197,21 @@ bool read_ours(const YAML::Node& root, const std::string& file, CameraFile& resu
   return true;
 }
 
-/// Names of the cameras in a file of ours that holds several.
+/// Names of the cameras in a file that holds several: ours, or Kalibr's camchain (cam0, cam1, ...).
 std::vector<std::string> names_of(const YAML::Node& root) {
   std::vector<std::string> names;
   if (root.IsMap() && !root["plumbline_camera"])
     for (const auto& entry : root)
-      if (entry.second.IsMap() && entry.second["plumbline_camera"]) names.push_back(entry.first.as<std::string>(""));
+      if (entry.second.IsMap()) {
+        const std::string name = entry.first.as<std::string>("");
+        const bool numbered = name.size() > 3 && name.rfind("cam", 0) == 0 &&
+                              name.find_first_not_of("0123456789", 3) == std::string::npos;
+        if (entry.second["plumbline_camera"] || entry.second["intrinsics"] || numbered) names.push_back(name);
+      }
   return names;
 }
+
+bool is_kalibr(const YAML::Node& camera) { return camera.IsMap() && !camera["plumbline_camera"]; }
 
 }  // namespace
 
@@ -214,13 +221,19 @@ CameraFile parse_camera_file(const std::string& text, const std::string& file, c
   if (!root.IsMap() && !root.IsSequence()) refuse(file, "holds no keys");
   if (root.IsMap() && !which.empty()) {
     if (!root[which]) refuse(file, "there is no '" + which + "' in it");
-    root = root[which];
-  } else if (root.IsMap() && root["cam0"] && !root["cam0"]["plumbline_camera"]) {
-    result.format = "Kalibr", root = root["cam0"], result.id = "cam0";
+    root.reset(root[which]);
+    if (is_kalibr(root) && root["intrinsics"]) result.format = "Kalibr", result.id = which;
+  } else if (const auto held = names_of(root); held.size() == 1 && is_kalibr(root[held.front()])) {
+    root.reset(root[held.front()]);
+    result.format = "Kalibr", result.id = held.front();
   } else {
     std::string names;
-    for (const auto& name : names_of(root)) names += (names.empty() ? "'" : ", '") + name + "'";
-    if (!names.empty()) refuse(file, "it holds several cameras; choose one with which=: " + names);
+    for (const auto& name : held) names += (names.empty() ? "'" : ", '") + name + "'";
+    if (!names.empty())
+      refuse(file,
+             "it holds several cameras; choose one with which=, or put the one that took the photographs into a "
+             "file of its own: " +
+                 names);
   }
   const size_t slash = file.find_last_of('/');
   if (result.id.empty()) result.id = slash == std::string::npos ? file : file.substr(slash + 1);

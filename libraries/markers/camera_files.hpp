@@ -17,12 +17,12 @@ struct CameraFile {
 };
 
 /// Reads a camera from YAML, JSON or XML: our own, OpenCV's FileStorage (camera_matrix, distortion_coefficients under
-/// their usual names), ROS camera_info, Kalibr's camchain (its first camera, or the one called `which`), PhotonVision.
+/// their usual names), ROS camera_info, Kalibr's camchain (of one camera, or the one called `which`), PhotonVision.
 /// Throws std::runtime_error that names `file`, what was found and what was expected; also for models that are not
 /// Brown's (fisheye, rational with more than five coefficients that are not zero).
 CameraFile parse_camera_file(const std::string& text, const std::string& file, const std::string& which = "");
 
-/// All cameras of a file of ours that holds several, each under its name; else, or with `which`, the one camera that
+/// All cameras of a file of ours or of Kalibr's that holds several, each under its name; else, or with `which`, the one camera that
 /// parse_camera_file reads.
 std::vector<CameraFile> parse_camera_files(const std::string& text, const std::string& file,
                                            const std::string& which = "");

@@ -72,6 +72,13 @@ std::vector<std::string> warnings_of(const Selection& selection, const Calibrati
         halves.difference, halves.expected, halves.difference / halves.expected);
     warnings.emplace_back(text);
   }
+  if (c.rms > std::min(2.0, 1.5e-3 * std::max(selection.width, selection.height))) {
+    std::snprintf(text, sizeof text,
+                  "The points fit to %.1f px only: the board file does not describe this board (lengths, columns and "
+                  "rows), the board is not rigid, or the lens is none of this model (a fisheye)",
+                  c.rms);
+    warnings.emplace_back(text);
+  }
   double tilted = 0;
   for (const auto& view : c.views) tilted += view.tilt > 20 * M_PI / 180;
   if (tilted < 0.25 * static_cast<double>(c.views.size()))

@@ -79,7 +79,10 @@ void ReadPhotoCampaign::run(Context& context) {
     throw CampaignError(root / "campaign.yaml", 0,
                         "names 'observations' and no images; pipelines/site_observations.yaml takes those");
   std::map<std::string, const FolderEntryT*> entries;
-  for (const auto& entry : given.files) entries[entry->path] = entry.get();
+  std::vector<std::string> names;
+  for (const auto& entry : given.files) entries[entry->path] = entry.get(), names.push_back(entry->path);
+  if (const std::string unread = unread_photographs(names); !unread.empty())
+    context.warn("photographs of " + root.string() + " are " + unread);
   for (const std::string& path : description.images) images.commit(image_of(*entries.at(path), root));
   if (!description.camera.empty()) cameras.commit(camera_of(root / description.camera, description.camera, context));
   plates.commit(description.plates.empty()

@@ -287,11 +287,20 @@ SeenBoard find_charuco(const GreyImage& image, const cv::Mat& view, const Board&
 SeenBoard find_tags(const GreyImage& image, const Board& board) {
   SeenBoard seen;
   const double pitch = board.marker + board.gap, h = 0.5 * board.marker;
-  size_t found = 0;
-  for (const auto& tag : ArucoDetector(board.dictionary, {}).detect(image)) {
+  std::map<int, std::vector<DetectedTag>> by_id;
+  for (auto& tag : ArucoDetector(board.dictionary, {}).detect(image)) {
     const int k = tag.id - board.first_id;
-    if (k < 0 || k >= board.columns * board.rows) continue;
-    ++found;
+    if (k >= 0 && k < board.columns * board.rows) by_id[k].push_back(std::move(tag));
+  }
+  std::string twice;
+  std::vector<cv::Point2f> from, to;  // centres, in units of the pitch
+  std::vector<const DetectedTag*> single;
+  for (const auto& [k, tags] : by_id) {
+    if (tags.size() > 1) {  // only one of them can be it
+      twice += (twice.empty() ? "" : ", ") + std::to_string(k + board.first_id);
+      continue;
+    }
+    const DetectedTag& tag = tags.front();
     const int row = board.ids_from_bottom ? board.rows - 1 - k / board.columns : k / board.columns,
               column = k % board.columns;
     const Eigen::Vector3d centre(column * pitch, -row * pitch, 0);
@@ -301,13 +310,27 @@ SeenBoard find_tags(const GreyImage& image, const Board& board) {
       seen.points.push_back(
           {4 * k + c, centre + offsets[i], tag.corners[i], std::sqrt(0.5 * tag.covariances[i].trace() + 0.1 * 0.1)});
     }
+    single.push_back(&tag);
+    to.push_back(point(Eigen::Vector2d(centre.head<2>() / pitch)));
+    from.push_back(point(Eigen::Vector2d(0.25 * (tag.corners[0] + tag.corners[1] + tag.corners[2] + tag.corners[3]))));
   }
-  std::sort(seen.points.begin(), seen.points.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
-  if (found < 2) {
+  if (single.size() < 2) {
     seen.points.clear();
-    seen.problem = std::to_string(found) + " of the board's " + std::to_string(board.columns * board.rows) +
-                   " tags were found; check dictionary and first_id";
+    seen.problem = std::to_string(single.size()) + " of the board's " + std::to_string(board.columns * board.rows) +
+                   " tags were found" + (twice.empty() ? "" : " (without " + twice + ", found more than once)") +
+                   "; check dictionary and first_id";
+    return seen;
   }
+  if (single.size() < 6) return seen;
+  const Eigen::Matrix3d onto_board = homography(from, to, 0);
+  if (!onto_board.allFinite()) return seen;
+  double ratio = 0;
+  for (const DetectedTag* tag : single) {
+    std::array<Eigen::Vector2d, 4> corners;
+    for (size_t k = 0; k < 4; ++k) corners[k] = mapped(onto_board, tag->corners[k]);
+    ratio += side(corners) / static_cast<double>(single.size());
+  }
+  if (std::isfinite(ratio)) seen.marker_ratio = ratio;
   return seen;
 }
 

@@ -44,9 +44,10 @@ struct SeenPoint {
 };
 
 struct SeenBoard {
-  std::vector<SeenPoint> points;       ///< by id; empty if the board was not found
-  std::string problem;                 ///< why it was not found
-  double marker_ratio = std::nan("");  ///< edge of the markers over that of the squares, in the photograph
+  std::vector<SeenPoint> points;  ///< by id; empty if the board was not found
+  std::string problem;            ///< why it was not found
+  double marker_ratio =
+      std::nan("");  ///< edge of the markers over that of the squares, of tags over their spacing, in the photograph
 };
 
 SeenBoard find_board(const GreyImage& image, const Board& board);

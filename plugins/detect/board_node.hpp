@@ -7,13 +7,14 @@
 #include "artifacts/board_points.hpp"
 #include "artifacts/image.hpp"
 #include "detect/board.hpp"
+#include "detector_node.hpp"
 #include "images/grey_image.hpp"
 #include "plumbline/node.hpp"
 
 namespace plumbline::detect {
 
 struct DetectBoard : Node {
-  static constexpr Info info{"detect.board", "", 2,
+  static constexpr Info info{"detect.board", "", 3,
                              "Finds a calibration board (chessboard, ChArUco or grid of tags) and measures its points"};
   Each<Image> images{"images", "photographs of the board"};
   Param<FilePath> board{"board", required, "board file (YAML); docs/photographs.md has an example of each kind"};
@@ -38,7 +39,8 @@ struct DetectBoard : Node {
         point->id = p.id, point->board = p.board, point->pixel = p.pixel, point->sigma = p.sigma;
         result.points.push_back(std::move(point));
       }
-      check_pitch(pattern, seen, result);
+      check_pitch(pattern, board->path, seen, result);
+      if (!seen.problem.empty()) result.problem += why(grey, pattern);
     } catch (const ImageFileError& error) {
       result.problem = error.what();
     }
@@ -47,16 +49,25 @@ struct DetectBoard : Node {
   }
 
  private:
-  /// Markers of another size against their squares than the file says: one of its two lengths is wrong.
-  static void check_pitch(const Board& pattern, const SeenBoard& seen, BoardPointsT& result) {
-    if (pattern.kind != BoardKind::charuco || !std::isfinite(seen.marker_ratio)) return;
-    const double stated = pattern.marker / pattern.square;
-    if (std::abs(seen.marker_ratio / stated - 1) < 0.06) return;
+  /// What else explains that the board was not found.
+  static std::string why(const GreyImage& grey, const Board& pattern) {
+    if (pattern.kind != BoardKind::chessboard && !find_board(mirrored(grey), pattern).points.empty())
+      return ". The photograph is mirrored: it is found after a flip. Export it from the camera without mirroring";
+    const std::string reason = why_nothing_is_found(grey);
+    return reason.empty() ? "" : "; " + reason;
+  }
+
+  /// Markers of another size against their squares or spacing than the file says: one of its two lengths is wrong.
+  static void check_pitch(const Board& pattern, const std::string& file, const SeenBoard& seen, BoardPointsT& result) {
+    if (pattern.kind == BoardKind::chessboard || !std::isfinite(seen.marker_ratio)) return;
+    const bool tags = pattern.kind == BoardKind::tags;
+    const double stated = pattern.marker / (tags ? pattern.marker + pattern.gap : pattern.square);
+    if (std::abs(seen.marker_ratio / stated - 1) < (tags ? 0.04 : 0.06)) return;
     char text[200];
-    std::snprintf(text, sizeof text,
-                  "the markers measure %.3f of a square, the board file says %.3f: 'marker' or 'square' in it is wrong",
-                  seen.marker_ratio, stated);
-    result.problem = text;
+    std::snprintf(text, sizeof text, "the %s measure %.3f of %s, %.3f is in ", tags ? "tags" : "markers",
+                  seen.marker_ratio, tags ? "their spacing" : "a square", stated);
+    result.problem =
+        text + file + (tags ? ": 'marker' or 'gap' there is wrong" : ": 'marker' or 'square' there is wrong");
     result.points.clear();
   }
 };

@@ -11,17 +11,6 @@ namespace {
 using namespace plumbline;
 namespace fs = std::filesystem;
 
-/// Photographs in formats that are not read: told of, because their owner expects them to take part.
-bool is_foreign_image_name(const fs::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
-  for (const char* known : {".heic", ".heif", ".avif", ".webp", ".bmp", ".gif", ".jp2", ".dng", ".nef", ".cr2", ".cr3",
-                            ".arw", ".raf", ".orf", ".rw2", ".raw", ".pgm", ".ppm", ".pnm"})
-    if (extension == known) return true;
-  return false;
-}
-
 ImageT describe(const fs::path& file, const fs::path& folder, bool stop_at_bad) {
   ImageT image;
   image.path = file.lexically_relative(folder).generic_string();
@@ -53,21 +42,18 @@ struct ReadImages : Node {
   void run(Context& context) override {
     const fs::path root = folder->path;
     std::vector<fs::path> files;
-    std::vector<std::string> foreign;
+    std::vector<std::string> others;
     for (const auto& entry : fs::recursive_directory_iterator(root))
       if (entry.is_regular_file() && is_photograph_name(entry.path()))
         files.push_back(entry.path());
-      else if (entry.is_regular_file() && is_foreign_image_name(entry.path()))
-        foreign.push_back(entry.path().lexically_relative(root).generic_string());
-    std::sort(foreign.begin(), foreign.end());
-    const std::string mend = "export them as JPEG, PNG or TIFF in full size";
+      else if (entry.is_regular_file())
+        others.push_back(entry.path().lexically_relative(root).generic_string());
+    const std::string unread = unread_photographs(others);
     if (files.empty())
       throw std::runtime_error("no image in " + root.string() +
                                "; expected files that end in .jpg, .jpeg, .png, .tif or .tiff" +
-                               (foreign.empty() ? "" : ". " + foreign.front() + " and the like are not read: " + mend));
-    if (!foreign.empty())
-      context.warn(std::to_string(foreign.size()) + " photographs of " + root.string() + " are left out, " +
-                   foreign.front() + " is the first: their format is not read; " + mend);
+                               (unread.empty() ? "" : ". Photographs are " + unread));
+    if (!unread.empty()) context.warn("photographs of " + root.string() + " are " + unread);
     std::sort(files.begin(), files.end());
     for (const fs::path& file : files) {
       ImageT image = describe(file, root, *on_bad_image == "error");

@@ -63,8 +63,10 @@ void AdjustMarkerField::run(Context& context) {
   for (const auto& text : input.warnings) context.warn(text);
   if (!has_place(input.block))
     throw std::runtime_error(
-        "no photograph shows a tag of the layout. Check the family of the tags, and that the layout "
-        "has their numbers");
+        "no photograph shows a tag of the layout" +
+        (input.left_out.empty() ? std::string()
+                                : " (" + input.left_out.front().path + " " + input.left_out.front().reason + ")") +
+        ". Check the family of the tags, that the layout has their numbers, and which camera took them");
   MarkerOptions options;
   options.size_sigma = *size_sigma, options.inset_sigma = *corner_inset_sigma, options.reject_above = *reject_above;
   options.layout_position_sigma = *position_sigma, options.layout_rotation_sigma = *rotation_sigma;

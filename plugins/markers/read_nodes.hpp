@@ -22,11 +22,11 @@ inline std::string text_of_file(const std::string& path) {
 }
 
 struct ReadCamera : Node {
-  static constexpr Info info{"read.camera", "", 1,
+  static constexpr Info info{"read.camera", "", 2,
                              "Reads an interior orientation: ours, OpenCV's YAML or XML, ROS, Kalibr, PhotonVision"};
   Param<FilePath> file{"file", required, "the file"};
   Param<std::string> which{
-      "which", "", "key of the camera in a file of several, such as cam1; empty: all of ours, the first of others"};
+      "which", "", "key of the camera in a file of several (ours, Kalibr's), such as cam1; empty: all"};
   Param<bool> exact{"exact", false,
                     "take the parameters as free of error; else a file without sigmas starts a "
                     "self-calibration with weak priors"};

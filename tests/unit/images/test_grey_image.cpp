@@ -9,6 +9,7 @@
 
 #include "images/grey_image.hpp"
 #include "images/grey_rows.hpp"
+#include "images/photograph_header.hpp"
 #include "images/visibility.hpp"
 #include "test_support.hpp"
 
@@ -165,6 +166,15 @@ GreyImage step(double dark, double bright, double sigma) {
       image.pixels.push_back(static_cast<std::uint8_t>(
           std::lround(dark + (bright - dark) * 0.5 * std::erfc(-(x - 100) / (sigma * std::sqrt(2.0))))));
   return image;
+}
+
+TEST(PhotographNames, ThoseOfFormatsThatAreNotReadAreNamed) {
+  const std::string text = unread_photographs({"b/2.HEIC", "notes.txt", "a.webp", "1.jpg", "survey/day1.gsi"});
+  EXPECT_THAT(text,
+              testing::AllOf(testing::HasSubstr("a.webp, b/2.HEIC"), testing::HasSubstr("export them"),
+                             testing::Not(testing::HasSubstr("notes")), testing::Not(testing::HasSubstr("1.jpg"))));
+  EXPECT_EQ(unread_photographs({"1.jpg", "camera.yaml"}), "");
+  EXPECT_THAT(unread_photographs(std::vector<std::string>(12, "x.dng")), testing::HasSubstr("and 2 more"));
 }
 
 TEST(Visibility, BlurOfAnEdgeIsFound) {

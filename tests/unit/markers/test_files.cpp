@@ -188,7 +188,17 @@ TEST(CameraFiles, OfSeveralCamerasAreReadByName) {
   EXPECT_EQ(cameras[1].camera.width, 640);
   EXPECT_EQ(markers::parse_camera_files(text, "c.yaml", "left").size(), 1u);
   EXPECT_THAT(message_of([&] { markers::parse_camera_file(text, "c.yaml"); }),
-              HasSubstr("several cameras; choose one with which=: 'left', 'rig/right'"));
+              testing::AllOf(HasSubstr("several cameras; choose one with which="), HasSubstr("'left', 'rig/right'")));
+  // Kalibr's camchain of a rig: not silently its first camera.
+  const std::string kalibr =
+      "  intrinsics: [461.6, 460.3, 362.7, 248.1]\n  distortion_model: radtan\n"
+      "  distortion_coeffs: [-0.28, 0.07, 0.0002, 1.7e-05]\n  resolution: [752, 480]\n";
+  const std::string chain = "cam0:\n" + kalibr + "cam1:\n" + kalibr;
+  const auto rig = markers::parse_camera_files(chain, "chain.yaml");
+  ASSERT_EQ(rig.size(), 2u);
+  EXPECT_EQ(rig[1].id, "cam1");
+  EXPECT_EQ(rig[1].format, "Kalibr");
+  EXPECT_THAT(message_of([&] { markers::parse_camera_file(chain, "chain.yaml"); }), HasSubstr("'cam0', 'cam1'"));
 }
 
 TEST(CameraGroups, AreToldFromFoldersAndNames) {
@@ -272,6 +282,29 @@ TEST(Board, OfAnOddNumberOfRowsIsFoundAsPrintedAlsoInNegative) {
       EXPECT_LT((p.pixel - truth).norm(), 0.1) << p.id;
     }
   }
+}
+
+/// Tags of 24 px in steps of 32; the spacing is measured, and a tag that is there twice is none.
+TEST(Board, OfTagsMeasuresTheirSpacingAndLeavesOutIdsThatAreTwice) {
+  const auto board = detect::parse_board(
+      "type: tags\ncolumns: 3\nrows: 3\nmarker: 0.024\ngap: 0.008\ndictionary: DICT_4X4_50\n", "b.yaml");
+  GreyImage image{200, 160, std::vector<std::uint8_t>(200 * 160, 210)};
+  const auto draw = [&](int id, int x0, int y0) {
+    for (int y = 0; y < 24; ++y)
+      for (int x = 0; x < 24; ++x) {
+        const int row = y / 4 - 1, column = x / 4 - 1;
+        const bool code = row >= 0 && row < 4 && column >= 0 && column < 4;
+        const bool white =
+            code && board.dictionary.codes[static_cast<size_t>(id)][static_cast<size_t>(4 * row + column)] != 0;
+        image.pixels[static_cast<size_t>((y0 + y) * 200 + x0 + x)] = white ? 210 : 30;
+      }
+  };
+  for (int k = 0; k < 9; ++k) draw(k, 20 + 32 * (k % 3), 20 + 32 * (k / 3));
+  const auto seen = detect::find_board(image, board);
+  EXPECT_EQ(seen.points.size(), 36u);
+  EXPECT_NEAR(seen.marker_ratio, 0.75, 0.01);
+  draw(4, 150, 100);
+  EXPECT_EQ(detect::find_board(image, board).points.size(), 32u);
 }
 
 /// Three cameras, a board that moves before them; images with noise of 0.1 px.
