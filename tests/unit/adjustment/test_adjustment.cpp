@@ -145,6 +145,11 @@ TEST(Adjustment, FreeNetworkEqualsThePseudoInverse) {
   decomposition.compute(n);
   const Eigen::MatrixXd pseudo = decomposition.pseudoInverse();
   EXPECT_LT((cofactor_matrix(again) - pseudo).cwiseAbs().maxCoeff(), 1e-9 * pseudo.cwiseAbs().maxCoeff());
+  const Reliability rel = compute_reliability(problem, again, pseudo, {});
+  for (size_t b = 0; b < rel.blocks.size(); ++b) {  // a block of one row is tested as the row is
+    EXPECT_EQ(rel.blocks[b].rank, 1);
+    EXPECT_NEAR(rel.blocks[b].statistic, rel.rows[b].w * rel.rows[b].w, 1e-9);
+  }
 }
 
 TEST(Adjustment, InnerConstraintsStayRelativeToTheInitialValues) {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "geometry/exchanged_places.hpp"
 #include "small_building.hpp"
 
 namespace plumbline::judgement {
@@ -72,6 +73,24 @@ TEST(ToleranceRules, LaterRulesAndTheDesignGoBeforeTheDefault) {
   for (const char* wrong : {"*", "*: vertical", "*: upward=3mm", "*: vertical=3", "*: vertical=-3mm", "*: vertical=2m",
                             "x=y: vertical=3mm"})
     EXPECT_THROW(parse_rule(wrong), std::runtime_error) << wrong;
+}
+
+TEST(ExchangedPlaces, AreThoseOfAnotherThingAndNotOfANeighbour) {
+  const std::vector<Eigen::Vector3d> places = {{0, 0, 0}, {0.5, 0, 0}, {10, 0, 0}, {14, 0, 0}};
+  std::vector<Eigen::Vector3d> found = places;
+  std::swap(found[0], found[1]);
+  const auto close = exchanged_places(found, places);
+  ASSERT_EQ(close.size(), 1u);
+  EXPECT_TRUE(close[0].mutual && close[0].thing == 0 && close[0].place == 1);
+  found = places;
+  found[2] = places[3] + Eigen::Vector3d(0.3, 0, 0);
+  EXPECT_TRUE(exchanged_places(found, places).empty()) << "0.3 m beside it is another place";
+  found[2] = places[3] + Eigen::Vector3d(0.2, 0, 0);
+  ASSERT_EQ(exchanged_places(found, places).size(), 1u);
+  EXPECT_FALSE(exchanged_places(found, places)[0].mutual);
+  found = places;
+  found[0] = places[1] + Eigen::Vector3d(0.15, 0, 0);
+  EXPECT_TRUE(exchanged_places(found, places).empty()) << "a quarter of half a metre is 0.125 m";
 }
 
 /// A grid of anchors on a facade along x.

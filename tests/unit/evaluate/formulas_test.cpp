@@ -54,6 +54,19 @@ TEST(Formulas, SlopeOfFloorMeans) {
   EXPECT_NEAR(slope.scatter_per_floor, std::sqrt(49.0 / 6.0 / 2.0) * mm, 1e-12);
 }
 
+TEST(Formulas, ScatterOfTheSlopeIsThatOfAStraightLine) {
+  Inputs inputs;
+  const double r[] = {1, -2, 4, 3, -1, 6};
+  for (int floor = 1; floor <= 6; ++floor)
+    test::add_anchor(inputs, "F" + std::to_string(floor), floor, 1, AnchorUse::check, {0, 0, r[floor - 1] * mm});
+  test::set_sigmas(inputs, 0.3 * mm, 0.4 * mm);
+  const AccuracyT accuracy = evaluate_accuracy(inputs, {});
+  const DriftSlopeT& slope = *test::find(accuracy, AnchorUse::check, AccuracyReference::survey)->slope;
+  // By hand: mean 11/6, Sxx 17.5, Sxy 13.5, Syy 67 - 121/6; s² = (Syy - Sxy²/Sxx)/4.
+  EXPECT_NEAR(slope.per_floor, 13.5 / 17.5 * mm, 1e-12);
+  EXPECT_NEAR(slope.scatter_per_floor, std::sqrt((67 - 121.0 / 6 - 13.5 * 13.5 / 17.5) / 4 / 17.5) * mm, 1e-12);
+}
+
 TEST(Formulas, StatisticsOfVerticalResiduals) {
   const AccuracyT accuracy = evaluate_small();
   const auto* c = test::find(accuracy, AnchorUse::check, AccuracyReference::survey);

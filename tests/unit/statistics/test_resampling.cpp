@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <numeric>
 
 #include "geometry/random.hpp"
 #include "statistics/comparison.hpp"
@@ -86,6 +87,12 @@ TEST(ComparePairs, ExchangingTheAlternativesExchangesTheAnswer) {
   EXPECT_NEAR(a.difference.interval.lower, -b.difference.interval.upper, 1e-12);
   EXPECT_EQ(a.p, b.p);
   EXPECT_NEAR(a.improvement.value, 1 - b.improvement.value, 1e-12);
+}
+
+TEST(ComparePairs, AnExchangeThatIsDrawnIsNeverImpossible) {
+  // 40 pairs that all differ alike: as extreme is only no exchange or all of them, which is not drawn in 2000 rounds.
+  const auto sum = [](const Weights& signs) { return std::accumulate(signs[0].begin(), signs[0].end(), 0.0); };
+  EXPECT_DOUBLE_EQ(exchange_test({40}, sum, {}), 1.0 / 2001);
 }
 
 TEST(Holm, StepsDownAndKeepsTheOrder) {

@@ -167,6 +167,18 @@ TEST(CompareEpochs, OfThreePointsTheMovedOneIsNamedOrTheDoubtIsTold) {
   EXPECT_EQ(shifted.excluded[0].id, "M00") << "two against one";
 }
 
+TEST(CompareEpochs, TwoPointsStayToDefineTheDatumHoweverAllMoved) {
+  const Epoch first = markers(epoch(test::simulate({}, 83).survey));
+  Epoch second = first;
+  for (size_t i = 0; i < first.ids.size(); ++i)
+    move(second, first.ids[i],
+         {0.02 * static_cast<double>(i * i), 0.05 * static_cast<double>(i % 3), 0.03 * static_cast<double>(i)});
+  EXPECT_EQ(compare_epochs(first, second, {}).excluded.size(), first.ids.size() - 2);
+  Epoch wrong = second;
+  wrong.covariance.conservativeResize(wrong.covariance.rows(), wrong.covariance.cols() - 1);
+  EXPECT_THROW(compare_epochs(first, wrong, {}), std::runtime_error);
+}
+
 TEST(CompareEpochs, RefusesWhatCannotBeCompared) {
   Epoch e = markers(epoch(test::simulate({}, 41).survey)), other = e;
   for (std::string& id : other.ids) id += "x";

@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <map>
+#include <numbers>
+
 #include "simulated_network.hpp"
 #include "survey/model/merge_surveys.hpp"
 
@@ -46,6 +49,31 @@ TEST(MergeSurveys, FreeStationsOfOneNameAreTwoPoints) {
     EXPECT_EQ(o.from, merged.survey.set_ups[static_cast<size_t>(o.set_up)].station);
   const NetworkResult result = adjust_network(merged.survey, {});
   EXPECT_LT(result.sigma0, 1.3);
+}
+
+TEST(MergeSurveys, SightingsOfThreeFilesStayApartAndFilesAreListed) {
+  const std::vector<SurveyObservations> days = {day("a.gsi", 1), day("b.gsi", 2, {3, -2, 0.1}),
+                                                day("c.gsi", 3, {5, -1, 0.1})};
+  const MergedSurvey merged = merge_surveys(days);
+  EXPECT_EQ(merged.survey.files, (std::vector<std::string>{"a.gsi", "b.gsi", "c.gsi"}));
+  std::map<int, std::pair<int, std::string>> seen;  // pointing -> set-up, target
+  for (const Observation& o : merged.survey.observations) {
+    const auto [at, is_new] = seen.try_emplace(o.pointing, o.set_up, o.to);
+    EXPECT_EQ(at->second, std::pair(o.set_up, o.to)) << "pointing " << o.pointing;
+  }
+  EXPECT_EQ(seen.size(), 3u * 2 * 12);
+}
+
+TEST(MergeSurveys, ReadingsInTheOtherFaceShowTheSameFigure) {
+  SurveyObservations second = day("tuesday.gsi", 2);
+  for (Observation& o : second.observations) {
+    o.face = 2;
+    if (o.kind == ObservationKind::direction) o.value += std::numbers::pi;
+    if (o.kind == ObservationKind::zenith_angle) o.value = 2 * std::numbers::pi - o.value;
+  }
+  // Some of them in face 1, so that a face that is taken for the other bends the figure.
+  for (size_t i = 0; i < 12; ++i) second.observations[i] = day("tuesday.gsi", 2).observations[i];
+  EXPECT_TRUE(says(merge_surveys({day("monday.gsi", 1), second}), "station S1 of monday, tuesday was united"));
 }
 
 TEST(MergeSurveys, AMistypedNameOfASameStationIsSaid) {

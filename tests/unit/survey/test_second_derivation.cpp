@@ -101,6 +101,8 @@ TEST(SecondDerivation, ARemovedReadingKeepsTheTestItHad) {
   const double predicted = std::sqrt(along.dot(without.relative_covariance(a, b) * along));
   EXPECT_NEAR(s.sigma_adjusted / predicted, 1, 1e-3);
   EXPECT_NEAR(s.w, s.residual / std::hypot(s.sigma, predicted), 1e-2);
+  const double delta0 = adjustment::non_centrality(0.001, 0.80);
+  EXPECT_NEAR(std::hypot(delta0, s.bias_to_noise) / (s.mdb / s.sigma), 1, 1e-9);
 }
 
 TEST(SecondDerivation, CorrelatedRowsWithANegativeRedundancyNumberAreTested) {
