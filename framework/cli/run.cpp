@@ -4,6 +4,7 @@
 #include <csignal>
 #include <cstdio>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "commands.hpp"
@@ -86,6 +87,24 @@ void warn_of_output_in_input(const runtime::Graph& graph, const fs::path& out) {
     }
 }
 
+/// Variants of a pipeline share its folder below out/: what another one left there is replaced, and that is said.
+void tell_of_other_variant(const Options& options, const fs::path& out) {
+  if (!options.out.empty() || options.json || options.quiet) return;
+  std::ifstream stream(out / "run.jsonl");
+  std::string line;
+  if (!std::getline(stream, line)) return;
+  const auto start = nlohmann::json::parse(line, nullptr, false);
+  if (!start.is_object() || !start.contains("arguments") || !start["arguments"].is_array()) return;
+  std::vector<std::string> before;
+  for (const auto& text : start["arguments"])
+    if (text.is_string()) before.push_back(text);
+  if (before == options.overrides) return;
+  std::string words;
+  for (const std::string& text : before) words += " " + text;
+  std::printf("note: the results of another variant (%s) in %s are replaced; give it a folder of its own with --out\n",
+              before.empty() ? "without overrides" : words.c_str() + 1, out.c_str());
+}
+
 /// Files of the user's that the outputs would replace: told before anything runs.
 void refuse_obstacles(const std::vector<std::string>& obstacles, const Options& options) {
   if (obstacles.empty()) return;
@@ -117,6 +136,7 @@ int run(const Options& options) {
   warn_of_output_in_input(graph, out);
   runtime::OutputFolder folder(out, store.file_hashes(), options.overwrite);
   refuse_obstacles(obstacles_to(graph, folder), options);
+  tell_of_other_variant(options, out);
   runtime::Record record(folder, graph, info);
 
   std::signal(SIGINT, ask_to_stop);

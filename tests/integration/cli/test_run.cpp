@@ -38,6 +38,17 @@ TEST(Run, WritesItsOutputsAndReusesThem) {
   EXPECT_EQ(read_file(plumbline.work() / "elsewhere/b.json"), read_file(plumbline.work() / "out/p/b.json"));
 }
 
+TEST(Run, SaysThatItReplacesAnotherVariant) {
+  const Program plumbline;
+  plumbline.write("p.yaml", chain);
+  EXPECT_FALSE(contains(plumbline({"run", "p.yaml"}).out, "note:"));
+  EXPECT_FALSE(contains(plumbline({"run", "p.yaml"}).out, "note:"));
+  const std::string told = plumbline({"run", "p.yaml", "value=10"}).out;
+  EXPECT_TRUE(contains(told, "the results of another variant (without overrides) in out/p are replaced")) << told;
+  EXPECT_TRUE(contains(plumbline({"run", "p.yaml"}).out, "another variant (value=10)"));
+  EXPECT_FALSE(contains(plumbline({"run", "p.yaml", "value=3", "--out", "out/p"}).out, "note:"));
+}
+
 TEST(Run, TakesOverridesAndIsQuiet) {
   const Program plumbline;
   plumbline.write("p.yaml", chain);
