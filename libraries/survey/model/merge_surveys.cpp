@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "survey/model/repeated_readings.hpp"
 #include "survey/model/station_identity.hpp"
 
 namespace plumbline::survey {
@@ -347,10 +348,17 @@ MergedSurvey Merger::run() {
 
 }  // namespace
 
-MergedSurvey merge_surveys(const std::vector<SurveyObservations>& surveys, const MergeOptions& options) {
-  if (surveys.empty()) return {};
-  if (surveys.size() == 1 && options.same_stations.empty()) return {surveys.front(), {}};
-  return Merger(surveys, options).run();
+MergedSurvey merge_surveys(const std::vector<SurveyObservations>& all, const MergeOptions& options) {
+  if (all.empty()) return {};
+  std::vector<SurveyObservations> surveys = all;
+  const std::vector<std::string> repeated = take_out_repeated_readings(surveys);
+  MergedSurvey merged;
+  if (surveys.size() == 1 && options.same_stations.empty())
+    merged.survey = std::move(surveys.front());
+  else
+    merged = Merger(surveys, options).run();
+  for (const std::string& text : repeated) merged.findings.push_back({Finding::Severity::warning, text, {}});
+  return merged;
 }
 
 }  // namespace plumbline::survey

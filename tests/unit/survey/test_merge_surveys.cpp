@@ -76,6 +76,38 @@ TEST(MergeSurveys, ReadingsInTheOtherFaceShowTheSameFigure) {
   EXPECT_TRUE(says(merge_surveys({day("monday.gsi", 1), second}), "station S1 of monday, tuesday was united"));
 }
 
+/// A file named twice counted every reading twice: redundancy 67 for 8.
+TEST(MergeSurveys, ReadingsThatStandInTwoFilesCountOnce) {
+  const SurveyObservations monday = day("monday.gsi", 1);
+  SurveyObservations copy = monday;
+  copy.files = {"copy.gsi"};
+  copy.set_ups[0].id = copy.set_ups[0].station = "free-station-1";
+  for (Observation& o : copy.observations)
+    if (o.set_up == 0) o.from = "free-station-1";
+  const MergedSurvey twice = merge_surveys({monday, copy});
+  EXPECT_EQ(twice.survey.observations.size(), monday.observations.size());
+  EXPECT_EQ(twice.survey.set_ups.size(), monday.set_ups.size());
+  EXPECT_EQ(twice.survey.points.size(), monday.points.size()) << "no station that nothing is read from";
+  EXPECT_TRUE(says(twice, "copy.gsi stand in monday.gsi too, set-ups free-station-1, S2"));
+  ASSERT_EQ(twice.findings.size(), 1u);
+  EXPECT_EQ(twice.findings[0].severity, Finding::Severity::warning);
+
+  // Downloaded at noon and in the evening: the first file is part of the second.
+  SurveyObservations noon = monday;
+  noon.files = {"noon.gsi"};
+  noon.observations.resize(noon.observations.size() / 3);
+  const MergedSurvey day_and_noon = merge_surveys({noon, monday, day("tuesday.gsi", 2)});
+  EXPECT_EQ(day_and_noon.survey.observations.size(), 2 * monday.observations.size());
+  EXPECT_TRUE(says(day_and_noon, "readings of noon.gsi stand in monday.gsi too"));
+  EXPECT_FALSE(says(day_and_noon, "tuesday.gsi stand"));
+
+  SurveyObservations glued = monday;
+  for (auto u : monday.set_ups) glued.set_ups.push_back((u.id += "/2", u));
+  for (Observation o : monday.observations) glued.observations.push_back((o.set_up += 2, o.pointing += 1000, o));
+  EXPECT_EQ(merge_surveys({glued}).survey.observations.size(), monday.observations.size());
+  EXPECT_TRUE(says(merge_surveys({glued}), "stand in it a second time"));
+}
+
 TEST(MergeSurveys, AMistypedNameOfASameStationIsSaid) {
   MergeOptions options;
   options.same_stations = {"S3", "S1"};

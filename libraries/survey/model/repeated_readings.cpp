@@ -1,0 +1,179 @@
+#include "survey/model/repeated_readings.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <map>
+#include <set>
+#include <unordered_map>
+
+namespace plumbline::survey {
+
+namespace {
+
+constexpr int kFewest = 3;  // readings that are not zero: fewer may be the same by chance
+
+/// A set-up of a file, or (set_up -1) what the file has without set-ups.
+struct Part {
+  size_t file = 0;
+  int set_up = -1;
+  int readings = 0;
+  int not_zero = 0;
+  std::vector<std::string> keys;  ///< one for each reading, sorted
+};
+
+void add_bits(double value, std::string& key) {
+  char bits[sizeof value];
+  if (value == 0) value = 0;  // -0
+  std::memcpy(bits, &value, sizeof value);
+  key.append(bits, sizeof bits);
+}
+
+std::string key_of(const Observation& o) {
+  std::string key = o.to + '\n' + o.second_to + '\n' + (o.set_up < 0 ? o.from : "") + '\n' +
+                    static_cast<char>('a' + static_cast<int>(o.kind)) + static_cast<char>('0' + o.face);
+  add_bits(o.value, key);
+  return key;
+}
+
+std::string key_of(const LocalCoordinate& c) {
+  std::string key = c.point + "\nlocal";
+  for (int k = 0; k < 3; ++k) add_bits(c.position[k], key);
+  return key;
+}
+
+std::vector<Part> parts_of(const std::vector<SurveyObservations>& surveys) {
+  std::vector<Part> parts;
+  for (size_t file = 0; file < surveys.size(); ++file) {
+    const SurveyObservations& s = surveys[file];
+    std::vector<Part> own(s.set_ups.size() + 1);
+    for (size_t i = 0; i < own.size(); ++i) own[i].file = file, own[i].set_up = static_cast<int>(i) - 1;
+    const auto add = [&](int set_up, std::string key, bool not_zero) {
+      Part& part = own.at(static_cast<size_t>(set_up + 1));
+      part.keys.push_back(std::move(key));
+      ++part.readings;
+      part.not_zero += not_zero;
+    };
+    for (const Observation& o : s.observations) add(o.set_up, key_of(o), o.value != 0);
+    for (const LocalCoordinate& c : s.local_coordinates) add(c.set_up, key_of(c), true);
+    for (Part& part : own) {
+      std::sort(part.keys.begin(), part.keys.end());
+      if (part.not_zero >= kFewest) parts.push_back(std::move(part));
+    }
+  }
+  return parts;
+}
+
+std::string name_of(const SurveyObservations& s, size_t file) {
+  return s.files.empty() ? "file " + std::to_string(file + 1) : s.files.front();
+}
+
+/// Every point that something in the file speaks of.
+std::set<std::string> named_points(const SurveyObservations& s) {
+  std::set<std::string> named;
+  for (const SetUp& u : s.set_ups) named.insert(u.station);
+  for (const Observation& o : s.observations) named.insert({o.from, o.to, o.second_to});
+  for (const LocalCoordinate& c : s.local_coordinates) named.insert(c.point);
+  for (const CoordinateGroup& g : s.coordinates)
+    for (const auto& c : g.components) named.insert(c.point);
+  for (const VectorGroup& g : s.vectors)
+    for (const auto& v : g.vectors) named.insert({v.from, v.to});
+  return named;
+}
+
+void take_out(SurveyObservations& s, const std::set<int>& set_ups) {
+  const std::set<std::string> before = named_points(s);
+  std::vector<int> new_set_up(s.set_ups.size()), new_row(s.observations.size(), -1);
+  std::vector<SetUp> kept_set_ups;
+  for (size_t i = 0; i < s.set_ups.size(); ++i) {
+    new_set_up[i] = static_cast<int>(kept_set_ups.size());
+    if (!set_ups.contains(static_cast<int>(i))) kept_set_ups.push_back(s.set_ups[i]);
+  }
+  std::vector<Observation> kept;
+  for (size_t i = 0; i < s.observations.size(); ++i) {
+    if (set_ups.contains(s.observations[i].set_up)) continue;
+    new_row[i] = static_cast<int>(kept.size());
+    kept.push_back(s.observations[i]);
+    if (kept.back().set_up >= 0) kept.back().set_up = new_set_up[static_cast<size_t>(kept.back().set_up)];
+  }
+  s.set_ups = std::move(kept_set_ups);
+  s.observations = std::move(kept);
+  std::erase_if(s.covariances, [&](ObservationCovariance& c) {
+    for (int& i : c.indices) i = new_row[static_cast<size_t>(i)];
+    return std::find(c.indices.begin(), c.indices.end(), -1) != c.indices.end();
+  });
+  std::erase_if(s.local_coordinates, [&](LocalCoordinate& c) {
+    if (set_ups.contains(c.set_up)) return true;
+    if (c.set_up >= 0) c.set_up = new_set_up[static_cast<size_t>(c.set_up)];
+    return false;
+  });
+  const std::set<std::string> after = named_points(s);
+  std::erase_if(s.points, [&](const Point& p) { return before.contains(p.id) && !after.contains(p.id); });
+}
+
+bool same_groups(const SurveyObservations& a, const SurveyObservations& b) {
+  const auto same = [](const auto& x, const auto& y) {
+    return x.values.size() == y.values.size() && x.values == y.values;
+  };
+  return std::equal(a.coordinates.begin(), a.coordinates.end(), b.coordinates.begin(), b.coordinates.end(), same) &&
+         std::equal(a.vectors.begin(), a.vectors.end(), b.vectors.begin(), b.vectors.end(), same);
+}
+
+}  // namespace
+
+std::vector<std::string> take_out_repeated_readings(std::vector<SurveyObservations>& surveys) {
+  const std::vector<Part> parts = parts_of(surveys);
+  std::unordered_map<std::string, std::vector<size_t>> holders;  // of a reading
+  for (size_t i = 0; i < parts.size(); ++i)
+    for (const std::string& key : parts[i].keys)
+      if (auto& list = holders[key]; list.empty() || list.back() != i) list.push_back(i);
+  std::map<std::pair<size_t, size_t>, std::vector<size_t>> repeats;  // file, file that has the same -> parts
+  std::vector<std::set<int>> out(surveys.size());
+  for (size_t i = 0; i < parts.size(); ++i) {
+    // Whoever holds all of them holds the one that fewest have.
+    const std::vector<size_t>* fewest = &holders.at(parts[i].keys.front());
+    for (const std::string& key : parts[i].keys)
+      if (holders.at(key).size() < fewest->size()) fewest = &holders.at(key);
+    for (const size_t other : *fewest) {
+      const bool larger = parts[other].keys.size() > parts[i].keys.size();
+      const bool earlier = parts[other].keys.size() == parts[i].keys.size() && other < i;
+      if (!larger && !earlier) continue;
+      if (!std::includes(parts[other].keys.begin(), parts[other].keys.end(), parts[i].keys.begin(),
+                         parts[i].keys.end()))
+        continue;
+      repeats[{parts[i].file, parts[other].file}].push_back(i);
+      out[parts[i].file].insert(parts[i].set_up);
+      break;
+    }
+  }
+  std::vector<std::string> sentences;
+  for (const auto& [files, list] : repeats) {
+    int readings = 0;
+    std::string set_ups;
+    for (const size_t i : list) {
+      readings += parts[i].readings;
+      if (parts[i].set_up >= 0)
+        set_ups += (set_ups.empty() ? ", set-ups " : ", ") +
+                   surveys[files.first].set_ups[static_cast<size_t>(parts[i].set_up)].id;
+    }
+    const std::string mine = name_of(surveys[files.first], files.first);
+    const std::string other = name_of(surveys[files.second], files.second);
+    sentences.push_back(std::to_string(readings) + " readings of " + mine + " stand " +
+                        (files.first == files.second ? "in it a second time" : "in " + other + " too") + set_ups +
+                        ": they are the same readings and count once; take one of the two out");
+  }
+  std::vector<SurveyObservations> left;
+  for (size_t file = 0; file < surveys.size(); ++file) {
+    SurveyObservations& s = surveys[file];
+    if (!out[file].empty()) take_out(s, out[file]);
+    bool nothing_else = !out[file].empty() && s.observations.empty() && s.local_coordinates.empty();
+    if (nothing_else && !(s.coordinates.empty() && s.vectors.empty()))
+      nothing_else = std::any_of(repeats.begin(), repeats.end(), [&](const auto& r) {
+        return r.first.first == file && r.first.second != file && same_groups(s, surveys[r.first.second]);
+      });
+    if (!nothing_else) left.push_back(std::move(s));
+  }
+  surveys = std::move(left);
+  return sentences;
+}
+
+}  // namespace plumbline::survey
