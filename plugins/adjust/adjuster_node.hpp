@@ -9,6 +9,7 @@
 #include "artifacts/plates.hpp"
 #include "artifacts/points.hpp"
 #include "artifacts/poses.hpp"
+#include "global_tests.hpp"
 #include "plumbline/node.hpp"
 #include "tag_block_artifacts.hpp"
 #include "target_block_artifacts.hpp"
@@ -172,8 +173,7 @@ struct Adjuster : Node {
   void report(Context& context, const TagBlock& given, const TagBlockResult& result) const {
     for (const auto& what : result.left_out) context.warn("left out: " + what);
     for (const auto& what : result.warnings) context.warn(what);
-    for (const auto& test : result.tests)
-      if (!test.passed) context.warn("global test of the image block failed: " + test.words);
+    tell_global_tests(context, result);
     for (int o : result.rejected) {
       const TagObservation& seen = given.observations[static_cast<size_t>(o)];
       context.warn("left out as a blunder: the tag of " + given.plates[static_cast<size_t>(seen.plate)].anchor +

@@ -9,6 +9,7 @@
 #include "artifacts/points.hpp"
 #include "artifacts/poses.hpp"
 #include "colmap/tag_block.hpp"
+#include "global_tests.hpp"
 #include "plumbline/node.hpp"
 #include "tag_block_artifacts.hpp"
 
@@ -71,8 +72,7 @@ struct ColmapAdjuster : Node {
     const TagBlockResult result = colmap::adjust_plates(builder.block(), how);
     for (const auto& what : result.left_out) context.warn("left out: " + what);
     for (const auto& what : result.warnings) context.warn(what);
-    for (const auto& test : result.tests)
-      if (!test.passed) context.warn("global test of the image block failed: " + test.words);
+    tell_global_tests(context, result);
     context.metric("sigma0", result.sigma0, "1");
     context.metric("degrees_of_freedom", result.degrees_of_freedom, "1");
     TagBlockOptions described;

@@ -62,6 +62,19 @@ TEST(AdjustCeresNode, CheckAnchorsAreNeverControl) {
   EXPECT_EQ(plain.output<Points>("points").points[2]->role, "check");
 }
 
+/// Scripts must not build on a block that contradicts its survey: the exit code comes from this metric.
+TEST(AdjustCeresNode, ABlockThatFailsAGlobalTestIsNoResult) {
+  SyntheticFacade facade = make_facade(noisy);
+  NodeHarness sound("adjust.ceres"), spoilt("adjust.ceres");
+  connect(sound, facade);
+  sound.run();
+  EXPECT_EQ(sound.metric("invalid"), 0);
+  for (auto& point : facade.control.points) point->position.x() *= 1.02;
+  connect(spoilt, facade);
+  spoilt.run();
+  EXPECT_EQ(spoilt.metric("invalid"), 1);
+}
+
 TEST(AdjustCeresNode, ControlGainsFromTheImages) {
   const SyntheticFacade facade = make_facade(noisy);
   NodeHarness node("adjust.ceres");
