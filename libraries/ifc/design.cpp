@@ -175,9 +175,13 @@ class Reader {
       Element& element = design_.elements[i];
       if (i % stride == 0 || counts(element.instance)) read_shape(model_.entity(element.instance), extents, element);
     }
-    for (const auto& [kind, count] : unread_)
-      design_.warnings.push_back(std::to_string(count) +
-                                 " elements keep the origin of their placement as reference point: " + kind);
+    for (const auto& [kind, unread] : unread_) {
+      const auto& [count, first] = unread;
+      design_.warnings.push_back((count == 1 ? first + " keeps the origin of its placement"
+                                             : std::to_string(count) + " elements, such as " + first +
+                                                   ", keep the origin of their placement") +
+                                 " as reference point: " + kind);
+    }
   }
 
   /// What has neither placement nor shape is nowhere; a part of something else may get by without, an anchor cannot.
@@ -264,7 +268,9 @@ class Reader {
     try {
       if (const auto shape = entity.optional_reference("Representation")) items = extents.of_shape(*shape, entity.id());
     } catch (const UnsupportedGeometry& reason) {
-      ++unread_[reason.what()];
+      auto& [count, first] = unread_[reason.what()];
+      if (++count == 1)
+        first = element.ifc_class + " '" + element.name + "' (#" + std::to_string(element.instance) + ")";
       return;
     } catch (const step::Error& error) {  // a dangling reference, an argument of another kind
       auto& [count, first] = damage_["shapes; their elements keep the origin of their placement"];
@@ -372,7 +378,7 @@ class Reader {
   Design design_;
   std::unordered_map<std::uint64_t, std::size_t> storey_index_;
   std::unordered_set<std::uint64_t> unplaced_;  // elements without ObjectPlacement
-  std::map<std::string, int> unread_;
+  std::map<std::string, std::pair<int, std::string>> unread_;
 };
 
 }  // namespace

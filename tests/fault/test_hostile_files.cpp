@@ -97,6 +97,8 @@ TEST_F(Hostile, ShapesThatRepeatThemselvesCostTheShapeOnly) {
     const Answer answer = read_design(files[i]);
     EXPECT_EQ(answer.code, 0) << i << answer.err;
     EXPECT_TRUE(contains(answer.err, "its shape repeats nested items more than")) << i << answer.err;
+    EXPECT_TRUE(contains(answer.err, "' (#") && contains(answer.err, " keeps the origin of its placement"))
+        << "the element is named: " << answer.err;
   }
 }
 
