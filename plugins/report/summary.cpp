@@ -19,6 +19,11 @@ std::string mm(double metres, int width) {
   return text;
 }
 
+/// "8.23 +- 0.30", or "8.23" where no uncertainty is known.
+std::string with_u(double metres, double u) {
+  return std::isfinite(u) ? mm(metres, 0) + " +- " + mm(u, 0) : mm(metres, 0);
+}
+
 std::string row(const char* format, auto... values) {
   char text[400];
   std::snprintf(text, sizeof text, format, values...);
@@ -65,7 +70,7 @@ std::string floors_text(const AccuracyComparisonT& comparison) {
     std::string transfer;
     for (const auto& candidate : comparison.transfers)
       if (candidate->column == 0 && candidate->lower_floor == floor->floor)
-        transfer = mm(candidate->error, 0) + " +- " + mm(candidate->u, 0);
+        transfer = with_u(candidate->error, candidate->u);
     text += row("floor %-19d %7d %s %s %s  %-10s %s", floor->floor, floor->anchors, mm(floor->mean_dz, 8).c_str(),
                 mm(floor->drift, 8).c_str(), mm(floor->u_drift, 8).c_str(), verdict_of(floor->drift_verdict),
                 transfer.c_str());
@@ -96,9 +101,8 @@ std::string installation_text(const DeviationT& deviation) {
   for (const AnchorDeviationT* anchor : worst_first(deviation)) {
     const JudgedAxisT* axis = deciding_axis(*anchor);
     if (!axis || anchor->verdict < ToleranceVerdict::undecided || ++listed > 10) break;
-    text += row("  %-20.40s %-10s %s %s +- %s mm (limit %s)", anchor->id.c_str(), verdict_of(anchor->verdict),
-                words_of(axis->axis).c_str(), mm(axis->value, 0).c_str(), mm(axis->u, 0).c_str(),
-                mm(axis->tolerance, 0).c_str());
+    text += row("  %-20.40s %-10s %s %s mm (limit %s)", anchor->id.c_str(), verdict_of(anchor->verdict),
+                words_of(axis->axis).c_str(), with_u(axis->value, axis->u).c_str(), mm(axis->tolerance, 0).c_str());
   }
   int shown = 0;
   for (const PanelDeviationT* panel : worst_panels_first(deviation)) {
