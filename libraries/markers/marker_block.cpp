@@ -268,7 +268,8 @@ void run_or_explain(const MarkerBlock& block, const MarkerOptions& options, cons
         (block.cameras.size() == 1 ? " camera" : " cameras") +
         ". Photograph several tags together, from several directions, tilted; or calibrate the camera on a board "
         "(calibrate_camera) and orient with marker_field; if several cameras are in one folder, cameras=by_name tells "
-        "them by the names of their files. In detail: " +
+        "them by the names of their files; fixed cameras before one moving tag: a layout of that tag alone for "
+        "marker_field. In detail: " +
         error.what());
   }
 }
@@ -392,9 +393,7 @@ void fill_views(const MarkerBlock& block, const Run& run, MarkerResult& result) 
   result.rms = std::sqrt(squares / (8.0 * static_cast<double>(std::max<size_t>(1, result.views.size()))));
 }
 
-}  // namespace
-
-MarkerResult adjust_marker_block(const MarkerBlock& block, const MarkerOptions& options) {
+MarkerResult adjust_as_given(const MarkerBlock& block, const MarkerOptions& options) {
   require_usable(block);
   MarkerResult result;
   Trial trial = best_start(block, options);
@@ -418,6 +417,30 @@ MarkerResult adjust_marker_block(const MarkerBlock& block, const MarkerOptions& 
   explain_single_tags(block, result);
   warn_about_weak(block, result);
   return result;
+}
+
+}  // namespace
+
+MarkerResult adjust_marker_block(const MarkerBlock& block, const MarkerOptions& options) {
+  MarkerBlock held = block;
+  bool calibrated = false;  // a camera whose calibration is known, but not as exact
+  for (MarkerCamera& camera : held.cameras)
+    if (camera.covariance.size() > 0 && !camera.held) camera.held = calibrated = true;
+  if (!calibrated) return adjust_as_given(block, options);
+  try {
+    return adjust_as_given(block, options);
+  } catch (const std::runtime_error& error) {
+    MarkerResult result;
+    try {
+      result = adjust_as_given(held, options);
+    } catch (const std::runtime_error&) {
+      throw error;
+    }
+    result.warnings.insert(result.warnings.begin(),
+                           "the photographs do not improve the calibrations they come with, which are taken as exact: "
+                           "standard deviations do not hold their uncertainty");
+    return result;
+  }
 }
 
 }  // namespace plumbline::markers

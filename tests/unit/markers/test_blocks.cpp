@@ -246,6 +246,26 @@ TEST(MarkerBlock, LayoutOrientsEveryImageInItsFrame) {
   EXPECT_LT((result.images[0].centre - s.images[0].inverse().translation).norm(), 0.05);
 }
 
+/// One tag says nothing of a lens whose stated uncertainty is large; the calibration is then taken as it is.
+TEST(MarkerBlock, OrientsByOneTagWithACalibrationItCannotImprove) {
+  Scene s = scene(0.1, 1);
+  std::erase_if(s.block.views, [](const MarkerView& view) { return view.marker != 0 || view.image > 2; });
+  s.block.markers[0].world_from_tag = s.tags[0];
+  MarkerCamera& camera = s.block.cameras[0];
+  camera.camera = true_camera();
+  Eigen::VectorXd sigma(9);
+  sigma << 300, 300, 200, 200, 5, 50, 500, 0.5, 0.5;
+  camera.covariance = sigma.cwiseAbs2().asDiagonal();
+  const MarkerResult result = adjust_marker_block(s.block, {});
+  EXPECT_THAT(result.warnings, testing::Contains(HasSubstr("do not improve the calibrations")));
+  EXPECT_EQ(result.cameras[0].camera.fx, 1500);
+  for (size_t i = 0; i < 3; ++i) {
+    ASSERT_TRUE(result.images[i].oriented);
+    const double off = (result.images[i].centre - s.images[i].inverse().translation).norm();
+    EXPECT_LT(off, 4 * std::sqrt(result.images[i].covariance.topLeftCorner<3, 3>().trace()));
+  }
+}
+
 TEST(MarkerBlock, RefusesWhatCannotBeInWords) {
   const auto message = [](const MarkerBlock& block) {
     try {
