@@ -1,6 +1,8 @@
 // May the result be used?
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <string>
 
 #include "geometry/statistics.hpp"
 #include "survey/doctor/network_words.hpp"
@@ -25,6 +27,33 @@ std::string mended(const NetworkResult& r) {
   return "; " + std::to_string(removed) + (removed == 1 ? " reading was" : " readings were") + " taken out";
 }
 
+/// A set-up that was split at two places or more, or lost a third of its readings, was not measured as the model says:
+/// what is left agrees because everything that did not was taken out. Empty if there is none.
+std::string broken_set_up(const NetworkResult& r) {
+  constexpr int kMostParts = 2, kFewRemoved = 6;
+  struct Mended {
+    int parts = 0, readings = 0, removed = 0;
+  };
+  const auto base = [](const std::string& id) { return id.substr(0, id.find(" (part ")); };
+  std::map<std::string, Mended> set_ups;
+  for (const ResultSetUp& s : r.set_ups) ++set_ups[base(s.id)].parts;
+  for (const ResultRow& row : r.rows) {
+    if (row.set_up.empty()) continue;
+    Mended& m = set_ups[base(row.set_up)];
+    ++m.readings;
+    m.removed += row.removed;
+  }
+  for (const auto& [id, m] : set_ups) {
+    if (m.parts > kMostParts)
+      return "the readings of set-up " + id + " contradict each other: its circle would have been turned " +
+             std::to_string(m.parts - 1) + " times";
+    if (m.removed >= kFewRemoved && 3 * m.removed > m.readings)
+      return "the readings of set-up " + id + " contradict the others: " + std::to_string(m.removed) + " of " +
+             std::to_string(m.readings) + " were taken out";
+  }
+  return "";
+}
+
 }  // namespace
 
 void judge(const NetworkModel& model, double critical, NetworkResult& r) {
@@ -35,11 +64,13 @@ void judge(const NetworkModel& model, double critical, NetworkResult& r) {
   const bool error = std::any_of(r.findings.begin(), r.findings.end(),
                                  [](const Finding& f) { return f.severity == Finding::Severity::error; });
   const long suspects = failing(r, critical);
-  if (model.contradicted || error || (high && r.sigma0 > kLargestSigma0)) {
+  const std::string broken = broken_set_up(r);
+  if (model.contradicted || error || !broken.empty() || (high && r.sigma0 > kLargestSigma0)) {
     r.validity = Validity::invalid;
     r.verdict = "not a result: " +
                 std::string(model.contradicted ? "set-ups contradict each other, see the first finding"
                             : error            ? "the coordinates are probably wrong"
+                            : !broken.empty()  ? broken
                                                : "the readings contradict each other") +
                 " (" + sigma0 + "); mend what the findings name and adjust again";
     const double factor = std::max(1.0, r.sigma0 * r.sigma0 / r.variance_factor);

@@ -35,9 +35,10 @@ struct MeanResult {
 
 /// Readings with their own sigma, or in a covariance, stay as they are; all others of one set-up, kind, target and
 /// target height become one mean. Sets whose circle was turned in between (constant offset of all directions) are
-/// brought onto the first. Before that each reading is tested (test_readings): one that the majority contradicts is
-/// left out, two that contradict each other become observations of their own, so that the network decides between
-/// them. Readings in one face get the set-up's collimation and index taken out where three pairs determine them.
+/// brought onto the first, and so is what was read after a turn within a set (circle_steps). Before that each reading
+/// is tested (test_readings): one that the majority contradicts is left out, two that contradict each other become
+/// observations of their own, so that the network decides between them. Readings in one face get the set-up's
+/// collimation and index taken out where three pairs determine them.
 MeanResult mean_observations(const SurveyObservations& survey);
 
 }  // namespace plumbline::survey
