@@ -305,6 +305,7 @@ TEST(Adjustment, SigmasAndCovariancesAreChecked) {
   EXPECT_THROW(block.set_covariance(c), std::invalid_argument);
   c << 1, 0.2, 0.1, 1;
   EXPECT_THROW(block.set_covariance(c), std::invalid_argument);
+  EXPECT_THROW(block.set_covariance(1e-6 * c), std::invalid_argument) << "in metres as in millimetres";
 }
 
 }  // namespace

@@ -110,5 +110,35 @@ TEST(Records, VerdictsOfAFacade) {
   plumbline::test::expect_recorded("unit/evaluate/facade_record.txt", text);
 }
 
+TEST(Deviation, AFloorOfWhichAnAnchorIsNotMeasuredIsOpen) {
+  DeviationInputs inputs = facade();
+  inputs.model.ids.pop_back(), inputs.model.positions.pop_back();
+  inputs.model.covariance = evaluate::test::isotropic(11, 0.1 * mm);
+  inputs.panels.clear();
+  const DeviationT d = judge_deviations(inputs, {});
+  EXPECT_EQ(d.floors[0]->verdict, ToleranceVerdict::pass);
+  EXPECT_EQ(d.floors[2]->verdict, ToleranceVerdict::undecided);
+  EXPECT_EQ(d.verdict, ToleranceVerdict::undecided);
+}
+
+TEST(Deviation, ACommonShiftIsMeasuredByTheSmallestTolerance) {
+  DeviationInputs inputs = facade();
+  inputs.model.covariance = evaluate::test::isotropic(12, 0.05 * mm);
+  for (auto& p : inputs.model.positions) p.x() += 1.5 * mm;
+  EXPECT_FALSE(judge_deviations(inputs, {}).common_shift->significant);
+  for (AnchorCase& anchor : inputs.anchors)
+    for (auto& [axis, tolerance] : anchor.tolerances) tolerance.value = 1 * mm;
+  EXPECT_TRUE(judge_deviations(inputs, {}).common_shift->significant);
+}
+
+TEST(Panels, AJointNeedsTheTurnOfBothPanelsAndACovarianceToBeJudged) {
+  DeviationInputs inputs = facade();
+  inputs.model.covariance.resize(0, 0);
+  ASSERT_FALSE(judge_deviations(inputs, {}).panels[0]->joints.empty());
+  EXPECT_TRUE(std::isnan(judge_deviations(inputs, {}).panels[0]->joints[0]->change->u));
+  inputs.panels[0].anchors = {0};
+  EXPECT_TRUE(judge_deviations(inputs, {}).panels[0]->joints.empty());
+}
+
 }  // namespace
 }  // namespace plumbline::judgement
