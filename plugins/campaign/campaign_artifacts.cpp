@@ -112,11 +112,12 @@ SurveyObservationsT read_surveys(const CampaignDescription& description, const f
   survey::MergedSurvey merged = survey::merge_surveys(parts, options);
   auto& all = merged.survey;
   for (const survey::Finding& finding : merged.findings) {
-    all.warnings.push_back(finding.text);
-    if (finding.severity == survey::Finding::Severity::note)
+    if (finding.severity == survey::Finding::Severity::note) {
       context.info(finding.text);
-    else
-      context.warn(finding.text);
+      continue;
+    }
+    all.warnings.push_back(finding.text);  // of which the network's findings, the verdict and the page tell
+    context.warn(finding.text);
   }
   if (!description.instrument.empty()) all.info.instrument = description.instrument;
   if (!description.date.empty()) all.info.date = description.date;

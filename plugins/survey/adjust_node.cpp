@@ -78,6 +78,9 @@ void AdjustNode::run(Context& context) {
   if (result.validity != Validity::sound) context.warn(result.verdict);
   for (const Finding& finding : result.findings)
     if (finding.severity != Finding::Severity::note) context.warn(finding.text);
+  // What was decided when the files were read (which of X and Y is east, which stations are one) was said there; it
+  // belongs to the result too.
+  for (const std::string& text : survey.warnings) result.findings.push_back({Finding::Severity::warning, text, {}});
   context.metric("sigma0", result.sigma0, "1");
   context.metric("degrees_of_freedom", result.degrees_of_freedom, "1");
   context.metric("invalid", result.validity == Validity::invalid ? 1 : 0, "1");

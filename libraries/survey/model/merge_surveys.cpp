@@ -141,8 +141,10 @@ void Merger::decide_station(const std::string& station, const std::vector<size_t
   };
   for (size_t g = 0; g < groups.size(); ++g)
     if (groups[g].size() > 1)
-      find(Finding::Severity::note,
-           "station " + station + " of " + names(groups[g]) + " was united to one point: " + reasons[g], {station});
+      find(Finding::Severity::warning,
+           "station " + station + " of " + names(groups[g]) + " was united to one point: " + reasons[g] +
+               ". If these are two marks, give one another name",
+           {station});
   if (groups.size() < 2) return;
   std::vector<std::string> now;
   for (const auto& group : groups) {

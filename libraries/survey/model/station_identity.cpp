@@ -1,5 +1,6 @@
 #include "survey/model/station_identity.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -16,6 +17,7 @@ using Eigen::Vector2d;
 using SeenFigure = std::map<std::string, Vector2d>;  // target seen from the station, zero of the circle as y [m]
 
 constexpr double kSameFigure = 0.015;      // [m]: centring twice, and what targets may move
+constexpr double kCentring = 0.005;        // [m]; beyond that, and beyond doubt, it is another mark
 constexpr double kSameCoordinates = 0.01;  // [m]
 
 bool is_face_2(const Observation& o) { return o.face == 2; }
@@ -61,23 +63,48 @@ SeenFigure figure_of(const SurveyObservations& s, int set_up) {
 
 struct Agreement {
   size_t shared = 0, within = 0;
+  double apart = 0, apart_sigma = 0;  ///< how far the stations stand apart by what agrees [m]
 };
+
+/// Turning alone hides some of the way between two stations: targets that lie in one direction from there agree after a
+/// small turn. Turn and shift over all that agree tell how far they are apart.
+void add_distance_apart(const std::vector<std::pair<Vector2d, Vector2d>>& pairs, Agreement& agreement) {
+  constexpr double kLeastScatter = 0.002;  // [m]
+  const auto n = static_cast<double>(pairs.size());
+  if (pairs.size() < 3) return;
+  Vector2d from = Vector2d::Zero(), to = Vector2d::Zero();
+  for (const auto& [p, q] : pairs) from += p / n, to += q / n;
+  double along = 0, across = 0, extent = 0;
+  for (const auto& [p, q] : pairs) {
+    const Vector2d a = p - from, b = q - to;
+    along += a.dot(b), across += a.x() * b.y() - a.y() * b.x(), extent += a.squaredNorm();
+  }
+  if (!(extent > 0)) return;
+  const Eigen::Matrix2d turn = Eigen::Rotation2Dd(std::atan2(across, along)).toRotationMatrix();
+  double squares = 0;
+  for (const auto& [p, q] : pairs) squares += (turn * (p - from) - (q - to)).squaredNorm();
+  const double sigma = std::max(kLeastScatter, std::sqrt(squares / (2 * n - 3)));
+  agreement.apart = (to - turn * from).norm();
+  agreement.apart_sigma = sigma * std::sqrt(1 / n + from.squaredNorm() / extent);
+}
 
 /// The turn that the shared target decides which brings most others onto each other.
 Agreement agreement(const SeenFigure& a, const SeenFigure& b) {
   std::vector<std::pair<Vector2d, Vector2d>> pairs;
   for (const auto& [id, p] : a)
     if (const auto at = b.find(id); at != b.end()) pairs.push_back({p, at->second});
-  Agreement best{pairs.size(), 0};
+  Agreement best{pairs.size(), 0, 0, 0};
   for (const auto& [from, to] : pairs) {
     const double turn = std::atan2(to.x(), to.y()) - std::atan2(from.x(), from.y());
-    size_t within = 0;
+    std::vector<std::pair<Vector2d, Vector2d>> within;
     for (const auto& [p, q] : pairs) {
       const Vector2d turned(std::cos(turn) * p.x() + std::sin(turn) * p.y(),
                             -std::sin(turn) * p.x() + std::cos(turn) * p.y());
-      within += (turned - q).norm() < kSameFigure;
+      if ((turned - q).norm() < kSameFigure) within.emplace_back(p, q);
     }
-    best.within = std::max(best.within, within);
+    if (within.size() <= best.within) continue;
+    best.within = within.size();
+    add_distance_apart(within, best);
   }
   return best;
 }
@@ -111,6 +138,8 @@ StationEvidence compare_figures(const SurveyObservations& a, const SurveyObserva
   }
   if (best.shared < 2) return {false, "they share fewer than two targets", false};
   const std::string targets = std::to_string(best.within) + " of " + std::to_string(best.shared) + " shared targets";
+  if (best.apart > kCentring + 3 * best.apart_sigma)
+    return {false, "what they see puts them " + std::to_string(std::lround(best.apart * 1e3)) + " mm apart", true};
   if (best.within >= 2 && 2 * best.within > best.shared) return {true, targets + " are seen at the same places", true};
   return {false, "the shared targets are seen at other places from there", true};
 }

@@ -126,6 +126,17 @@ TEST(MergeSurveys, TheSameFigureIsTheSameMark) {
   EXPECT_LT(adjust_network(merged.survey, {}).sigma0, 1.3);
 }
 
+// Turning alone hides a part of 20 mm: they were united, and sigma0 was 5.5.
+TEST(MergeSurveys, StationsTwoCentimetresApartAreTwoMarks) {
+  for (const Eigen::Vector3d& shift :
+       {Eigen::Vector3d(0.02, 0, 0), Eigen::Vector3d(0, 0.02, 0), Eigen::Vector3d(0.014, -0.014, 0)}) {
+    const MergedSurvey merged = merge_surveys({day("monday.gsi", 1), day("tuesday.gsi", 2, shift)});
+    EXPECT_TRUE(says(merged, "monday:S1, tuesday:S1")) << shift.transpose();
+    EXPECT_EQ(says(merged, "puts them") || says(merged, "at other places"), true) << shift.transpose();
+    EXPECT_LT(adjust_network(merged.survey, {}).sigma0, 1.3);
+  }
+}
+
 TEST(MergeSurveys, TheUserMaySayThatItIsOneMark) {
   const auto two = {day("monday.gsi", 1), day("tuesday.gsi", 2, {3, -2, 0.1})};
   EXPECT_FALSE(says(merge_surveys(two, {{}, {"S1"}}), "tuesday:S1"));
