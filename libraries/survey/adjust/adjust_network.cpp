@@ -82,8 +82,9 @@ void Adjuster::fail_to_converge(const NetworkProblem& problem, const Solution& s
                      " iterations v'Pv is " + std::to_string(solution.sum_of_squares());
   if (problem.rows[worst] >= 0) {
     const ResultRow& row = m_.rows[problem.rows[worst]];
-    text += "; the largest residual is that of the " + row.kind + " " + row.from + " -> " + row.to + " (" +
-            place(row.source) + "): check its point names and value";
+    const std::string at = place(row.source);
+    text += "; the largest residual is that of the " + row.kind + " " + row.from + (row.from.empty() ? "" : " -> ") +
+            row.to + (at.empty() ? "" : " (" + at + ")") + ": check its point names and value";
   }
   throw NetworkError(text);
 }

@@ -89,7 +89,7 @@ std::string cause_of(Pairs pairs) {
   for (auto& p : pairs.given) p = {p.imag(), p.real()};
   const auto [exchanged, exchanged_scale] = misfit(pairs);
   if (exchanged < kFits && std::abs(exchanged_scale - 1) < 0.005)
-    return "east and north of the given coordinates are exchanged";
+    return "east and north of the given coordinates are exchanged, or one of them has the wrong sign";
   return "";
 }
 
