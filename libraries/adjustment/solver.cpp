@@ -127,6 +127,20 @@ Solution solve(Problem& problem, const SolverOptions& options) {
   return s;
 }
 
+Eigen::VectorXd gauss_newton_step(Solution& solution) {
+  const std::optional<Step> step = compute_step(solution, 0);
+  if (!step) throw RankDefect("the normal matrix is singular", Eigen::MatrixXd(solution.unknowns.count(), 0));
+  return step->step;
+}
+
+void move(Problem& problem, Solution& solution, const Eigen::VectorXd& step) {
+  apply_step(problem, solution.unknowns, step);
+  solution.change += step;
+  if (!linearise(problem, solution.unknowns, true, solution.linearisation))
+    throw std::runtime_error("an observation cannot be evaluated where a step leads");
+  solution.normal.assemble(solution.linearisation);
+}
+
 Eigen::MatrixXd cofactor_matrix(const Solution& solution) {
   SparseFactor factor;
   if (!factor.factorise(solution.normal.scaled(), 0, solution.datum.pinned()))

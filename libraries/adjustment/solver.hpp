@@ -42,6 +42,14 @@ struct Solution {
 /// in the result.
 Solution solve(Problem& problem, const SolverOptions& options);
 
+/// The undamped Gauss-Newton step from the current linearisation, in the datum of the solution; not taken. Throws
+/// RankDefect if the normal matrix is singular there.
+Eigen::VectorXd gauss_newton_step(Solution& solution);
+
+/// Takes a step, wherever it leads, and linearises there. `problem` is the one that was solved. Throws
+/// std::runtime_error if an observation is undefined there.
+void move(Problem& problem, Solution& solution, const Eigen::VectorXd& step);
+
 /// Qxx of all unknowns (n x n, a-priori variance of unit weight 1) in the datum of the solution. Symmetric to the bit.
 Eigen::MatrixXd cofactor_matrix(const Solution& solution);
 

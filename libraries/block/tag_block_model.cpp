@@ -1,6 +1,7 @@
 #include "block/tag_block_model.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -153,6 +154,14 @@ void add_control(const TagBlock& block, const TagBlockOptions& options, const Ta
 }
 
 }  // namespace
+
+Eigen::MatrixXd regular_covariance(Eigen::MatrixXd covariance) {
+  constexpr double exact = 1e-6, added = 1e-5;  // [m]
+  if (covariance.size() == 0) return covariance;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(covariance, Eigen::EigenvaluesOnly);
+  if (solver.eigenvalues()(0) < exact * exact) covariance.diagonal().array() += added * added;
+  return covariance;
+}
 
 TagModel build_tag_model(const TagBlock& block, const TagBlockOptions& options, const TagStart& start) {
   TagModel model;

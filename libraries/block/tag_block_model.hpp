@@ -44,4 +44,10 @@ void test_groups(const TagBlock& block, TagBlockResult& result);
 /// Throws std::runtime_error if the block has fewer than two images, no tag of a known plate or a plate without size.
 void require_usable(const TagBlock& block);
 
+/// A covariance of control that weights can be made of. Survey networks may hold points as exact, or have the singular
+/// covariance of a free network: then a hundredth of a millimetre on top keeps the weights finite, far below what any
+/// survey reaches. A regular covariance stays as it is: whoever compares a result with the survey relies on its being
+/// the very one that was used.
+Eigen::MatrixXd regular_covariance(Eigen::MatrixXd covariance);
+
 }  // namespace plumbline::adjust

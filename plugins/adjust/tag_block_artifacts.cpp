@@ -1,25 +1,14 @@
 #include "tag_block_artifacts.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <set>
 #include <stdexcept>
 
+#include "block/tag_block_model.hpp"
 #include "geometry/packed_symmetric.hpp"
 
 namespace plumbline::adjust {
 namespace {
-
-/// Survey networks may hold points as exact, or have the singular covariance of a free network. Then a hundredth of a
-/// millimetre on top keeps the weights finite, far below what any survey reaches. A regular covariance stays as it is:
-/// whoever compares our result with the survey relies on its being the very one we used.
-Eigen::MatrixXd regular(Eigen::MatrixXd covariance) {
-  constexpr double exact = 1e-6, added = 1e-5;  // [m]
-  if (covariance.size() == 0) return covariance;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(covariance, Eigen::EigenvaluesOnly);
-  if (solver.eigenvalues()(0) < exact * exact) covariance.diagonal().array() += added * added;
-  return covariance;
-}
 
 bool is_check(const std::string& role) { return role == "check"; }
 
@@ -129,7 +118,7 @@ void TagBlockBuilder::set_control(const PointsT& points) {
   }
   block_.control.position =
       Eigen::Map<const Eigen::VectorXd>(positions.data(), static_cast<Eigen::Index>(positions.size()));
-  block_.control.covariance = regular(covariance(rows, rows));
+  block_.control.covariance = regular_covariance(covariance(rows, rows));
 }
 
 std::unique_ptr<StatisticsT> TagBlockBuilder::statistics(const TagBlockResult& result) const {

@@ -169,23 +169,4 @@ SurveyNetworkT to_network_artifact(const NetworkResult& r, const AdjustOptions& 
   return n;
 }
 
-ControlPoints control_from_artifact(const PointsT& points) {
-  ControlPoints control;
-  const auto n = static_cast<Eigen::Index>(points.points.size());
-  control.coordinates.resize(3 * n);
-  Eigen::VectorXd sigmas(3 * n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const PointT& p = *points.points[static_cast<size_t>(i)];
-    control.ids.push_back(p.id);
-    control.coordinates.segment<3>(3 * i) = p.position;
-    sigmas.segment<3>(3 * i) = p.sigma;
-  }
-  if (!points.covariance.empty()) {
-    control.covariance = unpack_symmetric(points.covariance, 3 * points.points.size(), "the control points");
-  } else if (sigmas.allFinite() && (sigmas.array() > 0).all()) {
-    control.covariance = sigmas.cwiseAbs2().asDiagonal();
-  }
-  return control;
-}
-
 }  // namespace plumbline::survey

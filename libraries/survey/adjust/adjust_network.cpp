@@ -9,6 +9,7 @@
 
 #include "survey/adjust/adjuster.hpp"
 #include "survey/adjust/exclusions.hpp"
+#include "survey/adjust/kept_network.hpp"
 #include "survey/doctor/network_words.hpp"
 #include "survey/model/observation_equations.hpp"
 
@@ -16,7 +17,7 @@ namespace plumbline::survey {
 
 using adjustment::Solution;
 
-NetworkResult Adjuster::run() {
+NetworkResult Adjuster::run(std::unique_ptr<KeptNetwork>* kept) {
   if (options_.robust_start && options_.remove_blunders) remove_by_robust_weights();
   Pass pass = adjust();
   if (options_.remove_blunders) snoop(pass);
@@ -24,7 +25,11 @@ NetworkResult Adjuster::run() {
     estimate_variance_components(pass);
     if (options_.remove_blunders) mend(pass);
   }
-  return report(pass);
+  NetworkResult result = report(pass);
+  if (kept)
+    *kept =
+        std::make_unique<KeptNetwork>(m_, std::move(pass.problem), std::move(pass.solution), result.variance_factor);
+  return result;
 }
 
 Pass Adjuster::adjust(bool statistics) {
@@ -211,8 +216,8 @@ bool any_is_given(const SurveyObservations& survey, const std::vector<std::strin
 
 }  // namespace
 
-NetworkResult adjust_network(const SurveyObservations& survey, const AdjustOptions& options,
-                             const ControlPoints& control) {
+static NetworkResult adjust_network(const SurveyObservations& survey, const AdjustOptions& options,
+                                    const ControlPoints& control, std::unique_ptr<KeptNetwork>* kept) {
   std::vector<Finding> said;
   SurveyObservations rest = without_excluded(survey, options.exclude, said);
   const size_t all = points_of(rest);
@@ -223,7 +228,7 @@ NetworkResult adjust_network(const SurveyObservations& survey, const AdjustOptio
     NetworkModel model;
     try {
       model = make_model(rest, options, control, simple_start);
-      NetworkResult result = Adjuster(model, options).run();
+      NetworkResult result = Adjuster(model, options).run(kept);
       result.left_out = left_out;
       result.findings.insert(result.findings.begin(), said.begin(), said.end());
       return result;
@@ -249,6 +254,16 @@ NetworkResult adjust_network(const SurveyObservations& survey, const AdjustOptio
       rest = without_points(rest, error.undetermined);
     }
   }
+}
+
+NetworkResult adjust_network(const SurveyObservations& survey, const AdjustOptions& options,
+                             const ControlPoints& control) {
+  return adjust_network(survey, options, control, nullptr);
+}
+
+NetworkResult adjust_network(const SurveyObservations& survey, const AdjustOptions& options,
+                             const ControlPoints& control, std::unique_ptr<KeptNetwork>& kept) {
+  return adjust_network(survey, options, control, &kept);
 }
 
 }  // namespace plumbline::survey

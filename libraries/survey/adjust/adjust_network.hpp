@@ -196,4 +196,9 @@ struct NetworkResult {
 NetworkResult adjust_network(const SurveyObservations& survey, const AdjustOptions& options,
                              const ControlPoints& control = {});
 
+class KeptNetwork;  // kept_network.hpp
+/// The same, and the adjusted network itself, for who goes on from there.
+NetworkResult adjust_network(const SurveyObservations& survey, const AdjustOptions& options,
+                             const ControlPoints& control, std::unique_ptr<KeptNetwork>& kept);
+
 }  // namespace plumbline::survey

@@ -38,7 +38,7 @@ class Adjuster {
     state_.removed.assign(m_.rows.size(), 0);
     find_set_ups_of_rows();
   }
-  NetworkResult run();
+  NetworkResult run(std::unique_ptr<KeptNetwork>* kept = nullptr);
 
  private:
   /// Solves; with `statistics` also cofactors and reliability. RankDefect becomes words.

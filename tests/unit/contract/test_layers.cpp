@@ -34,6 +34,7 @@ const std::vector<Library> libraries = {
     {"block", {"adjustment", "geometry", "text"}},
     {"markers", {"block", "adjustment", "geometry", "text"}},
     {"colmap", {"markers", "block", "registration", "adjustment", "geometry"}},
+    {"joint", {"survey", "block", "adjustment", "geometry"}},
     {"judgement", {"geometry", "ifc"}},
     {"pose", {"geometry"}},
     {"artifacts", {"geometry", "survey", "survey_files", "block", "judgement"}},
