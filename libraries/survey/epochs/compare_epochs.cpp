@@ -183,6 +183,17 @@ std::vector<Index> all_rows(const Difference& r) {
   return rows_of(r, all);
 }
 
+/// A free network knows nothing of its own position: compared as if it did, its inner constraints would be divided by
+/// nothing and every point would have moved.
+void require_regular(const MatrixXd& covariance, int motions) {
+  const VectorXd scale = covariance.diagonal().cwiseMax(1e-30).cwiseSqrt().cwiseInverse();
+  const Eigen::LDLT<MatrixXd> factor(scale.asDiagonal() * covariance * scale.asDiagonal());
+  if (factor.info() == Eigen::Success && factor.vectorD().minCoeff() > 1e-13) return;
+  throw std::runtime_error("the covariance of the differences is singular with " + std::to_string(motions) +
+                           " motions of the datum left free: a network has more freedom than that; compare the epochs "
+                           "with datum=free, or hold both on points with coordinates");
+}
+
 /// R of the header: what all statistics are made of; zero where a point has no coordinate.
 MatrixXd weights_of(const Difference& r, const MatrixXd& all_motions) {
   const std::vector<Index> rows = all_rows(r);
@@ -195,6 +206,7 @@ MatrixXd weights_of(const Difference& r, const MatrixXd& all_motions) {
     for (Index k = 0; k < g.cols(); ++k)
       c += scale / std::max(1e-12, g.col(k).cwiseAbs2().maxCoeff()) * g.col(k) * g.col(k).transpose();
   }
+  require_regular(c, static_cast<int>(g.cols()));
   const MatrixXd p = c.ldlt().solve(MatrixXd::Identity(c.rows(), c.cols()));
   const MatrixXd pg = p * g;
   full(rows, rows) =

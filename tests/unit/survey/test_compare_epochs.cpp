@@ -105,6 +105,19 @@ TEST(CompareEpochs, ShiftTurnAndOtherPointsDoNotMatter) {
   EXPECT_EQ(fewer.rank, 3 * 10 - 4);
 }
 
+/// Two free networks compared as if both knew where they are: a statistic of 1e15 and all points moved, before.
+TEST(CompareEpochs, FreeNetworksAreNotComparedAsFixedOnes) {
+  ComparisonOptions fixed;
+  fixed.free_motions = 0;
+  const Epoch first = epoch(test::simulate({}, 51).survey), second = epoch(test::simulate({}, 52).survey);
+  try {
+    compare_epochs(first, second, fixed);
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("datum=free"), std::string::npos) << error.what();
+  }
+}
+
 TEST(CompareEpochs, TheStatisticIsThatOfTheSTransformedDifference) {
   // The same T through the pseudo-inverse of the covariance in the datum of all points.
   const Epoch first = markers(epoch(test::simulate({}, 61).survey)),
