@@ -48,6 +48,10 @@ std::string Sha256::hex() {
   return text;
 }
 
+bool is_hash(std::string_view text) {
+  return text.size() == 64 && text.find_first_not_of("0123456789abcdef") == std::string_view::npos;
+}
+
 std::string sha256_of(const void* data, size_t size) {
   Sha256 hash;
   hash.add(data, size);

@@ -28,6 +28,8 @@ class Sha256 {
 };
 
 std::string sha256_of(const void* data, size_t size);
+/// Whether the text could be such a hash: 64 digits, small letters.
+bool is_hash(std::string_view text);
 /// Throws std::runtime_error, naming the file, if it cannot be read.
 std::string sha256_of_file(const std::filesystem::path& path);
 

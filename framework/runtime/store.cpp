@@ -92,10 +92,6 @@ void mark_used(const std::string& file) {
     utimensat(AT_FDCWD, file.c_str(), nullptr, 0);
 }
 
-bool is_hash(const std::string& text) {
-  return text.size() == 64 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
-}
-
 bool safe_name(const std::string& name) {
   return !name.empty() && name[0] != '.' && name.find('/') == std::string::npos;
 }

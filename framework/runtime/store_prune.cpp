@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <tuple>
 
+#include "runtime/digest.hpp"
 #include "runtime/store.hpp"
 
 namespace plumbline::runtime {
@@ -15,10 +16,6 @@ namespace plumbline::runtime {
 namespace fs = std::filesystem;
 
 namespace {
-
-bool is_hash(const std::string& text) {
-  return text.size() == 64 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
-}
 
 /// Whether the store could have made a file or folder of this name: a hash, and what may follow it. Nothing else is
 /// ever counted or removed.

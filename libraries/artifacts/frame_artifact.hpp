@@ -1,10 +1,9 @@
-// Between geometry/frame_graph.hpp and the artifacts of schemas/artifacts/transform.fbs and site_frames.fbs.
+// Between geometry/frame_graph.hpp and the artifact of schemas/artifacts/transform.fbs.
 // For plugins: it needs the generated code.
 #pragma once
 
 #include <string>
 
-#include "artifacts/site_frames.hpp"
 #include "artifacts/transform.hpp"
 #include "geometry/frame_graph.hpp"
 #include "geometry/packed_symmetric.hpp"
@@ -33,12 +32,6 @@ inline TransformT transform_artifact(const FrameLink& link) {
     out.covariance = pack_symmetric(link.covariance(6, 6) > 0 ? Eigen::MatrixXd(link.covariance)
                                                               : Eigen::MatrixXd(link.covariance.topLeftCorner<6, 6>()));
   return out;
-}
-
-inline FrameGraph frame_graph(const SiteFramesT& frames) {
-  FrameGraph graph;
-  for (const auto& link : frames.links) graph.add(frame_link(*link->transform, link->to, link->from));
-  return graph;
 }
 
 }  // namespace plumbline

@@ -12,11 +12,14 @@
 #include "judgement/comparison.hpp"
 #include "judgement/difference.hpp"
 #include "judgement/drift.hpp"
+#include "judgement/figures.hpp"
 #include "judgement/tolerance.hpp"
 
 namespace plumbline::evaluate {
 
 namespace {
+
+using judgement::list_of;
 
 using PointIndex = std::map<std::string, std::size_t>;
 
@@ -30,12 +33,6 @@ struct Evaluation {
 
   void warn(const std::string& text) { result.warnings.push_back(text); }
 };
-
-std::string list_of(const std::vector<std::string>& ids) {
-  std::string text;
-  for (std::size_t i = 0; i < ids.size() && i < 12; ++i) text += (i ? ", " : "") + ids[i];
-  return ids.size() > 12 ? text + " and " + std::to_string(ids.size() - 12) + " more" : text;
-}
 
 void check_options(const Options& options) {
   const auto check = [](bool good, const std::string& what, double value) {

@@ -1,27 +1,19 @@
 #include "judgement/anchor_doubts.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <map>
+
+#include "judgement/figures.hpp"
 
 namespace plumbline::evaluate {
 
 namespace {
 
+using judgement::list_of;
+using judgement::median;
+
 constexpr double storey = 2;  ///< [m], the least height of one
-
-double median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-  return values[values.size() / 2];
-}
-
-/// "a, b, c and 4 more"
-std::string list_of(const std::vector<std::string>& names) {
-  std::string text;
-  for (std::size_t i = 0; i < std::min<std::size_t>(names.size(), 4); ++i) text += (i > 0 ? ", " : "") + names[i];
-  return names.size() > 4 ? text + " and " + std::to_string(names.size() - 4) + " more" : text;
-}
 
 }  // namespace
 
@@ -36,7 +28,7 @@ std::vector<std::string> floor_doubts(const AccuracyT& accuracy) {
   }
   if (!nowhere.empty() && !heights.empty())
     doubts.push_back(std::to_string(nowhere.size()) +
-                     " anchors have a floor below 1 and are in no floor's statistics: " + list_of(nowhere) +
+                     " anchors have a floor below 1 and are in no floor's statistics: " + list_of(nowhere, 4) +
                      ". Floors count from 1.");
   for (auto upper = heights.begin(); upper != heights.end(); ++upper) {
     if (upper == heights.begin()) continue;
@@ -64,7 +56,7 @@ std::vector<std::string> space_doubts(const AccuracyT& accuracy) {
     off.push_back(anchor->id + text);
   }
   if (!off.empty())
-    doubts.push_back("Check anchors that agree with the survey in height and not in place: " + list_of(off) +
+    doubts.push_back("Check anchors that agree with the survey in height and not in place: " + list_of(off, 4) +
                      ". Heights alone do not show it; is a plate mounted beside its anchor, or its offset wrong?");
   return doubts;
 }

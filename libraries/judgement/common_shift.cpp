@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "geometry/statistics.hpp"
+#include "judgement/figures.hpp"
 #include "plumbline/rigid_transform.hpp"
 
 namespace plumbline::judgement {
@@ -16,12 +17,6 @@ using Eigen::Index;
 constexpr double kTukey = 4.685;
 /// Below this a scatter is rounding [m]: exact test data, or a design that was made from the measurement.
 constexpr double kSmallestScatter = 2e-5;
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Rows of d = t + r × (p − c), the rotation in units that move the farthest anchor by one metre.
 struct Motion {

@@ -12,21 +12,6 @@
 
 namespace plumbline::pose {
 
-BrownCamera camera_of(const CameraT& artifact) {
-  if (artifact.parameters.size() != BrownCamera::parameter_count)
-    throw std::runtime_error("camera '" + artifact.id + "' has " + std::to_string(artifact.parameters.size()) +
-                             " parameters, expected 9: fx, fy, cx, cy, k1, k2, k3, p1, p2");
-  BrownCamera camera;
-  camera.width = artifact.width;
-  camera.height = artifact.height;
-  std::array<double, BrownCamera::parameter_count> values;
-  std::copy(artifact.parameters.begin(), artifact.parameters.end(), values.begin());
-  camera.set_parameters(values);
-  if (!(camera.fx > 0 && camera.fy > 0))
-    throw std::runtime_error("camera '" + artifact.id + "' has no positive principal distance (fx, fy)");
-  return camera;
-}
-
 namespace {
 
 Eigen::Matrix2d covariance_of_corner(const TagT& tag, int i, double fallback_sigma) {

@@ -6,12 +6,10 @@
 #include <optional>
 #include <utility>
 
+#include "artifacts/camera_artifact.hpp"
 #include "pose/pose_node.hpp"
 
 namespace plumbline::pose {
-
-/// Throws std::runtime_error if the artifact has not the nine parameters of Brown's model or no principal distance.
-BrownCamera camera_of(const CameraT& artifact);
 
 /// The plate of every tag, with its anchor's approximate coordinates.
 class Field {

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <map>
 
+#include "artifacts/camera_artifact.hpp"
 #include "geometry/marker_plate.hpp"
 #include "geometry/packed_symmetric.hpp"
 #include "geometry/statistics.hpp"
@@ -11,22 +12,9 @@ namespace plumbline::evaluate {
 
 namespace {
 
-BrownCamera brown(const CameraT& camera) {
-  if (camera.parameters.size() != BrownCamera::parameter_count)
-    throw std::runtime_error("camera '" + camera.id + "' has " + std::to_string(camera.parameters.size()) +
-                             " parameters, expected 9");
-  BrownCamera result;
-  result.width = camera.width;
-  result.height = camera.height;
-  std::array<double, BrownCamera::parameter_count> values{};
-  std::copy(camera.parameters.begin(), camera.parameters.end(), values.begin());
-  result.set_parameters(values);
-  return result;
-}
-
 /// Parameters that the prior leaves free, and its covariance of them.
 void set_camera(adjust::BoundProblem& problem, const CameraT& camera, const std::string& self_calibration) {
-  problem.camera = brown(camera);
+  problem.camera = camera_of(camera);
   const Eigen::MatrixXd prior = unpack_symmetric(camera.covariance, 9, "camera '" + camera.id + "'");
   if (self_calibration == "off" || (self_calibration == "prior" && prior.size() == 0)) return;
   for (int i = 0; i < BrownCamera::parameter_count; ++i) {

@@ -1,0 +1,30 @@
+// From the artifact of schemas/artifacts/camera.fbs to geometry/camera.hpp. For plugins: it needs the generated code.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <stdexcept>
+#include <string>
+
+#include "artifacts/camera.hpp"
+#include "geometry/camera.hpp"
+
+namespace plumbline {
+
+/// Throws std::runtime_error, naming the camera, unless it has nine parameters and positive principal distances.
+inline BrownCamera camera_of(const CameraT& artifact) {
+  if (artifact.parameters.size() != BrownCamera::parameter_count)
+    throw std::runtime_error("camera '" + artifact.id + "' has " + std::to_string(artifact.parameters.size()) +
+                             " parameters, expected 9: fx, fy, cx, cy, k1, k2, k3, p1, p2");
+  BrownCamera camera;
+  camera.width = artifact.width;
+  camera.height = artifact.height;
+  std::array<double, BrownCamera::parameter_count> values;
+  std::copy(artifact.parameters.begin(), artifact.parameters.end(), values.begin());
+  camera.set_parameters(values);
+  if (!(camera.fx > 0 && camera.fy > 0))
+    throw std::runtime_error("camera '" + artifact.id + "' has no positive principal distance (fx, fy)");
+  return camera;
+}
+
+}  // namespace plumbline
