@@ -1,5 +1,5 @@
 // make_as_built OUT FILE.ifc … : enriches design files with known deviations, and says in OUT/NAME.json what an
-// independent reader must find.
+// independent reader must find. OUT/NAME.two_epochs.ifc holds a second campaign with every verdict in it.
 #include <Eigen/Geometry>
 #include <filesystem>
 #include <fstream>
@@ -22,6 +22,16 @@ DeviationT measurements(const bim::Design& design) {
   for (const bim::Element& element : design.elements)
     if (element.is_anchor) deviations[element.guid] = Eigen::Vector3d(0.001, -0.002, 0.0001 * step++);
   return test::judged(design, deviations, Eigen::Vector3d::Constant(1e-4), Eigen::Vector3d::Constant(std::nan("")));
+}
+
+/// The next campaign: some did not move, some are out of tolerance, some nearly, some were not measured.
+DeviationT second_epoch(const bim::Design& design) {
+  std::map<std::string, Eigen::Vector3d> deviations;
+  int k = 0;
+  for (const bim::Element& element : design.elements)
+    if (element.is_anchor && ++k % 4 != 0)
+      deviations[element.guid] = Eigen::Vector3d(0, 0.001, k % 4 == 1 ? 0.009 : k % 4 == 2 ? 0.005 : 0);
+  return test::judged(design, deviations, Eigen::Vector3d::Constant(1e-3), Eigen::Vector3d(0, -1, 0));
 }
 
 Json box_of(const bim::Element& element) {
@@ -56,7 +66,14 @@ void make(const std::filesystem::path& out, const std::string& name, const step:
   const bim::AsBuiltIfc result = bim::write_as_built(file, design, deviation, accuracy, options);
   std::ofstream(out / (name + ".design.ifc"), std::ios::binary) << file.bytes();
   std::ofstream(out / (name + ".as_built.ifc"), std::ios::binary) << bim::enriched(file, result);
+  options.epoch = "2026-05";
+  const step::File once = step::File(bim::enriched(file, result), name + ".as_built.ifc");
+  const DeviationT later = second_epoch(design);
+  const AccuracyT residuals = test::residuals(later, 0.00005);
+  std::ofstream(out / (name + ".two_epochs.ifc"), std::ios::binary)
+      << bim::enriched(once, bim::write_as_built(once, design, later, residuals, options));
   Json expected{{"length_unit", design.length_unit},
+                {"instances", file.instances().size() + result.instances_added},
                 {"storeys", Json::array()},
                 {"elements", Json::array()},
                 {"anchors", Json::array()}};

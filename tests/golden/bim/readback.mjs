@@ -1,10 +1,15 @@
-// readback.mjs FOLDER : holds what make_as_built wrote against what web-ifc, a reader that is not ours, finds in it.
+// readback.mjs FOLDER : holds what make_as_built wrote against what web-ifc and ifc-lite, readers that are not ours, find in it.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import path from 'node:path';
 import { createRequire } from 'node:module';
+import { pathToFileURL } from 'node:url';
 const require = createRequire(path.join(process.cwd(), 'package.json'));
 const WebIFC = require('web-ifc');
+
+// A module that only `import` can load, from the folder of the test.
+const ifcLite = await import(pathToFileURL(path.join(process.cwd(), 'node_modules/@ifc-lite/parser/dist/index.js')).href);
+console.log = console.debug = console.info = () => {};  // it tells of every phase
 
 const api = new WebIFC.IfcAPI();
 await api.Init();
@@ -168,6 +173,31 @@ function check(folder, name) {
   api.CloseModel(after);
 }
 
+/// The same file through ifc-lite: every instance, every GlobalId, the sets of the anchors, their storeys.
+async function checkIfcLite(folder, name) {
+  const expected = JSON.parse(fs.readFileSync(path.join(folder, name + '.json')));
+  const parse = async (file) => {
+    const bytes = fs.readFileSync(path.join(folder, file));
+    return new ifcLite.IfcParser().parseColumnar(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.length));
+  };
+  const before = await parse(name + '.design.ifc'), after = await parse(name + '.as_built.ifc');
+  assert.equal(after.schemaVersion, before.schemaVersion, `${name}: schema in ifc-lite`);
+  near(after.lengthUnitScale, expected.length_unit, 1e-12, `${name}: unit of length in ifc-lite`);
+  assert.equal(after.entityCount, expected.instances, `${name}: instances in ifc-lite`);
+  for (const element of expected.elements)
+    assert.equal(after.entities.getExpressIdByGlobalId(element.guid), before.entities.getExpressIdByGlobalId(element.guid), `${name}: ${element.guid} in ifc-lite`);
+  for (const anchor of expected.anchors) {
+    const id = after.entities.getExpressIdByGlobalId(anchor.guid);
+    const sets = new Map(ifcLite.extractPropertiesOnDemand(after, id).map((set) => [set.name, set]));
+    const value = (set, property) => sets.get(set)?.properties.find((p) => p.name === property)?.value;
+    ['X', 'Y', 'Z'].forEach((axis, i) =>
+      near(value('ASB_AnchorDeviation', 'Deviation' + axis) * expected.length_unit, anchor.deviation[i], 2e-9, `${name}: Deviation${axis} in ifc-lite`));
+    assert.equal(value('ASB_AnchorDeviation', 'Verdict'), anchor.verdict, `${name}: verdict in ifc-lite`);
+    near(value('ASB_ModelVsSurvey', 'DeltaZ') * expected.length_unit, anchor.delta_z, 2e-9, `${name}: DeltaZ in ifc-lite`);
+    assert.equal(value('ASB_Provenance', 'Method'), 'test', `${name}: provenance in ifc-lite`);
+  }
+}
+
 const folder = process.argv[2];
 const names = fs.readdirSync(folder).filter((file) => file.endsWith('.json')).map((file) => file.slice(0, -5)).sort();
 assert.ok(names.length >= 3, 'nothing to read back');
@@ -175,6 +205,7 @@ let failed = 0;
 for (const name of names) {
   try {
     check(folder, name);
+    await checkIfcLite(folder, name);
   } catch (error) {
     console.error(error.message);
     failed = 1;
