@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <stdexcept>
+#include <utility>
 
 #include "block/tag_block_model.hpp"
 
@@ -92,7 +93,8 @@ std::vector<int> find_blunders(const TagBlockOptions& options, const TagStart& s
     how.loss = loss_of(options.loss, options.loss_scale * std::sqrt(8.0) * unit);
     how.function_tolerance = 1e-9;
     options.minimiser(model.problem, model.state, how);
-    unit = std::max(1.0, median(tag_misfits(model)));
+    const double before = std::exchange(unit, std::max(1.0, median(tag_misfits(model))));
+    if (unit == before) break;  // the loss would be the same again
   }
   const std::vector<double> misfits = tag_misfits(model);
   for (size_t i = 0; i < misfits.size(); ++i)

@@ -24,6 +24,9 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// this much further off, as a factor on the squared distance.
 constexpr double kLenience = 25;
 
+/// Poses that are only told apart need no more digits than that; the answer itself is fitted to the last one.
+constexpr double kRough = 1e-6;
+
 using Matrix8 = Eigen::Matrix<double, 8, 8>;
 using Weight = Eigen::LLT<Matrix8>;
 
@@ -154,20 +157,21 @@ class Estimator {
 
   /// Fit to the chosen tags. The weights depend on the pose, but must not take part in the minimisation: a camera that
   /// comes closer would make every tag less certain. So they are held within a fit, and a few fits follow one another.
-  RigidTransform refine(const std::vector<bool>& chosen, RigidTransform pose, int rounds = 5) const {
+  RigidTransform refine(const std::vector<bool>& chosen, RigidTransform pose, int rounds = 5,
+                        double tolerance = 1e-10) const {
     std::vector<Weight> held;
     for (int round = 0; round < rounds; ++round) {
       if (!weights(chosen, pose, held)) return pose;
       const RigidTransform before = pose;
-      pose = minimise(chosen, held, pose);
+      pose = minimise(chosen, held, pose, tolerance);
       if ((pose.translation - before.translation).norm() < 1e-9 * (1 + pose.translation.norm())) break;
     }
     return pose;
   }
 
-  /// Levenberg-Marquardt with fixed weights.
-  RigidTransform minimise(const std::vector<bool>& chosen, const std::vector<Weight>& weights,
-                          RigidTransform pose) const {
+  /// Levenberg-Marquardt with fixed weights, until a step moves the camera by less than this part of its distance.
+  RigidTransform minimise(const std::vector<bool>& chosen, const std::vector<Weight>& weights, RigidTransform pose,
+                          double tolerance) const {
     double damping = 1e-4;
     for (int iteration = 0; iteration < 30; ++iteration) {
       Matrix6 normal;
@@ -185,7 +189,7 @@ class Estimator {
         if (better) pose = trial;
         damping = better ? std::max(damping * 0.1, 1e-12) : damping * 10;
       }
-      if (!better || step.norm() < 1e-10 * (1 + pose.translation.norm())) return pose;
+      if (!better || step.norm() < tolerance * (1 + pose.translation.norm())) return pose;
     }
     return pose;
   }
@@ -195,14 +199,14 @@ class Estimator {
   RigidTransform polish(RigidTransform pose, const std::vector<int>& sample) const {
     std::vector<bool> chosen(views_.size(), false);
     for (const int i : sample) chosen[static_cast<std::size_t>(i)] = true;
-    pose = refine(chosen, pose, 1);
+    pose = refine(chosen, pose, 1, kRough);
     for (int round = 0; round < 12; ++round) {
       const double limit = gate_ * std::max(1.0, kLenience / ((round + 1) * (round + 1)));
       const std::vector<bool> now = inliers(pose, limit);
       if (std::count(now.begin(), now.end(), true) < 3) break;
       if (limit == gate_ && now == chosen) break;
       chosen = now;
-      pose = refine(chosen, pose, 2);
+      pose = refine(chosen, pose, 2, kRough);
       if (all_agree(chosen) && all_agree(inliers(pose, gate_))) break;  // closing the gate would change nothing
     }
     return pose;
@@ -230,7 +234,7 @@ class Estimator {
     twin.translation = place - twin.rotation * centre;
     const std::vector<bool> all(views_.size(), true);
     const double rival = score(pose);
-    twin = refine(all, twin, 1);
+    twin = refine(all, twin, 1, 1e-3);
     if (!(score(twin, 2 * rival) < 2 * rival)) return pose;  // most twins are far worse
     twin = refine(all, twin);
     return score(twin, rival) < rival ? twin : pose;
