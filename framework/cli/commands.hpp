@@ -28,10 +28,11 @@ struct Options {
   std::string store;                   ///< empty: Store::default_folder()
   std::string memory;                  ///< "3GiB"; empty: the default
   std::string format = "dot";
-  std::vector<std::string> runs;  ///< records: run.jsonl or their folders
-  double tolerance = 0;           ///< of `diff`
-  std::string limit;              ///< of `cache prune`: "2GiB"
-  double days = -1;               ///< likewise; negative: any age
+  std::vector<std::string> runs;      ///< records: run.jsonl or their folders
+  std::vector<std::string> relative;  ///< of `show`: two points
+  double tolerance = 0;               ///< of `diff`
+  std::string limit;                  ///< of `cache prune`: "2GiB"
+  double days = -1;                   ///< likewise; negative: any age
   int threads = 0;
   bool durable = false, json = false, quiet = false, overwrite = false, trust_others = false, isolate = false;
 };
@@ -45,6 +46,8 @@ int describe(const Options& options);
 int schema(const Options& options);
 int doctor(const Options& options);
 int show(const Options& options);
+/// `show RUN --relative A B`: difference and distances of two points of a run, with standard deviations.
+int show_relative(const Options& options);
 int why(const Options& options);
 int diff(const Options& options);
 int export_run(const Options& options);

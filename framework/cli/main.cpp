@@ -65,7 +65,8 @@ std::vector<Command> declare(CLI::App& app, Options& options, plumbline::cli::Be
                  "limit for memory that nodes announce, such as 3GiB (default: half of it, at most 3GiB)")
       ->type_name("SIZE");
   add_store(run, options);
-  run.add_flag("--durable", options.durable, "sync every file of the store to disk before the next step: a power failure then costs nothing");
+  run.add_flag("--durable", options.durable,
+               "sync every file of the store to disk before the next step: a power failure then costs nothing");
   add_json(run, options);
   run.add_flag("--isolate", options.isolate,
                "run every node in a process of its own, so that a crash is an error of that node alone");
@@ -108,11 +109,17 @@ std::vector<Command> declare(CLI::App& app, Options& options, plumbline::cli::Be
   add_json(doctor, options);
 
   CLI::App& show = add("show", "prints an artifact as JSON", plumbline::cli::show);
-  show.add_option("artifact", options.name, "start of its hash, or RUN.jsonl:NODE.PORT, or a file")
+  show.add_option("artifact", options.name,
+                  "start of its hash, or RUN.jsonl:NODE.PORT, or a file; a run for --relative")
       ->required()
       ->type_name("ARTIFACT");
   show.add_option("--type", options.role, "its type, such as plumbline.Points/1, where the bytes leave a choice")
       ->type_name("TYPE");
+  show.add_option("--relative", options.relative,
+                  "two points of a run (RUN or RUN.jsonl:NODE.PORT): difference, distances, standard deviations")
+      ->expected(2)
+      ->type_name("A B");
+  show.add_flag("--json", options.json, "with --relative: as JSON");
   add_store(show, options);
 
   CLI::App& why = add("why", "says why a node ran in a run, or why it did not", plumbline::cli::why);

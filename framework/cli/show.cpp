@@ -63,6 +63,7 @@ void print_of_some_type(const runtime::Registry& registry, plumbline_bytes bytes
 }  // namespace
 
 int show(const Options& options) {
+  if (!options.relative.empty()) return show_relative(options);
   const runtime::Registry registry = discover();
   const size_t colon = options.name.rfind(':');
   if (colon != std::string::npos && fs::is_regular_file(options.name.substr(0, colon))) {

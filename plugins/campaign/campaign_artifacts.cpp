@@ -84,17 +84,20 @@ CampaignDescription describe(const FolderT& given, const fs::path& root, Campaig
   return parse_campaign(read_text(yaml), yaml, names, use);
 }
 
-std::vector<ControlPoint> read_control(const CampaignDescription& description, const fs::path& root, Context& context) {
+KnownControl read_control(const CampaignDescription& description, const fs::path& root, Context& context) {
   if (description.control.empty()) return {};
-  std::vector<std::string> warnings;
-  auto points = parse_control(read_text(root / description.control), root / description.control, &warnings);
-  for (const std::string& warning : warnings) context.warn(description.control + ": " + warning);
-  return points;
+  KnownControl known;
+  known.points = parse_control(read_text(root / description.control), root / description.control, &known.warnings);
+  for (std::string& warning : known.warnings) {
+    warning = description.control + ": " + warning;
+    context.warn(warning);
+  }
+  return known;
 }
 
 /// All survey files in one. A network adjusted from part of its readings must not look like one adjusted from all.
 SurveyObservationsT read_surveys(const CampaignDescription& description, const fs::path& root,
-                                 const std::vector<ControlPoint>& known, bool strict, Context& context) {
+                                 const KnownControl& known, bool strict, Context& context) {
   std::vector<survey::SurveyObservations> parts;
   for (const std::string& path : description.survey) {
     parts.push_back(survey::read_survey(read_text(root / path), path));  // by its own name, wherever it lies
@@ -108,9 +111,10 @@ SurveyObservationsT read_surveys(const CampaignDescription& description, const f
     for (const std::string& warning : parts.back().warnings) context.warn(path + ": " + warning);
   }
   survey::MergeOptions options;
-  for (const ControlPoint& point : known) options.known.push_back(point.id);
+  for (const ControlPoint& point : known.points) options.known.push_back(point.id);
   survey::MergedSurvey merged = survey::merge_surveys(parts, options);
   auto& all = merged.survey;
+  all.warnings.insert(all.warnings.end(), known.warnings.begin(), known.warnings.end());
   for (const survey::Finding& finding : merged.findings) {
     if (finding.severity == survey::Finding::Severity::note) {
       context.info(finding.text);

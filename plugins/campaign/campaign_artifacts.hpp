@@ -23,13 +23,18 @@ PointsT to_artifact(const std::vector<ControlPoint>& entries);
 /// campaign.yaml of a listed folder that lies at `root`. Throws CampaignError.
 CampaignDescription describe(const FolderT& given, const std::filesystem::path& root, CampaignUse use);
 
-/// The control points; none if the campaign names no file. What is assumed becomes a warning of the node.
-std::vector<ControlPoint> read_control(const CampaignDescription& description, const std::filesystem::path& root,
-                                       Context& context);
+struct KnownControl {
+  std::vector<ControlPoint> points;
+  std::vector<std::string> warnings;  ///< what was assumed of them, such as which column is the east
+};
+
+/// The control points; none if the campaign names no file. What is assumed is a warning of the node, too.
+KnownControl read_control(const CampaignDescription& description, const std::filesystem::path& root, Context& context);
 
 /// All survey files in one. A network adjusted from part of its readings must not look like one adjusted from all:
-/// `strict` refuses what would have to be skipped.
+/// `strict` refuses what would have to be skipped. What was assumed of files and control goes with the readings, so
+/// that the network's findings, its verdict and its page tell it.
 SurveyObservationsT read_surveys(const CampaignDescription& description, const std::filesystem::path& root,
-                                 const std::vector<ControlPoint>& known, bool strict, Context& context);
+                                 const KnownControl& known, bool strict, Context& context);
 
 }  // namespace plumbline::campaign

@@ -42,7 +42,7 @@ struct ReadCampaign : Node {
     plates.commit(campaign::to_artifact(
         campaign::parse_plates(campaign::read_text(root / description.plates), root / description.plates)));
     const auto known = campaign::read_control(description, root, context);
-    control.commit(campaign::to_artifact(known));
+    control.commit(campaign::to_artifact(known.points));
     survey.commit(campaign::read_surveys(description, root, known, *strict, context));
     for (const std::string& path : description.images) commit_image(*entries.at(path), root, calibration);
     if (!description.observations.empty()) {
@@ -128,7 +128,7 @@ struct ReadSurveyCampaign : Node {
     const fs::path root = context.resolve(given.uri);
     const auto description = campaign::describe(given, root, campaign::CampaignUse::survey);
     const auto known = campaign::read_control(description, root, context);
-    control.commit(campaign::to_artifact(known));
+    control.commit(campaign::to_artifact(known.points));
     survey.commit(campaign::read_surveys(description, root, known, *strict, context));
   }
 };

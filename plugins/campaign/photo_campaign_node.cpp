@@ -91,11 +91,11 @@ void ReadPhotoCampaign::run(Context& context) {
                                                CampaignUse::photographs)));
   const auto known = read_control(description, root, context);
   if (description.survey.empty()) {
-    survey.commit(as_measured(known, description));
+    survey.commit(as_measured(known.points, description));
     control.commit(PointsT());
   } else {
     survey.commit(read_surveys(description, root, known, *strict, context));
-    control.commit(to_artifact(known));
+    control.commit(to_artifact(known.points));
   }
 }
 

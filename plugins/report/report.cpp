@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 #include "report/format.hpp"
 #include "report/page_style.hpp"
@@ -131,6 +132,13 @@ void write_files(Markup& html, const std::vector<SourceFile>& files) {
 }
 
 }  // namespace
+
+void add_nodes(const std::string& pipeline, std::vector<Fact>& facts) {
+  std::istringstream lines(pipeline);
+  for (std::string line; std::getline(lines, line);)
+    if (const std::size_t colon = line.find(": "); colon != std::string::npos)
+      facts.emplace_back("Node " + line.substr(0, colon), line.substr(colon + 2));
+}
 
 void write_provenance(Markup& html, const ReportInput& input) {
   if (input.provenance.empty() && input.files.empty()) return;

@@ -21,6 +21,7 @@
 #include "report/image_block_page_node.hpp"
 #include "report/network_page.hpp"
 #include "report/report.hpp"
+#include "report/sections.hpp"
 #include "report/summary.hpp"
 #include "report/survey_page_node.hpp"
 
@@ -78,14 +79,6 @@ void add_images(const PosesT& poses, std::vector<Fact>& facts) {
                      count(static_cast<long>(poses.poses.size()), "image", "images") + "; " + std::to_string(inliers) +
                          " of " + std::to_string(offered) + " tag corners agree, RMS " +
                          fixed(std::sqrt(squares / n), 3) + " px before the adjustment");
-}
-
-/// A line for each node of the pipeline: two solvers that give the same bits are still two solvers.
-void add_nodes(const std::string& pipeline, std::vector<Fact>& facts) {
-  std::istringstream lines(pipeline);
-  for (std::string line; std::getline(lines, line);)
-    if (const std::size_t colon = line.find(": "); colon != std::string::npos)
-      facts.emplace_back("Node " + line.substr(0, colon), line.substr(colon + 2));
 }
 
 /// Every transform between the frames of the site.

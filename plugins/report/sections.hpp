@@ -77,6 +77,8 @@ void write_control_warning(Markup& html, const SurveyComparisonT& control);
 void write_control_check(Markup& html, const SurveyComparisonT& control);
 void write_epochs(Markup& html, const SurveyComparisonT& comparison);
 void write_plan(Markup& html, const SurveyPlanT& plan);
+/// A line for each node of the pipeline (as ${pipeline} gives them): two solvers that give the same bits are still two.
+void add_nodes(const std::string& pipeline, std::vector<Fact>& facts);
 void write_provenance(Markup& html, const ReportInput& input);
 
 }  // namespace plumbline::report

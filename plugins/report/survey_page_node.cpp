@@ -29,6 +29,12 @@ void ReportSurvey::run(Context& context) {
     if (plan) write_plan(html, plan.unpack());
     if (epochs) write_epochs(html, epochs.unpack());
     if (network) write_network(html, page_of_network(), control_check ? &control : nullptr);
+    if (!pipeline->empty()) {
+      ReportInput run;
+      run.provenance.emplace_back("Program", std::string("Plumbline ") + PLUMBLINE_BUILD_ID);
+      add_nodes(*pipeline, run.provenance);
+      write_provenance(html, run);
+    }
   });
   FileT file;
   file.name = *name, file.media_type = "text/html";

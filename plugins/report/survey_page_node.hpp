@@ -26,6 +26,10 @@ struct ReportSurvey : Node {
   Param<std::string> title{"title", "Survey", "heading"};
   Param<std::string> subtitle{"subtitle", "", "site and date"};
   Param<std::string> name{"name", "survey.html", "name of the file"};
+  Param<std::string> pipeline{
+      "pipeline", "",
+      "what ran, for the end of the page: a line 'node: kind parameter=value' for each node, as "
+      "${pipeline} gives it"};
   Out<File> out{"file", "the page"};
   void run(Context& context) override;
 

@@ -190,5 +190,58 @@ TEST(SurveyPipelines, ASetUpInFeetIsNoResultUntilItIsMended) {
   EXPECT_FALSE(contains(read_file(plumbline.work() / "mended/network.html"), "NOT A RESULT"));
 }
 
+/// relative.csv has its figures from the same covariance by another way.
+TEST(SurveyPipelines, ShowTellsAnyPairRelativeToEachOther) {
+  const Program plumbline;
+  plumbline.write("job.csv", read_file(fs::path(source_dir()) / "docs/examples/before.csv"));
+  ASSERT_EQ(plumbline({"run", pipeline("survey_network"), "file=job.csv", "profile=total_station_1arcsec",
+                       "tables.with.pairs=[F01-C01-R1 F03-C04-R2]", "--out", "out"})
+                .code,
+            0);
+  EXPECT_TRUE(contains(read_file(plumbline.work() / "out/network.html"), "Node network")) << "which run made the page";
+  std::istringstream table(read_file(plumbline.work() / "out/relative.csv"));
+  std::vector<double> row;
+  for (std::string line; std::getline(table, line) && row.empty();)
+    if (line.rfind("F01-C01-R1,F03-C04-R2,", 0) == 0) {
+      std::istringstream cells(line.substr(22));
+      for (std::string cell; std::getline(cells, cell, ',');) row.push_back(std::stod(cell));
+    }
+  ASSERT_GT(row.size(), 8u);
+  const Json pair = Json::parse(plumbline({"show", "out", "--relative", "F01-C01-R1", "F03-C04-R2", "--json"}).out);
+  const char* names[] = {"dE", "dN", "dH", "slope_distance"};
+  for (size_t i = 0; i < 4; ++i) {
+    EXPECT_NEAR(pair[names[i]]["value"], row[i], 6e-6) << names[i];
+    EXPECT_NEAR(1e3 * pair[names[i]]["sigma"].get<double>(), row[4 + i], 6e-4) << names[i];
+  }
+  const double de = pair["dE"]["value"], dn = pair["dN"]["value"];
+  const Json& c = pair["covariance"];
+  const double ee = c[0][0], en = c[0][1], nn = c[1][1];
+  EXPECT_NEAR(pair["horizontal_distance"]["value"], std::hypot(de, dn), 1e-12);
+  EXPECT_NEAR(pair["horizontal_distance"]["sigma"],
+              std::sqrt(de * de * ee + 2 * de * dn * en + dn * dn * nn) / std::hypot(de, dn), 1e-12);
+  const Answer words = plumbline({"show", "out/run.jsonl", "--relative", "F03-C04-R2", "F01-C01-R1"});
+  EXPECT_TRUE(contains(words.out, "horizontal distance")) << words.out;
+  const auto message = [&](const char* run, const char* a, const char* b) {
+    const Answer answer = plumbline({"show", run, "--relative", a, b});
+    EXPECT_NE(answer.code, 0) << answer.out;
+    EXPECT_EQ(answer.out, "");
+    return answer.err;
+  };
+  EXPECT_TRUE(contains(message("out", "F01-C01-R1", "F01-C01-R7"), "did you mean 'F01-C01-R1'"));
+  EXPECT_TRUE(contains(message("out", "S1", "S1"), "expected two different points"));
+  EXPECT_TRUE(contains(message("out/run.jsonl:network.network", "S1", "S2"), "it has network.points"));
+  fs::remove_all(plumbline.work() / "out" / "run.jsonl");
+  EXPECT_TRUE(contains(message("out", "S1", "S2"), "run.jsonl"));
+}
+
+TEST(SurveyPipelines, APairOfANetworkThatIsNoResultSaysSo) {
+  const Program plumbline;
+  plumbline.write("job.csv", with_feet("S2"));
+  if (plumbline({"run", pipeline("survey_network"), "file=job.csv", "--out", "out"}).code != 3) GTEST_SKIP();
+  const Answer answer = plumbline({"show", "out", "--relative", "S1", "S2"});
+  EXPECT_EQ(answer.code, 0) << answer.err;
+  EXPECT_TRUE(contains(answer.out, "! the network is not a result")) << answer.out;
+}
+
 }  // namespace
 }  // namespace plumbline::test

@@ -98,6 +98,18 @@ TEST_F(ReadCampaignTest, SurveyCampaignNeedsNothingButSurveyFiles) {
   EXPECT_NE(message().find("the key 'images' is missing"), std::string::npos) << message();
 }
 
+TEST_F(ReadCampaignTest, WhatIsAssumedOfControlGoesWithTheReadings) {
+  std::ofstream(folder_.path() / "control.csv") << "id,X,Y,Z\nG1,4500000.5,5300000.25,3\nG2,4500010.5,5300010.25,3\n";
+  NodeHarness node("read.campaign");
+  node.input<Folder>("folder", list(folder_.path()));
+  node.run();
+  const SurveyObservationsT survey = node.output<SurveyObservations>("survey");
+  std::string all;
+  for (const std::string& warning : survey.warnings) all += warning + "\n";
+  EXPECT_NE(all.find("control.csv: no standard deviations: 1 mm in E, N and H is assumed"), std::string::npos) << all;
+  EXPECT_NE(all.find("X = east and Y = north"), std::string::npos) << all;
+}
+
 TEST_F(ReadCampaignTest, TruncatedPhotographIsNamed) {
   const fs::path image = folder_.path() / "images/F01-03.jpg";
   fs::resize_file(image, fs::file_size(image) / 2);

@@ -1,6 +1,7 @@
 // What the network doctor says of sick networks.
 #include "simulated_network.hpp"
 #include "survey/adjust/adjust_network.hpp"
+#include "survey/model/network_model.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::survey {
@@ -212,6 +213,108 @@ TEST(NetworkDoctor, SaysWhichPointNobodyObserved) {
   for (const Finding& f : r.findings) all += f.text + "\n";
   expect_words(all, {"no observation", "X9"});
   EXPECT_THROW(r.point("X9"), std::out_of_range);
+}
+
+/// A network that passes all its tests: ten readings of each of two set-ups.
+NetworkResult sound_result() {
+  NetworkResult r;
+  for (const char* id : {"S1", "S2"}) {
+    ResultSetUp& s = r.set_ups.emplace_back();
+    s.id = s.station = id;
+    for (int i = 0; i < 10; ++i) {
+      ResultRow& row = r.rows.emplace_back();
+      row.kind = "direction", row.set_up = id, row.statistics.w = 0.5;
+    }
+  }
+  r.degrees_of_freedom = 10, r.sum_of_squares = 10, r.sigma0 = 1;
+  r.cofactors = Eigen::MatrixXd::Identity(2, 2);
+  return r;
+}
+
+constexpr double kCritical = 4.5;
+
+NetworkResult judged(NetworkResult r, bool contradicted = false) {
+  NetworkModel model;
+  model.contradicted = contradicted;
+  judge(model, kCritical, r);
+  return r;
+}
+
+TEST(Verdict, ASetUpThatLostAThirdOfItsReadingsIsNoResult) {
+  NetworkResult r = sound_result();
+  EXPECT_EQ(judged(r).validity, Validity::sound);
+  for (int i = 0; i < 5; ++i) r.rows[i].removed = true;  // half of ten, but five readings are few
+  const NetworkResult five = judged(r);
+  EXPECT_EQ(five.validity, Validity::sound);
+  expect_words(five.verdict, {"5 readings were taken out"});
+  r.rows[5].removed = true;
+  const NetworkResult six = judged(r);
+  EXPECT_EQ(six.validity, Validity::invalid);
+  expect_words(six.verdict,
+               {"not a result", "the readings of set-up S1 contradict the others: 6 of 10 were taken out"});
+  // Six of eighteen are a third, which is not more than a third.
+  for (int i = 0; i < 8; ++i) r.rows.push_back(r.rows[9]);
+  EXPECT_EQ(judged(r).validity, Validity::sound);
+  r.rows[6].removed = true;
+  EXPECT_EQ(judged(r).validity, Validity::invalid);
+}
+
+TEST(Verdict, ASetUpThatWasSplitTwiceIsNoResult) {
+  NetworkResult r = sound_result();
+  ResultSetUp part = r.set_ups[0];
+  part.id = "S1 (part 2)";
+  r.set_ups.push_back(part);
+  EXPECT_EQ(judged(r).validity, Validity::sound) << "the circle was turned once";
+  part.id = "S1 (part 3)";
+  r.set_ups.push_back(part);
+  const NetworkResult split = judged(r);
+  EXPECT_EQ(split.validity, Validity::invalid);
+  expect_words(split.verdict, {"set-up S1", "its circle would have been turned 2 times"});
+}
+
+TEST(Verdict, RemovedReadingsOfThePartsOfASetUpCountTogether) {
+  NetworkResult r = sound_result();
+  for (int i = 5; i < 10; ++i) r.rows[i].set_up = "S1 (part 2)";
+  for (int i = 2; i < 8; ++i) r.rows[i].removed = true;  // three of each part
+  EXPECT_EQ(judged(r).validity, Validity::invalid);
+  for (int i = 2; i < 8; ++i) r.rows[i].set_up = "";  // of no set-up
+  EXPECT_EQ(judged(r).validity, Validity::sound);
+}
+
+TEST(Verdict, WhatContradictsItselfIsNoResultAndItsSigmasGrow) {
+  NetworkResult r = sound_result();
+  EXPECT_EQ(judged(r, true).validity, Validity::invalid);
+  r.global_test.verdict = adjustment::GlobalTest::Verdict::high;
+  r.sigma0 = 20, r.sum_of_squares = 4000;
+  const NetworkResult bad = judged(r);
+  EXPECT_EQ(bad.validity, Validity::invalid);
+  EXPECT_NEAR(bad.cofactors(0, 0), 400, 1e-9) << "covariance times sigma0 squared";
+  EXPECT_NEAR(bad.variance_factor, 400, 1e-9);
+  EXPECT_NEAR(judged(bad).cofactors(0, 0), 400, 1e-9) << "not twice";
+  r.sigma0 = 9.9;
+  EXPECT_EQ(judged(r).validity, Validity::doubtful);
+  EXPECT_NEAR(judged(r).cofactors(0, 0), 1, 1e-12);
+  r.findings.push_back({Finding::Severity::error, "x", {}});
+  EXPECT_EQ(judged(r).validity, Validity::invalid);
+}
+
+TEST(Verdict, DoubtNeedsASuspectOrAClearFailure) {
+  NetworkResult r = sound_result();
+  r.global_test.verdict = adjustment::GlobalTest::Verdict::high;
+  r.sum_of_squares = 21, r.sigma0 = 1.449;  // 10 degrees of freedom: 20.5 at 97.5 %, 29.6 at 99.9 %
+  EXPECT_EQ(judged(r).validity, Validity::sound);
+  expect_words(judged(r).verdict, {"a little high"});
+  r.sum_of_squares = 30;
+  EXPECT_EQ(judged(r).validity, Validity::doubtful);
+  expect_words(judged(r).verdict, {"agree less well than their accuracies say"});
+  r = sound_result();
+  r.rows[3].statistics.w = -4.6;
+  EXPECT_EQ(judged(r).validity, Validity::doubtful);
+  expect_words(judged(r).verdict, {"1 reading fails the test"});
+  r.rows[3].removed = true;
+  EXPECT_EQ(judged(r).validity, Validity::sound);
+  r.degrees_of_freedom = 0;
+  EXPECT_EQ(judged(r).validity, Validity::doubtful);
 }
 
 }  // namespace
