@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "block/tag_block_model.hpp"
+#include "geometry/median.hpp"
 
 namespace plumbline::adjust {
 namespace {
@@ -66,11 +67,6 @@ std::vector<double> tag_misfits(const TagModel& model) {
   return rms;
 }
 
-double median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + static_cast<long>(values.size() / 2), values.end());
-  return values[values.size() / 2];
-}
-
 bundle::Loss loss_of(RobustLoss loss, double scale) {
   using Loss = bundle::Loss::Kind;
   return {loss == RobustLoss::huber    ? Loss::huber
@@ -93,7 +89,7 @@ std::vector<int> find_blunders(const TagBlockOptions& options, const TagStart& s
     how.loss = loss_of(options.loss, options.loss_scale * std::sqrt(8.0) * unit);
     how.function_tolerance = 1e-9;
     options.minimiser(model.problem, model.state, how);
-    const double before = std::exchange(unit, std::max(1.0, median(tag_misfits(model))));
+    const double before = std::exchange(unit, std::max(1.0, upper_median(tag_misfits(model))));
     if (unit == before) break;  // the loss would be the same again
   }
   const std::vector<double> misfits = tag_misfits(model);
@@ -247,7 +243,7 @@ void fill_tags(const TagStart& start, const TagModel& model, const Solved& solve
     w_of_plate[static_cast<size_t>(model.problem.image_tags[i].plate)].push_back(tag.largest_normalised);
     result.tags.push_back(tag);
   }
-  for (const auto& w : w_of_plate) result.plate_w.push_back(w.empty() ? 0 : median(w));
+  for (const auto& w : w_of_plate) result.plate_w.push_back(w.empty() ? 0 : upper_median(w));
 }
 
 void fill_control(const TagStart& start, const TagModel& model, const bundle::Layout& layout, const Solved& solved,

@@ -6,6 +6,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "geometry/median.hpp"
+
 namespace plumbline::bim {
 namespace {
 
@@ -17,13 +19,6 @@ constexpr double kExplained = 0.1;
 Eigen::Vector3d turned(double angle, const Eigen::Vector3d& p) {
   const double c = std::cos(angle), s = std::sin(angle);
   return {c * p.x() - s * p.y(), s * p.x() + c * p.y(), p.z()};
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 std::string length_words(double metres) {
@@ -101,7 +96,7 @@ double misfit(const CommonPoints& points, const PlanTransform& t) {
   std::vector<double> distances;
   for (std::size_t i = 0; i < points.ids.size(); ++i)
     distances.push_back((design_from_survey(t, points.survey[i]) - points.design[i]).norm());
-  return median(std::move(distances));
+  return upper_median(std::move(distances));
 }
 
 PlanTransform fit_plan(const CommonPoints& points, Eigen::Matrix4d& covariance) {

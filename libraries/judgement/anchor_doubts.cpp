@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <map>
 
+#include "geometry/median.hpp"
 #include "judgement/figures.hpp"
 
 namespace plumbline::evaluate {
@@ -11,7 +12,6 @@ namespace plumbline::evaluate {
 namespace {
 
 using judgement::list_of;
-using judgement::median;
 
 constexpr double storey = 2;  ///< [m], the least height of one
 
@@ -33,7 +33,7 @@ std::vector<std::string> floor_doubts(const AccuracyT& accuracy) {
   for (auto upper = heights.begin(); upper != heights.end(); ++upper) {
     if (upper == heights.begin()) continue;
     const auto lower = std::prev(upper);
-    const double below = median(lower->second), above = median(upper->second);
+    const double below = upper_median(lower->second), above = upper_median(upper->second);
     if (above > below - storey / 4) continue;
     char text[300];
     std::snprintf(text, sizeof text,

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "geometry/median.hpp"
 #include "geometry/statistics.hpp"
-#include "judgement/figures.hpp"
 #include "plumbline/rigid_transform.hpp"
 
 namespace plumbline::judgement {
@@ -81,13 +81,13 @@ Fit robust_fit(const Motion& motion, const Eigen::VectorXd& d) {
   for (int k = 0; k < 3; ++k) {
     std::vector<double> values;
     for (Index i = 0; i < n; ++i) values.push_back(d[3 * i + k]);
-    fit.x[k] = median(values);
+    fit.x[k] = upper_median(values);
   }
   for (int iteration = 0; iteration < 30; ++iteration) {
     const Eigen::VectorXd residual = d - motion.rows * fit.x;
     std::vector<double> sizes(residual.data(), residual.data() + residual.size());
     for (double& size : sizes) size = std::abs(size);
-    fit.scatter = std::max(1.4826 * median(sizes), kSmallestScatter);
+    fit.scatter = std::max(1.4826 * upper_median(sizes), kSmallestScatter);
     for (Index i = 0; i < n; ++i) {
       const double u = residual.segment<3>(3 * i).cwiseAbs().maxCoeff() / (kTukey * fit.scatter);
       fit.weights[i] = u < 1 ? (1 - u * u) * (1 - u * u) : 0;

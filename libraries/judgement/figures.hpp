@@ -7,13 +7,6 @@
 
 namespace plumbline::judgement {
 
-/// Of at least one value; the upper one of the two in the middle.
-inline double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// "a, b and 4 more"
 inline std::string list_of(const std::vector<std::string>& names, std::size_t most = 12) {
   std::string text;

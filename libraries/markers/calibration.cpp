@@ -12,6 +12,7 @@
 #include <stdexcept>
 
 #include "block/defects.hpp"
+#include "geometry/median.hpp"
 #include "markers/planar_pose.hpp"
 
 namespace plumbline::markers {
@@ -177,11 +178,6 @@ class Calibrator {
     return lengths;
   }
 
-  static double median(std::vector<double> values) {
-    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-    return values[values.size() / 2];
-  }
-
   /// The best of several principal distances, minimised robustly.
   void start() {
     const double extent = std::max(width_, height_), zhang = focal_length();
@@ -196,7 +192,7 @@ class Calibrator {
       build(model);
       model.minimise(options_.max_iterations, adjust::RobustLoss::huber, 30);
       state_.fold();
-      const double fit = median(misfits(model));
+      const double fit = upper_median(misfits(model));
       if (fit < lowest) lowest = fit, best = state_;
       const double sigma = views_.front().points.front().sigma;
       if (lowest * sigma < 1e-3 * extent) break;
@@ -214,14 +210,14 @@ class Calibrator {
     for (int pass = 0; pass < 2; ++pass) {
       adjust::BlockModel model;
       build(model);
-      unit = std::max(1e-3, median(misfits(model)));
+      unit = std::max(1e-3, upper_median(misfits(model)));
       model.minimise(options_.max_iterations, adjust::RobustLoss::huber, 3 * unit);
       state_.fold();
     }
     adjust::BlockModel model;
     build(model);
     const std::vector<double> fits = misfits(model);
-    unit = median(fits);
+    unit = upper_median(fits);
     std::vector<Labelled> labels = labels_;
     for (size_t k = 0; k < fits.size(); ++k) {
       if (fits[k] <= options_.reject_above * unit) continue;

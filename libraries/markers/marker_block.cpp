@@ -9,6 +9,7 @@
 
 #include "block/defects.hpp"
 #include "block/row_quality.hpp"
+#include "geometry/median.hpp"
 #include "markers/marker_datum.hpp"
 #include "markers/marker_model.hpp"
 #include "markers/marker_words.hpp"
@@ -24,11 +25,6 @@ std::string number(double value, int decimals) {
   char text[64];
   std::snprintf(text, sizeof text, "%.*f", decimals, value);
   return text;
-}
-
-double median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-  return values[values.size() / 2];
 }
 
 void require_usable(const MarkerBlock& block) {
@@ -107,7 +103,7 @@ Trial minimised(const MarkerBlock& block, const MarkerOptions& options, const Ma
   for (int pass = 0; pass < 2; ++pass) {
     model.model.minimise(iterations, adjust::RobustLoss::huber, 2 * std::sqrt(8.0) * unit);
     state.fold();
-    unit = std::max(1.0, median(misfits(model)));
+    unit = std::max(1.0, upper_median(misfits(model)));
   }
   const std::vector<double> fits = misfits(model);
   std::vector<double> pixels;
@@ -119,7 +115,7 @@ Trial minimised(const MarkerBlock& block, const MarkerOptions& options, const Ma
     bounded += e / (1 + e);
   }
   trial.score = bounded / static_cast<double>(block.views.size());
-  trial.median_pixels = median(pixels);
+  trial.median_pixels = upper_median(pixels);
   trial.start = start_of(block, state, start);
   return trial;
 }
@@ -186,11 +182,11 @@ void find_blunders(const MarkerBlock& block, const MarkerOptions& options, Trial
   fill_state(block, trial.start, trial.use, state);
   MarkerModel model;
   build_model(block, options, state, model);
-  double unit = std::max(1.0, median(misfits(model)));
+  double unit = std::max(1.0, upper_median(misfits(model)));
   for (int pass = 0; pass < 2; ++pass) {
     model.model.minimise(options.max_iterations, adjust::RobustLoss::huber, 2 * std::sqrt(8.0) * unit);
     state.fold();
-    unit = std::max(1.0, median(misfits(model)));
+    unit = std::max(1.0, upper_median(misfits(model)));
   }
   const std::vector<double> fits = misfits(model);
   trial.start = start_of(block, state, trial.start);

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <map>
 
+#include "geometry/median.hpp"
+
 namespace plumbline::markers {
 namespace {
 
@@ -46,11 +48,6 @@ Eigen::Vector3d turn_between(const RigidTransform& a, const RigidTransform& b) {
   return turn.angle() * turn.axis();
 }
 
-double median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-  return values[values.size() / 2];
-}
-
 /// The moment that most others agree with: a start that blunders do not draw.
 RigidTransform middle_of(const std::vector<Moment>& moments) {
   double lowest = 1e300;
@@ -60,7 +57,7 @@ RigidTransform middle_of(const std::vector<Moment>& moments) {
     for (const auto& other : moments)
       distances.push_back(
           (m.cam_from_reference.inverse().translation - other.cam_from_reference.inverse().translation).norm());
-    const double typical = median(distances);
+    const double typical = upper_median(distances);
     if (typical < lowest) lowest = typical, best = m.cam_from_reference;
   }
   return best;
@@ -74,7 +71,8 @@ RigPose pose_of(const std::vector<Moment>& moments) {
     turns.push_back(turn_between(m.cam_from_reference, start).norm());
     shifts.push_back((m.cam_from_reference.inverse().translation - start.inverse().translation).norm());
   }
-  const double most_turn = 5 * std::max(median(turns), 1e-4), most_shift = 5 * std::max(median(shifts), 1e-5);
+  const double most_turn = 5 * std::max(upper_median(turns), 1e-4),
+               most_shift = 5 * std::max(upper_median(shifts), 1e-5);
   std::vector<Moment> good;
   for (size_t i = 0; i < moments.size(); ++i)
     if (turns[i] <= most_turn && shifts[i] <= most_shift)

@@ -13,6 +13,7 @@
 #include <stdexcept>
 
 #include "block/defects.hpp"
+#include "geometry/median.hpp"
 #include "markers/rig.hpp"
 
 namespace plumbline::markers {
@@ -252,11 +253,6 @@ class RigAdjuster {
     }
   }
 
-  static double median(std::vector<double> values) {
-    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-    return values[values.size() / 2];
-  }
-
   /// Root mean square residual of every photograph [px], after a robust minimisation over the poses alone.
   std::vector<double> fit(Problem& p) const {
     std::vector<double> squares(p.shots.size(), 0), points(p.shots.size(), 0);
@@ -269,7 +265,7 @@ class RigAdjuster {
       std::vector<double> lengths;
       for (const auto& rows : model.linearise().observations)
         if (rows.group == 0) lengths.push_back(rows.misclosure.norm());
-      unit = std::clamp(median(lengths), 1e-3, unit);
+      unit = std::clamp(upper_median(lengths), 1e-3, unit);
     }
     for (const auto& rows : model.linearise().observations) {
       if (rows.group != 0) continue;
@@ -288,7 +284,7 @@ class RigAdjuster {
     double separate = 0;
     for (const int c : p.members) separate = std::max(separate, cameras_[static_cast<size_t>(c)].calibration->rms);
     const std::vector<double> rms = fit(p);
-    const double limit = kDisagrees * std::max(separate, std::min(median(rms), kWorse * separate));
+    const double limit = kDisagrees * std::max(separate, std::min(upper_median(rms), kWorse * separate));
     std::vector<Shot> kept;
     std::vector<int> own(p.members.size(), 0), good(p.members.size(), 0);
     for (size_t s = 0; s < rms.size(); ++s) {
@@ -300,13 +296,13 @@ class RigAdjuster {
         rig.left_out.push_back(given(p, p.shots[s]).path);
     }
     for (size_t c = 0; c < own.size() && rig.refused.empty(); ++c) {
-      if (median(rms) <= kWorse * separate && good[c] >= 3 && 2 * good[c] >= own[c]) continue;
+      if (upper_median(rms) <= kWorse * separate && good[c] >= 3 && 2 * good[c] >= own[c]) continue;
       char text[500];
       std::snprintf(text, sizeof text,
                     "%d of %d photographs of camera %s do not show the board where the rig has it (as a rig all fit to "
                     "%.1f px in the median, each camera for itself to %.2f px): photographs with the same number were "
                     "not taken together, the cameras moved against each other, or cameras are mixed up",
-                    own[c] - good[c], own[c], cameras_[static_cast<size_t>(p.members[c])].id.c_str(), median(rms),
+                    own[c] - good[c], own[c], cameras_[static_cast<size_t>(p.members[c])].id.c_str(), upper_median(rms),
                     separate);
       rig.refused = text;
     }

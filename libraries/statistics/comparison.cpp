@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "geometry/median.hpp"
 #include "geometry/random.hpp"
 
 namespace plumbline::statistics {

@@ -79,12 +79,6 @@ double quantile(const std::vector<double>& sorted, double probability) {
   return sorted[below] + (place - static_cast<double>(below)) * (sorted[below + 1] - sorted[below]);
 }
 
-double median(std::vector<double> values) {
-  if (values.empty()) return kNan;
-  std::sort(values.begin(), values.end());
-  return quantile(values, 0.5);
-}
-
 std::vector<Interval> bca_intervals(const std::vector<std::size_t>& trials, const Statistic& statistic,
                                     const std::vector<double>& levels, const ResamplingOptions& options) {
   const bool too_few = trials.empty() || std::any_of(trials.begin(), trials.end(), [](std::size_t n) { return n < 2; });

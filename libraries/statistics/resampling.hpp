@@ -48,6 +48,5 @@ std::vector<double> holm(const std::vector<double>& p);
 
 /// Linear interpolation between order statistics (type 7 of Hyndman and Fan 1996). `sorted` ascending, not empty.
 double quantile(const std::vector<double>& sorted, double probability);
-double median(std::vector<double> values);  ///< nan if there are none
 
 }  // namespace plumbline::statistics

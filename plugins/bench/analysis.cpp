@@ -7,6 +7,8 @@
 #include <sstream>
 #include <tuple>
 
+#include "geometry/median.hpp"
+
 namespace plumbline::bench {
 
 namespace {
@@ -57,9 +59,9 @@ Row row_of(const std::vector<const Cell*>& cells, const Bench& bench, const stat
     if (const double c = cell->measure("final_cost"); std::isfinite(c)) costs.push_back(c);
   }
   row.summary = summarise(trials, failures, bench.tolerances, options);
-  row.seconds = statistics::median(seconds);
-  row.start_cost = statistics::median(starts);
-  row.final_cost = statistics::median(costs);
+  row.seconds = median(seconds);
+  row.start_cost = median(starts);
+  row.final_cost = median(costs);
   return row;
 }
 

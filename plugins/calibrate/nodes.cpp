@@ -5,6 +5,7 @@
 #include "artifacts/board_points.hpp"
 #include "artifacts/camera.hpp"
 #include "artifacts/file.hpp"
+#include "geometry/median.hpp"
 #include "geometry/packed_symmetric.hpp"
 #include "markers/camera_groups.hpp"
 #include "output.hpp"
@@ -23,11 +24,9 @@ FileT file_of(const std::string& name, const std::string& media_type, const std:
   return file;
 }
 
-double median(std::vector<double> values) {
+double median_of_finite(std::vector<double> values) {
   std::erase_if(values, [](double v) { return !std::isfinite(v); });
-  if (values.empty()) return std::nan("");
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-  return values[values.size() / 2];
+  return upper_median(std::move(values));
 }
 
 /// Every other photograph against the rest: with the right model they differ by about √(u₀² + u₁²).
@@ -43,8 +42,8 @@ Halves compare_halves(const Selection& selection, const CalibrationOptions& opti
                ub = projection_uncertainty(b.camera, b.covariance, map_columns, map_rows);
     std::vector<double> expected;
     for (size_t i = 0; i < ua.size(); ++i) expected.push_back(std::hypot(ua[i], ub[i]));
-    result.difference = median(projection_difference(a.camera, b.camera, map_columns, map_rows));
-    result.expected = median(expected);
+    result.difference = median_of_finite(projection_difference(a.camera, b.camera, map_columns, map_rows));
+    result.expected = median_of_finite(expected);
   } catch (const std::runtime_error&) {
     // Half of the photographs may be too few; the page then says that there is no such check.
   }

@@ -8,6 +8,7 @@
 #include <optional>
 #include <tuple>
 
+#include "geometry/median.hpp"
 #include "survey/model/observation_equations.hpp"
 
 namespace plumbline::survey {
@@ -28,12 +29,6 @@ struct Pair {
   double difference;
   double collimation;  ///< what a collimation of 1 adds
 };
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 std::vector<Pair> pairs_of(const SurveyObservations& survey, int set_up, const std::vector<int>& directions,
                            const std::map<std::pair<int, int>, double>& sin_zenith) {
@@ -72,16 +67,16 @@ std::optional<Fit> fit(const std::vector<Pair>& pairs, int set_up, int first) {
     if (!across(p) && p.collimation != 0) collimations.push_back(p.difference / p.collimation);
   }
   if (f.step.with < kFewest || f.step.without < kFewest) return std::nullopt;
-  const double collimation = collimations.empty() ? 0 : median(collimations);
+  const double collimation = collimations.empty() ? 0 : upper_median(collimations);
   const auto free = [&](const Pair& p) { return wrap_angle(p.difference - p.collimation * collimation); };
   for (const Pair& p : pairs)
     if (across(p)) turns.push_back(free(p));
-  f.step.set_up = set_up, f.step.first = first, f.step.turn = median(turns);
+  f.step.set_up = set_up, f.step.first = first, f.step.turn = upper_median(turns);
   for (const Pair& p : pairs) {
     residuals.push_back(std::abs(wrap_angle(free(p) - (across(p) ? f.step.turn : 0))));
     f.misfit += residuals.back();
   }
-  f.scatter = std::max(kLeastScatter, 1.4826 * median(residuals));
+  f.scatter = std::max(kLeastScatter, 1.4826 * upper_median(residuals));
   f.following = static_cast<size_t>(
       std::count_if(residuals.begin(), residuals.end(), [&](double r) { return r < 5 * f.scatter; }));
   return f;

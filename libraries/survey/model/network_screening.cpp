@@ -3,6 +3,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "geometry/median.hpp"
 #include "survey/model/network_model_steps.hpp"
 
 namespace plumbline::survey {
@@ -56,12 +57,6 @@ void drop_unusable(NetworkModel& m) {
 
 namespace {
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// What the approximate coordinates disagree with an observation, as a length at the target [m].
 double misclosure(const NetworkModel& m, const Observation& o, double orientation) {
   const auto or_zero = [](double v) { return std::isnan(v) ? 0.0 : v; };
@@ -111,7 +106,7 @@ void drop_outlying(NetworkModel& m) {
     const Observation& o = m.observations[i].observation;
     if (m.dropped[i] || o.kind == ObservationKind::angle) continue;  // its arms have no one length
     const bool direction = o.kind == ObservationKind::direction;
-    const double size = misclosure(m, o, direction ? median(turns.at(o.set_up)) : 0.0);
+    const double size = misclosure(m, o, direction ? upper_median(turns.at(o.set_up)) : 0.0);
     if (!(std::abs(size) > tolerance)) continue;
     m.dropped[i] = 1;
     m.findings.push_back({Finding::Severity::warning,

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "geometry/median.hpp"
+
 namespace plumbline::survey {
 
 namespace {
@@ -16,14 +18,6 @@ constexpr double kAcross = 5e-4;           // [m] of pointing and target, across
 constexpr double kUntestedError = 7.9e-4;  // [rad], 50 mgon: collimation and index that no pair tells more of
 constexpr int kPairsEnough = 3;
 constexpr size_t kNeighbours = 20;  // readings before it that one is compared with: linear in a group of any size
-
-double median(std::vector<double> values) {
-  const size_t middle = values.size() / 2;
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(middle), values.end());
-  const double upper = values[middle];
-  if (values.size() % 2 == 1) return upper;
-  return 0.5 * (upper + *std::max_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(middle)));
-}
 
 double sigma_by_mad(std::vector<double> values, double centre) {
   for (double& v : values) v = std::abs(v - centre);

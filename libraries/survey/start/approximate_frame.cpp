@@ -5,6 +5,7 @@
 #include <iterator>
 #include <numbers>
 
+#include "geometry/median.hpp"
 #include "survey/model/observation_equations.hpp"
 
 namespace plumbline::survey {
@@ -15,12 +16,6 @@ using Eigen::Vector2d;
 
 double azimuth_between(const Vector2d& from, const Vector2d& to) {
   return std::atan2(to.x() - from.x(), to.y() - from.y());
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 }  // namespace
@@ -105,7 +100,7 @@ bool Frame::settle_scale(const Frame& known) {
           scales.push_back((known.plan_.at(b->first) - known.plan_.at(a->first)).norm() / own);
       }
   if (scales.empty()) return false;
-  const double scale = median(std::move(scales));
+  const double scale = upper_median(std::move(scales));
   for (auto& [id, p] : plan_) p *= scale;
   return true;
 }
@@ -128,7 +123,7 @@ void Frame::settle_north() {
     }
   if (turns.empty()) return;
   PlaneMotion motion;
-  motion.rotation = median(std::move(turns));
+  motion.rotation = upper_median(std::move(turns));
   for (auto& [id, p] : plan_) p = motion(p);
   for (double& orientation : orientation_) orientation += motion.rotation;
   seeded_ = false;
