@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "runtime/deliver.hpp"
+#include "runtime/new_file.hpp"
 #include "runtime/record.hpp"
 #include "runtime/sweep_dispatch.hpp"
 #include "runtime/sweep_run.hpp"

@@ -6,6 +6,7 @@
 #include "artifacts/folder.hpp"
 #include "runtime/artifact_type.hpp"
 #include "runtime/digest.hpp"
+#include "runtime/new_file.hpp"
 
 namespace plumbline::runtime {
 

@@ -1,10 +1,7 @@
 #include "runtime/output_folder.hpp"
 
 #include <fcntl.h>
-#include <linux/fs.h>
-#include <stdio.h>
 #include <sys/file.h>
-#include <sys/ioctl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -17,6 +14,7 @@
 #include <stdexcept>
 
 #include "runtime/digest.hpp"
+#include "runtime/new_file.hpp"
 #include "runtime/ownership.hpp"
 
 namespace plumbline::runtime {
@@ -25,37 +23,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-[[noreturn]] void fail(const std::string& what, int error) {
-  throw std::runtime_error(
-      what + ": " + std::strerror(error) +
-      (error == ENOSPC || error == EDQUOT ? "; free some space or choose another folder with --out" : ""));
-}
-
 std::string unpredictable_name() {
   std::random_device device;
   std::string name = ".plumbline-";
   for (int i = 0; i < 16; ++i) name += "0123456789abcdef"[device() % 16];
   return name;
-}
-
-/// Renames where nothing may be; where the file system cannot promise that, where nothing was just now.
-int rename_to_absent(const fs::path& from, const fs::path& to) {
-  if (renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) return 0;
-  if (errno != EINVAL && errno != ENOSYS) return -1;
-  struct stat info {};
-  if (lstat(to.c_str(), &info) == 0) {
-    errno = EEXIST;
-    return -1;
-  }
-  return ::rename(from.c_str(), to.c_str());
-}
-
-/// "a/b/c" -> {"a", "a/b"}
-std::vector<std::string> parents_of(const std::string& path) {
-  std::vector<std::string> parents;
-  for (size_t at = path.find('/'); at != std::string::npos; at = path.find('/', at + 1))
-    parents.push_back(path.substr(0, at));
-  return parents;
 }
 
 const std::string record_begin = "{\"event\":\"run_start\"";
@@ -91,7 +63,7 @@ OutputFolder::~OutputFolder() {
 
 void OutputFolder::lock() {
   lock_ = ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (lock_ < 0) fail("cannot open the output folder " + folder_.string(), errno);
+  if (lock_ < 0) fail_to_write("cannot open the output folder " + folder_.string(), errno);
   if (flock(lock_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;  // a file system without locks has none
   ::close(lock_);
   throw std::runtime_error("another run is writing to the output folder " + folder_.string() + record_owner(record()) +
@@ -135,97 +107,13 @@ void OutputFolder::put_away_leftovers() {
   ::rmdir(staged.c_str());
 }
 
-/// Everything below a folder, folders before what is in them; links are not followed.
-std::vector<OutputFolder::Entry> OutputFolder::walk(const fs::path& folder) {
-  std::vector<Entry> entries;
-  std::error_code error;
-  fs::recursive_directory_iterator entry(folder, error);
-  for (const fs::recursive_directory_iterator end; !error && entry != end; entry.increment(error))
-    entries.push_back(
-        {entry->path().lexically_relative(folder).generic_string(), fs::is_directory(entry->symlink_status(error))});
-  if (error) throw std::runtime_error("cannot read the folder " + folder.string() + ": " + error.message());
-  std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) { return a.path < b.path; });
-  return entries;
-}
-
-bool OutputFolder::is_owned_content(const fs::path& file, const std::string& path) const {
-  const auto known = owned_.files.find(path);
-  struct stat info {};
-  if (known == owned_.files.end() || lstat(file.c_str(), &info) != 0 || !S_ISREG(info.st_mode)) return false;
-  try {
-    return known->second.count(hashes_.of_file(file)) > 0;
-  } catch (const std::exception&) {  // unreadable: nothing is proved
-    return false;
-  }
-}
-
-OutputFolder::Standing OutputFolder::standing(const std::string& path) const {
-  struct stat info {};
-  if (lstat((folder_ / path).c_str(), &info) != 0) return errno == ENOENT ? Standing::absent : Standing::other;
-  if (S_ISDIR(info.st_mode)) return Standing::folder;
-  if (S_ISLNK(info.st_mode)) return Standing::link;
-  if (!S_ISREG(info.st_mode)) return Standing::other;
-  if (is_owned_content(folder_ / path, path)) return Standing::ours;
-  return owned_.files.count(path) ? Standing::changed : Standing::foreign;
-}
-
-std::string OutputFolder::in_words(const std::string& path, Standing standing) const {
-  const std::string name = (folder_ / path).string();
-  switch (standing) {
-    case Standing::changed:
-      return name + " was changed since a run wrote it";
-    case Standing::foreign:
-      return name + " was not written by a run that the record in this folder tells of";
-    case Standing::link:
-      return name + " is a link, which no run makes";
-    case Standing::folder:
-      return name + " is a folder";
-    default:
-      return name + " is no regular file or cannot be looked at";
-  }
-}
-
-/// What lies below a folder that no record proves, in words.
-std::vector<std::string> OutputFolder::not_ours_in(const std::string& path) const {
-  std::vector<std::string> found;
-  if (!owned_.folders.count(path)) found.push_back((folder_ / path).string() + " is a folder that no run made");
-  for (const Entry& entry : walk(folder_ / path)) {
-    const std::string below = path + "/" + entry.path;
-    const Standing is = standing(below);
-    if (entry.is_folder ? !owned_.folders.count(below) : is != Standing::ours)
-      found.push_back(entry.is_folder ? (folder_ / below).string() + " is a folder that no run made"
-                                      : in_words(below, is));
-  }
-  return found;
-}
-
-std::vector<std::string> OutputFolder::obstacles(const std::string& output, bool tree) const {
-  for (const std::string& parent : parents_of(output)) {
-    const Standing is = standing(parent);
-    if (is == Standing::absent) return {};
-    if (is != Standing::folder) return {(folder_ / parent).string() + " must be a folder to hold " + output};
-  }
-  const Standing is = standing(output);
-  switch (is) {
-    case Standing::absent:
-    case Standing::ours:
-      return {};
-    case Standing::folder:
-      return tree && overwrite_ ? std::vector<std::string>{} : not_ours_in(output);
-    case Standing::other:
-      return {in_words(output, is)};
-    default:
-      return overwrite_ ? std::vector<std::string>{} : std::vector<std::string>{in_words(output, is)};
-  }
-}
-
 void OutputFolder::begin_record(const std::string& line) {
   const fs::path begun = folder_ / ".run.jsonl.new";
   record_ = ::open(begun.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, 0666);
-  if (record_ < 0) fail("cannot write " + begun.string(), errno);
+  if (record_ < 0) fail_to_write("cannot write " + begun.string(), errno);
   try {
     append(line);
-    if (::rename(begun.c_str(), record().c_str()) != 0) fail("cannot write " + record().string(), errno);
+    if (::rename(begun.c_str(), record().c_str()) != 0) fail_to_write("cannot write " + record().string(), errno);
   } catch (...) {
     ::unlink(begun.c_str());
     throw;
@@ -237,7 +125,7 @@ void OutputFolder::append(const std::string& line) {
   for (size_t at = 0; at < text.size();) {
     const ssize_t written = ::write(record_, text.data() + at, text.size() - at);
     if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) fail("cannot write " + record().string(), errno);
+    if (written <= 0) fail_to_write("cannot write " + record().string(), errno);
     at += static_cast<size_t>(written);
   }
 }
@@ -254,7 +142,7 @@ void OutputFolder::announce(const std::string& output, const std::map<std::strin
   owned_.folders.insert(folders.begin(), folders.end());
   append(deliver_line(output, ++deliveries_, files, folders));
   if (::mkdir((folder_ / staging_).c_str(), 0777) != 0 && errno != EEXIST)
-    fail("cannot make " + (folder_ / staging_).string(), errno);
+    fail_to_write("cannot make " + (folder_ / staging_).string(), errno);
 }
 
 std::set<std::string> OutputFolder::missing_folders(const std::string& path) const {
@@ -269,7 +157,7 @@ std::set<std::string> OutputFolder::missing_folders(const std::string& path) con
 void OutputFolder::make_folders(const std::string& path) {
   for (const std::string& parent : parents_of(path)) {
     if (::mkdir((folder_ / parent).c_str(), 0777) == 0) continue;
-    if (errno != EEXIST) fail("cannot make the folder " + (folder_ / parent).string(), errno);
+    if (errno != EEXIST) fail_to_write("cannot make the folder " + (folder_ / parent).string(), errno);
     if (!fs::is_directory(fs::symlink_status(folder_ / parent)))
       throw std::runtime_error((folder_ / parent).string() + " must be a folder to hold " + path);
   }
@@ -291,7 +179,7 @@ void OutputFolder::move_in(const fs::path& made, const std::string& path) {
   if ((may_go ? ::rename(made.c_str(), (folder_ / path).c_str()) : rename_to_absent(made, folder_ / path)) == 0) return;
   const int error = errno;
   clear(made);
-  fail("cannot write " + (folder_ / path).string(), error);
+  fail_to_write("cannot write " + (folder_ / path).string(), error);
 }
 
 bool OutputFolder::holds(const std::string& output, const std::string& made_from) const {
@@ -365,8 +253,9 @@ std::string OutputFolder::put_tree(const std::string& output, const std::vector<
       move_in(made, output);
     } else if (not_ours_in(output).empty()) {
       const fs::path old = folder_ / staging_ / ("old-" + std::to_string(deliveries_));
-      if (::rename((folder_ / output).c_str(), old.c_str()) != 0) fail("cannot replace " + output, errno);
-      if (rename_to_absent(made, folder_ / output) != 0) fail("cannot write " + (folder_ / output).string(), errno);
+      if (::rename((folder_ / output).c_str(), old.c_str()) != 0) fail_to_write("cannot replace " + output, errno);
+      if (rename_to_absent(made, folder_ / output) != 0)
+        fail_to_write("cannot write " + (folder_ / output).string(), errno);
       note = discard(old, output);
     } else if (overwrite_) {
       note = merge(made, output, files);
@@ -469,76 +358,6 @@ void OutputFolder::settle_ownership() {
     folder = lstat((folder_ / *folder).c_str(), &info) == 0 ? std::next(folder) : owned_.folders.erase(folder);
   for (auto from = owned_.made_from.begin(); from != owned_.made_from.end();)
     from = lstat((folder_ / from->first).c_str(), &info) == 0 ? std::next(from) : owned_.made_from.erase(from);
-}
-
-std::string output_name_problem(const std::string& name) {
-  const std::string named = "'" + name + "' cannot be the name of an output: ";
-  if (name.empty()) return named + "it is empty";
-  if (name[0] == '/') return named + "it must lie under the output folder";
-  size_t start = 0;
-  for (;;) {
-    const size_t end = std::min(name.find('/', start), name.size());
-    const std::string part = name.substr(start, end - start);
-    if (part.empty() || part == "." || part == "..")
-      return named + "'" + (part.empty() ? "/" : part) + "' names no file under the output folder";
-    if (part.size() > 255) return named + "a part of it has more than 255 bytes";
-    if (starts_with(part, ".plumbline-") || part == ".run.jsonl.new")
-      return named + "names like '" + part + "' are the program's own";
-    for (const char c : part)
-      if (static_cast<unsigned char>(c) < 32 || c == 127) return named + "it holds a control character";
-    if (end == name.size()) break;
-    start = end + 1;
-  }
-  return name == "run.jsonl" || starts_with(name, "run.jsonl/") ? named + "the record of the run goes there" : "";
-}
-
-void write_new_file(const fs::path& path, const void* data, size_t size) {
-  const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-  if (file < 0) fail("cannot write " + path.string(), errno);
-  const char* at = static_cast<const char*>(data);
-  int error = 0;
-  while (size > 0 && error == 0) {
-    const ssize_t written = ::write(file, at, size);
-    if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) {
-      error = errno;
-      break;
-    }
-    at += written;
-    size -= static_cast<size_t>(written);
-  }
-  if (::close(file) != 0 && error == 0) error = errno;
-  if (error == 0) return;
-  ::unlink(path.c_str());
-  fail("cannot write " + path.string(), error);
-}
-
-void copy_file_content(const fs::path& from, const fs::path& to) {
-  const int source = ::open(from.c_str(), O_RDONLY | O_CLOEXEC);
-  if (source < 0) fail("cannot read " + from.string(), errno);
-  const int target = ::open(to.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-  int error = target < 0 ? errno : 0;
-  if (error == 0 && ioctl(target, FICLONE, source) != 0) {
-    std::vector<char> buffer(size_t{1} << 20);
-    for (;;) {
-      const ssize_t got = ::read(source, buffer.data(), buffer.size());
-      if (got < 0 && errno == EINTR) continue;
-      if (got < 0) error = errno;
-      if (got <= 0) break;
-      ssize_t at = 0;
-      while (at < got && error == 0) {
-        const ssize_t written = ::write(target, buffer.data() + at, static_cast<size_t>(got - at));
-        if (written < 0 && errno != EINTR) error = errno;
-        if (written > 0) at += written;
-      }
-      if (error) break;
-    }
-  }
-  ::close(source);
-  if (target >= 0 && ::close(target) != 0 && error == 0) error = errno;
-  if (error == 0) return;
-  if (target >= 0) ::unlink(to.c_str());
-  fail("cannot copy " + from.string(), error);
 }
 
 }  // namespace plumbline::runtime

@@ -106,10 +106,7 @@ class OutputFolder {
 /// Why `name` cannot be the name of an output, as a sentence; empty: it can.
 std::string output_name_problem(const std::string& name);
 
-/// Writes all bytes to a new file. Throws std::runtime_error with the reason; then nothing is left.
-void write_new_file(const std::filesystem::path& path, const void* data, size_t size);
-
-/// Copies a file's content, sharing its blocks where the file system can. Throws std::runtime_error.
-void copy_file_content(const std::filesystem::path& from, const std::filesystem::path& to);
+/// "a/b/c" -> {"a", "a/b"}
+std::vector<std::string> parents_of(const std::string& path);
 
 }  // namespace plumbline::runtime

@@ -9,7 +9,7 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "runtime/output_folder.hpp"
+#include "runtime/new_file.hpp"
 
 namespace plumbline::runtime {
 
