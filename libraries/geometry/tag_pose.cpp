@@ -59,9 +59,12 @@ Matrix36 by_products(const Eigen::Vector3d& c, double sigma) {
   return sigma * sigma * columns;
 }
 
+/// How much of a PredictedTag is filled in: a trial step needs its residuals only, a fit no derivatives by the plate.
+enum class Detail { residuals, by_pose, all };
+
 /// False if a corner falls behind the camera.
 bool predict(const BrownCamera& camera, const TagView& view, const RigidTransform& pose, double rotation_sigma,
-             PredictedTag& out) {
+             PredictedTag& out, Detail detail = Detail::all) {
   const Eigen::Matrix3d rotation = pose.rotation.toRotationMatrix();
   const double shrunk = mean_rotation(rotation_sigma);
   for (int i = 0; i < 4; ++i) {
@@ -70,8 +73,10 @@ bool predict(const BrownCamera& camera, const TagView& view, const RigidTransfor
     const auto projection = project_with_slope(camera, rotated + pose.translation);
     if (!projection) return false;
     out.residuals.segment<2>(2 * i) = view.pixels[i] - projection->pixel;
+    if (detail == Detail::residuals) continue;
     out.by_pose.block<2, 3>(2 * i, 0) = -projection->by_point * skew(rotated);
     out.by_pose.block<2, 3>(2 * i, 3) = projection->by_point;
+    if (detail == Detail::by_pose) continue;
     const Eigen::Matrix<double, 2, 3> by_world = projection->by_point * rotation;
     out.by_plate.block<2, 3>(2 * i, 0) = by_world;
     out.by_plate.block<2, 3>(2 * i, 3) = -by_world * skew(arm);
@@ -144,7 +149,9 @@ class Estimator {
     if (normal) normal->setZero(), right->setZero();
     for (std::size_t i = 0; i < views_.size(); ++i) {
       if (!chosen[i]) continue;
-      if (!predict(camera_, views_[i], pose, options_.plate_rotation_sigma, tag)) return kInfinity;
+      if (!predict(camera_, views_[i], pose, options_.plate_rotation_sigma, tag,
+                   normal ? Detail::by_pose : Detail::residuals))
+        return kInfinity;
       weights[i].matrixL().solveInPlace(tag.residuals);
       sum += tag.residuals.squaredNorm();
       if (!normal) continue;
