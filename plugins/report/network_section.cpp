@@ -1,5 +1,6 @@
 // The survey network: is it sound, what was removed and why, every observation with its tests.
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
 #include "report/format.hpp"
@@ -60,6 +61,12 @@ void write_global_test(Markup& html, const NetworkPage& n) {
                  "precision allows. Global test "
                  "passed: " +
                      bounds);
+  } else if (n.verdict == "high" && n.validity == "sound") {
+    html.element(
+        "p",
+        "The observations contradict each other a little more than their stated precision allows, as one sound "
+        "network in forty does; no reading fails its own test. Global test failed narrowly: " +
+            bounds);
   } else if (n.verdict == "high") {
     html.element("p",
                  "The observations contradict each other more than their stated precision allows: there are blunders "
@@ -84,11 +91,19 @@ std::string with_sigma(double value, double sigma, double factor, int digits) {
   return std::isfinite(sigma) ? text + " ± " + fixed(factor * sigma, digits) : text;
 }
 
-/// The result must not be taken for one where it is none.
+/// The verdict first, in the words that the terminal has: a result must not be taken for one where it is none.
 void write_banner(Markup& html, const NetworkPage& n) {
-  if (n.validity != "invalid") return;
-  Scope banner(html, "div", {{"class", "verdict fail"}, {"role", "alert"}});
-  html.element("p", "NOT A RESULT. The coordinates below are " + n.outcome + ".");
+  if (n.outcome.empty()) return;
+  static const std::string none = "not a result";
+  std::string words = n.outcome;
+  if (words.starts_with(none))
+    words.replace(0, none.size(), "NOT A RESULT");
+  else
+    words[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(words[0])));
+  const bool invalid = n.validity == "invalid";
+  const char* kind = invalid ? "verdict fail" : n.validity == "doubtful" ? "verdict undecided" : "verdict pass";
+  Scope banner(html, "div", {{"class", kind}, {"role", invalid ? "alert" : "status"}});
+  html.element("strong", words + ".");
 }
 
 void write_set_ups(Markup& html, const NetworkPage& n) {
@@ -119,13 +134,25 @@ std::string joined(const std::vector<std::string>& texts) {
   return all;
 }
 
+/// What is to be mended stands first; notes are folded away where they are many.
 void write_findings(Markup& html, const NetworkPage& n) {
-  if (n.findings.empty()) return;
-  Scope list(html, "ul");
-  for (const auto& f : n.findings) {
-    Scope item(html, "li");
-    html.element("strong", f.severity + ": ").text(f.text);
-  }
+  constexpr long shown_notes = 4;
+  const auto is_note = [](const auto& finding) { return finding.severity == "note"; };
+  const long notes = std::count_if(n.findings.begin(), n.findings.end(), is_note);
+  const auto list = [&](bool of_notes) {
+    Scope items(html, "ul");
+    for (const auto& f : n.findings) {
+      if (is_note(f) != of_notes) continue;
+      Scope item(html, "li");
+      html.element("strong", f.severity + ": ").text(f.text);
+    }
+  };
+  if (notes < static_cast<long>(n.findings.size())) list(false);
+  if (notes == 0) return;
+  if (notes <= shown_notes) return list(true);
+  Scope details(html, "details");
+  html.element("summary", count(notes, "note", "notes"));
+  list(true);
 }
 
 void write_removed(Markup& html, const NetworkPage& n) {

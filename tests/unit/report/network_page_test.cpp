@@ -113,6 +113,39 @@ TEST(NetworkPage, AnInvalidResultSaysSoAndHasNoEllipses) {
   EXPECT_EQ(render_report(input).find("NOT A RESULT"), std::string::npos);
 }
 
+TEST(NetworkPage, TheVerdictStandsFirstAndWarningsBeforeNotes) {
+  SurveyNetworkT network = small_network();
+  network.validity = "doubtful", network.verdict = "doubtful: 5 readings fail the test";
+  const auto add = [&](const char* severity, const std::string& text) {
+    auto finding = std::make_unique<NetworkFindingT>();
+    finding->severity = severity, finding->text = text;
+    network.findings.push_back(std::move(finding));
+  };
+  network.findings.clear();
+  for (int i = 0; i < 5; ++i) add("note", "note " + std::to_string(i));
+  add("warning", "the first to mend");
+  ReportInput input;
+  input.network = network_page(network);
+  const std::string html = render_report(input);
+  const size_t verdict = html.find("Doubtful: 5 readings fail the test."), warning = html.find("the first to mend"),
+               folded = html.find("5\u00A0notes"), note = html.find("note 0");
+  ASSERT_NE(verdict, std::string::npos);
+  EXPECT_LT(verdict, warning);
+  EXPECT_LT(warning, folded);
+  EXPECT_LT(folded, note);
+}
+
+TEST(NetworkPage, ASoundNetworkIsNotToldThatBlundersAreLeft) {
+  SurveyNetworkT network = small_network();
+  network.validity = "sound", network.verdict = "sound: the readings agree as well as their accuracies say";
+  ReportInput input;
+  input.network = network_page(network);
+  input.network->verdict = "high";
+  EXPECT_EQ(render_report(input).find("there are blunders"), std::string::npos);
+  input.network->validity = "doubtful";
+  EXPECT_NE(render_report(input).find("there are blunders"), std::string::npos);
+}
+
 TEST(NetworkPage, SetUpsValuesAndSuspects) {
   SurveyNetworkT network = small_network();
   auto& set_up = *network.set_ups[0];
