@@ -61,7 +61,7 @@ Appender::Appender(const Model& model, std::string project_guid, double length_u
       length_unit_(length_unit),
       length_decimals_(std::clamp(static_cast<int>(std::ceil(9 + std::log10(length_unit) - 1e-9)), 0, 15)),
       timestamp_(timestamp),
-      next_(model.file().largest_id() + 1),
+      next_(model.file().free_id()),
       guids_(guids_of(model)) {
   const std::string_view bytes = model.file().bytes();
   const std::size_t first = bytes.find('\n');

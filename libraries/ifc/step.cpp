@@ -460,9 +460,40 @@ std::size_t File::arguments_at(const Instance& instance) const {
 }
 
 bool File::contains(const Instance& instance, std::string_view text) const {
-  const std::size_t next = instance.index + std::size_t{1};
-  const std::size_t end = next < entries_.size() ? entries_[next].begin : data_end_;
-  return bytes_.substr(instance.begin, end - instance.begin).find(text) != std::string_view::npos;
+  return bytes_.substr(instance.begin, end_of(instance.index) - instance.begin).find(text) != std::string_view::npos;
+}
+
+/// Outside strings and comments, in the arguments of an instance; 0 if it refers to nothing.
+std::uint64_t File::largest_reference(std::size_t index) const {
+  std::uint64_t largest = 0;
+  Scanner scanner(bytes_, name_, arguments_at(instance(index)));
+  while (scanner.at < end_of(index)) {
+    const char c = scanner.peek();
+    if (c == '\'' || c == '"')
+      scanner.skip_string();
+    else if (scanner.starts_with("/*"))
+      scanner.skip_blank();
+    else if (c == '#')
+      largest = std::max(largest, id_at(scanner.at++));
+    else
+      ++scanner.at;
+  }
+  return largest;
+}
+
+std::uint64_t File::free_id() const {
+  std::uint64_t largest = largest_id_;
+  for (std::size_t at = bytes_.find('#'); at < data_end_; at = bytes_.find('#', at + 1)) {
+    if (id_at(at) <= largest) continue;
+    // Rare: a reference to nothing, or a text.
+    const auto behind = std::upper_bound(entries_.begin(), entries_.end(), at,
+                                         [](std::size_t offset, const Entry& entry) { return offset < entry.begin; });
+    if (behind == entries_.begin()) continue;
+    const auto index = static_cast<std::size_t>(behind - entries_.begin()) - 1;
+    largest = std::max(largest, largest_reference(index));
+    at = end_of(index) - 1;
+  }
+  return largest + 1;
 }
 
 std::string File::where(std::size_t offset) const { return place(bytes_, name_, offset); }

@@ -124,6 +124,9 @@ class File {
   bool contains(const Instance& instance, std::string_view text) const;
 
   std::uint64_t largest_id() const { return largest_id_; }
+  /// The first number above those of all instances and of all references: also of those to nothing, which an addition
+  /// would otherwise fill. 0 if there is none. Looks at all bytes.
+  std::uint64_t free_id() const;
   /// Offset of the ENDSEC that closes the (last) DATA section: where new instances go.
   std::size_t data_end() const { return data_end_; }
   /// "name:line:column" of an offset, both from 1.
@@ -146,6 +149,10 @@ class File {
     return {id_at(entry.begin), entry.begin, static_cast<std::uint32_t>(entry.type), static_cast<std::uint32_t>(index)};
   }
   std::uint64_t id_at(std::uint64_t begin) const;
+  std::uint64_t largest_reference(std::size_t index) const;
+  std::size_t end_of(std::size_t index) const {
+    return index + 1 < entries_.size() ? static_cast<std::size_t>(entries_[index + 1].begin) : data_end_;
+  }
   /// Index of the instance that stands in a place of the order of ascending numbers.
   std::size_t at_place(std::size_t place) const { return by_id_.empty() ? place : by_id_[place]; }
   File(std::shared_ptr<const void> owner, std::string_view bytes, std::string name);

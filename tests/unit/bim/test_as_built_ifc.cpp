@@ -283,6 +283,17 @@ TEST(AsBuiltFloors, WithoutStoreysOnlyTheFloorStatisticsAreMissing) {
   EXPECT_EQ(result.bytes.find("ASB_FloorStatistics"), std::string::npos);
 }
 
+TEST(AsBuiltIfc, NothingItAddsBecomesTheTargetOfAReferenceToNothing) {
+  std::string bytes = test::small_building("IFC4");
+  bytes.insert(bytes.rfind("ENDSEC;"),
+               "#230=IFCGROUP('0000000000000000000001',$,'cut out',$,$);\n"
+               "#231=IFCRELASSIGNSTOGROUP('0000000000000000000002',$,$,$,(#233,#250),$,#230);\n");
+  const Enriched result = enrich(bytes);
+  const step::File after(result.bytes, "after.ifc");
+  EXPECT_GT(result.instances_added, 100u);
+  for (const std::uint64_t cut_out : {233u, 250u}) EXPECT_FALSE(after.find(cut_out)) << cut_out;
+}
+
 TEST(AsBuiltRealFiles, AreEnrichedAndValid) {
   for (const char* name :
        {"510--curtainWall.ifc", "Ifc4_SampleHouse.ifc", "TallBuilding.ifc", "tested_sample_project_2x3.ifc"}) {

@@ -102,6 +102,16 @@ TEST(StepReader, TakesBlanksCommentsLineBreaksAndSmallLetters) {
   EXPECT_EQ(file.bytes().substr(file.data_end(), 7), "ENDSEC;");
 }
 
+TEST(StepReader, AFreeNumberIsAlsoAboveReferencesToNothing) {
+  const auto free_in = [](const std::string& lines) { return File(file_with(lines), "t.ifc").free_id(); };
+  EXPECT_EQ(free_in("#1=A();#5=A(#1);"), 6u);
+  EXPECT_EQ(free_in("#1=A((#2,#7),#1);#6=A(#3);"), 8u);
+  // Texts and comments refer to nothing.
+  EXPECT_EQ(free_in("#1=A('#70 #8',\"0\",/* #60 */#2,.T.);/* #50 */#3=A('#4''#9');"), 4u);
+  EXPECT_EQ(free_in("#2=A(#99999999999999999999);#1=A('#7');"), 3u);
+  EXPECT_EQ(free_in("#1=A(#18446744073709551615);"), 0u);
+}
+
 TEST(StepReader, FindsEveryNumberWhateverTheirOrderAndGaps) {
   std::uint64_t state = 1;
   const auto random = [&state](std::uint64_t below) {
