@@ -122,7 +122,7 @@ NetworkPage network_page(const SurveyNetworkT& network, const SurveyNetworkT* in
   for (const auto& s : network.set_ups)
     page.set_ups.push_back({s->id, s->station, s->orientation, s->orientation_sigma, s->instrument_height,
                             s->instrument_height_correction, s->index, s->index_sigma, s->constant, s->constant_sigma,
-                            s->scale, s->scale_sigma});
+                            s->scale, s->scale_sigma, s->collimation, s->collimation_sigma});
   page.points = points_of(network);
   for (const auto& o : network.observations) page.observations.push_back(observation_of(*o));
   for (const auto& s : network.snooping)

@@ -110,21 +110,24 @@ void write_set_ups(Markup& html, const NetworkPage& n) {
   if (n.set_ups.empty()) return;
   html.element("h3", "Set-ups");
   html.element("p",
-               "Index, constant and ppm: what the network says the zenith angles and distances of the set-up have in "
+               "Collimation: from readings in two faces, whose means are free of it. Index, constant and ppm: what the "
+               "network says the zenith angles and distances of the set-up have in "
                "common, each estimated alone; beyond three times its ± it is a mistake or belongs into the instrument. "
                "A dash: the network cannot tell it.");
   Scope wide(html, "div", {{"class", "wide"}});
   Scope table(html, "table");
   table_head(html, {"Set-up", left("Station"), "Orientation [gon]", "Instrument height [m]", "Correction [mm]",
-                    "Index [mgon]", "Constant [mm]", "ppm"});
+                    "Collimation [mgon]", "Index [mgon]", "Constant [mm]", "ppm"});
   Scope body(html, "tbody");
   constexpr double mgon = 200e3 / M_PI;
   for (const auto& s : n.set_ups) {
     const double turn = s.orientation * 200 / M_PI;
-    table_row(html, {s.id, left(s.station), std::isfinite(turn) ? fixed(turn < 0 ? turn + 400 : turn, 4) : unknown,
-                     std::isfinite(s.instrument_height) ? fixed(s.instrument_height, 3) : unknown,
-                     with_sigma(s.height_correction, std::nan(""), 1e3, 1), with_sigma(s.index, s.index_sigma, mgon, 1),
-                     with_sigma(s.constant, s.constant_sigma, 1e3, 1), with_sigma(s.scale, s.scale_sigma, 1e6, 0)});
+    table_row(html,
+              {s.id, left(s.station), std::isfinite(turn) ? fixed(turn < 0 ? turn + 400 : turn, 4) : unknown,
+               std::isfinite(s.instrument_height) ? fixed(s.instrument_height, 3) : unknown,
+               with_sigma(s.height_correction, std::nan(""), 1e3, 1),
+               with_sigma(s.collimation, s.collimation_sigma, mgon, 2), with_sigma(s.index, s.index_sigma, mgon, 1),
+               with_sigma(s.constant, s.constant_sigma, 1e3, 1), with_sigma(s.scale, s.scale_sigma, 1e6, 0)});
   }
 }
 

@@ -48,6 +48,7 @@ struct NetworkPage {
     double instrument_height = nan, height_correction = nan;                      ///< [m]
     double index = nan, index_sigma = nan;                                        ///< [rad]
     double constant = nan, constant_sigma = nan, scale = nan, scale_sigma = nan;  ///< [m], [1]
+    double collimation = nan, collimation_sigma = nan;                            ///< [rad]
   };
   struct Step {
     std::size_t observation = 0;  ///< index into observations

@@ -115,6 +115,7 @@ void pack_tables(const NetworkResult& r, SurveyNetworkT& n) {
     set_up->orientation_sigma = s.orientation_sigma;
     set_up->instrument_height_correction = s.instrument_height_correction;
     set_up->instrument_height = s.instrument_height;
+    set_up->collimation = s.collimation.value, set_up->collimation_sigma = s.collimation.sigma;
     set_up->index = s.index.value, set_up->index_sigma = s.index.sigma;
     set_up->constant = s.constant.value, set_up->constant_sigma = s.constant.sigma;
     set_up->scale = s.scale.value, set_up->scale_sigma = s.scale.sigma;

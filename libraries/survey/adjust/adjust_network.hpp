@@ -120,6 +120,7 @@ struct ResultSetUp {
   double instrument_height = kNotGiven;                           ///< as noted [m]
   double instrument_height_correction = kNotGiven;                ///< [m]; NaN: not estimated, or it cannot be
   Eigen::Vector2d tilt = Eigen::Vector2d::Constant(kNotGiven);    ///< about E and N [rad]; NaN likewise
+  CommonEstimate collimation;                                     ///< by its readings in two faces [rad]
   CommonEstimate index;                                           ///< of the zenith angles [rad]
   CommonEstimate constant;                                        ///< of the distances [m]
   CommonEstimate scale;                                           ///< of the distances [1]

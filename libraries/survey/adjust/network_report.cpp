@@ -47,6 +47,7 @@ void Adjuster::report_set_ups(const Pass& pass, NetworkResult& result) const {
       set_up.orientation_sigma = sigma(block);
     }
     set_up.instrument_height = m_.survey.set_ups[i].instrument_height;
+    if (i < m_.collimations.size()) set_up.collimation = m_.collimations[i];
     if (const int block = pass.problem.height_correction_blocks[i];
         block >= 0 && is_told(block, options_.instrument_height_sigma))
       set_up.instrument_height_correction = pass.problem.problem.parameters[block].value[0];

@@ -28,10 +28,11 @@ struct NetworkModel {
   std::map<std::string, int> index;           ///< their numbers
   std::vector<Eigen::Vector3d> initial;       ///< [m]; 0 for unused components
   std::vector<std::array<CoordinateRole, 3>> roles;
-  std::vector<double> orientations;       ///< initial, one per set-up
-  bool starts_from_known_points = false;  ///< false: the frame of `initial` is arbitrary
-  bool searched = false;                  ///< part of `initial` was computed
-  bool unrelated = false;                 ///< `initial` is good enough to find rank defects only
+  std::vector<double> orientations;          ///< initial, one per set-up
+  std::vector<CommonEstimate> collimations;  ///< by readings in two faces [rad], one per set-up of the file
+  bool starts_from_known_points = false;     ///< false: the frame of `initial` is arbitrary
+  bool searched = false;                     ///< part of `initial` was computed
+  bool unrelated = false;                    ///< `initial` is good enough to find rank defects only
   DatumMode datum = DatumMode::automatic;
   std::vector<std::string> datum_points;
   bool curvature = false;

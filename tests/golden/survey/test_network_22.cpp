@@ -61,5 +61,18 @@ TEST(Network22, WithCentring) {
   EXPECT_EQ(worst(r).from + " " + worst(r).to, "BP04 BP02");
 }
 
+// Half the differences of the faces times the sine of the zenith angle, their medians computed from the file's words by
+// hand.
+TEST(Network22, CollimationOfTheSetUps) {
+  PLUMBLINE_REQUIRE_DATA(kFile);
+  const NetworkResult r = adjust(options_with(0, 0));
+  const auto collimation = [&](const char* id) {
+    const auto found = std::find_if(r.set_ups.begin(), r.set_ups.end(), [&](const auto& s) { return s.id == id; });
+    return found->collimation.value * 200e3 / std::numbers::pi;  // [mgon]
+  };
+  EXPECT_NEAR(collimation("BP04"), -1.297, 0.006);
+  EXPECT_NEAR(collimation("K1"), 0.112, 0.006);
+}
+
 }  // namespace
 }  // namespace plumbline::survey

@@ -151,13 +151,14 @@ TEST(NetworkPage, SetUpsValuesAndSuspects) {
   auto& set_up = *network.set_ups[0];
   set_up.orientation = -M_PI / 2, set_up.instrument_height = 1.603;
   set_up.constant = 0.0344, set_up.constant_sigma = 0.0004;
+  set_up.collimation = -1.3e-3 * M_PI / 200, set_up.collimation_sigma = 7e-5 * M_PI / 200;
   network.observations[0]->value = M_PI / 2, network.observations[0]->flagged = true;
   network.instrument = "TS 16, no. 4711", network.date = "2026-11-21";
   ReportInput input;
   input.network = network_page(network);
   const std::string html = render_report(input);
-  for (const char* words :
-       {"300.0000", "1.603", "+34.4 ± 0.4", "100.0000", "sight suspect", "TS 16, no. 4711", "2026-11-21"})
+  for (const char* words : {"300.0000", "1.603", "+34.4 ± 0.4", "−1.30 ± 0.07", "100.0000", "sight suspect",
+                            "TS 16, no. 4711", "2026-11-21"})
     EXPECT_NE(html.find(words), std::string::npos) << words;
 }
 
