@@ -1,6 +1,7 @@
 #include "runtime/digest.hpp"
 
 #include <openssl/evp.h>
+#include <sys/stat.h>
 
 #include <cerrno>
 #include <cstdio>
@@ -60,7 +61,10 @@ std::string sha256_of(const void* data, size_t size) {
 
 std::string sha256_of_file(const std::filesystem::path& path) {
   const std::unique_ptr<FILE, int (*)(FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
-  if (!file) throw std::runtime_error("cannot read " + path.string() + ": " + std::strerror(errno));
+  if (!file) throw std::runtime_error("cannot read '" + path.string() + "': " + std::strerror(errno));
+  struct stat info {};
+  if (fstat(fileno(file.get()), &info) != 0 || !S_ISREG(info.st_mode))  // a device has no end, a pipe no second reading
+    throw std::runtime_error("cannot read '" + path.string() + "': it is no regular file; copy its content into one");
   Sha256 hash;
   std::vector<char> buffer(1 << 18);
   while (const size_t got = std::fread(buffer.data(), 1, buffer.size(), file.get())) hash.add(buffer.data(), got);

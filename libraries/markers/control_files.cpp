@@ -3,6 +3,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <cstdio>
@@ -99,10 +100,24 @@ class Table {
     for (size_t i = 0; i < table_.header.size(); ++i) {
       const std::string& name = table_.header[i].name;
       const auto known = names.find(name);
-      columns_[known == names.end() ? name : known->second] = {i, factor_of(table_.header[i])};
+      const std::string& what = known == names.end() ? name : known->second;
+      if (!columns_.emplace(what, std::pair{i, factor_of(table_.header[i])}).second && known != names.end())
+        throw std::runtime_error(file + ": two columns are '" + what + "'; expected one");
     }
     if (table_.header.empty()) take_order(orders, expected);
     expected_ = expected;
+    for (const auto& cell : table_.header)
+      if (names.find(cell.name) == names.end() && !is_value(cell.name, names)) unread_.push_back(cell.written);
+  }
+  /// A column that was not understood and looks like an accuracy must not be dropped: another one would be assumed.
+  void refuse_unread_accuracies() const {
+    for (const std::string& name : unread_)
+      for (const char* start : {"sig", "std", "sd", "s_", "acc", "prec", "rms", "err", "unc", "cov", "var"})
+        if (name.rfind(start, 0) == 0)
+          throw std::runtime_error(file_ + ": the column '" + name +
+                                   "' looks like an accuracy and is none of those known; "
+                                   "expected " +
+                                   expected_);
   }
   const std::vector<formats::CsvRow>& rows() const { return table_.rows; }
   bool has(const std::string& name) const { return columns_.count(name) > 0; }
@@ -151,7 +166,12 @@ class Table {
                              " columns and no header; expected one with the columns " + expected);
   }
 
+  static bool is_value(const std::string& name, const std::map<std::string, std::string>& names) {
+    return std::any_of(names.begin(), names.end(), [&](const auto& known) { return known.second == name; });
+  }
+
   std::string file_, expected_;
+  std::vector<std::string> unread_;
   formats::CsvTable table_;
   std::map<std::string, std::pair<size_t, double>> columns_;
 };
@@ -178,6 +198,31 @@ std::vector<ImagePoint> from_json(const std::string& text, const std::string& fi
 
 }  // namespace
 
+namespace {
+
+/// What the columns of control may be called: by axis or by its name in the survey, standard deviations likewise.
+std::map<std::string, std::string> control_columns() {
+  std::map<std::string, std::string> names = {
+      {"sigma", "sigma"}, {"accuracy", "sigma"}, {"sd", "sigma"}, {"std", "sigma"}};
+  for (const char* name : {"name", "id", "point", "label", "ptid", "nr"}) names[name] = "name";
+  names["role"] = "role";
+  const std::map<std::string, std::vector<std::string>> axes = {
+      {"x", {"x", "e", "east", "easting"}},
+      {"y", {"y", "n", "north", "northing"}},
+      {"z", {"z", "h", "height", "elevation", "altitude", "up"}}};
+  for (const auto& [axis, called] : axes)
+    for (const std::string& name : called) {
+      names[name] = axis;
+      for (const char* sigma : {"sigma", "s", "sd", "std", "stdev", "stddev", "accuracy"}) {
+        names[std::string(sigma) + "_" + name] = "sigma_" + axis;
+        names[std::string(sigma) + name] = "sigma_" + axis;
+      }
+    }
+  return names;
+}
+
+}  // namespace
+
 std::vector<ControlPoint> parse_control(const std::string& text, const std::string& file) {
   std::vector<ControlPoint> points;
   const double nan = std::nan("");
@@ -187,36 +232,12 @@ std::vector<ControlPoint> parse_control(const std::string& text, const std::stri
       if (seen.insert(g.name).second) points.push_back({g.name, g.position, {nan, nan, nan}, false});
     return points;
   }
-  static const std::map<std::string, std::string> names = {{"name", "name"},
-                                                           {"id", "name"},
-                                                           {"point", "name"},
-                                                           {"label", "name"},
-                                                           {"x", "x"},
-                                                           {"y", "y"},
-                                                           {"z", "z"},
-                                                           {"east", "x"},
-                                                           {"easting", "x"},
-                                                           {"north", "y"},
-                                                           {"northing", "y"},
-                                                           {"height", "z"},
-                                                           {"elevation", "z"},
-                                                           {"altitude", "z"},
-                                                           {"e", "x"},
-                                                           {"n", "y"},
-                                                           {"h", "z"},
-                                                           {"sigma", "sigma"},
-                                                           {"accuracy", "sigma"},
-                                                           {"sigma_x", "sigma_x"},
-                                                           {"sigma_y", "sigma_y"},
-                                                           {"sigma_z", "sigma_z"},
-                                                           {"sx", "sigma_x"},
-                                                           {"sy", "sigma_y"},
-                                                           {"sz", "sigma_z"},
-                                                           {"role", "role"}};
+  static const std::map<std::string, std::string> names = control_columns();
   const Table table(text, file, names, "name, x, y, z and optionally sigma (or sigma_x, sigma_y, sigma_z) and role",
                     {{"name", "x", "y", "z"},
                      {"name", "x", "y", "z", "sigma"},
                      {"name", "x", "y", "z", "sigma_x", "sigma_y", "sigma_z"}});
+  table.refuse_unread_accuracies();
   std::set<std::string> seen;
   for (const auto& row : table.rows()) {
     ControlPoint p{table.text(row, "name"),

@@ -95,7 +95,9 @@ std::vector<Target> targets_of(const ColmapModel& model, const std::vector<Contr
     throw std::runtime_error(
         "no measurement belongs to a photograph of the model and a point of the control file. The model's photographs "
         "are called like " +
-        model.images.begin()->second.name + ", the measurements name " + measured.front().image);
+        model.images.begin()->second.name + " and the control points like " + control.front().name +
+        "; the measurements name photographs like " + measured.front().image + " and points like " +
+        measured.front().point);
   return targets;
 }
 

@@ -94,6 +94,7 @@ PairedComparison compare_pairs(const std::vector<std::vector<Pair>>& given, cons
     result.pairs += stratum.size();
     sizes.push_back(stratum.size());
   }
+  if (result.pairs == 0) result.first = result.second = kNan;
   result.difference = {result.first - result.second, {kNan, kNan}};
   result.narrow = result.improvement.interval = {kNan, kNan};
   result.improvement.value = result.p = result.adjusted_p = kNan;

@@ -36,12 +36,6 @@ Row row_of(const std::vector<const Cell*>& cells, const Bench& bench, const stat
   row.values = cells[0]->values;
   row.choices = cells[0]->choices;
   row.name = choices_text(row.choices);
-  std::set<std::string> nodes;
-  bool whole = bench.groups.empty();
-  for (const Group& group : bench.groups) {
-    nodes.insert(group.nodes.begin(), group.nodes.end());
-    whole |= group.whole_pipelines;
-  }
   std::vector<statistics::Trial> trials;
   std::vector<double> seconds, starts, costs;
   std::size_t failures = 0;
@@ -54,7 +48,7 @@ Row row_of(const std::vector<const Cell*>& cells, const Bench& bench, const stat
     row.errors.push_back(trials.back().rms);
     row.worst.push_back(trials.back().worst);
     row.seeds.push_back(cell->seed);
-    if (const double s = seconds_of(*cell, nodes, whole); std::isfinite(s)) seconds.push_back(s);
+    if (const double s = seconds_of(bench, *cell); std::isfinite(s)) seconds.push_back(s);
     if (const double c = cell->measure("start_cost"); std::isfinite(c)) starts.push_back(c);
     if (const double c = cell->measure("final_cost"); std::isfinite(c)) costs.push_back(c);
   }
@@ -177,8 +171,8 @@ void put_in_words(Duel& duel, double rope) {
   }
   duel.words = in_words(duel.errors, duel.first, duel.second, rope, 1e3, "mm");
   if (duel.only_first + duel.only_second > 0)
-    duel.words += "; on trials that both finished, " + std::to_string(duel.only_first) + " more only by " + duel.first +
-                  ", " + std::to_string(duel.only_second) + " only by " + duel.second;
+    duel.words += "; compared on trials that both finished, besides them " + std::to_string(duel.only_first) +
+                  " only by " + duel.first + ", " + std::to_string(duel.only_second) + " only by " + duel.second;
   const auto& ratio = duel.times.ratio;
   if (!std::isfinite(ratio.interval.lower)) return;
   if (duel.times.confirmed) {
@@ -272,6 +266,16 @@ std::vector<std::string> unused_of(const Bench& bench) {
 
 }  // namespace
 
+double seconds_of(const Bench& bench, const Cell& cell) {
+  std::set<std::string> nodes;
+  bool whole = bench.groups.empty();
+  for (const Group& group : bench.groups) {
+    nodes.insert(group.nodes.begin(), group.nodes.end());
+    whole |= group.whole_pipelines;
+  }
+  return seconds_of(cell, nodes, whole);
+}
+
 Analysis analyse(const Bench& bench) {
   Analysis analysis;
   statistics::ResamplingOptions options;
@@ -347,10 +351,13 @@ std::vector<std::string> choices_to_make(const Bench& bench, const Analysis& ana
       double most = 0;     // largest difference by which it is beaten [m]
       double overall = 0;  // largest over all places together [m]
       std::size_t cells = 0, failed = 0;
+      bool compared = false;  // with enough trials for a verdict
     };
     std::map<std::string, Standing> standings;
     for (const Duel& duel : analysis.duels) {
       if (duel.group != group.name || !duel.refused.empty()) continue;
+      if (duel.errors.verdict != statistics::Verdict::too_few)
+        standings[duel.first].compared = standings[duel.second].compared = true;
       const bool first_loses = duel.errors.verdict == statistics::Verdict::second_better;
       if (!first_loses && duel.errors.verdict != statistics::Verdict::first_better) continue;
       Standing& loser = standings[first_loses ? duel.first : duel.second];
@@ -373,7 +380,13 @@ std::vector<std::string> choices_to_make(const Bench& bench, const Analysis& ana
       const Standing& s = standings[name];
       if (s.cells == 0) continue;
       text += text.back() == ':' ? " " : "; ";
-      if (s.overall > 0)
+      if (s.failed == s.cells) {
+        text += name + " gave no result in any of " + std::to_string(s.cells) + " cells";
+        continue;
+      }
+      if (!s.compared)
+        text += "of " + name + " nothing can be said: too few trials to compare it";
+      else if (s.overall > 0)
         text += name + " is beaten by " + fixed(1e3 * s.overall, 2) + " mm over all places together, and on " +
                 std::to_string(s.beaten_on.size()) + " of " + std::to_string(places) + " by itself";
       else if (s.beaten_on.empty())

@@ -49,6 +49,10 @@ struct Analysis {
 
 Analysis analyse(const Bench& bench);
 
+/// Time of the nodes that alternatives change in a cell [s], without those that only judge; nan if one of them was
+/// taken from the store and so not timed.
+double seconds_of(const Bench& bench, const Cell& cell);
+
 /// What one should know first, a sentence each: per pair of alternatives the verdict over all places and where it
 /// differs.
 std::vector<std::string> verdicts(const Bench& bench, const Analysis& analysis);

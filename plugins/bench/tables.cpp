@@ -80,6 +80,12 @@ std::string table_cell(std::string text) {
   return text.size() > 400 ? text.substr(0, 400) + " …" : text;
 }
 
+std::string one_line(std::string text) {
+  for (char& c : text)
+    if (c == '\n' || c == '\r') c = ' ';
+  return text;
+}
+
 std::string rate_text(const Row& row, double tau) {
   for (const auto& rate : row.summary.failure_rates)
     if (rate.tau == tau)
@@ -95,13 +101,31 @@ std::string seeds_text(const std::vector<std::uint64_t>& seeds) {
   return seeds.size() > 5 ? text + ", …" : text;
 }
 
-/// Characters that \csname cannot take.
-std::string tex_name(std::string name) {
-  for (char& c : name)
-    if (std::string("\\{}%#&~^$_").find(c) != std::string::npos) c = '-';
-  for (std::size_t at; (at = name.find("·")) != std::string::npos;) name.replace(at, std::string("·").size(), "+");
-  return name;
-}
+/// Names of places and alternatives without the characters that \csname cannot take, no two the same.
+class TexNames {
+ public:
+  std::string of(const std::string& name) {
+    if (const auto known = names_.find(name); known != names_.end()) return known->second;
+    std::string plain = name;
+    for (char& c : plain)
+      if (std::string("\\{}%#&~^$_\r\n").find(c) != std::string::npos) c = '-';
+    for (std::size_t at; (at = plain.find("·")) != std::string::npos;) plain.replace(at, std::string("·").size(), "+");
+    std::string unique = plain;
+    for (int n = 2; !taken_.insert(unique).second; ++n) unique = plain + "-" + std::to_string(n);
+    return names_[name] = unique;
+  }
+  /// A comment line for each name that is written otherwise.
+  std::string legend() const {
+    std::string text;
+    for (const auto& [name, written] : names_)
+      if (name != written) text += "% " + one_line(name) + " is written " + written + "\n";
+    return text;
+  }
+
+ private:
+  std::map<std::string, std::string> names_;
+  std::set<std::string> taken_;
+};
 
 }  // namespace
 
@@ -153,9 +177,7 @@ std::string to_csv(const Bench& bench) {
     for (const Group& group : bench.groups) text += "," + formats::csv_field(cell.choices.at(group.name));
     text += "," + std::to_string(cell.seed) + "," + cell.status;
     for (const std::string& quantity : quantities) text += "," + shortest(cell.measure(quantity));
-    double seconds = 0;
-    for (const auto& [node, s] : cell.seconds) seconds += s;
-    text += "," + (cell.seconds.empty() ? "" : shortest(seconds)) + "," + formats::csv_field(cell.error) + "\r\n";
+    text += "," + shortest(seconds_of(bench, cell)) + "," + formats::csv_field(cell.error) + "\r\n";
   }
   return text;
 }
@@ -187,7 +209,7 @@ std::string to_json(const Bench& bench, const Analysis& analysis) {
 }
 
 std::string to_markdown(const Bench& bench, const Analysis& analysis) {
-  std::string text = "# " + bench.title + "\n\n" + coverage_text(bench, analysis) + ".\n\n";
+  std::string text = "# " + one_line(bench.title) + "\n\n" + coverage_text(bench, analysis) + ".\n\n";
   if (!bench.groups.empty()) text += "## What to choose\n\n";
   for (const std::string& sentence : choices_to_make(bench, analysis)) text += "- " + sentence + "\n";
   if (!bench.groups.empty()) text += "\n## Verdicts\n\n";
@@ -238,22 +260,24 @@ std::string to_markdown(const Bench& bench, const Analysis& analysis) {
 
 std::string to_tex(const Bench& bench, const Analysis& analysis) {
   std::string text =
-      "% " + bench.title +
+      "% " + one_line(bench.title) +
       "\n% \\bench{place/alternative/quantity}: millimetres, seconds and plain numbers; quantities rmse, "
       "rmse-low, rmse-high,\n% bias, predicted, efficiency, nees, failures, trials, seconds. "
       "\\benchdiff{place/first/second}: mm, -low, -high.\n"
       "\\makeatletter\n"
       "\\newcommand{\\bench}[1]{\\ifcsname bench@#1\\endcsname\\csname bench@#1\\endcsname\\else\\textbf{??}\\fi}\n"
       "\\newcommand{\\benchdiff}[1]{\\bench{diff/#1}}\n";
+  TexNames names;
+  std::string definitions;
+  // What is not defined prints ??, so that nothing that does not exist is quoted as a number.
   const auto define = [&](const std::string& name, const std::string& value) {
-    text += "\\expandafter\\def\\csname bench@" + tex_name(name) + "\\endcsname{" +
-            (value == "–" ? "\\textendash{}" : value) + "}\n";
+    if (value != "–") definitions += "\\expandafter\\def\\csname bench@" + name + "\\endcsname{" + value + "}\n";
   };
   define("cells", std::to_string(analysis.cells));
   define("seeds", std::to_string(analysis.seeds));
   for (const Row& row : analysis.rows) {
     const auto& s = row.summary;
-    const std::string name = (row.place.empty() ? "all" : row.place) + "/" + row.name + "/";
+    const std::string name = names.of(row.place.empty() ? "all" : row.place) + "/" + names.of(row.name) + "/";
     const double half = 0.5e3 * (s.rmse.interval.upper - s.rmse.interval.lower);
     define(name + "rmse", number_text(1e3 * s.rmse.value, half));
     define(name + "rmse-low", number_text(1e3 * s.rmse.interval.lower, half));
@@ -270,13 +294,13 @@ std::string to_tex(const Bench& bench, const Analysis& analysis) {
     if (!duel.refused.empty()) continue;
     const Estimate& d = duel.errors.difference;
     const double half = 0.5e3 * (d.interval.upper - d.interval.lower);
-    const std::string name =
-        "diff/" + (duel.overall || duel.place.empty() ? "all" : duel.place) + "/" + duel.first + "/" + duel.second;
+    const std::string name = "diff/" + names.of(duel.overall || duel.place.empty() ? "all" : duel.place) + "/" +
+                             names.of(duel.first) + "/" + names.of(duel.second);
     define(name, number_text(1e3 * d.value, half));
     define(name + "-low", number_text(1e3 * d.interval.lower, half));
     define(name + "-high", number_text(1e3 * d.interval.upper, half));
   }
-  return text + "\\makeatother\n";
+  return text + names.legend() + definitions + "\\makeatother\n";
 }
 
 }  // namespace plumbline::bench

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "evaluate/metrics.hpp"
+#include "judgement/worst_first.hpp"
 #include "text/xml_text.hpp"
 
 namespace plumbline::evaluate {
@@ -83,10 +84,8 @@ std::string junit_xml(const AccuracyT& accuracy, const DeviationT* deviation) {
 
 std::string stake_out_csv(const DeviationT& deviation, const FrameLink& building_from_survey) {
   std::vector<const AnchorDeviationT*> anchors;
-  for (const auto& anchor : deviation.anchors)
-    if (anchor->design.allFinite()) anchors.push_back(anchor.get());
-  std::stable_sort(anchors.begin(), anchors.end(),
-                   [](const auto* a, const auto* b) { return a->verdict > b->verdict; });
+  for (const AnchorDeviationT* anchor : judgement::worst_first(deviation))
+    if (anchor->design.allFinite()) anchors.push_back(anchor);
   const Eigen::Matrix3d survey_from_building = building_from_survey.linear().inverse();
   std::string text;
   for (const AnchorDeviationT* anchor : anchors) {

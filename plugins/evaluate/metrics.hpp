@@ -1,6 +1,7 @@
 // An evaluation as files for people and programs. Nothing is computed here: every verdict is the artifact's.
 #pragma once
 
+#include <cmath>
 #include <string>
 
 #include "artifacts/deviation.hpp"
@@ -8,6 +9,13 @@
 #include "judgement/accuracy.hpp"
 
 namespace plumbline::evaluate {
+
+/// The verdict on an axis in the files: not_judged where it was measured and no tolerance holds for it.
+inline std::string verdict_word(const JudgedAxisT& axis) {
+  if (axis.verdict == ToleranceVerdict::not_measured && std::isfinite(axis.value) && !(axis.tolerance > 0))
+    return "not_judged";
+  return EnumNameToleranceVerdict(axis.verdict);
+}
 
 /// metrics.json after schemas/metrics.schema.json: lengths in m, unknown numbers null, 17 digits. `deviation` may be
 /// null.
@@ -23,8 +31,8 @@ std::string metrics_csv(const AccuracyT& accuracy, const DeviationT* deviation =
 std::string junit_xml(const AccuracyT& accuracy, const DeviationT* deviation = nullptr);
 
 /// Stake-out table: `PtID;E;N;H;dE;dN;dH;code` with the design positions of the anchors in m and the corrections to
-/// what is there, those first that fail, in the frame of the survey, in which the instrument stands. No header: site
-/// instruments import it as it is.
+/// what is there, in the order of the work list, in the frame of the survey, in which the instrument stands. No header:
+/// site instruments import it as it is.
 std::string stake_out_csv(const DeviationT& deviation, const FrameLink& building_from_survey = {});
 
 /// Verdict over the check anchors against the survey: "pass" if all pass in height, "fail" if one fails in height or in

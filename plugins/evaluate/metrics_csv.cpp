@@ -37,12 +37,13 @@ std::string deviation_header() {
 
 std::string deviation_cells(const AnchorDeviationT* d) {
   if (!d) return std::string(4 + 20 + 3, ',');
-  std::string text = formats::csv_field(d->guid) + "," + millimetres(d->deviation.x()) + "," + millimetres(d->deviation.y()) + "," +
-                     millimetres(d->deviation.z()) + ",";
+  std::string text = formats::csv_field(d->guid) + "," + millimetres(d->deviation.x()) + "," +
+                     millimetres(d->deviation.y()) + "," + millimetres(d->deviation.z()) + ",";
   for (const auto& axis : d->axes)
     text += millimetres(axis->value) + "," + millimetres(axis->u) + "," + millimetres(axis->tolerance) + "," +
-            EnumNameToleranceVerdict(axis->verdict) + ",";
-  return text + EnumNameToleranceVerdict(d->verdict) + "," + formats::csv_field(d->decided_by) + "," + number(d->pass_probability, 4) + ",";
+            verdict_word(*axis) + ",";
+  return text + EnumNameToleranceVerdict(d->verdict) + "," + formats::csv_field(d->decided_by) + "," +
+         number(d->pass_probability, 4) + ",";
 }
 
 std::string header(const std::string& reference) {
@@ -73,9 +74,9 @@ std::string metrics_csv(const AccuracyT& accuracy, const DeviationT* deviation) 
   if (!deviation) return text;
   for (const auto& anchor : deviation->anchors) {  // those that only the design knows, in its order
     if (!built.contains(anchor->id)) continue;
-    text += formats::csv_field(anchor->id) + "," + std::to_string(anchor->floor) + "," + std::to_string(anchor->column) + ",,,,,," +
-            difference_cells(nullptr) + difference_cells(nullptr) + deviation_cells(anchor.get()) + formats::csv_field(anchor->note) +
-            "\n";
+    text += formats::csv_field(anchor->id) + "," + std::to_string(anchor->floor) + "," +
+            std::to_string(anchor->column) + ",,,,,," + difference_cells(nullptr) + difference_cells(nullptr) +
+            deviation_cells(anchor.get()) + formats::csv_field(anchor->note) + "\n";
   }
   return text;
 }

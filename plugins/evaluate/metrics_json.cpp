@@ -207,12 +207,8 @@ Json to_json(const PanelDeviationT& p) {
 }
 
 Json to_json(const JudgedAxisT& a) {
-  return {{"axis", a.axis},
-          {"value", a.value},
-          {"u", a.u},
-          {"tolerance", a.tolerance},
-          {"verdict", EnumNameToleranceVerdict(a.verdict)},
-          {"source", a.source}};
+  return {{"axis", a.axis},           {"value", a.value},           {"u", a.u},
+          {"tolerance", a.tolerance}, {"verdict", verdict_word(a)}, {"source", a.source}};
 }
 
 Json to_json(const AnchorDeviationT& a) {

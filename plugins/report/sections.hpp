@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "artifacts/survey_plan.hpp"
+#include "judgement/worst_first.hpp"
 #include "report/markup.hpp"
 #include "report/report.hpp"
 
@@ -16,12 +17,9 @@ std::string render_page(const std::string& title, const std::function<void(Marku
 
 /// "out of plane", from the name of an axis or of what decides.
 std::string words_of(std::string name);
-/// The axis that decides an anchor's verdict; null if none does.
-const JudgedAxisT* deciding_axis(const AnchorDeviationT& anchor);
-/// Anchors (panels) as they should be mended: fail, undecided, not measured, pass; then by the share of the tolerance
-/// used.
-std::vector<const AnchorDeviationT*> worst_first(const DeviationT& deviation);
-std::vector<const PanelDeviationT*> worst_panels_first(const DeviationT& deviation);
+using judgement::deciding_axis;
+using judgement::worst_first;
+using judgement::worst_panels_first;
 
 /// The comparison of the anchors of one use against one reference; null if there is none.
 const AccuracyComparisonT* comparison(const AccuracyT& accuracy, AnchorUse use, AccuracyReference reference);

@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "plumbline/stop.hpp"
+
 namespace plumbline::survey {
 
 namespace {
@@ -73,6 +75,7 @@ class SightSearch {
     double most = -1;
     size_t best = 0;
     for (size_t i = 0; i < spare_.size(); ++i) {
+      stop_point();
       const SightRows r = rows_of(layout_, network_, options_, spare_[i]);
       const std::vector<int> at(r.unknowns.begin(), r.unknowns.end());
       const Eigen::Vector2d g = r.rows * effect(at);
@@ -117,6 +120,7 @@ std::vector<Sight> sights_for_transfer(const PlanLayout& layout, const PlanPredi
 
 double height_sigma_with(const PlanLayout& layout, const PlanPrediction& prediction, const PlanOptions& options,
                          const PlanLayout& trial, const HeightWeights& weights) {
+  stop_point();
   const NetworkResult& network = prediction.network;
   Eigen::VectorXd w = Eigen::VectorXd::Zero(network.cofactors.rows());
   for (const auto& [m, weight] : weights) w[network.point(layout.markers()[m].id).unknowns[2]] += weight;

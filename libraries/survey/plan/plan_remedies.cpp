@@ -8,6 +8,7 @@
 #include <set>
 #include <sstream>
 
+#include "plumbline/stop.hpp"
 #include "survey/plan/plan_effect.hpp"
 #include "survey/plan/plan_layout.hpp"
 
@@ -99,6 +100,7 @@ std::optional<NewSetUp> best_new_set_up(const PlanLayout& layout, const std::fun
   PlannedSetUp chosen;
   std::vector<size_t> sights;
   for (PlannedSetUp place : places_for_a_set_up(layout, keep)) {
+    stop_point();
     PlanLayout trial = layout;
     trial.add_set_up(place);
     const size_t s = trial.set_ups().size() - 1;
@@ -170,6 +172,7 @@ std::vector<PlanRemedy> remedies_for_set_ups(const PlanLayout& layout, const Pla
   PlanLayout mended = layout;
   size_t open = 0;
   for (size_t m = 0; m < layout.markers().size(); ++m) {
+    stop_point();
     std::vector<Sight> spare = spare_sights(layout, [&](size_t other) { return other == m; });
     std::sort(spare.begin(), spare.end(), [&](const Sight& a, const Sight& b) {
       return quality(layout.sight(a.first, m)) < quality(layout.sight(b.first, m));
@@ -245,6 +248,7 @@ std::vector<PlanRemedy> remedies_for_rank(const PlanLayout& layout, const PlanOp
     return (layout.markers()[a].position - layout.markers()[b].position).head<2>().norm();
   };
   for (const auto& [a, b] : pairs_by_common_markers(layout)) {
+    stop_point();
     if (predict(trial, options.sets).adjustable) break;
     std::vector<size_t> common, spare;
     for (size_t m = 0; m < layout.markers().size(); ++m) {

@@ -102,6 +102,48 @@ TEST(Bench, NamesAreNoFormulasInTheTable) {
   EXPECT_THAT(csv, Not(HasSubstr(",=a")));
 }
 
+/// Once a difference of 0.000 with an alternative that had no result, one macro for two names, and another time in the
+/// table than on the page.
+TEST(Bench, WhatDoesNotExistIsNoNumberAndNamesStayApart) {
+  BenchProgram plumbline;
+  plumbline.bench_file(
+      "title: \"two\\n\\\\input{evil}\"\nseeds: 1-8\nalternatives: {method: {a_b: {}, a%b: {solver.with.factor: 1.5}, "
+      "none: {solver.with.fails: 1}}}\n");
+  plumbline.run();
+  const std::string tex = read_file(plumbline.work() / "out/b/bench.tex");
+  EXPECT_THAT(tex, Not(HasSubstr("\n\\input")));
+  EXPECT_THAT(tex, HasSubstr("bench@all/a-b/rmse\\"));
+  EXPECT_THAT(tex, HasSubstr("bench@all/a-b-2/rmse\\"));
+  EXPECT_THAT(tex, testing::AnyOf(HasSubstr("bench@diff/all/a-b/a-b-2\\"), HasSubstr("bench@diff/all/a-b-2/a-b\\")));
+  EXPECT_THAT(tex, Not(HasSubstr("/none\\endcsname")));
+  const Json summary = plumbline.summary();
+  for (const Json& duel : summary["comparisons"]) {
+    if (duel["second"] != "none") continue;
+    EXPECT_TRUE(duel["difference"]["value"].is_null());
+  }
+  const std::string choice = summary["choices"][0].get<std::string>();
+  EXPECT_THAT(choice, HasSubstr("none gave no result in any of 8 cells"));
+  EXPECT_THAT(choice, HasSubstr("a_b is beaten nowhere"));
+}
+
+TEST(Bench, OfTooFewTrialsNothingIsSaid) {
+  BenchProgram plumbline;
+  plumbline.bench_file("seeds: 1\nalternatives: {method: {good: {}, worse: {solver.with.factor: 1.5}}}\n");
+  plumbline.run();
+  EXPECT_THAT(plumbline.summary()["choices"][0].get<std::string>(), HasSubstr("of good nothing can be said"));
+}
+
+TEST(Bench, TheTableHasTheTimeOfThePage) {
+  BenchProgram plumbline;
+  plumbline.bench_file(
+      "seeds: 1\nalternatives: {method: {good: {solver.use: trial.judged}, worse: {solver.use: trial.judged, "
+      "solver.with.factor: 1.5}}}\n");
+  plumbline.run();
+  const Json rows = plumbline.summary()["rows"];
+  const std::string csv = read_file(plumbline.work() / "out/b/bench.csv");
+  for (const Json& row : rows) EXPECT_THAT(csv, HasSubstr("," + row["seconds"].dump() + ",")) << csv;
+}
+
 TEST(Bench, AFailedCellIsAResultWithItsReasonEveryTimeItIsShown) {
   BenchProgram plumbline;
   plumbline.bench_file("seeds: 1-10\nalternatives: {method: {sound: {}, weak: {solver.with.fails: 0.5}}}\n");

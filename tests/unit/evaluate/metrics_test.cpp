@@ -115,6 +115,31 @@ TEST(StakeOut, HoldsDesignAndCorrectionWorstFirst) {
   EXPECT_EQ(table.substr(0, table.find('\n')), "F3C1;2.0000;0.0000;9.0000;0.0000;0.0000;-0.0040;fail");
 }
 
+/// Once those that fail stood by name, and the crew began with another anchor than the page.
+TEST(StakeOut, BeginsWithTheAnchorThatThePageBeginsWith) {
+  DeviationT deviation = built();
+  const auto fail_by = [&](size_t i, double value) {
+    AnchorDeviationT& anchor = *deviation.anchors[i];
+    anchor.verdict = ToleranceVerdict::fail, anchor.decided_by = "vertical";
+    for (const auto& axis : anchor.axes)
+      if (axis->axis == "vertical") axis->value = value, axis->tolerance = 0.005;
+  };
+  fail_by(0, 0.0065), fail_by(4, -0.0081);
+  const std::string table = stake_out_csv(deviation);
+  EXPECT_EQ(table.substr(0, table.find(';')), "F3C1");
+}
+
+TEST(MetricsFiles, AnAxisWithoutToleranceIsNotCalledNotMeasured) {
+  DeviationT deviation = built();
+  JudgedAxisT& axis = *deviation.anchors[4]->axes.back();
+  axis.value = 0.001, axis.tolerance = std::nan(""), axis.verdict = ToleranceVerdict::not_measured;
+  const AccuracyT accuracy = evaluate_accuracy(everything(), {});
+  const json document = json::parse(metrics_json(accuracy, &deviation));
+  EXPECT_EQ(schema_errors(document), "");
+  EXPECT_EQ(document["deviation"]["anchors"][4]["axes"].back()["verdict"], "not_judged");
+  EXPECT_NE(metrics_csv(accuracy, &deviation).find(",not_judged,"), std::string::npos);
+}
+
 /// The instrument stands in the survey: positions and corrections are in its frame, heights unscaled.
 TEST(StakeOut, IsInTheFrameOfTheSurvey) {
   DeviationT deviation = built();

@@ -464,6 +464,21 @@ TEST(ControlFiles, TakeTablesWithoutHeaderAndTellWhatTheyCannotTake) {
               HasSubstr("for some of x, y and z only"));
 }
 
+/// Once dropped without a word, and the accuracy that the pipeline assumes took their place.
+TEST(ControlFiles, StandardDeviationsAreReadByWhateverNameOrRefused) {
+  for (const char* header : {"id,east_m,north_m,height_m,sigma_east_mm,sigma_north_mm,sigma_height_mm",
+                             "id,E,N,H,sigma_E_mm,sigma_N_mm,sigma_H_mm", "id,E,N,H,sE_mm,sN_mm,sH_mm",
+                             "id,x,y,z,std_x [mm],std_y [mm],std_z [mm]"}) {
+    const auto points = markers::parse_control(std::string(header) + "\nA,1,2,3,2,4,6\n", "c.csv");
+    EXPECT_NEAR((points.at(0).sigma - Eigen::Vector3d(0.002, 0.004, 0.006)).norm(), 0, 1e-12) << header;
+  }
+  EXPECT_THAT(message_of([] { markers::parse_control("id,E,N,H,sigma_h_mm\nA,1,2,3,5\n", "c.csv"); }),
+              HasSubstr("for some of x, y and z only"));
+  EXPECT_THAT(message_of([] { markers::parse_control("id,E,N,H,stdPlan,stdHeight\nA,1,2,3,5,6\n", "c.csv"); }),
+              HasSubstr("the column 'stdplan' looks like an accuracy"));
+  EXPECT_EQ(markers::parse_control("id,E,N,H,code,date\nA,1,2,3,bolt,2026\n", "c.csv").size(), 1u);
+}
+
 TEST(ControlFiles, GcpListsOfOpenDroneMapKeepOnePlaceAPoint) {
   const std::string list = "# made by hand\nWGS84 UTM 16N \n1 2 3 10 20 a.jpg g1\n1 2 3 11 21 b.jpg g1\n";
   EXPECT_EQ(markers::parse_control(list, "g.txt").size(), 1u);

@@ -206,6 +206,16 @@ TEST(FileHashes, FollowTheContent) {
   EXPECT_EQ(hashes.of_tree(folder.path() / "moved"), second) << "the folder's own name does not";
 }
 
+TEST(FileHashes, ADeviceIsRefusedBecauseItHasNoEnd) {
+  const TemporaryFolder folder;
+  try {
+    runtime::FileHashes(folder.path() / "hashes").of_file("/dev/zero");
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("no regular file"), std::string::npos) << error.what();
+  }
+}
+
 TEST(FileHashes, AreRememberedOnceTheFileHasSettled) {
   const TemporaryFolder folder;
   const fs::path file = folder.path() / "a", log = folder.path() / "hashes";
