@@ -23,7 +23,7 @@ constexpr double kPlacementSlack = 0.005;
 /// GlobalId, OwnerHistory, Name, Description, ObjectType, ObjectPlacement, Representation.
 constexpr std::size_t kArgumentsOfProduct = 7;
 /// So many of the elements that nothing is judged by have their shape read: enough to tell where the building stands.
-constexpr std::size_t kOtherShapes = 300;
+constexpr std::size_t kOtherShapes = 100;
 
 bool may_be_panel(const std::string& ifc_class) {
   return ifc_class == "IfcPlate" || ifc_class == "IfcPlateStandardCase" || ifc_class == "IfcCurtainWall";

@@ -1,6 +1,8 @@
 #include "ifc/design_map.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "ifc/ifc_units.hpp"
 
@@ -18,7 +20,9 @@ class MapReader {
   void read();
 
  private:
-  MapConversion conversion(const Entity& entity);
+  std::optional<MapConversion> conversion(const Entity& entity);
+  bool scaled(const Entity& entity, MapConversion& map);
+  void check_origin(const Entity& entity);
   void property_set();
   void check_scale(const MapConversion& map, double map_unit);
 
@@ -31,12 +35,15 @@ void MapReader::read() {
   int found = 0;
   for (const char* keyword : {"IFCMAPCONVERSION", "IFCMAPCONVERSIONSCALED", "IFCRIGIDOPERATION"})
     for_all(model_, keyword, damage_, [&](const Entity& entity) {
-      const MapConversion map = conversion(entity);
-      if (++found == 1)
+      ++found;
+      const std::optional<MapConversion> map = conversion(entity);
+      if (!map) return;
+      check_origin(entity);
+      if (!design_.map_conversion)
         design_.map_conversion = map;
-      else if (!(map == *design_.map_conversion))
+      else if (!(*map == *design_.map_conversion))
         design_.warnings.push_back("the file has another georeference (#" + std::to_string(entity.id()) + ", " +
-                                   describe(map) + ") beside the first (" + describe(*design_.map_conversion) +
+                                   describe(*map) + ") beside the first (" + describe(*design_.map_conversion) +
                                    "); the first is handed on");
     });
   if (found == 0) property_set();
@@ -48,9 +55,20 @@ void MapReader::read() {
         "against surveyed points before use");
 }
 
-MapConversion MapReader::conversion(const Entity& entity) {
+/// Nothing, with a warning, for what is no shift, turn and scale in the plane of a map.
+std::optional<MapConversion> MapReader::conversion(const Entity& entity) {
   MapConversion map;
-  if (entity.keyword() == "IFCRIGIDOPERATION") {
+  const std::uint64_t target = entity.reference("TargetCRS");
+  const bool rigid = entity.keyword() == "IFCRIGIDOPERATION";
+  const bool angles = rigid && entity.value("FirstCoordinate").kind == step::Kind::typed &&
+                      entity.value("FirstCoordinate").text == "IFCPLANEANGLEMEASURE";
+  if (angles || model_.keyword(target) == "IFCGEOGRAPHICCRS") {
+    design_.warnings.push_back("the georeference #" + std::to_string(entity.id()) +
+                               " gives longitude and latitude, no coordinates of a map: it is not used; a survey in "
+                               "map coordinates needs frames.use=fitted or given");
+    return std::nullopt;
+  }
+  if (rigid) {
     map.eastings = entity.number("FirstCoordinate");
     map.northings = entity.number("SecondCoordinate");
     map.orthogonal_height = entity.optional_number("Height").value_or(0);
@@ -63,7 +81,7 @@ MapConversion MapReader::conversion(const Entity& entity) {
     map.scale_given = entity.optional_number("Scale").has_value();
     map.scale = entity.optional_number("Scale").value_or(1);
   }
-  const std::uint64_t target = entity.reference("TargetCRS");
+  if (entity.keyword() == "IFCMAPCONVERSIONSCALED" && !scaled(entity, map)) return std::nullopt;
   if (model_.keyword(target) == "IFCPROJECTEDCRS") {
     const Entity crs = model_.entity(target, entity.id());
     map.crs_name = crs.text("Name");
@@ -71,6 +89,35 @@ MapConversion MapReader::conversion(const Entity& entity) {
   }
   check_scale(map, std::isnan(map.map_unit) ? 1 : map.map_unit);
   return map;
+}
+
+/// Factors of the three axes beside the scale of the units. One of the plan goes into the scale; false, with a warning,
+/// for what would deform the building.
+bool MapReader::scaled(const Entity& entity, MapConversion& map) {
+  const double x = entity.number("FactorX"), y = entity.number("FactorY"), z = entity.number("FactorZ");
+  if (std::abs(x - y) > 1e-9 || std::abs(z - 1) > 1e-9) {
+    design_.warnings.push_back("the georeference #" + std::to_string(entity.id()) + " stretches x by " +
+                               std::to_string(x) + ", y by " + std::to_string(y) + ", heights by " + std::to_string(z) +
+                               ": it is not used; a survey in map coordinates needs frames.use=fitted or given");
+    return false;
+  }
+  map.scale *= x;
+  return true;
+}
+
+/// A world coordinate system off the origin: exporters disagree whether their map conversion starts from there.
+void MapReader::check_origin(const Entity& entity) {
+  const auto context = model_.file().find(entity.reference("SourceCRS"));
+  if (!context || model_.file().type_name(*context) != "IFCGEOMETRICREPRESENTATIONCONTEXT") return;
+  const auto arguments = model_.file().arguments(*context);
+  if (arguments.size() < 5 || arguments[4].kind != step::Kind::reference) return;
+  const std::uint64_t location = model_.entity(arguments[4].id, context->id).reference("Location");
+  if (model_.keyword(location) != "IFCCARTESIANPOINT") return;
+  const std::vector<double> origin = model_.entity(location).numbers("Coordinates");
+  if (std::any_of(origin.begin(), origin.end(), [](double c) { return std::abs(c) > 1e-9; }))
+    design_.warnings.push_back("the world coordinate system of the file (#" + std::to_string(context->id) +
+                               ") stands off its origin: whether the map conversion starts from there is not said; "
+                               "check it against surveyed points before use");
 }
 
 /// IFC2X3 has no IfcMapConversion; the usual stand-in is a property set.

@@ -41,6 +41,14 @@ CommonPoints changed(const CommonPoints& points, double factor, bool swap) {
   return out;
 }
 
+/// The standard: Scale is project unit over map unit, times a grid scale near 1. What is left after the units is the
+/// grid scale; a rest far from 1 is a unit that the exporter forgot or inverted.
+double grid_scale(double scale, double map_unit, double length_unit) {
+  for (const double candidate : {scale * map_unit / length_unit, scale, scale * length_unit / map_unit})
+    if (std::abs(candidate - 1) < 0.01) return candidate;
+  return 1;
+}
+
 /// Median misfit after the best shift and turn; nan where it cannot be fitted.
 double misfit_of_fit(const CommonPoints& points) {
   try {
@@ -64,18 +72,12 @@ Eigen::Vector3d design_from_survey(const PlanTransform& t, const Eigen::Vector3d
 
 std::vector<Reading> readings_of(const MapConversion& map, double length_unit) {
   const double map_unit = std::isfinite(map.map_unit) ? map.map_unit : length_unit;
-  // The standard: Scale is project unit over map unit, times a grid scale near 1. What is left after the units is the
-  // grid scale; a rest far from 1 is a unit that the exporter forgot or inverted.
-  double scale = 1;
-  for (const double candidate : {map.scale * map_unit / length_unit, map.scale, map.scale * length_unit / map_unit})
-    if (std::abs(candidate - 1) < 0.01) {
-      scale = candidate;
-      break;
-    }
   const double angle = std::atan2(map.x_axis_ordinate, map.x_axis_abscissa);
   const auto with = [&](const char* use, const std::string& words, double unit, double turn) {
-    return Reading{
-        use, words, {turn, scale, unit * Eigen::Vector3d(map.eastings, map.northings, map.orthogonal_height)}};
+    return Reading{use,
+                   words,
+                   {turn, grid_scale(map.scale, unit, length_unit),
+                    unit * Eigen::Vector3d(map.eastings, map.northings, map.orthogonal_height)}};
   };
   std::vector<Reading> readings{with("map_conversion", "its map conversion", map_unit, angle)};
   const auto add = [&](Reading reading) {

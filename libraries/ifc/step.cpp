@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cstring>
 #include <mutex>
 #include <unordered_map>
 
@@ -27,6 +28,36 @@ constexpr std::array<bool, 256> kInteresting = [] {
   for (const char c : {'(', ')', '\'', '"', '/', ';'}) table[static_cast<unsigned char>(c)] = true;
   return table;
 }();
+
+constexpr std::array<bool, 256> kInKeyword = [] {
+  std::array<bool, 256> table{};
+  for (int c = 0; c < 128; ++c) {
+    const char letter = static_cast<char>(c);
+    table[static_cast<std::size_t>(c)] = is_letter(letter) || is_digit(letter) || letter == '-';
+  }
+  return table;
+}();
+
+/// Of a keyword, small letters like capitals: the bit between them is left out. Eight bytes at a time, because a model
+/// has millions of instances.
+std::uint64_t hash_of(std::string_view keyword) {
+  std::uint64_t hash = keyword.size();
+  while (!keyword.empty()) {
+    const std::size_t size = std::min<std::size_t>(keyword.size(), 8);
+    std::uint64_t word = 0;
+    std::memcpy(&word, keyword.data(), size);
+    hash = (hash ^ (word & 0xDFDFDFDFDFDFDFDF)) * 0x9E3779B97F4A7C15;
+    hash ^= hash >> 32;
+    keyword.remove_prefix(size);
+  }
+  return hash;
+}
+
+bool same_keyword(const std::string& capitals, std::string_view keyword) {
+  if (capitals.size() != keyword.size()) return false;
+  return std::memcmp(capitals.data(), keyword.data(), keyword.size()) == 0 ||
+         std::equal(capitals.begin(), capitals.end(), keyword.begin(), [](char a, char b) { return a == upper(b); });
+}
 
 void refuse_other_formats(const Scanner& scanner) {
   if (scanner.starts_with("PK\x03\x04"))
@@ -102,7 +133,7 @@ void Scanner::fail(const std::string& expected) const {
   fail_at(at, "found " + found + ", expected " + expected);
 }
 
-void Scanner::skip_blank() {
+void Scanner::skip_blanks() {
   for (;;) {
     while (!ended() && static_cast<unsigned char>(bytes_[at]) <= ' ') ++at;
     if (!starts_with("/*")) return;
@@ -334,20 +365,15 @@ void File::read_instance(Scanner& scanner) {
 std::uint32_t File::type_of(Scanner& scanner) {
   const std::size_t begin = scanner.at;
   if (scanner.peek() != '(' && !is_letter(scanner.peek())) scanner.fail("a keyword");
-  std::uint64_t hash = 14695981039346656037u;  // FNV-1a over capitals
   std::size_t end = begin;
-  for (; end < bytes_.size() && (is_letter(bytes_[end]) || is_digit(bytes_[end]) || bytes_[end] == '-'); ++end)
-    hash = (hash ^ static_cast<unsigned char>(upper(bytes_[end]))) * 1099511628211u;
+  while (end < bytes_.size() && kInKeyword[static_cast<unsigned char>(bytes_[end])]) ++end;
   const std::string_view keyword = bytes_.substr(begin, end - begin);
+  const std::uint64_t hash = hash_of(keyword);
   scanner.at = end;
   const std::size_t mask = type_table_.size() - 1;
-  std::size_t slot = (hash ^ (hash >> 32)) & mask;
-  for (; type_table_[slot] != 0; slot = (slot + 1) & mask) {
-    const std::string& known = type_names_[type_table_[slot] - 1];
-    if (std::equal(known.begin(), known.end(), keyword.begin(), keyword.end(),
-                   [](char a, char b) { return a == upper(b); }))
-      return type_table_[slot] - 1;
-  }
+  std::size_t slot = hash & mask;
+  for (; type_table_[slot] != 0; slot = (slot + 1) & mask)
+    if (same_keyword(type_names_[type_table_[slot] - 1], keyword)) return type_table_[slot] - 1;
   if (type_names_.size() >= 60000) scanner.fail_at(begin, "found more than 60000 keywords, expected those of IFC");
   std::string capitals(keyword);
   for (char& c : capitals) c = upper(c);
@@ -356,9 +382,7 @@ std::uint32_t File::type_of(Scanner& scanner) {
   if (2 * type_names_.size() > type_table_.size()) {
     std::vector<std::uint32_t> larger(2 * type_table_.size(), 0);
     for (std::uint32_t i = 0; i < type_names_.size(); ++i) {
-      std::uint64_t h = 14695981039346656037u;
-      for (const char c : type_names_[i]) h = (h ^ static_cast<unsigned char>(c)) * 1099511628211u;
-      std::size_t place = (h ^ (h >> 32)) & (larger.size() - 1);
+      std::size_t place = hash_of(type_names_[i]) & (larger.size() - 1);
       while (larger[place] != 0) place = (place + 1) & (larger.size() - 1);
       larger[place] = i + 1;
     }

@@ -14,9 +14,9 @@ inline constexpr int kDeepest = 100;
 
 std::string place(std::string_view bytes, const std::string& name, std::size_t offset);
 
-inline bool is_letter(char c) { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '_' || c == '!'; }
-inline bool is_digit(char c) { return c >= '0' && c <= '9'; }
-inline char upper(char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; }
+inline constexpr bool is_letter(char c) { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '_' || c == '!'; }
+inline constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
+inline constexpr char upper(char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; }
 
 class Scanner {
  public:
@@ -29,7 +29,9 @@ class Scanner {
   char peek() const { return ended() ? '\0' : bytes_[at]; }
   bool starts_with(std::string_view text) const { return bytes_.substr(at, text.size()) == text; }
 
-  void skip_blank();                     ///< white space and comments
+  void skip_blank() {  ///< white space and comments
+    if (const auto c = static_cast<unsigned char>(peek()); ended() || c <= ' ' || c == '/') skip_blanks();
+  }
   void skip_string();                    ///< at its opening quote; doubled quotes need no care here
   void skip_arguments();                 ///< at '('; leaves the cursor behind the ')' that closes it
   void skip_instance(std::uint64_t id);  ///< at '('; leaves the cursor behind the ';' of the instance
@@ -46,6 +48,7 @@ class Scanner {
   [[noreturn]] void fail_at(std::size_t offset, const std::string& message) const;
 
  private:
+  void skip_blanks();
   Value read_scalar_number();
   std::string read_text();
   std::string_view bytes_;

@@ -23,7 +23,8 @@ void add_map(const DesignT& design, FrameGraph& graph) {
   const bim::PlanTransform& transform = readings.front().transform;
   FrameLink link;
   link.to = "map", link.from = "building";
-  link.origin = "map conversion of " + design.file_name + (map.crs_name.empty() ? "" : " to " + map.crs_name);
+  link.origin = "map conversion of " + design.file_name + (map.crs_name.empty() ? "" : " to " + map.crs_name) +
+                ", as the standard reads it; not checked against surveyed points";
   link.to_from_from.rotation = Eigen::Quaterniond(std::cos(transform.angle / 2), 0, 0, std::sin(transform.angle / 2));
   link.to_from_from.translation = transform.translation;
   link.scale = transform.scale;

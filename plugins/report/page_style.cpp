@@ -78,7 +78,8 @@ svg .halo{paint-order:stroke;stroke:var(--bg);stroke-width:4px;stroke-linejoin:r
 .quad{fill-opacity:.16;stroke-width:1.2}.quad.pass{fill:var(--pass-fill);stroke:var(--pass-fill)}.quad.undecided{fill:var(--undecided-fill);stroke:var(--undecided-fill);stroke-dasharray:6 3}
 .quad.fail{fill:var(--fail-fill);stroke:var(--fail-fill);stroke-width:2.4}.quad.unmeasured{fill:none;stroke:var(--soft);stroke-dasharray:2 3}
 .tasks td.words{min-width:14em;max-width:34em}.tally b{min-width:4.5em;font-weight:600}
-#canvas{width:100%;height:auto;touch-action:none;border:1px solid var(--line);border-radius:6px;cursor:grab}
+#space .stack{position:relative}#space .stack[hidden]{display:none}#canvas{position:relative;display:block;width:100%;height:auto;touch-action:none;border:1px solid var(--line);border-radius:6px;cursor:grab}
+#canvas-space{position:absolute;inset:1px;width:calc(100% - 2px);height:calc(100% - 2px)}#space label.tick[hidden]{display:none}#space label.tick input{flex:none;margin-right:6px}
 .storey{stroke:var(--line);stroke-dasharray:3 5}
 .ellipse{fill:var(--band);stroke:var(--blue);stroke-width:1.3;fill-opacity:.75}.bar{stroke:var(--blue);stroke-width:2}
 .sight{fill:none;stroke:var(--line);stroke-width:1}.sight.suspect{stroke:var(--fail-fill);stroke-width:2.4}.station{fill:var(--fg)}.datum-ring{fill:none;stroke:var(--fg);stroke-width:1.4}.dot{fill:var(--fg)}

@@ -3,8 +3,10 @@
 
 namespace plumbline::report {
 
-extern const char* const page_style;   ///< CSS
-extern const char* const page_script;  ///< JavaScript: folding, sorting of tables
-extern const char* const view_script;  ///< JavaScript: tolerance slider, view in space
+extern const char* const page_style;    ///< CSS
+extern const char* const page_script;   ///< JavaScript: folding, sorting of tables
+extern const char* const view_script;   ///< JavaScript: tolerance slider, view in space
+extern const char* const space_script;  ///< JavaScript, before view_script: the view by three.js where WebGL runs
+extern const char* const three_script;  ///< three.js, deflated and in base64; made while building
 
 }  // namespace plumbline::report

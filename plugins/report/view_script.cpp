@@ -1,5 +1,5 @@
-// The script of the first screen: verdicts at another tolerance, and the building in space on a plain canvas. It needs
-// no library and no WebGL, so it runs wherever the page opens.
+// The script of the first screen: verdicts at another tolerance, and the building in space on a plain canvas, which
+// needs no library and no WebGL, so it runs wherever the page opens. Where three.js runs, it draws the building behind.
 #include "report/page_style.hpp"
 
 namespace plumbline::report {
@@ -79,12 +79,15 @@ const char* const view_script = R"js(
     frame = { scale: zoom * Math.min((canvas.width - 160) / Math.max(1, r - l), (canvas.height - 90) / Math.max(1, b - t)),
               u: (l + r - canvas.width) / 2, up: (canvas.height - t - b) / 2 };
   };
+  let behind = null;
+  const design = document.getElementById("design-input"), built = document.getElementById("built-input");
   draw = () => {
     const fills = [colour("--soft"), colour("--pass-fill"), colour("--undecided-fill"), colour("--fail-fill")];
     const ink = colour("--fg"), only = floors.value, times = Number(factor.value), shown = item => only === "" || String(item.f) === only;
     told.textContent = "\u00d7" + times;
     pen.clearRect(0, 0, canvas.width, canvas.height);
     fit();
+    if (behind) { drawBehind(fills, ink, times, shown); return; }
     const quads = panels.map((p, i) => ({ p, i, q: p.q.map(project) })).filter(({ p }) => shown(p) && p.q[0][0] !== null)
       .sort((a, b) => b.q.reduce((s, c) => s + c[2], 0) - a.q.reduce((s, c) => s + c[2], 0));
     for (const { i, q } of quads) {
@@ -114,9 +117,25 @@ const char* const view_script = R"js(
       if (w) pen.fill();
       pen.stroke();
     }
-    pen.fillStyle = ink; pen.font = "15px sans-serif";
+    name(ink);
+  };
+  const name = ink => {
     const chosen = spots.find(s => s.a.i === picked);
-    if (chosen) pen.fillText(utf8(chosen.a.n), chosen.at[0] + 12, chosen.at[1] - 8);
+    if (!chosen) return;
+    pen.fillStyle = ink; pen.font = "15px sans-serif";
+    pen.fillText(utf8(chosen.a.n), chosen.at[0] + 12, chosen.at[1] - 8);
+  };
+  // On the plain canvas in front: the chosen anchor's name and a ring around it. What is drawn can be tapped: the as-built place, else that of the design.
+  const drawBehind = (fills, ink, times, shown) => {
+    const anchors = placed.filter(shown).map(a => ({ ...a, w: state.anchors[a.i] }));
+    const at = a => built.checked && a.d[0] !== null ? a.p.map((v, k) => v + times * a.d[k] / 1000) : a.p;
+    behind.draw({ yaw, pitch, frame, fills, ink, times, soft: fills[0], design: design.checked, built: built.checked, anchors,
+                  panels: panels.map((p, i) => ({ ...p, w: state.panels[i] })).filter(shown),
+                  key: [floors.value, times, design.checked, built.checked, ink, ...state.anchors, ...state.panels].join() });
+    spots = anchors.map(a => ({ a, at: project(at(a)) }));
+    const chosen = spots.find(s => s.a.i === picked);
+    if (chosen) { pen.strokeStyle = ink; pen.lineWidth = 2; pen.beginPath(); pen.arc(chosen.at[0], chosen.at[1], 12, 0, 7); pen.stroke(); }
+    name(ink);
   };
   const place = event => { const box = canvas.getBoundingClientRect(); return [(event.clientX - box.left) * canvas.width / box.width, (event.clientY - box.top) * canvas.height / box.height]; };
   const pointers = new Map();
@@ -148,8 +167,25 @@ const char* const view_script = R"js(
   canvas.addEventListener("pointerup", release);
   canvas.addEventListener("pointercancel", event => pointers.delete(event.pointerId));
   canvas.addEventListener("wheel", event => { event.preventDefault(); zoom = Math.min(20, Math.max(0.3, zoom * Math.exp(-event.deltaY / 500))); draw(); }, { passive: false });
-  floors.addEventListener("input", draw); factor.addEventListener("input", draw);
+  for (const control of [floors, factor, design, built]) control.addEventListener("input", draw);
   show();
+  // Unpacked when the view comes near: the page opens as quickly as without.
+  const plainOnly = () => {
+    behind = null;
+    document.getElementById("canvas-space")?.remove();
+    for (const tick of [design, built]) tick.parentElement.hidden = true;
+    draw();
+  };
+  const upgrade = () => spaceBehind(canvas, { reach }).then(space => {
+    if (!space) return;
+    behind = space;
+    space.whenLost(plainOnly);
+    draw();
+    for (const tick of [design, built]) tick.parentElement.hidden = false;
+  }).catch(plainOnly);
+  if (!window.IntersectionObserver) { upgrade(); return; }
+  const watch = new IntersectionObserver(seen => { if (seen.some(s => s.isIntersecting)) { watch.disconnect(); upgrade(); } }, { rootMargin: "600px" });
+  watch.observe(figure);
 })();
 )js";
 

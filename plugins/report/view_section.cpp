@@ -5,6 +5,7 @@
 #include <map>
 
 #include "report/format.hpp"
+#include "report/page_style.hpp"
 #include "report/plot.hpp"
 #include "report/script_data.hpp"
 #include "report/sections.hpp"
@@ -36,7 +37,7 @@ std::string anchor_json(const AnchorDeviationT& a, const Eigen::Vector3d& origin
 
 std::string panel_json(const PanelDeviationT& p, const DeviationT& deviation, const Eigen::Vector3d& origin,
                        const std::map<std::string, std::size_t>& index) {
-  std::string lengths, anchors, corners;
+  std::string lengths, anchors, corners, movements;
   const auto add = [&](const JudgedLengthT* l) {
     if (l && l->tolerance > 0 && std::isfinite(l->value))
       lengths +=
@@ -48,13 +49,16 @@ std::string panel_json(const PanelDeviationT& p, const DeviationT& deviation, co
   for (const auto& joint : p.joints) add(joint->change.get());
   for (const auto& fixing : p.fixings)
     anchors += (anchors.empty() ? "" : ",") + std::to_string(index.at(fixing->anchor));
-  std::map<std::string, Eigen::Vector3d> place;
-  for (const auto& corner : p.corners) place[corner->name] = corner->design;
-  for (const char* name : {"bottom_left", "bottom_right", "top_right", "top_left"})
-    corners += (corners.empty() ? "" : ",") + script_vector(place[name] - origin, 4);
+  for (const char* name : {"bottom_left", "bottom_right", "top_right", "top_left"}) {
+    Eigen::Vector3d place = Eigen::Vector3d::Zero(), movement = Eigen::Vector3d::Constant(NAN);
+    for (const auto& corner : p.corners)
+      if (corner->name == name) place = corner->design, movement = corner->movement;
+    corners += (corners.empty() ? "" : ",") + script_vector(place - origin, 4);
+    movements += (movements.empty() ? "" : ",") + script_vector(1e3 * movement, 3);
+  }
   return "{\"n\":" + script_text(p.name.empty() ? p.guid : p.name) + ",\"f\":" + std::to_string(p.floor) +
          ",\"w\":" + std::to_string(static_cast<int>(p.verdict)) + ",\"m\":" + (p.missing.empty() ? "0" : "1") +
-         ",\"l\":[" + lengths + "],\"a\":[" + anchors + "],\"q\":[" + corners + "]}";
+         ",\"l\":[" + lengths + "],\"a\":[" + anchors + "],\"q\":[" + corners + "],\"v\":[" + movements + "]}";
 }
 
 std::string data_of(const ReportInput& input) {
@@ -121,18 +125,27 @@ void write_view(Markup& html, const ReportInput& input) {
           "input",
           {{"id", "factor-input"}, {"type", "range"}, {"min", "0"}, {"max", "500"}, {"step", "10"}, {"value", "100"}});
       html.element("output", {{"id", "factor-output"}}, "");
+      for (const auto& [id, words] : {std::pair{"design-input", "design"}, std::pair{"built-input", "as built"}}) {
+        Scope label(html, "label", {{"class", "tick"}, {"hidden", "hidden"}});
+        html.empty("input", {{"id", id}, {"type", "checkbox"}, {"checked", "checked"}});
+        html.text(words);
+      }
     }
-    html.element("canvas",
-                 {{"id", "canvas"},
-                  {"width", "1040"},
-                  {"height", "560"},
-                  {"role", "img"},
-                  {"aria-label", "Anchors and panels in space; all numbers stand in the tables"}},
-                 "");
+    {
+      Scope stack(html, "div", {{"class", "stack"}});
+      html.element("canvas",
+                   {{"id", "canvas"},
+                    {"width", "1040"},
+                    {"height", "560"},
+                    {"role", "img"},
+                    {"aria-label", "Anchors and panels in space; all numbers stand in the tables"}},
+                   "");
+    }
     html.element("p", {{"id", "picked"}, {"class", "note"}},
                  "Drag to turn, wheel or pinch to zoom, tap an anchor for its values.");
   }
   html.open("script", {{"type", "application/json"}, {"id", "judged"}}).raw(data_of(input)).close();
+  html.open("script", {{"type", "text/plain"}, {"id", "three-js"}}).raw(three_script).close();
 }
 
 }  // namespace plumbline::report

@@ -1,10 +1,12 @@
 // Any bytes as a design file, through all that touches them: index, arguments, design, rules, verdicts, and the
 // as-built file, which has to hold every byte of the design and be readable again. What cannot be read is a
 // step::Error, what cannot be added to a std::runtime_error, and nothing else happens.
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <cstring>
 #include <map>
 #include <string>
 
@@ -12,6 +14,7 @@
 #include "ifc/check.hpp"
 #include "ifc/design.hpp"
 #include "ifc/step.hpp"
+#include "step_mutator.hpp"
 #include "unit/bim/measured.hpp"
 
 namespace {
@@ -48,6 +51,18 @@ void enrich(const step::File& file, const bim::Design& design) {
 }
 
 }  // namespace
+
+extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t max_size);
+
+extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t max_size,
+                                               unsigned seed) {
+  if (size >= 200 && seed % 4 == 0) return LLVMFuzzerMutate(data, size, max_size);
+  const std::string changed =
+      plumbline::fuzz::StepMutator(std::string(reinterpret_cast<const char*>(data), size), seed / 4).changed();
+  size = std::min(changed.size(), max_size);
+  std::memcpy(data, changed.data(), size);
+  return size;
+}
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   try {

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Prints the report of a simulated site with Chromium and looks for every number of the page in the text of the PDF.
+"""Prints the report of a simulated site with Chromium and looks for every number of the page in the text of the PDF; and
+opens it with and without WebGL.
 
     printed_report.py PLUMBLINE     exit code 77: Chromium or pdftotext is not here
 """
@@ -44,6 +45,16 @@ def numbers(text):
     return collections.Counter(NUMBER.findall(text.replace("\u2212", "-").replace("\u00a0", " ")))
 
 
+def view_in_space(chromium, page, environment, *options):
+    """Whether three.js has drawn, and whether any view is there, after the page's scripts have run."""
+    dom = subprocess.run([chromium, "--headless", "--no-sandbox", "--disable-dev-shm-usage", *options, "--window-size=1200,9000",
+                          "--virtual-time-budget=20000", "--dump-dom", f"file://{page}"], check=True, env=environment, text=True,
+                         capture_output=True).stdout
+    tag = lambda pattern: re.search(pattern, dom).group(0)
+    drawn = 'id="canvas-space"' in dom and "hidden" not in tag(r'<label class="tick"[^>]*><input id="design-input"')
+    return drawn, "hidden" not in tag(r'<figure id="space"[^>]*>')
+
+
 def main():
     chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
     if not chromium or not shutil.which("pdftotext"):
@@ -61,6 +72,8 @@ def main():
                        check=True, env=environment, stderr=subprocess.DEVNULL)
         printed = subprocess.run(["pdftotext", "-layout", str(work / "report.pdf"), "-"], check=True, text=True,
                                  capture_output=True).stdout
+        views = [view_in_space(chromium, work / "out" / "report.html", environment, f"--user-data-dir={work}/{name}", option)
+                 for name, option in (("with", "--use-angle=swiftshader"), ("without", "--disable-3d-apis"))]
         page = VisibleText()
         page.feed((work / "out" / "report.html").read_text(encoding="utf-8"))
     on_page, on_paper = numbers(" ".join(page.pieces)), numbers(printed)
@@ -68,7 +81,9 @@ def main():
     print(f"{sum(on_page.values())} numbers on the page, {len(missing)} of them less often in the PDF")
     for number, (page_count, paper_count) in sorted(missing.items())[:40]:
         print(f"  {number}: {page_count} times on the page, {paper_count} times on paper")
-    return 1 if missing or sum(on_page.values()) < 1000 else 0
+    print(f"view in space (by three.js, any): {views[0]} with WebGL, {views[1]} without")
+    wrong = views != [(True, True), (False, True)]
+    return 1 if wrong or missing or sum(on_page.values()) < 1000 else 0
 
 
 if __name__ == "__main__":

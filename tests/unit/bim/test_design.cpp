@@ -256,6 +256,51 @@ TEST(Georeference, IsHandedOnAndDoubtfulScalesAreNamed) {
   EXPECT_EQ(old.map_conversion->eastings, 5);
 }
 
+TEST(Georeference, WhatIsNoPlaneOfAMapIsNotTakenForOne) {
+  const auto with = [](const std::string& conversion) {
+    return read(small_building("IFC4X3",
+                               "#500=IFCPROJECTEDCRS('EPSG:25832',$,$,$,$,$,$);"
+                               "#501=IFCGEOGRAPHICCRS('EPSG:4258',$,$,$,$,$);" +
+                                   conversion));
+  };
+  // As in buildingSMART's sample of a rigid operation: 14.09 degrees east are not 14.09 m.
+  for (const char* degrees :
+       {"#502=IFCRIGIDOPERATION(#22,#501,IFCPLANEANGLEMEASURE(14.0902217),IFCPLANEANGLEMEASURE(46.3623297),475.);",
+        "#502=IFCRIGIDOPERATION(#22,#500,IFCPLANEANGLEMEASURE(14.0902217),IFCPLANEANGLEMEASURE(46.3623297),475.);",
+        "#502=IFCMAPCONVERSION(#22,#501,14.0902217,46.3623297,475.,$,$,1.);"}) {
+    const Design design = with(degrees);
+    EXPECT_FALSE(design.map_conversion) << degrees;
+    ASSERT_EQ(design.warnings.size(), 1u) << degrees;
+    EXPECT_NE(design.warnings[0].find("#502 gives longitude and latitude"), std::string::npos);
+  }
+  const Design metres = with("#502=IFCRIGIDOPERATION(#22,#500,IFCLENGTHMEASURE(35010.),IFCLENGTHMEASURE(1560.),$);");
+  ASSERT_TRUE(metres.map_conversion);
+  EXPECT_EQ(metres.map_conversion->eastings, 35010);
+  // A factor of the plan counts like a scale; heights or one axis stretched alone are more than a map does.
+  const std::string scaled = "#502=IFCMAPCONVERSIONSCALED(#22,#500,691000.,5335000.,520.,$,$,0.001,";
+  ASSERT_TRUE(with(scaled + "0.9996,0.9996,1.);").map_conversion);
+  EXPECT_DOUBLE_EQ(with(scaled + "0.9996,0.9996,1.);").map_conversion->scale, 0.0009996);
+  for (const char* factors : {"0.9996,0.9996,0.9996);", "1.,0.9996,1.);"}) {
+    const Design design = with(scaled + factors);
+    EXPECT_FALSE(design.map_conversion) << factors;
+    ASSERT_EQ(design.warnings.size(), 1u) << factors;
+    EXPECT_NE(design.warnings[0].find("stretches"), std::string::npos);
+  }
+}
+
+TEST(Georeference, AWorldCoordinateSystemOffItsOriginIsNamed) {
+  std::string bytes = small_building("IFC4",
+                                     "#500=IFCPROJECTEDCRS('EPSG:25832',$,$,$,$,$,$);#503=IFCCARTESIANPOINT((5.,"
+                                     "0.,0.));#504=IFCAXIS2PLACEMENT3D(#503,$,$);#502=IFCMAPCONVERSION(#22,#"
+                                     "500,691000.,5335000.,520.,$,$,0.001);");
+  EXPECT_TRUE(read(bytes).warnings.empty());
+  const std::size_t at = bytes.find(",#21,$);", bytes.find("IFCGEOMETRICREPRESENTATIONCONTEXT"));
+  ASSERT_NE(at, std::string::npos);
+  bytes.replace(at, 8, ",#504,$);");
+  ASSERT_EQ(read(bytes).warnings.size(), 1u);
+  EXPECT_NE(read(bytes).warnings[0].find("off its origin"), std::string::npos);
+}
+
 TEST(Damage, IsNamedAndNeverCrashes) {
   const std::string whole = small_building("IFC4");
   const auto changed = [&](const std::string& from, const std::string& to) {

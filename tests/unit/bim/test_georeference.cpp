@@ -45,6 +45,18 @@ TEST(Gap, FaultyConversionsAreNamedByTheReadingThatFits) {
   EXPECT_NE(site.words().find("frames.with.use=map_conversion_turned_back"), std::string::npos) << site.words();
 }
 
+TEST(Gap, AReadingInAnotherUnitKeepsTheGridScale) {
+  MapConversion map;
+  map.eastings = 691000.5, map.northings = 5335000.25;
+  map.scale = 0.9996e-3, map.scale_given = true;  // for metres, and no unit of the map says so
+  for (const Reading& reading : readings_of(map, 0.001))
+    if (reading.use == "map_conversion_in_metres") {
+      EXPECT_DOUBLE_EQ(reading.transform.scale, 0.9996);
+      return;
+    }
+  FAIL() << "no such reading";
+}
+
 TEST(Gap, SiteGridsSwappedAxesAndFeetAreNamed) {
   Site site;
   site.map.eastings += 12;  // not this building's

@@ -11,6 +11,7 @@
 
 #include "example.hpp"
 #include "report/format.hpp"
+#include "report/script_data.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::report {
@@ -31,6 +32,18 @@ TEST(Report, ItsScriptsAreJavaScript) {
     EXPECT_EQ(std::system(("node --check " + file.string()).c_str()), 0);
   }
   EXPECT_GE(scripts, 1);
+}
+
+TEST(Report, CarriesItsLibraryAndWhereThePanelsCameToLie) {
+  const ReportInput input = test::example();
+  const std::string html = render_report(input);
+  EXPECT_TRUE(contains(html, "<script type=\"text/plain\" id=\"three-js\">eN"));  // a zlib stream in base64
+  EXPECT_FALSE(contains(html, "src="));
+  ASSERT_FALSE(input.deviation->panels.empty());
+  for (const auto& corner : input.deviation->panels[0]->corners)
+    if (corner->movement.allFinite()) {
+      EXPECT_TRUE(contains(html, script_vector(1e3 * corner->movement, 3))) << corner->name;
+    }
 }
 
 TEST(Report, SaysFirstWhetherOneCanInstallAndWhatToMend) {
@@ -152,8 +165,8 @@ TEST(Report, ElementsAreBalancedAndNumbersAreFinite) {
   const std::regex tag("<(/?)([a-z0-9]+)([^>]*)>");
   std::vector<std::string> open;
   std::string body = html.substr(html.find("<body"), html.rfind("<script>") - html.find("<body"));
-  const std::size_t data = body.find("<script type=\"application/json\"");
-  body.erase(data, body.find("</script>", data) + 9 - data);
+  for (std::size_t data; (data = body.find("<script type=")) != std::string::npos;)
+    body.erase(data, body.find("</script>", data) + 9 - data);
   for (std::sregex_iterator it(body.begin(), body.end(), tag), end; it != end; ++it) {
     const std::string name = (*it)[2], rest = (*it)[3];
     if (!rest.empty() && rest.back() == '/') continue;

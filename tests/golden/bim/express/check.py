@@ -261,7 +261,7 @@ schemas = {}
 
 def schema_for(folder, header):
     name = next(values[0][0] for word, values in header if word == "file_schema").upper()
-    key = "IFC4X3" if name.startswith("IFC4X3") else name
+    key = next((key for key in ("IFC4X3", "IFC2X3") if name.startswith(key)), name)  # IFC4X3_ADD2, IFC2X3_FINAL
     if key not in schemas:
         with open(os.path.join(folder, key + ".exp"), encoding="latin-1") as file:
             schemas[key] = Schema(file.read())
