@@ -10,6 +10,8 @@
 #include "artifacts/plates.hpp"
 #include "artifacts/points.hpp"
 #include "artifacts/poses.hpp"
+#include "artifacts/survey_artifact.hpp"
+#include "artifacts/survey_observations.hpp"
 #include "campaign.hpp"
 #include "observations.hpp"
 #include "plumbline/node.hpp"
@@ -183,10 +185,17 @@ struct SimulateCampaign : SimulatedSite {
 };
 
 struct SimulateObservations : SimulatedSite {
-  static constexpr Info info{"simulate.observations", "", 3,
+  static constexpr Info info{"simulate.observations", "", 4,
                              "The site of simulate.campaign as observations with noise of known size, without files"};
   Param<double> pixel_sigma{"pixel_sigma", 0.1, "px", between(0, 10), "noise of each corner coordinate"};
-  Param<double> survey_sigma{"survey_sigma", 0.001, "m", between(0, 0.1), "noise of each surveyed coordinate"};
+  Param<std::string> survey{
+      "survey", "coordinates", one_of("coordinates", "readings"),
+      "what was surveyed: coordinates with noise of survey_sigma, or directions, zenith angles and "
+      "distances of a total station from two set-ups a floor, adjusted to coordinates"};
+  Param<double> survey_noise{"survey_noise", 1.0, "1", between(0, 100),
+                             "readings: factor on the instrument's errors, of which nobody is told"};
+  Param<double> survey_sigma{"survey_sigma", 0.001, "m", between(0, 0.1),
+                             "coordinates: noise of each surveyed coordinate"};
   Param<double> height_walk{"height_walk", 0.0, "m", between(0, 0.1),
                             "height error common to a floor: a random walk with such steps from floor to floor"};
   Param<std::string> control{"control", "all", one_of("all", "two_per_floor", "ground_floor", "one_column"),
@@ -200,13 +209,17 @@ struct SimulateObservations : SimulatedSite {
   Out<Camera> calibration{"camera", "calibration with its error and uncertainty"};
   Out<Plates> plates{"plates", frame("frame=building"), "which tag stands for which anchor"};
   Out<Points> points{"points", frame("frame=building"), "surveyed anchors with their covariance"};
+  Out<SurveyObservations> readings{"survey", frame("frame=building"),
+                                   "what 'points' come from: readings and ground control, or the observed coordinates"};
   Out<Points> design{"design", frame("frame=building"), "anchors where the design has them"};
   Out<Points> truth{"truth", frame("frame=building"), "anchors where they really are"};
   Out<Poses> true_poses{"true_poses", frame("frame=building"), "of the images, without covariance"};
 
   void run(Context& context) override {
     const uint64_t seed = context.seed();
-    const simulate::Campaign campaign = simulate::make_campaign(site_options(), seed);
+    simulate::CampaignOptions options = site_options();
+    options.survey.noise_scale = *survey_noise;
+    const simulate::Campaign campaign = simulate::make_campaign(options, seed);
     for (auto& image : simulate::observe_corners(campaign, *pixel_sigma, seed)) {
       simulate::displace_tags(image, *tag_blunders, seed);
       commit_image(image, campaign);
@@ -302,16 +315,30 @@ struct SimulateObservations : SimulatedSite {
     return out;
   }
 
+  simulate::SurveyedSite surveyed_site(const simulate::Campaign& campaign, uint64_t seed) const {
+    if (*survey == "readings") {
+      if (*height_walk > 0 || *control_blunders > 0)
+        throw std::runtime_error(
+            "height_walk and control_blunders are errors of surveyed coordinates; with survey=readings the errors are "
+            "those of the instrument (survey_noise)");
+      return simulate::survey_by_readings(campaign);
+    }
+    simulate::SurveyedSite site;
+    site.points = simulate::observe_points(campaign, *survey_sigma, *height_walk, seed);
+    simulate::displace_points(site.points, *control_blunders, *blunder_size, seed);
+    site.covariance = simulate::point_covariance(site.points, *survey_sigma, *height_walk);
+    site.readings = simulate::as_observed_coordinates(site.points, site.covariance);
+    return site;
+  }
+
   void commit_points(const simulate::Campaign& campaign, uint64_t seed) {
     PointsT surveyed, designed, built;
-    auto observed = simulate::observe_points(campaign, *survey_sigma, *height_walk, seed);
-    simulate::displace_points(observed, *control_blunders, *blunder_size, seed);
-    const Eigen::MatrixXd covariance = simulate::point_covariance(observed, *survey_sigma, *height_walk);
-    for (std::size_t i = 0; i < observed.size(); ++i) {
-      const simulate::Anchor& anchor = *observed[i].anchor;
-      surveyed.points.push_back(point(anchor, observed[i].position, *survey_sigma));
-      const auto z = static_cast<Eigen::Index>(3 * i + 2);
-      surveyed.points.back()->sigma.z() = std::sqrt(covariance(z, z));
+    const simulate::SurveyedSite site = surveyed_site(campaign, seed);
+    const Eigen::MatrixXd& covariance = site.covariance;
+    for (std::size_t i = 0; i < site.points.size(); ++i) {
+      const simulate::Anchor& anchor = *site.points[i].anchor;
+      surveyed.points.push_back(point(anchor, site.points[i].position, 0));
+      surveyed.points.back()->sigma = covariance.diagonal().segment<3>(static_cast<Eigen::Index>(3 * i)).cwiseSqrt();
       designed.points.push_back(point(anchor, anchor.design, std::nan("")));
       built.points.push_back(point(anchor, anchor.built, 0));
       // Errors are compared on the same anchors whatever the layout: those that never are control.
@@ -322,6 +349,7 @@ struct SimulateObservations : SimulatedSite {
       for (Eigen::Index j = 0; j <= i; ++j) surveyed.covariance.push_back(covariance(i, j));
     }
     points.commit(surveyed);
+    readings.commit(survey::to_artifact(site.readings));
     design.commit(designed);
     truth.commit(built);
   }

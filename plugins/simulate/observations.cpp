@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "geometry/random.hpp"
+#include "survey/adjust/adjust_network.hpp"
 
 namespace plumbline::simulate {
 
@@ -82,6 +83,58 @@ Eigen::MatrixXd point_covariance(const std::vector<ObservedPoint>& points, doubl
     }
   }
   return covariance;
+}
+
+namespace {
+
+/// Adds a point with these coordinates to a survey, and to the group of those observed; its covariance is the caller's.
+void add_coordinates(const std::string& id, const Eigen::Vector3d& position, survey::SurveyObservations& out,
+                     survey::CoordinateGroup& group) {
+  survey::Point point;
+  point.id = id;
+  point.coordinates = position;
+  out.points.push_back(point);
+  group.values.conservativeResize(group.values.size() + 3);
+  group.values.tail<3>() = position;
+  for (int axis = 0; axis < 3; ++axis) group.components.push_back({id, axis});
+}
+
+}  // namespace
+
+survey::SurveyObservations as_observed_coordinates(const std::vector<ObservedPoint>& points,
+                                                   const Eigen::MatrixXd& covariance) {
+  survey::SurveyObservations out;
+  out.info.format = "simulated";
+  survey::CoordinateGroup group;
+  for (const ObservedPoint& point : points) add_coordinates(point.anchor->id, point.position, out, group);
+  group.covariance = covariance;
+  out.coordinates.push_back(std::move(group));
+  return out;
+}
+
+SurveyedSite survey_by_readings(const Campaign& campaign) {
+  SurveyedSite site;
+  site.readings = campaign.observations;
+  survey::CoordinateGroup ground;
+  ground.is_control = true;
+  for (const GroundPoint& point : campaign.plan.ground_points)
+    add_coordinates(point.id, point.given, site.readings, ground);
+  ground.covariance = Eigen::MatrixXd::Zero(ground.values.size(), ground.values.size());
+  for (std::size_t k = 0; k < campaign.plan.ground_points.size(); ++k)
+    ground.covariance.diagonal().segment<3>(static_cast<Eigen::Index>(3 * k)).array() =
+        campaign.plan.ground_points[k].sigma * campaign.plan.ground_points[k].sigma;
+  site.readings.coordinates.push_back(std::move(ground));
+  survey::AdjustOptions options;
+  options.profile = survey::built_in_profile(campaign.options.survey.instrument);
+  const survey::NetworkResult network = survey::adjust_network(site.readings, options);
+  std::vector<int> unknowns;
+  for (const Anchor& anchor : campaign.building.anchors) {
+    const survey::ResultPoint& point = network.point(anchor.id);
+    site.points.push_back({&anchor, point.position});
+    unknowns.insert(unknowns.end(), point.unknowns.begin(), point.unknowns.end());
+  }
+  site.covariance = network.cofactors(unknowns, unknowns);
+  return site;
 }
 
 }  // namespace plumbline::simulate

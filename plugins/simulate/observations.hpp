@@ -39,4 +39,19 @@ void displace_tags(ObservedImage& image, double share, std::uint64_t seed);
 /// Covariance of all observed points, 3n × 3n, in their order [m²].
 Eigen::MatrixXd point_covariance(const std::vector<ObservedPoint>& points, double sigma, double height_walk);
 
+/// What a surveyor hands over: coordinates of all anchors with their covariance, and what they were computed from.
+struct SurveyedSite {
+  std::vector<ObservedPoint> points;
+  Eigen::MatrixXd covariance;  ///< 3n × 3n [m²]
+  survey::SurveyObservations readings;
+};
+
+/// Points that were observed as coordinates, as one group of a survey.
+survey::SurveyObservations as_observed_coordinates(const std::vector<ObservedPoint>& points,
+                                                   const Eigen::MatrixXd& covariance);
+
+/// The campaign's total-station readings and ground control, adjusted as a network with the instrument's own profile.
+/// Throws survey::NetworkError for a network that cannot be adjusted.
+SurveyedSite survey_by_readings(const Campaign& campaign);
+
 }  // namespace plumbline::simulate

@@ -10,6 +10,7 @@
 #include "artifacts/plates.hpp"
 #include "artifacts/points.hpp"
 #include "artifacts/poses.hpp"
+#include "artifacts/survey_observations.hpp"
 #include "node_harness.hpp"
 
 namespace plumbline::test {
@@ -102,6 +103,54 @@ TEST(Crlb, IsWhatTheAdjusterPredictsForACleanSite) {
   ASSERT_EQ(predicted.points.size(), limit.points.size());
   for (const auto& p : predicted.points)
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(p->sigma(c) / of_limit.at(p->id)->sigma(c), 1, 0.02) << p->id << " " << c;
+}
+
+/// The simulator's two surveys, each once as coordinates with their covariance and once as what they come from: jointly
+/// adjusted with the photographs at the same weights they give the same anchors, because all is nearly linear.
+TEST(SimulatedSurvey, JointlyAdjustedIsWhatItsCoordinatesGive) {
+  for (const char* survey : {"coordinates", "readings"}) {
+    NodeHarness site("simulate.observations"), two_steps("adjust.schur"), joint("adjust.joint");
+    site.seed(3);
+    site.set("floors", "1");
+    site.set("images_per_floor", "6");
+    site.set("survey", survey);
+    site.run();
+    for (NodeHarness* node : {&two_steps, &joint}) {
+      for (std::size_t i = 0; i < site.output_count("observations"); ++i)
+        node->input<ImageTags>("observations", site.output<ImageTags>("observations", i));
+      node->input<Camera>("camera", site.output<Camera>("camera"));
+      node->input<Plates>("plates", site.output<Plates>("plates"));
+      node->input<Poses>("poses", site.output<Poses>("true_poses"));
+      node->set("estimate_image_variance", "false");
+      node->set("loss", "none");
+    }
+    two_steps.input<Points>("control", site.output<Points>("points"));
+    joint.input<SurveyObservations>("survey", site.output<SurveyObservations>("survey"));
+    joint.set("estimate_survey_variance", "false");
+    two_steps.run();
+    joint.run();
+    const PointsT a = two_steps.output<Points>("points"), b = joint.output<Points>("points");
+    ASSERT_EQ(a.points.size(), b.points.size());
+    for (std::size_t i = 0; i < a.points.size(); ++i) {
+      EXPECT_LT((a.points[i]->position - b.points[i]->position).norm(), 1e-6) << survey << " " << a.points[i]->id;
+      EXPECT_LT((a.points[i]->sigma - b.points[i]->sigma).norm(), 1e-7) << survey << " " << a.points[i]->id;
+    }
+    EXPECT_GT((a.points[0]->position - site.output<Points>("points").points[0]->position).norm(), 1e-5)
+        << "the photographs add something";
+  }
+}
+
+TEST(SimulatedSurvey, HasErrorsOfCoordinatesOrOfReadings) {
+  NodeHarness site("simulate.observations");
+  site.set("floors", "1");
+  site.set("survey", "readings");
+  site.set("control_blunders", "0.1");
+  try {
+    site.run();
+    FAIL() << "a blunder of a coordinate that nobody observed";
+  } catch (const NodeFailed& error) {
+    EXPECT_THAT(error.what(), HasSubstr("with survey=readings the errors are those of the instrument"));
+  }
 }
 
 /// With control on the ground floor only, what helps is a survey higher up; the words say so.
