@@ -508,7 +508,10 @@ std::uint64_t File::largest_reference(std::size_t index) const {
 std::uint64_t File::free_id() const {
   std::uint64_t largest = largest_id_;
   for (std::size_t at = bytes_.find('#'); at < data_end_; at = bytes_.find('#', at + 1)) {
-    if (id_at(at) <= largest) continue;
+    std::uint64_t id = 0;  // a number that does not fit in it refers to nothing that could be added
+    for (std::size_t digit = at + 1; is_digit(bytes_[digit]); ++digit)
+      id = 10 * id + static_cast<std::uint64_t>(bytes_[digit] - '0');
+    if (id <= largest) continue;
     // Rare: a reference to nothing, or a text.
     const auto behind = std::upper_bound(entries_.begin(), entries_.end(), at,
                                          [](std::size_t offset, const Entry& entry) { return offset < entry.begin; });
