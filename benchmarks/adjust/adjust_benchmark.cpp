@@ -14,6 +14,7 @@
 #include "block/bundle/adjust.hpp"
 #include "block/photomodeler_files.hpp"
 #include "block/point_block.hpp"
+#include "colmap/exchange.hpp"
 #include "plumbline/rigid_transform.hpp"
 
 namespace {
@@ -60,7 +61,8 @@ Made make(const Shape& shape) {
   Problem& p = made.problem;
   Random random(1);
   p.groups = {{"images"}};
-  p.cameras.push_back({"camera", Lens::brown, 0, {true, true, true, true, true, true, false, false, false}});
+  p.cameras.push_back(
+      {"camera", Lens::brown, 0, {true, true, true, true, true, true, false, false, false, false, false}});
   made.truth.interiors.push_back({3000, 3000, 2000, 1500, -0.1, 0.05, 0, 0, 0, 0});
   for (int i = 0; i < shape.images; ++i) {
     const double angle = 2 * M_PI * i / shape.images;
@@ -84,7 +86,7 @@ Made make(const Shape& shape) {
       o.point = j;
       const Placement& pose = made.truth.images[static_cast<size_t>(o.image)];
       LensRows rows;
-      if (!evaluate_lens(Lens::brown, made.truth.interiors[0].data(), 0,
+      if (!evaluate_lens(Lens::brown, made.truth.interiors[0].data(), 0, 0,
                          pose.matrix * (made.truth.points.back() - pose.position), Eigen::Vector2d::Zero(), false,
                          rows))
         continue;
@@ -167,6 +169,61 @@ void print(const char* engine, const std::vector<Run>& runs, const Made& made) {
               last.summary.final_cost, 1e3 * rms_error(last.state, made.truth));
 }
 
+/// Processor time of programs that this one has waited for.
+double children_seconds() {
+  rusage usage{};
+  getrusage(RUSAGE_CHILDREN, &usage);
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+double cost_of(const Problem& problem, const State& state) {
+  const Layout layout(problem);
+  Rows rows;
+  double sum = 0;
+  for (const auto& term : problem.image_points)
+    sum += evaluate(problem, layout, state, term, false, rows) ? rows.values().squaredNorm() : std::nan("");
+  return sum;
+}
+
+/// The same images, points and start without a datum, for Debian's program, which reads and writes a model of text;
+/// ours does that too here. COLMAP has one weight for all and refines p1 and p2 beside k1 and k2.
+void compare_with_colmap(Made made) {
+  if (!colmap::is_installed()) return;
+  for (const auto& camera : made.problem.cameras)
+    if (camera.lens != Lens::brown) return;
+  for (auto& image : made.problem.images) image.fixed = false;
+  for (auto& camera : made.problem.cameras) camera.free[7] = camera.free[8] = true;
+  made.problem.known.clear();
+  made.problem.distances.clear();
+  colmap::BundleOptions options;
+  options.refine_principal_point = true;
+  std::vector<double> ratios, theirs, ours;
+  State by_colmap, by_schur;
+  for (int repeat = 0; repeat < 3; ++repeat) {
+    by_colmap = by_schur = made.start;
+    double start = children_seconds();
+    colmap::adjust_by_colmap(made.problem, by_colmap, options);
+    theirs.push_back(children_seconds() - start);
+    start = processor_seconds();
+    const auto order = colmap::image_order(by_schur);
+    (void)markers::colmap_text(colmap::model_of(made.problem, by_schur, order));
+    MinimiseOptions how;
+    how.function_tolerance = 1e-10;
+    minimise_schur(made.problem, by_schur, how);
+    (void)markers::colmap_text(colmap::model_of(made.problem, by_schur, order));
+    ours.push_back(processor_seconds() - start);
+    ratios.push_back(theirs.back() / ours.back());
+  }
+  std::printf(
+      "  colmap bundle_adjuster %8.3f s, schur with two models of text %.3f s: ratio %.2f (median of 3), cost of "
+      "COLMAP's answer over ours - 1: %.1e\n",
+      median(theirs), median(ours), median(ratios),
+      cost_of(made.problem, by_colmap) / cost_of(made.problem, by_schur) - 1);
+}
+
 bool compare(const char* name, const Made& made) {
   const int points = static_cast<int>(made.problem.points.size());
   std::printf("%s: %zu images, %d points, %zu observations\n", name, made.problem.images.size(), points,
@@ -182,6 +239,7 @@ bool compare(const char* name, const Made& made) {
   print("ceres", ceres, made);
   const double difference = ours.back().summary.final_cost / ceres.back().summary.final_cost - 1;
   std::printf("  ratio %.2f (median of 3), final costs differ by %.1e\n", median(ratios), difference);
+  compare_with_colmap(made);
   const Layout layout(made.problem);
   const double start = processor_seconds();
   Elimination elimination(made.problem, layout);

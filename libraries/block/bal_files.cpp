@@ -97,13 +97,13 @@ Eigen::Vector2d ideal_coordinates(const SensorCamera& camera, const Eigen::Vecto
   bundle::LensRows rows;
   const double* values = camera.values.data();
   if (camera.lens == bundle::Lens::correcting) {  // its misclosure on the axis is the corrected coordinate, negative
-    bundle::evaluate_lens(camera.lens, values, 0, -Eigen::Vector3d::UnitZ(), measured, false, rows);
+    bundle::evaluate_lens(camera.lens, values, 0, 0, -Eigen::Vector3d::UnitZ(), measured, false, rows);
     return -rows.misclosure;
   }
   Eigen::Vector3d ray((measured.x() - values[1]) / values[0], (measured.y() - values[2]) / values[0], 1);
   ray *= -1;  // the scene is at negative z
   for (int step = 0; step < 50; ++step) {
-    if (!bundle::evaluate_lens(camera.lens, values, camera.balance_radius, ray, measured, true, rows)) break;
+    if (!bundle::evaluate_lens(camera.lens, values, camera.balance_radius, 0, ray, measured, true, rows)) break;
     if (rows.misclosure.norm() < 1e-13 * std::abs(values[0])) return values[0] * ray.head<2>() / ray.z();
     ray.head<2>() -= rows.by_direction.leftCols<2>().inverse() * rows.misclosure;
     if (!ray.allFinite()) break;

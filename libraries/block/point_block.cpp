@@ -14,7 +14,7 @@ namespace {
 
 constexpr double held_sigma = 1e-7;  ///< [m] of a single coordinate that is held while others of its point are not
 
-enum Group { group_images, group_bars, group_control };
+enum Group { group_images, group_bars, group_control, group_principal_points };
 
 /// Where the points end and the block begins: coordinates of a site may have seven digits.
 Eigen::Vector3d origin_of(const PointBlock& block) {
@@ -153,7 +153,7 @@ void add_control(const PointBlock& block, const Eigen::Vector3d& origin, Built& 
 Built build(const PointBlock& block, const PointBlockOptions& options, const Eigen::Vector3d& origin) {
   Built built;
   bundle::Problem& problem = built.problem;
-  problem.groups = {{"image coordinates"}, {"scale bars"}, {"control"}};
+  problem.groups = {{"image coordinates"}, {"scale bars"}, {"control"}, {"principal points of images"}};
   for (const auto& camera : block.cameras) {
     problem.cameras.push_back(
         {std::to_string(camera.id), camera.lens, camera.balance_radius, free_values(camera, options.free_parameters)});
@@ -164,6 +164,13 @@ Built build(const PointBlock& block, const PointBlockOptions& options, const Eig
     built.state.images.emplace_back();
     built.state.images.back().set(Eigen::Quaterniond(rotation_from_angles(image.angles).transpose()),
                                   image.centre - origin);
+    if (!(options.principal_point_sigma > 0)) continue;
+    problem.images.back().shift_free = true;
+    built.state.shifts.emplace_back(0, 0);
+    problem.known.push_back({{{bundle::Kind::shift, static_cast<int>(problem.images.size()) - 1}},
+                             Eigen::Vector2d::Zero(),
+                             Eigen::Matrix2d::Identity() / options.principal_point_sigma,
+                             group_principal_points});
   }
   for (const auto& point : block.points) {
     problem.points.push_back({point.name});
@@ -217,6 +224,10 @@ void fill_covariances(const Built& built, const bundle::Layout& layout, const bu
     const int image = block_of(bundle::Kind::image, i), interior = block_of(bundle::Kind::camera, camera);
     const Eigen::MatrixXd joint = factor * cofactors.joint({image, interior});
     result.pose_covariance.push_back(joint.topLeftCorner<6, 6>());
+    if (built.problem.images[i].shift_free) {
+      result.principal_points.push_back(adjusted.state.shift(static_cast<int>(i)));
+      result.principal_point_covariance.push_back(factor * own[static_cast<size_t>(block_of(bundle::Kind::shift, i))]);
+    }
     Matrix6 turn = Matrix6::Identity();
     turn.bottomRightCorner<3, 3>() =
         angles_by_turn(result.block.images[i].angles, adjusted.state.images[i].matrix.transpose());

@@ -20,7 +20,7 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 /// Interior orientation, of one of the models that work in the sensor plane; see block/bundle/lens.hpp for both.
 struct SensorCamera {
-  static constexpr int parameter_count = 10;
+  static constexpr int parameter_count = bundle::max_interior;
   int id = 0;
   bundle::Lens lens = bundle::Lens::balanced;    ///< balanced (Ck, xh, …) or correcting (c, xp, …)
   std::array<double, parameter_count> values{};  ///< in the order of names(); mm, and powers of 1/mm
@@ -79,6 +79,9 @@ struct PointBlockOptions {
   /// Interior parameters to estimate, of every camera whose model has them. "auto" stands for Ck, xh, yh, A1, A2, B1,
   /// B2 of a balanced camera, and for none of a correcting one, which comes calibrated; see SensorCamera::estimated.
   std::vector<std::string> free_parameters = {"auto"};
+  /// Standard deviation of each image's own principal point about its camera's [mm]; 0: the images of a camera share
+  /// one.
+  double principal_point_sigma = 0;
   enum class FreeDatum {
     inner,       ///< inner constraints over all points
     first_image  ///< pose of the first image, and one coordinate of the image furthest from it
@@ -115,8 +118,10 @@ struct PointBlockResult {
   std::vector<Eigen::Matrix3d> point_covariances;    ///< one a point [m²], zero for one that is held
   Eigen::MatrixXd point_covariance;                  ///< 3n × 3n [m²]; empty above max_joint_points
   std::vector<Eigen::MatrixXd> interior_covariance;  ///< one a camera, in the order of its `free_parameters`
-  std::vector<Matrix6> pose_covariance;              ///< centre [m], then rotation about the camera's own axes [rad]
-  std::vector<Matrix6> orientation_covariance;       ///< centre [m], then ω, φ, κ [rad]
+  std::vector<Eigen::Vector2d> principal_points;     ///< one an image if they have their own: beyond the camera's [mm]
+  std::vector<Eigen::Matrix2d> principal_point_covariance;  ///< of them [mm²]
+  std::vector<Matrix6> pose_covariance;         ///< centre [m], then rotation about the camera's own axes [rad]
+  std::vector<Matrix6> orientation_covariance;  ///< centre [m], then ω, φ, κ [rad]
   /// 6 × free parameters each: correlation of the pose (centre, rotations about the camera axes) with its camera's
   /// interior orientation.
   std::vector<Eigen::MatrixXd> pose_interior_correlation;

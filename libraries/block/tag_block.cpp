@@ -171,10 +171,15 @@ void fill_poses(const TagBlock& block, const TagStart& start, const TagModel& mo
                 const Solved& solved, TagBlockResult& result) {
   result.cam_from_world.resize(block.images.size());
   result.pose_covariance.assign(block.images.size(), Matrix6::Zero());
+  if (!model.state.shifts.empty()) result.principal_points.resize(block.images.size());
   for (size_t i = 0; i < start.images.size(); ++i) {
     const size_t image = static_cast<size_t>(start.images[i]);
     const RigidTransform pose = pose_of(model, i);
     result.cam_from_world[image] = pose;
+    if (model.problem.images[i].shift_free)
+      result.principal_points[image] = {
+          model.state.shifts[i],
+          solved.variance * solved.adjusted.cofactors->own(layout.block({Kind::shift, static_cast<int>(i)}))};
     // Unknowns are (projection centre C, rotation vector δ), t = −exp(δ) R C: dt = −R dC − [t]× δ.
     Matrix6 jacobian = Matrix6::Zero();
     jacobian.topRightCorner<3, 3>().setIdentity();
@@ -209,10 +214,16 @@ void fill_unknowns(const TagBlock& block, const TagStart& start, const TagModel&
   std::array<double, BrownCamera::parameter_count> interior;
   std::copy_n(model.state.interiors[0].begin(), interior.size(), interior.begin());
   result.camera.set_parameters(interior);
-  result.camera_covariance = Eigen::MatrixXd::Zero(BrownCamera::parameter_count, BrownCamera::parameter_count);
+  constexpr int nine = BrownCamera::parameter_count;
+  result.interior_covariance = Eigen::MatrixXd::Zero(nine + 2, nine + 2);
   const auto& free = layout.free_values(0);
   if (!free.empty())
-    result.camera_covariance(free, free) = solved.variance * cofactors.own(layout.block({Kind::camera, 0}));
+    result.interior_covariance(free, free) = solved.variance * cofactors.own(layout.block({Kind::camera, 0}));
+  result.camera_covariance = result.interior_covariance.topLeftCorner(nine, nine);
+  if (model.problem.cameras[0].free[nine] || model.problem.cameras[0].free[nine + 1]) {
+    result.distance_terms = Eigen::Map<const Eigen::Vector2d>(model.state.interiors[0].data() + nine);
+    result.reference_distance = 1 / model.problem.cameras[0].inverse_reference;
+  }
   for (size_t b = 0; b < model.problem.batches.size(); ++b) {
     const auto sigma = [&](Kind kind) {
       const int id = layout.block({kind, static_cast<int>(b)});
@@ -299,6 +310,51 @@ void require_usable(const TagBlock& block) {
     if (!(plate.plate.tag_size > 0)) throw std::runtime_error("the plate of " + plate.anchor + " has no tag size");
 }
 
+namespace {
+
+/// The block without one of its control points.
+void leave_out(int plate, TagControl& control) {
+  std::vector<int> rows;
+  for (size_t k = 0; k < control.plates.size(); ++k)
+    for (int c = 0; c < 3 && control.plates[k] != plate; ++c) rows.push_back(3 * static_cast<int>(k) + c);
+  control.position = control.position(rows).eval();
+  control.covariance = control.covariance(rows, rows).eval();
+  std::erase(control.plates, plate);
+}
+
+/// Too many contradictions have another cause than single points.
+void require_few(const TagBlock& given, const std::vector<RejectedControl>& rejected) {
+  constexpr size_t part = 3;
+  if (part * rejected.size() <= given.control.plates.size()) return;
+  std::vector<std::string> names;
+  for (size_t k = 0; k < std::min<size_t>(rejected.size(), 5); ++k)
+    names.push_back(given.plates[static_cast<size_t>(rejected[k].plate)].anchor);
+  throw std::runtime_error("more than a third of the " + std::to_string(given.control.plates.size()) +
+                           " control points contradict the photographs, " + enumerate(names) +
+                           " most: survey and photographs do not show the same state, or their standard deviations are "
+                           "wrong; leaving points out (robust_control) does not mend that");
+}
+
+/// Differences of the survey from the model that the points left out had no part in.
+void fill_rejected_control(const TagBlock& given, TagBlockResult& result) {
+  for (RejectedControl& rejected : result.rejected_control) {
+    const auto k = std::find(given.control.plates.begin(), given.control.plates.end(), rejected.plate) -
+                   given.control.plates.begin();
+    const auto j = std::find(result.plates.begin(), result.plates.end(), rejected.plate) - result.plates.begin();
+    rejected.off = given.control.position.segment<3>(3 * k) - result.anchors.segment<3>(3 * j);
+    rejected.sigma =
+        (given.control.covariance.diagonal().segment<3>(3 * k) + result.anchor_covariance.diagonal().segment<3>(3 * j))
+            .cwiseSqrt();
+    char text[200];
+    std::snprintf(text, sizeof text, " contradicts the photographs and the other control by %.1f, %.1f, %.1f mm",
+                  1e3 * rejected.off.x(), 1e3 * rejected.off.y(), 1e3 * rejected.off.z());
+    result.left_out.push_back("the control of " + given.plates[static_cast<size_t>(rejected.plate)].anchor + ", which" +
+                              text);
+  }
+}
+
+}  // namespace
+
 TagBlockResult adjust_tag_block(const TagBlock& given, const TagBlockOptions& options) {
   require_usable(given);
   if (options.weighting == TagBlockOptions::Weighting::lambda && !(options.lambda > 0 && options.corner_sigma > 0))
@@ -327,13 +383,31 @@ TagBlockResult adjust_tag_block(const TagBlock& given, const TagBlockOptions& op
   }
   const bundle::Layout layout(model.problem);
   Solved solved = solve_under(result.weak_datum, options, layout, model);
+  while (options.robust_control && options.weighting == TagBlockOptions::Weighting::covariance) {
+    const auto worst = worst_control(model, start, solved.adjusted);
+    if (!worst) break;
+    result.rejected_control.push_back(*worst);
+    require_few(given, result.rejected_control);
+    leave_out(worst->plate, block.control);
+    block = with_poses(block, start, model);
+    const auto variance = model.problem.groups[group_images].sigma_factor;
+    model = begin(start);
+    model.problem.groups[group_images].sigma_factor = variance;
+    result.warnings = warnings;
+    solved = solve_under(result.weak_datum, options, layout, model);
+  }
   fill_statistics(options, model, solved, result);
   fill_poses(block, start, model, layout, solved, result);
   fill_unknowns(block, start, model, layout, solved, result);
   fill_tags(start, model, solved, result);
   fill_control(start, model, layout, solved, result);
+  fill_rejected_control(given, result);
+  for (const auto& plates : options.withhold)
+    result.withheld.push_back(withheld_control(model, start, solved.adjusted, plates));
   // Weights by λ are no claims about variances.
-  if (options.weighting != TagBlockOptions::Weighting::lambda) test_groups(block, result);
+  if (options.weighting == TagBlockOptions::Weighting::lambda) return result;
+  test_groups(block, result);
+  test_models(options, model, result);
   return result;
 }
 

@@ -70,7 +70,10 @@ struct TagBlockOptions {
   double corner_sigma = 0.1;
   bool free_network = false;  ///< ignore control; datum by inner constraints over all anchors
   bool self_calibration = true;
+  /// d1 and d2, which let k1 and k2 change with the distance (bundle/lens.hpp), only on request.
   std::vector<std::string> free_interior = {"fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2"};
+  /// Standard deviation of each image's own principal point about the camera's [px]; 0: they share one.
+  double image_principal_point_sigma = 0;
   bool fixed_aspect = false;  ///< hold fy/fx
   /// Prior standard deviation of a batch's relative tag size; 0 holds it at 1 (then tags carry scale), infinity leaves
   /// it free.
@@ -82,6 +85,12 @@ struct TagBlockOptions {
   double loss_scale = 2;  ///< of the root mean square of a tag's 8 residuals, in standard deviations
   double reject_above =
       5;  ///< tags whose root mean square is above are left out of the final least squares; 0 keeps all
+  /// Control points that contradict the photographs and the other control (three coordinates together, level 0.001 over
+  /// all points) are left out of the datum, the worst first and one at a time. Weights by covariance only.
+  bool robust_control = false;
+  /// Groups of control plates, indices into TagBlock::plates: what the adjustment without a group says of it is in
+  /// TagBlockResult::withheld, one of a group. Nothing is adjusted again.
+  std::vector<std::vector<int>> withhold = {};
   /// Scales the corner covariances so that the images' variance component becomes 1 (Förstner 1979): detectors rarely
   /// know theirs.
   bool estimate_image_variance = true;
@@ -107,6 +116,24 @@ struct AdjustedControl {
   std::array<double, 3> effect_on_height{};
 };
 
+/// A control point that was left out: what the rest says of it, and how far that is from the survey.
+struct RejectedControl {
+  int plate = 0;
+  Eigen::Vector3d off = Eigen::Vector3d::Zero();    ///< survey minus model without it [m]
+  Eigen::Vector3d sigma = Eigen::Vector3d::Zero();  ///< of that difference, if nothing were wrong [m]
+  double test = 0, limit = 0;                       ///< chi-squared with 3 degrees of freedom, when it was left out
+};
+
+/// Control points against what an adjustment without them says: survey minus model, minus what the survey's
+/// correlations make the other control predict of it, and the covariance of that difference with everything in it
+/// (images, the other control, the survey of the points themselves).
+struct WithheldControl {
+  std::vector<int> plates;
+  Eigen::VectorXd off;         ///< 3n [m]
+  Eigen::MatrixXd covariance;  ///< 3n × 3n [m²]
+  std::string undetermined;    ///< why there is nothing: without these points the rest does not hold the block
+};
+
 /// A global test: the variance of a group of observations against what was assumed of it before the adjustment.
 struct GroupTest {
   std::string group;
@@ -114,6 +141,12 @@ struct GroupTest {
   double limit = 1;   ///< the test fails above it
   bool passed = true;
   std::string words;  ///< what a failure means
+};
+
+/// A principal point of an image's own: its difference from the camera's.
+struct ImagePrincipalPoint {
+  Eigen::Vector2d shift = Eigen::Vector2d::Zero();       ///< [px]
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< [px²]
 };
 
 struct TagBatch {
@@ -124,7 +157,12 @@ struct TagBatch {
 
 struct TagBlockResult {
   BrownCamera camera;
-  Eigen::MatrixXd camera_covariance;                          ///< 9 × 9, zero for parameters held fixed
+  Eigen::MatrixXd camera_covariance;  ///< 9 × 9, zero for parameters held fixed
+  /// d1, d2 [m], and the distance Z0 [m] at which the distortion is that of `camera`; zero if they were not estimated.
+  Eigen::Vector2d distance_terms = Eigen::Vector2d::Zero();
+  double reference_distance = 0;
+  Eigen::MatrixXd interior_covariance;                        ///< 11 × 11: of the camera's nine values and d1, d2
+  std::vector<ImagePrincipalPoint> principal_points;          ///< one an image, if images have their own
   std::vector<std::optional<RigidTransform>> cam_from_world;  ///< one an image; nothing if left out
   std::vector<Matrix6> pose_covariance;  ///< rotation vector in the camera frame, translation; empty: not known
   std::vector<int> plates;               ///< adjusted plates, indices into TagBlock::plates
@@ -141,14 +179,19 @@ struct TagBlockResult {
   /// Images against the detector's own covariances (before image_variance_factor), within what detectors are wrong by;
   /// control, interior and tag scale priors by the chi-squared test.
   std::vector<GroupTest> tests;
+  /// Whether the images ask for more than the camera model that was used: image-variant principal point, distortion
+  /// that changes with the distance. A test that fails names what to set, and makes no block invalid.
+  std::vector<GroupTest> models;
   std::vector<double> plate_w;  ///< largest |w| of the control coordinates and of the median tag at each plate
   std::vector<AdjustedTag> tags;
   std::vector<AdjustedControl> control;
-  std::vector<int> rejected;            ///< observations left out as blunders
-  std::vector<std::string> weak_datum;  ///< motions of the block that control holds only weakly
-  double weakest_datum_sigma = 0;       ///< [m], see DatumAnalysis
-  std::vector<std::string> left_out;    ///< images and plates that could not be placed, with the reason
-  std::vector<std::string> warnings;    ///< what people should know although the block could be adjusted
+  std::vector<int> rejected;  ///< observations left out as blunders
+  std::vector<RejectedControl> rejected_control;
+  std::vector<WithheldControl> withheld;  ///< one of each TagBlockOptions::withhold
+  std::vector<std::string> weak_datum;    ///< motions of the block that control holds only weakly
+  double weakest_datum_sigma = 0;         ///< [m], see DatumAnalysis
+  std::vector<std::string> left_out;      ///< images and plates that could not be placed, with the reason
+  std::vector<std::string> warnings;      ///< what people should know although the block could be adjusted
 };
 
 /// The adjustment. Covariances are with σ0 = 1 a priori (corner covariances scaled by image_variance_factor).

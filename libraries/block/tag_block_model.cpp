@@ -7,6 +7,8 @@
 #include <map>
 #include <stdexcept>
 
+#include "geometry/median.hpp"
+
 namespace plumbline::adjust {
 namespace {
 
@@ -24,46 +26,62 @@ std::vector<bool> free_interior(const TagBlock& block, const TagBlockOptions& op
   for (const auto& name : options.free_interior)
     if (std::find(names.begin(), names.end(), name) == names.end())
       throw std::runtime_error("unknown interior parameter '" + name +
-                               "'; known are fx, fy, cx, cy, k1, k2, k3, p1, p2");
+                               "'; known are fx, fy, cx, cy, k1, k2, k3, p1, p2, d1, d2");
   std::vector<bool> free;
   for (size_t i = 0; i < names.size(); ++i) {
     const bool named =
         std::find(options.free_interior.begin(), options.free_interior.end(), names[i]) != options.free_interior.end();
     const Eigen::Index k = static_cast<Eigen::Index>(i);
-    const bool exact = block.camera_covariance.size() > 0 && !(block.camera_covariance(k, k) > 0);
+    const bool exact = k < block.camera_covariance.rows() && !(block.camera_covariance(k, k) > 0);
     free.push_back(options.self_calibration && named && !exact);
   }
   return free;
 }
 
-void add_interior(const TagBlock& block, const TagBlockOptions& options, TagModel& model) {
+/// 1 / the median depth of what the images see.
+double inverse_distance(const TagBlock& block, const TagStart& start) {
+  std::map<int, RigidTransform> pose, plate;
+  for (size_t i = 0; i < start.images.size(); ++i) pose[start.images[i]] = start.cam_from_world[i];
+  for (size_t j = 0; j < start.plates.size(); ++j) plate[start.plates[j]] = start.world_from_plate[j];
+  std::vector<double> depths;
+  for (int o : start.observations) {
+    const TagObservation& seen = block.observations[static_cast<size_t>(o)];
+    depths.push_back((pose.at(seen.image) * plate.at(seen.plate).translation).z());
+  }
+  const double middle = depths.empty() ? 0 : upper_median(std::move(depths));
+  return middle > 0 ? 1 / middle : 0;
+}
+
+void add_interior(const TagBlock& block, const TagBlockOptions& options, const TagStart& start, TagModel& model) {
   constexpr int count = BrownCamera::parameter_count;
+  const int all = bundle::value_count(bundle::Lens::brown);
   const auto given = block.camera.parameters();
   const std::vector<bool> free = free_interior(block, options);
-  model.problem.cameras.push_back({"camera", bundle::Lens::brown, 0, free});
+  model.problem.cameras.push_back({"camera", bundle::Lens::brown, 0, free, inverse_distance(block, start)});
   model.state.interiors.emplace_back();
   std::copy(given.begin(), given.end(), model.state.interiors.back().begin());
   std::vector<int> chosen;
-  for (int i = 0; i < count; ++i)
+  for (int i = 0; i < count; ++i)  // nobody calibrated d1 and d2
     if (free[static_cast<size_t>(i)]) chosen.push_back(i);
   if (chosen.empty()) return;
   bundle::Known term;
   term.refs = {{bundle::Kind::camera, 0}};
+  term.target = Eigen::VectorXd::Zero(all);
   if (block.camera_covariance.size() > 0) {
     const Eigen::MatrixXd inverse =
         whitening_of(block.camera_covariance(chosen, chosen), "the calibration's interior orientation");
-    term.whitening = Eigen::MatrixXd::Zero(inverse.rows(), count);
+    term.whitening = Eigen::MatrixXd::Zero(inverse.rows(), all);
     term.whitening(Eigen::all, chosen) = inverse;
-    term.target = Eigen::Map<const Eigen::VectorXd>(given.data(), count);
+    term.target.head(count) = Eigen::Map<const Eigen::VectorXd>(given.data(), count);
     term.group = group_interior;
     model.problem.known.push_back(term);
   }
   if (options.fixed_aspect && free[0] && free[1]) {
     constexpr double sigma = 1e-3;  // [px]: far below what any image tells, far above rounding
-    term.whitening = Eigen::MatrixXd::Zero(1, count);
+    term.whitening = Eigen::MatrixXd::Zero(1, all);
     term.whitening(0) = block.camera.fy / block.camera.fx / sigma;
     term.whitening(1) = -1 / sigma;
-    term.target = Eigen::VectorXd::Zero(count);
+    term.target = Eigen::VectorXd::Zero(all);
     term.group = group_aspect;
     model.problem.known.push_back(term);
   }
@@ -101,13 +119,15 @@ void add_plates(const TagBlock& block, const TagBlockOptions& options, const Tag
   }
 }
 
-void add_images(const TagBlock& block, const TagStart& start, TagModel& model) {
+void add_images(const TagBlock& block, const TagBlockOptions& options, const TagStart& start, TagModel& model) {
   for (size_t i = 0; i < start.images.size(); ++i) {
     const RigidTransform& pose = start.cam_from_world[i];
     model.problem.images.push_back({block.images[static_cast<size_t>(start.images[i])].name, 0});
     model.state.images.emplace_back();
     model.state.images.back().set(pose.rotation, pose.inverse().translation - model.origin);
   }
+  if (options.image_principal_point_sigma > 0)
+    free_principal_points(options.image_principal_point_sigma, model.problem, model.state);
 }
 
 void add_observations(const TagBlock& block, const TagBlockOptions& options, const TagStart& start, TagModel& model) {
@@ -163,18 +183,29 @@ Eigen::MatrixXd regular_covariance(Eigen::MatrixXd covariance) {
   return covariance;
 }
 
+void free_principal_points(double sigma, bundle::Problem& problem, bundle::State& state) {
+  state.shifts.assign(problem.images.size(), Eigen::Vector2d::Zero());
+  for (int i = 0; i < static_cast<int>(problem.images.size()); ++i) {
+    problem.images[static_cast<size_t>(i)].shift_free = true;
+    problem.known.push_back({{{bundle::Kind::shift, i}},
+                             Eigen::Vector2d::Zero(),
+                             Eigen::Matrix2d::Identity() / sigma,
+                             group_principal_points});
+  }
+}
+
 TagModel build_tag_model(const TagBlock& block, const TagBlockOptions& options, const TagStart& start) {
   TagModel model;
-  for (const char* name :
-       {"images", "control", "interior prior", "tag scale prior", "corner inset prior", "aspect condition"})
+  for (const char* name : {"images", "control", "interior prior", "tag scale prior", "corner inset prior",
+                           "aspect condition", "principal points of images"})
     model.problem.groups.push_back({name});
   for (const auto& plate : start.world_from_plate)
     model.origin += plate.translation / static_cast<double>(start.plates.size());
   // Whole metres: subtracting them from the coordinates of control loses no digit.
   model.origin = model.origin.array().round().matrix();
-  add_interior(block, options, model);
+  add_interior(block, options, start, model);
   add_plates(block, options, start, model);
-  add_images(block, start, model);
+  add_images(block, options, start, model);
   add_observations(block, options, start, model);
   if (!options.free_network) add_control(block, options, start, model);
   return model;

@@ -1,4 +1,7 @@
 // Global tests of a tag block: the variance of each group of observations against what was assumed of it.
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -13,7 +16,132 @@ namespace {
 constexpr double largest_image_factor = 25;
 constexpr double test_level = 1e-4;
 
+constexpr size_t most_images = 300;      ///< with a principal point each: the cube of their number is work
+constexpr double least_redundancy = 30;  ///< left by the larger model, so that its variance is known
+
+/// The score test of what `explained` has beyond the model, against the variance that would be left.
+GroupTest model_test(const std::string& name, double explained, double freedom, const TagBlockResult& result) {
+  GroupTest test;
+  test.group = name;
+  test.factor =
+      explained / freedom / ((result.weighted_sum_of_squares - explained) / (result.degrees_of_freedom - freedom));
+  test.limit = chi_squared_quantile(1 - test_level, freedom) / freedom;
+  test.passed = test.factor <= test.limit;
+  return test;
+}
+
+bundle::Explained explained_by(const TagBlockOptions& options, const bundle::Problem& problem,
+                               const bundle::State& state, const bundle::Layout& layout) {
+  bundle::Datum datum;
+  if (options.free_network) datum = bundle::inner_datum(problem, layout, bundle::free_motions(problem));
+  return bundle::explained_by_a_step(problem, layout, state, datum, options.threads);
+}
+
+void test_distance_terms(const TagBlockOptions& options, const TagModel& model, TagBlockResult& result) {
+  constexpr int first = BrownCamera::parameter_count;
+  bundle::Problem larger = model.problem;
+  auto& free = larger.cameras[0].free;
+  if (free[first] || free[first + 1] || result.degrees_of_freedom - 2 < least_redundancy) return;
+  free[first] = free[first + 1] = true;
+  const bundle::Layout layout(larger);
+  const auto explained = explained_by(options, larger, model.state, layout);
+  if (!std::isfinite(explained.decrease)) return;  // one distance: nothing to tell
+  GroupTest test = model_test("distortion at all distances", explained.decrease, 2, result);
+  char figure[160];
+  std::snprintf(figure, sizeof figure, " (test value %.1f, at most %.1f)", test.factor, test.limit);
+  if (!test.passed)
+    test.words =
+        "the lens' distortion changes with the distance" + std::string(figure) + ": add d1 and d2 to free_interior";
+  result.models.push_back(test);
+}
+
+void test_principal_points(const TagBlockOptions& options, const TagModel& model, TagBlockResult& result) {
+  const size_t images = model.problem.images.size();
+  const double freedom = 2.0 * static_cast<double>(images);
+  if (options.image_principal_point_sigma > 0 || images > most_images ||
+      result.degrees_of_freedom - freedom < least_redundancy)
+    return;
+  constexpr double anywhere = 100;  // [px] so far the prior says next to nothing, and cx, cy keep the mean
+  bundle::Problem larger = model.problem;
+  bundle::State state = model.state;
+  free_principal_points(anywhere, larger, state);
+  const bundle::Layout layout(larger);
+  const auto explained = explained_by(options, larger, state, layout);
+  if (!std::isfinite(explained.decrease)) return;
+  double squares = 0;
+  for (int i = 0; i < static_cast<int>(images); ++i)
+    squares += explained.step.segment<2>(layout.offset(layout.block({bundle::Kind::shift, i}))).squaredNorm();
+  GroupTest test = model_test("one principal point", explained.decrease, freedom, result);
+  char figure[200];
+  std::snprintf(figure, sizeof figure, " (test value %.1f, at most %.1f), rms %.2g px: set image_principal_point_sigma",
+                test.factor, test.limit, std::sqrt(squares / freedom));
+  if (!test.passed) test.words = "the images have principal points of their own" + std::string(figure);
+  result.models.push_back(test);
+}
+
 }  // namespace
+
+std::optional<RejectedControl> worst_control(const TagModel& model, const TagStart& start,
+                                             const bundle::Adjusted& adjusted) {
+  constexpr double level = 1e-3;       // over all points
+  constexpr double controlled = 0.01;  // part of an error that has to show
+  const size_t count = model.control_plates.size();
+  if (model.control_term < 0 || count < 4) return std::nullopt;
+  const size_t term = static_cast<size_t>(model.control_term);
+  const auto quality = adjusted.cofactors->known(adjusted.state, term);
+  const Eigen::MatrixXd& whitening = model.problem.known[term].whitening;
+  RejectedControl worst;
+  for (size_t k = 0; k < count; ++k) {
+    const Eigen::MatrixXd b = whitening.middleCols<3>(static_cast<Eigen::Index>(3 * k));
+    const Eigen::Matrix3d seen = b.transpose() * quality.residual_cofactor * b, weight = b.transpose() * b;
+    const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix3d> shown(seen, weight, Eigen::EigenvaluesOnly);
+    if (!(shown.eigenvalues()(0) > controlled)) continue;
+    const Eigen::Vector3d pull = b.transpose() * quality.rows.residual, off = -seen.llt().solve(pull);
+    const double test = -pull.dot(off);
+    if (!(test > worst.test)) continue;
+    worst.plate = start.plates[static_cast<size_t>(model.control_plates[k])];
+    worst.off = off;
+    worst.test = test;
+  }
+  worst.limit = chi_squared_quantile(1 - level / static_cast<double>(count), 3);
+  return worst.test > worst.limit ? std::make_optional(worst) : std::nullopt;
+}
+
+WithheldControl withheld_control(const TagModel& model, const TagStart& start, const bundle::Adjusted& adjusted,
+                                 const std::vector<int>& plates) {
+  constexpr double determined = 1e-6;  // part of an error that shows in the residuals; rounding leaves 1e-12
+  WithheldControl result;
+  std::vector<int> columns;
+  for (size_t k = 0; k < model.control_plates.size(); ++k) {
+    const int plate = start.plates[static_cast<size_t>(model.control_plates[k])];
+    if (std::find(plates.begin(), plates.end(), plate) == plates.end()) continue;
+    result.plates.push_back(plate);
+    for (int c = 0; c < 3; ++c) columns.push_back(3 * static_cast<int>(k) + c);
+  }
+  if (result.plates.empty()) {
+    result.undetermined = "none of its points is control that the images show";
+    return result;
+  }
+  const size_t term = static_cast<size_t>(model.control_term);
+  const auto quality = adjusted.cofactors->known(adjusted.state, term);
+  const Eigen::MatrixXd b = model.problem.known[term].whitening(Eigen::all, columns);
+  const Eigen::MatrixXd seen = b.transpose() * quality.residual_cofactor * b, weight = b.transpose() * b;
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> shown(seen, weight, Eigen::EigenvaluesOnly);
+  if (!(shown.eigenvalues()(0) > determined)) {
+    result.undetermined = "without its points the control does not hold the block";
+    return result;
+  }
+  const Eigen::LLT<Eigen::MatrixXd> factor(seen);
+  result.off = -factor.solve(b.transpose() * quality.rows.residual);
+  result.covariance = factor.solve(Eigen::MatrixXd::Identity(seen.rows(), seen.cols()));
+  return result;
+}
+
+void test_models(const TagBlockOptions& options, const TagModel& model, TagBlockResult& result) {
+  if (!options.self_calibration) return;
+  test_distance_terms(options, model, result);
+  test_principal_points(options, model, result);
+}
 
 void test_groups(const TagBlock& block, TagBlockResult& result) {
   for (const auto& group : result.groups) {

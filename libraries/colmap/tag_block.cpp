@@ -78,7 +78,7 @@ Corners corners_of(const TagBlock& block, const TagStart& start, const TagModel&
   const bool focal = options.refine_focal_length, centre = options.refine_principal_point,
              lens = options.refine_extra_params;
   problem.cameras.push_back(
-      {"camera", bundle::Lens::brown, 0, {focal, focal, centre, centre, lens, lens, false, lens, lens}});
+      {"camera", bundle::Lens::brown, 0, {focal, focal, centre, centre, lens, lens, false, lens, lens, false, false}});
   problem.images = model.problem.images;
   problem.groups.push_back({"images"});
   corners.state.interiors = model.state.interiors;

@@ -28,9 +28,11 @@ bundle::Known interior_prior(int camera, const bundle::Camera& given, const Brow
   const auto values = start.parameters();
   bundle::Known term;
   term.refs = {{Kind::camera, camera}};
-  term.target = Eigen::Map<const Eigen::VectorXd>(values.data(), interior_count);
+  const int all = bundle::value_count(bundle::Lens::brown);
+  term.target = Eigen::VectorXd::Zero(all);
+  term.target.head<interior_count>() = Eigen::Map<const Eigen::VectorXd>(values.data(), interior_count);
   term.group = group_interior;
-  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(interior_count - 1, interior_count);
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(interior_count - 1, all);
   rows(0, 0) = 1 / (1e-3 * extent), rows(0, 1) = -rows(0, 0);
   rows(1, 2) = rows(2, 3) = 1 / (0.01 * extent);
   for (int k = 4; k < interior_count; ++k)
@@ -127,6 +129,7 @@ class Adjustment {
     const BrownCamera& camera = model_.cameras.at(cameras_[c]).camera;
     bundle::Camera entry{"camera " + std::to_string(cameras_[c]), bundle::Lens::brown, 0,
                          std::vector<bool>(interior_count, options_.self_calibration)};
+    entry.free.resize(static_cast<size_t>(bundle::value_count(entry.lens)), false);
     if (starts_[c].k3 == 0) entry.free[6] = false;
     state_.interiors.push_back({});
     const auto values = camera.parameters();

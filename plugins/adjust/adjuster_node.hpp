@@ -50,6 +50,9 @@ struct Adjuster : TagAdjusterNode {
   static constexpr double default_lambda = 1e4;
   Param<double> lambda{"lambda", default_lambda, "px^2/m^2", between(1e-12, 1e18),
                        "λ of (5), (σ_px/σ_S)²; for weighting lambda"};
+  Param<bool> robust_control{"robust_control", false,
+                             "leave out control points that contradict the photographs and the other control, by name; "
+                             "at most a third"};
   Param<double> image_sigma{
       "image_sigma", 0.0, "mm", between(0, 1),
       "targets: a priori standard deviation of a sensor coordinate; 0: as the files have it, else "
@@ -59,6 +62,9 @@ struct Adjuster : TagAdjusterNode {
       {"auto"},
       "targets: interior parameters to estimate; auto: Ck, xh, yh, A1, A2, B1, B2 of a balanced camera, "
       "none of a correcting one, which comes calibrated"};
+  Param<double> principal_point_sigma{
+      "principal_point_sigma", 0.0, "mm", between(0, 10),
+      "targets: standard deviation of each image's own principal point about its camera's; 0: they share one"};
   Param<std::string> free_datum{"free_datum", "inner", one_of("inner", "first_image"),
                                 "targets without control: inner constraints over all points, or the first image held"};
 
@@ -72,6 +78,7 @@ struct Adjuster : TagAdjusterNode {
     o.weighting = *weighting == "lambda" ? TagBlockOptions::Weighting::lambda : TagBlockOptions::Weighting::covariance;
     o.lambda = *lambda;
     o.free_network = !control;
+    o.robust_control = *robust_control;
     o.minimiser = Engine::minimise;
     return o;
   }
@@ -88,6 +95,8 @@ struct Adjuster : TagAdjusterNode {
     if (control) builder.set_control(control.unpack());
     for (const auto& warning : builder.warnings()) context.warn(warning);
     const TagBlockOptions chosen = options();
+    if (*robust_control && (!control || *weighting == "lambda"))
+      context.warn("parameter 'robust_control' has no effect without control, and with weighting=lambda");
     if (*lambda != default_lambda && *weighting != "lambda")
       context.warn("parameter 'lambda' has no effect with weighting=covariance; set weighting=lambda, or leave it out");
     const TagBlockResult result = adjust_tag_block(builder.block(), chosen);
@@ -106,6 +115,7 @@ struct Adjuster : TagAdjusterNode {
     PointBlockOptions o;
     o.image_sigma = *image_sigma > 0 ? *image_sigma : image_sigma_of(measured);
     o.free_parameters = *free;
+    o.principal_point_sigma = *principal_point_sigma;
     o.free_datum =
         *free_datum == "inner" ? PointBlockOptions::FreeDatum::inner : PointBlockOptions::FreeDatum::first_image;
     o.max_iterations = static_cast<int>(*max_iterations);

@@ -6,8 +6,8 @@
 
 namespace plumbline::adjust {
 
-/// Warns of each test that failed. A block that fails one is no result: the metric `invalid` makes the exit code 3, so
-/// that no script builds on it.
+/// Warns of each test that failed. A block that fails a global one is no result: the metric `invalid` makes the exit
+/// code 3, so that no script builds on it.
 inline void tell_global_tests(Context& context, const TagBlockResult& result) {
   bool failed = false;
   for (const auto& test : result.tests) {
@@ -15,6 +15,8 @@ inline void tell_global_tests(Context& context, const TagBlockResult& result) {
     failed = true;
     context.warn("global test of the image block failed: " + test.words);
   }
+  for (const auto& test : result.models)
+    if (!test.passed) context.warn("the camera model does not hold: " + test.words);
   context.metric("invalid", failed ? 1 : 0, "1");
 }
 

@@ -2,6 +2,7 @@
 #include "adjuster_node.hpp"
 #include "colmap_adjuster_node.hpp"
 #include "cost_node.hpp"
+#include "crossval_node.hpp"
 #include "joint_node.hpp"
 #include "read_block_nodes.hpp"
 
@@ -9,4 +10,4 @@ PLUMBLINE_PLUGIN("adjust", "0.1.0", "MIT", plumbline::adjust::Adjuster<plumbline
                  plumbline::adjust::Adjuster<plumbline::adjust::CeresEngine>, plumbline::adjust::ColmapAdjuster,
                  plumbline::adjust::JointAdjuster, plumbline::adjust::ReadAicon, plumbline::adjust::ReadPhotoModeler,
                  plumbline::adjust::ReadBal, plumbline::adjust::WriteBal, plumbline::adjust::ReadImageBlock,
-                 plumbline::adjust::EvaluateCost)
+                 plumbline::adjust::EvaluateCost, plumbline::adjust::EvaluateCrossval)

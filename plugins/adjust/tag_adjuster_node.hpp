@@ -15,7 +15,11 @@ struct TagAdjusterNode : Node {
       "hold the interior orientation; estimate what the camera gives a covariance for; estimate without prior"};
   Param<std::vector<std::string>> free_interior{"free_interior",
                                                 {"fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2"},
-                                                "interior parameters that a self-calibration may change"};
+                                                "interior parameters that a self-calibration may change; d1 and d2 "
+                                                "let k1 and k2 change with the distance"};
+  Param<double> image_principal_point_sigma{
+      "image_principal_point_sigma", 0.0, "px", between(0, 100),
+      "standard deviation of each image's own principal point about the camera's; 0: they share one"};
   Param<bool> fixed_aspect{"fixed_aspect", false, "hold fy/fx"};
   Param<double> tag_scale_sigma{
       "tag_scale_sigma", 1e-3, "1", at_least(0),
@@ -45,6 +49,7 @@ struct TagAdjusterNode : Node {
     o.corner_sigma = *corner_sigma;
     o.self_calibration = *self_calibration != "off";
     o.free_interior = *free_interior;
+    o.image_principal_point_sigma = *self_calibration == "off" ? 0 : *image_principal_point_sigma;
     o.fixed_aspect = *fixed_aspect;
     o.tag_scale_sigma = *tag_scale_sigma;
     o.corner_inset_sigma = *corner_inset_sigma;

@@ -218,7 +218,28 @@ void TagBlockBuilder::describe_interior(const TagBlockResult& result, BlockT& ar
     if (parameter->estimated) estimated.push_back(i);
     artifact.interior_orientation.push_back(std::move(parameter));
   }
-  const Eigen::MatrixXd covariance = result.camera_covariance(estimated, estimated);
+  const auto add = [&](const std::string& name, double value, double sigma) {
+    auto parameter = std::make_unique<InteriorParameterT>();
+    parameter->name = name;
+    parameter->value = value;
+    parameter->sigma = sigma;
+    parameter->estimated = sigma > 0;
+    artifact.interior_orientation.push_back(std::move(parameter));
+  };
+  for (int k = 0; k < 2 && result.reference_distance > 0; ++k) {
+    const int i = BrownCamera::parameter_count + k;
+    add(k == 0 ? "d1" : "d2", result.distance_terms(k), std::sqrt(result.interior_covariance(i, i)));
+    if (result.interior_covariance(i, i) > 0) estimated.push_back(i);
+  }
+  if (result.reference_distance > 0) add("Z0", result.reference_distance, 0);
+  for (size_t i = 0; i < result.principal_points.size(); ++i) {
+    if (!result.cam_from_world[i]) continue;
+    const ImagePrincipalPoint& own = result.principal_points[i];
+    add("x0 of " + block_.images[i].name, own.shift.x(), std::sqrt(own.covariance(0, 0)));
+    add("y0 of " + block_.images[i].name, own.shift.y(), std::sqrt(own.covariance(1, 1)));
+  }
+  if (result.interior_covariance.size() == 0) return;
+  const Eigen::MatrixXd covariance = result.interior_covariance(estimated, estimated);
   const Eigen::VectorXd scale = covariance.diagonal().cwiseSqrt().cwiseInverse();
   artifact.interior_correlations =
       pack_symmetric(Eigen::MatrixXd(scale.asDiagonal() * covariance * scale.asDiagonal()));
@@ -265,6 +286,19 @@ BlockT TagBlockBuilder::describe(const TagBlockResult& result, const TagBlockOpt
     }
     artifact.control.push_back(std::move(entry));
   }
+  for (const RejectedControl& rejected : result.rejected_control) {  // no part of the datum: all of its error shows
+    auto entry = std::make_unique<BlockControlT>();
+    entry->anchor = block_.plates[static_cast<size_t>(rejected.plate)].anchor;
+    for (int c = 0; c < 3; ++c) {
+      auto coordinate = std::make_unique<ControlCoordinateT>();
+      coordinate->residual = -rejected.off(c);
+      coordinate->redundancy_number = 1;
+      coordinate->w = coordinate->residual / rejected.sigma(c);
+      coordinate->effect_on_height = 0;
+      entry->coordinates.push_back(std::move(coordinate));
+    }
+    artifact.control.push_back(std::move(entry));
+  }
   describe_images(result, artifact);
   for (size_t j = 0; j < result.plates.size(); ++j) {
     auto entry = std::make_unique<BlockAnchorT>();
@@ -281,15 +315,16 @@ BlockT TagBlockBuilder::describe(const TagBlockResult& result, const TagBlockOpt
     entry->anchor = block_.plates[static_cast<size_t>(seen.plate)].anchor;
     artifact.rejected.push_back(std::move(entry));
   }
-  for (const auto& test : result.tests) {
-    auto entry = std::make_unique<BlockTestT>();
-    entry->group = test.group;
-    entry->variance_factor = test.factor;
-    entry->limit = test.limit;
-    entry->passed = test.passed;
-    entry->words = test.words;
-    artifact.tests.push_back(std::move(entry));
-  }
+  for (const auto* tests : {&result.tests, &result.models})
+    for (const auto& test : *tests) {
+      auto entry = std::make_unique<BlockTestT>();
+      entry->group = test.group;
+      entry->variance_factor = test.factor;
+      entry->limit = test.limit;
+      entry->passed = test.passed;
+      entry->words = test.words;
+      artifact.tests.push_back(std::move(entry));
+    }
   artifact.warnings = result.warnings;
   artifact.left_out = result.left_out;
   artifact.weak_datum = result.weak_datum;

@@ -50,9 +50,11 @@ std::unique_ptr<AdjustedSensorCameraT> describe_camera(const PointBlockResult& r
   entry->model = camera.lens == bundle::Lens::correcting ? "correcting" : "balanced";
   entry->balance_radius = camera.balance_radius;
   const auto& free = result.free_parameters[c];
-  for (int i = 0; i < SensorCamera::parameter_count; ++i) {
-    auto parameter = std::make_unique<InteriorParameterT>();
+  for (int i = 0; i < static_cast<int>(camera.names().size()); ++i) {
     const auto at = std::find(free.begin(), free.end(), i);
+    const bool by_distance = camera.names()[static_cast<size_t>(i)][0] == 'D';  // where nobody asked: none
+    if (by_distance && at == free.end() && camera.values[static_cast<size_t>(i)] == 0) continue;
+    auto parameter = std::make_unique<InteriorParameterT>();
     const Eigen::Index row = at - free.begin();
     parameter->name = camera.names()[static_cast<size_t>(i)];
     parameter->value = camera.values[static_cast<size_t>(i)];
@@ -60,6 +62,15 @@ std::unique_ptr<AdjustedSensorCameraT> describe_camera(const PointBlockResult& r
     parameter->sigma = parameter->estimated ? std::sqrt(covariance(row, row)) : 0;
     entry->interior_orientation.push_back(std::move(parameter));
   }
+  for (size_t i = 0; i < result.principal_points.size(); ++i)
+    for (int axis = 0; axis < 2 && result.block.images[i].camera == static_cast<int>(c); ++axis) {
+      auto parameter = std::make_unique<InteriorParameterT>();
+      parameter->name = std::string(axis == 0 ? "x0" : "y0") + " of image " + std::to_string(result.block.images[i].id);
+      parameter->value = result.principal_points[i](axis);
+      parameter->sigma = std::sqrt(result.principal_point_covariance[i](axis, axis));
+      parameter->estimated = true;
+      entry->interior_orientation.push_back(std::move(parameter));
+    }
   entry->correlations = correlations_of(covariance);
   return entry;
 }

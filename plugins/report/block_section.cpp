@@ -19,6 +19,17 @@ void write_groups(Markup& html, const BlockT& block) {
                      fixed(group->weighted_sum_of_squares, 1), fixed(group->variance_factor, 2)});
 }
 
+void write_tests(Markup& html, const BlockT& block) {
+  if (block.tests.empty()) return;
+  Scope wide(html, "div", {{"class", "wide"}});
+  Scope table(html, "table");
+  table_head(html, {"Test of the image block", "Test value", "At most", "Result"});
+  Scope body(html, "tbody");
+  for (const auto& test : block.tests)
+    table_row(html, {test->group, fixed(test->variance_factor, 2), fixed(test->limit, 2),
+                     test->passed ? "passed" : "failed: " + test->words});
+}
+
 void write_images(Markup& html, const BlockT& block) {
   Scope wide(html, "div", {{"class", "wide"}});
   Scope table(html, "table", {{"class", "sortable"}});
@@ -60,6 +71,7 @@ void write_block(Markup& html, const ReportInput& input) {
                std::to_string(block.statistics->unknowns) + " unknowns; variance factor of the images before scaling " +
                fixed(block.image_variance_factor, 2) + ".");
   write_groups(html, block);
+  write_tests(html, block);
   if (block.rejected.empty()) {
     html.element("p", "No sighting of a tag was rejected.");
   } else {

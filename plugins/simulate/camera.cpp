@@ -137,7 +137,7 @@ RigidTransform look_at(const Eigen::Vector3d& position, const Eigen::Vector3d& t
 
 std::vector<VisibleTag> visible_tags(const Building& building, const BrownCamera& camera,
                                      const RigidTransform& camera_from_building, double margin,
-                                     const Obstruction& obstruction) {
+                                     const Obstruction& obstruction, const DepthDistortion& depth_distortion) {
   const double limit = field_radius(camera);
   const Eigen::Vector3d centre = camera_from_building.inverse().translation;
   std::vector<VisibleTag> visible;
@@ -151,7 +151,9 @@ std::vector<VisibleTag> visible_tags(const Building& building, const BrownCamera
     const auto corners = anchor.tag_corners();
     for (std::size_t i = 0; i < 4 && whole; ++i) {
       const Eigen::Vector3d p = camera_from_building * (anchor.building_from_plate * corners[i]);
-      const auto pixel = p.z() > 0.1 && p.head<2>().norm() < limit * p.z() ? project(camera, p) : std::nullopt;
+      BrownCamera at_depth = camera;
+      at_depth.k1 += depth_distortion.slope * (1 / p.z() - 1 / depth_distortion.reference);
+      const auto pixel = p.z() > 0.1 && p.head<2>().norm() < limit * p.z() ? project(at_depth, p) : std::nullopt;
       whole = pixel && pixel->x() >= margin && pixel->y() >= margin && pixel->x() <= camera.width - 1 - margin &&
               pixel->y() <= camera.height - 1 - margin;
       if (whole) tag.corners[i] = *pixel;

@@ -66,10 +66,16 @@ struct VisibleTag {
   const Anchor* anchor = nullptr;
   std::array<Eigen::Vector2d, 4> corners;
 };
+/// k1 of what lies at the depth Z is that of the camera plus slope (1/Z − 1/reference).
+struct DepthDistortion {
+  double slope = 0;      ///< [m]
+  double reference = 1;  ///< [m]
+};
+
 /// Tags whose corners lie at least `margin` px inside the image, seen from within 70 degrees of their normal, and that
 /// nothing hides.
 std::vector<VisibleTag> visible_tags(const Building& building, const BrownCamera& camera,
                                      const RigidTransform& camera_from_building, double margin = 12,
-                                     const Obstruction& obstruction = {});
+                                     const Obstruction& obstruction = {}, const DepthDistortion& depth_distortion = {});
 
 }  // namespace plumbline::simulate

@@ -136,6 +136,11 @@ SimulatedCamera camera_at(const Campaign& c, std::size_t station) {
   return camera;
 }
 
+DepthDistortion depth_distortion_of(const Campaign& c) {
+  const double distance = c.options.cameras.distance;
+  return {c.options.perturbations.depth_distortion, distance > 0 ? distance : c.camera.profile.distance};
+}
+
 void write_observations(const Campaign& c, const std::filesystem::path& folder, double sigma) {
   std::string text = "image,family,tag_id,x0_px,y0_px,x1_px,y1_px,x2_px,y2_px,x3_px,y3_px,sigma_px\n";
   for (const ObservedImage& image : observe_corners(c, sigma, c.seed))
@@ -210,7 +215,8 @@ void write_truth(const Campaign& c, const std::filesystem::path& folder) {
     }
     for (const double v : pose.translation) cameras += "," + number(v);
     cameras += "\n";
-    for (const VisibleTag& tag : visible_tags(c.building, camera_at(c, station).truth, pose, 12, c.obstruction)) {
+    for (const VisibleTag& tag :
+         visible_tags(c.building, camera_at(c, station).truth, pose, 12, c.obstruction, depth_distortion_of(c))) {
       for (std::size_t i = 0; i < 4; ++i) {
         corners += s.image + "," + std::to_string(tag.anchor->tag_id) + "," + std::to_string(i) + "," +
                    number(tag.corners[i].x()) + "," + number(tag.corners[i].y()) + "\n";

@@ -42,6 +42,9 @@ Campaign make_campaign(const CampaignOptions& options, std::uint64_t seed);
 /// The camera as it was for one photograph: with that image's own principal point and distortion.
 SimulatedCamera camera_at(const Campaign& campaign, std::size_t station);
 
+/// What of that camera changes with the distance.
+DepthDistortion depth_distortion_of(const Campaign& campaign);
+
 /// campaign.yaml, camera.yaml, plates.csv, control.csv, survey/total_station.gsi, design.ifc. The folder must exist.
 /// With `observed` the campaign names observations.csv in place of photographs.
 void write_campaign_files(const Campaign& campaign, const std::filesystem::path& folder, bool observed = false);

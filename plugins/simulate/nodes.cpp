@@ -58,6 +58,9 @@ struct SimulatedSite : Node {
   Param<double> principal_point_sigma{"principal_point_sigma", -1.0, "px", between(-1, 100), "of each image's own"};
   Param<double> distance_distortion{"distance_distortion", -1.0, "1", between(-1, 1),
                                     "relative change of k1 and k2 from image to image"};
+  Param<double> depth_distortion{"depth_distortion", 0.0, "m", between(-1, 1),
+                                 "k1 of what lies at the depth Z is larger by this times 1/Z - 1/distance; in observed "
+                                 "corners, not in rendered photographs"};
   Param<double> ink_spread{"ink_spread", -1.0, "m", between(-1, 0.01), "growth of black at every edge"};
   Param<double> dirt{"dirt", -1.0, "1", between(-1, 1000), "specks on a plate, on average"};
   Param<double> glare{"glare", -1.0, "1", between(-1, 1), "share of plates that mirror a lamp, image by image"};
@@ -69,6 +72,7 @@ struct SimulatedSite : Node {
   simulate::Perturbations perturbations() const {
     simulate::Perturbations p = simulate::optics_of(*optics);
     if (!transfer_curve->empty()) p.transfer = *transfer_curve;
+    p.depth_distortion = *depth_distortion;
     if (*jpeg_quality >= 0) p.jpeg_quality = static_cast<int>(*jpeg_quality);
     for (const auto& [given, size] : {std::pair(*sharpening, &p.sharpening),
                                       {*motion_blur, &p.motion_blur},
@@ -147,6 +151,9 @@ struct SimulateCampaign : SimulatedSite {
     const simulate::Campaign campaign = simulate::make_campaign(o, context.seed());
 
     const bool observed = *photographs == "observed";
+    if (*depth_distortion != 0 && !observed)
+      throw std::runtime_error(
+          "depth_distortion is not in rendered photographs: take photographs=observed, or leave it out");
     const auto campaign_folder = folder.make_folder(), truth_folder = truth.make_folder();
     simulate::write_campaign_files(campaign, campaign_folder.path, observed);
     if (observed)
@@ -201,10 +208,11 @@ struct SimulateObservations : SimulatedSite {
   Param<std::string> control{"control", "all", one_of("all", "two_per_floor", "ground_floor", "one_column"),
                              "which of the control markers hold the model; the others only tie the images together"};
   Param<double> control_blunders{"control_blunders", 0.0, "1", between(0, 1),
-                                 "share of surveyed points that are off by a blunder in a random direction"};
+                                 "share of control points that are off by a blunder in a random direction"};
   Param<double> blunder_size{"blunder_size", 0.02, "m", between(0, 10), "how far they are off"};
   Param<double> tag_blunders{"tag_blunders", 0.0, "1", between(0, 1),
-                             "share of tags whose corners are off together by 5 to 50 px in an image"};
+                             "share of tags whose corners are off together by 5 px and more in an image"};
+  Param<double> tag_blunder_size{"tag_blunder_size", 50.0, "px", between(5, 1e4), "how far they are off at most"};
   OutList<ImageTags> observations{"observations", "tags of each image, with the covariance of their corners"};
   Out<Camera> calibration{"camera", "calibration with its error and uncertainty"};
   Out<Plates> plates{"plates", frame("frame=building"), "which tag stands for which anchor"};
@@ -221,7 +229,7 @@ struct SimulateObservations : SimulatedSite {
     options.survey.noise_scale = *survey_noise;
     const simulate::Campaign campaign = simulate::make_campaign(options, seed);
     for (auto& image : simulate::observe_corners(campaign, *pixel_sigma, seed)) {
-      simulate::displace_tags(image, *tag_blunders, seed);
+      simulate::displace_tags(image, *tag_blunders, *tag_blunder_size, seed);
       commit_image(image, campaign);
     }
     commit_camera(campaign.camera);

@@ -13,8 +13,9 @@ std::vector<ObservedImage> observe_corners(const Campaign& campaign, double sigm
   std::vector<ObservedImage> images;
   for (std::size_t i = 0; i < campaign.stations.size(); ++i) {
     const CameraStation& station = campaign.stations[i];
-    ObservedImage image{&station, visible_tags(campaign.building, camera_at(campaign, i).truth,
-                                               station.camera_from_building, 12, campaign.obstruction)};
+    ObservedImage image{&station,
+                        visible_tags(campaign.building, camera_at(campaign, i).truth, station.camera_from_building, 12,
+                                     campaign.obstruction, depth_distortion_of(campaign))};
     Random random(seed, "corners " + station.image);
     for (VisibleTag& tag : image.tags) {
       for (Eigen::Vector2d& corner : tag.corners) {
@@ -54,17 +55,28 @@ bool holds_model(const Anchor& anchor, int columns, const std::string& layout) {
 }
 
 void displace_points(std::vector<ObservedPoint>& points, double share, double size, std::uint64_t seed) {
+  struct Drawn {
+    double order;
+    ObservedPoint* point;
+    Eigen::Vector3d direction;
+  };
+  std::vector<Drawn> drawn;
   for (ObservedPoint& point : points) {
+    if (point.anchor->role != AnchorRole::control) continue;
     Random random(seed, "blunder " + point.anchor->id);
-    if (random.uniform() < share) point.position += size * random.normal3(1).normalized();
+    const double order = random.uniform();
+    drawn.push_back({order, &point, random.normal3(1).normalized()});
   }
+  std::sort(drawn.begin(), drawn.end(), [](const Drawn& a, const Drawn& b) { return a.order < b.order; });
+  const auto wrong = static_cast<std::size_t>(std::lround(share * static_cast<double>(drawn.size())));
+  for (std::size_t k = 0; k < wrong; ++k) drawn[k].point->position += size * drawn[k].direction;
 }
 
-void displace_tags(ObservedImage& image, double share, std::uint64_t seed) {
+void displace_tags(ObservedImage& image, double share, double largest, std::uint64_t seed) {
   Random random(seed, "tag blunders " + image.station->image);
   for (VisibleTag& tag : image.tags) {
     const double draw = random.uniform(), angle = random.uniform(0, 2 * std::numbers::pi),
-                 length = random.uniform(5, 50);
+                 length = random.uniform(5, largest);
     if (draw >= share) continue;
     for (Eigen::Vector2d& corner : tag.corners) corner += length * Eigen::Vector2d(std::cos(angle), std::sin(angle));
   }

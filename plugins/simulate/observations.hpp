@@ -30,11 +30,11 @@ std::vector<ObservedPoint> observe_points(const Campaign& campaign, double sigma
 /// never do.
 bool holds_model(const Anchor& anchor, int columns, const std::string& layout);
 
-/// Blunders: each point with probability `share` off by `size` [m] in a random direction. Their covariance knows
-/// nothing of it.
+/// Blunders: this share of the control points, rounded to whole ones, off by `size` [m] in random directions; which
+/// ones, the seed draws. Their covariance knows nothing of it.
 void displace_points(std::vector<ObservedPoint>& points, double share, double size, std::uint64_t seed);
-/// Each tag with probability `share` off by 5 to 50 px in a random direction, all its corners alike.
-void displace_tags(ObservedImage& image, double share, std::uint64_t seed);
+/// Each tag with probability `share` off by 5 to `largest` px in a random direction, all its corners alike.
+void displace_tags(ObservedImage& image, double share, double largest, std::uint64_t seed);
 
 /// Covariance of all observed points, 3n × 3n, in their order [m²].
 Eigen::MatrixXd point_covariance(const std::vector<ObservedPoint>& points, double sigma, double height_walk);

@@ -16,6 +16,9 @@ struct Perturbations {
   double low_light = 0;             ///< stops that the exposure is short of, amplified again: noise grows
   double principal_point_sigma = 0;  ///< of each image's own principal point [px]
   double distance_distortion = 0;    ///< relative change of the radial distortion by image, standard deviation
+  /// How k1 changes with the depth Z of what is seen: by this times 1/Z − 1/(distance of the stations) [m]. In observed
+  /// corners only.
+  double depth_distortion = 0;
   // Print and plate.
   double ink_spread = 0;          ///< black grows by this much at every edge [m]
   double dirt = 0;                ///< specks on a plate, on average

@@ -213,7 +213,7 @@ TEST_P(Adjuster, EveryParameterHasItsEffect) {
   // Threads change no bit, and what is for targets nothing where there are tags only.
   EXPECT_EQ(parameters_at_fault({with(facade, {}), with(facade, {{"weighting", "lambda"}}),
                                  with(facade, {{"self_calibration", "free"}}), with(weak, {})},
-                                {"threads", "image_sigma", "free", "free_datum"}),
+                                {"threads", "image_sigma", "free", "free_datum", "principal_point_sigma"}),
             "");
 }
 

@@ -255,6 +255,17 @@ Adjusted adjust(const Problem& problem, const Layout& layout, const State& start
   fail_to_converge(problem, layout, result.state, elimination, options.datum, result.iterations, summary.message);
 }
 
+Explained explained_by_a_step(const Problem& problem, const Layout& layout, const State& state, const Datum& datum,
+                              int threads) {
+  Elimination elimination(problem, layout, Side::automatic, threads);
+  if (!elimination.build(state) || !elimination.factorise(constraints_of(problem, layout, state, elimination, datum)))
+    return {};
+  Explained explained;
+  explained.step = elimination.step();
+  explained.decrease = elimination.right().dot(explained.step);
+  return explained;
+}
+
 Reliability reliability_of(const Problem& problem, const Adjusted& adjusted) {
   static const double non_centrality = adjustment::non_centrality(0.001, 0.8);
   Reliability result;

@@ -5,6 +5,7 @@
 // equations. No engine's own claim of convergence is taken for a well-posed problem.
 #pragma once
 
+#include <cmath>
 #include <functional>
 #include <memory>
 #include <string>
@@ -69,6 +70,16 @@ Adjusted adjust(const Problem& problem, const Layout& layout, const State& start
 /// it. Precondition: elimination.build() at `state` without damping.
 void require_determined(const Problem& problem, const Layout& layout, const State& state,
                         const Elimination& elimination, const Datum& datum);
+
+/// What one Gauss-Newton step from `state` would do: by how much the sum of squares falls, as the linearised problem
+/// has it. At the minimum of a smaller model this is the score test of the unknowns that `problem` has beyond it,
+/// chi-squared with as many degrees of freedom (Rao 1948). nan if the block is not of full rank.
+struct Explained {
+  double decrease = std::nan("");
+  Eigen::VectorXd step;
+};
+Explained explained_by_a_step(const Problem& problem, const Layout& layout, const State& state, const Datum& datum,
+                              int threads);
 
 /// Statistics of every observation, held against Q_vv. Rows of image points, tags and distances by their index; known
 /// coordinates row by row. Redundancy numbers, w and MDB for σ0 = 1; residuals in the unit of the observation.

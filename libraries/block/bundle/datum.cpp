@@ -61,6 +61,23 @@ void move(const Problem& problem, const Eigen::Vector3d& centre, const Eigen::Ma
     plate.position = moved(tags[j]) - plate.matrix * problem.plates[j].shape.tag_centre_in_plate;
   }
   for (double& s : state.scales) s *= scale;
+  for (size_t c = 0; c < problem.cameras.size(); ++c) {
+    const Camera& camera = problem.cameras[c];
+    const int first = camera.lens == Lens::brown ? 4 : 3, distance = value_count(camera.lens) - 2;
+    for (int k = 0; k < 2; ++k) {
+      double& term = state.interiors[c][static_cast<size_t>(distance + k)];
+      state.interiors[c][static_cast<size_t>(first + k)] += camera.inverse_reference * (scale - 1) * term;
+      term *= scale;
+    }
+  }
+}
+
+/// Derivative by the scale of the object of a value of the lens that leaves every image as it is.
+double change_with_scale(const Camera& camera, const Interior& values, int value) {
+  const int count = value_count(camera.lens), first_coefficient = camera.lens == Lens::brown ? 4 : 3;
+  if (value >= count - 2) return values[static_cast<size_t>(value)];
+  const int order = value - first_coefficient;
+  return order == 0 || order == 1 ? camera.inverse_reference * values[static_cast<size_t>(count - 2 + order)] : 0.0;
 }
 
 Eigen::Vector3d centre_of_bodies(const Problem& problem, const State& state) {
@@ -101,6 +118,12 @@ Eigen::MatrixXd motions_of(const Problem& problem, const Layout& layout, const S
       g.block<3, 3>(row + 3, 3).setIdentity();
     } else if (ref.kind == Kind::scale) {
       g(row, 6) = state.scales[i];
+    } else if (ref.kind == Kind::camera) {
+      // k + d (1/Z − 1/Z0): where all depths are s times as large, d is, too, and k takes up what 1/Z0 does not follow.
+      const auto& free = layout.free_values(ref.index);
+      const Camera& camera = problem.cameras[i];
+      for (int k = 0; k < static_cast<int>(free.size()); ++k)
+        g(row + k, 6) = change_with_scale(camera, state.interiors[i], free[static_cast<size_t>(k)]);
     }
   }
   return g;

@@ -12,7 +12,9 @@ namespace {
 constexpr double singular_block = 1e-12;
 constexpr int max_chunks = 8, smallest_chunk = 64;
 
-bool is_shared(Kind kind) { return kind == Kind::camera || kind == Kind::scale || kind == Kind::inset; }
+bool is_shared(Kind kind) {
+  return kind == Kind::camera || kind == Kind::scale || kind == Kind::inset || kind == Kind::shift;
+}
 
 /// Weighs the rows of a robust observation; returns its part of the cost.
 double apply_loss(const Loss& loss, bool robust, bool jacobians, Rows& rows) {
@@ -157,13 +159,15 @@ std::vector<int> Elimination::blocks_of(const TermRef& term) const {
     const ImagePoint& o = problem_.image_points[i];
     all = {layout_.block({Kind::image, o.image}),
            layout_.block({Kind::camera, problem_.images[static_cast<size_t>(o.image)].camera}),
-           layout_.block({Kind::point, o.point})};
+           layout_.block({Kind::shift, o.image}), layout_.block({Kind::point, o.point})};
   } else if (term.kind == TermRef::Kind::tag) {
     const ImageTag& o = problem_.image_tags[i];
     const int batch = problem_.plates[static_cast<size_t>(o.plate)].batch;
     all = {layout_.block({Kind::image, o.image}),
            layout_.block({Kind::camera, problem_.images[static_cast<size_t>(o.image)].camera}),
-           layout_.block({Kind::scale, batch}), layout_.block({Kind::inset, batch}),
+           layout_.block({Kind::shift, o.image}),
+           layout_.block({Kind::scale, batch}),
+           layout_.block({Kind::inset, batch}),
            layout_.block({Kind::plate, o.plate})};
   } else if (term.kind == TermRef::Kind::distance) {
     all = {layout_.block(problem_.distances[i].from), layout_.block(problem_.distances[i].to)};
@@ -293,7 +297,7 @@ bool Elimination::linearise(const State& state, const Loss& loss, int first, int
 void Elimination::add_products(const Block& block, const TermRef& term, const Rows& rows, double* w, double* v,
                                double* g, Sums& sums) const {
   const int shared = kept_count_ - primary_count_;
-  std::array<Outer, 32> jobs;
+  std::array<Outer, 48> jobs;
   int count = 0;
   const auto add = [&](double* target, std::ptrdiff_t stride, const Rows::Part& a, const Rows::Part& b) {
     jobs[static_cast<size_t>(count++)] = {

@@ -103,6 +103,8 @@ class Values : public ceres::EvaluationCallback {
       for (int c = 0; c < 3; ++c) copy(state.points[i](c), x[c]);
     } else if (ref.kind == Kind::camera) {
       for (int v : layout_.free_values(ref.index)) copy(state.interiors[i][static_cast<size_t>(v)], *x++);
+    } else if (ref.kind == Kind::shift) {
+      for (int c = 0; c < 2; ++c) copy(state.shifts[i](c), x[c]);
     } else {
       copy(ref.kind == Kind::scale ? state.scales[i] : state.insets[i], *x);
     }

@@ -17,6 +17,7 @@ bool within(int index, size_t size) { return index >= 0 && static_cast<size_t>(i
 size_t count_of(const Problem& p, Kind kind) {
   switch (kind) {
     case Kind::image:
+    case Kind::shift:
       return p.images.size();
     case Kind::point:
       return p.points.size();
@@ -31,6 +32,7 @@ size_t count_of(const Problem& p, Kind kind) {
 
 Eigen::Index coordinates_of(const Problem& p, Ref ref) {
   if (ref.kind == Kind::camera) return value_count(p.cameras[static_cast<size_t>(ref.index)].lens);
+  if (ref.kind == Kind::shift) return 2;
   return ref.kind == Kind::scale || ref.kind == Kind::inset ? 1 : 3;
 }
 
@@ -49,6 +51,8 @@ int size_of(const Problem& p, Ref ref) {
       return p.batches[i].scale_free ? 1 : 0;
     case Kind::inset:
       return p.batches[i].inset_free ? 1 : 0;
+    case Kind::shift:
+      return p.images[i].shift_free ? 2 : 0;
   }
   return 0;
 }
@@ -122,6 +126,8 @@ void apply_step(const Problem& problem, const Layout& layout, const Eigen::Vecto
     for (int value : layout.free_values(static_cast<int>(i)))
       state.interiors[i][static_cast<size_t>(value)] += step(offset++);
   }
+  for (size_t i = 0; i < problem.images.size(); ++i)
+    if (problem.images[i].shift_free) state.shifts[i] += step.segment<2>(at(Kind::shift, i));
   for (size_t i = 0; i < problem.batches.size(); ++i) {
     if (problem.batches[i].scale_free) state.scales[i] += step(at(Kind::scale, i));
     if (problem.batches[i].inset_free) state.insets[i] += step(at(Kind::inset, i));
@@ -153,6 +159,8 @@ std::string name_of_unknown(const Problem& problem, const Layout& layout, int un
       return "tag scale of batch '" + problem.batches[i].name + "'";
     case Kind::inset:
       return "corner inset of batch '" + problem.batches[i].name + "'";
+    case Kind::shift:
+      return std::string("principal point ") + axes[c] + " of image " + problem.images[i].name;
   }
   return "?";
 }

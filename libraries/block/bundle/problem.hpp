@@ -23,12 +23,15 @@ struct Camera {
   Lens lens = Lens::brown;
   double balance_radius = 0;  ///< [mm], balanced model only
   std::vector<bool> free;     ///< which of the lens' values are unknown
+  /// 1/Z0 [1/m] of a distortion that depends on the distance, see lens.hpp; 0: its coefficients are those at infinity.
+  double inverse_reference = 0;
 };
 
 struct Image {
   std::string name;
   int camera = 0;
-  bool fixed = false;  ///< the pose is known exactly
+  bool fixed = false;       ///< the pose is known exactly
+  bool shift_free = false;  ///< the image has a principal point of its own
 };
 
 struct Point {
@@ -50,8 +53,8 @@ struct Batch {
 };
 
 /// What an unknown belongs to.
-enum class Kind { image, point, plate, camera, scale, inset };
-constexpr int kind_count = 6;
+enum class Kind { image, point, plate, camera, scale, inset, shift };
+constexpr int kind_count = 7;
 struct Ref {
   Kind kind;
   int index;
@@ -83,8 +86,8 @@ struct Distance {
 };
 
 /// W (x − target) over coordinates of a few refs: three of a point, of a plate's anchor or of an image's projection
-/// centre, all values of a camera, one of a scale or an inset. Known coordinates with their full covariance, the
-/// calibration of a camera, a printed size.
+/// centre, all values of a camera, one of a scale or an inset, two of an image's shift. Known coordinates with their
+/// full covariance, the calibration of a camera, a printed size.
 struct Known {
   std::vector<Ref> refs;
   Eigen::VectorXd target;
@@ -135,11 +138,17 @@ struct State {
   std::vector<Placement> plates;  ///< world_from_plate, anchor
   std::vector<Interior> interiors;
   std::vector<double> scales, insets;  ///< one a batch: size over nominal, inset [px]
+  /// One an image, or none at all: principal point minus that of its camera, in the image's unit.
+  std::vector<Eigen::Vector2d> shifts = {};
+  Eigen::Vector2d shift(int image) const {
+    return shifts.empty() ? Eigen::Vector2d(0, 0) : shifts[static_cast<size_t>(image)];
+  }
 };
 
 /// Blocks of unknowns and their numbers. A block is what belongs to one Ref: six of an image (position, then a rotation
 /// vector in the camera frame on top of the rotation), three of a point, six of a plate (anchor, rotation vector in the
-/// object frame), the free values of a camera, one of a scale or an inset. What is held has a block of size 0.
+/// object frame), the free values of a camera, one of a scale or an inset, two of the shift of an image's principal
+/// point. What is held has a block of size 0.
 class Layout {
  public:
   explicit Layout(const Problem& problem);

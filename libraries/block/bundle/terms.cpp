@@ -30,6 +30,9 @@ auto add_part(Rows& rows, int block, int size = C) {
   return Eigen::Map<RowMajor, 0, Eigen::OuterStride<Rows::stride>>(at, R, size);
 }
 
+/// Which value of the lens is the first coordinate of its principal point; the second follows it.
+int principal_point(Lens lens) { return lens == Lens::brown ? 2 : 1; }
+
 Eigen::Vector3d position_of(const State& state, Ref ref) {
   const size_t i = static_cast<size_t>(ref.index);
   if (ref.kind == Kind::point) return state.points[i];
@@ -79,8 +82,8 @@ bool evaluate(const Problem& problem, const Layout& layout, const State& state, 
   const Placement& pose = state.images[static_cast<size_t>(term.image)];
   const Eigen::Vector3d v = pose.matrix * (state.points[static_cast<size_t>(term.point)] - pose.position);
   LensRows lens;
-  if (!evaluate_lens(camera.lens, state.interiors[static_cast<size_t>(image.camera)].data(), camera.balance_radius, v,
-                     term.observed, jacobians, lens))
+  if (!evaluate_lens(camera.lens, state.interiors[static_cast<size_t>(image.camera)].data(), camera.balance_radius,
+                     camera.inverse_reference, v, term.observed - state.shift(term.image), jacobians, lens))
     return false;
   const Eigen::Matrix2d w = term.whitening / problem.groups[static_cast<size_t>(term.group)].sigma_factor;
   rows.rows = 2;
@@ -100,6 +103,9 @@ bool evaluate(const Problem& problem, const Layout& layout, const State& state, 
         add_part<2, Eigen::Dynamic>(rows, layout.block({Kind::camera, image.camera}), static_cast<int>(free.size()));
     for (size_t c = 0; c < free.size(); ++c) part.col(static_cast<Eigen::Index>(c)) = w * lens.by_interior.col(free[c]);
   }
+  if (image.shift_free)
+    add_part<2, 2>(rows, layout.block({Kind::shift, term.image})) =
+        w * lens.by_interior.middleCols<2>(principal_point(camera.lens));
   if (!problem.points[static_cast<size_t>(term.point)].fixed)
     add_part<2, 3>(rows, layout.block({Kind::point, term.point})) = by_point;
   return true;
@@ -120,21 +126,23 @@ bool evaluate(const Problem& problem, const Layout& layout, const State& state, 
   Eigen::Matrix<double, 8, 6> by_pose, by_plate;
   Eigen::Matrix<double, 8, Eigen::Dynamic, 0, 8, max_interior> by_interior(8, f);
   Eigen::Matrix<double, 8, 1> by_scale;
+  Eigen::Matrix<double, 8, 2> by_shift;
   for (int k = 0; k < 4; ++k) {
     const Eigen::Vector3d edge((k == 1 || k == 2) ? half : -half, k >= 2 ? half : -half, 0);
     const Eigen::Vector3d arm = body.matrix * (plate.shape.tag_centre_in_plate + scale * edge);
     const Eigen::Vector3d v = pose.matrix * (body.position + arm - pose.position);
     LensRows lens;
-    if (!evaluate_lens(camera.lens, state.interiors[static_cast<size_t>(image.camera)].data(), camera.balance_radius, v,
-                       Eigen::Vector2d::Zero(), jacobians, lens))
+    if (!evaluate_lens(camera.lens, state.interiors[static_cast<size_t>(image.camera)].data(), camera.balance_radius,
+                       camera.inverse_reference, v, Eigen::Vector2d::Zero(), jacobians, lens))
       return false;
-    pixels[static_cast<size_t>(k)] = lens.misclosure;
+    pixels[static_cast<size_t>(k)] = lens.misclosure + state.shift(term.image);
     if (!jacobians) continue;
     const Matrix23 by_point = lens.by_direction * pose.matrix;
     by_pose.block<2, 3>(2 * k, 0) = -by_point;
     by_pose.block<2, 3>(2 * k, 3) = -times_skew(lens.by_direction, v);
     by_plate.block<2, 3>(2 * k, 0) = by_point;
     by_plate.block<2, 3>(2 * k, 3) = -times_skew(by_point, arm);
+    by_shift.middleRows<2>(2 * k) = lens.by_interior.middleCols<2>(principal_point(camera.lens));
     by_scale.segment<2>(2 * k) = by_point * (body.matrix * edge);
     for (Eigen::Index c = 0; c < f; ++c)
       by_interior.block<2, 1>(2 * k, c) = lens.by_interior.col(free[static_cast<size_t>(c)]);
@@ -157,6 +165,7 @@ bool evaluate(const Problem& problem, const Layout& layout, const State& state, 
   if (f > 0)
     add_part<8, Eigen::Dynamic>(rows, layout.block({Kind::camera, image.camera}), static_cast<int>(f)) =
         weighted * by_interior;
+  if (image.shift_free) add_part<8, 2>(rows, layout.block({Kind::shift, term.image})) = weighted * by_shift;
   if (problem.batches[batch].scale_free)
     add_part<8, Eigen::Dynamic>(rows, layout.block({Kind::scale, plate.batch}), 1) = weighted * by_scale;
   if (problem.batches[batch].inset_free)
@@ -202,6 +211,13 @@ KnownRows evaluate(const Problem& problem, const Layout& layout, const State& st
         result.columns.push_back(next++);
       }
       at += count;
+    } else if (ref.kind == Kind::shift) {
+      value.segment<2>(at) = state.shift(ref.index);
+      for (int k = 0; k < 2 && size > 0; ++k) {
+        chosen.push_back(static_cast<int>(at) + k);
+        result.columns.push_back(offset + k);
+      }
+      at += 2;
     } else if (ref.kind == Kind::scale || ref.kind == Kind::inset) {
       value(at) = ref.kind == Kind::scale ? state.scales[i] : state.insets[i];
       if (size > 0) chosen.push_back(static_cast<int>(at)), result.columns.push_back(offset);
@@ -224,7 +240,8 @@ KnownRows evaluate(const Problem& problem, const Layout& layout, const State& st
 Eigen::Vector2d computed_image_point(const Camera& camera, const Interior& interior, const Eigen::Vector3d& v) {
   LensRows rows;
   rows.misclosure.setConstant(std::nan(""));
-  evaluate_lens(camera.lens, interior.data(), camera.balance_radius, v, Eigen::Vector2d::Zero(), false, rows);
+  evaluate_lens(camera.lens, interior.data(), camera.balance_radius, camera.inverse_reference, v,
+                Eigen::Vector2d::Zero(), false, rows);
   return rows.misclosure;
 }
 

@@ -8,10 +8,11 @@
 
 namespace plumbline::bundle {
 
-/// Rows of one observation and their derivatives by up to five blocks of unknowns, parts side by side in one row-major
+/// Rows of one observation and their derivatives by up to six blocks of unknowns, parts side by side in one row-major
 /// matrix; parts of held blocks are left out. What is shared by many observations stands side by side.
 struct Rows {
-  static constexpr int max_rows = 8, max_parts = 5, stride = 24;  // image 6, camera 10, scale, inset, body 6
+  // image 6, camera 12, shift 2, scale, inset, body 6
+  static constexpr int max_rows = 8, max_parts = 6, stride = 28;
   struct Part {
     int block = 0, size = 0;
     int column = 0;

@@ -83,7 +83,7 @@ double misfit(const PointBlock& block) {
     const auto& image = block.images[static_cast<size_t>(m.image)];
     const auto& camera = block.cameras[static_cast<size_t>(image.camera)];
     bundle::LensRows rows;
-    EXPECT_TRUE(bundle::evaluate_lens(camera.lens, camera.values.data(), camera.balance_radius,
+    EXPECT_TRUE(bundle::evaluate_lens(camera.lens, camera.values.data(), camera.balance_radius, 0,
                                       adjust::rotation_from_angles(image.angles).transpose() *
                                           (block.points[static_cast<size_t>(m.point)].position - image.centre),
                                       m.position, false, rows));
@@ -143,7 +143,7 @@ TEST_F(Bal, CamerasOfOtherProgramsArriveWithTheSameRays) {
       m.position = {1.5, 1.1};
       for (int step = 0; step < 60; ++step) {
         bundle::LensRows rows;
-        ASSERT_TRUE(bundle::evaluate_lens(camera.lens, camera.values.data(), camera.balance_radius, v, m.position,
+        ASSERT_TRUE(bundle::evaluate_lens(camera.lens, camera.values.data(), camera.balance_radius, 0, v, m.position,
                                           false, rows));
         m.position += kind == 2 ? Eigen::Vector2d(rows.misclosure.x(), -rows.misclosure.y()) : rows.misclosure;
       }

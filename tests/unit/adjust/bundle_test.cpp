@@ -25,9 +25,9 @@ struct Scene {
 };
 
 Interior values_of(Lens lens) {
-  if (lens == Lens::brown) return {3000, 3010, 1990, 1510, -0.11, 0.08, -0.02, 1e-3, -7e-4};
-  if (lens == Lens::balanced) return {-28, 0.02, -0.03, -1e-4, 1.5e-7, 1e-10, 6e-6, -9e-6, 2e-4, -1e-4};
-  return {7.5, 3.6, 2.6, 5e-3, -1e-4, 1e-6, -6e-5, -3e-5, 1e-3, -2e-3};
+  if (lens == Lens::brown) return {3000, 3010, 1990, 1510, -0.11, 0.08, -0.02, 1e-3, -7e-4, 0.3, -0.2};
+  if (lens == Lens::balanced) return {-28, 0.02, -0.03, -1e-4, 1.5e-7, 1e-10, 6e-6, -9e-6, 2e-4, -1e-4, 3e-5, -2e-8};
+  return {7.5, 3.6, 2.6, 5e-3, -1e-4, 1e-6, -6e-5, -3e-5, 1e-3, -2e-3, 1e-3, -2e-5};
 }
 
 Scene make_scene(Lens lens, bool with_tags) {
@@ -38,6 +38,8 @@ Scene make_scene(Lens lens, bool with_tags) {
   for (int c = 0; c < 2; ++c) {
     p.cameras.push_back({std::to_string(c), lens, 13, std::vector<bool>(static_cast<size_t>(value_count(lens)), true)});
     p.cameras[static_cast<size_t>(c)].free[1] = c == 0;  // one value held in the second
+    p.cameras[static_cast<size_t>(c)].inverse_reference = 0.16;
+    if (lens == Lens::balanced) p.cameras[static_cast<size_t>(c)].free[11] = false;  // next to undetermined beside D1
     scene.state.interiors.push_back(values_of(lens));
   }
   const auto disturbed = [&](double size) -> Eigen::Vector3d {
@@ -50,7 +52,9 @@ Scene make_scene(Lens lens, bool with_tags) {
     const Eigen::Vector3d x = Eigen::Vector3d(std::cos(1.3 * i), std::sin(1.3 * i), 0).cross(z).normalized();
     Eigen::Matrix3d world_from_camera;
     world_from_camera << x, z.cross(x), z;
-    p.images.push_back({"image" + std::to_string(i), i % 2});
+    p.images.push_back({"image" + std::to_string(i), i % 2, false, i % 3 > 0});
+    scene.state.shifts.push_back(lens == Lens::brown ? Eigen::Vector2d(3 - i, 2 * i)
+                                                     : Eigen::Vector2d(0.01 * i, -0.02));
     scene.state.images.emplace_back();
     scene.state.images.back().set(Eigen::Quaterniond(Eigen::Matrix3d(world_from_camera.transpose())), centre);
   }
@@ -107,6 +111,10 @@ Scene make_scene(Lens lens, bool with_tags) {
     calibration.whitening(k, k) = 1 / (1e-3 * std::abs(calibration.target(k)) + 1e-9);
   calibration.group = 2;
   p.known.push_back(calibration);
+  const double shift_weight = lens == Lens::brown ? 1 : 1e3;
+  for (int i = 0; i < 6; ++i)
+    if (p.images[static_cast<size_t>(i)].shift_free)
+      p.known.push_back({{{Kind::shift, i}}, Eigen::Vector2d::Zero(), shift_weight * Eigen::Matrix2d::Identity(), 2});
   if (with_tags) {
     p.known.push_back({{{Kind::scale, 0}}, Eigen::VectorXd::Constant(1, 1.0), Eigen::MatrixXd::Constant(1, 1, 1e3), 2});
     p.known.push_back({{{Kind::scale, 1}}, Eigen::VectorXd::Constant(1, 1.0), Eigen::MatrixXd::Constant(1, 1, 1e3), 2});
@@ -255,8 +263,12 @@ Scene noisy_scene(uint64_t seed, bool free) {
   Scene scene = make_scene(Lens::balanced, false);
   Problem& p = scene.problem;
   test::Random random(seed);
-  if (free) p.known.clear();
-  p.cameras[0].free = p.cameras[1].free = {true, true, true, true, false, false, false, false, false, false};
+  if (free) {
+    p.known.clear();
+    for (auto& image : p.images) image.shift_free = false;  // what nothing says of it is not to be an unknown
+  }
+  p.cameras[0].free =
+      p.cameras[1].free = {true, true, true, true, false, false, false, false, false, false, false, false};
   for (auto& group : p.groups) group.sigma_factor = 1;
   for (auto& o : p.image_points) {
     const Placement& pose = scene.state.images[static_cast<size_t>(o.image)];
@@ -265,13 +277,15 @@ Scene noisy_scene(uint64_t seed, bool free) {
     o.observed =
         computed_image_point(p.cameras[camera], scene.state.interiors[camera],
                              pose.matrix * (scene.state.points[static_cast<size_t>(o.point)] - pose.position)) +
-        0.0005 * Eigen::Vector2d(random.normal(), random.normal());
+        scene.state.shift(o.image) + 0.0005 * Eigen::Vector2d(random.normal(), random.normal());
   }
   for (auto& d : p.distances)
     d.length = (scene.state.points[1] - scene.state.points[5]).norm() + d.sigma * random.normal();
   for (auto& k : p.known) {
     for (size_t r = 0, at = 0; r < k.refs.size(); ++r, at += 3)
-      if (k.refs[r].kind == Kind::point)
+      if (k.refs[r].kind == Kind::shift)
+        k.target = scene.state.shift(k.refs[r].index);
+      else if (k.refs[r].kind == Kind::point)
         k.target.segment<3>(static_cast<Eigen::Index>(at)) = scene.state.points[static_cast<size_t>(k.refs[r].index)];
     const Eigen::VectorXd noise = Eigen::VectorXd::NullaryExpr(k.whitening.rows(), [&] { return random.normal(); });
     k.target += k.whitening.lu().solve(noise);
@@ -296,6 +310,25 @@ TEST(Bundle, EnginesEndInTheSamePlace) {
                  b = bundle::adjust(scene.problem, layout, start, ceres);
   EXPECT_NEAR(a.sum_of_squares / b.sum_of_squares, 1, 1e-12);
   for (size_t j = 0; j < a.state.points.size(); ++j) EXPECT_LT((a.state.points[j] - b.state.points[j]).norm(), 1e-9);
+}
+
+/// Without the steps that finish an adjustment: a wrong step of a quaternion would leave Ceres far off, or on its way.
+TEST(Bundle, CeresAloneComesToTheMinimum) {
+  Scene scene = noisy_scene(3, false);
+  const Layout layout(scene.problem);
+  test::Random random(5);
+  Eigen::VectorXd shift = Eigen::VectorXd::Zero(layout.unknown_count());
+  for (int i = 0; i < 6; ++i)
+    for (int c = 3; c < 6; ++c) shift(layout.offset(layout.block({Kind::image, i})) + c) = 0.02 * random.normal();
+  State by_schur = scene.state;
+  apply_step(scene.problem, layout, shift, by_schur);
+  State by_ceres = by_schur;
+  const auto schur = minimise_schur(scene.problem, by_schur, {}), ceres = minimise_ceres(scene.problem, by_ceres, {});
+  EXPECT_TRUE(ceres.converged);
+  EXPECT_NEAR(ceres.initial_cost / schur.initial_cost, 1, 1e-12);
+  EXPECT_NEAR(ceres.final_cost / schur.final_cost, 1, 1e-9);
+  for (size_t i = 0; i < 6; ++i)
+    EXPECT_LT(by_ceres.images[i].rotation.angularDistance(by_schur.images[i].rotation), 1e-6);
 }
 
 TEST(Bundle, ThreadsChangeNoBit) {
@@ -358,6 +391,7 @@ TEST(Bundle, WhatIsUndeterminedIsNamed) {
   Scene scene = noisy_scene(1, false);
   scene.problem.known.clear();
   scene.problem.distances.clear();
+  for (auto& image : scene.problem.images) image.shift_free = false;
   const Layout layout(scene.problem);
   const std::string motions = error_of([&] { bundle::adjust(scene.problem, layout, scene.state, {}); });
   EXPECT_THAT(motions, HasSubstr("rank defect of 7"));
@@ -381,6 +415,7 @@ TEST(Bundle, PartsThatShareNothingAreNamed) {
             plates = static_cast<int>(one.problem.plates.size());
   const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
   append(one.problem.images, two.problem.images), append(one.state.images, two.state.images);
+  append(one.state.shifts, two.state.shifts);
   append(one.problem.points, two.problem.points), append(one.state.points, two.state.points);
   append(one.problem.plates, two.problem.plates), append(one.state.plates, two.state.plates);
   for (auto o : two.problem.image_points) o.image += images, o.point += points, one.problem.image_points.push_back(o);

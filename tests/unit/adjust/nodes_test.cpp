@@ -205,6 +205,61 @@ TEST(AdjustJointNode, SaysThatAnchorsAreNotCalledAsInTheSurvey) {
   EXPECT_THAT(failure(node), HasSubstr("are the anchors of the plates called as in the survey?"));
 }
 
+TEST(EvaluateCrossvalNode, SaysOfAFloorWhatTheAdjustmentWithoutItSays) {
+  SyntheticFacade facade = make_facade({.floors = 3, .pixel_sigma = 0.1, .survey_sigma = 0.001, .seed = 12});
+  NodeHarness all("evaluate.crossval"), without("adjust.schur");
+  connect(all, facade);
+  all.set("by", "floor");
+  all.set("estimate_image_variance", "false");
+  all.run();
+  EXPECT_EQ(all.metric("folds"), 3);
+  EXPECT_EQ(all.metric("failed_folds"), 0);
+  EXPECT_EQ(all.metric("points"), static_cast<double>(facade.control.points.size()));
+  const double freedom = all.metric("freedom_3d");
+  EXPECT_NEAR(all.metric("nees_3d"), freedom, 6 * std::sqrt(2 * freedom)) << "folds share what they say";
+  std::set<std::string> second;
+  for (auto& plate : facade.plates.plates)
+    if (plate->floor == 2) plate->role = "check", second.insert(plate->anchor);
+  connect(without, facade);
+  without.set("estimate_image_variance", "false");
+  without.run();
+  const PointsT model = without.output<Points>("points"), differences = all.output<Points>("differences");
+  int compared = 0;
+  for (const auto& difference : differences.points) {
+    if (!second.count(difference->id)) continue;
+    const auto find = [&](const PointsT& points) -> const PointT& {
+      for (const auto& point : points.points)
+        if (point->id == difference->id) return *point;
+      throw std::runtime_error("no point " + difference->id);
+    };
+    const PointT &surveyed = find(facade.control), &adjusted = find(model);
+    EXPECT_LT((difference->position - (surveyed.position - adjusted.position)).norm(), 5e-6) << difference->id;
+    const Eigen::Vector3d sigma = (surveyed.sigma.cwiseAbs2() + adjusted.sigma.cwiseAbs2()).cwiseSqrt();
+    EXPECT_LT((difference->sigma - sigma).norm(), 0.01 * sigma.norm()) << difference->id;
+    ++compared;
+  }
+  EXPECT_GT(compared, 5);
+}
+
+TEST(EvaluateCrossvalNode, HalvesAreOffByWhatBothSay) {
+  const SyntheticFacade facade = make_facade({.floors = 2, .pixel_sigma = 0.1, .survey_sigma = 0.001, .seed = 13});
+  NodeHarness halves("evaluate.crossval");
+  connect(halves, facade);
+  halves.set("by", "halves");
+  halves.run();
+  const double freedom = halves.metric("freedom_3d");
+  EXPECT_NEAR(halves.metric("nees_3d"), freedom, 4 * std::sqrt(2 * freedom));
+  EXPECT_GT(halves.metric("within_two_sigma_z"), 0.8);
+}
+
+TEST(EvaluateCrossvalNode, NamesAFoldWithoutWhichNothingHolds) {
+  const SyntheticFacade facade = make_facade({.floors = 1, .pixel_sigma = 0.1, .survey_sigma = 0.001, .seed = 14});
+  NodeHarness node("evaluate.crossval");
+  connect(node, facade);
+  node.set("by", "floor");
+  EXPECT_THAT(failure(node), HasSubstr("without its points the control does not hold the block"));
+}
+
 TEST(AdjustColmapNode, RefusesMeasuredTargetsInWords) {
   NodeHarness node("adjust.colmap");
   node.input<ImageBlock>("block", ImageBlockT());

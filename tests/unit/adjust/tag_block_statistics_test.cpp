@@ -50,6 +50,238 @@ TEST(TagBlockStatistics, PosesAndInteriorOrientationCoverTheirErrors) {
   EXPECT_NEAR(interior / trials, 1, 4 * std::sqrt(2.0 / (8 * trials)));
 }
 
+/// What lies at depth Z is seen with k1 + slope (1/Z − 1/8 m), and every image with a principal point of its own.
+struct OddLens {
+  test::SyntheticBlock synthetic;
+  std::vector<Eigen::Vector2d> shifts;
+};
+OddLens odd_lens(double slope, double shift_sigma, uint64_t seed) {
+  OddLens odd;
+  odd.synthetic = test::make_block({.floors = 1, .stations = 3, .seed = seed});
+  test::Random random(seed + 1000);
+  for (size_t i = 0; i < odd.synthetic.cam_from_world.size(); ++i)
+    odd.shifts.emplace_back(shift_sigma * random.normal(), shift_sigma * random.normal());
+  for (auto& seen : odd.synthetic.block.observations) {
+    const size_t i = static_cast<size_t>(seen.image), j = static_cast<size_t>(seen.plate);
+    const auto corners = tag_corners_in_plate(odd.synthetic.block.plates[j].plate);
+    for (size_t k = 0; k < 4; ++k) {
+      const Eigen::Vector3d v =
+          odd.synthetic.cam_from_world[i] * (odd.synthetic.anchors[j] + odd.synthetic.world_from_plate[j] * corners[k]);
+      BrownCamera there = odd.synthetic.camera;
+      there.k1 += slope * (1 / v.z() - 1 / 8.0);
+      seen.corners[k] += *project(there, v) - *project(odd.synthetic.camera, v) + odd.shifts[i];
+    }
+  }
+  return odd;
+}
+
+const adjust::GroupTest& named(const std::vector<adjust::GroupTest>& tests, const std::string& name) {
+  for (const auto& test : tests)
+    if (test.group == name) return test;
+  throw std::runtime_error("no test '" + name + "'");
+}
+
+TEST(CameraModel, ThatHoldsIsNotDoubted) {
+  for (uint64_t seed = 1; seed <= 5; ++seed) {
+    const auto result = adjust::adjust_tag_block(odd_lens(0, 0, seed).synthetic.block, plain_options());
+    ASSERT_EQ(result.models.size(), 2u);
+    for (const auto& test : result.models) EXPECT_TRUE(test.passed) << test.group << " " << test.words;
+  }
+}
+
+/// In a free block, too, whose scale the tags' size does not carry: the distance terms change with the scale.
+TEST(CameraModel, ThatChangesWithTheDistanceIsNoticedAndEstimated) {
+  const OddLens odd = odd_lens(0.1, 0, 3);
+  auto options = plain_options();
+  const auto without = adjust::adjust_tag_block(odd.synthetic.block, options);
+  EXPECT_FALSE(named(without.models, "distortion at all distances").passed);
+  EXPECT_THAT(named(without.models, "distortion at all distances").words, HasSubstr("add d1 and d2 to free_interior"));
+  options.free_interior.push_back("d1");
+  options.free_interior.push_back("d2");
+  for (const bool free : {false, true}) {
+    options.free_network = free;
+    for (const bundle::Minimiser& engine :
+         {bundle::Minimiser(bundle::minimise_schur), bundle::Minimiser(bundle::minimise_ceres)}) {
+      options.minimiser = engine;
+      const auto with = adjust::adjust_tag_block(odd.synthetic.block, options);
+      EXPECT_LT(with.weighted_sum_of_squares, without.weighted_sum_of_squares - 30);
+      EXPECT_NEAR(with.distance_terms.x(), 0.1, 4 * std::sqrt(with.interior_covariance(9, 9)));
+      EXPECT_LT(std::sqrt(with.interior_covariance(9, 9)), 0.05);
+      EXPECT_EQ(with.models.size(), 1u) << "what is estimated needs no test";
+      EXPECT_NEAR(with.reference_distance, 8, 2);
+    }
+  }
+}
+
+/// Of a long lens before a facade the poses take up most of it: two pixels would neither be seen nor matter.
+TEST(CameraModel, WithAPrincipalPointOfEachImageIsNoticedAndEstimated) {
+  const OddLens odd = odd_lens(0, 30, 4);
+  auto options = plain_options();
+  const auto without = adjust::adjust_tag_block(odd.synthetic.block, options);
+  EXPECT_FALSE(named(without.models, "one principal point").passed);
+  EXPECT_THAT(named(without.models, "one principal point").words, HasSubstr("set image_principal_point_sigma"));
+  options.image_principal_point_sigma = 30;
+  const auto with = adjust::adjust_tag_block(odd.synthetic.block, options);
+  ASSERT_EQ(with.principal_points.size(), odd.shifts.size());
+  EXPECT_LT(with.weighted_sum_of_squares, 0.9 * without.weighted_sum_of_squares);
+  EXPECT_TRUE(named(with.models, "distortion at all distances").passed);
+}
+
+/// Interior orientation with d1 and d2, and principal points of all images, in normalised squared errors; 200 trials
+/// with PLUMBLINE_LONG. Checked anchors are off by no more than they say, too.
+TEST(CameraModel, ItsCovariancesCoverItsErrors) {
+  const int trials = std::getenv("PLUMBLINE_LONG") ? 200 : 6;
+  double interior = 0, shifts = 0, anchors = 0;
+  int shift_count = 0;
+  for (int trial = 0; trial < trials; ++trial) {
+    const OddLens odd = odd_lens(0.1, 0.5, 900 + static_cast<uint64_t>(trial));
+    auto options = plain_options();
+    options.free_interior.insert(options.free_interior.end(), {"d1", "d2"});
+    options.image_principal_point_sigma = 0.5;
+    const auto result = adjust::adjust_tag_block(odd.synthetic.block, options);
+    const auto found = result.camera.parameters();
+    auto truth = odd.synthetic.camera.parameters();
+    truth[4] += 0.1 * (1 / result.reference_distance - 1 / 8.0);
+    const std::vector<int> free = {0, 1, 2, 3, 4, 5, 7, 8, 9, 10};
+    Eigen::VectorXd error(10);
+    for (size_t k = 0; k < 8; ++k)
+      error(static_cast<Eigen::Index>(k)) = found[static_cast<size_t>(free[k])] - truth[static_cast<size_t>(free[k])];
+    error.tail<2>() = result.distance_terms - Eigen::Vector2d(0.1, 0);
+    interior += error.dot(Eigen::MatrixXd(result.interior_covariance(free, free)).ldlt().solve(error)) / 10;
+    for (size_t i = 0; i < odd.shifts.size(); ++i, ++shift_count) {
+      const Eigen::Vector2d off = result.principal_points[i].shift - odd.shifts[i];
+      shifts += off.dot(result.principal_points[i].covariance.inverse() * off) / 2;
+    }
+    Eigen::VectorXd moved(result.anchors.size());
+    for (size_t j = 0; j < result.plates.size(); ++j)
+      moved.segment<3>(3 * static_cast<Eigen::Index>(j)) = result.anchors.segment<3>(3 * static_cast<Eigen::Index>(j)) -
+                                                           odd.synthetic.anchors[static_cast<size_t>(result.plates[j])];
+    anchors += moved.dot(result.anchor_covariance.ldlt().solve(moved)) / static_cast<double>(moved.size());
+  }
+  EXPECT_NEAR(interior / trials, 1, 4 * std::sqrt(2.0 / (10 * trials)));
+  EXPECT_NEAR(shifts / shift_count, 1, 4 * std::sqrt(2.0 / (12 * trials)));  // those of a trial share the camera's
+  EXPECT_NEAR(anchors / trials, 1, 4 * std::sqrt(2.0 / (33 * trials)));
+}
+
+/// Three points of sixteen off by 20 mm: named, left out, and the rest is as if they had never been surveyed.
+TEST(RobustControl, LeavesOutWhatContradictsAndNothingElse) {
+  auto synthetic = test::make_block({.floors = 2, .stations = 3, .seed = 21});
+  auto options = plain_options();
+  options.robust_control = true;
+  EXPECT_TRUE(adjust::adjust_tag_block(synthetic.block, options).rejected_control.empty());
+  const Eigen::Vector3d off[] = {{0.02, 0, 0}, {0, 0.014, 0.014}, {0, 0, -0.02}};
+  const int wrong[] = {2, 5, 11};
+  adjust::TagBlock without = synthetic.block;
+  std::vector<int> sound;
+  for (int k = 0; k < static_cast<int>(without.control.plates.size()); ++k)
+    if (std::find(wrong, wrong + 3, k) == wrong + 3) sound.push_back(without.control.plates[static_cast<size_t>(k)]);
+  for (int b = 0; b < 3; ++b) synthetic.block.control.position.segment<3>(3 * wrong[b]) += off[b];
+  const auto result = adjust::adjust_tag_block(synthetic.block, options);
+  ASSERT_EQ(result.rejected_control.size(), 3u);
+  for (const auto& rejected : result.rejected_control) {
+    const auto b = std::find_if(wrong, wrong + 3, [&](int k) {
+      return synthetic.block.control.plates[static_cast<size_t>(k)] == rejected.plate;
+    });
+    ASSERT_NE(b, wrong + 3);
+    const Eigen::Vector3d difference = rejected.off - off[b - wrong];
+    EXPECT_LT(difference.cwiseQuotient(rejected.sigma).cwiseAbs().maxCoeff(), 4);
+    EXPECT_LT(rejected.sigma.maxCoeff(), 0.003);
+    EXPECT_GT(rejected.test, rejected.limit);
+  }
+  synthetic.use_control(sound);
+  options.robust_control = false;
+  const auto expected = adjust::adjust_tag_block(synthetic.block, options);
+  EXPECT_LT((result.anchors - expected.anchors).cwiseAbs().maxCoeff(), 1e-8);
+  EXPECT_LT((result.anchor_covariance - expected.anchor_covariance).norm(), 1e-6 * expected.anchor_covariance.norm());
+  EXPECT_EQ(result.degrees_of_freedom, expected.degrees_of_freedom);
+  EXPECT_THAT(result.left_out, testing::Contains(HasSubstr("contradicts the photographs and the other control by")));
+}
+
+/// What the formula says of withheld control against an adjustment that never had it: coordinates, and their covariance
+/// plus the survey's own, which is correlated here.
+TEST(Crossval, IsTheAdjustmentWithoutTheGroup) {
+  auto synthetic = test::make_block({.floors = 2, .stations = 3, .seed = 31});
+  adjust::TagControl& control = synthetic.block.control;
+  const Eigen::Index n = control.position.size();
+  for (Eigen::Index a = 2; a < n; a += 3)
+    for (Eigen::Index b = 2; b < n; b += 3) control.covariance(a, b) += 4e-6;  // one height error of the instrument
+  auto options = plain_options();
+  options.withhold = {{control.plates[1], control.plates[6]}, {control.plates[3]}, control.plates};
+  const auto result = adjust::adjust_tag_block(synthetic.block, options);
+  ASSERT_EQ(result.withheld.size(), 3u);
+  EXPECT_THAT(result.withheld[2].undetermined, HasSubstr("does not hold the block"));
+  options.withhold.clear();
+  for (int g = 0; g < 2; ++g) {
+    adjust::TagBlock without = synthetic.block;
+    std::vector<int> rows, out;
+    without.control.plates.clear();
+    for (size_t k = 0; k < control.plates.size(); ++k) {
+      const auto& plates = result.withheld[static_cast<size_t>(g)].plates;
+      const bool stays = std::find(plates.begin(), plates.end(), control.plates[k]) == plates.end();
+      if (stays) without.control.plates.push_back(control.plates[k]);
+      for (int c = 0; c < 3; ++c) (stays ? rows : out).push_back(3 * static_cast<int>(k) + c);
+    }
+    without.control.position = control.position(rows);
+    without.control.covariance = control.covariance(rows, rows);
+    const auto expected = adjust::adjust_tag_block(without, options);
+    // The survey's correlations tell of the withheld points, too: x + C Q⁻¹ (x_c − l_c) is not formed by the adjustment
+    // without them, so the difference is taken from what the rest of the survey predicts of its error.
+    const Eigen::MatrixXd gain =
+        control.covariance(out, rows) * control.covariance(rows, rows)
+                                            .llt()
+                                            .solve(Eigen::MatrixXd::Identity(static_cast<Eigen::Index>(rows.size()),
+                                                                             static_cast<Eigen::Index>(rows.size())));
+    Eigen::VectorXd residual(static_cast<Eigen::Index>(rows.size()));
+    for (size_t k = 0; k < without.control.plates.size(); ++k)
+      residual.segment<3>(static_cast<Eigen::Index>(3 * k)) =
+          without.control.position.segment<3>(static_cast<Eigen::Index>(3 * k)) -
+          expected.anchors.segment<3>(test::row_of_plate(expected, without.control.plates[k]));
+    const Eigen::VectorXd predicted = gain * residual;
+    const auto& group = result.withheld[static_cast<size_t>(g)];
+    for (size_t k = 0; k < group.plates.size(); ++k) {
+      const auto at = static_cast<Eigen::Index>(3 * k);
+      const Eigen::Vector3d off = control.position(out).segment<3>(at) -
+                                  expected.anchors.segment<3>(test::row_of_plate(expected, group.plates[k])) -
+                                  predicted.segment<3>(at);
+      EXPECT_LT((group.off.segment<3>(at) - off).norm(), 2e-6) << g;
+    }
+  }
+}
+
+TEST(RobustControl, RefusesASurveyOfWhichHalfIsWrong) {
+  auto synthetic = test::make_block({.floors = 1, .stations = 3, .seed = 22});
+  test::Random random(3);
+  for (Eigen::Index k = 0; k < 12; ++k) synthetic.block.control.position(2 * k) += 0.03 * random.normal();
+  auto options = plain_options();
+  options.robust_control = true;
+  EXPECT_THAT(error_of([&] { adjust::adjust_tag_block(synthetic.block, options); }),
+              HasSubstr("more than a third of the 8 control points contradict the photographs"));
+}
+
+/// w² of an uncorrelated observation is what the sum of squares loses without it (Baarda 1968); here the coordinates of
+/// a tag take turns in weighing nothing.
+TEST(TagBlockStatistics, TheLargestNormalisedResidualOfATagIsThatOfItsWorstCoordinate) {
+  auto synthetic = test::make_block({.floors = 1, .stations = 3, .seed = 41});
+  const size_t observation = 17;
+  synthetic.block.observations[observation].corners[2].y() += 1.1;  // w < 0: the largest is of absolute values
+  const auto all = adjust::adjust_tag_block(synthetic.block, plain_options());
+  double largest = 0;
+  for (size_t corner = 0; corner < 4; ++corner)
+    for (int axis = 0; axis < 2; ++axis) {
+      adjust::TagBlock without = synthetic.block;
+      without.observations[observation].covariances[corner](axis, axis) *= 1e10;
+      const auto rest = adjust::adjust_tag_block(without, plain_options());
+      largest = std::max(largest, std::sqrt(all.weighted_sum_of_squares - rest.weighted_sum_of_squares));
+    }
+  for (const auto& tag : all.tags)
+    if (tag.observation == static_cast<int>(observation)) {
+      EXPECT_NEAR(tag.largest_normalised, largest, 1e-3 * largest);
+      EXPECT_GT(largest, 4);
+      return;
+    }
+  FAIL() << "the tag has no line";
+}
+
 TEST(TagBlockStatistics, CornersAreWeightedByTheirFullCovariance) {
   auto synthetic = test::make_block({.floors = 1, .noise = false});
   Eigen::Matrix2d covariance;
