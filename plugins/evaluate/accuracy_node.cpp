@@ -14,6 +14,7 @@
 #include "evaluate/image_plan_node.hpp"
 #include "evaluate/metrics.hpp"
 #include "evaluate/point_input.hpp"
+#include "evaluate/poses_node.hpp"
 #include "judgement/accuracy.hpp"
 #include "plumbline/node.hpp"
 
@@ -137,6 +138,6 @@ struct EvaluateAccuracy : Node {
 }  // namespace plumbline::evaluate
 
 PLUMBLINE_PLUGIN("evaluate", "0.1.0", "MIT", plumbline::evaluate::EvaluateAccuracy, plumbline::evaluate::EvaluateErrors,
-                 plumbline::evaluate::EvaluateCrlb, plumbline::evaluate::PlanImages,
+                 plumbline::evaluate::EvaluatePoses, plumbline::evaluate::EvaluateCrlb, plumbline::evaluate::PlanImages,
                  plumbline::evaluate::EvaluateWithhold, plumbline::evaluate::EvaluateLengths,
                  plumbline::evaluate::EvaluateDeviation)

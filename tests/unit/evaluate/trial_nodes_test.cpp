@@ -153,6 +153,36 @@ TEST(SimulatedSurvey, HasErrorsOfCoordinatesOrOfReadings) {
   }
 }
 
+TEST(EvaluatePoses, CountsWhatIsWrongAndMissing) {
+  PosesT truth;
+  for (const char* path : {"a", "b", "c", "d", "e"}) {
+    truth.poses.push_back(std::make_unique<PoseT>());
+    truth.poses.back()->path = path;
+    truth.poses.back()->cam_from_world = {quaternion_from_rotation_vector({0.3, 0, 0.1}), {1, 2, 3}};
+  }
+  PosesT found;
+  for (int i = 0; i < 4; ++i) found.poses.push_back(std::make_unique<PoseT>(*truth.poses[static_cast<size_t>(i)]));
+  // A projection centre 3 mm off, and one half a metre off because of a wrong attitude.
+  auto& shifted = found.poses[0]->cam_from_world;
+  shifted.translation -= shifted.rotation * Eigen::Vector3d(0, 0.003, 0);
+  auto& turned = found.poses[1]->cam_from_world;
+  turned.rotation = quaternion_from_rotation_vector({0, 0.2, 0}) * turned.rotation;
+  const double far = (turned.inverse().translation - truth.poses[1]->cam_from_world.inverse().translation).norm();
+  NodeHarness node("evaluate.poses");
+  node.input<Poses>("poses", found);
+  node.input<Poses>("truth", truth);
+  node.run();
+  EXPECT_EQ(node.metric("images"), 5);
+  EXPECT_EQ(node.metric("missing"), 1);
+  EXPECT_EQ(node.metric("wrong"), 1);
+  EXPECT_NEAR(node.metric("rms_position"), std::sqrt((9e-6 + far * far) / 4), 1e-12);
+  EXPECT_NEAR(node.metric("median_position"), 0.003, 1e-12);
+  EXPECT_NEAR(node.metric("max_rotation"), 0.2, 1e-12);
+  EXPECT_EQ(node.output<Poses>("poses").poses.size(), 3u);
+  node.set("max_missing", "0.1");
+  EXPECT_THROW(node.run(), NodeFailed);
+}
+
 /// With control on the ground floor only, what helps is a survey higher up; the words say so.
 TEST(PlanImages, AdvisesToSurveyWhereTheControlIsMissing) {
   NodeHarness site("simulate.observations"), plan("plan.images");
