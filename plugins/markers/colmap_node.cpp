@@ -177,12 +177,15 @@ std::string table_text(const ControlResult& result) {
 }  // namespace
 
 void AdjustColmapControl::run(Context& context) {
+  if (sparse ? !model->path.empty() : model->path.empty())
+    throw std::runtime_error("give the model either as the folder 'model' or as the input 'sparse'");
+  const std::string model_folder = sparse ? context.resolve(sparse.unpack().uri) : model->path;
   ControlOptions options;
   options.control_sigma = *control_sigma, options.measured_sigma = *measured_sigma, options.tie_sigma = *tie_sigma;
   options.self_calibration = *self_calibration, options.max_tie_points = static_cast<int>(*max_tie_points),
   options.reject_above = *reject_above;
   const ControlResult result = adjust_with_control(
-      read_colmap(model->path), parse_control(text_of_file(control->path), control->path),
+      read_colmap(model_folder), parse_control(text_of_file(control->path), control->path),
       parse_image_points(text_of_file(observations->path), observations->path, *pixel_origin == "corner"), options);
   for (const auto& text : result.warnings) context.warn(text);
   for (const auto& text : result.left_out) context.warn("left out: " + text);

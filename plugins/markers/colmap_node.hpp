@@ -9,9 +9,10 @@
 namespace plumbline::markers {
 
 struct AdjustColmapControl : Node {
-  static constexpr Info info{"adjust.colmap_control", "", 1,
+  static constexpr Info info{"adjust.colmap_control", "", 2,
                              "Adjusts a COLMAP model together with surveyed points measured in its photographs"};
-  Param<FolderPath> model{"model", required, "folder with cameras, images and points3D, .bin or .txt"};
+  Optional<Folder> sparse{"sparse", "the model, such as that of colmap.sfm, in place of the parameter"};
+  Param<FolderPath> model{"model", FolderPath{}, "folder with cameras, images and points3D, .bin or .txt"};
   Param<FilePath> control{"control", required, "surveyed points: CSV (name, x, y, z, sigma, role) or gcp_list.txt"};
   Param<FilePath> observations{
       "observations", required,

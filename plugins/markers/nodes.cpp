@@ -1,5 +1,5 @@
 // adjust.marker_board: photographs of tags whose places nobody knows, as a free network.
-// adjust.colmap_control: a COLMAP model with surveyed points.
+// colmap.sfm: a COLMAP model of photographs without markers. adjust.colmap_control: one with surveyed points.
 // read.camera, read.plates: what is known beforehand.
 // adjust.marker_start: the start of an adjustment under survey control.
 // adjust.marker_field: photographs in a field of tags with an approximate layout.
@@ -8,11 +8,12 @@
 #include "exchange_nodes.hpp"
 #include "field_node.hpp"
 #include "read_nodes.hpp"
+#include "sfm_node.hpp"
 #include "start_node.hpp"
 
 PLUMBLINE_PLUGIN("markers", "0.1.0", "MIT", plumbline::markers::AdjustMarkerBoard,
                  plumbline::markers::AdjustMarkerField, plumbline::markers::ReadCamera, plumbline::markers::ReadPlates,
-                 plumbline::markers::AdjustColmapControl, plumbline::markers::ReadPoints,
+                 plumbline::markers::AdjustColmapControl, plumbline::markers::ColmapSfm, plumbline::markers::ReadPoints,
                  plumbline::markers::ReadImageObservations, plumbline::markers::ReadColmap,
                  plumbline::markers::WriteColmap, plumbline::markers::WriteGcp, plumbline::markers::WritePly,
                  plumbline::markers::AdjustMarkerStart)

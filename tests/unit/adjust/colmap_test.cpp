@@ -6,6 +6,7 @@
 #include <csignal>
 #include <fstream>
 
+#include "colmap/reconstruction.hpp"
 #include "colmap/tag_block.hpp"
 #include "plumbline/stop.hpp"
 #include "synthetic_block.hpp"
@@ -131,7 +132,8 @@ TEST(ColmapBlock, FindsTheMinimumThatOurEngineFinds) {
   bundle::Problem problem;
   bundle::State state;
   problem.groups = {{"images"}};
-  problem.cameras = {{"camera", bundle::Lens::brown, 0, {true, true, true, true, true, true, false, true, true}}};
+  problem.cameras = {
+      {"camera", bundle::Lens::brown, 0, {true, true, true, true, true, true, false, true, true, false, false}}};
   state.interiors.emplace_back();
   const auto values = synthetic.camera.parameters();
   std::copy(values.begin(), values.end(), state.interiors[0].begin());
@@ -221,6 +223,61 @@ TEST(ColmapBlock, RefusesWhatImagesDoNotHoldTogether) {
   std::erase_if(synthetic.block.observations,
                 [&](const auto& seen) { return (static_cast<size_t>(seen.image) < half) != (seen.plate % 2 == 0); });
   EXPECT_THAT(failure_of(synthetic.block), HasSubstr("falls into 2 parts"));
+}
+
+/// A folder with photographs as far as their names go, and one file that is none.
+struct Photographs {
+  explicit Photographs(int count) {
+    for (int i = 0; i < count; ++i) std::ofstream(folder.path() / ("p" + std::to_string(i) + ".jpg")) << "x";
+    std::ofstream(folder.path() / "notes.txt") << "x";
+  }
+  test::TemporaryFolder folder;
+};
+
+/// Writes two models of two and three photographs where the mapper is told to, and what it was told beside itself.
+constexpr const char* fake_reconstruction = R"sh(
+command=$1; echo "$@" >> "$(dirname "$0")/told"
+while [ $# -gt 0 ]; do
+  [ "$1" = --output_path ] && out=$2
+  [ "$1" = --image_list_path ] && cp "$2" "$(dirname "$0")/list"
+  shift
+done
+[ $command = mapper ] || exit 0
+for m in 0 1; do
+  mkdir "$out/$m"
+  echo "1 SIMPLE_RADIAL 640 480 500 320 240 0.1" > "$out/$m/cameras.txt"
+  : > "$out/$m/points3D.txt"
+  for i in $(seq 1 $((2 + m))); do printf '%d 1 0 0 0 %d 0 0 1 p%d.jpg\n\n' $i $i $i; done > "$out/$m/images.txt"
+done
+)sh";
+
+TEST(Reconstruct, TakesTheLargestModelAndNamesWhatIsNotInIt) {
+  const Photographs photographs(5);
+  const FakeProgram program(fake_reconstruction);
+  ReconstructionOptions options;
+  options.one_camera = false;
+  const Reconstruction found = reconstruct(photographs.folder.path(), options);
+  EXPECT_EQ(found.model.images.size(), 3u);
+  EXPECT_THAT(found.unregistered, testing::ElementsAre("p0.jpg", "p4.jpg"));
+  EXPECT_THAT(found.warnings, testing::ElementsAre(HasSubstr("2 models of 2, 3 photographs")));
+  EXPECT_EQ(test::read_file(program.folder() / "list"), "p0.jpg\np1.jpg\np2.jpg\np3.jpg\np4.jpg\n");
+  const std::string told = test::read_file(program.folder() / "told");
+  for (const char* word : {"--SiftExtraction.use_gpu 0", "--SiftMatching.use_gpu 0", "--SiftExtraction.num_threads 1",
+                           "--Mapper.num_threads 1", "--ImageReader.single_camera 0"})
+    EXPECT_THAT(told, HasSubstr(word));
+  EXPECT_TRUE(program.left_nothing());
+}
+
+TEST(Reconstruct, SaysWhatIsMissing) {
+  const Photographs one(1), several(3);
+  {
+    const FakeProgram program("exit 0");
+    EXPECT_THAT(test::error_of([&] { reconstruct(one.folder.path(), {}); }), HasSubstr("has 1 photographs"));
+    EXPECT_THAT(test::error_of([&] { reconstruct(several.folder.path(), {}); }),
+                HasSubstr("COLMAP found no two photographs to begin with"));
+  }
+  const FakeProgram absent("");
+  EXPECT_THAT(test::error_of([&] { reconstruct(several.folder.path(), {}); }), HasSubstr("apt install colmap"));
 }
 
 }  // namespace

@@ -33,7 +33,7 @@ const std::vector<Library> libraries = {
     {"registration", {"geometry"}},
     {"block", {"adjustment", "geometry", "text"}},
     {"markers", {"block", "adjustment", "geometry", "text"}},
-    {"colmap", {"markers", "block", "registration", "adjustment", "geometry"}},
+    {"colmap", {"markers", "block", "registration", "adjustment", "geometry", "images"}},
     {"joint", {"survey", "block", "adjustment", "geometry"}},
     {"judgement", {"geometry", "ifc"}},
     {"pose", {"geometry"}},
