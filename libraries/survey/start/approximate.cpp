@@ -221,14 +221,46 @@ Hypothesis try_choices(const Search& search, Choices choices) {
   return result;
 }
 
-}  // namespace
+/// Points that only one other point is tied to, such as the details of a topographic job: they place nothing else, so
+/// they wait until the rest is found. Not points with a known coordinate, nor those that give a north or a vector.
+std::set<std::string> hanging_points(const Search& search) {
+  std::map<std::string, std::set<std::string>> tied;
+  std::set<std::string> kept;
+  const auto tie = [&](const std::string& a, const std::string& b) {
+    tied[a].insert(b);
+    tied[b].insert(a);
+  };
+  for (const Figure& f : search.figures.figures)
+    for (const PolarSight& s : f.sights) {
+      tie(f.station, s.to);
+      kept.insert(f.station);
+      if (f.oriented_to_north) kept.insert(s.to);
+    }
+  for (const DistanceLine& d : search.figures.distances) tie(d.from, d.to);
+  for (const HeightDifference& d : search.figures.height_differences) tie(d.from, d.to);
+  for (const auto& [id, p] : search.points)
+    if (!p.array().isNaN().all()) kept.insert(id);
+  for (const CoordinateGroup& group : search.survey.coordinates)
+    for (const auto& c : group.components) kept.insert(c.point);
+  for (const VectorGroup& group : search.survey.vectors)
+    for (const auto& v : group.vectors) kept.insert({v.from, v.to});
+  std::set<std::string> hanging;
+  for (const auto& [id, others] : tied)
+    if (others.size() == 1 && !kept.contains(id)) hanging.insert(id);
+  return hanging;
+}
 
-std::vector<Approximation> approximate_coordinates(const SurveyObservations& survey,
-                                                   const std::vector<MeanObservation>& observations,
-                                                   const std::map<std::string, Eigen::Vector3d>& points,
-                                                   bool unrelated) {
+Figures without(Figures figures, const std::set<std::string>& points) {
+  for (Figure& f : figures.figures) std::erase_if(f.sights, [&](const PolarSight& s) { return points.contains(s.to); });
+  const auto concerned = [&](const auto& line) { return points.contains(line.from) || points.contains(line.to); };
+  std::erase_if(figures.distances, concerned);
+  std::erase_if(figures.height_differences, concerned);
+  return figures;
+}
+
+/// All coordinates that fit, the best first.
+std::vector<Approximation> follow_choices(const Search& search) {
   constexpr size_t kFollowed = 16, kReturned = 8, kMostSearches = 300;
-  const Search search{survey, make_figures(survey, observations), points, unrelated};
   std::vector<Hypothesis> followed = {try_choices(search, Choices())};
   size_t searches = 1;
   bool open = true;
@@ -251,6 +283,27 @@ std::vector<Approximation> approximate_coordinates(const SurveyObservations& sur
   std::vector<Approximation> result;
   for (const Hypothesis& h : followed)
     if (h.placed == followed.front().placed && result.size() < kReturned) result.push_back(h.approximation);
+  return result;
+}
+
+}  // namespace
+
+std::vector<Approximation> approximate_coordinates(const SurveyObservations& survey,
+                                                   const std::vector<MeanObservation>& observations,
+                                                   const std::map<std::string, Eigen::Vector3d>& points,
+                                                   bool unrelated) {
+  constexpr size_t kMany = 32;  // fewer cost little
+  const Search search{survey, make_figures(survey, observations), points, unrelated};
+  const std::set<std::string> hanging = hanging_points(search);
+  const Search rest{survey, without(search.figures, hanging), points, unrelated};
+  const bool nothing = std::all_of(rest.figures.figures.begin(), rest.figures.figures.end(),
+                                   [](const Figure& f) { return f.sights.empty(); });
+  if (hanging.size() < kMany || nothing) return follow_choices(search);
+  std::vector<Approximation> result = follow_choices(rest);
+  for (Approximation& a : result) {
+    const std::map<std::string, Eigen::Vector3d> placed = std::move(a.points);
+    a = try_choices({survey, search.figures, placed, unrelated}, Choices()).approximation;
+  }
   return result;
 }
 

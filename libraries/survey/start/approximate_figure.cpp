@@ -91,6 +91,9 @@ PolarSight& Figure::sight_to(const std::string& target) {
 
 Figures make_figures(const SurveyObservations& survey, const std::vector<MeanObservation>& observations) {
   Figures result;
+  std::set<std::string> seen;  // of a name that stands twice the first counts
+  for (const Point& p : survey.points)
+    if (seen.insert(p.id).second && p.roles[2] == CoordinateRole::unused) result.heightless.insert(p.id);
   for (int i = 0; i < static_cast<int>(survey.set_ups.size()); ++i) {
     result.figures.emplace_back();
     result.figures.back().set_up = i;

@@ -3,7 +3,9 @@
 
 #include <Eigen/Core>
 #include <map>
+#include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -49,6 +51,11 @@ struct Figures {
   std::vector<Figure> figures;
   std::vector<HeightDifference> height_differences;
   std::vector<DistanceLine> distances;
+  std::set<std::string> heightless;  ///< points of a network in the plane
+  /// What iterations from all around have found, by the bytes of their conditions: searches that differ in a late
+  /// choice meet the same conditions again. One search at a time.
+  std::shared_ptr<std::map<std::string, std::vector<std::pair<double, Eigen::Vector3d>>>> places_found =
+      std::make_shared<std::map<std::string, std::vector<std::pair<double, Eigen::Vector3d>>>>();
 };
 
 Figures make_figures(const SurveyObservations& survey, const std::vector<MeanObservation>& observations);

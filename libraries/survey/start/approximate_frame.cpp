@@ -184,12 +184,6 @@ double Frame::horizontal_of(const std::string& a, const std::string& b, double h
   return std::sqrt(std::max(0.0, slope * slope - rise * rise));
 }
 
-bool Frame::heightless(const std::string& id) const {
-  for (const Point& p : survey_.points)
-    if (p.id == id) return p.roles[2] == CoordinateRole::unused;
-  return false;
-}
-
 bool Frame::place_free_station(size_t f) {
   const Figure& figure = figures_.figures[f];
   if (has_plan(figure.station)) return false;

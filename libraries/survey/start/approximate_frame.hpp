@@ -43,7 +43,7 @@ class Frame {
   double orientation(size_t figure) const { return orientation_[figure]; }
 
   /// A point of a network in the plane.
-  bool heightless(const std::string& id) const;
+  bool heightless(const std::string& id) const { return figures_.heightless.contains(id); }
 
   /// Places everything that follows from what is known; `guess`: where two places are equally good, takes one.
   void grow(bool guess);

@@ -54,6 +54,23 @@ std::optional<Vector3d> improve(const std::vector<PointCondition>& conditions, V
   return p;
 }
 
+/// Bytes that are equal for equal conditions only.
+std::string key_of(const std::vector<PointCondition>& conditions) {
+  std::string key;
+  for (const PointCondition& c : conditions) {
+    const double numbers[] = {static_cast<double>(c.kind),
+                              c.known.x(),
+                              c.known.y(),
+                              c.known.z(),
+                              c.value,
+                              c.second.x(),
+                              c.second.y(),
+                              c.second.z()};
+    key.append(reinterpret_cast<const char*>(numbers), sizeof numbers);
+  }
+  return key;
+}
+
 /// All around the known points, at the measured distances or at those of the network.
 std::vector<Vector3d> starts_of(const std::vector<PointCondition>& conditions) {
   constexpr int kAzimuths = 8;
@@ -75,6 +92,27 @@ std::vector<Vector3d> starts_of(const std::vector<PointCondition>& conditions) {
     }
   }
   return starts;
+}
+
+/// Places that fit the conditions, the best first and those that fit nearly as well.
+std::vector<std::pair<double, Vector3d>> places_of(const std::vector<PointCondition>& conditions) {
+  std::vector<std::pair<double, Vector3d>> places;
+  for (const Vector3d& start : starts_of(conditions)) {
+    const auto p = improve(conditions, start);
+    if (!p) continue;
+    double sum = 0, length = 0;
+    for (const PointCondition& c : conditions) {
+      sum += std::abs(c.misclosure(*p));
+      length = std::max(length, (*p - c.known).norm());
+    }
+    const auto same = [&](const auto& q) { return (q.second - *p).norm() < 0.01 * length; };
+    if (std::none_of(places.begin(), places.end(), same)) places.emplace_back(sum, *p);
+  }
+  if (places.empty()) return places;
+  std::stable_sort(places.begin(), places.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  const double clear = places.front().first + 0.02;
+  while (places.back().first > clear) places.pop_back();
+  return places;
 }
 
 }  // namespace
@@ -150,22 +188,10 @@ bool Frame::place_by_conditions() {
   for (auto& [id, conditions] : collect_conditions()) {
     if (conditions.size() < 3) continue;
     if (has_height(id)) conditions.push_back({PointCondition::rise, {0, 0, height_.at(id)}, 0, Vector3d::Zero()});
-    std::vector<std::pair<double, Vector3d>> places;
-    for (const Vector3d& start : starts_of(conditions)) {
-      const auto p = improve(conditions, start);
-      if (!p) continue;
-      double sum = 0, length = 0;
-      for (const PointCondition& c : conditions) {
-        sum += std::abs(c.misclosure(*p));
-        length = std::max(length, (*p - c.known).norm());
-      }
-      const auto same = [&](const auto& q) { return (q.second - *p).norm() < 0.01 * length; };
-      if (std::none_of(places.begin(), places.end(), same)) places.emplace_back(sum, *p);
-    }
+    const auto [found, is_new] = figures_.places_found->try_emplace(key_of(conditions));
+    if (is_new) found->second = places_of(conditions);
+    const std::vector<std::pair<double, Vector3d>>& places = found->second;
     if (places.empty()) continue;
-    std::stable_sort(places.begin(), places.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-    const double clear = places.front().first + 0.02;
-    while (places.back().first > clear) places.pop_back();
     const int count = static_cast<int>(std::min<size_t>(places.size(), 4));
     const Vector3d p = places[static_cast<size_t>(count > 1 ? choices_.choose(name_ + id + " all", count) : 0)].second;
     set_plan(id, p.head<2>());

@@ -7,6 +7,7 @@
 
 #include "random_network.hpp"
 #include "survey/adjust/adjust_network.hpp"
+#include "survey/start/approximate.hpp"
 #include "survey/start/approximate_figure.hpp"
 #include "survey_files/gama.hpp"
 #include "test_support.hpp"
@@ -100,6 +101,49 @@ TEST(Approximate, AnglesDecideBetweenCombinationsOfPlaces) {
 }
 
 /// Two directions to known points and one distance: the circle of the angle meets that of the distance twice.
+/// A topographic job: details that one set-up alone has seen place nothing else, and are placed last.
+TEST(Approximate, DetailsSightedOnceAreWhereTheyWereSeen) {
+  test::SimulationSettings settings;
+  settings.coordinates = false, settings.noise = 0;
+  auto n = test::simulate(settings, 77);
+  const auto found = [](const SurveyObservations& survey) {
+    const auto all = approximate_coordinates(survey, mean_observations(survey).observations, {});
+    EXPECT_EQ(all.size(), 1u);
+    return all.at(0).points;
+  };
+  const auto before = found(n.survey);
+  std::map<std::string, Eigen::Vector3d> truth;
+  for (size_t i = 0; i < n.truth.size(); ++i) truth[n.survey.points[i].id] = n.truth[i];
+  for (int k = 0; k < 60; ++k) {
+    const int set_up = k % 3;
+    const std::string station = "S" + std::to_string(set_up + 1), id = "D" + std::to_string(k);
+    const double azimuth = 0.1 * k, zenith = 1.2 + 0.01 * k, slope = 10 + k;
+    truth[id] = truth.at(station) + slope * Eigen::Vector3d(std::sin(azimuth) * std::sin(zenith),
+                                                            std::cos(azimuth) * std::sin(zenith), std::cos(zenith));
+    Observation o;
+    o.set_up = set_up, o.from = station, o.to = id, o.pointing = 1000 + k;
+    for (const auto& [kind, value, sigma] : {std::tuple{ObservationKind::direction, azimuth - 0.7 - 1.9 * set_up, 1e-5},
+                                             {ObservationKind::zenith_angle, zenith, 1e-5},
+                                             {ObservationKind::slope_distance, slope, 1e-3}}) {
+      o.kind = kind, o.value = value, o.sigma = sigma;
+      if (k != 59 || kind == ObservationKind::direction) n.survey.observations.push_back(o);
+    }
+    Point point;
+    point.id = id;
+    n.survey.points.push_back(point);
+  }
+  const auto after = found(n.survey);
+  for (const auto& [id, p] : before) EXPECT_LT((after.at(id) - p).norm(), 1e-9) << id;
+  const bool seen = after.contains("D59") && !std::isnan(after.at("D59").x());
+  EXPECT_FALSE(seen) << "a direction alone places nothing";
+  for (int k = 1; k < 59; ++k) {  // distances do not depend on the frame
+    const std::string id = "D" + std::to_string(k), other = "D" + std::to_string(k - 1);
+    ASSERT_TRUE(after.contains(id)) << id;
+    EXPECT_NEAR((after.at(id) - after.at(other)).norm(), (truth.at(id) - truth.at(other)).norm(), 1e-6) << id;
+    EXPECT_NEAR((after.at(id) - after.at("M23")).norm(), (truth.at(id) - truth.at("M23")).norm(), 1e-6) << id;
+  }
+}
+
 TEST(Approximate, TwoDirectionsAndADistancePlaceAStation) {
   const std::string start =
       "<point id='A' x='0' y='50' fix='xy'/><point id='B' x='40' y='50' fix='xy'/><point id='S' adj='xy'/><obs "
