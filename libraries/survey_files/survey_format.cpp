@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "survey_files/dynaml.hpp"
 #include "survey_files/field_books.hpp"
 #include "survey_files/gama.hpp"
 #include "survey_files/gsi.hpp"
@@ -55,6 +56,7 @@ std::string_view root_element(std::string_view text) {
 std::optional<SurveyFormat> xml_format(std::string_view text) {
   const std::string_view root = root_element(text);
   if (root == "LandXML") return SurveyFormat::landxml;
+  if (root == "DnaXmlFormat") return SurveyFormat::dynaml;
   if (root == "JOBFile") return SurveyFormat::jobxml;
   if (root == "gama-local" || root == "gama-xml") return SurveyFormat::gama_xml;
   return std::nullopt;
@@ -208,8 +210,9 @@ std::optional<SurveyFormat> suffix_format(const std::string& file_name) {
 
 const char* short_name(SurveyFormat format) {
   static constexpr const char* kNames[] = {
-      "gsi", "landxml", "jobxml", "sdr33",       "rw5",           "gama-xml",   "krumm", "setup-coordinates",
-      "csv", "zeiss",   "nikon",  "topcon-gts7", "topcon-gts210", "geodimeter", "idx",   "starnet"};
+      "gsi",           "landxml",           "jobxml", "sdr33",   "rw5",   "gama-xml",
+      "krumm",         "setup-coordinates", "csv",    "zeiss",   "nikon", "topcon-gts7",
+      "topcon-gts210", "geodimeter",        "idx",    "starnet", "dynaml"};
   return kNames[static_cast<std::size_t>(format)];
 }
 
@@ -218,7 +221,8 @@ const char* long_name(SurveyFormat format) {
       "Leica GSI",      "LandXML survey",     "Trimble JobXML", "Sokkia SDR33",
       "Carlson RW5",    "gama-local XML",     "Krumm .dat",     "CSV of coordinates in each set-up",
       "CSV table",      "Zeiss M5, R5 or R4", "Nikon RAW",      "Topcon GTS-7",
-      "Topcon GTS-210", "Geodimeter",         "Leica IDX",      "STAR*NET"};
+      "Topcon GTS-210", "Geodimeter",         "Leica IDX",      "STAR*NET",
+      "DynaML"};
   return kNames[static_cast<std::size_t>(format)];
 }
 
@@ -274,6 +278,8 @@ SurveyObservations read_survey(std::string_view bytes, const std::string& file) 
         return read_idx(bytes, file);
       case SurveyFormat::starnet:
         return read_starnet(bytes, file);
+      case SurveyFormat::dynaml:
+        return read_dynaml(bytes, file);
     }
   }
   const formats::DecodedText decoded = formats::decode_text(bytes.substr(0, kBeginning));

@@ -25,7 +25,8 @@ enum class SurveyFormat {
   topcon_gts210,
   geodimeter,
   idx,
-  starnet
+  starnet,
+  dynaml
 };
 
 /// Short name, e.g. "gsi", and what a person calls it, e.g. "Leica GSI".

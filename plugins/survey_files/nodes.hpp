@@ -95,6 +95,12 @@ struct ReadStarNet : ReaderNode {
   void run(Context& context) override;
 };
 
+struct ReadDynaMl : ReaderNode {
+  static constexpr Info info{"read.dynaml", "survey_reader", 1,
+                             "Reads DynaML: stations and terrestrial measurements of DynAdjust"};
+  void run(Context& context) override;
+};
+
 struct ReadGama : ReaderNode {
   static constexpr Info info{"read.gama", "survey_reader", 1, "Reads the XML networks of gama-local"};
   void run(Context& context) override;

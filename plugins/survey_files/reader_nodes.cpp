@@ -1,5 +1,6 @@
 #include "artifacts/survey_artifact.hpp"
 #include "nodes.hpp"
+#include "survey_files/dynaml.hpp"
 #include "survey_files/field_books.hpp"
 #include "survey_files/gama.hpp"
 #include "survey_files/gsi.hpp"
@@ -65,6 +66,7 @@ void ReadTopconGts210::run(Context& context) { deliver(context, survey::read_top
 void ReadGeodimeter::run(Context& context) { deliver(context, survey::read_geodimeter(bytes(), name())); }
 void ReadIdx::run(Context& context) { deliver(context, survey::read_idx(bytes(), name())); }
 void ReadStarNet::run(Context& context) { deliver(context, survey::read_starnet(bytes(), name())); }
+void ReadDynaMl::run(Context& context) { deliver(context, survey::read_dynaml(bytes(), name())); }
 void ReadGama::run(Context& context) { deliver(context, survey::read_gama_xml(bytes(), name())); }
 void ReadKrumm::run(Context& context) { deliver(context, survey::read_krumm(bytes(), name())); }
 

@@ -11,6 +11,7 @@
 #include <string>
 #include <string_view>
 
+#include "survey_files/dynaml.hpp"
 #include "survey_files/field_books.hpp"
 #include "survey_files/gama.hpp"
 #include "survey_files/gsi.hpp"
@@ -136,6 +137,7 @@ inline constexpr Target kTargets[] = {
     {"geodimeter", [](std::string_view b) { run_reader(b, [&] { return survey::read_geodimeter(b, "f"); }); }},
     {"idx", [](std::string_view b) { run_reader(b, [&] { return survey::read_idx(b, "f"); }); }},
     {"starnet", [](std::string_view b) { run_reader(b, [&] { return survey::read_starnet(b, "f"); }); }},
+    {"dynaml", [](std::string_view b) { run_reader(b, [&] { return survey::read_dynaml(b, "f"); }); }},
     {"survey_layout", run_layout},
     {"survey_format", [](std::string_view b) { run_reader(b, [&] { return survey::read_survey(b, "f"); }); }},
 };

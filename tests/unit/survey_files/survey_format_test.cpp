@@ -41,6 +41,7 @@ constexpr Known kFixtures[] = {
     {"geodimeter.job", SurveyFormat::geodimeter},
     {"leica.idx", SurveyFormat::idx},
     {"starnet.dat", SurveyFormat::starnet},
+    {"dynaml.xml", SurveyFormat::dynaml},
 };
 
 TEST(SurveyFormat, IsFoundFromTheContentAlone) {
@@ -101,10 +102,10 @@ TEST(SurveyFormat, RealFiles) {
 
 TEST(SurveyFormat, AnotherXmlIsNamedByItsRoot) {
   try {
-    read_survey("<?xml version=\"1.0\"?>\n<DnaXmlFormat type=\"Measurement File\"></DnaXmlFormat>", "m.xml");
+    read_survey("<?xml version=\"1.0\"?>\n<SurveyProject type=\"Measurement File\"></SurveyProject>", "m.xml");
     ADD_FAILURE() << "was read";
   } catch (const SurveyReadError& error) {
-    EXPECT_NE(error.found.find("DnaXmlFormat"), std::string::npos) << error.what();
+    EXPECT_NE(error.found.find("SurveyProject"), std::string::npos) << error.what();
   }
 }
 

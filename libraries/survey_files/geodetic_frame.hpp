@@ -1,0 +1,42 @@
+// From latitude and longitude to a plane in which a site's lengths are true, on GRS80.
+#pragma once
+
+#include <Eigen/Core>
+
+namespace plumbline::survey {
+
+struct Geodetic {
+  double latitude = 0, longitude = 0;  ///< [rad], north and east positive
+  double height = 0;                   ///< [m], as given or above the ellipsoid
+};
+
+/// Transverse Mercator about a meridian: Krüger's series to the fourth order of the third flattening (better than a
+/// micrometre within 3 degrees), with the coefficients of Karney 2011.
+class TransverseMercator {
+ public:
+  TransverseMercator(double central_meridian, double scale) : meridian_(central_meridian), scale_(scale) {}
+  Eigen::Vector2d forward(const Geodetic& p) const;      ///< east, north of the equator [m]
+  Geodetic inverse(const Eigen::Vector2d& plane) const;  ///< height 0
+
+ private:
+  double meridian_, scale_;
+};
+
+/// UTM coordinates [m] of a zone 1..60.
+Geodetic from_utm(double east, double north, int zone, bool southern);
+
+/// From geocentric coordinates [m]; the height is above the ellipsoid. Bowring's iteration.
+Geodetic from_geocentric(const Eigen::Vector3d& p);
+
+/// East and north about `centre`, lengths true at its height.
+class GroundPlane {
+ public:
+  explicit GroundPlane(const Geodetic& centre);
+  Eigen::Vector2d operator()(const Geodetic& p) const;
+
+ private:
+  TransverseMercator projection_;
+  double north_;
+};
+
+}  // namespace plumbline::survey

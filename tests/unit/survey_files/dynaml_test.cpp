@@ -1,0 +1,158 @@
+// The fixture's readings were computed from geocentric places and local verticals on the ellipsoid, without a
+// projection.
+#include "survey_files/dynaml.hpp"
+
+#include <gtest/gtest.h>
+
+#include "survey_files/geodetic_frame.hpp"
+#include "survey_test_support.hpp"
+
+namespace plumbline::survey {
+namespace {
+
+using namespace test_help;
+using enum ObservationKind;
+
+constexpr double kSecond = kDegree / 3600;
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return at == std::string::npos ? text : text.replace(at, from.size(), to);
+}
+
+TEST(DynaMl, ReadingsAgreeWithTheStationsOfTheirFile) {
+  const auto s = read_dynaml(fixture("dynaml.xml"), "d.xml");
+  EXPECT_TRUE(s.skipped.empty());
+  ASSERT_EQ(s.set_ups.size(), 1u);
+  EXPECT_EQ(point(s, "P1").roles[0], CoordinateRole::fixed);
+  EXPECT_EQ(point(s, "P1").roles[2], CoordinateRole::fixed);
+  EXPECT_EQ(point(s, "P3").roles[1], CoordinateRole::free);
+  EXPECT_NEAR(point(s, "P3").coordinates.z(), 29.4, 1e-3) << "from geocentric coordinates";
+  double orientation = kNotGiven;
+  int distances = 0, zeniths = 0, directions = 0, others = 0;
+  for (const Observation& o : s.observations) {
+    Eigen::Vector3d d = point(s, o.to).coordinates - point(s, o.from).coordinates;
+    if (o.instrument_height > 0) d.z() += o.target_height - o.instrument_height;
+    const double h = d.head<2>().norm(), azimuth = std::atan2(d.x(), d.y());
+    if (o.kind == slope_distance) {
+      EXPECT_NEAR(o.value, d.norm(), 5e-4) << o.to;
+      ++distances;
+    } else if (o.kind == zenith_angle) {
+      EXPECT_NEAR(o.value, std::atan2(h, d.z() - h * h / (2 * 6371000.0)), 2 * kSecond) << o.to;
+      EXPECT_EQ(o.instrument_height, 1.55);
+      EXPECT_NEAR(o.sigma, 2 * kSecond, 1e-15);
+      ++zeniths;
+    } else if (o.kind == direction) {
+      if (std::isnan(orientation)) orientation = azimuth - o.value;
+      EXPECT_NEAR(std::remainder(azimuth - o.value - orientation, 2 * std::numbers::pi), 0, kSecond) << o.to;
+      ++directions;
+    } else if (o.kind == angle) {
+      const Eigen::Vector3d right = point(s, o.second_to).coordinates - point(s, o.from).coordinates;
+      const double turn = std::atan2(right.x(), right.y()) - azimuth;
+      EXPECT_NEAR(std::remainder(o.value - turn, 2 * std::numbers::pi), 0, kSecond);
+      ++others;
+    } else {
+      EXPECT_EQ(o.kind, height_difference);
+      EXPECT_NEAR(o.value, d.z(), 1e-9);
+      ++others;
+    }
+  }
+  EXPECT_EQ(distances, 4) << "three slopes and a chord from mark to mark; one is ignored";
+  EXPECT_EQ(zeniths, 3);
+  EXPECT_EQ(directions, 3) << "one is ignored";
+  EXPECT_EQ(others, 2);
+  ASSERT_EQ(s.coordinates.size(), 1u);
+  EXPECT_EQ(s.coordinates[0].components[0].axis, 2);
+  EXPECT_DOUBLE_EQ(s.coordinates[0].covariance(0, 0), 1e-4);
+  bool told = false;
+  for (const std::string& w : s.warnings) told = told || w.find("plane about latitude -37.800") != std::string::npos;
+  EXPECT_TRUE(told) << "where the plane lies";
+}
+
+TEST(DynaMl, WhatCannotBeAdjustedIsNamed) {
+  const std::string whole = fixture("dynaml.xml");
+  for (const auto& [type, words] : {std::pair{"G", "a GNSS baseline (G)"},
+                                    {"X", "a GNSS baseline cluster (X)"},
+                                    {"K", "an astronomic azimuth (K)"},
+                                    {"M", "a mean sea level arc (M)"},
+                                    {"R", "an ellipsoidal height (R)"},
+                                    {"w", "the measurement type"}}) {
+    const auto s = read_dynaml(replaced(whole, "<Type>A<", "<Type>" + std::string(type) + "<"), "d.xml");
+    ASSERT_EQ(s.skipped.size(), 1u) << type;
+    EXPECT_NE(s.skipped[0].found.find(words), std::string::npos) << s.skipped[0].found;
+    EXPECT_EQ(s.observations.size(), read_dynaml(whole, "d.xml").observations.size() - 1);
+  }
+  for (const auto& [from, to] : {std::pair{"<StdDev>3.0<", "<StdDev>0<"},
+                                 {"<Value>88.114199983<", "<Value>88.7141<"},
+                                 {"<Value>90.82757<", "<Value>-90.8<"},
+                                 {"<InstHeight>1.550<", "<InstHeight>high<"},
+                                 {"<Second>P2<", "<Second><"},
+                                 {"CCC", "CFF"},
+                                 {"<Type>LLH<", "<Type>ENU<"},
+                                 {"-4131127.4376", "-431127.4376"}})
+    EXPECT_EQ(read_dynaml(replaced(whole, from, to), "d.xml").skipped.size(), 1u) << from;
+  EXPECT_NE(error_of([&] { read_dynaml(replaced(whole, "GDA2020", "AGD66"), "d.xml"); }).find("on GRS80"),
+            std::string::npos);
+  const std::string far = error_of([&] { read_dynaml(replaced(whole, "-37.480288", "-38.480288"), "d.xml"); });
+  EXPECT_NE(far.find("a plane can stand for"), std::string::npos) << far;
+  EXPECT_NE(error_of([] { read_dynaml("<DnaXmlFormat/>", "d.xml"); }).find("DnaStation"), std::string::npos);
+}
+
+TEST(DynaMl, EveryTruncationIsReadOrRefused) {
+  const std::string whole = fixture("dynaml.xml");
+  for (std::size_t n = 0; n < whole.size(); n += 7) {
+    try {
+      for (const Observation& o : read_dynaml(whole.substr(0, n), "cut.xml").observations)
+        EXPECT_TRUE(o.kind != slope_distance || o.value > 90) << "a number cut at byte " << n;
+    } catch (const SurveyReadError&) {
+    }
+  }
+}
+
+double degrees(double d, double m, double s) { return (d + m / 60 + s / 3600) * kDegree; }
+
+// Flinders Peak and Buninyong, whose coordinates the technical manual of GDA94 gives.
+TEST(GeodeticFrame, UtmOfTheManual) {
+  const Geodetic flinders = from_utm(273741.297, 5796489.777, 55, true);
+  EXPECT_NEAR(flinders.latitude, -degrees(37, 57, 3.72030), 3e-10);
+  EXPECT_NEAR(flinders.longitude, degrees(144, 25, 29.52440), 3e-10);
+  const Geodetic buninyong = from_utm(758173.797, 5828674.340, 54, true);
+  EXPECT_NEAR(buninyong.latitude, -degrees(37, 39, 10.15610), 3e-10);
+  EXPECT_NEAR(buninyong.longitude, degrees(143, 55, 35.38390), 3e-10);
+  const Eigen::Vector2d back = TransverseMercator(147 * kDegree, 0.9996).forward(flinders);
+  EXPECT_NEAR(back.x(), 273741.297 - 500000, 1e-6);
+  EXPECT_NEAR(back.y(), 5796489.777 - 10000000, 1e-6);
+}
+
+Eigen::Vector3d geocentric(const Geodetic& p) {
+  const double e2 = (2 - 1 / 298.257222101) / 298.257222101, s = std::sin(p.latitude), c = std::cos(p.latitude);
+  const double n = 6378137 / std::sqrt(1 - e2 * s * s);
+  return {(n + p.height) * c * std::cos(p.longitude), (n + p.height) * c * std::sin(p.longitude),
+          (n * (1 - e2) + p.height) * s};
+}
+
+TEST(GeodeticFrame, LengthsOfTheGroundPlaneAreTrue) {
+  for (const double latitude : {-37.8, 0.5, 47.3, 68.0})
+    for (const double height : {0.0, 35.0, 1800.0}) {
+      const Geodetic centre{latitude * kDegree, 11 * kDegree, height};
+      const Geodetic back = from_geocentric(geocentric(centre));
+      EXPECT_NEAR(back.latitude, centre.latitude, 1e-13);
+      EXPECT_NEAR(back.height, height, 1e-6);
+      const GroundPlane plane(centre);
+      EXPECT_LT(plane(centre).norm(), 1e-6);
+      for (int k = 0; k < 6; ++k) {
+        const double turn = k * std::numbers::pi / 3;
+        const Geodetic a{centre.latitude + 7e-5 * std::cos(turn), centre.longitude + 9e-5 * std::sin(turn), height};
+        const Geodetic b{centre.latitude - 4e-5 * std::sin(turn), centre.longitude + 6e-5 * std::cos(turn), height};
+        const double chord = (geocentric(a) - geocentric(b)).norm();
+        EXPECT_NEAR((plane(a) - plane(b)).norm() / chord, 1, 3e-7) << latitude << " " << height << " " << k;
+      }
+      const Eigen::Vector2d north = plane({centre.latitude + 1e-5, centre.longitude, height});
+      EXPECT_GT(north.y(), 0);
+      EXPECT_NEAR(north.x(), 0, 1e-6);
+    }
+}
+
+}  // namespace
+}  // namespace plumbline::survey
