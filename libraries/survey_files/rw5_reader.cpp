@@ -60,6 +60,7 @@ class Rw5Reader {
   void read_backsight(const Record& record);
   double direction(const Record& record);
   double zenith_angle(const Record& record);
+  bool refuse_negative_zenith_angle(const Record& record);
 
   std::string text(const Record& record, const char* head) const {
     const auto found = record.fields.find(head);
@@ -192,12 +193,21 @@ double Rw5Reader::zenith_angle(const Record& record) {
   return record.fields.contains("VA") ? kPi / 2 - angle(record, "VA") : angle(record, "ZE");
 }
 
+/// A circle has no zenith angle below zero: the record holds something else, and none of its numbers is a reading.
+bool Rw5Reader::refuse_negative_zenith_angle(const Record& record) {
+  const auto found = record.fields.find("ZE");
+  if (found == record.fields.end() || !(angle(record, "ZE") < 0)) return false;
+  reject(found->second, "a zenith angle of zero or more behind ZE; the sighting is left out");
+  return true;
+}
+
 void Rw5Reader::read_sighting(const Record& record) {
   const std::string station = text(record, "OP");
   Sighting sighting;
   sighting.to = text(record, "FP");
   if (sighting.to.empty() || station.empty())
     return builder_.skip(line_, 1, record.type, "a sighting with OP (occupied point) and FP (foresight point)");
+  if (refuse_negative_zenith_angle(record)) return;
   sighting.source = builder_.at(line_, 1);
   sighting.direction = direction(record);
   sighting.zenith_angle = zenith_angle(record);
@@ -207,6 +217,12 @@ void Rw5Reader::read_sighting(const Record& record) {
   sighting.target_height = rod_height_;
   sighting.face = record.type == "BR" || record.type == "FR" ? 2 : 0;
   if (metres_ != 1.0) sighting.distance_corrections.push_back("to metres by " + formats::format_shortest(metres_));
+  // A backsight that was set and not measured: its record has the horizon and no distance.
+  if (sighting.slope_distance == 0 && std::abs(sighting.zenith_angle - kPi / 2) < 1e-12) {
+    sighting.zenith_angle = kNotGiven;
+    builder_.warn("line " + std::to_string(line_) + ": ZE90 with SD0 is a sighting that was set, not measured: its " +
+                  "direction alone is taken");
+  }
   for (double* distance : {&sighting.slope_distance, &sighting.horizontal_distance}) {
     if (std::isnan(*distance) || (*distance >= 0 && *distance < 1e5)) continue;
     builder_.skip(line_, 1, record.type, "a distance between 0 and 100 km");

@@ -157,9 +157,11 @@ class Gts210Reader {
   void join(const std::string& text);
   void read_station(std::string_view record);
   bool read_sighting(std::string_view record);
-  int line_at(std::string_view record) const;
+  /// All may stand in one line: the column tells readings apart.
+  SourcePosition position_of(std::string_view record) const;
 
   SurveyBuilder builder_;
+  bool framed_ = false;
   std::string stream_;
   std::vector<std::size_t> line_ends_;  // in stream_
   std::size_t records_ = 0;
@@ -170,11 +172,11 @@ void Gts210Reader::join(const std::string& text) {
   const auto lines = formats::split_lines(text);
   std::size_t filled = 0;
   for (const formats::Line& line : lines) filled += formats::trim(line.text).empty() ? 0 : 1;
-  const bool framed = !lines.empty() && lines.front().text.starts_with('?');  // each line between STX and ETX
+  framed_ = !lines.empty() && lines.front().text.starts_with('?');  // each line between STX and ETX
   for (const formats::Line& line : lines) {
     std::string_view part = line.text;
-    if (framed && part.starts_with('?')) part.remove_prefix(1);
-    if (framed && part.ends_with('?')) part.remove_suffix(1);
+    if (framed_ && part.starts_with('?')) part.remove_prefix(1);
+    if (framed_ && part.ends_with('?')) part.remove_suffix(1);
     const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
     if (filled > 1 && part.size() > 4 && std::all_of(part.end() - 4, part.end(), is_digit)) part.remove_suffix(4);
     stream_ += part;
@@ -182,9 +184,11 @@ void Gts210Reader::join(const std::string& text) {
   }
 }
 
-int Gts210Reader::line_at(std::string_view record) const {
+SourcePosition Gts210Reader::position_of(std::string_view record) const {
   const auto at = static_cast<std::size_t>(record.data() - stream_.data());
-  return static_cast<int>(std::upper_bound(line_ends_.begin(), line_ends_.end(), at) - line_ends_.begin()) + 1;
+  const auto line = std::upper_bound(line_ends_.begin(), line_ends_.end(), at);
+  const std::size_t begin = line == line_ends_.begin() ? 0 : *(line - 1);
+  return builder_.at(static_cast<int>(line - line_ends_.begin()) + 1, static_cast<int>(at - begin) + 1 + framed_);
 }
 
 // "110_(code_)1.390_"
@@ -195,7 +199,7 @@ void Gts210Reader::read_station(std::string_view record) {
                                       ? std::string_view()
                                       : record.substr(close + 2, record.find('_', close + 2) - close - 2);
   const auto value = formats::parse_number(height);
-  const SourcePosition source = builder_.at(line_at(record), 1);
+  const SourcePosition source = position_of(record);
   const double instrument_height = value ? *value : kNotGiven;
   if (name.empty())
     builder_.start_unnamed_set_up(instrument_height, source);
@@ -206,7 +210,7 @@ void Gts210Reader::read_station(std::string_view record) {
 // "111_ ?+00041951m0860312+1035120d+00041852t60+00+00103_*code_,1.500_"
 bool Gts210Reader::read_sighting(std::string_view record) {
   Sighting sighting;
-  sighting.source = builder_.at(line_at(record), 1);
+  sighting.source = position_of(record);
   const std::size_t mode = record.find("_ ");
   if (mode == std::string_view::npos || record.size() < mode + 30) return false;
   sighting.to = std::string(formats::trim(record.substr(0, mode)));
@@ -259,7 +263,8 @@ SurveyObservations Gts210Reader::read() {
     if (all[at + 1] == '\'')
       read_station(record);
     else if (!read_sighting(record))
-      builder_.skip(line_at(record), 1, record.substr(0, 40), "target, '?', slope distance, zenith angle and circle");
+      builder_.skip(position_of(record).line, position_of(record).column, record.substr(0, 40),
+                    "target, '?', slope distance, zenith angle and circle");
     at = end;
   }
   return builder_.finish(std::to_string(records_) + " records without sightings",

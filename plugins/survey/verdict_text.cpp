@@ -118,7 +118,9 @@ std::string verdict_text(const SurveyNetworkT& n) {
     if (++said > kFindings) continue;
     text << (f->severity == "note" ? "" : "! ") << f->text << ".\n";
   }
-  if (said > kFindings) text << "  and " << said - kFindings << " findings more, see the page\n";
+  if (said > kFindings)
+    text << "  and " << said - kFindings << (said - kFindings == 1 ? " finding" : " findings")
+         << " more, see the page\n";
   std::vector<const NetworkObservationT*> worst;
   for (const auto& o : n.observations)
     if (std::isfinite(o->w) && o->w != 0) worst.push_back(o.get());

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "survey/model/repeated_readings.hpp"
+#include "survey/model/reused_names.hpp"
 #include "survey/model/station_identity.hpp"
 
 namespace plumbline::survey {
@@ -54,6 +55,7 @@ class Merger {
  private:
   void name_files();
   void decide_stations();
+  void decide_targets();
   void decide_station(const std::string& station, const std::vector<size_t>& files);
   StationEvidence evidence(const std::string& station, size_t a, size_t b) const;
   void compare_coordinates();
@@ -192,6 +194,39 @@ void Merger::decide_stations() {
           "station " + station + " of " + files_[files.front()] + " is the target of that name in " + listed(elsewhere),
           {station});
   }
+}
+
+/// Numbers that began again on another day: one name, two marks. A known point, or one to which both files give the
+/// same coordinates, is one mark whatever the sights say; those are for the adjustment to find.
+void Merger::decide_targets() {
+  std::vector<std::map<std::string, Eigen::Vector3d>> places;
+  for (const SurveyObservations& survey : surveys_) places.push_back(seen_places(survey));
+  std::vector<std::map<std::string, Eigen::Vector3d>> given(surveys_.size());
+  for (size_t i = 0; i < surveys_.size(); ++i)
+    for (const Point& p : surveys_[i].points) given[i].emplace(p.id, p.coordinates);
+  const auto is_one_mark = [&](const std::string& id, size_t a, size_t b) {
+    if (std::find(options_.known.begin(), options_.known.end(), id) != options_.known.end()) return true;
+    const auto one = given[a].find(id), other = given[b].find(id);
+    return one != given[a].end() && other != given[b].end() &&
+           (one->second - other->second).head<2>().norm() < kSameCoordinates;
+  };
+  for (size_t b = 1; b < surveys_.size(); ++b)
+    for (size_t a = 0; a < b; ++a) {
+      auto there = places[a], here = places[b];
+      for (const size_t file : {a, b})
+        for (const auto& [id, name] : renamed_[file]) there.erase(id), here.erase(id);
+      std::vector<std::string> reused;
+      for (const std::string& id : reused_names(there, here))
+        if (!is_one_mark(id, a, b)) reused.push_back(id);
+      if (reused.size() < 2) continue;
+      std::vector<std::string> now;
+      for (const std::string& id : reused) now.push_back(renamed_[b][id] = files_[b] + ":" + id);
+      find(Finding::Severity::warning,
+           "the names " + listed(reused) + " stand for other marks in " + files_[b] + " than in " + files_[a] +
+               " (their places do not fit each other): numbering began again. They are points of their own, " +
+               listed(now, 3) + "; where it is one mark after all, the sights to it are wrong",
+           now);
+    }
 }
 
 void Merger::refuse_fixed(const Point& a, const Point& b, size_t file_a, size_t file_b) const {
@@ -335,6 +370,7 @@ void Merger::merge_groups(size_t file) {
 MergedSurvey Merger::run() {
   merged_.survey.info = surveys_.front().info;
   decide_stations();
+  decide_targets();
   compare_coordinates();
   for (size_t i = 0; i < surveys_.size(); ++i) {
     merge_info(surveys_[i].info);

@@ -326,7 +326,12 @@ NetworkModel make_model(const SurveyObservations& survey, const AdjustOptions& o
   for (const std::string& text : means.notes) m.findings.push_back({Finding::Severity::note, text, {}});
   if (m.observations.empty() && survey.coordinates.empty() && survey.vectors.empty() &&
       survey.local_coordinates.empty())
-    throw NetworkError("there are no observations to adjust");
+    throw NetworkError("there are no observations to adjust: " +
+                       (survey.points.empty() ? std::string("nothing was read")
+                                              : "the file gives " + std::to_string(survey.points.size()) +
+                                                    (survey.points.size() == 1 ? " point" : " points") +
+                                                    " and no reading of a total station or level") +
+                       "; `plumbline run read_survey` writes what it gives");
   collect_points(m);
   distrust_equal_coordinates(m);
   apply_datum(m, options, control);

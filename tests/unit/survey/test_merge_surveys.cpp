@@ -175,6 +175,54 @@ TEST(MergeSurveys, CoordinatesThatContradictAreLookedAt) {
 }
 
 /// A target of which one day has the direction only tells nothing of the mark; it neither counts nor stands for zero.
+/// The targets of `survey` as another day has them that numbers from the same start: the next one's name each.
+SurveyObservations renumbered(SurveyObservations survey, int by) {
+  const auto next = [&](const std::string& id) {
+    const int number = (id[1] - '0') * 4 + (id[2] - '0') + by;
+    return "M" + std::to_string(number / 4 % 3) + std::to_string(number % 4);
+  };
+  for (Observation& o : survey.observations)
+    if (o.to[0] == 'M') o.to = next(o.to);
+  for (SetUp& s : survey.set_ups) s.id = s.station = "T" + s.station.substr(1);
+  for (Observation& o : survey.observations) o.from[0] = 'T';
+  return survey;
+}
+
+TEST(MergeSurveys, NumbersThatBeganAgainAreOtherMarks) {
+  const SurveyObservations monday = day("monday.gsi", 1);
+  SurveyObservations tuesday = day("tuesday.gsi", 2, {3, -2, 0.1});
+  for (size_t i = 0; i < tuesday.observations.size(); ++i)  // no lattice that fits itself one mark further on
+    if (tuesday.observations[i].kind == ObservationKind::slope_distance)
+      tuesday.observations[i].value += 0.4 * static_cast<double>((7 * i) % 11);
+  const MergedSurvey merged = merge_surveys({monday, renumbered(tuesday, 5)});
+  EXPECT_TRUE(says(merged, "stand for other marks in tuesday than in monday"));
+  EXPECT_TRUE(says(merged, "numbering began again"));
+  size_t renamed = 0;
+  for (const Observation& o : merged.survey.observations) renamed += o.to.starts_with("tuesday:M");
+  EXPECT_GE(renamed, 2u * 3 * 9);
+}
+
+TEST(MergeSurveys, OneSwapFeetOrAControlPointAreNoNumberingThatBeganAgain) {
+  const SurveyObservations monday = day("monday.gsi", 1);
+  SurveyObservations swapped = renumbered(day("tuesday.gsi", 2, {3, -2, 0.1}), 0);
+  for (Observation& o : swapped.observations) {
+    if (o.to == "M00")
+      o.to = "M12";
+    else if (o.to == "M12")
+      o.to = "M00";
+  }
+  EXPECT_FALSE(says(merge_surveys({monday, swapped}), "numbering began again"));
+  SurveyObservations feet = renumbered(day("tuesday.gsi", 2, {3, -2, 0.1}), 0);
+  for (Observation& o : feet.observations)
+    if (o.kind == ObservationKind::slope_distance) o.value /= 0.3048;
+  EXPECT_FALSE(says(merge_surveys({monday, feet}), "numbering began again"));
+  MergeOptions options;
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 4; ++c) options.known.push_back("M" + std::to_string(r) + std::to_string(c));
+  EXPECT_FALSE(says(merge_surveys({monday, renumbered(day("tuesday.gsi", 2, {3, -2, 0.1}), 5)}, options),
+                    "numbering began again"));
+}
+
 TEST(MergeSurveys, TargetsWithoutADistanceAreNotShared) {
   SurveyObservations a = day("monday.gsi", 1), b = day("tuesday.gsi", 2);
   int kept = 0;

@@ -352,5 +352,71 @@ TEST(OptionalUnknowns, InstrumentHeights) {
   EXPECT_TRUE(std::isnan(r.set_ups[1].instrument_height_correction));
 }
 
+/// Every reading that needs a height is left out where its point has none, and nothing else is.
+TEST(Screening, ReadingsToAPointWithoutHeight) {
+  auto n = test::simulate({}, 61);
+  for (Point& p : n.survey.points)
+    if (p.id == "M11") p.roles[2] = CoordinateRole::unused;
+  Observation level;
+  level.kind = ObservationKind::height_difference, level.from = "M10", level.to = "M11", level.value = 0,
+  level.sigma = 0.001;
+  n.survey.observations.push_back(level);
+  const NetworkResult r = adjust_network(n.survey, free_network());
+  const std::string text = all_words(r);
+  for (const char* words : {"zenith_angle S1 -> M11", "slope_distance S2 -> M11", "height_difference M10 -> M11"})
+    EXPECT_NE(text.find(words), std::string::npos) << words << " in " << text;
+  EXPECT_NE(text.find("one end has no height"), std::string::npos);
+  int directions = 0, others = 0;
+  for (const ResultRow& row : r.rows)
+    if (row.to == "M11") (row.kind == "direction" ? directions : others) += 1;
+  EXPECT_EQ(directions, 3);
+  EXPECT_EQ(others, 0);
+}
+
+/// An observation that takes no part takes its row and column of the covariance along.
+TEST(Screening, TheRestOfACovarianceStays) {
+  auto n = test::simulate({}, 62);
+  Eigen::Matrix3d c = Eigen::Matrix3d::Identity() * 4e-10;
+  c(0, 1) = c(1, 0) = 1.5e-10, c(0, 2) = c(2, 0) = -1e-10, c(1, 2) = c(2, 1) = 0.5e-10;
+  SurveyObservations whole = n.survey, less = n.survey;
+  Observation own = whole.observations[0];
+  own.to = own.from;  // sights its own station
+  const int at = static_cast<int>(whole.observations.size());
+  whole.observations.push_back(own);
+  whole.covariances.push_back({{0, at, 3}, c});
+  Eigen::Matrix2d rest;
+  rest << c(0, 0), c(0, 2), c(2, 0), c(2, 2);
+  less.covariances.push_back({{0, 3}, rest});
+  const NetworkResult a = adjust_network(whole, free_network()), b = adjust_network(less, free_network());
+  EXPECT_NEAR(a.sum_of_squares, b.sum_of_squares, 1e-9);
+  EXPECT_NEAR(a.point("M12").position.x(), b.point("M12").position.x(), 1e-12);
+  EXPECT_NE(a.sum_of_squares, adjust_network(n.survey, free_network()).sum_of_squares);
+}
+
+/// Symmetric to nine digits of what it holds, whatever its size.
+TEST(Screening, ACovarianceMustBeSymmetric) {
+  auto n = test::simulate({}, 63);
+  Eigen::Matrix2d c = Eigen::Matrix2d::Identity() * 4e-10;
+  c(0, 1) = 1e-12;
+  n.survey.covariances.push_back({{0, 3}, c});
+  EXPECT_ANY_THROW(adjust_network(n.survey, free_network()));
+  c(1, 0) = 1e-12;
+  n.survey.covariances[0].covariance = c;
+  EXPECT_NO_THROW(adjust_network(n.survey, free_network()));
+}
+
+TEST(Screening, ObservedCoordinatesAreNamedByTheirAxes) {
+  auto n = test::simulate({}, 64);
+  CoordinateGroup group;
+  for (int axis = 0; axis < 3; ++axis) group.components.push_back({"M00", axis});
+  group.values = n.truth[0];
+  group.covariance = Eigen::Matrix3d::Identity() * 1e-6;
+  n.survey.coordinates.push_back(group);
+  std::string axes;
+  for (const ResultRow& row : adjust_network(n.survey, free_network()).rows)
+    if (row.kind == "coordinate") axes += row.detail;
+  EXPECT_EQ(axes, "ENH");
+}
+
 }  // namespace
 }  // namespace plumbline::survey

@@ -139,6 +139,7 @@ TEST(GeodeticFrame, LengthsOfTheGroundPlaneAreTrue) {
       const Geodetic back = from_geocentric(geocentric(centre));
       EXPECT_NEAR(back.latitude, centre.latitude, 1e-13);
       EXPECT_NEAR(back.height, height, 1e-6);
+      // High up the two curvatures of the ellipsoid differ: H (1/M - 1/N) / 2, at most 1e-6 at 1800 m.
       const GroundPlane plane(centre);
       EXPECT_LT(plane(centre).norm(), 1e-6);
       for (int k = 0; k < 6; ++k) {
@@ -146,7 +147,8 @@ TEST(GeodeticFrame, LengthsOfTheGroundPlaneAreTrue) {
         const Geodetic a{centre.latitude + 7e-5 * std::cos(turn), centre.longitude + 9e-5 * std::sin(turn), height};
         const Geodetic b{centre.latitude - 4e-5 * std::sin(turn), centre.longitude + 6e-5 * std::cos(turn), height};
         const double chord = (geocentric(a) - geocentric(b)).norm();
-        EXPECT_NEAR((plane(a) - plane(b)).norm() / chord, 1, 3e-7) << latitude << " " << height << " " << k;
+        EXPECT_NEAR((plane(a) - plane(b)).norm() / chord, 1, height > 1000 ? 1e-6 : 1e-7)
+            << latitude << " " << height << " " << k;
       }
       const Eigen::Vector2d north = plane({centre.latitude + 1e-5, centre.longitude, height});
       EXPECT_GT(north.y(), 0);

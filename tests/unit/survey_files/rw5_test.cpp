@@ -54,6 +54,31 @@ TEST(Rw5, ReadsARealFileInFeet) {
   EXPECT_TRUE(survey.skipped.empty());
 }
 
+// As in a traverse that a public collection has: columns of another record stand in it.
+TEST(Rw5, ANegativeZenithAngleIsNoSighting) {
+  const auto survey = read_rw5(
+      "MO,AD0,UN1,SF1.0\nOC,OP1,N 100.0,E 100.0,EL10.0\nLS,HI1.5,HR1.6\nSS,OP1,FP2,AR10.0000,ZE90.0000,SD50.0\n"
+      "FD,OP1,FP3,AR34.0000,ZE-61.5811,SD90.212,--771.241000,--\n",
+      "t.rw5");
+  EXPECT_EQ(survey.observations.size(), 3u);
+  ASSERT_EQ(survey.skipped.size(), 1u);
+  EXPECT_EQ(survey.skipped[0].source.line, 5);
+  EXPECT_NE(survey.skipped[0].expected.find("a zenith angle of zero or more"), std::string::npos);
+}
+
+// The same traverse: a backsight that was set and not measured was 2.4 gon from the horizon, and no result came of it.
+TEST(Rw5, ABacksightThatWasSetIsADirectionOnly) {
+  const auto survey = read_rw5(
+      "MO,AD0,UN1,SF1.0\nOC,OP1,N 100.0,E 100.0,EL10.0\nLS,HI1.5,HR1.6\nBD,OP1,FP2,AR0.0000,ZE90.0000,SD0.000,--\n"
+      "SS,OP1,FP3,AR10.0000,ZE90.0000,SD50.0,--\n",
+      "t.rw5");
+  ASSERT_EQ(survey.observations.size(), 4u);
+  EXPECT_EQ(survey.observations[0].kind, direction);
+  EXPECT_EQ(survey.observations[1].kind, direction) << "only the backsight's zenith angle is none";
+  ASSERT_FALSE(survey.warnings.empty());
+  EXPECT_NE(survey.warnings[0].find("line 4: ZE90 with SD0"), std::string::npos);
+}
+
 TEST(Rw5, OtherTextIsRefused) {
   EXPECT_NE(error_of([] { read_rw5("hello\n", "x.rw5"); }).find("x.rw5:1:1: found 'hello'"), std::string::npos);
 }
