@@ -1,5 +1,6 @@
 #include "pose/explanation.hpp"
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
@@ -26,7 +27,18 @@ struct Hypothesis {
   std::function<void(BrownCamera&)> camera = [](BrownCamera&) {};
   std::function<int(const TagT&)> id = [](const TagT& tag) { return tag.id; };
   std::array<int, 4> corners = {0, 1, 2, 3};
+  std::function<double(double)> azimuth;  ///< where the plate really looks, from what is given [rad]; empty: as given
 };
+
+/// The view with its plate turned about the vertical through its anchor.
+void turn_plate(const std::function<double(double)>& azimuth, TagView& view) {
+  const Eigen::Vector3d normal = view.world_from_tag.rotation * Eigen::Vector3d::UnitZ();
+  const double given = std::atan2(normal.x(), normal.y());
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(given - azimuth(given), Eigen::Vector3d::UnitZ()));
+  view.world_from_tag.rotation = turn * view.world_from_tag.rotation;
+  view.world_from_tag.translation =
+      view.anchor_in_world + turn * (view.world_from_tag.translation - view.anchor_in_world);
+}
 
 std::string number(double value) {
   char text[32];
@@ -52,6 +64,7 @@ double share(const std::vector<const ImageTagsT*>& images, BrownCamera camera, c
       auto view = view_of(read, *entry, camera, settings);
       if (!view) continue;
       view->tag_size *= hypothesis.tag_factor;
+      if (hypothesis.azimuth) turn_plate(hypothesis.azimuth, *view);
       views.push_back(*view);
     }
     try {
@@ -100,6 +113,29 @@ void add_cameras(const CameraT& camera, std::vector<Hypothesis>& all) {
         "about " +
             number(factor) + " times it",
         [factor](BrownCamera& c) { c.fx *= factor, c.fy *= factor; });
+}
+
+/// Before the corners: a plate that looks the other way and corners that run the other way round give the same images.
+void add_azimuths(std::vector<Hypothesis>& all) {
+  const auto add = [&](const std::string& words, std::function<double(double)> azimuth) {
+    Hypothesis h;
+    h.words = words;
+    h.azimuth = std::move(azimuth);
+    all.push_back(h);
+  };
+  add("facing_azimuth of the plate table is in radians, expected are degrees (or name the unit in the header)",
+      [](double given) {
+        constexpr double degree = M_PI / 180;
+        return (given < 0 ? given + 2 * M_PI : given) / degree;
+      });
+  for (const int degrees : {180, 90, -90})
+    add("facing_azimuth of the plate table is wrong by " + std::to_string(std::abs(degrees)) +
+            " degrees: it is the direction in which the plates look, away from the wall, clockwise from north" +
+            (degrees == 180
+                 ? " (or the corners of the tags run the other way round than bottom left, bottom right, top "
+                   "right, top left)"
+                 : ""),
+        [degrees](double given) { return given + degrees * M_PI / 180; });
 }
 
 void add_corners(std::vector<Hypothesis>& all) {
@@ -199,6 +235,7 @@ std::string what_would_explain(const std::vector<ImageTagsT>& images, const Came
   std::vector<Hypothesis> all;
   add_tag_sizes(field, all);
   add_cameras(camera, all);
+  add_azimuths(all);
   add_corners(all);
   add_ids(field, all);
   const double now = share(most, brown, field, solver, settings, {});

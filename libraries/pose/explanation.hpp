@@ -11,8 +11,9 @@ namespace plumbline::pose {
 
 /// A sentence about the one mistake that makes at least nine tenths of the tags agree in the images that show most of
 /// them, and leaves at most 0.4 of those that disagree without it; empty if none does. Tried: another family, ids moved
-/// by one, two floors exchanged, tag sizes in another unit, corners that begin elsewhere or run the other way round,
-/// principal distance in millimetres, principal point exchanged, photographs scaled by a half or two.
+/// by one, two floors exchanged, tag sizes in another unit, plates that look elsewhere or whose azimuth is in radians,
+/// corners that begin elsewhere or run the other way round, principal distance in millimetres, principal point
+/// exchanged, photographs scaled by a half or two.
 std::string what_would_explain(const std::vector<ImageTagsT>& images, const CameraT& camera, const Field& field,
                                const TagPoseSolver& solver, const PoseSettings& settings);
 

@@ -1,6 +1,10 @@
 // pose.opengv and pose.opencv as nodes; what every pose initialiser must do is in tests/conformance.
 #include <gmock/gmock.h>
 
+#include <Eigen/Geometry>
+#include <cmath>
+#include <functional>
+
 #include "node_harness.hpp"
 #include "synthetic_facade.hpp"
 
@@ -69,6 +73,34 @@ TEST_P(PoseNodes, RefuseACameraOfAnotherImageSize) {
   facade.images[1].width = 6000;
   NodeHarness node = prepared(GetParam(), facade);
   EXPECT_THAT(failure_of(node), testing::AllOf(HasSubstr(facade.images[1].path), HasSubstr("6000 x 8742")));
+}
+
+/// What the node says, as an error or a warning, when all plates are given as looking elsewhere than they do.
+std::string said_of_azimuths(const std::string& kind, const std::function<double(double)>& given) {
+  auto facade = test::make_facade({.floors = 1});
+  facade.images.resize(2);  // every mistake that people make is tried on every image
+  for (ImageTagsT& image : facade.images) image.tags.resize(std::min<std::size_t>(image.tags.size(), 6));
+  for (auto& plate : facade.plates.plates) {
+    const Eigen::Vector3d normal = plate->nominal_rotation * Eigen::Vector3d::UnitZ();
+    const double azimuth = std::atan2(normal.x(), normal.y()), now = given(azimuth < 0 ? azimuth + 2 * M_PI : azimuth);
+    plate->nominal_rotation =
+        Eigen::Quaterniond(Eigen::AngleAxisd(azimuth - now, Eigen::Vector3d::UnitZ())) * plate->nominal_rotation;
+  }
+  NodeHarness node = prepared(kind, facade);
+  std::string said = failure_of(node);
+  if (said.empty())
+    for (const std::string& warning : node.warnings()) said += warning + "\n";
+  return said;
+}
+
+TEST_P(PoseNodes, SayThatPlatesLookElsewhere) {
+  EXPECT_THAT(said_of_azimuths(GetParam(), [](double) { return 0.0; }),
+              HasSubstr("facing_azimuth of the plate table is wrong by 180 degrees"));
+  if (GetParam() != "pose.opengv") return;  // the quicker one
+  EXPECT_THAT(said_of_azimuths(GetParam(), [](double a) { return a + M_PI / 2; }),
+              HasSubstr("facing_azimuth of the plate table is wrong by 90 degrees"));
+  EXPECT_THAT(said_of_azimuths(GetParam(), [](double a) { return a * M_PI / 180; }),
+              HasSubstr("facing_azimuth of the plate table is in radians"));
 }
 
 TEST_P(PoseNodes, CountCornersAndGiveACovariance) {
