@@ -11,6 +11,7 @@
 #include "network_artifact.hpp"
 #include "survey/doctor/check_control.hpp"
 #include "survey/epochs/compare_epochs.hpp"
+#include "survey/epochs/epoch_scale.hpp"
 #include "survey/model/merge_surveys.hpp"
 #include "survey_files/survey_layout.hpp"
 
@@ -144,7 +145,13 @@ void CompareEpochsNode::run(Context& context) {
     }
     return part_of(epoch, keep);
   };
-  const Comparison c = compare_epochs(chosen(epoch_of(a, "first")), chosen(epoch_of(b, "second")), options);
+  const Epoch before = chosen(epoch_of(a, "first")), after = chosen(epoch_of(b, "second"));
+  if (const auto scale = common_scale(before, after)) {
+    if (std::abs(*scale - 1) > kImpossibleScale)
+      throw std::runtime_error(scale_in_words(*scale) + "; read it in its unit, these are no movements");
+    context.warn(scale_in_words(*scale) + ": a ppm setting or a map scale was another; movements below hold it");
+  }
+  const Comparison c = compare_epochs(before, after, options);
   SurveyComparisonT out = to_artifact(c, options);
   out.left_out.insert(out.left_out.end(), skipped.begin(), skipped.end());
   std::vector<std::string> moved;

@@ -4,6 +4,7 @@
 
 #include "simulated_network.hpp"
 #include "survey/doctor/check_control.hpp"
+#include "survey/epochs/epoch_scale.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::survey {
@@ -35,6 +36,25 @@ TEST(CompareEpochs, SameNetworkMeasuredTwiceIsCongruent) {
   EXPECT_TRUE(c.congruent) << c.statistic << " " << c.critical;
   EXPECT_EQ(c.rank, 3 * 12 - 4);
   EXPECT_TRUE(c.excluded.empty());
+}
+
+/// An epoch in feet once gave movements of 18 m with sigmas of half a millimetre.
+TEST(CompareEpochs, AnEpochOfAnotherSizeIsSeenAndANoisyOneIsNot) {
+  const Epoch first = markers(epoch(test::simulate({}, 21).survey));
+  EXPECT_FALSE(common_scale(first, first));
+  for (std::uint64_t seed = 22; seed < 30; ++seed)
+    EXPECT_FALSE(common_scale(first, markers(epoch(test::simulate({}, seed).survey)))) << seed;
+  Epoch feet = markers(epoch(test::simulate({}, 22).survey));
+  feet.coordinates /= 0.3048;
+  ASSERT_TRUE(common_scale(first, feet));
+  EXPECT_NEAR(*common_scale(first, feet), 3.28084, 1e-3);
+  EXPECT_NE(scale_in_words(*common_scale(first, feet)).find("the second is in feet"), std::string::npos);
+  EXPECT_NE(scale_in_words(*common_scale(feet, first)).find("the first is in feet"), std::string::npos);
+  Epoch longer = first;
+  longer.coordinates *= 1 + 387e-6;
+  longer.coordinates[2] += 0.02;  // and one point that moved
+  ASSERT_TRUE(common_scale(first, longer));
+  EXPECT_NE(scale_in_words(*common_scale(first, longer)).find("387 ppm longer"), std::string::npos);
 }
 
 TEST(CompareEpochs, FindsTheMovedMarkerAndItsMovement) {

@@ -1,0 +1,68 @@
+#include "survey/epochs/epoch_scale.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "geometry/median.hpp"
+
+namespace plumbline::survey {
+namespace {
+
+constexpr double kSmallest = 50e-6, kAgree = 0.1, kShare = 0.8;
+constexpr std::size_t kPoints = 4, kMostPoints = 200;  // pairs grow with the square
+
+/// Places of the points that both epochs have, without coordinates that one of them lacks.
+std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> common_points(const Epoch& first, const Epoch& second) {
+  std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> points;
+  for (std::size_t i = 0; i < first.ids.size() && points.size() < kMostPoints; ++i) {
+    const auto at = std::find(second.ids.begin(), second.ids.end(), first.ids[i]);
+    if (at == second.ids.end()) continue;
+    Eigen::Vector3d a = first.coordinates.segment<3>(static_cast<Eigen::Index>(3 * i));
+    Eigen::Vector3d b = second.coordinates.segment<3>(3 * (at - second.ids.begin()));
+    for (int k = 0; k < 3; ++k)
+      if (!std::isfinite(a[k]) || !std::isfinite(b[k])) a[k] = b[k] = 0;
+    points.emplace_back(a, b);
+  }
+  return points;
+}
+
+}  // namespace
+
+std::optional<double> common_scale(const Epoch& first, const Epoch& second) {
+  const auto points = common_points(first, second);
+  if (points.size() < kPoints) return std::nullopt;
+  std::vector<double> ratios;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    for (std::size_t j = i + 1; j < points.size(); ++j) {
+      const double before = (points[j].first - points[i].first).norm();
+      if (before > 0) ratios.push_back((points[j].second - points[i].second).norm() / before);
+    }
+  if (ratios.empty()) return std::nullopt;
+  const double scale = median(ratios), difference = std::abs(scale - 1);
+  const auto agreeing =
+      std::count_if(ratios.begin(), ratios.end(), [&](double r) { return std::abs(r - scale) <= kAgree * difference; });
+  if (!(difference >= kSmallest) || static_cast<double>(agreeing) < kShare * static_cast<double>(ratios.size()))
+    return std::nullopt;
+  return scale;
+}
+
+std::string scale_in_words(double scale) {
+  char text[160];
+  if (std::abs(scale - 1) < kImpossibleScale) {
+    std::snprintf(text, sizeof text, "all distances of the second epoch are %.0f ppm %s than those of the first",
+                  1e6 * std::abs(scale - 1), scale > 1 ? "longer" : "shorter");
+    return text;
+  }
+  static const std::pair<double, const char*> units[] = {
+      {1 / 0.3048, "the second is in feet"},  {0.3048, "the first is in feet"},
+      {1000, "the second is in millimetres"}, {0.001, "the first is in millimetres"},
+      {100, "the second is in centimetres"},  {0.01, "the first is in centimetres"}};
+  std::snprintf(text, sizeof text, "all distances of the second epoch are %.6g times those of the first", scale);
+  std::string words = text;
+  for (const auto& [factor, unit] : units)
+    if (std::abs(scale / factor - 1) < 0.005) words += std::string(": ") + unit;
+  return words;
+}
+
+}  // namespace plumbline::survey
