@@ -1,7 +1,11 @@
 #include "frames/to_building.hpp"
 
 #include <cmath>
+#include <complex>
+#include <cstdio>
+#include <limits>
 #include <map>
+#include <vector>
 
 #include "artifacts/frame_artifact.hpp"
 #include "geometry/packed_symmetric.hpp"
@@ -90,6 +94,51 @@ PointsT moved(const PointsT& points, const FrameLink& link) {
   return out;
 }
 
+/// How much larger than the design the survey is in plan once it is in the building frame, with its standard deviation
+/// by what is left over; the best similarity in the sense of least squares.
+struct PlanScale {
+  double value = 1, sigma = std::numeric_limits<double>::infinity();
+};
+PlanScale plan_scale(const CommonPoints& common, const PlanTransform& transform) {
+  const auto n = common.ids.size();
+  if (n < 4) return {};
+  std::vector<std::complex<double>> survey, design;
+  std::complex<double> survey_mean, design_mean;
+  for (std::size_t i = 0; i < n; ++i) {
+    const Eigen::Vector3d p = bim::design_from_survey(transform, common.survey[i]);
+    survey.emplace_back(p.x(), p.y()), design.emplace_back(common.design[i].x(), common.design[i].y());
+    survey_mean += survey.back() / static_cast<double>(n), design_mean += design.back() / static_cast<double>(n);
+  }
+  std::complex<double> product;
+  double extent = 0, left = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    product += std::conj(design[i] - design_mean) * (survey[i] - survey_mean);
+    extent += std::norm(design[i] - design_mean);
+  }
+  if (!(extent > 0)) return {};
+  const std::complex<double> factor = product / extent;
+  for (std::size_t i = 0; i < n; ++i) left += std::norm(survey[i] - survey_mean - factor * (design[i] - design_mean));
+  constexpr double smallest = 1e-6;  // no survey knows its scale better
+  return {std::abs(factor), std::max(smallest, std::sqrt(left / static_cast<double>(2 * n - 4) / extent))};
+}
+
+/// A survey on the ground divided by a map's scale is out by hundreds of ppm, which looks like anchors out of place.
+void require_map_scale(const CommonPoints& common, const PlanTransform& transform, const std::string& how) {
+  const double k = transform.scale;
+  const PlanScale scale = plan_scale(common, transform);
+  if (std::abs(k - 1) < 20e-6 || std::abs(scale.value - 1) < 4 * scale.sigma ||
+      std::abs(scale.value * k - 1) > 3 * scale.sigma)
+    return;
+  char text[400];
+  std::snprintf(
+      text, sizeof text,
+      "with frames.with.use=%s the survey is %.0f +- %.0f ppm larger than the design, which is the map's scale "
+      "of %.6f: its coordinates are at ground scale, not reduced to the map; take frames.with.use=fitted, "
+      "frames.with.use=given with grid_scale=1, or reduce the survey's distances to the map",
+      how.c_str(), 1e6 * (scale.value - 1), 1e6 * scale.sigma, k);
+  throw std::runtime_error(text);
+}
+
 }  // namespace
 
 void ToBuilding::run(Context& context) {
@@ -137,6 +186,7 @@ void ToBuilding::run(Context& context) {
     throw std::runtime_error("with frames.with.use=" + how + " the survey is " + std::to_string(left) +
                              " m from the design (median)" + (gap.empty() ? "; without it, it is not" : "; " + gap));
   }
+  require_map_scale(common, choice.transform, how);
   if (common.ids.empty())
     context.warn("survey and design name no anchor alike, so nothing shows that they share a frame");
   else

@@ -194,7 +194,9 @@ struct SimulateCampaign : SimulatedSite {
 struct SimulateObservations : SimulatedSite {
   static constexpr Info info{"simulate.observations", "", 4,
                              "The site of simulate.campaign as observations with noise of known size, without files"};
-  Param<double> pixel_sigma{"pixel_sigma", 0.1, "px", between(0, 10), "noise of each corner coordinate"};
+  Param<double> pixel_sigma{
+      "pixel_sigma", 0.1, "px", between(0, 10),
+      "noise of each corner coordinate; 0: none and no covariance stated, so that who uses them takes its own"};
   Param<std::string> survey{
       "survey", "coordinates", one_of("coordinates", "readings"),
       "what was surveyed: coordinates with noise of survey_sigma, or directions, zenith angles and "

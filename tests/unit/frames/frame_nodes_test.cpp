@@ -80,6 +80,29 @@ TEST(ToBuilding, AMapConversionScalesThePlanAndNotTheHeights) {
   EXPECT_EQ(transform.origin, "its map conversion (tower.ifc)");
 }
 
+/// Once stretched by 400 ppm without a word: up to 6.5 mm where the tolerance was 5.
+TEST(ToBuilding, ASurveyAtGroundScaleIsNotDividedByTheScaleOfTheMap) {
+  NodeHarness node("frames.to_building");
+  std::vector<Eigen::Vector3d> ground;
+  const Eigen::Vector3d noise[] = {{1, -1, 0}, {-1, 0.5, 1}, {0.5, 1, -1}, {-0.5, -0.5, 0}};  // [0.1 mm]
+  for (std::size_t i = 0; i < in_building.size(); ++i) {
+    const Eigen::Vector3d p = in_map({0, 0, 0}), q = in_map(in_building[i]);
+    ground.push_back(p + Eigen::Vector3d((q - p).x() / 0.9996, (q - p).y() / 0.9996, (q - p).z()) + 1e-4 * noise[i]);
+  }
+  node.input<Points>("points", points_at(ground));
+  node.input<Points>("designed", points_at(in_building));
+  node.input<Design>("design", design_with_map());
+  node.input<Plates>("plates", PlatesT());
+  node.set("use", "map_conversion");
+  try {
+    node.run();
+    FAIL();
+  } catch (const NodeFailed& error) {
+    EXPECT_THAT(error.what(), HasSubstr("at ground scale"));
+    EXPECT_THAT(error.what(), HasSubstr("0.999600"));
+  }
+}
+
 TEST(ToBuilding, ASurveyElsewhereIsRefusedWithWhatWouldExplainIt) {
   NodeHarness node("frames.to_building");
   node.input<Points>("points", surveyed_in_map());
