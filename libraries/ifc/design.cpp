@@ -273,7 +273,7 @@ class Reader {
         first = element.ifc_class + " '" + element.name + "' (#" + std::to_string(element.instance) + ")";
       return;
     } catch (const step::Error& error) {  // a dangling reference, an argument of another kind
-      auto& [count, first] = damage_["shapes; their elements keep the origin of their placement"];
+      auto& [count, first] = damage_["IFCPRODUCTDEFINITIONSHAPE, whose elements keep the origin of their placement,"];
       if (++count == 1) first = error.what();
       return;
     }

@@ -14,7 +14,9 @@ inline constexpr int kDeepest = 100;
 
 std::string place(std::string_view bytes, const std::string& name, std::size_t offset);
 
-inline constexpr bool is_letter(char c) { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '_' || c == '!'; }
+inline constexpr bool is_letter(char c) {
+  return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '_' || c == '!';
+}
 inline constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
 inline constexpr char upper(char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; }
 
