@@ -261,10 +261,12 @@ Figures without(Figures figures, const std::set<std::string>& points) {
 /// All coordinates that fit, the best first.
 std::vector<Approximation> follow_choices(const Search& search) {
   constexpr size_t kFollowed = 16, kReturned = 8, kMostSearches = 300;
+  constexpr size_t kMostIterated = 200;  // points iterated from all around, which is dear
   std::vector<Hypothesis> followed = {try_choices(search, Choices())};
   size_t searches = 1;
   bool open = true;
-  for (size_t level = 0; open && searches < kMostSearches; ++level) {
+  for (size_t level = 0; open && searches < kMostSearches && search.figures.places_found->size() < kMostIterated;
+       ++level) {
     open = false;
     for (size_t h = 0, n = followed.size(); h < n; ++h) {
       stop_point();

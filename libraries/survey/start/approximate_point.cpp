@@ -94,10 +94,25 @@ std::vector<Vector3d> starts_of(const std::vector<PointCondition>& conditions) {
   return starts;
 }
 
+/// The starts that contradict the conditions least: an iteration is dear, and from the others it ends there or nowhere.
+std::vector<Vector3d> best_starts_of(const std::vector<PointCondition>& conditions) {
+  constexpr size_t kMost = 48;
+  std::vector<std::pair<double, Vector3d>> rated;
+  for (const Vector3d& start : starts_of(conditions)) {
+    double sum = 0;
+    for (const PointCondition& c : conditions) sum += std::min(1.0, std::abs(c.misclosure(start)));
+    rated.emplace_back(sum, start);
+  }
+  std::stable_sort(rated.begin(), rated.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<Vector3d> best;
+  for (size_t i = 0; i < std::min(kMost, rated.size()); ++i) best.push_back(rated[i].second);
+  return best;
+}
+
 /// Places that fit the conditions, the best first and those that fit nearly as well.
 std::vector<std::pair<double, Vector3d>> places_of(const std::vector<PointCondition>& conditions) {
   std::vector<std::pair<double, Vector3d>> places;
-  for (const Vector3d& start : starts_of(conditions)) {
+  for (const Vector3d& start : best_starts_of(conditions)) {
     const auto p = improve(conditions, start);
     if (!p) continue;
     double sum = 0, length = 0;
