@@ -270,6 +270,19 @@ std::vector<ControlPoint> parse_control(const std::string& text, const std::stri
   return points;
 }
 
+bool says_which_is_east(const std::string& text, const std::string& file) {
+  if (gcp_lines(text, file)) return true;
+  static const std::map<std::string, std::string> names = {
+      {"east", "east"}, {"easting", "east"}, {"e", "east"},  {"north", "north"}, {"northing", "north"},
+      {"n", "north"},   {"name", "name"},    {"id", "name"}, {"point", "name"},  {"label", "name"},
+      {"z", "z"},       {"height", "z"},     {"h", "z"}};
+  const formats::CsvTable table = formats::read_csv(text, names);
+  return std::any_of(table.header.begin(), table.header.end(), [](const auto& cell) {
+    const auto known = names.find(cell.name);
+    return known != names.end() && (known->second == "east" || known->second == "north");
+  });
+}
+
 std::vector<ImagePoint> parse_image_points(const std::string& text, const std::string& file, bool corner_origin) {
   std::vector<ImagePoint> points;
   const size_t first = text.find_first_not_of(" \t\r\n");

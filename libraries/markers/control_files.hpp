@@ -24,6 +24,10 @@ struct ImagePoint {
 /// role: control or check) or from OpenDroneMap's gcp_list.txt. Throws std::runtime_error that names file and line.
 std::vector<ControlPoint> parse_control(const std::string& text, const std::string& file);
 
+/// Whether a control file says which coordinate is east: by columns east, easting, e (or north, northing, n), or as a
+/// gcp_list.txt, where x is. Columns x and y are either, by country and program.
+bool says_which_is_east(const std::string& text, const std::string& file);
+
 /// Their measurements from CSV (image, point, x, y, optionally sigma), observations.json of a detector (the centre of a
 /// tag is point "id"), or gcp_list.txt. `corner_origin`: the file has the corner of the top-left pixel at (0, 0).
 std::vector<ImagePoint> parse_image_points(const std::string& text, const std::string& file, bool corner_origin);

@@ -12,6 +12,7 @@
 #include "detector_node.hpp"
 #include "plumbline/node.hpp"
 #include "pyramid_node.hpp"
+#include "target_node.hpp"
 
 namespace {
 
@@ -98,4 +99,5 @@ struct DetectAprilTag : Node {
 
 PLUMBLINE_PLUGIN("detect", "0.1.0", "MIT", DetectAprilTag, plumbline::detect::DetectAruco,
                  plumbline::detect::DetectTagPyramid, plumbline::detect::CollectTags, plumbline::detect::ReadTagFamily,
-                 plumbline::detect::WriteObservations, plumbline::detect::DetectBoard)
+                 plumbline::detect::WriteObservations, plumbline::detect::DetectBoard,
+                 plumbline::detect::PredictTargets, plumbline::detect::DetectTarget)

@@ -184,9 +184,14 @@ void AdjustColmapControl::run(Context& context) {
   options.control_sigma = *control_sigma, options.measured_sigma = *measured_sigma, options.tie_sigma = *tie_sigma;
   options.self_calibration = *self_calibration, options.max_tie_points = static_cast<int>(*max_tie_points),
   options.reject_above = *reject_above;
-  const ControlResult result = adjust_with_control(
-      read_colmap(model_folder), parse_control(text_of_file(control->path), control->path),
-      parse_image_points(text_of_file(observations->path), observations->path, *pixel_origin == "corner"), options);
+  if (static_cast<bool>(measured) == !observations->path.empty())
+    throw std::runtime_error("give either 'observations', a file, or connect 'measured'");
+  const FileT table_of = measured ? measured.unpack() : FileT();
+  const std::vector<ImagePoint> pixels =
+      measured ? parse_image_points({table_of.content.begin(), table_of.content.end()}, table_of.name, false)
+               : parse_image_points(text_of_file(observations->path), observations->path, *pixel_origin == "corner");
+  const std::vector<ControlPoint> surveyed = parse_control(text_of_file(control->path), control->path);
+  const ControlResult result = adjust_with_control(read_colmap(model_folder), surveyed, pixels, options);
   for (const auto& text : result.warnings) context.warn(text);
   for (const auto& text : result.left_out) context.warn("left out: " + text);
   context.metric("rms", result.rms, "px");
@@ -194,6 +199,9 @@ void AdjustColmapControl::run(Context& context) {
   table.commit(file_of("points.csv", "text/csv", table_text(result)));
   const auto folder = adjusted.make_folder();
   adjusted.commit(write_model(result.model, folder.uri, folder.path, context));
+  for (const CameraT& camera : camera_artifacts(result.model)) cameras.commit(camera);
+  poses.commit(pose_artifacts(result.model));
+  points.commit(point_artifacts(surveyed));
 }
 
 }  // namespace plumbline::markers

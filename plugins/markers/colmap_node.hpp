@@ -1,9 +1,11 @@
 // adjust.colmap_control: a COLMAP model with surveyed points measured in its photographs.
 #pragma once
 
+#include "artifacts/camera.hpp"
 #include "artifacts/file.hpp"
 #include "artifacts/folder.hpp"
 #include "artifacts/points.hpp"
+#include "artifacts/poses.hpp"
 #include "plumbline/node.hpp"
 
 namespace plumbline::markers {
@@ -15,8 +17,9 @@ struct AdjustColmapControl : Node {
   Param<FolderPath> model{"model", FolderPath{}, "folder with cameras, images and points3D, .bin or .txt"};
   Param<FilePath> control{"control", required, "surveyed points: CSV (name, x, y, z, sigma, role) or gcp_list.txt"};
   Param<FilePath> observations{
-      "observations", required,
+      "observations", FilePath{},
       "where they are in the photographs: CSV (image, point, x, y, sigma), gcp_list.txt or observations.json"};
+  Optional<File> measured{"measured", "the same as an artifact, such as targets.csv of detect.target"};
   Param<std::string> pixel_origin{"pixel_origin", "centre", one_of("centre", "corner"),
                                   "what (0, 0) is in the measurements: the centre of the top-left pixel or its corner"};
   Param<double> control_sigma{"control_sigma", 0.005, "m", between(1e-6, 10),
@@ -33,6 +36,9 @@ struct AdjustColmapControl : Node {
   Out<File> block{"block", "block.json: the adjustment with its statistics and residuals"};
   Out<File> table{"table", "points.csv: the surveyed points, adjusted minus surveyed"};
   Out<Folder> adjusted{"model", "the model in the frame of the survey, as COLMAP text files"};
+  OutList<Camera> cameras{"cameras", "adjusted interior orientations, in the order of their ids"};
+  Out<Poses> poses{"poses", frame("frame=survey"), "adjusted exterior orientations"};
+  Out<Points> points{"points", frame("frame=survey"), "the surveyed points as they are in the control file"};
 
   void run(Context& context) override;
 };

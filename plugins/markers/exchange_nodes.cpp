@@ -39,15 +39,21 @@ std::unique_ptr<TagT> tag_of(const nlohmann::json& entry) {
 
 }  // namespace
 
-void ReadPoints::run(Context&) {
-  PointsT result;
-  for (const ControlPoint& p : parse_control(text_of_file(file->path), file->path)) {
-    auto point = std::make_unique<PointT>();
-    point->id = p.name, point->position = p.position, point->sigma = p.sigma;
-    point->role = p.check ? "check" : "control";
-    result.points.push_back(std::move(point));
-  }
-  points.commit(result);
+void ReadPoints::run(Context& context) {
+  const std::string text = text_of_file(file->path);
+  std::vector<ControlPoint> control = parse_control(text, file->path);
+  const bool named = says_which_is_east(text, file->path);
+  if (*axes == "x_north" && named)
+    throw std::runtime_error(file->path +
+                             ": axes is x_north, but the file says itself which coordinate is east; leave "
+                             "axes out");
+  if (*axes == "x_north")
+    for (ControlPoint& p : control) std::swap(p.position.x(), p.position.y()), std::swap(p.sigma.x(), p.sigma.y());
+  if (*axes == "as_named" && !named)
+    context.warn(file->path +
+                 ": x is taken as east and y as north, which its columns do not say; axes=x_east says that it is so, "
+                 "axes=x_north that x is north (as in Gauss-Krueger coordinates), which else mirrors all points");
+  points.commit(point_artifacts(control));
 }
 
 void ReadImageObservations::run(Context&) {
@@ -71,24 +77,8 @@ void ReadImageObservations::run(Context&) {
 
 void ReadColmap::run(Context&) {
   const ColmapModel model = read_colmap(folder->path);
-  for (const auto& [id, camera] : model.cameras) {
-    CameraT artifact;
-    artifact.id = std::to_string(id);
-    artifact.width = camera.camera.width, artifact.height = camera.camera.height;
-    const auto values = camera.camera.parameters();
-    artifact.parameters.assign(values.begin(), values.end());
-    artifact.source = "COLMAP, " + camera.model;
-    cameras.commit(artifact);
-  }
-  PosesT all;
-  for (const auto& [id, image] : model.images) {
-    auto pose = std::make_unique<PoseT>();
-    pose->path = image.name, pose->cam_from_world = image.cam_from_world;
-    for (const auto& f : image.features) pose->inliers += f.point >= 0;
-    pose->correspondences = pose->inliers;
-    all.poses.push_back(std::move(pose));
-  }
-  poses.commit(all);
+  for (const CameraT& camera : camera_artifacts(model)) cameras.commit(camera);
+  poses.commit(pose_artifacts(model));
   PointsT cloud;
   for (const auto& [id, p] : model.points) {
     auto point = std::make_unique<PointT>();
@@ -97,6 +87,43 @@ void ReadColmap::run(Context&) {
     cloud.points.push_back(std::move(point));
   }
   points.commit(cloud);
+}
+
+PointsT point_artifacts(const std::vector<ControlPoint>& control) {
+  PointsT result;
+  for (const ControlPoint& p : control) {
+    auto point = std::make_unique<PointT>();
+    point->id = p.name, point->position = p.position, point->sigma = p.sigma;
+    point->role = p.check ? "check" : "control";
+    result.points.push_back(std::move(point));
+  }
+  return result;
+}
+
+std::vector<CameraT> camera_artifacts(const ColmapModel& model) {
+  std::vector<CameraT> result;
+  for (const auto& [id, camera] : model.cameras) {
+    CameraT artifact;
+    artifact.id = std::to_string(id);
+    artifact.width = camera.camera.width, artifact.height = camera.camera.height;
+    const auto values = camera.camera.parameters();
+    artifact.parameters.assign(values.begin(), values.end());
+    artifact.source = "COLMAP, " + camera.model;
+    result.push_back(artifact);
+  }
+  return result;
+}
+
+PosesT pose_artifacts(const ColmapModel& model) {
+  PosesT all;
+  for (const auto& [id, image] : model.images) {
+    auto pose = std::make_unique<PoseT>();
+    pose->path = image.name, pose->cam_from_world = image.cam_from_world;
+    for (const auto& f : image.features) pose->inliers += f.point >= 0;
+    pose->correspondences = pose->inliers;
+    all.poses.push_back(std::move(pose));
+  }
+  return all;
 }
 
 FolderT write_model(const ColmapModel& model, const std::string& uri, const std::string& path, Context& context) {

@@ -8,14 +8,18 @@
 #include "artifacts/poses.hpp"
 #include "artifacts/tag_observations.hpp"
 #include "markers/colmap_files.hpp"
+#include "markers/control_files.hpp"
 #include "plumbline/node.hpp"
 
 namespace plumbline::markers {
 
 struct ReadPoints : Node {
-  static constexpr Info info{"read.points", "", 1,
+  static constexpr Info info{"read.points", "", 2,
                              "Reads surveyed points from CSV (name, x, y, z, sigma, role) or gcp_list.txt"};
   Param<FilePath> file{"file", required, "the file"};
+  Param<std::string> axes{"axes", "as_named", one_of("as_named", "x_east", "x_north"),
+                          "what columns x and y are: east and north, or north and east; as_named: east and north, with "
+                          "a warning where the file does not call them so"};
   Out<Points> points{"points", frame("frame=survey"), "the points; sigmas that the file does not say are nan"};
   void run(Context& context) override;
 };
@@ -36,6 +40,13 @@ struct ReadColmap : Node {
   Out<Points> points{"points", frame("frame=colmap"), "the model's points; sigmas are not known"};
   void run(Context& context) override;
 };
+
+/// Surveyed points as an artifact.
+PointsT point_artifacts(const std::vector<ControlPoint>& control);
+
+/// Interior and exterior orientations of a model, in the order of their ids.
+std::vector<CameraT> camera_artifacts(const ColmapModel& model);
+PosesT pose_artifacts(const ColmapModel& model);
 
 /// The model as COLMAP text files in the folder at `path`, which the host knows as `uri`.
 FolderT write_model(const ColmapModel& model, const std::string& uri, const std::string& path, Context& context);

@@ -1,14 +1,24 @@
 // The nodes around the detector, on files.
 #include <gmock/gmock.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 
+#include "artifacts/camera.hpp"
+#include "artifacts/file.hpp"
 #include "artifacts/image.hpp"
+#include "artifacts/image_block.hpp"
 #include "artifacts/image_tags.hpp"
+#include "artifacts/points.hpp"
+#include "artifacts/poses.hpp"
 #include "artifacts/tag_observations.hpp"
+#include "geometry/camera.hpp"
 #include "node_harness.hpp"
+#include "parameter_effects.hpp"
 #include "tag_rendering.hpp"
 
 namespace plumbline {
@@ -152,6 +162,119 @@ TEST(DetectNodes, SearchStripByStripLeavesOutWhatCannotBeRead) {
   for (size_t i = 0; i < 4; ++i) EXPECT_LT((found.tags[0]->corners[i] - scene().corners[i]).norm(), 0.05);
   EXPECT_THAT(run("cut.png", 200).problem, testing::AllOf(HasSubstr("cut.png"), HasSubstr("truncated PNG")));
   EXPECT_THAT(run("whole.png", 300).problem, HasSubstr("was registered with 300 x 200"));
+}
+
+FileT table_of(const std::string& name, const std::string& text) {
+  FileT file;
+  file.name = name;
+  file.content.assign(text.begin(), text.end());
+  return file;
+}
+
+/// Quarters in black and white about `centre`, hardly blurred.
+GreyImage quadrants(const Eigen::Vector2d& centre) {
+  GreyImage image{200, 200, {}};
+  const auto edge = [](double d) { return std::erf(d / 1.1); };
+  for (int y = 0; y < 200; ++y)
+    for (int x = 0; x < 200; ++x) {
+      const Eigen::Vector2d d = Eigen::Vector2d(x, y) - centre;
+      const double share = edge(0.9 * d.x() + 0.436 * d.y()) * edge(0.9 * d.y() - 0.436 * d.x());
+      const double grey = d.norm() < 25 ? 120 + 80 * share : 120;
+      image.pixels.push_back(static_cast<std::uint8_t>(std::lround(grey)));
+    }
+  return image;
+}
+
+std::string text_of(const FileT& file) { return {file.content.begin(), file.content.end()}; }
+
+TEST(DetectNodes, MeasureTargetsWhereTheyArePredictedAndSayWhichTheyDoNot) {
+  const test::TemporaryFolder folder;
+  write_png(folder.path() / "a.png", quadrants({101.3, 98.6}));
+  ImageT image;
+  image.path = "site/a.png", image.uri = (folder.path() / "a.png").string(), image.width = image.height = 200;
+  const test::Situation situation = [&] {
+    test::NodeHarness detect("detect.target");
+    detect.input<Image>("images", image);
+    detect.input<File>("places", table_of("clicked.csv",
+                                          "image,point,x,y\na.png,P1,104,96\na.png,P2,30,40\n"
+                                          "b.png,P1,5,5\n"));
+    return detect;
+  };
+  test::NodeHarness detect = situation();
+  detect.run();
+  const std::string table = text_of(detect.output<File>("table"));
+  double x = 0, y = 0, sigma = 0;
+  ASSERT_EQ(std::sscanf(table.c_str(), "image,point,x,y,sigma site/a.png,P1,%lf,%lf,%lf", &x, &y, &sigma), 3) << table;
+  EXPECT_NEAR(x, 101.3, 0.02);
+  EXPECT_NEAR(y, 98.6, 0.02);
+  EXPECT_LT(sigma, 0.05);
+  EXPECT_EQ(table.find("P2"), std::string::npos);
+  EXPECT_THAT(detect.warnings(),
+              testing::Contains(HasSubstr("target P2 is not measured: nothing there has a contrast")));
+  EXPECT_THAT(detect.warnings(), testing::Contains(HasSubstr("b.png")));
+  EXPECT_THAT(text_of(detect.output<File>("report")), HasSubstr("\"kind\": \"quadrants\""));
+  test::NodeHarness elsewhere("detect.target");
+  elsewhere.input<Image>("images", image);
+  elsewhere.input<File>("places", table_of("clicked.csv", "image,point,x,y\nb.png,P1,104,96\n"));
+  EXPECT_THAT(failure_of(elsewhere), HasSubstr("'clicked.csv' names other photographs"));
+  EXPECT_EQ(test::parameters_at_fault({situation}), "");
+}
+
+/// Points on two planes, three cameras about them; the places are exact projections.
+TEST(DetectNodes, TargetsArePredictedAndBecomeABlockThatAdjusts) {
+  BrownCamera camera;
+  camera.width = camera.height = 2000, camera.fx = 2100, camera.fy = 2090, camera.cx = 990, camera.cy = 1013;
+  camera.k1 = -0.08, camera.p1 = 3e-4;
+  CameraT given;
+  given.id = "c", given.width = given.height = 2000;
+  const auto values = camera.parameters();
+  given.parameters.assign(values.begin(), values.end());
+  PointsT points;
+  for (int i = 0; i < 12; ++i) {
+    auto point = std::make_unique<PointT>();
+    point->id = "P" + std::to_string(i);
+    point->position = {0.5 * (i % 4), 0.6 * (i / 4), i % 3 == 0 ? 0.4 : 0.0};
+    point->sigma = Eigen::Vector3d::Constant(0.001);
+    point->role = i < 4 || i == 11 ? "control" : "";
+    points.points.push_back(std::move(point));
+  }
+  PosesT poses;
+  std::vector<ImageT> images;
+  for (int k = 0; k < 3; ++k) {
+    auto pose = std::make_unique<PoseT>();
+    pose->path = std::to_string(k) + ".png";
+    const Eigen::Quaterniond rotation(Eigen::AngleAxisd(0.3 * (k - 1), Eigen::Vector3d::UnitY()) *
+                                      Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()));
+    pose->cam_from_world = {rotation, -(rotation * Eigen::Vector3d(0.75 + 0.9 * (k - 1), 0.6, 3))};
+    ImageT image;
+    image.path = image.uri = pose->path, image.width = image.height = 2000;
+    images.push_back(image);
+    poses.poses.push_back(std::move(pose));
+  }
+  test::NodeHarness predict("predict.targets");
+  for (const ImageT& image : images) predict.input<Image>("images", image);
+  predict.input<Points>("points", points);
+  predict.input<Poses>("poses", poses);
+  predict.input<Camera>("cameras", given);
+  predict.run();
+  ASSERT_GT(predict.metric("predicted"), 30);
+
+  PointsT approximate = points;
+  for (auto& point : approximate.points)
+    if (point->role.empty()) point->position += Eigen::Vector3d(0.01, -0.02, 0.03);
+  test::NodeHarness block("block.of_targets");
+  block.input<File>("table", predict.output<File>("places"));
+  block.input<Points>("points", approximate);
+  block.input<Poses>("poses", poses);
+  block.input<Camera>("cameras", given);
+  block.run();
+  test::NodeHarness adjust("adjust.schur");
+  adjust.input<ImageBlock>("block", block.output<ImageBlock>("block"));
+  adjust.run();
+  const PointsT adjusted = adjust.output<Points>("points");
+  ASSERT_EQ(adjusted.points.size(), points.points.size());
+  for (size_t i = 0; i < points.points.size(); ++i)
+    EXPECT_LT((adjusted.points[i]->position - points.points[i]->position).norm(), 2e-6) << points.points[i]->id;
 }
 
 }  // namespace

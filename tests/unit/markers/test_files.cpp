@@ -440,6 +440,13 @@ TEST(ControlFiles, ReadCsvAndGcpLists) {
   EXPECT_THAT(message_of([] { markers::parse_control("name,x,y,z\nA,1,2,x\n", "c.csv"); }), HasSubstr("c.csv:2"));
 }
 
+TEST(ControlFiles, TellWhetherTheySayWhichCoordinateIsEast) {
+  EXPECT_TRUE(markers::says_which_is_east("name,east,north,height\nA,1,2,3\n", "c.csv"));
+  EXPECT_TRUE(markers::says_which_is_east("EPSG:32632\n1 2 3 4 5 a.jpg\n", "gcp_list.txt"));
+  EXPECT_FALSE(markers::says_which_is_east("name,x,y,z\nA,1,2,3\n", "c.csv"));
+  EXPECT_FALSE(markers::says_which_is_east("A,1,2,3\n", "c.csv"));
+}
+
 TEST(ControlFiles, TakeTablesWithoutHeaderAndTellWhatTheyCannotTake) {
   // As Find-GCP and lcmrl/COLMAP_GroundControlPoints have them.
   const auto semicolons = markers::parse_control("5;65.7885;287.7204;2.0694;\n6;66.3062;288.4897;1.1083;\n", "a.txt");
