@@ -16,6 +16,9 @@ using Bytes = std::vector<std::uint8_t>;
 /// Above what any camera delivers; a damaged header must not make us ask for gigabytes.
 constexpr std::size_t kMostPixels = 1'000'000'000;
 
+/// For files of 16 bits a value, reduced to 8: those of sensors with 12 bits, stored unscaled, would look dark.
+void require_scaled(const GreyImage& image);
+
 GreyImage decode_jpeg(const Bytes& bytes);
 /// Whether the file begins like a JPEG; false if it cannot be read.
 bool is_jpeg(const std::filesystem::path& path);

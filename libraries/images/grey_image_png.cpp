@@ -16,6 +16,7 @@ struct PngState {
   const Bytes* bytes = nullptr;
   std::size_t position = 0;
   std::array<char, 200> message{};
+  int depth = 8;  // bits a value
 };
 
 void on_error(png_structp png, png_const_charp text) {
@@ -42,6 +43,7 @@ bool decode(png_structp png, png_infop info, PngState& state, GreyImage& image, 
   if (setjmp(png_jmpbuf(png)) != 0) return false;
   png_set_read_fn(png, &state, on_read);
   png_read_info(png, info);
+  state.depth = png_get_bit_depth(png, info);
   png_set_expand(png);
   png_set_scale_16(png);
   png_set_strip_alpha(png);
@@ -81,6 +83,7 @@ GreyImage decode_png(const Bytes& bytes) {
   std::vector<png_bytep> rows;
   if (!decode(reader.png, reader.info, state, image, rows))
     throw ImageFileError("damaged or truncated PNG (" + std::string(state.message.data()) + ")");
+  if (state.depth == 16) require_scaled(image);
   return image;
 }
 

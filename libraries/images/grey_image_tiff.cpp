@@ -87,6 +87,12 @@ GreyImage decode_tiff(const Bytes& bytes) {
     throw ImageFileError("a TIFF that claims " + std::to_string(width) + " x " + std::to_string(height) +
                          " pixels, expected 1 to " + std::to_string(kMostTiffPixels / 1'000'000) +
                          " million; a larger photograph is read as PNG or JPEG");
+  std::uint32_t kind = 0;
+  if (TIFFGetField(tiff.get(), TIFFTAG_SUBFILETYPE, &kind) && (kind & FILETYPE_REDUCEDIMAGE) != 0)
+    throw ImageFileError("a camera's raw file (its first image is a preview of " + std::to_string(width) + " x " +
+                         std::to_string(height) + " pixels); develop it, and export it as TIFF or JPEG");
+  std::uint16_t depth = 8;
+  TIFFGetFieldDefaulted(tiff.get(), TIFFTAG_BITSPERSAMPLE, &depth);
   // Asking for the orientation that the file has leaves the pixels where the sensor had them.
   std::uint16_t orientation = ORIENTATION_TOPLEFT;
   TIFFGetFieldDefaulted(tiff.get(), TIFFTAG_ORIENTATION, &orientation);
@@ -98,6 +104,7 @@ GreyImage decode_tiff(const Bytes& bytes) {
     const std::uint32_t luma = 299 * TIFFGetR(v) + 587 * TIFFGetG(v) + 114 * TIFFGetB(v);
     return static_cast<std::uint8_t>((luma + 500) / 1000);
   });
+  if (depth == 16) require_scaled(image);
   return image;
 }
 

@@ -156,6 +156,35 @@ TEST(GreyImage, RefusesWhatIsNoImage) {
   EXPECT_THAT(message_of(folder.path() / "empty.jpg"), HasSubstr("empty"));
   std::ofstream(folder.path() / "text.jpg") << "hello";
   EXPECT_THAT(message_of(folder.path() / "text.jpg"), HasSubstr("neither JPEG, PNG nor TIFF"));
+  std::ofstream(folder.path() / "phone.jpg") << std::string(
+      "\0\0\0\x18"
+      "ftypheic\0\0\0\0mif1",
+      20);
+  EXPECT_THAT(message_of(folder.path() / "phone.jpg"), HasSubstr("phone.jpg: is HEIC"));
+}
+
+TEST(GreyImage, RefusesSixteenBitsOfWhichTheUpperOnesAreNotUsed) {
+  const test::TemporaryFolder folder;
+  for (const int factor : {16, 256}) {  // 12 bits and 16
+    TIFF* tiff = TIFFOpen((folder.path() / "a.tif").c_str(), "w");
+    TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, kWidth);
+    TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, kHeight);
+    TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, 16);
+    TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, 1);
+    TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
+    auto pixels = ramp(1);
+    for (int y = 0; y < kHeight; ++y) {
+      std::vector<std::uint16_t> row;
+      for (int x = 0; x < kWidth; ++x)
+        row.push_back(static_cast<std::uint16_t>(factor * pixels[static_cast<std::size_t>(y * kWidth + x)]));
+      TIFFWriteScanline(tiff, row.data(), static_cast<std::uint32_t>(y), 0);
+    }
+    TIFFClose(tiff);
+    if (factor == 16)
+      EXPECT_THAT(message_of(folder.path() / "a.tif"), HasSubstr("12 or 14 bits"));
+    else
+      expect_ramp(read_grey_image(folder.path() / "a.tif"), 1);
+  }
 }
 
 /// A vertical step from `dark` to `bright`, blurred by a Gaussian.
