@@ -145,7 +145,8 @@ std::vector<std::vector<BrownCamera>> camera_candidates(const MarkerBlock& block
   return candidates;
 }
 
-Trial best_start(const MarkerBlock& block, const MarkerOptions& options) {
+Trial best_start(const MarkerBlock& block, MarkerOptions options) {
+  options.shape_sigma = options.twist_sigma = 0;
   const std::vector<bool> all(block.views.size(), true);
   Trial best;
   for (const auto& cameras : camera_candidates(block)) {
@@ -292,8 +293,8 @@ void drop_insignificant_insets(const MarkerBlock& block, const MarkerOptions& op
   run.state.camera_matrices = held.state.camera_matrices;
   run.state.centres = held.state.centres, run.state.turns = held.state.turns;
   run.state.world_from_tag = held.state.world_from_tag, run.state.tag_matrices = held.state.tag_matrices;
-  run.state.scales = held.state.scales, run.state.interiors = held.state.interiors,
-  run.state.insets = held.state.insets;
+  run.state.scales = held.state.scales, run.state.shapes = held.state.shapes,
+  run.state.interiors = held.state.interiors, run.state.insets = held.state.insets;
   run.block.linear.observations = run.model.model.linearise().observations;
 }
 
@@ -332,9 +333,10 @@ void fill_markers(const MarkerBlock& block, const Run& run, MarkerResult& result
     marker.scale = run.state.scales[j];
     if (const int column = run.model.scale_columns[j]; column >= 0)
       marker.scale_sigma = std::sqrt(cofactor(column, column));
-    const double h = 0.5 * block.markers[static_cast<size_t>(marker.marker)].size * marker.scale;
-    for (size_t i = 0; i < 4; ++i)
-      marker.corners[i] = marker.world_from_tag * Eigen::Vector3d(i == 1 || i == 2 ? h : -h, i >= 2 ? h : -h, 0);
+    marker.shape = run.state.shapes[j];
+    const double half = 0.5 * block.markers[static_cast<size_t>(marker.marker)].size * marker.scale;
+    marker.corners = shaped_corners(half, marker.shape.data());
+    for (Eigen::Vector3d& corner : marker.corners) corner = marker.world_from_tag * corner;
     marker.centre_covariance = cofactor.block<3, 3>(run.model.centre_columns[j], run.model.centre_columns[j]);
     marker.rotation_covariance = cofactor.block<3, 3>(run.model.turn_columns[j], run.model.turn_columns[j]);
     marker.images = images[static_cast<size_t>(marker.marker)];
@@ -409,6 +411,7 @@ MarkerResult adjust_as_given(const MarkerBlock& block, const MarkerOptions& opti
     state_scale(block, options, result);
   }
   warn_about_variance(result);
+  if (has_layout(block)) warn_about_layout(block, options, result);
   explain_images(block, result);
   explain_single_tags(block, result);
   warn_about_weak(block, result);

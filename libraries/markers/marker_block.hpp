@@ -1,6 +1,6 @@
 // Blocks of photographs of square tags without a campaign: where the tags are is unknown or known approximately, the
-// cameras calibrate themselves. Every tag is a rigid square with a pose and a size of its own, so nothing is assumed of
-// a board: not that it is flat, not how its tags are arranged.
+// cameras calibrate themselves. Every tag is a square with a pose, a size and a slight bend of its own, so nothing is
+// assumed of a board: not that it is flat, not how its tags are arranged.
 //
 // Units: m, rad, px. Frames: world; camera x right, y down, z forward; tag as in geometry/marker_plate.hpp (origin at
 // its centre, x right, y up, z out of it). Corners in the order bottom left, bottom right, top right, top left.
@@ -65,8 +65,28 @@ struct MarkerDistance {
   double length = 0, sigma = 0;  ///< [m]
 };
 
+/// What turns a square into the four corners of a printed tag, as shares of half its edge: stretch, shear, keystones
+/// along x and y, twist out of its plane. Together with pose and size these are all twelve coordinates of the corners.
+constexpr int shape_count = 5;
+using TagShape = std::array<double, shape_count>;
+
+/// Corners in the tag's frame [m]; `half` is half of the edge.
+template <typename T>
+std::array<Eigen::Matrix<T, 3, 1>, 4> shaped_corners(const T& half, const T* shape) {
+  std::array<Eigen::Matrix<T, 3, 1>, 4> corners;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const double u = k == 1 || k == 2 ? 1 : -1, v = k >= 2 ? 1 : -1;
+    corners[k] = {half * (u + shape[0] * u + shape[1] * v + shape[2] * (u * v)),
+                  half * (v - shape[0] * v + shape[1] * u + shape[3] * (u * v)), half * (shape[4] * (u * v))};
+  }
+  return corners;
+}
+
 struct MarkerOptions {
   double size_sigma = 1e-3;  ///< prior of each tag's size relative to nominal
+  /// Priors of TagShape. Paper is wavy, so that tags are no plane squares: twist; 0 holds them plane. Print in the
+  /// plane is taken as square, unless shape_sigma says how far it is off.
+  double twist_sigma = 1e-2, shape_sigma = 0;
   /// What is not known of the printed size of all tags together [m]: ink that spreads, a printer's scale, a ruler. It
   /// is no unknown, because a free network does not see it: it comes into MarkerResult::scale_sigma.
   double print_sigma = 1e-4;
@@ -82,6 +102,7 @@ struct AdjustedMarker {
   int marker = 0;  ///< index into MarkerBlock::markers
   RigidTransform world_from_tag;
   double scale = 1, scale_sigma = 0;  ///< size over nominal
+  TagShape shape{};
   std::array<Eigen::Vector3d, 4> corners;
   Eigen::Matrix3d centre_covariance = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d rotation_covariance = Eigen::Matrix3d::Zero();  ///< of a rotation vector in the world frame [rad²]

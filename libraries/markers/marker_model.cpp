@@ -14,7 +14,8 @@ namespace {
 
 constexpr int interior_count = BrownCamera::parameter_count;
 
-/// The four corners of one tag in one image. Parameters: pose, centre, turn, scale, interior orientation, corner inset.
+/// The four corners of one tag in one image. Parameters: pose, centre, turn, scale, shape, interior orientation, corner
+/// inset.
 struct ViewCost {
   std::array<Eigen::Vector2d, 4> corners;
   std::array<Eigen::Matrix2d, 4> whitening;
@@ -24,14 +25,14 @@ struct ViewCost {
   const double* sigma_factor;
 
   template <typename T>
-  bool operator()(const T* pose, const T* centre, const T* turn, const T* scale, const T* interior, const T* inset,
-                  T* residual) const {
+  bool operator()(const T* pose, const T* centre, const T* turn, const T* scale, const T* shape, const T* interior,
+                  const T* inset, T* residual) const {
     using Vector = Eigen::Matrix<T, 3, 1>;
     using Pixel = Eigen::Matrix<T, 2, 1>;
     std::array<Pixel, 4> pixels;
+    const std::array<Vector, 4> in_tag = shaped_corners(T(scale[0] * T(half)), shape);
     for (size_t k = 0; k < 4; ++k) {
-      const double sx = k == 1 || k == 2 ? half : -half, sy = k >= 2 ? half : -half;
-      const Vector start = tag_matrix->cast<T>() * Vector(scale[0] * T(sx), scale[0] * T(sy), T(0));
+      const Vector start = tag_matrix->cast<T>() * in_tag[k];
       Vector turned, in_camera;
       ceres::AngleAxisRotatePoint(turn, start.data(), turned.data());
       const Vector ray(centre[0] + turned[0] - pose[0], centre[1] + turned[1] - pose[1],
@@ -144,6 +145,26 @@ void add_interior(const MarkerCamera& camera, MarkerState& state, size_t c, Mark
   result.model.add_term(std::make_unique<PriorCost>(whitening, target), {state.interiors[c].data()}, group_interior, 0);
 }
 
+/// What a tag may differ from a square by, with its prior.
+void add_shape(const MarkerOptions& options, const std::string& of, int j, MarkerState& state,
+               adjust::BlockModel& model) {
+  auto& shape = state.shapes[static_cast<size_t>(j)];
+  const bool in_plane = options.shape_sigma > 0, twist = options.twist_sigma > 0;
+  model.add_kept(shape.data(), {in_plane, in_plane, in_plane, in_plane, twist},
+                 std::vector<std::string>(shape_count, "shape" + of));
+  if (!in_plane && !twist) return;
+  Eigen::MatrixXd whitening = Eigen::MatrixXd::Zero(shape_count, shape_count);
+  for (int k = 0; k < shape_count; ++k) {
+    const double sigma = k + 1 < shape_count ? options.shape_sigma : options.twist_sigma;
+    if (sigma > 0) whitening(k, k) = 1 / sigma;
+  }
+  std::vector<Eigen::Index> used;
+  for (Eigen::Index k = 0; k < shape_count; ++k)
+    if (whitening(k, k) > 0) used.push_back(k);
+  model.add_term(std::make_unique<PriorCost>(whitening(used, Eigen::all), Eigen::VectorXd::Zero(shape_count)),
+                 {shape.data()}, group_shape, j);
+}
+
 Eigen::Matrix2d whitening_of(const Eigen::Matrix2d& covariance) {
   const Eigen::Matrix2d lower = covariance.llt().matrixL();
   return lower.inverse();
@@ -192,6 +213,7 @@ void fill_state(const MarkerBlock& block, const MarkerStart& start, const std::v
     state.centres.push_back({pose.translation.x(), pose.translation.y(), pose.translation.z()});
     state.world_from_tag.push_back(pose.rotation);
     state.scales.push_back(1);
+    state.shapes.push_back({});
   }
   state.turns.assign(state.markers.size(), {0, 0, 0});
   state.camera_matrices.resize(state.images.size()), state.tag_matrices.resize(state.markers.size());
@@ -210,8 +232,8 @@ Eigen::Matrix<double, 8, 8> view_root(const MarkerView& view) {
 void build_model(const MarkerBlock& block, const MarkerOptions& options, MarkerState& state, MarkerModel& result) {
   result = MarkerModel{};
   adjust::BlockModel& model = result.model;
-  for (const char* name :
-       {"corners", "corners that were not refined", "layout", "tag size", "interior orientation", "corner inset"})
+  for (const char* name : {"corners", "corners that were not refined", "layout", "tag size", "tag shape",
+                           "interior orientation", "corner inset"})
     model.add_group(name);
   for (auto& pose : state.poses) model.add_pose(pose.data());
   std::vector<bool> camera_used(block.cameras.size(), false);
@@ -233,6 +255,7 @@ void build_model(const MarkerBlock& block, const MarkerOptions& options, MarkerS
       model.add_term(std::make_unique<PriorCost>(Eigen::MatrixXd::Constant(1, 1, 1 / options.size_sigma),
                                                  Eigen::VectorXd::Ones(1)),
                      {&state.scales[j]}, group_size, static_cast<int>(j));
+    add_shape(options, of, static_cast<int>(j), state, model);
     if (!marker.world_from_tag) continue;
     auto* cost = new ceres::AutoDiffCostFunction<LayoutCost, 6, 3, 3>(
         new LayoutCost{marker.world_from_tag->translation, marker.world_from_tag->rotation, &state.world_from_tag[j],
@@ -263,10 +286,11 @@ void build_model(const MarkerBlock& block, const MarkerOptions& options, MarkerS
     cost->half = 0.5 * block.markers[static_cast<size_t>(view.marker)].size;
     cost->camera_matrix = &state.camera_matrices[i], cost->tag_matrix = &state.tag_matrices[j];
     cost->sigma_factor = &state.sigma_factors[view.refined ? 0 : 1];
-    model.add_term(std::make_unique<ceres::AutoDiffCostFunction<ViewCost, 8, 6, 3, 3, 1, 9, 1>>(cost.release()),
-                   {state.poses[i].data(), state.centres[j].data(), state.turns[j].data(), &state.scales[j],
-                    state.interiors[c].data(), &state.insets[c]},
-                   view.refined ? group_refined : group_unrefined, static_cast<int>(k), true);
+    model.add_term(
+        std::make_unique<ceres::AutoDiffCostFunction<ViewCost, 8, 6, 3, 3, 1, shape_count, 9, 1>>(cost.release()),
+        {state.poses[i].data(), state.centres[j].data(), state.turns[j].data(), &state.scales[j],
+         state.shapes[j].data(), state.interiors[c].data(), &state.insets[c]},
+        view.refined ? group_refined : group_unrefined, static_cast<int>(k), true);
   }
 }
 

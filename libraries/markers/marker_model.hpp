@@ -42,6 +42,7 @@ struct MarkerState {
   std::vector<Eigen::Quaterniond> world_from_tag;
   std::vector<Eigen::Matrix3d> tag_matrices;
   std::vector<double> scales;
+  std::vector<std::array<double, shape_count>> shapes;
   std::vector<std::array<double, BrownCamera::parameter_count>> interiors;  ///< by camera
   std::vector<double> insets;
   std::array<double, 2> sigma_factors{1, 1};  ///< on refined and unrefined corners
@@ -49,7 +50,16 @@ struct MarkerState {
   void fold();
 };
 
-enum MarkerGroup { group_refined, group_unrefined, group_layout, group_size, group_interior, group_inset, group_count };
+enum MarkerGroup {
+  group_refined,
+  group_unrefined,
+  group_layout,
+  group_size,
+  group_shape,
+  group_interior,
+  group_inset,
+  group_count
+};
 
 struct MarkerModel {
   adjust::BlockModel model;

@@ -5,9 +5,11 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <map>
 #include <stdexcept>
 #include <tuple>
 
+#include "geometry/median.hpp"
 #include "markers/marker_model.hpp"
 
 namespace plumbline::markers {
@@ -19,7 +21,79 @@ std::string number(double value, int decimals) {
   return text;
 }
 
+/// Where the photographs have each tag: by the adjustment, or if it was left out as a blunder, by the poses that the
+/// other tags give.
+std::map<int, std::vector<Eigen::Vector3d>> places_of(const MarkerBlock& block, const MarkerResult& result) {
+  std::map<int, std::vector<Eigen::Vector3d>> places;
+  for (const int v : result.rejected) {
+    const MarkerView& view = block.views[static_cast<size_t>(v)];
+    const AdjustedMarkerImage& image = result.images[static_cast<size_t>(view.image)];
+    if (!image.oriented) continue;
+    const BrownCamera& camera =
+        result.cameras[static_cast<size_t>(block.images[static_cast<size_t>(view.image)].camera)].camera;
+    for (const FittedPose& pose : poses_of_view(block, view, camera)) {
+      places[view.marker].push_back((image.cam_from_world.inverse() * pose.cam_from_figure).translation);
+      break;
+    }
+  }
+  for (const auto& marker : result.markers)
+    if (!places.count(marker.marker)) places[marker.marker].push_back(marker.world_from_tag.translation);
+  return places;
+}
+
+/// Coordinate by coordinate.
+Eigen::Vector3d median_of(const std::vector<Eigen::Vector3d>& places) {
+  Eigen::Vector3d result;
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    std::vector<double> values;
+    for (const auto& p : places) values.push_back(p(k));
+    result(k) = median(values);
+  }
+  return result;
+}
+
 }  // namespace
+
+void warn_about_layout(const MarkerBlock& block, const MarkerOptions& options, MarkerResult& result) {
+  struct Moved {
+    Eigen::Vector3d place;
+    double distance;
+    size_t photographs;
+    int at = -1;  // the tag that the layout has there
+  };
+  std::map<int, Moved> moved;
+  for (const auto& [m, places] : places_of(block, result)) {
+    const Marker& marker = block.markers[static_cast<size_t>(m)];
+    if (!marker.world_from_tag) continue;
+    const Eigen::Vector3d place = median_of(places);
+    const double distance = (place - marker.world_from_tag->translation).norm();
+    if (distance > std::max(5 * options.layout_position_sigma, 0.5 * marker.size))
+      moved[m] = {place, distance, places.size()};
+  }
+  for (auto& [m, tag] : moved) {
+    double nearest = 0.25 * tag.distance;  // a pose by one tag is good to a few per cent of the distance
+    for (size_t other = 0; other < block.markers.size(); ++other) {
+      const auto& layout = block.markers[other].world_from_tag;
+      if (!layout || static_cast<int>(other) == m || (layout->translation - tag.place).norm() > nearest) continue;
+      nearest = (layout->translation - tag.place).norm(), tag.at = static_cast<int>(other);
+    }
+  }
+  for (const auto& [m, tag] : moved) {
+    const std::string name = block.markers[static_cast<size_t>(m)].name();
+    const auto other = moved.find(tag.at);
+    if (other != moved.end() && other->second.at == m) {
+      if (m < tag.at)
+        result.warnings.push_back("tags " + name + " and " + block.markers[static_cast<size_t>(tag.at)].name() +
+                                  " are exchanged: the photographs show each where the layout has the other, " +
+                                  number(tag.distance, 2) + " m away. Correct the layout");
+      continue;
+    }
+    result.warnings.push_back(
+        "tag " + name + " is " + number(tag.distance, 2) + " m from its place in the layout" +
+        (tag.at >= 0 ? ", where the layout has tag " + block.markers[static_cast<size_t>(tag.at)].name() : "") +
+        ": it was moved, or the layout is wrong");
+  }
+}
 
 void warn_about_variance(MarkerResult& result) {
   constexpr double limit = 4;  // twice the stated standard deviation

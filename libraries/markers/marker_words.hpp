@@ -8,6 +8,8 @@ namespace plumbline::markers {
 
 /// Corners that are much worse than the detector states are a finding about the photographs.
 void warn_about_variance(MarkerResult& result);
+/// Tags that the photographs show elsewhere than the layout has them, and which were exchanged.
+void warn_about_layout(const MarkerBlock& block, const MarkerOptions& options, MarkerResult& result);
 /// Why an image is not oriented, and which tags could not be placed.
 void explain_images(const MarkerBlock& block, MarkerResult& result);
 /// The second pose of photographs with one tag.

@@ -7,11 +7,13 @@
 namespace plumbline::markers {
 
 struct AdjustMarkerBoard : Node {
-  static constexpr Info info{"adjust.marker_board", "", 1,
+  static constexpr Info info{"adjust.marker_board", "", 2,
                              "Adjusts photographs of tags in unknown places: a free network with self-calibration"};
   List<Image> images{"images", "the photographs, for what EXIF says of their cameras"};
   In<TagObservations> observations{"observations", "the tags in them"};
-  Optional<Camera> camera{"camera", "calibration of the one camera; without it every camera calibrates itself"};
+  List<Camera> calibrations{"camera",
+                            "calibration of the one camera, or of several by the names of `cameras`; none: every "
+                            "camera calibrates itself"};
   Param<double> tag_size{"tag_size", 0.0, "m", between(0, 100),
                          "edge of the tags between their detected corners; 0: unknown, `distance` gives the scale"};
   Param<std::string> distance{"distance", "",
@@ -19,6 +21,11 @@ struct AdjustMarkerBoard : Node {
                               "place of the printed size"};
   Param<double> size_sigma{"size_sigma", 1e-3, "1", between(0, 1),
                            "prior standard deviation of each tag's printed size, relative"};
+  Param<double> twist_sigma{"twist_sigma", 1e-2, "1", between(0, 0.1),
+                            "prior standard deviation of how far a tag's corners lie out of its plane (wavy paper), "
+                            "relative to half its edge; 0: tags are plane"};
+  Param<double> shape_sigma{"shape_sigma", 0.0, "1", between(0, 0.1),
+                            "the same in the plane, for prints that are no squares; 0: they are"};
   Param<double> print_sigma{"print_sigma", 1e-4, "m", between(0, 1),
                             "what is not known of the printed size of all tags together; states how good lengths are"};
   Param<double> corner_inset_sigma{"corner_inset_sigma", 0.3, "px", between(0, 10),
@@ -44,7 +51,7 @@ struct AdjustMarkerBoard : Node {
     std::vector<ImageT> photographs;
     for (size_t i = 0; i < images.size(); ++i) photographs.push_back(images.unpack(i));
     std::vector<CameraT> known;
-    if (camera) known.push_back(camera.unpack());
+    for (size_t i = 0; i < calibrations.size(); ++i) known.push_back(calibrations.unpack(i));
     const TagObservationsT seen = observations.unpack();
     // Without a size any will do: the distance replaces it.
     const BlockInput input = block_of(photographs, seen, known, {*tag_size > 0 ? *tag_size : 0.1, *cameras});
@@ -57,7 +64,7 @@ struct AdjustMarkerBoard : Node {
                                     : ": " + input.left_out.front().path + ": " + input.left_out.front().reason) +
                                ". Check the family of the tags");
     MarkerOptions options;
-    options.print_sigma = *print_sigma;
+    options.print_sigma = *print_sigma, options.shape_sigma = *shape_sigma, options.twist_sigma = *twist_sigma;
     options.size_sigma = *size_sigma, options.inset_sigma = *corner_inset_sigma, options.reject_above = *reject_above;
     if (!distance->empty()) options.distance = parse_distance(*distance, input.block);
     const MarkerResult result = adjust_marker_block(input.block, options);

@@ -68,6 +68,7 @@ void AdjustMarkerField::run(Context& context) {
                                 : " (" + input.left_out.front().path + " " + input.left_out.front().reason + ")") +
         ". Check the family of the tags, that the layout has their numbers, and which camera took them");
   MarkerOptions options;
+  options.shape_sigma = *shape_sigma, options.twist_sigma = *twist_sigma;
   options.size_sigma = *size_sigma, options.inset_sigma = *corner_inset_sigma, options.reject_above = *reject_above;
   options.layout_position_sigma = *position_sigma, options.layout_rotation_sigma = *rotation_sigma;
   const MarkerResult result = adjust_marker_block(input.block, options);

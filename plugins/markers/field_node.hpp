@@ -8,7 +8,7 @@
 namespace plumbline::markers {
 
 struct AdjustMarkerField : Node {
-  static constexpr Info info{"adjust.marker_field", "", 1,
+  static constexpr Info info{"adjust.marker_field", "", 2,
                              "Orients photographs in a field of tags with an approximate layout"};
   List<Image> images{"images", "the photographs, for what EXIF says of their cameras"};
   In<TagObservations> observations{"observations", "the tags in them"};
@@ -26,6 +26,11 @@ struct AdjustMarkerField : Node {
                                "standard deviation of a tag's rotation, about each axis"};
   Param<double> size_sigma{"size_sigma", 1e-3, "1", between(0, 1),
                            "prior standard deviation of each tag's printed size, relative"};
+  Param<double> twist_sigma{"twist_sigma", 1e-2, "1", between(0, 0.1),
+                            "prior standard deviation of how far a tag's corners lie out of its plane (wavy paper), "
+                            "relative to half its edge; 0: tags are plane"};
+  Param<double> shape_sigma{"shape_sigma", 0.0, "1", between(0, 0.1),
+                            "the same in the plane, for prints that are no squares; 0: they are"};
   Param<double> corner_inset_sigma{"corner_inset_sigma", 0.3, "px", between(0, 10),
                                    "prior standard deviation of how far the detector draws tag edges inwards"};
   Param<double> reject_above{"reject_above", 8.0, "1", at_least(0),

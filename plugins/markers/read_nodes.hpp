@@ -24,7 +24,7 @@ inline std::string text_of_file(const std::string& path) {
 struct ReadCamera : Node {
   static constexpr Info info{"read.camera", "", 2,
                              "Reads an interior orientation: ours, OpenCV's YAML or XML, ROS, Kalibr, PhotonVision"};
-  Param<FilePath> file{"file", required, "the file"};
+  Param<FilePath> file{"file", FilePath{}, "the file; empty: no camera is known"};
   Param<std::string> which{
       "which", "", "key of the camera in a file of several (ours, Kalibr's), such as cam1; empty: all"};
   Param<bool> exact{"exact", false,
@@ -33,6 +33,7 @@ struct ReadCamera : Node {
   OutList<Camera> camera{"camera", "the interior orientations, with the uncertainty that the file states"};
 
   void run(Context& context) override {
+    if (file->path.empty()) return;
     for (const CameraFile& read : parse_camera_files(text_of_file(file->path), file->path, *which)) {
       CameraT result;
       result.id = read.id;

@@ -246,6 +246,55 @@ TEST(MarkerBlock, LayoutOrientsEveryImageInItsFrame) {
   EXPECT_LT((result.images[0].centre - s.images[0].inverse().translation).norm(), 0.05);
 }
 
+TEST(MarkerBlock, NamesTagsThatAreExchangedInTheLayout) {
+  Scene s = scene(0.1, 5);
+  for (size_t m = 0; m < s.tags.size(); ++m) s.block.markers[m].world_from_tag = s.tags[m];
+  s.block.cameras[0].camera = true_camera();
+  s.block.cameras[0].held = true;
+  EXPECT_THAT(adjust_marker_block(s.block, {}).warnings, testing::Not(testing::Contains(HasSubstr("layout"))));
+  Scene exchanged = s;
+  std::swap(exchanged.block.markers[2].world_from_tag, exchanged.block.markers[9].world_from_tag);
+  EXPECT_THAT(adjust_marker_block(exchanged.block, {}).warnings,
+              testing::Contains(HasSubstr("tags 2 and 9 are exchanged")));
+  Scene neighbours = s;
+  std::swap(neighbours.block.markers[0].world_from_tag, neighbours.block.markers[1].world_from_tag);
+  EXPECT_THAT(adjust_marker_block(neighbours.block, {}).warnings,
+              testing::Contains(HasSubstr("tags 0 and 1 are exchanged")));
+}
+
+/// Waves of the paper: corners off the square by 0.06 mm in the plane and 0.4 mm out of it, up to 0.4 px.
+TEST(MarkerBlock, TagsThatAreNoFlatSquaresDoNotSpoilTheCovariance) {
+  double squares = 0, factor = 0, rigid_factor = 0;
+  for (unsigned seed = 1; seed <= 3; ++seed) {
+    Scene s = scene(0.1, seed);
+    std::mt19937_64 random(100 + seed);
+    std::normal_distribution<double> unit(0, 1);
+    std::vector<TagShape> shapes(s.tags.size());
+    for (auto& shape : shapes)
+      for (size_t k = 0; k < shape.size(); ++k) shape[k] = (k == 4 ? 7e-3 : 1e-3) * unit(random);
+    for (MarkerView& view : s.block.views) {
+      const size_t m = static_cast<size_t>(view.marker);
+      const auto bent = shaped_corners(0.06, shapes[m].data());
+      const RigidTransform cam_from_tag = s.images[static_cast<size_t>(view.image)] * s.tags[m];
+      for (size_t q = 0; q < 4; ++q)
+        view.corners[q] +=
+            *project(true_camera(), cam_from_tag * bent[q]) - *project(true_camera(), cam_from_tag * corner(0.12, q));
+    }
+    MarkerOptions bendable;
+    bendable.shape_sigma = 1e-3;
+    const MarkerResult result = adjust_marker_block(s.block, bendable);
+    factor += result.groups.front().factor / 3;
+    squares += std::pow(result.markers[3].shape[4] - shapes[3][4], 2) / 3;
+    MarkerOptions rigid;
+    rigid.twist_sigma = 0;
+    rigid_factor += adjust_marker_block(s.block, rigid).groups.front().factor / 3;
+  }
+  EXPECT_LT(factor, 1.2);
+  EXPECT_GT(factor, 0.8);
+  EXPECT_GT(rigid_factor, 2) << "rigid squares do not fit them";
+  EXPECT_LT(std::sqrt(squares), 2e-3);
+}
+
 /// One tag says nothing of a lens whose stated uncertainty is large; the calibration is then taken as it is.
 TEST(MarkerBlock, OrientsByOneTagWithACalibrationItCannotImprove) {
   Scene s = scene(0.1, 1);
