@@ -285,5 +285,18 @@ TEST(Lengths, LargestErrorAgainstTheSpecification) {
   EXPECT_EQ(node.metric("exceeded"), 1);                           // BC: 0.6 mm of 1.0 mm
 }
 
+/// Leaving each control point out once ended in an error of this node, which no output needs.
+TEST(Lengths, OfOnePointThereIsNoneAndThatIsSaid) {
+  NodeHarness node("evaluate.lengths");
+  node.input<Points>("model", points({{"A", 0, 0, 0, ""}, {"B", 3, 0, 0, ""}}));
+  node.input<Points>("reference", points({{"A", 0, 0, 0, "check"}}));
+  node.run();
+  EXPECT_EQ(node.metric("lengths"), 0);
+  NodeHarness elsewhere("evaluate.lengths");
+  elsewhere.input<Points>("model", points({{"A", 0, 0, 0, ""}}));
+  elsewhere.input<Points>("reference", points({{"X", 0, 0, 0, "check"}}));
+  EXPECT_THROW(elsewhere.run(), NodeFailed);
+}
+
 }  // namespace
 }  // namespace plumbline::test
