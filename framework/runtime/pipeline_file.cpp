@@ -91,6 +91,14 @@ class Reader {
     return {file.string(), mark.line + 1, mark.column + 1};
   }
 
+  static bool has_tab(const std::string& text, int line) {
+    std::istringstream stream(text);
+    std::string found;
+    for (int i = 0; i <= line && std::getline(stream, found); ++i) {
+    }
+    return found.find('\t') != std::string::npos;
+  }
+
   void collect(const fs::path& file, PipelineSpec& spec) {
     read_.insert(fs::weakly_canonical(file));
     const std::string text = read_text(file);
@@ -102,6 +110,7 @@ class Reader {
       std::string message = error.msg;
       if (text.find("${") != std::string::npos && message.find("map flow") != std::string::npos)
         message += " (a variable inside { } must be quoted: \"${name}\")";
+      if (has_tab(text, error.mark.line)) message += " (this line has a tab; YAML is indented by blanks)";
       problem({file.string(), error.mark.line + 1, error.mark.column + 1}, message);
       return;
     }

@@ -261,6 +261,15 @@ std::vector<std::string> unused_of(const Bench& bench) {
                         : reason.empty() ? "none of its " + std::to_string(cells) + " cells has run yet"
                                          : "all that ran failed; the first: " + reason));
     }
+  const bool any_done =
+      std::any_of(bench.cells.begin(), bench.cells.end(), [](const Cell& cell) { return cell.status == "done"; });
+  for (const auto& [quantity, metric] : bench.metrics) {
+    const bool measured = std::any_of(bench.cells.begin(), bench.cells.end(),
+                                      [&](const Cell& cell) { return std::isfinite(cell.measure(quantity)); });
+    if (any_done && !measured)
+      unused.push_back("measure " + quantity + " (" + metric +
+                       ") has no value in any finished cell: is it spelt right?");
+  }
   return unused;
 }
 

@@ -42,7 +42,7 @@ struct Analysis {
   std::vector<Row> rows;
   std::vector<Duel> duels;  ///< group by group; overall before the places
   std::vector<Failure> failures;
-  std::vector<std::string> unused;  ///< alternatives that are named and ran nothing, with the reason
+  std::vector<std::string> unused;  ///< alternatives that ran nothing and measures without a value, with the reason
   std::size_t cells = 0, done = 0, failed = 0, missing = 0, seeds = 0;
   double confidence = 0.95;
 };

@@ -41,6 +41,7 @@ Bench read(const Json& json) {
   Bench bench;
   json.at("title").get_to(bench.title);
   json.at("file").get_to(bench.file);
+  json.at("measure").get_to(bench.metrics);
   json.at("measure").at("error").get_to(bench.error_metric);
   json.at("rope").get_to(bench.rope);
   json.at("tolerances").get_to(bench.tolerances);

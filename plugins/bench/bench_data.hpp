@@ -40,8 +40,9 @@ struct Excluded {
 
 struct Bench {
   std::string title, file, error_metric;
-  double rope = 0;                 ///< [m]
-  std::vector<double> tolerances;  ///< [m]
+  std::map<std::string, std::string> metrics;  ///< NODE.METRIC that each quantity is read from
+  double rope = 0;                             ///< [m]
+  std::vector<double> tolerances;              ///< [m]
   std::vector<std::string> scenarios;
   std::vector<Variable> variables;
   std::vector<Group> groups;

@@ -133,6 +133,16 @@ TEST(Bench, OfTooFewTrialsNothingIsSaid) {
   EXPECT_THAT(plumbline.summary()["choices"][0].get<std::string>(), HasSubstr("of good nothing can be said"));
 }
 
+TEST(Bench, AMeasureThatNoCellHasIsNamed) {
+  BenchProgram plumbline;
+  plumbline.write("b.yaml",
+                  "bench: 1\npipeline: trial.yaml\nmeasure: {error: solver.rmse_z, bias: solver.bais_z}\nseeds: 1-2\n"
+                  "alternatives: {method: {good: {}, worse: {solver.with.factor: 1.5}}}\n");
+  plumbline.run();
+  EXPECT_EQ(plumbline.summary()["unused"][0],
+            "measure bias (solver.bais_z) has no value in any finished cell: is it spelt right?");
+}
+
 TEST(Bench, TheTableHasTheTimeOfThePage) {
   BenchProgram plumbline;
   plumbline.bench_file(

@@ -88,6 +88,7 @@ TEST_F(GraphTest, RefusesDuplicateKeysUnknownKeysAndABrokenFile) {
               testing::AllOf(HasSubstr("the key 'use' stands here a second time"),
                              HasSubstr("a node has no key 'wiht' — did you mean 'with'?")));
   EXPECT_THAT(problems("plumbline: 1\nnodes:\n  a: {use: ${kind}}\n"), HasSubstr("must be quoted"));
+  EXPECT_THAT(problems("plumbline: 1\nnodes:\n\ta: {use: story.draw}\n"), HasSubstr("this line has a tab"));
   EXPECT_THAT(problems("nodes: {}\n"), HasSubstr("the first line of a pipeline is 'plumbline: 1'"));
   EXPECT_THAT(problems("[1, 2]"), HasSubstr("a pipeline is a map"));
 }
