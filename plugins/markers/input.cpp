@@ -219,20 +219,6 @@ void add_views(const ImageTagsT& seen, int image, std::map<std::pair<std::string
 
 }  // namespace
 
-BrownCamera camera_of(const CameraT& artifact) {
-  if (artifact.parameters.size() != BrownCamera::parameter_count)
-    throw std::runtime_error("camera '" + artifact.id + "' has " + std::to_string(artifact.parameters.size()) +
-                             " parameters, expected 9: fx, fy, cx, cy, k1, k2, k3, p1, p2");
-  BrownCamera camera;
-  camera.width = artifact.width, camera.height = artifact.height;
-  std::array<double, BrownCamera::parameter_count> values;
-  std::copy(artifact.parameters.begin(), artifact.parameters.end(), values.begin());
-  camera.set_parameters(values);
-  if (!(camera.fx > 0 && camera.fy > 0))
-    throw std::runtime_error("camera '" + artifact.id + "' has no positive principal distance (fx, fy)");
-  return camera;
-}
-
 BlockInput block_of(const std::vector<ImageT>& images, const TagObservationsT& observations, std::vector<CameraT> known,
                     const InputOptions& options) {
   BlockInput input;

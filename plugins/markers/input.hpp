@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "artifacts/camera.hpp"
+#include "artifacts/camera_artifact.hpp"
 #include "artifacts/image.hpp"
 #include "artifacts/tag_observations.hpp"
 #include "markers/marker_block.hpp"
@@ -38,7 +39,5 @@ BlockInput block_of(const std::vector<ImageT>& images, const TagObservationsT& o
 /// "7,12,1.234" or "tag36h11:7,12,1.234,0.0005": two tags, the distance between their centres in metres and, if given,
 /// its standard deviation (otherwise 0.5 mm). Throws what is wrong with it.
 MarkerDistance parse_distance(const std::string& text, const MarkerBlock& block);
-
-BrownCamera camera_of(const CameraT& artifact);
 
 }  // namespace plumbline::markers

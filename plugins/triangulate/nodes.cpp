@@ -4,7 +4,7 @@
 #include <map>
 #include <stdexcept>
 
-#include "artifacts/camera.hpp"
+#include "artifacts/camera_artifact.hpp"
 #include "artifacts/image_tags.hpp"
 #include "artifacts/plates.hpp"
 #include "artifacts/points.hpp"
@@ -34,17 +34,6 @@ struct Angular {
                              "Anchors from oriented photographs: least angles to the rays"};
   static constexpr Triangulation method = Triangulation::angular;
 };
-
-BrownCamera camera_of(const CameraT& artifact) {
-  if (artifact.parameters.size() != BrownCamera::parameter_count)
-    throw std::runtime_error("camera '" + artifact.id + "' has " + std::to_string(artifact.parameters.size()) +
-                             " parameters, expected fx, fy, cx, cy, k1, k2, k3, p1, p2");
-  BrownCamera camera;
-  std::array<double, BrownCamera::parameter_count> values;
-  std::copy(artifact.parameters.begin(), artifact.parameters.end(), values.begin());
-  camera.set_parameters(values);
-  return camera;
-}
 
 /// The four corners of a plate's tag, each from all images that see it.
 using Corners = std::array<std::vector<PointView>, 4>;
