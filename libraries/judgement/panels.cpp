@@ -67,7 +67,7 @@ class Panel {
 
   /// Row of the movement along `direction` of a point of the panel; empty where the anchors cannot tell it.
   Row movement(const Eigen::Vector3d& point, const Eigen::Vector3d& direction) const {
-    if (motion_.rotations == 0 && (point - centre_).norm() > 1e-6) return {};
+    if (motion_.rotations == 0) return {};
     if (motion_.rotations == 2) {
       // The turn about the fixings' line is open: what it would move may not be asked.
       const Eigen::Vector3d line = line_of_fixings();

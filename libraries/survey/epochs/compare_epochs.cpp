@@ -221,9 +221,6 @@ class Localisation {
       : r_(r), options_(options), weights_(weights_of(r, g)), u_(weights_ * r.d) {
     rank_ = static_cast<int>(all_rows(r).size()) - static_cast<int>(g.cols());
     total_ = r.d.dot(u_);
-    // Two points are left to define a free datum; one of them would define nothing to compare with (bench marks: one).
-    const bool plan = std::any_of(r.has.begin(), r.has.end(), [](const Components& has) { return has[0]; });
-    fewest_ = g.cols() == 0 ? 0 : plan ? 2 : 1;
   }
 
   int rank() const { return rank_; }
@@ -242,12 +239,12 @@ class Localisation {
 
   std::vector<Exclusion> run(std::vector<size_t>& out) const {
     std::vector<Exclusion> exclusions;
-    while (statistic(out) > critical(out) && r_.ids.size() - out.size() > fewest_ && some_may_go(out))
-      exclusions.push_back(exclude_one(out));
+    while (statistic(out) > critical(out) && some_may_go(out)) exclusions.push_back(exclude_one(out));
     return exclusions;
   }
 
  private:
+  /// More coordinates must be left than the datum takes, or nothing would be compared.
   bool may_go(const std::vector<size_t>& out, size_t point) const {
     return rank(out) > static_cast<int>(rows_of(r_, {point}).size());
   }
@@ -279,7 +276,6 @@ class Localisation {
   VectorXd u_;
   int rank_ = 0;
   double total_ = 0;
-  size_t fewest_ = 2;
 };
 
 /// Movements in the datum of the stable points: d2 = S d, S = I - G H, H = (E'G)^-1 E' with E the stable rows of G.

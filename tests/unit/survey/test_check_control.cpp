@@ -82,6 +82,40 @@ TEST(CheckControl, SaysWhyNothingCanBeTested) {
   EXPECT_NO_THROW(check_control(one, corners(network, 23), without_curvature(), {}));
 }
 
+/// Which points enter the search for the cause, and how exactly they must fit it.
+TEST(CheckControl, TheCauseIsLookedForWithWhatIsComplete) {
+  const auto network = test::simulate({}, 24);
+  const auto cause = [&](double scale, bool exchanged, int without_east) {
+    ControlPoints control;  // two markers and two stations: the facade alone is a line, which fits either way round
+    control.coordinates.resize(12);
+    for (const size_t i : {size_t{0}, size_t{3}, size_t{12}, size_t{13}}) {
+      control.coordinates.segment<3>(static_cast<Eigen::Index>(3 * control.ids.size())) = network.truth[i];
+      control.ids.push_back(network.survey.points[i].id);
+    }
+    control.covariance = 1e-4 * Eigen::MatrixXd::Identity(12, 12);
+    control.coordinates *= scale;
+    for (Eigen::Index i = 0; i < 4 && exchanged; ++i)
+      std::swap(control.coordinates[3 * i], control.coordinates[3 * i + 1]);
+    for (Eigen::Index i = 0; i < without_east; ++i) control.coordinates[3 * i] = kNotGiven;
+    return check_control(network.survey, control, without_curvature(), {}).cause;
+  };
+  EXPECT_NE(cause(3.28084, false, 0).find("in feet"), std::string::npos);
+  EXPECT_NE(cause(3.28084, false, 1).find("in feet"), std::string::npos) << "three points are left that have both";
+  EXPECT_EQ(cause(3.28084, false, 2), "") << "two points fit any scale";
+  EXPECT_NE(cause(1, true, 0).find("exchanged"), std::string::npos);
+  EXPECT_EQ(cause(1.5, true, 0), "") << "exchanged and of another size is no known mistake";
+}
+
+TEST(CheckControl, APointThatIsGivenTwiceCountsOnceAsControl) {
+  auto network = test::simulate({}, 26);
+  const ControlPoints control = corners(network, 27);
+  for (Point& p : network.survey.points)
+    if (p.id == control.ids[1]) p.roles.fill(CoordinateRole::fixed);
+  const ControlCheck c = check_control(network.survey, control, without_curvature(), {});
+  EXPECT_EQ(c.problem, "");
+  EXPECT_EQ(c.comparison.movements.size(), 4u);
+}
+
 TEST(CheckControl, PointsThatAFileHoldsFixedAreControl) {
   PLUMBLINE_REQUIRE_DATA("survey/gama/2020-barta-phase_1-2TK.gkf");
   SurveyObservations survey = read_gama_xml(

@@ -68,6 +68,37 @@ TEST(CommonErrors, OneWrongReadingIsNotTakenForACommonError) {
   for (const Finding& f : result.findings) EXPECT_EQ(f.text.find("explains the misfit"), std::string::npos) << f.text;
 }
 
+TEST(CommonErrors, HorizontalDistancesHaveAPrismConstantToo) {
+  auto n = simulate({}, 15);
+  for (size_t i = 2; i < n.survey.observations.size(); i += 3) {
+    Observation& o = n.survey.observations[i];
+    o.kind = ObservationKind::horizontal_distance;
+    o.value *= std::sin(n.survey.observations[i - 1].value);
+    if (o.set_up == 1) o.value += 0.0344;
+  }
+  const NetworkResult result = adjust_network(n.survey, free_network(true));
+  expect_words(first_warning(result),
+               {"all 12 distances of set-up S2 look too long by 34", "estimated with the network"});
+  ASSERT_EQ(result.parameters.size(), 1u);
+  EXPECT_EQ(result.parameters[0].name, "additive constant of S2");
+  EXPECT_NEAR(result.parameters[0].value, 0.0344, 4 * result.parameters[0].sigma);
+  EXPECT_LT(result.sigma0, 1.3);
+}
+
+/// Which prism it was can only be said by who knows the constant to a millimetre.
+TEST(CommonErrors, ThePrismIsNotGuessedFromAConstantThatIsUncertain) {
+  test::SimulationSettings settings;
+  for (const double sigma : {0.0005, 0.006}) {
+    settings.distance_sigma = sigma;
+    auto n = simulate(settings, 16);
+    for (Observation& o : n.survey.observations)
+      if (o.set_up == 1 && o.kind == ObservationKind::slope_distance) o.value += 0.0344;
+    const std::string text = first_warning(adjust_network(n.survey, free_network(true)));
+    expect_words(text, {"distances of set-up S2 look too long"});
+    EXPECT_EQ(text.find("34.4 mm lie between") != std::string::npos, sigma < 0.001) << text;
+  }
+}
+
 TEST(CommonErrors, SoundNetworksRaiseFewFalseAlarms) {
   int alarms = 0;
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {
@@ -104,6 +135,7 @@ TEST(RobustStart, TakesSuspectsOutAtOnceAndGivesTheInnocentBack) {
   EXPECT_EQ(removed(one_by_one), wrong);
   EXPECT_EQ(given_back(one_by_one), 0);
   options.robust_start = true;
+  EXPECT_TRUE(adjust_network(simulate({}, 7).survey, options).snooping.empty()) << "nobody is suspect where nothing is";
   const NetworkResult at_once = adjust_network(n.survey, options);
   EXPECT_EQ(removed(at_once), wrong);
   EXPECT_GT(given_back(at_once), 0);
@@ -120,6 +152,51 @@ TEST(NetworkDoctor, NamesTheWorstSuspectFirst) {
     return;
   }
   FAIL() << "no suspect is named";
+}
+
+TEST(NetworkDoctor, SaysHowManyFailByChance) {
+  const auto chance = [](AdjustOptions options, double blunder) {
+    auto n = simulate({}, 17);
+    n.survey.observations[20].value += blunder;
+    for (const Finding& f : adjust_network(n.survey, options).findings)
+      if (f.text.find("by chance alone") != std::string::npos) return f.text;
+    return std::string();
+  };
+  AdjustOptions options = free_network(false);
+  EXPECT_EQ(chance(options, 0.02), "") << "a tenth of a reading fails by chance: one that fails is not by chance";
+  options.alpha0 = 0.05;
+  expect_words(chance(options, 0), {"of 108 observations about 5 fail by chance alone"});
+}
+
+TEST(NetworkDoctor, NamesTheControlPointThatFitsWorst) {
+  const auto n = simulate({}, 18);
+  ControlPoints control;
+  control.coordinates.resize(12);
+  for (const size_t i : {size_t{0}, size_t{3}, size_t{8}, size_t{11}}) {
+    control.coordinates.segment<3>(static_cast<Eigen::Index>(3 * control.ids.size())) = n.truth[i];
+    control.ids.push_back(n.survey.points[i].id);
+  }
+  control.covariance = 1e-6 * Eigen::MatrixXd::Identity(12, 12);
+  control.coordinates[6] += 0.06, control.coordinates[0] += 0.025;
+  AdjustOptions options = free_network(false);
+  options.datum = DatumMode::weighted;
+  std::string text;
+  for (const Finding& f : adjust_network(n.survey, options, control).findings)
+    if (f.text.find("control point ") == 0) text = f.text;
+  expect_words(text, {"control point M20 does not fit", "less so, and perhaps because of it"});
+}
+
+/// Claimed to be twice as good as they are: found, in a few steps.
+TEST(VarianceComponents, SettleOnTheFactorThatIsTrue) {
+  auto n = simulate({}, 19);
+  for (Observation& o : n.survey.observations)
+    if (o.kind == ObservationKind::slope_distance) o.sigma *= 0.5;
+  AdjustOptions options = free_network(false);
+  options.estimate_variance_components = true;
+  const NetworkResult r = adjust_network(n.survey, options);
+  for (const Finding& f : r.findings) EXPECT_EQ(f.text.find("did not settle"), std::string::npos) << f.text;
+  for (const ResultGroup& g : r.groups)
+    EXPECT_NEAR(g.applied_factor, g.name.find("distance") == 0 ? 2 : 1, 0.4) << g.name;
 }
 
 }  // namespace

@@ -279,5 +279,15 @@ TEST(SetUpChain, OneGrossSightInFiveDoesNotTurnTheFigure) {
   EXPECT_NEAR((fit->shift - Eigen::Vector3d(100, 200, 50)).norm(), 0, 1e-9);
 }
 
+TEST(FieldMistakes, AReadingThatDoesNotExistIsRefused) {
+  Field site;
+  SurveyMistake m;
+  m.kind = SurveyMistake::Kind::reading, m.set_up = 0, m.size = 0.02;
+  for (const int none : {-1, static_cast<int>(site.survey.observations.size())}) {
+    m.observation = none;
+    EXPECT_THROW(site.wrong(m), std::invalid_argument) << none;
+  }
+}
+
 }  // namespace
 }  // namespace plumbline::survey

@@ -76,6 +76,17 @@ TEST(MergeSurveys, ReadingsInTheOtherFaceShowTheSameFigure) {
   EXPECT_TRUE(says(merge_surveys({day("monday.gsi", 1), second}), "station S1 of monday, tuesday was united"));
 }
 
+/// The turn that most targets agree on decides, whichever target is looked at first or last.
+TEST(MergeSurveys, OneTargetThatWasMovedDoesNotPartAStation) {
+  for (const char* moved : {"M00", "M23"}) {
+    SurveyObservations second = day("tuesday.gsi", 2);
+    for (Observation& o : second.observations)
+      if (o.to == moved && o.kind == ObservationKind::direction) o.value += 0.05;
+    EXPECT_TRUE(says(merge_surveys({day("monday.gsi", 1), second}), "station S1 of monday, tuesday was united"))
+        << moved;
+  }
+}
+
 /// A file named twice counted every reading twice: redundancy 67 for 8.
 TEST(MergeSurveys, ReadingsThatStandInTwoFilesCountOnce) {
   const SurveyObservations monday = day("monday.gsi", 1);

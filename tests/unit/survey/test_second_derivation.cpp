@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "simulated_network.hpp"
@@ -19,6 +20,12 @@ constexpr size_t kRow = 20;  // a slope distance of test::simulate
 AdjustOptions free_network() {
   AdjustOptions options;
   options.datum = DatumMode::inner;
+  options.curvature = Switch::off;
+  return options;
+}
+
+AdjustOptions held() {
+  AdjustOptions options;
   options.curvature = Switch::off;
   return options;
 }
@@ -157,6 +164,51 @@ TEST(SecondDerivation, AReadingWithoutWhichAPointIsNotControlledStays) {
   EXPECT_EQ(r.validity, Validity::invalid) << r.verdict;
 }
 
+/// A bench mark is given: it needs nothing that controls it, and its only line may go.
+TEST(SecondDerivation, TheOnlyLineToAFixedPointMayBeTakenOut) {
+  SurveyObservations s = levelling({{"A", "P", 5.05}});
+  for (const auto& [id, height] : std::map<std::string, double>{{"A", 100}, {"B", 101}, {"C", 102}}) {
+    Point p;
+    p.id = id, p.coordinates.z() = height;
+    p.roles = {CoordinateRole::unused, CoordinateRole::unused, CoordinateRole::fixed};
+    s.points.push_back(p);
+    if (id == "A") continue;
+    for (const auto& [to, h] : std::map<std::string, double>{{"P", 105}, {"Q", 106}, {"R", 107}})
+      for (const double error : {0.0003, -0.0004}) {
+        SurveyObservations line = levelling({{id, to, h - height + error}});
+        s.observations.push_back(line.observations[0]);
+      }
+  }
+  AdjustOptions options;
+  options.remove_blunders = true;
+  const NetworkResult r = adjust_network(s, options);
+  ASSERT_EQ(r.snooping.size(), 1u) << all_words(r);
+  EXPECT_EQ(r.rows[static_cast<size_t>(r.snooping[0].row)].from, "A");
+  EXPECT_NEAR(r.point("P").position.z(), 105, 0.001);
+}
+
+TEST(SecondDerivation, AnAngleHasTheSigmaOfItsTwoSights) {
+  SurveyObservations s;
+  const auto add = [&](const std::string& id, double e, double n, CoordinateRole role) {
+    Point p;
+    p.id = id, p.coordinates = {e, n, 0};
+    p.roles = {role, role, CoordinateRole::unused};
+    s.points.push_back(p);
+  };
+  add("A", 0, 0, CoordinateRole::fixed), add("B", 0, 100, CoordinateRole::fixed), add("P", 24, 7, CoordinateRole::free);
+  Observation o;
+  o.kind = ObservationKind::angle, o.from = "A", o.to = "B", o.second_to = "P", o.value = std::atan2(24, 7);
+  s.observations.push_back(o);
+  o.kind = ObservationKind::horizontal_distance, o.to = "P", o.second_to.clear(), o.value = 25;
+  s.observations.push_back(o);
+  AdjustOptions options = held();
+  options.profile = built_in_profile("total_station_1arcsec");
+  const NetworkResult r = adjust_network(s, options);
+  EXPECT_NEAR(r.rows[0].statistics.sigma,
+              std::hypot(options.profile.direction(100, 100, 1, false), options.profile.direction(25, 25, 1, false)),
+              1e-12);
+}
+
 TEST(SecondDerivation, LocalCoordinatesWithoutCovarianceHaveThatOfTheirSight) {
   SurveyObservations s;
   s.set_ups.push_back({"S", "S", kNotGiven, {}});
@@ -230,12 +282,6 @@ test::SimulatedNetwork held_markers(std::uint64_t seed, double noise = 1) {
   return n;
 }
 
-AdjustOptions held() {
-  AdjustOptions options;
-  options.curvature = Switch::off;
-  return options;
-}
-
 void expect_parameter(const NetworkResult& r, const std::string& name, double value) {
   ASSERT_EQ(r.parameters.size(), 1u) << all_words(r);
   EXPECT_EQ(r.parameters[0].name, name);
@@ -255,9 +301,13 @@ TEST(OptionalUnknowns, Scale) {
   AdjustOptions options = held();
   options.scale_sigma = 1e-3;
   expect_parameter(adjust_network(n.survey, options), "scale", 5e-4);
-  auto free = test::simulate({}, 61);
+  test::SimulationSettings noisy;
+  noisy.noise = 10;
   options.datum = DatumMode::inner;
-  expect_absent(adjust_network(free.survey, options), "scale");
+  for (const Switch scaled : {Switch::off, Switch::on}) {  // sigma0 10 makes every sigma and the prior ten times larger
+    options.scale_with_sigma0 = scaled;
+    expect_absent(adjust_network(test::simulate(noisy, 61).survey, options), "scale");
+  }
 }
 
 TEST(OptionalUnknowns, AdditiveConstant) {
@@ -393,6 +443,17 @@ TEST(Screening, TheRestOfACovarianceStays) {
   EXPECT_NE(a.sum_of_squares, adjust_network(n.survey, free_network()).sum_of_squares);
 }
 
+TEST(Screening, ACovarianceOfWhichNothingIsLeft) {
+  auto n = test::simulate({}, 62);
+  const double before = adjust_network(n.survey, free_network()).sum_of_squares;
+  Observation own = n.survey.observations[0];
+  own.to = own.from;  // sights its own station
+  const int at = static_cast<int>(n.survey.observations.size());
+  n.survey.observations.insert(n.survey.observations.end(), {own, own});
+  n.survey.covariances.push_back({{at, at + 1}, 4e-10 * Eigen::Matrix2d::Identity()});
+  EXPECT_NEAR(adjust_network(n.survey, free_network()).sum_of_squares, before, 1e-9);
+}
+
 /// Symmetric to nine digits of what it holds, whatever its size.
 TEST(Screening, ACovarianceMustBeSymmetric) {
   auto n = test::simulate({}, 63);
@@ -416,6 +477,9 @@ TEST(Screening, ObservedCoordinatesAreNamedByTheirAxes) {
   for (const ResultRow& row : adjust_network(n.survey, free_network()).rows)
     if (row.kind == "coordinate") axes += row.detail;
   EXPECT_EQ(axes, "ENH");
+  const NetworkResult r = adjust_network(n.survey, free_network());
+  EXPECT_EQ(r.pointings.size(), 36u) << "observed coordinates are no sighting";
+  for (const ResultPointing& p : r.pointings) EXPECT_FALSE(p.set_up.empty());
 }
 
 }  // namespace
