@@ -35,7 +35,9 @@ target_compile_options(plumbline_settings INTERFACE
   -ffp-contract=off)
 if(PLUMBLINE_ASAN)
   # With sanitizers GCC warns of what is not there (stringop-overread in flatbuffers' headers).
-  target_compile_options(plumbline_settings INTERFACE -fsanitize=address,undefined -fno-omit-frame-pointer -Wno-error)
+  # -O1 and without the checks of every pointer: GCC 12 needs 54 s instead of 6.6 s for a file full of Eigen otherwise.
+  target_compile_options(plumbline_settings INTERFACE -O1 -g1 -fsanitize=address,undefined
+    -fno-sanitize=null,alignment,vptr,object-size -fno-omit-frame-pointer -Wno-error)
   target_link_options(plumbline_settings INTERFACE -fsanitize=address,undefined)
 endif()
 

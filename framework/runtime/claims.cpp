@@ -144,8 +144,10 @@ void Claims::wait(int milliseconds) {
 Turn::Turn(Claims& claims, std::string key, std::string key_with_seed)
     : claims_(claims), key_(std::move(key)), key_with_seed_(std::move(key_with_seed)) {}
 
+/// Whoever waits for the second of the two waits for the first before, as long as that is held: one of them says
+/// enough.
 Turn::~Turn() {
-  if (has_seeded_) claims_.give_back(key_with_seed_, done_);
+  if (has_seeded_) claims_.give_back(key_with_seed_, done_ && !has_key_);
   if (has_key_) claims_.give_back(key_, done_);
 }
 
@@ -165,15 +167,13 @@ bool Turn::take() {
 
 bool Turn::was_done() const { return claims_.is_done(key_) || claims_.is_done(key_with_seed_); }
 
-void Turn::begin() {
-  claims_.begin(key_);
-  claims_.begin(key_with_seed_);
-}
+void Turn::begin() { claims_.begin(key_); }
 
 void Turn::seed_was_drawn() {
   const std::scoped_lock guard(mutex_);
   if (!has_key_) return;
   has_key_ = false;
+  claims_.begin(key_with_seed_);
   claims_.give_back(key_, false);
 }
 

@@ -242,7 +242,7 @@ class Execution {
     item.run = std::move(outcome.run);
     if (!item.error.empty() || item.cancelled) return;
     check_files(node, state);
-    if (!node.kind.node->deterministic) return;
+    if (!node.kind.node->deterministic) return store_.keep(item.run);
     store_.put_run(item.key, item.run);
     turn.done();
   }
@@ -277,9 +277,11 @@ class Execution {
       waited = true;
       store_.claims().wait(pause);
     }
-    was_done = waited && turn.was_done();
+    // Since it was looked for, somebody may have come and gone: then the claim says so, which is quicker to read than
+    // two files that are not there.
+    was_done = turn.was_done();
     // A shared folder may show a file some seconds after the other machine has written it.
-    for (int attempt = 0;; ++attempt) {
+    for (int attempt = 0; waited || was_done; ++attempt) {
       Stored stored = look_up(store_, call.key, call.seed);
       if (!stored.key.empty()) {
         item.drew_seed = stored.key != call.key;
@@ -288,7 +290,7 @@ class Execution {
         item.warnings.clear();
         return false;
       }
-      if (!was_done || attempt == 100 || cancel_) break;
+      if (!(waited && was_done) || attempt == 100 || cancel_) break;
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
     }
     turn.begin();

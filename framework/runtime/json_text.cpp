@@ -7,11 +7,23 @@
 
 namespace plumbline::runtime {
 
-std::string json_quoted(std::string_view text) {
+namespace {
+
+void append_quoted(std::string& to, std::string_view text) {
   const bool plain =
       std::all_of(text.begin(), text.end(), [](char c) { return c >= 0x20 && c < 0x7f && c != '"' && c != '\\'; });
-  return plain ? std::string(1, '"').append(text).append(1, '"')
-               : nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  if (plain)
+    to.append(1, '"').append(text).append(1, '"');
+  else
+    to += nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+}  // namespace
+
+std::string json_quoted(std::string_view text) {
+  std::string quoted;
+  append_quoted(quoted, text);
+  return quoted;
 }
 
 void JsonText::comma() {
@@ -33,14 +45,14 @@ JsonText& JsonText::close(char bracket) {
 
 JsonText& JsonText::name(std::string_view text) {
   comma();
-  text_ += json_quoted(text);
+  append_quoted(text_, text);
   text_ += ':';
   return *this;
 }
 
 JsonText& JsonText::value(std::string_view text) {
   comma();
-  text_ += json_quoted(text);
+  append_quoted(text_, text);
   return *this;
 }
 

@@ -221,7 +221,7 @@ void Host::commit(const std::string& port, plumbline_bytes bytes) {
       return;
     }
   }
-  const std::string hash = services_.store->put(bytes.data, bytes.size);
+  const std::string hash = services_.store->hold(bytes.data, bytes.size);
   const std::scoped_lock lock(mutex_);
   outcome_.run.outputs[port].push_back(hash);
 }
@@ -303,7 +303,7 @@ void Host::commit_folders() {
       for (auto at = held.bytes.begin();
            (at = std::search(at, held.bytes.end(), name.begin(), name.end())) != held.bytes.end();)
         at = std::copy(tree.begin(), tree.end(), at);
-    outcome_.run.outputs[held.port].push_back(services_.store->put(held.bytes.data(), held.bytes.size()));
+    outcome_.run.outputs[held.port].push_back(services_.store->hold(held.bytes.data(), held.bytes.size()));
   }
   held_.clear();
 }

@@ -1,8 +1,6 @@
 #include "runtime/store.hpp"
 
 #include <fcntl.h>
-#include <signal.h>
-#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -10,17 +8,14 @@
 #include <atomic>
 #include <cerrno>
 #include <charconv>
-#include <chrono>
-#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <sstream>
 #include <utility>
 
+#include "runtime/blob_memory.hpp"
 #include "runtime/digest.hpp"
-#include "runtime/json_text.hpp"
 #include "runtime/trust.hpp"
 
 namespace plumbline::runtime {
@@ -29,19 +24,6 @@ namespace fs = std::filesystem;
 
 /// Blobs below this size are read, above they are mapped: a mapping costs a page and one of 65 530 entries.
 constexpr size_t map_from = size_t{64} << 10;
-
-struct Blob::Memory {
-  std::vector<unsigned char> owned;
-  void* mapped = nullptr;
-  size_t size = 0;
-  Memory() = default;
-  Memory(const Memory&) = delete;
-  Memory& operator=(const Memory&) = delete;
-  ~Memory() {
-    if (mapped) munmap(mapped, size);
-  }
-  const void* data() const { return mapped ? mapped : owned.data(); }
-};
 
 plumbline_bytes Blob::bytes() const { return {memory_->data(), memory_->size}; }
 
@@ -81,15 +63,6 @@ bool read_all(int file, void* data, size_t size) {
     size -= static_cast<size_t>(count);
   }
   return true;
-}
-
-/// The time of modification of a result is that of its last use, to the hour: prune() goes by it.
-void mark_used(const std::string& file) {
-  struct stat info {};
-  timespec now{};
-  clock_gettime(CLOCK_REALTIME, &now);
-  if (stat(file.c_str(), &info) == 0 && info.st_mtim.tv_sec + 3600 < now.tv_sec)
-    utimensat(AT_FDCWD, file.c_str(), nullptr, 0);
 }
 
 bool safe_name(const std::string& name) {
@@ -253,13 +226,19 @@ std::string Store::put(const void* data, size_t size) {
   return hash;
 }
 
-Blob Store::get(const std::string& hash) {
+std::shared_ptr<const Blob::Memory> Store::held(const std::string& hash) {
+  const std::scoped_lock lock(mutex_);
+  if (const auto found = held_.find(hash); found != held_.end()) return found->second;
+  if (const auto found = open_.find(hash); found != open_.end()) return found->second.lock();
+  return nullptr;
+}
+
+/// Nothing if there is no such file. Throws StoreError, and removes it, if its content does not match its name.
+std::shared_ptr<const Blob::Memory> Store::from_file(const std::string& hash) {
   if (!is_hash(hash)) throw StoreError("'" + hash + "' is no hash of a blob");
   bool checked = false;
   {
     const std::scoped_lock lock(mutex_);
-    if (const auto found = open_.find(hash); found != open_.end())
-      if (auto memory = found->second.lock()) return Blob(std::move(memory));
     checked = checked_.count(hash) > 0;
   }
   const std::string path = blob_path(hash);
@@ -267,7 +246,7 @@ Blob Store::get(const std::string& hash) {
   if (!memory) {
     const std::scoped_lock lock(mutex_);
     checked_.erase(hash);
-    throw StoreError("blob " + hash + " is missing in the store " + folder_.string());
+    return nullptr;
   }
   if (!checked && sha256_of(memory->data(), memory->size) != hash) {
     const bool removed = ::unlink(path.c_str()) == 0;
@@ -277,67 +256,20 @@ Blob Store::get(const std::string& hash) {
   const std::scoped_lock lock(mutex_);
   checked_.insert(hash);
   open_[hash] = memory;
-  return Blob(std::move(memory));
+  return memory;
 }
 
-void Store::put_run(const std::string& key, const StoredRun& run) {
-  JsonText json;
-  json.open('{').field("kind", run.kind).name("outputs").open('{');
-  for (const auto& [port, hashes] : run.outputs) json.field(port, hashes);
-  json.close('}');
-  if (!run.folders.empty()) {
-    json.name("folders").open('{');
-    for (const auto& [name, tree] : run.folders) json.field(name, tree);
-    json.close('}');
-  }
-  if (!run.metrics.empty()) {
-    json.name("metrics").open('[');
-    for (const Metric& metric : run.metrics)
-      json.open('{').field("name", metric.name).field("value", metric.value).field("unit", metric.unit).close('}');
-    json.close(']');
-  }
-  if (!run.warnings.empty()) json.field("warnings", run.warnings);
-  if (!run.messages.empty()) json.field("messages", run.messages);
-  const std::string text = json.field("seconds", run.seconds).close('}').take() + "\n";
-  write(run_path(key), text.data(), text.size());
+void Store::throw_missing(const std::string& hash) const {
+  throw StoreError("blob " + hash + " is missing in the store " + folder_.string());
 }
 
-std::optional<StoredRun> Store::find_run(const std::string& key, std::string& damage) {
-  damage.clear();
-  const std::string path = run_path(key);
-  const auto text = load(path);
-  if (!text) return std::nullopt;
-  StoredRun run;
-  try {
-    const char* begin = static_cast<const char*>(text->data());
-    const auto json = nlohmann::json::parse(begin, begin + text->size);
-    json.at("kind").get_to(run.kind);
-    json.at("outputs").get_to(run.outputs);
-    if (json.contains("folders")) json.at("folders").get_to(run.folders);
-    if (json.contains("warnings")) json.at("warnings").get_to(run.warnings);
-    if (json.contains("messages")) json.at("messages").get_to(run.messages);
-    if (json.contains("metrics"))
-      for (const auto& metric : json.at("metrics"))
-        run.metrics.push_back({metric.at("name"),
-                               metric.at("value").is_null() ? std::nan("") : metric.at("value").get<double>(),
-                               metric.at("unit")});
-    run.seconds = json.at("seconds");
-  } catch (const nlohmann::json::exception&) {
-    damage = "its record in the store is damaged";
-    return std::nullopt;
-  }
-  try {
-    for (const auto& [port, hashes] : run.outputs)
-      for (const std::string& hash : hashes) get(hash);
-    for (const auto& [name, tree] : run.folders)
-      if (file_hashes_->of_tree(folder_path(name)) != tree)
-        throw StoreError("the folder " + folder_path(name).string() + " was changed since it was stored");
-  } catch (const std::exception& error) {
-    damage = error.what();
-    return std::nullopt;
-  }
-  mark_used(path);
-  return run;
+Blob Store::get(const std::string& hash) {
+  if (auto memory = held(hash)) return Blob(std::move(memory));
+  if (auto memory = from_file(hash)) return Blob(std::move(memory));
+  auto contents = contents_starting_with(hash);
+  if (contents.empty()) throw_missing(hash);
+  const std::scoped_lock lock(mutex_);
+  return Blob(held_.try_emplace(hash, std::move(contents.begin()->second)).first->second);
 }
 
 fs::path Store::new_folder() {
@@ -404,7 +336,9 @@ std::vector<std::string> Store::blobs_starting_with(const std::string& prefix) c
     const std::string name = entry.path().filename().string();
     if (name.compare(0, prefix.size(), prefix) == 0) found.push_back(name);
   }
+  for (const auto& [hash, memory] : contents_starting_with(prefix)) found.push_back(hash);
   std::sort(found.begin(), found.end());
+  found.erase(std::unique(found.begin(), found.end()), found.end());
   return found;
 }
 

@@ -1,7 +1,8 @@
 // The store: every artifact that ever left a node, and what each run of a node gave.
 //
 //   blobs/ab/<sha256>      an artifact, named by its content
-//   runs/ab/<key>.json     what one run of a node gave: outputs by hash, metrics, warnings, time
+//   runs/ab/<key>.json     what one run of a node gave: outputs by hash (small ones with their content), metrics,
+//                          warnings, time
 //   folders/<name>/        what a node wrote as a folder; artifacts name it by the uri "store:<name>"
 //   pipelines/<id>.json    key of every node in the last run of a pipeline, for `plumbline plan`
 //   file-hashes            see file_hashes.hpp
@@ -80,10 +81,16 @@ class Store {
 
   /// Keeps the bytes and returns their hash. Throws StoreError, e.g. if the disk is full.
   std::string put(const void* data, size_t size);
+  /// The same for an output of a node that put_run() or keep() will name: up to `inline_up_to` bytes wait in memory and
+  /// go into the run's record. A file of their own would cost more than all the rest of a small node.
+  std::string hold(const void* data, size_t size);
+  static constexpr size_t inline_up_to = 512;
   /// The blob of that hash. Throws StoreError if it is missing or does not match its name; then it has been removed.
   Blob get(const std::string& hash);
 
   void put_run(const std::string& key, const StoredRun& run);
+  /// Makes blobs of what a run without a record holds: the run of a node that is not deterministic.
+  void keep(const StoredRun& run);
   /// The run of that key if it is there with all that it names. If something of it is missing or damaged, `damage` says
   /// what, and the answer is empty, so that the node runs again.
   std::optional<StoredRun> find_run(const std::string& key, std::string& damage);
@@ -102,7 +109,7 @@ class Store {
   std::string pipeline_note(const std::string& id) const;
   void put_pipeline_note(const std::string& id, const std::string& text);
 
-  /// Blobs whose hash starts with `prefix` (at least four digits).
+  /// Blobs, small ones in records too, whose hash starts with `prefix` (at least four digits).
   std::vector<std::string> blobs_starting_with(const std::string& prefix) const;
 
   FileHashes& file_hashes() { return *file_hashes_; }
@@ -131,6 +138,10 @@ class Store {
   std::string temporary_name();
   void write(const std::string& path, const void* data, size_t size);
   std::shared_ptr<const Blob::Memory> load(const std::string& path) const;
+  std::shared_ptr<const Blob::Memory> held(const std::string& hash);
+  std::shared_ptr<const Blob::Memory> from_file(const std::string& hash);
+  std::map<std::string, std::shared_ptr<const Blob::Memory>> contents_starting_with(const std::string& prefix) const;
+  [[noreturn]] void throw_missing(const std::string& hash) const;
   [[noreturn]] void fail(const std::string& what, int error) const;
   void remove_leftovers() const;
   void sync() const;
@@ -141,8 +152,9 @@ class Store {
   std::unique_ptr<FileHashes> file_hashes_;
   std::unique_ptr<Claims> claims_;
   std::mutex mutex_;
-  std::map<std::string, std::weak_ptr<const Blob::Memory>> open_;  // blobs in use
-  std::set<std::string> checked_;                                  // blobs that matched their name
+  std::map<std::string, std::weak_ptr<const Blob::Memory>> open_;    // blobs in use
+  std::map<std::string, std::shared_ptr<const Blob::Memory>> held_;  // small outputs that need no file
+  std::set<std::string> checked_;                                    // blobs that matched their name
 };
 
 }  // namespace plumbline::runtime

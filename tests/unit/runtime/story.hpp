@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -85,6 +86,26 @@ class Story {
   std::filesystem::path pipeline() const { return folder.path() / "story.yaml"; }
   std::filesystem::path blob(const std::string& hash) const {
     return folder.path() / "store" / "blobs" / hash.substr(0, 2) / hash;
+  }
+  /// The records of all runs, as JSON text.
+  std::vector<std::filesystem::path> records() const {
+    std::vector<std::filesystem::path> files;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder.path() / "store" / "runs"))
+      if (entry.is_regular_file()) files.push_back(entry.path());
+    return files;
+  }
+  /// Small outputs leave the records and become blobs, as large ones are.
+  void move_contents_to_blobs() {
+    for (const auto& file : records()) {
+      auto record = nlohmann::json::parse(read_file(file));
+      for (const auto& [port, hashes] : record.at("outputs").items())
+        for (const std::string hash : hashes) {
+          const auto bytes = store->get(hash).bytes();
+          store->put(bytes.data, bytes.size);
+        }
+      record.erase("contents");
+      std::ofstream(file, std::ios::trunc) << record.dump();
+    }
   }
 
   TemporaryFolder folder;

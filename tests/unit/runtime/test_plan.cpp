@@ -44,6 +44,7 @@ TEST(Plan, CountsItems) {
   Story story("s: {use: story.series}\nq: {use: story.square, in: {number: s.numbers}}");
   story.run();
   story.run({"s.with.values=[1, 2, 3, 4, 5]"});
+  story.move_contents_to_blobs();
   std::filesystem::remove(story.blob(story.node("q").outputs.at("square").at(4)));
   const auto planned = story.plan({"s.with.values=[1, 2, 3, 4, 5]"});
   EXPECT_EQ(planned.at(1).items, 5u);
@@ -53,6 +54,7 @@ TEST(Plan, CountsItems) {
 TEST(Plan, SaysThatAResultIsDamaged) {
   Story story("a: {use: story.constant}");
   story.run();
+  story.move_contents_to_blobs();
   std::filesystem::remove(story.blob(story.node("a").outputs.at("number").at(0)));
   const auto planned = story.plan();
   ASSERT_EQ(planned.at(0).reasons.size(), 1u);

@@ -92,6 +92,51 @@ TEST(Store, KeepsTheRunsOfNodes) {
   EXPECT_EQ(damage, "");
 }
 
+/// A small output needs no file of its own, and is found by its run, by its hash alone, and by the first digits.
+TEST(Store, SmallOutputsGoIntoTheRecordOfTheRun) {
+  const TemporaryFolder folder;
+  const std::string small(Store::inline_up_to, 's'), large(Store::inline_up_to + 1, 'l'), key(64, 'a');
+  runtime::StoredRun run;
+  run.kind = "a.b";
+  {
+    Store store(folder.path());
+    run.outputs["x"] = {store.hold(small.data(), small.size()), store.hold(large.data(), large.size()),
+                        store.hold("", 0)};
+    EXPECT_EQ(text_of(store.get(run.outputs["x"][0])), small) << "before its run is there";
+    store.put_run(key, run);
+  }
+  const auto file = [&](const std::string& hash) { return folder.path() / "blobs" / hash.substr(0, 2) / hash; };
+  EXPECT_FALSE(fs::exists(file(run.outputs["x"][0])));
+  EXPECT_TRUE(fs::exists(file(run.outputs["x"][1])));
+  {
+    Store store(folder.path());
+    std::string damage;
+    ASSERT_TRUE(store.find_run(key, damage)) << damage;
+    EXPECT_EQ(text_of(store.get(run.outputs["x"][0])), small);
+    EXPECT_EQ(text_of(store.get(run.outputs["x"][1])), large);
+    EXPECT_EQ(text_of(store.get(run.outputs["x"][2])), "");
+  }
+  Store store(folder.path());
+  EXPECT_EQ(text_of(store.get(run.outputs["x"][0])), small);
+  EXPECT_EQ(store.blobs_starting_with(run.outputs["x"][0].substr(0, 6)), std::vector<std::string>{run.outputs["x"][0]});
+  EXPECT_THROW(store.get(std::string(64, 'e')), StoreError);
+}
+
+/// A record is a text that anybody may have written: no name in it leads out of the store.
+TEST(Store, ARecordThatNamesAFileElsewhereIsDamaged) {
+  const TemporaryFolder folder;
+  Store store(folder.path() / "store");
+  std::ofstream(folder.path() / "mine") << "mine";
+  runtime::StoredRun run;
+  run.kind = "a.b";
+  run.outputs["x"] = {"../../../mine"};
+  store.put_run(std::string(64, 'a'), run);
+  std::string damage;
+  EXPECT_FALSE(store.find_run(std::string(64, 'a'), damage));
+  EXPECT_NE(damage.find("no hash"), std::string::npos) << damage;
+  EXPECT_EQ(read_file(folder.path() / "mine"), "mine");
+}
+
 TEST(Store, UrisDoNotLeadOut) {
   const TemporaryFolder folder;
   const Store store(folder.path());
