@@ -169,6 +169,7 @@ Eigen::MatrixXd fit_with_covariance(const Correspondences& points, const Eigen::
   throw DegenerateRegistration("the registration does not converge; are the ids of source and target the same points?");
 }
 
+/// One weight a point, from a source covariance in its inner datum.
 Eigen::VectorXd scalar_weights(const Correspondences& points, Weighting weighting) {
   const Index n = points.source.cols();
   if (weighting != Weighting::scalar) return Eigen::VectorXd::Ones(n);
@@ -186,27 +187,36 @@ double weighted_square(const Eigen::MatrixXd& covariance, const Eigen::MatrixXd&
   return residuals.dot(weight_of(covariance, a).solve(residuals));
 }
 
-/// From the transform about the centroid to the one about the origin.
-void leave_centroid(const Centred& t, const Eigen::MatrixXd& centred_covariance, Registration& result) {
-  const Eigen::Vector3d shift = t.rotation * t.centroid;
-  result.to_from_from = {Eigen::Quaterniond(t.rotation).normalized(), t.image - t.scale * shift};
-  result.scale = t.scale;
+/// The centred covariance, and from it that of the transform about the origin.
+void set_covariance(const Eigen::MatrixXd& centred_covariance, Registration& result) {
+  const Eigen::Vector3d shift = result.to_from_from.rotation * result.source_centroid;
   Eigen::MatrixXd step = Eigen::MatrixXd::Identity(result.unknowns, result.unknowns);
-  step.block<3, 3>(3, 0) = t.scale * skew(shift);
+  step.block<3, 3>(3, 0) = result.scale * skew(shift);
   if (result.unknowns == 7) step.block<3, 1>(3, 6) = -shift;
+  result.centred_covariance = centred_covariance;
   result.covariance = step * centred_covariance * step.transpose();
 }
 
-/// The registration of points whose target coordinates are small.
-Registration register_local(const Correspondences& points, const Options& options) {
+Centred centred(const Registration& registration) {
+  Centred t;
+  t.rotation = registration.to_from_from.rotation.toRotationMatrix();
+  t.scale = registration.scale;
+  t.centroid = registration.source_centroid;
+  t.image = t.scale * (t.rotation * t.centroid) + registration.to_from_from.translation;
+  return t;
+}
+
+/// The registration of points whose target coordinates are small. `weighing`: the same points with the covariance of
+/// the source in its inner datum.
+Registration register_local(const Correspondences& points, const Correspondences& weighing, const Options& options) {
   Registration result;
   result.unknowns = options.estimate_scale ? 7 : 6;
   const Index n = points.source.cols();
 
-  const Eigen::VectorXd weights = scalar_weights(points, options.weighting);
+  const Eigen::VectorXd weights = scalar_weights(weighing, options.weighting);
   Centred t = closed_form(points, weights, options);
   if (options.weighting == Weighting::covariance) {
-    result.influence = fit_with_covariance(points, options.point_weights, result.unknowns, t);
+    result.influence = fit_with_covariance(weighing, options.point_weights, result.unknowns, t);
   } else {
     const Eigen::MatrixXd a = slopes(t, points.source, result.unknowns);
     Eigen::MatrixXd weighted = a;
@@ -214,25 +224,22 @@ Registration register_local(const Correspondences& points, const Options& option
     result.influence = influence_of(a, weighted);
   }
   result.source_centroid = t.centroid;
+  result.to_from_from = {Eigen::Quaterniond(t.rotation).normalized(), t.image - t.scale * (t.rotation * t.centroid)};
+  result.scale = t.scale;
   result.residuals = points.target - t.apply(points.source);
   result.degrees_of_freedom = static_cast<int>(3 * n) - result.unknowns;
 
   const Eigen::VectorXd v = flat(result.residuals);
-  const Eigen::MatrixXd known = residual_covariance_of(points, t);
-  Eigen::MatrixXd covariance;
-  if (known.size() > 0) {
-    result.weighted_sum_of_squares =
-        weighted_square(down_weighted(known, options.point_weights), slopes(t, points.source, result.unknowns), v);
-    covariance = result.influence * known * result.influence.transpose();
-  } else {
-    result.weighted_sum_of_squares = v.squaredNorm();
-    covariance = result.influence * result.influence.transpose();
-  }
+  Eigen::MatrixXd known = residual_covariance_of(weighing, t);
+  result.weighted_sum_of_squares = known.size() == 0 ? v.squaredNorm()
+                                                     : weighted_square(down_weighted(known, options.point_weights),
+                                                                       slopes(t, points.source, result.unknowns), v);
   if (result.degrees_of_freedom > 0)
     result.sigma0 = std::sqrt(result.weighted_sum_of_squares / result.degrees_of_freedom);
-  if (known.size() == 0) covariance *= result.sigma0 * result.sigma0;
-  result.centred_covariance = covariance;
-  leave_centroid(t, covariance, result);
+  if (known.size() == 0) known = result.sigma0 * result.sigma0 * Eigen::MatrixXd::Identity(3 * n, 3 * n);
+  set_covariance(result.influence * known * result.influence.transpose(), result);
+  if (result.unknowns == 7) result.sigma_scale_of_control = std::sqrt(result.centred_covariance(6, 6));
+  state_covariance(points, result);
 
   const Eigen::Matrix3d squares = result.residuals * result.residuals.transpose();
   result.residual_covariance = squares / static_cast<double>(n - 1);
@@ -242,6 +249,22 @@ Registration register_local(const Correspondences& points, const Options& option
 
 }  // namespace
 
+Eigen::MatrixXd inner_datum(const Eigen::MatrixXd& covariance, const Eigen::Matrix3Xd& points, int unknowns) {
+  if (covariance.size() == 0) return covariance;
+  Centred t;
+  t.centroid = points.rowwise().mean();
+  const Eigen::MatrixXd a = slopes(t, points, unknowns);
+  const Eigen::MatrixXd fit = (a.transpose() * a).ldlt().solve(a.transpose());  // (A'A)^-1 A'
+  const Eigen::MatrixXd half = covariance - a * (fit * covariance);
+  const Eigen::MatrixXd inner = half - (half * fit.transpose()) * a.transpose();
+  return 0.5 * (inner + inner.transpose());
+}
+
+void state_covariance(const Correspondences& points, Registration& fit) {
+  const Eigen::MatrixXd known = residual_covariance_of(points, centred(fit));
+  if (known.size() > 0) set_covariance(fit.influence * known * fit.influence.transpose(), fit);
+}
+
 Registration register_points(const Correspondences& points, const Options& options) {
   check_input(points, options);
   check_figure(points.source, points.ids, "source", options.min_width_ratio);
@@ -250,27 +273,21 @@ Registration register_points(const Correspondences& points, const Options& optio
   Correspondences local = points;
   const Eigen::Vector3d origin = points.target.col(0);
   local.target.colwise() -= origin;
-  Registration result = register_local(local, options);
+  Correspondences weighing = local;
+  weighing.source_covariance = inner_datum(points.source_covariance, points.source, options.estimate_scale ? 7 : 6);
+  Registration result = register_local(local, weighing, options);
   result.to_from_from.translation += origin;
   return result;
 }
 
 Eigen::MatrixXd point_slopes(const Registration& registration, const Eigen::Vector3d& source) {
-  Centred t;
-  t.rotation = registration.to_from_from.rotation.toRotationMatrix();
-  t.scale = registration.scale;
-  t.centroid = registration.source_centroid;
-  return slopes(t, source, registration.unknowns);
+  return slopes(centred(registration), source, registration.unknowns);
 }
 
 MovedPoints move_points(const Registration& registration, const Eigen::Matrix3Xd& points,
                         const Eigen::MatrixXd& covariance, const std::vector<int>& fitted,
                         const Eigen::MatrixXd& target_covariance) {
-  Centred t;
-  t.rotation = registration.to_from_from.rotation.toRotationMatrix();
-  t.scale = registration.scale;
-  t.centroid = registration.source_centroid;
-  t.image = t.scale * (t.rotation * t.centroid) + registration.to_from_from.translation;
+  const Centred t = centred(registration);
   MovedPoints moved;
   moved.positions = t.apply(points);
   if (covariance.size() == 0) return moved;

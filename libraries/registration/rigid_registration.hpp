@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <functional>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -11,9 +12,10 @@
 
 namespace plumbline::registration {
 
+/// The covariance of the source that weights follow is always that of its inner datum, see inner_datum().
 enum class Weighting {
   equal,       ///< every point counts alike; closed form
-  scalar,      ///< one weight a point, 3 / trace of the sum of both covariances; closed form
+  scalar,      ///< one weight a point, 3 / trace of the sum of both covariances; closed form: (6) as printed
   covariance,  ///< full covariance of both sides, correlations between points included; Gauss-Newton
 };
 
@@ -50,6 +52,9 @@ struct Registration {
   Eigen::Matrix3d
       residual_covariance_unbiased;  ///< with 3 / (3N - unknowns): its trace is that of one point's error [m²]
   double sigma0 = 0;                 ///< a posteriori; [1] if covariances were given, else [m]
+  /// Standard deviation of the scale if the source is taken for free of error in scale: what control leaves it. nan
+  /// with 6 unknowns.
+  double sigma_scale_of_control = std::numeric_limits<double>::quiet_NaN();
   double weighted_sum_of_squares = 0;
   int degrees_of_freedom = 0;
   int unknowns = 6;
@@ -65,11 +70,28 @@ class DegenerateRegistration : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Covariance [m²], 3n x 3n, of points in the datum that these points hold themselves: S C S' with
+/// S = I - A (A'A)^-1 A' (Baarda 1973), A the slopes of a motion (6 unknowns) or of a motion and scale (7), so that the
+/// mean position, orientation and size of the figure are without error. The same for every datum that `covariance` may
+/// be stated in, if its blocks between points are.
+Eigen::MatrixXd inner_datum(const Eigen::MatrixXd& covariance, const Eigen::Matrix3Xd& points, int unknowns);
+
 /// Closed form: Umeyama (1991) with weights. Full covariances: Gauss-Newton from there, weights from C_target + s² R
-/// C_source R'. A singular sum, as two free networks have, is treated by Rao's unified least squares (Rao 1971), which
+/// C_inner R'. A singular sum, as two free networks have, is treated by Rao's unified least squares (Rao 1971), which
 /// needs the transform to cover the null space. Throws DegenerateRegistration, and std::invalid_argument for what does
 /// not fit together.
+///
+/// Why the inner datum: what leaves a registration are moved points. Let e be the errors of the source, t those of the
+/// target, and G an estimate of the transform, G A = I, from target minus source. Points come out with the error
+/// e + A G (t - e). With e = S e + A a, the part a that is a motion (and scale) of all these points drops out of any G:
+/// S e + A G (t - S e). Both terms are orthogonal, A' S = 0, so that the points come out best where G (t - S e) is
+/// least: by weights from C_target + S C_source S' (Gauss-Markov). Weights from C_source itself make the transform
+/// between the two data as good as can be, out of what a and S e have in common, and the points pay for it. The
+/// covariances that are stated go by G from the covariances as given.
 Registration register_points(const Correspondences& points, const Options& options);
+
+/// States the covariances of a fit from those of the points that took part, through its influence.
+void state_covariance(const Correspondences& points, Registration& fit);
 
 /// Derivative of a moved point by (rotation vector, position of the source's centroid, scale), 3 × unknowns.
 Eigen::MatrixXd point_slopes(const Registration& registration, const Eigen::Vector3d& source);

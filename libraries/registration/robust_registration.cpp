@@ -67,11 +67,14 @@ std::vector<std::array<Index, 3>> triples_of(Index n, uint64_t seed) {
 
 struct Problem {
   Correspondences points;
+  /// Covariance of the source in the inner datum of all its control points: residuals know no other, because the fit
+  /// takes the rest out of them.
+  Eigen::MatrixXd inner;
   RobustOptions options;
   double threshold = 1;
   bool sigma_is_known = true;
 
-  Correspondences part(const std::vector<int>& chosen) const {
+  static Correspondences part(const Correspondences& points, const std::vector<int>& chosen) {
     Correspondences c;
     std::vector<Index> rows;
     for (int i : chosen) {
@@ -89,8 +92,9 @@ struct Problem {
     const Eigen::Matrix3d m = t.scale * t.to_from_from.rotation.toRotationMatrix();
     Eigen::Matrix3d c = Eigen::Matrix3d::Zero();
     if (points.target_covariance.size() > 0) c += points.target_covariance.block<3, 3>(3 * i, 3 * i);
-    if (points.source_covariance.size() > 0)
-      c += m * points.source_covariance.block<3, 3>(3 * i, 3 * i) * m.transpose();
+    if (inner.size() > 0) c += m * inner.block<3, 3>(3 * i, 3 * i) * m.transpose();
+    // Few points without an error in the target: the figure of one may be without error in a direction.
+    c.diagonal().array() += 1e-9 * c.trace();
     return c;
   }
 
@@ -120,7 +124,7 @@ struct Problem {
     Options how = options.fit;
     how.weighting = Weighting::covariance;
     how.point_weights = weights(used);
-    return register_points(part(used), how);
+    return register_points(part(points, used), how);
   }
 
   /// The transform of three points that most others agree with: least truncated sum of squares, or, without a standard
@@ -197,47 +201,40 @@ Eigen::VectorXd graduate(const Problem& problem, std::vector<int>& used, Registr
 void as_covariance(Problem& problem, double sigma) {
   Correspondences& p = problem.points;
   const Index n = p.source.cols();
-  if (problem.options.fit.weighting == Weighting::equal) {
-    p.source_covariance.resize(0, 0);
-    p.target_covariance = sigma * sigma * Eigen::MatrixXd::Identity(3 * n, 3 * n);
-  } else if (problem.options.fit.weighting == Weighting::scalar) {
-    Eigen::VectorXd variance = Eigen::VectorXd::Zero(3 * n);
-    for (const Eigen::MatrixXd* c : {&p.source_covariance, &p.target_covariance})
+  if (problem.options.fit.weighting == Weighting::covariance) return;
+  Eigen::VectorXd variance = Eigen::VectorXd::Zero(3 * n);
+  if (problem.options.fit.weighting == Weighting::equal) variance.setConstant(sigma * sigma);
+  if (problem.options.fit.weighting == Weighting::scalar)
+    for (const Eigen::MatrixXd* c : {&problem.inner, &p.target_covariance})
       for (Index i = 0; i < n && c->size() > 0; ++i)
         variance.segment<3>(3 * i).array() += c->diagonal().segment<3>(3 * i).mean();
-    p.source_covariance.resize(0, 0);
-    p.target_covariance = variance.asDiagonal();
-  }
+  problem.inner.resize(0, 0);
+  p.source_covariance.resize(0, 0);
+  p.target_covariance = variance.asDiagonal();
 }
 
-void fill_residuals(const Problem& problem, RobustRegistration& result) {
-  const Index n = problem.points.source.cols();
+/// Residuals of all points over their standard deviations: r = (E − A G) d, where E takes the point itself and G acts
+/// on the points used. A motion of the whole source drops out of it, hence any datum will do.
+void fill_residuals(const Problem& problem, const Correspondences& stated, RobustRegistration& result) {
+  const Index n = stated.source.cols();
+  const Eigen::Matrix3d turn = result.fit.scale * result.fit.to_from_from.rotation.toRotationMatrix();
+  Eigen::MatrixXd c = Eigen::MatrixXd::Zero(3 * n, 3 * n), through = Eigen::MatrixXd::Identity(3 * n, 3 * n);
+  if (stated.target_covariance.size() > 0) c += stated.target_covariance;
+  for (Index i = 0; i < 3 * n && stated.source_covariance.size() > 0; i += 3)
+    for (Index j = 0; j < 3 * n; j += 3)
+      c.block<3, 3>(i, j) += turn * stated.source_covariance.block<3, 3>(i, j) * turn.transpose();
+  Eigen::MatrixXd slopes(3 * n, result.fit.unknowns);
+  for (Index i = 0; i < n; ++i) slopes.middleRows<3>(3 * i) = point_slopes(result.fit, stated.source.col(i));
+  const Eigen::MatrixXd fitted = slopes * result.fit.influence;
+  for (size_t k = 0; k < result.used.size(); ++k)
+    through.middleCols<3>(3 * result.used[k]) -= fitted.middleCols<3>(3 * static_cast<Index>(k));
+  const Eigen::VectorXd variance = (through * c).cwiseProduct(through).rowwise().sum();
   result.residuals.resize(3, n);
   result.w.setZero(3, n);
-  // Standard deviations of the residuals of the points used: (I − A G) C (I − A G)ᵀ.
-  const Correspondences used = problem.part(result.used);
-  const Index m = static_cast<Index>(result.used.size());
-  Eigen::MatrixXd slopes(3 * m, result.fit.unknowns), c = Eigen::MatrixXd::Zero(3 * m, 3 * m);
-  const Eigen::Matrix3d turn = result.fit.scale * result.fit.to_from_from.rotation.toRotationMatrix();
-  for (Index k = 0; k < m; ++k) slopes.middleRows<3>(3 * k) = point_slopes(result.fit, used.source.col(k));
-  if (used.target_covariance.size() > 0) c += used.target_covariance;
-  for (Index i = 0; i < 3 * m && used.source_covariance.size() > 0; i += 3)
-    for (Index j = 0; j < 3 * m; j += 3)
-      c.block<3, 3>(i, j) += turn * used.source_covariance.block<3, 3>(i, j) * turn.transpose();
-  const Eigen::MatrixXd through = Eigen::MatrixXd::Identity(3 * m, 3 * m) - slopes * result.fit.influence;
-  const Eigen::VectorXd variance = (through * c * through.transpose()).diagonal();
   for (Index i = 0; i < n; ++i) {
     result.residuals.col(i) = problem.residual(result.fit, i);
-    const auto at = std::find(result.used.begin(), result.used.end(), static_cast<int>(i));
-    Eigen::Vector3d sigma2;
-    if (at != result.used.end()) {
-      sigma2 = variance.segment<3>(3 * (at - result.used.begin()));
-    } else {
-      const Eigen::MatrixXd a = point_slopes(result.fit, problem.points.source.col(i));
-      sigma2 = (problem.covariance(result.fit, i) + a * result.fit.centred_covariance * a.transpose()).diagonal();
-    }
     for (Index k = 0; k < 3; ++k)
-      if (sigma2(k) > 0) result.w(k, i) = result.residuals(k, i) / std::sqrt(sigma2(k));
+      if (variance(3 * i + k) > 0) result.w(k, i) = result.residuals(k, i) / std::sqrt(variance(3 * i + k));
   }
 }
 
@@ -245,21 +242,22 @@ void fill_residuals(const Problem& problem, RobustRegistration& result) {
 
 RobustRegistration register_robust(const Correspondences& points, const RobustOptions& options) {
   RobustRegistration result;
-  Problem problem{points, options, options.threshold > 0 ? options.threshold : default_threshold(options.estimator)};
+  Problem problem{
+      points, {}, options, options.threshold > 0 ? options.threshold : default_threshold(options.estimator)};
   const Index n = points.source.cols();
+  const bool known = points.source_covariance.size() + points.target_covariance.size() > 0;
   if (options.estimator == Estimator::least_squares) {
     result.fit = register_points(points, options.fit);
     result.weights = Eigen::VectorXd::Ones(n);
     for (Index i = 0; i < n; ++i) result.used.push_back(static_cast<int>(i));
-    if (options.fit.weighting == Weighting::equal &&
-        points.source_covariance.size() + points.target_covariance.size() == 0)
-      as_covariance(problem, std::max(result.fit.sigma0, 1e-12));
-    fill_residuals(problem, result);
+    if (!known) as_covariance(problem, std::max(result.fit.sigma0, 1e-12));
+    fill_residuals(problem, problem.points, result);
     return result;
   }
   Options figure = options.fit;  // refuses what nothing can be done with, in its words; needs no convergence
   figure.weighting = Weighting::equal;
   register_points(points, figure);
+  problem.inner = inner_datum(points.source_covariance, points.source, options.fit.estimate_scale ? 7 : 6);
   double sigma = options.sigma;
   Registration start;
   if (options.fit.weighting == Weighting::equal && !(sigma > 0)) {
@@ -289,7 +287,8 @@ RobustRegistration register_robust(const Correspondences& points, const RobustOp
   }
   for (Index i = 0; i < n; ++i)
     if (result.weights(i) <= smallest_weight) result.weights(i) = 0;
-  fill_residuals(problem, result);
+  if (known) state_covariance(problem.part(points, result.used), result.fit);
+  fill_residuals(problem, known ? points : problem.points, result);
   return result;
 }
 

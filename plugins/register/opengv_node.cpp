@@ -23,7 +23,7 @@ Eigen::Matrix3d rotation_by_arun(const Eigen::Matrix3Xd& source, const Eigen::Ma
 }
 
 struct RegisterOpengvArun : Node {
-  static constexpr Info info{"register.opengv_arun", "registrar", 1,
+  static constexpr Info info{"register.opengv_arun", "registrar", 2,
                              "Rigid registration of points to control with equal weights (6) by OpenGV's threept_arun"};
   In<Points> source{"source", frame("frame=?S"), "points to move; those with role check never take part in the fit"};
   In<Points> target{"target", frame("frame=?T"),

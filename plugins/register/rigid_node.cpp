@@ -11,7 +11,7 @@ using namespace plumbline;
 namespace reg = plumbline::registration;
 
 struct RegisterRigid : Node {
-  static constexpr Info info{"register.rigid", "registrar", 2,
+  static constexpr Info info{"register.rigid", "registrar", 3,
                              "Weighted rigid or similarity registration of points to control, (6), (7) and (8)"};
   In<Points> source{"source", frame("frame=?S"), "points to move; those with role check never take part in the fit"};
   In<Points> target{"target", frame("frame=?T"),
@@ -20,10 +20,11 @@ struct RegisterRigid : Node {
   Out<Points> points{"points", frame("frame=?T"), "all source points in the target frame, with propagated covariance"};
   Param<std::string> weights{
       "weights", "auto", one_of("auto", "equal", "scalar", "covariance"),
-      "equal; scalar: one weight a point from its variances; covariance: the full covariance of both sides; "
-      "auto: covariance if either side has one, else equal"};
+      "equal; scalar: one weight a point from its variances, (6) as printed; covariance: the full covariance of both "
+      "sides; auto: covariance if either side has one, else equal. What the transform takes out of the source "
+      "counts in no weight"};
   Param<std::string> scale{"scale", "fixed", one_of("fixed", "estimated", "tested"),
-                           "6 or 7 parameters; tested: 7 if the scale differs from 1 at 1 %, else 6"};
+                           "6 or 7 parameters; tested: 7 if the control contradicts the source's scale at 1 %, else 6"};
   Param<std::string> estimator{
       "estimator", "least_squares",
       one_of("least_squares", "huber", "cauchy", "tukey", "geman_mcclure", "truncated", "ransac"),
@@ -45,8 +46,9 @@ struct RegisterRigid : Node {
     reg::RobustRegistration result = reg::register_robust(c, how);
     double scale_w = std::nan("");
     if (how.fit.estimate_scale) {
-      const double variance = result.fit.centred_covariance(6, 6);
-      scale_w = variance > 0 ? (result.fit.scale - 1) / std::sqrt(variance) : std::nan("");
+      // Six parameters take the source's scale for exact: the test is of that, however well the source knows its scale.
+      const double of_control = result.fit.sigma_scale_of_control;
+      scale_w = of_control > 0 ? (result.fit.scale - 1) / of_control : std::nan("");
       constexpr double significant = 2.5758;  // two-sided, 1 %
       if (*scale == "tested" && std::abs(scale_w) < significant) {
         how.fit.estimate_scale = false;
@@ -58,6 +60,11 @@ struct RegisterRigid : Node {
         context.warn("rejected: " + c.ids[i] + " is " +
                      std::to_string(1e3 * result.residuals.col(static_cast<Eigen::Index>(i)).norm()) +
                      " mm from where the other points have it");
+    if (*weights != "equal" && matched.points.source_covariance.size() > 0 && from.covariance.empty())
+      context.warn(
+          "'source' has standard deviations, but not the correlations between its points: they are taken for "
+          "independent, so that uncertainty of the datum they are stated in counts as if it were the points' own, in "
+          "the weights and in the standard deviations that leave here; give the full covariance, or weights: equal");
     context.metric("sigma0", result.fit.sigma0, "1");
     transform.commit(reg::transform_artifact(matched, result, *estimator, scale_w));
     points.commit(reg::points_artifact(from, to, matched, result));

@@ -142,6 +142,79 @@ TEST_P(Registrar, CovariancesOfTransformAndPointsCoverTheirErrors) {
   EXPECT_NEAR(of_check, 3.0 * trials, 4 * std::sqrt(6.0 * trials));
 }
 
+/// A free network's errors: those of its shape, and a motion and scale of all points that hang together with them, as
+/// in a datum by tags, images or printed sizes. Registered points are as good as those of one adjustment of source and
+/// target by another derivation (dense, points and transform unknown) on the same draws, and as good as they say; with
+/// 6 parameters and, where the registrar has them, 7. 400 trials with PLUMBLINE_LONG.
+TEST_P(Registrar, MovedPointsAreAsGoodAsTheBoundWhateverTheDatumOfTheSource) {
+  const int trials = std::getenv("PLUMBLINE_LONG") ? 400 : 30;
+  constexpr double shape = 0.0003, surveyed = 0.001;
+  const Eigen::Index n = 3 * static_cast<Eigen::Index>(facade_.truth.points.size()), controls = n - 6;
+  for (const Eigen::Index unknowns : {6, 7}) {
+    if (unknowns == 7 && !NodeHarness(GetParam()).has_parameter("scale", "estimated")) continue;
+    Eigen::MatrixXd motions(n, unknowns);  // of the truth in its own frame
+    for (Eigen::Index i = 0; i < n; i += 3) {
+      const Eigen::Vector3d p = facade_.truth.points[static_cast<size_t>(i / 3)]->position;
+      motions.middleRows<3>(i).leftCols<6>() << -skew(p), Eigen::Matrix3d::Identity();
+      if (unknowns == 7) motions.block<3, 1>(i, 6) = p;
+    }
+    Random fixed(7);
+    Eigen::MatrixXd with_shape(unknowns, n);  // what the datum has in common with the shape
+    for (Eigen::Index k = 0; k < with_shape.size(); ++k) with_shape(k) = fixed.normal3(0.3).x();
+    const Eigen::MatrixXd errors = shape * (Eigen::MatrixXd::Identity(n, n) + motions * with_shape);
+    const Eigen::MatrixXd covariance = errors * errors.transpose();
+    // Observed: source = point + motion · a, all of them; target = point, control only.
+    Eigen::MatrixXd design = Eigen::MatrixXd::Zero(n + controls, n + unknowns);
+    design.topLeftCorner(n, n).setIdentity();
+    design.topRightCorner(n, unknowns) = motions;
+    design.bottomLeftCorner(controls, controls).setIdentity();
+    Eigen::MatrixXd weight = Eigen::MatrixXd::Zero(n + controls, n + controls);
+    weight.topLeftCorner(n, n) = covariance.inverse();
+    weight.bottomRightCorner(controls, controls).diagonal().setConstant(1 / (surveyed * surveyed));
+    const Eigen::MatrixXd best = (design.transpose() * weight * design).ldlt().solve(design.transpose() * weight);
+    std::vector<double> packed;
+    for (Eigen::Index i = 0; i < n; ++i)
+      for (Eigen::Index j = 0; j <= i; ++j) packed.push_back(covariance(i, j));
+    double squares = 0, bound = 0, of_control = 0, of_check = 0;
+    for (int trial = 0; trial < trials; ++trial) {
+      Random random(500 + static_cast<uint64_t>(trial));
+      PointsT source = moved(facade_.truth, {}), target = moved(facade_.truth, motion_);
+      Eigen::VectorXd white(n), observed(n + controls);
+      for (Eigen::Index i = 0; i < n; i += 3) white.segment<3>(i) = random.normal3(1);
+      observed.head(n) = errors * white;
+      for (Eigen::Index i = 0; i < controls; i += 3) observed.segment<3>(n + i) = random.normal3(surveyed);
+      for (Eigen::Index i = 0; i < n; i += 3) {
+        source.points[static_cast<size_t>(i / 3)]->position += observed.segment<3>(i);
+        PointT& surveyed_point = *target.points[static_cast<size_t>(i / 3)];
+        if (i < controls) surveyed_point.position += motion_.rotation * observed.segment<3>(n + i);
+        if (i >= controls) surveyed_point.role = "check";
+        surveyed_point.sigma.setConstant(surveyed);
+      }
+      source.covariance = packed;
+      NodeHarness node(GetParam());
+      node.input<Points>("source", source);
+      node.input<Points>("target", target);
+      if (unknowns == 7) node.set("scale", "estimated");
+      node.run();
+      const PointsT points = node.output<Points>("points");
+      for (size_t i = 0; i < points.points.size(); ++i) {
+        const Eigen::Vector3d e = points.points[i]->position - motion_ * facade_.truth.points[i]->position;
+        squares += e.squaredNorm();
+        Eigen::Matrix3d c;
+        for (size_t a = 0; a < 3; ++a)
+          for (size_t b = 0; b <= a; ++b)
+            c(a, b) = c(b, a) = points.covariance.at((3 * i + a) * (3 * i + a + 1) / 2 + 3 * i + b);
+        if (i == 0) of_control += e.dot(c.ldlt().solve(e));
+        if (i + 1 == points.points.size()) of_check += e.dot(c.ldlt().solve(e));
+      }
+      bound += (best * observed).head(n).squaredNorm();
+    }
+    EXPECT_GE(bound / squares, 0.95) << unknowns << " parameters";
+    EXPECT_NEAR(of_control, 3.0 * trials, 4 * std::sqrt(6.0 * trials)) << unknowns << " parameters";
+    EXPECT_NEAR(of_check, 3.0 * trials, 4 * std::sqrt(6.0 * trials)) << unknowns << " parameters";
+  }
+}
+
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(Registrar);
 INSTANTIATE_TEST_SUITE_P(Role, Registrar, testing::ValuesIn(kinds_of_role("registrar")), test_name);
 

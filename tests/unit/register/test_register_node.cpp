@@ -95,6 +95,40 @@ TEST(RegisterRigid, PropagatesTheFullCovariance) {
   EXPECT_EQ(node.output<Transform>("transform").covariance.size(), 28u);
 }
 
+/// A source that knows its scale to 1 % and is 0.5 % too small: six parameters would take it for exact.
+TEST(RegisterRigid, TestsTheScaleThatTheSourceHasNotTheOneItMayHave) {
+  const auto facade = test::make_facade({.floors = 2, .survey_sigma = 0.001, .seed = 2});
+  PointsT source = copy_of(facade.truth);
+  const size_t n = 3 * source.points.size();
+  for (size_t i = 0; i < n; ++i)
+    for (size_t j = 0; j <= i; ++j)
+      source.covariance.push_back(1e-4 * facade.truth.points[i / 3]->position[i % 3] *
+                                      facade.truth.points[j / 3]->position[j % 3] +
+                                  (i == j ? 1e-8 : 0));
+  for (const double scale : {0.995, 1.0}) {
+    for (size_t i = 0; i < source.points.size(); ++i)
+      source.points[i]->position = scale * facade.truth.points[i]->position;
+    NodeHarness node("register.rigid");
+    node.input<Points>("source", source);
+    node.input<Points>("target", facade.control);
+    node.set("scale", "tested");
+    node.run();
+    const TransformT transform = node.output<Transform>("transform");
+    EXPECT_EQ(transform.statistics->unknowns, scale < 1 ? 7 : 6);
+    EXPECT_EQ(std::abs(transform.scale_w) > 20, scale < 1) << transform.scale_w;
+  }
+}
+
+TEST(RegisterRigid, WarnsOfASourceWithoutCorrelations) {
+  auto facade = test::make_facade({.floors = 1, .survey_sigma = 0.001});
+  for (auto& point : facade.truth.points) point->sigma.setConstant(0.001);
+  NodeHarness node("register.rigid");
+  node.input<Points>("source", facade.truth);
+  node.input<Points>("target", facade.control);
+  node.run();
+  EXPECT_THAT(node.warnings(), testing::Contains(HasSubstr("not the correlations between its points")));
+}
+
 TEST(RegisterRigid, SaysHowManyPointsBothSidesHave) {
   const auto facade = test::make_facade({.floors = 1});
   PointsT target = copy_of(facade.truth);

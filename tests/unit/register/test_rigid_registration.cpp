@@ -175,6 +175,45 @@ TEST(Registration, CovariancesCoverTheErrorsOfTransformAndMovedPoints) {
   }
 }
 
+/// The same network in another datum: C' = (I + A L) C (I + A L)'. What a transform takes out says nothing about
+/// points.
+TEST(Registration, TheDatumThatTheSourceIsStatedInChangesNothing) {
+  for (const auto weighting : {Weighting::scalar, Weighting::covariance})
+    for (const int unknowns : {6, 7}) {
+      Random random(15);
+      Correspondences c = exact(facade(4), motion);
+      c.source_covariance = correlated(24, 0.001, 3);
+      c.target_covariance = correlated(24, 0.002, 4);
+      c.target = noisy(c.target, c.target_covariance, random);
+      Eigen::MatrixXd a(24, unknowns), l(unknowns, 24);
+      for (int i = 0; i < 8; ++i) {
+        a.block<3, 3>(3 * i, 0) = Eigen::Matrix3d::Identity();
+        a.block<3, 3>(3 * i, 3) = -skew(c.source.col(i));
+        if (unknowns == 7) a.block<3, 1>(3 * i, 6) = c.source.col(i);
+      }
+      for (Eigen::Index k = 0; k < l.size(); ++k) l(k) = 0.3 * random.normal();
+      const Eigen::MatrixXd other = Eigen::MatrixXd::Identity(24, 24) + a * l;
+      Correspondences d = c;
+      d.source_covariance = other * c.source_covariance * other.transpose();
+      const Options options{.weighting = weighting, .estimate_scale = unknowns == 7};
+      const Registration one = register_points(c, options), two = register_points(d, options);
+      EXPECT_LT((one.residuals - two.residuals).cwiseAbs().maxCoeff(), 1e-11);
+      EXPECT_NEAR(one.sigma0, two.sigma0, 1e-6);
+      const std::vector<int> all = {0, 1, 2, 3, 4, 5, 6, 7};
+      const Eigen::MatrixXd of_one =
+          move_points(one, c.source, c.source_covariance, all, c.target_covariance).covariance;
+      const Eigen::MatrixXd of_two =
+          move_points(two, d.source, d.source_covariance, all, d.target_covariance).covariance;
+      EXPECT_LT((of_one - of_two).norm(), 1e-6 * of_one.norm());
+      // No other influence G with G A = I gives points of a smaller variance: not that of equal weights, which is one.
+      if (weighting == Weighting::covariance) {
+        const Registration equal = register_points(c, {.estimate_scale = unknowns == 7});
+        EXPECT_LT(of_one.trace(),
+                  move_points(equal, c.source, c.source_covariance, all, c.target_covariance).covariance.trace());
+      }
+    }
+}
+
 TEST(Registration, TakesTheSingularCovarianceOfAFreeNetwork) {
   // Inner constraints leave a covariance without the six directions of a motion; the target is without error.
   Correspondences c = exact(facade(3), motion);
