@@ -1,5 +1,8 @@
 #include "runtime/deliver.hpp"
 
+#include <unistd.h>
+
+#include <functional>
 #include <set>
 
 #include "artifacts/file.hpp"
@@ -39,21 +42,43 @@ Delivered what_is(const Graph& graph, const GraphOutput& output) {
   return what;
 }
 
+/// The copy of a file that must still be what it was when it was read.
+std::function<void(const fs::path&)> copy_of(Store& store, const fs::path& source, const std::string& sha256) {
+  return [&store, source, sha256](const fs::path& target) {
+    copy_file_content(source, target);
+    if (store.file_hashes().of_file(source) == sha256) return;
+    ::unlink(target.c_str());
+    throw std::runtime_error(source.string() + " has changed since it was read; run again");
+  };
+}
+
+/// What a file artifact holds, or what it names, as the file `path`.
+TreeFile content_of(Store& store, const Blob& blob, const std::string& path) {
+  const auto* file = flatbuffers::GetRoot<File>(blob.bytes().data);
+  if (file->uri() && file->uri()->size() > 0) {
+    const fs::path source = store.resolve(file->uri()->str());
+    if (!fs::is_regular_file(source))
+      throw std::runtime_error("the file " + file->uri()->str() + " is not there any more");
+    const std::string sha256 = file->sha256() ? file->sha256()->str() : store.file_hashes().of_file(source);
+    return {path, sha256, copy_of(store, source, sha256)};
+  }
+  return {path, sha256_of(file->content()->data(), file->content()->size()), [blob](const fs::path& target) {
+            const auto* content = flatbuffers::GetRoot<File>(blob.bytes().data)->content();
+            write_new_file(target, content->data(), content->size());
+          }};
+}
+
 /// A node chooses the names in a list of files, so they must not lead out of the folder.
 std::vector<TreeFile> files_of_list(Store& store, const plumbline_type& type, const Hashes& hashes) {
   std::vector<TreeFile> files;
   std::set<std::string> names;
   for (const std::string& hash : hashes) {
     const Blob blob = verified(store, type, hash);
-    const auto* file = flatbuffers::GetRoot<File>(blob.bytes().data);
-    const std::string name = file->name()->str();
+    const std::string name = flatbuffers::GetRoot<File>(blob.bytes().data)->name()->str();
     if (name.empty() || name[0] == '.' || name.find('/') != std::string::npos || !names.insert(name).second)
       throw std::runtime_error("a list of files with the name '" + name +
                                "', which is no plain name or is there twice");
-    files.push_back({name, sha256_of(file->content()->data(), file->content()->size()), [blob](const fs::path& target) {
-                       const auto* content = flatbuffers::GetRoot<File>(blob.bytes().data)->content();
-                       write_new_file(target, content->data(), content->size());
-                     }});
+    files.push_back(content_of(store, blob, name));
   }
   return files;
 }
@@ -71,12 +96,7 @@ std::vector<TreeFile> files_of_folder(Store& store, const Blob& blob) {
       throw std::runtime_error("the folder " + source.string() + " lists a file '" + entry->path()->str() +
                                "', which lies outside of it");
     const std::string sha256 = entry->sha256()->str();
-    files.push_back({relative.generic_string(), sha256, [&store, source, relative, sha256](const fs::path& target) {
-                       copy_file_content(source / relative, target);
-                       if (store.file_hashes().of_file(source / relative) != sha256)
-                         throw std::runtime_error((source / relative).string() +
-                                                  " has changed since it was read; run again");
-                     }});
+    files.push_back({relative.generic_string(), sha256, copy_of(store, source / relative, sha256)});
   }
   return files;
 }
@@ -106,16 +126,16 @@ std::string deliver_one(const Graph& graph, const Registry& registry, Store& sto
         what.list ? files_of_list(store, *type, hashes) : files_of_folder(store, verified(store, *type, hashes.at(0))),
         made_from);
   if (what.type == artifact_traits<File>::name) {
-    const Blob blob = verified(store, *type, hashes.at(0));
-    const auto* content = flatbuffers::GetRoot<File>(blob.bytes().data)->content();
-    out.put_file(output.file, content->data(), content->size(), made_from);
+    out.put_file(content_of(store, verified(store, *type, hashes.at(0)), output.file), made_from);
     return "";
   }
   std::string text;
   for (const std::string& hash : hashes) text += (text.empty() ? "" : ",\n") + blob_to_json(store, *type, hash);
   if (what.list) text = "[\n" + text + "\n]";
   text += "\n";
-  out.put_file(output.file, text.data(), text.size(), made_from);
+  out.put_file({output.file, sha256_of(text.data(), text.size()),
+                [&](const fs::path& target) { write_new_file(target, text.data(), text.size()); }},
+               made_from);
   return "";
 }
 

@@ -15,6 +15,7 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "artifacts/file.hpp"
 #include "runtime/artifact_type.hpp"
 #include "runtime/child_process.hpp"
 #include "runtime/plugin_check.hpp"
@@ -136,13 +137,17 @@ class Exchange {
       std::snprintf(name, sizeof name, "%06zu", i);
       write_file(folder_ / "inputs" / port.name / name, bytes);
       const plumbline_type& type = *type_of_port(node_.table->table(), port);
-      if (may_name_files(type)) find_references(Json::parse(artifact_to_json(type, bytes)));
+      if (may_name_files(type, bytes)) find_references(Json::parse(artifact_to_json(type, bytes)));
     }
   }
 
-  /// Artifacts that stand for files name them by a field `uri`; a large cloud of points need not be searched for it.
-  static bool may_name_files(const plumbline_type& type) {
+  /// Artifacts that stand for files name them by a field `uri`; a large cloud of points, or the bytes of a file, need
+  /// not be searched for it.
+  static bool may_name_files(const plumbline_type& type, plumbline_bytes bytes) {
     using namespace std::string_view_literals;
+    if (type.name == std::string_view(artifact_traits<File>::name) &&
+        flatbuffers::GetRoot<File>(bytes.data)->content()->size() > 0)
+      return false;
     return std::string_view(static_cast<const char*>(type.schema.data), type.schema.size).find("\3\0\0\0uri\0"sv) !=
            std::string_view::npos;
   }

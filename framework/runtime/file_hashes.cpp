@@ -21,6 +21,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int64_t settle_seconds = 2;
+const std::string scheme = "sha256:";
 const std::string no_identity = "-";  // of what is remembered only for its place
 
 /// Makes it the last one. False if it was.
@@ -78,19 +79,28 @@ std::string FileHashes::of_file(const fs::path& path) {
       remember(identity, hash, path);
       return hash;
     }
+    if (const auto found = own_.find(identity); found != own_.end()) {
+      const std::string hash = found->second;
+      remember(no_identity, hash, path);
+      return hash;
+    }
   }
-  const bool keep = settled(path);
+  const bool keep = settled(path), own = is_passing(path);
   const std::string hash = sha256_of_file(path);
-  const bool unchanged = keep && identity_of(path) == identity;
+  const bool unchanged = (keep || own) && identity_of(path) == identity;
   const std::scoped_lock lock(mutex_);
-  remember(unchanged ? identity : no_identity, hash, path);
+  if (unchanged && !keep) own_.emplace(identity, hash);
+  remember(unchanged && keep ? identity : no_identity, hash, path);
   return hash;
+}
+
+bool FileHashes::is_passing(const fs::path& path) const {
+  return !passing_.empty() && fs::absolute(path).lexically_normal().string().compare(0, passing_.size(), passing_) == 0;
 }
 
 /// Under the lock. Appends a line if it tells something new.
 void FileHashes::remember(const std::string& identity, const std::string& hash, const fs::path& path) {
-  std::string place = fs::absolute(path).lexically_normal().string();
-  if (!passing_.empty() && place.compare(0, passing_.size(), passing_) == 0) place.clear();
+  std::string place = is_passing(path) ? "" : fs::absolute(path).lexically_normal().string();
   const bool fresh = identity != no_identity && known_.emplace(identity, hash).second;
   const bool moved = !place.empty() && add_place(places_[hash], place);
   if (!moved && !fresh) return;
@@ -128,6 +138,17 @@ fs::path FileHashes::locate(const std::string& hash) {
   }
   throw std::runtime_error("cannot find the content " + hash.substr(0, 12) + "…" +
                            (reasons.empty() ? "" : ": " + reasons) + "; put it back, or run again");
+}
+
+bool FileHashes::names_content(const std::string& uri) { return uri.compare(0, scheme.size(), scheme) == 0; }
+std::string FileHashes::hash_in(const std::string& uri) { return uri.substr(scheme.size(), 64); }
+
+fs::path FileHashes::resolve(const std::string& uri, fs::path* place) {
+  const fs::path rest =
+      fs::path(uri.substr(std::min(uri.size(), scheme.size() + 64))).relative_path().lexically_normal();
+  const fs::path found = locate(hash_in(uri));
+  if (place) *place = found;
+  return !fs::is_directory(found) || rest.empty() || *rest.begin() == ".." ? found : found / rest;
 }
 
 namespace {

@@ -2,7 +2,9 @@
 //
 // A file is recognised by device, inode, size, time of modification and time of status change; the path plays no part,
 // so a folder keeps its hashes when it is renamed. A file that was modified less than two seconds before it was read is
-// not remembered: a second write within the tick of the file system's clock would go unnoticed.
+// not remembered: a second write within the tick of the file system's clock would go unnoticed. What lies in the
+// store's own tmp/ is, as long as the process runs: nobody but the node that writes it touches it, and it has just been
+// read.
 //
 // Where a content was last seen is remembered too, because artifacts name files and folders by content:
 //
@@ -43,12 +45,21 @@ class FileHashes {
   /// A file or folder that has this hash now. Throws std::runtime_error that names where it was last seen.
   std::filesystem::path locate(const std::string& hash);
 
+  /// Whether the uri is "sha256:<hash>/...", and that hash.
+  static bool names_content(const std::string& uri);
+  static std::string hash_in(const std::string& uri);
+  /// What such a uri names; `place` is where the content of that hash is, which may be a folder with the file in it.
+  /// Throws like locate().
+  std::filesystem::path resolve(const std::string& uri, std::filesystem::path* place = nullptr);
+
  private:
+  bool is_passing(const std::filesystem::path& path) const;
   void remember(const std::string& identity, const std::string& hash, const std::filesystem::path& path);
   std::filesystem::path log_;
   std::string passing_;  // with a '/' at its end
   std::mutex mutex_;
   std::map<std::string, std::string> known_;                // by identity
+  std::map<std::string, std::string> own_;                  // the same of what came through `passing`, not in the log
   std::map<std::string, std::vector<std::string>> places_;  // by hash, the last one last
 };
 

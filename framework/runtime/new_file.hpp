@@ -17,7 +17,7 @@ int rename_to_absent(const std::filesystem::path& from, const std::filesystem::p
 /// Writes all bytes to a new file. Throws std::runtime_error with the reason; then nothing is left.
 void write_new_file(const std::filesystem::path& path, const void* data, size_t size);
 
-/// Copies a file's content, sharing its blocks where the file system can. Throws std::runtime_error.
+/// Copies a file's content to a new file, sharing its blocks where the file system can. Throws std::runtime_error.
 void copy_file_content(const std::filesystem::path& from, const std::filesystem::path& to);
 
 }  // namespace plumbline::runtime

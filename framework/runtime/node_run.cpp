@@ -233,17 +233,12 @@ std::string Host::resolve(const std::string& uri) {
       if (uri == folder.uri || uri.compare(0, folder.uri.size() + 1, folder.uri + "/") == 0)
         return folder.path + uri.substr(folder.uri.size());
   }
-  static const std::string scheme = "sha256:";
-  if (uri.compare(0, scheme.size(), scheme) == 0) {
-    const std::string
-        hash = uri.substr(scheme.size(), 64),
-        rest =
-            fs::path(uri.substr(std::min(uri.size(), scheme.size() + 64))).relative_path().lexically_normal().string();
-    const fs::path place = services_.store->file_hashes().locate(hash);
+  if (FileHashes::names_content(uri)) {
+    fs::path place;
+    const fs::path path = services_.store->file_hashes().resolve(uri, &place);
     const std::scoped_lock lock(mutex_);
-    used_.emplace_back(hash, place);
-    if (!fs::is_directory(place) || rest.empty() || rest.compare(0, 2, "..") == 0) return place.string();
-    return (place / rest).string();
+    used_.emplace_back(FileHashes::hash_in(uri), place);
+    return path.string();
   }
   const fs::path path = services_.store->resolve(uri);
   if (path.empty() || !fs::exists(path))

@@ -194,16 +194,16 @@ bool OutputFolder::holds(const std::string& output, const std::string& made_from
   return true;
 }
 
-void OutputFolder::put_file(const std::string& output, const void* data, size_t size, const std::string& made_from) {
-  const std::string sha256 = sha256_of(data, size);
-  if (standing(output) != Standing::ours || hashes_.of_file(folder_ / output) != sha256) {
-    announce(output, {{output, sha256}}, false);
+void OutputFolder::put_file(const TreeFile& file, const std::string& made_from) {
+  const std::string& output = file.path;
+  if (standing(output) != Standing::ours || hashes_.of_file(folder_ / output) != file.sha256) {
+    announce(output, {{output, file.sha256}}, false);
     make_folders(output);
     const fs::path made = folder_ / staging_ / ("new-" + std::to_string(deliveries_));
-    write_new_file(made, data, size);
+    file.write(made);
     move_in(made, output);
   }
-  owned_.files[output] = {sha256};
+  owned_.files[output] = {file.sha256};
   owned_.made_from[output] = made_from;
 }
 

@@ -60,7 +60,7 @@ class OutputFolder {
 
   /// Puts a file or a tree in place, whole or not at all; what is the same already is not written again. Returns a note
   /// for people, mostly empty. Throws std::runtime_error if it cannot, or if meanwhile there is something in the way.
-  void put_file(const std::string& output, const void* data, size_t size, const std::string& made_from);
+  void put_file(const TreeFile& file, const std::string& made_from);
   std::string put_tree(const std::string& output, const std::vector<TreeFile>& files, const std::string& made_from);
 
   /// Removes what an earlier run left as `output`. Returns what had to stay, as a sentence; empty: nothing did.

@@ -310,6 +310,7 @@ fs::path Store::folder_path(const std::string& name) const {
 }
 
 fs::path Store::resolve(const std::string& uri) const {
+  if (FileHashes::names_content(uri)) return file_hashes_->resolve(uri);
   static const std::string scheme = "store:";
   if (uri.compare(0, scheme.size(), scheme) != 0) return uri;
   const fs::path inside = fs::path(uri.substr(scheme.size())).lexically_normal();

@@ -101,8 +101,8 @@ class Store {
   /// If that name holds the same tree already, that stays.
   std::string commit_folder(const std::filesystem::path& filled, const std::string& name = "");
   std::filesystem::path folder_path(const std::string& name) const;
-  /// Path of a file or folder that an artifact names: "store:<name>/..." or a path. Empty if the uri leads out of the
-  /// store.
+  /// Path of a file or folder that an artifact names: "store:<name>/...", "sha256:<hash>/..." (file_hashes.hpp) or a
+  /// path. Empty if the uri leads out of the store. Throws std::runtime_error if a content is nowhere any more.
   std::filesystem::path resolve(const std::string& uri) const;
 
   /// A small text kept by pipeline, empty if there is none.

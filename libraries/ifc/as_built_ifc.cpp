@@ -1,7 +1,9 @@
 #include "ifc/as_built_ifc.hpp"
 
-#include <algorithm>
+#include <cerrno>
 #include <cmath>
+#include <cstring>
+#include <fstream>
 #include <stdexcept>
 
 #include "ifc/as_built_writer.hpp"
@@ -130,16 +132,24 @@ AsBuiltIfc write_as_built(const step::File& file, const Design& design, const De
   return AsBuiltWriter(file, design, deviation, accuracy, options).write();
 }
 
-void copy_enriched(const step::File& file, const AsBuiltIfc& as_built, char* to) {
+void write_enriched(const step::File& file, const AsBuiltIfc& as_built, const std::filesystem::path& path) {
   const std::string_view design = file.bytes();
-  to = std::copy_n(design.begin(), file.data_end(), to);
-  to = std::copy(as_built.additions.begin(), as_built.additions.end(), to);
-  std::copy(design.begin() + static_cast<std::ptrdiff_t>(file.data_end()), design.end(), to);
+  errno = 0;
+  std::ofstream stream(path, std::ios::binary);
+  for (const std::string_view part :
+       {design.substr(0, file.data_end()), std::string_view(as_built.additions), design.substr(file.data_end())})
+    stream.write(part.data(), static_cast<std::streamsize>(part.size()));
+  stream.close();
+  if (!stream) throw std::runtime_error("cannot write " + path.string() + ": " + std::strerror(errno));
 }
 
 std::string enriched(const step::File& file, const AsBuiltIfc& as_built) {
-  std::string all(file.bytes().size() + as_built.additions.size(), '\0');
-  copy_enriched(file, as_built, all.data());
+  const std::string_view design = file.bytes();
+  std::string all;
+  all.reserve(design.size() + as_built.additions.size());
+  all += design.substr(0, file.data_end());
+  all += as_built.additions;
+  all += design.substr(file.data_end());
   return all;
 }
 

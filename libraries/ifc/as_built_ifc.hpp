@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
@@ -43,8 +44,9 @@ const char* label_of(ToleranceVerdict verdict);  ///< "PASS", "FAIL", "UNDECIDED
 AsBuiltIfc write_as_built(const step::File& file, const Design& design, const DeviationT& deviation,
                           const AccuracyT& accuracy, const AsBuiltIfcOptions& options);
 
-/// The design file with the additions: room for file.bytes().size() + additions.size() bytes.
-void copy_enriched(const step::File& file, const AsBuiltIfc& as_built, char* to);
+/// Writes the design file with the additions to `path`. Throws std::runtime_error with the reason.
+void write_enriched(const step::File& file, const AsBuiltIfc& as_built, const std::filesystem::path& path);
+/// The same in memory.
 std::string enriched(const step::File& file, const AsBuiltIfc& as_built);
 
 }  // namespace plumbline::bim

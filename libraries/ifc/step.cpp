@@ -249,7 +249,7 @@ struct File::Lists {
   std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> by_type;
 };
 
-File File::read(const std::string& path) {
+File File::read(const std::string& path, std::string name) {
   auto mapping = std::make_shared<Mapping>();
   const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
   struct stat status {};
@@ -263,7 +263,7 @@ File File::read(const std::string& path) {
   if (!regular || (!empty && mapping->data == MAP_FAILED))
     throw Error(path + ": cannot be read, expected an IFC or STEP file");
   const std::string_view bytes(empty ? "" : static_cast<const char*>(mapping->data), mapping->size);
-  return File(std::move(mapping), bytes, path);
+  return File(std::move(mapping), bytes, name.empty() ? path : std::move(name));
 }
 
 File File::view(std::string_view bytes, std::string name) { return File(nullptr, bytes, std::move(name)); }
@@ -357,6 +357,7 @@ void File::read_instance(Scanner& scanner) {
   if (ascending_ && entries_.size() % kMark == 0) marks_.push_back(id);
   last_id_ = id;
   largest_id_ = std::max(largest_id_, id);
+  ++type_counts_[entry.type];
   entries_.push_back(entry);
 }
 
@@ -378,6 +379,7 @@ std::uint32_t File::type_of(Scanner& scanner) {
   std::string capitals(keyword);
   for (char& c : capitals) c = upper(c);
   type_names_.push_back(std::move(capitals));
+  type_counts_.push_back(0);
   type_table_[slot] = static_cast<std::uint32_t>(type_names_.size());
   if (2 * type_names_.size() > type_table_.size()) {
     std::vector<std::uint32_t> larger(2 * type_table_.size(), 0);
@@ -466,9 +468,11 @@ const std::vector<std::uint32_t>& File::of_type(std::string_view keyword) const 
   const auto type = static_cast<std::uint32_t>(name - type_names_.begin());
   const std::lock_guard lock(lists_->mutex);
   const auto [list, added] = lists_->by_type.try_emplace(type);
-  if (added)
-    for (std::uint32_t i = 0; i < entries_.size(); ++i)
+  if (added) {
+    list->second.reserve(type_counts_[type]);
+    for (std::uint32_t i = 0; list->second.size() < type_counts_[type]; ++i)
       if (entries_[i].type == type) list->second.push_back(i);
+  }
   return list->second;
 }
 

@@ -7,8 +7,8 @@
 // file, so that a writer can copy the file and add to it.
 //
 // Read leniently where real exporters err and nothing is lost by it (lower-case keywords, blanks inside `#1= X`, line
-// breaks and unescaped solidi in strings, reals without a point, UTF-8 or Latin-1 bytes); everything else is an error
-// that names line and column.
+// breaks and unescaped solidi in strings, reals without a point, UTF-8 or Latin-1 bytes, nothing where $ or * belongs);
+// everything else is an error that names line and column.
 #pragma once
 
 #include <cstddef>
@@ -94,8 +94,9 @@ class File {
   File(std::string bytes, std::string name);
   /// Looks at bytes that the caller keeps alive and unchanged. Throws Error.
   static File view(std::string_view bytes, std::string name);
-  /// Maps the file at `path`, for reading only. Throws Error, also when it cannot be read.
-  static File read(const std::string& path);
+  /// Maps the file at `path`, for reading only; `name` is for messages, the path unless given. Throws Error, also when
+  /// it cannot be read.
+  static File read(const std::string& path, std::string name = {});
 
   std::string_view bytes() const { return bytes_; }
   const std::string& name() const { return name_; }
@@ -171,6 +172,7 @@ class File {
   std::vector<std::string> schemas_;
   std::vector<Entry> entries_;
   std::vector<std::string> type_names_;
+  std::vector<std::uint32_t> type_counts_;
   std::vector<std::uint32_t> type_table_;  // hash table of indices into type_names_, plus one
   // Where the numbers do not ascend: the index of each, if there are few gaps; else their order.
   std::vector<std::uint32_t> by_number_, by_id_;

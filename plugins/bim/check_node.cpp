@@ -1,22 +1,14 @@
 #include "check_node.hpp"
 
+#include "design_file.hpp"
 #include "ifc/check.hpp"
 
 namespace plumbline::bim {
-namespace {
-
-step::File step_file(const File& file) {
-  const auto* content = file.content();
-  const std::string_view bytes =
-      content ? std::string_view(reinterpret_cast<const char*>(content->data()), content->size()) : std::string_view();
-  return step::File::view(bytes, file.name() ? file.name()->str() : "file.ifc");
-}
-
-}  // namespace
 
 void CheckIfc::run(Context& context) {
-  const step::File checked = step_file(*file);
-  const std::uint64_t first = design_file ? step_file(*design_file).largest_id() + 1 : 0;
+  const std::uint64_t first = design_file ? index_of(*design_file, context)->largest_id() + 1 : 0;
+  const auto index = index_of(*file, context);
+  const step::File& checked = *index;
   const std::vector<Violation> violations = check_ifc(checked, first);
   std::string text = checked.name() + ": " + std::to_string(checked.instances().size()) + " instances, " +
                      (violations.empty() ? "no rule broken" : std::to_string(violations.size()) + " violations") + "\n";

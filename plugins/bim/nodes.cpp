@@ -9,6 +9,7 @@
 #include "artifacts/plates.hpp"
 #include "artifacts/survey_observations.hpp"
 #include "check_node.hpp"
+#include "design_file.hpp"
 #include "ifc/as_built_ifc.hpp"
 #include "ifc/bcf.hpp"
 #include "ifc/ifc_guid.hpp"
@@ -18,14 +19,6 @@
 
 namespace plumbline::bim {
 namespace {
-
-/// The bytes stay where they are: the node holds the artifact as long as it runs.
-step::File step_file(const plumbline::File& file) {
-  const auto* content = file.content();
-  const std::string_view bytes =
-      content ? std::string_view(reinterpret_cast<const char*>(content->data()), content->size()) : std::string_view();
-  return step::File::view(bytes, file.name() ? file.name()->str() : "design.ifc");
-}
 
 struct ReadIfc : Node {
   static constexpr Info info{"bim.read_ifc", "", 3,
@@ -59,7 +52,7 @@ struct ReadIfc : Node {
   }
 
   void run(Context& context) override {
-    const Design result = read_design(step_file(*file), rule());
+    const Design result = read_design(*index_of(*file, context), rule());
     for (const std::string& warning : result.warnings) context.warn(warning);
     const PointsT points = bim::anchor_points(result);
     context.info(std::to_string(result.storeys.size()) + " storeys, " + std::to_string(result.elements.size()) +
@@ -70,7 +63,7 @@ struct ReadIfc : Node {
 };
 
 struct WriteIfc : Node {
-  static constexpr Info info{"bim.write_ifc", "bim_writer", 2,
+  static constexpr Info info{"bim.write_ifc", "bim_writer", 3,
                              "Writes (14) and dz into a copy of the design IFC, as property sets and small solids"};
   In<plumbline::File> design_file{"design_file", "the design IFC; its own lines stay as they are"};
   In<plumbline::Design> design{"design", frame("frame=?F"), "what bim.read_ifc read from that file"};
@@ -91,7 +84,7 @@ struct WriteIfc : Node {
   Param<std::string> observation_time{"observation_time", "",
                                       "for ASB_Provenance, ISO 8601; empty: that of the survey"};
   Param<std::string> run_id{"run_id", "", "for ASB_Provenance; empty: derived from the hashes of the campaign"};
-  Out<plumbline::File> out{"file", "the as-built IFC"};
+  Out<plumbline::File> out{"file", "the as-built IFC, by reference"};
 
   std::optional<Instant> measured_at() const {
     if (!observation_time->empty()) {
@@ -138,7 +131,8 @@ struct WriteIfc : Node {
   }
 
   void run(Context& context) override {
-    const step::File file = step_file(*design_file);
+    const auto index = index_of(*design_file, context);
+    const step::File& file = *index;
     const Design read = from_artifact(design.unpack());
     const auto when = measured_at();
     AsBuiltIfcOptions options{*epoch, *timestamp, *survey_points, *solids, {}, {}};
@@ -150,8 +144,10 @@ struct WriteIfc : Node {
     add_provenance(read, when, options);
     const AsBuiltIfc result = write_as_built(file, read, deviation.unpack(), accuracy.unpack(), options);
     for (const std::string& warning : result.warnings) context.warn(warning);
-    out.commit(file_artifact(*file_name, "application/x-step", file.bytes().size() + result.additions.size(),
-                             [&](char* to) { copy_enriched(file, result, to); }));
+    const auto folder = out.make_folder();
+    const std::string path = folder.path + "/as_built.ifc";
+    write_enriched(file, result, path);
+    out.commit(file_reference(*file_name, "application/x-step", folder.uri + "/as_built.ifc", context.digest(path)));
   }
 };
 

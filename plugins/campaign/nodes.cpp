@@ -15,7 +15,7 @@ using namespace plumbline;
 namespace fs = std::filesystem;
 
 struct ReadCampaign : Node {
-  static constexpr Info info{"read.campaign", "", 5, "Reads the folder of a site: campaign.yaml and what it names"};
+  static constexpr Info info{"read.campaign", "", 6, "Reads the folder of a site: campaign.yaml and what it names"};
   In<Folder> folder{"folder", "a folder with a campaign.yaml; see docs/campaign_folder.md"};
   OutList<Image> images{"images", "the photographs, by reference, ordered by path"};
   OutList<ImageTags> observations{"observations", "tags that were measured already, where campaign.yaml names a table"};
@@ -26,7 +26,7 @@ struct ReadCampaign : Node {
   Out<Points> control{"control", frame("frame=building"), "the control points as given"};
   Param<bool> strict{"strict", true,
                      "refuse survey files of which anything has to be skipped; otherwise it is a warning"};
-  Out<File> design_file{"design_file", "the design IFC as it is"};
+  Out<File> design_file{"design_file", "the design IFC as it is, by reference"};
   Out<File> mapping{"mapping", "the mapping table from points to elements of the design; empty without one"};
 
   void run(Context& context) override {
@@ -60,7 +60,11 @@ struct ReadCampaign : Node {
     }
     mapping.commit(table);
 
-    design_file.commit(file_artifact(root / description.design, "application/x-step"));
+    // By reference, like the photographs: a design may have hundreds of megabytes.
+    const FolderEntryT& design = *entries.at(description.design);
+    const std::string name = fs::path(design.path).filename().string();
+    design_file.commit(
+        file_reference(name, "application/x-step", "sha256:" + design.sha256 + "/" + name, design.sha256));
   }
 
  private:

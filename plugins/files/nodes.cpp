@@ -16,7 +16,7 @@ struct ReadFile : Node {
   Param<FilePath> file{"file", required, "the file"};
   Out<File> out{"file", "its content and base name"};
 
-  void run(Context&) override { out.commit(file_artifact(file->path, "")); }
+  void run(Context&) override { out.commit(file_artifact(file->path)); }
 };
 
 struct ReadFolder : Node {

@@ -3,7 +3,7 @@
 #include "artifacts/accuracy.hpp"
 #include "artifacts/design.hpp"
 #include "artifacts/deviation.hpp"
-#include "artifacts/file.hpp"
+#include "artifacts/file_artifact.hpp"
 #include "ifc/step.hpp"
 #include "node_harness.hpp"
 #include "parameter_effects.hpp"
@@ -67,8 +67,7 @@ class BimWriter : public testing::TestWithParam<std::string> {
   static std::string written(const Problem& problem) {
     NodeHarness node = prepared(problem);
     node.run();
-    const FileT file = node.output<plumbline::File>("file");
-    return {file.content.begin(), file.content.end()};
+    return file_bytes(node.output<plumbline::File>("file"), [](const std::string& uri) { return uri; });
   }
 
   /// The values of a length property, in the order of the file.
@@ -114,6 +113,20 @@ TEST_P(BimWriter, RecordsTheDeviationsInTheUnitOfTheProject) {
 TEST_P(BimWriter, GivesTheSameBytesTwice) {
   const Problem problem(small_building("IFC4"));
   EXPECT_EQ(written(problem), written(problem));
+}
+
+TEST_P(BimWriter, TakesADesignThatIsNamedAndSeesThatItChanged) {
+  const TemporaryFolder folder;
+  const std::string path = (folder.path() / "tower.ifc").string();
+  for (const char* schema : {"IFC4", "IFC2X3"}) {
+    Problem problem(small_building(schema));
+    const std::string expected = written(problem);
+    std::ofstream(path, std::ios::binary) << small_building(schema);
+    problem.file.content.clear(), problem.file.uri = path;
+    EXPECT_EQ(written(problem), expected) << schema;
+    EXPECT_EQ(written(problem), expected) << schema;
+    EXPECT_EQ(read_file(path), small_building(schema));
+  }
 }
 
 TEST_P(BimWriter, RefusesADesignOfAnotherFileAndDamage) {

@@ -79,7 +79,10 @@ TEST_F(ReadCampaignTest, GivesEveryPartOfTheFolder) {
   EXPECT_EQ(survey.observations.size(), campaign_.observations.observations.size());
   EXPECT_EQ(survey.info->instrument, "ics50_assumed");
   EXPECT_EQ(survey.info->date, "2026-05-04");
-  EXPECT_EQ(node.output<File>("design_file").name, "design.ifc");
+  const FileT design = node.output<File>("design_file");
+  EXPECT_EQ(design.name, "design.ifc");
+  EXPECT_EQ(design.sha256, runtime::sha256_of_file(folder_.path() / "design.ifc"));
+  EXPECT_EQ(design.uri, "sha256:" + design.sha256 + "/design.ifc");
 }
 
 TEST_F(ReadCampaignTest, SurveyCampaignNeedsNothingButSurveyFiles) {

@@ -246,6 +246,23 @@ TEST(Deliver, LeavesAFolderThatIsThereAlready) {
   EXPECT_EQ(before.st_ino, after.st_ino) << "it was copied again";
 }
 
+TEST(Deliver, AFileThatAnArtifactNamesIsCopiedAndHasToBeWhatItWas) {
+  Story story("w: {use: story.file}", "outputs: {a.txt: w.file}");
+  const fs::path file = story.folder.path() / "out" / "a.txt";
+  story.run();
+  for (const auto& delivery : deliver(story)) EXPECT_EQ(delivery.problem, "");
+  EXPECT_EQ(read_file(file), "hello");
+  story.run({"w.with.text=new"});
+  for (const auto& entry : fs::recursive_directory_iterator(story.store->folder() / "folders"))
+    if (entry.path().filename() == "inside") std::ofstream(entry.path()) << "tampered";
+  EXPECT_NE(deliver(story).at(0).problem.find("inside has changed since it was read"), std::string::npos);
+  EXPECT_FALSE(fs::exists(file)) << "what was delivered before is not of this run";
+  story.run({"w.with.text=new"});
+  EXPECT_EQ(story.executed(), "w") << "the store found out";
+  deliver(story);
+  EXPECT_EQ(read_file(file), "new");
+}
+
 TEST(Deliver, DoesNotWriteAgainWhatIsThere) {
   Story story("s: {use: story.series}\nw: {use: story.folder}", "outputs: {s.json: s.numbers, tree: w.folder}");
   const fs::path file = story.folder.path() / "out" / "s.json";

@@ -281,6 +281,21 @@ TEST(FileHashes, AreRememberedOnceTheFileHasSettled) {
   EXPECT_EQ(runtime::FileHashes(log).of_file(settled), std::string(64, '0'));
 }
 
+TEST(FileHashes, OfTheStoresOwnFilesAreKeptByTheProcessAlone) {
+  const TemporaryFolder folder;
+  const fs::path passing = folder.path() / "tmp", file = passing / "a", log = folder.path() / "hashes";
+  fs::create_directory(passing);
+  std::ofstream(file) << "1";
+  runtime::FileHashes hashes(log, passing);
+  const std::string hash = hashes.of_file(file);
+  fs::rename(passing, folder.path() / "kept");
+  EXPECT_EQ(hashes.of_file(folder.path() / "kept/a"), hash);
+  // A power failure may leave another content under the same identity, so none is written down.
+  EXPECT_EQ(read_file(log), "- " + hash + " " + (folder.path() / "kept/a").string() + "\n");
+  std::ofstream(folder.path() / "kept/a") << "other";
+  EXPECT_EQ(hashes.of_file(folder.path() / "kept/a"), runtime::sha256_of("other", 5));
+}
+
 TEST(FileHashes, NameWhatCannotBeRead) {
   const TemporaryFolder folder;
   runtime::FileHashes hashes(folder.path() / "hashes");
