@@ -33,25 +33,32 @@ double prefix_factor(const Entity& unit) {
   unit.fail("Prefix", "an SI prefix");
 }
 
-double factor_of(const Model& model, std::uint64_t id, std::uint64_t referrer, int depth) {
+struct InSi {
+  double factor = 1;
+  std::string name;  ///< METRE, SQUARE_METRE, RADIAN, …
+};
+
+InSi in_si(const Model& model, std::uint64_t id, std::uint64_t referrer, int depth) {
   const Entity unit = model.entity(id, referrer);
-  if (unit.keyword() == "IFCSIUNIT") {
-    const std::string name = unit.text("Name");
-    if (name != "METRE" && name != "RADIAN") unit.fail("Name", "METRE or RADIAN here");
-    return prefix_factor(unit);
-  }
+  if (unit.keyword() == "IFCSIUNIT") return {prefix_factor(unit), unit.text("Name")};
   // A chain such as foot → inch → millimetre is legal; an endless one is not.
   if (depth > 8) unit.fail("Name", "a unit that leads to an SI unit");
   const Entity measure = model.entity(unit.reference("ConversionFactor"), id);
-  const double factor =
-      measure.number("ValueComponent") * factor_of(model, measure.reference("UnitComponent"), measure.id(), depth + 1);
-  if (!(factor > 0) || !std::isfinite(factor)) measure.fail("ValueComponent", "a positive factor");
-  return factor;
+  InSi result = in_si(model, measure.reference("UnitComponent"), measure.id(), depth + 1);
+  result.factor *= measure.number("ValueComponent");
+  if (!(result.factor > 0) || !std::isfinite(result.factor)) measure.fail("ValueComponent", "a positive factor");
+  return result;
 }
 
 }  // namespace
 
-double unit_factor(const Model& model, std::uint64_t unit) { return factor_of(model, unit, 0, 0); }
+double unit_factor(const Model& model, std::uint64_t unit) {
+  const InSi found = in_si(model, unit, 0, 0);
+  if (found.name != "METRE" && found.name != "RADIAN")
+    throw step::Error(model.file().where(model.file().find(unit)->begin) + ": #" + std::to_string(unit) +
+                      " is a unit of " + found.name + ", expected METRE or RADIAN here");
+  return found.factor;
+}
 
 Units read_units(const Model& model, const Entity& project, std::vector<std::string>& warnings) {
   Units units;
@@ -65,11 +72,11 @@ Units read_units(const Model& model, const Entity& project, std::vector<std::str
       const std::string type = unit.text("UnitType");
       if (type == "PLANEANGLEUNIT") units.plane_angle = unit_factor(model, id);
       if (type != "LENGTHUNIT") continue;
-      if (keyword == "IFCSIUNIT" && unit.text("Name") != "METRE") {
+      const auto [factor, name] = in_si(model, id, *assignment, 0);
+      if (name != "METRE") {
         no_length.push_back(id);
         continue;
       }
-      const double factor = unit_factor(model, id);
       if (length_found && factor != units.length)
         unit.fail("UnitType", "one length unit, as an IfcUnitAssignment has (another stands before it)");
       units.length = factor;
@@ -80,7 +87,7 @@ Units read_units(const Model& model, const Entity& project, std::vector<std::str
   for (const std::uint64_t id : no_length) {
     if (!length_found) unit_factor(model, id);  // says what is wrong with it
     warnings.push_back("#" + std::to_string(id) + " calls itself a unit of length and is " +
-                       model.entity(id).text("Name") + "; it is not used");
+                       in_si(model, id, 0, 0).name + "; it is not used");
   }
   if (!length_found) warnings.emplace_back("the project assigns no length unit; its lengths are taken as metres");
   return units;

@@ -194,7 +194,8 @@ std::vector<Value> Scanner::read_list(int depth) {
   if (accept(')')) return items;
   for (;;) {
     skip_blank();
-    items.push_back(read_value(depth));
+    // Some exporters leave out an argument and its sign: IFCSIUNIT(,.LENGTHUNIT.,$,.METRE.). Whoever needs it finds $.
+    items.push_back(peek() == ',' || peek() == ')' ? Value{} : read_value(depth));
     skip_blank();
     if (accept(')')) return items;
     if (!accept(',')) fail("',' or ')' after an argument");

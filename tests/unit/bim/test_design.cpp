@@ -209,6 +209,17 @@ TEST(Units, FollowTheAssignment) {
   EXPECT_DOUBLE_EQ(named_wrongly.length_unit, 0.001);
   ASSERT_FALSE(named_wrongly.warnings.empty());
   EXPECT_NE(named_wrongly.warnings[0].find("#17 calls itself a unit of length and is SQUARE_METRE"), std::string::npos);
+  const Design feet = read(with_third(
+      "IFCCONVERSIONBASEDUNIT(#14,.LENGTHUNIT.,'ft2',#18);#18=IFCMEASUREWITHUNIT(IFCRATIOMEASURE(0.0929),#19);"
+      "#19=IFCSIUNIT(*,.AREAUNIT.,$,.SQUARE_METRE.);"));
+  EXPECT_DOUBLE_EQ(feet.length_unit, 0.001);
+  ASSERT_FALSE(feet.warnings.empty());
+  EXPECT_NE(feet.warnings[0].find("#17 calls itself a unit of length and is SQUARE_METRE"), std::string::npos);
+  EXPECT_NE(message_of(small_building("IFC4", "", "#11=IFCSIUNIT(*,.LENGTHUNIT.,$,.SQUARE_METRE.);"))
+                .find("#11 is a unit of SQUARE_METRE, expected METRE"),
+            std::string::npos);
+  EXPECT_DOUBLE_EQ(read(small_building("IFC4", "", "#11=IFCSIUNIT(,.LENGTHUNIT.,.MILLI.,.METRE.);")).length_unit,
+                   0.001);
   EXPECT_NE(message_of(with_third("IFCSIUNIT(*,.LENGTHUNIT.,$,.METRE.);")).find("expected one length unit"),
             std::string::npos);
 }

@@ -65,6 +65,18 @@ TEST(StepReader, RealsKeepAllTheirDigits) {
   EXPECT_NE(message_of(file_with("#1=A(1.E999);")).find("t.ifc:8:6: found '1.E999'"), std::string::npos);
 }
 
+TEST(StepReader, AnArgumentThatIsLeftOutReadsLikeNone) {
+  const File file(file_with("#1=A(,1.,(2.,),);#2=A();"), "t.ifc");
+  const auto values = file.arguments(*file.find(1));
+  ASSERT_EQ(values.size(), 4u);
+  EXPECT_EQ(values[0].kind, Kind::null);
+  EXPECT_EQ(values[1].number, 1);
+  ASSERT_EQ(values[2].items.size(), 2u);
+  EXPECT_EQ(values[2].items[1].kind, Kind::null);
+  EXPECT_EQ(values[3].kind, Kind::null);
+  EXPECT_TRUE(file.arguments(*file.find(2)).empty());
+}
+
 TEST(StepReader, DecodesStrings) {
   EXPECT_EQ(text_of("'Stra\\X2\\00DF\\X0\\e'"), "Stra\u00DFe");
   EXPECT_EQ(text_of("'\\X2\\03A903B1\\X0\\'"), "\u03A9\u03B1");
