@@ -75,12 +75,15 @@ Task task_of(const PanelDeviationT& panel) {
     task.todo = "Measure " + panel.missing.front() + ".";
     return task;
   }
-  std::string shims;
-  for (const auto& fixing : panel.fixings)
-    if (std::abs(fixing->shim) >= 0.5e-3)
-      shims += (shims.empty() ? "" : ", ") + fixing->anchor + " " + signed_mm(fixing->shim, 1);
-  task.todo =
-      shims.empty() ? "Its anchors are in plane: adjust along the facade." : "Shims, outward: " + shims + "\u00A0mm.";
+  std::string outward, inward;
+  for (const auto& fixing : panel.fixings) {
+    if (!(std::abs(fixing->shim) >= 0.5e-3)) continue;
+    std::string& list = fixing->shim > 0 ? outward : inward;
+    list += (list.empty() ? "" : ", ") + fixing->anchor + "\u00A0" + mm(std::abs(fixing->shim), 1);
+  }
+  if (!outward.empty()) task.todo = "Shim outward " + outward + "\u00A0mm";
+  if (!inward.empty()) task.todo += std::string(outward.empty() ? "Set" : "; set") + " inward " + inward + "\u00A0mm";
+  task.todo = task.todo.empty() ? "Its anchors are in plane: adjust along the facade." : task.todo + ".";
   return task;
 }
 

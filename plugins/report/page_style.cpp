@@ -46,7 +46,7 @@ th{font-weight:600}
 thead th{vertical-align:bottom;border-bottom:2px solid var(--soft);line-height:1.25;white-space:normal}
 tbody th{font-weight:500}
 td.text,th.text,tbody th,thead th:first-child{text-align:left}
-td.words{white-space:normal;text-align:left}.wide td.words{min-width:15em}
+td.words{white-space:normal;text-align:left}.whole{white-space:nowrap}.wide td.words{min-width:15em}
 tbody tr:nth-child(even){background:var(--panel)}
 thead th[data-sortable]{cursor:pointer}
 thead th[aria-sort=ascending]::after{content:" ▲";font-size:.7em}thead th[aria-sort=descending]::after{content:" ▼";font-size:.7em}

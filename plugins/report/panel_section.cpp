@@ -16,20 +16,29 @@ std::string per_metre(double angle) { return std::isfinite(angle) ? signed_fixed
 
 std::string length(const JudgedLengthT& l) { return mm_with_u(l.value, l.u, 1); }
 
-std::string fixings(const PanelDeviationT& panel) {
-  std::string text;
-  for (const auto& fixing : panel.fixings)
-    text += (text.empty() ? "" : ", ") + fixing->anchor + " " + signed_mm(fixing->shim, 1);
-  for (const std::string& missing : panel.missing) text += (text.empty() ? "" : ", ") + missing + " not measured";
-  return text;
+std::vector<std::string> fixings(const PanelDeviationT& panel) {
+  std::vector<std::string> texts;
+  for (const auto& fixing : panel.fixings) texts.push_back(fixing->anchor + " " + signed_mm(fixing->shim, 1));
+  for (const std::string& missing : panel.missing) texts.push_back(missing + " not measured");
+  return texts;
 }
 
-std::string joints(const PanelDeviationT& panel) {
-  std::string text;
+std::vector<std::string> joints(const PanelDeviationT& panel) {
+  std::vector<std::string> texts;
   for (const auto& joint : panel.joints)
-    text += (text.empty() ? "" : ", ") + joint->side + " " + mm(joint->narrowest, 1) + "\u2013" + mm(joint->widest, 1) +
-            " (" + mm(joint->design, 1) + ")";
-  return text.empty() ? unknown : text;
+    texts.push_back(joint->side + " " + mm(joint->narrowest, 1) + "\u2013" + mm(joint->widest, 1) + " (" +
+                    mm(joint->design, 1) + ")");
+  return texts;
+}
+
+/// One cell; lines break between the texts only, so that a name is not parted from its number.
+void write_list(Markup& html, const std::vector<std::string>& texts) {
+  Scope td(html, "td", {{"class", "words"}});
+  if (texts.empty()) html.text(unknown);
+  for (std::size_t i = 0; i < texts.size(); ++i) {
+    html.element("span", {{"class", "whole"}}, texts[i] + (i + 1 < texts.size() ? "," : ""));
+    html.text(" ");
+  }
 }
 
 void write_row(Markup& html, const PanelDeviationT& panel, std::size_t index) {
@@ -45,8 +54,8 @@ void write_row(Markup& html, const PanelDeviationT& panel, std::size_t index) {
   for (const double angle : {panel.lean, panel.turn, panel.roll}) html.element("td", per_metre(angle));
   for (const auto* l : {panel.tilt.get(), panel.warp.get(), panel.misfit.get(), panel.corner.get()})
     html.element("td", mm(l->value, 1));
-  html.element("td", {{"class", "words"}}, fixings(panel));
-  html.element("td", {{"class", "words"}}, joints(panel));
+  write_list(html, fixings(panel));
+  write_list(html, joints(panel));
 }
 
 }  // namespace
