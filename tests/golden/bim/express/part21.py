@@ -2,9 +2,10 @@
 only read by Plumbline. Everything is in memory; meant for files of some megabytes."""
 import re
 
+# \S\' is the one apostrophe of a string that need not be doubled.
 TOKEN = re.compile(
     r"\s*(?:/\*.*?\*/\s*)*(?:"
-    r"(?P<text>'(?:[^']|'')*')|(?P<binary>\"[0-9A-Fa-f]*\")|(?P<reference>#\s*\d+)|"
+    r"(?P<text>'(?:\\S\\'(?!\s*[,)])|[^']|'')*')|(?P<binary>\"[0-9A-Fa-f]*\")|(?P<reference>#\s*\d+)|"
     r"(?P<real>[+-]?\d+\.\d*(?:[Ee][+-]?\d+)?)|(?P<integer>[+-]?\d+)|(?P<enumeration>\.[A-Za-z0-9_]+\.)|"
     r"(?P<keyword>[!A-Za-z_][A-Za-z0-9_-]*)|(?P<mark>[()=,;$*]))", re.S)
 
