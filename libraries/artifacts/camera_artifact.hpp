@@ -11,11 +11,16 @@
 
 namespace plumbline {
 
-/// Throws std::runtime_error, naming the camera, unless it has nine parameters and positive principal distances.
+/// Throws std::runtime_error, naming the camera, unless it has nine parameters that say all of it, and positive
+/// principal distances.
 inline BrownCamera camera_of(const CameraT& artifact) {
   if (artifact.parameters.size() != BrownCamera::parameter_count)
     throw std::runtime_error("camera '" + artifact.id + "' has " + std::to_string(artifact.parameters.size()) +
                              " parameters, expected 9: fx, fy, cx, cy, k1, k2, k3, p1, p2");
+  if (!artifact.beyond.empty())
+    throw std::runtime_error("camera '" + artifact.id + "' (" + artifact.source + ") has " + artifact.beyond +
+                             " beside its nine parameters, which alone would project wrongly; use a camera adjusted "
+                             "without, or the figures of the block that made it");
   BrownCamera camera;
   camera.width = artifact.width;
   camera.height = artifact.height;

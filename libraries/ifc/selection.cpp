@@ -29,11 +29,11 @@ Selection::Selection(const std::string& text) : text_(trimmed(text)) {
     Term entry;
     entry.key = trimmed(term.substr(0, at)), entry.value = trimmed(term.substr(at + 1));
     entry.expression = term[at] == '~';
-    static const char* const keys[] = {"class", "guid", "name", "tag", "type", "storey"};
+    static const char* const keys[] = {"class", "guid", "name", "tag", "type", "storey", "batch"};
     const bool known = std::find(std::begin(keys), std::end(keys), entry.key) != std::end(keys);
     if (!known && entry.key.find('.') == std::string::npos)
       throw std::runtime_error("selection '" + text_ + "': the key '" + entry.key +
-                               "' is not known; expected class, guid, name, tag, type, storey or Set.Property");
+                               "' is not known; expected class, guid, name, tag, type, storey, batch or Set.Property");
     if (entry.expression) {
       try {
         entry.pattern = std::regex(entry.value);
@@ -65,6 +65,7 @@ bool Selection::matches(const Term& term, const ElementFacts& element) const {
   if (term.key == "name") return fits(element.name);
   if (term.key == "tag") return fits(element.tag);
   if (term.key == "storey") return fits(element.storey);
+  if (term.key == "batch") return fits(element.batch);
   if (term.key == "type") return fits(element.type_name) || fits(element.object_type);
   if (!element.properties) return false;
   const std::size_t dot = term.key.find('.');

@@ -6,8 +6,8 @@
 //   Pset_Tolerance.ToleranceBasis=ASSEMBLY
 //   *
 //
-// Keys: class, guid, name, tag, type (name of the type or ObjectType), storey, or Set.Property. Terms are joined by
-// '&'.
+// Keys: class, guid, name, tag, type (name of the type or ObjectType), storey, batch (of the plate, where there is
+// one), or Set.Property. Terms are joined by '&'.
 #pragma once
 
 #include <regex>
@@ -26,6 +26,7 @@ struct Property {
 struct ElementFacts {
   std::string ifc_class, guid, name, tag, object_type, type_name, storey;
   const std::vector<Property>* properties = nullptr;  ///< null: none
+  std::string batch = {};                             ///< of the plate at this anchor
 };
 
 class Selection {

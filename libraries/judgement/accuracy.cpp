@@ -107,15 +107,16 @@ DifferenceSet differences_of(const PointSet& model, const PointSet& reference, c
   return set;
 }
 
-/// Differences against a reference that is taken as exact.
+/// Differences against a reference that is taken as exact, but for where plates sit on the anchors it is of.
 DifferenceSet against_exact(const Evaluation& evaluation, const PointSet& reference, const PointIndex& index,
                             const std::string& name) {
   const std::vector<Match> matches = matches_of(evaluation, reference, index, name);
   DifferenceSet set = differences_of(evaluation.model, reference, matches);
   if (evaluation.model.covariance.size() == 0) return set;
   PointSet exact;
-  exact.covariance = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(reference.ids.size()),
-                                           3 * static_cast<Eigen::Index>(reference.ids.size()));
+  const auto size = 3 * static_cast<Eigen::Index>(reference.ids.size());
+  const double mounting = evaluation.inputs.mounting_sigma;
+  exact.covariance = mounting * mounting * Eigen::MatrixXd::Identity(size, size);
   set.covariance = difference_covariance(evaluation.model, exact, matches, {}).matrix;
   return set;
 }

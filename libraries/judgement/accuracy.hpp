@@ -50,6 +50,9 @@ struct Inputs {
   PointSet model;
   PointSet survey;
   std::optional<PointSet> truth;  ///< simulation only; taken as exact whatever its covariance
+  /// The truth is of anchors, model and survey are of plates: standard deviation of a plate's place on its anchor, on
+  /// each axis [m].
+  double mounting_sigma = 0;
 };
 
 /// Evaluates the model. Anchors without a finite model or reference position are listed with the reason and left out of

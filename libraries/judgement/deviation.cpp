@@ -59,6 +59,7 @@ void judge_anchors(Work& work) {
     if (measured) {
       row->as_built = model.positions[found->second];
       covariance = block_of(model.covariance, found->second);
+      if (covariance.size() > 0) covariance += anchor.mounting;
     }
     const Eigen::Vector3d deviation = row->as_built - anchor.design;
     judge_anchor(deviation, covariance, work.inputs.facade_normal, anchor.tolerances, work.options.guard_factor, *row);
@@ -82,6 +83,9 @@ void judge_anchors(Work& work) {
       work.deviations.covariance.block<3, 3>(3 * i, 3 * j) =
           model.covariance.block<3, 3>(3 * static_cast<Eigen::Index>(places[static_cast<std::size_t>(i)]),
                                        3 * static_cast<Eigen::Index>(places[static_cast<std::size_t>(j)]));
+  for (Eigen::Index i = 0; i < n; ++i)
+    work.deviations.covariance.block<3, 3>(3 * i, 3 * i) +=
+        work.inputs.anchors[work.deviations.anchors[static_cast<std::size_t>(i)]].mounting;
 }
 
 /// A measurement that contradicts itself shows no anchor to be in order; what is out of tolerance stays so.
@@ -255,6 +259,7 @@ DeviationT judge_deviations(const DeviationInputs& inputs, const DeviationOption
     throw std::runtime_error("the tolerance must be positive and the guard factor not negative");
   Work work{inputs, options, {}, {}};
   work.out.tau = options.tau, work.out.guard_factor = options.guard_factor;
+  work.out.mounting = inputs.mounting;
   work.out.design_file = inputs.design_file, work.out.facade_normal = inputs.facade_normal;
   judge_anchors(work);
   require_same_frame(work);

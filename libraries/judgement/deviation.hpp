@@ -25,6 +25,8 @@ struct AnchorCase {
   Eigen::Vector3d design = Eigen::Vector3d::Constant(nan);  ///< of the surveyed point; nan without element
   Eigen::Vector3d target_offset = Eigen::Vector3d::Zero();
   Tolerances tolerances;
+  /// Of the anchor against the plate that was measured [m²]; see mounting.hpp.
+  Eigen::Matrix3d mounting = Eigen::Matrix3d::Zero();
 };
 
 /// A facade panel of the design: a box in its own axes.
@@ -43,6 +45,7 @@ struct DeviationInputs {
   evaluate::PointSet model;                                                    ///< as built, by anchor id
   Eigen::Vector3d facade_normal = Eigen::Vector3d::Constant(AnchorCase::nan);  ///< horizontal, outward; nan: none
   std::string design_file;
+  std::string mounting;             ///< what the anchors' `mounting` is, in words
   std::vector<std::string> doubts;  ///< why the measurement is not to be trusted: then nothing passes
 };
 

@@ -105,7 +105,8 @@ PosesT initial_poses(const std::vector<ImageTagsT>& images, const CameraT& camer
   std::size_t agree = 0, all = 0;
   std::optional<std::string> explanation;  // searched for once
   const auto explain = [&] {
-    if (!explanation) explanation = what_would_explain(images, camera, field, solver, settings);
+    if (!explanation)
+      explanation = settings.look_for_causes ? what_would_explain(images, camera, field, solver, settings) : "";
     return *explanation;
   };
   for (const std::string& sentence : same_photographs(images)) warn(sentence);
@@ -148,6 +149,7 @@ void PoseNode::run_with(const Context& context, const TagPoseSolver& solver) {
   settings.pixel_sigma = *pixel_sigma;
   settings.min_markers = static_cast<int>(*min_markers);
   settings.skip_poor_images = *on_too_few == "skip";
+  settings.look_for_causes = *look_for_causes;
   std::vector<ImageTagsT> images;
   for (std::size_t i = 0; i < observations.size(); ++i) images.push_back(observations.unpack(i));
   const PosesT result = initial_poses(images, camera.unpack(), plates.unpack(), points.unpack(), solver, settings,

@@ -19,6 +19,7 @@ struct PoseSettings {
   double pixel_sigma = 0.2;   ///< [px]
   int min_markers = 3;
   bool skip_poor_images = false;
+  bool look_for_causes = true;
 };
 
 /// Poses of the images in their order. `warn` is told of images that are left out. Throws std::runtime_error that names
@@ -49,6 +50,10 @@ struct PoseNode : Node {
       "markers an image must show that are in the plate table, and that must agree with its pose"};
   Param<std::string> on_too_few{"on_too_few", "error", one_of("error", "skip"),
                                 "what to do with an image that shows fewer: stop, or leave it out with a warning"};
+  Param<bool> look_for_causes{
+      "look_for_causes", true,
+      "where tags do not agree, try what would explain it (size, family, calibration, azimuths, "
+      "numbers), which takes many times as long as the poses"};
 
  protected:
   void run_with(const Context& context, const TagPoseSolver& solver);

@@ -159,6 +159,9 @@ CameraT TagBlockBuilder::camera(const TagBlockResult& result) const {
     adjusted.covariance = pack_symmetric(result.camera_covariance);
     adjusted.source = "self-calibration";
   }
+  if (result.distance_terms.cwiseAbs().maxCoeff() > 0) adjusted.beyond = "distance-dependent distortion (d1, d2)";
+  if (!result.principal_points.empty())
+    adjusted.beyond += std::string(adjusted.beyond.empty() ? "" : " and ") + "principal points of single images";
   return adjusted;
 }
 

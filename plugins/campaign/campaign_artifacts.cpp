@@ -50,6 +50,7 @@ PlatesT to_artifact(const std::vector<PlateEntry>& entries) {
     plate->floor = e.floor;
     plate->column = e.column;
     plate->row = e.row;
+    if (e.mounting_sigma.allFinite()) plate->mounting_sigma.assign(e.mounting_sigma.begin(), e.mounting_sigma.end());
     plates.plates.push_back(std::move(plate));
   }
   return plates;

@@ -79,6 +79,8 @@ struct PlateEntry {
   double tag_size = 0;                                            ///< [m]
   Eigen::Vector3d tag_centre_in_plate = Eigen::Vector3d::Zero();  ///< [m]
   double facing_azimuth = 0;  ///< of the plate's outward normal, clockwise from north [rad]
+  /// Standard deviations of where the plate sits on its anchor, along its axes [m]; nan: not given.
+  Eigen::Vector3d mounting_sigma = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
 };
 /// A plates.csv, ordered by anchor. Throws CampaignError, also for an anchor or a tag that occurs twice. With
 /// CampaignUse::photographs role (control), floor (1), size (nan), offsets (0) and azimuth (0) may be left out.

@@ -220,6 +220,9 @@ std::vector<PlateEntry> parse_plates(const std::string& csv, const std::filesyst
                      {"tag_y", Quantity::length, needed},
                      {"tag_z", Quantity::length, needed},
                      {"facing_azimuth", Quantity::angle, needed},
+                     {"mounting_x", Quantity::length, false},
+                     {"mounting_y", Quantity::length, false},
+                     {"mounting_z", Quantity::length, false},
                      {"batch", Quantity::text, false}});
   std::vector<PlateEntry> plates;
   std::set<std::string> anchors;
@@ -238,6 +241,15 @@ std::vector<PlateEntry> parse_plates(const std::string& csv, const std::filesyst
     p.tag_centre_in_plate = {table.number(row, "tag_x"), table.number(row, "tag_y"), table.number(row, "tag_z")};
     p.facing_azimuth = table.number(row, "facing_azimuth");
     p.batch = table.text(row, "batch");
+    const bool mounted[] = {table.has("mounting_x"), table.has("mounting_y"), table.has("mounting_z")};
+    if (mounted[0] || mounted[1] || mounted[2]) {
+      if (!(mounted[0] && mounted[1] && mounted[2]))
+        table.fail(row, "found some of the columns mounting_x, mounting_y and mounting_z, expected all three or none");
+      p.mounting_sigma = {table.number(row, "mounting_x"), table.number(row, "mounting_y"),
+                          table.number(row, "mounting_z")};
+      if (!(p.mounting_sigma.minCoeff() >= 0 && p.mounting_sigma.maxCoeff() <= 0.1))
+        table.fail(row, "a standard deviation of the mounting is not from 0 to 100 mm");
+    }
     if (p.role != "control" && p.role != "check") {
       table.fail(row, "column 'role' holds '" + p.role + "', expected control or check");
     }

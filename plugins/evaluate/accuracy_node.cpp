@@ -74,7 +74,7 @@ FileT file_of(const std::string& name, const std::string& media_type, const std:
 }  // namespace
 
 struct EvaluateAccuracy : Node {
-  static constexpr Info info{"evaluate.accuracy", "metric", 2,
+  static constexpr Info info{"evaluate.accuracy", "metric", 3,
                              "Anchor, floor and column accuracy of a model: (1)-(3) and (9)-(13); the metrics files"};
   In<Points> model{"model", frame("frame=?F"), "points of the model with their covariance"};
   In<Points> survey{"survey", frame("frame=?F"), "surveyed points with their covariance"};
@@ -95,6 +95,10 @@ struct EvaluateAccuracy : Node {
       "correlation", "from_control", one_of("from_control", "independent"),
       "from_control: the model was adjusted to this survey's control anchors with their covariance, "
       "(5); also right for (6) where the image block is much more precise than the survey"};
+  Param<double> mounting_sigma{
+      "mounting_sigma", 0.0, "m", between(0, 0.1),
+      "of a plate's place on its anchor, each axis: part of what is expected against the truth, "
+      "which is of anchors"};
   Out<Accuracy> accuracy{"accuracy", frame("frame=?F"), "the evaluation"};
   Out<File> metrics{"metrics", "metrics.json"};
   Out<File> table{"table", "metrics.csv"};
@@ -114,6 +118,7 @@ struct EvaluateAccuracy : Node {
     inputs.anchors = anchor_table(plates.unpack());
     inputs.model = point_set(model.unpack(), "model");
     inputs.survey = point_set(survey.unpack(), "survey");
+    inputs.mounting_sigma = *mounting_sigma;
     if (truth) inputs.truth = point_set(truth.unpack(), "truth");
     AccuracyT result = evaluate_accuracy(inputs, options());
     if (block) result.adjustment = summary_of(block.unpack());

@@ -24,8 +24,8 @@ bim::ElementFacts facts_of(const DesignElementT& element, std::vector<bim::Prope
 
 class Builder {
  public:
-  Builder(const DesignT& design, const judgement::ToleranceTable& tolerances)
-      : design_(design), tolerances_(tolerances) {
+  Builder(const DesignT& design, const judgement::ToleranceTable& tolerances, const judgement::Mounting& mounting)
+      : design_(design), tolerances_(tolerances), mounting_(mounting) {
     for (const auto& element : design.elements) elements_[element->guid] = element.get();
   }
 
@@ -35,15 +35,16 @@ class Builder {
     for (const auto& match : matches.matches) {
       AnchorCase anchor;
       anchor.id = match->anchor;
-      if (const auto plate = plate_of.find(match->anchor); plate != plate_of.end())
-        anchor.floor = plate->second->floor, anchor.column = plate->second->column, anchor.use = plate->second->role;
+      const auto listed = plate_of.find(match->anchor);
+      const PlateT* plate = listed != plate_of.end() ? listed->second : nullptr;
+      if (plate) anchor.floor = plate->floor, anchor.column = plate->column, anchor.use = plate->role;
       anchor.note = match->note;
       if (!match->guid.empty()) {
         const auto element = elements_.find(match->guid);
         if (element == elements_.end())
           throw std::runtime_error("input 'matches': anchor '" + match->anchor + "' is the element " + match->guid +
                                    ", which 'design' does not have; connect both to the same design");
-        describe(*element->second, anchor);
+        describe(*element->second, plate, anchor);
         anchor.found_by = match->found_by, anchor.reference_point_rule = match->reference_rule;
         anchor.design = match->position, anchor.target_offset = match->target_offset;
       }
@@ -59,7 +60,7 @@ class Builder {
     for (const auto& element : design_.elements) {
       if (!element->is_anchor || index_.contains(element->guid)) continue;
       AnchorCase anchor;
-      describe(*element, anchor);
+      describe(*element, nullptr, anchor);
       anchor.id = element->name.empty() || names[element->name] > 1 ? element->guid : element->name;
       anchor.reference_point_rule = element->reference_point_rule;
       anchor.design = element->position;
@@ -97,12 +98,18 @@ class Builder {
 
   DeviationInputs take() {
     inputs_.facade_normal = design_.facade_normal, inputs_.design_file = design_.file_name;
+    inputs_.mounting = mounting_.words(from_table_);
     return std::move(inputs_);
   }
 
  private:
-  void describe(const DesignElementT& element, AnchorCase& anchor) {
+  void describe(const DesignElementT& element, const PlateT* plate, AnchorCase& anchor) {
     anchor.element = facts_of(element, properties_);
+    if (plate) {
+      anchor.element.batch = plate->batch;
+      anchor.mounting = mounting_.covariance(anchor.element, plate->mounting_sigma, plate->nominal_rotation);
+      from_table_ += plate->mounting_sigma.size() == 3;
+    }
     anchor.tolerances = judgement::tolerances_of(tolerances_, anchor.element);
     anchor.element.properties = nullptr;
     anchor.instance = element.instance, anchor.storey_guid = element.storey_guid;
@@ -115,6 +122,8 @@ class Builder {
 
   const DesignT& design_;
   const judgement::ToleranceTable& tolerances_;
+  const judgement::Mounting& mounting_;
+  std::size_t from_table_ = 0;
   std::map<std::string, const DesignElementT*> elements_;
   std::map<std::string, std::size_t> index_;
   std::vector<bim::Property> properties_;
@@ -125,8 +134,8 @@ class Builder {
 
 judgement::DeviationInputs deviation_inputs(const DesignT& design, const ElementMatchesT& matches,
                                             const PlatesT& plates, const judgement::ToleranceTable& tolerances,
-                                            double panel_reach) {
-  Builder builder(design, tolerances);
+                                            double panel_reach, const judgement::Mounting& mounting) {
+  Builder builder(design, tolerances, mounting);
   builder.add_listed(matches, plates);
   builder.add_unlisted();
   builder.add_panels(panel_reach);

@@ -5,6 +5,7 @@
 #include "artifacts/element_matches.hpp"
 #include "artifacts/plates.hpp"
 #include "judgement/deviation.hpp"
+#include "judgement/mounting.hpp"
 
 namespace plumbline::evaluate {
 
@@ -14,6 +15,6 @@ namespace plumbline::evaluate {
 /// `model` is not filled. Throws std::runtime_error if `matches` names elements that `design` does not have.
 judgement::DeviationInputs deviation_inputs(const DesignT& design, const ElementMatchesT& matches,
                                             const PlatesT& plates, const judgement::ToleranceTable& tolerances,
-                                            double panel_reach);
+                                            double panel_reach, const judgement::Mounting& mounting = {});
 
 }  // namespace plumbline::evaluate

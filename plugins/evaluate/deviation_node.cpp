@@ -23,8 +23,11 @@ void EvaluateDeviation::run(Context& context) {
   judgement::ToleranceTable table;
   table.tau = *tau, table.from_design = *design_tolerances;
   for (const std::string& rule : *tolerances) table.rules.push_back(judgement::parse_rule(rule));
+  judgement::Mounting how;
+  how.sigma = *mounting_sigma;
+  for (const std::string& rule : *mounting) how.rules.push_back(judgement::parse_mounting(rule));
   judgement::DeviationInputs inputs =
-      deviation_inputs(design.unpack(), matches.unpack(), plates.unpack(), table, *panel_reach);
+      deviation_inputs(design.unpack(), matches.unpack(), plates.unpack(), table, *panel_reach, how);
   inputs.model = point_set(model.unpack(), "model");
   inputs.doubts = doubts();
   std::string dropped;

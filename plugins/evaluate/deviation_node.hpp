@@ -17,12 +17,13 @@ namespace plumbline::evaluate {
 
 struct EvaluateDeviation : Node {
   static constexpr Info info{
-      "evaluate.deviation", "", 2,
+      "evaluate.deviation", "", 3,
       "As-built minus design (14): verdicts of anchors, panels and floors, joints, shims, common shift"};
   In<Points> model{"model", frame("frame=?F"), "as-built points with their covariance"};
   In<Design> design{"design", frame("frame=?F"), "the design"};
   In<ElementMatches> matches{"matches", frame("frame=?F"), "which anchor is which element"};
-  In<Plates> plates{"plates", frame("frame=?P"), "anchor table: floor, column and role of every anchor"};
+  In<Plates> plates{"plates", frame("frame=?P"),
+                    "anchor table: floor, column and role of every anchor, how its plate faces and is mounted"};
   Optional<Block> block{"block", frame("frame=?B"),
                         "the adjusted block: one that fails its global tests proves nothing"};
   Optional<SurveyNetwork> network{"network", frame("frame=?N"),
@@ -40,6 +41,15 @@ struct EvaluateDeviation : Node {
   Param<bool> design_tolerances{"design_tolerances", true, "Pset_Tolerance of an element goes before tau"};
   Param<double> guard_factor{"guard_factor", 1.645, "1", between(0, 10),
                              "k of the guard band: pass if |d| + k u <= tolerance; 1.645: 5 % risk"};
+  Param<double> mounting_sigma{
+      "mounting_sigma", 0.0005, "m", between(0, 0.1),
+      "of a plate's place on its anchor, on each axis of the plate: part of the anchor's uncertainty, because survey "
+      "and "
+      "photographs see the plate; columns mounting_x, mounting_y, mounting_z of plates.csv go before it"};
+  Param<std::vector<std::string>> mounting{
+      "mounting", std::vector<std::string>{},
+      "the same for some anchors: 'class=IfcMechanicalFastener & batch=march: right=0.3mm, up=0.3mm, out=1mm'; goes "
+      "before plates.csv, later rules before earlier ones"};
   Param<double> panel_reach{"panel_reach", kPanelReach, "m", between(0, 10),
                             "anchors so near to a panel hold it, where the design does not say"};
   Out<Deviation> deviation{"deviation", frame("frame=?F"), "the judgement"};

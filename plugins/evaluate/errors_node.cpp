@@ -85,6 +85,10 @@ void EvaluateErrors::run(Context& context) {
     of_heights += part_of_covariance(built, true_heights, "truth");
     of_all += part_of_covariance(built, true_coordinates, "truth");
   }
+  if (of_heights.size() > 0) {
+    of_heights.diagonal().array() += *mounting_sigma * *mounting_sigma;
+    of_all.diagonal().array() += *mounting_sigma * *mounting_sigma;
+  }
   report(context, off, of_heights, of_all);
   context.metric("missing", static_cast<double>(missing.size()), "1");
   errors.commit(off);

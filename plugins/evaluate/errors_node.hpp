@@ -9,7 +9,7 @@
 namespace plumbline::evaluate {
 
 struct EvaluateErrors : Node {
-  static constexpr Info info{"evaluate.errors", "", 1,
+  static constexpr Info info{"evaluate.errors", "", 2,
                              "Errors of a model's points against the truth as metrics: rmse, bias, largest, and NEES"};
   In<Points> model{"model", frame("frame=?F"), "points of the model with their covariance"};
   In<Points> truth{"truth", frame("frame=?F"),
@@ -17,6 +17,10 @@ struct EvaluateErrors : Node {
   Param<std::string> use{"use", "check", one_of("check", "control", "tie", "all"), "role of the points that count"};
   Param<double> max_missing{"max_missing", 0.2, "1", between(0, 1),
                             "share of them that may be missing in the model; more is an error"};
+  Param<double> mounting_sigma{
+      "mounting_sigma", 0.0, "m", between(0, 0.1),
+      "where the truth is of anchors and the model of the plates on them: standard deviation of "
+      "a plate's place, each axis, which is added to the model's"};
   Out<Points> errors{"errors", frame("frame=?F"), "model minus truth in place of the coordinates"};
 
   void run(Context& context) override;

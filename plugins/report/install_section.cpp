@@ -174,6 +174,10 @@ std::vector<std::string> confidence_of(const ReportInput& input) {
   for (const std::string& doubt : d.doubts) lines.push_back("Not to be trusted, " + doubt + ".");
   std::string sure =
       "Pass means that the deviation and " + fixed(d.guard_factor, 3) + " times its uncertainty are within tolerance.";
+  sure +=
+      d.mounting.empty()
+          ? " Plates are taken to sit on their anchors without error."
+          : " Its uncertainty holds where the plate sits on its anchor, which nothing measures: " + d.mounting + ".";
   if (std::isfinite(d.weakest_pass))
     sure += " The weakest pass is in order with a probability of " + percent(d.weakest_pass) + ".";
   lines.push_back(sure);

@@ -80,7 +80,12 @@ TEST_P(PoseInitialiser, EveryParameterHasItsEffect) {
   SyntheticFacade poor = make_facade({.floors = 1, .pixel_sigma = 0.3});
   poor.images.resize(2);
   poor.images[1].tags.resize(2);
-  EXPECT_EQ(parameters_at_fault({[&] { return prepared(facade); }, [&] { return prepared(poor); }}), "");
+  SyntheticFacade mistaken = make_facade({.floors = 1, .pixel_sigma = 0.3});  // tags are half as large as said
+  mistaken.images.resize(2);
+  for (auto& plate : mistaken.plates.plates) plate->tag_size *= 2;
+  EXPECT_EQ(parameters_at_fault(
+                {[&] { return prepared(facade); }, [&] { return prepared(poor); }, [&] { return prepared(mistaken); }}),
+            "");
 }
 
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(PoseInitialiser);

@@ -108,6 +108,33 @@ TEST(AdjustCeresNode, FreeNetworkAndSelfCalibration) {
   EXPECT_NEAR(camera.parameters[0], facade.camera.fx, 5);
 }
 
+/// The camera leaves with nine numbers; what they do not say must not get lost on the way to who projects with them.
+TEST(AdjustSchurNode, ACameraThatIsNotAllOfTheModelIsRefusedByWhoProjectsWithIt) {
+  const SyntheticFacade facade = make_facade({.floors = 2, .pixel_sigma = 0.1, .survey_sigma = 0.001});
+  const std::map<std::string, std::string> all = {
+      {"", ""}, {"image_principal_point_sigma", "principal points of single images"}, {"free_interior", "(d1, d2)"}};
+  for (const auto& [parameter, words] : all) {
+    NodeHarness node("adjust.schur"), cost("evaluate.cost");
+    connect(node, facade);
+    if (!parameter.empty()) node.set("self_calibration", "free");
+    if (parameter == "image_principal_point_sigma") node.set(parameter, "0.5");
+    if (parameter == "free_interior") node.set(parameter, "[fx, d1, d2]");
+    node.run();
+    const CameraT camera = node.output<Camera>("camera");
+    EXPECT_THAT(camera.beyond, HasSubstr(words));
+    EXPECT_EQ(camera.beyond.empty(), words.empty());
+    cost.input<Camera>("camera", camera);
+    cost.input<Plates>("plates", facade.plates);
+    cost.input<Poses>("poses", node.output<Poses>("poses"));
+    cost.input<Points>("points", node.output<Points>("points"));
+    cost.input<Points>("control", facade.control);
+    for (const ImageTagsT& image : facade.images) cost.input<ImageTags>("observations", image);
+    const std::string refused = failure(cost);
+    EXPECT_THAT(refused, HasSubstr(words));
+    EXPECT_EQ(refused.empty(), words.empty()) << refused;
+  }
+}
+
 TEST(AdjustCeresNode, LambdaIsReported) {
   NodeHarness node("adjust.ceres");
   connect(node, make_facade(noisy));

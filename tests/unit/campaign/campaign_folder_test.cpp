@@ -134,6 +134,17 @@ TEST(PlatesCsv, ReadsUnitsFromTheHeader) {
   EXPECT_DOUBLE_EQ(plates[0].tag_size, 0.2);
   EXPECT_DOUBLE_EQ(plates[1].tag_centre_in_plate.y(), 0.2);
   EXPECT_DOUBLE_EQ(plates[1].facing_azimuth, std::numbers::pi);
+  EXPECT_TRUE(plates[0].mounting_sigma.array().isNaN().all());
+}
+
+TEST(PlatesCsv, TakesHowPlatesAreMountedOnAllThreeAxesOrNone) {
+  std::string csv =
+      "anchor,role,floor,tag_family,tag_id,tag_size_mm,tag_x_mm,tag_y_mm,tag_z_mm,facing_azimuth_deg,"
+      "mounting_x_mm,mounting_y_mm,mounting_z_mm\nA,control,1,tag36h11,1,200,0,200,0,180,0.2,0.3,1\n";
+  EXPECT_LT((parse_plates(csv, "p.csv")[0].mounting_sigma - Eigen::Vector3d(0.0002, 0.0003, 0.001)).norm(), 1e-15);
+  EXPECT_NE(plates_message(replaced(csv, "0.2,0.3,1", "0.2,-0.3,1")).find("p.csv:2"), std::string::npos);
+  EXPECT_NE(plates_message(replaced(replaced(csv, ",mounting_z_mm", ""), "0.3,1", "0.3")).find("all three or none"),
+            std::string::npos);
 }
 
 TEST(PlatesCsv, OfPhotographsNeedOnlyNamesAndTags) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "geometry/exchanged_places.hpp"
+#include "judgement/mounting.hpp"
 #include "small_building.hpp"
 
 namespace plumbline::judgement {
@@ -163,6 +164,48 @@ TEST(Deviation, NothingPassesOnAMeasurementThatContradictsItself) {
   EXPECT_EQ(result.passed, 0);
   EXPECT_EQ(result.undecided, 8);
   EXPECT_EQ(result.failed, 1) << "what is out of tolerance stays so";
+}
+
+TEST(Mounting, RulesGoBeforeThePlateTableWhichGoesBeforeTheDefault) {
+  const Mounting mounting{0.5 * mm,
+                          {parse_mounting("class=IfcPlate: right=1mm, up=1mm, out=1mm"),
+                           parse_mounting("batch=march & name~^A: out=0.002m")}};
+  // A plate that faces east: its right is north, it looks out to the east.
+  const Eigen::Quaterniond east((Eigen::Matrix3d() << 0, 0, 1, 1, 0, 0, 0, 1, 0).finished());
+  bim::ElementFacts anchor;
+  const auto sigmas = [&](const std::vector<double>& of_plate) {
+    const Eigen::Matrix3d c = mounting.covariance(anchor, of_plate, east);
+    EXPECT_LT((c - Eigen::Matrix3d(c.diagonal().asDiagonal())).norm(), 1e-18);
+    return Eigen::Vector3d(c.diagonal().cwiseSqrt() / mm);
+  };
+  EXPECT_LT((sigmas({}) - Eigen::Vector3d(0.5, 0.5, 0.5)).norm(), 1e-9);
+  EXPECT_LT((sigmas({0.1 * mm, 0.2 * mm, 0.3 * mm}) - Eigen::Vector3d(0.3, 0.1, 0.2)).norm(), 1e-9);
+  anchor.name = "A1", anchor.batch = "march";
+  EXPECT_LT((sigmas({0.1 * mm, 0.2 * mm, 0.3 * mm}) - Eigen::Vector3d(2, 0.1, 0.2)).norm(), 1e-9);
+  anchor.ifc_class = "IfcPlate", anchor.name = "B1";
+  EXPECT_LT((sigmas({0.1 * mm, 0.2 * mm, 0.3 * mm}) - Eigen::Vector3d(1, 1, 1)).norm(), 1e-9);
+  EXPECT_EQ(mounting.words(2), "0.5 mm on each axis of a plate; 2 plates by the plate table; " +
+                                   mounting.rules[0].text + "; " + mounting.rules[1].text);
+  EXPECT_EQ(Mounting{}.words(0), "");
+  for (const char* wrong : {"*", "*: 1mm", "*: up", "*: up=1", "*: up=-1mm", "*: x=1mm", "*: up=101mm", "y=z: up=1mm"})
+    EXPECT_THROW(parse_mounting(wrong), std::runtime_error) << wrong;
+}
+
+/// What nobody measures is in the anchor's uncertainty, and hides what it is larger than.
+TEST(Mounting, IsPartOfTheAnchorsUncertaintyAndOfPanelsAndVerdicts) {
+  DeviationInputs inputs = grid(3, 3);
+  inputs.model.positions[4].z() += 4.2 * mm;  // + 1.645 × 0.4 mm = 4.86 mm
+  inputs.model.positions[5].z() += 6 * mm;
+  EXPECT_EQ(judge_deviations(inputs, {}).anchors[4]->verdict, ToleranceVerdict::pass);
+  inputs.mounting = "0.5 mm";
+  inputs.anchors[4].mounting = Eigen::Vector3d(0, 0, 0.5 * mm).cwiseAbs2().asDiagonal();  // √(0.16 + 0.25) = 0.64 mm
+  const DeviationT result = judge_deviations(inputs, {});
+  EXPECT_EQ(result.anchors[4]->verdict, ToleranceVerdict::undecided);
+  EXPECT_NEAR(axis(*result.anchors[4], "vertical").u, std::sqrt(0.41) * mm, 1e-9);
+  EXPECT_NEAR(axis(*result.anchors[4], "horizontal").u, 0.4 * mm, 1e-9);
+  EXPECT_NEAR(result.anchors[4]->covariance[8], 0.41e-6, 1e-12);
+  EXPECT_NEAR(axis(*result.anchors[5], "vertical").u, 0.4 * mm, 1e-9);
+  EXPECT_EQ(result.mounting, "0.5 mm");
 }
 
 TEST(Deviation, AnchorsInEachOthersPlaceAreNamed) {
