@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <stdexcept>
 
 #include "block/defects.hpp"
 
@@ -75,6 +76,43 @@ std::string control_in_words(const TagBlock& block, const TagBlockResult& result
   return names.empty() ? ""
                        : "; most at " + enumerate(names) +
                              ": its surveyed point, its tag or the offset of the tag on its plate is wrong";
+}
+
+void require_same_figure(const std::vector<std::string>& names, const std::vector<Eigen::Vector3d>& in_block,
+                         const std::vector<Eigen::Vector3d>& in_control) {
+  struct Pair {
+    std::size_t a, b;
+    double ratio;
+  };
+  std::vector<Pair> pairs;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    for (std::size_t j = i + 1; j < names.size(); ++j)
+      if (const double ratio = (in_block[i] - in_block[j]).norm() / (in_control[i] - in_control[j]).norm();
+          ratio > 0 && std::isfinite(ratio))
+        pairs.push_back({i, j, ratio});
+  if (names.size() < 3 || pairs.empty()) return;
+  std::sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) { return a.ratio < b.ratio; });
+  // The scale that most distances share within a fifth up and down; approximate values are better than that.
+  std::size_t most = 0;
+  for (std::size_t i = 0, end = 0; i < pairs.size(); ++i) {
+    while (end < pairs.size() && pairs[end].ratio <= 1.44 * pairs[i].ratio) ++end;
+    most = std::max(most, end - i);
+  }
+  if (2 * most >= pairs.size()) return;
+  const Pair& low = pairs.front();
+  const Pair& high = pairs.back();
+  const auto words = [&](const Pair& p) {
+    char figures[120];
+    std::snprintf(figures, sizeof figures, ", %.4g m by the control and %.4g in the block",
+                  (in_control[p.a] - in_control[p.b]).norm(), (in_block[p.a] - in_block[p.b]).norm());
+    return names[p.a] + " to " + names[p.b] + figures;
+  };
+  throw std::runtime_error("the " + std::to_string(names.size()) +
+                           " control points are not the points of these names in the block: of " +
+                           std::to_string(pairs.size()) + " distances between them only " + std::to_string(most) +
+                           " agree at one scale (" + words(low) + "; " + words(high) +
+                           "); is the list that of another block, or numbered otherwise? Give the list of this block, "
+                           "or say its names as the block has them");
 }
 
 }  // namespace plumbline::adjust

@@ -15,4 +15,10 @@ namespace plumbline::adjust {
 /// squares.
 std::string control_in_words(const TagBlock& block, const TagBlockResult& result);
 
+/// Throws std::runtime_error if most distances between control points are not those between the points of these names
+/// in the block, at whatever scale: then the names are those of something else. One wrong point among four or more is
+/// left to the adjustment, which finds it.
+void require_same_figure(const std::vector<std::string>& names, const std::vector<Eigen::Vector3d>& in_block,
+                         const std::vector<Eigen::Vector3d>& in_control);
+
 }  // namespace plumbline::adjust

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "block/control_words.hpp"
 #include "block/defects.hpp"
 #include "geometry/similarity.hpp"
 #include "plumbline/rigid_transform.hpp"
@@ -292,12 +293,15 @@ void store_values(const bundle::State& state, const Eigen::Vector3d& origin, Poi
 
 /// Carries approximate values over to the frame of the control, if they are in another one.
 void align_to_control(PointBlock& block) {
+  std::vector<std::string> names;
   std::vector<Eigen::Vector3d> from, to;
   for (size_t k = 0; k < block.control.points.size(); ++k) {
     if (block.control.is_check[k]) continue;
+    names.push_back(block.points[static_cast<size_t>(block.control.points[k])].name);
     from.push_back(block.points[static_cast<size_t>(block.control.points[k])].position);
     to.emplace_back(block.control.position.segment<3>(3 * static_cast<Eigen::Index>(k)));
   }
+  require_same_figure(names, from, to);
   if (from.size() < 3) return;
   Eigen::Matrix3Xd spread(3, static_cast<Eigen::Index>(to.size()));
   for (size_t k = 0; k < to.size(); ++k) spread.col(static_cast<Eigen::Index>(k)) = to[k] - to[0];

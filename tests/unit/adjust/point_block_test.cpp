@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "block/aicon_files.hpp"
+#include "block/control_words.hpp"
 #include "block/photomodeler_files.hpp"
 #include "synthetic_block.hpp"
 #include "test_support.hpp"
@@ -129,6 +130,24 @@ TEST(PointBlock, ControlInAnotherFrame) {
   EXPECT_TRUE(result.point_covariances[0].isZero(0));
   EXPECT_TRUE(result.control[4].check);
   EXPECT_LT(result.control[4].residual.norm(), 2e-8);
+}
+
+TEST(PointBlock, ControlOfAnotherBlockIsNamedAsSuch) {
+  std::vector<std::string> names;
+  std::vector<Eigen::Vector3d> block, control;
+  for (int k = 0; k < 6; ++k) {
+    names.push_back("P" + std::to_string(k));
+    block.emplace_back(k, 3 * std::sin(5.0 * k), std::cos(3.0 * k));
+    control.push_back(20 * block.back() + Eigen::Vector3d(7e5, 5e6, 0));  // another frame and scale
+  }
+  EXPECT_NO_THROW(adjust::require_same_figure(names, block, control));
+  control[2] += Eigen::Vector3d(300, 0, 0);  // one wrong point is not another list
+  EXPECT_NO_THROW(adjust::require_same_figure(names, block, control));
+  control[2] -= Eigen::Vector3d(300, 0, 0);
+  std::rotate(control.begin(), control.begin() + 2, control.end());
+  EXPECT_THAT(error_of([&] { adjust::require_same_figure(names, block, control); }),
+              testing::AllOf(HasSubstr("6 control points are not the points of these names"), HasSubstr("P0 to P1"),
+                             HasSubstr("another block")));
 }
 
 TEST(PhotoModelerFiles, ErrorsNameFileAndLine) {
