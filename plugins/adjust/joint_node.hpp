@@ -19,8 +19,10 @@
 namespace plumbline::adjust {
 
 struct JointAdjuster : TagAdjusterNode {
-  static constexpr Info info{"adjust.joint", "", 1,
-                             "Directions, zenith angles, distances and photographs in one least-squares system"};
+  static constexpr Info info{
+      "adjust.joint", "", 1,
+      "Directions, zenith angles, distances and photographs in one least-squares system; takes readings where "
+      "an adjuster takes coordinates, hence the pipelines site_campaign_joint and observations_joint"};
   List<ImageTags> observations{"observations", "tags of every image"};
   In<Poses> poses{"poses", frame("frame=?F"),
                   "approximate poses; images without one are oriented from plates they share"};
