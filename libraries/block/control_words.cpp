@@ -92,10 +92,10 @@ void require_same_figure(const std::vector<std::string>& names, const std::vecto
         pairs.push_back({i, j, ratio});
   if (names.size() < 3 || pairs.empty()) return;
   std::sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) { return a.ratio < b.ratio; });
-  // The scale that most distances share within a fifth up and down; approximate values are better than that.
+  // The scale that most distances share within a tenth up and down; approximate values are better than that.
   std::size_t most = 0;
   for (std::size_t i = 0, end = 0; i < pairs.size(); ++i) {
-    while (end < pairs.size() && pairs[end].ratio <= 1.44 * pairs[i].ratio) ++end;
+    while (end < pairs.size() && pairs[end].ratio <= 1.2 * pairs[i].ratio) ++end;
     most = std::max(most, end - i);
   }
   if (2 * most >= pairs.size()) return;

@@ -4,6 +4,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "artifacts/camera_artifact.hpp"
 #include "block/tag_block_model.hpp"
 #include "geometry/packed_symmetric.hpp"
 
@@ -20,14 +21,7 @@ double smaller(double a, double b) { return std::isnan(b) ? b : std::min(a, b); 
 
 TagBlockBuilder::TagBlockBuilder(CameraT camera, PlatesT plates, PosesT poses)
     : camera_(std::move(camera)), plates_(std::move(plates)), poses_(std::move(poses)) {
-  if (camera_.parameters.size() != BrownCamera::parameter_count)
-    throw std::runtime_error("camera '" + camera_.id + "' has " + std::to_string(camera_.parameters.size()) +
-                             " parameters, expected fx, fy, cx, cy, k1, k2, k3, p1, p2");
-  block_.camera.width = camera_.width;
-  block_.camera.height = camera_.height;
-  std::array<double, BrownCamera::parameter_count> values;
-  std::copy(camera_.parameters.begin(), camera_.parameters.end(), values.begin());
-  block_.camera.set_parameters(values);
+  block_.camera = camera_of(camera_);
   for (const auto& plate : plates_.plates) {
     const auto [at, is_new] =
         plate_of_tag_.emplace(std::make_pair(plate->tag_family, plate->tag_id), static_cast<int>(block_.plates.size()));

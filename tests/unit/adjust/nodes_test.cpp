@@ -118,7 +118,11 @@ TEST(AdjustSchurNode, ACameraThatIsNotAllOfTheModelIsRefusedByWhoProjectsWithIt)
     connect(node, facade);
     if (!parameter.empty()) node.set("self_calibration", "free");
     if (parameter == "image_principal_point_sigma") node.set(parameter, "0.5");
-    if (parameter == "free_interior") node.set(parameter, "[fx, d1, d2]");
+    if (parameter == "free_interior")
+      node.set(parameter,
+               "fx\x1f"
+               "d1\x1f"
+               "d2");
     node.run();
     const CameraT camera = node.output<Camera>("camera");
     EXPECT_THAT(camera.beyond, HasSubstr(words));
@@ -165,7 +169,7 @@ TEST(AdjustCeresNode, RefusesContradictions) {
   eight.input<Camera>("camera", camera);
   eight.input<Plates>("plates", short_camera.plates);
   eight.input<Poses>("poses", short_camera.poses);
-  EXPECT_THAT(failure(eight), HasSubstr("camera 'camera' has 8 parameters, expected fx, fy"));
+  EXPECT_THAT(failure(eight), HasSubstr("camera 'camera' has 8 parameters, expected 9: fx, fy"));
 }
 
 TEST(AdjustCeresNode, TwoControlPointsLeaveARotation) {
