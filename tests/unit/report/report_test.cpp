@@ -81,6 +81,20 @@ TEST(Report, LengthsWithoutDirectionHaveNoSign) {
     }
 }
 
+TEST(Report, ShimsSayWhichWayAndStayBesideTheirAnchor) {
+  ReportInput input = test::example();
+  auto& panel = *input.deviation->panels.at(0);
+  panel.verdict = ToleranceVerdict::fail, panel.decided_by = "warp", panel.missing.clear();
+  const double shims[] = {0.0009, -0.0026, 0.0002, -0.0062};
+  std::string names[4];
+  for (std::size_t i = 0; i < 4; ++i) names[i] = panel.fixings.at(i)->anchor, panel.fixings[i]->shim = shims[i];
+  const std::string html = render_report(input);
+  EXPECT_TRUE(contains(html, "Shim outward " + names[0] + "\u00A00.9\u00A0mm; set inward " + names[1] + "\u00A02.6, " +
+                                 names[3] + "\u00A06.2\u00A0mm."));
+  EXPECT_TRUE(contains(html, "<span class=\"whole\">" + names[1] + " \u22122.6,</span>"));
+  EXPECT_TRUE(contains(html, "<span class=\"whole\">" + names[3] + " \u22126.2</span>"));
+}
+
 TEST(Report, PrintBreaksNoNumber) {
   const std::string html = render_report(test::example());
   const std::string print = html.substr(html.find("@media print"), html.find("</style>") - html.find("@media print"));
