@@ -73,7 +73,7 @@ Eigen::MatrixXd blocks(const Eigen::MatrixXd& s, const std::vector<Match>& rows,
 /// Pseudo-inverse of a symmetric matrix: the survey of a free network has a singular covariance.
 Eigen::MatrixXd pseudo_inverse(const Eigen::MatrixXd& s) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(s);
-  const double limit = 1e-10 * std::max(eigen.eigenvalues().cwiseAbs().maxCoeff(), 0.0);
+  const double limit = 1e-10 * eigen.eigenvalues().cwiseAbs().maxCoeff();
   Eigen::VectorXd inverse = eigen.eigenvalues();
   for (Index i = 0; i < inverse.size(); ++i) inverse[i] = inverse[i] > limit ? 1.0 / inverse[i] : 0.0;
   return eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();

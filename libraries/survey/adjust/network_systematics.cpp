@@ -85,7 +85,6 @@ std::string Adjuster::describe(const CommonError& e) const {
 CommonError Adjuster::test_common_error(const Pass& pass, const std::vector<std::pair<int, double>>& rows) const {
   const adjustment::Linearisation& lin = pass.solution.linearisation;
   Eigen::VectorXd atc = Eigen::VectorXd::Zero(pass.solution.unknowns.count());
-  std::vector<int> touched;
   double numerator = 0, own = 0;
   std::size_t b = 0;
   for (std::size_t i = 0; i < rows.size();) {  // rows ascend, so do blocks
@@ -98,14 +97,12 @@ CommonError Adjuster::test_common_error(const Pass& pass, const std::vector<std:
     numerator += c.dot(lin.residuals.segment(block.row, block.rows));
     own += c.squaredNorm();
     const Eigen::VectorXd part = lin.jacobian_of(block).transpose() * c;
-    for (int k = 0; k < block.column_count; ++k) {
-      const int unknown = lin.columns[static_cast<std::size_t>(block.column_begin + k)];
-      if (atc[unknown] == 0) touched.push_back(unknown);
-      atc[unknown] += part[k];
-    }
+    for (int k = 0; k < block.column_count; ++k)
+      atc[lin.columns[static_cast<std::size_t>(block.column_begin + k)]] += part[k];
   }
-  std::sort(touched.begin(), touched.end());
-  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+  std::vector<int> touched;
+  for (int k = 0; k < static_cast<int>(atc.size()); ++k)
+    if (atc[k] != 0) touched.push_back(k);
   double network = 0;
   for (const int j : touched)
     for (const int i : touched) network += atc[i] * pass.cofactors(i, j) * atc[j];

@@ -51,7 +51,6 @@ void add_sight_partials(const Equation& eq, int target, const Sight& s, const Ve
     out.add(eq.from, 3, k, -by_level[k]);
   }
   out.add(eq.instrument_height_correction, 1, 0, -by_level.z());
-  if (eq.tilt < 0) return;
   const Vector3d by_tilt = by_d.cross(s.level);  // -by_d . (t x level) = t . (by_d x level)
   out.add(eq.tilt, 2, 0, by_tilt.x());
   out.add(eq.tilt, 2, 1, by_tilt.y());

@@ -56,6 +56,7 @@ PlanLayout::PlanLayout(const std::vector<PlannedMarker>& markers, const std::vec
 void PlanLayout::add_set_up(const PlannedSetUp& set_up) {
   if (!set_up.position.allFinite())
     throw std::runtime_error("planned set-up '" + set_up.id + "' has no complete coordinates; give E, N and H");
+  const size_t s = set_ups_.size();
   set_ups_.push_back(set_up);
   std::vector<char> possible(markers_.size());
   for (size_t m = 0; m < markers_.size(); ++m) possible[m] = allowed(markers_[m], set_up.position);
@@ -67,7 +68,7 @@ void PlanLayout::add_set_up(const PlannedSetUp& set_up) {
       throw std::runtime_error("set-up '" + set_up.id + "' is to sight '" + id + "', which is no planned marker");
     const auto m = static_cast<size_t>(at - markers_.begin());
     planned_.back()[m] = possible[m];
-    if (!possible[m]) refused_.push_back(sight(set_ups_.size() - 1, m));
+    if (!possible[m]) refused_.push_back(sight(s, m));
   }
 }
 

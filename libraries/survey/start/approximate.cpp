@@ -174,7 +174,7 @@ struct Hypothesis {
 
 void place_known(const Search& search, Frame& frame) {
   for (const auto& [id, p] : search.points) {
-    if (!std::isnan(p.x()) && !std::isnan(p.y())) frame.set_plan(id, p.head<2>());
+    if (!p.head<2>().hasNaN()) frame.set_plan(id, p.head<2>());
     if (!std::isnan(p.z())) frame.set_height(id, p.z());
   }
   for (const CoordinateGroup& group : search.survey.coordinates)

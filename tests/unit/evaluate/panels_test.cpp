@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "judgement/worst_first.hpp"
 #include "small_building.hpp"
 
 namespace plumbline::judgement {
@@ -159,6 +160,44 @@ TEST(Panels, JointsBetweenNeighbours) {
   // Two columns of two anchors: each side's end moves with the mean of all four, turned about the centre. The two
   // panels share no anchor, so the variances add: at the lower end (1/4 + (1 m)²·2/(8 m²)) σ² each, in x.
   EXPECT_NEAR(joint.change->u, 0.3 * mm * std::sqrt(2 * (0.25 + 1.0 / 8)), 1e-6);
+}
+
+/// The order in which a site mends: failures, what is open, what was not measured, what passes; in each the larger
+/// share of its tolerance first, whichever sign or length it has.
+TEST(WorstFirst, OfAnchorsAndPanels) {
+  using V = ToleranceVerdict;
+  DeviationT d;
+  const auto anchor = [&](const char* id, V verdict, double value, double tolerance) {
+    auto a = std::make_unique<AnchorDeviationT>();
+    a->id = id, a->verdict = verdict, a->decided_by = "vertical";
+    for (const char* axis : {"horizontal", "vertical"}) {
+      auto judged = std::make_unique<JudgedAxisT>();
+      judged->axis = axis, judged->value = axis[0] == 'v' ? value : 99, judged->tolerance = tolerance;
+      a->axes.push_back(std::move(judged));
+    }
+    d.anchors.push_back(std::move(a));
+  };
+  anchor("p1", V::pass, 1 * mm, 5 * mm), anchor("n", V::not_measured, 0, 5 * mm), anchor("f1", V::fail, 6 * mm, 5 * mm);
+  anchor("u", V::undecided, 5 * mm, 5 * mm), anchor("f2", V::fail, -9 * mm, 5 * mm),
+      anchor("p2", V::pass, -2 * mm, 5 * mm);
+  anchor("f3", V::fail, 7 * mm, 8 * mm);  // the least of its tolerance
+  std::string order;
+  for (const AnchorDeviationT* a : worst_first(d)) order += a->id + " ";
+  EXPECT_EQ(order, "f2 f1 f3 u n p2 p1 ");
+
+  const auto panel = [&](const char* name, double out, double warp) {
+    auto p = std::make_unique<PanelDeviationT>();
+    p->name = name, p->verdict = V::pass;
+    for (auto [length, value] : {std::pair{&p->out_of_plane, out}, {&p->warp, warp}}) {
+      *length = std::make_unique<JudgedLengthT>();
+      (*length)->value = value, (*length)->tolerance = 5 * mm;
+    }
+    d.panels.push_back(std::move(p));
+  };
+  panel("a", 1 * mm, 2 * mm), panel("b", -4 * mm, 1 * mm), panel("c", 3 * mm, std::nan(""));
+  order.clear();
+  for (const PanelDeviationT* p : worst_panels_first(d)) order += p->name + " ";
+  EXPECT_EQ(order, "b c a ");
 }
 
 }  // namespace

@@ -77,6 +77,11 @@ TEST(CheckControl, SaysWhyNothingCanBeTested) {
   control.ids = {"A", "B", "M22", "M23"};
   EXPECT_NE(check_control(network.survey, control, without_curvature(), {}).problem.find("2 of them are observed"),
             std::string::npos);
+  SurveyObservations none = network.survey;
+  none.observations[0].set_up = 99;
+  EXPECT_NE(check_control(none, corners(network, 23), without_curvature(), {})
+                .problem.find("free network is not determined: "),
+            std::string::npos);
   SurveyObservations one = network.survey;
   std::erase_if(one.observations, [](const Observation& o) { return o.kind == ObservationKind::slope_distance; });
   EXPECT_NO_THROW(check_control(one, corners(network, 23), without_curvature(), {}));

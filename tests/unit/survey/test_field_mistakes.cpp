@@ -237,9 +237,9 @@ TEST(Exclusions, CoordinatesVectorsAndLocalCoordinatesGoWithTheirPointAndSetUp) 
   given.covariance = Eigen::Vector3d(1, 4, 9).asDiagonal();
   s.coordinates.push_back(given);
   VectorGroup vectors;
-  vectors.vectors = {{"M1", "M3"}, {"M3", "M4"}};
-  vectors.values = Eigen::VectorXd::LinSpaced(6, 1, 6);
-  vectors.covariance = Eigen::MatrixXd::Identity(6, 6);
+  vectors.vectors = {{"M1", "M3"}, {"M3", "M4"}, {"M4", "M1"}};
+  vectors.values = Eigen::VectorXd::LinSpaced(9, 1, 9);
+  vectors.covariance = Eigen::MatrixXd::Identity(9, 9);
   s.vectors.push_back(vectors);
   for (const int set_up : {0, 1}) {
     LocalCoordinate local;
@@ -258,6 +258,21 @@ TEST(Exclusions, CoordinatesVectorsAndLocalCoordinatesGoWithTheirPointAndSetUp) 
   ASSERT_EQ(rest.local_coordinates.size(), 1u);
   EXPECT_EQ(rest.local_coordinates[0].set_up, 1);
   EXPECT_EQ(said.size(), 2u);
+}
+
+TEST(Exclusions, TheRestOfACovarianceStaysWithItsReadings) {
+  SurveyObservations s = Field().survey;
+  for (size_t i = 0; i < 9; ++i) s.observations[i].source = {"job.gsi", static_cast<int>(i) + 1, 0};
+  s.covariances.push_back({{0, 3, 7}, Eigen::Vector3d(1, 4, 9).asDiagonal()});
+  s.covariances.push_back({{3}, Eigen::MatrixXd::Identity(1, 1)});
+  std::vector<Finding> said;
+  const SurveyObservations rest = without_excluded(s, {parse_exclusion("line job.gsi:4: read twice")}, said);
+  ASSERT_EQ(rest.observations.size() + 1, s.observations.size());
+  ASSERT_EQ(rest.covariances.size(), 1u) << "nothing is left of the second";
+  EXPECT_EQ(rest.covariances[0].indices, (std::vector<int>{0, 6}));
+  EXPECT_EQ(rest.covariances[0].covariance.diagonal(), Eigen::Vector2d(1, 9));
+  ASSERT_EQ(said.size(), 1u);
+  EXPECT_EQ(said[0].text, "excluded: line job.gsi:4 (1 reading): read twice");
 }
 
 TEST(SetUpChain, OneGrossSightInFiveDoesNotTurnTheFigure) {

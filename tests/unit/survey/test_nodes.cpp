@@ -156,6 +156,15 @@ NodeHarness compared(const Adjusted& first, const Adjusted& second) {
   return node;
 }
 
+TEST(AdjustNode, WithoutRedundancyTheGlobalTestIsNotCalledPassed) {
+  survey::test::SimulationSettings settings;
+  settings.set_ups = 1;
+  const SurveyNetworkT network = adjust(survey::test::simulate(settings, 3).survey).network;
+  EXPECT_EQ(network.statistics->degrees_of_freedom, 0);
+  EXPECT_EQ(network.tests->verdict, "none");
+  EXPECT_EQ(adjust(survey::test::simulate({}, 3).survey).network.tests->verdict, "pass");
+}
+
 TEST(CompareEpochsNode, AMarkerMovedByTwoMillimetresIsNamed) {
   NodeHarness node = compared(adjust(campaign(1)), adjust(campaign(2, "M12", {0, 0, 0.002})));
   node.run();

@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <numbers>
 
@@ -443,6 +444,56 @@ TEST(Screening, TheRestOfACovarianceStays) {
   EXPECT_NE(a.sum_of_squares, adjust_network(n.survey, free_network()).sum_of_squares);
 }
 
+TEST(Screening, APointWithoutAnyHeightIsNamed) {
+  auto n = test::simulate({}, 62);
+  std::erase_if(n.survey.observations,
+                [](const Observation& o) { return o.to == "M11" && o.kind == ObservationKind::zenith_angle; });
+  for (Observation& o : n.survey.observations)
+    if (o.to == "M11" && o.kind == ObservationKind::slope_distance)
+      o.kind = ObservationKind::horizontal_distance, o.sigma = 1;
+  const std::string text = all_words(adjust_network(n.survey, free_network()));
+  EXPECT_NE(text.find("no observation of the height of M11\n"), std::string::npos) << text;
+}
+
+TEST(Screening, PointsThatNobodyObservedAreNamedUnlessTheyAreGiven) {
+  auto n = test::simulate({}, 62);
+  const auto add = [&](const char* id, CoordinateRole plan, CoordinateRole height) {
+    Point p;
+    p.id = id, p.coordinates = {1, 2, 3}, p.roles = {plan, plan, height};
+    n.survey.points.push_back(p);
+  };
+  add("bolt", CoordinateRole::free, CoordinateRole::fixed), add("pillar", CoordinateRole::fixed, CoordinateRole::free);
+  add("lost", CoordinateRole::free, CoordinateRole::free);
+  const std::string text = all_words(adjust_network(n.survey, free_network()));
+  EXPECT_NE(text.find("no observation, left out: lost\n"), std::string::npos) << text;
+}
+
+/// Bytes of an artifact: what is beyond the faces, axes and set-ups there are is refused, not read.
+TEST(Screening, NumbersThatPointNowhereAreRefused) {
+  const auto refused = [](const std::function<void(SurveyObservations&)>& change) {
+    auto n = test::simulate({}, 62);
+    CoordinateGroup group;
+    group.components = {{"M00", 0}};
+    group.values = Eigen::VectorXd::Constant(1, 100);
+    group.covariance = Eigen::MatrixXd::Identity(1, 1);
+    n.survey.coordinates.push_back(group);
+    change(n.survey);
+    try {
+      adjust_network(n.survey, free_network());
+    } catch (const NetworkError&) {
+      return true;
+    }
+    return false;
+  };
+  EXPECT_FALSE(refused([](SurveyObservations&) {}));
+  for (const int wrong : {-1, 3, 255}) {
+    EXPECT_TRUE(refused([&](SurveyObservations& s) { s.observations[4].face = wrong; })) << wrong;
+    EXPECT_TRUE(refused([&](SurveyObservations& s) { s.coordinates[0].components[0].axis = wrong; })) << wrong;
+    EXPECT_TRUE(refused([&](SurveyObservations& s) { s.observations[3].set_up = wrong; })) << "a direction " << wrong;
+  }
+  EXPECT_TRUE(refused([&](SurveyObservations& s) { s.observations[4].set_up = -2; }));
+}
+
 TEST(Screening, ACovarianceOfWhichNothingIsLeft) {
   auto n = test::simulate({}, 62);
   const double before = adjust_network(n.survey, free_network()).sum_of_squares;
@@ -475,7 +526,10 @@ TEST(Screening, ObservedCoordinatesAreNamedByTheirAxes) {
   n.survey.coordinates.push_back(group);
   std::string axes;
   for (const ResultRow& row : adjust_network(n.survey, free_network()).rows)
-    if (row.kind == "coordinate") axes += row.detail;
+    if (row.kind == "coordinate") {
+      EXPECT_EQ(row.value, n.truth[0][static_cast<Eigen::Index>(axes.size())]);
+      axes += row.detail;
+    }
   EXPECT_EQ(axes, "ENH");
   const NetworkResult r = adjust_network(n.survey, free_network());
   EXPECT_EQ(r.pointings.size(), 36u) << "observed coordinates are no sighting";

@@ -20,6 +20,7 @@ namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
+using K = ObservationKind;
 
 class Places {
  public:
@@ -135,6 +136,7 @@ TEST(Loci, MeetWithinWhatReadingsMayBeWrong) {
   EXPECT_EQ(intersect(by, about(0, 50)).size(), 1u) << "from within: ahead only";
   EXPECT_FALSE(locus_of_angle({0, 0}, {1, 0}, 0.01)) << "nearly on the line through both";
   EXPECT_FALSE(locus_of_angle({0, 0}, {0.0005, 0}, 1));
+  EXPECT_TRUE(locus_of_angle({0, 0}, {0.01, 0}, 1));
   EXPECT_TRUE(best_intersections({about(0, 10), about(100, 10)}).empty());
   EXPECT_EQ(best_intersections({about(0, 50), about(60, 50)}).size(), 2u) << "two circles leave two places";
 }
@@ -172,6 +174,7 @@ class OnePoint {
     Places random(seed);
     places_ = {{"A", {0, 0, 10}}, {"B", {110, 10, 12}}, {"C", {30, 120, 17}}, {"D", {-60, 70, 8}}};
     for (auto& [id, p] : places_) p += Vector3d(random.number(-9, 9), random.number(-9, 9), random.number(-2, 2));
+    places_["E"] = Vector3d(80, -70, 11);
     places_["P"] = Vector3d(random.number(10, 40), random.number(20, 60), random.number(5, 20));
     for (const auto& [id, p] : places_) {
       Point point;
@@ -234,7 +237,6 @@ struct Piece {
 
 /// Each from other stations, so that no two of them are on the same line.
 std::vector<Piece> pieces() {
-  using K = ObservationKind;
   const auto horizontal = [](OnePoint& n, const char* from, const char* to) {
     n.add(K::horizontal_distance, from, to, n.d(from, to).head<2>().norm());
   };
@@ -312,8 +314,37 @@ TEST(OnePointFrom, EveryPairOfObservationsIsWhereItIs) {
       }
 }
 
+/// Of several resections the one that the other directions agree with.
+TEST(OnePointFrom, OneWrongDirectionOfFiveDoesNotPlaceTheStation) {
+  for (const int wrong : {1, 4}) {  // in the first triple, in the last
+    OnePoint n(15);
+    const int s = n.set_up("P");
+    for (const char* to : {"A", "B", "C", "D", "E"}) n.direction(s, "P", to, 0.3);
+    n.survey().observations[static_cast<size_t>(wrong)].value += 0.3;
+    n.add(ObservationKind::height_difference, "A", "P", n.d("A", "P").z());
+    EXPECT_LT(n.distance_from_truth().x(), 1e-3) << wrong;
+  }
+}
+
+TEST(Figures, WhatStandsOverheadHasNoHeightByItsZenithAngle) {
+  OnePoint n(16);
+  const int s = n.set_up("B");
+  n.add(ObservationKind::zenith_angle, "B", "P", 1e-4, s),
+      n.add(ObservationKind::horizontal_distance, "B", "P", 0.5, s);
+  n.add(ObservationKind::zenith_angle, "B", "A", 1.0, s), n.add(ObservationKind::horizontal_distance, "B", "A", 10, s);
+  const Figures f = make_figures(n.survey(), mean_observations(n.survey()).observations);
+  ASSERT_EQ(f.figures.at(0).sights.size(), 2u);
+  EXPECT_TRUE(std::isnan(f.figures[0].sights[0].height_difference));
+  EXPECT_NEAR(f.figures[0].sights[1].height_difference, 10 / std::tan(1.0) + 1.6 - 0.3, 1e-9);
+  Observation levelled;
+  levelled.kind = ObservationKind::height_difference, levelled.from = "A", levelled.to = "P", levelled.value = 2;
+  levelled.instrument_height = 1.5, levelled.target_height = 0.4;
+  n.survey().observations = {levelled};
+  EXPECT_NEAR(make_figures(n.survey(), mean_observations(n.survey()).observations).height_differences.at(0).value, 3.1,
+              1e-9);
+}
+
 TEST(OnePointFrom, HeightsComeByEveryWay) {
-  using K = ObservationKind;
   const std::vector<Piece> ways = {
       {"levelled to it", [](OnePoint& n) { n.add(K::height_difference, "B", "P", n.d("B", "P").z()); }},
       {"levelled from it", [](OnePoint& n) { n.add(K::height_difference, "P", "B", n.d("P", "B").z()); }},
@@ -335,7 +366,6 @@ TEST(OnePointFrom, HeightsComeByEveryWay) {
 
 /// Slope distances, zenith angles and azimuths from three stations, none of which gives a plan alone.
 TEST(OnePointFrom, ThreeObservationsInSpace) {
-  using K = ObservationKind;
   const auto slope = [](OnePoint& n, const char* from, const char* to) {
     n.add(K::slope_distance, from, to, n.d(from, to).norm());
   };
@@ -356,6 +386,55 @@ TEST(OnePointFrom, ThreeObservationsInSpace) {
     zenith(from_it, "P", "A"), slope(from_it, "D", "P"),
         from_it.add(K::azimuth, "P", "B", from_it.azimuth_to("P", "B"));
     EXPECT_LT(from_it.distance_from_truth().norm(), 0.01) << seed << ": the same, observed from it";
+  }
+}
+
+/// Nothing is known: the beginning of the first vector is the origin, and north is right.
+TEST(FreeStart, VectorsAloneMakeAFrame) {
+  SurveyObservations s;
+  VectorGroup g;
+  g.vectors = {{"A", "B"}, {"B", "C"}, {"D", "C"}};
+  g.values.resize(9);
+  g.values << 10, 20, 1, -5, 7, 2, 3, 4, -1;
+  g.covariance = 1e-6 * Eigen::MatrixXd::Identity(9, 9);
+  s.vectors.push_back(g);
+  const auto all = approximate_coordinates(s, {}, {});
+  ASSERT_EQ(all.size(), 1u);
+  const auto& p = all[0].points;
+  ASSERT_EQ(p.size(), 4u);
+  EXPECT_LT((p.at("B") - p.at("A") - Vector3d(10, 20, 1)).norm(), 1e-9);
+  EXPECT_LT((p.at("C") - p.at("B") - Vector3d(-5, 7, 2)).norm(), 1e-9);
+  EXPECT_LT((p.at("C") - p.at("D") - Vector3d(3, 4, -1)).norm(), 1e-9);
+}
+
+/// A shape from angles alone takes the length of its one distance, wherever that is.
+TEST(FreeStart, AnglesTakeTheScaleOfOneDistance) {
+  const std::map<std::string, Vector2d> truth = {{"A", {0, 0}}, {"B", {300, 40}}, {"C", {120, 260}}, {"D", {420, 300}}};
+  for (const auto& [one, other] : {std::pair{"A", "B"}, {"C", "D"}}) {
+    SurveyObservations s;
+    const auto add = [&](K kind, const std::string& from, const std::string& to, double value,
+                         const std::string& second) {
+      Observation o;
+      o.kind = kind, o.from = from, o.to = to, o.second_to = second, o.value = value;
+      s.observations.push_back(o);
+    };
+    for (const char* t : {"ABC", "BCA", "CAB", "BDC", "DCB", "CBD"}) {
+      const std::string at(1, t[0]), left(1, t[1]), right(1, t[2]);
+      add(K::angle, at, left,
+          wrap_angle(azimuth(truth.at(at), truth.at(right)) - azimuth(truth.at(at), truth.at(left))), right);
+    }
+    add(K::horizontal_distance, one, other, (truth.at(other) - truth.at(one)).norm(), "");
+    for (const auto& [id, p] : truth) {
+      Point point;
+      point.id = id, point.roles[2] = CoordinateRole::unused;
+      s.points.push_back(point);
+    }
+    const auto all = approximate_coordinates(s, mean_observations(s).observations, {});
+    ASSERT_FALSE(all.empty());
+    for (const auto& [a, b] : {std::pair{"A", "B"}, {"A", "D"}, {"C", "D"}, {"B", "C"}})
+      EXPECT_NEAR((all[0].points.at(a) - all[0].points.at(b)).head<2>().norm(), (truth.at(a) - truth.at(b)).norm(),
+                  1e-6)
+          << a << b << " by " << one << other;
   }
 }
 

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <random>
 
+#include "survey/model/circle_steps.hpp"
 #include "survey/model/observation_equations.hpp"
 #include "survey/model/reading_tests.hpp"
 #include "survey/model/station_reduction.hpp"
@@ -232,6 +233,48 @@ TEST(ReadingTests, OneIsRemovedBeyondFiveStandardDeviations) {
   };
   EXPECT_TRUE(removed(0.013).empty());
   EXPECT_EQ(removed(-0.018), (std::vector<std::pair<size_t, size_t>>{{0, 0}}));
+}
+
+/// What looks like a turned circle and is none: a turn at the change of face, where every pair is across it, readings
+/// that differ each by something else, and single readings, which show nothing.
+TEST(CircleSteps, AreToldOnlyWhereTheReadingsShowOne) {
+  Readings at_the_change;
+  for (int t = 0; t < 8; ++t) at_the_change.sight(t, 1, 1);
+  for (int t = 0; t < 8; ++t) at_the_change.sight(t, 2, 1, 0.01);
+  EXPECT_TRUE(circle_steps(at_the_change.survey()).empty());
+  Readings scattered;
+  for (int t = 0; t < 8; ++t) scattered.sight(t, 1, 1);
+  for (int t = 0; t < 8; ++t) scattered.sight(t, 1, 1, 0, t < 4 ? 0 : 0.003 * (t - 3));
+  EXPECT_TRUE(circle_steps(scattered.survey()).empty());
+  Readings single;
+  for (int t = 0; t < 8; ++t) single.sight(t, 1, 1);
+  EXPECT_TRUE(circle_steps(single.survey()).empty());
+  Readings turned;  // one that is
+  for (int t = 0; t < 8; ++t) turned.sight(t, 1, 1);
+  for (int t = 0; t < 8; ++t) turned.sight(t, 2, 1, t < 4 ? 0 : 0.01);
+  const auto steps = circle_steps(turned.survey());
+  ASSERT_EQ(steps.size(), 1u);
+  EXPECT_NEAR(steps[0].turn, 0.01, 1e-9);
+  EXPECT_EQ(turned.survey().observations[static_cast<size_t>(steps[0].first)].to, "T4");
+  EXPECT_EQ(steps[0].with, 4);
+  EXPECT_EQ(steps[0].without, 4);
+}
+
+/// Distances have faces too; what they differ by is no index.
+TEST(InstrumentErrors, DistancesSayNothingOfTheIndex) {
+  Readings r;
+  r.index = 3 * kMgon;
+  for (const int face : {1, 2})
+    for (int t = 0; t < 5; ++t) {
+      r.sight(t, face, 1);
+      Observation o = r.survey().observations.back();
+      o.kind = ObservationKind::slope_distance, o.value = 20 + 0.002 * face;
+      r.survey().observations.push_back(o);
+    }
+  const MeanResult m = r.reduce();
+  ASSERT_EQ(m.instrument.size(), 1u);
+  EXPECT_NEAR(m.instrument[0].index, 3 * kMgon, 1e-9);
+  EXPECT_NEAR(m.instrument[0].collimation, 0, 1e-9);
 }
 
 }  // namespace
