@@ -119,6 +119,19 @@ class Table {
                                    "expected " +
                                    expected_);
   }
+  /// Geodesists of German-speaking countries count Y to the east; nearly everybody else X.
+  void refuse_german_axes() const {
+    bool german = false, axes = false;
+    for (const auto& cell : table_.header) {
+      axes = axes || cell.written == "x" || cell.written == "y";
+      for (const char* start : {"punkt", "hoehe", "h\xC3\xB6he"}) german = german || cell.written.rfind(start, 0) == 0;
+    }
+    if (german && axes)
+      throw std::runtime_error(
+          file_ + ":" + std::to_string(table_.header_line) +
+          ": found X and Y under German names, where Y is mostly the east; expected columns E and N");
+  }
+  bool has_header() const { return !table_.header.empty(); }
   const std::vector<formats::CsvRow>& rows() const { return table_.rows; }
   bool has(const std::string& name) const { return columns_.count(name) > 0; }
   std::string text(const formats::CsvRow& row, const std::string& name) const {
@@ -201,15 +214,22 @@ std::vector<ImagePoint> from_json(const std::string& text, const std::string& fi
 namespace {
 
 /// What the columns of control may be called: by axis or by its name in the survey, standard deviations likewise.
+/// Also in German, French, Spanish and Italian.
 std::map<std::string, std::string> control_columns() {
   std::map<std::string, std::string> names = {
       {"sigma", "sigma"}, {"accuracy", "sigma"}, {"sd", "sigma"}, {"std", "sigma"}};
-  for (const char* name : {"name", "id", "point", "label", "ptid", "nr"}) names[name] = "name";
+  for (const char* name :
+       {"name",      "id",       "point",   "label",      "ptid",   "pt",      "nr",          "no",
+        "number",    "point_id", "pointid", "point_name", "punkt",  "punktnr", "punktnummer", "punktname",
+        "matricule", "numero",   "nom",     "punto",      "nombre", "nome"})
+    names[name] = "name";
   names["role"] = "role";
   const std::map<std::string, std::vector<std::string>> axes = {
-      {"x", {"x", "e", "east", "easting"}},
-      {"y", {"y", "n", "north", "northing"}},
-      {"z", {"z", "h", "height", "elevation", "altitude", "up"}}};
+      {"x", {"x", "e", "east", "easting", "rechtswert", "ost", "ostwert", "est", "este"}},
+      {"y", {"y", "n", "north", "northing", "hochwert", "nord", "nordwert", "norte"}},
+      {"z",
+       {"z", "h", "height", "elevation", "elev", "el", "altitude", "alt", "up", "hoehe", "h\xC3\xB6he", "cota", "quota",
+        "altura"}}};
   for (const auto& [axis, called] : axes)
     for (const std::string& name : called) {
       names[name] = axis;
@@ -238,8 +258,15 @@ std::vector<ControlPoint> parse_control(const std::string& text, const std::stri
                      {"name", "x", "y", "z", "sigma"},
                      {"name", "x", "y", "z", "sigma_x", "sigma_y", "sigma_z"}});
   table.refuse_unread_accuracies();
+  table.refuse_german_axes();
+  constexpr double kHighest = 20000;  // [m]
   std::set<std::string> seen;
   for (const auto& row : table.rows()) {
+    if (!table.has_header() && std::abs(table.number(row, "z")) > kHighest)
+      throw std::runtime_error(
+          file + ":" + std::to_string(row.line) + ": found the height " + table.text(row, "z") +
+          " in a table without a header; expected metres: another column may be in front (a zone), "
+          "or these are geocentric coordinates. Name the columns");
     ControlPoint p{table.text(row, "name"),
                    {table.number(row, "x"), table.number(row, "y"), table.number(row, "z")},
                    {nan, nan, nan},
@@ -272,14 +299,10 @@ std::vector<ControlPoint> parse_control(const std::string& text, const std::stri
 
 bool says_which_is_east(const std::string& text, const std::string& file) {
   if (gcp_lines(text, file)) return true;
-  static const std::map<std::string, std::string> names = {
-      {"east", "east"}, {"easting", "east"}, {"e", "east"},  {"north", "north"}, {"northing", "north"},
-      {"n", "north"},   {"name", "name"},    {"id", "name"}, {"point", "name"},  {"label", "name"},
-      {"z", "z"},       {"height", "z"},     {"h", "z"}};
+  static const std::map<std::string, std::string> names = control_columns();
   const formats::CsvTable table = formats::read_csv(text, names);
   return std::any_of(table.header.begin(), table.header.end(), [](const auto& cell) {
-    const auto known = names.find(cell.name);
-    return known != names.end() && (known->second == "east" || known->second == "north");
+    return (cell.name == "x" || cell.name == "y") && cell.written != "x" && cell.written != "y";
   });
 }
 

@@ -21,7 +21,8 @@ std::string understood_formats() {
   return "one of the formats understood: Leica GSI-8 and GSI-16 (total stations and levels), Leica IDX, LandXML 1.2 "
          "survey "
          "and HeXML, Trimble JobXML, Zeiss and Trimble M5, R5, R4, Sokkia SDR33, Carlson RW5, Nikon RAW, Topcon GTS-7 "
-         "and GTS-210, Geodimeter, STAR*NET, DynaML, gama-local XML, Krumm .dat, CSV of points (PENZD) or observations, CSV of "
+         "and GTS-210, Topcon DL and Sokkia SDL levels, Geodimeter, STAR*NET, DynaML, gama-local XML, Krumm .dat, CSV "
+         "of points (PENZD) or observations, CSV of "
          "per-set-up coordinates";
 }
 

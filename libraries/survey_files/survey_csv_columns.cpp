@@ -55,11 +55,16 @@ const std::map<std::string, std::string>& survey_column_names() {
       all[column] = column;
       for (const char* synonym : synonyms) all[synonym] = column;
     };
-    add("id", {"point", "pt", "name", "nr", "no", "number", "point_id", "pointid", "point_no", "point_name", "punkt",
-               "punktnummer", "punktnr", "punkt_nr", "punktname", "punktid", "pkt", "pnr", "p"});
-    add("e", {"east", "easting", "ost", "ostwert", "rechtswert", "rechts"});
-    add("n", {"north", "northing", "nord", "nordwert", "hochwert", "hoch"});
-    add("h", {"z", "height", "elevation", "elev", "el", "hoehe", "h\xC3\xB6he"});
+    add("id", {"point",         "pt",       "name",       "nr",     "no",          "number",    "point_id",
+               "pointid",       "point_no", "point_name", "punkt",  "punktnummer", "punktnr",   "punkt_nr",
+               "punktname",     "punktid",  "pkt",        "pnr",    "p",           "matricule", "numero",
+               "num\xC3\xA9ro", "nom",      "punto",      "nombre", "nome"});
+    add("e", {"east", "easting", "ost", "ostwert", "rechtswert", "rechts", "est", "este"});
+    add("n", {"north", "northing", "nord", "nordwert", "hochwert", "hoch", "norte"});
+    add("h", {"z", "height", "elevation", "elev", "el", "hoehe", "h\xC3\xB6he", "altitude", "alt", "cota", "quota",
+              "altura"});
+    add("latitude", {"lat", "breite"});
+    add("longitude", {"lon", "long", "lng", "laenge", "l\xC3\xA4nge"});
     add("x", {});
     add("y", {});
     add("code", {"c", "feature"});
@@ -83,9 +88,9 @@ const std::map<std::string, std::string>& survey_column_names() {
     for (const char* own : {"record", "second_to", "kind", "value", "unit", "sigma", "second_target_height",
                             "levelling_length", "role", "corrections", "source_file", "source_line", "source_column"})
       add(own, {});
-    add("sigma_e", {"sigma_x", "s_e", "sd_e", "std_e", "sigma_east"});
-    add("sigma_n", {"sigma_y", "s_n", "sd_n", "std_n", "sigma_north"});
-    add("sigma_h", {"sigma_z", "s_h", "sd_h", "std_h", "sigma_height"});
+    add("sigma_e", {"sigma_x", "sigmax", "s_e", "sd_e", "std_e", "sigma_east"});
+    add("sigma_n", {"sigma_y", "sigmay", "s_n", "sd_n", "std_n", "sigma_north"});
+    add("sigma_h", {"sigma_z", "sigmaz", "s_h", "sd_h", "std_h", "sigma_height"});
     for (const auto& [own, local] : {std::pair{"cov_ee", "cov_xx"},
                                      {"cov_en", "cov_xy"},
                                      {"cov_eh", "cov_xz"},

@@ -36,6 +36,7 @@ class TableReader {
 
  private:
   void refuse_other_tables() const;
+  void refuse_other_columns() const;
   void read_point();
   void read_sighting();
   void read_record();
@@ -71,6 +72,9 @@ SurveyObservations TableReader::read() {
   const bool sightings = columns_.has("target") && (columns_.has("station") || columns_.has("set_up")) &&
                          (columns_.has("direction") || columns_.has("zenith") || columns_.has("slope_distance") ||
                           columns_.has("horizontal_distance") || columns_.has("height_difference"));
+  if (columns_.has("latitude") && columns_.has("longitude") && !columns_.has("e"))
+    throw SurveyReadError(builder_.at(table_.header_line, 1), "latitudes and longitudes",
+                          "coordinates of a plane in metres (E, N): project them before");
   const bool points = columns_.has("id") && ((columns_.has("e") && columns_.has("n")) || columns_.has("h"));
   if (!records && !sightings && !points)
     throw SurveyReadError(builder_.at(table_.header_line, 1), found_nothing(),
@@ -81,7 +85,7 @@ SurveyObservations TableReader::read() {
     if (!columns_.failed()) continue;
     if (failed_rows_++ == 0) first_failed_ = &row;
   }
-  if (!records && !sightings) refuse_other_tables();
+  if (!records && !sightings) refuse_other_tables(), refuse_other_columns();
   return builder_.finish(found_nothing(), std::string(kTables) + ", or " + understood_formats());
 }
 
@@ -121,6 +125,49 @@ void TableReader::refuse_other_tables() const {
                           std::to_string(other_places_) + " of " + std::to_string(rows) +
                               " rows with a name that a row before has at another place",
                           "one row for each point: these may be no points, or another column has their names" + how);
+}
+
+int decimals_of(const std::string& text) {
+  const std::size_t point = text.find_first_of(".,");
+  return point == std::string::npos ? 0 : static_cast<int>(text.size() - point) - 1;
+}
+
+// A table that has no names, a zone in front of the easting, degrees: read as name, E, N, H each gives numbers that are
+// wrong and look right.
+void TableReader::refuse_other_columns() const {
+  constexpr double kHighest = 20000;  // [m]
+  const std::string how = ": say with the option 'columns' which column is which";
+  const bool guessed = table_.header.empty() && !columns_given_;
+  std::size_t points = 0, high = 0, numbers = 0, degrees = 0;
+  const Point* first_high = nullptr;
+  for (const Point& p : builder_.survey.points) {
+    ++points;
+    if (std::abs(p.coordinates.z()) > kHighest && high++ == 0) first_high = &p;
+    const auto number = table_.number({p.id, 0});
+    numbers += number && decimals_of(p.id) > 0 && (std::abs(*number) > 1000 || decimals_of(p.id) > 2);
+  }
+  for (const formats::CsvRow& row : table_.rows) {
+    if (!guessed || row.cells.size() < 3) continue;
+    const auto a = table_.number(row.cells[1]), b = table_.number(row.cells[2]);
+    const bool small =
+        a && b && std::max(std::abs(*a), std::abs(*b)) <= 180 && std::min(std::abs(*a), std::abs(*b)) <= 90;
+    const bool plan = row.cells.size() < 4 || !table_.number(row.cells[3]);
+    degrees += small && plan && std::min(decimals_of(row.cells[1].text), decimals_of(row.cells[2].text)) > 5;
+  }
+  if (first_high && 2 * high > points)
+    throw SurveyReadError(first_high->source,
+                          "a height of " + formats::format_fixed(first_high->coordinates.z(), 3) + " m",
+                          "heights: another column may hold them, behind a zone or in millimetres, or these are "
+                          "geocentric coordinates" +
+                              how);
+  if (guessed && points > 0 && numbers == points)
+    throw SurveyReadError(
+        builder_.survey.points.front().source,
+        "numbers where the names should be (" + formats::quoted(builder_.survey.points.front().id) + ")",
+        "a name and coordinates in every row of a table that has no header" + how);
+  if (guessed && points > 0 && degrees == table_.rows.size())
+    throw SurveyReadError(builder_.survey.points.front().source, "what may be latitudes and longitudes",
+                          "coordinates of a plane in metres (E, N); if they are" + how);
 }
 
 void TableReader::read_point() {

@@ -168,6 +168,7 @@ std::optional<SurveyFormat> line_format(std::string_view beginning) {
 std::optional<SurveyFormat> format_by_beginning(std::string_view text) {
   if (text.starts_with('?')) text = formats::trim(text.substr(1));  // STX
   if (text.starts_with("_'") && text.find("_+") != std::string_view::npos) return SurveyFormat::topcon_gts210;
+  if (is_topcon_level(text.substr(0, text.find_first_of("\r\n")))) return SurveyFormat::topcon_level;
   if (text.starts_with("HEADER") && text.find("DATABASE") != std::string_view::npos) return SurveyFormat::idx;
   return std::nullopt;
 }
@@ -210,19 +211,22 @@ std::optional<SurveyFormat> suffix_format(const std::string& file_name) {
 
 const char* short_name(SurveyFormat format) {
   static constexpr const char* kNames[] = {
-      "gsi",           "landxml",           "jobxml", "sdr33",   "rw5",   "gama-xml",
-      "krumm",         "setup-coordinates", "csv",    "zeiss",   "nikon", "topcon-gts7",
-      "topcon-gts210", "geodimeter",        "idx",    "starnet", "dynaml"};
+      "gsi",           "landxml",           "jobxml",     "sdr33", "rw5",     "gama-xml",
+      "krumm",         "setup-coordinates", "csv",        "zeiss", "nikon",   "topcon-gts7",
+      "topcon-gts210", "topcon-dl",         "geodimeter", "idx",   "starnet", "dynaml"};
   return kNames[static_cast<std::size_t>(format)];
 }
 
 const char* long_name(SurveyFormat format) {
-  static constexpr const char* kNames[] = {
-      "Leica GSI",      "LandXML survey",     "Trimble JobXML", "Sokkia SDR33",
-      "Carlson RW5",    "gama-local XML",     "Krumm .dat",     "CSV of coordinates in each set-up",
-      "CSV table",      "Zeiss M5, R5 or R4", "Nikon RAW",      "Topcon GTS-7",
-      "Topcon GTS-210", "Geodimeter",         "Leica IDX",      "STAR*NET",
-      "DynaML"};
+  static constexpr const char* kNames[] = {"Leica GSI",      "LandXML survey",
+                                           "Trimble JobXML", "Sokkia SDR33",
+                                           "Carlson RW5",    "gama-local XML",
+                                           "Krumm .dat",     "CSV of coordinates in each set-up",
+                                           "CSV table",      "Zeiss M5, R5 or R4",
+                                           "Nikon RAW",      "Topcon GTS-7",
+                                           "Topcon GTS-210", "Topcon DL or Sokkia SDL level",
+                                           "Geodimeter",     "Leica IDX",
+                                           "STAR*NET",       "DynaML"};
   return kNames[static_cast<std::size_t>(format)];
 }
 
@@ -272,6 +276,8 @@ SurveyObservations read_survey(std::string_view bytes, const std::string& file) 
         return read_topcon_gts7(bytes, file);
       case SurveyFormat::topcon_gts210:
         return read_topcon_gts210(bytes, file);
+      case SurveyFormat::topcon_level:
+        return read_topcon_level(bytes, file);
       case SurveyFormat::geodimeter:
         return read_geodimeter(bytes, file);
       case SurveyFormat::idx:

@@ -23,6 +23,7 @@ enum class SurveyFormat {
   nikon,
   topcon_gts7,
   topcon_gts210,
+  topcon_level,
   geodimeter,
   idx,
   starnet,

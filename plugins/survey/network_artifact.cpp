@@ -42,7 +42,10 @@ std::unique_ptr<NetworkTestsT> pack_tests(const NetworkResult& r, const AdjustOp
   t->statistic = r.global_test.statistic;
   t->lower = r.global_test.lower;
   t->upper = r.global_test.upper;
-  t->verdict = r.global_test.verdict == Verdict::low ? "low" : r.global_test.verdict == Verdict::high ? "high" : "pass";
+  t->verdict = r.degrees_of_freedom <= 0                ? "none"
+               : r.global_test.verdict == Verdict::low  ? "low"
+               : r.global_test.verdict == Verdict::high ? "high"
+                                                        : "pass";
   t->critical_w = r.critical_w;
   t->critical_tau = r.critical_tau;
   return t;

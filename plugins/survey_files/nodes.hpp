@@ -80,6 +80,11 @@ struct ReadTopconGts210 : ReaderNode {
   void run(Context& context) override;
 };
 
+struct ReadTopconLevel : ReaderNode {
+  static constexpr Info info{"read.topcon_dl", "survey_reader", 1, "Reads Topcon DL and Sokkia SDL digital levels"};
+  void run(Context& context) override;
+};
+
 struct ReadGeodimeter : ReaderNode {
   static constexpr Info info{"read.geodimeter", "survey_reader", 1, "Reads Geodimeter JOB and ARE"};
   void run(Context& context) override;

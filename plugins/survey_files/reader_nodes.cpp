@@ -64,6 +64,7 @@ void ReadNikon::run(Context& context) { deliver(context, survey::read_nikon(byte
 void ReadTopconGts7::run(Context& context) { deliver(context, survey::read_topcon_gts7(bytes(), name())); }
 void ReadTopconGts210::run(Context& context) { deliver(context, survey::read_topcon_gts210(bytes(), name())); }
 void ReadGeodimeter::run(Context& context) { deliver(context, survey::read_geodimeter(bytes(), name())); }
+void ReadTopconLevel::run(Context& context) { deliver(context, survey::read_topcon_level(bytes(), name())); }
 void ReadIdx::run(Context& context) { deliver(context, survey::read_idx(bytes(), name())); }
 void ReadStarNet::run(Context& context) { deliver(context, survey::read_starnet(bytes(), name())); }
 void ReadDynaMl::run(Context& context) { deliver(context, survey::read_dynaml(bytes(), name())); }

@@ -134,6 +134,7 @@ inline constexpr Target kTargets[] = {
     {"nikon", [](std::string_view b) { run_reader(b, [&] { return survey::read_nikon(b, "f"); }); }},
     {"topcon_gts7", [](std::string_view b) { run_reader(b, [&] { return survey::read_topcon_gts7(b, "f"); }); }},
     {"topcon_gts210", [](std::string_view b) { run_reader(b, [&] { return survey::read_topcon_gts210(b, "f"); }); }},
+    {"topcon_level", [](std::string_view b) { run_reader(b, [&] { return survey::read_topcon_level(b, "f"); }); }},
     {"geodimeter", [](std::string_view b) { run_reader(b, [&] { return survey::read_geodimeter(b, "f"); }); }},
     {"idx", [](std::string_view b) { run_reader(b, [&] { return survey::read_idx(b, "f"); }); }},
     {"starnet", [](std::string_view b) { run_reader(b, [&] { return survey::read_starnet(b, "f"); }); }},

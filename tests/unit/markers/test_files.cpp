@@ -447,6 +447,23 @@ TEST(ControlFiles, TellWhetherTheySayWhichCoordinateIsEast) {
   EXPECT_FALSE(markers::says_which_is_east("A,1,2,3\n", "c.csv"));
 }
 
+TEST(ControlFiles, HeadersInOtherLanguagesAndTablesThatAreOthers) {
+  for (const char* header :
+       {"Punktnr;Rechtswert;Hochwert;H\xC3\xB6he", "Matricule;Est;Nord;Altitude", "Punto;Este;Norte;Cota"}) {
+    const std::string text = std::string(header) + "\nA;102,5;203,25;12,125\nB;1;2;3\n";
+    const auto points = markers::parse_control(text, "c.csv");
+    ASSERT_EQ(points.size(), 2u) << header;
+    EXPECT_EQ(points[0].position, Eigen::Vector3d(102.5, 203.25, 12.125)) << header;
+    EXPECT_TRUE(markers::says_which_is_east(text, "c.csv")) << header;
+  }
+  EXPECT_THAT(message_of([] { markers::parse_control("Punktnr;Y;X;H\nA;1;2;3\n", "c.csv"); }),
+              HasSubstr("c.csv:1: found X and Y under German names"));
+  // A zone in front of the easting, and geocentric coordinates: without a header nothing tells.
+  EXPECT_THAT(message_of([] { markers::parse_control("1770,56,386930.017,7327717.501\n", "z.csv"); }),
+              HasSubstr("z.csv:1: found the height 7327717.501"));
+  EXPECT_EQ(markers::parse_control("name,x,y,z\nSTR1,-4467103.2,2683039.5,-3666948.8\n", "z.csv").size(), 1u);
+}
+
 TEST(ControlFiles, TakeTablesWithoutHeaderAndTellWhatTheyCannotTake) {
   // As Find-GCP and lcmrl/COLMAP_GroundControlPoints have them.
   const auto semicolons = markers::parse_control("5;65.7885;287.7204;2.0694;\n6;66.3062;288.4897;1.1083;\n", "a.txt");

@@ -187,6 +187,48 @@ TEST(Zeiss, ReadsTheShortRecordsOfR4) {
   EXPECT_EQ(point(s, "1100").coordinates, Eigen::Vector3d(59.620, 21.259, 11.256)) << "X north, Y east";
 }
 
+/// From B of 20 m: 1.4 m back and 1.7 m ahead is down. BFFB, then BF by the other orders.
+TEST(TopconLevel, BackAndAheadAreToldByTheNamesAndProvedByTheHeights) {
+  const auto s = read_topcon_level(fixture("topcon_level.dat"), "t.dat");
+  ASSERT_EQ(s.observations.size(), 4u);
+  const auto is = [&](size_t i, const char* from, const char* to, double value, double length) {
+    const Observation& o = s.observations[i];
+    EXPECT_EQ(o.kind, ObservationKind::height_difference);
+    EXPECT_EQ(o.from + ">" + o.to, std::string(from) + ">" + to);
+    EXPECT_NEAR(o.value, value, 1e-12);
+    EXPECT_NEAR(o.levelling_length, length, 1e-12);
+  };
+  is(0, "BM7", "1", 0.5 * (1.4020 - 1.7011 + 1.4022 - 1.7009), 41.01);
+  is(1, "1", "2", 1.1000 - 0.3000, 61.0);
+  is(2, "2", "3", 0.5 * (0.9000 - 1.9001 + 0.9002 - 1.9001), 30.2);
+  is(3, "3", "BM8", 1.2500 - 1.2000, 50.0);
+  EXPECT_TRUE(s.skipped.empty());
+  EXPECT_NEAR(s.points.at(0).coordinates.z(), 20, 1e-12);
+  EXPECT_TRUE(std::isnan(s.points.at(1).coordinates.z())) << "computed by the level, not given";
+
+  std::string text = fixture("topcon_level.dat");
+  text.replace(text.find("20.5009"), 7, "18.9001");  // 1.1 m ahead and 0.3 m back would give this
+  const auto wrong = read_topcon_level(text, "t.dat");
+  EXPECT_TRUE(skipped(wrong, 11, 1, "the height 20.5009"));
+  EXPECT_EQ(wrong.observations.size(), 3u);
+  text = fixture("topcon_level.dat");
+  text.replace(text.find("Dist.(m)"), 8, "Dist.(f)");
+  EXPECT_NE(error_of([&] { read_topcon_level(text, "t.dat"); }).find("lengths in metres"), std::string::npos);
+}
+
+TEST(TopconLevel, ReadsTheTableOfTheSdl) {
+  const auto s = read_topcon_level(fixture("sokkia_level.csv"), "s.csv");
+  ASSERT_EQ(s.observations.size(), 2u);
+  EXPECT_EQ(s.observations[0].from + ">" + s.observations[0].to, "0001>0002");
+  EXPECT_NEAR(s.observations[0].value, 0.5 * (1.41 - 1.70 + 1.412 - 1.701), 1e-12);
+  EXPECT_NEAR(s.observations[0].levelling_length, 80.22, 1e-9);
+  EXPECT_EQ(s.observations[1].from + ">" + s.observations[1].to, "0002>0003");
+  EXPECT_NEAR(s.observations[1].value, 0.85, 1e-12);
+  ASSERT_EQ(s.skipped.size(), 1u);  // a kind of reading that nobody has described
+  EXPECT_EQ(s.skipped[0].source.line, 7);
+  EXPECT_EQ(s.info.instrument, "SDL30");
+}
+
 TEST(GsiLevel, GivesHeightDifferences) {
   const auto s = read_gsi(fixture("level.gsi"), "l.gsi");
   ASSERT_EQ(s.observations.size(), 3u);
@@ -236,6 +278,7 @@ TEST(FieldBooks, RefuseWhatIsNone) {
   EXPECT_NE(error_of([&] { read_topcon_gts7(nothing, "x"); }).find("x:1:1"), std::string::npos);
   EXPECT_NE(error_of([&] { read_topcon_gts210(nothing, "x"); }).find("x"), std::string::npos);
   EXPECT_NE(error_of([&] { read_geodimeter(nothing, "x"); }).find("x:1:1"), std::string::npos);
+  EXPECT_NE(error_of([&] { read_topcon_level(nothing, "x"); }).find("x"), std::string::npos);
   EXPECT_NE(error_of([&] { read_idx(nothing, "x"); }).find("x"), std::string::npos);
   EXPECT_NE(error_of([&] { read_zeiss(nothing, "x"); }).find("x:1:1"), std::string::npos);
   EXPECT_NE(error_of([&] { read_starnet(nothing, "x"); }).find("x:1:1"), std::string::npos);

@@ -154,6 +154,40 @@ TEST(SurveyCsv, OtherTextsWithNumbersAreNoPoints) {
   EXPECT_EQ(read_survey_csv(titled, "p.csv").points.size(), 12u) << "two lines of title are told, not refused";
 }
 
+/// Tables as others publish them: read as name, E, N, H they give numbers that look right.
+TEST(SurveyCsv, TablesWhoseColumnsAreOthersAreRefused) {
+  const auto message = [](const char* text) { return error_of([&] { read_survey_csv(text, "p.csv"); }); };
+  const char* zone = "1770,56,386930.017,7327717.501\nBDMR,55,753485.014,7176122.976\n";
+  EXPECT_NE(message(zone).find("p.csv:1:1: found a height of 7327717.501 m"), std::string::npos) << message(zone);
+  EXPECT_NE(message("STR1,-4467103.2,2683039.5,-3666948.8\n").find("geocentric"), std::string::npos);
+  EXPECT_NE(message("id;E;N;H\nA;1200;3400;403486\nB;1300;3400;403268\n").find("in millimetres"), std::string::npos);
+  const char* no_names = "650544.828 237514.298 104.215\n650552.086 237521.011 104.129\n";
+  EXPECT_NE(message(no_names).find("numbers where the names should be ('650544.828')"), std::string::npos);
+  const char* degrees = "1770,-24.093248960,151.531318800\nBDMR,-25.303769190,149.311921510\n";
+  EXPECT_NE(message(degrees).find("latitudes and longitudes"), std::string::npos);
+  EXPECT_NE(message("point name,latitude,longitude\nt1,34.40,-119.87\n").find("latitudes and longitudes"),
+            std::string::npos);
+  // What is named is taken at its word.
+  SurveyCsvOptions named;
+  named.columns = "PENZD";
+  EXPECT_EQ(read_survey_csv(no_names, "p.csv", named).points.size(), 2u);
+  EXPECT_EQ(read_survey_csv("1.1,12.5,3.25,7.0\n1.2,14.5,3.25,7.0\n", "p.csv").points.size(), 2u) << "floor.number";
+  EXPECT_EQ(read_survey_csv("A,12.512,3.251\nB,14.512,3.250\n", "p.csv").points.size(), 2u) << "a plan in millimetres";
+}
+
+TEST(SurveyCsv, HeadersInOtherLanguages) {
+  for (const char* header : {"Matricule;Est;Nord;Altitude", "Punto;Este;Norte;Cota", "Nome;Est;Nord;Quota"}) {
+    const auto s = read_survey_csv(std::string(header) + "\nA1;102,500;203,250;12,125\n", "p.csv");
+    ASSERT_EQ(s.points.size(), 1u) << header;
+    EXPECT_EQ(s.points[0].id, "A1");
+    EXPECT_EQ(s.points[0].coordinates, Eigen::Vector3d(102.5, 203.25, 12.125)) << header;
+  }
+  const auto s =
+      read_survey_csv("# Id, X, Y, Z, sigmaX, sigmaY, sigmaZ\n1, 89.1, 180.0, 148.2, 0.005, 0.006, 0.007\n", "p.csv");
+  ASSERT_EQ(s.coordinates.size(), 1u);
+  EXPECT_NEAR(s.coordinates[0].covariance(1, 1), 0.006 * 0.006, 1e-15);
+}
+
 TEST(SurveyCsv, ABlankSeparatesNothingWhereEveryRowHasTabs) {
   const auto s = read_survey_csv("Point ID\tEast\tNorth\tElev\nPier 1\t1\t2\t3\nPier 2\t4\t5\t6\n", "p.txt");
   EXPECT_EQ(point(s, "Pier 2").coordinates, Eigen::Vector3d(4, 5, 6));

@@ -38,6 +38,8 @@ constexpr Known kFixtures[] = {
     {"nikon.raw", SurveyFormat::nikon},
     {"topcon.gts7", SurveyFormat::topcon_gts7},
     {"topcon.210", SurveyFormat::topcon_gts210},
+    {"topcon_level.dat", SurveyFormat::topcon_level},
+    {"sokkia_level.csv", SurveyFormat::topcon_level},
     {"geodimeter.job", SurveyFormat::geodimeter},
     {"leica.idx", SurveyFormat::idx},
     {"starnet.dat", SurveyFormat::starnet},
