@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <functional>
 #include <sstream>
@@ -92,10 +93,14 @@ std::size_t enrich(const std::string& path, const bim::AnchorRule& rule, double&
     if (element.is_anchor) deviations[element.guid] = Eigen::Vector3d(0.001, -0.002, 0.003);
   const DeviationT deviation =
       test::judged(design, deviations, Eigen::Vector3d::Constant(1e-4), Eigen::Vector3d::Constant(std::nan("")));
-  const std::string as_built =
-      bim::enriched(file, bim::write_as_built(file, design, deviation, test::residuals(deviation, 0.00005), {}));
+  const std::filesystem::path as_built =
+      std::filesystem::temp_directory_path() / ("ifc_benchmark." + std::to_string(getpid()) + ".ifc");
+  bim::write_enriched(file, bim::write_as_built(file, design, deviation, test::residuals(deviation, 0.00005), {}),
+                      as_built);
   own = status("RssAnon");
-  return as_built.size();
+  const std::size_t size = std::filesystem::file_size(as_built);
+  std::filesystem::remove(as_built);
+  return size;
 }
 
 void print(const char* what, const Cost& cost, double size) {

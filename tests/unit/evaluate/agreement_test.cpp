@@ -170,6 +170,36 @@ Verdicts verdicts_in_ifc(const step::File& file, const std::string& set_name) {
   return found;
 }
 
+/// As-built minus design by GlobalId out of an as-built IFC, m.
+std::map<std::string, Eigen::Vector3d> deviations_in_ifc(const step::File& file, const std::string& set_name) {
+  const bim::Model model(file);
+  std::map<std::string, Eigen::Vector3d> found;
+  for (const bim::Entity& relation : model.all("IFCRELDEFINESBYPROPERTIES")) {
+    const bim::Entity set = model.entity(relation.reference("RelatingPropertyDefinition"));
+    if (set.text("Name") != set_name) continue;
+    for (const std::uint64_t id : set.references("HasProperties")) {
+      const auto property = file.arguments(*file.find(id));
+      const std::string& name = property.at(0).text;
+      if (name.size() == 10 && name.starts_with("Deviation") && name[9] >= 'X' && name[9] <= 'Z')
+        found[file.arguments(*file.find(relation.references("RelatedObjects").at(0))).at(0).text][name[9] - 'X'] =
+            property.at(2).items.at(0).number;
+    }
+  }
+  return found;
+}
+
+/// The three corrections of a row, m.
+Eigen::Vector3d corrections_in(const std::string& row) {
+  std::vector<std::string> cells(1);
+  for (const char c : row) {
+    if (c == ';')
+      cells.emplace_back();
+    else
+      cells.back() += c;
+  }
+  return {std::stod(cells.at(4)), std::stod(cells.at(5)), std::stod(cells.at(6))};
+}
+
 /// Rows of the last table under an id in the page: name → verdict word of a column marked by an attribute.
 Verdicts verdicts_in_page(const std::string& html, const std::string& attribute) {
   Verdicts found;
@@ -212,6 +242,7 @@ TEST(Agreement, AllOutputsSayTheSameOfEveryAnchorPanelAndFloor) {
     const Verdicts anchors = verdicts_in_ifc(written, "ASB_AnchorDeviation" + suffix),
                    panels = verdicts_in_ifc(written, "ASB_PanelFit" + suffix),
                    floors = verdicts_in_ifc(written, "ASB_FloorStatistics" + suffix);
+    const auto lengths = deviations_in_ifc(written, "ASB_AnchorDeviation" + suffix);
     bim::BcfOptions bcf_options;
     bcf_options.project_guid = "0YvctVUKr0kugbFTf53O9L";
     const auto json = nlohmann::json::parse(metrics_json(c.accuracy, &d));
@@ -242,6 +273,17 @@ TEST(Agreement, AllOutputsSayTheSameOfEveryAnchorPanelAndFloor) {
         ASSERT_NE(line, std::string::npos) << a.id;
         const std::size_t line_end = stake_out.find('\n', line + 1);
         EXPECT_TRUE(stake_out.substr(line, line_end - line).ends_with(";" + word(a.verdict))) << a.id;
+        if (a.deviation.allFinite()) {
+          EXPECT_LT((corrections_in(stake_out.substr(line + 1, line_end - line)) + a.deviation).norm(), 0.1 * mm)
+              << a.id;
+        }
+      }
+      if (a.deviation.allFinite()) {
+        if (!a.guid.empty()) {
+          EXPECT_LT((lengths.at(a.guid) - a.deviation).norm(), 2e-9) << a.id;
+        }
+        const auto& told = json["deviation"]["anchors"][i]["deviation"];
+        EXPECT_LT((Eigen::Vector3d(told[0], told[1], told[2]) - a.deviation).norm(), 1e-9) << a.id;
       }
       const std::string test_case = "<testcase classname=\"anchors_against_design\" name=\"" + a.id + "\"";
       const std::size_t at = junit.find(test_case);
