@@ -271,6 +271,13 @@ TEST(Exclusions, TheRestOfACovarianceStaysWithItsReadings) {
   ASSERT_EQ(rest.covariances.size(), 1u) << "nothing is left of the second";
   EXPECT_EQ(rest.covariances[0].indices, (std::vector<int>{0, 6}));
   EXPECT_EQ(rest.covariances[0].covariance.diagonal(), Eigen::Vector2d(1, 9));
+  SurveyObservations angles;
+  for (const char* second : {"M1", "M2"}) {
+    Observation o;
+    o.kind = ObservationKind::angle, o.from = "S1", o.to = "M3", o.second_to = second;
+    angles.observations.push_back(o);
+  }
+  EXPECT_EQ(without_points(angles, {"M1"}).observations.size(), 1u) << "an angle has two arms";
   ASSERT_EQ(said.size(), 1u);
   EXPECT_EQ(said[0].text, "excluded: line job.gsi:4 (1 reading): read twice");
 }

@@ -453,6 +453,12 @@ TEST(Screening, APointWithoutAnyHeightIsNamed) {
       o.kind = ObservationKind::horizontal_distance, o.sigma = 1;
   const std::string text = all_words(adjust_network(n.survey, free_network()));
   EXPECT_NE(text.find("no observation of the height of M11\n"), std::string::npos) << text;
+  Observation level;
+  level.kind = ObservationKind::height_difference, level.from = "M10", level.to = "bolt", level.value = 1,
+  level.sigma = 0.001;
+  n.survey.observations.push_back(level);
+  const std::string levelled = all_words(adjust_network(n.survey, free_network()));
+  EXPECT_NE(levelled.find("no observation of the plan position of bolt\n"), std::string::npos) << levelled;
 }
 
 TEST(Screening, PointsThatNobodyObservedAreNamedUnlessTheyAreGiven) {
@@ -523,10 +529,12 @@ TEST(Screening, ObservedCoordinatesAreNamedByTheirAxes) {
   for (int axis = 0; axis < 3; ++axis) group.components.push_back({"M00", axis});
   group.values = n.truth[0];
   group.covariance = Eigen::Matrix3d::Identity() * 1e-6;
+  group.source = {"control.csv", 7, 0};
   n.survey.coordinates.push_back(group);
   std::string axes;
   for (const ResultRow& row : adjust_network(n.survey, free_network()).rows)
     if (row.kind == "coordinate") {
+      EXPECT_EQ(row.source.line, 7);
       EXPECT_EQ(row.value, n.truth[0][static_cast<Eigen::Index>(axes.size())]);
       axes += row.detail;
     }

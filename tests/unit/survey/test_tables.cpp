@@ -125,13 +125,14 @@ TEST_F(Tables, NamesAnUnknownPoint) {
 }
 
 TEST(RelativePoints, EllipseHasTheAzimuthOfItsMajorAxis) {
-  const double azimuth = 0.4;  // clockwise from north
-  const Eigen::Vector2d major(std::sin(azimuth), std::cos(azimuth)), minor(-major.y(), major.x());
-  const Eigen::Matrix2d covariance = 9 * major * major.transpose() + 4 * minor * minor.transpose();
-  const ConfidenceEllipse e = confidence_ellipse(covariance, 2);
-  EXPECT_NEAR(e.major, 6, 1e-12);
-  EXPECT_NEAR(e.minor, 4, 1e-12);
-  EXPECT_NEAR(e.azimuth, azimuth, 1e-12);
+  for (const double azimuth : {0.4, 1.2, 2.5}) {  // clockwise from north, of an axis: below pi
+    const Eigen::Vector2d major(std::sin(azimuth), std::cos(azimuth)), minor(-major.y(), major.x());
+    const Eigen::Matrix2d covariance = 9 * major * major.transpose() + 4 * minor * minor.transpose();
+    const ConfidenceEllipse e = confidence_ellipse(covariance, 2);
+    EXPECT_NEAR(e.major, 6, 1e-12);
+    EXPECT_NEAR(e.minor, 4, 1e-12);
+    EXPECT_NEAR(e.azimuth, azimuth, 1e-12);
+  }
 }
 
 TEST(RelativePoints, EveryPointHasItsNearest) {
