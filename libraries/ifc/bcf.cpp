@@ -109,12 +109,13 @@ std::string viewpoint(const Issue& issue, const DeviationT& deviation, const std
 
 }  // namespace
 
-std::string write_bcf(const DeviationT& deviation, const BcfOptions& options) {
+std::string write_bcf(const DeviationT& deviation, const std::vector<const AnchorDeviationT*>& anchors,
+                      const std::vector<const PanelDeviationT*>& panels, const BcfOptions& options) {
   std::vector<Issue> issues;
   for (const ToleranceVerdict wanted : {ToleranceVerdict::fail, ToleranceVerdict::undecided}) {
-    for (const auto& anchor : deviation.anchors)
+    for (const AnchorDeviationT* anchor : anchors)
       if (anchor->verdict == wanted && anchor->guid.size() == 22) issues.push_back(issue_of(*anchor));
-    for (const auto& panel : deviation.panels)
+    for (const PanelDeviationT* panel : panels)
       if (panel->verdict == wanted && panel->guid.size() == 22) issues.push_back(issue_of(*panel));
   }
   ZipWriter zip;

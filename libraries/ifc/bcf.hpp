@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "artifacts/deviation.hpp"
 
@@ -16,9 +17,12 @@ struct BcfOptions {
   std::string assigned_to, due_date;  ///< left out where empty
 };
 
-/// A .bcf (ZIP): one topic for every failing or undecided anchor and panel, worst first, with a viewpoint that selects
-/// and colours it (camera in metres, project coordinates) and a snapshot. The same input gives the same bytes.
-std::string write_bcf(const DeviationT& deviation, const BcfOptions& options);
+/// A .bcf (ZIP): one topic for every failing or undecided anchor and panel, with a viewpoint that selects and colours
+/// it (camera in metres, project coordinates) and a snapshot. The failing ones come first, and else they stand in the
+/// order of `anchors` and `panels`, which are those of `deviation` as they are to be mended
+/// (judgement/worst_first.hpp). The same input gives the same bytes.
+std::string write_bcf(const DeviationT& deviation, const std::vector<const AnchorDeviationT*>& anchors,
+                      const std::vector<const PanelDeviationT*>& panels, const BcfOptions& options);
 
 /// The snapshot: the facade from outside with panels and anchors, the one meant framed. PNG.
 std::string snapshot_png(const DeviationT& deviation, const Eigen::Vector3d& centre, double reach);

@@ -14,6 +14,7 @@
 #include "ifc/bcf.hpp"
 #include "ifc/ifc_guid.hpp"
 #include "instant.hpp"
+#include "judgement/worst_first.hpp"
 #include "match_node.hpp"
 #include "plumbline/node.hpp"
 
@@ -153,7 +154,7 @@ struct WriteIfc : Node {
 
 struct WriteBcf : Node {
   static constexpr Info info{
-      "bim.write_bcf", "", 1,
+      "bim.write_bcf", "", 2,
       "Issues in BCF 2.1: a topic with viewpoint and snapshot for every failing or undecided anchor and panel"};
   In<Deviation> deviation{"deviation", frame("frame=?F"), "as-built minus design, judged"};
   In<plumbline::Design> design{"design", frame("frame=?F"), "the design, for the ids"};
@@ -191,7 +192,9 @@ struct WriteBcf : Node {
     FileT to;
     to.name = "issues.bcf";
     to.media_type = "application/zip";
-    const std::string bytes = write_bcf(deviation.unpack(), options);
+    const DeviationT judged = deviation.unpack();
+    const std::string bytes =
+        write_bcf(judged, judgement::worst_first(judged), judgement::worst_panels_first(judged), options);
     to.content.assign(bytes.begin(), bytes.end());
     out.commit(to);
   }

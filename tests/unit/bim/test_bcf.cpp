@@ -7,6 +7,7 @@
 
 #include "ifc/bcf.hpp"
 #include "ifc/ifc_guid.hpp"
+#include "judgement/worst_first.hpp"
 #include "measured.hpp"
 #include "small_building.hpp"
 #include "test_support.hpp"
@@ -41,8 +42,10 @@ std::map<std::string, std::string> example() {
   deviation.anchors[0]->id = "A & <B>";
   BcfOptions options;
   options.project_guid = design.project_guid, options.date = "2026-05-12T10:00:00", options.epoch = "2026-05";
-  const std::string bytes = write_bcf(deviation, options);
-  EXPECT_EQ(write_bcf(deviation, options), bytes);
+  const std::string bytes =
+      write_bcf(deviation, judgement::worst_first(deviation), judgement::worst_panels_first(deviation), options);
+  EXPECT_EQ(write_bcf(deviation, judgement::worst_first(deviation), judgement::worst_panels_first(deviation), options),
+            bytes);
   return unzipped(bytes);
 }
 

@@ -15,6 +15,7 @@
 #include "ifc/ifc_guid.hpp"
 #include "ifc/ifc_model.hpp"
 #include "ifc/match_elements.hpp"
+#include "judgement/worst_first.hpp"
 #include "report/report.hpp"
 #include "report/summary.hpp"
 #include "small_building.hpp"
@@ -247,7 +248,7 @@ TEST(Agreement, AllOutputsSayTheSameOfEveryAnchorPanelAndFloor) {
     bcf_options.project_guid = "0YvctVUKr0kugbFTf53O9L";
     const auto json = nlohmann::json::parse(metrics_json(c.accuracy, &d));
     const std::string csv = metrics_csv(c.accuracy, &d), junit = junit_xml(c.accuracy, &d),
-                      bcf = bim::write_bcf(d, bcf_options);
+                      bcf = bim::write_bcf(d, judgement::worst_first(d), judgement::worst_panels_first(d), bcf_options);
     report::ReportInput input;
     input.accuracy.tau = c.accuracy.tau;
     for (const auto& a : c.accuracy.anchors) input.accuracy.anchors.push_back(std::make_unique<AnchorAccuracyT>(*a));
@@ -296,6 +297,13 @@ TEST(Agreement, AllOutputsSayTheSameOfEveryAnchorPanelAndFloor) {
       const bool issue = a.verdict >= ToleranceVerdict::undecided;
       open += issue;
       EXPECT_EQ(bcf.find("IfcGuid=\"" + a.guid + "\"") != std::string::npos, issue) << a.id;
+    }
+    std::size_t topic = 0;
+    for (const AnchorDeviationT* a : judgement::worst_first(d)) {  // the issues in the order of the page
+      if (a->verdict < ToleranceVerdict::undecided) continue;
+      const std::size_t next = bcf.find("<Title>Anchor " + a->id + ":", topic);
+      ASSERT_NE(next, std::string::npos) << a->id;
+      topic = next;
     }
     for (std::size_t i = 0; i < d.panels.size(); ++i) {
       const PanelDeviationT& p = *d.panels[i];
