@@ -39,6 +39,9 @@ if(PLUMBLINE_ASAN)
   target_compile_options(plumbline_settings INTERFACE -O1 -g1 -fsanitize=address,undefined
     -fno-sanitize=null,alignment,vptr,object-size -fno-omit-frame-pointer -Wno-error)
   target_link_options(plumbline_settings INTERFACE -fsanitize=address,undefined)
+  # Under AddressSanitizer Eigen would allocate in another way than Debian's OpenGV, which frees what we made and we what
+  # it made; malloc is aligned there too.
+  target_compile_definitions(plumbline_settings INTERFACE EIGEN_MALLOC_ALREADY_ALIGNED=1)
 endif()
 
 # plumbline_add_library(NAME SOURCES a.cpp ... [LINK lib ...])
