@@ -98,12 +98,10 @@ void name_nodes_that_end_the_process() {
   static const bool installed = [] {
     std::atexit(on_exit);
     std::at_quick_exit(on_exit);
-#if !defined(__SANITIZE_ADDRESS__)  // which tells more than we could
     struct sigaction action {};
     action.sa_handler = on_fatal_signal;
     action.sa_flags = static_cast<int>(SA_RESETHAND) | SA_ONSTACK | SA_NODEFER;
     for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT}) sigaction(signal, &action, nullptr);
-#endif
     return true;
   }();
   (void)installed;
