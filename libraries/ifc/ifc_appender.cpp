@@ -53,6 +53,12 @@ std::vector<std::uint64_t> guids_of(const Model& model) {
   return guids;
 }
 
+/// Seconds since 1970 of an IfcTimeStamp; 0 if it is beyond the year 9999, in which nobody has built.
+std::int64_t seconds_of(const std::optional<double>& stamp) {
+  constexpr double end_of_calendar = 253402300800;
+  return stamp && *stamp > 0 && *stamp < end_of_calendar ? static_cast<std::int64_t>(*stamp) : 0;
+}
+
 }  // namespace
 
 Appender::Appender(const Model& model, std::string project_guid, double length_unit, std::int64_t timestamp)
@@ -68,8 +74,8 @@ Appender::Appender(const Model& model, std::string project_guid, double length_u
   line_end_ = first != std::string::npos && first > 0 && bytes[first - 1] == '\r' ? "\r\n" : "\n";
   if (timestamp_ == 0)
     for (const Entity& history : model.all("IFCOWNERHISTORY"))
-      timestamp_ = std::max({timestamp_, static_cast<std::int64_t>(history.optional_number("CreationDate").value_or(0)),
-                             static_cast<std::int64_t>(history.optional_number("LastModifiedDate").value_or(0))});
+      timestamp_ = std::max({timestamp_, seconds_of(history.optional_number("CreationDate")),
+                             seconds_of(history.optional_number("LastModifiedDate"))});
 }
 
 InstanceId Appender::add(std::string_view keyword, const std::vector<std::string>& arguments) {

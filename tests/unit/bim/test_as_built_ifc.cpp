@@ -294,6 +294,17 @@ TEST(AsBuiltIfc, NothingItAddsBecomesTheTargetOfAReferenceToNothing) {
   for (const std::uint64_t cut_out : {233u, 250u}) EXPECT_FALSE(after.find(cut_out)) << cut_out;
 }
 
+/// Found by the fuzzer: a time stamp that no whole number of seconds can hold.
+TEST(AsBuiltIfc, ADateBeyondTheCalendarIsNotTheLatest) {
+  std::string bytes = test::small_building("IFC4");
+  bytes.insert(bytes.rfind("ENDSEC;"),
+               "#230=IFCOWNERHISTORY(#3,#4,$,.NOCHANGE.,1.E300,$,$,-1.E300);\n"
+               "#231=IFCOWNERHISTORY(#3,#4,$,.NOCHANGE.,$,$,$,253402300800);\n");
+  const step::File file(enrich(bytes).bytes, "t.ifc");
+  const Model model(file);
+  EXPECT_EQ(model.all("IFCOWNERHISTORY").back().number("CreationDate"), 1700000000);
+}
+
 TEST(AsBuiltRealFiles, AreEnrichedAndValid) {
   for (const char* name :
        {"510--curtainWall.ifc", "Ifc4_SampleHouse.ifc", "TallBuilding.ifc", "tested_sample_project_2x3.ifc"}) {
