@@ -249,7 +249,8 @@ TEST(Bench, AComparisonFromDifferentCostsIsRefusedInWords) {
       "between.error}}}\n");
   plumbline.run();
   ASSERT_EQ(plumbline.summary()["comparisons"].size(), 2u);
-  for (const Json& duel : plumbline.summary()["comparisons"]) EXPECT_FALSE(duel.contains("refused")) << duel;
+  const Json summary = plumbline.summary();
+  for (const Json& duel : summary["comparisons"]) EXPECT_FALSE(duel.contains("refused")) << duel;
 }
 
 TEST(Bench, AnyNumberOfWorkersAndAThrownAwayStoreGiveTheSameBits) {
