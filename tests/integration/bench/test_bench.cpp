@@ -182,7 +182,8 @@ TEST(Bench, ACrashIsAFailedCellAndTheOthersGoOn) {
   EXPECT_EQ(counts["done"], 24);
   EXPECT_GT(counts["failed"], 0);
   EXPECT_LT(counts["failed"], 12);
-  for (const Json& failure : plumbline.summary()["failures"]) {
+  const Json summary = plumbline.summary();
+  for (const Json& failure : summary["failures"]) {
     EXPECT_EQ(failure["name"], "deadly");
     EXPECT_THAT(failure["reason"].get<std::string>(), HasSubstr("signal 11"));
   }
