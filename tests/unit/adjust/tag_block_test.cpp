@@ -135,6 +135,91 @@ TEST(TagBlock, LambdaEqualsCovarianceForIsotropicNoise) {
   }
 }
 
+/// Of one tag, adjusted minus measured [px].
+Eigen::VectorXd residuals_of(const SyntheticBlock& synthetic, const TagBlockResult& result, size_t observation) {
+  const auto& seen = synthetic.block.observations[observation];
+  const Eigen::Index at = test::row_of_plate(result, seen.plate);
+  MarkerPlate plate = synthetic.block.plates[static_cast<size_t>(seen.plate)].plate;
+  plate.tag_size *= result.batches[0].scale;
+  const auto corners = tag_corners_in_plate(plate);
+  Eigen::VectorXd residuals(8);
+  for (size_t k = 0; k < 4; ++k) {
+    const Eigen::Vector3d corner =
+        result.anchors.segment<3>(at) + result.world_from_plate[static_cast<size_t>(at / 3)] * corners[k];
+    residuals.segment<2>(2 * static_cast<Eigen::Index>(k)) =
+        *project(result.camera, *result.cam_from_world[static_cast<size_t>(seen.image)] * corner) - seen.corners[k];
+  }
+  return residuals;
+}
+
+/// Of the unit weights of (5): residuals by projection, how much of an error in an observation shows in its residual by
+/// putting one in, the common variance by the sum of squares as printed. The corner sigma given is three times too
+/// large, and none of the numbers may follow it.
+TEST(TagBlock, LambdaTestsTagsAndControlAgainstTheVarianceFound) {
+  const auto synthetic = test::make_block({.floors = 1, .stations = 3, .seed = 7});
+  TagBlockOptions options = test::bound_options();
+  options.fixed_aspect = false;
+  options.weighting = TagBlockOptions::Weighting::lambda;
+  options.lambda = std::pow(0.2 / 0.001, 2);
+  options.corner_sigma = 0.6;
+  options.estimate_image_variance = true;
+  const auto found = adjust::adjust_tag_block(synthetic.block, options);
+  const double variance = equation_5(synthetic, found, options.lambda, found.anchors) / found.degrees_of_freedom;
+  EXPECT_NEAR(std::sqrt(variance), 0.2, 0.01);
+  const double non_centrality = normal_quantile(1 - 0.0005) + normal_quantile(0.8);
+
+  const size_t observation = 17;
+  const auto& tag = found.tags[observation];
+  ASSERT_EQ(tag.observation, static_cast<int>(observation));
+  const Eigen::VectorXd residuals = residuals_of(synthetic, found, observation);
+  constexpr double error = 0.02;  // [px]
+  double smallest = 1, largest_w = 0, largest_mdb = 0;
+  for (Eigen::Index row = 0; row < 8; ++row) {
+    SyntheticBlock disturbed = synthetic;
+    disturbed.block.observations[observation].corners[static_cast<size_t>(row / 2)](row % 2) += error;
+    const auto after = adjust::adjust_tag_block(disturbed.block, options);
+    const double shown = (residuals - residuals_of(disturbed, after, observation))(row) / error;
+    smallest = std::min(smallest, shown);
+    largest_w = std::max(largest_w, std::abs(residuals(row)) / std::sqrt(variance * shown));
+    largest_mdb = std::max(largest_mdb, non_centrality * std::sqrt(variance / shown));
+  }
+  EXPECT_LT(smallest, 0.95);
+  EXPECT_NEAR(tag.smallest_redundancy, smallest, 1e-3);  // residuals bend the sum of squares a little
+  EXPECT_NEAR(tag.largest_normalised, largest_w, 1e-3 * largest_w);
+  EXPECT_NEAR(tag.largest_detectable_error, largest_mdb, 1e-3 * largest_mdb);
+
+  const size_t point = 3;
+  for (size_t c = 0; c < 3; ++c) {
+    constexpr double metres = 1e-3;
+    SyntheticBlock disturbed = synthetic;
+    disturbed.block.control.position(static_cast<Eigen::Index>(3 * point + c)) += metres;
+    const auto after = adjust::adjust_tag_block(disturbed.block, options);
+    const auto& control = found.control[point].coordinates[c];
+    const double shown = (control.residual - after.control[point].coordinates[c].residual) / metres;
+    const double sigma = std::sqrt(variance / options.lambda);
+    EXPECT_NEAR(control.redundancy_number, shown, 1e-4);
+    EXPECT_NEAR(std::abs(control.w), std::abs(control.residual) / (sigma * std::sqrt(shown)), 1e-3) << c;
+    EXPECT_NEAR(control.mdb, non_centrality * sigma / std::sqrt(shown), 1e-3 * control.mdb) << c;
+  }
+
+  // The same weights as variances that are known: every covariance is that block's.
+  TagBlockOptions known = options;
+  known.weighting = TagBlockOptions::Weighting::covariance;
+  known.estimate_image_variance = false;
+  auto stated = synthetic.block;
+  for (auto& seen : stated.observations) seen.covariances.fill(variance * Eigen::Matrix2d::Identity());
+  stated.control.covariance = variance / options.lambda *
+                              Eigen::MatrixXd::Identity(stated.control.position.size(), stated.control.position.size());
+  const auto expected = adjust::adjust_tag_block(stated, known);
+  const auto same = [](const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) { return (a - b).norm() < 1e-5 * b.norm(); };
+  EXPECT_TRUE(same(found.anchor_covariance, expected.anchor_covariance));
+  EXPECT_TRUE(same(found.interior_covariance, expected.interior_covariance));
+  for (size_t i = 0; i < found.pose_covariance.size(); ++i)
+    EXPECT_TRUE(same(found.pose_covariance[i], expected.pose_covariance[i])) << i;
+  EXPECT_NEAR(found.batches[0].scale_sigma, expected.batches[0].scale_sigma, 1e-5 * expected.batches[0].scale_sigma);
+  EXPECT_NEAR(found.image_variance_factor, variance / 0.36, 1e-6 * found.image_variance_factor);
+}
+
 TEST(TagBlock, LambdaOfOneIgnoresControl) {
   auto synthetic = test::make_block({.floors = 1, .noise = false});
   synthetic.block.control.position(2) += 0.01;
@@ -235,6 +320,27 @@ TEST(TagBlock, BlundersAreNamedAndLeftOut) {
     const auto result = adjust::adjust_tag_block(synthetic.block, options);
     EXPECT_EQ(result.rejected, (std::vector<int>{7, 40}));
     EXPECT_LT((result.anchors - clean.anchors).cwiseAbs().maxCoeff(), 2e-4);
+  }
+}
+
+/// Tags are judged by the median tag, not by what the detector says of itself: claims ten times too small or too large
+/// reject the same tags.
+TEST(TagBlock, RejectionIsInUnitsOfTheMedianTag) {
+  auto synthetic = test::make_block({.floors = 1, .stations = 3, .seed = 5});
+  auto options = test::bound_options();
+  options.loss = adjust::RobustLoss::huber;
+  const Eigen::Vector2d off(0.2 / std::sqrt(2.0), -0.2 / std::sqrt(2.0));  // at each corner: no motion of the plate
+  const auto disturb = [&](size_t observation, double sigmas) {
+    for (size_t k = 0; k < 4; ++k)
+      synthetic.block.observations[observation].corners[k] += (k % 2 == 0 ? sigmas : -sigmas) * off;
+  };
+  disturb(7, 14);  // root mean square of its eight residuals: ten sigmas
+  disturb(40, 4);  // and 2.8
+  for (const double claim : {0.1, 1.0}) {
+    auto block = synthetic.block;
+    for (auto& seen : block.observations)
+      for (auto& covariance : seen.covariances) covariance *= claim * claim;
+    EXPECT_EQ(adjust::adjust_tag_block(block, options).rejected, std::vector<int>{7}) << claim;
   }
 }
 
