@@ -1,18 +1,15 @@
 #include "ifc/match_elements.hpp"
 
 #include <algorithm>
-#include <charconv>
+#include <cmath>
 #include <set>
 #include <stdexcept>
 #include <unordered_map>
 
+#include "ifc/selection_rule.hpp"
+
 namespace plumbline::bim {
 namespace {
-
-std::string trimmed(const std::string& text) {
-  const std::size_t first = text.find_first_not_of(" \t"), last = text.find_last_not_of(" \t");
-  return first == std::string::npos ? std::string() : text.substr(first, last - first + 1);
-}
 
 std::string value_of(const Element& element, const std::string& key) {
   if (key == "guid") return element.guid;
@@ -213,49 +210,32 @@ class Matcher {
   std::map<std::string, std::vector<const MappingRow*>> mapping_;
 };
 
-/// The part before the last colon, and what follows.
-std::pair<std::string, std::string> split(const std::string& text, const char* example) {
-  const std::size_t colon = text.rfind(':');
-  if (colon == std::string::npos)
-    throw std::runtime_error("'" + text + "': found no ':', expected such as '" + example + "'");
-  return {trimmed(text.substr(0, colon)), trimmed(text.substr(colon + 1))};
-}
-
 }  // namespace
 
 TargetOffset parse_offset(const std::string& text) {
   const char* example = "class=IfcMechanicalFastener: out=40mm, up=-5mm";
-  const auto [selection, rest] = split(text, example);
-  TargetOffset offset{Selection(selection), 0, 0, 0, Eigen::Vector3d::Zero()};
-  std::map<std::string, double*> places = {{"out", &offset.out},   {"right", &offset.right}, {"up", &offset.up},
-                                           {"x", &offset.own.x()}, {"y", &offset.own.y()},   {"z", &offset.own.z()}};
-  std::string list = rest;
-  for (bool more = true; more;) {
-    const std::size_t comma = list.find(',');
-    const std::string part = trimmed(list.substr(0, comma));
-    more = comma != std::string::npos;
-    if (more) list = list.substr(comma + 1);
-    const std::size_t equals = part.find('=');
-    const auto place = equals == std::string::npos ? places.end() : places.find(trimmed(part.substr(0, equals)));
-    const std::string number = equals == std::string::npos ? "" : trimmed(part.substr(equals + 1));
-    double value = 0;
-    const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), value);
-    const std::string unit = trimmed(std::string(end, number.data() + number.size()));
-    if (place == places.end() || error != std::errc() || (unit != "mm" && unit != "m"))
+  auto [selection, lengths, whole] = parse_lengths(text, example);
+  TargetOffset offset{std::move(selection), 0, 0, 0, Eigen::Vector3d::Zero()};
+  const std::map<std::string, double*> places = {{"out", &offset.out},   {"right", &offset.right},
+                                                 {"up", &offset.up},     {"x", &offset.own.x()},
+                                                 {"y", &offset.own.y()}, {"z", &offset.own.z()}};
+  for (const auto& [name, length, part] : lengths) {
+    const auto place = places.find(name);
+    if (place == places.end() || std::isnan(length))
       throw std::runtime_error("target offset '" + text + "': found '" + part +
                                "', expected out, right, up, x, y or z with a length in mm or m, such as '" + example +
                                "'");
-    *place->second = value * (unit == "mm" ? 1e-3 : 1);
+    *place->second = length;
   }
   return offset;
 }
 
 ReferencePoint parse_reference(const std::string& text) {
-  const auto [selection, rule] = split(text, "class=IfcMechanicalFastener: head");
+  auto [selection, rule] = split_rule(text, "class=IfcMechanicalFastener: head");
   if (rule != "placement" && rule != "middle" && rule != "head")
     throw std::runtime_error("reference point '" + text + "': found '" + rule +
                              "', expected placement, middle or head");
-  return {Selection(selection), rule};
+  return {std::move(selection), std::move(rule)};
 }
 
 std::vector<MatchedElement> match_elements(const Design& design, const std::vector<std::string>& anchors,

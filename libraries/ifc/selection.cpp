@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "text/text.hpp"
+
 namespace plumbline::bim {
 namespace {
 
-std::string trimmed(const std::string& text) {
-  const std::size_t first = text.find_first_not_of(" \t"), last = text.find_last_not_of(" \t");
-  return first == std::string::npos ? std::string() : text.substr(first, last - first + 1);
-}
+std::string trimmed(std::string_view text) { return std::string(formats::trim(text)); }
 
 }  // namespace
 

@@ -39,8 +39,14 @@ class Scanner {
   void skip_instance(std::uint64_t id);  ///< at '('; leaves the cursor behind the ';' of the instance
   std::string read_keyword();            ///< in capitals
   std::uint64_t read_number();           ///< digits of an instance number
-  void expect(char wanted, const char* where);
-  bool accept(char wanted);
+  bool accept(char wanted) {
+    if (ended() || peek() != wanted) return false;
+    ++at;
+    return true;
+  }
+  void expect(char wanted, const char* where) {
+    if (!accept(wanted)) fail(std::string("'") + wanted + "' " + where);
+  }
 
   Value read_value(int depth);
   std::vector<Value> read_list(int depth);  ///< at '('

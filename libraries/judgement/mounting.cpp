@@ -1,49 +1,29 @@
 #include "judgement/mounting.hpp"
 
-#include <charconv>
-#include <cmath>
 #include <cstdio>
 #include <limits>
 #include <stdexcept>
 
+#include "ifc/selection_rule.hpp"
+
 namespace plumbline::judgement {
 namespace {
 
-std::string trimmed(const std::string& text) {
-  const std::size_t first = text.find_first_not_of(" \t"), last = text.find_last_not_of(" \t");
-  return first == std::string::npos ? std::string() : text.substr(first, last - first + 1);
-}
-
-[[noreturn]] void fail(const std::string& rule, const std::string& found) {
-  throw std::runtime_error("mounting rule '" + rule + "': found '" + found +
-                           "', expected 'selection: right=0.3mm, up=0.3mm, out=1mm' with standard deviations from 0 to "
-                           "100 mm along the axes of the plate");
-}
+constexpr const char* kExample = "class=IfcMechanicalFastener: right=0.3mm, up=0.3mm, out=1mm";
 
 }  // namespace
 
 MountingRule parse_mounting(const std::string& text) {
-  const std::size_t colon = text.rfind(':');
-  if (colon == std::string::npos) fail(text, text);
-  MountingRule rule{bim::Selection(text.substr(0, colon)),
-                    Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()), trimmed(text)};
-  std::string rest = text.substr(colon + 1);
-  for (bool more = true; more;) {
-    const std::size_t comma = rest.find(',');
-    const std::string part = trimmed(rest.substr(0, comma));
-    more = comma != std::string::npos;
-    if (more) rest = rest.substr(comma + 1);
-    const std::size_t equals = std::min(part.find('='), part.size());
-    const std::string axis = trimmed(part.substr(0, equals)),
-                      number = trimmed(part.substr(std::min(equals + 1, part.size())));
-    double value = 0;
-    const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), value);
-    const std::string unit = trimmed(std::string(end, number.data() + number.size()));
-    value *= unit == "mm" ? 1e-3 : 1;
+  auto [selection, lengths, whole] = bim::parse_lengths(text, kExample);
+  MountingRule rule{std::move(selection), Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()),
+                    std::move(whole)};
+  for (const auto& [axis, length, part] : lengths) {
     const int k = axis == "right" ? 0 : axis == "up" ? 1 : axis == "out" ? 2 : -1;
-    if (k < 0 || error != std::errc() || (unit != "mm" && unit != "m") || !(value >= 0 && value <= 0.1))
-      fail(text, part);
-    rule.sigma[k] = value;
+    if (k < 0 || !(length >= 0 && length <= 0.1))
+      throw std::runtime_error("mounting rule '" + text + "': found '" + part +
+                               "', expected right, up or out with a standard deviation from 0 to 100 mm, such as '" +
+                               kExample + "'");
+    rule.sigma[k] = length;
   }
   return rule;
 }

@@ -1,27 +1,12 @@
 #include "judgement/tolerance_rules.hpp"
 
-#include <charconv>
 #include <cmath>
 #include <stdexcept>
 
+#include "ifc/selection_rule.hpp"
+
 namespace plumbline::judgement {
 namespace {
-
-std::string trimmed(const std::string& text) {
-  const std::size_t first = text.find_first_not_of(" \t"), last = text.find_last_not_of(" \t");
-  return first == std::string::npos ? std::string() : text.substr(first, last - first + 1);
-}
-
-double length_of(const std::string& text, const std::string& rule) {
-  double number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  const std::string unit = trimmed(std::string(end, text.data() + text.size()));
-  const double factor = unit == "mm" ? 1e-3 : unit == "m" ? 1 : 0;
-  if (error != std::errc() || factor == 0 || !(number * factor >= 0) || number * factor > 1)
-    throw std::runtime_error("tolerance rule '" + rule + "': found '" + text +
-                             "', expected a length from 0 to 1 m with its unit, such as 5mm or 0.005m");
-  return number * factor;
-}
 
 Axis axis_of(const std::string& name, const std::string& rule) {
   for (const Axis axis : kAxes)
@@ -51,23 +36,13 @@ const char* name_of(Axis axis) {
 }
 
 ToleranceRule parse_rule(const std::string& text) {
-  // The last colon: names and expressions before it may hold others.
-  const std::size_t colon = text.rfind(':');
-  if (colon == std::string::npos)
-    throw std::runtime_error("tolerance rule '" + text +
-                             "': found no ':', expected 'selection: axis=length, …', such as 'class=IfcPlate: "
-                             "out_of_plane=3mm'");
-  ToleranceRule rule{bim::Selection(text.substr(0, colon)), {}, trimmed(text)};
-  std::string rest = text.substr(colon + 1);
-  for (bool more = true; more;) {
-    const std::size_t comma = rest.find(',');
-    const std::string part = trimmed(rest.substr(0, comma));
-    more = comma != std::string::npos;
-    if (more) rest = rest.substr(comma + 1);
-    const std::size_t equals = part.find('=');
-    if (equals == std::string::npos)
-      throw std::runtime_error("tolerance rule '" + text + "': found '" + part + "', expected axis=length");
-    rule.tolerances[axis_of(trimmed(part.substr(0, equals)), text)] = length_of(trimmed(part.substr(equals + 1)), text);
+  auto [selection, lengths, whole] = bim::parse_lengths(text, "class=IfcPlate: out_of_plane=3mm, vertical=5mm");
+  ToleranceRule rule{std::move(selection), {}, std::move(whole)};
+  for (const auto& [axis, length, part] : lengths) {
+    if (!(length >= 0 && length <= 1))
+      throw std::runtime_error("tolerance rule '" + text + "': found '" + part +
+                               "', expected axis=length, a length from 0 to 1 m with its unit, such as 5mm or 0.005m");
+    rule.tolerances[axis_of(axis, text)] = length;
   }
   return rule;
 }

@@ -44,8 +44,7 @@ struct EvaluateDeviation : Node {
   Param<double> mounting_sigma{
       "mounting_sigma", 0.0005, "m", between(0, 0.1),
       "of a plate's place on its anchor, on each axis of the plate: part of the anchor's uncertainty, because survey "
-      "and "
-      "photographs see the plate; columns mounting_x, mounting_y, mounting_z of plates.csv go before it"};
+      "and photographs see the plate; columns mounting_x, mounting_y, mounting_z of plates.csv go before it"};
   Param<std::vector<std::string>> mounting{
       "mounting", std::vector<std::string>{},
       "the same for some anchors: 'class=IfcMechanicalFastener & batch=march: right=0.3mm, up=0.3mm, out=1mm'; goes "
