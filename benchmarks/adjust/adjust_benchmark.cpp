@@ -12,7 +12,7 @@
 #include <ctime>
 
 #include "block/bundle/adjust.hpp"
-#include "block/photomodeler_files.hpp"
+#include "block/image_block_folder.hpp"
 #include "block/point_block.hpp"
 #include "colmap/exchange.hpp"
 #include "plumbline/rigid_transform.hpp"

@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <string>
 
-#include "block/photomodeler_files.hpp"
+#include "block/read_block.hpp"
 
 namespace plumbline::adjust {
 

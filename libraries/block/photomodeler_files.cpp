@@ -5,55 +5,15 @@
 #include <fstream>
 #include <map>
 #include <set>
-#include <sstream>
 #include <stdexcept>
 
-#include "block/aicon_files.hpp"
-#include "block/bal_files.hpp"
-#include "block/defects.hpp"
+#include "block/block_text.hpp"
 #include "text/text.hpp"
 
 namespace plumbline::adjust {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr uintmax_t largest_file = 512u << 20;
-
-std::vector<std::string> lines_of(const fs::path& file) {
-  std::error_code error;
-  if (const auto size = fs::file_size(file, error); error || size > largest_file)
-    throw std::runtime_error(file.string() + (error ? ": cannot be read" : ": larger than 512 MB"));
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw std::runtime_error("cannot open " + file.string());
-  std::ostringstream bytes;
-  bytes << stream.rdbuf();
-  std::vector<std::string> lines;
-  std::string line;
-  for (char c : bytes.str()) {
-    if (c == '\n') {
-      lines.push_back(std::move(line));
-      line.clear();
-    } else if (c != '\r') {
-      line += c;
-    }
-  }
-  if (!line.empty()) lines.push_back(std::move(line));
-  return lines;
-}
-
-std::vector<std::string> words_of(const std::string& line, bool commas) {
-  std::vector<std::string> words;
-  std::string word;
-  for (char c : line + " ")
-    if (c == ' ' || c == '\t' || c == ';' || (commas && c == ',')) {
-      if (!word.empty()) words.push_back(std::move(word));
-      word.clear();
-    } else {
-      word += c;
-    }
-  return words;
-}
 
 /// The export line by line.
 class Reader {
@@ -174,63 +134,6 @@ std::vector<Listed> read_points(Reader& reader, const char* what) {
   return points;
 }
 
-int count_erased(std::vector<BlockMeasurement>& measurements, const std::vector<bool>& drop_point,
-                 const std::vector<bool>& drop_image) {
-  return static_cast<int>(std::erase_if(measurements, [&](const BlockMeasurement& m) {
-    return drop_point[static_cast<size_t>(m.point)] || drop_image[static_cast<size_t>(m.image)];
-  }));
-}
-
-std::string few_of(const std::vector<std::string>& names) {
-  if (names.size() <= 5) return enumerate(names);
-  return enumerate({names[0], names[1], names[2], std::to_string(names.size() - 3) + " more"});
-}
-
-/// Removes points and images without a measurement and numbers the others anew.
-void compact(PointBlock& block, const std::vector<bool>& drop_point, const std::vector<bool>& drop_image) {
-  std::vector<int> point(block.points.size(), -1), image(block.images.size(), -1);
-  std::vector<BlockPoint> points;
-  std::vector<BlockImage> images;
-  for (size_t i = 0; i < point.size(); ++i)
-    if (!drop_point[i]) {
-      point[i] = static_cast<int>(points.size());
-      points.push_back(block.points[i]);
-    }
-  for (size_t i = 0; i < image.size(); ++i)
-    if (!drop_image[i]) {
-      image[i] = static_cast<int>(images.size());
-      images.push_back(block.images[i]);
-    }
-  block.points = std::move(points);
-  block.images = std::move(images);
-  for (auto& m : block.measurements) {
-    m.point = point[static_cast<size_t>(m.point)];
-    m.image = image[static_cast<size_t>(m.image)];
-  }
-  std::erase_if(block.scale_bars, [&](ScaleBar& bar) {
-    bar.from = point[static_cast<size_t>(bar.from)];
-    bar.to = point[static_cast<size_t>(bar.to)];
-    return bar.from < 0 || bar.to < 0;
-  });
-  BlockControl& control = block.control;
-  std::vector<Eigen::Index> rows;
-  std::vector<int> kept;
-  std::vector<bool> is_check;
-  for (size_t k = 0; k < control.points.size(); ++k) {
-    const int now = point[static_cast<size_t>(control.points[k])];
-    if (now < 0) continue;
-    kept.push_back(now);
-    is_check.push_back(control.is_check[k]);
-    for (Eigen::Index c = 0; c < 3; ++c) rows.push_back(3 * static_cast<Eigen::Index>(k) + c);
-  }
-  if (!control.points.empty()) {
-    control.position = Eigen::VectorXd(control.position(rows));
-    control.covariance = Eigen::MatrixXd(control.covariance(rows, rows));
-  }
-  control.points = kept;
-  control.is_check = is_check;
-}
-
 }  // namespace
 
 ReadBlock read_photomodeler_export(const fs::path& file, const std::array<int, 2>& image_size) {
@@ -312,112 +215,7 @@ ReadBlock read_photomodeler_export(const fs::path& file, const std::array<int, 2
   return result;
 }
 
-void add_control(const fs::path& file, const std::vector<std::string>& check, ReadBlock& read) {
-  PointBlock& block = read.block;
-  std::map<std::string, int> index;
-  for (size_t j = 0; j < block.points.size(); ++j) index.emplace(block.points[j].name, static_cast<int>(j));
-  std::vector<Eigen::Vector3d> positions, sigmas;
-  std::vector<std::string> unseen, checks = check;
-  std::set<int> taken;
-  const auto lines = lines_of(file);
-  for (size_t i = 0; i < lines.size(); ++i) {
-    const std::string text = lines[i].substr(0, lines[i].find('#'));
-    const auto words = words_of(text, true);
-    if (words.empty()) continue;
-    const auto fail = [&](const std::string& what) {
-      throw std::runtime_error(file.string() + ":" + std::to_string(i + 1) + ": " + what);
-    };
-    std::vector<double> numbers;  // from the right: coordinates and standard deviations
-    for (auto w = words.rbegin(); w != words.rend() && numbers.size() < 7; ++w) {
-      const auto value = formats::parse_number(*w, '.');
-      if (!value) break;
-      numbers.insert(numbers.begin(), *value);
-    }
-    // id [name] X Y Z [sx sy sz]: what is left of three or six numbers is id and name.
-    size_t labels = 0;
-    for (size_t l : {size_t{1}, size_t{2}})
-      if (words.size() >= l + 3 && (words.size() - l == 3 || words.size() - l == 6 || words.size() - l == 4) &&
-          numbers.size() >= words.size() - l)
-        labels = labels == 0 || !formats::parse_number(words[1], '.') ? l : labels;
-    if (labels == 0) fail("found '" + text + "', expected id, name, X, Y, Z and perhaps three standard deviations [m]");
-    numbers.erase(numbers.begin(), numbers.end() - static_cast<long>(words.size() - labels));
-    auto point = index.find(words[0]);
-    if (point == index.end() && labels == 2) point = index.find(words[1]);
-    const std::string shown = labels == 2 ? words[1] : words[0];
-    const auto is_check =
-        std::find_if(checks.begin(), checks.end(), [&](const std::string& c) { return c == words[0] || c == shown; });
-    const bool to_check = is_check != checks.end();
-    if (to_check) checks.erase(is_check);
-    if (point == index.end()) {
-      unseen.push_back(shown);
-      continue;
-    }
-    if (!taken.insert(point->second).second) fail("point " + words[0] + " is listed a second time");
-    Eigen::Vector3d sigma = Eigen::Vector3d::Zero();
-    if (numbers.size() == 6) sigma = {numbers[3], numbers[4], numbers[5]};
-    if (numbers.size() == 4) sigma.setConstant(numbers[3]);
-    if (!(sigma.minCoeff() >= 0)) fail("a standard deviation is negative");
-    block.control.points.push_back(point->second);
-    block.control.is_check.push_back(to_check);
-    positions.push_back({numbers[0], numbers[1], numbers[2]});
-    sigmas.push_back(sigma);
-  }
-  if (positions.empty())
-    throw std::runtime_error(file.string() + ": none of its points (" + few_of(unseen) +
-                             ") is measured in the block, by number or by name");
-  if (!checks.empty()) throw std::runtime_error(file.string() + ": holds no check point " + few_of(checks));
-  if (!unseen.empty()) read.left_out.push_back("control " + few_of(unseen) + ": measured in no image");
-  const Eigen::Index size = 3 * static_cast<Eigen::Index>(positions.size());
-  block.control.position.resize(size);
-  block.control.covariance = Eigen::MatrixXd::Zero(size, size);
-  for (size_t k = 0; k < positions.size(); ++k) {
-    block.control.position.segment<3>(3 * static_cast<Eigen::Index>(k)) = positions[k];
-    block.control.covariance.diagonal().segment<3>(3 * static_cast<Eigen::Index>(k)) = sigmas[k].cwiseAbs2();
-  }
-}
-
-void drop_unusable(ReadBlock& read) {
-  PointBlock& block = read.block;
-  std::vector<bool> known(block.points.size()), drop_point(block.points.size()), drop_image(block.images.size());
-  for (size_t k = 0; k < block.control.points.size(); ++k)
-    known[static_cast<size_t>(block.control.points[k])] = !block.control.is_check[k];
-  std::vector<std::string> single, unmarked, poor;
-  for (bool changed = true; changed;) {
-    changed = false;
-    std::vector<int> rays(block.points.size()), ties(block.images.size());
-    for (const auto& m : block.measurements) ++rays[static_cast<size_t>(m.point)];
-    for (const auto& m : block.measurements) {
-      const size_t j = static_cast<size_t>(m.point);
-      if (rays[j] >= 2 || known[j]) ties[static_cast<size_t>(m.image)] += known[j] || rays[j] > 2 ? 2 : 1;
-    }
-    for (size_t j = 0; j < rays.size(); ++j)
-      if (!drop_point[j] && rays[j] < (known[j] ? 1 : 2)) {
-        drop_point[j] = changed = true;
-        (rays[j] == 0 ? unmarked : single).push_back(block.points[j].name);
-      }
-    // A point that two other images place fixes both coordinates of its mark; one that a single other image sees has
-    // its distance still open and fixes one. A pose takes six.
-    for (size_t i = 0; i < ties.size(); ++i)
-      if (!drop_image[i] && ties[i] < 6) {
-        drop_image[i] = changed = true;
-        poor.push_back(std::to_string(block.images[i].id));
-      }
-    count_erased(block.measurements, drop_point, drop_image);
-  }
-  if (!single.empty())
-    read.left_out.push_back(std::to_string(single.size()) + " points measured in one image only: " + few_of(single));
-  if (!unmarked.empty())
-    read.left_out.push_back(std::to_string(unmarked.size()) + " points measured in no image: " + few_of(unmarked));
-  if (!poor.empty())
-    read.left_out.push_back(std::to_string(poor.size()) +
-                            " images that too few points tie to the others: " + few_of(poor));
-  compact(block, drop_point, drop_image);
-}
-
-namespace {
-
-/// Whether a text begins as an export does, whatever it is called: a title, then lines of numbers.
-bool looks_like_export(const fs::path& file) {
+bool looks_like_photomodeler(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
   std::string line;
   if (!std::getline(stream, line)) return false;
@@ -430,75 +228,6 @@ bool looks_like_export(const fs::path& file) {
       if (!formats::parse_number(word, '.')) return false;
   }
   return true;
-}
-
-enum class Format { aicon, photomodeler, bal };
-struct Found {
-  fs::path path;  ///< file, or the folder of an AICON block
-  Format format;
-};
-
-/// All blocks in a folder and below, by path.
-std::vector<Found> blocks_in(const fs::path& folder) {
-  std::vector<Found> found;
-  for (const auto& entry : fs::recursive_directory_iterator(folder, fs::directory_options::skip_permission_denied)) {
-    if (!entry.is_regular_file()) continue;
-    const fs::path& path = entry.path();
-    const std::string name = path.filename().string();
-    if (path.extension() == ".phc")
-      found.push_back({path.parent_path(), Format::aicon});
-    else if (path.extension() == ".txt" && name.find("pmexport") != std::string::npos)
-      found.push_back({path, Format::photomodeler});
-    else if (path.extension() == ".txt" && looks_like_export(path))
-      found.push_back({path, Format::photomodeler});
-    else if ((path.extension() == ".txt" || path.extension() == ".bal") && looks_like_bal(path))
-      found.push_back({path, Format::bal});
-  }
-  std::sort(found.begin(), found.end(), [](const Found& a, const Found& b) { return a.path < b.path; });
-  return found;
-}
-
-}  // namespace
-
-ReadBlock read_image_block(const fs::path& folder, const std::string& project, const std::string& control,
-                           const std::vector<std::string>& check, const std::array<int, 2>& image_size) {
-  if (!fs::is_directory(folder)) throw std::runtime_error(folder.string() + " is not a folder");
-  std::vector<Found> found = blocks_in(folder);
-  std::vector<std::string> names;
-  for (const auto& block : found) names.push_back(fs::relative(block.path, folder).string());
-  if (!project.empty())
-    std::erase_if(found, [&](const Found& block) {
-      return block.path.filename().string().rfind(project, 0) != 0 &&
-             fs::relative(block.path, folder).string().rfind(project, 0) != 0;
-    });
-  if (found.size() != 1)
-    throw std::runtime_error(
-        folder.string() + (names.empty()
-                               ? " holds no AICON block (.phc, .obc, .eor, .ior), no PhotoModeler text export "
-                                 "(*pmexport*.txt) and no bundle adjustment problem (BAL)"
-                               : " holds " + std::to_string(names.size()) + " blocks (" + few_of(names) + ")" +
-                                     (project.empty() ? ": choose one with project=BEGINNING_OF_ITS_NAME"
-                                                      : ", and project=" + project + " does not choose one of them")));
-  ReadBlock read;
-  const fs::path& path = found[0].path;
-  if (found[0].format == Format::aicon) {
-    AiconBlock block = read_aicon_folder(path);
-    read = {std::move(block.block), block.measurements_read, std::move(block.left_out)};
-  } else {
-    read = found[0].format == Format::bal ? read_bal_file(path, bal_pixel_pitch)
-                                          : read_photomodeler_export(path, image_size);
-  }
-  if (!control.empty()) {
-    const fs::path inside = folder / control, beside = path.parent_path() / control;
-    const fs::path file = fs::is_regular_file(inside)   ? inside
-                          : fs::is_regular_file(beside) ? beside
-                                                        : fs::path(control);
-    add_control(file, check, read);
-  } else if (!check.empty()) {
-    throw std::runtime_error("check points need a list of coordinates: control=FILE");
-  }
-  drop_unusable(read);
-  return read;
 }
 
 }  // namespace plumbline::adjust

@@ -7,6 +7,9 @@
 #include "artifacts/image_tags.hpp"
 #include "block/aicon_files.hpp"
 #include "block/bal_files.hpp"
+#include "block/control_list.hpp"
+#include "block/image_block_folder.hpp"
+#include "block/photomodeler_files.hpp"
 #include "plumbline/node.hpp"
 #include "target_block_artifacts.hpp"
 

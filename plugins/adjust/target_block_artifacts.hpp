@@ -6,7 +6,7 @@
 #include "artifacts/image_block.hpp"
 #include "artifacts/points.hpp"
 #include "artifacts/poses.hpp"
-#include "block/photomodeler_files.hpp"
+#include "block/read_block.hpp"
 
 namespace plumbline::adjust {
 

@@ -5,7 +5,7 @@
 #include <map>
 #include <sstream>
 
-#include "block/photomodeler_files.hpp"
+#include "block/image_block_folder.hpp"
 #include "test_support.hpp"
 
 namespace {

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "block/image_block_folder.hpp"
 #include "synthetic_block.hpp"
 #include "test_support.hpp"
 

@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 
 #include "block/aicon_files.hpp"
+#include "block/control_list.hpp"
 #include "block/control_words.hpp"
+#include "block/image_block_folder.hpp"
 #include "block/photomodeler_files.hpp"
 #include "synthetic_block.hpp"
 #include "test_support.hpp"

@@ -1,0 +1,19 @@
+// Lists of control points beside a block: a point a line, separated by commas or blanks: id, name, X, Y, Z and perhaps
+// three standard deviations [m], or id, X, Y, Z …; '#' begins a comment. Points without standard deviations (or with
+// zeros) are held.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "block/read_block.hpp"
+
+namespace plumbline::adjust {
+
+/// Adds the control points of a list, matched by id or by name; those named in `check` are compared with only. Points
+/// of the list that no image measures are told of. Throws if none matches, if one occurs twice, or for a line that
+/// cannot be read.
+void add_control(const std::filesystem::path& file, const std::vector<std::string>& check, ReadBlock& read);
+
+}  // namespace plumbline::adjust
