@@ -1,83 +1,15 @@
-#include <Eigen/Cholesky>
+#include "survey_files/krumm_reader.hpp"
+
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numbers>
-#include <optional>
-#include <set>
-
-#include "survey_files/krumm.hpp"
-#include "survey_files/krumm_sections.hpp"
-#include "survey_files/survey_builder.hpp"
-#include "text/text.hpp"
 
 namespace plumbline::survey {
 namespace {
 
-constexpr double kCondition = 1e-6;  // [m], standard deviation that holds a restriction
 constexpr double kSecond = std::numbers::pi / 180 / 3600;
 
-using Parts = std::vector<std::string_view>;
-
-class KrummReader {
- public:
-  KrummReader(std::string_view bytes, const std::string& file)
-      : decoded_(formats::decode_text(bytes)), builder_(file, "krumm") {}
-  SurveyObservations read();
-
- private:
-  void read_heading(std::string_view text);
-  void read_line(std::string_view text);
-  void read_coordinates(const Parts& parts);
-  void read_datum(const Parts& parts);
-  std::optional<std::pair<std::string, int>> component(std::string_view word);
-  void read_observation(const Parts& parts);
-  bool read_rest(const Parts& parts, std::size_t first, Observation& observation);
-  void read_levelling(const Parts& parts);
-  void read_correlated(const Parts& parts);
-  void read_baseline(const Parts& parts);
-  void read_restriction(std::string_view text);
-  void read_sigma0(const Parts& parts);
-  void place(Observation observation);
-  void finish_dynamic_datum();
-  void finish_correlated();
-  void orient_by_marks();
-  std::optional<double> value_of(std::string_view word, ObservationKind kind) const;
-  std::optional<double> sigma_of(std::string_view word, ObservationKind kind) const;
-  std::vector<double> numbers(const Parts& parts, std::size_t first);
-  void reject(std::string_view found, const std::string& expected) {
-    const std::size_t place = line_text_.find(found);
-    builder_.skip(line_, place == std::string_view::npos ? 1 : static_cast<int>(place) + 1, found, expected);
-  }
-  static bool is_angle(ObservationKind kind) {
-    return kind == ObservationKind::direction || kind == ObservationKind::angle || kind == ObservationKind::azimuth ||
-           kind == ObservationKind::zenith_angle;
-  }
-
-  struct DynamicRow {
-    std::string point;
-    int axis = 2;
-    std::vector<double> values;
-    SourcePosition source;
-  };
-
-  formats::DecodedText decoded_;
-  SurveyBuilder builder_;
-  KrummSection section_;
-  bool in_section_ = false;
-  std::string comment_;  // the block of comments above
-  KrummDistanceSigma distance_sigma_ = KrummDistanceSigma::squares;
-  std::string_view line_text_;
-  int line_ = 0;
-  CoordinateRole datum_role_ = CoordinateRole::fixed;
-  bool dynamic_ = false;
-  std::vector<DynamicRow> dynamic_rows_;
-  double sigma0_ = kNotGiven;
-  double first_sigma_ = kNotGiven, second_sigma_ = 0;  // that hold until others are given
-  std::map<std::string, int> set_ups_;
-  std::vector<int> correlated_;
-  std::vector<std::vector<double>> correlated_rows_;
-};
+}  // namespace
 
 void KrummReader::read_coordinates(const Parts& parts) {
   if (parts.size() < 2 || parts.size() > 4) return reject(line_text_, "a point and one to three coordinates");
@@ -145,52 +77,6 @@ std::vector<double> KrummReader::numbers(const Parts& parts, std::size_t first) 
     values.push_back(*value);
   }
   return values;
-}
-
-// One number in each row: standard deviations, zero holds. More: the lower triangle or all of a covariance matrix.
-void KrummReader::finish_dynamic_datum() {
-  const auto n = static_cast<Eigen::Index>(dynamic_rows_.size());
-  if (n == 0) return;
-  const bool sigmas =
-      std::all_of(dynamic_rows_.begin(), dynamic_rows_.end(), [](const DynamicRow& r) { return r.values.size() == 1; });
-  CoordinateGroup group;
-  group.is_control = true;
-  group.source = dynamic_rows_.front().source;
-  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(n, n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const DynamicRow& row = dynamic_rows_[static_cast<std::size_t>(i)];
-    const auto given = static_cast<Eigen::Index>(row.values.size());
-    if (!sigmas && given != i + 1 && given != n)
-      return builder_.skip(row.source.line, 1, row.point, "a row of a covariance matrix, or one standard deviation");
-    if (row.values[sigmas ? 0 : static_cast<std::size_t>(i)] < 0)
-      return builder_.skip(row.source.line, 1, row.point, "a standard deviation or variance that is not negative");
-    for (Eigen::Index j = 0; j <= i; ++j) {
-      const double value =
-          sigmas ? (i == j ? row.values[0] * row.values[0] : 0) : row.values[static_cast<std::size_t>(j)];
-      covariance(i, j) = covariance(j, i) = value;
-    }
-  }
-  std::vector<Eigen::Index> kept;
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const DynamicRow& row = dynamic_rows_[static_cast<std::size_t>(i)];
-    Point& point = builder_.point(row.point, row.source);
-    if (std::isnan(point.coordinates[row.axis])) continue;
-    if (covariance(i, i) > 0) {
-      kept.push_back(i);
-      group.components.push_back({row.point, row.axis});
-    } else {
-      point.roles[static_cast<std::size_t>(row.axis)] = CoordinateRole::fixed;
-    }
-  }
-  if (kept.empty()) return;
-  group.values.resize(static_cast<Eigen::Index>(kept.size()));
-  for (std::size_t k = 0; k < kept.size(); ++k)
-    group.values[static_cast<Eigen::Index>(k)] =
-        builder_.point(group.components[k].point, group.source).coordinates[group.components[k].axis];
-  group.covariance = covariance(kept, kept);
-  if (Eigen::LLT<Eigen::MatrixXd>(group.covariance).info() != Eigen::Success)
-    return builder_.skip(group.source.line, 1, "[Datum]", "a positive definite covariance matrix");
-  builder_.survey.coordinates.push_back(std::move(group));
 }
 
 std::optional<double> KrummReader::value_of(std::string_view word, ObservationKind kind) const {
@@ -289,144 +175,12 @@ void KrummReader::place(Observation o) {
   builder_.add(std::move(o));
 }
 
-void KrummReader::read_levelling(const Parts& parts) {
-  if (parts.size() < 4 || parts.size() > 5)
-    return reject(line_text_, "from, to, height difference, length of the line [m], standard deviation of 1 km [m]");
-  Observation o;
-  o.kind = ObservationKind::height_difference;
-  o.from = std::string(parts[0]);
-  o.to = std::string(parts[1]);
-  o.source = builder_.at(line_, 1);
-  const auto value = formats::parse_number(parts[2]), length = formats::parse_number(parts[3]);
-  if (!value || !length || *length <= 0) return reject(parts[value ? 3 : 2], "a height difference and a length [m]");
-  if (o.from == o.to) return reject(parts[1], "another point than the first one");
-  if (parts.size() == 5) {
-    const auto sigma = sigma_of(parts[4], o.kind);
-    if (!sigma || *sigma <= 0) return reject(parts[4], "the standard deviation of a line of 1 km [m]");
-    first_sigma_ = *sigma;
-  }
-  o.value = *value;
-  o.levelling_length = *length;
-  const double per_km = std::isnan(first_sigma_) ? sigma0_ : first_sigma_;
-  o.sigma = per_km * std::sqrt(*length / 1000);
-  builder_.add(std::move(o));
-}
-
-// "C H 1771.42 0.00072 0.0009": behind the distance its row of the covariance matrix, lower triangle.
-void KrummReader::read_correlated(const Parts& parts) {
-  const std::vector<double> values = numbers(parts, 2);
-  if (values.size() != correlated_.size() + 2 || values[0] <= 0)
-    return reject(line_text_, "from, to, distance and a row of the covariance matrix [m^2]");
-  Observation o;
-  o.kind = ObservationKind::horizontal_distance;
-  o.from = std::string(parts[0]);
-  o.to = std::string(parts[1]);
-  if (o.from == o.to) return reject(parts[1], "another point than the first one");
-  o.value = values[0];
-  o.source = builder_.at(line_, 1);
-  if (!(values.back() > 0)) return reject(parts.back(), "a variance above zero [m^2]");
-  o.sigma = std::sqrt(values.back());
-  correlated_.push_back(static_cast<int>(builder_.survey.observations.size()));
-  correlated_rows_.push_back({values.begin() + 1, values.end()});
-  builder_.add(std::move(o));
-}
-
-void KrummReader::finish_correlated() {
-  const auto n = static_cast<Eigen::Index>(correlated_.size());
-  if (n < 2) return;
-  ObservationCovariance c;
-  c.indices = correlated_;
-  c.covariance.resize(n, n);
-  for (Eigen::Index i = 0; i < n; ++i)
-    for (Eigen::Index j = 0; j <= i; ++j)
-      c.covariance(i, j) = c.covariance(j, i) =
-          correlated_rows_[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
-  if (Eigen::LLT<Eigen::MatrixXd>(c.covariance).info() != Eigen::Success)
-    return builder_.skip(line_, 1, "[CorrelatedDistances]", "a positive definite covariance matrix");
-  builder_.survey.covariances.push_back(std::move(c));
-}
-
-// dx, dy, dz, then three standard deviations or the upper triangle of the covariance matrix, then perhaps two heights.
-void KrummReader::read_baseline(const Parts& parts) {
-  std::vector<double> v = numbers(parts, 2);
-  if (parts.size() < 2 || (v.size() != 6 && v.size() != 9 && v.size() != 11))
-    return reject(line_text_, "from, to, dx, dy, dz [m] and three standard deviations or six covariances");
-  VectorGroup group;
-  const bool heights = v.size() == 11;
-  group.vectors.push_back({std::string(parts[0]), std::string(parts[1]), heights ? v[9] : 0, heights ? v[10] : 0});
-  group.values = Eigen::Vector3d(v[0], v[1], v[2]);
-  Eigen::Matrix3d covariance = Eigen::Vector3d(v[3] * v[3], v[4] * v[4], v[5] * v[5]).asDiagonal();
-  if (v.size() > 6) covariance << v[3], v[4], v[5], v[4], v[6], v[7], v[5], v[7], v[8];
-  group.covariance = covariance;
-  group.source = builder_.at(line_, 1);
-  if (parts[0] == parts[1] || Eigen::LLT<Eigen::MatrixXd>(group.covariance).info() != Eigen::Success)
-    return reject(line_text_, "two points and a positive definite covariance matrix");
-  for (const std::string_view id : {parts[0], parts[1]}) builder_.point(std::string(id), group.source);
-  builder_.survey.vectors.push_back(std::move(group));
-}
-
-void KrummReader::read_restriction(std::string_view text) {
-  const auto condition = krumm_distance_condition(text);
-  if (!condition || !builder_.has_point(condition->from) ||
-      (!condition->to.empty() && !builder_.has_point(condition->to)))
-    return reject(text, "a distance held between two points, (xA-xB)^2+(yA-yB)^2-d^2, or of one from the origin");
-  Observation o;
-  o.kind = ObservationKind::horizontal_distance;
-  o.from = condition->from;
-  o.to = condition->to;
-  o.source = builder_.at(line_, 1);
-  if (o.to.empty()) {
-    o.to = "origin";
-    while (builder_.has_point(o.to)) o.to += "_";
-    builder_.give_coordinates(o.to, {0, 0, kNotGiven}, o.source);
-    builder_.point(o.to, o.source).roles = {CoordinateRole::fixed, CoordinateRole::fixed, CoordinateRole::unused};
-  }
-  o.value = condition->distance;
-  o.sigma = kCondition;
-  o.corrections.push_back("a restriction, held to 1 micrometre");
-  builder_.add(std::move(o));
-}
-
 void KrummReader::read_sigma0(const Parts& parts) {
   const auto value = formats::parse_number(parts[0]);
   const std::string_view unit = parts.size() > 1 ? parts[1] : std::string_view();
   if (!value || *value <= 0) return reject(parts[0], "a standard deviation above zero");
   if (unit == "gon" || unit == "mgon") return;  // says nothing of lengths
   sigma0_ = *value * (unit == "mm" ? 1e-3 : unit == "cm" ? 1e-2 : 1.0);
-}
-
-// An angle whose arm is a mark known by its azimuth alone is an azimuth of its other arm.
-void KrummReader::orient_by_marks() {
-  if (!correlated_.empty()) return;  // their indices must stay
-  std::map<std::string, std::set<std::string>> seen_from;
-  std::map<std::string, double> azimuths;
-  for (const Observation& o : builder_.survey.observations) {
-    seen_from[o.to].insert(o.from);
-    if (!o.second_to.empty()) seen_from[o.second_to].insert(o.from);
-    seen_from[o.from].insert("");  // a station is no mark
-    const bool angular = o.kind == ObservationKind::angle || o.kind == ObservationKind::azimuth;
-    if (!angular) seen_from[o.to].insert("");
-    if (o.kind == ObservationKind::azimuth) azimuths.try_emplace(o.to, o.value);
-  }
-  std::erase_if(azimuths, [&](const auto& mark) {
-    return seen_from[mark.first].size() != 1 || !builder_.point(mark.first, {}).coordinates.array().isNaN().all();
-  });
-  if (azimuths.empty()) return;
-  std::erase_if(builder_.survey.observations,
-                [&](const Observation& o) { return o.kind == ObservationKind::azimuth && azimuths.contains(o.to); });
-  for (Observation& o : builder_.survey.observations) {
-    if (o.kind != ObservationKind::angle) continue;
-    const auto left = azimuths.find(o.to), right = azimuths.find(o.second_to);
-    if ((left == azimuths.end()) == (right == azimuths.end())) continue;
-    const bool by_left = left != azimuths.end();
-    const std::string mark = by_left ? o.to : o.second_to;
-    o.kind = ObservationKind::azimuth;
-    o.value = wrap_to_circle(by_left ? left->second + o.value : right->second - o.value);
-    if (by_left) o.to = o.second_to;
-    o.second_to.clear();
-    o.corrections.push_back("angle to the mark " + mark + ", whose azimuth is given, made an azimuth");
-  }
-  std::erase_if(builder_.survey.points, [&](const Point& p) { return azimuths.contains(p.id); });
 }
 
 void KrummReader::read_heading(std::string_view text) {
@@ -505,8 +259,6 @@ SurveyObservations KrummReader::read() {
   orient_by_marks();
   return builder_.finish("no section with coordinates or distances", understood_formats());
 }
-
-}  // namespace
 
 SurveyObservations read_krumm(std::string_view bytes, const std::string& file) {
   return KrummReader(bytes, file).read();
