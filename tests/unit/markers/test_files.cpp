@@ -8,16 +8,12 @@
 #include <fstream>
 #include <random>
 
-#include "detect/board.hpp"
 #include "detect/tag_dictionary.hpp"
-#include "images/grey_image.hpp"
 #include "markers/camera_files.hpp"
 #include "markers/camera_groups.hpp"
 #include "markers/colmap_files.hpp"
 #include "markers/control_files.hpp"
 #include "markers/layout_files.hpp"
-#include "markers/rig.hpp"
-#include "markers/rig_adjustment.hpp"
 #include "markers/robust_similarity.hpp"
 #include "markers/survey_frame.hpp"
 #include "test_support.hpp"
@@ -114,29 +110,6 @@ TEST(TagDictionary, SaysHowWeakItIs) {
   EXPECT_THAT(detect::weakness_of(bordered), HasSubstr("leave them out of the file"));
 }
 
-TEST(Board, IsReadWithItsUnitsChecked) {
-  const auto b = detect::parse_board(
-      "type: charuco\ncolumns: 8\nrows: 8\nsquare: 0.0254\nmarker: 0.01905\ndictionary: DICT_4X4_50\n", "b.yaml");
-  EXPECT_EQ(b.columns, 8);
-  EXPECT_THAT(message_of([] { detect::parse_board("type: chessboard\ncolumns: 9\nrows: 6\nsquare: 25\n", "b.yaml"); }),
-              HasSubstr("0.025 for 25 mm"));
-  EXPECT_THAT(message_of([] {
-                detect::parse_board(
-                    "type: charuco\ncolumns: 20\nrows: 20\nsquare: 0.02\nmarker: 0.01\ndictionary: DICT_4X4_50\n",
-                    "b.yaml");
-              }),
-              HasSubstr("ends at 49"));
-  EXPECT_THAT(
-      message_of([] { detect::parse_board("target_type: circlegrid\ntargetCols: 6\ntargetRows: 7\n", "b.yaml"); }),
-      HasSubstr("circles are not measured"));
-  EXPECT_THAT(message_of([] { detect::parse_board("columns: 9\n", "b.yaml"); }),
-              HasSubstr("b.yaml: 'type' is missing"));
-  const auto kalibr = detect::parse_board(
-      "target_type: 'aprilgrid'\ntagCols: 6\ntagRows: 6\ntagSize: 0.088\ntagSpacing: 0.3\n", "k.yaml");
-  EXPECT_NEAR(kalibr.gap, 0.0264, 1e-12);
-  EXPECT_TRUE(kalibr.ids_from_bottom);
-}
-
 TEST(CameraFiles, OfOpenCVRosKalibrAndOurs) {
   const auto opencv = markers::parse_camera_file(
       "%YAML:1.0\n---\nimage_width: 640\nimage_height: 480\ncamera_matrix: !!opencv-matrix\n   rows: 3\n   cols: 3\n   "
@@ -214,191 +187,6 @@ TEST(CameraGroups, AreToldFromFoldersAndNames) {
       "left and right");
   EXPECT_EQ(markers::suspected_cameras({"a1.jpg", "a2.jpg", "a3.jpg", "b4.jpg", "b5.jpg", "b6.jpg"}), "")
       << "names that only count on";
-}
-
-TEST(Rig, IsTheMeanOverMomentsWithoutThoseThatDisagree) {
-  const RigidTransform right_from_left{Eigen::Quaterniond(Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitY())),
-                                       Eigen::Vector3d(-0.5, 0.01, 0.02)};
-  std::vector<std::vector<markers::RigView>> cameras(3);
-  for (int k = 0; k < 9; ++k) {
-    const std::string moment = std::to_string(k);
-    const RigidTransform left{Eigen::Quaterniond(Eigen::AngleAxisd(0.1 * k, Eigen::Vector3d(1, k, 0).normalized())),
-                              Eigen::Vector3d(0.1 * k, 0.2, 1 + 0.1 * k)};
-    RigidTransform right = right_from_left * left;
-    right.translation.x() += k == 4 ? 0.1 : k % 2 ? 1e-4 : -1e-4;
-    cameras[0].push_back({moment, left});
-    cameras[1].push_back({moment, right});
-    if (k < 2) cameras[2].push_back({moment, left});
-  }
-  const auto rig = markers::rig_of(cameras);
-  ASSERT_EQ(rig.size(), 1u) << "two moments are too few";
-  EXPECT_EQ(rig[0].left_out, std::vector<std::string>{"4"});
-  EXPECT_EQ(rig[0].moments.size(), 8u);
-  EXPECT_NEAR(rig[0].cam_from_reference.translation.x(), -0.5, 1e-9);
-  EXPECT_NEAR(rig[0].cam_from_reference.rotation.angularDistance(right_from_left.rotation), 0, 1e-7);
-  EXPECT_NEAR(rig[0].translation_sigma.x(), 1e-4 / std::sqrt(7.0), 1e-9);
-}
-
-/// A ChArUco board of OpenCV's present pattern in whole pixels, squares of 32 px with markers of 24, 40 px from the
-/// border.
-GreyImage drawn_charuco(const detect::Board& board) {
-  const int width = 80 + 32 * board.columns, height = 80 + 32 * board.rows;
-  GreyImage image{width, height, std::vector<std::uint8_t>(static_cast<size_t>(width * height), 210)};
-  const auto fill = [&](int x0, int y0, int side, std::uint8_t value) {
-    for (int y = y0; y < y0 + side; ++y)
-      for (int x = x0; x < x0 + side; ++x) image.pixels[static_cast<size_t>(y * width + x)] = value;
-  };
-  size_t id = 0;
-  for (int row = 0; row < board.rows; ++row)
-    for (int column = 0; column < board.columns; ++column) {
-      const int x = 40 + 32 * column, y = 40 + 32 * row;
-      if ((row + column) % 2 == 0) {
-        fill(x, y, 32, 30);
-        continue;
-      }
-      fill(x + 4, y + 4, 24, 30);
-      for (int k = 0; k < 16; ++k)
-        if (board.dictionary.codes[id][static_cast<size_t>(k)] != 0)
-          fill(x + 8 + 4 * (k % 4), y + 8 + 4 * (k / 4), 4, 210);
-      ++id;
-    }
-  return image;
-}
-
-/// With five rows three of them fit the older pattern exactly, moved by a square; and boards are printed inverted, too.
-TEST(Board, OfAnOddNumberOfRowsIsFoundAsPrintedAlsoInNegative) {
-  const auto board = detect::parse_board(
-      "type: charuco\ncolumns: 4\nrows: 5\nsquare: 0.032\nmarker: 0.024\ndictionary: DICT_4X4_50\n", "b.yaml");
-  for (const bool negative : {false, true}) {
-    GreyImage image = drawn_charuco(board);
-    if (negative)
-      for (auto& pixel : image.pixels) pixel = static_cast<std::uint8_t>(255 - pixel);
-    const auto seen = detect::find_board(image, board);
-    EXPECT_EQ(seen.problem, "");
-    ASSERT_EQ(seen.points.size(), 12u) << negative;
-    EXPECT_NEAR(seen.marker_ratio, 0.75, 0.02);
-    for (const auto& p : seen.points) {
-      const Eigen::Vector2d truth(39.5 + 1000 * p.board.x(), 39.5 - 1000 * p.board.y());
-      EXPECT_LT((p.pixel - truth).norm(), 0.1) << p.id;
-    }
-  }
-}
-
-/// Tags of 24 px in steps of 32; the spacing is measured, and a tag that is there twice is none.
-TEST(Board, OfTagsMeasuresTheirSpacingAndLeavesOutIdsThatAreTwice) {
-  const auto board = detect::parse_board(
-      "type: tags\ncolumns: 3\nrows: 3\nmarker: 0.024\ngap: 0.008\ndictionary: DICT_4X4_50\n", "b.yaml");
-  GreyImage image{200, 160, std::vector<std::uint8_t>(200 * 160, 210)};
-  const auto draw = [&](int id, int x0, int y0) {
-    for (int y = 0; y < 24; ++y)
-      for (int x = 0; x < 24; ++x) {
-        const int row = y / 4 - 1, column = x / 4 - 1;
-        const bool code = row >= 0 && row < 4 && column >= 0 && column < 4;
-        const bool white =
-            code && board.dictionary.codes[static_cast<size_t>(id)][static_cast<size_t>(4 * row + column)] != 0;
-        image.pixels[static_cast<size_t>((y0 + y) * 200 + x0 + x)] = white ? 210 : 30;
-      }
-  };
-  for (int k = 0; k < 9; ++k) draw(k, 20 + 32 * (k % 3), 20 + 32 * (k / 3));
-  const auto seen = detect::find_board(image, board);
-  EXPECT_EQ(seen.points.size(), 36u);
-  EXPECT_NEAR(seen.marker_ratio, 0.75, 0.01);
-  draw(4, 150, 100);
-  EXPECT_EQ(detect::find_board(image, board).points.size(), 32u);
-}
-
-/// Three cameras, a board that moves before them; images with noise of 0.1 px.
-struct SimulatedRig {
-  std::vector<RigidTransform> from_first;
-  std::vector<std::vector<markers::CalibrationView>> views;
-  std::vector<markers::Calibration> calibrations;
-  std::vector<std::vector<std::string>> moments;
-
-  explicit SimulatedRig(unsigned seed, int late = -1) : views(3), calibrations(3), moments(3) {
-    std::mt19937_64 random(seed);
-    const auto noise = [&](double sigma) {  // a sum of 12 uniform deviates
-      double sum = -6;
-      for (int k = 0; k < 12; ++k) sum += static_cast<double>(random() >> 11) * 0x1p-53;
-      return sigma * sum;
-    };
-    for (int c = 0; c < 3; ++c)
-      from_first.push_back({Eigen::Quaterniond(Eigen::AngleAxisd(0.3 * c, Eigen::Vector3d::UnitY())),
-                            Eigen::Vector3d(0.35 * c, 0.02 * c, 0.1 * c)});
-    for (size_t c = 0; c < 3; ++c) {
-      calibrations[c].camera = {1280, 960, 1000, 1000, 640, 480, -0.1, 0.05, 0, 0, 0};
-      calibrations[c].rms = 0.1414;
-    }
-    for (int e = 0; e < 8; ++e) {
-      const auto pose = [&](double time) {
-        const Eigen::Vector3d axis(std::cos(time), std::sin(time), 0.2 * std::sin(3 * time));
-        return RigidTransform{Eigen::Quaterniond(Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()) *
-                                                 Eigen::AngleAxisd(0.6, axis.normalized())),
-                              Eigen::Vector3d(-0.2 + 0.25 * std::cos(2 * time), 0.2 * std::sin(time), 1.3)};
-      };
-      for (size_t c = 0; c < 3; ++c) {
-        const RigidTransform board = from_first[c] * pose(e + (c == 1 && e == late ? 0.1 : 0.0));
-        markers::CalibrationView view;
-        view.path = "cam" + std::to_string(c) + "_" + std::to_string(e) + ".jpg";
-        markers::CalibratedView found;
-        found.view = e;
-        for (int k = 0; k < 15; ++k) {
-          const Eigen::Vector3d point(0.06 * (k % 5), -0.06 * (k / 5), 0);
-          const auto pixel = project(calibrations[c].camera, board * point);
-          found.points.push_back(k);
-          view.points.push_back({point, *pixel + Eigen::Vector2d(noise(0.1), noise(0.1)), 0.1});
-        }
-        found.cam_from_board = board;
-        found.cam_from_board.translation += Eigen::Vector3d(noise(2e-3), noise(2e-3), noise(5e-3));
-        calibrations[c].views.push_back(found);
-        views[c].push_back(view);
-        moments[c].push_back(std::to_string(e));
-      }
-    }
-  }
-
-  std::vector<markers::AdjustedRig> adjust() const {
-    std::vector<markers::RigCamera> cameras;
-    for (size_t c = 0; c < 3; ++c) cameras.push_back({"c" + std::to_string(c), &views[c], &calibrations[c]});
-    return markers::adjust_rigs(cameras, moments, {});
-  }
-};
-
-TEST(Rig, IsOneAdjustmentWhoseCovarianceIsTrue) {
-  double nees = 0, halves = 0;
-  int count = 0;
-  for (unsigned seed = 1; seed <= 3; ++seed) {
-    const SimulatedRig scene(seed);
-    const auto rigs = scene.adjust();
-    ASSERT_EQ(rigs.size(), 1u);
-    ASSERT_EQ(rigs[0].refused, "");
-    ASSERT_EQ(rigs[0].cameras.size(), 3u);
-    EXPECT_THAT(rigs[0].left_out, testing::IsEmpty());
-    EXPECT_NEAR(rigs[0].sigma, 0.1, 0.01);
-    for (size_t c = 1; c < 3; ++c) {
-      const auto& camera = rigs[0].cameras[c];
-      const RigidTransform truth = scene.from_first[c];
-      const Eigen::AngleAxisd turn(camera.cam_from_reference.rotation * truth.rotation.conjugate());
-      Eigen::Matrix<double, 6, 1> error;
-      error << turn.angle() * turn.axis(), camera.cam_from_reference.translation - truth.translation;
-      nees += error.dot(camera.covariance.ldlt().solve(error)) / 6, halves += camera.halves, ++count;
-      EXPECT_LT(std::sqrt(camera.covariance(3, 3)), 5e-3);
-    }
-  }
-  EXPECT_GT(nees / count, 0.5);
-  EXPECT_LT(nees / count, 1.8);  // 36 degrees of freedom: 99.9 % are below
-  EXPECT_LT(halves / count, 1.8);
-}
-
-TEST(Rig, LeavesOutWhatWasNotTakenTogetherAndRefusesAWrongGrouping) {
-  const auto late = SimulatedRig(5, 6).adjust();
-  ASSERT_EQ(late.size(), 1u);
-  ASSERT_EQ(late[0].refused, "");
-  EXPECT_EQ(late[0].left_out, std::vector<std::string>{"cam1_6.jpg"});
-  SimulatedRig mixed(6);
-  std::rotate(mixed.moments[1].begin(), mixed.moments[1].begin() + 3, mixed.moments[1].end());
-  const auto rigs = mixed.adjust();
-  ASSERT_EQ(rigs.size(), 1u);
-  EXPECT_THAT(rigs[0].refused, HasSubstr("were not taken together"));
 }
 
 TEST(LayoutFiles, TurnWPILibsFacesIntoTags) {

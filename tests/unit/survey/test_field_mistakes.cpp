@@ -2,6 +2,7 @@
 // no innocent reading is taken out. How often, over hundreds of networks: benchmarks/survey.
 #include <algorithm>
 
+#include "network_words.hpp"
 #include "survey/adjust/adjust_network.hpp"
 #include "survey/adjust/exclusions.hpp"
 #include "survey/simulate/simulate_survey.hpp"
@@ -28,12 +29,6 @@ struct Field {
   std::vector<int> wrong(const SurveyMistake& mistake) { return plant(mistake, layout, survey); }
   NetworkResult adjust() const { return adjust_network(survey, options); }
 };
-
-std::string all_words(const NetworkResult& r) {
-  std::string text;
-  for (const Finding& f : r.findings) text += f.text + "\n";
-  return text;
-}
 
 void expect_words(const NetworkResult& r, std::initializer_list<const char*> words) {
   const std::string text = all_words(r);
