@@ -58,10 +58,10 @@ bool intersect(const FittedEdge& first, const FittedEdge& second, Eigen::Vector2
 
 using Edges = std::array<std::optional<FittedEdge>, 4>;  // edge i goes from corner i to corner i + 1
 
-Edges fit_edges(const Quadrilateral& q, const EdgeFitOptions& options) {
+Edges fit_edges(const Quadrilateral& q, EdgeFitter& fitter) {
   Edges edges;
   for (int i = 0; i < 4; ++i)
-    if (!(edges[i] = fit_edge(*q.part, strip_of(q.corners, i, q.modules), options))) break;
+    if (!(edges[i] = fitter.fit(*q.part, strip_of(q.corners, i, q.modules)))) break;
   return edges;
 }
 
@@ -84,6 +84,8 @@ double estimate_gamma(const std::vector<Quadrilateral>& found, const EdgeFitOpti
   constexpr double kFloor = 0.0005;    // misfit of a perfect photograph [contrast]
   constexpr double kFewest = 12;       // edges: chance fools a tag or two
   constexpr std::size_t kEnough = 12;  // quadrilaterals
+  static const std::vector<TransferCurve> curves(exponent.begin(), exponent.end());
+  EdgeFitter fitter(options);
   std::array<double, 5> misfit = {};
   double count = 0, noise = 0, samples = 0;
   const std::size_t stride = (found.size() + kEnough - 1) / kEnough;
@@ -92,8 +94,8 @@ double estimate_gamma(const std::vector<Quadrilateral>& found, const EdgeFitOpti
     double own_noise = 0, own_samples = 0;
     bool all = true;
     for (int i = 0; i < 4 && all; ++i) {
-      const auto edges = fit_edge_with_curves(*found[k].part, strip_of(found[k].corners, i, found[k].modules), options,
-                                              {exponent.begin(), exponent.end()});
+      const auto edges =
+          fitter.fit_with_curves(*found[k].part, strip_of(found[k].corners, i, found[k].modules), curves);
       all = !edges.empty();
       for (std::size_t g = 0; g < edges.size(); ++g) own[g] += edges[g].misfit;
       if (!all) continue;
@@ -162,8 +164,9 @@ Measurement measure_corners(const std::vector<Quadrilateral>& found, const EdgeF
   Measurement measurement;
   EdgeFitOptions used = options;
   if (options.gamma == 0) used.gamma = estimate_gamma(found, options);
+  EdgeFitter fitter(used);
   std::vector<Edges> measured;
-  for (const Quadrilateral& q : found) measured.push_back(fit_edges(q, used));
+  for (const Quadrilateral& q : found) measured.push_back(fit_edges(q, fitter));
   measurement.quality = {used.gamma, model_error_of(measured)};
   for (std::size_t k = 0; k < found.size(); ++k) {
     if (!complete(measured[k])) {

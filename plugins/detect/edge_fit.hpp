@@ -12,9 +12,8 @@
 #include <optional>
 #include <vector>
 
-namespace plumbline {
-struct GreyImage;
-}
+#include "detect/edge_model.hpp"
+#include "detect/edge_samples.hpp"
 
 namespace plumbline::detect {
 
@@ -52,12 +51,40 @@ struct FittedEdge {
   double misfit = 0;
 };
 
-/// Nothing if the strip leaves the image, is too short, has too little contrast or the fit does not converge near it.
-std::optional<FittedEdge> fit_edge(const GreyImage& image, const EdgeStrip& strip, const EdgeFitOptions& options);
+/// Fits edges one after the other; holds the memory that they need. One for each thread.
+class EdgeFitter {
+ public:
+  explicit EdgeFitter(const EdgeFitOptions& options) : options_(options), curve_(options.gamma) {}
 
-/// The same edge with each of several exponents in place of options.gamma, over the same pixels: those of the fit with
-/// the first. Empty if one of the fits fails.
-std::vector<FittedEdge> fit_edge_with_curves(const GreyImage& image, const EdgeStrip& strip,
-                                             const EdgeFitOptions& options, const std::vector<double>& gammas);
+  /// Nothing if the strip leaves the image, is too short, has too little contrast or the fit does not converge near it.
+  std::optional<FittedEdge> fit(const GreyImage& image, const EdgeStrip& strip);
+
+  /// The same edge with each of several curves in place of options.gamma, over the same pixels: those of the fit with
+  /// the first. Empty if one of the fits fails.
+  std::vector<FittedEdge> fit_with_curves(const GreyImage& image, const EdgeStrip& strip,
+                                          const std::vector<TransferCurve>& curves);
+
+ private:
+  struct Solution {
+    EdgeParameters p;
+    double noise = 1;  // [grey values]
+    bool converged = false;
+  };
+  struct Prior;
+
+  bool fit_strip(const GreyImage& image, const EdgeStrip& strip, const TransferCurve& curve);
+  std::optional<FittedEdge> fitted_edge(const TransferCurve& curve) const;
+  Solution solve(EdgeParameters p);
+  Prior prior() const;
+  double drop_disturbed_bins(double margin);
+  double misfit(double contrast) const;
+
+  EdgeFitOptions options_;
+  TransferCurve curve_;
+  EdgeFrame frame_;
+  EdgeSamples samples_;
+  EdgeColumns columns_;  // of the solution, but for a last step that changes nothing
+  Solution solution_;
+};
 
 }  // namespace plumbline::detect

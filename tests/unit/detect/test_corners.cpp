@@ -163,6 +163,17 @@ TEST(Corners, OfASharpenedPhotographAreStatedToBeWorse) {
   EXPECT_GT(sharpened.corners[0]->covariances[0].trace(), 9 * plain.corners[0]->covariances[0].trace());
 }
 
+TEST(Corners, OfEdgesSharperThanPixelsAreFound) {
+  // Gauss-Newton alone goes to and fro on such edges.
+  for (int k = 0; k < 12; ++k) {
+    TagScene scene = scene_of(60, 0.02 + 0.5 * k, 0.2, k);
+    scene.blur = 0;
+    const auto refined = detect::refine_corners(photographed(render(scene), 2), test::true_corners(scene), 8, {});
+    ASSERT_TRUE(refined) << k;
+    for (int i = 0; i < 4; ++i) EXPECT_LT((refined->corners[i] - test::true_corners(scene)[i]).norm(), 0.5) << k;
+  }
+}
+
 TEST(Corners, WhoseEdgesRunIntoTheNextCellsAreLeftUnmeasured) {
   TagScene scene = scene_of(80, 0.2, 0, 2);
   scene.blur = 3.5;  // a cell has 10 px
