@@ -1,8 +1,8 @@
 #include "markers/colmap_files.hpp"
 
 #include <bit>
+#include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -255,10 +255,12 @@ void check(ColmapModel& model, const std::string& folder) {
     }
 }
 
-std::string number(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.17g", value);
-  return text;
+/// A blank and the shortest digits that read back as the same number.
+template <typename Number>
+void append(std::string& text, Number value) {
+  char digits[32];
+  digits[0] = ' ';
+  text.append(digits, std::to_chars(digits + 1, std::end(digits), value).ptr);
 }
 
 }  // namespace
@@ -284,11 +286,12 @@ std::map<std::string, std::string> colmap_text(const ColmapModel& model) {
               points = "# POINT3D_ID, X, Y, Z, R, G, B, ERROR, TRACK[] as (IMAGE_ID, POINT2D_IDX)\n";
   for (const auto& [id, c] : model.cameras) {
     const BrownCamera& b = c.camera;
-    cameras += std::to_string(id) + (b.k3 != 0 ? " FULL_OPENCV " : " OPENCV ") + std::to_string(b.width) + " " +
-               std::to_string(b.height);
+    cameras += std::to_string(id) + (b.k3 != 0 ? " FULL_OPENCV" : " OPENCV");
+    append(cameras, b.width);
+    append(cameras, b.height);
     std::vector<double> p = {b.fx, b.fy, b.cx + 0.5, b.cy + 0.5, b.k1, b.k2, b.p1, b.p2};
     if (b.k3 != 0) p.insert(p.end(), {b.k3, 0, 0, 0});
-    for (const double v : p) cameras += " " + number(v);
+    for (const double v : p) append(cameras, v);
     cameras += "\n";
   }
   for (const auto& [id, image] : model.images) {
@@ -296,21 +299,27 @@ std::map<std::string, std::string> colmap_text(const ColmapModel& model) {
     images += std::to_string(id);
     for (const double v : {t.rotation.w(), t.rotation.x(), t.rotation.y(), t.rotation.z(), t.translation.x(),
                            t.translation.y(), t.translation.z()})
-      images += " " + number(v);
-    images += " " + std::to_string(image.camera) + " " + image.name + "\n";
-    for (size_t i = 0; i < image.features.size(); ++i) {
-      const ColmapFeature& f = image.features[i];
-      images +=
-          (i ? " " : "") + number(f.pixel.x() + 0.5) + " " + number(f.pixel.y() + 0.5) + " " + std::to_string(f.point);
+      append(images, v);
+    append(images, image.camera);
+    images += " " + image.name + "\n";
+    const std::size_t line = images.size();
+    for (const ColmapFeature& f : image.features) {
+      append(images, f.pixel.x() + 0.5);
+      append(images, f.pixel.y() + 0.5);
+      append(images, f.point);
     }
+    if (!image.features.empty()) images.erase(line, 1);
     images += "\n";
   }
   for (const auto& [id, p] : model.points) {
     points += std::to_string(id);
-    for (int k = 0; k < 3; ++k) points += " " + number(p.position(k));
-    for (const int c : p.colour) points += " " + std::to_string(c);
-    points += " " + number(p.error);
-    for (const auto& [image, feature] : p.track) points += " " + std::to_string(image) + " " + std::to_string(feature);
+    for (int k = 0; k < 3; ++k) append(points, p.position(k));
+    for (const int c : p.colour) append(points, c);
+    append(points, p.error);
+    for (const auto& [image, feature] : p.track) {
+      append(points, image);
+      append(points, feature);
+    }
     points += "\n";
   }
   return {{"cameras.txt", cameras}, {"images.txt", images}, {"points3D.txt", points}};

@@ -97,14 +97,14 @@ class Elimination {
   void choose_side(Side side);
   void sort_unknowns();
   void sort_terms();
-  std::vector<int> blocks_of(const TermRef& term) const;
+  void blocks_of(const TermRef& term, std::vector<int>& all) const;
   bool linearise(const State& state, const Loss& loss, int first, int last, double damping, Sums& sums);
   bool add_loose(const State& state, const Loss& loss);
   void add_products(const Block& block, const TermRef& term, const Rows& rows, double* w, double* v, double* g,
                     Sums& sums) const;
   void eliminate(Block& block, double damping, const Eigen::Matrix<double, 6, 6>& v,
                  const Eigen::Matrix<double, 6, 1>& right);
-  void subtract(int kept_block);
+  void subtract(size_t first, size_t step);
   std::string name(const TermRef& term) const;
 
   const Problem& problem_;
