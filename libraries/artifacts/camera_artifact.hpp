@@ -11,16 +11,11 @@
 
 namespace plumbline {
 
-/// Throws std::runtime_error, naming the camera, unless it has nine parameters that say all of it, and positive
-/// principal distances.
-inline BrownCamera camera_of(const CameraT& artifact) {
+/// The nine parameters, whatever the camera has beside them.
+inline BrownCamera nine_parameters_of(const CameraT& artifact) {
   if (artifact.parameters.size() != BrownCamera::parameter_count)
     throw std::runtime_error("camera '" + artifact.id + "' has " + std::to_string(artifact.parameters.size()) +
                              " parameters, expected 9: fx, fy, cx, cy, k1, k2, k3, p1, p2");
-  if (!artifact.beyond.empty())
-    throw std::runtime_error("camera '" + artifact.id + "' (" + artifact.source + ") has " + artifact.beyond +
-                             " beside its nine parameters, which alone would project wrongly; use a camera adjusted "
-                             "without, or the figures of the block that made it");
   BrownCamera camera;
   camera.width = artifact.width;
   camera.height = artifact.height;
@@ -30,6 +25,67 @@ inline BrownCamera camera_of(const CameraT& artifact) {
   if (!(camera.fx > 0 && camera.fy > 0))
     throw std::runtime_error("camera '" + artifact.id + "' has no positive principal distance (fx, fy)");
   return camera;
+}
+
+[[noreturn]] inline void refuse_as_incomplete(const CameraT& artifact) {
+  throw std::runtime_error("camera '" + artifact.id + "' (" + artifact.source + ") has " + artifact.beyond +
+                           " beside its nine parameters, which alone would project wrongly; use a camera adjusted "
+                           "without, or the figures of the block that made it");
+}
+
+/// Throws std::runtime_error, naming the camera, unless it has nine parameters that say all of it, and positive
+/// principal distances.
+inline BrownCamera camera_of(const CameraT& artifact) {
+  const BrownCamera camera = nine_parameters_of(artifact);
+  if (!artifact.beyond.empty() || !artifact.distance_terms.empty() || artifact.image_principal_points)
+    refuse_as_incomplete(artifact);
+  return camera;
+}
+
+/// A camera with what an adjustment may have found beside the nine parameters. Source of the distance terms: Magill
+/// (1955), Brown (1971), see block/bundle/lens.hpp.
+struct CompleteCamera {
+  BrownCamera nine;
+  Eigen::Vector2d distance_terms = Eigen::Vector2d::Zero();  ///< d1, d2 [m]
+  double reference_distance = 0;                             ///< Z0 [m]; 0: no distance terms
+  bool image_principal_points = false;                       ///< they stand with the poses
+
+  /// Nine parameters for what lies `depth` [m] before the camera.
+  BrownCamera at(double depth) const {
+    BrownCamera camera = nine;
+    if (!(reference_distance > 0)) return camera;
+    const double s = 1 / depth - 1 / reference_distance;
+    camera.k1 += distance_terms.x() * s;
+    camera.k2 += distance_terms.y() * s;
+    return camera;
+  }
+};
+
+/// Throws as camera_of(), but only refuses what the artifact has words for and no numbers: one of an older version.
+inline CompleteCamera complete_camera_of(const CameraT& artifact) {
+  CompleteCamera camera;
+  camera.nine = nine_parameters_of(artifact);
+  if (!artifact.beyond.empty() && artifact.distance_terms.empty() && !artifact.image_principal_points)
+    refuse_as_incomplete(artifact);
+  camera.image_principal_points = artifact.image_principal_points;
+  if (artifact.distance_terms.empty()) return camera;
+  if (artifact.distance_terms.size() != 2 || !(artifact.reference_distance > 0))
+    throw std::runtime_error("camera '" + artifact.id + "' has " + std::to_string(artifact.distance_terms.size()) +
+                             " distance terms, expected d1 and d2 and a positive reference distance");
+  camera.distance_terms = {artifact.distance_terms[0], artifact.distance_terms[1]};
+  camera.reference_distance = artifact.reference_distance;
+  return camera;
+}
+
+/// What is added to the camera's principal point in the image of `pose` [px]. Throws std::runtime_error, naming the
+/// image, if the camera says that images have principal points of their own and this one has none.
+template <typename Pose>
+Eigen::Vector2d principal_point_of(const CompleteCamera& camera, const Pose& pose) {
+  if (!camera.image_principal_points) return Eigen::Vector2d::Zero();
+  if (pose.principal_point.size() != 2)
+    throw std::runtime_error("images have principal points of their own, as the camera says, but the pose of " +
+                             pose.path + " has none; take camera and poses of one adjustment");
+  return {pose.principal_point[0], pose.principal_point[1]};
 }
 
 }  // namespace plumbline

@@ -176,10 +176,10 @@ void fill_poses(const TagBlock& block, const TagStart& start, const TagModel& mo
     const size_t image = static_cast<size_t>(start.images[i]);
     const RigidTransform pose = pose_of(model, i);
     result.cam_from_world[image] = pose;
+    if (!model.state.shifts.empty()) result.principal_points[image].shift = model.state.shifts[i];
     if (model.problem.images[i].shift_free)
-      result.principal_points[image] = {
-          model.state.shifts[i],
-          solved.variance * solved.adjusted.cofactors->own(layout.block({Kind::shift, static_cast<int>(i)}))};
+      result.principal_points[image].covariance =
+          solved.variance * solved.adjusted.cofactors->own(layout.block({Kind::shift, static_cast<int>(i)}));
     // Unknowns are (projection centre C, rotation vector δ), t = −exp(δ) R C: dt = −R dC − [t]× δ.
     Matrix6 jacobian = Matrix6::Zero();
     jacobian.topRightCorner<3, 3>().setIdentity();
@@ -220,7 +220,8 @@ void fill_unknowns(const TagBlock& block, const TagStart& start, const TagModel&
   if (!free.empty())
     result.interior_covariance(free, free) = solved.variance * cofactors.own(layout.block({Kind::camera, 0}));
   result.camera_covariance = result.interior_covariance.topLeftCorner(nine, nine);
-  if (model.problem.cameras[0].free[nine] || model.problem.cameras[0].free[nine + 1]) {
+  if (model.problem.cameras[0].free[nine] || model.problem.cameras[0].free[nine + 1] ||
+      !block.distance_terms.isZero(0)) {
     result.distance_terms = Eigen::Map<const Eigen::Vector2d>(model.state.interiors[0].data() + nine);
     result.reference_distance = 1 / model.problem.cameras[0].inverse_reference;
   }

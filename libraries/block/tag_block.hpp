@@ -27,6 +27,7 @@ struct TagImage {
   std::string name;
   std::optional<RigidTransform>
       cam_from_world;  ///< approximate; images without one are oriented from plates they share
+  Eigen::Vector2d principal_point = Eigen::Vector2d::Zero();  ///< minus the camera's [px]; held unless it is estimated
 };
 
 struct TagPlate {
@@ -54,6 +55,10 @@ struct TagControl {
 struct TagBlock {
   BrownCamera camera;
   Eigen::MatrixXd camera_covariance;  ///< 9 × 9 prior of the interior orientation; empty: none
+  /// d1, d2 [m] and the distance Z0 [m] where the distortion is that of `camera`, held unless they are estimated; Z0 of
+  /// 0: the median distance.
+  Eigen::Vector2d distance_terms = Eigen::Vector2d::Zero();
+  double reference_distance = 0;
   std::vector<TagImage> images;
   std::vector<TagPlate> plates;
   std::vector<TagObservation> observations;
@@ -158,7 +163,7 @@ struct TagBatch {
 struct TagBlockResult {
   BrownCamera camera;
   Eigen::MatrixXd camera_covariance;  ///< 9 × 9, zero for parameters held fixed
-  /// d1, d2 [m], and the distance Z0 [m] at which the distortion is that of `camera`; zero if they were not estimated.
+  /// d1, d2 [m], and the distance Z0 [m] at which the distortion is that of `camera`; zero if there are none.
   Eigen::Vector2d distance_terms = Eigen::Vector2d::Zero();
   double reference_distance = 0;
   Eigen::MatrixXd interior_covariance;                        ///< 11 × 11: of the camera's nine values and d1, d2

@@ -57,9 +57,12 @@ void add_interior(const TagBlock& block, const TagBlockOptions& options, const T
   const int all = bundle::value_count(bundle::Lens::brown);
   const auto given = block.camera.parameters();
   const std::vector<bool> free = free_interior(block, options);
-  model.problem.cameras.push_back({"camera", bundle::Lens::brown, 0, free, inverse_distance(block, start)});
+  model.problem.cameras.push_back(
+      {"camera", bundle::Lens::brown, 0, free,
+       block.reference_distance > 0 ? 1 / block.reference_distance : inverse_distance(block, start)});
   model.state.interiors.emplace_back();
-  std::copy(given.begin(), given.end(), model.state.interiors.back().begin());
+  const auto distance_terms = std::copy(given.begin(), given.end(), model.state.interiors.back().begin());
+  std::copy_n(block.distance_terms.data(), 2, distance_terms);
   std::vector<int> chosen;
   for (int i = 0; i < count; ++i)  // nobody calibrated d1 and d2
     if (free[static_cast<size_t>(i)]) chosen.push_back(i);
@@ -126,6 +129,9 @@ void add_images(const TagBlock& block, const TagBlockOptions& options, const Tag
     model.state.images.emplace_back();
     model.state.images.back().set(pose.rotation, pose.inverse().translation - model.origin);
   }
+  const auto own = [&](int i) { return block.images[static_cast<size_t>(i)].principal_point; };
+  if (std::any_of(start.images.begin(), start.images.end(), [&](int i) { return !own(i).isZero(0); }))
+    for (int i : start.images) model.state.shifts.push_back(own(i));
   if (options.image_principal_point_sigma > 0)
     free_principal_points(options.image_principal_point_sigma, model.problem, model.state);
 }
@@ -184,7 +190,7 @@ Eigen::MatrixXd regular_covariance(Eigen::MatrixXd covariance) {
 }
 
 void free_principal_points(double sigma, bundle::Problem& problem, bundle::State& state) {
-  state.shifts.assign(problem.images.size(), Eigen::Vector2d::Zero());
+  state.shifts.resize(problem.images.size(), Eigen::Vector2d::Zero());
   for (int i = 0; i < static_cast<int>(problem.images.size()); ++i) {
     problem.images[static_cast<size_t>(i)].shift_free = true;
     problem.known.push_back({{{bundle::Kind::shift, i}},

@@ -169,7 +169,8 @@ std::vector<View> undistort(const TagBlock& block, const std::vector<bool>& use,
     View view{seen.image, seen.plate, static_cast<int>(i), {}};
     bool inside = true;
     for (size_t k = 0; k < 4; ++k) {
-      const auto p = unproject(block.camera, seen.corners[k]);
+      const auto p =
+          unproject(block.camera, seen.corners[k] - block.images[static_cast<size_t>(seen.image)].principal_point);
       inside = inside && p.has_value();
       if (p) view.corners[k] = *p;
     }
@@ -258,12 +259,12 @@ TagStart start_tag_block(const TagBlock& block, const std::vector<bool>& use, st
     if (plate_used[j])
       start.plates.push_back(static_cast<int>(j));
     else
-      left_out.push_back(
-          block.plates[j].anchor +
-          (!plate_seen[j] ? ": its tag is in no image"
-           : by_plate[j].empty()
-               ? ": its tag contradicts all others in every image: exchanged with another plate, of another size, or not where the plate table has it on its plate"
-               : ": its tag is in no oriented image"));
+      left_out.push_back(block.plates[j].anchor +
+                         (!plate_seen[j] ? ": its tag is in no image"
+                          : by_plate[j].empty()
+                              ? ": its tag contradicts all others in every image: exchanged with another plate, of "
+                                "another size, or not where the plate table has it on its plate"
+                              : ": its tag is in no oriented image"));
   if (start.images.size() < 2)
     throw std::runtime_error("a block needs at least 2 oriented images that see plates, this one has " +
                              std::to_string(start.images.size()) + " of " + std::to_string(block.images.size()) +

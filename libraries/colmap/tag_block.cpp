@@ -1,5 +1,6 @@
 #include "colmap/tag_block.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <set>
@@ -266,6 +267,11 @@ void fill_geometry(const TagBlock& block, const TagStart& start, const TagModel&
 
 TagBlockResult adjust_plates(const TagBlock& block, const TagBlockOptions& given) {
   adjust::require_usable(block);
+  if (!block.distance_terms.isZero(0) ||
+      std::any_of(block.images.begin(), block.images.end(), [](const auto& i) { return !i.principal_point.isZero(0); }))
+    throw std::runtime_error(
+        "COLMAP has neither distortion that changes with the distance nor principal points of single images, as this "
+        "camera has; use adjust.schur, or a camera adjusted without");
   TagBlockOptions options = given;
   TagBlockResult result;
   if (options.bundle.refine_extra_params && block.camera.k3 != 0) {

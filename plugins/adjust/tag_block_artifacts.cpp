@@ -4,7 +4,6 @@
 #include <set>
 #include <stdexcept>
 
-#include "artifacts/camera_artifact.hpp"
 #include "block/tag_block_model.hpp"
 #include "geometry/packed_symmetric.hpp"
 
@@ -21,7 +20,10 @@ double smaller(double a, double b) { return std::isnan(b) ? b : std::min(a, b); 
 
 TagBlockBuilder::TagBlockBuilder(CameraT camera, PlatesT plates, PosesT poses)
     : camera_(std::move(camera)), plates_(std::move(plates)), poses_(std::move(poses)) {
-  block_.camera = camera_of(camera_);
+  lens_ = complete_camera_of(camera_);
+  block_.camera = lens_.nine;
+  block_.distance_terms = lens_.distance_terms;
+  block_.reference_distance = lens_.reference_distance;
   for (const auto& plate : plates_.plates) {
     const auto [at, is_new] =
         plate_of_tag_.emplace(std::make_pair(plate->tag_family, plate->tag_id), static_cast<int>(block_.plates.size()));
@@ -46,6 +48,7 @@ void TagBlockBuilder::add_image(const ImageTagsT& image, double corner_sigma) {
   const auto pose = pose_of_image_.find(image.path);
   block_.images.push_back(
       {image.path, pose == pose_of_image_.end() ? std::nullopt : std::make_optional(pose->second->cam_from_world)});
+  if (pose != pose_of_image_.end()) block_.images.back().principal_point = principal_point_of(lens_, *pose->second);
   std::map<int, int> times;
   for (const auto& tag : image.tags) {
     const auto plate = plate_of_tag_.find({tag->family, tag->id});
@@ -147,13 +150,21 @@ PointsT TagBlockBuilder::points(const TagBlockResult& result) const {
 
 CameraT TagBlockBuilder::camera(const TagBlockResult& result) const {
   CameraT adjusted = camera_;
+  adjusted.beyond.clear();
+  adjusted.distance_terms.clear();
+  adjusted.reference_distance = std::nan("");
   const auto values = result.camera.parameters();
   adjusted.parameters.assign(values.begin(), values.end());
   if (result.camera_covariance.diagonal().maxCoeff() > 0) {
     adjusted.covariance = pack_symmetric(result.camera_covariance);
     adjusted.source = "self-calibration";
   }
-  if (result.distance_terms.cwiseAbs().maxCoeff() > 0) adjusted.beyond = "distance-dependent distortion (d1, d2)";
+  if (!result.distance_terms.isZero(0)) {
+    adjusted.beyond = "distance-dependent distortion (d1, d2)";
+    adjusted.distance_terms = {result.distance_terms.x(), result.distance_terms.y()};
+    adjusted.reference_distance = result.reference_distance;
+  }
+  adjusted.image_principal_points = !result.principal_points.empty();
   if (!result.principal_points.empty())
     adjusted.beyond += std::string(adjusted.beyond.empty() ? "" : " and ") + "principal points of single images";
   return adjusted;
@@ -174,6 +185,8 @@ PosesT TagBlockBuilder::poses(const TagBlockResult& result) const {
     auto entry = std::make_unique<PoseT>();
     entry->path = block_.images[i].name;
     entry->cam_from_world = *result.cam_from_world[i];
+    if (!result.principal_points.empty())
+      entry->principal_point = {result.principal_points[i].shift.x(), result.principal_points[i].shift.y()};
     if (!result.pose_covariance.empty()) entry->covariance = pack_symmetric(result.pose_covariance[i]);
     entry->inliers = corners[i];
     entry->correspondences = offered[i];

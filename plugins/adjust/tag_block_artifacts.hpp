@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "artifacts/block.hpp"
-#include "artifacts/camera.hpp"
+#include "artifacts/camera_artifact.hpp"
 #include "artifacts/image_tags.hpp"
 #include "artifacts/plates.hpp"
 #include "artifacts/points.hpp"
@@ -48,6 +48,7 @@ class TagBlockBuilder {
   void describe_interior(const TagBlockResult& result, BlockT& artifact) const;
 
   CameraT camera_;
+  CompleteCamera lens_;
   PlatesT plates_;
   PosesT poses_;
   TagBlock block_;

@@ -35,8 +35,40 @@ struct Angular {
   static constexpr Triangulation method = Triangulation::angular;
 };
 
+/// A corner in an image.
+struct Sight {
+  RigidTransform cam_from_world;
+  Eigen::Vector2d pixel;  ///< minus what the image's principal point differs from the camera's
+};
+
 /// The four corners of a plate's tag, each from all images that see it.
-using Corners = std::array<std::vector<PointView>, 4>;
+using Corners = std::array<std::vector<Sight>, 4>;
+
+/// Where `point` [m] is seen to be; without it, at the distance where the distortion is that of the nine parameters.
+/// Nothing where the camera has no image.
+std::optional<std::vector<PointView>> views_of(const std::vector<Sight>& sights, const CompleteCamera& lens,
+                                               const std::optional<Eigen::Vector3d>& point) {
+  std::vector<PointView> views;
+  for (const Sight& sight : sights) {
+    const auto normalised = unproject(point ? lens.at((sight.cam_from_world * *point).z()) : lens.nine, sight.pixel);
+    if (!normalised) return std::nullopt;
+    views.push_back({sight.cam_from_world, *normalised});
+  }
+  return views;
+}
+
+std::optional<Triangulated> intersect(const std::vector<Sight>& sights, const CompleteCamera& lens,
+                                      Triangulation method) {
+  std::optional<Triangulated> found;
+  // A depth wrong by a hundredth changes the distortion by a hundredth of what it changes over the distances.
+  const int passes = lens.reference_distance > 0 ? 4 : 1;
+  for (int pass = 0; pass < passes; ++pass) {
+    const auto views = views_of(sights, lens, found ? std::make_optional(found->point) : std::nullopt);
+    found = views ? triangulate(*views, method) : std::nullopt;
+    if (!found) break;
+  }
+  return found;
+}
 
 template <typename Engine>
 struct Triangulate : Node {
@@ -52,7 +84,8 @@ struct Triangulate : Node {
 
   void run(Context& context) override {
     const PlatesT known = plates.unpack();
-    const std::vector<Corners> seen = collect(context, known);
+    const CompleteCamera lens = complete_camera_of(camera.unpack());
+    const std::vector<Corners> seen = collect(context, lens, known);
     PointsT result;
     double squares = 0;
     int corners = 0;
@@ -62,7 +95,7 @@ struct Triangulate : Node {
       double parallax = 0;
       const auto drawn = tag_corners_in_plate({plate.tag_size, plate.tag_centre_in_plate});
       for (size_t k = 0; k < 4; ++k) {
-        const auto corner = triangulate(seen[j][k], Engine::method);
+        const auto corner = intersect(seen[j][k], lens, Engine::method);
         if (!corner) break;
         shape.push_back(drawn[k]);
         found.push_back(corner->point);
@@ -92,21 +125,21 @@ struct Triangulate : Node {
   }
 
  private:
-  std::vector<Corners> collect(Context& context, const PlatesT& known) {
-    const BrownCamera lens = camera_of(camera.unpack());
+  std::vector<Corners> collect(Context& context, const CompleteCamera& lens, const PlatesT& known) {
     std::map<std::pair<std::string, int>, size_t> plate_of_tag;
     for (size_t j = 0; j < known.plates.size(); ++j)
       if (!plate_of_tag.emplace(std::make_pair(known.plates[j]->tag_family, known.plates[j]->tag_id), j).second)
         throw std::runtime_error("tag " + known.plates[j]->tag_family + ":" + std::to_string(known.plates[j]->tag_id) +
                                  " stands for two anchors");
     const PosesT oriented = poses.unpack();
-    std::map<std::string, RigidTransform> pose_of;
-    for (const auto& pose : oriented.poses) pose_of[pose->path] = pose->cam_from_world;
+    std::map<std::string, const PoseT*> pose_of;
+    for (const auto& pose : oriented.poses) pose_of[pose->path] = pose.get();
     std::vector<Corners> seen(known.plates.size());
     for (size_t i = 0; i < observations.size(); ++i) {
       const ImageTagsT image = observations.unpack(i);
       const auto pose = pose_of.find(image.path);
       if (pose == pose_of.end()) continue;
+      const Eigen::Vector2d shift = principal_point_of(lens, *pose->second);
       std::map<size_t, std::vector<const TagT*>> tags;
       for (const auto& tag : image.tags)
         if (const auto plate = plate_of_tag.find({tag->family, tag->id}); plate != plate_of_tag.end())
@@ -117,18 +150,16 @@ struct Triangulate : Node {
                        " times in " + image.path + ": left out there, because only one can be it");
           continue;
         }
-        std::array<std::optional<Eigen::Vector2d>, 4> normalised;
-        bool usable = found[0]->corners.size() == 4;
-        for (size_t k = 0; k < 4 && usable; ++k) {
-          normalised[k] = found[0]->corners[k].allFinite() ? unproject(lens, found[0]->corners[k]) : std::nullopt;
-          usable = normalised[k].has_value();
-        }
+        const auto& corners = found[0]->corners;
+        bool usable = corners.size() == 4;
+        for (size_t k = 0; k < 4 && usable; ++k)
+          usable = corners[k].allFinite() && unproject(lens.nine, corners[k] - shift).has_value();
         if (!usable) {
           context.warn("the tag of " + known.plates[plate]->anchor + " in " + image.path +
                        " is left out: a corner lies where the camera has no image");
           continue;
         }
-        for (size_t k = 0; k < 4; ++k) seen[plate][k].push_back({pose->second, *normalised[k]});
+        for (size_t k = 0; k < 4; ++k) seen[plate][k].push_back({pose->second->cam_from_world, corners[k] - shift});
       }
     }
     return seen;

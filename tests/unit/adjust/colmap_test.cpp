@@ -113,6 +113,16 @@ TEST(ColmapProgram, ThatTakesTooLongIsEnded) {
   EXPECT_TRUE(endless.has_ended());
 }
 
+TEST(ColmapBlock, RefusesALensThatItHasNot) {
+  auto distances = small_block().block, shifts = small_block().block;
+  distances.distance_terms.x() = 0.01;
+  distances.reference_distance = 8;
+  shifts.images[1].principal_point.y() = 0.5;
+  for (const auto& block : {distances, shifts})
+    EXPECT_THAT(test::error_of([&] { adjust_plates(block, {}); }),
+                testing::HasSubstr("COLMAP has neither distortion that changes with the distance"));
+}
+
 TEST(ColmapProgram, IsEndedWhenNobodyWaitsForIt) {
   const FakeProgram endless("echo $$ > \"$(dirname $0)/number\"; exec sleep 30");
   const std::filesystem::path started = endless.folder() / "number";
