@@ -114,6 +114,7 @@ struct ArucoDetector::Impl {
       if (first.corners[k]) found[k].corners = first.corners[k]->corners;
     EdgeFitOptions again = options.edge;
     again.gamma = first.quality.gamma;  // the image's, and most of the work
+    again.grid = first.quality.grid;
     const Measurement second = measure_corners(image, found, again);
     for (size_t k = 0; k < tags.size(); ++k) {
       if (!first.corners[k] || !second.corners[k]) continue;

@@ -16,10 +16,10 @@ struct ArucoOptions {
   double correction_rate = 0.6;  ///< share of the dictionary's correctable bits that may be corrected, 0 … 1
   double min_side = 10;          ///< smallest side of a tag that is looked for [px]
   bool white_on_black = false;   ///< tags printed in negative, too
-  Refinement refinement = Refinement::edges;  ///< `apriltag` stands for the detector's own corners
-  EdgeFitOptions edge = {.gamma = 0};         ///< the transfer curve is estimated from the image
-  double sigma_floor = 0.02;                  ///< added in quadrature to the fit's sigma [px]
-  double unrefined_sigma = 0.3;               ///< of corners that are OpenCV's own [px]
+  Refinement refinement = Refinement::edges;                 ///< `apriltag` stands for the detector's own corners
+  EdgeFitOptions edge = {.gamma = 0, .grid = std::nullopt};  ///< the transfer curve is estimated from the image
+  double sigma_floor = 0.02;                                 ///< added in quadrature to the fit's sigma [px]
+  double unrefined_sigma = 0.3;                              ///< of corners that are OpenCV's own [px]
   /// What a tag must look like; unset: by how likely chance reads a code of the dictionary.
   std::optional<LikenessLimit> limit;
 };

@@ -58,11 +58,64 @@ bool intersect(const FittedEdge& first, const FittedEdge& second, Eigen::Vector2
 
 using Edges = std::array<std::optional<FittedEdge>, 4>;  // edge i goes from corner i to corner i + 1
 
-Edges fit_edges(const Quadrilateral& q, EdgeFitter& fitter) {
+/// `grid`: what the edges say of it is added; null: is not asked for.
+Edges fit_edges(const Quadrilateral& q, EdgeFitter& fitter, SamplingGridEstimate* grid) {
   Edges edges;
-  for (int i = 0; i < 4; ++i)
+  fitter.set_origin(q.origin);
+  for (int i = 0; i < 4; ++i) {
     if (!(edges[i] = fitter.fit(*q.part, strip_of(q.corners, i, q.modules)))) break;
+    if (grid) fitter.add_to(*grid);
+  }
   return edges;
+}
+
+/// All edges, fitted with the grid of `options`. Of every `stride` quadrilaterals one says what it makes of it; null:
+/// none is asked.
+std::vector<Edges> fit_all(const std::vector<Quadrilateral>& found, const EdgeFitOptions& options, std::size_t stride,
+                           SamplingGridEstimate* estimate) {
+  EdgeFitter fitter(options);
+  std::vector<Edges> edges;
+  for (std::size_t k = 0; k < found.size(); ++k)
+    edges.push_back(fit_edges(found[k], fitter, k % stride == 0 ? estimate : nullptr));
+  return edges;
+}
+
+/// Where the image's pixels lie. `even`: what the edges say that were fitted with an even grid.
+SamplingGrid estimate_grid(const std::vector<Quadrilateral>& chosen, EdgeFitOptions options,
+                           const SamplingGridEstimate& even) {
+  constexpr int kRounds = 4;
+  constexpr double kLeast = 0.05;  // by which the variance has to fall for an uneven grid, relative
+  SamplingGrid grid;
+  SamplingGridEstimate estimate = even;
+  double lowest = even.cost() - kLeast;
+  for (int round = 0; round < kRounds; ++round) {
+    bool better = false;
+    for (const SamplingGrid& trial : estimate.better()) {
+      options.grid = trial;
+      SamplingGridEstimate fitted(trial);
+      fit_all(chosen, options, 1, &fitted);
+      if (!(fitted.cost() < lowest)) continue;
+      lowest = fitted.cost(), grid = trial, estimate = fitted, better = true;
+    }
+    if (!better) break;
+  }
+  return grid;
+}
+
+/// All edges; the grid is estimated where options.grid is nothing, and put there.
+std::vector<Edges> fit_image(const std::vector<Quadrilateral>& found, EdgeFitOptions& options) {
+  constexpr std::size_t kEnough = 40;  // quadrilaterals that tell the grid
+  if (options.grid) return fit_all(found, options, 1, nullptr);
+  options.grid = SamplingGrid{};
+  const std::size_t stride = std::max<std::size_t>(1, (found.size() + kEnough - 1) / kEnough);
+  SamplingGridEstimate estimate(*options.grid);
+  std::vector<Edges> edges = fit_all(found, options, stride, &estimate);
+  std::vector<Quadrilateral> chosen;
+  for (std::size_t k = 0; k < found.size(); k += stride) chosen.push_back(found[k]);
+  const SamplingGrid grid = estimate_grid(chosen, options, estimate);
+  if (grid.period == 1) return edges;
+  options.grid = grid;
+  return fit_all(found, options, 1, nullptr);
 }
 
 bool complete(const Edges& edges) { return edges[3].has_value(); }
@@ -164,10 +217,8 @@ Measurement measure_corners(const std::vector<Quadrilateral>& found, const EdgeF
   Measurement measurement;
   EdgeFitOptions used = options;
   if (options.gamma == 0) used.gamma = estimate_gamma(found, options);
-  EdgeFitter fitter(used);
-  std::vector<Edges> measured;
-  for (const Quadrilateral& q : found) measured.push_back(fit_edges(q, fitter));
-  measurement.quality = {used.gamma, model_error_of(measured)};
+  std::vector<Edges> measured = fit_image(found, used);
+  measurement.quality = {used.gamma, *used.grid, model_error_of(measured)};
   for (std::size_t k = 0; k < found.size(); ++k) {
     if (!complete(measured[k])) {
       measurement.corners.emplace_back();

@@ -23,11 +23,13 @@ struct Quadrilateral {
   int modules = 0;
   const GreyImage* part =
       nullptr;  ///< the part of the image that it lies in and that `corners` count from; null: the image
+  Eigen::Vector2i origin = Eigen::Vector2i::Zero();  ///< of the part in the image
 };
 
 /// How an image came to be, as the edges in it tell.
 struct ImageQuality {
-  double gamma = 1;  ///< exponent of the transfer curve, see EdgeFitOptions::gamma
+  double gamma = 1;   ///< exponent of the transfer curve, see EdgeFitOptions::gamma
+  SamplingGrid grid;  ///< where the pixels lie
   double model_error =
       0;  ///< what the edges' profiles differ from the model by, root mean square in units of the contrast
 };

@@ -213,7 +213,8 @@ bool EdgeFitter::fit_strip(const GreyImage& image, const EdgeStrip& strip, const
   // nothing is plain any more.
   double reach = std::clamp(strip.plain - 1.0, 1.6, 8.0);
   const auto collect = [&](std::size_t stride) {
-    samples_.collect(image, frame_, solution_.p.head<3>(), strip.margin, reach, stride);
+    samples_.collect(image, frame_, solution_.p.head<3>(), strip.margin, reach, stride,
+                     options_.grid.value_or(SamplingGrid{}), origin_);
     samples_.record(curve);
   };
   solution_ = {EdgeParameters::Zero()};
@@ -272,6 +273,12 @@ std::optional<FittedEdge> EdgeFitter::fitted_edge(const TransferCurve& curve) co
                   misfit(contrast)};
   if (!edge.shape.allFinite() || !(edge.covariance.diagonal().maxCoeff() < 0.25)) return std::nullopt;
   return edge;
+}
+
+void EdgeFitter::add_to(SamplingGridEstimate& estimate) const {
+  EdgeNormal weighted = normal_matrix(samples_, columns_) / (solution_.noise * solution_.noise);
+  prior().add_to(weighted, nullptr, solution_.p);
+  estimate.add(samples_, columns_, frame_, weighted, solution_.noise, origin_);
 }
 
 std::optional<FittedEdge> EdgeFitter::fit(const GreyImage& image, const EdgeStrip& strip) {

@@ -14,6 +14,7 @@
 
 #include "detect/edge_model.hpp"
 #include "detect/edge_samples.hpp"
+#include "detect/sampling_grid.hpp"
 
 namespace plumbline::detect {
 
@@ -32,6 +33,8 @@ struct EdgeFitOptions {
   /// Exponent of the camera's transfer curve from light to grey values: 1 for linear files, 2.4 for sRGB. Blur mixes
   /// light, so a curve that is left out moves edges towards the dark side by a share of the blur.
   double gamma = 1;
+  /// Where the image's pixels lie; nothing: measure_corners() finds it from the edges.
+  std::optional<SamplingGrid> grid = SamplingGrid{};
   /// Grey values a plateau must differ by, at least [grey values].
   double min_contrast = 12;
 };
@@ -56,6 +59,9 @@ class EdgeFitter {
  public:
   explicit EdgeFitter(const EdgeFitOptions& options) : options_(options), curve_(options.gamma) {}
 
+  /// Of the images that follow: the grid's column and row of their first pixel.
+  void set_origin(const Eigen::Vector2i& origin) { origin_ = origin; }
+
   /// Nothing if the strip leaves the image, is too short, has too little contrast or the fit does not converge near it.
   std::optional<FittedEdge> fit(const GreyImage& image, const EdgeStrip& strip);
 
@@ -63,6 +69,9 @@ class EdgeFitter {
   /// the first. Empty if one of the fits fails.
   std::vector<FittedEdge> fit_with_curves(const GreyImage& image, const EdgeStrip& strip,
                                           const std::vector<TransferCurve>& curves);
+
+  /// What the edge that was fitted last says of the grid.
+  void add_to(SamplingGridEstimate& estimate) const;
 
  private:
   struct Solution {
@@ -81,6 +90,7 @@ class EdgeFitter {
 
   EdgeFitOptions options_;
   TransferCurve curve_;
+  Eigen::Vector2i origin_ = Eigen::Vector2i::Zero();
   EdgeFrame frame_;
   EdgeSamples samples_;
   EdgeColumns columns_;  // of the solution, but for a last step that changes nothing

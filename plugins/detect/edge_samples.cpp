@@ -55,7 +55,7 @@ double TransferCurve::share(double grey) const {
 }
 
 void EdgeSamples::collect(const GreyImage& image, const EdgeFrame& frame, const Eigen::Vector3d& shape, double margin,
-                          double reach, std::size_t stride) {
+                          double reach, std::size_t stride, const SamplingGrid& grid, const Eigen::Vector2i& origin) {
   count = 0;
   const double t_limit = 1 - margin / frame.half_length;
   if (!(t_limit > 0)) return;
@@ -66,12 +66,13 @@ void EdgeSamples::collect(const GreyImage& image, const EdgeFrame& frame, const 
   if (low.x() < 0 || low.y() < 0 || high.x() > image.width - 1 || high.y() > image.height - 1) return;
   const Eigen::Vector2d along = frame.along / frame.half_length;
   const int step = static_cast<int>(stride);
-  int skip = 0;  // pixels of the row until the next that is taken
+  const double off = grid.period > 1 ? 1 : 0;  // [px], more than any pixel lies off its place
+  int skip = 0;                                // pixels of the row until the next that is taken
   for (int y = static_cast<int>(std::ceil(low.y())); y <= static_cast<int>(high.y()); ++y) {
-    const double dy = y - frame.centre.y();
+    const double dy = y + grid.row(y + origin.y()) - frame.centre.y();
     double from = low.x() - frame.centre.x(), to = high.x() - frame.centre.x();
-    narrow(frame.along.x(), frame.along.y() * dy, length, from, to);
-    narrow(frame.across.x(), frame.across.y() * dy, width, from, to);
+    narrow(frame.along.x(), frame.along.y() * dy, length + off, from, to);
+    narrow(frame.across.x(), frame.across.y() * dy, width + off, from, to);
     const std::uint8_t* row = &image.pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width)];
     const int first = std::max(0, static_cast<int>(std::ceil(from + frame.centre.x())));
     const int last = std::min(image.width - 1, static_cast<int>(std::floor(to + frame.centre.x())));
@@ -80,7 +81,7 @@ void EdgeSamples::collect(const GreyImage& image, const EdgeFrame& frame, const 
     if (t.size() < room) t.resize(2 * room), d.resize(2 * room), grey.resize(2 * room);
     int x = first + skip;
     for (; x <= last; x += step) {
-      const double dx = x - frame.centre.x();
+      const double dx = x + grid.column(x + origin.x()) - frame.centre.x();
       const double place = dx * along.x() + dy * along.y(), distance = dx * frame.across.x() + dy * frame.across.y();
       t[count] = static_cast<float>(place), d[count] = static_cast<float>(distance), grey[count] = row[x];
       count += (std::abs(place) <= t_limit) &

@@ -22,6 +22,16 @@ struct EdgeFrame {
 
 EdgeFrame edge_frame(const Eigen::Vector2d& start, const Eigen::Vector2d& end);
 
+/// Where columns and rows lie that do not lie on an even grid (sampling_grid.hpp): column x at x + columns[x mod
+/// period], rows alike [px].
+struct SamplingGrid {
+  static constexpr int kLargestPeriod = 6;
+  int period = 1;
+  std::array<double, kLargestPeriod> columns{}, rows{};
+  double column(int x) const { return columns[static_cast<std::size_t>(x % period)]; }
+  double row(int y) const { return rows[static_cast<std::size_t>(y % period)]; }
+};
+
 /// Grey values and light: light = ((grey + a) / (255 + a))^gamma, a growing with gamma from 0 for linear files to
 /// sRGB's own curve (IEC 61966-2-1, without its toe below 10 grey values) at 2.4. Blur mixes light, so it is light that
 /// the model is fitted to; a residual counts by the grey values that it is at the recorded one, where the noise is.
@@ -55,9 +65,9 @@ struct EdgeSamples {
   std::size_t padded() const { return (count + kLanes - 1) / kLanes * kLanes; }
 
   /// Takes every stride-th pixel within `reach` of the edge a + b t + c t² (`shape` [px]), less `margin` at either end
-  /// [px]. None if the strip leaves the image.
+  /// [px]. None if the strip leaves the image. `origin`: what the grid calls column and row (0, 0) of `image`.
   void collect(const GreyImage& image, const EdgeFrame& frame, const Eigen::Vector3d& shape, double margin,
-               double reach, std::size_t stride);
+               double reach, std::size_t stride, const SamplingGrid& grid, const Eigen::Vector2i& origin);
 
   /// Fills `light` and `weight` and pads the columns.
   void record(const TransferCurve& curve);

@@ -30,7 +30,7 @@ struct DetectorOptions {
   int max_hamming = 1;              ///< detections that needed more corrected bits are dropped as doubtful
   double min_decision_margin = 25;  ///< mean contrast of the bits against the threshold [grey values]
   Refinement refinement = Refinement::edges;
-  EdgeFitOptions edge = {.gamma = 0};  ///< the transfer curve is estimated from the image
+  EdgeFitOptions edge = {.gamma = 0, .grid = std::nullopt};  ///< the transfer curve is estimated from the image
   /// Added in quadrature to the fit's sigma [px]: lens blur that is not symmetric, print edges, JPEG blocks.
   double sigma_floor = 0.02;
   /// Standard deviation that libapriltag's own corners get [px], with `apriltag` and where the edge fit fails.

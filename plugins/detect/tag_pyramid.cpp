@@ -297,6 +297,7 @@ void measure(std::vector<Candidate>& candidates, const PyramidOptions& options) 
   for (const Candidate& c : candidates) {
     Quadrilateral q{c.tag.corners, c.family->modules, c.part.get()};
     for (auto& corner : q.corners) corner -= c.origin;
+    q.origin = c.origin.cast<int>();
     found.push_back(q);
   }
   const Measurement measured = measure_corners(found, options.edge);

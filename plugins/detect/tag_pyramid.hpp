@@ -23,7 +23,7 @@ struct PyramidOptions {
   int max_hamming = 1;              ///< bits that may be corrected, less where the family's codes lie closer
   double min_decision_margin = 25;  ///< see DetectorOptions [grey values]
   Refinement refinement = Refinement::edges;
-  EdgeFitOptions edge = {.gamma = 0};
+  EdgeFitOptions edge = {.gamma = 0, .grid = std::nullopt};
   double sigma_floor = 0.02;      ///< [px]
   double unrefined_sigma = 0.25;  ///< of corners whose edges could not be fitted [px]
 };

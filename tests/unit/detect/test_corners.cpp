@@ -163,6 +163,54 @@ TEST(Corners, OfASharpenedPhotographAreStatedToBeWorse) {
   EXPECT_GT(sharpened.corners[0]->covariances[0].trace(), 9 * plain.corners[0]->covariances[0].trace());
 }
 
+/// Three pixels of every five by taking the nearest, as cameras make small pictures of their sensor's.
+GreyImage three_of_five(const GreyImage& image) {
+  GreyImage small{(image.width - 1) * 3 / 5, (image.height - 1) * 3 / 5, {}};
+  for (int y = 0; y < small.height; ++y)
+    for (int x = 0; x < small.width; ++x)
+      small.pixels.push_back(image.pixels[static_cast<std::size_t>(5 * y / 3 * image.width + 5 * x / 3)]);
+  return small;
+}
+
+TEST(Corners, OfAPictureOfNearestPixelsAreWhereTheyWereOnTheSensor) {
+  std::vector<GreyImage> images;
+  std::vector<detect::Quadrilateral> on_sensor, truth;
+  for (int k = 0; k < 5; ++k) {
+    TagScene scene = scene_of(90, 0.01 + 0.02 * k, 0.15, k);
+    detect::Quadrilateral q{test::true_corners(scene), 8};
+    for (auto& corner : q.corners) corner.x() += static_cast<double>(k) * scene.width;
+    on_sensor.push_back(q);
+    for (auto& corner : q.corners)
+      corner = (3 * corner + Eigen::Vector2d::Ones()) / 5;  // of the columns 0, 5/3 and 10/3, 0, 1 and 3 are taken
+    images.push_back(render(scene));
+    truth.push_back(q);
+  }
+  const GreyImage image = three_of_five(beside(images));
+  double rms_of[2] = {0, 0};
+  for (const int estimated : {0, 1}) {
+    detect::EdgeFitOptions options;
+    if (estimated) options.grid.reset();
+    const auto measured = detect::measure_corners(image, truth, options);
+    EXPECT_EQ(measured.quality.grid.period, estimated ? 3 : 1);
+    const std::array<double, 3> offsets = {0.2, -0.2, 0};
+    for (int i = 0; i < 3 && estimated; ++i) {
+      EXPECT_NEAR(measured.quality.grid.column(i), offsets[static_cast<std::size_t>(i)], 1e-12);
+      EXPECT_NEAR(measured.quality.grid.row(i), offsets[static_cast<std::size_t>(i)], 1e-12);
+    }
+    for (std::size_t k = 0; k < truth.size(); ++k) {
+      if (!measured.corners[k]) continue;
+      for (std::size_t i = 0; i < 4; ++i)
+        rms_of[estimated] += (measured.corners[k]->corners[i] - truth[k].corners[i]).squaredNorm() / 40;
+    }
+  }
+  EXPECT_GT(std::sqrt(rms_of[0]), 0.1) << "as if on an even grid";
+  EXPECT_LT(std::sqrt(rms_of[1]), 0.04);
+
+  detect::EdgeFitOptions options;
+  options.grid.reset();
+  EXPECT_EQ(detect::measure_corners(beside(images), on_sensor, options).quality.grid.period, 1);
+}
+
 TEST(Corners, OfEdgesSharperThanPixelsAreFound) {
   // Gauss-Newton alone goes to and fro on such edges.
   for (int k = 0; k < 12; ++k) {
