@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 #include <stdexcept>
 
 #include "block/defects.hpp"
@@ -411,10 +412,34 @@ MarkerResult adjust_as_given(const MarkerBlock& block, const MarkerOptions& opti
     state_scale(block, options, result);
   }
   warn_about_variance(result);
-  if (has_layout(block)) warn_about_layout(block, options, result);
   explain_images(block, result);
   explain_single_tags(block, result);
   warn_about_weak(block, result);
+  return result;
+}
+
+/// Tags that were moved since their layout was made would pull the frame along. The layout's places of those that are
+/// furthest off are left out as long as most of the tags stay, and the rest is adjusted again.
+MarkerResult adjust_to_layout(const MarkerBlock& block, const MarkerOptions& options) {
+  constexpr double as_far = 0.75;  // one moved tag of three pulls the others by half of what it is off itself
+  MarkerBlock used = block;
+  MarkerResult result = adjust_as_given(used, options);
+  std::set<int> seen, left_out;
+  for (const MarkerView& view : block.views)
+    if (block.markers[static_cast<size_t>(view.marker)].world_from_tag) seen.insert(view.marker);
+  for (;;) {
+    const auto off = tags_off_layout(used, options, result);
+    double furthest = 0;
+    for (const auto& [marker, tag] : off) furthest = std::max(furthest, tag.distance);
+    std::set<int> next = left_out;
+    for (const auto& [marker, tag] : off)
+      if (tag.distance >= as_far * furthest) next.insert(marker);
+    if (next == left_out || 2 * next.size() >= seen.size()) break;
+    left_out = next;
+    for (const int marker : left_out) used.markers[static_cast<size_t>(marker)].world_from_tag.reset();
+    result = adjust_as_given(used, options);
+  }
+  warn_about_layout(block, options, left_out, result);
   return result;
 }
 
@@ -425,13 +450,13 @@ MarkerResult adjust_marker_block(const MarkerBlock& block, const MarkerOptions& 
   bool calibrated = false;  // a camera whose calibration is known, but not as exact
   for (MarkerCamera& camera : held.cameras)
     if (camera.covariance.size() > 0 && !camera.held) camera.held = calibrated = true;
-  if (!calibrated) return adjust_as_given(block, options);
+  if (!calibrated) return adjust_to_layout(block, options);
   try {
-    return adjust_as_given(block, options);
+    return adjust_to_layout(block, options);
   } catch (const std::runtime_error& error) {
     MarkerResult result;
     try {
-      result = adjust_as_given(held, options);
+      result = adjust_to_layout(held, options);
     } catch (const std::runtime_error&) {
       throw error;
     }

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <limits>
 #include <map>
+#include <set>
 #include <stdexcept>
 #include <tuple>
 
@@ -54,44 +55,46 @@ Eigen::Vector3d median_of(const std::vector<Eigen::Vector3d>& places) {
 
 }  // namespace
 
-void warn_about_layout(const MarkerBlock& block, const MarkerOptions& options, MarkerResult& result) {
-  struct Moved {
-    Eigen::Vector3d place;
-    double distance;
-    size_t photographs;
-    int at = -1;  // the tag that the layout has there
-  };
-  std::map<int, Moved> moved;
+std::map<int, TagOffLayout> tags_off_layout(const MarkerBlock& block, const MarkerOptions& options,
+                                            const MarkerResult& result) {
+  std::map<int, TagOffLayout> off;
   for (const auto& [m, places] : places_of(block, result)) {
     const Marker& marker = block.markers[static_cast<size_t>(m)];
     if (!marker.world_from_tag) continue;
     const Eigen::Vector3d place = median_of(places);
     const double distance = (place - marker.world_from_tag->translation).norm();
-    if (distance > std::max(5 * options.layout_position_sigma, 0.5 * marker.size))
-      moved[m] = {place, distance, places.size()};
+    if (distance > std::max(5 * options.layout_position_sigma, 0.5 * marker.size)) off[m] = {place, distance};
   }
-  for (auto& [m, tag] : moved) {
+  return off;
+}
+
+void warn_about_layout(const MarkerBlock& block, const MarkerOptions& options, const std::set<int>& left_out,
+                       MarkerResult& result) {
+  const std::map<int, TagOffLayout> off = tags_off_layout(block, options, result);
+  std::map<int, int> at;  // the tag that the layout has there
+  for (const auto& [m, tag] : off) {
     double nearest = 0.25 * tag.distance;  // a pose by one tag is good to a few per cent of the distance
     for (size_t other = 0; other < block.markers.size(); ++other) {
       const auto& layout = block.markers[other].world_from_tag;
       if (!layout || static_cast<int>(other) == m || (layout->translation - tag.place).norm() > nearest) continue;
-      nearest = (layout->translation - tag.place).norm(), tag.at = static_cast<int>(other);
+      nearest = (layout->translation - tag.place).norm(), at[m] = static_cast<int>(other);
     }
   }
-  for (const auto& [m, tag] : moved) {
+  for (const auto& [m, tag] : off) {
     const std::string name = block.markers[static_cast<size_t>(m)].name();
-    const auto other = moved.find(tag.at);
-    if (other != moved.end() && other->second.at == m) {
-      if (m < tag.at)
-        result.warnings.push_back("tags " + name + " and " + block.markers[static_cast<size_t>(tag.at)].name() +
+    const auto there = at.find(m);
+    const std::string other = there == at.end() ? "" : block.markers[static_cast<size_t>(there->second)].name();
+    const std::string effect = left_out.count(m) ? ". Its place in the layout takes no part" : "";
+    if (there != at.end() && at.count(there->second) && at[there->second] == m) {
+      if (m < there->second)
+        result.warnings.push_back("tags " + name + " and " + other +
                                   " are exchanged: the photographs show each where the layout has the other, " +
                                   number(tag.distance, 2) + " m away. Correct the layout");
       continue;
     }
-    result.warnings.push_back(
-        "tag " + name + " is " + number(tag.distance, 2) + " m from its place in the layout" +
-        (tag.at >= 0 ? ", where the layout has tag " + block.markers[static_cast<size_t>(tag.at)].name() : "") +
-        ": it was moved, or the layout is wrong");
+    result.warnings.push_back("tag " + name + " is " + number(tag.distance, 2) + " m from its place in the layout" +
+                              (other.empty() ? "" : ", where the layout has tag " + other) +
+                              ": it was moved, or the layout is wrong" + effect);
   }
 }
 

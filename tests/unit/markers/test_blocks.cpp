@@ -246,6 +246,34 @@ TEST(MarkerBlock, LayoutOrientsEveryImageInItsFrame) {
   EXPECT_LT((result.images[0].centre - s.images[0].inverse().translation).norm(), 0.05);
 }
 
+TEST(MarkerBlock, ATagThatWasMovedDoesNotPullTheFrame) {
+  Scene s = scene(0.1, 5);
+  for (size_t m = 0; m < s.tags.size(); ++m) s.block.markers[m].world_from_tag = s.tags[m];
+  s.block.cameras[0].camera = true_camera();
+  s.block.cameras[0].held = true;
+  const auto pulled_by = [&](const MarkerResult& result) {
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+    for (const auto& marker : result.markers)
+      mean += (marker.world_from_tag.translation - s.tags[static_cast<size_t>(marker.marker)].translation) / 12;
+    return mean.norm();
+  };
+  MarkerBlock moved = s.block;
+  moved.markers[4].world_from_tag->translation += Eigen::Vector3d(0.3, -0.4, 0);
+  moved.markers[7].world_from_tag->translation.y() -= 0.2;
+  const MarkerResult result = adjust_marker_block(moved, {});
+  EXPECT_EQ(result.markers.size(), 12u);
+  EXPECT_LT(pulled_by(result), 0.002);
+  EXPECT_THAT(result.warnings, testing::Contains(HasSubstr("tag 4 is 0.50 m from its place in the layout")));
+  EXPECT_THAT(result.warnings, testing::Contains(HasSubstr("tag 7 is 0.20 m from its place in the layout")));
+  EXPECT_THAT(result.warnings, testing::Contains(HasSubstr("Its place in the layout takes no part")));
+  // Of two, nothing says which was moved.
+  MarkerBlock two = only(s, {1, 2}).block;
+  two.markers[1].world_from_tag->translation.x() -= 0.5;
+  const MarkerResult open = adjust_marker_block(two, {});
+  EXPECT_THAT(open.warnings, testing::Contains(HasSubstr("from its place in the layout")));
+  EXPECT_THAT(open.warnings, testing::Not(testing::Contains(HasSubstr("takes no part"))));
+}
+
 TEST(MarkerBlock, NamesTagsThatAreExchangedInTheLayout) {
   Scene s = scene(0.1, 5);
   for (size_t m = 0; m < s.tags.size(); ++m) s.block.markers[m].world_from_tag = s.tags[m];
