@@ -194,6 +194,11 @@ TEST(RobustControl, LeavesOutWhatContradictsAndNothingElse) {
   EXPECT_LT((result.anchors - expected.anchors).cwiseAbs().maxCoeff(), 1e-8);
   EXPECT_LT((result.anchor_covariance - expected.anchor_covariance).norm(), 1e-6 * expected.anchor_covariance.norm());
   EXPECT_EQ(result.degrees_of_freedom, expected.degrees_of_freedom);
+  for (const auto& rejected : result.rejected_control) {
+    const Eigen::Index at = test::row_of_plate(expected, rejected.plate);
+    for (int c = 0; c < 3; ++c)
+      EXPECT_NEAR(rejected.sigma(c), std::sqrt(1e-6 + expected.anchor_covariance(at + c, at + c)), 1e-9);
+  }
   EXPECT_THAT(result.left_out, testing::Contains(HasSubstr("contradicts the photographs and the other control by")));
 }
 
@@ -245,6 +250,17 @@ TEST(Crossval, IsTheAdjustmentWithoutTheGroup) {
                                   predicted.segment<3>(at);
       EXPECT_LT((group.off.segment<3>(at) - off).norm(), 2e-6) << g;
     }
+    // l_c − C Q⁻¹ l has no part in the adjustment of the rest; anchors there are correlated among each other.
+    std::vector<int> anchors;
+    for (const std::vector<int>& plates : {group.plates, without.control.plates})
+      for (int plate : plates)
+        for (int c = 0; c < 3; ++c) anchors.push_back(static_cast<int>(test::row_of_plate(expected, plate)) + c);
+    Eigen::MatrixXd by_anchors(gain.rows(), gain.rows() + gain.cols());
+    by_anchors << Eigen::MatrixXd::Identity(gain.rows(), gain.rows()), -gain;
+    const Eigen::MatrixXd covariance =
+        control.covariance(out, out) - gain * control.covariance(rows, out) +
+        by_anchors * expected.anchor_covariance(anchors, anchors) * by_anchors.transpose();
+    EXPECT_LT((group.covariance - covariance).norm(), 1e-4 * covariance.norm()) << g;
   }
 }
 
@@ -280,6 +296,49 @@ TEST(TagBlockStatistics, TheLargestNormalisedResidualOfATagIsThatOfItsWorstCoord
       return;
     }
   FAIL() << "the tag has no line";
+}
+
+/// A prior adds its own information to what the block says of a scale or an inset, and nothing else.
+TEST(TagBlockStatistics, SigmasOfABatchGainWhatAPriorGives) {
+  const auto synthetic = test::make_block({.floors = 1, .stations = 3, .seed = 43});
+  auto options = plain_options();
+  options.corner_inset_sigma = 10;
+  const auto loose = adjust::adjust_tag_block(synthetic.block, options).batches.at(0);
+  const auto information = [](double sigma) { return 1 / (sigma * sigma); };
+  options.corner_inset_sigma = 2 * loose.inset_sigma;
+  const auto inset = adjust::adjust_tag_block(synthetic.block, options).batches.at(0);
+  EXPECT_NEAR((information(inset.inset_sigma) - information(loose.inset_sigma)) /
+                  (information(2 * loose.inset_sigma) - information(10)),
+              1, 1e-3);
+  options.corner_inset_sigma = 10;
+  options.tag_scale_sigma = 2 * loose.scale_sigma;
+  const auto scale = adjust::adjust_tag_block(synthetic.block, options).batches.at(0);
+  EXPECT_NEAR((information(scale.scale_sigma) - information(loose.scale_sigma)) / information(2 * loose.scale_sigma), 1,
+              1e-3);
+}
+
+/// What is said of a plate: the images that see it, and w of the worse of its survey and the tag in the middle, so that
+/// one spoilt tag of many does not speak for the plate.
+TEST(TagBlockStatistics, APlateIsJudgedByItsSurveyAndItsMiddleTag) {
+  auto synthetic = test::make_block({.floors = 1, .stations = 3, .seed = 44});
+  synthetic.block.control.position(3 * 2 + 2) += 0.008;
+  const auto result = adjust::adjust_tag_block(synthetic.block, plain_options());
+  for (size_t j = 0; j < result.plates.size(); ++j) {
+    std::vector<double> tags;
+    for (const auto& tag : result.tags)
+      if (synthetic.block.observations[static_cast<size_t>(tag.observation)].plate == result.plates[j])
+        tags.push_back(tag.largest_normalised);
+    std::sort(tags.begin(), tags.end());
+    EXPECT_EQ(result.images_per_plate[j], static_cast<int>(tags.size()));
+    double survey = 0;
+    for (const auto& control : result.control)
+      if (control.plate == result.plates[j])
+        for (const auto& coordinate : control.coordinates) survey = std::max(survey, std::abs(coordinate.w));
+    EXPECT_EQ(result.plate_w[j], std::max(survey, tags[tags.size() / 2]));
+    if (result.plates[j] == synthetic.block.control.plates[2]) {
+      EXPECT_GT(result.plate_w[j], 6);
+    }
+  }
 }
 
 TEST(TagBlockStatistics, CornersAreWeightedByTheirFullCovariance) {
