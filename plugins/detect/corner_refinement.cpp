@@ -84,7 +84,7 @@ std::vector<Edges> fit_all(const std::vector<Quadrilateral>& found, const EdgeFi
 SamplingGrid estimate_grid(const std::vector<Quadrilateral>& chosen, EdgeFitOptions options,
                            const SamplingGridEstimate& even) {
   constexpr int kRounds = 4;
-  constexpr double kLeast = 0.05;  // by which the variance has to fall for an uneven grid, relative
+  constexpr double kLeast = 0.065;  // by which the variance has to fall for an uneven grid, relative
   SamplingGrid grid;
   SamplingGridEstimate estimate = even;
   double lowest = even.cost() - kLeast;

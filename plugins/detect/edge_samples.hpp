@@ -25,7 +25,7 @@ EdgeFrame edge_frame(const Eigen::Vector2d& start, const Eigen::Vector2d& end);
 /// Where columns and rows lie that do not lie on an even grid (sampling_grid.hpp): column x at x + columns[x mod
 /// period], rows alike [px].
 struct SamplingGrid {
-  static constexpr int kLargestPeriod = 6;
+  static constexpr int kLargestPeriod = 3;
   int period = 1;
   std::array<double, kLargestPeriod> columns{}, rows{};
   double column(int x) const { return columns[static_cast<std::size_t>(x % period)]; }

@@ -88,7 +88,7 @@ SamplingGridEstimate::Equations SamplingGridEstimate::equations(int period) cons
 }
 
 std::vector<SamplingGrid> SamplingGridEstimate::better() const {
-  constexpr int kFewestEdges = 12, kLargestReduction = 3;
+  constexpr int kFewestEdges = 40, kLargestReduction = 3;
   constexpr std::size_t kMost = 6;
   constexpr double kShare = 0.05;  // of the residuals' squares that an uneven grid has to explain
   struct Candidate {

@@ -32,7 +32,7 @@ class SamplingGridEstimate {
   double cost() const { return samples_ > 0 ? log_variance_ / samples_ : 0; }
 
  private:
-  static constexpr int kClasses = 60;  // of columns: a multiple of all periods
+  static constexpr int kClasses = 6;  // of columns: a multiple of all periods
   using Sums = Eigen::Matrix<double, kClasses, 1>;
 
   /// Normal equations of the offsets of the columns, then of the rows.
