@@ -130,7 +130,8 @@ class Estimator {
 
   /// One factor for each chosen tag; false if a tag falls behind the camera.
   bool weights(const std::vector<bool>& chosen, const RigidTransform& pose, std::vector<Weight>& list) const {
-    list.assign(views_.size(), Weight());
+    list.clear();
+    list.resize(views_.size());  // not assign: Eigen leaves the state of an empty factor open, and it may not be copied
     PredictedTag tag;
     for (std::size_t i = 0; i < views_.size(); ++i) {
       if (!chosen[i]) continue;

@@ -46,7 +46,16 @@ def numbers(text):
 
 
 def view_in_space(chromium, page, environment, *options):
-    """Whether three.js has drawn, and whether any view is there, after the page's scripts have run."""
+    """Whether three.js has drawn, and whether any view is there, after the page's scripts have run. Twenty seconds of the
+    browser's clock, which does not wait for the process that draws: on a busy machine that may be late, hence three tries."""
+    for _ in range(3):
+        found = view_once(chromium, page, environment, *options)
+        if found[0]:
+            break
+    return found
+
+
+def view_once(chromium, page, environment, *options):
     dom = subprocess.run([chromium, "--headless", "--no-sandbox", "--disable-dev-shm-usage", *options, "--window-size=1200,9000",
                           "--virtual-time-budget=20000", "--dump-dom", f"file://{page}"], check=True, env=environment, text=True,
                          capture_output=True).stdout
