@@ -53,6 +53,9 @@ function(plumbline_add_library name)
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/libraries> $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/framework>
     $<INSTALL_INTERFACE:include/plumbline/libraries>)
   target_link_libraries(${name} PUBLIC ${ARG_LINK} PRIVATE $<BUILD_INTERFACE:plumbline_settings>)
+  if(PLUMBLINE_ASAN)  # whoever links it from the installation needs the sanitizers' part
+    target_link_options(${name} PUBLIC -fsanitize=address,undefined)
+  endif()
 endfunction()
 
 # plumbline_add_test(NAME SOURCES a.cpp ... [LINK lib ...] [TIMEOUT seconds])
