@@ -218,6 +218,7 @@ bool any_is_given(const SurveyObservations& survey, const std::vector<std::strin
 
 static NetworkResult adjust_network(const SurveyObservations& survey, const AdjustOptions& options,
                                     const ControlPoints& control, std::unique_ptr<KeptNetwork>* kept) {
+  check_indices(survey);
   std::vector<Finding> said;
   SurveyObservations rest = without_excluded(survey, options.exclude, said);
   const size_t all = points_of(rest);

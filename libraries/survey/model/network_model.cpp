@@ -260,29 +260,6 @@ void make_rows(NetworkModel& m) {
   }
 }
 
-/// Indices are as good as the file or artifact they come from.
-void check_indices(const SurveyObservations& s) {
-  const int set_ups = static_cast<int>(s.set_ups.size()), observations = static_cast<int>(s.observations.size());
-  for (const Observation& o : s.observations) {
-    if (o.set_up < -1 || o.set_up >= set_ups || (o.kind == ObservationKind::direction && o.set_up < 0))
-      throw NetworkError("observation " + o.from + " -> " + o.to + " refers to set-up " + std::to_string(o.set_up) +
-                         ", there are " + std::to_string(set_ups));
-    if (!std::isfinite(o.value)) throw NetworkError(name_of(o) + " has no value");
-    if (o.face < 0 || o.face > 2)
-      throw NetworkError(name_of(o) + " has the face " + std::to_string(o.face) + ", expected 0, 1 or 2");
-  }
-  for (const CoordinateGroup& g : s.coordinates)
-    for (const auto& c : g.components)
-      if (c.axis < 0 || c.axis > 2)
-        throw NetworkError("coordinates of " + c.point + " refer to axis " + std::to_string(c.axis));
-  for (const auto& c : s.covariances)
-    for (int i : c.indices)
-      if (i < 0 || i >= observations) throw NetworkError("a covariance refers to observation " + std::to_string(i));
-  for (const auto& c : s.local_coordinates)
-    if (c.set_up < 0 || c.set_up >= set_ups)
-      throw NetworkError("local coordinates of " + c.point + " refer to set-up " + std::to_string(c.set_up));
-}
-
 /// The set-ups beside each other. What can be mended without losing a reading is, if the user wants mending, and they
 /// are looked at again; what cannot is set aside for the adjustment.
 SetUpChain check_and_mend(const AdjustOptions& options, NetworkModel& m, MeanResult& means) {
@@ -310,6 +287,28 @@ SetUpChain check_and_mend(const AdjustOptions& options, NetworkModel& m, MeanRes
 }
 
 }  // namespace
+
+void check_indices(const SurveyObservations& s) {
+  const int set_ups = static_cast<int>(s.set_ups.size()), observations = static_cast<int>(s.observations.size());
+  for (const Observation& o : s.observations) {
+    if (o.set_up < -1 || o.set_up >= set_ups || (o.kind == ObservationKind::direction && o.set_up < 0))
+      throw NetworkError("observation " + o.from + " -> " + o.to + " refers to set-up " + std::to_string(o.set_up) +
+                         ", there are " + std::to_string(set_ups));
+    if (!std::isfinite(o.value)) throw NetworkError(name_of(o) + " has no value");
+    if (o.face < 0 || o.face > 2)
+      throw NetworkError(name_of(o) + " has the face " + std::to_string(o.face) + ", expected 0, 1 or 2");
+  }
+  for (const CoordinateGroup& g : s.coordinates)
+    for (const auto& c : g.components)
+      if (c.axis < 0 || c.axis > 2)
+        throw NetworkError("coordinates of " + c.point + " refer to axis " + std::to_string(c.axis));
+  for (const auto& c : s.covariances)
+    for (int i : c.indices)
+      if (i < 0 || i >= observations) throw NetworkError("a covariance refers to observation " + std::to_string(i));
+  for (const auto& c : s.local_coordinates)
+    if (c.set_up < 0 || c.set_up >= set_ups)
+      throw NetworkError("local coordinates of " + c.point + " refer to set-up " + std::to_string(c.set_up));
+}
 
 NetworkModel make_model(const SurveyObservations& survey, const AdjustOptions& options, const ControlPoints& control,
                         bool simple_start) {

@@ -44,6 +44,10 @@ struct NetworkModel {
   std::vector<int> first_row_of_group;  ///< first row of coordinate groups, vectors, local coordinates in that order
 };
 
+/// Set-ups, axes and observations that are referred to exist, values are finite: indices are as good as the file or
+/// artifact they come from. Throws NetworkError; before anything else looks at what they refer to.
+void check_indices(const SurveyObservations& survey);
+
 /// Throws NetworkError.
 /// `simple_start`: from the chain of set-ups where it gives every coordinate; false searches every place that the
 /// observations leave.

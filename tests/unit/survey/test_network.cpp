@@ -207,8 +207,10 @@ TEST(Network, LocalCoordinatesOfACameraSensor) {
 
 TEST(Network, BadIndicesAndValuesAreErrors) {
   auto n = simulate({}, 10);
-  n.survey.observations[3].set_up = 99;
-  EXPECT_THROW(adjust_network(n.survey, {}), NetworkError);
+  for (const int wrong : {99, -2, 1 << 30}) {  // the last far outside: a look at it would end the program
+    n.survey.observations[3].set_up = wrong;
+    EXPECT_THROW(adjust_network(n.survey, {}), NetworkError);
+  }
   n = simulate({}, 10);
   n.survey.observations[3].value = kNotGiven;
   EXPECT_THROW(adjust_network(n.survey, {}), NetworkError);
