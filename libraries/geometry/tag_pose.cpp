@@ -6,18 +6,17 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <string>
+#include <utility>
 
 #include "geometry/statistics.hpp"
+#include "geometry/tag_under_pose.hpp"
 
 namespace plumbline {
 namespace {
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
-using Vector8 = Eigen::Matrix<double, 8, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
-using Matrix86 = Eigen::Matrix<double, 8, 6>;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// A hypothesis from three approximate tags extrapolates their errors to the others: before refinement a tag may be
@@ -26,74 +25,6 @@ constexpr double kLenience = 25;
 
 /// Poses that are only told apart need no more digits than that; the answer itself is fitted to the last one.
 constexpr double kRough = 1e-6;
-
-using Matrix8 = Eigen::Matrix<double, 8, 8>;
-using Weight = Eigen::LLT<Matrix8>;
-
-using Matrix36 = Eigen::Matrix<double, 3, 6>;
-
-/// A tag's residuals (measured minus predicted, [px]) and the derivatives of its predicted corners.
-struct PredictedTag {
-  Vector8 residuals;
-  Matrix86 by_pose;    // by a rotation vector in the camera frame and the translation
-  Matrix86 by_plate;   // by the anchor's coordinates and a rotation vector w of the plate about the anchor
-  Matrix86 by_square;  // by the six products w_i w_j, each normalised to a standard deviation of 1
-};
-
-/// Mean of the rotation matrices exp([w]x), w normal with `sigma` about each axis: this multiple of the identity. A
-/// turned plate looks smaller whichever way it is turned, so without it the camera would seem too far away.
-double mean_rotation(double sigma) {
-  const double square = sigma * sigma;
-  return (1 + 2 * (1 - square) * std::exp(-0.5 * square)) / 3;
-}
-
-/// The second-order part of a rotation, (w wᵀ − |w|² I) c / 2, is linear in the products of the components of w, which
-/// have variances 2 sigma⁴ (squares) and sigma⁴ (mixed) and no covariances: its derivatives by them in that measure.
-Matrix36 by_products(const Eigen::Vector3d& c, double sigma) {
-  Matrix36 columns;
-  for (int i = 0; i < 3; ++i) {
-    columns.col(i) = std::numbers::sqrt2 * 0.5 * (c(i) * Eigen::Vector3d::Unit(i) - c);
-    const int j = (i + 1) % 3;
-    columns.col(3 + i) = 0.5 * (c(j) * Eigen::Vector3d::Unit(i) + c(i) * Eigen::Vector3d::Unit(j));
-  }
-  return sigma * sigma * columns;
-}
-
-/// How much of a PredictedTag is filled in: a trial step needs its residuals only, a fit no derivatives by the plate.
-enum class Detail { residuals, by_pose, all };
-
-/// False if a corner falls behind the camera.
-bool predict(const BrownCamera& camera, const TagView& view, const RigidTransform& pose, double rotation_sigma,
-             PredictedTag& out, Detail detail = Detail::all) {
-  const Eigen::Matrix3d rotation = pose.rotation.toRotationMatrix();
-  const double shrunk = mean_rotation(rotation_sigma);
-  for (int i = 0; i < 4; ++i) {
-    const Eigen::Vector3d arm = view.corner_in_world(i) - view.anchor_in_world,
-                          rotated = rotation * (view.anchor_in_world + shrunk * arm);
-    const auto projection = project_with_slope(camera, rotated + pose.translation);
-    if (!projection) return false;
-    out.residuals.segment<2>(2 * i) = view.pixels[i] - projection->pixel;
-    if (detail == Detail::residuals) continue;
-    out.by_pose.block<2, 3>(2 * i, 0) = -projection->by_point * skew(rotated);
-    out.by_pose.block<2, 3>(2 * i, 3) = projection->by_point;
-    if (detail == Detail::by_pose) continue;
-    const Eigen::Matrix<double, 2, 3> by_world = projection->by_point * rotation;
-    out.by_plate.block<2, 3>(2 * i, 0) = by_world;
-    out.by_plate.block<2, 3>(2 * i, 3) = -by_world * skew(arm);
-    out.by_square.block<2, 6>(2 * i, 0) = by_world * by_products(arm, rotation_sigma);
-  }
-  return out.residuals.allFinite();
-}
-
-/// Factor of the covariance of the residuals: corners, anchor and plate rotation together.
-Weight weight_of(const TagView& view, const PredictedTag& tag, double rotation_sigma) {
-  const auto by_anchor = tag.by_plate.leftCols<3>(), by_rotation = tag.by_plate.rightCols<3>();
-  Matrix8 covariance = by_anchor * view.anchor_covariance * by_anchor.transpose() +
-                       rotation_sigma * rotation_sigma * by_rotation * by_rotation.transpose() +
-                       tag.by_square * tag.by_square.transpose();
-  for (int i = 0; i < 4; ++i) covariance.block<2, 2>(2 * i, 2 * i) += view.pixel_covariances[i];
-  return Weight(covariance);
-}
 
 /// Takes the pose by a tangent step.
 RigidTransform moved(const RigidTransform& pose, const Vector6& step) {
@@ -104,62 +35,62 @@ RigidTransform moved(const RigidTransform& pose, const Vector6& step) {
 class Estimator {
  public:
   Estimator(const BrownCamera& camera, const std::vector<TagView>& views, const TagPoseOptions& options)
-      : camera_(camera), views_(views), options_(options), gate_(chi_squared_quantile(options.inlier_probability, 8)) {}
+      : camera_(camera), views_(views), gate_(chi_squared_quantile(options.inlier_probability, 8)) {
+    for (const TagView& view : views) tags_.emplace_back(view, options.plate_rotation_sigma);
+  }
 
   double gate() const { return gate_; }  ///< squared distance up to which a tag is an inlier
-
-  double distance(std::size_t i, const RigidTransform& pose) const {
-    return tag_distance(camera_, views_[i], pose, options_.plate_rotation_sigma);
-  }
 
   /// Low is good. A tag that is far off counts by the logarithm of how far: a wrong one cannot outvote the right ones,
   /// and a rough hypothesis that needs refinement is still told from one that is plainly wrong. No tag lowers the sum,
   /// so it is given up where it reaches `limit`: then the answer is only known to be no lower than that.
   double score(const RigidTransform& pose, double limit = kInfinity) const {
+    const MatrixPose at(pose);
     double sum = 0;
-    for (std::size_t i = 0; i < views_.size() && sum < limit; ++i)
-      sum += std::log1p(std::min(distance(i, pose), 1e12) / gate_);
+    for (std::size_t i = 0; i < tags_.size() && sum < limit; ++i)
+      sum += std::log1p(std::min(tags_[i].distance(camera_, at), 1e12) / gate_);
     return sum;
   }
 
   std::vector<bool> inliers(const RigidTransform& pose, double limit) const {
+    const MatrixPose at(pose);
     std::vector<bool> list;
-    for (std::size_t i = 0; i < views_.size(); ++i) list.push_back(distance(i, pose) <= limit);
+    for (const TagInWorld& tag : tags_) list.push_back(tag.distance(camera_, at) <= limit);
     return list;
   }
 
   /// One factor for each chosen tag; false if a tag falls behind the camera.
-  bool weights(const std::vector<bool>& chosen, const RigidTransform& pose, std::vector<Weight>& list) const {
-    list.clear();
-    list.resize(views_.size());  // not assign: Eigen leaves the state of an empty factor open, and it may not be copied
-    PredictedTag tag;
-    for (std::size_t i = 0; i < views_.size(); ++i) {
+  bool weights(const std::vector<bool>& chosen, const RigidTransform& pose, std::vector<TagWeight>& list) const {
+    list.resize(tags_.size());
+    const MatrixPose at(pose);
+    ProjectedTag tag;
+    for (std::size_t i = 0; i < tags_.size(); ++i)
+      if (chosen[i] && !(tags_[i].project(camera_, at, tag) && list[i].compute(tags_[i].covariance(at, tag))))
+        return false;
+    return true;
+  }
+
+  /// Normal equations of the chosen tags; false if one falls behind the camera.
+  bool assemble(const std::vector<bool>& chosen, const std::vector<TagWeight>& weights, const RigidTransform& pose,
+                PoseEquations& equations) const {
+    equations = {};
+    const MatrixPose at(pose);
+    ProjectedTag tag;
+    for (std::size_t i = 0; i < tags_.size(); ++i) {
       if (!chosen[i]) continue;
-      if (!predict(camera_, views_[i], pose, options_.plate_rotation_sigma, tag)) return false;
-      list[i] = weight_of(views_[i], tag, options_.plate_rotation_sigma);
-      if (list[i].info() != Eigen::Success) return false;
+      if (!tags_[i].project(camera_, at, tag)) return false;
+      equations.add(tag, weights[i]);
     }
     return true;
   }
 
-  /// Sum of squares and normal equations of the chosen tags; infinite if one falls behind the camera.
-  double assemble(const std::vector<bool>& chosen, const std::vector<Weight>& weights, const RigidTransform& pose,
-                  Matrix6* normal, Vector6* right) const {
+  /// Sum of squares of the chosen tags' residuals [px²]; those behind the camera have no part in it.
+  double sum_of_squares(const std::vector<bool>& chosen, const RigidTransform& pose) const {
+    const MatrixPose at(pose);
+    ProjectedTag tag;
     double sum = 0;
-    PredictedTag tag;
-    if (normal) normal->setZero(), right->setZero();
-    for (std::size_t i = 0; i < views_.size(); ++i) {
-      if (!chosen[i]) continue;
-      if (!predict(camera_, views_[i], pose, options_.plate_rotation_sigma, tag,
-                   normal ? Detail::by_pose : Detail::residuals))
-        return kInfinity;
-      weights[i].matrixL().solveInPlace(tag.residuals);
-      sum += tag.residuals.squaredNorm();
-      if (!normal) continue;
-      weights[i].matrixL().solveInPlace(tag.by_pose);
-      *normal += tag.by_pose.transpose() * tag.by_pose;
-      *right += tag.by_pose.transpose() * tag.residuals;
-    }
+    for (std::size_t i = 0; i < tags_.size(); ++i)
+      if (chosen[i] && tags_[i].project(camera_, at, tag)) sum += tag.residuals.squaredNorm();
     return sum;
   }
 
@@ -167,7 +98,7 @@ class Estimator {
   /// comes closer would make every tag less certain. So they are held within a fit, and a few fits follow one another.
   RigidTransform refine(const std::vector<bool>& chosen, RigidTransform pose, int rounds = 5,
                         double tolerance = 1e-10) const {
-    std::vector<Weight> held;
+    std::vector<TagWeight> held;
     for (int round = 0; round < rounds; ++round) {
       if (!weights(chosen, pose, held)) return pose;
       const RigidTransform before = pose;
@@ -178,23 +109,24 @@ class Estimator {
   }
 
   /// Levenberg-Marquardt with fixed weights, until a step moves the camera by less than this part of its distance.
-  RigidTransform minimise(const std::vector<bool>& chosen, const std::vector<Weight>& weights, RigidTransform pose,
+  RigidTransform minimise(const std::vector<bool>& chosen, const std::vector<TagWeight>& weights, RigidTransform pose,
                           double tolerance) const {
     double damping = 1e-4;
+    PoseEquations here, there;
+    if (!assemble(chosen, weights, pose, here)) return pose;
     for (int iteration = 0; iteration < 30; ++iteration) {
-      Matrix6 normal;
-      Vector6 right;
-      const double before = assemble(chosen, weights, pose, &normal, &right);
       bool better = false;
       Vector6 step;
       for (int attempt = 0; attempt < 10 && !better; ++attempt) {
-        Matrix6 damped = normal;
+        Matrix6 damped = here.normal();
         damped.diagonal() *= 1 + damping;
-        step = damped.ldlt().solve(right);
+        step = damped.ldlt().solve(here.right());
         if (!step.allFinite()) return pose;
         const RigidTransform trial = moved(pose, step);
-        better = assemble(chosen, weights, trial, nullptr, nullptr) <= before * (1 + 1e-12);
-        if (better) pose = trial;
+        // With its derivatives: most steps are taken, and then these are the next equations.
+        better = assemble(chosen, weights, trial, there) &&
+                 there.sum_of_squares() <= here.sum_of_squares() * (1 + 1e-12);
+        if (better) pose = trial, std::swap(here, there);
         damping = better ? std::max(damping * 0.1, 1e-12) : damping * 10;
       }
       if (!better || step.norm() < tolerance * (1 + pose.translation.norm())) return pose;
@@ -251,7 +183,7 @@ class Estimator {
  private:
   const BrownCamera& camera_;
   const std::vector<TagView>& views_;
-  const TagPoseOptions& options_;
+  std::vector<TagInWorld> tags_;
   double gate_;
 };
 
@@ -364,12 +296,7 @@ RigidTransform search(const Estimator& estimator, const std::vector<TagView>& vi
 
 double tag_distance(const BrownCamera& camera, const TagView& view, const RigidTransform& cam_from_world,
                     double plate_rotation_sigma) {
-  PredictedTag tag;
-  if (!predict(camera, view, cam_from_world, plate_rotation_sigma, tag)) return kInfinity;
-  const Weight weight = weight_of(view, tag, plate_rotation_sigma);
-  if (weight.info() != Eigen::Success) return kInfinity;
-  weight.matrixL().solveInPlace(tag.residuals);
-  return tag.residuals.squaredNorm();
+  return TagInWorld(view, plate_rotation_sigma).distance(camera, MatrixPose(cam_from_world));
 }
 
 namespace {
@@ -391,19 +318,14 @@ TagPose estimate_centred(const BrownCamera& camera, const std::vector<TagView>& 
                     of);
 
   result.cam_from_world = estimator.refine(result.inliers, pose);
-  Matrix6 normal;
-  Vector6 right;
-  std::vector<Weight> weights;
-  if (!estimator.weights(result.inliers, result.cam_from_world, weights))
+  PoseEquations equations;
+  std::vector<TagWeight> weights;
+  if (!estimator.weights(result.inliers, result.cam_from_world, weights) ||
+      !estimator.assemble(result.inliers, weights, result.cam_from_world, equations))
     throw NoTagPose("the pose leads behind a tag");
-  estimator.assemble(result.inliers, weights, result.cam_from_world, &normal, &right);
-  result.covariance = normal.ldlt().solve(Matrix6::Identity());
-  double square = 0;
-  PredictedTag tag;
-  for (std::size_t i = 0; i < views.size(); ++i)
-    if (result.inliers[i] && predict(camera, views[i], result.cam_from_world, options.plate_rotation_sigma, tag))
-      square += tag.residuals.squaredNorm();
-  result.rms = std::sqrt(square / (8.0 * result.inlier_count));
+  result.covariance = equations.normal().ldlt().solve(Matrix6::Identity());
+  result.rms =
+      std::sqrt(estimator.sum_of_squares(result.inliers, result.cam_from_world) / (8.0 * result.inlier_count));
   return result;
 }
 
