@@ -124,8 +124,8 @@ class Estimator {
         if (!step.allFinite()) return pose;
         const RigidTransform trial = moved(pose, step);
         // With its derivatives: most steps are taken, and then these are the next equations.
-        better = assemble(chosen, weights, trial, there) &&
-                 there.sum_of_squares() <= here.sum_of_squares() * (1 + 1e-12);
+        better =
+            assemble(chosen, weights, trial, there) && there.sum_of_squares() <= here.sum_of_squares() * (1 + 1e-12);
         if (better) pose = trial, std::swap(here, there);
         damping = better ? std::max(damping * 0.1, 1e-12) : damping * 10;
       }
@@ -324,8 +324,7 @@ TagPose estimate_centred(const BrownCamera& camera, const std::vector<TagView>& 
       !estimator.assemble(result.inliers, weights, result.cam_from_world, equations))
     throw NoTagPose("the pose leads behind a tag");
   result.covariance = equations.normal().ldlt().solve(Matrix6::Identity());
-  result.rms =
-      std::sqrt(estimator.sum_of_squares(result.inliers, result.cam_from_world) / (8.0 * result.inlier_count));
+  result.rms = std::sqrt(estimator.sum_of_squares(result.inliers, result.cam_from_world) / (8.0 * result.inlier_count));
   return result;
 }
 

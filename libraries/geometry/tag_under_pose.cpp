@@ -69,7 +69,8 @@ TagInWorld::TagInWorld(const TagView& view, double sigma)
     turned[i] = sigma * skew(arm);
     products[i] = by_products(arm, sigma);
     for (std::size_t j = 0; j <= i; ++j)
-      spread_[i][j] = view.anchor_covariance + turned[i] * turned[j].transpose() + products[i] * products[j].transpose();
+      spread_[i][j] =
+          view.anchor_covariance + turned[i] * turned[j].transpose() + products[i] * products[j].transpose();
   }
 }
 

@@ -121,7 +121,7 @@ Campaign make_campaign(const CampaignOptions& options, std::uint64_t seed) {
     throw std::invalid_argument("the station plan breaks " + std::to_string(broken.size()) +
                                 " rules of the survey, the first: " + broken.front());
   }
-  c.observations = observe(c.building, c.plan, options.survey, seed);
+  if (options.readings) c.observations = observe(c.building, c.plan, options.survey, seed);
   return c;
 }
 

@@ -229,6 +229,7 @@ struct SimulateObservations : SimulatedSite {
     const uint64_t seed = context.seed();
     simulate::CampaignOptions options = site_options();
     options.survey.noise_scale = *survey_noise;
+    options.readings = *survey == "readings";
     const simulate::Campaign campaign = simulate::make_campaign(options, seed);
     for (auto& image : simulate::observe_corners(campaign, *pixel_sigma, seed)) {
       simulate::displace_tags(image, *tag_blunders, *tag_blunder_size, seed);
