@@ -72,29 +72,34 @@ void external_effect(const Linearisation::Block& block, const Linearisation& lin
   row.external_effect = std::sqrt(largest) * row.mdb;
 }
 
-RowStatistics row_statistics(const BlockMatrices& m, const Eigen::VectorXd& whitened, int i, double delta0) {
-  RowStatistics row;
-  row.residual = m.unwhitening.row(i).dot(whitened);
-  row.sigma = m.unwhitening.row(i).norm();
-  const double adjusted_variance = m.unwhitening.row(i) * m.adjusted * m.unwhitening.row(i).transpose();
-  row.sigma_adjusted = std::sqrt(std::max(0.0, adjusted_variance));
-  row.redundancy_number = m.unwhitening.row(i) * m.residual * m.whitening.col(i);
-  const double weighted = m.whitening.col(i).dot(whitened);                                  // (P v)_i
-  const double cofactor = m.whitening.col(i).transpose() * m.residual * m.whitening.col(i);  // (P Qvv P)_ii
-  const double weight = m.whitening.col(i).squaredNorm();                                    // P_ii
-  row.controlled = std::clamp(cofactor / weight, 0.0, 1.0);
-  // Correlated rows may have a redundancy number below zero and be well controlled: the test decides by its own
-  // variance.
-  if (!(row.controlled >= kUncontrolled)) {
-    row.estimated_blunder = std::numeric_limits<double>::quiet_NaN();
-    row.mdb = row.bias_to_noise = row.external_effect = std::numeric_limits<double>::infinity();
-    return row;
+/// From W, W⁻¹, A Q A' and Quu. A `Matrix` with a largest size needs no memory of its own.
+template <typename Matrix, typename Vector>
+void fill_statistics(const Matrix& whitening, const Matrix& unwhitening, const Matrix& adjusted, const Matrix& residual,
+                     const Vector& whitened, double delta0, RowStatistics* list) {
+  const Matrix by_residual = residual * whitening.template triangularView<Eigen::Lower>();
+  const Matrix from_adjusted = unwhitening.template triangularView<Eigen::Lower>() * adjusted;
+  for (Eigen::Index i = 0; i < whitened.size(); ++i) {
+    RowStatistics& row = list[i];
+    row = {};
+    row.residual = unwhitening.row(i).dot(whitened);
+    row.sigma = unwhitening.row(i).norm();
+    row.sigma_adjusted = std::sqrt(std::max(0.0, from_adjusted.row(i).dot(unwhitening.row(i))));
+    row.redundancy_number = 1 - from_adjusted.row(i).dot(whitening.col(i));
+    const double weighted = whitening.col(i).dot(whitened);            // (P v)_i
+    const double cofactor = whitening.col(i).dot(by_residual.col(i));  // (P Qvv P)_ii
+    row.controlled = std::clamp(cofactor / whitening.col(i).squaredNorm(), 0.0, 1.0);
+    // Correlated rows may have a redundancy number below zero and be well controlled: the test decides by its own
+    // variance.
+    if (!(row.controlled >= kUncontrolled)) {
+      row.estimated_blunder = std::numeric_limits<double>::quiet_NaN();
+      row.mdb = row.bias_to_noise = row.external_effect = std::numeric_limits<double>::infinity();
+      continue;
+    }
+    row.w = weighted / std::sqrt(cofactor);
+    row.estimated_blunder = -weighted / cofactor;
+    row.mdb = delta0 / std::sqrt(cofactor);
+    row.bias_to_noise = delta0 * std::sqrt((1 - row.controlled) / row.controlled);
   }
-  row.w = weighted / std::sqrt(cofactor);
-  row.estimated_blunder = -weighted / cofactor;
-  row.mdb = delta0 / std::sqrt(cofactor);
-  row.bias_to_noise = delta0 * std::sqrt((1 - row.controlled) / row.controlled);
-  return row;
 }
 
 BlockTest block_test(const BlockMatrices& m, const Eigen::VectorXd& whitened) {
@@ -115,17 +120,31 @@ BlockTest block_test(const BlockMatrices& m, const Eigen::VectorXd& whitened) {
 
 }  // namespace
 
-std::vector<RowStatistics> row_statistics(const Eigen::MatrixXd& whitening, const Eigen::VectorXd& whitened,
-                                          const Eigen::MatrixXd& residual_cofactors, double delta0) {
+namespace {
+
+template <typename Matrix>
+std::vector<RowStatistics> statistics_of(const Eigen::Ref<const Eigen::MatrixXd>& given,
+                                         const Eigen::Ref<const Eigen::VectorXd>& whitened,
+                                         const Eigen::Ref<const Eigen::MatrixXd>& residual_cofactors, double delta0) {
   const Eigen::Index rows = whitened.size();
-  BlockMatrices m;
-  m.whitening = whitening.triangularView<Eigen::Lower>();
-  m.unwhitening = m.whitening.triangularView<Eigen::Lower>().solve(Eigen::MatrixXd::Identity(rows, rows));
-  m.residual = residual_cofactors;
-  m.adjusted = Eigen::MatrixXd::Identity(rows, rows) - residual_cofactors;
-  std::vector<RowStatistics> result;
-  for (int i = 0; i < rows; ++i) result.push_back(row_statistics(m, whitened, i, delta0));
+  const Matrix whitening = given.template triangularView<Eigen::Lower>(), residual = residual_cofactors;
+  Matrix unwhitening = Matrix::Identity(rows, rows);
+  whitening.template triangularView<Eigen::Lower>().solveInPlace(unwhitening);
+  std::vector<RowStatistics> result(static_cast<size_t>(rows));
+  const Matrix adjusted = Matrix::Identity(rows, rows) - residual;
+  fill_statistics(whitening, unwhitening, adjusted, residual, whitened, delta0, result.data());
   return result;
+}
+
+}  // namespace
+
+std::vector<RowStatistics> row_statistics(const Eigen::Ref<const Eigen::MatrixXd>& whitening,
+                                          const Eigen::Ref<const Eigen::VectorXd>& whitened,
+                                          const Eigen::Ref<const Eigen::MatrixXd>& residual_cofactors, double delta0) {
+  constexpr int few = 8;  // a tag's: no memory of their own
+  if (whitened.size() > few) return statistics_of<Eigen::MatrixXd>(whitening, whitened, residual_cofactors, delta0);
+  return statistics_of<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, few, few>>(whitening, whitened,
+                                                                                           residual_cofactors, delta0);
 }
 
 Reliability compute_reliability(const Problem& problem, const Solution& solution, const Eigen::MatrixXd& q,
@@ -141,9 +160,9 @@ Reliability compute_reliability(const Problem& problem, const Solution& solution
       const Linearisation::Block& block = lin.blocks[b];
       const BlockMatrices m = block_matrices(*problem.residuals[b], lin, block, q);
       const Eigen::VectorXd whitened = lin.residuals.segment(block.row, block.rows);
+      fill_statistics(m.whitening, m.unwhitening, m.adjusted, m.residual, whitened, delta0, &result.rows[block.row]);
       for (int i = 0; i < block.rows; ++i) {
         RowStatistics& row = result.rows[block.row + i];
-        row = row_statistics(m, whitened, i, delta0);
         if (!options.groups.empty() && std::isfinite(row.mdb))
           external_effect(block, lin, q, m.influence.col(i), options.groups, movement, row);
       }

@@ -33,8 +33,9 @@ struct RowStatistics {
 /// The same for the rows of one block that somebody else has linearised: whitening W (lower triangular, W'W =
 /// covariance^-1), whitened residuals W v and their cofactors Quu; `delta0` is the non-centrality of the MDB. Without
 /// external reliability. For correlated rows see Wang & Chen (1994).
-std::vector<RowStatistics> row_statistics(const Eigen::MatrixXd& whitening, const Eigen::VectorXd& whitened_residuals,
-                                          const Eigen::MatrixXd& residual_cofactors, double delta0);
+std::vector<RowStatistics> row_statistics(const Eigen::Ref<const Eigen::MatrixXd>& whitening,
+                                          const Eigen::Ref<const Eigen::VectorXd>& whitened_residuals,
+                                          const Eigen::Ref<const Eigen::MatrixXd>& residual_cofactors, double delta0);
 
 /// Joint test of the rows of one residual block: u' Quu^-1 u, chi-squared with `rank` degrees of freedom.
 struct BlockTest {

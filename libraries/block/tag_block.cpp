@@ -125,17 +125,16 @@ Solved solve(const TagBlockOptions& options, const bundle::Layout& layout, TagMo
   how.minimise.threads = options.threads;
   how.minimiser = options.minimiser;
   if (options.free_network) how.datum = bundle::inner_datum(model.problem, layout, bundle::free_motions(model.problem));
+  how.start_is_near = options.loss != RobustLoss::none;  // find_blunders() has been there
   Solved solved;
   const bundle::State start = model.state;
   for (int step = 0; step < max_variance_steps; ++step) {
     solved.adjusted = bundle::adjust(model.problem, layout, step == 0 ? start : model.state, how);
-    solved.reliability = bundle::reliability_of(model.problem, solved.adjusted);
     model.state = solved.adjusted.state;
-    how.minimiser = [](const bundle::Problem&, bundle::State&, const bundle::MinimiseOptions&) {
-      return bundle::MinimiseSummary{true, 0, 0, 0, {}};  // Gauss-Newton from a solution needs no help
-    };
-    const double factor = solved.reliability.groups[group_images].factor;
-    if (!options.estimate_image_variance || by_lambda || !(factor > 0) || std::abs(factor - 1) < 0.01) break;
+    how.start_is_near = true;
+    if (!options.estimate_image_variance || by_lambda) break;
+    const double factor = bundle::observed_variance(model.problem, solved.adjusted);
+    if (!(factor > 0) || std::abs(factor - 1) < 0.01) break;
     // No detector is 20 times better or 1000 times worse than it says; without this, a block without noise would run
     // away.
     double& sigma = model.problem.groups[group_images].sigma_factor;
@@ -143,6 +142,7 @@ Solved solve(const TagBlockOptions& options, const bundle::Layout& layout, TagMo
     if (next == sigma || step + 1 == max_variance_steps) break;
     sigma = next;
   }
+  solved.reliability = bundle::reliability_of(model.problem, solved.adjusted);
   return solved;
 }
 
@@ -264,10 +264,12 @@ void fill_control(const TagStart& start, const TagModel& model, const bundle::La
   const size_t term = static_cast<size_t>(model.control_term);
   const auto& known = model.problem.known[term];
   const bundle::KnownRows rows = bundle::evaluate(model.problem, layout, solved.adjusted.state, known);
-  // Change of all anchors per unit of error in one control coordinate: Q Aᵀ P e, with whitened rows A' = W A.
-  const Eigen::MatrixXd influence =
-      solved.adjusted.cofactors->cross(plate_blocks(model, layout), rows.columns, rows.blocks) *
-      rows.jacobian.transpose() * known.whitening;
+  // Change of all heights per unit of error in one control coordinate: Q Aᵀ P e, with whitened rows A' = W A.
+  std::vector<Eigen::Index> heights;
+  for (size_t j = 0; j < start.plates.size(); ++j) heights.push_back(6 * static_cast<Eigen::Index>(j) + 2);
+  const Eigen::MatrixXd of_heights =
+      solved.adjusted.cofactors->cross(plate_blocks(model, layout), rows.columns, rows.blocks)(heights, Eigen::all);
+  const Eigen::MatrixXd influence = of_heights * rows.jacobian.transpose() * known.whitening;
   const double root = std::sqrt(solved.variance);
   for (size_t k = 0; k < model.control_plates.size(); ++k) {
     AdjustedControl control;
@@ -277,11 +279,8 @@ void fill_control(const TagStart& start, const TagModel& model, const bundle::La
       control.coordinates[c] = solved.reliability.known[term][3 * k + c];
       control.coordinates[c].w /= root;
       control.coordinates[c].mdb *= root;
-      double largest = 0;
-      for (size_t j = 0; j < start.plates.size(); ++j)
-        largest = std::max(
-            largest, std::abs(influence(6 * static_cast<Eigen::Index>(j) + 2, static_cast<Eigen::Index>(3 * k + c))));
-      control.effect_on_height[c] = largest * control.coordinates[c].mdb;
+      control.effect_on_height[c] =
+          influence.col(static_cast<Eigen::Index>(3 * k + c)).cwiseAbs().maxCoeff() * control.coordinates[c].mdb;
       result.plate_w[plate] = std::max(result.plate_w[plate], std::abs(control.coordinates[c].w));
     }
     result.control.push_back(control);
@@ -408,7 +407,7 @@ TagBlockResult adjust_tag_block(const TagBlock& given, const TagBlockOptions& op
   // Weights by λ are no claims about variances.
   if (options.weighting == TagBlockOptions::Weighting::lambda) return result;
   test_groups(block, result);
-  test_models(options, model, result);
+  test_models(options, model, solved.adjusted, result);
   return result;
 }
 

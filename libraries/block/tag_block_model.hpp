@@ -68,7 +68,8 @@ WithheldControl withheld_control(const TagModel& model, const TagStart& start, c
 
 /// Fills result.models: score tests at 1e-4 of what the camera model leaves out (d1 and d2, a principal point of each
 /// image), at the minimum in `model`. Blocks of more than 300 images and those with little redundancy are not tested.
-void test_models(const TagBlockOptions& options, const TagModel& model, TagBlockResult& result);
+void test_models(const TagBlockOptions& options, const TagModel& model, const bundle::Adjusted& adjusted,
+                 TagBlockResult& result);
 
 /// Throws std::runtime_error if the block has fewer than two images, no tag of a known plate or a plate without size.
 void require_usable(const TagBlock& block);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "block/bundle/score.hpp"
 #include "block/control_words.hpp"
 #include "block/tag_block_model.hpp"
 #include "geometry/statistics.hpp"
@@ -30,21 +31,8 @@ GroupTest model_test(const std::string& name, double explained, double freedom, 
   return test;
 }
 
-bundle::Explained explained_by(const TagBlockOptions& options, const bundle::Problem& problem,
-                               const bundle::State& state, const bundle::Layout& layout) {
-  bundle::Datum datum;
-  if (options.free_network) datum = bundle::inner_datum(problem, layout, bundle::free_motions(problem));
-  return bundle::explained_by_a_step(problem, layout, state, datum, options.threads);
-}
-
-void test_distance_terms(const TagBlockOptions& options, const TagModel& model, TagBlockResult& result) {
-  constexpr int first = BrownCamera::parameter_count;
-  bundle::Problem larger = model.problem;
-  auto& free = larger.cameras[0].free;
-  if (free[first] || free[first + 1] || result.degrees_of_freedom - 2 < least_redundancy) return;
-  free[first] = free[first + 1] = true;
-  const bundle::Layout layout(larger);
-  const auto explained = explained_by(options, larger, model.state, layout);
+void add_distance_terms(const bundle::ScoreTest& score, TagBlockResult& result) {
+  const auto explained = score.by(bundle::Kind::camera);
   if (!std::isfinite(explained.decrease)) return;  // one distance: nothing to tell
   GroupTest test = model_test("distortion at all distances", explained.decrease, 2, result);
   char figure[160];
@@ -55,26 +43,14 @@ void test_distance_terms(const TagBlockOptions& options, const TagModel& model, 
   result.models.push_back(test);
 }
 
-void test_principal_points(const TagBlockOptions& options, const TagModel& model, TagBlockResult& result) {
-  const size_t images = model.problem.images.size();
-  const double freedom = 2.0 * static_cast<double>(images);
-  if (options.image_principal_point_sigma > 0 || images > most_images ||
-      result.degrees_of_freedom - freedom < least_redundancy)
-    return;
-  constexpr double anywhere = 100;  // [px] so far the prior says next to nothing, and cx, cy keep the mean
-  bundle::Problem larger = model.problem;
-  bundle::State state = model.state;
-  free_principal_points(anywhere, larger, state);
-  const bundle::Layout layout(larger);
-  const auto explained = explained_by(options, larger, state, layout);
+void add_principal_points(const bundle::ScoreTest& score, TagBlockResult& result) {
+  const auto explained = score.by(bundle::Kind::shift);
   if (!std::isfinite(explained.decrease)) return;
-  double squares = 0;
-  for (int i = 0; i < static_cast<int>(images); ++i)
-    squares += explained.step.segment<2>(layout.offset(layout.block({bundle::Kind::shift, i}))).squaredNorm();
+  const auto freedom = static_cast<double>(explained.step.size());
   GroupTest test = model_test("one principal point", explained.decrease, freedom, result);
   char figure[200];
   std::snprintf(figure, sizeof figure, " (test value %.1f, at most %.1f), rms %.2g px: set image_principal_point_sigma",
-                test.factor, test.limit, std::sqrt(squares / freedom));
+                test.factor, test.limit, std::sqrt(explained.step.squaredNorm() / freedom));
   if (!test.passed) test.words = "the images have principal points of their own" + std::string(figure);
   result.models.push_back(test);
 }
@@ -137,10 +113,24 @@ WithheldControl withheld_control(const TagModel& model, const TagStart& start, c
   return result;
 }
 
-void test_models(const TagBlockOptions& options, const TagModel& model, TagBlockResult& result) {
+void test_models(const TagBlockOptions& options, const TagModel& model, const bundle::Adjusted& adjusted,
+                 TagBlockResult& result) {
+  constexpr int d1 = BrownCamera::parameter_count;
+  constexpr double anywhere = 100;  // [px] so far the prior says next to nothing, and cx, cy keep the mean
   if (!options.self_calibration) return;
-  test_distance_terms(options, model, result);
-  test_principal_points(options, model, result);
+  bundle::Problem larger = model.problem;
+  bundle::State state = model.state;
+  auto& free = larger.cameras[0].free;
+  const size_t images = larger.images.size();
+  const bool distances = !free[d1] && !free[d1 + 1] && result.degrees_of_freedom - 2 >= least_redundancy;
+  const bool points = !(options.image_principal_point_sigma > 0) && images <= most_images &&
+                      result.degrees_of_freedom - 2.0 * static_cast<double>(images) >= least_redundancy;
+  if (!distances && !points) return;
+  if (distances) free[d1] = free[d1 + 1] = true;
+  if (points) free_principal_points(anywhere, larger, state);
+  const bundle::ScoreTest score(model.problem, larger, state, *adjusted.elimination);
+  if (distances) add_distance_terms(score, result);
+  if (points) add_principal_points(score, result);
 }
 
 void test_groups(const TagBlock& block, TagBlockResult& result) {

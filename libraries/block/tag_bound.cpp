@@ -5,6 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "block/bundle/cholesky.hpp"
 #include "block/defects.hpp"
 #include "plumbline/stop.hpp"
 
@@ -16,21 +17,22 @@ using Eigen::Index;
 using Matrix26 = Eigen::Matrix<double, 2, 6>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-/// Derivatives of a pixel by the camera's parameters, by central differences: the model is smooth and of order one.
+/// Derivatives of a pixel by the camera's parameters, in their order.
 Eigen::Matrix<double, 2, BrownCamera::parameter_count> by_camera(const BrownCamera& camera, double x, double y) {
+  BrownCamera unit = camera;
+  unit.fx = unit.fy = 1;
+  unit.cx = unit.cy = 0;
+  Eigen::Vector2d distorted;
+  project_normalised(unit.parameters().data(), x, y, distorted.data());
+  const double r2 = x * x + y * y, r4 = r2 * r2;
+  const Eigen::Vector2d ray(camera.fx * x, camera.fy * y);
   Eigen::Matrix<double, 2, BrownCamera::parameter_count> slope;
-  const auto values = camera.parameters();
-  for (int i = 0; i < BrownCamera::parameter_count; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    const double step = i < 4 ? 1e-2 : 1e-5;
-    Eigen::Vector2d ends[2];
-    for (int side = 0; side < 2; ++side) {
-      auto moved = values;
-      moved[k] += side ? step : -step;
-      project_normalised(moved.data(), x, y, ends[side].data());
-    }
-    slope.col(i) = (ends[1] - ends[0]) / (2 * step);
-  }
+  slope.leftCols<4>() << distorted.x(), 0, 1, 0, 0, distorted.y(), 0, 1;
+  slope.col(4) = r2 * ray;
+  slope.col(5) = r4 * ray;
+  slope.col(6) = r4 * r2 * ray;
+  slope.col(7) << camera.fx * 2 * x * y, camera.fy * (r2 + 2 * y * y);
+  slope.col(8) << camera.fx * (r2 + 2 * x * x), camera.fy * 2 * x * y;
   return slope;
 }
 
@@ -182,20 +184,28 @@ void TagBound::invert() {
   std::vector<Index> used;
   for (Index k = 0; k < size_; ++k)
     if (information_(k, k) > 0) used.push_back(k);
-  const auto n = static_cast<Index>(used.size());
   const Eigen::VectorXd scale = information_.diagonal()(used).cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd scaled = scale.asDiagonal() * information_(used, used) * scale.asDiagonal();
-  const Eigen::LDLT<Eigen::MatrixXd> factor(scaled);
-  if (factor.info() != Eigen::Success || !(factor.vectorD().minCoeff() > 1e-13)) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> spectrum(scaled);
-    Eigen::VectorXd change = Eigen::VectorXd::Zero(size_);
-    change(used) = scale.cwiseProduct(spectrum.eigenvectors().col(0));
-    throw std::runtime_error("the geometry leaves " + name_of_defect(problem_, change) +
-                             " undetermined: control that is missing or lies on one line, or plates in too few images");
-  }
   covariance_ = Eigen::MatrixXd::Zero(size_, size_);
   covariance_.diagonal().setConstant(std::numeric_limits<double>::infinity());
-  covariance_(used, used) = scale.asDiagonal() * factor.solve(Eigen::MatrixXd::Identity(n, n)) * scale.asDiagonal();
+  covariance_(used, used) = scale.asDiagonal() * inverse_of_scaled(scaled, used, scale) * scale.asDiagonal();
+}
+
+/// Throws if pivots say that something is undetermined. Those in the order of the unknowns are quick to have and enough
+/// where they are far from nothing; the others are decided by pivoting.
+Eigen::MatrixXd TagBound::inverse_of_scaled(const Eigen::MatrixXd& scaled, const std::vector<Index>& used,
+                                            const Eigen::VectorXd& scale) const {
+  constexpr double certain = 1e-9, undetermined = 1e-13;
+  bundle::Cholesky quick;
+  if (quick.compute(scaled) && quick.smallest_pivot() > certain) return quick.inverse();
+  const Eigen::LDLT<Eigen::MatrixXd> factor(scaled);
+  if (factor.info() == Eigen::Success && factor.vectorD().minCoeff() > undetermined)
+    return factor.solve(Eigen::MatrixXd::Identity(scaled.rows(), scaled.cols()));
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> spectrum(scaled);
+  Eigen::VectorXd change = Eigen::VectorXd::Zero(size_);
+  change(used) = scale.cwiseProduct(spectrum.eigenvectors().col(0));
+  throw std::runtime_error("the geometry leaves " + name_of_defect(problem_, change) +
+                           " undetermined: control that is missing or lies on one line, or plates in too few images");
 }
 
 Eigen::MatrixXd TagBound::anchors() const {

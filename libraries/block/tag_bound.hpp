@@ -80,6 +80,8 @@ class TagBound {
   void add(const BoundInformation& more);
   void add_priors();
   void invert();
+  Eigen::MatrixXd inverse_of_scaled(const Eigen::MatrixXd& scaled, const std::vector<Eigen::Index>& used,
+                                    const Eigen::VectorXd& scale) const;
 
   BoundProblem problem_;
   Eigen::Index camera_at_, batch_at_, size_;

@@ -22,7 +22,7 @@ struct CampaignOptions {
   double haze = 0;              ///< share of the light that dust or mist scatters in; contrast falls by it
   ObstructionOptions obstruction;
   bool design_in_millimetres = false;
-  bool readings = true;  ///< take those of the total station; without them `observations` stays empty
+  bool readings = true;              ///< take those of the total station; without them `observations` stays empty
   Perturbations perturbations = {};  ///< those of plates are in building.flaws, too
 };
 

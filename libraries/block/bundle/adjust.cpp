@@ -154,11 +154,9 @@ double largest_step(const Elimination& elimination, const Eigen::VectorXd& step)
                                    Elimination& elimination, const Datum& datum, int iterations,
                                    const std::string& engine) {
   std::string cause;
-  const Eigen::MatrixXd constraints = constraints_of(problem, layout, state, elimination, datum);
   Eigen::VectorXd weakest;
   if (elimination.build(state)) {
-    require_determined(problem, layout, state, elimination, datum);
-    if (elimination.factorise(constraints) && elimination.kept_count() > 0 &&
+    if (require_determined(problem, layout, state, elimination, datum) && elimination.kept_count() > 0 &&
         smallest_eigenvalue(elimination.factor(), elimination.kept_count(), weakest) < weak_eigenvalue)
       cause = "the observations hardly determine " +
               describe_direction(problem, layout, state, elimination,
@@ -174,8 +172,8 @@ double largest_step(const Elimination& elimination, const Eigen::VectorXd& step)
 
 }  // namespace
 
-void require_determined(const Problem& problem, const Layout& layout, const State& state,
-                        const Elimination& elimination, const Datum& datum) {
+bool require_determined(const Problem& problem, const Layout& layout, const State& state, Elimination& elimination,
+                        const Datum& datum) {
   std::vector<std::string> images, points;
   for (const auto& block : elimination.blocks()) {
     if (block.weakest >= rank_tolerance) continue;
@@ -195,11 +193,12 @@ void require_determined(const Problem& problem, const Layout& layout, const Stat
     throw std::runtime_error("the position of " + adjust::enumerate(points) +
                              " is undetermined: its rays are parallel or it is seen only once");
   const Eigen::Index n = elimination.kept_count();
-  if (n == 0) return;
-  const Eigen::MatrixXd scaled = elimination.scaled_matrix(constraints_of(problem, layout, state, elimination, datum));
-  Cholesky factor;
+  if (n == 0) return true;
+  const Eigen::MatrixXd constraints = constraints_of(problem, layout, state, elimination, datum);
+  const bool factorised = elimination.factorise(constraints);
   Eigen::VectorXd weakest;
-  if (factor.compute(scaled) && smallest_eigenvalue(factor, n, weakest) > 2 * rank_tolerance) return;
+  if (factorised && smallest_eigenvalue(elimination.factor(), n, weakest) > 2 * rank_tolerance) return true;
+  const Eigen::MatrixXd scaled = elimination.scaled_matrix(constraints);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> spectrum(scaled);
   std::string message;
   int defect = 0;
@@ -208,62 +207,123 @@ void require_determined(const Problem& problem, const Layout& layout, const Stat
       message +=
           "; " + describe_direction(problem, layout, state, elimination,
                                     full_direction(layout, elimination, spectrum.eigenvectors().col(i)).unknowns);
-  if (defect == 0) return;
+  if (defect == 0) return factorised;
   if (const std::string parts = words_of_parts(problem); !parts.empty()) throw std::runtime_error(parts);
   throw std::runtime_error("the block has a rank defect of " + std::to_string(defect) + ": undetermined is" +
                            message.substr(1));
 }
 
+namespace {
+
+/// Takes a state to its minimum by undamped steps.
+class Refinement {
+ public:
+  Refinement(const Problem& problem, const Layout& layout, const State& start, const AdjustOptions& options)
+      : problem_(problem), layout_(layout), start_(start), options_(options) {}
+
+  /// False if the steps do not get smaller; then `state` is where they led, with the elimination there.
+  bool run(State& state, Elimination& elimination) {
+    double last = std::numeric_limits<double>::infinity();
+    for (steps_ = 0; steps_ < most; ++steps_) {
+      if (!elimination.build(state) || !factorise(state, elimination)) return false;
+      const Eigen::VectorXd step = elimination.step();
+      const double size = largest_step(elimination, step);
+      if (size < smallest) return true;
+      if (!step.allFinite() || (size > 100 && size > 10 * last)) return false;
+      last = size;
+      move(step, state);
+      correct(elimination, size, state);
+    }
+    return false;
+  }
+  int steps() const { return steps_; }
+
+ private:
+  static constexpr int most = 30;
+  static constexpr double smallest = 1e-7;  ///< of the largest correction, in conditional standard deviations
+
+  bool factorise(const State& state, Elimination& elimination) {
+    if (steps_ == 0) return require_determined(problem_, layout_, state, elimination, options_.datum);
+    return elimination.factorise(constraints_of(problem_, layout_, state, elimination, options_.datum));
+  }
+
+  void move(const Eigen::VectorXd& step, State& state) {
+    apply_step(problem_, layout_, step, state);
+    restore_datum(problem_, layout_, options_.datum, start_, state);
+  }
+
+  /// Further steps with the same factors, as long as each is far smaller than the one before: they cost a tenth of one
+  /// with its own, and over the small way that is left the derivatives hardly change.
+  void correct(const Elimination& elimination, double size, State& state) {
+    constexpr double contraction = 0.2;
+    Eigen::VectorXd right;
+    while (size >= 0.1 * smallest && elimination.gradient(state, right)) {
+      const Eigen::VectorXd step = elimination.solve(right);
+      const double next = largest_step(elimination, step);
+      if (!(next < contraction * size)) return;
+      move(step, state);
+      size = next;
+    }
+  }
+
+  const Problem& problem_;
+  const Layout& layout_;
+  const State& start_;
+  const AdjustOptions& options_;
+  int steps_ = 0;
+};
+
+}  // namespace
+
 Adjusted adjust(const Problem& problem, const Layout& layout, const State& start, const AdjustOptions& options) {
-  constexpr int max_refinements = 30;
-  constexpr double smallest_step = 1e-7;
   problem.require_consistent();
   Adjusted result;
-  result.state = start;
   result.rows = problem.row_count();
   result.unknowns = layout.unknown_count();
   result.defect = options.datum.count;
   MinimiseOptions minimise = options.minimise;
   minimise.loss = {};
-  const MinimiseSummary summary = options.minimiser(problem, result.state, minimise);
-  restore_datum(problem, layout, options.datum, start, result.state);
   result.elimination = std::make_unique<Elimination>(problem, layout, minimise.side, minimise.threads);
   Elimination& elimination = *result.elimination;
-  double last = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < max_refinements; ++i) {
-    result.iterations = summary.iterations + i;
-    if (!elimination.build(result.state))
-      throw std::runtime_error(elimination.undefined() +
-                               " cannot be computed after the adjustment: it lies behind the camera or outside the "
-                               "camera model; a wrong number or a bad approximate pose");
-    const Eigen::MatrixXd constraints = constraints_of(problem, layout, result.state, elimination, options.datum);
-    if (i == 0) require_determined(problem, layout, result.state, elimination, options.datum);
-    if (!elimination.factorise(constraints))
-      fail_to_converge(problem, layout, result.state, elimination, options.datum, result.iterations, summary.message);
-    Eigen::VectorXd step = elimination.step();
-    const double size = largest_step(elimination, step);
-    if (size < smallest_step) {
-      result.sum_of_squares = elimination.sum_of_squares();
-      result.cofactors = std::make_unique<Cofactors>(problem, layout, result.state, elimination, options.datum);
-      return result;
-    }
-    if (!step.allFinite() || (size > 100 && size > 10 * last)) break;
-    last = size;
-    apply_step(problem, layout, step, result.state);
-    restore_datum(problem, layout, options.datum, start, result.state);
+  Refinement refinement(problem, layout, start, options);
+  MinimiseSummary summary;
+  bool found = false;
+  if (options.start_is_near) {
+    result.state = start;
+    found = refinement.run(result.state, elimination);
   }
-  fail_to_converge(problem, layout, result.state, elimination, options.datum, result.iterations, summary.message);
+  if (!found) {
+    result.state = start;
+    summary = options.minimiser(problem, result.state, minimise);
+    restore_datum(problem, layout, options.datum, start, result.state);
+    found = refinement.run(result.state, elimination);
+  }
+  result.iterations = summary.iterations + refinement.steps();
+  if (!elimination.undefined().empty())
+    throw std::runtime_error(elimination.undefined() +
+                             " cannot be computed after the adjustment: it lies behind the camera or outside the "
+                             "camera model; a wrong number or a bad approximate pose");
+  if (!found)
+    fail_to_converge(problem, layout, result.state, elimination, options.datum, result.iterations, summary.message);
+  result.sum_of_squares = elimination.sum_of_squares();
+  result.cofactors = std::make_unique<Cofactors>(problem, layout, result.state, elimination, options.datum);
+  return result;
 }
 
-Explained explained_by_a_step(const Problem& problem, const Layout& layout, const State& state, const Datum& datum,
-                              int threads) {
-  Elimination elimination(problem, layout, Side::automatic, threads);
-  if (!elimination.build(state) || !elimination.factorise(constraints_of(problem, layout, state, elimination, datum)))
-    return {};
-  Explained explained;
-  explained.step = elimination.step();
-  explained.decrease = elimination.right().dot(explained.step);
-  return explained;
+double observed_variance(const Problem& problem, const Adjusted& adjusted) {
+  const Layout layout(problem);
+  Rows rows;
+  double squares = 0, redundancy = adjusted.redundancy();
+  const auto add = [&](const auto& terms) {
+    for (const auto& term : terms)
+      if (evaluate(problem, layout, adjusted.state, term, false, rows)) squares += rows.values().squaredNorm();
+  };
+  add(problem.image_points);
+  add(problem.image_tags);
+  add(problem.distances);
+  for (size_t k = 0; k < problem.known.size(); ++k)
+    redundancy -= adjusted.cofactors->known(adjusted.state, k).residual_cofactor.trace();
+  return redundancy > 1e-6 ? squares / redundancy : 0;
 }
 
 Reliability reliability_of(const Problem& problem, const Adjusted& adjusted) {
@@ -274,7 +334,8 @@ Reliability reliability_of(const Problem& problem, const Adjusted& adjusted) {
   result.distances.resize(problem.distances.size());
   result.groups.resize(problem.groups.size());
   for (size_t g = 0; g < problem.groups.size(); ++g) result.groups[g].name = problem.groups[g].name;
-  const auto add = [&](int group, const Eigen::VectorXd& residuals, const Eigen::MatrixXd& cofactor) {
+  const auto add = [&](int group, const Eigen::Ref<const Eigen::VectorXd>& residuals,
+                       const Eigen::Ref<const Eigen::MatrixXd>& cofactor) {
     auto& sums = result.groups[static_cast<size_t>(group)];
     sums.sum_of_squares += residuals.squaredNorm();
     sums.redundancy += cofactor.trace();
@@ -292,7 +353,7 @@ Reliability reliability_of(const Problem& problem, const Adjusted& adjusted) {
       add(o.group, rows.values(), cofactor);
     } else if (term.kind == Elimination::TermRef::Kind::tag) {
       const auto& o = problem.image_tags[i];
-      Eigen::MatrixXd whitening = Eigen::MatrixXd::Zero(8, 8);
+      Eigen::Matrix<double, 8, 8> whitening = Eigen::Matrix<double, 8, 8>::Zero();
       for (int k = 0; k < 4; ++k)
         whitening.block<2, 2>(2 * k, 2 * k) = o.whitening[static_cast<size_t>(k)] / factor_of(o.group);
       const auto quality = adjustment::row_statistics(whitening, rows.values(), cofactor, non_centrality);

@@ -5,7 +5,6 @@
 // equations. No engine's own claim of convergence is taken for a well-posed problem.
 #pragma once
 
-#include <cmath>
 #include <functional>
 #include <memory>
 #include <string>
@@ -47,6 +46,8 @@ struct AdjustOptions {
   MinimiseOptions minimise;
   Minimiser minimiser = minimise_schur;
   Datum datum;  ///< of a free block, see free_motions()
+  /// Undamped steps are tried first, the minimiser only where they lead nowhere.
+  bool start_is_near = false;
 };
 
 /// The block at its minimum. Owns nothing of problem and layout, which must outlive it.
@@ -67,19 +68,10 @@ Adjusted adjust(const Problem& problem, const Layout& layout, const State& start
 
 /// Throws std::runtime_error if the linearised block is not of full rank: images whose pose and points whose position
 /// is undetermined by name, similarity motions in words, any other null vector by the unknowns with the largest part in
-/// it. Precondition: elimination.build() at `state` without damping.
-void require_determined(const Problem& problem, const Layout& layout, const State& state,
-                        const Elimination& elimination, const Datum& datum);
-
-/// What one Gauss-Newton step from `state` would do: by how much the sum of squares falls, as the linearised problem
-/// has it. At the minimum of a smaller model this is the score test of the unknowns that `problem` has beyond it,
-/// chi-squared with as many degrees of freedom (Rao 1948). nan if the block is not of full rank.
-struct Explained {
-  double decrease = std::nan("");
-  Eigen::VectorXd step;
-};
-Explained explained_by_a_step(const Problem& problem, const Layout& layout, const State& state, const Datum& datum,
-                              int threads);
+/// it. Precondition: elimination.build() at `state` without damping. Leaves `elimination` factorised; false if rounding
+/// leaves no Cholesky factor all the same.
+bool require_determined(const Problem& problem, const Layout& layout, const State& state, Elimination& elimination,
+                        const Datum& datum);
 
 /// Statistics of every observation, held against Q_vv. Rows of image points, tags and distances by their index; known
 /// coordinates row by row. Redundancy numbers, w and MDB for σ0 = 1; residuals in the unit of the observation.
@@ -91,5 +83,9 @@ struct Reliability {
   std::vector<adjustment::VarianceComponent> groups;  ///< one for each of problem.groups
 };
 Reliability reliability_of(const Problem& problem, const Adjusted& adjusted);
+
+/// Variance component of all that is not in problem.known, taken as one group: as reliability_of() has it, from what
+/// the known values leave of the redundancy. 0 if that is nothing.
+double observed_variance(const Problem& problem, const Adjusted& adjusted);
 
 }  // namespace plumbline::bundle

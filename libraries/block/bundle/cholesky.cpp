@@ -29,23 +29,29 @@ bool Cholesky::compute(Eigen::MatrixXd lower) {
   return true;
 }
 
+void Cholesky::half_solve_in_place(Eigen::Ref<Eigen::MatrixXd> right) const {
+  factor_.triangularView<Eigen::Lower>().solveInPlace(right);
+}
+
 void Cholesky::solve_in_place(Eigen::Ref<Eigen::MatrixXd> right) const {
   factor_.triangularView<Eigen::Lower>().solveInPlace(right);
   factor_.triangularView<Eigen::Lower>().transpose().solveInPlace(right);
 }
 
-Eigen::MatrixXd Cholesky::inverse() const {
-  const Eigen::Index n = factor_.rows();
+Eigen::MatrixXd Cholesky::inverse(Eigen::Index first) const {
+  const Eigen::Index n = factor_.rows() - first;
+  const auto factor = factor_.bottomRightCorner(n, n);
   Eigen::MatrixXd root = Eigen::MatrixXd::Zero(n, n);  // L⁻¹
   for (Eigen::Index at = 0; at < n; at += panel) {
     const Eigen::Index width = std::min(panel, n - at);
     auto rows = root.middleRows(at, width).leftCols(at + width);
-    if (at > 0)  // −L(at, 0…) L⁻¹
-      subtract_product(&root(at, 0), n, static_cast<int>(width), static_cast<int>(at), static_cast<int>(at),
-                       {&factor_(at, 0), 1, n, root.data(), n, 1}, false);
+    for (Eigen::Index column = 0; column < at; column += panel)  // −L L⁻¹; above its diagonal L⁻¹ is nothing
+      subtract_product(&root(at, column), n, static_cast<int>(width), static_cast<int>(panel),
+                       static_cast<int>(at - column),
+                       {&factor_(first + at, first + column), 1, factor_.rows(), &root(column, column), n, 1}, false);
     rows.rightCols(width).setIdentity();
     const Eigen::MatrixXd solved =
-        factor_.block(at, at, width, width).triangularView<Eigen::Lower>().solve(Eigen::MatrixXd(rows));
+        factor.block(at, at, width, width).triangularView<Eigen::Lower>().solve(Eigen::MatrixXd(rows));
     rows = solved;
   }
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(n, n);  // −L⁻ᵀ L⁻¹, its lower triangle

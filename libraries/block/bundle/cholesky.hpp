@@ -11,9 +11,12 @@ class Cholesky {
   /// Takes the lower triangle. False if a pivot is not positive or no number.
   bool compute(Eigen::MatrixXd lower);
   Eigen::Index size() const { return factor_.rows(); }
+  /// The smallest of the squared diagonal: what the unknowns before it do not tell of an unknown.
+  double smallest_pivot() const { return factor_.diagonal().cwiseAbs2().minCoeff(); }
   void solve_in_place(Eigen::Ref<Eigen::MatrixXd> right) const;
-  /// The whole symmetric inverse.
-  Eigen::MatrixXd inverse() const;
+  void half_solve_in_place(Eigen::Ref<Eigen::MatrixXd> right) const;  ///< L⁻¹ right
+  /// The symmetric inverse: the block of it that belongs to the unknowns from `first` on.
+  Eigen::MatrixXd inverse(Eigen::Index first = 0) const;
 
  private:
   Eigen::MatrixXd factor_;  ///< L in its lower triangle; above it anything

@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 
 namespace plumbline::bundle {
 namespace {
@@ -189,67 +190,72 @@ std::vector<Eigen::MatrixXd> Cofactors::all_own() const {
   return result;
 }
 
+/// Cofactors of all unknowns an observation touches, in the order of its columns.
+struct Cofactors::Touched {
+  static constexpr int stride = Rows::stride;
+  std::array<double, stride * stride> k{};
+
+  template <typename Source>
+  void set(const Rows::Part& a, const Rows::Part& b, const Source& source) {
+    for (int c = 0; c < b.size; ++c)
+      for (int r = 0; r < a.size; ++r)
+        k[static_cast<size_t>((a.column + r) * stride + b.column + c)] =
+            k[static_cast<size_t>((b.column + c) * stride + a.column + r)] = source(r, c);
+  }
+};
+
+/// Q_vv of an observation's rows. `near`, of the eliminated block it belongs to, is null if it belongs to none;
+/// `local`: where its kept parts are in `near`.
+Cofactors::Square Cofactors::of_rows(const Rows& rows, int own_block, const Local* near, const int* local,
+                                     Touched& touched) const {
+  int next = 0;
+  for (int l = 0; l < rows.parts; ++l) {
+    const auto& b = rows.part[static_cast<size_t>(l)];
+    const bool is_own = near && b.block == own_block;
+    const int to = is_own ? 0 : elimination_.kept_offset(b.block), at = near && !is_own ? local[next++] : 0;
+    for (int k = 0; k < rows.parts; ++k) {
+      const auto& a = rows.part[static_cast<size_t>(k)];
+      const bool from_own = near && a.block == own_block;
+      if (is_own && from_own)
+        touched.set(a, b, near->own);
+      else if (from_own)
+        touched.set(a, b, near->cross.middleCols(at, b.size));
+      else if (!is_own && k <= l)
+        touched.set(a, b, kept_.block(elimination_.kept_offset(a.block), to, a.size, b.size));
+    }
+  }
+  Square q(rows.rows, rows.rows);
+  residual_cofactor(rows.rows, rows.columns, rows.storage.data(), Rows::stride, touched.k.data(), Touched::stride,
+                    q.data());
+  return q;
+}
+
 void Cofactors::visit_rows(const State& state, const Visit& visit) const {
   Rows rows;
-  const auto evaluate_term = [&](const Elimination::TermRef& term) {
+  Touched touched;
+  const auto visit_term = [&](const Elimination::TermRef& term, int own_block, const Local* near) {
     const size_t i = static_cast<size_t>(term.index);
+    if (term.kind == Elimination::TermRef::Kind::known) return;
     if (term.kind == Elimination::TermRef::Kind::point)
       evaluate(problem_, layout_, state, problem_.image_points[i], true, rows);
     else if (term.kind == Elimination::TermRef::Kind::tag)
       evaluate(problem_, layout_, state, problem_.image_tags[i], true, rows);
     else
       evaluate(problem_, layout_, state, problem_.distances[i], true, rows);
+    visit(term, rows, of_rows(rows, own_block, near, term.local.data(), touched));
   };
-  using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, Rows::max_rows, Rows::max_rows>;
   for (size_t e = 0; e < elimination_.blocks().size(); ++e) {
     const auto& block = elimination_.blocks()[e];
-    const Local near = local(block);
-    const auto lower = block.factor.topLeftCorner(block.size, block.size).triangularView<Eigen::Lower>();
-    for (const auto& term : elimination_.terms(static_cast<int>(e))) {
-      if (term.kind == Elimination::TermRef::Kind::known) continue;
-      evaluate_term(term);
-      Square q = Square::Identity(rows.rows, rows.rows);
-      int own = 0;
-      while (rows.part[static_cast<size_t>(own)].block != block.block) ++own;
-      Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, Rows::max_rows> half =
-          rows.jacobian(own).transpose();  // L⁻¹ Jᵀ of the eliminated block
-      if (block.weakest >= singular_block) lower.solveInPlace(half);
-      q.noalias() -= rows.jacobian(own) * near.own * rows.jacobian(own).transpose();
-      int next = 0;
-      std::array<int, Rows::max_parts> local_of{};
-      for (int k = 0; k < rows.parts; ++k)
-        if (k != own) local_of[static_cast<size_t>(k)] = term.local[static_cast<size_t>(next++)];
-      for (int k = 0; k < rows.parts; ++k) {
-        if (k == own) continue;
-        const auto& a = rows.part[static_cast<size_t>(k)];
-        const Square mixed = half.transpose() * near.t.middleCols(local_of[static_cast<size_t>(k)], a.size) *
-                             rows.jacobian(k).transpose();
-        q += mixed + mixed.transpose();
-        for (int l = 0; l < rows.parts; ++l) {
-          if (l == own) continue;
-          const auto& b = rows.part[static_cast<size_t>(l)];
-          q.noalias() -=
-              rows.jacobian(k) *
-              kept_.block(elimination_.kept_offset(a.block), elimination_.kept_offset(b.block), a.size, b.size) *
-              rows.jacobian(l).transpose();
-        }
-      }
-      visit(term, rows, q);
-    }
+    Local near = local(block);
+    near.cross = -near.t;
+    if (block.weakest >= singular_block)
+      block.factor.topLeftCorner(block.size, block.size)
+          .triangularView<Eigen::Lower>()
+          .transpose()
+          .solveInPlace(near.cross);
+    for (const auto& term : elimination_.terms(static_cast<int>(e))) visit_term(term, block.block, &near);
   }
-  for (const auto& term : elimination_.loose_terms()) {
-    if (term.kind == Elimination::TermRef::Kind::known) continue;
-    evaluate_term(term);
-    Square q = Square::Identity(rows.rows, rows.rows);
-    for (int k = 0; k < rows.parts; ++k)
-      for (int l = 0; l < rows.parts; ++l)
-        q.noalias() -= rows.jacobian(k) *
-                       kept_.block(elimination_.kept_offset(rows.part[static_cast<size_t>(k)].block),
-                                   elimination_.kept_offset(rows.part[static_cast<size_t>(l)].block),
-                                   rows.part[static_cast<size_t>(k)].size, rows.part[static_cast<size_t>(l)].size) *
-                       rows.jacobian(l).transpose();
-    visit(term, rows, q);
-  }
+  for (const auto& term : elimination_.loose_terms()) visit_term(term, -1, nullptr);
 }
 
 Cofactors::KnownQuality Cofactors::known(const State& state, size_t index) const {
@@ -260,7 +266,11 @@ Cofactors::KnownQuality Cofactors::known(const State& state, size_t index) const
   if (result.rows.columns.empty()) return result;
   const auto at = positions(result.rows.columns, result.rows.blocks);
   const Eigen::MatrixXd own = joint(result.rows.blocks)(at, at);
-  result.residual_cofactor -= result.rows.jacobian * own * result.rows.jacobian.transpose();
+  const Eigen::MatrixXd& jacobian = result.rows.jacobian;
+  if (jacobian.rows() == jacobian.cols() && jacobian.isDiagonal(0))  // uncorrelated coordinates
+    result.residual_cofactor -= jacobian.diagonal().asDiagonal() * own * jacobian.diagonal().asDiagonal();
+  else
+    result.residual_cofactor -= jacobian * own * jacobian.transpose();
   return result;
 }
 

@@ -44,11 +44,15 @@ class Cofactors {
 
  private:
   struct Local {
-    Eigen::MatrixXd t;    ///< Y Q of the local kept unknowns
-    Eigen::MatrixXd own;  ///< before the datum
+    Eigen::MatrixXd t;      ///< Y Q of the local kept unknowns
+    Eigen::MatrixXd own;    ///< before the datum
+    Eigen::MatrixXd cross;  ///< to the local kept unknowns: −L⁻ᵀ t; only in visit_rows()
   };
+  struct Touched;
+  using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, Rows::max_rows, Rows::max_rows>;
   std::vector<Eigen::Index> positions(const std::vector<int>& unknowns, const std::vector<int>& blocks) const;
   Local local(const Elimination::Block& block) const;
+  Square of_rows(const Rows& rows, int own_block, const Local* near, const int* local, Touched& touched) const;
   void multiply_kept(const Elimination::Block& block, Eigen::MatrixXd& product) const;
   Eigen::MatrixXd raw(int a, int b) const;
   void to_datum(int a, int b, Eigen::Ref<Eigen::MatrixXd> q) const;

@@ -76,6 +76,7 @@ Elimination::Elimination(const Problem& problem, const Layout& layout, Side side
   choose_side(side);
   sort_unknowns();
   sort_terms();
+  prepare_known();
 }
 
 void Elimination::choose_side(Side side) {
@@ -250,6 +251,35 @@ std::string Elimination::name(const TermRef& term) const {
   return "the distance '" + problem_.distances[i].name + "'";
 }
 
+void Elimination::prepare_known() {
+  for (const Known& term : problem_.known) {
+    Linear& known = known_.emplace_back();
+    known.whitening = term.whitening / problem_.groups[static_cast<size_t>(term.group)].sigma_factor;
+    std::vector<int> chosen;
+    linear_columns(problem_, layout_, term, chosen, known.columns);
+    known.jacobian = known.whitening(Eigen::all, chosen);
+    known.diagonal = known.jacobian.rows() == known.jacobian.cols() && known.jacobian.isDiagonal(0);
+    if (known.diagonal)
+      known.normal = known.jacobian.diagonal().cwiseAbs2().asDiagonal();
+    else
+      known.normal = known.jacobian.transpose() * known.jacobian;
+    for (int c : known.columns)
+      for (Ref ref : term.refs) {
+        const int b = layout_.block(ref), within = c - layout_.offset(b);
+        if (within < 0 || within >= layout_.size(b)) continue;
+        known.at.push_back(std::max(0, kept_offset(b)) + within);
+        break;
+      }
+  }
+}
+
+/// Jᵀ r of problem.known[index]; adds its part of the cost.
+Eigen::VectorXd Elimination::gradient_of_known(const State& state, size_t index, double& cost) const {
+  const Eigen::VectorXd residual = residual_of(problem_, state, problem_.known[index], known_[index].whitening);
+  cost += residual.squaredNorm();
+  return known_[index].jacobian.transpose() * residual;
+}
+
 bool Elimination::linearise(const State& state, const Loss& loss, int first, int last, double damping, Sums& sums) {
   const int shared = kept_count_ - primary_count_;
   sums.diagonal.assign(36 * static_cast<size_t>(primary_count_ / 3 + 1), 0.0);
@@ -266,12 +296,9 @@ bool Elimination::linearise(const State& state, const Loss& loss, int first, int
     for (const TermRef& term : terms_[static_cast<size_t>(e)]) {
       const size_t i = static_cast<size_t>(term.index);
       if (term.kind == TermRef::Kind::known) {  // of this block alone: others are tied and kept
-        const KnownRows known = evaluate(problem_, layout_, state, problem_.known[i]);
-        std::vector<int> own;
-        for (int c : known.columns) own.push_back(c - layout_.offset(block.block));
-        v(own, own) += known.jacobian.transpose() * known.jacobian;
-        g(own) += known.jacobian.transpose() * known.residual;
-        sums.cost += known.residual.squaredNorm();
+        const Linear& known = known_[i];
+        g(known.at) += gradient_of_known(state, i, sums.cost);
+        v(known.at, known.at) += known.normal;
         continue;
       }
       const bool is_point = term.kind == TermRef::Kind::point;
@@ -384,21 +411,18 @@ bool Elimination::add_loose(const State& state, const Loss& loss) {
   for (const TermRef& term : loose_) {
     const size_t i = static_cast<size_t>(term.index);
     if (term.kind == TermRef::Kind::known) {
-      const KnownRows known = evaluate(problem_, layout_, state, problem_.known[i]);
-      const Eigen::MatrixXd own = known.jacobian.transpose() * known.jacobian;
-      const Eigen::VectorXd g = known.jacobian.transpose() * known.residual;
-      std::vector<int> at;
-      for (int b : known.blocks)
-        for (int c : known.columns)
-          if (c >= layout_.offset(b) && c < layout_.offset(b) + layout_.size(b))
-            at.push_back(kept_offset(b) + c - layout_.offset(b));
-      for (Eigen::Index c = 0; c < own.cols(); ++c) {
-        right_(known.columns[static_cast<size_t>(c)]) -= g(c);
-        for (Eigen::Index r = 0; r < own.rows(); ++r)
-          if (at[static_cast<size_t>(r)] >= at[static_cast<size_t>(c)])
-            normal_(at[static_cast<size_t>(r)], at[static_cast<size_t>(c)]) += own(r, c);
+      const Linear& known = known_[i];
+      const Eigen::VectorXd g = gradient_of_known(state, i, cost_);
+      for (size_t c = 0; c < known.at.size(); ++c) {
+        const Eigen::Index column = static_cast<Eigen::Index>(c);
+        right_(known.columns[c]) -= g(column);
+        if (known.diagonal)
+          normal_(known.at[c], known.at[c]) += known.normal(column, column);
+        else
+          for (size_t r = 0; r < known.at.size(); ++r)
+            if (known.at[r] >= known.at[c])
+              normal_(known.at[r], known.at[c]) += known.normal(static_cast<Eigen::Index>(r), column);
       }
-      cost_ += known.residual.squaredNorm();
       continue;
     }
     bool defined = false, robust = false;
@@ -428,6 +452,33 @@ bool Elimination::add_loose(const State& state, const Loss& loss) {
     }
   }
   return true;
+}
+
+bool Elimination::gradient(const State& state, Eigen::VectorXd& right) const {
+  right.setZero(layout_.unknown_count());
+  Rows rows;
+  const auto add = [&](const auto& terms) {
+    for (const auto& term : terms) {
+      if (!evaluate(problem_, layout_, state, term, true, rows)) return false;
+      for (int k = 0; k < rows.parts; ++k) {
+        const Rows::Part& part = rows.part[static_cast<size_t>(k)];
+        double* to = right.data() + layout_.offset(part.block);
+        for (int r = 0; r < rows.rows; ++r) {
+          const double* from = rows.storage.data() + r * Rows::stride + part.column;
+          for (int c = 0; c < part.size; ++c) to[c] -= rows.residual[static_cast<size_t>(r)] * from[c];
+        }
+      }
+    }
+    return true;
+  };
+  if (!add(problem_.image_points) || !add(problem_.image_tags) || !add(problem_.distances)) return false;
+  double squares = 0;
+  for (size_t k = 0; k < known_.size(); ++k) {
+    const Eigen::VectorXd g = gradient_of_known(state, k, squares);
+    for (size_t c = 0; c < known_[k].columns.size(); ++c)
+      right(known_[k].columns[c]) -= g(static_cast<Eigen::Index>(c));
+  }
+  return right.allFinite();
 }
 
 /// Of every `step`th kept block from `first` on. Eliminated blocks are taken in portions, so that what is read of them

@@ -44,6 +44,8 @@ class Elimination {
   bool factorise(const Eigen::MatrixXd& constraints);
   /// N⁻¹ right for all unknowns (Layout's order), n × d. Precondition: factorise().
   Eigen::MatrixXd solve(const Eigen::MatrixXd& right) const;
+  /// −Jᵀ r at `state` for all unknowns, and nothing else; false if an observation cannot be computed there.
+  bool gradient(const State& state, Eigen::VectorXd& right) const;
   /// Gauss-Newton step from the last build(). Precondition: factorise().
   Eigen::VectorXd step() const;
 
@@ -106,6 +108,8 @@ class Elimination {
                  const Eigen::Matrix<double, 6, 1>& right);
   void subtract(size_t first, size_t step);
   std::string name(const TermRef& term) const;
+  void prepare_known();
+  Eigen::VectorXd gradient_of_known(const State& state, size_t index, double& cost) const;
 
   const Problem& problem_;
   const Layout& layout_;
@@ -117,6 +121,14 @@ class Elimination {
   std::vector<Block> blocks_;
   std::vector<std::vector<TermRef>> terms_;
   std::vector<TermRef> loose_;
+  /// What of a linear term is the same at every state.
+  struct Linear {
+    Eigen::MatrixXd whitening, jacobian, normal;  ///< W, J, Jᵀ J
+    std::vector<int> columns;                     ///< unknowns, see Layout
+    std::vector<int> at;                          ///< their rows in the eliminated block or in the reduced matrix
+    bool diagonal = false;                        ///< JᵀJ is
+  };
+  std::vector<Linear> known_;                  ///< in the order of the problem
   std::vector<std::vector<Coupled>> coupled_;  ///< by kept block
   std::vector<double> y_;
   std::vector<Run> runs_;

@@ -40,6 +40,21 @@ PLUMBLINE_INLINE void outer_at(int rows, const Outer& job, int c) {
       store<V>(to, load<V>(to) + (job.a[r] * b0 + job.a[job.a_stride + r] * b1));
     return;
   }
+  if (rows == 8) {
+    const double* b = job.b + c;
+    const std::ptrdiff_t t = job.b_stride, s = job.a_stride;
+    const V b0 = load<V>(b), b1 = load<V>(b + t), b2 = load<V>(b + 2 * t), b3 = load<V>(b + 3 * t),
+            b4 = load<V>(b + 4 * t), b5 = load<V>(b + 5 * t), b6 = load<V>(b + 6 * t), b7 = load<V>(b + 7 * t);
+    for (int r = 0; r < job.a_size; ++r, to += job.target_stride) {
+      const double* a = job.a + r;
+      store<V>(to,
+               load<V>(to) +
+                   (((((((a[0] * b0 + a[s] * b1) + a[2 * s] * b2) + a[3 * s] * b3) + a[4 * s] * b4) + a[5 * s] * b5) +
+                     a[6 * s] * b6) +
+                    a[7 * s] * b7));
+    }
+    return;
+  }
   for (int r = 0; r < job.a_size; ++r, to += job.target_stride) {
     V sum = job.a[r] * load<V>(job.b + c);
     for (int k = 1; k < rows; ++k) sum += job.a[k * job.a_stride + r] * load<V>(job.b + k * job.b_stride + c);
@@ -98,18 +113,48 @@ void pack(const double* from, std::ptrdiff_t row, std::ptrdiff_t column, int row
   }
 }
 
-/// tile (8 × 4, column-major) = A Bᵀ of packed strips.
+/// tile (8 × 4, column-major) = A Bᵀ of packed strips. Sums by name: those of an array would live in memory.
 PLUMBLINE_CLONES
 void multiply_tile(const double* a, const double* b, int inner, double* tile) {
-  V4 sum[tile_columns][2] = {};
+  V4 s0 = {}, s1 = {}, s2 = {}, s3 = {}, t0 = {}, t1 = {}, t2 = {}, t3 = {};
   for (int k = 0; k < inner; ++k, a += tile_rows, b += tile_columns) {
     const V4 upper = load<V4>(a), lower = load<V4>(a + 4);
-    for (int c = 0; c < tile_columns; ++c) {
-      sum[c][0] += b[c] * upper;
-      sum[c][1] += b[c] * lower;
+    s0 += b[0] * upper, t0 += b[0] * lower;
+    s1 += b[1] * upper, t1 += b[1] * lower;
+    s2 += b[2] * upper, t2 += b[2] * lower;
+    s3 += b[3] * upper, t3 += b[3] * lower;
+  }
+  store<V4>(tile, s0), store<V4>(tile + 4, t0);
+  store<V4>(tile + 8, s1), store<V4>(tile + 12, t1);
+  store<V4>(tile + 16, s2), store<V4>(tile + 20, t2);
+  store<V4>(tile + 24, s3), store<V4>(tile + 28, t3);
+}
+
+/// sums[k] = Σ over the runs of Y_k · x for `Count` rows of Y.
+template <int Count>
+PLUMBLINE_INLINE void multiply_rows(const double* y, int columns, const Run* runs, int run_count, const double* x,
+                                    double* sums) {
+  const double *y1 = Count > 1 ? y + columns : y, *y2 = Count > 2 ? y + 2 * columns : y;
+  V4 s0 = {}, s1 = {}, s2 = {};
+  double r0 = 0, r1 = 0, r2 = 0;
+  for (const Run* run = runs; run < runs + run_count; ++run) {
+    const double* from = x + run->offset;
+    int c = 0, at = run->local;
+    for (; c + 4 <= run->length; c += 4, at += 4) {
+      const V4 value = load<V4>(from + c);
+      s0 += value * load<V4>(y + at);
+      if (Count > 1) s1 += value * load<V4>(y1 + at);
+      if (Count > 2) s2 += value * load<V4>(y2 + at);
+    }
+    for (; c < run->length; ++c, ++at) {
+      r0 += from[c] * y[at];
+      if (Count > 1) r1 += from[c] * y1[at];
+      if (Count > 2) r2 += from[c] * y2[at];
     }
   }
-  std::memcpy(tile, sum, sizeof sum);
+  sums[0] = ((s0[0] + s0[1]) + (s0[2] + s0[3])) + r0;
+  if (Count > 1) sums[1] = ((s1[0] + s1[1]) + (s1[2] + s1[3])) + r1;
+  if (Count > 2) sums[2] = ((s2[0] + s2[1]) + (s2[2] + s2[3])) + r2;
 }
 
 }  // namespace
@@ -159,22 +204,32 @@ void subtract_strip(double* reduced, std::ptrdiff_t stride, int size, const Coup
 PLUMBLINE_CLONES
 void multiply_runs(const double* y, int y_rows, int columns, const Run* runs, int run_count, const double* x,
                    double* sums) {
-  for (int k0 = 0; k0 < y_rows; k0 += 3) {
-    const double* row = y + static_cast<std::ptrdiff_t>(k0) * columns;
-    const int count = std::min(3, y_rows - k0);
-    V4 sum[3] = {};
-    double rest[3] = {};
-    for (const Run* run = runs; run < runs + run_count; ++run) {
-      const double* from = x + run->offset;
-      int c = 0;
-      for (; c + 4 <= run->length; c += 4) {
-        const V4 value = load<V4>(from + c);
-        for (int k = 0; k < count; ++k) sum[k] += value * load<V4>(row + k * columns + run->local + c);
-      }
-      for (; c < run->length; ++c)
-        for (int k = 0; k < count; ++k) rest[k] += from[c] * row[k * columns + run->local + c];
+  for (; y_rows >= 3; y_rows -= 3, y += 3 * columns, sums += 3) multiply_rows<3>(y, columns, runs, run_count, x, sums);
+  if (y_rows == 2) multiply_rows<2>(y, columns, runs, run_count, x, sums);
+  if (y_rows == 1) multiply_rows<1>(y, columns, runs, run_count, x, sums);
+}
+
+PLUMBLINE_CLONES
+void residual_cofactor(int rows, int columns, const double* j, int j_stride, const double* k, int k_stride, double* q) {
+  constexpr int widest = 32;
+  double product[widest];  // a row of J K
+  for (int r = 0; r < rows; ++r) {
+    const double* own = j + r * j_stride;
+    for (int c = 0; c < columns; c += 4) {
+      V4 sum = own[0] * load<V4>(k + c);
+      for (int i = 1; i < columns; ++i) sum += own[i] * load<V4>(k + i * k_stride + c);
+      store<V4>(product + c, sum);
     }
-    for (int k = 0; k < count; ++k) sums[k0 + k] = ((sum[k][0] + sum[k][1]) + (sum[k][2] + sum[k][3])) + rest[k];
+    for (int s = 0; s <= r; ++s) {
+      const double* other = j + s * j_stride;
+      V4 sum = {};
+      int c = 0;
+      for (; c + 4 <= columns; c += 4) sum += load<V4>(product + c) * load<V4>(other + c);
+      double rest = 0;
+      for (; c < columns; ++c) rest += product[c] * other[c];
+      const double value = ((sum[0] + sum[1]) + (sum[2] + sum[3])) + rest;
+      q[s * rows + r] = q[r * rows + s] = (r == s ? 1.0 : 0.0) - value;
+    }
   }
 }
 

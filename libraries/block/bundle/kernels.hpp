@@ -45,6 +45,10 @@ void subtract_strip(double* reduced, std::ptrdiff_t stride, int size, const Coup
 void multiply_runs(const double* y, int y_rows, int columns, const Run* runs, int run_count, const double* x,
                    double* sums);
 
+/// q (rows × rows, column-major) = I − J K Jᵀ. J row by row, at most 32 columns; K symmetric, row by row with
+/// `k_stride` a multiple of 4: what stands between `columns` and the next such multiple is read and not used.
+void residual_cofactor(int rows, int columns, const double* j, int j_stride, const double* k, int k_stride, double* q);
+
 /// C (rows × columns, column-major) −= A Bᵀ, where A(i, k) is at a[i·a_row + k·a_column] and B(j, k) at b[j·b_row +
 /// k·b_column]. With `lower`, what lies above the diagonal of C is left undefined.
 struct Factors {

@@ -111,66 +111,113 @@ bool evaluate(const Problem& problem, const Layout& layout, const State& state, 
   return true;
 }
 
-bool evaluate(const Problem& problem, const Layout& layout, const State& state, const ImageTag& term, bool jacobians,
-              Rows& rows) {
+namespace {
+
+/// A tag's corners as projected, and their derivatives by everything that may move them.
+struct ProjectedTag {
+  std::array<Eigen::Vector2d, 4> pixels;
+  Eigen::Matrix<double, 8, 6> by_pose, by_plate;
+  Eigen::Matrix<double, 8, Eigen::Dynamic, 0, 8, max_interior> by_interior;
+  Eigen::Matrix<double, 8, 1> by_scale;
+  Eigen::Matrix<double, 8, 2> by_shift;
+};
+
+bool project(const Problem& problem, const Layout& layout, const State& state, const ImageTag& term, bool jacobians,
+             ProjectedTag& tag) {
   const Image& image = problem.images[static_cast<size_t>(term.image)];
   const Camera& camera = problem.cameras[static_cast<size_t>(image.camera)];
   const Plate& plate = problem.plates[static_cast<size_t>(term.plate)];
   const Placement& pose = state.images[static_cast<size_t>(term.image)];
   const Placement& body = state.plates[static_cast<size_t>(term.plate)];
   const size_t batch = static_cast<size_t>(plate.batch);
-  const double scale = state.scales[batch], inset = state.insets[batch], half = 0.5 * plate.shape.tag_size;
+  const double scale = state.scales[batch], half = 0.5 * plate.shape.tag_size;
   const auto& free = layout.free_values(image.camera);
   const Eigen::Index f = static_cast<Eigen::Index>(free.size());
-  std::array<Eigen::Vector2d, 4> pixels;
-  Eigen::Matrix<double, 8, 6> by_pose, by_plate;
-  Eigen::Matrix<double, 8, Eigen::Dynamic, 0, 8, max_interior> by_interior(8, f);
-  Eigen::Matrix<double, 8, 1> by_scale;
-  Eigen::Matrix<double, 8, 2> by_shift;
+  tag.by_interior.resize(8, f);
+  LensRows lens;
   for (int k = 0; k < 4; ++k) {
     const Eigen::Vector3d edge((k == 1 || k == 2) ? half : -half, k >= 2 ? half : -half, 0);
     const Eigen::Vector3d arm = body.matrix * (plate.shape.tag_centre_in_plate + scale * edge);
     const Eigen::Vector3d v = pose.matrix * (body.position + arm - pose.position);
-    LensRows lens;
     if (!evaluate_lens(camera.lens, state.interiors[static_cast<size_t>(image.camera)].data(), camera.balance_radius,
                        camera.inverse_reference, v, Eigen::Vector2d::Zero(), jacobians, lens))
       return false;
-    pixels[static_cast<size_t>(k)] = lens.misclosure + state.shift(term.image);
+    tag.pixels[static_cast<size_t>(k)] = lens.misclosure + state.shift(term.image);
     if (!jacobians) continue;
     const Matrix23 by_point = lens.by_direction * pose.matrix;
-    by_pose.block<2, 3>(2 * k, 0) = -by_point;
-    by_pose.block<2, 3>(2 * k, 3) = -times_skew(lens.by_direction, v);
-    by_plate.block<2, 3>(2 * k, 0) = by_point;
-    by_plate.block<2, 3>(2 * k, 3) = -times_skew(by_point, arm);
-    by_shift.middleRows<2>(2 * k) = lens.by_interior.middleCols<2>(principal_point(camera.lens));
-    by_scale.segment<2>(2 * k) = by_point * (body.matrix * edge);
+    tag.by_pose.block<2, 3>(2 * k, 0) = -by_point;
+    tag.by_pose.block<2, 3>(2 * k, 3) = -times_skew(lens.by_direction, v);
+    tag.by_plate.block<2, 3>(2 * k, 0) = by_point;
+    tag.by_plate.block<2, 3>(2 * k, 3) = -times_skew(by_point, arm);
+    if (image.shift_free)
+      tag.by_shift.middleRows<2>(2 * k) = lens.by_interior.middleCols<2>(principal_point(camera.lens));
+    if (problem.batches[batch].scale_free) tag.by_scale.segment<2>(2 * k) = by_point * (body.matrix * edge);
     for (Eigen::Index c = 0; c < f; ++c)
-      by_interior.block<2, 1>(2 * k, c) = lens.by_interior.col(free[static_cast<size_t>(c)]);
+      tag.by_interior.block<2, 1>(2 * k, c) = lens.by_interior.col(free[static_cast<size_t>(c)]);
   }
+  return true;
+}
+
+/// What derivatives of a tag's pixels are multiplied by: the whitening of its corners, which are drawn inwards perhaps.
+struct TagWeight {
+  std::array<Eigen::Matrix2d, 4> corner;
+  Eigen::Matrix<double, 8, 8> all;  ///< only if the edges at a corner move it
+  bool mixes_corners = false;
+
+  template <typename Derivatives, typename Part>
+  void times(const Derivatives& derivatives, Part part) const {
+    if (mixes_corners)
+      part = all * derivatives;
+    else
+      for (int k = 0; k < 4; ++k)
+        part.template middleRows<2>(2 * k).noalias() =
+            corner[static_cast<size_t>(k)] * derivatives.template middleRows<2>(2 * k);
+  }
+};
+
+}  // namespace
+
+bool evaluate(const Problem& problem, const Layout& layout, const State& state, const ImageTag& term, bool jacobians,
+              Rows& rows) {
+  const Image& image = problem.images[static_cast<size_t>(term.image)];
+  const Plate& plate = problem.plates[static_cast<size_t>(term.plate)];
+  const size_t batch = static_cast<size_t>(plate.batch);
+  const bool scale_free = problem.batches[batch].scale_free, inset_free = problem.batches[batch].inset_free;
+  const double inset = state.insets[batch], factor = problem.groups[static_cast<size_t>(term.group)].sigma_factor;
+  ProjectedTag tag;
+  if (!project(problem, layout, state, term, jacobians, tag)) return false;
   DrawnCorners drawn;
-  draw_corners(pixels, inset, jacobians, drawn);
-  const double factor = problem.groups[static_cast<size_t>(term.group)].sigma_factor;
-  Eigen::Matrix<double, 8, 8> w = Eigen::Matrix<double, 8, 8>::Zero();
+  if (inset != 0 || inset_free)
+    draw_corners(tag.pixels, inset, jacobians, drawn);
+  else
+    drawn.shift.setZero();
+  TagWeight weight;
   rows.rows = 8;
   rows.parts = rows.columns = 0;
   for (int k = 0; k < 4; ++k) {
     const size_t at = static_cast<size_t>(k);
-    w.block<2, 2>(2 * k, 2 * k) = term.whitening[at] / factor;
+    weight.corner[at] = term.whitening[at] / factor;
     Eigen::Map<Eigen::Vector2d>(rows.residual.data() + 2 * k) =
-        w.block<2, 2>(2 * k, 2 * k) * (pixels[at] + inset * drawn.shift.segment<2>(2 * k) - term.corners[at]);
+        weight.corner[at] * (tag.pixels[at] + inset * drawn.shift.segment<2>(2 * k) - term.corners[at]);
   }
   if (!jacobians) return true;
-  const Eigen::Matrix<double, 8, 8> weighted = w * drawn.by_pixels;
-  if (!image.fixed) add_part<8, 6>(rows, layout.block({Kind::image, term.image})) = weighted * by_pose;
-  if (f > 0)
-    add_part<8, Eigen::Dynamic>(rows, layout.block({Kind::camera, image.camera}), static_cast<int>(f)) =
-        weighted * by_interior;
-  if (image.shift_free) add_part<8, 2>(rows, layout.block({Kind::shift, term.image})) = weighted * by_shift;
-  if (problem.batches[batch].scale_free)
-    add_part<8, Eigen::Dynamic>(rows, layout.block({Kind::scale, plate.batch}), 1) = weighted * by_scale;
-  if (problem.batches[batch].inset_free)
-    add_part<8, Eigen::Dynamic>(rows, layout.block({Kind::inset, plate.batch}), 1) = w * drawn.shift;
-  add_part<8, 6>(rows, layout.block({Kind::plate, term.plate})) = weighted * by_plate;
+  if (inset != 0) {
+    weight.mixes_corners = true;
+    for (int k = 0; k < 4; ++k)
+      weight.all.middleRows<2>(2 * k) = weight.corner[static_cast<size_t>(k)] * drawn.by_pixels.middleRows<2>(2 * k);
+  }
+  if (!image.fixed) weight.times(tag.by_pose, add_part<8, 6>(rows, layout.block({Kind::image, term.image})));
+  if (const int f = static_cast<int>(tag.by_interior.cols()); f > 0)
+    weight.times(tag.by_interior, add_part<8, Eigen::Dynamic>(rows, layout.block({Kind::camera, image.camera}), f));
+  if (image.shift_free) weight.times(tag.by_shift, add_part<8, 2>(rows, layout.block({Kind::shift, term.image})));
+  if (scale_free)
+    weight.times(tag.by_scale, add_part<8, Eigen::Dynamic>(rows, layout.block({Kind::scale, plate.batch}), 1));
+  if (inset_free) {
+    auto part = add_part<8, Eigen::Dynamic>(rows, layout.block({Kind::inset, plate.batch}), 1);
+    for (int k = 0; k < 4; ++k)
+      part.middleRows<2>(2 * k).noalias() = weight.corner[static_cast<size_t>(k)] * drawn.shift.segment<2>(2 * k);
+  }
+  weight.times(tag.by_plate, add_part<8, 6>(rows, layout.block({Kind::plate, term.plate})));
   return true;
 }
 
@@ -193,46 +240,58 @@ bool evaluate(const Problem& problem, const Layout& layout, const State& state, 
   return true;
 }
 
-KnownRows evaluate(const Problem& problem, const Layout& layout, const State& state, const Known& term) {
-  KnownRows result;
+Eigen::VectorXd residual_of(const Problem& problem, const State& state, const Known& term,
+                            const Eigen::MatrixXd& whitening) {
   Eigen::VectorXd value(term.target.size());
-  std::vector<int> chosen;  // columns of the whitening that belong to an unknown
   Eigen::Index at = 0;
   for (Ref ref : term.refs) {
-    const int block = layout.block(ref), offset = layout.offset(block), size = layout.size(block);
-    if (size > 0) result.blocks.push_back(block);
     const size_t i = static_cast<size_t>(ref.index);
     if (ref.kind == Kind::camera) {
       const Eigen::Index count = value_count(problem.cameras[i].lens);
       for (Eigen::Index k = 0; k < count; ++k) value(at + k) = state.interiors[i][static_cast<size_t>(k)];
-      int next = offset;
-      for (int k : layout.free_values(ref.index)) {
-        chosen.push_back(static_cast<int>(at) + k);
-        result.columns.push_back(next++);
-      }
       at += count;
     } else if (ref.kind == Kind::shift) {
       value.segment<2>(at) = state.shift(ref.index);
-      for (int k = 0; k < 2 && size > 0; ++k) {
-        chosen.push_back(static_cast<int>(at) + k);
-        result.columns.push_back(offset + k);
-      }
       at += 2;
     } else if (ref.kind == Kind::scale || ref.kind == Kind::inset) {
-      value(at) = ref.kind == Kind::scale ? state.scales[i] : state.insets[i];
-      if (size > 0) chosen.push_back(static_cast<int>(at)), result.columns.push_back(offset);
-      at += 1;
+      value(at++) = ref.kind == Kind::scale ? state.scales[i] : state.insets[i];
     } else {
       value.segment<3>(at) = position_of(state, ref);
-      for (int k = 0; k < 3 && size > 0; ++k) {
-        chosen.push_back(static_cast<int>(at) + k);
-        result.columns.push_back(offset + k);
-      }
       at += 3;
     }
   }
+  return whitening * (value - term.target);
+}
+
+void linear_columns(const Problem& problem, const Layout& layout, const Known& term, std::vector<int>& chosen,
+                    std::vector<int>& unknowns) {
+  int at = 0;
+  const auto add = [&](int column, int unknown) {
+    chosen.push_back(column);
+    unknowns.push_back(unknown);
+  };
+  for (Ref ref : term.refs) {
+    const int block = layout.block(ref), offset = layout.offset(block);
+    if (ref.kind == Kind::camera) {
+      int next = offset;
+      for (int k : layout.free_values(ref.index)) add(at + k, next++);
+      at += value_count(problem.cameras[static_cast<size_t>(ref.index)].lens);
+    } else {
+      const int count = ref.kind == Kind::shift ? 2 : ref.kind == Kind::scale || ref.kind == Kind::inset ? 1 : 3;
+      for (int k = 0; k < count && layout.size(block) > 0; ++k) add(at + k, offset + k);
+      at += count;
+    }
+  }
+}
+
+KnownRows evaluate(const Problem& problem, const Layout& layout, const State& state, const Known& term) {
+  KnownRows result;
+  std::vector<int> chosen;
+  linear_columns(problem, layout, term, chosen, result.columns);
+  for (Ref ref : term.refs)
+    if (layout.size(layout.block(ref)) > 0) result.blocks.push_back(layout.block(ref));
   const Eigen::MatrixXd w = term.whitening / problem.groups[static_cast<size_t>(term.group)].sigma_factor;
-  result.residual = w * (value - term.target);
+  result.residual = residual_of(problem, state, term, w);
   result.jacobian = w(Eigen::all, chosen);
   return result;
 }

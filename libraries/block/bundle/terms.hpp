@@ -46,6 +46,12 @@ struct KnownRows {
   std::vector<int> blocks;   ///< they belong to
 };
 KnownRows evaluate(const Problem& problem, const Layout& layout, const State& state, const Known& term);
+/// Its parts. Which columns of the whitening belong to which unknowns, and the residuals alone: the derivatives are the
+/// same at every state. `whitening` is the term's over its group's factor.
+void linear_columns(const Problem& problem, const Layout& layout, const Known& term, std::vector<int>& chosen,
+                    std::vector<int>& unknowns);
+Eigen::VectorXd residual_of(const Problem& problem, const State& state, const Known& term,
+                            const Eigen::MatrixXd& whitening);
 
 /// Image point in the unit of the camera of what lies at `v` in the camera frame, by the brown and balanced models.
 Eigen::Vector2d computed_image_point(const Camera& camera, const Interior& interior, const Eigen::Vector3d& v);

@@ -7,6 +7,7 @@
 
 #include "block/bundle/adjust.hpp"
 #include "block/bundle/parts.hpp"
+#include "block/bundle/score.hpp"
 #include "plumbline/stop.hpp"
 #include "synthetic_block.hpp"
 #include "test_support.hpp"
@@ -375,6 +376,58 @@ void expect_covariance_covers(bool free) {
 
 TEST(Bundle, CovarianceOfEveryUnknownCoversItsErrors) { expect_covariance_covers(false); }
 TEST(Bundle, CovarianceOfAFreeBlockBelongsToItsDatum) { expect_covariance_covers(true); }
+
+/// By a dense least-squares fit of all derivatives, of a larger model, to the residuals.
+void expect_score_of_dense(const Scene& scene, const State& minimum, const Elimination& factors, Kind kind) {
+  Scene larger = {scene.problem, minimum};
+  if (kind == Kind::camera)
+    for (auto& camera : larger.problem.cameras) camera.free[4] = camera.free[5] = true;
+  for (int i = 0; i < 6 && kind == Kind::shift; ++i) {
+    auto& image = larger.problem.images[static_cast<size_t>(i)];
+    if (!image.shift_free)
+      larger.problem.known.push_back({{{Kind::shift, i}}, minimum.shift(i), 10 * Eigen::Matrix2d::Identity(), 2});
+    image.shift_free = true;
+  }
+  const ScoreTest::Explained explained = ScoreTest(scene.problem, larger.problem, minimum, factors).by(kind);
+  const Layout layout(larger.problem);
+  Eigen::MatrixXd jacobian;
+  const Eigen::VectorXd rows = all_rows(larger.problem, layout, minimum, &jacobian);
+  const Eigen::VectorXd scale = jacobian.colwise().norm().cwiseInverse();
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> dense;
+  dense.setThreshold(1e-10);
+  dense.compute(jacobian * scale.asDiagonal());
+  const Eigen::VectorXd step = dense.solve(-rows);
+  EXPECT_GT(explained.decrease, 0.1);
+  EXPECT_NEAR(explained.decrease / (jacobian * scale.asDiagonal() * step).squaredNorm(), 1, 1e-5);
+}
+
+TEST(Bundle, ScoreOfFurtherUnknownsIsWhatALargerModelWouldExplain) {
+  for (bool free : {false, true})
+    for (Side side : {Side::bodies, Side::images}) {
+      const Scene scene = noisy_scene(3, free);
+      const Layout layout(scene.problem);
+      AdjustOptions options;
+      options.datum = inner_datum(scene.problem, layout, free_motions(scene.problem));
+      options.minimise.side = side;
+      const Adjusted adjusted = bundle::adjust(scene.problem, layout, scene.state, options);
+      expect_score_of_dense(scene, adjusted.state, *adjusted.elimination, Kind::camera);
+      expect_score_of_dense(scene, adjusted.state, *adjusted.elimination, Kind::shift);
+    }
+}
+
+TEST(Bundle, VarianceOfWhatIsObservedIsThatOfItsGroups) {
+  for (bool free : {false, true}) {
+    const Scene scene = noisy_scene(3, free);
+    const Layout layout(scene.problem);
+    AdjustOptions options;
+    options.datum = inner_datum(scene.problem, layout, free_motions(scene.problem));
+    const Adjusted adjusted = bundle::adjust(scene.problem, layout, scene.state, options);
+    const auto groups = reliability_of(scene.problem, adjusted).groups;
+    const double expected =
+        (groups[0].sum_of_squares + groups[1].sum_of_squares) / (groups[0].redundancy + groups[1].redundancy);
+    EXPECT_NEAR(observed_variance(scene.problem, adjusted) / expected, 1, 1e-8);
+  }
+}
 
 TEST(Bundle, DatumOfTheFirstImageHoldsIt) {
   const Scene scene = noisy_scene(9, true);
