@@ -81,6 +81,7 @@ void KrummReader::read_levelling(const Parts& parts) {
   o.levelling_length = *length;
   const double per_km = std::isnan(first_sigma_) ? sigma0_ : first_sigma_;
   o.sigma = per_km * std::sqrt(*length / 1000);
+  if (!(o.sigma > 0 && std::isfinite(o.sigma))) return reject(parts[3], "a length with a standard deviation above zero");
   builder_.add(std::move(o));
 }
 

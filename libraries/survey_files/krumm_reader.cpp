@@ -103,15 +103,16 @@ bool KrummReader::read_rest(const Parts& parts, std::size_t first, Observation& 
     reject(line_text_, "at most two standard deviations and two heights behind the value");
     return false;
   }
+  // What lines below take over when they give none is that of a line that was read, never of one that was refused.
+  double constant = first_sigma_, second = second_sigma_;
   if (count > 0) {
-    const auto constant = sigma_of(parts[first], observation.kind);
-    const auto second = count == 2 || count == 4 ? formats::parse_number(parts[first + 1]) : std::optional(0.0);
-    if (!constant || !second || *second < 0 || *constant + *second <= 0) {
+    const auto given = sigma_of(parts[first], observation.kind);
+    const auto other = count == 2 || count == 4 ? formats::parse_number(parts[first + 1]) : std::optional(0.0);
+    if (!given || !other || *other < 0) {
       reject(parts[first], "standard deviations that are not negative");
       return false;
     }
-    first_sigma_ = *constant;
-    second_sigma_ = *second;
+    constant = *given, second = *other;
   }
   if (count >= 3) {
     const auto instrument = formats::parse_number(parts[parts.size() - 2]);
@@ -123,18 +124,28 @@ bool KrummReader::read_rest(const Parts& parts, std::size_t first, Observation& 
     observation.instrument_height = *instrument;
     observation.target_height = *target;
   }
-  const double length = is_distance ? std::abs(observation.value) : 0;
-  observation.sigma = first_sigma_;
-  if (std::isnan(first_sigma_)) {
-    observation.sigma = is_angle(observation.kind) ? kNotGiven : sigma0_;
-  } else if (distance_sigma_ == KrummDistanceSigma::squares) {
-    observation.sigma = std::sqrt(first_sigma_ * first_sigma_ + length * second_sigma_ * second_sigma_);
-  } else if (distance_sigma_ == KrummDistanceSigma::squares_of_km) {
-    observation.sigma = std::hypot(first_sigma_, length / 1000 * second_sigma_);
-  } else {
-    observation.sigma = first_sigma_ + length / 1000 * second_sigma_;
+  observation.sigma = sigma_from(constant, second, observation);
+  if (!std::isnan(constant) && !(observation.sigma > 0 && std::isfinite(observation.sigma))) {
+    reject(line_text_, "a standard deviation above zero");
+    return false;
   }
+  first_sigma_ = constant, second_sigma_ = second;
   return true;
+}
+
+double KrummReader::sigma_from(double constant, double second, const Observation& observation) const {
+  const bool is_distance =
+      observation.kind == ObservationKind::slope_distance || observation.kind == ObservationKind::horizontal_distance;
+  const double length = is_distance ? std::abs(observation.value) : 0;
+  if (std::isnan(constant)) return is_angle(observation.kind) ? kNotGiven : sigma0_;
+  switch (distance_sigma_) {
+    case KrummDistanceSigma::squares:
+      return std::sqrt(constant * constant + length * second * second);
+    case KrummDistanceSigma::squares_of_km:
+      return std::hypot(constant, length / 1000 * second);
+    default:
+      return constant + length / 1000 * second;
+  }
 }
 
 void KrummReader::read_observation(const Parts& parts) {

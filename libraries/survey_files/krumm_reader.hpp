@@ -31,6 +31,8 @@ class KrummReader {
   std::optional<std::pair<std::string, int>> component(std::string_view word);
   void read_observation(const Parts& parts);
   bool read_rest(const Parts& parts, std::size_t first, Observation& observation);
+  /// Of what a line gives, or the lines above it; NaN for an angle without.
+  double sigma_from(double constant, double second, const Observation& observation) const;
   void read_levelling(const Parts& parts);
   void read_correlated(const Parts& parts);
   void read_baseline(const Parts& parts);

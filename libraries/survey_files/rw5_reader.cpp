@@ -127,8 +127,7 @@ void Rw5Reader::read_modes(const Record& record) {
   const std::string unit = text(record, "UN"), angles = text(record, "AU");
   metres_ = unit == "1" ? 1.0 : unit == "2" ? kUsSurveyFoot : kFoot;
   if (unit != "0" && unit != "1" && unit != "2")
-    builder_.warn("line " + std::to_string(line_) + ": the distance unit UN" + unit +
-                  " is not known; feet are assumed");
+    builder_.skip(line_, 1, "UN" + unit, "the unit of distances: UN0 (feet), UN1 (metres) or UN2 (US survey feet)");
   gon_ = angles == "1";
   builder_.survey.info.angles_in_degrees = !gon_;
   const auto scale = formats::parse_number(text(record, "SF"));

@@ -178,6 +178,20 @@ TEST(Joint, PhotographsTellAWrongReadingThatTheSurveyCannot) {
   EXPECT_THAT(joint.conspicuous[0].what, HasSubstr("distance"));
 }
 
+/// Readings twice as uncertain, unknowns with them: every normalised residual is half of what it was.
+TEST(Joint, NormalisedResidualsCountInTheScatterThatTheReadingsHave) {
+  Site site = make_site(8);
+  for (auto& reading : site.readings.observations)
+    if (reading.kind == survey::ObservationKind::slope_distance && reading.to == site.marks[3].id) reading.value += 0.02;
+  site.adjust_survey();
+  const Eigen::MatrixXd cofactors = site.network->estimate().cofactors;
+  const auto stated = site.network->conspicuous(cofactors, 1, 3);
+  const auto doubled = site.network->conspicuous(4 * cofactors, 4, 1.5);
+  ASSERT_FALSE(stated.empty());
+  ASSERT_EQ(doubled.size(), stated.size());
+  for (size_t i = 0; i < stated.size(); ++i) EXPECT_NEAR(doubled[i].w, stated[i].w / 2, 1e-9 * std::abs(stated[i].w));
+}
+
 TEST(Joint, IsTheSameInAnotherFrame) {
   Site plain = make_site(9), turned = make_site(9);
   const RigidTransform motion{quaternion_from_rotation_vector({0, 0, 0.6}), {40, -20, 3}};

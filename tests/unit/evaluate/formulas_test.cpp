@@ -67,6 +67,17 @@ TEST(Formulas, ScatterOfTheSlopeIsThatOfAStraightLine) {
   EXPECT_NEAR(slope.scatter_per_floor, std::sqrt((67 - 121.0 / 6 - 13.5 * 13.5 / 17.5) / 4 / 17.5) * mm, 1e-12);
 }
 
+TEST(Formulas, OneFloorHasNoSlope) {
+  Inputs inputs;
+  for (int column = 1; column <= 3; ++column)
+    test::add_anchor(inputs, "C" + std::to_string(column), 1, column, AnchorUse::check, {0, 0, column * mm});
+  test::set_sigmas(inputs, 0.3 * mm, 0.4 * mm);
+  const AccuracyT accuracy = evaluate_accuracy(inputs, {});
+  const auto* c = test::find(accuracy, AnchorUse::check, AccuracyReference::survey);
+  ASSERT_NE(c, nullptr);
+  EXPECT_EQ(c->slope, nullptr);
+}
+
 TEST(Formulas, StatisticsOfVerticalResiduals) {
   const AccuracyT accuracy = evaluate_small();
   const auto* c = test::find(accuracy, AnchorUse::check, AccuracyReference::survey);

@@ -168,6 +168,21 @@ TEST(NetworkDoctor, SaysHowManyFailByChance) {
   expect_words(chance(options, 0), {"of 108 observations about 5 fail by chance alone"});
 }
 
+/// What was removed is no suspect any more: where nothing else fails there is nothing left to mend first.
+TEST(NetworkDoctor, DoesNotCountWhatWasRemovedAmongTheSuspects) {
+  const auto told = [](bool remove) {
+    auto n = simulate({}, 17);
+    n.survey.observations[20].value += 0.02;
+    AdjustOptions options = free_network(remove);
+    options.robust_start = false;
+    const NetworkResult result = adjust_network(n.survey, options);
+    int lines = 0;
+    for (const Finding& f : result.findings) lines += f.text.find("mend or remove the first suspect") == 0;
+    return std::pair(result.snooping.size(), lines);
+  };
+  EXPECT_EQ(told(true), std::pair(size_t{1}, 0));
+}
+
 TEST(NetworkDoctor, NamesTheControlPointThatFitsWorst) {
   const auto n = simulate({}, 18);
   ControlPoints control;

@@ -215,6 +215,21 @@ TEST(NetworkDoctor, SaysWhichPointNobodyObserved) {
   EXPECT_THROW(r.point("X9"), std::out_of_range);
 }
 
+/// An angle to a point that it does not begin at is an observation of it, too.
+TEST(NetworkDoctor, SaysThatAPointWasSeenInAnAngleOnly) {
+  auto n = simulate({}, 9);
+  Observation angle;
+  angle.kind = ObservationKind::angle;
+  angle.from = n.survey.set_ups[0].station, angle.to = n.survey.points[0].id, angle.second_to = "X9";
+  angle.value = 1, angle.sigma = 1e-5;
+  angle.source = {"job.xml", 7, 1};
+  n.survey.observations.push_back(angle);
+  const NetworkResult r = adjust_network(n.survey, with_datum(DatumMode::inner));
+  std::string all;
+  for (const Finding& f : r.findings) all += f.text + "\n";
+  expect_words(all, {"X9", ("1 angle with " + angle.from).c_str()});
+}
+
 /// A network that passes all its tests: ten readings of each of two set-ups.
 NetworkResult sound_result() {
   NetworkResult r;

@@ -235,6 +235,21 @@ TEST(ReadingTests, OneIsRemovedBeyondFiveStandardDeviations) {
   EXPECT_EQ(removed(-0.018), (std::vector<std::pair<size_t, size_t>>{{0, 0}}));
 }
 
+/// A zenith angle that belongs to no pointing says nothing about readings that belong to none: were a steep sight taken
+/// for theirs, the collimation of 5 mgon would look like a turn of the circle before them.
+TEST(CircleSteps, TakeNoZenithAngleOfAnotherPointing) {
+  Readings r;
+  r.collimation = 5 * kMgon;
+  for (const int face : {1, 2})
+    for (int t = 0; t < 8; ++t) r.sight(t, face, 1);
+  for (Observation& o : r.survey().observations) {
+    if (o.to < "T4") continue;
+    o.pointing = -1;
+    if (o.kind == ObservationKind::zenith_angle) o.value = 0.1;
+  }
+  EXPECT_TRUE(circle_steps(r.survey()).empty());
+}
+
 /// What looks like a turned circle and is none: a turn at the change of face, where every pair is across it, readings
 /// that differ each by something else, and single readings, which show nothing.
 TEST(CircleSteps, AreToldOnlyWhereTheReadingsShowOne) {

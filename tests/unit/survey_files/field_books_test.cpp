@@ -284,6 +284,37 @@ TEST(FieldBooks, RefuseWhatIsNone) {
   EXPECT_NE(error_of([&] { read_starnet(nothing, "x"); }).find("x:1:1"), std::string::npos);
 }
 
+TEST(StarNet, AnOptionOrUnitThatIsNotKnownIsRefused) {
+  const std::string coordinates = "C A 1000 1000 10 ! ! !\nC B 1100 1000 10\n";
+  const auto in_us_feet = read_starnet(".UNITS FeetUS, DMS\n" + coordinates + "D A-B 100 0.01\n", "s.dat");
+  EXPECT_DOUBLE_EQ(in_us_feet.observations.at(0).value, 100 * 1200.0 / 3937);
+  for (const std::string line : {".UNITS Chains", ".ALIAS NAMES", ".DATA MAYBE"}) {
+    const auto s = read_starnet(line + "\n" + coordinates, "s.dat");
+    ASSERT_EQ(s.skipped.size(), 1u) << line;
+    EXPECT_TRUE(skipped(s, 1, 1, line.starts_with(".U") ? "a unit" : ".DATA"));
+  }
+}
+
+TEST(StarNet, WhatDataOffTakesOutStaysOut) {
+  const auto s = read_starnet(
+      "C A 1000 1000 10 ! ! !\nC B 1100 1000 10\nD A-B 100 0.01\n.DATA OFF\nD A-B 107 0.01\n.UNITS Feet\n.DATA ON\n"
+      "D B-A 100.01 0.01\n",
+      "s.dat");
+  ASSERT_EQ(s.observations.size(), 2u);
+  EXPECT_EQ(s.observations[1].value, 100.01);
+  EXPECT_NE(s.warnings.at(0).find("lines 4 to 7"), std::string::npos) << s.warnings.at(0);
+}
+
+TEST(StarNet, AHeightWithAStandardDeviationIsControl) {
+  const auto s =
+      read_starnet("E A 10.5 0.002\nE B 11\nE C 12 !\nE D 13 nonsense\nL A-B 0.5 0.001\nL B-C 1 0.001\n", "s.dat");
+  ASSERT_EQ(s.coordinates.size(), 1u);
+  EXPECT_EQ(s.coordinates[0].components.at(0).point, "A");
+  EXPECT_EQ(s.coordinates[0].values[0], 10.5);
+  EXPECT_DOUBLE_EQ(s.coordinates[0].covariance(0, 0), 4e-6);
+  EXPECT_EQ(s.skipped.size(), 1u);
+}
+
 TEST(StarNetWriter, ReadsBackAsItWas) {
   SurveyObservations s = read_starnet(fixture("starnet.dat"), "s.dat");
   for (Point& p : s.points)

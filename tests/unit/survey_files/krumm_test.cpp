@@ -41,6 +41,17 @@ TEST(Krumm, ANegativeStandardDeviationOfTheDatumIsNone) {
   }
 }
 
+/// Lines without a standard deviation have that of the line above; of a line that was refused they take nothing.
+TEST(Krumm, TheStandardDeviationOfARefusedLineIsNotHandedDown) {
+  const std::string head = "[Coordinates]\nA 0 0\nB 100 0\nC 0 100\n[HorizontalDistances]\n";
+  for (const std::string refused : {"A B 100.001 0.0 11.0 x z\n", "A B 100.001 0.5 0 x 1.6\n", "A B 100.001 0 0\n"}) {
+    const SurveyObservations s = read_krumm(head + "A C 100.002 0.003\n" + refused + "B C 141.421\n", "f.dat");
+    ASSERT_EQ(s.observations.size(), 2u) << refused;
+    EXPECT_EQ(s.skipped.size(), 1u);
+    EXPECT_DOUBLE_EQ(s.observations[1].sigma, 0.003);
+  }
+}
+
 TEST(Krumm, ReadsTheNetworkOfBlankenbachAndWillert) {
   const std::string name = "survey/BlankenbachWillert3D_Distance_fix.dat";
   PLUMBLINE_REQUIRE_DATA(name);

@@ -83,5 +83,11 @@ TEST(Rw5, OtherTextIsRefused) {
   EXPECT_NE(error_of([] { read_rw5("hello\n", "x.rw5"); }).find("x.rw5:1:1: found 'hello'"), std::string::npos);
 }
 
+TEST(Rw5, AUnitThatIsNotKnownIsRefused) {
+  const auto s = read_rw5(
+      "JB,NMjob\nMO,AD0,UN5,SF1.0,EC1,EO0.0,AU0\nOC,OP1,N 5000,E 5000,EL100\nSS,OP1,FP2,AR10.0,ZE90.0,SD100\n", "f");
+  EXPECT_TRUE(skipped(s, 2, 1, "the unit of distances"));
+}
+
 }  // namespace
 }  // namespace plumbline::survey
