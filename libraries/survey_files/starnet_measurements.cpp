@@ -101,20 +101,20 @@ void StarNetReader::read_measured(std::string_view code, const Parts& parts) {
 
 // DB at; DN to direction; DM to direction distance zenith; DE
 void StarNetReader::read_direction(std::string_view code, const Parts& parts) {
-  if (code == "DE") return at_.clear();
+  if (code == "DE") return set_at_.clear();
   if (parts.size() < 2) return reject(parts[0], "a station");
   if (code == "DB") {
-    at_ = std::string(parts[1]);
-    builder_.start_set_up(at_, kNotGiven, builder_.at(line_, 1));
+    set_at_ = std::string(parts[1]);
+    builder_.start_set_up(set_at_, kNotGiven, builder_.at(line_, 1));
     return;
   }
-  if (at_.empty()) return reject(parts[0], "DB with the occupied station before it");
+  if (set_at_.empty()) return reject(parts[0], "DB with the occupied station before it");
   Observation like;
-  like.from = at_;
+  like.from = set_at_;
   like.to = std::string(parts[1]);
   like.set_up = builder_.current_set_up();
   like.source = builder_.at(line_, 1);
-  if (like.to == at_) return reject(parts[1], "another point than the station");
+  if (like.to == set_at_) return reject(parts[1], "another point than the station");
   std::vector<ObservationKind> kinds = {direction};
   if (code == "DM")
     for (const ObservationKind kind : polar()) kinds.push_back(kind);

@@ -52,7 +52,8 @@ class StarNetReader {
   enum class AngleUnit { dms, gon, degrees } unit_ = AngleUnit::dms;
   bool east_first_ = false, has_order_ = false, from_at_to_ = false, three_ = true, has_dimension_ = false,
        delta_ = false;
-  std::string at_, backsight_;  // of the direction set or traverse
+  std::string set_at_;          // station of the direction set
+  std::string at_, backsight_;  // of the traverse
   Observation pending_like_;    // of the traverse line that waits for its foresight
   std::string pending_, line_text_;
   char separator_ = '-';  // between the names of stations

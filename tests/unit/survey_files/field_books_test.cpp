@@ -305,6 +305,13 @@ TEST(StarNet, WhatDataOffTakesOutStaysOut) {
   EXPECT_NE(s.warnings.at(0).find("lines 4 to 7"), std::string::npos) << s.warnings.at(0);
 }
 
+/// The station of a traverse is none of a direction set: its readings would have no orientation.
+TEST(StarNet, DirectionsNeedASetOfTheirOwn) {
+  const auto s = read_starnet("C A 1000 1000 10 ! ! !\nTB B\nT A 90-00-00 50.1 90-00-00\nDN C 26-52-11.6\n", "s.dat");
+  EXPECT_TRUE(skipped(s, 4, 1, "DB with the occupied station"));
+  EXPECT_TRUE(s.observations.empty());
+}
+
 TEST(StarNet, AHeightWithAStandardDeviationIsControl) {
   const auto s =
       read_starnet("E A 10.5 0.002\nE B 11\nE C 12 !\nE D 13 nonsense\nL A-B 0.5 0.001\nL B-C 1 0.001\n", "s.dat");
