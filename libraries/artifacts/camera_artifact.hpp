@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <array>
+#include <memory>
 #include <stdexcept>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "artifacts/camera.hpp"
 #include "geometry/camera.hpp"
@@ -33,9 +36,42 @@ inline BrownCamera nine_parameters_of(const CameraT& artifact) {
                            "without, or the figures of the block that made it");
 }
 
+/// Who projects with one camera would take the photographs of all others for its own.
+inline void require_alone(const CameraT& artifact) {
+  if (artifact.others.empty()) return;
+  std::string names = "'" + artifact.id + "'";
+  for (const auto& other : artifact.others) names += ", '" + other->id + "'";
+  throw std::runtime_error("the photographs are of " + std::to_string(artifact.others.size() + 1) + " cameras (" +
+                           names +
+                           "), and one is expected here; adjust.schur, adjust.ceres and adjust.colmap take "
+                           "several");
+}
+
+/// The camera and its `others`, each by itself. Throws std::runtime_error if two have one name.
+inline std::vector<CameraT> cameras_of(CameraT artifact) {
+  std::vector<CameraT> cameras;
+  const auto others = std::move(artifact.others);
+  artifact.others.clear();
+  cameras.push_back(std::move(artifact));
+  for (const auto& other : others) {
+    for (const CameraT& camera : cameras)
+      if (camera.id == other->id) throw std::runtime_error("two cameras are called '" + other->id + "'");
+    cameras.push_back(*other);
+  }
+  return cameras;
+}
+
+/// The way back: the first with all others. `cameras` is not empty.
+inline CameraT joined_cameras(const std::vector<CameraT>& cameras) {
+  CameraT artifact = cameras.front();
+  for (size_t c = 1; c < cameras.size(); ++c) artifact.others.push_back(std::make_unique<CameraT>(cameras[c]));
+  return artifact;
+}
+
 /// Throws std::runtime_error, naming the camera, unless it has nine parameters that say all of it, and positive
 /// principal distances.
 inline BrownCamera camera_of(const CameraT& artifact) {
+  require_alone(artifact);
   const BrownCamera camera = nine_parameters_of(artifact);
   if (!artifact.beyond.empty() || !artifact.distance_terms.empty() || artifact.image_principal_points)
     refuse_as_incomplete(artifact);
@@ -63,6 +99,7 @@ struct CompleteCamera {
 
 /// Throws as camera_of(), but only refuses what the artifact has words for and no numbers: one of an older version.
 inline CompleteCamera complete_camera_of(const CameraT& artifact) {
+  require_alone(artifact);
   CompleteCamera camera;
   camera.nine = nine_parameters_of(artifact);
   if (!artifact.beyond.empty() && artifact.distance_terms.empty() && !artifact.image_principal_points)

@@ -198,8 +198,38 @@ std::vector<int> plate_blocks(const TagModel& model, const bundle::Layout& layou
   return blocks;
 }
 
-void fill_unknowns(const TagBlock& block, const TagStart& start, const TagModel& model, const bundle::Layout& layout,
-                   const Solved& solved, TagBlockResult& result) {
+void fill_cameras(const TagBlock& block, const TagModel& model, const bundle::Layout& layout, const Solved& solved,
+                  TagBlockResult& result) {
+  constexpr int nine = BrownCamera::parameter_count, all = nine + 2;
+  std::vector<int> blocks, rows;
+  for (int c = 0; c < static_cast<int>(block.cameras.size()); ++c) {
+    for (int value : layout.free_values(c)) rows.push_back(all * c + value);
+    if (!layout.free_values(c).empty()) blocks.push_back(layout.block({Kind::camera, c}));
+  }
+  const Eigen::Index size = all * static_cast<Eigen::Index>(block.cameras.size());
+  result.interior_covariance = Eigen::MatrixXd::Zero(size, size);
+  if (!blocks.empty())
+    result.interior_covariance(rows, rows) = solved.variance * solved.adjusted.cofactors->joint(blocks);
+  for (size_t c = 0; c < block.cameras.size(); ++c) {
+    AdjustedTagCamera camera;
+    const auto& values = model.state.interiors[c];
+    const bundle::Camera& adjusted = model.problem.cameras[c];
+    std::array<double, nine> interior;
+    std::copy_n(values.begin(), interior.size(), interior.begin());
+    camera.interior = block.cameras[c].interior;
+    camera.interior.set_parameters(interior);
+    const Eigen::Index at = all * static_cast<Eigen::Index>(c);
+    camera.covariance = result.interior_covariance.block<nine, nine>(at, at);
+    if (adjusted.free[nine] || adjusted.free[nine + 1] || !block.cameras[c].distance_terms.isZero(0)) {
+      camera.distance_terms = Eigen::Map<const Eigen::Vector2d>(values.data() + nine);
+      camera.reference_distance = 1 / adjusted.inverse_reference;
+    }
+    result.cameras.push_back(camera);
+  }
+}
+
+void fill_unknowns(const TagStart& start, const TagModel& model, const bundle::Layout& layout, const Solved& solved,
+                   TagBlockResult& result) {
   const bundle::Cofactors& cofactors = *solved.adjusted.cofactors;
   result.plates = start.plates;
   std::vector<Eigen::Index> rows;
@@ -210,21 +240,6 @@ void fill_unknowns(const TagBlock& block, const TagStart& start, const TagModel&
     result.anchors.segment<3>(3 * static_cast<Eigen::Index>(j)) = model.state.plates[j].position + model.origin;
   }
   result.anchor_covariance = solved.variance * cofactors.joint(plate_blocks(model, layout))(rows, rows);
-  result.camera = block.camera;
-  std::array<double, BrownCamera::parameter_count> interior;
-  std::copy_n(model.state.interiors[0].begin(), interior.size(), interior.begin());
-  result.camera.set_parameters(interior);
-  constexpr int nine = BrownCamera::parameter_count;
-  result.interior_covariance = Eigen::MatrixXd::Zero(nine + 2, nine + 2);
-  const auto& free = layout.free_values(0);
-  if (!free.empty())
-    result.interior_covariance(free, free) = solved.variance * cofactors.own(layout.block({Kind::camera, 0}));
-  result.camera_covariance = result.interior_covariance.topLeftCorner(nine, nine);
-  if (model.problem.cameras[0].free[nine] || model.problem.cameras[0].free[nine + 1] ||
-      !block.distance_terms.isZero(0)) {
-    result.distance_terms = Eigen::Map<const Eigen::Vector2d>(model.state.interiors[0].data() + nine);
-    result.reference_distance = 1 / model.problem.cameras[0].inverse_reference;
-  }
   for (size_t b = 0; b < model.problem.batches.size(); ++b) {
     const auto sigma = [&](Kind kind) {
       const int id = layout.block({kind, static_cast<int>(b)});
@@ -306,6 +321,9 @@ void require_usable(const TagBlock& block) {
   if (block.images.size() < 2)
     throw std::runtime_error("a block needs at least 2 images, this one has " + std::to_string(block.images.size()));
   if (block.observations.empty()) throw std::runtime_error("no image shows a tag of a known plate");
+  for (const auto& image : block.images)
+    if (image.camera < 0 || image.camera >= static_cast<int>(block.cameras.size()))
+      throw std::runtime_error("image " + image.name + " is of no camera of the block");
   for (const auto& plate : block.plates)
     if (!(plate.plate.tag_size > 0)) throw std::runtime_error("the plate of " + plate.anchor + " has no tag size");
 }
@@ -398,7 +416,8 @@ TagBlockResult adjust_tag_block(const TagBlock& given, const TagBlockOptions& op
   }
   fill_statistics(options, model, solved, result);
   fill_poses(block, start, model, layout, solved, result);
-  fill_unknowns(block, start, model, layout, solved, result);
+  fill_unknowns(start, model, layout, solved, result);
+  fill_cameras(block, model, layout, solved, result);
   fill_tags(start, model, solved, result);
   fill_control(start, model, layout, solved, result);
   fill_rejected_control(given, result);

@@ -23,11 +23,23 @@ namespace plumbline::adjust {
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 enum class RobustLoss { none, huber, cauchy, tukey };
 
+/// A camera, and what is known of it beforehand.
+struct TagCamera {
+  std::string name = "camera";  ///< for messages
+  BrownCamera interior;
+  Eigen::MatrixXd covariance;  ///< 9 × 9 prior of the interior orientation; empty: none
+  /// d1, d2 [m] and the distance Z0 [m] where the distortion is that of `interior`, held unless they are estimated; Z0
+  /// of 0: the median distance.
+  Eigen::Vector2d distance_terms = Eigen::Vector2d::Zero();
+  double reference_distance = 0;
+};
+
 struct TagImage {
   std::string name;
   std::optional<RigidTransform>
       cam_from_world;  ///< approximate; images without one are oriented from plates they share
   Eigen::Vector2d principal_point = Eigen::Vector2d::Zero();  ///< minus the camera's [px]; held unless it is estimated
+  int camera = 0;                                             ///< index into TagBlock::cameras
 };
 
 struct TagPlate {
@@ -53,12 +65,7 @@ struct TagControl {
 };
 
 struct TagBlock {
-  BrownCamera camera;
-  Eigen::MatrixXd camera_covariance;  ///< 9 × 9 prior of the interior orientation; empty: none
-  /// d1, d2 [m] and the distance Z0 [m] where the distortion is that of `camera`, held unless they are estimated; Z0 of
-  /// 0: the median distance.
-  Eigen::Vector2d distance_terms = Eigen::Vector2d::Zero();
-  double reference_distance = 0;
+  std::vector<TagCamera> cameras;
   std::vector<TagImage> images;
   std::vector<TagPlate> plates;
   std::vector<TagObservation> observations;
@@ -154,19 +161,26 @@ struct ImagePrincipalPoint {
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< [px²]
 };
 
+/// Tags printed together. How far edges are drawn inwards is the camera's as well: with several cameras the first has
+/// the inset of the batch, each further one an entry of its own, "BATCH in CAMERA", whose scale is held at 1.
 struct TagBatch {
   std::string name;
   double scale = 1, scale_sigma = 0;  ///< estimated tag size over nominal
   double inset = 0, inset_sigma = 0;  ///< [px]
 };
 
-struct TagBlockResult {
-  BrownCamera camera;
-  Eigen::MatrixXd camera_covariance;  ///< 9 × 9, zero for parameters held fixed
-  /// d1, d2 [m], and the distance Z0 [m] at which the distortion is that of `camera`; zero if there are none.
+struct AdjustedTagCamera {
+  BrownCamera interior;
+  Eigen::MatrixXd covariance;  ///< 9 × 9, zero for parameters held fixed
+  /// d1, d2 [m], and the distance Z0 [m] at which the distortion is that of `interior`; zero if there are none.
   Eigen::Vector2d distance_terms = Eigen::Vector2d::Zero();
   double reference_distance = 0;
-  Eigen::MatrixXd interior_covariance;                        ///< 11 × 11: of the camera's nine values and d1, d2
+};
+
+struct TagBlockResult {
+  std::vector<AdjustedTagCamera> cameras;  ///< in the order of TagBlock::cameras
+  /// 11n × 11n: of each camera's nine values and d1, d2, zero for what is held; empty: not known.
+  Eigen::MatrixXd interior_covariance;
   std::vector<ImagePrincipalPoint> principal_points;          ///< one an image, if images have their own
   std::vector<std::optional<RigidTransform>> cam_from_world;  ///< one an image; nothing if left out
   std::vector<Matrix6> pose_covariance;  ///< rotation vector in the camera frame, translation; empty: not known

@@ -166,11 +166,12 @@ std::vector<View> undistort(const TagBlock& block, const std::vector<bool>& use,
   for (size_t i = 0; i < block.observations.size(); ++i) {
     if (!use[i]) continue;
     const TagObservation& seen = block.observations[i];
+    const TagImage& image = block.images[static_cast<size_t>(seen.image)];
+    const BrownCamera& camera = block.cameras[static_cast<size_t>(image.camera)].interior;
     View view{seen.image, seen.plate, static_cast<int>(i), {}};
     bool inside = true;
     for (size_t k = 0; k < 4; ++k) {
-      const auto p =
-          unproject(block.camera, seen.corners[k] - block.images[static_cast<size_t>(seen.image)].principal_point);
+      const auto p = unproject(camera, seen.corners[k] - image.principal_point);
       inside = inside && p.has_value();
       if (p) view.corners[k] = *p;
     }
@@ -179,8 +180,7 @@ std::vector<View> undistort(const TagBlock& block, const std::vector<bool>& use,
       views.push_back(view);
     else
       left_out.push_back(
-          "the tag of " + block.plates[static_cast<size_t>(seen.plate)].anchor + " in " +
-          block.images[static_cast<size_t>(seen.image)].name +
+          "the tag of " + block.plates[static_cast<size_t>(seen.plate)].anchor + " in " + image.name +
           (has_area ? ": outside what the distortion model can invert" : ": its corners enclose no area"));
   }
   return views;

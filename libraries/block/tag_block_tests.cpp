@@ -31,15 +31,17 @@ GroupTest model_test(const std::string& name, double explained, double freedom, 
   return test;
 }
 
-void add_distance_terms(const bundle::ScoreTest& score, TagBlockResult& result) {
-  const auto explained = score.by(bundle::Kind::camera);
+/// `camera`: its name, if there are several.
+void add_distance_terms(const bundle::ScoreTest& score, int index, const std::string& camera, TagBlockResult& result) {
+  const auto explained = score.by(bundle::Kind::camera, index);
   if (!std::isfinite(explained.decrease)) return;  // one distance: nothing to tell
-  GroupTest test = model_test("distortion at all distances", explained.decrease, 2, result);
+  const std::string of = camera.empty() ? "" : " of " + camera;
+  GroupTest test = model_test("distortion at all distances" + of, explained.decrease, 2, result);
   char figure[160];
   std::snprintf(figure, sizeof figure, " (test value %.1f, at most %.1f)", test.factor, test.limit);
   if (!test.passed)
-    test.words =
-        "the lens' distortion changes with the distance" + std::string(figure) + ": add d1 and d2 to free_interior";
+    test.words = "the lens' distortion" + of + " changes with the distance" + std::string(figure) +
+                 ": add d1 and d2 to free_interior";
   result.models.push_back(test);
 }
 
@@ -120,20 +122,26 @@ void test_models(const TagBlockOptions& options, const TagModel& model, const bu
   if (!options.self_calibration) return;
   bundle::Problem larger = model.problem;
   bundle::State state = model.state;
-  auto& free = larger.cameras[0].free;
   const size_t images = larger.images.size();
-  const bool distances = !free[d1] && !free[d1 + 1] && result.degrees_of_freedom - 2 >= least_redundancy;
+  std::vector<int> distances;
+  for (size_t c = 0; c < larger.cameras.size() && result.degrees_of_freedom - 2 >= least_redundancy; ++c) {
+    auto& free = larger.cameras[c].free;
+    if (free[d1] || free[d1 + 1]) continue;
+    free[d1] = free[d1 + 1] = true;
+    distances.push_back(static_cast<int>(c));
+  }
   const bool points = !(options.image_principal_point_sigma > 0) && images <= most_images &&
                       result.degrees_of_freedom - 2.0 * static_cast<double>(images) >= least_redundancy;
-  if (!distances && !points) return;
-  if (distances) free[d1] = free[d1 + 1] = true;
+  if (distances.empty() && !points) return;
   if (points) free_principal_points(anywhere, larger, state);
   const bundle::ScoreTest score(model.problem, larger, state, *adjusted.elimination);
-  if (distances) add_distance_terms(score, result);
+  for (int c : distances)
+    add_distance_terms(score, c, larger.cameras.size() > 1 ? larger.cameras[static_cast<size_t>(c)].name : "", result);
   if (points) add_principal_points(score, result);
 }
 
 void test_groups(const TagBlock& block, TagBlockResult& result) {
+  const std::string interior = "interior prior";
   for (const auto& group : result.groups) {
     if (!(group.redundancy > 0.1)) continue;
     GroupTest test;
@@ -153,8 +161,11 @@ void test_groups(const TagBlock& block, TagBlockResult& result) {
       test.words =
           (group.name == "control"
                ? "images and survey contradict each other far beyond the survey's standard deviations"
-           : group.name == "interior prior" ? "the images contradict the camera's calibration far beyond its sigmas: "
-                                              "wrong calibration, lens or focus"
+           : group.name.starts_with(interior)
+               ? "the images contradict the " +
+                     (group.name == interior ? "camera's calibration"
+                                             : "calibration of camera " + group.name.substr(interior.size() + 4)) +
+                     " far beyond its sigmas: wrong calibration, lens or focus"
            : group.name == "tag scale prior"
                ? "the tags are not of the size given: printed at another scale, or measured wrong"
                : "the images contradict the " + group.name) +

@@ -78,9 +78,15 @@ Corners corners_of(const TagBlock& block, const TagStart& start, const TagModel&
   bundle::Problem& problem = corners.problem;
   const bool focal = options.refine_focal_length, centre = options.refine_principal_point,
              lens = options.refine_extra_params;
-  problem.cameras.push_back(
-      {"camera", bundle::Lens::brown, 0, {focal, focal, centre, centre, lens, lens, false, lens, lens, false, false}});
+  problem.cameras = model.problem.cameras;
   problem.images = model.problem.images;
+  for (size_t c = 0; c < problem.cameras.size(); ++c) {
+    bundle::Camera& camera = problem.cameras[c];
+    camera.inverse_reference = 0;
+    if (std::any_of(problem.images.begin(), problem.images.end(),
+                    [&](const auto& image) { return image.camera == static_cast<int>(c); }))
+      camera.free = {focal, focal, centre, centre, lens, lens, false, lens, lens, false, false};
+  }
   problem.groups.push_back({"images"});
   corners.state.interiors = model.state.interiors;
   corners.state.images = model.state.images;
@@ -256,25 +262,31 @@ void fill_geometry(const TagBlock& block, const TagStart& start, const TagModel&
   result.plate_w.assign(start.plates.size(), unknown);
   result.images_per_plate.assign(start.plates.size(), 0);
   for (const auto& tag : model.problem.image_tags) ++result.images_per_plate[static_cast<size_t>(tag.plate)];
-  result.camera = block.camera;
-  std::array<double, BrownCamera::parameter_count> interior;
-  std::copy_n(state.interiors[0].begin(), interior.size(), interior.begin());
-  result.camera.set_parameters(interior);
-  result.camera_covariance = Eigen::MatrixXd::Zero(interior.size(), interior.size());
+  for (size_t c = 0; c < block.cameras.size(); ++c) {
+    adjust::AdjustedTagCamera camera;
+    camera.interior = block.cameras[c].interior;
+    std::array<double, BrownCamera::parameter_count> interior;
+    std::copy_n(state.interiors[c].begin(), interior.size(), interior.begin());
+    camera.interior.set_parameters(interior);
+    camera.covariance = Eigen::MatrixXd::Zero(interior.size(), interior.size());
+    result.cameras.push_back(camera);
+  }
 }
 
 }  // namespace
 
 TagBlockResult adjust_plates(const TagBlock& block, const TagBlockOptions& given) {
   adjust::require_usable(block);
-  if (!block.distance_terms.isZero(0) ||
+  if (std::any_of(block.cameras.begin(), block.cameras.end(),
+                  [](const auto& c) { return !c.distance_terms.isZero(0); }) ||
       std::any_of(block.images.begin(), block.images.end(), [](const auto& i) { return !i.principal_point.isZero(0); }))
     throw std::runtime_error(
         "COLMAP has neither distortion that changes with the distance nor principal points of single images, as this "
         "camera has; use adjust.schur, or a camera adjusted without");
   TagBlockOptions options = given;
   TagBlockResult result;
-  if (options.bundle.refine_extra_params && block.camera.k3 != 0) {
+  if (options.bundle.refine_extra_params &&
+      std::any_of(block.cameras.begin(), block.cameras.end(), [](const auto& c) { return c.interior.k3 != 0; })) {
     options.bundle.refine_extra_params = false;
     result.warnings.push_back(
         "the lens' distortion is held: with k3, COLMAP would estimate a rational model, which no other camera here is");

@@ -90,6 +90,7 @@ PhotographHeader read_photograph_header(const std::filesystem::path& path) {
     result.height = static_cast<int>(header->pixelHeight());
     const Exiv2::ExifData& exif = header->exifData();
     result.model = model_of(exif);
+    result.serial = text_of(exif, "Exif.Photo.BodySerialNumber");
     result.taken_at = text_of(exif, "Exif.Photo.DateTimeOriginal");
     const double focal = number_of(exif, "Exif.Photo.FocalLength");
     if (focal > 0) result.focal_length = 1e-3 * focal;

@@ -11,6 +11,7 @@ namespace plumbline {
 struct PhotographHeader {
   int width = 0, height = 0;  ///< as stored, whatever `orientation` says [px]
   std::string model;          ///< EXIF Make and Model; empty if absent
+  std::string serial;         ///< EXIF BodySerialNumber: which of several bodies of one model; empty if absent
   std::string taken_at;       ///< EXIF DateTimeOriginal, as written; empty if absent
   double focal_length = std::numeric_limits<double>::quiet_NaN();  ///< [m]; nan if absent
   /// Of the file as it is [px]; nan if EXIF tells neither the sensor's pitch nor the focal length for 35 mm film.

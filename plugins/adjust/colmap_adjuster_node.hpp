@@ -97,7 +97,7 @@ struct ColmapAdjuster : Node {
                                                    {"k1", *refine_extra_params},    {"k2", *refine_extra_params},
                                                    {"p1", *refine_extra_params},    {"p2", *refine_extra_params}};
     for (auto& parameter : artifact.interior_orientation) {
-      const auto at = estimated.find(parameter->name);
+      const auto at = estimated.find(parameter->name.substr(0, parameter->name.find(' ')));  // "fx of left"
       parameter->estimated = at != estimated.end() && at->second;
       if (parameter->estimated) parameter->sigma = std::nan("");
     }

@@ -19,11 +19,16 @@ double smaller(double a, double b) { return std::isnan(b) ? b : std::min(a, b); 
 }  // namespace
 
 TagBlockBuilder::TagBlockBuilder(CameraT camera, PlatesT plates, PosesT poses)
-    : camera_(std::move(camera)), plates_(std::move(plates)), poses_(std::move(poses)) {
-  lens_ = complete_camera_of(camera_);
-  block_.camera = lens_.nine;
-  block_.distance_terms = lens_.distance_terms;
-  block_.reference_distance = lens_.reference_distance;
+    : cameras_(cameras_of(std::move(camera))), plates_(std::move(plates)), poses_(std::move(poses)) {
+  block_.cameras.resize(cameras_.size());
+  for (size_t c = 0; c < cameras_.size(); ++c) {
+    lenses_.push_back(complete_camera_of(cameras_[c]));
+    TagCamera& given = block_.cameras[c];
+    if (cameras_.size() > 1) given.name = cameras_[c].id;
+    given.interior = lenses_[c].nine;
+    given.distance_terms = lenses_[c].distance_terms;
+    given.reference_distance = lenses_[c].reference_distance;
+  }
   for (const auto& plate : plates_.plates) {
     const auto [at, is_new] =
         plate_of_tag_.emplace(std::make_pair(plate->tag_family, plate->tag_id), static_cast<int>(block_.plates.size()));
@@ -39,16 +44,34 @@ TagBlockBuilder::TagBlockBuilder(CameraT camera, PlatesT plates, PosesT poses)
 void TagBlockBuilder::set_prior(bool use_prior) {
   constexpr int count = BrownCamera::parameter_count;
   if (!use_prior) return;
-  block_.camera_covariance = unpack_symmetric(camera_.covariance, count, "camera '" + camera_.id + "'");
-  if (block_.camera_covariance.size() == 0) block_.camera_covariance = Eigen::MatrixXd::Zero(count, count);
+  for (size_t c = 0; c < cameras_.size(); ++c) {
+    Eigen::MatrixXd& prior = block_.cameras[c].covariance;
+    prior = unpack_symmetric(cameras_[c].covariance, count, "camera '" + cameras_[c].id + "'");
+    if (prior.size() == 0) prior = Eigen::MatrixXd::Zero(count, count);
+  }
+}
+
+int TagBlockBuilder::camera_of_image(const ImageTagsT& image) const {
+  if (cameras_.size() == 1) return 0;
+  std::string names;
+  for (size_t c = 0; c < cameras_.size(); ++c) {
+    if (cameras_[c].id == image.camera) return static_cast<int>(c);
+    names += (c == 0 ? "'" : ", '") + cameras_[c].id + "'";
+  }
+  throw std::runtime_error("image " + image.path + " is of camera '" + image.camera + "', expected one of " + names);
 }
 
 void TagBlockBuilder::add_image(const ImageTagsT& image, double corner_sigma) {
   const int index = static_cast<int>(block_.images.size());
   const auto pose = pose_of_image_.find(image.path);
-  block_.images.push_back(
-      {image.path, pose == pose_of_image_.end() ? std::nullopt : std::make_optional(pose->second->cam_from_world)});
-  if (pose != pose_of_image_.end()) block_.images.back().principal_point = principal_point_of(lens_, *pose->second);
+  TagImage entry;
+  entry.name = image.path;
+  entry.camera = camera_of_image(image);
+  if (pose != pose_of_image_.end()) {
+    entry.cam_from_world = pose->second->cam_from_world;
+    entry.principal_point = principal_point_of(lenses_[static_cast<size_t>(entry.camera)], *pose->second);
+  }
+  block_.images.push_back(std::move(entry));
   std::map<int, int> times;
   for (const auto& tag : image.tags) {
     const auto plate = plate_of_tag_.find({tag->family, tag->id});
@@ -148,26 +171,33 @@ PointsT TagBlockBuilder::points(const TagBlockResult& result) const {
   return points;
 }
 
-CameraT TagBlockBuilder::camera(const TagBlockResult& result) const {
-  CameraT adjusted = camera_;
+CameraT TagBlockBuilder::adjusted_camera(const TagBlockResult& result, size_t index) const {
+  CameraT adjusted = cameras_[index];
+  const AdjustedTagCamera& found = result.cameras[index];
   adjusted.beyond.clear();
   adjusted.distance_terms.clear();
   adjusted.reference_distance = std::nan("");
-  const auto values = result.camera.parameters();
+  const auto values = found.interior.parameters();
   adjusted.parameters.assign(values.begin(), values.end());
-  if (result.camera_covariance.diagonal().maxCoeff() > 0) {
-    adjusted.covariance = pack_symmetric(result.camera_covariance);
+  if (found.covariance.diagonal().maxCoeff() > 0) {
+    adjusted.covariance = pack_symmetric(found.covariance);
     adjusted.source = "self-calibration";
   }
-  if (!result.distance_terms.isZero(0)) {
+  if (!found.distance_terms.isZero(0)) {
     adjusted.beyond = "distance-dependent distortion (d1, d2)";
-    adjusted.distance_terms = {result.distance_terms.x(), result.distance_terms.y()};
-    adjusted.reference_distance = result.reference_distance;
+    adjusted.distance_terms = {found.distance_terms.x(), found.distance_terms.y()};
+    adjusted.reference_distance = found.reference_distance;
   }
   adjusted.image_principal_points = !result.principal_points.empty();
   if (!result.principal_points.empty())
     adjusted.beyond += std::string(adjusted.beyond.empty() ? "" : " and ") + "principal points of single images";
   return adjusted;
+}
+
+CameraT TagBlockBuilder::camera(const TagBlockResult& result) const {
+  std::vector<CameraT> adjusted;
+  for (size_t c = 0; c < cameras_.size(); ++c) adjusted.push_back(adjusted_camera(result, c));
+  return joined_cameras(adjusted);
 }
 
 PosesT TagBlockBuilder::poses(const TagBlockResult& result) const {
@@ -217,17 +247,8 @@ void TagBlockBuilder::describe_images(const TagBlockResult& result, BlockT& arti
 }
 
 void TagBlockBuilder::describe_interior(const TagBlockResult& result, BlockT& artifact) const {
-  const auto values = result.camera.parameters();
+  constexpr int all = BrownCamera::parameter_count + 2;
   std::vector<int> estimated;
-  for (int i = 0; i < BrownCamera::parameter_count; ++i) {
-    auto parameter = std::make_unique<InteriorParameterT>();
-    parameter->name = BrownCamera::parameter_names[static_cast<size_t>(i)];
-    parameter->value = values[static_cast<size_t>(i)];
-    parameter->sigma = std::sqrt(result.camera_covariance(i, i));
-    parameter->estimated = parameter->sigma > 0;
-    if (parameter->estimated) estimated.push_back(i);
-    artifact.interior_orientation.push_back(std::move(parameter));
-  }
   const auto add = [&](const std::string& name, double value, double sigma) {
     auto parameter = std::make_unique<InteriorParameterT>();
     parameter->name = name;
@@ -236,12 +257,22 @@ void TagBlockBuilder::describe_interior(const TagBlockResult& result, BlockT& ar
     parameter->estimated = sigma > 0;
     artifact.interior_orientation.push_back(std::move(parameter));
   };
-  for (int k = 0; k < 2 && result.reference_distance > 0; ++k) {
-    const int i = BrownCamera::parameter_count + k;
-    add(k == 0 ? "d1" : "d2", result.distance_terms(k), std::sqrt(result.interior_covariance(i, i)));
-    if (result.interior_covariance(i, i) > 0) estimated.push_back(i);
+  for (int c = 0; c < static_cast<int>(result.cameras.size()); ++c) {
+    const AdjustedTagCamera& camera = result.cameras[static_cast<size_t>(c)];
+    const std::string of = result.cameras.size() > 1 ? " of " + cameras_[static_cast<size_t>(c)].id : "";
+    const auto values = camera.interior.parameters();
+    for (int i = 0; i < BrownCamera::parameter_count; ++i) {
+      const size_t at = static_cast<size_t>(i);
+      add(BrownCamera::parameter_names[at] + of, values[at], std::sqrt(camera.covariance(i, i)));
+      if (camera.covariance(i, i) > 0) estimated.push_back(all * c + i);
+    }
+    for (int k = 0; k < 2 && camera.reference_distance > 0; ++k) {
+      const int i = all * c + BrownCamera::parameter_count + k;
+      add((k == 0 ? "d1" : "d2") + of, camera.distance_terms(k), std::sqrt(result.interior_covariance(i, i)));
+      if (result.interior_covariance(i, i) > 0) estimated.push_back(i);
+    }
+    if (camera.reference_distance > 0) add("Z0" + of, camera.reference_distance, 0);
   }
-  if (result.reference_distance > 0) add("Z0", result.reference_distance, 0);
   for (size_t i = 0; i < result.principal_points.size(); ++i) {
     if (!result.cam_from_world[i]) continue;
     const ImagePrincipalPoint& own = result.principal_points[i];

@@ -18,9 +18,11 @@
 namespace plumbline::adjust {
 
 /// Collects a tag block from artifacts and turns its result back into artifacts. All functions throw std::runtime_error
-/// on contradictory input: a camera with too few parameters, two plates with one tag, a covariance of the wrong length.
+/// on contradictory input: a camera with too few parameters, two cameras with one name, an image of none of them, two
+/// plates with one tag, a covariance of the wrong length.
 class TagBlockBuilder {
  public:
+  /// A camera with others takes the images whose ImageTags.camera has its name; one without takes all.
   TagBlockBuilder(CameraT camera, PlatesT plates, PosesT poses);
 
   /// Whether the camera's covariance is the prior of a self-calibration; a camera without one is then taken as exact.
@@ -46,9 +48,11 @@ class TagBlockBuilder {
   std::unique_ptr<StatisticsT> statistics(const TagBlockResult& result) const;
   void describe_images(const TagBlockResult& result, BlockT& artifact) const;
   void describe_interior(const TagBlockResult& result, BlockT& artifact) const;
+  CameraT adjusted_camera(const TagBlockResult& result, size_t index) const;
+  int camera_of_image(const ImageTagsT& image) const;
 
-  CameraT camera_;
-  CompleteCamera lens_;
+  std::vector<CameraT> cameras_;
+  std::vector<CompleteCamera> lenses_;
   PlatesT plates_;
   PosesT poses_;
   TagBlock block_;

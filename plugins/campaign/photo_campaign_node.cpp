@@ -12,11 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Ours, or another program's. A calibration without standard deviations starts a self-calibration.
-CameraT camera_of(const fs::path& path, const std::string& name, Context& context) {
-  const std::string text = read_text(path);
-  if (text.find("plumbline_camera") != std::string::npos) return to_artifact(parse_camera(text, path), name);
-  const markers::CameraFile file = markers::parse_camera_file(text, path.string());
+CameraT artifact_of(const markers::CameraFile& file, const std::string& name) {
   CameraT camera;
   camera.id = file.id;
   camera.width = file.camera.width, camera.height = file.camera.height;
@@ -24,8 +20,21 @@ CameraT camera_of(const fs::path& path, const std::string& name, Context& contex
   camera.parameters.assign(values.begin(), values.end());
   camera.covariance = pack_symmetric(file.covariance.size() ? file.covariance : markers::usual_covariance(file.camera));
   camera.source = file.format + " file " + name;
-  context.info(name + ": " + file.format + " camera");
   return camera;
+}
+
+/// Ours, or another program's, of one camera or of several by name. One of another program, without standard
+/// deviations, starts a self-calibration.
+std::vector<CameraT> cameras_of(const fs::path& path, const std::string& name, Context& context) {
+  const std::string text = read_text(path), key = "plumbline_camera";
+  if (text.starts_with(key) || text.find("\n" + key) != std::string::npos)
+    return {to_artifact(parse_camera(text, path), name)};
+  std::vector<CameraT> cameras;
+  for (const markers::CameraFile& file : markers::parse_camera_files(text, path.string())) {
+    cameras.push_back(artifact_of(file, name));
+    context.info(name + ": " + file.format + " camera " + file.id);
+  }
+  return cameras;
 }
 
 ImageT image_of(const FolderEntryT& entry, const fs::path& root) {
@@ -38,7 +47,7 @@ ImageT image_of(const FolderEntryT& entry, const fs::path& root) {
   try {
     const PhotographHeader header = read_photograph_header(root / entry.path);
     image.width = header.width, image.height = header.height;
-    image.model = header.model, image.taken_at = header.taken_at;
+    image.model = header.model, image.serial = header.serial, image.taken_at = header.taken_at;
     image.focal_length = header.focal_length, image.principal_distance = header.principal_distance;
     image.orientation = header.orientation;
   } catch (const std::runtime_error&) {
@@ -69,6 +78,19 @@ SurveyObservationsT as_measured(const std::vector<ControlPoint>& points, const C
   return survey::to_artifact(all);
 }
 
+/// Tables in folders below are taken for read by who put them there.
+void warn_of_unread(const CampaignDescription& description, const std::vector<std::string>& names, Context& context) {
+  for (const std::string& name : names) {
+    const std::string file = fs::path(name).filename().string();
+    if (file != "camera.yaml" && file != "plates.csv" && file != "control.csv") continue;
+    if (name == file || name == description.camera || name == description.plates || name == description.control)
+      continue;
+    context.warn(name + " is not read: it belongs into the folder itself" +
+                 (file == "camera.yaml" ? "; one camera.yaml has several cameras, each under the name of its folder"
+                                        : ", or into campaign.yaml by its name"));
+  }
+}
+
 }  // namespace
 
 void ReadPhotoCampaign::run(Context& context) {
@@ -83,8 +105,11 @@ void ReadPhotoCampaign::run(Context& context) {
   for (const auto& entry : given.files) entries[entry->path] = entry.get(), names.push_back(entry->path);
   if (const std::string unread = unread_photographs(names); !unread.empty())
     context.warn("photographs of " + root.string() + " are " + unread);
+  warn_of_unread(description, names, context);
   for (const std::string& path : description.images) images.commit(image_of(*entries.at(path), root));
-  if (!description.camera.empty()) cameras.commit(camera_of(root / description.camera, description.camera, context));
+  if (!description.camera.empty())
+    for (const CameraT& camera : cameras_of(root / description.camera, description.camera, context))
+      cameras.commit(camera);
   plates.commit(description.plates.empty()
                     ? PlatesT()
                     : to_artifact(parse_plates(read_text(root / description.plates), root / description.plates,

@@ -16,7 +16,7 @@ struct ReadPhotoCampaign : Node {
                              "Reads photographs and the survey of their tags: a campaign without a design"};
   In<Folder> folder{"folder", "a folder with photographs and survey files or control points; docs/photographs.md"};
   OutList<Image> images{"images", "the photographs, by reference, ordered by path"};
-  OutList<Camera> cameras{"cameras", "the calibration, where the folder has one"};
+  OutList<Camera> cameras{"cameras", "the calibrations, where the folder has any"};
   Out<Plates> plates{"plates", frame("frame=building"), "which tag stands for which point; empty: names tell"};
   Out<SurveyObservations> survey{"survey", frame("frame=building"),
                                  "all survey files in one; without any, the control points as measured coordinates"};

@@ -18,7 +18,7 @@ ImageT describe(const fs::path& file, const fs::path& folder, bool stop_at_bad) 
   try {
     const PhotographHeader header = read_photograph_header(file);
     image.width = header.width, image.height = header.height;
-    image.model = header.model, image.taken_at = header.taken_at;
+    image.model = header.model, image.serial = header.serial, image.taken_at = header.taken_at;
     image.focal_length = header.focal_length, image.principal_distance = header.principal_distance;
     image.orientation = header.orientation;
   } catch (const std::runtime_error& error) {

@@ -8,103 +8,10 @@
 
 #include "geometry/packed_symmetric.hpp"
 #include "markers/camera_groups.hpp"
+#include "photograph_groups.hpp"
 
 namespace plumbline::markers {
 namespace {
-
-std::string size_text(int width, int height) { return std::to_string(width) + " x " + std::to_string(height); }
-
-/// What tells one camera from another.
-struct CameraKey {
-  std::string folder, model;
-  int width = 0, height = 0;
-  double focal_length = 0;
-  auto operator<=>(const CameraKey&) const = default;
-};
-
-struct CameraGroup {
-  CameraKey key;
-  std::vector<size_t> images;  ///< indices into the observations
-  double principal_distance = std::nan("");
-};
-
-/// Groups in the order of their first image.
-std::vector<CameraGroup> groups_of(const std::vector<ImageT>& images, const TagObservationsT& observations,
-                                   const std::vector<bool>& use, const std::string& by) {
-  std::map<std::string, const ImageT*> header;
-  for (const ImageT& image : images) header[image.path] = &image;
-  std::map<CameraKey, size_t> index;
-  std::vector<CameraGroup> groups;
-  for (size_t i = 0; i < observations.images.size(); ++i) {
-    if (!use[i]) continue;
-    const ImageTagsT& seen = *observations.images[i];
-    const auto found = header.find(seen.path);
-    CameraKey key{camera_name(seen.path, by), "", seen.width, seen.height, 0};
-    double principal = std::nan("");
-    if (found != header.end()) {
-      key.model = found->second->model;
-      if (std::isfinite(found->second->focal_length)) key.focal_length = found->second->focal_length;
-      principal = found->second->principal_distance;
-    }
-    const auto [at, is_new] = index.emplace(key, groups.size());
-    if (is_new) groups.push_back({key, {}, principal});
-    groups[at->second].images.push_back(i);
-    if (!std::isfinite(groups[at->second].principal_distance)) groups[at->second].principal_distance = principal;
-  }
-  return groups;
-}
-
-/// Groups too small to calibrate beside a large one of the same folder: turned, cropped or resized by a program.
-void drop_odd_groups(std::vector<CameraGroup>& groups, const TagObservationsT& observations, BlockInput& input) {
-  constexpr size_t enough = 3;
-  std::vector<CameraGroup> kept;
-  for (const CameraGroup& group : groups) {
-    const CameraGroup* large = nullptr;
-    for (const CameraGroup& other : groups)
-      if (other.key.folder == group.key.folder && other.images.size() >= enough &&
-          other.images.size() > group.images.size())
-        large = &other;
-    if (group.images.size() >= enough || !large) {
-      kept.push_back(group);
-      continue;
-    }
-    const bool turned = group.key.width == large->key.height && group.key.height == large->key.width;
-    const bool other_size = group.key.width != large->key.width || group.key.height != large->key.height;
-    for (const size_t i : group.images) {
-      std::string reason;
-      if (turned)
-        reason = "has " + size_text(group.key.width, group.key.height) + " pixels where the others have " +
-                 size_text(large->key.width, large->key.height) +
-                 ": a program turned its pixels. Use the file as the camera wrote it";
-      else if (other_size)
-        reason = "has " + size_text(group.key.width, group.key.height) + " pixels where the others have " +
-                 size_text(large->key.width, large->key.height) +
-                 ": it was resized, cropped or taken by another camera, and too few are like it to calibrate that one";
-      else
-        reason = "was taken with another camera or focal length (" +
-                 (group.key.model.empty() ? std::string("no EXIF") : group.key.model) + ", " +
-                 std::to_string(static_cast<int>(std::lround(1000 * group.key.focal_length))) +
-                 " mm) than the others, and too few are like it to calibrate it";
-      input.left_out.push_back({observations.images[i]->path, reason});
-    }
-  }
-  groups = kept;
-}
-
-MarkerCamera camera_from(const CameraGroup& group, size_t number, size_t count) {
-  MarkerCamera camera;
-  camera.id = !group.key.folder.empty() ? group.key.folder : !group.key.model.empty() ? group.key.model : "camera";
-  if (count > 1 && group.key.folder.empty()) camera.id += " " + std::to_string(number + 1);
-  camera.camera.width = group.key.width, camera.camera.height = group.key.height;
-  camera.source = "self-calibration, started from the shapes of the tags";
-  if (std::isfinite(group.principal_distance)) {
-    camera.camera.fx = camera.camera.fy = group.principal_distance;
-    camera.camera.cx = 0.5 * (group.key.width - 1), camera.camera.cy = 0.5 * (group.key.height - 1);
-    camera.source = "self-calibration, started from EXIF";
-    if (group.key.focal_length > 0) camera.pixel_pitch = group.key.focal_length / group.principal_distance;
-  }
-  return camera;
-}
 
 MarkerCamera camera_from(const CameraT& known) {
   MarkerCamera camera;
@@ -123,6 +30,8 @@ int calibration_of(const std::string& path, const std::vector<CameraT>& known, c
   const std::string name = camera_name(path, by);
   for (size_t c = 0; c < known.size(); ++c)
     if (known[c].id == name) return static_cast<int>(c);
+  for (size_t c = 0; c < known.size(); ++c)  // "left" calibrated in a folder of its own, "images/left" in the campaign
+    if (name.ends_with("/" + known[c].id)) return static_cast<int>(c);
   return -1;
 }
 
@@ -222,9 +131,11 @@ void add_views(const ImageTagsT& seen, int image, std::map<std::pair<std::string
 BlockInput block_of(const std::vector<ImageT>& images, const TagObservationsT& observations, std::vector<CameraT> known,
                     const InputOptions& options) {
   BlockInput input;
-  const std::vector<bool> use = usable(observations, known, options.cameras, input);
+  std::vector<bool> use = usable(observations, known, options.cameras, input);
   std::vector<int> camera_of_image(observations.images.size(), -1);
   if (!known.empty()) {
+    if (known.size() == 1 && options.cameras != "one")
+      drop_other_bodies(groups_of(images, observations, use, "one"), known.front(), observations, use, input);
     for (const CameraT& camera : known) input.block.cameras.push_back(camera_from(camera));
     for (size_t i = 0; i < use.size(); ++i)
       if (use[i]) camera_of_image[i] = calibration_of(observations.images[i]->path, known, options.cameras);
@@ -238,10 +149,9 @@ BlockInput block_of(const std::vector<ImageT>& images, const TagObservationsT& o
                                ", each with the same numbers, and count as one camera's: cameras=by_name calibrates "
                                "each by itself, cameras=one says that it is one");
     drop_odd_groups(groups, observations, input);
-    for (size_t g = 0; g < groups.size(); ++g) {
-      input.block.cameras.push_back(camera_from(groups[g], g, groups.size()));
+    input.block.cameras = cameras_of_groups(groups);
+    for (size_t g = 0; g < groups.size(); ++g)
       for (const size_t i : groups[g].images) camera_of_image[i] = static_cast<int>(g);
-    }
   }
   std::map<std::pair<std::string, int>, int> marker_of;
   for (size_t i = 0; i < observations.images.size(); ++i) {

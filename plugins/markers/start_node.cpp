@@ -130,7 +130,7 @@ SurveyFrame frame_of(const MarkerResult& network, const std::vector<SurveyedTag>
 Eigen::MatrixXd weak_prior(const BrownCamera& camera, double of_distance, double of_width, double distortion) {
   Eigen::VectorXd sigma(9);
   const double f = of_distance * camera.fx, c = of_width * camera.width;
-  sigma << f, f, c, c, distortion, 2 * distortion, 0, 0.03 * distortion, 0.03 * distortion;
+  sigma << f, f, c, c, distortion, 2 * distortion, 4 * distortion, 0.03 * distortion, 0.03 * distortion;
   return sigma.cwiseAbs2().asDiagonal();
 }
 
@@ -139,6 +139,39 @@ CameraT start_of(const MarkerCamera& given, const AdjustedMarkerCamera& adjusted
   CameraT camera = camera_artifact(given, adjusted);
   camera.covariance = pack_symmetric(weak_prior(adjusted.camera, 0.1, 0.02, 0.3));
   return camera;
+}
+
+/// How many of a camera's photographs are oriented, by index of the camera.
+std::vector<int> oriented_images(const MarkerBlock& block, const MarkerResult& network) {
+  std::vector<int> count(block.cameras.size());
+  for (const auto& image : network.images)
+    if (image.oriented) ++count[static_cast<size_t>(block.images[static_cast<size_t>(image.image)].camera)];
+  return count;
+}
+
+/// The cameras of oriented photographs: as calibrated, or as a self-calibration is to start.
+std::vector<CameraT> used_cameras(const MarkerBlock& block, const MarkerResult& network,
+                                  const std::vector<CameraT>& known) {
+  const std::vector<int> images = oriented_images(block, network);
+  std::vector<CameraT> used;
+  for (size_t c = 0; c < block.cameras.size(); ++c) {
+    if (images[c] == 0) continue;
+    used.push_back(known.empty() ? start_of(block.cameras[c], network.cameras[c]) : known[c]);
+    if (used.back().width == 0)  // OpenCV's files do not say it
+      used.back().width = block.cameras[c].camera.width, used.back().height = block.cameras[c].camera.height;
+  }
+  return used;
+}
+
+void tell_cameras(const std::vector<CameraT>& used, const MarkerBlock& block, const MarkerResult& network,
+                  Context& context) {
+  const std::vector<int> images = oriented_images(block, network);
+  std::string text;
+  for (size_t c = 0; c < block.cameras.size(); ++c)
+    if (images[c] > 0)
+      text += (text.empty() ? "" : ", ") + block.cameras[c].id + " (" + std::to_string(images[c]) +
+              (images[c] == 1 ? " photograph)" : " photographs)");
+  context.info(std::to_string(used.size()) + " cameras, each with an interior orientation of its own: " + text);
 }
 
 }  // namespace
@@ -150,7 +183,7 @@ void AdjustMarkerStart::run(Context& context) {
   const PointsT surveyed_points = points.unpack();
   std::vector<CameraT> known;
   for (size_t i = 0; i < calibration.size(); ++i) known.push_back(calibration.unpack(i));
-  BlockInput input = block_of(photographs, seen, known, {*tag_size > 0 ? *tag_size : unknown_size, "one"});
+  BlockInput input = block_of(photographs, seen, known, {*tag_size > 0 ? *tag_size : unknown_size, *cameras});
   for (const auto& image : input.left_out) context.warn("left out: " + image.path + ": " + image.reason);
   if (input.block.views.empty())
     throw std::runtime_error("no photograph shows a usable tag" +
@@ -158,22 +191,14 @@ void AdjustMarkerStart::run(Context& context) {
                                   ? std::string()
                                   : ": " + input.left_out.front().path + ": " + input.left_out.front().reason) +
                              ". Check the family of the tags");
-  if (input.block.cameras.size() > 1) {
-    std::set<std::string> names;
-    for (const auto& one : input.block.cameras)
-      names.insert(one.id + " (" + std::to_string(one.camera.width) + " x " + std::to_string(one.camera.height) + ")");
-    throw std::runtime_error("the photographs are of " + std::to_string(input.block.cameras.size()) +
-                             " cameras: " + listed(names) +
-                             ". One is adjusted here: make a folder for each, or use marker_field with the surveyed "
-                             "tags as its layout, which takes several");
-  }
   const PlatesT given = plates.unpack();
   PlatesT table = plates_of(given, input.block, surveyed_points, *tag_size);
   require_sizes(given, table, input);
   for (const auto& text : input.warnings) context.warn(text);
   const std::vector<SurveyedTag> surveyed = surveyed_tags(table, surveyed_points, input.block);
-  if (known.empty() && input.block.cameras.front().camera.fx > 0)  // few photographs do not calibrate
-    input.block.cameras.front().covariance = weak_prior(input.block.cameras.front().camera, 0.05, 0.01, 0.1);
+  if (known.empty())
+    for (MarkerCamera& one : input.block.cameras)  // few photographs do not calibrate
+      if (one.camera.fx > 0) one.covariance = weak_prior(one.camera, 0.05, 0.01, 0.1);
   const MarkerResult network = adjust_marker_block(input.block, {});
   for (const auto& text : network.left_out) context.warn("left out: " + text);
   const SurveyFrame frame = frame_of(network, surveyed, input.block, surveyed_points);
@@ -200,19 +225,21 @@ void AdjustMarkerStart::run(Context& context) {
     pose->covariance.clear();
     oriented.insert(pose->path);
   }
-  CameraT used = !known.empty() ? known.front() : start_of(input.block.cameras.front(), network.cameras.front());
-  if (used.width == 0)  // OpenCV's files do not say it
-    used.width = input.block.cameras.front().camera.width, used.height = input.block.cameras.front().camera.height;
+  const std::vector<CameraT> used = used_cameras(input.block, network, known);
+  if (used.size() > 1) tell_cameras(used, input.block, network, context);
+  std::map<std::string, std::string> camera_of_image;
+  for (const MarkerImage& image : input.block.images)
+    camera_of_image[image.path] = input.block.cameras[static_cast<size_t>(image.camera)].id;
   for (const auto& image : seen.images) {
     if (!oriented.count(image->path)) continue;
     ImageTagsT tags(*image);
-    tags.camera = used.id;
+    tags.camera = camera_of_image.at(image->path);
     usable.commit(tags);
   }
   context.metric("images_oriented", static_cast<double>(oriented.size()), "1");
   placed.commit(table);
   poses.commit(approximate);
-  camera.commit(used);
+  camera.commit(joined_cameras(used));
 }
 
 }  // namespace plumbline::markers

@@ -18,13 +18,20 @@ struct AdjustMarkerStart : Node {
                     "which tag stands for which point; empty: a point is called as the number of its tag, or "
                     "family:number"};
   In<Points> points{"points", frame("frame=?F"), "the surveyed points"};
-  List<Camera> calibration{"cameras", "the calibration of the camera; none: it is started from EXIF or from the tags"};
+  List<Camera> calibration{"cameras",
+                           "calibration of the one camera, or of several by the names of parameter `cameras`; none: "
+                           "they are started from EXIF or from the tags"};
   Param<double> tag_size{"tag_size", 0.0, "m", between(0, 100),
                          "edge of the tags between their detected corners, where the plates do not say it; 0: the "
                          "surveyed points give it"};
+  Param<std::string> cameras{
+      "cameras", "by_folder", one_of("by_folder", "by_name", "one"),
+      "by_folder: photographs of another folder are from another camera; by_name: of another name before the last "
+      "number (cam0_17.png), too; one: only size, EXIF model and focal length tell"};
   Out<Plates> placed{"plates", frame("frame=?F"), "the plates as they hang, and the tags that stand for no point"};
   Out<Poses> poses{"poses", frame("frame=?F"), "approximate exterior orientations"};
-  Out<Camera> camera{"camera", "the calibration, or the start of a self-calibration with weak priors"};
+  Out<Camera> camera{"camera",
+                     "the calibration, or the start of a self-calibration with weak priors; several cameras in one"};
   OutList<ImageTags> usable{"observations", "the tags of the photographs that can take part"};
 
   void run(Context& context) override;

@@ -1,5 +1,7 @@
 // The image block behind the model: groups of observations, images, what was rejected or left out.
+#include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "report/format.hpp"
 #include "report/plot.hpp"
@@ -40,6 +42,36 @@ void write_images(Markup& html, const BlockT& block) {
                      fixed(image->smallest_redundancy_number, 2)});
 }
 
+/// One row a camera: names are "fx", or of several cameras "fx of left".
+void write_cameras(Markup& html, const BlockT& block) {
+  std::vector<std::string> cameras, names;
+  std::map<std::pair<std::string, std::string>, std::string> cells;
+  for (const auto& parameter : block.interior_orientation) {
+    const size_t of = parameter->name.find(" of ");
+    const std::string name = parameter->name.substr(0, of),
+                      camera = of == std::string::npos ? "" : parameter->name.substr(of + 4);
+    if (name == "x0" || name == "y0") continue;  // of single images
+    if (std::find(cameras.begin(), cameras.end(), camera) == cameras.end()) cameras.push_back(camera);
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+    const bool pixels = name[0] == 'f' || name[0] == 'c';
+    std::string text = fixed(parameter->value, pixels ? 2 : 5);
+    if (parameter->estimated && parameter->sigma > 0) text += " ± " + fixed(parameter->sigma, pixels ? 2 : 5);
+    cells[{camera, name}] = text;
+  }
+  if (cameras.empty()) return;
+  Scope wide(html, "div", {{"class", "wide"}});
+  Scope table(html, "table");
+  std::vector<Cell> head = {"Interior orientation"};
+  for (const std::string& name : names) head.push_back(name + (name[0] == 'f' || name[0] == 'c' ? " [px]" : ""));
+  table_head(html, head);
+  Scope body(html, "tbody");
+  for (const std::string& camera : cameras) {
+    std::vector<Cell> row = {camera.empty() ? std::string("camera") : camera};
+    for (const std::string& name : names) row.push_back(cells[{camera, name}]);
+    table_row(html, row);
+  }
+}
+
 std::string joined(const std::vector<std::string>& items) {
   std::string text;
   for (const std::string& item : items) text += (text.empty() ? "" : ", ") + item;
@@ -72,6 +104,7 @@ void write_block(Markup& html, const ReportInput& input) {
                fixed(block.image_variance_factor, 2) + ".");
   write_groups(html, block);
   write_tests(html, block);
+  write_cameras(html, block);
   if (block.rejected.empty()) {
     html.element("p", "No sighting of a tag was rejected.");
   } else {

@@ -43,6 +43,13 @@ void add_design(const DesignT& design, std::vector<Fact>& facts) {
   facts.emplace_back("Design", value);
 }
 
+void add_camera(const CameraT& camera, std::vector<Fact>& facts) {
+  std::string text = camera.id + ", " + std::to_string(camera.width) + " × " + std::to_string(camera.height);
+  if (camera.pixel_pitch > 0) text += " pixels of " + fixed(1e6 * camera.pixel_pitch, 2) + " µm";
+  facts.emplace_back("Camera", text);
+  for (const auto& other : camera.others) add_camera(*other, facts);
+}
+
 /// What the campaign was: anchors and floors, camera, total station.
 void add_campaign(const AccuracyT& accuracy, const CameraT* camera, const SurveyInfoT* survey,
                   std::vector<Fact>& facts) {
@@ -55,11 +62,7 @@ void add_campaign(const AccuracyT& accuracy, const CameraT* camera, const Survey
   facts.emplace_back("Anchors", count(control, "control anchor", "control anchors") + " and " +
                                     count(check, "check anchor", "check anchors") + " on " +
                                     count(highest, "floor", "floors"));
-  if (camera) {
-    std::string text = camera->id + ", " + std::to_string(camera->width) + " × " + std::to_string(camera->height);
-    if (camera->pixel_pitch > 0) text += " pixels of " + fixed(1e6 * camera->pixel_pitch, 2) + " µm";
-    facts.emplace_back("Camera", text);
-  }
+  if (camera) add_camera(*camera, facts);
   if (survey && !survey->instrument.empty())
     facts.emplace_back(
         "Total station",

@@ -168,7 +168,7 @@ void Elimination::blocks_of(const TermRef& term, std::vector<int>& all) const {
            layout_.block({Kind::camera, problem_.images[static_cast<size_t>(o.image)].camera}),
            layout_.block({Kind::shift, o.image}),
            layout_.block({Kind::scale, batch}),
-           layout_.block({Kind::inset, batch}),
+           layout_.block({Kind::inset, o.inset < 0 ? batch : o.inset}),
            layout_.block({Kind::plate, o.plate})};
   } else if (term.kind == TermRef::Kind::distance) {
     all = {layout_.block(problem_.distances[i].from), layout_.block(problem_.distances[i].to)};

@@ -74,7 +74,10 @@ void Problem::require_consistent() const {
   for (const auto& i : images) check({Kind::camera, i.camera});
   for (const auto& p : plates) check({Kind::scale, p.batch});
   for (const auto& o : image_points) check({Kind::image, o.image}), check({Kind::point, o.point});
-  for (const auto& o : image_tags) check({Kind::image, o.image}), check({Kind::plate, o.plate});
+  for (const auto& o : image_tags) {
+    check({Kind::image, o.image}), check({Kind::plate, o.plate});
+    if (o.inset >= 0) check({Kind::inset, o.inset});
+  }
   for (const auto& d : distances) {
     check(d.from), check(d.to);
     require(d.sigma > 0, "the distance '" + d.name + "' has no standard deviation");

@@ -75,6 +75,7 @@ struct ImageTag {
   std::array<Eigen::Matrix2d, 4> whitening;
   int group = 0;
   bool robust = false;
+  int inset = -1;  ///< the batch whose inset the detector drew here; −1: that of the plate
 };
 
 /// A known distance between two bodies (points, or anchors of plates).

@@ -10,7 +10,7 @@ namespace plumbline::bundle {
 ScoreTest::ScoreTest(const Problem& problem, const Problem& larger, const State& state, const Elimination& factors)
     : larger_(larger), factors_(factors), small_(problem), large_(larger) {
   sort_unknowns();
-  const auto count = static_cast<Eigen::Index>(kinds_.size());
+  const auto count = static_cast<Eigen::Index>(refs_.size());
   own_.setZero(6, count);
   kept_.setZero(factors.kept_count(), count);
   matrix_.setZero(count, count);
@@ -33,10 +33,10 @@ void ScoreTest::sort_unknowns() {
     const int before = small_.block(ref);
     for (int c = 0; c < large_.size(b); ++c) {
       const bool is_new = c >= small_.size(before);
-      further_.push_back(is_new ? static_cast<int>(kinds_.size()) : -1);
+      further_.push_back(is_new ? static_cast<int>(refs_.size()) : -1);
       block_.push_back(before);
       row_.push_back(c);
-      if (is_new) kinds_.push_back(ref.kind);
+      if (is_new) refs_.push_back(ref);
     }
   }
 }
@@ -115,15 +115,15 @@ void ScoreTest::reduce(const Elimination::Block& block) {
         y.middleCols(runs[r].local, runs[r].length).transpose() * half;
 }
 
-ScoreTest::Explained ScoreTest::by(Kind kind) const {
+ScoreTest::Explained ScoreTest::by(Kind kind, int index) const {
   constexpr double undetermined = 1e-12;  // part of a further unknown that the others do not tell
   std::vector<int> chosen;
-  for (size_t k = 0; k < kinds_.size(); ++k)
-    if (kinds_[k] == kind) chosen.push_back(static_cast<int>(k));
-  const Eigen::MatrixXd all = matrix_(chosen, chosen), left = all - reduced_(chosen, chosen);
+  for (size_t k = 0; k < refs_.size(); ++k)
+    if (refs_[k].kind == kind && (index == all || refs_[k].index == index)) chosen.push_back(static_cast<int>(k));
+  const Eigen::MatrixXd own = matrix_(chosen, chosen), left = own - reduced_(chosen, chosen);
   const Eigen::LLT<Eigen::MatrixXd> factor(left);
   if (factor.info() != Eigen::Success ||
-      (factor.matrixLLT().diagonal().cwiseAbs2().array() < undetermined * all.diagonal().array()).any())
+      (factor.matrixLLT().diagonal().cwiseAbs2().array() < undetermined * own.diagonal().array()).any())
     return {};
   Explained explained;
   const Eigen::VectorXd right = right_(chosen);

@@ -24,8 +24,9 @@ class ScoreTest {
     double decrease = std::nan("");  ///< of the sum of squares; nan if the unknowns are not determined
     Eigen::VectorXd step;            ///< in the unknowns that were asked for
   };
-  /// By the further unknowns of this kind of block alone.
-  Explained by(Kind kind) const;
+  /// By the further unknowns of this kind of block alone, or of the one with this index.
+  Explained by(Kind kind, int index = all) const;
+  static constexpr int all = -1;
 
  private:
   void sort_unknowns();
@@ -38,7 +39,7 @@ class ScoreTest {
   const Problem& larger_;
   const Elimination& factors_;
   const Layout small_, large_;
-  std::vector<Kind> kinds_;       ///< of the further unknowns
+  std::vector<Ref> refs_;         ///< of the further unknowns
   std::vector<int> further_;      ///< by unknown of the larger model: which further one it is, or −1
   std::vector<int> block_, row_;  ///< of the others: their block in the smaller model, and their place in it
   Eigen::MatrixXd own_;           ///< of the eliminated block at work: 6 × further unknowns

@@ -182,8 +182,10 @@ bool evaluate(const Problem& problem, const Layout& layout, const State& state, 
   const Image& image = problem.images[static_cast<size_t>(term.image)];
   const Plate& plate = problem.plates[static_cast<size_t>(term.plate)];
   const size_t batch = static_cast<size_t>(plate.batch);
-  const bool scale_free = problem.batches[batch].scale_free, inset_free = problem.batches[batch].inset_free;
-  const double inset = state.insets[batch], factor = problem.groups[static_cast<size_t>(term.group)].sigma_factor;
+  const int drawn_by = term.inset < 0 ? plate.batch : term.inset;
+  const size_t drawn_batch = static_cast<size_t>(drawn_by);
+  const bool scale_free = problem.batches[batch].scale_free, inset_free = problem.batches[drawn_batch].inset_free;
+  const double inset = state.insets[drawn_batch], factor = problem.groups[static_cast<size_t>(term.group)].sigma_factor;
   ProjectedTag tag;
   if (!project(problem, layout, state, term, jacobians, tag)) return false;
   DrawnCorners drawn;
@@ -213,7 +215,7 @@ bool evaluate(const Problem& problem, const Layout& layout, const State& state, 
   if (scale_free)
     weight.times(tag.by_scale, add_part<8, Eigen::Dynamic>(rows, layout.block({Kind::scale, plate.batch}), 1));
   if (inset_free) {
-    auto part = add_part<8, Eigen::Dynamic>(rows, layout.block({Kind::inset, plate.batch}), 1);
+    auto part = add_part<8, Eigen::Dynamic>(rows, layout.block({Kind::inset, drawn_by}), 1);
     for (int k = 0; k < 4; ++k)
       part.middleRows<2>(2 * k).noalias() = weight.corner[static_cast<size_t>(k)] * drawn.shift.segment<2>(2 * k);
   }

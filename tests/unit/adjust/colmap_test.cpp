@@ -115,8 +115,8 @@ TEST(ColmapProgram, ThatTakesTooLongIsEnded) {
 
 TEST(ColmapBlock, RefusesALensThatItHasNot) {
   auto distances = small_block().block, shifts = small_block().block;
-  distances.distance_terms.x() = 0.01;
-  distances.reference_distance = 8;
+  distances.cameras[0].distance_terms.x() = 0.01;
+  distances.cameras[0].reference_distance = 8;
   shifts.images[1].principal_point.y() = 0.5;
   for (const auto& block : {distances, shifts})
     EXPECT_THAT(test::error_of([&] { adjust_plates(block, {}); }),
@@ -179,7 +179,7 @@ TEST(ColmapBlock, PutsPlatesWhereOurAdjustmentPutsThem) {
   test::SyntheticBlock synthetic = test::make_block({.floors = 2});
   synthetic.use_control(synthetic.choose([](int, int, int) { return true; }));
   adjust::TagBlock calibrated = synthetic.block;
-  calibrated.camera = synthetic.camera;
+  calibrated.cameras[0].interior = synthetic.camera;
   TagBlockOptions options;
   options.bundle.refine_focal_length = options.bundle.refine_extra_params = false;
   adjust::TagBlockOptions own;

@@ -109,6 +109,54 @@ TEST(AdjustCeresNode, FreeNetworkAndSelfCalibration) {
   EXPECT_NEAR(camera.parameters[0], facade.camera.fx, 5);
 }
 
+/// Images are their camera's by name; who projects with one camera only refuses the rest by name.
+TEST(AdjustSchurNode, SeveralCamerasAreToldByTheirNames) {
+  SyntheticFacade facade = make_facade(noisy);
+  CameraT left = facade.camera_artifact(), right = left;
+  left.id = "left", right.id = "right";
+  right.parameters[0] += 1;  // a start
+  CameraT both = joined_cameras({left, right});
+  const auto run = [&](NodeHarness& node) {
+    node.input<Camera>("camera", both);
+    node.input<Plates>("plates", facade.plates);
+    node.input<Poses>("poses", facade.poses);
+    for (size_t i = 0; i < facade.images.size(); ++i) {
+      facade.images[i].camera = i % 2 == 0 ? "left" : "right";
+      node.input<ImageTags>("observations", facade.images[i]);
+    }
+    node.input<Points>("control", facade.control);
+    node.set("self_calibration", "free");
+    return failure(node);
+  };
+  for (const char* kind : {"adjust.schur", "adjust.ceres"}) {
+    NodeHarness node(kind);
+    ASSERT_EQ(run(node), "");
+    const CameraT adjusted = node.output<Camera>("camera");
+    EXPECT_EQ(adjusted.id, "left");
+    ASSERT_EQ(adjusted.others.size(), 1u);
+    EXPECT_EQ(adjusted.others[0]->id, "right");
+    EXPECT_NE(adjusted.others[0]->parameters, adjusted.parameters);
+    const BlockT block = node.output<Block>("block");
+    ASSERT_EQ(block.interior_orientation.size(), 18u);
+    EXPECT_EQ(block.interior_orientation[0]->name, "fx of left");
+    EXPECT_EQ(block.interior_orientation[9]->name, "fx of right");
+    EXPECT_GT(block.interior_orientation[9]->sigma, 0);
+    EXPECT_EQ(block.interior_correlations.size(), 16u * 17 / 2);
+    try {
+      (void)camera_of(adjusted);
+      FAIL() << "one camera is not both";
+    } catch (const std::runtime_error& error) {
+      EXPECT_THAT(error.what(), HasSubstr("of 2 cameras ('left', 'right')"));
+    }
+  }
+  both.others[0]->id = "third";
+  NodeHarness unnamed("adjust.schur");
+  EXPECT_THAT(run(unnamed), HasSubstr("is of camera 'right', expected one of 'left', 'third'"));
+  both.others[0]->id = "left";
+  NodeHarness twice("adjust.schur");
+  EXPECT_THAT(run(twice), HasSubstr("two cameras are called 'left'"));
+}
+
 /// What an adjustment finds beside the nine parameters leaves with camera and poses: evaluate.cost computes from them
 /// what was minimised, and who projects with nine parameters only refuses by name.
 TEST(AdjustSchurNode, ACameraWithMoreThanNineParametersIsWholeInItsArtifacts) {

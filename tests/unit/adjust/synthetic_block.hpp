@@ -40,6 +40,7 @@ struct SyntheticOptions {
   double scatter = 0.02;        ///< out of the facade's plane [m]
   bool noise = true;
   uint64_t seed = 1;
+  bool two_cameras = false;  ///< every second image is another camera's
 };
 
 struct SyntheticBlock {
@@ -48,10 +49,14 @@ struct SyntheticBlock {
   std::vector<RigidTransform> cam_from_world;  ///< truth
   std::vector<Eigen::Quaterniond> world_from_plate;
   BrownCamera camera;      ///< truth
+  BrownCamera second;      ///< truth, with two_cameras
   std::vector<int> check;  ///< plates that are never control
   Eigen::VectorXd survey;  ///< 3n, of all plates
   double survey_sigma = 0;
 
+  const BrownCamera& camera_of(int image) const {
+    return block.images[static_cast<size_t>(image)].camera == 1 ? second : camera;
+  }
   /// Makes these plates the control.
   void use_control(const std::vector<int>& plates) {
     const Eigen::Index count = 3 * static_cast<Eigen::Index>(plates.size());
@@ -128,8 +133,12 @@ inline void add_images(const SyntheticOptions& options, Random& random, Syntheti
           // Approximate poses as a single-image resection gives them.
           const Eigen::Vector3d turn(1e-3 * random.normal(), 1e-3 * random.normal(), 1e-3 * random.normal());
           const Eigen::Vector3d shift(0.01 * random.normal(), 0.01 * random.normal(), 0.01 * random.normal());
-          synthetic.block.images.push_back(
-              {name, RigidTransform{quaternion_from_rotation_vector(turn) * pose.rotation, pose.translation + shift}});
+          adjust::TagImage image;
+          image.name = name;
+          image.camera = options.two_cameras ? static_cast<int>(synthetic.cam_from_world.size() + 1) % 2 : 0;
+          image.cam_from_world =
+              RigidTransform{quaternion_from_rotation_vector(turn) * pose.rotation, pose.translation + shift};
+          synthetic.block.images.push_back(image);
         }
 }
 
@@ -140,13 +149,13 @@ inline void add_observations(const SyntheticOptions& options, Random& random, Sy
       seen.image = static_cast<int>(i);
       seen.plate = static_cast<int>(j);
       bool inside = true;
+      const BrownCamera& camera = synthetic.camera_of(seen.image);
       const auto corners = tag_corners_in_plate(synthetic.block.plates[j].plate);
       for (size_t k = 0; k < 4; ++k) {
-        const auto pixel =
-            project(synthetic.camera,
-                    synthetic.cam_from_world[i] * (synthetic.anchors[j] + synthetic.world_from_plate[j] * corners[k]));
-        inside = inside && pixel && pixel->x() > 0 && pixel->y() > 0 && pixel->x() < synthetic.camera.width &&
-                 pixel->y() < synthetic.camera.height;
+        const auto pixel = project(
+            camera, synthetic.cam_from_world[i] * (synthetic.anchors[j] + synthetic.world_from_plate[j] * corners[k]));
+        inside = inside && pixel && pixel->x() > 0 && pixel->y() > 0 && pixel->x() < camera.width &&
+                 pixel->y() < camera.height;
         if (!inside) break;
         const double noise = options.noise ? options.corner_sigma : 0;
         seen.corners[k] = *pixel + Eigen::Vector2d(noise * random.normal(), noise * random.normal());
@@ -156,15 +165,39 @@ inline void add_observations(const SyntheticOptions& options, Random& random, Sy
     }
 }
 
+/// A tag as a detector has it that draws every edge inwards [px]: neighbouring edges, moved along their normals, meet.
+inline std::array<Eigen::Vector2d, 4> drawn_inwards(const std::array<Eigen::Vector2d, 4>& sharp, double inset) {
+  const auto normal = [](const Eigen::Vector2d& edge, const Eigen::Vector2d& inside) -> Eigen::Vector2d {
+    const Eigen::Vector2d n(-edge.y(), edge.x());
+    return n.dot(inside) > 0 ? n : Eigen::Vector2d(-n);
+  };
+  auto drawn = sharp;
+  for (size_t k = 0; k < 4; ++k) {
+    const Eigen::Vector2d next = (sharp[(k + 1) % 4] - sharp[k]).normalized(),
+                          back = (sharp[(k + 3) % 4] - sharp[k]).normalized();
+    Eigen::Matrix2d lines;
+    lines << normal(next, back).transpose(), normal(back, next).transpose();
+    drawn[k] += lines.inverse() * Eigen::Vector2d(inset, inset);
+  }
+  return drawn;
+}
+
 inline SyntheticBlock make_block(const SyntheticOptions& options) {
   Random random(options.seed);
   SyntheticBlock synthetic;
   synthetic.camera = {11656, 8742, 38e-3 / 3.76e-6, 38e-3 / 3.76e-6, 5827.5 + 12, 4370.5 - 9, -0.03, 0.01, 0,
                       2e-4,  -1e-4};
-  synthetic.block.camera = synthetic.camera;
+  synthetic.block.cameras.resize(options.two_cameras ? 2 : 1);
+  synthetic.block.cameras[0].interior = synthetic.camera;
   // What a calibration some months ago would say.
-  synthetic.block.camera.fx += 2, synthetic.block.camera.fy += 2, synthetic.block.camera.cx -= 2,
-      synthetic.block.camera.k1 += 3e-4;
+  synthetic.block.cameras[0].interior.fx += 2, synthetic.block.cameras[0].interior.fy += 2,
+      synthetic.block.cameras[0].interior.cx -= 2, synthetic.block.cameras[0].interior.k1 += 3e-4;
+  if (options.two_cameras) {
+    synthetic.second = {6000, 4000, 4200, 4210, 3010, 1985, 0.05, -0.02, 0, -3e-4, 1e-4};
+    synthetic.block.cameras[0].name = "first", synthetic.block.cameras[1].name = "second";
+    synthetic.block.cameras[1].interior = synthetic.second;
+    synthetic.block.cameras[1].interior.fx -= 1, synthetic.block.cameras[1].interior.cy += 1;
+  }
   add_plates(options, random, synthetic);
   add_images(options, random, synthetic);
   add_observations(options, random, synthetic);

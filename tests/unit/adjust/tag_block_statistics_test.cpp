@@ -38,12 +38,12 @@ TEST(TagBlockStatistics, PosesAndInteriorOrientationCoverTheirErrors) {
       poses += error.dot(result.pose_covariance[i].ldlt().solve(error)) / 6;
       ++pose_count;
     }
-    const auto found = result.camera.parameters(), truth = synthetic.camera.parameters();
+    const auto found = result.cameras[0].interior.parameters(), truth = synthetic.camera.parameters();
     const std::vector<int> free = {0, 1, 2, 3, 4, 5, 7, 8};
     Eigen::VectorXd error(8);
     for (size_t k = 0; k < free.size(); ++k)
       error(static_cast<Eigen::Index>(k)) = found[static_cast<size_t>(free[k])] - truth[static_cast<size_t>(free[k])];
-    interior += error.dot(Eigen::MatrixXd(result.camera_covariance(free, free)).ldlt().solve(error)) / 8;
+    interior += error.dot(Eigen::MatrixXd(result.cameras[0].covariance(free, free)).ldlt().solve(error)) / 8;
   }
   // Poses of one trial share the survey's and the camera's errors: the trials count, not the poses.
   EXPECT_NEAR(poses / pose_count, 1, 4 * std::sqrt(2.0 / (6 * trials)));
@@ -105,10 +105,10 @@ TEST(CameraModel, ThatChangesWithTheDistanceIsNoticedAndEstimated) {
       options.minimiser = engine;
       const auto with = adjust::adjust_tag_block(odd.synthetic.block, options);
       EXPECT_LT(with.weighted_sum_of_squares, without.weighted_sum_of_squares - 30);
-      EXPECT_NEAR(with.distance_terms.x(), 0.1, 4 * std::sqrt(with.interior_covariance(9, 9)));
+      EXPECT_NEAR(with.cameras[0].distance_terms.x(), 0.1, 4 * std::sqrt(with.interior_covariance(9, 9)));
       EXPECT_LT(std::sqrt(with.interior_covariance(9, 9)), 0.05);
       EXPECT_EQ(with.models.size(), 1u) << "what is estimated needs no test";
-      EXPECT_NEAR(with.reference_distance, 8, 2);
+      EXPECT_NEAR(with.cameras[0].reference_distance, 8, 2);
     }
   }
 }
@@ -139,14 +139,14 @@ TEST(CameraModel, ItsCovariancesCoverItsErrors) {
     options.free_interior.insert(options.free_interior.end(), {"d1", "d2"});
     options.image_principal_point_sigma = 0.5;
     const auto result = adjust::adjust_tag_block(odd.synthetic.block, options);
-    const auto found = result.camera.parameters();
+    const auto found = result.cameras[0].interior.parameters();
     auto truth = odd.synthetic.camera.parameters();
-    truth[4] += 0.1 * (1 / result.reference_distance - 1 / 8.0);
+    truth[4] += 0.1 * (1 / result.cameras[0].reference_distance - 1 / 8.0);
     const std::vector<int> free = {0, 1, 2, 3, 4, 5, 7, 8, 9, 10};
     Eigen::VectorXd error(10);
     for (size_t k = 0; k < 8; ++k)
       error(static_cast<Eigen::Index>(k)) = found[static_cast<size_t>(free[k])] - truth[static_cast<size_t>(free[k])];
-    error.tail<2>() = result.distance_terms - Eigen::Vector2d(0.1, 0);
+    error.tail<2>() = result.cameras[0].distance_terms - Eigen::Vector2d(0.1, 0);
     interior += error.dot(Eigen::MatrixXd(result.interior_covariance(free, free)).ldlt().solve(error)) / 10;
     for (size_t i = 0; i < odd.shifts.size(); ++i, ++shift_count) {
       const Eigen::Vector2d off = result.principal_points[i].shift - odd.shifts[i];
@@ -381,7 +381,8 @@ TEST(TagBlockStatistics, ResidualsAreThoseOfTheProjection) {
       const Eigen::Vector3d world =
           result.anchors.segment<3>(at) + result.world_from_plate[static_cast<size_t>(at / 3)] * corners[k];
       squares +=
-          (*project(result.camera, *result.cam_from_world[static_cast<size_t>(seen.image)] * world) - seen.corners[k])
+          (*project(result.cameras[0].interior, *result.cam_from_world[static_cast<size_t>(seen.image)] * world) -
+           seen.corners[k])
               .squaredNorm();
     }
     EXPECT_NEAR(tag.rms, std::sqrt(squares / 8), 1e-6);
@@ -426,13 +427,13 @@ TEST(TagBlockStatistics, GlobalTestsTellWhatIsWrong) {
   auto held = options;
   held.self_calibration = false;
   auto focal = sound;
-  focal.block.camera = sound.camera;
+  focal.block.cameras[0].interior = sound.camera;
   EXPECT_EQ(failed(focal, held), "");
-  focal.block.camera.fx *= 1.03;
-  focal.block.camera.fy *= 1.03;
+  focal.block.cameras[0].interior.fx *= 1.03;
+  focal.block.cameras[0].interior.fy *= 1.03;
   EXPECT_THAT(failed(focal, held), HasSubstr("images"));
-  focal.block.camera_covariance = Eigen::MatrixXd::Zero(9, 9);
-  focal.block.camera_covariance.diagonal() << 9, 9, 9, 9, 1e-6, 1e-6, 0, 1e-8, 1e-8;
+  focal.block.cameras[0].covariance = Eigen::MatrixXd::Zero(9, 9);
+  focal.block.cameras[0].covariance.diagonal() << 9, 9, 9, 9, 1e-6, 1e-6, 0, 1e-8, 1e-8;
   EXPECT_THAT(failed(focal, options), HasSubstr("interior prior"));
   auto survey = sound;  // a set-up 2 cm too high
   for (Eigen::Index k = 2; k < survey.block.control.position.size() / 2; k += 3)
@@ -469,7 +470,7 @@ TEST(TagBlockStatistics, SurveyInAnotherFrameUnitOrOrder) {
 /// The cost that anybody computes of a result is the one that the adjustment reached, and no other place has less.
 TEST(TagCost, IsWhatTheAdjustmentMinimised) {
   auto synthetic = test::make_block({.floors = 1});
-  synthetic.block.camera = synthetic.camera;
+  synthetic.block.cameras[0].interior = synthetic.camera;
   adjust::TagBlockOptions options;
   options.self_calibration = options.estimate_image_variance = false;
   options.tag_scale_sigma = options.reject_above = 0;
@@ -487,7 +488,7 @@ TEST(TagCost, IsWhatTheAdjustmentMinimised) {
   EXPECT_GT(own_start.total(), 10 * result.weighted_sum_of_squares);
   EXPECT_EQ(own_start.left_out, 0);
   adjust::TagBlock at_truth = synthetic.block;
-  at_truth.camera = synthetic.camera;
+  at_truth.cameras[0].interior = synthetic.camera;
   for (size_t i = 0; i < at_truth.images.size(); ++i) at_truth.images[i].cam_from_world = synthetic.cam_from_world[i];
   EXPECT_LT(adjust::start_cost_of_tag_block(at_truth).total(), 0.01 * own_start.total());
   adjust::TagBlock adjusted = synthetic.block;

@@ -22,9 +22,9 @@ TEST(TagBlock, RecoversTruthWithoutNoise) {
   const auto synthetic = test::make_block({.noise = false});
   const auto result = adjust::adjust_tag_block(synthetic.block, test::bound_options());
   EXPECT_LT(largest_error(synthetic, result), 1e-8);
-  EXPECT_NEAR(result.camera.fx, synthetic.camera.fx, 1e-4);
-  EXPECT_NEAR(result.camera.cy, synthetic.camera.cy, 1e-4);
-  EXPECT_NEAR(result.camera.k1, synthetic.camera.k1, 1e-8);
+  EXPECT_NEAR(result.cameras[0].interior.fx, synthetic.camera.fx, 1e-4);
+  EXPECT_NEAR(result.cameras[0].interior.cy, synthetic.camera.cy, 1e-4);
+  EXPECT_NEAR(result.cameras[0].interior.k1, synthetic.camera.k1, 1e-8);
   EXPECT_NEAR(result.batches[0].scale, 1, 1e-8);
   EXPECT_LT(result.weighted_sum_of_squares, 1e-6);
   for (size_t i = 0; i < synthetic.cam_from_world.size(); ++i) {
@@ -99,9 +99,9 @@ double equation_5(const SyntheticBlock& synthetic, const TagBlockResult& result,
     const auto corners = tag_corners_in_plate(plate);
     for (size_t k = 0; k < 4; ++k) {
       const Eigen::Vector3d corner = anchors.segment<3>(3 * j) + result.world_from_plate[j] * corners[k];
-      sum +=
-          (seen.corners[k] - *project(result.camera, *result.cam_from_world[static_cast<size_t>(seen.image)] * corner))
-              .squaredNorm();
+      sum += (seen.corners[k] -
+              *project(result.cameras[0].interior, *result.cam_from_world[static_cast<size_t>(seen.image)] * corner))
+                 .squaredNorm();
     }
   }
   for (size_t k = 0; k < synthetic.block.control.plates.size(); ++k) {
@@ -147,7 +147,8 @@ Eigen::VectorXd residuals_of(const SyntheticBlock& synthetic, const TagBlockResu
     const Eigen::Vector3d corner =
         result.anchors.segment<3>(at) + result.world_from_plate[static_cast<size_t>(at / 3)] * corners[k];
     residuals.segment<2>(2 * static_cast<Eigen::Index>(k)) =
-        *project(result.camera, *result.cam_from_world[static_cast<size_t>(seen.image)] * corner) - seen.corners[k];
+        *project(result.cameras[0].interior, *result.cam_from_world[static_cast<size_t>(seen.image)] * corner) -
+        seen.corners[k];
   }
   return residuals;
 }
@@ -285,19 +286,7 @@ TEST(TagBlock, TagScaleAndInsetAreSeparated) {
       seen.corners[k] =
           *project(synthetic.camera,
                    synthetic.cam_from_world[i] * (synthetic.anchors[j] + synthetic.world_from_plate[j] * corners[k]));
-    // Draw every edge inwards: intersect neighbouring edges moved along their normals.
-    const auto sharp = seen.corners;
-    for (size_t k = 0; k < 4; ++k) {
-      const Eigen::Vector2d next = (sharp[(k + 1) % 4] - sharp[k]).normalized(),
-                            back = (sharp[(k + 3) % 4] - sharp[k]).normalized();
-      const auto normal = [](const Eigen::Vector2d& edge, const Eigen::Vector2d& inside) -> Eigen::Vector2d {
-        const Eigen::Vector2d n(-edge.y(), edge.x());
-        return n.dot(inside) > 0 ? n : Eigen::Vector2d(-n);
-      };
-      Eigen::Matrix2d lines;
-      lines << normal(next, back).transpose(), normal(back, next).transpose();
-      seen.corners[k] = sharp[k] + lines.inverse() * Eigen::Vector2d(inset, inset);
-    }
+    seen.corners = test::drawn_inwards(seen.corners, inset);
   }
   auto options = test::bound_options();
   options.corner_inset_sigma = 10;

@@ -1,0 +1,159 @@
+// photo_campaign on simulated photographs: several cameras in one block, and what is said of photographs, calibrations
+// and tables that do not belong together.
+#include <nlohmann/json.hpp>
+
+#include "program.hpp"
+#include "test_paths.hpp"
+
+namespace plumbline::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A floor photographed by two cameras, in site/left and site/right; the survey is the same whoever photographs.
+class PhotoCampaign : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    made = new Program{PLUMBLINE_PLUGIN_FOLDER};
+    made->write("make.yaml",
+                "plumbline: 1\nvars: {camera: quick_6mp}\nnodes:\n  site: {use: simulate.campaign, with: {floors: 1, "
+                "columns: 3, images_per_floor: 4, camera: \"${camera}\"}}\noutputs: {site: site.folder}\n");
+    for (const char* camera : {"quick_6mp", "demo_24mp"}) {
+      const Answer answer = (*made)({"run", "make.yaml", std::string("camera=") + camera, "--out", camera});
+      ASSERT_EQ(answer.code, 0) << answer.err;
+    }
+  }
+  static void TearDownTestSuite() { delete std::exchange(made, nullptr); }
+
+  void SetUp() override {
+    fs::create_directories(site() / "survey");
+    fs::copy(simulated("quick_6mp") / "survey", site() / "survey");
+    for (const char* table : {"control.csv", "plates.csv"})
+      fs::copy_file(simulated("quick_6mp") / table, site() / table);
+    photographs("quick_6mp", "left/");
+  }
+  void TearDown() override { fs::remove_all(site()); }
+
+  static fs::path simulated(const std::string& camera) { return made->work() / camera / "site"; }
+  static fs::path site() { return made->work() / "photos"; }
+  /// Copies the photographs of a camera; `before` stands before their names.
+  static void photographs(const std::string& camera, const std::string& before) {
+    for (const auto& entry : fs::directory_iterator(simulated(camera) / "images")) {
+      const fs::path to = site() / (before + entry.path().filename().string());
+      fs::create_directories(to.parent_path());
+      fs::copy_file(entry.path(), to);
+      fs::permissions(to, fs::perms::owner_write, fs::perm_options::add);
+    }
+  }
+  static void write(const std::string& name, const std::string& text) {
+    fs::remove(site() / name);
+    std::ofstream(site() / name, std::ios::binary) << text;
+  }
+  static std::string calibration(const std::string& camera) { return read_file(simulated(camera) / "camera.yaml"); }
+  /// As one of several cameras of a file.
+  static std::string under(const std::string& name, const std::string& yaml) {
+    std::istringstream lines(yaml);
+    std::string text = name + ":\n";
+    for (std::string line; std::getline(lines, line);) text += "  " + line + "\n";
+    return text;
+  }
+  /// The EXIF model of a photograph becomes one of the same length.
+  static void take_with(const std::string& name, const std::string& model) {
+    std::string bytes = read_file(site() / name);
+    const size_t at = bytes.find("Quick 6MP");
+    ASSERT_NE(at, std::string::npos) << name;
+    write(name, bytes.replace(at, model.size(), model));
+  }
+  static Answer process(std::vector<std::string> more = {}) {
+    fs::remove_all(made->work() / "out");
+    more.insert(more.begin(),
+                {"run", std::string(source_dir()) + "/pipelines/photo_campaign.yaml", "folder=photos", "--out", "out"});
+    return (*made)(more);
+  }
+  static std::string page() { return read_file(made->work() / "out/report.html"); }
+  static double rms_of_check_heights() {
+    const auto metrics = nlohmann::json::parse(read_file(made->work() / "out/metrics.json"));
+    EXPECT_EQ(metrics["comparisons"][0]["use"], "check");
+    return metrics["comparisons"][0]["rmse_z"];
+  }
+
+  static Program* made;
+};
+Program* PhotoCampaign::made = nullptr;
+
+TEST_F(PhotoCampaign, TwoCamerasAreOneBlock) {
+  photographs("demo_24mp", "right/");
+  const Answer folders = process();
+  EXPECT_EQ(folders.code, 0) << folders.err;
+  EXPECT_LT(rms_of_check_heights(), 0.001);
+  for (const char* words : {"Camera</th><td>left, 3000 × 2000", "Camera</th><td>right, 6000 × 4000",
+                            "Interior orientation", "3075.", "6151."})
+    EXPECT_TRUE(contains(page(), words)) << words;
+  // In one folder size and EXIF tell them apart.
+  fs::remove_all(site() / "left"), fs::remove_all(site() / "right");
+  photographs("quick_6mp", "a"), photographs("demo_24mp", "b");
+  const Answer together = process();
+  EXPECT_EQ(together.code, 0) << together.err;
+  EXPECT_LT(rms_of_check_heights(), 0.001);
+  for (const char* words : {"Plumbline Quick 6MP, 3000 × 2000", "Plumbline Demo 24MP, 6000 × 4000"})
+    EXPECT_TRUE(contains(page(), words)) << words;
+}
+
+TEST_F(PhotoCampaign, EachCameraHasItsCalibration) {
+  photographs("demo_24mp", "right/");
+  write("camera.yaml", under("left", calibration("quick_6mp")) + under("right", calibration("demo_24mp")));
+  const Answer sound = process();
+  EXPECT_EQ(sound.code, 0) << sound.err;
+  EXPECT_LT(rms_of_check_heights(), 0.001);
+  std::string wrong = calibration("demo_24mp");
+  wrong.replace(wrong.find("fx: 61"), 6, "fx: 58"), wrong.replace(wrong.find("fy: 61"), 6, "fy: 58");
+  write("camera.yaml", under("left", calibration("quick_6mp")) + under("right", wrong));
+  const Answer named = process();
+  EXPECT_EQ(named.code, 3) << named.err;
+  EXPECT_TRUE(contains(named.err, "the images contradict the calibration of camera right")) << named.err;
+  EXPECT_FALSE(contains(named.err, "the calibration of camera left")) << named.err;
+  write("camera.yaml", under("left", calibration("quick_6mp")) + under("rihgt", calibration("demo_24mp")));
+  const Answer misspelt = process();
+  EXPECT_TRUE(contains(misspelt.err,
+                       "left out: right/F01-01.jpg: is of camera 'right', which the file of calibrations "
+                       "has not"))
+      << misspelt.err;
+}
+
+/// One calibration is of one body at one focal length, and of one size.
+TEST_F(PhotoCampaign, OneCalibrationIsNotThatOfAnotherCamera) {
+  write("camera.yaml", calibration("quick_6mp"));
+  photographs("demo_24mp", "right/");
+  const Answer sizes = process();
+  EXPECT_TRUE(contains(sizes.err,
+                       "left out: right/F01-01.jpg: has 6000 x 4000 pixels, camera 'quick_6mp' has 3000 x "
+                       "2000"))
+      << sizes.err;
+  fs::remove_all(site() / "right");
+  take_with("left/F01-01.jpg", "Quick 7MP");
+  const Answer odd = process();
+  EXPECT_EQ(odd.code, 0) << odd.err;
+  EXPECT_TRUE(contains(odd.err,
+                       "left out: left/F01-01.jpg: was taken with another camera or focal length (Plumbline "
+                       "Quick 7MP, 24 mm) than the others (Plumbline Quick 6MP, 24 mm)"))
+      << odd.err;
+  take_with("left/F01-02.jpg", "Quick 7MP");
+  const Answer even = process();
+  EXPECT_EQ(even.code, 1);
+  EXPECT_TRUE(contains(even.err,
+                       "the calibration is of one camera, 'quick_6mp', and by their EXIF the photographs are "
+                       "of 2: Plumbline Quick 7MP, 24 mm (2 photographs); Plumbline Quick 6MP, 24 mm (2 "
+                       "photographs)"))
+      << even.err;
+  EXPECT_FALSE(fs::exists(made->work() / "out/report.html"));
+  EXPECT_EQ(process({"cameras=one"}).code, 0);
+}
+
+TEST_F(PhotoCampaign, CalibrationsInFoldersBelowAreNotReadAndNamed) {
+  write("left/camera.yaml", calibration("quick_6mp"));
+  const Answer answer = process();
+  EXPECT_TRUE(contains(answer.err, "left/camera.yaml is not read")) << answer.err;
+}
+
+}  // namespace
+}  // namespace plumbline::test
