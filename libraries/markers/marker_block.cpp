@@ -418,8 +418,8 @@ MarkerResult adjust_as_given(const MarkerBlock& block, const MarkerOptions& opti
   return result;
 }
 
-/// Tags that were moved since their layout was made would pull the frame along. The layout's places of those that are
-/// furthest off are left out as long as most of the tags stay, and the rest is adjusted again.
+/// Tags that were moved or turned since their layout was made would pull the frame along. The layout's places of those
+/// that are furthest off are left out as long as most of the tags stay, and the rest is adjusted again.
 MarkerResult adjust_to_layout(const MarkerBlock& block, const MarkerOptions& options) {
   constexpr double as_far = 0.75;  // one moved tag of three pulls the others by half of what it is off itself
   MarkerBlock used = block;
@@ -430,10 +430,10 @@ MarkerResult adjust_to_layout(const MarkerBlock& block, const MarkerOptions& opt
   for (;;) {
     const auto off = tags_off_layout(used, options, result);
     double furthest = 0;
-    for (const auto& [marker, tag] : off) furthest = std::max(furthest, tag.distance);
+    for (const auto& [marker, tag] : off) furthest = std::max(furthest, tag.excess);
     std::set<int> next = left_out;
     for (const auto& [marker, tag] : off)
-      if (tag.distance >= as_far * furthest) next.insert(marker);
+      if (tag.excess >= as_far * furthest) next.insert(marker);
     if (next == left_out || 2 * next.size() >= seen.size()) break;
     left_out = next;
     for (const int marker : left_out) used.markers[static_cast<size_t>(marker)].world_from_tag.reset();

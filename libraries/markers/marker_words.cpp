@@ -22,24 +22,50 @@ std::string number(double value, int decimals) {
   return text;
 }
 
+/// A tag as the photographs have it.
+struct Sighting {
+  std::vector<Eigen::Vector3d> places;
+  std::vector<Eigen::Quaterniond> turns;  ///< from the layout's frame of the tag to that of the photographs
+  double angle_sigma = 0;                 ///< of `turns` [rad]
+};
+
+Eigen::Quaterniond turn_of(const Marker& marker, const Eigen::Quaterniond& world_from_tag) {
+  if (!marker.world_from_tag) return Eigen::Quaterniond::Identity();
+  return (marker.world_from_tag->rotation.conjugate() * world_from_tag).normalized();
+}
+
+double angle_of(const Eigen::Quaterniond& turn) { return 2 * std::atan2(turn.vec().norm(), std::abs(turn.w())); }
+
 /// Where the photographs have each tag: by the adjustment, or if it was left out as a blunder, by the poses that the
-/// other tags give.
-std::map<int, std::vector<Eigen::Vector3d>> places_of(const MarkerBlock& block, const MarkerResult& result) {
-  std::map<int, std::vector<Eigen::Vector3d>> places;
+/// other tags give. Of the two poses of a square the rotation is the one nearer to the layout's.
+std::map<int, Sighting> sightings_of(const MarkerBlock& block, const MarkerResult& result) {
+  constexpr double of_one_square = 0.07;  // [rad], a pose from four corners is tilted by some degrees
+  std::map<int, Sighting> sightings;
   for (const int v : result.rejected) {
     const MarkerView& view = block.views[static_cast<size_t>(v)];
     const AdjustedMarkerImage& image = result.images[static_cast<size_t>(view.image)];
     if (!image.oriented) continue;
     const BrownCamera& camera =
         result.cameras[static_cast<size_t>(block.images[static_cast<size_t>(view.image)].camera)].camera;
+    std::vector<Eigen::Quaterniond> turns;
     for (const FittedPose& pose : poses_of_view(block, view, camera)) {
-      places[view.marker].push_back((image.cam_from_world.inverse() * pose.cam_from_figure).translation);
-      break;
+      const RigidTransform world_from_tag = image.cam_from_world.inverse() * pose.cam_from_figure;
+      if (turns.empty()) sightings[view.marker].places.push_back(world_from_tag.translation);
+      turns.push_back(turn_of(block.markers[static_cast<size_t>(view.marker)], world_from_tag.rotation));
     }
+    if (turns.empty()) continue;
+    sightings[view.marker].turns.push_back(*std::min_element(
+        turns.begin(), turns.end(), [](const auto& a, const auto& b) { return angle_of(a) < angle_of(b); }));
+    sightings[view.marker].angle_sigma = of_one_square;
   }
-  for (const auto& marker : result.markers)
-    if (!places.count(marker.marker)) places[marker.marker].push_back(marker.world_from_tag.translation);
-  return places;
+  for (const auto& marker : result.markers) {
+    Sighting& seen = sightings[marker.marker];
+    if (seen.places.empty()) seen.places.push_back(marker.world_from_tag.translation);
+    if (static_cast<int>(seen.turns.size()) > marker.images) continue;
+    seen.turns = {turn_of(block.markers[static_cast<size_t>(marker.marker)], marker.world_from_tag.rotation)};
+    seen.angle_sigma = std::sqrt(marker.rotation_covariance.diagonal().maxCoeff());
+  }
+  return sightings;
 }
 
 /// Coordinate by coordinate.
@@ -57,22 +83,59 @@ Eigen::Vector3d median_of(const std::vector<Eigen::Vector3d>& places) {
 
 std::map<int, TagOffLayout> tags_off_layout(const MarkerBlock& block, const MarkerOptions& options,
                                             const MarkerResult& result) {
+  constexpr double limit = 5;  // standard deviations
   std::map<int, TagOffLayout> off;
-  for (const auto& [m, places] : places_of(block, result)) {
+  for (auto& [m, seen] : sightings_of(block, result)) {
     const Marker& marker = block.markers[static_cast<size_t>(m)];
-    if (!marker.world_from_tag) continue;
-    const Eigen::Vector3d place = median_of(places);
-    const double distance = (place - marker.world_from_tag->translation).norm();
-    if (distance > std::max(5 * options.layout_position_sigma, 0.5 * marker.size)) off[m] = {place, distance};
+    if (!marker.world_from_tag || seen.turns.empty()) continue;
+    TagOffLayout tag;
+    tag.place = median_of(seen.places);
+    tag.distance = (tag.place - marker.world_from_tag->translation).norm();
+    const auto middle = seen.turns.begin() + static_cast<std::ptrdiff_t>(seen.turns.size() / 2);
+    std::nth_element(seen.turns.begin(), middle, seen.turns.end(),
+                     [](const auto& a, const auto& b) { return angle_of(a) < angle_of(b); });
+    tag.angle = angle_of(*middle);
+    tag.about_normal = std::abs(middle->z()) > 0.95 * middle->vec().norm();
+    const double by_distance = tag.distance / std::max(limit * options.layout_position_sigma, 0.5 * marker.size),
+                 by_angle = tag.angle / (limit * std::max(options.layout_rotation_sigma, seen.angle_sigma));
+    tag.excess = std::max(by_distance, by_angle);
+    tag.moved = by_distance > 1, tag.turned = by_angle > 1;
+    if (tag.excess > 1) off[m] = tag;
   }
   return off;
 }
+
+namespace {
+
+/// "tag 4 is turned by 180 degrees about its normal, against the layout".
+std::string words_of_turn(const TagOffLayout& tag) {
+  return (tag.about_normal ? "turned by " : "tilted by ") + number(tag.angle * 180 / M_PI, 0) +
+         (tag.about_normal ? " degrees about its normal" : " degrees");
+}
+
+/// A few wrong rotations are named one by one. Where most are wrong, so are the places of the photographs.
+void require_common_convention(const MarkerBlock& block, const std::map<int, TagOffLayout>& off) {
+  std::set<int> seen;
+  for (const MarkerView& view : block.views)
+    if (block.markers[static_cast<size_t>(view.marker)].world_from_tag) seen.insert(view.marker);
+  size_t turned = 0;
+  for (const auto& [m, tag] : off) turned += tag.turned;
+  if (turned < 3 || 2 * turned <= seen.size()) return;
+  throw std::runtime_error("the layout turns " + std::to_string(turned) + " of " + std::to_string(seen.size()) +
+                           " tags otherwise than the photographs show them: expected are rotations world from tag, "
+                           "with x to the right, y up and z out of "
+                           "the tag as one looks at it. Correct the layout's rotations");
+}
+
+}  // namespace
 
 void warn_about_layout(const MarkerBlock& block, const MarkerOptions& options, const std::set<int>& left_out,
                        MarkerResult& result) {
   const std::map<int, TagOffLayout> off = tags_off_layout(block, options, result);
   std::map<int, int> at;  // the tag that the layout has there
+  require_common_convention(block, off);
   for (const auto& [m, tag] : off) {
+    if (!tag.moved) continue;
     double nearest = 0.25 * tag.distance;  // a pose by one tag is good to a few per cent of the distance
     for (size_t other = 0; other < block.markers.size(); ++other) {
       const auto& layout = block.markers[other].world_from_tag;
@@ -92,8 +155,14 @@ void warn_about_layout(const MarkerBlock& block, const MarkerOptions& options, c
                                   number(tag.distance, 2) + " m away. Correct the layout");
       continue;
     }
+    if (!tag.moved) {
+      result.warnings.push_back("tag " + name + " is " + words_of_turn(tag) + " against the layout" +
+                                ": it was hung otherwise, or its rotation in the layout is wrong" + effect);
+      continue;
+    }
     result.warnings.push_back("tag " + name + " is " + number(tag.distance, 2) + " m from its place in the layout" +
                               (other.empty() ? "" : ", where the layout has tag " + other) +
+                              (tag.turned ? ", and " + words_of_turn(tag) : "") +
                               ": it was moved, or the layout is wrong" + effect);
   }
 }

@@ -11,15 +11,21 @@ namespace plumbline::markers {
 
 /// Corners that are much worse than the detector states are a finding about the photographs.
 void warn_about_variance(MarkerResult& result);
-/// Where the photographs have a tag that the layout has elsewhere.
+/// Where the photographs have a tag that the layout has elsewhere, or turned otherwise.
 struct TagOffLayout {
   Eigen::Vector3d place;
-  double distance = 0;  ///< [m]
+  double distance = 0;        ///< [m]
+  double angle = 0;           ///< [rad]
+  bool about_normal = false;  ///< turned in its plane, else tilted
+  double excess = 0;          ///< the larger of distance and angle, in what is allowed
+  bool moved = false, turned = false;
 };
-/// By marker: those that are off by five standard deviations of the layout's places and half their size.
+/// By marker: those that are off by five standard deviations of the layout's places and half their size, or by five of
+/// its rotations, and by more than the photographs are uncertain.
 std::map<int, TagOffLayout> tags_off_layout(const MarkerBlock& block, const MarkerOptions& options,
                                             const MarkerResult& result);
-/// Names them, and which were exchanged. `left_out`: markers whose place in the layout took no part.
+/// Names them, and which were exchanged. `left_out`: markers whose place in the layout took no part. Throws
+/// std::runtime_error if the layout turns most tags otherwise: then its rotations are of another convention.
 void warn_about_layout(const MarkerBlock& block, const MarkerOptions& options, const std::set<int>& left_out,
                        MarkerResult& result);
 /// Why an image is not oriented, and which tags could not be placed.

@@ -8,91 +8,13 @@
 #include "markers/calibration.hpp"
 #include "markers/marker_block.hpp"
 #include "markers/planar_pose.hpp"
+#include "scene.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::markers {
 namespace {
 
 using testing::HasSubstr;
-
-BrownCamera true_camera() {
-  BrownCamera c;
-  c.width = 1600, c.height = 1200, c.fx = c.fy = 1500, c.cx = 812, c.cy = 590, c.k1 = -0.12, c.k2 = 0.05, c.p1 = 4e-4;
-  return c;
-}
-
-/// A camera at `centre` that looks at `target`, turned about its own axis.
-RigidTransform look(const Eigen::Vector3d& centre, const Eigen::Vector3d& target, double roll) {
-  const Eigen::Vector3d z = (target - centre).normalized(), x = Eigen::Vector3d(0, 1, 0.1).cross(z).normalized();
-  Eigen::Matrix3d r;
-  r << x.transpose(), z.cross(x).transpose(), z.transpose();
-  const Eigen::Quaterniond q =
-      Eigen::Quaterniond(Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitZ())) * Eigen::Quaterniond(r);
-  return {q, -(q * centre)};
-}
-
-Eigen::Vector3d corner(double size, size_t k) {
-  const double h = 0.5 * size;
-  return {k == 1 || k == 2 ? h : -h, k >= 2 ? h : -h, 0};
-}
-
-struct Scene {
-  MarkerBlock block;
-  std::vector<RigidTransform> tags, images;
-};
-
-/// Twelve tags on two walls of a corner, ten photographs; noise of `sigma` px, stated as such.
-Scene scene(double sigma, unsigned seed) {
-  Scene s;
-  std::mt19937_64 random(seed);
-  std::normal_distribution<double> noise(0, sigma > 0 ? sigma : 1);
-  MarkerCamera camera;
-  camera.camera.width = true_camera().width, camera.camera.height = true_camera().height;
-  s.block.cameras = {camera};
-  for (int i = 0; i < 12; ++i) {
-    const bool side = i >= 6;
-    const double a = 0.3 * (i % 3), b = 0.3 * ((i % 6) / 3);
-    const Eigen::Quaterniond turn = side ? Eigen::Quaterniond(Eigen::AngleAxisd(-M_PI / 2, Eigen::Vector3d::UnitY()))
-                                         : Eigen::Quaterniond::Identity();
-    s.tags.push_back({turn, side ? Eigen::Vector3d(1.1, b, 0.2 + a) : Eigen::Vector3d(a, b, 0)});
-    s.block.markers.push_back({"tag36h11", i, 0.12, std::nullopt});
-  }
-  for (int k = 0; k < 10; ++k) {
-    const double u = (k % 5) / 4.0, v = k / 5;
-    s.images.push_back(
-        look({-0.6 + 1.0 * u, -0.4 + 1.1 * v, 1.5 + 0.3 * u}, {0.55, 0.2, 0.15}, k % 2 ? M_PI / 2 : 0.1));
-    s.block.images.push_back({"image" + std::to_string(k) + ".jpg", 0});
-    for (size_t m = 0; m < s.tags.size(); ++m) {
-      MarkerView view;
-      view.image = k, view.marker = static_cast<int>(m);
-      bool inside = true;
-      for (size_t q = 0; q < 4; ++q) {
-        const auto pixel = project(true_camera(), s.images.back() * (s.tags[m] * corner(0.12, q)));
-        inside = inside && pixel && pixel->minCoeff() > 0 && pixel->x() < 1599 && pixel->y() < 1199;
-        if (!inside) break;
-        view.corners[q] = *pixel + (sigma > 0 ? Eigen::Vector2d(noise(random), noise(random)) : Eigen::Vector2d(0, 0));
-        view.covariances[q] = Eigen::Matrix2d::Identity() * std::pow(sigma > 0 ? sigma : 0.01, 2);
-      }
-      const Eigen::Vector3d normal = s.tags[m].rotation * Eigen::Vector3d::UnitZ();
-      const Eigen::Vector3d sight = (s.images.back().inverse().translation - s.tags[m].translation).normalized();
-      if (inside && normal.dot(sight) > 0.2) s.block.views.push_back(view);
-    }
-  }
-  return s;
-}
-
-/// Root mean square of the centres after the best rigid motion [m].
-double error_of(const Scene& s, const MarkerResult& result) {
-  std::vector<Eigen::Vector3d> from, to;
-  for (const auto& m : result.markers) {
-    from.push_back(m.world_from_tag.translation);
-    to.push_back(s.tags[static_cast<size_t>(m.marker)].translation);
-  }
-  const SimilarityMotion motion = fit_similarity(from, to, false);
-  double sum = 0;
-  for (size_t i = 0; i < from.size(); ++i) sum += (motion * from[i] - to[i]).squaredNorm();
-  return std::sqrt(sum / (3.0 * static_cast<double>(from.size())));
-}
 
 TEST(PlanarPose, GivesBothPosesOfASquareTheTrueOneFirst) {
   const RigidTransform truth = look({0.2, -0.4, 1.6}, {0, 0, 0}, 0.3);
@@ -190,13 +112,6 @@ TEST(MarkerBlock, KeepsBothPosesOfASingleTagUntilImagesDecide) {
   EXPECT_GT(result.images[9].ambiguity, 1);
 }
 
-/// The scene with nothing but the tags of `keep`.
-Scene only(Scene s, const std::vector<int>& keep) {
-  std::erase_if(s.block.views,
-                [&](const MarkerView& v) { return std::find(keep.begin(), keep.end(), v.marker) == keep.end(); });
-  return s;
-}
-
 TEST(MarkerBlock, OneTagOrARowOfThemHasADatum) {
   // Centres in one line leave the turn about it open: the rotations of the tags have to be in the datum, too.
   for (const auto& keep : {std::vector<int>{2}, std::vector<int>{0, 1}, std::vector<int>{0, 1, 2}}) {
@@ -232,62 +147,6 @@ TEST(MarkerBlock, StatesHowGoodItsLengthsAre) {
   options.distance = MarkerDistance{0, 2, 0.6, 0.0003};
   const MarkerResult measured = adjust_marker_block(scene(0.1, 7).block, options);
   EXPECT_NEAR(measured.scale_sigma, 0.0005, 1e-12);
-}
-
-TEST(MarkerBlock, LayoutOrientsEveryImageInItsFrame) {
-  Scene s = scene(0.1, 5);
-  for (size_t m = 0; m < s.tags.size(); ++m) s.block.markers[m].world_from_tag = s.tags[m];
-  s.block.cameras[0].camera = true_camera();
-  s.block.cameras[0].held = true;
-  s.block.images.resize(1);
-  std::erase_if(s.block.views, [](const MarkerView& v) { return v.image != 0; });
-  const MarkerResult result = adjust_marker_block(s.block, {});
-  ASSERT_TRUE(result.images[0].oriented);
-  EXPECT_LT((result.images[0].centre - s.images[0].inverse().translation).norm(), 0.05);
-}
-
-TEST(MarkerBlock, ATagThatWasMovedDoesNotPullTheFrame) {
-  Scene s = scene(0.1, 5);
-  for (size_t m = 0; m < s.tags.size(); ++m) s.block.markers[m].world_from_tag = s.tags[m];
-  s.block.cameras[0].camera = true_camera();
-  s.block.cameras[0].held = true;
-  const auto pulled_by = [&](const MarkerResult& result) {
-    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-    for (const auto& marker : result.markers)
-      mean += (marker.world_from_tag.translation - s.tags[static_cast<size_t>(marker.marker)].translation) / 12;
-    return mean.norm();
-  };
-  MarkerBlock moved = s.block;
-  moved.markers[4].world_from_tag->translation += Eigen::Vector3d(0.3, -0.4, 0);
-  moved.markers[7].world_from_tag->translation.y() -= 0.2;
-  const MarkerResult result = adjust_marker_block(moved, {});
-  EXPECT_EQ(result.markers.size(), 12u);
-  EXPECT_LT(pulled_by(result), 0.002);
-  EXPECT_THAT(result.warnings, testing::Contains(HasSubstr("tag 4 is 0.50 m from its place in the layout")));
-  EXPECT_THAT(result.warnings, testing::Contains(HasSubstr("tag 7 is 0.20 m from its place in the layout")));
-  EXPECT_THAT(result.warnings, testing::Contains(HasSubstr("Its place in the layout takes no part")));
-  // Of two, nothing says which was moved.
-  MarkerBlock two = only(s, {1, 2}).block;
-  two.markers[1].world_from_tag->translation.x() -= 0.5;
-  const MarkerResult open = adjust_marker_block(two, {});
-  EXPECT_THAT(open.warnings, testing::Contains(HasSubstr("from its place in the layout")));
-  EXPECT_THAT(open.warnings, testing::Not(testing::Contains(HasSubstr("takes no part"))));
-}
-
-TEST(MarkerBlock, NamesTagsThatAreExchangedInTheLayout) {
-  Scene s = scene(0.1, 5);
-  for (size_t m = 0; m < s.tags.size(); ++m) s.block.markers[m].world_from_tag = s.tags[m];
-  s.block.cameras[0].camera = true_camera();
-  s.block.cameras[0].held = true;
-  EXPECT_THAT(adjust_marker_block(s.block, {}).warnings, testing::Not(testing::Contains(HasSubstr("layout"))));
-  Scene exchanged = s;
-  std::swap(exchanged.block.markers[2].world_from_tag, exchanged.block.markers[9].world_from_tag);
-  EXPECT_THAT(adjust_marker_block(exchanged.block, {}).warnings,
-              testing::Contains(HasSubstr("tags 2 and 9 are exchanged")));
-  Scene neighbours = s;
-  std::swap(neighbours.block.markers[0].world_from_tag, neighbours.block.markers[1].world_from_tag);
-  EXPECT_THAT(adjust_marker_block(neighbours.block, {}).warnings,
-              testing::Contains(HasSubstr("tags 0 and 1 are exchanged")));
 }
 
 /// Waves of the paper: corners off the square by 0.06 mm in the plane and 0.4 mm out of it, up to 0.4 px.

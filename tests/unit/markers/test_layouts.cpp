@@ -1,0 +1,121 @@
+// Tags whose places are known approximately, and layouts that are wrong.
+#include <gmock/gmock.h>
+
+#include "scene.hpp"
+
+namespace plumbline::markers {
+namespace {
+
+using testing::HasSubstr;
+
+template <typename Work>
+std::string message_of(Work&& work) {
+  try {
+    work();
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(MarkerBlock, LayoutOrientsEveryImageInItsFrame) {
+  Scene s = scene(0.1, 5);
+  for (size_t m = 0; m < s.tags.size(); ++m) s.block.markers[m].world_from_tag = s.tags[m];
+  s.block.cameras[0].camera = true_camera();
+  s.block.cameras[0].held = true;
+  s.block.images.resize(1);
+  std::erase_if(s.block.views, [](const MarkerView& v) { return v.image != 0; });
+  const MarkerResult result = adjust_marker_block(s.block, {});
+  ASSERT_TRUE(result.images[0].oriented);
+  EXPECT_LT((result.images[0].centre - s.images[0].inverse().translation).norm(), 0.05);
+}
+
+TEST(MarkerBlock, ATagThatWasMovedDoesNotPullTheFrame) {
+  Scene s = scene(0.1, 5);
+  for (size_t m = 0; m < s.tags.size(); ++m) s.block.markers[m].world_from_tag = s.tags[m];
+  s.block.cameras[0].camera = true_camera();
+  s.block.cameras[0].held = true;
+  const auto pulled_by = [&](const MarkerResult& result) {
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+    for (const auto& marker : result.markers)
+      mean += (marker.world_from_tag.translation - s.tags[static_cast<size_t>(marker.marker)].translation) / 12;
+    return mean.norm();
+  };
+  MarkerBlock moved = s.block;
+  moved.markers[4].world_from_tag->translation += Eigen::Vector3d(0.3, -0.4, 0);
+  moved.markers[7].world_from_tag->translation.y() -= 0.2;
+  const MarkerResult result = adjust_marker_block(moved, {});
+  EXPECT_EQ(result.markers.size(), 12u);
+  EXPECT_LT(pulled_by(result), 0.002);
+  EXPECT_THAT(result.warnings, testing::Contains(HasSubstr("tag 4 is 0.50 m from its place in the layout")));
+  EXPECT_THAT(result.warnings, testing::Contains(HasSubstr("tag 7 is 0.20 m from its place in the layout")));
+  EXPECT_THAT(result.warnings, testing::Contains(HasSubstr("Its place in the layout takes no part")));
+  // Of two, nothing says which was moved.
+  MarkerBlock two = only(s, {1, 2}).block;
+  two.markers[1].world_from_tag->translation.x() -= 0.5;
+  const MarkerResult open = adjust_marker_block(two, {});
+  EXPECT_THAT(open.warnings, testing::Contains(HasSubstr("from its place in the layout")));
+  EXPECT_THAT(open.warnings, testing::Not(testing::Contains(HasSubstr("takes no part"))));
+}
+
+/// Layouts have tags in the right place and turned: by another convention of the frame, or copied from a neighbour.
+TEST(MarkerBlock, ATagThatTheLayoutTurnsIsNamedAndDoesNotPullTheFrame) {
+  Scene s = scene(0.1, 5);
+  for (size_t m = 0; m < s.tags.size(); ++m) s.block.markers[m].world_from_tag = s.tags[m];
+  s.block.cameras[0].camera = true_camera();
+  s.block.cameras[0].held = true;
+  const auto turned = [&](std::vector<std::pair<size_t, Eigen::AngleAxisd>> turns) {
+    MarkerBlock block = s.block;
+    for (const auto& [m, turn] : turns)
+      block.markers[m].world_from_tag->rotation = block.markers[m].world_from_tag->rotation * Eigen::Quaterniond(turn);
+    return block;
+  };
+  const auto x = Eigen::Vector3d::UnitX(), y = Eigen::Vector3d::UnitY(), z = Eigen::Vector3d::UnitZ();
+  const MarkerResult result =
+      adjust_marker_block(turned({{1, {M_PI / 2, z}}, {4, {M_PI, z}}, {7, {0.3, y}}, {9, {M_PI, y}}}), {});
+  for (const char* words :
+       {"tag 1 is turned by 90 degrees about its normal", "tag 4 is turned by 180 degrees about its normal",
+        "tag 7 is tilted by 17 degrees", "tag 9 is tilted by 180 degrees"})
+    EXPECT_THAT(result.warnings, testing::Contains(HasSubstr(words)));
+  EXPECT_EQ(result.warnings.size(), 4u);
+  for (const auto& marker : result.markers) {
+    const RigidTransform& truth = s.tags[static_cast<size_t>(marker.marker)];
+    EXPECT_LT((marker.world_from_tag.translation - truth.translation).norm(), 0.003) << marker.marker;
+    EXPECT_LT(marker.world_from_tag.rotation.angularDistance(truth.rotation), 0.01) << marker.marker;
+  }
+  EXPECT_EQ(result.markers.size(), 12u);
+  for (const auto& image : result.images)
+    EXPECT_LT((image.centre - s.images[static_cast<size_t>(image.image)].inverse().translation).norm(), 0.01);
+  // A photograph of that tag alone is oriented by where the others have the tag.
+  MarkerBlock alone = turned({{1, {M_PI / 2, z}}});
+  std::erase_if(alone.views, [](const MarkerView& v) { return v.image == 0 && v.marker != 1; });
+  const MarkerResult single = adjust_marker_block(alone, {});
+  ASSERT_TRUE(single.images[0].oriented);
+  EXPECT_LT((single.images[0].centre - s.images[0].inverse().translation).norm(), 0.05);
+  // All of them: nothing says what is right.
+  std::vector<std::pair<size_t, Eigen::AngleAxisd>> all;
+  for (size_t m = 0; m < 12; ++m) all.push_back({m, {M_PI / 2, z}});
+  EXPECT_THAT(message_of([&] { adjust_marker_block(turned(all), {}); }),
+              HasSubstr("the layout turns 12 of 12 tags otherwise than the photographs show them: expected"));
+  // What paper and screws do is within the layout's standard deviations.
+  EXPECT_THAT(adjust_marker_block(turned({{3, {0.05, x}}, {6, {0.04, z}}}), {}).warnings, testing::IsEmpty());
+}
+
+TEST(MarkerBlock, NamesTagsThatAreExchangedInTheLayout) {
+  Scene s = scene(0.1, 5);
+  for (size_t m = 0; m < s.tags.size(); ++m) s.block.markers[m].world_from_tag = s.tags[m];
+  s.block.cameras[0].camera = true_camera();
+  s.block.cameras[0].held = true;
+  EXPECT_THAT(adjust_marker_block(s.block, {}).warnings, testing::Not(testing::Contains(HasSubstr("layout"))));
+  Scene exchanged = s;
+  std::swap(exchanged.block.markers[2].world_from_tag, exchanged.block.markers[9].world_from_tag);
+  EXPECT_THAT(adjust_marker_block(exchanged.block, {}).warnings,
+              testing::Contains(HasSubstr("tags 2 and 9 are exchanged")));
+  Scene neighbours = s;
+  std::swap(neighbours.block.markers[0].world_from_tag, neighbours.block.markers[1].world_from_tag);
+  EXPECT_THAT(adjust_marker_block(neighbours.block, {}).warnings,
+              testing::Contains(HasSubstr("tags 0 and 1 are exchanged")));
+}
+
+}  // namespace
+}  // namespace plumbline::markers
