@@ -1,6 +1,7 @@
 #include "start_node.hpp"
 
 #include <cmath>
+#include <cstdio>
 #include <map>
 #include <set>
 
@@ -126,6 +127,69 @@ SurveyFrame frame_of(const MarkerResult& network, const std::vector<SurveyedTag>
   }
 }
 
+/// After the tags without a row and without a size are gone.
+void require_views(const PlatesT& given, const BlockInput& input) {
+  if (!input.block.views.empty()) return;
+  std::set<std::string> seen, rows;
+  for (const Marker& marker : input.block.markers) seen.insert(marker.family + ":" + marker.name());
+  for (const auto& plate : given.plates) rows.insert(plate->tag_family + ":" + std::to_string(plate->tag_id));
+  throw std::runtime_error("no tag of the plate table is in the photographs: it has " + listed(rows) + ", they show " +
+                           listed(seen) +
+                           ". Family and number have to be the same; which plate table belongs to these photographs?");
+}
+
+std::string metres(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, value < 0.1 ? "%.2f mm" : "%.3f m", value < 0.1 ? 1e3 * value : value);
+  return text;
+}
+
+/// Another unit shows here, before it is a block that does not converge or a site a thousand times too large.
+void require_unit(const SurveyFrame& frame, double known_size, Context& context) {
+  constexpr double largest = 3, smallest = 0.003;  // [m] edges of tags that somebody prints
+  constexpr double tolerance = 1.25;               // what is less is said by the adjustment's test of the tags' size
+  const double scale = frame.motion.scale, by_survey = (known_size > 0 ? known_size : unknown_size) * scale;
+  const auto near = [&](double unit) { return std::abs(std::log(scale / unit)) < std::log(1.1); };
+  const std::string unit = near(1000) || near(0.001) ? "one of them is in millimetres where metres are said, or the "
+                                                       "other way round"
+                           : near(0.3048) || near(1 / 0.3048) ? "one of them is in feet"
+                                                              : "one of them is wrong";
+  if (known_size > 0 && std::abs(std::log(scale)) > std::log(tolerance))
+    throw std::runtime_error("by the distances between the surveyed points the edge of a tag measures " +
+                             metres(by_survey) + ", by tag_size or the plate table " + metres(known_size) + ": " +
+                             unit);
+  if (known_size > 0) return;
+  if (by_survey > largest || by_survey < smallest)
+    throw std::runtime_error("by the distances between the surveyed points the edge of a tag measures " +
+                             metres(by_survey) +
+                             ", which no tag has: are the coordinates in metres, and are the "
+                             "points those of these tags? tag_size, in metres, says it if they are");
+  context.info("by the survey the edge of a tag measures " + metres(by_survey));
+}
+
+/// Points that are not where the photographs have their tags. Two that are as far off as they are apart were exchanged.
+void tell_misplaced(const SurveyFrame& frame, const std::vector<SurveyedTag>& surveyed, Context& context) {
+  std::set<size_t> told;
+  const auto off = [&](size_t k) { return std::isfinite(frame.distance[k]) && !frame.agrees[k] && !told.count(k); };
+  for (size_t k = 0; k < surveyed.size(); ++k) {
+    if (!off(k)) continue;
+    for (size_t l = k + 1; l < surveyed.size(); ++l) {
+      const double apart = (surveyed[k].position - surveyed[l].position).norm();
+      if (!off(l) || std::abs(frame.distance[k] - apart) > 0.1 * apart ||
+          std::abs(frame.distance[l] - apart) > 0.1 * apart)
+        continue;
+      context.warn("points " + surveyed[k].name + " and " + surveyed[l].name +
+                   " seem to be exchanged: the photographs show the tag of each " + metres(apart) +
+                   " away, where the survey has the other");
+      told.insert({k, l});
+      break;
+    }
+    if (!told.count(k))
+      context.warn("point " + surveyed[k].name + " lies " + metres(frame.distance[k]) +
+                   " from where the photographs and the other surveyed points have its tag: is it another tag's?");
+  }
+}
+
 /// What EXIF, or nothing at all, says of an interior orientation: parts of the principal distance and of the width.
 Eigen::MatrixXd weak_prior(const BrownCamera& camera, double of_distance, double of_width, double distortion) {
   Eigen::VectorXd sigma(9);
@@ -195,6 +259,7 @@ void AdjustMarkerStart::run(Context& context) {
   PlatesT table = plates_of(given, input.block, surveyed_points, *tag_size);
   require_sizes(given, table, input);
   for (const auto& text : input.warnings) context.warn(text);
+  require_views(given, input);
   const std::vector<SurveyedTag> surveyed = surveyed_tags(table, surveyed_points, input.block);
   if (known.empty())
     for (MarkerCamera& one : input.block.cameras)  // few photographs do not calibrate
@@ -202,10 +267,11 @@ void AdjustMarkerStart::run(Context& context) {
   const MarkerResult network = adjust_marker_block(input.block, {});
   for (const auto& text : network.left_out) context.warn("left out: " + text);
   const SurveyFrame frame = frame_of(network, surveyed, input.block, surveyed_points);
-  for (size_t k = 0; k < surveyed.size(); ++k)
-    if (std::isfinite(frame.distance[k]) && !frame.agrees[k])
-      context.warn("point " + surveyed[k].name + " lies " + std::to_string(frame.distance[k]) +
-                   " m from where the photographs and the other surveyed points have its tag: is it another tag's?");
+  double known_size = 0;  // of any: all tags have one, or none
+  for (const auto& plate : table.plates)
+    if (plate->tag_size > 0) known_size = plate->tag_size;
+  require_unit(frame, known_size, context);
+  tell_misplaced(frame, surveyed, context);
 
   std::map<std::pair<std::string, int>, const AdjustedMarker*> adjusted;
   for (const auto& marker : network.markers) {

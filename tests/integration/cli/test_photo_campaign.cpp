@@ -155,5 +155,45 @@ TEST_F(PhotoCampaign, CalibrationsInFoldersBelowAreNotReadAndNamed) {
   EXPECT_TRUE(contains(answer.err, "left/camera.yaml is not read")) << answer.err;
 }
 
+/// The tags' size, the survey's coordinates and the plate table, each against the others.
+TEST_F(PhotoCampaign, TablesThatDoNotBelongTogetherAreNamed) {
+  const std::string plates = read_file(site() / "plates.csv");
+  const auto replaced = [](std::string text, const std::string& from, const std::string& to) {
+    for (size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
+      text.replace(at, from.size(), to);
+    return text;
+  };
+  const auto expect_refused = [&](const Answer& answer, const std::string& words) {
+    EXPECT_EQ(answer.code, 1) << answer.err;
+    EXPECT_TRUE(contains(answer.err, words)) << answer.err;
+    EXPECT_FALSE(fs::exists(made->work() / "out/report.html"));
+  };
+  write("plates.csv", replaced(plates, "tag36h11", "tag25h9"));
+  expect_refused(process(), "no tag of the plate table is in the photographs: it has tag25h9:0, tag25h9:1, ");
+  write("plates.csv", replaced(plates, ",200,0,200,0,", ",0.2,0,200,0,"));
+  expect_refused(process(),
+                 "by tag_size or the plate table 0.20 mm: one of them is in millimetres where metres are said");
+  write("plates.csv", replaced(replaced(plates, "tag_size_mm", "tag_size_m"), ",200,0,200,0,", ",0.61,0,200,0,"));
+  expect_refused(process(), "by tag_size or the plate table 0.610 m: one of them is in feet");
+  // Without sizes only what a tag can measure says that the survey is in millimetres.
+  fs::remove_all(site() / "survey"), fs::remove(site() / "plates.csv");
+  write("control.csv",
+        "id,east_m,north_m,height_m\n0,998,0,821\n1,3001,-3,818\n2,4994,-2,823\n3,1006,-1,2817\n4,3002,-6,2817\n"
+        "5,5004,1,2818\n");
+  const Answer unit = process();
+  expect_refused(unit, "by the distances between the surveyed points the edge of a tag measures ");
+  EXPECT_TRUE(contains(unit.err, "which no tag has: are the coordinates in metres")) << unit.err;
+}
+
+TEST_F(PhotoCampaign, ExchangedPointsAreNamed) {
+  fs::remove_all(site() / "survey"), fs::remove(site() / "plates.csv");
+  const std::string head = "id,east_m,north_m,height_m\n0,0.998,0,0.821\n1,3.001,-0.003,0.818\n2,4.994,-0.002,0.823\n",
+                    tail = "5,5.004,0.001,2.818\n6,2.002,0,1.824\n7,3.998,-0.001,1.819\n8,4.997,-0.006,1.822\n";
+  write("control.csv", head + "4,1.006,-0.001,2.817\n3,3.002,-0.006,2.817\n" + tail);
+  const Answer answer = process();
+  EXPECT_TRUE(contains(answer.err, "points 3 and 4 seem to be exchanged: the photographs show the tag of each 1.99"))
+      << answer.err;
+}
+
 }  // namespace
 }  // namespace plumbline::test
