@@ -418,15 +418,43 @@ MarkerResult adjust_as_given(const MarkerBlock& block, const MarkerOptions& opti
   return result;
 }
 
+/// One tag that the layout has facing away can leave nothing that converges. Then the one without whose place the rest
+/// fits best is `left_out`. Throws what the block fails of if that is no single tag.
+MarkerResult adjust_without_worst(const MarkerBlock& block, const MarkerOptions& options, const std::set<int>& seen,
+                                  std::set<int>& left_out) {
+  try {
+    return adjust_as_given(block, options);
+  } catch (const std::runtime_error&) {
+    std::optional<MarkerResult> best;
+    for (const int marker : seen) {
+      if (seen.size() < 3) break;
+      MarkerBlock without = block;
+      without.markers[static_cast<size_t>(marker)].world_from_tag.reset();
+      try {
+        MarkerResult result = adjust_as_given(without, options);
+        const auto fits_better = [&] {
+          return result.rejected.size() != best->rejected.size() ? result.rejected.size() < best->rejected.size()
+                                                                 : result.rms < best->rms;
+        };
+        if (!best || fits_better()) best = std::move(result), left_out = {marker};
+      } catch (const std::runtime_error&) {  // another tag, or none
+      }
+    }
+    if (!best) throw;
+    return *best;
+  }
+}
+
 /// Tags that were moved or turned since their layout was made would pull the frame along. The layout's places of those
 /// that are furthest off are left out as long as most of the tags stay, and the rest is adjusted again.
 MarkerResult adjust_to_layout(const MarkerBlock& block, const MarkerOptions& options) {
   constexpr double as_far = 0.75;  // one moved tag of three pulls the others by half of what it is off itself
   MarkerBlock used = block;
-  MarkerResult result = adjust_as_given(used, options);
   std::set<int> seen, left_out;
   for (const MarkerView& view : block.views)
     if (block.markers[static_cast<size_t>(view.marker)].world_from_tag) seen.insert(view.marker);
+  MarkerResult result = adjust_without_worst(block, options, seen, left_out);
+  for (const int marker : left_out) used.markers[static_cast<size_t>(marker)].world_from_tag.reset();
   for (;;) {
     const auto off = tags_off_layout(used, options, result);
     double furthest = 0;

@@ -1,6 +1,7 @@
 // calibrate.board: the interior orientation of cameras from photographs of a board.
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "artifacts/board_points.hpp"
 #include "artifacts/camera.hpp"
@@ -86,8 +87,11 @@ struct CalibrateBoard : Node {
   void run(Context& context) override {
     std::vector<BoardPointsT> photographs;
     std::vector<std::string> paths;
-    for (size_t i = 0; i < points.size(); ++i)
+    std::set<std::string> told;  // by whoever searched them
+    for (size_t i = 0; i < points.size(); ++i) {
       photographs.push_back(points.unpack(i)), paths.push_back(photographs.back().path);
+      if (!photographs.back().problem.empty()) told.insert(paths.back());
+    }
     const std::string suspects = *cameras == "by_folder" ? suspected_cameras(paths) : "";
     if (!suspects.empty())
       context.warn(
@@ -102,6 +106,8 @@ struct CalibrateBoard : Node {
         throw std::runtime_error("the board was found in " + std::to_string(selection.views.size()) + " of " +
                                  std::to_string(photographs.size()) + " photographs; needed are 3. " +
                                  selection.left_out.front().first + ": " + selection.left_out.front().second);
+      for (const auto& [path, reason] : selection.left_out)
+        if (!told.count(path)) context.warn("left out: " + path + ": " + reason);
       all.push_back({std::move(selection), {}, {}});
       Calibrated& one = all.back();
       try {

@@ -19,7 +19,20 @@ bool in_one_line(const std::vector<CalibrationPoint>& points) {
   return !(spread(0) > 0.01 * spread(1));
 }
 
-Selection select_one(const std::vector<const BoardPointsT*>& photographs) {
+/// What most of the usable photographs of that size were taken with; empty if EXIF does not say it, or if it is not
+/// asked.
+std::string usual_camera(const std::vector<const BoardPointsT*>& photographs, const Selection& of, bool ask) {
+  std::map<std::string, int> times;
+  for (const auto* p : photographs)
+    if (ask && p->problem.empty() && p->width == of.width && p->height == of.height && !p->taken_with.empty())
+      ++times[p->taken_with];
+  std::string usual;
+  for (const auto& [camera, number] : times)
+    if (usual.empty() || number > times[usual]) usual = camera;
+  return usual;
+}
+
+Selection select_one(const std::vector<const BoardPointsT*>& photographs, bool tell_bodies) {
   Selection result;
   std::map<std::pair<int, int>, int> sizes;
   for (const auto* p : photographs)
@@ -27,6 +40,7 @@ Selection select_one(const std::vector<const BoardPointsT*>& photographs) {
   int most = 0;
   for (const auto& [size, number] : sizes)
     if (number > most) most = number, result.width = size.first, result.height = size.second;
+  const std::string camera = usual_camera(photographs, result, tell_bodies);
   std::map<std::string, std::string> by_content;
   for (const auto* p : photographs) {
     result.board = p->board;
@@ -40,7 +54,13 @@ Selection select_one(const std::vector<const BoardPointsT*>& photographs) {
                                        " pixels where the others have " + std::to_string(result.width) + " x " +
                                        std::to_string(result.height) +
                                        (turned ? ": a program turned its pixels; use the file as the camera wrote it"
-                                               : "; one calibration is for one size"));
+                                               : "; one calibration is for one size: put those of another size "
+                                                 "into a folder of their own"));
+    } else if (!camera.empty() && !p->taken_with.empty() && p->taken_with != camera) {
+      result.left_out.emplace_back(p->path, "was taken with another camera or focal length (" + p->taken_with +
+                                                ") than the others (" + camera +
+                                                "): put each camera's photographs into a folder of its own; "
+                                                "cameras=one says that it is one camera all the same");
     } else if (!p->sha256.empty() && !is_new) {
       result.left_out.emplace_back(p->path, "is the same file as " + same->second);
     } else {
@@ -66,7 +86,7 @@ std::vector<Selection> select(const std::vector<BoardPointsT>& photographs, cons
   for (const auto& p : photographs) groups[camera_name(p.path, cameras)].push_back(&p);
   std::vector<Selection> result, small;
   for (const auto& [name, members] : groups) {
-    Selection selection = select_one(members);
+    Selection selection = select_one(members, cameras != "one");
     if (groups.size() > 1) selection.camera = name.empty() ? "photographs beside the folders" : name;
     (selection.views.size() >= enough || groups.size() == 1 ? result : small).push_back(std::move(selection));
   }

@@ -29,6 +29,7 @@ struct DetectBoard : Node {
     result.path = images->path()->str();
     result.sha256 = images->sha256()->str();
     result.board = pattern.words();
+    result.taken_with = taken_with();
     try {
       const GreyImage grey = read_grey_image(context.resolve(images->uri()->str()));
       result.width = grey.width, result.height = grey.height;
@@ -49,6 +50,15 @@ struct DetectBoard : Node {
   }
 
  private:
+  std::string taken_with() const {
+    std::string text = images->model() ? images->model()->str() : "";
+    if (images->serial() && images->serial()->size() > 0) text += (text.empty() ? "" : " ") + images->serial()->str();
+    if (!(images->focal_length() > 0)) return text;
+    char focal[40];
+    std::snprintf(focal, sizeof focal, "%.3g mm", 1e3 * images->focal_length());
+    return text + (text.empty() ? "" : ", ") + focal;
+  }
+
   /// What else explains that the board was not found.
   static std::string why(const GreyImage& grey, const Board& pattern) {
     if (pattern.kind != BoardKind::chessboard && !find_board(mirrored(grey), pattern).points.empty())

@@ -1,0 +1,66 @@
+// calibrate.board over its artifacts: which photographs of a board are one camera's.
+#include <gmock/gmock.h>
+
+#include "artifacts/board_points.hpp"
+#include "artifacts/camera.hpp"
+#include "artifacts/file.hpp"
+#include "geometry/camera.hpp"
+#include "node_harness.hpp"
+#include "scene.hpp"
+
+namespace plumbline::markers {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+using testing::Not;
+
+/// A board of 9 × 7 points from another side for each `index`.
+BoardPointsT photograph(int index, const std::string& taken_with) {
+  BoardPointsT result;
+  result.path = "photo" + std::to_string(index) + ".jpg";
+  result.width = true_camera().width, result.height = true_camera().height;
+  result.taken_with = taken_with;
+  const RigidTransform pose =
+      look({0.1 + 0.05 * (index % 3 - 1), 0.075 + 0.06 * (index % 4 - 1.5), 0.3}, {0.1, 0.075, 0}, 0.4 * index);
+  std::mt19937_64 random(static_cast<unsigned>(index));
+  std::normal_distribution<double> noise(0, 0.05);
+  for (int k = 0; k < 63; ++k) {
+    auto point = std::make_unique<BoardPointT>();
+    point->id = k;
+    point->board = Eigen::Vector3d(0.025 * (k % 9), 0.025 * (k / 9), 0);
+    point->pixel = *project(true_camera(), pose * point->board) + Eigen::Vector2d(noise(random), noise(random));
+    point->sigma = 0.05;
+    result.points.push_back(std::move(point));
+  }
+  return result;
+}
+
+TEST(CalibrateBoard, PhotographsOfAnotherBodyOrSizeAreNotTakenForTheCameras) {
+  const auto run = [](const std::string& cameras, test::NodeHarness& node) {
+    for (int k = 0; k < 12; ++k)
+      node.input<BoardPoints>("points", photograph(k, k == 5  ? ""
+                                                      : k < 8 ? "Acme One 111, 24 mm"
+                                                              : "Acme One 222, 24 mm"));
+    BoardPointsT other = photograph(12, "Acme One 111, 24 mm");
+    other.width /= 2, other.height /= 2;
+    node.input<BoardPoints>("points", other);
+    node.set("cameras", cameras);
+    node.run();
+    const FileT json = node.output<File>("json");
+    return std::string(json.content.begin(), json.content.end());
+  };
+  test::NodeHarness node("calibrate.board");
+  run("by_folder", node);
+  EXPECT_THAT(node.warnings(), Contains(HasSubstr("left out: photo8.jpg: was taken with another camera or focal length "
+                                                  "(Acme One 222, 24 mm) than the others (Acme One 111, 24 mm)")));
+  EXPECT_THAT(node.warnings(), Contains(HasSubstr("left out: photo12.jpg: has 800 x 600 pixels where the others have "
+                                                  "1600 x 1200")));
+  EXPECT_THAT(node.warnings(), Not(Contains(HasSubstr("left out: photo5.jpg"))));
+  test::NodeHarness one("calibrate.board");
+  run("one", one);
+  EXPECT_THAT(one.warnings(), Not(Contains(HasSubstr("left out: photo8.jpg"))));
+}
+
+}  // namespace
+}  // namespace plumbline::markers
