@@ -43,7 +43,7 @@ void StarNetReader::take(const Parts& parts, std::size_t first, const std::vecto
     if (text == "?" || text == "*") continue;  // not measured
     const auto value = value_of(text, o.kind);
     const bool is_distance = o.kind == slope_distance || o.kind == horizontal_distance;
-    if (!value || (is_distance && (*value <= 0 || *value > 1e6)))
+    if (!value || (is_distance && *value <= 0))
       return reject(text, is_distance             ? "a distance above zero"
                           : is_angle_kind(o.kind) ? "an angle as 123-45-56.7"
                                                   : "a number");
