@@ -64,6 +64,22 @@ class PhotoCampaign : public testing::Test {
     ASSERT_NE(at, std::string::npos) << name;
     write(name, bytes.replace(at, model.size(), model));
   }
+  /// A photograph's EXIF becomes one that says the model and the body's serial number, of three digits.
+  static void take_with_body(const std::string& name, const std::string& serial) {
+    std::string bytes = read_file(site() / name);
+    while (bytes.size() > 6 && bytes[2] == '\xff' &&
+           (static_cast<unsigned char>(bytes[3]) & 0xf0U) == 0xe0U)  // its own APPn segments
+      bytes.erase(2, 2 + 256 * static_cast<unsigned char>(bytes[4]) + static_cast<unsigned char>(bytes[5]));
+    using namespace std::string_literals;
+    // TIFF, little endian: model "A" and a pointer to the EXIF directory at 38, which has BodySerialNumber.
+    const std::string tiff = "II\x2a\0\x08\0\0\0\x02\0"s + "\x10\x01\x02\0\x02\0\0\0A\0\0\0"s +
+                             "\x69\x87\x04\0\x01\0\0\0\x26\0\0\0"s + "\0\0\0\0"s + "\x01\0\x31\xa4\x02\0\x04\0\0\0"s +
+                             serial + "\0\0\0\0\0"s;
+    const std::string segment = "Exif\0\0"s + tiff;
+    const size_t length = segment.size() + 2;
+    bytes.insert(2, "\xff\xe1"s + static_cast<char>(length / 256) + static_cast<char>(length % 256) + segment);
+    write(name, bytes);
+  }
   static Answer process(std::vector<std::string> more = {}) {
     fs::remove_all(made->work() / "out");
     more.insert(more.begin(),
@@ -146,6 +162,19 @@ TEST_F(PhotoCampaign, OneCalibrationIsNotThatOfAnotherCamera) {
                        "photographs)"))
       << even.err;
   EXPECT_FALSE(fs::exists(made->work() / "out/report.html"));
+  EXPECT_EQ(process({"cameras=one"}).code, 0);
+}
+
+/// Two bodies of one model.
+TEST_F(PhotoCampaign, TheSerialNumberTellsBodiesApart) {
+  for (const auto& [name, serial] : {std::pair("left/F01-01.jpg", "111"), std::pair("left/F01-02.jpg", "111"),
+                                     std::pair("left/F01-03.jpg", "222"), std::pair("left/F01-04.jpg", "222")})
+    take_with_body(name, serial);
+  write("camera.yaml", calibration("quick_6mp"));
+  const Answer one = process();
+  EXPECT_EQ(one.code, 1) << one.err;
+  EXPECT_TRUE(contains(one.err, "by their EXIF the photographs are of 2: A 111 (2 photographs); A 222 (2 photographs)"))
+      << one.err;
   EXPECT_EQ(process({"cameras=one"}).code, 0);
 }
 
