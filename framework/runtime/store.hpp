@@ -85,6 +85,8 @@ class Store {
   /// go into the run's record. A file of their own would cost more than all the rest of a small node.
   std::string hold(const void* data, size_t size);
   static constexpr size_t inline_up_to = 512;
+  /// For a store that is thrown away: what nodes hand on stays in memory up to so many bytes an item.
+  void keep_in_memory(size_t up_to) { in_memory_up_to_ = up_to; }
   /// The blob of that hash. Throws StoreError if it is missing or does not match its name; then it has been removed.
   Blob get(const std::string& hash);
 
@@ -148,6 +150,7 @@ class Store {
 
   std::filesystem::path folder_;
   bool durable_ = false, writable_ = true;
+  size_t in_memory_up_to_ = inline_up_to;
   std::string temporary_prefix_;
   std::unique_ptr<FileHashes> file_hashes_;
   std::unique_ptr<Claims> claims_;

@@ -57,7 +57,7 @@ Memory content_of(const std::string& hex, const std::string& hash) {
 }  // namespace
 
 std::string Store::hold(const void* data, size_t size) {
-  if (size > inline_up_to) return put(data, size);
+  if (size > in_memory_up_to_) return put(data, size);
   std::string hash = sha256_of(data, size);
   const auto* begin = static_cast<const unsigned char*>(data);
   auto memory = std::make_shared<const Blob::Memory>(std::vector<unsigned char>(begin, begin + size));

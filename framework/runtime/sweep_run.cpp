@@ -1,5 +1,6 @@
 #include "runtime/sweep_run.hpp"
 
+#include <malloc.h>
 #include <poll.h>
 #include <signal.h>
 #include <sys/socket.h>
@@ -106,6 +107,8 @@ class Scratch {
   fs::path folder_;
 };
 
+constexpr size_t largest_in_memory = size_t{4} << 20;  ///< of what a node hands on, where only results are kept
+
 /// In a worker: runs one job and leaves its records in the store.
 Answer run_job(const SweepPlan& plan, const Job& job, const Registry& registry, Store& store, const fs::path& scratch,
                int threads, uint64_t memory, const std::atomic<bool>* cancel) {
@@ -117,7 +120,10 @@ Answer run_job(const SweepPlan& plan, const Job& job, const Registry& registry, 
   answer.merged = merged.graph.nodes.size();
   std::unique_ptr<Store> thrown_away;
   const fs::path own = scratch / std::to_string(getpid());
-  if (!plan.file.keep_everything) thrown_away = std::make_unique<Store>(own);
+  if (!plan.file.keep_everything) {
+    thrown_away = std::make_unique<Store>(own);
+    thrown_away->keep_in_memory(largest_in_memory);
+  }
   RunOptions options;
   options.threads = threads;
   options.memory = memory;
@@ -239,6 +245,9 @@ class Pool {
 
   /// The worker's life. It leaves without destructors: what the parent owns is the parent's.
   [[noreturn]] void serve(int socket) {
+    // Trial after trial takes the same memory: given back to the system in between, each page costs a fault.
+    mallopt(M_MMAP_THRESHOLD, 64 << 20);
+    mallopt(M_TRIM_THRESHOLD, 256 << 20);
     Store store(store_.folder());  // its own: temporary names are made of the process
     for (;;) {
       size_t count = 0;

@@ -125,15 +125,16 @@ Solved solve(const TagBlockOptions& options, const bundle::Layout& layout, TagMo
   how.minimise.threads = options.threads;
   how.minimiser = options.minimiser;
   if (options.free_network) how.datum = bundle::inner_datum(model.problem, layout, bundle::free_motions(model.problem));
+  how.with_cofactors = false;                            // of the last step only
   how.start_is_near = options.loss != RobustLoss::none;  // find_blunders() has been there
   Solved solved;
   const bundle::State start = model.state;
   for (int step = 0; step < max_variance_steps; ++step) {
     solved.adjusted = bundle::adjust(model.problem, layout, step == 0 ? start : model.state, how);
     model.state = solved.adjusted.state;
-    how.start_is_near = true;
+    how.start_is_near = how.is_determined = true;
     if (!options.estimate_image_variance || by_lambda) break;
-    const double factor = bundle::observed_variance(model.problem, solved.adjusted);
+    const double factor = bundle::observed_variance(model.problem, layout, solved.adjusted, how.datum);
     if (!(factor > 0) || std::abs(factor - 1) < 0.01) break;
     // No detector is 20 times better or 1000 times worse than it says; without this, a block without noise would run
     // away.
@@ -142,6 +143,8 @@ Solved solve(const TagBlockOptions& options, const bundle::Layout& layout, TagMo
     if (next == sigma || step + 1 == max_variance_steps) break;
     sigma = next;
   }
+  solved.adjusted.cofactors = std::make_unique<bundle::Cofactors>(model.problem, layout, solved.adjusted.state,
+                                                                  *solved.adjusted.elimination, how.datum);
   solved.reliability = bundle::reliability_of(model.problem, solved.adjusted);
   return solved;
 }

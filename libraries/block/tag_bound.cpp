@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "block/bundle/cholesky.hpp"
+#include "block/bundle/kernels.hpp"
 #include "block/defects.hpp"
 #include "plumbline/stop.hpp"
 
@@ -71,7 +72,7 @@ Eigen::MatrixXd inverse(const Eigen::MatrixXd& covariance) {
 
 }  // namespace
 
-TagBound::TagBound(const BoundProblem& problem)
+TagBound::TagBound(const BoundProblem& problem, Extent extent)
     : problem_(problem),
       camera_at_(static_cast<Index>(6 * problem.plates.size())),
       batch_at_(camera_at_ + static_cast<Index>(problem.free_parameters.size())),
@@ -85,7 +86,7 @@ TagBound::TagBound(const BoundProblem& problem)
     if (!by_image[i].empty()) add(eliminate(problem_.cam_from_world[i], by_image[i], name));
   }
   add_priors();
-  invert();
+  invert(extent);
 }
 
 /// Columns of the rest that a tag touches: its plate, the camera, its batch.
@@ -99,7 +100,7 @@ std::vector<Index> TagBound::columns_of(const BoundTag& tag) const {
 
 /// Whitened derivatives of a tag's corners by the pose (rotation in the camera frame, translation) and the rest.
 void TagBound::derivatives(const RigidTransform& pose, const BoundTag& tag, Eigen::Matrix<double, 8, 6>& by_pose,
-                           Eigen::MatrixXd& by_rest) const {
+                           DerivativesByRest& by_rest) const {
   const BoundPlate& plate = problem_.plates[tag.plate];
   const Eigen::Matrix3d rotation = pose.rotation.toRotationMatrix(),
                         plate_rotation = plate.world_from_plate.toRotationMatrix();
@@ -131,35 +132,43 @@ void TagBound::derivatives(const RigidTransform& pose, const BoundTag& tag, Eige
 /// What an image says of the rest once its pose is eliminated (Schur complement).
 BoundInformation TagBound::eliminate(const RigidTransform& cam_from_world, const std::vector<const BoundTag*>& tags,
                                      const std::string& image) const {
-  Matrix6 pose = Matrix6::Zero();
-  std::vector<Index> place(static_cast<std::size_t>(size_), -1);
   BoundInformation result;
-  const Index widest = static_cast<Index>(6 * tags.size()) + size_ - camera_at_;
-  Eigen::MatrixXd cross = Eigen::MatrixXd::Zero(6, widest), own = Eigen::MatrixXd::Zero(widest, widest);
-  for (const BoundTag* tag : tags) {
-    std::vector<Index> touched = columns_of(*tag);
-    Eigen::Matrix<double, 8, 6> by_pose;
-    Eigen::MatrixXd by_rest(8, static_cast<Index>(touched.size()));
-    derivatives(cam_from_world, *tag, by_pose, by_rest);
-    for (Index& column : touched) {
+  std::vector<Index> place(static_cast<std::size_t>(size_), -1);
+  for (const BoundTag* tag : tags)
+    for (const Index column : columns_of(*tag)) {
       Index& where = place[static_cast<std::size_t>(column)];
-      if (where < 0) {
-        where = static_cast<Index>(result.unknowns.size());
-        result.unknowns.push_back(column);
-      }
-      column = where;
+      if (where >= 0) continue;
+      where = static_cast<Index>(result.unknowns.size());
+      result.unknowns.push_back(column);
     }
+  const auto used = static_cast<Index>(result.unknowns.size());
+  result.matrix.setZero(used, used);
+  Matrix6 pose = Matrix6::Zero();
+  using Rows = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::RowMajor>;
+  Rows cross = Rows::Zero(6, used);
+  Eigen::Matrix<double, 8, 6> by_pose;
+  for (const BoundTag* tag : tags) {
+    const std::vector<Index> columns = columns_of(*tag);
+    DerivativesByRest by_rest(8, static_cast<Index>(columns.size()));
+    derivatives(cam_from_world, *tag, by_pose, by_rest);
     pose += by_pose.transpose() * by_pose;
-    cross(Eigen::all, touched) += by_pose.transpose() * by_rest;
-    own(touched, touched) += by_rest.transpose() * by_rest;
+    for (Index c = 0; c < by_rest.cols(); ++c) {
+      const Index to = place[static_cast<std::size_t>(columns[static_cast<std::size_t>(c)])];
+      cross.col(to) += by_pose.transpose() * by_rest.col(c);
+      for (Index r = 0; r < by_rest.cols(); ++r)
+        result.matrix(place[static_cast<std::size_t>(columns[static_cast<std::size_t>(r)])], to) +=
+            by_rest.col(r).dot(by_rest.col(c));
+    }
   }
   // Rotations are of order one and translations of metres, so the pivots can be compared with the largest.
   const Eigen::LDLT<Matrix6> factor(pose);
   if (factor.info() != Eigen::Success || !(factor.vectorD().minCoeff() > 1e-12 * factor.vectorD().maxCoeff()))
     throw std::runtime_error("image " + image + " with " + std::to_string(tags.size()) +
                              " tags does not determine its pose");
-  const auto used = static_cast<Index>(result.unknowns.size());
-  result.matrix = own.topLeftCorner(used, used) - cross.leftCols(used).transpose() * factor.solve(cross.leftCols(used));
+  const Rows solved = -factor.solve(cross);
+  const auto width = static_cast<int>(used);
+  const bundle::Outer product{result.matrix.data(), used, cross.data(), solved.data(), width, width, width, width};
+  bundle::add_outer(6, &product, 1);
   return result;
 }
 
@@ -178,29 +187,41 @@ void TagBound::add_priors() {
   if (!rows.empty()) information_(rows, rows) += inverse(problem_.control_covariance);
 }
 
-void TagBound::invert() {
+void TagBound::invert(Extent extent) {
   // Scaled to a unit diagonal (Jacobi), so that the pivots tell what is determined. Plates that no image shows are
-  // left out; their bound is infinite.
+  // left out; their bound is infinite. Coordinates of anchors come last: theirs can be had alone.
   std::vector<Index> used;
-  for (Index k = 0; k < size_; ++k)
-    if (information_(k, k) > 0) used.push_back(k);
+  const auto take = [&](bool coordinates) {
+    for (Index k = 0; k < size_; ++k)
+      if (information_(k, k) > 0 && (k < camera_at_ && k % 6 < 3) == coordinates) used.push_back(k);
+    return static_cast<Index>(used.size());
+  };
+  const Index first = extent == Extent::anchors ? take(false) : 0;
+  if (extent == Extent::everything) take(false);
+  take(true);
   const Eigen::VectorXd scale = information_.diagonal()(used).cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd scaled = scale.asDiagonal() * information_(used, used) * scale.asDiagonal();
+  const Eigen::MatrixXd inverse = inverse_of_scaled(scaled, used, scale, first);
+  const std::vector<Index> wanted(used.begin() + first, used.end());
+  const auto wanted_scale = scale.tail(inverse.rows()).asDiagonal();
   covariance_ = Eigen::MatrixXd::Zero(size_, size_);
   covariance_.diagonal().setConstant(std::numeric_limits<double>::infinity());
-  covariance_(used, used) = scale.asDiagonal() * inverse_of_scaled(scaled, used, scale) * scale.asDiagonal();
+  covariance_(wanted, wanted) = wanted_scale * inverse * wanted_scale;
 }
 
-/// Throws if pivots say that something is undetermined. Those in the order of the unknowns are quick to have and enough
-/// where they are far from nothing; the others are decided by pivoting.
+/// The block of the inverse from unknown `first` on. Throws if pivots say that something is undetermined. Those in the
+/// order of the unknowns are quick to have and enough where they are far from nothing; the others are decided by
+/// pivoting.
 Eigen::MatrixXd TagBound::inverse_of_scaled(const Eigen::MatrixXd& scaled, const std::vector<Index>& used,
-                                            const Eigen::VectorXd& scale) const {
+                                            const Eigen::VectorXd& scale, Index first) const {
   constexpr double certain = 1e-9, undetermined = 1e-13;
   bundle::Cholesky quick;
-  if (quick.compute(scaled) && quick.smallest_pivot() > certain) return quick.inverse();
+  if (quick.compute(scaled) && quick.smallest_pivot() > certain) return quick.inverse(first);
   const Eigen::LDLT<Eigen::MatrixXd> factor(scaled);
-  if (factor.info() == Eigen::Success && factor.vectorD().minCoeff() > undetermined)
-    return factor.solve(Eigen::MatrixXd::Identity(scaled.rows(), scaled.cols()));
+  if (factor.info() == Eigen::Success && factor.vectorD().minCoeff() > undetermined) {
+    const Eigen::MatrixXd all = factor.solve(Eigen::MatrixXd::Identity(scaled.rows(), scaled.cols()));
+    return all.bottomRightCorner(scaled.rows() - first, scaled.rows() - first);
+  }
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> spectrum(scaled);
   Eigen::VectorXd change = Eigen::VectorXd::Zero(size_);
   change(used) = scale.cwiseProduct(spectrum.eigenvectors().col(0));
@@ -243,6 +264,8 @@ Eigen::VectorXd TagBound::height_gain(const BoundInformation& more, const std::v
   return (across * weight).cwiseProduct(across).rowwise().sum();
 }
 
-Eigen::MatrixXd tag_bound(const BoundProblem& problem) { return TagBound(problem).anchors(); }
+Eigen::MatrixXd tag_bound(const BoundProblem& problem) {
+  return TagBound(problem, TagBound::Extent::anchors).anchors();
+}
 
 }  // namespace plumbline::adjust

@@ -56,7 +56,9 @@ class TagBound {
  public:
   /// Throws std::runtime_error that names what is not determined: an image that shows too little, a motion of the
   /// block, or anchors.
-  explicit TagBound(const BoundProblem& problem);
+  /// With Extent::anchors only anchors() may be asked for, at a third of the work.
+  enum class Extent { everything, anchors };
+  explicit TagBound(const BoundProblem& problem, Extent extent = Extent::everything);
 
   /// Covariance of all anchors, 3n × 3n in the order of the plates [m²]; infinite for those that no image shows.
   Eigen::MatrixXd anchors() const;
@@ -71,25 +73,27 @@ class TagBound {
   Eigen::VectorXd height_gain(const BoundInformation& more, const std::vector<std::size_t>& plates) const;
 
  private:
+  /// Plate 6, camera 9, batch 1.
+  using DerivativesByRest = Eigen::Matrix<double, 8, Eigen::Dynamic, 0, 8, 16>;
   bool scales_batches() const { return problem_.batch_scale_sigma > 0; }
   std::vector<Eigen::Index> columns_of(const BoundTag& tag) const;
   void derivatives(const RigidTransform& pose, const BoundTag& tag, Eigen::Matrix<double, 8, 6>& by_pose,
-                   Eigen::MatrixXd& by_rest) const;
+                   DerivativesByRest& by_rest) const;
   BoundInformation eliminate(const RigidTransform& pose, const std::vector<const BoundTag*>& tags,
                              const std::string& image) const;
   void add(const BoundInformation& more);
   void add_priors();
-  void invert();
+  void invert(Extent extent);
   Eigen::MatrixXd inverse_of_scaled(const Eigen::MatrixXd& scaled, const std::vector<Eigen::Index>& used,
-                                    const Eigen::VectorXd& scale) const;
+                                    const Eigen::VectorXd& scale, Eigen::Index first) const;
 
   BoundProblem problem_;
   Eigen::Index camera_at_, batch_at_, size_;
   Eigen::MatrixXd information_;  ///< of plates (position, rotation), camera and batches
-  Eigen::MatrixXd covariance_;   ///< its inverse; infinite variances where it says nothing
+  Eigen::MatrixXd covariance_;   ///< its inverse, or that of anchors only; infinite variances where it says nothing
 };
 
-/// Covariance of all anchors: TagBound(problem).anchors().
+/// Covariance of all anchors: TagBound(problem).anchors(), and nothing else.
 Eigen::MatrixXd tag_bound(const BoundProblem& problem);
 
 }  // namespace plumbline::adjust

@@ -243,7 +243,8 @@ class Refinement {
   static constexpr double smallest = 1e-7;  ///< of the largest correction, in conditional standard deviations
 
   bool factorise(const State& state, Elimination& elimination) {
-    if (steps_ == 0) return require_determined(problem_, layout_, state, elimination, options_.datum);
+    if (steps_ == 0 && !options_.is_determined)
+      return require_determined(problem_, layout_, state, elimination, options_.datum);
     return elimination.factorise(constraints_of(problem_, layout_, state, elimination, options_.datum));
   }
 
@@ -258,7 +259,7 @@ class Refinement {
     constexpr double contraction = 0.2;
     Eigen::VectorXd right;
     while (size >= 0.1 * smallest && elimination.gradient(state, right)) {
-      const Eigen::VectorXd step = elimination.solve(right);
+      const Eigen::VectorXd step = elimination.step(right);
       const double next = largest_step(elimination, step);
       if (!(next < contraction * size)) return;
       move(step, state);
@@ -306,12 +307,40 @@ Adjusted adjust(const Problem& problem, const Layout& layout, const State& start
   if (!found)
     fail_to_converge(problem, layout, result.state, elimination, options.datum, result.iterations, summary.message);
   result.sum_of_squares = elimination.sum_of_squares();
-  result.cofactors = std::make_unique<Cofactors>(problem, layout, result.state, elimination, options.datum);
+  if (options.with_cofactors)
+    result.cofactors = std::make_unique<Cofactors>(problem, layout, result.state, elimination, options.datum);
   return result;
 }
 
-double observed_variance(const Problem& problem, const Adjusted& adjusted) {
-  const Layout layout(problem);
+namespace {
+
+/// tr J Q Jᵀ of a linear term: what it has no redundancy for. Its unknowns are kept ones.
+double trace_of_adjusted(const Layout& layout, const Elimination& elimination, const Eigen::MatrixXd& inverse_factor,
+                         const KnownRows& term) {
+  std::vector<int> at;
+  for (int column : term.columns)
+    for (int b : term.blocks)
+      if (const int within = column - layout.offset(b); within >= 0 && within < layout.size(b)) {
+        at.push_back(elimination.kept_offset(b) + within);
+        break;
+      }
+  const Eigen::VectorXd scale = elimination.scale()(at);
+  const Eigen::MatrixXd& jacobian = term.jacobian;
+  if (jacobian.rows() == jacobian.cols() && jacobian.isDiagonal(0)) {
+    double sum = 0;
+    for (size_t k = 0; k < at.size(); ++k) {
+      const auto i = static_cast<Eigen::Index>(k);
+      const double weight = jacobian(i, i) * scale(i);
+      sum += weight * weight * inverse_factor.col(at[k]).squaredNorm();
+    }
+    return sum;
+  }
+  return (inverse_factor(Eigen::all, at) * scale.asDiagonal() * jacobian.transpose()).squaredNorm();
+}
+
+}  // namespace
+
+double observed_variance(const Problem& problem, const Layout& layout, const Adjusted& adjusted, const Datum& datum) {
   Rows rows;
   double squares = 0, redundancy = adjusted.redundancy();
   const auto add = [&](const auto& terms) {
@@ -321,8 +350,20 @@ double observed_variance(const Problem& problem, const Adjusted& adjusted) {
   add(problem.image_points);
   add(problem.image_tags);
   add(problem.distances);
-  for (size_t k = 0; k < problem.known.size(); ++k)
-    redundancy -= adjusted.cofactors->known(adjusted.state, k).residual_cofactor.trace();
+  const Elimination& elimination = *adjusted.elimination;
+  const Eigen::MatrixXd inverse_factor =
+      elimination.kept_count() > 0 ? elimination.factor().inverse_factor() : Eigen::MatrixXd();
+  std::unique_ptr<Cofactors> all;  // only if a term knows an eliminated block
+  for (size_t k = 0; k < problem.known.size(); ++k) {
+    const KnownRows term = evaluate(problem, layout, adjusted.state, problem.known[k]);
+    redundancy -= static_cast<double>(term.residual.size());
+    if (std::all_of(term.blocks.begin(), term.blocks.end(), [&](int b) { return elimination.eliminated(b) < 0; })) {
+      redundancy += trace_of_adjusted(layout, elimination, inverse_factor, term);
+      continue;
+    }
+    if (!all) all = std::make_unique<Cofactors>(problem, layout, adjusted.state, elimination, datum);
+    redundancy += static_cast<double>(term.residual.size()) - all->known(adjusted.state, k).residual_cofactor.trace();
+  }
   return redundancy > 1e-6 ? squares / redundancy : 0;
 }
 

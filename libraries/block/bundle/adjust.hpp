@@ -48,6 +48,8 @@ struct AdjustOptions {
   Datum datum;  ///< of a free block, see free_motions()
   /// Undamped steps are tried first, the minimiser only where they lead nowhere.
   bool start_is_near = false;
+  bool is_determined = false;  ///< somebody saw that all unknowns are
+  bool with_cofactors = true;  ///< Adjusted::cofactors is filled
 };
 
 /// The block at its minimum. Owns nothing of problem and layout, which must outlive it.
@@ -86,6 +88,6 @@ Reliability reliability_of(const Problem& problem, const Adjusted& adjusted);
 
 /// Variance component of all that is not in problem.known, taken as one group: as reliability_of() has it, from what
 /// the known values leave of the redundancy. 0 if that is nothing.
-double observed_variance(const Problem& problem, const Adjusted& adjusted);
+double observed_variance(const Problem& problem, const Layout& layout, const Adjusted& adjusted, const Datum& datum);
 
 }  // namespace plumbline::bundle

@@ -38,10 +38,10 @@ void Cholesky::solve_in_place(Eigen::Ref<Eigen::MatrixXd> right) const {
   factor_.triangularView<Eigen::Lower>().transpose().solveInPlace(right);
 }
 
-Eigen::MatrixXd Cholesky::inverse(Eigen::Index first) const {
+Eigen::MatrixXd Cholesky::inverse_factor(Eigen::Index first) const {
   const Eigen::Index n = factor_.rows() - first;
   const auto factor = factor_.bottomRightCorner(n, n);
-  Eigen::MatrixXd root = Eigen::MatrixXd::Zero(n, n);  // L⁻¹
+  Eigen::MatrixXd root = Eigen::MatrixXd::Zero(n, n);
   for (Eigen::Index at = 0; at < n; at += panel) {
     const Eigen::Index width = std::min(panel, n - at);
     auto rows = root.middleRows(at, width).leftCols(at + width);
@@ -54,6 +54,12 @@ Eigen::MatrixXd Cholesky::inverse(Eigen::Index first) const {
         factor.block(at, at, width, width).triangularView<Eigen::Lower>().solve(Eigen::MatrixXd(rows));
     rows = solved;
   }
+  return root;
+}
+
+Eigen::MatrixXd Cholesky::inverse(Eigen::Index first) const {
+  const Eigen::MatrixXd root = inverse_factor(first);
+  const Eigen::Index n = root.rows();
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(n, n);  // −L⁻ᵀ L⁻¹, its lower triangle
   for (Eigen::Index at = 0; at < n; at += panel) {
     const Eigen::Index width = std::min(panel, n - at);

@@ -15,6 +15,8 @@ class Cholesky {
   double smallest_pivot() const { return factor_.diagonal().cwiseAbs2().minCoeff(); }
   void solve_in_place(Eigen::Ref<Eigen::MatrixXd> right) const;
   void half_solve_in_place(Eigen::Ref<Eigen::MatrixXd> right) const;  ///< L⁻¹ right
+  /// L⁻¹: the block of it that belongs to the unknowns from `first` on. Above its diagonal it is zero.
+  Eigen::MatrixXd inverse_factor(Eigen::Index first = 0) const;
   /// The symmetric inverse: the block of it that belongs to the unknowns from `first` on.
   Eigen::MatrixXd inverse(Eigen::Index first = 0) const;
 

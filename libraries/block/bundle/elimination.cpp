@@ -22,6 +22,7 @@ double apply_loss(const Loss& loss, bool robust, bool jacobians, Rows& rows) {
   if (!robust || loss.kind == Loss::Kind::none) return s;
   if (jacobians) {
     const double factor = std::sqrt(loss.slope(s));
+    if (factor == 1) return loss.value(s);
     for (int i = 0; i < rows.rows; ++i) rows.residual[static_cast<size_t>(i)] *= factor;
     for (int i = 0; i < rows.rows; ++i)
       for (int c = 0; c < rows.columns; ++c) rows.storage[static_cast<size_t>(i * Rows::stride + c)] *= factor;
@@ -564,18 +565,45 @@ bool Elimination::factorise(const Eigen::MatrixXd& constraints) {
 }
 
 Eigen::VectorXd Elimination::step() const {
-  Eigen::VectorXd result = Eigen::VectorXd::Zero(layout_.unknown_count()), kept = scale_.cwiseProduct(reduced_right_);
+  std::vector<Half> halves;
+  for (const Block& block : blocks_) halves.push_back(block.half);
+  return substitute_back(reduced_right_, halves);
+}
+
+Eigen::VectorXd Elimination::step(const Eigen::VectorXd& right) const {
+  Eigen::VectorXd reduced(kept_count_);
+  for (int b : kept_blocks_)
+    reduced.segment(kept_offset(b), layout_.size(b)) = right.segment(layout_.offset(b), layout_.size(b));
+  std::vector<Half> halves(blocks_.size(), Half::Zero());
+  for (size_t e = 0; e < blocks_.size(); ++e) {
+    const Block& block = blocks_[e];
+    if (block.weakest < singular_block) continue;
+    const double* y = y_of(block);
+    for (int r = 0; r < block.size; ++r, y += block.columns) {
+      double sum = right(layout_.offset(block.block) + r);
+      for (int k = 0; k < r; ++k) sum -= block.factor(r, k) * halves[e](k);
+      const double half = halves[e](r) = sum / block.factor(r, r);
+      for (const Run* run = runs(block); run < runs(block) + block.run_count; ++run)
+        for (int c = 0; c < run->length; ++c) reduced(run->offset + c) -= half * y[run->local + c];
+    }
+  }
+  return substitute_back(reduced, halves);
+}
+
+Eigen::VectorXd Elimination::substitute_back(const Eigen::VectorXd& reduced, const std::vector<Half>& halves) const {
+  Eigen::VectorXd result = Eigen::VectorXd::Zero(layout_.unknown_count()), kept = scale_.cwiseProduct(reduced);
   if (kept_count_ > 0) factor_.solve_in_place(kept);
   kept = scale_.cwiseProduct(kept);
   for (int b : kept_blocks_)
     result.segment(layout_.offset(b), layout_.size(b)) = kept.segment(kept_offset(b), layout_.size(b));
   std::array<double, 6> from_kept;
-  for (const Block& block : blocks_) {
+  for (size_t e = 0; e < blocks_.size(); ++e) {
+    const Block& block = blocks_[e];
     if (block.weakest < singular_block) continue;
     multiply_runs(y_of(block), block.size, block.columns, runs(block), block.run_count, kept.data(), from_kept.data());
     auto x = result.segment(layout_.offset(block.block), block.size);
     for (int r = block.size - 1; r >= 0; --r) {
-      double sum = block.half(r) - from_kept[static_cast<size_t>(r)];
+      double sum = halves[e](r) - from_kept[static_cast<size_t>(r)];
       for (int k = r + 1; k < block.size; ++k) sum -= block.factor(k, r) * x(k);
       x(r) = sum / block.factor(r, r);
     }

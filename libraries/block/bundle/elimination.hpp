@@ -48,6 +48,8 @@ class Elimination {
   bool gradient(const State& state, Eigen::VectorXd& right) const;
   /// Gauss-Newton step from the last build(). Precondition: factorise().
   Eigen::VectorXd step() const;
+  /// N⁻¹ right with the same factors.
+  Eigen::VectorXd step(const Eigen::VectorXd& right) const;
 
   double sum_of_squares() const { return cost_; }  ///< Σ ρ
   const std::string& undefined() const { return undefined_; }
@@ -108,6 +110,8 @@ class Elimination {
                  const Eigen::Matrix<double, 6, 1>& right);
   void subtract(size_t first, size_t step);
   std::string name(const TermRef& term) const;
+  using Half = Eigen::Matrix<double, 6, 1>;
+  Eigen::VectorXd substitute_back(const Eigen::VectorXd& reduced, const std::vector<Half>& halves) const;
   void prepare_known();
   Eigen::VectorXd gradient_of_known(const State& state, size_t index, double& cost) const;
 

@@ -1,7 +1,6 @@
 #include "block/bundle/kernels.hpp"
 
 #include <algorithm>
-#include <cstring>
 #include <vector>
 
 #if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__) || !defined(__x86_64__)
@@ -102,16 +101,25 @@ PLUMBLINE_INLINE void solve_at(int size, const double* factor, double* w, int co
 constexpr int tile_rows = 8, tile_columns = 4, inner_step = 256, column_step = 256, row_step = 128;
 
 /// Strips of `width` rows of a matrix, one after the other, each column by column; short strips are filled with zeros.
-void pack(const double* from, std::ptrdiff_t row, std::ptrdiff_t column, int rows, int inner, int width,
-          std::vector<double>& to) {
-  to.assign(static_cast<size_t>((rows + width - 1) / width * width) * static_cast<size_t>(inner), 0.0);
-  double* next = to.data();
-  for (int i = 0; i < rows; i += width, next += static_cast<std::ptrdiff_t>(width) * inner) {
-    const int count = std::min(width, rows - i);
-    for (int k = 0; k < inner; ++k)
-      for (int r = 0; r < count; ++r) next[k * width + r] = from[(i + r) * row + k * column];
+/// Many strips of a block of images are empty: bodies that no image sees together.
+struct Packed {
+  std::vector<double> numbers;
+  std::vector<char> empty;  ///< by strip
+
+  void pack(const double* from, std::ptrdiff_t row, std::ptrdiff_t column, int rows, int inner, int width) {
+    const std::ptrdiff_t size = static_cast<std::ptrdiff_t>(width) * inner;
+    const int strips = (rows + width - 1) / width;
+    numbers.assign(static_cast<size_t>(strips * size), 0.0);
+    empty.resize(static_cast<size_t>(strips));
+    double* next = numbers.data();
+    for (int i = 0; i < rows; i += width, next += size) {
+      const int count = std::min(width, rows - i);
+      for (int k = 0; k < inner; ++k)
+        for (int r = 0; r < count; ++r) next[k * width + r] = from[(i + r) * row + k * column];
+      empty[static_cast<size_t>(i / width)] = std::all_of(next, next + size, [](double x) { return x == 0; });
+    }
   }
-}
+};
 
 /// tile (8 × 4, column-major) = A Bᵀ of packed strips. Sums by name: those of an array would live in memory.
 PLUMBLINE_CLONES
@@ -235,21 +243,22 @@ void residual_cofactor(int rows, int columns, const double* j, int j_stride, con
 
 void subtract_product(double* c, std::ptrdiff_t stride, int rows, int columns, int inner, const Factors& f,
                       bool lower) {
-  std::vector<double> a, b;
+  Packed a, b;
   double tile[tile_rows * tile_columns];
   for (int k = 0; k < inner; k += inner_step) {
     const int depth = std::min(inner_step, inner - k);
     for (int j = 0; j < columns; j += column_step) {
       const int width = std::min(column_step, columns - j);
-      pack(f.b + j * f.b_row + k * f.b_column, f.b_row, f.b_column, width, depth, tile_columns, b);
+      b.pack(f.b + j * f.b_row + k * f.b_column, f.b_row, f.b_column, width, depth, tile_columns);
       for (int i = lower ? j / row_step * row_step : 0; i < rows; i += row_step) {
         const int height = std::min(row_step, rows - i);
-        pack(f.a + i * f.a_row + k * f.a_column, f.a_row, f.a_column, height, depth, tile_rows, a);
-        for (int jj = 0; jj < width; jj += tile_columns)
+        a.pack(f.a + i * f.a_row + k * f.a_column, f.a_row, f.a_column, height, depth, tile_rows);
+        for (int jj = 0; jj < width; jj += tile_columns) {
+          if (b.empty[static_cast<size_t>(jj / tile_columns)]) continue;
           for (int ii = 0; ii < height; ii += tile_rows) {
-            if (lower && i + ii + tile_rows <= j + jj) continue;
-            multiply_tile(a.data() + static_cast<std::ptrdiff_t>(ii) * depth,
-                          b.data() + static_cast<std::ptrdiff_t>(jj) * depth, depth, tile);
+            if (a.empty[static_cast<size_t>(ii / tile_rows)] || (lower && i + ii + tile_rows <= j + jj)) continue;
+            multiply_tile(a.numbers.data() + static_cast<std::ptrdiff_t>(ii) * depth,
+                          b.numbers.data() + static_cast<std::ptrdiff_t>(jj) * depth, depth, tile);
             for (int cc = 0; cc < std::min(tile_columns, width - jj); ++cc) {
               double* to = c + (j + jj + cc) * stride + i + ii;
               if (height - ii >= tile_rows)
@@ -258,6 +267,7 @@ void subtract_product(double* c, std::ptrdiff_t stride, int rows, int columns, i
                 for (int r = 0; r < height - ii; ++r) to[r] -= tile[cc * tile_rows + r];
             }
           }
+        }
       }
     }
   }

@@ -22,7 +22,7 @@ double norm_of_values(const State& state) {
 }  // namespace
 
 MinimiseSummary minimise_schur(const Problem& problem, State& state, const MinimiseOptions& options) {
-  constexpr double first_damping = 1e-4, smallest_damping = 1e-12, largest_damping = 1e16;
+  constexpr double first_damping = 1e-4, relief = 10, smallest_damping = 1e-12, largest_damping = 1e16;
   const Layout layout(problem);
   Elimination elimination(problem, layout, options.side, options.threads);
   MinimiseSummary summary;
@@ -57,7 +57,7 @@ MinimiseSummary minimise_schur(const Problem& problem, State& state, const Minim
       trial = state;
       apply_step(problem, layout, step, trial);
       // Linearised with the damping the next step would have: most steps are accepted, and then this is its system.
-      const double next = std::max(damping / 3, smallest_damping);
+      const double next = std::max(damping / relief, smallest_damping);
       if (elimination.build(trial, next, options.loss) && elimination.sum_of_squares() < cost) {
         accepted = true;
         const double gain = cost - elimination.sum_of_squares();

@@ -425,7 +425,7 @@ TEST(Bundle, VarianceOfWhatIsObservedIsThatOfItsGroups) {
     const auto groups = reliability_of(scene.problem, adjusted).groups;
     const double expected =
         (groups[0].sum_of_squares + groups[1].sum_of_squares) / (groups[0].redundancy + groups[1].redundancy);
-    EXPECT_NEAR(observed_variance(scene.problem, adjusted) / expected, 1, 1e-8);
+    EXPECT_NEAR(observed_variance(scene.problem, layout, adjusted, options.datum) / expected, 1, 1e-8);
   }
 }
 
