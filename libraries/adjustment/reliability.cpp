@@ -76,8 +76,11 @@ void external_effect(const Linearisation::Block& block, const Linearisation& lin
 template <typename Matrix, typename Vector>
 void fill_statistics(const Matrix& whitening, const Matrix& unwhitening, const Matrix& adjusted, const Matrix& residual,
                      const Vector& whitened, double delta0, RowStatistics* list) {
-  const Matrix by_residual = residual * whitening.template triangularView<Eigen::Lower>();
-  const Matrix from_adjusted = unwhitening.template triangularView<Eigen::Lower>() * adjusted;
+  const bool uncorrelated = whitening.isDiagonal(0);
+  const Matrix by_residual = uncorrelated ? Matrix(residual * whitening.diagonal().asDiagonal())
+                                          : Matrix(residual * whitening.template triangularView<Eigen::Lower>());
+  const Matrix from_adjusted = uncorrelated ? Matrix(unwhitening.diagonal().asDiagonal() * adjusted)
+                                            : Matrix(unwhitening.template triangularView<Eigen::Lower>() * adjusted);
   for (Eigen::Index i = 0; i < whitened.size(); ++i) {
     RowStatistics& row = list[i];
     row = {};
@@ -129,7 +132,10 @@ std::vector<RowStatistics> statistics_of(const Eigen::Ref<const Eigen::MatrixXd>
   const Eigen::Index rows = whitened.size();
   const Matrix whitening = given.template triangularView<Eigen::Lower>(), residual = residual_cofactors;
   Matrix unwhitening = Matrix::Identity(rows, rows);
-  whitening.template triangularView<Eigen::Lower>().solveInPlace(unwhitening);
+  if (whitening.isDiagonal(0))
+    unwhitening.diagonal() = whitening.diagonal().cwiseInverse();
+  else
+    whitening.template triangularView<Eigen::Lower>().solveInPlace(unwhitening);
   std::vector<RowStatistics> result(static_cast<size_t>(rows));
   const Matrix adjusted = Matrix::Identity(rows, rows) - residual;
   fill_statistics(whitening, unwhitening, adjusted, residual, whitened, delta0, result.data());

@@ -87,7 +87,7 @@ std::vector<int> find_blunders(const TagBlockOptions& options, const TagStart& s
     how.max_iterations = options.max_iterations;
     how.threads = options.threads;
     how.loss = loss_of(options.loss, options.loss_scale * std::sqrt(8.0) * unit);
-    how.function_tolerance = 1e-9;
+    how.function_tolerance = 1e-7;  // what is left is far below the noise of one tag
     options.minimiser(model.problem, model.state, how);
     const double before = std::exchange(unit, std::max(1.0, upper_median(tag_misfits(model))));
     if (unit == before) break;  // the loss would be the same again

@@ -13,9 +13,15 @@ namespace plumbline::adjust {
 namespace {
 
 Eigen::MatrixXd whitening_of(const Eigen::MatrixXd& covariance, const char* what) {
-  const Eigen::LLT<Eigen::MatrixXd> factor(covariance);
-  if (factor.info() != Eigen::Success || !covariance.allFinite())
+  const auto refuse = [what] {
     throw std::runtime_error(std::string("the covariance of ") + what + " is not positive definite");
+  };
+  if (covariance.isDiagonal(0)) {  // uncorrelated, as most are
+    if (!(covariance.diagonal().array() > 0).all() || !covariance.allFinite()) refuse();
+    return covariance.diagonal().cwiseSqrt().cwiseInverse().asDiagonal();
+  }
+  const Eigen::LLT<Eigen::MatrixXd> factor(covariance);
+  if (factor.info() != Eigen::Success || !covariance.allFinite()) refuse();
   return factor.matrixL().solve(Eigen::MatrixXd::Identity(covariance.rows(), covariance.cols()));
 }
 
@@ -226,8 +232,11 @@ void add_control(const TagBlock& block, const TagBlockOptions& options, const Ta
 Eigen::MatrixXd regular_covariance(Eigen::MatrixXd covariance) {
   constexpr double exact = 1e-6, added = 1e-5;  // [m]
   if (covariance.size() == 0) return covariance;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(covariance, Eigen::EigenvaluesOnly);
-  if (solver.eigenvalues()(0) < exact * exact) covariance.diagonal().array() += added * added;
+  const double smallest =
+      covariance.isDiagonal(0)
+          ? covariance.diagonal().minCoeff()
+          : Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(covariance, Eigen::EigenvaluesOnly).eigenvalues()(0);
+  if (smallest < exact * exact) covariance.diagonal().array() += added * added;
   return covariance;
 }
 

@@ -65,6 +65,8 @@ std::string name_of_defect(const BoundProblem& problem, const Eigen::VectorXd& c
 }
 
 Eigen::MatrixXd inverse(const Eigen::MatrixXd& covariance) {
+  if (covariance.isDiagonal(0) && (covariance.diagonal().array() > 0).all())
+    return covariance.diagonal().cwiseInverse().asDiagonal();
   const Eigen::LLT<Eigen::MatrixXd> factor(covariance);
   if (factor.info() != Eigen::Success) throw std::runtime_error("a covariance that is given is not positive definite");
   return factor.solve(Eigen::MatrixXd::Identity(covariance.rows(), covariance.cols()));

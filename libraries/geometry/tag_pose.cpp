@@ -23,9 +23,6 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// this much further off, as a factor on the squared distance.
 constexpr double kLenience = 25;
 
-/// A mirrored pose is first fitted to this part of the camera's distance: most lead back to the pose itself.
-constexpr double kCoarse = 1e-3;
-
 /// Poses that are only told apart need no more digits than that; the answer itself is fitted to the last one.
 constexpr double kRough = 1e-6;
 
@@ -159,12 +156,6 @@ class Estimator {
     return std::find(list.begin(), list.end(), false) == list.end();
   }
 
-  /// Whether two poses differ by less than a coarse fit tells.
-  static bool is_same(const RigidTransform& a, const RigidTransform& b) {
-    const double limit = kCoarse * (1 + b.translation.norm());
-    return (a.translation - b.translation).norm() < limit && a.rotation.angularDistance(b.rotation) < limit;
-  }
-
   /// Points in one plane fit nearly as well from a pose whose plane is mirrored about the line of sight
   /// (Schweighofer and Pinz 2006). Of the pose and its twin, both refined on all tags, the better one.
   RigidTransform better_of_twins(const RigidTransform& pose) const {
@@ -183,8 +174,9 @@ class Estimator {
     twin.translation = place - twin.rotation * centre;
     const std::vector<bool> all(views_.size(), true);
     const double rival = score(pose);
-    twin = refine(all, twin, 1, kCoarse);
-    if (is_same(twin, pose)) return pose;
+    twin = refine(all, twin, 1, 1e-3);
+    const double gone_back = 0.1 * Eigen::Quaterniond::Identity().angularDistance(turn);
+    if (twin.rotation.angularDistance(pose.rotation) < gone_back) return pose;
     if (!(score(twin, 2 * rival) < 2 * rival)) return pose;  // most twins are far worse
     twin = refine(all, twin);
     return score(twin, rival) < rival ? twin : pose;
