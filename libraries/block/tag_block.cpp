@@ -125,8 +125,8 @@ Solved solve(const TagBlockOptions& options, const bundle::Layout& layout, TagMo
   how.minimise.threads = options.threads;
   how.minimiser = options.minimiser;
   if (options.free_network) how.datum = bundle::inner_datum(model.problem, layout, bundle::free_motions(model.problem));
-  how.with_cofactors = false;                            // of the last step only
-  how.start_is_near = options.loss != RobustLoss::none;  // find_blunders() has been there
+  how.with_cofactors = false;                                                     // of the last step only
+  how.start_is_near = options.refine_robust && options.loss != RobustLoss::none;  // find_blunders() has been there
   Solved solved;
   const bundle::State start = model.state;
   for (int step = 0; step < max_variance_steps; ++step) {

@@ -110,6 +110,9 @@ struct TagBlockOptions {
   int max_iterations = 100;
   int threads = 1;
   bundle::Minimiser minimiser = bundle::minimise_schur;
+  /// From the robust solution undamped steps are tried before the engine is asked; not where an engine is to show
+  /// itself.
+  bool refine_robust = true;
 };
 
 struct AdjustedTag {

@@ -16,6 +16,7 @@
 namespace plumbline::adjust {
 
 struct SchurEngine {
+  static constexpr bool refines_robust = true;
   static constexpr Info info{"adjust.schur", "adjuster", 1,
                              "Bundle adjustment with our own solver, free (4) or with control (5)"};
   static bundle::MinimiseSummary minimise(const bundle::Problem& problem, bundle::State& state,
@@ -25,6 +26,7 @@ struct SchurEngine {
 };
 
 struct CeresEngine {
+  static constexpr bool refines_robust = false;  // its answer is Ceres', not ours
   static constexpr Info info{"adjust.ceres", "adjuster", 2,
                              "Bundle adjustment with Ceres (DENSE_SCHUR), free (4) or with control (5)"};
   static bundle::MinimiseSummary minimise(const bundle::Problem& problem, bundle::State& state,
@@ -80,6 +82,7 @@ struct Adjuster : TagAdjusterNode {
     o.free_network = !control;
     o.robust_control = *robust_control;
     o.minimiser = Engine::minimise;
+    o.refine_robust = Engine::refines_robust;
     return o;
   }
 
