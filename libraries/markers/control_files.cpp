@@ -271,6 +271,8 @@ std::vector<ControlPoint> parse_control(const std::string& text, const std::stri
                    {table.number(row, "x"), table.number(row, "y"), table.number(row, "z")},
                    {nan, nan, nan},
                    false};
+    if (p.name.empty())
+      throw std::runtime_error(file + ":" + std::to_string(row.line) + ": found no name, expected that of a point");
     if (table.has("sigma")) p.sigma.setConstant(table.number(row, "sigma"));
     const char* axes[] = {"sigma_x", "sigma_y", "sigma_z"};
     for (int k = 0; k < 3; ++k)

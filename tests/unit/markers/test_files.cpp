@@ -226,6 +226,8 @@ TEST(ControlFiles, ReadCsvAndGcpLists) {
   EXPECT_THAT(message_of([] { markers::parse_control("EPSG:4326\n8.1 48.2 100 1 2 a.jpg\n", "g.txt"); }),
               HasSubstr("degrees"));
   EXPECT_THAT(message_of([] { markers::parse_control("name,x,y,z\nA,1,2,x\n", "c.csv"); }), HasSubstr("c.csv:2"));
+  EXPECT_THAT(message_of([] { markers::parse_control("name,x,y,z\nA,1,2,3\n,1,2,3\n", "c.csv"); }),
+              HasSubstr("c.csv:3: found no name"));
 }
 
 TEST(ControlFiles, TellWhetherTheySayWhichCoordinateIsEast) {
