@@ -148,20 +148,23 @@ void StarNetReader::read_coordinates(const Parts& parts) {
   if (!has_dimension_ && !has_height) three_ = false;
   const Eigen::Vector3d at(values[east_first_ ? 0 : 1], values[east_first_ ? 1 : 0],
                            has_height ? values[2] : kNotGiven);
-  const SourcePosition source = builder_.at(line_, 1);
-  const std::string id(parts[1]);
-  builder_.give_coordinates(id, at, source);
-  std::vector<int> axes;
+  std::vector<int> axes, fixed;
   std::vector<double> sigmas;
   for (std::size_t k = 0; k < values.size() && i + k < parts.size(); ++k) {
     const int axis = k == 2 ? 2 : east_first_ ? static_cast<int>(k) : 1 - static_cast<int>(k);
     const auto sigma = sigma_of(parts[i + k], height_difference);
     if (!sigma) return reject(parts[i + k], "a standard deviation, '!' or '*'");
-    if (*sigma == kHeld) builder_.point(id, source).roles[static_cast<std::size_t>(axis)] = CoordinateRole::fixed;
+    if (*sigma == kHeld) fixed.push_back(axis);
     if (std::isnan(*sigma) || *sigma == 0 || *sigma == kHeld) continue;
     axes.push_back(axis);
     sigmas.push_back(*sigma);
   }
+  const SourcePosition source = builder_.at(line_, 1);
+  const std::string id(parts[1]);
+  builder_.give_coordinates(id, at, source);
+  Point& point = builder_.point(id, source);
+  for (const int axis : fixed)  // not where the line contradicts an earlier one, which keeps its coordinates
+    if (!std::isnan(point.coordinates[axis])) point.roles[static_cast<std::size_t>(axis)] = CoordinateRole::fixed;
   if (axes.empty()) return;
   Eigen::VectorXd controlled(static_cast<Eigen::Index>(axes.size()));
   for (std::size_t k = 0; k < axes.size(); ++k) controlled[static_cast<Eigen::Index>(k)] = at[axes[k]];

@@ -312,6 +312,14 @@ TEST(StarNet, DirectionsNeedASetOfTheirOwn) {
   EXPECT_TRUE(s.observations.empty());
 }
 
+TEST(StarNet, OfARefusedLineNothingIsTaken) {
+  const auto s =
+      read_starnet(".3D\nC K 1000 2000 100.000! ! !\nC K 1000 200 .000 100 ! ! !\nC B 1 2 3 ! ! !\n", "s.dat");
+  EXPECT_TRUE(skipped(s, 2, 1, "a standard deviation"));
+  EXPECT_EQ(point(s, "K").coordinates, Eigen::Vector3d(200, 1000, 0));
+  EXPECT_EQ(s.coordinates.size(), 1u) << "the fourth number of line 3 is a standard deviation";
+}
+
 TEST(StarNet, AHeightWithAStandardDeviationIsControl) {
   const auto s =
       read_starnet("E A 10.5 0.002\nE B 11\nE C 12 !\nE D 13 nonsense\nL A-B 0.5 0.001\nL B-C 1 0.001\n", "s.dat");
