@@ -111,18 +111,21 @@ std::vector<double> numbers(const YAML::Node& node) {
   return values;
 }
 
+std::optional<int> whole(double value) {
+  return value >= 0 && value < 1e6 ? std::optional(static_cast<int>(value)) : std::nullopt;
+}
+
 std::optional<int> whole(const YAML::Node& node) {
   const auto values = numbers(node);
-  if (values.size() != 1 || !(values[0] >= 0 && values[0] < 1e6)) return std::nullopt;
-  return static_cast<int>(values[0]);
+  return values.size() == 1 ? whole(values[0]) : std::nullopt;
 }
 
 void read_size(const YAML::Node& root, BrownCamera& camera) {
   const auto width = whole(find(root, {"imagewidth", "width"})), height = whole(find(root, {"imageheight", "height"}));
   if (width && height) camera.width = *width, camera.height = *height;
   const auto both = numbers(find(root, {"imagesize", "imgsize", "resolution", "imageresolution"}));
-  if (!camera.width && both.size() == 2)
-    camera.width = static_cast<int>(both[0]), camera.height = static_cast<int>(both[1]);
+  if (camera.width || both.size() != 2) return;
+  if (const auto w = whole(both[0]), h = whole(both[1]); w && h) camera.width = *w, camera.height = *h;
 }
 
 /// k1, k2, p1, p2, k3, ... in OpenCV's order.

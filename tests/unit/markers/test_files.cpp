@@ -110,6 +110,17 @@ TEST(TagDictionary, SaysHowWeakItIs) {
   EXPECT_THAT(detect::weakness_of(bordered), HasSubstr("leave them out of the file"));
 }
 
+/// Found by fuzzing: what is no number was converted to a whole one all the same.
+TEST(CameraFiles, ASizeThatIsNoneIsNotGiven) {
+  const auto files = markers::parse_camera_files(
+      "cam0:\n  camera: [460.6, 459.3, 373.0, 256.1]\n  distortion_model: radtan\n"
+      "  distortion_coeffs: [-0.28, 0.08, 0.0, -0.0001]\n  resolution: [752, PNG480]\n",
+      "camchain.yaml");
+  ASSERT_EQ(files.size(), 1u);
+  EXPECT_EQ(files[0].camera.width, 0);
+  EXPECT_EQ(files[0].camera.height, 0);
+}
+
 TEST(CameraFiles, OfOpenCVRosKalibrAndOurs) {
   const auto opencv = markers::parse_camera_file(
       "%YAML:1.0\n---\nimage_width: 640\nimage_height: 480\ncamera_matrix: !!opencv-matrix\n   rows: 3\n   cols: 3\n   "
