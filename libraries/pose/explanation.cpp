@@ -18,6 +18,7 @@ namespace plumbline::pose {
 namespace {
 
 constexpr double kAgrees = 0.9;
+constexpr double kNothingToExplain = 0.95;
 constexpr double kLeft = 0.4;  ///< of the tags that disagree, at most so many may be left
 
 /// One mistake: how what was given would have to be read to be right.
@@ -86,13 +87,18 @@ void add_tag_sizes(const Field& field, std::vector<Hypothesis>& all) {
   }
 }
 
-void add_cameras(const CameraT& camera, std::vector<Hypothesis>& all) {
+void add_cameras(const ImageCameras& cameras, std::size_t own, std::vector<Hypothesis>& all) {
+  const CameraT& camera = cameras.given(own);
   const auto add = [&](const std::string& words, std::function<void(BrownCamera&)> change) {
     Hypothesis h;
     h.words = words;
     h.camera = std::move(change);
     all.push_back(h);
   };
+  for (std::size_t other = 0; other < cameras.size(); ++other)
+    if (other != own)
+      add("its photographs look as if taken with camera '" + cameras.given(other).id + "'",
+          [brown = cameras.brown(other)](BrownCamera& c) { c = brown; });
   if (camera.pixel_pitch > 0) {
     for (const double unit : {1e-3, 1.0}) {
       const double per_pixel = unit / camera.pixel_pitch;
@@ -215,30 +221,37 @@ std::string another_family(const std::vector<ImageTagsT>& images, const Field& f
   for (const auto& [key, entry] : field.entries()) listed.insert(key.first);
   for (const std::string& family : seen)
     if (listed.count(family)) return "";
-  if (seen.empty() || listed.empty()) return "";
+  if (listed.empty()) return "";
+  if (seen.empty())
+    return "none of the " + std::to_string(images.size()) +
+           " photographs shows a tag of the family that the detector " + "looks for, and the plate table lists " +
+           *listed.begin() + ": set that at the detector (" +
+           "families, dictionary, or a family of read.tag_family), if the plates are in the photographs";
   return "the images show tags of the family " + *seen.begin() + ", the plate table lists " + *listed.begin() +
          ": correct the family in the plate table, or detect the other one";
 }
 
 }  // namespace
 
-std::string what_would_explain(const std::vector<ImageTagsT>& images, const CameraT& camera, const Field& field,
-                               const TagPoseSolver& solver, const PoseSettings& settings) {
-  if (field.size() == 0) return "";
-  if (const std::string family = another_family(images, field); !family.empty()) return family;
-  std::vector<const ImageTagsT*> most;
-  for (const ImageTagsT& image : images) most.push_back(&image);
+namespace {
+
+/// The same of the photographs of one camera.
+std::string what_would_explain_those_of(std::size_t own, const std::vector<const ImageTagsT*>& images,
+                                        const ImageCameras& cameras, const Field& field, const TagPoseSolver& solver,
+                                        const PoseSettings& settings) {
+  std::vector<const ImageTagsT*> most = images;
   std::stable_sort(most.begin(), most.end(),
                    [](const auto* a, const auto* b) { return a->tags.size() > b->tags.size(); });
   most.resize(std::min<std::size_t>(most.size(), 10));
-  const BrownCamera brown = camera_of(camera);
+  const BrownCamera& brown = cameras.brown(own);
   std::vector<Hypothesis> all;
   add_tag_sizes(field, all);
-  add_cameras(camera, all);
+  add_cameras(cameras, own, all);
   add_azimuths(all);
   add_corners(all);
   add_ids(field, all);
   const double now = share(most, brown, field, solver, settings, {});
+  if (now >= kNothingToExplain) return "";
   double best = std::max(kAgrees, 1 - kLeft * (1 - now));
   std::string words;
   for (const Hypothesis& hypothesis : all) {
@@ -252,6 +265,25 @@ std::string what_would_explain(const std::vector<ImageTagsT>& images, const Came
     words = hypothesis.words + figures;
   }
   return words;
+}
+
+}  // namespace
+
+std::string what_would_explain(const std::vector<ImageTagsT>& images, const ImageCameras& cameras, const Field& field,
+                               const TagPoseSolver& solver, const PoseSettings& settings) {
+  if (field.size() == 0) return "";
+  if (const std::string family = another_family(images, field); !family.empty()) return family;
+  std::vector<std::vector<const ImageTagsT*>> taken(cameras.size());
+  for (const ImageTagsT& image : images)
+    if (const auto camera = cameras.find(image)) taken[*camera].push_back(&image);
+  std::string sentences;
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    const std::string words = what_would_explain_those_of(c, taken[c], cameras, field, solver, settings);
+    if (words.empty()) continue;
+    if (!sentences.empty()) sentences += "; ";
+    sentences += (cameras.size() > 1 ? "camera '" + cameras.given(c).id + "': " : "") + words;
+  }
+  return sentences;
 }
 
 namespace {
@@ -286,13 +318,15 @@ Eigen::Vector3d centre_of(const Field::Entry& entry) {
 }  // namespace
 
 std::vector<std::string> exchanged_plates(const std::vector<ImageTagsT>& images, const PosesT& poses,
-                                          const BrownCamera& camera, const Field& field) {
+                                          const ImageCameras& cameras, const Field& field) {
   std::map<std::string, const ImageTagsT*> by_path;
   for (const ImageTagsT& image : images) by_path[image.path] = &image;
   std::map<std::pair<std::string, int>, Rays> rays;
   for (const auto& pose : poses.poses) {
     const RigidTransform world_from_cam = pose->cam_from_world.inverse();
-    for (const auto& tag : by_path.at(pose->path)->tags) {
+    const ImageTagsT& image = *by_path.at(pose->path);
+    const BrownCamera& camera = cameras.brown(cameras.of(image));
+    for (const auto& tag : image.tags) {
       if (!field.find(*tag) || tag->corners.size() != 4) continue;
       const Eigen::Vector2d middle = 0.25 * (tag->corners[0] + tag->corners[1] + tag->corners[2] + tag->corners[3]);
       if (const auto normalised = unproject(camera, middle))
@@ -317,74 +351,6 @@ std::vector<std::string> exchanged_plates(const std::vector<ImageTagsT>& images,
                                     : "the plate of " + anchor + " hangs where " + place +
                                           " should: check its tag in the plate table, and which plate is which");
   }
-  return sentences;
-}
-
-std::string unknown_tags(const std::vector<ImageTagsT>& images, const PlatesT& plates) {
-  std::set<std::pair<std::string, int>> listed;
-  for (const auto& plate : plates.plates) listed.insert({plate->tag_family, plate->tag_id});
-  std::map<std::pair<std::string, int>, int> unknown;
-  for (const ImageTagsT& image : images)
-    for (const auto& tag : image.tags)
-      if (!listed.count({tag->family, tag->id})) ++unknown[{tag->family, tag->id}];
-  if (unknown.empty()) return "";
-  std::string names;
-  std::size_t shown = 0;
-  for (const auto& [key, count] : unknown)
-    if (++shown <= 6)
-      names += (shown > 1 ? ", " : "") + key.first + " " + std::to_string(key.second) + " (in " +
-               std::to_string(count) + (count == 1 ? " image)" : " images)");
-  return std::to_string(unknown.size()) + " tags are in no row of the plate table and were not used: " + names +
-         (shown > 6 ? ", …" : "");
-}
-
-namespace {
-
-/// Photographs that were held by hand, or by a crane, differ by hundreds of pixels; one that was saved again, by
-/// hundredths of one.
-constexpr double same_place = 1.0 / 3;  // [px]
-
-using TagsById = std::map<std::pair<std::string, int>, const TagT*>;
-
-/// Root mean square distance of the corners that two images share [px]; infinite unless they share three tags and most
-/// of those of the one with fewer.
-double distance_of(const TagsById& a, const TagsById& b) {
-  double squares = 0;
-  std::size_t shared = 0;
-  for (const auto& [id, tag] : a) {
-    const auto other = b.find(id);
-    if (other == b.end()) continue;
-    ++shared;
-    for (std::size_t k = 0; k < std::min(tag->corners.size(), other->second->corners.size()); ++k)
-      squares += (tag->corners[k] - other->second->corners[k]).squaredNorm();
-    if (squares > 1e4) return std::numeric_limits<double>::infinity();
-  }
-  const std::size_t fewer = std::min(a.size(), b.size());
-  if (shared == 0 || shared < std::min<std::size_t>(3, fewer) || 5 * shared < 4 * fewer)
-    return std::numeric_limits<double>::infinity();
-  return std::sqrt(squares / (4.0 * static_cast<double>(shared)));
-}
-
-}  // namespace
-
-std::vector<std::string> same_photographs(const std::vector<ImageTagsT>& images) {
-  std::vector<std::map<std::pair<std::string, int>, const TagT*>> tags(images.size());
-  for (std::size_t i = 0; i < images.size(); ++i)
-    for (const auto& tag : images[i].tags) tags[i].emplace(std::pair(tag->family, tag->id), tag.get());
-  std::vector<std::string> sentences;
-  for (std::size_t j = 0; j < images.size(); ++j)
-    for (std::size_t i = 0; i < j; ++i) {
-      const double apart = distance_of(tags[i], tags[j]);
-      if (!(apart < same_place)) continue;
-      char text[200];
-      std::snprintf(text, sizeof text, " show the same tags %s: they are ",
-                    apart == 0 ? "in the same places" : "within a third of a pixel");
-      sentences.push_back(images[j].path + " and " + images[i].path + text +
-                          (apart == 0 ? "the same photograph, which counts twice; take one away"
-                                      : "one photograph saved twice, which counts twice, or two from the very same "
-                                        "place, which add little; take one away"));
-      break;
-    }
   return sentences;
 }
 

@@ -8,6 +8,8 @@
 #include "geometry/packed_symmetric.hpp"
 #include "plumbline/stop.hpp"
 #include "pose/explanation.hpp"
+#include "pose/image_cameras.hpp"
+#include "pose/tag_checks.hpp"
 #include "pose/tag_field.hpp"
 
 namespace plumbline::pose {
@@ -99,25 +101,21 @@ std::string advice(const ImageTagsT& image, const Field& field, const PoseSettin
 PosesT initial_poses(const std::vector<ImageTagsT>& images, const CameraT& camera, const PlatesT& plates,
                      const PointsT& points, const TagPoseSolver& solver, const PoseSettings& settings,
                      const std::function<void(const std::string&)>& warn) {
-  const BrownCamera brown = camera_of(camera);
+  const ImageCameras cameras(camera);
   const Field field(plates, points);
   PosesT result;
   std::size_t agree = 0, all = 0;
   std::optional<std::string> explanation;  // searched for once
   const auto explain = [&] {
     if (!explanation)
-      explanation = settings.look_for_causes ? what_would_explain(images, camera, field, solver, settings) : "";
+      explanation = settings.look_for_causes ? what_would_explain(images, cameras, field, solver, settings) : "";
     return *explanation;
   };
   for (const std::string& sentence : same_photographs(images)) warn(sentence);
   for (const ImageTagsT& image : images) {
     stop_point();
     try {
-      if (image.width > 0 && brown.width > 0 && (image.width != brown.width || image.height != brown.height))
-        throw std::runtime_error("has " + std::to_string(image.width) + " x " + std::to_string(image.height) +
-                                 " pixels, camera '" + camera.id + "' has " + std::to_string(brown.width) + " x " +
-                                 std::to_string(brown.height));
-      result.poses.push_back(pose_of(image, field, brown, solver, settings));
+      result.poses.push_back(pose_of(image, field, cameras.brown(cameras.of(image)), solver, settings));
       agree += static_cast<std::size_t>(result.poses.back()->inliers);
       all += static_cast<std::size_t>(result.poses.back()->correspondences);
     } catch (const NoTagPose& error) {
@@ -135,7 +133,7 @@ PosesT initial_poses(const std::vector<ImageTagsT>& images, const CameraT& camer
     throw std::runtime_error("none of the " + std::to_string(images.size()) + " images could be oriented");
   if (const std::string unknown = unknown_tags(images, plates); !unknown.empty()) warn(unknown);
   if (cause.empty())
-    for (const std::string& sentence : exchanged_plates(images, result, brown, field)) warn(sentence);
+    for (const std::string& sentence : exchanged_plates(images, result, cameras, field)) warn(sentence);
   return result;
 }
 

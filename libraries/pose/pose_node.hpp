@@ -22,15 +22,16 @@ struct PoseSettings {
   bool look_for_causes = true;
 };
 
-/// Poses of the images in their order. `warn` is told of images that are left out. Throws std::runtime_error that names
-/// the image, what was found in it and what to do.
+/// Poses of the images in their order; of several cameras (`others` of `camera`), each image has that of its name.
+/// `warn` is told of images that are left out. Throws std::runtime_error that names the image, what was found in it and
+/// what to do.
 PosesT initial_poses(const std::vector<ImageTagsT>& images, const CameraT& camera, const PlatesT& plates,
                      const PointsT& points, const TagPoseSolver& solver, const PoseSettings& settings,
                      const std::function<void(const std::string&)>& warn);
 
 struct PoseNode : Node {
   List<ImageTags> observations{"observations", "tags of each image"};
-  In<Camera> camera{"camera", "interior orientation of all images"};
+  In<Camera> camera{"camera", "interior orientation of the images; of several cameras, each image names its own"};
   In<Plates> plates{"plates", frame("frame=?F"),
                     "which tag stands for which anchor, and how its plate is mounted by design"};
   In<Points> points{"points", frame("frame=?F"),

@@ -97,7 +97,6 @@ class Mapping {
   std::filesystem::path shown_;
 };
 
-/// '*' stands for any characters but '/', '?' for one.
 bool matches(const char* pattern, const char* text) {
   if (!*pattern) return !*text;
   if (*pattern == '*') {
@@ -125,8 +124,9 @@ class Resolver {
   }
 
   /// A file, a pattern, or a list of them.
-  std::vector<std::string> many(const std::string& key) const {
-    const YAML::Node node = mapping_.get(key);
+  std::vector<std::string> many(const std::string& key) const { return files_of(key, mapping_.get(key)); }
+
+  std::vector<std::string> files_of(const std::string& key, const YAML::Node& node) const {
     std::vector<std::string> found;
     if (node.IsSequence()) {
       for (const YAML::Node& item : node) add(key, item, found);
@@ -158,7 +158,51 @@ class Resolver {
   std::vector<std::string> files_;
 };
 
+/// `camera` names one calibration, or of several which photographs each took. Those are added to `images`.
+std::vector<CameraOfImages> parse_cameras(const Mapping& mapping, const Resolver& resolver, bool observed,
+                                          std::vector<std::string>& images) {
+  const YAML::Node node = mapping.get("camera");
+  if (!node.IsMap()) return {{resolver.one("camera"), {}}};
+  if (mapping.has("images"))
+    mapping.fail(node,
+                 "'camera' says which photographs each camera took, and 'images' names photographs too; take "
+                 "'images' out");
+  std::vector<CameraOfImages> cameras;
+  for (const auto& entry : node) {
+    const std::vector<std::string> files = resolver.files_of("camera", entry.first);
+    if (files.size() != 1)
+      mapping.fail(entry.first, "'" + entry.first.Scalar() + "' matches " + std::to_string(files.size()) +
+                                    " files, expected one calibration");
+    for (const CameraOfImages& other : cameras)
+      if (other.file == files.front()) mapping.fail(entry.first, "'" + files.front() + "' stands here a second time");
+    CameraOfImages camera{files.front(), {}};
+    const auto add = [&](const YAML::Node& pattern) {
+      if (!pattern.IsScalar())
+        mapping.fail(pattern, "'camera': expected photographs of " + camera.file +
+                                  ": a file, a pattern such as left/*.jpg, or a list");
+      camera.patterns.push_back(pattern.Scalar());
+    };
+    if (entry.second.IsSequence())
+      for (const YAML::Node& item : entry.second) add(item);
+    else
+      add(entry.second);
+    if (camera.patterns.empty()) mapping.fail(entry.second, "'camera': no photographs are named for " + camera.file);
+    if (!observed)  // measured tags carry the names of photographs that need not be there
+      for (const std::string& image : resolver.files_of("camera", entry.second)) images.push_back(image);
+    cameras.push_back(std::move(camera));
+  }
+  if (cameras.empty()) mapping.fail(node, "'camera' is an empty mapping, expected calibrations");
+  std::sort(images.begin(), images.end());
+  const auto twice = std::adjacent_find(images.begin(), images.end());
+  if (twice != images.end()) mapping.fail(node, "'" + *twice + "' is named for two cameras, and was taken with one");
+  return cameras;
+}
+
 }  // namespace
+
+bool matches_pattern(const std::string& pattern, const std::string& name) {
+  return matches(pattern.c_str(), name.c_str());
+}
 
 CampaignDescription parse_campaign(const std::string& yaml, const std::filesystem::path& shown,
                                    std::vector<std::string> files, CampaignUse use) {
@@ -179,8 +223,13 @@ CampaignDescription parse_campaign(const std::string& yaml, const std::filesyste
   if (c.survey.empty() && c.control.empty())
     throw CampaignError(shown, 0, "found neither 'survey' nor 'control': where the points are, nothing says");
   if (mapping.has("observations")) c.observations = resolver.one("observations");
-  if (c.observations.empty() || mapping.has("images")) c.images = resolver.many("images");
-  if (wanted("camera")) c.camera = resolver.one("camera");
+  const bool by_camera = mapping.has("camera") && mapping.get("camera").IsMap();
+  if (!by_camera && (c.observations.empty() || mapping.has("images"))) c.images = resolver.many("images");
+  if (wanted("camera")) c.cameras = parse_cameras(mapping, resolver, !c.observations.empty(), c.images);
+  if (optional && c.cameras.size() > 1)
+    mapping.fail(mapping.get("camera"),
+                 "several cameras are one camera.yaml here, each under the name of the folder of its photographs, or "
+                 "none: photographs of a folder each calibrate themselves");
   if (wanted("plates")) c.plates = resolver.one("plates");
   if (optional) return c;
   c.design = resolver.one("design");
@@ -192,7 +241,7 @@ CampaignDescription find_campaign(const std::filesystem::path& folder, std::vect
   std::sort(files.begin(), files.end());
   CampaignDescription c;
   for (const std::string& file : files) {
-    if (file == "camera.yaml") c.camera = file;
+    if (file == "camera.yaml") c.cameras = {{file, {}}};
     if (file == "plates.csv") c.plates = file;
     if (file == "control.csv") c.control = file;
     if (file.starts_with("survey/")) c.survey.push_back(file);

@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <filesystem>
+#include <functional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -22,13 +23,23 @@ class CampaignError : public std::runtime_error {
       : std::runtime_error(file.string() + (line > 0 ? ":" + std::to_string(line) : "") + ": " + what) {}
 };
 
+/// A calibration, and whose photographs it is for.
+struct CameraOfImages {
+  std::string file;                   ///< its camera.yaml
+  std::vector<std::string> patterns;  ///< of the names of its photographs; empty: all
+};
+
+/// '*' stands for any characters but '/', '?' for one.
+bool matches_pattern(const std::string& pattern, const std::string& name);
+
 /// campaign.yaml with its patterns resolved. Paths are relative to the folder, with forward slashes, ordered by name.
 struct CampaignDescription {
   std::string name;
   std::vector<std::string> images;
-  std::string observations;                     ///< tags that were measured already; then `images` may be empty
-  std::string camera, plates, control, design;  ///< control may be empty: then the survey files hold the datum
-  std::string mapping;                          ///< from points to elements of the design; may be empty
+  std::string observations;             ///< tags that were measured already; then `images` may be empty
+  std::vector<CameraOfImages> cameras;  ///< may be empty where photographs calibrate themselves
+  std::string plates, control, design;  ///< control may be empty: then the survey files hold the datum
+  std::string mapping;                  ///< from points to elements of the design; may be empty
   std::vector<std::string> survey;
   std::string instrument;  ///< name of an instrument profile; may be empty
   std::string date;        ///< when it was measured; may be empty
@@ -68,10 +79,11 @@ struct ObservedTag {
   std::array<Eigen::Vector2d, 4> corners;  ///< bottom left, bottom right, top right, top left [px], first pixel (0, 0)
   double sigma = 0;                        ///< of a corner coordinate [px]
 };
-/// An observations.csv, in the order of images and tags. Throws CampaignError, also for a tag that an image has twice
-/// and a corner outside of the camera's image.
+/// An observations.csv, in the order of images and tags. `camera_of`, from the name of an image, may throw
+/// std::runtime_error. Throws CampaignError, also for a tag that an image has twice and a corner outside of the
+/// camera's image.
 std::vector<ObservedTag> parse_observations(const std::string& csv, const std::filesystem::path& shown,
-                                            const BrownCamera& camera);
+                                            const std::function<const BrownCamera&(const std::string&)>& camera_of);
 
 struct PlateEntry {
   std::string anchor, tag_family, batch, role;  ///< role "control" or "check"

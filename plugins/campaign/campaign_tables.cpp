@@ -300,7 +300,7 @@ std::vector<TrueAnchor> parse_true_anchors(const std::string& csv, const std::fi
 }
 
 std::vector<ObservedTag> parse_observations(const std::string& csv, const std::filesystem::path& shown,
-                                            const BrownCamera& camera) {
+                                            const std::function<const BrownCamera&(const std::string&)>& camera_of) {
   static constexpr std::array<const char*, 8> coordinates = {"x0", "y0", "x1", "y1", "x2", "y2", "x3", "y3"};
   std::vector<ColumnRule> rules = {{"image", Quantity::text, true},
                                    {"family", Quantity::text, true},
@@ -316,11 +316,17 @@ std::vector<ObservedTag> parse_observations(const std::string& csv, const std::f
     tag.sigma = table.number(row, "sigma");
     for (std::size_t k = 0; k < 8; ++k)
       tag.corners[k / 2][static_cast<Eigen::Index>(k % 2)] = table.number(row, coordinates[k]);
+    const BrownCamera* camera = nullptr;
+    try {
+      camera = &camera_of(tag.image);
+    } catch (const std::runtime_error& error) {
+      table.fail(row, "image '" + tag.image + "' " + error.what());
+    }
     for (const Eigen::Vector2d& corner : tag.corners)
-      if (!(corner.x() > -0.5 && corner.x() < camera.width - 0.5 && corner.y() > -0.5 &&
-            corner.y() < camera.height - 0.5))
-        table.fail(row, "a corner lies outside of the camera's " + std::to_string(camera.width) + " x " +
-                            std::to_string(camera.height) + " pixels");
+      if (!(corner.x() > -0.5 && corner.x() < camera->width - 0.5 && corner.y() > -0.5 &&
+            corner.y() < camera->height - 0.5))
+        table.fail(row, "a corner lies outside of the camera's " + std::to_string(camera->width) + " x " +
+                            std::to_string(camera->height) + " pixels");
     if (!(tag.sigma > 0)) table.fail(row, "'sigma' is not above zero");
     if (!seen.insert({tag.image, tag.family, tag.id}).second)
       table.fail(row, "tag " + std::to_string(tag.id) + " stands here a second time in image '" + tag.image + "'");

@@ -5,7 +5,7 @@
 #include "artifacts/file_artifact.hpp"
 #include "artifacts/image.hpp"
 #include "artifacts/image_tags.hpp"
-#include "campaign_artifacts.hpp"
+#include "campaign_cameras.hpp"
 #include "image_header.hpp"
 #include "photo_campaign_node.hpp"
 
@@ -15,11 +15,11 @@ using namespace plumbline;
 namespace fs = std::filesystem;
 
 struct ReadCampaign : Node {
-  static constexpr Info info{"read.campaign", "", 6, "Reads the folder of a site: campaign.yaml and what it names"};
+  static constexpr Info info{"read.campaign", "", 7, "Reads the folder of a site: campaign.yaml and what it names"};
   In<Folder> folder{"folder", "a folder with a campaign.yaml; see docs/campaign_folder.md"};
   OutList<Image> images{"images", "the photographs, by reference, ordered by path"};
   OutList<ImageTags> observations{"observations", "tags that were measured already, where campaign.yaml names a table"};
-  Out<Camera> camera{"camera", "the calibration, with the uncertainty its file states"};
+  Out<Camera> camera{"camera", "the calibration, or all of several, with the uncertainty its file states"};
   Out<Plates> plates{"plates", frame("frame=building"), "which tag stands for which anchor"};
   Out<SurveyObservations> survey{"survey", frame("frame=building"),
                                  "all survey files in one; the datum is in `control`"};
@@ -36,19 +36,18 @@ struct ReadCampaign : Node {
     for (const auto& entry : given.files) entries[entry->path] = entry.get();
     const auto description = campaign::describe(given, root, campaign::CampaignUse::site);
 
-    const auto calibration =
-        campaign::parse_camera(campaign::read_text(root / description.camera), root / description.camera);
-    camera.commit(campaign::to_artifact(calibration, description.camera));
+    const campaign::CampaignCameras cameras(description, root);
+    camera.commit(cameras.artifact());
     plates.commit(campaign::to_artifact(
         campaign::parse_plates(campaign::read_text(root / description.plates), root / description.plates)));
     const auto known = campaign::read_control(description, root, context);
     control.commit(campaign::to_artifact(known.points));
     survey.commit(campaign::read_surveys(description, root, known, *strict, context));
-    for (const std::string& path : description.images) commit_image(*entries.at(path), root, calibration);
+    for (const std::string& path : description.images) commit_image(*entries.at(path), root, cameras.of(path));
     if (!description.observations.empty()) {
       const fs::path table = root / description.observations;
-      commit_observations(campaign::parse_observations(campaign::read_text(table), table, calibration.camera),
-                          calibration);
+      const auto camera_of = [&](const std::string& image) -> const BrownCamera& { return cameras.of(image).camera; };
+      commit_observations(campaign::parse_observations(campaign::read_text(table), table, camera_of), cameras);
     }
 
     FileT table;
@@ -68,11 +67,11 @@ struct ReadCampaign : Node {
   }
 
  private:
-  void commit_observations(const std::vector<campaign::ObservedTag>& tags,
-                           const campaign::CameraCalibration& calibration) {
+  void commit_observations(const std::vector<campaign::ObservedTag>& tags, const campaign::CampaignCameras& cameras) {
     for (std::size_t first = 0, last = 0; first < tags.size(); first = last) {
       ImageTagsT image;
       image.path = tags[first].image;
+      const campaign::CameraCalibration& calibration = cameras.of(image.path);
       image.camera = calibration.id;
       image.width = calibration.camera.width;
       image.height = calibration.camera.height;

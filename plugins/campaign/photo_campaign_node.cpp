@@ -83,8 +83,8 @@ void warn_of_unread(const CampaignDescription& description, const std::vector<st
   for (const std::string& name : names) {
     const std::string file = fs::path(name).filename().string();
     if (file != "camera.yaml" && file != "plates.csv" && file != "control.csv") continue;
-    if (name == file || name == description.camera || name == description.plates || name == description.control)
-      continue;
+    const bool camera = !description.cameras.empty() && name == description.cameras.front().file;
+    if (name == file || camera || name == description.plates || name == description.control) continue;
     context.warn(name + " is not read: it belongs into the folder itself" +
                  (file == "camera.yaml" ? "; one camera.yaml has several cameras, each under the name of its folder"
                                         : ", or into campaign.yaml by its name"));
@@ -107,9 +107,8 @@ void ReadPhotoCampaign::run(Context& context) {
     context.warn("photographs of " + root.string() + " are " + unread);
   warn_of_unread(description, names, context);
   for (const std::string& path : description.images) images.commit(image_of(*entries.at(path), root));
-  if (!description.camera.empty())
-    for (const CameraT& camera : cameras_of(root / description.camera, description.camera, context))
-      cameras.commit(camera);
+  for (const CameraOfImages& camera : description.cameras)
+    for (const CameraT& calibrated : cameras_of(root / camera.file, camera.file, context)) cameras.commit(calibrated);
   plates.commit(description.plates.empty()
                     ? PlatesT()
                     : to_artifact(parse_plates(read_text(root / description.plates), root / description.plates,

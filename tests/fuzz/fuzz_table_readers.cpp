@@ -74,7 +74,8 @@ void run_campaign(const std::string& text) {
 void run_observations(const std::string& text) {
   BrownCamera camera;
   camera.width = 4000, camera.height = 3000;
-  for (const campaign::ObservedTag& t : campaign::parse_observations(text, "observations.csv", camera))
+  for (const campaign::ObservedTag& t : campaign::parse_observations(
+           text, "observations.csv", [&](const std::string&) -> const BrownCamera& { return camera; }))
     for (const Eigen::Vector2d& corner : t.corners) promise(corner.allFinite(), "corners are finite");
 }
 

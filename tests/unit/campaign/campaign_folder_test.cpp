@@ -44,7 +44,7 @@ TEST(CampaignYaml, PhotographsNeedASurveyButNeitherDesignNorCalibration) {
   const std::string yaml = "plumbline_campaign: 1\nimages: img/*.jpg\ncontrol: k.csv\n";
   const CampaignDescription c = parse_campaign(yaml, "campaign.yaml", kFiles, use);
   EXPECT_EQ(c.control, "k.csv");
-  EXPECT_TRUE(c.camera.empty() && c.plates.empty() && c.design.empty() && c.survey.empty());
+  EXPECT_TRUE(c.cameras.empty() && c.plates.empty() && c.design.empty() && c.survey.empty());
   EXPECT_EQ(parse_campaign(kCampaign, "campaign.yaml", kFiles, use).plates, "p.csv") << "what is there is taken";
   EXPECT_EQ(message_of([&] { parse_campaign(replaced(yaml, "control: k.csv\n", ""), "c.yaml", kFiles, use); }),
             "c.yaml: found neither 'survey' nor 'control': where the points are, nothing says");
@@ -52,9 +52,52 @@ TEST(CampaignYaml, PhotographsNeedASurveyButNeitherDesignNorCalibration) {
       find_campaign("site", {"survey/b.gsi", "camera.yaml", "x/2.JPG", "1.png", "notes.txt", "control.csv"});
   EXPECT_EQ(found.images, (std::vector<std::string>{"1.png", "x/2.JPG"}));
   EXPECT_EQ(found.survey, std::vector<std::string>{"survey/b.gsi"});
-  EXPECT_EQ(found.camera + found.control + found.plates, "camera.yamlcontrol.csv");
+  ASSERT_EQ(found.cameras.size(), 1u);
+  EXPECT_EQ(found.cameras[0].file + found.control + found.plates, "camera.yamlcontrol.csv");
   EXPECT_NE(message_of([&] { find_campaign("site", {"1.png"}); }).find("no survey files in survey/ and no control.csv"),
             std::string::npos);
+}
+
+const std::vector<std::string> kTwoCameras = {"l.yaml",     "r.yaml",     "p.csv",       "k.csv", "d.ifc",
+                                              "left/b.jpg", "left/a.jpg", "right/a.jpg", "t.gsi", "obs.csv"};
+const std::string kOfTwoCameras =
+    "plumbline_campaign: 1\ncamera:\n  r.yaml: [right/*.jpg]\n  l.yaml: left/*.jpg\nplates: p.csv\nsurvey: t.gsi\n"
+    "design: d.ifc\n";
+
+TEST(CampaignYaml, SeveralCamerasSayWhosePhotographsAreWhose) {
+  const CampaignDescription c = parse_campaign(kOfTwoCameras, "campaign.yaml", kTwoCameras);
+  EXPECT_EQ(c.images, (std::vector<std::string>{"left/a.jpg", "left/b.jpg", "right/a.jpg"}));
+  ASSERT_EQ(c.cameras.size(), 2u);
+  EXPECT_EQ(c.cameras[0].file, "r.yaml");
+  EXPECT_EQ(c.cameras[1].patterns, std::vector<std::string>{"left/*.jpg"});
+  const auto message = [&](const std::string& from, const std::string& to) {
+    return message_of([&] { parse_campaign(replaced(kOfTwoCameras, from, to), "c.yaml", kTwoCameras); });
+  };
+  EXPECT_NE(message("plates", "images: left/*.jpg\nplates").find("c.yaml:3: 'camera' says which photographs"),
+            std::string::npos);
+  EXPECT_NE(message("[right/*.jpg]", "[right/*.jpg, left/a.jpg]").find("'left/a.jpg' is named for two cameras"),
+            std::string::npos);
+  EXPECT_NE(message("r.yaml: [", "q.yaml: [").find("c.yaml:3: 'camera' names 'q.yaml', and the folder has no such"),
+            std::string::npos);
+  EXPECT_NE(message("r.yaml: [", "?.yaml: [").find("c.yaml:3: '?.yaml' matches 2 files, expected one"),
+            std::string::npos);
+  EXPECT_NE(message("r.yaml: [", "l.yaml: [").find("c.yaml:4: "), std::string::npos);
+  EXPECT_NE(message("[right/*.jpg]", "[]").find("no photographs are named for r.yaml"), std::string::npos);
+  EXPECT_NE(message("[right/*.jpg]", "right/*.png").find("'camera' names 'right/*.png'"), std::string::npos);
+  EXPECT_NE(message("[right/*.jpg]", "{a: b}").find("expected photographs of r.yaml"), std::string::npos);
+}
+
+TEST(CampaignYaml, PhotographsAndTheirSurveyTakeSeveralCamerasFromOneFile) {
+  const std::string said =
+      message_of([] { parse_campaign(kOfTwoCameras, "c.yaml", kTwoCameras, CampaignUse::photographs); });
+  EXPECT_NE(said.find("several cameras are one camera.yaml here"), std::string::npos) << said;
+}
+
+TEST(CampaignYaml, TagsOfSeveralCamerasAreMatchedByTheNamesOfTheirImages) {
+  const CampaignDescription c =
+      parse_campaign(replaced(kOfTwoCameras, "plates", "observations: obs.csv\nplates"), "campaign.yaml", kTwoCameras);
+  EXPECT_TRUE(c.images.empty()) << "photographs need not be there";
+  EXPECT_EQ(c.cameras.size(), 2u);
 }
 
 TEST(CampaignYaml, ErrorsNameFileLineAndMend) {

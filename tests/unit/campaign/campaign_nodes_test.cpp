@@ -133,6 +133,39 @@ TEST_F(ReadCampaignTest, PhotographOfAnotherSizeIsRefused) {
   EXPECT_NE(message().find("was calibrated with 640 x 400"), std::string::npos);
 }
 
+TEST_F(ReadCampaignTest, SeveralCamerasTakeTheirOwnPhotographs) {
+  const fs::path& root = folder_.path();
+  std::string yaml = read_file(root / "camera.yaml");
+  const std::size_t at = yaml.find("id: ") + 4;
+  const std::string id = yaml.substr(at, yaml.find('\n', at) - at);
+  std::ofstream(root / "second.yaml") << yaml.replace(at, id.size(), "second");
+  std::string campaign = read_file(root / "campaign.yaml");
+  const std::size_t images = campaign.find("images:");
+  campaign.erase(images, campaign.find('\n', images) + 1 - images);
+  const std::size_t camera = campaign.find("camera: camera.yaml");
+  ASSERT_NE(camera, std::string::npos) << campaign;
+  campaign.replace(camera, 19,
+                   "camera:\n  camera.yaml: images/F01-0[12].jpg\n"
+                   "  second.yaml: [images/F01-03.jpg, images/F01-04.jpg]");
+  std::ofstream(root / "campaign.yaml") << campaign;
+  EXPECT_NE(message().find("names 'images/F01-0[12].jpg'"), std::string::npos) << message();
+  campaign.replace(campaign.find("images/F01-0[12].jpg"), 20, "[images/F01-01.jpg, images/F01-02.jpg]");
+  std::ofstream(root / "campaign.yaml") << campaign;
+  NodeHarness node("read.campaign");
+  node.input<Folder>("folder", list(root));
+  node.run();
+  const CameraT both = node.output<Camera>("camera");
+  EXPECT_EQ(both.id, id);
+  ASSERT_EQ(both.others.size(), 1u);
+  EXPECT_EQ(both.others[0]->id, "second");
+  ASSERT_EQ(node.output_count("images"), 4u);
+  EXPECT_EQ(node.output<Image>("images", 1).camera, id);
+  EXPECT_EQ(node.output<Image>("images", 2).camera, "second");
+  std::ofstream(root / "second.yaml") << read_file(root / "camera.yaml");
+  EXPECT_NE(message().find("second.yaml: its id '" + id + "' is that of camera.yaml too"), std::string::npos)
+      << message();
+}
+
 TEST(SimulateObservations, DeliversCornersPointsAndTruthOfOneSite) {
   NodeHarness node("simulate.observations");
   node.set("floors", "2");

@@ -15,13 +15,17 @@ using test::NodeFailed;
 using test::NodeHarness;
 using testing::HasSubstr;
 
-NodeHarness prepared(const std::string& kind, const test::SyntheticFacade& facade) {
+NodeHarness prepared(const std::string& kind, const test::SyntheticFacade& facade, const CameraT& camera) {
   NodeHarness node(kind);
-  node.input<Camera>("camera", facade.camera_artifact());
+  node.input<Camera>("camera", camera);
   node.input<Plates>("plates", facade.plates);
   node.input<Points>("points", facade.truth);
   for (const ImageTagsT& image : facade.images) node.input<ImageTags>("observations", image);
   return node;
+}
+
+NodeHarness prepared(const std::string& kind, const test::SyntheticFacade& facade) {
+  return prepared(kind, facade, facade.camera_artifact());
 }
 
 std::string failure_of(NodeHarness& node) {
@@ -73,6 +77,75 @@ TEST_P(PoseNodes, RefuseACameraOfAnotherImageSize) {
   facade.images[1].width = 6000;
   NodeHarness node = prepared(GetParam(), facade);
   EXPECT_THAT(failure_of(node), testing::AllOf(HasSubstr(facade.images[1].path), HasSubstr("6000 x 8742")));
+}
+
+/// A facade whose odd photographs were taken with a second camera, of another principal point and size.
+test::SyntheticFacade of_two_cameras(CameraT& both) {
+  auto facade = test::make_facade({.floors = 1});
+  both = facade.camera_artifact();
+  auto second = std::make_unique<CameraT>(both);
+  second->id = "second";
+  second->width += 600;
+  second->parameters[2] += 400;
+  for (std::size_t i = 0; i < facade.images.size(); ++i) {
+    ImageTagsT& image = facade.images[i];
+    image.camera = i % 2 ? "second" : "camera";
+    if (i % 2 == 0) continue;
+    image.width = second->width;
+    for (const auto& tag : image.tags)
+      for (Eigen::Vector2d& corner : tag->corners) corner.x() += 400;
+  }
+  both.others.push_back(std::move(second));
+  return facade;
+}
+
+TEST_P(PoseNodes, OrientThePhotographsOfSeveralCamerasEachWithItsOwn) {
+  CameraT both;
+  const auto facade = of_two_cameras(both);
+  NodeHarness of_both = prepared(GetParam(), facade, both),
+              alone = prepared(GetParam(), test::make_facade({.floors = 1}));
+  of_both.run();
+  alone.run();
+  EXPECT_EQ(of_both.warnings(), std::vector<std::string>());
+  const PosesT a = of_both.output<Poses>("poses"), b = alone.output<Poses>("poses");
+  ASSERT_EQ(a.poses.size(), b.poses.size());
+  for (std::size_t i = 0; i < a.poses.size(); ++i)
+    EXPECT_LT((a.poses[i]->cam_from_world.translation - b.poses[i]->cam_from_world.translation).norm(), 1e-6);
+}
+
+TEST_P(PoseNodes, RefuseAPhotographOfACameraThatNobodyGave) {
+  CameraT both;
+  auto facade = of_two_cameras(both);
+  facade.images[2].camera = "third";
+  NodeHarness node = prepared(GetParam(), facade, both);
+  EXPECT_THAT(failure_of(node), testing::AllOf(HasSubstr(facade.images[2].path),
+                                               HasSubstr("is of camera 'third', expected one of 'camera', 'second'")));
+}
+
+TEST_P(PoseNodes, NameTheCameraThatTookThePhotographsOfAnother) {
+  CameraT both;
+  auto facade = of_two_cameras(both);
+  both.others[0]->width = both.width;
+  both.others[0]->parameters[0] *= 1.5, both.others[0]->parameters[1] *= 1.5;
+  for (ImageTagsT& image : facade.images) {
+    image.width = both.width;
+    if (image.camera == "second")
+      for (const auto& tag : image.tags)
+        for (Eigen::Vector2d& corner : tag->corners) corner.x() -= 400;  // they are of the first
+  }
+  NodeHarness node = prepared(GetParam(), facade, both);
+  node.set("on_too_few", "skip");
+  std::string said = failure_of(node);
+  for (const std::string& warning : node.warnings()) said += "\n" + warning;
+  EXPECT_THAT(said, HasSubstr("camera 'second': its photographs look as if taken with camera 'camera'"));
+}
+
+TEST_P(PoseNodes, SayThatNoPhotographShowsATagOfTheFamily) {
+  auto facade = test::make_facade({.floors = 1});
+  for (ImageTagsT& image : facade.images) image.tags.clear();
+  NodeHarness node = prepared(GetParam(), facade);
+  EXPECT_THAT(failure_of(node), testing::AllOf(HasSubstr("shows a tag of the family that the detector looks for"),
+                                               HasSubstr("the plate table lists tag36h11")));
 }
 
 /// What the node says, as an error or a warning, when all plates are given as looking elsewhere than they do.

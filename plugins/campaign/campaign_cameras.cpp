@@ -1,0 +1,45 @@
+#include "campaign_cameras.hpp"
+
+#include <algorithm>
+
+#include "artifacts/camera_artifact.hpp"
+
+namespace plumbline::campaign {
+
+CampaignCameras::CampaignCameras(const CampaignDescription& description, const std::filesystem::path& root)
+    : files_(description.cameras) {
+  for (std::size_t c = 0; c < files_.size(); ++c) {
+    const std::filesystem::path path = root / files_[c].file;
+    calibrations_.push_back(parse_camera(read_text(path), path));
+    for (std::size_t other = 0; other < c; ++other)
+      if (calibrations_[other].id == calibrations_[c].id)
+        throw CampaignError(path, 0,
+                            "its id '" + calibrations_[c].id + "' is that of " + files_[other].file +
+                                " too; the report tells cameras by it, so give each body one of its own");
+  }
+}
+
+const CameraCalibration& CampaignCameras::of(const std::string& image) const {
+  const CameraCalibration* found = nullptr;
+  for (std::size_t c = 0; c < files_.size(); ++c) {
+    const auto& patterns = files_[c].patterns;
+    const bool its = patterns.empty() || std::any_of(patterns.begin(), patterns.end(), [&](const std::string& pattern) {
+                       return matches_pattern(pattern, image);
+                     });
+    if (!its) continue;
+    if (found)
+      throw std::runtime_error("is named for two cameras of campaign.yaml, '" + found->id + "' and '" +
+                               calibrations_[c].id + "'");
+    found = &calibrations_[c];
+  }
+  if (!found) throw std::runtime_error("is named for none of the cameras of campaign.yaml");
+  return *found;
+}
+
+CameraT CampaignCameras::artifact() const {
+  std::vector<CameraT> cameras;
+  for (std::size_t c = 0; c < files_.size(); ++c) cameras.push_back(to_artifact(calibrations_[c], files_[c].file));
+  return joined_cameras(cameras);
+}
+
+}  // namespace plumbline::campaign
