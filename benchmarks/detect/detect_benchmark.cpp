@@ -170,12 +170,17 @@ int from_file(const std::string& name, const std::string& file, int repeat, doub
       return std::size_t{0};
     });
     in_child("JPEG decoding, whole", pixels, [&] { return read_grey_image(file).pixels.size() * 0; });
-    in_child("decode + detect.tag_pyramid", pixels, [&] {
-      const detect::TagPyramid detector({family}, options);
-      const auto rows = open_grey_rows(file);
-      return detector.detect(*rows, [&](int l, int t, int w, int h) { return read_grey_part(file, l, t, w, h); })
-          .tags.size();
-    });
+    for (const auto refinement : {detect::Refinement::edges, detect::Refinement::apriltag}) {
+      const bool edges = refinement == detect::Refinement::edges;
+      in_child(edges ? "decode + detect.tag_pyramid" : "the same, corners as the peers'", pixels, [&] {
+        detect::PyramidOptions as_asked = options;
+        as_asked.refinement = refinement;
+        const detect::TagPyramid detector({family}, as_asked);
+        const auto rows = open_grey_rows(file);
+        return detector.detect(*rows, [&](int l, int t, int w, int h) { return read_grey_part(file, l, t, w, h); })
+            .tags.size();
+      });
+    }
   }
   in_child("decode + libapriltag decimate 2", pixels,
            [&] { return libapriltag_peer(family, 2).detect(read_grey_image(file)).size(); });

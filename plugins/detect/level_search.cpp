@@ -247,35 +247,43 @@ bool LevelSearch::fit(LevelQuad& quad) const {
   const std::size_t n = path_.size();
   const double shortest = options_.min_side;
   if (std::min(right_ - left_, bottom_ - top_) < shortest) return false;
-  const auto at = [&](std::size_t i) { return Eigen::Vector2d(path_[i % n][0], path_[i % n][1]); };
+  const auto at = [&](std::size_t i) { return Eigen::Vector2d(path_[i][0], path_[i][1]); };
 
-  Eigen::Vector2d middle(0, 0);
-  for (std::size_t i = 0; i < n; ++i) middle += at(i);
-  middle /= static_cast<double>(n);
-  const auto farthest = [&](const Eigen::Vector2d& from) {
+  double sum_x = 0, sum_y = 0;
+  for (const auto& p : path_) sum_x += p[0], sum_y += p[1];
+  const auto farthest = [&](double x, double y) {
     std::size_t best = 0;
     double distance = -1;
     for (std::size_t i = 0; i < n; ++i) {
-      const double d = (at(i) - from).squaredNorm();
+      const double dx = path_[i][0] - x, dy = path_[i][1] - y, d = dx * dx + dy * dy;
       if (d > distance) best = i, distance = d;
     }
     return best;
   };
-  // Between indices `from` and `to`, the point farthest outside of the chord.
+  // Between indices `from` and `to`, the point farthest outside of the chord. In whole numbers, which hold the product
+  // of two coordinates, and without a division for each point: this is half of what an outline costs.
   const auto outermost = [&](std::size_t from, std::size_t to) {
-    const std::size_t count = (to + n - from) % n;
-    const Eigen::Vector2d a = at(from), chord = at(to) - a;
+    const std::array<std::int16_t, 2> a = path_[from], b = path_[to];
+    const std::int64_t chord_x = b[0] - a[0], chord_y = b[1] - a[1];
     std::size_t best = from;
-    double height = 0;
-    for (std::size_t k = 1; k < count; ++k) {
-      const double h = cross(at(from + k) - a, chord);
-      if (h > height) best = (from + k) % n, height = h;
+    std::int64_t height = 0;
+    const auto look = [&](std::size_t first, std::size_t end) {
+      for (std::size_t i = first; i < end; ++i) {
+        const std::int64_t h = (path_[i][0] - a[0]) * chord_y - (path_[i][1] - a[1]) * chord_x;
+        if (h > height) best = i, height = h;
+      }
+    };
+    if (from < to) {
+      look(from + 1, to);
+    } else if (to < from) {
+      look(from + 1, n);
+      look(0, to);
     }
     return best;
   };
   std::array<std::size_t, 4> corner{};
-  corner[0] = farthest(middle);
-  corner[2] = farthest(at(corner[0]));
+  corner[0] = farthest(sum_x / static_cast<double>(n), sum_y / static_cast<double>(n));
+  corner[2] = farthest(path_[corner[0]][0], path_[corner[0]][1]);
   corner[1] = outermost(corner[0], corner[2]);
   corner[3] = outermost(corner[2], corner[0]);
   for (int sweep = 0; sweep < 2; ++sweep)
@@ -289,7 +297,7 @@ bool LevelSearch::fit(LevelQuad& quad) const {
     const std::size_t margin = std::max<std::size_t>(1, count / 8);
     double sx = 0, sy = 0, sxx = 0, sxy = 0, syy = 0, m = 0;
     for (std::size_t k = margin; k + margin <= count; ++k) {
-      const auto& p = path_[(from + k) % n];
+      const auto& p = path_[from + k < n ? from + k : from + k - n];
       const double px = p[0] - path_[from][0], py = p[1] - path_[from][1];
       sx += px, sy += py, sxx += px * px, sxy += px * py, syy += py * py, m += 1;
     }

@@ -94,15 +94,6 @@ SquareFamily square_family(const std::string& name) {
   return is_apriltag(dictionary.name) ? apriltag_square_family(dictionary.name) : dictionary_square_family(dictionary);
 }
 
-float PixelRows::at(double x, double y) const {
-  const int i = std::min(static_cast<int>(x), right - 2), j = std::min(static_cast<int>(y), end - 2);
-  const float u = static_cast<float>(x - i), v = static_cast<float>(y - j);
-  const std::uint8_t *a = rows[j] + (i - left), *b = rows[j + 1] + (i - left);
-  const float upper = static_cast<float>(a[0]) + u * static_cast<float>(a[1] - a[0]);
-  const float lower = static_cast<float>(b[0]) + u * static_cast<float>(b[1] - b[0]);
-  return upper + v * (lower - upper);
-}
-
 SquareDecoder::SquareDecoder(const SquareFamily& family, int max_hamming)
     : family_(family), max_hamming_(std::min(max_hamming, family.correctable_bits)) {
   const int last = family.modules - 1;
@@ -131,13 +122,24 @@ double SquareDecoder::chance() const {
   return chance_of_code(family_.codes.size(), family_.cells.size(), max_hamming_);
 }
 
+namespace {
+
+/// The first of the codes that differs from `code` in at most `most` bits; their number if none does.
+__attribute__((target_clones("popcnt", "default"))) std::size_t first_within(const std::vector<std::uint64_t>& codes,
+                                                                             std::uint64_t code, int most) {
+  std::size_t i = 0;
+  while (i < codes.size() && std::popcount(code ^ codes[i]) > most) ++i;
+  return i;
+}
+
+}  // namespace
+
 std::optional<std::array<int, 2>> SquareDecoder::find(std::uint64_t code) const {
   if (const auto found = exact_.find(code); found != exact_.end()) return std::array<int, 2>{found->second, 0};
-  for (std::size_t i = 0; i < family_.codes.size() && max_hamming_ > 0; ++i) {
-    const int distance = std::popcount(code ^ family_.codes[i]);
-    if (distance <= max_hamming_) return std::array<int, 2>{static_cast<int>(i), distance};
-  }
-  return std::nullopt;
+  if (max_hamming_ <= 0) return std::nullopt;
+  const std::size_t i = first_within(family_.codes, code, max_hamming_);
+  if (i == family_.codes.size()) return std::nullopt;
+  return std::array<int, 2>{static_cast<int>(i), std::popcount(code ^ family_.codes[i])};
 }
 
 CodeReading SquareDecoder::read(const PixelRows& image, const std::array<Eigen::Vector2d, 4>& corners) const {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -40,7 +41,14 @@ struct PixelRows {
   const std::uint8_t* const* rows = nullptr;    ///< by row of the image, from column `left` on
   bool holds(double x, double y) const { return x >= left && y >= first && x <= right - 1 && y <= end - 1; }
   /// Bilinear; needs holds(x, y).
-  float at(double x, double y) const;
+  float at(double x, double y) const {
+    const int i = std::min(static_cast<int>(x), right - 2), j = std::min(static_cast<int>(y), end - 2);
+    const float u = static_cast<float>(x - i), v = static_cast<float>(y - j);
+    const std::uint8_t *a = rows[j] + (i - left), *b = rows[j + 1] + (i - left);
+    const float upper = static_cast<float>(a[0]) + u * static_cast<float>(a[1] - a[0]);
+    const float lower = static_cast<float>(b[0]) + u * static_cast<float>(b[1] - b[0]);
+    return upper + v * (lower - upper);
+  }
 };
 
 /// Plane projectivity from cells (0 … modules, from the upper left corner) to the image; `corners` clockwise from the

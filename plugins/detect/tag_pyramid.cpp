@@ -35,7 +35,8 @@ class Window {
   Window(int width, int height, int rows)
       : width_(width),
         held_(rows),
-        pixels_(static_cast<std::size_t>(width) * static_cast<std::size_t>(rows)),
+        pixels_(std::make_unique_for_overwrite<std::uint8_t[]>(static_cast<std::size_t>(width) *
+                                                               static_cast<std::size_t>(rows))),
         rows_(height) {}
   std::uint8_t* next() {
     std::uint8_t* row = &pixels_[static_cast<std::size_t>(end_ % held_) * static_cast<std::size_t>(width_)];
@@ -47,7 +48,7 @@ class Window {
 
  private:
   int width_, held_, end_ = 0;
-  std::vector<std::uint8_t> pixels_;
+  std::unique_ptr<std::uint8_t[]> pixels_;
   std::vector<const std::uint8_t*> rows_;  // by row of the image; those that left the window are overwritten
 };
 
@@ -57,15 +58,16 @@ struct Level {
   std::vector<std::pair<bool, std::unique_ptr<LevelSearch>>> searches;  // bright inside?
 };
 
-/// Rows of the image in, rows of the reduced levels out: pairs of rows are halved again and again.
+/// Rows of the image in, rows of the reduced levels out: pairs of rows are halved again and again. A row that was added
+/// has to stay until the next one was.
 class Reducer {
  public:
   Reducer(int width, std::vector<Level>& levels) : levels_(levels) {
     for (int factor = 1; factor <= levels.back().factor; factor *= 2) {
-      const auto own = static_cast<std::size_t>(width / factor);
-      pending_.emplace_back(own);
-      reduced_.emplace_back(own);
-      waiting_.push_back(false);
+      const std::vector<std::uint8_t> row(static_cast<std::size_t>(width / factor));
+      reduced_.push_back({row, row});
+      count_.push_back(0);
+      upper_.push_back(nullptr);
     }
   }
   void add(const std::uint8_t* row) { add(0, row); }
@@ -76,19 +78,21 @@ class Reducer {
     for (Level& level : levels_)
       if (level.factor == factor)
         for (auto& search : level.searches) search.second->add_row(row);
-    if (power + 1 == pending_.size()) return;
-    if (!waiting_[power]) {
-      std::copy_n(row, pending_[power].size(), pending_[power].begin());
-      waiting_[power] = true;
+    if (power + 1 == reduced_.size()) return;
+    if (!upper_[power]) {
+      upper_[power] = row;
       return;
     }
-    waiting_[power] = false;
-    halve(pending_[power].data(), row, reduced_[power + 1].size(), reduced_[power + 1].data());
-    add(power + 1, reduced_[power + 1].data());
+    // Of two buffers in turn, so that the upper row of a pair is there when its lower one comes.
+    std::vector<std::uint8_t>& half = reduced_[power + 1][count_[power + 1]++ % 2];
+    halve(upper_[power], row, half.size(), half.data());
+    upper_[power] = nullptr;
+    add(power + 1, half.data());
   }
   std::vector<Level>& levels_;
-  std::vector<std::vector<std::uint8_t>> pending_, reduced_;
-  std::vector<char> waiting_;
+  std::vector<std::array<std::vector<std::uint8_t>, 2>> reduced_;  // rows of each power of two
+  std::vector<std::size_t> count_;                                 // of the rows that there were
+  std::vector<const std::uint8_t*> upper_;                         // of a pair whose lower row has not come
 };
 
 /// Edges of a quadrilateral moved to where the grey values change most, within `reach` px of it. Nothing if an edge
