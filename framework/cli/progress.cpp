@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "runtime/told_once.hpp"
 #include "terminal.hpp"
 
 namespace plumbline::cli {
@@ -91,7 +92,7 @@ void Progress::node_finished(const runtime::GraphNode& node, const runtime::Node
   }
   std::fflush(stdout);
   if (style_ != Style::json)
-    for (const std::string& warning : result.warnings)
+    for (const std::string& warning : runtime::told_once(result.warnings))
       std::fprintf(stderr, "%s: node '%s': warning: %s\n", node.at.text().c_str(), node.name.c_str(), warning.c_str());
   if (result.status == NodeStatus::failed) std::fprintf(stderr, "%s\n", result.error.c_str());
   show_status();

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -308,6 +309,8 @@ class Execution {
     NodeResult& result = state.result;
     for (uint32_t i = 0; i < node.kind.node->output_count; ++i) result.outputs[node.kind.node->outputs[i]->name];
     std::string errors;
+    std::map<std::string, size_t> failures;  // a file that all items read is wrong for all of them
+    for (const Item& item : state.items) ++failures[item.error];
     bool cancelled = false, drew_seed = false;
     for (size_t number = 0; number < state.items.size(); ++number) {
       Item& item = state.items[number];
@@ -323,8 +326,12 @@ class Execution {
       result.keys.push_back(item.key);
       cancelled |= item.cancelled;
       drew_seed |= item.drew_seed;
-      if (!item.error.empty() && !item.cancelled)
-        errors += (errors.empty() ? "" : "\n") + error_text(node, where, item.error);
+      size_t& alike = failures[item.error];
+      if (!item.error.empty() && !item.cancelled && alike > 0) {
+        const std::string others = alike > 1 ? " (and " + std::to_string(alike - 1) + " others alike)" : "";
+        errors += (errors.empty() ? "" : "\n") + error_text(node, where + others, item.error);
+        alike = 0;
+      }
     }
     add_times(state.items, result);
     if (drew_seed) result.fields["seed"] = std::to_string(graph_.seed);

@@ -1,6 +1,7 @@
 // What comes out of a run, and what becomes of nodes that misbehave.
 #include <thread>
 
+#include "runtime/told_once.hpp"
 #include "story.hpp"
 
 namespace plumbline::test {
@@ -51,6 +52,34 @@ TEST(Execute, AFailedItemIsNamedAndTheOthersAreKept) {
   EXPECT_NE(error.find("on item 4 of 4"), std::string::npos) << error;
   story.run({"s.with.values=[1, 2, 3, 4]"});
   EXPECT_EQ(story.node("q").items_executed, 2u) << "1 and 3 were done before";
+}
+
+TEST(Execute, WhatAllItemsFailWithIsSaidOnce) {
+  Story story(
+      "s: {use: story.series, with: {values: [-2, 3, -2, -2]}}\nq: {use: story.square, in: {number: s.numbers}}");
+  story.run();
+  const std::string& error = story.node("q").error;
+  EXPECT_NE(error.find("failed on item 1 of 4 (and 2 others alike): cannot square -2"), std::string::npos) << error;
+  EXPECT_EQ(error.find('\n'), std::string::npos) << error;
+}
+
+TEST(ToldOnce, WarningsThatDifferInNamesAndNumbersAreCounted) {
+  std::vector<std::string> texts;
+  for (int i = 1; i <= 9; ++i) {
+    const std::string name = "folder/IMG " + std::to_string(i) + ".jpg";
+    texts.push_back(name + ": the tags measure 0." + std::to_string(50 + i) +
+                    " of their spacing, 0.838 is in b.yaml on item " + std::to_string(i) + " of 9");
+    texts.push_back("left out: " + name + ": is the same file as " + name + " on item " + std::to_string(i) + " of 9");
+    if (i < 4) texts.push_back(name + ": is blurred on item " + std::to_string(i) + " of 9");
+  }
+  const std::vector<std::string> lines = runtime::told_once(texts);
+  ASSERT_EQ(lines.size(), 5u) << "three of a kind are each said";
+  EXPECT_EQ(lines[0],
+            "folder/IMG 1.jpg: the tags measure 0.51 of their spacing, 0.838 is in b.yaml [and 8 more like this: "
+            "folder/IMG 2.jpg, folder/IMG 3.jpg, folder/IMG 4.jpg, folder/IMG 5.jpg, ...]");
+  EXPECT_EQ(lines[1].rfind("left out: folder/IMG 1.jpg: is the same file", 0), 0u) << lines[1];
+  EXPECT_NE(lines[1].find("[and 8 more like this: folder/IMG 2.jpg"), std::string::npos) << lines[1];
+  EXPECT_EQ(lines[2], texts[2]);
 }
 
 TEST(Execute, ItemsOfOneThreadAddUpToLessThanTheTimeOnTheClock) {
