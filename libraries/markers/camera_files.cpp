@@ -120,12 +120,36 @@ std::optional<int> whole(const YAML::Node& node) {
   return values.size() == 1 ? whole(values[0]) : std::nullopt;
 }
 
-void read_size(const YAML::Node& root, BrownCamera& camera) {
-  const auto width = whole(find(root, {"imagewidth", "width"})), height = whole(find(root, {"imageheight", "height"}));
-  if (width && height) camera.width = *width, camera.height = *height;
-  const auto both = numbers(find(root, {"imagesize", "imgsize", "resolution", "imageresolution"}));
-  if (camera.width || both.size() != 2) return;
-  if (const auto w = whole(both[0]), h = whole(both[1]); w && h) camera.width = *w, camera.height = *h;
+/// "line 4 has '[752, PNG480]', expected ..."
+[[noreturn]] void refuse_value(const std::string& file, const YAML::Node& node, const std::string& expected) {
+  YAML::Emitter out;
+  out << YAML::Flow << node;
+  std::string text = out.c_str() ? out.c_str() : "";
+  if (text.size() > 60) text = text.substr(0, 57) + "...";
+  refuse(file, "line " + std::to_string(node.Mark().line + 1) + " has '" + text + "', expected " + expected);
+}
+
+void read_size(const YAML::Node& root, const std::string& file, BrownCamera& camera) {
+  const auto size = [&](const YAML::Node& node) {
+    const auto value = whole(node);
+    if (!value) refuse_value(file, node, "a number of pixels");
+    return *value;
+  };
+  const YAML::Node width = find(root, {"imagewidth", "width"}), height = find(root, {"imageheight", "height"});
+  if (width.IsDefined() && height.IsDefined() && !width.IsNull() && !height.IsNull())
+    camera.width = size(width), camera.height = size(height);
+  const YAML::Node both = find(root, {"imagesize", "imgsize", "resolution", "imageresolution"});
+  if (camera.width || !both.IsDefined() || both.IsNull()) return;
+  const auto values = numbers(both);
+  const auto w = values.size() == 2 ? whole(values[0]) : std::nullopt, h = w ? whole(values[1]) : std::nullopt;
+  if (!h) refuse_value(file, both, "width and height in pixels");
+  camera.width = *w, camera.height = *h;
+}
+
+double number(const YAML::Node& node, const std::string& file, const std::string& of) {
+  const auto values = numbers(node);
+  if (values.size() != 1 || !std::isfinite(values[0])) refuse_value(file, node, "a number: " + of);
+  return values[0];
 }
 
 /// k1, k2, p1, p2, k3, ... in OpenCV's order.
@@ -140,8 +164,12 @@ void set_distortion(const std::vector<double>& d, const std::string& file, Brown
 }
 
 void read_opencv(const YAML::Node& root, const std::string& file, CameraFile& result) {
-  const auto k = numbers(find(root, {"cameramatrix", "camera", "cameraintrinsics", "intrinsicmatrix", "k", "kmatrix",
-                                     "mtx", "intrinsics", "intrinsic"}));
+  const YAML::Node matrix = find(root, {"cameramatrix", "camera", "cameraintrinsics", "intrinsicmatrix", "k", "kmatrix",
+                                        "mtx", "intrinsics", "intrinsic"});
+  const auto k = numbers(matrix);
+  if (k.size() == 4 || k.size() == 9)
+    for (const double value : k)
+      if (std::isnan(value)) refuse_value(file, matrix, "the numbers of a camera matrix, or fx, fy, cx, cy");
   if (k.size() == 9) {
     if (std::abs(k[1]) > 1e-6 * std::abs(k[0]))
       refuse(file, "the camera matrix has a skew, which Brown's model has not");
@@ -165,15 +193,18 @@ void read_opencv(const YAML::Node& root, const std::string& file, CameraFile& re
   const YAML::Node fisheye = find(root, {"fisheyemodel"});
   if (fisheye.IsDefined() && whole(fisheye).value_or(0) != 0)
     refuse(file, "it is a fisheye calibration; only Brown's model is known");
-  const auto d = numbers(find(root, {"distortioncoefficients", "distcoeffs", "distcoeff", "distortion", "dist", "d",
-                                     "distortioncoeffs", "cameradistortion", "distcoefs"}));
+  const YAML::Node list = find(root, {"distortioncoefficients", "distcoeffs", "distcoeff", "distortion", "dist", "d",
+                                      "distortioncoeffs", "cameradistortion", "distcoefs"});
+  const auto d = numbers(list);
+  for (const double value : d)
+    if (std::isnan(value)) refuse_value(file, list, "the coefficients of distortion");
   std::vector<double> named = d;
   if (d.empty()) {
     named.assign(5, 0);
     const char* names[] = {"k1", "k2", "p1", "p2", "k3"};
     for (size_t i = 0; i < 5; ++i) {
-      const auto value = numbers(find(root, {names[i]}));
-      if (value.size() == 1) named[i] = value[0];
+      const YAML::Node value = find(root, {names[i]});
+      if (value.IsDefined() && !value.IsNull()) named[i] = number(value, file, names[i]);
     }
   }
   set_distortion(named, file, result.camera);
@@ -187,8 +218,9 @@ bool read_ours(const YAML::Node& root, const std::string& file, CameraFile& resu
   std::array<double, BrownCamera::parameter_count> values{}, sigmas{};
   for (size_t i = 0; i < values.size(); ++i) {
     const char* name = BrownCamera::parameter_names[i];
-    if (parameters[name]) values[i] = numbers(parameters[name]).at(0);
-    if (root["sigmas"] && root["sigmas"][name]) sigmas[i] = numbers(root["sigmas"][name]).at(0);
+    if (parameters[name]) values[i] = number(parameters[name], file, name);
+    if (root["sigmas"] && root["sigmas"].IsMap() && root["sigmas"][name])
+      sigmas[i] = number(root["sigmas"][name], file, std::string("the standard deviation of ") + name);
   }
   result.camera.set_parameters(values);
   if (root["pixel_origin"] && root["pixel_origin"].as<std::string>("") == "corner")
@@ -244,7 +276,7 @@ CameraFile parse_camera_file(const std::string& text, const std::string& file, c
   if (id && id.IsScalar()) result.id = id.as<std::string>();
   const YAML::Node name = find(root, {"cameraname"});
   if (name.IsDefined() && name.IsScalar()) result.id = name.as<std::string>();
-  read_size(root, result.camera);
+  read_size(root, file, result.camera);
   if (!root.IsMap() || !read_ours(root, file, result)) {
     if (result.format.empty()) result.format = "OpenCV";
     read_opencv(root, file, result);

@@ -110,15 +110,21 @@ TEST(TagDictionary, SaysHowWeakItIs) {
   EXPECT_THAT(detect::weakness_of(bordered), HasSubstr("leave them out of the file"));
 }
 
-/// Found by fuzzing: what is no number was converted to a whole one all the same.
-TEST(CameraFiles, ASizeThatIsNoneIsNotGiven) {
-  const auto files = markers::parse_camera_files(
-      "cam0:\n  camera: [460.6, 459.3, 373.0, 256.1]\n  distortion_model: radtan\n"
-      "  distortion_coeffs: [-0.28, 0.08, 0.0, -0.0001]\n  resolution: [752, PNG480]\n",
-      "camchain.yaml");
-  ASSERT_EQ(files.size(), 1u);
-  EXPECT_EQ(files[0].camera.width, 0);
-  EXPECT_EQ(files[0].camera.height, 0);
+TEST(CameraFiles, AValueThatIsNoneIsRefusedWithItsLine) {
+  const std::string kalibr = "cam0:\n  camera: [460.6, 459.3, 373.0, 256.1]\n  distortion_model: radtan\n";
+  for (const auto& [text, words] :
+       {std::pair(kalibr + "  distortion_coeffs: [-0.28, 0.08, 0.0, -0.0001]\n  resolution: [752, PNG480]\n",
+                  "line 5 has '[752, PNG480]', expected width and height in pixels"),
+        std::pair(kalibr + "  distortion_coeffs: [-0.28, O.08, 0.0, -0.0001]\n  resolution: [752, 480]\n",
+                  "line 4 has '[-0.28, O.08, 0.0, -0.0001]', expected the coefficients of distortion"),
+        std::pair(std::string("image_width: 640px\nimage_height: 480\nfx: 800\ncx: 320\ncy: 240\n"),
+                  "line 1 has '640px', expected a number of pixels"),
+        std::pair(std::string("image_width: 640\nimage_height: 480\nfx: 800\ncx: 320\ncy: 240\nk1: -0,1\n"),
+                  "line 6 has '-0,1', expected a number: k1"),
+        std::pair(std::string("plumbline_camera: 1\nparameters: {fx: [], fy: 800, cx: 320, cy: 240}\n"),
+                  "line 2 has '[]', expected a number: fx")})
+    EXPECT_THAT([&] { markers::parse_camera_files(text, "camchain.yaml"); },
+                ThrowsMessage<std::runtime_error>(HasSubstr(words)));
 }
 
 TEST(CameraFiles, OfOpenCVRosKalibrAndOurs) {
