@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <stdexcept>
 
 #include "block/defects.hpp"
@@ -232,16 +233,48 @@ class Calibrator {
     build(model);
     std::vector<std::string> names;
     for (const auto& view : views_) names.push_back(view.path);
-    return adjust::adjust_to_convergence(
-        model, options_.max_iterations, [&] { state_.fold(); }, [](adjust::PartitionedSystem&) {},
-        [&](const adjust::PartitionedSystem& linear, const adjust::ReducedSystem& reduced) {
-          try {
+    bool undetermined = false;
+    try {
+      return adjust::adjust_to_convergence(
+          model, options_.max_iterations, [&] { state_.fold(); }, [](adjust::PartitionedSystem&) {},
+          [&](const adjust::PartitionedSystem& linear, const adjust::ReducedSystem& reduced) {
+            undetermined = true;
             adjust::require_full_rank(linear, reduced, names, model.kept_labels());
-          } catch (const std::runtime_error& error) {
-            throw std::runtime_error(std::string(error.what()) +
-                                     "; photograph the board tilted, from several sides, and over the whole image");
-          }
-        });
+            undetermined = false;
+          });
+    } catch (const std::runtime_error& error) {
+      throw std::runtime_error(undetermined ? std::string(error.what()) +
+                                                  "; photograph the board tilted, from several sides, and over the "
+                                                  "whole image"
+                                            : no_convergence());
+    }
+  }
+
+  /// Angle of the board's normal against the line of sight [rad].
+  double tilt_of(size_t view) const {
+    const RigidTransform cam_from_board{state_.rotations[view],
+                                        {state_.poses[view][0], state_.poses[view][1], state_.poses[view][2]}};
+    const Eigen::Vector3d normal = state_.rotations[view] * Eigen::Vector3d::UnitZ();
+    const Eigen::Vector3d sight = cam_from_board * Eigen::Vector3d(middle_.x(), middle_.y(), 0);
+    return std::acos(std::clamp(std::abs(normal.dot(sight.normalized())), 0.0, 1.0));
+  }
+
+  std::string no_convergence() const {
+    std::vector<double> tilts;
+    for (size_t v = 0; v < views_.size(); ++v) tilts.push_back(tilt_of(v));
+    const double tilt = upper_median(tilts) * 180 / std::numbers::pi;
+    const std::string begin = "the adjustment does not converge: ";
+    if (!(tilt < 15))
+      return begin +
+             "the photographs do not show the board that its file describes, or the lens is none of this model (a "
+             "fisheye). Check type, columns, rows and lengths there";
+    char text[120];
+    std::snprintf(text, sizeof text, "half of the photographs look at the board within %.0f degrees of straight, ",
+                  tilt);
+    return begin + text +
+           "which does not tell the principal distance from the distance. Tilt the board by 30 to 50 degrees in half "
+           "of "
+           "them, in several directions";
   }
 
   Calibration result(const adjust::AdjustedBlock& block) const {
@@ -258,9 +291,7 @@ class Calibrator {
       CalibratedView view;
       view.view = static_cast<int>(v);
       view.cam_from_board = {state_.rotations[v], {state_.poses[v][0], state_.poses[v][1], state_.poses[v][2]}};
-      const Eigen::Vector3d normal = state_.rotations[v] * Eigen::Vector3d::UnitZ();
-      const Eigen::Vector3d sight = view.cam_from_board * Eigen::Vector3d(middle_.x(), middle_.y(), 0);
-      view.tilt = std::acos(std::clamp(std::abs(normal.dot(sight.normalized())), 0.0, 1.0));
+      view.tilt = tilt_of(v);
       c.views.push_back(view);
     }
     for (const auto& rows : block.linear.observations) {

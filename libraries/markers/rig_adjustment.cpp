@@ -278,6 +278,18 @@ class RigAdjuster {
     return squares;
   }
 
+  static std::string no_rig(int bad, int of, const std::string& camera, double together, double separate) {
+    char text[400];
+    std::snprintf(
+        text, sizeof text,
+        "(as a rig all fit to %.1f px in the median, each camera for itself to %.2f px): photographs with the "
+        "same number were not taken together, the cameras moved against each other, or cameras are mixed up",
+        together, separate);
+    if (bad == 0) return std::string("no places of the cameras to each other explain the photographs ") + text;
+    return std::to_string(bad) + " of " + std::to_string(of) + " photographs of camera " + camera +
+           " do not show the board where the rig has it " + text;
+  }
+
   /// A photograph that was not taken together with the others of its exposure does not fit; if most of a camera don't,
   /// this is no rig.
   void leave_out_what_disagrees(Problem& p, AdjustedRig& rig) const {
@@ -297,14 +309,8 @@ class RigAdjuster {
     }
     for (size_t c = 0; c < own.size() && rig.refused.empty(); ++c) {
       if (upper_median(rms) <= kWorse * separate && good[c] >= 3 && 2 * good[c] >= own[c]) continue;
-      char text[500];
-      std::snprintf(text, sizeof text,
-                    "%d of %d photographs of camera %s do not show the board where the rig has it (as a rig all fit to "
-                    "%.1f px in the median, each camera for itself to %.2f px): photographs with the same number were "
-                    "not taken together, the cameras moved against each other, or cameras are mixed up",
-                    own[c] - good[c], own[c], cameras_[static_cast<size_t>(p.members[c])].id.c_str(), upper_median(rms),
-                    separate);
-      rig.refused = text;
+      rig.refused =
+          no_rig(own[c] - good[c], own[c], cameras_[static_cast<size_t>(p.members[c])].id, upper_median(rms), separate);
     }
     if (!rig.refused.empty()) return;
     p.shots = std::move(kept);

@@ -270,5 +270,29 @@ TEST(Calibration, SaysWhatIsMissing) {
   EXPECT_THROW(calibrate(views, 1600, 1200, {}), std::runtime_error);
 }
 
+/// Photographs from one place straight at the board do not tell the principal distance, and noise then decides.
+TEST(Calibration, OfPhotographsThatLookStraightSaysSo) {
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> noise(0, 1);
+  std::vector<CalibrationView> views;
+  for (int k = 0; k < 6; ++k) {
+    const Eigen::Vector3d above(0.1 + 0.01 * (k % 3), -0.08 + 0.01 * (k % 4), 0);
+    const RigidTransform pose = look(above + Eigen::Vector3d(0, 0, 0.42), above, 0.01 * k);
+    CalibrationView view{std::to_string(k), {}};
+    for (int i = 0; i < 48; ++i) {
+      const Eigen::Vector3d board(0.025 * (i % 8), -0.025 * (i / 8), 0);
+      const Eigen::Vector2d pixel = *project(true_camera(), pose * board);
+      view.points.push_back({board, pixel + 1.5 * Eigen::Vector2d(noise(random), noise(random)), 0.1});
+    }
+    views.push_back(view);
+  }
+  try {
+    calibrate(views, 1600, 1200, {});
+    ADD_FAILURE() << "it converged";
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("of straight, which does not tell the principal distance"));
+  }
+}
+
 }  // namespace
 }  // namespace plumbline::markers
