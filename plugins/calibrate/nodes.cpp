@@ -63,7 +63,7 @@ CameraT artifact_of(const Calibrated& one, const std::string& id) {
 
 struct CalibrateBoard : Node {
   static constexpr Info info{
-      "calibrate.board", "", 3,
+      "calibrate.board", "", 4,
       "Calibrates cameras on photographs of a board: parameters, covariance, uncertainty over the image, rigs"};
   List<BoardPoints> points{"points", "the board's points in each photograph"};
   Param<std::vector<std::string>> free{
@@ -98,6 +98,7 @@ struct CalibrateBoard : Node {
           "the photographs are called " + suspects +
           ", each with the same numbers, and count as one camera's: cameras=by_name calibrates each by itself, "
           "cameras=one says that it is one");
+    refuse_wrong_board(photographs);
     CalibrationOptions options;
     options.free = *free, options.bend_sigma = *bend_sigma, options.reject_above = *reject_above;
     std::vector<Calibrated> all;
@@ -133,6 +134,20 @@ struct CalibrateBoard : Node {
   }
 
  private:
+  /// A board file that more photographs contradict than agree with: those that agree show too little of the board.
+  static void refuse_wrong_board(const std::vector<BoardPointsT>& photographs) {
+    const BoardPointsT* first = nullptr;
+    size_t against = 0, good = 0;
+    for (const auto& p : photographs) {
+      good += p.problem.empty(), against += p.contradicts;
+      if (p.contradicts && !first) first = &p;
+    }
+    if (against <= good) return;
+    throw std::runtime_error(std::to_string(against) + " of " + std::to_string(photographs.size()) +
+                             " photographs contradict the board file, " + std::to_string(good) + " agree with it. " +
+                             first->path + ": " + first->problem);
+  }
+
   Json document(const std::vector<Calibrated>& all, const CalibrationOptions& options, Context& context) const {
     if (all.size() == 1) return calibration_json(all[0].selection, all[0].calibration, all[0].halves);
     Json list = Json::array();

@@ -10,6 +10,7 @@
 #include <tuple>
 
 #include "detect/corner_refinement.hpp"
+#include "detect/one_thread.hpp"
 #include "images/grey_image.hpp"
 
 namespace plumbline::detect {
@@ -158,7 +159,7 @@ struct ArucoDetector::Impl {
 
 ArucoDetector::ArucoDetector(const TagDictionary& dictionary, const ArucoOptions& options)
     : impl_(std::make_unique<Impl>()) {
-  cv::setNumThreads(1);  // images are the unit of parallel work
+  keep_opencv_to_one_thread();
   impl_->dictionary = dictionary;
   impl_->options = options;
   impl_->codes = opencv_dictionary(dictionary);

@@ -12,6 +12,10 @@
 #include <stdexcept>
 
 #include "detect/aruco_detector.hpp"
+#include "detect/board_geometry.hpp"
+#include "detect/chessboard.hpp"
+#include "detect/one_thread.hpp"
+#include "detect/tag_grid.hpp"
 #include "images/grey_image.hpp"
 
 namespace plumbline::detect {
@@ -87,45 +91,6 @@ TagDictionary dictionary_of(const YAML::Node& root, const std::string& file, con
   }
 }
 
-double side(const std::array<Eigen::Vector2d, 4>& c) {
-  return 0.25 * ((c[0] - c[1]).norm() + (c[1] - c[2]).norm() + (c[2] - c[3]).norm() + (c[3] - c[0]).norm());
-}
-
-cv::Point2f point(const Eigen::Vector2d& p) { return {static_cast<float>(p.x()), static_cast<float>(p.y())}; }
-
-void refine(const cv::Mat& view, std::vector<cv::Point2f>& points, double spacing) {
-  const int window = std::clamp(static_cast<int>(0.25 * spacing), 2, 11);
-  cv::cornerSubPix(view, points, {window, window}, {-1, -1},
-                   cv::TermCriteria(cv::TermCriteria::EPS + cv::TermCriteria::COUNT, 60, 0.001));
-}
-
-SeenBoard find_chessboard(const cv::Mat& view, const Board& board) {
-  SeenBoard seen;
-  std::vector<cv::Point2f> corners;
-  const cv::Size size(board.columns, board.rows);
-  bool found =
-      cv::findChessboardCorners(view, size, corners, cv::CALIB_CB_ADAPTIVE_THRESH + cv::CALIB_CB_NORMALIZE_IMAGE);
-  if (!found)
-    found = cv::findChessboardCornersSB(view, size, corners, cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_EXHAUSTIVE);
-  if (!found) {
-    seen.problem = "no chessboard of " + std::to_string(board.columns) + " x " + std::to_string(board.rows) +
-                   " inner corners was found; the whole board has to be in the photograph, sharp, and columns and rows "
-                   "in the board file count inner corners";
-    return seen;
-  }
-  double spacing = 1e9;
-  for (size_t i = 1; i < corners.size(); ++i)
-    if (i % static_cast<size_t>(board.columns)) spacing = std::min(spacing, cv::norm(corners[i] - corners[i - 1]));
-  refine(view, corners, spacing);
-  for (size_t i = 0; i < corners.size(); ++i)
-    seen.points.push_back({static_cast<int>(i),
-                           {static_cast<double>(i % static_cast<size_t>(board.columns)) * board.square,
-                            -static_cast<double>(i / static_cast<size_t>(board.columns)) * board.square_y, 0},
-                           {static_cast<double>(corners[i].x), static_cast<double>(corners[i].y)},
-                           0.1});
-  return seen;
-}
-
 /// Centres of a ChArUco board's markers by id. `legacy`: the top left square holds a marker, as OpenCV before 4.6 drew
 /// boards with an even number of rows.
 std::map<int, Eigen::Vector2d> charuco_markers(const Board& board, bool legacy) {
@@ -136,19 +101,6 @@ std::map<int, Eigen::Vector2d> charuco_markers(const Board& board, bool legacy) 
       if ((row + column) % 2 == (legacy ? 0 : 1))
         centres[id++] = {(column + 0.5) * board.square, -(row + 0.5) * board.square};
   return centres;
-}
-
-Eigen::Matrix3d homography(const std::vector<cv::Point2f>& from, const std::vector<cv::Point2f>& to, int method) {
-  const cv::Mat h = cv::findHomography(from, to, method, 3);
-  if (h.empty()) return Eigen::Matrix3d::Constant(std::nan(""));
-  Eigen::Matrix3d m;
-  for (int r = 0; r < 3; ++r)
-    for (int c = 0; c < 3; ++c) m(r, c) = h.at<double>(r, c);
-  return m;
-}
-
-Eigen::Vector2d mapped(const Eigen::Matrix3d& h, const Eigen::Vector2d& p) {
-  return (h * p.homogeneous()).hnormalized();
 }
 
 /// Squares per unit of length: homographies work best near 1.
@@ -284,56 +236,6 @@ SeenBoard find_charuco(const GreyImage& image, const cv::Mat& view, const Board&
   return seen;
 }
 
-SeenBoard find_tags(const GreyImage& image, const Board& board) {
-  SeenBoard seen;
-  const double pitch = board.marker + board.gap, h = 0.5 * board.marker;
-  std::map<int, std::vector<DetectedTag>> by_id;
-  for (auto& tag : ArucoDetector(board.dictionary, {}).detect(image)) {
-    const int k = tag.id - board.first_id;
-    if (k >= 0 && k < board.columns * board.rows) by_id[k].push_back(std::move(tag));
-  }
-  std::string twice;
-  std::vector<cv::Point2f> from, to;  // centres, in units of the pitch
-  std::vector<const DetectedTag*> single;
-  for (const auto& [k, tags] : by_id) {
-    if (tags.size() > 1) {  // only one of them can be it
-      twice += (twice.empty() ? "" : ", ") + std::to_string(k + board.first_id);
-      continue;
-    }
-    const DetectedTag& tag = tags.front();
-    const int row = board.ids_from_bottom ? board.rows - 1 - k / board.columns : k / board.columns,
-              column = k % board.columns;
-    const Eigen::Vector3d centre(column * pitch, -row * pitch, 0);
-    const Eigen::Vector3d offsets[] = {{-h, -h, 0}, {h, -h, 0}, {h, h, 0}, {-h, h, 0}};
-    for (int c = 0; c < 4; ++c) {
-      const size_t i = static_cast<size_t>(c);
-      seen.points.push_back(
-          {4 * k + c, centre + offsets[i], tag.corners[i], std::sqrt(0.5 * tag.covariances[i].trace() + 0.1 * 0.1)});
-    }
-    single.push_back(&tag);
-    to.push_back(point(Eigen::Vector2d(centre.head<2>() / pitch)));
-    from.push_back(point(Eigen::Vector2d(0.25 * (tag.corners[0] + tag.corners[1] + tag.corners[2] + tag.corners[3]))));
-  }
-  if (single.size() < 2) {
-    seen.points.clear();
-    seen.problem = std::to_string(single.size()) + " of the board's " + std::to_string(board.columns * board.rows) +
-                   " tags were found" + (twice.empty() ? "" : " (without " + twice + ", found more than once)") +
-                   "; check dictionary and first_id";
-    return seen;
-  }
-  if (single.size() < 6) return seen;
-  const Eigen::Matrix3d onto_board = homography(from, to, 0);
-  if (!onto_board.allFinite()) return seen;
-  double ratio = 0;
-  for (const DetectedTag* tag : single) {
-    std::array<Eigen::Vector2d, 4> corners;
-    for (size_t k = 0; k < 4; ++k) corners[k] = mapped(onto_board, tag->corners[k]);
-    ratio += side(corners) / static_cast<double>(single.size());
-  }
-  if (std::isfinite(ratio)) seen.marker_ratio = ratio;
-  return seen;
-}
-
 }  // namespace
 
 std::string Board::words() const {
@@ -389,11 +291,14 @@ Board parse_board(const std::string& text, const std::string& file) {
 }
 
 SeenBoard find_board(const GreyImage& image, const Board& board) {
-  if (image.width < 32 || image.height < 32) return {{}, "the photograph is too small", std::nan("")};
-  cv::setNumThreads(1);
+  if (image.width < 32 || image.height < 32) {
+    SeenBoard seen;
+    seen.problem = "the photograph is too small";
+    return seen;
+  }
+  keep_opencv_to_one_thread();
   if (board.kind == BoardKind::chessboard) {
-    const cv::Mat view(image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.pixels.data()));
-    return find_chessboard(view, board);
+    return find_chessboard(image, board);
   }
   const auto find = [&](const GreyImage& grey) {
     const cv::Mat pixels(grey.height, grey.width, CV_8UC1, const_cast<std::uint8_t*>(grey.pixels.data()));

@@ -14,7 +14,7 @@
 namespace plumbline::detect {
 
 struct DetectBoard : Node {
-  static constexpr Info info{"detect.board", "", 3,
+  static constexpr Info info{"detect.board", "", 4,
                              "Finds a calibration board (chessboard, ChArUco or grid of tags) and measures its points"};
   Each<Image> images{"images", "photographs of the board"};
   Param<FilePath> board{"board", required, "board file (YAML); docs/photographs.md has an example of each kind"};
@@ -34,14 +34,15 @@ struct DetectBoard : Node {
       const GreyImage grey = read_grey_image(context.resolve(images->uri()->str()));
       result.width = grey.width, result.height = grey.height;
       const SeenBoard seen = find_board(grey, pattern);
-      result.problem = seen.problem, result.marker_ratio = seen.marker_ratio;
+      result.problem = seen.problem, result.marker_ratio = seen.marker_ratio, result.contradicts = seen.contradicts;
       for (const SeenPoint& p : seen.points) {
         auto point = std::make_unique<BoardPointT>();
         point->id = p.id, point->board = p.board, point->pixel = p.pixel, point->sigma = p.sigma;
         result.points.push_back(std::move(point));
       }
       check_pitch(pattern, board->path, seen, result);
-      if (!seen.problem.empty()) result.problem += why(grey, pattern);
+      if (!seen.problem.empty() && !seen.contradicts) result.problem += why(grey, pattern);
+      if (seen.contradicts) result.problem += " (" + board->path + ")";
     } catch (const ImageFileError& error) {
       result.problem = error.what();
     }
@@ -67,18 +68,20 @@ struct DetectBoard : Node {
     return reason.empty() ? "" : "; " + reason;
   }
 
-  /// Markers of another size against their squares or spacing than the file says: one of its two lengths is wrong.
+  /// Markers of another size against their squares or spacing than the file says: one of its two lengths is wrong. Blur
+  /// and ink move every edge of a tag, by up to half a pixel.
   static void check_pitch(const Board& pattern, const std::string& file, const SeenBoard& seen, BoardPointsT& result) {
     if (pattern.kind == BoardKind::chessboard || !std::isfinite(seen.marker_ratio)) return;
     const bool tags = pattern.kind == BoardKind::tags;
     const double stated = pattern.marker / (tags ? pattern.marker + pattern.gap : pattern.square);
-    if (std::abs(seen.marker_ratio / stated - 1) < (tags ? 0.04 : 0.06)) return;
+    const double limit = tags ? std::max(0.04, 1 / seen.marker_pixels) : 0.06;
+    if (std::abs(seen.marker_ratio / stated - 1) < limit) return;
     char text[200];
     std::snprintf(text, sizeof text, "the %s measure %.3f of %s, %.3f is in ", tags ? "tags" : "markers",
                   seen.marker_ratio, tags ? "their spacing" : "a square", stated);
     result.problem =
         text + file + (tags ? ": 'marker' or 'gap' there is wrong" : ": 'marker' or 'square' there is wrong");
-    result.points.clear();
+    result.points.clear(), result.contradicts = true;
   }
 };
 

@@ -3,7 +3,9 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
+#include <atomic>
 #include <random>
+#include <thread>
 
 #include "detect/board.hpp"
 #include "images/grey_image.hpp"
@@ -102,27 +104,82 @@ TEST(Board, OfAnOddNumberOfRowsIsFoundAsPrintedAlsoInNegative) {
   }
 }
 
+/// A tag of 24 px with its top left pixel at (x0, y0).
+void draw_tag(GreyImage& image, const detect::Board& board, int id, int x0, int y0) {
+  for (int y = 0; y < 24; ++y)
+    for (int x = 0; x < 24; ++x) {
+      const int row = y / 4 - 1, column = x / 4 - 1;
+      const bool code = row >= 0 && row < 4 && column >= 0 && column < 4;
+      const bool white =
+          code && board.dictionary.codes[static_cast<size_t>(id)][static_cast<size_t>(4 * row + column)] != 0;
+      image.pixels[static_cast<size_t>((y0 + y) * image.width + x0 + x)] = white ? 210 : 30;
+    }
+}
+
 /// Tags of 24 px in steps of 32; the spacing is measured, and a tag that is there twice is none.
 TEST(Board, OfTagsMeasuresTheirSpacingAndLeavesOutIdsThatAreTwice) {
   const auto board = detect::parse_board(
       "type: tags\ncolumns: 3\nrows: 3\nmarker: 0.024\ngap: 0.008\ndictionary: DICT_4X4_50\n", "b.yaml");
   GreyImage image{200, 160, std::vector<std::uint8_t>(200 * 160, 210)};
-  const auto draw = [&](int id, int x0, int y0) {
-    for (int y = 0; y < 24; ++y)
-      for (int x = 0; x < 24; ++x) {
-        const int row = y / 4 - 1, column = x / 4 - 1;
-        const bool code = row >= 0 && row < 4 && column >= 0 && column < 4;
-        const bool white =
-            code && board.dictionary.codes[static_cast<size_t>(id)][static_cast<size_t>(4 * row + column)] != 0;
-        image.pixels[static_cast<size_t>((y0 + y) * 200 + x0 + x)] = white ? 210 : 30;
-      }
-  };
-  for (int k = 0; k < 9; ++k) draw(k, 20 + 32 * (k % 3), 20 + 32 * (k / 3));
+  for (int k = 0; k < 9; ++k) draw_tag(image, board, k, 20 + 32 * (k % 3), 20 + 32 * (k / 3));
   const auto seen = detect::find_board(image, board);
   EXPECT_EQ(seen.points.size(), 36u);
   EXPECT_NEAR(seen.marker_ratio, 0.75, 0.01);
-  draw(4, 150, 100);
+  draw_tag(image, board, 4, 150, 100);
   EXPECT_EQ(detect::find_board(image, board).points.size(), 32u);
+}
+
+/// Tags of 24 px in steps of 30, five in a row, of which the board file knows four: no photograph says that alone, and
+/// neither does it mean that the lengths are wrong.
+TEST(Board, OfTagsInRowsOfAnotherLengthIsContradictedInWords) {
+  const auto board = detect::parse_board(
+      "type: tags\ncolumns: 4\nrows: 5\nmarker: 0.024\ngap: 0.006\ndictionary: DICT_4X4_50\n", "b.yaml");
+  GreyImage image{220, 220, std::vector<std::uint8_t>(220 * 220, 210)};
+  for (int k = 0; k < 25; ++k) draw_tag(image, board, k, 36 + 30 * (k % 5), 36 + 30 * (k / 5));
+  const auto seen = detect::find_board(image, board);
+  EXPECT_TRUE(seen.contradicts);
+  EXPECT_THAT(seen.problem, HasSubstr("not lie in rows of 4 as the board file has them, but in rows of 5: 'columns'"));
+  EXPECT_TRUE(seen.points.empty());
+  for (int k = 0; k < 25; ++k) draw_tag(image, board, k, 36 + 30 * ((7 * k) % 25 % 5), 36 + 30 * ((7 * k) % 25 / 5));
+  EXPECT_THAT(detect::find_board(image, board).problem, HasSubstr("check columns, rows and first_id"));
+}
+
+/// A chessboard of 7 x 5 squares of 24 px: 6 x 4 inner corners.
+GreyImage drawn_chessboard() {
+  GreyImage image{260, 220, std::vector<std::uint8_t>(260 * 220, 210)};
+  for (int y = 0; y < 120; ++y)
+    for (int x = 0; x < 168; ++x)
+      if ((x / 24 + y / 24) % 2 == 0) image.pixels[static_cast<size_t>((y + 50) * 260 + x + 46)] = 30;
+  return image;
+}
+
+TEST(Board, OfWhichTheSquaresWereCountedSaysSo) {
+  const auto squares = detect::parse_board("type: chessboard\ncolumns: 7\nrows: 5\nsquare: 0.024\n", "b.yaml");
+  const auto corners = detect::parse_board("type: chessboard\ncolumns: 6\nrows: 4\nsquare: 0.024\n", "b.yaml");
+  const auto seen = detect::find_board(drawn_chessboard(), squares);
+  EXPECT_TRUE(seen.contradicts);
+  EXPECT_THAT(seen.problem, HasSubstr("but one of at least 6 x 4 inner corners: columns and rows"));
+  const auto found = detect::find_board(drawn_chessboard(), corners);
+  ASSERT_EQ(found.points.size(), 24u) << found.problem;
+  for (const auto& p : found.points) {
+    const Eigen::Vector2d at(69.5 + 1000 * p.board.x(), 73.5 - 1000 * p.board.y());
+    EXPECT_LT((p.pixel - at).norm(), 0.1) << p.id;
+  }
+}
+
+/// The number of OpenCV's threads was set anew for each photograph, which ends the threads that another one works with.
+TEST(Board, IsLookedForByManyThreadsAtOnce) {
+  const auto board = detect::parse_board(
+      "type: charuco\ncolumns: 4\nrows: 5\nsquare: 0.032\nmarker: 0.024\ndictionary: DICT_4X4_50\n", "b.yaml");
+  const GreyImage image = drawn_charuco(board);
+  std::atomic<int> found = 0;
+  std::vector<std::thread> threads;
+  for (int t = 0; t < 4; ++t)
+    threads.emplace_back([&] {
+      for (int k = 0; k < 50; ++k) found += static_cast<int>(detect::find_board(image, board).points.size());
+    });
+  for (auto& thread : threads) thread.join();
+  EXPECT_EQ(found, 4 * 50 * 12);
 }
 
 /// Three cameras, a board that moves before them; images with noise of 0.1 px.

@@ -1,0 +1,30 @@
+// What the finders of boards with markers share.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+#include <opencv2/calib3d.hpp>
+
+namespace plumbline::detect {
+
+inline double side(const std::array<Eigen::Vector2d, 4>& c) {
+  return 0.25 * ((c[0] - c[1]).norm() + (c[1] - c[2]).norm() + (c[2] - c[3]).norm() + (c[3] - c[0]).norm());
+}
+
+inline cv::Point2f point(const Eigen::Vector2d& p) { return {static_cast<float>(p.x()), static_cast<float>(p.y())}; }
+
+inline Eigen::Matrix3d homography(const std::vector<cv::Point2f>& from, const std::vector<cv::Point2f>& to,
+                                  int method) {
+  const cv::Mat h = cv::findHomography(from, to, method, 3);
+  if (h.empty()) return Eigen::Matrix3d::Constant(std::nan(""));
+  Eigen::Matrix3d m;
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c) m(r, c) = h.at<double>(r, c);
+  return m;
+}
+
+inline Eigen::Vector2d mapped(const Eigen::Matrix3d& h, const Eigen::Vector2d& p) {
+  return (h * p.homogeneous()).hnormalized();
+}
+
+}  // namespace plumbline::detect
