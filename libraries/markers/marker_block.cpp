@@ -445,6 +445,21 @@ MarkerResult adjust_without_worst(const MarkerBlock& block, const MarkerOptions&
   }
 }
 
+/// Neighbours share what one of them is off by, so only the one whose rotation has by far the largest residual is the
+/// one; -1 if others have nearly the same.
+int most_contradicted(const std::map<int, TagOffLayout>& off, double nearly) {
+  int worst = -1;
+  double largest = 0, second = 0;
+  for (const auto& [marker, tag] : off) {
+    if (tag.contradiction > largest)
+      worst = marker, second = largest;
+    else
+      second = std::max(second, tag.contradiction);
+    largest = std::max(largest, tag.contradiction);
+  }
+  return second < nearly * largest ? worst : -1;
+}
+
 /// Tags that were moved or turned since their layout was made would pull the frame along. The layout's places of those
 /// that are furthest off are left out as long as most of the tags stay, and the rest is adjusted again.
 MarkerResult adjust_to_layout(const MarkerBlock& block, const MarkerOptions& options) {
@@ -457,11 +472,15 @@ MarkerResult adjust_to_layout(const MarkerBlock& block, const MarkerOptions& opt
   for (const int marker : left_out) used.markers[static_cast<size_t>(marker)].world_from_tag.reset();
   for (;;) {
     const auto off = tags_off_layout(used, options, result);
-    double furthest = 0;
+    double furthest = 1;
     for (const auto& [marker, tag] : off) furthest = std::max(furthest, tag.excess);
     std::set<int> next = left_out;
     for (const auto& [marker, tag] : off)
-      if (tag.excess >= as_far * furthest) next.insert(marker);
+      if (tag.excess > 1 && tag.excess >= as_far * furthest) next.insert(marker);
+    if (next == left_out) {
+      const int worst = most_contradicted(off, as_far);
+      if (worst >= 0) next.insert(worst);
+    }
     if (next == left_out || 2 * next.size() >= seen.size()) break;
     left_out = next;
     for (const int marker : left_out) used.markers[static_cast<size_t>(marker)].world_from_tag.reset();

@@ -1,5 +1,6 @@
 #include "markers/marker_words.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -79,6 +80,23 @@ Eigen::Vector3d median_of(const std::vector<Eigen::Vector3d>& places) {
   return result;
 }
 
+/// Normalised residual of the layout's rotation of a tag: what the adjustment turns it by, over the standard deviation
+/// that this has if the layout is right. Where a neighbour alone speaks against a tag both are turned by a part of what
+/// one of them is off, so the angle itself says little. 0 where the rotation took no part.
+double contradiction(const Marker& marker, const MarkerOptions& options, const MarkerResult& result, int m) {
+  for (const auto& adjusted : result.markers) {
+    if (adjusted.marker != m) continue;
+    const Eigen::AngleAxisd turn(adjusted.world_from_tag.rotation * marker.world_from_tag->rotation.conjugate());
+    const double variance = options.layout_rotation_sigma * options.layout_rotation_sigma;
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> cofactor(variance * Eigen::Matrix3d::Identity() -
+                                                                  adjusted.rotation_covariance);
+    const Eigen::Vector3d along = cofactor.eigenvectors().transpose() * (turn.angle() * turn.axis());
+    const Eigen::Vector3d of = cofactor.eigenvalues().cwiseMax(0.01 * variance);
+    return std::sqrt(along.cwiseAbs2().cwiseQuotient(of).sum());
+  }
+  return 0;
+}
+
 }  // namespace
 
 std::map<int, TagOffLayout> tags_off_layout(const MarkerBlock& block, const MarkerOptions& options,
@@ -100,7 +118,8 @@ std::map<int, TagOffLayout> tags_off_layout(const MarkerBlock& block, const Mark
                  by_angle = tag.angle / (limit * std::max(options.layout_rotation_sigma, seen.angle_sigma));
     tag.excess = std::max(by_distance, by_angle);
     tag.moved = by_distance > 1, tag.turned = by_angle > 1;
-    if (tag.excess > 1) off[m] = tag;
+    tag.contradiction = contradiction(marker, options, result, m) / limit;
+    if (std::max(tag.excess, tag.contradiction) > 1) off[m] = tag;
   }
   return off;
 }

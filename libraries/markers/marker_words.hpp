@@ -18,10 +18,12 @@ struct TagOffLayout {
   double angle = 0;           ///< [rad]
   bool about_normal = false;  ///< turned in its plane, else tilted
   double excess = 0;          ///< the larger of distance and angle, in what is allowed
+  double contradiction = 0;   ///< normalised residual of the layout's rotation, in what is allowed
   bool moved = false, turned = false;
 };
 /// By marker: those that are off by five standard deviations of the layout's places and half their size, or by five of
-/// its rotations, and by more than the photographs are uncertain.
+/// its rotations, and by more than the photographs are uncertain, or whose rotation in the layout has a normalised
+/// residual above five.
 std::map<int, TagOffLayout> tags_off_layout(const MarkerBlock& block, const MarkerOptions& options,
                                             const MarkerResult& result);
 /// Names them, and which were exchanged. `left_out`: markers whose place in the layout took no part. Throws

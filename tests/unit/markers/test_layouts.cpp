@@ -101,6 +101,26 @@ TEST(MarkerBlock, ATagThatTheLayoutTurnsIsNamedAndDoesNotPullTheFrame) {
   EXPECT_THAT(adjust_marker_block(turned({{3, {0.05, x}}, {6, {0.04, z}}}), {}).warnings, testing::IsEmpty());
 }
 
+/// What the layout tilts a tag by is shared between it and its neighbours where these are all that contradict it.
+TEST(MarkerBlock, ATiltThatTwoNeighboursContradictIsNamed) {
+  Scene s = scene(0.1, 5);
+  for (size_t m = 0; m < s.tags.size(); ++m) s.block.markers[m].world_from_tag = s.tags[m];
+  s.block.cameras[0].camera = true_camera();
+  s.block.cameras[0].held = true;
+  std::erase_if(s.block.views, [](const MarkerView& v) { return (v.marker >= 6 && v.marker <= 8) != (v.image <= 2); });
+  EXPECT_THAT(adjust_marker_block(s.block, {}).warnings, testing::Not(testing::Contains(HasSubstr("the layout"))));
+  s.block.markers[6].world_from_tag->rotation =
+      s.tags[6].rotation * Eigen::Quaterniond(Eigen::AngleAxisd(8 * M_PI / 180, Eigen::Vector3d::UnitY()));
+  const MarkerResult result = adjust_marker_block(s.block, {});
+  EXPECT_THAT(result.warnings, testing::Contains(HasSubstr("tag 6 is tilted by 8 degrees")));
+  EXPECT_THAT(result.warnings, testing::Not(testing::Contains(HasSubstr("tag 7 is tilted by"))));
+  for (size_t i = 0; i < 3; ++i)
+    EXPECT_LT((result.images[i].centre - s.images[i].inverse().translation).norm(), 0.06) << i;
+  // Of two, nothing says which is tilted, and both keep their places.
+  std::erase_if(s.block.views, [](const MarkerView& v) { return v.marker == 8; });
+  EXPECT_THAT(adjust_marker_block(s.block, {}).warnings, testing::Not(testing::Contains(HasSubstr("takes no part"))));
+}
+
 TEST(MarkerBlock, NamesTagsThatAreExchangedInTheLayout) {
   Scene s = scene(0.1, 5);
   for (size_t m = 0; m < s.tags.size(); ++m) s.block.markers[m].world_from_tag = s.tags[m];
