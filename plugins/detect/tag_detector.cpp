@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "detect/corner_refinement.hpp"
+#include "detect/likeness.hpp"
 #include "detect/tag_family.hpp"
 #include "detect/tag_pyramid.hpp"
 #include "images/grey_image.hpp"
@@ -70,6 +71,7 @@ struct TagDetector::Impl {
   DetectorOptions options;
   std::vector<TagFamily> families;         // before the detector: its destruction frees their tables
   std::unique_ptr<TagPyramid> small_tags;  // those that automatic decimation loses
+  std::vector<SquareFamily> weak;          // those whose codes many squares of a scene are read as
   std::unique_ptr<apriltag_detector_t, void (*)(apriltag_detector_t*)> detector{apriltag_detector_create(),
                                                                                 apriltag_detector_destroy};
 
@@ -80,6 +82,10 @@ struct TagDetector::Impl {
       apriltag_family_t* family = families.back().get();
       apriltag_detector_add_family_bits(detector.get(), family,
                                         affordable_bits_corrected(*family, options.bits_corrected));
+    }
+    for (const std::string& name : options.families) {
+      const SquareFamily family = apriltag_square_family(name);
+      if (chance_of(family) >= kWeakChance) weak.push_back(family);
     }
     detector->nthreads = 1;  // images are the unit of parallel work
     detector->refine_edges = true;
@@ -93,6 +99,27 @@ struct TagDetector::Impl {
     std::vector<SquareFamily> squares;
     for (const std::string& name : options.families) squares.push_back(apriltag_square_family(name));
     small_tags = std::make_unique<TagPyramid>(std::move(squares), search);
+  }
+
+  double chance_of(const SquareFamily& family) const {
+    return chance_of_code(family.codes.size(), family.cells.size(),
+                          std::min(options.max_hamming, options.bits_corrected));
+  }
+
+  /// Tags of weak families have to look like their drawing.
+  void leave_out_unlike(const GreyImage& image, std::vector<DetectedTag>& tags) const {
+    std::vector<const std::uint8_t*> rows;
+    for (int y = 0; y < image.height; ++y)
+      rows.push_back(image.pixels.data() + static_cast<std::ptrdiff_t>(y) * image.width);
+    const PixelRows pixels{0, image.width, 0, image.height, rows.data()};
+    for (const SquareFamily& family : weak) {
+      const LikenessLimit limit = likeness_limit(chance_of(family));
+      std::erase_if(tags, [&](const DetectedTag& tag) {
+        const auto at = std::find(family.ids.begin(), family.ids.end(), tag.id);
+        return tag.family == family.name && at != family.ids.end() &&
+               !limit.holds(likeness(pixels, tag.corners, family, static_cast<size_t>(at - family.ids.begin())));
+      });
+    }
   }
 };
 
@@ -144,6 +171,7 @@ std::vector<DetectedTag> TagDetector::detect(const GreyImage& image) {
       tags[k].refined = true;
     }
   }
+  if (!impl_->weak.empty()) impl_->leave_out_unlike(image, tags);
   std::sort(tags.begin(), tags.end(), [](const DetectedTag& a, const DetectedTag& b) {
     const auto key = [](const DetectedTag& t) {
       return std::make_tuple(t.family, t.id, t.corners[0].x(), t.corners[0].y());

@@ -8,6 +8,7 @@
 
 #include "detect/aruco_detector.hpp"
 #include "detect/corner_refinement.hpp"
+#include "detect/square_code.hpp"
 #include "detect/tag_detector.hpp"
 #include "detect/tag_family.hpp"
 #include "tag_rendering.hpp"
@@ -380,6 +381,28 @@ GreyImage drawn(const TagDictionary& dictionary, std::size_t index, int cell, bo
 }
 
 /// Nearly every tag of another dictionary can be read as some code of 3 x 3 cells; it does not look like it.
+/// One square in thirty is read as one of tag16h5. Cells of two colours are none of a tag's.
+TEST(Detector, LeavesOutWhatDoesNotLookLikeATagOfAWeakFamily) {
+  const detect::SquareFamily family = detect::apriltag_square_family("tag16h5");
+  DetectorOptions options;
+  options.families = {"tag16h5"};
+  for (const bool sound : {true, false}) {
+    GreyImage image{200, 200, std::vector<std::uint8_t>(200 * 200, 220)};
+    const auto fill = [&](int x0, int y0, int width, int height, std::uint8_t value) {
+      for (int y = y0; y < y0 + height; ++y)
+        for (int x = x0; x < x0 + width; ++x) image.pixels[static_cast<size_t>(200 * y + x)] = value;
+    };
+    fill(40, 40, 120, 120, 30);
+    for (size_t bit = 0; bit < family.cells.size(); ++bit) {
+      const auto [column, row] = family.cells[bit];
+      const bool white = (family.codes[7] >> (family.cells.size() - 1 - bit)) & 1;
+      fill(40 + 20 * column, 40 + 20 * row, 20, 20, white ? 220 : 30);
+      if (!sound) fill(40 + 20 * column, 40 + 20 * row, 20, 6, white ? 30 : 220);
+    }
+    EXPECT_EQ(TagDetector(options).detect(image).size(), sound ? 1u : 0u);
+  }
+}
+
 TEST(ArucoDetector, LeavesOutWhatDoesNotLookLikeItsTag) {
   const TagDictionary weak = detect::builtin_dictionary("DICT_3X3_32"),
                       other = detect::builtin_dictionary("DICT_4X4_50");
