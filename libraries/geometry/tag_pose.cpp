@@ -123,13 +123,14 @@ class Estimator {
         step = damped.ldlt().solve(here.right());
         if (!step.allFinite()) return pose;
         const RigidTransform trial = moved(pose, step);
+        if (step.norm() < tolerance * (1 + pose.translation.norm())) return trial;  // too short to be looked at
         // With its derivatives: most steps are taken, and then these are the next equations.
         better =
             assemble(chosen, weights, trial, there) && there.sum_of_squares() <= here.sum_of_squares() * (1 + 1e-12);
         if (better) pose = trial, std::swap(here, there);
         damping = better ? std::max(damping * 0.1, 1e-12) : damping * 10;
       }
-      if (!better || step.norm() < tolerance * (1 + pose.translation.norm())) return pose;
+      if (!better) return pose;
     }
     return pose;
   }

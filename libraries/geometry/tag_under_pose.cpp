@@ -4,6 +4,8 @@
 #include <limits>
 #include <numbers>
 
+#include "geometry/vectors.hpp"
+
 namespace plumbline {
 namespace {
 
@@ -26,6 +28,33 @@ Matrix36 by_products(const Eigen::Vector3d& c, double sigma) {
     columns.col(3 + i) = 0.5 * (c(j) * Eigen::Vector3d::Unit(i) + c(i) * Eigen::Vector3d::Unit(j));
   }
   return sigma * sigma * columns;
+}
+
+/// L⁻¹ rows, then sums += rowsᵀ rows; 8 × 8 row by row each, of the sums the first seven rows.
+PLUMBLINE_CLONES
+void whiten_and_add(const double* lower, const double* inverse, double* rows, double* sums) {
+  for (int r = 0; r < 8; ++r) {
+    double* own = rows + 8 * r;
+    V4 left = load<V4>(own), right = load<V4>(own + 4);
+    for (int k = 0; k < r; ++k) {
+      const double factor = lower[8 * r + k];
+      left -= factor * load<V4>(rows + 8 * k);
+      right -= factor * load<V4>(rows + 8 * k + 4);
+    }
+    store<V4>(own, left * inverse[r]);
+    store<V4>(own + 4, right * inverse[r]);
+  }
+  for (int c = 0; c < 7; ++c) {
+    double* to = sums + 8 * c;
+    V4 left = load<V4>(to), right = load<V4>(to + 4);
+    for (int r = 0; r < 8; ++r) {
+      const double factor = rows[8 * r + c];
+      left += factor * load<V4>(rows + 8 * r);
+      right += factor * load<V4>(rows + 8 * r + 4);
+    }
+    store<V4>(to, left);
+    store<V4>(to + 4, right);
+  }
 }
 
 }  // namespace
@@ -53,9 +82,7 @@ void PoseEquations::add(const ProjectedTag& tag, const TagWeight& weight) {
   }
   rows.col(6) = tag.residuals;
   rows.col(7).setZero();
-  weight.whiten(rows);
-  for (int r = 0; r < 8; ++r)
-    for (int c = 0; c < 7; ++c) sums.row(c) += rows(r, c) * rows.row(r);
+  whiten_and_add(weight.lower_.data(), weight.inverse_.data(), rows.data(), sums.data());
 }
 
 TagInWorld::TagInWorld(const TagView& view, double sigma)

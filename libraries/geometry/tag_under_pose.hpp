@@ -26,6 +26,8 @@ struct MatrixPose {
   Eigen::Vector3d translation;
 };
 
+struct PoseEquations;
+
 /// Factor of the covariance of a tag's residuals.
 class TagWeight {
  public:
@@ -42,6 +44,7 @@ class TagWeight {
   }
 
  private:
+  friend struct PoseEquations;
   Eigen::Matrix<double, 8, 8, Eigen::RowMajor> lower_;  ///< L below its diagonal
   Eigen::Matrix<double, 8, 1> inverse_;                 ///< of the diagonal
 };

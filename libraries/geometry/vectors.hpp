@@ -1,0 +1,29 @@
+// Vectors of the compiler, not of the instruction set: what a processor lacks is done in halves, with the same bits.
+#pragma once
+
+#if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__) || !defined(__x86_64__)
+#define PLUMBLINE_CLONES
+#else
+#define PLUMBLINE_CLONES __attribute__((target_clones("avx2", "default")))
+#endif
+#define PLUMBLINE_INLINE inline __attribute__((always_inline))
+
+namespace plumbline {
+
+#pragma GCC diagnostic ignored "-Wpsabi"  // everything that takes or returns one is inlined
+typedef double V4 __attribute__((vector_size(32)));
+typedef double V2 __attribute__((vector_size(16)));
+
+template <typename V>
+PLUMBLINE_INLINE V load(const double* from) {  // from any address
+  V value;
+  __builtin_memcpy(&value, from, sizeof value);
+  return value;
+}
+
+template <typename V>
+PLUMBLINE_INLINE void store(double* to, const V& value) {
+  __builtin_memcpy(to, &value, sizeof value);
+}
+
+}  // namespace plumbline
