@@ -246,7 +246,8 @@ bool compare(const char* name, const Made& made) {
   if (free_motions(made.problem) > 0) return std::abs(difference) < 1e-9;  // no datum: nothing to invert
   elimination.build(ours.back().state);
   if (!elimination.factorise({})) return false;
-  const Cofactors cofactors(made.problem, layout, ours.back().state, elimination, {});
+  const Cofactors cofactors(made.problem, layout, ours.back().state, elimination, {},
+                            elimination.factor().inverse_factor());
   const auto own = cofactors.all_own();
   std::vector<int> anchors;
   for (int j = 0; j < std::min(300, points); ++j)

@@ -148,6 +148,8 @@ std::vector<RowStatistics> row_statistics(const Eigen::Ref<const Eigen::MatrixXd
                                           const Eigen::Ref<const Eigen::VectorXd>& whitened,
                                           const Eigen::Ref<const Eigen::MatrixXd>& residual_cofactors, double delta0) {
   constexpr int few = 8;  // a tag's: no memory of their own
+  if (whitened.size() == few)
+    return statistics_of<Eigen::Matrix<double, few, few>>(whitening, whitened, residual_cofactors, delta0);
   if (whitened.size() > few) return statistics_of<Eigen::MatrixXd>(whitening, whitened, residual_cofactors, delta0);
   return statistics_of<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, few, few>>(whitening, whitened,
                                                                                            residual_cofactors, delta0);

@@ -87,7 +87,8 @@ std::vector<int> find_blunders(const TagBlockOptions& options, const TagStart& s
     how.max_iterations = options.max_iterations;
     how.threads = options.threads;
     how.loss = loss_of(options.loss, options.loss_scale * std::sqrt(8.0) * unit);
-    how.function_tolerance = 1e-7;  // what is left is far below the noise of one tag
+    // What is left is far below the noise of one tag, or nothing: then the next linearisation is at the minimum.
+    how.function_tolerance = options.refine_robust ? 1e-12 : 1e-7;
     options.minimiser(model.problem, model.state, how);
     const double before = std::exchange(unit, std::max(1.0, upper_median(tag_misfits(model))));
     if (unit == before) break;  // the loss would be the same again
@@ -125,6 +126,7 @@ Solved solve(const TagBlockOptions& options, const bundle::Layout& layout, TagMo
   how.minimise.threads = options.threads;
   how.minimiser = options.minimiser;
   if (options.free_network) how.datum = bundle::inner_datum(model.problem, layout, bundle::free_motions(model.problem));
+  how.nearby = 1e-4;
   how.with_cofactors = false;                                                     // of the last step only
   how.start_is_near = options.refine_robust && options.loss != RobustLoss::none;  // find_blunders() has been there
   Solved solved;
@@ -141,10 +143,15 @@ Solved solve(const TagBlockOptions& options, const bundle::Layout& layout, TagMo
     double& sigma = model.problem.groups[group_images].sigma_factor;
     const double next = std::clamp(sigma * std::sqrt(factor), 0.05, 1000.0);
     if (next == sigma || step + 1 == max_variance_steps) break;
-    sigma = next;
+    const double change = std::exchange(sigma, next) / next;
+    if (std::abs(change - 1) < 0.1) {
+      bundle::follow(model.problem, layout, how, solved.adjusted);
+      model.state = solved.adjusted.state;
+    }
   }
-  solved.adjusted.cofactors = std::make_unique<bundle::Cofactors>(model.problem, layout, solved.adjusted.state,
-                                                                  *solved.adjusted.elimination, how.datum);
+  solved.adjusted.cofactors =
+      std::make_unique<bundle::Cofactors>(model.problem, layout, solved.adjusted.state, *solved.adjusted.elimination,
+                                          how.datum, solved.adjusted.inverse_factor);
   solved.reliability = bundle::reliability_of(model.problem, solved.adjusted);
   return solved;
 }

@@ -30,7 +30,10 @@ Eigen::MatrixXd constraints_of(const Problem& problem, const Layout& layout, con
   return qr.householderQ() * Eigen::MatrixXd::Identity(kept.rows(), kept.cols());
 }
 
-double smallest_eigenvalue(const Cholesky& factor, Eigen::Index n, Eigen::VectorXd& vector) {
+/// By inverse iteration. Given up where no doubt is left that it is above `enough`: four steps raise the part of a
+/// vector that belongs to a 10⁴ times smaller value by 10¹⁶.
+double smallest_eigenvalue(const Cholesky& factor, Eigen::Index n, Eigen::VectorXd& vector,
+                           double enough = std::numeric_limits<double>::infinity()) {
   vector.resize(n);
   for (Eigen::Index i = 0; i < n; ++i) vector(i) = 1 + 0.3 * std::sin(1.7 * static_cast<double>(i + 1));
   double value = 1;
@@ -38,6 +41,7 @@ double smallest_eigenvalue(const Cholesky& factor, Eigen::Index n, Eigen::Vector
     vector.normalize();
     factor.solve_in_place(vector);
     value = 1 / vector.norm();
+    if (step == 3 && value > enough) break;
   }
   vector.normalize();
   return value;
@@ -197,7 +201,8 @@ bool require_determined(const Problem& problem, const Layout& layout, const Stat
   const Eigen::MatrixXd constraints = constraints_of(problem, layout, state, elimination, datum);
   const bool factorised = elimination.factorise(constraints);
   Eigen::VectorXd weakest;
-  if (factorised && smallest_eigenvalue(elimination.factor(), n, weakest) > 2 * rank_tolerance) return true;
+  constexpr double limit = 2 * rank_tolerance;
+  if (factorised && smallest_eigenvalue(elimination.factor(), n, weakest, 1e4 * limit) > limit) return true;
   const Eigen::MatrixXd scaled = elimination.scaled_matrix(constraints);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> spectrum(scaled);
   std::string message;
@@ -221,22 +226,32 @@ class Refinement {
   Refinement(const Problem& problem, const Layout& layout, const State& start, const AdjustOptions& options)
       : problem_(problem), layout_(layout), start_(start), options_(options) {}
 
-  /// False if the steps do not get smaller; then `state` is where they led, with the elimination there.
+  /// False if the steps do not get smaller; then `state` is where they led. The elimination is one at the state, or so
+  /// near that its factors are those there.
   bool run(State& state, Elimination& elimination) {
     double last = std::numeric_limits<double>::infinity();
-    for (steps_ = 0; steps_ < most; ++steps_) {
+    for (steps_ = 0; steps_ < most;) {
       if (!elimination.build(state) || !factorise(state, elimination)) return false;
+      sum_of_squares_ = elimination.sum_of_squares();
       const Eigen::VectorXd step = elimination.step();
       const double size = largest_step(elimination, step);
       if (size < smallest) return true;
       if (!step.allFinite() || (size > 100 && size > 10 * last)) return false;
       last = size;
+      ++steps_;
+      const double moved = std::sqrt(std::max(0.0, step.dot(elimination.right())));
       move(step, state);
-      correct(elimination, size, state);
+      if (correct(elimination, size, moved, state)) return true;
     }
     return false;
   }
+  /// From a state nearby; nothing if the steps do not get smaller.
+  void follow(const Elimination& elimination, State& state) {
+    correct(elimination, std::numeric_limits<double>::infinity(), 0, state);
+  }
+
   int steps() const { return steps_; }
+  double sum_of_squares() const { return sum_of_squares_; }
 
  private:
   static constexpr int most = 30;
@@ -253,18 +268,22 @@ class Refinement {
     restore_datum(problem_, layout_, options_.datum, start_, state);
   }
 
-  /// Further steps with the same factors, as long as each is far smaller than the one before: they cost a tenth of one
-  /// with its own, and over the small way that is left the derivatives hardly change.
-  void correct(const Elimination& elimination, double size, State& state) {
+  /// Further steps with the same factors, as long as each is far smaller than the one before: they cost a fifth of one
+  /// with its own, and over the small way that is left the derivatives hardly change. True if they lead to the minimum
+  /// and that is nearby; `moved` is how far the first one led.
+  bool correct(const Elimination& elimination, double size, double moved, State& state) {
     constexpr double contraction = 0.2;
     Eigen::VectorXd right;
-    while (size >= 0.1 * smallest && elimination.gradient(state, right)) {
+    while (size >= 0.1 * smallest) {
+      if (!elimination.gradient(state, right, sum_of_squares_)) return false;
       const Eigen::VectorXd step = elimination.step(right);
       const double next = largest_step(elimination, step);
-      if (!(next < contraction * size)) return;
+      if (!(next < contraction * size)) return next < smallest && moved < options_.nearby;
+      moved += std::sqrt(std::max(0.0, step.dot(right)));
       move(step, state);
       size = next;
     }
+    return moved < options_.nearby;
   }
 
   const Problem& problem_;
@@ -272,9 +291,15 @@ class Refinement {
   const State& start_;
   const AdjustOptions& options_;
   int steps_ = 0;
+  double sum_of_squares_ = 0;
 };
 
 }  // namespace
+
+void follow(const Problem& problem, const Layout& layout, const AdjustOptions& options, Adjusted& adjusted) {
+  const State start = adjusted.state;
+  Refinement(problem, layout, start, options).follow(*adjusted.elimination, adjusted.state);
+}
 
 Adjusted adjust(const Problem& problem, const Layout& layout, const State& start, const AdjustOptions& options) {
   problem.require_consistent();
@@ -306,9 +331,11 @@ Adjusted adjust(const Problem& problem, const Layout& layout, const State& start
                              "camera model; a wrong number or a bad approximate pose");
   if (!found)
     fail_to_converge(problem, layout, result.state, elimination, options.datum, result.iterations, summary.message);
-  result.sum_of_squares = elimination.sum_of_squares();
+  result.sum_of_squares = refinement.sum_of_squares();
+  result.inverse_factor = elimination.factor().inverse_factor();
   if (options.with_cofactors)
-    result.cofactors = std::make_unique<Cofactors>(problem, layout, result.state, elimination, options.datum);
+    result.cofactors =
+        std::make_unique<Cofactors>(problem, layout, result.state, elimination, options.datum, result.inverse_factor);
   return result;
 }
 
@@ -351,17 +378,16 @@ double observed_variance(const Problem& problem, const Layout& layout, const Adj
   add(problem.image_tags);
   add(problem.distances);
   const Elimination& elimination = *adjusted.elimination;
-  const Eigen::MatrixXd inverse_factor =
-      elimination.kept_count() > 0 ? elimination.factor().inverse_factor() : Eigen::MatrixXd();
   std::unique_ptr<Cofactors> all;  // only if a term knows an eliminated block
   for (size_t k = 0; k < problem.known.size(); ++k) {
     const KnownRows term = evaluate(problem, layout, adjusted.state, problem.known[k]);
     redundancy -= static_cast<double>(term.residual.size());
     if (std::all_of(term.blocks.begin(), term.blocks.end(), [&](int b) { return elimination.eliminated(b) < 0; })) {
-      redundancy += trace_of_adjusted(layout, elimination, inverse_factor, term);
+      redundancy += trace_of_adjusted(layout, elimination, adjusted.inverse_factor, term);
       continue;
     }
-    if (!all) all = std::make_unique<Cofactors>(problem, layout, adjusted.state, elimination, datum);
+    if (!all)
+      all = std::make_unique<Cofactors>(problem, layout, adjusted.state, elimination, datum, adjusted.inverse_factor);
     redundancy += static_cast<double>(term.residual.size()) - all->known(adjusted.state, k).residual_cofactor.trace();
   }
   return redundancy > 1e-6 ? squares / redundancy : 0;

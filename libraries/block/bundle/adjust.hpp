@@ -49,6 +49,9 @@ struct AdjustOptions {
   /// Undamped steps are tried first, the minimiser only where they lead nowhere.
   bool start_is_near = false;
   bool is_determined = false;  ///< somebody saw that all unknowns are
+  /// The last linearisation is kept if no linear function of the unknowns moves by more than this many of its standard
+  /// deviations from there to the minimum. 0: it is at the minimum.
+  double nearby = 0;
   bool with_cofactors = true;  ///< Adjusted::cofactors is filled
 };
 
@@ -56,7 +59,8 @@ struct AdjustOptions {
 struct Adjusted {
   State state;
   int iterations = 0;
-  std::unique_ptr<Elimination> elimination;  ///< at the state
+  std::unique_ptr<Elimination> elimination;  ///< at the state, or AdjustOptions::nearby
+  Eigen::MatrixXd inverse_factor;            ///< L⁻¹ of its factor
   std::unique_ptr<Cofactors> cofactors;
   int rows = 0, unknowns = 0, defect = 0;
   int redundancy() const { return rows - unknowns + defect; }
@@ -67,6 +71,10 @@ struct Adjusted {
 /// from converging: a motion or a combination of unknowns that the observations hardly fix, or the images and bodies at
 /// which most of the misfit is, which is where a bad start shows.
 Adjusted adjust(const Problem& problem, const Layout& layout, const State& start, const AdjustOptions& options);
+
+/// Takes adjusted.state to the minimum of a problem that has changed a little, weights by some percent, with the
+/// factors there are. They stay as they were.
+void follow(const Problem& problem, const Layout& layout, const AdjustOptions& options, Adjusted& adjusted);
 
 /// Throws std::runtime_error if the linearised block is not of full rank: images whose pose and points whose position
 /// is undetermined by name, similarity motions in words, any other null vector by the unknowns with the largest part in

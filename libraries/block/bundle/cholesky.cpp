@@ -1,13 +1,13 @@
 #include "block/bundle/cholesky.hpp"
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 
 #include "block/bundle/kernels.hpp"
 
 namespace plumbline::bundle {
 namespace {
 
-constexpr Eigen::Index panel = 64;
+constexpr Eigen::Index panel = 32;
 
 }  // namespace
 
@@ -16,21 +16,28 @@ bool Cholesky::compute(Eigen::MatrixXd lower) {
   const Eigen::Index n = factor_.rows();
   for (Eigen::Index at = 0; at < n; at += panel) {
     const Eigen::Index width = std::min(panel, n - at), rest = n - at - width;
-    auto corner = factor_.block(at, at, width, width);
-    const Eigen::LLT<Eigen::MatrixXd> small(corner);
-    if (small.info() != Eigen::Success || !small.matrixLLT().diagonal().allFinite()) return false;
-    corner = small.matrixLLT();
+    double* corner = &factor_(at, at);
+    if (!factor_lower(static_cast<int>(width), corner, n)) return false;
     if (rest == 0) return true;
-    auto below = factor_.block(at + width, at, rest, width);
-    corner.triangularView<Eigen::Lower>().transpose().solveInPlace<Eigen::OnTheRight>(below);
+    const double* below = corner + width;
+    solve_right(static_cast<int>(width), corner, n, static_cast<int>(rest), corner + width, n);
     subtract_product(&factor_(at + width, at + width), n, static_cast<int>(rest), static_cast<int>(rest),
-                     static_cast<int>(width), {below.data(), 1, n, below.data(), 1, n}, true);
+                     static_cast<int>(width), {below, 1, n, below, 1, n}, true);
   }
   return true;
 }
 
 void Cholesky::half_solve_in_place(Eigen::Ref<Eigen::MatrixXd> right) const {
-  factor_.triangularView<Eigen::Lower>().solveInPlace(right);
+  const Eigen::Index n = factor_.rows();
+  const int columns = static_cast<int>(right.cols());
+  for (Eigen::Index at = 0; at < n; at += panel) {
+    const Eigen::Index width = std::min(panel, n - at), rest = n - at - width;
+    solve_left(static_cast<int>(width), &factor_(at, at), n, columns, &right(at, 0), right.outerStride());
+    if (rest > 0)
+      subtract_product(&right(at + width, 0), right.outerStride(), static_cast<int>(rest), columns,
+                       static_cast<int>(width), {&factor_(at + width, at), 1, n, &right(at, 0), right.outerStride(), 1},
+                       false);
+  }
 }
 
 void Cholesky::solve_in_place(Eigen::Ref<Eigen::MatrixXd> right) const {
@@ -38,27 +45,28 @@ void Cholesky::solve_in_place(Eigen::Ref<Eigen::MatrixXd> right) const {
   factor_.triangularView<Eigen::Lower>().transpose().solveInPlace(right);
 }
 
+void Cholesky::solve_in_place(Eigen::VectorXd& right) const {
+  factor_.triangularView<Eigen::Lower>().solveInPlace(right);
+  factor_.triangularView<Eigen::Lower>().transpose().solveInPlace(right);
+}
+
 Eigen::MatrixXd Cholesky::inverse_factor(Eigen::Index first) const {
   const Eigen::Index n = factor_.rows() - first;
-  const auto factor = factor_.bottomRightCorner(n, n);
   Eigen::MatrixXd root = Eigen::MatrixXd::Zero(n, n);
   for (Eigen::Index at = 0; at < n; at += panel) {
     const Eigen::Index width = std::min(panel, n - at);
-    auto rows = root.middleRows(at, width).leftCols(at + width);
     for (Eigen::Index column = 0; column < at; column += panel)  // −L L⁻¹; above its diagonal L⁻¹ is nothing
       subtract_product(&root(at, column), n, static_cast<int>(width), static_cast<int>(panel),
                        static_cast<int>(at - column),
                        {&factor_(first + at, first + column), 1, factor_.rows(), &root(column, column), n, 1}, false);
-    rows.rightCols(width).setIdentity();
-    const Eigen::MatrixXd solved =
-        factor.block(at, at, width, width).triangularView<Eigen::Lower>().solve(Eigen::MatrixXd(rows));
-    rows = solved;
+    root.block(at, at, width, width).setIdentity();
+    solve_left(static_cast<int>(width), &factor_(first + at, first + at), factor_.rows(), static_cast<int>(at + width),
+               &root(at, 0), n);
   }
   return root;
 }
 
-Eigen::MatrixXd Cholesky::inverse(Eigen::Index first) const {
-  const Eigen::MatrixXd root = inverse_factor(first);
+Eigen::MatrixXd Cholesky::inverse_of(const Eigen::MatrixXd& root) {
   const Eigen::Index n = root.rows();
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(n, n);  // −L⁻ᵀ L⁻¹, its lower triangle
   for (Eigen::Index at = 0; at < n; at += panel) {

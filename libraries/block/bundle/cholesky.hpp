@@ -14,11 +14,14 @@ class Cholesky {
   /// The smallest of the squared diagonal: what the unknowns before it do not tell of an unknown.
   double smallest_pivot() const { return factor_.diagonal().cwiseAbs2().minCoeff(); }
   void solve_in_place(Eigen::Ref<Eigen::MatrixXd> right) const;
+  void solve_in_place(Eigen::VectorXd& right) const;
   void half_solve_in_place(Eigen::Ref<Eigen::MatrixXd> right) const;  ///< L⁻¹ right
   /// L⁻¹: the block of it that belongs to the unknowns from `first` on. Above its diagonal it is zero.
   Eigen::MatrixXd inverse_factor(Eigen::Index first = 0) const;
   /// The symmetric inverse: the block of it that belongs to the unknowns from `first` on.
-  Eigen::MatrixXd inverse(Eigen::Index first = 0) const;
+  Eigen::MatrixXd inverse(Eigen::Index first = 0) const { return inverse_of(inverse_factor(first)); }
+  /// L⁻ᵀ L⁻¹ of a lower triangular L⁻¹.
+  static Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& inverse_factor);
 
  private:
   Eigen::MatrixXd factor_;  ///< L in its lower triangle; above it anything

@@ -5,18 +5,12 @@
 #include <array>
 
 namespace plumbline::bundle {
-namespace {
-
-constexpr double singular_block = 1e-12;
-
-}  // namespace
-
 Cofactors::Cofactors(const Problem& problem, const Layout& layout, const State& state, const Elimination& elimination,
-                     const Datum& datum)
+                     const Datum& datum, const Eigen::MatrixXd& inverse_factor)
     : problem_(problem), layout_(layout), elimination_(elimination) {
   const Eigen::Index n = elimination.kept_count();
   if (n > 0) {
-    kept_ = elimination.factor().inverse();
+    kept_ = Cholesky::inverse_of(inverse_factor);
     const auto& scale = elimination.scale();
     for (Eigen::Index c = 0; c < n; ++c) kept_.col(c).array() *= scale.array() * scale(c);
   }
@@ -33,7 +27,7 @@ Cofactors::Local Cofactors::local(const Elimination::Block& block) const {
   Local result;
   const auto y = elimination_.y(block);
   const Eigen::Index s = block.size;
-  if (block.weakest < singular_block) {
+  if (!block.determined()) {
     result.t.setZero(s, block.columns);
     result.own.setZero(s, s);
     return result;
@@ -72,7 +66,7 @@ Eigen::MatrixXd Cofactors::raw(int a, int b) const {
   const auto upper = block.factor.topLeftCorner(block.size, block.size).triangularView<Eigen::Lower>().transpose();
   const auto to_kept = [&](int offset, int size) {
     Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(block.size, size);
-    if (block.weakest < singular_block) return sum;
+    if (!block.determined()) return sum;
     for (size_t k = 0; k < block.kept.size(); ++k)
       sum -= y.middleCols(block.local[k], layout_.size(block.kept[k])) *
              kept_.block(elimination_.kept_offset(block.kept[k]), offset, layout_.size(block.kept[k]), size);
@@ -80,7 +74,7 @@ Eigen::MatrixXd Cofactors::raw(int a, int b) const {
   };
   if (eb < 0) return to_kept(elimination_.kept_offset(b), layout_.size(b));
   const auto& other = elimination_.blocks()[static_cast<size_t>(eb)];
-  if (other.weakest < singular_block) return Eigen::MatrixXd::Zero(block.size, other.size);
+  if (!other.determined()) return Eigen::MatrixXd::Zero(block.size, other.size);
   const auto y_other = elimination_.y(other);
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(block.size, other.size);
   for (size_t k = 0; k < other.kept.size(); ++k)
@@ -115,7 +109,7 @@ Eigen::MatrixXd Cofactors::joint(const std::vector<int>& blocks) const {
     if (e < 0) continue;
     const auto& block = elimination_.blocks()[static_cast<size_t>(e)];
     to_kept[i] = Eigen::MatrixXd::Zero(block.size, elimination_.kept_count());
-    if (block.weakest < singular_block) continue;
+    if (!block.determined()) continue;
     multiply_kept(block, to_kept[i]);
     to_kept[i] *= -1;
     block.factor.topLeftCorner(block.size, block.size)
@@ -132,7 +126,7 @@ Eigen::MatrixXd Cofactors::joint(const std::vector<int>& blocks) const {
       } else if (ei >= 0 && ej >= 0) {
         const auto& other = elimination_.blocks()[static_cast<size_t>(ej)];
         part.setZero();
-        if (other.weakest >= singular_block) {
+        if (other.determined()) {
           const auto y = elimination_.y(other);
           Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(other.size, part.rows());
           for (size_t k = 0; k < other.kept.size(); ++k)
@@ -248,7 +242,7 @@ void Cofactors::visit_rows(const State& state, const Visit& visit) const {
     const auto& block = elimination_.blocks()[e];
     Local near = local(block);
     near.cross = -near.t;
-    if (block.weakest >= singular_block)
+    if (block.determined())
       block.factor.topLeftCorner(block.size, block.size)
           .triangularView<Eigen::Lower>()
           .transpose()

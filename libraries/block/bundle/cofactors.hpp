@@ -12,10 +12,11 @@ namespace plumbline::bundle {
 
 class Cofactors {
  public:
-  /// Precondition: elimination.factorise() succeeded, with constraints if `datum` is free. Cofactors belong to the
-  /// datum: whatever completed the rank, S Q Sᵀ with S = I − G (CᵀG)⁻¹ Cᵀ is that of the wanted one (Baarda 1973).
+  /// Precondition: elimination.factorise() succeeded, with constraints if `datum` is free; `inverse_factor` is L⁻¹ of
+  /// its factor. Cofactors belong to the datum: whatever completed the rank, S Q Sᵀ with S = I − G (CᵀG)⁻¹ Cᵀ is that
+  /// of the wanted one (Baarda 1973).
   Cofactors(const Problem& problem, const Layout& layout, const State& state, const Elimination& elimination,
-            const Datum& datum);
+            const Datum& datum, const Eigen::MatrixXd& inverse_factor);
 
   /// Joint cofactor matrix of some blocks of unknowns (numbers of Layout), in the order given.
   Eigen::MatrixXd joint(const std::vector<int>& blocks) const;

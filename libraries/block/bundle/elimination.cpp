@@ -9,7 +9,6 @@
 namespace plumbline::bundle {
 namespace {
 
-constexpr double singular_block = 1e-12;
 constexpr int max_chunks = 8, smallest_chunk = 64;
 
 bool is_shared(Kind kind) {
@@ -378,20 +377,20 @@ void Elimination::eliminate(Block& block, double damping, const Eigen::Matrix<do
     root(c) = std::sqrt(std::max(v(c, c), 1e-300));
   }
   // Cholesky of V scaled to a unit diagonal: a pivot is what of an unknown the ones before it do not tell.
-  for (int c = 0; c < s && block.weakest >= singular_block; ++c)
+  for (int c = 0; c < s && block.determined(); ++c)
     for (int r = c; r < s; ++r) {
       double sum = v(r, c) / (root(r) * root(c)) + (r == c ? damping : 0.0);
       for (int k = 0; k < c; ++k) sum -= block.factor(r, k) * block.factor(c, k);
       if (r == c) {
         block.weakest = std::min(block.weakest, sum);
-        if (sum < singular_block) break;
+        if (sum < Block::singular) break;
         block.factor(c, c) = std::sqrt(sum);
       } else {
         block.factor(r, c) = sum / block.factor(c, c);
       }
     }
   double* y = y_.data() + block.y;
-  if (block.weakest < singular_block) {
+  if (!block.determined()) {
     block.factor.setZero();
     std::fill_n(y, static_cast<size_t>(s) * (static_cast<size_t>(block.columns) + 1), 0.0);
     return;
@@ -453,33 +452,6 @@ bool Elimination::add_loose(const State& state, const Loss& loss) {
     }
   }
   return true;
-}
-
-bool Elimination::gradient(const State& state, Eigen::VectorXd& right) const {
-  right.setZero(layout_.unknown_count());
-  Rows rows;
-  const auto add = [&](const auto& terms) {
-    for (const auto& term : terms) {
-      if (!evaluate(problem_, layout_, state, term, true, rows)) return false;
-      for (int k = 0; k < rows.parts; ++k) {
-        const Rows::Part& part = rows.part[static_cast<size_t>(k)];
-        double* to = right.data() + layout_.offset(part.block);
-        for (int r = 0; r < rows.rows; ++r) {
-          const double* from = rows.storage.data() + r * Rows::stride + part.column;
-          for (int c = 0; c < part.size; ++c) to[c] -= rows.residual[static_cast<size_t>(r)] * from[c];
-        }
-      }
-    }
-    return true;
-  };
-  if (!add(problem_.image_points) || !add(problem_.image_tags) || !add(problem_.distances)) return false;
-  double squares = 0;
-  for (size_t k = 0; k < known_.size(); ++k) {
-    const Eigen::VectorXd g = gradient_of_known(state, k, squares);
-    for (size_t c = 0; c < known_[k].columns.size(); ++c)
-      right(known_[k].columns[c]) -= g(static_cast<Eigen::Index>(c));
-  }
-  return right.allFinite();
 }
 
 /// Of every `step`th kept block from `first` on. Eliminated blocks are taken in portions, so that what is read of them
@@ -549,103 +521,6 @@ bool Elimination::build(const State& state, double damping, const Loss& loss) {
   const int parts = threads_ > 1 ? 4 * threads_ : 1;
   for_each_index(parts, threads_, [&](int p) { subtract(static_cast<size_t>(p), static_cast<size_t>(parts)); });
   return true;
-}
-
-Eigen::MatrixXd Elimination::scaled_matrix(const Eigen::MatrixXd& constraints) const {
-  Eigen::MatrixXd scaled = normal_;
-  for (int c = 0; c < kept_count_; ++c)
-    scaled.col(c).tail(kept_count_ - c).array() *= scale_.tail(kept_count_ - c).array() * scale_(c);
-  if (constraints.cols() > 0) scaled.selfadjointView<Eigen::Lower>().rankUpdate(constraints);
-  return scaled;
-}
-
-bool Elimination::factorise(const Eigen::MatrixXd& constraints) {
-  if (kept_count_ == 0) return true;
-  return factor_.compute(scaled_matrix(constraints));
-}
-
-Eigen::VectorXd Elimination::step() const {
-  std::vector<Half> halves;
-  for (const Block& block : blocks_) halves.push_back(block.half);
-  return substitute_back(reduced_right_, halves);
-}
-
-Eigen::VectorXd Elimination::step(const Eigen::VectorXd& right) const {
-  Eigen::VectorXd reduced(kept_count_);
-  for (int b : kept_blocks_)
-    reduced.segment(kept_offset(b), layout_.size(b)) = right.segment(layout_.offset(b), layout_.size(b));
-  std::vector<Half> halves(blocks_.size(), Half::Zero());
-  for (size_t e = 0; e < blocks_.size(); ++e) {
-    const Block& block = blocks_[e];
-    if (block.weakest < singular_block) continue;
-    const double* y = y_of(block);
-    for (int r = 0; r < block.size; ++r, y += block.columns) {
-      double sum = right(layout_.offset(block.block) + r);
-      for (int k = 0; k < r; ++k) sum -= block.factor(r, k) * halves[e](k);
-      const double half = halves[e](r) = sum / block.factor(r, r);
-      for (const Run* run = runs(block); run < runs(block) + block.run_count; ++run)
-        for (int c = 0; c < run->length; ++c) reduced(run->offset + c) -= half * y[run->local + c];
-    }
-  }
-  return substitute_back(reduced, halves);
-}
-
-Eigen::VectorXd Elimination::substitute_back(const Eigen::VectorXd& reduced, const std::vector<Half>& halves) const {
-  Eigen::VectorXd result = Eigen::VectorXd::Zero(layout_.unknown_count()), kept = scale_.cwiseProduct(reduced);
-  if (kept_count_ > 0) factor_.solve_in_place(kept);
-  kept = scale_.cwiseProduct(kept);
-  for (int b : kept_blocks_)
-    result.segment(layout_.offset(b), layout_.size(b)) = kept.segment(kept_offset(b), layout_.size(b));
-  std::array<double, 6> from_kept;
-  for (size_t e = 0; e < blocks_.size(); ++e) {
-    const Block& block = blocks_[e];
-    if (block.weakest < singular_block) continue;
-    multiply_runs(y_of(block), block.size, block.columns, runs(block), block.run_count, kept.data(), from_kept.data());
-    auto x = result.segment(layout_.offset(block.block), block.size);
-    for (int r = block.size - 1; r >= 0; --r) {
-      double sum = halves[e](r) - from_kept[static_cast<size_t>(r)];
-      for (int k = r + 1; k < block.size; ++k) sum -= block.factor(k, r) * x(k);
-      x(r) = sum / block.factor(r, r);
-    }
-  }
-  return result;
-}
-
-Eigen::MatrixXd Elimination::solve(const Eigen::MatrixXd& right) const {
-  const Eigen::Index d = right.cols();
-  Eigen::MatrixXd kept(kept_count_, d), result = Eigen::MatrixXd::Zero(right.rows(), d);
-  std::vector<Eigen::MatrixXd> half(blocks_.size());
-  for (int b : kept_blocks_)
-    kept.middleRows(kept_offset(b), layout_.size(b)) = right.middleRows(layout_.offset(b), layout_.size(b));
-  for (size_t e = 0; e < blocks_.size(); ++e) {
-    const Block& block = blocks_[e];
-    if (block.weakest < singular_block) continue;
-    half[e] = block.factor.topLeftCorner(block.size, block.size)
-                  .triangularView<Eigen::Lower>()
-                  .solve(right.middleRows(layout_.offset(block.block), block.size));
-    const auto own = y(block);
-    for (size_t k = 0; k < block.kept.size(); ++k)
-      kept.middleRows(kept_offset(block.kept[k]), layout_.size(block.kept[k])) -=
-          own.middleCols(block.local[k], layout_.size(block.kept[k])).transpose() * half[e];
-  }
-  if (kept_count_ > 0) {
-    kept = scale_.asDiagonal() * kept;
-    factor_.solve_in_place(kept);
-    kept = scale_.asDiagonal() * kept;
-  }
-  for (int b : kept_blocks_)
-    result.middleRows(layout_.offset(b), layout_.size(b)) = kept.middleRows(kept_offset(b), layout_.size(b));
-  for (size_t e = 0; e < blocks_.size(); ++e) {
-    const Block& block = blocks_[e];
-    if (block.weakest < singular_block) continue;
-    const auto own = y(block);
-    for (size_t k = 0; k < block.kept.size(); ++k)
-      half[e] -= own.middleCols(block.local[k], layout_.size(block.kept[k])) *
-                 kept.middleRows(kept_offset(block.kept[k]), layout_.size(block.kept[k]));
-    result.middleRows(layout_.offset(block.block), block.size) =
-        block.factor.topLeftCorner(block.size, block.size).triangularView<Eigen::Lower>().transpose().solve(half[e]);
-  }
-  return result;
 }
 
 }  // namespace plumbline::bundle

@@ -30,6 +30,7 @@ struct Loss {
 enum class Side { automatic, bodies, images };
 
 struct Rows;
+struct TagGradient;
 
 class Elimination {
  public:
@@ -44,8 +45,9 @@ class Elimination {
   bool factorise(const Eigen::MatrixXd& constraints);
   /// N⁻¹ right for all unknowns (Layout's order), n × d. Precondition: factorise().
   Eigen::MatrixXd solve(const Eigen::MatrixXd& right) const;
-  /// −Jᵀ r at `state` for all unknowns, and nothing else; false if an observation cannot be computed there.
-  bool gradient(const State& state, Eigen::VectorXd& right) const;
+  /// −Jᵀ r at `state` for all unknowns and Σ ρ there, and nothing else; false if an observation cannot be computed
+  /// there.
+  bool gradient(const State& state, Eigen::VectorXd& right, double& cost, const Loss& loss = {}) const;
   /// Gauss-Newton step from the last build(). Precondition: factorise().
   Eigen::VectorXd step() const;
   /// N⁻¹ right with the same factors.
@@ -66,8 +68,10 @@ class Elimination {
     int columns = 0;         ///< of Y
     size_t y = 0;            ///< start in the storage
     int first_run = 0, run_count = 0;
-    double weakest = 1;  ///< smallest squared pivot of V scaled to a unit diagonal; below 1e-12 V is singular and
-                         ///< the block takes no part
+    /// Smallest squared pivot of V scaled to a unit diagonal; below `singular` the block takes no part.
+    double weakest = 1;
+    static constexpr double singular = 1e-12;
+    bool determined() const { return weakest >= singular; }
     Eigen::Matrix<double, 6, 6> factor;  ///< L in its top left corner
     Eigen::Matrix<double, 6, 1> half;    ///< L⁻¹ right
   };
@@ -113,6 +117,7 @@ class Elimination {
   using Half = Eigen::Matrix<double, 6, 1>;
   Eigen::VectorXd substitute_back(const Eigen::VectorXd& reduced, const std::vector<Half>& halves) const;
   void prepare_known();
+  void subtract_gradient(const ImageTag& term, const TagGradient& of_tag, double weight, Eigen::VectorXd& right) const;
   Eigen::VectorXd gradient_of_known(const State& state, size_t index, double& cost) const;
 
   const Problem& problem_;

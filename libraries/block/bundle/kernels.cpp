@@ -3,32 +3,10 @@
 #include <algorithm>
 #include <vector>
 
-#if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__) || !defined(__x86_64__)
-#define PLUMBLINE_CLONES
-#else
-#define PLUMBLINE_CLONES __attribute__((target_clones("avx2", "default")))
-#endif
-#define PLUMBLINE_INLINE inline __attribute__((always_inline))
+#include "geometry/vectors.hpp"
 
 namespace plumbline::bundle {
 namespace {
-
-// Vectors of the compiler, not of the instruction set: what a processor lacks is done in halves, with the same bits.
-#pragma GCC diagnostic ignored "-Wpsabi"  // everything that takes or returns one is inlined
-typedef double V4 __attribute__((vector_size(32)));
-typedef double V2 __attribute__((vector_size(16)));
-
-template <typename V>
-PLUMBLINE_INLINE V load(const double* from) {  // from any address
-  V value;
-  __builtin_memcpy(&value, from, sizeof value);
-  return value;
-}
-
-template <typename V>
-PLUMBLINE_INLINE void store(double* to, const V& value) {
-  __builtin_memcpy(to, &value, sizeof value);
-}
 
 template <typename V>
 PLUMBLINE_INLINE void outer_at(int rows, const Outer& job, int c) {
@@ -102,22 +80,36 @@ constexpr int tile_rows = 8, tile_columns = 4, inner_step = 256, column_step = 2
 
 /// Strips of `width` rows of a matrix, one after the other, each column by column; short strips are filled with zeros.
 /// Many strips of a block of images are empty: bodies that no image sees together.
-struct Packed {
+class Packed {
+ public:
   std::vector<double> numbers;
   std::vector<char> empty;  ///< by strip
 
   void pack(const double* from, std::ptrdiff_t row, std::ptrdiff_t column, int rows, int inner, int width) {
     const std::ptrdiff_t size = static_cast<std::ptrdiff_t>(width) * inner;
     const int strips = (rows + width - 1) / width;
-    numbers.assign(static_cast<size_t>(strips * size), 0.0);
+    numbers.resize(static_cast<size_t>(strips * size));
     empty.resize(static_cast<size_t>(strips));
     double* next = numbers.data();
-    for (int i = 0; i < rows; i += width, next += size) {
+    for (int i = 0; i < rows; i += width, next += size, from += width * row) {
       const int count = std::min(width, rows - i);
-      for (int k = 0; k < inner; ++k)
-        for (int r = 0; r < count; ++r) next[k * width + r] = from[(i + r) * row + k * column];
+      if (count == width && width == tile_rows && row == 1)
+        for (int k = 0; k < inner; ++k) std::copy_n(from + k * column, tile_rows, next + k * tile_rows);
+      else if (count == width && width == tile_columns && row == 1)
+        for (int k = 0; k < inner; ++k) std::copy_n(from + k * column, tile_columns, next + k * tile_columns);
+      else
+        copy(from, row, column, count, inner, width, next);
       empty[static_cast<size_t>(i / width)] = std::all_of(next, next + size, [](double x) { return x == 0; });
     }
+  }
+
+ private:
+  static void copy(const double* from, std::ptrdiff_t row, std::ptrdiff_t column, int count, int inner, int width,
+                   double* to) {
+    for (int r = 0; r < count; ++r, from += row)
+      for (int k = 0; k < inner; ++k) to[k * width + r] = from[k * column];
+    for (int r = count; r < width; ++r)
+      for (int k = 0; k < inner; ++k) to[k * width + r] = 0;
   }
 };
 

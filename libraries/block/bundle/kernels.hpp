@@ -60,4 +60,12 @@ struct Factors {
 void subtract_product(double* c, std::ptrdiff_t stride, int rows, int columns, int inner, const Factors& factors,
                       bool lower);
 
+/// Small triangles of a Cholesky factor (column-major, at most 64 rows), in place. L of a symmetric matrix, of which
+/// the lower triangle is read; false if a pivot is not positive or no number.
+bool factor_lower(int size, double* matrix, std::ptrdiff_t stride);
+/// X (rows × size, column-major) → X L⁻ᵀ.
+void solve_right(int size, const double* lower, std::ptrdiff_t stride, int rows, double* x, std::ptrdiff_t x_stride);
+/// X (size × columns, column-major) → L⁻¹ X.
+void solve_left(int size, const double* lower, std::ptrdiff_t stride, int columns, double* x, std::ptrdiff_t x_stride);
+
 }  // namespace plumbline::bundle

@@ -223,6 +223,51 @@ bool evaluate(const Problem& problem, const Layout& layout, const State& state, 
   return true;
 }
 
+bool is_drawn_inwards(const Problem& problem, const State& state, const ImageTag& term) {
+  const int by = term.inset < 0 ? problem.plates[static_cast<size_t>(term.plate)].batch : term.inset;
+  return problem.batches[static_cast<size_t>(by)].inset_free || state.insets[static_cast<size_t>(by)] != 0;
+}
+
+bool gradient_of(const Problem& problem, const State& state, const ImageTag& term, TagGradient& gradient) {
+  const Image& image = problem.images[static_cast<size_t>(term.image)];
+  const Camera& camera = problem.cameras[static_cast<size_t>(image.camera)];
+  const Plate& plate = problem.plates[static_cast<size_t>(term.plate)];
+  const Placement& pose = state.images[static_cast<size_t>(term.image)];
+  const Placement& body = state.plates[static_cast<size_t>(term.plate)];
+  const double scale = state.scales[static_cast<size_t>(plate.batch)], half = 0.5 * plate.shape.tag_size;
+  const double factor = problem.groups[static_cast<size_t>(term.group)].sigma_factor;
+  const Eigen::Vector2d shift = state.shift(term.image);
+  gradient.squares = gradient.by_scale = 0;
+  gradient.by_image.setZero();
+  gradient.by_plate.setZero();
+  gradient.by_interior.setZero();
+  LensRows lens;
+  for (size_t k = 0; k < 4; ++k) {
+    const Eigen::Vector3d edge((k == 1 || k == 2) ? half : -half, k >= 2 ? half : -half, 0);
+    const Eigen::Vector3d arm = body.matrix * (plate.shape.tag_centre_in_plate + scale * edge);
+    const Eigen::Vector3d v = pose.matrix * (body.position + arm - pose.position);
+    if (!evaluate_lens(camera.lens, state.interiors[static_cast<size_t>(image.camera)].data(), camera.balance_radius,
+                       camera.inverse_reference, v, Eigen::Vector2d::Zero(), true, lens))
+      return false;
+    const Eigen::Matrix2d whitening = term.whitening[k] / factor;
+    const Eigen::Vector2d residual = whitening * (lens.misclosure + shift - term.corners[k]);
+    gradient.squares += residual.squaredNorm();
+    const Eigen::Vector2d by_pixel = whitening.transpose() * residual;
+    const Eigen::Vector3d by_direction = lens.by_direction.transpose() * by_pixel;
+    const Eigen::Vector3d by_point = pose.matrix.transpose() * by_direction;
+    gradient.by_image.head<3>() -= by_point;
+    gradient.by_image.tail<3>() += v.cross(by_direction);
+    gradient.by_plate.head<3>() += by_point;
+    gradient.by_plate.tail<3>() += arm.cross(by_point);
+    gradient.by_scale += by_point.dot(body.matrix * edge);
+    const int count = value_count(camera.lens);
+    for (int c = 0; c < count; ++c)
+      gradient.by_interior(c) += lens.by_interior(0, c) * by_pixel.x() + lens.by_interior(1, c) * by_pixel.y();
+  }
+  gradient.by_shift = gradient.by_interior.segment<2>(principal_point(camera.lens));
+  return true;
+}
+
 bool evaluate(const Problem& problem, const Layout& layout, const State& state, const Distance& term, bool jacobians,
               Rows& rows) {
   const Eigen::Vector3d d = position_of(state, term.to) - position_of(state, term.from);
