@@ -35,6 +35,13 @@ struct CeresEngine {
   }
 };
 
+/// Who finds the minima of tags.
+template <typename Engine>
+void choose_engine(TagBlockOptions& options) {
+  options.minimiser = Engine::minimise;
+  options.refine_robust = Engine::refines_robust;
+}
+
 template <typename Engine>
 struct Adjuster : TagAdjusterNode {
   static constexpr Info info = Engine::info;
@@ -81,8 +88,7 @@ struct Adjuster : TagAdjusterNode {
     o.lambda = *lambda;
     o.free_network = !control;
     o.robust_control = *robust_control;
-    o.minimiser = Engine::minimise;
-    o.refine_robust = Engine::refines_robust;
+    choose_engine<Engine>(o);
     return o;
   }
 

@@ -253,6 +253,25 @@ TEST_P(Lenses, EliminatingEitherSideIsTheDenseSolution) {
   compare_with_dense(scene, Side::images);
 }
 
+TEST(Bundle, GradientAloneIsThatOfTheNormalEquations) {
+  for (Loss::Kind kind : {Loss::Kind::none, Loss::Kind::huber, Loss::Kind::tukey}) {
+    Scene scene = make_scene(Lens::brown, true);  // tags that are drawn inwards, and some that are not
+    scene.problem.images[4].fixed = true;
+    for (auto& o : scene.problem.image_points) o.robust = o.point % 2 == 0;
+    for (auto& o : scene.problem.image_tags) o.robust = o.image % 2 == 0;
+    const Layout layout(scene.problem);
+    const Loss loss{kind, 6000};
+    Elimination elimination(scene.problem, layout);
+    ASSERT_TRUE(elimination.build(scene.state, 0, loss));
+    Eigen::VectorXd right;
+    double cost = 0;
+    ASSERT_TRUE(elimination.gradient(scene.state, right, cost, loss));
+    EXPECT_NEAR(cost / elimination.sum_of_squares(), 1, 1e-12);
+    EXPECT_LT((right - elimination.right()).cwiseAbs().cwiseQuotient(elimination.diagonal().cwiseSqrt()).maxCoeff(),
+              1e-9 * std::sqrt(cost));
+  }
+}
+
 TEST(Bundle, HeldPointsAndImagesAreNoUnknowns) {
   Scene scene = make_scene(Lens::brown, true);
   scene.problem.points[2].fixed = scene.problem.images[4].fixed = true;
