@@ -160,6 +160,18 @@ class Table {
 
 constexpr double kAssumedSigma = 1e-3;  // [m], of control without standard deviations; said in a warning
 
+/// Which points are withheld is said of anchors, not here: a 'check' that nobody heeds would be taken for evidence.
+void refuse_roles(const CsvTable& table, const std::filesystem::path& shown) {
+  for (size_t k = 0; k < table.header.size(); ++k) {
+    if (table.header[k].written != "role") continue;
+    for (const CsvRow& row : table.rows)
+      if (k < row.cells.size() && formats::to_lower(row.cells[k].text) == "check")
+        throw CampaignError(shown, row.line,
+                            "column 'role' holds 'check', which a table of control does not heed: points are withheld "
+                            "by their row in plates.csv (anchor,role,tag_family,tag_id)");
+  }
+}
+
 /// The columns, orders and units of read.survey_csv: one dialect for every table of points.
 std::vector<ControlPoint> read_control_rows(const std::string& csv, const std::filesystem::path& shown,
                                             std::vector<std::string>* warnings) {
@@ -170,6 +182,7 @@ std::vector<ControlPoint> read_control_rows(const std::string& csv, const std::f
     throw CampaignError(shown, table.header_line,
                         "found no columns id, E, N and H (or the names that read.survey_csv knows for them)");
   refuse_doubtful(table, shown);
+  refuse_roles(table, shown);
   if (table.rows.empty()) throw CampaignError(shown, table.header_line, "found no row with a point");
   bool with_sigmas = false;
   for (const char* column : {"sigma_e", "sigma_n", "sigma_h", "cov_ee", "cov_nn", "cov_hh"})

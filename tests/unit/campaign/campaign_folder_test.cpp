@@ -261,6 +261,10 @@ TEST(ControlCsv, ReadsAndRefuses) {
   EXPECT_NE(message("id,e,n,h,sigma_n_mm\nG1,1,2,3,1\n").find("k.csv:2: 'G1' lacks a standard deviation"),
             std::string::npos)
       << "one that is given is not put aside for 1 mm";
+  EXPECT_NE(message("id,E,N,H,Role\nG1,1,2,3,control\nG2,4,5,6,check\n").find("k.csv:3: column 'role' holds 'check'"),
+            std::string::npos)
+      << "points that are to be withheld are no control";
+  EXPECT_EQ(message("id,E,N,H,role\nG1,1,2,3,control\nG2,4,5,6,\n"), "nothing was thrown");
   EXPECT_NE(message(replaced(csv, "east_m", "east_km")).find("the unit 'km' of column e"), std::string::npos);
   EXPECT_NE(message(replaced(csv, "G2", "#G2")).find("k.csv:3: found a row that begins with '#G2'"), std::string::npos);
   EXPECT_NE(message(replaced(csv, ",1,1,1\n", ",,1,1\n")).find("k.csv:3: 'G2' lacks a standard deviation"),
