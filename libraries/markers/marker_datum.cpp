@@ -8,6 +8,8 @@
 #include <stdexcept>
 #include <tuple>
 
+#include "geometry/median.hpp"
+
 namespace plumbline::markers {
 namespace {
 
@@ -90,6 +92,32 @@ void to_first_tag(const MarkerBlock& block, bool in_one_line, MarkerResult& resu
 /// What gives the lengths, and how well. The print of the tags errs alike for all of them: ink spreads, printers scale,
 /// and the inset of the detector is hardly to be told from either, so that a network which fits to a hundredth of a
 /// pixel can be too large by a per cent.
+namespace {
+
+/// Of small tags the inset of the edges is a good part of the side, and lengths hang on the one value that is estimated
+/// for all photographs of a camera.
+void warn_about_inset(const MarkerBlock& block, MarkerResult& result) {
+  constexpr double much = 0.04;  // of the side
+  for (size_t c = 0; c < result.cameras.size(); ++c) {
+    std::vector<double> sides;
+    for (const auto& seen : result.views) {
+      const MarkerView& view = block.views[static_cast<size_t>(seen.view)];
+      if (static_cast<size_t>(block.images[static_cast<size_t>(view.image)].camera) == c)
+        sides.push_back(0.5 *
+                        ((view.corners[0] - view.corners[1]).norm() + (view.corners[1] - view.corners[2]).norm()));
+    }
+    const double inset = result.cameras[c].inset;
+    if (sides.empty() || !(2 * std::abs(inset) > much * upper_median(sides))) continue;
+    result.warnings.push_back(
+        "the edges of the tags are " + number(inset, 2) + " px inside of where they are printed, " +
+        number(200 * inset / upper_median(sides), 0) + " % of the " + number(upper_median(sides), 0) +
+        " px of a side: this is allowed for, but all lengths hang on it and may be wrong by a part "
+        "of that. Give distance=A,B,metres, or photograph the tags larger");
+  }
+}
+
+}  // namespace
+
 void state_scale(const MarkerBlock& block, const MarkerOptions& options, MarkerResult& result) {
   if (options.distance) {
     result.scale_sigma = options.distance->sigma / options.distance->length;
@@ -99,6 +127,7 @@ void state_scale(const MarkerBlock& block, const MarkerOptions& options, MarkerR
                     number(100 * result.scale_sigma, 2) + " %";
     return;
   }
+  warn_about_inset(block, result);
   double size = 0;
   for (const auto& marker : result.markers)
     size += block.markers[static_cast<size_t>(marker.marker)].size / static_cast<double>(result.markers.size());

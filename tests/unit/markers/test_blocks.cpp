@@ -7,6 +7,7 @@
 #include "geometry/similarity.hpp"
 #include "markers/calibration.hpp"
 #include "markers/marker_block.hpp"
+#include "markers/marker_datum.hpp"
 #include "markers/planar_pose.hpp"
 #include "scene.hpp"
 #include "test_support.hpp"
@@ -200,6 +201,23 @@ TEST(MarkerBlock, OrientsByOneTagWithACalibrationItCannotImprove) {
     const double off = (result.images[i].centre - s.images[i].inverse().translation).norm();
     EXPECT_LT(off, 4 * std::sqrt(result.images[i].covariance.topLeftCorner<3, 3>().trace()));
   }
+}
+
+/// Edges that are drawn inwards by a good part of small tags: the scale hangs on how far.
+TEST(MarkerBlock, OfSmallTagsSaysThatTheirLengthsHangOnTheInset) {
+  Scene s = scene(0.1, 3);
+  MarkerResult result = adjust_marker_block(s.block, {});
+  const auto warnings = [&](double inset, const MarkerOptions& options) {
+    MarkerResult stated = result;
+    stated.cameras[0].inset = inset, stated.warnings.clear();
+    state_scale(s.block, options, stated);
+    return stated.warnings;
+  };
+  EXPECT_THAT(warnings(4, {}), testing::ElementsAre(HasSubstr("all lengths hang on it")));
+  MarkerOptions with_distance;
+  with_distance.distance = MarkerDistance{0, 2, 0.6, 1e-4};
+  EXPECT_THAT(warnings(4, with_distance), testing::IsEmpty());
+  EXPECT_THAT(warnings(0.3, {}), testing::IsEmpty());
 }
 
 TEST(MarkerBlock, RefusesWhatCannotBeInWords) {
