@@ -166,8 +166,9 @@ TEST(AdjustSchurNode, ACameraWithMoreThanNineParametersIsWholeInItsArtifacts) {
   for (const auto& [parameter, words] : all) {
     NodeHarness node("adjust.schur"), cost("evaluate.cost");
     connect(node, facade);
-    for (const auto& [name, value] : {std::pair("estimate_image_variance", "false"), std::pair("loss", "none"),
-                                      std::pair("tag_scale_sigma", "0"), std::pair("reject_above", "0")})
+    for (const auto& [name, value] :
+         {std::pair("estimate_image_variance", "false"), std::pair("loss", "none"), std::pair("tag_scale_sigma", "0"),
+          std::pair("corner_inset_sigma", "0"), std::pair("reject_above", "0")})
       node.set(name, value);
     if (!parameter.empty()) node.set("self_calibration", "free");
     if (parameter == "image_principal_point_sigma") node.set(parameter, "0.5");
