@@ -11,9 +11,10 @@
 
 namespace plumbline::adjust {
 
-/// Adds the control points of a list, matched by id or by name; those named in `check` are compared with only. Points
-/// of the list that no image measures are told of. Throws if none matches, if one occurs twice, or for a line that
-/// cannot be read.
+/// Adds the control points of a list, matched by number or, where the block has none of its numbers, by name; those
+/// named in `check` are compared with only. Points of the list that no image measures are told of, and left out those
+/// that are others than the block's of that number: of their distances to the others most are not the block's. Throws
+/// if none matches, if one occurs twice, or for a line that cannot be read.
 void add_control(const std::filesystem::path& file, const std::vector<std::string>& check, ReadBlock& read);
 
 }  // namespace plumbline::adjust

@@ -78,27 +78,58 @@ std::string control_in_words(const TagBlock& block, const TagBlockResult& result
                              ": its surveyed point, its tag or the offset of the tag on its plate is wrong";
 }
 
-void require_same_figure(const std::vector<std::string>& names, const std::vector<Eigen::Vector3d>& in_block,
-                         const std::vector<Eigen::Vector3d>& in_control) {
-  struct Pair {
-    std::size_t a, b;
-    double ratio;
-  };
+namespace {
+
+/// Two control points and how much longer their distance is in the block.
+struct Pair {
+  std::size_t a, b;
+  double ratio;
+};
+
+/// All pairs in the order of their ratio, and the share of them, first to last, that has one scale within a tenth up
+/// and down; approximate values are better than that.
+struct Figure {
   std::vector<Pair> pairs;
-  for (std::size_t i = 0; i < names.size(); ++i)
-    for (std::size_t j = i + 1; j < names.size(); ++j)
+  std::size_t first = 0, count = 0;
+};
+
+Figure figure_of(const std::vector<Eigen::Vector3d>& in_block, const std::vector<Eigen::Vector3d>& in_control) {
+  Figure figure;
+  std::vector<Pair>& pairs = figure.pairs;
+  for (std::size_t i = 0; i < in_block.size(); ++i)
+    for (std::size_t j = i + 1; j < in_block.size(); ++j)
       if (const double ratio = (in_block[i] - in_block[j]).norm() / (in_control[i] - in_control[j]).norm();
           ratio > 0 && std::isfinite(ratio))
         pairs.push_back({i, j, ratio});
-  if (names.size() < 3 || pairs.empty()) return;
   std::sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) { return a.ratio < b.ratio; });
-  // The scale that most distances share within a tenth up and down; approximate values are better than that.
-  std::size_t most = 0;
   for (std::size_t i = 0, end = 0; i < pairs.size(); ++i) {
     while (end < pairs.size() && pairs[end].ratio <= 1.2 * pairs[i].ratio) ++end;
-    most = std::max(most, end - i);
+    if (end - i > figure.count) figure.first = i, figure.count = end - i;
   }
-  if (2 * most >= pairs.size()) return;
+  return figure;
+}
+
+}  // namespace
+
+std::vector<std::size_t> strangers_in_figure(const std::vector<Eigen::Vector3d>& in_block,
+                                             const std::vector<Eigen::Vector3d>& in_control) {
+  const Figure figure = figure_of(in_block, in_control);
+  if (in_block.size() < 4 || 2 * figure.count < figure.pairs.size()) return {};
+  std::vector<std::size_t> agree(in_block.size()), all(in_block.size()), strangers;
+  for (std::size_t k = 0; k < figure.pairs.size(); ++k) {
+    const bool same = k >= figure.first && k < figure.first + figure.count;
+    for (const std::size_t point : {figure.pairs[k].a, figure.pairs[k].b}) ++all[point], agree[point] += same;
+  }
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (2 * agree[i] < all[i]) strangers.push_back(i);
+  return strangers;
+}
+
+void require_same_figure(const std::vector<std::string>& names, const std::vector<Eigen::Vector3d>& in_block,
+                         const std::vector<Eigen::Vector3d>& in_control) {
+  const Figure figure = figure_of(in_block, in_control);
+  const std::vector<Pair>& pairs = figure.pairs;
+  if (names.size() < 3 || pairs.empty() || 2 * figure.count >= pairs.size()) return;
   const Pair& low = pairs.front();
   const Pair& high = pairs.back();
   const auto words = [&](const Pair& p) {
@@ -109,8 +140,8 @@ void require_same_figure(const std::vector<std::string>& names, const std::vecto
   };
   throw std::runtime_error("the " + std::to_string(names.size()) +
                            " control points are not the points of these names in the block: of " +
-                           std::to_string(pairs.size()) + " distances between them only " + std::to_string(most) +
-                           " agree at one scale (" + words(low) + "; " + words(high) +
+                           std::to_string(pairs.size()) + " distances between them only " +
+                           std::to_string(figure.count) + " agree at one scale (" + words(low) + "; " + words(high) +
                            "); is the list that of another block, or numbered otherwise? Give the list of this block, "
                            "or say its names as the block has them");
 }

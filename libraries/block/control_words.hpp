@@ -15,6 +15,12 @@ namespace plumbline::adjust {
 /// squares.
 std::string control_in_words(const TagBlock& block, const TagBlockResult& result);
 
+/// Points (by index) fewer than half of whose distances to the others are, within a tenth, those of the block at the
+/// scale that most distances share. Empty for fewer than four points, and unless that scale is shared by half of the
+/// distances: then nobody knows which points are the wrong ones.
+std::vector<std::size_t> strangers_in_figure(const std::vector<Eigen::Vector3d>& in_block,
+                                             const std::vector<Eigen::Vector3d>& in_control);
+
 /// Throws std::runtime_error if most distances between control points are not those between the points of these names
 /// in the block, at whatever scale: then the names are those of something else. One wrong point among four or more is
 /// left to the adjustment, which finds it.

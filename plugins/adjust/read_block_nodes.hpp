@@ -2,6 +2,8 @@
 // files.
 #pragma once
 
+#include <algorithm>
+
 #include "artifacts/file.hpp"
 #include "artifacts/image_block.hpp"
 #include "artifacts/image_tags.hpp"
@@ -15,6 +17,15 @@
 
 namespace plumbline::adjust {
 
+inline void tell_left_out(const ReadBlock& read, Context& context) {
+  const auto& mend = read.contradictions;
+  for (const auto& what : read.left_out)
+    if (std::find(mend.begin(), mend.end(), what) == mend.end())
+      context.info("left out: " + what);
+    else
+      context.warn("left out: " + what);
+}
+
 struct ReadAicon : Node {
   static constexpr Info info{"read.aicon", "", 1,
                              "Reads an AICON block: image and object coordinates, orientations, distances"};
@@ -25,7 +36,7 @@ struct ReadAicon : Node {
   void run(Context& context) override {
     AiconBlock files = read_aicon_folder(folder->path);
     const ReadBlock read{std::move(files.block), files.measurements_read, std::move(files.left_out)};
-    for (const auto& what : read.left_out) context.info("left out: " + what);
+    tell_left_out(read, context);
     block.commit(target_block_artifact(read));
   }
 };
@@ -54,7 +65,7 @@ struct ReadPhotoModeler : Node {
     ReadBlock read = read_photomodeler_export(file->path, size_of_images(*image_size));
     if (!control->path.empty()) add_control(control->path, *check, read);
     drop_unusable(read);
-    for (const auto& what : read.left_out) context.info("left out: " + what);
+    tell_left_out(read, context);
     block.commit(target_block_artifact(read));
   }
 };
@@ -74,7 +85,7 @@ struct ReadBal : Node {
     ReadBlock read = read_bal_file(file->path, *pixel_pitch);
     if (!control->path.empty()) add_control(control->path, *check, read);
     drop_unusable(read);
-    for (const auto& what : read.left_out) context.info("left out: " + what);
+    tell_left_out(read, context);
     block.commit(target_block_artifact(read));
   }
 };
@@ -114,7 +125,7 @@ struct ReadImageBlock : Node {
 
   void run(Context& context) override {
     const ReadBlock read = read_image_block(folder->path, *project, control->path, *check, size_of_images(*image_size));
-    for (const auto& what : read.left_out) context.info("left out: " + what);
+    tell_left_out(read, context);
     block.commit(target_block_artifact(read));
   }
 };

@@ -182,7 +182,8 @@ TEST(Joint, PhotographsTellAWrongReadingThatTheSurveyCannot) {
 TEST(Joint, NormalisedResidualsCountInTheScatterThatTheReadingsHave) {
   Site site = make_site(8);
   for (auto& reading : site.readings.observations)
-    if (reading.kind == survey::ObservationKind::slope_distance && reading.to == site.marks[3].id) reading.value += 0.02;
+    if (reading.kind == survey::ObservationKind::slope_distance && reading.to == site.marks[3].id)
+      reading.value += 0.02;
   site.adjust_survey();
   const Eigen::MatrixXd cofactors = site.network->estimate().cofactors;
   const auto stated = site.network->conspicuous(cofactors, 1, 3);

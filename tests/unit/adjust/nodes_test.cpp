@@ -515,6 +515,22 @@ TEST_P(ImageBlockNodes, PhotoModelerExportWithControl) {
   EXPECT_TRUE(block.warnings.empty());
 }
 
+TEST_P(ImageBlockNodes, WarnsOfControlThatContradictsTheImages) {
+  PLUMBLINE_REQUIRE_DATA("blocks/photomodeler_cam/ref/ctrlpts-weighted.txt");
+  NodeHarness read("read.photomodeler");
+  read.set("file", data_file("blocks/photomodeler_cam/pmexports/weighted-with-orient-pmexport.txt").string());
+  read.set("control", data_file("blocks/photomodeler_cam/ref/ctrlpts-weighted.txt").string());
+  read.run();
+  ImageBlockT spoilt = read.output<ImageBlock>("block");
+  ASSERT_EQ(spoilt.control.size(), 4u);
+  spoilt.control[2]->position.z() += 0.05;
+  NodeHarness adjust(GetParam());
+  adjust.input<ImageBlock>("block", spoilt);
+  adjust.run();
+  EXPECT_THAT(adjust.output<Block>("block").warnings,
+              testing::Contains(HasSubstr("control and images contradict each other")));
+}
+
 TEST_P(ImageBlockNodes, WarnsOfTargetsThatContradictTheirCamera) {
   PLUMBLINE_REQUIRE_DATA("blocks/photomodeler_cam/ref/ctrlpts-weighted.txt");
   NodeHarness read("read.photomodeler");

@@ -196,6 +196,62 @@ TEST(PhotoModelerFiles, ControlListsOfEveryShape) {
   EXPECT_THAT(error_of([&] { read("12, 1, 2, 3\n", {"14"}); }), HasSubstr("holds no check point 14"));
 }
 
+TEST(PhotoModelerFiles, ANameThatIsANumberIsNotTakenForAnotherPointsNumber) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.path() / "control.txt";
+  adjust::ReadBlock block;
+  block.block.points = {{"1", {0, 0, 0}}, {"103", {5, 0, 0}}};
+  std::ofstream(file) << "# Id, Name, X, Y, Z\n1, 101, 0, 0, 0\n24, 103, 9, 9, 9\n";  // 24 is in no image, and 103 is another point
+  adjust::add_control(file, {}, block);
+  EXPECT_EQ(block.block.control.points, std::vector<int>{0});
+  EXPECT_THAT(block.left_out, testing::ElementsAre(HasSubstr("control 103: measured in no image")));
+}
+
+TEST(PhotoModelerFiles, ControlThatIsAnotherPointIsLeftOutByName) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.path() / "control.txt";
+  const std::vector<Eigen::Vector3d> places = {{0, 0, 0}, {10, 0, 0}, {0, 8, 0}, {3, 4, 6}, {9, 9, 1}};
+  const auto read = [&](double off) {
+    adjust::ReadBlock block;
+    std::ofstream list(file);
+    for (size_t j = 0; j < places.size(); ++j) {
+      const Eigen::Vector3d given = 2 * places[j] + (j == 3 ? off : 0) * Eigen::Vector3d(1, -1, 1);
+      block.block.points.push_back({std::to_string(j), places[j]});
+      list << j << ' ' << given.x() << ' ' << given.y() << ' ' << given.z() << " 0.005\n";
+    }
+    list.close();
+    adjust::add_control(file, {}, block);
+    return block;
+  };
+  EXPECT_TRUE(read(0).contradictions.empty());
+  EXPECT_TRUE(read(0.1).contradictions.empty()) << "a mistake of centimetres is the adjustment's to find";
+  const adjust::ReadBlock wrong = read(15);
+  EXPECT_EQ(wrong.block.control.points, (std::vector<int>{0, 1, 2, 4}));
+  EXPECT_EQ(wrong.block.control.position.size(), 12);
+  EXPECT_EQ(wrong.block.control.covariance.rows(), 12);
+  EXPECT_EQ(wrong.block.control.position(9), 18);
+  EXPECT_THAT(wrong.contradictions, testing::ElementsAre(HasSubstr("control 3: other points in the block")));
+  EXPECT_EQ(wrong.left_out, wrong.contradictions);
+}
+
+TEST(ReadBlock, AFewPointsBehindTheirImagesAreLeftOutByName) {
+  const auto with = [](size_t behind) {
+    adjust::ReadBlock read;
+    read.block.images = {{1, 0, {0, 0, 10}, {0, 0, 0}}, {2, 0, {5, 0, 10}, {0, 0, 0}}};  // both look down
+    for (size_t j = 0; j < 40; ++j) {
+      const double x = static_cast<double>(j);
+      read.block.points.push_back({std::to_string(j), {x, 0.0, j < behind ? 12.0 : 0.0}});
+      for (const int image : {0, 1}) read.block.measurements.push_back({image, static_cast<int>(j), {0, 0}, 0.001});
+    }
+    adjust::drop_points_behind(read);
+    return read;
+  };
+  EXPECT_TRUE(with(0).left_out.empty());
+  EXPECT_EQ(with(2).block.measurements.size(), 76u);
+  EXPECT_THAT(with(2).left_out, testing::ElementsAre(HasSubstr("2 points that lie behind an image")));
+  EXPECT_TRUE(with(3).left_out.empty()) << "so many are the approximate values' fault";
+}
+
 TEST(AiconFiles, ErrorsNameFileAndLine) {
   const test::TemporaryFolder folder;
   const auto write = [&](const char* name, const std::string& text) { std::ofstream(folder.path() / name) << text; };
