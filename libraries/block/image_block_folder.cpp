@@ -69,7 +69,6 @@ ReadBlock read_image_block(const fs::path& folder, const std::string& project, c
     read = found[0].format == Format::bal ? read_bal_file(path, bal_pixel_pitch)
                                           : read_photomodeler_export(path, image_size);
   }
-  drop_points_behind(read);
   if (!control.empty()) {
     const fs::path inside = folder / control, beside = path.parent_path() / control;
     const fs::path file = fs::is_regular_file(inside)   ? inside

@@ -64,26 +64,6 @@ std::string few_of(const std::vector<std::string>& names) {
   return enumerate({names[0], names[1], names[2], std::to_string(names.size() - 3) + " more"});
 }
 
-void drop_points_behind(ReadBlock& read) {
-  PointBlock& block = read.block;
-  std::vector<Eigen::Matrix3d> turns;  // camera from block; the scene is at negative z
-  for (const BlockImage& image : block.images) turns.push_back(rotation_from_angles(image.angles).transpose());
-  std::vector<bool> behind(block.points.size());
-  for (const BlockMeasurement& m : block.measurements) {
-    const size_t i = static_cast<size_t>(m.image), j = static_cast<size_t>(m.point);
-    const double depth = (turns[i] * (block.points[j].position - block.images[i].centre)).z();
-    if (depth >= 0) behind[j] = true;
-  }
-  std::vector<std::string> names;
-  for (size_t j = 0; j < behind.size(); ++j)
-    if (behind[j]) names.push_back(block.points[j].name);
-  if (names.empty() || 20 * names.size() > block.points.size()) return;
-  std::erase_if(block.measurements, [&](const BlockMeasurement& m) { return behind[static_cast<size_t>(m.point)]; });
-  read.left_out.push_back(
-      std::to_string(names.size()) +
-      " points that lie behind an image that shows them, by the approximate values: " + few_of(names));
-}
-
 void drop_unusable(ReadBlock& read) {
   PointBlock& block = read.block;
   std::vector<bool> known(block.points.size()), drop_point(block.points.size()), drop_image(block.images.size());

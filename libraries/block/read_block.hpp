@@ -15,12 +15,6 @@ struct ReadBlock {
   std::vector<std::string> contradictions = {};  ///< of what is left out, that which somebody has to mend
 };
 
-/// Leaves out points that lie behind an image that shows them, by the approximate values: two rays that hardly meet
-/// place a point anywhere, and one such point would stop the whole block. Not if they are more than a twentieth of all
-/// points; then the approximate values are wrong, which the adjustment says. Before add_control(), while points and
-/// images are in one frame.
-void drop_points_behind(ReadBlock& read);
-
 /// Leaves out what cannot be adjusted, until nothing changes: points with a single ray and no known coordinates, and
 /// photos that too few points tie to the others. After add_control(): a known point needs no second ray.
 void drop_unusable(ReadBlock& read);

@@ -234,24 +234,6 @@ TEST(PhotoModelerFiles, ControlThatIsAnotherPointIsLeftOutByName) {
   EXPECT_EQ(wrong.left_out, wrong.contradictions);
 }
 
-TEST(ReadBlock, AFewPointsBehindTheirImagesAreLeftOutByName) {
-  const auto with = [](size_t behind) {
-    adjust::ReadBlock read;
-    read.block.images = {{1, 0, {0, 0, 10}, {0, 0, 0}}, {2, 0, {5, 0, 10}, {0, 0, 0}}};  // both look down
-    for (size_t j = 0; j < 40; ++j) {
-      const double x = static_cast<double>(j);
-      read.block.points.push_back({std::to_string(j), {x, 0.0, j < behind ? 12.0 : 0.0}});
-      for (const int image : {0, 1}) read.block.measurements.push_back({image, static_cast<int>(j), {0, 0}, 0.001});
-    }
-    adjust::drop_points_behind(read);
-    return read;
-  };
-  EXPECT_TRUE(with(0).left_out.empty());
-  EXPECT_EQ(with(2).block.measurements.size(), 76u);
-  EXPECT_THAT(with(2).left_out, testing::ElementsAre(HasSubstr("2 points that lie behind an image")));
-  EXPECT_TRUE(with(3).left_out.empty()) << "so many are the approximate values' fault";
-}
-
 TEST(AiconFiles, ErrorsNameFileAndLine) {
   const test::TemporaryFolder folder;
   const auto write = [&](const char* name, const std::string& text) { std::ofstream(folder.path() / name) << text; };
