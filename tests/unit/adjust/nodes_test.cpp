@@ -498,14 +498,18 @@ TEST_P(ImageBlockNodes, AiconFolderToAdjustedBlock) {
   EXPECT_EQ(adjust.output<Poses>("poses").poses.size(), 115u);
 }
 
-TEST_P(ImageBlockNodes, PhotoModelerExportWithControl) {
-  PLUMBLINE_REQUIRE_DATA("blocks/photomodeler_cam/ref/ctrlpts-weighted.txt");
+ImageBlockT photomodeler_block(bool with_control) {
   NodeHarness read("read.photomodeler");
   read.set("file", data_file("blocks/photomodeler_cam/pmexports/weighted-with-orient-pmexport.txt").string());
-  read.set("control", data_file("blocks/photomodeler_cam/ref/ctrlpts-weighted.txt").string());
+  if (with_control) read.set("control", data_file("blocks/photomodeler_cam/ref/ctrlpts-weighted.txt").string());
   read.run();
+  return read.output<ImageBlock>("block");
+}
+
+TEST_P(ImageBlockNodes, PhotoModelerExportWithControl) {
+  PLUMBLINE_REQUIRE_DATA("blocks/photomodeler_cam/ref/ctrlpts-weighted.txt");
   NodeHarness adjust(GetParam());
-  adjust.input<ImageBlock>("block", read.output<ImageBlock>("block"));
+  adjust.input<ImageBlock>("block", photomodeler_block(true));
   adjust.run();
   const BlockT block = adjust.output<Block>("block");
   EXPECT_EQ(block.datum, "control");
@@ -517,11 +521,7 @@ TEST_P(ImageBlockNodes, PhotoModelerExportWithControl) {
 
 TEST_P(ImageBlockNodes, WarnsOfControlThatContradictsTheImages) {
   PLUMBLINE_REQUIRE_DATA("blocks/photomodeler_cam/ref/ctrlpts-weighted.txt");
-  NodeHarness read("read.photomodeler");
-  read.set("file", data_file("blocks/photomodeler_cam/pmexports/weighted-with-orient-pmexport.txt").string());
-  read.set("control", data_file("blocks/photomodeler_cam/ref/ctrlpts-weighted.txt").string());
-  read.run();
-  ImageBlockT spoilt = read.output<ImageBlock>("block");
+  ImageBlockT spoilt = photomodeler_block(true);
   ASSERT_EQ(spoilt.control.size(), 4u);
   spoilt.control[2]->position.z() += 0.05;
   NodeHarness adjust(GetParam());
@@ -533,10 +533,7 @@ TEST_P(ImageBlockNodes, WarnsOfControlThatContradictsTheImages) {
 
 TEST_P(ImageBlockNodes, WarnsOfTargetsThatContradictTheirCamera) {
   PLUMBLINE_REQUIRE_DATA("blocks/photomodeler_cam/ref/ctrlpts-weighted.txt");
-  NodeHarness read("read.photomodeler");
-  read.set("file", data_file("blocks/photomodeler_cam/pmexports/weighted-with-orient-pmexport.txt").string());
-  read.run();
-  ImageBlockT spoilt = read.output<ImageBlock>("block");
+  ImageBlockT spoilt = photomodeler_block(false);
   for (auto& camera : spoilt.cameras) camera->parameters[3] += 0.01;  // K1 of another lens
   NodeHarness adjust(GetParam());
   adjust.input<ImageBlock>("block", spoilt);
