@@ -32,6 +32,7 @@ std::vector<std::string> lines_of(const fs::path& file) {
     }
   }
   if (!line.empty()) lines.push_back(std::move(line));
+  if (!lines.empty() && lines[0].rfind("\xEF\xBB\xBF", 0) == 0) lines[0].erase(0, 3);
   return lines;
 }
 

@@ -1,6 +1,7 @@
 #include "block/control_list.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <map>
 #include <set>
 #include <stdexcept>
@@ -44,6 +45,99 @@ void drop_strangers(ReadBlock& read, const std::vector<std::string>& labels) {
   read.contradictions.push_back(read.left_out.back());
 }
 
+/// One point of the list.
+struct Row {
+  std::size_t line = 0;  ///< from 0
+  std::string text;      ///< without its comment
+  std::vector<std::string> words;
+};
+
+bool is_number(const std::string& word) { return formats::parse_number(word, '.').has_value(); }
+
+/// Commas within numbers ("12,5") as points: where semicolons or blanks separate four words or more, and all commas
+/// stand between two digits.
+std::string with_decimal_points(std::string text) {
+  if (words_of(text, false).size() < 4) return text;
+  for (std::size_t at = text.find(','); at != std::string::npos; at = text.find(',', at + 1))
+    if (at == 0 || at + 1 == text.size() || std::isdigit(static_cast<unsigned char>(text[at - 1])) == 0 ||
+        std::isdigit(static_cast<unsigned char>(text[at + 1])) == 0)
+      return text;
+  std::replace(text.begin(), text.end(), ',', '.');
+  return text;
+}
+
+/// A line of names of columns; 0 if it is none, else how many stand before that of X.
+std::size_t columns_before_x(const std::string& line) {
+  static const std::set<std::string> x = {"x", "x[m]", "x(m)", "e", "east", "easting", "rechts", "rechtswert"};
+  const auto words = words_of(formats::to_lower(line), true);
+  for (std::size_t i = 0; i < words.size() && i <= 2; ++i)
+    if (x.count(words[i]) > 0) return words.size() >= i + 3 ? i : 0;
+  return 0;
+}
+
+struct Rows {
+  std::vector<Row> rows;
+  std::size_t labels = 0;  ///< columns before X as a heading says it; 0 if none does
+};
+
+/// Lines with their comments taken off. A heading is a comment, or the first line if no word of it is a number.
+Rows rows_of(const std::filesystem::path& file) {
+  Rows result;
+  const auto lines = lines_of(file);
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const std::size_t comment = lines[i].find('#');
+    Row row{i, with_decimal_points(lines[i].substr(0, comment)), {}};
+    row.words = words_of(row.text, true);
+    if (result.rows.empty() && row.words.empty() && comment != std::string::npos)
+      result.labels = std::max(result.labels, columns_before_x(lines[i].substr(comment + 1)));
+    if (row.words.empty()) continue;
+    if (result.rows.empty() && std::none_of(row.words.begin(), row.words.end(), is_number) &&
+        columns_before_x(row.text) > 0)
+      result.labels = columns_before_x(row.text);
+    else
+      result.rows.push_back(std::move(row));
+  }
+  return result;
+}
+
+/// Five numbers are a number, coordinates and a standard deviation, or a number, a number as name and coordinates. A
+/// heading tells; else names are numbers without a point in all lines, where not all coordinates are. Throws if nothing
+/// tells.
+bool fives_are_named(const std::filesystem::path& file, const Rows& list) {
+  if (list.labels > 0) return list.labels == 2;
+  const Row* undecided = nullptr;
+  bool whole = true, fraction = false, only_last = true;
+  for (const Row& row : list.rows) {
+    if (row.words.size() != 5 || !std::all_of(row.words.begin() + 1, row.words.end(), is_number)) continue;
+    undecided = &row;
+    const auto has_point = [](const std::string& word) { return word.find('.') != std::string::npos; };
+    whole = whole && row.words[1].find_first_not_of("0123456789") == std::string::npos;
+    fraction = fraction || has_point(row.words[2]) || has_point(row.words[3]);
+    only_last = only_last && has_point(row.words[4]);
+  }
+  if (undecided == nullptr || !whole || fraction) return whole;
+  if (!only_last)
+    throw std::runtime_error(file.string() + ":" + std::to_string(undecided->line + 1) + ": found '" + undecided->text +
+                             "': is the second number a name or X? Say it in a comment at the head of the file, "
+                             "'# id, name, X, Y, Z' or '# id, X, Y, Z, sigma'");
+  return false;
+}
+
+/// How many words of a row stand before X; 0 if it cannot be read.
+std::size_t labels_of(const Row& row, bool named) {
+  const auto& words = row.words;
+  std::size_t numbers = 0;  // from the right
+  while (numbers < words.size() && is_number(words[words.size() - 1 - numbers])) ++numbers;
+  std::size_t labels = 0;
+  for (std::size_t l : {std::size_t{1}, std::size_t{2}}) {
+    if (words.size() < l + 3) continue;
+    const std::size_t rest = words.size() - l;
+    if ((rest != 3 && rest != 4 && rest != 6) || numbers < rest) continue;
+    if (labels == 0 || named || !is_number(words[1])) labels = l;
+  }
+  return labels;
+}
+
 }  // namespace
 
 void add_control(const std::filesystem::path& file, const std::vector<std::string>& check, ReadBlock& read) {
@@ -53,42 +147,23 @@ void add_control(const std::filesystem::path& file, const std::vector<std::strin
   std::vector<Eigen::Vector3d> positions, sigmas;
   std::vector<std::string> unseen, labels_used, checks = check;
   std::set<int> taken;
-  const auto lines = lines_of(file);
-  const auto by_number = [&](const std::string& line) {
-    const auto words = words_of(line.substr(0, line.find('#')), true);
-    return !words.empty() && index.count(words[0]) > 0;
-  };
-  // Five numbers are a number, coordinates and a standard deviation, or a number and a name: a comment above them
-  // tells.
-  const bool named = std::any_of(lines.begin(), lines.end(), [](const std::string& line) {
-    const size_t comment = line.find('#');
-    return comment != std::string::npos && formats::to_lower(line.substr(comment)).find("name") != std::string::npos;
-  });
-  const bool numbered = std::any_of(lines.begin(), lines.end(), by_number);
-  for (size_t i = 0; i < lines.size(); ++i) {
-    const std::string text = lines[i].substr(0, lines[i].find('#'));
-    const auto words = words_of(text, true);
-    if (words.empty()) continue;
+  const Rows list = rows_of(file);
+  const bool named = fives_are_named(file, list);
+  const bool numbered =
+      std::any_of(list.rows.begin(), list.rows.end(), [&](const Row& row) { return index.count(row.words[0]) > 0; });
+  for (const Row& row : list.rows) {
+    const auto& words = row.words;
     const auto fail = [&](const std::string& what) {
-      throw std::runtime_error(file.string() + ":" + std::to_string(i + 1) + ": " + what);
+      throw std::runtime_error(file.string() + ":" + std::to_string(row.line + 1) + ": " + what);
     };
-    std::vector<double> numbers;  // from the right: coordinates and standard deviations
-    for (auto w = words.rbegin(); w != words.rend() && numbers.size() < 7; ++w) {
-      const auto value = formats::parse_number(*w, '.');
-      if (!value) break;
-      numbers.insert(numbers.begin(), *value);
-    }
-    // id [name] X Y Z [sx sy sz]: what is left of three or six numbers is id and name.
-    size_t labels = 0;
-    for (size_t l : {size_t{1}, size_t{2}})
-      if (words.size() >= l + 3 && (words.size() - l == 3 || words.size() - l == 6 || words.size() - l == 4) &&
-          numbers.size() >= words.size() - l)
-        labels = labels == 0 || named || !formats::parse_number(words[1], '.') ? l : labels;
-    if (labels == 0) fail("found '" + text + "', expected id, name, X, Y, Z and perhaps three standard deviations [m]");
-    numbers.erase(numbers.begin(), numbers.end() - static_cast<long>(words.size() - labels));
+    const std::size_t labels = labels_of(row, named);
+    if (labels == 0)
+      fail("found '" + row.text + "', expected id, name, X, Y, Z and perhaps three standard deviations [m]");
+    std::vector<double> numbers;
+    for (std::size_t i = labels; i < words.size(); ++i) numbers.push_back(*formats::parse_number(words[i], '.'));
     auto point = index.find(words[0]);
     // A name that is a number, too, would be taken for another point's number.
-    const bool by_name = labels == 2 && (!numbered || !formats::parse_number(words[1], '.'));
+    const bool by_name = labels == 2 && (!numbered || !is_number(words[1]));
     if (point == index.end() && by_name) point = index.find(words[1]);
     const std::string shown = labels == 2 ? words[1] : words[0];
     const auto is_check =
@@ -114,7 +189,11 @@ void add_control(const std::filesystem::path& file, const std::vector<std::strin
     throw std::runtime_error(file.string() + ": none of its points (" + few_of(unseen) +
                              ") is measured in the block, by number or by name");
   if (!checks.empty()) throw std::runtime_error(file.string() + ": holds no check point " + few_of(checks));
-  if (!unseen.empty()) read.left_out.push_back("control " + few_of(unseen) + ": measured in no image");
+  if (!unseen.empty()) {
+    read.left_out.push_back("control " + few_of(unseen) +
+                            ": measured in no image, or the block has no approximate coordinates of it");
+    if (positions.size() < 3) read.contradictions.push_back(read.left_out.back());
+  }
   const Eigen::Index size = 3 * static_cast<Eigen::Index>(positions.size());
   block.control.position.resize(size);
   block.control.covariance = Eigen::MatrixXd::Zero(size, size);

@@ -208,9 +208,14 @@ ReadBlock read_photomodeler_export(const fs::path& file, const std::array<int, 2
     m.sigma = 0.5 * (sx + sy) * std::sqrt(px * py);
     block.measurements.push_back(m);
   }
-  for (const auto& [id, count] : unknown)
-    result.left_out.push_back(std::to_string(count) + " marks of point " + std::to_string(id) +
-                              ": it has no coordinates in the export");
+  int lost = 0;
+  std::vector<std::string> without_coordinates;
+  for (const auto& [id, count] : unknown) lost += count, without_coordinates.push_back(std::to_string(id));
+  if (lost > 0) {
+    result.left_out.push_back(number_of(lost, "mark") + " of " + number_of(unknown.size(), "point") +
+                              " without coordinates in the export: " + few_of(without_coordinates));
+    if (2 * lost > result.measurements_read) result.contradictions.push_back(result.left_out.back());
+  }
   if (block.measurements.empty()) reader.fail("the export has no usable mark");
   return result;
 }

@@ -53,6 +53,19 @@ void require_enough_observations(const PointBlock& block) {
                              " with fewer than 3 measured points: the pose is undetermined; leave the image out");
 }
 
+/// Images and scale bars tell the block's shape and size: where it is and how it is turned take three known points.
+void require_enough_control(const PointBlock& block) {
+  std::vector<std::string> names;
+  for (size_t k = 0; k < block.control.points.size(); ++k)
+    if (!block.control.is_check[k]) names.push_back(block.points[static_cast<size_t>(block.control.points[k])].name);
+  if (names.empty() || names.size() > 2) return;
+  throw std::runtime_error("only " + std::to_string(names.size()) + (names.size() == 1 ? " point" : " points") +
+                           " of the control (" + enumerate(names) +
+                           ") can be used in this block: with fewer than three points that are not on one line it can "
+                           "still turn. Is the list that of another block, or does it number the points otherwise? "
+                           "Give more control, or none: then the block is free, with inner constraints");
+}
+
 double sigma_of(const BlockMeasurement& measurement, const PointBlockOptions& options) {
   return measurement.sigma > 0 ? measurement.sigma : options.image_sigma;
 }
@@ -196,8 +209,14 @@ Eigen::Matrix3d angles_by_turn(const Eigen::Vector3d& angles, const Eigen::Matri
   return -axes.inverse() * block_from_camera;
 }
 
+/// Inverses of standard deviations, 0 for what is held.
+Eigen::VectorXd weights_of(const Eigen::MatrixXd& covariance) {
+  return covariance.diagonal().unaryExpr([](double variance) { return variance > 0 ? 1 / std::sqrt(variance) : 0; });
+}
+
+/// `held`: unknowns of images that are the datum; their variance is 0 where the inverse has rounding.
 void fill_covariances(const Built& built, const bundle::Layout& layout, const bundle::Adjusted& adjusted, double factor,
-                      PointBlockResult& result) {
+                      const std::vector<int>& held, PointBlockResult& result) {
   const bundle::Cofactors& cofactors = *adjusted.cofactors;
   const auto block_of = [&](bundle::Kind kind, size_t i) { return layout.block({kind, static_cast<int>(i)}); };
   const auto own = cofactors.all_own();
@@ -223,7 +242,11 @@ void fill_covariances(const Built& built, const bundle::Layout& layout, const bu
   for (size_t i = 0; i < built.problem.images.size(); ++i) {
     const size_t camera = static_cast<size_t>(built.problem.images[i].camera);
     const int image = block_of(bundle::Kind::image, i), interior = block_of(bundle::Kind::camera, camera);
-    const Eigen::MatrixXd joint = factor * cofactors.joint({image, interior});
+    Eigen::MatrixXd joint = factor * cofactors.joint({image, interior});
+    for (const int unknown : held) {
+      const int row = unknown - layout.offset(image);
+      if (row >= 0 && row < 6) joint.row(row).setZero(), joint.col(row).setZero();
+    }
     result.pose_covariance.push_back(joint.topLeftCorner<6, 6>());
     if (built.problem.images[i].shift_free) {
       result.principal_points.push_back(adjusted.state.shift(static_cast<int>(i)));
@@ -233,7 +256,7 @@ void fill_covariances(const Built& built, const bundle::Layout& layout, const bu
     turn.bottomRightCorner<3, 3>() =
         angles_by_turn(result.block.images[i].angles, adjusted.state.images[i].matrix.transpose());
     result.orientation_covariance.push_back(turn * joint.topLeftCorner<6, 6>() * turn.transpose());
-    const Eigen::VectorXd scale = joint.diagonal().cwiseSqrt().cwiseInverse();
+    const Eigen::VectorXd scale = weights_of(joint);
     result.pose_interior_correlation.push_back(
         (scale.asDiagonal() * joint * scale.asDiagonal()).topRightCorner(6, layout.size(interior)));
   }
@@ -330,6 +353,7 @@ Eigen::Vector3d angles_from_rotation(const Eigen::Matrix3d& r) {
 
 PointBlockResult adjust_point_block(const PointBlock& given, const PointBlockOptions& options) {
   require_enough_observations(given);
+  require_enough_control(given);
   require_known_names(given, options.free_parameters);
   PointBlock block = given;
   align_to_control(block);
@@ -361,7 +385,8 @@ PointBlockResult adjust_point_block(const PointBlock& given, const PointBlockOpt
   result.rays.resize(block.points.size());
   for (const auto& m : block.measurements) ++result.rays[static_cast<size_t>(m.point)];
   store_values(adjusted.state, origin, result.block);
-  fill_covariances(built, layout, adjusted, factor, result);
+  const bool by_image = options.free_datum == PointBlockOptions::FreeDatum::first_image;
+  fill_covariances(built, layout, adjusted, factor, by_image ? how.datum.held : std::vector<int>{}, result);
   const bundle::Reliability reliability = bundle::reliability_of(built.problem, adjusted);
   fill_reliability(reliability, factor, result);
   fill_control(given, built, reliability, factor, result);

@@ -64,6 +64,10 @@ std::string few_of(const std::vector<std::string>& names) {
   return enumerate({names[0], names[1], names[2], std::to_string(names.size() - 3) + " more"});
 }
 
+std::string number_of(size_t count, const std::string& thing) {
+  return std::to_string(count) + " " + thing + (count == 1 ? "" : "s");
+}
+
 void drop_unusable(ReadBlock& read) {
   PointBlock& block = read.block;
   std::vector<bool> known(block.points.size()), drop_point(block.points.size()), drop_image(block.images.size());
@@ -93,12 +97,12 @@ void drop_unusable(ReadBlock& read) {
     count_erased(block.measurements, drop_point, drop_image);
   }
   if (!single.empty())
-    read.left_out.push_back(std::to_string(single.size()) + " points measured in one image only: " + few_of(single));
+    read.left_out.push_back(number_of(single.size(), "point") + " measured in one image only: " + few_of(single));
   if (!unmarked.empty())
-    read.left_out.push_back(std::to_string(unmarked.size()) + " points measured in no image: " + few_of(unmarked));
+    read.left_out.push_back(number_of(unmarked.size(), "point") + " measured in no image: " + few_of(unmarked));
   if (!poor.empty())
-    read.left_out.push_back(std::to_string(poor.size()) +
-                            " images that too few points tie to the others: " + few_of(poor));
+    read.left_out.push_back(number_of(poor.size(), "image") +
+                            " that too few points tie to the others: " + few_of(poor));
   compact(block, drop_point, drop_image);
 }
 

@@ -22,4 +22,7 @@ void drop_unusable(ReadBlock& read);
 /// All of up to five names; of more the first three and how many more there are.
 std::string few_of(const std::vector<std::string>& names);
 
+/// "1 point", "2 points".
+std::string number_of(size_t count, const std::string& thing);
+
 }  // namespace plumbline::adjust

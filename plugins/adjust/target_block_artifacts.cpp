@@ -14,8 +14,10 @@ namespace {
 
 constexpr size_t max_findings = 1000;
 
+/// 0 for what is held.
 std::vector<double> correlations_of(const Eigen::MatrixXd& covariance) {
-  const Eigen::VectorXd scale = covariance.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::VectorXd scale =
+      covariance.diagonal().unaryExpr([](double variance) { return variance > 0 ? 1 / std::sqrt(variance) : 0; });
   return pack_symmetric(Eigen::MatrixXd(scale.asDiagonal() * covariance * scale.asDiagonal()));
 }
 

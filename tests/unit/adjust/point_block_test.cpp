@@ -84,6 +84,26 @@ TEST(PointBlock, WithoutScaleBarScaleIsPartOfTheDatum) {
   EXPECT_EQ(result.degrees_of_freedom, 2 * 160 - (60 + 48 + 3) + 7);
 }
 
+/// What is held is known exactly, and not by what an inverse leaves of zero.
+TEST(PointBlock, TheHeldImageHasNoStandardDeviation) {
+  PointBlock block = small_block();
+  block.scale_bars.clear();
+  test::Random random(7);
+  for (auto& m : block.measurements)
+    m.position += 1e-3 * Eigen::Vector2d(random.uniform() - 0.5, random.uniform() - 0.5);
+  adjust::PointBlockOptions held = options();
+  held.free_datum = adjust::PointBlockOptions::FreeDatum::first_image;
+  const auto result = adjust::adjust_point_block(block, held);
+  EXPECT_EQ(result.constraints, 7);
+  EXPECT_TRUE(result.orientation_covariance[0].isZero(0));
+  EXPECT_TRUE(result.pose_interior_correlation[0].isZero(0));
+  int zeros = 0;
+  for (size_t i = 0; i < 8; ++i)
+    for (int c = 0; c < 6; ++c) zeros += result.orientation_covariance[i](c, c) == 0;
+  EXPECT_EQ(zeros, 7) << "and one coordinate of the furthest image";
+  EXPECT_TRUE(result.pose_interior_correlation[4].allFinite());
+}
+
 TEST(PointBlock, RefusalsNameTheCause) {
   const auto refusal = [](const PointBlock& block) {
     return error_of([&] { adjust::adjust_point_block(block, options()); });
@@ -196,12 +216,60 @@ TEST(PhotoModelerFiles, ControlListsOfEveryShape) {
   EXPECT_THAT(error_of([&] { read("12, 1, 2, 3\n", {"14"}); }), HasSubstr("holds no check point 14"));
 }
 
+TEST(PhotoModelerFiles, FiveNumbersAreWhatTheHeadingOrTheNumbersSay) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.path() / "control.txt";
+  const auto x_of = [&](const std::string& text) {
+    std::ofstream(file) << text;
+    adjust::ReadBlock block;
+    block.block.points = {{"12", {0, 0, 0}}, {"13", {0, 0, 0}}};
+    adjust::add_control(file, {}, block);
+    return block.block.control.position(0);
+  };
+  const std::string rows = "12, 200, 80.995, 50.6, 155.573\n13, 201, 80.989, 50.611, 151.37\n";
+  EXPECT_EQ(x_of(rows), 80.995);
+  EXPECT_EQ(x_of("# Id, Name, X, Y, Z, sigmaX, sigmaY, sigmaZ\n" + rows), 80.995);
+  EXPECT_EQ(x_of("# id, X, Y, Z, sigma\n" + rows), 200);
+  EXPECT_EQ(x_of("id,x,y,z,sigma\n" + rows), 200);
+  EXPECT_EQ(x_of("12 1.5 2.5 3.5 0.005  # the name plate\n"), 1.5);
+  EXPECT_EQ(x_of("#Label,X,Y,Z,Accuracy_X/Y/Z_(m)\n12,1.5,2.5,3.5,0.05\n"), 1.5);
+  EXPECT_THAT(error_of([&] { x_of("12 1 2 3 4\n"); }), HasSubstr("control.txt:1: found '12 1 2 3 4': is the second"));
+  // Commas within numbers, and what a spreadsheet puts first.
+  EXPECT_EQ(x_of("\xEF\xBB\xBF"
+                 "12;1,5;2,5;3,5\n"),
+            1.5);
+  EXPECT_EQ(x_of("12 1,5 2,5 3,5\n"), 1.5);
+  EXPECT_EQ(x_of("12 P4;1,5;2,5;3,5\n"), 1.5);
+}
+
+TEST(PhotoModelerFiles, MarksWithoutCoordinatesAreOneSentence) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.path() / "a-pmexport.txt";
+  std::ofstream(file)
+      << "t\n0.0005 20 2000 1000\n1 0.1\n7 4 2 8 4 0 0 0 0 0\n0\n0 a.jpg\n0 0 0 5 0 0 0\n0 0 0 0 0 0 0\n\n"
+         "0 7 4 2 8 4 0 0 0 0 0\n0 0\n\n\n1 0 0 0\n\n0 1 9 9 1 1\n0 2 9 9 1 1\n0 3 8 8 1 1\n";
+  const adjust::ReadBlock read = adjust::read_photomodeler_export(file);
+  EXPECT_THAT(read.left_out, testing::ElementsAre("2 marks of 2 points without coordinates in the export: 2 and 3"));
+  EXPECT_EQ(read.contradictions, read.left_out) << "most of what was measured";
+}
+
+TEST(PointBlock, OneOrTwoControlPointsAreNoDatum) {
+  PointBlock block = small_block();
+  block.control.points = {4};
+  block.control.is_check = {false};
+  block.control.position = block.points[4].position;
+  block.control.covariance = 1e-8 * Eigen::Matrix3d::Identity();
+  EXPECT_THAT(error_of([&] { adjust::adjust_point_block(block, options()); }),
+              testing::AllOf(HasSubstr("only 1 point of the control (5)"), HasSubstr("list that of another block")));
+}
+
 TEST(PhotoModelerFiles, ANameThatIsANumberIsNotTakenForAnotherPointsNumber) {
   const test::TemporaryFolder folder;
   const auto file = folder.path() / "control.txt";
   adjust::ReadBlock block;
   block.block.points = {{"1", {0, 0, 0}}, {"103", {5, 0, 0}}};
-  std::ofstream(file) << "# Id, Name, X, Y, Z\n1, 101, 0, 0, 0\n24, 103, 9, 9, 9\n";  // 24 is in no image, and 103 is another point
+  std::ofstream(file)
+      << "# Id, Name, X, Y, Z\n1, 101, 0, 0, 0\n24, 103, 9, 9, 9\n";  // 24 is in no image, and 103 is another point
   adjust::add_control(file, {}, block);
   EXPECT_EQ(block.block.control.points, std::vector<int>{0});
   EXPECT_THAT(block.left_out, testing::ElementsAre(HasSubstr("control 103: measured in no image")));
