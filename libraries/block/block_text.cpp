@@ -4,6 +4,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "text/text.hpp"
+
 namespace plumbline::adjust {
 namespace {
 
@@ -21,18 +23,9 @@ std::vector<std::string> lines_of(const fs::path& file) {
   if (!stream) throw std::runtime_error("cannot open " + file.string());
   std::ostringstream bytes;
   bytes << stream.rdbuf();
+  const formats::DecodedText decoded = formats::decode_text(bytes.str());
   std::vector<std::string> lines;
-  std::string line;
-  for (char c : bytes.str()) {
-    if (c == '\n') {
-      lines.push_back(std::move(line));
-      line.clear();
-    } else if (c != '\r') {
-      line += c;
-    }
-  }
-  if (!line.empty()) lines.push_back(std::move(line));
-  if (!lines.empty() && lines[0].rfind("\xEF\xBB\xBF", 0) == 0) lines[0].erase(0, 3);
+  for (const formats::Line& line : formats::split_lines(decoded.text)) lines.emplace_back(line.text);
   return lines;
 }
 

@@ -7,7 +7,7 @@
 
 namespace plumbline::adjust {
 
-/// Without their ends and without a byte order mark. Throws std::runtime_error for a file that cannot be read or is larger than 512 MB.
+/// Without their ends (LF, CR or both) and in UTF-8, whatever the file is in. Throws std::runtime_error for a file that cannot be read or is larger than 512 MB.
 std::vector<std::string> lines_of(const std::filesystem::path& file);
 
 /// Separated by blanks, tabs, semicolons and, if wanted, commas; no empty ones.

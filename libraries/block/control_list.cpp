@@ -189,6 +189,11 @@ void add_control(const std::filesystem::path& file, const std::vector<std::strin
     throw std::runtime_error(file.string() + ": none of its points (" + few_of(unseen) +
                              ") is measured in the block, by number or by name");
   if (!checks.empty()) throw std::runtime_error(file.string() + ": holds no check point " + few_of(checks));
+  const auto& is_check = block.control.is_check;
+  if (std::find(is_check.begin(), is_check.end(), false) == is_check.end())
+    throw std::runtime_error(file.string() +
+                             ": all of its points that are measured are check points: then nothing "
+                             "brings the block into their frame; keep three or more of them as control");
   if (!unseen.empty()) {
     read.left_out.push_back("control " + few_of(unseen) +
                             ": measured in no image, or the block has no approximate coordinates of it");

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "block/defects.hpp"
+#include "geometry/similarity.hpp"
 
 namespace plumbline::adjust {
 namespace {
@@ -144,6 +145,28 @@ void require_same_figure(const std::vector<std::string>& names, const std::vecto
                            std::to_string(figure.count) + " agree at one scale (" + words(low) + "; " + words(high) +
                            "); is the list that of another block, or numbered otherwise? Give the list of this block, "
                            "or say its names as the block has them");
+}
+
+void require_same_hand(const std::vector<Eigen::Vector3d>& in_block, const std::vector<Eigen::Vector3d>& in_control) {
+  constexpr double far_better = 0.2;
+  if (in_block.size() < 4) return;
+  const auto rms_of = [&](double x_sign) {
+    std::vector<Eigen::Vector3d> from = in_block;
+    for (auto& point : from) point.x() *= x_sign;
+    const SimilarityMotion motion = fit_similarity(from, in_control, true);
+    double squares = 0;
+    for (std::size_t k = 0; k < from.size(); ++k) squares += (in_control[k] - motion * from[k]).squaredNorm();
+    return std::sqrt(squares / static_cast<double>(from.size()));
+  };
+  const double as_it_is = rms_of(1), mirrored = rms_of(-1);
+  if (!(mirrored < far_better * as_it_is)) return;
+  char figures[120];
+  std::snprintf(figures, sizeof figures, "mirrored it fits the approximate coordinates to %.3g m, as it is to %.3g m",
+                mirrored, as_it_is);
+  throw std::runtime_error(
+      std::string("the control is the mirror image of the block: ") + figures +
+      ". Are two of its coordinates exchanged (east and north), or has one the wrong sign? X, Y, Z "
+      "have to be right-handed: X east, Y north, Z up");
 }
 
 }  // namespace plumbline::adjust

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "block/tag_block.hpp"
 
@@ -26,5 +27,10 @@ std::vector<std::size_t> strangers_in_figure(const std::vector<Eigen::Vector3d>&
 /// left to the adjustment, which finds it.
 void require_same_figure(const std::vector<std::string>& names, const std::vector<Eigen::Vector3d>& in_block,
                          const std::vector<Eigen::Vector3d>& in_control);
+
+/// Throws std::runtime_error if the control fits the block far better as its mirror image: two coordinates are
+/// exchanged, or one has the wrong sign. Level ground seen from above alone does not tell: images then fit as well from
+/// below it. Precondition: at least three points that are not on one line.
+void require_same_hand(const std::vector<Eigen::Vector3d>& in_block, const std::vector<Eigen::Vector3d>& in_control);
 
 }  // namespace plumbline::adjust

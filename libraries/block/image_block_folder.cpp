@@ -39,6 +39,12 @@ std::vector<Found> blocks_in(const fs::path& folder) {
   return found;
 }
 
+std::string colmap_hint(const fs::path& folder) {
+  for (const char* name : {"images.bin", "images.txt", "sparse/0/images.bin", "sparse/0/images.txt"})
+    if (fs::is_regular_file(folder / name)) return "; a COLMAP model is adjusted by `plumbline run colmap_control`";
+  return "";
+}
+
 }  // namespace
 
 ReadBlock read_image_block(const fs::path& folder, const std::string& project, const std::string& control,
@@ -56,7 +62,8 @@ ReadBlock read_image_block(const fs::path& folder, const std::string& project, c
     throw std::runtime_error(
         folder.string() + (names.empty()
                                ? " holds no AICON block (.phc, .obc, .eor, .ior), no PhotoModeler text export "
-                                 "(*pmexport*.txt) and no bundle adjustment problem (BAL)"
+                                 "(*pmexport*.txt) and no bundle adjustment problem (BAL)" +
+                                     colmap_hint(folder)
                                : " holds " + std::to_string(names.size()) + " blocks (" + few_of(names) + ")" +
                                      (project.empty() ? ": choose one with project=BEGINNING_OF_ITS_NAME"
                                                       : ", and project=" + project + " does not choose one of them")));

@@ -330,6 +330,7 @@ void align_to_control(PointBlock& block) {
   for (size_t k = 0; k < to.size(); ++k) spread.col(static_cast<Eigen::Index>(k)) = to[k] - to[0];
   const Eigen::JacobiSVD<Eigen::Matrix3Xd> svd(spread.colwise() - spread.rowwise().mean());
   if (svd.singularValues()(1) < 1e-3 * svd.singularValues()(0)) return;  // a line does not tell the rotation
+  require_same_hand(from, to);
   const SimilarityMotion move = fit_similarity(from, to, true);
   for (auto& point : block.points) point.position = move * point.position;
   for (auto& image : block.images) {

@@ -133,7 +133,7 @@ struct Adjuster : TagAdjusterNode {
     const PointBlockResult result = adjust_point_block(measured, o);
     context.metric("sigma0", result.sigma0 / o.image_sigma, "1");
     context.metric("degrees_of_freedom", result.degrees_of_freedom, "1");
-    BlockT artifact = describe_targets(result, o);
+    BlockT artifact = describe_targets(measured, result, o);
     artifact.adjuster = info.kind;
     artifact.left_out = given.left_out;
     for (const auto& what : artifact.warnings) context.warn(what);

@@ -6,8 +6,8 @@
 #include <map>
 #include <stdexcept>
 
+#include "block/point_block_words.hpp"
 #include "geometry/packed_symmetric.hpp"
-#include "geometry/statistics.hpp"
 
 namespace plumbline::adjust {
 namespace {
@@ -291,43 +291,7 @@ double image_sigma_of(const PointBlock& block) {
   return 0.0005;
 }
 
-namespace {
-
-/// What the control's variance component says beside that of the images, in words; empty if it may be chance. Both are
-/// compared by their ratio, because nobody knows the standard deviation of image coordinates beforehand: F test, 0.1 %.
-std::string control_against_images(const PointBlockResult& result) {
-  const adjustment::VarianceComponent *images = nullptr, *control = nullptr;
-  for (const auto& group : result.groups) {
-    if (group.name == "image coordinates") images = &group;
-    if (group.name == "control") control = &group;
-  }
-  if (!images || !control || control->redundancy < 1 || images->redundancy < 1 || !(images->factor > 0)) return "";
-  const double ratio = control->factor / images->factor;
-  const double limit = fisher_f_quantile(0.999, control->redundancy, images->redundancy);
-  if (!(ratio > limit)) return "";
-  double squares = 0, largest = 0;
-  std::string worst;
-  int count = 0;
-  for (const ControlResult& c : result.control) {
-    if (c.check || c.fixed) continue;
-    squares += c.residual.squaredNorm(), ++count;
-    if (const double w = c.w.cwiseAbs().maxCoeff(); w > largest)
-      largest = w, worst = result.block.points[static_cast<size_t>(c.point)].name;
-  }
-  char text[500];
-  std::snprintf(
-      text, sizeof text,
-      "control and images contradict each other: the control's variance factor is %.3g times that of the images "
-      "(at most %.3g by chance), its residuals %.3g mm rms, most at %s (w %.1f). Its standard deviations are "
-      "too small, a point of it is another one in the images, or the camera is not what the file says "
-      "(block.with.free=[c, xp, yp, K1, K2, P1, P2] estimates it)",
-      ratio, limit, 1e3 * std::sqrt(squares / count), worst.c_str(), largest);
-  return text;
-}
-
-}  // namespace
-
-BlockT describe_targets(const PointBlockResult& result, const PointBlockOptions& options) {
+BlockT describe_targets(const PointBlock& given, const PointBlockResult& result, const PointBlockOptions& options) {
   BlockT artifact;
   const bool free = result.constraints > 0;
   artifact.datum = !free                                                             ? "control"
@@ -378,7 +342,9 @@ BlockT describe_targets(const PointBlockResult& result, const PointBlockOptions&
             : "");
     artifact.warnings.emplace_back(text);
   }
-  if (const std::string words = control_against_images(result); !words.empty()) artifact.warnings.push_back(words);
+  for (const std::string& words :
+       {control_against_images(result), blunders_in_words(result), turned_images(given, result)})
+    if (!words.empty()) artifact.warnings.push_back(words);
   return artifact;
 }
 

@@ -20,7 +20,8 @@ ImageBlockT target_block_artifact(const ReadBlock& read);
 double image_sigma_of(const PointBlock& block);
 
 /// Covariances in the results already hold sigma0: they are of unit weight 1 for whoever reads them.
-BlockT describe_targets(const PointBlockResult& result, const PointBlockOptions& options);
+/// `given` is the block before the adjustment.
+BlockT describe_targets(const PointBlock& given, const PointBlockResult& result, const PointBlockOptions& options);
 PointsT target_points(const PointBlockResult& result);
 /// cam_from_world in the camera frame of Poses (y down, z forward).
 PosesT target_poses(const PointBlockResult& result);

@@ -6,6 +6,7 @@
 #include "block/control_words.hpp"
 #include "block/image_block_folder.hpp"
 #include "block/photomodeler_files.hpp"
+#include "block/point_block_words.hpp"
 #include "synthetic_block.hpp"
 #include "test_support.hpp"
 
@@ -154,6 +155,51 @@ TEST(PointBlock, ControlInAnotherFrame) {
   EXPECT_LT(result.control[4].residual.norm(), 2e-8);
 }
 
+/// Level ground with its coordinates exchanged is seen as well from below: no residual tells, and no number is right.
+TEST(PointBlock, MirroredControlIsRefused) {
+  PointBlock block = small_block();
+  block.scale_bars.clear();
+  block.control.points = {0, 5, 10, 15, 19};
+  block.control.is_check.assign(5, false);
+  block.control.position.resize(15);
+  block.control.covariance = 1e-8 * Eigen::MatrixXd::Identity(15, 15);
+  for (Eigen::Index k = 0; k < 5; ++k) {
+    const Eigen::Vector3d p = block.points[static_cast<size_t>(block.control.points[static_cast<size_t>(k)])].position;
+    block.control.position.segment<3>(3 * k) = Eigen::Vector3d(p.y(), p.x(), p.z());
+  }
+  EXPECT_THAT(error_of([&] { adjust::adjust_point_block(block, options()); }),
+              testing::AllOf(HasSubstr("the control is the mirror image of the block"), HasSubstr("east and north")));
+}
+
+TEST(PointBlock, AnImageThatTurnsOverIsNamed) {
+  const PointBlock block = small_block();
+  const auto result = adjust::adjust_point_block(block, options());
+  EXPECT_EQ(adjust::turned_images(block, result), "");
+  PointBlock wrong = block;  // as if the adjustment had found image 3 elsewhere than it was given
+  wrong.images[2].angles = adjust::angles_from_rotation(adjust::rotation_from_angles(block.images[2].angles) *
+                                                        Eigen::AngleAxisd(3, Eigen::Vector3d::UnitX()).matrix());
+  EXPECT_THAT(adjust::turned_images(wrong, result), HasSubstr("image 3 has turned by more than 45 degrees"));
+  for (auto& image : wrong.images)  // another frame is no finding
+    image.angles = adjust::angles_from_rotation(Eigen::AngleAxisd(2, Eigen::Vector3d::UnitY()).matrix() *
+                                                adjust::rotation_from_angles(image.angles));
+  EXPECT_THAT(adjust::turned_images(wrong, result), HasSubstr("image 3 has turned"));
+  wrong.images[2] = block.images[2];
+  wrong.images[2].angles = adjust::angles_from_rotation(Eigen::AngleAxisd(2, Eigen::Vector3d::UnitY()).matrix() *
+                                                        adjust::rotation_from_angles(block.images[2].angles));
+  EXPECT_EQ(adjust::turned_images(wrong, result), "");
+}
+
+TEST(PointBlock, AMarkOfAnotherPointIsNamed) {
+  PointBlock block = small_block();
+  test::Random random(7);
+  for (auto& m : block.measurements)
+    m.position += 1e-3 * Eigen::Vector2d(random.uniform() - 0.5, random.uniform() - 0.5);
+  EXPECT_EQ(adjust::blunders_in_words(adjust::adjust_point_block(block, options())), "");
+  block.measurements[47].position.x() += 0.1;  // point 8 in image 3
+  EXPECT_THAT(adjust::blunders_in_words(adjust::adjust_point_block(block, options())),
+              testing::AllOf(HasSubstr("1 image point of 160 contradicts"), HasSubstr("point 8 in image 3")));
+}
+
 TEST(PointBlock, ControlOfAnotherBlockIsNamedAsSuch) {
   std::vector<std::string> names;
   std::vector<Eigen::Vector3d> block, control;
@@ -214,6 +260,12 @@ TEST(PhotoModelerFiles, ControlListsOfEveryShape) {
   EXPECT_THAT(error_of([&] { read("55, 1, 2, 3\n"); }), HasSubstr("none of its points (55) is measured"));
   EXPECT_THAT(error_of([&] { read("12, 1, 2, 3\n12, 1, 2, 3\n"); }), HasSubstr("listed a second time"));
   EXPECT_THAT(error_of([&] { read("12, 1, 2, 3\n", {"14"}); }), HasSubstr("holds no check point 14"));
+  EXPECT_THAT(error_of([&] { read("12, 1, 2, 3\n13 4 5 6\n", {"12", "13"}); }), HasSubstr("are check points"));
+  const std::string marked = "12 1.5 2 3\r13 4 5 6\r";  // CR alone, and two bytes a character
+  EXPECT_EQ(read(marked).block.control.position(5), 6);
+  std::string wide = "\xFF\xFE";
+  for (const char c : marked) wide += {c, '\0'};
+  EXPECT_EQ(read(wide).block.control.position(0), 1.5);
 }
 
 TEST(PhotoModelerFiles, FiveNumbersAreWhatTheHeadingOrTheNumbersSay) {
