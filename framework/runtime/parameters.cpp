@@ -129,8 +129,11 @@ std::map<std::string, std::string> check_parameters(const Kind& kind, const Node
     const plumbline_param* param = kind.param(name);
     if (!param) {
       const auto near = near_names(name, names);
+      const bool of_another_kind = node.use.at.line == 0 && given.at.line > 0;  // the kind is an override, this is not
       problems.push_back({given.at, owner + " has no parameter '" + name + "'" +
-                                        (near.empty() ? "" : " — did you mean '" + near[0] + "'?")});
+                                        (of_another_kind ? "; " + node.name + ".with." + name + "=~ leaves it out"
+                                         : near.empty()  ? ""
+                                                         : " — did you mean '" + near[0] + "'?")});
       continue;
     }
     if (given.is_list && !param->is_list) {

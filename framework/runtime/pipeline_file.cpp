@@ -333,6 +333,8 @@ class Reader {
         problem(at, "this pipeline has no node '" + name + "'" + did_you_mean(name, names));
       } else if (what == "use") {
         node->use = {value, at, fs::current_path()};
+      } else if (what.rfind("with.", 0) == 0 && value == "~") {  // what the pipeline sets for the kind it names
+        std::erase_if(node->parameters, [&](const auto& parameter) { return parameter.first == what.substr(5); });
       } else if (what.rfind("with.", 0) == 0) {
         set(node->parameters, what.substr(5), override_value(value, at));
       } else if (what.rfind("in.", 0) == 0) {

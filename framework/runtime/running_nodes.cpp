@@ -3,7 +3,7 @@
 #include <signal.h>
 #include <unistd.h>
 
-#include <array>
+#include <algorithm>
 #include <atomic>
 #include <cstdlib>
 #include <cstring>
@@ -16,6 +16,20 @@ namespace {
 // Read by signal handlers: atomics and plain pointers only.
 std::array<std::atomic<const char*>, 512> running;
 thread_local const char* in_this_thread = nullptr;
+SharedNodes* shared = nullptr;
+
+/// The first letter last: whoever reads in between reads nothing.
+void share(size_t slot, const std::string& text) {
+  if (!shared || slot >= shared->text.size()) return;
+  auto& place = shared->text[slot];
+  place[0] = 0;
+  if (text.empty()) return;
+  const size_t size = std::min(text.size(), place.size() - 1);
+  std::memcpy(&place[1], text.data() + 1, size - 1);
+  place[size] = 0;
+  std::atomic_signal_fence(std::memory_order_seq_cst);
+  place[0] = text[0];
+}
 
 void say(const char* text) { [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, text, std::strlen(text)); }
 
@@ -27,6 +41,7 @@ bool any_runs() {
 
 /// The node of this thread; in a thread that a node started, all that run are in question.
 void name_culprits(const char* what, const char* detail) {
+  if (shared) return;
   say("\n");
   if (in_this_thread) {
     say(in_this_thread);
@@ -107,6 +122,19 @@ void name_nodes_that_end_the_process() {
   (void)installed;
 }
 
+void tell_running_nodes(SharedNodes& memory) {
+  memory = {};
+  shared = &memory;
+}
+
+std::string nodes_in(const SharedNodes& memory) {
+  std::string nodes;
+  for (const auto& place : memory.text)
+    if (place[0])
+      nodes += (nodes.empty() ? "" : " or ") + std::string(place.data(), strnlen(place.data(), place.size()));
+  return nodes;
+}
+
 RunningNode::RunningNode(std::string text) : text_(std::move(text)), slot_(running.size()), outer_(in_this_thread) {
   thread_local const SignalStack stack;
   in_this_thread = text_.c_str();
@@ -114,13 +142,17 @@ RunningNode::RunningNode(std::string text) : text_(std::move(text)), slot_(runni
     const char* empty = nullptr;
     if (running[i].compare_exchange_strong(empty, text_.c_str())) {
       slot_ = i;
+      share(i, text_);
       break;
     }
   }
 }
 
 RunningNode::~RunningNode() {
-  if (slot_ < running.size()) running[slot_] = nullptr;
+  if (slot_ < running.size()) {
+    share(slot_, "");
+    running[slot_] = nullptr;
+  }
   in_this_thread = outer_;
 }
 

@@ -1,9 +1,22 @@
 // Which nodes run in this process, so that a node that ends the process (exit, abort, a crash) is named.
 #pragma once
 
+#include <array>
 #include <string>
 
 namespace plumbline::runtime {
+
+/// What runs in a child process, where its parent reads it after the child's end: memory that both have
+/// (MAP_SHARED), all zeros at first. More than eight nodes at once, and what is longer, is cut off.
+struct SharedNodes {
+  std::array<std::array<char, 400>, 8> text;
+};
+
+/// From now on `memory` tells the nodes that run in this process, and standard error does no more: the parent reports.
+void tell_running_nodes(SharedNodes& memory);
+
+/// "p.yaml:3:3: node 'x' (family.kind)", joined by " or "; empty if nothing ran.
+std::string nodes_in(const SharedNodes& memory);
 
 /// From now on, if the process ends while a node runs in it, standard error names that node, and the exit code is not
 /// 0: exit(0) becomes 1, a fatal signal stays what it is.

@@ -178,6 +178,8 @@ class SweepReader {
       if (item.second.IsSequence()) {
         for (const auto& part : item.second) value += (value.empty() ? "" : ", ") + text_of(part, "a value");
         value = "[" + value + "]";
+      } else if (item.second.IsNull()) {
+        value = "~";
       } else {
         value = text_of(item.second, "a value");
       }

@@ -3,6 +3,7 @@
 #include <malloc.h>
 #include <poll.h>
 #include <signal.h>
+#include <sys/mman.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -19,8 +20,9 @@
 #include <numeric>
 #include <thread>
 
-#include "runtime/digest.hpp"
 #include "runtime/memory_budget.hpp"
+#include "runtime/running_nodes.hpp"
+#include "runtime/sweep_job.hpp"
 
 namespace plumbline::runtime {
 
@@ -29,52 +31,6 @@ namespace fs = std::filesystem;
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-std::string host_name() {
-  char host[65] = "host";
-  gethostname(host, sizeof host - 1);
-  return host;
-}
-
-/// Cells that run as one graph.
-struct Job {
-  std::vector<size_t> cells;
-};
-
-struct Answer {
-  size_t nodes = 0, merged = 0, executed = 0, failed = 0;
-  bool cancelled = false, store_failed = false;
-};
-
-std::string hash_of_inputs(const NodeResult& result) {
-  Sha256 hash;
-  for (const auto& [port, hashes] : result.inputs) {
-    hash.add_field(port);
-    for (const std::string& item : hashes) hash.add_field(item);
-  }
-  return hash.hex().substr(0, 16);
-}
-
-CellRecord record_of(const SweepCell& cell, const std::vector<size_t>& nodes, const RunResult& run) {
-  CellRecord record;
-  record.host = host_name();
-  for (size_t i = 0; i < nodes.size(); ++i) {
-    const NodeResult& result = run.nodes[nodes[i]];
-    const std::string& name = cell.graph->graph.nodes[i].name;
-    if (result.status == NodeStatus::failed && !cell.graph->essential[i]) {
-      record.warnings.push_back(result.error);  // a bound that does not exist takes nothing from the result
-    } else if (result.status == NodeStatus::failed && !record.failed) {
-      record.failed = true;
-      record.error = result.error;
-      record.failed_node = name;
-    }
-    for (const Metric& metric : result.metrics) record.metrics[name + "." + metric.name] = metric;
-    for (const std::string& warning : result.warnings) record.warnings.push_back(name + ": " + warning);
-    if (!result.inputs.empty()) record.inputs[name] = hash_of_inputs(result);
-    if (result.status == NodeStatus::executed) record.seconds[name] = result.item_seconds;
-  }
-  return record;
-}
 
 /// Where nodes leave what they hand on if only the results are kept; in memory where there is such a folder. It is the
 /// parent's, so that a worker that is killed leaves nothing behind; what a killed parent left, the next one removes.
@@ -107,47 +63,6 @@ class Scratch {
   fs::path folder_;
 };
 
-constexpr size_t largest_in_memory = size_t{4} << 20;  ///< of what a node hands on, where only results are kept
-
-/// In a worker: runs one job and leaves its records in the store.
-Answer run_job(const SweepPlan& plan, const Job& job, const Registry& registry, Store& store, const fs::path& scratch,
-               int threads, uint64_t memory, const std::atomic<bool>* cancel) {
-  std::vector<const SweepCell*> cells;
-  for (const size_t index : job.cells) cells.push_back(&plan.cells[index]);
-  const MergedGraph merged = merge_cells(cells);
-  Answer answer;
-  for (const auto& nodes : merged.nodes) answer.nodes += nodes.size();
-  answer.merged = merged.graph.nodes.size();
-  std::unique_ptr<Store> thrown_away;
-  const fs::path own = scratch / std::to_string(getpid());
-  if (!plan.file.keep_everything) {
-    thrown_away = std::make_unique<Store>(own);
-    thrown_away->keep_in_memory(largest_in_memory);
-  }
-  RunOptions options;
-  options.threads = threads;
-  options.memory = memory;
-  options.cancel = cancel;
-  options.remember = false;
-  Observer silent;
-  const RunResult run = execute(merged.graph, registry, thrown_away ? *thrown_away : store, options, silent);
-  thrown_away.reset();
-  std::error_code ignored;
-  if (!plan.file.keep_everything) fs::remove_all(own, ignored);
-  answer.executed = run.count(NodeStatus::executed);
-  if (run.cancelled) {
-    answer.cancelled = true;
-    return answer;
-  }
-  const CellRecords records(store);
-  for (size_t c = 0; c < cells.size(); ++c) {
-    const CellRecord record = record_of(*cells[c], merged.nodes[c], run);
-    answer.failed += record.failed;
-    records.put(cells[c]->key, record);
-  }
-  return answer;
-}
-
 bool send_all(int socket, const void* data, size_t size) {
   const char* at = static_cast<const char*>(data);
   while (size > 0) {
@@ -170,11 +85,29 @@ bool receive_all(int socket, void* data, size_t size) {
   return true;
 }
 
+/// How a worker ended, for people.
+std::string cause_of_end(bool timed_out, double limit, int status) {
+  char text[64];
+  std::snprintf(text, sizeof text, "it took longer than %g s and was ended", limit);
+  if (timed_out) return text;
+  if (!WIFSIGNALED(status)) return "its process ended with code " + std::to_string(WEXITSTATUS(status));
+  const int signal = WTERMSIG(status);
+  return "its process died of signal " + std::to_string(signal) + " (" + strsignal(signal) + ")" +
+         (signal == SIGKILL ? "; the system kills so when memory is short" : "");
+}
+
+/// Memory that a worker and this process share; it outlives the worker.
+SharedNodes* shared_nodes() {
+  void* const memory = mmap(nullptr, sizeof(SharedNodes), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  return memory == MAP_FAILED ? nullptr : static_cast<SharedNodes*>(memory);
+}
+
 struct Worker {
+  SharedNodes* nodes = nullptr;  ///< what it runs
   pid_t process = -1;
   int socket = -1;
   bool busy = false, timed_out = false;
-  Job job;
+  SweepJob job;
   Clock::time_point started;
 };
 
@@ -198,16 +131,18 @@ class Pool {
         if (worker.busy) kill(worker.process, SIGKILL);
         waitpid(worker.process, nullptr, 0);
       }
+      if (worker.nodes) munmap(worker.nodes, sizeof(SharedNodes));
     }
   }
 
-  void run(std::deque<Job> jobs) {
+  void run(std::deque<SweepJob> jobs) {
     const int processors = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
     const int wanted = options_.workers > 0 ? options_.workers : processors;
     const auto count = std::min<size_t>(static_cast<size_t>(wanted), jobs.size());
     threads_ = std::max(1, wanted / static_cast<int>(std::max<size_t>(1, count)));
     memory_ = (options_.memory ? options_.memory : MemoryBudget::default_limit()) / std::max<size_t>(1, count);
     workers_.resize(count);
+    for (Worker& worker : workers_) worker.nodes = shared_nodes();
     jobs_ = std::move(jobs);
     while (!failure_ && (!jobs_.empty() || any_busy())) {
       if (cancelled()) jobs_.clear(), progress_.cancelled = true;
@@ -236,6 +171,7 @@ class Pool {
       ::close(ends[0]);
       for (const Worker& other : workers_)
         if (other.socket >= 0) ::close(other.socket);
+      if (worker.nodes) tell_running_nodes(*worker.nodes);
       serve(ends[1]);
     }
     ::close(ends[1]);
@@ -252,12 +188,12 @@ class Pool {
     for (;;) {
       size_t count = 0;
       if (!receive_all(socket, &count, sizeof count)) _exit(0);
-      Job job;
+      SweepJob job;
       job.cells.resize(count);
       if (!receive_all(socket, job.cells.data(), count * sizeof(size_t))) _exit(0);
-      Answer answer;
+      SweepAnswer answer;
       try {
-        answer = run_job(plan_, job, registry_, store, scratch_, threads_, memory_, options_.cancel);
+        answer = run_sweep_job(plan_, job, registry_, store, scratch_, threads_, memory_, options_.cancel);
       } catch (const std::exception&) {
         answer.store_failed = true;
       }
@@ -291,7 +227,7 @@ class Pool {
         enforce_limit(worker);
         continue;
       }
-      Answer answer;
+      SweepAnswer answer;
       if (receive_all(worker.socket, &answer, sizeof answer))
         finished(worker, answer);
       else
@@ -307,7 +243,7 @@ class Pool {
     }
   }
 
-  void finished(Worker& worker, const Answer& answer) {
+  void finished(Worker& worker, const SweepAnswer& answer) {
     worker.busy = false;
     failure_ |= answer.store_failed;
     progress_.nodes += answer.nodes;
@@ -332,13 +268,9 @@ class Pool {
     }
     CellRecord record;
     record.failed = true;
-    record.host = host_name();
-    char limit[64];
-    std::snprintf(limit, sizeof limit, "it took longer than %g s and was ended", options_.limit);
-    record.error = worker.timed_out      ? limit
-                   : WIFSIGNALED(status) ? "its process died of signal " + std::to_string(WTERMSIG(status)) + " (" +
-                                               strsignal(WTERMSIG(status)) + ")"
-                                         : "its process ended with code " + std::to_string(WEXITSTATUS(status));
+    record.host = this_host();
+    const std::string node = worker.nodes ? nodes_in(*worker.nodes) : "";
+    record.error = (node.empty() ? "" : node + ": ") + cause_of_end(worker.timed_out, options_.limit, status);
     CellRecords(store_).put(plan_.cells[worker.job.cells[0]].key, record);
     ++progress_.done;
     ++progress_.failed;
@@ -356,7 +288,7 @@ class Pool {
   uint64_t memory_ = 0;
   bool failure_ = false;
   std::vector<Worker> workers_;
-  std::deque<Job> jobs_;
+  std::deque<SweepJob> jobs_;
 };
 
 }  // namespace
@@ -373,7 +305,7 @@ SweepProgress run_cells(const SweepPlan& plan, const std::vector<size_t>& indice
   SweepProgress progress;
   progress.cells = indices.size();
   const CellRecords records(store);
-  std::map<size_t, Job> by_trial;
+  std::map<size_t, SweepJob> by_trial;
   for (const size_t index : indices) {
     const SweepCell& cell = plan.cells[index];
     const auto record = records.find(cell.key);
@@ -384,7 +316,7 @@ SweepProgress run_cells(const SweepPlan& plan, const std::vector<size_t>& indice
       CellRecord refused;
       refused.failed = true;
       refused.error = cell.problem;
-      refused.host = host_name();
+      refused.host = this_host();
       records.put(cell.key, refused);
       ++progress.done, ++progress.failed;
     } else {
@@ -392,7 +324,7 @@ SweepProgress run_cells(const SweepPlan& plan, const std::vector<size_t>& indice
     }
   }
   tell(progress);
-  std::deque<Job> jobs;
+  std::deque<SweepJob> jobs;
   for (auto& [trial, job] : by_trial) jobs.push_back(std::move(job));
   {
     std::unique_ptr<Scratch> scratch;

@@ -62,8 +62,9 @@ double improvement(const Strata& strata, const Weights& weights) {
 
 std::string fixed(double value, int decimals) {
   char text[64];
-  std::snprintf(text, sizeof text, "%.*f", decimals, value == 0 ? 0.0 : value);
-  return text;
+  std::snprintf(text, sizeof text, "%.*f", decimals, value);
+  const bool zero = std::string(text).find_first_of("123456789") == std::string::npos;
+  return text[0] == '-' && zero && std::isfinite(value) ? text + 1 : text;
 }
 
 /// So many decimals that `size` keeps its first digit; between 1 and 6.

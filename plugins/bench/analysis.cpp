@@ -137,9 +137,14 @@ Analysis analyse(const Bench& bench) {
 std::vector<std::string> verdicts(const Bench& bench, const Analysis& analysis) {
   std::vector<std::string> sentences;
   const bool several = bench.places().size() > 1;
+  std::set<std::pair<std::string, std::string>> with_result;
+  for (const Cell& cell : bench.cells)
+    if (cell.status == "done") with_result.insert(cell.choices.begin(), cell.choices.end());
   for (std::size_t i = 0; i < analysis.duels.size(); ++i) {
     const Duel& duel = analysis.duels[i];
     if (several && !duel.overall) continue;
+    // Who gave no result at all is told of by itself, once, and not against everybody else.
+    if (with_result.count({duel.group, duel.first}) == 0 || with_result.count({duel.group, duel.second}) == 0) continue;
     std::string text = several ? "Over all places " + duel.words : duel.words;
     if (several) {
       std::map<std::string, std::vector<std::string>> elsewhere;  // verdict of places that say something else

@@ -54,12 +54,14 @@ void EvaluateErrors::run(Context& context) {
   PointsT off;
   std::vector<std::size_t> heights, coordinates, true_heights, true_coordinates;
   std::vector<std::string> missing;
+  std::size_t without_place = 0;
   for (std::size_t i = 0; i < built.points.size(); ++i) {
     const auto& point = built.points[i];
     if (*use != "all" && point->role != *use) continue;
     const auto place = index.find(point->id);
     if (place == index.end() || !found.points[place->second]->position.allFinite()) {
       missing.push_back(point->id);
+      without_place += place != index.end();
       continue;
     }
     off.points.push_back(std::make_unique<PointT>(*point));
@@ -77,6 +79,10 @@ void EvaluateErrors::run(Context& context) {
   if (static_cast<double>(missing.size()) > *max_missing * static_cast<double>(asked) || off.points.empty())
     throw std::runtime_error(std::to_string(missing.size()) + " of " + std::to_string(asked) +
                              " points are missing in the model, such as " + missing.front() +
+                             (without_place == 0 ? ""
+                              : without_place == missing.size()
+                                  ? ": their coordinates are no numbers (nan)"
+                                  : " (of " + std::to_string(without_place) + " the coordinates are no numbers)") +
                              "; a result on the others alone would flatter it (max_missing)");
   Eigen::MatrixXd of_heights = part_of_covariance(found, heights, "model"),
                   of_all = part_of_covariance(found, coordinates, "model");

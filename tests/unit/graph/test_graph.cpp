@@ -59,6 +59,14 @@ TEST_F(GraphTest, AnOverrideOnTheCommandLineIsRelativeToTheWorkingFolder) {
               HasSubstr((std::filesystem::current_path() / "not/there.txt").string()));
 }
 
+TEST_F(GraphTest, AParameterThatAnotherKindLacksIsTakenBack) {
+  const std::string text = "plumbline: 1\nnodes: {r: {use: register.rigid, with: {scale: estimated}}}\n";
+  EXPECT_THAT(problems(text, {"r.use=register.opengv_arun"}),
+              HasSubstr("'register.opengv_arun' has no parameter 'scale'; r.with.scale=~ leaves it out"));
+  EXPECT_THAT(problems(text, {"r.use=register.opengv_arun", "r.with.scale=~"}), testing::Not(HasSubstr("scale")));
+  EXPECT_THAT(problems(text, {"r.with.scal=~"}), testing::Not(HasSubstr("scal'")));
+}
+
 TEST_F(GraphTest, TellsAllProblemsAtOnceWithPositionsAndNearNames) {
   const std::string text = problems(R"(plumbline: 1
 nodes:
