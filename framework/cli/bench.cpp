@@ -1,8 +1,11 @@
 #include "bench.hpp"
 
+#include <fcntl.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -94,6 +97,24 @@ runtime::Graph summary_graph(const SweepPlan& plan, const runtime::Registry& reg
   return graph;
 }
 
+/// Only one process at a time writes the table of a plan and reads it for its pages; a killed one holds nothing.
+class TableLock {
+ public:
+  explicit TableLock(const fs::path& folder)
+      : file_(::open((folder / "lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644)) {
+    while (file_ >= 0 && flock(file_, LOCK_EX) != 0 && errno == EINTR) {
+    }
+  }
+  TableLock(const TableLock&) = delete;
+  TableLock& operator=(const TableLock&) = delete;
+  ~TableLock() {
+    if (file_ >= 0) ::close(file_);
+  }
+
+ private:
+  int file_;
+};
+
 /// Puts bench.html and the tables in the output folder. The folder is opened before anything runs, so that what stands
 /// in the way of the results is said at once.
 class SummaryWriter {
@@ -118,6 +139,7 @@ class SummaryWriter {
   bool write() {
     const std::string table = sweep_table(plan_, runtime::CellRecords(store_), registry_, PLUMBLINE_VERSION);
     fs::create_directories(cells_.parent_path());
+    const TableLock lock(cells_.parent_path());
     const fs::path fresh = cells_.parent_path() / ("cells-" + std::to_string(getpid()) + ".json");
     std::error_code ignored;
     fs::remove(fresh, ignored);

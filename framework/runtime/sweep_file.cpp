@@ -161,7 +161,9 @@ class SweepReader {
   void read_seeds(const YAML::Node& node) {
     const auto seeds = seeds_of(texts_of(node, "a seed"));
     if (!seeds)
-      problem(node, "seeds are whole numbers from 0, ranges such as 1-200, or a list of them without repetition");
+      problem(node,
+              "seeds are whole numbers from 0, ranges such as 1-200, or a list of them without repetition; at most a "
+              "million in all");
     else
       sweep_.seeds = *seeds;
   }
@@ -306,6 +308,7 @@ std::optional<double> length_of(const std::string& text) {
 }
 
 std::optional<std::vector<uint64_t>> seeds_of(const std::vector<std::string>& texts) {
+  constexpr size_t most_seeds = 1'000'000;
   std::vector<uint64_t> seeds;
   for (const std::string& text : texts) {
     const size_t dash = text.find('-');
@@ -313,7 +316,7 @@ std::optional<std::vector<uint64_t>> seeds_of(const std::vector<std::string>& te
     if (!read_number(std::string_view(text).substr(0, dash), first)) return std::nullopt;
     last = first;
     if (dash != std::string::npos && !read_number(std::string_view(text).substr(dash + 1), last)) return std::nullopt;
-    if (last < first || last - first > 10'000'000) return std::nullopt;
+    if (last < first || last - first >= most_seeds - seeds.size()) return std::nullopt;
     for (uint64_t seed = first; seed <= last; ++seed) seeds.push_back(seed);
   }
   if (std::set<uint64_t>(seeds.begin(), seeds.end()).size() != seeds.size() || seeds.empty()) return std::nullopt;

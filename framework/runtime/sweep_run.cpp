@@ -4,6 +4,7 @@
 #include <poll.h>
 #include <signal.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -171,6 +172,8 @@ class Pool {
       ::close(ends[0]);
       for (const Worker& other : workers_)
         if (other.socket >= 0) ::close(other.socket);
+      prctl(PR_SET_PDEATHSIG, SIGKILL);  // a node that hangs must not outlive who would end it
+      if (getppid() != parent_) _exit(0);
       if (worker.nodes) tell_running_nodes(*worker.nodes);
       serve(ends[1]);
     }
@@ -284,6 +287,7 @@ class Pool {
   const SweepRunOptions& options_;
   SweepProgress& progress_;
   const std::function<void(const SweepProgress&)>& tell_;
+  const pid_t parent_ = getpid();
   int threads_ = 1;
   uint64_t memory_ = 0;
   bool failure_ = false;

@@ -7,6 +7,8 @@
 #include <set>
 #include <thread>
 
+#include "runtime/near_names.hpp"
+
 namespace plumbline::runtime {
 
 using Json = nlohmann::ordered_json;
@@ -65,7 +67,12 @@ std::string failure_of(const CellRecord& record, const SweepFile& file) {
   if (record.failed) return record.error;
   const std::string& name = file.measure.at("error");
   const auto metric = record.metrics.find(name);
-  if (metric == record.metrics.end()) return "it gave no metric '" + name + "'";
+  if (metric == record.metrics.end()) {
+    std::vector<std::string> given;
+    for (const auto& [other, value] : record.metrics) given.push_back(other);
+    const auto near = near_names(name, given);
+    return "it gave no metric '" + name + "'" + (near.empty() ? "" : " — did you mean '" + near[0] + "'?");
+  }
   return std::isfinite(metric->second.value) ? "" : "it gave no finite value of '" + name + "'";
 }
 

@@ -191,6 +191,28 @@ TEST(Bench, ACrashIsAFailedCellAndTheOthersGoOn) {
   EXPECT_THAT(plumbline.answer.err, Not(HasSubstr("crashed"))) << "one line a cell and no more: the table has it";
 }
 
+TEST(Bench, ManyAtOnceOnOneStoreAllWriteTheirTables) {
+  BenchProgram plumbline;
+  plumbline.bench_file("seeds: 1-20\nalternatives: {method: {good: {}, worse: {solver.with.factor: 1.5}}}\n");
+  std::vector<std::thread> people;
+  std::array<Answer, 6> answers;
+  for (size_t i = 0; i < answers.size(); ++i)
+    people.emplace_back([&, i] { answers[i] = plumbline({"bench", "b.yaml", "--out", "out/" + std::to_string(i)}); });
+  for (auto& person : people) person.join();
+  for (size_t i = 0; i < answers.size(); ++i) {
+    EXPECT_EQ(answers[i].code, 0) << answers[i].err;
+    EXPECT_TRUE(fs::exists(plumbline.work() / "out" / std::to_string(i) / "bench.html")) << i;
+  }
+}
+
+TEST(Bench, AMeasureThatIsMistypedIsGuessed) {
+  BenchProgram plumbline;
+  plumbline.write("b.yaml", "bench: 1\npipeline: trial.yaml\nmeasure: {error: solver.rmsez}\nseeds: 1\n");
+  plumbline.run();
+  EXPECT_THAT(plumbline.summary()["failures"][0]["reason"].get<std::string>(),
+              HasSubstr("it gave no metric 'solver.rmsez' — did you mean 'solver.rmse_z'?"));
+}
+
 TEST(Bench, ACellThatTakesTooLongIsEnded) {
   BenchProgram plumbline;
   plumbline.bench_file("seeds: 1-2\nalternatives: {method: {quick: {}, slow: {solver.with.milliseconds: 60000}}}\n");
