@@ -94,6 +94,9 @@ void run_parallel(const SweepPlan& plan, const Store& store, const DispatchOptio
                              shell_text({hosts}) + " --arg-file " + shell_text({list.string()}));
   sent.exit_code = output.exit_code;
   sent.text = output.text;
+  if (output.exit_code != 0)
+    sent.text += "parallel ended with code " + std::to_string(output.exit_code) + ": some tasks did not end well on " +
+                 hosts + "; what they finished is kept, and the same command sends what is missing\n";
 }
 
 }  // namespace

@@ -93,6 +93,7 @@ PairedComparison compare_pairs(const std::vector<std::vector<Pair>>& given, cons
     result.first += std::sqrt(first / n) / count;
     result.second += std::sqrt(second / n) / count;
     result.pairs += stratum.size();
+    result.fewest = sizes.empty() ? stratum.size() : std::min(result.fewest, stratum.size());
     sizes.push_back(stratum.size());
   }
   if (result.pairs == 0) result.first = result.second = kNan;
@@ -161,8 +162,12 @@ std::string in_words(const PairedComparison& c, const std::string& first, const 
              (rope > 0 ? "" : "; no rope is given, so nothing can be called equal");
     }
     case Verdict::too_few:
-      return "nothing can be said of " + first + " and " + second + ": " + std::to_string(c.pairs) +
-             " trials that both finished, needed are " + std::to_string(least_pairs);
+      return "nothing can be said of " + first + " and " + second + ": " +
+             (c.pairs < least_pairs
+                  ? std::to_string(c.pairs) + (c.pairs == 1 ? " trial" : " trials") +
+                        " that both finished, needed are " + std::to_string(least_pairs)
+                  : "of " + std::to_string(c.pairs) + " trials that both finished, one place has only " +
+                        std::to_string(c.fewest) + ", and an interval needs two in each");
   }
   return "";
 }

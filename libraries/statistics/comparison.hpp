@@ -27,6 +27,7 @@ constexpr std::size_t least_pairs = 6;
 
 struct PairedComparison {
   std::size_t pairs = 0;
+  std::size_t fewest = 0;        ///< of them in one stratum
   double first = 0, second = 0;  ///< RMSE of each over the pairs, the mean over strata; nan without pairs
   Estimate difference;           ///< first minus second
   Interval narrow;               ///< with 1 - 2 (1 - confidence): two one-sided tests (Schuirmann 1987) use it

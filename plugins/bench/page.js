@@ -40,7 +40,7 @@ class Plot {
     const all = [];
     for (let p = Math.floor(Math.log10(low)); p <= Math.ceil(Math.log10(high)); ++p)
       for (const k of high / low > 300 ? [1] : [1, 2, 5]) if (k * 10 ** p >= low * 0.999 && k * 10 ** p <= high * 1.001) all.push(k * 10 ** p);
-    return all;
+    return all.length > 1 ? all : ticks(low, high, 4);
   }
   axes() {
     for (const t of this.xTicks || this.list(this.xRange, this.xLog, 8)) {
@@ -76,7 +76,7 @@ function nothing(id, why) { document.getElementById(id).innerHTML = `<p class="s
 // Intervals, one a line: differences, efficiency, NEES.
 function forest(id, lines, label, marks, band) {
   if (!lines.length) return nothing(id, 'Nothing to show here.');
-  const all = lines.flatMap(l => [l.low, l.high, l.value]).filter(known).concat(marks, band || []);
+  const all = lines.flatMap(l => [l.low, l.high, l.value, ...(l.band || [])]).filter(known).concat(marks, band || []);
   const left = Math.min(430, 20 + 7.3 * Math.max(...lines.map(l => l.name.length)));
   const plot = new Plot({height: 60 + 20 * lines.length, left, top: 6, xRange: range(all), yRange: [0, lines.length], xLabel: label, bare: true});
   if (band) plot.add(`<rect x="${plot.x(band[0])}" width="${plot.x(band[1]) - plot.x(band[0])}" y="${plot.top}" height="${plot.height - plot.top - plot.bottom}" fill="var(--good)" fill-opacity=".13"/>`);
@@ -94,8 +94,10 @@ function forest(id, lines, label, marks, band) {
 
 function drawDifferences(group) {
   const tint = {'first better': 'var(--good)', 'second better': 'var(--good)', 'equal': 'var(--same)', 'undecided': 'var(--soft)'};
-  const lines = data.duels.filter(d => d.group === group && !d.refused && known(d.difference[1])).map(d => ({
-    name: `${d.first} − ${d.second}${d.overall ? ', all places' : d.place ? ', ' + d.place : ''}`, value: mm(d.difference[0]), low: mm(d.difference[1]), high: mm(d.difference[2]),
+  const drawn = data.duels.filter(d => d.group === group && !d.refused && known(d.difference[1]));
+  const pair = d => `${d.first} − ${d.second}`, headed = new Set(drawn.filter(d => d.overall).map(pair));
+  const lines = drawn.map(d => ({  // places stand below the line of their pair over all places
+    name: d.overall ? `${pair(d)}, all places` : headed.has(pair(d)) ? placeName(d.place) : `${pair(d)}${d.place ? ', ' + d.place : ''}`, value: mm(d.difference[0]), low: mm(d.difference[1]), high: mm(d.difference[2]),
     colour: tint[d.verdict] || 'var(--soft)', title: d.words, strong: d.overall}));
   forest('differences', lines, 'difference of RMSE [mm]; left: the first is better' + (data.rope ? '; shaded: rope' : ''), [0], data.rope ? [-mm(data.rope), mm(data.rope)] : null);
 }
@@ -124,11 +126,12 @@ function drawProfile(place) {
   const high = Math.max(...values, ...data.tolerances.map(mm)), low = Math.max(Math.min(...values), high / 2000);
   const plot = new Plot({xRange: [low / 1.1, high * 1.05], yRange: [0, 1], xLog: true, xLabel: 'largest error of a trial is at most … [mm]', yLabel: 'share of trials'});
   for (const tau of data.tolerances.map(mm)) plot.add(`<line x1="${plot.x(tau)}" x2="${plot.x(tau)}" y1="${plot.top}" y2="${plot.height - plot.bottom}" stroke="var(--soft)" stroke-dasharray="2 4"><title>tolerance ${tau} mm</title></line>`);
-  for (const r of rows) {
+  for (const [index, r] of rows.entries()) {
     const sorted = r.worst.map(mm).filter(known).sort((a, b) => a - b), points = [[plot.xRange[0], 0]];
     sorted.forEach((v, i) => { const x = Math.max(v, plot.xRange[0]); points.push([x, i / r.trials], [x, (i + 1) / r.trials]); });
     points.push([plot.xRange[1], sorted.length / r.trials]);
-    plot.line(points, colour(r.name));
+    // What is the same lies on top of each other: the first is the widest, so that all are seen.
+    plot.line(points, colour(r.name), `style="stroke-width:${Math.min(9, 2 + 2 * (rows.length - 1 - index))}"`);
   }
   plot.put('profile');
 }

@@ -146,7 +146,8 @@ std::string interval_text(const Estimate& estimate, double scale) {
   const double half = 0.5 * scale * (estimate.interval.upper - estimate.interval.lower);
   const std::string value = number_text(scale * estimate.value, half);
   if (!std::isfinite(half)) return value;
-  return value + " (" + number_text(scale * estimate.interval.lower, half) + "–" +
+  const char* joint = estimate.interval.lower < 0 ? " to " : "–";  // "-0.3–-0.1" is not read
+  return value + " (" + number_text(scale * estimate.interval.lower, half) + joint +
          number_text(scale * estimate.interval.upper, half) + ")";
 }
 

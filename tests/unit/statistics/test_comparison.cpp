@@ -69,6 +69,21 @@ TEST(Verdict, FivePairsSayNothing) {
   EXPECT_THAT(words(c), HasSubstr("5 trials that both finished, needed are 6"));
 }
 
+TEST(Verdict, APlaceWithASinglePairIsNamedAsTheCause) {
+  const PairedComparison c = judged({trials(30, 3.0, 0.0, 1), trials(1, 3.0, 0.0, 2)}, 5e-5);
+  EXPECT_EQ(c.verdict, Verdict::too_few);
+  EXPECT_THAT(words(c), HasSubstr("of 31 trials that both finished, one place has only 1"));
+}
+
+TEST(Verdict, ADifferenceThatIsPrintedAsZeroHasNoSign) {
+  PairedComparison c;
+  c.verdict = Verdict::equal;
+  c.pairs = 9;
+  c.first = c.second = 1e-3;
+  c.difference = {-1e-9, {-2e-9, 1e-9}};
+  EXPECT_THAT(words(c), testing::Not(HasSubstr("-0.0")));
+}
+
 TEST(Verdict, HolmTakesTheWinOfALuckyComparisonAmongMany) {
   PairedComparison lucky;
   lucky.pairs = 20, lucky.p = 0.02;
