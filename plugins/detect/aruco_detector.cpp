@@ -11,6 +11,8 @@
 
 #include "detect/corner_refinement.hpp"
 #include "detect/one_thread.hpp"
+#include "detect/tag_family.hpp"
+#include "detect/tag_pyramid.hpp"
 #include "images/grey_image.hpp"
 
 namespace plumbline::detect {
@@ -41,7 +43,7 @@ double largest_move(const Corners& a, const Corners& b) {
   return largest;
 }
 
-std::vector<const std::uint8_t*> rows_of(const GreyImage& image) {
+std::vector<const std::uint8_t*> row_starts(const GreyImage& image) {
   std::vector<const std::uint8_t*> rows;
   for (int y = 0; y < image.height; ++y)
     rows.push_back(&image.pixels[static_cast<size_t>(y) * static_cast<size_t>(image.width)]);
@@ -98,7 +100,7 @@ struct ArucoDetector::Impl {
 
   /// OpenCV's own corners for every tag, and in their place those of the edge fit where it holds.
   void measure(const GreyImage& image, const cv::Mat& view, std::vector<DetectedTag>& tags) const {
-    const int modules = dictionary.size + 2;
+    const int modules = dictionary.size + 2 * dictionary.border;
     std::vector<Corners> initial;
     std::vector<Quadrilateral> found;
     for (DetectedTag& tag : tags) {
@@ -157,6 +159,19 @@ struct ArucoDetector::Impl {
   }
 };
 
+/// Tags with a border of two cells are those of Kalibr's grids, whose corners touch black squares: OpenCV's contours
+/// run from one into the other.
+TagPyramid pyramid_for(const TagDictionary& dictionary, const ArucoOptions& options) {
+  PyramidOptions search;
+  search.smallest_tag = options.min_side;
+  search.max_hamming = static_cast<int>(options.correction_rate * dictionary.correctable_bits);
+  search.min_decision_margin = 10;
+  search.refinement = options.refinement, search.edge = options.edge;
+  search.sigma_floor = options.sigma_floor, search.unrefined_sigma = options.unrefined_sigma;
+  const bool apriltag = is_apriltag_family(dictionary.name);
+  return {{apriltag ? apriltag_square_family(dictionary.name) : dictionary_square_family(dictionary)}, search};
+}
+
 ArucoDetector::ArucoDetector(const TagDictionary& dictionary, const ArucoOptions& options)
     : impl_(std::make_unique<Impl>()) {
   keep_opencv_to_one_thread();
@@ -179,6 +194,10 @@ double ArucoDetector::chance() const { return impl_->chance; }
 ArucoSearch ArucoDetector::search(const GreyImage& image) const {
   ArucoSearch result;
   if (image.width < 16 || image.height < 16) return result;
+  if (impl_->dictionary.border > 1) {
+    result.tags = pyramid_for(impl_->dictionary, impl_->options).detect(image).tags;
+    return result;
+  }
   const cv::Mat view(image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.pixels.data()));
   std::vector<std::vector<cv::Point2f>> corners, rejected;
   std::vector<int> numbers;
@@ -201,7 +220,7 @@ ArucoSearch ArucoDetector::search(const GreyImage& image) const {
     kept.push_back(static_cast<size_t>(numbers[k]));
   }
   impl_->measure(image, view, tags);
-  const auto rows = rows_of(image);
+  const auto rows = row_starts(image);
   const PixelRows pixels{0, image.width, 0, image.height, rows.data()};
   for (size_t k = 0; k < tags.size(); ++k) {
     if (impl_->alike(pixels, tags[k], kept[k]))

@@ -46,7 +46,13 @@ struct DetectAruco : Node {
     options.edge.curvature_sigma = *curvature_sigma;
     options.sigma_floor = *sigma_floor, options.unrefined_sigma = *opencv_sigma;
     if (*min_likeness != 0) options.limit = LikenessLimit{*min_likeness, 1e300};
-    const ArucoDetector detector(codes(), options);
+    const TagDictionary dictionary_used = codes();
+    const ArucoDetector detector(dictionary_used, options);
+    SearchImage wide;
+    if (dictionary_used.border == 1 && !(family && family->content()->size() > 0))
+      wide = [&](const GreyImage& grey) {
+        return ArucoDetector(builtin_dictionary(dictionary_used.name + "b2"), options).detect(grey);
+      };
     ArucoSearch first;
     bool searched = false;  // the photograph as it is; later calls look at it in a mirror
     ImageTagsT result = search_image(
@@ -56,7 +62,7 @@ struct DetectAruco : Node {
           if (!std::exchange(searched, true)) first = found;
           return std::move(found.tags);
         },
-        detector.chance() >= kWeakChance);
+        wide, detector.chance() >= kWeakChance);
     if (!result.tags.empty() && first.mirrored > 0)
       context.warn(
           result.path + ": " + std::to_string(first.mirrored) + (first.mirrored == 1 ? " tag is" : " tags are") +

@@ -281,7 +281,7 @@ Board parse_board(const std::string& text, const std::string& file) {
                      std::to_string(board.square) + " m)");
   if (board.kind == BoardKind::tags && !(board.gap > 0))
     refuse(file, "'gap' is missing: the space between two tags in metres");
-  board.dictionary = dictionary_of(root, file, root["target_type"] ? "tag36h11" : "");
+  board.dictionary = dictionary_of(root, file, root["target_type"] ? "tag36h11b2" : "");
   const int needed = board.kind == BoardKind::charuco ? board.columns * board.rows / 2 : board.columns * board.rows;
   if (board.first_id + needed > 1 + *std::max_element(board.dictionary.ids.begin(), board.dictionary.ids.end()))
     refuse(file, "the board has " + std::to_string(needed) + " markers from number " + std::to_string(board.first_id) +

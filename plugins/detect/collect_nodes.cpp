@@ -14,11 +14,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
-bool is_apriltag(const std::string& name) {
-  const auto& known = tag_family_names();
-  return std::find(known.begin(), known.end(), name) != known.end();
-}
-
 bool is_dictionary(const std::string& name) {
   try {
     builtin_dictionary(name);
@@ -31,13 +26,13 @@ bool is_dictionary(const std::string& name) {
 }  // namespace
 
 std::string apriltag_family_of(const std::string& name, size_t file_size) {
-  if (is_apriltag(name)) return name;
+  if (is_apriltag_family(name)) return name;
   if (file_size > 0)
     throw std::runtime_error(name +
                              " is a dictionary file; libapriltag knows its own families only. Use "
                              "detector=aruco");
   const std::string opencv = is_dictionary(name) ? builtin_dictionary(name).name : "";
-  if (is_apriltag(opencv)) return opencv;
+  if (is_apriltag_family(opencv)) return opencv;
   throw std::runtime_error("'" + name + "' is an OpenCV dictionary, not an AprilTag family; use detector=aruco");
 }
 
@@ -45,7 +40,7 @@ FileT tag_family_file(const std::string& family, std::string& weakness) {
   FileT result;
   result.name = family;
   std::error_code failed;
-  if (is_apriltag(family)) return result;
+  if (is_apriltag_family(family)) return result;
   if (!fs::is_regular_file(family, failed)) {
     const bool looks_like_path = family.find_first_of("/.") != std::string::npos;
     if (!looks_like_path) {

@@ -16,13 +16,14 @@ double height_over(const Eigen::Vector2d& p, const Eigen::Vector2d& a, const Eig
   return std::abs(cross(b - a, p - a)) / (b - a).norm();
 }
 
-/// Strip of the edge from corner i to the next, with one cell of plain colour on either side.
-EdgeStrip strip_of(const std::array<Eigen::Vector2d, 4>& corner, int i, int modules) {
+/// Strip of the edge from corner i to the next.
+EdgeStrip strip_of(const Quadrilateral& q, int i) {
+  const std::array<Eigen::Vector2d, 4>& corner = q.corners;
   const auto &previous = corner[(i + 3) % 4], &start = corner[i], &end = corner[(i + 1) % 4],
              &next = corner[(i + 2) % 4];
-  const double cell = std::min(height_over(previous, start, end), height_over(next, start, end)) / modules;
+  const double cell = std::min(height_over(previous, start, end), height_over(next, start, end)) / q.modules;
   const double length = (end - start).norm();
-  return {start, end, std::clamp(0.12 * length, 3.0, 10.0), cell};
+  return {start, end, std::clamp(0.12 * length, 3.0, 10.0), q.border * cell};
 }
 
 struct EdgeValue {
@@ -63,7 +64,7 @@ Edges fit_edges(const Quadrilateral& q, EdgeFitter& fitter, SamplingGridEstimate
   Edges edges;
   fitter.set_origin(q.origin);
   for (int i = 0; i < 4; ++i) {
-    if (!(edges[i] = fitter.fit(*q.part, strip_of(q.corners, i, q.modules)))) break;
+    if (!(edges[i] = fitter.fit(*q.part, strip_of(q, i)))) break;
     if (grid) fitter.add_to(*grid);
   }
   return edges;
@@ -147,8 +148,7 @@ double estimate_gamma(const std::vector<Quadrilateral>& found, const EdgeFitOpti
     double own_noise = 0, own_samples = 0;
     bool all = true;
     for (int i = 0; i < 4 && all; ++i) {
-      const auto edges =
-          fitter.fit_with_curves(*found[k].part, strip_of(found[k].corners, i, found[k].modules), curves);
+      const auto edges = fitter.fit_with_curves(*found[k].part, strip_of(found[k], i), curves);
       all = !edges.empty();
       for (std::size_t g = 0; g < edges.size(); ++g) own[g] += edges[g].misfit;
       if (!all) continue;

@@ -24,6 +24,7 @@ struct Quadrilateral {
   const GreyImage* part =
       nullptr;  ///< the part of the image that it lies in and that `corners` count from; null: the image
   Eigen::Vector2i origin = Eigen::Vector2i::Zero();  ///< of the part in the image
+  int border = 1;                                    ///< cells of plain colour on either side of an edge
 };
 
 /// How an image came to be, as the edges in it tell.

@@ -46,15 +46,20 @@ inline GreyImage negative(const GreyImage& image) {
   return result;
 }
 
-/// Why a photograph shows `count` tags where there are more: they are found only in a mirror, or as negatives.
-inline std::string found_only_otherwise(const GreyImage& grey, size_t count, bool by_chance,
-                                        const SearchImage& search) {
+/// Why a photograph shows `count` tags where there are more: they are found only in a mirror, as negatives, or with a
+/// border of two cells (`wide`, where there is such a family).
+inline std::string found_only_otherwise(const GreyImage& grey, size_t count, bool by_chance, const SearchImage& search,
+                                        const SearchImage& wide) {
   const auto some = [](size_t n) { return std::to_string(n) + (n == 1 ? " tag is" : " tags are"); };
   const size_t in_mirror = search(mirrored(grey)).size();
   if (in_mirror > 2 * count + (by_chance ? 1 : 0))
     return "the photograph is mirrored: " + some(in_mirror) +
            " found only after a flip. Export it from the camera without mirroring (selfie and web-camera programs "
            "mirror)";
+  if (const auto tags = count == 0 && wide ? wide(grey) : std::vector<DetectedTag>{}; !tags.empty())
+    return some(tags.size()) +
+           " there with a border of two black cells, as on Kalibr's grids: family=" + tags.front().family +
+           " takes them";
   const size_t as_negative = count == 0 ? search(negative(grey)).size() : 0;
   if (as_negative > 0)
     return some(as_negative) +
@@ -84,9 +89,9 @@ inline void check_size(const std::string& path, int width, int height, ImageTags
 
 /// Reads the photograph and searches it. A file that cannot be read is an error, or with `stop_at_bad` false a result
 /// that says so in `problem`. `by_chance`: squares of the scene may be read as tags, so some are found in a mirrored
-/// photograph, too.
+/// photograph, too. `wide` as in found_only_otherwise().
 inline ImageTagsT search_image(const Context& context, const Image& photograph, bool stop_at_bad,
-                               const SearchImage& search, bool by_chance = false) {
+                               const SearchImage& search, const SearchImage& wide, bool by_chance = false) {
   ImageTagsT result = registered(photograph);
   GreyImage grey;
   const std::string path = context.resolve(photograph.uri()->str());
@@ -101,7 +106,7 @@ inline ImageTagsT search_image(const Context& context, const Image& photograph, 
   }
   const auto tags = search(grey);
   if (tags.empty() || by_chance) {
-    const std::string otherwise = found_only_otherwise(grey, tags.size(), by_chance, search);
+    const std::string otherwise = found_only_otherwise(grey, tags.size(), by_chance, search, wide);
     if (!otherwise.empty()) {
       result.problem = otherwise;
       context.warn(result.path + ": " + otherwise);

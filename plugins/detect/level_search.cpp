@@ -28,15 +28,15 @@ PLUMBLINE_CLONES void greatest_of_four(std::uint8_t* values, std::size_t count, 
   for (std::size_t i = 0; i < count / 4; ++i) out[i] = values[4 * i];
 }
 
-/// Threshold of each tile: the middle of its own and its two neighbours' range; 0 where there is no contrast.
+/// Threshold of each tile: `share` / 256 of its own and its two neighbours' range; 0 where there is no contrast.
 PLUMBLINE_CLONES void thresholds(const std::uint8_t* low, const std::uint8_t* high, std::size_t count, int contrast,
-                                 std::uint8_t* out) {
+                                 std::uint16_t share, std::uint8_t* out) {
   const auto needed = static_cast<std::uint8_t>(contrast);
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint8_t darkest = std::min(std::min(low[i - 1], low[i]), low[i + 1]);
     const std::uint8_t brightest = std::max(std::max(high[i - 1], high[i]), high[i + 1]);
     const std::uint8_t range = static_cast<std::uint8_t>(brightest - darkest);
-    const std::uint8_t middle = static_cast<std::uint8_t>(darkest + (range >> 1));
+    const std::uint8_t middle = static_cast<std::uint8_t>(darkest + (range * share >> 8));
     out[i] = range < needed ? std::uint8_t{0} : middle;
   }
 }
@@ -134,7 +134,8 @@ void LevelSearch::finish_tile_row() {
       widen_range(tile_high_[other % 3].data(), tiles, scratch_.data(), h + 1);
     }
     l[0] = l[1], h[0] = h[1], l[tiles + 1] = l[tiles], h[tiles + 1] = h[tiles];
-    thresholds(l + 1, h + 1, tiles, options_.min_contrast, limit_.data());
+    thresholds(l + 1, h + 1, tiles, options_.min_contrast,
+               static_cast<std::uint16_t>(std::lround(256 * options_.threshold)), limit_.data());
     binarise(r, limit_.data());
   };
   if (row > 0) finish(row - 1);

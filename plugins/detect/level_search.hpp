@@ -15,7 +15,10 @@
 namespace plumbline::detect {
 
 struct LevelSearchOptions {
-  bool bright = false;    ///< figures brighter than what is around them, in place of darker ones
+  bool bright = false;  ///< figures brighter than what is around them, in place of darker ones
+  /// Of the way from the darkest to the brightest pixel around an edge. Below a half, figures that touch at their
+  /// corners come apart: a blurred crossing of black and white is half way.
+  double threshold = 0.5;
   int min_contrast = 24;  ///< between the darkest and the brightest pixel around an edge [grey values]
   double min_side = 8;    ///< shortest side of a quadrilateral [px of this level]
   bool keep_all = false;  ///< no row is forgotten, so that unfinished figures can be followed again

@@ -63,10 +63,14 @@ struct DetectAprilTag : Node {
     context.reserve_memory(
         static_cast<uint64_t>(static_cast<double>(images->size()) + pixels * (1 + 30 / (factor * factor))));
     const pd::DetectorOptions chosen = options();
-    observations.commit(pd::search_image(context, *images, *on_bad_image == "error", [&](const GreyImage& grey) {
-      return pool().with_detector(key(chosen), chosen,
-                                  [&](pd::TagDetector& detector) { return detector.detect(grey); });
-    }));
+    const auto search_with = [this](pd::DetectorOptions with) -> pd::SearchImage {
+      return [this, with](const GreyImage& grey) {
+        return pool().with_detector(key(with), with, [&](pd::TagDetector& detector) { return detector.detect(grey); });
+      };
+    };
+    pd::SearchImage wide;
+    if (pd::DetectorOptions other = chosen; pd::with_two_cells(other.families)) wide = search_with(other);
+    observations.commit(pd::search_image(context, *images, *on_bad_image == "error", search_with(chosen), wide));
   }
 
  private:

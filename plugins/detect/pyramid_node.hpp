@@ -70,11 +70,24 @@ struct DetectTagPyramid : Node {
           "(selfie and web-camera programs mirror)";
     } else {
       constexpr int kSide = 2048;  // the middle tells what is wrong without holding the image
-      result.problem = why_nothing_is_found(
-          read_grey_part(path, (rows->width() - kSide) / 2, (rows->height() - kSide) / 2, kSide, kSide));
+      const GreyImage middle =
+          read_grey_part(path, (rows->width() - kSide) / 2, (rows->height() - kSide) / 2, kSide, kSide);
+      result.problem = found_only_otherwise(
+          middle, 0, false, [](const GreyImage&) { return std::vector<DetectedTag>{}; },
+          [&](const GreyImage& grey) { return with_wide_borders(grey); });
+      if (result.problem.empty()) result.problem = why_nothing_is_found(middle);
     }
     context.warn(result.path + ": " + (found.mirrored ? "" : "no tag found") +
                  (!found.mirrored && !result.problem.empty() ? "; " : "") + result.problem);
+  }
+
+  /// Tags of the same families, but with a border of two cells.
+  std::vector<DetectedTag> with_wide_borders(const GreyImage& grey) const {
+    std::vector<SquareFamily> wide;
+    if (family && family->content()->size() > 0) return {};
+    for (const SquareFamily& plain : wanted())
+      if (plain.border == 1 && !plain.bright_inside) wide.push_back(square_family(plain.name + "b2"));
+    return wide.empty() ? std::vector<DetectedTag>{} : TagPyramid(std::move(wide), {}).detect(grey).tags;
   }
 
   std::vector<SquareFamily> wanted() const {

@@ -51,13 +51,19 @@ Eigen::Matrix3d image_from_cells(const std::array<Eigen::Vector2d, 4>& c, int mo
 }
 
 SquareFamily apriltag_square_family(const std::string& name) {
-  const TagFamily source = make_tag_family(name);
+  std::string base = name;
+  const int border = take_border(base);
+  const TagFamily source = make_tag_family(base);
+  if (border > 1 && source->reversed_border)
+    throw std::runtime_error("'" + name + "': " + base + " has no black border that could be two cells wide");
   SquareFamily family;
   family.name = name;
-  family.modules = source->width_at_border;
+  family.border = border;
+  family.modules = source->width_at_border + 2 * (border - 1);
   family.bright_inside = source->reversed_border;
   for (std::uint32_t i = 0; i < source->nbits; ++i)
-    family.cells.push_back({static_cast<int>(source->bit_x[i]), static_cast<int>(source->bit_y[i])});
+    family.cells.push_back(
+        {static_cast<int>(source->bit_x[i]) + border - 1, static_cast<int>(source->bit_y[i]) + border - 1});
   family.codes.assign(source->codes, source->codes + source->ncodes);
   for (std::uint32_t i = 0; i < source->ncodes; ++i) family.ids.push_back(static_cast<int>(i));
   family.correctable_bits = (static_cast<int>(source->h) - 1) / 2;
@@ -71,11 +77,13 @@ SquareFamily dictionary_square_family(const TagDictionary& dictionary) {
                              " cells; detect.tag_pyramid reads up to 8 x 8, detect.aruco more");
   SquareFamily family;
   family.name = dictionary.name;
-  family.modules = dictionary.size + 2;
+  family.border = dictionary.border;
+  family.modules = dictionary.size + 2 * dictionary.border;
   family.ids = dictionary.ids;
   family.correctable_bits = dictionary.correctable_bits;
-  for (int row = 1; row <= dictionary.size; ++row)
-    for (int column = 1; column <= dictionary.size; ++column) family.cells.push_back({column, row});
+  for (int row = 0; row < dictionary.size; ++row)
+    for (int column = 0; column < dictionary.size; ++column)
+      family.cells.push_back({dictionary.border + column, dictionary.border + row});
   for (const auto& cells : dictionary.codes) {
     std::uint64_t code = 0;
     for (const std::uint8_t cell : cells) code = code << 1 | cell;
@@ -85,13 +93,10 @@ SquareFamily dictionary_square_family(const TagDictionary& dictionary) {
 }
 
 SquareFamily square_family(const std::string& name) {
-  const auto& known = tag_family_names();
-  const auto is_apriltag = [&](const std::string& n) {
-    return std::find(known.begin(), known.end(), n) != known.end();
-  };
-  if (is_apriltag(name)) return apriltag_square_family(name);
+  if (is_apriltag_family(name)) return apriltag_square_family(name);
   const TagDictionary dictionary = builtin_dictionary(name);
-  return is_apriltag(dictionary.name) ? apriltag_square_family(dictionary.name) : dictionary_square_family(dictionary);
+  return is_apriltag_family(dictionary.name) ? apriltag_square_family(dictionary.name)
+                                             : dictionary_square_family(dictionary);
 }
 
 SquareDecoder::SquareDecoder(const SquareFamily& family, int max_hamming)

@@ -24,10 +24,12 @@ struct SquareFamily {
   std::vector<std::array<int, 2>> cells;  ///< column and row of every bit, the highest bit first
   std::vector<std::uint64_t> codes;
   std::vector<int> ids;      ///< of `codes`
+  int border = 1;            ///< cells of the black border, see TagDictionary
   int correctable_bits = 0;  ///< wrong bits that can be corrected without doubt, from the codes' smallest distance
 };
 
-/// Throws std::runtime_error for a name that libapriltag does not know.
+/// "b2" at the end of a name: with a border of two cells. Throws std::runtime_error for a name that libapriltag does
+/// not know.
 SquareFamily apriltag_square_family(const std::string& name);
 /// Throws std::runtime_error for markers of more than 8 × 8 cells.
 SquareFamily dictionary_square_family(const TagDictionary& dictionary);

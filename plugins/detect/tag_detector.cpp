@@ -71,34 +71,61 @@ struct TagDetector::Impl {
   DetectorOptions options;
   std::vector<TagFamily> families;         // before the detector: its destruction frees their tables
   std::unique_ptr<TagPyramid> small_tags;  // those that automatic decimation loses
+  std::unique_ptr<TagPyramid> wide_tags;   // with a border of two cells, which libapriltag does not know
   std::vector<SquareFamily> weak;          // those whose codes many squares of a scene are read as
   std::unique_ptr<apriltag_detector_t, void (*)(apriltag_detector_t*)> detector{apriltag_detector_create(),
                                                                                 apriltag_detector_destroy};
 
   explicit Impl(const DetectorOptions& o) : options(o) {
     check(options);
-    for (const std::string& name : options.families) {
+    std::vector<std::string> plain, wide;  // by the border's cells
+    for (const std::string& name : options.families)
+      (apriltag_square_family(name).border > 1 ? wide : plain).push_back(name);
+    for (const std::string& name : plain) {
       families.push_back(make_tag_family(name));
       apriltag_family_t* family = families.back().get();
       apriltag_detector_add_family_bits(detector.get(), family,
                                         affordable_bits_corrected(*family, options.bits_corrected));
     }
-    for (const std::string& name : options.families) {
+    for (const std::string& name : plain) {
       const SquareFamily family = apriltag_square_family(name);
       if (chance_of(family) >= kWeakChance) weak.push_back(family);
     }
     detector->nthreads = 1;  // images are the unit of parallel work
     detector->refine_edges = true;
-    if (options.decimate > 0) return;
+    wide_tags = pyramid(wide, 12);
+    if (options.decimate == 0) small_tags = pyramid(plain, 24);
+  }
+
+  std::unique_ptr<TagPyramid> pyramid(const std::vector<std::string>& names, double smallest_tag) const {
+    if (names.empty()) return nullptr;
     PyramidOptions search;
     search.refinement = Refinement::apriltag;
-    search.smallest_tag = 24;
+    search.smallest_tag = smallest_tag;
     search.max_hamming = std::min(options.max_hamming, options.bits_corrected);
     search.min_decision_margin = options.min_decision_margin;
     search.unrefined_sigma = options.apriltag_sigma;
     std::vector<SquareFamily> squares;
-    for (const std::string& name : options.families) squares.push_back(apriltag_square_family(name));
-    small_tags = std::make_unique<TagPyramid>(std::move(squares), search);
+    for (const std::string& name : names) squares.push_back(apriltag_square_family(name));
+    return std::make_unique<TagPyramid>(std::move(squares), search);
+  }
+
+  void search(const GreyImage& image, std::vector<DetectedTag>& tags, std::vector<Quadrilateral>& quadrilaterals) {
+    detector->quad_decimate =
+        static_cast<float>(options.decimate > 0 ? options.decimate : decimation_for(image.width, image.height));
+    // libapriltag takes a pointer to non-const, but does not write to the image without quad_sigma.
+    image_u8_t view{image.width, image.height, image.width, const_cast<std::uint8_t*>(image.pixels.data())};
+    const Detections found(apriltag_detector_detect(detector.get(), &view), apriltag_detections_destroy);
+    stop_point();
+    for (int k = 0; k < zarray_size(found.get()); ++k) {
+      apriltag_detection_t* detection = nullptr;
+      zarray_get(found.get(), k, &detection);
+      if (detection->hamming > options.max_hamming ||
+          static_cast<double>(detection->decision_margin) < options.min_decision_margin)
+        continue;
+      tags.push_back(plain_tag(*detection, options.apriltag_sigma));
+      quadrilaterals.push_back({tags.back().corners, detection->family->width_at_border});
+    }
   }
 
   double chance_of(const SquareFamily& family) const {
@@ -132,34 +159,19 @@ std::vector<DetectedTag> TagDetector::detect(const GreyImage& image) {
   const DetectorOptions& options = impl_->options;
   std::vector<DetectedTag> tags;
   if (image.width < 16 || image.height < 16) return tags;  // libapriltag's tiles do not fit
-  impl_->detector->quad_decimate =
-      static_cast<float>(options.decimate > 0 ? options.decimate : decimation_for(image.width, image.height));
-  // libapriltag takes a pointer to non-const, but does not write to the image without quad_sigma.
-  image_u8_t view{image.width, image.height, image.width, const_cast<std::uint8_t*>(image.pixels.data())};
-  const Detections found(apriltag_detector_detect(impl_->detector.get(), &view), apriltag_detections_destroy);
-
-  stop_point();
   std::vector<Quadrilateral> quadrilaterals;
-  for (int k = 0; k < zarray_size(found.get()); ++k) {
-    apriltag_detection_t* detection = nullptr;
-    zarray_get(found.get(), k, &detection);
-    if (detection->hamming > options.max_hamming ||
-        static_cast<double>(detection->decision_margin) < options.min_decision_margin)
-      continue;
-    tags.push_back(plain_tag(*detection, options.apriltag_sigma));
-    quadrilaterals.push_back({tags.back().corners, detection->family->width_at_border});
-  }
-  if (impl_->small_tags && impl_->detector->quad_decimate > 1) {
-    const auto part = [&](int left, int top, int width, int height) {
-      return part_of(image, left, top, width, height);
-    };
-    for (DetectedTag& tag : impl_->small_tags->detect(*rows_of(image), part).tags) {
+  if (!impl_->families.empty()) impl_->search(image, tags, quadrilaterals);
+  const auto add = [&](const TagPyramid& pyramid) {
+    for (DetectedTag& tag : pyramid.detect(image).tags) {
       if (known(tags, tag)) continue;
-      const int modules = apriltag_square_family(tag.family).modules;
-      quadrilaterals.push_back({tag.corners, modules});
+      const SquareFamily family = apriltag_square_family(tag.family);
+      quadrilaterals.push_back({tag.corners, family.modules});
+      quadrilaterals.back().border = family.border;
       tags.push_back(std::move(tag));
     }
-  }
+  };
+  if (impl_->small_tags && impl_->detector->quad_decimate > 1) add(*impl_->small_tags);
+  if (impl_->wide_tags) add(*impl_->wide_tags);
   if (options.refinement == Refinement::edges) {
     const Measurement measured = measure_corners(image, quadrilaterals, options.edge);
     for (std::size_t k = 0; k < tags.size(); ++k) {

@@ -190,6 +190,7 @@ TagDictionary parse_yaml(const std::string& text, const std::string& file, int& 
     const std::string key = lower(entry.first.as<std::string>(""));
     if (key == "nmarkers") stated_markers = entry.second.as<int>(-1);
     if (key == "markersize") dictionary.size = entry.second.as<int>(0);
+    if (key == "markerborderbits") dictionary.border = entry.second.as<int>(0);
     if (key == "maxcorrectionbits") correction = entry.second.as<int>(-1);
     if (key == "name" && entry.second.IsScalar()) dictionary.name = entry.second.as<std::string>("");
     if (key.rfind("marker_", 0) != 0) continue;
@@ -242,7 +243,18 @@ std::string builtin_dictionary_names() {
   return names + ", DICT_3X3_32 (of Find-GCP)";
 }
 
+int take_border(std::string& name) {
+  if (name.size() < 3 || lower(name.substr(name.size() - 2)) != "b2") return 1;
+  name.resize(name.size() - 2);
+  return 2;
+}
+
 TagDictionary builtin_dictionary(const std::string& name) {
+  if (std::string base = name; take_border(base) == 2) {
+    TagDictionary dictionary = builtin_dictionary(base);
+    dictionary.name += "b2", dictionary.border = 2;
+    return dictionary;
+  }
   for (const Builtin& builtin : builtins) {
     if (canonical(name) != canonical(builtin.name)) continue;
     TagDictionary dictionary = from_opencv(*cv::aruco::getPredefinedDictionary(builtin.number), builtin.name);
@@ -270,6 +282,8 @@ TagDictionary parse_dictionary(const std::string& text, const std::string& file)
       refuse(file, "marker_" + std::to_string(dictionary.ids[i]) + " has " +
                        std::to_string(dictionary.codes[i].size()) + " cells, expected " + std::to_string(cells) +
                        " (markersize " + std::to_string(dictionary.size) + ")");
+  if (dictionary.border < 1 || dictionary.border > 2)
+    refuse(file, "markerBorderBits is " + std::to_string(dictionary.border) + ", expected a border of 1 or 2 cells");
   check_codes(dictionary, file, correction);
   if (dictionary.name.empty()) dictionary.name = file.substr(file.find_last_of('/') + 1);
   return dictionary;
@@ -303,7 +317,7 @@ std::string weakness_of(const TagDictionary& dictionary) {
     words += (words.empty() ? "" : ". ") +
              std::string(
                  "the outer cells of all markers are black: if they are the border, leave them out of the file "
-                 "(a border of one black cell is understood)");
+                 "(a border of one black cell is understood, markerBorderBits: 2 makes it two)");
   return words;
 }
 

@@ -7,7 +7,7 @@
 
 namespace plumbline::detect {
 
-/// Codes of a family of square markers with one black border cell around size × size cells.
+/// Codes of a family of square markers with a black border around size × size cells.
 struct TagDictionary {
   std::string name;
   int size = 0;                                  ///< data cells a side
@@ -16,11 +16,15 @@ struct TagDictionary {
   std::vector<std::vector<std::uint8_t>> codes;  ///< size² cells each, row by row from the top left, 1 is white
   /// Cells are drawn as libapriltag does it: OpenCV's copy of these families is turned by half a turn.
   bool turned = false;
+  int border = 1;  ///< black cells around those of the code: one, or two as on Kalibr's grids
 };
 
+/// Takes the ending off "tag36h11b2": the border's cells, 1 without an ending.
+int take_border(std::string& name);
+
 /// "DICT_4X4_50" … "DICT_7X7_1000", "DICT_ARUCO_ORIGINAL" and the AprilTag families as
-/// "tag36h11" or "DICT_APRILTAG_36h11"; case does not matter and "DICT_" may be left out. Throws std::runtime_error
-/// that lists what is known.
+/// "tag36h11" or "DICT_APRILTAG_36h11"; case does not matter and "DICT_" may be left out; "b2" at the end: with a
+/// border of two cells. Throws std::runtime_error that lists what is known.
 TagDictionary builtin_dictionary(const std::string& name);
 
 /// Names that builtin_dictionary() takes, separated by commas.

@@ -11,8 +11,11 @@
 #include <apriltag/tagStandard41h12.h>
 #include <apriltag/tagStandard52h13.h>
 
+#include <algorithm>
 #include <array>
 #include <stdexcept>
+
+#include "detect/tag_dictionary.hpp"
 
 namespace plumbline::detect {
 namespace {
@@ -44,6 +47,21 @@ const std::vector<std::string>& tag_family_names() {
     return list;
   }();
   return names;
+}
+
+bool is_apriltag_family(const std::string& name) {
+  std::string base = name;
+  take_border(base);
+  return std::any_of(makers.begin(), makers.end(), [&](const Maker& maker) { return base == maker.name; });
+}
+
+bool with_two_cells(std::vector<std::string>& names) {
+  std::vector<std::string> wide;
+  for (const std::string& name : names)
+    if (std::string base = name; take_border(base) == 1 && !make_tag_family(name)->reversed_border)
+      wide.push_back(name + "b2");
+  names = wide;
+  return !wide.empty();
 }
 
 TagFamily make_tag_family(const std::string& name) {

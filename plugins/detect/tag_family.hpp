@@ -15,6 +15,12 @@ namespace plumbline::detect {
 /// tagStandard52h13.
 const std::vector<std::string>& tag_family_names();
 
+/// One of them, or one with a black border of two cells ("tag36h11b2").
+bool is_apriltag_family(const std::string& name);
+
+/// The families with a border of two cells in their place; false if none of them has one.
+bool with_two_cells(std::vector<std::string>& names);
+
 using TagFamily = std::unique_ptr<apriltag_family, void (*)(apriltag_family*)>;
 
 /// A new family object. One belongs to one detector: the detector keeps its decoding table in it.

@@ -47,13 +47,24 @@ std::string misplaced(const std::vector<int>& ids, const std::vector<cv::Point2f
   return begin + ", but in rows of " + std::to_string(columns) + ": 'columns' there is wrong";
 }
 
+/// Tags of the board, also with a border of the other width: which one a grid has is in none of the files that programs
+/// write.
+std::vector<DetectedTag> tags_of(const GreyImage& image, TagDictionary dictionary) {
+  std::vector<DetectedTag> tags = ArucoDetector(dictionary, {}).detect(image);
+  if (!tags.empty() || dictionary.size > 8) return tags;
+  std::string& name = dictionary.name;
+  name = dictionary.border > 1 ? name.substr(0, name.size() - 2) : name + "b2";
+  dictionary.border = 3 - dictionary.border;
+  return ArucoDetector(dictionary, {}).detect(image);
+}
+
 }  // namespace
 
 SeenBoard find_tags(const GreyImage& image, const Board& board) {
   SeenBoard seen;
   const double pitch = board.marker + board.gap, h = 0.5 * board.marker;
   std::map<int, std::vector<DetectedTag>> by_id;
-  for (auto& tag : ArucoDetector(board.dictionary, {}).detect(image)) {
+  for (auto& tag : tags_of(image, board.dictionary)) {
     const int k = tag.id - board.first_id;
     if (k >= 0 && k < board.columns * board.rows) by_id[k].push_back(std::move(tag));
   }

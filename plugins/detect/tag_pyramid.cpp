@@ -20,6 +20,7 @@ constexpr int kMargin = 40;  // around a tag for the fit of its edges [px]
 constexpr int kLag = 16;     // rows of a level that its search lags behind
 constexpr int kBlock = 64;   // rows that are decoded between two searches [px]
 constexpr int kLevelFactor = 4;
+constexpr double kApart = 0.2;  // threshold that takes the squares between the tags of Kalibr's grids off their corners
 
 PLUMBLINE_CLONES void halve(const std::uint8_t* upper, const std::uint8_t* lower, std::size_t count,
                             std::uint8_t* out) {
@@ -301,7 +302,7 @@ void measure(std::vector<Candidate>& candidates, const PyramidOptions& options) 
   for (const Candidate& c : candidates) {
     Quadrilateral q{c.tag.corners, c.family->modules, c.part.get()};
     for (auto& corner : q.corners) corner -= c.origin;
-    q.origin = c.origin.cast<int>();
+    q.origin = c.origin.cast<int>(), q.border = c.family->border;
     found.push_back(q);
   }
   const Measurement measured = measure_corners(found, options.edge);
@@ -340,6 +341,11 @@ double TagPyramid::memory(int width, int height) {
   return 1.4 * static_cast<double>(width) * window_rows(height) + 4e6;
 }
 
+PyramidResult TagPyramid::detect(const GreyImage& image) const {
+  return detect(*plumbline::rows_of(image),
+                [&](int left, int top, int width, int height) { return part_of(image, left, top, width, height); });
+}
+
 PyramidResult TagPyramid::detect(GreyRows& rows, const ReadPart& part) const {
   const int width = rows.width(), height = rows.height();
   PyramidResult result;
@@ -353,12 +359,14 @@ PyramidResult TagPyramid::detect(GreyRows& rows, const ReadPart& part) const {
   for (const int factor : {finest, finest * kLevelFactor}) {
     if (width / factor < 16 || height / factor < 16) break;
     Level level{factor, {}};
-    for (const bool bright : {false, true}) {
-      if (std::none_of(decoders_.begin(), decoders_.end(),
-                       [&](const auto& d) { return d.family().bright_inside == bright; }))
+    for (const auto& [bright, border] : {std::pair(false, 1), {false, 2}, {true, 1}}) {
+      if (std::none_of(decoders_.begin(), decoders_.end(), [&](const auto& d) {
+            return d.family().bright_inside == bright && d.family().border == border;
+          }))
         continue;
       LevelSearchOptions search;
       search.bright = bright;
+      if (border > 1) search.threshold = kApart;
       search.min_contrast = options_.min_contrast;
       search.keep_all = factor > finest;
       level.searches.emplace_back(

@@ -44,6 +44,9 @@ class TagPyramid {
   /// or 1200 rows, a third of that for the levels, and a copy of every tag's surroundings.
   PyramidResult detect(GreyRows& rows, const ReadPart& part) const;
 
+  /// Of an image that is held.
+  PyramidResult detect(const GreyImage& image) const;
+
   /// Bytes that detect() takes, without the decoder and the tags.
   static double memory(int width, int height);
 
