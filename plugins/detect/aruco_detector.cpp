@@ -10,6 +10,7 @@
 #include <tuple>
 
 #include "detect/corner_refinement.hpp"
+#include "detect/edge_lines.hpp"
 #include "detect/one_thread.hpp"
 #include "detect/tag_family.hpp"
 #include "detect/tag_pyramid.hpp"
@@ -41,6 +42,13 @@ double largest_move(const Corners& a, const Corners& b) {
   double largest = 0;
   for (size_t i = 0; i < 4; ++i) largest = std::max(largest, (a[i] - b[i]).norm());
   return largest;
+}
+
+/// Whether two tags of one number are one: its contour is found by several thresholds.
+bool same_place(const DetectedTag& a, const DetectedTag& b) {
+  Eigen::Vector2d between = Eigen::Vector2d::Zero();
+  for (size_t i = 0; i < 4; ++i) between += 0.25 * (a.corners[i] - b.corners[i]);
+  return a.id == b.id && between.norm() < 0.5 * shortest_side(a.corners);
 }
 
 std::vector<const std::uint8_t*> row_starts(const GreyImage& image) {
@@ -98,14 +106,33 @@ struct ArucoDetector::Impl {
     return result;
   }
 
+  /// Corners for tags whose edges cannot be fitted: those of straight lines along the steepest grey values, else
+  /// OpenCV's. A blurred corner is rounded, and OpenCV's measurement of it is off by a good part of the blur.
+  Corners unfitted_corners(const cv::Mat& view, const PixelRows& image, const Corners& initial, double cell) const {
+    const std::array<Eigen::Vector2d, 4> clockwise = {initial[3], initial[2], initial[1], initial[0]};
+    const double reach = std::clamp(0.4 * cell, 1.5, 4.0);
+    for (const bool bright_inside : {false, true}) {
+      auto lines = on_edges(image, clockwise, reach, bright_inside);
+      if (lines) lines = on_edges(image, *lines, reach, bright_inside);  // OpenCV's contours are good to a pixel or two
+      if (!lines) continue;
+      const Corners corners = {(*lines)[3], (*lines)[2], (*lines)[1], (*lines)[0]};
+      if (largest_move(corners, initial) <= std::max(2.0, 0.5 * cell)) return corners;
+    }
+    return subpixel_corners(view, initial, cell);
+  }
+
   /// OpenCV's own corners for every tag, and in their place those of the edge fit where it holds.
   void measure(const GreyImage& image, const cv::Mat& view, std::vector<DetectedTag>& tags) const {
+    const auto rows = row_starts(image);
+    const PixelRows pixels{0, image.width, 0, image.height, rows.data()};
     const int modules = dictionary.size + 2 * dictionary.border;
     std::vector<Corners> initial;
     std::vector<Quadrilateral> found;
     for (DetectedTag& tag : tags) {
       initial.push_back(tag.corners);
-      tag.corners = subpixel_corners(view, tag.corners, shortest_side(tag.corners) / modules);
+      const double cell = shortest_side(tag.corners) / modules;
+      tag.corners = options.refinement == Refinement::edges ? unfitted_corners(view, pixels, tag.corners, cell)
+                                                            : subpixel_corners(view, tag.corners, cell);
       for (auto& c : tag.covariances)
         c = Eigen::Matrix2d::Identity() * options.unrefined_sigma * options.unrefined_sigma;
       found.push_back({tag.corners, modules});
@@ -139,6 +166,34 @@ struct ArucoDetector::Impl {
     if (dictionary.turned) std::rotate(upright.begin(), upright.begin() + 2, upright.end());
     return limit.holds(likeness(image, upright, plain->family(), index)) ||
            (options.white_on_black && limit.holds(likeness(image, upright, negative->family(), index)));
+  }
+
+  /// Tags among the squares that OpenCV found and could not read: blur that hides single cells from it leaves them to
+  /// our decoder, which knows the light over the square.
+  void read_again(const PixelRows& image, const std::vector<std::vector<cv::Point2f>>& rejected,
+                  std::vector<DetectedTag>& tags, std::vector<size_t>& kept) const {
+    if (!plain) return;
+    const LikenessLimit sure = likeness_limit(1);
+    for (const auto& square : rejected) {
+      Corners clockwise;
+      for (size_t i = 0; i < 4; ++i)
+        clockwise[i] = {static_cast<double>(square[i].x), static_cast<double>(square[i].y)};
+      const double cell = shortest_side(clockwise) / plain->family().modules;
+      if (shortest_side(clockwise) < options.min_side - 1) continue;
+      const auto lines = on_edges(image, clockwise, std::clamp(0.4 * cell, 1.5, 4.0), false);
+      const auto code = plain->read(image, lines ? *lines : clockwise).code;
+      if (!code) continue;
+      const auto& ids = plain->family().ids;
+      const auto index = static_cast<size_t>(std::find(ids.begin(), ids.end(), code->id) - ids.begin());
+      if (!sure.holds(likeness(image, code->corners, plain->family(), index))) continue;
+      DetectedTag tag;
+      tag.family = dictionary.name, tag.id = code->id, tag.decision_margin = std::nan("");
+      tag.corners = code->corners;
+      if (dictionary.turned) std::rotate(tag.corners.begin(), tag.corners.begin() + 2, tag.corners.end());
+      if (std::any_of(tags.begin(), tags.end(), [&](const DetectedTag& other) { return same_place(other, tag); }))
+        continue;
+      tags.push_back(std::move(tag)), kept.push_back(index);
+    }
   }
 
   /// Squares that are no tags of the dictionary, but would be in a mirror.
@@ -219,9 +274,10 @@ ArucoSearch ArucoDetector::search(const GreyImage& image) const {
     tags.push_back(std::move(tag));
     kept.push_back(static_cast<size_t>(numbers[k]));
   }
-  impl_->measure(image, view, tags);
   const auto rows = row_starts(image);
   const PixelRows pixels{0, image.width, 0, image.height, rows.data()};
+  impl_->read_again(pixels, rejected, tags, kept);
+  impl_->measure(image, view, tags);
   for (size_t k = 0; k < tags.size(); ++k) {
     if (impl_->alike(pixels, tags[k], kept[k]))
       result.tags.push_back(std::move(tags[k]));

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "detect/corner_refinement.hpp"
+#include "detect/edge_lines.hpp"
 #include "detect/level_search.hpp"
 #include "detect/likeness.hpp"
 #include "plumbline/stop.hpp"
@@ -95,73 +96,6 @@ class Reducer {
   std::vector<std::size_t> count_;                                 // of the rows that there were
   std::vector<const std::uint8_t*> upper_;                         // of a pair whose lower row has not come
 };
-
-/// Edges of a quadrilateral moved to where the grey values change most, within `reach` px of it. Nothing if an edge
-/// shows no change of the wanted direction.
-std::optional<std::array<Eigen::Vector2d, 4>> on_edges(const PixelRows& image,
-                                                       const std::array<Eigen::Vector2d, 4>& corners, double reach,
-                                                       bool bright_inside) {
-  struct Line {
-    Eigen::Vector2d centre, along;
-  };
-  std::array<Line, 4> lines;
-  for (std::size_t side = 0; side < 4; ++side) {
-    const Eigen::Vector2d a = corners[side], b = corners[(side + 1) % 4];
-    const Eigen::Vector2d along = (b - a).normalized(), outwards(along.y(), -along.x());
-    const double length = (b - a).norm(), step = reach > 4 ? 1.0 : 0.5;
-    const int count = std::clamp(static_cast<int>(length / 2), 8, 48);
-    std::vector<Eigen::Vector2d> points;
-    for (int k = 0; k < count; ++k) {
-      const Eigen::Vector2d base = a + (b - a) * (0.1 + 0.8 * (k + 0.5) / count);
-      const Eigen::Vector2d tip = outwards * (reach + 1);
-      const Eigen::Vector2d outer = base + tip, inner = base - tip;
-      if (!image.holds(outer.x(), outer.y()) || !image.holds(inner.x(), inner.y())) continue;
-      double weight = 0, moment = 0;
-      for (double n = -reach; n <= reach; n += step) {
-        const Eigen::Vector2d out = base + outwards * (n + 1), in = base + outwards * (n - 1);
-        double rise = static_cast<double>(image.at(out.x(), out.y()) - image.at(in.x(), in.y()));
-        if (bright_inside) rise = -rise;
-        if (rise <= 0) continue;
-        weight += rise * rise, moment += rise * rise * n;
-      }
-      if (weight > 0) points.push_back(base + outwards * (moment / weight));
-    }
-    if (points.size() < 4) return std::nullopt;
-    // Twice: without the points that are farther off than the others.
-    for (int pass = 0; pass < 2; ++pass) {
-      Eigen::Vector2d mean(0, 0);
-      for (const auto& p : points) mean += p;
-      mean /= static_cast<double>(points.size());
-      double xx = 0, xy = 0, yy = 0;
-      for (const auto& p : points) {
-        const Eigen::Vector2d d = p - mean;
-        xx += d.x() * d.x(), xy += d.x() * d.y(), yy += d.y() * d.y();
-      }
-      const double angle = 0.5 * std::atan2(2 * xy, xx - yy);
-      lines[side] = {mean, {std::cos(angle), std::sin(angle)}};
-      if (pass > 0) break;
-      const double smaller = 0.5 * (xx + yy - std::hypot(xx - yy, 2 * xy)) / static_cast<double>(points.size());
-      const double limit = 4 * smaller + 0.01;
-      std::vector<Eigen::Vector2d> kept;
-      for (const auto& p : points) {
-        const Eigen::Vector2d d = p - mean;
-        const double off = d.x() * lines[side].along.y() - d.y() * lines[side].along.x();
-        if (off * off <= limit) kept.push_back(p);
-      }
-      if (kept.size() >= 4) points = std::move(kept);
-    }
-  }
-  std::array<Eigen::Vector2d, 4> result;
-  for (std::size_t i = 0; i < 4; ++i) {
-    const Line &p = lines[(i + 3) % 4], &q = lines[i];
-    const double sine = p.along.x() * q.along.y() - p.along.y() * q.along.x();
-    if (std::abs(sine) < 0.1) return std::nullopt;
-    const Eigen::Vector2d between = q.centre - p.centre;
-    result[i] = p.centre + p.along * ((between.x() * q.along.y() - between.y() * q.along.x()) / sine);
-    if ((result[i] - corners[i]).norm() > 2.5 * reach + 1) return std::nullopt;
-  }
-  return result;
-}
 
 std::vector<const std::uint8_t*> rows_of(const GreyImage& image, int first, int end) {
   std::vector<const std::uint8_t*> rows(static_cast<std::size_t>(end));
