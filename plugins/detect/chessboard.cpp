@@ -1,10 +1,12 @@
 #include "detect/chessboard.hpp"
 
 #include <algorithm>
+#include <array>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 
-#include "geometry/median.hpp"
+#include "detect/chess_lattice.hpp"
 #include "images/grey_image.hpp"
 
 namespace plumbline::detect {
@@ -40,56 +42,30 @@ bool search(const cv::Mat& view, cv::Size size, int longest, Corners& corners) {
   return true;
 }
 
-/// Grey value in the middle of the square right below corner i: mean of its centre and of points halfway to its
-/// corners.
-double grey_of_square(const cv::Mat& view, const Corners& corners, size_t i, size_t columns) {
-  const cv::Point2f around[] = {corners[i], corners[i + 1], corners[i + columns], corners[i + columns + 1]};
-  const cv::Point2f centre = 0.25F * (around[0] + around[1] + around[2] + around[3]);
-  const auto grey = [&](const cv::Point2f& p) {
-    const int x = std::clamp(cvRound(p.x), 0, view.cols - 1), y = std::clamp(cvRound(p.y), 0, view.rows - 1);
-    return static_cast<double>(view.at<std::uint8_t>(y, x));
-  };
-  double sum = grey(centre);
-  for (const auto& corner : around) sum += grey(0.5F * (centre + corner));
-  return sum / 5;
-}
-
-/// Whether neighbouring squares between the corners change from dark to bright and back everywhere. Where another board
-/// than the one that is looked for is in the photograph, the second search finds corners that are none.
-bool alternates(const cv::Mat& view, const Corners& corners, int columns, int rows) {
-  const auto width = static_cast<size_t>(columns - 1), height = static_cast<size_t>(rows - 1);
-  std::vector<double> grey, steps;
-  for (size_t row = 0; row < height; ++row)
-    for (size_t column = 0; column < width; ++column)
-      grey.push_back(grey_of_square(view, corners, row * (width + 1) + column, width + 1));
-  for (size_t row = 0; row < height; ++row)
-    for (size_t column = 0; column < width; ++column) {
-      const double sign = (row + column) % 2 ? -1 : 1, here = grey[row * width + column];
-      if (column + 1 < width) steps.push_back(sign * (here - grey[row * width + column + 1]));
-      if (row + 1 < height) steps.push_back(sign * (here - grey[(row + 1) * width + column]));
-    }
-  if (steps.empty()) return true;
-  const double usual = upper_median(steps);
-  return std::all_of(steps.begin(), steps.end(), [&](double step) { return step * usual > 0.1 * usual * usual; });
-}
-
 std::string inner_corners(int columns, int rows) {
   return std::to_string(columns) + " x " + std::to_string(rows) + " inner corners";
 }
 
-SeenBoard not_found(const cv::Mat& view, const Board& board) {
-  SeenBoard seen;
-  seen.problem = "no chessboard of " + inner_corners(board.columns, board.rows) + " was found";
-  Corners corners;
-  if (board.columns > 3 && board.rows > 3 && search(view, {board.columns - 1, board.rows - 1}, 640, corners)) {
-    seen.contradicts = true;
-    seen.problem += ", but one of at least " + inner_corners(board.columns - 1, board.rows - 1) +
-                    ": columns and rows in the board file are to count inner corners, not squares";
-  } else {
-    seen.problem +=
-        "; the whole board has to be in the photograph, sharp, and columns and rows in the board file count inner "
-        "corners";
+/// Of the smaller boards and the larger ones that the board file may mean, the one in the photograph.
+std::optional<ChessLattice> another_board(const cv::Mat& view, const Board& board) {
+  constexpr std::array<std::array<int, 2>, 6> others = {{{-1, -1}, {1, 1}, {-1, 0}, {0, -1}, {1, 0}, {0, 1}}};
+  for (const auto& [more_columns, more_rows] : others) {
+    ChessLattice found{{}, board.columns + more_columns, board.rows + more_rows};
+    if (std::min(found.columns, found.rows) < 3) continue;
+    if (!search(view, {found.columns, found.rows}, 640, found.corners) || !is_chessboard(view, found)) continue;
+    grow(view, found);  // to what the board file says, perhaps
+    return found;
   }
+  return std::nullopt;
+}
+
+SeenBoard other_board(const Board& board, const ChessLattice& found) {
+  SeenBoard seen;
+  const bool squares = found.columns == board.columns - 1 && found.rows == board.rows - 1;
+  seen.contradicts = true;
+  seen.problem = "the chessboard has " + inner_corners(found.columns, found.rows) + ", not " +
+                 std::to_string(board.columns) + " x " + std::to_string(board.rows) + " as the board file says" +
+                 (squares ? ": columns and rows there are to count inner corners, not squares" : "");
   return seen;
 }
 
@@ -98,12 +74,23 @@ SeenBoard not_found(const cv::Mat& view, const Board& board) {
 SeenBoard find_chessboard(const GreyImage& image, const Board& board) {
   const cv::Mat view(image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.pixels.data()));
   const cv::Size size(board.columns, board.rows);
-  Corners corners;
-  const auto is_board = [&] { return alternates(view, corners, board.columns, board.rows); };
-  if (!(search(view, size, 1000, corners) && is_board()) &&
+  ChessLattice found{{}, board.columns, board.rows};
+  Corners& corners = found.corners;
+  if (!(search(view, size, 1000, corners) && is_chessboard(view, found)) &&
       !(cv::findChessboardCornersSB(view, size, corners, cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_EXHAUSTIVE) &&
-        is_board()))
-    return not_found(view, board);
+        is_chessboard(view, found))) {
+    const auto another = another_board(view, board);
+    if (!another) {
+      SeenBoard seen;
+      seen.problem = "no chessboard of " + inner_corners(board.columns, board.rows) +
+                     " was found; the whole board has to be in the photograph, sharp, and columns and rows in the "
+                     "board file count inner corners";
+      return seen;
+    }
+    found = *another;
+  }
+  if (ChessLattice whole = found; grow(view, whole) || whole.columns != board.columns || whole.rows != board.rows)
+    return other_board(board, whole);
   refine(view, corners, spacing_of(corners, board.columns));
   SeenBoard seen;
   for (size_t i = 0; i < corners.size(); ++i)

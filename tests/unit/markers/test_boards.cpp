@@ -158,12 +158,26 @@ TEST(Board, OfWhichTheSquaresWereCountedSaysSo) {
   const auto corners = detect::parse_board("type: chessboard\ncolumns: 6\nrows: 4\nsquare: 0.024\n", "b.yaml");
   const auto seen = detect::find_board(drawn_chessboard(), squares);
   EXPECT_TRUE(seen.contradicts);
-  EXPECT_THAT(seen.problem, HasSubstr("but one of at least 6 x 4 inner corners: columns and rows"));
+  EXPECT_THAT(seen.problem, HasSubstr("has 6 x 4 inner corners, not 7 x 5 as the board file says: columns and rows"));
   const auto found = detect::find_board(drawn_chessboard(), corners);
   ASSERT_EQ(found.points.size(), 24u) << found.problem;
   for (const auto& p : found.points) {
     const Eigen::Vector2d at(69.5 + 1000 * p.board.x(), 73.5 - 1000 * p.board.y());
     EXPECT_LT((p.pixel - at).norm(), 0.1) << p.id;
+  }
+}
+
+/// Corners of the rim are no inner corners, and a part of a board is not the board: either was measured where it was
+/// found.
+TEST(Board, OfAnotherSizeIsNamed) {
+  for (const auto& [columns, rows] : {std::pair(5, 3), {5, 4}, {6, 3}, {6, 5}, {7, 4}}) {
+    const auto board = detect::parse_board("type: chessboard\ncolumns: " + std::to_string(columns) +
+                                               "\nrows: " + std::to_string(rows) + "\nsquare: 0.024\n",
+                                           "b.yaml");
+    const auto seen = detect::find_board(drawn_chessboard(), board);
+    EXPECT_TRUE(seen.contradicts) << columns << " x " << rows;
+    EXPECT_TRUE(seen.points.empty()) << columns << " x " << rows;
+    EXPECT_THAT(seen.problem, HasSubstr("has 6 x 4 inner corners"));
   }
 }
 
