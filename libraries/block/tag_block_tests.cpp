@@ -166,9 +166,9 @@ void test_groups(const TagBlock& block, TagBlockResult& result) {
                      (group.name == interior ? "camera's calibration"
                                              : "calibration of camera " + group.name.substr(interior.size() + 4)) +
                      " far beyond its sigmas: wrong calibration, lens or focus"
-           : group.name == "tag scale prior"
-               ? "the tags are not of the size given: printed at another scale, or measured wrong"
-               : "the images contradict the " + group.name) +
+           : group.name == "tag scale prior" ? "the tags are not of the size given, or not all of one where none is: "
+                                               "printed at another scale, or measured wrong"
+                                             : "the images contradict the " + group.name) +
           std::string(figure);
     }
     test.passed = test.factor <= test.limit;

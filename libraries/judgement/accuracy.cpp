@@ -267,6 +267,7 @@ void warn_of_gaps(Evaluation& evaluation) {
     listed.insert(anchor->id);
     if (!anchor->survey) unmeasured.push_back(anchor->id);
   }
+  listed.insert(evaluation.inputs.ties.begin(), evaluation.inputs.ties.end());
   for (const std::string& id : evaluation.model.ids)
     if (!listed.count(id)) unlisted.push_back(id);
   if (!unmeasured.empty())

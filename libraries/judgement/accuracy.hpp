@@ -53,6 +53,7 @@ struct Inputs {
   /// The truth is of anchors, model and survey are of plates: standard deviation of a plate's place on its anchor, on
   /// each axis [m].
   double mounting_sigma = 0;
+  std::vector<std::string> ties;  ///< points of the model that are no anchors and not missed in the table
 };
 
 /// Evaluates the model. Anchors without a finite model or reference position are listed with the reason and left out of

@@ -10,14 +10,15 @@ namespace plumbline::markers {
 /// "rig/left" of "rig/left/0017.png" and "" without a folder.
 std::string folder_of(const std::string& path);
 
-/// "rig/cam_0_frame" of "rig/cam_0_frame_0017.png": what stands before the last number of the name.
-std::string prefix_of(const std::string& path);
+/// "rig/cam_0_frame" of "rig/cam_0_frame_0017.png", "cam2" of "0017_cam2.png": what stands around the last number of the
+/// name that does not number a camera.
+std::string name_around_number(const std::string& path);
 
-/// The name of the camera; `by` is "by_folder", "by_name" (folder and what stands before the last number) or "one".
+/// The name of the camera; `by` is "by_folder", "by_name" (folder and what stands around the number) or "one".
 std::string camera_name(const std::string& path, const std::string& by);
 
-/// What two photographs of one moment share, of cameras told apart as above: the last number of the name, or the name
-/// without its folder if it has none.
+/// What two photographs of one moment share, of cameras told apart as above: that number, or the name without its folder
+/// if it has none.
 std::string moment_of(const std::string& path);
 
 /// "cam_0, cam_1 and cam_2" if the names of one folder suggest that several cameras took the photographs, each at least

@@ -29,11 +29,12 @@ AnchorUse use_of(const PlateT& plate) {
                            "', expected \"control\" or \"check\"; say it in the anchor table of campaign.yaml");
 }
 
-/// One row an anchor: an anchor may carry several plates.
+/// One row an anchor: an anchor may carry several plates, and a tag that stands for no point is none ("tie").
 std::vector<AnchorEntry> anchor_table(const PlatesT& plates) {
   std::vector<AnchorEntry> table;
   std::map<std::string, std::size_t> index;
   for (const auto& plate : plates.plates) {
+    if (plate->role == "tie") continue;
     const AnchorEntry entry{plate->anchor, plate->floor, plate->column, plate->row, use_of(*plate)};
     const auto [found, added] = index.emplace(entry.id, table.size());
     if (added) {
@@ -115,7 +116,10 @@ struct EvaluateAccuracy : Node {
 
   void run(Context& context) override {
     Inputs inputs;
-    inputs.anchors = anchor_table(plates.unpack());
+    const PlatesT listed = plates.unpack();
+    inputs.anchors = anchor_table(listed);
+    for (const auto& plate : listed.plates)
+      if (plate->role == "tie") inputs.ties.push_back(plate->anchor);
     inputs.model = point_set(model.unpack(), "model");
     inputs.survey = point_set(survey.unpack(), "survey");
     inputs.mounting_sigma = *mounting_sigma;

@@ -42,12 +42,13 @@ PlatesT plates_of(const PlatesT& given, const MarkerBlock& block, const PointsT&
     if (known.count({marker.family, marker.id})) continue;
     auto plate = std::make_unique<PlateT>();
     if (given.plates.empty()) plate->anchor = point_of_tag(marker, points);
+    plate->role = plate->anchor.empty() ? "tie" : "control";
     if (plate->anchor.empty()) plate->anchor = "tag " + marker.family + ":" + std::to_string(marker.id);
     if (!anchors.insert(plate->anchor).second) continue;  // "7" for tags of two families: the first one's
     plate->tag_family = marker.family, plate->tag_id = marker.id;
     plate->tag_centre_in_plate = Eigen::Vector3d::Zero();
     plate->nominal_rotation = Eigen::Quaterniond::Identity();
-    plate->role = "control", plate->floor = 1;
+    plate->floor = 1;
     table.plates.push_back(std::move(plate));
   }
   for (auto& plate : table.plates)

@@ -214,6 +214,20 @@ TEST_F(PhotoCampaign, TablesThatDoNotBelongTogetherAreNamed) {
   EXPECT_TRUE(contains(unit.err, "which no tag has: are the coordinates in metres")) << unit.err;
 }
 
+/// They were counted as anchors that nobody measured.
+TEST_F(PhotoCampaign, TagsThatStandForNoPointAreNoAnchors) {
+  fs::remove_all(site() / "survey"), fs::remove(site() / "plates.csv");
+  write(
+      "control.csv",
+      "id,east_m,north_m,height_m,sigma_e_mm,sigma_n_mm,sigma_h_mm\n0,0.998,0,0.821,5,5,5\n1,3.001,-0.003,0.818,5,5,5\n"
+      "3,1.006,-0.001,2.817,5,5,5\n5,5.004,0.001,2.818,5,5,5\n");
+  const Answer answer = process();
+  EXPECT_EQ(answer.code, 0) << answer.err;
+  EXPECT_TRUE(contains(page(), "anchor"));
+  for (const char* words : {"not measured", "does not list"})
+    EXPECT_FALSE(contains(answer.out + answer.err, words)) << answer.out << answer.err;
+}
+
 TEST_F(PhotoCampaign, ExchangedPointsAreNamed) {
   fs::remove_all(site() / "survey"), fs::remove(site() / "plates.csv");
   const std::string head = "id,east_m,north_m,height_m\n0,0.998,0,0.821\n1,3.001,-0.003,0.818\n2,4.994,-0.002,0.823\n",

@@ -197,6 +197,16 @@ TEST(CameraGroups, AreToldFromFoldersAndNames) {
   EXPECT_EQ(markers::camera_name("cam_0_frame_0017.png", "by_name"), "cam_0_frame");
   EXPECT_EQ(markers::camera_name("left01.jpg", "by_name"), "left");
   EXPECT_EQ(markers::camera_name("left01.jpg", "one"), "");
+  // The number first: each moment was a camera of its own.
+  EXPECT_EQ(markers::camera_name("rig/0017_left.png", "by_name"), "rig/left");
+  EXPECT_EQ(markers::camera_name("0017_cam2.png", "by_name"), "cam2");
+  EXPECT_EQ(markers::camera_name("frame0017-Camera 10.png", "by_name"), "frame_Camera 10");
+  EXPECT_EQ(markers::moment_of("frame0017-Camera 10.png"), "17");
+  EXPECT_EQ(markers::camera_name("cam10_5.png", "by_name"), "cam10");
+  EXPECT_EQ(markers::moment_of("rig/cam3.png"), "3") << "the only number";
+  EXPECT_EQ(
+      markers::suspected_cameras({"1_cam0.png", "2_cam0.png", "3_cam0.png", "1_cam1.png", "2_cam1.png", "3_cam1.png"}),
+      "cam0 and cam1");
   EXPECT_EQ(markers::moment_of("a/cam_0_frame_0050.jpg"), markers::moment_of("b/cam1_50.jpg"));
   EXPECT_EQ(markers::moment_of("2024-01-01/first.jpg"), "first.jpg");
   EXPECT_EQ(
