@@ -75,7 +75,7 @@ struct CalibrateBoard : Node {
                              "points whose residual is this many times the median are left out; 0 keeps all"};
   Param<std::string> cameras{
       "cameras", "by_folder", one_of("by_folder", "by_name", "one"),
-      "by_folder: photographs of another folder are from another camera; by_name: of another name before the last "
+      "by_folder: photographs of another folder are from another camera; by_name: of another name around the "
       "number (left01.jpg, right01.jpg), too"};
   Param<std::string> id{"id", "camera", "name of the camera in its file, where there is one"};
   OutList<Camera> calibrated{"cameras", "the interior orientations with their full covariance"};

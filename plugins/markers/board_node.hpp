@@ -34,7 +34,7 @@ struct AdjustMarkerBoard : Node {
                              "tags whose rms residual is this many times the median are left out; 0 keeps all"};
   Param<std::string> cameras{
       "cameras", "by_folder", one_of("by_folder", "by_name", "one"),
-      "by_folder: photographs of another folder are from another camera; by_name: of another name before the last "
+      "by_folder: photographs of another folder are from another camera; by_name: of another name around the "
       "number (cam0_17.png), too; one: only size, model "
       "and focal length tell"};
   Out<File> tags{"tags", "tags.json: centre, corners and sigma of every tag"};

@@ -37,7 +37,7 @@ struct AdjustMarkerField : Node {
                              "tags whose rms residual is this many times the median are left out; 0 keeps all"};
   Param<std::string> cameras{"cameras", "by_folder", one_of("by_folder", "by_name", "one"),
                              "by_folder: photographs of another folder are from another camera; by_name: of another "
-                             "name before the last number (cam0_17.png), too"};
+                             "name around the number (cam0_17.png, 17_cam0.png), too"};
   Out<File> poses_file{"file", "poses.json: every photograph with its pose or the reason why it has none"};
   Out<File> table{"table", "points.csv: the tags after the adjustment"};
   Out<File> block{"block", "block.json: the adjustment with its statistics, residuals and what was left out"};

@@ -27,7 +27,7 @@ struct BlockInput {
 struct InputOptions {
   double tag_size = 0;  ///< [m]
   std::string cameras =
-      "by_folder";  ///< what tells cameras apart: by_folder, by_name (what stands before the last number), one
+      "by_folder";  ///< what tells cameras apart: by_folder, by_name (what stands around the number), one
 };
 
 /// The block's images, views and markers; markers get `tag_size`. Cameras: `known` if there are any (one for all

@@ -25,8 +25,8 @@ struct ReadCamera : Node {
   static constexpr Info info{"read.camera", "", 2,
                              "Reads an interior orientation: ours, OpenCV's YAML or XML, ROS, Kalibr, PhotonVision"};
   Param<FilePath> file{"file", FilePath{}, "the file; empty: no camera is known"};
-  Param<std::string> which{
-      "which", "", "key of the camera in a file of several (ours, Kalibr's), such as cam1; empty: all"};
+  Param<std::string> which{"which", "",
+                           "key of the camera in a file of several (ours, Kalibr's), such as cam1; empty: all"};
   Param<bool> exact{"exact", false,
                     "take the parameters as free of error; else a file without sigmas starts a "
                     "self-calibration with weak priors"};

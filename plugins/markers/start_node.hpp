@@ -26,7 +26,7 @@ struct AdjustMarkerStart : Node {
                          "surveyed points give it"};
   Param<std::string> cameras{
       "cameras", "by_folder", one_of("by_folder", "by_name", "one"),
-      "by_folder: photographs of another folder are from another camera; by_name: of another name before the last "
+      "by_folder: photographs of another folder are from another camera; by_name: of another name around the "
       "number (cam0_17.png), too; one: only size, EXIF model and focal length tell"};
   Out<Plates> placed{"plates", frame("frame=?F"), "the plates as they hang, and the tags that stand for no point"};
   Out<Poses> poses{"poses", frame("frame=?F"), "approximate exterior orientations"};
