@@ -54,8 +54,11 @@ std::vector<RoleMeasure> read_measures(const YAML::Node& map, const std::string&
                                  "'; it takes in.PORT or out.PORT of the node that is judged");
       measure.inputs[port.first.as<std::string>()] = from;
     }
+    for (const auto& parameter : entry.second["with"])
+      measure.parameters[parameter.first.as<std::string>()] = parameter.second.as<std::string>();
     if (measure.use.empty() || measure.metric.empty())
-      throw std::runtime_error(where + ": measure '" + measure.quantity + "' is {use: KIND, metric: NAME, in: {…}}");
+      throw std::runtime_error(where + ": measure '" + measure.quantity +
+                               "' is {use: KIND, metric: NAME, in: {…}, with: {…}}");
     measures.push_back(measure);
   }
   return measures;

@@ -21,6 +21,7 @@ struct RoleMeasure {
   std::string quantity;                       ///< "start_cost"
   std::string use, metric;                    ///< kind of the node that computes it, and which of its metrics it is
   std::map<std::string, std::string> inputs;  ///< its port -> "in.PORT" or "out.PORT" of the node that is judged
+  std::map<std::string, std::string> parameters = {};  ///< its parameter -> that of the node, where it has it
 };
 
 struct Role {

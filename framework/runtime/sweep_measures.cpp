@@ -36,7 +36,10 @@ std::optional<GraphNode> measuring_node(const Graph& graph, size_t judged, const
   for (uint32_t i = 0; i < kind->node->param_count; ++i) {
     const plumbline_param& param = *kind->node->params[i];
     if (!param.default_text) return std::nullopt;
-    node.parameters[param.name] = param.default_text;
+    const auto from = measure.parameters.find(param.name);
+    const auto& own = graph.nodes[judged].parameters;
+    const auto given = from == measure.parameters.end() ? own.end() : own.find(from->second);
+    node.parameters[param.name] = given == own.end() ? param.default_text : given->second;
   }
   for (uint32_t i = 0; i < kind->node->input_count; ++i) {
     const plumbline_port& port = *kind->node->inputs[i];

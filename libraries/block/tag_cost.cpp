@@ -1,5 +1,6 @@
 #include "block/tag_cost.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "block/bundle/terms.hpp"
@@ -40,12 +41,47 @@ TagStart start_of(const TagBlock& block, const std::map<std::string, Eigen::Vect
   return start;
 }
 
-TagModel judged_model(const TagBlock& block, const TagStart& start) {
+/// The model an adjustment with these priors has, at the interior orientation that is judged.
+TagModel judged_model(const TagBlock& block, const TagStart& start, const TagCostPriors& priors) {
   TagBlockOptions options;
-  options.self_calibration = false;
-  options.tag_scale_sigma = 0;
+  options.self_calibration = !priors.calibration.empty();
+  options.free_interior = priors.free_interior;
+  options.tag_scale_sigma = priors.tag_scale_sigma;
+  options.corner_inset_sigma = priors.corner_inset_sigma;
+  options.image_principal_point_sigma = priors.image_principal_point_sigma;
   options.free_network = block.control.plates.empty();
-  return build_tag_model(block, options, start);
+  TagBlock assumed = block;
+  if (priors.calibration.size() > assumed.cameras.size() ||
+      (options.self_calibration && priors.calibration.size() < assumed.cameras.size()))
+    throw std::runtime_error("the calibration has " + std::to_string(priors.calibration.size()) +
+                             " cameras, those to be judged are " + std::to_string(assumed.cameras.size()));
+  for (size_t c = 0; c < priors.calibration.size(); ++c) {
+    assumed.cameras[c].interior = priors.calibration[c].interior;
+    assumed.cameras[c].covariance = priors.calibration[c].covariance;
+  }
+  TagModel model = build_tag_model(assumed, options, start);
+  for (size_t c = 0; c < block.cameras.size(); ++c) {
+    const auto judged = block.cameras[c].interior.parameters();
+    std::copy(judged.begin(), judged.end(), model.state.interiors[c].begin());
+  }
+  return model;
+}
+
+/// Turns plates about their anchors, and lets sizes and insets go where they fit best under their priors.
+void fit_what_is_open(TagModel& model) {
+  bundle::Problem open = model.problem;
+  open.known.clear();
+  for (const auto& term : model.problem.known)
+    if (term.group == group_scale || term.group == group_inset) open.known.push_back(term);
+  for (auto& camera : open.cameras) std::fill(camera.free.begin(), camera.free.end(), false);
+  for (auto& image : open.images) image.fixed = true, image.shift_free = false;
+  for (auto& tag : open.image_tags) tag.robust = false;
+  for (int j = 0; j < static_cast<int>(open.plates.size()); ++j)
+    open.known.push_back({{{bundle::Kind::plate, j}},
+                          model.state.plates[static_cast<size_t>(j)].position,
+                          Eigen::Matrix3d::Identity() / held,
+                          group_control});
+  bundle::minimise_schur(open, model.state, {});
 }
 
 /// Adds up the squares at the model's state.
@@ -60,41 +96,37 @@ void sum_up(const TagModel& model, TagCost& cost) {
     cost.images += rows.values().squaredNorm();
     cost.corner_rows += rows.rows;
   }
-  if (model.control_term >= 0) {
-    const auto control = bundle::evaluate(model.problem, layout, model.state,
-                                          model.problem.known[static_cast<size_t>(model.control_term)]);
-    cost.control = control.residual.squaredNorm();
-    cost.control_rows = static_cast<int>(control.residual.size());
+  for (int k = 0; k < static_cast<int>(model.problem.known.size()); ++k) {
+    const auto known =
+        bundle::evaluate(model.problem, layout, model.state, model.problem.known[static_cast<size_t>(k)]);
+    if (k == model.control_term) {
+      cost.control = known.residual.squaredNorm();
+      cost.control_rows = static_cast<int>(known.residual.size());
+    } else {
+      cost.priors += known.residual.squaredNorm();
+    }
   }
 }
 
 }  // namespace
 
-TagCost cost_of_tag_block(const TagBlock& block, const std::map<std::string, Eigen::Vector3d>& anchors) {
+TagCost cost_of_tag_block(const TagBlock& block, const std::map<std::string, Eigen::Vector3d>& anchors,
+                          const TagCostPriors& priors) {
   TagCost cost;
-  TagModel model = judged_model(block, start_of(block, anchors, cost));
-  bundle::Problem turning = model.problem;
-  turning.known.clear();
-  for (auto& image : turning.images) image.fixed = true;
-  for (auto& tag : turning.image_tags) tag.robust = false;
-  for (int j = 0; j < static_cast<int>(turning.plates.size()); ++j)
-    turning.known.push_back({{{bundle::Kind::plate, j}},
-                             model.state.plates[static_cast<size_t>(j)].position,
-                             Eigen::Matrix3d::Identity() / held,
-                             group_control});
-  bundle::minimise_schur(turning, model.state, {});
+  TagModel model = judged_model(block, start_of(block, anchors, cost), priors);
+  fit_what_is_open(model);
   sum_up(model, cost);
   return cost;
 }
 
-TagCost start_cost_of_tag_block(const TagBlock& block) {
+TagCost start_cost_of_tag_block(const TagBlock& block, const TagCostPriors& priors) {
   require_usable(block);
   TagCost cost;
   std::vector<std::string> left_out, warnings;
   TagStart start = start_tag_block(block, std::vector<bool>(block.observations.size(), true), left_out);
   if (!block.control.plates.empty()) move_to_control(block, start, warnings);
   cost.left_out = static_cast<int>(block.observations.size() - start.observations.size());
-  sum_up(judged_model(block, start), cost);
+  sum_up(judged_model(block, start, priors), cost);
   return cost;
 }
 

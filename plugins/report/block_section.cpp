@@ -42,7 +42,15 @@ void write_images(Markup& html, const BlockT& block) {
                      fixed(image->smallest_redundancy_number, 2)});
 }
 
-/// One row a camera: names are "fx", or of several cameras "fx of left".
+/// Value and standard deviation, with two digits of this.
+std::string with_sigma(const InteriorParameterT& parameter, bool pixels) {
+  if (!parameter.estimated || !(parameter.sigma > 0))
+    return fixed(parameter.value, pixels ? 2 : 5) + (parameter.name[0] == 'Z' ? "" : " (held)");
+  const int digits = std::clamp(1 - static_cast<int>(std::floor(std::log10(parameter.sigma))), 0, 9);
+  return fixed(parameter.value, digits) + " ± " + fixed(parameter.sigma, digits);
+}
+
+/// One column a camera: names are "fx", or of several cameras "fx of left".
 void write_cameras(Markup& html, const BlockT& block) {
   std::vector<std::string> cameras, names;
   std::map<std::pair<std::string, std::string>, std::string> cells;
@@ -53,21 +61,18 @@ void write_cameras(Markup& html, const BlockT& block) {
     if (name == "x0" || name == "y0") continue;  // of single images
     if (std::find(cameras.begin(), cameras.end(), camera) == cameras.end()) cameras.push_back(camera);
     if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
-    const bool pixels = name[0] == 'f' || name[0] == 'c';
-    std::string text = fixed(parameter->value, pixels ? 2 : 5);
-    if (parameter->estimated && parameter->sigma > 0) text += " ± " + fixed(parameter->sigma, pixels ? 2 : 5);
-    cells[{camera, name}] = text;
+    cells[{camera, name}] = with_sigma(*parameter, name[0] == 'f' || name[0] == 'c');
   }
   if (cameras.empty()) return;
   Scope wide(html, "div", {{"class", "wide"}});
   Scope table(html, "table");
   std::vector<Cell> head = {"Interior orientation"};
-  for (const std::string& name : names) head.push_back(name + (name[0] == 'f' || name[0] == 'c' ? " [px]" : ""));
+  for (const std::string& camera : cameras) head.push_back(camera.empty() ? std::string("camera") : camera);
   table_head(html, head);
   Scope body(html, "tbody");
-  for (const std::string& camera : cameras) {
-    std::vector<Cell> row = {camera.empty() ? std::string("camera") : camera};
-    for (const std::string& name : names) row.push_back(cells[{camera, name}]);
+  for (const std::string& name : names) {
+    std::vector<Cell> row = {name + (name[0] == 'f' || name[0] == 'c' ? " [px]" : "")};
+    for (const std::string& camera : cameras) row.push_back(cells[{camera, name}]);
     table_row(html, row);
   }
 }

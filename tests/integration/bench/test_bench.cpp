@@ -82,6 +82,19 @@ TEST(Bench, ComputesTheCostsThatTheRoleOfWhatIsComparedNames) {
   EXPECT_THAT(read_file(plumbline.work() / "out/b/bench.csv"), HasSubstr(",final_cost,start_cost,"));
 }
 
+/// What a solver assumes is part of what it is judged by.
+TEST(Bench, TheJudgeIsToldWhatTheSolverWasTold) {
+  BenchProgram plumbline;
+  plumbline.bench_file(
+      "seeds: 1\nalternatives: {method: {a: {solver.use: trial.judged}, told: {solver.use: trial.judged, "
+      "solver.with.own: 0.25}}}\n");
+  plumbline.run();
+  const Json summary = plumbline.summary();
+  const Json& told = summary["rows"][1];
+  const double rmse = told["rmse"]["value"];
+  EXPECT_NEAR(told["final_cost"].get<double>() - 1e6 * rmse * rmse, 0.25, 1e-6);
+}
+
 TEST(Bench, TwoGroupsThatSetTheSameAreRefusedInWords) {
   BenchProgram plumbline;
   plumbline.bench_file(

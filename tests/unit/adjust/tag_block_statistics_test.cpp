@@ -504,4 +504,39 @@ TEST(TagCost, IsWhatTheAdjustmentMinimised) {
   EXPECT_GT(adjust::cost_of_tag_block(adjusted, found).left_out, 0);
 }
 
+/// With sizes of tags, insets and the camera unknown under their priors, the cost is still what was minimised, and less
+/// than that of tags of the printed size.
+TEST(TagCost, CountsWhatIsAssumedOfTagsAndCalibration) {
+  auto synthetic = test::make_block({.floors = 1});
+  adjust::TagBlockOptions options;
+  options.estimate_image_variance = false;
+  options.reject_above = 0;
+  options.loss = adjust::RobustLoss::none;
+  options.corner_inset_sigma = 0.3;
+  for (auto& plate : synthetic.block.plates) plate.plate.tag_size *= 1.0015;
+  const auto result = adjust::adjust_tag_block(synthetic.block, options);
+  ASSERT_NEAR(result.batches.at(0).scale, 1 / 1.0015, 3e-4);
+  std::map<std::string, Eigen::Vector3d> found;
+  for (size_t j = 0; j < result.plates.size(); ++j)
+    found[synthetic.block.plates[static_cast<size_t>(result.plates[j])].anchor] =
+        result.anchors.segment<3>(3 * static_cast<Eigen::Index>(j));
+  adjust::TagBlock adjusted = synthetic.block;
+  adjusted.cameras[0].interior = result.cameras[0].interior;
+  for (size_t i = 0; i < adjusted.images.size(); ++i) adjusted.images[i].cam_from_world = result.cam_from_world[i];
+  adjust::TagCostPriors priors;
+  priors.tag_scale_sigma = options.tag_scale_sigma;
+  priors.corner_inset_sigma = options.corner_inset_sigma;
+  priors.calibration = synthetic.block.cameras;
+  const adjust::TagCost cost = adjust::cost_of_tag_block(adjusted, found, priors);
+  EXPECT_NEAR(cost.total() / result.weighted_sum_of_squares, 1, 1e-7);
+  EXPECT_GT(cost.priors, 1);
+  EXPECT_GT(adjust::cost_of_tag_block(adjusted, found).total(), 1.1 * cost.total()) << "tags of the printed size";
+  // Every adjustment starts at the printed size and at the calibration: no prior is strained there.
+  EXPECT_EQ(adjust::start_cost_of_tag_block(synthetic.block, priors).priors, 0);
+  EXPECT_EQ(adjust::start_cost_of_tag_block(synthetic.block, priors).total(),
+            adjust::start_cost_of_tag_block(synthetic.block).total());
+  adjusted.cameras[0].interior.fx += 5;
+  EXPECT_GT(adjust::cost_of_tag_block(adjusted, found, priors).priors, cost.priors);
+}
+
 }  // namespace
