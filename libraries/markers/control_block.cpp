@@ -2,14 +2,23 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <set>
 #include <stdexcept>
 
+#include "block/control_words.hpp"
 #include "markers/control_adjustment.hpp"
 #include "markers/robust_similarity.hpp"
 
 namespace plumbline::markers {
 namespace {
+
+/// Three digits, as many as anybody reads.
+std::string short_number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
 
 void transform(ColmapModel& model, const SimilarityMotion& motion) {
   for (auto& [id, image] : model.images) {
@@ -36,6 +45,7 @@ void align(ColmapModel& model, std::vector<Target>& targets, ControlResult& resu
     throw std::runtime_error(std::to_string(from.size()) +
                              " control points are measured in two photographs or more; at least 3 are needed that "
                              "are not on one line, better 5 or more spread over the object");
+  adjust::require_same_hand(from, to);
   RobustSimilarity fit;
   try {
     fit = fit_similarity_robustly(from, to, 0.05);
@@ -44,7 +54,7 @@ void align(ColmapModel& model, std::vector<Target>& targets, ControlResult& resu
   }
   for (size_t m = 0; m < used.size(); ++m) {
     if (fit.agrees[m]) continue;
-    result.warnings.push_back("control point " + used[m]->name + " lies " + std::to_string(fit.distances[m]) +
+    result.warnings.push_back("control point " + used[m]->name + " lies " + short_number(fit.distances[m]) +
                               " m from where the model and the other control points have it: it is left out. Is "
                               "its name or a measurement wrong?");
     used[m]->rays.clear();
@@ -62,10 +72,10 @@ void warn_about_control(const std::vector<ControlPoint>& control, const ControlO
       std::any_of(control.begin(), control.end(), [](const ControlPoint& p) { return std::isnan(p.sigma.sum()); });
   for (const auto& group : result.groups)
     if (group.name == "control" && group.redundancy > 2 && group.factor > limit)
-      result.warnings.push_back("the control points fit " + std::to_string(std::sqrt(group.factor)) +
+      result.warnings.push_back("the control points fit " + short_number(std::sqrt(group.factor)) +
                                 " times worse than their standard deviations" +
-                                (assumed ? ", which their file does not state (" +
-                                               std::to_string(options.control_sigma) + " m is assumed): say them"
+                                (assumed ? ", which their file does not state (" + short_number(options.control_sigma) +
+                                               " m is assumed): say them"
                                          : ": they are too small, or points are confused") +
                                 ". All standard deviations of the result are too small by that");
 }
@@ -111,7 +121,7 @@ ControlResult adjust_with_control(const ColmapModel& model, const std::vector<Co
   for (const auto& p : result.points)
     if (p.used && !p.check && p.w.cwiseAbs().maxCoeff() > 3.29)
       result.warnings.push_back("control point " + p.name +
-                                " contradicts the photographs: |w| = " + std::to_string(p.w.cwiseAbs().maxCoeff()) +
+                                " contradicts the photographs: |w| = " + short_number(p.w.cwiseAbs().maxCoeff()) +
                                 ". Check its coordinates, its name and its measurements");
   return result;
 }

@@ -107,6 +107,14 @@ TEST(ControlBlock, NamesAPointWithTheWrongCoordinatesAndGoesOnWithoutIt) {
     EXPECT_LT(p.used ? (p.position - s.truth.at(p.name)).norm() : 0.0, 0.01) << p.name;
 }
 
+TEST(ControlBlock, EastAndNorthExchangedAreNamedAsSuch) {
+  Site s = site(5);
+  for (auto& p : s.control) std::swap(p.position.x(), p.position.y());
+  EXPECT_THAT([&] { adjust_with_control(s.model, s.control, s.measured, {}); },
+              testing::ThrowsMessage<std::runtime_error>(
+                  testing::AllOf(HasSubstr("mirror image"), HasSubstr("east and north"))));
+}
+
 TEST(ControlBlock, SaysWhenNamesDoNotMatch) {
   Site s = site(3);
   for (auto& m : s.measured) m.image = "DSC" + m.image;
