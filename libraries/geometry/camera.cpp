@@ -3,6 +3,8 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "geometry/brown_distortion.hpp"
+
 namespace plumbline {
 
 std::optional<Eigen::Vector2d> project(const BrownCamera& camera, const Eigen::Vector3d& point_in_camera) {
@@ -16,16 +18,10 @@ std::optional<Eigen::Vector2d> project(const BrownCamera& camera, const Eigen::V
 
 namespace {
 
-/// Value and Jacobian of the distortion map on normalised coordinates.
-void distort(const BrownCamera& c, const Eigen::Vector2d& p, Eigen::Vector2d& value, Eigen::Matrix2d& jacobian) {
-  const double x = p.x(), y = p.y(), r2 = x * x + y * y;
-  const double radial = 1 + r2 * (c.k1 + r2 * (c.k2 + r2 * c.k3));
-  const double slope = 2 * (c.k1 + r2 * (2 * c.k2 + 3 * r2 * c.k3));  // d radial / d x = slope · x
-  value << x * radial + 2 * c.p1 * x * y + c.p2 * (r2 + 2 * x * x),
-      y * radial + c.p1 * (r2 + 2 * y * y) + 2 * c.p2 * x * y;
-  jacobian(0, 0) = radial + slope * x * x + 2 * c.p1 * y + 6 * c.p2 * x;
-  jacobian(0, 1) = jacobian(1, 0) = slope * x * y + 2 * c.p1 * x + 2 * c.p2 * y;
-  jacobian(1, 1) = radial + slope * y * y + 6 * c.p1 * y + 2 * c.p2 * x;
+Eigen::Matrix2d derivatives(const Distorted<double>& d) {
+  Eigen::Matrix2d matrix;
+  matrix << d.by_xx, d.by_xy, d.by_xy, d.by_yy;
+  return matrix;
 }
 
 }  // namespace
@@ -35,9 +31,10 @@ std::optional<ProjectionWithSlope> project_with_slope(const BrownCamera& camera,
   const double z = point_in_camera.z();
   if (!(z > 0)) return std::nullopt;
   const Eigen::Vector2d normalised = point_in_camera.head<2>() / z;
-  Eigen::Vector2d distorted;
-  Eigen::Matrix2d slope;
-  distort(camera, normalised, distorted, slope);
+  Distorted<double> d;
+  distort(camera, normalised.x(), normalised.y(), d);
+  const Eigen::Vector2d distorted(d.x, d.y);
+  const Eigen::Matrix2d slope = derivatives(d);
   Eigen::Matrix<double, 2, 3> by_point;
   by_point << 1 / z, 0, -normalised.x() / z, 0, 1 / z, -normalised.y() / z;
   const Eigen::Vector2d focal(camera.fx, camera.fy);
@@ -49,9 +46,10 @@ std::optional<Eigen::Vector2d> unproject(const BrownCamera& camera, const Eigen:
   const Eigen::Vector2d target((pixel.x() - camera.cx) / camera.fx, (pixel.y() - camera.cy) / camera.fy);
   Eigen::Vector2d p = target;
   for (int iteration = 0; iteration < 50; ++iteration) {
-    Eigen::Vector2d value;
-    Eigen::Matrix2d jacobian;
-    distort(camera, p, value, jacobian);
+    Distorted<double> d;
+    distort(camera, p.x(), p.y(), d);
+    const Eigen::Vector2d value(d.x, d.y);
+    const Eigen::Matrix2d jacobian = derivatives(d);
     // A determinant that is not positive means that the radial polynomial has turned back: no inverse out here.
     if (!(jacobian.determinant() > 1e-9)) return std::nullopt;
     const Eigen::Vector2d step = jacobian.inverse() * (target - value);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -64,9 +65,13 @@ class Estimator {
     list.resize(tags_.size());
     const MatrixPose at(pose);
     ProjectedTag tag;
+    TagCovariance spread;
     for (std::size_t i = 0; i < tags_.size(); ++i)
-      if (chosen[i] && !(tags_[i].project(camera_, at, tag) && list[i].compute(tags_[i].covariance(at, tag))))
-        return false;
+      if (chosen[i]) {
+        if (!tags_[i].project(camera_, at, tag)) return false;
+        tags_[i].covariance(at, tag, spread);
+        if (!list[i].compute(spread)) return false;
+      }
     return true;
   }
 
@@ -84,13 +89,30 @@ class Estimator {
     return true;
   }
 
+  /// The same with the weights that belong to the pose.
+  bool assemble_with_own_weights(const std::vector<bool>& chosen, const RigidTransform& pose,
+                                 PoseEquations& equations) const {
+    const MatrixPose at(pose);
+    ProjectedTag tag;
+    TagCovariance spread;
+    TagWeight weight;
+    for (std::size_t i = 0; i < tags_.size(); ++i) {
+      if (!chosen[i]) continue;
+      if (!tags_[i].project(camera_, at, tag)) return false;
+      tags_[i].covariance(at, tag, spread);
+      if (!weight.compute(spread)) return false;
+      equations.add(tag, weight);
+    }
+    return true;
+  }
+
   /// Sum of squares of the chosen tags' residuals [px²]; those behind the camera have no part in it.
   double sum_of_squares(const std::vector<bool>& chosen, const RigidTransform& pose) const {
     const MatrixPose at(pose);
     ProjectedTag tag;
     double sum = 0;
     for (std::size_t i = 0; i < tags_.size(); ++i)
-      if (chosen[i] && tags_[i].project(camera_, at, tag)) sum += tag.residuals.squaredNorm();
+      if (chosen[i] && tags_[i].project(camera_, at, tag)) sum += tag.sum_of_squares();
     return sum;
   }
 
@@ -106,6 +128,24 @@ class Estimator {
       if ((pose.translation - before.translation).norm() < 1e-9 * (1 + pose.translation.norm())) break;
     }
     return pose;
+  }
+
+  /// The same from a pose that is nearly there: every step takes weights and derivatives at its own pose, so that one
+  /// projection serves both. Nothing where steps do not shrink fast, or a tag falls behind the camera.
+  std::optional<RigidTransform> settle(const std::vector<bool>& chosen, RigidTransform pose,
+                                       double tolerance = 1e-10) const {
+    constexpr double contraction = 0.1;
+    double last = kInfinity;
+    for (;;) {
+      PoseEquations equations;
+      if (!assemble_with_own_weights(chosen, pose, equations)) return std::nullopt;
+      const Vector6 step = equations.normal().ldlt().solve(equations.right());
+      const double size = step.norm();
+      if (!(size < contraction * last)) return std::nullopt;
+      pose = moved(pose, step);
+      if (size < tolerance * (1 + pose.translation.norm())) return pose;
+      last = size;
+    }
   }
 
   /// Levenberg-Marquardt with fixed weights, until a step moves the camera by less than this part of its distance.
@@ -147,7 +187,8 @@ class Estimator {
       if (std::count(now.begin(), now.end(), true) < 3) break;
       if (limit == gate_ && now == chosen) break;
       chosen = now;
-      pose = refine(chosen, pose, 2, kRough);
+      const auto settled = settle(chosen, pose, kRough);
+      pose = settled ? *settled : refine(chosen, pose, 2, kRough);
       if (all_agree(chosen) && all_agree(inliers(pose, gate_))) break;  // closing the gate would change nothing
     }
     return pose;
@@ -320,11 +361,10 @@ TagPose estimate_centred(const BrownCamera& camera, const std::vector<TagView>& 
     throw NoTagPose("no pose agrees with three tags: the best one agrees with " + std::to_string(result.inlier_count) +
                     of);
 
-  result.cam_from_world = estimator.refine(result.inliers, pose);
+  const auto settled = estimator.settle(result.inliers, pose);
+  result.cam_from_world = settled ? *settled : estimator.refine(result.inliers, pose);
   PoseEquations equations;
-  std::vector<TagWeight> weights;
-  if (!estimator.weights(result.inliers, result.cam_from_world, weights) ||
-      !estimator.assemble(result.inliers, weights, result.cam_from_world, equations))
+  if (!estimator.assemble_with_own_weights(result.inliers, result.cam_from_world, equations))
     throw NoTagPose("the pose leads behind a tag");
   result.covariance = equations.normal().ldlt().solve(Matrix6::Identity());
   result.rms = std::sqrt(estimator.sum_of_squares(result.inliers, result.cam_from_world) / (8.0 * result.inlier_count));

@@ -4,7 +4,7 @@
 #include <limits>
 #include <numbers>
 
-#include "geometry/vectors.hpp"
+#include "geometry/brown_distortion.hpp"
 
 namespace plumbline {
 namespace {
@@ -30,25 +30,131 @@ Matrix36 by_products(const Eigen::Vector3d& c, double sigma) {
   return sigma * sigma * columns;
 }
 
-/// L⁻¹ rows, then sums += rowsᵀ rows; 8 × 8 row by row each, of the sums the first seven rows.
+PLUMBLINE_INLINE V4 at(const OfCorners& numbers) { return load<V4>(numbers.data()); }
+PLUMBLINE_INLINE double sum_of(const V4& v) { return (v[0] + v[1]) + (v[2] + v[3]); }
 PLUMBLINE_CLONES
-void whiten_and_add(const double* lower, const double* inverse, double* rows, double* sums) {
-  for (int r = 0; r < 8; ++r) {
+bool project_corners(const BrownCamera& camera, const double* rotation, const double* translation,
+                     const TagInWorld::Numbers& in, ProjectedTag& tag) {
+  const V4 corner[3] = {at(in.corners[0]), at(in.corners[1]), at(in.corners[2])};
+  V4 p[3];
+  for (std::size_t c = 0; c < 3; ++c) {
+    const V4 turned = rotation[c] * corner[0] + rotation[3 + c] * corner[1] + rotation[6 + c] * corner[2];
+    store<V4>(tag.rotated[c].data(), turned);
+    p[c] = turned + translation[c];
+  }
+  for (int k = 0; k < 4; ++k)
+    if (!(p[2][k] > 0)) return false;
+  const V4 inverse = 1 / p[2], x = p[0] * inverse, y = p[1] * inverse;
+  Distorted<V4> d;
+  distort(camera, x, y, d);
+  store<V4>(tag.residuals[0].data(), at(in.pixels[0]) - (camera.fx * d.x + camera.cx));
+  store<V4>(tag.residuals[1].data(), at(in.pixels[1]) - (camera.fy * d.y + camera.cy));
+  const V4 slope[2][2] = {{camera.fx * d.by_xx * inverse, camera.fx * d.by_xy * inverse},
+                          {camera.fy * d.by_xy * inverse, camera.fy * d.by_yy * inverse}};
+  for (std::size_t r = 0; r < 2; ++r) {
+    store<V4>(tag.by_point[3 * r].data(), slope[r][0]);
+    store<V4>(tag.by_point[3 * r + 1].data(), slope[r][1]);
+    store<V4>(tag.by_point[3 * r + 2].data(), -(slope[r][0] * x + slope[r][1] * y));
+  }
+  return std::isfinite(tag.sum_of_squares());
+}
+
+/// J S Jᵀ, column by column.
+PLUMBLINE_CLONES
+void propagate(const double* rotation, const ProjectedTag& tag, const TagInWorld::Numbers& in, TagCovariance& to) {
+  V4 by[2][3];  // of each pixel by its corner in the world
+  for (std::size_t r = 0; r < 2; ++r)
+    for (std::size_t c = 0; c < 3; ++c)
+      by[r][c] = at(tag.by_point[3 * r]) * rotation[3 * c] + at(tag.by_point[3 * r + 1]) * rotation[3 * c + 1] +
+                 at(tag.by_point[3 * r + 2]) * rotation[3 * c + 2];
+  for (std::size_t corner = 0; corner < 4; ++corner) {
+    const auto& spread = in.spread[corner];
+    V4 half[2][3];
+    for (std::size_t r = 0; r < 2; ++r)
+      for (std::size_t c = 0; c < 3; ++c)
+        half[r][c] = by[r][0] * at(spread[c]) + by[r][1] * at(spread[3 + c]) + by[r][2] * at(spread[6 + c]);
+    for (std::size_t q = 0; q < 2; ++q) {
+      const double own[3] = {by[q][0][corner], by[q][1][corner], by[q][2][corner]};
+      double* column = to[4 * q + corner].data();
+      for (std::size_t r = q; r < 2; ++r)
+        store<V4>(column + 4 * r, half[r][0] * own[0] + half[r][1] * own[1] + half[r][2] * own[2]);
+      for (std::size_t r = q; r < 2; ++r) column[4 * r + corner] += in.pixel_covariances[q + r][corner];
+    }
+  }
+}
+
+PLUMBLINE_CLONES
+bool factorise(const TagCovariance& covariance, TagWeight& weight) {
+  V4 upper[4], lower[8];  // of each column: rows 0 to 3 (of the first four), 4 to 7
+  for (std::size_t c = 0; c < 8; ++c) {
+    if (c < 4) upper[c] = load<V4>(covariance[c].data());
+    lower[c] = load<V4>(covariance[c].data() + 4);
+  }
+  for (std::size_t c = 0; c < 8; ++c) {
+    double* own = weight.lower[c].data();
+    const double pivot = c < 4 ? upper[c][c] : lower[c][c - 4];
+    if (!(pivot > 0)) return false;
+    const double inverse = weight.inverse_pivots[c] = 1 / pivot;
+    store<V4>(own, c < 4 ? upper[c] * inverse : V4{});
+    store<V4>(own + 4, lower[c] * inverse);
+    for (std::size_t k = c + 1; k < 4; ++k) upper[k] -= own[k] * upper[c];
+    for (std::size_t k = c + 1; k < 8; ++k) lower[k] -= own[k] * lower[c];
+    for (std::size_t r = 0; r <= c; ++r) own[r] = 0;
+  }
+  return true;
+}
+
+PLUMBLINE_CLONES
+double distance_of(const ProjectedTag& tag, const TagWeight& weight) {
+  V4 upper = at(tag.residuals[0]), lower = at(tag.residuals[1]);
+  for (std::size_t c = 0; c < 4; ++c) {
+    const double y = upper[c];
+    upper -= y * load<V4>(weight.lower[c].data());
+    lower -= y * load<V4>(weight.lower[c].data() + 4);
+  }
+  for (std::size_t c = 4; c < 8; ++c) lower -= lower[c - 4] * load<V4>(weight.lower[c].data() + 4);
+  return sum_of(upper * upper * load<V4>(weight.inverse_pivots.data()) +
+                lower * lower * load<V4>(weight.inverse_pivots.data() + 4));
+}
+
+/// Four numbers of four corners to the corners' rows.
+PLUMBLINE_INLINE void transpose(const V4& a, const V4& b, const V4& c, const V4& d, double* rows) {
+  const V4 ab_low = __builtin_shufflevector(a, b, 0, 4, 2, 6), ab_high = __builtin_shufflevector(a, b, 1, 5, 3, 7),
+           cd_low = __builtin_shufflevector(c, d, 0, 4, 2, 6), cd_high = __builtin_shufflevector(c, d, 1, 5, 3, 7);
+  store<V4>(rows, __builtin_shufflevector(ab_low, cd_low, 0, 1, 4, 5));
+  store<V4>(rows + 8, __builtin_shufflevector(ab_high, cd_high, 0, 1, 4, 5));
+  store<V4>(rows + 16, __builtin_shufflevector(ab_low, cd_low, 2, 3, 6, 7));
+  store<V4>(rows + 24, __builtin_shufflevector(ab_high, cd_high, 2, 3, 6, 7));
+}
+
+/// Derivatives by a rotation vector in the camera frame and the translation, and the residuals, times L⁻¹; then sums +=
+/// rowsᵀ D⁻¹ rows, of the sums the first seven rows.
+PLUMBLINE_CLONES
+void whiten_and_add(const ProjectedTag& tag, const TagWeight& weight, double* sums) {
+  double rows[64];
+  const V4 zero = {0, 0, 0, 0}, arm[3] = {at(tag.rotated[0]), at(tag.rotated[1]), at(tag.rotated[2])};
+  for (std::size_t r = 0; r < 2; ++r) {
+    const V4 m[3] = {at(tag.by_point[3 * r]), at(tag.by_point[3 * r + 1]), at(tag.by_point[3 * r + 2])};
+    transpose(m[2] * arm[1] - m[1] * arm[2], m[0] * arm[2] - m[2] * arm[0], m[1] * arm[0] - m[0] * arm[1], m[0],
+              rows + 32 * r);
+    transpose(m[1], m[2], at(tag.residuals[r]), zero, rows + 32 * r + 4);
+  }
+  for (std::size_t r = 1; r < 8; ++r) {
     double* own = rows + 8 * r;
     V4 left = load<V4>(own), right = load<V4>(own + 4);
-    for (int k = 0; k < r; ++k) {
-      const double factor = lower[8 * r + k];
+    for (std::size_t k = 0; k < r; ++k) {
+      const double factor = weight.lower[k][r];
       left -= factor * load<V4>(rows + 8 * k);
       right -= factor * load<V4>(rows + 8 * k + 4);
     }
-    store<V4>(own, left * inverse[r]);
-    store<V4>(own + 4, right * inverse[r]);
+    store<V4>(own, left);
+    store<V4>(own + 4, right);
   }
-  for (int c = 0; c < 7; ++c) {
+  for (std::size_t c = 0; c < 7; ++c) {
     double* to = sums + 8 * c;
     V4 left = load<V4>(to), right = load<V4>(to + 4);
-    for (int r = 0; r < 8; ++r) {
-      const double factor = rows[8 * r + c];
+    for (std::size_t r = 0; r < 8; ++r) {
+      const double factor = rows[8 * r + c] * weight.inverse_pivots[r];
       left += factor * load<V4>(rows + 8 * r);
       right += factor * load<V4>(rows + 8 * r + 4);
     }
@@ -59,80 +165,63 @@ void whiten_and_add(const double* lower, const double* inverse, double* rows, do
 
 }  // namespace
 
-bool TagWeight::compute(const Eigen::Matrix<double, 8, 8>& covariance) {
-  for (int c = 0; c < 8; ++c) {
-    const double pivot = covariance(c, c) - lower_.row(c).head(c).squaredNorm();
-    if (!(pivot > 0)) return false;
-    inverse_(c) = 1 / std::sqrt(pivot);
-    for (int r = c + 1; r < 8; ++r) {
-      double sum = covariance(r, c);
-      for (int k = 0; k < c; ++k) sum -= lower_(r, k) * lower_(c, k);
-      lower_(r, c) = sum * inverse_(c);
-    }
-  }
-  return true;
+double ProjectedTag::sum_of_squares() const {
+  double sum = 0;
+  for (const OfCorners& axis : residuals)
+    for (const double residual : axis) sum += residual * residual;
+  return sum;
 }
 
-void PoseEquations::add(const ProjectedTag& tag, const TagWeight& weight) {
-  Eigen::Matrix<double, 8, 8, Eigen::RowMajor> rows;  // by a rotation vector in the camera frame and the translation
-  for (int i = 0; i < 4; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    rows.block<2, 3>(2 * i, 0) = -tag.by_point[k] * skew(tag.rotated[k]);
-    rows.block<2, 3>(2 * i, 3) = tag.by_point[k];
-  }
-  rows.col(6) = tag.residuals;
-  rows.col(7).setZero();
-  whiten_and_add(weight.lower_.data(), weight.inverse_.data(), rows.data(), sums.data());
-}
+bool TagWeight::compute(const TagCovariance& covariance) { return factorise(covariance, *this); }
 
-TagInWorld::TagInWorld(const TagView& view, double sigma)
-    : pixels_(view.pixels), pixel_covariances_(view.pixel_covariances) {
+double TagWeight::distance(const ProjectedTag& tag) const { return distance_of(tag, *this); }
+
+void PoseEquations::add(const ProjectedTag& tag, const TagWeight& weight) { whiten_and_add(tag, weight, sums.data()); }
+
+TagInWorld::TagInWorld(const TagView& view, double sigma) {
   const double shrunk = mean_rotation(sigma);
   std::array<Eigen::Matrix3d, 4> turned;
   std::array<Matrix36, 4> products;
   for (std::size_t i = 0; i < 4; ++i) {
     const Eigen::Vector3d arm = view.corner_in_world(static_cast<int>(i)) - view.anchor_in_world;
-    corners_[i] = view.anchor_in_world + shrunk * arm;
+    const Eigen::Vector3d corner = view.anchor_in_world + shrunk * arm;
+    for (std::size_t c = 0; c < 3; ++c) numbers_.corners[c][i] = corner(static_cast<Eigen::Index>(c));
+    for (std::size_t c = 0; c < 2; ++c) numbers_.pixels[c][i] = view.pixels[i](static_cast<Eigen::Index>(c));
+    const Eigen::Matrix2d& pixel = view.pixel_covariances[i];
+    numbers_.pixel_covariances[0][i] = pixel(0, 0);
+    numbers_.pixel_covariances[1][i] = pixel(1, 0);
+    numbers_.pixel_covariances[2][i] = pixel(1, 1);
     turned[i] = sigma * skew(arm);
     products[i] = by_products(arm, sigma);
-    for (std::size_t j = 0; j <= i; ++j)
-      spread_[i][j] =
-          view.anchor_covariance + turned[i] * turned[j].transpose() + products[i] * products[j].transpose();
   }
+  for (std::size_t i = 0; i < 4; ++i)
+    for (std::size_t j = 0; j <= i; ++j) {
+      const Eigen::Matrix3d spread =
+          view.anchor_covariance + turned[i] * turned[j].transpose() + products[i] * products[j].transpose();
+      for (std::size_t e = 0; e < 9; ++e) {
+        const double value = spread(static_cast<Eigen::Index>(e / 3), static_cast<Eigen::Index>(e % 3));
+        numbers_.spread[j][e][i] = value;
+        numbers_.spread[i][3 * (e % 3) + e / 3][j] = value;
+      }
+    }
 }
 
 bool TagInWorld::project(const BrownCamera& camera, const MatrixPose& pose, ProjectedTag& tag) const {
-  for (std::size_t i = 0; i < 4; ++i) {
-    tag.rotated[i] = pose.rotation * corners_[i];
-    const auto projection = project_with_slope(camera, tag.rotated[i] + pose.translation);
-    if (!projection) return false;
-    tag.residuals.segment<2>(static_cast<Eigen::Index>(2 * i)) = pixels_[i] - projection->pixel;
-    tag.by_point[i] = projection->by_point;
-  }
-  return tag.residuals.allFinite();
+  return project_corners(camera, pose.rotation.data(), pose.translation.data(), numbers_, tag);
 }
 
-Eigen::Matrix<double, 8, 8> TagInWorld::covariance(const MatrixPose& pose, const ProjectedTag& tag) const {
-  Eigen::Matrix<double, 8, 8> result;
-  std::array<Eigen::Matrix<double, 2, 3>, 4> by_world;
-  for (std::size_t i = 0; i < 4; ++i) {
-    by_world[i] = tag.by_point[i] * pose.rotation;
-    const auto row = static_cast<Eigen::Index>(2 * i);
-    for (std::size_t j = 0; j <= i; ++j)
-      result.block<2, 2>(row, static_cast<Eigen::Index>(2 * j)) =
-          (by_world[i] * spread_[i][j]).eval() * by_world[j].transpose();
-    result.block<2, 2>(row, row) += pixel_covariances_[i];
-  }
-  return result;
+void TagInWorld::covariance(const MatrixPose& pose, const ProjectedTag& tag, TagCovariance& result) const {
+  propagate(pose.rotation.data(), tag, numbers_, result);
 }
 
 double TagInWorld::distance(const BrownCamera& camera, const MatrixPose& pose) const {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   ProjectedTag tag;
   TagWeight weight;
-  if (!project(camera, pose, tag) || !weight.compute(covariance(pose, tag))) return infinity;
-  weight.whiten(tag.residuals);
-  return tag.residuals.squaredNorm();
+  TagCovariance spread;
+  if (!project(camera, pose, tag)) return infinity;
+  covariance(pose, tag, spread);
+  return weight.compute(spread) ? weight.distance(tag) : infinity;
 }
 
 }  // namespace plumbline

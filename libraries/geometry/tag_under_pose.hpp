@@ -1,5 +1,5 @@
 // One tag under a pose: where its corners should be, how uncertain that is, and what it adds to normal equations. The
-// inner part of tag_pose.hpp; everything has a fixed size and the rows of a tag lie side by side.
+// inner part of tag_pose.hpp. The four corners of a tag lie side by side, so that a vector of the processor holds all.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,13 +9,15 @@
 
 namespace plumbline {
 
-using TagResiduals = Eigen::Matrix<double, 8, 1>;
+/// One number of each corner.
+using OfCorners = std::array<double, 4>;
 
 /// Measured minus predicted corners [px], and what their derivatives are made of.
 struct ProjectedTag {
-  TagResiduals residuals;
-  std::array<Eigen::Vector3d, 4> rotated;               ///< corners in the camera frame, without its translation [m]
-  std::array<Eigen::Matrix<double, 2, 3>, 4> by_point;  ///< of the pixel by the corner in the camera frame [px/m]
+  std::array<OfCorners, 2> residuals;  ///< x, y
+  std::array<OfCorners, 3> rotated;    ///< corners in the camera frame, without its translation [m]
+  std::array<OfCorners, 6> by_point;   ///< of x, then of y, by the corner in the camera frame [px/m]
+  double sum_of_squares() const;       ///< of the residuals [px²]
 };
 
 /// A pose with its rotation as a matrix.
@@ -26,27 +28,19 @@ struct MatrixPose {
   Eigen::Vector3d translation;
 };
 
-struct PoseEquations;
+/// Covariance of a tag's residuals, x of all corners before y of all, column by column. Of y by x above the diagonal
+/// nothing is read or written.
+using TagCovariance = std::array<std::array<double, 8>, 8>;
 
-/// Factor of the covariance of a tag's residuals.
-class TagWeight {
- public:
-  /// Takes the lower triangle; false if it is not positive definite.
-  bool compute(const Eigen::Matrix<double, 8, 8>& covariance);
+/// Factors L D Lᵀ of the covariance of a tag's residuals; L has a unit diagonal.
+struct TagWeight {
+  /// False if it is not positive definite.
+  bool compute(const TagCovariance& covariance);
+  /// Mahalanobis distance squared.
+  double distance(const ProjectedTag& tag) const;
 
-  /// L⁻¹ rows, in place.
-  template <typename Rows>
-  void whiten(Rows& rows) const {
-    for (int r = 0; r < 8; ++r) {
-      for (int k = 0; k < r; ++k) rows.row(r) -= lower_(r, k) * rows.row(k);
-      rows.row(r) *= inverse_(r);
-    }
-  }
-
- private:
-  friend struct PoseEquations;
-  Eigen::Matrix<double, 8, 8, Eigen::RowMajor> lower_;  ///< L below its diagonal
-  Eigen::Matrix<double, 8, 1> inverse_;                 ///< of the diagonal
+  TagCovariance lower;                   ///< L below its diagonal, zero elsewhere
+  std::array<double, 8> inverse_pivots;  ///< D⁻¹
 };
 
 /// Normal equations of a pose (rotation vector in the camera frame, translation) and the sum of squares.
@@ -67,16 +61,21 @@ class TagInWorld {
 
   /// False if a corner falls behind the camera.
   bool project(const BrownCamera& camera, const MatrixPose& pose, ProjectedTag& tag) const;
-  /// Of the residuals: corners, anchor and plate rotation together; its lower triangle.
-  Eigen::Matrix<double, 8, 8> covariance(const MatrixPose& pose, const ProjectedTag& tag) const;
+  /// Of the residuals: corners, anchor and plate rotation together.
+  void covariance(const MatrixPose& pose, const ProjectedTag& tag, TagCovariance& result) const;
   /// Mahalanobis distance squared of the corners; infinite behind the camera.
   double distance(const BrownCamera& camera, const MatrixPose& pose) const;
 
+  /// As they are read: see above. `spread[j]` is, row by row, the covariance of all corners with corner j [m²].
+  struct Numbers {
+    std::array<OfCorners, 2> pixels;
+    std::array<OfCorners, 3> pixel_covariances;  ///< xx, xy, yy
+    std::array<OfCorners, 3> corners;            ///< [m]
+    std::array<std::array<OfCorners, 9>, 4> spread;
+  };
+
  private:
-  std::array<Eigen::Vector2d, 4> pixels_;
-  std::array<Eigen::Matrix2d, 4> pixel_covariances_;
-  std::array<Eigen::Vector3d, 4> corners_;                // [m]
-  std::array<std::array<Eigen::Matrix3d, 4>, 4> spread_;  // of corners i and j ≤ i [m²]
+  Numbers numbers_;
 };
 
 }  // namespace plumbline

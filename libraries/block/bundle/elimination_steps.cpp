@@ -32,7 +32,6 @@ bool Elimination::gradient(const State& state, Eigen::VectorXd& right, double& c
   };
   TagGradient of_tag;
   const auto add_tag = [&](const ImageTag& term) {
-    if (is_drawn_inwards(problem_, state, term)) return add(term, term.robust);
     if (!gradient_of(problem_, state, term, of_tag)) return false;
     subtract_gradient(term, of_tag, weigh(term.robust, of_tag.squares), right);
     return true;
@@ -62,8 +61,11 @@ void Elimination::subtract_gradient(const ImageTag& term, const TagGradient& of_
   subtract({Kind::image, term.image}, of_tag.by_image);
   subtract({Kind::plate, term.plate}, of_tag.by_plate);
   subtract({Kind::shift, term.image}, of_tag.by_shift);
-  const int scale = layout_.block({Kind::scale, problem_.plates[static_cast<size_t>(term.plate)].batch});
+  const int batch = problem_.plates[static_cast<size_t>(term.plate)].batch;
+  const int scale = layout_.block({Kind::scale, batch});
+  const int inset = layout_.block({Kind::inset, term.inset < 0 ? batch : term.inset});
   if (layout_.size(scale) > 0) right(layout_.offset(scale)) -= weight * of_tag.by_scale;
+  if (layout_.size(inset) > 0) right(layout_.offset(inset)) -= weight * of_tag.by_inset;
   int next = layout_.offset(layout_.block({Kind::camera, camera}));
   for (int value : layout_.free_values(camera)) right(next++) -= weight * of_tag.by_interior(value);
 }

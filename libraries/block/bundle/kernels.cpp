@@ -1,6 +1,7 @@
 #include "block/bundle/kernels.hpp"
 
 #include <algorithm>
+#include <memory>
 #include <vector>
 
 #include "geometry/vectors.hpp"
@@ -82,15 +83,18 @@ constexpr int tile_rows = 8, tile_columns = 4, inner_step = 256, column_step = 2
 /// Many strips of a block of images are empty: bodies that no image sees together.
 class Packed {
  public:
-  std::vector<double> numbers;
+  std::unique_ptr<double[]> numbers;
   std::vector<char> empty;  ///< by strip
+
+  /// Room for so many rows of so many numbers.
+  Packed(int rows, int inner, int width)
+      : numbers(std::make_unique_for_overwrite<double[]>(static_cast<size_t>((rows + width - 1) / width * width) *
+                                                         static_cast<size_t>(inner))),
+        empty(static_cast<size_t>((rows + width - 1) / width)) {}
 
   void pack(const double* from, std::ptrdiff_t row, std::ptrdiff_t column, int rows, int inner, int width) {
     const std::ptrdiff_t size = static_cast<std::ptrdiff_t>(width) * inner;
-    const int strips = (rows + width - 1) / width;
-    numbers.resize(static_cast<size_t>(strips * size));
-    empty.resize(static_cast<size_t>(strips));
-    double* next = numbers.data();
+    double* next = numbers.get();
     for (int i = 0; i < rows; i += width, next += size, from += width * row) {
       const int count = std::min(width, rows - i);
       if (count == width && width == tile_rows && row == 1)
@@ -235,7 +239,8 @@ void residual_cofactor(int rows, int columns, const double* j, int j_stride, con
 
 void subtract_product(double* c, std::ptrdiff_t stride, int rows, int columns, int inner, const Factors& f,
                       bool lower) {
-  Packed a, b;
+  Packed a(std::min(rows, row_step), std::min(inner, inner_step), tile_rows);
+  Packed b(std::min(columns, column_step), std::min(inner, inner_step), tile_columns);
   double tile[tile_rows * tile_columns];
   for (int k = 0; k < inner; k += inner_step) {
     const int depth = std::min(inner_step, inner - k);
@@ -249,8 +254,8 @@ void subtract_product(double* c, std::ptrdiff_t stride, int rows, int columns, i
           if (b.empty[static_cast<size_t>(jj / tile_columns)]) continue;
           for (int ii = 0; ii < height; ii += tile_rows) {
             if (a.empty[static_cast<size_t>(ii / tile_rows)] || (lower && i + ii + tile_rows <= j + jj)) continue;
-            multiply_tile(a.numbers.data() + static_cast<std::ptrdiff_t>(ii) * depth,
-                          b.numbers.data() + static_cast<std::ptrdiff_t>(jj) * depth, depth, tile);
+            multiply_tile(a.numbers.get() + static_cast<std::ptrdiff_t>(ii) * depth,
+                          b.numbers.get() + static_cast<std::ptrdiff_t>(jj) * depth, depth, tile);
             for (int cc = 0; cc < std::min(tile_columns, width - jj); ++cc) {
               double* to = c + (j + jj + cc) * stride + i + ii;
               if (height - ii >= tile_rows)

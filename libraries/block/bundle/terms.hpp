@@ -45,12 +45,10 @@ struct TagGradient {
   Eigen::Matrix<double, 6, 1> by_image, by_plate;
   Eigen::Matrix<double, max_interior, 1> by_interior;  ///< by all values of the camera
   Eigen::Vector2d by_shift;
-  double by_scale = 0;
+  double by_scale = 0, by_inset = 0;
 };
-/// False if a corner is not in front of the camera. Precondition: the tag is not drawn inwards.
+/// False if a corner is not in front of the camera.
 bool gradient_of(const Problem& problem, const State& state, const ImageTag& term, TagGradient& gradient);
-/// Whether the detector draws the tag inwards, or may.
-bool is_drawn_inwards(const Problem& problem, const State& state, const ImageTag& term);
 
 /// Linear terms have any number of rows: residuals, and the dense Jacobian by the unknowns in `columns`.
 struct KnownRows {
