@@ -290,10 +290,11 @@ void fill_control(const TagStart& start, const TagModel& model, const bundle::La
   const auto& known = model.problem.known[term];
   const bundle::KnownRows rows = bundle::evaluate(model.problem, layout, solved.adjusted.state, known);
   // Change of all heights per unit of error in one control coordinate: Q Aᵀ P e, with whitened rows A' = W A.
-  std::vector<Eigen::Index> heights;
-  for (size_t j = 0; j < start.plates.size(); ++j) heights.push_back(6 * static_cast<Eigen::Index>(j) + 2);
-  const Eigen::MatrixXd of_heights =
-      solved.adjusted.cofactors->cross(plate_blocks(model, layout), rows.columns, rows.blocks)(heights, Eigen::all);
+  std::vector<Eigen::Index> heights, coordinates;
+  for (size_t j = 0; j < start.plates.size(); ++j) heights.push_back(3 * static_cast<Eigen::Index>(j) + 2);
+  for (int plate : model.control_plates)
+    for (Eigen::Index c = 0; c < 3; ++c) coordinates.push_back(3 * static_cast<Eigen::Index>(plate) + c);
+  const Eigen::MatrixXd of_heights = result.anchor_covariance(heights, coordinates) / solved.variance;
   const Eigen::MatrixXd influence = of_heights * rows.jacobian.transpose() * known.whitening;
   const double root = std::sqrt(solved.variance);
   for (size_t k = 0; k < model.control_plates.size(); ++k) {

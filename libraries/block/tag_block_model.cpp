@@ -25,6 +25,19 @@ Eigen::MatrixXd whitening_of(const Eigen::MatrixXd& covariance, const char* what
   return factor.matrixL().solve(Eigen::MatrixXd::Identity(covariance.rows(), covariance.cols()));
 }
 
+/// The same of a tag's corner: L⁻¹ of two rows.
+Eigen::Matrix2d whitening_of_corner(const Eigen::Matrix2d& covariance) {
+  const double pivot = covariance(0, 0), slope = covariance(1, 0) / pivot;
+  const double left = covariance(1, 1) - slope * covariance(1, 0);
+  if (!(pivot > 0) || !(left > 0) || !covariance.allFinite())
+    throw std::runtime_error("the covariance of a tag corner is not positive definite");
+  Eigen::Matrix2d whitening;
+  whitening << 1, 0, -slope, 1;
+  whitening.row(0) /= std::sqrt(pivot);
+  whitening.row(1) /= std::sqrt(left);
+  return whitening;
+}
+
 /// Which values a self-calibration may change. A prior without variance means that the calibration held the parameter:
 /// so do we.
 std::vector<bool> free_interior(const TagCamera& camera, const TagBlockOptions& options) {
@@ -199,7 +212,7 @@ void add_observations(const TagBlock& block, const TagBlockOptions& options, con
     for (size_t k = 0; k < 4; ++k)
       term.whitening[k] = options.weighting == TagBlockOptions::Weighting::lambda
                               ? Eigen::Matrix2d(Eigen::Matrix2d::Identity() / options.corner_sigma)
-                              : Eigen::Matrix2d(whitening_of(seen.covariances[k], "a tag corner"));
+                              : whitening_of_corner(seen.covariances[k]);
     model.problem.image_tags.push_back(term);
   }
 }

@@ -193,6 +193,7 @@ Placed grow(const TagBlock& block, const std::vector<std::vector<const View*>>& 
   Placed placed;
   placed.world_from_plate.resize(block.plates.size());
   for (const auto& image : block.images) placed.cam_from_world.push_back(image.cam_from_world);
+  bool oriented = false;
   for (bool added = true; added;) {
     added = false;
     for (size_t j = 0; j < by_plate.size(); ++j)
@@ -202,10 +203,10 @@ Placed grow(const TagBlock& block, const std::vector<std::vector<const View*>>& 
     for (int needed : {2, 1})
       for (size_t i = 0; i < by_image.size() && !(needed == 1 && added); ++i)
         if (!placed.cam_from_world[i] && (placed.cam_from_world[i] = orient_image(block, by_image[i], placed, needed)))
-          added = true;
+          added = oriented = true;
   }
   // Now that every image is known, every plate is placed anew from all of them.
-  for (size_t j = 0; j < by_plate.size(); ++j)
+  for (size_t j = 0; j < by_plate.size() && oriented; ++j)
     placed.world_from_plate[j] = place_plate(block.plates[j], by_plate[j], placed);
   return placed;
 }

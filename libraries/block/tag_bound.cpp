@@ -1,8 +1,10 @@
 #include "block/tag_bound.hpp"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <stdexcept>
 
 #include "block/bundle/cholesky.hpp"
@@ -82,26 +84,20 @@ TagBound::TagBound(const BoundProblem& problem, Extent extent)
       information_(Eigen::MatrixXd::Zero(size_, size_)) {
   std::vector<std::vector<const BoundTag*>> by_image(problem_.cam_from_world.size());
   for (const BoundTag& tag : problem_.tags) by_image.at(tag.image).push_back(&tag);
+  std::vector<Index> place(static_cast<std::size_t>(size_));
+  std::iota(place.begin(), place.end(), Index{0});
   for (std::size_t i = 0; i < by_image.size(); ++i) {
     stop_point();
     const std::string name = i < problem_.images.size() ? problem_.images[i] : "number " + std::to_string(i + 1);
-    if (!by_image[i].empty()) add(eliminate(problem_.cam_from_world[i], by_image[i], name));
+    if (!by_image[i].empty()) eliminate(problem_.cam_from_world[i], by_image[i], name, place, information_);
   }
+  information_.triangularView<Eigen::StrictlyLower>() = information_.transpose();
   add_priors();
   invert(extent);
 }
 
-/// Columns of the rest that a tag touches: its plate, the camera, its batch.
-std::vector<Index> TagBound::columns_of(const BoundTag& tag) const {
-  std::vector<Index> columns;
-  for (Index k = 0; k < 6; ++k) columns.push_back(static_cast<Index>(6 * tag.plate) + k);
-  for (Index k = camera_at_; k < batch_at_; ++k) columns.push_back(k);
-  if (scales_batches()) columns.push_back(batch_at_ + problem_.plates[tag.plate].batch);
-  return columns;
-}
-
 /// Whitened derivatives of a tag's corners by the pose (rotation in the camera frame, translation) and the rest.
-void TagBound::derivatives(const RigidTransform& pose, const BoundTag& tag, Eigen::Matrix<double, 8, 6>& by_pose,
+void TagBound::derivatives(const RigidTransform& pose, const BoundTag& tag, DerivativesByPose& by_pose,
                            DerivativesByRest& by_rest) const {
   const BoundPlate& plate = problem_.plates[tag.plate];
   const Eigen::Matrix3d rotation = pose.rotation.toRotationMatrix(),
@@ -126,55 +122,74 @@ void TagBound::derivatives(const RigidTransform& pose, const BoundTag& tag, Eige
     for (std::size_t k = 0; k < problem_.free_parameters.size(); ++k)
       by_rest.block<2, 1>(row, 6 + static_cast<Index>(k)) = whiten * camera.col(problem_.free_parameters[k]);
     if (scales_batches())
-      by_rest.block<2, 1>(row, by_rest.cols() - 1) =
+      by_rest.block<2, 1>(row, 6 + static_cast<Index>(problem_.free_parameters.size())) =
           slope * rotation * plate_rotation * (plate.corners_in_plate[i] - plate.tag_centre_in_plate);
   }
 }
 
-/// What an image says of the rest once its pose is eliminated (Schur complement).
-BoundInformation TagBound::eliminate(const RigidTransform& cam_from_world, const std::vector<const BoundTag*>& tags,
-                                     const std::string& image) const {
-  BoundInformation result;
-  std::vector<Index> place(static_cast<std::size_t>(size_), -1);
-  for (const BoundTag* tag : tags)
-    for (const Index column : columns_of(*tag)) {
-      Index& where = place[static_cast<std::size_t>(column)];
-      if (where >= 0) continue;
-      where = static_cast<Index>(result.unknowns.size());
-      result.unknowns.push_back(column);
-    }
-  const auto used = static_cast<Index>(result.unknowns.size());
-  result.matrix.setZero(used, used);
+/// Adds to a symmetric matrix what an image says of the rest once its pose is eliminated (Schur complement), above the
+/// diagonal and on it; `place` tells where in the matrix an unknown is.
+void TagBound::eliminate(const RigidTransform& cam_from_world, const std::vector<const BoundTag*>& tags,
+                         const std::string& image, const std::vector<Index>& place, Eigen::MatrixXd& matrix) const {
+  /// Neighbouring unknowns: where they are in the matrix, and in the derivatives by all that the image touches.
+  struct Part {
+    Index at;
+    int size, column;
+  };
+  std::vector<Part> parts;
+  int width = 0;
+  const auto part_of = [&](Index first, Index size) {
+    const Index at = place[static_cast<std::size_t>(first)];
+    const auto known = std::find_if(parts.begin(), parts.end(), [&](const Part& part) { return part.at == at; });
+    if (known != parts.end()) return *known;
+    parts.push_back({at, static_cast<int>(size), width});
+    width += static_cast<int>(size);
+    return parts.back();
+  };
+  const auto cameras = batch_at_ - camera_at_;
+  const auto most = static_cast<int>(6 * tags.size() + static_cast<std::size_t>(size_ - camera_at_));
   Matrix6 pose = Matrix6::Zero();
-  using Rows = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::RowMajor>;
-  Rows cross = Rows::Zero(6, used);
-  Eigen::Matrix<double, 8, 6> by_pose;
+  std::vector<double> cross(static_cast<std::size_t>(6 * most));  // 6 × most, row by row
+  DerivativesByPose by_pose;
+  DerivativesByRest by_rest;
   for (const BoundTag* tag : tags) {
-    const std::vector<Index> columns = columns_of(*tag);
-    DerivativesByRest by_rest(8, static_cast<Index>(columns.size()));
     derivatives(cam_from_world, *tag, by_pose, by_rest);
-    pose += by_pose.transpose() * by_pose;
-    for (Index c = 0; c < by_rest.cols(); ++c) {
-      const Index to = place[static_cast<std::size_t>(columns[static_cast<std::size_t>(c)])];
-      cross.col(to) += by_pose.transpose() * by_rest.col(c);
-      for (Index r = 0; r < by_rest.cols(); ++r)
-        result.matrix(place[static_cast<std::size_t>(columns[static_cast<std::size_t>(r)])], to) +=
-            by_rest.col(r).dot(by_rest.col(c));
+    std::array<Part, 3> own;
+    std::size_t count = 0;
+    own[count++] = part_of(static_cast<Index>(6 * tag->plate), 6);
+    if (cameras > 0) own[count++] = part_of(camera_at_, cameras);
+    if (scales_batches()) own[count++] = part_of(batch_at_ + problem_.plates[tag->plate].batch, 1);
+    std::array<bundle::Outer, 10> jobs;
+    int job = 0;
+    const auto add = [&](double* to, Index stride, const double* a, int a_size, int a_stride, const double* b,
+                         int b_size) {
+      jobs[static_cast<std::size_t>(job++)] = {to, stride, a, b, a_size, b_size, a_stride, rest_stride};
+    };
+    jobs[static_cast<std::size_t>(job++)] = {pose.data(), 6, by_pose.data(), by_pose.data(), 6, 6, 6, 6};
+    for (std::size_t i = 0, from = 0; i < count; from += static_cast<std::size_t>(own[i++].size)) {
+      add(cross.data() + own[i].column, most, by_pose.data(), 6, 6, by_rest.data() + from, own[i].size);
+      for (std::size_t j = 0, other = 0; j < count; other += static_cast<std::size_t>(own[j++].size))
+        if (own[i].at >= own[j].at)
+          add(&matrix(own[j].at, own[i].at), matrix.rows(), by_rest.data() + from, own[i].size, rest_stride,
+              by_rest.data() + other, own[j].size);
     }
+    bundle::add_outer(8, jobs.data(), job);
   }
   // Rotations are of order one and translations of metres, so the pivots can be compared with the largest.
   const Eigen::LDLT<Matrix6> factor(pose);
   if (factor.info() != Eigen::Success || !(factor.vectorD().minCoeff() > 1e-12 * factor.vectorD().maxCoeff()))
     throw std::runtime_error("image " + image + " with " + std::to_string(tags.size()) +
                              " tags does not determine its pose");
-  const Rows solved = -factor.solve(cross);
-  const auto width = static_cast<int>(used);
-  const bundle::Outer product{result.matrix.data(), used, cross.data(), solved.data(), width, width, width, width};
-  bundle::add_outer(6, &product, 1);
-  return result;
+  using Rows = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::RowMajor>;
+  const Rows solved = -factor.solve(Eigen::Map<const Rows>(cross.data(), 6, most));
+  std::vector<bundle::Outer> jobs;
+  for (const Part& a : parts)
+    for (const Part& b : parts)
+      if (a.at >= b.at)
+        jobs.push_back({&matrix(b.at, a.at), matrix.rows(), cross.data() + a.column, solved.data() + b.column, a.size,
+                        b.size, most, most});
+  bundle::add_outer(6, jobs.data(), static_cast<int>(jobs.size()));
 }
-
-void TagBound::add(const BoundInformation& more) { information_(more.unknowns, more.unknowns) += more.matrix; }
 
 void TagBound::add_priors() {
   const Index cameras = batch_at_ - camera_at_;
@@ -242,8 +257,26 @@ BoundInformation TagBound::of_image(const RigidTransform& cam_from_world, const 
   std::vector<const BoundTag*> known;
   for (const BoundTag& tag : tags)
     if (information_(static_cast<Index>(6 * tag.plate), static_cast<Index>(6 * tag.plate)) > 0) known.push_back(&tag);
-  if (known.empty()) return {};
-  return eliminate(cam_from_world, known, "that is added");
+  BoundInformation result;
+  std::vector<Index> place(static_cast<std::size_t>(size_), -1);
+  const auto take = [&](Index first, Index size) {
+    if (size == 0 || place[static_cast<std::size_t>(first)] >= 0) return;
+    for (Index k = first; k < first + size; ++k) {
+      place[static_cast<std::size_t>(k)] = static_cast<Index>(result.unknowns.size());
+      result.unknowns.push_back(k);
+    }
+  };
+  for (const BoundTag* tag : known) {
+    take(static_cast<Index>(6 * tag->plate), 6);
+    take(camera_at_, batch_at_ - camera_at_);
+    if (scales_batches()) take(batch_at_ + problem_.plates[tag->plate].batch, 1);
+  }
+  if (known.empty()) return result;
+  const auto used = static_cast<Index>(result.unknowns.size());
+  result.matrix.setZero(used, used);
+  eliminate(cam_from_world, known, "that is added", place, result.matrix);
+  result.matrix.triangularView<Eigen::StrictlyLower>() = result.matrix.transpose();
+  return result;
 }
 
 BoundInformation TagBound::of_survey(std::size_t plate, double sigma) const {

@@ -73,15 +73,14 @@ class TagBound {
   Eigen::VectorXd height_gain(const BoundInformation& more, const std::vector<std::size_t>& plates) const;
 
  private:
-  /// Plate 6, camera 9, batch 1.
-  using DerivativesByRest = Eigen::Matrix<double, 8, Eigen::Dynamic, 0, 8, 16>;
+  static constexpr int rest_stride = 16;  ///< plate 6, camera 9, batch 1
+  using DerivativesByPose = Eigen::Matrix<double, 8, 6, Eigen::RowMajor>;
+  using DerivativesByRest = Eigen::Matrix<double, 8, rest_stride, Eigen::RowMajor>;
   bool scales_batches() const { return problem_.batch_scale_sigma > 0; }
-  std::vector<Eigen::Index> columns_of(const BoundTag& tag) const;
-  void derivatives(const RigidTransform& pose, const BoundTag& tag, Eigen::Matrix<double, 8, 6>& by_pose,
+  void derivatives(const RigidTransform& pose, const BoundTag& tag, DerivativesByPose& by_pose,
                    DerivativesByRest& by_rest) const;
-  BoundInformation eliminate(const RigidTransform& pose, const std::vector<const BoundTag*>& tags,
-                             const std::string& image) const;
-  void add(const BoundInformation& more);
+  void eliminate(const RigidTransform& pose, const std::vector<const BoundTag*>& tags, const std::string& image,
+                 const std::vector<Eigen::Index>& place, Eigen::MatrixXd& matrix) const;
   void add_priors();
   void invert(Extent extent);
   Eigen::MatrixXd inverse_of_scaled(const Eigen::MatrixXd& scaled, const std::vector<Eigen::Index>& used,

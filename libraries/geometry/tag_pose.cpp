@@ -232,36 +232,48 @@ class Estimator {
 };
 
 /// All combinations of `size` of `count` in lexicographic order, or `most` drawn ones if there are more.
-std::vector<std::vector<int>> samples_of(int count, int size, int most, std::uint64_t seed) {
-  double combinations = 1;
-  for (int i = 0; i < size; ++i) combinations = combinations * (count - i) / (i + 1);
-  std::vector<std::vector<int>> samples;
-  std::vector<int> sample;
-  for (int i = 0; i < size; ++i) sample.push_back(i);
-  if (combinations <= most) {
-    for (;;) {
-      samples.push_back(sample);
-      int i = size - 1;
-      while (i >= 0 && sample[i] == count - size + i) --i;
-      if (i < 0) return samples;
-      ++sample[i];
-      for (int j = i + 1; j < size; ++j) sample[j] = sample[j - 1] + 1;
-    }
+class Samples {
+ public:
+  Samples(int count, int size, int most, std::uint64_t seed) : count_(count), size_(size), left_(most), state_(seed) {
+    double combinations = 1;
+    for (int i = 0; i < size; ++i) combinations = combinations * (count - i) / (i + 1);
+    drawn_ = combinations > most;
+    for (int i = 0; i < (drawn_ ? count : size); ++i) deck_.push_back(i);
   }
-  std::vector<int> deck;
-  for (int i = 0; i < count; ++i) deck.push_back(i);
-  std::uint64_t state = seed;
-  for (int k = 0; k < most; ++k) {
-    for (int i = 0; i < size; ++i) {
-      std::uint64_t z = (state += 0x9e3779b97f4a7c15ull);  // splitmix64
+
+  /// False if there is none left; the first is there from the beginning.
+  bool next(std::vector<int>& sample) {
+    if (drawn_ ? left_-- <= 0 : !first_ && !advance()) return false;
+    first_ = false;
+    if (drawn_) draw();
+    sample.assign(deck_.begin(), deck_.begin() + size_);
+    return true;
+  }
+
+ private:
+  bool advance() {
+    int i = size_ - 1;
+    while (i >= 0 && deck_[i] == count_ - size_ + i) --i;
+    if (i < 0) return false;
+    ++deck_[i];
+    for (int j = i + 1; j < size_; ++j) deck_[j] = deck_[j - 1] + 1;
+    return true;
+  }
+
+  void draw() {
+    for (int i = 0; i < size_; ++i) {
+      std::uint64_t z = (state_ += 0x9e3779b97f4a7c15ull);  // splitmix64
       z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
       z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
-      std::swap(deck[i], deck[i + static_cast<int>((z ^ (z >> 31)) % static_cast<std::uint64_t>(count - i))]);
+      std::swap(deck_[i], deck_[i + static_cast<int>((z ^ (z >> 31)) % static_cast<std::uint64_t>(count_ - i))]);
     }
-    samples.emplace_back(deck.begin(), deck.begin() + size);
   }
-  return samples;
-}
+
+  int count_, size_, left_;
+  std::uint64_t state_;
+  bool drawn_ = false, first_ = true;
+  std::vector<int> deck_;
+};
 
 struct Hypothesis {
   double score;
@@ -306,14 +318,14 @@ double samples_needed(double right, double all, int size) {
 RigidTransform search(const Estimator& estimator, const std::vector<TagView>& views, const TagPoseSolver& solver,
                       const TagPoseOptions& options) {
   BestHypotheses best(estimator);
-  const auto samples =
-      samples_of(static_cast<int>(views.size()), options.sample_size, options.max_samples, options.seed);
+  Samples samples(static_cast<int>(views.size()), options.sample_size, options.max_samples, options.seed);
+  std::vector<int> sample;
   double looked_at = kInfinity;  // score of the hypothesis that was polished last
   double needed = kInfinity;
-  for (std::size_t k = 0; k < samples.size() && static_cast<double>(k) < needed; ++k) {
+  for (std::size_t k = 0; static_cast<double>(k) < needed && samples.next(sample); ++k) {
     std::vector<const TagView*> tags;
-    for (const int i : samples[k]) tags.push_back(&views[static_cast<std::size_t>(i)]);
-    for (const RigidTransform& pose : solver(tags)) best.offer(pose, samples[k]);
+    for (const int i : sample) tags.push_back(&views[static_cast<std::size_t>(i)]);
+    for (const RigidTransform& pose : solver(tags)) best.offer(pose, sample);
     const bool power_of_two = ((k + 1) & k) == 0;
     if (!power_of_two || best.list().empty() || best.list().front().score == looked_at) continue;
     const Hypothesis& first = best.list().front();

@@ -7,7 +7,7 @@
 namespace plumbline::bundle {
 Cofactors::Cofactors(const Problem& problem, const Layout& layout, const State& state, const Elimination& elimination,
                      const Datum& datum, const Eigen::MatrixXd& inverse_factor)
-    : problem_(problem), layout_(layout), elimination_(elimination) {
+    : problem_(problem), layout_(layout), elimination_(elimination), own_(elimination.blocks().size()) {
   const Eigen::Index n = elimination.kept_count();
   if (n > 0) {
     kept_ = Cholesky::inverse_of(inverse_factor);
@@ -60,7 +60,10 @@ Eigen::MatrixXd Cofactors::raw(int a, int b) const {
     return kept_.block(elimination_.kept_offset(a), elimination_.kept_offset(b), layout_.size(a), layout_.size(b));
   if (ea < 0) return raw(b, a).transpose();
   const auto& block = elimination_.blocks()[static_cast<size_t>(ea)];
-  if (ea == eb) return local(block).own;
+  if (ea == eb) {
+    const Eigen::MatrixXd& known = own_[static_cast<size_t>(ea)];
+    return known.size() > 0 ? known : local(block).own;
+  }
   // −L⁻ᵀ Y Q to what is kept.
   const auto y = elimination_.y(block);
   const auto upper = block.factor.topLeftCorner(block.size, block.size).triangularView<Eigen::Lower>().transpose();
@@ -241,6 +244,7 @@ void Cofactors::visit_rows(const State& state, const Visit& visit) const {
   for (size_t e = 0; e < elimination_.blocks().size(); ++e) {
     const auto& block = elimination_.blocks()[e];
     Local near = local(block);
+    own_[e] = near.own;
     near.cross = -near.t;
     if (block.determined())
       block.factor.topLeftCorner(block.size, block.size)

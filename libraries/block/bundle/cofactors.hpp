@@ -61,8 +61,9 @@ class Cofactors {
   const Problem& problem_;
   const Layout& layout_;
   const Elimination& elimination_;
-  Eigen::MatrixXd kept_;       ///< dense inverse of the reduced matrix
-  Eigen::MatrixXd g_, p_, m_;  ///< G, P = (CᵀG)⁻¹ Cᵀ Q, M; empty without a free datum
+  Eigen::MatrixXd kept_;                      ///< dense inverse of the reduced matrix
+  mutable std::vector<Eigen::MatrixXd> own_;  ///< Local::own of eliminated blocks that visit_rows() has been at
+  Eigen::MatrixXd g_, p_, m_;                 ///< G, P = (CᵀG)⁻¹ Cᵀ Q, M; empty without a free datum
 };
 
 }  // namespace plumbline::bundle
