@@ -37,6 +37,7 @@ class Estimator {
  public:
   Estimator(const BrownCamera& camera, const std::vector<TagView>& views, const TagPoseOptions& options)
       : camera_(camera), views_(views), gate_(chi_squared_quantile(options.inlier_probability, 8)) {
+    tags_.reserve(views.size());
     for (const TagView& view : views) tags_.emplace_back(view, options.plate_rotation_sigma);
   }
 
@@ -45,18 +46,21 @@ class Estimator {
   /// Low is good. A tag that is far off counts by the logarithm of how far: a wrong one cannot outvote the right ones,
   /// and a rough hypothesis that needs refinement is still told from one that is plainly wrong. No tag lowers the sum,
   /// so it is given up where it reaches `limit`: then the answer is only known to be no lower than that.
-  double score(const RigidTransform& pose, double limit = kInfinity) const {
+  double score(const RigidTransform& pose, double limit) const {
     const MatrixPose at(pose);
     double sum = 0;
-    for (std::size_t i = 0; i < tags_.size() && sum < limit; ++i)
-      sum += std::log1p(std::min(tags_[i].distance(camera_, at), 1e12) / gate_);
+    for (std::size_t i = 0; i < tags_.size() && sum < limit; ++i) sum += penalty(tags_[i].distance(camera_, at));
+    return sum;
+  }
+  double score(const RigidTransform& pose) {
+    double sum = 0;
+    for (const double distance : distances(pose)) sum += penalty(distance);
     return sum;
   }
 
-  std::vector<bool> inliers(const RigidTransform& pose, double limit) const {
-    const MatrixPose at(pose);
+  std::vector<bool> inliers(const RigidTransform& pose, double limit) {
     std::vector<bool> list;
-    for (const TagInWorld& tag : tags_) list.push_back(tag.distance(camera_, at) <= limit);
+    for (const double distance : distances(pose)) list.push_back(distance <= limit);
     return list;
   }
 
@@ -177,7 +181,7 @@ class Estimator {
 
   /// Fits to the tags of the sample, then alternates between choosing the inliers and fitting to them until the choice
   /// stays. The gate closes as the pose gets better.
-  RigidTransform polish(RigidTransform pose, const std::vector<int>& sample) const {
+  RigidTransform polish(RigidTransform pose, const std::vector<int>& sample) {
     std::vector<bool> chosen(views_.size(), false);
     for (const int i : sample) chosen[static_cast<std::size_t>(i)] = true;
     pose = refine(chosen, pose, 1, kRough);
@@ -200,7 +204,7 @@ class Estimator {
 
   /// Points in one plane fit nearly as well from a pose whose plane is mirrored about the line of sight
   /// (Schweighofer and Pinz 2006). Of the pose and its twin, both refined on all tags, the better one.
-  RigidTransform better_of_twins(const RigidTransform& pose) const {
+  RigidTransform better_of_twins(const RigidTransform& pose) {
     Eigen::Vector3d centre = Eigen::Vector3d::Zero();
     Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
     for (const TagView& view : views_) centre += view.anchor_in_world / static_cast<double>(views_.size());
@@ -225,10 +229,26 @@ class Estimator {
   }
 
  private:
+  double penalty(double distance) const { return std::log1p(std::min(distance, 1e12) / gate_); }
+
+  /// Of all tags. Whoever judges a pose often judges the one that was judged last.
+  const std::vector<double>& distances(const RigidTransform& pose) {
+    const bool is_known =
+        judged_ && judged_->rotation.coeffs() == pose.rotation.coeffs() && judged_->translation == pose.translation;
+    if (is_known) return distances_;
+    judged_ = pose;
+    distances_.clear();
+    const MatrixPose at(pose);
+    for (const TagInWorld& tag : tags_) distances_.push_back(tag.distance(camera_, at));
+    return distances_;
+  }
+
   const BrownCamera& camera_;
   const std::vector<TagView>& views_;
   std::vector<TagInWorld> tags_;
   double gate_;
+  std::optional<RigidTransform> judged_;
+  std::vector<double> distances_;  ///< under that pose
 };
 
 /// All combinations of `size` of `count` in lexicographic order, or `most` drawn ones if there are more.
@@ -315,7 +335,7 @@ double samples_needed(double right, double all, int size) {
 
 /// The pose with the lowest score that samples lead to. Samples are drawn until enough of them are right ones, judged
 /// by the best pose so far, which is looked at after 1, 2, 4, 8 ... samples.
-RigidTransform search(const Estimator& estimator, const std::vector<TagView>& views, const TagPoseSolver& solver,
+RigidTransform search(Estimator& estimator, const std::vector<TagView>& views, const TagPoseSolver& solver,
                       const TagPoseOptions& options) {
   BestHypotheses best(estimator);
   Samples samples(static_cast<int>(views.size()), options.sample_size, options.max_samples, options.seed);
@@ -364,7 +384,7 @@ TagPose estimate_centred(const BrownCamera& camera, const std::vector<TagView>& 
   if (static_cast<int>(views.size()) < options.sample_size)
     throw NoTagPose("a pose needs " + std::to_string(options.sample_size) + " tags, there are " +
                     std::to_string(views.size()));
-  const Estimator estimator(camera, views, options);
+  Estimator estimator(camera, views, options);
   const RigidTransform pose = search(estimator, views, solver, options);
   TagPose result;
   result.inliers = estimator.inliers(pose, estimator.gate());

@@ -98,9 +98,11 @@ class Packed {
     for (int i = 0; i < rows; i += width, next += size, from += width * row) {
       const int count = std::min(width, rows - i);
       if (count == width && width == tile_rows && row == 1)
-        for (int k = 0; k < inner; ++k) std::copy_n(from + k * column, tile_rows, next + k * tile_rows);
+        for (int k = 0; k < inner; ++k)
+          __builtin_memcpy(next + k * tile_rows, from + k * column, tile_rows * sizeof(double));
       else if (count == width && width == tile_columns && row == 1)
-        for (int k = 0; k < inner; ++k) std::copy_n(from + k * column, tile_columns, next + k * tile_columns);
+        for (int k = 0; k < inner; ++k)
+          __builtin_memcpy(next + k * tile_columns, from + k * column, tile_columns * sizeof(double));
       else
         copy(from, row, column, count, inner, width, next);
       empty[static_cast<size_t>(i / width)] = std::all_of(next, next + size, [](double x) { return x == 0; });

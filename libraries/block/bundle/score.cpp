@@ -41,29 +41,28 @@ void ScoreTest::sort_unknowns() {
   }
 }
 
-/// Products of the rows' derivatives by further unknowns with all others.
-template <typename Jacobian, typename Residual>
-void ScoreTest::add(const std::vector<int>& columns, const Jacobian& jacobian, const Residual& residual,
-                    int eliminated) {
-  std::vector<double> products(columns.size());
-  for (size_t c = 0; c < columns.size(); ++c) {
-    const int further = further_[static_cast<size_t>(columns[c])];
+/// Products of the rows' derivatives by further unknowns with all others. `jacobian` is stored row by row.
+void ScoreTest::add(const std::vector<int>& columns, const RowMajor& jacobian,
+                    const Eigen::Ref<const Eigen::VectorXd>& residual, int eliminated) {
+  const auto rows = static_cast<int>(jacobian.rows()), count = static_cast<int>(columns.size());
+  const auto stride = static_cast<int>(jacobian.outerStride());
+  products_.assign(static_cast<size_t>(count) + 1, 0.0);
+  for (int c = 0; c < count; ++c) {
+    const int further = further_[static_cast<size_t>(columns[static_cast<size_t>(c)])];
     if (further < 0) continue;
-    const auto column = static_cast<Eigen::Index>(c);
-    std::fill(products.begin(), products.end(), 0.0);
-    for (Eigen::Index r = 0; r < jacobian.rows(); ++r) {
-      const double own = jacobian(r, column);
-      right_(further) -= own * residual(r);
-      for (size_t d = 0; d < columns.size(); ++d) products[d] += own * jacobian(r, static_cast<Eigen::Index>(d));
-    }
+    std::fill(products_.begin(), products_.end(), 0.0);
+    const Outer jobs[2] = {{products_.data(), 0, jacobian.data() + c, jacobian.data(), 1, count, stride, stride},
+                           {products_.data() + count, 0, jacobian.data() + c, residual.data(), 1, 1, stride, 1}};
+    add_outer(rows, jobs, 2);
+    right_(further) -= products_[static_cast<size_t>(count)];
     for (size_t d = 0; d < columns.size(); ++d) {
       const size_t unknown = static_cast<size_t>(columns[d]);
       if (further_[unknown] >= 0)
-        matrix_(further, further_[unknown]) += products[d];
+        matrix_(further, further_[unknown]) += products_[d];
       else if (eliminated >= 0 && factors_.eliminated(block_[unknown]) == eliminated)
-        own_(row_[unknown], further) += products[d];
+        own_(row_[unknown], further) += products_[d];
       else
-        kept_(factors_.kept_offset(block_[unknown]) + row_[unknown], further) += products[d];
+        kept_(factors_.kept_offset(block_[unknown]) + row_[unknown], further) += products_[d];
     }
   }
 }
@@ -84,9 +83,9 @@ void ScoreTest::add_observations(const State& state, int eliminated) {
     for (int k = 0; k < rows.parts; ++k)
       for (int c = 0; c < rows.part[static_cast<size_t>(k)].size; ++c)
         columns.push_back(large_.offset(rows.part[static_cast<size_t>(k)].block) + c);
-    using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-    const Eigen::Map<const RowMajor, 0, Eigen::OuterStride<Rows::stride>> jacobian(rows.storage.data(), rows.rows,
-                                                                                   rows.columns);
+    const Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>, 0,
+                     Eigen::OuterStride<Rows::stride>>
+        jacobian(rows.storage.data(), rows.rows, rows.columns);
     add(columns, jacobian, rows.values(), eliminated);
   }
 }

@@ -32,8 +32,10 @@ class ScoreTest {
   void sort_unknowns();
   void add_observations(const State& state, int eliminated);
   void add_known(const State& state);
-  template <typename Jacobian, typename Residual>
-  void add(const std::vector<int>& columns, const Jacobian& jacobian, const Residual& residual, int eliminated);
+  using RowMajor =
+      Eigen::Ref<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>, 0, Eigen::OuterStride<>>;
+  void add(const std::vector<int>& columns, const RowMajor& jacobian, const Eigen::Ref<const Eigen::VectorXd>& residual,
+           int eliminated);
   void reduce(const Elimination::Block& block);
 
   const Problem& larger_;
@@ -47,6 +49,7 @@ class ScoreTest {
   Eigen::MatrixXd matrix_;        ///< M
   Eigen::MatrixXd reduced_;       ///< Bᵀ N⁻¹ B, lower triangle
   Eigen::VectorXd right_;         ///< g
+  std::vector<double> products_;  ///< of one further unknown with all that an observation touches
 };
 
 }  // namespace plumbline::bundle
