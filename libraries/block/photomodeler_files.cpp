@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <fstream>
 #include <map>
 #include <set>
@@ -65,6 +66,34 @@ SensorCamera camera_of(const Reader& reader, const std::vector<double>& v, size_
   if (!(camera.values[0] > 0)) reader.fail("the principal distance is not positive");
   if (!(camera.sensor_width > 0 && camera.sensor_height > 0)) reader.fail("the sensor's format is not positive");
   return camera;
+}
+
+/// An image size that is not the photographs': pixels that are not square, or marks outside.
+void require_image_size(const PointBlock& block, const fs::path& file) {
+  const auto size_of = [](const SensorCamera& camera) {
+    return std::to_string(camera.width) + " x " + std::to_string(camera.height) + " pixels";
+  };
+  for (const SensorCamera& camera : block.cameras) {
+    const double ratio = camera.sensor_width / camera.width / (camera.sensor_height / camera.height);
+    if (ratio > 0.9 && ratio < 1.1) continue;
+    char text[160];
+    std::snprintf(text, sizeof text, " on a sensor of %.4g x %.4g mm have sides of %.3g and %.3g um",
+                  camera.sensor_width, camera.sensor_height, 1e3 * camera.sensor_width / camera.width,
+                  1e3 * camera.sensor_height / camera.height);
+    throw std::runtime_error(file.string() + ": " + size_of(camera) + text +
+                             ": are width and height of the image exchanged?");
+  }
+  for (const BlockMeasurement& m : block.measurements) {
+    const BlockImage& image = block.images[static_cast<size_t>(m.image)];
+    const SensorCamera& camera = block.cameras[static_cast<size_t>(image.camera)];
+    const Eigen::Array2d share = m.position.array() / Eigen::Array2d(camera.sensor_width, camera.sensor_height);
+    if (share.minCoeff() > -0.05 && share.maxCoeff() < 1.05) continue;
+    char text[120];
+    std::snprintf(text, sizeof text, " is marked at (%.1f, %.1f) in photo %d, outside of ", share.x() * camera.width,
+                  share.y() * camera.height, image.id);
+    throw std::runtime_error(file.string() + ": point " + block.points[static_cast<size_t>(m.point)].name + text +
+                             size_of(camera) + ": that is not the size of the photographs");
+  }
 }
 
 /// Whether `words` are `values` as somebody prints them with fewer digits.
@@ -217,6 +246,7 @@ ReadBlock read_photomodeler_export(const fs::path& file, const std::array<int, 2
     if (2 * lost > result.measurements_read) result.contradictions.push_back(result.left_out.back());
   }
   if (block.measurements.empty()) reader.fail("the export has no usable mark");
+  require_image_size(block, file);
   return result;
 }
 

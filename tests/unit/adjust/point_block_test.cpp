@@ -305,6 +305,22 @@ TEST(PhotoModelerFiles, MarksWithoutCoordinatesAreOneSentence) {
   EXPECT_EQ(read.contradictions, read.left_out) << "most of what was measured";
 }
 
+TEST(PhotoModelerFiles, AnImageSizeThatIsNotThePhotographsIsRefused) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.path() / "a-pmexport.txt";
+  std::ofstream(file) << "t\n0.0005 20\n1 0.1\n7 4 2 8 4 0 0 0 0 0\n0\n0 a.jpg\n0 0 0 5 0 0 0\n0 0 0 0 0 0 0\n\n"
+                         "0 7 4 2 8 4 0 0 0 0 0\n0 0\n\n\n1 0 0 0\n\n0 1 1900 9 1 1\n";
+  EXPECT_EQ(adjust::read_photomodeler_export(file, {2000, 1000}).block.measurements.size(), 1u);
+  EXPECT_THAT(error_of([&] {
+                adjust::read_photomodeler_export(file, {1000, 2000});
+              }),
+              testing::AllOf(HasSubstr("sides of 8 and 2 um"), HasSubstr("exchanged?")));
+  EXPECT_THAT(error_of([&] {
+                adjust::read_photomodeler_export(file, {1000, 500});
+              }),
+              HasSubstr("point 1 is marked at (1900.0, 9.0) in photo 0, outside of 1000 x 500 pixels"));
+}
+
 TEST(PointBlock, OneOrTwoControlPointsAreNoDatum) {
   PointBlock block = small_block();
   block.control.points = {4};
