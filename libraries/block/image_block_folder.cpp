@@ -36,6 +36,9 @@ std::vector<Found> blocks_in(const fs::path& folder) {
       found.push_back({path, Format::bal});
   }
   std::sort(found.begin(), found.end(), [](const Found& a, const Found& b) { return a.path < b.path; });
+  // Several .phc files of one folder are one block that its reader refuses with their names.
+  found.erase(std::unique(found.begin(), found.end(), [](const Found& a, const Found& b) { return a.path == b.path; }),
+              found.end());
   return found;
 }
 

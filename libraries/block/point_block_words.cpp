@@ -34,9 +34,11 @@ std::string control_against_images(const PointBlockResult& result) {
       text, sizeof text,
       "control and images contradict each other: the control's variance factor is %.3g times that of the images "
       "(at most %.3g by chance), its residuals %.3g mm rms, most at %s (w %.1f). Its standard deviations are "
-      "too small, a point of it is another one in the images, or the camera is not what the file says "
-      "(block.with.free=[c, xp, yp, K1, K2, P1, P2] estimates it)",
-      ratio, limit, 1e3 * std::sqrt(squares / count), worst.c_str(), largest);
+      "too small, a point of it is another one in the images, or the camera is not what the file says%s",
+      ratio, limit, 1e3 * std::sqrt(squares / count), worst.c_str(), largest,
+      result.block.cameras.at(0).lens == bundle::Lens::correcting
+          ? " (block.with.free=[c, xp, yp, K1, K2, P1, P2] estimates it)"
+          : "");
   return text;
 }
 

@@ -334,12 +334,14 @@ BlockT describe_targets(const PointBlock& given, const PointBlockResult& result,
     std::snprintf(
         text, sizeof text,
         "the images contradict what they are adjusted with: image coordinates fit %.0f times worse than their "
-        "standard deviation (%.3g mm%s). The camera is not calibrated (block.with.free=[c, xp, yp, K1, K2] "
-        "estimates it), points are mixed up, or control is wrong; no coordinate here is to be trusted",
+        "standard deviation (%.3g mm%s). The camera is not calibrated%s, points are mixed up, or control is wrong; "
+        "no coordinate here is to be trusted",
         result.sigma0 / options.image_sigma, result.sigma0,
         std::isfinite(targets.image_sigma_px) && targets.image_sigma_px > 0
             ? (", " + std::to_string(targets.image_sigma_px).substr(0, 5) + " px").c_str()
-            : "");
+            : "",
+        // Cameras of other models are estimated unless somebody said otherwise.
+        camera.lens == bundle::Lens::correcting ? " (block.with.free=[c, xp, yp, K1, K2] estimates it)" : "");
     artifact.warnings.emplace_back(text);
   }
   for (const std::string& words :

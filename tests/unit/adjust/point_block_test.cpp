@@ -391,6 +391,9 @@ TEST(AiconFiles, ErrorsNameFileAndLine) {
   write("b.phc", "1 7 0 0 0 0 0 0 1 1\n");
   write("b.scale", "0 \"my bar\" 7 8 100 0.1 1\n");
   EXPECT_THAT(read(), HasSubstr("b.scale:1: point 8 of scale bar 'my bar'"));
+  write("c.phc", "");
+  EXPECT_THAT(error_of([&] { adjust::read_image_block(folder.path(), "", "", {}); }),
+              HasSubstr("holds 2 *.phc files (b.phc, c.phc), expected one"));
 }
 
 }  // namespace
