@@ -119,20 +119,9 @@ TagDictionary parse_apriltag(const std::string& text, const std::string& file) {
   return dictionary;
 }
 
-std::vector<std::uint8_t> bits_of(const std::vector<int>& bytes, size_t first, int size) {
-  const int cells = size * size;
-  std::vector<std::uint8_t> bits;
-  for (int k = 0; k < cells; ++k) {
-    // The last byte holds the remaining bits at its low end.
-    const int in_byte = k / 8 < cells / 8 ? 8 : cells % 8;
-    bits.push_back(static_cast<std::uint8_t>(bytes[first + static_cast<size_t>(k / 8)] >> (in_byte - 1 - k % 8) & 1));
-  }
-  return bits;
-}
-
 /// Whether the second of the four codes is the first after a quarter turn: tells 3 x 3 from 4 x 4 cells in two bytes.
 bool turns(const std::vector<int>& bytes, size_t per_turn, int size) {
-  const auto upright = bits_of(bytes, 0, size), next = bits_of(bytes, per_turn, size);
+  const auto upright = code_of_bytes(bytes, 0, size), next = code_of_bytes(bytes, per_turn, size);
   bool left = true, right = true;
   for (int row = 0; row < size; ++row)
     for (int column = 0; column < size; ++column) {
@@ -161,17 +150,33 @@ TagDictionary parse_byte_array(const std::string& text, const std::string& file)
   if (per_turn == 0 || bytes.empty() || bytes.size() % (4 * per_turn) != 0)
     refuse(file,
            head[1].str() + " has " + std::to_string(bytes.size()) + " bytes, no multiple of 4 x " + head[2].str());
-  for (int size = 3; size <= 10 && dictionary.size == 0; ++size)
-    if ((static_cast<size_t>(size * size) + 7) / 8 == per_turn && turns(bytes, per_turn, size)) dictionary.size = size;
+  dictionary.size = size_of_bytes(bytes, per_turn);
   if (dictionary.size == 0) refuse(file, "the four codes of a marker in " + head[1].str() + " are not its four turns");
   for (size_t first = 0; first < bytes.size(); first += 4 * per_turn) {
     dictionary.ids.push_back(static_cast<int>(dictionary.codes.size()));
-    dictionary.codes.push_back(bits_of(bytes, first, dictionary.size));
+    dictionary.codes.push_back(code_of_bytes(bytes, first, dictionary.size));
   }
   return dictionary;
 }
 
 }  // namespace
+
+std::vector<std::uint8_t> code_of_bytes(const std::vector<int>& bytes, size_t first, int size) {
+  const int cells = size * size;
+  std::vector<std::uint8_t> bits;
+  for (int k = 0; k < cells; ++k) {
+    // The last byte holds the remaining bits at its low end.
+    const int in_byte = k / 8 < cells / 8 ? 8 : cells % 8;
+    bits.push_back(static_cast<std::uint8_t>(bytes[first + static_cast<size_t>(k / 8)] >> (in_byte - 1 - k % 8) & 1));
+  }
+  return bits;
+}
+
+int size_of_bytes(const std::vector<int>& bytes, size_t per_turn) {
+  for (int size = 3; size <= 10; ++size)
+    if ((static_cast<size_t>(size * size) + 7) / 8 == per_turn && turns(bytes, per_turn, size)) return size;
+  return 0;
+}
 
 bool is_dictionary_source(const std::string& text) {
   return std::regex_search(text, byte_array()) || text.find("bit_x") != std::string::npos ||

@@ -17,4 +17,10 @@ bool is_dictionary_source(const std::string& text);
 /// Throws std::runtime_error that names `file`. Codes are not compared with each other.
 TagDictionary parse_dictionary_source(const std::string& text, const std::string& file);
 
+/// The cells of a code of OpenCV's bytes from `first` on, row by row from the top left; 1 is white.
+std::vector<std::uint8_t> code_of_bytes(const std::vector<int>& bytes, size_t first, int size);
+
+/// Cells a side of markers whose four turns have `per_turn` bytes each; 0 if the bytes are no turns of one another.
+int size_of_bytes(const std::vector<int>& bytes, size_t per_turn);
+
 }  // namespace plumbline::detect

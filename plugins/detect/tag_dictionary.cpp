@@ -14,6 +14,7 @@
 #include <tuple>
 
 #include "detect/dictionary_sources.hpp"
+#include "detect/dictionary_tables.hpp"
 #include "detect/likeness.hpp"
 
 namespace plumbline::detect {
@@ -102,8 +103,8 @@ Nearest nearest_codes(const TagDictionary& dictionary) {
   throw std::runtime_error(
       file + ": " + what +
       ". A dictionary file holds nmarkers, markersize, maxCorrectionBits and marker_0, marker_1, "
-      "... as strings of zeros and ones, as OpenCV writes it (YAML, JSON or XML); the lists of the "
-      "ArUco library and libapriltag's tag*.c are read, too");
+      "... as strings of zeros and ones, as OpenCV writes it (YAML, JSON or XML); OpenCV's "
+      "bytesList, the codeList of js-aruco2, the lists of the ArUco library and libapriltag's tag*.c are read, too");
 }
 
 std::vector<std::uint8_t> bits_of(const std::string& text) {
@@ -175,6 +176,9 @@ TagDictionary parse_yaml(const std::string& text, const std::string& file, int& 
   std::string body = text.find("<opencv_storage>") != std::string::npos ? yaml_of_xml(text) : text;
   if (body.rfind("\xef\xbb\xbf", 0) == 0) body.erase(0, 3);
   if (body.rfind("%YAML", 0) == 0) body.erase(0, body.find('\n') == std::string::npos ? body.size() : body.find('\n'));
+  if (body.find("codeList") != std::string::npos &&
+      body.find('{') < body.rfind('}'))  // assigned to a name in JavaScript
+    body = body.substr(body.find('{'), body.rfind('}') + 1 - body.find('{'));
   TagDictionary dictionary;
   YAML::Node root;
   try {
@@ -183,6 +187,7 @@ TagDictionary parse_yaml(const std::string& text, const std::string& file, int& 
     refuse(file, "neither YAML nor JSON (line " + std::to_string(error.mark.line + 1) + ": " + error.msg + ")");
   }
   if (!root.IsMap()) return parse_aruco_list(text, file);
+  if (auto table = parse_dictionary_table(root, file)) return *table;
   root = markers_in(root, file);
   int stated_markers = -1;
   std::map<int, std::vector<std::uint8_t>> codes;

@@ -99,6 +99,31 @@ TEST(TagDictionary, RefusesInWordsWhatItIsNot) {
   EXPECT_THAT(words("static uint64_t codedata[1] = { 0x0000ffffUL };"), HasSubstr("size of the tags"));
 }
 
+/// Each holds the first code of DICT_4X4_50.
+TEST(Dictionaries, AsTablesThatPeopleWrite) {
+  const auto code = detect::builtin_dictionary("DICT_4X4_50").codes[0];
+  for (const char* text :
+       {"%YAML:1.0\n---\nmarkerSize: 4\nmaxCorrectionBits: 1\nbytesList: !!opencv-matrix\n   rows: 1\n   cols: 2\n"
+        "   dt: \"4u\"\n   data: [ 181, 50, 235, 72, 76, 173, 18, 215 ]\n",
+        "{\"bytesList\": {\"type_id\": \"opencv-matrix\", \"rows\": 1, \"cols\": 2, \"dt\": \"4u\", \"data\": "
+        "[181, 50, 235, 72, 76, 173, 18, 215]}}",
+        "AR.DICTIONARIES['MINE'] = {nBits: 16, tau: 4, codeList: ['0xb532']};\n",
+        "{\"markerSize\": 4, \"markers\": [[[1,0,1,1],[0,1,0,1],[0,0,1,1],[0,0,1,0]]]}",
+        "{\"codes\": [\"1011010100110010\"]}"}) {
+    const auto read = detect::parse_dictionary(text, "mine");
+    ASSERT_EQ(read.codes.size(), 1u) << text;
+    EXPECT_EQ(read.size, 4) << text;
+    EXPECT_EQ(read.codes[0], code) << text;
+  }
+  for (const auto& [text, words] :
+       {std::pair("bytesList: {rows: 1, cols: 2, data: [181, 50, 235]}\n", "bytesList has 1 rows and 3 values"),
+        std::pair("markerSize: 5\nbytesList: {rows: 1, data: [181, 50, 235, 72, 76, 173, 18, 215]}\n",
+                  "no marker of 5 x 5 cells"),
+        std::pair("nBits: 16\ncodeList: ['0xb532f']\n", "'0xb532f' in codeList is no number of 16 bits"),
+        std::pair("codeList: ['0xb532']\n", "nBits is missing")})
+    EXPECT_THAT(message_of([&] { detect::parse_dictionary(text, "mine"); }), HasSubstr(words));
+}
+
 TEST(TagDictionary, SaysHowWeakItIs) {
   EXPECT_THAT(detect::weakness_of(detect::builtin_dictionary("DICT_3X3_32")),
               testing::AllOf(HasSubstr("32 codes of 3 x 3 cells"), HasSubstr("25 %"), HasSubstr("in any turn is 1")));
