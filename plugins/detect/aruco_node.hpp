@@ -62,7 +62,7 @@ struct DetectAruco : Node {
           if (!std::exchange(searched, true)) first = found;
           return std::move(found.tags);
         },
-        wide, detector.chance() >= kWeakChance);
+        wide, {dictionary_used.name}, detector.chance() >= kWeakChance);
     if (!result.tags.empty() && first.mirrored > 0)
       context.warn(
           result.path + ": " + std::to_string(first.mirrored) + (first.mirrored == 1 ? " tag is" : " tags are") +

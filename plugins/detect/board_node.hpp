@@ -64,6 +64,9 @@ struct DetectBoard : Node {
   static std::string why(const GreyImage& grey, const Board& pattern) {
     if (pattern.kind != BoardKind::chessboard && !find_board(mirrored(grey), pattern).points.empty())
       return ". The photograph is mirrored: it is found after a flip. Export it from the camera without mirroring";
+    const std::string others =
+        pattern.kind == BoardKind::chessboard ? "" : tags_of_another_family(grey, {pattern.dictionary.name});
+    if (!others.empty()) return "; it shows " + others + ": the dictionary of the board file is wrong";
     const std::string reason = why_nothing_is_found(grey);
     return reason.empty() ? "" : "; " + reason;
   }

@@ -7,6 +7,7 @@
 
 #include "artifacts/image.hpp"
 #include "artifacts/image_tags.hpp"
+#include "detect/family_guess.hpp"
 #include "detect/tag_detector.hpp"
 #include "images/grey_image.hpp"
 #include "images/visibility.hpp"
@@ -68,6 +69,12 @@ inline std::string found_only_otherwise(const GreyImage& grey, size_t count, boo
   return {};
 }
 
+/// Why no tag of `families` was found: others are there, or the photograph is bad.
+inline std::string why_not_these(const GreyImage& grey, const std::vector<std::string>& families) {
+  const std::string others = tags_of_another_family(grey, families);
+  return others.empty() ? why_nothing_is_found(grey) : "it shows " + others + ": the family is wrong";
+}
+
 /// The result for a photograph, without tags yet.
 inline ImageTagsT registered(const Image& photograph) {
   ImageTagsT result;
@@ -89,9 +96,10 @@ inline void check_size(const std::string& path, int width, int height, ImageTags
 
 /// Reads the photograph and searches it. A file that cannot be read is an error, or with `stop_at_bad` false a result
 /// that says so in `problem`. `by_chance`: squares of the scene may be read as tags, so some are found in a mirrored
-/// photograph, too. `wide` as in found_only_otherwise().
+/// photograph, too. `wide` as in found_only_otherwise(), `families` are those searched for.
 inline ImageTagsT search_image(const Context& context, const Image& photograph, bool stop_at_bad,
-                               const SearchImage& search, const SearchImage& wide, bool by_chance = false) {
+                               const SearchImage& search, const SearchImage& wide,
+                               const std::vector<std::string>& families, bool by_chance = false) {
   ImageTagsT result = registered(photograph);
   GreyImage grey;
   const std::string path = context.resolve(photograph.uri()->str());
@@ -114,7 +122,7 @@ inline ImageTagsT search_image(const Context& context, const Image& photograph, 
     }
   }
   if (tags.empty()) {
-    result.problem = why_nothing_is_found(grey);
+    result.problem = why_not_these(grey, families);
     context.warn(result.path + ": no tag found" + (result.problem.empty() ? "" : "; ") + result.problem);
   }
   for (const auto& tag : tags) result.tags.push_back(tag_artifact(tag));

@@ -70,7 +70,8 @@ struct DetectAprilTag : Node {
     };
     pd::SearchImage wide;
     if (pd::DetectorOptions other = chosen; pd::with_two_cells(other.families)) wide = search_with(other);
-    observations.commit(pd::search_image(context, *images, *on_bad_image == "error", search_with(chosen), wide));
+    observations.commit(
+        pd::search_image(context, *images, *on_bad_image == "error", search_with(chosen), wide, chosen.families));
   }
 
  private:

@@ -75,7 +75,11 @@ struct DetectTagPyramid : Node {
       result.problem = found_only_otherwise(
           middle, 0, false, [](const GreyImage&) { return std::vector<DetectedTag>{}; },
           [&](const GreyImage& grey) { return with_wide_borders(grey); });
-      if (result.problem.empty()) result.problem = why_nothing_is_found(middle);
+      if (result.problem.empty()) {
+        std::vector<std::string> names;
+        for (const SquareFamily& one : wanted()) names.push_back(one.name);
+        result.problem = why_not_these(middle, names);
+      }
     }
     context.warn(result.path + ": " + (found.mirrored ? "" : "no tag found") +
                  (!found.mirrored && !result.problem.empty() ? "; " : "") + result.problem);

@@ -7,10 +7,12 @@
 
 #include "detect/aruco_detector.hpp"
 #include "detect/board.hpp"
+#include "detect/family_guess.hpp"
 #include "detect/tag_detector.hpp"
 #include "detect/tag_family.hpp"
 #include "detect/tag_pyramid.hpp"
 #include "images/grey_image.hpp"
+#include "tag_rendering.hpp"
 
 namespace plumbline::detect {
 namespace {
@@ -95,6 +97,14 @@ TEST(WideBorders, AreThoseOfAKalibrTarget) {
   Board ours = board;  // "dictionary: tag36h11" in a file of our own
   ours.dictionary = builtin_dictionary("tag36h11");
   EXPECT_EQ(find_board(photograph(), ours).points.size(), 4u * kColumns * kRows);
+}
+
+TEST(FamilyGuess, NamesTheTagsThatAreThereAndNothingElse) {
+  EXPECT_EQ(tags_of_another_family(photograph(), {"DICT_4X4_50"}), "12 tags of tag36h11b2");
+  EXPECT_EQ(tags_of_another_family(photograph(), {"tag36h11b2"}), "");
+  test::TagScene scene;
+  scene.corners = test::square_corners({100, 100}, 80, 0.3);
+  EXPECT_EQ(tags_of_another_family(test::render(scene), {"tag16h5"}), "") << "one tag may be chance";
 }
 
 TEST(WideBorders, AreNamedWithTheFamily) {
