@@ -79,11 +79,14 @@ struct DetectBoard : Node {
     const double stated = pattern.marker / (tags ? pattern.marker + pattern.gap : pattern.square);
     const double limit = tags ? std::max(0.04, 1 / seen.marker_pixels) : 0.06;
     if (std::abs(seen.marker_ratio / stated - 1) < limit) return;
-    char text[200];
+    char text[200], fitting[100];
     std::snprintf(text, sizeof text, "the %s measure %.3f of %s, %.3f is in ", tags ? "tags" : "markers",
                   seen.marker_ratio, tags ? "their spacing" : "a square", stated);
+    std::snprintf(fitting, sizeof fitting, " (%s %.4g m, 'marker' would be %.3g m)",
+                  tags ? "in steps of" : "with squares of", tags ? pattern.marker + pattern.gap : pattern.square,
+                  seen.marker_ratio * (tags ? pattern.marker + pattern.gap : pattern.square));
     result.problem =
-        text + file + (tags ? ": 'marker' or 'gap' there is wrong" : ": 'marker' or 'square' there is wrong");
+        text + file + (tags ? ": 'marker' or 'gap' there is wrong" : ": 'marker' or 'square' there is wrong") + fitting;
     result.points.clear(), result.contradicts = true;
   }
 };
