@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 #include <sstream>
 #include <stdexcept>
@@ -24,6 +25,26 @@ MarkerCamera camera_from(const CameraT& known) {
   return camera;
 }
 
+std::set<std::string> folders_of(const std::string& name) {
+  std::set<std::string> folders;
+  std::istringstream parts(name);
+  for (std::string part; std::getline(parts, part, '/');) folders.insert(part);
+  return folders;
+}
+
+/// The one calibration that shares a folder's name with the photograph which no other calibration has: "cam0" for
+/// "cam0/data", "left/board" for "left/wall"; −1 if there is none or several.
+int calibration_by_folder(const std::string& name, const std::vector<CameraT>& known) {
+  std::map<std::string, std::set<int>> having;
+  for (size_t c = 0; c < known.size(); ++c)
+    for (const auto& part : folders_of(known[c].id)) having[part].insert(static_cast<int>(c));
+  std::set<int> found;
+  for (const auto& part : folders_of(name))
+    if (const auto of = having.find(part); of != having.end() && of->second.size() == 1)
+      found.insert(*of->second.begin());
+  return found.size() == 1 ? *found.begin() : -1;
+}
+
 /// Index of the calibration that holds for a photograph; −1: none does.
 int calibration_of(const std::string& path, const std::vector<CameraT>& known, const std::string& by) {
   if (known.size() == 1) return 0;
@@ -32,7 +53,7 @@ int calibration_of(const std::string& path, const std::vector<CameraT>& known, c
     if (known[c].id == name) return static_cast<int>(c);
   for (size_t c = 0; c < known.size(); ++c)  // "left" calibrated in a folder of its own, "images/left" in the campaign
     if (name.ends_with("/" + known[c].id)) return static_cast<int>(c);
-  return -1;
+  return calibration_by_folder(name, known);
 }
 
 /// Why a photograph cannot be one of its calibrated camera; empty if it can.

@@ -128,6 +128,11 @@ TEST_F(PhotoCampaign, EachCameraHasItsCalibration) {
   EXPECT_EQ(named.code, 3) << named.err;
   EXPECT_TRUE(contains(named.err, "the images contradict the calibration of camera right")) << named.err;
   EXPECT_FALSE(contains(named.err, "the calibration of camera left")) << named.err;
+  // Calibrated in left/board and right/board: the folder that tells them apart counts.
+  write("camera.yaml", under("left/board", calibration("quick_6mp")) + under("right/board", calibration("demo_24mp")));
+  const Answer elsewhere = process();
+  EXPECT_EQ(elsewhere.code, 0) << elsewhere.err;
+  EXPECT_FALSE(contains(elsewhere.err, "left out")) << elsewhere.err;
   write("camera.yaml", under("left", calibration("quick_6mp")) + under("rihgt", calibration("demo_24mp")));
   const Answer misspelt = process();
   EXPECT_TRUE(contains(misspelt.err,
