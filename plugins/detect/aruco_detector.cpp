@@ -219,7 +219,8 @@ struct ArucoDetector::Impl {
 TagPyramid pyramid_for(const TagDictionary& dictionary, const ArucoOptions& options) {
   PyramidOptions search;
   search.smallest_tag = options.min_side;
-  search.max_hamming = static_cast<int>(options.correction_rate * dictionary.correctable_bits);
+  // More than one wrong bit makes a tag with a border of one cell one of these.
+  search.max_hamming = std::min(1, static_cast<int>(options.correction_rate * dictionary.correctable_bits));
   search.min_decision_margin = 10;
   search.refinement = options.refinement, search.edge = options.edge;
   search.sigma_floor = options.sigma_floor, search.unrefined_sigma = options.unrefined_sigma;

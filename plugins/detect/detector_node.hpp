@@ -57,7 +57,8 @@ inline std::string found_only_otherwise(const GreyImage& grey, size_t count, boo
     return "the photograph is mirrored: " + some(in_mirror) +
            " found only after a flip. Export it from the camera without mirroring (selfie and web-camera programs "
            "mirror)";
-  if (const auto tags = count == 0 && wide ? wide(grey) : std::vector<DetectedTag>{}; !tags.empty())
+  if (const auto tags = count == 0 && wide ? wide(grey) : std::vector<DetectedTag>{};
+      tags.size() > 1)  // one may be chance
     return some(tags.size()) +
            " there with a border of two black cells, as on Kalibr's grids: family=" + tags.front().family +
            " takes them";
