@@ -18,19 +18,26 @@ std::optional<std::array<Eigen::Vector2d, 4>> on_edges(const PixelRows& image,
     const Eigen::Vector2d along = (b - a).normalized(), outwards(along.y(), -along.x());
     const double length = (b - a).norm(), step = reach > 4 ? 1.0 : 0.5;
     const int count = std::clamp(static_cast<int>(length / 2), 8, 48);
+    const auto apart = static_cast<std::size_t>(2 / step);
+    std::vector<float> profile(static_cast<std::size_t>(2 * reach / step) + 1 + apart);
     std::vector<Eigen::Vector2d> points;
+    points.reserve(static_cast<std::size_t>(count));
     for (int k = 0; k < count; ++k) {
       const Eigen::Vector2d base = a + (b - a) * (0.1 + 0.8 * (k + 0.5) / count);
       const Eigen::Vector2d tip = outwards * (reach + 1);
       const Eigen::Vector2d outer = base + tip, inner = base - tip;
       if (!image.holds(outer.x(), outer.y()) || !image.holds(inner.x(), inner.y())) continue;
+      // Across the edge, a pixel further on both sides than the differences reach that are taken over two pixels.
+      for (std::size_t m = 0; m < profile.size(); ++m) {
+        const Eigen::Vector2d at = inner + outwards * (step * static_cast<double>(m));
+        profile[m] = image.at(at.x(), at.y());
+      }
       double weight = 0, moment = 0;
-      for (double n = -reach; n <= reach; n += step) {
-        const Eigen::Vector2d out = base + outwards * (n + 1), in = base + outwards * (n - 1);
-        double rise = static_cast<double>(image.at(out.x(), out.y()) - image.at(in.x(), in.y()));
+      for (std::size_t m = 0; m + apart < profile.size(); ++m) {
+        double rise = static_cast<double>(profile[m + apart] - profile[m]);
         if (bright_inside) rise = -rise;
         if (rise <= 0) continue;
-        weight += rise * rise, moment += rise * rise * n;
+        weight += rise * rise, moment += rise * rise * (step * static_cast<double>(m) - reach);
       }
       if (weight > 0) points.push_back(base + outwards * (moment / weight));
     }

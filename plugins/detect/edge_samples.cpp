@@ -66,7 +66,8 @@ void EdgeSamples::collect(const GreyImage& image, const EdgeFrame& frame, const 
   if (low.x() < 0 || low.y() < 0 || high.x() > image.width - 1 || high.y() > image.height - 1) return;
   const Eigen::Vector2d along = frame.along / frame.half_length;
   const int step = static_cast<int>(stride);
-  const double off = grid.period > 1 ? 1 : 0;  // [px], more than any pixel lies off its place
+  const bool is_even = grid.period <= 1;
+  const double off = is_even ? 0 : 1;  // [px], more than any pixel lies off its place
   int skip = 0;                                // pixels of the row until the next that is taken
   for (int y = static_cast<int>(std::ceil(low.y())); y <= static_cast<int>(high.y()); ++y) {
     const double dy = y + grid.row(y + origin.y()) - frame.centre.y();
@@ -81,7 +82,7 @@ void EdgeSamples::collect(const GreyImage& image, const EdgeFrame& frame, const 
     if (t.size() < room) t.resize(2 * room), d.resize(2 * room), grey.resize(2 * room);
     int x = first + skip;
     for (; x <= last; x += step) {
-      const double dx = x + grid.column(x + origin.x()) - frame.centre.x();
+      const double dx = x + (is_even ? 0 : grid.column(x + origin.x())) - frame.centre.x();
       const double place = dx * along.x() + dy * along.y(), distance = dx * frame.across.x() + dy * frame.across.y();
       t[count] = static_cast<float>(place), d[count] = static_cast<float>(distance), grey[count] = row[x];
       count += (std::abs(place) <= t_limit) &
