@@ -1,7 +1,10 @@
 #include "pose/opengv_solvers.hpp"
 
+#include <iostream>
+#include <mutex>
 #include <opengv/absolute_pose/CentralAbsoluteAdapter.hpp>
 #include <opengv/absolute_pose/methods.hpp>
+#include <sstream>
 #include <stdexcept>
 
 namespace plumbline::pose {
@@ -62,10 +65,32 @@ PoseHypotheses p3p_gao(const std::vector<const TagView*>& sample) {
   return poses;
 }
 
+/// What is printed to std::cerr meanwhile goes to the listener. One at a time, as there is one std::cerr.
+class PrintedText {
+ public:
+  PrintedText() : lock_(mutex()), before_(std::cerr.rdbuf(text_.rdbuf())) {}
+  ~PrintedText() { std::cerr.rdbuf(before_); }
+  bool empty() const { return text_.view().empty(); }
+  PrintedText(const PrintedText&) = delete;
+  PrintedText& operator=(const PrintedText&) = delete;
+
+ private:
+  static std::mutex& mutex() {
+    static std::mutex one;
+    return one;
+  }
+  std::lock_guard<std::mutex> lock_;
+  std::ostringstream text_;
+  std::streambuf* before_;
+};
+
+/// OpenGV says on std::cerr, and nowhere else, that its equations are singular; what it gives then is no pose.
 PoseHypotheses epnp(const std::vector<const TagView*>& sample) {
   const Data data = all_corners(sample);
   PoseHypotheses poses;
-  add(ap::epnp(ap::CentralAbsoluteAdapter(data.bearings, data.points)), poses);
+  const PrintedText complaint;
+  const auto found = ap::epnp(ap::CentralAbsoluteAdapter(data.bearings, data.points));
+  if (complaint.empty()) add(found, poses);
   return poses;
 }
 

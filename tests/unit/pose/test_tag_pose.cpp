@@ -4,6 +4,8 @@
 
 #include <Eigen/LU>
 #include <cmath>
+#include <iostream>
+#include <sstream>
 
 #include "geometry/statistics.hpp"
 #include "geometry/tag_pose.hpp"
@@ -205,6 +207,22 @@ TEST(TagPose, RefusesTagsThatAgreeWithNothing) {
   } catch (const NoTagPose& error) {
     EXPECT_THAT(error.what(), testing::HasSubstr("of " + std::to_string(scene.views.size())));
   }
+}
+
+TEST(TagPose, ASampleThatDeterminesNothingIsNotTalkedAbout) {
+  Scene scene = make_scene({});
+  for (TagView& view : scene.views) {
+    view.tag_size = 0;
+    view.world_from_tag = scene.views[0].world_from_tag;
+    view.bearings.fill(Eigen::Vector3d::UnitZ());
+  }
+  const std::vector<const TagView*> sample = {&scene.views[0], &scene.views[1], &scene.views[2]};
+  std::ostringstream printed;
+  std::streambuf* const before = std::cerr.rdbuf(printed.rdbuf());
+  const PoseHypotheses poses = pose::make_opengv_solver("epnp")(sample);
+  std::cerr.rdbuf(before);
+  EXPECT_EQ(printed.str(), "");
+  EXPECT_THAT(poses, testing::IsEmpty());
 }
 
 TEST(TagPose, RefusesAnUnknownSolverByListingTheKnown) {
