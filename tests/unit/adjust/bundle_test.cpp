@@ -253,6 +253,37 @@ TEST_P(Lenses, EliminatingEitherSideIsTheDenseSolution) {
   compare_with_dense(scene, Side::images);
 }
 
+/// W (computed − observed), corner by corner, of a tag that is drawn where it is.
+TEST(Bundle, ResidualsOfATagAreItsWhitenedMisclosures) {
+  const Scene scene = make_scene(Lens::brown, true);
+  const Problem& p = scene.problem;
+  const Layout layout(p);
+  Rows rows;
+  int compared = 0;
+  for (const ImageTag& tag : p.image_tags) {
+    const Plate& plate = p.plates[static_cast<size_t>(tag.plate)];
+    const size_t batch = static_cast<size_t>(plate.batch);
+    if (scene.state.insets[batch] != 0) continue;
+    ASSERT_TRUE(evaluate(p, layout, scene.state, tag, false, rows));
+    const size_t camera = static_cast<size_t>(p.images[static_cast<size_t>(tag.image)].camera);
+    const Placement &pose = scene.state.images[static_cast<size_t>(tag.image)],
+                    &body = scene.state.plates[static_cast<size_t>(tag.plate)];
+    MarkerPlate printed = plate.shape;
+    printed.tag_size *= scene.state.scales[batch];
+    const auto corners = tag_corners_in_plate(printed);
+    for (size_t k = 0; k < 4; ++k) {
+      const Eigen::Vector3d in_camera = pose.rotation * (body.position + body.rotation * corners[k] - pose.position);
+      const Eigen::Vector2d misclosure =
+          computed_image_point(p.cameras[camera], scene.state.interiors[camera], in_camera) +
+          scene.state.shift(tag.image) - tag.corners[k];
+      const Eigen::Vector2d expected = tag.whitening[k] / p.groups[0].sigma_factor * misclosure;
+      EXPECT_LT((rows.values().segment<2>(2 * static_cast<Eigen::Index>(k)) - expected).norm(), 1e-9 * expected.norm());
+      ++compared;
+    }
+  }
+  EXPECT_GT(compared, 20);
+}
+
 TEST(Bundle, GradientAloneIsThatOfTheNormalEquations) {
   for (Loss::Kind kind : {Loss::Kind::none, Loss::Kind::huber, Loss::Kind::tukey}) {
     Scene scene = make_scene(Lens::brown, true);  // tags that are drawn inwards, and some that are not
@@ -419,6 +450,15 @@ void expect_score_of_dense(const Scene& scene, const State& minimum, const Elimi
   const Eigen::VectorXd step = dense.solve(-rows);
   EXPECT_GT(explained.decrease, 0.1);
   EXPECT_NEAR(explained.decrease / (jacobian * scale.asDiagonal() * step).squaredNorm(), 1, 1e-5);
+  // The further unknowns are those that the smaller model's blocks had no room for.
+  const Layout before(scene.problem);
+  std::vector<int> further;
+  for (int b = 0; b < layout.block_count(); ++b)
+    for (int c = before.size(before.block(layout.ref(b))); c < layout.size(b); ++c)
+      further.push_back(layout.offset(b) + c);
+  const Eigen::VectorXd expected = (scale.asDiagonal() * step)(further);
+  ASSERT_EQ(explained.step.size(), expected.size());
+  EXPECT_LT((explained.step - expected).norm(), 1e-4 * expected.norm());
 }
 
 TEST(Bundle, ScoreOfFurtherUnknownsIsWhatALargerModelWouldExplain) {
