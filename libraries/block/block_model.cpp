@@ -6,6 +6,7 @@
 #include <ceres/solver.h>
 
 #include <algorithm>
+#include <limits>
 #include <stdexcept>
 
 namespace plumbline::adjust {
@@ -191,8 +192,10 @@ void BlockModel::apply(const PartitionedSolution& solution) {
 
 AdjustedBlock adjust_to_convergence(BlockModel& model, int max_iterations, const Fold& fold, const SetDatum& set_datum,
                                     const CheckSystem& check) {
-  constexpr int max_refinements = 20;
-  constexpr double smallest_step = 1e-7;
+  // Few photographs of wide angle leave the undamped steps to swing, each seven tenths of the last: as long as they get
+  // shorter they go on.
+  constexpr int max_refinements = 20, max_shrinking = 60;
+  constexpr double smallest_step = 1e-7, shrinking = 0.9;
   if (model.kept_count() > max_kept_unknowns)
     throw std::runtime_error("the block has " + std::to_string(model.kept_count()) +
                              " unknowns besides the poses; the dense covariance of this adjustment takes up to " +
@@ -200,7 +203,9 @@ AdjustedBlock adjust_to_convergence(BlockModel& model, int max_iterations, const
   AdjustedBlock result;
   const auto summary = model.minimise(max_iterations);
   fold();
-  for (int i = 0; i < max_refinements; ++i) {
+  double last = std::numeric_limits<double>::infinity();
+  int steps = 0;
+  for (int i = 0; i < max_shrinking; ++i, ++steps) {
     result.linear = model.linearise();
     set_datum(result.linear);
     result.reduced = reduce(result.linear);
@@ -209,16 +214,19 @@ AdjustedBlock adjust_to_convergence(BlockModel& model, int max_iterations, const
       throw std::runtime_error("the normal matrix of the block is singular after " +
                                std::to_string(summary.iterations + i) + " iterations");
     result.iterations = summary.iterations + i;
-    if (largest_step(result.reduced, result.solution) < smallest_step) {
+    const double size = largest_step(result.reduced, result.solution);
+    if (size < smallest_step) {
       add_cofactors(result.linear, result.reduced, result.solution);
       return result;
     }
+    if (i >= max_refinements && !(size < shrinking * last)) break;
+    last = size;
     model.apply(result.solution);
     fold();
   }
   throw std::runtime_error("the block adjustment did not converge in " + std::to_string(summary.iterations) +
-                           " damped and " + std::to_string(max_refinements) + " undamped iterations; Ceres: " +
-                           summary.message + "; check the approximate poses and coordinates");
+                           " damped and " + std::to_string(steps) + " undamped iterations; Ceres: " + summary.message +
+                           "; check the approximate poses and coordinates");
 }
 
 }  // namespace plumbline::adjust

@@ -4,7 +4,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <set>
 #include <stdexcept>
@@ -203,16 +202,6 @@ void find_blunders(const MarkerBlock& block, const MarkerOptions& options, Trial
   std::sort(result.rejected.begin(), result.rejected.end());
 }
 
-/// A second try goes on where the first stopped: few photographs of wide angle leave the undamped steps to swing, each
-/// two thirds of the last, and they are ended at 4e-7 standard deviations where 1e-7 are asked for.
-AdjustedBlock adjust_with_patience(const std::function<AdjustedBlock()>& adjust) {
-  try {
-    return adjust();
-  } catch (const std::runtime_error&) {
-    return adjust();
-  }
-}
-
 void run_adjustment(const MarkerBlock& block, const MarkerOptions& options, const Trial& trial, Run& run,
                     MarkerResult& result) {
   constexpr int max_variance_steps = 6;
@@ -223,18 +212,16 @@ void run_adjustment(const MarkerBlock& block, const MarkerOptions& options, cons
   for (const int i : run.state.images) names.push_back(block.images[static_cast<size_t>(i)].path);
   std::vector<adjustment::VarianceComponent> groups;
   for (int step = 0; step < max_variance_steps; ++step) {
-    run.block = adjust_with_patience([&] {
-      return adjust::adjust_to_convergence(
-          run.model.model, options.max_iterations, [&] { run.state.fold(); },
-          [&](PartitionedSystem& linear) {
-            if (!free_network) return;
-            linear.null_space = free_motions(run.state, run.model);
-            linear.datum_unknowns = datum_columns(block, run.state, run.model);
-          },
-          [&](const PartitionedSystem& linear, const adjustment::ReducedSystem& reduced) {
-            adjust::require_full_rank(linear, reduced, names, run.model.model.kept_labels());
-          });
-    });
+    run.block = adjust::adjust_to_convergence(
+        run.model.model, options.max_iterations, [&] { run.state.fold(); },
+        [&](PartitionedSystem& linear) {
+          if (!free_network) return;
+          linear.null_space = free_motions(run.state, run.model);
+          linear.datum_unknowns = datum_columns(block, run.state, run.model);
+        },
+        [&](const PartitionedSystem& linear, const adjustment::ReducedSystem& reduced) {
+          adjust::require_full_rank(linear, reduced, names, run.model.model.kept_labels());
+        });
     run.cofactors = residual_cofactors(run.block.linear, run.block.reduced, run.block.solution);
     groups = variance_components(run.block.linear, run.cofactors);
     if (step + 1 == max_variance_steps) break;
