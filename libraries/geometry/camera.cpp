@@ -55,7 +55,7 @@ std::optional<Eigen::Vector2d> unproject(const BrownCamera& camera, const Eigen:
     const Eigen::Vector2d step = jacobian.inverse() * (target - value);
     p += step;
     if (!p.allFinite()) return std::nullopt;
-    if (step.norm() < 1e-8) return p;  // each step squares the error of the one before
+    if (step.norm() < 1e-8) return p;  // steps square the error: what is left is rounding
   }
   return std::nullopt;
 }

@@ -3,10 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <iostream>
+#include <set>
 #include <sstream>
 
+#include "geometry/samples.hpp"
 #include "geometry/statistics.hpp"
 #include "geometry/tag_pose.hpp"
 #include "pose/opencv_solvers.hpp"
@@ -223,6 +226,40 @@ TEST(TagPose, ASampleThatDeterminesNothingIsNotTalkedAbout) {
   std::cerr.rdbuf(before);
   EXPECT_EQ(printed.str(), "");
   EXPECT_THAT(poses, testing::IsEmpty());
+}
+
+TEST(Samples, AreAllCombinationsInOrderOrAsManyDrawnOnes) {
+  std::vector<std::vector<int>> all;
+  std::vector<int> sample;
+  for (Samples samples(5, 3, 10, 1); samples.next(sample);) all.push_back(sample);
+  EXPECT_EQ(all.size(), 10u);
+  EXPECT_EQ(all.front(), (std::vector<int>{0, 1, 2}));
+  EXPECT_EQ(all.back(), (std::vector<int>{2, 3, 4}));
+  EXPECT_TRUE(std::is_sorted(all.begin(), all.end()));
+  EXPECT_EQ(std::adjacent_find(all.begin(), all.end()), all.end());
+  int drawn = 0;
+  std::set<int> seen;
+  for (Samples samples(5, 3, 9, 1); samples.next(sample); ++drawn) {
+    EXPECT_EQ(std::set<int>(sample.begin(), sample.end()).size(), 3u);
+    seen.insert(sample.begin(), sample.end());
+  }
+  EXPECT_EQ(drawn, 9);
+  EXPECT_EQ(seen, (std::set<int>{0, 1, 2, 3, 4}));
+}
+
+/// Barrel distortion with which an ideal corner of this image would lie a fifth of its radius further in.
+TEST(Camera, UndistortsToTheLastDigitsOverAStronglyDistortedImage) {
+  BrownCamera camera = make_camera();
+  camera.fx = camera.fy = 3000;
+  camera.k1 = -0.22, camera.k2 = 0.05, camera.k3 = -0.004, camera.p1 = 1e-3, camera.p2 = -8e-4;
+  for (double u = 0; u <= 6000; u += 250)
+    for (double v = 0; v <= 4000; v += 250) {
+      const auto ray = unproject(camera, {u, v});
+      ASSERT_TRUE(ray) << u << " " << v;
+      const auto again = project(camera, ray->homogeneous());
+      ASSERT_TRUE(again);
+      EXPECT_LT((*again - Eigen::Vector2d(u, v)).norm(), 1e-11) << u << " " << v;
+    }
 }
 
 TEST(TagPose, RefusesAnUnknownSolverByListingTheKnown) {
