@@ -74,9 +74,9 @@ struct CalibrateBoard : Node {
   Param<double> reject_above{"reject_above", 5.0, "1", at_least(0),
                              "points whose residual is this many times the median are left out; 0 keeps all"};
   Param<std::string> cameras{
-      "cameras", "by_folder", one_of("by_folder", "by_name", "one"),
+      "cameras", "by_folder", one_of("by_folder", "by_name", "by_file", "one"),
       "by_folder: photographs of another folder are from another camera; by_name: of another name around the "
-      "number (left01.jpg, right01.jpg), too"};
+      "number (left01.jpg, right01.jpg), too; by_file: every folder is a moment (01/left.jpg, 01/right.jpg)"};
   Param<std::string> id{"id", "camera", "name of the camera in its file, where there is one"};
   OutList<Camera> calibrated{"cameras", "the interior orientations with their full covariance"};
   Out<File> yaml{"yaml", "camera.yaml, as campaign folders take it; several cameras each under its name"};
@@ -92,7 +92,8 @@ struct CalibrateBoard : Node {
       photographs.push_back(points.unpack(i)), paths.push_back(photographs.back().path);
       if (!photographs.back().problem.empty()) told.insert(paths.back());
     }
-    const std::string suspects = *cameras == "by_folder" ? suspected_cameras(paths) : "";
+    const std::string by = cameras_told(paths, *cameras);
+    const std::string suspects = by == "by_folder" ? suspected_cameras(paths) : "";
     if (!suspects.empty())
       context.warn(
           "the photographs are called " + suspects +
@@ -102,7 +103,7 @@ struct CalibrateBoard : Node {
     CalibrationOptions options;
     options.free = *free, options.bend_sigma = *bend_sigma, options.reject_above = *reject_above;
     std::vector<Calibrated> all;
-    for (Selection& selection : select(photographs, *cameras)) {
+    for (Selection& selection : select(photographs, by)) {
       if (selection.views.size() < 3 && !selection.left_out.empty())
         throw std::runtime_error("the board was found in " + std::to_string(selection.views.size()) + " of " +
                                  std::to_string(photographs.size()) + " photographs; needed are 3. " +
@@ -129,8 +130,9 @@ struct CalibrateBoard : Node {
     }
     context.metric("rms", std::sqrt(squares / count), "px");
     yaml.commit(file_of("camera.yaml", "application/yaml", yaml_of(all, *id)));
-    json.commit(file_of("calibration.json", "application/json",
-                        document(all, options, context).dump(1, ' ', false, Json::error_handler_t::replace) + "\n"));
+    json.commit(
+        file_of("calibration.json", "application/json",
+                document(all, by, options, context).dump(1, ' ', false, Json::error_handler_t::replace) + "\n"));
   }
 
  private:
@@ -148,7 +150,8 @@ struct CalibrateBoard : Node {
                              first->path + ": " + first->problem);
   }
 
-  Json document(const std::vector<Calibrated>& all, const CalibrationOptions& options, Context& context) const {
+  static Json document(const std::vector<Calibrated>& all, const std::string& by, const CalibrationOptions& options,
+                       Context& context) {
     if (all.size() == 1) return calibration_json(all[0].selection, all[0].calibration, all[0].halves);
     Json list = Json::array();
     for (const auto& one : all) {
@@ -157,7 +160,7 @@ struct CalibrateBoard : Node {
       list.push_back(entry);
     }
     std::vector<std::string> warnings;
-    Json rig = rig_json(all, *cameras, options, warnings);
+    Json rig = rig_json(all, by, options, warnings);
     for (const auto& text : warnings) context.warn(text);
     return {
         {"cameras", list},

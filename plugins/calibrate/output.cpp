@@ -171,10 +171,11 @@ Json triple(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 Json pose_json(const AdjustedRig& rig, const AdjustedRigCamera& c, const std::vector<Calibrated>& cameras,
                const std::vector<std::vector<std::string>>& moments) {
   const auto& own = cameras[static_cast<size_t>(c.camera)];
+  const auto& views = own.selection.views;
   std::vector<std::string> left_out;
   for (const auto& path : rig.left_out)
-    for (const auto& view : own.selection.views)
-      if (view.path == path) left_out.push_back(moment_of(path));
+    for (size_t i = 0; i < views.size(); ++i)
+      if (views[i].path == path) left_out.push_back(moments[static_cast<size_t>(c.camera)][i]);
   Json covariance = Json::array(), parameters, sigmas;
   for (Eigen::Index i = 0; i < 6; ++i)
     for (Eigen::Index j = 0; j <= i; ++j) covariance.push_back(c.covariance(i, j));
@@ -244,17 +245,18 @@ Json rig_json(const std::vector<Calibrated>& cameras, const std::string& by, con
   Json result = Json::array();
   if (by == "one") return result;
   std::vector<RigCamera> given;
-  std::vector<std::vector<std::string>> moments;
+  std::vector<std::vector<std::string>> paths;
   for (const auto& one : cameras) {
     given.push_back({one.selection.camera, &one.selection.views, &one.calibration});
-    moments.emplace_back();
-    for (const auto& view : one.selection.views) moments.back().push_back(moment_of(view.path));
+    paths.emplace_back();
+    for (const auto& view : one.selection.views) paths.back().push_back(view.path);
   }
+  const auto moments = moments_of(paths, by);
   for (const AdjustedRig& rig : adjust_rigs(given, moments, options)) {
     if (!rig.refused.empty()) {
       warnings.push_back("No rig: " + rig.refused +
                          ". Each camera is calibrated by itself. Photographs of one moment need the same last number "
-                         "in their names");
+                         "in their names, or a folder of their own");
       continue;
     }
     for (const auto& camera : rig.cameras)

@@ -26,6 +26,21 @@ YAML::Node value(const YAML::Node& root, std::initializer_list<const char*> keys
   return YAML::Node(YAML::NodeType::Undefined);
 }
 
+/// OpenCV's bytesList, which scripts write under whatever name.
+YAML::Node matrix_of_bytes(const YAML::Node& root, const std::string& file) {
+  const auto is_matrix = [](const YAML::Node& node) {
+    return node.IsMap() && node["rows"].IsDefined() && node["data"].IsDefined();
+  };
+  const YAML::Node named = value(root, {"byteslist"});
+  if (named.IsDefined()) return named;
+  std::vector<std::string> names;
+  for (const auto& entry : root)
+    if (is_matrix(entry.second)) names.push_back(entry.first.as<std::string>(""));
+  if (names.size() > 1)
+    refuse(file, "holds several matrices (" + names[0] + ", " + names[1] + "); call the one of the codes bytesList");
+  return names.empty() ? YAML::Node(YAML::NodeType::Undefined) : root[names[0]];
+}
+
 int stated_size(const YAML::Node& root) {
   if (const YAML::Node size = value(root, {"markersize", "marker_size"}); size.IsDefined()) return size.as<int>(0);
   const YAML::Node bits = value(root, {"nbits"});
@@ -91,7 +106,7 @@ std::optional<TagDictionary> parse_dictionary_table(const YAML::Node& root, cons
     dictionary.name = name.as<std::string>();
   if (const YAML::Node border = value(root, {"markerborderbits"}); border.IsDefined())
     dictionary.border = border.as<int>(0);
-  const YAML::Node bytes = value(root, {"byteslist"}), numbers = value(root, {"codelist"}),
+  const YAML::Node bytes = matrix_of_bytes(root, file), numbers = value(root, {"codelist"}),
                    codes = value(root, {"markers", "codes"});
   if (bytes.IsDefined() && bytes.IsMap())
     add_bytes(bytes, file, dictionary);

@@ -33,9 +33,9 @@ struct AdjustMarkerBoard : Node {
   Param<double> reject_above{"reject_above", 5.0, "1", at_least(0),
                              "tags whose rms residual is this many times the median are left out; 0 keeps all"};
   Param<std::string> cameras{
-      "cameras", "by_folder", one_of("by_folder", "by_name", "one"),
+      "cameras", "by_folder", one_of("by_folder", "by_name", "by_file", "one"),
       "by_folder: photographs of another folder are from another camera; by_name: of another name around the "
-      "number (cam0_17.png), too; one: only size, model "
+      "number (cam0_17.png), too; by_file: every folder is a moment (17/cam0.png); one: only size, model "
       "and focal length tell"};
   Out<File> tags{"tags", "tags.json: centre, corners and sigma of every tag"};
   Out<File> block{"block", "block.json: the adjustment with its statistics, residuals and what was left out"};

@@ -35,9 +35,10 @@ struct AdjustMarkerField : Node {
                                    "prior standard deviation of how far the detector draws tag edges inwards"};
   Param<double> reject_above{"reject_above", 8.0, "1", at_least(0),
                              "tags whose rms residual is this many times the median are left out; 0 keeps all"};
-  Param<std::string> cameras{"cameras", "by_folder", one_of("by_folder", "by_name", "one"),
+  Param<std::string> cameras{"cameras", "by_folder", one_of("by_folder", "by_name", "by_file", "one"),
                              "by_folder: photographs of another folder are from another camera; by_name: of another "
-                             "name around the number (cam0_17.png, 17_cam0.png), too"};
+                             "name around the number (cam0_17.png, 17_cam0.png), too; by_file: every folder is a "
+                             "moment (17/cam0.png)"};
   Out<File> poses_file{"file", "poses.json: every photograph with its pose or the reason why it has none"};
   Out<File> table{"table", "points.csv: the tags after the adjustment"};
   Out<File> block{"block", "block.json: the adjustment with its statistics, residuals and what was left out"};

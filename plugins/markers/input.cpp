@@ -152,19 +152,20 @@ void add_views(const ImageTagsT& seen, int image, std::map<std::pair<std::string
 BlockInput block_of(const std::vector<ImageT>& images, const TagObservationsT& observations, std::vector<CameraT> known,
                     const InputOptions& options) {
   BlockInput input;
-  std::vector<bool> use = usable(observations, known, options.cameras, input);
+  std::vector<std::string> paths;
+  for (const auto& image : observations.images) paths.push_back(image->path);
+  const std::string by = cameras_told(paths, options.cameras);
+  std::vector<bool> use = usable(observations, known, by, input);
   std::vector<int> camera_of_image(observations.images.size(), -1);
   if (!known.empty()) {
-    if (known.size() == 1 && options.cameras != "one")
+    if (known.size() == 1 && by != "one")
       drop_other_bodies(groups_of(images, observations, use, "one"), known.front(), observations, use, input);
     for (const CameraT& camera : known) input.block.cameras.push_back(camera_from(camera));
     for (size_t i = 0; i < use.size(); ++i)
-      if (use[i]) camera_of_image[i] = calibration_of(observations.images[i]->path, known, options.cameras);
+      if (use[i]) camera_of_image[i] = calibration_of(observations.images[i]->path, known, by);
   } else {
-    std::vector<CameraGroup> groups = groups_of(images, observations, use, options.cameras);
-    std::vector<std::string> paths;
-    for (const auto& image : observations.images) paths.push_back(image->path);
-    const std::string suspects = options.cameras == "by_folder" ? suspected_cameras(paths) : "";
+    std::vector<CameraGroup> groups = groups_of(images, observations, use, by);
+    const std::string suspects = by == "by_folder" ? suspected_cameras(paths) : "";
     if (!suspects.empty())
       input.warnings.push_back("the photographs are called " + suspects +
                                ", each with the same numbers, and count as one camera's: cameras=by_name calibrates "

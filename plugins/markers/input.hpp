@@ -25,9 +25,8 @@ struct BlockInput {
 };
 
 struct InputOptions {
-  double tag_size = 0;  ///< [m]
-  std::string cameras =
-      "by_folder";  ///< what tells cameras apart: by_folder, by_name (what stands around the number), one
+  double tag_size = 0;                ///< [m]
+  std::string cameras = "by_folder";  ///< what tells cameras apart: as camera_name() has it
 };
 
 /// The block's images, views and markers; markers get `tag_size`. Cameras: `known` if there are any (one for all

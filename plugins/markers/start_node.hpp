@@ -25,9 +25,10 @@ struct AdjustMarkerStart : Node {
                          "edge of the tags between their detected corners, where the plates do not say it; 0: the "
                          "surveyed points give it"};
   Param<std::string> cameras{
-      "cameras", "by_folder", one_of("by_folder", "by_name", "one"),
+      "cameras", "by_folder", one_of("by_folder", "by_name", "by_file", "one"),
       "by_folder: photographs of another folder are from another camera; by_name: of another name around the "
-      "number (cam0_17.png), too; one: only size, EXIF model and focal length tell"};
+      "number (cam0_17.png), too; by_file: every folder is a moment (17/cam0.png); one: only size, EXIF model and "
+      "focal length tell"};
   Out<Plates> placed{"plates", frame("frame=?F"), "the plates as they hang, and the tags that stand for no point"};
   Out<Poses> poses{"poses", frame("frame=?F"), "approximate exterior orientations"};
   Out<Camera> camera{"camera",

@@ -1,6 +1,8 @@
 // calibrate.board over its artifacts: which photographs of a board are one camera's.
 #include <gmock/gmock.h>
 
+#include <nlohmann/json.hpp>
+
 #include "artifacts/board_points.hpp"
 #include "artifacts/camera.hpp"
 #include "artifacts/file.hpp"
@@ -16,20 +18,22 @@ using testing::HasSubstr;
 using testing::Not;
 
 /// A board of 9 × 7 points from another side for each `index`.
-BoardPointsT photograph(int index, const std::string& taken_with) {
+BoardPointsT photograph(int index, const std::string& taken_with, double right_by = 0) {
   BoardPointsT result;
   result.path = "photo" + std::to_string(index) + ".jpg";
   result.width = true_camera().width, result.height = true_camera().height;
   result.taken_with = taken_with;
   const RigidTransform pose =
       look({0.1 + 0.05 * (index % 3 - 1), 0.075 + 0.06 * (index % 4 - 1.5), 0.3}, {0.1, 0.075, 0}, 0.4 * index);
+  const RigidTransform beside{Eigen::Quaterniond::Identity(), {-right_by, 0, 0}};
   std::mt19937_64 random(static_cast<unsigned>(index));
   std::normal_distribution<double> noise(0, 0.05);
   for (int k = 0; k < 63; ++k) {
     auto point = std::make_unique<BoardPointT>();
     point->id = k;
     point->board = Eigen::Vector3d(0.025 * (k % 9), 0.025 * (k / 9), 0);
-    point->pixel = *project(true_camera(), pose * point->board) + Eigen::Vector2d(noise(random), noise(random));
+    point->pixel =
+        *project(true_camera(), beside * (pose * point->board)) + Eigen::Vector2d(noise(random), noise(random));
     point->sigma = 0.05;
     result.points.push_back(std::move(point));
   }
@@ -60,6 +64,25 @@ TEST(CalibrateBoard, PhotographsOfAnotherBodyOrSizeAreNotTakenForTheCameras) {
   test::NodeHarness one("calibrate.board");
   run("one", one);
   EXPECT_THAT(one.warnings(), Not(Contains(HasSubstr("left out: photo8.jpg"))));
+}
+
+TEST(CalibrateBoard, AFolderForEachMomentIsARig) {
+  test::NodeHarness node("calibrate.board");
+  for (int k = 0; k < 12; ++k)
+    for (int camera = 0; camera < 2; ++camera) {
+      BoardPointsT taken = photograph(k, "", 0.02 * camera);
+      taken.path = "000" + std::to_string(k) + "/cam" + std::to_string(camera) + ".png";
+      node.input<BoardPoints>("points", taken);
+    }
+  node.run();
+  const FileT file = node.output<File>("json");
+  const auto json = nlohmann::json::parse(file.content.begin(), file.content.end());
+  ASSERT_EQ(json["cameras"].size(), 2u);
+  EXPECT_EQ(json["cameras"][1]["id"], "cam1");
+  ASSERT_EQ(json["rig"].size(), 1u);
+  EXPECT_EQ(json["rig"][0]["shared"], 12);
+  EXPECT_EQ(json["rig"][0]["moments"][3], "0003");
+  EXPECT_NEAR(json["rig"][0]["translation"][0], -0.02, 0.0005);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <random>
+#include <set>
 
 #include "detect/tag_dictionary.hpp"
 #include "markers/camera_files.hpp"
@@ -107,6 +108,9 @@ TEST(Dictionaries, AsTablesThatPeopleWrite) {
         "   dt: \"4u\"\n   data: [ 181, 50, 235, 72, 76, 173, 18, 215 ]\n",
         "{\"bytesList\": {\"type_id\": \"opencv-matrix\", \"rows\": 1, \"cols\": 2, \"dt\": \"4u\", \"data\": "
         "[181, 50, 235, 72, 76, 173, 18, 215]}}",
+        // What a script wrote under a name of its own, without the size.
+        "%YAML:1.0\n---\ncustom_dictionary: !!opencv-matrix\n   rows: 1\n   cols: 2\n   dt: \"4u\"\n"
+        "   data: [ 181, 50, 235, 72, 76, 173, 18, 215 ]\n",
         "AR.DICTIONARIES['MINE'] = {nBits: 16, tau: 4, codeList: ['0xb532']};\n",
         "{\"markerSize\": 4, \"markers\": [[[1,0,1,1],[0,1,0,1],[0,0,1,1],[0,0,1,0]]]}",
         "{\"codes\": [\"1011010100110010\"]}"}) {
@@ -119,6 +123,7 @@ TEST(Dictionaries, AsTablesThatPeopleWrite) {
        {std::pair("bytesList: {rows: 1, cols: 2, data: [181, 50, 235]}\n", "bytesList has 1 rows and 3 values"),
         std::pair("markerSize: 5\nbytesList: {rows: 1, data: [181, 50, 235, 72, 76, 173, 18, 215]}\n",
                   "no marker of 5 x 5 cells"),
+        std::pair("a: {rows: 1, data: [1]}\nb: {rows: 1, data: [1]}\n", "holds several matrices (a, b)"),
         std::pair("nBits: 16\ncodeList: ['0xb532f']\n", "'0xb532f' in codeList is no number of 16 bits"),
         std::pair("codeList: ['0xb532']\n", "nBits is missing")})
     EXPECT_THAT(message_of([&] { detect::parse_dictionary(text, "mine"); }), HasSubstr(words));
@@ -226,19 +231,73 @@ TEST(CameraGroups, AreToldFromFoldersAndNames) {
   EXPECT_EQ(markers::camera_name("rig/0017_left.png", "by_name"), "rig/left");
   EXPECT_EQ(markers::camera_name("0017_cam2.png", "by_name"), "cam2");
   EXPECT_EQ(markers::camera_name("frame0017-Camera 10.png", "by_name"), "frame_Camera 10");
-  EXPECT_EQ(markers::moment_of("frame0017-Camera 10.png"), "17");
+  EXPECT_EQ(markers::moment_of("frame0017-Camera 10.png", "by_name"), "17");
   EXPECT_EQ(markers::camera_name("cam10_5.png", "by_name"), "cam10");
-  EXPECT_EQ(markers::moment_of("rig/cam3.png"), "3") << "the only number";
+  EXPECT_EQ(markers::moment_of("rig/cam3.png", "by_name"), "3") << "the only number";
   EXPECT_EQ(
       markers::suspected_cameras({"1_cam0.png", "2_cam0.png", "3_cam0.png", "1_cam1.png", "2_cam1.png", "3_cam1.png"}),
       "cam0 and cam1");
-  EXPECT_EQ(markers::moment_of("a/cam_0_frame_0050.jpg"), markers::moment_of("b/cam1_50.jpg"));
-  EXPECT_EQ(markers::moment_of("2024-01-01/first.jpg"), "first.jpg");
+  EXPECT_EQ(markers::moment_of("a/cam_0_frame_0050.jpg", "by_name"), markers::moment_of("b/cam1_50.jpg", "by_name"));
+  EXPECT_EQ(markers::moment_of("2024-01-01/first.jpg", "by_name"), "first.jpg");
   EXPECT_EQ(
       markers::suspected_cameras({"left1.jpg", "left2.jpg", "left3.jpg", "right1.jpg", "right2.jpg", "right3.jpg"}),
       "left and right");
   EXPECT_EQ(markers::suspected_cameras({"a1.jpg", "a2.jpg", "a3.jpg", "b4.jpg", "b5.jpg", "b6.jpg"}), "")
       << "names that only count on";
+}
+
+TEST(CameraGroups, FoldersOfMomentsAreFoundOut) {
+  const std::vector<std::string> rig = {"run/0001/cam0.png", "run/0001/cam1.png", "run/0002/cam0.png",
+                                        "run/0002/cam1.png", "run/0003/cam1.png", "run/0003/cam0.png"};
+  EXPECT_EQ(markers::cameras_told(rig, "by_folder"), "by_file");
+  EXPECT_EQ(markers::cameras_told(rig, "by_name"), "by_file");
+  EXPECT_EQ(markers::cameras_told(rig, "one"), "one");
+  EXPECT_EQ(markers::camera_name("run/0001/cam1.png", "by_file"), "cam1");
+  EXPECT_EQ(markers::moment_of("run/0003/cam1.png", "by_file"), "run/0003");
+  // The folder's number once more in the name; but not any number that is alike.
+  EXPECT_EQ(markers::camera_name("0017/cam1_0017.png", "by_file"), "cam1");
+  EXPECT_EQ(markers::camera_name("0017/0017_left.png", "by_file"), "left");
+  EXPECT_EQ(markers::camera_name("1/img_1.png", "by_file"), "img_1");
+  EXPECT_EQ(markers::camera_name("0017/0017.png", "by_file"), "0017");
+  EXPECT_EQ(
+      markers::cameras_told(
+          {"t1/left.png", "t1/right.png", "t2/left.png", "t2/right.png", "t3/left.png", "t3/right.png"}, "by_folder"),
+      "by_file");
+  // A folder for each camera, with the same numbers.
+  EXPECT_EQ(
+      markers::cameras_told({"cam0/01.png", "cam0/02.png", "cam1/01.png", "cam1/02.png", "cam2/01.png", "cam2/02.png"},
+                            "by_folder"),
+      "by_folder");
+  EXPECT_EQ(markers::cameras_told(
+                {"1/IMG_01.png", "1/IMG_02.png", "2/IMG_01.png", "2/IMG_02.png", "3/IMG_01.png", "3/IMG_02.png"},
+                "by_folder"),
+            "by_folder");
+  EXPECT_EQ(markers::cameras_told({"left/cam.png", "right/cam.png", "top/cam.png", "left/a.png"}, "by_folder"),
+            "by_folder");
+  // Two walls by one camera each are no moments.
+  EXPECT_EQ(markers::cameras_told({"wall1/left.png", "wall1/right.png", "wall2/left.png"}, "by_folder"), "by_folder");
+}
+
+TEST(CameraGroups, TimesThatDifferByLittleAreOneMoment) {
+  const auto moments = markers::moments_of(
+      {{"cam0/data/1403636579763555584.png", "cam0/data/1403636579813555456.png", "cam0/data/1403636580063555584.png"},
+       {"cam1/data/1403636579763561000.png", "cam1/data/1403636579813540000.png", "cam1/data/1403636579863555584.png"}},
+      "by_folder");
+  EXPECT_EQ(moments[0][0], moments[1][0]) << "5 microseconds later";
+  EXPECT_EQ(moments[0][1], moments[1][1]) << "15 microseconds earlier";
+  EXPECT_NE(moments[0][2], moments[1][2]);
+  EXPECT_EQ(std::set<std::string>(moments[0].begin(), moments[0].end()).size(), 3u);
+  // Seconds with a fraction are one number, for the camera's name as for the moment.
+  EXPECT_EQ(markers::camera_name("left_1403636579.763555.png", "by_name"), "left");
+  EXPECT_EQ(markers::moment_of("left/1403636579.763555.png", "by_folder"), "1403636579.763555");
+  EXPECT_EQ(markers::camera_name("cam1.0050.png", "by_name"), "cam1");
+  const auto seconds = markers::moments_of(
+      {{"l/1403636579.50.png", "l/1403636580.50.png"}, {"r/1403636579.51.png", "r/1403636580.49.png"}}, "by_folder");
+  EXPECT_EQ(seconds[0], seconds[1]);
+  EXPECT_NE(seconds[0][0], seconds[0][1]);
+  // Numbers that count are taken by the letter.
+  const auto counted = markers::moments_of({{"l/10.png", "l/20.png"}, {"r/11.png", "r/21.png"}}, "by_folder");
+  EXPECT_NE(counted[0][0], counted[1][0]);
 }
 
 TEST(LayoutFiles, TurnWPILibsFacesIntoTags) {
