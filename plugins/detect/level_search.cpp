@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "detect/large_pages.hpp"
+
 #define PLUMBLINE_CLONES __attribute__((target_clones("avx2", "default")))
 
 namespace plumbline::detect {
@@ -98,6 +100,8 @@ LevelSearch::LevelSearch(int width, int height, int kept_rows, const LevelSearch
   // A quarter more, so that rows move up rarely.
   const auto held =
       static_cast<std::size_t>(options_.keep_all ? height_ : std::min(height_, kept_rows + kept_rows / 4)) + 64;
+  binary_.reserve(held * stride_);
+  prefer_large_pages(binary_.data(), binary_.capacity());
   binary_.resize(held * stride_);
 }
 
@@ -201,57 +205,66 @@ LevelSearch::End LevelSearch::trace(int start_x, int start_y, bool only_new) {
   const auto s = static_cast<std::ptrdiff_t>(stride_);
   const std::array<std::ptrdiff_t, 4> step = {1, s, -1, -s}, ahead_right = {0, -1, -s - 1, -s},
                                       ahead_left = {-s, 0, -1, -s - 1};
-  path_.clear();
   left_ = right_ = start_x, top_ = bottom_ = start_y;
   std::uint8_t* at = pixel(start_x, start_y);
   const std::uint8_t* const start = at;
   *at = 3;
   int x = start_x, y = start_y, direction = 0;
-  std::size_t checked = 0;
+  std::size_t length = 0, checked = 0;
+  // Stores of bytes may be stores to anything, so what the loop needs is not read through `this`.
+  std::array<std::int16_t, 2>* path = path_.data();
   const auto extend = [&] {
-    for (; checked < path_.size(); ++checked) {
-      left_ = std::min<int>(left_, path_[checked][0]), right_ = std::max<int>(right_, path_[checked][0]);
-      top_ = std::min<int>(top_, path_[checked][1]), bottom_ = std::max<int>(bottom_, path_[checked][1]);
+    for (; checked < length; ++checked) {
+      left_ = std::min<int>(left_, path[checked][0]), right_ = std::max<int>(right_, path[checked][0]);
+      top_ = std::min<int>(top_, path[checked][1]), bottom_ = std::max<int>(bottom_, path[checked][1]);
     }
   };
   const auto wiggly = [&] {
     const auto box = static_cast<std::size_t>(2 * (right_ - left_ + bottom_ - top_));
-    return path_.size() > box + box / 4 + 24;
+    return length > box + box / 4 + 24;
   };
   const auto reaches_below = [&] { return bottom_ >= known_ && known_ < height_; };
+  const auto done = [&](End end) {
+    path_length_ = length;
+    return end;
+  };
   for (;;) {
-    path_.push_back({static_cast<std::int16_t>(x), static_cast<std::int16_t>(y)});
+    if (length % kCheck == 0) {
+      extend();
+      // A border that is cut by the rows known so far goes back on its inside.
+      if (wiggly()) return done(reaches_below() ? End::unfinished : End::wiggly);
+      if (path_.size() < length + kCheck) {
+        path_.resize(2 * path_.size() + kCheck);
+        path = path_.data();
+      }
+    }
+    path[length++] = {static_cast<std::int16_t>(x), static_cast<std::int16_t>(y)};
     at += step[direction];
     x += dx[direction], y += dy[direction];
     if (at[ahead_right[direction]] == 0) {
       direction = (direction + 1) & 3;
       if (direction == 0) {
         if (at == start) break;
-        if (only_new && *at == 3) return End::wiggly;  // part of one that was left
+        if (only_new && *at == 3) return done(End::wiggly);  // part of one that was left
         *at = 3;
       }
     } else if (at[ahead_left[direction]] != 0) {
       direction = (direction + 3) & 3;
     }
-    if (path_.size() % kCheck == 0) {
-      extend();
-      // A border that is cut by the rows known so far goes back on its inside.
-      if (wiggly()) return reaches_below() ? End::unfinished : End::wiggly;
-    }
   }
   extend();
-  if (reaches_below()) return End::unfinished;
-  return wiggly() ? End::wiggly : End::closed;
+  if (reaches_below()) return done(End::unfinished);
+  return done(wiggly() ? End::wiggly : End::closed);
 }
 
 bool LevelSearch::fit(LevelQuad& quad) const {
-  const std::size_t n = path_.size();
+  const std::size_t n = path_length_;
   const double shortest = options_.min_side;
   if (std::min(right_ - left_, bottom_ - top_) < shortest) return false;
   const auto at = [&](std::size_t i) { return Eigen::Vector2d(path_[i][0], path_[i][1]); };
 
   double sum_x = 0, sum_y = 0;
-  for (const auto& p : path_) sum_x += p[0], sum_y += p[1];
+  for (std::size_t i = 0; i < n; ++i) sum_x += path_[i][0], sum_y += path_[i][1];
   const auto farthest = [&](double x, double y) {
     std::size_t best = 0;
     double distance = -1;

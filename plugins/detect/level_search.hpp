@@ -70,7 +70,8 @@ class LevelSearch {
   std::array<std::vector<std::uint8_t>, 3> tile_low_, tile_high_;  // a ring, by row of tiles
   int first_ = 0;                     // row that binary_ begins with, after one empty row; rows above are forgotten
   std::vector<std::uint8_t> binary_;  // 0: none, 1: of a figure, 3: a followed figure's convex upper left corner
-  std::vector<std::array<std::int16_t, 2>> path_;
+  std::vector<std::array<std::int16_t, 2>> path_;  // of the last outline, room for more
+  std::size_t path_length_ = 0;
   int left_ = 0, right_ = 0, top_ = 0, bottom_ = 0;  // of path_
 };
 

@@ -8,6 +8,7 @@
 
 #include "detect/corner_refinement.hpp"
 #include "detect/edge_lines.hpp"
+#include "detect/large_pages.hpp"
 #include "detect/level_search.hpp"
 #include "detect/likeness.hpp"
 #include "plumbline/stop.hpp"
@@ -39,7 +40,9 @@ class Window {
         held_(rows),
         pixels_(std::make_unique_for_overwrite<std::uint8_t[]>(static_cast<std::size_t>(width) *
                                                                static_cast<std::size_t>(rows))),
-        rows_(height) {}
+        rows_(height) {
+    prefer_large_pages(pixels_.get(), static_cast<std::size_t>(width) * static_cast<std::size_t>(rows));
+  }
   std::uint8_t* next() {
     std::uint8_t* row = &pixels_[static_cast<std::size_t>(end_ % held_) * static_cast<std::size_t>(width_)];
     rows_[static_cast<std::size_t>(end_++)] = row;
@@ -205,6 +208,7 @@ class Reader {
     const int bottom = std::min(image.end, static_cast<int>(std::ceil(high.y())) + kMargin + 1);
     found.origin = {left, top};
     found.part = std::make_unique<GreyImage>(GreyImage{right - left, bottom - top, {}});
+    found.part->pixels.reserve(static_cast<std::size_t>(right - left) * static_cast<std::size_t>(bottom - top));
     for (int y = top; y < bottom; ++y)
       found.part->pixels.insert(found.part->pixels.end(), image.rows[y] + (left - image.left),
                                 image.rows[y] + (right - image.left));
