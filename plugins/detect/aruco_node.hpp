@@ -63,7 +63,13 @@ struct DetectAruco : Node {
           return std::move(found.tags);
         },
         wide, {dictionary_used.name}, detector.chance() >= kWeakChance);
-    if (!result.tags.empty() && first.mirrored > 0)
+    if (!result.tags.empty() && first.mirrored > 2 * static_cast<int>(result.tags.size())) {
+      result.problem = "the photograph or the dictionary is mirrored: " + std::to_string(first.mirrored) +
+                       " tags are found only after a flip, and " + std::to_string(result.tags.size()) +
+                       " without. Export it from the camera without mirroring";
+      result.tags.clear();
+      context.warn(result.path + ": " + result.problem);
+    } else if (!result.tags.empty() && first.mirrored > 0)
       context.warn(
           result.path + ": " + std::to_string(first.mirrored) + (first.mirrored == 1 ? " tag is" : " tags are") +
           " mirrored (printed so, or seen in glass or water) and left out. Print them again as they are drawn");

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <regex>
+#include <sstream>
 #include <stdexcept>
 
 #include "detect/dictionary_sources.hpp"
@@ -47,8 +49,8 @@ int stated_size(const YAML::Node& root) {
   return bits.IsDefined() ? static_cast<int>(std::lround(std::sqrt(std::max(0, bits.as<int>(0))))) : 0;
 }
 
-void add(TagDictionary& dictionary, std::vector<std::uint8_t> code) {
-  dictionary.ids.push_back(static_cast<int>(dictionary.codes.size()));
+void add(TagDictionary& dictionary, std::vector<std::uint8_t> code, int id = -1) {
+  dictionary.ids.push_back(id < 0 ? static_cast<int>(dictionary.codes.size()) : id);
   dictionary.codes.push_back(std::move(code));
 }
 
@@ -97,10 +99,84 @@ void collect(const YAML::Node& node, std::vector<std::uint8_t>& bits) {
     if (c == '0' || c == '1') bits.push_back(static_cast<std::uint8_t>(c - '0'));
 }
 
+std::vector<std::uint8_t> bits_of(const YAML::Node& code) {
+  std::vector<std::uint8_t> bits;
+  collect(code, bits);
+  return bits;
+}
+
+/// A code of a list: its cells alone, or a map of them and its id.
+void add_entry(const YAML::Node& entry, const std::string& file, TagDictionary& dictionary) {
+  if (!entry.IsMap()) return add(dictionary, bits_of(entry));
+  const YAML::Node number = value(entry, {"id", "number", "index"}),
+                   cells = value(entry, {"bits", "code", "cells", "data", "pattern"});
+  const int id = number.IsDefined() && number.IsScalar() ? number.as<int>(-1) : -1;
+  if (id < 0 || !cells.IsDefined())
+    refuse(file, "entry " + std::to_string(dictionary.codes.size() + 1) +
+                     " of the list of markers has no id or no bits; expected {id: 7, bits: \"1010...\"} or the cells "
+                     "alone");
+  add(dictionary, bits_of(cells), id);
+}
+
+bool is_number(const std::string& text) {
+  return !text.empty() && text.size() < 7 && text.find_first_not_of("0123456789") == std::string::npos;
+}
+
+/// {"0": ..., "7": ...}: whether every key is the number of a marker.
+bool numbers_markers(const YAML::Node& root) {
+  bool all = root.IsMap() && root.size() > 0;
+  for (const auto& entry : root) all = all && is_number(entry.first.as<std::string>(""));
+  return all;
+}
+
+bool is_square(size_t cells) {
+  const auto size = static_cast<size_t>(std::lround(std::sqrt(static_cast<double>(cells))));
+  return size >= 3 && size * size == cells;
+}
+
 }  // namespace
+
+TagDictionary parse_dictionary_list(const std::string& text, const std::string& file) {
+  static const std::regex code(R"(["']?([01 \t,]{9,})["']?[,;]?\s*)", std::regex::optimize);
+  static const std::regex numbered(
+      R"(\s*["']?(?:marker_?|id)?\s*(\d{1,6})["']?\s*[:=,;\s]\s*["']?([01]{9,100})["']?[,;]?\s*)",
+      std::regex::icase | std::regex::optimize);
+  static const std::regex holds_code("[01]{9}");
+  TagDictionary plain, with_ids;
+  bool all_numbered = true;
+  int first_odd = 0, line_number = 0;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    ++line_number;
+    std::smatch match;
+    const bool only_bits = std::regex_match(line, match, code);
+    std::vector<std::uint8_t> bits;
+    if (only_bits) collect(YAML::Node(match[1].str()), bits);
+    if (only_bits && bits.size() >= 9) add(plain, bits);
+    if (std::regex_match(line, match, numbered) && is_square(static_cast<size_t>(match[2].length())))
+      add(with_ids, bits_of(YAML::Node(match[2].str())), std::stoi(match[1]));
+    else if (std::regex_search(line, holds_code))
+      all_numbered = false;
+    if (!only_bits && first_odd == 0 && std::regex_search(line, holds_code)) first_odd = line_number;
+  }
+  if (all_numbered && !with_ids.codes.empty()) return with_ids;
+  if (first_odd > 0)
+    refuse(file, "line " + std::to_string(first_odd) +
+                     " holds more than the cells of one marker; expected them alone in every line, or behind the id in "
+                     "every line (7, 1010...)");
+  return plain;
+}
 
 std::optional<TagDictionary> parse_dictionary_table(const YAML::Node& root, const std::string& file) {
   TagDictionary dictionary;
+  if (root.IsSequence()) {
+    for (const auto& code : root) add_entry(code, file, dictionary);
+    return dictionary;
+  }
+  if (numbers_markers(root)) {
+    for (const auto& entry : root) add(dictionary, bits_of(entry.second), entry.first.as<int>());
+    return dictionary;
+  }
   dictionary.size = stated_size(root);
   if (const YAML::Node name = value(root, {"name"}); name.IsDefined() && name.IsScalar())
     dictionary.name = name.as<std::string>();
@@ -113,11 +189,7 @@ std::optional<TagDictionary> parse_dictionary_table(const YAML::Node& root, cons
   else if (numbers.IsDefined() && numbers.IsSequence())
     add_numbers(numbers, file, dictionary);
   else if (codes.IsDefined() && codes.IsSequence())
-    for (const auto& code : codes) {
-      std::vector<std::uint8_t> bits;
-      collect(code, bits);
-      add(dictionary, std::move(bits));
-    }
+    for (const auto& code : codes) add_entry(code, file, dictionary);
   if (dictionary.codes.empty()) return std::nullopt;
   return dictionary;
 }

@@ -29,7 +29,7 @@ const std::vector<SquareFamily>& common_families() {
     std::vector<SquareFamily> list;
     for (const char* name :
          {"tag36h11", "tag36h10", "tag25h9", "tag16h5", "tagStandard41h12", "tagCircle21h7", "tag36h11b2",
-          "DICT_4X4_1000", "DICT_5X5_1000", "DICT_6X6_1000", "DICT_7X7_1000", "DICT_ARUCO_ORIGINAL"})
+          "DICT_4X4_1000", "DICT_5X5_1000", "DICT_6X6_1000", "DICT_7X7_1000", "DICT_ARUCO_ORIGINAL", "ARUCO_MIP_36h12"})
       list.push_back(square_family(name));
     return list;
   }();

@@ -9,6 +9,7 @@
 #include <map>
 #include <opencv2/aruco/dictionary.hpp>
 #include <regex>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 #include <tuple>
@@ -16,6 +17,7 @@
 #include "detect/dictionary_sources.hpp"
 #include "detect/dictionary_tables.hpp"
 #include "detect/likeness.hpp"
+#include "detect/mip_36h12.hpp"
 
 namespace plumbline::detect {
 namespace {
@@ -128,17 +130,9 @@ void check_codes(TagDictionary& dictionary, const std::string& file, int stated_
   dictionary.correctable_bits = stated_correction >= 0 ? std::min(stated_correction, safe) : safe;
 }
 
-/// name / nbits / one code a line, as the ArUco library (version 3) has it.
-TagDictionary parse_aruco_list(const std::string& text, const std::string& file) {
-  TagDictionary dictionary;
-  std::istringstream lines(text);
-  for (std::string line; std::getline(lines, line);) {
-    const std::vector<std::uint8_t> bits = bits_of(line);
-    const bool only_bits = line.find_first_not_of("01 \t\r,") == std::string::npos;
-    if (!only_bits || bits.size() < 9) continue;
-    dictionary.ids.push_back(static_cast<int>(dictionary.codes.size()));
-    dictionary.codes.push_back(bits);
-  }
+/// Lines of codes, if it is nothing else.
+TagDictionary parse_list(const std::string& text, const std::string& file) {
+  TagDictionary dictionary = parse_dictionary_list(text, file);
   if (dictionary.codes.empty()) refuse(file, "no marker codes found");
   return dictionary;
 }
@@ -186,7 +180,7 @@ TagDictionary parse_yaml(const std::string& text, const std::string& file, int& 
   } catch (const YAML::Exception& error) {
     refuse(file, "neither YAML nor JSON (line " + std::to_string(error.mark.line + 1) + ": " + error.msg + ")");
   }
-  if (!root.IsMap()) return parse_aruco_list(text, file);
+  if (!root.IsMap() && !root.IsSequence()) return parse_list(text, file);
   if (auto table = parse_dictionary_table(root, file)) return *table;
   root = markers_in(root, file);
   int stated_markers = -1;
@@ -212,7 +206,7 @@ TagDictionary parse_yaml(const std::string& text, const std::string& file, int& 
     if (id < 0) refuse(file, "'" + key + "' has no number");
     if (!codes.emplace(id, bits_of(bits)).second) refuse(file, "'" + key + "' occurs twice");
   }
-  if (codes.empty()) return parse_aruco_list(text, file);
+  if (codes.empty()) return parse_list(text, file);
   for (auto& [id, code] : codes) {
     dictionary.ids.push_back(id);
     dictionary.codes.push_back(std::move(code));
@@ -237,6 +231,18 @@ TagDictionary from_opencv(const cv::aruco::Dictionary& source, const std::string
   return dictionary;
 }
 
+/// The default of the ArUco library since its version 3.
+TagDictionary mip_36h12_dictionary() {
+  TagDictionary dictionary;
+  dictionary.name = "ARUCO_MIP_36h12", dictionary.size = 6, dictionary.correctable_bits = 5;
+  for (const std::uint64_t value : mip_36h12) {
+    dictionary.ids.push_back(static_cast<int>(dictionary.codes.size()));
+    std::vector<std::uint8_t>& code = dictionary.codes.emplace_back();
+    for (int bit = 35; bit >= 0; --bit) code.push_back(static_cast<std::uint8_t>(value >> bit & 1));
+  }
+  return dictionary;
+}
+
 /// Find-GCP's own: what OpenCV's generator makes of 32 markers of 3 x 3 cells with its first seed.
 TagDictionary find_gcp_dictionary() { return from_opencv(*cv::aruco::generateCustomDictionary(32, 3), "DICT_3X3_32"); }
 
@@ -245,7 +251,7 @@ TagDictionary find_gcp_dictionary() { return from_opencv(*cv::aruco::generateCus
 std::string builtin_dictionary_names() {
   std::string names;
   for (const Builtin& builtin : builtins) names += (names.empty() ? "" : ", ") + std::string(builtin.name);
-  return names + ", DICT_3X3_32 (of Find-GCP)";
+  return names + ", ARUCO_MIP_36h12, DICT_3X3_32 (of Find-GCP)";
 }
 
 int take_border(std::string& name) {
@@ -267,6 +273,7 @@ TagDictionary builtin_dictionary(const std::string& name) {
     return dictionary;
   }
   if (canonical(name) == "3x3_32") return find_gcp_dictionary();
+  if (canonical(name).ends_with("mip_36h12")) return mip_36h12_dictionary();
   throw std::runtime_error("unknown tag family '" + name + "': it is neither a file nor one of " +
                            builtin_dictionary_names());
 }
@@ -281,6 +288,9 @@ TagDictionary parse_dictionary(const std::string& text, const std::string& file)
     dictionary.size = static_cast<int>(std::lround(std::sqrt(static_cast<double>(dictionary.codes.front().size()))));
   if (dictionary.size < 3 || dictionary.size > 10)
     refuse(file, "markersize is " + std::to_string(dictionary.size) + ", expected 3 to 10 cells a side");
+  std::set<int> ids;
+  for (const int id : dictionary.ids)
+    if (!ids.insert(id).second) refuse(file, "the id " + std::to_string(id) + " occurs twice");
   const size_t cells = static_cast<size_t>(dictionary.size) * static_cast<size_t>(dictionary.size);
   for (size_t i = 0; i < dictionary.codes.size(); ++i)
     if (dictionary.codes[i].size() != cells)

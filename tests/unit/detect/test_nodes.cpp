@@ -140,6 +140,33 @@ TEST(DetectNodes, SayThatAllTagsAreNegativeOrMirrored) {
   }
 }
 
+/// In a mirror a few codes look like others of a small dictionary: what is found among many mirrored tags is chance.
+TEST(DetectNodes, AFewTagsAmongManyMirroredOnesAreNone) {
+  const test::TemporaryFolder folder;
+  const GreyImage one = render(scene());
+  for (const int mirrored : {1, 3}) {
+    GreyImage all{one.width * (mirrored + 1), one.height, {}};
+    for (int y = 0; y < one.height; ++y)
+      for (int part = 0; part <= mirrored; ++part) {
+        const auto row = one.pixels.begin() + y * one.width;
+        all.pixels.insert(all.pixels.end(), row, row + one.width);
+        if (part > 0) std::reverse(all.pixels.end() - one.width, all.pixels.end());
+      }
+    write_png(folder.path() / "all.png", all);
+    test::NodeHarness detect("detect.aruco");
+    detect.set("dictionary", "tag36h11");
+    ImageT image;
+    image.path = "all.png";
+    image.uri = (folder.path() / image.path).string();
+    detect.input<Image>("images", image);
+    detect.run();
+    const ImageTagsT result = detect.output<ImageTags>("observations");
+    EXPECT_EQ(result.tags.size(), mirrored == 1 ? 1u : 0u);
+    EXPECT_THAT(result.problem, mirrored == 1 ? HasSubstr("") : HasSubstr("3 tags are found only after a flip, and 1"));
+    EXPECT_EQ(detect.warnings().size(), 1u);
+  }
+}
+
 TEST(DetectNodes, SearchStripByStripLeavesOutWhatCannotBeRead) {
   const test::TemporaryFolder folder;
   write_png(folder.path() / "whole.png", render(scene()));

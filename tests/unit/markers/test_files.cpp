@@ -64,7 +64,7 @@ TEST(TagDictionary, IsReadInEveryFormItIsFoundIn) {
       "{\"nmarkers\": 2, \"markersize\": 3, \"marker_0\": \"110001010\", \"marker_1\": \"100111101\"}",
       "%YAML:1.0\n---\nmine:\n   nmarkers: 2\n   markersize: 3\n   marker_0: \"110001010\"\n   marker_1: "
       "\"100111101\"\n",
-      "mine\n9\n1 1 0 0 0 1 0 1 0\n100111101\n",
+      "mine\n9\n1 1 0 0 0 1 0 1 0\n100111101\n", "[[[1, 1, 0], [0, 0, 1], [0, 1, 0]], [\"100\", \"111\", \"101\"]]",
       "markersize: 3\nmarker_0: [[1, 1, 0], [0, 0, 1], [0, 1, 0]]\nmarker_1: [100, 111, 101]\n",
       // Four turns of each code, the ninth cell in a byte of its own.
       "static unsigned char MINE_BYTES[][4][2] = { // of 3 x 3\n  { {197, 0}, {86, 0}, {81, 1}, {53, 0} },\n"
@@ -84,6 +84,31 @@ TEST(TagDictionary, IsReadInEveryFormItIsFoundIn) {
     EXPECT_EQ(d.codes[0], (std::vector<std::uint8_t>{1, 1, 0, 0, 0, 1, 0, 1, 0})) << text;
     EXPECT_EQ(d.codes[1], (std::vector<std::uint8_t>{1, 0, 0, 1, 1, 1, 1, 0, 1})) << text;
   }
+}
+
+TEST(TagDictionary, IdsThatStandBesideTheCodesAreTheirs) {
+  for (const std::string text :
+       {"id,bits\n7,110001010\n10,100111101\n", "# mine\n7: 110001010\n10: 100111101\n",
+        "7 \"110001010\"\n10 \"100111101\"\n", "{\"7\": [[1, 1, 0], [0, 0, 1], [0, 1, 0]], \"10\": \"100111101\"}",
+        "{\"markers\": [{\"id\": 7, \"bits\": \"110001010\"}, {\"id\": 10, \"code\": [100, 111, 101]}]}"}) {
+    const auto d = detect::parse_dictionary(text, "mine.txt");
+    EXPECT_EQ(d.ids, (std::vector<int>{7, 10})) << text;
+    ASSERT_EQ(d.codes.size(), 2u) << text;
+    EXPECT_EQ(d.codes[1], (std::vector<std::uint8_t>{1, 0, 0, 1, 1, 1, 1, 0, 1})) << text;
+  }
+  for (const auto& [text, words] :
+       {std::pair("110001010\n7 100111101\n", "line 2 holds more than the cells of one marker"),
+        std::pair("7,110001010\n7,100111101\n", "the id 7 occurs twice"),
+        std::pair("codes = ['110001010', '100111101']\n", "line 1 holds more"),
+        std::pair("{\"markers\": [{\"bits\": \"110001010\"}]}", "entry 1 of the list of markers has no id")})
+    EXPECT_THAT(message_of([&] { detect::parse_dictionary(text, "mine"); }), HasSubstr(words)) << text;
+}
+
+TEST(TagDictionary, TheDefaultOfTheArucoLibraryIsBuiltIn) {
+  const auto d = detect::builtin_dictionary("DICT_ARUCO_MIP_36h12");
+  EXPECT_EQ(d.name, "ARUCO_MIP_36h12");
+  EXPECT_EQ(d.codes.size(), 250u);
+  EXPECT_EQ(detect::smallest_distance(d), 12);
 }
 
 TEST(TagDictionary, RefusesInWordsWhatItIsNot) {
