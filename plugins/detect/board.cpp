@@ -115,14 +115,18 @@ SeenBoard find_charuco(const GreyImage& image, const cv::Mat& view, const Board&
   ArucoOptions options;
   options.refinement = Refinement::apriltag;
   options.limit = LikenessLimit{};  // the board's geometry tells what does not belong to it
-  const auto tags = ArucoDetector(board.dictionary, options).detect(image);
+  const auto found = ArucoDetector(board.dictionary, options).detect(image);
   const size_t expected = charuco_markers(board, false).size();
-  size_t known = 0;
-  for (const auto& tag : tags)
-    known += tag.id >= board.first_id && tag.id < board.first_id + static_cast<int>(expected) + 1;
+  const SingleTags once = single_tags(found, board.first_id, static_cast<int>(expected) + 1);
+  if (!once.problem.empty()) {
+    seen.problem = once.problem;
+    return seen;
+  }
+  const auto& tags = once.tags;
+  const size_t known = tags.size();
   if (known < 4) {
     seen.problem = std::to_string(known) + " of the board's " + std::to_string(expected) + " markers were found (" +
-                   std::to_string(tags.size()) + " tags of " + board.dictionary.name +
+                   std::to_string(found.size()) + " tags of " + board.dictionary.name +
                    " in all), needed are 4; check the "
                    "dictionary and first_id, or photograph it larger and sharper";
     return seen;

@@ -60,24 +60,36 @@ std::vector<DetectedTag> tags_of(const GreyImage& image, TagDictionary dictionar
 
 }  // namespace
 
+SingleTags single_tags(std::vector<DetectedTag> found, int first_id, int count) {
+  std::map<int, std::vector<DetectedTag>> by_id;
+  for (auto& tag : found)
+    if (tag.id >= first_id && tag.id < first_id + count) by_id[tag.id].push_back(std::move(tag));
+  SingleTags result;
+  size_t doubles = 0;
+  for (auto& [id, tags] : by_id)
+    if (tags.size() == 1)
+      result.tags.push_back(std::move(tags.front()));
+    else
+      result.twice += (doubles++ > 0 ? ", " : "") + std::to_string(id);
+  if (doubles >= 3 && 3 * doubles >= result.tags.size())
+    result.problem = std::to_string(doubles) + " of the board's tags are there twice (" + result.twice +
+                     "): two boards, or two pictures side by side as stereo cameras write them. Cut these into a "
+                     "file for each camera (0001/left.png, 0001/right.png)";
+  return result;
+}
+
 SeenBoard find_tags(const GreyImage& image, const Board& board) {
   SeenBoard seen;
   const double pitch = board.marker + board.gap, h = 0.5 * board.marker;
-  std::map<int, std::vector<DetectedTag>> by_id;
-  for (auto& tag : tags_of(image, board.dictionary)) {
-    const int k = tag.id - board.first_id;
-    if (k >= 0 && k < board.columns * board.rows) by_id[k].push_back(std::move(tag));
+  const SingleTags once = single_tags(tags_of(image, board.dictionary), board.first_id, board.columns * board.rows);
+  if (!once.problem.empty()) {
+    seen.problem = once.problem;
+    return seen;
   }
-  std::string twice;
   std::vector<cv::Point2f> from, to;  // centres, in units of the pitch
-  std::vector<const DetectedTag*> single;
   std::vector<int> ids;
-  for (const auto& [k, tags] : by_id) {
-    if (tags.size() > 1) {  // only one of them can be it
-      twice += (twice.empty() ? "" : ", ") + std::to_string(k + board.first_id);
-      continue;
-    }
-    const DetectedTag& tag = tags.front();
+  for (const DetectedTag& tag : once.tags) {
+    const int k = tag.id - board.first_id;
     const Eigen::Vector2d cell = cell_of(k, board);
     const Eigen::Vector3d centre(pitch * cell.x(), pitch * cell.y(), 0);
     const Eigen::Vector3d offsets[] = {{-h, -h, 0}, {h, -h, 0}, {h, h, 0}, {-h, h, 0}};
@@ -86,18 +98,18 @@ SeenBoard find_tags(const GreyImage& image, const Board& board) {
       seen.points.push_back(
           {4 * k + c, centre + offsets[i], tag.corners[i], std::sqrt(0.5 * tag.covariances[i].trace() + 0.1 * 0.1)});
     }
-    single.push_back(&tag);
     ids.push_back(k), to.push_back(point(cell));
     from.push_back(point(Eigen::Vector2d(0.25 * (tag.corners[0] + tag.corners[1] + tag.corners[2] + tag.corners[3]))));
   }
-  if (single.size() < 2) {
+  if (once.tags.size() < 2) {
     seen.points.clear();
-    seen.problem = std::to_string(single.size()) + " of the board's " + std::to_string(board.columns * board.rows) +
-                   " tags were found" + (twice.empty() ? "" : " (without " + twice + ", found more than once)") +
+    seen.problem = std::to_string(once.tags.size()) + " of the board's " + std::to_string(board.columns * board.rows) +
+                   " tags were found" +
+                   (once.twice.empty() ? "" : " (without " + once.twice + ", found more than once)") +
                    "; check dictionary and first_id";
     return seen;
   }
-  if (single.size() < 6) return seen;
+  if (once.tags.size() < 6) return seen;
   const Eigen::Matrix3d onto_board = homography(from, to, 0);
   if (!onto_board.allFinite()) return seen;
   if (misfit(onto_board, from, to) > kMisplaced) {
@@ -106,11 +118,11 @@ SeenBoard find_tags(const GreyImage& image, const Board& board) {
     return seen;
   }
   double ratio = 0, pixels = 0;
-  for (const DetectedTag* tag : single) {
+  for (const DetectedTag& tag : once.tags) {
     std::array<Eigen::Vector2d, 4> corners;
-    for (size_t k = 0; k < 4; ++k) corners[k] = mapped(onto_board, tag->corners[k]);
-    ratio += side(corners) / static_cast<double>(single.size());
-    pixels += side(tag->corners) / static_cast<double>(single.size());
+    for (size_t k = 0; k < 4; ++k) corners[k] = mapped(onto_board, tag.corners[k]);
+    ratio += side(corners) / static_cast<double>(once.tags.size());
+    pixels += side(tag.corners) / static_cast<double>(once.tags.size());
   }
   if (std::isfinite(ratio)) seen.marker_ratio = ratio, seen.marker_pixels = pixels;
   return seen;

@@ -147,10 +147,31 @@ void add_views(const ImageTagsT& seen, int image, std::map<std::pair<std::string
   }
 }
 
+/// Ids that are twice in a photograph, and those that are once, over all of them.
+void refuse_side_by_side(const TagObservationsT& observations) {
+  size_t once = 0, twice = 0;
+  std::string first;
+  for (const auto& image : observations.images) {
+    std::map<std::pair<std::string, int>, int> times;
+    for (const auto& tag : image->tags) ++times[{tag->family, tag->id}];
+    for (const auto& [name, count] : times) {
+      ++(count > 1 ? twice : once);
+      if (count > 1 && first.empty()) first = image->path;
+    }
+  }
+  if (twice < 6 || twice <= once) return;
+  throw std::runtime_error(
+      "most tags are twice in their photographs (" + std::to_string(twice) + " of " + std::to_string(once + twice) +
+      ", the first in " + first +
+      "): two pictures side by side, as stereo cameras write them, or every tag was printed twice. Cut such pictures "
+      "into a file for each camera (0001/left.png, 0001/right.png); print every id once");
+}
+
 }  // namespace
 
 BlockInput block_of(const std::vector<ImageT>& images, const TagObservationsT& observations, std::vector<CameraT> known,
                     const InputOptions& options) {
+  refuse_side_by_side(observations);
   BlockInput input;
   std::vector<std::string> paths;
   for (const auto& image : observations.images) paths.push_back(image->path);

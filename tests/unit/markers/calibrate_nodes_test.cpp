@@ -6,6 +6,7 @@
 #include "artifacts/board_points.hpp"
 #include "artifacts/camera.hpp"
 #include "artifacts/file.hpp"
+#include "artifacts/tag_observations.hpp"
 #include "geometry/camera.hpp"
 #include "node_harness.hpp"
 #include "scene.hpp"
@@ -83,6 +84,36 @@ TEST(CalibrateBoard, AFolderForEachMomentIsARig) {
   EXPECT_EQ(json["rig"][0]["shared"], 12);
   EXPECT_EQ(json["rig"][0]["moments"][3], "0003");
   EXPECT_NEAR(json["rig"][0]["translation"][0], -0.02, 0.0005);
+}
+
+TEST(MarkerBoard, PicturesSideBySideAreRefused) {
+  const auto failure = [](int twice) {
+    test::NodeHarness node("adjust.marker_board");
+    node.set("tag_size", 0.02);
+    TagObservationsT seen;
+    for (int k = 0; k < 4; ++k) {
+      auto image = std::make_unique<ImageTagsT>();
+      image->path = std::to_string(k) + ".png", image->width = 1280, image->height = 360;
+      for (int id = 0; id < 4; ++id)
+        for (int half = 0; half < (id < twice ? 2 : 1); ++half) {
+          auto tag = std::make_unique<TagT>();
+          tag->family = "tag36h11", tag->id = id;
+          const double x = 100 + 640 * half + 90 * (id % 2), y = 60 + 90 * (id / 2);
+          tag->corners = {{x, y + 40}, {x + 40, y + 40}, {x + 40, y}, {x, y}};
+          image->tags.push_back(std::move(tag));
+        }
+      seen.images.push_back(std::move(image));
+    }
+    node.input<TagObservations>("observations", seen);
+    try {
+      node.run();
+    } catch (const test::NodeFailed& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_THAT(failure(3), HasSubstr("most tags are twice in their photographs (12 of 16, the first in 0.png)"));
+  EXPECT_THAT(failure(1), Not(HasSubstr("most tags are twice")));
 }
 
 }  // namespace

@@ -129,6 +129,23 @@ TEST(Board, OfTagsMeasuresTheirSpacingAndLeavesOutIdsThatAreTwice) {
   EXPECT_EQ(detect::find_board(image, board).points.size(), 32u);
 }
 
+/// Two pictures of the board in one, as stereo cameras write them: neither half is taken for the board, nor tags of
+/// both.
+TEST(Board, TwiceInAPhotographIsNone) {
+  const auto board = detect::parse_board(
+      "type: tags\ncolumns: 3\nrows: 3\nmarker: 0.024\ngap: 0.008\ndictionary: DICT_4X4_50\n", "b.yaml");
+  GreyImage image{280, 160, std::vector<std::uint8_t>(280 * 160, 210)};
+  for (int k = 0; k < 9; ++k) draw_tag(image, board, k, 20 + 32 * (k % 3), 20 + 32 * (k / 3));
+  for (int k = 0; k < 5; ++k) draw_tag(image, board, k, 150 + 32 * (k % 3), 22 + 32 * (k / 3));
+  const auto seen = detect::find_board(image, board);
+  EXPECT_TRUE(seen.points.empty());
+  EXPECT_FALSE(seen.contradicts);
+  EXPECT_THAT(seen.problem, HasSubstr("5 of the board's tags are there twice (0, 1, 2, 3, 4): two boards, or two"));
+  const auto charuco = detect::parse_board(
+      "type: charuco\ncolumns: 3\nrows: 6\nsquare: 0.032\nmarker: 0.024\ndictionary: DICT_4X4_50\n", "c.yaml");
+  EXPECT_THAT(detect::find_board(image, charuco).problem, HasSubstr("5 of the board's tags are there twice"));
+}
+
 /// Tags of 24 px in steps of 30, five in a row, of which the board file knows four: no photograph says that alone, and
 /// neither does it mean that the lengths are wrong.
 TEST(Board, OfTagsInRowsOfAnotherLengthIsContradictedInWords) {
