@@ -89,7 +89,7 @@ TEST(CalibrateBoard, AFolderForEachMomentIsARig) {
 TEST(MarkerBoard, PicturesSideBySideAreRefused) {
   const auto failure = [](int twice) {
     test::NodeHarness node("adjust.marker_board");
-    node.set("tag_size", 0.02);
+    node.set("tag_size", "0.02");
     TagObservationsT seen;
     for (int k = 0; k < 4; ++k) {
       auto image = std::make_unique<ImageTagsT>();
