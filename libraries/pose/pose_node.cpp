@@ -137,7 +137,7 @@ PosesT initial_poses(const std::vector<ImageTagsT>& images, const CameraT& camer
   return result;
 }
 
-void PoseNode::run_with(const Context& context, const TagPoseSolver& solver) {
+PoseSettings PoseNode::settings_of(const Context& context) const {
   PoseSettings settings;
   settings.robust.plate_rotation_sigma = *plate_rotation_sigma;
   settings.robust.inlier_probability = *inlier_probability;
@@ -148,10 +148,19 @@ void PoseNode::run_with(const Context& context, const TagPoseSolver& solver) {
   settings.min_markers = static_cast<int>(*min_markers);
   settings.skip_poor_images = *on_too_few == "skip";
   settings.look_for_causes = *look_for_causes;
-  std::vector<ImageTagsT> images;
-  for (std::size_t i = 0; i < observations.size(); ++i) images.push_back(observations.unpack(i));
-  const PosesT result = initial_poses(images, camera.unpack(), plates.unpack(), points.unpack(), solver, settings,
-                                      [&context](const std::string& text) { context.warn(text); });
+  return settings;
+}
+
+std::vector<ImageTagsT> PoseNode::images() const {
+  std::vector<ImageTagsT> list;
+  for (std::size_t i = 0; i < observations.size(); ++i) list.push_back(observations.unpack(i));
+  return list;
+}
+
+void PoseNode::run_with(const Context& context, const TagPoseSolver& solver) {
+  const PosesT result =
+      initial_poses(images(), camera.unpack(), plates.unpack(), points.unpack(), solver, settings_of(context),
+                    [&context](const std::string& text) { context.warn(text); });
   context.metric("images_oriented", static_cast<double>(result.poses.size()), "1");
   poses.commit(result);
 }

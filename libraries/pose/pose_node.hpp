@@ -57,6 +57,8 @@ struct PoseNode : Node {
       "numbers), which takes many times as long as the poses"};
 
  protected:
+  PoseSettings settings_of(const Context& context) const;
+  std::vector<ImageTagsT> images() const;
   void run_with(const Context& context, const TagPoseSolver& solver);
 };
 
