@@ -7,6 +7,7 @@
 
 #include "block/control_words.hpp"
 #include "block/defects.hpp"
+#include "block/point_block_checks.hpp"
 #include "geometry/similarity.hpp"
 #include "plumbline/rigid_transform.hpp"
 
@@ -22,48 +23,6 @@ Eigen::Vector3d origin_of(const PointBlock& block) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const auto& point : block.points) sum += point.position;
   return (sum / std::max<double>(1.0, static_cast<double>(block.points.size()))).array().round();
-}
-
-std::string list(const std::vector<std::string>& names) {
-  if (names.size() <= 8) return enumerate(names);
-  return enumerate({names[0], names[1], names[2], std::to_string(names.size() - 3) + " more"});
-}
-
-void require_enough_observations(const PointBlock& block) {
-  if (block.images.size() < 2)
-    throw std::runtime_error("a block needs at least 2 images, this one has " + std::to_string(block.images.size()));
-  std::vector<int> rays(block.points.size()), seen(block.images.size());
-  for (const auto& m : block.measurements) {
-    ++rays[static_cast<size_t>(m.point)];
-    ++seen[static_cast<size_t>(m.image)];
-  }
-  std::vector<bool> known(block.points.size());
-  for (size_t k = 0; k < block.control.points.size(); ++k)
-    known[static_cast<size_t>(block.control.points[k])] = !block.control.is_check[k];
-  std::vector<std::string> few;
-  for (size_t i = 0; i < rays.size(); ++i)
-    if (rays[i] < 2 && !known[i]) few.push_back(block.points[i].name);
-  if (!few.empty())
-    throw std::runtime_error("object point" + std::string(few.size() > 1 ? "s " : " ") + list(few) +
-                             " measured in fewer than 2 images: no position follows from that; leave the point out");
-  for (size_t i = 0; i < seen.size(); ++i)
-    if (seen[i] < 3) few.push_back(std::to_string(block.images[i].id) + " (" + std::to_string(seen[i]) + ")");
-  if (!few.empty())
-    throw std::runtime_error("image" + std::string(few.size() > 1 ? "s " : " ") + list(few) +
-                             " with fewer than 3 measured points: the pose is undetermined; leave the image out");
-}
-
-/// Images and scale bars tell the block's shape and size: where it is and how it is turned take three known points.
-void require_enough_control(const PointBlock& block) {
-  std::vector<std::string> names;
-  for (size_t k = 0; k < block.control.points.size(); ++k)
-    if (!block.control.is_check[k]) names.push_back(block.points[static_cast<size_t>(block.control.points[k])].name);
-  if (names.empty() || names.size() > 2) return;
-  throw std::runtime_error("only " + std::to_string(names.size()) + (names.size() == 1 ? " point" : " points") +
-                           " of the control (" + enumerate(names) +
-                           ") can be used in this block: with fewer than three points that are not on one line it can "
-                           "still turn. Is the list that of another block, or does it number the points otherwise? "
-                           "Give more control, or none: then the block is free, with inner constraints");
 }
 
 double sigma_of(const BlockMeasurement& measurement, const PointBlockOptions& options) {
@@ -355,6 +314,7 @@ Eigen::Vector3d angles_from_rotation(const Eigen::Matrix3d& r) {
 PointBlockResult adjust_point_block(const PointBlock& given, const PointBlockOptions& options) {
   require_enough_observations(given);
   require_enough_control(given);
+  require_coordinates(given);
   require_known_names(given, options.free_parameters);
   PointBlock block = given;
   align_to_control(block);

@@ -207,11 +207,13 @@ bool require_determined(const Problem& problem, const Layout& layout, const Stat
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> spectrum(scaled);
   std::string message;
   int defect = 0;
-  for (Eigen::Index i = 0; i < n && spectrum.eigenvalues()(i) < rank_tolerance; ++i, ++defect)
-    if (defect < 7)
-      message +=
-          "; " + describe_direction(problem, layout, state, elimination,
-                                    full_direction(layout, elimination, spectrum.eigenvectors().col(i)).unknowns);
+  for (Eigen::Index i = 0; i < n && spectrum.eigenvalues()(i) < rank_tolerance; ++i, ++defect) {
+    if (defect >= 7) continue;
+    const std::string words =
+        "; " + describe_direction(problem, layout, state, elimination,
+                                  full_direction(layout, elimination, spectrum.eigenvectors().col(i)).unknowns);
+    if (message.find(words) == std::string::npos) message += words;  // one point may be open in several directions
+  }
   if (defect == 0) return factorised;
   if (const std::string parts = words_of_parts(problem); !parts.empty()) throw std::runtime_error(parts);
   throw std::runtime_error("the block has a rank defect of " + std::to_string(defect) + ": undetermined is" +

@@ -126,6 +126,22 @@ TEST(PointBlock, RefusalsNameTheCause) {
   EXPECT_THAT(refusal(one_view), testing::AnyOf(HasSubstr("rank defect"), HasSubstr("is undetermined")));
 }
 
+/// One coordinate of 1e308 is the mean of all of them, so that innocent points seem undetermined.
+TEST(PointBlock, CoordinatesThatAreNoneAreNamed) {
+  const auto refusal = [](const PointBlock& block) {
+    return error_of([&] { adjust::adjust_point_block(block, options()); });
+  };
+  PointBlock point = small_block();
+  point.points[3].position.z() = 1e308;
+  EXPECT_THAT(refusal(point), testing::AllOf(HasSubstr("point 4 is at ("), HasSubstr("1e+308"), HasSubstr("metres")));
+  PointBlock image = small_block();
+  image.images[2].centre.x() = -1e10;
+  EXPECT_THAT(refusal(image), HasSubstr("the projection centre of image 3 is at (-1e+10, "));
+  PointBlock nothing = small_block();
+  nothing.points[0].position.x() = std::nan("");
+  EXPECT_THAT(refusal(nothing), HasSubstr("point 1 is at (nan, "));
+}
+
 /// Five points known with their covariance, two of them held, one compared with only; approximate values in another
 /// frame and of another size, at coordinates of seven digits.
 TEST(PointBlock, ControlInAnotherFrame) {
