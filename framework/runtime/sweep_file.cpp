@@ -186,6 +186,7 @@ class SweepReader {
         value = text_of(item.second, "a value");
       }
       overrides.push_back(key + "=" + value);
+      sweep_.places.emplace(overrides.back(), at(item.first));
     }
     return overrides;
   }
@@ -209,6 +210,8 @@ class SweepReader {
       if (std::set<std::string>(variable.values.begin(), variable.values.end()).size() != variable.values.size())
         problem(item.first, "'" + variable.name + "' has a value twice");
       if (variable.values.empty()) problem(item.first, "'" + variable.name + "' has no values");
+      for (const std::string& value : variable.values)
+        sweep_.places.emplace(variable.name + "=" + value, at(item.first));
       sweep_.matrix.push_back(std::move(variable));
     }
   }

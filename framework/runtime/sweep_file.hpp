@@ -69,7 +69,8 @@ struct SweepFile {
   std::vector<SweepVariable> matrix;
   std::vector<SweepGroup> groups;
   std::vector<SweepExclusion> exclude;
-  bool keep_everything = true;  ///< false: only results go to the store, what nodes hand on is thrown away
+  std::map<std::string, Position> places;  ///< where "KEY=VALUE" of a scenario, variable or alternative stands
+  bool keep_everything = true;             ///< false: only results go to the store, what nodes hand on is thrown away
   std::string text;
 };
 

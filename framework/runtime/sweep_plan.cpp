@@ -86,6 +86,7 @@ class Planner {
       combination.scenario = &scenario;
       each_value(combination, 0);
     }
+    refuse_what_never_holds();
     Sha256 id;
     std::vector<std::string> keys;
     for (const SweepCell& cell : plan_.cells) keys.push_back(cell.key);
@@ -242,15 +243,53 @@ class Planner {
     return loaded;
   }
 
+  /// How often something was set, and how often that was what was wrong.
+  struct Tried {
+    size_t times = 0, wrong = 0;
+    std::string message;
+  };
+
+  /// Kinds of a list are not asked: one that is not built is shown with its cells.
+  bool was_written(const std::string& text) const {
+    return file().places.count(text) > 0 || std::find(overrides_.begin(), overrides_.end(), text) != overrides_.end();
+  }
+
+  void count(const Overrides& overrides, const InvalidPipeline* error) {
+    for (const std::string& text : std::set<std::string>(overrides.begin(), overrides.end())) {
+      if (!was_written(text)) continue;
+      Tried& tried = tried_[text];
+      ++tried.times;
+      if (!error) continue;
+      const auto& problems = error->problems();
+      const auto own = std::find_if(problems.begin(), problems.end(),
+                                    [&](const Problem& p) { return p.at.file == "'" + text + "'"; });
+      if (own != problems.end()) ++tried.wrong, tried.message = own->message;
+    }
+  }
+
+  void refuse_what_never_holds() const {
+    std::vector<Problem> problems;
+    for (const auto& [text, tried] : tried_) {
+      if (tried.wrong == 0 || tried.wrong < tried.times) continue;
+      const auto place = file().places.find(text);
+      problems.push_back({place == file().places.end() ? Position{"'" + text + "'", 0, 0} : place->second,
+                          "'" + text + "' holds in no combination: " + tried.message});
+    }
+    std::stable_sort(problems.begin(), problems.end(),
+                     [](const Problem& a, const Problem& b) { return a.at.line < b.at.line; });
+    if (!problems.empty()) throw InvalidPipeline(problems);
+  }
+
   std::vector<SweepCell> cells_of(const Combination& way) {
     SweepCell cell;
     cell.scenario = way.scenario->name;
     cell.values = way.values;
     for (const auto& [group, choice] : way.choices) cell.choices[group] = choice->name;
     std::vector<SweepCell> cells(std::max<size_t>(1, file().seeds.size()), cell);
+    Overrides overrides;
     try {
       std::set<std::string> compared;
-      const Overrides overrides = overrides_of(way, compared);
+      overrides = overrides_of(way, compared);
       const fs::path pipeline = pipeline_of(way);
       if (file().seeds.empty()) {
         cells[0].graph = load(pipeline, overrides, compared, nullptr);
@@ -263,7 +302,9 @@ class Planner {
         cells[k].graph = k >= 2 && same ? cells[0].graph : load(pipeline, overrides, compared, &file().seeds[k]);
         same = same && cells[k].graph->recipes == cells[0].graph->recipes;
       }
+      count(overrides, nullptr);
     } catch (const std::exception& error) {
+      count(overrides, dynamic_cast<const InvalidPipeline*>(&error));
       for (size_t k = 0; k < cells.size(); ++k) {
         cells[k].graph = nullptr;
         cells[k].problem = error.what();
@@ -292,6 +333,7 @@ class Planner {
   const Overrides& overrides_;
   const Registry& registry_;
   FileHashes& hashes_;
+  std::map<std::string, Tried> tried_;              ///< by "KEY=VALUE"
   const std::map<std::string, std::string> given_;  ///< what the file itself measures
   const std::set<std::string> wanted_;
   SweepPlan plan_;

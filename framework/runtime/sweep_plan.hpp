@@ -52,7 +52,8 @@ struct SweepPlan {
 };
 
 /// `overrides` hold for every cell; what the file says goes before them. A combination that makes no valid pipeline
-/// becomes cells with a problem, so that it is shown.
+/// becomes cells with a problem, so that it is shown. What is wrong in every combination it stands in is a slip of the
+/// pen: throws InvalidPipeline with its place.
 SweepPlan plan_sweep(const SweepFile& file, const Overrides& overrides, const Registry& registry, FileHashes& hashes);
 
 /// Several cells as one graph. `nodes[c]` are the indices, in the merged graph, of the nodes of the c-th of them.

@@ -46,11 +46,33 @@ TEST(BenchFile, AnExclusionThatNeverAppliesIsAnError) {
               HasSubstr("'factor' never is '3'"));
 }
 
+TEST(BenchFile, WhatHoldsInNoCombinationIsRefusedWithItsPlace) {
+  const Answer answer = refused(
+      "bench: 1\npipeline: trial.yaml\nseeds: 1-2\nscenarios:\n  sound: {factor: 2}\n  slip: {facter: 2}\n"
+      "matrix: {fcator: [1, 2]}\nalternatives: {method: {a: {}, b: {solver.with.factr: 2, solvr.with.factor: 2}}}\n");
+  EXPECT_THAT(answer.err, HasSubstr("b.yaml:6:10: 'facter=2' holds in no combination: this pipeline has no variable "
+                                    "'facter' — did you mean 'factor'?"));
+  EXPECT_THAT(answer.err, HasSubstr("b.yaml:7:10: 'fcator=1' holds in no combination"));
+  EXPECT_THAT(answer.err, HasSubstr("b.yaml:8:36: 'solver.with.factr=2' holds in no combination"));
+  EXPECT_THAT(answer.err, HasSubstr("b.yaml:8:58: 'solvr.with.factor=2' holds in no combination"));
+  EXPECT_THAT(answer.err, testing::Not(HasSubstr("'factor=2'")));
+}
+
+/// What one kind of node takes and another does not is no slip of the pen.
 TEST(BenchFile, ACombinationThatIsNoPipelineIsAFailedCellWithItsReason) {
   BenchProgram plumbline;
-  plumbline.bench_file("seeds: 1-2\nalternatives: {method: {a: {}, b: {solver.with.factr: 2}}}\n");
+  plumbline.bench_file(
+      "seeds: 1-2\nscenarios: {s: {solver.with.own: 0.1}}\nalternatives: {solver: [trial.plain, trial.cost]}\n");
   EXPECT_EQ(plumbline.run()["failed"], 2);
-  EXPECT_THAT(plumbline.summary()["failures"][0]["reason"].get<std::string>(), HasSubstr("'factr'"));
+  EXPECT_THAT(plumbline.summary()["failures"][0]["reason"].get<std::string>(), HasSubstr("'own'"));
+}
+
+TEST(BenchFile, AnOverrideThatNoPipelineTakesIsRefused) {
+  BenchProgram plumbline;
+  plumbline.bench_file("seeds: 1-2\n");
+  const Answer answer = plumbline({"bench", "b.yaml", "facter=2"});
+  EXPECT_EQ(answer.code, 1);
+  EXPECT_THAT(answer.err, HasSubstr("'facter=2' holds in no combination"));
 }
 
 TEST(BenchFile, AMetricThatNoNodeGivesIsAFailedCell) {
