@@ -33,15 +33,15 @@ std::string content_of(const fs::path& file) {
 class Numbers {
  public:
   Numbers(std::string name, const std::string& text)
-      : name_(std::move(name)), next_(text.data()), end_(text.data() + text.size()) {}
+      : name_(std::move(name)), next_(text.data()), end_(text.data() + text.size()) {
+    if (text.starts_with("\xEF\xBB\xBF")) next_ += 3;  // an editor's mark
+  }
   [[noreturn]] void fail(const std::string& what) const {
     throw std::runtime_error(name_ + ":" + std::to_string(line_) + ": " + what);
   }
   template <typename Number>
   Number read(const char* expected) {
-    while (next_ < end_ && (*next_ == ' ' || *next_ == '\t' || *next_ == '\r' || *next_ == '\n'))
-      line_ += *next_++ == '\n';
-    if (next_ == end_) fail(std::string("the file ends, expected ") + expected);
+    if (at_end()) fail(std::string("the file ends, expected ") + expected);
     if (*next_ == '+') ++next_;
     Number value{};
     const auto [after, error] = std::from_chars(next_, end_, value);
@@ -58,6 +58,12 @@ class Numbers {
     if (value < 0 || static_cast<size_t>(value) >= count)
       fail(std::to_string(value) + " is no " + expected + ": the file has " + std::to_string(count));
     return static_cast<int>(value);
+  }
+  /// Whether only blanks and line ends are left, which it steps over.
+  bool at_end() {
+    while (next_ < end_ && (*next_ == ' ' || *next_ == '\t' || *next_ == '\r' || *next_ == '\n'))
+      line_ += *next_++ == '\n';
+    return next_ == end_;
   }
   size_t bytes_left() const { return static_cast<size_t>(end_ - next_); }
 
@@ -174,7 +180,9 @@ ReadBlock read_bal_file(const fs::path& file, double pixel_pitch) {
   for (int64_t i = 0; i < images; ++i) {
     double v[9];
     for (double& value : v) value = numbers.read<double>("rotation, translation, f, k1, k2 of a camera");
-    if (!(v[6] > 0)) numbers.fail("the principal distance of camera " + std::to_string(i) + " is not positive");
+    if (!(v[6] > 0))
+      numbers.fail("the principal distance of camera " + std::to_string(i) +
+                   " is not positive: are the counts of the first line those of the file?");
     SensorCamera camera;
     camera.id = static_cast<int>(i);
     const double f = v[6] * pixel_pitch;
@@ -196,6 +204,10 @@ ReadBlock read_bal_file(const fs::path& file, double pixel_pitch) {
     for (int c = 0; c < 3; ++c) p(c) = numbers.read<double>("coordinates of a point");
     block.points.push_back({std::to_string(j), p});
   }
+  if (!numbers.at_end())
+    numbers.fail("the file goes on behind its last point: the counts of its first line (" + std::to_string(images) +
+                 " cameras, " + std::to_string(points) + " points, " + std::to_string(observations) +
+                 " observations) are too small, and what was read is not what was meant");
   std::erase_if(block.measurements, [&](const BlockMeasurement& m) {
     const size_t i = static_cast<size_t>(m.image);
     const Eigen::Vector3d v = turns[i] * (block.points[static_cast<size_t>(m.point)].position - block.images[i].centre);

@@ -179,6 +179,20 @@ TEST_F(Bal, WhatCannotBeReadIsRefusedWithItsLine) {
   EXPECT_THAT(refusal(std::string(text).replace(at, 11, "\n3 0   nan ")), HasSubstr(":6: found 'nan'"));
 }
 
+TEST_F(Bal, CountsThatAreNotThoseOfTheFileAreRefused) {
+  const std::string text = make().text;
+  EXPECT_THAT(error_of([&] { read(text + "1.5 2 3\n"); }),
+              testing::AllOf(HasSubstr("goes on behind its last point"), HasSubstr("(4 cameras, 12 points, 48 obs")));
+  EXPECT_THAT(error_of([&] { read("4 12 47" + text.substr(text.find('\n'))); }), HasSubstr("problem.txt:"));
+  EXPECT_EQ(read(text + "\n \r\n").block.points.size(), 12u);
+}
+
+TEST_F(Bal, AnEditorsMarkInFrontIsNoPartOfIt) {
+  const auto file = write("marked.txt", "\xEF\xBB\xBF" + make().text);
+  EXPECT_TRUE(adjust::looks_like_bal(file));
+  EXPECT_EQ(adjust::read_bal_file(file, 0.002).block.points.size(), 12u);
+}
+
 TEST_F(Bal, AFolderIsKnownByItsContent) {
   write("some.txt", make().text);
   write("notes.txt", "3 cameras were used\n");
