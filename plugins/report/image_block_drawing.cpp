@@ -120,16 +120,13 @@ void draw_residuals(Markup& html, int width, int height, const std::vector<Drawn
                                  ". Arrows that turn together over a region show a lens that the model does not fit.");
 }
 
-void draw_crop(Markup& html, const GreyImage& image, const std::vector<Eigen::Vector2d>& corners) {
-  constexpr int cells = 48;
-  double left = 1e9, right = -1e9, top = 1e9, bottom = -1e9;
-  for (const auto& c : corners) {
-    left = std::min(left, c.x()), right = std::max(right, c.x());
-    top = std::min(top, c.y()), bottom = std::max(bottom, c.y());
-  }
-  const double side = std::max({1.3 * (right - left), 1.3 * (bottom - top), 24.0}), step = side / cells;
-  const double x0 = 0.5 * (left + right) - 0.5 * side, y0 = 0.5 * (top + bottom) - 0.5 * side, unit = 4;
-  Scope svg = drawing(html, cells * unit, cells * unit, "The tag in the photograph");
+namespace {
+
+constexpr double cell_size = 4;  ///< of the drawing
+
+/// `cells` × `cells` grey values of the square at (x0, y0), in runs of one value.
+void draw_pixels(Markup& html, const GreyImage& image, double x0, double y0, double side, int cells) {
+  const double step = side / cells;
   for (int row = 0; row < cells; ++row) {
     for (int column = 0; column < cells;) {
       const auto grey = [&](int c) {
@@ -145,22 +142,55 @@ void draw_crop(Markup& html, const GreyImage& image, const std::vector<Eigen::Ve
       while (end < cells && grey(end) == value) ++end;
       if (value >= 0) {
         const std::string v = std::to_string(value);
-        html.empty("rect", {{"x", px(column * unit)},
-                            {"y", px(row * unit)},
-                            {"width", px((end - column) * unit)},
-                            {"height", px(unit)},
+        html.empty("rect", {{"x", px(column * cell_size)},
+                            {"y", px(row * cell_size)},
+                            {"width", px((end - column) * cell_size)},
+                            {"height", px(cell_size)},
                             {"fill", "rgb(" + v + "," + v + "," + v + ")"}});
       }
       column = end;
     }
   }
-  for (const auto& c : corners)
-    html.empty("circle", {{"cx", px((c.x() - x0) / step * unit)},
-                          {"cy", px((c.y() - y0) / step * unit)},
-                          {"r", "4"},
-                          {"fill", "none"},
-                          {"stroke", "#d55e00"},
-                          {"stroke-width", "2"}});
+}
+
+void draw_ring(Markup& html, double x, double y) {
+  html.empty(
+      "circle",
+      {{"cx", px(x)}, {"cy", px(y)}, {"r", "4"}, {"fill", "none"}, {"stroke", "#d55e00"}, {"stroke-width", "2"}});
+}
+
+}  // namespace
+
+void draw_crop(Markup& html, const GreyImage& image, const std::vector<Eigen::Vector2d>& corners) {
+  constexpr int cells = 48;
+  double left = 1e9, right = -1e9, top = 1e9, bottom = -1e9;
+  for (const auto& c : corners) {
+    left = std::min(left, c.x()), right = std::max(right, c.x());
+    top = std::min(top, c.y()), bottom = std::max(bottom, c.y());
+  }
+  const double side = std::max({1.3 * (right - left), 1.3 * (bottom - top), 24.0}), unit = cells * cell_size / side;
+  const double x0 = 0.5 * (left + right) - 0.5 * side, y0 = 0.5 * (top + bottom) - 0.5 * side;
+  Scope svg = drawing(html, cells * cell_size, cells * cell_size, "The tag in the photograph");
+  draw_pixels(html, image, x0, y0, side, cells);
+  for (const auto& c : corners) draw_ring(html, (c.x() - x0) * unit, (c.y() - y0) * unit);
+}
+
+void draw_corner(Markup& html, const GreyImage& image, const Eigen::Vector2d& measured,
+                 const Eigen::Vector2d& computed) {
+  constexpr int cells = 48;
+  const double side = std::max(16.0, 3 * (measured - computed).cwiseAbs().maxCoeff()), unit = cells * cell_size / side;
+  const double x0 = measured.x() - 0.5 * side, y0 = measured.y() - 0.5 * side;
+  Scope svg = drawing(html, cells * cell_size, cells * cell_size, "Its worst corner, measured and computed");
+  draw_pixels(html, image, x0, y0, side, cells);
+  draw_ring(html, (measured.x() - x0) * unit, (measured.y() - y0) * unit);
+  const double x = (computed.x() - x0) * unit, y = (computed.y() - y0) * unit;
+  for (const double sign : {-1.0, 1.0})
+    html.empty("line", {{"x1", px(x - 6)},
+                        {"y1", px(y - 6 * sign)},
+                        {"x2", px(x + 6)},
+                        {"y2", px(y + 6 * sign)},
+                        {"stroke", "#0072b2"},
+                        {"stroke-width", "2"}});
 }
 
 }  // namespace plumbline::report

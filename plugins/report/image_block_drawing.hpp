@@ -40,4 +40,9 @@ void draw_residuals(Markup& html, int width, int height, const std::vector<Drawn
 /// The photograph around four corners, with the measured corners; nothing if they lie outside.
 void draw_crop(Markup& html, const GreyImage& image, const std::vector<Eigen::Vector2d>& corners);
 
+/// The surroundings of one corner, 16 px or more, with where it was measured (a ring) and where the adjustment puts it
+/// (a cross).
+void draw_corner(Markup& html, const GreyImage& image, const Eigen::Vector2d& measured,
+                 const Eigen::Vector2d& computed);
+
 }  // namespace plumbline::report

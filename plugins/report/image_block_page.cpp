@@ -101,9 +101,10 @@ void write_cards(Markup& html, const Json& block, const Summary& s) {
            "root mean square of an image coordinate, over all that took part");
   card(html, "Points, 1 sigma", mm_unit(s.mean_sigma, 3),
        "of a coordinate, rms over all; the worst " + mm_unit(s.largest_sigma, 3));
-  card(html, "Degrees of freedom", fixed(number(statistics, "degrees_of_freedom"), 0),
-       fixed(number(statistics, "observations"), 0) + " observations, " + fixed(number(statistics, "unknowns"), 0) +
-           " unknowns");
+  card(html, "σ0", fixed(number(statistics, "sigma0"), 3),
+       "standard deviation of unit weight; " + fixed(number(statistics, "degrees_of_freedom"), 0) +
+           " degrees of freedom, " + fixed(number(statistics, "observations"), 0) + " observations, " +
+           fixed(number(statistics, "unknowns"), 0) + " unknowns");
   card(html, "Left out", std::to_string(list(block, "rejected").size()),
        "observations as blunders; " + std::to_string(list(block, "left_out").size()) + " photographs or points");
 }
@@ -150,6 +151,15 @@ void write_groups(Markup& html, const Json& block) {
   }
 }
 
+void draw_worst_corner(Markup& html, const GreyImage& image, const Json& seen) {
+  const auto corners = pixels(seen, "corners"), residuals = pixels(seen, "residuals");
+  if (residuals.empty() || residuals.size() != corners.size()) return;
+  const auto worst = std::max_element(residuals.begin(), residuals.end(),
+                                      [](const auto& a, const auto& b) { return a.norm() < b.norm(); });
+  const Eigen::Vector2d& measured = corners[static_cast<size_t>(worst - residuals.begin())];
+  draw_corner(html, image, measured, measured - *worst);
+}
+
 /// The worst observations and all blunders, each with a look into the photograph.
 void write_worst(Markup& html, const Json& block, const PhotographFiles& files) {
   std::vector<std::pair<const Json*, std::string>> shown;
@@ -162,14 +172,17 @@ void write_worst(Markup& html, const Json& block, const PhotographFiles& files) 
     return std::pair(flag(*a, "control"), number(*a, "rms_px")) > std::pair(flag(*b, "control"), number(*b, "rms_px"));
   });
   for (size_t i = 0; i < std::min(worst_shown, order.size()); ++i)
-    shown.emplace_back(order[i], "residuals " + fixed(number(*order[i], "rms_px"), 2) + " px, largest |w| " +
-                                     fixed(number(*order[i], "largest_w"), 1));
+    shown.emplace_back(
+        order[i],
+        "residuals " + fixed(number(*order[i], "rms_px"), 2) + " px" +
+            (order[i]->contains("largest_w") ? ", largest |w| " + fixed(number(*order[i], "largest_w"), 1) : ""));
   if (shown.empty()) return;
   Scope section(html, "section", {{"id", "worst"}});
   html.element("h2", "The worst observations");
-  html.element("p",
-               "Blunders that were left out first, then the largest residuals that took part. Circles are what was "
-               "measured.");
+  html.element(
+      "p",
+      "Blunders that were left out first, then the largest residuals that took part, each with its worst corner. "
+      "Circles are what was measured, crosses where the adjustment puts it.");
   write_rejected(html, block);
   Scope cards(html, "div", {{"class", "cards"}});
   std::map<std::string, GreyImage> opened;
@@ -184,6 +197,7 @@ void write_worst(Markup& html, const Json& block, const PhotographFiles& files) 
           opened[path] = read_grey_image(file->second);
         }
         draw_crop(html, opened[path], pixels(*seen, "corners"));
+        draw_worst_corner(html, opened[path], *seen);
       } catch (const ImageFileError&) {
         html.element("div", {{"class", "more"}}, "the photograph cannot be read any more");
       }

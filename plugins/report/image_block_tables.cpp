@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <map>
 
 #include "report/block_json.hpp"
@@ -17,6 +18,12 @@ constexpr double strong_correlation = 0.95;
 
 /// A value to as many digits as its standard deviation deserves.
 std::string rounded(double value, double sigma) {
+  if (sigma > 0 && sigma < 1e-8) {
+    char small[40];
+    std::snprintf(small, sizeof small, "%.*e", std::max(1, static_cast<int>(std::log10(std::abs(value) / sigma)) + 1),
+                  value);
+    return small;
+  }
   const int digits = sigma > 0 ? std::clamp(1 - static_cast<int>(std::floor(std::log10(sigma))), 0, 9) : 6;
   return fixed(value, digits);
 }
@@ -54,7 +61,7 @@ void write_camera(Markup& html, const Json& camera, const Json& block) {
       html.element("th", name);
       cell(html, rounded(number(p, "value"), sigma));
       cell(html, flag(p, "estimated") ? rounded(sigma, sigma) : "held");
-      cell(html, name[0] == 'f' || name[0] == 'c' ? "px" : "1");
+      cell(html, !text(p, "unit").empty() ? text(p, "unit") : name[0] == 'f' || name[0] == 'c' ? "px" : "1");
     }
     if (number(camera, "corner_inset_sigma") > 0) {
       Scope row(html, "tr");
@@ -135,7 +142,10 @@ void write_images(Markup& html, const Json& block) {
     cell(html, angle == angles.end() ? unknown : fixed(angle->second, 0));
     cell(html, fixed(centre.x(), 4) + ", " + fixed(centre.y(), 4) + ", " + fixed(centre.z(), 4));
     cell(html, mm(sigma.norm(), 2));
-    words(html, text(image, "reason"));
+    const double correlation = number(image, "interior_correlation");
+    words(html, std::abs(correlation) > strong_correlation
+                    ? "correlated by " + signed_fixed(correlation, 3) + " with the interior orientation"
+                    : text(image, "reason"));
   }
 }
 
@@ -148,13 +158,15 @@ void write_points(Markup& html, const Json& block) {
     html.element("p", "The first " + std::to_string(most) + " of " + std::to_string(points.size()) +
                           "; all are in the files beside this page.");
   const bool sizes = !points.empty() && points[0].contains("size_ratio");
+  double oriented = 0;
+  for (const Json& image : list(block, "images")) oriented += flag(image, "oriented");
   Scope wide(html, "div", {{"class", "wide"}});
   Scope table(html, "table", {{"class", "sortable"}});
   {
     Scope thead(html, "thead");
     Scope row(html, "tr");
-    for (const char* name : {"Point", "Rays", "Largest angle [°]", "x [m]", "y [m]", "z [m]", "Sigma x [mm]",
-                             "Sigma y [mm]", "Sigma z [mm]"})
+    for (const char* name : {"Point", "Rays", "Of the photographs", "Largest angle [°]", "x [m]", "y [m]", "z [m]",
+                             "Sigma x [mm]", "Sigma y [mm]", "Sigma z [mm]"})
       html.element("th", name);
     if (sizes) html.element("th", "Size over nominal");
   }
@@ -165,6 +177,7 @@ void write_points(Markup& html, const Json& block) {
     Scope row(html, "tr");
     html.element("th", text(point, "id"));
     cell(html, fixed(number(point, "rays"), 0));
+    cell(html, percent(number(point, "rays") / oriented, 0));
     cell(html, fixed(number(point, "largest_angle_deg"), 0));
     for (int k = 0; k < 3; ++k) cell(html, fixed(at(k), 5));
     for (int k = 0; k < 3; ++k) cell(html, mm(sigma(k), 3));

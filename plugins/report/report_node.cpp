@@ -188,4 +188,5 @@ struct ReportSummary : Node {
 
 PLUMBLINE_PLUGIN("report", "0.1.0", "MIT", plumbline::report::ReportHtml, plumbline::report::ReportSummary,
                  plumbline::report::ReportSurvey, plumbline::report::ReportImageBlock,
-                 plumbline::report::ReportModelBlock, plumbline::report::ReportCalibration)
+                 plumbline::report::ReportModelBlock, plumbline::report::ReportTagBlock,
+                 plumbline::report::ReportTargetBlock, plumbline::report::ReportCalibration)

@@ -1,0 +1,122 @@
+// The page of a block as the adjusters give it: what it says is what was adjusted.
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <map>
+
+#include "node_harness.hpp"
+#include "report/image_block_page.hpp"
+#include "report/tag_block_json.hpp"
+#include "synthetic_facade.hpp"
+
+namespace plumbline::report {
+namespace {
+
+using test::NodeHarness;
+using testing::HasSubstr;
+using Json = nlohmann::ordered_json;
+
+/// Every edge drawn 0.4 px inwards, as detectors do.
+void draw_inwards(test::SyntheticFacade& facade) {
+  for (ImageTagsT& image : facade.images)
+    for (auto& tag : image.tags) {
+      const auto corners = tag->corners;
+      for (size_t k = 0; k < 4; ++k) {
+        const Eigen::Vector2d to = (corners[(k + 1) % 4] - corners[k]).normalized(),
+                              back = (corners[(k + 3) % 4] - corners[k]).normalized();
+        tag->corners[k] += 0.4 / std::abs(to.x() * back.y() - to.y() * back.x()) * (to + back);
+      }
+    }
+}
+
+/// Twice the same camera under two names, by turns; one corner is wrong.
+test::SyntheticFacade facade_of(CameraT& cameras) {
+  auto facade = test::make_facade({.floors = 1, .pixel_sigma = 0.2, .survey_sigma = 0.001});
+  draw_inwards(facade);
+  cameras = facade.camera_artifact();
+  cameras.id = "left";
+  cameras.others.push_back(std::make_unique<CameraT>(facade.camera_artifact()));
+  cameras.others[0]->id = "right";
+  for (size_t i = 0; i < facade.images.size(); ++i) facade.images[i].camera = i % 2 ? "right" : "left";
+  facade.images[3].tags[2]->corners[1].x() += 40;
+  return facade;
+}
+
+TagBlockInput adjusted() {
+  CameraT cameras;
+  auto facade = facade_of(cameras);
+  NodeHarness node("adjust.schur");
+  node.input<Camera>("camera", cameras);
+  node.input<Plates>("plates", facade.plates);
+  node.input<Poses>("poses", facade.poses);
+  node.input<Points>("control", facade.control);
+  for (const ImageTagsT& image : facade.images) node.input<ImageTags>("observations", image);
+  node.set("self_calibration", "free");
+  node.run();
+  return {node.output<Block>("block"),   node.output<Points>("points"), node.output<Poses>("poses"),
+          node.output<Camera>("camera"), std::move(facade.plates),      std::move(facade.images)};
+}
+
+TEST(BlockPages, ResidualsOfATagBlockAreThoseOfTheAdjustment) {
+  const TagBlockInput input = adjusted();
+  const Json json = tag_block_json(input);
+  std::map<std::string, double> rms;
+  for (const auto& image : input.block.images) rms[image->path] = image->rms;
+  ASSERT_EQ(json["images"].size(), input.observations.size());
+  for (const Json& image : json["images"])
+    EXPECT_NEAR(image["rms_px"].get<double>(), rms.at(image["path"].get<std::string>()), 1e-6) << image["path"];
+  EXPECT_NEAR(json["statistics"]["sigma0"].get<double>(), input.block.statistics->sigma0, 1e-12);
+  EXPECT_NEAR(json["cameras"][0]["corner_inset"].get<double>(), 0.4, 0.1);
+}
+
+TEST(BlockPages, EveryCameraHasItsOwnValuesAndCorrelations) {
+  const Json json = tag_block_json(adjusted());
+  ASSERT_EQ(json["cameras"].size(), 2u);
+  for (const Json& camera : json["cameras"]) {
+    EXPECT_EQ(camera["images"], 4);
+    EXPECT_EQ(camera["interior_orientation"][0]["name"], "fx");
+    const auto& list = camera["correlations"];
+    EXPECT_TRUE(
+        std::any_of(list.begin(), list.end(), [](const Json& c) { return c["of"] == "fx" && c["with"] == "fy"; }));
+  }
+}
+
+TEST(BlockPages, ARejectedTagIsShownWithItsReason) {
+  const TagBlockInput input = adjusted();
+  const Json json = tag_block_json(input);
+  ASSERT_EQ(json["rejected"].size(), input.block.rejected.size());
+  ASSERT_GE(json["rejected"].size(), 1u);
+  EXPECT_EQ(json["rejected"][0]["image"], input.block.rejected[0]->path);
+  Markup html;
+  write_image_block(html, json, "Title", "", {});
+  for (const char* expected : {"σ0", "contradict all others of the plate or image", "Of the photographs"})
+    EXPECT_THAT(html.str(), HasSubstr(expected));
+}
+
+TEST(BlockPages, ThingsThatAreNotOfOneAdjustmentAreRefused) {
+  TagBlockInput input = adjusted();
+  for (auto& pose : input.poses.poses) pose->path = "another/" + pose->path;
+  EXPECT_THROW(tag_block_json(input), std::runtime_error);
+}
+
+TEST(BlockPages, ResidualsOfATargetBlockAreThoseOfTheAdjustment) {
+  PLUMBLINE_REQUIRE_DATA("blocks/aicon");
+  NodeHarness read("read.aicon"), adjust("adjust.schur");
+  read.set("folder", test::data_file("blocks/aicon"));
+  read.run();
+  const auto measured = read.output<ImageBlock>("block");
+  adjust.input<ImageBlock>("block", measured);
+  adjust.run();
+  const auto block = adjust.output<Block>("block");
+  const Json json = target_block_json(block, measured);
+  double squares = 0;
+  for (const Json& seen : json["observations"]) squares += seen["rms_px"].get<double>() * seen["rms_px"].get<double>();
+  EXPECT_NEAR(std::sqrt(squares / static_cast<double>(json["observations"].size())),
+              json["statistics"]["rms_px"].get<double>(), 1e-6);
+  EXPECT_EQ(json["observations"].size(), 9972u);
+  for (const Json& point : json["points"]) EXPECT_GT(point["largest_angle_deg"].get<double>(), 5) << point["id"];
+  EXPECT_THROW(target_block_json(adjusted().block, measured), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace plumbline::report
