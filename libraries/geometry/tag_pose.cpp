@@ -39,7 +39,7 @@ class Estimator {
   Estimator(const BrownCamera& camera, const std::vector<TagView>& views, const TagPoseOptions& options)
       : camera_(camera), views_(views), gate_(chi_squared_quantile(options.inlier_probability, 8)) {
     tags_.reserve(views.size());
-    for (const TagView& view : views) tags_.emplace_back(view, options.plate_rotation_sigma);
+    for (const TagView& view : views) tags_.emplace_back(view, options);
   }
 
   double gate() const { return gate_; }  ///< squared distance up to which a tag is an inlier
@@ -324,15 +324,6 @@ RigidTransform search(Estimator& estimator, const std::vector<TagView>& views, c
   }
   return pose;
 }
-
-}  // namespace
-
-double tag_distance(const BrownCamera& camera, const TagView& view, const RigidTransform& cam_from_world,
-                    double plate_rotation_sigma) {
-  return TagInWorld(view, plate_rotation_sigma).distance(camera, MatrixPose(cam_from_world));
-}
-
-namespace {
 
 /// The estimate for views whose coordinates are small.
 TagPose estimate_centred(const BrownCamera& camera, const std::vector<TagView>& views, const TagPoseSolver& solver,

@@ -3,7 +3,8 @@
 //
 // The unit that is right or wrong is the tag, not the corner: its four corners share the error of its anchor's
 // approximate coordinates and of its plate's nominal rotation. Both are part of the stochastic model (the rotation to
-// the second order, because a plate that is turned looks smaller whichever way it is turned), so how far a tag may be
+// the second order, because a plate that is turned looks smaller whichever way it is turned), and so is that plates are
+// bent and tags no perfect squares, so how far a tag may be
 // off in the image follows from what is said of the field, for every depth and focal length, and no threshold in pixels
 // has to be chosen. Scheme: minimal samples of tags go to a solver (given by the caller), each hypothesis is scored by
 // a slowly growing function of the Mahalanobis distances of all tags, the best are refined on their inliers (Chum et
@@ -49,6 +50,7 @@ struct TagPoseOptions {
   int sample_size = 3;                  ///< tags a sample
   int max_samples = 200;                ///< at most; fewer once enough of them hold right tags only
   double plate_rotation_sigma = 0.035;  ///< of a plate against its nominal rotation, about each axis [rad]
+  double tag_shape_sigma = 0;           ///< of a corner against the plane square, each axis, relative to tag_size [1]
   double inlier_probability = 0.999;    ///< of a right tag to be taken as one (chi-squared with 8 degrees of freedom)
   std::uint64_t seed = 1;               ///< of the samples
 };
@@ -71,10 +73,5 @@ class NoTagPose : public std::runtime_error {
 /// Throws NoTagPose, also for fewer views than a sample needs. Same input, same bits.
 TagPose estimate_tag_pose(const BrownCamera& camera, const std::vector<TagView>& views, const TagPoseSolver& solver,
                           const TagPoseOptions& options);
-
-/// Mahalanobis distance squared of a tag's eight image coordinates from where the pose puts it; infinite behind the
-/// camera.
-double tag_distance(const BrownCamera& camera, const TagView& view, const RigidTransform& cam_from_world,
-                    double plate_rotation_sigma);
 
 }  // namespace plumbline

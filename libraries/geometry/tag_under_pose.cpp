@@ -178,7 +178,8 @@ double TagWeight::distance(const ProjectedTag& tag) const { return distance_of(t
 
 void PoseEquations::add(const ProjectedTag& tag, const TagWeight& weight) { whiten_and_add(tag, weight, sums.data()); }
 
-TagInWorld::TagInWorld(const TagView& view, double sigma) {
+TagInWorld::TagInWorld(const TagView& view, const TagPoseOptions& options) {
+  const double sigma = options.plate_rotation_sigma, of_shape = options.tag_shape_sigma * view.tag_size;
   const double shrunk = mean_rotation(sigma);
   std::array<Eigen::Matrix3d, 4> turned;
   std::array<Matrix36, 4> products;
@@ -196,8 +197,9 @@ TagInWorld::TagInWorld(const TagView& view, double sigma) {
   }
   for (std::size_t i = 0; i < 4; ++i)
     for (std::size_t j = 0; j <= i; ++j) {
-      const Eigen::Matrix3d spread =
+      Eigen::Matrix3d spread =
           view.anchor_covariance + turned[i] * turned[j].transpose() + products[i] * products[j].transpose();
+      if (i == j) spread.diagonal().array() += of_shape * of_shape;  // each corner for itself
       for (std::size_t e = 0; e < 9; ++e) {
         const double value = spread(static_cast<Eigen::Index>(e / 3), static_cast<Eigen::Index>(e % 3));
         numbers_.spread[j][e][i] = value;

@@ -57,7 +57,7 @@ struct PoseEquations {
 /// that is turned one way or the other looks, and the covariance of all four by the anchor and the turn of the plate.
 class TagInWorld {
  public:
-  TagInWorld(const TagView& view, double plate_rotation_sigma);
+  TagInWorld(const TagView& view, const TagPoseOptions& options);
 
   /// False if a corner falls behind the camera.
   bool project(const BrownCamera& camera, const MatrixPose& pose, ProjectedTag& tag) const;

@@ -140,6 +140,7 @@ PosesT initial_poses(const std::vector<ImageTagsT>& images, const CameraT& camer
 PoseSettings PoseNode::settings_of(const Context& context) const {
   PoseSettings settings;
   settings.robust.plate_rotation_sigma = *plate_rotation_sigma;
+  settings.robust.tag_shape_sigma = *tag_shape_sigma;
   settings.robust.inlier_probability = *inlier_probability;
   settings.robust.max_samples = static_cast<int>(*max_samples);
   settings.robust.seed = context.seed();

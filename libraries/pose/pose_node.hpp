@@ -41,6 +41,9 @@ struct PoseNode : Node {
                             "how far an approximate anchor may be off, where it carries no sigma of its own"};
   Param<double> plate_rotation_sigma{"plate_rotation_sigma", 0.035, "rad", between(1e-5, 1),
                                      "how far a plate may be turned against its nominal rotation, about each axis"};
+  Param<double> tag_shape_sigma{"tag_shape_sigma", 0.001, "1", between(0, 0.1),
+                                "how far a corner may be off the plane square that a tag should be, each axis, "
+                                "relative to the tag's size: plates are bent"};
   Param<double> pixel_sigma{"pixel_sigma", 0.2, "px", between(0.001, 100),
                             "sigma of a corner, where the detector gives none"};
   Param<double> inlier_probability{"inlier_probability", 0.999, between(0.5, 0.999999),
