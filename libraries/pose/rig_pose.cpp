@@ -30,7 +30,7 @@ class Estimator {
  public:
   Estimator(const std::vector<RigView>& views, const std::vector<RigTag>& tags, const TagPoseOptions& options)
       : views_(views), given_(tags), gate_(chi_squared_quantile(options.inlier_probability, 8)) {
-    for (const RigTag& tag : tags) tags_.emplace_back(tag.tag, options.plate_rotation_sigma);
+    for (const RigTag& tag : tags) tags_.emplace_back(tag.tag, options);
   }
 
   double gate() const { return gate_; }
