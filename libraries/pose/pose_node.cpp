@@ -53,6 +53,10 @@ std::optional<TagView> view_of(const TagT& tag, const Field::Entry& entry, const
 
 namespace {
 
+std::string count_of(std::size_t count, const std::string& thing) {
+  return std::to_string(count) + " " + thing + (count == 1 ? "" : "s");
+}
+
 /// The pose of one image; throws with what is wrong and what to do, without the image's name.
 std::unique_ptr<PoseT> pose_of(const ImageTagsT& image, const Field& field, const BrownCamera& camera,
                                const TagPoseSolver& solver, const PoseSettings& settings) {
@@ -63,8 +67,9 @@ std::unique_ptr<PoseT> pose_of(const ImageTagsT& image, const Field& field, cons
   const std::string need = std::to_string(settings.min_markers);
   if (image.tags.empty() && !image.problem.empty()) throw NoTagPose("shows no tag: " + image.problem);
   if (static_cast<int>(views.size()) < settings.min_markers)
-    throw NoTagPose("shows " + std::to_string(views.size()) + " markers that are in the plate table (" +
-                    std::to_string(image.tags.size()) + " tags were detected, " + std::to_string(field.size()) +
+    throw NoTagPose("shows " + count_of(views.size(), "marker") + (views.size() == 1 ? " that is" : " that are") +
+                    " in the plate table (" + count_of(image.tags.size(), "tag") +
+                    (image.tags.size() == 1 ? " was" : " were") + " detected, " + std::to_string(field.size()) +
                     " are in the table), needed are " + need);
   const TagPose found = estimate_tag_pose(camera, views, solver, settings.robust);
   if (found.inlier_count < settings.min_markers)
@@ -80,10 +85,24 @@ std::unique_ptr<PoseT> pose_of(const ImageTagsT& image, const Field& field, cons
   return pose;
 }
 
+/// "8 of its 11 tags are too blurred …" of an image most of whose tags are, where the detector fits edges at all.
+std::string blur_in_words(const ImageTagsT& image, const std::vector<ImageTagsT>& images) {
+  const auto fitted = [](const ImageTagsT& i) {
+    return std::count_if(i.tags.begin(), i.tags.end(), [](const auto& tag) { return tag->refined; });
+  };
+  const auto all = static_cast<std::ptrdiff_t>(image.tags.size());
+  if (2 * fitted(image) >= all) return "";
+  if (std::none_of(images.begin(), images.end(), [&](const ImageTagsT& i) { return fitted(i) > 0; })) return "";
+  return std::to_string(all - fitted(image)) + " of its " + std::to_string(all) +
+         " tags are too blurred for their edges to be fitted, so their corners are rough: photograph it again, sharp "
+         "and still, or set on_too_few: skip to go on without it";
+}
+
 /// What to do about an image without a pose; `cause` comes first where there is one.
-std::string advice(const ImageTagsT& image, const Field& field, const PoseSettings& settings,
-                   const std::string& cause) {
+std::string advice(const ImageTagsT& image, const std::vector<ImageTagsT>& images, const Field& field,
+                   const PoseSettings& settings, const std::string& cause) {
   if (!cause.empty()) return "Probable cause: " + cause;
+  if (const std::string blur = blur_in_words(image, images); !blur.empty()) return blur;
   if (image.tags.empty() && !image.problem.empty())
     return "Take it again or take it away; with on_too_few: skip the others are used without it";
   const auto known = std::count_if(image.tags.begin(), image.tags.end(), [&](const auto& t) { return field.find(*t); });
@@ -120,8 +139,10 @@ PosesT initial_poses(const std::vector<ImageTagsT>& images, const CameraT& camer
       all += static_cast<std::size_t>(result.poses.back()->correspondences);
     } catch (const NoTagPose& error) {
       const std::string text = "image " + image.path + ": " + error.what();
-      if (!settings.skip_poor_images) throw std::runtime_error(text + ". " + advice(image, field, settings, explain()));
-      warn(text + "; it is left out");
+      if (!settings.skip_poor_images)
+        throw std::runtime_error(text + ". " + advice(image, images, field, settings, explain()));
+      const std::string blur = blur_in_words(image, images);
+      warn(text + (blur.empty() ? "" : ", and " + blur.substr(0, blur.find(':'))) + "; it is left out");
     } catch (const std::runtime_error& error) {
       throw std::runtime_error("image " + image.path + ": " + error.what());
     }

@@ -58,6 +58,29 @@ TEST_P(PoseNodes, SayWhatToDoAboutTooFewMarkers) {
               testing::AllOf(HasSubstr("shows 2 markers"), HasSubstr("needed are 3"), HasSubstr("on_too_few")));
 }
 
+/// Eleven tags in a blurred photograph are no reason to photograph more of them.
+TEST_P(PoseNodes, SayThatAPhotographIsBlurred) {
+  auto facade = test::make_facade({.floors = 1, .columns = 6});
+  for (ImageTagsT& image : facade.images)
+    for (auto& tag : image.tags) tag->refined = true;
+  ImageTagsT& blurred = facade.images[2];
+  test::Random random(4);
+  for (auto& tag : blurred.tags) {
+    tag->refined = false;
+    for (auto& corner : tag->corners) corner += 300 * Eigen::Vector2d(random.normal(), random.normal());
+  }
+  NodeHarness node = prepared(GetParam(), facade);
+  node.set("look_for_causes", "false");
+  const std::string count = std::to_string(blurred.tags.size());
+  EXPECT_THAT(failure_of(node),
+              testing::AllOf(HasSubstr(blurred.path), HasSubstr(count + " of its " + count + " tags are too blurred"),
+                             testing::Not(HasSubstr("more markers"))));
+  node.set("on_too_few", "skip");
+  node.run();
+  EXPECT_THAT(node.warnings(), testing::Contains(testing::AllOf(HasSubstr(blurred.path), HasSubstr("too blurred"),
+                                                                HasSubstr("it is left out"))));
+}
+
 TEST_P(PoseNodes, DoNotCountTagsThatAreNotInThePlateTable) {
   auto facade = test::make_facade({.floors = 1});
   for (auto& tag : facade.images[0].tags) tag->id += 400;
