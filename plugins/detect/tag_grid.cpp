@@ -1,6 +1,10 @@
 #include "detect/tag_grid.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <map>
+#include <opencv2/imgproc.hpp>
+#include <optional>
 
 #include "detect/aruco_detector.hpp"
 #include "detect/board_geometry.hpp"
@@ -58,6 +62,63 @@ std::vector<DetectedTag> tags_of(const GreyImage& image, TagDictionary dictionar
   return ArucoDetector(dictionary, {}).detect(image);
 }
 
+/// Tags whose corners touch black squares, as on Kalibr's grids: there two black and two white fields meet, and where
+/// they do neither exposure nor sharpening moves, as they move edges.
+class Saddles {
+ public:
+  Saddles(const GreyImage& image, const Board& board)
+      : image_(image), view_(image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.pixels.data())) {
+    const int cells = board.dictionary.size + 2 * board.dictionary.border;
+    gap_ = board.gap / board.marker, border_ = static_cast<double>(board.dictionary.border) / cells;
+  }
+
+  /// Share of the tags' corners that have a black square outside.
+  double share(const std::vector<DetectedTag>& tags) const {
+    double dark = 0, all = 0;
+    for (const DetectedTag& tag : tags)
+      for (int k = 0; k < 4; ++k) dark += is_one(tag, k), all += 1;
+    return all > 0 ? dark / all : 0;
+  }
+
+  /// The corner as the point where the fields meet; nothing if it has no black square or cannot be measured.
+  std::optional<Eigen::Vector2d> measured(const DetectedTag& tag, int k) const {
+    if (!is_one(tag, k)) return std::nullopt;
+    const auto at = static_cast<size_t>(k);
+    const double free = 0.6 * std::min(gap_, border_) * side(tag.corners);  // no other edge is that near
+    const int window = std::clamp(static_cast<int>(free), 2, 11);
+    std::vector<cv::Point2f> corner{point(tag.corners[at])};
+    cv::cornerSubPix(view_, corner, {window, window}, {-1, -1},
+                     cv::TermCriteria(cv::TermCriteria::EPS + cv::TermCriteria::COUNT, 60, 0.001));
+    const Eigen::Vector2d found(static_cast<double>(corner.front().x), static_cast<double>(corner.front().y));
+    if ((found - tag.corners[at]).norm() > std::max(1.5, 0.5 * free)) return std::nullopt;
+    return found;
+  }
+
+ private:
+  bool is_one(const DetectedTag& tag, int k) const {
+    const auto at = [&](double along, double across) {
+      const Eigen::Vector2d o = tag.corners[static_cast<size_t>(k)],
+                            next = tag.corners[static_cast<size_t>((k + 1) % 4)] - o,
+                            previous = tag.corners[static_cast<size_t>((k + 3) % 4)] - o;
+      return grey(o + along * next + across * previous);
+    };
+    const double square = at(-0.5 * gap_, -0.5 * gap_), inside = at(0.5 * border_, 0.5 * border_),
+                 paper = std::min(at(0.5, -0.5 * gap_), at(-0.5 * gap_, 0.5));
+    return square >= 0 && paper > inside + 20 && square < 0.5 * (paper + inside);
+  }
+
+  /// −1 outside of the photograph.
+  double grey(const Eigen::Vector2d& p) const {
+    const int x = static_cast<int>(std::lround(p.x())), y = static_cast<int>(std::lround(p.y()));
+    if (x < 0 || y < 0 || x >= image_.width || y >= image_.height) return -1;
+    return image_.pixels[static_cast<size_t>(y) * static_cast<size_t>(image_.width) + static_cast<size_t>(x)];
+  }
+
+  const GreyImage& image_;
+  cv::Mat view_;
+  double gap_ = 0, border_ = 0;
+};
+
 }  // namespace
 
 SingleTags single_tags(std::vector<DetectedTag> found, int first_id, int count) {
@@ -86,6 +147,8 @@ SeenBoard find_tags(const GreyImage& image, const Board& board) {
     seen.problem = once.problem;
     return seen;
   }
+  const Saddles saddles(image, board);
+  const bool touching = saddles.share(once.tags) > 0.6;
   std::vector<cv::Point2f> from, to;  // centres, in units of the pitch
   std::vector<int> ids;
   for (const DetectedTag& tag : once.tags) {
@@ -95,8 +158,9 @@ SeenBoard find_tags(const GreyImage& image, const Board& board) {
     const Eigen::Vector3d offsets[] = {{-h, -h, 0}, {h, -h, 0}, {h, h, 0}, {-h, h, 0}};
     for (int c = 0; c < 4; ++c) {
       const size_t i = static_cast<size_t>(c);
-      seen.points.push_back(
-          {4 * k + c, centre + offsets[i], tag.corners[i], std::sqrt(0.5 * tag.covariances[i].trace() + 0.1 * 0.1)});
+      const double sigma = std::sqrt(0.5 * tag.covariances[i].trace() + 0.1 * 0.1);
+      const auto saddle = touching ? saddles.measured(tag, c) : tag.corners[i];
+      if (saddle) seen.points.push_back({4 * k + c, centre + offsets[i], *saddle, touching ? 0.1 : sigma});
     }
     ids.push_back(k), to.push_back(point(cell));
     from.push_back(point(Eigen::Vector2d(0.25 * (tag.corners[0] + tag.corners[1] + tag.corners[2] + tag.corners[3]))));

@@ -46,7 +46,8 @@ Eigen::Matrix3d view() {
   return h;
 }
 
-GreyImage photograph() {
+/// `spread`: how far white fields grow, as they do where a camera exposes them long [cells].
+GreyImage photograph(double spread = 0) {
   const SquareFamily family = apriltag_square_family("tag36h11b2");
   const Eigen::Matrix3d back = view().inverse();
   GreyImage image{320, 260, {}};
@@ -57,7 +58,12 @@ GreyImage photograph() {
         for (double dx = -2.4; dx < 2.5; dx += 0.3) {
           const Eigen::Vector3d p = back * Eigen::Vector3d(x + dx, y + dy, 1);
           const double weight = std::exp(-0.5 * (dx * dx + dy * dy) / (0.9 * 0.9));
-          sum += weight * printed(family, p.x() / p.z(), p.y() / p.z()), weights += weight;
+          double white = 0;
+          for (const double sy : {-spread, 0.0, spread})
+            for (const double sx : {-spread, 0.0, spread})
+              if (white == 0 && (spread > 0 || (sx == 0 && sy == 0)))
+                white = printed(family, p.x() / p.z() + sx, p.y() / p.z() + sy);
+          sum += weight * white, weights += weight;
         }
       image.pixels.push_back(static_cast<std::uint8_t>(std::lround(40 + 140 * sum / weights)));
     }
@@ -97,6 +103,29 @@ TEST(WideBorders, AreThoseOfAKalibrTarget) {
   Board ours = board;  // "dictionary: tag36h11" in a file of our own
   ours.dictionary = builtin_dictionary("tag36h11");
   EXPECT_EQ(find_board(photograph(), ours).points.size(), 4u * kColumns * kRows);
+}
+
+/// Where black squares touch the corners, these stay though the edges move.
+TEST(WideBorders, CornersOfAKalibrTargetDoNotMoveWithTheExposure) {
+  const Board board =
+      parse_board("target_type: 'aprilgrid'\ntagCols: 4\ntagRows: 3\ntagSize: 0.05\ntagSpacing: 0.3\n", "k.yaml");
+  const GreyImage image = photograph(0.15);
+  const auto truth = [](int id, int k) {
+    const double x = id % kColumns * kStep + (k == 1 || k == 2 ? kCells : 0),
+                 y = id / kColumns * kStep + (k > 1 ? kCells : 0);
+    return Eigen::Vector2d((view() * Eigen::Vector3d(x, y, 1)).hnormalized());
+  };
+  const auto tags = ArucoDetector(board.dictionary, {}).detect(image);
+  ASSERT_GT(tags.size(), 6u);
+  double nearest = 1e9;
+  for (const DetectedTag& tag : tags)
+    for (int k = 0; k < 4; ++k)
+      nearest = std::min(nearest, (tag.corners[static_cast<std::size_t>(k)] - truth(tag.id, k)).norm());
+  EXPECT_GT(nearest, 0.3) << "where edges meet";
+  const SeenBoard seen = find_board(image, board);
+  EXPECT_EQ(seen.points.size(), 4 * tags.size());
+  for (const SeenPoint& point : seen.points)
+    EXPECT_LT((point.pixel - truth(point.id / 4, point.id % 4)).norm(), 0.15) << point.id;
 }
 
 TEST(FamilyGuess, NamesTheTagsThatAreThereAndNothingElse) {
