@@ -108,7 +108,26 @@ struct Layout {
   bool legacy = false;
   double misfit = 1e9;  ///< of the median marker [px]
   double score = 1e9;   ///< mean over all markers, each bounded: every other row alone fits the wrong layout exactly
+  Eigen::Matrix3d onto_image = Eigen::Matrix3d::Identity();
 };
+
+/// Corners of markers that are drawn turned, all alike (OpenCV draws libapriltag's families upside down), get the order
+/// that they have on the board.
+void turn_alike(std::vector<DetectedTag>& tags, const std::map<int, Eigen::Vector2d>& centres,
+                const Eigen::Matrix3d& onto_image, const Board& board) {
+  const double h = 0.5 * board.marker;
+  const Eigen::Vector2d offsets[] = {{-h, -h}, {h, -h}, {h, h}, {-h, h}};
+  std::vector<TagCorners> expected, seen;
+  for (const auto& tag : tags) {
+    const auto at = centres.find(tag.id);
+    if (at == centres.end()) continue;
+    TagCorners& corners = expected.emplace_back();
+    for (size_t k = 0; k < 4; ++k) corners[k] = mapped(onto_image, (at->second + offsets[k]) / board.square);
+    seen.push_back(tag.corners);
+  }
+  const int quarter = turn_of(expected, seen).quarter;
+  for (auto& tag : tags) std::rotate(tag.corners.begin(), tag.corners.begin() + (4 - quarter) % 4, tag.corners.end());
+}
 
 SeenBoard find_charuco(const GreyImage& image, const cv::Mat& view, const Board& board) {
   SeenBoard seen;
@@ -122,7 +141,7 @@ SeenBoard find_charuco(const GreyImage& image, const cv::Mat& view, const Board&
     seen.problem = once.problem;
     return seen;
   }
-  const auto& tags = once.tags;
+  auto tags = once.tags;
   const size_t known = tags.size();
   if (known < 4) {
     seen.problem = std::to_string(known) + " of the board's " + std::to_string(expected) + " markers were found (" +
@@ -152,7 +171,7 @@ SeenBoard find_charuco(const GreyImage& image, const cv::Mat& view, const Board&
     const double bound = 0.01 * std::max(image.width, image.height);
     double score = 0;
     for (const double m : misfits) score += std::min(m, bound) / static_cast<double>(misfits.size());
-    if (score < best.score) best = {legacy, misfits[misfits.size() / 2], score};
+    if (score < best.score) best = {legacy, misfits[misfits.size() / 2], score, h};
   }
   if (best.misfit > 0.01 * std::max(image.width, image.height)) {
     seen.problem = "the markers are not where the board file has them: they miss their squares by " +
@@ -160,6 +179,7 @@ SeenBoard find_charuco(const GreyImage& image, const cv::Mat& view, const Board&
     return seen;
   }
   const auto centres = charuco_markers(board, best.legacy);
+  turn_alike(tags, centres, best.onto_image, board);
   std::map<int, const DetectedTag*> by_id;
   for (const auto& tag : tags) by_id[tag.id] = &tag;
   // Each inner corner from the markers around it: over a few squares a lens is as good as straight.

@@ -62,6 +62,78 @@ std::vector<DetectedTag> tags_of(const GreyImage& image, TagDictionary dictionar
   return ArucoDetector(dictionary, {}).detect(image);
 }
 
+constexpr size_t kEnoughToTell = 6;  // tags: whether they lie as the file has them, and how they are turned
+
+/// The tags of a photograph and their places on the board, in units of their spacing, y up.
+struct Grid {
+  Grid(const std::vector<DetectedTag>& found, const Board& as_in_file) : tags(found), board(as_in_file) {
+    for (const DetectedTag& tag : tags) {
+      ids.push_back(tag.id - board.first_id);
+      centres.push_back(
+          point(Eigen::Vector2d(0.25 * (tag.corners[0] + tag.corners[1] + tag.corners[2] + tag.corners[3]))));
+    }
+    place();
+  }
+
+  bool misplaced() const { return onto_board.allFinite() && misfit(onto_board, centres, cells) > kMisplaced; }
+
+  /// Tags that are turned alike (OpenCV draws libapriltag's families upside down), and rows that count from the bottom:
+  /// the corners tell.
+  void tell_turn() {
+    if (!onto_board.allFinite()) return;
+    turn = seen_turn();
+    if (!turn.mirrored) return;
+    board.ids_from_bottom = !board.ids_from_bottom;
+    place();
+    turn = {};
+    if (onto_board.allFinite()) turn = seen_turn();
+  }
+
+  /// Corner c of a tag as it was detected.
+  Eigen::Vector2d corner(size_t tag, int c) const {
+    const double h = 0.5 * board.marker / (board.marker + board.gap);
+    const Eigen::Vector2d offsets[] = {{-h, -h}, {h, -h}, {h, h}, {-h, h}};
+    return cell_of(ids[tag], board) + offsets[(c + turn.quarter) % 4];
+  }
+
+  /// Edge of the tags over their spacing.
+  double marker_ratio() const {
+    double ratio = 0;
+    for (const TagCorners& c : on_board()) ratio += side(c) / static_cast<double>(tags.size());
+    return ratio;
+  }
+
+  std::vector<int> ids;
+  std::vector<cv::Point2f> centres;
+
+ private:
+  void place() {
+    cells.clear();
+    for (const int k : ids) cells.push_back(point(cell_of(k, board)));
+    onto_board = homography(centres, cells, 0);
+  }
+
+  std::vector<TagCorners> on_board() const {
+    std::vector<TagCorners> result(tags.size());
+    for (size_t i = 0; i < tags.size(); ++i)
+      for (size_t k = 0; k < 4; ++k) result[i][k] = mapped(onto_board, tags[i].corners[k]);
+    return result;
+  }
+
+  TagTurn seen_turn() const {
+    std::vector<TagCorners> expected(tags.size());
+    for (size_t i = 0; i < tags.size(); ++i)
+      for (int c = 0; c < 4; ++c) expected[i][static_cast<size_t>(c)] = corner(i, c);
+    return turn_of(expected, on_board());
+  }
+
+  const std::vector<DetectedTag>& tags;
+  Board board;
+  TagTurn turn;
+  std::vector<cv::Point2f> cells;
+  Eigen::Matrix3d onto_board;
+};
+
 /// Tags whose corners touch black squares, as on Kalibr's grids: there two black and two white fields meet, and where
 /// they do neither exposure nor sharpening moves, as they move edges.
 class Saddles {
@@ -141,54 +213,43 @@ SingleTags single_tags(std::vector<DetectedTag> found, int first_id, int count) 
 
 SeenBoard find_tags(const GreyImage& image, const Board& board) {
   SeenBoard seen;
-  const double pitch = board.marker + board.gap, h = 0.5 * board.marker;
   const SingleTags once = single_tags(tags_of(image, board.dictionary), board.first_id, board.columns * board.rows);
   if (!once.problem.empty()) {
     seen.problem = once.problem;
     return seen;
   }
-  const Saddles saddles(image, board);
-  const bool touching = saddles.share(once.tags) > 0.6;
-  std::vector<cv::Point2f> from, to;  // centres, in units of the pitch
-  std::vector<int> ids;
-  for (const DetectedTag& tag : once.tags) {
-    const int k = tag.id - board.first_id;
-    const Eigen::Vector2d cell = cell_of(k, board);
-    const Eigen::Vector3d centre(pitch * cell.x(), pitch * cell.y(), 0);
-    const Eigen::Vector3d offsets[] = {{-h, -h, 0}, {h, -h, 0}, {h, h, 0}, {-h, h, 0}};
-    for (int c = 0; c < 4; ++c) {
-      const size_t i = static_cast<size_t>(c);
-      const double sigma = std::sqrt(0.5 * tag.covariances[i].trace() + 0.1 * 0.1);
-      const auto saddle = touching ? saddles.measured(tag, c) : tag.corners[i];
-      if (saddle) seen.points.push_back({4 * k + c, centre + offsets[i], *saddle, touching ? 0.1 : sigma});
-    }
-    ids.push_back(k), to.push_back(point(cell));
-    from.push_back(point(Eigen::Vector2d(0.25 * (tag.corners[0] + tag.corners[1] + tag.corners[2] + tag.corners[3]))));
-  }
   if (once.tags.size() < 2) {
-    seen.points.clear();
     seen.problem = std::to_string(once.tags.size()) + " of the board's " + std::to_string(board.columns * board.rows) +
                    " tags were found" +
                    (once.twice.empty() ? "" : " (without " + once.twice + ", found more than once)") +
                    "; check dictionary and first_id";
     return seen;
   }
-  if (once.tags.size() < 6) return seen;
-  const Eigen::Matrix3d onto_board = homography(from, to, 0);
-  if (!onto_board.allFinite()) return seen;
-  if (misfit(onto_board, from, to) > kMisplaced) {
-    seen.points.clear();
-    seen.problem = misplaced(ids, from, board), seen.contradicts = true;
-    return seen;
+  Grid grid(once.tags, board);
+  if (once.tags.size() >= kEnoughToTell) {
+    if (grid.misplaced()) {
+      seen.problem = misplaced(grid.ids, grid.centres, board), seen.contradicts = true;
+      return seen;
+    }
+    grid.tell_turn();
+    if (const double ratio = grid.marker_ratio(); std::isfinite(ratio)) {
+      seen.marker_ratio = ratio;
+      for (const DetectedTag& tag : once.tags)
+        seen.marker_pixels += side(tag.corners) / static_cast<double>(once.tags.size());
+    }
   }
-  double ratio = 0, pixels = 0;
-  for (const DetectedTag& tag : once.tags) {
-    std::array<Eigen::Vector2d, 4> corners;
-    for (size_t k = 0; k < 4; ++k) corners[k] = mapped(onto_board, tag.corners[k]);
-    ratio += side(corners) / static_cast<double>(once.tags.size());
-    pixels += side(tag.corners) / static_cast<double>(once.tags.size());
-  }
-  if (std::isfinite(ratio)) seen.marker_ratio = ratio, seen.marker_pixels = pixels;
+  const Saddles saddles(image, board);
+  const bool touching = saddles.share(once.tags) > 0.6;
+  for (size_t i = 0; i < once.tags.size(); ++i)
+    for (int c = 0; c < 4; ++c) {
+      const DetectedTag& tag = once.tags[i];
+      const auto k = static_cast<size_t>(c);
+      const double sigma = std::sqrt(0.5 * tag.covariances[k].trace() + 0.1 * 0.1);
+      const auto saddle = touching ? saddles.measured(tag, c) : tag.corners[k];
+      const Eigen::Vector2d place = (board.marker + board.gap) * grid.corner(i, c);
+      if (saddle)
+        seen.points.push_back({4 * grid.ids[i] + c, {place.x(), place.y(), 0}, *saddle, touching ? 0.1 : sigma});
+    }
   return seen;
 }
 

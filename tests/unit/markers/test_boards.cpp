@@ -6,6 +6,7 @@
 #include <atomic>
 #include <random>
 #include <thread>
+#include <utility>
 
 #include "detect/board.hpp"
 #include "images/grey_image.hpp"
@@ -104,11 +105,12 @@ TEST(Board, OfAnOddNumberOfRowsIsFoundAsPrintedAlsoInNegative) {
   }
 }
 
-/// A tag of 24 px with its top left pixel at (x0, y0).
-void draw_tag(GreyImage& image, const detect::Board& board, int id, int x0, int y0) {
+/// A tag of 24 px with its top left pixel at (x0, y0), turned counter-clockwise by so many quarters.
+void draw_tag(GreyImage& image, const detect::Board& board, int id, int x0, int y0, int turn = 0) {
   for (int y = 0; y < 24; ++y)
     for (int x = 0; x < 24; ++x) {
-      const int row = y / 4 - 1, column = x / 4 - 1;
+      int row = y / 4 - 1, column = x / 4 - 1;
+      for (int k = 0; k < turn; ++k) row = std::exchange(column, 3 - row);
       const bool code = row >= 0 && row < 4 && column >= 0 && column < 4;
       const bool white =
           code && board.dictionary.codes[static_cast<size_t>(id)][static_cast<size_t>(4 * row + column)] != 0;
@@ -127,6 +129,46 @@ TEST(Board, OfTagsMeasuresTheirSpacingAndLeavesOutIdsThatAreTwice) {
   EXPECT_NEAR(seen.marker_ratio, 0.75, 0.01);
   draw_tag(image, board, 4, 150, 100);
   EXPECT_EQ(detect::find_board(image, board).points.size(), 32u);
+}
+
+/// OpenCV draws libapriltag's families upside down, and programs count rows from either end: the corners tell.
+TEST(Board, OfTagsDrawnTurnedOrCountedFromTheBottomIsFoundOut) {
+  const auto board = detect::parse_board(
+      "type: tags\ncolumns: 4\nrows: 3\nmarker: 0.024\ngap: 0.008\ndictionary: DICT_4X4_50\n", "b.yaml");
+  for (int turn = 0; turn < 4; ++turn)
+    for (const bool from_bottom : {false, true}) {
+      GreyImage image{200, 160, std::vector<std::uint8_t>(200 * 160, 210)};
+      for (int k = 0; k < 12; ++k)
+        draw_tag(image, board, k, 30 + 32 * (k % 4), 20 + 32 * (from_bottom ? 2 - k / 4 : k / 4), turn);
+      const auto seen = detect::find_board(image, board);
+      ASSERT_EQ(seen.points.size(), 48u) << turn;
+      const Eigen::Vector2d board_0 = seen.points[0].board.head<2>(), pixel_0 = seen.points[0].pixel;
+      for (const auto& p : seen.points) {
+        const Eigen::Vector2d at = 1000 * (p.board.head<2>() - board_0), moved = p.pixel - pixel_0;
+        EXPECT_LT((moved - Eigen::Vector2d(at.x(), -at.y())).norm(), 0.3) << turn << from_bottom << " point " << p.id;
+      }
+    }
+}
+
+/// The same for a board of squares and markers.
+TEST(Board, OfCharucoMarkersDrawnTurnedIsFoundOut) {
+  const auto board = detect::parse_board(
+      "type: charuco\ncolumns: 5\nrows: 4\nsquare: 0.032\nmarker: 0.024\ndictionary: DICT_4X4_50\n", "c.yaml");
+  for (int turn = 0; turn < 4; ++turn) {
+    GreyImage image{220, 190, std::vector<std::uint8_t>(220 * 190, 210)};
+    for (int y = 0; y < 128; ++y)
+      for (int x = 0; x < 160; ++x)
+        if ((x / 32 + y / 32) % 2 == 0) image.pixels[static_cast<size_t>((y + 30) * image.width + x + 30)] = 30;
+    for (int k = 0; k < 10; ++k) {
+      const int row = 2 * k / 5, column = 2 * k - 5 * row + (row % 2 == 0 ? 1 : 0);
+      draw_tag(image, board, k, 34 + 32 * column, 34 + 32 * row, turn);
+    }
+    const auto seen = detect::find_board(image, board);
+    EXPECT_GE(seen.points.size(), 10u) << turn << ": " << seen.problem;
+    EXPECT_NEAR(seen.marker_ratio, 0.75, 0.02);
+    for (const auto& p : seen.points)
+      EXPECT_LT((p.pixel - Eigen::Vector2d(29.5 + 1000 * p.board.x(), 29.5 - 1000 * p.board.y())).norm(), 0.2) << turn;
+  }
 }
 
 /// Two pictures of the board in one, as stereo cameras write them: neither half is taken for the board, nor tags of
