@@ -115,6 +115,7 @@ struct Adjuster : TagAdjusterNode {
     adjusted_poses.commit(builder.poses(result));
     BlockT artifact = builder.describe(result, chosen);
     artifact.adjuster = info.kind;
+    for (size_t k = result.warnings.size(); k < artifact.warnings.size(); ++k) context.warn(artifact.warnings[k]);
     block.commit(artifact);
   }
 

@@ -1,6 +1,7 @@
 #include "tag_block_artifacts.hpp"
 
 #include <cmath>
+#include <cstdio>
 #include <set>
 #include <stdexcept>
 
@@ -286,12 +287,30 @@ void TagBlockBuilder::describe_interior(const TagBlockResult& result, BlockT& ar
       pack_symmetric(Eigen::MatrixXd(scale.asDiagonal() * covariance * scale.asDiagonal()));
 }
 
+void TagBlockBuilder::describe_lambda(const TagBlockResult& result, const TagBlockOptions& options,
+                                      BlockT& artifact) const {
+  constexpr double much = 2;
+  const double corner = options.corner_sigma * std::sqrt(result.image_variance_factor);
+  artifact.lambda = options.lambda;
+  artifact.lambda_control_sigma = corner / std::sqrt(options.lambda);
+  if (options.free_network || block_.control.covariance.size() == 0) return;
+  const double stated = std::sqrt(block_.control.covariance.diagonal().mean());
+  const double ratio = artifact.lambda_control_sigma / stated;
+  if (ratio < much && ratio > 1 / much) return;
+  char text[400];
+  std::snprintf(
+      text, sizeof text,
+      "λ of %.4g px²/m² believes a standard deviation of %.3g mm of a surveyed coordinate (corners of %.3g px, "
+      "as their residuals show), the survey states %.3g mm: λ of %.2g would be right, or weighting=covariance",
+      options.lambda, 1e3 * artifact.lambda_control_sigma, corner, 1e3 * stated, (corner / stated) * (corner / stated));
+  artifact.warnings.emplace_back(text);
+}
+
 BlockT TagBlockBuilder::describe(const TagBlockResult& result, const TagBlockOptions& options) const {
   BlockT artifact;
   const bool by_lambda = options.weighting == TagBlockOptions::Weighting::lambda;
   artifact.datum = options.free_network ? "free" : "control";
   artifact.weighting = by_lambda ? "lambda" : "covariance";
-  if (by_lambda) artifact.lambda = options.lambda;
   artifact.statistics = statistics(result);
   artifact.image_variance_factor = result.image_variance_factor;
   for (const auto& group : result.groups) {
@@ -367,6 +386,7 @@ BlockT TagBlockBuilder::describe(const TagBlockResult& result, const TagBlockOpt
       artifact.tests.push_back(std::move(entry));
     }
   artifact.warnings = result.warnings;
+  if (by_lambda) describe_lambda(result, options, artifact);
   artifact.left_out = result.left_out;
   artifact.weak_datum = result.weak_datum;
   if (!options.free_network) artifact.weakest_datum_sigma = result.weakest_datum_sigma;

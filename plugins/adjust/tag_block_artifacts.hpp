@@ -48,6 +48,7 @@ class TagBlockBuilder {
   std::unique_ptr<StatisticsT> statistics(const TagBlockResult& result) const;
   void describe_images(const TagBlockResult& result, BlockT& artifact) const;
   void describe_interior(const TagBlockResult& result, BlockT& artifact) const;
+  void describe_lambda(const TagBlockResult& result, const TagBlockOptions& options, BlockT& artifact) const;
   CameraT adjusted_camera(const TagBlockResult& result, size_t index) const;
   int camera_of_image(const ImageTagsT& image) const;
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 namespace plumbline::report {
 
@@ -25,7 +26,14 @@ Json head_json(const BlockT& block) {
     if (!test->passed && std::find(block.warnings.begin(), block.warnings.end(), test->words) == block.warnings.end())
       warnings.push_back(test->words);
   for (const std::string& motion : block.weak_datum) warnings.push_back("weak geometry: " + motion);
-  return {{"datum", block.datum},
+  std::string datum = block.datum;
+  if (std::isfinite(block.lambda)) {
+    char text[120];
+    std::snprintf(text, sizeof text, ", λ %.4g px²/m², which believes σ %.3g mm of a surveyed coordinate", block.lambda,
+                  1e3 * block.lambda_control_sigma);
+    datum += text;
+  }
+  return {{"datum", datum},
           {"statistics",
            {{"sigma0", s.sigma0},
             {"degrees_of_freedom", s.degrees_of_freedom},

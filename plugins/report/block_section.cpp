@@ -102,9 +102,12 @@ void write_block(Markup& html, const ReportInput& input) {
   const BlockT& block = *input.block;
   html.element(
       "p", "Adjusted with datum “" + block.datum + "”, weights by " + block.weighting +
-               (std::isfinite(block.lambda) ? ", λ " + fixed(block.lambda, 1) + " px²/m²" : "") + "; σ0 " +
-               fixed(block.statistics->sigma0, 3) + " with " + std::to_string(block.statistics->degrees_of_freedom) +
-               " degrees of freedom, " + std::to_string(block.statistics->observations) + " observations, " +
+               (std::isfinite(block.lambda) ? ", λ " + fixed(block.lambda, 1) + " px²/m², which believes σ " +
+                                                  mm_unit(block.lambda_control_sigma, 2) + " of a surveyed coordinate"
+                                            : "") +
+               "; σ0 " + fixed(block.statistics->sigma0, 3) + " with " +
+               std::to_string(block.statistics->degrees_of_freedom) + " degrees of freedom, " +
+               std::to_string(block.statistics->observations) + " observations, " +
                std::to_string(block.statistics->unknowns) + " unknowns; variance factor of the images before scaling " +
                fixed(block.image_variance_factor, 2) + ".");
   write_groups(html, block);

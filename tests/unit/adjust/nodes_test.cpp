@@ -319,6 +319,25 @@ TEST(AdjustCeresNode, LambdaIsReported) {
   EXPECT_EQ(node.output<Block>("block").lambda, 1e4);
 }
 
+TEST(AdjustSchurNode, LambdaSaysWhatItBelievesOfTheSurvey) {
+  const auto with = [](const char* lambda) {
+    NodeHarness node("adjust.schur");
+    connect(node, make_facade({.floors = 1, .pixel_sigma = 0.2, .survey_sigma = 0.001}));
+    node.set("weighting", "lambda");
+    node.set("lambda", lambda);
+    node.run();
+    return std::pair(node.output<Block>("block").lambda_control_sigma, node.warnings());
+  };
+  // Corners of 0.2 px and coordinates of 1 mm: (0.2 / 0.001)² = 40 000.
+  const auto [right, silent] = with("40000");
+  EXPECT_NEAR(right, 0.001, 1e-4);
+  EXPECT_THAT(silent, testing::Not(testing::Contains(HasSubstr("believes"))));
+  const auto [wrong, said] = with("1");
+  EXPECT_NEAR(wrong, 0.2, 0.02);
+  EXPECT_THAT(said, testing::Contains(testing::AllOf(HasSubstr("λ of 1 px²/m² believes a standard deviation of"),
+                                                     HasSubstr("the survey states 1 mm"), HasSubstr("would be right"))));
+}
+
 TEST(AdjustCeresNode, RefusesContradictions) {
   SyntheticFacade twice = make_facade(noisy);
   twice.plates.plates[1]->tag_id = twice.plates.plates[0]->tag_id;
