@@ -52,7 +52,7 @@ std::string number(double value, int decimals) {
 }
 
 std::string control_csv(const std::vector<ControlPoint>& points) {
-  std::string text = "name,x,y,z,sigma_x,sigma_y,sigma_z\n", without = "name,x,y,z\n";
+  std::string text = "name,E,N,H,sigma_E,sigma_N,sigma_H\n", without = "name,E,N,H\n";
   bool accurate = true;
   for (const ControlPoint& p : points) {
     const std::string row = formats::csv_field(p.name) + "," + number(p.position.x(), 6) + "," +

@@ -19,7 +19,7 @@ struct ReadGcp : Node {
                                   "by_format: the corner in gcp_list.txt, the centre in openMVS's table"};
   Out<Points> points{"points", frame("frame=survey"), "the points; sigmas that the file does not say are nan"};
   Out<File> control{"control",
-                    "control.csv: name, x, y, z, and sigma_x, sigma_y, sigma_z [m] of points that have them"};
+                    "control.csv: name, E, N, H, and sigma_E, sigma_N, sigma_H [m] of points that have them"};
   Out<File> measured{"measured", "measured.csv: image, point, x, y [px] from the centre of the top-left pixel"};
 
   void run(Context& context) override;

@@ -74,7 +74,7 @@ TEST_F(ReadGcp, TakesItAsASpreadsheetSavesIt) {
   EXPECT_EQ(points.points[0]->position, Eigen::Vector3d(512345.123, 5412678.5, 431.25));
   EXPECT_TRUE(std::isnan(points.points[0]->sigma.x()));
   EXPECT_EQ(csv("measured"), "image,point,x,y\nIMG 1.JPG,Süd,1000.2500,500.5000\n");
-  EXPECT_THAT(csv("control"), HasSubstr("name,x,y,z\nSüd,"));
+  EXPECT_THAT(csv("control"), HasSubstr("name,E,N,H\nSüd,"));
 }
 
 /// gcp_list.txt counts from the corner of the top-left pixel, our pixels from its centre.
