@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "runtime/frames.hpp"
+#include "runtime/near_names.hpp"
 #include "runtime/output_folder.hpp"
 #include "runtime/parameters.hpp"
 #include "runtime/pipeline_file.hpp"
@@ -25,14 +26,6 @@ std::string join_problems(const std::vector<Problem>& problems) {
   for (const Problem& problem : problems)
     text += (text.empty() ? "" : "\n") + problem.at.text() + ": " + problem.message;
   return text;
-}
-
-std::string did_you_mean(const std::string& wanted, const std::vector<std::string>& candidates) {
-  const auto near = near_names(wanted, candidates);
-  if (near.empty()) return "";
-  std::string text = " — did you mean ";
-  for (size_t i = 0; i < near.size(); ++i) text += (i ? " or '" : "'") + near[i] + "'";
-  return text + "?";
 }
 
 std::vector<std::string> port_names(const plumbline_port* const* ports, uint32_t count) {

@@ -37,4 +37,12 @@ std::vector<std::string> near_names(const std::string& wanted, const std::vector
   return names;
 }
 
+std::string did_you_mean(const std::string& wanted, const std::vector<std::string>& candidates) {
+  const auto near = near_names(wanted, candidates);
+  if (near.empty()) return "";
+  std::string text = " — did you mean ";
+  for (size_t i = 0; i < near.size(); ++i) text += (i ? " or '" : "'") + near[i] + "'";
+  return text + "?";
+}
+
 }  // namespace plumbline::runtime

@@ -7,25 +7,14 @@
 #include <set>
 #include <sstream>
 
+#include "runtime/near_names.hpp"
+#include "runtime/pipeline_variables.hpp"
+
 namespace plumbline::runtime {
 
 namespace fs = std::filesystem;
 
 namespace {
-
-std::string did_you_mean(const std::string& wanted, const std::vector<std::string>& candidates) {
-  const auto near = near_names(wanted, candidates);
-  if (near.empty()) return "";
-  std::string text = " — did you mean ";
-  for (size_t i = 0; i < near.size(); ++i) text += (i ? " or '" : "'") + near[i] + "'";
-  return text + "?";
-}
-
-struct Variable {
-  Scalar value;
-  bool given = false;  ///< has a value
-  enum { open, busy, done } state = open;
-};
 
 constexpr size_t deepest_include = 100;
 
@@ -34,31 +23,31 @@ class Reader {
  public:
   Reader(const std::vector<std::string>& overrides, const std::vector<fs::path>& include_folders,
          std::vector<Problem>& problems)
-      : overrides_(overrides), include_folders_(include_folders), problems_(problems) {}
+      : overrides_(overrides), include_folders_(include_folders), problems_(problems), variables_(problems) {}
 
   PipelineSpec read(const fs::path& file) {
     PipelineSpec spec;
     collect(file, spec);
-    apply_variable_overrides();
+    variables_.apply(overrides_);
     apply_node_overrides(spec);
-    for (auto& [name, variable] : variables_)
-      if (variable.given) resolve(variable);
+    variables_.resolve();
     std::vector<Scalar*> descriptions;
     for (NodeSpec& node : spec.nodes) {
       refuse_variable_in_name(node.name, node.at);
-      replace(node.use);
-      for (auto& [name, value] : node.conditions) replace(value);
-      for (auto& [port, source] : node.inputs) replace(source);
+      variables_.replace(node.use);
+      for (auto& [name, value] : node.conditions) variables_.replace(value);
+      for (auto& [port, source] : node.inputs) variables_.replace(source);
       for (auto& [name, parameter] : node.parameters)
-        for (Scalar& value : parameter.values) is_description(value) ? descriptions.push_back(&value) : replace(value);
+        for (Scalar& value : parameter.values)
+          is_description(value) ? descriptions.push_back(&value) : variables_.replace(value);
     }
     const std::string nodes = descriptions.empty() ? "" : nodes_in_words(spec);
     for (Scalar* value : descriptions) value->text = nodes;
     for (auto& [name, source] : spec.outputs) {
       refuse_variable_in_name(name, source.at);
-      replace(source);
+      variables_.replace(source);
     }
-    for (const auto& [name, variable] : variables_) spec.variables[name] = variable.value.text;
+    spec.variables = variables_.values();
     return spec;
   }
 
@@ -66,9 +55,7 @@ class Reader {
   void problem(const Position& at, const std::string& message) { problems_.push_back({at, message}); }
 
   /// The value "${pipeline}": what runs, in words, for a report. A variable of that name goes before it.
-  bool is_description(const Scalar& value) const {
-    return value.text == "${pipeline}" && !variables_.count("pipeline");
-  }
+  bool is_description(const Scalar& value) const { return value.text == "${pipeline}" && !variables_.has("pipeline"); }
 
   /// A line for each node: its name, its kind, and the parameters that the pipeline gives it. Paths are left out: where
   /// a file lies is no part of a result, and what is in it is told by hashes.
@@ -210,9 +197,9 @@ class Reader {
         problem(position(file, item.second), "a variable has one plain value");
         continue;
       }
-      Variable& variable = variables_[item.first.as<std::string>("")];
-      variable.given = item.second.IsScalar();
-      variable.value = {variable.given ? item.second.Scalar() : "", position(file, item.first), file.parent_path()};
+      const bool given = item.second.IsScalar();
+      variables_.declare(item.first.as<std::string>(""),
+                         {given ? item.second.Scalar() : "", position(file, item.first), file.parent_path()}, given);
     }
   }
 
@@ -291,32 +278,6 @@ class Reader {
     }
   }
 
-  std::vector<std::string> variable_names() const {
-    std::vector<std::string> names;
-    for (const auto& [name, variable] : variables_) names.push_back(name);
-    return names;
-  }
-
-  void apply_variable_overrides() {
-    for (const std::string& text : overrides_) {
-      const size_t equals = text.find('=');
-      if (equals == std::string::npos) {
-        problem({"'" + text + "'", 0, 0}, "is not KEY=VALUE");
-        continue;
-      }
-      const std::string key = text.substr(0, equals);
-      if (is_node_override(text)) continue;
-      const auto found = variables_.find(key);
-      if (found == variables_.end()) {
-        problem({"'" + text + "'", 0, 0},
-                "this pipeline has no variable '" + key + "'" + did_you_mean(key, variable_names()));
-        continue;
-      }
-      found->second.value = {text.substr(equals + 1), {"'" + text + "'", 0, 0}, fs::current_path()};
-      found->second.given = true;
-    }
-  }
-
   void apply_node_overrides(PipelineSpec& spec) {
     for (const std::string& text : overrides_) {
       const size_t equals = text.find('=');
@@ -371,66 +332,11 @@ class Reader {
       problem(at, "'" + name + "': variables stand in values, not in names; write the name out");
   }
 
-  /// The value of a variable may hold other variables.
-  void resolve(Variable& variable) {
-    if (variable.state == Variable::done) return;
-    if (variable.state == Variable::busy) {
-      problem(variable.value.at,
-              "this variable takes its value from itself; write a value that does not lead back to it");
-      variable.value.unresolved = true;
-      return;
-    }
-    variable.state = Variable::busy;
-    replace(variable.value);
-    variable.state = Variable::done;
-  }
-
-  /// Replaces every ${name}; a path that came with a variable stays relative to where the variable was given.
-  void replace(Scalar& scalar) {
-    const auto give_up = [&](const Position& at, const std::string& message) {
-      problem(at, message);
-      scalar.unresolved = true;
-    };
-    std::string result;
-    size_t done = 0;
-    for (size_t at; (at = scalar.text.find("${", done)) != std::string::npos;) {
-      const size_t end = scalar.text.find('}', at);
-      if (end == std::string::npos) return give_up(scalar.at, "'${' without '}' in '" + scalar.text + "'");
-      const std::string name = scalar.text.substr(at + 2, end - at - 2);
-      const auto found = variables_.find(name);
-      if (found == variables_.end())
-        return give_up(scalar.at,
-                       "there is no variable '" + name + "' under vars" + did_you_mean(name, variable_names()));
-      Variable& variable = found->second;
-      if (!variable.given) {
-        const bool first = told_.insert(name).second;
-        scalar.unresolved = true;
-        if (first)
-          problem(variable.value.at,
-                  "the variable '" + name + "' has no value: give " + name + "=… on the command line");
-        return;
-      }
-      resolve(variable);
-      if (variable.value.unresolved) {
-        scalar.unresolved = true;
-        return;
-      }
-      if (at == 0) scalar.base = variable.value.base;
-      result += scalar.text.substr(done, at - done) + variable.value.text;
-      if (result.size() > largest_value) return give_up(scalar.at, "its value grows beyond a mebibyte");
-      done = end + 1;
-    }
-    scalar.text = result + scalar.text.substr(done);
-  }
-
-  static constexpr size_t largest_value = size_t{1} << 20;
-
   const std::vector<std::string>& overrides_;
   const std::vector<fs::path>& include_folders_;
   std::vector<Problem>& problems_;
-  std::map<std::string, Variable> variables_;
+  PipelineVariables variables_;
   std::map<std::string, size_t> node_index_;  // in PipelineSpec::nodes
-  std::set<std::string> told_;                // variables without a value that were told of
   std::set<fs::path> read_;
   std::vector<fs::path> including_;
 };
