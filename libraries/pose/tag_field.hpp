@@ -25,6 +25,10 @@ class Field {
     for (const auto& plate : plates.plates) {
       const auto point = by_id.find(plate->anchor);
       if (point == by_id.end() || !point->second->position.allFinite()) continue;
+      if (!(point->second->position.cwiseAbs().maxCoeff() < furthest))  // it would be the mean of all others, too
+        throw std::runtime_error("anchor " + plate->anchor +
+                                 " is more than 1e9 m from the origin by its approximate coordinates; correct them: "
+                                 "expected are metres");
       const auto added =
           entries_.emplace(std::make_pair(plate->tag_family, plate->tag_id), Entry{plate.get(), point->second});
       if (!added.second)
@@ -43,6 +47,7 @@ class Field {
   const std::map<std::pair<std::string, int>, Entry>& entries() const { return entries_; }
 
  private:
+  static constexpr double furthest = 1e9;  ///< [m]
   std::map<std::pair<std::string, int>, Entry> entries_;
 };
 

@@ -95,6 +95,13 @@ TEST_P(PoseNodes, RefuseATagThatStandsForTwoAnchors) {
   EXPECT_THAT(failure_of(node), HasSubstr("stands for two anchors"));
 }
 
+TEST_P(PoseNodes, NameAnAnchorWhoseCoordinatesAreNone) {
+  auto facade = test::make_facade({.floors = 1});
+  facade.truth.points[2]->position.z() = 1e308;
+  NodeHarness node = prepared(GetParam(), facade);
+  EXPECT_THAT(failure_of(node), testing::AllOf(HasSubstr("anchor " + facade.truth.points[2]->id), HasSubstr("metres")));
+}
+
 TEST_P(PoseNodes, RefuseACameraOfAnotherImageSize) {
   auto facade = test::make_facade({.floors = 1});
   facade.images[1].width = 6000;
