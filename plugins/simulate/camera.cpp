@@ -3,7 +3,9 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
+#include <limits>
 #include <numbers>
 #include <stdexcept>
 
@@ -166,6 +168,31 @@ std::vector<VisibleTag> visible_tags(const Building& building, const BrownCamera
   return visible;
 }
 
+namespace {
+
+/// The pose turned about its projection centre until the border of the image goes through the centre of the tag that
+/// was nearest to it.
+RigidTransform cutting_a_tag(const Building& building, const BrownCamera& camera, const RigidTransform& pose) {
+  double nearest = std::numeric_limits<double>::infinity();
+  Eigen::Vector2d from, to;
+  for (const VisibleTag& tag : visible_tags(building, camera, pose)) {
+    const Eigen::Vector2d centre = 0.25 * (tag.corners[0] + tag.corners[1] + tag.corners[2] + tag.corners[3]);
+    for (const Eigen::Vector2d& border :
+         {Eigen::Vector2d(0, centre.y()), Eigen::Vector2d(centre.x(), 0), Eigen::Vector2d(camera.width - 1, centre.y()),
+          Eigen::Vector2d(centre.x(), camera.height - 1)})
+      if (const double distance = (border - centre).norm(); distance < nearest)
+        nearest = distance, from = centre, to = border;
+  }
+  if (std::isinf(nearest)) return pose;
+  const auto now = unproject(camera, from), then = unproject(camera, to);
+  if (!now || !then) return pose;
+  const RigidTransform turn{Eigen::Quaterniond::FromTwoVectors(now->homogeneous(), then->homogeneous()),
+                            Eigen::Vector3d::Zero()};
+  return turn * pose;
+}
+
+}  // namespace
+
 std::vector<CameraStation> plan_camera_stations(const Building& building, const SimulatedCamera& camera,
                                                 const CameraNetworkOptions& options, std::uint64_t seed) {
   if (options.images_per_floor < 4 || options.images_per_floor > 100) {
@@ -182,8 +209,15 @@ std::vector<CameraStation> plan_camera_stations(const Building& building, const 
       const Eigen::Vector3d position = aim.position + random.normal3(0.12);
       const Eigen::Vector3d target = aim.target + random.normal3(0.10);
       station.camera_from_building = look_at(position, target, aim.roll + random.normal(0.03));
-      const auto seen = visible_tags(building, camera.truth, station.camera_from_building).size();
-      if (static_cast<int>(seen) < options.required_tags) {
+      const auto whole_tags = [&](const RigidTransform& pose) {
+        return static_cast<int>(visible_tags(building, camera.truth, pose).size());
+      };
+      if (Random(seed, "cut " + station.image).uniform() < options.cut_tags) {
+        const RigidTransform turned = cutting_a_tag(building, camera.truth, station.camera_from_building);
+        if (whole_tags(turned) >= options.required_tags) station.camera_from_building = turned;
+      }
+      const int seen = whole_tags(station.camera_from_building);
+      if (seen < options.required_tags) {
         throw std::invalid_argument("image " + station.image + " would see " + std::to_string(seen) +
                                     " whole tags, every image has to see " + std::to_string(options.required_tags) +
                                     "; stand farther off (distance is " + std::to_string(distance) +

@@ -42,6 +42,7 @@ struct CameraNetworkOptions {
   int images_per_floor = 10;  ///< 4 ... 100
   double distance = 0;        ///< from the facade [m]; 0: the profile's
   bool convergent = true;     ///< false: fronto-parallel without roll, which is weak in self-calibration
+  double cut_tags = 0;        ///< share of images that are turned until their border cuts through a tag
   int required_tags = 4;      ///< every image has to see so many whole tags
 };
 

@@ -15,104 +15,14 @@
 #include "campaign.hpp"
 #include "observations.hpp"
 #include "plumbline/node.hpp"
+#include "simulated_site.hpp"
 
 namespace {
 
 using namespace plumbline;
 namespace fs = std::filesystem;
 
-/// The parameters both nodes share.
-struct SimulatedSite : Node {
-  Param<int64_t> floors{"floors", 3, between(1, 20), "storeys of the building"};
-  Param<int64_t> columns{"columns", 4, between(2, 12), "columns of control markers; two rows a floor"};
-  Param<double> spacing{"spacing", 2.0, "m", between(1, 10), "of the grid, both ways; a storey is two rows high"};
-  Param<double> as_built_sigma{"as_built_sigma", 0.003, "m", between(0, 0.1), "deviation of anchors from their design"};
-  Param<double> tilt_sigma{"tilt_sigma", 0.025, "rad", between(0, 0.2), "rotation of plates off the facade, each axis"};
-  Param<double> tag_size{"tag_size", 0.2, "m", between(0.02, 1), "edge of a tag between its detected corners"};
-  Param<double> tag_scale_sigma{"tag_scale_sigma", 0.00025, "1", between(0, 0.05), "scale error of a print batch"};
-  Param<int64_t> print_batches{"print_batches", 1, between(1, 20), "batches the plates were printed in"};
-  Param<std::string> camera{"camera", "demo_24mp", one_of("demo_24mp", "hasselblad_100mp", "quick_6mp"),
-                            "camera profile"};
-  Param<int64_t> images_per_floor{"images_per_floor", 10, between(4, 100), "photographs taken from each floor"};
-  Param<double> distance{"distance", 0.0, "m", between(0, 100), "of the camera from the facade; 0: the profile's"};
-  Param<std::string> network{"network", "convergent", one_of("convergent", "parallel"),
-                             "parallel: fronto-parallel and never rolled, weak in self-calibration"};
-  Param<double> scaffold_spacing{"scaffold_spacing", 0.0, "m", between(0, 20),
-                                 "between the upright tubes of a scaffold before the facade, 0.5 or more; 0: none"};
-  Param<double> scaffold_distance{"scaffold_distance", 1.0, "m", between(0.2, 3), "of its tubes from the facade"};
-  Param<double> lost_plates{"lost_plates", 0.0, "1", between(0, 1),
-                            "probability of each plate to be gone when the photographs are taken"};
-
-  // What real cameras, prints and plates have and ideal ones have not. A negative size is that of `optics`.
-  Param<std::string> optics{"optics", "ideal", one_of("ideal", "real"),
-                            "ideal: none of the perturbations that follow; real: a usual size of each"};
-  Param<std::string> transfer_curve{"transfer_curve", "", one_of("", "linear", "srgb", "camera"),
-                                    "from light to grey values; empty: that of optics"};
-  Param<double> sharpening{"sharpening", -1.0, "1", between(-1, 3),
-                           "share of the difference from the surroundings added"};
-  Param<int64_t> jpeg_quality{"jpeg_quality", -1, between(-1, 100), "0: the camera profile's"};
-  Param<double> motion_blur{"motion_blur", -1.0, "px", between(-1, 30), "longest movement during an exposure"};
-  Param<double> rolling_shutter{"rolling_shutter", -1.0, "px", between(-1, 100),
-                                "movement from the first to the last row"};
-  Param<double> low_light{"low_light", -1.0, "1", between(-1, 8), "stops that light is short of: noise grows"};
-  Param<double> principal_point_sigma{"principal_point_sigma", -1.0, "px", between(-1, 100), "of each image's own"};
-  Param<double> distance_distortion{"distance_distortion", -1.0, "1", between(-1, 1),
-                                    "relative change of k1 and k2 from image to image"};
-  Param<double> depth_distortion{"depth_distortion", 0.0, "m", between(-1, 1),
-                                 "k1 of what lies at the depth Z is larger by this times 1/Z - 1/distance; in observed "
-                                 "corners, not in rendered photographs"};
-  Param<double> ink_spread{"ink_spread", -1.0, "m", between(-1, 0.01), "growth of black at every edge"};
-  Param<double> dirt{"dirt", -1.0, "1", between(-1, 1000), "specks on a plate, on average"};
-  Param<double> glare{"glare", -1.0, "1", between(-1, 1), "share of plates that mirror a lamp, image by image"};
-  Param<double> plate_bend{"plate_bend", -1.0, "m", between(-1, 0.1), "twist: height of a tag's corners over a plane"};
-  Param<double> plate_offset_sigma{"plate_offset_sigma", -1.0, "m", between(-1, 0.1), "of a tag's place on its plate"};
-  Param<double> mounting_sigma{"mounting_sigma", -1.0, "m", between(-1, 0.1), "of a plate's place on its anchor"};
-  Param<double> clutter{"clutter", -1.0, "1", between(-1, 1), "share of the wall that is brick, mesh or text"};
-
-  simulate::Perturbations perturbations() const {
-    simulate::Perturbations p = simulate::optics_of(*optics);
-    if (!transfer_curve->empty()) p.transfer = *transfer_curve;
-    p.depth_distortion = *depth_distortion;
-    if (*jpeg_quality >= 0) p.jpeg_quality = static_cast<int>(*jpeg_quality);
-    for (const auto& [given, size] : {std::pair(*sharpening, &p.sharpening),
-                                      {*motion_blur, &p.motion_blur},
-                                      {*rolling_shutter, &p.rolling_shutter},
-                                      {*low_light, &p.low_light},
-                                      {*principal_point_sigma, &p.principal_point_sigma},
-                                      {*distance_distortion, &p.distance_distortion},
-                                      {*ink_spread, &p.ink_spread},
-                                      {*dirt, &p.dirt},
-                                      {*glare, &p.glare},
-                                      {*plate_bend, &p.plate_bend},
-                                      {*plate_offset_sigma, &p.plate_offset_sigma},
-                                      {*mounting_sigma, &p.mounting_sigma},
-                                      {*clutter, &p.clutter}})
-      if (given >= 0) *size = given;
-    return p;
-  }
-
-  simulate::CampaignOptions site_options() const {
-    simulate::CampaignOptions o;
-    o.perturbations = perturbations();
-    o.building.flaws = o.perturbations;
-    o.building.floors = static_cast<int>(*floors);
-    o.building.columns = static_cast<int>(*columns);
-    o.building.spacing = *spacing;
-    o.building.as_built_sigma = *as_built_sigma;
-    o.building.plate_tilt_sigma = *tilt_sigma;
-    o.building.tag_size = *tag_size;
-    o.building.tag_scale_sigma = *tag_scale_sigma;
-    o.building.print_batches = static_cast<int>(*print_batches);
-    o.camera = *camera;
-    o.cameras.images_per_floor = static_cast<int>(*images_per_floor);
-    o.cameras.distance = *distance;
-    o.cameras.convergent = *network == "convergent";
-    o.obstruction = {*scaffold_spacing, *scaffold_distance, *lost_plates};
-    return o;
-  }
-};
-
-struct SimulateCampaign : SimulatedSite {
+struct SimulateCampaign : simulate::SimulatedSite {
   static constexpr Info info{
       "simulate.campaign", "", 4,
       "Simulates a site: photographs, total-station file, design IFC, and the truth beside them"};
@@ -154,6 +64,7 @@ struct SimulateCampaign : SimulatedSite {
     if (*depth_distortion != 0 && !observed)
       throw std::runtime_error(
           "depth_distortion is not in rendered photographs: take photographs=observed, or leave it out");
+    if (observed) refuse_what_is_rendered_only();
     const auto campaign_folder = folder.make_folder(), truth_folder = truth.make_folder();
     simulate::write_campaign_files(campaign, campaign_folder.path, observed);
     if (observed)
@@ -191,7 +102,7 @@ struct SimulateCampaign : SimulatedSite {
   }
 };
 
-struct SimulateObservations : SimulatedSite {
+struct SimulateObservations : simulate::SimulatedSite {
   static constexpr Info info{"simulate.observations", "", 4,
                              "The site of simulate.campaign as observations with noise of known size, without files"};
   Param<double> pixel_sigma{
@@ -227,6 +138,7 @@ struct SimulateObservations : SimulatedSite {
 
   void run(Context& context) override {
     const uint64_t seed = context.seed();
+    refuse_what_is_rendered_only();
     simulate::CampaignOptions options = site_options();
     options.survey.noise_scale = *survey_noise;
     options.readings = *survey == "readings";

@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <map>
 #include <set>
 
 #include "camera.hpp"
@@ -42,6 +45,27 @@ TEST(CameraNetwork, IsConvergentAndRolled) {
   }
   EXPECT_GE(rolls.size(), 3u);
   EXPECT_GT(right - left, 0.8);
+}
+
+TEST(CameraNetwork, TurnsAsManyImagesAsAskedForUntilTheirBorderCutsATag) {
+  const Building b = make_building({.floors = 3}, 1);
+  const SimulatedCamera camera = make_camera(camera_profile("demo_24mp"), 1);
+  const auto on_the_border = [&](const Eigen::Vector2d& p) {
+    const BrownCamera& c = camera.truth;
+    return std::min({std::abs(p.x()), std::abs(p.y()), std::abs(p.x() - c.width + 1), std::abs(p.y() - c.height + 1)}) <
+           2;
+  };
+  for (const double share : {0.0, 1.0}) {
+    int cut = 0, all = 0;
+    for (const CameraStation& s : plan_camera_stations(b, camera, {.cut_tags = share}, 1)) {
+      bool cuts = false;
+      for (const VisibleTag& tag : visible_tags(b, camera.truth, s.camera_from_building, -1000))
+        cuts = cuts || on_the_border(0.25 * (tag.corners[0] + tag.corners[1] + tag.corners[2] + tag.corners[3]));
+      EXPECT_GE(visible_tags(b, camera.truth, s.camera_from_building).size(), 4u) << s.image;
+      cut += cuts, ++all;
+    }
+    EXPECT_NEAR(cut, share * all, 0.1 * all) << share;
+  }
 }
 
 TEST(CameraNetwork, TooCloseIsAnErrorThatNamesTheImage) {
