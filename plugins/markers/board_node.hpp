@@ -1,6 +1,7 @@
 // adjust.marker_board: tags in unknown places, from photographs alone.
 #pragma once
 
+#include "markers/marker_halves.hpp"
 #include "output.hpp"
 #include "plumbline/node.hpp"
 
@@ -37,6 +38,9 @@ struct AdjustMarkerBoard : Node {
       "by_folder: photographs of another folder are from another camera; by_name: of another name around the "
       "number (cam0_17.png), too; by_file: every folder is a moment (17/cam0.png); one: only size, model "
       "and focal length tell"};
+  Param<bool> compare{"compare_halves", true,
+                      "adjust two halves of the photographs, too, and warn where they differ by more than they may; it "
+                      "takes as long again"};
   Out<File> tags{"tags", "tags.json: centre, corners and sigma of every tag"};
   Out<File> block{"block", "block.json: the adjustment with its statistics, residuals and what was left out"};
   Out<Points> points{"points", frame("frame=board"), "the tags' centres with their full covariance"};
@@ -67,13 +71,15 @@ struct AdjustMarkerBoard : Node {
     options.print_sigma = *print_sigma, options.shape_sigma = *shape_sigma, options.twist_sigma = *twist_sigma;
     options.size_sigma = *size_sigma, options.inset_sigma = *corner_inset_sigma, options.reject_above = *reject_above;
     if (!distance->empty()) options.distance = parse_distance(*distance, input.block);
-    const MarkerResult result = adjust_marker_block(input.block, options);
+    MarkerResult result = adjust_marker_block(input.block, options);
+    const auto halves = *compare ? compare_halves(input.block, options, result) : std::nullopt;
+    if (halves && halves->contradict) result.warnings.push_back(in_words(*halves));
     for (const auto& text : result.left_out) context.warn("left out: " + text);
     for (const auto& text : result.warnings) context.warn(text);
     context.metric("rms", result.rms, "px");
     context.metric("degrees_of_freedom", result.degrees_of_freedom, "1");
     tags.commit(file_of("tags.json", "application/json", tags_json(input.block, result)));
-    block.commit(file_of("block.json", "application/json", block_json(input, result)));
+    block.commit(file_of("block.json", "application/json", block_json(input, result, halves)));
     points.commit(points_of(input.block, result));
     poses.commit(poses_of(input.block, result));
     for (size_t c = 0; c < input.block.cameras.size(); ++c)

@@ -123,14 +123,20 @@ Json image_json(const MarkerBlock& block, const AdjustedMarkerImage& image) {
   return entry;
 }
 
-Json statistics_json(const MarkerResult& result) {
-  return {{"sigma0", result.sigma0},
-          {"degrees_of_freedom", result.degrees_of_freedom},
-          {"weighted_sum_of_squares", result.weighted_sum_of_squares},
-          {"observations", result.observations},
-          {"unknowns", result.unknowns},
-          {"datum_defect", result.datum_defect},
-          {"rms_px", result.rms}};
+Json statistics_json(const MarkerResult& result, const std::optional<MarkerHalves>& halves) {
+  Json entry = {{"sigma0", result.sigma0},
+                {"degrees_of_freedom", result.degrees_of_freedom},
+                {"weighted_sum_of_squares", result.weighted_sum_of_squares},
+                {"observations", result.observations},
+                {"unknowns", result.unknowns},
+                {"datum_defect", result.datum_defect},
+                {"rms_px", result.rms}};
+  if (halves)
+    entry["halves"] = {{"tags", halves->tags},
+                       {"rms", halves->rms},
+                       {"variance_factor", halves->variance},
+                       {"degrees_of_freedom", halves->freedom}};
+  return entry;
 }
 
 Json left_out_json(const BlockInput& input, const MarkerResult& result) {
@@ -190,7 +196,7 @@ std::string tags_json(const MarkerBlock& block, const MarkerResult& result) {
                   {"tags", tags}});
 }
 
-std::string block_json(const BlockInput& input, const MarkerResult& result) {
+std::string block_json(const BlockInput& input, const MarkerResult& result, const std::optional<MarkerHalves>& halves) {
   const MarkerBlock& block = input.block;
   Json groups = Json::array(), cameras = Json::array(), images = Json::array(), points = Json::array(),
        observations = Json::array(), rejected = Json::array();
@@ -249,7 +255,7 @@ std::string block_json(const BlockInput& input, const MarkerResult& result) {
                   {"unit", "m"},
                   {"datum", result.datum},
                   {"scale_sigma", result.scale_sigma},
-                  {"statistics", statistics_json(result)},
+                  {"statistics", statistics_json(result, halves)},
                   {"groups", groups},
                   {"cameras", cameras},
                   {"images", images},

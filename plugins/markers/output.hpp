@@ -1,6 +1,7 @@
 // Results of a marker block as files and artifacts; docs/photographs.md has the fields.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "artifacts/camera.hpp"
@@ -8,6 +9,7 @@
 #include "artifacts/points.hpp"
 #include "artifacts/poses.hpp"
 #include "input.hpp"
+#include "markers/marker_halves.hpp"
 
 namespace plumbline::markers {
 
@@ -16,7 +18,8 @@ FileT file_of(const std::string& name, const std::string& media_type, const std:
 /// tags[] {id, family, centre, corners, sigma, ...}.
 std::string tags_json(const MarkerBlock& block, const MarkerResult& result);
 /// The whole adjustment: statistics, groups, cameras, images, points, observations, rejected, left_out, warnings.
-std::string block_json(const BlockInput& input, const MarkerResult& result);
+std::string block_json(const BlockInput& input, const MarkerResult& result,
+                       const std::optional<MarkerHalves>& halves = std::nullopt);
 /// images[] {path, oriented, reason, centre, rotation, sigma, ...}, every photograph that was given.
 std::string poses_json(const BlockInput& input, const MarkerResult& result);
 /// One tag a line with its deviation from the layout.

@@ -5,9 +5,11 @@
 #include <random>
 
 #include "geometry/similarity.hpp"
+#include "geometry/statistics.hpp"
 #include "markers/calibration.hpp"
 #include "markers/marker_block.hpp"
 #include "markers/marker_datum.hpp"
+#include "markers/marker_halves.hpp"
 #include "markers/planar_pose.hpp"
 #include "scene.hpp"
 #include "test_support.hpp"
@@ -310,6 +312,40 @@ TEST(Calibration, OfPhotographsThatLookStraightSaysSo) {
   } catch (const std::runtime_error& error) {
     EXPECT_THAT(error.what(), HasSubstr("of straight, which does not tell the principal distance"));
   }
+}
+
+TEST(MarkerHalves, DifferByTheirCovariancesAndByMoreWhereTheCameraIsNotItsModel) {
+  double square = 0, freedom = 0;
+  for (unsigned seed = 1; seed <= 8; ++seed) {
+    const Scene s = scene(0.1, seed);
+    const auto halves = compare_halves(s.block, {}, adjust_marker_block(s.block, {}));
+    ASSERT_TRUE(halves.has_value());
+    EXPECT_GE(halves->tags, 8);
+    EXPECT_EQ(halves->freedom, 3 * halves->tags - 7);
+    EXPECT_FALSE(halves->contradict) << seed;
+    square += halves->variance * halves->freedom, freedom += halves->freedom;
+  }
+  EXPECT_GT(square, chi_squared_quantile(0.001, freedom));
+  EXPECT_LT(square, chi_squared_quantile(0.999, freedom));
+
+  Scene moved = scene(0.1, 9);  // while the rows were read, in every photograph another way
+  for (MarkerView& view : moved.block.views)
+    for (Eigen::Vector2d& p : view.corners) p.x() += 2e-3 * ((7 * view.image) % 5 - 2) * (p.y() - 600);
+  MarkerOptions all;
+  all.reject_above = 0;
+  const auto halves = compare_halves(moved.block, all, adjust_marker_block(moved.block, all));
+  ASSERT_TRUE(halves.has_value());
+  EXPECT_TRUE(halves->contradict) << halves->variance;
+  EXPECT_THAT(in_words(*halves), HasSubstr("two halves of the photographs place the tags"));
+}
+
+TEST(MarkerHalves, AreNotComparedWhereTheyAreTooFew) {
+  Scene s = scene(0.1, 1);
+  const MarkerResult result = adjust_marker_block(s.block, {});
+  MarkerResult few = result;
+  for (size_t i = 7; i < few.images.size(); ++i) few.images[i].oriented = false;
+  EXPECT_TRUE(compare_halves(s.block, {}, result).has_value());
+  EXPECT_FALSE(compare_halves(s.block, {}, few).has_value());
 }
 
 }  // namespace
