@@ -414,6 +414,7 @@ MarkerResult adjust_as_given(const MarkerBlock& block, const MarkerOptions& opti
   warn_about_variance(result);
   explain_images(block, result);
   explain_single_tags(block, result);
+  warn_about_calibrations(block, result);
   warn_about_weak(block, result);
   return result;
 }

@@ -250,6 +250,44 @@ void explain_single_tags(const MarkerBlock& block, MarkerResult& result) {
   }
 }
 
+namespace {
+
+/// Five digits: coefficients of distortion are small, principal distances are not.
+std::string digits(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.5g", value);
+  return text;
+}
+
+}  // namespace
+
+void warn_about_calibrations(const MarkerBlock& block, MarkerResult& result) {
+  constexpr double limit = 4;         // normalised residual: 0.06 % of sound calibrations, over nine parameters
+  constexpr double controlled = 0.2;  // redundancy number from which the photographs can contradict
+  for (std::size_t c = 0; c < block.cameras.size(); ++c) {
+    const MarkerCamera& given = block.cameras[c];
+    if (given.held || given.covariance.size() == 0 || result.cameras[c].covariance.size() == 0) continue;
+    const auto before = given.camera.parameters(), after = result.cameras[c].camera.parameters();
+    double largest = limit;
+    std::string worst;
+    for (Eigen::Index k = 0; k < BrownCamera::parameter_count; ++k) {
+      const auto i = static_cast<std::size_t>(k);
+      const double prior = given.covariance(k, k), adjusted = result.cameras[c].covariance(k, k);
+      if (!(prior > 0) || !(prior - adjusted > controlled * prior)) continue;
+      const double w = std::abs(after[i] - before[i]) / std::sqrt(prior - adjusted);
+      if (!(w > largest)) continue;
+      largest = w;
+      worst = std::string(BrownCamera::parameter_names[i]) + " is " + digits(after[i]) + " \u00b1 " +
+              digits(std::sqrt(adjusted)) + ", given were " + digits(before[i]) + " \u00b1 " +
+              digits(std::sqrt(prior)) + " (w = " + number(w, 1) + ")";
+    }
+    if (!worst.empty())
+      result.warnings.push_back("the photographs contradict the calibration of camera " + given.id + ": " + worst +
+                                ". Check that it is of this camera, focus and size of photographs; without it the "
+                                "camera calibrates itself");
+  }
+}
+
 void warn_about_weak(const MarkerBlock& block, MarkerResult& result) {
   constexpr double weak_part = 0.05;  // of the distance to the nearest tag
   for (auto& image : result.images) {

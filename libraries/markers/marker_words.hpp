@@ -34,6 +34,8 @@ void warn_about_layout(const MarkerBlock& block, const MarkerOptions& options, c
 void explain_images(const MarkerBlock& block, MarkerResult& result);
 /// The second pose of photographs with one tag.
 void explain_single_tags(const MarkerBlock& block, MarkerResult& result);
+/// Calibrations that were given with standard deviations and come out beyond them.
+void warn_about_calibrations(const MarkerBlock& block, MarkerResult& result);
 /// Poses, cameras and tags that hang on little.
 void warn_about_weak(const MarkerBlock& block, MarkerResult& result);
 

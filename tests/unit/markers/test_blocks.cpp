@@ -314,6 +314,21 @@ TEST(Calibration, OfPhotographsThatLookStraightSaysSo) {
   }
 }
 
+TEST(MarkerBlock, NamesACalibrationThatThePhotographsContradict) {
+  Scene s = scene(0.1, 4);
+  MarkerCamera& given = s.block.cameras[0];
+  given.id = "telephone", given.camera = true_camera();
+  const std::array<double, 9> sigmas = {1, 1, 1, 1, 5e-4, 2e-3, 1e-9, 5e-5, 5e-5};
+  given.covariance = Eigen::MatrixXd::Zero(9, 9);
+  for (Eigen::Index k = 0; k < 9; ++k) given.covariance(k, k) = std::pow(sigmas[static_cast<size_t>(k)], 2);
+  EXPECT_THAT(adjust_marker_block(s.block, {}).warnings, testing::Not(testing::Contains(HasSubstr("contradict"))));
+  given.camera.cy += 12;
+  EXPECT_THAT(adjust_marker_block(s.block, {}).warnings,
+              testing::Contains(
+                  testing::AllOf(HasSubstr("the photographs contradict the calibration of camera telephone: cy is "),
+                                 HasSubstr("given were 602 "))));
+}
+
 TEST(MarkerHalves, DifferByTheirCovariancesAndByMoreWhereTheCameraIsNotItsModel) {
   double square = 0, freedom = 0;
   for (unsigned seed = 1; seed <= 8; ++seed) {
