@@ -4,11 +4,11 @@
 #include <cmath>
 #include <fstream>
 #include <map>
-#include <nlohmann/json.hpp>
 
 #include "markers/camera_groups.hpp"
 #include "markers/colmap_files.hpp"
 #include "markers/control_files.hpp"
+#include "observation_files.hpp"
 #include "output.hpp"
 #include "read_nodes.hpp"
 
@@ -20,21 +20,6 @@ Eigen::Vector2d centre_of(const TagT& tag) {
   Eigen::Vector3d c[4];
   for (size_t k = 0; k < 4; ++k) c[k] = tag.corners[k].homogeneous();
   return c[0].cross(c[2]).cross(c[1].cross(c[3])).hnormalized();
-}
-
-std::unique_ptr<TagT> tag_of(const nlohmann::json& entry) {
-  auto tag = std::make_unique<TagT>();
-  tag->family = entry.at("family").get<std::string>();
-  tag->id = entry.at("id").get<int>();
-  tag->refined = entry.value("refined", false);
-  for (const auto& c : entry.at("corners")) tag->corners.push_back({c.at(0).get<double>(), c.at(1).get<double>()});
-  if (tag->corners.size() != 4)
-    throw std::runtime_error("tag " + std::to_string(tag->id) + " has " + std::to_string(tag->corners.size()) +
-                             " corners, expected 4");
-  if (entry.contains("covariance"))
-    for (const auto& c : entry.at("covariance"))
-      for (const auto& v : c) tag->corner_covariances.push_back(v.get<double>());
-  return tag;
 }
 
 }  // namespace
@@ -57,22 +42,7 @@ void ReadPoints::run(Context& context) {
 }
 
 void ReadImageObservations::run(Context&) {
-  TagObservationsT result;
-  try {
-    const auto root = nlohmann::json::parse(text_of_file(file->path));
-    for (const auto& entry : root.at("images")) {
-      auto image = std::make_unique<ImageTagsT>();
-      image->path = entry.at("path").get<std::string>();
-      image->width = entry.value("width", 0), image->height = entry.value("height", 0);
-      image->problem = entry.value("problem", std::string());
-      for (const auto& tag : entry.at("tags")) image->tags.push_back(tag_of(tag));
-      result.images.push_back(std::move(image));
-    }
-  } catch (const std::exception& error) {
-    throw std::runtime_error(file->path + ": not the observations.json of a detector (" + error.what() +
-                             "); docs/photographs.md has its fields");
-  }
-  observations.commit(result);
+  observations.commit(parse_observations(text_of_file(file->path), file->path));
 }
 
 void ReadColmap::run(Context&) {

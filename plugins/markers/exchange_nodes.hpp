@@ -26,8 +26,8 @@ struct ReadPoints : Node {
 
 struct ReadImageObservations : Node {
   static constexpr Info info{"read.image_observations", "", 1,
-                             "Reads the tags of photographs back from observations.json"};
-  Param<FilePath> file{"file", required, "observations.json of a detector"};
+                             "Reads the tags of photographs back from observations.json or observations.csv"};
+  Param<FilePath> file{"file", required, "observations.json of a detector, or the observations.csv of a campaign"};
   Out<TagObservations> observations{"observations", "the tags with their covariances"};
   void run(Context& context) override;
 };
