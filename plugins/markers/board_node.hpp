@@ -1,6 +1,9 @@
 // adjust.marker_board: tags in unknown places, from photographs alone.
 #pragma once
 
+#include <cstdio>
+
+#include "geometry/median.hpp"
 #include "markers/marker_halves.hpp"
 #include "output.hpp"
 #include "plumbline/node.hpp"
@@ -72,6 +75,7 @@ struct AdjustMarkerBoard : Node {
     options.size_sigma = *size_sigma, options.inset_sigma = *corner_inset_sigma, options.reject_above = *reject_above;
     if (!distance->empty()) options.distance = parse_distance(*distance, input.block);
     MarkerResult result = adjust_marker_block(input.block, options);
+    if (options.distance && *tag_size > 0) check_distance(result);
     const auto halves = *compare ? compare_halves(input.block, options, result) : std::nullopt;
     if (halves && halves->contradict) result.warnings.push_back(in_words(*halves));
     for (const auto& text : result.left_out) context.warn("left out: " + text);
@@ -84,6 +88,22 @@ struct AdjustMarkerBoard : Node {
     poses.commit(poses_of(input.block, result));
     for (size_t c = 0; c < input.block.cameras.size(); ++c)
       adjusted.commit(camera_artifact(input.block.cameras[c], result.cameras[c]));
+  }
+
+ private:
+  /// Where both are given the distance counts; a slip of its unit would go unnoticed.
+  void check_distance(MarkerResult& result) const {
+    if (result.markers.empty()) return;
+    std::vector<double> scales;
+    for (const AdjustedMarker& marker : result.markers) scales.push_back(marker.scale);
+    const double scale = median(scales);
+    if (scale > 0.95 && scale < 1.05) return;
+    char text[240];
+    std::snprintf(text, sizeof text,
+                  "with distance=%s the tags measure %.6g mm, tag_size says %.6g mm: the distance counts. Is it in "
+                  "metres, between the centres of these two tags?",
+                  distance->c_str(), 1e3 * scale * *tag_size, 1e3 * *tag_size);
+    result.warnings.emplace_back(text);
   }
 };
 

@@ -10,6 +10,7 @@
 #include "geometry/packed_symmetric.hpp"
 #include "markers/camera_groups.hpp"
 #include "photograph_groups.hpp"
+#include "text/text.hpp"
 
 namespace plumbline::markers {
 namespace {
@@ -225,7 +226,9 @@ MarkerDistance parse_distance(const std::string& text, const MarkerBlock& block)
     if (const size_t colon = name.find(':'); colon != std::string::npos)
       family = name.substr(0, colon), name = name.substr(colon + 1);
     int id = -1;
-    std::istringstream(name) >> id;
+    const auto number = formats::parse_number(name, '.');
+    if (!number || *number != std::floor(*number) || std::abs(*number) > 1e9) refuse("'" + name + "' is no tag's id");
+    id = static_cast<int>(*number);
     for (size_t m = 0; m < block.markers.size(); ++m)
       if (block.markers[m].id == id && (family.empty() || block.markers[m].family == family))
         return static_cast<int>(m);
@@ -235,11 +238,19 @@ MarkerDistance parse_distance(const std::string& text, const MarkerBlock& block)
   MarkerDistance distance;
   distance.from = find(parts[0]), distance.to = find(parts[1]);
   if (distance.from == distance.to) refuse("both tags are the same");
-  std::istringstream(parts[2]) >> distance.length;
-  distance.sigma = 0.0005;
-  if (parts.size() == 4) std::istringstream(parts[3]) >> distance.sigma;
+  const auto metres = [&](const std::string& part) {
+    const auto value = formats::parse_number(part, '.');
+    if (!value || !std::isfinite(*value))
+      refuse("'" + part + "' is no number of metres (without a unit, with a point)");
+    return *value;
+  };
+  distance.length = metres(parts[2]);
+  distance.sigma = parts.size() == 4 ? metres(parts[3]) : 0.0005;
   if (!(distance.length > 0)) refuse("'" + parts[2] + "' is no positive length");
   if (!(distance.sigma >= 0)) refuse("'" + parts[3] + "' is no standard deviation");
+  if (parts.size() == 4 && distance.sigma > 0.1 * distance.length)
+    refuse("the fourth number is the standard deviation of the distance, and " + parts[3] + " m of " + parts[2] +
+           " m is no measurement; a decimal comma, perhaps");
   return distance;
 }
 
