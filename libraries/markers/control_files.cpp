@@ -8,82 +8,14 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
-#include <optional>
 #include <set>
-#include <sstream>
 #include <stdexcept>
 
+#include "markers/gcp_list.hpp"
 #include "text/csv_table.hpp"
 
 namespace plumbline::markers {
 namespace {
-
-/// A line of gcp_list.txt: x y z column row image [name].
-struct GcpLine {
-  Eigen::Vector3d position;
-  Eigen::Vector2d pixel;
-  std::string image, name;
-};
-
-/// The first line of a gcp_list.txt. OpenDroneMap takes EPSG codes, PROJ strings and "WGS84 UTM 16N".
-bool is_projection(const std::string& line) {
-  const std::string text = formats::to_lower(line);
-  for (const char* start : {"epsg:", "+proj", "+init", "wgs84", "nad83", "local"})
-    if (text.rfind(start, 0) == 0) return text.find(',') == std::string::npos;
-  return false;
-}
-
-/// Whether the projection counts in degrees.
-bool is_geographic(const std::string& projection) {
-  const std::string text = formats::to_lower(projection);
-  if (text.find("longlat") != std::string::npos || text.find("latlong") != std::string::npos || text == "wgs84")
-    return true;
-  for (const char* code : {"epsg:4326", "epsg:4979", "epsg:4258", "epsg:4269"})
-    if (text == code || text.find(std::string("=") + code) != std::string::npos) return true;
-  return false;
-}
-
-/// The lines after the projection; nothing if the text is no gcp_list.
-std::optional<std::vector<GcpLine>> gcp_lines(const std::string& text, const std::string& file) {
-  std::istringstream stream(text.rfind("\xef\xbb\xbf", 0) == 0 ? text.substr(3) : text);
-  std::string line, first;
-  int number = 0;
-  while (first.empty() && std::getline(stream, line)) {
-    ++number;
-    if (line[0] != '#') first = formats::trim(line);
-  }
-  if (!is_projection(first)) return std::nullopt;
-  if (is_geographic(first))
-    throw std::runtime_error(file + ": the points are in degrees (" + first +
-                             "); transform them to a projected system in metres first");
-  std::vector<GcpLine> lines;
-  std::map<std::string, std::string> names;
-  std::map<std::string, std::pair<Eigen::Vector3d, int>> positions;
-  while (std::getline(stream, line)) {
-    ++number;
-    if (formats::trim(line).empty() || line[0] == '#') continue;
-    GcpLine g;
-    std::istringstream words(line);
-    if (!(words >> g.position.x() >> g.position.y() >> g.position.z() >> g.pixel.x() >> g.pixel.y() >> g.image))
-      throw std::runtime_error(file + ":" + std::to_string(number) + ": found '" +
-                               std::string(formats::trim(line).substr(0, 80)) +
-                               "', expected x y z column row image [name]");
-    if (!(words >> g.name)) {  // points without a name are told apart by their coordinates
-      std::ostringstream key;
-      key.precision(12);
-      key << g.position.transpose();
-      g.name = names.emplace(key.str(), "gcp" + std::to_string(names.size() + 1)).first->second;
-    }
-    const auto [at, is_new] = positions.try_emplace(g.name, g.position, number);
-    if (!is_new && (at->second.first - g.position).norm() > 1e-4)
-      throw std::runtime_error(file + ":" + std::to_string(number) + ": point " + g.name +
-                               " has other coordinates here than in line " + std::to_string(at->second.second) +
-                               "; one of the lines is of another point");
-    lines.push_back(g);
-  }
-  if (lines.empty()) throw std::runtime_error(file + ": there is no point under the projection");
-  return lines;
-}
 
 class Table {
  public:
