@@ -198,6 +198,10 @@ void read_opencv(const YAML::Node& root, const std::string& file, CameraFile& re
   const auto d = numbers(list);
   for (const double value : d)
     if (std::isnan(value)) refuse_value(file, list, "the coefficients of distortion");
+  if (!d.empty() && d.size() < 4)
+    refuse(file, "has " + std::to_string(d.size()) +
+                     " coefficients of distortion, expected are 4 (k1, k2, p1, p2), 5 (and k3), or more; write zeros "
+                     "where there are none");
   std::vector<double> named = d;
   if (d.empty()) {
     named.assign(5, 0);
@@ -210,17 +214,41 @@ void read_opencv(const YAML::Node& root, const std::string& file, CameraFile& re
   set_distortion(named, file, result.camera);
 }
 
+/// A mistyped name would leave its parameter at zero.
+void refuse_unknown_names(const YAML::Node& map, const std::string& of, const std::string& file) {
+  for (const auto& entry : map) {
+    const std::string name = entry.first.as<std::string>("");
+    const auto& names = BrownCamera::parameter_names;
+    if (std::find(names.begin(), names.end(), name) != names.end()) continue;
+    std::string known;
+    for (const char* each : names) known += (known.empty() ? "" : ", ") + std::string(each);
+    refuse(file, "line " + std::to_string(entry.first.Mark().line + 1) + ": '" + of + "' has no '" + name + "', only " +
+                     known);
+  }
+}
+
 bool read_ours(const YAML::Node& root, const std::string& file, CameraFile& result) {
   if (!root["plumbline_camera"]) return false;
   result.format = "Plumbline";
-  const YAML::Node parameters = root["parameters"];
+  const YAML::Node parameters = root["parameters"], given = root["sigmas"];
   if (!parameters || !parameters.IsMap()) refuse(file, "'parameters' is missing");
+  refuse_unknown_names(parameters, "parameters", file);
+  if (given && !given.IsNull() && !given.IsMap())
+    refuse_value(file, given, "a map of parameters and their standard deviations");
+  if (given && given.IsMap()) refuse_unknown_names(given, "sigmas", file);
   std::array<double, BrownCamera::parameter_count> values{}, sigmas{};
   for (size_t i = 0; i < values.size(); ++i) {
     const char* name = BrownCamera::parameter_names[i];
-    if (parameters[name]) values[i] = number(parameters[name], file, name);
-    if (root["sigmas"] && root["sigmas"].IsMap() && root["sigmas"][name])
-      sigmas[i] = number(root["sigmas"][name], file, std::string("the standard deviation of ") + name);
+    const bool is_distortion = i >= 4;
+    if (parameters[name])
+      values[i] = number(parameters[name], file, name);
+    else if (!is_distortion)
+      refuse(file, std::string("'parameters' has no ") + name);
+    if (given && given.IsMap() && given[name]) {
+      sigmas[i] = number(given[name], file, std::string("the standard deviation of ") + name);
+      if (sigmas[i] < 0)
+        refuse_value(file, given[name], std::string("a standard deviation of ") + name + " of 0 or more");
+    }
   }
   result.camera.set_parameters(values);
   if (root["pixel_origin"] && root["pixel_origin"].as<std::string>("") == "corner")

@@ -223,6 +223,30 @@ TEST(CameraFiles, OfOpenCVRosKalibrAndOurs) {
               HasSubstr("equidistant"));
 }
 
+TEST(CameraFiles, MistypedNamesAndImpossibleNumbersAreRefused) {
+  const auto refused = [](const std::string& parameters, const std::string& more) {
+    return message_of([&] {
+      markers::parse_camera_file(
+          "plumbline_camera: 1\nwidth: 4000\nheight: 3000\nparameters: {" + parameters + "}\n" + more, "c.yaml");
+    });
+  };
+  const std::string sound = "fx: 3000, fy: 3000, cx: 2000, cy: 1500";
+  EXPECT_EQ(refused(sound + ", k1: -0.1", "sigmas: {fx: 1, k1: 0}\n"), "nothing was thrown");
+  EXPECT_THAT(refused(sound + ", k_1: -0.1", ""),
+              HasSubstr("line 4: 'parameters' has no 'k_1', only fx, fy, cx, cy, k1"));
+  EXPECT_THAT(refused(sound, "sigmas: {FX: 1}\n"), HasSubstr("line 5: 'sigmas' has no 'FX'"));
+  EXPECT_THAT(refused(sound, "sigmas: {cx: -1}\n"),
+              HasSubstr("'-1', expected a standard deviation of cx of 0 or more"));
+  EXPECT_THAT(refused(sound, "sigmas: [1, 1]\n"), HasSubstr("expected a map of parameters"));
+  EXPECT_THAT(refused("fx: 3000, fy: 3000, cx: 2000", ""), HasSubstr("'parameters' has no cy"));
+  const std::string matrix = "camera_matrix: [3000, 0, 2000, 0, 3000, 1500, 0, 0, 1]\n";
+  for (const std::string list : {"[-0.1]", "[-0.1, 0.05]", "[-0.1, 0.05, 0.01]"})
+    EXPECT_THAT(message_of([&] { markers::parse_camera_file(matrix + "dist_coeffs: " + list + "\n", "o.yaml"); }),
+                HasSubstr("coefficients of distortion, expected are 4 (k1, k2, p1, p2), 5 (and k3)"));
+  EXPECT_EQ(message_of([&] { markers::parse_camera_file(matrix + "dist_coeffs: [-0.1, 0.05, 0, 0]\n", "o.yaml"); }),
+            "nothing was thrown");
+}
+
 TEST(CameraFiles, OfSeveralCamerasAreReadByName) {
   const std::string one =
       "  plumbline_camera: 1\n  width: 640\n  height: 480\n  parameters: {fx: 500, fy: 501, cx: 320, cy: 240}\n";
