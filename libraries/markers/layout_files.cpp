@@ -28,6 +28,12 @@ double number_of(const YAML::Node& node, const std::string& file, const std::str
   refuse(file, what + " is missing or no number");
 }
 
+int tag_id(double value, const std::string& file, const std::string& where) {
+  if (!(value >= 0 && value < 1e9) || value != std::floor(value))
+    refuse(file, where + "the id of a tag is a whole number, not negative");
+  return static_cast<int>(value);
+}
+
 Eigen::Vector3d vector_of(const YAML::Node& list, const std::string& file, const std::string& what) {
   if (!list || !list.IsSequence() || list.size() != 3) refuse(file, what + " does not have three coordinates");
   return {number_of(list[0], file, what), number_of(list[1], file, what), number_of(list[2], file, what)};
@@ -43,7 +49,7 @@ Eigen::Quaterniond from_wpilib(const Eigen::Quaterniond& world_from_face) {
 
 LayoutTag wpilib_tag(const YAML::Node& entry, const std::string& file) {
   LayoutTag tag;
-  tag.id = static_cast<int>(number_of(entry["ID"], file, "ID of a tag"));
+  tag.id = tag_id(number_of(entry["ID"], file, "ID of a tag"), file, "");
   const std::string of = " of tag " + std::to_string(tag.id);
   const YAML::Node at = entry["pose"]["translation"], q = entry["pose"]["rotation"]["quaternion"];
   if (!at || !q) refuse(file, "tag " + std::to_string(tag.id) + " has no pose with translation and quaternion");
@@ -58,7 +64,7 @@ LayoutTag wpilib_tag(const YAML::Node& entry, const std::string& file) {
 
 LayoutTag our_tag(const YAML::Node& entry, const std::string& file) {
   LayoutTag tag;
-  tag.id = static_cast<int>(number_of(entry["id"], file, "id of a tag"));
+  tag.id = tag_id(number_of(entry["id"], file, "id of a tag"), file, "");
   const std::string of = " of tag " + std::to_string(tag.id);
   if (entry["family"]) tag.family = entry["family"].as<std::string>("");
   if (entry["size"]) tag.size = number_of(entry["size"], file, "size" + of);
@@ -74,7 +80,7 @@ LayoutTag our_tag(const YAML::Node& entry, const std::string& file) {
 /// Four corners, clockwise from the top left.
 LayoutTag map_tag(const YAML::Node& entry, double unit, const std::string& file) {
   LayoutTag tag;
-  tag.id = static_cast<int>(number_of(entry["id"], file, "id of a marker"));
+  tag.id = tag_id(number_of(entry["id"], file, "id of a marker"), file, "");
   const YAML::Node list = entry["corners"];
   if (!list || list.size() != 4) refuse(file, "marker " + std::to_string(tag.id) + " does not have four corners");
   std::array<Eigen::Vector3d, 4> c;
@@ -119,7 +125,7 @@ const std::map<std::string, std::string>& csv_names() {
                                             {"family", "tag_family"}, {"azimuth", "facing_azimuth"}};
     for (const char* base : {"tag_id", "tag_family", "tag_size", "x", "y", "z", "tag_x", "tag_y", "tag_z", "qw", "qx",
                              "qy", "qz", "facing_azimuth"})
-      for (const char* unit : {"", "_m", "_mm", "_deg", "_gon", "_rad"})
+      for (const char* unit : {"", "_m", "_mm", "_cm", "_in", "_ft", "_deg", "_gon", "_rad"})
         m[std::string(base) + unit] = std::string(base) + unit;
     return m;
   }();
@@ -133,12 +139,13 @@ class CsvLayout {
     if (table_.header.empty()) refuse(file, "found no header line");
     for (size_t i = 0; i < table_.header.size(); ++i) {
       std::string name = table_.header[i].name, unit = table_.header[i].unit;
-      for (const char* suffix : {"m", "mm", "deg", "gon", "rad"}) {
+      for (const char* suffix : {"m", "mm", "cm", "in", "ft", "deg", "gon", "rad"}) {
         const std::string ending = std::string("_") + suffix;
         if (name.size() > ending.size() && name.ends_with(ending))
           name.resize(name.size() - ending.size()), unit = suffix;
       }
       column_[name] = {i, unit};
+      check_unit(name, unit);
     }
     for (const char* name : {"tag_id", "x", "y", "z"})
       if (!column_.count(name)) refuse(file, std::string("the column '") + name + "' is missing");
@@ -150,7 +157,7 @@ class CsvLayout {
     std::vector<LayoutTag> result;
     for (const auto& row : table_.rows) {
       LayoutTag tag;
-      tag.id = static_cast<int>(value(row, "tag_id", 0));
+      tag.id = tag_id(value(row, "tag_id", 0), file_, "line " + std::to_string(row.line) + ": ");
       if (column_.count("tag_family")) tag.family = cell(row, "tag_family");
       tag.size = value(row, "tag_size", 0);
       Eigen::Quaterniond q;
@@ -191,10 +198,25 @@ class CsvLayout {
     const auto number = table_.number(row.cells[found->second.index]);
     if (!number) refuse(file_, where + " holds '" + row.cells[found->second.index].text + "', expected a number");
     const std::string& unit = found->second.unit;
-    if (unit == "mm") return 1e-3 * *number;
+    if (const auto length = lengths().find(unit); length != lengths().end()) return length->second * *number;
     if (unit == "gon") return *number * std::numbers::pi / 200;
     if (unit == "deg" || (unit.empty() && name == "facing_azimuth")) return *number * std::numbers::pi / 180;
     return *number;
+  }
+  /// In metres; feet are international ones.
+  static const std::map<std::string, double>& lengths() {
+    static const std::map<std::string, double> units = {
+        {"m", 1}, {"mm", 1e-3}, {"cm", 1e-2}, {"in", 0.0254}, {"ft", 0.3048}};
+    return units;
+  }
+  /// A number whose unit nobody knows would be taken as it stands.
+  void check_unit(const std::string& name, const std::string& unit) const {
+    static const std::set<std::string> of_length = {"x", "y", "z", "tag_x", "tag_y", "tag_z", "tag_size"};
+    const bool length = of_length.count(name) != 0, angle = name == "facing_azimuth";
+    if (unit.empty() || (!length && !angle)) return;
+    if (length ? lengths().count(unit) != 0 : unit == "deg" || unit == "gon" || unit == "rad") return;
+    refuse(file_, "column '" + name + "' is in '" + unit + "', expected " +
+                      (length ? "m, mm, cm, in or ft" : "deg, gon or rad"));
   }
 
   std::string file_;

@@ -349,6 +349,27 @@ TEST(CameraGroups, TimesThatDifferByLittleAreOneMoment) {
   EXPECT_NE(counted[0][0], counted[1][0]);
 }
 
+TEST(LayoutFiles, KnowTheUnitsOfTheirColumnsOrRefuseThem) {
+  for (const auto& [unit, metres] :
+       {std::pair("m", 1.0), {"cm", 0.01}, {"mm", 0.001}, {"in", 0.0254}, {"ft", 0.3048}}) {
+    const std::string u = unit;
+    for (const std::string& head : {"tag_id,x_" + u + ",y_" + u + ",z_" + u + ",facing_azimuth_deg\n",
+                                    "tag_id,x [" + u + "],y [" + u + "],z [" + u + "],facing_azimuth_deg\n"})
+      EXPECT_NEAR(markers::parse_layout(head + "4,100,200,300,90\n", "l.csv")[0].world_from_tag.translation.y(),
+                  200 * metres, 1e-9)
+          << head;
+  }
+  EXPECT_THAT(message_of([] {
+                markers::parse_layout("tag_id,x [yd],y [yd],z [yd],facing_azimuth_deg\n4,1,2,3,90\n", "l.csv");
+              }),
+              HasSubstr("column 'x' is in 'yd', expected m, mm, cm, in or ft"));
+  EXPECT_THAT(
+      message_of([] { markers::parse_layout("tag_id,x_deg,y_m,z_m,facing_azimuth_deg\n4,1,2,3,90\n", "l.csv"); }),
+      HasSubstr("column 'x' is in 'deg'"));
+  EXPECT_THAT(message_of([] { markers::parse_layout("tag_id,x,y,z,facing_azimuth_deg\n4.5,1,2,3,90\n", "l.csv"); }),
+              HasSubstr("line 2: the id of a tag is a whole number"));
+}
+
 TEST(LayoutFiles, TurnWPILibsFacesIntoTags) {
   const auto tags = markers::parse_layout(
       R"({"tags":[{"ID":3,"pose":{"translation":{"x":1,"y":2,"z":3},"rotation":{"quaternion":{"W":1,"X":0,"Y":0,"Z":0}}}}]})",
