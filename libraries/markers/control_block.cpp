@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "block/control_words.hpp"
+#include "geometry/statistics.hpp"
 #include "markers/control_adjustment.hpp"
 #include "markers/robust_similarity.hpp"
 
@@ -118,8 +119,13 @@ ControlResult adjust_with_control(const ColmapModel& model, const std::vector<Co
     result.left_out.push_back("control point " + p.name + ": " + unused.reason);
   }
   warn_about_control(control, options, result);
+  // 0.1 % for all coordinates of the control together (Šidák 1967), not for each.
+  const auto tests =
+      3 * std::count_if(result.points.begin(), result.points.end(), [](const auto& p) { return p.used && !p.check; });
+  const double level = -std::expm1(std::log1p(-1e-3) / static_cast<double>(std::max<std::ptrdiff_t>(1, tests)));
+  const double critical = normal_quantile(1 - 0.5 * level);
   for (const auto& p : result.points)
-    if (p.used && !p.check && p.w.cwiseAbs().maxCoeff() > 3.29)
+    if (p.used && !p.check && p.w.cwiseAbs().maxCoeff() > critical)
       result.warnings.push_back("control point " + p.name +
                                 " contradicts the photographs: |w| = " + short_number(p.w.cwiseAbs().maxCoeff()) +
                                 ". Check its coordinates, its name and its measurements");

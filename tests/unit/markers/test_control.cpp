@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <random>
 
 #include "markers/control_block.hpp"
@@ -95,6 +96,20 @@ TEST(ControlBlock, BringsAModelIntoTheSurveysFrameWithHonestUncertainties) {
   EXPECT_LT(sum / 8, 3) << "errors are within their standard deviations";
   EXPECT_LT(result.rms, 0.5);
   EXPECT_TRUE(result.warnings.empty()) << result.warnings.front();
+}
+
+/// The level, 0.1 %, is that of all coordinates of a model together: at 3.29 each, one sound model of this kind in
+/// fifty was told that its control is wrong.
+TEST(ControlBlock, SaysNothingOfSoundControl) {
+  int told = 0;
+  for (unsigned seed = 100; seed < 220; ++seed) {
+    const Site s = site(seed);
+    const ControlResult result = adjust_with_control(s.model, s.control, s.measured, {});
+    told += std::any_of(result.warnings.begin(), result.warnings.end(), [](const std::string& w) {
+      return w.find("contradicts the photographs") != std::string::npos;
+    });
+  }
+  EXPECT_EQ(told, 0);
 }
 
 TEST(ControlBlock, NamesAPointWithTheWrongCoordinatesAndGoesOnWithoutIt) {
