@@ -98,8 +98,7 @@ TEST(ControlBlock, BringsAModelIntoTheSurveysFrameWithHonestUncertainties) {
   EXPECT_TRUE(result.warnings.empty()) << result.warnings.front();
 }
 
-/// The level, 0.1 %, is that of all coordinates of a model together: at 3.29 each, one sound model of this kind in
-/// fifty was told that its control is wrong.
+/// The level, 0.1 %, is that of all coordinates of a model together: at 3.29 for each, one of these 120 was told of.
 TEST(ControlBlock, SaysNothingOfSoundControl) {
   int told = 0;
   for (unsigned seed = 100; seed < 220; ++seed) {
