@@ -42,12 +42,15 @@ struct ReadImages : Node {
   void run(Context& context) override {
     const fs::path root = folder->path;
     std::vector<fs::path> files;
-    std::vector<std::string> others;
+    std::vector<std::string> others, dangling;
     for (const auto& entry : fs::recursive_directory_iterator(root))
       if (entry.is_regular_file() && is_photograph_name(entry.path()))
         files.push_back(entry.path());
       else if (entry.is_regular_file())
         others.push_back(entry.path().lexically_relative(root).generic_string());
+      else if (entry.is_symlink() && !entry.exists() && is_photograph_name(entry.path()))
+        dangling.push_back(entry.path().lexically_relative(root).generic_string());
+    if (!dangling.empty()) say_dangling(context, dangling);
     const std::string unread = unread_photographs(others);
     if (files.empty())
       throw std::runtime_error("no image in " + root.string() +
@@ -62,6 +65,16 @@ struct ReadImages : Node {
       image.camera = *camera;
       images.commit(image);
     }
+  }
+
+ private:
+  void say_dangling(Context& context, std::vector<std::string> links) const {
+    std::sort(links.begin(), links.end());
+    const std::string text = links.front() +
+                             (links.size() > 1 ? " and " + std::to_string(links.size() - 1) + " others" : "") + " of " +
+                             folder->path + ": a link to a file that is not there; take it away, or put the file back";
+    if (*on_bad_image == "error") throw std::runtime_error(text);
+    context.warn(text);
   }
 };
 

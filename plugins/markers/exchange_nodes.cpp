@@ -185,7 +185,11 @@ void WriteGcp::run(Context& context) {
 }
 
 void WritePly::run(Context&) {
+  constexpr double farthest = 1e9;  // [m]; more is no coordinate, and no line of a PLY file
   const PointsT given = points.unpack();
+  for (const auto& p : given.points)
+    if (p->position.allFinite() && p->position.cwiseAbs().maxCoeff() > farthest)
+      throw std::runtime_error("point '" + p->id + "' has a coordinate beyond 1e9 m, which is none");
   std::string text = "ply\nformat ascii 1.0\nelement vertex " + std::to_string(given.points.size()) +
                      "\nproperty double x\nproperty double y\nproperty double z\nend_header\n";
   for (const auto& p : given.points) {

@@ -1,7 +1,10 @@
-// adjust.marker_board over its artifacts: what it says of a distance.
+// adjust.marker_board, write.ply and read.images over their artifacts: what they refuse.
 #include <gmock/gmock.h>
 
+#include <filesystem>
+
 #include "artifacts/image.hpp"
+#include "artifacts/points.hpp"
 #include "artifacts/tag_observations.hpp"
 #include "node_harness.hpp"
 #include "scene.hpp"
@@ -61,6 +64,37 @@ TEST(MarkerBoardDistance, IsThreePlainNumbersOrFour) {
 
 TEST(MarkerBoardDistance, InAnotherUnitThanMetresIsTold) {
   EXPECT_THAT(said_of("0,1,300"), HasSubstr("with distance=0,1,300 the tags measure 1200"));
+}
+
+TEST(WritePly, RefusesWhatIsNoCoordinate) {
+  for (const double height : {300.0, 1e308}) {
+    PointsT points;
+    points.points.push_back(std::make_unique<PointT>());
+    points.points.back()->id = "far", points.points.back()->position = {4.5e5, 5.4e6, height};
+    test::NodeHarness node("write.ply");
+    node.input<Points>("points", points);
+    try {
+      node.run();
+      EXPECT_EQ(height, 300.0);
+    } catch (const test::NodeFailed& error) {
+      EXPECT_THAT(error.what(), HasSubstr("point 'far' has a coordinate beyond 1e9 m"));
+      EXPECT_EQ(height, 1e308);
+    }
+  }
+}
+
+TEST(ReadImages, NamesALinkToNothing) {
+  const test::TemporaryFolder folder;
+  std::filesystem::create_symlink("gone.jpg", folder.path() / "a.jpg");
+  test::NodeHarness node("read.images");
+  node.set("folder", folder.path().string());
+  try {
+    node.run();
+    FAIL();
+  } catch (const test::NodeFailed& error) {
+    EXPECT_THAT(error.what(), HasSubstr("a.jpg of "));
+    EXPECT_THAT(error.what(), HasSubstr("a link to a file that is not there"));
+  }
 }
 
 }  // namespace
