@@ -36,6 +36,7 @@ const std::vector<Library> libraries = {
     {"colmap", {"markers", "block", "registration", "adjustment", "geometry", "images"}},
     {"joint", {"survey", "block", "adjustment", "geometry"}},
     {"judgement", {"geometry", "ifc"}},
+    {"loop", {"geometry", "text", "ifc"}},
     {"pose", {"markers", "geometry"}},
     {"artifacts", {"geometry", "survey", "survey_files", "block", "judgement"}},
 };

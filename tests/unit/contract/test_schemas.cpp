@@ -41,7 +41,7 @@ std::string field_problem(const reflection::Schema& schema, const reflection::Fi
   if (floating && type->base_type() != reflection::Vector && !std::isnan(field.default_real()))
     return "is a floating scalar and must default to nan";
   const std::string frame = attribute(field.attributes(), "frame");
-  static const std::set<std::string> fixed = {"plate", "image", "camera", "station", "element"};
+  static const std::set<std::string> fixed = {"plate", "image", "camera", "station", "element", "facade"};
   if (!frame.empty() && !frames.count(frame) && !fixed.count(frame))
     return "is in frame '" + frame + "', which is neither a frame parameter of the root nor a fixed name";
   return "";

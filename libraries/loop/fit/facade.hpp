@@ -1,0 +1,101 @@
+// What hangs on what: brackets that can be set, panels with their hooks, joints between panels. One struct for planner,
+// gate and simulation. All places in one frame [m]; directions of one who stands before the facade: right, up, out.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace plumbline::loop {
+
+inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
+/// Names of the three directions, in the order of the columns of `axes`.
+inline constexpr std::array<const char*, 3> kDirections = {"right", "up", "out"};
+
+/// Columns right, up, out for an outward normal; `outward` need not be horizontal or of unit length, but not vertical.
+Eigen::Matrix3d facade_axes(const Eigen::Vector3d& outward);
+
+/// How far brackets of a type can be set, along right, up, out [m].
+struct BracketType {
+  std::string name = "assumed";
+  Eigen::Vector3d low{-0.020, -0.015, -0.025}, high{0.020, 0.015, 0.025};
+  Eigen::Vector3d step = Eigen::Vector3d::Zero();  ///< of a shim or a toothed plate; 0: continuous
+};
+
+/// A bracket at an anchor.
+struct Bracket {
+  std::string id;
+  int floor = 0;
+  Eigen::Vector3d design = Eigen::Vector3d::Zero();                 ///< where its hook should be, unset
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();               ///< frame_from_facade: columns right, up, out
+  Eigen::Vector3d deviation = Eigen::Vector3d::Constant(kUnknown);  ///< as-built minus design (14); nan: not measured
+  BracketType type;
+  bool fixed = false;  ///< a panel hangs on it: it is set no more, `deviation` is that of the hook as it stands
+  bool measured() const { return deviation.allFinite(); }
+};
+
+/// What a hook takes up; the other directions slide.
+struct Hook {
+  std::size_t bracket = 0;
+  std::array<bool, 3> holds = {true, true, true};  ///< right, up, out
+};
+
+/// Limits of a panel's corners [m].
+struct CornerLimits {
+  double right = 0.005, up = 0.005, out = 0.005;
+  double operator[](int direction) const { return direction == 0 ? right : direction == 1 ? up : out; }
+};
+
+struct Panel {
+  std::string id, name;
+  int floor = 0;
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  std::array<Eigen::Vector3d, 4> corners = {};  ///< bottom left, bottom right, top left, top right, seen from outside
+  std::vector<Hook> hooks;
+  CornerLimits limits;
+  std::vector<std::string> depends_on;  ///< ids of panels that hang first
+  bool installed = false;
+};
+
+/// Sides of a panel as seen from outside.
+enum class Side { left, right, bottom, top };
+
+/// The gap from panel `a` to panel `b`, looked at where it begins and where it ends.
+struct Joint {
+  std::size_t a = 0, b = 0;
+  Side side_of_a = Side::right, side_of_b = Side::left;
+  Eigen::Vector3d across = Eigen::Vector3d::UnitX();           ///< unit vector from a to b
+  std::array<Eigen::Vector3d, 2> on_a = {}, on_b = {};         ///< the two ends
+  double nominal = 0, least = 0, most = 0;                     ///< width [m]
+  double step_most = std::numeric_limits<double>::infinity();  ///< out of plane from a to b [m]
+};
+
+/// Standard deviations beside those of the measured anchors [m].
+struct ErrorModel {
+  double setting = 0.0005;      ///< of a bracket as it is set against what was asked, each direction
+  double station = 0;           ///< common to all brackets that one robot sets on one floor, each direction
+  double edge = 0.0005;         ///< of an edge of a panel, within its plane
+  double face = 0.0005;         ///< of a panel's face out of its plane
+  double guard_factor = 1.645;  ///< k
+};
+
+struct Facade {
+  std::vector<Bracket> brackets;
+  std::vector<Panel> panels;
+  std::vector<Joint> joints;
+  Eigen::MatrixXd covariance;  ///< of the deviations, 3n x 3n [m²], order of the brackets; what was not measured: any
+  ErrorModel errors;
+};
+
+/// What is wrong with a facade, in words with the place; empty if nothing is. Sizes, repeated ids, indices, limits, a
+/// cycle in depends_on (named panel by panel), brackets with an empty range.
+std::vector<std::string> faults_of(const Facade& facade);
+
+/// Panels in an order that depends_on allows, lower floors first. Throws std::runtime_error that names a cycle.
+std::vector<std::size_t> installation_order(const std::vector<Panel>& panels);
+
+}  // namespace plumbline::loop

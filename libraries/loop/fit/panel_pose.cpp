@@ -1,0 +1,183 @@
+#include "loop/fit/panel_pose.hpp"
+
+#include <Eigen/Geometry>
+#include <Eigen/SVD>
+#include <cmath>
+#include <set>
+
+#include "geometry/vectors.hpp"
+
+namespace plumbline::loop {
+
+Eigen::Matrix<double, 1, 6> PanelPose::movement(const Panel& panel, const Eigen::Vector3d& point,
+                                                const Eigen::Vector3d& direction) const {
+  Eigen::Matrix<double, 1, 6> row;
+  row << direction.transpose(), (point - panel.centre).cross(direction).transpose() / arm;
+  return row;
+}
+
+bool PanelPose::tells(const Eigen::Matrix<double, 1, 6>& row) const {
+  return open.cols() == 0 || (row * open).norm() < 0.05;
+}
+
+PanelPose pose_of(const Panel& panel, const std::vector<Bracket>& brackets) {
+  PanelPose pose;
+  pose.arm = std::max(0.1, 0.5 * (panel.corners[3] - panel.corners[0]).norm());
+  for (const Hook& hook : panel.hooks)
+    for (int k = 0; k < 3; ++k)
+      if (hook.holds[static_cast<std::size_t>(k)] && brackets[hook.bracket].measured())
+        pose.held.push_back({hook.bracket, panel.axes.col(k)});
+  const auto h = static_cast<Eigen::Index>(pose.held.size());
+  pose.hooks.resize(h, 6), pose.solve.setZero(6, h), pose.open = Eigen::MatrixXd::Identity(6, 6);
+  if (h == 0) return pose;
+  for (Eigen::Index i = 0; i < h; ++i) {
+    const PanelPose::Held& held = pose.held[static_cast<std::size_t>(i)];
+    pose.hooks.row(i) = pose.movement(panel, brackets[held.bracket].design, held.direction);
+  }
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(pose.hooks, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Eigen::Index rank = 0;
+  // A direction that a hook holds at less than a hundredth of the panel's half diagonal is not held.
+  while (rank < svd.singularValues().size() && svd.singularValues()[rank] > 0.01) ++rank;
+  pose.solve = svd.matrixV().leftCols(rank) * svd.singularValues().head(rank).cwiseInverse().asDiagonal() *
+               svd.matrixU().leftCols(rank).transpose();
+  pose.open = svd.matrixV().rightCols(6 - rank);
+  return pose;
+}
+
+namespace {
+
+constexpr const char* kCorners[] = {"bottom left", "bottom right", "top left", "top right"};
+
+void add_corners(const Facade& facade, std::size_t j, const PanelPose& pose, std::vector<JudgedValue>& values,
+                 std::vector<std::string>& untold) {
+  const Panel& panel = facade.panels[j];
+  std::set<int> missing;
+  for (int corner = 0; corner < 4; ++corner)
+    for (int k = 0; k < 3; ++k) {
+      const auto row = pose.movement(panel, panel.corners[static_cast<std::size_t>(corner)], panel.axes.col(k));
+      if (!pose.tells(row)) {
+        missing.insert(k);
+        continue;
+      }
+      JudgedValue value;
+      value.panel = j, value.corner = corner, value.direction = k;
+      value.low = -panel.limits[k], value.high = panel.limits[k];
+      value.rows = {{j, row}};
+      if (k == 2) value.edges = {{5 * j + 4, 1.0}};
+      values.push_back(std::move(value));
+    }
+  for (const int k : missing)
+    untold.push_back("panel " + panel.id + ": its measured hooks do not tell how far its corners move " +
+                     kDirections[static_cast<std::size_t>(k)]);
+}
+
+void add_joint(const Facade& facade, std::size_t index, const std::vector<PanelPose>& poses,
+               std::vector<JudgedValue>& values, std::vector<std::string>& untold) {
+  const Joint& joint = facade.joints[index];
+  const Panel &a = facade.panels[joint.a], &b = facade.panels[joint.b];
+  bool told = true;
+  for (int end = 0; end < 2; ++end)
+    for (const Quantity quantity : {Quantity::gap, Quantity::step}) {
+      if (quantity == Quantity::step && !std::isfinite(joint.step_most)) continue;
+      const Eigen::Vector3d direction = quantity == Quantity::gap ? joint.across : Eigen::Vector3d(a.axes.col(2));
+      const auto of_a = poses[joint.a].movement(a, joint.on_a[static_cast<std::size_t>(end)], direction);
+      const auto of_b = poses[joint.b].movement(b, joint.on_b[static_cast<std::size_t>(end)], direction);
+      if (!poses[joint.a].tells(of_a) || !poses[joint.b].tells(of_b)) {
+        told = false;
+        continue;
+      }
+      JudgedValue value;
+      value.quantity = quantity, value.panel = joint.a, value.joint = static_cast<int>(index), value.end = end;
+      value.rows = {{joint.a, -of_a}, {joint.b, of_b}};
+      if (quantity == Quantity::gap) {
+        value.constant = joint.nominal, value.low = joint.least, value.high = joint.most;
+        value.edges = {{5 * joint.a + static_cast<std::size_t>(joint.side_of_a), -1.0},
+                       {5 * joint.b + static_cast<std::size_t>(joint.side_of_b), 1.0}};
+      } else {
+        value.low = -joint.step_most, value.high = joint.step_most;
+        value.edges = {{5 * joint.a + 4, -1.0}, {5 * joint.b + 4, 1.0}};
+      }
+      values.push_back(std::move(value));
+    }
+  if (!told) untold.push_back("the joint of " + a.id + " and " + b.id + ": measured hooks do not tell all of it");
+}
+
+}  // namespace
+
+std::string JudgedValue::words(const Facade& facade) const {
+  if (quantity == Quantity::corner)
+    return "corner " + std::string(kCorners[corner]) + " of " + facade.panels[panel].id + ", " +
+           kDirections[static_cast<std::size_t>(direction)];
+  const Joint& j = facade.joints[static_cast<std::size_t>(joint)];
+  return std::string(quantity == Quantity::gap ? "gap" : "step") + " from " + facade.panels[j.a].id + " to " +
+         facade.panels[j.b].id;
+}
+
+std::vector<JudgedValue> judged_values(const Facade& facade, const std::vector<PanelPose>& poses,
+                                       std::vector<std::string>& untold) {
+  std::vector<JudgedValue> values;
+  for (std::size_t j = 0; j < facade.panels.size(); ++j) add_corners(facade, j, poses[j], values, untold);
+  for (std::size_t i = 0; i < facade.joints.size(); ++i) add_joint(facade, i, poses, values, untold);
+  return values;
+}
+
+std::map<std::size_t, Eigen::RowVector3d> bracket_gradient(const JudgedValue& value,
+                                                           const std::vector<PanelPose>& poses) {
+  std::map<std::size_t, Eigen::RowVector3d> gradient;
+  for (const auto& [panel, row] : value.rows) {
+    const PanelPose& pose = poses[panel];
+    const Eigen::RowVectorXd of_held = row * pose.solve;
+    for (Eigen::Index i = 0; i < of_held.size(); ++i) {
+      const PanelPose::Held& held = pose.held[static_cast<std::size_t>(i)];
+      gradient.try_emplace(held.bracket, Eigen::RowVector3d::Zero()).first->second +=
+          of_held[i] * held.direction.transpose();
+    }
+  }
+  return gradient;
+}
+
+Eigen::MatrixXd ValueErrors::covariance() const {
+  const Eigen::MatrixXd all = rows * (measured + setting + station) * rows.transpose() + made;
+  return 0.5 * (all + all.transpose());
+}
+
+ValueErrors errors_of(const std::vector<const JudgedValue*>& values, const Facade& facade,
+                      const std::vector<PanelPose>& poses) {
+  const auto m = static_cast<Eigen::Index>(values.size());
+  std::vector<std::map<std::size_t, Eigen::RowVector3d>> gradients;
+  std::map<std::size_t, Eigen::Index> place, edge;  // of a bracket and of an edge among those concerned
+  for (const JudgedValue* value : values) {
+    gradients.push_back(bracket_gradient(*value, poses));
+    for (const auto& [bracket, row] : gradients.back()) place.try_emplace(bracket, 0);
+    for (const auto& [at, factor] : value->edges) edge.try_emplace(at, 0);
+  }
+  Eigen::Index n = 0, edges = 0;
+  ValueErrors out;
+  for (auto& [bracket, at] : place) at = n++, out.brackets.push_back(bracket);
+  for (auto& [which, at] : edge) at = edges++;
+  const ErrorModel& errors = facade.errors;
+  out.measured.resize(3 * n, 3 * n);
+  out.setting.setZero(3 * n, 3 * n), out.station.setZero(3 * n, 3 * n);
+  for (const auto& [i, at_i] : place)
+    for (const auto& [j, at_j] : place) {
+      out.measured.block<3, 3>(3 * at_i, 3 * at_j) =
+          facade.covariance.block<3, 3>(3 * static_cast<Eigen::Index>(i), 3 * static_cast<Eigen::Index>(j));
+      if (facade.brackets[i].fixed || facade.brackets[j].fixed) continue;
+      if (i == j) out.setting.block<3, 3>(3 * at_i, 3 * at_j).diagonal().setConstant(errors.setting * errors.setting);
+      if (facade.brackets[i].floor == facade.brackets[j].floor)
+        out.station.block<3, 3>(3 * at_i, 3 * at_j).diagonal().setConstant(errors.station * errors.station);
+    }
+  out.rows.setZero(m, 3 * n);
+  Eigen::MatrixXd made = Eigen::MatrixXd::Zero(m, edges);
+  for (Eigen::Index v = 0; v < m; ++v) {
+    const JudgedValue& value = *values[static_cast<std::size_t>(v)];
+    for (const auto& [bracket, row] : gradients[static_cast<std::size_t>(v)])
+      out.rows.block<1, 3>(v, 3 * place.at(bracket)) = row;
+    for (const auto& [which, factor] : value.edges)
+      made(v, edge.at(which)) = factor * (which % 5 == 4 ? errors.face : errors.edge);
+  }
+  out.made = made * made.transpose();
+  return out;
+}
+
+}  // namespace plumbline::loop

@@ -1,0 +1,71 @@
+// Pose of a panel on its hooks as a linear function of what the hooks do, and of what depends on it.
+#pragma once
+
+#include <map>
+
+#include "loop/fit/facade.hpp"
+
+namespace plumbline::loop {
+
+/// The panel's twist (translation of its centre [m], rotation vector times `arm` [m]) is solve * m, where m are the
+/// movements of its hooks in the directions that they hold [m]: least squares, every direction of equal weight. What no
+/// hook tells stays 0.
+struct PanelPose {
+  double arm = 1;         ///< [m] half the panel's diagonal: a rotation as the way it moves a corner
+  Eigen::MatrixXd hooks;  ///< h x 6: movement of the held directions from the twist
+  Eigen::MatrixXd solve;  ///< 6 x h
+  Eigen::MatrixXd open;   ///< 6 x f: twists that no hook tells; f = 0 for a panel that hangs as it should
+  struct Held {
+    std::size_t bracket;
+    Eigen::Vector3d direction;  ///< unit vector, in the frame
+  };
+  std::vector<Held> held;  ///< the h directions, in the order of the hooks
+
+  /// 1 x 6: movement of a point of the panel along a direction.
+  Eigen::Matrix<double, 1, 6> movement(const Panel& panel, const Eigen::Vector3d& point,
+                                       const Eigen::Vector3d& direction) const;
+  /// Whether the hooks tell a value with this row: moves less than 0.05 for a unit of any open twist.
+  bool tells(const Eigen::Matrix<double, 1, 6>& row) const;
+};
+
+/// Hooks on brackets that were not measured are left out: what they hold is then open.
+PanelPose pose_of(const Panel& panel, const std::vector<Bracket>& brackets);
+
+/// What a value is judged as.
+enum class Quantity { corner, gap, step };
+
+/// A length that must lie between two limits: a corner of a panel or a joint at one of its ends. Linear in the twists
+/// of up to two panels.
+struct JudgedValue {
+  Quantity quantity = Quantity::corner;
+  std::size_t panel = 0;  ///< of a joint: that which comes first, `a`
+  int corner = -1, direction = -1;
+  int joint = -1, end = -1;
+  double constant = 0;  ///< [m] nominal width of a gap; else 0
+  double low = 0, high = 0;
+  std::vector<std::pair<std::size_t, Eigen::Matrix<double, 1, 6>>> rows;  ///< by panel
+  std::vector<std::pair<std::size_t, double>> edges;  ///< factors of manufacture: panel * 5 + side, 4 for its face
+  std::string words(const Facade& facade) const;
+};
+
+/// All values that are judged and that the hooks tell, corners panel by panel, then joints; `untold` names the others.
+std::vector<JudgedValue> judged_values(const Facade& facade, const std::vector<PanelPose>& poses,
+                                       std::vector<std::string>& untold);
+
+/// d(value)/d(movement of brackets): by bracket, in the frame.
+std::map<std::size_t, Eigen::RowVector3d> bracket_gradient(const JudgedValue& value,
+                                                           const std::vector<PanelPose>& poses);
+
+/// How errors reach some judged values: of the brackets they rest on as measured and as set, of manufacture. Settings
+/// and stations are of brackets that are still to be set.
+struct ValueErrors {
+  std::vector<std::size_t> brackets;       ///< that the values rest on
+  Eigen::MatrixXd rows;                    ///< values x 3 brackets: d(value)/d(movement), in the frame
+  Eigen::MatrixXd measured;                ///< 3n x 3n joint covariance of the deviations [m²]
+  Eigen::MatrixXd setting, station, made;  ///< setting, station: 3n x 3n [m²]; made: values x values [m²]
+  Eigen::MatrixXd covariance() const;      ///< of the values [m²]
+};
+ValueErrors errors_of(const std::vector<const JudgedValue*>& values, const Facade& facade,
+                      const std::vector<PanelPose>& poses);
+
+}  // namespace plumbline::loop

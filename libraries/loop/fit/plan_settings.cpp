@@ -1,0 +1,220 @@
+#include "loop/fit/plan_settings.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "loop/fit/settings_program.hpp"
+
+namespace plumbline::loop {
+
+namespace {
+
+/// Of a tolerance, what the guard band may take before it says nothing any more.
+constexpr double kLargestGuard = 0.9;
+/// Limits broken by less are kept [mm].
+constexpr double kBroken = 1e-5;
+/// An excess above this is told [mm].
+constexpr double kTold = 0.01;
+
+std::string millimetres(double metres) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f", 1e3 * metres);
+  return text;
+}
+
+/// Every limit there is: ranges of brackets, then judged values less their guard band.
+std::vector<Limit> limits_of(const Facade& facade, const SettingsProgram& program, Fit& fit) {
+  std::vector<Limit> limits;
+  for (std::size_t b = 0; b < facade.brackets.size(); ++b)
+    for (int k = 0; program.is_set(b) && k < 3; ++k)
+      limits.push_back(
+          {static_cast<int>(b), k, -1, 1e3 * facade.brackets[b].type.low[k], 1e3 * facade.brackets[b].type.high[k]});
+  for (std::size_t v = 0; v < fit.judged.size(); ++v) {
+    const JudgedValue& value = fit.judged[v];
+    const double half = 0.5 * (value.high - value.low), wanted = facade.errors.guard_factor * fit.values[v].u;
+    const double guard = std::min(wanted, kLargestGuard * half);
+    fit.values[v].guarded = wanted <= kLargestGuard * half;
+    limits.push_back({-1, -1, static_cast<int>(v), 1e3 * (value.low + guard), 1e3 * (value.high - guard)});
+  }
+  return limits;
+}
+
+/// The optimum; `working` are the limits that it knows at the end, one side each, with their excess in the last
+/// unknowns.
+ConvexOptimum optimum_of(const SettingsProgram& program, const std::vector<Limit>& limits, std::vector<Limit>& working,
+                         int& solves) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  std::vector<std::array<bool, 2>> known(limits.size(), {false, false});
+  for (;;) {
+    const ConvexOptimum optimum = minimise(program.with(working));
+    ++solves;
+    bool complete = true;
+    for (std::size_t i = 0; i < limits.size(); ++i) {
+      const double at = program.at(limits[i], optimum.x);
+      Limit side = limits[i];
+      if (at < limits[i].low - kBroken && !known[i][0]) {
+        side.high = infinity, known[i][0] = true;
+      } else if (at > limits[i].high + kBroken && !known[i][1]) {
+        side.low = -infinity, known[i][1] = true;
+      } else {
+        continue;
+      }
+      working.push_back(side), complete = false;
+    }
+    if (complete) return optimum;
+  }
+}
+
+std::string panels_on(const Facade& facade, std::size_t bracket) {
+  std::string names;
+  for (const Panel& panel : facade.panels)
+    for (const Hook& hook : panel.hooks)
+      if (hook.bracket == bracket) names += (names.empty() ? "" : " or ") + panel.id;
+  return names;
+}
+
+std::string range_words(const Facade& facade, const Relaxation& relaxed) {
+  static constexpr const char* kPlus[] = {"to the right", "up", "outward"};
+  static constexpr const char* kMinus[] = {"to the left", "down", "inward"};
+  const auto& bracket = facade.brackets[static_cast<std::size_t>(relaxed.bracket)];
+  const auto k = static_cast<std::size_t>(relaxed.direction);
+  const double excess = std::abs(relaxed.needed - relaxed.limit);
+  return "bracket " + bracket.id + " would have to move " + millimetres(std::abs(relaxed.needed)) + " mm " +
+         (relaxed.needed > 0 ? kPlus[k] : kMinus[k]) + ", it has " + millimetres(std::abs(relaxed.limit)) +
+         ": re-drill, or trim panel " + panels_on(facade, static_cast<std::size_t>(relaxed.bracket)) + " by " +
+         millimetres(excess) + " mm at this hook";
+}
+
+std::string value_words(const Facade& facade, const JudgedValue& value, const Relaxation& relaxed) {
+  const std::string by = millimetres(std::abs(relaxed.needed - relaxed.limit));
+  if (value.quantity == Quantity::gap) {
+    const bool wide = relaxed.needed > relaxed.limit;
+    return "the " + value.words(facade) + " would be " + millimetres(relaxed.needed) + " mm, it may be " +
+           millimetres(relaxed.limit) + " with the guard band: " +
+           (wide ? "a wider seal, or a panel that is " + by + " mm larger"
+                 : "trim one of the two panels by " + by + " mm");
+  }
+  return "the " + value.words(facade) + " would be off by " + millimetres(relaxed.needed) + " mm, it may be " +
+         millimetres(relaxed.limit) + " with the guard band: a more precise measurement, or a tolerance wider by " +
+         by + " mm";
+}
+
+void gather_relaxations(const Facade& facade, const SettingsProgram& program, const std::vector<Limit>& working,
+                        const ConvexOptimum& optimum, Fit& fit) {
+  const Eigen::Index excess = optimum.x.size() - static_cast<Eigen::Index>(working.size());
+  for (std::size_t i = 0; i < working.size(); ++i) {
+    if (optimum.x[excess + static_cast<Eigen::Index>(i)] < kTold) continue;
+    Relaxation relaxed{working[i].bracket, working[i].direction, working[i].value, 0, 0, {}};
+    relaxed.needed = 1e-3 * program.at(working[i], optimum.x);
+    relaxed.limit = 1e-3 * (std::isfinite(working[i].high) ? working[i].high : working[i].low);
+    relaxed.words = working[i].value < 0
+                        ? range_words(facade, relaxed)
+                        : value_words(facade, fit.judged[static_cast<std::size_t>(working[i].value)], relaxed);
+    fit.relaxations.push_back(std::move(relaxed));
+  }
+}
+
+void note_what_is_missing(const Facade& facade, Fit& fit) {
+  std::vector<bool> used(facade.brackets.size(), false);
+  for (std::size_t j = 0; j < facade.panels.size(); ++j) {
+    const Panel& panel = facade.panels[j];
+    if (panel.hooks.empty()) fit.notes.push_back("panel " + panel.id + " hangs on no bracket: it is not planned");
+    if (panel.hooks.size() == 1)
+      fit.notes.push_back("panel " + panel.id + " hangs on one bracket, " + facade.brackets[panel.hooks[0].bracket].id +
+                          ": how it turns is open");
+    for (const Hook& hook : panel.hooks) {
+      used[hook.bracket] = true;
+      if (!facade.brackets[hook.bracket].measured())
+        fit.notes.push_back("panel " + panel.id + ": bracket " + facade.brackets[hook.bracket].id +
+                            " was not measured: measure it before the panel is set");
+    }
+  }
+  for (std::size_t b = 0; b < used.size(); ++b)
+    if (!used[b])
+      fit.notes.push_back("bracket " + facade.brackets[b].id +
+                          " holds no panel that the design names: it has no setting of its own");
+  std::size_t unguarded = 0;
+  for (const FittedValue& value : fit.values) unguarded += !value.guarded;
+  if (unguarded > 0)
+    fit.notes.push_back(std::to_string(unguarded) + " of " + std::to_string(fit.values.size()) +
+                        " judged lengths have a tolerance that k u takes nine tenths of or more: no setting can be "
+                        "shown to be good enough there");
+}
+
+/// Values of one panel's corners or of one joint rest on the same brackets: their covariance is made together.
+void add_uncertainties(const Facade& facade, Fit& fit) {
+  fit.values.resize(fit.judged.size());
+  for (std::size_t begin = 0, end = 0; begin < fit.judged.size(); begin = end) {
+    std::vector<const JudgedValue*> group;
+    while (end < fit.judged.size() && fit.judged[end].panel == fit.judged[begin].panel &&
+           fit.judged[end].joint == fit.judged[begin].joint)
+      group.push_back(&fit.judged[end++]);
+    const Eigen::MatrixXd covariance = errors_of(group, facade, fit.poses).covariance();
+    for (std::size_t v = begin; v < end; ++v) {
+      const auto i = static_cast<Eigen::Index>(v - begin);
+      fit.values[v].u = std::sqrt(std::max(0.0, covariance(i, i)));
+    }
+  }
+}
+
+Eigen::VectorXd movements(const Facade& facade, const PanelPose& pose, const std::vector<Eigen::Vector3d>& settings) {
+  Eigen::VectorXd moved(pose.solve.cols());
+  for (Eigen::Index i = 0; i < moved.size(); ++i) {
+    const PanelPose::Held& held = pose.held[static_cast<std::size_t>(i)];
+    const Bracket& bracket = facade.brackets[held.bracket];
+    moved[i] = held.direction.dot(bracket.deviation + bracket.axes * settings[held.bracket]);
+  }
+  return moved;
+}
+
+}  // namespace
+
+Eigen::Vector3d settable(const BracketType& type, const Eigen::Vector3d& setting) {
+  Eigen::Vector3d set = setting.cwiseMax(type.low).cwiseMin(type.high);
+  for (int k = 0; k < 3; ++k) {
+    if (!(type.step[k] > 0)) continue;
+    const double least = std::ceil(type.low[k] / type.step[k] - 1e-9);
+    const double most = std::floor(type.high[k] / type.step[k] + 1e-9);
+    set[k] = type.step[k] * std::clamp(std::round(set[k] / type.step[k]), least, std::max(least, most));
+  }
+  return set;
+}
+
+std::vector<double> values_of(const Facade& facade, const Fit& fit, const std::vector<Eigen::Vector3d>& settings) {
+  std::vector<Eigen::Matrix<double, 6, 1>> twists;
+  for (const PanelPose& pose : fit.poses) twists.push_back(pose.solve * movements(facade, pose, settings));
+  std::vector<double> values;
+  for (const JudgedValue& judged : fit.judged) {
+    values.push_back(judged.constant);
+    for (const auto& [panel, row] : judged.rows) values.back() += row.dot(twists[panel]);
+  }
+  return values;
+}
+
+Fit plan_settings(const Facade& facade, const FitWeights& weights) {
+  Fit fit;
+  for (const Panel& panel : facade.panels) fit.poses.push_back(pose_of(panel, facade.brackets));
+  fit.judged = judged_values(facade, fit.poses, fit.notes);
+  add_uncertainties(facade, fit);
+  const SettingsProgram program(facade, fit.poses, fit.judged, weights);
+  const std::vector<Limit> limits = limits_of(facade, program, fit);
+  note_what_is_missing(facade, fit);
+  std::vector<Limit> working;
+  const ConvexOptimum optimum = optimum_of(program, limits, working, fit.solves);
+  fit.objective = 1e-6 * optimum.value;
+  gather_relaxations(facade, program, working, optimum, fit);
+  for (std::size_t b = 0; b < facade.brackets.size(); ++b) {
+    const Bracket& bracket = facade.brackets[b];
+    fit.asked.push_back(bracket.measured() ? program.setting(b, optimum.x) : Eigen::Vector3d::Constant(kUnknown));
+    fit.settings.push_back(bracket.measured() && !bracket.fixed ? settable(bracket.type, fit.asked[b])
+                                                                : Eigen::Vector3d::Zero());
+  }
+  for (const PanelPose& pose : fit.poses) fit.twists.push_back(pose.solve * movements(facade, pose, fit.settings));
+  const std::vector<double> values = values_of(facade, fit, fit.settings);
+  for (std::size_t v = 0; v < values.size(); ++v) fit.values[v].value = values[v];
+  return fit;
+}
+
+}  // namespace plumbline::loop

@@ -1,0 +1,160 @@
+#include "loop/fit/settings_program.hpp"
+
+#include <cmath>
+
+namespace plumbline::loop {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+/// Weight of a hook that a bracket holds which is set no more: with more such hooks than a panel has freedoms, it
+/// cannot follow all.
+constexpr double kHoldWeight = 1e3;
+
+}  // namespace
+
+SettingsProgram::SettingsProgram(const Facade& facade, const std::vector<PanelPose>& poses,
+                                 const std::vector<JudgedValue>& judged, const FitWeights& weights)
+    : facade_(facade), poses_(poses) {
+  for (std::size_t j = 0; j < facade.panels.size(); ++j) {
+    known_.push_back(Eigen::Matrix<double, 6, 1>::Zero());
+    const PanelPose& pose = poses[j];
+    twist_at_.push_back(-1);
+    if (pose.held.empty()) continue;
+    if (!facade.panels[j].installed) {
+      twist_at_.back() = unknowns_, unknowns_ += 6;
+      continue;
+    }
+    Eigen::VectorXd moved(pose.solve.cols());
+    for (Eigen::Index i = 0; i < moved.size(); ++i) {
+      const PanelPose::Held& held = pose.held[static_cast<std::size_t>(i)];
+      moved[i] = 1e3 * held.direction.dot(facade.brackets[held.bracket].deviation);
+    }
+    known_.back() = pose.solve * moved;
+  }
+  for (const Bracket& bracket : facade.brackets) {
+    setting_at_.push_back(bracket.measured() && !bracket.fixed ? unknowns_ : -1);
+    if (setting_at_.back() >= 0) unknowns_ += 3;
+  }
+  add_hooks();
+  linear_.assign(static_cast<std::size_t>(unknowns_), 0.0);
+  for (const JudgedValue& value : judged) value_rows_.push_back(row_of(value));
+  add_squares(judged, weights);
+}
+
+void SettingsProgram::add_hooks() {
+  for (std::size_t j = 0; j < facade_.panels.size(); ++j) {
+    if (twist_at_[j] < 0) continue;
+    const PanelPose& pose = poses_[j];
+    for (std::size_t i = 0; i < pose.held.size(); ++i) {
+      const Bracket& bracket = facade_.brackets[pose.held[i].bracket];
+      const auto row = static_cast<int>(right_sides_.size());
+      for (int c = 0; c < 6; ++c)
+        equations_.emplace_back(row, static_cast<int>(twist_at_[j]) + c, pose.hooks(static_cast<Eigen::Index>(i), c));
+      if (const Eigen::Index at = setting_at_[pose.held[i].bracket]; at >= 0) {
+        const Eigen::Vector3d along = bracket.axes.transpose() * pose.held[i].direction;
+        for (int c = 0; c < 3; ++c)
+          if (std::abs(along[c]) > 1e-12) equations_.emplace_back(row, static_cast<int>(at) + c, -along[c]);
+      } else {
+        equations_.emplace_back(row, static_cast<int>(unknowns_), 1.0);
+        squares_.emplace_back(static_cast<int>(unknowns_), static_cast<int>(unknowns_), 2 * kHoldWeight);
+        ++unknowns_;
+      }
+      right_sides_.push_back(1e3 * pose.held[i].direction.dot(bracket.deviation));
+    }
+  }
+}
+
+std::pair<SettingsProgram::Row, double> SettingsProgram::row_of(const JudgedValue& value) const {
+  Row row;
+  double constant = 1e3 * value.constant;
+  for (const auto& [panel, movement] : value.rows) {
+    if (twist_at_[panel] < 0) {
+      constant += movement.dot(known_[panel]);
+      continue;
+    }
+    for (Eigen::Index c = 0; c < 6; ++c)
+      if (std::abs(movement[c]) > 1e-12) row.emplace_back(twist_at_[panel] + c, movement[c]);
+  }
+  return {row, constant};
+}
+
+/// weight * (row x + constant)².
+void SettingsProgram::add_square(const Row& row, double constant, double weight) {
+  for (const auto& [i, a] : row) {
+    linear_[static_cast<std::size_t>(i)] += 2 * weight * constant * a;
+    for (const auto& [j, b] : row) squares_.emplace_back(static_cast<int>(i), static_cast<int>(j), 2 * weight * a * b);
+  }
+}
+
+void SettingsProgram::add_squares(const std::vector<JudgedValue>& judged, const FitWeights& weights) {
+  for (std::size_t v = 0; v < judged.size(); ++v) {
+    const auto& [row, constant] = value_rows_[v];
+    if (judged[v].quantity == Quantity::gap) add_square(row, constant - 1e3 * judged[v].constant, weights.gap / 2);
+    if (judged[v].quantity == Quantity::step) add_square(row, constant, weights.step / 2);
+  }
+  for (std::size_t j = 0; j < facade_.panels.size(); ++j) {
+    if (twist_at_[j] < 0) continue;
+    const Panel& panel = facade_.panels[j];
+    for (const Eigen::Vector3d& corner : panel.corners)  // also of what the hooks do not tell: that stays at zero
+      for (int k = 0; k < 3; ++k) {
+        const auto movement = poses_[j].movement(panel, corner, panel.axes.col(k));
+        Row row;
+        for (Eigen::Index c = 0; c < 6; ++c)
+          if (std::abs(movement[c]) > 1e-12) row.emplace_back(twist_at_[j] + c, movement[c]);
+        add_square(row, 0, weights.pose / 4);
+      }
+  }
+  for (const Eigen::Index at : setting_at_)
+    for (int c = 0; at >= 0 && c < 3; ++c)
+      squares_.emplace_back(static_cast<int>(at) + c, static_cast<int>(at) + c, 2 * weights.setting);
+}
+
+ConvexProgram SettingsProgram::with(const std::vector<Limit>& limits) const {
+  ConvexProgram program;
+  const auto equations = static_cast<Eigen::Index>(right_sides_.size());
+  const auto count = static_cast<Eigen::Index>(limits.size());
+  const Eigen::Index n = unknowns_ + count, m = equations + count;
+  program.quadratic.resize(n, n), program.quadratic.setFromTriplets(squares_.begin(), squares_.end());
+  program.linear = Eigen::VectorXd::Zero(n);
+  program.linear.head(static_cast<Eigen::Index>(linear_.size())) =
+      Eigen::Map<const Eigen::VectorXd>(linear_.data(), static_cast<Eigen::Index>(linear_.size()));
+  program.x_low = Eigen::VectorXd::Constant(n, -kInfinity), program.x_high = Eigen::VectorXd::Constant(n, kInfinity);
+  program.x_low.tail(count).setZero();
+  program.low.resize(m), program.high.resize(m);
+  program.low.head(equations) = Eigen::Map<const Eigen::VectorXd>(right_sides_.data(), equations);
+  program.high.head(equations) = program.low.head(equations);
+  std::vector<Eigen::Triplet<double>> rows = equations_;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Limit& limit = limits[static_cast<std::size_t>(i)];
+    const auto at = static_cast<int>(equations + i), excess = static_cast<int>(unknowns_ + i);
+    double constant = 0;
+    if (limit.value >= 0) {
+      constant = value_rows_[static_cast<std::size_t>(limit.value)].second;
+      for (const auto& [j, a] : value_rows_[static_cast<std::size_t>(limit.value)].first)
+        rows.emplace_back(at, static_cast<int>(j), a);
+    } else {
+      rows.emplace_back(at, static_cast<int>(setting_at_[static_cast<std::size_t>(limit.bracket)]) + limit.direction,
+                        1.0);
+    }
+    rows.emplace_back(at, excess, std::isfinite(limit.high) ? -1.0 : 1.0);
+    program.linear[excess] = limit.value >= 0 ? kTolerancePrice : kRangePrice;
+    program.low[at] = limit.low - constant, program.high[at] = limit.high - constant;
+  }
+  program.rows.resize(m, n), program.rows.setFromTriplets(rows.begin(), rows.end());
+  return program;
+}
+
+double SettingsProgram::at(const Limit& limit, const Eigen::VectorXd& x) const {
+  if (limit.value < 0) return x[setting_at_[static_cast<std::size_t>(limit.bracket)] + limit.direction];
+  const auto& [row, constant] = value_rows_[static_cast<std::size_t>(limit.value)];
+  double sum = constant;
+  for (const auto& [i, a] : row) sum += a * x[i];
+  return sum;
+}
+
+Eigen::Vector3d SettingsProgram::setting(std::size_t bracket, const Eigen::VectorXd& x) const {
+  const Eigen::Index at = setting_at_[bracket];
+  return at < 0 ? Eigen::Vector3d::Zero() : Eigen::Vector3d(1e-3 * x.segment<3>(at));
+}
+
+}  // namespace plumbline::loop

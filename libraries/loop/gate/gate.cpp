@@ -1,0 +1,193 @@
+#include "loop/gate/gate.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "loop/gate/inside_probability.hpp"
+
+namespace plumbline::loop {
+
+const char* name_of(GateVerdict verdict) {
+  return verdict == GateVerdict::go ? "GO" : verdict == GateVerdict::hold ? "HOLD" : "NO_GO";
+}
+
+namespace {
+
+/// Of what is told for the reader, and not decided by.
+constexpr double kAdvicePrecision = 0.01;
+
+/// The judged region of one panel.
+struct Region {
+  std::vector<std::size_t> values;  ///< indices into Fit::judged
+  Eigen::VectorXd mean, low, high;
+  ValueErrors errors;
+  double inside(const Eigen::MatrixXd& covariance, double precision = 0.001) const {
+    return inside_probability(mean, covariance, low, high, precision);
+  }
+};
+
+Region region_of(const Facade& facade, const Fit& fit, std::vector<std::size_t> values) {
+  Region region;
+  const auto m = static_cast<Eigen::Index>(values.size());
+  region.mean.resize(m), region.low.resize(m), region.high.resize(m);
+  std::vector<const JudgedValue*> judged;
+  for (Eigen::Index i = 0; i < m; ++i) {
+    const std::size_t v = values[static_cast<std::size_t>(i)];
+    judged.push_back(&fit.judged[v]);
+    region.mean[i] = fit.values[v].value, region.low[i] = fit.judged[v].low, region.high[i] = fit.judged[v].high;
+  }
+  region.errors = errors_of(judged, facade, fit.poses);
+  region.values = std::move(values);
+  return region;
+}
+
+/// The value that is most likely outside.
+Eigen::Index worst_of(const Region& region, const Eigen::MatrixXd& covariance) {
+  Eigen::Index worst = 0;
+  double most = -1;
+  for (Eigen::Index i = 0; i < region.mean.size(); ++i) {
+    const double u = std::max(1e-12, std::sqrt(std::max(0.0, covariance(i, i))));
+    const double a = (region.low[i] - region.mean[i]) / u, b = (region.mean[i] - region.high[i]) / u;
+    const double outside = normal_below(a) + normal_below(b) + 1e-30 * std::max(a, b);
+    if (outside > most) most = outside, worst = i;
+  }
+  return worst;
+}
+
+/// Covariance of the values after one more measurement of a bracket (conditioning; nothing else changes).
+Eigen::MatrixXd after_measuring(const Region& region, std::size_t bracket, double sigma) {
+  ValueErrors errors = region.errors;
+  const auto at = 3 * static_cast<Eigen::Index>(bracket);
+  const Eigen::MatrixXd column = errors.measured.middleCols<3>(at);
+  const Eigen::Matrix3d innovation = errors.measured.block<3, 3>(at, at) + sigma * sigma * Eigen::Matrix3d::Identity();
+  errors.measured -= column * innovation.ldlt().solve(column.transpose());
+  return errors.covariance();
+}
+
+Advice best_measurement(const Region& region, const Eigen::MatrixXd& covariance, Eigen::Index worst, double p_in,
+                        double sigma) {
+  Advice best;
+  best.p_in = p_in, best.u_now = best.u = std::sqrt(covariance(worst, worst));
+  for (std::size_t b = 0; b < region.errors.brackets.size(); ++b) {
+    const Eigen::MatrixXd after = after_measuring(region, b, sigma);
+    const double p = region.inside(after, kAdvicePrecision);
+    // Towards a decision: away from even odds.
+    if (std::abs(p - 0.5) <= std::abs(best.p_in - 0.5) + 1e-4) continue;
+    best.bracket = static_cast<int>(region.errors.brackets[b]), best.p_in = p;
+    best.u = std::sqrt(std::max(0.0, after(worst, worst)));
+  }
+  return best;
+}
+
+/// The largest standard deviation of a setting that gives GO; nan if it is not the robot's precision that lacks.
+double robot_that_would_do(const Region& region, double sigma, const GateOptions& options) {
+  const auto inside_with = [&](double factor) {
+    ValueErrors errors = region.errors;
+    errors.setting *= factor * factor, errors.station *= factor * factor;
+    return region.inside(errors.covariance(), kAdvicePrecision);
+  };
+  if (!(sigma > 0) || inside_with(0) < options.go) return 0;
+  double low = 0, high = 1;
+  for (int i = 0; i < 7; ++i) (inside_with(0.5 * (low + high)) >= options.go ? low : high) = 0.5 * (low + high);
+  return low * sigma;
+}
+
+std::string number(const char* format, double value) {
+  char text[48];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
+/// "top left corner of F01-P02, out: 3.4 mm of -5.0 to 5.0, u 1.2 mm".
+std::string value_words(const Facade& facade, const Fit& fit, std::size_t value, double u) {
+  const JudgedValue& judged = fit.judged[value];
+  return judged.words(facade) + ": " + number("%.1f", 1e3 * fit.values[value].value) + " mm, limits " +
+         number("%.1f", 1e3 * judged.low) + " and " + number("%.1f mm", 1e3 * judged.high) + ", u " +
+         number("%.2f mm", 1e3 * u);
+}
+
+std::string hold_words(const Facade& facade, const PanelGate& gate, const GateOptions& options) {
+  std::string words;
+  if (gate.measure.bracket >= 0)
+    words += "; measuring " + facade.brackets[static_cast<std::size_t>(gate.measure.bracket)].id + " once more to " +
+             number("%.1f mm", 1e3 * options.measurement_sigma) + " takes u to " +
+             number("%.2f mm", 1e3 * gate.measure.u) + " and p to " + number("%.2f", gate.measure.p_in) +
+             " if the estimate stays";
+  else
+    words += "; no single measurement decides it";
+  if (gate.robot_sigma > 0)
+    words += "; a robot that sets to " + number("%.2f mm", 1e3 * gate.robot_sigma) + " would do";
+  else if (gate.robot_sigma == 0)
+    words += "; no robot is precise enough";
+  return words;
+}
+
+/// Why a panel cannot be more than HOLD; empty if it can.
+std::string obstacle(const Facade& facade, const Fit& fit, std::size_t j) {
+  const Panel& panel = facade.panels[j];
+  if (panel.hooks.empty()) return "hangs on no bracket";
+  std::string missing;
+  for (const Hook& hook : panel.hooks)
+    if (!facade.brackets[hook.bracket].measured())
+      missing += (missing.empty() ? "" : ", ") + facade.brackets[hook.bracket].id;
+  if (!missing.empty()) return "not measured: " + missing + "; measure it, then plan again";
+  if (panel.hooks.size() == 1) return "hangs on one bracket: how it turns is open";
+  if (fit.poses[j].open.cols() > 0) {
+    for (int corner = 0; corner < 4; ++corner)
+      for (int k = 0; k < 3; ++k)
+        if (!fit.poses[j].tells(
+                fit.poses[j].movement(panel, panel.corners[static_cast<std::size_t>(corner)], panel.axes.col(k))))
+          return std::string("its hooks do not tell how far its corners move ") +
+                 kDirections[static_cast<std::size_t>(k)] + ": a hook more, or one that holds more";
+  }
+  return {};
+}
+
+PanelGate judge_region(const Facade& facade, const Fit& fit, const Region& region, const GateOptions& options) {
+  PanelGate gate;
+  const Eigen::MatrixXd covariance = region.errors.covariance();
+  const Eigen::Index worst = worst_of(region, covariance);
+  gate.decided_by = static_cast<int>(region.values[static_cast<std::size_t>(worst)]);
+  gate.p_in = region.inside(covariance);
+  gate.verdict = gate.p_in >= options.go          ? GateVerdict::go
+                 : 1 - gate.p_in >= options.no_go ? GateVerdict::no_go
+                                                  : GateVerdict::hold;
+  gate.reason =
+      "p " + number("%.3f", gate.p_in) + "; " +
+      value_words(facade, fit, region.values[static_cast<std::size_t>(worst)], std::sqrt(covariance(worst, worst)));
+  if (gate.verdict == GateVerdict::hold) {
+    gate.measure = best_measurement(region, covariance, worst, gate.p_in, options.measurement_sigma);
+    gate.robot_sigma = robot_that_would_do(region, facade.errors.setting, options);
+    gate.reason += hold_words(facade, gate, options);
+  }
+  return gate;
+}
+
+}  // namespace
+
+std::vector<PanelGate> judge_plan(const Facade& facade, const Fit& fit, const GateOptions& options) {
+  std::vector<std::vector<std::size_t>> values(facade.panels.size());
+  for (std::size_t v = 0; v < fit.judged.size(); ++v)
+    for (const auto& [panel, row] : fit.judged[v].rows) values[panel].push_back(v);
+  std::vector<PanelGate> gates;
+  for (std::size_t j = 0; j < facade.panels.size(); ++j) {
+    const std::string why_not = obstacle(facade, fit, j);
+    PanelGate gate;
+    if (!values[j].empty()) gate = judge_region(facade, fit, region_of(facade, fit, std::move(values[j])), options);
+    if (!why_not.empty()) {
+      if (gate.verdict == GateVerdict::go) gate.verdict = GateVerdict::hold;
+      gate.reason = why_not + (gate.reason.empty() ? "" : "; " + gate.reason);
+    }
+    for (const Relaxation& relaxed : fit.relaxations) {
+      if (relaxed.bracket < 0) continue;
+      for (const Hook& hook : facade.panels[j].hooks)
+        if (static_cast<int>(hook.bracket) == relaxed.bracket) gate.reason += "; " + relaxed.words;
+    }
+    gates.push_back(std::move(gate));
+  }
+  return gates;
+}
+
+}  // namespace plumbline::loop

@@ -1,0 +1,40 @@
+// GO, HOLD or NO_GO for each panel: the probability that it hangs within all its limits when the settings are done.
+#pragma once
+
+#include "loop/fit/plan_settings.hpp"
+
+namespace plumbline::loop {
+
+enum class GateVerdict { go, hold, no_go };
+const char* name_of(GateVerdict verdict);  ///< "GO", "HOLD", "NO_GO"
+
+struct GateOptions {
+  double go = 0.95;                   ///< least p_in of GO
+  double no_go = 0.95;                ///< least probability of a value outside for NO_GO
+  double measurement_sigma = 0.0005;  ///< of one more measurement of a bracket, each direction [m]
+};
+
+/// One more measurement, and what it would do if the estimate stays where it is.
+struct Advice {
+  int bracket = -1;                       ///< -1: none helps
+  double p_in = kUnknown;                 ///< afterwards
+  double u = kUnknown, u_now = kUnknown;  ///< of the value that decides [m]
+};
+
+struct PanelGate {
+  GateVerdict verdict = GateVerdict::hold;
+  double p_in = kUnknown;  ///< nan: cannot be told
+  int decided_by = -1;     ///< the judged value that is most likely outside, as an index into Fit::judged
+  Advice measure;          ///< of HOLD
+  /// Of HOLD: standard deviation of a setting with which it would be GO [m]; 0: not even a perfect robot; nan: not the
+  /// robot's.
+  double robot_sigma = kUnknown;
+  std::string reason;
+};
+
+/// One entry for every panel. A panel that hangs already is judged like the others, by what was measured of it. p_in
+/// holds its corners and all joints to panels that are planned or hang; correlations are those of Fit. A panel with a
+/// bracket that was not measured, with values that its hooks do not tell, or without hooks is HOLD, whatever p_in.
+std::vector<PanelGate> judge_plan(const Facade& facade, const Fit& fit, const GateOptions& options = {});
+
+}  // namespace plumbline::loop

@@ -1,0 +1,178 @@
+#include "loop/simulate/site.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace plumbline::loop {
+
+SimulatedSite::SimulatedSite(const SiteOptions& options, std::uint64_t seed)
+    : options_(options), design_(make_tower(options.tower)), seed_(seed) {
+  Random built(seed, "as built"), made(seed, "manufacture"), control(seed, "control"), arm(seed, "arm");
+  for (std::size_t b = 0; b < design_.brackets.size(); ++b) {
+    truth_.push_back(built.normal3(options.as_built));
+    bracket_at_[design_.brackets[b].id] = b;
+  }
+  plate_off_.assign(truth_.size(), Eigen::Vector3d::Zero()), set_ = plate_off_;
+  for (std::size_t i = 0; i < 5 * design_.panels.size(); ++i)
+    made_.push_back(made.normal(i % 5 == 4 ? options.face : options.edge));
+  for (int floor = 0; floor < options.tower.floors; ++floor)
+    walk_.push_back((floor == 0 ? 0.0 : walk_.back()) + control.normal(options.survey.control_walk));
+  arm_ = arm.normal3(options.robot.calibration);
+  design_.errors = stated_errors();
+}
+
+ErrorModel SimulatedSite::stated_errors() const {
+  const RobotErrors& r = options_.robot;
+  ErrorModel errors;
+  errors.setting = std::hypot(r.repeatability, std::sqrt(r.slip_share) * r.slip);
+  errors.station = std::hypot(r.station, r.calibration);
+  errors.edge = options_.edge, errors.face = options_.face;
+  return errors;
+}
+
+void SimulatedSite::plant(const std::string& kind, std::size_t bracket, int round,
+                          const Eigen::Vector3d& displacement) {
+  planted_.push_back({kind, design_.brackets[bracket].id, round, displacement.norm()});
+}
+
+Facade SimulatedSite::measure(int round) {
+  const SurveyErrors& s = options_.survey;
+  Facade facade = design_;
+  Random noise(seed_, "campaign", static_cast<std::uint64_t>(round));
+  Random faults(seed_, "campaign faults", static_cast<std::uint64_t>(round));
+  std::vector<Eigen::Vector3d> set_up;
+  for (int floor = 0; floor < options_.tower.floors; ++floor) {
+    set_up.push_back(noise.normal3(s.set_up) + walk_[static_cast<std::size_t>(floor)] * Eigen::Vector3d::UnitZ());
+    if (faults.uniform() < options_.faults.control_knocked) {
+      planted_.push_back({"control knocked", "floor " + std::to_string(floor + 1), round, 0.006});
+      set_up.back() += Eigen::Vector3d(0, 0, 0.006);
+    }
+  }
+  for (std::size_t b = 0; b < facade.brackets.size(); ++b) {
+    Bracket& bracket = facade.brackets[b];
+    if (faults.uniform() < options_.faults.tag_bumped) {
+      plate_off_[b] = Eigen::Vector3d(0.004, 0, 0.003);
+      plant("tag bumped", b, round, plate_off_[b]);
+    }
+    bracket.deviation =
+        truth_[b] + plate_off_[b] + set_up[static_cast<std::size_t>(bracket.floor - 1)] + noise.normal3(s.single);
+  }
+  for (std::size_t i = 0; i < facade.brackets.size(); ++i)
+    for (std::size_t j = 0; j < facade.brackets.size(); ++j) {
+      const int a = facade.brackets[i].floor, b = facade.brackets[j].floor;
+      auto block = facade.covariance.block<3, 3>(3 * static_cast<Eigen::Index>(i), 3 * static_cast<Eigen::Index>(j));
+      if (i == j) block.diagonal().array() += s.single * s.single;
+      if (a == b) block.diagonal().array() += s.set_up * s.set_up;
+      block(2, 2) += std::min(a, b) * s.control_walk * s.control_walk;
+    }
+  return facade;
+}
+
+void SimulatedSite::set(std::size_t b, const Eigen::Vector3d& setting, int round) {
+  const RobotErrors& r = options_.robot;
+  const Bracket& bracket = design_.brackets[b];
+  const auto key = static_cast<std::uint64_t>(round) * 100000u + b;
+  Random station(seed_, "station", static_cast<std::uint64_t>(round) * 1000u + static_cast<unsigned>(bracket.floor));
+  Random own(seed_, "setting", key);
+  Eigen::Vector3d done = setting + arm_ + station.normal3(r.station) + own.normal3(r.repeatability);
+  if (own.uniform() < r.slip_share) done += own.normal3(r.slip);
+  done = (set_[b] + done).cwiseMax(bracket.type.low).cwiseMin(bracket.type.high) - set_[b];
+  set_[b] += done, truth_[b] += bracket.axes * done;
+}
+
+void SimulatedSite::execute_bracket(const LoopItemT& item, int round, ActualsT& actuals) {
+  const std::size_t b = bracket(item.id);
+  const Faults& f = options_.faults;
+  Random luck(seed_, "faults", static_cast<std::uint64_t>(round) * 100000u + b);
+  auto actual = std::make_unique<ActualT>();
+  actual->item = item.id, actual->revision = item.revision, actual->by = "robot-" + std::to_string(1 + item.floor % 2);
+  actual->outcome = "done";
+  actual->measured.setConstant(kUnknown), actual->sigma.setConstant(kUnknown), actual->setting.setConstant(kUnknown);
+  std::size_t where = b;
+  Eigen::Vector3d what = item.pending;
+  bool twice = false;
+  if (luck.uniform() < f.did_nothing) {
+    plant("did nothing", b, round, what), what.setZero();
+  } else if (luck.uniform() < f.off_8mm) {
+    plant("8 mm off", b, round, {0.008, 0, 0}), what += Eigen::Vector3d(luck.uniform() < 0.5 ? 0.008 : -0.008, 0, 0);
+  } else if (luck.uniform() < f.wrong_side) {
+    plant("wrong side", b, round, 2 * what), what = -what;
+  } else if (luck.uniform() < f.wrong_item) {
+    where = (b + 1) % truth_.size();
+    plant("wrong item", b, round, what), plant("wrong item", where, round, what);
+  } else if (luck.uniform() < f.skipped) {
+    plant("skipped", b, round, Eigen::Vector3d::Zero()), what.setZero(), actual->outcome = "skipped";
+  } else if (luck.uniform() < f.twice) {
+    plant("done twice", b, round, what), twice = true;
+  } else if (luck.uniform() < f.old_revision) {
+    plant("old revision", b, round, Eigen::Vector3d::Zero()), actual->revision = item.revision - 1;
+  }
+  if (what.squaredNorm() > 0) set(where, what, round);
+  if (twice) set(where, what, round + 50000);
+  actuals.items.push_back(std::move(actual));
+}
+
+ActualsT SimulatedSite::execute(const LoopStateT& state, int round) {
+  ActualsT actuals;
+  std::vector<int> hung(static_cast<std::size_t>(options_.tower.floors) + 1, 0);
+  for (const auto& item : state.items) {
+    if (item->status != ItemStatus::released) continue;
+    if (item->kind == "bracket") {
+      execute_bracket(*item, round, actuals);
+      continue;
+    }
+    auto actual = std::make_unique<ActualT>();
+    actual->item = item->id, actual->revision = item->revision,
+    actual->by = "robot-" + std::to_string(1 + item->floor % 2);
+    actual->outcome = "done";
+    actual->measured.setConstant(kUnknown), actual->sigma.setConstant(kUnknown), actual->setting.setConstant(kUnknown);
+    actuals.items.push_back(std::move(actual));
+    ++hung[static_cast<std::size_t>(item->floor)];
+  }
+  for (int floor = 1; floor <= options_.tower.floors; ++floor)
+    if (hung[static_cast<std::size_t>(floor)] > 0) hang(floor);
+  return actuals;
+}
+
+void SimulatedSite::hang(int floor) {
+  for (std::size_t b = 0; b < truth_.size(); ++b)
+    truth_[b].z() -= options_.shortening * std::min(floor, design_.brackets[b].floor);
+}
+
+void SimulatedSite::set_to_design() {
+  Random carried(seed_, "carried");
+  double height = 0;
+  for (int floor = 1; floor <= options_.tower.floors; ++floor) {
+    // What a layout tool carries from floor to floor: two of its own sights each time.
+    height += carried.normal(std::sqrt(2.0) * (options_.survey.set_up + options_.survey.single));
+    for (std::size_t b = 0; b < truth_.size(); ++b) {
+      if (design_.brackets[b].floor != floor) continue;
+      Eigen::Vector3d seen = truth_[b] - height * Eigen::Vector3d::UnitZ();
+      set(b, -(design_.brackets[b].axes.transpose() * seen), 70000 + floor);
+    }
+    hang(floor);
+  }
+}
+
+std::vector<double> SimulatedSite::true_values(const std::vector<JudgedValue>& judged,
+                                               const std::vector<PanelPose>& poses) const {
+  std::vector<Eigen::Matrix<double, 6, 1>> twists;
+  for (const PanelPose& pose : poses) {
+    Eigen::VectorXd moved(pose.solve.cols());
+    for (Eigen::Index i = 0; i < moved.size(); ++i) {
+      const PanelPose::Held& held = pose.held[static_cast<std::size_t>(i)];
+      moved[i] = held.direction.dot(truth_[held.bracket]);
+    }
+    twists.push_back(pose.solve * moved);
+  }
+  std::vector<double> values;
+  for (const JudgedValue& value : judged) {
+    double sum = value.constant;
+    for (const auto& [panel, row] : value.rows) sum += row.dot(twists[panel]);
+    for (const auto& [edge, factor] : value.edges) sum += factor * made_[edge];
+    values.push_back(sum);
+  }
+  return values;
+}
+
+}  // namespace plumbline::loop

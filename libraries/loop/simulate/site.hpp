@@ -1,0 +1,96 @@
+// A site with robots, simulated: where hooks really are, what a campaign measures of them, what robots do to them. Only
+// this knows the truth; planner, gate and state see measurements and reports.
+#pragma once
+
+#include <map>
+
+#include "artifacts/actuals.hpp"
+#include "artifacts/loop_state.hpp"
+#include "geometry/random.hpp"
+#include "loop/fit/panel_pose.hpp"
+#include "loop/simulate/tower.hpp"
+
+namespace plumbline::loop {
+
+/// Of one campaign [m].
+struct SurveyErrors {
+  double single = 0.0003;        ///< each coordinate of each anchor
+  double set_up = 0.0004;        ///< common to the anchors of a floor, each axis, new in each campaign
+  double control_walk = 0.0002;  ///< height of a floor's control against the floor below, the same in all campaigns
+};
+
+/// Of robots [m].
+struct RobotErrors {
+  double repeatability = 0.0003;  ///< of the arm, each setting and axis
+  double calibration = 0.0002;    ///< of the arm, each axis, the same all the time
+  double station = 0.0003;        ///< of the base's localisation: tilt, drift; common to one floor and round
+  double slip_share = 0.02;       ///< of brackets that slip on tightening
+  double slip = 0.002;            ///< how far, standard deviation
+};
+
+/// Shares of items at which something goes wrong, without being reported.
+struct Faults {
+  double did_nothing = 0, off_8mm = 0, wrong_side = 0, wrong_item = 0, skipped = 0, twice = 0, old_revision = 0;
+  double tag_bumped = 0;       ///< plates of brackets that were knocked by 5 mm, seen by every campaign from then on
+  double control_knocked = 0;  ///< of floors whose control was knocked by 6 mm before a campaign
+  static Faults all(double share) { return {share, share, share, share, share, share, share, share, share}; }
+};
+
+struct SiteOptions {
+  TowerOptions tower;
+  double as_built = 0.004;      ///< of anchors against the design, each axis [m]
+  double shortening = 0.00001;  ///< a hung floor g lowers floor f by this times min(f, g) [m]
+  SurveyErrors survey;
+  RobotErrors robot;
+  Faults faults;
+  double edge = 0.0005, face = 0.0005;  ///< of manufacture [m]
+};
+
+/// A fault that was planted, and what it did.
+struct PlantedFault {
+  std::string kind, item;
+  int round = 0;
+  double size = 0;  ///< displacement of a hook that nobody reported [m]; 0: none
+};
+
+class SimulatedSite {
+ public:
+  SimulatedSite(const SiteOptions& options, std::uint64_t seed);
+
+  /// The design, with nothing measured.
+  const Facade& design() const { return design_; }
+  /// A campaign: deviations and their covariance as the survey states it.
+  Facade measure(int round);
+  /// Robots do what is released; what they report.
+  ActualsT execute(const LoopStateT& state, int round);
+  /// Open loop: brackets are set to their design coordinates by robots that carry their height from floor to floor.
+  void set_to_design();
+  /// Sets a bracket by hand of a robot, with its errors, within its range.
+  void set(std::size_t bracket, const Eigen::Vector3d& setting, int round);
+  void hang(int floor);
+
+  /// Judged values as they really are, in the order of `judged`.
+  std::vector<double> true_values(const std::vector<JudgedValue>& judged, const std::vector<PanelPose>& poses) const;
+  const std::vector<Eigen::Vector3d>& true_deviations() const { return truth_; }
+  const std::vector<PlantedFault>& planted() const { return planted_; }
+  ErrorModel stated_errors() const;
+
+ private:
+  void execute_bracket(const LoopItemT& item, int round, ActualsT& actuals);
+  void plant(const std::string& kind, std::size_t bracket, int round, const Eigen::Vector3d& displacement);
+  std::size_t bracket(const std::string& id) const { return bracket_at_.at(id); }
+
+  SiteOptions options_;
+  Facade design_;
+  std::uint64_t seed_;
+  std::vector<Eigen::Vector3d> truth_;      ///< of hooks against the design, in the frame
+  std::vector<Eigen::Vector3d> plate_off_;  ///< of bumped plates against their hooks
+  std::vector<Eigen::Vector3d> set_;        ///< by what brackets were set, along right, up, out
+  std::vector<double> made_;                ///< manufacture, 5 for each panel
+  std::vector<double> walk_;                ///< height of control, by floor
+  std::map<std::string, std::size_t> bracket_at_;
+  Eigen::Vector3d arm_;
+  std::vector<PlantedFault> planted_;
+};
+
+}  // namespace plumbline::loop

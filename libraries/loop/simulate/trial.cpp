@@ -1,0 +1,204 @@
+#include "loop/simulate/trial.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "loop/state/plan_artifact.hpp"
+
+namespace plumbline::loop {
+
+const char* name_of(Strategy strategy) {
+  return strategy == Strategy::open ? "open" : strategy == Strategy::measured_once ? "measured once" : "closed";
+}
+
+namespace {
+
+/// Floors `from` to `to` of a facade, with what joins them.
+Facade part_of(const Facade& whole, int from, int to) {
+  Facade part;
+  part.errors = whole.errors;
+  std::vector<std::size_t> brackets, panel_at(whole.panels.size(), whole.panels.size());
+  std::vector<std::size_t> bracket_at(whole.brackets.size());
+  for (std::size_t b = 0; b < whole.brackets.size(); ++b)
+    if (whole.brackets[b].floor >= from && whole.brackets[b].floor <= to) {
+      bracket_at[b] = part.brackets.size();
+      brackets.push_back(b), part.brackets.push_back(whole.brackets[b]);
+    }
+  for (std::size_t j = 0; j < whole.panels.size(); ++j) {
+    if (whole.panels[j].floor < from || whole.panels[j].floor > to) continue;
+    panel_at[j] = part.panels.size();
+    part.panels.push_back(whole.panels[j]);
+    for (Hook& hook : part.panels.back().hooks) hook.bracket = bracket_at[hook.bracket];
+  }
+  for (Joint joint : whole.joints) {
+    joint.a = panel_at[joint.a], joint.b = panel_at[joint.b];
+    if (joint.a < whole.panels.size() && joint.b < whole.panels.size()) part.joints.push_back(joint);
+  }
+  const auto n = static_cast<Eigen::Index>(brackets.size());
+  part.covariance.resize(3 * n, 3 * n);
+  for (Eigen::Index i = 0; i < n; ++i)
+    for (Eigen::Index j = 0; j < n; ++j)
+      part.covariance.block<3, 3>(3 * i, 3 * j) =
+          whole.covariance.block<3, 3>(3 * static_cast<Eigen::Index>(brackets[static_cast<std::size_t>(i)]),
+                                       3 * static_cast<Eigen::Index>(brackets[static_cast<std::size_t>(j)]));
+  return part;
+}
+
+/// Poses and values of the whole design: hooks measured everywhere.
+struct Truth {
+  std::vector<PanelPose> poses;
+  std::vector<JudgedValue> judged;
+  explicit Truth(Facade design) {
+    for (Bracket& bracket : design.brackets) bracket.deviation.setZero();
+    for (const Panel& panel : design.panels) poses.push_back(pose_of(panel, design.brackets));
+    std::vector<std::string> untold;
+    judged = judged_values(design, poses, untold);
+  }
+};
+
+double excess(double value, const JudgedValue& judged) {
+  return std::max({0.0, judged.low - value, value - judged.high});
+}
+
+/// By panel, how far its worst length is outside [m].
+std::vector<double> worst_excess(const std::vector<JudgedValue>& judged, const std::vector<double>& values,
+                                 std::size_t panels) {
+  std::vector<double> worst(panels, 0.0);
+  for (std::size_t v = 0; v < judged.size(); ++v)
+    for (const auto& [panel, row] : judged[v].rows) worst[panel] = std::max(worst[panel], excess(values[v], judged[v]));
+  return worst;
+}
+
+void look_at_truth(const SimulatedSite& site, TrialResult& result) {
+  const Truth truth(site.design());
+  const auto& panels = site.design().panels;
+  const std::vector<double> values = site.true_values(truth.judged, truth.poses);
+  const std::vector<double> worst = worst_excess(truth.judged, values, panels.size());
+  result.panels = static_cast<int>(panels.size());
+  result.inside_by_floor.assign(static_cast<std::size_t>(panels.back().floor), 0);
+  double height = 0;
+  int top = 0;
+  for (std::size_t j = 0; j < panels.size(); ++j)
+    if (worst[j] == 0) ++result.panels_inside, ++result.inside_by_floor[static_cast<std::size_t>(panels[j].floor - 1)];
+  for (std::size_t v = 0; v < values.size(); ++v) {
+    const JudgedValue& judged = truth.judged[v];
+    if (judged.quantity != Quantity::corner)
+      ++result.joints, result.joints_inside += excess(values[v], judged) == 0;
+    else if (judged.direction == 1 && panels[judged.panel].floor == panels.back().floor)
+      height += values[v], ++top;
+  }
+  result.top_height = top > 0 ? height / top : kUnknown;
+}
+
+void measured_once(SimulatedSite& site, TrialResult& result) {
+  const Facade facade = site.measure(1);
+  const Fit fit = plan_settings(facade);
+  Facade apart = facade;
+  apart.covariance = Eigen::MatrixXd(facade.covariance.diagonal().asDiagonal());
+  const std::vector<PanelGate> gates = judge_plan(facade, fit);
+  std::set<int> limited;
+  for (const Relaxation& relaxed : fit.relaxations) limited.insert(relaxed.bracket);
+  for (const Panel& panel : facade.panels)
+    result.infeasible += std::any_of(panel.hooks.begin(), panel.hooks.end(), [&](const Hook& hook) {
+      return limited.count(static_cast<int>(hook.bracket)) > 0;
+    });
+  for (std::size_t b = 0; b < fit.settings.size(); ++b) {
+    result.settings += fit.settings[b].norm() > 0;
+    if (fit.settings[b].norm() > 0) site.set(b, fit.settings[b], 1);
+  }
+  // What the plan states is of the building as it was measured; panels load it afterwards.
+  const std::vector<double> values = site.true_values(fit.judged, fit.poses);
+  const std::vector<double> worst = worst_excess(fit.judged, values, facade.panels.size());
+  for (std::size_t j = 0; j < gates.size(); ++j) result.stated.push_back({gates[j].p_in, worst[j] == 0});
+  for (std::size_t v = 0; v < values.size(); ++v) {
+    if (fit.judged[v].quantity == Quantity::corner) continue;
+    const double off = values[v] - fit.values[v].value;
+    const double u = std::sqrt(errors_of({&fit.judged[v]}, apart, fit.poses).covariance()(0, 0));
+    result.joint_nees += off * off / (fit.values[v].u * fit.values[v].u),
+        result.joint_nees_diagonal += off * off / (u * u);
+    ++result.joint_values;
+  }
+  for (int floor = 1; floor <= facade.panels.back().floor; ++floor) site.hang(floor);
+}
+
+void count_verified(const SimulatedSite& site, const LoopStateT& state, TrialResult& result) {
+  const Truth truth(site.design());
+  const auto& panels = site.design().panels;
+  const std::vector<double> worst =
+      worst_excess(truth.judged, site.true_values(truth.judged, truth.poses), panels.size());
+  std::set<std::string> verified;
+  for (const auto& item : state.items) {
+    result.reworks += item->reworks;
+    if (item->kind == "panel" && item->status == ItemStatus::verified) verified.insert(item->id);
+  }
+  for (std::size_t j = 0; j < panels.size(); ++j) {
+    if (!verified.count(panels[j].id)) continue;
+    ++result.verified, result.verified_wrong += worst[j] > 0;
+    result.verified_worst = std::max(result.verified_worst, worst[j]);
+  }
+}
+
+/// Faults that left a hook 2 mm off or more from where the state believes it, and that a verified bracket still has.
+void count_planted(const SimulatedSite& site, const LoopStateT& state, TrialResult& result) {
+  result.planted = static_cast<int>(site.planted().size());
+  for (const auto& item : state.items) {
+    if (item->kind != "bracket" || item->status != ItemStatus::verified || !item->expected.allFinite()) continue;
+    for (std::size_t b = 0; b < site.design().brackets.size(); ++b) {
+      const Bracket& bracket = site.design().brackets[b];
+      if (bracket.id != item->id) continue;
+      const double off = (bracket.design + site.true_deviations()[b] - item->expected).cwiseAbs().maxCoeff();
+      if (off > 0.0045) ++result.planted_verified;  // tolerance of a setting and four standard deviations of a campaign
+    }
+  }
+}
+
+void closed(SimulatedSite& site, TrialResult& result) {
+  constexpr int kMostRounds = 14;  // of one floor
+  LoopStateT state;
+  const MachineOptions options;
+  int round = 0;
+  for (int floor = 1; floor <= site.design().panels.back().floor; ++floor) {
+    std::set<std::string> limited;
+    for (int again = 0; again < kMostRounds; ++again) {
+      state.round = ++round;
+      Facade facade = part_of(site.measure(round), std::max(1, floor - 1), floor);
+      apply_state(facade, state);
+      const Fit fit = plan_settings(facade);
+      InstallationPlanT plan = plan_artifact(facade, fit, judge_plan(facade, fit));
+      apply_plan(state, plan, options);
+      for (const auto& panel : plan.panels)
+        if (panel->floor == floor && panel->gate == GateDecision::no_go && !fit.relaxations.empty())
+          limited.insert(panel->id);
+      for (const auto& item : state.items)
+        result.settings += item->kind == "bracket" && item->status == ItemStatus::released;
+      apply_actuals(state, site.execute(state, round));
+      close_round(state);
+      bool open = false;
+      for (const auto& item : state.items)
+        open = open || (item->kind == "panel" && item->floor == floor && item->status != ItemStatus::verified &&
+                        item->status != ItemStatus::rejected);
+      if (!open) break;
+    }
+    for (const auto& item : state.items)
+      result.infeasible += item->kind == "panel" && item->floor == floor && item->status != ItemStatus::verified &&
+                           limited.count(item->id) > 0;
+  }
+  result.rounds = round;
+  count_verified(site, state, result);
+  count_planted(site, state, result);
+}
+
+}  // namespace
+
+TrialResult run_trial(const SiteOptions& options, Strategy strategy, std::uint64_t seed) {
+  SimulatedSite site(options, seed);
+  TrialResult result;
+  if (strategy == Strategy::open) site.set_to_design();
+  if (strategy == Strategy::measured_once) measured_once(site, result);
+  if (strategy == Strategy::closed) closed(site, result);
+  look_at_truth(site, result);
+  return result;
+}
+
+}  // namespace plumbline::loop

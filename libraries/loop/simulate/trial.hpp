@@ -1,0 +1,37 @@
+// One tower from first survey to last panel, in three ways: with the coordinates of the design, measured once, in a
+// closed loop.
+#pragma once
+
+#include "loop/gate/gate.hpp"
+#include "loop/simulate/site.hpp"
+#include "loop/state/machine.hpp"
+
+namespace plumbline::loop {
+
+enum class Strategy { open, measured_once, closed };
+const char* name_of(Strategy strategy);
+
+/// A statement of a plan and what came of it.
+struct Stated {
+  double p_in = kUnknown;
+  bool inside = false;
+};
+
+struct TrialResult {
+  int panels = 0, panels_inside = 0;  ///< in truth, all corners and joints of the panel
+  int joints = 0, joints_inside = 0;  ///< ends of joints: width and step
+  std::vector<int> inside_by_floor;   ///< panels
+  int reworks = 0, settings = 0, rounds = 0;
+  int verified = 0, verified_wrong = 0;  ///< panels called VERIFIED; those of them that are outside in truth
+  double verified_worst = 0;             ///< farthest that a length of a verified panel is outside its limit [m]
+  int infeasible = 0;                    ///< panels that no setting could bring within their limits
+  double top_height = 0;                 ///< mean height of the top floor's panels against the design [m]
+  std::vector<Stated> stated;            ///< measured once: gates before anything was set
+  double joint_nees = 0, joint_nees_diagonal = 0;  ///< mean of (true - stated)² / u² over joints, measured once
+  int joint_values = 0;
+  int planted = 0, planted_verified = 0;  ///< faults that left a hook off; brackets VERIFIED although still off by one
+};
+
+TrialResult run_trial(const SiteOptions& options, Strategy strategy, std::uint64_t seed);
+
+}  // namespace plumbline::loop

@@ -1,0 +1,42 @@
+// An append-only journal: one line of JSON for each change, each with the SHA-256 of the line before. Who changes,
+// inserts or takes out a line breaks the chain from there on; `plumbline journal check` finds the place with code of
+// its own.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace plumbline::loop {
+
+struct JournalEntry {
+  int round = 0;
+  std::string item, kind;             ///< "F01-P02", "panel"
+  std::string from, to;               ///< states
+  std::string by, at, why;            ///< who, when (ISO 8601; may be empty in a simulation), reason
+  std::vector<std::string> rests_on;  ///< hashes of the artifacts it rests on
+};
+
+/// What the first line has for the hash of the line before: 64 zeros.
+std::string journal_start();
+
+/// Hash that the next line carries: of the last line, without its end. journal_start() of an empty journal.
+std::string journal_head(const std::vector<std::string>& lines);
+
+/// One line without its end: keys previous, round, item, kind, from, to, by, at, why, rests_on, in this order.
+std::string journal_line(const JournalEntry& entry, const std::string& previous);
+
+/// Number (from 1) of the first line that is not JSON, lacks a key or whose `previous` is not the hash of the line
+/// before, with what is wrong; 0 and empty if the chain holds.
+struct JournalFault {
+  std::size_t line = 0;
+  std::string words;
+};
+JournalFault check_journal(const std::vector<std::string>& lines);
+
+/// Appends to a file that others append to as well: waits for its lock, chains to the line that is then the last,
+/// writes all lines at once and syncs them to disk. A last line without its end, of a writer that was killed, is set
+/// aside into PATH.torn before. Throws std::runtime_error with path and reason.
+void append_to_journal(const std::filesystem::path& path, const std::vector<JournalEntry>& entries);
+
+}  // namespace plumbline::loop

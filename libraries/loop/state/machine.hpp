@@ -1,0 +1,47 @@
+// The states of brackets and panels, and what moves them: reports, measurements, plans, a control network that changed.
+//
+//   planned -> released -> executing -> executed -> relocalised -> verified | rework | rejected
+//
+// A bracket is executed when it was set, relocalised when its anchor was measured again, verified when it stands where
+// it was to be set. A panel is released when its brackets are verified and its gate is GO, verified when the
+// measurement of its hooks says that it hangs within its limits. Rework goes back to planned, a given number of times.
+// A bracket that carries a hanging panel stays as it is.
+#pragma once
+
+#include "artifacts/actuals.hpp"
+#include "artifacts/installation_plan.hpp"
+#include "artifacts/loop_state.hpp"
+#include "loop/state/journal.hpp"
+
+namespace plumbline::loop {
+
+const char* name_of(ItemStatus status);  ///< "PLANNED", "RELEASED", ...
+bool may_follow(ItemStatus from, ItemStatus to);
+
+struct MachineOptions {
+  int most_reworks = 3;
+  double setting_tolerance =
+      0.0015;  ///< of a bracket against where it was to be set, each held direction, without the guard band [m]
+  double verified = 0.95;  ///< least p_in of a hanging panel that is verified, and of 1 - p_in for its rework
+};
+
+/// Applies reports. Each that is not taken comes back with its reason: unknown item, another revision than the item was
+/// released with, an item that is not released, a report older than its release, one that came before (told, and
+/// harmless), a place metres away from where the item is (with what would explain it: feet, millimetres, exchanged
+/// axes, another frame).
+std::vector<std::string> apply_actuals(LoopStateT& state, const ActualsT& actuals);
+
+/// Takes a new plan, made from a new measurement: items of a first plan are added; brackets and panels that were
+/// executed are judged by it; released ones whose setting changed by more than a tenth of the tolerance, or all of them
+/// when `plan.basis` is another and no measurement explains it, become stale and are planned again; panels that are GO
+/// and whose turn it is are released with the brackets that carry them. `measured`: ids of anchors that were measured
+/// after the reports were made; empty: all of the plan.
+void apply_plan(LoopStateT& state, const InstallationPlanT& plan, const MachineOptions& options);
+
+/// Everything released becomes stale: control has another adjustment, or points of it moved.
+void recall(LoopStateT& state, const std::vector<std::string>& moved_control, const std::string& why);
+
+/// Counts, `done`.
+void close_round(LoopStateT& state);
+
+}  // namespace plumbline::loop

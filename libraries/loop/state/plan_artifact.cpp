@@ -1,0 +1,165 @@
+// their own.
+#include "loop/state/plan_artifact.hpp"
+
+#include <cmath>
+#include <cstdio>
+#include <map>
+
+#include "loop/state/hash.hpp"
+
+namespace plumbline::loop {
+namespace {
+
+std::string holds_words(const std::array<bool, 3>& holds) {
+  std::string words;
+  for (std::size_t k = 0; k < 3; ++k)
+    if (holds[k]) words += (words.empty() ? "" : "+") + std::string(kDirections[k]);
+  return words;
+}
+
+std::unique_ptr<BracketSettingT> bracket_artifact(const Bracket& bracket, const std::string& guid, const Fit& fit,
+                                                  std::size_t index) {
+  auto out = std::make_unique<BracketSettingT>();
+  out->id = bracket.id, out->guid = guid, out->floor = bracket.floor;
+  out->design = bracket.design, out->measured = bracket.design + bracket.deviation;
+  for (int k = 0; k < 3; ++k) out->axes.push_back(bracket.axes.col(k));
+  out->asked = fit.asked[index], out->setting = fit.settings[index];
+  out->low = bracket.type.low, out->high = bracket.type.high, out->type = bracket.type.name;
+  out->fixed = bracket.fixed;
+  return out;
+}
+
+std::unique_ptr<PlannedPanelT> panel_artifact(const Facade& facade, const std::string& guid, const Fit& fit,
+                                              const PanelGate& gate, std::size_t index) {
+  const Panel& panel = facade.panels[index];
+  auto out = std::make_unique<PlannedPanelT>();
+  out->id = panel.id, out->guid = guid, out->floor = panel.floor;
+  for (const Hook& hook : panel.hooks) {
+    out->brackets.push_back(facade.brackets[hook.bracket].id);
+    out->holds.push_back(holds_words(hook.holds));
+  }
+  out->depends_on = panel.depends_on, out->centre = panel.centre;
+  out->shift = fit.twists[index].head<3>(), out->rotation = fit.twists[index].tail<3>() / fit.poses[index].arm;
+  out->installed = panel.installed;
+  out->gate = gate.verdict == GateVerdict::go      ? GateDecision::go
+              : gate.verdict == GateVerdict::no_go ? GateDecision::no_go
+                                                   : GateDecision::hold;
+  out->p_in = gate.p_in, out->reason = gate.reason;
+  if (gate.decided_by >= 0) out->decided_by = fit.judged[static_cast<std::size_t>(gate.decided_by)].words(facade);
+  if (gate.measure.bracket >= 0) {
+    out->measure = facade.brackets[static_cast<std::size_t>(gate.measure.bracket)].id;
+    out->p_in_measured = gate.measure.p_in;
+  }
+  out->robot_sigma = gate.robot_sigma;
+  return out;
+}
+
+std::string basis_of(const Facade& facade) {
+  std::vector<double> numbers;
+  for (const Bracket& bracket : facade.brackets)
+    for (int k = 0; k < 3; ++k) numbers.push_back(bracket.deviation[k]);
+  for (Eigen::Index i = 0; i < facade.covariance.rows(); ++i)
+    for (Eigen::Index j = 0; j <= i; ++j) numbers.push_back(1e3 * facade.covariance(i, j));
+  return sha256_hex(numbers, 1e-8);
+}
+
+}  // namespace
+
+InstallationPlanT plan_artifact(const Facade& facade, const Fit& fit, const std::vector<PanelGate>& gates,
+                                const PlanNames& names) {
+  InstallationPlanT out;
+  for (std::size_t b = 0; b < facade.brackets.size(); ++b)
+    out.brackets.push_back(
+        bracket_artifact(facade.brackets[b], names.brackets.empty() ? "" : names.brackets[b], fit, b));
+  for (const std::size_t j : installation_order(facade.panels)) {
+    out.panels.push_back(panel_artifact(facade, names.panels.empty() ? "" : names.panels[j], fit, gates[j], j));
+    if (facade.panels[j].installed) continue;
+    out.go += gates[j].verdict == GateVerdict::go, out.hold += gates[j].verdict == GateVerdict::hold;
+    out.no_go += gates[j].verdict == GateVerdict::no_go;
+  }
+  for (std::size_t v = 0; v < fit.judged.size(); ++v) {
+    auto length = std::make_unique<PlannedLengthT>();
+    length->name = fit.judged[v].words(facade);
+    for (const auto& [panel, row] : fit.judged[v].rows) length->panels.push_back(facade.panels[panel].id);
+    const Quantity quantity = fit.judged[v].quantity;
+    length->quantity = quantity == Quantity::corner ? "corner" : quantity == Quantity::gap ? "gap" : "step";
+    length->value = fit.values[v].value, length->u = fit.values[v].u;
+    length->low = fit.judged[v].low, length->high = fit.judged[v].high;
+    out.lengths.push_back(std::move(length));
+  }
+  for (const Relaxation& relaxed : fit.relaxations) out.relaxations.push_back(relaxed.words);
+  out.notes = names.notes;
+  out.notes.insert(out.notes.end(), fit.notes.begin(), fit.notes.end());
+  out.setting_sigma = facade.errors.setting, out.station_sigma = facade.errors.station;
+  out.guard_factor = facade.errors.guard_factor;
+  out.basis = basis_of(facade);
+  return out;
+}
+
+void apply_state(Facade& facade, const LoopStateT& state) {
+  std::map<std::string, const LoopItemT*> items;
+  for (const auto& item : state.items) items[item->kind + " " + item->id] = item.get();
+  for (Panel& panel : facade.panels) {
+    const auto item = items.find("panel " + panel.id);
+    if (item == items.end()) continue;
+    const ItemStatus status = item->second->status;
+    panel.installed =
+        status == ItemStatus::executed || status == ItemStatus::relocalised || status == ItemStatus::verified;
+    for (const Hook& hook : panel.hooks)
+      if (panel.installed) facade.brackets[hook.bracket].fixed = true;
+  }
+  for (Bracket& bracket : facade.brackets) {
+    const auto item = items.find("bracket " + bracket.id);
+    if (item == items.end()) continue;
+    bracket.fixed = bracket.fixed || item->second->status == ItemStatus::verified;
+    bracket.type.low -= item->second->setting, bracket.type.high -= item->second->setting;
+    bracket.type.low = bracket.type.low.cwiseMin(0.0), bracket.type.high = bracket.type.high.cwiseMax(0.0);
+  }
+}
+
+std::string settings_csv(const InstallationPlanT& plan) {
+  std::string text =
+      "bracket;floor;right_mm;up_mm;out_mm;left_mm_at_most;right_mm_at_most;down_mm_at_most;up_mm_at_most;"
+      "in_mm_at_most;out_mm_at_most;type\n";
+  for (const auto& bracket : plan.brackets) {
+    if (bracket->fixed || !bracket->asked.allFinite()) continue;
+    text += bracket->id + ";" + std::to_string(bracket->floor);
+    char number[32];
+    const auto add = [&](double metres) {
+      std::snprintf(number, sizeof number, ";%.1f", 1e3 * metres + 0.0);
+      text += number;
+    };
+    for (int k = 0; k < 3; ++k) add(bracket->setting[k]);
+    for (int k = 0; k < 3; ++k) add(-bracket->low[k]), add(bracket->high[k]);
+    text += ";" + bracket->type + "\n";
+  }
+  return text;
+}
+
+std::string installation_words(const InstallationPlanT& plan) {
+  std::string text = std::to_string(plan.go) + " panels GO, " + std::to_string(plan.hold) + " HOLD, " +
+                     std::to_string(plan.no_go) + " NO_GO\n";
+  const auto part = [&](const char* title, const std::vector<std::string>& lines) {
+    if (!lines.empty()) text += std::string("\n") + title + "\n";
+    for (const std::string& line : lines) text += "  " + line + "\n";
+  };
+  part("By hand first", plan.relaxations);
+  std::vector<std::string> waiting, forbidden;
+  for (const auto& panel : plan.panels) {
+    if (panel->installed || panel->gate == GateDecision::go) continue;
+    (panel->gate == GateDecision::hold ? waiting : forbidden).push_back(panel->id + ": " + panel->reason);
+  }
+  part("NO_GO", forbidden);
+  part("HOLD", waiting);
+  part("Not planned", plan.notes);
+  return text;
+}
+
+FileT text_file(const std::string& name, const std::string& media_type, const std::string& text) {
+  FileT file;
+  file.name = name, file.media_type = media_type;
+  file.content.assign(text.begin(), text.end());
+  return file;
+}
+
+}  // namespace plumbline::loop

@@ -1,0 +1,26 @@
+// The plan as artifact, table and text, and what the state means for the next plan.
+#pragma once
+
+#include "artifacts/file.hpp"
+#include "artifacts/installation_plan.hpp"
+#include "artifacts/loop_state.hpp"
+#include "loop/gate/gate.hpp"
+
+namespace plumbline::loop {
+
+/// GlobalIds, empty or one for each, and what else the reader must know.
+struct PlanNames {
+  std::vector<std::string> brackets, panels, notes;
+};
+InstallationPlanT plan_artifact(const Facade& facade, const Fit& fit, const std::vector<PanelGate>& gates,
+                                const PlanNames& names = {});
+
+/// Marks what hangs, and the brackets that are set no more: those that carry it, and verified ones. Takes what was set
+/// before off the ranges. Items are found by id.
+void apply_state(Facade& facade, const LoopStateT& state);
+
+std::string settings_csv(const InstallationPlanT& plan);
+std::string installation_words(const InstallationPlanT& plan);
+FileT text_file(const std::string& name, const std::string& media_type, const std::string& text);
+
+}  // namespace plumbline::loop

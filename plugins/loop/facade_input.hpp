@@ -1,0 +1,42 @@
+// The facade of the planner from what the judgement says of anchors and panels.
+#pragma once
+
+#include <map>
+
+#include "artifacts/design.hpp"
+#include "artifacts/deviation.hpp"
+#include "artifacts/loop_state.hpp"
+#include "artifacts/points.hpp"
+#include "loop/fit/bracket_rules.hpp"
+
+namespace plumbline::loop {
+
+struct FacadeRules {
+  std::vector<BracketRule> brackets;
+  std::vector<HookRule> hooks;
+  std::map<std::string, std::vector<std::string>> after;  ///< by panel: those that hang before it
+  ErrorModel errors;
+  double step_tolerance = 0;                                     ///< across a joint [m]; 0: that of the joint's width
+  Eigen::Vector3d normal = Eigen::Vector3d::Constant(kUnknown);  ///< out of the facade; nan: the judgement's
+};
+
+/// "F02-P01 after F01-P01, F01-P02". Throws std::runtime_error that quotes it.
+std::pair<std::string, std::vector<std::string>> parse_dependence(const std::string& text);
+
+struct FacadeInput {
+  Facade facade;
+  std::vector<std::string> guids;        ///< of the brackets
+  std::vector<std::string> panel_guids;  ///< of the panels
+  std::vector<std::string> notes;        ///< panels of the design that are not planned
+};
+
+/// Brackets: all anchors with a place in the design, whether they were measured or not; covariance of the model, plus
+/// what the judgement added to it for where plates sit. Panels and joints: those of the judgement; corners must keep
+/// its tolerances out of plane, sideways and vertical, joints that of their change. A panel above waits for the one
+/// below. `state`: what hangs already is not set any more, what was set before is no range any more. Throws
+/// std::runtime_error that says what is missing: no direction of the facade, no covariance, an anchor that no bracket
+/// rule selects, a dependence on an unknown panel.
+FacadeInput facade_of(const DeviationT& deviation, const PointsT& model, const DesignT& design, const LoopStateT* state,
+                      const FacadeRules& rules);
+
+}  // namespace plumbline::loop

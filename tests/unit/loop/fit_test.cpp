@@ -1,0 +1,251 @@
+// Settings of brackets: optimal, within their limits, and least relaxed where that cannot be.
+#include <gtest/gtest.h>
+
+#include <ClpSimplex.hpp>
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "loop/fit/settings_program.hpp"
+#include "random_facade.hpp"
+
+namespace plumbline::loop {
+namespace {
+
+using test::random_facade;
+
+std::vector<Limit> all_limits(const Facade& facade, const SettingsProgram& program, const Fit& fit) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  std::vector<Limit> limits;
+  const auto add = [&](Limit limit) {
+    limits.push_back(limit), limits.back().low = -infinity;
+    limits.push_back(limit), limits.back().high = infinity;
+  };
+  for (std::size_t b = 0; b < facade.brackets.size(); ++b)
+    for (int k = 0; program.is_set(b) && k < 3; ++k)
+      add({static_cast<int>(b), k, -1, 1e3 * facade.brackets[b].type.low[k], 1e3 * facade.brackets[b].type.high[k]});
+  for (std::size_t v = 0; v < fit.judged.size(); ++v) {
+    const double half = 0.5 * (fit.judged[v].high - fit.judged[v].low);
+    const double guard = std::min(facade.errors.guard_factor * fit.values[v].u, 0.9 * half);
+    add({-1, -1, static_cast<int>(v), 1e3 * (fit.judged[v].low + guard), 1e3 * (fit.judged[v].high - guard)});
+  }
+  return limits;
+}
+
+/// The whole program at once, all limits known from the start.
+ConvexProgram whole_program(const Facade& facade) {
+  const Fit fit = plan_settings(facade);
+  const SettingsProgram program(facade, fit.poses, fit.judged, {});
+  return program.with(all_limits(facade, program, fit));
+}
+
+/// Another program's answer: Clp's barrier method. It takes one triangle of the quadratic part.
+double clp_value(const ConvexProgram& p) {
+  Eigen::SparseMatrix<double> columns = p.rows;
+  columns.makeCompressed();
+  Eigen::SparseMatrix<double> lower = p.quadratic.triangularView<Eigen::Lower>();
+  lower.makeCompressed();
+  const auto finite = [](Eigen::VectorXd v) {
+    return Eigen::VectorXd(v.unaryExpr([](double x) { return std::clamp(x, -COIN_DBL_MAX, COIN_DBL_MAX); }));
+  };
+  const Eigen::VectorXd x_low = finite(p.x_low), x_high = finite(p.x_high), low = finite(p.low), high = finite(p.high);
+  ClpSimplex clp;
+  clp.setLogLevel(0);
+  std::vector<CoinBigIndex> starts(columns.outerIndexPtr(), columns.outerIndexPtr() + columns.cols() + 1);
+  clp.loadProblem(static_cast<int>(columns.cols()), static_cast<int>(columns.rows()), starts.data(),
+                  columns.innerIndexPtr(), columns.valuePtr(), x_low.data(), x_high.data(), p.linear.data(), low.data(),
+                  high.data());
+  std::vector<CoinBigIndex> of_quadratic(lower.outerIndexPtr(), lower.outerIndexPtr() + lower.cols() + 1);
+  clp.loadQuadraticObjective(static_cast<int>(lower.cols()), of_quadratic.data(), lower.innerIndexPtr(),
+                             lower.valuePtr());
+  clp.setPrimalTolerance(1e-9), clp.setDualTolerance(1e-9);
+  ClpSolve how;
+  how.setSolveType(ClpSolve::useBarrier);
+  clp.initialSolve(how);
+  EXPECT_TRUE(clp.isProvenOptimal());
+  const Eigen::Map<const Eigen::VectorXd> x(clp.primalColumnSolution(), columns.cols());
+  return x.dot(0.5 * (p.quadratic * x) + p.linear);
+}
+
+TEST(Fit, KeepsTheOptimalityConditions) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    const ConvexProgram program = whole_program(random_facade({2, 2}, seed, 0.010));
+    const OptimalityGap gap = optimality_gap(program, minimise(program));
+    EXPECT_LT(gap.stationarity, 1e-4) << seed;  // of prices of 1e4 and more
+    EXPECT_LT(gap.feasibility, 1e-7) << seed;
+    EXPECT_LT(gap.complementarity, 1e-3) << seed;
+    EXPECT_LT(gap.sign, 1e-6) << seed;
+  }
+}
+
+TEST(Fit, AnotherSolverFindsTheSameOptimumOfAHundredRandomFacades) {
+  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+    // From easy ones to such that no setting suffices.
+    const Facade facade = random_facade({2, 2}, seed, 0.002 + 0.0002 * static_cast<double>(seed));
+    const double ours = minimise(whole_program(facade)).value, theirs = clp_value(whole_program(facade));
+    EXPECT_NEAR(ours, theirs, 1e-4 * std::abs(theirs) + 1e-5) << "seed " << seed;
+  }
+}
+
+TEST(Fit, LimitsAddedOnDemandGiveTheOptimumOfAllOfThem) {
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    const Facade facade = random_facade({3, 2}, seed, 0.012);
+    const double on_demand = 1e6 * plan_settings(facade).objective;
+    EXPECT_NEAR(on_demand, minimise(whole_program(facade)).value, 1e-6 * std::abs(on_demand) + 1e-6) << seed;
+  }
+}
+
+TEST(Fit, WithoutNoiseEveryPanelComesToItsDesignWithinRange) {
+  const Facade facade = random_facade({3, 4}, 7, 0.003, 1e-6, 0);
+  const Fit fit = plan_settings(facade, {1, 1, 1, 1e-9});
+  EXPECT_TRUE(fit.relaxations.empty());
+  for (const auto& twist : fit.twists) EXPECT_LT(twist.norm(), 1e-6);
+  // What a hook holds is set back by what the anchor is off; what slides is left alone.
+  EXPECT_NEAR(fit.settings[tower_bracket({3, 4}, 0, 1, 0)].z(),
+              -facade.brackets[tower_bracket({3, 4}, 0, 1, 0)].axes.col(2).dot(
+                  facade.brackets[tower_bracket({3, 4}, 0, 1, 0)].deviation),
+              1e-6);
+  EXPECT_NEAR(fit.settings[tower_bracket({3, 4}, 0, 0, 0)].y(), 0, 1e-9);
+}
+
+TEST(Fit, TheSameInTurnedFrames) {
+  const Facade facade = random_facade({2, 3}, 3, 0.012);
+  Facade turned = facade;
+  const Eigen::Matrix3d r = Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  const Eigen::Vector3d t(350000, 5800000, 100);
+  for (Bracket& b : turned.brackets) b.design = r * b.design + t, b.axes = r * b.axes, b.deviation = r * b.deviation;
+  for (Panel& p : turned.panels) {
+    p.axes = r * p.axes, p.centre = r * p.centre + t;
+    for (auto& c : p.corners) c = r * c + t;
+  }
+  for (Joint& j : turned.joints) {
+    j.across = r * j.across;
+    for (auto& p : j.on_a) p = r * p + t;
+    for (auto& p : j.on_b) p = r * p + t;
+  }
+  const Fit a = plan_settings(facade), b = plan_settings(turned);
+  for (std::size_t i = 0; i < a.settings.size(); ++i) EXPECT_LT((a.settings[i] - b.settings[i]).norm(), 2e-7);
+}
+
+TEST(Fit, WhatNeighboursShareCancelsInTheirJoint) {
+  const TowerOptions options{1, 2};
+  Facade facade = random_facade(options, 1, 0.003, 0.0002, 0.003);  // 3 mm that all brackets have in common
+  facade.errors.setting = facade.errors.edge = facade.errors.face = 0;
+  const Fit joint = plan_settings(facade);
+  const Eigen::MatrixXd variances = facade.covariance.diagonal().asDiagonal();
+  facade.covariance = variances;
+  const Fit apart = plan_settings(facade);
+  for (std::size_t v = 0; v < joint.judged.size(); ++v) {
+    if (joint.judged[v].quantity == Quantity::corner) {
+      EXPECT_GT(joint.values[v].u, 0.0029);  // for one panel nothing cancels
+    } else {
+      EXPECT_LT(joint.values[v].u, 0.2 * apart.values[v].u) << joint.judged[v].words(facade);
+    }
+  }
+}
+
+TEST(Fit, ABracketOutOfRangeIsNamedWithWhatToDo) {
+  Facade facade = random_facade({2, 3}, 5, 0.001, 0.0002, 0.0002);
+  const std::size_t bad = tower_bracket({2, 3}, 1, 1, 0);
+  facade.brackets[bad].deviation = {0, 0, -0.026};  // 26 mm low; 15 of range and 5 of tolerance
+  const Fit fit = plan_settings(facade);
+  ASSERT_EQ(fit.relaxations.size(), 1u);
+  EXPECT_EQ(fit.relaxations[0].bracket, static_cast<int>(bad));
+  EXPECT_NE(fit.relaxations[0].words.find("bracket F02-C01-R2 would have to move"), std::string::npos);
+  EXPECT_NE(fit.relaxations[0].words.find("mm up, it has 15.0: re-drill, or trim panel F02-P01 by"), std::string::npos)
+      << fit.relaxations[0].words;
+  for (std::size_t b = 0; b < facade.brackets.size(); ++b) {
+    EXPECT_TRUE((fit.settings[b].array() <= facade.brackets[b].type.high.array() + 1e-12).all());
+    EXPECT_TRUE((fit.settings[b].array() >= facade.brackets[b].type.low.array() - 1e-12).all());
+  }
+}
+
+TEST(Fit, ShimsComeInSteps) {
+  Facade facade = random_facade({2, 2}, 5, 0.003);
+  for (Bracket& bracket : facade.brackets) bracket.type.step = {0, 0, 0.001};
+  const Fit fit = plan_settings(facade);
+  for (const Eigen::Vector3d& setting : fit.settings)
+    EXPECT_NEAR(setting.z(), 1e-3 * std::round(1e3 * setting.z()), 1e-12);
+}
+
+TEST(Fit, PanelsOfTwoPlanesShareABracket) {
+  // The second panel turned to the right-hand side of a corner: what is "out" for one is "right" for the other.
+  Facade facade = make_tower({1, 2});
+  Panel& around = facade.panels[1];
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  const Eigen::Vector3d corner(2.0, 0, 0);
+  const auto turned = [&](const Eigen::Vector3d& p) { return Eigen::Vector3d(corner + turn * (p - corner)); };
+  around.axes = turn * around.axes, around.centre = turned(around.centre);
+  for (auto& c : around.corners) c = turned(c);
+  for (const int row : {0, 1}) {
+    Bracket& bracket = facade.brackets[tower_bracket({1, 2}, 0, row, 2)];
+    bracket.design = turned(bracket.design), bracket.axes = turn * bracket.axes;
+  }
+  facade.joints.clear();
+  Random random(4, "corner");
+  for (Bracket& bracket : facade.brackets) bracket.deviation = random.normal3(0.004);
+  ASSERT_TRUE(faults_of(facade).empty());
+  const Fit fit = plan_settings(facade, {1, 1, 1, 1e-9});
+  EXPECT_TRUE(fit.relaxations.empty());
+  for (const auto& twist : fit.twists) EXPECT_LT(twist.norm(), 1e-6);
+}
+
+TEST(Fit, WhatCannotBePlannedIsSaid) {
+  Facade facade = random_facade({1, 3}, 2, 0.002);
+  facade.panels[0].hooks.clear();
+  facade.panels[1].hooks.resize(1);
+  facade.brackets[tower_bracket({1, 3}, 0, 1, 3)].deviation.setConstant(kUnknown);
+  const Fit fit = plan_settings(facade);
+  std::string notes;
+  for (const std::string& note : fit.notes) notes += note + "\n";
+  EXPECT_NE(notes.find("panel F01-P01 hangs on no bracket"), std::string::npos) << notes;
+  EXPECT_NE(notes.find("panel F01-P02 hangs on one bracket, F01-C02-R2: how it turns is open"), std::string::npos);
+  EXPECT_NE(notes.find("panel F01-P03: bracket F01-C04-R2 was not measured"), std::string::npos);
+  EXPECT_NE(notes.find("bracket F01-C01-R1 holds no panel"), std::string::npos);
+  EXPECT_TRUE(std::isnan(fit.asked[tower_bracket({1, 3}, 0, 1, 3)].x()));
+}
+
+TEST(Fit, ARowThatHangsIsDataForTheNext) {
+  Facade facade = random_facade({2, 2}, 9, 0.002, 0.0002, 0);
+  for (Panel& panel : facade.panels) panel.installed = panel.floor == 1;
+  for (Bracket& bracket : facade.brackets) {
+    bracket.fixed = bracket.floor == 1;
+    if (bracket.fixed) bracket.deviation = {0, 0, 0.004};  // all of the lower floor came out 4 mm high
+  }
+  const Fit fit = plan_settings(facade);
+  for (std::size_t j = 0; j < 4; ++j) {
+    if (facade.panels[j].installed) {
+      EXPECT_NEAR(fit.twists[j].z(), 0.004, 1e-9);
+    } else {
+      EXPECT_GT(fit.twists[j].z(), 0.0005);  // shares the gap rather than halving it alone
+    }
+  }
+  for (std::size_t b = 0; b < facade.brackets.size(); ++b)
+    if (facade.brackets[b].fixed) {
+      EXPECT_EQ(fit.settings[b].norm(), 0);
+    }
+}
+
+TEST(Fit, FaultsAreNamedWithTheirPlace) {
+  Facade facade = random_facade({2, 2}, 1);
+  facade.panels[0].depends_on = {"F02-P01"};
+  facade.brackets[3].type.low = facade.brackets[3].type.high + Eigen::Vector3d::Ones();
+  facade.brackets[1].id = facade.brackets[0].id;
+  facade.panels[1].limits.out = 0;
+  facade.covariance.resize(3, 3);
+  std::string words;
+  for (const std::string& fault : faults_of(facade)) words += fault + "\n";
+  EXPECT_NE(words.find("dependsOn goes in a circle: F01-P01 needs F02-P01 needs F01-P01"), std::string::npos) << words;
+  EXPECT_NE(words.find("bracket F01-C01-R2 (type assumed): its range right is"), std::string::npos);
+  EXPECT_NE(words.find("bracket F01-C01-R1 occurs twice"), std::string::npos);
+  EXPECT_NE(words.find("panel F01-P02: the tolerance out is 0"), std::string::npos);
+  EXPECT_NE(words.find("expected 36 x 36 for 12 brackets"), std::string::npos);
+}
+
+TEST(Fit, TheSameBitsEachTime) {
+  const Facade facade = random_facade({3, 3}, 11, 0.012);
+  const Fit a = plan_settings(facade), b = plan_settings(facade);
+  for (std::size_t i = 0; i < a.settings.size(); ++i) EXPECT_EQ(a.settings[i], b.settings[i]);
+}
+
+}  // namespace
+}  // namespace plumbline::loop

@@ -1,0 +1,114 @@
+#include "loop/gate/gate.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+
+#include "random_facade.hpp"
+
+namespace plumbline::loop {
+namespace {
+
+using test::random_facade;
+
+TEST(Gate, AnchorsThatAreOffCanBeGo) {
+  const Facade facade = random_facade({2, 3}, 3, 0.008, 0.0003, 0.0005);
+  for (const PanelGate& gate : judge_plan(facade, plan_settings(facade))) {
+    EXPECT_EQ(gate.verdict, GateVerdict::go) << gate.reason;
+    EXPECT_GE(gate.p_in, 0.95);
+  }
+}
+
+TEST(Gate, ABracketOutOfItsRangeIsNoGoWithTheRemedy) {
+  Facade facade = random_facade({2, 3}, 3, 0.001, 0.0003, 0.0005);
+  facade.brackets[tower_bracket({2, 3}, 0, 1, 0)].deviation.z() = -0.060;
+  const std::vector<PanelGate> gates = judge_plan(facade, plan_settings(facade));
+  EXPECT_EQ(gates[0].verdict, GateVerdict::no_go);
+  EXPECT_NE(gates[0].reason.find("re-drill, or trim panel F01-P01"), std::string::npos) << gates[0].reason;
+  EXPECT_EQ(gates[5].verdict, GateVerdict::go) << gates[5].reason;
+}
+
+TEST(Gate, HoldNamesTheMeasurementThatWouldDecide) {
+  Facade facade = random_facade({1, 2}, 3, 0.001, 0.0002, 0);
+  const auto bad = static_cast<Eigen::Index>(tower_bracket({1, 2}, 0, 1, 0));
+  facade.covariance.block<3, 3>(3 * bad, 3 * bad) = 9e-6 * Eigen::Matrix3d::Identity();
+  const std::vector<PanelGate> gates = judge_plan(facade, plan_settings(facade));
+  EXPECT_EQ(gates[0].verdict, GateVerdict::hold);
+  EXPECT_EQ(gates[0].measure.bracket, static_cast<int>(bad));
+  EXPECT_GT(gates[0].measure.p_in, 0.95);
+  EXPECT_LT(gates[0].measure.u, gates[0].measure.u_now);
+  EXPECT_NE(gates[0].reason.find("measuring F01-C01-R2 once more"), std::string::npos) << gates[0].reason;
+}
+
+TEST(Gate, HoldNamesTheRobotThatWouldDo) {
+  Facade facade = random_facade({1, 2}, 3, 0.001, 0.0002, 0);
+  facade.errors.setting = 0.003;
+  const std::vector<PanelGate> gates = judge_plan(facade, plan_settings(facade));
+  EXPECT_EQ(gates[0].verdict, GateVerdict::hold) << gates[0].reason;
+  EXPECT_GT(gates[0].robot_sigma, 0.0005);
+  EXPECT_LT(gates[0].robot_sigma, 0.003);
+  facade.errors.setting = gates[0].robot_sigma;
+  EXPECT_GE(judge_plan(facade, plan_settings(facade))[0].p_in, 0.945);
+}
+
+TEST(Gate, WhatWasNotMeasuredHolds) {
+  Facade facade = random_facade({1, 2}, 3, 0.001, 0.0002, 0);
+  facade.brackets[tower_bracket({1, 2}, 0, 1, 2)].deviation.setConstant(kUnknown);
+  const std::vector<PanelGate> gates = judge_plan(facade, plan_settings(facade));
+  EXPECT_EQ(gates[0].verdict, GateVerdict::go) << gates[0].reason;
+  EXPECT_EQ(gates[1].verdict, GateVerdict::hold);
+  EXPECT_NE(gates[1].reason.find("not measured: F01-C03-R2"), std::string::npos) << gates[1].reason;
+}
+
+TEST(Gate, NothingIsGoBelowWhatCanBeMeasured) {
+  TowerOptions options{1, 2};
+  options.tolerance = 0.0004;
+  const Facade facade = random_facade(options, 3, 0.001, 0.0005, 0.001);
+  const Fit fit = plan_settings(facade);
+  for (const PanelGate& gate : judge_plan(facade, fit)) EXPECT_NE(gate.verdict, GateVerdict::go);
+  EXPECT_NE(fit.notes.back().find("no setting can be shown to be good enough"), std::string::npos);
+}
+
+/// Errors drawn as the facade says they are: shares of panels inside against what was stated.
+TEST(Gate, StatedProbabilitiesAreTrue) {
+  TowerOptions options{2, 2};
+  options.tolerance = 0.003, options.joint_tolerance = 0.004;
+  double stated = 0, inside = 0;
+  int items = 0;
+  for (std::uint64_t seed = 1; seed <= 150; ++seed) {
+    Facade facade = random_facade(options, seed, 0.004, 0.0006, 0.0008);
+    facade.errors.station = 0.0004;
+    const Fit fit = plan_settings(facade);
+    const std::vector<PanelGate> gates = judge_plan(facade, fit);
+    // The truth is off from what was measured by the covariance, brackets are set with their error.
+    Random random(seed, "truth");
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(facade.covariance);
+    Eigen::VectorXd z(facade.covariance.rows());
+    for (Eigen::Index i = 0; i < z.size(); ++i) z[i] = random.normal();
+    const Eigen::VectorXd error = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).cwiseSqrt().cwiseProduct(z);
+    std::vector<Eigen::Vector3d> done = fit.settings;
+    const Eigen::Vector3d station[2] = {random.normal3(0.0004), random.normal3(0.0004)};
+    for (std::size_t b = 0; b < done.size(); ++b)
+      done[b] += facade.brackets[b].axes.transpose() *
+                     (error.segment<3>(3 * static_cast<Eigen::Index>(b)) + station[facade.brackets[b].floor - 1]) +
+                 random.normal3(facade.errors.setting);
+    const std::vector<double> values = values_of(facade, fit, done);
+    std::vector<double> made(5 * facade.panels.size());
+    for (std::size_t i = 0; i < made.size(); ++i)
+      made[i] = random.normal(i % 5 == 4 ? facade.errors.face : facade.errors.edge);
+    std::vector<bool> in(facade.panels.size(), true);
+    for (std::size_t v = 0; v < values.size(); ++v) {
+      double value = values[v];
+      for (const auto& [at, factor] : fit.judged[v].edges) value += factor * made[at];
+      if (value < fit.judged[v].low || value > fit.judged[v].high)
+        for (const auto& [panel, row] : fit.judged[v].rows) in[panel] = false;
+    }
+    for (std::size_t j = 0; j < gates.size(); ++j) stated += gates[j].p_in, inside += in[j], ++items;
+  }
+  EXPECT_NEAR(stated / items, inside / items, 0.05);  // 600 items in groups of four that hang together
+  EXPECT_GT(stated / items, 0.4);
+  EXPECT_LT(stated / items, 0.99);
+}
+
+}  // namespace
+}  // namespace plumbline::loop
