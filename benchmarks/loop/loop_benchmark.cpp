@@ -1,0 +1,111 @@
+// Open, measured once, closed: the same simulated towers side by side. Prints a table, the reliability of p_in, joints,
+// faults.
+//
+//   loop_benchmark [trials] [floors] [share of faults] [first seed]
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <string>
+
+#include "loop/simulate/trial.hpp"
+
+using namespace plumbline::loop;
+
+namespace {
+
+/// Wilson's interval of a share, 95 %; trials are the units where items of one trial hang together, so this is for
+/// single items.
+void wilson(double k, double n, double& low, double& high) {
+  const double z = 1.96, p = k / n, d = 1 + z * z / n;
+  const double middle = (p + z * z / (2 * n)) / d, half = z * std::sqrt(p * (1 - p) / n + z * z / (4 * n * n)) / d;
+  low = middle - half, high = middle + half;
+}
+
+/// Mean and half of its 95 % interval over trials.
+struct Mean {
+  double sum = 0, squares = 0;
+  int n = 0;
+  void add(double x) { sum += x, squares += x * x, ++n; }
+  double value() const { return sum / n; }
+  double half() const { return 1.96 * std::sqrt(std::max(0.0, squares / n - value() * value()) / std::max(1, n - 1)); }
+};
+
+struct Sum {
+  Mean panels, joints, reworks, top, rounds, top_floor, bottom_floor, paired;
+  double verified = 0, wrong = 0, worst = 0, infeasible = 0, planted = 0, missed = 0, items = 0;
+  double nees = 0, diagonal = 0, joint_values = 0, seconds = 0;
+  double stated[12] = {}, inside[12] = {}, count[12] = {};
+};
+
+void add(const TrialResult& r, Sum& s) {
+  s.panels.add(100.0 * r.panels_inside / r.panels), s.joints.add(100.0 * r.joints_inside / r.joints);
+  s.reworks.add(100.0 * r.reworks / (r.panels + 1e-9)), s.top.add(1e3 * r.top_height), s.rounds.add(r.rounds);
+  const double per_floor = static_cast<double>(r.panels) / static_cast<double>(r.inside_by_floor.size());
+  s.bottom_floor.add(100.0 * r.inside_by_floor.front() / per_floor);
+  s.top_floor.add(100.0 * r.inside_by_floor.back() / per_floor);
+  s.verified += r.verified, s.wrong += r.verified_wrong, s.infeasible += r.infeasible, s.items += r.panels;
+  s.worst = std::max(s.worst, r.verified_worst);
+  s.planted += r.planted, s.missed += r.planted_verified;
+  s.nees += r.joint_nees, s.diagonal += r.joint_nees_diagonal, s.joint_values += r.joint_values;
+  for (const Stated& stated : r.stated) {
+    if (!(stated.p_in >= 0)) continue;
+    const int bin = stated.p_in >= 0.95 ? 10 : static_cast<int>(10 * stated.p_in);
+    s.stated[bin] += stated.p_in, s.inside[bin] += stated.inside, ++s.count[bin];
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const int trials = argc > 1 ? std::atoi(argv[1]) : 200, floors = argc > 2 ? std::atoi(argv[2]) : 5;
+  SiteOptions options;
+  options.tower.floors = floors, options.tower.bays = 4;
+  options.faults = Faults::all(argc > 3 ? std::atof(argv[3]) : 0);
+  const auto first = static_cast<std::uint64_t>(argc > 4 ? std::atoi(argv[4]) : 1);
+  Sum sums[3];
+  for (int t = 0; t < trials; ++t) {
+    double share[3];
+    for (const Strategy strategy : {Strategy::open, Strategy::measured_once, Strategy::closed}) {
+      const auto i = static_cast<std::size_t>(strategy);
+      const std::clock_t start = std::clock();
+      const TrialResult r = run_trial(options, strategy, first + static_cast<std::uint64_t>(t));
+      sums[i].seconds += static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+      add(r, sums[i]);
+      share[i] = 100.0 * r.panels_inside / r.panels;
+    }
+    sums[0].paired.add(share[2] - share[0]), sums[1].paired.add(share[2] - share[1]);
+  }
+  std::printf("%d trials, %d floors of 4 panels\n", trials, floors);
+  std::printf("%-14s %18s %18s %14s %14s %10s %16s %8s %8s\n", "", "panels inside [%]", "joints inside [%]",
+              "lowest floor", "top floor", "reworks", "top height [mm]", "rounds", "s/trial");
+  for (const Strategy strategy : {Strategy::open, Strategy::measured_once, Strategy::closed}) {
+    const Sum& s = sums[static_cast<std::size_t>(strategy)];
+    std::printf("%-14s %10.1f +- %4.1f %10.1f +- %4.1f %14.1f %14.1f %10.1f %8.2f +- %4.2f %8.1f %8.2f\n",
+                name_of(strategy), s.panels.value(), s.panels.half(), s.joints.value(), s.joints.half(),
+                s.bottom_floor.value(), s.top_floor.value(), s.reworks.value(), s.top.value(), s.top.half(),
+                s.rounds.value(), s.seconds / trials);
+  }
+  std::printf("closed minus open %.1f +- %.1f, closed minus measured once %.1f +- %.1f (paired, percent of panels)\n",
+              sums[0].paired.value(), sums[0].paired.half(), sums[1].paired.value(), sums[1].paired.half());
+  const Sum& c = sums[2];
+  std::printf(
+      "closed: %.0f of %.0f panels VERIFIED (%.2f %%), %.0f not feasible; of the verified %.0f (%.2f %%) outside in "
+      "truth, the worst by %.2f mm\n",
+      c.verified, c.items, 100 * c.verified / c.items, c.infeasible, c.wrong, 100 * c.wrong / std::max(1.0, c.verified),
+      1e3 * c.worst);
+  std::printf("closed: %.0f faults planted, %.0f brackets VERIFIED that are 4.5 mm or more off\n", c.planted, c.missed);
+  const Sum& m = sums[1];
+  std::printf(
+      "joints, measured once: mean of (true - stated)^2/u^2 %.3f with the joint covariance, %.3f with its diagonal "
+      "(%.0f values)\n",
+      m.nees / m.joint_values, m.diagonal / m.joint_values, m.joint_values);
+  std::printf("p_in: stated, found inside, panels\n");
+  for (int bin = 0; bin <= 10; ++bin)
+    if (m.count[bin] > 0) {
+      double low, high;
+      wilson(m.inside[bin], m.count[bin], low, high);
+      std::printf("  %.3f %.3f [%.3f, %.3f] %.0f\n", m.stated[bin] / m.count[bin], m.inside[bin] / m.count[bin], low,
+                  high, m.count[bin]);
+    }
+}
