@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
+#include <map>
 
 #include "geometry/median.hpp"
 #include "geometry/random.hpp"
@@ -14,178 +14,293 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-using Strata = std::vector<std::vector<Pair>>;
+bool finished_by_both(const Encounter& e) { return std::isfinite(e.first) && std::isfinite(e.second); }
 
-double rmse_difference(const Strata& strata, const Weights& weights) {
-  double sum = 0;
-  for (std::size_t s = 0; s < strata.size(); ++s) {
-    double first = 0, second = 0, total = 0;
-    for (std::size_t i = 0; i < strata[s].size(); ++i) {
-      first += weights[s][i] * strata[s][i].first;
-      second += weights[s][i] * strata[s][i].second;
-      total += weights[s][i];
+/// Trials with seeds counted from 0, so that weights by seed reach them.
+class Trials {
+ public:
+  struct Trial {
+    std::size_t seed = 0;
+    double first = 0, second = 0, only_first = 0, only_second = 0;
+  };
+  struct Group {
+    double weight = 1;
+    std::vector<Trial> trials;
+  };
+
+  /// All trials, or only those that both finished in places that have enough of them.
+  Trials(const std::vector<Place>& places, bool pairs_only) {
+    std::map<std::uint64_t, std::size_t> index;
+    for (const Place& place : places) {
+      if (pairs_only && pairs_of(place) < least_seeds) continue;
+      Group group{place.weight, {}};
+      for (const Encounter& e : place.encounters)
+        if (!pairs_only || finished_by_both(e))
+          group.trials.push_back(
+              {index.emplace(e.seed, index.size()).first->second, e.first, e.second, e.only_first, e.only_second});
+      if (!group.trials.empty()) groups_.push_back(std::move(group));
     }
-    sum += std::sqrt(first / total) - std::sqrt(second / total);
+    seeds_ = index.size();
   }
-  return sum / static_cast<double>(strata.size());
+
+  static std::size_t pairs_of(const Place& place) {
+    return static_cast<std::size_t>(std::count_if(place.encounters.begin(), place.encounters.end(), finished_by_both));
+  }
+
+  std::size_t seeds() const { return seeds_; }
+  const std::vector<Group>& groups() const { return groups_; }
+
+  /// Weighted mean over the places of what `place` gives of one.
+  template <typename OfPlace>
+  double mean(const OfPlace& place) const {
+    double sum = 0, total = 0;
+    for (const Group& group : groups_) sum += group.weight * place(group), total += group.weight;
+    return sum / total;
+  }
+
+  bool all_agree() const {
+    for (const Group& group : groups_)
+      for (const Trial& t : group.trials)
+        if (std::abs(t.first - t.second) > 2e-9 * std::max(t.first, t.second)) return false;
+    return true;
+  }
+
+  /// Degrees of freedom of the standard deviation of a mean in which seeds do not weigh alike, because places have
+  /// different ones (Satterthwaite 1946): n - 1 if all have the same.
+  double freedom() const {
+    std::vector<double> share(seeds_, 0.0);
+    for (const Group& group : groups_)
+      for (const Trial& t : group.trials) share[t.seed] += group.weight / static_cast<double>(group.trials.size());
+    double squares = 0, fourths = 0;
+    for (const double s : share) squares += s * s, fourths += s * s * s * s;
+    return squares * squares / fourths - 1;
+  }
+
+ private:
+  std::size_t seeds_ = 0;
+  std::vector<Group> groups_;
+};
+
+using Group = Trials::Group;
+using Trial = Trials::Trial;
+
+/// First minus second; `weights` of the seeds.
+double rmse_difference(const Group& group, const Weights& weights) {
+  double first = 0, second = 0, total = 0;
+  for (const Trial& t : group.trials) {
+    const double w = weights[t.seed];
+    first += w * t.first, second += w * t.second, total += w;
+  }
+  return std::sqrt(first / total) - std::sqrt(second / total);
 }
 
-double exchanged_difference(const Strata& strata, const Weights& signs) {
-  double sum = 0;
-  for (std::size_t s = 0; s < strata.size(); ++s) {
-    double first = 0, second = 0;
-    for (std::size_t i = 0; i < strata[s].size(); ++i) {
-      const Pair& pair = strata[s][i];
-      const bool kept = signs[s][i] > 0;
-      first += kept ? pair.first : pair.second;
-      second += kept ? pair.second : pair.first;
+double exchanged_difference(const Group& group, const Weights& signs) {
+  double first = 0, second = 0, count = 0;
+  for (const Trial& t : group.trials) {
+    const bool kept = signs[t.seed] > 0;
+    first += kept ? t.first : t.second;
+    second += kept ? t.second : t.first;
+    ++count;
+  }
+  return std::sqrt(first / count) - std::sqrt(second / count);
+}
+
+double improvement(const Group& group, const Weights& weights) {
+  double better = 0, total = 0;
+  for (const Trial& t : group.trials) {
+    const double both = 1 - t.only_first - t.only_second;
+    const double won = t.first < t.second ? 1 : t.first > t.second ? 0 : 0.5;  // half if neither finished
+    better += weights[t.seed] * (t.only_first + both * won);
+    total += weights[t.seed];
+  }
+  return better / total;
+}
+
+double rmse(const Trials& pairs, double Trial::*member) {
+  return pairs.mean([&](const Group& group) {
+    double sum = 0;
+    for (const Trial& t : group.trials) sum += t.*member;
+    return std::sqrt(sum / static_cast<double>(group.trials.size()));
+  });
+}
+
+void compare_errors(const Trials& pairs, const InferenceOptions& options, PairedComparison& result) {
+  result.first = rmse(pairs, &Trial::first), result.second = rmse(pairs, &Trial::second);
+  result.same = pairs.all_agree();
+  Jackknife difference = jackknife(pairs.seeds(), [&](const Weights& weights) {
+    return pairs.mean([&](const Group& group) { return rmse_difference(group, weights); });
+  });
+  difference.freedom = pairs.freedom();
+  result.difference = {difference.value, difference.interval(options.confidence)};
+  result.narrow = difference.interval(2 * options.confidence - 1);
+  result.deviation = difference.deviation();
+  result.p = result.adjusted_p = exchange_test(
+      pairs.seeds(),
+      [&](const Weights& signs) {
+        return pairs.mean([&](const Group& group) { return exchanged_difference(group, signs); });
+      },
+      options);
+}
+
+Estimate improvement_of(const Trials& trials, double confidence) {
+  Estimate share = estimate(
+      trials.seeds(),
+      [&](const Weights& weights) {
+        return trials.mean([&](const Group& group) { return improvement(group, weights); });
+      },
+      confidence, Scale::plain);
+  share.interval = {std::max(0.0, share.interval.lower), std::min(1.0, share.interval.upper)};
+  return share;
+}
+
+/// Shares of trials that only one finished, over all places: those that lack pairs lack them because of it.
+void compare_failures(const Trials& trials, const InferenceOptions& options, PairedComparison& result) {
+  std::vector<double> by_seed(trials.seeds(), 0.0);  // first minus second, as it enters the mean
+  std::vector<bool> told(trials.seeds(), false);
+  double total = 0;
+  for (const Group& group : trials.groups()) total += group.weight;
+  for (const Group& group : trials.groups())
+    for (const Trial& t : group.trials) {
+      by_seed[t.seed] +=
+          group.weight / total * (t.only_second - t.only_first) / static_cast<double>(group.trials.size());
+      if (t.only_second != t.only_first) told[t.seed] = true;
     }
-    const auto n = static_cast<double>(strata[s].size());
-    sum += std::sqrt(first / n) - std::sqrt(second / n);
+  result.share_lost = 0;
+  for (const double share : by_seed) result.share_lost += share;
+  if (static_cast<std::size_t>(std::count(told.begin(), told.end(), true)) < least_seeds) return;
+  std::vector<double> shares;
+  for (std::size_t i = 0; i < by_seed.size(); ++i)
+    if (told[i]) shares.push_back(by_seed[i]);
+  result.p_lost = result.adjusted_p_lost = exchange_test(
+      shares.size(),
+      [&](const Weights& signs) {
+        double sum = 0;
+        for (std::size_t i = 0; i < signs.size(); ++i) sum += signs[i] * shares[i];
+        return sum;
+      },
+      options);
+}
+
+/// Method of moments: the mean square of the places' differences about their mean, less what the covariance of the
+/// differences (cluster jackknife over seeds, so with what the places share) would make of it alone.
+Spread spread_of(const Trials& pairs) {
+  Spread spread;
+  std::vector<Jackknife> places;
+  for (const Group& group : pairs.groups())
+    places.push_back(jackknife(pairs.seeds(), [&](const Weights& weights) { return rmse_difference(group, weights); }));
+  spread.places = places.size();
+  const auto count = static_cast<double>(places.size()), n = static_cast<double>(pairs.seeds());
+  double mean = 0, squares = 0;
+  spread.lowest = std::numeric_limits<double>::infinity(), spread.highest = -spread.lowest;
+  for (const Jackknife& place : places) {
+    mean += place.value / count;
+    spread.lowest = std::min(spread.lowest, place.value), spread.highest = std::max(spread.highest, place.value);
   }
-  return sum / static_cast<double>(strata.size());
-}
-
-double improvement(const Strata& strata, const Weights& weights) {
-  double sum = 0;
-  for (std::size_t s = 0; s < strata.size(); ++s) {
-    double better = 0, total = 0;
-    for (std::size_t i = 0; i < strata[s].size(); ++i) {
-      const Pair& pair = strata[s][i];
-      better += weights[s][i] * (pair.first < pair.second ? 1.0 : pair.first == pair.second ? 0.5 : 0.0);
-      total += weights[s][i];
-    }
-    sum += better / total;
+  double noise = 0;  // trace of C S C, C = I - 1/P
+  for (std::size_t i = 0; i < pairs.seeds(); ++i) {
+    double sum = 0, square = 0;
+    for (const Jackknife& place : places) sum += place.influence[i], square += std::pow(place.influence[i], 2);
+    noise += (square - sum * sum / count) / (n * (n - 1));
   }
-  return sum / static_cast<double>(strata.size());
+  for (const Jackknife& place : places) squares += std::pow(place.value - mean, 2);
+  spread.deviation = std::sqrt(std::max(0.0, squares - noise) / (count - 1));
+  return spread;
 }
 
-std::string fixed(double value, int decimals) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.*f", decimals, value);
-  const bool zero = std::string(text).find_first_of("123456789") == std::string::npos;
-  return text[0] == '-' && zero && std::isfinite(value) ? text + 1 : text;
+/// -1: the first is better in errors, 1: the second, 0: not shown.
+int side_of_errors(const PairedComparison& c, double confidence) {
+  const Interval& wide = c.difference.interval;
+  if (!(c.adjusted_p < 1 - confidence)) return 0;
+  return wide.upper < 0 ? -1 : wide.lower > 0 ? 1 : 0;
 }
 
-/// So many decimals that `size` keeps its first digit; between 1 and 6.
-int decimals_for(double size) {
-  if (!(size > 0) || !std::isfinite(size)) return 2;
-  return std::clamp(-static_cast<int>(std::floor(std::log10(size))), 1, 6);
+int side_of_failures(const PairedComparison& c, double confidence) {
+  if (!(c.adjusted_p_lost < 1 - confidence)) return 0;
+  return c.share_lost < 0 ? -1 : 1;
+}
+
+Verdict verdict_of(PairedComparison& c, double rope, double confidence) {
+  const bool judged = std::isfinite(c.difference.interval.lower) && std::isfinite(c.difference.interval.upper);
+  const bool equal = judged && rope > 0 && c.narrow.lower > -rope && c.narrow.upper < rope;
+  const int errors = equal || !judged ? 0 : side_of_errors(c, confidence);
+  const int failures = side_of_failures(c, confidence);
+  c.errors_differ = errors != 0;
+  if (errors * failures < 0) return Verdict::opposed;
+  if (errors + failures < 0) return Verdict::first_better;
+  if (errors + failures > 0) return Verdict::second_better;
+  return equal ? Verdict::equal : judged ? Verdict::undecided : Verdict::too_few;
 }
 
 }  // namespace
 
 const char* to_text(Verdict verdict) {
-  static constexpr const char* names[] = {"first better", "second better", "equal", "undecided", "too few trials"};
+  static constexpr const char* names[] = {"first better", "second better", "equal",
+                                          "undecided",    "opposed",       "too few trials"};
   return names[static_cast<int>(verdict)];
 }
 
-PairedComparison compare_pairs(const std::vector<std::vector<Pair>>& given, const ResamplingOptions& options) {
-  Strata strata;
-  for (const auto& stratum : given)
-    if (!stratum.empty()) strata.push_back(stratum);
+PairedComparison compare(const std::vector<Place>& places, const InferenceOptions& options) {
   PairedComparison result;
-  std::vector<std::size_t> sizes;
-  for (const auto& stratum : strata) {
-    double first = 0, second = 0;
-    for (const Pair& pair : stratum) first += pair.first, second += pair.second;
-    const auto n = static_cast<double>(stratum.size()), count = static_cast<double>(strata.size());
-    result.first += std::sqrt(first / n) / count;
-    result.second += std::sqrt(second / n) / count;
-    result.pairs += stratum.size();
-    result.fewest = sizes.empty() ? stratum.size() : std::min(result.fewest, stratum.size());
-    sizes.push_back(stratum.size());
+  result.first = result.second = result.deviation = kNan;
+  result.difference = result.improvement = {kNan, {kNan, kNan}};
+  result.narrow = {kNan, kNan};
+  result.p = result.adjusted_p = result.p_lost = result.adjusted_p_lost = kNan;
+  for (const Place& place : places) {
+    const std::size_t paired = Trials::pairs_of(place);
+    result.pairs += paired;
+    (paired >= least_seeds ? result.places : result.left_out) += 1;
+    for (const Encounter& e : place.encounters) result.lost_first += e.only_second, result.lost_second += e.only_first;
   }
-  if (result.pairs == 0) result.first = result.second = kNan;
-  result.difference = {result.first - result.second, {kNan, kNan}};
-  result.narrow = result.improvement.interval = {kNan, kNan};
-  result.improvement.value = result.p = result.adjusted_p = kNan;
-  if (result.pairs < least_pairs) return result;
-  const auto difference = [&](const Weights& weights) { return rmse_difference(strata, weights); };
-  const double risk = 1 - options.confidence;
-  const auto intervals = bca_intervals(sizes, difference, {options.confidence, 1 - 2 * risk}, options);
-  result.difference.interval = intervals[0], result.narrow = intervals[1];
-  result.improvement = bca(
-      sizes, [&](const Weights& weights) { return improvement(strata, weights); }, options);
-  ResamplingOptions test = options;
-  test.resamples = std::max(options.resamples, 9999);
-  result.p = result.adjusted_p = exchange_test(
-      sizes, [&](const Weights& signs) { return exchanged_difference(strata, signs); }, test);
+  const Trials all(places, false), pairs(places, true);
+  compare_failures(all, options, result);
+  if (all.seeds() > 0) result.improvement = improvement_of(all, options.confidence);
+  result.seeds = pairs.seeds();
+  if (result.places == 0) return result;
+  compare_errors(pairs, options, result);
+  if (result.places > 1) result.spread = spread_of(pairs);
   return result;
 }
 
-void judge(std::vector<PairedComparison>& family, double rope, double confidence) {
-  std::vector<double> p;
-  for (const PairedComparison& comparison : family) p.push_back(comparison.p);
-  const std::vector<double> adjusted = holm(p);
-  for (std::size_t i = 0; i < family.size(); ++i) {
-    PairedComparison& c = family[i];
-    c.adjusted_p = adjusted[i];
-    const Interval& wide = c.difference.interval;
-    const bool significant = c.adjusted_p < 1 - confidence;
-    if (!std::isfinite(wide.lower) || !std::isfinite(wide.upper))
-      c.verdict = Verdict::too_few;
-    else if (rope > 0 && c.narrow.lower > -rope && c.narrow.upper < rope)
-      c.verdict = Verdict::equal;
-    else if (significant && wide.upper < 0)
-      c.verdict = Verdict::first_better;
-    else if (significant && wide.lower > 0)
-      c.verdict = Verdict::second_better;
-    else
-      c.verdict = Verdict::undecided;
-  }
-}
-
-std::string in_words(const PairedComparison& c, const std::string& first, const std::string& second, double rope,
-                     double scale, const std::string& unit) {
-  const Interval wide{scale * c.difference.interval.lower, scale * c.difference.interval.upper};
-  const int digits =
-      decimals_for(std::max(0.5 * (wide.upper - wide.lower), 1e-3 * scale * std::max(c.first, c.second)));
-  const auto range = [&](double a, double b) { return "(" + fixed(a, digits) + " to " + fixed(b, digits) + ")"; };
-  const double value = scale * c.difference.value;
-  switch (c.verdict) {
-    case Verdict::first_better:
-      return first + " beats " + second + " by " + fixed(-value, digits) + " " + unit + " " +
-             range(-wide.upper, -wide.lower);
-    case Verdict::second_better:
-      return second + " beats " + first + " by " + fixed(value, digits) + " " + unit + " " +
-             range(wide.lower, wide.upper);
-    case Verdict::equal:
-      return first + " and " + second + " are equal within " + fixed(scale * rope, decimals_for(scale * rope)) + " " +
-             unit + " (difference " + fixed(value, digits) + " " + unit + ", " + fixed(wide.lower, digits) + " to " +
-             fixed(wide.upper, digits) + ")";
-    case Verdict::undecided: {
-      const bool covers = wide.lower <= 0 && wide.upper >= 0;
-      return "no winner between " + first + " and " + second + ": the difference is " + fixed(value, digits) + " " +
-             unit + " " + range(wide.lower, wide.upper) +
-             (covers ? ", an interval that covers zero" : ", but not significant after Holm's correction") +
-             (rope > 0 ? "" : "; no rope is given, so nothing can be called equal");
+void judge(std::vector<PairedComparison>& family, double rope, double confidence, const std::vector<double>& shares) {
+  std::vector<double> p, of_test;
+  double total = 0;
+  for (std::size_t i = 0; i < family.size(); ++i)
+    for (const double value : {family[i].p, family[i].p_lost}) {
+      p.push_back(value);
+      of_test.push_back(shares.empty() ? 1.0 : shares[i]);
+      if (!std::isnan(value)) total += of_test.back();
     }
-    case Verdict::too_few:
-      return "nothing can be said of " + first + " and " + second + ": " +
-             (c.pairs < least_pairs
-                  ? std::to_string(c.pairs) + (c.pairs == 1 ? " trial" : " trials") +
-                        " that both finished, needed are " + std::to_string(least_pairs)
-                  : "of " + std::to_string(c.pairs) + " trials that both finished, one place has only " +
-                        std::to_string(c.fewest) + ", and an interval needs two in each");
+  const std::vector<double> adjusted = holm(p, of_test);
+  for (std::size_t i = 0; i < family.size(); ++i) {
+    family[i].adjusted_p = adjusted[2 * i], family[i].adjusted_p_lost = adjusted[2 * i + 1];
+    family[i].risk = (1 - confidence) * of_test[2 * i] / total;
+    family[i].verdict = verdict_of(family[i], rope, confidence);
   }
-  return "";
 }
 
-TimeComparison compare_times(const std::vector<Pair>& seconds, const ResamplingOptions& options) {
-  std::vector<double> all, half[2];
-  for (const Pair& pair : seconds) {
+TimeComparison compare_times(const std::vector<TimePair>& seconds, const InferenceOptions& options) {
+  std::map<std::uint64_t, std::vector<double>> by_seed;
+  std::vector<double> all;
+  for (const TimePair& pair : seconds) {
     if (!(pair.first > 0 && pair.second > 0)) continue;
-    half[all.size() % 2].push_back(pair.first / pair.second);
+    by_seed[pair.seed].push_back(pair.first / pair.second);
     all.push_back(pair.first / pair.second);
   }
-  const auto interval = [&](const std::vector<double>& ratios) -> Interval {
-    if (ratios.size() < least_pairs) return {kNan, kNan};
+  std::vector<const std::vector<double>*> every, half[2];
+  for (const auto& [seed, ratios] : by_seed) {
+    half[every.size() % 2].push_back(&ratios);
+    every.push_back(&ratios);
+  }
+  const auto interval = [&](const std::vector<const std::vector<double>*>& seeds) -> Interval {
+    if (seeds.size() < least_seeds) return {kNan, kNan};
     Random random(options.seed, "times");
-    std::vector<double> medians, drawn(ratios.size());
-    for (int b = 0; b < options.resamples; ++b) {
-      for (double& value : drawn)
-        value = ratios[static_cast<std::size_t>(random.uniform() * static_cast<double>(ratios.size()))];
+    std::vector<double> medians, drawn;
+    for (int b = 0; b < 1000; ++b) {
+      drawn.clear();
+      for (std::size_t k = 0; k < seeds.size(); ++k) {
+        const auto& ratios = *seeds[static_cast<std::size_t>(random.uniform() * static_cast<double>(seeds.size()))];
+        drawn.insert(drawn.end(), ratios.begin(), ratios.end());
+      }
       medians.push_back(median(drawn));
     }
     std::sort(medians.begin(), medians.end());
@@ -194,7 +309,7 @@ TimeComparison compare_times(const std::vector<Pair>& seconds, const ResamplingO
   };
   TimeComparison result;
   result.pairs = all.size();
-  result.ratio = {median(all), interval(all)};
+  result.ratio = {median(all), interval(every)};
   for (int k = 0; k < 2; ++k) result.halves[k] = interval(half[k]);
   const auto side = [](const Interval& i) { return i.upper < 1 ? -1 : i.lower > 1 ? 1 : 0; };  // nan: 0
   const int whole = side(result.ratio.interval);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <set>
 #include <sstream>
 
@@ -12,7 +13,7 @@ namespace plumbline::bench {
 
 namespace {
 
-Row row_of(const std::vector<const Cell*>& cells, const Bench& bench, const statistics::ResamplingOptions& options) {
+Row row_of(const std::vector<const Cell*>& cells, const Bench& bench, double confidence) {
   Row row;
   row.place = cells[0]->place;
   row.values = cells[0]->values;
@@ -25,8 +26,16 @@ Row row_of(const std::vector<const Cell*>& cells, const Bench& bench, const stat
     row.missing += cell->status == "missing";
     failures += cell->status == "failed";
     if (cell->status != "done") continue;
-    trials.push_back({cell->measure("error"), cell->measure("bias"), cell->measure("worst"), cell->measure("predicted"),
-                      cell->measure("bound"), cell->measure("nees"), cell->measure("freedom")});
+    trials.push_back({cell->measure("error"),
+                      cell->measure("bias"),
+                      cell->measure("worst"),
+                      cell->measure("predicted"),
+                      cell->measure("bound"),
+                      cell->measure("nees"),
+                      cell->measure("freedom"),
+                      {}});
+    for (const auto& [mode, stated] : cell->modes)
+      trials.back().modes[mode] = {stated.at("found"), stated.at("predicted"), stated.at("nees"), stated.at("freedom")};
     row.errors.push_back(trials.back().rms);
     row.worst.push_back(trials.back().worst);
     row.seeds.push_back(cell->seed);
@@ -34,7 +43,7 @@ Row row_of(const std::vector<const Cell*>& cells, const Bench& bench, const stat
     if (const double c = cell->measure("start_cost"); std::isfinite(c)) starts.push_back(c);
     if (const double c = cell->measure("final_cost"); std::isfinite(c)) costs.push_back(c);
   }
-  row.summary = summarise(trials, failures, bench.tolerances, options);
+  row.summary = summarise(trials, failures, bench.tolerances, confidence);
   row.seconds = median(seconds);
   row.start_cost = median(starts);
   row.final_cost = median(costs);
@@ -96,6 +105,37 @@ std::vector<std::string> unused_of(const Bench& bench) {
   return unused;
 }
 
+/// evaluate.cost counts everything that was observed, also what the alternative rejected or damped: a cost that goes up
+/// is one of another problem than the one that was solved, or a solver that diverged, and not seen in a table.
+std::vector<std::string> rising_of(const Bench& bench) {
+  struct Count {
+    std::size_t rose = 0, all = 0;
+    double start = 0, final = 0;
+  };
+  std::map<std::string, Count> counts;
+  std::vector<std::string> order, sentences;
+  for (const Cell& cell : bench.cells) {
+    const double start = cell.measure("start_cost"), final = cell.measure("final_cost");
+    if (cell.status != "done" || !std::isfinite(start + final)) continue;
+    const std::string name = (cell.place.empty() ? "" : cell.place + ", ") + choices_text(cell.choices);
+    const auto [found, fresh] = counts.emplace(name, Count{});
+    if (fresh) order.push_back(name);
+    ++found->second.all;
+    if (!(final > start * (1 + 1e-9))) continue;
+    if (found->second.rose++ == 0) found->second.start = start, found->second.final = final;
+  }
+  for (const std::string& name : order) {
+    const Count& c = counts.at(name);
+    if (c.rose == 0) continue;
+    char costs[96];
+    std::snprintf(costs, sizeof costs, "%.4g to %.4g", c.start, c.final);
+    sentences.push_back(name + ": the cost of all observations went up in " + std::to_string(c.rose) + " of " +
+                        std::to_string(c.all) + " trials (the first from " + costs +
+                        "): what was minimised leaves some of them out or damps them, or the solver diverged");
+  }
+  return sentences;
+}
+
 }  // namespace
 
 double seconds_of(const Bench& bench, const Cell& cell) {
@@ -110,7 +150,8 @@ double seconds_of(const Bench& bench, const Cell& cell) {
 
 Analysis analyse(const Bench& bench) {
   Analysis analysis;
-  statistics::ResamplingOptions options;
+  statistics::InferenceOptions options;
+  if (!bench.looks.empty()) analysis.confidence = 1 - 0.05 / static_cast<double>(bench.looks.size());
   options.confidence = analysis.confidence;
   std::vector<std::pair<std::string, std::string>> order;
   std::map<std::pair<std::string, std::string>, std::vector<const Cell*>> by_row;
@@ -127,116 +168,17 @@ Analysis analyse(const Bench& bench) {
     seeds.insert(cell.seed);
   }
   analysis.seeds = seeds.size();
-  for (const auto& key : order) analysis.rows.push_back(row_of(by_row[key], bench, options));
-  analysis.duels = judged_duels(bench, options, analysis.confidence);
+  for (const auto& key : order) analysis.rows.push_back(row_of(by_row[key], bench, options.confidence));
+  analysis.duels = judged_duels(bench, options);
+  for (const Duel& duel : analysis.duels) {
+    const bool judged = duel.refused.empty() && (!duel.overall || duel.weighted);
+    analysis.open += judged && (duel.errors.verdict == statistics::Verdict::undecided ||
+                                duel.errors.verdict == statistics::Verdict::too_few);
+  }
   analysis.failures = failures_of(bench);
   analysis.unused = unused_of(bench);
+  analysis.rising = rising_of(bench);
   return analysis;
-}
-
-std::vector<std::string> verdicts(const Bench& bench, const Analysis& analysis) {
-  std::vector<std::string> sentences;
-  const bool several = bench.places().size() > 1;
-  std::set<std::pair<std::string, std::string>> with_result;
-  for (const Cell& cell : bench.cells)
-    if (cell.status == "done") with_result.insert(cell.choices.begin(), cell.choices.end());
-  for (std::size_t i = 0; i < analysis.duels.size(); ++i) {
-    const Duel& duel = analysis.duels[i];
-    if (several && !duel.overall) continue;
-    // Who gave no result at all is told of by itself, once, and not against everybody else.
-    if (with_result.count({duel.group, duel.first}) == 0 || with_result.count({duel.group, duel.second}) == 0) continue;
-    std::string text = several ? "Over all places " + duel.words : duel.words;
-    if (several) {
-      std::map<std::string, std::vector<std::string>> elsewhere;  // verdict of places that say something else
-      for (std::size_t k = i + 1; k < analysis.duels.size() && !analysis.duels[k].overall; ++k) {
-        const Duel& place = analysis.duels[k];
-        if (!place.refused.empty() || place.errors.verdict == duel.errors.verdict) continue;
-        const auto& errors = place.errors;
-        const std::string what = errors.verdict == statistics::Verdict::first_better    ? place.first + " is better"
-                                 : errors.verdict == statistics::Verdict::second_better ? place.second + " is better"
-                                 : errors.verdict == statistics::Verdict::equal         ? "they are equal"
-                                 : errors.verdict == statistics::Verdict::undecided     ? "there is no winner"
-                                                                                        : "there are too few trials";
-        const bool winner =
-            errors.verdict == statistics::Verdict::first_better || errors.verdict == statistics::Verdict::second_better;
-        elsewhere[what].push_back(place.place +
-                                  (winner ? " (by " + fixed(1e3 * std::abs(errors.difference.value), 2) + " mm)" : ""));
-      }
-      const std::size_t places = bench.places().size();
-      for (const auto& [what, where] : elsewhere) {
-        if (where.size() == places && what == "there are too few trials") {
-          text += "; there are too few trials for any single place";
-          continue;
-        }
-        text += "; " + what + " on ";
-        for (std::size_t k = 0; k < where.size(); ++k) text += (k ? " / " : "") + where[k];
-      }
-    }
-    sentences.push_back(text + ".");
-  }
-  return sentences;
-}
-
-std::vector<std::string> choices_to_make(const Bench& bench, const Analysis& analysis) {
-  std::vector<std::string> sentences;
-  const std::size_t places = bench.places().size();
-  for (const Group& group : bench.groups) {
-    struct Standing {
-      std::vector<std::string> beaten_on;
-      double most = 0;     // largest difference by which it is beaten [m]
-      double overall = 0;  // largest over all places together [m]
-      std::size_t cells = 0, failed = 0;
-      bool compared = false;  // with enough trials for a verdict
-    };
-    std::map<std::string, Standing> standings;
-    for (const Duel& duel : analysis.duels) {
-      if (duel.group != group.name || !duel.refused.empty()) continue;
-      if (duel.errors.verdict != statistics::Verdict::too_few)
-        standings[duel.first].compared = standings[duel.second].compared = true;
-      const bool first_loses = duel.errors.verdict == statistics::Verdict::second_better;
-      if (!first_loses && duel.errors.verdict != statistics::Verdict::first_better) continue;
-      Standing& loser = standings[first_loses ? duel.first : duel.second];
-      if (duel.overall) {
-        loser.overall = std::max(loser.overall, std::abs(duel.errors.difference.value));
-        continue;
-      }
-      if (std::find(loser.beaten_on.begin(), loser.beaten_on.end(), duel.place) == loser.beaten_on.end())
-        loser.beaten_on.push_back(duel.place);
-      loser.most = std::max(loser.most, std::abs(duel.errors.difference.value));
-    }
-    for (const Cell& cell : bench.cells) {
-      const auto choice = cell.choices.find(group.name);
-      if (choice == cell.choices.end() || cell.status == "missing") continue;
-      ++standings[choice->second].cells;
-      standings[choice->second].failed += cell.status == "failed";
-    }
-    std::string text = group.name + ":";
-    for (const std::string& name : group.alternatives) {
-      const Standing& s = standings[name];
-      if (s.cells == 0) continue;
-      text += text.back() == ':' ? " " : "; ";
-      if (s.failed == s.cells) {
-        text += name + " gave no result in any of " + std::to_string(s.cells) + " cells";
-        continue;
-      }
-      if (!s.compared)
-        text += "of " + name + " nothing can be said: too few trials to compare it";
-      else if (s.overall > 0)
-        text += name + " is beaten by " + fixed(1e3 * s.overall, 2) + " mm over all places together, and on " +
-                std::to_string(s.beaten_on.size()) + " of " + std::to_string(places) + " by itself";
-      else if (s.beaten_on.empty())
-        text += name + " is beaten nowhere";
-      else if (places == 1)
-        text += name + " is beaten by " + fixed(1e3 * s.most, 2) + " mm";
-      else
-        text += name + " is beaten on " + std::to_string(s.beaten_on.size()) + " of " + std::to_string(places) +
-                " places, by " + fixed(1e3 * s.most, 2) + " mm at most";
-      if (s.failed > 0)
-        text += ", without result in " + std::to_string(s.failed) + " of " + std::to_string(s.cells) + " cells";
-    }
-    sentences.push_back(text + ".");
-  }
-  return sentences;
 }
 
 }  // namespace plumbline::bench

@@ -23,13 +23,14 @@ struct Row {
 
 struct Duel {
   std::string group, first, second;
-  std::string place;  ///< empty for all places together, if there are several
-  bool overall = false;
-  std::string refused;                          ///< why they cannot be compared; empty: they can
-  std::size_t only_first = 0, only_second = 0;  ///< trials that only one of them finished
+  std::string place;      ///< empty for all places together, if there are several
+  bool overall = false;   ///< then `errors` has the spread between places
+  bool weighted = false;  ///< and, if the file states weights, a mean over them with its verdict
+  std::string refused;    ///< why they cannot be compared; empty: they can
   statistics::PairedComparison errors;
   statistics::TimeComparison times;
-  std::string words;  ///< the verdict, with what to know beside it
+  std::string words;       ///< the verdict, with what to know beside it
+  std::string time_words;  ///< who is faster; empty if nothing was timed
 };
 
 struct Failure {
@@ -43,7 +44,11 @@ struct Analysis {
   std::vector<Duel> duels;  ///< group by group; overall before the places
   std::vector<Failure> failures;
   std::vector<std::string> unused;  ///< alternatives that ran nothing and measures without a value, with the reason
+  std::vector<std::string> rising;  ///< rows whose cost went up, in words
   std::size_t cells = 0, done = 0, failed = 0, missing = 0, seeds = 0;
+  std::size_t open = 0;  ///< comparisons that are not decided: too few trials, or nothing shown
+  /// Of all intervals and verdicts. Where a bench may stop at several looks each has its share of the 5 % (Bonferroni),
+  /// so that stopping when something is shown does not make it be shown too often.
   double confidence = 0.95;
 };
 
@@ -52,13 +57,5 @@ Analysis analyse(const Bench& bench);
 /// Time of the nodes that alternatives change in a cell [s], without those that only judge; nan if one of them was
 /// taken from the store and so not timed.
 double seconds_of(const Bench& bench, const Cell& cell);
-
-/// What one should know first, a sentence each: per pair of alternatives the verdict over all places and where it
-/// differs.
-std::vector<std::string> verdicts(const Bench& bench, const Analysis& analysis);
-
-/// What a practitioner may choose, a sentence for each group: which alternatives are beaten nowhere, which are beaten
-/// where and by how much at most, and which gave no result how often.
-std::vector<std::string> choices_to_make(const Bench& bench, const Analysis& analysis);
 
 }  // namespace plumbline::bench

@@ -9,13 +9,16 @@
 namespace plumbline::bench {
 
 struct Cell {
+  std::string scenario;
   std::string place;                           ///< scenario and variables, in words; empty if there is only one
   std::map<std::string, std::string> values;   ///< of the matrix
   std::map<std::string, std::string> choices;  ///< alternative by group
   std::uint64_t seed = 0;
   std::string status;  ///< "done", "failed", "missing"
   std::string error;
-  std::map<std::string, double> measures;             ///< nan where not known
+  std::map<std::string, double> measures;  ///< nan where not known
+  /// What is found and stated in parts of the errors: "scale", then found, predicted, nees, freedom.
+  std::map<std::string, std::map<std::string, double>> modes;
   std::map<std::string, std::string> inputs;          ///< hash of what each node got
   std::map<std::string, double> seconds;              ///< of the nodes that ran
   double measure(const std::string& quantity) const;  ///< nan if it is not there
@@ -44,6 +47,9 @@ struct Bench {
   double rope = 0;                             ///< [m]
   std::vector<double> tolerances;              ///< [m]
   std::vector<std::string> scenarios;
+  std::vector<std::size_t> looks;         ///< numbers of seeds at which the bench may stop
+  std::map<std::string, double> weights;  ///< of places, as the file states them; empty: it states none
+  std::string weights_text;               ///< "all places weighing alike", …
   std::vector<Variable> variables;
   std::vector<Group> groups;
   std::vector<Excluded> excluded;

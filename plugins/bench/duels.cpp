@@ -10,7 +10,8 @@
 namespace plumbline::bench {
 namespace {
 
-using statistics::Pair;
+using statistics::Encounter;
+using statistics::TimePair;
 
 /// The cells of one group's two alternatives that differ in nothing else.
 class DuelBuilder {
@@ -30,19 +31,22 @@ class DuelBuilder {
   }
 
   /// Of one place, or of all if `place` is null.
-  Duel duel(const std::string* place, const statistics::ResamplingOptions& options) const {
+  Duel duel(const std::string* place, const std::map<std::string, double>& weights,
+            const statistics::InferenceOptions& options) const {
     Duel duel;
     duel.group = group_.name, duel.first = first_, duel.second = second_;
     if (place) duel.place = *place;
     duel.overall = !place;
-    std::vector<std::vector<Pair>> strata;
-    std::vector<Pair> seconds;
+    duel.weighted = !place && !weights.empty();
+    std::vector<statistics::Place> places;
+    std::vector<TimePair> seconds;
     for (const auto& [name, twins] : twins_) {
       if (place && name != *place) continue;
-      add_place(twins, duel, strata, seconds);
+      const auto weight = weights.find(name);
+      places.push_back({weight == weights.end() ? 1.0 : weight->second, encounters(twins, duel, seconds)});
     }
     if (!duel.refused.empty()) return duel;
-    duel.errors = compare_pairs(strata, options);
+    duel.errors = compare(places, options);
     duel.times = compare_times(seconds, options);
     return duel;
   }
@@ -50,28 +54,33 @@ class DuelBuilder {
  private:
   using Twin = std::pair<const Cell*, const Cell*>;
 
-  /// A trial is one seed: what else varies (other groups) is averaged within it, because it is the same site.
-  void add_place(const std::vector<Twin>& twins, Duel& duel, std::vector<std::vector<Pair>>& strata,
-                 std::vector<Pair>& seconds) const {
+  /// One for each seed: what else varies (other groups) is averaged within it, because it is the same site.
+  std::vector<Encounter> encounters(const std::vector<Twin>& twins, Duel& duel, std::vector<TimePair>& seconds) const {
     struct Sum {
-      double first = 0, second = 0, count = 0;
+      double first = 0, second = 0, both = 0, only_first = 0, only_second = 0, cells = 0;
     };
     std::map<std::uint64_t, Sum> by_seed;
     const std::set<std::string> nodes(group_.nodes.begin(), group_.nodes.end());
     for (const auto& [a, b] : twins) {
+      if (a->status == "missing" || b->status == "missing") continue;
       const bool first_done = a->status == "done", second_done = b->status == "done";
-      duel.only_first += first_done && b->status == "failed";
-      duel.only_second += second_done && a->status == "failed";
+      Sum& sum = by_seed[a->seed];
+      ++sum.cells;
+      sum.only_first += first_done && !second_done;
+      sum.only_second += second_done && !first_done;
       if (!first_done || !second_done) continue;
       refuse_other_starts(*a, *b, duel);
-      Sum& sum = by_seed[a->seed];
       sum.first += a->measure("error") * a->measure("error");
       sum.second += b->measure("error") * b->measure("error");
-      ++sum.count;
-      seconds.push_back({seconds_in(*a, nodes, group_.whole_pipelines), seconds_in(*b, nodes, group_.whole_pipelines)});
+      ++sum.both;
+      seconds.push_back(
+          {a->seed, seconds_in(*a, nodes, group_.whole_pipelines), seconds_in(*b, nodes, group_.whole_pipelines)});
     }
-    strata.emplace_back();
-    for (const auto& [seed, sum] : by_seed) strata.back().push_back({sum.first / sum.count, sum.second / sum.count});
+    std::vector<Encounter> list;
+    for (const auto& [seed, sum] : by_seed)  // nan where there was no pair
+      list.push_back(
+          {seed, sum.first / sum.both, sum.second / sum.both, sum.only_first / sum.cells, sum.only_second / sum.cells});
+    return list;
   }
 
   /// Costs that the bench computed are those of one node. Alternatives before it are compared by where they make it
@@ -111,31 +120,30 @@ class DuelBuilder {
   std::map<std::string, std::vector<Twin>> twins_;  // by place
 };
 
+std::string time_in_words(const Duel& duel) {
+  const auto& ratio = duel.times.ratio;
+  if (!std::isfinite(ratio.interval.lower)) return "";
+  if (!duel.times.confirmed)
+    return "no difference in time is confirmed (ratio " + fixed(ratio.value, 2) + ", " +
+           fixed(ratio.interval.lower, 2) + " to " + fixed(ratio.interval.upper, 2) + ")";
+  const bool faster = ratio.value < 1;
+  const double factor = faster ? 1 / ratio.value : ratio.value;
+  const double low = faster ? 1 / ratio.interval.upper : ratio.interval.lower,
+               high = faster ? 1 / ratio.interval.lower : ratio.interval.upper;
+  return (faster ? duel.first : duel.second) + " is " + fixed(factor, 2) + " × faster (" + fixed(low, 2) + " to " +
+         fixed(high, 2) + ")";
+}
+
 void put_in_words(Duel& duel, double rope) {
   if (!duel.refused.empty()) {
     duel.words = duel.first + " and " + duel.second + " are not compared: " + duel.refused;
     return;
   }
-  duel.words = in_words(duel.errors, duel.first, duel.second, rope, 1e3, "mm");
-  if (duel.only_first + duel.only_second > 0)
-    duel.words += "; compared on trials that both finished, besides them " + std::to_string(duel.only_first) +
-                  " only by " + duel.first + ", " + std::to_string(duel.only_second) + " only by " + duel.second;
-  const auto& ratio = duel.times.ratio;
-  if (!std::isfinite(ratio.interval.lower)) return;
-  if (duel.times.confirmed) {
-    const bool faster = ratio.value < 1;
-    const double factor = faster ? 1 / ratio.value : ratio.value;
-    const double low = faster ? 1 / ratio.interval.upper : ratio.interval.lower,
-                 high = faster ? 1 / ratio.interval.lower : ratio.interval.upper;
-    duel.words += "; " + (faster ? duel.first : duel.second) + " is " + fixed(factor, 2) + " × faster (" +
-                  fixed(low, 2) + " to " + fixed(high, 2) + ")";
-  } else {
-    duel.words += "; no difference in time is confirmed (ratio " + fixed(ratio.value, 2) + ", " +
-                  fixed(ratio.interval.lower, 2) + " to " + fixed(ratio.interval.upper, 2) + ")";
-  }
+  if (!duel.overall || duel.weighted) duel.words = in_words(duel.errors, duel.first, duel.second, rope, 1e3, "mm");
+  duel.time_words = time_in_words(duel);
 }
 
-std::vector<Duel> duels_of(const Bench& bench, const statistics::ResamplingOptions& options) {
+std::vector<Duel> duels_of(const Bench& bench, const statistics::InferenceOptions& options) {
   std::vector<Duel> duels;
   const std::vector<std::string> places = bench.places();
   for (const Group& group : bench.groups) {
@@ -144,33 +152,40 @@ std::vector<Duel> duels_of(const Bench& bench, const statistics::ResamplingOptio
     for (std::size_t a = 0; a < names.size(); ++a)
       for (std::size_t b = a + 1; b < names.size(); ++b) {
         const DuelBuilder builder(bench, group, names[a], names[b]);
-        if (places.size() > 1) duels.push_back(builder.duel(nullptr, options));
-        for (const std::string& place : places) duels.push_back(builder.duel(&place, options));
+        if (places.size() > 1) duels.push_back(builder.duel(nullptr, bench.weights, options));
+        for (const std::string& place : places) duels.push_back(builder.duel(&place, {}, options));
       }
   }
   return duels;
 }
 
-/// The places are one family of tests, the answers over all places another.
-void judge_family(std::vector<Duel>& duels, bool overall, double rope, double confidence) {
+/// All verdicts of a bench are one family, so that in one of twenty at most a winner is named that is none. Where the
+/// file states weights, half of that goes to the answers over all places, however many places there are.
+void judge_all(std::vector<Duel>& duels, double rope, double confidence) {
   std::vector<statistics::PairedComparison> family;
+  std::vector<double> shares;
+  const auto judged = [](const Duel& duel) { return duel.refused.empty() && (!duel.overall || duel.weighted); };
+  double places = 0, overall = 0;
   for (const Duel& duel : duels)
-    if (duel.overall == overall && duel.refused.empty()) family.push_back(duel.errors);
-  judge(family, rope, confidence);
+    if (judged(duel)) (duel.overall ? overall : places) += 1;
+  for (const Duel& duel : duels) {
+    if (!judged(duel)) continue;
+    family.push_back(duel.errors);
+    shares.push_back(duel.overall ? places / overall : 1);
+  }
+  judge(family, rope, confidence, shares);
   std::size_t next = 0;
   for (Duel& duel : duels) {
-    if (duel.overall != overall) continue;
-    if (duel.refused.empty()) duel.errors = family[next++];
+    if (judged(duel)) duel.errors = family[next++];
     put_in_words(duel, rope);
   }
 }
 
 }  // namespace
 
-std::vector<Duel> judged_duels(const Bench& bench, const statistics::ResamplingOptions& options, double confidence) {
+std::vector<Duel> judged_duels(const Bench& bench, const statistics::InferenceOptions& options) {
   std::vector<Duel> duels = duels_of(bench, options);
-  judge_family(duels, true, bench.rope, confidence);
-  judge_family(duels, false, bench.rope, confidence);
+  judge_all(duels, bench.rope, options.confidence);
   return duels;
 }
 

@@ -8,8 +8,8 @@
 namespace plumbline::bench {
 
 /// All pairs of each group, over all places together before each place, with verdicts that hold for all of them at once
-/// (Holm): the places are one family, the answers over all places another.
-std::vector<Duel> judged_duels(const Bench& bench, const statistics::ResamplingOptions& options, double confidence);
+/// (Holm).
+std::vector<Duel> judged_duels(const Bench& bench, const statistics::InferenceOptions& options);
 
 /// Time of `nodes` in a cell, of all that do not judge if `all` [s]; nan if one of them was taken from the store and so
 /// not timed.

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "bench/figures.hpp"
+#include "bench/sentences.hpp"
 #include "bench/tables.hpp"
 #include "page_parts.hpp"
 #include "text/xml_text.hpp"
@@ -64,6 +66,7 @@ std::string data_text(const Bench& bench, const Analysis& analysis) {
                              {"second", duel.second},
                              {"place", duel.place},
                              {"overall", duel.overall},
+                             {"shown", !duel.overall || duel.weighted},
                              {"refused", duel.refused},
                              {"words", duel.words},
                              {"pairs", duel.errors.pairs},
@@ -140,19 +143,48 @@ std::string main_table(const Bench& bench, const Analysis& analysis) {
 
 std::string verdict_list(const Bench& bench, const Analysis& analysis) {
   std::string text = "<ul class=\"verdicts\">\n";
-  for (const std::string& sentence : analysis.unused) text += "<li class=\"bad\">" + xml_escaped(sentence) + "</li>\n";
-  for (const std::string& sentence : verdicts(bench, analysis)) {
-    const bool win = sentence.find(" beats ") != std::string::npos;
-    const bool refused = sentence.find("are not compared") != std::string::npos;
-    const bool equal = sentence.find("are equal within") != std::string::npos;
+  for (const Sentence& sentence : verdicts(bench, analysis))
     text += std::string("<li class=\"") +
-            (refused ? "bad"
-             : win   ? "win"
-             : equal ? ""
-                     : "open") +
-            "\">" + xml_escaped(sentence) + "</li>\n";
-  }
+            (sentence.refused  ? "bad"
+             : sentence.winner ? "win"
+             : sentence.open   ? "open"
+                               : "") +
+            "\">" + xml_escaped(sentence.text) + "</li>\n";
   return text + "</ul>\n";
+}
+
+std::string plain_list(const std::vector<std::string>& sentences, const std::string& kind = "") {
+  std::string text = "<ul class=\"verdicts\">\n";
+  for (const std::string& sentence : sentences)
+    text += "<li class=\"" + kind + "\">" + xml_escaped(sentence) + "</li>\n";
+  return text + "</ul>\n";
+}
+
+/// What a person needs first: a sentence for each group, what is wrong with the bench itself, and the picture.
+std::string first_screen(const Bench& bench, const Analysis& analysis) {
+  std::string text;
+  if (!analysis.unused.empty()) text += plain_list(analysis.unused, "bad");
+  if (!bench.groups.empty()) text += "<h2>What to choose</h2>\n";
+  if (bench.groups.empty())
+    text += "<div class=\"panel\">" + to_svg(figure(bench, analysis), Svg::inlined) + "</div>\n";
+  const std::vector<std::string> sentences = choices_to_make(bench, analysis);
+  for (std::size_t i = 0; i < bench.groups.size(); ++i)
+    text += "<p class=\"answer\">" + xml_escaped(sentences[i]) + "</p>\n<div class=\"panel\">" +
+            to_svg(panel(bench, analysis, bench.groups[i]), Svg::inlined) + "</div>\n";
+  return "<section>" + text + "</section>\n";
+}
+
+/// Verdicts pair by pair, what covariances state, costs that go up; folded.
+std::string behind(const Bench& bench, const Analysis& analysis) {
+  std::string text;
+  const auto fold = [&](const std::string& title, const std::string& content) {
+    text += "<details><summary>" + title + "</summary>\n" + content + "</details>\n";
+  };
+  if (!bench.groups.empty()) fold("Verdicts, pair by pair", verdict_list(bench, analysis));
+  if (const auto sentences = calibration_verdicts(analysis); !sentences.empty())
+    fold("What covariances state against what is found", plain_list(sentences));
+  if (!analysis.rising.empty()) fold("Costs that go up", plain_list(analysis.rising, "bad"));
+  return text.empty() ? "" : "<section>" + text + "</section>\n";
 }
 
 std::string failure_table(const Bench& bench, const Analysis& analysis) {
@@ -220,17 +252,8 @@ std::string to_html(const Bench& bench, const Analysis& analysis) {
       xml_escaped(bench.title) + "</title>\n<style>" + page_style + "</style></head><body>\n";
   text += "<h1>" + xml_escaped(bench.title) + "</h1>\n<p class=\"soft\">" +
           xml_escaped(coverage_text(bench, analysis)) + ". Errors are " + xml_escaped(bench.error_metric) +
-          "; intervals are 95 %, BCa bootstrap over trials, rates by Wilson; differences are paired by seed and p is "
-          "adjusted by Holm" +
-          (bench.rope > 0 ? "; differences below " + number_text(1e3 * bench.rope, 0.01) + " mm count as equal" : "") +
-          ".</p>\n";
-  if (!bench.groups.empty()) {
-    text += "<section><h2>What to choose</h2>\n<ul>\n";
-    for (const std::string& sentence : choices_to_make(bench, analysis))
-      text += "<li>" + xml_escaped(sentence) + "</li>\n";
-    text += "</ul></section>\n";
-  }
-  text += "<section><h2>Verdicts</h2>\n" + verdict_list(bench, analysis) + "</section>\n";
+          ".</p>\n<p class=\"soft\">" + xml_escaped(method_text(bench, analysis)) + "</p>\n";
+  text += first_screen(bench, analysis) + behind(bench, analysis);
   text +=
       "<section><h2>Table</h2>\n<div class=\"tools\"><input id=\"filter\" type=\"search\" "
       "placeholder=\"filter: words that a row must hold\" size=\"40\"><span class=\"soft\" id=\"count\"></span>"

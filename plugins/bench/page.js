@@ -94,7 +94,7 @@ function forest(id, lines, label, marks, band) {
 
 function drawDifferences(group) {
   const tint = {'first better': 'var(--good)', 'second better': 'var(--good)', 'equal': 'var(--same)', 'undecided': 'var(--soft)'};
-  const drawn = data.duels.filter(d => d.group === group && !d.refused && known(d.difference[1]));
+  const drawn = data.duels.filter(d => d.group === group && d.shown && !d.refused && known(d.difference[1]));
   const pair = d => `${d.first} − ${d.second}`, headed = new Set(drawn.filter(d => d.overall).map(pair));
   const lines = drawn.map(d => ({  // places stand below the line of their pair over all places
     name: d.overall ? `${pair(d)}, all places` : headed.has(pair(d)) ? placeName(d.place) : `${pair(d)}${d.place ? ', ' + d.place : ''}`, value: mm(d.difference[0]), low: mm(d.difference[1]), high: mm(d.difference[2]),
@@ -211,3 +211,4 @@ else document.getElementById('breakdown-section').hidden = true;
 choices('times-place', places, drawTimes);
 choices('limits-place', places, drawLimits);
 for (const id of ['legend-profile', 'legend-breakdown', 'legend-times']) legend(id, names);
+window.addEventListener('beforeprint', () => document.querySelectorAll('details').forEach(d => { d.open = true; }));

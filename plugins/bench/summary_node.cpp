@@ -3,6 +3,7 @@
 #include <sstream>
 
 #include "artifacts/file.hpp"
+#include "bench/figures.hpp"
 #include "bench/page.hpp"
 #include "bench/tables.hpp"
 #include "plumbline/node.hpp"
@@ -12,13 +13,15 @@ namespace {
 using namespace plumbline;
 
 struct BenchSummary : Node {
-  static constexpr Info info{"bench.summary", "", 1,
+  static constexpr Info info{"bench.summary", "", 2,
                              "Compares alternatives on repeated trials: intervals, verdicts in words, tables, a page"};
   Param<FilePath> cells{"cells", required, "the table of cells that plumbline bench writes (cells.json)"};
   Out<File> html{"html", "page that needs no network"};
   Out<File> csv{"csv", "one line a cell"};
   Out<File> json{"json", "rows, comparisons, failures"};
   Out<File> md{"md", "verdicts and table"};
+  Out<File> svg{"svg", "estimates with their intervals by place, a panel a group"};
+  Out<File> pdf{"pdf", "the same picture for papers"};
   Out<File> tex{"tex", "macros, so that a paper quotes numbers without copying"};
 
   void run(Context& context) override {
@@ -30,10 +33,13 @@ struct BenchSummary : Node {
     const bench::Analysis analysis = bench::analyse(given);
     context.metric("cells", static_cast<double>(analysis.cells), "1");
     context.metric("failed", static_cast<double>(analysis.failed), "1");
+    context.metric("open", static_cast<double>(analysis.open), "1");
     html.commit(file("bench.html", "text/html", to_html(given, analysis)));
     csv.commit(file("bench.csv", "text/csv", to_csv(given)));
     json.commit(file("bench.json", "application/json", to_json(given, analysis)));
     md.commit(file("bench.md", "text/markdown", to_markdown(given, analysis)));
+    svg.commit(file("bench.svg", "image/svg+xml", to_svg(figure(given, analysis), bench::Svg::file)));
+    pdf.commit(file("bench.pdf", "application/pdf", to_pdf(figure(given, analysis))));
     tex.commit(file("bench.tex", "application/x-tex", to_tex(given, analysis)));
   }
 

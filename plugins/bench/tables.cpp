@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "bench/sentences.hpp"
 #include "text/csv_table.hpp"
 
 namespace plumbline::bench {
@@ -26,6 +27,17 @@ Json estimate_json(const Estimate& estimate) {
   return {{"value", estimate.value}, {"lower", estimate.interval.lower}, {"upper", estimate.interval.upper}};
 }
 
+Json calibration_json(const statistics::TrialSummary& summary) {
+  Json list = Json::array();
+  for (const auto& part : summary.calibration)
+    list.push_back({{"part", part.mode.empty() ? "all that is measured" : part.mode},
+                    {"predicted_by_found", estimate_json(part.ratio)},
+                    {"nees", part.nees},
+                    {"band", {part.nees_band.lower, part.nees_band.upper}},
+                    {"words", in_words(part)}});
+  return list;
+}
+
 Json row_json(const Row& row) {
   const auto& s = row.summary;
   Json json{{"place", row.place},
@@ -39,6 +51,7 @@ Json row_json(const Row& row) {
             {"predicted", estimate_json(s.predicted)},
             {"efficiency", estimate_json(s.efficiency)},
             {"nees", {{"value", s.nees}, {"band", {s.nees_band.lower, s.nees_band.upper}}}},
+            {"calibration", calibration_json(s)},
             {"seconds", row.seconds},
             {"start_cost", row.start_cost},
             {"final_cost", row.final_cost}};
@@ -60,17 +73,31 @@ Json duel_json(const Duel& duel) {
     json["refused"] = duel.refused;
     return json;
   }
-  json["verdict"] = to_text(duel.errors.verdict);
   json["pairs"] = duel.errors.pairs;
+  json["seeds"] = duel.errors.seeds;
+  json["lost_by_first"] = duel.errors.lost_first;
+  json["lost_by_second"] = duel.errors.lost_second;
+  json["time_ratio"] = estimate_json(duel.times.ratio);
+  json["time_confirmed"] = duel.times.confirmed;
+  json["time_words"] = duel.time_words;
+  if (duel.errors.spread)
+    json["spread"] = {{"places", duel.errors.spread->places},
+                      {"deviation", duel.errors.spread->deviation},
+                      {"lowest", duel.errors.spread->lowest},
+                      {"highest", duel.errors.spread->highest}};
+  if (duel.overall && !duel.weighted) return json;
+  json["verdict"] = to_text(duel.errors.verdict);
+  json["places"] = duel.errors.places;
+  json["places_left_out"] = duel.errors.left_out;
   json["difference"] = estimate_json(duel.errors.difference);
   json["narrow"] = {duel.errors.narrow.lower, duel.errors.narrow.upper};
   json["improvement"] = estimate_json(duel.errors.improvement);
   json["p"] = duel.errors.p;
   json["adjusted_p"] = duel.errors.adjusted_p;
-  json["only_first"] = duel.only_first;
-  json["only_second"] = duel.only_second;
-  json["time_ratio"] = estimate_json(duel.times.ratio);
-  json["time_confirmed"] = duel.times.confirmed;
+  json["share_lost"] = duel.errors.share_lost;
+  json["p_lost"] = duel.errors.p_lost;
+  json["adjusted_p_lost"] = duel.errors.adjusted_p_lost;
+  json["standard_deviation_of_a_seed"] = duel.errors.deviation;
   return json;
 }
 
@@ -192,7 +219,11 @@ std::string to_json(const Bench& bench, const Analysis& analysis) {
   json["cells"] = {
       {"all", analysis.cells}, {"done", analysis.done}, {"failed", analysis.failed}, {"missing", analysis.missing}};
   json["choices"] = choices_to_make(bench, analysis);
-  json["verdicts"] = verdicts(bench, analysis);
+  json["verdicts"] = Json::array();
+  for (const Sentence& sentence : verdicts(bench, analysis)) json["verdicts"].push_back(sentence.text);
+  json["calibration"] = calibration_verdicts(analysis);
+  json["rising_costs"] = analysis.rising;
+  json["weights"] = bench.weights;
   json["unused"] = analysis.unused;
   json["rows"] = Json::array();
   for (const Row& row : analysis.rows) json["rows"].push_back(row_json(row));
@@ -214,8 +245,13 @@ std::string to_markdown(const Bench& bench, const Analysis& analysis) {
   if (!bench.groups.empty()) text += "## What to choose\n\n";
   for (const std::string& sentence : choices_to_make(bench, analysis)) text += "- " + sentence + "\n";
   if (!bench.groups.empty()) text += "\n## Verdicts\n\n";
-  for (const std::string& sentence : verdicts(bench, analysis)) text += "- " + sentence + "\n";
+  for (const Sentence& sentence : verdicts(bench, analysis)) text += "- " + sentence.text + "\n";
   for (const std::string& sentence : analysis.unused) text += "- " + sentence + "\n";
+  const std::vector<std::string> calibration = calibration_verdicts(analysis);
+  if (!calibration.empty()) text += "\n## What covariances state\n\n";
+  for (const std::string& sentence : calibration) text += "- " + sentence + "\n";
+  if (!analysis.rising.empty()) text += "\n## Costs that go up\n\n";
+  for (const std::string& sentence : analysis.rising) text += "- " + sentence + ".\n";
   const double tau = bench.tolerances.empty() ? 0 : bench.tolerances.front();
   const bool costs = std::any_of(analysis.rows.begin(), analysis.rows.end(),
                                  [](const Row& row) { return std::isfinite(row.start_cost + row.final_cost); });
@@ -237,10 +273,7 @@ std::string to_markdown(const Bench& bench, const Analysis& analysis) {
             " | " + rate_text(row, tau) + " | " + number_text(row.seconds, 0.5 * row.seconds) + " |" +
             (costs ? " " + cost_text(row.start_cost) + " | " + cost_text(row.final_cost) + " |" : "") + "\n";
   }
-  text += "\nIntervals: " + printed("%g", 100 * analysis.confidence) +
-          " %, BCa bootstrap over trials; rates by Wilson. Differences are paired by seed, p adjusted by Holm" +
-          (bench.rope > 0 ? "; what is smaller than " + printed("%g", 1e3 * bench.rope) + " mm counts as equal" : "") +
-          ".\n";
+  text += "\n" + method_text(bench, analysis) + "\n";
   if (!analysis.failures.empty()) {
     text += "\n## Failed cells\n\n| place | alternative | cells | seeds | reason |\n|---|---|---|---|---|\n";
     for (const Failure& f : analysis.failures)
@@ -255,7 +288,7 @@ std::string to_markdown(const Bench& bench, const Analysis& analysis) {
   }
   text += "\n";
   for (const std::string& line : bench.machine)
-    if (line.rfind("plugin ", 0) != 0) text += "- " + line + "\n";
+    if (line.rfind("plugin ", 0) != 0 && line.rfind("libraries ", 0) != 0) text += "- " + line + "\n";
   return text;
 }
 
@@ -292,7 +325,7 @@ std::string to_tex(const Bench& bench, const Analysis& analysis) {
     define(name + "seconds", number_text(row.seconds, 0.5 * row.seconds));
   }
   for (const Duel& duel : analysis.duels) {
-    if (!duel.refused.empty()) continue;
+    if (!duel.refused.empty() || (duel.overall && !duel.weighted)) continue;
     const Estimate& d = duel.errors.difference;
     const double half = 0.5e3 * (d.interval.upper - d.interval.lower);
     const std::string name = "diff/" + names.of(duel.overall || duel.place.empty() ? "all" : duel.place) + "/" +

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "geometry/packed_symmetric.hpp"
+#include "statistics/error_modes.hpp"
 
 namespace plumbline::evaluate {
 
@@ -96,6 +97,7 @@ void EvaluateErrors::run(Context& context) {
     of_all.diagonal().array() += *mounting_sigma * *mounting_sigma;
   }
   report(context, off, of_heights, of_all);
+  report_modes(context, built, off, of_all);
   context.metric("missing", static_cast<double>(missing.size()), "1");
   errors.commit(off);
 }
@@ -126,6 +128,26 @@ void EvaluateErrors::report(Context& context, const PointsT& off, const Eigen::M
   context.metric("freedom_z", of_z.freedom, "1");
   context.metric("nees_3d", of_3d.value, "1");
   context.metric("freedom_3d", of_3d.freedom, "1");
+}
+
+/// Of the parts that a survey asks of: NEES of all coordinates hides one bad mode among many good ones.
+void EvaluateErrors::report_modes(Context& context, const PointsT& built, const PointsT& off,
+                                  const Eigen::MatrixXd& of_all) {
+  std::map<std::string, Eigen::Vector3d> places;
+  for (const auto& point : built.points) places[point->id] = point->position;
+  const auto n = static_cast<Eigen::Index>(off.points.size());
+  Eigen::VectorXd positions(3 * n), errors(3 * n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const auto& point = off.points[static_cast<std::size_t>(i)];
+    positions.segment<3>(3 * i) = places.at(point->id);
+    errors.segment<3>(3 * i) = point->position;
+  }
+  for (const auto& [name, error] : statistics::error_modes(positions, errors, of_all)) {
+    context.metric(name + "_found", error.found, "m");
+    context.metric(name + "_predicted", error.predicted, "m");
+    context.metric(name + "_nees", error.nees, "1");
+    context.metric(name + "_freedom", error.freedom, "1");
+  }
 }
 
 }  // namespace plumbline::evaluate

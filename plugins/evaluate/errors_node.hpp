@@ -9,8 +9,9 @@
 namespace plumbline::evaluate {
 
 struct EvaluateErrors : Node {
-  static constexpr Info info{"evaluate.errors", "", 2,
-                             "Errors of a model's points against the truth as metrics: rmse, bias, largest, and NEES"};
+  static constexpr Info info{"evaluate.errors", "", 3,
+                             "Errors of a model's points against the truth as metrics: rmse, bias, largest, NEES, and "
+                             "what is found and stated in heights, plan, shift, turn, tilt and scale"};
   In<Points> model{"model", frame("frame=?F"), "points of the model with their covariance"};
   In<Points> truth{"truth", frame("frame=?F"),
                    "where they really are; its roles say which count; a covariance is added to the model's"};
@@ -28,6 +29,7 @@ struct EvaluateErrors : Node {
  private:
   void report(Context& context, const PointsT& off, const Eigen::MatrixXd& of_heights,
               const Eigen::MatrixXd& of_all) const;
+  static void report_modes(Context& context, const PointsT& built, const PointsT& off, const Eigen::MatrixXd& of_all);
 };
 
 }  // namespace plumbline::evaluate

@@ -1,11 +1,10 @@
-// Verdicts, their words, and the summary of one alternative.
+// Comparisons, verdicts and their words.
 #include <gmock/gmock.h>
 
 #include <cmath>
 
 #include "geometry/random.hpp"
 #include "statistics/comparison.hpp"
-#include "statistics/trial_summary.hpp"
 
 namespace {
 
@@ -14,10 +13,13 @@ using namespace plumbline::statistics;
 using testing::DoubleNear;
 using testing::HasSubstr;
 
-/// Errors of n trials; the second alternative's rms is `factor` times that of the first plus noise of its own.
-std::vector<Pair> trials(size_t n, double factor, double own_noise, uint64_t seed) {
+using Pairs = std::vector<std::pair<double, double>>;
+
+/// Mean square errors of n trials; the second alternative's rms is `factor` times that of the first plus noise of its
+/// own.
+Pairs trials(size_t n, double factor, double own_noise, uint64_t seed) {
   Random random(seed);
-  std::vector<Pair> list;
+  Pairs list;
   for (size_t i = 0; i < n; ++i) {
     const double first = 1e-3 * (0.5 + 0.2 * random.uniform()),
                  second = factor * first + own_noise * random.normal() * 1e-3;
@@ -26,8 +28,24 @@ std::vector<Pair> trials(size_t n, double factor, double own_noise, uint64_t see
   return list;
 }
 
-PairedComparison judged(const std::vector<std::vector<Pair>>& strata, double rope) {
-  std::vector<PairedComparison> family{compare_pairs(strata, {})};
+/// Trial i of every place is that of seed i.
+Place place(const Pairs& pairs, double weight = 1) {
+  Place result{weight, {}};
+  for (const auto& [first, second] : pairs)
+    result.encounters.push_back({result.encounters.size(), first, second, 0, 0});
+  return result;
+}
+
+/// Adds seeds that only one of them finished.
+Place with_failures(Place given, size_t only_first, size_t only_second) {
+  for (size_t i = 0; i < only_first + only_second; ++i)
+    given.encounters.push_back(
+        {given.encounters.size(), std::nan(""), std::nan(""), i < only_first ? 1.0 : 0.0, i < only_first ? 0.0 : 1.0});
+  return given;
+}
+
+PairedComparison judged(const std::vector<Place>& places, double rope) {
+  std::vector<PairedComparison> family{compare(places, {})};
   judge(family, rope, 0.95);
   return family[0];
 }
@@ -35,13 +53,13 @@ PairedComparison judged(const std::vector<std::vector<Pair>>& strata, double rop
 std::string words(const PairedComparison& c) { return in_words(c, "schur", "ceres", 5e-5, 1e3, "mm"); }
 
 TEST(Verdict, OfAClearDifference) {
-  const PairedComparison c = judged({trials(40, 1.3, 0.02, 1)}, 5e-5);
+  const PairedComparison c = judged({place(trials(40, 1.3, 0.02, 1))}, 5e-5);
   EXPECT_EQ(c.verdict, Verdict::first_better);
   EXPECT_THAT(words(c), HasSubstr("schur beats ceres by 0.178 mm (0.169 to 0.186)"));
 }
 
 TEST(Verdict, NoWinnerWhereTheIntervalCoversZero) {
-  const PairedComparison c = judged({trials(10, 1.0, 0.2, 2)}, 5e-5);
+  const PairedComparison c = judged({place(trials(10, 1.0, 0.2, 2))}, 5e-5);
   ASSERT_LT(c.difference.interval.lower, 0);
   ASSERT_GT(c.difference.interval.upper, 0);
   EXPECT_EQ(c.verdict, Verdict::undecided);
@@ -50,29 +68,64 @@ TEST(Verdict, NoWinnerWhereTheIntervalCoversZero) {
 }
 
 TEST(Verdict, SignificantButBelowTheRopeIsEqual) {
-  const PairedComparison c = judged({trials(100, 1.02, 0.001, 3)}, 5e-5);
+  const PairedComparison c = judged({place(trials(100, 1.02, 0.001, 3))}, 5e-5);
   ASSERT_LT(c.difference.interval.upper, 0);  // 0.012 mm, and surely so
   EXPECT_EQ(c.verdict, Verdict::equal);
   EXPECT_THAT(words(c), HasSubstr("equal within 0.05 mm"));
-  EXPECT_EQ(judged({trials(100, 1.02, 0.001, 3)}, 0).verdict, Verdict::first_better) << "without a rope it wins";
+  EXPECT_EQ(judged({place(trials(100, 1.02, 0.001, 3))}, 0).verdict, Verdict::first_better) << "without a rope it wins";
 }
 
 TEST(Verdict, IdenticalResultsAreEqual) {
-  const PairedComparison c = judged({trials(10, 1.0, 0.0, 3)}, 5e-5);
+  const PairedComparison c = judged({place(trials(10, 1.0, 0.0, 3))}, 5e-5);
   EXPECT_EQ(c.verdict, Verdict::equal);
   EXPECT_EQ(c.p, 1.0);
 }
 
 TEST(Verdict, FivePairsSayNothing) {
-  const PairedComparison c = judged({trials(5, 3.0, 0.0, 1)}, 5e-5);
+  const PairedComparison c = judged({place(trials(5, 3.0, 0.0, 1))}, 5e-5);
   EXPECT_EQ(c.verdict, Verdict::too_few);
   EXPECT_THAT(words(c), HasSubstr("5 trials that both finished, needed are 6"));
 }
 
-TEST(Verdict, APlaceWithASinglePairIsNamedAsTheCause) {
-  const PairedComparison c = judged({trials(30, 3.0, 0.0, 1), trials(1, 3.0, 0.0, 2)}, 5e-5);
-  EXPECT_EQ(c.verdict, Verdict::too_few);
-  EXPECT_THAT(words(c), HasSubstr("of 31 trials that both finished, one place has only 1"));
+/// Once a place in which 3 of 200 had finished had the weight of one with 200, and made a headline of 0.15 mm.
+TEST(Verdict, APlaceWithFewerThanSixPairsCountsInNoSummary) {
+  const PairedComparison c = judged({place(trials(30, 1.3, 0.02, 1)), place(trials(5, 9.0, 0.0, 2))}, 5e-5);
+  EXPECT_EQ(c.places, 1u);
+  EXPECT_EQ(c.left_out, 1u);
+  EXPECT_DOUBLE_EQ(c.difference.value, judged({place(trials(30, 1.3, 0.02, 1))}, 5e-5).difference.value);
+}
+
+TEST(Verdict, WhatFailsWhereTheOtherFinishesLoses) {
+  const PairedComparison c = judged({with_failures(place(trials(3, 1.0, 0.1, 1)), 197, 0)}, 5e-5);
+  EXPECT_EQ(c.verdict, Verdict::first_better);
+  EXPECT_GT(c.improvement.value, 0.98);
+  EXPECT_EQ(words(c),
+            "schur beats ceres: it gives a result in 197 trials in which ceres gives none; of the errors nothing can "
+            "be said, 3 trials that both finished");
+}
+
+TEST(Verdict, SmallerErrorsWithFewerResultsAreNoWin) {
+  const PairedComparison c = judged({with_failures(place(trials(40, 1.3, 0.02, 1)), 0, 20)}, 5e-5);
+  EXPECT_EQ(c.verdict, Verdict::opposed);
+  EXPECT_THAT(words(c), HasSubstr("schur beats ceres by 0.178 mm"));
+  EXPECT_THAT(words(c), HasSubstr("but ceres gives a result in 20 trials in which schur gives none: no winner"));
+}
+
+TEST(Verdict, AFewFailuresAreToldBesideIt) {
+  const PairedComparison c = judged({with_failures(place(trials(40, 1.3, 0.02, 1)), 1, 2)}, 5e-5);
+  EXPECT_EQ(c.verdict, Verdict::first_better);
+  EXPECT_THAT(words(c), HasSubstr("besides them 1 only by schur, 2 only by ceres"));
+}
+
+TEST(Verdict, TheSameResultsAreSaidToBeTheSame) {
+  EXPECT_THAT(words(judged({place(trials(10, 1.0, 0.0, 3))}, 5e-5)),
+              HasSubstr("schur and ceres gave the same in all 10 trials"));
+  EXPECT_THAT(words(judged({place(trials(10, 1.0, 0.0, 3))}, 0)), HasSubstr("gave the same in all 10 trials"));
+}
+
+TEST(Verdict, WhatIsUndecidedSaysHowManySeedsWouldShowIt) {
+  const PairedComparison c = judged({place(trials(10, 1.0, 0.2, 2))}, 5e-5);
+  EXPECT_THAT(words(c), testing::ContainsRegex("; [0-9]+ seeds would show 0.05 mm"));
 }
 
 TEST(Verdict, ADifferenceThatIsPrintedAsZeroHasNoSign) {
@@ -99,17 +152,72 @@ TEST(Verdict, HolmTakesTheWinOfALuckyComparisonAmongMany) {
   EXPECT_DOUBLE_EQ(among[0].adjusted_p, 0.2);
 }
 
-TEST(ComparePairs, StrataCountAlikeWhateverTheirSize) {
-  const auto small = trials(10, 2.0, 0, 1), large = trials(1000, 1.0, 0, 2);
-  ResamplingOptions few;
-  few.resamples = 50;
-  const PairedComparison c = compare_pairs({small, large}, few);
-  EXPECT_NEAR(c.difference.value, 0.5 * compare_pairs({small}, few).difference.value, 1e-12);
+// The trials of scipy.stats below.
+const std::vector<double> x{0.31, 0.22, 0.55, 0.19, 0.87, 0.41, 0.29, 0.36, 0.62, 0.25,
+                            0.33, 1.42, 0.28, 0.47, 0.39, 0.21, 0.58, 0.44, 0.30, 0.76};
+const std::vector<double> y{0.42, 0.25, 0.51, 0.33, 1.01, 0.40, 0.45, 0.39, 0.80, 0.31,
+                            0.30, 1.55, 0.41, 0.52, 0.38, 0.35, 0.66, 0.49, 0.47, 0.73};
+
+Pairs pairs(size_t count) {
+  Pairs list;
+  for (size_t i = 0; i < count; ++i) list.push_back({x[i] * x[i], y[i] * y[i]});
+  return list;
+}
+
+TEST(Compare, TestOfTheDifferenceOfRmseIsSciPys) {
+  const PairedComparison c = compare({place(pairs(20))}, {0.95, 40000, 3});
+  EXPECT_NEAR(c.difference.value, -0.0700764875, 1e-9);
+  EXPECT_NEAR(c.p, 0.00076, 0.0005);          // scipy.stats.permutation_test, samples exchanged in pairs
+  EXPECT_EQ(c.improvement.value, 15.0 / 20);  // counted by hand
+  EXPECT_DOUBLE_EQ(compare({place(pairs(10))}, {}).p, 0.025390625);  // 26 of 1024
+}
+
+TEST(Compare, ExchangingTheAlternativesExchangesTheAnswer) {
+  Pairs swapped;
+  for (const auto& [first, second] : pairs(20)) swapped.push_back({second, first});
+  const PairedComparison a = compare({place(pairs(20))}, {}), b = compare({place(swapped)}, {});
+  EXPECT_EQ(a.difference.value, -b.difference.value);
+  EXPECT_NEAR(a.difference.interval.lower, -b.difference.interval.upper, 1e-12);
+  EXPECT_EQ(a.p, b.p);
+  EXPECT_NEAR(a.improvement.value, 1 - b.improvement.value, 1e-12);
+}
+
+/// A second place that repeats the first says nothing new. Drawn for itself it made the interval 1.41 times narrower.
+TEST(Compare, APlaceThatRepeatsAnotherAddsNothing) {
+  const Place once = place(trials(30, 1.1, 0.2, 4));
+  const PairedComparison one = compare({once}, {}), four = compare({once, once, once, once}, {});
+  EXPECT_NEAR(four.difference.interval.lower, one.difference.interval.lower, 1e-12);
+  EXPECT_NEAR(four.difference.interval.upper, one.difference.interval.upper, 1e-12);
+  EXPECT_EQ(four.p, one.p);
+  EXPECT_EQ(four.seeds, 30u);
+  ASSERT_TRUE(four.spread);
+  EXPECT_EQ(four.spread->deviation, 0);
+}
+
+TEST(Compare, PlacesCountByTheWeightThatIsStated) {
+  const Pairs differ = trials(10, 2.0, 0, 1), agree = trials(60, 1.0, 0, 2);
+  const double alone = compare({place(differ)}, {}).difference.value;
+  EXPECT_NEAR(compare({place(differ), place(agree)}, {}).difference.value, 0.5 * alone, 1e-12);
+  EXPECT_NEAR(compare({place(differ, 3), place(agree, 1)}, {}).difference.value, 0.75 * alone, 1e-12);
+}
+
+TEST(Compare, SpreadIsWhatGoesBeyondTheNoise) {
+  // Places that differ by noise alone, and places of which every second has another difference.
+  std::vector<Place> alike, unlike;
+  for (uint64_t k = 0; k < 8; ++k) {
+    alike.push_back(place(trials(50, 1.0, 0.1, k)));
+    unlike.push_back(place(trials(50, k % 2 ? 1.5 : 1.0, 0.1, k)));
+  }
+  EXPECT_LT(compare(alike, {}).spread->deviation, 2e-5);
+  const Spread found = *compare(unlike, {}).spread;
+  EXPECT_NEAR(found.deviation, 0.5 * 0.3e-3 * std::sqrt(8.0 / 7), 2e-5);  // half of 0.5 times 0.6 mm, either way
+  EXPECT_NEAR(found.lowest, -0.3e-3, 5e-5);
 }
 
 TEST(CompareTimes, MedianOfRatiosIgnoresAHiccup) {
-  std::vector<Pair> seconds;
-  for (int i = 0; i < 20; ++i) seconds.push_back({1.0 + 0.01 * (i % 3), 2.0 + 0.02 * (i % 5)});
+  std::vector<TimePair> seconds;
+  for (uint64_t i = 0; i < 20; ++i)
+    seconds.push_back({i, 1.0 + 0.01 * static_cast<double>(i % 3), 2.0 + 0.02 * static_cast<double>(i % 5)});
   seconds[4].first = 100;  // the machine did something else
   const TimeComparison c = compare_times(seconds, {});
   EXPECT_THAT(c.ratio.value, DoubleNear(0.5, 0.02));
@@ -117,40 +225,10 @@ TEST(CompareTimes, MedianOfRatiosIgnoresAHiccup) {
 }
 
 TEST(CompareTimes, ADifferenceInOneHalfOnlyIsNotConfirmed) {
-  std::vector<Pair> seconds;
-  for (int i = 0; i < 40; ++i) seconds.push_back({i % 2 ? 1.0 + 0.02 * (i % 7 - 3) : 0.5 + 0.01 * (i % 3), 1.0});
+  std::vector<TimePair> seconds;
+  for (int i = 0; i < 40; ++i)
+    seconds.push_back({static_cast<uint64_t>(i), i % 2 ? 1.0 + 0.02 * (i % 7 - 3) : 0.5 + 0.01 * (i % 3), 1.0});
   EXPECT_FALSE(compare_times(seconds, {}).confirmed);
-}
-
-Trial trial(double rms, double worst) { return {rms, 0.2 * rms, worst, 1e-3, 0.9e-3, 4, 4}; }
-
-TEST(TrialSummary, CountsTrialsWithoutResultAtEveryTolerance) {
-  const TrialSummary s = summarise({trial(1e-3, 1.5e-3), trial(2e-3, 4e-3), trial(1e-3, 3e-3)}, 1, {2e-3, 5e-3}, {});
-  EXPECT_EQ(s.trials, 4u);
-  EXPECT_NEAR(s.rmse.value, std::sqrt(2.0) * 1e-3, 1e-12);
-  EXPECT_NEAR(s.mean.value, 4e-3 / 3, 1e-12);
-  EXPECT_NEAR(s.efficiency.value, 0.81 / 2, 1e-12);
-  ASSERT_EQ(s.failure_rates.size(), 2u);
-  EXPECT_EQ(s.failure_rates[0].failed, 3u);
-  EXPECT_EQ(s.failure_rates[1].failed, 1u);
-  // scipy.stats.binomtest(17, 200).proportion_ci(method="wilson")
-  EXPECT_NEAR(wilson_interval(17, 200, 0.95).lower, 0.053745750177475606, 1e-12);
-  EXPECT_NEAR(wilson_interval(17, 200, 0.95).upper, 0.13189587071565567, 1e-12);
-}
-
-TEST(TrialSummary, NeesBandIsThatOfChiSquared) {
-  const TrialSummary s = summarise(std::vector<Trial>(60, trial(1e-3, 1e-3)), 0, {}, {});  // 240 degrees of freedom
-  EXPECT_DOUBLE_EQ(s.nees, 1);
-  EXPECT_NEAR(s.nees_band.lower, 0.82909938, 1e-7);  // scipy.stats.chi2.ppf
-  EXPECT_NEAR(s.nees_band.upper, 1.18667702, 1e-7);
-}
-
-TEST(TrialSummary, WhatATrialDoesNotKnowIsNotAveraged) {
-  std::vector<Trial> list(10, trial(1e-3, 1e-3));
-  list[3].bound = std::nan("");
-  const TrialSummary s = summarise(list, 0, {}, {});
-  EXPECT_TRUE(std::isnan(s.efficiency.value));
-  EXPECT_FALSE(std::isnan(s.rmse.value));
 }
 
 }  // namespace

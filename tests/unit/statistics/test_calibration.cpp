@@ -1,0 +1,91 @@
+// What a covariance states against what is found, and the summary of one alternative.
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "geometry/random.hpp"
+#include "statistics/trial_summary.hpp"
+
+namespace {
+
+using namespace plumbline;
+using namespace plumbline::statistics;
+using testing::HasSubstr;
+
+Trial trial(double rms, double worst) { return {rms, 0.2 * rms, worst, 1e-3, 0.9e-3, 4, 4, {}}; }
+
+TEST(TrialSummary, CountsTrialsWithoutResultAtEveryTolerance) {
+  const TrialSummary s = summarise({trial(1e-3, 1.5e-3), trial(2e-3, 4e-3), trial(1e-3, 3e-3)}, 1, {2e-3, 5e-3}, 0.95);
+  EXPECT_EQ(s.trials, 4u);
+  EXPECT_NEAR(s.rmse.value, std::sqrt(2.0) * 1e-3, 1e-12);
+  EXPECT_NEAR(s.mean.value, 4e-3 / 3, 1e-12);
+  EXPECT_NEAR(s.efficiency.value, 0.81 / 2, 1e-12);
+  ASSERT_EQ(s.failure_rates.size(), 2u);
+  EXPECT_EQ(s.failure_rates[0].failed, 3u);
+  EXPECT_EQ(s.failure_rates[1].failed, 1u);
+}
+
+TEST(TrialSummary, NeesBandIsThatOfChiSquared) {
+  const TrialSummary s = summarise(std::vector<Trial>(60, trial(1e-3, 1e-3)), 0, {}, 0.95);  // 240 degrees of freedom
+  EXPECT_DOUBLE_EQ(s.nees, 1);
+  EXPECT_NEAR(s.nees_band.lower, 0.82909938, 1e-7);  // scipy.stats.chi2.ppf
+  EXPECT_NEAR(s.nees_band.upper, 1.18667702, 1e-7);
+}
+
+TEST(TrialSummary, WhatATrialDoesNotKnowIsNotAveraged) {
+  std::vector<Trial> list(10, trial(1e-3, 1e-3));
+  list[3].bound = std::nan("");
+  const TrialSummary s = summarise(list, 0, {}, 0.95);
+  EXPECT_TRUE(std::isnan(s.efficiency.value));
+  EXPECT_FALSE(std::isnan(s.rmse.value));
+}
+
+/// Fifteen coordinates of which the covariance is right, and a scale that is stated four times too large: together
+/// their NEES lies in its band.
+std::vector<Trial> trials_with_a_bad_scale(double factor) {
+  Random random(5);
+  std::vector<Trial> list;
+  for (int k = 0; k < 100; ++k) {
+    double nees = 0, squares = 0;
+    for (int i = 0; i < 15; ++i) {
+      const double z = random.normal();
+      nees += z * z, squares += z * z;
+    }
+    const double scale = random.normal();
+    Trial t = trial(1e-3 * std::sqrt((squares + 4 * scale * scale) / 16), 1e-3);
+    t.predicted = 1e-3 * std::sqrt((15 + 4 * factor * factor) / 16);
+    t.nees = nees + scale * scale / (factor * factor), t.freedom = 16;
+    t.modes["scale"] = {2e-3 * std::abs(scale), 2e-3 * factor, scale * scale / (factor * factor), 1};
+    t.modes["heights"] = {1e-3 * std::sqrt(squares / 15), 1e-3, nees, 15};
+    list.push_back(t);
+  }
+  return list;
+}
+
+TEST(Calibration, OneBadModeIsNamedThoughNeesOfAllPasses) {
+  const TrialSummary s = summarise(trials_with_a_bad_scale(4), 0, {}, 0.95);
+  EXPECT_GT(s.nees, s.nees_band.lower);
+  EXPECT_LT(s.nees, s.nees_band.upper) << "which is why it was not seen";
+  ASSERT_EQ(s.calibration.size(), 3u);
+  EXPECT_EQ(honesty(s.calibration[0]), Honesty::too_much) << "predicted against found, of everything";
+  EXPECT_EQ(s.calibration[1].mode, "heights");
+  EXPECT_EQ(honesty(s.calibration[1]), Honesty::honest);
+  EXPECT_EQ(s.calibration[2].mode, "scale");
+  EXPECT_THAT(in_words(s.calibration[2]),
+              testing::MatchesRegex("states [34]\\.[0-9] times too much \\(.* to .*\\) in scale"));
+  EXPECT_LT(s.calibration[2].nees, s.calibration[2].nees_band.lower);
+}
+
+TEST(Calibration, AnHonestCovarianceIsSaidToBeOne) {
+  const TrialSummary s = summarise(trials_with_a_bad_scale(1), 0, {}, 0.95);
+  for (const Calibration& c : s.calibration) EXPECT_THAT(in_words(c), HasSubstr("states what is found")) << c.mode;
+  EXPECT_THAT(in_words(summarise(trials_with_a_bad_scale(0.25), 0, {}, 0.95).calibration[2]), HasSubstr("too little"));
+}
+
+TEST(Calibration, WithoutCovarianceNothingIsSaid) {
+  std::vector<Trial> list(10, trial(1e-3, 1e-3));
+  for (Trial& t : list) t.predicted = t.nees = t.freedom = std::nan("");
+  EXPECT_TRUE(summarise(list, 0, {}, 0.95).calibration.empty());
+}
+
+}  // namespace
