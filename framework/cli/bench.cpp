@@ -11,11 +11,15 @@
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 
+#include "bench_verify.hpp"
+#include "build_info.hpp"
 #include "runtime/deliver.hpp"
 #include "runtime/new_file.hpp"
 #include "runtime/record.hpp"
+#include "runtime/sweep_archive.hpp"
 #include "runtime/sweep_dispatch.hpp"
 #include "runtime/sweep_run.hpp"
 #include "runtime/sweep_table.hpp"
@@ -75,6 +79,8 @@ class Ticker {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now(), last_ = start_;
 };
 
+runtime::BuildFacts build_facts() { return {PLUMBLINE_VERSION, build_commit(), build_compiler(), loaded_libraries()}; }
+
 /// The graph of the one node bench.summary, which makes the pages and tables of `cells`.
 runtime::Graph summary_graph(const SweepPlan& plan, const runtime::Registry& registry, const fs::path& cells) {
   const runtime::Kind* kind = registry.find("bench.summary");
@@ -82,7 +88,8 @@ runtime::Graph summary_graph(const SweepPlan& plan, const runtime::Registry& reg
     throw std::runtime_error("there is no kind 'bench.summary': the plugin 'bench' is missing; see plumbline doctor");
   runtime::Graph graph;
   graph.file = plan.file.path.string();
-  graph.sources = {{graph.file, plan.file.text}};
+  graph.sources = sources_of(plan);
+  graph.sources.insert(graph.sources.begin(), {graph.file, plan.file.text});
   runtime::GraphNode node;
   node.name = "summary";
   node.kind = *kind;
@@ -135,9 +142,12 @@ class SummaryWriter {
                        "\nChoose another folder with --out DIR, or replace them with --overwrite.");
   }
 
+  /// Of the last write(): comparisons that are not decided.
+  bool all_decided() const { return open_ == 0; }
+
   /// False if something could not be written.
   bool write() {
-    const std::string table = sweep_table(plan_, runtime::CellRecords(store_), registry_, PLUMBLINE_VERSION);
+    const std::string table = sweep_table(plan_, runtime::CellRecords(store_), registry_, build_facts());
     fs::create_directories(cells_.parent_path());
     const TableLock lock(cells_.parent_path());
     const fs::path fresh = cells_.parent_path() / ("cells-" + std::to_string(getpid()) + ".json");
@@ -152,6 +162,9 @@ class SummaryWriter {
     run.remember = false;
     const runtime::RunResult result = execute(graph_, registry_, store_, run, silent);
     record.node(graph_.nodes[0], result.nodes[0]);
+    open_ = 1;
+    for (const runtime::Metric& metric : result.nodes[0].metrics)
+      if (metric.name == "open") open_ = metric.value;
     const auto deliveries = deliver(graph_, registry_, store_, result, folder_);
     record.end(result, deliveries);
     if (!result.ok()) std::fprintf(stderr, "%s\n", result.nodes[0].error.c_str());
@@ -173,7 +186,18 @@ class SummaryWriter {
   const fs::path cells_;
   const runtime::Graph graph_;
   runtime::OutputFolder folder_;
+  double open_ = 1;
 };
+
+/// The cells of the first `seeds` of the file's seeds.
+std::vector<size_t> cells_of_first(const SweepPlan& plan, size_t seeds) {
+  const auto& all = plan.file.seeds;
+  const std::set<uint64_t> wanted(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(std::min(seeds, all.size())));
+  std::vector<size_t> indices;
+  for (size_t i = 0; i < plan.cells.size(); ++i)
+    if (wanted.count(plan.cells[i].seed)) indices.push_back(i);
+  return indices;
+}
 
 /// Counts from the records alone.
 SweepProgress progress_in_store(const SweepPlan& plan, const runtime::CellRecords& records) {
@@ -238,7 +262,7 @@ void print_end(const BenchOptions& options, const SweepPlan& plan, const SweepPr
                 progress.merged_nodes, progress.executed);
   print_alternatives(plan, records);
   if (out.empty()) return;
-  for (const char* name : {"bench.html", "bench.csv", "bench.json", "bench.md", "bench.tex"})
+  for (const char* name : {"bench.html", "bench.csv", "bench.json", "bench.md", "bench.tex", "bench.svg", "bench.pdf"})
     if (fs::exists(out / name)) std::printf("  %s\n", (out / name).c_str());
 }
 
@@ -284,11 +308,22 @@ std::vector<size_t> cells_of_task(const BenchOptions& options, const SweepPlan& 
 }  // namespace
 
 void declare_bench(CLI::App& command, BenchOptions& options) {
-  command.add_option("file", options.file, "a bench file")->required()->type_name("FILE");
+  command.add_option("file", options.file, "a bench file; or 'verify' and then a folder that --archive wrote")
+      ->required()
+      ->type_name("FILE");
   command.add_option("overrides", options.overrides, "variables and parameters for all cells, as for run")
       ->type_name("KEY=VALUE");
-  command.add_option("--out", options.out, "folder for bench.html, .csv, .json, .md, .tex (default: out/<file>)")
+  command
+      .add_option("--out", options.out,
+                  "folder for bench.html, .csv, .json, .md, .tex, .svg, .pdf (default: out/<file>)")
       ->type_name("DIR");
+  command
+      .add_option("--archive", options.archive,
+                  "folder for what makes the bench again: files, seeds, commit, versions, hashes, raw results")
+      ->type_name("DIR");
+  command.add_option("--cells", options.cells, "for verify: how many cells are made again, 0 for all")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   command.add_option("--store", options.store, "folder of the store; where other machines work, one they all see")
       ->type_name("DIR");
   command.add_option("--seeds", options.seeds, "in place of the file's, such as 1-20")->type_name("SEEDS");
@@ -317,6 +352,11 @@ void declare_bench(CLI::App& command, BenchOptions& options) {
 }
 
 int bench(const BenchOptions& options) {
+  if (options.file == "verify" && !fs::exists(options.file)) {
+    if (options.overrides.size() != 1)
+      throw UsageError("'plumbline bench verify' takes one folder that --archive wrote");
+    return verify_bench(options.overrides[0], options);
+  }
   const runtime::Registry registry = discover();
   Options for_store;
   for_store.store = options.store;
@@ -324,6 +364,7 @@ int bench(const BenchOptions& options) {
   runtime::SweepFile file = read_sweep(options.file, registry);
   if (!options.seeds.empty()) {
     const auto seeds = runtime::seeds_of(options.seeds);
+    file.looks.clear();  // they are numbers of the file's own seeds
     if (!seeds) throw UsageError("--seeds takes whole numbers and ranges, such as 1-20");
     file.seeds = *seeds;
   }
@@ -334,6 +375,7 @@ int bench(const BenchOptions& options) {
   const runtime::CellRecords records(store);
   SweepProgress progress;
   fs::path out;
+  bool stopped = false;  // before all seeds, because everything was decided
   std::unique_ptr<SummaryWriter> writer;
   if (options.task < 0 && !(options.status && options.out.empty())) {
     out = options.out.empty() ? fs::path("out") / fs::path(options.file).stem() : fs::path(options.out);
@@ -351,12 +393,24 @@ int bench(const BenchOptions& options) {
     std::signal(SIGINT, stop_bench);
     std::signal(SIGTERM, stop_bench);
     Ticker ticker(options.quiet || options.json);
-    progress = run_cells(plan, options.task < 0 ? all_cells(plan) : cells_of_task(options, plan), registry, store, run,
-                         std::ref(ticker));
+    // Looks before the last: where everything is decided, the other seeds are not run.
+    for (size_t k = 0; options.task < 0 && writer && k + 1 < plan.file.looks.size() && !stopped; ++k) {
+      const std::vector<size_t> first = cells_of_first(plan, plan.file.looks[k]);
+      progress = run_cells(plan, first, registry, store, run, std::ref(ticker));
+      stopped = !progress.cancelled && !cancel && writer->write() && writer->all_decided();
+      if (stopped && !options.quiet && !options.json)
+        std::printf("stopped after %zu of %zu seeds: everything is decided\n", plan.file.looks[k],
+                    plan.file.seeds.size());
+    }
+    if (!stopped && !cancel)
+      progress = run_cells(plan, options.task < 0 ? all_cells(plan) : cells_of_task(options, plan), registry, store,
+                           run, std::ref(ticker));
   }
   // What this file measures may be missing in cells that ran well.
   if (options.task < 0) progress.failed = progress_in_store(plan, records).failed;
-  const bool written = !writer || writer->write();
+  const bool written = stopped || !writer || writer->write();
+  if (!options.archive.empty() && options.task < 0)
+    write_archive(options.archive, plan, options.overrides, records, registry, store.file_hashes(), build_facts());
   print_end(options, plan, progress, records, out);
   if (progress.cancelled || cancel) {
     std::fprintf(stderr, "cancelled; what was finished is kept and the next run goes on from there\n");

@@ -25,7 +25,9 @@ struct BenchOptions {
   int workers = 0, task = -1, cells_per_task = 50;
   double limit = 0;
   bool status = false, retry = false, overwrite = false, json = false, quiet = false;
-  std::string plan;  ///< of a task: the plan it was sent for
+  std::string archive;  ///< folder to write; empty: none
+  int cells = 20;       ///< that `verify` makes again; 0: all
+  std::string plan;     ///< of a task: the plan it was sent for
 };
 
 /// Declares the command's arguments; the options live as long as the app.

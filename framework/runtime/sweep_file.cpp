@@ -18,6 +18,11 @@ namespace {
 const std::vector<std::string> quantities = {"error", "bias",    "worst",      "predicted", "bound",
                                              "nees",  "freedom", "start_cost", "final_cost"};
 
+bool read_number(std::string_view text, uint64_t& value) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size();
+}
+
 class SweepReader {
  public:
   SweepReader(const fs::path& file, const Registry& registry) : file_(file), registry_(registry) {}
@@ -95,7 +100,7 @@ class SweepReader {
   void read_root(const YAML::Node& root) {
     check_keys(root,
                {"bench", "title", "pipeline", "measure", "rope", "tolerances", "seeds", "scenarios", "matrix",
-                "alternatives", "exclude", "keep"},
+                "alternatives", "weights", "stop", "exclude", "keep"},
                "a bench file");
     if (!root["bench"] || root["bench"].as<std::string>("") != "1")
       problems_.push_back({{file_.string(), 1, 1}, "the first line is 'bench: 1' (the version of the format)"});
@@ -112,6 +117,8 @@ class SweepReader {
     read_scenarios(root["scenarios"]);
     if (root["matrix"]) read_matrix(root["matrix"]);
     if (root["alternatives"]) read_groups(root["alternatives"]);
+    if (root["stop"]) read_stop(root["stop"]);
+    if (root["weights"]) read_weights(root["weights"]);
     if (root["exclude"]) read_exclude(root["exclude"]);
     if (const YAML::Node keep = root["keep"]) {
       const std::string text = text_of(keep, "'keep'");
@@ -166,6 +173,46 @@ class SweepReader {
               "million in all");
     else
       sweep_.seeds = *seeds;
+    sweep_.seeds_at = at(node);
+  }
+
+  void read_stop(const YAML::Node& map) {
+    if (!is_map(map, "'stop' is a map: {when: decided, after: [20, 60, 200]}")) return;
+    check_keys(map, {"when", "after"}, "'stop'");
+    if (!map["when"] || text_of(map["when"], "'when'") != "decided")
+      problem(map, "'when' is 'decided': every comparison has a winner or is equal");
+    if (!map["after"])
+      return problem(map, "'after' is missing: the numbers of seeds after which is looked, [20, 60, 200]");
+    for (const std::string& text : texts_of(map["after"], "a number of seeds")) {
+      uint64_t count = 0;
+      if (!read_number(text, count) || count == 0)
+        problem(map["after"], "'after' has whole numbers of seeds; found '" + text + "'");
+      sweep_.looks.push_back(count);
+    }
+    for (size_t k = 1; k < sweep_.looks.size(); ++k)
+      if (sweep_.looks[k] <= sweep_.looks[k - 1]) problem(map["after"], "the numbers in 'after' rise");
+    if (!sweep_.looks.empty() && sweep_.looks.back() != sweep_.seeds.size())
+      problem(map["after"], "the last look is at all seeds, " + std::to_string(sweep_.seeds.size()) + "; found " +
+                                std::to_string(sweep_.looks.back()));
+  }
+
+  void read_weights(const YAML::Node& node) {
+    sweep_.weighted = true;
+    if (node.IsScalar() && node.Scalar() == "equal") return;
+    if (!is_map(node, "'weights' is 'equal' or a map of all scenarios: {one floor: 1, full height: 3}")) return;
+    std::vector<std::string> names;
+    for (const SweepScenario& scenario : sweep_.scenarios) names.push_back(scenario.name);
+    check_keys(node, names, "'weights' (of scenarios)");
+    for (const std::string& name : names)
+      if (!node[name]) problem(node, "'weights' does not say how much scenario '" + name + "' weighs");
+    for (const auto& item : node) {
+      const std::string text = text_of(item.second, "a weight");
+      double weight = 0;
+      const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), weight);
+      if (error != std::errc() || end != text.data() + text.size() || !(weight > 0) || !std::isfinite(weight))
+        problem(item.second, "a weight is a number above zero; found '" + text + "'");
+      sweep_.weights[item.first.as<std::string>("")] = weight;
+    }
   }
 
   Overrides overrides_of(const YAML::Node& map, const std::string& what) {
@@ -227,7 +274,7 @@ class SweepReader {
         add_role(item.second, group);
       else
         for (const std::string& kind : texts_of(item.second, "a kind of node"))
-          group.alternatives.push_back({kind, {}, kind, {}});
+          group.alternatives.push_back({kind, {}, kind, {}, at(item.second)});
       std::set<std::string> names;
       for (const auto& alternative : group.alternatives)
         if (!names.insert(alternative.name).second)
@@ -240,6 +287,7 @@ class SweepReader {
   void read_alternative(const YAML::Node& name, const YAML::Node& what, SweepGroup& group) {
     SweepAlternative alternative;
     alternative.name = name.as<std::string>("");
+    alternative.at = at(name);
     if (what.IsScalar())
       alternative.kind = what.Scalar();
     else
@@ -250,7 +298,7 @@ class SweepReader {
 
   void add_role(const YAML::Node& node, SweepGroup& group) {
     for (const auto& [name, kind] : registry_.kinds())
-      if (group.name == kind.node->role) group.alternatives.push_back({name, {}, name, {}});
+      if (group.name == kind.node->role) group.alternatives.push_back({name, {}, name, {}, at(node)});
     if (group.alternatives.empty()) problem(node, "no kind of node has the role '" + group.name + "'");
   }
 
@@ -288,11 +336,6 @@ class SweepReader {
   std::vector<Problem> problems_;
   SweepFile sweep_;
 };
-
-bool read_number(std::string_view text, uint64_t& value) {
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc() && end == text.data() + text.size();
-}
 
 }  // namespace
 

@@ -11,6 +11,8 @@
 //   alternatives:
 //     adjuster: [adjust.ceres, adjust.schur]
 //     method: {constrained: {}, registered: {pipeline: free.yaml, registration.with.scale: fixed}}
+//   stop: {when: decided, after: [20, 60, 200]}  # looks at so many seeds; each has its share of the error probability
+//   weights: {one floor: 1, full height: 3}      # or `equal`; without them nothing is said over all places together
 //   exclude: [{scenario: full height, adjuster: adjust.slow, why: takes a day}]
 #pragma once
 
@@ -34,6 +36,7 @@ struct SweepAlternative {
   std::filesystem::path pipeline;  ///< empty: the file's
   std::string kind;                ///< of a list of kinds; then `overrides` is empty
   Overrides overrides;
+  Position at;
 };
 
 /// A place that is filled in several ways: a node, a role of the pipeline, or a name for a whole set of changes.
@@ -65,7 +68,11 @@ struct SweepFile {
   double rope = 0;                             ///< [m]; 0: none given
   std::vector<double> tolerances;              ///< [m]
   std::vector<uint64_t> seeds;                 ///< empty: one trial with the pipeline's own seed
-  std::vector<SweepScenario> scenarios;        ///< at least one; a file without any has one of empty name
+  Position seeds_at;
+  std::vector<size_t> looks;              ///< numbers of seeds after which a bench may stop, rising; empty: none
+  bool weighted = false;                  ///< weights are stated, so that a mean over places has a meaning
+  std::map<std::string, double> weights;  ///< of scenarios; empty although weighted: all places alike
+  std::vector<SweepScenario> scenarios;   ///< at least one; a file without any has one of empty name
   std::vector<SweepVariable> matrix;
   std::vector<SweepGroup> groups;
   std::vector<SweepExclusion> exclude;

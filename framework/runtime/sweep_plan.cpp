@@ -7,6 +7,7 @@
 
 #include "runtime/digest.hpp"
 #include "runtime/key.hpp"
+#include "runtime/near_names.hpp"
 #include "runtime/pipeline_file.hpp"
 #include "runtime/sweep_measures.hpp"
 
@@ -80,6 +81,7 @@ class Planner {
   }
 
   SweepPlan plan() {
+    refuse_what_cannot_run();
     find_compared();
     for (const SweepScenario& scenario : file().scenarios) {
       Combination combination;
@@ -160,6 +162,86 @@ class Planner {
     for (const auto& [group, choice] : way.choices)
       if (!choice->pipeline.empty()) pipeline = choice->pipeline;
     return pipeline;
+  }
+
+  /// The file's pipeline and those of alternatives, as they stand before anything is overridden but by the command
+  /// line.
+  std::map<fs::path, PipelineSpec> pipelines() const {
+    std::map<fs::path, PipelineSpec> specs;
+    std::vector<Problem> ignored;  // load_pipeline() tells them
+    const auto add = [&](const fs::path& path) {
+      if (specs.count(path) == 0) specs[path] = read_pipeline(path, overrides_, {}, ignored);
+    };
+    add(file().pipeline);
+    for (const SweepGroup& group : file().groups)
+      for (const SweepAlternative& alternative : group.alternatives)
+        if (!alternative.pipeline.empty()) add(alternative.pipeline);
+    return specs;
+  }
+
+  std::string role_of(const std::string& kind) const {
+    const Kind* found = registry_.find(kind);
+    return found ? found->node->role : "";
+  }
+
+  /// What would make every cell of an alternative, or of the whole bench, fail one by one: a pipeline that takes no
+  /// seed, and a kind in a place that no pipeline has, or that another role fills.
+  void refuse_what_cannot_run() const {
+    std::vector<Problem> problems;
+    const std::map<fs::path, PipelineSpec> specs = pipelines();
+    for (const auto& [path, spec] : specs)
+      if (!file().seeds.empty() && !spec.nodes.empty() && spec.variables.count("seed") == 0)
+        problems.push_back({file().seeds_at.file.empty() ? Position{file().path.string(), 0, 0} : file().seeds_at,
+                            path.string() + " has no variable 'seed', so each of the " +
+                                std::to_string(file().seeds.size()) +
+                                " seeds would be the same trial: add it under its 'vars:' (seed: 1)"});
+    for (const SweepGroup& group : file().groups)
+      for (const SweepAlternative& alternative : group.alternatives) {
+        if (!alternative.kind.empty()) refuse_place(group.name, alternative, specs, problems);
+        for (const std::string& text : alternative.overrides) refuse_role(alternative, text, specs, problems);
+      }
+    if (!problems.empty()) throw InvalidPipeline(problems);
+  }
+
+  /// A list of kinds fills the node of the group's name, or the nodes of the role of that name.
+  void refuse_place(const std::string& group, const SweepAlternative& alternative,
+                    const std::map<fs::path, PipelineSpec>& specs, std::vector<Problem>& problems) const {
+    const std::string own = role_of(alternative.kind);
+    std::vector<std::string> names;
+    std::string other;
+    for (const auto& [path, spec] : specs)
+      for (const NodeSpec& node : spec.nodes) {
+        const std::string role = role_of(node.use.text);
+        names.push_back(node.name);
+        if (!role.empty()) names.push_back(role);
+        if (node.name != group && role != group) continue;
+        if (own.empty() || role.empty() || own == role) return;
+        other = "'" + alternative.kind + "' has the role '" + own + "', but '" + group + "' is filled by the role '" +
+                role + "' (" + node.use.text + "): it cannot stand there";
+      }
+    const auto near = near_names(group, names);
+    if (other.empty())
+      other = "no pipeline of this bench has a node or a role '" + group + "' that '" + alternative.kind +
+              "' could fill" + (near.empty() ? "" : " — did you mean '" + near[0] + "'?") +
+              (own.empty() ? "" : " ('" + alternative.kind + "' has the role '" + own + "')");
+    problems.push_back({alternative.at, other});
+  }
+
+  /// The same for "NODE.use=KIND".
+  void refuse_role(const SweepAlternative& alternative, const std::string& text,
+                   const std::map<fs::path, PipelineSpec>& specs, std::vector<Problem>& problems) const {
+    const size_t dot = text.find('.'), equals = text.find('=');
+    if (dot == std::string::npos || text.substr(dot, equals - dot) != ".use") return;
+    const std::string name = text.substr(0, dot), kind = text.substr(equals + 1), own = role_of(kind);
+    const auto spec = specs.find(alternative.pipeline.empty() ? file().pipeline : alternative.pipeline);
+    if (own.empty() || spec == specs.end()) return;
+    for (const NodeSpec& node : spec->second.nodes) {
+      const std::string role = role_of(node.use.text);
+      if (node.name == name && !role.empty() && role != own)
+        problems.push_back({file().places.at(text), "'" + kind + "' has the role '" + own + "', but node '" + name +
+                                                        "' is one of the role '" + role + "' (" + node.use.text +
+                                                        "): it cannot stand there"});
+    }
   }
 
   /// Before any combination is looked at, so that their order decides nothing.

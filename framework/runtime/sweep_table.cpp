@@ -41,6 +41,24 @@ Json groups_of(const SweepPlan& plan) {
   return groups;
 }
 
+/// What the node of the error says of parts of the errors, as metrics "scale_found" and "scale_predicted" [m],
+/// "scale_nees" and "scale_freedom": whoever gives all four of a name has its covariance judged by it.
+Json modes_of(const CellRecord& record, const std::string& error) {
+  Json modes = Json::object();
+  const std::string node = error.substr(0, error.find('.') + 1), found = "_found";
+  for (const auto& [name, metric] : record.metrics) {
+    if (name.compare(0, node.size(), node) != 0 || name.size() < node.size() + found.size()) continue;
+    if (name.compare(name.size() - found.size(), found.size(), found) != 0) continue;
+    const std::string mode = name.substr(0, name.size() - found.size());
+    Json parts{{"found", metric.value}};
+    for (const char* part : {"predicted", "nees", "freedom"})
+      if (const auto other = record.metrics.find(mode + "_" + part); other != record.metrics.end())
+        parts[part] = other->second.value;
+    if (parts.size() == 4) modes[mode.substr(node.size())] = parts;
+  }
+  return modes;
+}
+
 Json cell_json(const SweepCell& cell, const std::optional<CellRecord>& record, const SweepFile& file) {
   Json json;
   json["scenario"] = cell.scenario;
@@ -55,6 +73,7 @@ Json cell_json(const SweepCell& cell, const std::optional<CellRecord>& record, c
   for (const auto& [quantity, name] : file.measure)
     if (const auto found = record->metrics.find(name); found != record->metrics.end())
       json["measures"][quantity] = found->second.value;
+  if (const Json modes = modes_of(*record, file.measure.at("error")); !modes.empty()) json["modes"] = modes;
   json["inputs"] = record->inputs;
   json["seconds"] = record->seconds;
   if (!record->warnings.empty()) json["warnings"] = record->warnings.size();
@@ -77,7 +96,7 @@ std::string failure_of(const CellRecord& record, const SweepFile& file) {
 }
 
 std::string sweep_table(const SweepPlan& plan, const CellRecords& records, const Registry& registry,
-                        const std::string& version) {
+                        const BuildFacts& build) {
   const SweepFile& file = plan.file;
   Json json;
   json["title"] = file.title;
@@ -85,6 +104,8 @@ std::string sweep_table(const SweepPlan& plan, const CellRecords& records, const
   json["measure"] = file.measure;
   json["rope"] = file.rope;
   json["tolerances"] = file.tolerances;
+  if (file.weighted) json["weights"] = file.weights.empty() ? Json("equal") : Json(file.weights);
+  if (!file.looks.empty()) json["looks"] = file.looks;
   for (const SweepScenario& scenario : file.scenarios) json["scenarios"].push_back(scenario.name);
   json["variables"] = Json::array();
   for (const SweepVariable& variable : file.matrix)
@@ -102,7 +123,10 @@ std::string sweep_table(const SweepPlan& plan, const CellRecords& records, const
     json["cells"].push_back(cell_json(cell, record, file));
   }
   Json machine;
-  machine["version"] = version;
+  machine["version"] = build.version;
+  machine["commit"] = build.commit;
+  machine["compiler"] = build.compiler;
+  machine["libraries"] = build.libraries;
   machine["processor"] = processor();
   machine["processors"] = std::thread::hardware_concurrency();
   machine["hosts"] = hosts;
@@ -111,6 +135,18 @@ std::string sweep_table(const SweepPlan& plan, const CellRecords& records, const
                                  plugin->sha256.substr(0, 12));
   json["machine"] = std::move(machine);
   return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::vector<SourceFile> sources_of(const SweepPlan& plan) {
+  std::vector<SourceFile> sources;
+  std::set<std::string> seen;
+  std::set<const CellGraph*> graphs;
+  for (const SweepCell& cell : plan.cells) {
+    if (!cell.graph || !graphs.insert(cell.graph.get()).second) continue;
+    for (const SourceFile& source : cell.graph->graph.sources)
+      if (seen.insert(source.path).second) sources.push_back(source);
+  }
+  return sources;
 }
 
 }  // namespace plumbline::runtime

@@ -51,7 +51,7 @@ TEST(Bench, WritesAllItsFilesAndTheVerdictInWords) {
   BenchProgram plumbline;
   plumbline.bench_file(two + "rope: 0.05 mm\ntitle: Good and worse\n");
   plumbline.run();
-  for (const char* name : {"bench.html", "bench.csv", "bench.json", "bench.md", "bench.tex"})
+  for (const char* name : {"bench.html", "bench.csv", "bench.json", "bench.md", "bench.tex", "bench.svg", "bench.pdf"})
     EXPECT_TRUE(fs::exists(plumbline.work() / "out/b" / name)) << name;
   EXPECT_THAT(plumbline.summary()["verdicts"][0].get<std::string>(), HasSubstr("good beats worse by 0.3"));
   const std::string page = read_file(plumbline.work() / "out/b/bench.html");
@@ -60,6 +60,51 @@ TEST(Bench, WritesAllItsFilesAndTheVerdictInWords) {
   EXPECT_THAT(read_file(plumbline.work() / "out/b/bench.tex"), HasSubstr("bench@all/good/rmse"));
   const std::string csv = read_file(plumbline.work() / "out/b/bench.csv");
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 17);
+}
+
+/// What ran is in the record, not only the file that asked for it.
+TEST(Bench, TheRecordHasThePipelinesTheCommitAndTheLibraries) {
+  BenchProgram plumbline;
+  plumbline.write("part.yaml", "plumbline: 1\nnodes:\n  site: {use: story.draw}\n");
+  plumbline.write(
+      "other.yaml",
+      "plumbline: 1\ninclude: [part.yaml]\nvars: {seed: 1}\nnodes:\n  solver: {use: trial.plain, in: {site: "
+      "site.number}}\n");
+  plumbline.bench_file("seeds: 1-2\nalternatives: {method: {plain: {}, other: {pipeline: other.yaml}}}\n");
+  plumbline.run();
+  const std::string record = read_file(plumbline.work() / "out/b/run.jsonl");
+  const Json start = Json::parse(record.substr(0, record.find('\n')));
+  std::set<std::string> names;
+  for (const Json& source : start["sources"]) names.insert(fs::path(source["path"].get<std::string>()).filename());
+  EXPECT_EQ(names, (std::set<std::string>{"b.yaml", "trial.yaml", "other.yaml", "part.yaml"}));
+  const std::string machine = plumbline.summary()["machine"].dump();
+  EXPECT_THAT(machine, HasSubstr(", commit "));
+  EXPECT_THAT(machine, HasSubstr("GNU "));
+  EXPECT_THAT(machine, HasSubstr("libtbb.so."));
+}
+
+/// A mean over places is a number about the list of places: nothing is said of it unless weights are stated.
+TEST(Bench, OverAllPlacesNothingIsSaidWithoutWeights) {
+  BenchProgram plumbline;
+  const std::string rest =
+      "seeds: 1-8\nmatrix: {factor: [1, 2]}\nscenarios: {a: {}, b: {}}\nalternatives: {method: {good: "
+      "{solver.with.own: 0}, "
+      "worse: {solver.with.own: 0.5}}}\n";
+  plumbline.write("trial.yaml",
+                  "plumbline: 1\nvars: {seed: 1, factor: 1}\nnodes:\n  site: {use: story.draw}\n"
+                  "  solver: {use: trial.judged, in: {site: site.number}, with: {factor: \"${factor}\"}}\n");
+  plumbline.bench_file(rest);
+  plumbline.run();
+  Json overall = plumbline.summary()["comparisons"][0];
+  EXPECT_TRUE(overall["place"].is_null());
+  EXPECT_TRUE(overall.contains("spread"));
+  EXPECT_FALSE(overall.contains("verdict"));
+  EXPECT_THAT(read_file(plumbline.work() / "out/b/bench.md"), HasSubstr("the file states no weights"));
+  plumbline.bench_file(rest + "weights: {a: 1, b: 3}\n");
+  plumbline.run();
+  overall = plumbline.summary()["comparisons"][0];
+  EXPECT_TRUE(overall.contains("verdict"));
+  EXPECT_THAT(plumbline.summary()["verdicts"][0].get<std::string>(), HasSubstr("weighing a 1, b 3, "));
 }
 
 /// Start and final cost are those of the node that the role names, not what a solver says of itself.
@@ -136,14 +181,14 @@ TEST(Bench, WhatDoesNotExistIsNoNumberAndNamesStayApart) {
   }
   const std::string choice = summary["choices"][0].get<std::string>();
   EXPECT_THAT(choice, HasSubstr("none gave no result in any of 8 cells"));
-  EXPECT_THAT(choice, HasSubstr("a_b is beaten nowhere"));
+  EXPECT_THAT(choice, HasSubstr("take a_b, beaten nowhere; a%b is beaten by 0."));
 }
 
 TEST(Bench, OfTooFewTrialsNothingIsSaid) {
   BenchProgram plumbline;
   plumbline.bench_file("seeds: 1\nalternatives: {method: {good: {}, worse: {solver.with.factor: 1.5}}}\n");
   plumbline.run();
-  EXPECT_THAT(plumbline.summary()["choices"][0].get<std::string>(), HasSubstr("of good nothing can be said"));
+  EXPECT_THAT(plumbline.summary()["choices"][0].get<std::string>(), HasSubstr("of good and worse nothing can be said"));
 }
 
 TEST(Bench, AMeasureThatNoCellHasIsNamed) {
@@ -337,9 +382,49 @@ TEST(Bench, ASolverFromOutsideTakesPartByItsName) {
   plumbline.bench_file("seeds: 1-8\nalternatives: {solver: [trial.plain, outside.solver]}\nrope: 0.01 mm\n");
   EXPECT_EQ(plumbline.run()["failed"], 0) << plumbline.answer.err;
   EXPECT_THAT(plumbline.summary()["verdicts"][0].get<std::string>(),
-              HasSubstr("outside.solver and trial.plain are equal within 0.01 mm"));
+              HasSubstr("outside.solver and trial.plain gave the same in all 8 trials"));
   EXPECT_THAT(plumbline({"list"}).out, HasSubstr("outside.solver"));
   EXPECT_THAT(plumbline({"schema"}).out, HasSubstr("outside.solver"));
+}
+
+/// Each look has its share of the error probability, so that stopping when something is shown keeps the level.
+TEST(Bench, StopsAtTheFirstLookAtWhichEverythingIsDecided) {
+  BenchProgram plumbline;
+  plumbline.bench_file(
+      "seeds: 1-40\nstop: {when: decided, after: [10, 40]}\nalternatives: {method: {good: {}, worse: "
+      "{solver.with.factor: "
+      "1.5}}}\n");
+  Json counts = plumbline.run();
+  EXPECT_EQ(plumbline.answer.code, 0) << plumbline.answer.err;
+  EXPECT_EQ(counts["done"], 20);
+  EXPECT_EQ(plumbline.results().size(), 20u);
+  EXPECT_NEAR(plumbline.summary()["confidence"].get<double>(), 0.975, 1e-12);
+  EXPECT_THAT(plumbline.summary()["verdicts"][0].get<std::string>(), HasSubstr("good beats worse"));
+  plumbline.bench_file(
+      "seeds: 1-12\nstop: {when: decided, after: [6, 12]}\nalternatives: {method: {a: {solver.with.own: 0.0003}, b: "
+      "{solver.with.own: 0.00031}}}\n");
+  counts = plumbline.run();
+  EXPECT_EQ(counts["done"], 24) << "without a rope nothing is equal, and they are too alike for a winner";
+}
+
+TEST(Bench, AnArchiveMakesItsCellsAgainAndNoticesWhatWasChanged) {
+  BenchProgram plumbline;
+  plumbline.bench_file("seeds: 1-8\nalternatives: {method: {a: {}, weak: {solver.with.fails: 0.5}}}\n");
+  plumbline.run({"--archive", "supplement"});
+  fs::rename(plumbline.work() / "b.yaml", plumbline.work() / "gone.yaml");
+  fs::rename(plumbline.work() / "trial.yaml", plumbline.work() / "gone too.yaml");
+  Answer answer = plumbline({"bench", "verify", "supplement", "--cells", "0"});
+  EXPECT_EQ(answer.code, 0) << answer.err;
+  EXPECT_THAT(answer.out, HasSubstr("16 of 16 archived cells made again, 16 agree to 1e-09, 0 differ"));
+  EXPECT_THAT(plumbline({"bench", "verify", "supplement", "--cells", "5"}).out, HasSubstr("5 of 16 archived cells"));
+  const Json archive = Json::parse(read_file(plumbline.work() / "supplement/archive.json"));
+  for (const char* part : {"commit", "compiler", "libraries", "plugins"})
+    EXPECT_TRUE(archive["machine"].contains(part)) << part;
+  // Another pipeline than the one that was archived.
+  std::ofstream(plumbline.work() / "supplement/files/trial.yaml", std::ios::app) << "# changed\n";
+  answer = plumbline({"bench", "verify", "supplement"});
+  EXPECT_NE(answer.code, 0);
+  EXPECT_THAT(answer.err, HasSubstr("files/trial.yaml is not what was archived"));
 }
 
 TEST(Bench, ARunThatWasCutOffGoesOnWhereItWas) {

@@ -41,6 +41,46 @@ TEST(BenchFile, TwiceTheSameSeedValueOrAlternative) {
   EXPECT_THAT(refused("bench: 1\npipeline: trial.yaml\nalternatives: {solver: [a, a]}\n").err, HasSubstr("twice"));
 }
 
+/// Once 960 cells that failed one by one.
+TEST(BenchFile, APipelineThatTakesNoSeedIsRefused) {
+  BenchProgram plumbline;
+  plumbline.write(
+      "trial.yaml",
+      "plumbline: 1\nnodes:\n  site: {use: story.draw}\n  solver: {use: trial.plain, in: {site: site.number}}\n");
+  plumbline.bench_file("seeds: 1-60\n");
+  const Answer answer = plumbline({"bench", "b.yaml"});
+  EXPECT_EQ(answer.code, 1);
+  EXPECT_THAT(answer.err, HasSubstr("b.yaml:4:8: "));
+  EXPECT_THAT(answer.err,
+              HasSubstr("trial.yaml has no variable 'seed', so each of the 60 seeds would be the same trial"));
+}
+
+/// Once 60 failed cells, and a failure rate of an alternative that never was.
+TEST(BenchFile, AKindThatFillsNoPlaceIsRefused) {
+  BenchProgram plumbline;
+  plumbline.bench_file("seeds: 1-2\nalternatives: {slover: {a: trial.plain}}\n");
+  EXPECT_THAT(plumbline({"bench", "b.yaml"}).err,
+              HasSubstr("b.yaml:5:25: no pipeline of this bench has a node or a role 'slover' that 'trial.plain' could "
+                        "fill — did you mean 'solver'?"));
+  plumbline.write("trial.yaml",
+                  "plumbline: 1\nvars: {seed: 1}\nnodes:\n  site: {use: story.draw}\n"
+                  "  solver: {use: trial.judged, in: {site: site.number}}\n");
+  plumbline.bench_file(
+      "seeds: 1-2\nalternatives: {solver: {a: story.constant}, way: {x: {solver.use: story.constant}}}\n");
+  const Answer answer = plumbline({"bench", "b.yaml"});
+  EXPECT_THAT(answer.err, HasSubstr("'story.constant' has the role 'source', but 'solver' is filled by the role "
+                                    "'trial_solver' (trial.judged): it cannot stand there"));
+  EXPECT_THAT(answer.err, HasSubstr("but node 'solver' is one of the role 'trial_solver'"));
+  EXPECT_FALSE(std::filesystem::exists(plumbline.work() / "out"));
+}
+
+TEST(BenchFile, WeightsAreNumbersOfAllScenarios) {
+  EXPECT_THAT(refused("bench: 1\npipeline: trial.yaml\nscenarios: {a: {}, b: {}}\nweights: {a: 1, c: 2}\n").err,
+              testing::AllOf(HasSubstr("has no key 'c'"), HasSubstr("does not say how much scenario 'b' weighs")));
+  EXPECT_THAT(refused("bench: 1\npipeline: trial.yaml\nscenarios: {a: {}}\nweights: {a: -1}\n").err,
+              HasSubstr("b.yaml:4:14: a weight is a number above zero; found '-1'"));
+}
+
 TEST(BenchFile, AnExclusionThatNeverAppliesIsAnError) {
   EXPECT_THAT(refused("bench: 1\npipeline: trial.yaml\nmatrix: {factor: [1, 2]}\nexclude: [{factor: 3}]\n").err,
               HasSubstr("'factor' never is '3'"));

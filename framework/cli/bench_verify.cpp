@@ -1,0 +1,88 @@
+#include "bench_verify.hpp"
+
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+
+#include "build_info.hpp"
+#include "runtime/sweep_archive.hpp"
+#include "runtime/sweep_run.hpp"
+#include "terminal.hpp"
+
+namespace plumbline::cli {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Results that were not there before are what is asked for, so the store is one that is thrown away.
+class PassingFolder {
+ public:
+  PassingFolder() {
+    std::string name = (fs::temp_directory_path() / "plumbline-verify-XXXXXX").string();
+    if (!mkdtemp(name.data())) throw std::runtime_error("cannot make a folder " + name);
+    folder_ = name;
+  }
+  PassingFolder(const PassingFolder&) = delete;
+  PassingFolder& operator=(const PassingFolder&) = delete;
+  ~PassingFolder() {
+    std::error_code ignored;
+    fs::remove_all(folder_, ignored);
+  }
+  const fs::path& path() const { return folder_; }
+
+ private:
+  fs::path folder_;
+};
+
+/// `count` of the cells that the archive has results of, spread evenly; whole trials are not asked for.
+std::vector<size_t> spread_over(const runtime::SweepPlan& plan, const runtime::Archive& archive, size_t count) {
+  std::vector<size_t> known, chosen;
+  for (size_t i = 0; i < plan.cells.size(); ++i)
+    if (archive.results.count(plan.cells[i].label())) known.push_back(i);
+  if (count == 0 || count >= known.size()) return known;
+  for (size_t k = 0; k < count; ++k) chosen.push_back(known[k * known.size() / count]);
+  return chosen;
+}
+
+}  // namespace
+
+int verify_bench(const std::string& folder, const BenchOptions& options) {
+  constexpr double tolerance = 1e-9;
+  const runtime::Archive archive = runtime::read_archive(folder);
+  const runtime::Registry registry = discover();
+  runtime::SweepFile file = read_sweep(archive.bench, registry);
+  file.seeds = archive.seeds;
+  const PassingFolder passing;
+  runtime::Store store(passing.path());
+  const runtime::SweepPlan plan = plan_sweep(file, archive.overrides, registry, store.file_hashes());
+  const std::vector<size_t> chosen = spread_over(plan, archive, static_cast<size_t>(options.cells));
+  if (chosen.empty()) throw std::runtime_error(folder + " has no result of a cell that this program would run");
+  if (archive.commit != build_commit())
+    std::printf("archived by commit %s, made again by %s\n", archive.commit.c_str(), build_commit().c_str());
+  runtime::SweepRunOptions run;
+  run.workers = options.workers;
+  run.limit = options.limit;
+  const auto progress = run_cells(plan, chosen, registry, store, run, [](const runtime::SweepProgress&) {});
+  if (progress.cancelled) return 130;
+  const runtime::CellRecords records(store);
+  size_t different = 0;
+  for (const size_t index : chosen) {
+    const runtime::SweepCell& cell = plan.cells[index];
+    const auto record = records.find(cell.key);
+    const std::string difference = record
+                                       ? runtime::difference_of(archive.results.at(cell.label()),
+                                                                runtime::CellRecords::result_text(*record), tolerance)
+                                       : "it gave no result";
+    if (difference.empty()) continue;
+    ++different;
+    std::printf("differs: %s: %s\n", cell.label().c_str(), difference.c_str());
+  }
+  std::printf("%s: %zu of %zu archived cells made again, %zu agree to %g, %zu differ\n", folder.c_str(), chosen.size(),
+              archive.results.size(), chosen.size() - different, tolerance, different);
+  return different == 0 ? 0 : 1;
+}
+
+}  // namespace plumbline::cli
