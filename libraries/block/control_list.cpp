@@ -1,13 +1,13 @@
 #include "block/control_list.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <map>
 #include <set>
 #include <stdexcept>
 
 #include "block/block_text.hpp"
 #include "block/control_words.hpp"
+#include "control/control_files.hpp"
 #include "text/text.hpp"
 
 namespace plumbline::adjust {
@@ -45,97 +45,27 @@ void drop_strangers(ReadBlock& read, const std::vector<std::string>& labels) {
   read.contradictions.push_back(read.left_out.back());
 }
 
-/// One point of the list.
-struct Row {
-  std::size_t line = 0;  ///< from 0
-  std::string text;      ///< without its comment
-  std::vector<std::string> words;
-};
-
-bool is_number(const std::string& word) { return formats::parse_number(word, '.').has_value(); }
-
-/// Commas within numbers ("12,5") as points: where semicolons or blanks separate four words or more, and all commas
-/// stand between two digits.
-std::string with_decimal_points(std::string text) {
-  if (words_of(text, false).size() < 4) return text;
-  for (std::size_t at = text.find(','); at != std::string::npos; at = text.find(',', at + 1))
-    if (at == 0 || at + 1 == text.size() || std::isdigit(static_cast<unsigned char>(text[at - 1])) == 0 ||
-        std::isdigit(static_cast<unsigned char>(text[at + 1])) == 0)
-      return text;
-  std::replace(text.begin(), text.end(), ',', '.');
-  return text;
+control::ControlTable read_list(const std::filesystem::path& file, ReadBlock& read) {
+  std::string bytes;
+  for (const std::string& line : lines_of(file)) bytes += line + "\n";
+  control::ControlOptions options;
+  options.has_second_names = true;
+  control::ControlTable list = control::parse_control(bytes, file.string(), options);
+  control::require_whole(list, file.string(), "a block");
+  if (!list.axes.empty()) read.notes.push_back(file.string() + ": " + list.axes);
+  for (const std::string& note : list.notes) read.notes.push_back(file.string() + ": " + note);
+  for (const std::string& warning : list.warnings) read.warnings.push_back(file.string() + ": " + warning);
+  return list;
 }
 
-/// A line of names of columns; 0 if it is none, else how many stand before that of X.
-std::size_t columns_before_x(const std::string& line) {
-  static const std::set<std::string> x = {"x", "x[m]", "x(m)", "e", "east", "easting", "rechts", "rechtswert"};
-  const auto words = words_of(formats::to_lower(line), true);
-  for (std::size_t i = 0; i < words.size() && i <= 2; ++i)
-    if (x.count(words[i]) > 0) return words.size() >= i + 3 ? i : 0;
-  return 0;
-}
-
-struct Rows {
-  std::vector<Row> rows;
-  std::size_t labels = 0;  ///< columns before X as a heading says it; 0 if none does
-};
-
-/// Lines with their comments taken off. A heading is a comment, or the first line if no word of it is a number.
-Rows rows_of(const std::filesystem::path& file) {
-  Rows result;
-  const auto lines = lines_of(file);
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    const std::size_t comment = lines[i].find('#');
-    Row row{i, with_decimal_points(lines[i].substr(0, comment)), {}};
-    row.words = words_of(row.text, true);
-    if (result.rows.empty() && row.words.empty() && comment != std::string::npos)
-      result.labels = std::max(result.labels, columns_before_x(lines[i].substr(comment + 1)));
-    if (row.words.empty()) continue;
-    if (result.rows.empty() && std::none_of(row.words.begin(), row.words.end(), is_number) &&
-        columns_before_x(row.text) > 0)
-      result.labels = columns_before_x(row.text);
-    else
-      result.rows.push_back(std::move(row));
-  }
-  return result;
-}
-
-/// Five numbers are a number, coordinates and a standard deviation, or a number, a number as name and coordinates. A
-/// heading tells; else names are numbers without a point in all lines, where not all coordinates are. Throws if nothing
-/// tells.
-bool fives_are_named(const std::filesystem::path& file, const Rows& list) {
-  if (list.labels > 0) return list.labels == 2;
-  const Row* undecided = nullptr;
-  bool whole = true, fraction = false, only_last = true;
-  for (const Row& row : list.rows) {
-    if (row.words.size() != 5 || !std::all_of(row.words.begin() + 1, row.words.end(), is_number)) continue;
-    undecided = &row;
-    const auto has_point = [](const std::string& word) { return word.find('.') != std::string::npos; };
-    whole = whole && row.words[1].find_first_not_of("0123456789") == std::string::npos;
-    fraction = fraction || has_point(row.words[2]) || has_point(row.words[3]);
-    only_last = only_last && has_point(row.words[4]);
-  }
-  if (undecided == nullptr || !whole || fraction) return whole;
-  if (!only_last)
-    throw std::runtime_error(file.string() + ":" + std::to_string(undecided->line + 1) + ": found '" + undecided->text +
-                             "': is the second number a name or X? Say it in a comment at the head of the file, "
-                             "'# id, name, X, Y, Z' or '# id, X, Y, Z, sigma'");
-  return false;
-}
-
-/// How many words of a row stand before X; 0 if it cannot be read.
-std::size_t labels_of(const Row& row, bool named) {
-  const auto& words = row.words;
-  std::size_t numbers = 0;  // from the right
-  while (numbers < words.size() && is_number(words[words.size() - 1 - numbers])) ++numbers;
-  std::size_t labels = 0;
-  for (std::size_t l : {std::size_t{1}, std::size_t{2}}) {
-    if (words.size() < l + 3) continue;
-    const std::size_t rest = words.size() - l;
-    if ((rest != 3 && rest != 4 && rest != 6) || numbers < rest) continue;
-    if (labels == 0 || named || !is_number(words[1])) labels = l;
-  }
-  return labels;
+/// Zero for points without standard deviations: they are held.
+Eigen::Matrix3d covariance_of(const control::ControlPoint& p) {
+  if (!p.sigma.allFinite()) return Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d correlation = Eigen::Matrix3d::Identity();
+  correlation(0, 1) = correlation(1, 0) = p.correlation(0);
+  correlation(0, 2) = correlation(2, 0) = p.correlation(1);
+  correlation(1, 2) = correlation(2, 1) = p.correlation(2);
+  return p.sigma.asDiagonal() * correlation * p.sigma.asDiagonal();
 }
 
 }  // namespace
@@ -144,46 +74,34 @@ void add_control(const std::filesystem::path& file, const std::vector<std::strin
   PointBlock& block = read.block;
   std::map<std::string, int> index;
   for (size_t j = 0; j < block.points.size(); ++j) index.emplace(block.points[j].name, static_cast<int>(j));
-  std::vector<Eigen::Vector3d> positions, sigmas;
+  std::vector<Eigen::Vector3d> positions;
+  std::vector<Eigen::Matrix3d> covariances;
   std::vector<std::string> unseen, labels_used, checks = check;
   std::set<int> taken;
-  const Rows list = rows_of(file);
-  const bool named = fives_are_named(file, list);
-  const bool numbered =
-      std::any_of(list.rows.begin(), list.rows.end(), [&](const Row& row) { return index.count(row.words[0]) > 0; });
-  for (const Row& row : list.rows) {
-    const auto& words = row.words;
-    const auto fail = [&](const std::string& what) {
-      throw std::runtime_error(file.string() + ":" + std::to_string(row.line + 1) + ": " + what);
-    };
-    const std::size_t labels = labels_of(row, named);
-    if (labels == 0)
-      fail("found '" + row.text + "', expected id, name, X, Y, Z and perhaps three standard deviations [m]");
-    std::vector<double> numbers;
-    for (std::size_t i = labels; i < words.size(); ++i) numbers.push_back(*formats::parse_number(words[i], '.'));
-    auto point = index.find(words[0]);
+  const control::ControlTable list = read_list(file, read);
+  const bool numbered = std::any_of(list.points.begin(), list.points.end(),
+                                    [&](const control::ControlPoint& p) { return index.count(p.name) > 0; });
+  for (const control::ControlPoint& p : list.points) {
+    auto point = index.find(p.name);
     // A name that is a number, too, would be taken for another point's number.
-    const bool by_name = labels == 2 && (!numbered || !is_number(words[1]));
-    if (point == index.end() && by_name) point = index.find(words[1]);
-    const std::string shown = labels == 2 ? words[1] : words[0];
+    const bool by_name = !p.second_name.empty() && (!numbered || !formats::parse_number(p.second_name));
+    if (point == index.end() && by_name) point = index.find(p.second_name);
+    const std::string shown = p.second_name.empty() ? p.name : p.second_name;
     const auto is_check =
-        std::find_if(checks.begin(), checks.end(), [&](const std::string& c) { return c == words[0] || c == shown; });
-    const bool to_check = is_check != checks.end();
-    if (to_check) checks.erase(is_check);
+        std::find_if(checks.begin(), checks.end(), [&](const std::string& c) { return c == p.name || c == shown; });
+    const bool to_check = is_check != checks.end() || p.check;
+    if (is_check != checks.end()) checks.erase(is_check);
     if (point == index.end()) {
       unseen.push_back(shown);
       continue;
     }
-    if (!taken.insert(point->second).second) fail("point " + words[0] + " is listed a second time");
-    Eigen::Vector3d sigma = Eigen::Vector3d::Zero();
-    if (numbers.size() == 6) sigma = {numbers[3], numbers[4], numbers[5]};
-    if (numbers.size() == 4) sigma.setConstant(numbers[3]);
-    if (!(sigma.minCoeff() >= 0)) fail("a standard deviation is negative");
+    if (!taken.insert(point->second).second)
+      throw std::runtime_error(file.string() + ": point " + p.name + " is listed a second time");
     block.control.points.push_back(point->second);
-    labels_used.push_back(labels == 2 ? words[0] + " (" + words[1] + ")" : words[0]);
+    labels_used.push_back(p.second_name.empty() ? p.name : p.name + " (" + p.second_name + ")");
     block.control.is_check.push_back(to_check);
-    positions.push_back({numbers[0], numbers[1], numbers[2]});
-    sigmas.push_back(sigma);
+    positions.push_back(p.position);
+    covariances.push_back(covariance_of(p));
   }
   if (positions.empty())
     throw std::runtime_error(file.string() + ": none of its points (" + few_of(unseen) +
@@ -204,7 +122,8 @@ void add_control(const std::filesystem::path& file, const std::vector<std::strin
   block.control.covariance = Eigen::MatrixXd::Zero(size, size);
   for (size_t k = 0; k < positions.size(); ++k) {
     block.control.position.segment<3>(3 * static_cast<Eigen::Index>(k)) = positions[k];
-    block.control.covariance.diagonal().segment<3>(3 * static_cast<Eigen::Index>(k)) = sigmas[k].cwiseAbs2();
+    block.control.covariance.block<3, 3>(3 * static_cast<Eigen::Index>(k), 3 * static_cast<Eigen::Index>(k)) =
+        covariances[k];
   }
   drop_strangers(read, labels_used);
 }

@@ -1,6 +1,6 @@
-// Lists of control points beside a block: a point a line, separated by commas or blanks: id, name, X, Y, Z and perhaps
-// three standard deviations [m], or id, X, Y, Z …; '#' begins a comment. Points without standard deviations (or with
-// zeros) are held. A heading ("# id, name, X, Y, Z", also without '#') tells where X stands when names are numbers.
+// Lists of control points beside a block, in the dialect of all tables of control (control/control_table.hpp). Points
+// without standard deviations (or with zeros) are held. A heading ("# id, name, X, Y, Z", also without '#') tells where
+// X stands when names are numbers.
 #pragma once
 
 #include <filesystem>

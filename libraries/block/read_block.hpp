@@ -13,6 +13,7 @@ struct ReadBlock {
   int measurements_read = 0;
   std::vector<std::string> left_out;             ///< what the block does not contain, with the reason
   std::vector<std::string> contradictions = {};  ///< of what is left out, that which somebody has to mend
+  std::vector<std::string> notes = {}, warnings = {};  ///< how a list of control was read, what was assumed of it
 };
 
 /// Leaves out what cannot be adjusted, until nothing changes: points with a single ray and no known coordinates, and

@@ -26,7 +26,11 @@ bool is_photograph_name(const std::filesystem::path& path);
 /// their owner expects them to take part; empty if there are none.
 std::string unread_photographs(std::vector<std::string> names);
 
-/// Throws std::runtime_error with the reason (without the path) if the file is no readable image.
-PhotographHeader read_photograph_header(const std::filesystem::path& path);
+/// How far a file is read: to its pixels, or through them to its end, so that a truncated one is found.
+enum class ReadTo { pixels, end_of_file };
+
+/// Size and EXIF of a JPEG, PNG or TIFF; may be called from several threads at once. Throws std::runtime_error with the
+/// reason (without the path) if the file is no readable image.
+PhotographHeader read_photograph_header(const std::filesystem::path& path, ReadTo end = ReadTo::pixels);
 
 }  // namespace plumbline

@@ -6,10 +6,13 @@
 #include <vector>
 
 #include "adjustment/reliability.hpp"
+#include "control/control_point.hpp"
 #include "markers/colmap_files.hpp"
-#include "markers/control_files.hpp"
 
 namespace plumbline::markers {
+
+using control::ControlPoint;
+using control::ImagePoint;
 
 struct ControlOptions {
   double control_sigma = 0.005;  ///< of a surveyed coordinate whose file says none [m]

@@ -3,9 +3,10 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 #include <utility>
+
+#include "control/point_columns.hpp"
 
 namespace plumbline::survey {
 namespace {
@@ -20,30 +21,32 @@ bool is_angle_unit(std::string_view unit) {
 
 bool is_angle_column(std::string_view name) { return name == "direction" || name == "zenith" || name == "azimuth"; }
 
-/// Names that only a German table gives its columns.
-bool is_german(const std::string& written) {
-  for (const char* start : {"punkt", "pkt", "pnr", "hoehe", "h\xC3\xB6he", "bemerkung", "hochwert", "rechtswert"})
-    if (written.starts_with(start)) return true;
-  return false;
-}
-
-/// Whether national coordinates [m] such as these are northing and easting: a distance from the equator beside an
-/// offset from a meridian (UTM, Lambert, Gauss-Krueger without zone), Gauss-Krueger or UTM with the number of the zone
-/// in front of the easting, the Swiss LV95.
-bool is_northing_beside(double north, double east) {
-  const auto in = [](double value, double from, double to) { return value >= from && value <= to; };
-  if (in(north, 3.5e6, 9.9e6) && std::abs(east) < 1.3e6) return true;
-  if (in(north, 3.5e6, 9.9e6) && in(east, 1.1e7, 6.1e7)) return true;
-  const double in_zone = std::fmod(east, 1e6);
-  if (in(north, 5.2e6, 6.2e6) && in(east, 1e6, 5e6) && in(in_zone, 3.0e5, 7.0e5)) return true;
-  return in(north, 1.07e6, 1.3e6) && in(east, 2.48e6, 2.84e6);
-}
-
 bool is_length_column(std::string_view name) {
   for (const char* known : {"e", "n", "h", "x", "y", "slope_distance", "horizontal_distance", "height_difference",
                             "instrument_height", "target_height", "second_target_height", "levelling_length"})
     if (name == known) return true;
   return name.starts_with("sigma_");
+}
+
+/// What a table of points holds and a table of sightings or records does not share: there sd is a slope distance, and
+/// sigma that of a reading.
+bool is_table_of_points(const std::vector<formats::CsvHeaderCell>& header) {
+  return std::none_of(header.begin(), header.end(), [](const auto& cell) {
+    for (const char* other : {"target", "station", "set_up", "record", "kind", "direction", "zenith"})
+      if (cell.name == other) return true;
+    return false;
+  });
+}
+
+/// What a header cell is by the names of control, and its unit; empty for other columns.
+std::pair<std::string, std::string> control_column(const formats::CsvHeaderCell& cell) {
+  const auto& names = control::point_column_names();
+  if (const auto known = names.find(cell.written); known != names.end()) return {known->second, cell.unit};
+  const std::size_t bar = cell.written.rfind('_');
+  if (bar == std::string::npos || std::isnan(control::metres_in(cell.written.substr(bar + 1)))) return {};
+  const auto known = names.find(cell.written.substr(0, bar));
+  return known == names.end() ? std::pair<std::string, std::string>()
+                              : std::pair{known->second, cell.written.substr(bar + 1)};
 }
 
 }  // namespace
@@ -123,7 +126,15 @@ SurveyColumns::SurveyColumns(const formats::CsvTable& table, const SurveyCsvOpti
 // round. Coordinates in the frame of a set-up have their own definition.
 void SurveyColumns::take_axes() {
   const bool own_frame = has("set_up") || has("station");
-  const Axes axes = own_frame ? Axes{false, ""} : axes_of_xy();
+  const auto typical = [&](const char* column) {
+    const auto at = columns_.find(column);
+    return at == columns_.end() ? 0.0 : control::typical_value(table_, at->second.index, in_si(1.0, at->second.unit));
+  };
+  const control::PlanAxes axes =
+      own_frame ? control::PlanAxes{}
+                : control::axes_of_xy(table_.header, columns_.at("y").index < columns_.at("x").index, typical("x"),
+                                      typical("y"), typical("h"));
+  if (!axes.refusal.empty()) refuse_axes(axes.refusal);
   if (!own_frame)
     builder_.warn(std::string("columns X and Y are taken as ") +
                   (axes.y_is_east ? "Y = east and X = north" : "X = east and Y = north") + " (" + axes.reason +
@@ -146,54 +157,14 @@ bool SurveyColumns::named_after_xy(const std::string& column) const {
   const std::size_t index = columns_.at(column).index;
   if (index >= table_.header.size()) return false;
   const std::string& written = table_.header[index].written;
-  return written == "sigma_x" || written == "sigma_y" ||
+  const std::string named = control_column(table_.header[index]).first;
+  return named == "sigma_x" || named == "sigma_y" ||
          (written.starts_with("cov_") && written.find_first_of("xy") != std::string::npos);
-}
-
-SurveyColumns::Axes SurveyColumns::axes_of_xy() const {
-  const auto& header = table_.header;
-  const bool german = std::any_of(header.begin(), header.end(), [](const auto& c) { return is_german(c.written); });
-  const auto is_z = [](const auto& c) { return c.written == "z"; };
-  const bool with_z = std::any_of(header.begin(), header.end(), is_z);
-  const bool y_first = columns_.at("y").index < columns_.at("x").index;
-  const double x = typical("x"), y = typical("y");
-  const bool x_north = is_northing_beside(x, y), y_north = is_northing_beside(y, x);
-  char values[96];
-  std::snprintf(values, sizeof values, "values near X = %.0f m, Y = %.0f m", x, y);
-  const std::string named = german ? "the other columns have German names" : "";
-  const bool says_y_east = german && (y_first || !with_z);
-  const std::string order = y_first ? "Y stands in front of X" : "X stands in front of Y";
-  if (x_north) {
-    if (!german && !y_first)
-      refuse_axes(std::string(values) + ", as X has them where it is the northing, beside English names and " + order);
-    return {true, values};
-  }
-  if (y_north) {
-    if (says_y_east) refuse_axes(std::string(values) + ", as Y has them where it is the northing, though " + named);
-    return {false, values};
-  }
-  if (says_y_east) return {true, named};
-  if (german) refuse_axes("X, Y and Z among German names, where X may be the north or the east");
-  if (y_first) refuse_axes("Y in front of X, so that either may be the east");
-  return {false, "nothing speaks against it"};
 }
 
 void SurveyColumns::refuse_axes(const std::string& found) const {
   throw SurveyReadError(builder_.at(table_.header_line, 1), found,
                         "columns that say which is which: E and N, or Rechtswert and Hochwert");
-}
-
-// The median of the column [m], NaN without a number.
-double SurveyColumns::typical(const std::string& column) const {
-  const Column& at = columns_.at(column);
-  std::vector<double> values;
-  for (const formats::CsvRow& row : table_.rows)
-    if (at.index < row.cells.size())
-      if (const auto value = table_.number(row.cells[at.index])) values.push_back(in_si(*value, at.unit));
-  if (values.empty()) return kNotGiven;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 void SurveyColumns::place(const std::string& name, std::size_t index, const std::string& unit) {
@@ -209,7 +180,7 @@ void SurveyColumns::place(const std::string& name, std::size_t index, const std:
     return;
   }
   const bool angle = is_angle_column(name);
-  if (!angle && !is_length_column(name)) {
+  if (!angle && !is_length_column(name) && !(name == "sigma" && of_points_)) {
     columns_[name] = {index, ""};
     return;
   }
@@ -247,12 +218,22 @@ void SurveyColumns::take_header() {
   constexpr int kNamed = 6;
   std::string ignored;
   int count = 0;
+  of_points_ = is_table_of_points(table_.header);
   for (std::size_t i = 0; i < table_.header.size(); ++i) {
     const formats::CsvHeaderCell& cell = table_.header[i];
     if (cell.name.empty()) continue;
+    if (const auto [column, unit] = control_column(cell); of_points_ && column.starts_with("sigma")) {
+      // As if X were the east; take_axes() exchanges them where it is not.
+      place(column == "sigma_x" ? "sigma_e" : column == "sigma_y" ? "sigma_n" : column, i, unit);
+      continue;
+    }
     const auto is_it = [&](const auto& entry) { return entry.second == cell.name; };
     if (std::any_of(names.begin(), names.end(), is_it))
       place(cell.name, i, cell.unit);
+    else if (of_points_ && control::looks_like_an_accuracy(cell.written))
+      throw SurveyReadError(builder_.at(table_.header_line, 1),
+                            "the column " + formats::quoted(cell.written) + ", which looks like an accuracy",
+                            "sigma, or sigma_e, sigma_n and sigma_h: dropped, another accuracy would be assumed");
     else if (++count <= kNamed)
       ignored += (ignored.empty() ? "" : ", ") + formats::quoted(cell.name);
   }
@@ -325,7 +306,13 @@ double SurveyColumns::measured(const std::string& column, bool is_angle) {
 double SurveyColumns::length(const std::string& column) { return measured(column, false); }
 double SurveyColumns::angle(const std::string& column) { return measured(column, true); }
 
-Eigen::Vector3d SurveyColumns::coordinates() { return {length("e"), length("n"), length("h")}; }
+Eigen::Vector3d SurveyColumns::coordinates() {
+  for (const char* column : {"e", "n", "h"})
+    if (control::is_shortened(text(column)))
+      fail(column,
+           "all digits: a spreadsheet has shortened this number; give its column a number format with decimals");
+  return {length("e"), length("n"), length("h")};
+}
 
 Eigen::Matrix3d SurveyColumns::covariance() {
   Eigen::Matrix3d matrix = Eigen::Matrix3d::Constant(kNotGiven);
@@ -334,7 +321,8 @@ Eigen::Matrix3d SurveyColumns::covariance() {
     return !text(a).empty() || !text(b).empty() || !text(c).empty();
   };
   const bool full = any_of("cov_ee", "cov_nn", "cov_hh");
-  if (!full && !any_of("sigma_e", "sigma_n", "sigma_h")) return matrix;
+  const bool common = of_points_ && (!text("sigma").empty() || !text("sigma_plan").empty());
+  if (!full && !common && !any_of("sigma_e", "sigma_n", "sigma_h")) return matrix;
   for (int i = 0; i < 3; ++i) {
     for (int j = i; j < 3; ++j) {
       if (full) {
@@ -345,7 +333,8 @@ Eigen::Matrix3d SurveyColumns::covariance() {
       } else if (i != j) {
         matrix(i, j) = matrix(j, i) = 0.0;
       } else {
-        const std::string column = std::string("sigma_") + axes[i];
+        std::string column = std::string("sigma_") + axes[i];
+        if (common && text(column).empty()) column = i < 2 && !text("sigma_plan").empty() ? "sigma_plan" : "sigma";
         const double sigma = length(column);
         if (sigma <= 0) fail(column, "standard deviations above zero");
         matrix(i, i) = sigma * sigma;

@@ -54,16 +54,9 @@ class SurveyColumns {
   const formats::CsvCell* cell(const std::string& column) const;
   void take_order(const std::string& order);
   void take_header();
-  /// Which of X and Y is east, and why.
-  struct Axes {
-    bool y_is_east;
-    std::string reason;
-  };
   void take_axes();
-  Axes axes_of_xy() const;
   bool named_after_xy(const std::string& column) const;
   [[noreturn]] void refuse_axes(const std::string& found) const;
-  double typical(const std::string& column) const;
   void place(const std::string& name, std::size_t index, const std::string& unit);
   double measured(const std::string& column, bool is_angle);
 
@@ -73,6 +66,7 @@ class SurveyColumns {
   std::map<std::string, Column> columns_;
   const formats::CsvRow* row_ = nullptr;
   bool failed_ = false;
+  bool of_points_ = false;  ///< a table of points, whose columns of accuracies are those of control
 };
 
 }  // namespace plumbline::survey

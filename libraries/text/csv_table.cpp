@@ -202,6 +202,9 @@ CsvTable read_csv(std::string_view bytes, const std::map<std::string, std::strin
     const bool comment = is_comment(text);
     if (comment && first) text.remove_prefix(std::min(text.find_first_not_of("#%/ \t"), text.size()));
     CsvRow row = {line.number, cells_of(text, table.delimiter)};
+    // A spreadsheet writes rows of delimiters where nothing stands.
+    if (std::all_of(row.cells.begin(), row.cells.end(), [](const CsvCell& cell) { return cell.text.empty(); }))
+      continue;
     if (first && table.header.empty()) {
       table.header = header_of(row.cells, table, known_names);
       if (!table.header.empty()) {

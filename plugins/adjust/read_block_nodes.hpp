@@ -24,6 +24,8 @@ inline void tell_left_out(const ReadBlock& read, Context& context) {
       context.info("left out: " + what);
     else
       context.warn("left out: " + what);
+  for (const auto& note : read.notes) context.info(note);
+  for (const auto& warning : read.warnings) context.warn(warning);
 }
 
 struct ReadAicon : Node {

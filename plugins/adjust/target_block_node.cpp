@@ -8,7 +8,7 @@
 
 #include "artifacts/camera_artifact.hpp"
 #include "markers/camera_groups.hpp"
-#include "markers/control_files.hpp"
+#include "control/image_points.hpp"
 #include "target_block_artifacts.hpp"
 
 namespace plumbline::adjust {
@@ -95,7 +95,7 @@ void BlockOfTargets::run(Context& context) {
   }
   const FileT file = table.unpack();
   std::set<std::string> unknown_images, unknown_points;
-  for (const auto& m : markers::parse_image_points({file.content.begin(), file.content.end()}, file.name, false)) {
+  for (const auto& m : control::parse_image_points({file.content.begin(), file.content.end()}, file.name, false)) {
     ++read.measurements_read;
     const auto image = image_index.find(m.image), point = point_index.find(m.point);
     if (image == image_index.end()) unknown_images.insert(m.image);

@@ -11,6 +11,14 @@ namespace plumbline::campaign {
 
 namespace fs = std::filesystem;
 
+PhotographHeader header_of(const fs::path& path) {
+  try {
+    return read_photograph_header(path, ReadTo::end_of_file);
+  } catch (const std::runtime_error& error) {
+    throw CampaignError(path, 0, error.what());
+  }
+}
+
 std::string read_text(const fs::path& path) {
   std::ifstream stream(path, std::ios::binary);
   std::string text{std::istreambuf_iterator<char>(stream), {}};
@@ -56,21 +64,31 @@ PlatesT to_artifact(const std::vector<PlateEntry>& entries) {
   return plates;
 }
 
+Eigen::Matrix3d covariance_of(const ControlPoint& point) {
+  Eigen::Matrix3d correlation = Eigen::Matrix3d::Identity();
+  const int pairs[3][2] = {{0, 1}, {0, 2}, {1, 2}};
+  for (int k = 0; k < 3; ++k)
+    correlation(pairs[k][0], pairs[k][1]) = correlation(pairs[k][1], pairs[k][0]) = point.correlation(k);
+  // A coordinate that is not known has no variance; nobody reads that of one that is nan.
+  const Eigen::Vector3d sigma = point.sigma.array().isNaN().select(Eigen::Vector3d::Zero(), point.sigma);
+  return sigma.asDiagonal() * correlation * sigma.asDiagonal();
+}
+
 PointsT to_artifact(const std::vector<ControlPoint>& entries) {
   PointsT points;
-  Eigen::VectorXd variances(static_cast<Eigen::Index>(3 * entries.size()));
+  const auto n = static_cast<Eigen::Index>(3 * entries.size());
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(n, n);
   for (std::size_t i = 0; i < entries.size(); ++i) {
     auto point = std::make_unique<PointT>();
-    point->id = entries[i].id;
+    point->id = entries[i].name;
     point->position = entries[i].position;
     point->sigma = entries[i].sigma;
     point->role = "control";
     points.points.push_back(std::move(point));
-    variances.segment<3>(static_cast<Eigen::Index>(3 * i)) = entries[i].sigma.array().square();
+    covariance.block<3, 3>(static_cast<Eigen::Index>(3 * i), static_cast<Eigen::Index>(3 * i)) =
+        covariance_of(entries[i]);
   }
-  for (Eigen::Index i = 0; i < variances.size(); ++i) {
-    for (Eigen::Index j = 0; j <= i; ++j) points.covariance.push_back(i == j ? variances[i] : 0.0);
-  }
+  points.covariance = pack_symmetric(covariance);
   return points;
 }
 
@@ -112,7 +130,7 @@ SurveyObservationsT read_surveys(const CampaignDescription& description, const f
     for (const std::string& warning : parts.back().warnings) context.warn(path + ": " + warning);
   }
   survey::MergeOptions options;
-  for (const ControlPoint& point : known.points) options.known.push_back(point.id);
+  for (const ControlPoint& point : known.points) options.known.push_back(point.name);
   survey::MergedSurvey merged = survey::merge_surveys(parts, options);
   auto& all = merged.survey;
   all.warnings.insert(all.warnings.end(), known.warnings.begin(), known.warnings.end());

@@ -9,9 +9,14 @@
 #include "artifacts/points.hpp"
 #include "artifacts/survey_artifact.hpp"
 #include "campaign_folder.hpp"
+#include "images/photograph_header.hpp"
 #include "plumbline/node.hpp"
 
 namespace plumbline::campaign {
+
+/// Size and EXIF of a photograph, whose file is read to its end mark: a truncated one is found before anyone decodes
+/// it. Throws CampaignError.
+PhotographHeader header_of(const std::filesystem::path& path);
 
 /// The file's bytes. Throws CampaignError.
 std::string read_text(const std::filesystem::path& path);
@@ -19,6 +24,9 @@ std::string read_text(const std::filesystem::path& path);
 CameraT to_artifact(const CameraCalibration& calibration, const std::string& source);
 PlatesT to_artifact(const std::vector<PlateEntry>& entries);
 PointsT to_artifact(const std::vector<ControlPoint>& entries);
+
+/// Of E, N and H [m²]; zero in the rows of what is not known.
+Eigen::Matrix3d covariance_of(const ControlPoint& point);
 
 /// campaign.yaml of a listed folder that lies at `root`. Throws CampaignError.
 CampaignDescription describe(const FolderT& given, const std::filesystem::path& root, CampaignUse use);

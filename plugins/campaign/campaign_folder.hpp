@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "control/control_point.hpp"
 #include "geometry/camera.hpp"
 
 namespace plumbline::campaign {
@@ -102,13 +103,10 @@ std::vector<PlateEntry> parse_plates(const std::string& csv, const std::filesyst
 /// Rotation of an upright plate whose normal is horizontal: frame_from_plate for a frame of E, N, H.
 Eigen::Quaterniond upright_plate(double facing_azimuth);
 
-struct ControlPoint {
-  std::string id;
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< E, N, H [m]
-  Eigen::Vector3d sigma = Eigen::Vector3d::Zero();     ///< [m]
-};
-/// A control.csv, in any dialect of read.survey_csv: names of columns also in German, no header for the order PENZD.
-/// Without standard deviations 1 mm is assumed, which `warnings` says. Throws CampaignError.
+using control::ControlPoint;
+/// A control.csv, in the dialect of all tables of control (control/control_table.hpp); nan where a point has no height
+/// or no place in the plan. Without standard deviations 1 mm is assumed, which `warnings` says, as all that was assumed
+/// or is not used. Throws CampaignError.
 std::vector<ControlPoint> parse_control(const std::string& csv, const std::filesystem::path& shown,
                                         std::vector<std::string>* warnings = nullptr);
 

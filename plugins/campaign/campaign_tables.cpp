@@ -7,8 +7,7 @@
 #include <tuple>
 
 #include "campaign_folder.hpp"
-#include "survey_files/survey_builder.hpp"
-#include "survey_files/survey_csv_columns.hpp"
+#include "control/control_files.hpp"
 #include "text/csv_table.hpp"
 
 namespace plumbline::campaign {
@@ -160,62 +159,6 @@ class Table {
 
 constexpr double kAssumedSigma = 1e-3;  // [m], of control without standard deviations; said in a warning
 
-/// Which points are withheld is said of anchors, not here: a 'check' that nobody heeds would be taken for evidence.
-void refuse_roles(const CsvTable& table, const std::filesystem::path& shown) {
-  for (size_t k = 0; k < table.header.size(); ++k) {
-    if (table.header[k].written != "role") continue;
-    for (const CsvRow& row : table.rows)
-      if (k < row.cells.size() && formats::to_lower(row.cells[k].text) == "check")
-        throw CampaignError(shown, row.line,
-                            "column 'role' holds 'check', which a table of control does not heed: points are withheld "
-                            "by their row in plates.csv (anchor,role,tag_family,tag_id)");
-  }
-}
-
-/// The columns, orders and units of read.survey_csv: one dialect for every table of points.
-std::vector<ControlPoint> read_control_rows(const std::string& csv, const std::filesystem::path& shown,
-                                            std::vector<std::string>* warnings) {
-  const CsvTable table = formats::read_csv(csv, survey::survey_column_names());
-  survey::SurveyBuilder builder(shown.string(), "csv");
-  survey::SurveyColumns columns(table, {}, builder);
-  if (!columns.has("id") || !columns.has("e") || !columns.has("n") || !columns.has("h"))
-    throw CampaignError(shown, table.header_line,
-                        "found no columns id, E, N and H (or the names that read.survey_csv knows for them)");
-  refuse_doubtful(table, shown);
-  refuse_roles(table, shown);
-  if (table.rows.empty()) throw CampaignError(shown, table.header_line, "found no row with a point");
-  bool with_sigmas = false;
-  for (const char* column : {"sigma_e", "sigma_n", "sigma_h", "cov_ee", "cov_nn", "cov_hh"})
-    with_sigmas = with_sigmas || columns.has(column);
-  if (!with_sigmas)
-    builder.warn(
-        "no standard deviations: 1 mm in E, N and H is assumed; say better with sigma_e_mm, sigma_n_mm, "
-        "sigma_h_mm");
-  std::vector<ControlPoint> points;
-  std::set<std::string> ids;
-  for (const CsvRow& row : table.rows) {
-    columns.select(row);
-    ControlPoint p;
-    p.id = columns.text("id");
-    p.position = columns.coordinates();
-    p.sigma = with_sigmas ? columns.covariance().diagonal().cwiseSqrt().eval()
-                          : Eigen::Vector3d::Constant(kAssumedSigma).eval();
-    if (columns.failed()) {
-      const survey::SkippedLine& found = builder.survey.skipped.front();
-      throw CampaignError(shown, row.line, "found " + found.found + ", expected " + found.expected);
-    }
-    if (p.id.empty()) throw CampaignError(shown, row.line, "a point without a name");
-    if (p.position.array().isNaN().any()) throw CampaignError(shown, row.line, "'" + p.id + "' lacks E, N or H");
-    if (!(p.sigma.minCoeff() > 0))
-      throw CampaignError(shown, row.line, "'" + p.id + "' lacks a standard deviation above zero for E, N or H");
-    if (!ids.insert(p.id).second)
-      throw CampaignError(shown, row.line, "control point '" + p.id + "' stands here a second time");
-    points.push_back(std::move(p));
-  }
-  if (warnings) *warnings = builder.survey.warnings;
-  return points;
-}
-
 }  // namespace
 
 std::vector<PlateEntry> parse_plates(const std::string& csv, const std::filesystem::path& shown, CampaignUse use) {
@@ -279,11 +222,33 @@ std::vector<PlateEntry> parse_plates(const std::string& csv, const std::filesyst
 
 std::vector<ControlPoint> parse_control(const std::string& csv, const std::filesystem::path& shown,
                                         std::vector<std::string>* warnings) {
+  control::ControlTable table;
   try {
-    return read_control_rows(csv, shown, warnings);
-  } catch (const survey::SurveyReadError& error) {
-    throw CampaignError(shown, error.source.line, "found " + error.found + ", expected " + error.expected);
+    table = control::parse_control(csv, shown.string());
+  } catch (const std::runtime_error& error) {
+    throw CampaignError(error.what());
   }
+  if (!table.has_sigmas)
+    table.warnings.push_back(
+        "no standard deviations: 1 mm in E, N and H is assumed; say better with sigma_e_mm, sigma_n_mm, sigma_h_mm");
+  for (ControlPoint& p : table.points) {
+    // Which points are withheld is said of anchors, not here: a 'check' that nobody heeds would be taken for evidence.
+    if (p.check)
+      throw CampaignError(shown, 0,
+                          "'" + p.name +
+                              "' has the role 'check', which a table of control does not heed: points are withheld by "
+                              "their row in plates.csv (anchor,role,tag_family,tag_id)");
+    if (!table.has_sigmas) p.sigma.setConstant(kAssumedSigma);
+    for (int k = 0; k < 3; ++k)
+      if (!std::isnan(p.position(k)) && !(p.sigma(k) > 0))
+        throw CampaignError(shown, 0, "'" + p.name + "' lacks a standard deviation above zero for E, N or H");
+  }
+  if (warnings) {
+    *warnings = table.warnings;
+    if (!table.axes.empty()) warnings->push_back(table.axes);
+    warnings->insert(warnings->end(), table.notes.begin(), table.notes.end());
+  }
+  return table.points;
 }
 
 std::vector<TrueAnchor> parse_true_anchors(const std::string& csv, const std::filesystem::path& shown) {

@@ -1,12 +1,11 @@
-// read.campaign: the folder of a site as artifacts. The work is in campaign_folder.hpp, campaign_artifacts.hpp and
-// image_header.hpp.
+// read.campaign: the folder of a site as artifacts. The work is in campaign_folder.hpp and campaign_artifacts.hpp.
 #include <map>
 
 #include "artifacts/file_artifact.hpp"
 #include "artifacts/image.hpp"
 #include "artifacts/image_tags.hpp"
 #include "campaign_cameras.hpp"
-#include "image_header.hpp"
+#include "images/photograph_header.hpp"
 #include "photo_campaign_node.hpp"
 
 namespace {
@@ -91,7 +90,7 @@ struct ReadCampaign : Node {
   }
 
   void commit_image(const FolderEntryT& entry, const fs::path& root, const campaign::CameraCalibration& calibration) {
-    const campaign::ImageHeader header = campaign::read_image_header(root / entry.path);
+    const PhotographHeader header = campaign::header_of(root / entry.path);
     if (header.width != calibration.camera.width || header.height != calibration.camera.height) {
       throw campaign::CampaignError(root / entry.path, 0,
                                     "the image has " + std::to_string(header.width) + " x " +
@@ -109,7 +108,7 @@ struct ReadCampaign : Node {
     image.width = header.width;
     image.height = header.height;
     image.camera = calibration.id;
-    image.model = header.make + (header.make.empty() || header.model.empty() ? "" : " ") + header.model;
+    image.model = header.model;
     image.focal_length = header.focal_length;
     image.taken_at = header.taken_at;
     images.commit(image);

@@ -60,18 +60,24 @@ ImageT image_of(const FolderEntryT& entry, const fs::path& root) {
 SurveyObservationsT as_measured(const std::vector<ControlPoint>& points, const CampaignDescription& description) {
   survey::SurveyObservations all;
   survey::CoordinateGroup group;
-  group.values.resize(static_cast<Eigen::Index>(3 * points.size()));
-  group.covariance = Eigen::MatrixXd::Zero(group.values.size(), group.values.size());
+  const auto n = static_cast<Eigen::Index>(3 * points.size());
+  Eigen::VectorXd values(n);
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(n, n);
+  std::vector<Eigen::Index> known;
   for (std::size_t i = 0; i < points.size(); ++i) {
     survey::Point point;
-    point.id = points[i].id, point.coordinates = points[i].position;
+    point.id = points[i].name, point.coordinates = points[i].position;
     all.points.push_back(point);
+    const auto first = static_cast<Eigen::Index>(3 * i);
+    values.segment<3>(first) = points[i].position;
+    covariance.block<3, 3>(first, first) = covariance_of(points[i]);
     for (int axis = 0; axis < 3; ++axis) {
-      const Eigen::Index k = static_cast<Eigen::Index>(3 * i) + axis;
-      group.components.push_back({points[i].id, axis});
-      group.values(k) = points[i].position(axis), group.covariance(k, k) = std::pow(points[i].sigma(axis), 2);
+      if (std::isnan(points[i].position(axis))) continue;
+      group.components.push_back({points[i].name, axis});
+      known.push_back(first + axis);
     }
   }
+  group.values = values(known), group.covariance = covariance(known, known);
   all.coordinates.push_back(group);
   all.files = {description.control};
   all.info.format = "csv", all.info.title = description.name, all.info.date = description.date;

@@ -10,7 +10,7 @@
 #include "detect/target_fit.hpp"
 #include "images/grey_image.hpp"
 #include "markers/camera_groups.hpp"
-#include "markers/control_files.hpp"
+#include "control/image_points.hpp"
 #include "text/csv_table.hpp"
 
 namespace plumbline::detect {
@@ -49,7 +49,7 @@ Places from_file(Context& context, const FileT& file, const Names& names, bool c
   Places places;
   std::map<std::string, size_t> unknown;
   const std::string text(file.content.begin(), file.content.end());
-  for (const auto& p : markers::parse_image_points(text, file.name, corner_origin)) {
+  for (const auto& p : control::parse_image_points(text, file.name, corner_origin)) {
     const auto path = names.find(p.image);
     if (path)
       places[*path].push_back({p.point, p.pixel});

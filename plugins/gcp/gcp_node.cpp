@@ -4,18 +4,18 @@
 #include <cstdio>
 #include <fstream>
 #include <iterator>
-#include <set>
 #include <vector>
 
-#include "block/openmvs_gcp.hpp"
-#include "markers/control_files.hpp"
+#include "control/control_files.hpp"
+#include "control/image_points.hpp"
+#include "control/openmvs_gcp.hpp"
 #include "text/csv_table.hpp"
 
 namespace plumbline::gcp {
 namespace {
 
-using markers::ControlPoint;
-using markers::ImagePoint;
+using control::ControlPoint;
+using control::ImagePoint;
 
 struct Content {
   std::vector<ControlPoint> points;
@@ -25,17 +25,15 @@ struct Content {
 
 Content parse(const std::string& text, const std::string& file) {
   Content gcp;
-  if (adjust::looks_like_openmvs_gcp(text)) {
-    std::set<std::string> seen;
-    for (const auto& row : adjust::parse_openmvs_gcp(text, file)) {
-      if (seen.insert(row.point).second) gcp.points.push_back({row.point, row.position, row.sigma, false});
+  if (control::looks_like_openmvs_gcp(text)) {
+    gcp.points = control::parse_control(text, file).points;
+    for (const auto& row : control::parse_openmvs_gcp(text, file))
       gcp.measured.push_back({row.image, row.point, row.pixel, 0});
-    }
     return gcp;
   }
   try {
-    gcp.points = markers::parse_control(text, file);
-    gcp.measured = markers::parse_image_points(text, file, false);
+    gcp.points = control::parse_control(text, file).points;
+    gcp.measured = control::parse_image_points(text, file, false);
     gcp.from_corner = true;
   } catch (const std::runtime_error& error) {
     throw std::runtime_error(std::string(error.what()) +

@@ -6,6 +6,8 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "control/control_files.hpp"
+#include "control/image_points.hpp"
 #include "exchange_nodes.hpp"
 #include "markers/control_block.hpp"
 #include "output.hpp"
@@ -188,9 +190,13 @@ void AdjustColmapControl::run(Context& context) {
     throw std::runtime_error("give either 'observations', a file, or connect 'measured'");
   const FileT table_of = measured ? measured.unpack() : FileT();
   const std::vector<ImagePoint> pixels =
-      measured ? parse_image_points({table_of.content.begin(), table_of.content.end()}, table_of.name, false)
-               : parse_image_points(text_of_file(observations->path), observations->path, *pixel_origin == "corner");
-  const std::vector<ControlPoint> surveyed = parse_control(text_of_file(control->path), control->path);
+      measured ? control::parse_image_points({table_of.content.begin(), table_of.content.end()}, table_of.name, false)
+               : control::parse_image_points(text_of_file(observations->path), observations->path,
+                                             *pixel_origin == "corner");
+  const control::ControlTable known = control::parse_control(text_of_file(control->path), control->path);
+  control::require_whole(known, control->path, "adjust.colmap_control");
+  tell(known, control->path, context);
+  const std::vector<ControlPoint>& surveyed = known.points;
   const ControlResult result = adjust_with_control(read_colmap(model_folder), surveyed, pixels, options);
   for (const auto& text : result.warnings) context.warn(text);
   for (const auto& text : result.left_out) context.warn("left out: " + text);

@@ -5,9 +5,10 @@
 #include <fstream>
 #include <map>
 
+#include "control/control_files.hpp"
+#include "control/image_points.hpp"
 #include "markers/camera_groups.hpp"
 #include "markers/colmap_files.hpp"
-#include "markers/control_files.hpp"
 #include "observation_files.hpp"
 #include "output.hpp"
 #include "read_nodes.hpp"
@@ -26,19 +27,14 @@ Eigen::Vector2d centre_of(const TagT& tag) {
 
 void ReadPoints::run(Context& context) {
   const std::string text = text_of_file(file->path);
-  std::vector<ControlPoint> control = parse_control(text, file->path);
-  const bool named = says_which_is_east(text, file->path);
-  if (*axes == "x_north" && named)
-    throw std::runtime_error(file->path +
-                             ": axes is x_north, but the file says itself which coordinate is east; leave "
-                             "axes out");
-  if (*axes == "x_north")
-    for (ControlPoint& p : control) std::swap(p.position.x(), p.position.y()), std::swap(p.sigma.x(), p.sigma.y());
-  if (*axes == "as_named" && !named)
-    context.warn(file->path +
-                 ": x is taken as east and y as north, which its columns do not say; axes=x_east says that it is so, "
-                 "axes=x_north that x is north (as in Gauss-Krueger coordinates), which else mirrors all points");
-  points.commit(point_artifacts(control));
+  control::ControlOptions options;
+  options.axes = *axes == "x_north"  ? control::Axes::x_north
+                 : *axes == "x_east" ? control::Axes::x_east
+                                     : control::Axes::as_named;
+  const control::ControlTable table = control::parse_control(text, file->path, options);
+  control::require_whole(table, file->path, "read.points");
+  tell(table, file->path, context);
+  points.commit(point_artifacts(table.points));
 }
 
 void ReadImageObservations::run(Context&) {
@@ -57,6 +53,17 @@ void ReadColmap::run(Context&) {
     cloud.points.push_back(std::move(point));
   }
   points.commit(cloud);
+}
+
+void tell(const control::ControlTable& table, const std::string& file, Context& context) {
+  if (!table.axes.empty()) context.warn(file + ": " + table.axes);
+  for (const std::string& warning : table.warnings) context.warn(file + ": " + warning);
+  for (const std::string& note : table.notes) context.info(file + ": " + note);
+  for (const ControlPoint& p : table.points)
+    if (!p.correlation.isZero(0)) {
+      context.warn(file + ": correlations between E, N and H are not used, the standard deviations are");
+      break;
+    }
 }
 
 PointsT point_artifacts(const std::vector<ControlPoint>& control) {
@@ -181,7 +188,7 @@ void WriteGcp::run(Context& context) {
         measured.push_back({image->path, name, centre_of(*tag) + Eigen::Vector2d(0.5, 0.5), 0});
     }
   if (measured.empty()) context.warn("no tag has the name of a point: the list is empty");
-  file.commit(file_of("gcp_list.txt", "text/plain", gcp_list(control, measured, *projection)));
+  file.commit(file_of("gcp_list.txt", "text/plain", control::gcp_list(control, measured, *projection)));
 }
 
 void WritePly::run(Context&) {

@@ -8,7 +8,8 @@
 #include "artifacts/poses.hpp"
 #include "artifacts/tag_observations.hpp"
 #include "markers/colmap_files.hpp"
-#include "markers/control_files.hpp"
+#include "control/control_table.hpp"
+#include "markers/control_block.hpp"
 #include "plumbline/node.hpp"
 
 namespace plumbline::markers {
@@ -18,8 +19,8 @@ struct ReadPoints : Node {
                              "Reads surveyed points from CSV (name, x, y, z, sigma, role) or gcp_list.txt"};
   Param<FilePath> file{"file", required, "the file"};
   Param<std::string> axes{"axes", "as_named", one_of("as_named", "x_east", "x_north"),
-                          "what columns x and y are: east and north, or north and east; as_named: east and north, with "
-                          "a warning where the file does not call them so"};
+                          "what columns x and y are: east and north, or north and east; as_named: as other columns and the "
+                          "values tell, with a warning"};
   Out<Points> points{"points", frame("frame=survey"), "the points; sigmas that the file does not say are nan"};
   void run(Context& context) override;
 };
@@ -40,6 +41,9 @@ struct ReadColmap : Node {
   Out<Points> points{"points", frame("frame=colmap"), "the model's points; sigmas are not known"};
   void run(Context& context) override;
 };
+
+/// What a table of control leaves to be known: what was assumed, and what was not used.
+void tell(const control::ControlTable& table, const std::string& file, Context& context);
 
 /// Surveyed points as an artifact.
 PointsT point_artifacts(const std::vector<ControlPoint>& control);

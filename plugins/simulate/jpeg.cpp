@@ -5,30 +5,88 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <exiv2/exiv2.hpp>
 #include <stdexcept>
 #include <vector>
 
 namespace plumbline::simulate {
 namespace {
 
+/// Directories of a TIFF structure, little-endian (Exif 2.32, 4.6.2): entries of 12 bytes by rising tag, what does not
+/// fit into four bytes behind them.
+class ExifDirectory {
+ public:
+  void add_text(std::uint16_t tag, const std::string& text) {
+    std::vector<std::uint8_t> value(text.begin(), text.end());
+    value.push_back(0);
+    entries_.push_back({tag, 2, static_cast<std::uint32_t>(value.size()), value});
+  }
+  void add_short(std::uint16_t tag, std::uint16_t value) { entries_.push_back({tag, 3, 1, little_endian(value, 2)}); }
+  void add_long(std::uint16_t tag, std::uint32_t value) { entries_.push_back({tag, 4, 1, little_endian(value, 4)}); }
+  void add_rational(std::uint16_t tag, std::uint32_t numerator, std::uint32_t denominator) {
+    std::vector<std::uint8_t> value = little_endian(numerator, 4), below = little_endian(denominator, 4);
+    value.insert(value.end(), below.begin(), below.end());
+    entries_.push_back({tag, 5, 1, value});
+  }
+  std::size_t size() const { return bytes_at(0).size(); }
+  /// The directory with its values, if it begins at `offset`.
+  std::vector<std::uint8_t> bytes_at(std::size_t offset) const {
+    std::vector<std::uint8_t> bytes = little_endian(static_cast<std::uint32_t>(entries_.size()), 2), behind;
+    const std::size_t behind_at = offset + 2 + 12 * entries_.size() + 4;
+    const auto append = [&bytes](const std::vector<std::uint8_t>& more) {
+      bytes.insert(bytes.end(), more.begin(), more.end());
+    };
+    for (const Entry& entry : entries_) {
+      append(little_endian(entry.tag, 2)), append(little_endian(entry.type, 2)), append(little_endian(entry.count, 4));
+      std::vector<std::uint8_t> value = entry.value;
+      if (value.size() > 4) {
+        append(little_endian(static_cast<std::uint32_t>(behind_at + behind.size()), 4));
+        value.resize(value.size() + value.size() % 2);
+        behind.insert(behind.end(), value.begin(), value.end());
+      } else {
+        value.resize(4);
+        append(value);
+      }
+    }
+    append(little_endian(0, 4));  // no further directory
+    append(behind);
+    return bytes;
+  }
+
+ private:
+  struct Entry {
+    std::uint16_t tag, type;
+    std::uint32_t count;
+    std::vector<std::uint8_t> value;
+  };
+  static std::vector<std::uint8_t> little_endian(std::uint32_t value, int count) {
+    std::vector<std::uint8_t> bytes;
+    for (int i = 0; i < count; ++i) bytes.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
+    return bytes;
+  }
+  std::vector<Entry> entries_;
+};
+
 /// The payload of the APP1 segment.
 std::vector<std::uint8_t> encode_exif(const ExifFields& fields, int width, int height) {
-  Exiv2::ExifData exif;
-  exif["Exif.Image.Make"] = fields.make;
-  exif["Exif.Image.Model"] = fields.model;
-  exif["Exif.Image.Orientation"] = std::uint16_t{1};
-  exif["Exif.Photo.DateTimeOriginal"] = fields.taken_at;
-  exif["Exif.Photo.ExposureTime"] =
-      Exiv2::Rational(1, static_cast<std::int32_t>(std::lround(1 / fields.exposure_time)));
-  exif["Exif.Photo.FocalLength"] =
-      Exiv2::Rational(static_cast<std::int32_t>(std::lround(fields.focal_length * 1e5)), 100);
-  exif["Exif.Photo.PixelXDimension"] = static_cast<std::uint32_t>(width);
-  exif["Exif.Photo.PixelYDimension"] = static_cast<std::uint32_t>(height);
-  Exiv2::Blob blob;
-  Exiv2::ExifParser::encode(blob, Exiv2::littleEndian, exif);
-  std::vector<std::uint8_t> payload = {'E', 'x', 'i', 'f', 0, 0};
-  payload.insert(payload.end(), blob.begin(), blob.end());
+  constexpr std::size_t first = 8;  // behind the structure's head
+  ExifDirectory photo;
+  photo.add_rational(0x829a, 1, static_cast<std::uint32_t>(std::lround(1 / fields.exposure_time)));
+  photo.add_text(0x9003, fields.taken_at);
+  photo.add_rational(0x920a, static_cast<std::uint32_t>(std::lround(fields.focal_length * 1e5)), 100);
+  photo.add_long(0xa002, static_cast<std::uint32_t>(width));
+  photo.add_long(0xa003, static_cast<std::uint32_t>(height));
+  const auto image_with = [&](std::size_t photo_at) {
+    ExifDirectory image;
+    image.add_text(0x010f, fields.make);
+    image.add_text(0x0110, fields.model);
+    image.add_short(0x0112, 1);
+    image.add_long(0x8769, static_cast<std::uint32_t>(photo_at));
+    return image;
+  };
+  const std::size_t photo_at = first + image_with(0).size();
+  std::vector<std::uint8_t> payload = {'E', 'x', 'i', 'f', 0, 0, 'I', 'I', 42, 0, first, 0, 0, 0};
+  for (const auto& part : {image_with(photo_at).bytes_at(first), photo.bytes_at(photo_at)})
+    payload.insert(payload.end(), part.begin(), part.end());
   return payload;
 }
 

@@ -13,9 +13,10 @@
 #include <string_view>
 
 #include "campaign_folder.hpp"
+#include "control/control_files.hpp"
+#include "control/image_points.hpp"
 #include "markers/camera_files.hpp"
 #include "markers/colmap_files.hpp"
-#include "markers/control_files.hpp"
 #include "markers/layout_files.hpp"
 
 namespace {
@@ -45,18 +46,20 @@ void run_plates(const std::string& text) {
 
 void run_campaign_control(const std::string& text) {
   for (const campaign::ControlPoint& p : campaign::parse_control(text, "control.csv"))
-    promise(p.position.allFinite() && p.sigma.minCoeff() > 0, "control has a place and standard deviations");
+    for (int k = 0; k < 3; ++k)
+      promise(std::isnan(p.position(k)) || (std::isfinite(p.position(k)) && p.sigma(k) > 0),
+              "control has standard deviations where it has a place");
 }
 
 void run_control_points(const std::string& text) {
-  for (const markers::ControlPoint& p : markers::parse_control(text, "gcp_list.txt")) {
-    promise(!p.name.empty() && p.position.allFinite(), "a control point has a name and a place");
+  for (const control::ControlPoint& p : control::parse_control(text, "gcp_list.txt").points) {
+    promise(!p.name.empty() && !p.position.array().isInf().any(), "a control point has a name and a place");
     promise(!p.sigma.array().isInf().any(), "standard deviations are finite or not given");
   }
 }
 
 void run_image_points(const std::string& text) {
-  for (const markers::ImagePoint& p : markers::parse_image_points(text, "points.csv", true))
+  for (const control::ImagePoint& p : control::parse_image_points(text, "points.csv", true))
     promise(p.pixel.allFinite() && std::isfinite(p.sigma) && p.sigma >= 0, "a measured point is whole");
 }
 

@@ -272,9 +272,9 @@ TEST(PhotoModelerFiles, ControlListsOfEveryShape) {
   EXPECT_EQ(full.block.control.position(5), 6);
   EXPECT_NEAR(full.block.control.covariance(2, 2), 0.09, 1e-15);
   EXPECT_EQ(full.block.control.covariance(4, 4), 0);
-  EXPECT_THAT(error_of([&] { read("12, 1, 2\n"); }), HasSubstr("control.txt:1: found '12, 1, 2', expected id"));
+  EXPECT_THAT(error_of([&] { read("12, 1, 2\n"); }), HasSubstr("control.txt:1: found 3 columns and no header"));
   EXPECT_THAT(error_of([&] { read("55, 1, 2, 3\n"); }), HasSubstr("none of its points (55) is measured"));
-  EXPECT_THAT(error_of([&] { read("12, 1, 2, 3\n12, 1, 2, 3\n"); }), HasSubstr("listed a second time"));
+  EXPECT_THAT(error_of([&] { read("12, 1, 2, 3\n12, 1, 2, 3\n"); }), HasSubstr("control.txt:2: point '12' stands in it twice"));
   EXPECT_THAT(error_of([&] { read("12, 1, 2, 3\n", {"14"}); }), HasSubstr("holds no check point 14"));
   EXPECT_THAT(error_of([&] { read("12, 1, 2, 3\n13 4 5 6\n", {"12", "13"}); }), HasSubstr("are check points"));
   const std::string marked = "12 1.5 2 3\r13 4 5 6\r";  // CR alone, and two bytes a character

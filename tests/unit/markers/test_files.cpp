@@ -13,7 +13,6 @@
 #include "markers/camera_files.hpp"
 #include "markers/camera_groups.hpp"
 #include "markers/colmap_files.hpp"
-#include "markers/control_files.hpp"
 #include "markers/layout_files.hpp"
 #include "markers/robust_similarity.hpp"
 #include "markers/survey_frame.hpp"
@@ -387,101 +386,6 @@ TEST(LayoutFiles, TurnWPILibsFacesIntoTags) {
               }),
               HasSubstr("tag 7 stands in it twice"));
   EXPECT_THAT(message_of([] { markers::parse_layout("tag_id,x_m,y_m\n7,1,2\n", "p.csv"); }), HasSubstr("p.csv"));
-}
-
-TEST(ControlFiles, ReadCsvAndGcpLists) {
-  const auto control =
-      markers::parse_control("name,x,y,z,sigma,role\nA,1,2,3,0.002,control\nB,4,5,6,0.003,check\n", "c.csv");
-  ASSERT_EQ(control.size(), 2u);
-  EXPECT_TRUE(control[1].check);
-  EXPECT_DOUBLE_EQ(control[0].sigma.z(), 0.002);
-  const std::string list =
-      "EPSG:32632\n500000.1 5000000.2 100.3 10.5 20.5 a.jpg P1\n500000.1 5000000.2 100.3 11.5 21.5 b.jpg P1\n";
-  const auto gcp = markers::parse_control(list, "gcp_list.txt");
-  ASSERT_EQ(gcp.size(), 1u);
-  const auto measured = markers::parse_image_points(list, "gcp_list.txt", true);
-  ASSERT_EQ(measured.size(), 2u);
-  EXPECT_DOUBLE_EQ(measured[1].pixel.x(), 11.0);
-  EXPECT_THAT(markers::gcp_list(gcp, measured, "EPSG:32632"),
-              HasSubstr("500000.100000 5000000.200000 100.300000 10.0000 20.0000 a.jpg P1"));
-  EXPECT_THAT(message_of([] { markers::parse_control("EPSG:4326\n8.1 48.2 100 1 2 a.jpg\n", "g.txt"); }),
-              HasSubstr("degrees"));
-  EXPECT_THAT(message_of([] { markers::parse_control("name,x,y,z\nA,1,2,x\n", "c.csv"); }), HasSubstr("c.csv:2"));
-  EXPECT_THAT(message_of([] { markers::parse_control("name,x,y,z\nA,1,2,3\n,1,2,3\n", "c.csv"); }),
-              HasSubstr("c.csv:3: found no name"));
-}
-
-TEST(ControlFiles, TellWhetherTheySayWhichCoordinateIsEast) {
-  EXPECT_TRUE(markers::says_which_is_east("name,east,north,height\nA,1,2,3\n", "c.csv"));
-  EXPECT_TRUE(markers::says_which_is_east("EPSG:32632\n1 2 3 4 5 a.jpg\n", "gcp_list.txt"));
-  EXPECT_FALSE(markers::says_which_is_east("name,x,y,z\nA,1,2,3\n", "c.csv"));
-  EXPECT_FALSE(markers::says_which_is_east("A,1,2,3\n", "c.csv"));
-}
-
-TEST(ControlFiles, HeadersInOtherLanguagesAndTablesThatAreOthers) {
-  for (const char* header :
-       {"Punktnr;Rechtswert;Hochwert;H\xC3\xB6he", "Matricule;Est;Nord;Altitude", "Punto;Este;Norte;Cota"}) {
-    const std::string text = std::string(header) + "\nA;102,5;203,25;12,125\nB;1;2;3\n";
-    const auto points = markers::parse_control(text, "c.csv");
-    ASSERT_EQ(points.size(), 2u) << header;
-    EXPECT_EQ(points[0].position, Eigen::Vector3d(102.5, 203.25, 12.125)) << header;
-    EXPECT_TRUE(markers::says_which_is_east(text, "c.csv")) << header;
-  }
-  EXPECT_THAT(message_of([] { markers::parse_control("Punktnr;Y;X;H\nA;1;2;3\n", "c.csv"); }),
-              HasSubstr("c.csv:1: found X and Y under German names"));
-  // A zone in front of the easting, and geocentric coordinates: without a header nothing tells.
-  EXPECT_THAT(message_of([] { markers::parse_control("1770,56,386930.017,7327717.501\n", "z.csv"); }),
-              HasSubstr("z.csv:1: found the height 7327717.501"));
-  EXPECT_EQ(markers::parse_control("name,x,y,z\nSTR1,-4467103.2,2683039.5,-3666948.8\n", "z.csv").size(), 1u);
-}
-
-TEST(ControlFiles, TakeTablesWithoutHeaderAndTellWhatTheyCannotTake) {
-  // As Find-GCP and lcmrl/COLMAP_GroundControlPoints have them.
-  const auto semicolons = markers::parse_control("5;65.7885;287.7204;2.0694;\n6;66.3062;288.4897;1.1083;\n", "a.txt");
-  ASSERT_EQ(semicolons.size(), 2u);
-  EXPECT_EQ(semicolons[1].name, "6");
-  EXPECT_NEAR(semicolons[1].position.y(), 288.4897, 1e-12);
-  const auto with_sigma = markers::parse_control("P1 450000.5 5400000.25 300 0.002\n", "b.txt");
-  EXPECT_NEAR(with_sigma.at(0).sigma.z(), 0.002, 1e-12);
-  const auto seen = markers::parse_image_points("a.jpg,P1,10.5,20\n", "o.csv", false);
-  EXPECT_NEAR(seen.at(0).pixel.x(), 10.5, 1e-12);
-  EXPECT_THAT(message_of([] { markers::parse_control("P1,1,2\n", "c.csv"); }), HasSubstr("c.csv:1: found 3 columns"));
-  EXPECT_THAT(message_of([] { markers::parse_control("name,x_ft,y_ft,z_ft\nA,1,2,3\n", "c.csv"); }),
-              HasSubstr("is in 'ft'"));
-  EXPECT_THAT(message_of([] { markers::parse_control("name,x,y,z,sigma\nA,1,2,3,-1\n", "c.csv"); }),
-              HasSubstr("c.csv:2: point 'A' has a negative standard deviation"));
-  EXPECT_THAT(
-      message_of([] { markers::parse_image_points("image,point,x,y,sigma\na.jpg,A,1,2,-1\n", "o.csv", false); }),
-      HasSubstr("o.csv:2: point 'A' has a negative standard deviation"));
-  EXPECT_THAT(message_of([] { markers::parse_control("name,x,y,z,role\nA,1,2,3,chek\n", "c.csv"); }),
-              HasSubstr("c.csv:2: 'role' is 'chek'"));
-  EXPECT_THAT(message_of([] { markers::parse_control("name,x,y,z,sx\nA,1,2,3,1\n", "c.csv"); }),
-              HasSubstr("for some of x, y and z only"));
-}
-
-/// Once dropped without a word, and the accuracy that the pipeline assumes took their place.
-TEST(ControlFiles, StandardDeviationsAreReadByWhateverNameOrRefused) {
-  for (const char* header : {"id,east_m,north_m,height_m,sigma_east_mm,sigma_north_mm,sigma_height_mm",
-                             "id,E,N,H,sigma_E_mm,sigma_N_mm,sigma_H_mm", "id,E,N,H,sE_mm,sN_mm,sH_mm",
-                             "id,x,y,z,std_x [mm],std_y [mm],std_z [mm]"}) {
-    const auto points = markers::parse_control(std::string(header) + "\nA,1,2,3,2,4,6\n", "c.csv");
-    EXPECT_NEAR((points.at(0).sigma - Eigen::Vector3d(0.002, 0.004, 0.006)).norm(), 0, 1e-12) << header;
-  }
-  EXPECT_THAT(message_of([] { markers::parse_control("id,E,N,H,sigma_h_mm\nA,1,2,3,5\n", "c.csv"); }),
-              HasSubstr("for some of x, y and z only"));
-  EXPECT_THAT(message_of([] { markers::parse_control("id,E,N,H,stdPlan,stdHeight\nA,1,2,3,5,6\n", "c.csv"); }),
-              HasSubstr("the column 'stdplan' looks like an accuracy"));
-  EXPECT_EQ(markers::parse_control("id,E,N,H,code,date\nA,1,2,3,bolt,2026\n", "c.csv").size(), 1u);
-}
-
-TEST(ControlFiles, GcpListsOfOpenDroneMapKeepOnePlaceAPoint) {
-  const std::string list = "# made by hand\nWGS84 UTM 16N \n1 2 3 10 20 a.jpg g1\n1 2 3 11 21 b.jpg g1\n";
-  EXPECT_EQ(markers::parse_control(list, "g.txt").size(), 1u);
-  EXPECT_EQ(markers::parse_image_points(list, "g.txt", false).size(), 2u);
-  EXPECT_THAT(message_of([&] { markers::parse_control(list + "1 2 4 12 22 c.jpg g1\n", "g.txt"); }),
-              HasSubstr("g.txt:5: point g1 has other coordinates here than in line 3"));
-  EXPECT_THAT(message_of([] { markers::parse_control("epsg:4979\n8 48 1 2 3 a.jpg\n", "g.txt"); }),
-              HasSubstr("in degrees"));
 }
 
 TEST(RobustSimilarity, LeavesOutWhatDisagreesAndRefusesALine) {

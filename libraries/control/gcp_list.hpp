@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace plumbline::markers {
+namespace plumbline::control {
 
 /// A line of gcp_list.txt: x y z column row image [name].
 struct GcpLine {
@@ -20,4 +20,4 @@ struct GcpLine {
 /// or is written as WKT.
 std::optional<std::vector<GcpLine>> gcp_lines(const std::string& text, const std::string& file);
 
-}  // namespace plumbline::markers
+}  // namespace plumbline::control

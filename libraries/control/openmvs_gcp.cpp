@@ -1,4 +1,4 @@
-#include "block/openmvs_gcp.hpp"
+#include "control/openmvs_gcp.hpp"
 
 #include <cmath>
 #include <map>
@@ -8,7 +8,7 @@
 
 #include "text/csv_table.hpp"
 
-namespace plumbline::adjust {
+namespace plumbline::control {
 namespace {
 
 constexpr const char* expected =
@@ -99,4 +99,4 @@ std::vector<GcpRow> parse_openmvs_gcp(const std::string& text, const std::string
   return rows;
 }
 
-}  // namespace plumbline::adjust
+}  // namespace plumbline::control

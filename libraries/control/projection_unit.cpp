@@ -1,11 +1,11 @@
-#include "markers/projection_unit.hpp"
+#include "control/projection_unit.hpp"
 
 #include <algorithm>
 #include <vector>
 
 #include "text/text.hpp"
 
-namespace plumbline::markers {
+namespace plumbline::control {
 namespace {
 
 /// Codes first, first + step, …, last. A range may hold codes that EPSG has given to nothing.
@@ -104,4 +104,4 @@ std::string other_unit_than_metres(const std::string& projection) {
   return "";
 }
 
-}  // namespace plumbline::markers
+}  // namespace plumbline::control

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace plumbline::adjust {
+namespace plumbline::control {
 
 struct GcpRow {
   std::string point, image;
@@ -22,4 +22,4 @@ bool looks_like_openmvs_gcp(const std::string& text);
 /// for rows of one point that differ in its coordinates, for a point that is twice in one image.
 std::vector<GcpRow> parse_openmvs_gcp(const std::string& text, const std::string& file);
 
-}  // namespace plumbline::adjust
+}  // namespace plumbline::control

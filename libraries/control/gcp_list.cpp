@@ -1,4 +1,4 @@
-#include "markers/gcp_list.hpp"
+#include "control/gcp_list.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,10 +7,10 @@
 #include <stdexcept>
 #include <utility>
 
-#include "markers/projection_unit.hpp"
+#include "control/projection_unit.hpp"
 #include "text/text.hpp"
 
-namespace plumbline::markers {
+namespace plumbline::control {
 namespace {
 
 constexpr const char* expected = "expected x y z column row image [name]";
@@ -123,4 +123,4 @@ std::optional<std::vector<GcpLine>> gcp_lines(const std::string& text, const std
   return lines;
 }
 
-}  // namespace plumbline::markers
+}  // namespace plumbline::control

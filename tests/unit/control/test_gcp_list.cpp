@@ -1,11 +1,11 @@
 // OpenDroneMap's gcp_list.txt as it comes from other machines.
 #include <gmock/gmock.h>
 
-#include "markers/control_files.hpp"
-#include "markers/gcp_list.hpp"
-#include "markers/projection_unit.hpp"
+#include "control/gcp_list.hpp"
+#include "control/image_points.hpp"
+#include "control/projection_unit.hpp"
 
-namespace plumbline::markers {
+namespace plumbline::control {
 namespace {
 
 using testing::AllOf;
@@ -79,4 +79,4 @@ TEST(GcpList, CommentsLineEndsAndEncodingsOfOtherMachines) {
 }
 
 }  // namespace
-}  // namespace plumbline::markers
+}  // namespace plumbline::control
