@@ -10,12 +10,68 @@ An artifact is a FlatBuffers table of a type from schemas/artifacts/*.fbs. No co
 Reading: numbers are numbers, strings are str ("" if absent), structs and lists of numbers or structs are numpy views on the bytes
 (no copy), tables are Table, lists of tables are lists. Enum fields are numbers; Schema.enums has their names.
 
-A node that is an executable (a manifest NAME.node.yaml beside it) begins with `call = Call()`.
+A node that is an executable (a manifest NAME.node.yaml beside it) begins with `call = Call()`. Import this module first: from
+then on no module is imported that others may write, and at the end the host is told of all that were imported, so that the node
+runs again when one of them changes.
 """
+import atexit
+import importlib.machinery
 import json
 import os
+import stat
 import struct
 import sys
+
+
+def _distrust(path):
+    """Why a module's file is not believed, or nothing. The host looks at more, when the node has ended."""
+    if os.environ.get("PLUMBLINE_TRUST_OTHERS", "0") not in ("", "0"):
+        return None
+    folder = os.path.dirname(path)
+    for place, sticky in ((path, 0), (folder, stat.S_ISVTX)):
+        mode = os.stat(place).st_mode
+        if mode & stat.S_IWOTH and not mode & sticky:
+            return (f"{place} may be written by everybody on this machine; take the right away with: chmod o-w {place}, or believe "
+                    "everybody with --trust-others (PLUMBLINE_TRUST_OTHERS=1)")
+    return None
+
+
+class _Watch:
+    """Stands before all finders of modules and refuses what they find if others may write it."""
+
+    @staticmethod
+    def find_spec(name, path=None, target=None):
+        for finder in sys.meta_path:
+            spec = None if finder is _Watch or not hasattr(finder, "find_spec") else finder.find_spec(name, path, target)
+            if spec is not None:
+                problem = _distrust(spec.origin) if spec.origin and os.path.isfile(spec.origin) else None
+                if problem:
+                    raise ImportError(f"the module '{name}' is not imported: {problem}")
+                return spec
+        return None
+
+    @staticmethod
+    def invalidate_caches():
+        pass
+
+
+def _module_files():
+    """The files of all modules that were imported, as whole paths."""
+    found = set()
+    for module in list(sys.modules.values()):
+        path = getattr(module, "__file__", None)
+        if not path:
+            continue
+        if path.endswith(tuple(importlib.machinery.BYTECODE_SUFFIXES)) and os.path.isfile(path[:-1]):
+            path = path[:-1]
+        while path and not os.path.exists(path):  # in an archive
+            path = os.path.dirname(path)
+        if path and os.path.isfile(path):
+            found.add(os.path.realpath(path))
+    return sorted(found)
+
+
+sys.meta_path.insert(0, _Watch)
 
 import flatbuffers
 import numpy as np
@@ -228,6 +284,14 @@ class Call:
         self.kind, self.parameters, self.seed = call["kind"], call["parameters"], call.get("seed")
         self._references = call["references"]
         self._committed = {}
+        for path in _module_files():
+            if _distrust(path):
+                sys.exit(f"a module was imported that is not believed: {_distrust(path)}")
+        atexit.register(self._tell_used)
+
+    def _tell_used(self):
+        with open(os.path.join(self.folder, "used"), "wb") as stream:
+            stream.write(b"".join(os.fsencode(path) + b"\n" for path in _module_files()))
 
     def schema(self, type_name):
         """Of a type such as "plumbline.Points/1"."""

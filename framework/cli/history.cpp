@@ -3,6 +3,7 @@
 
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <tuple>
 
 #include "commands.hpp"
 #include "runtime/executor.hpp"
@@ -74,10 +75,12 @@ int why(const Options& options) {
   }
   const auto lines = reasons(*node);
   if (options.json) {
-    print_json({{"node", node->name}, {"kind", node->kind}, {"status", node->status}, {"why", lines}});
+    print_json(
+        {{"node", node->name}, {"round", node->round}, {"kind", node->kind}, {"status", node->status}, {"why", lines}});
     return 0;
   }
-  std::printf("%s (%s) was %s in %s\n", node->name.c_str(), node->kind.c_str(), node->status.c_str(), run.file.c_str());
+  std::printf("%s (%s) was %s in %s\n", runtime::label_of(node->name, node->round).c_str(), node->kind.c_str(),
+              node->status.c_str(), run.file.c_str());
   for (const std::string& line : lines) std::printf("  %s\n", line.c_str());
   return 0;
 }
@@ -129,16 +132,16 @@ int verify(const Options& options) {
     run_options.threads = threads;
     results.push_back(execute(graph, registry, store, run_options, silent));
   }
-  size_t differing = 0, failed = 0;
+  size_t differing = 0, failed = 0, compared = 0;
   Json json = Json::array();
-  for (size_t i = 0; i < graph.nodes.size(); ++i) {
-    const auto& one = results[0].nodes[i];
-    const auto& other = results[1].nodes[i];
+  const auto compare = [&](size_t i, const runtime::NodeResult& one, const runtime::NodeResult& other) {
+    ++compared;
+    const std::string label = runtime::label_of(graph.nodes[i].name, one.round);
     std::vector<std::string> lines;
     for (const auto* result : {&one, &other})
       if (result->status == NodeStatus::failed && lines.empty()) lines.push_back(result->error);
     failed += !lines.empty();
-    if (lines.empty() && one.status == NodeStatus::executed) {
+    if (lines.empty() && is_good(one)) {
       for (const auto& [port, hashes] : one.outputs)
         if (const auto found = other.outputs.find(port); found == other.outputs.end() || found->second != hashes)
           lines.push_back("output " + port + " differs");
@@ -146,17 +149,34 @@ int verify(const Options& options) {
         lines.push_back("it says of itself that it is not deterministic");
       differing += !lines.empty();
     }
-    if (lines.empty()) continue;
-    json.push_back({{"node", graph.nodes[i].name}, {"kind", graph.nodes[i].kind.node->kind}, {"findings", lines}});
-    if (options.json) continue;
-    std::printf("%s (%s)\n", graph.nodes[i].name.c_str(), graph.nodes[i].kind.node->kind);
+    if (lines.empty()) return;
+    json.push_back({{"node", label}, {"kind", graph.nodes[i].kind.node->kind}, {"findings", lines}});
+    if (options.json) return;
+    std::printf("%s (%s)\n", label.c_str(), graph.nodes[i].kind.node->kind);
     for (const std::string& line : lines) std::printf("  %s\n", line.c_str());
+  };
+  const auto& [first, second] = std::tie(results[0], results[1]);
+  for (size_t i = 0; i < std::min(first.earlier.size(), second.earlier.size()); ++i)
+    compare(first.earlier[i].node, first.earlier[i].result, second.earlier[i].result);
+  for (size_t i = 0; i < graph.nodes.size(); ++i) compare(i, first.nodes[i], second.nodes[i]);
+  if (first.rounds.rounds != second.rounds.rounds) {
+    ++differing;
+    const std::string line =
+        std::to_string(first.rounds.rounds) + " and " + std::to_string(second.rounds.rounds) + " rounds";
+    json.push_back({{"node", "rounds"}, {"kind", ""}, {"findings", {line}}});
+    if (!options.json) std::printf("%s\n", line.c_str());
   }
+  for (const auto* result : {&first, &second})
+    if (const std::string& problem = result->rounds.problem; !problem.empty()) {
+      ++failed;
+      if (!options.json) std::printf("%s\n", problem.c_str());
+      break;
+    }
   const bool equal = differing == 0 && failed == 0;
   if (options.json)
-    print_json({{"equal", equal}, {"nodes", graph.nodes.size()}, {"findings", json}});
+    print_json({{"equal", equal}, {"nodes", compared}, {"findings", json}});
   else
-    std::printf("%s: %zu nodes, run twice: %s\n", graph.file.c_str(), graph.nodes.size(),
+    std::printf("%s: %zu nodes, run twice: %s\n", graph.file.c_str(), compared,
                 equal    ? "the same bits"
                 : failed ? "failed"
                          : (std::to_string(differing) + " differ").c_str());

@@ -38,30 +38,33 @@ int plan(const Options& options) {
   const runtime::Graph graph = load(options, registry);
   const auto store = open_store_to_read(options);
   const auto planned = runtime::plan(graph, *store);
-  size_t running = 0;
+  size_t running = 0, perhaps = 0, reused = 0;
   Json json = Json::array();
   std::vector<std::vector<std::string>> rows;
-  for (size_t i = 0; i < planned.size(); ++i) {
-    const auto& node = graph.nodes[i];
-    const auto& p = planned[i];
-    running += p.runs;
+  for (const auto& p : planned) {
+    const auto& node = graph.nodes[p.node];
+    const char* const action = !p.runs ? "reuse" : p.is_sure ? "run" : "perhaps";
+    ++(!p.runs ? reused : p.is_sure ? running : perhaps);
     json.push_back({{"name", node.name},
                     {"kind", node.kind.node->kind},
-                    {"action", p.runs ? "run" : "reuse"},
+                    {"round", p.round},
+                    {"action", action},
                     {"items", p.items},
                     {"items_to_run", p.items_to_run},
                     {"reasons", p.reasons}});
-    const std::string name = node.name + " (" + node.kind.node->kind + ")";
+    const std::string name = runtime::label_of(node.name, p.round) + " (" + node.kind.node->kind + ")";
     std::string items;
     if (p.runs && p.items > 1) items = std::to_string(p.items_to_run) + " of " + std::to_string(p.items) + " items; ";
-    rows.push_back({p.runs ? "run" : "reuse", name, p.reasons.empty() ? "" : items + p.reasons[0]});
+    rows.push_back({action, name, p.reasons.empty() ? "" : items + p.reasons[0]});
     for (size_t r = 1; r < p.reasons.size(); ++r) rows.push_back({"", "", p.reasons[r]});
   }
   if (options.json) {
     std::printf("%s\n", json.dump(1).c_str());
   } else {
     std::printf("%s", columns(rows).c_str());
-    std::printf("%s: %zu to run, %zu reused\n", graph.file.c_str(), running, planned.size() - running);
+    // What comes after a node that runs is not looked up: it is reused if that gives what it gave before.
+    const std::string more = perhaps ? ", " + std::to_string(perhaps) + " more at most" : "";
+    std::printf("%s: %zu to run%s, %zu reused\n", graph.file.c_str(), running, more.c_str(), reused);
   }
   return 0;
 }

@@ -51,7 +51,7 @@ size_t terminal_width() {
 }  // namespace
 
 Progress::Progress(const runtime::Graph& graph, runtime::Record& record, Style style)
-    : record_(record), style_(style), total_(graph.nodes.size()) {
+    : record_(record), style_(style), total_(graph.rounds.most > 0 ? 0 : graph.nodes.size()) {
   for (const auto& node : graph.nodes)
     name_width_ = std::max(name_width_, node.name.size() + std::string(node.kind.node->kind).size() + 3);
 }
@@ -80,7 +80,7 @@ void Progress::node_finished(const runtime::GraphNode& node, const runtime::Node
   if (style_ == Style::lines) {
     std::string line = paint(colour_of(result.status), to_text(result.status));
     line += std::string(10 - std::string(to_text(result.status)).size(), ' ');
-    std::string name = node.name + " (" + node.kind.node->kind + ")";
+    std::string name = runtime::label_of(node) + " (" + node.kind.node->kind + ")";
     std::string note;
     if (result.status == NodeStatus::executed) {
       note = times_and_items(node, result);
@@ -98,12 +98,22 @@ void Progress::node_finished(const runtime::GraphNode& node, const runtime::Node
   show_status();
 }
 
+void Progress::round_finished(const runtime::RoundsEnd& end) {
+  record_.round(end);
+  clear_status();
+  if (style_ == Style::lines && !end.text.empty())
+    std::printf("%s\n", paint(Colour::bold, "round " + std::to_string(end.rounds) + ": " + end.text).c_str());
+  std::fflush(stdout);
+  show_status();
+}
+
 /// "[3/9] detect (detect.apriltag) 12 of 40, about 8 s left"
 void Progress::show_status() {
   if (style_ != Style::lines || !error_is_terminal() || running_.empty()) return;
   shown_ = Clock::now();
   const auto& [name, running] = *running_.begin();
-  std::string line = "[" + std::to_string(done_) + "/" + std::to_string(total_) + "] " + name;
+  const std::string of = total_ > 0 ? "/" + std::to_string(total_) : "";  // how many rounds come nobody knows
+  std::string line = "[" + std::to_string(done_) + of + "] " + name;
   if (!running.text.empty()) line += " " + running.text;
   if (running.fraction > 0.02 && running.fraction <= 1) {
     const double elapsed = std::chrono::duration<double>(shown_ - running.start).count();

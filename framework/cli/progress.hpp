@@ -20,6 +20,7 @@ class Progress : public runtime::Observer {
   void node_progress(const runtime::GraphNode& node, size_t items_done, size_t items, double fraction,
                      const std::string& text) override;
   void node_finished(const runtime::GraphNode& node, const runtime::NodeResult& result) override;
+  void round_finished(const runtime::RoundsEnd& end) override;
 
  private:
   struct Running {

@@ -41,7 +41,9 @@ void print_summary(const runtime::Graph& graph, const runtime::RunResult& result
     if (count == 0 && (status == NodeStatus::skipped || status == NodeStatus::cancelled)) continue;
     counts += (counts.empty() ? "" : ", ") + std::to_string(count) + " " + to_text(status);
   }
-  std::printf("%s: %s\n", graph.file.c_str(), counts.c_str());
+  const size_t rounds = result.rounds.rounds;
+  const std::string in_rounds = rounds > 0 ? std::to_string(rounds) + (rounds > 1 ? " rounds, " : " round, ") : "";
+  std::printf("%s: %s%s\n", graph.file.c_str(), in_rounds.c_str(), counts.c_str());
   for (const auto& delivery : deliveries)
     if (delivery.problem.empty()) std::printf("  %s\n", (out / delivery.file).c_str());
   std::printf("  %s\n", (out / "run.jsonl").c_str());
@@ -153,6 +155,12 @@ int run(const Options& options) {
   if (!result.cancelled) deliveries = deliver(graph, registry, store, result, folder);
   record.end(result, deliveries);
 
+  if (!result.rounds.problem.empty())
+    std::fprintf(stderr, "%s: the rounds cannot go on: %s\n", graph.file.c_str(), result.rounds.problem.c_str());
+  const bool unfinished = graph.rounds.most > 0 && result.ok() && !result.rounds.finished;
+  if (unfinished)
+    std::fprintf(stderr, "%s: warning: not finished after %zu of at most %zu rounds: %s\n", graph.file.c_str(),
+                 result.rounds.rounds, graph.rounds.most, result.rounds.text.c_str());
   bool delivered = true;
   for (const auto& delivery : deliveries) {
     if (!delivery.note.empty()) std::fprintf(stderr, "warning: %s\n", delivery.note.c_str());
@@ -170,7 +178,7 @@ int run(const Options& options) {
     return 130;
   }
   if (!result.ok() || !delivered) return 1;
-  return is_invalid(result) ? 3 : 0;
+  return is_invalid(result) || unfinished ? 3 : 0;
 }
 
 }  // namespace plumbline::cli

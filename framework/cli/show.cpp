@@ -1,8 +1,8 @@
 // plumbline show: an artifact as JSON.
 //
-// It is named by (the start of) its hash, or by RUN.jsonl:NODE.PORT, or as a file of an artifact. A blob does not say
-// its type; the run record does, and for a hash or a file every known type is tried: the verifier tells which ones it
-// can be.
+// It is named by (the start of) its hash, or by RUN.jsonl:NODE.PORT (NODE@3.PORT of round 3), or as a file of an
+// artifact. A blob does not say its type; the run record does, and for a hash or a file every known type is tried: the
+// verifier tells which ones it can be.
 #include <cstdio>
 #include <fstream>
 #include <iterator>
@@ -24,14 +24,19 @@ std::pair<std::vector<std::string>, std::string> find_in_record(const std::strin
   std::ifstream stream(file);
   if (!stream) throw UsageError("cannot read the run record " + file);
   std::vector<std::string> names;
+  std::pair<std::vector<std::string>, std::string> found;
   for (std::string line; std::getline(stream, line);) {
     const Json json = Json::parse(line, nullptr, false);
     if (!json.is_object() || json.value("event", "") != "node") continue;
     for (const auto& [port, hashes] : json.at("outputs").items()) {
-      names.push_back(json.at("name").get<std::string>() + "." + port);
-      if (names.back() == wanted) return {hashes.get<std::vector<std::string>>(), json.at("types").at(port)};
+      const auto name = json.at("name").get<std::string>();
+      names.push_back(name + "." + port);
+      // Of a node that ran in several rounds the last, or the one that is asked for: update@3.points.
+      if (names.back() == wanted || name + "@" + std::to_string(json.value("round", 0)) + "." + port == wanted)
+        found = {hashes.get<std::vector<std::string>>(), json.at("types").at(port)};
     }
   }
+  if (!found.second.empty()) return found;
   const std::string hint = did_you_mean(wanted, names);
   std::string all;
   for (const std::string& name : names) all += (all.empty() ? "; it has " : ", ") + name;

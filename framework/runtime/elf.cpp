@@ -11,6 +11,8 @@
 #include <set>
 #include <stdexcept>
 
+#include "runtime/digest.hpp"
+
 namespace plumbline::runtime {
 
 namespace {
@@ -89,11 +91,25 @@ std::string read_elf_note(const std::filesystem::path& library, const std::strin
 
 namespace {
 
-struct LoadedObject {
-  uintptr_t lowest = 0, highest = 0;
-  std::string soname, build_id;
-  std::vector<std::string> needed;
-};
+/// Program headers and what each covers, of an ELF-64 file of any kind; `take` says whether it has seen enough.
+template <typename Take>
+void each_segment(const std::filesystem::path& file, uint32_t type, const Take& take) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) throw std::runtime_error(file.string() + " cannot be read: " + std::strerror(errno));
+  const uint64_t size = std::filesystem::file_size(file);
+  Elf64_Ehdr header{};
+  if (size < sizeof header) return;
+  std::memcpy(&header, read_range(stream, 0, sizeof header, size).data(), sizeof header);
+  if (std::memcmp(header.e_ident, ELFMAG, SELFMAG) != 0 || header.e_ident[EI_CLASS] != ELFCLASS64 ||
+      header.e_phentsize != sizeof(Elf64_Phdr))
+    return;
+  const std::string table = read_range(stream, header.e_phoff, uint64_t{header.e_phnum} * sizeof(Elf64_Phdr), size);
+  for (size_t i = 0; i < header.e_phnum; ++i) {
+    Elf64_Phdr segment;
+    std::memcpy(&segment, table.data() + i * sizeof segment, sizeof segment);
+    if (segment.p_type == type && take(read_range(stream, segment.p_offset, segment.p_filesz, size))) return;
+  }
+}
 
 std::string hex(const std::string& bytes) {
   std::string text;
@@ -103,6 +119,33 @@ std::string hex(const std::string& bytes) {
   }
   return text;
 }
+
+}  // namespace
+
+std::filesystem::path elf_interpreter(const std::filesystem::path& program) {
+  std::string path;
+  each_segment(program, PT_INTERP, [&](const std::string& bytes) {
+    path = bytes.c_str();
+    return true;
+  });
+  return path;
+}
+
+std::string id_of_library(const std::filesystem::path& library) {
+  std::string id;
+  each_segment(library, PT_NOTE, [&](const std::string& notes) {
+    return find_note(notes.data(), notes.size(), "GNU", NT_GNU_BUILD_ID, id);
+  });
+  return id.empty() ? "sha256-" + sha256_of_file(library) : hex(id);
+}
+
+namespace {
+
+struct LoadedObject {
+  uintptr_t lowest = 0, highest = 0;
+  std::string soname, build_id, path;
+  std::vector<std::string> needed;
+};
 
 void read_dynamic(const dl_phdr_info& info, const ElfW(Phdr) & segment, LoadedObject& object) {
   const auto* entry = reinterpret_cast<const ElfW(Dyn)*>(info.dlpi_addr + segment.p_vaddr);
@@ -135,12 +178,18 @@ int collect_object(dl_phdr_info* info, size_t, void* result) {
       read_dynamic(*info, segment, object);
     }
   }
-  if (object.soname.empty() && info->dlpi_name) object.soname = std::filesystem::path(info->dlpi_name).filename();
+  if (info->dlpi_name) object.path = info->dlpi_name;
+  if (object.soname.empty()) object.soname = std::filesystem::path(object.path).filename();
   static_cast<std::vector<LoadedObject>*>(result)->push_back(object);
   return 0;
 }
 
 }  // namespace
+
+/// A library that was linked without a build id is told by its content.
+static std::string id_of(const LoadedObject& object) {
+  return object.build_id.empty() ? id_of_library(object.path) : object.build_id;
+}
 
 std::vector<std::string> linked_build_ids(const void* address) {
   std::vector<LoadedObject> objects;
@@ -158,12 +207,14 @@ std::vector<std::string> linked_build_ids(const void* address) {
   while (!waiting.empty()) {
     const LoadedObject* object = waiting.back();
     waiting.pop_back();
-    for (const std::string& name : object->needed)
+    for (const std::string& needed : object->needed) {
+      const std::string name = std::filesystem::path(needed).filename();  // one without a soname is needed by its path
       if (const auto found = by_name.find(name); found != by_name.end() && seen.insert(name).second)
         waiting.push_back(found->second);
+    }
   }
   std::vector<std::string> ids;
-  for (const std::string& name : seen) ids.push_back(name + ":" + by_name[name]->build_id);
+  for (const std::string& name : seen) ids.push_back(name + ":" + id_of(*by_name[name]));
   return ids;
 }
 

@@ -13,6 +13,13 @@ namespace plumbline::runtime {
 std::string read_elf_note(const std::filesystem::path& library, const std::string& owner, uint32_t type);
 
 /// "soname:build-id" of every library that the object containing `address` needs, directly or through others; sorted.
+/// For one without a build id "soname:sha256-<hash of its file>". Throws std::runtime_error if that cannot be read.
 std::vector<std::string> linked_build_ids(const void* address);
+
+/// The loader that an ELF program asks for (its PT_INTERP); empty for what is no such program, a script say.
+std::filesystem::path elf_interpreter(const std::filesystem::path& program);
+
+/// The build id of a library's file, "sha256-<hash>" for one without. Throws std::runtime_error if it cannot be read.
+std::string id_of_library(const std::filesystem::path& library);
 
 }  // namespace plumbline::runtime

@@ -67,6 +67,23 @@ class Exchange {
     write_file(folder_ / "call.json", {text.data(), text.size()});
   }
 
+  /// What it says it used, beside what the manifest names.
+  std::vector<std::string> used() const {
+    std::vector<std::string> paths;
+    std::error_code failed;
+    if (!fs::is_regular_file(fs::symlink_status(folder_ / "used", failed))) return paths;
+    if (fs::file_size(folder_ / "used") > largest_list)
+      throw std::runtime_error("its list of used files is longer than " + mebibytes_text(largest_list));
+    std::istringstream lines(content_of(folder_ / "used"));
+    for (std::string line; std::getline(lines, line);) {
+      const auto& files = node_.files;
+      if (!line.empty() && std::find(files.begin(), files.end(), fs::path(line)) == files.end()) paths.push_back(line);
+    }
+    std::sort(paths.begin(), paths.end());
+    paths.erase(std::unique(paths.begin(), paths.end()), paths.end());
+    return paths;
+  }
+
   /// Returns what the host has to say against them, or "" if it took all.
   std::string take_outputs() {
     for (const fs::path& port : sorted_entries(folder_ / "outputs")) {
@@ -84,6 +101,8 @@ class Exchange {
   }
 
  private:
+  static constexpr uint64_t largest_list = uint64_t{16} << 20;
+
   static std::vector<fs::path> sorted_entries(const fs::path& folder) {
     std::vector<fs::path> entries;
     for (const auto& entry : fs::directory_iterator(folder)) entries.push_back(entry.path());
@@ -193,7 +212,7 @@ void tell(const plumbline_host& host, int log) {
 }
 
 std::string run_once(const ExecutableNode& node, const plumbline_host& host, const plumbline_node& entry,
-                     const Limits& limits) {
+                     const Limits& limits, std::vector<std::string>& used) {
   if (limits.memory && host.reserve_memory(host.context, limits.memory)) return "it was told to stop";
   Exchange exchange(node, host, entry);
   exchange.write();
@@ -219,17 +238,19 @@ std::string run_once(const ExecutableNode& node, const plumbline_host& host, con
     problem = death_text(end, child.log, limits.memory);
   if (problem.empty()) tell(host, child.log);
   close(child.log);
+  if (problem.empty()) used = exchange.used();
   return problem.empty() ? exchange.take_outputs() : problem;
 }
 
 }  // namespace
 
-int ExecutableNode::run(const plumbline_host& host, const plumbline_node& entry, const Limits& given) const {
+int ExecutableNode::run(const plumbline_host& host, const plumbline_node& entry, const Limits& given,
+                        std::vector<std::string>& used) const {
   std::string problem;
   try {
-    problem =
-        run_once(*this, host, entry,
-                 {given.seconds > 0 ? given.seconds : limits.seconds, given.memory ? given.memory : limits.memory});
+    problem = run_once(
+        *this, host, entry,
+        {given.seconds > 0 ? given.seconds : limits.seconds, given.memory ? given.memory : limits.memory}, used);
   } catch (const std::exception& error) {
     problem = error.what();
   }

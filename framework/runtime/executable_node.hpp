@@ -7,6 +7,8 @@
 //   inputs/PORT/000000    the artifacts of every connected input, in their order
 //   schemas/NAME.bfbs     the binary schema of every type of its ports: plumbline.Points/1 is plumbline.Points-1.bfbs
 //   outputs/PORT/         where it writes its artifacts; they are taken in the order of their names
+//   used                  if it writes it: files that its results depend on and the manifest does not name, a path a
+//                         line; plumbline_artifacts.py writes all modules that were imported
 //
 // Inputs are verified before it sees them and outputs before anybody else does. It ends with exit code 0; with any
 // other the last lines it printed are the error. A printed line that begins with "warning: " is a warning.
@@ -32,8 +34,10 @@ struct ExecutableNode {
   std::string version, licence;
   std::unique_ptr<PluginTable> table;  ///< of the one node
 
-  /// One run. `limits`: where they say something, in place of the manifest's. Returns 0, or 1 after fail().
-  int run(const plumbline_host& host, const plumbline_node& entry, const Limits& limits) const;
+  /// One run. `limits`: where they say something, in place of the manifest's; `used`: gets what it says of that.
+  /// Returns 0, or 1 after fail().
+  int run(const plumbline_host& host, const plumbline_node& entry, const Limits& limits,
+          std::vector<std::string>& used) const;
 };
 
 /// `type_of`: the types that are known, by name. Throws std::runtime_error with what is wrong with the manifest, its

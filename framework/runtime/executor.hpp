@@ -23,6 +23,7 @@ const char* to_text(NodeStatus status);
 
 struct NodeResult {
   NodeStatus status = NodeStatus::cancelled;
+  size_t round = 0;                               ///< GraphNode::round
   std::string error;                              ///< why it failed or was skipped
   std::string cause;                              ///< of a skipped node: the node whose failure began it
   size_t items = 0;                               ///< how often it had to run: 1, or the number of items
@@ -32,6 +33,7 @@ struct NodeResult {
   std::map<std::string, Hashes> inputs, outputs;  ///< blobs by port
   std::vector<Metric> metrics;
   std::vector<std::string> warnings, messages;
+  std::map<std::string, std::string> used;  ///< hash by path of files found to be used, StoredRun::used of all items
   std::vector<std::string> why;   ///< of one that was executed: what of its key changed since the pipeline's last run
   double start = 0;               ///< seconds since 1970 at which the first item that ran now began; 0 if none did
   uint64_t memory_announced = 0;  ///< the most that one item asked for, in bytes
@@ -39,11 +41,28 @@ struct NodeResult {
   double item_seconds = 0;  ///< sum over those items; more than `seconds` where they ran side by side
 };
 
+bool is_good(const NodeResult& result);  ///< executed or reused
+
+/// How the rounds of a graph stand after one of them.
+struct RoundsEnd {
+  size_t rounds = 0;      ///< how many there were
+  bool over = false;      ///< there is no other
+  bool finished = false;  ///< because the condition of the pipeline holds; not because of the bound
+  std::string text;       ///< "update.changed = 0 holds (0)"
+  std::string problem;    ///< the condition cannot be judged
+};
+
 struct RunResult {
-  std::vector<NodeResult> nodes;  ///< as Graph::nodes
+  std::vector<NodeResult> nodes;  ///< as Graph::nodes; of one that ran in several rounds the last
+  struct EarlierRound {
+    size_t node = 0, round = 0;
+    NodeResult result;
+  };
+  std::vector<EarlierRound> earlier;  ///< of nodes that ran in several rounds, all but the last
+  RoundsEnd rounds;                   ///< of a pipeline with rounds
   bool cancelled = false;
   bool ok() const;
-  size_t count(NodeStatus status) const;
+  size_t count(NodeStatus status) const;  ///< of all rounds
 };
 
 /// Watches a run. Calls come from several threads, never two at once.
@@ -54,6 +73,7 @@ class Observer {
   virtual void node_progress(const GraphNode&, size_t /*items_done*/, size_t /*items*/, double /*fraction*/,
                              const std::string& /*text*/) {}
   virtual void node_finished(const GraphNode&, const NodeResult&) {}
+  virtual void round_finished(const RoundsEnd&) {}
 };
 
 struct RunOptions {

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -48,6 +49,7 @@ struct GraphNode {
   std::string name;  ///< as in the pipeline
   Kind kind;
   std::map<std::string, Source> inputs;              ///< by input port
+  std::map<std::string, std::string> connections;    ///< the same as written: "node.port", "rounds.state"
   std::map<std::string, std::string> parameters;     ///< canonical text of every parameter, defaults included
   std::map<std::string, std::string> output_frames;  ///< by output port: "frame=building"; unbound variables stay "?S"
   /// True if the node runs once for each item of its EACH input; `each_port` names that port.
@@ -58,6 +60,38 @@ struct GraphNode {
   bool isolate = false;  ///< it wants a process of its own (workers.hpp); limits imply it
   Limits limits;         ///< of each run
   Position at;
+  // Of a pipeline with rounds (rounds.hpp):
+  std::map<std::string, std::string> carried;    ///< by input port: what of the round before it takes
+  std::map<std::string, std::string> collected;  ///< by input port: what of all rounds it takes
+  size_t round = 0;                              ///< the one it runs in; 0: none, or it is the same in all of them
+  std::map<std::string, std::vector<std::string>> given;  ///< by input port: blobs that no node of this graph gives
+};
+
+/// The name in records and messages: with the round, if it is not the first.
+std::string label_of(const GraphNode& node);
+std::string label_of(const std::string& name, size_t round);
+
+/// An output that becomes an input of the next round.
+struct Carry {
+  std::string name;
+  std::optional<Source> first;  ///< what the first round takes in its place; none: an input that is not connected
+  Source next;
+};
+
+/// A metric of a node, held against a number.
+struct Condition {
+  size_t node = 0;
+  std::string metric;
+  std::string comparison = ">";  ///< or >=, <, <=, =
+  double limit = 0;
+  std::string text;  ///< as written
+};
+
+/// `rounds:` of a pipeline.
+struct Rounds {
+  std::vector<Carry> carry;
+  std::optional<Condition> until;  ///< none: until what is carried does not change any more
+  size_t most = 0;                 ///< 0: the pipeline has no rounds
 };
 
 struct GraphOutput {
@@ -74,6 +108,7 @@ struct Graph {
   std::string file;                  ///< the pipeline's path as given
   std::vector<GraphNode> nodes;      ///< in topological order, ties in the file's order
   std::vector<GraphOutput> outputs;  ///< in the file's order
+  Rounds rounds;
   std::map<std::string, std::string> variables;
   uint64_t seed = 0;                   ///< the run's seed: the variable `seed`, 0 if there is none
   std::vector<SourceFile> sources;     ///< the file itself, then what it includes: for the record

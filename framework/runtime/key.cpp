@@ -5,6 +5,7 @@
 #include <set>
 
 #include "runtime/digest.hpp"
+#include "runtime/programs.hpp"
 
 namespace plumbline::runtime {
 
@@ -28,6 +29,7 @@ std::vector<std::string> split_list(const std::string& text) {
 /// What a parameter's value adds to the key: for paths what they name, for all others the text.
 std::string parameter_field(const plumbline_param& param, const std::string& text, FileHashes& files) {
   if (param.kind != PLUMBLINE_FILE && param.kind != PLUMBLINE_FOLDER) return text;
+  if (names_program(param)) return fs::path(text).filename().string() + " " + program_field(text, files);
   std::string field;
   for (const std::string& path : split_list(text)) {
     if (!field.empty()) field += '\x1f';
@@ -102,8 +104,9 @@ std::string key_with_seed(const std::string& key, uint64_t seed) {
   return sha256(key + " seed " + std::to_string(seed));
 }
 
-uint64_t seed_of(uint64_t run_seed, const std::string& node_name, size_t item) {
-  const std::string hex = sha256("seed " + std::to_string(run_seed) + " " + std::to_string(item) + " " + node_name);
+uint64_t seed_of(uint64_t run_seed, const std::string& node_name, size_t item, size_t round) {
+  const std::string hex = sha256("seed " + std::to_string(run_seed) + " " + std::to_string(item) + " " + node_name +
+                                 (round > 1 ? "\nround " + std::to_string(round) : ""));
   return std::stoull(hex.substr(0, 16), nullptr, 16);
 }
 
@@ -127,13 +130,14 @@ std::vector<std::string> compare(const KeyFields& before, const KeyFields& now) 
 Stored look_up(Store& store, const std::string& key, uint64_t seed) {
   Stored found;
   for (const std::string& candidate : {key, key_with_seed(key, seed)}) {
-    std::string damage;
-    if (auto run = store.find_run(candidate, damage)) {
+    std::string damage, outdated;
+    if (auto run = store.find_run(candidate, damage, outdated)) {
       found.key = candidate;
       found.run = std::move(*run);
       return found;
     }
     if (!damage.empty()) found.damage = damage;
+    if (!outdated.empty()) found.outdated = outdated;
   }
   return found;
 }

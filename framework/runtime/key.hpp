@@ -33,8 +33,8 @@ void add_inputs(KeyFields& fields, const std::map<std::string, Hashes>& inputs);
 std::string key_of(const KeyFields& fields);
 std::string key_with_seed(const std::string& key, uint64_t seed);
 
-/// Seed of a node's run on one item (0 for a node that does not map).
-uint64_t seed_of(uint64_t run_seed, const std::string& node_name, size_t item);
+/// Seed of a node's run on one item (0 for a node that does not map). The first round has that of a graph without.
+uint64_t seed_of(uint64_t run_seed, const std::string& node_name, size_t item, size_t round = 0);
 
 /// What differs, one line each, hashes shortened: "parameter solver: epnp -> upnp".
 std::vector<std::string> compare(const KeyFields& before, const KeyFields& now);
@@ -43,7 +43,8 @@ std::vector<std::string> compare(const KeyFields& before, const KeyFields& now);
 struct Stored {
   std::string key;  ///< under which it was found; empty: not found
   StoredRun run;
-  std::string damage;  ///< why a result that was there cannot be used
+  std::string damage;    ///< why a result that was there cannot be used
+  std::string outdated;  ///< which file that a result depends on has changed since
 };
 Stored look_up(Store& store, const std::string& key, uint64_t seed);
 

@@ -6,12 +6,15 @@
 #include <charconv>
 #include <cstring>
 #include <deque>
+#include <fstream>
 #include <limits>
 #include <set>
+#include <sstream>
 #include <stdexcept>
 
 #include "runtime/executable_node.hpp"
 #include "runtime/near_names.hpp"
+#include "runtime/one_document.hpp"
 
 namespace plumbline::runtime {
 
@@ -92,7 +95,11 @@ class ManifestReader {
 
   void read() {
     if (fs::file_size(node_.manifest) > largest_manifest) throw std::runtime_error("is larger than any manifest");
-    const YAML::Node root = YAML::LoadFile(node_.manifest.string());
+    std::ifstream stream(node_.manifest, std::ios::binary);
+    if (!stream) throw std::runtime_error(std::string("cannot be read: ") + std::strerror(errno));
+    std::ostringstream content;
+    content << stream.rdbuf();
+    const YAML::Node root = load_one_document(content.str());
     check_keys(root,
                {"plumbline_node", "kind", "role", "version", "summary", "licence", "run", "needs", "deterministic",
                 "seed", "time_limit", "memory_limit", "inputs", "outputs", "parameters"},
@@ -145,7 +152,8 @@ class ManifestReader {
     table.type_count = static_cast<uint32_t>(types_.size());
     node_.table = std::make_unique<PluginTable>(table);
     const auto run = [](const plumbline_host* host, const plumbline_node* node) {
-      return static_cast<const ExecutableNode*>(node->user_data)->run(*host, *node, {});
+      std::vector<std::string> used;
+      return static_cast<const ExecutableNode*>(node->user_data)->run(*host, *node, {}, used);
     };
     node_.table->run_by(run, {&node_});
   }

@@ -12,6 +12,7 @@
 #include "runtime/artifact_type.hpp"
 #include "runtime/digest.hpp"
 #include "runtime/executable_node.hpp"
+#include "runtime/trust.hpp"
 
 namespace plumbline::runtime {
 
@@ -116,6 +117,7 @@ class Host {
   void check_outputs() const;
   void commit_folders();
   void check_references() const;
+  void take_used_files();
 
   const NodeCall& call_;
   const NodeServices& services_;
@@ -129,6 +131,7 @@ class Host {
   std::vector<Held> held_;                              // outputs that may name a folder that is not done
   std::vector<std::pair<std::string, fs::path>> used_;  // content hash and place of what was resolved
   std::atomic<bool> told_to_stop_ = false;
+  std::vector<std::string> said_to_be_used_;  // by an executable, beside what its manifest names
   std::string unanswered_;  // why resolve() or digest() gave nothing: the cause, if the node then fails
   uint64_t reserved_ = 0;
 };
@@ -315,10 +318,24 @@ void Host::check_references() const {
   }
 }
 
+/// What was run with the user's rights must be nobody else's, as the node itself.
+void Host::take_used_files() {
+  std::map<fs::path, std::string> folders;  // there are few, of hundreds of files
+  for (const std::string& file : said_to_be_used_) {
+    if (!fs::path(file).is_absolute() || !fs::is_regular_file(file))
+      throw std::runtime_error("it says that it used " + file + ", which is no file; it must say whole paths of files");
+    const auto [folder, fresh] = folders.try_emplace(fs::path(file).parent_path());
+    if (fresh) folder->second = distrust(folder->first);
+    const std::string problem = folder->second.empty() ? distrust(file) : folder->second;
+    if (!problem.empty()) throw std::runtime_error("it used a file that is not believed: " + problem);
+    outcome_.run.used[file] = services_.store->file_hashes().of_file(file);
+  }
+}
+
 int Host::run_it() {
   const GraphNode& node = *call_.node;
   if (const auto& executable = node.kind.plugin->executable)
-    return executable->run(table_, *node.kind.node, node.limits);
+    return executable->run(table_, *node.kind.node, node.limits, said_to_be_used_);
   if (services_.workers) return services_.workers->run(table_, node);
   return node.kind.node->run(&table_, node.kind.node);
 }
@@ -343,6 +360,7 @@ NodeOutcome Host::run() {
     guarded([](Host& h) {
       h.check_outputs();
       h.check_references();
+      h.take_used_files();
       h.commit_folders();
     });
   for (uint32_t i = 0; i < node.output_count; ++i) outcome_.run.outputs[node.outputs[i]->name];  // empty lists too

@@ -54,6 +54,7 @@ class OutputFolder {
   /// Replaces run.jsonl by a record that begins with `line`; append() adds to it. Throws std::runtime_error.
   void begin_record(const std::string& line);
   void append(const std::string& line);
+  int record_file() const { return record_; }  ///< -1: no record was begun
 
   /// True if `output` is there as a run left it that made it of the same things: `made_from` is their identity.
   bool holds(const std::string& output, const std::string& made_from) const;

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <optional>
 
+#include "runtime/programs.hpp"
+
 namespace plumbline::runtime {
 
 namespace fs = std::filesystem;
@@ -98,6 +100,11 @@ class Checker {
 
   std::string path(const Scalar& value, bool folder) {
     if (value.text.empty()) return "";  // "no file", where the declaration allows it as its default
+    if (names_program(param_) && value.text.find('/') == std::string::npos) {
+      const std::string program = find_program(value.text);
+      if (program == value.text) refuse(value, "a program on PATH, or the path of one");
+      return program;
+    }
     const fs::path full = fs::absolute(value.base / value.text).lexically_normal();
     std::error_code failed;
     if (!fs::exists(full, failed))
@@ -124,6 +131,7 @@ std::map<std::string, std::string> check_parameters(const Kind& kind, const Node
     const plumbline_param& param = *kind.node->params[i];
     names.push_back(param.name);
     if (param.default_text) result[param.name] = param.default_text;
+    if (names_program(param)) result[param.name] = find_program(param.default_text);
   }
   for (const auto& [name, given] : node.parameters) {
     const plumbline_param* param = kind.param(name);

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "runtime/near_names.hpp"
+#include "runtime/one_document.hpp"
 #include "runtime/pipeline_variables.hpp"
 
 namespace plumbline::runtime {
@@ -28,6 +29,7 @@ class Reader {
   PipelineSpec read(const fs::path& file) {
     PipelineSpec spec;
     collect(file, spec);
+    variables_.tell_unused(overrides_);
     variables_.apply(overrides_);
     apply_node_overrides(spec);
     variables_.resolve();
@@ -47,6 +49,9 @@ class Reader {
       refuse_variable_in_name(name, source.at);
       variables_.replace(source);
     }
+    for (auto& carry : spec.rounds.carry) variables_.replace(carry.first), variables_.replace(carry.next);
+    variables_.replace(spec.rounds.until);
+    variables_.replace(spec.rounds.most);
     spec.variables = variables_.values();
     return spec;
   }
@@ -92,7 +97,7 @@ class Reader {
     spec.sources.push_back({file.string(), text});
     YAML::Node root;
     try {
-      root = YAML::Load(text);
+      root = load_one_document(text);
     } catch (const YAML::Exception& error) {
       std::string message = error.msg;
       if (text.find("${") != std::string::npos && message.find("map flow") != std::string::npos)
@@ -106,13 +111,14 @@ class Reader {
               "a pipeline is a map with the keys plumbline, vars, nodes, outputs; found something else");
       return;
     }
-    check_keys(file, root, {"plumbline", "include", "vars", "nodes", "outputs"}, "a pipeline");
+    check_keys(file, root, {"plumbline", "include", "vars", "rounds", "nodes", "outputs"}, "a pipeline");
     if (!root["plumbline"])
       problem({file.string(), 1, 1}, "the first line of a pipeline is 'plumbline: 1' (the version of the format)");
     else if (!root["plumbline"].IsScalar() || root["plumbline"].Scalar() != "1")
       problem(position(file, root["plumbline"]), "the version of the format must be 1");
     if (root["include"]) read_includes(file, root["include"], spec);
     if (root["vars"]) read_variables(file, root["vars"]);
+    if (root["rounds"]) read_rounds(file, root["rounds"], spec.rounds);
     if (root["nodes"]) read_nodes(file, root["nodes"], spec);
     if (root["outputs"]) read_outputs(file, root["outputs"], spec);
   }
@@ -198,6 +204,7 @@ class Reader {
         continue;
       }
       const bool given = item.second.IsScalar();
+      if (given) variables_.mention(item.second.Scalar());
       variables_.declare(item.first.as<std::string>(""),
                          {given ? item.second.Scalar() : "", position(file, item.first), file.parent_path()}, given);
     }
@@ -226,6 +233,7 @@ class Reader {
 
   Scalar scalar(const fs::path& file, const YAML::Node& node) {
     if (!node.IsScalar()) problem(position(file, node), "one plain value is expected here");
+    if (node.IsScalar()) variables_.mention(node.Scalar());
     return {node.IsScalar() ? node.Scalar() : "", position(file, node), file.parent_path(), !node.IsScalar()};
   }
 
@@ -268,6 +276,34 @@ class Reader {
     }
   }
 
+  void read_rounds(const fs::path& file, const YAML::Node& map, RoundsSpec& rounds) {
+    if (!map.IsMap())
+      return problem(position(file, map),
+                     "'rounds' is a map: {carry: {name: node.port}, until: node.metric, most: 20}");
+    check_keys(file, map, {"carry", "until", "most"}, "rounds");
+    rounds.given = true;
+    rounds.at = position(file, map);
+    if (map["until"]) rounds.until = scalar(file, map["until"]);
+    if (map["most"]) rounds.most = scalar(file, map["most"]);
+    const YAML::Node carry = map["carry"];
+    if (!carry) return;
+    if (!carry.IsMap())
+      return problem(position(file, carry), "'carry' is a map: {name: node.port} or {name: {first: …, next: …}}");
+    check_keys(file, carry, {}, "carry");
+    for (const auto& item : carry) {
+      RoundsSpec::Carry one{item.first.as<std::string>(""), position(file, item.first), {}, {}};
+      if (item.second.IsMap()) {
+        check_keys(file, item.second, {"first", "next"}, "what is carried");
+        if (item.second["first"]) one.first = scalar(file, item.second["first"]);
+        if (item.second["next"]) one.next = scalar(file, item.second["next"]);
+      } else {
+        one.next = scalar(file, item.second);
+      }
+      std::erase_if(rounds.carry, [&](const auto& other) { return other.name == one.name; });
+      rounds.carry.push_back(std::move(one));
+    }
+  }
+
   void read_outputs(const fs::path& file, const YAML::Node& map, PipelineSpec& spec) {
     if (!map.IsMap()) return problem(position(file, map), "'outputs' is a map: {file name: node.port}");
     check_keys(file, map, {}, "outputs");
@@ -286,6 +322,10 @@ class Reader {
       const Position at{"'" + text + "'", 0, 0};
       const size_t dot = key.find('.');
       const std::string name = key.substr(0, dot), what = key.substr(dot + 1);
+      if (name == "rounds" && spec.rounds.given) {
+        override_rounds(what, Scalar{value, at, fs::current_path()}, spec.rounds);
+        continue;
+      }
       const auto found = node_index_.find(name);
       NodeSpec* node = found == node_index_.end() ? nullptr : &spec.nodes[found->second];
       if (!node) {
@@ -307,6 +347,15 @@ class Reader {
                         name + ".isolate=process, " + name + ".time_limit=TIME or " + name + ".memory_limit=SIZE");
       }
     }
+  }
+
+  void override_rounds(const std::string& what, const Scalar& value, RoundsSpec& rounds) {
+    if (what == "most")
+      rounds.most = value;
+    else if (what == "until")
+      rounds.until = value.text == "~" ? Scalar{} : value;
+    else
+      problem(value.at, "of rounds the command line sets rounds.most=NUMBER and rounds.until=NODE.METRIC, no other");
   }
 
   /// `[a, b]` on the command line is a list, everything else one value.

@@ -35,11 +35,25 @@ struct NodeSpec {
   std::vector<Condition> conditions = {};  ///< how it is run: "isolate", "time_limit", "memory_limit"
 };
 
+/// `rounds:` as written; a scalar without text was not given.
+struct RoundsSpec {
+  struct Carry {
+    std::string name;
+    Position at;
+    Scalar first, next;
+  };
+  bool given = false;
+  Position at;
+  std::vector<Carry> carry;
+  Scalar until, most;
+};
+
 struct PipelineSpec {
   std::vector<NodeSpec> nodes;                          ///< in the file's order, included files first
   std::vector<std::pair<std::string, Scalar>> outputs;  ///< file -> "node.port"
-  std::map<std::string, std::string> variables;         ///< final values
-  std::vector<SourceFile> sources;                      ///< the file itself, then what it includes
+  RoundsSpec rounds;
+  std::map<std::string, std::string> variables;  ///< final values
+  std::vector<SourceFile> sources;               ///< the file itself, then what it includes
 };
 
 /// A pipeline written by hand has some kilobytes. What is larger is no pipeline, and would take minutes to find out.

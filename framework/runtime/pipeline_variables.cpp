@@ -1,5 +1,7 @@
 #include "runtime/pipeline_variables.hpp"
 
+#include <algorithm>
+
 #include "runtime/near_names.hpp"
 
 namespace plumbline::runtime {
@@ -9,6 +11,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr size_t largest_value = size_t{1} << 20;
+constexpr const char* the_seed = "seed";  // of the run: it need be neither declared nor named by a value
 
 }  // namespace
 
@@ -16,6 +19,28 @@ std::string PipelineVariables::did_you_mean(const std::string& wanted) const {
   std::vector<std::string> names;
   for (const auto& [name, variable] : variables_) names.push_back(name);
   return runtime::did_you_mean(wanted, names);
+}
+
+void PipelineVariables::mention(const std::string& text) {
+  for (size_t at = text.find("${"); at != std::string::npos; at = text.find("${", at + 2))
+    if (const size_t end = text.find('}', at); end != std::string::npos)
+      mentioned_.insert(text.substr(at + 2, end - at - 2));
+}
+
+void PipelineVariables::tell_unused(const std::vector<std::string>& overrides) {
+  for (const std::string& text : overrides) mention(text);
+  for (const auto& [name, variable] : variables_) {
+    if (name == the_seed || mentioned_.count(name)) continue;
+    std::vector<std::string> others(mentioned_.begin(), mentioned_.end());
+    for (const auto& [other, entry] : variables_)
+      if (other != name) others.push_back(other);
+    std::sort(others.begin(), others.end());
+    others.erase(std::unique(others.begin(), others.end()), others.end());
+    const std::string near = runtime::did_you_mean(name, others);
+    problem(variable.declared,
+            "nothing uses the variable '" + name + "'" +
+                (near.empty() ? "; write ${" + name + "} where its value belongs, or take it away" : near));
+  }
 }
 
 void PipelineVariables::apply(const std::vector<std::string>& overrides) {
@@ -27,7 +52,8 @@ void PipelineVariables::apply(const std::vector<std::string>& overrides) {
     }
     if (is_node_override(text)) continue;
     const std::string key = text.substr(0, equals);
-    const auto found = variables_.find(key);
+    auto found = variables_.find(key);
+    if (found == variables_.end() && key == the_seed) found = variables_.try_emplace(key).first;
     if (found == variables_.end()) {
       problem({"'" + text + "'", 0, 0}, "this pipeline has no variable '" + key + "'" + did_you_mean(key));
       continue;

@@ -17,7 +17,13 @@ class PipelineVariables {
 
   /// A later declaration replaces an earlier one, as an including file may. Not `given`: it has to be on the command
   /// line.
-  void declare(const std::string& name, const Scalar& value, bool given) { variables_[name] = {value, given}; }
+  void declare(const std::string& name, const Scalar& value, bool given) {
+    variables_[name] = {value, given, value.at};
+  }
+  /// Every value of the files, also one that an including file or the command line replaces: what it names is used.
+  void mention(const std::string& text);
+  /// Tells of variables that no value of the files or of the overrides names: what they say would be without effect.
+  void tell_unused(const std::vector<std::string>& overrides);
   /// KEY=VALUE of the command line; those for nodes are passed over.
   void apply(const std::vector<std::string>& overrides);
   /// Replaces what variables hold of other variables.
@@ -32,6 +38,7 @@ class PipelineVariables {
   struct Variable {
     Scalar value;
     bool given = false;  ///< has a value
+    Position declared;
     enum { open, busy, done } state = open;
   };
 
@@ -41,6 +48,7 @@ class PipelineVariables {
 
   std::vector<Problem>& problems_;
   std::map<std::string, Variable> variables_;
+  std::set<std::string> mentioned_;
   std::set<std::string> told_;  // variables without a value that were told of
 };
 

@@ -114,7 +114,7 @@ fs::path memory_of(const std::string& sha256, const Roles& roles) {
     folder = fs::path(home) / ".cache" / "plumbline" / "plugins";
   if (folder.empty()) return folder;
   // The rules of this host are part of the name: what another one accepted is scanned anew.
-  std::string rules = "scan 1 abi " + std::to_string(PLUMBLINE_ABI_MAJOR) + "." + std::to_string(PLUMBLINE_ABI_MINOR);
+  std::string rules = "scan 2 abi " + std::to_string(PLUMBLINE_ABI_MAJOR) + "." + std::to_string(PLUMBLINE_ABI_MINOR);
   for (const auto& [name, role] : roles.all()) {
     rules += "|" + name;
     for (const auto* ports : {&role.inputs, &role.outputs})

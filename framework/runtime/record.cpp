@@ -15,6 +15,7 @@
 #include "runtime/digest.hpp"
 #include "runtime/json_text.hpp"
 #include "runtime/ownership.hpp"
+#include "runtime/running_nodes.hpp"
 
 namespace plumbline::runtime {
 
@@ -99,7 +100,10 @@ Record::Record(OutputFolder& out, const Graph& graph, const RunInfo& info) : out
   json["staging"] = out.staging_name();
   json["owned"] = Json::parse(ownership_text(out.owned()));
   out_.begin_record(dump(json));
+  name_them_in_record(out_.record_file());
 }
+
+Record::~Record() { name_them_in_record(-1); }
 
 namespace {
 
@@ -146,10 +150,11 @@ std::uint64_t peak_memory() {
 
 }  // namespace
 
-std::string Record::node_line(const GraphNode& node, const NodeResult& result, const Graph* graph) {
+std::string Record::node_line(const GraphNode& node, const NodeResult& result, bool with_connections) {
   const Plugin& plugin = *node.kind.plugin;
   JsonText json;
   json.open('{').field("event", "node").field("name", node.name).field("kind", node.kind.node->kind);
+  if (result.round > 0) json.field("round", std::uint64_t{result.round});
   json.field("at", node.at.text()).field("status", to_text(result.status));
   json.field("items", std::uint64_t{result.items}).field("items_executed", std::uint64_t{result.items_executed});
   if (result.start > 0) json.field("start", result.start);
@@ -159,15 +164,20 @@ std::string Record::node_line(const GraphNode& node, const NodeResult& result, c
   json.name("memory").open('{').field("announced", std::uint64_t{result.memory_announced});
   json.field("process_peak", peak_memory()).close('}');
   write_parameters(json, node);
-  if (graph && !node.inputs.empty()) {
+  if (with_connections && !node.connections.empty()) {
     json.name("connections").open('{');
-    for (const auto& [port, source] : node.inputs) json.field(port, graph->nodes[source.node].name + "." + source.port);
+    for (const auto& [port, text] : node.connections) json.field(port, text);
     json.close('}');
   }
   json.name("fields").open('{');
   for (const auto& [name, value] : result.fields) json.field(name, value);
   json.close('}');
   if (!result.why.empty()) json.field("why", result.why);
+  if (!result.used.empty()) {
+    json.name("used").open('{');
+    for (const auto& [file, hash] : result.used) json.field(file, hash);
+    json.close('}');
+  }
   write_ports(json, "inputs", result.inputs);
   write_ports(json, "outputs", result.outputs);
   json.name("types").open('{');
@@ -178,7 +188,14 @@ std::string Record::node_line(const GraphNode& node, const NodeResult& result, c
   return json.close('}').take();
 }
 
-void Record::node(const GraphNode& node, const NodeResult& result) { out_.append(node_line(node, result, &graph_)); }
+void Record::node(const GraphNode& node, const NodeResult& result) { out_.append(node_line(node, result, true)); }
+
+void Record::round(const RoundsEnd& end) {
+  Json json{{"event", "round"}, {"round", end.rounds}, {"over", end.over}, {"finished", end.finished}};
+  json["condition"] = end.text;
+  if (!end.problem.empty()) json["error"] = end.problem;
+  out_.append(dump(json));
+}
 
 void Record::end(const RunResult& result, const std::vector<Delivery>& deliveries) {
   Json json;
@@ -190,6 +207,11 @@ void Record::end(const RunResult& result, const std::vector<Delivery>& deliverie
     json[to_text(status)] = result.count(status);
   json["seconds"] = now() - start_;
   json["peak_memory"] = peak_memory();
+  if (graph_.rounds.most > 0)
+    json["rounds"] = {{"number", result.rounds.rounds},
+                      {"most", graph_.rounds.most},
+                      {"finished", result.rounds.finished},
+                      {"condition", result.rounds.text}};
   json["outputs"] = Json::object();
   for (const Delivery& delivery : deliveries)
     json["outputs"][delivery.file] = delivery.problem.empty() ? "written" : delivery.problem;

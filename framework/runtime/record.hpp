@@ -3,12 +3,15 @@
 //   {"event": "run_start", "plumbline", "time", "start", "host", "cpu_flags", "pipeline", "pipeline_sha256", "folder",
 //    "sources", "arguments", "variables", "seed", "store", "threads", "memory_limit", "plugins",
 //    "process", "staging", "owned"}
-//   {"event": "node", "name", "kind", "at", "status", "items", "items_executed", "start", "seconds", "item_seconds",
-//    "memory", "plugin", "parameters", "connections", "fields", "why", "inputs", "outputs", "types", "keys", "metrics",
-//    "warnings", "messages", "error", "cause"}                          one for each node, as it ends
+//   {"event": "node", "name", "kind", "round", "at", "status", "items", "items_executed", "start", "seconds",
+//   "item_seconds",
+//    "memory", "plugin", "parameters", "connections", "fields", "why", "used", "inputs", "outputs", "types", "keys",
+//    "metrics", "warnings", "messages", "error", "cause"}                          one for each node, as it ends
+//   {"event": "round", "round", "over", "finished", "condition", "error"}   after each round of a pipeline with rounds
 //   {"event": "deliver", "output", "number", "files", "folders"}      before an output is put in place
-//   {"event": "run_end", "status", "executed", "reused", "failed", "skipped", "seconds", "peak_memory", "outputs",
-//    "owned"}
+//   {"event": "killed", "by"}                                         in place of run_end: a node ended the program
+//   {"event": "run_end", "status", "executed", "reused", "failed", "skipped", "seconds", "peak_memory", "rounds",
+//    "outputs", "owned"}
 //
 // "sources" are the texts of the pipeline and of all it includes, "arguments" the overrides, "folder" the working
 // folder: with the plugins of "plugin" (and the build ids of the libraries they are linked with) they make the run
@@ -43,11 +46,15 @@ class Record {
   /// Starts run.jsonl in `out`, which must outlive the record as must the graph. Throws std::runtime_error if it cannot
   /// be written.
   Record(OutputFolder& out, const Graph& graph, const RunInfo& info);
+  ~Record();
+  Record(const Record&) = delete;
+  Record& operator=(const Record&) = delete;
   void node(const GraphNode& node, const NodeResult& result);
+  void round(const RoundsEnd& end);
   void end(const RunResult& result, const std::vector<Delivery>& deliveries);
 
-  /// The line of a node as JSON text, without its end of line; with its connections if the graph is given.
-  static std::string node_line(const GraphNode& node, const NodeResult& result, const Graph* graph = nullptr);
+  /// The line of a node as JSON text, without its end of line.
+  static std::string node_line(const GraphNode& node, const NodeResult& result, bool with_connections = false);
 
  private:
   OutputFolder& out_;

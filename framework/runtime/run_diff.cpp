@@ -74,7 +74,7 @@ class Comparer {
       : tolerance_(tolerance), store_(store), registry_(registry) {}
 
   NodeDifference compare(const RecordedNode& a, const RecordedNode& b) {
-    NodeDifference difference{a.name, {}, true};
+    NodeDifference difference{label_of(a.name, a.round), {}, true};
     const auto differ = [&](const std::string& line) {
       difference.lines.push_back(line);
       difference.within_tolerance = false;
@@ -164,13 +164,15 @@ std::vector<NodeDifference> compare_runs(const RecordedRun& a, const RecordedRun
   std::vector<NodeDifference> all;
   Comparer comparer(tolerance, store, registry);
   for (const RecordedNode& node : a.nodes) {
-    const RecordedNode* other = b.find(node.name);
+    const RecordedNode* other = b.find(node.name, node.round);
     NodeDifference difference =
-        other ? comparer.compare(node, *other) : NodeDifference{node.name, {"is only in the first run"}, false};
+        other ? comparer.compare(node, *other)
+              : NodeDifference{label_of(node.name, node.round), {"is only in the first run"}, false};
     if (!difference.lines.empty()) all.push_back(std::move(difference));
   }
   for (const RecordedNode& node : b.nodes)
-    if (!a.find(node.name)) all.push_back({node.name, {"is only in the second run"}, false});
+    if (!a.find(node.name, node.round))
+      all.push_back({label_of(node.name, node.round), {"is only in the second run"}, false});
   return all;
 }
 

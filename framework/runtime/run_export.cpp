@@ -62,7 +62,7 @@ std::string chrome_trace(const RecordedRun& run) {
     while (lane < free_at.size() && free_at[lane] > node->start) ++lane;
     if (lane == free_at.size()) free_at.push_back(0);
     free_at[lane] = node->start + node->seconds;
-    events.push_back({{"name", node->name},
+    events.push_back({{"name", label_of(node->name, node->round)},
                       {"cat", node->kind},
                       {"ph", "X"},
                       {"pid", 1},
@@ -71,6 +71,7 @@ std::string chrome_trace(const RecordedRun& run) {
                       {"dur", std::round(node->seconds * 1e6)},
                       {"args",
                        {{"kind", node->kind},
+                        {"round", node->round},
                         {"status", node->status},
                         {"items", node->items},
                         {"items_executed", node->items_executed},
@@ -101,9 +102,10 @@ std::string ro_crate(const RecordedRun& run) {
                           {"softwareVersion", node.plugin_version},
                           {"sha256", node.plugin_sha256}});
     seen[program] = true;
-    Json action = {{"@id", "#node-" + uri_path(node.name)},
+    const std::string id = "#node-" + uri_path(node.name) + (node.round > 1 ? "-" + std::to_string(node.round) : "");
+    Json action = {{"@id", id},
                    {"@type", "CreateAction"},
-                   {"name", node.name + " (" + node.kind + "): " + node.status},
+                   {"name", label_of(node.name, node.round) + " (" + node.kind + "): " + node.status},
                    {"instrument", reference(program)},
                    {"actionStatus", node.status == "executed" || node.status == "reused"
                                         ? "http://schema.org/CompletedActionStatus"
@@ -118,25 +120,20 @@ std::string ro_crate(const RecordedRun& run) {
         for (const std::string& hash : hashes) action[key].push_back(reference("#artifact-" + hash));
     };
     artifacts("result", node.outputs);
-    for (const auto& [port, source] : node.connections) {
-      const RecordedNode* from = run.find(source.substr(0, source.find('.')));
-      const auto hashes = from ? from->outputs.find(source.substr(source.find('.') + 1)) : node.outputs.end();
-      if (from && hashes != from->outputs.end())
-        for (const std::string& hash : hashes->second) action["object"].push_back(reference("#artifact-" + hash));
-    }
-    mentions.push_back(reference("#node-" + uri_path(node.name)));
+    artifacts("object", node.inputs);
+    mentions.push_back(reference(id));
     actions.push_back(action);
     for (const auto& [port, hashes] : node.outputs)
       for (const std::string& hash : hashes) {
-        const std::string id = "#artifact-" + hash;
+        const std::string artifact = "#artifact-" + hash;
         const auto type = node.types.find(port);
-        if (!seen[id])
-          files.push_back({{"@id", id},
+        if (!seen[artifact])
+          files.push_back({{"@id", artifact},
                            {"@type", "CreativeWork"},
                            {"name", node.name + "." + port},
                            {"additionalType", type == node.types.end() ? "" : type->second},
                            {"sha256", hash}});
-        seen[id] = true;
+        seen[artifact] = true;
       }
   }
   std::string arguments;

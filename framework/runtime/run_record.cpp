@@ -25,6 +25,8 @@ RecordedNode node_of(const Json& json) {
   take(json, "status", node.status);
   take(json, "error", node.error);
   take(json, "cause", node.cause);
+  take(json, "round", node.round);
+  take(json, "inputs", node.inputs);
   take(json, "start", node.start);
   take(json, "seconds", node.seconds);
   take(json, "items", node.items);
@@ -75,8 +77,18 @@ void end_of(const Json& json, RecordedRun& run) {
 }  // namespace
 
 const RecordedNode* RecordedRun::find(const std::string& name) const {
+  for (auto node = nodes.rbegin(); node != nodes.rend(); ++node)
+    if (node->name == name) return &*node;
+  const size_t at = name.rfind('@');
+  const std::string digits = at == std::string::npos ? "" : name.substr(at + 1);
+  if (digits.empty() || digits.size() > 9 || digits.find_first_not_of("0123456789") != std::string::npos)
+    return nullptr;
+  return find(name.substr(0, at), std::stoul(digits));
+}
+
+const RecordedNode* RecordedRun::find(const std::string& name, size_t round) const {
   for (const RecordedNode& node : nodes)
-    if (node.name == name) return &node;
+    if (node.name == name && node.round == round) return &node;
   return nullptr;
 }
 
@@ -102,6 +114,8 @@ RecordedRun read_run(const fs::path& path) {
         run.nodes.push_back(node_of(json));
       } else if (event == "run_end") {
         end_of(json, run);
+      } else if (event == "killed") {
+        run.status = "killed: " + json.value("by", "");
       } else if (event.empty()) {
         throw std::runtime_error("no line of a run record");
       }

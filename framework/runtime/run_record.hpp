@@ -14,13 +14,14 @@ namespace plumbline::runtime {
 
 struct RecordedNode {
   std::string name, kind, status, error, cause;
+  size_t round = 0;               ///< of a pipeline with rounds; 0: not one of them
   double start = 0, seconds = 0;  ///< start: seconds since 1970
   size_t items = 0, items_executed = 0;
   std::string plugin, plugin_version, plugin_sha256;
   KeyFields fields;
   std::vector<std::string> why, keys;
   std::map<std::string, std::string> connections;  ///< input port -> "node.port"
-  std::map<std::string, Hashes> outputs;
+  std::map<std::string, Hashes> inputs, outputs;
   std::map<std::string, std::string> types;  ///< of the outputs
   std::vector<Metric> metrics;
 };
@@ -34,7 +35,9 @@ struct RecordedRun {
   double start = 0, seconds = 0;
   std::vector<RecordedNode> nodes;               ///< in the order they ended
   std::map<std::string, std::string> delivered;  ///< file in the output folder -> SHA-256
+  /// By name; of a node that ran in several rounds the last, or that of "name@3".
   const RecordedNode* find(const std::string& name) const;
+  const RecordedNode* find(const std::string& name, size_t round) const;
 };
 
 /// `path` is a run.jsonl or the folder of one. Throws std::runtime_error if it cannot be read or is no record.

@@ -1,6 +1,7 @@
 #include "runtime/running_nodes.hpp"
 
 #include <signal.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -17,6 +18,8 @@ namespace {
 std::array<std::atomic<const char*>, 512> running;
 thread_local const char* in_this_thread = nullptr;
 SharedNodes* shared = nullptr;
+std::atomic<pid_t> process = 0;  // in which they run
+std::atomic<int> record = -1;
 
 /// The first letter last: whoever reads in between reads nothing.
 void share(size_t slot, const std::string& text) {
@@ -34,15 +37,15 @@ void share(size_t slot, const std::string& text) {
 void say(const char* text) { [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, text, std::strlen(text)); }
 
 bool any_runs() {
+  if (process != getpid()) return false;  // forked by a node: its end is nobody else's
   for (const auto& slot : running)
     if (slot.load()) return true;
   return false;
 }
 
 /// The node of this thread; in a thread that a node started, all that run are in question.
-void name_culprits(const char* what, const char* detail) {
-  if (shared) return;
-  say("\n");
+template <typename Say>
+void name_culprits(const char* what, const char* detail, const Say& say) {
   if (in_this_thread) {
     say(in_this_thread);
   } else {
@@ -56,6 +59,45 @@ void name_culprits(const char* what, const char* detail) {
   }
   say(what);
   say(detail);
+}
+
+/// A line of JSON, made in place: a signal handler may take no memory.
+class RecordLine {
+ public:
+  void add(const char* text) {
+    for (; *text; ++text) {
+      const auto c = static_cast<unsigned char>(*text);
+      if (c >= 0x20 && c != '"' && c != '\\') {
+        put(*text);
+        continue;
+      }
+      for (const char digit : {'\\', 'u', '0', '0', "0123456789abcdef"[c >> 4], "0123456789abcdef"[c & 15]}) put(digit);
+    }
+  }
+  void add_plain(const char* text) {
+    for (; *text; ++text) put(*text);
+  }
+  void write_to(int file) const { [[maybe_unused]] const ssize_t written = ::write(file, text_, size_); }
+
+ private:
+  void put(char c) {
+    if (size_ < sizeof text_) text_[size_++] = c;
+  }
+  char text_[4096];
+  size_t size_ = 0;
+};
+
+void name_culprits(const char* what, const char* detail) {
+  if (const int file = record; file >= 0) {
+    RecordLine line;
+    line.add_plain("{\"event\": \"killed\", \"by\": \"");
+    name_culprits(what, detail, [&](const char* text) { line.add(text); });
+    line.add_plain("\"}\n");
+    line.write_to(file);
+  }
+  if (shared) return;
+  say("\n");
+  name_culprits(what, detail, say);
   say(".\nThe nodes that were done are kept, and the next run goes on from there. Mend the node's plugin or use another"
       " kind.\n");
 }
@@ -80,10 +122,14 @@ extern "C" void on_fatal_signal(int signal) {
   ::raise(signal);  // SA_RESETHAND has put the default action back
 }
 
+[[noreturn]] void end_at_once() {
+  for (;;) ::syscall(SYS_exit_group, 1);
+}
+
 void on_exit() {
   if (!any_runs()) return;
   name_culprits(" called exit(), which a node must not do", "");
-  ::_exit(1);
+  end_at_once();
 }
 
 /// A stack for signal handlers: a node that has used up its own must still be named.
@@ -122,6 +168,14 @@ void name_nodes_that_end_the_process() {
   (void)installed;
 }
 
+void name_them_in_record(int file) { record = file; }
+
+void end_if_a_node_asks(const char* call) {
+  if (!any_runs()) return;
+  name_culprits(" ended the program, which a node must not do: it called ", call);
+  end_at_once();
+}
+
 void tell_running_nodes(SharedNodes& memory) {
   memory = {};
   shared = &memory;
@@ -137,6 +191,7 @@ std::string nodes_in(const SharedNodes& memory) {
 
 RunningNode::RunningNode(std::string text) : text_(std::move(text)), slot_(running.size()), outer_(in_this_thread) {
   thread_local const SignalStack stack;
+  process = getpid();
   in_this_thread = text_.c_str();
   for (size_t i = 0; i < running.size(); ++i) {
     const char* empty = nullptr;

@@ -22,6 +22,13 @@ std::string nodes_in(const SharedNodes& memory);
 /// 0: exit(0) becomes 1, a fatal signal stays what it is.
 void name_nodes_that_end_the_process();
 
+/// Where the same is written as a line of a record, {"event": "killed", "by": "..."}; -1: nowhere.
+void name_them_in_record(int file);
+
+/// `call` is one that ends this process or puts another program in its place. If a node runs in it, it is that node's
+/// work: it is named, and the process ends with exit code 1. Does nothing in a process that a node has forked.
+void end_if_a_node_asks(const char* call);
+
 /// A node runs in this thread as long as this lives. `text` says which: "p.yaml:3:3: node 'x' (family.kind)".
 class RunningNode {
  public:

@@ -65,6 +65,8 @@ struct StoredRun {
   std::vector<Metric> metrics;
   std::vector<std::string> warnings, messages;
   double seconds = 0;
+  /// Hash by path of the files that it was found to depend on when it ran, beside what its key is made of.
+  std::map<std::string, std::string> used;
 };
 
 class Store {
@@ -95,7 +97,8 @@ class Store {
   void keep(const StoredRun& run);
   /// The run of that key if it is there with all that it names. If something of it is missing or damaged, `damage` says
   /// what, and the answer is empty, so that the node runs again.
-  std::optional<StoredRun> find_run(const std::string& key, std::string& damage);
+  /// `outdated` says which of the files that the run used has changed; the answer is empty then, too.
+  std::optional<StoredRun> find_run(const std::string& key, std::string& damage, std::string& outdated);
 
   /// An empty folder for a node to fill, then commit_folder() or discard it.
   std::filesystem::path new_folder();
@@ -145,6 +148,7 @@ class Store {
   std::map<std::string, std::shared_ptr<const Blob::Memory>> contents_starting_with(const std::string& prefix) const;
   [[noreturn]] void throw_missing(const std::string& hash) const;
   [[noreturn]] void fail(const std::string& what, int error) const;
+  std::string changed_of(const std::map<std::string, std::string>& used);
   void remove_leftovers() const;
   void sync() const;
 

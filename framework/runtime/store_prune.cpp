@@ -65,6 +65,7 @@ std::vector<StoredFile> results_in(const fs::path& runs) {
         json.at("kind").get_to(result.kind);
         for (const auto& [port, hashes] : json.at("outputs").items())
           for (const auto& hash : hashes) result.blobs.insert(hash.get<std::string>());
+        if (json.contains("used")) result.blobs.insert(json.at("used").get<std::string>());
         if (json.contains("folders"))
           for (const auto& [name, tree] : json.at("folders").items()) result.folders.insert(name);
       }

@@ -91,6 +91,12 @@ void Store::put_run(const std::string& key, const StoredRun& run) {
     for (const auto& [name, tree] : run.folders) json.field(name, tree);
     json.close('}');
   }
+  if (!run.used.empty()) {
+    // A blob of its own: many runs have the same list, which may be long.
+    std::string list;
+    for (const auto& [file, hash] : run.used) list += hash + " " + file + "\n";
+    json.field("used", put(list.data(), list.size()));
+  }
   if (!run.metrics.empty()) {
     json.name("metrics").open('[');
     for (const Metric& metric : run.metrics)
@@ -104,6 +110,15 @@ void Store::put_run(const std::string& key, const StoredRun& run) {
 }
 
 namespace {
+
+/// "<hash> <path>", a line each.
+std::map<std::string, std::string> used_in(const std::string& list) {
+  std::map<std::string, std::string> used;
+  std::istringstream lines(list);
+  for (std::string line; std::getline(lines, line);)
+    if (line.size() > 65) used[line.substr(65)] = line.substr(0, 64);
+  return used;
+}
 
 /// Throws nlohmann::json::exception, or StoreError for content that does not match its name.
 StoredRun run_from(const nlohmann::json& json, std::map<std::string, Memory>& contents) {
@@ -130,8 +145,19 @@ StoredRun run_from(const nlohmann::json& json, std::map<std::string, Memory>& co
 
 }  // namespace
 
-std::optional<StoredRun> Store::find_run(const std::string& key, std::string& damage) {
+/// The first that is not what it was; empty if none.
+std::string Store::changed_of(const std::map<std::string, std::string>& used) {
+  for (const auto& [file, hash] : used) {
+    std::error_code failed;
+    if (!fs::is_regular_file(file, failed)) return file + ", which it used, is not there any more";
+    if (file_hashes_->of_file(file) != hash) return file + ", which it used, has changed";
+  }
+  return "";
+}
+
+std::optional<StoredRun> Store::find_run(const std::string& key, std::string& damage, std::string& outdated) {
   damage.clear();
+  outdated.clear();
   const std::string path = run_path(key);
   const auto text = load(path);
   if (!text) return std::nullopt;
@@ -139,7 +165,13 @@ std::optional<StoredRun> Store::find_run(const std::string& key, std::string& da
   try {
     const char* begin = static_cast<const char*>(text->data());
     std::map<std::string, Memory> contents;
-    run = run_from(nlohmann::json::parse(begin, begin + text->size), contents);
+    const auto json = nlohmann::json::parse(begin, begin + text->size);
+    run = run_from(json, contents);
+    if (json.contains("used")) {
+      const Blob blob = get(json.at("used").get<std::string>());
+      const plumbline_bytes list = blob.bytes();
+      run.used = used_in({static_cast<const char*>(list.data), list.size});
+    }
     {
       const std::scoped_lock lock(mutex_);
       held_.merge(contents);
@@ -157,6 +189,8 @@ std::optional<StoredRun> Store::find_run(const std::string& key, std::string& da
     damage = error.what();
     return std::nullopt;
   }
+  outdated = changed_of(run.used);
+  if (!outdated.empty()) return std::nullopt;
   mark_used(path);
   return run;
 }

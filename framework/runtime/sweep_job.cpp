@@ -40,7 +40,31 @@ CellRecord record_of(const SweepCell& cell, const std::vector<size_t>& nodes, co
     if (!result.inputs.empty()) record.inputs[name] = hash_of_inputs(result);
     if (result.status == NodeStatus::executed) record.seconds[name] = result.item_seconds;
   }
+  for (const RunResult::EarlierRound& node : run.earlier)
+    record.seconds[cell.graph->graph.nodes[node.node].name] += node.result.item_seconds;
+  if (run.rounds.rounds > 0) {
+    record.metrics["rounds.number"] = {"number", static_cast<double>(run.rounds.rounds), "1"};
+    record.metrics["rounds.finished"] = {"finished", run.rounds.finished ? 1.0 : 0.0, "1"};
+  }
+  if (!run.rounds.problem.empty() && !record.failed) {
+    record.failed = true;
+    record.error = run.rounds.problem;
+  }
   return record;
+}
+
+/// One graph for the cells that are ordinary ones, and one for each that has rounds.
+std::vector<MergedGraph> graphs_of(const std::vector<const SweepCell*>& cells) {
+  std::vector<const SweepCell*> ordinary;
+  std::vector<MergedGraph> graphs;
+  for (const SweepCell* cell : cells) {
+    if (cell->graph->graph.rounds.most == 0)
+      ordinary.push_back(cell);
+    else
+      graphs.push_back(merge_cells({cell}));
+  }
+  if (!ordinary.empty()) graphs.push_back(merge_cells(ordinary));
+  return graphs;
 }
 
 constexpr size_t largest_in_memory = size_t{4} << 20;  ///< of what a node hands on, where only results are kept
@@ -57,10 +81,7 @@ SweepAnswer run_sweep_job(const SweepPlan& plan, const SweepJob& job, const Regi
                           const fs::path& scratch, int threads, uint64_t memory, const std::atomic<bool>* cancel) {
   std::vector<const SweepCell*> cells;
   for (const size_t index : job.cells) cells.push_back(&plan.cells[index]);
-  const MergedGraph merged = merge_cells(cells);
   SweepAnswer answer;
-  for (const auto& nodes : merged.nodes) answer.nodes += nodes.size();
-  answer.merged = merged.graph.nodes.size();
   std::unique_ptr<Store> thrown_away;
   const fs::path own = scratch / std::to_string(getpid());
   if (!plan.file.keep_everything) {
@@ -72,21 +93,26 @@ SweepAnswer run_sweep_job(const SweepPlan& plan, const SweepJob& job, const Regi
   options.memory = memory;
   options.cancel = cancel;
   options.remember = false;
-  Observer silent;
-  const RunResult run = execute(merged.graph, registry, thrown_away ? *thrown_away : store, options, silent);
+  std::vector<std::pair<const SweepCell*, CellRecord>> done;
+  for (const MergedGraph& merged : graphs_of(cells)) {
+    Observer silent;
+    const RunResult run = execute(merged.graph, registry, thrown_away ? *thrown_away : store, options, silent);
+    for (size_t c = 0; c < merged.cells.size(); ++c) {
+      answer.nodes += merged.nodes[c].size();
+      done.emplace_back(merged.cells[c], record_of(*merged.cells[c], merged.nodes[c], run));
+    }
+    answer.merged += merged.graph.nodes.size();
+    answer.executed += run.count(NodeStatus::executed);
+    answer.cancelled = answer.cancelled || run.cancelled;
+  }
   thrown_away.reset();
   std::error_code ignored;
   if (!plan.file.keep_everything) fs::remove_all(own, ignored);
-  answer.executed = run.count(NodeStatus::executed);
-  if (run.cancelled) {
-    answer.cancelled = true;
-    return answer;
-  }
+  if (answer.cancelled) return answer;
   const CellRecords records(store);
-  for (size_t c = 0; c < cells.size(); ++c) {
-    const CellRecord record = record_of(*cells[c], merged.nodes[c], run);
+  for (const auto& [cell, record] : done) {
     answer.failed += record.failed;
-    records.put(cells[c]->key, record);
+    records.put(cell->key, record);
   }
   return answer;
 }

@@ -9,6 +9,7 @@
 #include "runtime/key.hpp"
 #include "runtime/near_names.hpp"
 #include "runtime/pipeline_file.hpp"
+#include "runtime/rounds.hpp"
 #include "runtime/sweep_measures.hpp"
 
 namespace plumbline::runtime {
@@ -27,6 +28,7 @@ std::set<std::string> measured_nodes(const SweepFile& file) {
 /// The nodes of those names and all that they take from.
 std::vector<bool> leading_to(const Graph& graph, const std::set<std::string>& wanted) {
   std::vector<bool> needed(graph.nodes.size(), false);
+  if (graph.rounds.most > 0) needed = needed_by_rounds(graph, graph.rounds);
   for (size_t i = graph.nodes.size(); i-- > 0;) {
     if (wanted.count(graph.nodes[i].name)) needed[i] = true;
     if (needed[i])
@@ -47,7 +49,25 @@ Graph reduced(const Graph& graph, const std::set<std::string>& wanted) {
     result.nodes.push_back(graph.nodes[i]);
     for (auto& [port, source] : result.nodes.back().inputs) source.node = place[source.node];
   }
+  for (Carry& carry : result.rounds.carry) {
+    carry.next.node = place[carry.next.node];
+    if (carry.first) carry.first->node = place[carry.first->node];
+  }
+  if (result.rounds.until) result.rounds.until->node = place[result.rounds.until->node];
   return result;
+}
+
+/// What comes from other rounds, and how many there may be.
+void add_rounds(const Graph& graph, const GraphNode& node, KeyFields& fields) {
+  for (const auto& [port, name] : node.carried) fields["carried " + port] = name;
+  for (const auto& [port, name] : node.collected) fields["collected " + port] = name;
+  if (node.carried.empty() && node.collected.empty()) return;
+  std::string text = std::to_string(graph.rounds.most) + (graph.rounds.until ? "\n" + graph.rounds.until->text : "");
+  for (const Carry& carry : graph.rounds.carry) {
+    text += "\n" + carry.name + " " + graph.nodes[carry.next.node].name + "." + carry.next.port;
+    if (carry.first) text += " " + graph.nodes[carry.first->node].name + "." + carry.first->port;
+  }
+  fields["rounds"] = text;
 }
 
 /// A node draws its seed by its name, so that belongs to what it computes.
@@ -56,6 +76,7 @@ std::vector<std::string> recipes_of(const Graph& graph, FileHashes& hashes) {
   for (const GraphNode& node : graph.nodes) {
     KeyFields fields = key_fields(node, hashes);
     fields["name"] = node.name;
+    add_rounds(graph, node, fields);
     for (const auto& [port, source] : node.inputs) fields["input " + port] = recipes[source.node] + "." + source.port;
     recipes.push_back(key_of(fields));
   }
@@ -468,7 +489,10 @@ MergedGraph merge_cells(const std::vector<const SweepCell*>& cells) {
       merged.graph.nodes.push_back(graph.nodes[i]);
       for (auto& [port, source] : merged.graph.nodes.back().inputs) source.node = place[source.node];
     }
+    // One with rounds is alone in its graph; two of its nodes never have one recipe, their names are in it.
+    if (graph.rounds.most > 0) merged.graph.rounds = graph.rounds;
     merged.nodes.push_back(std::move(place));
+    merged.cells.push_back(cell);
   }
   return merged;
 }

@@ -60,6 +60,7 @@ SweepPlan plan_sweep(const SweepFile& file, const Overrides& overrides, const Re
 struct MergedGraph {
   Graph graph;
   std::vector<std::vector<size_t>> nodes;
+  std::vector<const SweepCell*> cells;
 };
 MergedGraph merge_cells(const std::vector<const SweepCell*>& cells);
 

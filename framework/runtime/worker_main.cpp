@@ -16,6 +16,7 @@
 
 #include "runtime/child_process.hpp"
 #include "runtime/library.hpp"
+#include "runtime/run_conditions.hpp"
 #include "runtime/worker_messages.hpp"
 
 namespace plumbline::runtime {
@@ -207,11 +208,20 @@ int32_t serve(const std::string& request) {
   RemoteHost host;
   int32_t answer = 1;
   try {
+    ProcessConditions process;
+    const ThreadConditions thread;
     const plumbline_node* node = find_node(library, identity, kind);
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<size_t>(threads));
     tbb::task_arena arena(threads);
     limit_memory(memory);
-    arena.execute([&] { answer = node->run(host.table(), node); });
+    std::string changes;
+    arena.execute([&] {
+      const ThreadConditions of_node;  // the arena may give it another thread
+      answer = node->run(host.table(), node);
+      changes = of_node.changes();
+    });
+    if (const std::string more = process.restore(); !more.empty()) changes += (changes.empty() ? "" : ", ") + more;
+    if (!changes.empty()) throw std::runtime_error(left_changed_text(changes));
   } catch (const std::exception& error) {
     host.table()->fail(host.table()->context, error.what());
   } catch (...) {

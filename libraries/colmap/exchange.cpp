@@ -121,7 +121,8 @@ BundleSummary adjust_by_colmap(const bundle::Problem& problem, bundle::State& st
   write_files(markers::colmap_text(model_of(problem, state, order)), in);
   const auto flag = [](bool on) { return std::string(on ? "1" : "0"); };
   const std::string said =
-      run_program({"bundle_adjuster", "--input_path", in.string(), "--output_path", out.string(),
+      run_program(options.program,
+                  {"bundle_adjuster", "--input_path", in.string(), "--output_path", out.string(),
                    "--BundleAdjustment.max_num_iterations", std::to_string(options.max_iterations),
                    "--BundleAdjustment.function_tolerance", "1e-12", "--BundleAdjustment.parameter_tolerance", "1e-12",
                    "--BundleAdjustment.refine_focal_length", flag(options.refine_focal_length),

@@ -16,7 +16,8 @@ namespace plumbline::colmap {
 struct BundleOptions {
   bool refine_focal_length = true, refine_principal_point = false, refine_extra_params = true;
   int max_iterations = 100;
-  double time_limit = 600;  ///< [s]
+  double time_limit = 600;              ///< [s]
+  std::string program = usual_program;  ///< name or path
 };
 
 struct BundleSummary {

@@ -14,6 +14,9 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <map>
+#include <mutex>
+#include <regex>
 #include <stdexcept>
 
 #include "plumbline/stop.hpp"
@@ -25,7 +28,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* program = "colmap";
 constexpr int poll_milliseconds = 20;
 
 std::string text_of(const fs::path& file) {
@@ -57,7 +59,7 @@ std::vector<char*> pointers(std::vector<std::string>& words) {
   return result;
 }
 
-pid_t start(const std::vector<std::string>& arguments, const fs::path& log) {
+pid_t start(const std::string& program, const std::vector<std::string>& arguments, const fs::path& log) {
   std::vector<std::string> words = {program}, environment = settings();
   words.insert(words.end(), arguments.begin(), arguments.end());
   posix_spawn_file_actions_t files;
@@ -67,13 +69,13 @@ pid_t start(const std::vector<std::string>& arguments, const fs::path& log) {
   posix_spawn_file_actions_adddup2(&files, STDOUT_FILENO, STDERR_FILENO);
   pid_t child = -1;
   const int error =
-      posix_spawnp(&child, program, &files, nullptr, pointers(words).data(), pointers(environment).data());
+      posix_spawnp(&child, program.c_str(), &files, nullptr, pointers(words).data(), pointers(environment).data());
   posix_spawn_file_actions_destroy(&files);
   if (error == ENOENT)
-    throw std::runtime_error(
-        "the program 'colmap' is not installed: install it (Debian: apt install colmap), or use adjust.schur or "
-        "adjust.ceres, which need no other program");
-  if (error) throw std::runtime_error(std::string("the program 'colmap' cannot be started: ") + std::strerror(error));
+    throw std::runtime_error("the program '" + program +
+                             "' is not installed: install it (Debian: apt install colmap), or use adjust.schur or "
+                             "adjust.ceres, which need no other program");
+  if (error) throw std::runtime_error("the program '" + program + "' cannot be started: " + std::strerror(error));
   return child;
 }
 
@@ -132,9 +134,10 @@ fs::path ScratchFolder::make(const std::string& name) const {
   return path_ / name;
 }
 
-std::string run_program(const std::vector<std::string>& arguments, double seconds, const fs::path& log) {
+std::string run_program(const std::string& program, const std::vector<std::string>& arguments, double seconds,
+                        const fs::path& log) {
   const auto begin = std::chrono::steady_clock::now();
-  Child child(start(arguments, log));
+  Child child(start(program, arguments, log));
   int status = 0;
   while (!child.has_ended(status)) {
     stop_point();
@@ -154,7 +157,28 @@ std::string run_program(const std::vector<std::string>& arguments, double second
   return text_of(log);
 }
 
-bool is_installed() {
+std::string version_of(const std::string& program) {
+  static std::mutex mutex;
+  static std::map<std::string, std::string> known;
+  const std::scoped_lock lock(mutex);
+  const auto [found, fresh] = known.try_emplace(program);
+  if (!fresh) return found->second;
+  constexpr double seconds = 20;
+  const ScratchFolder scratch;
+  try {
+    const std::string said = run_program(program, {"help"}, seconds, scratch.path() / "log");
+    std::smatch match;
+    if (std::regex_search(said, match, std::regex("COLMAP [0-9][^ \n]*"))) found->second = match.str();
+  } catch (const Stopped&) {
+    known.erase(found);
+    throw;
+  } catch (const std::exception&) {  // what is wrong with it the work will tell
+  }
+  return found->second;
+}
+
+bool is_installed(const std::string& program) {
+  if (program.find('/') != std::string::npos) return access(program.c_str(), X_OK) == 0;
   const char* path = std::getenv("PATH");
   std::string rest = path ? path : "/usr/bin:/bin";
   for (size_t at = 0; at <= rest.size();) {

@@ -23,12 +23,19 @@ class ScratchFolder {
   std::filesystem::path path_;
 };
 
-/// Runs `colmap` with these arguments (the first is its command) and gives all that it printed. What it prints goes
-/// through the file `log`. Throws std::runtime_error if the program is not installed, ends with an error or takes
-/// longer than `seconds`, with the end of what it printed; Stopped if the work is to end.
-std::string run_program(const std::vector<std::string>& arguments, double seconds, const std::filesystem::path& log);
+/// The name by which it is looked for on PATH, where nobody says which one it is.
+inline constexpr const char* usual_program = "colmap";
+
+/// Runs `program`, COLMAP by its name or path, with these arguments (the first is its command) and gives all that it
+/// printed. What it prints goes through the file `log`. Throws std::runtime_error if the program is not installed, ends
+/// with an error or takes longer than `seconds`, with the end of what it printed; Stopped if the work is to end.
+std::string run_program(const std::string& program, const std::vector<std::string>& arguments, double seconds,
+                        const std::filesystem::path& log);
 
 /// Whether the program can be started.
-bool is_installed();
+bool is_installed(const std::string& program = usual_program);
+
+/// What it says it is: "COLMAP 3.8", empty if it says nothing of that kind. Asked once for each program.
+std::string version_of(const std::string& program);
 
 }  // namespace plumbline::colmap

@@ -56,10 +56,10 @@ markers::ColmapModel largest_model(const fs::path& folder, std::vector<std::stri
 }  // namespace
 
 Reconstruction reconstruct(const fs::path& photographs, const ReconstructionOptions& options) {
-  if (!is_installed())
-    throw std::runtime_error(
-        "the program 'colmap' is not installed: install it (Debian: apt install colmap); photographs of markers need "
-        "no other program");
+  if (!is_installed(options.program))
+    throw std::runtime_error("the program '" + options.program +
+                             "' is not installed: install it (Debian: apt install colmap); photographs of markers need "
+                             "no other program");
   Reconstruction result;
   const std::vector<std::string> names = photographs_in(photographs, result.warnings);
   const ScratchFolder scratch;
@@ -72,16 +72,19 @@ Reconstruction reconstruct(const fs::path& photographs, const ReconstructionOpti
   }
   const std::string threads = std::to_string(options.threads), folder = fs::absolute(photographs).string();
   run_program(
+      options.program,
       {"feature_extractor", "--database_path", database.string(), "--image_path", folder, "--image_list_path",
        list.string(), "--ImageReader.single_camera", options.one_camera ? "1" : "0", "--ImageReader.camera_model",
        options.camera_model, "--SiftExtraction.use_gpu", "0", "--SiftExtraction.num_threads", threads,
        "--SiftExtraction.max_image_size", std::to_string(options.max_image_size), "--SiftExtraction.max_num_features",
        std::to_string(options.max_features)},
       options.time_limit, log);
-  run_program({"exhaustive_matcher", "--database_path", database.string(), "--SiftMatching.use_gpu", "0",
+  run_program(options.program,
+              {"exhaustive_matcher", "--database_path", database.string(), "--SiftMatching.use_gpu", "0",
                "--SiftMatching.num_threads", threads},
               options.time_limit, log);
-  run_program({"mapper", "--database_path", database.string(), "--image_path", folder, "--output_path", models.string(),
+  run_program(options.program,
+              {"mapper", "--database_path", database.string(), "--image_path", folder, "--output_path", models.string(),
                "--Mapper.num_threads", threads},
               options.time_limit, log);
   result.model = largest_model(models, result.warnings);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "colmap/program.hpp"
 #include "markers/colmap_files.hpp"
 
 namespace plumbline::colmap {
@@ -17,6 +18,7 @@ struct ReconstructionOptions {
   int max_features = 8192;                     ///< an image
   int threads = 1;                             ///< with more the model is not the same twice
   double time_limit = 3600;                    ///< of each of the three programs [s]
+  std::string program = usual_program;         ///< name or path
 };
 
 struct Reconstruction {

@@ -42,6 +42,9 @@ struct ColmapAdjuster : Node {
                                 "control narrower than this against its length is refused as a line"};
   Param<int64_t> max_iterations{"max_iterations", 100, between(1, 10000), "of COLMAP's bundle_adjuster"};
   Param<double> time_limit{"time_limit", 600.0, "s", between(1e-3, 1e6), "after which the program is ended"};
+  Param<FilePath> program{"program",
+                          {colmap::usual_program},
+                          "COLMAP: a name on PATH, or a path; what it and its libraries are is part of the key"};
 
   Out<Points> points{"points", frame("frame=?F"), "adjusted anchors, without standard deviations"};
   Out<Camera> adjusted_camera{"camera", "interior orientation after the adjustment"};
@@ -65,8 +68,10 @@ struct ColmapAdjuster : Node {
     }
     for (const auto& warning : builder.warnings()) context.warn(warning);
     colmap::TagBlockOptions how;
-    how.bundle = {*refine_focal_length, *refine_principal_point, *refine_extra_params,
-                  static_cast<int>(*max_iterations), *time_limit};
+    how.bundle = {*refine_focal_length, *refine_principal_point,
+                  *refine_extra_params, static_cast<int>(*max_iterations),
+                  *time_limit,          program->path};
+    context.info("program: " + colmap::version_of(program->path) + ", " + program->path);
     how.estimate_scale = *scale == "estimated";
     how.min_width_ratio = *min_width_ratio;
     const TagBlockResult result = colmap::adjust_plates(builder.block(), how);

@@ -10,6 +10,8 @@ void ColmapSfm::run(Context& context) {
   options.camera_model = *camera_model, options.one_camera = *one_camera;
   options.max_image_size = static_cast<int>(*max_image_size), options.max_features = static_cast<int>(*max_features);
   options.threads = static_cast<int>(*threads), options.time_limit = *time_limit;
+  options.program = program->path;
+  context.info("program: " + colmap::version_of(program->path) + ", " + program->path);
   const colmap::Reconstruction found = colmap::reconstruct(photographs->path, options);
   for (const std::string& warning : found.warnings) context.warn(warning);
   for (const std::string& name : found.unregistered)

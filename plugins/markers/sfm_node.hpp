@@ -2,6 +2,7 @@
 #pragma once
 
 #include "artifacts/folder.hpp"
+#include "colmap/program.hpp"
 #include "plumbline/node.hpp"
 
 namespace plumbline::markers {
@@ -22,6 +23,9 @@ struct ColmapSfm : Node {
   Param<int64_t> max_features{"max_features", 8192, between(100, 1000000), "an image"};
   Param<int64_t> threads{"threads", 1, between(1, 256), "of COLMAP; the model is the same twice with one only"};
   Param<double> time_limit{"time_limit", 3600.0, "s", between(1, 1e7), "of each of COLMAP's three programs"};
+  Param<FilePath> program{"program",
+                          {colmap::usual_program},
+                          "COLMAP: a name on PATH, or a path; what it and its libraries are is part of the key"};
   Out<Folder> model{"model", "the model as COLMAP text files"};
 
   void run(Context& context) override;

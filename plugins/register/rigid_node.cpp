@@ -4,6 +4,7 @@
 
 #include "plumbline/node.hpp"
 #include "registrar_artifacts.hpp"
+#include "without_worst_node.hpp"
 
 namespace {
 
@@ -94,4 +95,4 @@ struct RegisterRigid : Node {
 
 }  // namespace
 
-PLUMBLINE_PLUGIN("register", "0.1.0", "MIT", RegisterRigid)
+PLUMBLINE_PLUGIN("register", "0.1.0", "MIT", RegisterRigid, reg::WithoutWorst)

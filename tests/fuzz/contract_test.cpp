@@ -190,7 +190,7 @@ void expect_sound(const Graph& graph, int trial) {
 TEST(FuzzContract, Pipelines) {
   const TemporaryFolder folder;
   const std::string sound =
-      "plumbline: 1\nvars: {seed: 1, k: \"${j}\", j: 2, l: ~}\nnodes:\n"
+      "plumbline: 1\nvars: {seed: 1, k: \"${j}\", j: 2}\nnodes:\n"
       "  a: {use: story.constant, with: {value: \"${k}\"}}\n"
       "  b: {use: story.add, in: {a: a.number}, with: {offset: 1, mode: plain}, isolate: process, time_limit: 5 s}\n"
       "  s: {use: story.series}\n  q: {use: story.square, in: {number: s.numbers}}\n"

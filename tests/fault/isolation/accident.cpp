@@ -1,5 +1,8 @@
 // Nodes that take their process down in one way each: for the tests of isolation.
+#include <fenv.h>
+#include <locale.h>
 #include <poll.h>
+#include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
@@ -88,6 +91,68 @@ struct Accident : Node {
   }
 };
 
+void wait_for(const std::filesystem::path& file) {
+  for (int i = 0; i < 1000 && !std::filesystem::exists(file); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+}
+
+/// Ends well, but leaves something of its thread or its process other than it was.
+struct LeavesChanged : Node {
+  static constexpr Info info{"accident.leaves_changed", "", 1, "Changes what a node must leave as it is"};
+  Param<std::string> what{
+      "what", required,
+      one_of("rounding", "subnormals", "traps", "blocked", "umask", "folder", "locale", "environment", "signals"),
+      "what it changes"};
+  Param<std::string> place{"place", "", "folder: it goes on until somebody beside it says there that he has seen it"};
+  Out<Number> out{"number", "the number"};
+
+  void run(Context&) override {
+    if (*what == "rounding") fesetround(FE_UPWARD);
+    if (*what == "subnormals" || *what == "traps") {
+#if defined(__x86_64__)
+      const unsigned mode = __builtin_ia32_stmxcsr();
+      __builtin_ia32_ldmxcsr(*what == "traps" ? mode & ~0x1000u : mode | 0x8040u);
+#endif
+    }
+    if (*what == "blocked") {
+      sigset_t one;
+      sigemptyset(&one);
+      sigaddset(&one, SIGTERM);
+      pthread_sigmask(SIG_BLOCK, &one, nullptr);
+    }
+    if (*what == "umask") umask(0);
+    if (*what == "folder" && chdir("/") != 0) throw std::runtime_error("cannot go there");
+    if (*what == "locale") setlocale(LC_ALL, "C.UTF-8");
+    if (*what == "environment") {
+      setenv("PATH", "/none", 1);
+      setenv("ACCIDENT_WAS_HERE", "1", 1);
+    }
+    if (*what == "signals") std::signal(SIGCHLD, SIG_IGN);
+    if (!place->empty()) {
+      std::ofstream(std::filesystem::path(*place) / "changed") << "1";
+      wait_for(std::filesystem::path(*place) / "seen");
+    }
+    out.commit(number(1));
+  }
+};
+
+/// What every mode but the default one changes.
+struct Thirds : Node {
+  static constexpr Info info{"accident.thirds", "", 1, "1000 thirds and a subnormal number, added up"};
+  Param<std::string> place{"place", "", "folder: it goes on until somebody beside it says there what he has changed"};
+  Param<int> salt{"salt", 0, between(0, 1000), "not used"};
+  Out<Number> out{"number", "the sum"};
+  void run(Context&) override {
+    if (!place->empty()) {
+      wait_for(std::filesystem::path(*place) / "changed");
+      std::ofstream(std::filesystem::path(*place) / "seen") << "1";
+    }
+    volatile double one = 1, three = 3, sum = 0, small = 1e-310;
+    for (int i = 0; i < 1000; ++i) sum = sum + one / three;
+    out.commit(number(sum + (small * 0.5 > 0 ? 1 : 0)));
+  }
+};
+
 struct Sink : Node {
   static constexpr Info info{"accident.count", "", 1, "Adds one to each of many numbers"};
   Each<Number> in{"number", "a number"};
@@ -97,4 +162,4 @@ struct Sink : Node {
 
 }  // namespace
 
-PLUMBLINE_PLUGIN("accident", "0.1.0", "MIT", Accident, Sink)
+PLUMBLINE_PLUGIN("accident", "0.1.0", "MIT", Accident, LeavesChanged, Thirds, Sink)

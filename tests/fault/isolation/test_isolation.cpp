@@ -5,12 +5,14 @@
 
 #include <atomic>
 #include <chrono>
+#include <nlohmann/json.hpp>
 #include <thread>
 #include <tuple>
 
 #include "runtime/artifact_type.hpp"
 #include "runtime/deliver.hpp"
 #include "runtime/executor.hpp"
+#include "runtime/plan.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::test {
@@ -18,6 +20,7 @@ namespace {
 
 using namespace runtime;
 namespace fs = std::filesystem;
+using Json = nlohmann::json;
 
 class Isolation : public testing::Test {
  protected:
@@ -307,12 +310,124 @@ TEST_F(Isolation, AnExecutableThatOthersMayWriteIsRefused) {
   }
 }
 
+/// Modules that a node imports are part of what its result depends on, whether its manifest names them or not.
+TEST_F(Isolation, AChangeOfAModuleThatANodeImportsRunsItAgain) {
+  const fs::path manifest = write_node(folder_.path(),
+                                       "from helper import more\n"
+                                       "call.commit('number', 'plumbline.Number/1', {'value': more})\n");
+  const fs::path helper = folder_.path() / "helper.py";
+  const std::string nodes = "  a: {use: story.constant}\n  b: {use: outside.add, in: {number: a.number}}\n";
+  std::ofstream(helper) << "more = 1\n";
+  ASSERT_TRUE(registry_.load_manifest(manifest)) << registry_.refused().back().problem;
+  run(nodes);
+  ASSERT_EQ(node("b").error, "");
+  EXPECT_TRUE(node("b").used.count(helper.string()));
+  run(nodes);
+  EXPECT_EQ(node("b").status, NodeStatus::reused);
+  EXPECT_TRUE(node("b").used.count(helper.string())) << "what it used is told of a reused result, too";
+  std::ofstream(helper) << "more = 23\n";
+  EXPECT_EQ(plan(graph_, *store_).at(1).reasons,
+            std::vector<std::string>{helper.string() + ", which it used, has changed"});
+  run(nodes);
+  EXPECT_EQ(node("b").status, NodeStatus::executed);
+  EXPECT_EQ(node("b").why, std::vector<std::string>{helper.string() + ", which it used, has changed"});
+  EXPECT_TRUE(contains(value("b"), "23")) << value("b");
+  fs::rename(helper, folder_.path() / "other.py");
+  run(nodes);
+  EXPECT_EQ(node("b").status, NodeStatus::failed) << "a module that is gone is not forgotten";
+}
+
+/// And what others may write is not run, wherever in the script it is imported.
+TEST_F(Isolation, AModuleThatOthersMayWriteIsNotImported) {
+  const fs::path helper = folder_.path() / "helper.py", ran = folder_.path() / "ran";
+  std::ofstream(helper) << "open('" << ran.string() << "', 'w')\nmore = 1\n";
+  const std::string commits = "call.commit('number', 'plumbline.Number/1', {'value': more})\n";
+  ASSERT_TRUE(registry_.load_manifest(write_node(folder_.path(), "from helper import more\n" + commits)));
+  const std::string nodes = "  a: {use: story.constant}\n  b: {use: outside.add, in: {number: a.number}}\n";
+  fs::permissions(helper, fs::perms::others_write, fs::perm_options::add);
+  run(nodes);
+  EXPECT_TRUE(contains(node("b").error, "the module 'helper' is not imported: " + helper.string() +
+                                            " may be written by everybody on this machine"))
+      << node("b").error;
+  EXPECT_FALSE(fs::exists(ran));
+  fs::permissions(helper, fs::perms::others_write, fs::perm_options::remove);
+  run(nodes);
+  EXPECT_EQ(node("b").error, "");
+  // Imported before the module that watches.
+  std::ofstream(folder_.path() / "add.py")
+      << "from helper import more\nfrom plumbline_artifacts import Call\ncall = Call()\n"
+      << commits;
+  Registry registry;
+  ASSERT_TRUE(registry.load(PLUMBLINE_STORY_PLUGIN));
+  fs::permissions(helper, fs::perms::others_write, fs::perm_options::add);
+  ASSERT_TRUE(registry.load_manifest(folder_.path() / "add.node.yaml"));
+  std::swap(registry, registry_);
+  run(nodes);
+  EXPECT_TRUE(contains(node("b").error, "a module was imported that is not believed")) << node("b").error;
+  std::swap(registry, registry_);
+}
+
 /// A limit in the pipeline stands in place of the manifest's.
 TEST_F(Isolation, APipelineLimitsAnExecutable) {
   ASSERT_TRUE(
       registry_.load_manifest(write_node(folder_.path(), "import time\ntime.sleep(3600)", "time_limit: 1 h\n")));
   run("  a: {use: story.constant}\n  b: {use: outside.add, in: {number: a.number}, time_limit: 0.5 s}\n");
   EXPECT_TRUE(contains(node("b").error, "longer than its limit of 0.5 s")) << node("b").error;
+}
+
+const std::pair<const char*, const char*> changes[] = {
+    {"blocked", "the signals that its thread blocks"},
+    {"umask", "the umask (0000 in place of "},
+    {"folder", "the working folder"},
+    {"locale", "the locale (C.UTF-8 in place of C)"},
+    {"environment", "the environment (ACCIDENT_WAS_HERE, PATH)"},
+    {"signals", "what signals do (SIGCHLD)"},
+    // These last: after them all nodes of this process run apart.
+    {"rounding", "the floating-point mode of its thread: rounding (upwards)"},
+#if defined(__x86_64__)
+    {"subnormals", "subnormal results (set to zero), subnormal operands (taken as zero)"},
+    {"traps", "traps of floating-point exceptions"},
+#endif
+};
+
+/// The sum as it is in the mode that IEEE 754 has by default.
+double thirds() {
+  volatile double one = 1, three = 3, sum = 0;
+  for (int i = 0; i < 1000; ++i) sum = sum + one / three;
+  return sum + 1;
+}
+
+/// What a node leaves changed is named, its result is not kept, and what runs afterwards knows nothing of it.
+TEST_F(Isolation, WhatANodeLeavesChangedIsNamedAndReachesNoOther) {
+  int salt = 0;
+  for (const bool apart : {false, true})
+    for (const auto& [what, words] : changes) {
+      const std::string bad = "  bad: {use: accident.leaves_changed, with: {what: " + std::string(what) + "}}\n";
+      run(bad, apart);
+      EXPECT_EQ(node("bad").status, NodeStatus::failed) << what << apart;
+      EXPECT_TRUE(contains(node("bad").error, "node 'bad' (accident.leaves_changed) failed: it left changed"))
+          << node("bad").error;
+      EXPECT_TRUE(contains(node("bad").error, words)) << node("bad").error;
+      run("  next: {use: accident.thirds, with: {salt: " + std::to_string(++salt) + "}}\n", apart);
+      ASSERT_EQ(node("next").error, "") << what << apart;
+      EXPECT_EQ(Json::parse(value("next")).at("value").get<double>(), thirds()) << what << apart;
+      run(bad, apart);
+      EXPECT_EQ(node("bad").status, NodeStatus::failed) << what << ": it must not have been stored";
+    }
+}
+
+/// Who ran beside it when the process changed may have suffered from it: it is run again apart, and is not blamed.
+TEST_F(Isolation, WhoRunsBesideOneThatChangesTheProcessIsRunAgainApart) {
+  const TemporaryFolder place;
+  const fs::path before = fs::current_path();
+  run("  bad: {use: accident.leaves_changed, with: {what: folder, place: " + place.path().string() +
+      "}}\n  good: {use: accident.thirds, with: {place: " + place.path().string() + "}}\n");
+  EXPECT_EQ(node("bad").status, NodeStatus::failed);
+  EXPECT_TRUE(contains(node("bad").error, "it left changed what it must leave as it finds it: the working folder"))
+      << node("bad").error;
+  EXPECT_EQ(node("good").error, "");
+  EXPECT_EQ(Json::parse(value("good")).at("value").get<double>(), thirds());
+  EXPECT_EQ(fs::current_path(), before);
 }
 
 TEST_F(Isolation, ConditionsAreChecked) {

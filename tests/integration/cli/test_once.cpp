@@ -104,6 +104,19 @@ TEST(Ends, ANodeThatEndsTheProcessIsNamedAndTheExitCodeIsNotZero) {
         << how << ": " << answer.err;
     EXPECT_EQ(answer.code, how == "exit" ? 1 : 128 + (how == "crash" || how == "overflow" ? SIGSEGV : SIGABRT)) << how;
   }
+  // What leaves the process without any handler of exit(), and with exit code 0.
+  for (const auto& [how, call] : {std::pair{"_exit", "_exit()"}, std::pair{"exec", "execl()"}}) {
+    const Answer answer = plumbline({"run", "p.yaml", "bad.with.how=" + std::string(how)});
+    EXPECT_EQ(answer.code, 1) << how;
+    const std::string words =
+        "p.yaml:4:3: node 'bad' (story.ends) ended the program, which a node must not do: it called ";
+    EXPECT_TRUE(contains(answer.err, words + call)) << answer.err;
+    EXPECT_TRUE(
+        contains(read_file(plumbline.work() / "out/p/run.jsonl"), "{\"event\": \"killed\", \"by\": \"" + words + call));
+    const Answer why = plumbline({"why", "a", "out/p"});
+    EXPECT_EQ(why.code, 0) << why.err;
+  }
+  EXPECT_EQ(plumbline({"run", "p.yaml", "bad.with.how=fork"}).code, 0) << "processes of its own may end as they like";
   plumbline.write("a.yaml", "plumbline: 1\nnodes:\n  a: {use: story.constant}\n");
   EXPECT_TRUE(contains(plumbline({"run", "a.yaml"}).out, "1 reused")) << "what was done before is kept";
 }

@@ -112,6 +112,34 @@ TEST_F(GraphTest, TellsOfVariablesThatAreUnknownOrEmpty) {
               HasSubstr("this pipeline has no variable 'flors' — did you mean 'floors'?"));
 }
 
+/// A name with a slip of the pen would change nothing, and nobody would know.
+TEST_F(GraphTest, RefusesVariablesThatNothingUses) {
+  write("data.txt", "x");
+  write("base.yaml",
+        "plumbline: 1\nvars: {name: data.txt, seed: 1}\nnodes: {a: {use: read.file, with: {file: \"${name}\"}}}\n");
+  EXPECT_EQ(problems("plumbline: 1\ninclude: base\nvars: {nam: other.txt, flors: 9}\n"),
+            "p.yaml:3:8: nothing uses the variable 'nam' — did you mean 'name'?\n"
+            "p.yaml:3:24: nothing uses the variable 'flors'; write ${flors} where its value belongs, or take it away");
+  EXPECT_THAT(problems("plumbline: 1\ninclude: base\n", {"nam=other.txt"}), HasSubstr("no variable 'nam'"));
+  // What the including file replaces, and what the command line does, was used.
+  EXPECT_EQ(problems("plumbline: 1\ninclude: base\nnodes: {a: {with: {file: data.txt}}}\n"), "");
+  EXPECT_EQ(problems("plumbline: 1\ninclude: base\n", {"a.with.file=" + (folder_.path() / "data.txt").string()}), "");
+  // A variable of a variable is used; the seed is the run's, and may be given where no file says it.
+  EXPECT_EQ(problems("plumbline: 1\ninclude: base\nvars: {stem: data, name: \"${stem}.txt\"}\n"), "");
+  EXPECT_EQ(load_pipeline(write("p.yaml", "plumbline: 1\nnodes: {a: {use: read.file, with: {file: data.txt}}}\n"),
+                          {"seed=7"}, registry())
+                .seed,
+            7u);
+}
+
+TEST_F(GraphTest, RefusesASecondDocument) {
+  write("data.txt", "x");
+  const std::string one = "plumbline: 1\nnodes: {a: {use: read.file, with: {file: data.txt}}}\n";
+  EXPECT_THAT(problems(one + "---\n" + one), HasSubstr("p.yaml:4:1: a second YAML document begins here"));
+  EXPECT_EQ(problems("---\n" + one + "...\n"), "");
+  EXPECT_EQ(problems(one + "---\n"), "");
+}
+
 TEST_F(GraphTest, AnIncludingFileChangesPartsOfAnIncludedNode) {
   write("data.txt", "x");
   write("other.txt", "x");

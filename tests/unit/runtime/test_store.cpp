@@ -82,13 +82,13 @@ TEST(Store, KeepsTheRunsOfNodes) {
   run.seconds = 1.5;
   const std::string key(64, 'a');
   store.put_run(key, run);
-  std::string damage;
-  const auto found = store.find_run(key, damage);
+  std::string damage, outdated;
+  const auto found = store.find_run(key, damage, outdated);
   ASSERT_TRUE(found) << damage;
   EXPECT_EQ(found->outputs, run.outputs);
   EXPECT_EQ(found->metrics.at(0).value, 0.1);
   EXPECT_EQ(found->warnings.size(), 1u);
-  EXPECT_FALSE(store.find_run(std::string(64, 'b'), damage));
+  EXPECT_FALSE(store.find_run(std::string(64, 'b'), damage, outdated));
   EXPECT_EQ(damage, "");
 }
 
@@ -110,8 +110,8 @@ TEST(Store, SmallOutputsGoIntoTheRecordOfTheRun) {
   EXPECT_TRUE(fs::exists(file(run.outputs["x"][1])));
   {
     Store store(folder.path());
-    std::string damage;
-    ASSERT_TRUE(store.find_run(key, damage)) << damage;
+    std::string damage, outdated;
+    ASSERT_TRUE(store.find_run(key, damage, outdated)) << damage;
     EXPECT_EQ(text_of(store.get(run.outputs["x"][0])), small);
     EXPECT_EQ(text_of(store.get(run.outputs["x"][1])), large);
     EXPECT_EQ(text_of(store.get(run.outputs["x"][2])), "");
@@ -131,8 +131,8 @@ TEST(Store, ARecordThatNamesAFileElsewhereIsDamaged) {
   run.kind = "a.b";
   run.outputs["x"] = {"../../../mine"};
   store.put_run(std::string(64, 'a'), run);
-  std::string damage;
-  EXPECT_FALSE(store.find_run(std::string(64, 'a'), damage));
+  std::string damage, outdated;
+  EXPECT_FALSE(store.find_run(std::string(64, 'a'), damage, outdated));
   EXPECT_NE(damage.find("no hash"), std::string::npos) << damage;
   EXPECT_EQ(read_file(folder.path() / "mine"), "mine");
 }

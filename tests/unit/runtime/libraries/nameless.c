@@ -1,0 +1,1 @@
+int nameless(void) { return 1; }

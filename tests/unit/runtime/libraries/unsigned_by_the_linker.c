@@ -1,0 +1,1 @@
+int unsigned_by_the_linker(void) { return 2; }

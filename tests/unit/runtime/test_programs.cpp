@@ -1,0 +1,81 @@
+// What a key holds of programs that a node starts, and of libraries: what they are, not how they are called.
+#include <stdlib.h>
+
+#include "runtime/digest.hpp"
+#include "runtime/elf.hpp"
+#include "runtime/programs.hpp"
+#include "story.hpp"
+
+extern "C" int nameless(), unsigned_by_the_linker();
+
+namespace plumbline::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A program of that name comes first on PATH as long as this lives.
+class OnPath {
+ public:
+  OnPath() : before_(getenv("PATH")) { setenv("PATH", (folder_.path().string() + ":" + before_).c_str(), 1); }
+  ~OnPath() { setenv("PATH", before_.c_str(), 1); }
+  fs::path put(const std::string& name, const std::string& lines) const {
+    std::ofstream(folder_.path() / name) << "#!/bin/sh\n" << lines << "\n";
+    fs::permissions(folder_.path() / name, fs::perms::owner_all);
+    return folder_.path() / name;
+  }
+
+ private:
+  TemporaryFolder folder_;
+  std::string before_;
+};
+
+TEST(Programs, AnotherProgramOfTheSameNameRunsTheNodeAgain) {
+  const OnPath path;
+  Story story("t: {use: story.teller}");
+  story.run();
+  EXPECT_EQ(story.value("t", "number"), 127) << "there is none";
+  EXPECT_EQ(story.node("t").fields.at("parameter program"), "storyteller not installed");
+  const fs::path program = path.put("storyteller", "exit 3");
+  story.run();
+  EXPECT_EQ(story.value("t", "number"), 3);
+  EXPECT_EQ(story.node("t").fields.at("parameter program"), "storyteller sha256:" + runtime::sha256_of_file(program));
+  EXPECT_EQ(story.graph.nodes[0].parameters.at("program"), program.string());
+  story.run();
+  EXPECT_EQ(story.status("t"), "reused");
+  path.put("storyteller", "exit 4");
+  EXPECT_EQ(story.plan()[0].reasons.size(), 1u);
+  story.run();
+  EXPECT_EQ(story.value("t", "number"), 4);
+  const fs::path other = path.put("other", "exit 5");
+  story.run({"t.with.program=other"});
+  EXPECT_EQ(story.value("t", "number"), 5) << "by another name on PATH";
+  story.run({"t.with.program=" + other.string()});
+  EXPECT_EQ(story.status("t"), "reused") << "by its path";
+  EXPECT_THROW(story.run({"t.with.program=no_such_program"}), runtime::InvalidPipeline);
+}
+
+/// Of a program that is no script also the libraries that it gets from the loader.
+TEST(Programs, LibrariesOfAProgramCount) {
+  const TemporaryFolder folder;
+  runtime::FileHashes files(folder.path() / "file-hashes");
+  const std::string field = runtime::program_field("/bin/true", files);
+  EXPECT_EQ(field.find("sha256:" + runtime::sha256_of_file("/bin/true") + " libraries:"), 0u) << field;
+  EXPECT_EQ(field, runtime::program_field("/bin/true", files));
+  // An empty list would be the same for every program; this one has one more.
+  const std::string other = runtime::program_field(fs::read_symlink("/proc/self/exe").string(), files);
+  EXPECT_NE(field.substr(field.find("libraries")), other.substr(other.find("libraries")));
+}
+
+/// A library without a build id is told by its content, and one without a soname is found by its file's name.
+TEST(Libraries, WithoutABuildIdCountByContent) {
+  ASSERT_EQ(nameless() + unsigned_by_the_linker(), 3);
+  const auto ids = runtime::linked_build_ids(reinterpret_cast<const void*>(&story_registry));
+  for (const char* path : {PLUMBLINE_NAMELESS, PLUMBLINE_UNSIGNED}) {
+    const std::string expected = fs::path(path).filename().string() + ":sha256-" + runtime::sha256_of_file(path);
+    EXPECT_EQ(std::count(ids.begin(), ids.end(), expected), 1) << expected;
+  }
+  for (const std::string& id : ids) EXPECT_GT(id.size() - id.rfind(':'), 16u) << id;
+}
+
+}  // namespace
+}  // namespace plumbline::test
