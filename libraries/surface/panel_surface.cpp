@@ -1,0 +1,179 @@
+#include "surface/panel_surface.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "surface/straightedge.hpp"
+
+namespace plumbline::surface {
+namespace {
+
+struct Sample {
+  double u, v, h, sigma;
+  size_t tile;
+  Eigen::Vector3d arm;  ///< from the tile's centre [m]
+};
+
+std::vector<Sample> own_samples(const PanelFace& face, const std::vector<MeasuredTile>& tiles, const PanelOptions& options) {
+  std::vector<Sample> samples;
+  const double across = 0.5 * face.width - options.border, up = 0.5 * face.height - options.border;
+  for (size_t t = 0; t < tiles.size(); ++t)
+    for (const MeasuredPoint& point : tiles[t].points) {
+      const Eigen::Vector3d arm = point.offset.cast<double>();
+      const Eigen::Vector3d local = face.plane.local(tiles[t].centre + arm);
+      if (std::abs(local.x()) > across || std::abs(local.y()) > up || std::abs(local.z()) > options.reach) continue;
+      if (!(point.sigma > 0) || !local.allFinite()) continue;
+      samples.push_back({local.x(), local.y(), local.z(), static_cast<double>(point.sigma), t, arm});
+    }
+  return samples;
+}
+
+double median_of(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+Eigen::Matrix<double, 6, 1> base_of(const PanelFace& face, const Sample& s) {
+  const double x = 2 * s.u / face.width, y = 2 * s.v / face.height;
+  Eigen::Matrix<double, 6, 1> base;
+  base << 1, x, y, 1 - x * x, 1 - y * y, x * y;
+  return base;
+}
+
+/// Weighted least squares of the first `count` base functions; weights of Tukey's biweight on robustly scaled residuals,
+/// which leaves out what is something else. Weights end in `weight`.
+Eigen::VectorXd fit(const PanelFace& face, const std::vector<Sample>& samples, int count, std::vector<double>& weight,
+                    Eigen::MatrixXd& normal) {
+  Eigen::VectorXd solution = Eigen::VectorXd::Zero(count);
+  for (int pass = 0; pass < 8; ++pass) {
+    normal = Eigen::MatrixXd::Zero(count, count);
+    Eigen::VectorXd right = Eigen::VectorXd::Zero(count);
+    for (size_t i = 0; i < samples.size(); ++i) {
+      const Eigen::VectorXd base = base_of(face, samples[i]).head(count);
+      const double p = weight[i] / (samples[i].sigma * samples[i].sigma);
+      normal += p * base * base.transpose();
+      right += p * samples[i].h * base;
+    }
+    solution = normal.ldlt().solve(right);
+    if (pass == 7) break;
+    std::vector<double> residuals(samples.size()), sizes;
+    for (size_t i = 0; i < samples.size(); ++i) {
+      residuals[i] = (samples[i].h - base_of(face, samples[i]).head(count).dot(solution)) / samples[i].sigma;
+      sizes.push_back(std::abs(residuals[i]));
+    }
+    const double scale = std::max(1.4826 * median_of(sizes), 1e-12);
+    for (size_t i = 0; i < samples.size(); ++i) {
+      const double r = residuals[i] / (6 * scale);
+      weight[i] = std::abs(r) < 1 ? (1 - r * r) * (1 - r * r) : 0;
+    }
+  }
+  return solution;
+}
+
+/// Systematic part of a linear function of the points: Σ gain_i · normal · (t + ω × arm).
+Eigen::MatrixXd systematic(const PanelFace& face, const std::vector<Sample>& samples, const std::vector<MeasuredTile>& tiles,
+                           const std::vector<double>& weight, const Eigen::MatrixXd& inverse, Eigen::Index count) {
+  Eigen::Index rank = 0;
+  for (const MeasuredTile& tile : tiles) rank = std::max(rank, tile.factor.cols());
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(count, rank);
+  if (rank == 0) return result;
+  const Eigen::Vector3d out = face.plane.axes.col(2);
+  std::vector<Eigen::MatrixXd> gain(tiles.size());
+  for (size_t i = 0; i < samples.size(); ++i) {
+    Eigen::Matrix<double, 1, 6> row;  // of the tile's (t, ω): out · (ω × arm) = ω · (arm × out)
+    row << out.transpose(), samples[i].arm.cross(out).transpose();
+    Eigen::MatrixXd& of_tile = gain[samples[i].tile];
+    if (of_tile.size() == 0) of_tile = Eigen::MatrixXd::Zero(count, 6);
+    of_tile += weight[i] / (samples[i].sigma * samples[i].sigma) * base_of(face, samples[i]).head(count) * row;
+  }
+  for (size_t t = 0; t < tiles.size(); ++t)
+    if (gain[t].size() > 0 && tiles[t].factor.cols() > 0)
+      result.leftCols(tiles[t].factor.cols()) += inverse * gain[t] * tiles[t].factor;
+  return result;
+}
+
+/// Cells of the face with the mean of their points: for coverage and straightedges.
+HeightGrid grid_of(const PanelFace& face, const std::vector<Sample>& samples, const std::vector<MeasuredTile>& tiles,
+                   const std::vector<double>& weight, double widened, const PanelOptions& options) {
+  const double across = face.width - 2 * options.border, up = face.height - 2 * options.border;
+  HeightGrid grid(std::max(1, static_cast<int>(across / options.cell)), std::max(1, static_cast<int>(up / options.cell)),
+                  {across, up});
+  Eigen::Index rank = 0;
+  for (const MeasuredTile& tile : tiles) rank = std::max(rank, tile.factor.cols());
+  const Eigen::Vector3d out = face.plane.axes.col(2);
+  for (size_t i = 0; i < samples.size(); ++i) {
+    if (!(weight[i] > 0)) continue;
+    const Sample& s = samples[i];
+    Eigen::VectorXd common = Eigen::VectorXd::Zero(rank);
+    const auto& factor = tiles[s.tile].factor;
+    if (factor.cols() > 0)
+      common.head(factor.cols()) =
+          factor.topRows<3>().transpose() * out + factor.bottomRows<3>().transpose() * s.arm.cross(out);
+    grid.add({s.u, s.v}, s.h, s.sigma * widened, common);
+  }
+  return grid;
+}
+
+}  // namespace
+
+PanelSurface measure_panel(const PanelFace& face, const std::vector<MeasuredTile>& tiles, const PanelOptions& options) {
+  PanelSurface panel;
+  panel.id = face.id;
+  if (!(face.width > 2 * options.border && face.height > 2 * options.border)) {
+    panel.not_measured = "the panel is smaller than twice the border that is left out";
+    return panel;
+  }
+  const std::vector<Sample> samples = own_samples(face, tiles, options);
+  panel.points = static_cast<int>(samples.size());
+  if (panel.points < options.least_points) {
+    panel.not_measured = panel.points == 0 ? "no point was measured on it"
+                                           : std::to_string(panel.points) + " points were measured on it, " +
+                                                 std::to_string(options.least_points) + " are needed";
+    return panel;
+  }
+  std::vector<double> weight(samples.size(), 1.0);
+  Eigen::MatrixXd normal;
+  const Eigen::VectorXd form = fit(face, samples, 6, weight, normal);
+  double squares = 0, weighted = 0, sum = 0;
+  for (size_t i = 0; i < samples.size(); ++i) {
+    const double residual = samples[i].h - base_of(face, samples[i]).dot(form);
+    panel.outliers += !(weight[i] > 0);
+    if (weight[i] > 0) squares += residual * residual, sum += 1;
+    weighted += weight[i] * std::pow(residual / samples[i].sigma, 2);
+  }
+  panel.rms = std::sqrt(squares / std::max(sum, 1.0));
+  // Tukey's weights take from the squares of normal residuals too; at 6 times the scale they leave 84.5 %.
+  panel.variance_factor = sum > 6 ? weighted / (sum - 6) / 0.845 : 1;
+  const double widened = std::sqrt(std::max(1.0, panel.variance_factor));
+  const HeightGrid grid = grid_of(face, samples, tiles, weight, widened, options);
+  panel.coverage = grid.coverage();
+  if (panel.coverage < options.least_coverage) {
+    panel.not_measured = "points cover " + std::to_string(static_cast<int>(100 * panel.coverage)) + " % of it, " +
+                         std::to_string(static_cast<int>(100 * options.least_coverage)) + " % are needed";
+    return panel;
+  }
+  const Eigen::MatrixXd inverse = normal.ldlt().solve(Eigen::MatrixXd::Identity(6, 6));
+  const Eigen::MatrixXd common = systematic(face, samples, tiles, weight, inverse, 6);
+  panel.form = form.tail<3>();
+  panel.form_random = widened * widened * inverse.bottomRightCorner<3, 3>();
+  panel.form_systematic = common.bottomRows(3) * common.bottomRows(3).transpose();
+  // The plane alone, with the weights found: what a bow leaves is its mean.
+  const Eigen::Matrix3d plane_normal = normal.topLeftCorner<3, 3>();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  for (size_t i = 0; i < samples.size(); ++i)
+    right += weight[i] / (samples[i].sigma * samples[i].sigma) * samples[i].h * base_of(face, samples[i]).head<3>();
+  const Eigen::Matrix3d plane_inverse = plane_normal.inverse();
+  const Eigen::Vector3d to_slopes(1, 2 / face.width, 2 / face.height);
+  panel.plane = to_slopes.asDiagonal() * (plane_inverse * right);
+  panel.plane_random = widened * widened * (to_slopes.asDiagonal() * plane_inverse * to_slopes.asDiagonal());
+  panel.plane_factor = to_slopes.asDiagonal() * systematic(face, samples, tiles, weight, plane_inverse, 3);
+  panel.plane_systematic = panel.plane_factor * panel.plane_factor.transpose();
+  for (double length : options.straightedges) panel.flatness.push_back(grid.largest_gap(length));
+  return panel;
+}
+
+}  // namespace plumbline::surface

@@ -1,0 +1,228 @@
+// Facets of a rendered facade against what was planted: heights, their stated random and systematic errors, and holes
+// where nothing can be known.
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <memory>
+
+#include "facade_scene.hpp"
+#include "surface/facet_tile.hpp"
+#include "surface/panel_surface.hpp"
+
+namespace plumbline::surface {
+namespace {
+
+using plumbline::testing::FacadeScene;
+
+struct Site {
+  FacadeScene scene;
+  std::vector<View> views;
+  std::vector<std::vector<float>> light;
+  std::vector<Pyramid> images;
+  OrientationCovariance orientations;
+  std::vector<FacetView> facet_views() const {
+    std::vector<FacetView> list;
+    for (size_t k = 0; k < views.size(); ++k) list.push_back({&views[k], &images[k]});
+    return list;
+  }
+  void expose(double noise, std::uint64_t seed) {
+    images.clear();
+    for (size_t k = 0; k < light.size(); ++k)
+      images.push_back(pyramid_of(plumbline::testing::exposed(light[k], views[k].camera.width, views[k].camera.height, noise,
+                                                               seed * 100 + k)));
+  }
+};
+
+BrownCamera small_camera() {
+  BrownCamera camera;
+  camera.width = 640, camera.height = 480;
+  camera.fx = camera.fy = 4000, camera.cx = 321.3, camera.cy = 238.2;
+  camera.k1 = -0.1, camera.k2 = 0.2, camera.p1 = 1e-4, camera.p2 = -2e-4;
+  return camera;
+}
+
+/// Five photographs at 3 m: ground pixel 0.75 mm. The facade faces south-west, so that no axis is one of the world's.
+Site make_site(FacadeScene scene, double noise = 1.5) {
+  Site site;
+  site.scene = std::move(scene);
+  site.scene.plane = facade_plane({12.5, -3.25, 8.75}, {-0.6, -0.8, 0});
+  const double places[5][3] = {{-1.1, -0.5, 3.0}, {1.2, -0.4, 3.1}, {0.1, 1.0, 2.9}, {-0.9, 0.8, 3.0}, {1.0, 0.9, 3.2}};
+  for (int k = 0; k < 5; ++k) {
+    View view;
+    view.name = "p" + std::to_string(k);
+    view.camera = small_camera();
+    view.cam_from_world = plumbline::testing::looking(
+        site.scene.plane.world({places[k][0], places[k][1], places[k][2]}), site.scene.plane.origin);
+    view.orientation = k;
+    site.views.push_back(view);
+    site.light.push_back(plumbline::testing::photograph(site.scene, view.camera, view.cam_from_world));
+  }
+  site.expose(noise, 1);
+  site.orientations.images = 5, site.orientations.cameras = 1;
+  site.orientations.matrix = Eigen::MatrixXd::Zero(39, 39);
+  return site;
+}
+
+const Rectangle kArea{{-0.16, -0.12}, {0.16, 0.12}};
+
+TEST(Facet, HeightsOfATiltedBowedPanelLieWithinTheirStandardDeviations) {
+  FacadeScene scene;
+  scene.height = [](double u, double v) { return 0.013 + 0.01 * u - 0.006 * v - 0.08 * u * u; };
+  const Site site = make_site(scene);
+  const FacetTile tile = measure_tile(site.scene.plane, kArea, site.facet_views(), site.orientations, {});
+  const int measured = tile.outcomes[static_cast<size_t>(FacetOutcome::measured)];
+  int all = 0;
+  for (int count : tile.outcomes) all += count;
+  EXPECT_GE(measured, 0.97 * all);
+  double squares = 0, mean = 0;
+  int far = 0;
+  for (const MeasuredPoint& point : tile.measured.points) {
+    const Eigen::Vector3d local = site.scene.plane.local(tile.measured.at(point));
+    const double error = local.z() - site.scene.height(local.x(), local.y());
+    squares += std::pow(error / point.sigma, 2), mean += error;
+    far += std::abs(error) > 3 * point.sigma;
+  }
+  const double count = static_cast<double>(tile.measured.points.size());
+  EXPECT_GT(squares / count, 0.6) << "sigmas are too large";
+  EXPECT_LT(squares / count, 1.5) << "sigmas are too small";
+  EXPECT_LE(far, 0.01 * count + 2);
+  EXPECT_LT(std::abs(mean / count), 3e-5) << "a bias of all heights";
+}
+
+TEST(Facet, SystematicPartIsWhatWrongOrientationsDo) {
+  FacadeScene scene;
+  scene.height = [](double, double) { return 0.004; };
+  Site site = make_site(scene, 0.5);
+  const FacetTile right = measure_tile(site.scene.plane, kArea, site.facet_views(), site.orientations, {});
+  // Each unknown by itself: rotation and translation of the second photograph, and the principal distance.
+  const auto fit = [&](const FacetTile& tile) {
+    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (const MeasuredPoint& point : tile.measured.points) {
+      const Eigen::Vector3d local = site.scene.plane.local(tile.measured.at(point));
+      const Eigen::Vector3d base(1, local.x(), local.y());
+      normal += base * base.transpose(), sum += base * local.z();
+    }
+    return Eigen::Vector3d(normal.inverse() * sum);
+  };
+  const Eigen::Vector3d before = fit(right);
+  const std::vector<View> views = site.views;
+  for (int unknown = 0; unknown < 7; ++unknown) {
+    site.views = views;
+    const double step = unknown < 3 ? 2e-5 : unknown < 6 ? 5e-5 : 3.0;
+    if (unknown == 6) {
+      for (View& view : site.views) view.camera.fx += step, view.camera.fy += step;
+    } else {
+      RigidTransform& pose = site.views[1].cam_from_world;
+      Eigen::Vector3d turn = Eigen::Vector3d::Zero();
+      if (unknown < 3) turn(unknown) = step;
+      else pose.translation(unknown - 3) += step;
+      // R' = exp(δ) R with the translation kept.
+      pose.rotation = quaternion_from_rotation_vector(turn) * pose.rotation;
+    }
+    const Eigen::Vector3d change = fit(measure_tile(site.scene.plane, kArea, site.facet_views(), site.orientations, {})) - before;
+    Eigen::Vector3d predicted = Eigen::Vector3d::Zero();
+    if (unknown == 6) predicted = step * (right.sensitivity.col(30) + right.sensitivity.col(31));
+    else predicted = step * right.sensitivity.col(6 + unknown);
+    EXPECT_NEAR(change(0), predicted(0), 0.08 * std::abs(predicted(0)) + 4e-6) << unknown;
+    EXPECT_NEAR(change(1), predicted(1), 0.15 * std::abs(predicted(1)) + 4e-5) << unknown;
+    EXPECT_NEAR(change(2), predicted(2), 0.15 * std::abs(predicted(2)) + 4e-5) << unknown;
+  }
+}
+
+TEST(Facet, PlanesOfManyTrialsHaveTheErrorsTheyState) {
+  FacadeScene scene;
+  scene.height = [](double u, double) { return 0.003 + 0.008 * u; };
+  Site site = make_site(scene);
+  // Orientations err by 0.05 mm and 0.02 mrad each, and alike by 0.2 mm: a set-up that is off.
+  const Eigen::Index size = site.orientations.size();
+  Eigen::MatrixXd& covariance = site.orientations.matrix;
+  for (int k = 0; k < 5; ++k) {
+    covariance.diagonal().segment<3>(6 * k).setConstant(std::pow(2e-5, 2));
+    covariance.diagonal().segment<3>(6 * k + 3).setConstant(std::pow(5e-5, 2));
+  }
+  for (int a = 0; a < 5; ++a)  // all projection centres moved alike: dt = −R dC
+    for (int b = 0; b < 5; ++b)
+      covariance.block<3, 3>(6 * a + 3, 6 * b + 3) +=
+          std::pow(2e-4, 2) * site.views[static_cast<size_t>(a)].cam_from_world.rotation.toRotationMatrix() *
+          site.views[static_cast<size_t>(b)].cam_from_world.rotation.toRotationMatrix().transpose();
+  covariance(30, 30) = covariance(31, 31) = covariance(30, 31) = covariance(31, 30) = 1.0;
+  const Eigen::MatrixXd root = (covariance + 1e-18 * Eigen::MatrixXd::Identity(size, size)).llt().matrixL();
+  const std::vector<View> views = site.views;
+  PanelFace face{"panel", site.scene.plane, 0.32, 0.24};
+  PanelOptions panel_options;
+  panel_options.border = 0.005;
+  double nees = 0, random_only = 0;
+  constexpr int trials = 24;
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> normal(0, 1);
+  for (int trial = 0; trial < trials; ++trial) {
+    Eigen::VectorXd z(size);
+    for (Eigen::Index i = 0; i < size; ++i) z(i) = normal(random);
+    const Eigen::VectorXd error = root * z;
+    site.views = views;
+    for (int k = 0; k < 5; ++k) {
+      View& view = site.views[static_cast<size_t>(k)];
+      view.cam_from_world.rotation =
+          quaternion_from_rotation_vector(error.segment<3>(6 * k)) * view.cam_from_world.rotation;
+      view.cam_from_world.translation += error.segment<3>(6 * k + 3);
+      view.camera.fx += error(30), view.camera.fy += error(31);
+    }
+    site.expose(1.5, 100 + static_cast<std::uint64_t>(trial));
+    std::vector<FacetTile> tiles;
+    const Rectangle halves[2] = {{{-0.16, -0.12}, {0, 0.12}}, {{0, -0.12}, {0.16, 0.12}}};
+    for (const Rectangle& half : halves)
+      tiles.push_back(measure_tile(site.scene.plane, half, site.facet_views(), site.orientations, {}));
+    add_systematic_part(tiles, site.scene.plane, site.orientations);
+    std::vector<MeasuredTile> measured;
+    for (const FacetTile& tile : tiles) measured.push_back(tile.measured);
+    const PanelSurface panel = measure_panel(face, measured, panel_options);
+    ASSERT_EQ(panel.not_measured, "");
+    const Eigen::Vector3d off = panel.plane - Eigen::Vector3d(0.003, 0.008, 0);
+    nees += off.dot(panel.plane_covariance().ldlt().solve(off)) / 3 / trials;
+    random_only += off.dot(panel.plane_random.ldlt().solve(off)) / 3 / trials;
+  }
+  // 72 degrees of freedom: 95 % within 0.70 and 1.35.
+  EXPECT_GT(nees, 0.65);
+  EXPECT_LT(nees, 1.4);
+  EXPECT_GT(random_only, 20) << "without the systematic part the plane would be stated far too good";
+}
+
+TEST(Facet, HolesAreHoles) {
+  FacadeScene plain;
+  plain.reflectance = [](double, double) { return 0.5; };
+  const Site painted = make_site(plain);
+  const FacetTile none = measure_tile(painted.scene.plane, kArea, painted.facet_views(), painted.orientations, {});
+  EXPECT_LE(none.measured.points.size(), 2U);
+  // A pattern that repeats, seen by three photographs along a line and equally apart: several heights fit alike.
+  FacadeScene repeating;
+  repeating.reflectance = [](double u, double) { return 0.5 + 0.4 * std::sin(2 * M_PI * u / 0.012); };
+  Site striped = make_site(repeating);
+  for (int k = 0; k < 3; ++k) {
+    View& view = striped.views[static_cast<size_t>(k)];
+    view.cam_from_world =
+        plumbline::testing::looking(striped.scene.plane.world({0.6 * (k - 1), 0, 3}), striped.scene.plane.origin);
+    striped.light[static_cast<size_t>(k)] = plumbline::testing::photograph(striped.scene, view.camera, view.cam_from_world);
+  }
+  striped.views.resize(3), striped.light.resize(3);
+  striped.expose(1.5, 2);
+  TileOptions wide;  // heights that fit are 60 mm apart
+  wide.facet.search = 0.08;
+  const FacetTile several = measure_tile(striped.scene.plane, kArea, striped.facet_views(), striped.orientations, wide);
+  EXPECT_LE(several.measured.points.size(), 3U) << "a pattern that repeats fits many heights";
+  EXPECT_GT(several.outcomes[static_cast<size_t>(FacetOutcome::ambiguous)], 100);
+  // A mirror: what each photograph shows is another thing.
+  FacadeScene scene;
+  Site mirror = make_site(scene);
+  for (size_t k = 0; k < mirror.views.size(); ++k) {
+    scene.plane = mirror.scene.plane;
+    scene.reflectance = [k](double u, double v) { return plumbline::testing::plaster(u, v, 0.002, 1000 * (k + 1)); };
+    mirror.light[k] = plumbline::testing::photograph(scene, mirror.views[k].camera, mirror.views[k].cam_from_world);
+  }
+  mirror.expose(1.5, 3);
+  const FacetTile glass = measure_tile(mirror.scene.plane, kArea, mirror.facet_views(), mirror.orientations, {});
+  EXPECT_LE(glass.measured.points.size(), 3U);
+}
+
+}  // namespace
+}  // namespace plumbline::surface
