@@ -37,12 +37,13 @@ double median_of(std::vector<double> values) {
   return *middle;
 }
 
-Eigen::Matrix<double, 6, 1> base_of(const PanelFace& face, const Sample& s) {
-  const double x = 2 * s.u / face.width, y = 2 * s.v / face.height;
-  Eigen::Matrix<double, 6, 1> base;
+Vector6 base_at(double x, double y) {
+  Vector6 base;
   base << 1, x, y, 1 - x * x, 1 - y * y, x * y;
   return base;
 }
+
+Vector6 base_of(const PanelFace& face, const Sample& s) { return base_at(2 * s.u / face.width, 2 * s.v / face.height); }
 
 /// Weighted least squares of the first `count` base functions; weights of Tukey's biweight on robustly scaled residuals,
 /// which leaves out what is something else. Weights end in `weight`.
@@ -120,6 +121,8 @@ HeightGrid grid_of(const PanelFace& face, const std::vector<Sample>& samples, co
 
 }  // namespace
 
+Vector6 PanelSurface::base(double u, double v) const { return base_at(u / half_width, v / half_height); }
+
 PanelSurface measure_panel(const PanelFace& face, const std::vector<MeasuredTile>& tiles, const PanelOptions& options) {
   PanelSurface panel;
   panel.id = face.id;
@@ -158,9 +161,10 @@ PanelSurface measure_panel(const PanelFace& face, const std::vector<MeasuredTile
   }
   const Eigen::MatrixXd inverse = normal.ldlt().solve(Eigen::MatrixXd::Identity(6, 6));
   const Eigen::MatrixXd common = systematic(face, samples, tiles, weight, inverse, 6);
-  panel.form = form.tail<3>();
-  panel.form_random = widened * widened * inverse.bottomRightCorner<3, 3>();
-  panel.form_systematic = common.bottomRows(3) * common.bottomRows(3).transpose();
+  panel.form = form;
+  panel.form_random = widened * widened * inverse;
+  panel.form_factor = common;
+  panel.half_width = 0.5 * face.width, panel.half_height = 0.5 * face.height;
   // The plane alone, with the weights found: what a bow leaves is its mean.
   const Eigen::Matrix3d plane_normal = normal.topLeftCorner<3, 3>();
   Eigen::Vector3d right = Eigen::Vector3d::Zero();

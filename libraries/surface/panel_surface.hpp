@@ -9,6 +9,8 @@
 
 namespace plumbline::surface {
 
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
 /// Where a panel should be: its outer face, a rectangle about the plane's origin.
 struct PanelFace {
   std::string id;
@@ -49,12 +51,16 @@ struct PanelSurface {
   Eigen::Vector3d plane = Eigen::Vector3d::Zero();
   Eigen::Matrix3d plane_random = Eigen::Matrix3d::Zero(), plane_systematic = Eigen::Matrix3d::Zero();
   Eigen::Matrix<double, 3, Eigen::Dynamic> plane_factor;  ///< of the systematic part, by the cloud's z
-  /// Bow across and up (c3, c4: the middle over the edges) and twist (c5: a corner over the plane) [m].
-  Eigen::Vector3d form = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d form_random = Eigen::Matrix3d::Zero(), form_systematic = Eigen::Matrix3d::Zero();
+  /// c0 … c5 [m]: bow across and up are c3 and c4 (the middle over the edges), twist is c5 (a corner over the plane).
+  Vector6 form = Vector6::Zero();
+  Eigen::Matrix<double, 6, 6> form_random = Eigen::Matrix<double, 6, 6>::Zero();
+  Eigen::Matrix<double, 6, Eigen::Dynamic> form_factor;  ///< of the systematic part, by the cloud's z
+  double half_width = 0, half_height = 0;  ///< of the panel: x = u / half_width, y = v / half_height
   std::vector<Gap> flatness;
   Eigen::Matrix3d plane_covariance() const { return plane_random + plane_systematic; }
-  Eigen::Matrix3d form_covariance() const { return form_random + form_systematic; }
+  Eigen::Matrix<double, 6, 6> form_covariance() const { return form_random + form_factor * form_factor.transpose(); }
+  /// The base functions at (u, v) from the panel's middle [m]: their product with `form` is the surface's height there.
+  Vector6 base(double u, double v) const;
 };
 
 /// Takes the panel's own points out of all tiles and fits them robustly. Figures of what has too few points or covers

@@ -3,9 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
-#include <memory>
 
-#include "facade_scene.hpp"
+#include "surface_site.hpp"
 #include "surface/facet_tile.hpp"
 #include "surface/panel_surface.hpp"
 
@@ -13,55 +12,6 @@ namespace plumbline::surface {
 namespace {
 
 using plumbline::testing::FacadeScene;
-
-struct Site {
-  FacadeScene scene;
-  std::vector<View> views;
-  std::vector<std::vector<float>> light;
-  std::vector<Pyramid> images;
-  OrientationCovariance orientations;
-  std::vector<FacetView> facet_views() const {
-    std::vector<FacetView> list;
-    for (size_t k = 0; k < views.size(); ++k) list.push_back({&views[k], &images[k]});
-    return list;
-  }
-  void expose(double noise, std::uint64_t seed) {
-    images.clear();
-    for (size_t k = 0; k < light.size(); ++k)
-      images.push_back(pyramid_of(plumbline::testing::exposed(light[k], views[k].camera.width, views[k].camera.height, noise,
-                                                               seed * 100 + k)));
-  }
-};
-
-BrownCamera small_camera() {
-  BrownCamera camera;
-  camera.width = 640, camera.height = 480;
-  camera.fx = camera.fy = 4000, camera.cx = 321.3, camera.cy = 238.2;
-  camera.k1 = -0.1, camera.k2 = 0.2, camera.p1 = 1e-4, camera.p2 = -2e-4;
-  return camera;
-}
-
-/// Five photographs at 3 m: ground pixel 0.75 mm. The facade faces south-west, so that no axis is one of the world's.
-Site make_site(FacadeScene scene, double noise = 1.5) {
-  Site site;
-  site.scene = std::move(scene);
-  site.scene.plane = facade_plane({12.5, -3.25, 8.75}, {-0.6, -0.8, 0});
-  const double places[5][3] = {{-1.1, -0.5, 3.0}, {1.2, -0.4, 3.1}, {0.1, 1.0, 2.9}, {-0.9, 0.8, 3.0}, {1.0, 0.9, 3.2}};
-  for (int k = 0; k < 5; ++k) {
-    View view;
-    view.name = "p" + std::to_string(k);
-    view.camera = small_camera();
-    view.cam_from_world = plumbline::testing::looking(
-        site.scene.plane.world({places[k][0], places[k][1], places[k][2]}), site.scene.plane.origin);
-    view.orientation = k;
-    site.views.push_back(view);
-    site.light.push_back(plumbline::testing::photograph(site.scene, view.camera, view.cam_from_world));
-  }
-  site.expose(noise, 1);
-  site.orientations.images = 5, site.orientations.cameras = 1;
-  site.orientations.matrix = Eigen::MatrixXd::Zero(39, 39);
-  return site;
-}
 
 const Rectangle kArea{{-0.16, -0.12}, {0.16, 0.12}};
 
@@ -134,19 +84,9 @@ TEST(Facet, PlanesOfManyTrialsHaveTheErrorsTheyState) {
   FacadeScene scene;
   scene.height = [](double u, double) { return 0.003 + 0.008 * u; };
   Site site = make_site(scene);
-  // Orientations err by 0.05 mm and 0.02 mrad each, and alike by 0.2 mm: a set-up that is off.
   const Eigen::Index size = site.orientations.size();
-  Eigen::MatrixXd& covariance = site.orientations.matrix;
-  for (int k = 0; k < 5; ++k) {
-    covariance.diagonal().segment<3>(6 * k).setConstant(std::pow(2e-5, 2));
-    covariance.diagonal().segment<3>(6 * k + 3).setConstant(std::pow(5e-5, 2));
-  }
-  for (int a = 0; a < 5; ++a)  // all projection centres moved alike: dt = −R dC
-    for (int b = 0; b < 5; ++b)
-      covariance.block<3, 3>(6 * a + 3, 6 * b + 3) +=
-          std::pow(2e-4, 2) * site.views[static_cast<size_t>(a)].cam_from_world.rotation.toRotationMatrix() *
-          site.views[static_cast<size_t>(b)].cam_from_world.rotation.toRotationMatrix().transpose();
-  covariance(30, 30) = covariance(31, 31) = covariance(30, 31) = covariance(31, 30) = 1.0;
+  give_orientations_errors(site);
+  const Eigen::MatrixXd& covariance = site.orientations.matrix;
   const Eigen::MatrixXd root = (covariance + 1e-18 * Eigen::MatrixXd::Identity(size, size)).llt().matrixL();
   const std::vector<View> views = site.views;
   PanelFace face{"panel", site.scene.plane, 0.32, 0.24};
@@ -159,15 +99,7 @@ TEST(Facet, PlanesOfManyTrialsHaveTheErrorsTheyState) {
   for (int trial = 0; trial < trials; ++trial) {
     Eigen::VectorXd z(size);
     for (Eigen::Index i = 0; i < size; ++i) z(i) = normal(random);
-    const Eigen::VectorXd error = root * z;
-    site.views = views;
-    for (int k = 0; k < 5; ++k) {
-      View& view = site.views[static_cast<size_t>(k)];
-      view.cam_from_world.rotation =
-          quaternion_from_rotation_vector(error.segment<3>(6 * k)) * view.cam_from_world.rotation;
-      view.cam_from_world.translation += error.segment<3>(6 * k + 3);
-      view.camera.fx += error(30), view.camera.fy += error(31);
-    }
+    perturb(site, views, root * z);
     site.expose(1.5, 100 + static_cast<std::uint64_t>(trial));
     std::vector<FacetTile> tiles;
     const Rectangle halves[2] = {{{-0.16, -0.12}, {0, 0.12}}, {{0, -0.12}, {0.16, 0.12}}};

@@ -1,0 +1,140 @@
+// Joints of a rendered facade against what was planted: width, step and what their standard deviations state.
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+
+#include "surface/edge_profile.hpp"
+#include "surface/facet_tile.hpp"
+#include "surface/joint.hpp"
+#include "surface_site.hpp"
+
+namespace plumbline::surface {
+namespace {
+
+using plumbline::testing::FacadeScene;
+
+double width_at(double v) { return 0.0121 + 0.004 * v; }  // [m]
+constexpr double kStep = 0.0023;                          // b stands out by it [m]
+
+FacadeScene jointed(double panel, double gap) {
+  FacadeScene scene;
+  scene.height = [](double u, double) { return kStep * std::min(1.0, std::max(0.0, u / 0.004 + 0.5)); };
+  scene.reflectance = [panel, gap](double u, double v) {
+    return std::abs(u) < 0.5 * width_at(v) ? gap : panel + 0.15 * plumbline::testing::plaster(u, v, 0.002);
+  };
+  return scene;
+}
+
+std::vector<PanelFace> faces_of(const Site& site) {
+  std::vector<PanelFace> faces(2);
+  faces[0] = {"left", site.scene.plane, 0.16, 0.24};
+  faces[1] = {"right", site.scene.plane, 0.16, 0.24};
+  faces[0].plane.origin = site.scene.plane.world({-0.086, 0, 0});
+  faces[1].plane.origin = site.scene.plane.world({0.086, 0, 0});
+  return faces;
+}
+
+struct Outcome {
+  std::vector<Joint> joints;
+  MeasuredJoint joint;
+};
+
+Outcome measure(const Site& site) {
+  Outcome outcome;
+  const std::vector<PanelFace> faces = faces_of(site);
+  std::vector<FacetTile> tiles;
+  for (double side : {-1.0, 1.0})
+    tiles.push_back(measure_tile(site.scene.plane, {{std::min(side * 0.01, side * 0.16), -0.12}, {std::max(side * 0.01, side * 0.16), 0.12}},
+                                 site.facet_views(), site.orientations, {}));
+  add_systematic_part(tiles, site.scene.plane, site.orientations);
+  std::vector<MeasuredTile> measured;
+  for (const FacetTile& tile : tiles) measured.push_back(tile.measured);
+  PanelOptions options;
+  options.border = 0.008;
+  std::vector<PanelSurface> surfaces;
+  for (const PanelFace& face : faces) surfaces.push_back(measure_panel(face, measured, options));
+  outcome.joints = joints_of(faces);
+  if (!outcome.joints.empty())
+    outcome.joint = measure_joint(outcome.joints[0], faces, surfaces, site.facet_views(), site.orientations, {});
+  return outcome;
+}
+
+TEST(Joint, WidthAndStepOfADarkJoint) {
+  const Outcome outcome = measure(make_site(jointed(0.5, 0.05)));
+  ASSERT_EQ(outcome.joints.size(), 1U);
+  EXPECT_NEAR(outcome.joints[0].width, 0.012, 1e-9);
+  ASSERT_GE(outcome.joint.stations.size(), 9U) << outcome.joint.not_measured;
+  double squares = 0, width = 0;
+  for (const JointStation& station : outcome.joint.stations) {
+    const double error = station.width - width_at(station.along);
+    width += error;
+    squares += std::pow(error / station.width_sigma, 2);
+    EXPECT_LT(std::abs(error), 1e-4);
+    EXPECT_NEAR(station.step, kStep, 4 * station.step_sigma + 2e-5);
+    EXPECT_LT(station.step_sigma, 1.5e-4);
+  }
+  const double count = static_cast<double>(outcome.joint.stations.size());
+  EXPECT_LT(std::abs(width / count), 4e-5) << "a bias of all widths";
+  EXPECT_LT(squares / count, 2.5) << "sigmas are too small";
+  EXPECT_LT(outcome.joint.stations[outcome.joint.narrowest].along, 0) << "it widens upwards";
+}
+
+TEST(Joint, ALightJointIsFoundAsWell) {
+  const Outcome outcome = measure(make_site(jointed(0.2, 0.9)));
+  ASSERT_GE(outcome.joint.stations.size(), 9U) << outcome.joint.not_measured;
+  for (const JointStation& station : outcome.joint.stations) EXPECT_NEAR(station.width, width_at(station.along), 1e-4);
+}
+
+TEST(Joint, WhereNoEdgeShowsNothingIsStated) {
+  FacadeScene scene;
+  scene.reflectance = [](double u, double v) { return 0.4 + 0.1 * plumbline::testing::plaster(u, v, 0.002); };
+  const Outcome outcome = measure(make_site(scene));
+  EXPECT_EQ(outcome.joint.stations.size(), 0U);
+  EXPECT_NE(outcome.joint.not_measured, "");
+}
+
+TEST(Joint, WidthsAndStepsOfManyTrialsHaveTheErrorsTheyState) {
+  Site site = make_site(jointed(0.5, 0.05));
+  give_orientations_errors(site);
+  const Eigen::Index size = site.orientations.size();
+  const Eigen::MatrixXd root =
+      (site.orientations.matrix + 1e-18 * Eigen::MatrixXd::Identity(size, size)).llt().matrixL();
+  const std::vector<View> views = site.views;
+  std::mt19937_64 random(11);
+  std::normal_distribution<double> normal(0, 1);
+  double of_width = 0, of_step = 0;
+  constexpr int trials = 20;
+  for (int trial = 0; trial < trials; ++trial) {
+    Eigen::VectorXd z(size);
+    for (Eigen::Index i = 0; i < size; ++i) z(i) = normal(random);
+    perturb(site, views, root * z);
+    site.expose(1.5, 300 + static_cast<std::uint64_t>(trial));
+    const Outcome outcome = measure(site);
+    ASSERT_FALSE(outcome.joint.stations.empty());
+    const JointStation& station = outcome.joint.stations[outcome.joint.stations.size() / 2];
+    of_width += std::pow((station.width - width_at(station.along)) / station.width_sigma, 2) / trials;
+    of_step += std::pow((station.step - kStep) / station.step_sigma, 2) / trials;
+  }
+  // 20 degrees of freedom: 95 % within 0.48 and 1.71.
+  EXPECT_LT(of_width, 1.9);
+  EXPECT_GT(of_width, 0.2);
+  EXPECT_LT(of_step, 1.9);
+  EXPECT_GT(of_step, 0.2);
+}
+
+TEST(EdgeProfile, PlaceOfABlurredEdgeToAFewHundredthsOfASample) {
+  for (double place : {20.0, 20.37, 20.81}) {
+    std::vector<double> samples;
+    for (int i = 0; i < 41; ++i) samples.push_back(50 + 100 * 0.5 * std::erfc(-(i - place) / (1.7 * std::sqrt(2.0))));
+    EXPECT_NEAR(steepest(samples, 20, 8, true), place, 1.0);
+    EXPECT_LT(steepest(samples, 20, 8, false), 0);
+    const auto edge = fit_edge(samples, 20, 12);
+    ASSERT_TRUE(edge);
+    EXPECT_NEAR(edge->place, place, 1e-3);
+    EXPECT_NEAR(edge->rise, 100, 0.1);
+  }
+  EXPECT_FALSE(fit_edge(std::vector<double>(41, 80.0), 20, 12));
+}
+
+}  // namespace
+}  // namespace plumbline::surface
