@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "block/tag_block_model.hpp"
+#include "block/tag_block_orientations.hpp"
 #include "geometry/median.hpp"
 
 namespace plumbline::adjust {
@@ -190,11 +191,7 @@ void fill_poses(const TagBlock& block, const TagStart& start, const TagModel& mo
     if (model.problem.images[i].shift_free)
       result.principal_points[image].covariance =
           solved.variance * solved.adjusted.cofactors->own(layout.block({Kind::shift, static_cast<int>(i)}));
-    // Unknowns are (projection centre C, rotation vector δ), t = −exp(δ) R C: dt = −R dC − [t]× δ.
-    Matrix6 jacobian = Matrix6::Zero();
-    jacobian.topRightCorner<3, 3>().setIdentity();
-    jacobian.bottomLeftCorner<3, 3>() = -model.state.images[i].matrix;
-    jacobian.bottomRightCorner<3, 3>() = -skew(pose.translation);
+    const Matrix6 jacobian = pose_by_unknowns(model, i);
     result.pose_covariance[image] = solved.variance * jacobian *
                                     solved.adjusted.cofactors->own(layout.block({Kind::image, static_cast<int>(i)})) *
                                     jacobian.transpose();
@@ -427,6 +424,10 @@ TagBlockResult adjust_tag_block(const TagBlock& given, const TagBlockOptions& op
   }
   fill_statistics(options, model, solved, result);
   fill_poses(block, start, model, layout, solved, result);
+  if (options.joint_orientations)
+    result.orientation_covariance =
+        solved.variance * joint_orientations(start.images, static_cast<int>(block.cameras.size()), model, layout,
+                                             *solved.adjusted.cofactors);
   fill_unknowns(start, model, layout, solved, result);
   fill_cameras(block, model, layout, solved, result);
   fill_tags(start, model, solved, result);

@@ -107,6 +107,8 @@ struct TagBlockOptions {
   /// know theirs.
   bool estimate_image_variance = true;
   double weak_ratio = 30;  ///< see analyse_datum()
+  /// Gives TagBlockResult::orientation_covariance.
+  bool joint_orientations = false;
   int max_iterations = 100;
   int threads = 1;
   bundle::Minimiser minimiser = bundle::minimise_schur;
@@ -187,6 +189,9 @@ struct TagBlockResult {
   std::vector<ImagePrincipalPoint> principal_points;          ///< one an image, if images have their own
   std::vector<std::optional<RigidTransform>> cam_from_world;  ///< one an image; nothing if left out
   std::vector<Matrix6> pose_covariance;  ///< rotation vector in the camera frame, translation; empty: not known
+  /// Of all oriented images in their order rotation vector, translation and own principal point (8), then of each camera
+  /// its nine parameters; zero for what is held; empty unless asked for.
+  Eigen::MatrixXd orientation_covariance;
   std::vector<int> plates;               ///< adjusted plates, indices into TagBlock::plates
   Eigen::VectorXd anchors;               ///< 3n, in the order of `plates` [m]
   Eigen::MatrixXd anchor_covariance;     ///< 3n × 3n [m²]; empty: not known

@@ -19,43 +19,53 @@ double steepest(const std::vector<double>& samples, double middle, double reach,
   return place;
 }
 
-std::optional<Edge> fit_edge(const std::vector<double>& samples, double start, double window) {
-  const int first = std::max(0, static_cast<int>(std::ceil(start - window)));
-  const int last = std::min(static_cast<int>(samples.size()) - 1, static_cast<int>(std::floor(start + window)));
-  const int count = last - first + 1;
-  if (count < 7) return std::nullopt;
+std::optional<GapEdges> fit_gap(const std::vector<double>& samples, double first, double second, double window, bool dark) {
+  const int from = std::max(0, static_cast<int>(std::ceil(first - window)));
+  const int to = std::min(static_cast<int>(samples.size()) - 1, static_cast<int>(std::floor(second + window)));
+  const int count = to - from + 1;
+  if (count < 12 || !(second > first)) return std::nullopt;
   const auto at = [&](int i) { return samples[static_cast<size_t>(i)]; };
-  Eigen::Vector4d x(0.5 * (at(first) + at(first + 1)), 0, start, 2.0);  // level, rise, place, blur
-  x(1) = 0.5 * (at(last) + at(last - 1)) - x(0);
-  Eigen::Matrix4d normal;
+  using Vector6 = Eigen::Matrix<double, 6, 1>;
+  using Matrix6 = Eigen::Matrix<double, 6, 6>;
+  // Levels of the left, the middle and the right, both places, blur.
+  const int middle = static_cast<int>(std::lround(0.5 * (first + second)));
+  Vector6 x;
+  x << 0.5 * (at(from) + at(from + 1)), at(middle), 0.5 * (at(to) + at(to - 1)), first, second, 2.0;
+  Matrix6 normal;
   double squares = 0;
-  for (int step = 0; step < 30; ++step) {
+  const auto phi = [](double t) { return 0.5 * std::erfc(-t / std::sqrt(2.0)); };
+  const auto density = [](double t) { return std::exp(-0.5 * t * t) / std::sqrt(2 * M_PI); };
+  for (int step = 0; step < 40; ++step) {
     normal.setZero();
-    Eigen::Vector4d right = Eigen::Vector4d::Zero();
+    Vector6 right = Vector6::Zero();
     squares = 0;
-    for (int i = first; i <= last; ++i) {
-      const double t = (i - x(2)) / x(3);
-      const double step_value = 0.5 * std::erfc(-t / std::sqrt(2.0)), density = std::exp(-0.5 * t * t) / std::sqrt(2 * M_PI);
-      const Eigen::Vector4d row(1, step_value, -x(1) * density / x(3), -x(1) * density * t / x(3));
-      const double residual = at(i) - x(0) - x(1) * step_value;
+    for (int i = from; i <= to; ++i) {
+      const double s = (i - x(3)) / x(5), t = (i - x(4)) / x(5);
+      const double a = phi(s), b = phi(t), da = density(s), db = density(t);
+      Vector6 row;
+      row << 1 - a, a - b, b, -(x(1) - x(0)) * da / x(5), -(x(2) - x(1)) * db / x(5),
+          -((x(1) - x(0)) * da * s + (x(2) - x(1)) * db * t) / x(5);
+      const double residual = at(i) - x(0) * (1 - a) - x(1) * (a - b) - x(2) * b;
       normal += row * row.transpose();
       right += row * residual;
       squares += residual * residual;
     }
-    Eigen::Matrix4d damped = normal;
+    Matrix6 damped = normal;
     damped.diagonal() *= 1 + 1e-6;
-    Eigen::Vector4d change = damped.ldlt().solve(right);
+    Vector6 change = damped.ldlt().solve(right);
     if (!change.allFinite()) return std::nullopt;
-    change(2) = std::clamp(change(2), -2.0, 2.0);
+    change.segment<2>(3) = change.segment<2>(3).cwiseMax(-1.5).cwiseMin(1.5);
     x += change;
-    x(3) = std::clamp(x(3), 0.6, 0.5 * window);
-    if (std::abs(x(2) - start) > 0.7 * window) return std::nullopt;
-    if (step > 2 && std::abs(change(2)) < 1e-4) break;
+    x(5) = std::clamp(x(5), 0.6, 0.5 * window);
+    if (std::abs(x(3) - first) > 0.7 * window || std::abs(x(4) - second) > 0.7 * window || x(4) < x(3)) return std::nullopt;
+    if (step > 2 && change.segment<2>(3).cwiseAbs().maxCoeff() < 1e-4) break;
   }
-  const double variance = squares / std::max(count - 4, 1);
-  const Eigen::Matrix4d inverse = normal.ldlt().solve(Eigen::Matrix4d::Identity());
-  if (!(std::abs(x(1)) > 4 * std::sqrt(variance)) || !(inverse(2, 2) > 0)) return std::nullopt;
-  return Edge{x(2), std::sqrt(variance * inverse(2, 2)), x(1)};
+  const double variance = squares / std::max(count - 6, 1), noise = 4 * std::sqrt(variance);
+  const double falls = x(0) - x(1), rises = x(2) - x(1);
+  if (dark ? !(falls > noise && rises > noise) : !(falls < -noise && rises < -noise)) return std::nullopt;
+  const Matrix6 inverse = normal.ldlt().solve(Matrix6::Identity());
+  if (!(inverse(3, 3) > 0 && inverse(4, 4) > 0)) return std::nullopt;
+  return GapEdges{{x(3), x(4)}, {std::sqrt(variance * inverse(3, 3)), std::sqrt(variance * inverse(4, 4))}};
 }
 
 }  // namespace plumbline::surface

@@ -220,7 +220,8 @@ Facet match_facet(const FacadePlane& plane, const Eigen::Vector2d& place, double
         });
         if (correlation(*worst, mean) >= options.min_correlation) break;
         agreeing.erase(worst);
-        if (static_cast<int>(agreeing.size()) < options.min_views) {
+        if (static_cast<int>(agreeing.size()) < options.min_views ||
+            static_cast<double>(agreeing.size()) < options.min_share * static_cast<double>(shares.size())) {
           facet.outcome = FacetOutcome::no_agreement;
           return facet;
         }

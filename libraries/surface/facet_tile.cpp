@@ -57,7 +57,7 @@ Eigen::VectorXd by_orientations(const FacadePlane& plane, const Eigen::Vector3d&
     if (!map) continue;
     const Eigen::RowVector2d by_pixel =
         facet.by_shift[i].transpose() * map->by_place.leftCols<2>().inverse();
-    if (view.orientation >= 0) row.segment<6>(orientations.of_image(view.orientation)) += (by_pixel * map->by_pose).transpose();
+    if (view.orientation >= 0) row.segment<8>(orientations.of_image(view.orientation)) += (by_pixel * map->by_image).transpose();
     if (view.camera_number < orientations.cameras)
       row.segment<9>(orientations.of_camera(view.camera_number)) += (by_pixel * map->by_camera).transpose();
   }
@@ -162,9 +162,10 @@ FacetTile measure_tile(const FacadePlane& plane, const Rectangle& area, const st
   return tile;
 }
 
-void add_systematic_part(std::vector<FacetTile>& tiles, const FacadePlane& plane,
+void add_systematic_part(std::vector<FacetTile>& tiles, const std::vector<FacadePlane>& planes,
                          const OrientationCovariance& orientations, double lost) {
   const Eigen::Index unknowns = orientations.size();
+  if (planes.size() != tiles.size()) throw std::invalid_argument("each tile needs its plane");
   if (orientations.matrix.rows() != unknowns || orientations.matrix.cols() != unknowns)
     throw std::invalid_argument("the covariance of the orientations has " + std::to_string(orientations.matrix.rows()) +
                                 " rows, expected " + std::to_string(unknowns));
@@ -196,6 +197,7 @@ void add_systematic_part(std::vector<FacetTile>& tiles, const FacadePlane& plane
   for (size_t t = 0; t < tiles.size(); ++t) {
     const auto part = reduced.middleRows<3>(3 * static_cast<Eigen::Index>(t));
     auto& factor = tiles[t].measured.factor;
+    const FacadePlane& plane = planes[t];
     factor.resize(6, kept);
     // h = F0 + Fu du + Fv dv is the displacement out · F0 with the rotation right · Fv − up · Fu.
     factor.topRows<3>() = plane.axes.col(2) * part.row(0);

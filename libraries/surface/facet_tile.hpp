@@ -34,10 +34,10 @@ struct TileOptions {
 FacetTile measure_tile(const FacadePlane& plane, const Rectangle& area, const std::vector<FacetView>& views,
                        const OrientationCovariance& orientations, const TileOptions& options);
 
-/// Gives all tiles their factor: what the orientations' joint covariance says of each, reduced to the directions that
+/// Gives all tiles, measured on one of `planes` each, their factor: what the orientations' joint covariance says of each, reduced to the directions that
 /// hold all but `lost` of the variance. Throws std::invalid_argument for a covariance of another size, and
 /// std::runtime_error for one that is not positive semidefinite.
-void add_systematic_part(std::vector<FacetTile>& tiles, const FacadePlane& plane,
+void add_systematic_part(std::vector<FacetTile>& tiles, const std::vector<FacadePlane>& planes,
                          const OrientationCovariance& orientations, double lost = 1e-6);
 
 }  // namespace plumbline::surface

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -18,7 +19,6 @@ constexpr double kWindow = 6;      // half the window of an edge's fit [px]
 /// One edge of a joint in the joint's own plane: u of its place is looked for around `nominal`.
 struct EdgeLine {
   double nominal = 0;      ///< [m]
-  bool rising = false;     ///< grey values grow from left to right
   const PanelFace* face = nullptr;
   const PanelSurface* surface = nullptr;
 };
@@ -44,23 +44,25 @@ EdgeHeight height_at(const EdgeLine& line, const FacadePlane& plane, double u, d
   return result;
 }
 
-/// Mean grey values across the joint in one photograph: from `from` on, `step` apart, at one height.
-std::vector<double> profile(const FacetView& view, const LocalMap& map, const Eigen::Vector3d& centre,
-                            double from, double step, int count, double along, double height) {
-  const double across_v = map.ground_pixel();
-  const int rows = std::max(1, static_cast<int>(std::lround(along / across_v)));
+/// Mean grey values across the joint in one photograph, from `from` on and `step` apart. What lies left of the joint's
+/// middle is taken at one height, what lies right of it at another, because each edge is its panel's.
+std::vector<double> profile(const FacetView& view, const LocalMap& map, const Eigen::Vector3d& centre, double from,
+                            double step, int count, double along, const double heights[2]) {
+  const int rows = std::max(1, static_cast<int>(std::lround(along / map.ground_pixel())));
   const GreyImage& image = view.image->level[0];
   std::vector<double> values(static_cast<size_t>(count));
-  const auto& by = map.by_place;
   for (int i = 0; i < count; ++i) {
     double sum = 0;
+    const double u = from + i * step;
     for (int r = 0; r < rows; ++r) {
-      const Eigen::Vector3d offset(from + i * step - centre.x(), ((r + 0.5) / rows - 0.5) * along, height - centre.z());
-      const Eigen::Vector2d pixel = map.pixel + by * offset;
+      const Eigen::Vector3d offset(u - centre.x(), ((r + 0.5) / rows - 0.5) * along, heights[u < 0 ? 0 : 1] - centre.z());
+      const Eigen::Vector2d pixel = map.pixel + map.by_place * offset;
       const int x = static_cast<int>(std::floor(pixel.x())), y = static_cast<int>(std::floor(pixel.y()));
       if (x < 0 || y < 0 || x + 1 >= image.width || y + 1 >= image.height) return {};
       const double a = pixel.x() - x, b = pixel.y() - y;
-      const auto at = [&](int column, int row) { return static_cast<double>(image.pixels[static_cast<size_t>(row) * image.width + column]); };
+      const auto at = [&](int column, int row) {
+        return static_cast<double>(image.pixels[static_cast<size_t>(row) * image.width + column]);
+      };
       sum += (at(x, y) * (1 - a) + at(x + 1, y) * a) * (1 - b) + (at(x, y + 1) * (1 - a) + at(x + 1, y + 1) * a) * b;
     }
     values[static_cast<size_t>(i)] = sum / rows;
@@ -85,44 +87,51 @@ struct EdgePlace {
 
 class Station {
  public:
-  Station(const Joint& joint, const std::vector<FacetView>& views, const OrientationCovariance& orientations,
-          const JointOptions& options)
-      : joint_(joint), views_(views), orientations_(orientations), options_(options) {}
+  Station(const Joint& joint, const EdgeLine& a, const EdgeLine& b, bool dark, const std::vector<FacetView>& views,
+          const OrientationCovariance& orientations, const JointOptions& options)
+      : joint_(joint), lines_{a, b}, dark_(dark), views_(views), orientations_(orientations), options_(options) {}
 
-  EdgePlace edge(const EdgeLine& line, double along) const {
-    const EdgeHeight at = height_at(line, joint_.plane, line.nominal, along);
-    std::vector<EdgeSight> sights;
-    for (const FacetView& view : views_)
-      if (const auto sight = look(view, line, along, at.height)) sights.push_back(*sight);
-    return intersect(std::move(sights));
+  /// Both edges; `found` says whether.
+  std::array<EdgePlace, 2> edges(double along) const {
+    double heights[2];
+    for (size_t e : {0, 1}) heights[e] = height_at(lines_[e], joint_.plane, lines_[e].nominal, along).height;
+    std::vector<EdgeSight> sights[2];
+    for (const FacetView& view : views_) look(view, along, heights, sights);
+    return {intersect(std::move(sights[0])), intersect(std::move(sights[1]))};
   }
 
  private:
-  std::optional<EdgeSight> look(const FacetView& view, const EdgeLine& line, double along, double height) const {
-    const Eigen::Vector3d centre(line.nominal, along, height);
+  void look(const FacetView& view, double along, const double heights[2], std::vector<EdgeSight>* sights) const {
+    const Eigen::Vector3d centre(0, along, 0.5 * (heights[0] + heights[1]));
     const auto map = map_at(*view.view, joint_.plane, centre, 12);
-    if (!map) return std::nullopt;
-    const double step = map->ground_pixel() / kSamples;
-    const int count = 2 * static_cast<int>(std::ceil((options_.search + 2 * kWindow * kSamples * step) / step)) + 1;
-    const double from = line.nominal - step * (count / 2);
-    const auto grey = profile(view, *map, centre, from, step, count, options_.station, height);
-    if (grey.empty()) return std::nullopt;
-    const double start = steepest(grey, count / 2, options_.search / step, line.rising);
-    if (start < 0) return std::nullopt;
-    const auto edge = fit_edge(grey, start, kWindow * kSamples);
-    if (!edge || (edge->rise > 0) != line.rising) return std::nullopt;
-    EdgeSight sight;
-    sight.place = from + edge->place * step;
-    // Neighbouring samples share pixels, so each counts for less than one: kSamples of them for a pixel.
-    sight.sigma = std::max(edge->sigma * step * std::sqrt(kSamples), 0.01 * map->ground_pixel());
-    const auto plane_from_pixel = map->by_place.leftCols<2>().inverse().eval();
-    sight.parallax = map->parallax().x();
-    sight.by_orientation = Eigen::RowVectorXd::Zero(orientations_.size());
-    if (view.view->orientation >= 0)
-      sight.by_orientation.segment<6>(orientations_.of_image(view.view->orientation)) = -(plane_from_pixel * map->by_pose).row(0);
-    if (view.view->camera_number < orientations_.cameras)
-      sight.by_orientation.segment<9>(orientations_.of_camera(view.view->camera_number)) = -(plane_from_pixel * map->by_camera).row(0);
-    return sight;
+    if (!map) return;
+    const double step = map->ground_pixel() / kSamples, window = kWindow * kSamples;
+    const double reach = 0.5 * joint_.width + options_.search + window * step;
+    const int half = static_cast<int>(std::ceil(reach / step));
+    const auto grey = profile(view, *map, centre, -half * step, step, 2 * half + 1, options_.station, heights);
+    if (grey.empty()) return;
+    const double first = steepest(grey, half + lines_[0].nominal / step, options_.search / step, !dark_);
+    const double second = steepest(grey, half + lines_[1].nominal / step, options_.search / step, dark_);
+    if (first < 0 || second <= first) return;
+    const auto gap = fit_gap(grey, first, second, window, dark_);
+    if (!gap) return;
+    for (int e : {0, 1}) {
+      const double u = (gap->place[e] - half) * step;
+      const auto at = map_at(*view.view, joint_.plane, {u, along, heights[e]}, 0);
+      if (!at) return;
+      const Eigen::Matrix2d plane_from_pixel = at->by_place.leftCols<2>().inverse();
+      EdgeSight sight;
+      sight.place = u;
+      // Neighbouring samples share pixels, so each counts for less than one: kSamples of them for a pixel.
+      sight.sigma = std::max(gap->sigma[e] * step * std::sqrt(kSamples), 0.01 * map->ground_pixel());
+      sight.parallax = at->parallax().x();
+      sight.by_orientation = Eigen::RowVectorXd::Zero(orientations_.size());
+      if (view.view->orientation >= 0)
+        sight.by_orientation.segment<8>(orientations_.of_image(view.view->orientation)) = -(plane_from_pixel * at->by_image).row(0);
+      if (view.view->camera_number < orientations_.cameras)
+        sight.by_orientation.segment<9>(orientations_.of_camera(view.view->camera_number)) = -(plane_from_pixel * at->by_camera).row(0);
+      sights[e].push_back(sight);
+    }
   }
 
   /// Covariance of the sights' places: noise, the edge's height over the panel, and the orientations.
@@ -176,6 +185,8 @@ class Station {
   }
 
   const Joint& joint_;
+  EdgeLine lines_[2];
+  bool dark_;
   const std::vector<FacetView>& views_;
   const OrientationCovariance& orientations_;
   const JointOptions& options_;
@@ -191,7 +202,8 @@ bool joint_is_dark(const Joint& joint, const std::vector<FacetView>& views) {
       const auto map = map_at(*view.view, joint.plane, centre, 12);
       if (!map) continue;
       const double reach = 0.5 * joint.width + 0.01;
-      const auto grey = profile(view, *map, centre, -reach, reach / 20, 41, 0.02, 0);
+      const double on_the_plane[2] = {0, 0};
+      const auto grey = profile(view, *map, centre, -reach, reach / 20, 41, 0.02, on_the_plane);
       if (grey.empty()) continue;
       const auto side = [&](size_t from, size_t to) {
         double sum = 0;
@@ -315,11 +327,11 @@ MeasuredJoint measure_joint(const Joint& joint, const std::vector<PanelFace>& fa
                             const OrientationCovariance& orientations, const JointOptions& options) {
   MeasuredJoint measured;
   const bool dark = joint_is_dark(joint, views);
-  const auto line = [&](size_t face, double nominal, bool rising) {
-    return EdgeLine{nominal, rising, &faces[face], face < surfaces.size() ? &surfaces[face] : nullptr};
+  const auto line = [&](size_t face, double nominal) {
+    return EdgeLine{nominal, &faces[face], face < surfaces.size() ? &surfaces[face] : nullptr};
   };
-  const EdgeLine a = line(joint.face_a, -0.5 * joint.width, !dark), b = line(joint.face_b, 0.5 * joint.width, dark);
-  const Station station(joint, views, orientations, options);
+  const EdgeLine a = line(joint.face_a, -0.5 * joint.width), b = line(joint.face_b, 0.5 * joint.width);
+  const Station station(joint, a, b, dark, views, orientations, options);
   const int count = std::max(1, static_cast<int>((joint.length - options.station) / options.station));
   int one_edge = 0;
   std::vector<EdgePair> edges;
@@ -327,7 +339,7 @@ MeasuredJoint measure_joint(const Joint& joint, const std::vector<PanelFace>& fa
     stop_point();
     const double along = ((s + 0.5) / count - 0.5) * (joint.length - options.station);
     ++measured.stations_looked_at;
-    const EdgePlace edge_a = station.edge(a, along), edge_b = station.edge(b, along);
+    const auto [edge_a, edge_b] = station.edges(along);
     if (!edge_a.found || !edge_b.found) {
       one_edge += edge_a.found || edge_b.found;
       continue;

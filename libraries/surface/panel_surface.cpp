@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "surface/straightedge.hpp"
 
@@ -152,6 +153,16 @@ PanelSurface measure_panel(const PanelFace& face, const std::vector<MeasuredTile
   // Tukey's weights take from the squares of normal residuals too; at 6 times the scale they leave 84.5 %.
   panel.variance_factor = sum > 6 ? weighted / (sum - 6) / 0.845 : 1;
   const double widened = std::sqrt(std::max(1.0, panel.variance_factor));
+  const double few = 0.5;  // share of outliers above which the rest is an arbitrary choice
+  if ((widened > options.most_scatter && panel.rms > options.least_scatter) || panel.outliers > few * panel.points) {
+    char text[200];
+    std::snprintf(text, sizeof text,
+                  "its %d points contradict each other: they scatter by %.1f mm about the best surface, %.1f times what they "
+                  "state, and %d lie elsewhere; glass, a mirror, or something in front",
+                  panel.points, 1e3 * panel.rms, widened, panel.outliers);
+    panel.not_measured = text;
+    return panel;
+  }
   const HeightGrid grid = grid_of(face, samples, tiles, weight, widened, options);
   panel.coverage = grid.coverage();
   if (panel.coverage < options.least_coverage) {
@@ -165,16 +176,13 @@ PanelSurface measure_panel(const PanelFace& face, const std::vector<MeasuredTile
   panel.form_random = widened * widened * inverse;
   panel.form_factor = common;
   panel.half_width = 0.5 * face.width, panel.half_height = 0.5 * face.height;
-  // The plane alone, with the weights found: what a bow leaves is its mean.
-  const Eigen::Matrix3d plane_normal = normal.topLeftCorner<3, 3>();
-  Eigen::Vector3d right = Eigen::Vector3d::Zero();
-  for (size_t i = 0; i < samples.size(); ++i)
-    right += weight[i] / (samples[i].sigma * samples[i].sigma) * samples[i].h * base_of(face, samples[i]).head<3>();
-  const Eigen::Matrix3d plane_inverse = plane_normal.inverse();
-  const Eigen::Vector3d to_slopes(1, 2 / face.width, 2 / face.height);
-  panel.plane = to_slopes.asDiagonal() * (plane_inverse * right);
-  panel.plane_random = widened * widened * (to_slopes.asDiagonal() * plane_inverse * to_slopes.asDiagonal());
-  panel.plane_factor = to_slopes.asDiagonal() * systematic(face, samples, tiles, weight, plane_inverse, 3);
+  // The best plane of that form over the whole panel: (1 − x²) has the mean 2/3 and no slope.
+  Eigen::Matrix<double, 3, 6> plane = Eigen::Matrix<double, 3, 6>::Zero();
+  plane(0, 0) = 1, plane(0, 3) = plane(0, 4) = 2.0 / 3;
+  plane(1, 1) = 2 / face.width, plane(2, 2) = 2 / face.height;
+  panel.plane = plane * panel.form;
+  panel.plane_random = plane * panel.form_random * plane.transpose();
+  panel.plane_factor = plane * panel.form_factor;
   panel.plane_systematic = panel.plane_factor * panel.plane_factor.transpose();
   for (double length : options.straightedges) panel.flatness.push_back(grid.largest_gap(length));
   return panel;

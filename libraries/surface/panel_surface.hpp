@@ -25,6 +25,8 @@ struct PanelOptions {
   int least_points = 12;
   double least_coverage = 0.3;   ///< share of the face, in cells, that has to have points
   double cell = 0.05;        ///< of coverage and flatness [m]
+  double most_scatter = 5;       ///< points that scatter more than so many times their sigmas and more than `least_scatter`
+  double least_scatter = 0.0005; ///< are no surface: glass, a mirror, something else in front [m]
   std::vector<double> straightedges = {0.1, 1.0};  ///< lengths to look under [m]
 };
 

@@ -49,8 +49,7 @@ std::optional<LocalMap> map_at(const View& view, const FacadePlane& plane, const
   LocalMap map;
   map.pixel = seen->pixel;
   map.by_place = seen->by_point * cam_from_plane;
-  map.by_pose.leftCols<3>() = -seen->by_point * skew(turned);
-  map.by_pose.rightCols<3>() = seen->by_point;
+  map.by_image << -seen->by_point * skew(turned), seen->by_point, Eigen::Matrix2d::Identity();
   map.by_camera = by_parameters(view.camera, in_camera.x() / in_camera.z(), in_camera.y() / in_camera.z());
   return map;
 }

@@ -26,19 +26,20 @@ struct View {
 /// no number of points averages it out.
 struct OrientationCovariance {
   int images = 0, cameras = 0;
-  /// (6 · images + 9 · cameras)², of each image the rotation vector in the camera frame [rad] and the translation [m], of
-  /// each camera fx, fy, cx, cy, k1, k2, k3, p1, p2; zero for what is held.
+  static constexpr int per_image = 8, per_camera = 9;
+  /// (8 · images + 9 · cameras)², of each image the rotation vector in the camera frame [rad], the translation [m] and its
+  /// own principal point [px], of each camera fx, fy, cx, cy, k1, k2, k3, p1, p2; zero for what is held.
   Eigen::MatrixXd matrix;
-  Eigen::Index size() const { return 6 * Eigen::Index{images} + 9 * Eigen::Index{cameras}; }
-  Eigen::Index of_image(int image) const { return 6 * Eigen::Index{image}; }
-  Eigen::Index of_camera(int camera) const { return 6 * Eigen::Index{images} + 9 * Eigen::Index{camera}; }
+  Eigen::Index size() const { return of_camera(cameras); }
+  Eigen::Index of_image(int image) const { return per_image * Eigen::Index{image}; }
+  Eigen::Index of_camera(int camera) const { return of_image(images) + per_camera * Eigen::Index{camera}; }
 };
 
 /// The projection of a place (u, v, h) of the facade, linear around it.
 struct LocalMap {
   Eigen::Vector2d pixel;                    ///< [px]
   Eigen::Matrix<double, 2, 3> by_place;     ///< [px/m] by u, v, h
-  Eigen::Matrix<double, 2, 6> by_pose;      ///< [px/rad, px/m] in the order of OrientationCovariance
+  Eigen::Matrix<double, 2, 8> by_image;     ///< [px/rad, px/m, 1] in the order of OrientationCovariance
   Eigen::Matrix<double, 2, 9> by_camera;    ///< by the nine parameters
   /// How far the place seems to move on the facade's plane, per metre of height: the ray's slope.
   Eigen::Vector2d parallax() const { return by_place.leftCols<2>().inverse() * by_place.col(2); }

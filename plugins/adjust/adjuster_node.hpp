@@ -77,6 +77,10 @@ struct Adjuster : TagAdjusterNode {
   Param<std::string> free_datum{"free_datum", "inner", one_of("inner", "first_image"),
                                 "targets without control: inner constraints over all points, or the first image held"};
 
+  Param<bool> joint_orientations{"joint_orientations", false,
+                                 "give the poses their joint covariance with the cameras, which surfaces that are "
+                                 "measured in the photographs need; 8 values an image, so for some hundred images"};
+
   Out<Points> points{"points", frame("frame=?F"), "adjusted anchors with their full marginal covariance"};
   Out<Camera> adjusted_camera{"camera", "interior orientation after the adjustment"};
   Out<Poses> adjusted_poses{"poses", frame("frame=?F"), "exterior orientations with covariance"};
@@ -88,6 +92,7 @@ struct Adjuster : TagAdjusterNode {
     o.lambda = *lambda;
     o.free_network = !control;
     o.robust_control = *robust_control;
+    o.joint_orientations = *joint_orientations;
     choose_engine<Engine>(o);
     return o;
   }
@@ -120,6 +125,8 @@ struct Adjuster : TagAdjusterNode {
   }
 
   void run_targets(Context& context) {
+    if (*joint_orientations)
+      context.warn("parameter 'joint_orientations' has no effect on a block of measured targets; leave it out");
     const ImageBlockT given = targets.unpack();
     const PointBlock measured = target_block_of(given);
     PointBlockOptions o;

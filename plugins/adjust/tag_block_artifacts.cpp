@@ -224,6 +224,10 @@ PosesT TagBlockBuilder::poses(const TagBlockResult& result) const {
     entry->rms = std::sqrt(squares[i] / std::max(1, 2 * corners[i]));
     poses.poses.push_back(std::move(entry));
   }
+  if (result.orientation_covariance.size() > 0) {
+    poses.joint_covariance = pack_symmetric(result.orientation_covariance);
+    for (const CameraT& camera : cameras_) poses.cameras.push_back(camera.id);
+  }
   return poses;
 }
 

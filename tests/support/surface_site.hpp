@@ -54,7 +54,7 @@ inline Site make_site(plumbline::testing::FacadeScene scene, double noise = 1.5)
   }
   site.expose(noise, 1);
   site.orientations.images = 5, site.orientations.cameras = 1;
-  site.orientations.matrix = Eigen::MatrixXd::Zero(39, 39);
+  site.orientations.matrix = Eigen::MatrixXd::Zero(49, 49);
   return site;
 }
 
@@ -62,15 +62,15 @@ inline Site make_site(plumbline::testing::FacadeScene scene, double noise = 1.5)
 inline void give_orientations_errors(Site& site) {
   Eigen::MatrixXd& covariance = site.orientations.matrix;
   for (int k = 0; k < 5; ++k) {
-    covariance.diagonal().segment<3>(6 * k).setConstant(std::pow(2e-5, 2));
-    covariance.diagonal().segment<3>(6 * k + 3).setConstant(std::pow(5e-5, 2));
+    covariance.diagonal().segment<3>(8 * k).setConstant(std::pow(2e-5, 2));
+    covariance.diagonal().segment<3>(8 * k + 3).setConstant(std::pow(5e-5, 2));
   }
   for (int a = 0; a < 5; ++a)  // all projection centres moved alike: dt = −R dC
     for (int b = 0; b < 5; ++b)
-      covariance.block<3, 3>(6 * a + 3, 6 * b + 3) +=
+      covariance.block<3, 3>(8 * a + 3, 8 * b + 3) +=
           std::pow(2e-4, 2) * site.views[static_cast<size_t>(a)].cam_from_world.rotation.toRotationMatrix() *
           site.views[static_cast<size_t>(b)].cam_from_world.rotation.toRotationMatrix().transpose();
-  covariance(30, 30) = covariance(31, 31) = covariance(30, 31) = covariance(31, 30) = 1.0;
+  covariance(40, 40) = covariance(41, 41) = covariance(40, 41) = covariance(41, 40) = 1.0;
 }
 
 /// `views` with one draw of errors of that covariance: root · z.
@@ -78,9 +78,9 @@ inline void perturb(Site& site, const std::vector<View>& views, const Eigen::Vec
   site.views = views;
   for (int k = 0; k < 5; ++k) {
     View& view = site.views[static_cast<size_t>(k)];
-    view.cam_from_world.rotation = quaternion_from_rotation_vector(error.segment<3>(6 * k)) * view.cam_from_world.rotation;
-    view.cam_from_world.translation += error.segment<3>(6 * k + 3);
-    view.camera.fx += error(30), view.camera.fy += error(31);
+    view.cam_from_world.rotation = quaternion_from_rotation_vector(error.segment<3>(8 * k)) * view.cam_from_world.rotation;
+    view.cam_from_world.translation += error.segment<3>(8 * k + 3);
+    view.camera.fx += error(40), view.camera.fy += error(41);
   }
 }
 

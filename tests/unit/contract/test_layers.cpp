@@ -39,6 +39,7 @@ const std::vector<Library> libraries = {
     {"judgement", {"geometry", "ifc"}},
     {"loop", {"geometry", "text", "ifc"}},
     {"pose", {"markers", "geometry"}},
+    {"surface", {"geometry", "images"}},
     {"artifacts", {"geometry", "survey", "survey_files", "block", "judgement"}},
 };
 

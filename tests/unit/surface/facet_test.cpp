@@ -72,8 +72,8 @@ TEST(Facet, SystematicPartIsWhatWrongOrientationsDo) {
     }
     const Eigen::Vector3d change = fit(measure_tile(site.scene.plane, kArea, site.facet_views(), site.orientations, {})) - before;
     Eigen::Vector3d predicted = Eigen::Vector3d::Zero();
-    if (unknown == 6) predicted = step * (right.sensitivity.col(30) + right.sensitivity.col(31));
-    else predicted = step * right.sensitivity.col(6 + unknown);
+    if (unknown == 6) predicted = step * (right.sensitivity.col(40) + right.sensitivity.col(41));
+    else predicted = step * right.sensitivity.col(8 + unknown);
     EXPECT_NEAR(change(0), predicted(0), 0.08 * std::abs(predicted(0)) + 4e-6) << unknown;
     EXPECT_NEAR(change(1), predicted(1), 0.15 * std::abs(predicted(1)) + 4e-5) << unknown;
     EXPECT_NEAR(change(2), predicted(2), 0.15 * std::abs(predicted(2)) + 4e-5) << unknown;
@@ -105,7 +105,7 @@ TEST(Facet, PlanesOfManyTrialsHaveTheErrorsTheyState) {
     const Rectangle halves[2] = {{{-0.16, -0.12}, {0, 0.12}}, {{0, -0.12}, {0.16, 0.12}}};
     for (const Rectangle& half : halves)
       tiles.push_back(measure_tile(site.scene.plane, half, site.facet_views(), site.orientations, {}));
-    add_systematic_part(tiles, site.scene.plane, site.orientations);
+    add_systematic_part(tiles, {site.scene.plane, site.scene.plane}, site.orientations);
     std::vector<MeasuredTile> measured;
     for (const FacetTile& tile : tiles) measured.push_back(tile.measured);
     const PanelSurface panel = measure_panel(face, measured, panel_options);

@@ -46,7 +46,7 @@ Outcome measure(const Site& site) {
   for (double side : {-1.0, 1.0})
     tiles.push_back(measure_tile(site.scene.plane, {{std::min(side * 0.01, side * 0.16), -0.12}, {std::max(side * 0.01, side * 0.16), 0.12}},
                                  site.facet_views(), site.orientations, {}));
-  add_systematic_part(tiles, site.scene.plane, site.orientations);
+  add_systematic_part(tiles, {site.scene.plane, site.scene.plane}, site.orientations);
   std::vector<MeasuredTile> measured;
   for (const FacetTile& tile : tiles) measured.push_back(tile.measured);
   PanelOptions options;
@@ -122,18 +122,22 @@ TEST(Joint, WidthsAndStepsOfManyTrialsHaveTheErrorsTheyState) {
   EXPECT_GT(of_step, 0.2);
 }
 
-TEST(EdgeProfile, PlaceOfABlurredEdgeToAFewHundredthsOfASample) {
-  for (double place : {20.0, 20.37, 20.81}) {
+TEST(EdgeProfile, BothEdgesOfAGapToAFewThousandthsOfASample) {
+  // Down to a gap of five samples under a blur of 1.7, where each edge lies in the other's skirt.
+  for (double width : {5.0, 9.3, 20.6}) {
+    const double first = 30.37, second = first + width;
     std::vector<double> samples;
-    for (int i = 0; i < 41; ++i) samples.push_back(50 + 100 * 0.5 * std::erfc(-(i - place) / (1.7 * std::sqrt(2.0))));
-    EXPECT_NEAR(steepest(samples, 20, 8, true), place, 1.0);
-    EXPECT_LT(steepest(samples, 20, 8, false), 0);
-    const auto edge = fit_edge(samples, 20, 12);
-    ASSERT_TRUE(edge);
-    EXPECT_NEAR(edge->place, place, 1e-3);
-    EXPECT_NEAR(edge->rise, 100, 0.1);
+    const auto phi = [](double t) { return 0.5 * std::erfc(-t / std::sqrt(2.0)); };
+    for (int i = 0; i < 81; ++i)
+      samples.push_back(150 - 100 * phi((i - first) / 1.7) + 80 * phi((i - second) / 1.7));
+    EXPECT_NEAR(steepest(samples, 30, 8, false), first, 1.5);
+    const auto gap = fit_gap(samples, std::floor(first), std::ceil(second), 12, true);
+    ASSERT_TRUE(gap) << width;
+    EXPECT_NEAR(gap->place[0], first, 3e-3);
+    EXPECT_NEAR(gap->place[1], second, 3e-3);
+    EXPECT_FALSE(fit_gap(samples, std::floor(first), std::ceil(second), 12, false)) << "the gap is dark";
   }
-  EXPECT_FALSE(fit_edge(std::vector<double>(41, 80.0), 20, 12));
+  EXPECT_FALSE(fit_gap(std::vector<double>(81, 80.0), 30, 40, 12, true));
 }
 
 }  // namespace

@@ -1,0 +1,28 @@
+// Where surfaces should be: the panels of a design, or the plane of some points.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "artifacts/design.hpp"
+#include "artifacts/points.hpp"
+#include "surface/panel_surface.hpp"
+
+namespace plumbline::surface {
+
+struct Faces {
+  std::vector<PanelFace> faces;
+  std::vector<std::string> guids;    ///< of the elements, one a face
+  std::vector<std::string> left_out; ///< panels without a face, with the reason
+};
+
+/// Outer faces of the design's panels: of the box of its shape the side of the two larger extents that more of `seen_from`
+/// (projection centres) look at. A panel that none looks at is turned to the design's facade normal; without one it is
+/// left out, because nobody knows which side is outside.
+Faces faces_of(const DesignT& design, const std::vector<Eigen::Vector3d>& seen_from);
+
+/// One face: the best plane of the points, wide enough to hold them and `margin` more, turned to `seen_from`. Throws
+/// std::runtime_error for fewer than three points or points on a line.
+Faces face_through(const PointsT& points, const std::vector<Eigen::Vector3d>& seen_from, double margin);
+
+}  // namespace plumbline::surface

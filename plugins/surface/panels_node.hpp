@@ -1,0 +1,56 @@
+// Panels from points of surfaces, whatever measured them.
+#pragma once
+
+#include "artifacts/file.hpp"
+#include "plumbline/node.hpp"
+#include "surface_artifacts.hpp"
+
+namespace plumbline::surface {
+
+inline FileT text_file(const std::string& name, const std::string& media_type, const std::string& text) {
+  FileT file;
+  file.name = name, file.media_type = media_type, file.content.assign(text.begin(), text.end());
+  return file;
+}
+
+struct Panels : Node {
+  static constexpr Info info{"surface.panels", "", 1,
+                             "Planes, bow, twist and flatness of panels from points, with their covariance"};
+  In<SurfacePoints> points{"surface", frame("frame=?F"), "the points and the faces that they lie on"};
+  Param<double> border{"border", 0.02, "m", between(0, 1), "points nearer to a panel's edge are left out: bevels, joints"};
+  Param<double> reach{"reach", 0.1, "m", between(0.001, 2), "points further from the design's face are not the panel's"};
+  Param<double> cell{"cell", 0.05, "m", between(0.002, 1), "of which flatness takes the means"};
+  Param<double> least_coverage{"least_coverage", 0.3, "1", between(0, 1), "share of a panel that has to have points"};
+  Param<std::vector<double>> straightedges{"straightedges", {0.1, 1.0}, "m", between(0.01, 20),
+                                           "lengths under which gaps are looked for"};
+  Out<Surfaces> surfaces{"surfaces", frame("frame=?F"), "the panels"};
+  Out<File> table{"table", "one line a panel, CSV"};
+
+  void run(Context& context) override {
+    const SurfacePointsT given = points.unpack();
+    std::vector<MeasuredTile> tiles;
+    for (const auto& tile : given.tiles) tiles.push_back(read_tile(*tile, given.rank, context.resolve(tile->uri)));
+    PanelOptions options;
+    options.border = *border, options.reach = *reach, options.cell = *cell, options.least_coverage = *least_coverage;
+    options.straightedges = *straightedges;
+    SurfacesT result;
+    result.rank = given.rank, result.warnings = given.warnings;
+    if (given.rank == 0)
+      context.warn("the points come without systematic errors: what is stated of a panel's place is how well it is measured "
+                   "among its neighbours, not where it is");
+    int measured = 0;
+    for (const auto& face : given.faces) {
+      const PanelFace where = face_of(*face);
+      const PanelSurface panel = measure_panel(where, tiles, options);
+      if (!panel.not_measured.empty()) context.warn(panel.id + " is not measured: " + panel.not_measured);
+      measured += panel.not_measured.empty();
+      result.panels.push_back(describe(panel, where, face->guid, given.rank));
+    }
+    context.info(std::to_string(measured) + " of " + std::to_string(given.faces.size()) + " panels measured");
+    context.metric("panels", measured, "1");
+    surfaces.commit(result);
+    table.commit(text_file("panels.csv", "text/csv", panels_table(result)));
+  }
+};
+
+}  // namespace plumbline::surface
