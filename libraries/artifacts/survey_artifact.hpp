@@ -64,6 +64,7 @@ inline SurveyInfoT to_artifact(const NetworkInfo& i) {
   r.confidence_level = i.confidence_level;
   r.refraction_coefficient = i.refraction_coefficient;
   r.largest_misclosure = i.largest_misclosure;
+  r.coordinate_system = i.coordinate_system;
   return r;
 }
 
@@ -86,6 +87,7 @@ inline NetworkInfo from_artifact(const SurveyInfoT& r) {
   i.confidence_level = r.confidence_level;
   i.refraction_coefficient = r.refraction_coefficient;
   i.largest_misclosure = r.largest_misclosure;
+  i.coordinate_system = r.coordinate_system;
   return i;
 }
 
@@ -94,6 +96,8 @@ inline SurveyPointT to_artifact(const Point& p) {
   r.id = p.id;
   r.position = p.coordinates;
   for (CoordinateRole role : p.roles) r.roles += "ufcx"[static_cast<int>(role)];
+  for (size_t k = 0; k < 3; ++k)
+    if (p.known[k]) r.known += "ENH"[k];
   r.code = p.code;
   r.description = p.description;
   return r;
@@ -108,6 +112,12 @@ inline Point from_artifact(const SurveyPointT& r) {
     const size_t role = std::string("ufcx").find(r.roles[static_cast<size_t>(k)]);
     if (role == std::string::npos) throw std::runtime_error("role of point '" + r.id + "' is none of u, f, c, x");
     p.roles[static_cast<size_t>(k)] = static_cast<CoordinateRole>(role);
+  }
+  for (const char axis : r.known) {
+    const size_t k = std::string("ENH").find(axis);
+    if (k == std::string::npos)
+      throw std::runtime_error("point '" + r.id + "' is known in '" + axis + "', expected E, N or H");
+    p.known[k] = true;
   }
   p.code = r.code;
   p.description = r.description;
@@ -130,6 +140,7 @@ inline SurveyObservationT to_artifact(const Observation& o) {
   r.second_target_height = o.second_target_height;
   r.face = static_cast<int8_t>(o.face);
   r.set_number = o.set_number;
+  r.instrument = o.instrument;
   put_source(o.source, r);
   r.corrections = o.corrections;
   return r;
@@ -157,6 +168,7 @@ inline Observation from_artifact(const SurveyObservationT& r) {
   o.second_target_height = r.second_target_height;
   o.face = r.face;
   o.set_number = r.set_number;
+  o.instrument = r.instrument;
   o.source = {r.file, r.line, r.column};
   o.corrections = r.corrections;
   return o;
@@ -201,6 +213,9 @@ inline SurveyVectorsT to_artifact(const VectorGroup& g) {
   }
   r.values = to_vector(g.values);
   r.covariance = pack_lower(g.covariance);
+  r.is_geocentric = g.is_geocentric;
+  r.horizontal_factor = g.horizontal_factor;
+  r.vertical_factor = g.vertical_factor;
   put_source(g.source, r);
   return r;
 }
@@ -210,6 +225,9 @@ inline VectorGroup from_artifact(const SurveyVectorsT& r) {
   const size_t n = r.from.size();
   if (r.to.size() != n || r.heights.size() != 2 * n || r.values.size() != 3 * n)
     throw std::runtime_error("observed vectors: points, heights and values differ in number");
+  g.is_geocentric = r.is_geocentric;
+  g.horizontal_factor = r.horizontal_factor;
+  g.vertical_factor = r.vertical_factor;
   for (size_t k = 0; k < n; ++k) g.vectors.push_back({r.from[k], r.to[k], r.heights[2 * k], r.heights[2 * k + 1]});
   g.values = to_eigen(r.values);
   g.covariance = unpack_lower(r.covariance, static_cast<int>(r.values.size()));
@@ -249,6 +267,8 @@ inline void check_indices(const SurveyObservations& s) {
   };
   for (const Observation& o : s.observations)
     check(o.set_up, s.set_ups.size(), -1, "the observation " + o.from + " -> " + o.to + " refers to set-up");
+  for (const Observation& o : s.observations)
+    check(o.instrument, s.instruments.size(), -1, "the observation " + o.from + " -> " + o.to + " is of instrument");
   for (const LocalCoordinate& c : s.local_coordinates)
     check(c.set_up, s.set_ups.size(), 0, "local coordinates of " + c.point + " refer to set-up");
   for (const ObservationCovariance& c : s.covariances)
@@ -298,6 +318,7 @@ inline SurveyObservationsT to_artifact(const SurveyObservations& s) {
     r.skipped.push_back(std::move(item));
   }
   r.warnings = s.warnings;
+  r.instruments = s.instruments;
   return r;
 }
 
@@ -322,6 +343,7 @@ inline SurveyObservations from_artifact(const SurveyObservationsT& r) {
   for (const auto& item : r.skipped)
     s.skipped.push_back({{item->file, item->line, item->column}, item->found, item->expected});
   s.warnings = r.warnings;
+  s.instruments = r.instruments;
   detail::check_indices(s);
   return s;
 }

@@ -186,6 +186,8 @@ class GamaWriter {
   }
 
   void vectors(const VectorGroup& g) {
+    if (g.is_geocentric)
+      throw std::runtime_error("vectors in X, Y, Z of the earth are not written: gama-local's are of its plane");
     std::string content;
     for (size_t k = 0; k < g.vectors.size(); ++k) {
       const auto& v = g.vectors[k];

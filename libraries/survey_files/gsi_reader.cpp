@@ -118,7 +118,7 @@ void GsiReader::read_block(const GsiBlock& block, std::size_t number) {
       first_renamed_ = "'" + *id + "' in line " + std::to_string(line_);
     read_sighting(block, other == plan_.renamed.end() ? *id : other->second);
   } else {
-    builder_.give_coordinates(*id, coordinates(block, 81), builder_.at(line_, id_word->column));
+    give_coordinates(*id, block, 81);
     describe_point(block, *id);
   }
 }
@@ -177,7 +177,7 @@ void GsiReader::continue_station(const GsiBlock& block) {
   turn_ = 0;
   station_coordinates_ = coordinates(block, 84);
   const SetUp& set_up = builder_.survey.set_ups[static_cast<std::size_t>(builder_.current_set_up())];
-  builder_.give_coordinates(set_up.station, station_coordinates_, builder_.at(line_, block.words.front().column));
+  give_coordinates(set_up.station, block, 84);
 }
 
 void GsiReader::start_station(const std::optional<std::string>& station, double height, const SourcePosition& source) {
@@ -269,8 +269,11 @@ bool GsiReader::starts_station(const GsiBlock& block, bool has_measurement) {
     start_station(std::nullopt, height, source);
   }
   station_coordinates_ = here;
-  const std::string& station = builder_.survey.set_ups[static_cast<std::size_t>(builder_.current_set_up())].station;
-  builder_.give_coordinates(station, here, source);
+  const std::string station = builder_.survey.set_ups[static_cast<std::size_t>(builder_.current_set_up())].station;
+  if (has_measurement)
+    builder_.give_coordinates(station, here, source);
+  else
+    give_coordinates(station, block, 84);
   return true;
 }
 

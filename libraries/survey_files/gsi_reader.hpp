@@ -2,6 +2,7 @@
 // gsi_levels.cpp.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,6 +28,7 @@ class GsiReader {
   void begin_planned(const GsiBlock& block, std::size_t number);
   bool read_level_block(const GsiBlock& block);
   void read_staff(const GsiBlock& block, const GsiWord& word);
+  void compare_level_height(const std::string& id, double height);
   void read_code_block(const GsiBlock& block);
   void read_heights(const GsiBlock& block);
   void read_info(const GsiBlock& block);
@@ -45,6 +47,8 @@ class GsiReader {
   std::optional<double> angle(const GsiWord* word);
   std::optional<double> length(const GsiWord* word);
   Eigen::Vector3d coordinates(const GsiBlock& block, int east);
+  /// The coordinates in words `east` to `east` + 2, as known where they were keyed in.
+  void give_coordinates(const std::string& id, const GsiBlock& block, int east);
   void reject(const GsiWord& word, const std::string& expected) {
     builder_.skip(line_, word.column, word.whole, expected);
   }
@@ -55,6 +59,7 @@ class GsiReader {
   GsiStations plan_;
   LevelRun level_{builder_};
   bool is_level_ = false;
+  std::map<std::string, double> level_heights_;  // [m], as the level wrote them, the last
   int line_ = 0;
   double instrument_height_ = kNotGiven, target_height_ = kNotGiven;
   bool height_is_of_set_up_ = false;  // given at the start of the current set-up or since

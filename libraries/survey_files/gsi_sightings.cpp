@@ -18,6 +18,7 @@ void GsiReader::read_sighting(const GsiBlock& block, const std::string& target) 
   Sighting sighting;
   sighting.to = target;
   sighting.source = builder_.at(line_, block.words.front().column);
+  if (block.find(81) && block.find(82)) builder_.compute_coordinates(target);
   sighting.target_height = target_height_;
   settle_instrument_height(sighting);
   if (const auto direction = angle(block.find(21))) {
@@ -116,6 +117,18 @@ Eigen::Vector3d GsiReader::coordinates(const GsiBlock& block, int east) {
   Eigen::Vector3d result;
   for (int axis = 0; axis < 3; ++axis) result[axis] = length(block.find(east + axis)).value_or(kNotGiven);
   return result;
+}
+
+void GsiReader::give_coordinates(const std::string& id, const GsiBlock& block, int east) {
+  const SourcePosition source = builder_.at(line_, block.words.front().column);
+  const Eigen::Vector3d at = coordinates(block, east);
+  Eigen::Vector3d keyed = at;
+  for (int axis = 0; axis < 3; ++axis)
+    if (const GsiWord* word = block.find(east + axis); !word || !word->keyed_in()) keyed[axis] = kNotGiven;
+  // What is zero where nothing is set is no place.
+  if (keyed[0] == 0 && keyed[1] == 0) keyed.setConstant(kNotGiven);
+  builder_.give_coordinates(id, at, source);
+  builder_.know_coordinates(id, keyed, source);
 }
 
 }  // namespace plumbline::survey

@@ -19,6 +19,8 @@ struct GsiWord {
   std::size_t digits = 0;         ///< data characters the word should have: 8 or 16
   int column = 0;                 ///< of its first character, from 1
   bool complete() const;          ///< all of `digits` characters are there
+  /// Nobody measured or computed it: input mode 1 (keyed in), or none where the format leaves it open.
+  bool keyed_in() const { return whole.size() > 4 && (whole[4] == '1' || whole[4] == '.'); }
   bool is_blank() const;          ///< nothing but dashes and zeros: the instrument had no value ("00000000000-----")
   std::string_view text() const;  ///< data without leading zeros and blanks; "0" if there is nothing but zeros
 };

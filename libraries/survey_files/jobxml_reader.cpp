@@ -31,7 +31,7 @@ class JobXmlReader {
   void read_back_bearing(pugi::xml_node record);
   void read_point(pugi::xml_node record);
   void read_circle(pugi::xml_node record, pugi::xml_node circle, const std::string& name);
-  void read_coordinates(const std::string& name, pugi::xml_node grid);
+  void read_coordinates(const std::string& name, pugi::xml_node grid, bool known = false);
   void correct_distance(pugi::xml_node record, Sighting& sighting);
   double number(pugi::xml_node parent, const char* name);
   double degrees(pugi::xml_node parent, const char* name);
@@ -94,10 +94,11 @@ void JobXmlReader::read_back_bearing(pugi::xml_node record) {
     builder_.survey.set_ups[static_cast<std::size_t>(set_up)].stated_orientation = wrap_to_circle(correction);
 }
 
-void JobXmlReader::read_coordinates(const std::string& name, pugi::xml_node grid) {
+void JobXmlReader::read_coordinates(const std::string& name, pugi::xml_node grid, bool known) {
   if (!grid) return;
   const Eigen::Vector3d at = {number(grid, "East"), number(grid, "North"), number(grid, "Elevation")};
   if (!at.array().isNaN().all()) builder_.give_coordinates(name, at, xml_.position(grid));
+  if (known) builder_.know_coordinates(name, at, xml_.position(grid));
 }
 
 // The job stores what the distance meter gave before any correction.
@@ -160,7 +161,7 @@ void JobXmlReader::read_point(pugi::xml_node record) {
   if (circle)
     read_circle(record, circle, name);
   else
-    read_coordinates(name, formats::child(record, "Grid"));
+    read_coordinates(name, formats::child(record, "Grid"), method == "KeyedIn");
   const std::string code = child_text(record, "Code");
   if (!code.empty()) builder_.point(name, xml_.position(record)).code = code;
 }

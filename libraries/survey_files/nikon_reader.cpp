@@ -161,6 +161,8 @@ void NikonReader::read_coordinates(const Parts& parts) {
   if (!east_first_) std::swap(at[0], at[1]);
   if (at.array().isNaN().all()) return;
   builder_.give_coordinates(id, at, builder_.at(line_, 1));
+  if (parts[0] == "MP" || parts[0] == "UP")
+    builder_.know_coordinates(id, at, builder_.at(line_, 1));
   Point& point = builder_.point(id, builder_.at(line_, 1));
   if (point.code.empty()) point.code = std::string(part(parts, 6));
 }
@@ -180,13 +182,17 @@ SurveyObservations NikonReader::read() {
       read_station(parts);
     } else if (type == "SS" || type == "F1" || type == "F2") {
       read_sighting(parts, type == "F1" ? 1 : type == "F2" ? 2 : 0);
+    } else if (type == "CP") {  // a second name behind the first, then as SS
+      Parts as_sighting = parts;
+      if (as_sighting.size() > 2) as_sighting.erase(as_sighting.begin() + 2);
+      read_sighting(as_sighting, 0);
     } else if (std::find(kCoordinates.begin(), kCoordinates.end(), type) != kCoordinates.end()) {
       read_coordinates(parts);
     } else if (type == "SO" || type.starts_with('*')) {
       ++passed_over_;
     } else {
       --records_;
-      builder_.skip(line_, 1, type, "a record CO, ST, F1, F2, SS, SO, MP, MC, UP, CC or RE");
+      builder_.skip(line_, 1, type, "a record CO, ST, F1, F2, SS, CP, SO, MP, MC, UP, CC or RE");
     }
   }
   if (!has_units_ && records_ > 0) builder_.warn("the file does not say its units; metres and D.MMSS are assumed");

@@ -154,6 +154,7 @@ void Rw5Reader::read_point(const Record& record, const char* name_field) {
   const Eigen::Vector3d at = {length(record, "E"), length(record, "N"), length(record, "EL")};
   if (name.empty()) return builder_.skip(line_, 1, record.type, std::string("a point name behind ") + name_field);
   if (!at.array().isNaN().all()) builder_.give_coordinates(name, at, builder_.at(line_, 1));
+  if (record.type == "SP") builder_.know_coordinates(name, at, builder_.at(line_, 1));
   Point& point = builder_.point(name, builder_.at(line_, 1));
   if (point.description.empty()) point.description = std::string(record.note);
 }
@@ -167,7 +168,13 @@ void Rw5Reader::read_backsight(const Record& record) {
   const bool measured = builder_.survey.observations.size() > observations_at_start_;
   if (current < 0 || measured || builder_.survey.set_ups[static_cast<std::size_t>(current)].station != station)
     begin_set_up(station);
-  const double azimuth = angle(record, "BS"), reading = angle(record, "BC");
+  const double reading = angle(record, "BC");
+  double azimuth = angle(record, "BS");
+  if (const std::string backsight = text(record, "BP"); std::isnan(azimuth) && builder_.has_point(backsight)) {
+    const Eigen::Vector3d d = builder_.point(backsight, builder_.at(line_, 1)).coordinates -
+                              builder_.point(station, builder_.at(line_, 1)).coordinates;
+    if (d.head<2>().norm() > 0) azimuth = wrap_to_circle(std::atan2(d.x(), d.y()));  // NaN: one is not given
+  }
   if (std::isnan(azimuth)) return;
   if (reading != 0 && !std::isnan(reading)) {
     builder_.warn("line " + std::to_string(line_) + ": the backsight of " + formats::quoted(station) +

@@ -1,5 +1,6 @@
 // What was measured, in a file of STAR*NET: single values, direction sets, traverses and levelling.
 #include <algorithm>
+#include <cmath>
 
 #include "survey_files/starnet_reader.hpp"
 
@@ -38,6 +39,7 @@ void StarNetReader::take(const Parts& parts, std::size_t first, const std::vecto
   for (std::size_t i = 0; i < n; ++i) {
     Observation o = like;
     o.kind = kinds[i];
+    o.instrument = instrument_;
     if (o.kind != ObservationKind::angle) o.second_to.clear();
     const std::string_view text = parts[first + i];
     if (text == "?" || text == "*") continue;  // not measured
@@ -101,9 +103,13 @@ void StarNetReader::read_measured(std::string_view code, const Parts& parts) {
 
 // DB at; DN to direction; DM to direction distance zenith; DE
 void StarNetReader::read_direction(std::string_view code, const Parts& parts) {
-  if (code == "DE") return set_at_.clear();
+  if (code == "DE") {
+    if (ends_at(parts, 1, "DE stands alone")) set_at_.clear();
+    return;
+  }
   if (parts.size() < 2) return reject(parts[0], "a station");
   if (code == "DB") {
+    if (!ends_at(parts, 2, "DB has the occupied station alone")) return set_at_.clear();
     set_at_ = std::string(parts[1]);
     builder_.start_set_up(set_at_, kNotGiven, builder_.at(line_, 1));
     return;
@@ -125,6 +131,8 @@ void StarNetReader::read_direction(std::string_view code, const Parts& parts) {
 void StarNetReader::read_traverse(std::string_view code, const Parts& parts) {
   if (parts.size() < 2) return reject(parts[0], "a station");
   const std::string station(parts[1]);
+  if (code == "TB" && !ends_at(parts, 2, "TB has the backsight alone")) return;
+  if (code == "TE" && !ends_at(parts, 4, "TE has a station, an angle and where it closes")) return;
   if (code == "TB") {
     backsight_ = station;
     at_.clear();
@@ -164,24 +172,47 @@ void StarNetReader::read_traverse(std::string_view code, const Parts& parts) {
   backsight_.clear();
 }
 
-// L from-to difference [length or standard deviation]: STAR*NET reads the last as a length unless '.LWEIGHT' says
-// otherwise; a number below a metre is no length.
+// .LWEIGHT value: standard deviation of a levelled line of 1 km (1 mile in a file of feet), growing with the root.
+void StarNetReader::read_level_weight(const Parts& parts) {
+  const auto value = parts.size() == 2 ? formats::parse_number(parts[1]) : std::nullopt;
+  if (!value || *value <= 0) return reject(parts[0], ".LWEIGHT and the standard deviation of a line of 1 km or mile");
+  const double unit = metres_ == 1 ? 1000.0 : 5280 * metres_;  // [m]
+  level_weight_ = *value * metres_ * std::sqrt(1000.0 / unit);
+}
+
+// L from-to difference [length [standard deviation]]. A lone number below a metre is no length: some write the standard
+// deviation there, which is said.
 void StarNetReader::read_levelled(const Parts& parts) {
   std::vector<std::string> ids;
-  if (parts.size() < 3 || !names(parts[1], 2, ids)) return;
+  if (parts.size() < 3) return reject(parts[0], "two stations and a height difference");
+  if (!names(parts[1], 2, ids)) return;
   Observation o;
   o.kind = height_difference;
+  o.instrument = instrument_;
   o.from = ids[0];
   o.to = ids[1];
   o.source = builder_.at(line_, 1);
   const auto value = formats::parse_number(parts[2]);
   if (!value || o.from == o.to) return reject(parts[2], "a height difference");
+  if (!ends_at(parts, 5, "L has two stations, a height difference, a length and a standard deviation")) return;
   o.value = *value * metres_;
   if (parts.size() > 3) {
-    const auto last = formats::parse_number(parts[3]);
-    if (!last || *last <= 0) return reject(parts[3], "the length of the line");
-    (*last * metres_ < 1 ? o.sigma : o.levelling_length) = *last * metres_;
+    const auto length = formats::parse_number(parts[3]);
+    if (!length || *length <= 0) return reject(parts[3], "the length of the line");
+    const bool is_sigma = parts.size() == 4 && *length * metres_ < 1;
+    if (is_sigma)
+      builder_.warn("line " + std::to_string(line_) + ": " + std::string(parts[3]) +
+                    " is no length of a levelled line; it is taken as its standard deviation");
+    (is_sigma ? o.sigma : o.levelling_length) = *length * metres_;
   }
+  if (parts.size() > 4) {
+    const auto sigma = sigma_of(parts[4], height_difference);
+    if (!sigma) return reject(parts[4], "a standard deviation above zero, '&', '!' or '*'");
+    if (*sigma == 0) return;
+    o.sigma = *sigma;
+  }
+  if (std::isnan(o.sigma) && !std::isnan(level_weight_) && !std::isnan(o.levelling_length))
+    o.sigma = level_weight_ * std::sqrt(o.levelling_length / 1000);
   builder_.add(std::move(o));
 }
 

@@ -12,7 +12,8 @@
 namespace plumbline::survey {
 namespace {
 
-constexpr double kHeld = 1e-6;  // [m, rad] standard deviation of what '!' holds
+constexpr double kHeld = 1e-6;       // [m] standard deviation of what '!' holds
+constexpr double kHeldAngle = 5e-9;  // [rad], a thousandth of a second
 constexpr double kSecond = std::numbers::pi / 180 / 3600;
 
 }  // namespace
@@ -60,7 +61,7 @@ std::optional<double> StarNetReader::value_of(std::string_view text, Observation
 
 std::optional<double> StarNetReader::sigma_of(std::string_view text, ObservationKind kind) const {
   if (text == "&") return kNotGiven;
-  if (text == "!") return kHeld;
+  if (text == "!") return is_angle_kind(kind) ? kHeldAngle : kHeld;
   if (text == "*") return 0.0;  // free: it takes no part
   const auto value = formats::parse_number(text);
   if (!value || *value <= 0) return std::nullopt;
@@ -78,11 +79,15 @@ void StarNetReader::read_option(const Parts& parts) {
       if (!word.empty()) words.push_back(formats::to_lower(word));
   const auto has = [&](const char* word) { return std::find(words.begin(), words.end(), word) != words.end(); };
   if (option == ".3d" || option == ".2d") {
+    if (!ends_at(parts, 1, ".2D and .3D stand alone")) return;
     three_ = option == ".3d";
     has_dimension_ = true;
   } else if (is_option(".units")) {
     read_units(words);
   } else if (is_option(".order")) {
+    for (const std::string& word : words)
+      if (word != "en" && word != "ne" && word != "fromatto" && word != "atfromto")
+        return reject(word, ".ORDER with EN or NE, and AtFromTo or FromAtTo");
     has_order_ = true;
     if (has("en")) east_first_ = true;
     if (has("ne")) east_first_ = false;
@@ -92,17 +97,26 @@ void StarNetReader::read_option(const Parts& parts) {
     if (parts.size() < 2 || parts[1].size() != 1) return reject(parts[0], ".SEPARATOR and one sign");
     separator_ = parts[1].front();
   } else if (is_option(".delta")) {
+    if (words.size() > 1 || (words.size() == 1 && !has("on") && !has("off")))
+      return reject(words.back(), ".DELTA ON or .DELTA OFF");
     delta_ = !has("off");
   } else if (is_option(".data")) {
     if (has("on") == has("off")) return reject(line_text_, ".DATA ON or .DATA OFF");
     if (has("off")) off_since_ = line_;
-  } else if (is_option(".scale") || is_option(".mapmode") || is_option(".mapscale") || is_option(".grid")) {
-    builder_.warn("line " + std::to_string(line_) + ": the option " + std::string(parts[0]) + " is not applied");
+  } else if (is_option(".lweight")) {
+    read_level_weight(parts);
+  } else if (option == ".gps") {
+    finish_vector();
+    read_gps_option(parts);
+  } else if (is_option(".instrument")) {
+    if (parts.size() > 2) return reject(parts[2], "the end of the line: .INST has one name");
+    instrument_ = parts.size() == 2 ? builder_.instrument(std::string(parts[1])) : -1;
   } else {
     for (const char* of_the_listing :
-         {".note", ".title", ".relative", ".ptolerance", ".loststations", ".copycoordinates"})
+         {".note", ".title", ".relative", ".ptolerance", ".ellipse", ".loststations", ".copycoordinates"})
       if (is_option(of_the_listing)) return;
-    reject(parts[0], "one of the options that are applied: .2D, .3D, .UNITS, .ORDER, .SEPARATOR, .DELTA, .DATA");
+    reject(parts[0],
+           "one of the options that are applied: .2D, .3D, .UNITS, .ORDER, .SEPARATOR, .DELTA, .DATA, .INST, .LWEIGHT");
   }
 }
 
@@ -132,18 +146,40 @@ void StarNetReader::read_units(const std::vector<std::string>& words) {
   }
 }
 
-// C name N E [H] [sigmas]: '!' is fixed, '*' approximate.
+// A word that nothing reads may be a standard deviation or a height that somebody meant: it is an error.
+bool StarNetReader::ends_at(const Parts& parts, std::size_t most, const char* has) {
+  if (parts.size() <= most) return true;
+  reject(parts[most], std::string("the end of the line: ") + has);
+  return false;
+}
+
+// Two in the plane, three in space, two of space where a flag follows them. Without .2D or .3D the numbers decide, but
+// four of them may be N, E, H and a standard deviation, or N, E and two.
+std::optional<std::size_t> StarNetReader::coordinates_of(const Parts& parts) {
+  std::size_t numbers = 0;
+  while (2 + numbers < parts.size() && formats::parse_number(parts[2 + numbers])) ++numbers;
+  const char* expected = three_ ? "C, a name, two or three coordinates" : "C, a name, two coordinates, as .2D says";
+  if (numbers < 2) {
+    reject(parts[0], expected);
+    return std::nullopt;
+  }
+  if (has_dimension_) return three_ ? std::min<std::size_t>(numbers, 3) : 2;
+  if (numbers == 4 && parts.size() == 6) {
+    reject(parts[5], "'.2D' or '.3D' above: four numbers are N, E, H and a standard deviation, or N, E and two");
+    return std::nullopt;
+  }
+  return std::min<std::size_t>(numbers, 3);
+}
+
+// C name N E [H] [sigmas]: '!' is fixed, '*' approximate. "C P 100 200 ! !" is of the plane; "C P 100 200 5 0.01 0.01
+// 0.01" of space.
 void StarNetReader::read_coordinates(const Parts& parts) {
+  const auto count = coordinates_of(parts);
+  if (!count || !ends_at(parts, 2 + 2 * *count, "C has a name, coordinates and a standard deviation for each")) return;
   std::vector<double> values;
   std::size_t i = 2;
-  for (; i < parts.size() && values.size() < 3; ++i) {
-    const auto value = formats::parse_number(parts[i]);
-    if (!value) break;
-    values.push_back(*value * metres_);
-  }
-  if (parts.size() < 4 || values.size() < 2) return reject(parts[0], "C, a name, two or three coordinates");
+  for (; values.size() < *count; ++i) values.push_back(*formats::parse_number(parts[i]) * metres_);
   used_order_ = true;
-  // "C P 100 200 ! !" is of the plane; "C P 100 200 5 0.01 0.01 0.01" of space.
   const bool has_height = values.size() == 3;
   if (!has_dimension_ && !has_height) three_ = false;
   const Eigen::Vector3d at(values[east_first_ ? 0 : 1], values[east_first_ ? 1 : 0],
@@ -186,6 +222,7 @@ void StarNetReader::add_control(const std::string& id, const std::vector<int>& a
 void StarNetReader::read_elevation(const Parts& parts) {
   const auto value = parts.size() > 2 ? formats::parse_number(parts[2]) : std::nullopt;
   if (!value) return reject(parts[0], "E, a name, a height");
+  if (!ends_at(parts, 4, "E has a name, a height and its standard deviation")) return;
   const auto sigma = parts.size() > 3 ? sigma_of(parts[3], height_difference) : std::optional(0.0);
   if (!sigma) return reject(parts[3], "a standard deviation, '!' or '*'");
   const std::string id(parts[1]);
@@ -195,8 +232,19 @@ void StarNetReader::read_elevation(const Parts& parts) {
   if (*sigma > 0 && *sigma != kHeld) add_control(id, {2}, Eigen::VectorXd::Constant(1, *value * metres_), {*sigma});
 }
 
+// "!!*" are three flags: a word of nothing else is one for each of its signs.
+static StarNetReader::Parts words_of(std::string_view text) {
+  StarNetReader::Parts parts;
+  for (const std::string_view word : formats::split_blanks(text)) {
+    const bool flags = word.size() > 1 && word.size() <= 3 && word.find_first_not_of("!&*") == std::string_view::npos;
+    if (!flags) parts.push_back(word);
+    for (std::size_t i = 0; flags && i < word.size(); ++i) parts.push_back(word.substr(i, 1));
+  }
+  return parts;
+}
+
 void StarNetReader::read_line(std::string_view text) {
-  const Parts parts = formats::split_blanks(text);
+  const Parts parts = words_of(text);
   ++records_;
   line_text_ = std::string(text);
   if (off_since_ > 0) {
@@ -209,6 +257,8 @@ void StarNetReader::read_line(std::string_view text) {
   if (parts[0].front() == '.') return read_option(parts);
   std::string code;
   for (const char c : parts[0]) code += c >= 'a' && c <= 'z' ? static_cast<char>(c - 32) : c;
+  if (code == "G0" || code == "G1" || code == "G2" || code == "G3") return read_vector(code, parts);
+  finish_vector();
   if (code == "C") return read_coordinates(parts);
   if (code == "E") return read_elevation(parts);
   if (code == "L") return read_levelled(parts);
@@ -217,8 +267,7 @@ void StarNetReader::read_line(std::string_view text) {
   for (const char* known : {"A", "D", "V", "DV", "B", "M", "BM", "SS"})
     if (code == known) return read_measured(code, parts);
   --records_;
-  reject(parts[0],
-         "a data type such as C, M, A, D, V, B, DB, DN, L, T (GPS vectors and geodetic positions are not read)");
+  reject(parts[0], "a data type such as C, M, A, D, V, B, DB, DN, L, T, G1 (geodetic positions are not read)");
 }
 
 SurveyObservations StarNetReader::read() {
@@ -242,6 +291,7 @@ SurveyObservations StarNetReader::read() {
     read_line(joined);
     joined.clear();
   }
+  finish_vector();
   if (off_since_ > 0) builder_.warn("from line " + std::to_string(off_since_) + " on the file is off by .DATA OFF");
   if (used_order_ && !has_order_)
     builder_.warn("the file has no .ORDER: coordinates are taken as N, E; say .ORDER EN if they are E, N");

@@ -29,12 +29,19 @@ class StarNetReader {
   void read_units(const std::vector<std::string>& words);
   void read_coordinates(const Parts& parts);
   void read_elevation(const Parts& parts);
+  std::optional<std::size_t> coordinates_of(const Parts& parts);  ///< how many of C's numbers are coordinates
   void add_control(const std::string& id, const std::vector<int>& axes, const Eigen::VectorXd& values,
                    const std::vector<double>& sigmas);  ///< [m], independent
+  /// Whether the line has no more than `most` words; otherwise the first of the others is refused.
+  bool ends_at(const Parts& parts, std::size_t most, const char* has);
   void read_measured(std::string_view code, const Parts& parts);
   void read_direction(std::string_view code, const Parts& parts);
   void read_traverse(std::string_view code, const Parts& parts);
   void read_levelled(const Parts& parts);
+  void read_level_weight(const Parts& parts);
+  void read_gps_option(const Parts& parts);
+  void read_vector(std::string_view code, const Parts& parts);
+  void finish_vector();
   bool names(std::string_view joined, std::size_t count, std::vector<std::string>& out);
   /// Values of `kinds`, their standard deviations, HI/HT; each becomes an observation like `like`.
   void take(const Parts& parts, std::size_t first, const std::vector<ObservationKind>& kinds, Observation like);
@@ -49,6 +56,11 @@ class StarNetReader {
   SurveyBuilder builder_;
   int line_ = 0;
   double metres_ = 1;
+  int instrument_ = -1;                // of .INST
+  std::optional<VectorGroup> vector_;  // whose G2 and G3 may follow
+  bool gps_correlations_ = false;      // G2 and G3 are standard deviations and correlations, not variances
+  double gps_horizontal_ = 1, gps_vertical_ = 1;
+  double level_weight_ = kNotGiven;  // .LWEIGHT, of a line of 1 km [m]
   enum class AngleUnit { dms, gon, degrees } unit_ = AngleUnit::dms;
   bool east_first_ = false, has_order_ = false, from_at_to_ = false, three_ = true, has_dimension_ = false,
        delta_ = false;

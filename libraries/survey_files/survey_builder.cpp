@@ -1,5 +1,6 @@
 #include "survey_files/survey_builder.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -111,6 +112,30 @@ void SurveyBuilder::give_coordinates(const std::string& id, const Eigen::Vector3
       return;
     }
   }
+}
+
+int SurveyBuilder::instrument(const std::string& name) {
+  const auto at = std::find(survey.instruments.begin(), survey.instruments.end(), name);
+  const auto index = static_cast<int>(at - survey.instruments.begin());
+  if (at == survey.instruments.end()) survey.instruments.push_back(name);
+  return index;
+}
+
+void SurveyBuilder::know_coordinates(const std::string& id, const Eigen::Vector3d& coordinates,
+                                     const SourcePosition& source) {
+  give_coordinates(id, coordinates, source);
+  if (computed_.contains(id)) return;
+  Point& known = point(id, source);
+  for (int axis = 0; axis < 3; ++axis)
+    if (!std::isnan(coordinates[axis]) && std::abs(known.coordinates[axis] - coordinates[axis]) < kCoordinateConflict)
+      known.known[static_cast<std::size_t>(axis)] = true;
+}
+
+void SurveyBuilder::compute_coordinates(const std::string& id) {
+  if (const auto at = points_.find(id);
+      at != points_.end() && !survey.points[at->second].coordinates.array().isNaN().all())
+    return;
+  computed_.insert(id);
 }
 
 void SurveyBuilder::add_kind(const Sighting& sighting, ObservationKind kind, double value, int face,

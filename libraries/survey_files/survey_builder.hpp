@@ -69,9 +69,16 @@ class SurveyBuilder {
 
   /// The point `id`, made when it is new.
   Point& point(const std::string& id, const SourcePosition& source);
+  /// Says that coordinates of `id` which are finite here were keyed in as known, unless they differ from the ones kept.
+  void know_coordinates(const std::string& id, const Eigen::Vector3d& coordinates, const SourcePosition& source);
+  /// `id` was computed from readings of this file: whatever says so afterwards, it is not known.
+  void compute_coordinates(const std::string& id);
   bool has_point(const std::string& id) const { return points_.contains(id); }
   /// Gives `id` coordinates E, N, H (NaN: none). The first ones stay; others more than 1 cm away are warned of.
   void give_coordinates(const std::string& id, const Eigen::Vector3d& coordinates, const SourcePosition& source);
+
+  /// Index of the instrument called so, made when it is new.
+  int instrument(const std::string& name);
 
   /// Adds what `sighting` has, as observations of one pointing from the current set-up. A distance of zero is none.
   /// Returns false when there is nothing in it.
@@ -95,7 +102,7 @@ class SurveyBuilder {
   std::size_t skipped_beyond_cap_ = 0;
   std::unordered_map<std::string, std::size_t> points_;
   std::unordered_map<std::string, int> occupations_;
-  std::unordered_set<std::string> set_up_ids_, warnings_;
+  std::unordered_set<std::string> set_up_ids_, warnings_, computed_;
 };
 
 }  // namespace plumbline::survey

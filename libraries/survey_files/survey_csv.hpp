@@ -13,8 +13,10 @@ struct SurveyCsvOptions {
   /// Order of the columns when the file has no header: letters (P point, E, N, Z or H height, D description, C code,
   /// '-' column to pass over; "PENZD", "PNEZD") or column names with commas ("station,target,hz,v,sd"). Empty: by the
   /// header; a table without one is taken as PENZD, with a warning.
-  std::string columns;
-  std::string angle_unit = "gon";  ///< of angle columns without a unit in their header: gon, deg, dms (D.MMSSs), rad
+  std::string columns = "";
+  /// Of angle columns without a unit in their header: gon, deg, dms (D.MMSSs), rad. Empty: what the readings tell (both
+  /// faces, reciprocal zenith angles), with a warning; where they do not, the table is refused.
+  std::string angle_unit = "";
   std::string length_unit = "m";   ///< of length columns without a unit in their header: m, cm, mm, ft, usft
 };
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "control/point_columns.hpp"
+#include "survey_files/survey_csv_units.hpp"
 
 namespace plumbline::survey {
 namespace {
@@ -20,6 +21,18 @@ bool is_angle_unit(std::string_view unit) {
 }
 
 bool is_angle_column(std::string_view name) { return name == "direction" || name == "zenith" || name == "azimuth"; }
+
+constexpr double kRounded = 0.011;  // [m]: what is rounded more is no coordinate or distance
+
+/// What the last digit of a number with an exponent counts, 0 without one: 1e4 of "5,41E+06".
+double resolution(const std::string& number) {
+  const std::size_t exponent = number.find_first_of("eE");
+  if (exponent == std::string::npos) return 0;
+  const auto power = formats::parse_integer(std::string_view(number).substr(exponent + 1));
+  const std::size_t point = number.find_first_of(".,");
+  const auto decimals = point < exponent ? static_cast<double>(exponent - point - 1) : 0.0;
+  return power ? std::pow(10.0, static_cast<double>(*power) - decimals) : 0;
+}
 
 bool is_length_column(std::string_view name) {
   for (const char* known : {"e", "n", "h", "x", "y", "slope_distance", "horizontal_distance", "height_difference",
@@ -184,6 +197,11 @@ void SurveyColumns::place(const std::string& name, std::size_t index, const std:
     columns_[name] = {index, ""};
     return;
   }
+  if (angle && unit.empty() && options_.angle_unit.empty()) {
+    columns_[name] = {index, ""};
+    untold_.push_back(name);
+    return;
+  }
   const std::string& used = unit.empty() ? (angle ? options_.angle_unit : options_.length_unit) : unit;
   if (std::isnan(in_si(1.0, used)) || is_angle_unit(used) != angle)
     throw SurveyReadError(builder_.at(unit.empty() ? 0 : table_.header_line, unit.empty() ? 0 : 1),
@@ -295,12 +313,23 @@ double SurveyColumns::in_si(double value, const std::string& unit) {
 }
 
 double SurveyColumns::measured(const std::string& column, bool is_angle) {
+  if (const formats::CsvCell* found = is_angle ? cell(column) : nullptr)
+    if (const auto written = written_dms(found->text)) return *written;
   const double value = number(column);
   if (std::isnan(value)) return kNotGiven;
   const double si = in_si(value, columns_.at(column).unit);
+  if (!is_angle && in_si(resolution(cell(column)->text), columns_.at(column).unit) > kRounded) {
+    fail(column, "all digits: a spreadsheet rounded this value when it wrote it with an exponent");
+    return kNotGiven;
+  }
   if (!std::isnan(si)) return si;
   fail(column, is_angle ? "minutes and seconds below 60 in D.MMSS" : "a length");
   return kNotGiven;
+}
+
+void SurveyColumns::set_angle_unit(const std::string& unit) {
+  for (const std::string& name : untold_) columns_.at(name).unit = unit;
+  untold_.clear();
 }
 
 double SurveyColumns::length(const std::string& column) { return measured(column, false); }

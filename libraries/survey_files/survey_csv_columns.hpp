@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "survey_files/survey_builder.hpp"
 #include "survey_files/survey_csv.hpp"
@@ -21,6 +22,10 @@ class SurveyColumns {
   /// Takes the columns from `options.columns` or the header of `table`; throws SurveyReadError for names and units it
   /// does not know.
   SurveyColumns(const formats::CsvTable& table, const SurveyCsvOptions& options, SurveyBuilder& builder);
+
+  /// Angle columns whose unit neither header nor options say; their values cannot be read before `set_angle_unit`.
+  const std::vector<std::string>& untold() const { return untold_; }
+  void set_angle_unit(const std::string& unit);
 
   bool has(const std::string& column) const { return columns_.contains(column); }
   void select(const formats::CsvRow& row) { row_ = &row, failed_ = false; }
@@ -67,6 +72,7 @@ class SurveyColumns {
   const formats::CsvRow* row_ = nullptr;
   bool failed_ = false;
   bool of_points_ = false;  ///< a table of points, whose columns of accuracies are those of control
+  std::vector<std::string> untold_;
 };
 
 }  // namespace plumbline::survey

@@ -8,6 +8,7 @@
 #include "survey_files/survey_csv.hpp"
 #include "survey_files/survey_csv_columns.hpp"
 #include "survey_files/survey_csv_kinds.hpp"
+#include "survey_files/survey_csv_units.hpp"
 #include "text/csv_table.hpp"
 
 namespace plumbline::survey {
@@ -37,6 +38,7 @@ class TableReader {
  private:
   void refuse_other_tables() const;
   void refuse_other_columns() const;
+  void tell_unit_of_angles();
   void read_point();
   void read_sighting();
   void read_record();
@@ -79,6 +81,7 @@ SurveyObservations TableReader::read() {
   if (!records && !sightings && !points)
     throw SurveyReadError(builder_.at(table_.header_line, 1), found_nothing(),
                           std::string(kTables) + ", or " + understood_formats());
+  if (sightings && !records && !columns_.untold().empty()) tell_unit_of_angles();
   for (const formats::CsvRow& row : table_.rows) {
     columns_.select(row);
     records ? read_record() : sightings ? read_sighting() : read_point();
@@ -87,6 +90,40 @@ SurveyObservations TableReader::read() {
   }
   if (!records && !sightings) refuse_other_tables(), refuse_other_columns();
   return builder_.finish(found_nothing(), std::string(kTables) + ", or " + understood_formats());
+}
+
+// Gon or degrees is a point in another place, or at another height: taken for granted it would never be missed.
+void TableReader::tell_unit_of_angles() {
+  std::vector<UntoldSighting> sightings;
+  const auto value = [&](const char* column) {
+    const std::string text = columns_.text(column);
+    return formats::parse_number(text, table_.decimal).value_or(kNotGiven);
+  };
+  for (const formats::CsvRow& row : table_.rows) {
+    columns_.select(row);
+    UntoldSighting s;
+    s.station = columns_.text("station").empty() ? columns_.text("set_up") : columns_.text("station");
+    s.target = columns_.text("target");
+    s.direction = value("direction"), s.zenith = value("zenith");
+    for (const std::string& name : columns_.untold())
+      if (written_dms(columns_.text(name)))
+        return columns_.set_angle_unit("dms");  // 45-30-00: degrees, minutes and seconds say so themselves
+    // In one unit of length all three: a ratio.
+    const double ih = value("instrument_height"), th = value("target_height"), slope = value("slope_distance");
+    const double difference = (std::isnan(ih) ? 0 : ih) - (std::isnan(th) ? 0 : th);
+    s.rise = difference == 0 ? 0 : difference / slope;
+    s.heights = !std::isnan(s.rise) && std::abs(s.rise) < 1;
+    sightings.push_back(std::move(s));
+  }
+  std::string names;
+  for (const std::string& name : columns_.untold()) names += (names.empty() ? "" : ", ") + name;
+  const auto told = tell_angle_unit(sightings);
+  if (!told)
+    throw SurveyReadError(builder_.at(table_.header_line, 1), "angles without a unit (" + names + ")",
+                          "a unit in the header, such as 'hz [gon]', or the option angle_unit: gon, deg, dms; no two "
+                          "faces and no reciprocal zenith angles tell it");
+  builder_.warn("the table names no unit for " + names + ": " + told->unit + " is taken, because " + told->reason);
+  columns_.set_angle_unit(told->unit);
 }
 
 void TableReader::add_coordinates(const std::string& id, const Eigen::Vector3d& at, const Eigen::Matrix3d& covariance,

@@ -246,7 +246,7 @@ std::optional<SurveyFormat> detect_survey_format(std::string_view bytes, const s
   return suffix_format(file_name);
 }
 
-SurveyObservations read_survey(std::string_view bytes, const std::string& file) {
+SurveyObservations read_survey(std::string_view bytes, const std::string& file, const std::string& angle_unit) {
   const auto format = detect_survey_format(bytes, file);
   if (format) {
     switch (*format) {
@@ -265,7 +265,7 @@ SurveyObservations read_survey(std::string_view bytes, const std::string& file) 
       case SurveyFormat::setup_coordinates:
         return read_setup_coordinates(bytes, file);
       case SurveyFormat::csv:
-        return read_survey_csv(bytes, file);
+        return read_survey_csv(bytes, file, {"", angle_unit, "m"});
       case SurveyFormat::gama_xml:
         return read_gama_xml(bytes, file);
       case SurveyFormat::zeiss:

@@ -37,8 +37,9 @@ const char* long_name(SurveyFormat format);
 /// The format of `bytes`, nullopt if it looks like none. Reads the beginning only (16 KiB) and never throws.
 std::optional<SurveyFormat> detect_survey_format(std::string_view bytes, const std::string& file_name);
 
-/// Reads a file of any of the formats with the reader's default options. Throws SurveyReadError, for a file of no
-/// known format with what its first line is and what formats are understood.
-SurveyObservations read_survey(std::string_view bytes, const std::string& file);
+/// Reads a file of any of the formats with the reader's default options; `angle_unit` of tables as in
+/// SurveyCsvOptions. Throws SurveyReadError, for a file of no known format with what its first line is and what formats
+/// are understood.
+SurveyObservations read_survey(std::string_view bytes, const std::string& file, const std::string& angle_unit = "");
 
 }  // namespace plumbline::survey

@@ -58,6 +58,7 @@ class ZeissReader {
   std::vector<std::pair<Record, int>> before_station_;  // backsights read before the station is named, with their lines
   bool orienting_ = false;                              // between the station and POLAR
   std::size_t records_ = 0;
+  bool line_is_read_ = false;  // a staff of this levelling line
 };
 
 // "For M5|Adr 00002|PI1  ...|Hz  110.0849 DMS |...": R4 has no address.
@@ -154,6 +155,7 @@ void ZeissReader::read_message(const Record& record) {
   if (has("start-line") || has("cont-line") || has("linienanfang") || has("linienbeginn")) {
     const bool two = has("bffb") || has("bbff") || has("bfbf") || has("fbbf") || has("rvvr") || has("rrvv");
     level_.begin_line(two ? 2 : has("bf") || has("rv") ? 1 : 0);
+    line_is_read_ = has("cont-line");
   } else if (has("end-line") || has("linienende")) {
     level_.begin_line(0);
   } else if (has("measurement repeated") || has("messung wiederholt")) {
@@ -192,12 +194,18 @@ void ZeissReader::read_level(const Record& record) {
     if (std::isnan(reading.value) || std::abs(reading.value) > 10 || reading.point.empty())
       return builder_.skip(line_, 1, record.info, "a point and a staff reading of at most 10 m");
     level_.add(std::move(reading));
+    line_is_read_ = true;
     return;
   }
   const bool sums = record.find("Sh") || record.find("dz") || record.find("Db") || record.find("Df");
   if (sums || !record.find("Z") || record.point.empty()) return;
   level_.finish_position();
-  builder_.give_coordinates(record.point, {kNotGiven, kNotGiven, length(record, "Z")}, builder_.at(line_, 1));
+  const Eigen::Vector3d at(kNotGiven, kNotGiven, length(record, "Z"));
+  if (line_is_read_)
+    builder_.compute_coordinates(record.point);
+  else  // the height that a line begins with was keyed in
+    builder_.know_coordinates(record.point, at, builder_.at(line_, 1));
+  builder_.give_coordinates(record.point, at, builder_.at(line_, 1));
 }
 
 void ZeissReader::read_station(const Record& record) {

@@ -126,8 +126,9 @@ struct TableReaderNode : ReaderNode {
 
 struct ReadSurveyCsv : TableReaderNode {
   static constexpr Info info{"read.survey_csv", "survey_reader", 1, "Reads tables of points or sightings in CSV"};
-  Param<std::string> angle_unit{"angle_unit", "gon", one_of("gon", "deg", "dms", "rad"),
-                                "of angle columns whose header names none"};
+  Param<std::string> angle_unit{"angle_unit", "automatic", one_of("automatic", "gon", "deg", "dms", "rad"),
+                                "of angle columns whose header names none; automatic: what both faces or reciprocal "
+                                "zenith angles tell, else the table is refused"};
   void run(Context& context) override;
 };
 
@@ -140,6 +141,8 @@ struct ReadSetupCoordinates : TableReaderNode {
 struct ReadSurvey : ReaderNode {
   static constexpr Info info{"read.survey", "survey_reader", 1,
                              "Reads a survey file of any format, found from its content"};
+  Param<std::string> angle_unit{"angle_unit", "automatic", one_of("automatic", "gon", "deg", "dms", "rad"),
+                                "of a table whose header names none, as in read.survey_csv"};
   void run(Context& context) override;
 };
 

@@ -71,8 +71,10 @@ void ReadDynaMl::run(Context& context) { deliver(context, survey::read_dynaml(by
 void ReadGama::run(Context& context) { deliver(context, survey::read_gama_xml(bytes(), name())); }
 void ReadKrumm::run(Context& context) { deliver(context, survey::read_krumm(bytes(), name())); }
 
+static std::string unit_or_none(const std::string& unit) { return unit == "automatic" ? "" : unit; }
+
 void ReadSurveyCsv::run(Context& context) {
-  deliver(context, survey::read_survey_csv(bytes(), name(), {*columns, *angle_unit, *length_unit}));
+  deliver(context, survey::read_survey_csv(bytes(), name(), {*columns, unit_or_none(*angle_unit), *length_unit}));
 }
 
 void ReadSetupCoordinates::run(Context& context) {
@@ -82,7 +84,7 @@ void ReadSetupCoordinates::run(Context& context) {
 void ReadSurvey::run(Context& context) {
   if (const auto format = survey::detect_survey_format(bytes(), name()))
     context.info(name() + " is " + survey::long_name(*format));
-  deliver(context, survey::read_survey(bytes(), name()));
+  deliver(context, survey::read_survey(bytes(), name(), unit_or_none(*angle_unit)));
 }
 
 }  // namespace plumbline::survey_files

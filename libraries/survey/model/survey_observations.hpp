@@ -69,6 +69,7 @@ struct Observation {
   double instrument_height = kNotGiven;     ///< of this observation [m]; NaN: the set-up's
   double target_height = kNotGiven;         ///< target above point `to` [m]; NaN: 0
   double second_target_height = kNotGiven;  ///< angle only [m]
+  int instrument = -1;                      ///< index into SurveyObservations::instruments; -1: the campaign's
   int face = 0;                             ///< 1, 2; 0 = unknown or already the mean of both
   int set_number = 0;                       ///< sets (rounds) count from 1; 0 = unknown
   SourcePosition source;
@@ -98,13 +99,15 @@ struct CoordinateGroup {
 
 /// Coordinate differences (GNSS baselines) with a full covariance.
 struct VectorGroup {
+  bool is_geocentric = false;  ///< values are dX, dY, dZ of the earth, which only a map brings together with E, N, H
+  double horizontal_factor = 1, vertical_factor = 1;  ///< on standard deviations of a geocentric group, in its horizon
   struct Vector {
     std::string from, to;
     double from_height = 0;  ///< antenna above the point [m]
     double to_height = 0;
   };
   std::vector<Vector> vectors;  ///< n
-  Eigen::VectorXd values;       ///< 3n: dE, dN, dH of each [m]
+  Eigen::VectorXd values;       ///< 3n: dE, dN, dH (or dX, dY, dZ) of each [m]
   Eigen::MatrixXd covariance;   ///< 3n x 3n [m^2]
   SourcePosition source;
 };
@@ -134,6 +137,8 @@ struct Point {
   /// E, N, H [m]; NaN where the file gives none. Given coordinates of free points are approximate values.
   Eigen::Vector3d coordinates = Eigen::Vector3d::Constant(kNotGiven);
   std::array<CoordinateRole, 3> roles = {CoordinateRole::free, CoordinateRole::free, CoordinateRole::free};
+  /// E, N, H that somebody keyed in as known. False: the instrument computed it, or nobody says.
+  std::array<bool, 3> known = {false, false, false};
   std::string code, description;
   SourcePosition source;
 };
@@ -158,6 +163,7 @@ struct NetworkInfo {
   bool use_a_posteriori_sigma0 = false;  ///< covariances of the file's result were scaled with the a posteriori sigma0
   double confidence_level = kNotGiven;   ///< e.g. 0.95
   double refraction_coefficient = kNotGiven;
+  std::string coordinate_system;  ///< of the coordinates, as the file names it: "EPSG:25832", a name; empty: none
   /// What contradicts the approximate coordinates by more than this [m] takes no part (gama: tol-abs); NaN: no limit.
   double largest_misclosure = kNotGiven;
 };
@@ -172,6 +178,7 @@ struct SurveyObservations {
   std::vector<CoordinateGroup> coordinates;
   std::vector<VectorGroup> vectors;
   std::vector<LocalCoordinate> local_coordinates;
+  std::vector<std::string> instruments;  ///< names that observations refer to where a job has several
   std::vector<SkippedLine> skipped;
   std::vector<std::string> warnings;  ///< about the file as a whole, e.g. "all zenith angles below 100 gon: ..."
 };

@@ -124,9 +124,68 @@ TEST(SurveyCsv, TableWithoutHeaderIsPenzdWithAWarningOrAsTold) {
   EXPECT_EQ(point(swapped, "P1").coordinates, Eigen::Vector3d(2000.5, 1000.125, 10.25));
   EXPECT_EQ(point(swapped, "P1").code, "PLATE");
   EXPECT_TRUE(swapped.warnings.empty());
-  const auto named = read_survey_csv("S1 A 100 100 12,5\n", "s.txt", {.columns = "station,target,hz,v,sd"});
+  const auto named =
+      read_survey_csv("S1 A 100 100 12,5\n", "s.txt", {.columns = "station,target,hz,v,sd", .angle_unit = "gon"});
   EXPECT_DOUBLE_EQ(value(named, 0, slope_distance), 12.5);
   EXPECT_NE(error_of([] { read_survey_csv("P 1 2", "p.txt", {.columns = "PQ"}); }).find("'Q'"), std::string::npos);
+}
+
+/// Ninety gon taken for ninety degrees is a point 15 m too high. The readings tell, or nobody does.
+TEST(SurveyCsv, AnglesWithoutAUnitAreToldByTheReadingsOrRefused) {
+  const std::string header = "from,to,hz,v,sd\n";
+  const auto unit_of = [&](const std::string& rows) -> std::string {
+    try {
+      const auto s = read_survey_csv(header + rows, "u.csv");
+      return s.warnings.at(0);
+    } catch (const SurveyReadError& error) {
+      return error.what();
+    }
+  };
+  const auto is = [&](const std::string& rows, const std::string& unit) {
+    const std::string said = unit_of(rows);
+    EXPECT_NE(said.find(unit + " is taken"), std::string::npos) << rows << said;
+  };
+  const auto refused = [&](const std::string& rows) {
+    const std::string said = unit_of(rows);
+    EXPECT_NE(said.find("found angles without a unit (direction, zenith)"), std::string::npos) << rows << said;
+  };
+  refused("S1,P1,0.0000,90.0000,100.000\nS1,P2,45.3000,89.0000,50.000\n");
+  is("S1,P1,0.0000,99.0000,100.000\nS1,P2,395.3000,98.0000,50.000\n", "gon");
+  is("S1,P1,10.0010,85.0020,100.000\nS1,P1,210.0000,315.0000,100.000\n", "gon");
+  is("S1,P1,10.0010,85.7320,100.000\nS1,P1,190.0000,274.2680,100.000\n", "deg");
+  is("S1,P1,10.0010,85.4359,100.000\nS1,P1,190.0000,274.1601,100.000\n", "dms");
+  is("A,B,220.6938,89.4271,100.005\nB,A,172.8768,90.5729,100.005\n", "deg");
+  is("A,B,220.6938,99.4271,100.005\nB,A,172.8768,100.5729,100.005\n", "gon");
+  // 60 + 120 closes in decimal degrees and in degrees, minutes, seconds.
+  refused("A,B,20.0000,60.0000,100.005\nB,A,172.0000,120.0000,100.005\n");
+  // Heights of instrument and target without a distance: reciprocal angles need not close.
+  const std::string heights = "from,to,v,ih,th\nA,B,89,1.5,0\nB,A,91,1.5,0\n";
+  EXPECT_NE(error_of([&] { read_survey_csv(heights, "u.csv"); }).find("angles without a unit"), std::string::npos);
+  EXPECT_NEAR(value(read_survey_csv(header + "S1,P1,0,90,100\n", "u.csv", {.angle_unit = "deg"}), 0, zenith_angle),
+              90 * kDegree, 1e-15);
+}
+
+TEST(SurveyCsv, DegreesMinutesAndSecondsMayStandApart) {
+  for (const std::string angle : {"45-30-36", "45:30:36", "45\u00B030'36\"\"", "45-30-36.0"}) {
+    const std::string quoted = angle.find('"') == std::string::npos ? angle : "\"" + angle + "\"";
+    for (const std::string header : {"hz_dms,v_dms", "hz,v"}) {
+      const auto s = read_survey_csv("from,to," + header + ",sd\nA,B," + quoted + ",90-00-00,100\n", "d.csv");
+      EXPECT_NEAR(value(s, 0, direction), 45.51 * kDegree, 1e-12) << angle << header;
+      EXPECT_NEAR(value(s, 0, zenith_angle), 90 * kDegree, 1e-12);
+    }
+  }
+  EXPECT_EQ(read_survey_csv("from,to,hz_dms,sd\nA,B,45-61-36,100\nA,C,1-0-0,10\n", "d.csv").skipped.size(), 1u);
+}
+
+/// The spreadsheet has thrown the digits away: 10 km is no coordinate, and two points would become one.
+TEST(SurveyCsv, ANumberThatASpreadsheetRoundedIsRefused) {
+  const auto s =
+      read_survey_csv("id;E;N;H\nA;5,12E+05;5,41E+06;100,5\nB;512000,25;5410000,5;1,005E+02\nC;1;2;3\n", "r.csv");
+  EXPECT_TRUE(skipped(s, 2, 3, "a spreadsheet rounded this value"));
+  EXPECT_TRUE(skipped(s, 3, 24, "a spreadsheet rounded this value"));
+  EXPECT_TRUE(s.coordinates.empty());
+  const auto whole = read_survey_csv("id;E;N;H\nA;5,1234567E+05;5,4E1;1,5e-1\nB;1;2;3\n", "r.csv");
+  EXPECT_EQ(point(whole, "A").coordinates, Eigen::Vector3d(512345.67, 54, 0.15)) << whole.skipped.size();
 }
 
 /// A field book that nobody here reads has commas and numbers too; as points it would be nonsense without a word.

@@ -1,0 +1,92 @@
+// STAR*NET: what a word of a line is for, and that no word is swallowed.
+#include "survey_files/starnet.hpp"
+
+#include <gtest/gtest.h>
+
+#include "survey_test_support.hpp"
+
+namespace plumbline::survey {
+namespace {
+
+using namespace test_help;
+using enum ObservationKind;
+
+/// L with a length and a standard deviation, as in the levelling job of a public repository (lines 42 and 43).
+TEST(StarNetLevelling, AStandardDeviationBehindTheLengthCounts) {
+  const auto s = read_starnet(
+      "L PEAT-TIMS -15.978460 429.940 0.000393405\nL A-B 1.0 250\nL B-C 1.0 300 &\nL C-D 1 2 *\n", "l.dat");
+  ASSERT_EQ(s.observations.size(), 3u) << "'*' takes no part";
+  EXPECT_DOUBLE_EQ(s.observations[0].levelling_length, 429.94);
+  EXPECT_DOUBLE_EQ(s.observations[0].sigma, 0.000393405);
+  EXPECT_TRUE(std::isnan(s.observations[1].sigma));
+  EXPECT_TRUE(std::isnan(s.observations[2].sigma));
+}
+
+TEST(StarNetLevelling, ALoneNumberThatIsNoLengthIsSaid) {
+  const auto s = read_starnet("L A-B 1.0 0.001\n", "l.dat");
+  EXPECT_DOUBLE_EQ(s.observations.at(0).sigma, 0.001);
+  ASSERT_EQ(s.warnings.size(), 1u);
+  EXPECT_NE(s.warnings[0].find("is no length"), std::string::npos) << s.warnings[0];
+}
+
+TEST(StarNetLevelling, TheWeightOfLinesIsPerRootOfAKilometreOrMile) {
+  const auto metric = read_starnet(".LWEIGHT 0.0015\nL A-B 1.0 250\nL B-C 1 250 0.01\n", "l.dat");
+  EXPECT_NEAR(metric.observations.at(0).sigma, 0.00075, 1e-12);
+  EXPECT_DOUBLE_EQ(metric.observations.at(1).sigma, 0.01);
+  const auto feet = read_starnet(".UNITS Feet\n.LWEIGHT 0.01\nL A-B 1.0 1320\n", "l.dat");
+  EXPECT_NEAR(feet.observations.at(0).sigma, 0.005 * 0.3048, 1e-12);
+}
+
+TEST(StarNetCoordinates, OfThePlaneTheThirdNumberIsAStandardDeviation) {
+  const auto s =
+      read_starnet(".2D\n.ORDER EN\nC A 1000 1000 ! !\nC B 1100 1000 0.002 0.003\nD A-B 100.03 0.01\n", "c.dat");
+  ASSERT_EQ(s.coordinates.size(), 1u);
+  ASSERT_EQ(s.coordinates[0].components.size(), 2u);
+  EXPECT_NEAR(s.coordinates[0].covariance(0, 0), 4e-6, 1e-18);
+  EXPECT_NEAR(s.coordinates[0].covariance(1, 1), 9e-6, 1e-18);
+  EXPECT_TRUE(std::isnan(point(s, "B").coordinates.z()));
+  EXPECT_TRUE(s.skipped.empty());
+}
+
+TEST(StarNetCoordinates, FourNumbersWithoutADimensionMayBeEither) {
+  const std::string line = "C B 1100 1000 0.002 0.003\n";
+  EXPECT_TRUE(skipped(read_starnet("C A 1000 1000 ! !\n" + line, "c.dat"), 2, 1, "'.2D' or '.3D'"));
+  EXPECT_EQ(point(read_starnet(".3D\n" + line, "c.dat"), "B").coordinates.z(), 0.002);
+}
+
+TEST(StarNetFlags, MayStandWithoutBlanks) {
+  const auto s = read_starnet(".3D\nC A 1000 1000 10 !!*\nC B 1100 1000 10\nDV A-B 100 90-00-00 &!\n", "c.dat");
+  using enum CoordinateRole;
+  EXPECT_EQ(point(s, "A").roles, (std::array{fixed, fixed, free}));
+  ASSERT_EQ(s.observations.size(), 2u);
+  EXPECT_TRUE(std::isnan(s.observations[0].sigma));
+  EXPECT_LT(s.observations[1].sigma, 1e-5);
+}
+
+/// A swallowed word may be a standard deviation that somebody meant.
+TEST(StarNetWords, ThatNothingReadsAreErrors) {
+  const std::string control = ".3D\n.ORDER EN\nC A 0 0 100 ! ! !\nC B 100 0 100 ! ! !\n";
+  for (const std::string line :
+       {"C P 50 50 100 * * * 0.5", "E Q 105.0 0.01 more", "L A-Q 5.0 100 0.001 garbage", "DB A B", "DE A", "TB A B",
+        ".2D now", ".ORDER EN NORTH", ".DELTA PERHAPS", ".SCALE 0.9996", ".INST S9 S6"}) {
+    const auto s = read_starnet(control + line + "\n", "w.dat");
+    ASSERT_EQ(s.skipped.size(), 1u) << line;
+    EXPECT_EQ(s.skipped[0].source.line, 5) << line;
+    EXPECT_TRUE(s.observations.empty()) << line;
+  }
+}
+
+TEST(StarNetInstruments, AreThoseOfTheReadingsBehindThem) {
+  const auto s = read_starnet(
+      ".3D\nC A 0 0 100 ! ! !\nC B 100 0 100\nD A-B 100\n.INST S9\t#SET 1\nD A-B 100\n.INST SX12\nDB A\nDN B "
+      "0-0-0\nDE\n"
+      ".INST S9\nL A-B 0 100\n",
+      "i.dat");
+  EXPECT_EQ(s.instruments, (std::vector<std::string>{"S9", "SX12"}));
+  std::vector<int> of;
+  for (const Observation& o : s.observations) of.push_back(o.instrument);
+  EXPECT_EQ(of, (std::vector<int>{-1, 0, 1, 0}));
+}
+
+}  // namespace
+}  // namespace plumbline::survey
