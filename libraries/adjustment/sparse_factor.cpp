@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "adjustment/normal_equations.hpp"
+#include "plumbline/stop.hpp"
 
 #if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__) || !defined(__x86_64__)
 #define PLUMBLINE_CLONES
@@ -148,7 +149,10 @@ Eigen::MatrixXd SparseFactor::inverse() const {
 
 void parallel_ranges(int count, int grain, const std::function<void(int, int)>& body) {
   tbb::parallel_for(tbb::blocked_range<int>(0, count, static_cast<size_t>(std::max(1, grain))),
-                    [&](const tbb::blocked_range<int>& range) { body(range.begin(), range.end()); });
+                    [&](const tbb::blocked_range<int>& range) {
+                      stop_point();  // heard by the thread that called, which takes its share of the ranges
+                      body(range.begin(), range.end());
+                    });
 }
 
 }  // namespace plumbline::adjustment

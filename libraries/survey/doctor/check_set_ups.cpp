@@ -6,6 +6,7 @@
 #include <numbers>
 #include <set>
 
+#include "plumbline/stop.hpp"
 #include "survey/doctor/network_words.hpp"
 #include "survey/model/network_model.hpp"
 #include "survey/model/observation_equations.hpp"
@@ -34,8 +35,10 @@ class SetUpCheck {
       : survey_(survey), observations_(observations), chain_(chain) {}
 
   std::vector<SetUpProblem> run() {
-    for (size_t f = 0; f < chain_.figures().size(); ++f)
+    for (size_t f = 0; f < chain_.figures().size(); ++f) {
+      stop_point();
       if (chain_.placed(f)) check(f);
+    }
     drop_doubtful();
     return std::move(problems_);
   }

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "geometry/median.hpp"
+#include "plumbline/stop.hpp"
 #include "survey/model/observation_equations.hpp"
 
 namespace plumbline::survey {
@@ -22,6 +23,7 @@ double azimuth_between(const Vector2d& from, const Vector2d& to) {
 
 void Frame::grow(bool guess) {
   while (grow_well_determined() || grow_by_intersection(false) || (guess && grow_by_intersection(true))) {
+    stop_point();
   }
 }
 

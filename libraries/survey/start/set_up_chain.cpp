@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
-#include <set>
+#include <utility>
 
+#include "plumbline/stop.hpp"
 #include "survey/model/observation_equations.hpp"
 
 namespace plumbline::survey {
@@ -87,145 +89,15 @@ std::vector<SetUpFigure> make_local_figures(const SurveyObservations& survey,
     mark.point = survey.set_ups[s].station;
     mark.sigma = profile.instrument_centring + profile.height_centring;
     figure.sights.push_back(mark);
+    const InstrumentProfile sights = profile.without_instrument_centring();  // it is the mark's, not the sights'
     for (const auto& [key, r] : readings[s])
-      if (auto sight = local_sight(key.first, r, profile)) figure.sights.push_back(std::move(*sight));
+      if (auto sight = local_sight(key.first, r, sights)) figure.sights.push_back(std::move(*sight));
     if (figure.sights.size() > 1) figures.push_back(std::move(figure));
   }
   return figures;
 }
 
-Vector2d turned(const Vector2d& p, double rotation) {
-  const double c = std::cos(rotation), s = std::sin(rotation);
-  return {p.x() * c + p.y() * s, -p.x() * s + p.y() * c};
-}
-
-double azimuth(const Vector2d& d) { return std::atan2(d.x(), d.y()); }
-
-/// Truncated squares over all pairs: a point that does not agree costs 1, however far off it is.
-double cost_of(const FigureFit& fit, const std::vector<FigurePair>& pairs, int& agree) {
-  double cost = 0;
-  agree = 0;
-  for (const FigurePair& p : pairs) {
-    Vector3d d = fit(*p.sight) - p.target;
-    if (std::isnan(d.z())) d.z() = 0;
-    const double share = d.squaredNorm() / (p.tolerance * p.tolerance);
-    cost += std::min(1.0, share);
-    agree += share <= 1;
-  }
-  return cost;
-}
-
-std::optional<FigureFit> fit_of_two(const FigurePair& a, const FigurePair& b, double scale) {
-  const Vector3d from = b.sight->place(scale) - a.sight->place(scale), to = b.target - a.target;
-  const double allowed = a.tolerance + b.tolerance;
-  if (std::abs(from.head<2>().norm() - to.head<2>().norm()) > allowed || to.head<2>().norm() < 2 * allowed)
-    return std::nullopt;
-  if (std::abs(from.z() - to.z()) > allowed) return std::nullopt;  // NaN passes: a height that is not compared
-  FigureFit fit;
-  fit.scale = scale;
-  fit.rotation = wrap_angle(azimuth(to.head<2>()) - azimuth(from.head<2>()));
-  const Vector3d first = a.target - fit(*a.sight), second = b.target - fit(*b.sight);
-  fit.shift = 0.5 * (first + second);
-  if (std::isnan(fit.shift.z())) fit.shift.z() = or_else(first.z(), or_else(second.z(), 0));
-  return fit;
-}
-
-/// Least squares over the pairs that agree.
-void refine(const std::vector<FigurePair>& pairs, FigureFit& fit) {
-  Vector3d from = Vector3d::Zero(), to = Vector3d::Zero();
-  double weights = 0, lift = 0, lift_weights = 0;
-  std::vector<const FigurePair*> used;
-  for (const FigurePair& p : pairs) {
-    if (!agrees(fit, p)) continue;
-    const double w = 1 / (p.tolerance * p.tolerance);
-    const Vector3d local = p.sight->place(fit.scale, fit.constant);
-    used.push_back(&p);
-    weights += w;
-    from.head<2>() += w * local.head<2>();
-    to.head<2>() += w * p.target.head<2>();
-    if (const double up = p.target.z() - local.z(); !std::isnan(up)) lift += w * up, lift_weights += w;
-  }
-  if (used.size() < 2) return;
-  from /= weights, to /= weights;
-  double sine = 0, cosine = 0;
-  for (const FigurePair* p : used) {
-    const double w = 1 / (p->tolerance * p->tolerance);
-    const Vector2d a = p->sight->place(fit.scale, fit.constant).head<2>() - from.head<2>(),
-                   b = p->target.head<2>() - to.head<2>();
-    cosine += w * a.dot(b);
-    sine += w * (b.x() * a.y() - b.y() * a.x());
-  }
-  fit.rotation = std::atan2(sine, cosine);
-  fit.shift.head<2>() = to.head<2>() - turned(from.head<2>(), fit.rotation);
-  if (lift_weights > 0) fit.shift.z() = lift / lift_weights;
-}
-
 }  // namespace
-
-Vector3d FigureFit::operator()(const LocalSight& sight) const {
-  const Vector3d local = sight.place(scale, constant);
-  const Vector2d plan = turned(local.head<2>(), rotation);
-  return Vector3d(plan.x(), plan.y(), local.z()) + shift;
-}
-
-bool agrees(const FigureFit& fit, const FigurePair& pair) {
-  Vector3d d = fit(*pair.sight) - pair.target;
-  if (std::isnan(d.z())) d.z() = 0;
-  return d.norm() <= pair.tolerance;
-}
-
-std::optional<FigureFit> fit_robustly(const std::vector<FigurePair>& pairs, double scale) {
-  constexpr size_t kHypotheses = 400;
-  const size_t n = pairs.size();
-  if (n < 2) return std::nullopt;
-  std::optional<FigureFit> best;
-  double least = static_cast<double>(n);
-  const size_t all = n * (n - 1) / 2, step = std::max<size_t>(1, all / kHypotheses);
-  // Neighbours in the list come last: long baselines turn least with the noise of their ends.
-  size_t count = 0;
-  for (size_t apart = n - 1; apart >= 1; --apart)
-    for (size_t a = 0; a + apart < n; ++a, ++count) {
-      if (count % step != 0) continue;
-      auto fit = fit_of_two(pairs[a], pairs[a + apart], scale);
-      if (!fit) continue;
-      double cost = cost_of(*fit, pairs, fit->agree);
-      if (cost >= least) continue;
-      least = cost;
-      best = fit;
-    }
-  if (!best) return std::nullopt;
-  for (int round = 0; round < 3; ++round) {
-    FigureFit better = *best;
-    refine(pairs, better);
-    const double cost = cost_of(better, pairs, better.agree);
-    if (cost >= least) break;
-    least = cost;
-    best = better;
-  }
-  best->compared = static_cast<int>(n);
-  return best;
-}
-
-FigureFit with_constant(const std::vector<FigurePair>& pairs, const FigureFit& fit) {
-  constexpr double kLargest = 0.1, kStep = 0.0025;
-  int agree = 0;
-  double least = cost_of(fit, pairs, agree);
-  FigureFit best = fit;
-  // Outwards from none, each from the fit of its neighbour, so that the points that agree can follow.
-  for (const double direction : {1.0, -1.0}) {
-    FigureFit trial = fit;
-    for (double constant = kStep; constant <= kLargest; constant += kStep) {
-      trial.constant = direction * constant;
-      for (int round = 0; round < 3; ++round) refine(pairs, trial);
-      const double cost = cost_of(trial, pairs, trial.agree);
-      if (cost >= least) continue;
-      least = cost;
-      best = trial;
-    }
-  }
-  // It must explain nearly all that did not agree before.
-  return pairs.size() - static_cast<size_t>(best.agree) <= (pairs.size() - static_cast<size_t>(agree)) / 4 ? best : fit;
-}
 
 SetUpChain::SetUpChain(const SurveyObservations& survey, const std::vector<MeanObservation>& observations,
                        const InstrumentProfile& profile)
@@ -236,12 +108,15 @@ SetUpChain::SetUpChain(const SurveyObservations& survey, const std::vector<MeanO
   if (figures_.empty()) return;
   grow(choose_root());
   for (int round = 0; round < 2; ++round)
-    for (size_t f = 0; f < figures_.size(); ++f)
-      if (fits_[f])
-        if (const auto fit = best_fit(f)) fits_[f] = fit;
+    for (size_t f = 0; f < figures_.size(); ++f) {
+      stop_point();
+      if (!fits_[f]) continue;
+      if (const auto fit = best_fit(pairs_of(f))) fits_[f] = fit;
+    }
 }
 
 std::optional<SetUpChain::Place> SetUpChain::place_of(const std::string& point, int without) const {
+  constexpr size_t kCentres = 48;  // tried for most that agree; all of them where a point has no more views
   struct View {
     Vector3d position;
     double sigma;
@@ -257,25 +132,26 @@ std::optional<SetUpChain::Place> SetUpChain::place_of(const std::string& point, 
   }
   if (views.empty()) return std::nullopt;
   Place best;
-  std::set<int> all;
-  for (const View& v : views) all.insert(v.figure);
-  best.views = static_cast<int>(all.size());
-  for (const View& centre : views) {
+  // Views of one figure follow each other: it counts once.
+  for (size_t i = 0; i < views.size(); ++i) best.views += i == 0 || views[i].figure != views[i - 1].figure;
+  const size_t step = (views.size() + kCentres - 1) / kCentres;
+  for (size_t c = 0; c < views.size(); c += step) {
+    const View& centre = views[c];
     Vector3d sum = Vector3d::Zero();
     double weights = 0, up_weights = 0;
-    std::set<int> figures;
+    int agree = 0, last = -1;
     for (const View& v : views) {
       Vector3d d = v.position - centre.position;
       if (std::isnan(d.z())) d.z() = 0;
       if (d.norm() > tolerance(v.sigma, centre.sigma)) continue;
       const double w = 1 / std::max(1e-12, v.sigma * v.sigma);
-      figures.insert(v.figure);
+      agree += std::exchange(last, v.figure) != v.figure;
       weights += w;
       sum.head<2>() += w * v.position.head<2>();
       if (!std::isnan(v.position.z())) sum.z() += w * v.position.z(), up_weights += w;
     }
-    if (static_cast<int>(figures.size()) <= best.agree) continue;
-    best.agree = static_cast<int>(figures.size());
+    if (agree <= best.agree) continue;
+    best.agree = agree;
     best.position << sum.head<2>() / weights, up_weights > 0 ? sum.z() / up_weights : kNotGiven;
     best.sigma = centre.sigma;
   }
@@ -296,8 +172,7 @@ std::vector<std::string> SetUpChain::points() const {
   return ids;
 }
 
-std::optional<FigureFit> SetUpChain::best_fit(size_t figure) const {
-  const std::vector<FigurePair> pairs = pairs_of(figure);
+std::optional<FigureFit> SetUpChain::best_fit(const std::vector<FigurePair>& pairs) {
   std::optional<FigureFit> best = fit_robustly(pairs, 1);
   if (best && 2 * best->agree > static_cast<int>(pairs.size())) return best;
   // Four points at least, so that two that agree by chance at some scale decide nothing.
@@ -322,12 +197,14 @@ size_t SetUpChain::choose_root() const {
   int most = -1;
   for (size_t k = 0; k < std::min(kTried, order.size()); ++k) {
     int agree = 0;
-    for (size_t other = 0; other < figures_.size(); ++other) {
-      if (other == order[k]) continue;
-      std::vector<FigurePair> pairs;
-      for (const LocalSight& a : figures_[order[k]].sights)
-        for (const LocalSight& b : figures_[other].sights)
-          if (a.point == b.point) pairs.push_back({&b, a.place(1), tolerance(a.sigma, b.sigma)});
+    std::map<int, std::vector<FigurePair>> by_figure;  // in the order of this figure's sights
+    for (const LocalSight& a : figures_[order[k]].sights)
+      for (const auto& [f, s] : views_.at(a.point)) {
+        const LocalSight& b = figures_[static_cast<size_t>(f)].sights[static_cast<size_t>(s)];
+        if (f != static_cast<int>(order[k])) by_figure[f].push_back({&b, a.place(1), tolerance(a.sigma, b.sigma)});
+      }
+    for (const auto& [other, pairs] : by_figure) {
+      stop_point();
       const auto fit = fit_robustly(pairs, 1);
       if (fit && (fit->agree > 2 || pairs.size() == 2)) agree += fit->agree;
     }
@@ -338,27 +215,64 @@ size_t SetUpChain::choose_root() const {
   return root;
 }
 
-/// One after another, always the figure that most placed points agree with.
+/// One after another, always the figure that most placed points agree with (of equals the first). No more points can
+/// agree than are placed, so that only figures are fitted which may be the next.
 void SetUpChain::grow(size_t root) {
-  fits_[root] = FigureFit();
-  std::vector<std::optional<FigureFit>> offered(figures_.size());
-  std::vector<char> stale(figures_.size(), 1);
+  struct Candidate {
+    std::optional<FigureFit> fit;
+    int placed = 0;  ///< of its points
+    bool stale = true;
+    bool usable() const { return fit && (fit->agree >= 3 || fit->compared <= 2); }
+  };
+  std::vector<Candidate> candidates(figures_.size());
+  std::map<std::string, std::optional<Place>> places;  // of points that are placed; no candidate has a part in them
+  const auto place = [&](size_t f, const FigureFit& fit) {
+    fits_[f] = fit;
+    for (const LocalSight& sight : figures_[f].sights) {
+      const bool is_new = !places.contains(sight.point);
+      places[sight.point] = place_of(sight.point);
+      for (const auto& [other, s] : views_.at(sight.point)) {
+        candidates[static_cast<size_t>(other)].stale = true;
+        candidates[static_cast<size_t>(other)].placed += is_new;
+      }
+    }
+  };
+  const auto evaluate = [&](size_t f) {
+    std::vector<FigurePair> pairs;
+    for (const LocalSight& sight : figures_[f].sights)
+      if (const auto at = places.find(sight.point); at != places.end() && at->second)
+        pairs.push_back({&sight, at->second->position, tolerance(sight.sigma, at->second->sigma)});
+    candidates[f].fit = best_fit(pairs);
+    candidates[f].stale = false;
+  };
+  place(root, FigureFit());
   for (;;) {
+    stop_point();
     int best = -1;
-    for (size_t f = 0; f < figures_.size(); ++f) {
-      if (fits_[f]) continue;
-      if (stale[f]) offered[f] = best_fit(f);
-      stale[f] = 0;
-      if (!offered[f] || (offered[f]->agree < 3 && offered[f]->compared > 2)) continue;
-      const auto better = [&](const FigureFit& a, const FigureFit& b) {
-        return (a.scale == 1) != (b.scale == 1) ? a.scale == 1 : a.agree > b.agree;
-      };
-      if (best < 0 || better(*offered[f], *offered[static_cast<size_t>(best)])) best = static_cast<int>(f);
+    // A fit without scale goes before one with, however many agree there.
+    const auto before = [&](size_t f, int agree, bool scaled) {
+      if (best < 0) return true;
+      const FigureFit& least = *candidates[static_cast<size_t>(best)].fit;
+      if (scaled != (least.scale != 1)) return !scaled;
+      return agree > least.agree || (agree == least.agree && static_cast<int>(f) < best);
+    };
+    for (size_t f = 0; f < figures_.size(); ++f)
+      if (!fits_[f] && !candidates[f].stale && candidates[f].usable() &&
+          before(f, candidates[f].fit->agree, candidates[f].fit->scale != 1))
+        best = static_cast<int>(f);
+    std::vector<size_t> open;
+    for (size_t f = 0; f < figures_.size(); ++f)
+      if (!fits_[f] && candidates[f].stale && candidates[f].placed >= 2) open.push_back(f);
+    std::stable_sort(open.begin(), open.end(),
+                     [&](size_t a, size_t b) { return candidates[a].placed > candidates[b].placed; });
+    for (const size_t f : open) {
+      if (!before(f, candidates[f].placed, false)) continue;
+      evaluate(f);
+      if (candidates[f].usable() && before(f, candidates[f].fit->agree, candidates[f].fit->scale != 1))
+        best = static_cast<int>(f);
     }
     if (best < 0) return;
-    fits_[static_cast<size_t>(best)] = offered[static_cast<size_t>(best)];
-    for (const LocalSight& sight : figures_[static_cast<size_t>(best)].sights)
-      for (const auto& [f, s] : views_.at(sight.point)) stale[static_cast<size_t>(f)] = 1;
+    place(static_cast<size_t>(best), *candidates[static_cast<size_t>(best)].fit);
   }
 }
 

@@ -88,7 +88,7 @@ class SetUpChain {
   std::vector<std::string> points() const;
 
  private:
-  std::optional<FigureFit> best_fit(size_t figure) const;
+  static std::optional<FigureFit> best_fit(const std::vector<FigurePair>& pairs);
   size_t choose_root() const;
   void grow(size_t root);
 
