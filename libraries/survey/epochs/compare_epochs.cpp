@@ -11,6 +11,7 @@
 #include "adjustment/reliability.hpp"
 #include "geometry/similarity.hpp"
 #include "geometry/statistics.hpp"
+#include "plumbline/stop.hpp"
 
 namespace plumbline::survey {
 
@@ -214,6 +215,11 @@ MatrixXd weights_of(const Difference& r, const MatrixXd& all_motions) {
   return full;
 }
 
+/// Of a sum of `rank` squares, with a variance that is known (0 degrees) or was estimated.
+double critical_value(double alpha, int rank, int degrees) {
+  return degrees > 0 ? rank * fisher_f_quantile(1 - alpha, rank, degrees) : chi_squared_quantile(1 - alpha, rank);
+}
+
 /// Which points are to be left out until the rest is congruent.
 class Localisation {
  public:
@@ -234,12 +240,15 @@ class Localisation {
   int rank(const std::vector<size_t>& without) const { return rank_ - static_cast<int>(rows_of(r_, without).size()); }
   double critical(const std::vector<size_t>& without) const {
     const int left = rank(without);
-    return left > 0 ? chi_squared_quantile(1 - options_.alpha, left) : 0.0;
+    return left > 0 ? critical_value(options_.alpha, left, options_.variance_degrees) : 0.0;
   }
 
   std::vector<Exclusion> run(std::vector<size_t>& out) const {
     std::vector<Exclusion> exclusions;
-    while (statistic(out) > critical(out) && some_may_go(out)) exclusions.push_back(exclude_one(out));
+    while (statistic(out) > critical(out) && some_may_go(out)) {
+      stop_point();
+      exclusions.push_back(exclude_one(out));
+    }
     return exclusions;
   }
 
@@ -297,7 +306,7 @@ void add_movements(const Difference& r, const MatrixXd& g, const std::vector<cha
     std::vector<Index> own;  // of the point's three
     for (const Index row : rows) own.push_back(row - k);
     m.rank = static_cast<int>(rows.size());
-    m.critical = chi_squared_quantile(1 - options.alpha0, m.rank);
+    m.critical = critical_value(options.alpha0, m.rank, options.variance_degrees);
     m.covariance = r.covariance.block<3, 3>(k, k) - cross - cross.transpose() + gi * hch * gi.transpose();
     const VectorXd movement = d(rows);
     m.statistic = movement.dot(MatrixXd(m.covariance(own, own)).ldlt().solve(movement));
@@ -332,11 +341,18 @@ Epoch part_of(const Epoch& epoch, const std::vector<char>& keep) {
   return part;
 }
 
-Comparison compare_epochs(const Epoch& first, const Epoch& second, const ComparisonOptions& options) {
+Comparison compare_epochs(const Epoch& first, const Epoch& second, const ComparisonOptions& stated) {
   check(first, "first");
   check(second, "second");
   Comparison result;
-  const Pair pair = common_points(first, second, result);
+  ComparisonOptions options = stated;
+  Pair pair = common_points(first, second, result);
+  if (stated.first_variance.degrees_of_freedom > 0 || stated.second_variance.degrees_of_freedom > 0) {
+    result.variances = test_variances(stated.first_variance, stated.second_variance, stated.alpha);
+    pair.first_covariance *= result.variances.first_factor;
+    pair.second_covariance *= result.variances.second_factor;
+    options.variance_degrees = result.variances.degrees_of_freedom;
+  }
   const bool plan = std::any_of(pair.has.begin(), pair.has.end(), [](const Components& has) { return has[0]; });
   const size_t needed = options.free_motions < 3 ? 1 : !plan ? 2 : options.free_motions >= 5 ? 4 : 3;
   if (pair.ids.size() < needed)
@@ -346,6 +362,7 @@ Comparison compare_epochs(const Epoch& first, const Epoch& second, const Compari
   std::vector<char> stable(pair.ids.size(), 1);
   // Laid on the points that stay; a second time if these are fewer than was thought.
   for (int pass = 0;; ++pass) {
+    stop_point();
     const Difference r = difference_of(pair, stable, options.free_motions);
     const MatrixXd g = motions(r, options.free_motions);
     const Localisation localisation(r, g, options);

@@ -41,7 +41,27 @@ struct Exclusion {
   std::vector<std::string> alternatives;  ///< points whose exclusion would have made the rest congruent as well
 };
 
+/// What an epoch's own readings say of its variance of unit weight, a priori 1.
+struct EpochVariance {
+  double sigma0 = 1;           ///< a posteriori
+  int degrees_of_freedom = 0;  ///< 0: nothing is said
+  bool applied = false;        ///< the epoch's covariance was multiplied with it already
+};
+
+/// The first test of a comparison: are the readings of both epochs as good as they were said to be, and as good as each
+/// other? Covariances of readings that are noisier than stated are too small, and every point would have moved.
+struct VarianceTest {
+  double ratio = 1, critical = 0;  ///< larger over smaller sigma0 squared, Fisher's F; critical 0: not tested
+  bool differ = false;             ///< the ratio exceeds it
+  double first_factor = 1, second_factor = 1;  ///< by which the covariances were multiplied
+  int degrees_of_freedom = 0;                  ///< of these factors; 0: a priori variances hold
+  std::string text;                            ///< in words
+};
+
+VarianceTest test_variances(const EpochVariance& first, const EpochVariance& second, double alpha);
+
 struct Comparison {
+  VarianceTest variances;
   std::vector<Movement> movements;     ///< common points, in the order of the first epoch
   double statistic = 0, critical = 0;  ///< of all common points
   int rank = 0;
@@ -58,6 +78,8 @@ struct ComparisonOptions {
   /// vertical (levelled networks with distances), 5 with scale, 6 any rigid motion, 7 with scale.
   /// Of these, what moves no coordinate that is there does not count: of bench marks, 3 is a common lift.
   int free_motions = 4;
+  EpochVariance first_variance, second_variance;
+  int variance_degrees = 0;  ///< of covariances that were multiplied with an estimated variance; 0: a priori
 };
 
 /// Throws std::runtime_error with too few common points, or if a covariance is missing or has the wrong size.

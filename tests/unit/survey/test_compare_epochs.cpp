@@ -57,6 +57,54 @@ TEST(CompareEpochs, AnEpochOfAnotherSizeIsSeenAndANoisyOneIsNot) {
   EXPECT_NE(scale_in_words(*common_scale(first, longer)).find("387 ppm longer"), std::string::npos);
 }
 
+EpochVariance variance(const SurveyObservations& survey) {
+  AdjustOptions options;
+  options.curvature = Switch::off;
+  const NetworkResult r = adjust_network(survey, options);
+  return {r.sigma0, r.degrees_of_freedom};
+}
+
+/// Readings twice as noisy as stated, nothing moved: at the stated accuracies most pairs name points.
+TEST(CompareEpochs, ReadingsNoisierThanStatedAreNoMovements) {
+  test::SimulationSettings noisy;
+  noisy.noise = 2;
+  int by_stated = 0, by_variance = 0;
+  for (std::uint64_t pair = 0; pair < 8; ++pair) {
+    const auto a = test::simulate(noisy, 100 + 2 * pair), b = test::simulate(noisy, 101 + 2 * pair);
+    const Epoch first = markers(epoch(a.survey)), second = markers(epoch(b.survey));
+    const auto names_any = [](const Comparison& c) {
+      return std::any_of(c.movements.begin(), c.movements.end(), [](const Movement& m) { return m.moved; });
+    };
+    by_stated += names_any(compare_epochs(first, second, {}));
+    ComparisonOptions options;
+    options.first_variance = variance(a.survey), options.second_variance = variance(b.survey);
+    const Comparison c = compare_epochs(first, second, options);
+    by_variance += names_any(c) || !c.congruent;
+    EXPECT_GT(c.variances.degrees_of_freedom, 0) << c.variances.text;
+    EXPECT_NEAR(c.variances.first_factor, 4, 1.5);
+    EXPECT_NE(c.variances.text.find("noisier than stated"), std::string::npos) << c.variances.text;
+  }
+  EXPECT_GE(by_stated, 5);
+  EXPECT_LE(by_variance, 1);
+}
+
+/// As stated they are taken as stated; one epoch that is worse than the other counts with its own.
+TEST(CompareEpochs, TheVarianceRatioIsTheFirstTest) {
+  const VarianceTest good = test_variances({1.02, 80}, {0.97, 90}, 0.05);
+  EXPECT_FALSE(good.differ);
+  EXPECT_EQ(good.degrees_of_freedom, 0);
+  EXPECT_EQ(good.first_factor, 1);
+  const VarianceTest one = test_variances({1.0, 80}, {2.5, 60}, 0.05);
+  EXPECT_TRUE(one.differ);
+  EXPECT_NEAR(one.ratio, 6.25, 1e-12);
+  EXPECT_EQ(one.first_factor, 1);
+  EXPECT_NEAR(one.second_factor, 6.25, 1e-12);
+  EXPECT_EQ(one.degrees_of_freedom, 60);
+  // Scaled already: not twice.
+  EXPECT_EQ(test_variances({2.0, 80, true}, {2.1, 80, true}, 0.05).first_factor, 1);
+  EXPECT_NE(test_variances({1, 0}, {2, 50}, 0.05).text.find("cannot be tested"), std::string::npos);
+}
+
 TEST(CompareEpochs, FindsTheMovedMarkerAndItsMovement) {
   const auto first = test::simulate({}, 31);
   auto second = test::simulate({}, 32);
