@@ -58,6 +58,10 @@ AdjustOptions AdjustNode::options() const {
   o.vertical_index_sigma = *vertical_index_sigma * kArcsecond;
   o.tilt_sigma = *tilt_sigma * kArcsecond;
   o.instrument_height_sigma = *instrument_height_sigma;
+  o.known_sigma = *known_sigma;
+  o.map = *map;
+  o.geoid_height = *geoid_height;
+  o.centring_per_set_up = *centring == "set_up";
   return o;
 }
 
@@ -72,9 +76,15 @@ void AdjustNode::run(Context& context) {
   AdjustOptions o = options();
   std::string remark;
   o.profile = chosen_profile(survey.info.instrument, remark);
+  o.instruments = further_instruments();
   if (!remark.empty()) context.warn(remark);
+  for (const std::string& name : survey.instruments)
+    if (!o.instruments.contains(name))
+      context.warn("the files name the instrument " + name + ": the profile " + o.profile.name +
+                   " is used for it; give its own under `instruments` in a profile_file");
   NetworkResult result = adjust_network(survey, o, known);
-  result.findings.insert(result.findings.begin(), merged.findings.begin(), merged.findings.end());
+  result.findings.insert(result.findings.begin() + result.compares_known_points(), merged.findings.begin(),
+                         merged.findings.end());
   if (result.validity != Validity::sound) context.warn(result.verdict);
   for (const Finding& finding : result.findings)
     if (finding.severity != Finding::Severity::note) context.warn(finding.text);

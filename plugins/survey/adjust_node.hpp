@@ -59,6 +59,17 @@ struct AdjustNode : ProfiledNode {
   Param<double> tilt_sigma{"tilt_sigma", 0.0, "arcsec", at_least(0), "prior of an unknown tilt a set-up; 0: none"};
   Param<double> instrument_height_sigma{"instrument_height_sigma", 0.0, "m", at_least(0),
                                         "prior of an unknown correction of each instrument height; 0: none"};
+  Param<double> known_sigma{"known_sigma", 1e-4, "m", between(1e-6, 10),
+                            "standard deviation of each coordinate that the file has as known (keyed in), where no "
+                            "control is given; datum inner ignores them"};
+  Param<std::string> centring{"centring", "set_up", one_of("set_up", "reading"),
+                              "the instrument's centring over a mark is one amount for all readings of a set-up, or "
+                              "another for each reading, as STAR*NET has it in direction sets"};
+  Param<std::string> map{"map", "",
+                         "map that E and N are on: 'EPSG:25832', 'utm:32' or its name; empty: a plane in which lengths "
+                         "are true"};
+  Param<double> geoid_height{"geoid_height", 0.0, "m", between(-200, 200),
+                             "of the geoid above the map's ellipsoid, for the reduction of lengths from the heights"};
   Out<Points> points{"points", frame("frame=?S"), "adjusted points with full covariance"};
   Out<SurveyNetwork> network{"network", frame("frame=?S"), "the whole result: statistics, tests, every observation"};
 

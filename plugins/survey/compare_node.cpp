@@ -32,6 +32,11 @@ Epoch epoch_of(const PointsT& points, const char* which) {
   return {all.ids, all.coordinates, all.covariance};
 }
 
+EpochVariance variance_of(const PointsT& points, bool applied) {
+  if (!points.statistics || !(points.statistics->sigma0 > 0)) return {};
+  return {points.statistics->sigma0, static_cast<int>(points.statistics->degrees_of_freedom), applied};
+}
+
 int defect_of(const PointsT& points) { return points.statistics ? points.statistics->datum_defect : 0; }
 
 /// Instrument stations that no sight leads to: free set-ups, whose names mean another place in every epoch.
@@ -80,6 +85,13 @@ SurveyComparisonT to_artifact(const Comparison& c, const ComparisonOptions& opti
   out.only_first = c.only_first;
   out.only_second = c.only_second;
   out.left_out = c.incomplete;
+  if (c.variances.critical > 0) {
+    out.variance_ratio = c.variances.ratio;
+    out.variance_critical = c.variances.critical;
+  }
+  out.first_factor = c.variances.first_factor;
+  out.second_factor = c.variances.second_factor;
+  out.variances = c.variances.text;
   return out;
 }
 
@@ -151,7 +163,13 @@ void CompareEpochsNode::run(Context& context) {
       throw std::runtime_error(scale_in_words(*scale) + "; read it in its unit, these are no movements");
     context.warn(scale_in_words(*scale) + ": a ppm setting or a map scale was another; movements below hold it");
   }
+  options.first_variance = variance_of(a, first_network ? first_network.unpack().scaled_with_sigma0 : false);
+  options.second_variance = variance_of(b, second_network ? second_network.unpack().scaled_with_sigma0 : false);
   const Comparison c = compare_epochs(before, after, options);
+  if (c.variances.degrees_of_freedom > 0)
+    context.warn(c.variances.text);
+  else
+    context.info(c.variances.text);
   SurveyComparisonT out = to_artifact(c, options);
   out.left_out.insert(out.left_out.end(), skipped.begin(), skipped.end());
   std::vector<std::string> moved;
@@ -160,7 +178,8 @@ void CompareEpochsNode::run(Context& context) {
     moved.push_back(m.id);
     context.warn("point " + m.id + " has moved: " + movement_in_words(m) + alternatives_in_words(c, m.id));
   }
-  out.remark = (c.congruent ? "the epochs are congruent: " : "the epochs are not congruent: ") + tests_in_words(c) +
+  out.remark = c.variances.text + (c.variances.text.empty() ? "" : "; ") +
+               (c.congruent ? "the epochs are congruent: " : "the epochs are not congruent: ") + tests_in_words(c) +
                (moved.empty() ? "; no point has moved significantly" : "; moved: " + joined(moved));
   context.info(out.remark);
   comparison.commit(out);
@@ -175,6 +194,9 @@ void CheckControlNode::run(Context& context) {
   AdjustOptions adjustment;
   std::string remark;  // survey.adjust says it
   adjustment.profile = chosen_profile(survey.info.instrument, remark);
+  adjustment.instruments = further_instruments();
+  adjustment.map = *map;
+  adjustment.geoid_height = *geoid_height;
   adjustment.remove_blunders = *remove_blunders;
   const ComparisonOptions options = options_of(*alpha, *alpha0, *power);
   const ControlCheck result = check_control(survey, known, adjustment, options);

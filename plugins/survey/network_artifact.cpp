@@ -164,9 +164,20 @@ SurveyNetworkT to_network_artifact(const NetworkResult& r, const AdjustOptions& 
   n.iterations = r.iterations;
   n.scaled_with_sigma0 = r.variance_factor != 1;
   pack_tables(r, n);
+  for (const KnownPoint& k : r.known_points) {
+    auto known = std::make_unique<NetworkKnownPointT>();
+    known->id = k.id;
+    known->difference = k.difference;
+    known->sigma = k.sigma;
+    known->statistic = k.statistic;
+    known->critical = k.critical;
+    known->rank = k.rank;
+    n.known_points.push_back(std::move(known));
+  }
   static const char* const validities[] = {"sound", "doubtful", "invalid"};
   n.validity = validities[static_cast<int>(r.validity)];
   n.verdict = r.verdict;
+  n.frame = r.frame;
   n.left_out = r.left_out;
   if (r.validity != Validity::invalid)  // what is no result has no precision
     for (const ResultPoint& p : r.points) n.ellipsoids.push_back(ellipsoid_artifact(p.id, r.covariance(p, p)));

@@ -11,9 +11,14 @@ struct ProfiledNode : Node {
       "profile", "automatic", choices(),
       "instrument profile for readings whose file gives no standard deviation; automatic: the one that the "
       "observations name, or ics50_assumed"};
-  Param<FilePath> profile_file{"profile_file", FilePath{}, "YAML file of a profile of your own, in place of `profile`"};
+  Param<FilePath> profile_file{"profile_file", FilePath{},
+                               "YAML file of a profile of your own, in place of `profile`; `instruments` in it are "
+                               "those that the files name (STAR*NET's .INST)"};
 
  protected:
+  std::map<std::string, InstrumentProfile> further_instruments() const {
+    return profile_file->path.empty() ? std::map<std::string, InstrumentProfile>{} : read_instruments(profile_file->path);
+  }
   /// `instrument` as the observations name it, or ""; `remark`: what the user should know about the choice, or "".
   InstrumentProfile chosen_profile(const std::string& instrument, std::string& remark) const {
     return choose_profile(*profile, profile_file->path, instrument, remark);

@@ -83,18 +83,28 @@ void write_again(const SurveyNetworkT& n, const std::vector<const NetworkObserva
 void write_precision(const SurveyNetworkT& n, std::ostringstream& text) {
   std::set<std::string> stations;
   for (const auto& s : n.set_ups) stations.insert(s->station);
+  std::set<std::string> in_plan, in_height;  // points that have such coordinates
+  for (const auto& p : n.points) {
+    if (p->position.head<2>().allFinite()) in_plan.insert(p->id);
+    if (std::isfinite(p->position.z())) in_height.insert(p->id);
+  }
   const NetworkEllipsoidT *plan = nullptr, *height = nullptr;
   for (const auto& e : n.ellipsoids) {
     if (stations.contains(e->id) && stations.size() < n.points.size()) continue;
-    if (std::isfinite(e->plan_semi_axis_95) && (!plan || e->plan_semi_axis_95 > plan->plan_semi_axis_95))
+    if (in_plan.contains(e->id) && std::isfinite(e->plan_semi_axis_95) &&
+        (!plan || e->plan_semi_axis_95 > plan->plan_semi_axis_95))
       plan = e.get();
-    if (std::isfinite(e->height_half_length_95) &&
+    if (in_height.contains(e->id) && std::isfinite(e->height_half_length_95) &&
         (!height || e->height_half_length_95 > height->height_half_length_95))
       height = e.get();
   }
-  if (plan && height)
-    text << "Weakest at 95 %: in plan " << plan->id << " " << digits(1e3 * plan->plan_semi_axis_95, 1)
-         << " mm, in height " << height->id << " " << digits(1e3 * height->height_half_length_95, 1) << " mm.\n";
+  if (!plan && !height) return;
+  text << "Weakest at 95 %: ";
+  if (plan) text << "in plan " << plan->id << " " << digits(1e3 * plan->plan_semi_axis_95, 1) << " mm";
+  if (height)
+    text << (plan ? ", in height " : "in height ") << height->id << " "
+         << digits(1e3 * height->height_half_length_95, 1) << " mm";
+  text << ".\n";
 }
 
 }  // namespace
@@ -107,12 +117,18 @@ std::string verdict_text(const SurveyNetworkT& n) {
   else if (!verdict.empty())
     verdict[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(verdict[0])));
   text << verdict << ".\n";
+  const bool first_is_known =
+      std::any_of(n.known_points.begin(), n.known_points.end(), [](const auto& k) { return k->rank > 0; }) &&
+      !n.findings.empty();
+  if (first_is_known) text << (n.findings.front()->severity == "note" ? "" : "! ") << n.findings.front()->text << ".\n";
   text << n.points.size() << " points, " << n.set_ups.size() << (n.set_ups.size() == 1 ? " set-up, " : " set-ups, ")
        << n.observations.size() << " readings";
   if (n.statistics) text << ", " << n.statistics->degrees_of_freedom << " more than needed";
   text << "; datum: " << n.datum << ".\n";
+  if (!n.frame.empty()) text << "Map " << n.frame << ".\n";
   size_t said = 0;
   for (const auto& f : n.findings) {
+    if (first_is_known && f == n.findings.front()) continue;
     const bool reading = f->text.starts_with("suspect: ") || f->text.starts_with("removed: ");
     if (f->severity == "note" ? !f->text.starts_with("excluded: ") : reading) continue;
     if (++said > kFindings) continue;

@@ -231,7 +231,7 @@ static NetworkResult adjust_network(const SurveyObservations& survey, const Adju
       model = make_model(rest, options, control, simple_start);
       NetworkResult result = Adjuster(model, options).run(kept);
       result.left_out = left_out;
-      result.findings.insert(result.findings.begin(), said.begin(), said.end());
+      result.findings.insert(result.findings.begin() + result.compares_known_points(), said.begin(), said.end());
       return result;
     } catch (const NetworkError& error) {
       if (std::exchange(simple_start, false)) continue;  // the chain of set-ups is a shortcut, not a judgement

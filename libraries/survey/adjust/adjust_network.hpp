@@ -38,6 +38,10 @@ ExcludedItem parse_exclusion(const std::string& text);
 
 struct AdjustOptions {
   InstrumentProfile profile;
+  std::map<std::string, InstrumentProfile> instruments;  ///< by the name that the survey has for them; else `profile`
+  /// An instrument stands beside its mark by one amount in a set-up: an unknown of the set-up with the centring of the
+  /// profile as its prior. false: part of each reading by itself, as STAR*NET has it in direction sets.
+  bool centring_per_set_up = true;
   DatumMode datum = DatumMode::automatic;
   std::vector<std::string> datum_points;  ///< empty: all that qualify
   double alpha = 0.05;                    ///< global test
@@ -63,6 +67,10 @@ struct AdjustOptions {
   double vertical_index_sigma = 0;     ///< [rad], one for all set-ups
   double tilt_sigma = 0;               ///< [rad], two per set-up
   double instrument_height_sigma = 0;  ///< [m], one per set-up
+  /// Map of E and N ("EPSG:25832", "utm:32"); empty: a plane of its own in which lengths are true.
+  std::string map;
+  double geoid_height = 0;    ///< of the geoid above the map's ellipsoid [m]
+  double known_sigma = 1e-4;  ///< [m], each coordinate of points that were keyed in as known, where nothing states it
 };
 
 /// Points known beforehand.
@@ -79,6 +87,16 @@ struct Finding {
 };
 
 /// The network cannot be adjusted; what() says why in words, `findings` in detail.
+/// A point that was known before, and where the readings and the other known points put it.
+struct KnownPoint {
+  std::string id;
+  Eigen::Vector3d difference = Eigen::Vector3d::Zero();          ///< as measured minus as known [m]; 0: nobody can tell
+  Eigen::Vector3d sigma = Eigen::Vector3d::Constant(kNotGiven);  ///< of the known coordinates [m]; NaN: not known
+  double statistic = 0, critical = 0;                            ///< of the difference, chi-squared with `rank`
+  int rank = 0;                                                  ///< independent conditions
+  bool stands() const { return rank == 0 || statistic <= critical; }
+};
+
 class NetworkError : public std::runtime_error {
  public:
   explicit NetworkError(const std::string& message, std::vector<Finding> what_was_found = {},
@@ -171,8 +189,10 @@ struct NetworkResult {
   std::vector<ResultGroup> groups;
   std::vector<SnoopingAction> snooping;
   std::vector<Finding> findings;
+  std::vector<KnownPoint> known_points;    ///< control with a standard deviation, largest difference first
   DatumMode datum = DatumMode::automatic;  ///< as used
   std::vector<std::string> datum_points;
+  std::string frame;          ///< the map and its scale in words; empty: a plane in which lengths are true
   Eigen::MatrixXd cofactors;  ///< of all unknowns, already multiplied by variance_factor
   double variance_factor = 1;
   Eigen::MatrixXd null_space;  ///< of the network without datum (unknowns x defect)
@@ -183,6 +203,8 @@ struct NetworkResult {
   adjustment::GlobalTest global_test;
   double critical_w = 0, critical_tau = 0;
 
+  /// Something measured says of a known point where it is: the first finding then tells of all of them.
+  bool compares_known_points() const;
   const ResultPoint& point(const std::string& id) const;  ///< throws std::out_of_range
   /// Covariance of the coordinates of two points [m^2]; zero for constant components, NaN for those that do not exist.
   Eigen::Matrix3d covariance(const ResultPoint& a, const ResultPoint& b) const;

@@ -23,13 +23,14 @@ struct Pass {
 
 /// An error that many observations have in common, as the hypothesis that explains most of the misfit.
 struct CommonError {
-  enum class Kind { constant, scale, index, height, circle } kind = Kind::constant;
-  int set_up = -1;       ///< -1: all set-ups
-  int first = -1;        ///< circle: row of the first direction after it was turned
-  int observations = 0;  ///< that share it; 0: no such error
-  double w = 0;          ///< of the test, standard normal
-  double size = 0;       ///< by which the observations are too large: [m], [1] or [rad]
-  double sigma = 0;      ///< of the size
+  enum class Kind { constant, scale, index, height, target, circle } kind = Kind::constant;
+  int set_up = -1;           ///< -1: all set-ups
+  int first = -1;            ///< circle: row of the first direction after it was turned
+  double target_height = 0;  ///< target: of the sights with this height noted [m]
+  int observations = 0;      ///< that share it; 0: no such error
+  double w = 0;              ///< of the test, standard normal
+  double size = 0;           ///< by which the observations are too large: [m], [1] or [rad]
+  double sigma = 0;          ///< of the size
 };
 
 class Adjuster {
@@ -76,6 +77,7 @@ class Adjuster {
   /// observations.
   CommonError largest_common_error(const Pass& pass) const;
   std::vector<CommonError> common_errors(const Pass& pass) const;
+  std::vector<CommonError> target_height_errors(const Pass& pass) const;
   void add_circle_errors(const Pass& pass, std::vector<CommonError>& errors) const;
   CommonError test_common_error(const Pass& pass, const std::vector<std::pair<int, double>>& rows) const;
   std::string describe(const CommonError& error) const;
@@ -113,8 +115,9 @@ class Adjuster {
   const AdjustOptions& options_;
   StochasticState state_;
   std::vector<SnoopingAction> actions_;
-  std::vector<int> set_up_of_row_;                             ///< number; -1: none
-  std::set<std::tuple<CommonError::Kind, int, int>> refused_;  ///< common errors that could not be estimated after all
+  std::vector<int> set_up_of_row_;  ///< number; -1: none
+  std::set<std::tuple<CommonError::Kind, int, int, double>>
+      refused_;  ///< common errors that could not be estimated after all
 };
 
 }  // namespace plumbline::survey

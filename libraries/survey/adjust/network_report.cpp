@@ -145,17 +145,30 @@ NetworkResult Adjuster::report(Pass& pass) {
   report_rows(pass, result);
   report_common_error(pass, result);
   const std::vector<CommonError> common = common_errors(pass);
+  if (m_.datum == DatumMode::weighted || m_.datum == DatumMode::file)
+    result.known_points = compare_with_known(m_, pass.problem, s, pass.cofactors, options_.alpha0);
   result.cofactors = std::move(pass.cofactors);
   if (result.variance_factor != 1) result.cofactors *= result.variance_factor;
   report_points(pass, result);
+  if (m_.map) {
+    std::vector<Eigen::Vector3d> places;
+    for (const ResultPoint& p : result.points)
+      if (p.position.head<2>().allFinite()) places.push_back(p.position);
+    result.frame = m_.map->in_words(places);
+  }
   report_set_ups(pass, result);
   report_common_estimates(pass, common, result);
   report_pointings(pass, result);
   result.findings.insert(result.findings.begin(), m_.findings.begin(), m_.findings.end());
+  if (result.compares_known_points()) result.findings.insert(result.findings.begin(), in_words(result.known_points));
   const std::vector<Finding> examined = examine(m_, options_, result);
   result.findings.insert(result.findings.end(), examined.begin(), examined.end());
   judge(m_, critical_removal(), result);
   return result;
+}
+
+bool NetworkResult::compares_known_points() const {
+  return std::any_of(known_points.begin(), known_points.end(), [](const KnownPoint& k) { return k.rank > 0; });
 }
 
 const ResultPoint& NetworkResult::point(const std::string& id) const {

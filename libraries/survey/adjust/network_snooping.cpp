@@ -78,7 +78,7 @@ void Adjuster::mend(Pass& pass) {
   std::set<int> restored;  // came back once already
   for (;;) {
     if (const CommonError error = largest_common_error(pass); error.observations > 0) {
-      if (!estimate(pass, error)) refused_.insert({error.kind, error.set_up, error.first});
+      if (!estimate(pass, error)) refused_.insert({error.kind, error.set_up, error.first, error.target_height});
       continue;
     }
     const int worst = worst_row(pass, kept);

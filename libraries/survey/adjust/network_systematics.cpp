@@ -9,6 +9,7 @@
 #include <numbers>
 #include <set>
 
+#include "plumbline/stop.hpp"
 #include "survey/adjust/adjuster.hpp"
 #include "survey/doctor/network_words.hpp"
 
@@ -28,6 +29,13 @@ const char* known_difference(double millimetres, double sigma) {
   return "";
 }
 
+std::vector<Eigen::Vector3d> known_places(const NetworkModel& m) {
+  std::vector<Eigen::Vector3d> places;
+  for (size_t i = 0; i < m.ids.size(); ++i)
+    if (m.roles[i][0] != CoordinateRole::unused) places.push_back(m.initial[i]);
+  return m.datum == DatumMode::inner ? std::vector<Eigen::Vector3d>{} : places;
+}
+
 /// What the mistakes of the field can amount to: prism constants, settings of ppm, indices, heights read off a tape.
 /// What is larger is another mistake, or none of these.
 double largest_plausible(CommonError::Kind kind) {
@@ -39,6 +47,7 @@ double largest_plausible(CommonError::Kind kind) {
     case CommonError::Kind::index:
       return 0.016;  // [rad], 1 gon
     case CommonError::Kind::height:
+    case CommonError::Kind::target:
       return 2.0;  // [m]
     case CommonError::Kind::circle:
       return std::numbers::pi;
@@ -60,7 +69,9 @@ std::string Adjuster::describe(const CommonError& e) const {
       break;
     case CommonError::Kind::scale:
       text = all + "distances" + owner + " look too " + (e.size > 0 ? "long" : "short") + " by " +
-             fixed_digits(std::abs(e.size) * 1e6, 0) + " ppm: check the ppm setting and the unit";
+             fixed_digits(std::abs(e.size) * 1e6, 0) + " ppm: ";
+      if (e.set_up < 0 && !m_.map) text += map_that_explains(1 / (1 + e.size), e.sigma, known_places(m_));
+      if (text.ends_with(": ")) text += "check the ppm setting and the unit";
       break;
     case CommonError::Kind::index:
       text = all + "zenith angles" + owner + " look wrong by " + fixed_digits(e.size * 200000 / std::numbers::pi, 1) +
@@ -69,6 +80,11 @@ std::string Adjuster::describe(const CommonError& e) const {
     case CommonError::Kind::height:
       text = "the instrument height" + owner + " looks too " + (e.size > 0 ? "large" : "small") + " by " +
              fixed_digits(std::abs(e.size) * 1000, 1) + " mm: check it, and the point the instrument stood on";
+      break;
+    case CommonError::Kind::target:
+      text = "the target height of " + fixed_digits(e.target_height, 3) + " m noted in " +
+             std::to_string(e.observations) + " readings" + owner + " looks too " + (e.size > 0 ? "large" : "small") +
+             " by " + fixed_digits(std::abs(e.size) * 1000, 1) + " mm: check the length of the pole";
       break;
     case CommonError::Kind::circle: {
       const std::string at = place(m_.rows[static_cast<size_t>(e.first)].source);
@@ -154,13 +170,38 @@ std::vector<CommonError> Adjuster::common_errors(const Pass& pass) const {
     if (o.kind != "horizontal_distance")
       hypotheses[{Kind::height, own}].emplace_back(r, effect_of_instrument_height(pass, row));
   }
-  std::vector<CommonError> errors;
+  std::vector<CommonError> errors = target_height_errors(pass);
   for (const auto& [hypothesis, rows] : hypotheses) {
     if (rows.size() < 3) continue;
+    stop_point();
     CommonError error = test_common_error(pass, rows);
     error.kind = hypothesis.first, error.set_up = hypothesis.second;
     errors.push_back(error);
   }
+  return errors;
+}
+
+/// A pole set to another length than noted: all sights of a set-up with this height noted, where it has others too
+/// (with one height alone it is the instrument's that may be wrong).
+std::vector<CommonError> Adjuster::target_height_errors(const Pass& pass) const {
+  std::map<int, std::map<double, std::vector<std::pair<int, double>>>> by_height;  // set-up -> height noted -> rows
+  for (int r = 0; r < static_cast<int>(pass.problem.rows.size()); ++r) {
+    const int row = pass.problem.rows[static_cast<size_t>(r)];
+    if (row < 0 || static_cast<size_t>(row) >= m_.observations.size()) continue;
+    const ResultRow& o = m_.rows[static_cast<size_t>(row)];
+    const int own = set_up_of_row_[static_cast<size_t>(row)];
+    if (!o.removable || own < 0 || (o.kind != "zenith_angle" && o.kind != "slope_distance")) continue;
+    const double height = m_.observations[static_cast<size_t>(row)].observation.target_height;
+    by_height[own][std::isnan(height) ? 0 : height].emplace_back(r, -effect_of_instrument_height(pass, row));
+  }
+  std::vector<CommonError> errors;
+  for (const auto& [set_up, heights] : by_height)
+    for (const auto& [height, rows] : heights) {
+      if (heights.size() < 2 || rows.size() < 4) continue;  // two sights
+      CommonError error = test_common_error(pass, rows);
+      error.kind = CommonError::Kind::target, error.set_up = set_up, error.target_height = height;
+      errors.push_back(error);
+    }
   return errors;
 }
 
@@ -200,7 +241,7 @@ CommonError Adjuster::largest_common_error(const Pass& pass) const {
   CommonError worst;
   for (const CommonError& error : errors) {
     if (std::abs(error.size) > largest_plausible(error.kind) ||
-        refused_.contains({error.kind, error.set_up, error.first}))
+        refused_.contains({error.kind, error.set_up, error.first, error.target_height}))
       continue;
     // Sights of similar length cannot tell a constant from a scale: then the constant is the usual mistake.
     const double preference = error.kind == CommonError::Kind::scale ? 0.95 : 1.0;
@@ -242,8 +283,9 @@ bool Adjuster::estimate(Pass& pass, const CommonError& error) {
     split_set_up(error);
   } else {
     static constexpr ExtraUnknown::Kind kinds[] = {ExtraUnknown::Kind::constant, ExtraUnknown::Kind::scale,
-                                                   ExtraUnknown::Kind::index, ExtraUnknown::Kind::height};
-    state_.extra.push_back({kinds[static_cast<int>(error.kind)], error.set_up});
+                                                   ExtraUnknown::Kind::index, ExtraUnknown::Kind::height,
+                                                   ExtraUnknown::Kind::target};
+    state_.extra.push_back({kinds[static_cast<int>(error.kind)], error.set_up, error.target_height});
   }
   m_.findings.push_back(
       {Finding::Severity::warning,
@@ -285,14 +327,14 @@ void Adjuster::report_common_estimates(const Pass& pass, const std::vector<Commo
     if (kind == Kind::height) s.instrument_height_correction = estimate.value;
   };
   for (const CommonError& e : common)
-    if (e.set_up >= 0 && e.sigma > 0 && e.kind != Kind::height)
+    if (e.set_up >= 0 && e.sigma > 0 && e.kind != Kind::height && e.kind != Kind::target)
       put(result.set_ups[static_cast<size_t>(e.set_up)], e.kind, {e.size, factor * e.sigma});
   for (size_t k = 0; k < state_.extra.size(); ++k) {
-    const auto [kind, set_up] = state_.extra[k];
+    const auto [kind, set_up, target_height] = state_.extra[k];
     const int block = pass.problem.extra_blocks[k], unknown = pass.solution.unknowns(block, 0);
     const CommonEstimate estimate{pass.problem.problem.parameters[static_cast<size_t>(block)].value[0],
                                   std::sqrt(result.cofactors(unknown, unknown))};
-    static constexpr Kind kinds[] = {Kind::constant, Kind::scale, Kind::index, Kind::height};
+    static constexpr Kind kinds[] = {Kind::constant, Kind::scale, Kind::index, Kind::height, Kind::target};
     for (size_t s = 0; s < result.set_ups.size(); ++s)
       if (set_up < 0 || set_up == static_cast<int>(s)) put(result.set_ups[s], kinds[static_cast<int>(kind)], estimate);
   }

@@ -5,19 +5,22 @@
 #include <complex>
 #include <numeric>
 
+#include "plumbline/stop.hpp"
+
 namespace plumbline::survey {
 
 namespace {
 
-/// Points as one epoch; `survey` adds those that its files hold fixed.
+/// Points as one epoch; `survey` adds those that its files hold fixed, or have as known.
 Epoch given_points(const SurveyObservations& survey, const ControlPoints& control) {
   Epoch e{control.ids, control.coordinates, control.covariance};
   const auto n = static_cast<Eigen::Index>(3 * control.ids.size());
   if (e.covariance.rows() != n) e.covariance = Eigen::MatrixXd::Zero(n, n);
   if (n == 0) e.coordinates.resize(0);
   for (const Point& p : survey.points) {
-    const bool fixed =
-        std::all_of(p.roles.begin(), p.roles.end(), [](CoordinateRole r) { return r == CoordinateRole::fixed; });
+    const bool known = std::all_of(p.known.begin(), p.known.end(), [](bool k) { return k; });
+    const bool fixed = known || std::all_of(p.roles.begin(), p.roles.end(),
+                                            [](CoordinateRole r) { return r == CoordinateRole::fixed; });
     if (!fixed || !p.coordinates.allFinite() || std::find(e.ids.begin(), e.ids.end(), p.id) != e.ids.end()) continue;
     const Eigen::Index old = e.coordinates.size();
     e.ids.push_back(p.id);
@@ -35,6 +38,23 @@ SurveyObservations without_control(const SurveyObservations& survey) {
   SurveyObservations free = survey;
   std::erase_if(free.coordinates, [](const CoordinateGroup& g) { return g.is_control; });
   return free;
+}
+
+/// On a map a free network still has to know where it lies, or its lengths have no scale: there the given coordinates
+/// are approximate ones.
+void place_on_map(const Epoch& given, SurveyObservations& free) {
+  for (size_t i = 0; i < given.ids.size(); ++i) {
+    const Eigen::Vector3d at = given.coordinates.segment<3>(static_cast<Eigen::Index>(3 * i));
+    const auto known = std::find_if(free.points.begin(), free.points.end(),
+                                    [&](const Point& p) { return p.id == given.ids[i]; });
+    if (known == free.points.end()) {
+      Point& added = free.points.emplace_back();
+      added.id = given.ids[i];
+      added.coordinates = at;
+    } else if (known->coordinates.array().isNaN().any()) {
+      known->coordinates = at;
+    }
+  }
 }
 
 /// Points that both epochs have, in plan: east + i·north. In space a figure that lies flat could be turned over.
@@ -129,7 +149,9 @@ ControlCheck check_control(const SurveyObservations& survey, const ControlPoints
   adjustment.datum = DatumMode::inner;
   adjustment.datum_points.clear();
   try {
-    const NetworkResult r = adjust_network(without_control(survey), adjustment);
+    SurveyObservations free = without_control(survey);
+    if (!adjustment.map.empty()) place_on_map(given, free);
+    const NetworkResult r = adjust_network(free, adjustment);
     options.free_motions = check.free_motions = merged_motions(r.defect, 0, epoch_of(r));
     const Epoch measured = epoch_of(r);
     const size_t common = static_cast<size_t>(std::count_if(given.ids.begin(), given.ids.end(), [&](const auto& id) {
@@ -145,6 +167,8 @@ ControlCheck check_control(const SurveyObservations& survey, const ControlPoints
   } catch (const NetworkError& error) {
     check.problem =
         std::string("the control points cannot be checked, the free network is not determined: ") + error.what();
+  } catch (const Stopped&) {
+    throw;
   } catch (const std::runtime_error& error) {
     check.problem = std::string("the control points cannot be checked: ") + error.what();
   }

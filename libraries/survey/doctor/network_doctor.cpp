@@ -37,6 +37,19 @@ std::string in_words(long n, const std::string& what) {
   return std::to_string(n) + " observation" + (n == 1 ? " is " : "s are ") + what;
 }
 
+/// A target at another height than noted looks like a wrong zenith angle: which it is only the pole can tell.
+std::string or_target_height(const NetworkResult& r, const ResultRow& row) {
+  constexpr double kLeast = 0.01, kMost = 5;  // [m]
+  if (row.kind != "zenith_angle" || row.set_up.empty() || !std::isfinite(row.statistics.estimated_blunder)) return "";
+  const Eigen::Vector3d d = r.point(row.to).position - r.point(row.from).position;
+  const double h = d.head<2>().norm();
+  if (!(h > 0)) return "";
+  const double too_large = row.statistics.estimated_blunder * d.squaredNorm() / h;
+  if (!(std::abs(too_large) > kLeast && std::abs(too_large) < kMost)) return "";
+  return ", or its target height noted too " + std::string(too_large > 0 ? "large" : "small") + " by " +
+         fixed_digits(1000 * std::abs(too_large), 0) + " mm";
+}
+
 /// Worst first: the others often follow from it. What would fail by chance alone is said too.
 void examine_failures(const NetworkResult& r, const AdjustOptions& options, std::vector<Finding>& findings) {
   constexpr size_t kShown = 10;
@@ -57,7 +70,7 @@ void examine_failures(const NetworkResult& r, const AdjustOptions& options, std:
     findings.push_back({by_chance ? Finding::Severity::note : Finding::Severity::warning,
                         (row.removed ? "removed: " : "suspect: ") + describe(row) +
                             ", w = " + fixed_digits(row.statistics.w, 1) + ", probably wrong by " +
-                            amount(row, row.statistics.estimated_blunder),
+                            amount(row, row.statistics.estimated_blunder) + or_target_height(r, row),
                         {row.from, row.to}});
   }
   if (failing.size() > kShown)
@@ -76,11 +89,14 @@ void examine_failures(const NetworkResult& r, const AdjustOptions& options, std:
         {Finding::Severity::note, "mend or remove the first suspect and adjust again: others may follow from it", {}});
 }
 
-void examine_rows(const NetworkResult& r, const AdjustOptions& options, std::vector<Finding>& findings) {
+void examine_rows(const NetworkModel& m, const NetworkResult& r, const AdjustOptions& options,
+                  std::vector<Finding>& findings) {
   std::vector<std::string> uncontrolled, points;
   int weak = 0;
   for (const ResultRow& row : r.rows) {
     const double redundancy = row.statistics.controlled;
+    // What holds a network is compared with it as known points, not as readings.
+    if (row.kind == "coordinate" && m.keyed_in.contains(row.to)) continue;
     if (!row.removed && redundancy < 0.1) {
       uncontrolled.push_back(describe(row));
       points.push_back(row.to);
@@ -180,9 +196,8 @@ std::vector<Finding> examine(const NetworkModel& model, const AdjustOptions& opt
   using Verdict = adjustment::GlobalTest::Verdict;
   const std::string sigma0 = fixed_digits(result.sigma0, 2);
   // One sound network in twenty fails at the usual level: that is a note. A warning is for what is certain.
-  const bool certain = result.degrees_of_freedom > 0 &&
-                       result.sigma0 * result.sigma0 * result.degrees_of_freedom >
-                           chi_squared_quantile(0.999, result.degrees_of_freedom);
+  const bool certain = result.degrees_of_freedom > 0 && result.sigma0 * result.sigma0 * result.degrees_of_freedom >
+                                                            chi_squared_quantile(0.999, result.degrees_of_freedom);
   if (result.degrees_of_freedom > 0 && result.global_test.verdict == Verdict::high)
     findings.push_back({certain ? Finding::Severity::warning : Finding::Severity::note,
                         "global test fails: sigma0 " + sigma0 +
@@ -200,7 +215,7 @@ std::vector<Finding> examine(const NetworkModel& model, const AdjustOptions& opt
     findings.push_back({Finding::Severity::note,
                         "global test: sigma0 " + sigma0 + " is small; the assumed accuracies are too cautious",
                         {}});
-  examine_rows(result, options, findings);
+  examine_rows(model, result, options, findings);
   const HingePoints hinges(result);
   if (!hinges.points().empty()) {
     const std::vector<std::string> ids(hinges.points().begin(), hinges.points().end());

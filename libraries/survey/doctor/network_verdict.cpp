@@ -21,6 +21,14 @@ long failing(const NetworkResult& r, double critical) {
                        [&](const ResultRow& row) { return !row.removed && std::abs(row.statistics.w) > critical; });
 }
 
+/// Where all readings agree far better than stated, the tests at the stated accuracies see nothing: against each other
+/// (tau) they are tested at the level of removals, over all of them together.
+long failing_among_themselves(const NetworkResult& r, double critical) {
+  const double alpha = 2 * (1 - normal_probability(critical));
+  const double tau = adjustment::tau_critical(std::max(alpha, 1e-12), r.degrees_of_freedom);
+  return r.sigma0 > 0 && std::isfinite(tau) ? failing(r, tau * r.sigma0) : 0;
+}
+
 std::string mended(const NetworkResult& r) {
   const auto removed = std::count_if(r.rows.begin(), r.rows.end(), [](const ResultRow& row) { return row.removed; });
   if (removed == 0) return "";
@@ -61,6 +69,7 @@ void judge(const NetworkModel& model, double critical, NetworkResult& r) {
   const bool high = r.degrees_of_freedom > 0 && r.global_test.verdict == adjustment::GlobalTest::Verdict::high;
   // One sound network in forty fails its global test; without a suspect it is doubted only if it fails clearly.
   const bool clearly = high && r.sum_of_squares > chi_squared_quantile(1 - kClearly, r.degrees_of_freedom);
+  const bool low = r.degrees_of_freedom > 0 && r.sum_of_squares < chi_squared_quantile(kClearly, r.degrees_of_freedom);
   const bool error = std::any_of(r.findings.begin(), r.findings.end(),
                                  [](const Finding& f) { return f.severity == Finding::Severity::error; });
   const long suspects = failing(r, critical);
@@ -86,6 +95,20 @@ void judge(const NetworkModel& model, double critical, NetworkResult& r) {
         (suspects > 0 ? std::to_string(suspects) + (suspects == 1 ? " reading fails" : " readings fail") + " the test"
                       : std::string("the readings agree less well than their accuracies say")) +
         " (" + sigma0 + ")" + mended(r);
+  } else if (low) {
+    const long among = failing_among_themselves(r, critical);
+    const std::string found = sigma0 + ", v'Pv " + fixed_digits(r.sum_of_squares, 1) + " where " +
+                              fixed_digits(r.global_test.lower, 0) + " to " + fixed_digits(r.global_test.upper, 0) +
+                              " were to be expected";
+    r.validity = among > 0 ? Validity::doubtful : Validity::sound;
+    r.verdict = std::string(among > 0 ? "doubtful" : "sound") +
+                ": the readings agree far better than their accuracies say (" + found +
+                "): these are too cautious, and standard deviations and ellipses too large by a factor of about " +
+                fixed_digits(1 / r.sigma0, 1) +
+                (among > 0 ? "; measured by their own agreement " + std::to_string(among) +
+                                 (among == 1 ? " reading fails" : " readings fail") + " the test"
+                           : "") +
+                mended(r);
   } else {
     r.validity = Validity::sound;
     r.verdict = "sound: the readings agree as well as their accuracies say (" + sigma0 +

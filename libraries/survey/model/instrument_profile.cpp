@@ -32,6 +32,8 @@ const std::map<std::string, Field>& fields() {
   static const std::map<std::string, Field> table = {
       {"direction_arcsec", {&P::direction_sigma, kArcsecond, true}},
       {"zenith_angle_arcsec", {&P::zenith_sigma, kArcsecond, true}},
+      {"angle_arcsec", {&P::angle_sigma, kArcsecond, false}},
+      {"azimuth_arcsec", {&P::azimuth_sigma, kArcsecond, false}},
       {"single_face_factor", {&P::single_face_factor, 1, false}},
       {"distance_mm", {&P::distance_constant, kMillimetre, true}},
       {"distance_ppm", {&P::distance_ppm, 1, true}},
@@ -52,7 +54,7 @@ const std::map<std::string, Field>& fields() {
 }
 
 std::string known_keys() {
-  std::string text = "name, sigmas_of_mean";
+  std::string text = "name, sigmas_of_mean, instruments";
   for (const auto& [key, field] : fields()) text += ", " + key;
   return text;
 }
@@ -64,6 +66,23 @@ double InstrumentProfile::direction(double horizontal, double slope, int sets, b
   const double centring = std::hypot(instrument_centring, target_centring) / horizontal;
   const double height = std::sqrt(std::max(0.0, slope * slope - horizontal * horizontal));
   return std::hypot(one / std::sqrt(sigmas_of_mean ? 1.0 : sets), centring, levelling * height / horizontal);
+}
+
+double InstrumentProfile::azimuth(double horizontal, double slope, int sets) const {
+  InstrumentProfile as_direction = *this;
+  if (!std::isnan(azimuth_sigma)) as_direction.direction_sigma = azimuth_sigma;
+  return as_direction.direction(horizontal, slope, sets, false);
+}
+
+double InstrumentProfile::angle(const double (&horizontal)[2], const double (&slope)[2], double apart, int sets) const {
+  const double one = (std::isnan(angle_sigma) ? std::numbers::sqrt2 * direction_sigma : angle_sigma) /
+                     std::sqrt(sigmas_of_mean ? 1.0 : sets);
+  double variance = one * one + std::pow(instrument_centring * apart / (horizontal[0] * horizontal[1]), 2);
+  for (int arm = 0; arm < 2; ++arm) {
+    const double height = std::sqrt(std::max(0.0, slope[arm] * slope[arm] - horizontal[arm] * horizontal[arm]));
+    variance += std::pow(target_centring / horizontal[arm], 2) + std::pow(levelling * height / horizontal[arm], 2);
+  }
+  return std::sqrt(variance);
 }
 
 double InstrumentProfile::zenith_angle(double slope, int sets, bool single_face) const {
@@ -82,24 +101,26 @@ double InstrumentProfile::levelled(double length) const {
   return std::hypot(height_difference, height_difference_per_sqrt_km * std::sqrt(length / 1000));
 }
 
+InstrumentProfile InstrumentProfile::without_instrument_centring() const {
+  InstrumentProfile rest = *this;
+  rest.instrument_centring = 0;
+  return rest;
+}
+
 std::string in_words(const InstrumentProfile& p) {
   return p.name + ": directions " + fixed_digits(p.direction_sigma / kArcsecond, 1) + "\u2033, zenith angles " +
          fixed_digits(p.zenith_sigma / kArcsecond, 1) + "\u2033 (one set in both faces), distances " +
          fixed_digits(p.distance_constant / kMillimetre, 1) + " mm + " + fixed_digits(p.distance_ppm, 1) +
-         " ppm, centring of targets " + fixed_digits(p.target_centring / kMillimetre, 1) + " mm";
+         " ppm, centring of targets " + fixed_digits(p.target_centring / kMillimetre, 1) + " mm, of the instrument " +
+         fixed_digits(p.instrument_centring / kMillimetre, 1) + " mm where it stands over a mark";
 }
 
-InstrumentProfile parse_profile(const std::string& yaml, const std::string& origin) {
-  YAML::Node root;
-  try {
-    root = YAML::Load(yaml);
-  } catch (const YAML::ParserException& error) {
-    fail(origin, error.mark, error.msg);
-  }
-  if (!root.IsMap()) fail(origin, root.Mark(), "expected an instrument profile: a map with " + known_keys());
-  InstrumentProfile profile;
-  std::set<std::string> seen;
-  for (const auto& entry : root) {
+namespace {
+
+/// The keys of one instrument into `profile`; which were there into `seen`.
+void take_keys(const YAML::Node& map, const std::string& origin, InstrumentProfile& profile,
+               std::set<std::string>& seen) {
+  for (const auto& entry : map) {
     const auto key = entry.first.as<std::string>();
     if (!seen.insert(key).second) fail(origin, entry.first.Mark(), "'" + key + "' is given twice");
     try {
@@ -112,7 +133,7 @@ InstrumentProfile parse_profile(const std::string& yaml, const std::string& orig
         if (!(value >= 0) || !std::isfinite(value))
           fail(origin, entry.second.Mark(), "'" + key + "' is " + std::to_string(value) + ", expected a number >= 0");
         profile.*(field->second.member) = value * field->second.unit;
-      } else {
+      } else if (key != "instruments") {
         fail(origin, entry.first.Mark(), "unknown key '" + key + "', expected one of " + known_keys());
       }
     } catch (const YAML::Exception&) {
@@ -124,6 +145,36 @@ InstrumentProfile parse_profile(const std::string& yaml, const std::string& orig
                                           : "a number"));
     }
   }
+  if (seen.contains("direction_arcsec") && profile.direction_sigma <= 0)
+    fail(origin, map.Mark(), "direction_arcsec must be positive");
+}
+
+YAML::Node load(const std::string& yaml, const std::string& origin) {
+  YAML::Node root;
+  try {
+    root = YAML::Load(yaml);
+  } catch (const YAML::ParserException& error) {
+    fail(origin, error.mark, error.msg);
+  }
+  if (!root.IsMap()) fail(origin, root.Mark(), "expected an instrument profile: a map with " + known_keys());
+  return root;
+}
+
+std::string text_of(const std::string& path) {
+  std::ifstream stream(path);
+  if (!stream) throw std::runtime_error("cannot read instrument profile '" + path + "'");
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+}  // namespace
+
+InstrumentProfile parse_profile(const std::string& yaml, const std::string& origin) {
+  const YAML::Node root = load(yaml, origin);
+  InstrumentProfile profile;
+  std::set<std::string> seen;
+  take_keys(root, origin, profile, seen);
   for (const auto& [key, field] : fields())
     if (field.required && !seen.contains(key)) fail(origin, root.Mark(), "'" + key + "' is missing");
   if (profile.direction_sigma <= 0 || profile.zenith_sigma <= 0 || profile.distance_constant <= 0)
@@ -131,13 +182,28 @@ InstrumentProfile parse_profile(const std::string& yaml, const std::string& orig
   return profile;
 }
 
-InstrumentProfile read_profile(const std::string& path) {
-  std::ifstream stream(path);
-  if (!stream) throw std::runtime_error("cannot read instrument profile '" + path + "'");
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return parse_profile(text.str(), path);
+std::map<std::string, InstrumentProfile> parse_instruments(const std::string& yaml, const std::string& origin) {
+  const InstrumentProfile common = parse_profile(yaml, origin);
+  std::map<std::string, InstrumentProfile> instruments;
+  const YAML::Node list = load(yaml, origin)["instruments"];
+  if (list && !list.IsMap()) fail(origin, list.Mark(), "'instruments' is expected to be a map: name: {keys}");
+  for (const auto& entry : list) {
+    const auto name = entry.first.as<std::string>();
+    if (!entry.second.IsMap()) fail(origin, entry.second.Mark(), "instrument '" + name + "' is expected to be a map");
+    InstrumentProfile own = common;
+    own.name = name;
+    std::set<std::string> seen;
+    take_keys(entry.second, origin, own, seen);
+    instruments[name] = own;
+  }
+  return instruments;
 }
+
+std::map<std::string, InstrumentProfile> read_instruments(const std::string& path) {
+  return parse_instruments(text_of(path), path);
+}
+
+InstrumentProfile read_profile(const std::string& path) { return parse_profile(text_of(path), path); }
 
 std::vector<const char*> profile_names() {
   std::vector<const char*> names;

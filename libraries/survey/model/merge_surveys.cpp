@@ -310,6 +310,9 @@ void Merger::merge_points(size_t file) {
       if (std::isnan(known.coordinates[k]) || stronger) known.coordinates[k] = p.coordinates[k];
       known.roles[axis] = std::max(known.roles[axis], p.roles[axis]);
     }
+    for (size_t k = 0; k < 3; ++k)
+      known.known[k] = known.known[k] || (p.known[k] && known.coordinates[static_cast<Eigen::Index>(k)] ==
+                                                            p.coordinates[static_cast<Eigen::Index>(k)]);
     if (known.code.empty()) known.code = p.code;
     if (known.description.empty()) known.description = p.description;
   }
@@ -321,6 +324,12 @@ void Merger::merge_observations(size_t file) {
   SurveyObservations& all = merged_.survey;
   const int set_up_offset = static_cast<int>(all.set_ups.size());
   const int observation_offset = static_cast<int>(all.observations.size());
+  std::vector<int> instruments;  // of the file -> of all
+  for (const std::string& name : s.instruments) {
+    const auto at = std::find(all.instruments.begin(), all.instruments.end(), name);
+    instruments.push_back(static_cast<int>(at - all.instruments.begin()));
+    if (at == all.instruments.end()) all.instruments.push_back(name);
+  }
   for (SetUp set_up : s.set_ups) {
     if (const std::string now = name_in(file, set_up.station); now != set_up.station) {
       if (set_up.id.starts_with(set_up.station)) set_up.id = now + set_up.id.substr(set_up.station.size());
@@ -336,6 +345,7 @@ void Merger::merge_observations(size_t file) {
   for (Observation o : s.observations) {
     if (o.set_up >= 0) o.set_up += set_up_offset;
     if (o.pointing >= 0) o.pointing += pointings_;
+    if (o.instrument >= 0) o.instrument = instruments.at(static_cast<size_t>(o.instrument));
     next_pointing = std::max(next_pointing, o.pointing + 1);
     for (std::string* id : {&o.from, &o.to, &o.second_to}) *id = name_in(file, *id);
     all.observations.push_back(std::move(o));

@@ -1,4 +1,5 @@
 // What holds the network: fixed points, control with covariance, or inner constraints.
+#include <algorithm>
 #include <cmath>
 
 #include "survey/model/network_model_steps.hpp"
@@ -6,6 +7,19 @@
 namespace plumbline::survey {
 
 namespace {
+
+/// A coordinate that was keyed in, takes part, and was not found to be a placeholder (two stations at one place).
+bool is_known(const NetworkModel& m, const Point& p, int axis) {
+  const auto at = m.index.find(p.id);
+  const auto k = static_cast<size_t>(axis);
+  return at != m.index.end() && p.known[k] && m.roles[static_cast<size_t>(at->second)][k] != CoordinateRole::unused &&
+         std::isfinite(m.initial[static_cast<size_t>(at->second)][axis]) && std::isfinite(p.coordinates[axis]);
+}
+
+bool knows_any(const NetworkModel& m) {
+  return std::any_of(m.survey.points.begin(), m.survey.points.end(),
+                     [&](const Point& p) { return is_known(m, p, 0) || is_known(m, p, 1) || is_known(m, p, 2); });
+}
 
 DatumMode choose_datum(const NetworkModel& m, const AdjustOptions& options, const ControlPoints& control) {
   if (options.datum != DatumMode::automatic) return options.datum;
@@ -16,6 +30,7 @@ DatumMode choose_datum(const NetworkModel& m, const AdjustOptions& options, cons
   for (const CoordinateGroup& g : m.survey.coordinates)
     if (g.is_control) return DatumMode::file;
   if (!options.datum_points.empty()) return DatumMode::inner;
+  if (knows_any(m)) return DatumMode::weighted;
   // Adjustment programs' own files say what the datum is; if they say nothing that is for the user to decide.
   return m.survey.info.format == "gama-xml" || m.survey.info.format == "krumm" ? DatumMode::file : DatumMode::inner;
 }
@@ -37,6 +52,42 @@ void hold(NetworkModel& m, int point, const Eigen::Vector3d& known) {
       m.initial[point][k] = known[k];
     }
   m.datum_points.push_back(m.ids[point]);
+}
+
+/// Points that were keyed in as known are control. What they leave open (the turn about a single one, the heights of
+/// known plan positions) is carried by the approximate coordinates of the others.
+void add_keyed_in(NetworkModel& m, double sigma) {
+  using R = CoordinateRole;
+  for (auto& roles : m.roles)
+    for (R& role : roles)
+      if (role == R::free) role = R::constrained;
+  for (const Point& p : m.survey.points) {
+    CoordinateGroup group;
+    std::vector<double> values;
+    for (int k = 0; k < 3; ++k) {
+      if (!is_known(m, p, k)) continue;
+      m.roles[static_cast<size_t>(m.index.at(p.id))][static_cast<size_t>(k)] = R::free;
+      group.components.push_back({p.id, k});
+      values.push_back(p.coordinates[k]);
+    }
+    if (values.empty()) continue;
+    group.is_control = true;
+    group.values = Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+    group.covariance = sigma * sigma * Eigen::MatrixXd::Identity(group.values.size(), group.values.size());
+    group.source = p.source;
+    m.survey.coordinates.push_back(std::move(group));
+    m.datum_points.push_back(p.id);
+    m.keyed_in.insert(p.id);
+  }
+  m.findings.push_back({Finding::Severity::note,
+                        "the file has " + join(m.datum_points) +
+                            " as known: " + (m.datum_points.size() == 1 ? "it is" : "they are") +
+                            " control, with an assumed standard "
+                            "deviation of " +
+                            fixed_digits(1e3 * sigma, 1) +
+                            " mm (known_sigma); coordinates that the "
+                            "instrument computed are approximate values",
+                        m.datum_points});
 }
 
 /// Control points that take part, with their part of the covariance, as observed coordinates.
@@ -87,6 +138,8 @@ void apply_datum(NetworkModel& m, const AdjustOptions& options, const ControlPoi
       for (R& role : m.roles[require_point(m, id, "datum point")])
         if (role == R::free) role = R::constrained;
     m.datum_points = members;
+  } else if (m.datum == DatumMode::weighted && control.ids.empty() && knows_any(m)) {
+    add_keyed_in(m, options.known_sigma);
   } else if (m.datum == DatumMode::weighted) {
     add_weighted_control(m, control);
   } else if (m.datum == DatumMode::fixed) {

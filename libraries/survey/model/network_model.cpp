@@ -1,5 +1,6 @@
 #include "survey/model/network_model.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -166,7 +167,28 @@ std::optional<NetworkModel> with_simple_start(const NetworkModel& m, const SetUp
   if (!take_over({start->points, start->orientations}, started).empty()) return std::nullopt;
   find_lengths(started);
   drop_unusable(started);
+  find_map_corrections(started);
   return started;
+}
+
+/// For approximate coordinates: geocentric vectors in the horizon of a known point, turned to grid north.
+SurveyObservations with_vectors_on_map(const NetworkModel& m) {
+  SurveyObservations plain = m.survey;
+  const auto known = std::find_if(m.initial.begin(), m.initial.end(),
+                                  [](const Eigen::Vector3d& p) { return p.head<2>().allFinite(); });
+  if (!m.map || known == m.initial.end()) return plain;
+  Eigen::Matrix3d by_map;
+  m.map->geocentric({known->x(), known->y(), std::isnan(known->z()) ? 0 : known->z()}, &by_map);
+  const Eigen::Matrix3d to_map = by_map.inverse();
+  for (VectorGroup& g : plain.vectors)
+    for (Eigen::Index k = 0; k < g.values.size(); k += 3) {
+      g.values.segment<3>(k) = (to_map * g.values.segment<3>(k)).eval();
+      g.covariance.block(k, 0, 3, g.covariance.cols()) =
+          (to_map * g.covariance.block(k, 0, 3, g.covariance.cols())).eval();
+      g.covariance.block(0, k, g.covariance.rows(), 3) =
+          (g.covariance.block(0, k, g.covariance.rows(), 3) * to_map.transpose()).eval();
+    }
+  return plain;
 }
 
 /// The model with approximate coordinates, once for every set of them that is possible.
@@ -177,13 +199,14 @@ std::vector<NetworkModel> with_approximations(NetworkModel m, const SetUpChain& 
   m.starts_from_known_points = !known.empty() || !m.survey.coordinates.empty();
   if (simple_start)
     if (auto simple = with_simple_start(m, chain, known)) return {std::move(*simple)};
-  std::vector<Approximation> approximations = approximate_coordinates(m.survey, m.observations, known);
+  const SurveyObservations plain = with_vectors_on_map(m);
+  std::vector<Approximation> approximations = approximate_coordinates(plain, m.observations, known);
   NetworkModel trial = m;
   const std::vector<int> lost = take_over(approximations.front(), trial);
   if (!lost.empty()) {
     // Something is missing between known points and the network, or between its parts. If each has a shape of its own,
     // the rank doctor can say what it is.
-    approximations = approximate_coordinates(m.survey, m.observations, {}, true);
+    approximations = approximate_coordinates(plain, m.observations, {}, true);
     approximations.resize(1);
     if (trial = m; !take_over(approximations.front(), trial).empty()) refuse_lost(m, lost);
     m.unrelated = true;
@@ -195,8 +218,29 @@ std::vector<NetworkModel> with_approximations(NetworkModel m, const SetUpChain& 
     take_over(approximations[i], models[i]);
     find_lengths(models[i]);
     drop_unusable(models[i]);
+    if (!models[i].unrelated) find_map_corrections(models[i]);
   }
   return models;
+}
+
+/// Vectors of the earth need a map, vectors of a plane have none.
+void take_map(NetworkModel& m, const AdjustOptions& options) {
+  const auto& vectors = m.survey.vectors;
+  const auto geocentric = [](const VectorGroup& g) { return g.is_geocentric; };
+  const bool some = std::any_of(vectors.begin(), vectors.end(), geocentric);
+  if (options.map.empty() && some)
+    throw NetworkError(
+        "the network has vectors in X, Y, Z of the earth: say which map its E and N are on, such as "
+        "map=EPSG:25832, or leave them out");
+  if (options.map.empty()) return;
+  if (!std::all_of(vectors.begin(), vectors.end(), geocentric))
+    throw NetworkError(
+        "the network has vectors dE, dN, dH of a plane, which are not adjusted on a map: leave out map=" + options.map);
+  try {
+    m.map = std::make_shared<const MapFrame>(options.map, options.geoid_height);
+  } catch (const std::runtime_error& error) {
+    throw NetworkError(std::string("map: ") + error.what());
+  }
 }
 
 ResultRow given_row(const std::string& kind, const std::string& from, const std::string& to, int axis, double value,
@@ -242,9 +286,11 @@ void make_rows(NetworkModel& m) {
   for (const VectorGroup& g : m.survey.vectors) {
     m.first_row_of_group.push_back(static_cast<int>(m.rows.size()));
     for (size_t k = 0; k < g.vectors.size(); ++k)
-      for (int axis = 0; axis < 3; ++axis)
+      for (int axis = 0; axis < 3; ++axis) {
         m.rows.push_back(given_row("vector", g.vectors[k].from, g.vectors[k].to, axis,
                                    g.values[static_cast<Eigen::Index>(3 * k) + axis], g.source, kGiven));
+        if (g.is_geocentric) m.rows.back().detail = std::string(1, "XYZ"[axis]);
+      }
   }
   for (const LocalCoordinate& c : m.survey.local_coordinates) {
     m.first_row_of_group.push_back(static_cast<int>(m.rows.size()));
@@ -338,6 +384,7 @@ NetworkModel make_model(const SurveyObservations& survey, const AdjustOptions& o
   m.curvature = options.curvature == Switch::on || (options.curvature == Switch::automatic && !reduced_file);
   m.refraction_coefficient = std::isnan(survey.info.refraction_coefficient) ? options.refraction_coefficient
                                                                             : survey.info.refraction_coefficient;
+  take_map(m, options);
   tell_orientation(m);
   hold_stated_orientation(m);
   make_rows(m);

@@ -3,11 +3,14 @@
 
 #include <array>
 #include <map>
+#include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "adjustment/solver.hpp"
 #include "survey/adjust/adjust_network.hpp"
+#include "survey/model/map_frame.hpp"
 #include "survey/model/observation_equations.hpp"
 #include "survey/start/approximate.hpp"
 
@@ -35,6 +38,9 @@ struct NetworkModel {
   bool unrelated = false;                    ///< `initial` is good enough to find rank defects only
   DatumMode datum = DatumMode::automatic;
   std::vector<std::string> datum_points;
+  std::set<std::string> keyed_in;          ///< points that hold because their file says they are known
+  std::shared_ptr<const MapFrame> map;     ///< null: a plane
+  std::vector<MapCorrection> corrections;  ///< of the map, one per observation; empty without
   bool curvature = false;
   double refraction_coefficient = 0.13;
   std::vector<Finding> findings;
@@ -60,6 +66,7 @@ struct NetworkProblem {
   std::vector<int> point_blocks;                           ///< one per point
   std::vector<int> orientation_blocks;                     ///< one per set-up; -1
   std::vector<int> height_correction_blocks, tilt_blocks;  ///< one per set-up; -1
+  std::vector<int> centring_blocks;                        ///< one per set-up; -1: none, or the point is the axis
   std::vector<std::pair<std::string, int>> common_blocks;  ///< name and block of scale etc.
   std::vector<int> extra_blocks;                           ///< one per StochasticState::extra
   std::vector<int> rows;                                   ///< row of the model of each row of the problem; -1: prior
@@ -67,10 +74,12 @@ struct NetworkProblem {
 };
 
 /// An error that readings of a set-up (-1: of all) have in common, estimated with the network. `scale` [1] and
-/// `constant` [m] of distances, `index` [rad] of zenith angles, `height` [m] of the instrument.
+/// `constant` [m] of distances, `index` [rad] of zenith angles, `height` [m] of the instrument, `target` [m] of the
+/// targets of a set-up that were noted with one height.
 struct ExtraUnknown {
-  enum class Kind { constant, scale, index, height } kind = Kind::constant;
+  enum class Kind { constant, scale, index, height, target } kind = Kind::constant;
   int set_up = -1;
+  double target_height = 0;  ///< as noted, of `target` [m]
 };
 
 struct StochasticState {
@@ -101,6 +110,14 @@ std::vector<Finding> name_local_defects(const NetworkModel& model, const Network
 
 /// Uncontrolled and weak observations, hinge points, failing tests: what a surveyor should look at.
 std::vector<Finding> examine(const NetworkModel& model, const AdjustOptions& options, const NetworkResult& result);
+
+/// What the readings say of the points that were known, largest difference first; `cofactors` a priori.
+std::vector<KnownPoint> compare_with_known(const NetworkModel& model, const NetworkProblem& problem,
+                                           const adjustment::Solution& solution, const Eigen::MatrixXd& cofactors,
+                                           double alpha);
+
+/// They as one finding: a warning where one of them does not stand.
+Finding in_words(const std::vector<KnownPoint>& known);
 
 /// Whether the result may be used: `validity` and `verdict` of the result. An invalid result's cofactors are multiplied
 /// with sigma0 squared, so that nobody who takes it all the same believes it. `critical` is that of removals.

@@ -26,6 +26,10 @@ void find_lengths(NetworkModel& model);
 /// Leaves out observations that cannot be used with the points as they are.
 void drop_unusable(NetworkModel& model);
 
+/// What the map makes of each observation at the approximate coordinates. Throws NetworkError where these cannot be on
+/// the map.
+void find_map_corrections(NetworkModel& model);
+
 /// Adjusts each model, if there are several, and returns the one that fits best. Throws NetworkError if two of them fit
 /// equally well and are not the same network: with what would tell them apart.
 NetworkModel choose_alternative(std::vector<NetworkModel> models, const AdjustOptions& options);

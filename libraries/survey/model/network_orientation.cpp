@@ -17,7 +17,8 @@ void tell_orientation(NetworkModel& m) {
   const bool north = std::any_of(m.observations.begin(), m.observations.end(), [](const MeanObservation& mean) {
     return mean.observation.kind == ObservationKind::azimuth;
   });
-  if (north || !m.survey.vectors.empty() || !m.survey.coordinates.empty() || m.survey.set_ups.empty()) return;
+  const bool others = m.survey.coordinates.size() > m.keyed_in.size();  // observed, beside the one known point
+  if (north || !m.survey.vectors.empty() || others || m.survey.set_ups.empty()) return;
   const SetUp* oriented = nullptr;
   for (const SetUp& s : m.survey.set_ups)
     if (!oriented && !std::isnan(s.stated_orientation)) oriented = &s;

@@ -4,6 +4,7 @@
 #include <tuple>
 
 #include "survey/model/network_model.hpp"
+#include "survey/model/reading_sigmas.hpp"
 
 namespace plumbline::survey {
 
@@ -23,7 +24,7 @@ int slot(adjustment::ResidualBlock& block, int parameter) {
 class Assembler {
  public:
   Assembler(const NetworkModel& model, const AdjustOptions& options, const StochasticState& state)
-      : m_(model), options_(options), state_(state) {}
+      : m_(model), options_(options), state_(state), sigmas_(model, options, state) {}
 
   NetworkProblem assemble() {
     add_points();
@@ -35,10 +36,15 @@ class Assembler {
     return std::move(out_);
   }
 
-  Equation equation(ObservationBlock& block, const Observation& o, const NetworkProblem& p) const {
+  Equation equation(ObservationBlock& block, int observation, const NetworkProblem& p) const {
+    const Observation& o = m_.observations[static_cast<size_t>(observation)].observation;
     Equation eq;
     eq.kind = o.kind;
     eq.value = o.value;
+    if (!m_.corrections.empty()) {
+      eq.map_scale = m_.corrections[static_cast<size_t>(observation)].scale;
+      eq.value += m_.corrections[static_cast<size_t>(observation)].direction;
+    }
     const double own = o.set_up >= 0 ? m_.survey.set_ups[o.set_up].instrument_height : 0.0;
     eq.instrument_height = or_zero(std::isnan(o.instrument_height) ? own : o.instrument_height);
     eq.target_height = or_zero(o.target_height);
@@ -49,6 +55,7 @@ class Assembler {
     const bool angular = o.kind == ObservationKind::direction || o.kind == ObservationKind::zenith_angle;
     if (o.kind == ObservationKind::direction) eq.orientation = slot(block, p.orientation_blocks[o.set_up]);
     if (o.set_up >= 0 && angular) eq.tilt = slot(block, p.tilt_blocks[o.set_up]);
+    if (has_centring_unknown(o, p)) eq.centring = slot(block, p.centring_blocks[static_cast<size_t>(o.set_up)]);
     if (o.set_up >= 0) eq.instrument_height_correction = slot(block, p.height_correction_blocks[o.set_up]);
     const bool distance = o.kind == ObservationKind::slope_distance || o.kind == ObservationKind::horizontal_distance;
     for (const auto& [name, parameter] : p.common_blocks) {
@@ -64,47 +71,21 @@ class Assembler {
     return eq;
   }
 
-  /// Standard deviation of the model: of the file if it gives one, else of the instrument profile.
-  double sigma(int index) const {
-    const MeanObservation& mean = m_.observations[index];
-    const Observation& o = mean.observation;
-    const double factor = state_.sigma_factors[group_of(o.kind)];
-    if (!std::isnan(o.sigma)) return factor * o.sigma;
-    const double horizontal = m_.lengths[index][0], slope = m_.lengths[index][1];
-    const InstrumentProfile& p = options_.profile;
-    switch (o.kind) {
-      case ObservationKind::direction:
-      case ObservationKind::azimuth:
-        return factor * p.direction(horizontal, slope, mean.sets, mean.single_face);
-      case ObservationKind::angle: {
-        const Eigen::Vector3d right = m_.initial[m_.index.at(o.second_to)] - m_.initial[m_.index.at(o.from)];
-        const double other = std::max(kShortestHorizontal, right.head<2>().norm());
-        return factor * std::hypot(p.direction(horizontal, slope, mean.sets, false),
-                                   p.direction(other, std::max(other, right.norm()), mean.sets, false));
-      }
-      case ObservationKind::zenith_angle:
-        return factor * p.zenith_angle(slope, mean.sets, mean.single_face);
-      case ObservationKind::slope_distance:
-      case ObservationKind::horizontal_distance:
-        return factor * p.distance(slope, mean.sets);
-      case ObservationKind::height_difference:
-        return factor * p.levelled(std::isnan(o.levelling_length) ? slope : o.levelling_length);
-    }
-    return kNotGiven;
-  }
-
  private:
   void add_extra(ObservationBlock& block, const Observation& o, const NetworkProblem& p, Equation& eq) const {
     using Kind = ExtraUnknown::Kind;
     const bool distance = o.kind == ObservationKind::slope_distance || o.kind == ObservationKind::horizontal_distance;
     for (size_t k = 0; k < state_.extra.size(); ++k) {
-      const auto [kind, set_up] = state_.extra[k];
+      const auto [kind, set_up, target_height] = state_.extra[k];
       if (set_up >= 0 && o.set_up != set_up) continue;
       const int parameter = p.extra_blocks[k];
       if (kind == Kind::constant && distance) eq.additive_constant = slot(block, parameter);
       if (kind == Kind::scale && distance) eq.scale = slot(block, parameter);
       if (kind == Kind::index && o.kind == ObservationKind::zenith_angle) eq.index = slot(block, parameter);
       if (kind == Kind::height && o.set_up >= 0) eq.instrument_height_correction = slot(block, parameter);
+      // A target noted too high is an axis noted too high.
+      if (kind == Kind::target && eq.instrument_height_correction < 0 && or_zero(o.target_height) == target_height)
+        eq.instrument_height_correction = slot(block, parameter);
     }
   }
 
@@ -157,6 +138,7 @@ class Assembler {
       if (o.kind == ObservationKind::direction && !m_.dropped[i] && !state_.removed[i]) directions[o.set_up] = 1;
     }
     for (const LocalCoordinate& c : m_.survey.local_coordinates) directions[c.set_up] = 1;
+    const std::vector<double> centring = sigmas_.centrings();
     for (int i = 0; i < static_cast<int>(m_.survey.set_ups.size()); ++i) {
       const std::string& id = m_.survey.set_ups[i].id;
       out_.orientation_blocks.push_back(directions[i] ? add_block("orientation " + id, {initial_orientation(i)}) : -1);
@@ -165,6 +147,11 @@ class Assembler {
       if (options_.instrument_height_sigma > 0) {
         out_.height_correction_blocks[i] = add_block("instrument height " + id, {0.0});
         add_prior(out_.height_correction_blocks[i], Eigen::VectorXd::Zero(1), options_.instrument_height_sigma);
+      }
+      out_.centring_blocks.push_back(-1);
+      if (centring[static_cast<size_t>(i)] > 0) {
+        out_.centring_blocks.back() = add_block("centring " + id, {0.0, 0.0});
+        add_prior(out_.centring_blocks.back(), Eigen::VectorXd::Zero(2), centring[static_cast<size_t>(i)]);
       }
       if (options_.tilt_sigma > 0) {
         out_.tilt_blocks[i] = add_block("tilt " + id, {0.0, 0.0});
@@ -185,8 +172,9 @@ class Assembler {
     add_common("additive constant", 0, options_.additive_constant_sigma);
     add_common("refraction coefficient", m_.refraction_coefficient, m_.curvature ? options_.refraction_sigma : 0);
     add_common("vertical index", 0, options_.vertical_index_sigma);
-    static const char* const names[] = {"additive constant", "scale", "vertical index", "instrument height correction"};
-    for (const auto& [kind, set_up] : state_.extra)
+    static const char* const names[] = {"additive constant", "scale", "vertical index", "instrument height correction",
+                                        "target height correction"};
+    for (const auto& [kind, set_up, target_height] : state_.extra)
       out_.extra_blocks.push_back(
           add_block(std::string(names[static_cast<int>(kind)]) +
                         (set_up >= 0 ? " of " + m_.survey.set_ups[static_cast<size_t>(set_up)].id : ""),
@@ -221,9 +209,9 @@ class Assembler {
     Eigen::VectorXd sigmas(members.size());
     for (size_t k = 0; k < members.size(); ++k) {
       const MeanObservation& mean = m_.observations[members[k]];
-      block->equations.push_back(equation(*block, mean.observation, out_));
+      block->equations.push_back(equation(*block, members[k], out_));
       block->groups.push_back(group_of(mean.observation.kind));
-      sigmas[static_cast<Eigen::Index>(k)] = sigma(members[k]);
+      sigmas[static_cast<Eigen::Index>(k)] = sigmas_(members[k]);
       if (!state_.weight_factors.empty()) block->weight_factors.push_back(state_.weight_factors[members[k]]);
     }
     set_sigmas(*block, sigmas, m_.observations[members.front()].observation);
@@ -262,7 +250,7 @@ class Assembler {
       if (members.empty()) continue;
       auto block = std::make_unique<ObservationBlock>();
       for (int i : members) {
-        block->equations.push_back(equation(*block, m_.observations[i].observation, out_));
+        block->equations.push_back(equation(*block, i, out_));
         block->groups.push_back(group_of(m_.observations[i].observation.kind));
       }
       Eigen::MatrixXd covariance = c.covariance(kept, kept);
@@ -298,13 +286,27 @@ class Assembler {
       for (const auto& v : g.vectors) {
         const int from = slot(*block, out_.point_blocks[m_.index.at(v.from)]);
         const int to = slot(*block, out_.point_blocks[m_.index.at(v.to)]);
-        block->vectors.push_back({from, to, v.to_height - v.from_height});
+        block->vectors.push_back({from, to, v.from_height, v.to_height});
       }
       for (int k = 0; k < g.values.size(); ++k) rows.push_back(m_.first_row_of_group[group] + k);
-      finish_given(std::move(block), g.covariance, rows, kGiven, "observed vectors (" + place(g.source) + ")");
+      if (g.is_geocentric) block->map = m_.map;
+      finish_given(std::move(block), covariance_of(g), rows, kGiven, "observed vectors (" + place(g.source) + ")");
       ++group;
     }
     for (const LocalCoordinate& c : m_.survey.local_coordinates) add_local(c, m_.first_row_of_group[group++]);
+  }
+
+  /// With the factors of a geocentric group, each vector in the horizon of its start.
+  Eigen::MatrixXd covariance_of(const VectorGroup& g) const {
+    if (!g.is_geocentric || (g.horizontal_factor == 1 && g.vertical_factor == 1)) return g.covariance;
+    const Eigen::Vector3d factors(g.horizontal_factor, g.horizontal_factor, g.vertical_factor);
+    Eigen::MatrixXd all = Eigen::MatrixXd::Zero(g.covariance.rows(), g.covariance.cols());
+    for (size_t k = 0; k < g.vectors.size(); ++k) {
+      const Eigen::Matrix3d axes = m_.map->horizon(m_.initial[static_cast<size_t>(m_.index.at(g.vectors[k].from))]);
+      const auto at = static_cast<Eigen::Index>(3 * k);
+      all.block<3, 3>(at, at) = axes.transpose() * factors.asDiagonal() * axes;
+    }
+    return all * g.covariance * all.transpose();
   }
 
   void add_local(const LocalCoordinate& c, int first_row) {
@@ -317,6 +319,9 @@ class Assembler {
                          out_.orientation_blocks[c.set_up]};
     if (out_.height_correction_blocks[c.set_up] >= 0)
       block->parameters.push_back(out_.height_correction_blocks[c.set_up]);
+    if (m_.map)
+      block->map_scale = m_.map->scale(m_.initial[static_cast<size_t>(m_.index.at(set_up.station))],
+                                       m_.initial[static_cast<size_t>(m_.index.at(c.point))]);
     const double factor = state_.sigma_factors[kLocalCoordinates];
     const Eigen::Matrix3d covariance = c.covariance.allFinite() ? c.covariance : polar_covariance(c.position);
     finish_given(std::move(block), factor * factor * covariance, {first_row, first_row + 1, first_row + 2},
@@ -347,6 +352,7 @@ class Assembler {
   const NetworkModel& m_;
   const AdjustOptions& options_;
   const StochasticState& state_;
+  ReadingSigmas sigmas_;
   NetworkProblem out_;
 };
 
@@ -360,10 +366,9 @@ std::unique_ptr<ObservationBlock> single_block(const NetworkModel& model, const 
                                                const StochasticState& state, const NetworkProblem& problem,
                                                int observation) {
   const Assembler assembler(model, options, state);
-  const MeanObservation& mean = model.observations[observation];
   auto block = std::make_unique<ObservationBlock>();
-  block->equations.push_back(assembler.equation(*block, mean.observation, problem));
-  block->set_sigmas(Eigen::VectorXd::Constant(1, assembler.sigma(observation)));
+  block->equations.push_back(assembler.equation(*block, observation, problem));
+  block->set_sigmas(Eigen::VectorXd::Constant(1, ReadingSigmas(model, options, state)(observation)));
   return block;
 }
 

@@ -27,6 +27,8 @@ Sight sight(const Equation& eq, int target, double target_height, const double* 
   Sight s;
   s.level = Map<const Vector3d>(values[target]) - Map<const Vector3d>(values[eq.from]);
   s.level.z() += target_height - eq.instrument_height;
+  s.level.head<2>() /= eq.map_scale;
+  if (eq.centring >= 0) s.level.head<2>() -= Map<const Eigen::Vector2d>(values[eq.centring]);
   if (eq.instrument_height_correction >= 0) s.level.z() -= values[eq.instrument_height_correction][0];
   if (eq.tilt >= 0) s.tilt = {values[eq.tilt][0], values[eq.tilt][1], 0};
   s.d = s.level - s.tilt.cross(s.level);  // the axes turn by t, what they see turns back
@@ -47,9 +49,11 @@ void add_sight_partials(const Equation& eq, int target, const Sight& s, const Ve
   // d = (I + [t]x) level, so the partial by `level` is (I + [t]x)' by_d = by_d - t x by_d.
   const Vector3d by_level = by_d + s.tilt.cross(by_d);
   for (int k = 0; k < 3; ++k) {
-    out.add(target, 3, k, by_level[k]);
-    out.add(eq.from, 3, k, -by_level[k]);
+    const double by_point = k < 2 ? by_level[k] / eq.map_scale : by_level[k];
+    out.add(target, 3, k, by_point);
+    out.add(eq.from, 3, k, -by_point);
   }
+  for (int k = 0; k < 2; ++k) out.add(eq.centring, 2, k, -by_level[k]);
   out.add(eq.instrument_height_correction, 1, 0, -by_level.z());
   const Vector3d by_tilt = by_d.cross(s.level);  // -by_d . (t x level) = t . (by_d x level)
   out.add(eq.tilt, 2, 0, by_tilt.x());
@@ -160,20 +164,28 @@ bool CoordinateBlock::evaluate(const double* const* values, double* residuals, d
 }
 
 bool VectorBlock::evaluate(const double* const* values, double* residuals, double* const* jacobians) const {
-  for (int v = 0; v < static_cast<int>(vectors.size()); ++v)
+  for (int v = 0; v < static_cast<int>(vectors.size()); ++v) {
+    const Vector& vector = vectors[static_cast<size_t>(v)];
+    const Vector3d up = Vector3d::UnitZ(), to = Map<const Vector3d>(values[vector.to]) + vector.to_height * up,
+                   from = Map<const Vector3d>(values[vector.from]) + vector.from_height * up;
+    Eigen::Matrix3d by_to = Eigen::Matrix3d::Identity(), by_from = by_to;
+    const Vector3d d = map ? Vector3d(map->geocentric(to, &by_to) - map->geocentric(from, &by_from)) : to - from;
     for (int k = 0; k < 3; ++k) {
       const int r = 3 * v + k;
-      residuals[r] = values[vectors[v].to][k] - values[vectors[v].from][k] - observed[r];
-      if (k == 2) residuals[r] += vectors[v].height_difference;
-      RowWriter{jacobians, r}.add(vectors[v].to, 3, k, 1.0);
-      RowWriter{jacobians, r}.add(vectors[v].from, 3, k, -1.0);
+      residuals[r] = d[k] - observed[r];
+      for (int c = 0; c < 3; ++c) {
+        if (by_to(k, c) != 0) RowWriter{jacobians, r}.add(vector.to, 3, c, by_to(k, c));
+        if (by_from(k, c) != 0) RowWriter{jacobians, r}.add(vector.from, 3, c, -by_from(k, c));
+      }
     }
+  }
   return true;
 }
 
 bool LocalCoordinateBlock::evaluate(const double* const* values, double* residuals, double* const* jacobians) const {
   Vector3d d = Map<const Vector3d>(values[1]) - Map<const Vector3d>(values[0]);
   d.z() += target_height - instrument_height;
+  d.head<2>() /= map_scale;
   const bool corrected = parameters.size() > 3;
   if (corrected) d.z() -= values[3][0];
   const double c = std::cos(values[2][0]), s = std::sin(values[2][0]);
@@ -184,8 +196,9 @@ bool LocalCoordinateBlock::evaluate(const double* const* values, double* residua
   for (int r = 0; r < 3; ++r) {
     const RowWriter out{jacobians, r};
     for (int k = 0; k < 3; ++k) {
-      out.add(1, 3, k, rotation(r, k));
-      out.add(0, 3, k, -rotation(r, k));
+      const double by_point = k < 2 ? rotation(r, k) / map_scale : rotation(r, k);
+      out.add(1, 3, k, by_point);
+      out.add(0, 3, k, -by_point);
     }
   }
   RowWriter{jacobians, 0}.add(2, 1, 0, -s * d.x() - c * d.y());

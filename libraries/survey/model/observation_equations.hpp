@@ -10,10 +10,12 @@
 // Kahmen, Angewandte Geodäsie, ch. 5 and 6; R = 6 371 000 m.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "adjustment/problem.hpp"
+#include "survey/model/map_frame.hpp"
 #include "survey/model/survey_observations.hpp"
 
 namespace plumbline::survey {
@@ -29,8 +31,10 @@ struct Equation {
   double instrument_height = 0;  ///< above `from` [m]
   double target_height = 0;      ///< above `to` [m]
   double second_target_height = 0;
+  double map_scale = 1;                    ///< horizontal length on the map over that on the ground
   int from = -1, to = -1, second_to = -1;  ///< point blocks (E, N, H)
   int orientation = -1;                    ///< block of 1
+  int centring = -1;                       ///< block of 2: E, N by which the instrument stood beside `from` [m]
   int tilt = -1;  ///< block of 2: rotation about E and N of what the instrument takes for vertical [rad]
   int instrument_height_correction = -1;  ///< block of 1 [m]
   int scale = -1;                         ///< block of 1 [1]
@@ -65,10 +69,11 @@ class VectorBlock : public adjustment::ResidualBlock {
   bool evaluate(const double* const* values, double* residuals, double* const* jacobians) const override;
   struct Vector {
     int from = 0, to = 0;
-    double height_difference = 0;  ///< height of the antenna at `to` minus at `from` [m]
+    double from_height = 0, to_height = 0;  ///< of the antennas above their points [m]
   };
   std::vector<Vector> vectors;
-  Eigen::VectorXd observed;  ///< 3n
+  Eigen::VectorXd observed;             ///< 3n
+  std::shared_ptr<const MapFrame> map;  ///< of geocentric differences; null: dE, dN, dH
 };
 
 /// A point in the frame of a levelled set-up: p = R(orientation) (X + TH e3 - S - IH e3), y at the zero of the circle.
@@ -77,6 +82,7 @@ class LocalCoordinateBlock : public adjustment::ResidualBlock {
   bool evaluate(const double* const* values, double* residuals, double* const* jacobians) const override;
   Eigen::Vector3d observed;
   double instrument_height = 0, target_height = 0;
+  double map_scale = 1;  ///< as in Equation
   // parameters: station, target, orientation, [instrument height correction]
 };
 

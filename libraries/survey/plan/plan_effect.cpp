@@ -34,8 +34,9 @@ SightRows rows_of(const PlanLayout& layout, const NetworkResult& network, const 
   std::copy(b.begin(), b.end(), r.unknowns.begin() + 3);
   r.rows.row(0) << -zenith.transpose(), zenith.transpose();
   r.rows.row(1) << -d.transpose() / s, d.transpose() / s;
-  r.rows.row(0) /= options.profile.zenith_angle(s, options.sets, false);
-  r.rows.row(1) /= options.profile.distance(s, options.sets);
+  const InstrumentProfile p = options.profile.without_instrument_centring();  // free stations
+  r.rows.row(0) /= p.zenith_angle(s, options.sets, false);
+  r.rows.row(1) /= p.distance(s, options.sets);
   return r;
 }
 
@@ -141,9 +142,9 @@ double height_sigma_with(const PlanLayout& layout, const PlanPrediction& predict
     rows << d.y() / (h * h), -d.x() / (h * h), 0,  //
         d.z() * d.x() / (h * length * length), d.z() * d.y() / (h * length * length), -h / (length * length),
         d.x() / length, d.y() / length, d.z() / length;
-    const Vector3d sigmas(options.profile.direction(h, length, options.sets, false),
-                          options.profile.zenith_angle(length, options.sets, false),
-                          options.profile.distance(length, options.sets));
+    const InstrumentProfile p = options.profile.without_instrument_centring();
+    const Vector3d sigmas(p.direction(h, length, options.sets, false), p.zenith_angle(length, options.sets, false),
+                          p.distance(length, options.sets));
     rows = sigmas.cwiseInverse().asDiagonal() * rows;
     markers.block<3, 3>(3 * i, 3 * i) = rows;
     set_up.block<3, 3>(3 * i, 0) = -rows;

@@ -161,8 +161,9 @@ void PlanLayout::add_sighting(SurveyObservations& s, int set_up, const PlannedMa
   const Eigen::Vector3d d = m.position - s.points.back().coordinates;
   const double h = d.head<2>().norm(), length = d.norm();
   const double values[] = {std::atan2(d.x(), d.y()), std::atan2(h, d.z()), length};
-  const double sigmas[] = {options_.profile.direction(h, length, sets, false),
-                           options_.profile.zenith_angle(length, sets, false), options_.profile.distance(length, sets)};
+  const InstrumentProfile p = options_.profile.without_instrument_centring();  // free stations
+  const double sigmas[] = {p.direction(h, length, sets, false), p.zenith_angle(length, sets, false),
+                           p.distance(length, sets)};
   const ObservationKind kinds[] = {ObservationKind::direction, ObservationKind::zenith_angle,
                                    ObservationKind::slope_distance};
   const int pointing = static_cast<int>(s.observations.size() / 3);

@@ -52,7 +52,7 @@ std::vector<std::string> targets_of(const SurveyLayout& layout, const SimulatedS
 
 void add_sight(const Sight& exact, const SimulatedSetUp& set_up, int number, const std::string& to,
                const SimulationOptions& options, Random& random, SurveyObservations& survey) {
-  const InstrumentProfile& p = options.profile;
+  const InstrumentProfile p = options.profile.without_instrument_centring();  // free stations
   const double values[] = {exact.direction, exact.zenith, exact.slope};
   const double sigmas[] = {p.direction(exact.horizontal, exact.slope, options.sets, false),
                            p.zenith_angle(exact.slope, options.sets, false), p.distance(exact.slope, options.sets)};

@@ -56,6 +56,49 @@ TEST(FieldMistakes, NothingWrongIsSound) {
   EXPECT_TRUE(r.parameters.empty());
 }
 
+/// Stated ten times too cautious, nothing can fail: that is said, and the readings are tested against each other.
+TEST(FieldMistakes, AccuraciesThatAreFarTooCautiousHideNothing) {
+  Field field;
+  field.options.remove_blunders = false;
+  for (Observation& o : field.survey.observations) o.sigma *= 10;
+  const NetworkResult clean = field.adjust();
+  EXPECT_EQ(clean.validity, Validity::sound);
+  EXPECT_NE(clean.verdict.find("agree far better than their accuracies say"), std::string::npos) << clean.verdict;
+  EXPECT_NE(clean.verdict.find("by a factor of about"), std::string::npos) << clean.verdict;
+  // 8 mm at 15 m: one standard deviation as stated, many of what the readings show.
+  for (Observation& o : field.survey.observations)
+    if (o.kind == ObservationKind::slope_distance) {
+      o.value += 0.012;
+      break;
+    }
+  const NetworkResult r = field.adjust();
+  EXPECT_EQ(r.validity, Validity::doubtful) << r.verdict;
+  EXPECT_NE(r.verdict.find("measured by their own agreement"), std::string::npos) << r.verdict;
+}
+
+/// A pole of 1.5 m used at 1.7: a zenith angle alone, or the target's height; of several sights with one height, that.
+TEST(FieldMistakes, AWrongTargetHeightIsNamedAsSuch) {
+  Field one;
+  one.options.remove_blunders = false;
+  const auto lower = [](Observation& o, double by) {
+    if (o.kind == ObservationKind::zenith_angle || o.kind == ObservationKind::slope_distance) o.target_height = -by;
+  };
+  const std::string target = one.survey.observations.front().to;
+  for (Observation& o : one.survey.observations)
+    if (o.set_up == 0 && o.to == target && o.kind == ObservationKind::zenith_angle) lower(o, 0.02);
+  expect_words(one.adjust(), {"zenith angle", "or its target height noted too small by 20 mm"});
+  Field pole;
+  int sights = 0;
+  for (Observation& o : pole.survey.observations)
+    if (o.set_up == 0 && o.kind == ObservationKind::zenith_angle && sights < 8)
+      lower(o, 0.02), ++sights;
+    else if (o.set_up == 0 && o.kind == ObservationKind::slope_distance && sights <= 8 && o.pointing < 8)
+      lower(o, 0.02);
+  const NetworkResult r = pole.adjust();
+  expect_words(r, {"the target height of -0.020 m noted", "looks too small by", "it was estimated with the network"});
+  EXPECT_TRUE(removed_lines(r).empty());
+}
+
 TEST(FieldMistakes, AUnitIsNamedAndConverted) {
   Field field;
   field.wrong(mistake(Kind::unit, 2, 0.3048));

@@ -57,6 +57,7 @@ TEST(SetUpFigure, IsWhatWasRead) {
   EXPECT_EQ(sights[0].point, "S");
   EXPECT_EQ(sights[0].order, -1);
   EXPECT_NEAR(sights[0].sigma, p.instrument_centring + p.height_centring, 1e-12);
+  const InstrumentProfile seen = p.without_instrument_centring();  // that is the mark's
   const double h = 500 * std::sin(kZenith);
   EXPECT_EQ(sights[1].point, "A");
   EXPECT_NEAR(sights[1].ray.x(), h * std::sin(0.5), 1e-9);
@@ -66,7 +67,8 @@ TEST(SetUpFigure, IsWhatWasRead) {
   EXPECT_EQ(sights[1].order, 0);
   EXPECT_EQ(sights[1].observations.size(), 3u);
   EXPECT_NEAR(sights[1].sigma,
-              std::max({h * p.direction(h, 500, 1, false), p.distance(500, 1), 500 * p.zenith_angle(500, 1, false)}),
+              std::max({h * seen.direction(h, 500, 1, false), seen.distance(500, 1),
+                        500 * seen.zenith_angle(500, 1, false)}),
               1e-9);
   EXPECT_EQ(sights[2].point, "B");
   EXPECT_TRUE(std::isnan(sights[2].ray.z()));

@@ -1,0 +1,99 @@
+// What was keyed in as known holds, what an instrument computed does not, and the difference is said first.
+#include <gtest/gtest.h>
+
+#include "survey/adjust/adjust_network.hpp"
+#include "survey_files/survey_format.hpp"
+
+namespace plumbline::survey {
+namespace {
+
+/// Station and backsight keyed in 100 m apart, the distance between them `millimetres` as read.
+std::string polar_job(const std::string& millimetres) {
+  return "*110001+000000000000S100 84..10+0000000005000000 85..10+0000000001000000 86..10+0000000000100000 "
+         "88..10+0000000000001500 \n"
+         "*110002+000000000000B101 81..10+0000000005000000 82..10+0000000001100000 83..10+0000000000100000 \n"
+         "*110003+000000000000B101 21.322+0000000000000000 22.322+0000000010000000 31..00+0000000000" +
+         millimetres +
+         " 87..10+0000000000001500 \n"
+         "*110004+0000000000000P01 21.322+0000000005000000 22.322+0000000010000000 31..00+0000000000050000 "
+         "87..10+0000000000001500 \n";
+}
+
+NetworkResult adjust(const std::string& text, const std::string& name, AdjustOptions options = {}) {
+  options.profile = built_in_profile("ics50_assumed");
+  return adjust_network(read_survey(text, name), options);
+}
+
+const KnownPoint& known(const NetworkResult& r, const std::string& id) {
+  for (const KnownPoint& k : r.known_points)
+    if (k.id == id) return k;
+  throw std::runtime_error("no known point " + id);
+}
+
+TEST(KnownPoints, HoldThoughADistanceBetweenThemIsTooLong) {
+  const NetworkResult r = adjust(polar_job("100040"), "p.gsi");
+  EXPECT_LT((r.point("S100").position - Eigen::Vector3d(5000, 1000, 100)).norm(), 1e-3);
+  EXPECT_LT((r.point("B101").position - Eigen::Vector3d(5000, 1100, 100)).norm(), 1e-3);
+  EXPECT_LT((r.point("P01").position - Eigen::Vector3d(5035.355, 1035.355, 100)).norm(), 1e-3);
+  EXPECT_NE(r.validity, Validity::sound);
+  EXPECT_NEAR(known(r, "B101").difference.y(), 0.040, 2e-4);
+  EXPECT_NEAR(known(r, "S100").difference.y(), -0.040, 2e-4) << "either of them, or the distance";
+  EXPECT_FALSE(known(r, "B101").stands());
+  EXPECT_TRUE(r.findings.at(0).text.starts_with("2 known points, as measured minus as known: ")) << r.findings[0].text;
+  EXPECT_NE(r.findings[0].text.find("B101 E +0.0, N +40.0, H +0.7 mm"), std::string::npos) << r.findings[0].text;
+  EXPECT_EQ(r.findings[0].severity, Finding::Severity::warning);
+}
+
+TEST(KnownPoints, ThatFitAreSaidToo) {
+  const NetworkResult r = adjust(polar_job("100001"), "p.gsi");
+  EXPECT_EQ(r.validity, Validity::sound) << r.verdict;
+  EXPECT_EQ(r.findings.at(0).severity, Finding::Severity::note);
+  EXPECT_TRUE(known(r, "B101").stands());
+}
+
+TEST(KnownPoints, AreIgnoredInAFreeNetworkAndHoldByTheSigmaThatIsStated) {
+  AdjustOptions free;
+  free.datum = DatumMode::inner;
+  EXPECT_GT(std::abs(adjust(polar_job("100040"), "p.gsi", free).point("S100").position.y() - 1000), 0.01);
+  AdjustOptions loose;
+  loose.known_sigma = 0.02;
+  const NetworkResult r = adjust(polar_job("100040"), "p.gsi", loose);
+  EXPECT_NEAR(r.point("S100").position.y(), 999.98, 2e-3);
+  EXPECT_EQ(r.validity, Validity::sound) << r.verdict;
+}
+
+/// The instrument's own result (input mode 4) is no control: as such it would prove itself.
+TEST(KnownPoints, AreNotWhatTheInstrumentComputed) {
+  std::string job = polar_job("100040");
+  for (const std::string word : {"81..10", "82..10", "83..10"})
+    job.replace(job.find(word), 6, word.substr(0, 4) + "40");
+  const SurveyObservations survey = read_survey(job, "p.gsi");
+  for (const Point& p : survey.points) EXPECT_EQ(p.known[0], p.id == "S100") << p.id;
+}
+
+/// A loop of a digital level with a misclosure of 6.1 mm: its bench mark keeps its height.
+TEST(KnownPoints, ABenchMarkKeepsItsHeightAndComputedHeightsAreNoDatum) {
+  const NetworkResult r = adjust(
+      "410001+?......1 \n110002+0000BM01 83...6+01000000 \n110003+0000BM01 32...6+00253400 331.06+00015230 \n"
+      "110004+00000TP1 32...6+00248700 332.06+00012110 \n110005+00000TP1 573..6+00004700 574..6+00502100 "
+      "83..06+01003120 \n110006+00000TP1 32...6+00301200 331.06+00009875 \n110007+00000TP2 32...6+00296500 "
+      "332.06+00018842 \n110008+00000TP2 573..6+00009400 574..6+01099800 83..06+00994153 \n110009+00000TP2 "
+      "32...6+00184000 331.06+00014021 \n110010+0000BM01 32...6+00189500 332.06+00008113 \n110011+0000BM01 "
+      "573..6+00003900 574..6+01473300 83..06+01000061 \n",
+      "loop.gsi");
+  EXPECT_NEAR(r.point("BM01").position.z(), 100.0, 1e-6);
+  EXPECT_EQ(r.datum_points, std::vector<std::string>{"BM01"});
+  EXPECT_EQ(r.degrees_of_freedom, 1);
+}
+
+/// One known point holds the place, the file's other coordinates the turn about it.
+TEST(KnownPoints, ASingleOneLeavesTheTurnToTheApproximateCoordinates) {
+  std::string job = polar_job("100000");
+  job.erase(job.find("*110002"), job.find("*110003") - job.find("*110002"));
+  const NetworkResult r = adjust(job, "p.gsi");
+  EXPECT_LT((r.point("S100").position - Eigen::Vector3d(5000, 1000, 100)).norm(), 1e-6);
+  EXPECT_LT((r.point("B101").position - Eigen::Vector3d(5000, 1100, 100)).norm(), 1e-3) << "the circle's zero is north";
+}
+
+}  // namespace
+}  // namespace plumbline::survey
