@@ -1,6 +1,7 @@
 // What was measured, in a file of STAR*NET: single values, direction sets, traverses and levelling.
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "survey_files/starnet_reader.hpp"
 
@@ -98,7 +99,32 @@ void StarNetReader::read_measured(std::string_view code, const Parts& parts) {
     kinds = polar();
     kinds.insert(kinds.begin(), code == "BM" ? azimuth : ObservationKind::angle);
   }
+  if (code == "SS") side_shots_.insert(line_);
   take(parts, 2, kinds, std::move(like));
+}
+
+// Side shots place a point and take no part in the adjustment: one that leads to a point which anything else knows, a
+// side shot before it too, would bend the network.
+void StarNetReader::leave_out_side_shots() {
+  std::vector<Observation>& all = builder_.survey.observations;
+  const auto is_side_shot = [&](const Observation& o) { return side_shots_.contains(o.source.line); };
+  const auto target_of = [](const Observation& o) { return o.second_to.empty() ? o.to : o.second_to; };
+  std::set<std::string> measured;
+  for (const Observation& o : all)
+    if (!is_side_shot(o)) measured.insert({o.from, o.to, o.second_to});
+  for (const VectorGroup& g : builder_.survey.vectors)
+    for (const auto& v : g.vectors) measured.insert({v.from, v.to});
+  std::map<std::string, int> first;  // line of the side shot that places a point
+  for (const Observation& o : all)
+    if (is_side_shot(o)) first.try_emplace(target_of(o), o.source.line);
+  std::set<int> out;
+  for (const Observation& o : all)
+    if (is_side_shot(o) && (measured.contains(target_of(o)) || first.at(target_of(o)) != o.source.line))
+      out.insert(o.source.line);
+  if (out.empty()) return;
+  std::erase_if(all, [&](const Observation& o) { return out.contains(o.source.line); });
+  builder_.warn(std::to_string(out.size()) + " side shots (SS) lead to points that are placed without them (line " +
+                std::to_string(*out.begin()) + " is the first): they take no part, as in STAR*NET");
 }
 
 // DB at; DN to direction; DM to direction distance zenith; DE

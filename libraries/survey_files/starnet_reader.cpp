@@ -292,6 +292,7 @@ SurveyObservations StarNetReader::read() {
     joined.clear();
   }
   finish_vector();
+  leave_out_side_shots();
   if (off_since_ > 0) builder_.warn("from line " + std::to_string(off_since_) + " on the file is off by .DATA OFF");
   if (used_order_ && !has_order_)
     builder_.warn("the file has no .ORDER: coordinates are taken as N, E; say .ORDER EN if they are E, N");

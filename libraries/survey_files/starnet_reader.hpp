@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -39,6 +40,7 @@ class StarNetReader {
   void read_traverse(std::string_view code, const Parts& parts);
   void read_levelled(const Parts& parts);
   void read_level_weight(const Parts& parts);
+  void leave_out_side_shots();
   void read_gps_option(const Parts& parts);
   void read_vector(std::string_view code, const Parts& parts);
   void finish_vector();
@@ -57,6 +59,7 @@ class StarNetReader {
   int line_ = 0;
   double metres_ = 1;
   int instrument_ = -1;                // of .INST
+  std::set<int> side_shots_;           // lines of SS
   std::optional<VectorGroup> vector_;  // whose G2 and G3 may follow
   bool gps_correlations_ = false;      // G2 and G3 are standard deviations and correlations, not variances
   double gps_horizontal_ = 1, gps_vertical_ = 1;

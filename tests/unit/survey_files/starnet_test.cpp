@@ -76,6 +76,34 @@ TEST(StarNetWords, ThatNothingReadsAreErrors) {
   }
 }
 
+/// Three side shots to one chimney from three places were three different tops: as measurements they moved the
+/// stations.
+TEST(StarNetSideShots, PlaceAPointAndTakeNoPart) {
+  const auto s = read_starnet(
+      ".3D\n.ORDER EN\nC A 0 0 100 ! ! !\nC B 100 0 100 ! ! !\nM A-B-P 315-00-00 70.7107 90-00-00\nSS A-B-Q 300-00-00 "
+      "50 "
+      "90-00-00\nSS B-A-Q 60-00-00 60 89-00-00\nSS B-A-P 45-00-00 71 90-00-00\n",
+      "s.dat");
+  EXPECT_EQ(s.observations.size(), 6u) << "the measurement, and the first side shot to Q";
+  ASSERT_FALSE(s.warnings.empty());
+  EXPECT_NE(s.warnings[0].find("2 side shots (SS)"), std::string::npos) << s.warnings[0];
+}
+
+TEST(StarNetVectors, AreTakenWithTheirCovarianceAndFactors) {
+  const std::string head = ".3D\nC A 0 0 100 ! ! !\nC B 100 0 100\n.GPS WEIGHT COVARIANCE\n.GPS FACTOR 2 VERT 1.5\n";
+  const auto s = read_starnet(head + "G0 'one\nG1 A-B 10 20 30\nG2 4e-6 9e-6 1.6e-5\nG3 1e-6 -2e-6 3e-6\n", "g.dat");
+  ASSERT_EQ(s.vectors.size(), 1u);
+  EXPECT_TRUE(s.vectors[0].is_geocentric);
+  EXPECT_EQ(s.vectors[0].horizontal_factor, 2);
+  EXPECT_EQ(s.vectors[0].vertical_factor, 1.5);
+  EXPECT_EQ(s.vectors[0].covariance(0, 2), -2e-6);
+  EXPECT_EQ(s.vectors[0].values, Eigen::Vector3d(10, 20, 30));
+  EXPECT_TRUE(s.skipped.empty());
+  for (const std::string bad :
+       {"G1 A-B 10 20 30\n", "G1 A-B 10 20 30\nG2 4e-6 9e-6 1e-6\nG3 9e-6 0 0\n", "G2 1 1 1\n", ".GPS USE VERT\n"})
+    EXPECT_EQ(read_starnet(head + bad + "D A-B 100\n", "g.dat").skipped.size(), 1u) << bad;
+}
+
 TEST(StarNetInstruments, AreThoseOfTheReadingsBehindThem) {
   const auto s = read_starnet(
       ".3D\nC A 0 0 100 ! ! !\nC B 100 0 100\nD A-B 100\n.INST S9\t#SET 1\nD A-B 100\n.INST SX12\nDB A\nDN B "
