@@ -4,7 +4,7 @@ include(CMakeFindDependencyMacro)
 find_dependency(Eigen3)
 find_program(FLATC flatc REQUIRED)
 # What single libraries need is looked for, and missed only by who links that library.
-foreach(package Threads Boost Ceres yaml-cpp pugixml JPEG PNG TIFF OpenSSL TBB nlohmann_json PROJ)
+foreach(package Threads Boost Ceres yaml-cpp pugixml JPEG PNG TIFF OpenSSL TBB nlohmann_json exiv2 PROJ)
   find_package(${package} QUIET)
 endforeach()
 get_filename_component(PLUMBLINE_PREFIX ${CMAKE_CURRENT_LIST_DIR}/../../.. ABSOLUTE)

@@ -12,6 +12,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "plumbline/folder_files.hpp"
 #include "runtime/digest.hpp"
 
 namespace plumbline::runtime {
@@ -151,55 +152,9 @@ fs::path FileHashes::resolve(const std::string& uri, fs::path* place) {
   return !fs::is_directory(found) || rest.empty() || *rest.begin() == ".." ? found : found / rest;
 }
 
-namespace {
-
-/// Regular files below a folder, through links. A link that leads back to a folder that holds it is refused: behind it
-/// everything stands once more, and behind two of them without end.
-class Walk {
- public:
-  explicit Walk(const fs::path& top) : top_(top) { enter(top); }
-  std::vector<fs::path> files;
-
- private:
-  static constexpr std::size_t most_files = 2'000'000;
-
-  void enter(const fs::path& folder) {
-    struct stat info {};
-    std::error_code error;
-    fs::directory_iterator entry(folder, error);
-    if (error || stat(folder.c_str(), &info) != 0)
-      throw std::runtime_error("cannot read the folder " + folder.string() + ": " +
-                               (error ? error.message() : std::strerror(errno)));
-    const std::pair<dev_t, ino_t> self{info.st_dev, info.st_ino};
-    if (std::find(above_.begin(), above_.end(), self) != above_.end())
-      throw std::runtime_error("the link " + folder.string() +
-                               " leads back to a folder that holds it; take the link away");
-    above_.push_back(self);
-    for (const fs::directory_iterator end; entry != end; entry.increment(error)) {
-      if (error) throw std::runtime_error("cannot read the folder " + folder.string() + ": " + error.message());
-      std::error_code ignored;
-      if (entry->is_directory(ignored))
-        enter(entry->path());
-      else if (entry->is_regular_file(ignored))
-        files.push_back(entry->path());
-      if (files.size() > most_files)
-        throw std::runtime_error(top_.string() + " holds more than " + std::to_string(most_files) +
-                                 " files; do links in it show folders again and again?");
-    }
-    above_.pop_back();
-  }
-
-  fs::path top_;
-  std::vector<std::pair<dev_t, ino_t>> above_;
-};
-
-}  // namespace
-
 FileHashes::Tree FileHashes::files_of(const fs::path& folder) {
   Tree tree;
-  for (const fs::path& file : Walk(folder).files)
-    tree.emplace_back(file.lexically_relative(folder).generic_string(), of_file(file));
-  std::sort(tree.begin(), tree.end());
+  for (const std::string& file : list_files(folder).files) tree.emplace_back(file, of_file(folder / file));
   return tree;
 }
 

@@ -28,8 +28,9 @@ class FileHashes {
   /// SHA-256 of the file's content, 64 hexadecimal digits. Throws std::runtime_error if it cannot be read.
   std::string of_file(const std::filesystem::path& path);
 
-  /// SHA-256 over the relative paths and content hashes of all files below a folder, links followed. Throws
-  /// std::runtime_error if the folder or one of its files cannot be read.
+  /// SHA-256 over the relative paths and content hashes of all files below a folder, links followed, without what runs
+  /// of the program left there (plumbline/folder_files.hpp). Throws std::runtime_error if the folder or one of its
+  /// files cannot be read.
   std::string of_tree(const std::filesystem::path& folder);
 
   /// Relative path and content hash of every file that of_tree() is made of, in its order.

@@ -7,6 +7,7 @@
 #include "block/bal_files.hpp"
 #include "block/control_list.hpp"
 #include "block/photomodeler_files.hpp"
+#include "plumbline/folder_files.hpp"
 
 namespace plumbline::adjust {
 namespace {
@@ -22,9 +23,9 @@ struct Found {
 /// All blocks in a folder and below, by path.
 std::vector<Found> blocks_in(const fs::path& folder) {
   std::vector<Found> found;
-  for (const auto& entry : fs::recursive_directory_iterator(folder, fs::directory_options::skip_permission_denied)) {
-    if (!entry.is_regular_file()) continue;
-    const fs::path& path = entry.path();
+  for (const std::string& file : list_files(folder).files) {
+    if (is_system_file(file)) continue;
+    const fs::path path = folder / file;
     const std::string name = path.filename().string();
     if (path.extension() == ".phc")
       found.push_back({path.parent_path(), Format::aicon});

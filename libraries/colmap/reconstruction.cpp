@@ -7,6 +7,7 @@
 
 #include "colmap/program.hpp"
 #include "images/photograph_header.hpp"
+#include "plumbline/folder_files.hpp"
 
 namespace plumbline::colmap {
 namespace {
@@ -16,13 +17,9 @@ namespace fs = std::filesystem;
 /// Names below the folder, in their order.
 std::vector<std::string> photographs_in(const fs::path& folder, std::vector<std::string>& warnings) {
   std::vector<std::string> names, others;
-  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    if (!entry.is_regular_file()) continue;
-    const std::string name = entry.path().lexically_relative(folder).generic_string();
-    (is_photograph_name(entry.path()) ? names : others).push_back(name);
-  }
+  for (const std::string& name : list_files(folder).files)
+    if (!is_system_file(name)) (is_photograph_name(name) ? names : others).push_back(name);
   if (const std::string unread = unread_photographs(others); !unread.empty()) warnings.push_back(unread);
-  std::sort(names.begin(), names.end());
   if (names.size() < 2)
     throw std::runtime_error(
         folder.string() + " has " + std::to_string(names.size()) +

@@ -1,9 +1,9 @@
 // Files and folders from outside the pipeline: the only nodes that turn a path into data.
-#include <algorithm>
 #include <filesystem>
 
 #include "artifacts/file_artifact.hpp"
 #include "artifacts/folder.hpp"
+#include "plumbline/folder_files.hpp"
 #include "plumbline/node.hpp"
 
 namespace {
@@ -20,25 +20,26 @@ struct ReadFile : Node {
 };
 
 struct ReadFolder : Node {
-  static constexpr Info info{"read.folder", "", 2, "Lists a folder with the hash of every file in it"};
+  static constexpr Info info{"read.folder", "", 3,
+                             "Lists a folder with the hash of every file in it, but what runs left there"};
   Param<FolderPath> folder{"folder", required, "the folder"};
   Out<Folder> out{"folder", "its files, by reference"};
 
   void run(Context& context) override {
     const fs::path root = folder->path;
-    std::vector<fs::path> paths;
-    for (const auto& entry : fs::recursive_directory_iterator(root))
-      if (entry.is_regular_file()) paths.push_back(entry.path());
+    const FolderFiles found = list_files(root);
+    if (!found.outputs.empty())
+      context.info(std::to_string(found.outputs.size()) + " files that runs left in " + root.string() +
+                   " are no content of it");
     FolderT result;
     result.uri = "sha256:" + context.digest(root.string());
-    for (const fs::path& path : paths) {
+    for (const std::string& path : found.files) {
       auto item = std::make_unique<FolderEntryT>();
-      item->path = path.lexically_relative(root).generic_string();
-      item->sha256 = context.digest(path.string());
-      item->size = fs::file_size(path);
+      item->path = path;
+      item->sha256 = context.digest((root / path).string());
+      item->size = fs::file_size(root / path);
       result.files.push_back(std::move(item));
     }
-    std::sort(result.files.begin(), result.files.end(), [](const auto& a, const auto& b) { return a->path < b->path; });
     out.commit(result);
   }
 };

@@ -4,12 +4,21 @@
 
 #include "artifacts/image.hpp"
 #include "images/photograph_header.hpp"
+#include "plumbline/folder_files.hpp"
 #include "plumbline/node.hpp"
 
 namespace {
 
 using namespace plumbline;
 namespace fs = std::filesystem;
+
+/// Somebody who names the folder of a run means a folder that it delivered.
+std::string words_of_outputs(const FolderFiles& found) {
+  const auto photographs = std::count_if(found.outputs.begin(), found.outputs.end(),
+                                         [](const std::string& file) { return is_photograph_name(file); });
+  if (photographs == 0) return "";
+  return ". " + std::to_string(photographs) + " images there are outputs of a run: name the folder they lie in";
+}
 
 ImageT describe(const fs::path& file, const fs::path& folder, bool stop_at_bad) {
   ImageT image;
@@ -31,7 +40,7 @@ ImageT describe(const fs::path& file, const fs::path& folder, bool stop_at_bad) 
 }
 
 struct ReadImages : Node {
-  static constexpr Info info{"read.images", "", 3, "Lists the photographs of a folder, by reference"};
+  static constexpr Info info{"read.images", "", 4, "Lists the photographs of a folder, by reference"};
   Param<FolderPath> folder{"folder", required, "folder with JPEG, PNG or TIFF files, also in folders below it"};
   Param<std::string> camera{"camera", "", "name of the camera that took them: Camera.id"};
   Param<std::string> on_bad_image{
@@ -41,21 +50,27 @@ struct ReadImages : Node {
 
   void run(Context& context) override {
     const fs::path root = folder->path;
+    FolderFiles found = list_files(root);
     std::vector<fs::path> files;
-    std::vector<std::string> others, dangling;
-    for (const auto& entry : fs::recursive_directory_iterator(root))
-      if (entry.is_regular_file() && is_photograph_name(entry.path()))
-        files.push_back(entry.path());
-      else if (entry.is_regular_file())
-        others.push_back(entry.path().lexically_relative(root).generic_string());
-      else if (entry.is_symlink() && !entry.exists() && is_photograph_name(entry.path()))
-        dangling.push_back(entry.path().lexically_relative(root).generic_string());
-    if (!dangling.empty()) say_dangling(context, dangling);
+    std::vector<std::string> others, of_systems;
+    for (const std::string& file : found.files)
+      if (is_system_file(file) && is_photograph_name(file))
+        of_systems.push_back(file);
+      else if (is_photograph_name(file))
+        files.push_back(root / file);
+      else
+        others.push_back(file);
+    std::erase_if(found.dangling, [](const std::string& link) { return !is_photograph_name(link); });
+    if (!found.dangling.empty()) say_dangling(context, found.dangling);
+    if (!of_systems.empty())
+      context.info(of_systems.front() +
+                   (of_systems.size() > 1 ? " and " + std::to_string(of_systems.size() - 1) + " more" : "") +
+                   ": written by a computer's system beside the photographs, and no photograph");
     const std::string unread = unread_photographs(others);
     if (files.empty())
       throw std::runtime_error("no image in " + root.string() +
                                "; expected files that end in .jpg, .jpeg, .png, .tif or .tiff" +
-                               (unread.empty() ? "" : ". Photographs are " + unread));
+                               (unread.empty() ? "" : ". Photographs are " + unread) + words_of_outputs(found));
     if (!unread.empty()) context.warn("photographs of " + root.string() + " are " + unread);
     std::sort(files.begin(), files.end());
     for (const fs::path& file : files) {
@@ -68,8 +83,7 @@ struct ReadImages : Node {
   }
 
  private:
-  void say_dangling(Context& context, std::vector<std::string> links) const {
-    std::sort(links.begin(), links.end());
+  void say_dangling(Context& context, const std::vector<std::string>& links) const {
     const std::string text = links.front() +
                              (links.size() > 1 ? " and " + std::to_string(links.size() - 1) + " others" : "") + " of " +
                              folder->path + ": a link to a file that is not there; take it away, or put the file back";
