@@ -81,7 +81,10 @@ void AsBuiltWriter::write_provenance() {
     else
       set.label(name, value);
   }
-  set.labels("InputSha256", options_.input_hashes, "Files the run started from, with their SHA-256");
+  if (options_.image_count >= 0) set.integer("ImageCount", options_.image_count, "Images that took part");
+  set.labels("InputSha256", options_.input_hashes, "Files that were read, with their SHA-256");
+  set.labels("UnusedSha256", options_.unused_hashes,
+             "Photographs and survey files that lay in the folder and were left out on purpose, with their SHA-256");
   if (!objects.empty() && !set.empty())
     attach(set, "anchors", "ASB_Provenance", "How the as-built values came about", objects);
 }

@@ -25,7 +25,9 @@ struct AsBuiltIfcOptions {
   bool survey_points = true;   ///< an IfcAnnotation at every measured position, assigned to its anchor
   bool solids = true;          ///< a small solid of the verdict's colour there, and a thin one for every panel
   std::vector<std::pair<std::string, std::string>> provenance;  ///< property name and text of ASB_Provenance
-  std::vector<std::string> input_hashes;                        ///< "path sha256" of what the run started from
+  std::vector<std::string> input_hashes;   ///< "path sha256" of every file that was read, photographs included
+  std::vector<std::string> unused_hashes;  ///< the same of evidence that was set aside
+  std::int64_t image_count = -1;           ///< images that took part; below 0: not known
 };
 
 struct AsBuiltIfc {

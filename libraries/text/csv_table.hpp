@@ -34,7 +34,7 @@ struct CsvTable {
   char decimal = '.';
   std::vector<CsvHeaderCell> header;  ///< empty if the first row holds data
   int header_line = 0;
-  std::vector<CsvRow> rows;  ///< without header, comments and empty lines
+  std::vector<CsvRow> rows;  ///< without header, comments, empty lines and rows of empty cells
   /// Lines that begin with a comment mark and a name at once and hold numbers as a row does ("#7,12.5,3.1,0.2"): a
   /// point called #7, or a row taken out. The reader of the table refuses them with kDoubtfulRow.
   std::vector<CsvRow> doubtful;

@@ -5,7 +5,7 @@
 #include "artifacts/accuracy.hpp"
 #include "artifacts/deviation.hpp"
 #include "artifacts/file_artifact.hpp"
-#include "artifacts/folder.hpp"
+#include "artifacts/input_files.hpp"
 #include "artifacts/plates.hpp"
 #include "artifacts/survey_observations.hpp"
 #include "check_node.hpp"
@@ -64,7 +64,7 @@ struct ReadIfc : Node {
 };
 
 struct WriteIfc : Node {
-  static constexpr Info info{"bim.write_ifc", "bim_writer", 3,
+  static constexpr Info info{"bim.write_ifc", "bim_writer", 4,
                              "Writes (14) and dz into a copy of the design IFC, as property sets and small solids"};
   In<plumbline::File> design_file{"design_file", "the design IFC; its own lines stay as they are"};
   In<plumbline::Design> design{"design", frame("frame=?F"), "what bim.read_ifc read from that file"};
@@ -72,7 +72,7 @@ struct WriteIfc : Node {
   In<Accuracy> accuracy{"accuracy", frame("frame=?F"), "evaluation against the survey"};
   Optional<SurveyObservations> survey{"survey", frame("frame=?S"),
                                       "the survey as read: instrument and date of the provenance"};
-  Optional<Folder> campaign{"campaign", "the folder the run started from: its hashes"};
+  Optional<InputFiles> inputs{"inputs", "the files that were read, for their hashes, and what was set aside"};
   Param<bool> survey_points{"survey_points", true, "an IfcAnnotation at every measured position"};
   Param<bool> solids{"solids", true, "a small solid of the verdict's colour there, and a thin one for every panel"};
   Param<std::string> epoch{"epoch", "",
@@ -84,7 +84,7 @@ struct WriteIfc : Node {
   Param<std::string> instrument{"instrument", "", "for ASB_Provenance; empty: that of the survey"};
   Param<std::string> observation_time{"observation_time", "",
                                       "for ASB_Provenance, ISO 8601; empty: that of the survey"};
-  Param<std::string> run_id{"run_id", "", "for ASB_Provenance; empty: derived from the hashes of the campaign"};
+  Param<std::string> run_id{"run_id", "", "for ASB_Provenance; empty: derived from the hashes of the inputs"};
   Out<plumbline::File> out{"file", "the as-built IFC, by reference"};
 
   std::optional<Instant> measured_at() const {
@@ -109,24 +109,20 @@ struct WriteIfc : Node {
       if (!of_survey.instrument_serial.empty()) instrument_name += ", serial number " + of_survey.instrument_serial;
     }
     std::string run = *run_id;
-    int image_count = 0;
-    if (campaign) {
+    if (inputs) {
       std::string all;
-      for (const auto* file : *campaign->files()) {
-        const std::string path = file->path()->str();
-        const bool image =
-            path.starts_with("images/") || path.ends_with(".jpg") || path.ends_with(".JPG") || path.ends_with(".png");
-        all += path + file->sha256()->str();
-        image_count += image;
-        if (!image) options.input_hashes.push_back(path + " " + file->sha256()->str());
+      for (const auto* file : *inputs->files()) {
+        const std::string hashed = file->path()->str() + " " + file->sha256()->str();
+        (file->read() ? options.input_hashes : options.unused_hashes).push_back(hashed);
+        if (file->read()) all += hashed;
       }
       if (run.empty()) run = derived_ifc_guid(read.project_guid, all);
+      options.image_count = inputs->images();
     }
     options.provenance = {{"Method", *method},
                           {"Instrument", instrument_name},
                           {"ObservationTime", when ? when->text : ""},
                           {"AdjustmentRunId", run},
-                          {"ImageCount", image_count > 0 ? std::to_string(image_count) : ""},
                           {"DesignFile", read.file_name},
                           {"SoftwareVersion", "Plumbline " PLUMBLINE_BUILD_ID}};
   }
@@ -136,7 +132,7 @@ struct WriteIfc : Node {
     const step::File& file = *index;
     const Design read = from_artifact(design.unpack());
     const auto when = measured_at();
-    AsBuiltIfcOptions options{*epoch, *timestamp, *survey_points, *solids, {}, {}};
+    AsBuiltIfcOptions options{*epoch, *timestamp, *survey_points, *solids, {}, {}, {}, -1};
     if (options.timestamp == 0 && when) options.timestamp = when->seconds;
     if (options.timestamp == 0)
       context.warn(

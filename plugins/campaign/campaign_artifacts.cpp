@@ -92,17 +92,6 @@ PointsT to_artifact(const std::vector<ControlPoint>& entries) {
   return points;
 }
 
-CampaignDescription describe(const FolderT& given, const fs::path& root, CampaignUse use) {
-  std::vector<std::string> names;
-  for (const auto& entry : given.files) names.push_back(entry->path);
-  const fs::path yaml = root / "campaign.yaml";
-  const bool there = std::find(names.begin(), names.end(), "campaign.yaml") != names.end();
-  if (!there && use == CampaignUse::photographs) return find_campaign(root, names);
-  if (!there)
-    throw CampaignError(yaml, 0, "this file is missing; it tells what the folder holds, see docs/campaign_folder.md");
-  return parse_campaign(read_text(yaml), yaml, names, use);
-}
-
 KnownControl read_control(const CampaignDescription& description, const fs::path& root, Context& context) {
   if (description.control.empty()) return {};
   KnownControl known;
@@ -118,17 +107,20 @@ KnownControl read_control(const CampaignDescription& description, const fs::path
 SurveyObservationsT read_surveys(const CampaignDescription& description, const fs::path& root,
                                  const KnownControl& known, bool strict, Context& context) {
   std::vector<survey::SurveyObservations> parts;
-  for (const std::string& path : description.survey) {
-    parts.push_back(survey::read_survey(read_text(root / path), path));  // by its own name, wherever it lies
-    for (const auto& skipped : parts.back().skipped) {
-      const std::string place = skipped.source.file + ":" + std::to_string(skipped.source.line);
-      if (strict)
-        throw std::runtime_error(place + ": found " + skipped.found + ", expected " + skipped.expected +
-                                 ". Mend the file, or go on without these readings with strict=false");
-      context.warn(place + ": passed over " + skipped.found + ", expected " + skipped.expected);
-    }
-    for (const std::string& warning : parts.back().warnings) context.warn(path + ": " + warning);
-  }
+  Problems problems;
+  for (const std::string& path : description.survey)
+    problems.attempt([&] {
+      parts.push_back(survey::read_survey(read_text(root / path), path));  // by its own name, wherever it lies
+      for (const auto& skipped : parts.back().skipped) {
+        const std::string place = skipped.source.file + ":" + std::to_string(skipped.source.line);
+        if (strict)
+          throw std::runtime_error(place + ": found " + skipped.found + ", expected " + skipped.expected +
+                                   ". Mend the file, or go on without these readings with strict=false");
+        context.warn(place + ": passed over " + skipped.found + ", expected " + skipped.expected);
+      }
+      for (const std::string& warning : parts.back().warnings) context.warn(path + ": " + warning);
+    });
+  problems.raise();
   survey::MergeOptions options;
   for (const ControlPoint& point : known.points) options.known.push_back(point.name);
   survey::MergedSurvey merged = survey::merge_surveys(parts, options);

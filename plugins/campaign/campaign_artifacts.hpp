@@ -28,9 +28,6 @@ PointsT to_artifact(const std::vector<ControlPoint>& entries);
 /// Of E, N and H [m²]; zero in the rows of what is not known.
 Eigen::Matrix3d covariance_of(const ControlPoint& point);
 
-/// campaign.yaml of a listed folder that lies at `root`. Throws CampaignError.
-CampaignDescription describe(const FolderT& given, const std::filesystem::path& root, CampaignUse use);
-
 struct KnownControl {
   std::vector<ControlPoint> points;
   std::vector<std::string> warnings;  ///< what was assumed of them, such as which column is the east

@@ -1,12 +1,13 @@
 // What a site hands over, read from its folder: campaign.yaml and the files it names. docs/campaign_folder.md shows
 // each file. Nothing is guessed: an unknown key, a missing file or a unit that is not expected is an error with file
-// and line.
+// and line, and all of them are told at once.
 #pragma once
 
 #include <Eigen/Geometry>
 #include <array>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -24,13 +25,28 @@ class CampaignError : public std::runtime_error {
       : std::runtime_error(file.string() + (line > 0 ? ":" + std::to_string(line) : "") + ": " + what) {}
 };
 
+/// What is wrong with a folder, one thing after the other, so that it can be mended in one go.
+class Problems {
+ public:
+  /// Runs `action`; what it throws is one problem, or several with a line each. False if it threw.
+  bool attempt(const std::function<void()>& action);
+  void add(const CampaignError& problem) { lines_.push_back(problem.what()); }
+  bool empty() const { return lines_.empty(); }
+  /// Throws CampaignError with a line for each problem, if there are any: the first 25, and how many more.
+  void raise() const;
+
+ private:
+  std::vector<std::string> lines_;
+};
+
 /// A calibration, and whose photographs it is for.
 struct CameraOfImages {
   std::string file;                   ///< its camera.yaml
   std::vector<std::string> patterns;  ///< of the names of its photographs; empty: all
 };
 
-/// '*' stands for any characters but '/', '?' for one.
+/// '*' stands for any characters but '/', '?' for one, '**' for any characters and folders. Letters with marks match
+/// however they are encoded: macOS writes "ü" as "u" and a mark.
 bool matches_pattern(const std::string& pattern, const std::string& name);
 
 /// campaign.yaml with its patterns resolved. Paths are relative to the folder, with forward slashes, ordered by name.
@@ -42,8 +58,9 @@ struct CampaignDescription {
   std::string plates, control, design;  ///< control may be empty: then the survey files hold the datum
   std::string mapping;                  ///< from points to elements of the design; may be empty
   std::vector<std::string> survey;
-  std::string instrument;  ///< name of an instrument profile; may be empty
-  std::string date;        ///< when it was measured; may be empty
+  std::string instrument;           ///< name of an instrument profile; may be empty
+  std::string date;                 ///< when it was measured; may be empty
+  std::vector<std::string> unused;  ///< what is to be left out, though it lies there
 };
 
 /// What is to be done with a campaign, and so what it must hold.
@@ -54,10 +71,13 @@ enum class CampaignUse {
 };
 
 /// `files`: what the folder holds, as relative paths with forward slashes. `shown` names campaign.yaml in messages.
-/// Throws CampaignError: unknown or missing key (with the near one), a file that is not there, a pattern without a
-/// match.
+/// Throws CampaignError with all that is wrong: unknown or missing key (with the near one), a file that is not there, a
+/// pattern without a match.
 CampaignDescription parse_campaign(const std::string& yaml, const std::filesystem::path& shown,
                                    std::vector<std::string> files, CampaignUse use = CampaignUse::site);
+/// The same; what is wrong goes to `problems`, and what could be understood is returned.
+CampaignDescription parse_campaign(const std::string& yaml, const std::filesystem::path& shown,
+                                   std::vector<std::string> files, CampaignUse use, Problems& problems);
 
 /// The same for a folder without campaign.yaml, for CampaignUse::photographs: all photographs in it, what lies in
 /// survey/, and camera.yaml, plates.csv and control.csv. `folder` is for messages. Throws CampaignError.
@@ -95,10 +115,14 @@ struct PlateEntry {
   /// Standard deviations of where the plate sits on its anchor, along its axes [m]; nan: not given.
   Eigen::Vector3d mounting_sigma = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
 };
+/// What the columns of plates.csv may be called, with the name used for each here: German ones, too.
+const std::map<std::string, std::string>& plate_column_names();
 /// A plates.csv, ordered by anchor. Throws CampaignError, also for an anchor or a tag that occurs twice. With
 /// CampaignUse::photographs role (control), floor (1), size (nan), offsets (0) and azimuth (0) may be left out.
+/// A column that is none of the table's is left out, and `warnings` says so; one that is nearly called like one of them
+/// is an error.
 std::vector<PlateEntry> parse_plates(const std::string& csv, const std::filesystem::path& shown,
-                                     CampaignUse use = CampaignUse::site);
+                                     CampaignUse use = CampaignUse::site, std::vector<std::string>* warnings = nullptr);
 
 /// Rotation of an upright plate whose normal is horizontal: frame_from_plate for a frame of E, N, H.
 Eigen::Quaterniond upright_plate(double facing_azimuth);

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "campaign_folder.hpp"
+#include "campaign_yaml.hpp"
 #include "control/control_files.hpp"
 #include "text/csv_table.hpp"
 
@@ -44,15 +45,20 @@ void refuse_doubtful(const CsvTable& table, const std::filesystem::path& shown) 
 /// Reads cells by column name; every error names file, line and column.
 class Table {
  public:
-  Table(const std::string& csv, const std::filesystem::path& shown, std::vector<ColumnRule> rules)
+  /// With `warnings`, columns that the table does not have are left out, and said there.
+  Table(const std::string& csv, const std::filesystem::path& shown, std::vector<ColumnRule> rules,
+        std::vector<std::string>* warnings = nullptr)
       : shown_(shown), rules_(std::move(rules)) {
-    std::map<std::string, std::string> known;
+    std::map<std::string, std::string> known = plate_column_names();
+    std::erase_if(known, [&](const auto& entry) {
+      return std::none_of(rules_.begin(), rules_.end(), [&](const auto& rule) { return entry.second == rule.name; });
+    });
     for (const ColumnRule& rule : rules_) known[rule.name] = rule.name;
     table_ = formats::read_csv(csv, known);
     if (table_.header.empty()) {
       throw CampaignError(shown, 1, "found no header line, expected the columns " + names());
     }
-    check_header();
+    check_header(warnings);
     refuse_doubtful(table_, shown);
     if (table_.rows.empty()) throw CampaignError(shown, table_.header_line, "found a header and no row under it");
   }
@@ -101,12 +107,34 @@ class Table {
     return *std::find_if(rules_.begin(), rules_.end(), [&](const ColumnRule& r) { return name == r.name; });
   }
 
-  void check_header() {
+  bool is_empty_column(std::size_t i) const {
+    return table_.header[i].name.empty() && std::all_of(table_.rows.begin(), table_.rows.end(), [&](const CsvRow& row) {
+             return i >= row.cells.size() || row.cells[i].text.empty();
+           });
+  }
+
+  /// A note of the user's own; a name that is nearly one of the table's was meant to be that.
+  void leave_out(const std::string& name, std::vector<std::string>* warnings) const {
+    std::vector<std::string> known;
+    for (const ColumnRule& rule : rules_)
+      if (!column_.count(rule.name)) known.push_back(rule.name);
+    const std::string near = name.size() > 3 ? near_name(name, known) : "";
+    if (!warnings || !near.empty())
+      throw CampaignError(shown_, table_.header_line,
+                          "unknown column '" + name + "'" +
+                              (near.empty() ? "; known are " + names() : ", did you mean '" + near + "'?"));
+    warnings->push_back(shown_.filename().string() + ":" + std::to_string(table_.header_line) +
+                        (name.empty() ? ": a column without a name" : ": the column '" + name + "'") +
+                        " is none of this table's, and is left out");
+  }
+
+  void check_header(std::vector<std::string>* warnings) {
     for (std::size_t i = 0; i < table_.header.size(); ++i) {
       const std::string &name = table_.header[i].name, &unit = table_.header[i].unit;
       const auto rule = std::find_if(rules_.begin(), rules_.end(), [&](const ColumnRule& r) { return name == r.name; });
       if (rule == rules_.end()) {
-        throw CampaignError(shown_, table_.header_line, "unknown column '" + name + "'; known are " + names());
+        if (!is_empty_column(i)) leave_out(name, warnings);  // spreadsheets end lines with delimiters
+        continue;
       }
       if (!column_.emplace(name, i).second) {
         throw CampaignError(shown_, table_.header_line, "the column '" + name + "' stands here a second time");
@@ -159,9 +187,16 @@ class Table {
 
 constexpr double kAssumedSigma = 1e-3;  // [m], of control without standard deviations; said in a warning
 
+/// "control" or "check"; German surveyors hold a model by Passpunkte and judge it by Kontrollpunkte.
+std::string role_of(const std::string& text) {
+  const std::string word = formats::to_lower(text);
+  return word == "passpunkt" ? "control" : word == "kontrollpunkt" ? "check" : word;
+}
+
 }  // namespace
 
-std::vector<PlateEntry> parse_plates(const std::string& csv, const std::filesystem::path& shown, CampaignUse use) {
+std::vector<PlateEntry> parse_plates(const std::string& csv, const std::filesystem::path& shown, CampaignUse use,
+                                     std::vector<std::string>* warnings) {
   const bool needed = use != CampaignUse::photographs;
   const Table table(csv, shown,
                     {{"anchor", Quantity::text, true},
@@ -179,14 +214,15 @@ std::vector<PlateEntry> parse_plates(const std::string& csv, const std::filesyst
                      {"mounting_x", Quantity::length, false},
                      {"mounting_y", Quantity::length, false},
                      {"mounting_z", Quantity::length, false},
-                     {"batch", Quantity::text, false}});
+                     {"batch", Quantity::text, false}},
+                    warnings);
   std::vector<PlateEntry> plates;
   std::set<std::string> anchors;
   std::set<std::pair<std::string, int>> tags;
-  for (const CsvRow& row : table.rows()) {
+  const auto read = [&](const CsvRow& row) {
     PlateEntry p;
     p.anchor = table.text(row, "anchor");
-    p.role = table.text(row, "role");
+    p.role = role_of(table.text(row, "role"));
     if (p.role.empty() && !needed) p.role = "control";
     p.floor = needed || table.has("floor") ? table.whole(row, "floor") : 1;
     p.column = table.whole(row, "column");
@@ -215,7 +251,10 @@ std::vector<PlateEntry> parse_plates(const std::string& csv, const std::filesyst
       table.fail(row, "tag " + std::to_string(p.tag_id) + " of " + p.tag_family + " hangs at another anchor already");
     }
     plates.push_back(std::move(p));
-  }
+  };
+  Problems problems;
+  for (const CsvRow& row : table.rows()) problems.attempt([&] { read(row); });
+  problems.raise();
   std::sort(plates.begin(), plates.end(), [](const auto& a, const auto& b) { return a.anchor < b.anchor; });
   return plates;
 }

@@ -1,12 +1,14 @@
 // read.campaign: the folder of a site as artifacts. The work is in campaign_folder.hpp and campaign_artifacts.hpp.
-#include <map>
+#include <optional>
 
 #include "artifacts/file_artifact.hpp"
 #include "artifacts/image.hpp"
 #include "artifacts/image_tags.hpp"
 #include "campaign_cameras.hpp"
 #include "images/photograph_header.hpp"
+#include "listed_campaign.hpp"
 #include "photo_campaign_node.hpp"
+#include "propose_node.hpp"
 
 namespace {
 
@@ -14,7 +16,7 @@ using namespace plumbline;
 namespace fs = std::filesystem;
 
 struct ReadCampaign : Node {
-  static constexpr Info info{"read.campaign", "", 7, "Reads the folder of a site: campaign.yaml and what it names"};
+  static constexpr Info info{"read.campaign", "", 8, "Reads the folder of a site: campaign.yaml and what it names"};
   In<Folder> folder{"folder", "a folder with a campaign.yaml; see docs/campaign_folder.md"};
   OutList<Image> images{"images", "the photographs, by reference, ordered by path"};
   OutList<ImageTags> observations{"observations", "tags that were measured already, where campaign.yaml names a table"};
@@ -27,47 +29,81 @@ struct ReadCampaign : Node {
                      "refuse survey files of which anything has to be skipped; otherwise it is a warning"};
   Out<File> design_file{"design_file", "the design IFC as it is, by reference"};
   Out<File> mapping{"mapping", "the mapping table from points to elements of the design; empty without one"};
+  Out<InputFiles> inputs{"inputs", "the files that were read, and evidence that `unused` sets aside"};
+  Out<InputFiles> unread{"unread", "what else lies in the folder"};
 
   void run(Context& context) override {
-    const FolderT given = folder.unpack();
-    const fs::path root = context.resolve(given.uri);
-    std::map<std::string, const FolderEntryT*> entries;
-    for (const auto& entry : given.files) entries[entry->path] = entry.get();
-    const auto description = campaign::describe(given, root, campaign::CampaignUse::site);
+    campaign::ListedCampaign site(folder.unpack(), context.resolve(std::string(folder->uri()->string_view())),
+                                  campaign::CampaignUse::site);
+    const campaign::CampaignDescription& description = site.description;
+    const fs::path& root = site.root;
+    const auto attempt = [&](bool there, const auto& action) {
+      if (there) site.problems.attempt(action);
+    };
 
-    const campaign::CampaignCameras cameras(description, root);
-    camera.commit(cameras.artifact());
-    plates.commit(campaign::to_artifact(
-        campaign::parse_plates(campaign::read_text(root / description.plates), root / description.plates)));
-    const auto known = campaign::read_control(description, root, context);
-    control.commit(campaign::to_artifact(known.points));
-    survey.commit(campaign::read_surveys(description, root, known, *strict, context));
-    for (const std::string& path : description.images) commit_image(*entries.at(path), root, cameras.of(path));
-    if (!description.observations.empty()) {
+    std::optional<campaign::CampaignCameras> cameras;
+    std::vector<campaign::PlateEntry> entries;
+    campaign::KnownControl known;
+    SurveyObservationsT readings;
+    std::vector<ImageT> photographs;
+    std::vector<campaign::ObservedTag> tags;
+    attempt(!description.cameras.empty(), [&] { cameras.emplace(description, root); });
+    attempt(!description.plates.empty(), [&] { entries = read_plates(root / description.plates, context); });
+    attempt(true, [&] { known = campaign::read_control(description, root, context); });
+    attempt(!description.survey.empty(),
+            [&] { readings = campaign::read_surveys(description, root, known, *strict, context); });
+    for (const std::string& path : description.images)
+      attempt(cameras.has_value(), [&] { photographs.push_back(image_of(site.entry(path), root, cameras->of(path))); });
+    attempt(cameras && !description.observations.empty(), [&] {
       const fs::path table = root / description.observations;
-      const auto camera_of = [&](const std::string& image) -> const BrownCamera& { return cameras.of(image).camera; };
-      commit_observations(campaign::parse_observations(campaign::read_text(table), table, camera_of), cameras);
-    }
+      const auto camera_of = [&](const std::string& image) -> const BrownCamera& { return cameras->of(image).camera; };
+      tags = campaign::parse_observations(campaign::read_text(table), table, camera_of);
+    });
+    FileT table = mapping_file(site);
+    site.problems.raise();
 
-    FileT table;
-    table.name = description.mapping.empty() ? "mapping.csv" : fs::path(description.mapping).filename().string();
-    if (!description.mapping.empty()) {
-      const std::string rows = campaign::read_text(root / description.mapping);
-      table.media_type = "text/csv";
-      table.content.assign(rows.begin(), rows.end());
-    }
+    camera.commit(cameras->artifact());
+    plates.commit(campaign::to_artifact(entries));
+    control.commit(campaign::to_artifact(known.points));
+    survey.commit(readings);
+    for (const ImageT& image : photographs) images.commit(image);
+    const std::size_t observed = commit_observations(tags, *cameras);
     mapping.commit(table);
-
     // By reference, like the photographs: a design may have hundreds of megabytes.
-    const FolderEntryT& design = *entries.at(description.design);
+    const FolderEntryT& design = site.entry(description.design);
     const std::string name = fs::path(design.path).filename().string();
     design_file.commit(
         file_reference(name, "application/x-step", "sha256:" + design.sha256 + "/" + name, design.sha256));
+    inputs.commit(site.inputs(photographs.empty() ? observed : photographs.size(), readings.observations.size()));
+    unread.commit(site.unread());
   }
 
  private:
-  void commit_observations(const std::vector<campaign::ObservedTag>& tags, const campaign::CampaignCameras& cameras) {
-    for (std::size_t first = 0, last = 0; first < tags.size(); first = last) {
+  static std::vector<campaign::PlateEntry> read_plates(const fs::path& path, Context& context) {
+    std::vector<std::string> warnings;
+    auto entries = campaign::parse_plates(campaign::read_text(path), path, campaign::CampaignUse::site, &warnings);
+    for (const std::string& warning : warnings) context.warn(warning);
+    return entries;
+  }
+
+  static FileT mapping_file(campaign::ListedCampaign& site) {
+    FileT table;
+    table.name = "mapping.csv";
+    if (site.description.mapping.empty()) return table;
+    table.name = fs::path(site.description.mapping).filename().string();
+    site.problems.attempt([&] {
+      const std::string rows = campaign::read_text(site.root / site.description.mapping);
+      table.media_type = "text/csv";
+      table.content.assign(rows.begin(), rows.end());
+    });
+    return table;
+  }
+
+  /// Returns the number of images.
+  std::size_t commit_observations(const std::vector<campaign::ObservedTag>& tags,
+                                  const campaign::CampaignCameras& cameras) {
+    std::size_t count = 0;
+    for (std::size_t first = 0, last = 0; first < tags.size(); first = last, ++count) {
       ImageTagsT image;
       image.path = tags[first].image;
       const campaign::CameraCalibration& calibration = cameras.of(image.path);
@@ -87,9 +123,11 @@ struct ReadCampaign : Node {
       }
       observations.commit(image);
     }
+    return count;
   }
 
-  void commit_image(const FolderEntryT& entry, const fs::path& root, const campaign::CameraCalibration& calibration) {
+  static ImageT image_of(const FolderEntryT& entry, const fs::path& root,
+                         const campaign::CameraCalibration& calibration) {
     const PhotographHeader header = campaign::header_of(root / entry.path);
     if (header.width != calibration.camera.width || header.height != calibration.camera.height) {
       throw campaign::CampaignError(root / entry.path, 0,
@@ -111,12 +149,12 @@ struct ReadCampaign : Node {
     image.model = header.model;
     image.focal_length = header.focal_length;
     image.taken_at = header.taken_at;
-    images.commit(image);
+    return image;
   }
 };
 
 struct ReadSurveyCampaign : Node {
-  static constexpr Info info{"read.survey_campaign", "", 1,
+  static constexpr Info info{"read.survey_campaign", "", 2,
                              "Reads the survey files and control points that a campaign.yaml names, and nothing else"};
   In<Folder> folder{"folder", "a folder with a campaign.yaml; images, camera, plates and design may be left out"};
   Out<SurveyObservations> survey{"survey", frame("frame=building"),
@@ -125,13 +163,22 @@ struct ReadSurveyCampaign : Node {
   Param<bool> strict{"strict", true,
                      "refuse survey files of which anything has to be skipped; otherwise it is a warning"};
 
+  Out<InputFiles> inputs{"inputs", "the files that were read, and survey files that `unused` sets aside"};
+  Out<InputFiles> unread{"unread", "what else lies in the folder"};
+
   void run(Context& context) override {
-    const FolderT given = folder.unpack();
-    const fs::path root = context.resolve(given.uri);
-    const auto description = campaign::describe(given, root, campaign::CampaignUse::survey);
-    const auto known = campaign::read_control(description, root, context);
+    campaign::ListedCampaign site(folder.unpack(), context.resolve(std::string(folder->uri()->string_view())),
+                                  campaign::CampaignUse::survey);
+    campaign::KnownControl known;
+    SurveyObservationsT readings;
+    site.problems.attempt([&] { known = campaign::read_control(site.description, site.root, context); });
+    site.problems.attempt(
+        [&] { readings = campaign::read_surveys(site.description, site.root, known, *strict, context); });
+    site.problems.raise();
     control.commit(campaign::to_artifact(known.points));
-    survey.commit(campaign::read_surveys(description, root, known, *strict, context));
+    survey.commit(readings);
+    inputs.commit(site.inputs(0, readings.observations.size()));
+    unread.commit(site.unread());
   }
 };
 
@@ -158,4 +205,5 @@ struct ReadTruth : Node {
 
 }  // namespace
 
-PLUMBLINE_PLUGIN("campaign", "0.1.0", "MIT", ReadCampaign, campaign::ReadPhotoCampaign, ReadSurveyCampaign, ReadTruth)
+PLUMBLINE_PLUGIN("campaign", "0.1.0", "MIT", ReadCampaign, campaign::ReadPhotoCampaign, ReadSurveyCampaign, ReadTruth,
+                 campaign::ProposeCampaign, campaign::AccountForCampaign)

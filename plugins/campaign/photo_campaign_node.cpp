@@ -1,10 +1,9 @@
 #include "photo_campaign_node.hpp"
 
-#include <map>
-
 #include "campaign_artifacts.hpp"
 #include "geometry/packed_symmetric.hpp"
 #include "images/photograph_header.hpp"
+#include "listed_campaign.hpp"
 #include "markers/camera_files.hpp"
 
 namespace plumbline::campaign {
@@ -100,33 +99,49 @@ void warn_of_unread(const CampaignDescription& description, const std::vector<st
 }  // namespace
 
 void ReadPhotoCampaign::run(Context& context) {
-  const FolderT given = folder.unpack();
-  const fs::path root = context.resolve(given.uri);
-  const CampaignDescription description = describe(given, root, CampaignUse::photographs);
-  if (description.images.empty())
-    throw CampaignError(root / "campaign.yaml", 0,
-                        "names 'observations' and no images; pipelines/site_observations.yaml takes those");
-  std::map<std::string, const FolderEntryT*> entries;
-  std::vector<std::string> names;
-  for (const auto& entry : given.files) entries[entry->path] = entry.get(), names.push_back(entry->path);
-  if (const std::string unread = unread_photographs(names); !unread.empty())
-    context.warn("photographs of " + root.string() + " are " + unread);
+  ListedCampaign site(folder.unpack(), context.resolve(std::string(folder->uri()->string_view())),
+                      CampaignUse::photographs);
+  const CampaignDescription& description = site.description;
+  const fs::path& root = site.root;
+  if (description.images.empty() && !description.observations.empty())
+    site.problems.add(CampaignError(
+        root / "campaign.yaml", 0, "names 'observations' and no images; pipelines/site_observations.yaml takes those"));
+  const std::vector<std::string> names = site.names();
+  if (const std::string unread_ones = unread_photographs(names); !unread_ones.empty())
+    context.warn("photographs of " + root.string() + " are " + unread_ones);
   warn_of_unread(description, names, context);
-  for (const std::string& path : description.images) images.commit(image_of(*entries.at(path), root));
+  std::vector<CameraT> calibrated;
+  std::vector<PlateEntry> entries;
+  std::vector<std::string> warnings;
+  KnownControl known;
+  SurveyObservationsT readings;
   for (const CameraOfImages& camera : description.cameras)
-    for (const CameraT& calibrated : cameras_of(root / camera.file, camera.file, context)) cameras.commit(calibrated);
-  plates.commit(description.plates.empty()
-                    ? PlatesT()
-                    : to_artifact(parse_plates(read_text(root / description.plates), root / description.plates,
-                                               CampaignUse::photographs)));
-  const auto known = read_control(description, root, context);
+    site.problems.attempt([&] {
+      for (CameraT& one : cameras_of(root / camera.file, camera.file, context)) calibrated.push_back(std::move(one));
+    });
+  if (!description.plates.empty())
+    site.problems.attempt([&] {
+      const fs::path table = root / description.plates;
+      entries = parse_plates(read_text(table), table, CampaignUse::photographs, &warnings);
+    });
+  site.problems.attempt([&] { known = read_control(description, root, context); });
+  if (!description.survey.empty())
+    site.problems.attempt([&] { readings = read_surveys(description, root, known, *strict, context); });
+  site.problems.raise();
+
+  for (const std::string& warning : warnings) context.warn(warning);
+  for (const std::string& path : description.images) images.commit(image_of(site.entry(path), root));
+  for (const CameraT& camera : calibrated) cameras.commit(camera);
+  plates.commit(to_artifact(entries));
   if (description.survey.empty()) {
     survey.commit(as_measured(known.points, description));
     control.commit(PointsT());
   } else {
-    survey.commit(read_surveys(description, root, known, *strict, context));
+    survey.commit(readings);
     control.commit(to_artifact(known.points));
   }
+  inputs.commit(site.inputs(description.images.size(), readings.observations.size()));
+  unread.commit(site.unread());
 }
 
 }  // namespace plumbline::campaign

@@ -4,6 +4,7 @@
 #include "artifacts/camera.hpp"
 #include "artifacts/folder.hpp"
 #include "artifacts/image.hpp"
+#include "artifacts/input_files.hpp"
 #include "artifacts/plates.hpp"
 #include "artifacts/points.hpp"
 #include "artifacts/survey_artifact.hpp"
@@ -12,7 +13,7 @@
 namespace plumbline::campaign {
 
 struct ReadPhotoCampaign : Node {
-  static constexpr Info info{"read.photo_campaign", "", 1,
+  static constexpr Info info{"read.photo_campaign", "", 2,
                              "Reads photographs and the survey of their tags: a campaign without a design"};
   In<Folder> folder{"folder", "a folder with photographs and survey files or control points; docs/photographs.md"};
   OutList<Image> images{"images", "the photographs, by reference, ordered by path"};
@@ -23,6 +24,8 @@ struct ReadPhotoCampaign : Node {
   Out<Points> control{"control", frame("frame=building"), "the control points that the survey hangs on"};
   Param<bool> strict{"strict", true,
                      "refuse survey files of which anything has to be skipped; otherwise it is a warning"};
+  Out<InputFiles> inputs{"inputs", "the files that were read, and evidence that `unused` sets aside"};
+  Out<InputFiles> unread{"unread", "what else lies in the folder"};
 
   void run(Context& context) override;
 };

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "artifacts/input_files_text.hpp"
 #include "report/format.hpp"
 #include "report/page_style.hpp"
 #include "report/plot.hpp"
@@ -71,16 +72,17 @@ void verdict_cell(Markup& html, ToleranceVerdict verdict) {
 
 namespace {
 
-void write_files(Markup& html, const std::vector<SourceFile>& files) {
+void write_files(Markup& html, const std::vector<SourceFile>& files, const std::string& what) {
   if (files.empty()) return;
-  folded(html, count(static_cast<long>(files.size()), "file", "files") + " the run started from, with SHA-256", [&] {
+  folded(html, count(static_cast<long>(files.size()), "file", "files") + " " + what + ", with SHA-256", [&] {
     Scope table(html, "table", {{"class", "facts"}});
     Scope body(html, "tbody");
     for (const SourceFile& file : files) {
       Scope row(html, "tr");
       html.element("th", {{"scope", "row"}}, file.path);
       Scope cell(html, "td");
-      html.element("code", file.sha256).text(" " + std::to_string(file.size) + "\u00A0bytes");
+      html.element("code", file.sha256)
+          .text(" " + std::to_string(file.size) + "\u00A0bytes" + (file.use.empty() ? "" : ", " + file.use));
     }
   });
 }
@@ -92,6 +94,17 @@ void add_nodes(const std::string& pipeline, std::vector<Fact>& facts) {
   for (std::string line; std::getline(lines, line);)
     if (const std::size_t colon = line.find(": "); colon != std::string::npos)
       facts.emplace_back("Node " + line.substr(0, colon), line.substr(colon + 2));
+}
+
+void add_input_files(const InputFilesT& inputs, const InputFilesT& unread, ReportInput& input) {
+  const auto source = [](const InputFileT& file) { return SourceFile{file.path, file.sha256, file.size, file.use}; };
+  for (const auto& file : inputs.files) (file->read ? input.files : input.set_aside).push_back(source(*file));
+  for (const auto& file : unread.files) input.unread.push_back(source(*file));
+  if (inputs.files.empty()) return;
+  input.provenance.emplace_back("Took part", counted(inputs.images, "photograph", "photographs") + ", " +
+                                                 counted(inputs.readings, "reading", "readings") + ", " +
+                                                 counted(static_cast<long>(input.files.size()), "file", "files") +
+                                                 " of the folder");
 }
 
 void write_provenance(Markup& html, const ReportInput& input) {
@@ -111,7 +124,9 @@ void write_provenance(Markup& html, const ReportInput& input) {
       html.element("td", value);
     }
   }
-  write_files(html, input.files);
+  write_files(html, input.files, "that the run read");
+  write_files(html, input.set_aside, "set aside by 'unused' in campaign.yaml");
+  write_files(html, input.unread, "in the folder that were not read");
 }
 
 namespace {

@@ -112,10 +112,11 @@ struct NetworkPage {
 /// A line of the provenance: what it is, and its value or hash.
 using Fact = std::pair<std::string, std::string>;
 
-/// A file the run started from.
+/// A file of the folder the run started from.
 struct SourceFile {
   std::string path, sha256;
   std::uint64_t size = 0;  ///< [bytes]
+  std::string use;         ///< "photograph", "survey", ...: what it was read as, or looks like; may be empty
 };
 
 struct ReportInput {
@@ -128,7 +129,9 @@ struct ReportInput {
   std::optional<NetworkPage> network;
   std::optional<SurveyComparisonT> control_check;
   std::vector<Fact> provenance;
-  std::vector<SourceFile> files;
+  std::vector<SourceFile> files;      ///< that were read
+  std::vector<SourceFile> set_aside;  ///< evidence that lay there and was left out on purpose
+  std::vector<SourceFile> unread;     ///< what else lay there
 };
 
 /// The whole report as HTML. Deterministic; all text from the input is escaped; the result requests nothing from

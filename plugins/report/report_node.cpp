@@ -1,6 +1,7 @@
 // report.html: the report as a node.
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <sstream>
 
 #include "artifacts/accuracy.hpp"
@@ -9,7 +10,7 @@
 #include "artifacts/design.hpp"
 #include "artifacts/deviation.hpp"
 #include "artifacts/file.hpp"
-#include "artifacts/folder.hpp"
+#include "artifacts/input_files_text.hpp"
 #include "artifacts/poses.hpp"
 #include "artifacts/site_frames.hpp"
 #include "artifacts/survey_comparison.hpp"
@@ -107,7 +108,7 @@ void add_frames(const SiteFramesT& frames, std::vector<Fact>& facts) {
 }  // namespace
 
 struct ReportHtml : Node {
-  static constexpr Info info{"report.html", "", 1,
+  static constexpr Info info{"report.html", "", 2,
                              "One offline HTML file: verdict, charts, tables, survey network, provenance"};
   In<Accuracy> accuracy{"accuracy", frame("frame=?F"), "the evaluation"};
   Optional<Deviation> deviation{"deviation", frame("frame=?F"), "as-built minus design, judged: the first screen"};
@@ -122,7 +123,9 @@ struct ReportHtml : Node {
   Optional<SurveyObservations> survey{"survey", frame("frame=?S"),
                                       "the survey as read: its title stands under the heading, its instrument in the "
                                       "provenance"};
-  Optional<Folder> campaign{"campaign", "the folder the run started from: its files and hashes go into the provenance"};
+  Optional<InputFiles> inputs{"inputs",
+                              "the files that were read, and evidence that was set aside, for the provenance"};
+  Optional<InputFiles> unread{"unread", "what else lay in the folder, for the provenance"};
   Param<std::string> title{"title", "Accuracy of the facade anchors", "heading"};
   Param<std::string> subtitle{"subtitle", "", "site, scenario, date of the campaign; empty: the title of the survey"};
   Param<std::vector<std::string>> facts{"facts", std::vector<std::string>{}, "lines for the provenance: name=value"};
@@ -154,9 +157,7 @@ struct ReportHtml : Node {
     if (frames) add_frames(frames.unpack(), input.provenance);
     input.provenance.emplace_back("Program", std::string("Plumbline ") + PLUMBLINE_BUILD_ID);
     add_nodes(*pipeline, input.provenance);
-    if (campaign)
-      for (const auto* entry : *campaign->files())
-        input.files.push_back({entry->path()->str(), entry->sha256()->str(), entry->size()});
+    add_input_files(inputs ? inputs.unpack() : InputFilesT(), unread ? unread.unpack() : InputFilesT(), input);
     FileT file;
     file.name = "report.html", file.media_type = "text/html";
     const std::string html = render_report(input);
@@ -166,19 +167,25 @@ struct ReportHtml : Node {
 };
 
 struct ReportSummary : Node {
-  static constexpr Info info{"report.summary", "", 1, "Writes the result of an evaluation as a few lines of text"};
+  static constexpr Info info{"report.summary", "", 2, "Writes the result of an evaluation as a few lines of text"};
   In<Accuracy> accuracy{"accuracy", frame("frame=?F"), "the evaluation"};
   Optional<Deviation> deviation{"deviation", frame("frame=?F"), "as-built minus design, judged"};
+  Optional<Block> block{"block", frame("frame=?B"), "the adjustment of the images: how many of them took part"};
+  Optional<InputFiles> inputs{"inputs", "the files that were read, and evidence that was set aside"};
+  Optional<InputFiles> unread{"unread", "what else lay in the folder"};
   Out<File> out{"file", "summary.txt"};
 
   void run(Context&) override {
     FileT file;
     file.name = "summary.txt", file.media_type = "text/plain";
-    const std::string text = deviation ? [&] {
-      const DeviationT built = deviation.unpack();
-      return summary_text(accuracy.unpack(), &built);
-    }()
-                                       : summary_text(accuracy.unpack());
+    std::optional<DeviationT> built;
+    if (deviation) built = deviation.unpack();
+    std::optional<InputFilesT> read, left;
+    if (inputs) read = inputs.unpack();
+    if (unread) left = unread.unpack();
+    const long used = block && block->images() ? static_cast<long>(block->images()->size()) : -1;
+    const std::string text = summary_text(accuracy.unpack(), built ? &*built : nullptr) +
+                             words_of_inputs(read ? &*read : nullptr, left ? &*left : nullptr, used);
     file.content.assign(text.begin(), text.end());
     out.commit(file);
   }

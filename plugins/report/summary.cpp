@@ -118,7 +118,8 @@ std::string installation_text(const DeviationT& deviation) {
 
 std::string summary_text(const AccuracyT& accuracy, const DeviationT* deviation) {
   std::string text = deviation ? installation_text(*deviation) : "";
-  text += row("Tolerance %s mm, guard band %.3g u.", mm(accuracy.tau, 0).c_str(), accuracy.guard_factor);
+  text += row("Tolerance %s mm, guard band %.3g u; u and what stands behind +- are standard uncertainties (1 sigma).",
+              mm(accuracy.tau, 0).c_str(), accuracy.guard_factor);
   text += comparisons_text(accuracy);
   if (!accuracy.comparisons.empty()) text += floors_text(*accuracy.comparisons.front());
   for (const std::string& warning : accuracy.warnings) text += "Note: " + warning + "\n";

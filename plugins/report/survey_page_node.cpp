@@ -29,8 +29,9 @@ void ReportSurvey::run(Context& context) {
     if (plan) write_plan(html, plan.unpack());
     if (epochs) write_epochs(html, epochs.unpack());
     if (network) write_network(html, page_of_network(), control_check ? &control : nullptr);
-    if (!pipeline->empty()) {
+    if (!pipeline->empty() || inputs) {
       ReportInput run;
+      add_input_files(inputs ? inputs.unpack() : InputFilesT(), unread ? unread.unpack() : InputFilesT(), run);
       run.provenance.emplace_back("Program", std::string("Plumbline ") + PLUMBLINE_BUILD_ID);
       add_nodes(*pipeline, run.provenance);
       write_provenance(html, run);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "artifacts/file.hpp"
+#include "artifacts/input_files.hpp"
 #include "artifacts/points.hpp"
 #include "artifacts/survey_comparison.hpp"
 #include "artifacts/survey_network.hpp"
@@ -12,7 +13,7 @@
 namespace plumbline::report {
 
 struct ReportSurvey : Node {
-  static constexpr Info info{"report.survey", "", 1,
+  static constexpr Info info{"report.survey", "", 2,
                              "One offline HTML file about a survey: plan, network, control points, epochs"};
   Optional<SurveyPlan> plan{"plan", frame("frame=?F"), "a judged plan"};
   Optional<SurveyComparison> epochs{"epochs", frame("frame=?F"), "two epochs compared"};
@@ -23,6 +24,8 @@ struct ReportSurvey : Node {
                                        "the same network in the axes of its file, for the table of coordinates"};
   Optional<Points> points{"points", frame("frame=?F"),
                           "its points with covariance, for what neighbours are known relative to each other"};
+  Optional<InputFiles> inputs{"inputs", "the files that were read, and what was set aside, for the end of the page"};
+  Optional<InputFiles> unread{"unread", "what else lay in the folder, for the end of the page"};
   Param<std::string> title{"title", "Survey", "heading"};
   Param<std::string> subtitle{"subtitle", "", "site and date"};
   Param<std::string> name{"name", "survey.html", "name of the file"};

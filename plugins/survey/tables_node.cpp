@@ -1,5 +1,8 @@
 #include "tables_node.hpp"
 
+#include <optional>
+
+#include "artifacts/input_files_text.hpp"
 #include "point_files.hpp"
 #include "tables.hpp"
 #include "verdict_text.hpp"
@@ -25,7 +28,11 @@ void TablesNode::run(Context&) {
   coordinates.commit(file_of("coordinates.csv", "text/csv", coordinate_table(result, all, format)));
   relative.commit(
       file_of("relative.csv", "text/csv", relative_table(result, all, *pairs, static_cast<int>(*neighbours), format)));
-  verdict.commit(file_of("verdict.txt", "text/plain", verdict_text(result)));
+  std::optional<InputFilesT> read, left;
+  if (inputs) read = inputs.unpack();
+  if (unread) left = unread.unpack();
+  verdict.commit(file_of("verdict.txt", "text/plain",
+                         verdict_text(result) + words_of_inputs(read ? &*read : nullptr, left ? &*left : nullptr)));
   blocks.commit(file_of("points.json", "application/json", points_as_json(all)));
   covariance.commit(file_of("covariance.npy", "application/octet-stream", covariance_as_npy(all, *full_covariance)));
 }

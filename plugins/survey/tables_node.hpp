@@ -2,6 +2,7 @@
 #pragma once
 
 #include "artifacts/file.hpp"
+#include "artifacts/input_files.hpp"
 #include "artifacts/points.hpp"
 #include "artifacts/survey_network.hpp"
 #include "plumbline/node.hpp"
@@ -9,12 +10,14 @@
 namespace plumbline::survey {
 
 struct TablesNode : Node {
-  static constexpr Info info{"survey.tables", "", 2,
+  static constexpr Info info{"survey.tables", "", 3,
                              "Writes adjusted coordinates, and what neighbouring markers are known relative to each "
                              "other, as CSV for a spreadsheet"};
   In<Points> points{"points", frame("frame=?S"), "the adjusted points in E, N, H, with covariance"};
   In<SurveyNetwork> network{"network", frame("frame=?F"),
                             "the same adjustment, in E, N, H or in the axes of the file: the table has those"};
+  Optional<InputFiles> inputs{"inputs", "the files that were read, and what was set aside, for the verdict"};
+  Optional<InputFiles> unread{"unread", "what else lay in the folder, for the verdict"};
   Param<std::vector<std::string>> pairs{"pairs", std::vector<std::string>{},
                                         "further pairs for the relative table, each as 'A B' or 'A;B'"};
   Param<int64_t> neighbours{"neighbours", 4, between(0, 1000),

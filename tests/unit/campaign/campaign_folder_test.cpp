@@ -125,6 +125,43 @@ TEST(CampaignYaml, ErrorsNameFileLineAndMend) {
   EXPECT_NE(campaign_message("just text").find("found no mapping"), std::string::npos);
 }
 
+TEST(CampaignYaml, AllThatIsWrongIsToldAtOnce) {
+  std::string yaml = replaced(kCampaign, "plates", "plate");
+  yaml = replaced(replaced(yaml, "d.ifc", "e.ifc"), "[ts/2.gsi, ts/*.gsi]", "[ts/3.gsi, ts/4.gsi]");
+  EXPECT_EQ(campaign_message(yaml),
+            "site/campaign.yaml:4: unknown key 'plate', did you mean 'plates'?\n"
+            "site/campaign.yaml:5: 'survey' names 'ts/3.gsi', and the folder has no such file; paths are relative to "
+            "campaign.yaml\n"
+            "site/campaign.yaml:5: 'survey' names 'ts/4.gsi', and the folder has no such file; paths are relative to "
+            "campaign.yaml\n"
+            "site/campaign.yaml:7: 'design' names 'e.ifc', and the folder has no such file; paths are relative to "
+            "campaign.yaml");
+}
+
+TEST(CampaignYaml, PatternsMayEnterFoldersAndPassOverWhatIsUnused) {
+  const std::string yaml = replaced(kCampaign, "img/*.jpg", "\"img/**/*.jpg\"") + "unused: [img/b.jpg, \"no/**\"]\n";
+  const CampaignDescription c = parse_campaign(yaml, "campaign.yaml", kFiles);
+  EXPECT_EQ(c.images, (std::vector<std::string>{"img/a.jpg", "img/raw/x.jpg"}));
+  EXPECT_EQ(c.unused, std::vector<std::string>{"img/b.jpg"});
+  EXPECT_NE(
+      campaign_message(kCampaign + "unused: gone.jpg\n").find(":8: 'unused' names 'gone.jpg', and the folder has"),
+      std::string::npos);
+  EXPECT_NE(campaign_message(kCampaign + "unused: k.csv\n").find("'control' names 'k.csv', and 'unused' names it too"),
+            std::string::npos);
+  EXPECT_TRUE(matches_pattern("a/**", "a/b/c.jpg"));
+  EXPECT_TRUE(matches_pattern("**.JPG", "a/b/c.JPG"));
+  EXPECT_FALSE(matches_pattern("a/**/c", "a/b/cc"));
+  EXPECT_TRUE(matches_pattern("S?d.csv",
+                              "Su\xCC\x88"
+                              "d.csv"))
+      << "u and a mark are one character";
+}
+
+TEST(CampaignYaml, ANameInOtherCaseIsShown) {
+  EXPECT_NE(campaign_message(replaced(kCampaign, "p.csv", "P.CSV")).find("upper and lower case differ: there is p.csv"),
+            std::string::npos);
+}
+
 const std::string kCamera =
     "plumbline_camera: 1\nid: c\nwidth: 600\nheight: 400\npixel_origin: centre\nparameters: {fx: 500, fy: 501, cx: "
     "300, cy: "

@@ -1,0 +1,30 @@
+// What the keys of campaign.yaml name in the folder.
+#pragma once
+
+#include "campaign_yaml.hpp"
+
+namespace plumbline::campaign {
+
+/// Patterns pass over what systems write beside people's files, and over what `unused` names. Errors are
+/// CampaignErrors with the line of campaign.yaml.
+class Resolver {
+ public:
+  Resolver(const Mapping& mapping, std::vector<std::string> files);
+
+  /// What `unused` names; to be called first. A name that is not there is an error, a pattern without a match is none.
+  std::vector<std::string> set_aside();
+  std::string one(const std::string& key) const;
+  /// A file, a pattern, or a list of them.
+  std::vector<std::string> many(const std::string& key) const { return files_of(key, mapping_.get(key)); }
+  std::vector<std::string> files_of(const std::string& key, const YAML::Node& node) const;
+
+ private:
+  void add(const std::string& key, const YAML::Node& node, std::vector<std::string>& found) const;
+  [[noreturn]] void not_there(const std::string& key, const YAML::Node& node) const;
+
+  const Mapping& mapping_;
+  std::vector<std::string> files_;
+  std::set<std::string> unused_;
+};
+
+}  // namespace plumbline::campaign

@@ -1,0 +1,66 @@
+#include "listed_campaign.hpp"
+
+#include "campaign_artifacts.hpp"
+
+namespace plumbline::campaign {
+namespace {
+
+std::unique_ptr<InputFileT> file_of(const FolderEntryT& entry, const std::string& use, bool read) {
+  auto file = std::make_unique<InputFileT>();
+  file->path = entry.path, file->sha256 = entry.sha256, file->size = entry.size;
+  file->use = use, file->read = read;
+  return file;
+}
+
+}  // namespace
+
+ListedCampaign::ListedCampaign(FolderT listed, std::filesystem::path at, CampaignUse use)
+    : given(std::move(listed)), root(std::move(at)) {
+  for (const auto& file : given.files) entries[file->path] = file.get();
+  const std::filesystem::path yaml = root / "campaign.yaml";
+  const bool there = entries.count("campaign.yaml") > 0;
+  problems.attempt([&] {
+    if (there)
+      description = parse_campaign(read_text(yaml), yaml, names(), use, problems);
+    else if (use == CampaignUse::photographs)
+      description = find_campaign(root, names());
+    else
+      throw CampaignError(yaml, 0, "this file is missing; it tells what the folder holds, see docs/campaign_folder.md");
+  });
+  const bool understood = problems.empty();
+  unused = unused_files(description, root, names());
+  // What a wrong key does not name would be told as forgotten, too.
+  if (understood) problems.attempt([&] { refuse_forgotten(unused, description, root, use); });
+}
+
+std::vector<std::string> ListedCampaign::names() const {
+  std::vector<std::string> all;
+  for (const auto& file : given.files) all.push_back(file->path);
+  return all;
+}
+
+InputFilesT ListedCampaign::inputs(std::size_t images, std::size_t readings) const {
+  InputFilesT result;
+  const auto uses = uses_of(description, names());
+  std::map<std::string, const UnusedFile*> aside;
+  for (const UnusedFile& file : unused)
+    if (file.set_aside && !file.looks_like.empty()) aside[file.path] = &file;
+  for (const auto& [path, listed] : entries) {
+    if (const auto use = uses.find(path); use != uses.end())
+      result.files.push_back(file_of(*listed, use->second, true));
+    else if (const auto left = aside.find(path); left != aside.end())
+      result.files.push_back(file_of(*listed, left->second->looks_like, false));
+  }
+  result.images = static_cast<int>(images), result.readings = static_cast<int>(readings);
+  return result;
+}
+
+InputFilesT ListedCampaign::unread() const {
+  InputFilesT result;
+  for (const UnusedFile& file : unused)
+    if (!file.set_aside || file.looks_like.empty())
+      result.files.push_back(file_of(entry(file.path), file.looks_like, false));
+  return result;
+}
+
+}  // namespace plumbline::campaign

@@ -1,0 +1,36 @@
+// A campaign's folder as its nodes take it: what it holds, what campaign.yaml says of it, and what is wrong so far.
+#pragma once
+
+#include <filesystem>
+#include <map>
+
+#include "artifacts/folder.hpp"
+#include "artifacts/input_files.hpp"
+#include "plumbline/node.hpp"
+#include "unused_files.hpp"
+
+namespace plumbline::campaign {
+
+/// Every part of the folder is read inside problems.attempt(), and problems.raise() stands before the first commit: a
+/// folder's mistakes are told all at once.
+struct ListedCampaign {
+  /// Reads campaign.yaml, or finds the parts by their names where that may be missing (CampaignUse::photographs), and
+  /// looks for what was forgotten. What is wrong is in `problems`.
+  ListedCampaign(FolderT given, std::filesystem::path root, CampaignUse use);
+
+  const FolderEntryT& entry(const std::string& path) const { return *entries.at(path); }
+  std::vector<std::string> names() const;
+
+  /// What was read or set aside, and how much of it; and what lies there besides.
+  InputFilesT inputs(std::size_t images, std::size_t readings) const;
+  InputFilesT unread() const;
+
+  FolderT given;
+  std::filesystem::path root;
+  std::map<std::string, const FolderEntryT*> entries;
+  CampaignDescription description;
+  std::vector<UnusedFile> unused;
+  Problems problems;
+};
+
+}  // namespace plumbline::campaign

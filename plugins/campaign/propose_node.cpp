@@ -1,0 +1,45 @@
+#include "propose_node.hpp"
+
+#include <map>
+
+#include "artifacts/input_files_text.hpp"
+#include "propose_campaign.hpp"
+
+namespace plumbline::campaign {
+namespace {
+
+FileT text_file(const char* name, const char* media_type, const std::string& text) {
+  FileT file;
+  file.name = name, file.media_type = media_type;
+  file.content.assign(text.begin(), text.end());
+  return file;
+}
+
+}  // namespace
+
+void ProposeCampaign::run(Context& context) {
+  const FolderT given = folder.unpack();
+  std::vector<std::string> names;
+  for (const auto& entry : given.files) names.push_back(entry->path);
+  const Proposal proposal = propose_campaign(context.resolve(given.uri), names);
+  std::string text;
+  for (const std::string& line : proposal.found) text += "  " + line + "\n";
+  if (!text.empty()) text = "Recognised:\n" + text;
+  if (!proposal.wrong.empty()) text += "To be mended:\n";
+  for (const std::string& line : proposal.wrong) text += "  " + line + "\n";
+  description.commit(text_file("campaign.yaml", "text/yaml", proposal.yaml));
+  summary.commit(text_file("summary.txt", "text/plain", text));
+}
+
+void AccountForCampaign::run(Context&) {
+  const InputFilesT read = inputs.unpack(), left = unread.unpack();
+  std::map<std::string, long> uses;
+  for (const auto& file : read.files)
+    if (file->read) ++uses[file->use];
+  std::string text = "The folder is whole.\n";
+  for (const auto& [use, count] : uses)
+    text += "  " + use + ": " + std::to_string(count) + (count == 1 ? " file\n" : " files\n");
+  summary.commit(text_file("summary.txt", "text/plain", text + words_of_inputs(&read, &left)));
+}
+
+}  // namespace plumbline::campaign

@@ -1,0 +1,27 @@
+// campaign.propose and campaign.account: what `plumbline campaign init` and `check` say.
+#pragma once
+
+#include "artifacts/file.hpp"
+#include "artifacts/folder.hpp"
+#include "artifacts/input_files.hpp"
+#include "plumbline/node.hpp"
+
+namespace plumbline::campaign {
+
+struct ProposeCampaign : Node {
+  static constexpr Info info{"campaign.propose", "", 1, "Proposes a campaign.yaml for what lies in a folder"};
+  In<Folder> folder{"folder", "a folder with photographs, survey files, tables and a design"};
+  Out<File> description{"campaign", "campaign.yaml with a comment behind each line; what is missing is a comment"};
+  Out<File> summary{"summary", "what was recognised, and what has to be mended, as text"};
+  void run(Context& context) override;
+};
+
+struct AccountForCampaign : Node {
+  static constexpr Info info{"campaign.account", "", 1, "Says which files of a campaign's folder take part"};
+  In<InputFiles> inputs{"inputs", "the files that were read, and what was set aside"};
+  In<InputFiles> unread{"unread", "what else lies in the folder"};
+  Out<File> summary{"summary", "a few lines of text"};
+  void run(Context& context) override;
+};
+
+}  // namespace plumbline::campaign

@@ -1,0 +1,39 @@
+// What lies in the folder of a campaign and takes no part. Photographs and readings are evidence: nobody may believe
+// that they were used when they were not, so those that nothing names end the run.
+#pragma once
+
+#include <map>
+
+#include "campaign_folder.hpp"
+
+namespace plumbline::campaign {
+
+/// What each file that the campaign names is read as, by path: "campaign", "photograph", "observations", "camera",
+/// "plates", "survey", "control", "design", "mapping".
+std::map<std::string, std::string> uses_of(const CampaignDescription& description,
+                                           const std::vector<std::string>& files);
+
+struct UnusedFile {
+  std::string path;
+  std::string looks_like;  ///< "photograph", "survey" (a file with readings), or empty
+  bool set_aside = false;  ///< `unused` names it
+};
+
+/// All files without a use, ordered by path. What a file looks like is told by its name for photographs, else by its
+/// content, which is read from `root`.
+std::vector<UnusedFile> unused_files(const CampaignDescription& description, const std::filesystem::path& root,
+                                     std::vector<std::string> files);
+
+/// Throws CampaignError that names the photographs and survey files which nothing uses or sets aside, and what to write
+/// into campaign.yaml. With CampaignUse::survey photographs may lie there, and where tags were measured already, too.
+void refuse_forgotten(const std::vector<UnusedFile>& unused, const CampaignDescription& description,
+                      const std::filesystem::path& root, CampaignUse use);
+
+/// Whether the file holds readings of an instrument. Tables may hold anything: they count if they can be read and have
+/// some. Instruments' files count even where they are damaged.
+bool holds_readings(const std::filesystem::path& path, const std::string& name);
+
+/// The files as campaign.yaml would name them: by a pattern where several of a folder end alike.
+std::vector<std::string> patterns_for(const std::vector<std::string>& names);
+
+}  // namespace plumbline::campaign

@@ -1,0 +1,85 @@
+// A campaign.yaml for a folder as a German site hands it over: two cameras, Excel's tables, umlauts, a protocol.
+#include "propose_campaign.hpp"
+
+#include <gtest/gtest.h>
+
+#include "test_support.hpp"
+
+namespace plumbline::campaign {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Folder : public testing::Test {
+ protected:
+  void write(const std::string& name, const std::string& text) {
+    fs::create_directories((folder_.path() / name).parent_path());
+    std::ofstream(folder_.path() / name, std::ios::binary) << text;
+    names_.push_back(name);
+  }
+  Proposal propose() const { return propose_campaign(folder_.path(), names_); }
+  test::TemporaryFolder folder_;
+  std::vector<std::string> names_;
+};
+
+std::string camera(const std::string& id, int width, int height) {
+  return "plumbline_camera: 1\nid: " + id + "\nwidth: " + std::to_string(width) +
+         "\nheight: " + std::to_string(height) +
+         "\npixel_origin: centre\nparameters: {fx: 500, fy: 500, cx: 30, cy: 20}\n";
+}
+
+const std::string plates =
+    "Anker;Rolle;Geschoss;Tag-Familie;Tag-Nr;Tag-Größe [mm];tag_x_mm;tag_y_mm;tag_z_mm;Azimut [deg];Bemerkung;;\r\n"
+    "F01;Passpunkt;1;tag36h11;0;200,0;0;200;0;180;Dübel neu;;\r\n"
+    "F02;Kontrollpunkt;1;tag36h11;1;200,0;0;200;0;180;;;\r\n;;;;;;;;;;;;\r\n";
+const std::string control = "Punkt;Rechtswert;Hochwert;Höhe\r\nG1;10,5;20,25;3,1\r\n";
+const std::string gsi =
+    "*110001+00000000000000S1 84..10+0000000000010500 85..10+0000000000020250 86..10+0000000000003100 "
+    "88..10+0000000000001500\n"
+    "*110002+000000000000000A 21.322+0000000012345670 22.322+0000000009876540 31..00+0000000000012345\n";
+
+TEST_F(Folder, RecognisesWhatLiesThere) {
+  write("Vermessung/montag.gsi", gsi);
+  write("Schilder Süd.csv", plates);
+  write("Festpunkte.csv", control);
+  write("Kamera.yaml", camera("x2d", 60, 40));
+  write("Entwurf.ifc", "ISO-10303-21;\n");
+  write("Protokoll.docx", "PK");
+  const Proposal p = propose();
+  for (const char* line : {"survey: Vermessung/montag.gsi", "plates: Schilder Süd.csv", "control: Festpunkte.csv",
+                           "design: Entwurf.ifc", "# images: images/*.JPG   # MISSING"})
+    EXPECT_NE(p.yaml.find(line), std::string::npos) << line << "\n" << p.yaml;
+  EXPECT_EQ(p.yaml.find("Protokoll"), std::string::npos);
+}
+
+TEST_F(Folder, GermanColumnsAndRolesOfPlatesAreRead) {
+  const auto entries = parse_plates(plates, "Schilder.csv", CampaignUse::site, &names_);
+  ASSERT_EQ(entries.size(), 2u);
+  EXPECT_EQ(entries[0].role, "control");
+  EXPECT_EQ(entries[1].role, "check") << "a Kontrollpunkt is one to judge by";
+  EXPECT_EQ(entries[0].tag_size, 0.2);
+  EXPECT_EQ(names_, std::vector<std::string>{
+                        "Schilder.csv:1: the column 'bemerkung' is none of this table's, and is left out"});
+}
+
+TEST_F(Folder, SaysWhatIsMissingAndWhatCannotBeRead) {
+  write("Schilder.xlsx", "PK");
+  const Proposal p = propose();
+  std::string all;
+  for (const std::string& line : p.wrong) all += line + "\n";
+  for (const char* words : {"plates: no table says which tag hangs", "survey: no file with readings", "design: no IFC",
+                            "Schilder.xlsx: a spreadsheet's own format is not read; save the sheet as CSV"})
+    EXPECT_NE(all.find(words), std::string::npos) << words << "\n" << all;
+}
+
+TEST_F(Folder, ADamagedTableIsToldWithItsLine) {
+  write("plates.csv",
+        "anchor,tag_id,role,floor,tag_family,tag_size_mm,tag_x_mm,tag_y_mm,tag_z_mm,facing_azimuth_deg\n"
+        "A,x,control,1,tag36h11,200,0,0,0,180\n");
+  const Proposal p = propose();
+  EXPECT_NE(p.yaml.find("plates: plates.csv"), std::string::npos) << p.yaml;
+  EXPECT_NE(p.wrong.front().find("plates.csv:2: column 'tag_id' holds 'x'"), std::string::npos) << p.wrong.front();
+}
+
+}  // namespace
+}  // namespace plumbline::campaign
