@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "runtime/artifact_rules.hpp"
 #include "runtime/json_text.hpp"
 
 namespace plumbline::runtime {
@@ -157,8 +158,10 @@ std::string verify_artifact(const plumbline_type& type, plumbline_bytes bytes) {
   if (bytes.size < 8 || !bytes.data) return "has " + std::to_string(bytes.size) + " bytes, too few for any artifact";
   const Schema& schema = schema_of(type);
   if (!flatbuffers::Verify(schema, *schema.root_table(), static_cast<const uint8_t*>(bytes.data), bytes.size, 64,
-                           1u << 30))
-    return std::string("is not a well-formed ") + type.name;
+                           1u << 30)) {
+    const std::string missing = missing_field(type, bytes);
+    return missing.empty() ? std::string("is not a well-formed ") + type.name : missing;
+  }
   return "";
 }
 

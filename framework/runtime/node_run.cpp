@@ -9,6 +9,7 @@
 #include <mutex>
 #include <set>
 
+#include "runtime/artifact_rules.hpp"
 #include "runtime/artifact_type.hpp"
 #include "runtime/digest.hpp"
 #include "runtime/executable_node.hpp"
@@ -212,8 +213,11 @@ plumbline_bytes Host::get(const std::string& port, size_t index) {
 
 void Host::commit(const std::string& port, plumbline_bytes bytes) {
   const plumbline_port& declared = output(port);
-  if (const std::string problem = verify_artifact(call_.node->kind.type_of(declared), bytes); !problem.empty())
+  const plumbline_type& type = call_.node->kind.type_of(declared);
+  if (const std::string problem = verify_artifact(type, bytes); !problem.empty())
     throw std::runtime_error("output '" + port + "' is no valid " + declared.type + ": " + problem);
+  if (const std::string problem = broken_rule(type, bytes); !problem.empty())
+    throw std::runtime_error("output '" + port + "' is no sound " + declared.type + ": " + problem);
   {
     const std::scoped_lock lock(mutex_);
     if (declared.cardinality != PLUMBLINE_LIST && !committed_.insert(port).second)
