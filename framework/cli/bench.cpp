@@ -308,7 +308,10 @@ std::vector<size_t> cells_of_task(const BenchOptions& options, const SweepPlan& 
 }  // namespace
 
 void declare_bench(CLI::App& command, BenchOptions& options) {
-  command.add_option("file", options.file, "a bench file; or 'verify' and then a folder that --archive wrote")
+  command
+      .add_option("file", options.file,
+                  "a bench file, or the name of one of the shipped ones; or 'verify' and then a folder that "
+                  "--archive wrote")
       ->required()
       ->type_name("FILE");
   command.add_option("overrides", options.overrides, "variables and parameters for all cells, as for run")
@@ -351,12 +354,14 @@ void declare_bench(CLI::App& command, BenchOptions& options) {
   command.add_flag("-q,--quiet", options.quiet, "print nothing but warnings and errors");
 }
 
-int bench(const BenchOptions& options) {
+int bench(const BenchOptions& given) {
+  BenchOptions options = given;
   if (options.file == "verify" && !fs::exists(options.file)) {
     if (options.overrides.size() != 1)
       throw UsageError("'plumbline bench verify' takes one folder that --archive wrote");
     return verify_bench(options.overrides[0], options);
   }
+  options.file = find_bench(given.file);
   const runtime::Registry registry = discover();
   Options for_store;
   for_store.store = options.store;

@@ -105,6 +105,8 @@ std::string range_text(const plumbline_param& param) {
 }  // namespace
 
 int list(const Options& options) {
+  if (options.name == "pipelines") return list_pipelines(options);
+  if (options.name == "artifacts") return list_artifacts(options);
   const runtime::Registry registry = discover();
   Json json = Json::array();
   std::vector<std::vector<std::string>> rows;
@@ -126,11 +128,13 @@ int describe(const Options& options) {
   const runtime::Registry registry = discover();
   const runtime::Kind* kind = registry.find(options.name);
   if (!kind) {
+    if (describe_pipeline(options, registry) || describe_artifact(options, registry)) return 0;
     std::vector<std::string> names;
     for (const auto& [name, entry] : registry.kinds()) names.push_back(name);
     const std::string hint = did_you_mean(options.name, names);
-    throw UsageError("there is no node '" + options.name + "'" +
-                     (hint.empty() ? "; `plumbline list` shows what there is" : hint));
+    throw UsageError(
+        "there is no node, pipeline or artifact '" + options.name + "'" +
+        (hint.empty() ? "; `plumbline list`, `list pipelines` and `list artifacts` show what there is" : hint));
   }
   if (options.json) {
     std::printf("%s\n", kind_json(*kind).dump(1).c_str());

@@ -1,5 +1,5 @@
-// The commands of the program. Each returns the exit code: 0 done, 1 invalid pipeline or failed run, 130 cancelled.
-// Wrong usage (exit code 2) is main's business.
+// The commands of the program. Each returns the exit code: 0 done, 1 failed run, 130 cancelled. Wrong usage and
+// invalid pipelines (exit code 2) are main's business.
 #pragma once
 
 #include <filesystem>
@@ -22,7 +22,7 @@ class UsageError : public std::runtime_error {
 struct Options {
   std::string pipeline;                ///< a file or the name of a pipeline
   std::vector<std::string> overrides;  ///< KEY=VALUE
-  std::string name;                    ///< of a kind or an artifact
+  std::string name;                    ///< of a kind, a pipeline or an artifact; of `list`: what
   std::string role;                    ///< filter of `list`
   std::string out;                     ///< empty: out/<pipeline>
   std::string store;                   ///< empty: Store::default_folder()
@@ -43,6 +43,12 @@ int plan(const Options& options);
 int draw(const Options& options);
 int list(const Options& options);
 int describe(const Options& options);
+/// `list pipelines`, `list artifacts`.
+int list_pipelines(const Options& options);
+int list_artifacts(const Options& options);
+/// `describe` of what is no kind of node; false if options.name is no pipeline, or no artifact.
+bool describe_pipeline(const Options& options, const runtime::Registry& registry);
+bool describe_artifact(const Options& options, const runtime::Registry& registry);
 int schema(const Options& options);
 int doctor(const Options& options);
 int show(const Options& options);
@@ -52,12 +58,17 @@ int why(const Options& options);
 int diff(const Options& options);
 int export_run(const Options& options);
 int verify(const Options& options);
+int campaign_init(const Options& options);
+int campaign_check(const Options& options);
 int cache(const Options& options);
 int prune(const Options& options);
 
 /// The file of `name`: itself if there is such a file, else <name>.yaml in ./pipelines, in the source tree the program
 /// was built from, or in share/plumbline/pipelines beside it. Throws UsageError with near names.
 std::filesystem::path find_pipeline(const std::string& name);
+
+/// The same for bench files: <name>.yaml in `benchmarks` beside those folders, and below. Throws UsageError.
+std::string find_bench(const std::string& name);
 
 /// Folders of pipelines that are found by name, also by `include:`.
 std::vector<std::filesystem::path> pipeline_folders();

@@ -21,7 +21,10 @@ int validate(const Options& options) {
       std::printf("%s: valid, %zu nodes, %zu outputs\n", graph.file.c_str(), graph.nodes.size(), graph.outputs.size());
     return 0;
   } catch (const runtime::InvalidPipeline& invalid) {
-    if (!options.json) throw;
+    if (!options.json) {
+      std::fprintf(stderr, "%s\n", invalid.what());
+      return 1;
+    }
     Json problems = Json::array();
     for (const auto& problem : invalid.problems())
       problems.push_back({{"file", problem.at.file},

@@ -2,6 +2,7 @@
 #include <glog/logging.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
@@ -77,6 +78,18 @@ std::vector<Command> declare(CLI::App& app, Options& options, plumbline::cli::Be
   plumbline::cli::declare_bench(*bench, bench_options);
   commands.push_back({bench, [&bench_options](const Options&) { return plumbline::cli::bench(bench_options); }});
 
+  CLI::App& campaign = *app.add_subcommand("campaign", "proposes and checks the campaign.yaml of a site's folder");
+  campaign.require_subcommand(1);
+  const auto add_campaign = [&](const char* name, const char* summary, int (*action)(const Options&)) {
+    CLI::App& command = *campaign.add_subcommand(name, summary);
+    command.add_option("folder", options.name, "the folder of a site")->required()->type_name("FOLDER");
+    add_store(command, options);
+    commands.push_back({&command, action});
+  };
+  add_campaign("init", "looks at what lies in a folder and writes a commented campaign.yaml",
+               plumbline::cli::campaign_init);
+  add_campaign("check", "reads the folder and tells all that is wrong with it at once", plumbline::cli::campaign_check);
+
   CLI::App& validate =
       add("validate", "checks a pipeline and shows all that is wrong with it", plumbline::cli::validate);
   add_pipeline(validate, options);
@@ -88,12 +101,19 @@ std::vector<Command> declare(CLI::App& app, Options& options, plumbline::cli::Be
   add_store(plan, options);
   add_json(plan, options);
 
-  CLI::App& list = add("list", "lists the kinds of nodes", plumbline::cli::list);
+  CLI::App& list = add("list", "lists the kinds of nodes, the pipelines or the artifacts", plumbline::cli::list);
+  list.add_option("what", options.name, "nodes (if nothing is said), pipelines or artifacts")
+      ->check(CLI::IsMember({"nodes", "pipelines", "artifacts"}))
+      ->type_name("WHAT");
   list.add_option("--role", options.role, "only those of this role")->type_name("ROLE");
   add_json(list, options);
 
-  CLI::App& describe = add("describe", "shows ports and parameters of a kind", plumbline::cli::describe);
-  describe.add_option("kind", options.name, "such as pose.opengv")->required()->type_name("KIND");
+  CLI::App& describe =
+      add("describe", "shows ports and parameters of a kind, variables of a pipeline, fields of an artifact",
+          plumbline::cli::describe);
+  describe.add_option("name", options.name, "such as pose.opengv, site_campaign or plumbline.Points/1")
+      ->required()
+      ->type_name("NAME");
   add_json(describe, options);
 
   add("schema", "prints the JSON Schema of pipeline files, for editors", plumbline::cli::schema);
@@ -197,11 +217,20 @@ int main(int argc, char** argv) {
   plumbline::cli::BenchOptions bench_options;
   CLI::App app("Plumbline: survey-controlled photogrammetry as a dataflow of plugins");
   app.set_version_flag("--version", "plumbline " PLUMBLINE_VERSION);
+  app.name("plumbline");
   app.require_subcommand(1);
   app.failure_message(CLI::FailureMessage::simple);
   const std::vector<Command> commands = declare(app, options, bench_options);
+  // `help`, `help run` and `version`, as people try them first.
+  std::vector<std::string> words(argv + 1, argv + argc);
+  if (!words.empty() && words[0] == "version") words = {"--version"};
+  if (!words.empty() && words[0] == "help") {
+    words.erase(words.begin());
+    words.emplace_back("--help");
+  }
   try {
-    app.parse(argc, argv);
+    std::reverse(words.begin(), words.end());  // as CLI11 takes them
+    app.parse(std::move(words));
   } catch (const CLI::Success& success) {  // --help, --version
     return app.exit(success);
   } catch (const CLI::ParseError& error) {
@@ -217,9 +246,9 @@ int main(int argc, char** argv) {
   } catch (const plumbline::cli::UsageError& error) {
     std::fprintf(stderr, "plumbline: %s\n", error.what());
     return 2;
-  } catch (const plumbline::runtime::InvalidPipeline& error) {
+  } catch (const plumbline::runtime::InvalidPipeline& error) {  // unknown variables and parameters, too
     std::fprintf(stderr, "%s\n", error.what());
-    return 1;
+    return 2;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "plumbline: %s\n", error.what());
     return 1;

@@ -1,6 +1,7 @@
 // Where pipelines, plugins and the store are found.
 #include <algorithm>
 #include <cstdlib>
+#include <fstream>
 
 #include "commands.hpp"
 #include "runtime/quantities.hpp"
@@ -45,6 +46,32 @@ fs::path find_pipeline(const std::string& name) {
   std::string text = "there is no pipeline file '" + name + "'" + did_you_mean(wanted, names);
   if (!names.empty()) {
     text += "\nPipelines that can be run by name:";
+    for (const std::string& known : names) text += " " + known;
+  }
+  throw UsageError(text);
+}
+
+std::string find_bench(const std::string& name) {
+  if (fs::is_regular_file(name)) return name;
+  std::vector<std::string> names;
+  for (const fs::path& pipelines : pipeline_folders()) {
+    const fs::path folder = pipelines.parent_path() / "benchmarks";
+    std::error_code failed;
+    for (const auto& entry : fs::recursive_directory_iterator(folder, failed)) {
+      std::ifstream stream(entry.path());
+      std::string line;
+      if (entry.path().extension() != ".yaml") continue;
+      while (std::getline(stream, line) && (line.empty() || line[0] == '#')) continue;
+      if (line.rfind("bench:", 0) != 0) continue;
+      if (entry.path().stem() == name || entry.path().filename() == name) return entry.path().string();
+      names.push_back(entry.path().stem().string());
+    }
+  }
+  std::sort(names.begin(), names.end());
+  names.erase(std::unique(names.begin(), names.end()), names.end());
+  std::string text = "there is no bench file '" + name + "'" + did_you_mean(fs::path(name).stem().string(), names);
+  if (!names.empty()) {
+    text += "\nBench files that can be run by name:";
     for (const std::string& known : names) text += " " + known;
   }
   throw UsageError(text);

@@ -77,16 +77,13 @@ void Progress::node_finished(const runtime::GraphNode& node, const runtime::Node
   record_.node(node, result);
   clear_status();
   if (style_ == Style::json) std::printf("%s\n", runtime::Record::node_line(node, result).c_str());
-  if (style_ == Style::lines) {
+  // What was skipped is a consequence of what failed: told in one line at the end.
+  if (style_ == Style::lines && result.status != NodeStatus::skipped) {
     std::string line = paint(colour_of(result.status), to_text(result.status));
     line += std::string(10 - std::string(to_text(result.status)).size(), ' ');
     std::string name = runtime::label_of(node) + " (" + node.kind.node->kind + ")";
     std::string note;
-    if (result.status == NodeStatus::executed) {
-      note = times_and_items(node, result);
-    } else if (result.status == NodeStatus::skipped) {
-      note = result.error;
-    }
+    if (result.status == NodeStatus::executed) note = times_and_items(node, result);
     if (!note.empty()) name.resize(std::max(name.size(), name_width_) + 2, ' ');
     std::printf("%s%s%s\n", line.c_str(), name.c_str(), note.c_str());
   }
@@ -94,7 +91,9 @@ void Progress::node_finished(const runtime::GraphNode& node, const runtime::Node
   if (style_ != Style::json)
     for (const std::string& warning : runtime::told_once(result.warnings))
       std::fprintf(stderr, "%s: node '%s': warning: %s\n", node.at.text().c_str(), node.name.c_str(), warning.c_str());
-  if (result.status == NodeStatus::failed) std::fprintf(stderr, "%s\n", result.error.c_str());
+  // All of it stands at the end, where people look; other branches may take an hour more.
+  if (result.status == NodeStatus::failed && !running_.empty())
+    std::fprintf(stderr, "%s\n", result.error.substr(0, result.error.find('\n')).c_str());
   show_status();
 }
 
@@ -109,7 +108,7 @@ void Progress::round_finished(const runtime::RoundsEnd& end) {
 
 /// "[3/9] detect (detect.apriltag) 12 of 40, about 8 s left"
 void Progress::show_status() {
-  if (style_ != Style::lines || !error_is_terminal() || running_.empty()) return;
+  if (style_ != Style::lines || !can_rewrite_lines() || running_.empty()) return;
   shown_ = Clock::now();
   const auto& [name, running] = *running_.begin();
   const std::string of = total_ > 0 ? "/" + std::to_string(total_) : "";  // how many rounds come nobody knows
@@ -117,7 +116,7 @@ void Progress::show_status() {
   if (!running.text.empty()) line += " " + running.text;
   if (running.fraction > 0.02 && running.fraction <= 1) {
     const double elapsed = std::chrono::duration<double>(shown_ - running.start).count();
-    line += ", about " + duration_text(std::ceil(elapsed * (1 / running.fraction - 1))) + " left";
+    line += ", about " + rough_duration_text(elapsed * (1 / running.fraction - 1)) + " left";
   }
   if (running_.size() > 1) line += "  (+" + std::to_string(running_.size() - 1) + " more)";
   line.resize(std::min(line.size(), terminal_width() - 1));

@@ -54,8 +54,47 @@ void print_verdict(const std::vector<runtime::Delivery>& deliveries, const fs::p
   for (const auto& delivery : deliveries) {
     if ((delivery.file != "verdict.txt" && delivery.file != "summary.txt") || !delivery.problem.empty()) continue;
     std::ifstream stream(out / delivery.file);
-    for (std::string line; std::getline(stream, line);) std::printf("%s\n", line.c_str());
+    for (std::string line; std::getline(stream, line);) std::printf("%s\n", paint_verdict(line).c_str());
   }
+}
+
+std::string metrics_text(const runtime::NodeResult& node) {
+  constexpr size_t most = 6;
+  std::string text;
+  size_t shown = 0;
+  for (const auto& metric : node.metrics) {
+    if (metric.name == "invalid" && !(metric.value > 0)) continue;
+    if (shown++ == most) return text + ", ...";
+    char value[40];
+    std::snprintf(value, sizeof value, "%.6g", metric.value);
+    text += (text.empty() ? "" : ", ") + metric.name + " " + value + (metric.unit == "1" ? "" : " " + metric.unit);
+  }
+  return text;
+}
+
+/// A pipeline without such an output ends with what its nodes say of themselves, in at most a screen.
+void print_result(const runtime::Graph& graph, const runtime::RunResult& result,
+                  const std::vector<runtime::Delivery>& deliveries) {
+  constexpr size_t most_lines = 16;
+  for (const auto& delivery : deliveries)
+    if (delivery.file == "verdict.txt" || delivery.file == "summary.txt") return;
+  std::vector<bool> delivers(graph.nodes.size());
+  for (const auto& output : graph.outputs) delivers[output.from.node] = true;
+  std::vector<std::vector<std::string>> rows;
+  for (size_t i = 0; i < graph.nodes.size(); ++i) {
+    const runtime::NodeResult& node = result.nodes[i];
+    if (node.status != NodeStatus::executed && node.status != NodeStatus::reused) continue;
+    if (const std::string text = metrics_text(node); delivers[i] && !text.empty())
+      rows.push_back({"  " + graph.nodes[i].name, text});
+    if (!graph.nodes[i].maps)
+      for (const std::string& message : node.messages) rows.push_back({"  " + graph.nodes[i].name, message});
+  }
+  if (rows.size() > most_lines) {
+    const size_t more = rows.size() - most_lines;
+    rows.resize(most_lines);
+    rows.push_back({"", std::to_string(more) + " more in run.jsonl"});
+  }
+  if (!rows.empty()) std::printf("Result\n%s", columns(rows).c_str());
 }
 
 /// A node that has a result which must not be used says so with the metric `invalid`.
@@ -66,27 +105,41 @@ bool is_invalid(const runtime::RunResult& result) {
   return false;
 }
 
+/// The last lines of a run that failed: what failed, why, what follows from it in one line, and what to do.
+void print_failure(const runtime::Graph& graph, const runtime::RunResult& result,
+                   const std::vector<runtime::Delivery>& deliveries) {
+  size_t failed = 0, skipped = 0;
+  std::string missing;
+  for (size_t i = 0; i < deliveries.size(); ++i) {
+    if (deliveries[i].problem.empty()) continue;
+    const NodeStatus source = result.nodes[graph.outputs[i].from.node].status;
+    const bool stays = deliveries[i].problem.find(';') != std::string::npos;  // somebody's file at its place
+    if (source == NodeStatus::executed || source == NodeStatus::reused || stays)
+      std::fprintf(stderr, "%s: output '%s' is not written: %s\n", graph.file.c_str(), deliveries[i].file.c_str(),
+                   deliveries[i].problem.c_str());
+    else
+      missing += (missing.empty() ? "" : ", ") + deliveries[i].file;
+  }
+  for (size_t i = 0; i < result.nodes.size(); ++i) {
+    skipped += result.nodes[i].status == NodeStatus::skipped;
+    if (result.nodes[i].status != NodeStatus::failed) continue;
+    if (failed++ == 0) std::fprintf(stderr, "\n%s\n", paint_error(Colour::red, "FAILED").c_str());
+    std::fprintf(stderr, "%s\n", result.nodes[i].error.c_str());
+  }
+  if (failed == 0) return;
+  std::string follows;
+  if (skipped > 0)
+    follows = std::to_string(skipped) + (skipped == 1 ? " node that needs" : " nodes that need") + " it did not run";
+  if (!missing.empty()) follows += (follows.empty() ? "not written: " : "; not written: ") + missing;
+  if (!follows.empty()) std::fprintf(stderr, "%s.\n", follows.c_str());
+  std::fprintf(stderr, "Mend it and give the same command again: what was done is kept.\n");
+}
+
 void print_json_end(const fs::path& out) {
   std::ifstream stream(out / "run.jsonl");
   std::string line, last;
   while (std::getline(stream, line)) last = line;
   std::printf("%s\n", last.c_str());
-}
-
-/// A run that reads the folder it writes to would find its key changed by its own outputs at every run.
-void warn_of_output_in_input(const runtime::Graph& graph, const fs::path& out) {
-  const std::string target = fs::weakly_canonical(fs::absolute(out)).string() + "/";
-  for (const auto& node : graph.nodes)
-    for (uint32_t i = 0; i < node.kind.node->param_count; ++i) {
-      const plumbline_param& param = *node.kind.node->params[i];
-      if (param.kind != PLUMBLINE_FOLDER || param.is_list || node.parameters.at(param.name).empty()) continue;
-      const std::string folder = fs::weakly_canonical(node.parameters.at(param.name)).string() + "/";
-      if (target.compare(0, folder.size(), folder) == 0)
-        std::fprintf(stderr,
-                     "warning: the output folder %s lies in the folder that node '%s' reads, so every run will find it "
-                     "changed and start anew; choose another with --out\n",
-                     out.c_str(), node.name.c_str());
-    }
 }
 
 /// Variants of a pipeline share its folder below out/: what another one left there is replaced, and that is said.
@@ -135,7 +188,6 @@ int run(const Options& options) {
   run_options.cancel = &cancel;
   run_options.isolate = options.isolate;
   runtime::RunInfo info{PLUMBLINE_VERSION, options.overrides, store.folder(), run_options.threads, run_options.memory};
-  warn_of_output_in_input(graph, out);
   runtime::OutputFolder folder(out, store.file_hashes(), options.overwrite);
   refuse_obstacles(obstacles_to(graph, folder), options);
   tell_of_other_variant(options, out);
@@ -164,15 +216,15 @@ int run(const Options& options) {
   bool delivered = true;
   for (const auto& delivery : deliveries) {
     if (!delivery.note.empty()) std::fprintf(stderr, "warning: %s\n", delivery.note.c_str());
-    if (delivery.problem.empty()) continue;
-    delivered = false;
-    std::fprintf(stderr, "%s: output '%s' is not written: %s\n", graph.file.c_str(), delivery.file.c_str(),
-                 delivery.problem.c_str());
+    delivered = delivered && delivery.problem.empty();
   }
   if (options.json)
     print_json_end(out);
   else if (!options.quiet)
-    print_summary(graph, result, deliveries, out), print_verdict(deliveries, out);
+    print_summary(graph, result, deliveries, out), print_verdict(deliveries, out),
+        print_result(graph, result, deliveries);
+  std::fflush(stdout);
+  print_failure(graph, result, deliveries);
   if (result.cancelled) {
     std::fprintf(stderr, "cancelled; what was finished is kept and the next run goes on from there\n");
     return 130;

@@ -1,23 +1,36 @@
 #include "terminal.hpp"
 
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <iterator>
+#include <sstream>
+#include <string_view>
+#include <utility>
 
 namespace plumbline::cli {
 
 namespace {
 
+bool colours_on(int file) {
+  const char* off = std::getenv("NO_COLOR");
+  const char* terminal = std::getenv("TERM");
+  return isatty(file) && !(off && *off) && terminal && std::string(terminal) != "dumb";
+}
+
 bool colours() {
-  static const bool wanted = [] {
-    const char* off = std::getenv("NO_COLOR");
-    const char* terminal = std::getenv("TERM");
-    return isatty(STDOUT_FILENO) && !(off && *off) && terminal && std::string(terminal) != "dumb";
-  }();
+  static const bool wanted = colours_on(STDOUT_FILENO);
   return wanted;
+}
+
+std::string painted(Colour colour, const std::string& text) {
+  static constexpr const char* codes[] = {"", "\033[32m", "\033[33m", "\033[31m", "\033[2m", "\033[1m"};
+  return codes[static_cast<int>(colour)] + text + "\033[0m";
 }
 
 /// Number of characters of UTF-8 text.
@@ -29,14 +42,50 @@ size_t width(const std::string& text) {
 }  // namespace
 
 std::string paint(Colour colour, const std::string& text) {
-  static constexpr const char* codes[] = {"", "\033[32m", "\033[33m", "\033[31m", "\033[2m", "\033[1m"};
-  if (colour == Colour::none || !colours()) return text;
-  return codes[static_cast<int>(colour)] + text + "\033[0m";
+  return colour == Colour::none || !colours() ? text : painted(colour, text);
 }
 
-bool error_is_terminal() {
-  static const bool is = isatty(STDERR_FILENO) != 0;
-  return is;
+std::string paint_error(Colour colour, const std::string& text) {
+  static const bool wanted = colours_on(STDERR_FILENO);
+  return colour == Colour::none || !wanted ? text : painted(colour, text);
+}
+
+std::string paint_verdict(const std::string& line) {
+  static const std::pair<const char*, Colour> words[] = {
+      {"NOT TO BE TRUSTED", Colour::red}, {"NOT JUDGED", Colour::yellow}, {"FAIL", Colour::red},
+      {"undecided", Colour::yellow},      {"pass", Colour::green},        {"Set aside", Colour::yellow},
+      {"Note:", Colour::yellow},          {"Warning:", Colour::yellow}};
+  if (!colours()) return line;
+  const auto is_letter = [&](size_t at) {
+    return at < line.size() && std::isalnum(static_cast<unsigned char>(line[at]));
+  };
+  std::string text;
+  for (size_t at = 0; at < line.size();) {
+    const auto found = std::find_if(std::begin(words), std::end(words), [&](const auto& word) {
+      const std::string_view name = word.first;
+      return line.compare(at, name.size(), name) == 0 && !(at > 0 && is_letter(at - 1)) && !is_letter(at + name.size());
+    });
+    if (found == std::end(words)) {
+      text += line[at++];
+    } else {
+      text += paint(found->second, found->first);
+      at += std::string_view(found->first).size();
+    }
+  }
+  return text;
+}
+
+bool can_rewrite_lines() {
+  static const bool can = [] {
+    const char* terminal = std::getenv("TERM");
+    return isatty(STDERR_FILENO) && terminal && std::string(terminal) != "dumb";
+  }();
+  return can;
+}
+
+size_t terminal_columns() {
+  winsize size{};
+  return isatty(STDOUT_FILENO) && ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 ? size.ws_col : 0;
 }
 
 std::string duration_text(double seconds) {
@@ -53,6 +102,14 @@ std::string duration_text(double seconds) {
   return text;
 }
 
+std::string rough_duration_text(double seconds) {
+  const long whole = std::max(1L, std::lround(std::ceil(seconds)));
+  if (whole < 90) return std::to_string(whole) + " s";
+  const long minutes = (whole + 59) / 60;
+  if (minutes < 60) return std::to_string(minutes) + " min";
+  return std::to_string(minutes / 60) + " h " + std::to_string(minutes % 60) + " min";
+}
+
 std::string size_text(double bytes) {
   static constexpr const char* units[] = {"B", "KiB", "MiB", "GiB", "TiB"};
   size_t unit = 0;
@@ -62,16 +119,46 @@ std::string size_text(double bytes) {
   return text;
 }
 
-std::string columns(const std::vector<std::vector<std::string>>& rows) {
+namespace {
+
+/// The text in lines of at most `room` characters, broken between words; lines after the first begin with `indent`
+/// blanks.
+std::string wrapped(const std::string& text, size_t room, size_t indent) {
+  std::string result, line;
+  std::istringstream words(text);
+  for (std::string word; words >> word;) {
+    if (!line.empty() && width(line) + 1 + width(word) > room) {
+      result += line + "\n" + std::string(indent, ' ');
+      line.clear();
+    }
+    line += (line.empty() ? "" : " ") + word;
+  }
+  return result + line;
+}
+
+}  // namespace
+
+std::string columns(const std::vector<std::vector<std::string>>& rows, size_t screen) {
+  constexpr size_t narrowest = 24, hanging = 6;
   std::vector<size_t> widths;
   for (const auto& row : rows) {
     widths.resize(std::max(widths.size(), row.size()));
     for (size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], width(row[i]));
   }
+  size_t start = 0;  // of the last column
+  for (size_t i = 0; i + 1 < widths.size(); ++i) start += widths[i] > 0 ? widths[i] + 2 : 0;
   std::string text;
   for (const auto& row : rows) {
-    for (size_t i = 0; i < row.size(); ++i)
-      text += row[i] + (i + 1 < row.size() ? std::string(widths[i] - width(row[i]) + 2, ' ') : "");
+    for (size_t i = 0; i + 1 < row.size(); ++i)
+      if (widths[i] > 0) text += row[i] + std::string(widths[i] - width(row[i]) + 2, ' ');
+    const std::string last = row.empty() ? "" : row.back();
+    if (screen == 0 || row.size() < widths.size() || start + width(last) <= screen)
+      text += last;
+    else if (start + narrowest <= screen)
+      text += wrapped(last, screen - start, start);
+    else
+      text += "\n" + std::string(hanging, ' ') +
+              wrapped(last, screen > hanging + narrowest ? screen - hanging : narrowest, hanging);
     text.erase(text.find_last_not_of(' ') + 1);
     text += "\n";
   }

@@ -8,16 +8,25 @@ namespace plumbline::cli {
 
 enum class Colour { none, green, yellow, red, dim, bold };
 
-/// The text in colour if standard output is a terminal.
+/// The text in colour if standard output is a terminal; of the second, if standard error is.
 std::string paint(Colour colour, const std::string& text);
-bool error_is_terminal();
+std::string paint_error(Colour colour, const std::string& text);
+/// The same with the words of a verdict in the colour of what they say: FAIL, undecided, pass, NOT JUDGED, warnings.
+std::string paint_verdict(const std::string& line);
+/// Whether standard error is a terminal that can go back in a line (TERM=dumb cannot).
+bool can_rewrite_lines();
+/// Columns of standard output's terminal; 0 if it is none.
+size_t terminal_columns();
 
 /// "1.24 s", "2 min 05 s", "1 h 02 min".
 std::string duration_text(double seconds);
+/// What is left, as far as anybody knows: "17 s", "2 min", "1 h 10 min".
+std::string rough_duration_text(double seconds);
 /// "12.3 MiB"
 std::string size_text(double bytes);
 
-/// Text in columns, two blanks between them; the last column is not padded.
-std::string columns(const std::vector<std::vector<std::string>>& rows);
+/// Text in columns, two blanks between them; the last column is not padded, and is wrapped between words where the
+/// screen is narrower (0: no screen). Columns that are empty in every row take no place.
+std::string columns(const std::vector<std::vector<std::string>>& rows, size_t screen = terminal_columns());
 
 }  // namespace plumbline::cli

@@ -116,7 +116,8 @@ class Sorter {
       attempt([&] { cameras_.push_back({file, parse_camera(text, file)}); });
     } else if (is_table_of_plates(text)) {
       plates_.push_back(file);
-      attempt([&] { parse_plates(text, file); });
+      std::vector<std::string> notes;  // of the owner's own columns: nothing to mend
+      attempt([&] { parse_plates(text, file, CampaignUse::site, &notes); });
     } else if (holds_readings(path, file)) {
       survey_.push_back(file);
     } else if (ends_as(file, {".csv", ".txt"}) && is_table_of_points(text)) {

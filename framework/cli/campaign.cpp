@@ -1,0 +1,77 @@
+// plumbline campaign init, campaign check
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+
+#include "commands.hpp"
+#include "terminal.hpp"
+
+namespace plumbline::cli {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// A folder for the outputs of a pipeline that only answers a question.
+class Scratch {
+ public:
+  Scratch() {
+    std::string name = (fs::temp_directory_path() / "plumbline-XXXXXX").string();
+    if (!mkdtemp(name.data()))
+      throw std::runtime_error("cannot make a folder in " + fs::temp_directory_path().string());
+    path_ = name;
+  }
+  ~Scratch() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+int ask(const char* pipeline, const Options& options, const fs::path& out) {
+  if (!fs::is_directory(options.name)) throw UsageError("'" + options.name + "' is no folder");
+  Options question = options;
+  question.pipeline = pipeline;
+  question.overrides = {"folder=" + options.name};
+  question.out = out.string();
+  question.quiet = true;
+  return run(question);
+}
+
+void print(const fs::path& file) {
+  std::ifstream stream(file);
+  for (std::string line; std::getline(stream, line);) std::printf("%s\n", paint_verdict(line).c_str());
+}
+
+}  // namespace
+
+int campaign_init(const Options& options) {
+  const fs::path target = fs::path(options.name) / "campaign.yaml";
+  if (fs::exists(fs::symlink_status(target)))
+    throw UsageError(target.string() +
+                     " is there already, and is left as it is; `plumbline campaign check` says whether it "
+                     "is sound");
+  const Scratch scratch;
+  if (const int code = ask("init_campaign", options, scratch.path()); code != 0) return code;
+  fs::copy_file(scratch.path() / "campaign.yaml", target);
+  print(scratch.path() / "summary.txt");
+  std::printf("%s is written. Read it, mend what it says, then: plumbline campaign check %s\n", target.c_str(),
+              options.name.c_str());
+  return 0;
+}
+
+int campaign_check(const Options& options) {
+  const Scratch scratch;
+  const int code = ask("check_campaign", options, scratch.path());
+  if (code != 0) return code;
+  print(scratch.path() / "summary.txt");
+  std::printf("Next: plumbline run site_campaign folder=%s\n", options.name.c_str());
+  return 0;
+}
+
+}  // namespace plumbline::cli
