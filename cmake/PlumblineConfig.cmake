@@ -4,9 +4,12 @@ include(CMakeFindDependencyMacro)
 find_dependency(Eigen3)
 find_program(FLATC flatc REQUIRED)
 # What single libraries need is looked for, and missed only by who links that library.
-foreach(package Threads Boost Ceres yaml-cpp pugixml JPEG PNG TIFF OpenSSL TBB nlohmann_json exiv2 PROJ)
+foreach(package Threads Boost Ceres yaml-cpp pugixml JPEG PNG TIFF OpenSSL TBB nlohmann_json PkgConfig PROJ)
   find_package(${package} QUIET)
 endforeach()
+if(PkgConfig_FOUND)
+  pkg_check_modules(LIBEXIF QUIET IMPORTED_TARGET libexif)  # of Plumbline::images
+endif()
 get_filename_component(PLUMBLINE_PREFIX ${CMAKE_CURRENT_LIST_DIR}/../../.. ABSOLUTE)
 set(PLUMBLINE_SCHEMA_DIR ${PLUMBLINE_PREFIX}/share/plumbline/schemas/artifacts)
 set(PLUMBLINE_CONFORMANCE_DIR ${PLUMBLINE_PREFIX}/share/plumbline/conformance)

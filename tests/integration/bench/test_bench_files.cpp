@@ -10,7 +10,7 @@ Answer refused(const std::string& text) {
   const BenchProgram plumbline;
   plumbline.write("b.yaml", text);
   const Answer answer = plumbline({"bench", "b.yaml"});
-  EXPECT_EQ(answer.code, 1) << answer.out << answer.err;
+  EXPECT_EQ(answer.code, 2) << answer.out << answer.err;
   EXPECT_FALSE(std::filesystem::exists(plumbline.work() / "out"));
   return answer;
 }

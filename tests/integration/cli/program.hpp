@@ -34,8 +34,9 @@ class Program {
   std::filesystem::path work() const { return folder.path() / "work"; }
   const std::filesystem::path& plugins() const { return plugins_; }
 
-  /// Starts the program in work() and returns its process.
-  pid_t start(const std::vector<std::string>& arguments) const {
+  /// Starts the program in work(), or another folder, and returns its process.
+  pid_t start(const std::vector<std::string>& arguments) const { return start(arguments, work()); }
+  pid_t start(const std::vector<std::string>& arguments, const std::filesystem::path& place) const {
     const std::string program = folder.path() / "bin" / "plumbline";
     const pid_t child = fork();
     if (child != 0) return child;
@@ -47,7 +48,7 @@ class Program {
     setenv("XDG_CACHE_HOME", (folder.path() / "cache").c_str(), 1);
     const int out = open((folder.path() / "out").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
     const int err = open((folder.path() / "err").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-    if (chdir(work().c_str()) != 0 || dup2(out, 1) < 0 || dup2(err, 2) < 0) _exit(126);
+    if (chdir(place.c_str()) != 0 || dup2(out, 1) < 0 || dup2(err, 2) < 0) _exit(126);
     execv(program.c_str(), words.data());
     _exit(127);
   }
@@ -58,6 +59,9 @@ class Program {
             read_file(folder.path() / "err")};
   }
   Answer operator()(const std::vector<std::string>& arguments) const { return finish(start(arguments)); }
+  Answer in(const std::filesystem::path& place, const std::vector<std::string>& arguments) const {
+    return finish(start(arguments, place));
+  }
 
   TemporaryFolder folder;
 

@@ -10,3 +10,4 @@ cp -r "$python" "$work/source"  # pip leaves its files beside the sources
 /usr/bin/python3 -m pip install --quiet --no-build-isolation --no-deps --no-index --target "$work/site" "$work/source"
 cd "$work/site"
 /usr/bin/python3 -c 'import plumbline_artifacts as p; assert p.__file__.startswith("'"$work"'/site"); p.Schema, p.Call'
+/usr/bin/python3 -c 'import plumbline as p; assert p.__file__.startswith("'"$work"'/site"); p.run, p.Run'

@@ -1,0 +1,165 @@
+// A site's folder as people have it: with the results of earlier runs in it, with files that nothing names, with what
+// computers leave beside the photographs.
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "program.hpp"
+#include "test_paths.hpp"
+
+namespace plumbline::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string pipelines = std::string(plumbline::test::source_dir()) + "/pipelines/";
+
+/// A small simulated site, made once; each test gets a copy of it in work/site.
+class SiteFolder : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    maker_ = std::make_unique<Program>(PLUMBLINE_PLUGIN_FOLDER);
+    maker_->write("make.yaml",
+                  "plumbline: 1\nvars: {seed: 2}\nnodes:\n  site: {use: simulate.campaign, with: {floors: 1, columns: "
+                  "3, camera: quick_6mp, images_per_floor: 4}}\noutputs: {site: site.folder}\n");
+    const Answer made = (*maker_)({"run", "make.yaml", "--out", "made"});
+    ASSERT_EQ(made.code, 0) << made.err;
+  }
+  static void TearDownTestSuite() { maker_.reset(); }
+
+  void SetUp() override {
+    fs::copy(maker_->work() / "made/site", site(), fs::copy_options::recursive);
+    for (const auto& entry : fs::recursive_directory_iterator(site()))
+      fs::permissions(entry, fs::perms::owner_write, fs::perm_options::add);
+  }
+  fs::path site() const { return plumbline.work() / "site"; }
+  void write(const std::string& name, const std::string& content) const {
+    fs::create_directories((site() / name).parent_path());
+    std::ofstream(site() / name, std::ios::binary) << content;
+  }
+  void append(const std::string& name, const std::string& content) const {
+    std::ofstream(site() / name, std::ios::binary | std::ios::app) << content;
+  }
+  /// The program with `pipeline` of the shipped ones, in the site's folder.
+  Answer in_site(const std::string& pipeline, std::vector<std::string> more) const {
+    fs::create_directory(plumbline.work() / "elsewhere");
+    more.insert(more.begin(), {"run", pipelines + pipeline + ".yaml", "folder=."});
+    return plumbline.in(site(), more);
+  }
+  Answer process(const std::string& out, std::vector<std::string> more = {}) const {
+    more.insert(more.begin(), {"run", pipelines + "site_campaign.yaml", "folder=site", "--out", out});
+    return plumbline(more);
+  }
+
+  inline static std::unique_ptr<Program> maker_;
+  const Program plumbline{PLUMBLINE_PLUGIN_FOLDER};
+};
+
+TEST_F(SiteFolder, HoldsItsOwnResultsAndStaysTheSame) {
+  for (const std::string pipeline : {"site_campaign", "survey_campaign", "photo_campaign", "detect_images"}) {
+    // Photographs without a calibration that they can hold, so photo_campaign may say that it must not be used (3).
+    const Answer first = in_site(pipeline, {});
+    ASSERT_TRUE(first.code == 0 || first.code == 3) << pipeline << "\n" << first.out << first.err;
+    const Answer second = in_site(pipeline, {});
+    EXPECT_EQ(second.code, first.code) << second.err;
+    EXPECT_TRUE(contains(second.out, ": 0 executed, ")) << pipeline << "\n" << second.out;
+    EXPECT_EQ(in_site(pipeline, {"--out", "."}).code, first.code) << "outputs among the files themselves";
+    const Answer beside = in_site(pipeline, {"--out", "../beside"});
+    EXPECT_EQ(beside.code, first.code) << beside.err;
+    EXPECT_TRUE(contains(beside.out, ": 0 executed, ")) << pipeline << "\n" << beside.out;
+  }
+}
+
+TEST_F(SiteFolder, WhatIsNotReadIsNotProvedRead) {
+  ASSERT_EQ(process("plain").code, 0);
+  write("Protokoll.docx", "PK");
+  const Answer answer = process("with_notes");
+  ASSERT_EQ(answer.code, 0) << answer.err;
+  EXPECT_EQ(read_file(plumbline.work() / "plain/as_built.ifc"),
+            read_file(plumbline.work() / "with_notes/as_built.ifc"));
+  EXPECT_TRUE(contains(answer.out, "Took part: 4 photographs, ")) << answer.out;
+  EXPECT_TRUE(contains(answer.out, "In the folder and not read: Protokoll.docx.")) << answer.out;
+  const std::string ifc = read_file(plumbline.work() / "with_notes/as_built.ifc");
+  EXPECT_TRUE(contains(ifc, "'ImageCount',$,IFCINTEGER(4)") ||
+              contains(ifc, "'ImageCount','Images that took part',IFCINTEGER(4)"))
+      << ifc.substr(ifc.find("ImageCount"), 100);
+  EXPECT_TRUE(contains(ifc, "images/F01-01.jpg "));
+  EXPECT_TRUE(contains(ifc, "plates.csv "));
+  EXPECT_FALSE(contains(ifc, "docx"));
+  const std::string page = read_file(plumbline.work() / "with_notes/report.html");
+  EXPECT_TRUE(contains(page, "1 file in the folder that were not read"));
+  EXPECT_TRUE(contains(page, "that the run read"));
+}
+
+TEST_F(SiteFolder, ForgottenEvidenceEndsTheRun) {
+  fs::create_directory(site() / "images/nachtrag");
+  fs::rename(site() / "images/F01-04.jpg", site() / "images/nachtrag/F01-04.jpg");
+  fs::copy_file(site() / "images/F01-03.jpg", site() / "images/neu.JPG");
+  fs::copy_file(site() / "survey/total_station.gsi", site() / "survey/dienstag.txt");
+  const Answer refused = process("out");
+  EXPECT_EQ(refused.code, 1);
+  for (const char* word : {"2 photographs (images/nachtrag/F01-04.jpg, images/neu.JPG)",
+                           "1 survey file (survey/dienstag.txt)", "that nothing names", "'images' and 'survey'",
+                           "unused: [images/neu.JPG, images/nachtrag/F01-04.jpg, survey/dienstag.txt]"})
+    EXPECT_TRUE(contains(refused.err, word)) << word << "\n" << refused.err;
+  append("campaign.yaml", "\nunused: [images/neu.JPG, \"images/nachtrag/**\", survey/dienstag.txt]\n");
+  const Answer answer = process("out");
+  EXPECT_TRUE(contains(answer.out, "Took part: 3 photographs, ")) << answer.out << answer.err;
+  EXPECT_TRUE(
+      contains(answer.out, "Set aside by 'unused': images/nachtrag/F01-04.jpg, images/neu.JPG, survey/dienstag.txt."))
+      << answer.out;
+  EXPECT_TRUE(contains(read_file(plumbline.work() / "out/as_built.ifc"), "UnusedSha256"));
+  EXPECT_TRUE(contains(read_file(plumbline.work() / "out/report.html"), "3 files set aside by 'unused'"));
+}
+
+TEST_F(SiteFolder, AMacsAndAWindowsFilesAreNoPhotographs) {
+  for (const char* name : {"images/._F01-01.jpg", "images/Thumbs.db", ".DS_Store", "~$plates.csv"}) write(name, "\0\5");
+  const Answer answer = process("out");
+  EXPECT_EQ(answer.code, 0) << answer.err;
+  EXPECT_TRUE(contains(answer.out, "Took part: 4 photographs, ")) << answer.out;
+  EXPECT_TRUE(contains(answer.out, "In the folder and not read: ")) << answer.out;
+}
+
+TEST_F(SiteFolder, NamesAreTheSameHoweverTheirLettersAreEncoded) {
+  fs::rename(site() / "plates.csv", site() /
+                                        "Schilder Su\xCC\x88"
+                                        "d.csv");  // u and a mark, as macOS zips it
+  std::string yaml = read_file(site() / "campaign.yaml");
+  yaml.replace(yaml.find("plates.csv"), 10,
+               "Schilder S\xC3\xBC"
+               "d.csv");
+  write("campaign.yaml", yaml);
+  EXPECT_EQ(process("out").code, 0);
+}
+
+TEST_F(SiteFolder, AllMistakesAreToldAtOnce) {
+  std::string yaml = read_file(site() / "campaign.yaml");
+  yaml.replace(yaml.find("design:"), 7, "desing:");
+  write("campaign.yaml", yaml);
+  std::string plates = read_file(site() / "plates.csv");
+  plates.replace(plates.find("tag36h11,0,200"), 14, "tag36h11,0,zwei");
+  plates.replace(plates.find("tag36h11,1,200"), 14, "tag36h11,0,200");
+  write("plates.csv", plates);
+  write("camera.yaml", "plumbline_camera: 1\n");
+  append("survey/total_station.gsi", "*110003+000000000000000B 21.322+00000000123\n");
+  const Answer answer = process("out");
+  EXPECT_EQ(answer.code, 1);
+  for (const char* word : {"unknown key 'desing', did you mean 'design'?", "column 'tag_size' holds 'zwei'",
+                           "camera.yaml:1: the key 'id' is missing", "found '21.322+00000000123'"})
+    EXPECT_TRUE(contains(answer.err, word)) << word << "\n" << answer.err;
+}
+
+TEST_F(SiteFolder, AnExcelTableIsRead) {
+  std::istringstream lines(read_file(site() / "plates.csv"));
+  std::string table, line;
+  for (bool first = true; std::getline(lines, line); first = false) {
+    std::replace(line.begin(), line.end(), ',', ';');
+    table += line + (first ? ";Bemerkung;;" : ";Dübel neu;;") + "\r\n";
+  }
+  write("plates.csv", table + ";;;;;;;\r\n;;;;;;;\r\n");
+  const Answer answer = process("out");
+  EXPECT_EQ(answer.code, 0) << answer.err;
+  EXPECT_TRUE(contains(answer.err, "the column 'bemerkung' is none of this table's, and is left out")) << answer.err;
+}
+
+}  // namespace
+}  // namespace plumbline::test
