@@ -139,7 +139,7 @@ class Check {
       return fail(place, field, words_of(values), "at least one known component");
     if (rule_.kind != RuleKind::rotation || values.size() < 4) return;
     const double norm = std::hypot(std::hypot(values[0], values[1]), std::hypot(values[2], values[3]));
-    if (!(std::abs(norm - 1) < 1e-6))
+    if (!(std::abs(norm - 1) < 1e-4))
       fail(place, field, words_of({values.begin(), values.begin() + 4}), "a rotation as a unit quaternion");
   }
 
