@@ -141,8 +141,15 @@ TEST_P(SurveyAdjuster, EveryParameterHasItsEffect) {
       return node;
     };
   };
-  EXPECT_EQ(test::parameters_at_fault({with(given, false, {}), with(given, true, {}), with(by_profile, true, {}),
-                                       with(given, true, {{"remove_blunders", "true"}}),
+  // Points that were keyed in as known; an instrument over a mark; a network on a map.
+  auto keyed = given;
+  for (const size_t i : {0, 3, 8}) keyed.survey.points[i].known = {true, true, true};
+  auto marked = by_profile;
+  marked.survey.points[12].known = marked.survey.points[0].known = {true, true, true};
+  EXPECT_EQ(test::parameters_at_fault({with(given, false, {}), with(keyed, false, {}),
+                                       with(marked, false, {{"profile", "total_station_1arcsec"}}),
+                                       with(given, false, {{"map", "EPSG:25832"}}), with(given, true, {}),
+                                       with(by_profile, true, {}), with(given, true, {{"remove_blunders", "true"}}),
                                        with(given, true, {{"datum", "weighted"}, {"curvature", "on"}})}),
             "");
 }
