@@ -13,8 +13,19 @@ namespace plumbline::statistics {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr std::uint64_t kEnough = 400;
 
 }  // namespace
+
+int draws_for(std::size_t comparisons) {
+  return static_cast<int>(std::clamp<std::size_t>(400 * comparisons, 9999, 10'000'000));
+}
+
+std::size_t seeds_for_risk(double risk) {
+  std::size_t seeds = least_seeds;
+  while (seeds < 64 && !(std::ldexp(2.0, -static_cast<int>(seeds)) < risk)) ++seeds;
+  return seeds;
+}
 
 Jackknife jackknife(std::size_t seeds, const Statistic& statistic) {
   Jackknife result;
@@ -69,6 +80,7 @@ double exchange_test(std::size_t seeds, const Statistic& statistic, const Infere
     std::uint64_t bit = 0;
     for (double& sign : signs) sign = (exact ? (round >> bit++) & 1 : random.bits() >> 63) ? -1 : 1;
     as_extreme += std::abs(statistic(signs)) >= observed;
+    if (!exact && as_extreme == kEnough) return static_cast<double>(kEnough) / static_cast<double>(round + 1);
   }
   if (exact) return static_cast<double>(as_extreme) / static_cast<double>(rounds);
   return static_cast<double>(as_extreme + 1) / static_cast<double>(rounds + 1);

@@ -24,7 +24,7 @@ using Statistic = std::function<double(const Weights&)>;
 
 struct InferenceOptions {
   double confidence = 0.95;
-  int draws = 9999;
+  int draws = 9999;  ///< of an exchange test that cannot be enumerated; many comparisons need many (see draws_for())
   std::uint64_t seed = 1;
 };
 
@@ -60,6 +60,12 @@ Estimate estimate(std::size_t seeds, const Statistic& statistic, double confiden
 /// are exchanged. All exchanges where there are at most 4096, else `draws` of them (Phipson and Smyth 2010: never
 /// zero).
 double exchange_test(std::size_t seeds, const Statistic& statistic, const InferenceOptions& options);
+
+/// Draws with which a test can pass Holm's correction for so many comparisons.
+int draws_for(std::size_t comparisons);
+
+/// Seeds with which an exchange test can be below `risk` at all: its least p is 2 / 2ⁿ.
+std::size_t seeds_for_risk(double risk);
 
 /// Adjusted p of a family of tests (Holm 1979), in the order given; nan stays out. `shares` of the error probability,
 /// one a test and not all alike where some matter more (his section 4); empty: alike.

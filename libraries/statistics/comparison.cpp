@@ -265,14 +265,16 @@ void judge(std::vector<PairedComparison>& family, double rope, double confidence
   std::vector<double> p, of_test;
   double total = 0;
   for (std::size_t i = 0; i < family.size(); ++i)
-    for (const double value : {family[i].p, family[i].p_lost}) {
+    // What gave the same is not tested. Nor is it chosen by the outcome: exchanging the alternatives leaves it the
+    // same.
+    for (const double value : {family[i].same ? kNan : family[i].p, family[i].p_lost}) {
       p.push_back(value);
       of_test.push_back(shares.empty() ? 1.0 : shares[i]);
       if (!std::isnan(value)) total += of_test.back();
     }
   const std::vector<double> adjusted = holm(p, of_test);
   for (std::size_t i = 0; i < family.size(); ++i) {
-    family[i].adjusted_p = adjusted[2 * i], family[i].adjusted_p_lost = adjusted[2 * i + 1];
+    family[i].adjusted_p = family[i].same ? 1 : adjusted[2 * i], family[i].adjusted_p_lost = adjusted[2 * i + 1];
     family[i].risk = (1 - confidence) * of_test[2 * i] / total;
     family[i].verdict = verdict_of(family[i], rope, confidence);
   }

@@ -81,7 +81,11 @@ void judge(std::vector<PairedComparison>& family, double rope, double confidence
 std::string in_words(const PairedComparison& comparison, const std::string& first, const std::string& second,
                      double rope, double scale, const std::string& unit);
 
-/// "140 more seeds would show 0.05 mm"; empty where the seeds that are there do, or nothing is known.
+/// Seeds with which a difference as large as the one found, or as the rope if that is larger, is shown in four of five
+/// benches at the level that the family leaves; nan where something is shown already.
+double seeds_wanted(const PairedComparison& comparison, double rope);
+
+/// "140 seeds would show 0.05 mm"; empty where those that are there do, or nothing is known.
 std::string power_in_words(const PairedComparison& comparison, double rope, double scale, const std::string& unit);
 
 /// Times of one seed.

@@ -94,10 +94,15 @@ std::string more_results(const PairedComparison& c, const std::string& first, co
 
 }  // namespace
 
+double seeds_wanted(const PairedComparison& c, double rope) {
+  if (c.verdict != Verdict::undecided || c.same) return std::nan("");
+  const double risk = c.risk > 0 ? c.risk : 0.05;
+  const double wanted = seeds_to_show(std::max(rope, std::abs(c.difference.value)), c.deviation, risk, kPower);
+  return std::max(wanted, static_cast<double>(seeds_for_risk(risk)));
+}
+
 std::string power_in_words(const PairedComparison& c, double rope, double scale, const std::string& unit) {
-  if (c.verdict != Verdict::undecided && c.verdict != Verdict::too_few) return "";
-  const double shown = rope > 0 ? rope : std::abs(c.difference.value);
-  const double wanted = seeds_to_show(shown, c.deviation, c.risk > 0 ? c.risk : 0.05, kPower);
+  const double wanted = seeds_wanted(c, rope), shown = std::max(rope, std::abs(c.difference.value));
   if (!std::isfinite(wanted) || wanted <= static_cast<double>(c.seeds)) return "";
   return (wanted > 1e6 ? "more than a million" : fixed(wanted, 0)) + " seeds would show " + length(scale * shown, unit);
 }

@@ -11,6 +11,7 @@ namespace plumbline::statistics {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kRisk = 1e-3;
 constexpr double kTenth = 1.1;  ///< a standard deviation that is off by less is as good as can be asked for
 
 using Column = std::vector<double>;
@@ -58,7 +59,7 @@ FailureRate failure_rate(const std::vector<Trial>& finished, std::size_t failure
 }
 
 Calibration calibration_of(const std::string& mode, const std::vector<StatedError>& trials, double confidence) {
-  Calibration result{mode, {}, 0, {kNan, kNan}};
+  Calibration result{mode, {}, 0, 0, {kNan, kNan}};
   Column found, predicted;
   double nees = 0, freedom = 0;
   for (const StatedError& trial : trials) {
@@ -68,6 +69,7 @@ Calibration calibration_of(const std::string& mode, const std::vector<StatedErro
   }
   result.ratio = ratio_of(predicted, found, 0.5, confidence);
   result.nees = nees / freedom;
+  result.freedom = freedom;
   if (freedom > 0 && std::isfinite(freedom)) {
     const double tail = 0.5 * (1 - confidence);
     result.nees_band = {chi_squared_quantile(tail, freedom) / freedom,
@@ -110,8 +112,13 @@ std::string two_digits(double value) {
 Honesty honesty(const Calibration& calibration) {
   const Interval& ratio = calibration.ratio.interval;
   if (!std::isfinite(ratio.lower) || !std::isfinite(ratio.upper)) return Honesty::unknown;
-  if (ratio.lower > kTenth) return Honesty::too_much;
-  if (ratio.upper < 1 / kTenth) return Honesty::too_little;
+  // Of everything together NEES says little: one bad part among many good ones.
+  const bool known = !calibration.mode.empty() && std::isfinite(calibration.nees) && calibration.freedom > 0;
+  const double square = calibration.nees * calibration.freedom, tail = 0.5 * kRisk;
+  const bool low = !known || square < chi_squared_quantile(tail, calibration.freedom),
+             high = !known || square > chi_squared_quantile(1 - tail, calibration.freedom);
+  if (ratio.lower > kTenth && low) return Honesty::too_much;
+  if (ratio.upper < 1 / kTenth && high) return Honesty::too_little;
   return Honesty::honest;
 }
 
@@ -121,13 +128,13 @@ std::string in_words(const Calibration& calibration) {
   const auto range = [](double a, double b) { return two_digits(a) + " to " + two_digits(b); };
   switch (honesty(calibration)) {
     case Honesty::too_much:
-      return "states " + two_digits(ratio.value) + " times too much (" +
-             range(ratio.interval.lower, ratio.interval.upper) + ")" + in;
+      return two_digits(ratio.value) + " times too much" + in + " (" +
+             range(ratio.interval.lower, ratio.interval.upper) + ")";
     case Honesty::too_little:
-      return "states " + two_digits(1 / ratio.value) + " times too little (" +
-             range(1 / ratio.interval.upper, 1 / ratio.interval.lower) + ")" + in;
+      return two_digits(1 / ratio.value) + " times too little" + in + " (" +
+             range(1 / ratio.interval.upper, 1 / ratio.interval.lower) + ")";
     case Honesty::honest:
-      return "states what is found" + in + " (" + two_digits(ratio.value) + ", " +
+      return "what is found" + in + " (" + two_digits(ratio.value) + ", " +
              range(ratio.interval.lower, ratio.interval.upper) + ")";
     case Honesty::unknown:
       return "";

@@ -44,14 +44,17 @@ struct Calibration {
   std::string mode;    ///< "heights", "scale", …; empty: what the bench measures
   Estimate ratio;      ///< predicted / found, of the roots of the mean squares over the trials
   double nees = 0;     ///< mean per degree of freedom; nan: not known
+  double freedom = 0;  ///< of all trials together
   Interval nees_band;  ///< where an honest covariance puts it with the given confidence
 };
 
 enum class Honesty { honest, too_much, too_little, unknown };
-/// Too much or too little where the whole interval of the ratio is more than a tenth away from 1.
+/// Too much or too little where the whole interval of the ratio is more than a tenth away from 1 and, of a part whose
+/// NEES is known, that lies where an honest covariance puts it once in a thousand times: many parts of many rows are
+/// judged.
 Honesty honesty(const Calibration& calibration);
-/// "states 4.0 times too much (3.4 to 4.7) in scale"; "states what is found in heights (0.98, 0.93 to 1.04)"; empty
-/// where nothing is known.
+/// "4.0 times too much in scale (3.4 to 4.7)"; "what is found in heights (0.98, 0.93 to 1.04)"; empty where nothing is
+/// known.
 std::string in_words(const Calibration& calibration);
 
 struct TrialSummary {

@@ -153,6 +153,9 @@ Analysis analyse(const Bench& bench) {
   statistics::InferenceOptions options;
   if (!bench.looks.empty()) analysis.confidence = 1 - 0.05 / static_cast<double>(bench.looks.size());
   options.confidence = analysis.confidence;
+  std::size_t pairs = 0;
+  for (const Group& group : bench.groups) pairs += group.alternatives.size() * (group.alternatives.size() - 1) / 2;
+  options.draws = statistics::draws_for(pairs * bench.places().size());
   std::vector<std::pair<std::string, std::string>> order;
   std::map<std::pair<std::string, std::string>, std::vector<const Cell*>> by_row;
   std::set<std::uint64_t> seeds;

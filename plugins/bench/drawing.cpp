@@ -140,7 +140,8 @@ std::string to_svg(const Drawing& d, Svg form) {
     text += "<circle cx=\"" + number(dot.x) + "\" cy=\"" + number(dot.y) + "\" r=\"" + number(dot.radius) + "\"" +
             paint("fill", dot.colour) + "><title>" + formats::xml_escaped(dot.title) + "</title></circle>\n";
   for (const auto& word : d.words)
-    text += "<text x=\"" + number(word.x) + "\" y=\"" + number(word.y) + "\" font-size=\"" + number(word.size) + "\"" +
+    text += "<text x=\"" + number(word.x) + "\" y=\"" + number(word.y) + "\" style=\"font-size:" + number(word.size) +
+            "px\"" +
             (word.anchor == Drawing::Anchor::start    ? ""
              : word.anchor == Drawing::Anchor::middle ? " text-anchor=\"middle\""
                                                       : " text-anchor=\"end\"") +

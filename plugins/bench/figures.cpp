@@ -11,7 +11,7 @@ namespace plumbline::bench {
 
 namespace {
 
-constexpr double kWidth = 720, kLeft = 230, kRight = 20, kTop = 54, kLine = 11, kGap = 9, kBottom = 38;
+constexpr double kWidth = 720, kLeft = 262, kRight = 20, kTop = 54, kLine = 11, kGap = 9, kBottom = 38;
 
 /// Told apart by people who see red and green alike (Okabe and Ito 2008).
 const char* const palette[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7a6a10", "#6b6b6b"};
@@ -117,8 +117,13 @@ void draw_row(Drawing& d, const Axis& axis, double y, const Row& row, const std:
   d.dots.push_back({axis(1e3 * rmse.value), y, 3.2, paint,
                     name + ", " + (row.place.empty() ? "" : row.place + ": ") + interval_text(rmse, 1e3) + " mm" +
                         (failed.empty() ? "" : ", " + failed)});
-  const double end = axis(1e3 * (std::isfinite(rmse.interval.upper) ? rmse.interval.upper : rmse.value));
-  if (!failed.empty() && end < kWidth - 110) d.words.push_back({end + 6, y + 3, 8, failed});
+  if (failed.empty()) return;
+  const double end = axis(1e3 * (std::isfinite(rmse.interval.upper) ? rmse.interval.upper : rmse.value)),
+               begin = axis(1e3 * (std::isfinite(rmse.interval.lower) ? rmse.interval.lower : rmse.value));
+  if (end < kWidth - 110)
+    d.words.push_back({end + 6, y + 3, 8, failed});
+  else if (begin > kLeft + 100)
+    d.words.push_back({begin - 6, y + 3, 8, failed, Drawing::Anchor::end});
 }
 
 }  // namespace
@@ -161,7 +166,7 @@ Drawing panel(const Bench& bench, const Analysis& analysis, const Group& group) 
   for (const std::string& place : bench.places()) {
     const double middle = y + 0.5 * kLine * static_cast<double>(names.size() - 1);
     d.words.push_back(
-        {kLeft - 10, middle + 3, 9.5, cut(place.empty() ? "all trials" : place, 44), Drawing::Anchor::end});
+        {kLeft - 10, middle + 3, 9.5, cut(place.empty() ? "all trials" : place, 54), Drawing::Anchor::end});
     for (std::size_t k = 0; k < names.size(); ++k, y += kLine)
       if (const auto row = held.rows.find({place, names[k]}); row != held.rows.end())
         draw_row(d, axis, y, *row->second, names[k], colour(k));

@@ -14,11 +14,15 @@ using statistics::Verdict;
 namespace {
 
 /// "a", "a and b", "a, b and c".
-std::string joined(const std::vector<std::string>& items, const char* last = " and ") {
+std::string joined(const std::vector<std::string>& items, const char* last = " and ", const char* between = ", ") {
   std::string text;
-  for (std::size_t i = 0; i < items.size(); ++i) text += (i == 0 ? "" : i + 1 == items.size() ? last : ", ") + items[i];
+  for (std::size_t i = 0; i < items.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == items.size() ? last : between) + items[i];
   return text;
 }
+
+/// Names of places have commas in them.
+std::string listed(const std::vector<std::string>& places) { return joined(places, " / ", " / "); }
 
 std::string after_semicolons(const std::vector<std::string>& parts) {
   std::string text;
@@ -29,6 +33,12 @@ std::string after_semicolons(const std::vector<std::string>& parts) {
 std::string millimetres(double metres) {
   const double mm = 1e3 * std::abs(metres);
   return fixed(mm, mm < 0.1 ? 3 : mm < 10 ? 2 : 1) + " mm";
+}
+
+/// Without the sign of what rounds to zero.
+std::string signed_millimetres(double metres) {
+  const std::string text = fixed(1e3 * metres, 2);
+  return text == "-0.00" ? "0.00" : text;
 }
 
 std::string rope_text(const Bench& bench) {
@@ -107,11 +117,11 @@ std::string by_place(const Pairing& pair, const Bench& bench) {
     const std::string where = places.size() == all && all > 3 ? "all " + std::to_string(all) + " places"
                               : places.size() > 4
                                   ? std::to_string(places.size()) + " of " + std::to_string(all) + " places"
-                                  : joined(places);
+                                  : listed(places);
     parts.push_back(what + " " + where);
   };
   const auto name_all = [&](const std::vector<std::string>& places, const std::string& what) {
-    if (!places.empty()) parts.push_back(what + " on " + joined(places));
+    if (!places.empty()) parts.push_back(what + " on " + listed(places));
   };
   name_all(first, pair.first() + " is better");
   name_all(second, pair.second() + " is better");
@@ -128,20 +138,22 @@ std::string spread_text(const Duel& duel) {
   const auto& s = *duel.errors.spread;
   if (duel.errors.same) return "";
   return "from place to place the difference of " + duel.first + " and " + duel.second + " goes from " +
-         fixed(1e3 * s.lowest, 2) + " to " + fixed(1e3 * s.highest, 2) + " mm, standard deviation " +
+         signed_millimetres(s.lowest) + " to " + signed_millimetres(s.highest) + " mm, standard deviation " +
          fixed(1e3 * s.deviation, 2) + " mm beyond noise";
 }
 
-/// "x seeds would show 0.05 mm" of the place that needs most.
+/// "131 seeds would show 0.06 mm on full height": of the place that needs most.
 std::string power_text(const Pairing& pair, const Bench& bench) {
   const Duel* worst = nullptr;
-  for (const Duel* duel : pair.places)
-    if (duel->refused.empty() && duel->errors.verdict == Verdict::undecided &&
-        (!worst || duel->errors.deviation > worst->errors.deviation))
-      worst = duel;
+  double most = 0;
+  for (const Duel* duel : pair.places) {
+    if (!duel->refused.empty()) continue;
+    const double wanted = seeds_wanted(duel->errors, bench.rope);
+    if (wanted > most) most = wanted, worst = duel;
+  }
   if (!worst) return "";
   const std::string power = power_in_words(worst->errors, bench.rope, 1e3, "mm");
-  return power.empty() ? "" : power + " everywhere";
+  return power.empty() || worst->place.empty() ? power : power + " on " + worst->place;
 }
 
 bool all_same(const Pairing& pair) {
@@ -192,7 +204,7 @@ std::string sentence_of(const Pairing& pair, const Bench& bench) {
 }
 
 struct Standing {
-  std::vector<std::string> beaten_on, best_on;
+  std::vector<std::string> beaten_on;
   double most = 0;  ///< largest difference by which it is beaten [m]
   std::size_t cells = 0, failed = 0;
   bool compared = false;  ///< with enough trials for a verdict
@@ -212,16 +224,8 @@ std::map<std::string, Standing> standings_of(const Bench& bench, const Group& gr
       const bool first = duel->errors.verdict == Verdict::first_better;
       Standing& loser = standings[first ? duel->second : duel->first];
       note(loser.beaten_on, duel->place);
-      note(standings[first ? duel->first : duel->second].best_on, duel->place);
       if (duel->errors.errors_differ) loser.most = std::max(loser.most, std::abs(duel->errors.difference.value));
     }
-  for (auto& [name, s] : standings)  // best only where nobody is better
-    s.best_on.erase(std::remove_if(s.best_on.begin(), s.best_on.end(),
-                                   [&s = s](const std::string& place) {
-                                     return std::find(s.beaten_on.begin(), s.beaten_on.end(), place) !=
-                                            s.beaten_on.end();
-                                   }),
-                    s.best_on.end());
   for (const Cell& cell : bench.cells) {
     const auto choice = cell.choices.find(group.name);
     if (choice == cell.choices.end() || cell.status == "missing") continue;
@@ -235,7 +239,7 @@ std::string places_text(const std::vector<std::string>& places, std::size_t all)
   if (all < 2) return "";
   return " on " + (places.size() == all && all > 3 ? "all " + std::to_string(all) + " places"
                    : places.size() > 3 ? std::to_string(places.size()) + " of " + std::to_string(all) + " places"
-                                       : joined(places));
+                                       : listed(places));
 }
 
 std::string choice_of(const Bench& bench, const Group& group, const std::vector<Pairing>& pairs) {
@@ -260,7 +264,9 @@ std::string choice_of(const Bench& bench, const Group& group, const std::vector<
   std::string power;
   for (const Pairing& pair : pairs) {
     same &= all_same(pair);
-    for (const Duel* duel : pair.places) all_equal &= duel->refused.empty() && duel->errors.verdict == Verdict::equal;
+    for (const Duel* duel : pair.places)
+      all_equal &=
+          duel->refused.empty() && (duel->errors.verdict == Verdict::equal || duel->errors.verdict == Verdict::too_few);
     if (power.empty()) power = power_text(pair, bench);
   }
   std::vector<std::string> parts;
@@ -269,10 +275,11 @@ std::string choice_of(const Bench& bench, const Group& group, const std::vector<
                     ": they gave the same in every trial, so what they do "
                     "differently does not reach what is measured here");
   } else if (!any_winner && unbeaten.size() > 1) {
-    parts.push_back("nothing separates " + joined(unbeaten) +
-                    (all_equal ? ": they are equal within " + rope_text(bench) + (places > 1 ? " everywhere" : "")
-                               : ": no winner" + (places > 1 ? std::string(" at any place") : "") +
-                                     (power.empty() ? "" : "; " + power)));
+    parts.push_back(
+        "nothing separates " + joined(unbeaten) +
+        (all_equal
+             ? ": they are equal within " + rope_text(bench) + (places > 1 ? " wherever there are trials enough" : "")
+             : ": no winner" + (places > 1 ? std::string(" at any place") : "") + (power.empty() ? "" : "; " + power)));
   } else if (!unbeaten.empty() && any_winner) {
     parts.push_back("take " + joined(unbeaten, " or ") + ", beaten nowhere");
     for (const std::string& name : beaten) {
@@ -282,11 +289,17 @@ std::string choice_of(const Bench& bench, const Group& group, const std::vector<
                                   : ", for lack of results"));
     }
   } else if (!beaten.empty()) {
+    // The one that is beaten on fewest places comes first.
+    std::stable_sort(beaten.begin(), beaten.end(), [&](const std::string& x, const std::string& y) {
+      return standings[x].beaten_on.size() < standings[y].beaten_on.size();
+    });
     std::vector<std::string> each;
-    for (const std::string& name : beaten)
-      if (!standings[name].best_on.empty()) each.push_back(name + places_text(standings[name].best_on, places));
-    parts.push_back(each.empty() ? "each of " + joined(beaten) + " is beaten by another"
-                                 : "none is best everywhere: take " + joined(each, ", "));
+    for (const std::string& name : beaten) {
+      const Standing& s = standings[name];
+      each.push_back(name + places_text(s.beaten_on, places) + (s.most > 0 ? ", by up to " + millimetres(s.most) : ""));
+    }
+    parts.push_back(places > 1 ? "none is best everywhere; beaten are " + after_semicolons(each)
+                               : "each of " + joined(beaten) + " is beaten by another");
   }
   if (!unknown.empty()) parts.push_back("of " + joined(unknown) + " nothing can be said: too few trials to compare");
   if (!failing.empty()) parts.push_back("without result: " + joined(failing));
@@ -324,24 +337,37 @@ std::vector<std::string> choices_to_make(const Bench& bench, const Analysis& ana
 }
 
 std::vector<std::string> calibration_verdicts(const Analysis& analysis) {
-  std::vector<std::pair<std::string, std::vector<std::string>>> wrong;
+  // Alternatives that state the same at one place stand together.
+  std::map<std::pair<std::string, std::string>, std::vector<std::string>> who;
+  std::vector<std::pair<std::string, std::string>> order;
   std::size_t right = 0, judged = 0;
   for (const Row& row : analysis.rows) {
     std::vector<std::string> words;
     bool known = false;
-    for (const auto& part : row.summary.calibration) {
+    const auto& parts = row.summary.calibration;
+    for (const auto& part : parts) {
       const auto honest = statistics::honesty(part);
       known |= honest != statistics::Honesty::unknown;
+      // What is measured may be there under its own name, too.
+      const auto named = [&](const auto& other) {
+        return !other.mode.empty() && std::abs(other.ratio.value / part.ratio.value - 1) < 1e-9;
+      };
+      if (part.mode.empty() && std::any_of(parts.begin(), parts.end(), named)) continue;
       if (honest == statistics::Honesty::too_much || honest == statistics::Honesty::too_little)
         words.push_back(in_words(part));
     }
     judged += known;
     right += known && words.empty();
-    if (!words.empty()) wrong.emplace_back((row.place.empty() ? "" : row.place + ", ") + row.name, std::move(words));
+    if (words.empty()) continue;
+    const std::pair<std::string, std::string> key{row.place, joined(words)};
+    if (who[key].empty()) order.push_back(key);
+    who[key].push_back(row.name);
   }
   if (judged == 0) return {};
   std::vector<std::string> sentences;
-  for (const auto& [name, words] : wrong) sentences.push_back(name + " " + joined(words) + ".");
+  for (const auto& key : order)
+    sentences.push_back((key.first.empty() ? "" : key.first + ": ") + joined(who[key], " and ", "; ") + " stated " +
+                        key.second + ".");
   sentences.push_back(std::to_string(right) + " of " + std::to_string(judged) +
                       " rows state what is found, within a tenth or within what the trials can tell.");
   return sentences;

@@ -63,6 +63,24 @@ TEST(ExchangeTest, SixSeedsThatAgreeAreJustSignificant) {
   EXPECT_DOUBLE_EQ(exchange_test(5, sum, {}), 2.0 / 32) << "so least_seeds is 6";
 }
 
+TEST(ExchangeTest, ManyComparisonsNeedMoreSeeds) {
+  EXPECT_EQ(seeds_for_risk(0.05), 6u);
+  EXPECT_EQ(seeds_for_risk(0.05 / 40), 11u) << "2 / 2048";
+}
+
+TEST(ExchangeTest, OneThatIsNotSignificantIsGivenUpEarly) {
+  size_t asked = 0;
+  const auto mixed = [&](const Weights& signs) {
+    ++asked;
+    double sum = 0;
+    for (size_t i = 0; i < signs.size(); ++i) sum += signs[i] * (i % 2 ? 1.0 : -1.05);
+    return sum;
+  };
+  const double p = exchange_test(40, mixed, {0.95, 1'000'000, 1});
+  EXPECT_GT(p, 0.5);
+  EXPECT_LT(asked, 2000u);
+}
+
 TEST(Holm, StepsDownAndKeepsTheOrder) {
   // By hand: sorted 0.01 0.02 0.03 0.04 times 4 3 2 1 = 0.04 0.06 0.06 0.04, made monotonous.
   EXPECT_THAT(holm({0.04, 0.01, 0.03, 0.02}), ElementsAre(0.06, 0.04, 0.06, 0.06));

@@ -152,6 +152,17 @@ TEST(Verdict, HolmTakesTheWinOfALuckyComparisonAmongMany) {
   EXPECT_DOUBLE_EQ(among[0].adjusted_p, 0.2);
 }
 
+TEST(Verdict, WhatGaveTheSameTakesNoErrorProbabilityFromTheOthers) {
+  PairedComparison lucky, same;
+  lucky.pairs = 20, lucky.p = 0.02, lucky.places = 1;
+  lucky.difference = {-1e-4, {-2e-4, -1e-5}}, lucky.narrow = {-1.8e-4, -2e-5};
+  same.p = 1, same.same = true;
+  std::vector<PairedComparison> family(10, same);
+  family.push_back(lucky);
+  judge(family, 0, 0.95);
+  EXPECT_EQ(family.back().verdict, Verdict::first_better);
+}
+
 // The trials of scipy.stats below.
 const std::vector<double> x{0.31, 0.22, 0.55, 0.19, 0.87, 0.41, 0.29, 0.36, 0.62, 0.25,
                             0.33, 1.42, 0.28, 0.47, 0.39, 0.21, 0.58, 0.44, 0.30, 0.76};
