@@ -9,6 +9,7 @@
 #include "plumbline/stop.hpp"
 #include "pose/explanation.hpp"
 #include "pose/image_cameras.hpp"
+#include "pose/raw_pose.hpp"
 #include "pose/tag_checks.hpp"
 #include "pose/tag_field.hpp"
 
@@ -64,21 +65,24 @@ std::unique_ptr<PoseT> pose_of(const ImageTagsT& image, const Field& field, cons
   for (const auto& tag : image.tags)
     if (const Field::Entry* entry = field.find(*tag))
       if (const auto view = view_of(*tag, *entry, camera, settings)) views.push_back(*view);
-  const std::string need = std::to_string(settings.min_markers);
+  const int least = settings.raw_tags > 0 ? settings.raw_tags : settings.min_markers;
+  const std::string need = std::to_string(least);
   if (image.tags.empty() && !image.problem.empty()) throw NoTagPose("shows no tag: " + image.problem);
-  if (static_cast<int>(views.size()) < settings.min_markers)
+  if (static_cast<int>(views.size()) < least)
     throw NoTagPose("shows " + count_of(views.size(), "marker") + (views.size() == 1 ? " that is" : " that are") +
                     " in the plate table (" + count_of(image.tags.size(), "tag") +
                     (image.tags.size() == 1 ? " was" : " were") + " detected, " + std::to_string(field.size()) +
                     " are in the table), needed are " + need);
-  const TagPose found = estimate_tag_pose(camera, views, solver, settings.robust);
-  if (found.inlier_count < settings.min_markers)
+  const bool raw = settings.raw_tags > 0;
+  const TagPose found = raw ? raw_tag_pose(camera, views, solver, settings.raw_tags)
+                            : estimate_tag_pose(camera, views, solver, settings.robust);
+  if (found.inlier_count < least)
     throw NoTagPose(std::to_string(found.inlier_count) + " of " + std::to_string(views.size()) +
                     " markers agree with one pose, needed are " + need);
   auto pose = std::make_unique<PoseT>();
   pose->path = image.path;
   pose->cam_from_world = found.cam_from_world;
-  pose->covariance = pack_symmetric(found.covariance);
+  if (!raw) pose->covariance = pack_symmetric(found.covariance);
   pose->inliers = 4 * found.inlier_count;
   pose->correspondences = static_cast<int>(4 * views.size());
   pose->rms = found.rms;
@@ -127,7 +131,9 @@ PosesT initial_poses(const std::vector<ImageTagsT>& images, const CameraT& camer
   std::optional<std::string> explanation;  // searched for once
   const auto explain = [&] {
     if (!explanation)
-      explanation = settings.look_for_causes ? what_would_explain(images, cameras, field, solver, settings) : "";
+      explanation = settings.look_for_causes && settings.raw_tags == 0
+                        ? what_would_explain(images, cameras, field, solver, settings)
+                        : "";
     return *explanation;
   };
   for (const std::string& sentence : same_photographs(images)) warn(sentence);
@@ -170,6 +176,7 @@ PoseSettings PoseNode::settings_of(const Context& context) const {
   settings.min_markers = static_cast<int>(*min_markers);
   settings.skip_poor_images = *on_too_few == "skip";
   settings.look_for_causes = *look_for_causes;
+  settings.raw_tags = static_cast<int>(*raw_tags);
   return settings;
 }
 

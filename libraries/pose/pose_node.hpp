@@ -20,6 +20,7 @@ struct PoseSettings {
   int min_markers = 3;
   bool skip_poor_images = false;
   bool look_for_causes = true;
+  int raw_tags = 0;  ///< 0: the robust frame; else what the solver alone makes of so many tags
 };
 
 /// Poses of the images in their order; of several cameras (`others` of `camera`), each image has that of its name.
@@ -54,6 +55,10 @@ struct PoseNode : Node {
       "markers an image must show that are in the plate table, and that must agree with its pose"};
   Param<std::string> on_too_few{"on_too_few", "error", one_of("error", "skip"),
                                 "what to do with an image that shows fewer: stop, or leave it out with a warning"};
+  Param<int64_t> raw_tags{
+      "raw_tags", 0, between(0, 1000),
+      "0: search, test of every tag and refinement, the same for all solvers. n: what the solver alone makes of the n "
+      "largest tags of an image, without covariance; to compare solvers, not for an adjustment"};
   Param<bool> look_for_causes{
       "look_for_causes", true,
       "where tags do not agree, try what would explain it (size, family, calibration, azimuths, "

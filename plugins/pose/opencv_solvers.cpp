@@ -47,14 +47,15 @@ Data all_corners(const std::vector<const TagView*>& sample) {
 }
 
 /// From one corner of each of the first three tags, another corner each time, so that three tags in one line still span
-/// a triangle; and once more from other corners.
+/// a triangle; and once more from other corners. Of fewer tags, three corners of what there is.
 PoseHypotheses minimal(const std::vector<const TagView*>& sample, cv::SolvePnPMethod method) {
   PoseHypotheses poses;
   for (const std::size_t first : {0, 2}) {
     Data data;
     for (std::size_t k = 0; k < 3; ++k) {
       const std::size_t i = (first + k) % 4;
-      data.add(sample[k]->corner_in_world(static_cast<int>(i)), sample[k]->bearings[i]);
+      const TagView& tag = *sample[k % sample.size()];
+      data.add(tag.corner_in_world(static_cast<int>(i)), tag.bearings[i]);
     }
     std::vector<cv::Mat> rotations, translations;
     cv::solveP3P(data.points, data.image, cv::Matx33d::eye(), cv::noArray(), rotations, translations, method);
@@ -107,7 +108,7 @@ PoseHypotheses ippe_square(const std::vector<const TagView*>& sample) {
       // A lone tag's pose, with the plate's nominal rotation: rough, but it needs no spread of the tags.
       poses.push_back(cam_from_tag * sample[k]->world_from_tag.inverse());
     }
-    poses.push_back(align(world, camera));
+    if (sample.size() > 2) poses.push_back(align(world, camera));  // the centres of two tags leave a rotation open
   }
   return poses;
 }

@@ -31,6 +31,8 @@ struct PoseOpenGvRig : pose::PoseNode {
                             "what proposes poses; all are refined alike"};
 
   void run(Context& context) override {
+    if (*raw_tags > 0)
+      throw std::runtime_error("raw_tags is of single cameras: a rig has no pose of one solver alone; leave it at 0");
     std::ifstream stream(rig->path, std::ios::binary);
     const std::string text{std::istreambuf_iterator<char>(stream), {}};
     const PosesT result = pose::initial_rig_poses(

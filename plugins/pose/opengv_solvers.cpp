@@ -1,5 +1,6 @@
 #include "pose/opengv_solvers.hpp"
 
+#include <algorithm>
 #include <iostream>
 #include <mutex>
 #include <opengv/absolute_pose/CentralAbsoluteAdapter.hpp>
@@ -28,13 +29,15 @@ Data all_corners(const std::vector<const TagView*>& sample) {
   return data;
 }
 
-/// One corner of each tag, another one each time: three tags in one line still span a triangle.
+/// One corner of each tag, another one each time: three tags in one line still span a triangle. Of fewer than three
+/// tags, three corners of what there is.
 Data one_corner_each(const std::vector<const TagView*>& sample, std::size_t first) {
   Data data;
-  for (std::size_t k = 0; k < sample.size(); ++k) {
+  for (std::size_t k = 0; k < std::max<std::size_t>(3, sample.size()); ++k) {
     const std::size_t i = (first + k) % 4;
-    data.bearings.push_back(sample[k]->bearings[i]);
-    data.points.push_back(sample[k]->corner_in_world(static_cast<int>(i)));
+    const TagView& tag = *sample[k % sample.size()];
+    data.bearings.push_back(tag.bearings[i]);
+    data.points.push_back(tag.corner_in_world(static_cast<int>(i)));
   }
   return data;
 }

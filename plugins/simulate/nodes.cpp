@@ -103,7 +103,7 @@ struct SimulateCampaign : simulate::SimulatedSite {
 };
 
 struct SimulateObservations : simulate::SimulatedSite {
-  static constexpr Info info{"simulate.observations", "", 4,
+  static constexpr Info info{"simulate.observations", "", 5,
                              "The site of simulate.campaign as observations with noise of known size, without files"};
   Param<double> pixel_sigma{
       "pixel_sigma", 0.1, "px", between(0, 10),
@@ -126,6 +126,9 @@ struct SimulateObservations : simulate::SimulatedSite {
   Param<double> tag_blunders{"tag_blunders", 0.0, "1", between(0, 1),
                              "share of tags whose corners are off together by 5 px and more in an image"};
   Param<double> tag_blunder_size{"tag_blunder_size", 50.0, "px", between(5, 1e4), "how far they are off at most"};
+  Param<double> corner_blunders{"corner_blunders", 0.0, "1", between(0, 1),
+                                "share of single corners that are off by 2 px and more, whatever their tag"};
+  Param<double> corner_blunder_size{"corner_blunder_size", 20.0, "px", between(2, 1e4), "how far they are off at most"};
   OutList<ImageTags> observations{"observations", "tags of each image, with the covariance of their corners"};
   Out<Camera> calibration{"camera", "calibration with its error and uncertainty"};
   Out<Plates> plates{"plates", frame("frame=building"), "which tag stands for which anchor"};
@@ -145,6 +148,7 @@ struct SimulateObservations : simulate::SimulatedSite {
     const simulate::Campaign campaign = simulate::make_campaign(options, seed);
     for (auto& image : simulate::observe_corners(campaign, *pixel_sigma, seed)) {
       simulate::displace_tags(image, *tag_blunders, *tag_blunder_size, seed);
+      simulate::displace_corners(image, *corner_blunders, *corner_blunder_size, seed);
       commit_image(image, campaign);
     }
     commit_camera(campaign.camera);

@@ -82,6 +82,16 @@ void displace_tags(ObservedImage& image, double share, double largest, std::uint
   }
 }
 
+void displace_corners(ObservedImage& image, double share, double largest, std::uint64_t seed) {
+  Random random(seed, "corner blunders " + image.station->image);
+  for (VisibleTag& tag : image.tags)
+    for (Eigen::Vector2d& corner : tag.corners) {
+      const double draw = random.uniform(), angle = random.uniform(0, 2 * std::numbers::pi),
+                   length = random.uniform(2, largest);
+      if (draw < share) corner += length * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+    }
+}
+
 Eigen::MatrixXd point_covariance(const std::vector<ObservedPoint>& points, double sigma, double height_walk) {
   const auto n = static_cast<Eigen::Index>(points.size());
   Eigen::MatrixXd covariance = sigma * sigma * Eigen::MatrixXd::Identity(3 * n, 3 * n);

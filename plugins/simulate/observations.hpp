@@ -35,6 +35,8 @@ bool holds_model(const Anchor& anchor, int columns, const std::string& layout);
 void displace_points(std::vector<ObservedPoint>& points, double share, double size, std::uint64_t seed);
 /// Each tag with probability `share` off by 5 to `largest` px in a random direction, all its corners alike.
 void displace_tags(ObservedImage& image, double share, double largest, std::uint64_t seed);
+/// Each corner with probability `share` off by 2 to `largest` px in a random direction, for itself.
+void displace_corners(ObservedImage& image, double share, double largest, std::uint64_t seed);
 
 /// Covariance of all observed points, 3n × 3n, in their order [m²].
 Eigen::MatrixXd point_covariance(const std::vector<ObservedPoint>& points, double sigma, double height_walk);

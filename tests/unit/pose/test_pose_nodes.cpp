@@ -206,6 +206,20 @@ TEST_P(PoseNodes, SayThatPlatesLookElsewhere) {
               HasSubstr("facing_azimuth of the plate table is in radians"));
 }
 
+TEST_P(PoseNodes, GiveWhatTheSolverAloneMakesOfOneTagIfAsked) {
+  const auto facade = test::make_facade({.floors = 1, .pixel_sigma = 0.1});
+  NodeHarness node = prepared(GetParam(), facade);
+  node.set("raw_tags", "1");
+  node.set("min_markers", "1000");  // is not asked
+  node.run();
+  const PosesT poses = node.output<Poses>("poses");
+  ASSERT_EQ(poses.poses.size(), facade.images.size());
+  for (const auto& pose : poses.poses) {
+    EXPECT_EQ(pose->inliers, 4);
+    EXPECT_TRUE(pose->covariance.empty()) << "nobody knows it";
+  }
+}
+
 TEST_P(PoseNodes, CountCornersAndGiveACovariance) {
   const auto facade = test::make_facade({.floors = 1, .pixel_sigma = 0.1});
   NodeHarness node = prepared(GetParam(), facade);
@@ -221,7 +235,7 @@ TEST_P(PoseNodes, CountCornersAndGiveACovariance) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Kinds, PoseNodes, testing::Values("pose.opengv", "pose.opencv"),
+INSTANTIATE_TEST_SUITE_P(Kinds, PoseNodes, testing::Values("pose.opengv", "pose.opencv", "pose.lambda_twist"),
                          [](const auto& test) { return test.param.substr(5); });
 
 }  // namespace
