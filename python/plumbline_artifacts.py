@@ -283,7 +283,7 @@ class Call:
             call = json.load(stream)
         self.kind, self.parameters, self.seed = call["kind"], call["parameters"], call.get("seed")
         self._references = call["references"]
-        self._committed = {}
+        self._committed, self._metrics = {}, {}
         for path in _module_files():
             if _distrust(path):
                 sys.exit(f"a module was imported that is not believed: {_distrust(path)}")
@@ -316,3 +316,10 @@ class Call:
         self._committed[port] = number + 1
         with open(os.path.join(self.folder, "outputs", port, f"{number:06d}"), "wb") as stream:
             stream.write(self.schema(type_name).write(values))
+
+    def metric(self, name, value, unit="1"):
+        """A number of the run record, which `plumbline bench` can measure as NODE.name. SI units; nan is "not known"."""
+        value = float(value)
+        self._metrics[name] = [value if np.isfinite(value) else None, unit]
+        with open(os.path.join(self.folder, "metrics.json"), "w", encoding="utf-8") as stream:
+            json.dump(self._metrics, stream)

@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <stdexcept>
@@ -96,6 +97,24 @@ class Exchange {
         const std::string bytes = content_of(file);
         if (host_.commit(host_.context, name.c_str(), bytes.data(), bytes.size())) return where + " was refused";
       }
+    }
+    return "";
+  }
+
+  /// metrics.json, {"NAME": [VALUE, "UNIT"], …}, if it wrote one. Returns what is wrong with it, or "".
+  std::string take_metrics() {
+    const fs::path file = folder_ / "metrics.json";
+    if (!fs::exists(fs::symlink_status(file))) return "";
+    if (!fs::is_regular_file(fs::symlink_status(file))) return "its metrics.json is no plain file";
+    const Json metrics = Json::parse(content_of(file), nullptr, false);
+    if (!metrics.is_object()) return "its metrics.json is no map {\"NAME\": [VALUE, \"UNIT\"], ...}";
+    for (const auto& [name, metric] : metrics.items()) {
+      const bool pair = metric.is_array() && metric.size() == 2 && metric[1].is_string();
+      if (!pair || !(metric[0].is_number() || metric[0].is_null()))
+        return "the metric '" + name + "' in its metrics.json is no [VALUE, \"UNIT\"], such as [0.001, \"m\"]; found " +
+               metric.dump();
+      const double value = metric[0].is_null() ? std::numeric_limits<double>::quiet_NaN() : metric[0].get<double>();
+      host_.metric(host_.context, name.c_str(), value, metric[1].get<std::string>().c_str());
     }
     return "";
   }
@@ -238,6 +257,7 @@ std::string run_once(const ExecutableNode& node, const plumbline_host& host, con
     problem = death_text(end, child.log, limits.memory);
   if (problem.empty()) tell(host, child.log);
   close(child.log);
+  if (problem.empty()) problem = exchange.take_metrics();
   if (problem.empty()) used = exchange.used();
   return problem.empty() ? exchange.take_outputs() : problem;
 }

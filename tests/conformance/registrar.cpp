@@ -29,6 +29,16 @@ class Registrar : public testing::TestWithParam<std::string> {
     node.run();
     return node;
   }
+  /// The schemas let a covariance be empty where it is not known; what is not stated cannot be tested.
+  static bool states_covariance(const NodeHarness& node) {
+    return !node.output<Points>("points").covariance.empty() && !node.output<Transform>("transform").covariance.empty();
+  }
+  static std::string nothing_stated() {
+    return "'" + GetParam() +
+           "' states no covariance: 'transform.covariance' or 'points.covariance' is empty although that of both inputs "
+           "is given. It can be used, but nothing it gives can be judged: a bench leaves predicted, NEES and their "
+           "verdicts empty. For points moved by a closed form see move_points() of registration/rigid_registration.hpp";
+  }
   const SyntheticFacade facade_ = make_facade({.floors = 2});
   const RigidTransform motion_{quaternion_from_rotation_vector({0.4, -0.2, 1.1}), {12.0, -7.0, 3.5}};
 };
@@ -123,6 +133,7 @@ TEST_P(Registrar, CovariancesOfTransformAndPointsCoverTheirErrors) {
         target.covariance.push_back(i == j ? surveyed * surveyed : 0);
       }
     const NodeHarness node = registered(source, target);
+    if (!states_covariance(node)) GTEST_SKIP() << nothing_stated();
     const TransformT found = node.output<Transform>("transform");
     const Eigen::AngleAxisd turn(found.to_from_from.rotation * motion_.rotation.conjugate());
     Eigen::Matrix<double, 6, 1> error;
@@ -196,6 +207,7 @@ TEST_P(Registrar, MovedPointsAreAsGoodAsTheBoundWhateverTheDatumOfTheSource) {
       node.input<Points>("target", target);
       if (unknowns == 7) node.set("scale", "estimated");
       node.run();
+      if (!states_covariance(node)) GTEST_SKIP() << nothing_stated();
       const PointsT points = node.output<Points>("points");
       for (size_t i = 0; i < points.points.size(); ++i) {
         const Eigen::Vector3d e = points.points[i]->position - motion_ * facade_.truth.points[i]->position;

@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <thread>
 #include <tuple>
@@ -237,6 +238,23 @@ TEST_F(Isolation, ANodeInPythonIsANodeLikeAnyOther) {
   EXPECT_EQ(node("b").status, NodeStatus::reused);
 }
 
+/// What a bench can measure: an evaluator in numpy.
+TEST_F(Isolation, ANodeInPythonGivesMetrics) {
+  ASSERT_TRUE(registry_.load_manifest(
+      write_node(folder_.path(),
+                 std::string(adds) + "call.metric('rmse_z', 0.0012, 'm')\ncall.metric('bound', float('nan'), 'm')\n")));
+  run("  a: {use: story.constant}\n  b: {use: outside.add, in: {number: a.number}}\n");
+  ASSERT_EQ(node("b").error, "");
+  ASSERT_EQ(node("b").metrics.size(), 2u);
+  for (const Metric& metric : node("b").metrics) {
+    EXPECT_EQ(metric.unit, "m");
+    if (metric.name == "rmse_z")
+      EXPECT_EQ(metric.value, 0.0012);
+    else
+      EXPECT_TRUE(std::isnan(metric.value)) << metric.name;
+  }
+}
+
 TEST_F(Isolation, ANodeInPythonThatFailsIsNamedWithItsLastWords) {
   const std::tuple<const char*, const char*, const char*> accidents[] = {
       {"raise RuntimeError('no such thing')", "", "RuntimeError: no such thing"},
@@ -244,6 +262,8 @@ TEST_F(Isolation, ANodeInPythonThatFailsIsNamedWithItsLastWords) {
       {"", "", "without committing its output 'number'"},
       {"open(os.path.join(call.folder, 'outputs/number/0'), 'wb').write(b'rubbish!')", "",
        "is no valid plumbline.Number/1"},
+      {"open(os.path.join(call.folder, 'metrics.json'), 'w').write('{\"rmse\": \"good\"}')", "",
+       "the metric 'rmse' in its metrics.json is no [VALUE, \"UNIT\"]"},
       {"import time\ntime.sleep(3600)", "time_limit: 0.5 s\n", "longer than its limit of 0.5 s"},
   };
   for (const auto& [script, more, words] : accidents) {
