@@ -100,11 +100,6 @@ std::vector<int> find_blunders(const TagBlockOptions& options, const TagStart& s
   return blunders;
 }
 
-RigidTransform pose_of(const TagModel& model, size_t image) {
-  const bundle::Placement& p = model.state.images[image];
-  return {p.rotation, -(p.rotation * (p.position + model.origin))};
-}
-
 /// The block with the poses of `model` as approximate ones.
 TagBlock with_poses(const TagBlock& block, const TagStart& start, const TagModel& model) {
   TagBlock result = block;

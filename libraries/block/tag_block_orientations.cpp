@@ -26,6 +26,11 @@ struct ByUnknowns {
 
 }  // namespace
 
+RigidTransform pose_of(const TagModel& model, size_t image) {
+  const bundle::Placement& p = model.state.images[image];
+  return {p.rotation, -(p.rotation * (p.position + model.origin))};
+}
+
 Matrix6 pose_by_unknowns(const TagModel& model, size_t image) {
   Matrix6 jacobian = Matrix6::Zero();
   jacobian.topRightCorner<3, 3>().setIdentity();

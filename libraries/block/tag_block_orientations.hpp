@@ -6,6 +6,9 @@
 
 namespace plumbline::adjust {
 
+/// Exterior orientation of one of the model's images, in the world's own origin.
+RigidTransform pose_of(const TagModel& model, size_t image);
+
 /// Rotation vector in the camera frame and translation by the unknowns of an image, its projection centre C and a
 /// rotation vector δ: t = −exp(δ) R C, so dt = −R dC − [t]× δ.
 Matrix6 pose_by_unknowns(const TagModel& model, size_t image);
