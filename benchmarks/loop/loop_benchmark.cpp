@@ -39,8 +39,10 @@ struct Sum {
 };
 
 void add(const TrialResult& r, Sum& s) {
-  s.panels.add(100.0 * r.panels_inside / r.panels), s.joints.add(100.0 * r.joints_inside / r.joints);
-  s.reworks.add(100.0 * r.reworks / (r.panels + 1e-9)), s.top.add(1e3 * r.top_height), s.rounds.add(r.rounds);
+  s.panels.add(100.0 * r.panels_inside / r.panels),
+      s.joints.add(r.joints > 0 ? 100.0 * r.joints_inside / r.joints : 100.0);
+  s.reworks.add(100.0 * r.reworks / (r.panels + 1e-9)), s.top.add(std::isnan(r.top_height) ? 0 : 1e3 * r.top_height),
+      s.rounds.add(r.rounds);
   const double per_floor = static_cast<double>(r.panels) / static_cast<double>(r.inside_by_floor.size());
   s.bottom_floor.add(100.0 * r.inside_by_floor.front() / per_floor);
   s.top_floor.add(100.0 * r.inside_by_floor.back() / per_floor);

@@ -61,20 +61,28 @@ double excess(double value, const JudgedValue& judged) {
   return std::max({0.0, judged.low - value, value - judged.high});
 }
 
-/// By panel, how far its worst length is outside [m].
+/// Whether all panels that a length belongs to hang.
+bool hang(const JudgedValue& judged, const std::vector<bool>& hung) {
+  return std::all_of(judged.rows.begin(), judged.rows.end(), [&](const auto& row) { return hung[row.first]; });
+}
+
+/// By panel, how far its worst length is outside [m]; infinite for one that does not hang.
 std::vector<double> worst_excess(const std::vector<JudgedValue>& judged, const std::vector<double>& values,
-                                 std::size_t panels) {
-  std::vector<double> worst(panels, 0.0);
+                                 const std::vector<bool>& hung) {
+  std::vector<double> worst(hung.size(), 0.0);
   for (std::size_t v = 0; v < judged.size(); ++v)
-    for (const auto& [panel, row] : judged[v].rows) worst[panel] = std::max(worst[panel], excess(values[v], judged[v]));
+    for (const auto& [panel, row] : judged[v].rows)
+      if (hang(judged[v], hung)) worst[panel] = std::max(worst[panel], excess(values[v], judged[v]));
+  for (std::size_t j = 0; j < hung.size(); ++j)
+    if (!hung[j]) worst[j] = std::numeric_limits<double>::infinity();
   return worst;
 }
 
-void look_at_truth(const SimulatedSite& site, TrialResult& result) {
+void look_at_truth(const SimulatedSite& site, const std::vector<bool>& hung, TrialResult& result) {
   const Truth truth(site.design());
   const auto& panels = site.design().panels;
   const std::vector<double> values = site.true_values(truth.judged, truth.poses);
-  const std::vector<double> worst = worst_excess(truth.judged, values, panels.size());
+  const std::vector<double> worst = worst_excess(truth.judged, values, hung);
   result.panels = static_cast<int>(panels.size());
   result.inside_by_floor.assign(static_cast<std::size_t>(panels.back().floor), 0);
   double height = 0;
@@ -83,6 +91,7 @@ void look_at_truth(const SimulatedSite& site, TrialResult& result) {
     if (worst[j] == 0) ++result.panels_inside, ++result.inside_by_floor[static_cast<std::size_t>(panels[j].floor - 1)];
   for (std::size_t v = 0; v < values.size(); ++v) {
     const JudgedValue& judged = truth.judged[v];
+    if (!hang(judged, hung)) continue;
     if (judged.quantity != Quantity::corner)
       ++result.joints, result.joints_inside += excess(values[v], judged) == 0;
     else if (judged.direction == 1 && panels[judged.panel].floor == panels.back().floor)
@@ -109,7 +118,7 @@ void measured_once(SimulatedSite& site, TrialResult& result) {
   }
   // What the plan states is of the building as it was measured; panels load it afterwards.
   const std::vector<double> values = site.true_values(fit.judged, fit.poses);
-  const std::vector<double> worst = worst_excess(fit.judged, values, facade.panels.size());
+  const std::vector<double> worst = worst_excess(fit.judged, values, std::vector<bool>(facade.panels.size(), true));
   for (std::size_t j = 0; j < gates.size(); ++j) result.stated.push_back({gates[j].p_in, worst[j] == 0});
   for (std::size_t v = 0; v < values.size(); ++v) {
     if (fit.judged[v].quantity == Quantity::corner) continue;
@@ -122,21 +131,23 @@ void measured_once(SimulatedSite& site, TrialResult& result) {
   for (int floor = 1; floor <= facade.panels.back().floor; ++floor) site.hang(floor);
 }
 
-void count_verified(const SimulatedSite& site, const LoopStateT& state, TrialResult& result) {
+std::vector<bool> count_verified(const SimulatedSite& site, const LoopStateT& state, TrialResult& result) {
   const Truth truth(site.design());
   const auto& panels = site.design().panels;
-  const std::vector<double> worst =
-      worst_excess(truth.judged, site.true_values(truth.judged, truth.poses), panels.size());
   std::set<std::string> verified;
   for (const auto& item : state.items) {
     result.reworks += item->reworks;
     if (item->kind == "panel" && item->status == ItemStatus::verified) verified.insert(item->id);
   }
+  std::vector<bool> hung;
+  for (const Panel& panel : panels) hung.push_back(verified.count(panel.id) > 0);
+  const std::vector<double> worst = worst_excess(truth.judged, site.true_values(truth.judged, truth.poses), hung);
   for (std::size_t j = 0; j < panels.size(); ++j) {
-    if (!verified.count(panels[j].id)) continue;
+    if (!hung[j]) continue;
     ++result.verified, result.verified_wrong += worst[j] > 0;
     result.verified_worst = std::max(result.verified_worst, worst[j]);
   }
+  return hung;
 }
 
 /// Faults that left a hook 2 mm off or more from where the state believes it, and that a verified bracket still has.
@@ -153,7 +164,7 @@ void count_planted(const SimulatedSite& site, const LoopStateT& state, TrialResu
   }
 }
 
-void closed(SimulatedSite& site, TrialResult& result) {
+std::vector<bool> closed(SimulatedSite& site, TrialResult& result) {
   constexpr int kMostRounds = 14;  // of one floor
   LoopStateT state;
   const MachineOptions options;
@@ -184,9 +195,9 @@ void closed(SimulatedSite& site, TrialResult& result) {
       result.infeasible += item->kind == "panel" && item->floor == floor && item->status != ItemStatus::verified &&
                            limited.count(item->id) > 0;
   }
-  result.rounds = round;
-  count_verified(site, state, result);
+  result.rounds = round, result.journal = state.journal;
   count_planted(site, state, result);
+  return count_verified(site, state, result);
 }
 
 }  // namespace
@@ -196,8 +207,9 @@ TrialResult run_trial(const SiteOptions& options, Strategy strategy, std::uint64
   TrialResult result;
   if (strategy == Strategy::open) site.set_to_design();
   if (strategy == Strategy::measured_once) measured_once(site, result);
-  if (strategy == Strategy::closed) closed(site, result);
-  look_at_truth(site, result);
+  std::vector<bool> hung(site.design().panels.size(), true);
+  if (strategy == Strategy::closed) hung = closed(site, result);
+  look_at_truth(site, hung, result);
   return result;
 }
 

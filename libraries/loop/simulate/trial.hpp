@@ -29,6 +29,7 @@ struct TrialResult {
   std::vector<Stated> stated;            ///< measured once: gates before anything was set
   double joint_nees = 0, joint_nees_diagonal = 0;  ///< mean of (true - stated)² / u² over joints, measured once
   int joint_values = 0;
+  std::vector<std::string> journal;       ///< of the closed loop
   int planted = 0, planted_verified = 0;  ///< faults that left a hook off; brackets VERIFIED although still off by one
 };
 

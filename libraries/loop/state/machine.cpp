@@ -1,6 +1,7 @@
 #include "loop/state/machine.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <map>
@@ -116,23 +117,93 @@ class Round {
   }
 
   void verify_brackets() {
+    find_floors_that_moved();
     for (const auto& bracket : plan_.brackets) {
       LoopItemT& item = *this->item("bracket", bracket->id);
-      const double off = (bracket->measured - item.expected).cwiseAbs().maxCoeff();
-      if (item.status == ItemStatus::executed && std::isfinite(off)) {
-        move(state_, item, ItemStatus::relocalised,
-             {"measured " + millimetres(off) + " from where it was to be", {}, {}, rests_on_});
-        if (off <= options_.setting_tolerance)
-          move(state_, item, ItemStatus::verified,
-               {"within " + millimetres(options_.setting_tolerance), {}, {}, rests_on_});
-        else
-          do_again(state_, item, options_,
-                   {"stands " + millimetres(off) + " from where it was to be set", {}, {}, rests_on_});
-      } else if (item.status == ItemStatus::verified && off > 2 * options_.setting_tolerance && !carries(bracket->id)) {
-        do_again(state_, item, options_, {"moved by " + millimetres(off) + " without a report", {}, {}, rests_on_});
-      }
+      if (moved_floors_.count(item.floor)) continue;
+      const double off = (bracket->measured - last_place(item, *bracket)).cwiseAbs().maxCoeff();
+      if (item.status == ItemStatus::executed && std::isfinite(off))
+        judge_setting(item, off);
+      else if (off > options_.setting_tolerance)
+        give_to_a_person(item, off);
       if (item.status != ItemStatus::released && item.status != ItemStatus::executing)
         item.expected = bracket->measured;
+    }
+  }
+
+  void judge_setting(LoopItemT& item, double off) {
+    move(state_, item, ItemStatus::relocalised,
+         {"measured " + millimetres(off) + " from where it was to be", {}, {}, rests_on_});
+    if (off <= options_.setting_tolerance)
+      move(state_, item, ItemStatus::verified,
+           {"within " + millimetres(options_.setting_tolerance), {}, {}, rests_on_});
+    else
+      do_again(state_, item, options_,
+               {"stands " + millimetres(off) + " from where it was to be set", {}, {}, rests_on_});
+  }
+
+  /// Where the anchor of a bracket should be measured now.
+  static Eigen::Vector3d last_place(const LoopItemT& item, const BracketSettingT& bracket) {
+    Eigen::Vector3d place = item.expected;
+    for (int k = 0; k < 3 && item.status == ItemStatus::released; ++k)
+      place -= item.pending[k] * bracket.axes[static_cast<std::size_t>(k)];
+    return place;
+  }
+
+  /// An anchor that is elsewhere and nobody reported why: the bracket was moved, or its plate was knocked. Measuring
+  /// the plate again does not tell the two apart.
+  void give_to_a_person(LoopItemT& item, double off) {
+    const Because because{
+        "moved by " + millimetres(off) +
+            " without a report that was taken: look whether the bracket was moved or its plate was knocked",
+        {},
+        {},
+        rests_on_};
+    reject(item, because);
+    for (const auto& panel : plan_.panels)
+      if (std::find(panel->brackets.begin(), panel->brackets.end(), item.id) != panel->brackets.end())
+        if (LoopItemT& hung = *this->item("panel", panel->id); hung.status != ItemStatus::planned)
+          reject(hung, {"its bracket " + item.id + " " + because.why, {}, {}, rests_on_});
+  }
+
+  void reject(LoopItemT& item, const Because& because) {
+    using S = ItemStatus;
+    if (item.status == S::released) move(state_, item, S::stale, because), move(state_, item, S::planned, because);
+    if (item.status == S::executed) move(state_, item, S::relocalised, because);
+    if (item.status == S::relocalised || item.status == S::verified) move(state_, item, S::rework, because);
+    if (item.status == S::planned || item.status == S::rework) move(state_, item, S::rejected, because);
+    item.pending.setZero();
+  }
+
+  /// Floors whose anchors all moved together: their control did. Nothing of them is verified or released by this plan.
+  void find_floors_that_moved() {
+    std::map<int, std::array<std::vector<double>, 3>> moves;
+    for (const auto& bracket : plan_.brackets) {
+      const LoopItemT& item = *this->item("bracket", bracket->id);
+      const Eigen::Vector3d move = bracket->measured - last_place(item, *bracket);
+      if (item.status == ItemStatus::executed || !move.allFinite()) continue;
+      for (std::size_t k = 0; k < 3; ++k) moves[item.floor][k].push_back(move[static_cast<Eigen::Index>(k)]);
+    }
+    for (auto& [floor, by_axis] : moves)
+      for (auto& values : by_axis) {
+        if (values.size() < 3) continue;
+        std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
+        if (std::abs(values[values.size() / 2]) > options_.setting_tolerance) moved_floors_.insert(floor);
+      }
+    for (const int floor : moved_floors_) {
+      const std::string name = "control of floor " + std::to_string(floor);
+      if (std::find(state_.moved_control.begin(), state_.moved_control.end(), name) == state_.moved_control.end())
+        state_.moved_control.push_back(name);
+      for (auto& item : state_.items)
+        if (item->floor == floor && item->status == ItemStatus::released) {
+          const Because because{"the anchors of floor " + std::to_string(floor) +
+                                    " moved together since they were measured last: check their control",
+                                {},
+                                {},
+                                rests_on_};
+          move(state_, *item, ItemStatus::stale, because);
+          move(state_, *item, ItemStatus::planned, because);
+        }
     }
   }
 
@@ -150,7 +221,7 @@ class Round {
   void verify_panels() {
     for (const auto& panel : plan_.panels) {
       LoopItemT& item = *this->item("panel", panel->id);
-      if (!panel->installed || !(panel->p_in >= 0)) continue;
+      if (!panel->installed || !(panel->p_in >= 0) || touches_moved_floor(*panel)) continue;
       if (item.status == ItemStatus::executed)
         move(state_, item, ItemStatus::relocalised, {panel->reason, {}, {}, rests_on_});
       if (item.status == ItemStatus::relocalised && panel->p_in >= options_.verified)
@@ -159,6 +230,13 @@ class Round {
                1 - panel->p_in >= options_.verified)
         take_down(*panel, item);
     }
+  }
+
+  /// Its own floor or that of a neighbour above or below, whose control moved.
+  bool touches_moved_floor(const PlannedPanelT& panel) const {
+    return moved_floors_.count(panel.floor) + moved_floors_.count(panel.floor - 1) +
+               moved_floors_.count(panel.floor + 1) >
+           0;
   }
 
   void take_down(const PlannedPanelT& panel, LoopItemT& item) {
@@ -181,6 +259,7 @@ class Round {
     for (const auto& bracket : plan_.brackets) {
       LoopItemT& item = *this->item("bracket", bracket->id);
       if (item.status != ItemStatus::released) continue;
+      if (moved_floors_.count(item.floor)) continue;
       const double change = (wanted(*bracket) - item.expected).cwiseAbs().maxCoeff();
       if (change <= 0.1 * options_.setting_tolerance) continue;
       move(state_, item, ItemStatus::stale,
@@ -194,7 +273,8 @@ class Round {
   void unset_what_does_not_do() {
     for (const auto& panel : plan_.panels) {
       const LoopItemT& hung = *item("panel", panel->id);
-      if (hung.status != ItemStatus::planned || panel->gate == GateDecision::go) continue;
+      if (hung.status != ItemStatus::planned || panel->gate == GateDecision::go || touches_moved_floor(*panel))
+        continue;
       if (panel->gate == GateDecision::hold && !panel->measure.empty() && !measured_again_) continue;
       for (const std::string& id : panel->brackets) {
         LoopItemT* bracket = item("bracket", id);
@@ -220,7 +300,8 @@ class Round {
     };
     for (const auto& panel : plan_.panels) {
       LoopItemT& item = *this->item("panel", panel->id);
-      if (item.status != ItemStatus::planned || panel->gate != GateDecision::go || !turn_of(*panel)) {
+      if (item.status != ItemStatus::planned || panel->gate != GateDecision::go || !turn_of(*panel) ||
+          touches_moved_floor(*panel)) {
         if (item.status == ItemStatus::planned)
           item.why = panel->gate == GateDecision::go ? "waits for panels before it" : panel->reason;
         continue;
@@ -260,6 +341,7 @@ class Round {
   std::map<std::string, LoopItemT*> item_of_;
   std::map<std::string, const BracketSettingT*> bracket_of_;
   std::vector<std::string> rests_on_;
+  std::set<int> moved_floors_;
 };
 
 /// Why a report is not taken; empty if it is.

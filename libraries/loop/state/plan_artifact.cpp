@@ -39,6 +39,7 @@ std::unique_ptr<PlannedPanelT> panel_artifact(const Facade& facade, const std::s
     out->holds.push_back(holds_words(hook.holds));
   }
   out->depends_on = panel.depends_on, out->centre = panel.centre;
+  out->corners.assign(panel.corners.begin(), panel.corners.end());
   out->shift = fit.twists[index].head<3>(), out->rotation = fit.twists[index].tail<3>() / fit.poses[index].arm;
   out->installed = panel.installed;
   out->gate = gate.verdict == GateVerdict::go      ? GateDecision::go

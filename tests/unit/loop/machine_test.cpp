@@ -121,7 +121,7 @@ TEST(Machine, AHangingPanelOutsideItsLimitsIsTakenDownWithItsBrackets) {
   apply_actuals(state, done({"b0", "b1"}, 1));
   apply_plan(state, plan_after_setting(0), {});
   apply_actuals(state, done({"p0"}, item(state, "p0").revision));
-  InstallationPlanT third = plan_after_setting(0.008, "third");
+  InstallationPlanT third = plan_after_setting(0.002, "third");
   third.panels[0]->installed = true, third.panels[0]->p_in = 0.01, third.panels[0]->gate = GateDecision::no_go;
   apply_plan(state, third, {});
   EXPECT_EQ(item(state, "p0").reworks, 1);
@@ -136,9 +136,12 @@ TEST(Machine, ABracketThatMovedWithoutAReportIsFound) {
   InstallationPlanT second = plan_after_setting(0);
   second.panels[0]->gate = GateDecision::go;
   apply_plan(state, second, {});
-  InstallationPlanT third = plan_after_setting(0.010, "third");
+  InstallationPlanT third = plan_after_setting(0, "third");
+  third.brackets[0]->measured.x() += 0.005;
   apply_plan(state, third, {});
-  EXPECT_EQ(item(state, "b0").reworks, 1);
+  EXPECT_EQ(item(state, "b0").status, ItemStatus::rejected);
+  EXPECT_NE(item(state, "b0").why.find("moved by 5.0 mm without a report that was taken"), std::string::npos);
+  EXPECT_EQ(item(state, "b1").status, ItemStatus::verified);
 }
 
 TEST(Machine, ReportsThatAreWrongAreNamedAndChangeNothing) {
@@ -181,6 +184,20 @@ TEST(Machine, ControlThatMovedMakesReleasedWorkStale) {
   const auto refused = apply_actuals(state, done({"b0"}, 1));
   ASSERT_EQ(refused.size(), 1u);
   EXPECT_NE(refused[0].find("not RELEASED"), std::string::npos);
+}
+
+TEST(Machine, AFloorThatMovedAsAWholeIsNotJudged) {
+  InstallationPlanT first = make_plan("first"), second = make_plan("second");
+  for (InstallationPlanT* plan : {&first, &second})
+    for (auto& bracket : plan->brackets) bracket->floor = 1;
+  LoopStateT state;
+  apply_plan(state, first, {});
+  for (auto& bracket : second.brackets) bracket->measured.z() += 0.006;
+  apply_plan(state, second, {});
+  EXPECT_EQ(state.moved_control, std::vector<std::string>{"control of floor 1"});
+  EXPECT_EQ(item(state, "b0").status, ItemStatus::planned);
+  EXPECT_NE(item(state, "b0").why.find("moved together since they were measured last: check their control"),
+            std::string::npos);
 }
 
 TEST(Machine, ANewAdjustmentWithAnotherResultMakesReleasedSettingsStale) {

@@ -1,0 +1,274 @@
+#include "loop/job/job.hpp"
+
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <stdexcept>
+
+#include "loop/fit/facade.hpp"
+#include "loop/state/hash.hpp"
+
+namespace plumbline::loop {
+
+using nlohmann::ordered_json;
+
+namespace {
+
+ordered_json numbers(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+ordered_json quaternion(const Eigen::Quaterniond& q) { return {q.x(), q.y(), q.z(), q.w()}; }
+
+Eigen::Quaterniond rotation_of(const std::vector<Eigen::Vector3d>& axes) {
+  Eigen::Matrix3d m;
+  for (int k = 0; k < 3; ++k) m.col(k) = axes[static_cast<std::size_t>(k)];
+  return Eigen::Quaterniond(m).normalized();
+}
+
+JobItem bracket_item(const BracketSettingT& bracket, const LoopItemT& item, const Eigen::Vector3d& origin) {
+  JobItem out;
+  out.id = item.id, out.kind = "bracket", out.operation = "setBracket", out.guid = bracket.guid;
+  out.floor = item.floor, out.revision = item.revision, out.reason = item.why;
+  out.design = bracket.design - origin, out.target = item.expected - origin;
+  out.design_rotation = out.target_rotation = rotation_of(bracket.axes);
+  out.setting = item.pending, out.tolerance.setConstant(0.001);
+  return out;
+}
+
+JobItem panel_item(const PlannedPanelT& panel, const LoopItemT& item, const Eigen::Quaterniond& axes,
+                   const Eigen::Vector3d& origin) {
+  JobItem out;
+  out.id = item.id, out.kind = "panel", out.operation = "placePanel", out.guid = panel.guid;
+  out.floor = item.floor, out.revision = item.revision, out.reason = item.why;
+  out.depends_on = panel.depends_on;
+  out.depends_on.insert(out.depends_on.end(), panel.brackets.begin(), panel.brackets.end());
+  out.design = panel.centre - origin, out.target = panel.centre + panel.shift - origin;
+  out.design_rotation = axes;
+  const double angle = panel.rotation.norm();
+  out.target_rotation = angle > 0 ? Eigen::Quaterniond(Eigen::AngleAxisd(angle, panel.rotation / angle)) * axes : axes;
+  out.tolerance.setConstant(0.002), out.p_in = panel.p_in;
+  return out;
+}
+
+/// A round place near the facade, so that items keep their digits.
+Eigen::Vector3d origin_for(const InstallationPlanT& plan) {
+  if (plan.brackets.empty()) return Eigen::Vector3d::Zero();
+  const Eigen::Vector3d first = plan.brackets.front()->design;
+  return first.unaryExpr([](double x) { return std::abs(x) > 1000 ? 1000 * std::floor(x / 1000) : 0.0; });
+}
+
+}  // namespace
+
+Job make_job(const InstallationPlanT& plan, const LoopStateT& state, int floor, const std::string& created_at,
+             const std::string& valid_until) {
+  if (plan.basis != state.basis)
+    throw std::runtime_error("the state was made from the plan on " + state.basis.substr(0, 12) + ", this plan is on " +
+                             plan.basis.substr(0, 12) + ": release with this plan first");
+  Job job;
+  job.revision = state.revision, job.basis = plan.basis, job.design_file = plan.design_file;
+  job.created_at = created_at, job.valid_until = valid_until;
+  job.origin = origin_for(plan);
+  job.setting_sigma = plan.setting_sigma, job.station_sigma = plan.station_sigma;
+  std::map<std::string, const LoopItemT*> released;
+  for (const auto& item : state.items)
+    if (item->status == ItemStatus::released && (floor == 0 || item->floor == floor))
+      released[item->kind + " " + item->id] = item.get();
+  Eigen::Quaterniond axes{1, 0, 0, 0};
+  for (const auto& bracket : plan.brackets) {
+    axes = rotation_of(bracket->axes);
+    if (const auto item = released.find("bracket " + bracket->id); item != released.end())
+      job.items.push_back(bracket_item(*bracket, *item->second, job.origin));
+  }
+  for (const auto& panel : plan.panels)
+    if (const auto item = released.find("panel " + panel->id); item != released.end())
+      job.items.push_back(panel_item(*panel, *item->second, axes, job.origin));
+  std::string content = job.basis + std::to_string(job.revision) + ":" + std::to_string(floor);
+  for (const JobItem& item : job.items) content += " " + item.id;
+  job.id = "job-" + std::to_string(job.revision) + (floor > 0 ? "-F" + std::to_string(floor) : "") + "-" +
+           sha256_hex(content).substr(0, 12);
+  return job;
+}
+
+std::string job_json(const Job& job) {
+  ordered_json out;
+  out["jobId"] = job.id, out["revision"] = job.revision;
+  if (!job.created_at.empty()) out["createdAt"] = job.created_at;
+  if (!job.valid_until.empty()) out["validUntil"] = job.valid_until;
+  out["units"] = {{"length", "m"}, {"angle", "rad"}};
+  out["sources"] = {{"basis", job.basis}, {"designFile", job.design_file}};
+  ordered_json covariance = ordered_json::array();
+  for (int i = 0; i < 36; ++i) covariance.push_back(i % 7 == 0 && i < 21 ? job.station_sigma * job.station_sigma : 0.0);
+  out["frames"] = {{{"name", job.frame},
+                    {"origin", numbers(job.origin)},
+                    {"orientation", {0.0, 0.0, 0.0, 1.0}},
+                    {"robotInFrameCovariance", covariance}}};
+  out["assumedRobot"] = {{"settingSigma", job.setting_sigma}, {"stationSigma", job.station_sigma}};
+  out["items"] = ordered_json::array();
+  for (const JobItem& item : job.items) {
+    ordered_json entry;
+    entry["id"] = item.id, entry["kind"] = item.kind, entry["operation"] = item.operation;
+    if (!item.guid.empty()) entry["ifcGuid"] = item.guid;
+    entry["storey"] = item.floor, entry["revision"] = item.revision, entry["dependsOn"] = item.depends_on;
+    entry["frame"] = job.frame;
+    entry["designPose"] = {{"position", numbers(item.design)}, {"orientation", quaternion(item.design_rotation)}};
+    entry["targetPose"] = {{"position", numbers(item.target)}, {"orientation", quaternion(item.target_rotation)}};
+    if (item.kind == "bracket")
+      entry["setting"] = {{"right", item.setting.x()}, {"up", item.setting.y()}, {"out", item.setting.z()}};
+    entry["toleranceZone"] = {{"right", item.tolerance.x()}, {"up", item.tolerance.y()}, {"out", item.tolerance.z()}};
+    entry["forbiddenZones"] = ordered_json::array();
+    entry["gate"] = {{"verdict", "GO"}, {"reason", item.reason}};
+    if (item.kind == "panel" && std::isfinite(item.p_in)) entry["gate"]["probability"] = item.p_in;
+    out["items"].push_back(std::move(entry));
+  }
+  return out.dump(1, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+}
+
+namespace {
+
+/// A place in the file, for messages.
+class Reader {
+ public:
+  Reader(const ordered_json& value, std::string path) : value_(value), path_(std::move(path)) {}
+
+  [[noreturn]] void fail(const std::string& expected) const {
+    std::string found = value_.dump();
+    if (found.size() > 60) found = found.substr(0, 57) + "...";
+    throw std::runtime_error("job: " + (path_.empty() ? "the file" : path_) + " is " + found + ", expected " +
+                             expected);
+  }
+  Reader at(const std::string& key) const {
+    if (!value_.is_object()) fail("an object");
+    if (!value_.contains(key))
+      throw std::runtime_error("job: " + (path_.empty() ? "the file" : path_) + " lacks '" + key + "'");
+    return {value_.at(key), path_.empty() ? key : path_ + "." + key};
+  }
+  bool has(const std::string& key) const { return value_.is_object() && value_.contains(key); }
+  std::string text() const {
+    if (!value_.is_string()) fail("text");
+    return value_.get<std::string>();
+  }
+  std::string one_of(const std::set<std::string>& allowed) const {
+    const std::string found = text();
+    std::string list;
+    for (const std::string& word : allowed) list += (list.empty() ? "" : " or ") + word;
+    if (!allowed.count(found)) fail(list);
+    return found;
+  }
+  int whole(int least) const {
+    if (!value_.is_number_integer() || value_.get<double>() < least || value_.get<double>() > 1e9)
+      fail("a whole number from " + std::to_string(least));
+    return value_.get<int>();
+  }
+  double number() const {
+    if (!value_.is_number() || !std::isfinite(value_.get<double>())) fail("a finite number");
+    return value_.get<double>();
+  }
+  double number_from(double least, double most) const {
+    const double found = number();
+    if (!(found >= least && found <= most))
+      fail("a number from " + std::to_string(least) + " to " + std::to_string(most));
+    return found;
+  }
+  std::vector<Reader> items() const {
+    if (!value_.is_array()) fail("a list");
+    std::vector<Reader> out;
+    for (std::size_t i = 0; i < value_.size(); ++i) out.push_back({value_[i], path_ + "[" + std::to_string(i) + "]"});
+    return out;
+  }
+  Eigen::Vector3d vector() const {
+    const auto parts = items();
+    if (parts.size() != 3) fail("three numbers");
+    return {parts[0].number(), parts[1].number(), parts[2].number()};
+  }
+  Eigen::Quaterniond rotation() const {
+    const auto parts = items();
+    if (parts.size() != 4) fail("a quaternion x, y, z, w");
+    const Eigen::Quaterniond q(parts[3].number(), parts[0].number(), parts[1].number(), parts[2].number());
+    if (std::abs(q.norm() - 1) > 1e-6) fail("a quaternion of length 1");
+    return q;
+  }
+  Eigen::Vector3d directions(double least, double most) const {
+    return {at("right").number_from(least, most), at("up").number_from(least, most),
+            at("out").number_from(least, most)};
+  }
+
+ private:
+  const ordered_json& value_;
+  std::string path_;
+};
+
+JobItem read_item(const Reader& reader, const std::string& frame) {
+  JobItem item;
+  item.id = reader.at("id").text(), item.kind = reader.at("kind").one_of({"bracket", "panel"});
+  item.operation = reader.at("operation").one_of({"setBracket", "placePanel", "drill", "setAnchor", "mountBracket"});
+  if (reader.has("ifcGuid")) item.guid = reader.at("ifcGuid").text();
+  item.floor = reader.at("storey").whole(0), item.revision = reader.at("revision").whole(0);
+  for (const Reader& before : reader.at("dependsOn").items()) item.depends_on.push_back(before.text());
+  reader.at("frame").one_of({frame});
+  item.design = reader.at("designPose").at("position").vector();
+  item.design_rotation = reader.at("designPose").at("orientation").rotation();
+  item.target = reader.at("targetPose").at("position").vector();
+  item.target_rotation = reader.at("targetPose").at("orientation").rotation();
+  if (item.kind == "bracket") item.setting = reader.at("setting").directions(-0.5, 0.5);
+  item.tolerance = reader.at("toleranceZone").directions(1e-6, 1);
+  reader.at("gate").at("verdict").one_of({"GO"});  // nothing else may be executed
+  item.reason = reader.at("gate").at("reason").text();
+  if (reader.at("gate").has("probability")) item.p_in = reader.at("gate").at("probability").number_from(0, 1);
+  return item;
+}
+
+void check_items(const Job& job) {
+  std::set<std::string> ids;
+  std::vector<Panel> graph;
+  for (const JobItem& item : job.items) {
+    if (!ids.insert(item.id).second) throw std::runtime_error("job: item '" + item.id + "' occurs twice");
+    if ((item.target - item.design).norm() > 0.5)
+      throw std::runtime_error("job: the target of item '" + item.id + "' is " +
+                               std::to_string((item.target - item.design).norm()) +
+                               " m from its design; expected 0.5 m or less");
+    graph.emplace_back();
+    graph.back().id = item.id, graph.back().depends_on = item.depends_on;
+  }
+  installation_order(graph);
+}
+
+}  // namespace
+
+Job read_job(const std::string& text) {
+  const auto parsed = ordered_json::parse(text, nullptr, false);
+  if (parsed.is_discarded()) throw std::runtime_error("job: the file is no JSON");
+  const Reader root(parsed, "");
+  Job job;
+  job.id = root.at("jobId").text(), job.revision = root.at("revision").whole(0);
+  if (root.has("createdAt")) job.created_at = root.at("createdAt").text();
+  if (root.has("validUntil")) job.valid_until = root.at("validUntil").text();
+  root.at("units").at("length").one_of({"m"}), root.at("units").at("angle").one_of({"rad"});
+  job.basis = root.at("sources").at("basis").text();
+  if (root.at("sources").has("designFile")) job.design_file = root.at("sources").at("designFile").text();
+  const auto frames = root.at("frames").items();
+  if (frames.size() != 1) root.at("frames").fail("one root frame");
+  job.frame = frames[0].at("name").text(), job.origin = frames[0].at("origin").vector();
+  frames[0].at("orientation").rotation();
+  if (frames[0].at("robotInFrameCovariance").items().size() != 36)
+    frames[0].at("robotInFrameCovariance").fail("36 numbers, row by row");
+  job.setting_sigma = root.at("assumedRobot").at("settingSigma").number_from(0, 1);
+  job.station_sigma = root.at("assumedRobot").at("stationSigma").number_from(0, 1);
+  for (const Reader& item : root.at("items").items()) job.items.push_back(read_item(item, job.frame));
+  check_items(job);
+  return job;
+}
+
+std::vector<std::string> job_objections(const Job& job, int newest_revision, const std::string& now,
+                                        const std::string& basis) {
+  std::vector<std::string> objections;
+  if (job.revision < newest_revision)
+    objections.push_back("job " + job.id + " is revision " + std::to_string(job.revision) + ", revision " +
+                         std::to_string(newest_revision) + " is out: fetch that one");
+  if (!job.valid_until.empty() && !now.empty() && job.valid_until < now)
+    objections.push_back("job " + job.id + " was valid until " + job.valid_until + ", it is " + now);
+  if (!basis.empty() && job.basis != basis)
+    objections.push_back("job " + job.id + " rests on another adjustment (" + job.basis.substr(0, 12) +
+                         ") than the robot is localised in (" + basis.substr(0, 12) + ")");
+  return objections;
+}
+
+}  // namespace plumbline::loop

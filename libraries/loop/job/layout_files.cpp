@@ -1,0 +1,196 @@
+#include "loop/job/layout_files.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <stdexcept>
+
+#include "loop/fit/facade.hpp"
+#include "text/text.hpp"
+
+namespace plumbline::loop {
+namespace {
+
+std::string metres(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.4f", value);
+  return text;
+}
+
+const char* gate_name(GateDecision gate) {
+  return gate == GateDecision::go ? "GO" : gate == GateDecision::no_go ? "NO_GO" : "HOLD";
+}
+
+std::unique_ptr<ActualT> empty_actual() {
+  auto actual = std::make_unique<ActualT>();
+  actual->measured.setConstant(kUnknown), actual->sigma.setConstant(kUnknown), actual->setting.setConstant(kUnknown);
+  return actual;
+}
+
+}  // namespace
+
+std::string layout_csv(const std::vector<LayoutPoint>& points, LayoutFormat format) {
+  const char separator = format == LayoutFormat::hilti ? ';' : ',';
+  std::string text = format == LayoutFormat::hilti     ? "PtID;E;N;H\n"
+                     : format == LayoutFormat::trimble ? "Name,Northing,Easting,Elevation,Code\n"
+                                                       : "PtID,E,N,H,Code\n";
+  for (const LayoutPoint& point : points) {
+    if (point.name.find_first_of(";,\"\n") != std::string::npos)
+      throw std::runtime_error("point '" + point.name +
+                               "' cannot be written for a layout tool: its name has a separator");
+    const std::string e = metres(point.position.x()), n = metres(point.position.y()), h = metres(point.position.z());
+    text += point.name;
+    for (const std::string& value : format == LayoutFormat::trimble ? std::vector{n, e, h} : std::vector{e, n, h})
+      text += separator + value;
+    if (format != LayoutFormat::hilti) text += separator + point.code;
+    text += "\n";
+  }
+  return text;
+}
+
+std::vector<LayoutPoint> layout_points(const InstallationPlanT& plan) {
+  std::map<std::string, GateDecision> worst;
+  const auto rank = [](GateDecision g) { return g == GateDecision::go ? 0 : g == GateDecision::hold ? 1 : 2; };
+  for (const auto& panel : plan.panels)
+    for (const std::string& id : panel->brackets) {
+      const auto [at, first] = worst.try_emplace(id, panel->gate);
+      if (!first && rank(panel->gate) > rank(at->second)) at->second = panel->gate;
+    }
+  std::vector<LayoutPoint> points;
+  for (const auto& bracket : plan.brackets) {
+    const auto gate = worst.find(bracket->id);
+    if (gate == worst.end() || !bracket->measured.allFinite()) continue;
+    LayoutPoint point{bracket->id, bracket->measured, bracket->fixed ? "FIXED" : gate_name(gate->second)};
+    for (int k = 0; k < 3; ++k) point.position += bracket->setting[k] * bracket->axes[static_cast<std::size_t>(k)];
+    points.push_back(std::move(point));
+  }
+  return points;
+}
+
+namespace {
+
+void dxf_place(std::string& text, const Eigen::Vector3d& p) {
+  text += "10\n" + metres(p.x()) + "\n20\n" + metres(p.y()) + "\n30\n" + metres(p.z()) + "\n";
+}
+
+void dxf_point(std::string& text, const LayoutPoint& point, const std::string& layer) {
+  text += "0\nPOINT\n8\n" + layer + "\n";
+  dxf_place(text, point.position);
+  text += "0\nTEXT\n8\n" + layer + "\n";
+  dxf_place(text, point.position);
+  text += "40\n0.05\n1\n" + point.name + "\n";
+}
+
+void dxf_outline(std::string& text, const PlannedPanelT& panel) {
+  const std::string layer = std::string("PANEL_") + (panel.installed ? "HUNG" : gate_name(panel.gate));
+  text += "0\nPOLYLINE\n8\n" + layer + "\n66\n1\n10\n0.0\n20\n0.0\n30\n0.0\n70\n9\n";  // closed, in space
+  for (const std::size_t corner : {0u, 1u, 3u, 2u}) {
+    const Eigen::Vector3d arm = panel.corners[corner] - panel.centre;
+    text += "0\nVERTEX\n8\n" + layer + "\n";
+    dxf_place(text, panel.corners[corner] + panel.shift + panel.rotation.cross(arm));
+    text += "70\n32\n";
+  }
+  text += "0\nSEQEND\n8\n" + layer + "\n";
+}
+
+}  // namespace
+
+std::string layout_dxf(const InstallationPlanT& plan, const std::vector<LayoutPoint>& control) {
+  std::string entities;
+  std::set<std::string> layers;
+  for (const LayoutPoint& point : layout_points(plan)) {
+    layers.insert("BRACKET_" + point.code);
+    dxf_point(entities, point, "BRACKET_" + point.code);
+  }
+  for (const LayoutPoint& point : control) layers.insert("CONTROL"), dxf_point(entities, point, "CONTROL");
+  for (const auto& panel : plan.panels) {
+    if (panel->corners.size() != 4) continue;
+    layers.insert(std::string("PANEL_") + (panel->installed ? "HUNG" : gate_name(panel->gate)));
+    dxf_outline(entities, *panel);
+  }
+  std::string text =
+      "0\nSECTION\n2\nHEADER\n9\n$ACADVER\n1\nAC1009\n0\nENDSEC\n0\nSECTION\n2\nTABLES\n0\nTABLE\n2\nLAYER\n70\n" +
+      std::to_string(layers.size()) + "\n";
+  for (const std::string& layer : layers) {
+    const bool go = layer.find("_GO") != std::string::npos && layer.find("NO_GO") == std::string::npos;
+    const int colour = layer == "CONTROL" ? 5 : go ? 3 : layer.find("NO_GO") != std::string::npos ? 1 : 2;
+    text += "0\nLAYER\n2\n" + layer + "\n70\n0\n62\n" + std::to_string(colour) + "\n6\nCONTINUOUS\n";
+  }
+  return text + "0\nENDTAB\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n" + entities + "0\nENDSEC\n0\nEOF\n";
+}
+
+ActualsT read_staked(const std::string& text, LayoutFormat format, const std::string& source) {
+  ActualsT out;
+  out.sources.push_back(source);
+  const std::string decoded = formats::decode_text(text).text;
+  std::set<std::string> seen;
+  bool first = true;
+  for (const formats::Line& line : formats::split_lines(decoded)) {
+    if (formats::trim(line.text).empty()) continue;
+    const auto refuse = [&](const std::string& why) {
+      out.refused.push_back(source + ":" + std::to_string(line.number) + ": " + why);
+    };
+    const auto cells = formats::split(line.text, format == LayoutFormat::hilti ? ';' : ',');
+    const bool header = first;
+    first = false;
+    if (cells.size() < 4) {
+      if (!header) refuse("found " + std::to_string(cells.size()) + " columns, expected a name and three coordinates");
+      continue;
+    }
+    double value[3];
+    bool numbers = true;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto number = formats::parse_number(formats::trim(cells[k + 1]));
+      numbers = numbers && number && std::isfinite(*number);
+      value[k] = number ? *number : 0;
+    }
+    if (!numbers) {
+      if (!header) refuse("the coordinates of '" + std::string(formats::trim(cells[0])) + "' are no numbers");
+      continue;
+    }
+    auto actual = empty_actual();
+    actual->item = std::string(formats::trim(cells[0])), actual->outcome = "done", actual->by = source;
+    if (!seen.insert(actual->item).second) {
+      refuse("'" + actual->item + "' occurs twice; the first is taken");
+      continue;
+    }
+    actual->measured = format == LayoutFormat::trimble ? Eigen::Vector3d(value[1], value[0], value[2])
+                                                       : Eigen::Vector3d(value[0], value[1], value[2]);
+    out.items.push_back(std::move(actual));
+  }
+  return out;
+}
+
+ActualsT read_actuals_json(const std::string& text, const std::string& source) {
+  const auto parsed = nlohmann::json::parse(text, nullptr, false);
+  if (!parsed.is_object() || !parsed.contains("items") || !parsed["items"].is_array())
+    throw std::runtime_error(source + ": expected a JSON object with a list 'items'");
+  ActualsT out;
+  out.sources.push_back(source);
+  std::size_t index = 0;
+  for (const auto& entry : parsed["items"]) {
+    const std::string place = source + ": items[" + std::to_string(index++) + "]: ";
+    try {
+      auto actual = empty_actual();
+      actual->item = entry.at("item").get<std::string>(), actual->outcome = entry.at("outcome").get<std::string>();
+      actual->job = entry.value("job", ""), actual->revision = entry.value("revision", 0);
+      actual->by = entry.value("by", ""), actual->at = entry.value("at", ""), actual->note = entry.value("note", "");
+      for (int k = 0; k < 3; ++k) {
+        if (entry.contains("measured"))
+          actual->measured[k] = entry["measured"].at(static_cast<std::size_t>(k)).get<double>();
+        if (entry.contains("sigma")) actual->sigma[k] = entry["sigma"].at(static_cast<std::size_t>(k)).get<double>();
+        if (entry.contains("setting"))
+          actual->setting[k] = entry["setting"].at(kDirections[static_cast<std::size_t>(k)]).get<double>();
+      }
+      out.items.push_back(std::move(actual));
+    } catch (const nlohmann::json::exception& error) {
+      out.refused.push_back(place + error.what());
+    }
+  }
+  return out;
+}
+
+}  // namespace plumbline::loop

@@ -1,0 +1,40 @@
+// Points for layout tools, and staked points back.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "artifacts/actuals.hpp"
+#include "artifacts/installation_plan.hpp"
+
+namespace plumbline::loop {
+
+enum class LayoutFormat { hilti, trimble, leica };  ///< PtID;E;N;H - name,N,E,elevation,code - PtID,E,N,H,code
+
+struct LayoutPoint {
+  std::string name;
+  Eigen::Vector3d position;  ///< E, N, H [m]
+  std::string code;
+};
+
+/// Four digits after the point (0.1 mm). Names with a separator in them are refused with std::runtime_error.
+std::string layout_csv(const std::vector<LayoutPoint>& points, LayoutFormat format);
+
+/// Brackets of the plan where they are to be set; code: GO, HOLD, NO_GO of the worst panel on them, or FIXED.
+std::vector<LayoutPoint> layout_points(const InstallationPlanT& plan);
+
+/// DXF R12: a POINT for each bracket, a closed 3D POLYLINE for each panel, on layers BRACKET_GO, PANEL_HOLD, ...;
+/// control on CONTROL.
+std::string layout_dxf(const InstallationPlanT& plan, const std::vector<LayoutPoint>& control);
+
+/// Staked points of such a file as reports "done" with their place. `format`: which tool wrote it. What is no point is
+/// refused with its line: too few columns, no number, a name twice.
+ActualsT read_staked(const std::string& text, LayoutFormat format, const std::string& source);
+
+/// actuals.json: {"items": [{"item", "job", "revision", "by", "at", "outcome", "measured": [E, N, H], "sigma": [...],
+/// "setting": {right, up, out}, "note"}]}. Throws std::runtime_error if it is no such file; single entries that are
+/// wrong are refused by name.
+ActualsT read_actuals_json(const std::string& text, const std::string& source);
+
+}  // namespace plumbline::loop

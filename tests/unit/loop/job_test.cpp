@@ -1,0 +1,211 @@
+// Jobs out, reports in.
+#include "loop/job/job.hpp"
+
+#include <gtest/gtest.h>
+#include <openssl/evp.h>
+#include <openssl/pem.h>
+
+#include <nlohmann/json.hpp>
+#include <valijson/adapters/nlohmann_json_adapter.hpp>
+#include <valijson/schema.hpp>
+#include <valijson/schema_parser.hpp>
+#include <valijson/validator.hpp>
+
+#include "loop/job/layout_files.hpp"
+#include "loop/job/signature.hpp"
+#include "loop/state/machine.hpp"
+#include "loop/state/plan_artifact.hpp"
+#include "random_facade.hpp"
+#include "test_support.hpp"
+
+namespace plumbline::loop {
+namespace {
+
+using nlohmann::json;
+
+/// A plan with its state after the first release.
+struct Released {
+  InstallationPlanT plan;
+  LoopStateT state;
+  Released() {
+    Facade facade = test::random_facade({2, 2}, 4, 0.004, 0.0003, 0.0004);
+    for (Bracket& bracket : facade.brackets) bracket.design += Eigen::Vector3d(432100, 5812300, 30);
+    for (Panel& panel : facade.panels) {
+      panel.centre += Eigen::Vector3d(432100, 5812300, 30);
+      for (auto& corner : panel.corners) corner += Eigen::Vector3d(432100, 5812300, 30);
+    }
+    for (Joint& joint : facade.joints)
+      for (auto* places : {&joint.on_a, &joint.on_b})
+        for (auto& place : *places) place += Eigen::Vector3d(432100, 5812300, 30);
+    const Fit fit = plan_settings(facade);
+    plan = plan_artifact(facade, fit, judge_plan(facade, fit));
+    apply_plan(state, plan, {});
+  }
+};
+
+bool valid(const json& document) {
+  const json text = json::parse(test::read_file(std::string(test::source_dir()) + "/schemas/robot_job.schema.json"));
+  valijson::Schema schema;
+  valijson::SchemaParser parser;
+  parser.populateSchema(valijson::adapters::NlohmannJsonAdapter(text), schema);
+  valijson::Validator validator;
+  return validator.validate(schema, valijson::adapters::NlohmannJsonAdapter(document), nullptr);
+}
+
+std::string fault_of(const json& document) {
+  try {
+    read_job(document.dump());
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return {};
+}
+
+TEST(Job, ComesBackAsItWasWritten) {
+  const Released r;
+  const Job job = make_job(r.plan, r.state, 1, "2026-05-02T08:00:00Z", "2026-05-03T08:00:00Z");
+  ASSERT_FALSE(job.items.empty());
+  const std::string text = job_json(job);
+  EXPECT_TRUE(valid(json::parse(text)));
+  const Job back = read_job(text);
+  EXPECT_EQ(job_json(back), text);
+  EXPECT_EQ(back.origin, Eigen::Vector3d(432000, 5812000, 0));
+  for (const JobItem& item : back.items) {
+    EXPECT_LT(item.design.head<2>().cwiseAbs().maxCoeff(), 1000);
+    // Design plus as-built deviation plus setting is the target, to the last digit that matters.
+    EXPECT_LT((item.target - item.design).norm(), 0.03);
+  }
+}
+
+TEST(Job, OnlyWhatIsReleasedIsInIt) {
+  Released r;
+  for (const JobItem& item : make_job(r.plan, r.state, 0, "", "").items) EXPECT_EQ(item.floor, 1);
+  recall(r.state, {}, "control moved");
+  EXPECT_TRUE(make_job(r.plan, r.state, 0, "", "").items.empty());
+  r.state.basis = "another";
+  EXPECT_THROW(make_job(r.plan, r.state, 0, "", ""), std::runtime_error);
+}
+
+TEST(Job, WhatIsWrongIsNamedAndFailsTheSchema) {
+  const Released r;
+  const json good = json::parse(job_json(make_job(r.plan, r.state, 0, "2026-05-02T08:00:00Z", "")));
+  const auto broken = [&](auto&& change) {
+    json document = good;
+    change(document);
+    EXPECT_FALSE(valid(document)) << document.dump().substr(0, 200);
+    return fault_of(document);
+  };
+  EXPECT_EQ(broken([](json& j) { j.erase("revision"); }), "job: the file lacks 'revision'");
+  EXPECT_EQ(broken([](json& j) { j["units"]["length"] = "ft"; }), "job: units.length is \"ft\", expected m");
+  EXPECT_EQ(broken([](json& j) { j["items"][0]["gate"]["verdict"] = "HOLD"; }),
+            "job: items[0].gate.verdict is \"HOLD\", expected GO");
+  EXPECT_EQ(broken([](json& j) {
+              j["items"][0]["targetPose"]["orientation"] = {0, 0, 1};
+            }),
+            "job: items[0].targetPose.orientation is [0,0,1], expected a quaternion x, y, z, w");
+  EXPECT_EQ(broken([](json& j) { j["items"][0].erase("setting"); }), "job: items[0] lacks 'setting'");
+  EXPECT_EQ(broken([](json& j) { j["items"][0]["toleranceZone"]["up"] = 0; }).substr(0, 40),
+            "job: items[0].toleranceZone.up is 0, exp");
+  EXPECT_EQ(broken([](json& j) { j["items"][0]["kind"] = "window"; }),
+            "job: items[0].kind is \"window\", expected bracket or panel");
+}
+
+TEST(Job, WhatNoSchemaSeesIsNamedToo) {
+  const Released r;
+  const json good = json::parse(job_json(make_job(r.plan, r.state, 0, "", "")));
+  json twice = good;
+  twice["items"].push_back(twice["items"][0]);
+  EXPECT_NE(fault_of(twice).find("occurs twice"), std::string::npos);
+  json circle = good;
+  circle["items"][0]["dependsOn"] = {good["items"][1]["id"]},
+  circle["items"][1]["dependsOn"] = {good["items"][0]["id"]};
+  EXPECT_NE(fault_of(circle).find("dependsOn goes in a circle"), std::string::npos);
+  json far = good;
+  far["items"][0]["targetPose"]["position"][0] = good["items"][0]["targetPose"]["position"][0].get<double>() / 0.3048;
+  EXPECT_NE(fault_of(far).find("from its design; expected 0.5 m or less"), std::string::npos);
+  EXPECT_EQ(fault_of("nonsense"), "job: the file is \"nonsense\", expected an object");
+}
+
+TEST(Job, AnOldOneIsRefused) {
+  const Released r;
+  const Job job = make_job(r.plan, r.state, 0, "2026-05-02T08:00:00Z", "2026-05-03T08:00:00Z");
+  EXPECT_TRUE(job_objections(job, 1, "2026-05-02T12:00:00Z", job.basis).empty());
+  EXPECT_EQ(job_objections(job, 4, "2026-05-04T12:00:00Z", std::string(64, 'a')).size(), 3u);
+}
+
+std::string pem(EVP_PKEY* key, bool is_private) {
+  BIO* memory = BIO_new(BIO_s_mem());
+  if (is_private)
+    PEM_write_bio_PrivateKey(memory, key, nullptr, nullptr, 0, nullptr, nullptr);
+  else
+    PEM_write_bio_PUBKEY(memory, key);
+  char* data = nullptr;
+  const long size = BIO_get_mem_data(memory, &data);
+  std::string text(data, static_cast<std::size_t>(size));
+  BIO_free(memory);
+  return text;
+}
+
+TEST(Signature, HoldsForTheseBytesAndThisKeyOnly) {
+  EVP_PKEY* key = EVP_PKEY_Q_keygen(nullptr, nullptr, "ED25519");
+  EVP_PKEY* other = EVP_PKEY_Q_keygen(nullptr, nullptr, "ED25519");
+  const std::string job = "{\"jobId\": \"job-1\"}", signature = sign_bytes(job, pem(key, true));
+  EXPECT_EQ(signature_fault(job, signature, pem(key, false)), "");
+  EXPECT_NE(signature_fault(job + " ", signature, pem(key, false)).find("the job was changed"), std::string::npos);
+  EXPECT_NE(signature_fault(job, signature, pem(other, false)), "");
+  EXPECT_NE(signature_fault(job, "", pem(key, false)).find("carries no signature"), std::string::npos);
+  EXPECT_NE(signature_fault(job, signature.substr(1), pem(key, false)).find("has 63 bytes"), std::string::npos);
+  EXPECT_THROW(sign_bytes(job, pem(key, false)), std::runtime_error);
+  EVP_PKEY_free(key), EVP_PKEY_free(other);
+}
+
+TEST(LayoutFiles, AreReadBackAsTheyWereWritten) {
+  const Released r;
+  const auto points = layout_points(r.plan);
+  ASSERT_FALSE(points.empty());
+  for (const LayoutFormat format : {LayoutFormat::hilti, LayoutFormat::trimble, LayoutFormat::leica}) {
+    const ActualsT back = read_staked(layout_csv(points, format), format, "staked.csv");
+    ASSERT_EQ(back.items.size(), points.size());
+    EXPECT_TRUE(back.refused.empty());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      EXPECT_EQ(back.items[i]->item, points[i].name);
+      EXPECT_LT((back.items[i]->measured - points[i].position).cwiseAbs().maxCoeff(), 5.1e-5);
+    }
+  }
+}
+
+TEST(LayoutFiles, WhatIsNoPointIsRefusedWithItsLine) {
+  const ActualsT back = read_staked("PtID;E;N;H\nF01-C01-R1;1.0;2.0;3.0\nx;1;2\ny;a;b;c\nF01-C01-R1;1;2;3\n",
+                                    LayoutFormat::hilti, "staked.csv");
+  EXPECT_EQ(back.items.size(), 1u);
+  EXPECT_EQ(back.refused,
+            (std::vector<std::string>{"staked.csv:3: found 3 columns, expected a name and three coordinates",
+                                      "staked.csv:4: the coordinates of 'y' are no numbers",
+                                      "staked.csv:5: 'F01-C01-R1' occurs twice; the first is taken"}));
+}
+
+TEST(LayoutFiles, ANameWithASeparatorIsRefused) {
+  EXPECT_THROW(layout_csv({{"a;b", {0, 0, 0}, "GO"}}, LayoutFormat::hilti), std::runtime_error);
+}
+
+TEST(LayoutFiles, TheDrawingHasALayerForEachGate) {
+  const Released r;
+  const std::string dxf = layout_dxf(r.plan, {{"CP1", {1, 2, 3}, "control"}});
+  for (const char* layer : {"BRACKET_GO", "PANEL_GO", "CONTROL"})
+    EXPECT_NE(dxf.find(layer), std::string::npos) << layer;
+  EXPECT_NE(dxf.find("AC1009"), std::string::npos);
+}
+
+TEST(Actuals, SingleEntriesThatAreWrongAreRefusedByName) {
+  const ActualsT actuals = read_actuals_json(
+      R"({"items": [{"item": "F01-C01-R1", "outcome": "done", "revision": 2, "measured": [1, 2, 3]}, {"item": 7}]})",
+      "a.json");
+  ASSERT_EQ(actuals.items.size(), 1u);
+  EXPECT_EQ(actuals.items[0]->measured, Eigen::Vector3d(1, 2, 3));
+  ASSERT_EQ(actuals.refused.size(), 1u);
+  EXPECT_EQ(actuals.refused[0].substr(0, 17), "a.json: items[1]:");
+  EXPECT_THROW(read_actuals_json("[]", "a.json"), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace plumbline::loop
