@@ -1,5 +1,8 @@
+#include "loop/job_nodes.hpp"
 #include "loop/plan_node.hpp"
+#include "loop/state_nodes.hpp"
 
 using namespace plumbline::loop;
 
-PLUMBLINE_PLUGIN("loop", "0.1.0", "MIT", PlanInstallation)
+PLUMBLINE_PLUGIN("loop", "0.1.0", "MIT", PlanInstallation, ReadActuals, ReleaseState, SimulateRobots, SimulateSite,
+                 UpdateState, WriteJob)

@@ -408,6 +408,16 @@ void recall(LoopStateT& state, const std::vector<std::string>& moved_control, co
   }
 }
 
+bool accept_item(LoopStateT& state, const std::string& id) {
+  bool found = false;
+  for (auto& item : state.items) {
+    if (item->id != id || item->status != ItemStatus::rejected) continue;
+    move(state, *item, ItemStatus::planned, {"accepted by a person", {}, {}, {}});
+    item->reworks = 0, item->expected.setConstant(kUnknown), found = true;
+  }
+  return found;
+}
+
 void close_round(LoopStateT& state) {
   state.verified = state.given_up = 0;
   bool open = false;

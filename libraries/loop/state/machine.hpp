@@ -42,6 +42,9 @@ void apply_plan(LoopStateT& state, const InstallationPlanT& plan, const MachineO
 /// Everything released becomes stale: control has another adjustment, or points of it moved.
 void recall(LoopStateT& state, const std::vector<std::string>& moved_control, const std::string& why);
 
+/// A rejected item that a person has looked at: planned again, as it is measured next. False if it is none.
+bool accept_item(LoopStateT& state, const std::string& id);
+
 /// Counts, `done`.
 void close_round(LoopStateT& state);
 

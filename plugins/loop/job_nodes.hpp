@@ -1,0 +1,86 @@
+// write.job, read.actuals, simulate.robots: to robots and back.
+#pragma once
+
+#include "artifacts/actuals.hpp"
+#include "artifacts/file.hpp"
+#include "artifacts/installation_plan.hpp"
+#include "artifacts/loop_state.hpp"
+#include "artifacts/points.hpp"
+#include "artifacts/survey_observations.hpp"
+#include "plumbline/node.hpp"
+
+namespace plumbline::loop {
+
+struct WriteJob : Node {
+  static constexpr Info info{"write.job", "", 1, "What is released, for robots (JSON, signed) and for layout tools"};
+  In<InstallationPlan> plan{"plan", frame("frame=?F"), "the plan that released it"};
+  In<LoopState> state{"state", frame("frame=?F"), "the state after the release"};
+  Optional<Points> control{"control", frame("frame=?F"),
+                           "control points, for a file of their own: a tool is set up on them"};
+  Param<int64_t> floor{"floor", 0, between(0, 1000), "items of this floor only; 0: all"};
+  Param<std::string> created_at{"created_at", "", "when, ISO 8601 with zone; empty: not said"};
+  Param<std::string> valid_until{"valid_until", "",
+                                 "until when robots may take it, ISO 8601 with zone; empty: not said"};
+  Param<std::string> signing_key{"signing_key", "", "file with an Ed25519 private key in PEM; empty: not signed"};
+  Out<File> job{"job", "job.json (schemas/robot_job.schema.json)"};
+  Out<File> signature{"signature",
+                      "job.json.sig: 64 bytes, 'openssl pkeyutl -verify -rawin' checks it; empty without key"};
+  Out<File> hilti{"hilti", "layout_hilti.csv: PtID;E;N;H"};
+  Out<File> trimble{"trimble", "layout_trimble.csv: name, N, E, elevation, code"};
+  Out<File> leica{"leica", "layout_leica.csv: PtID, E, N, H, code"};
+  Out<File> control_points{"control_points", "control.csv: PtID;E;N;H of the control"};
+  Out<File> drawing{"drawing", "layout.dxf: R12, brackets and panels on layers by gate, control on its own"};
+  void run(Context& context) override;
+};
+
+struct ReadActuals : Node {
+  static constexpr Info info{"read.actuals", "", 1,
+                             "What robots and people report: actuals.json, or staked points of a layout tool"};
+  In<File> file{"file", "the file"};
+  Param<std::string> format{"format", "json", one_of("json", "hilti", "trimble", "leica"), "who wrote it"};
+  Param<std::string> frame_name{"frame", "building", one_of("building"), "frame of its places"};
+  Out<Actuals> actuals{"actuals", frame("frame=building"), "the reports"};
+  void run(Context& context) override;
+};
+
+struct SimulateRobots : Node {
+  static constexpr Info info{"simulate.robots", "", 1,
+                             "Robots that do a job with their errors and faults, on a site whose truth only they move"};
+  In<File> job{"job", "job.json"};
+  In<Points> truth{"truth", frame("frame=?F"), "hooks as they really are"};
+  Param<double> repeatability{"repeatability", 0.0003, "m", between(0, 0.1), "of the arm, each setting and direction"};
+  Param<double> station_sigma{"station_sigma", 0.0003, "m", between(0, 0.1),
+                              "of the base's place: common to one floor and round"};
+  Param<double> slip_share{"slip_share", 0.02, "1", between(0, 1), "of brackets that slip on tightening"};
+  Param<double> slip_sigma{"slip_sigma", 0.002, "m", between(0, 0.1), "how far"};
+  Param<double> did_nothing{"did_nothing", 0.0, "1", between(0, 1),
+                            "share of items reported done that were not touched"};
+  Param<double> off_8mm{"off_8mm", 0.0, "1", between(0, 1), "share of brackets set 8 mm aside"};
+  Param<double> wrong_side{"wrong_side", 0.0, "1", between(0, 1), "share of brackets set the other way"};
+  Param<double> wrong_item{"wrong_item", 0.0, "1", between(0, 1), "share of items where another one is worked on"};
+  Param<double> skipped{"skipped", 0.0, "1", between(0, 1), "share of items that are skipped, and reported so"};
+  Param<double> old_revision{"old_revision", 0.0, "1", between(0, 1), "share of reports that name the revision before"};
+  Out<Points> moved{"truth", frame("frame=?F"), "hooks as they are afterwards"};
+  Out<Actuals> actuals{"actuals", frame("frame=?F"), "what the robots report"};
+  void run(Context& context) override;
+};
+
+/// What a surveyor needs who measures a simulated site once more.
+struct SimulateSite : Node {
+  static constexpr Info info{
+      "simulate.site", "", 1,
+      "Set-ups and control marks before a simulated facade, for simulate.survey: the site is measured again"};
+  In<Points> truth{"truth", frame("frame=?F"), "hooks as they really are; their y axis points into the building"};
+  Param<double> distance{"distance", 14.0, "m", between(3, 60), "of the set-ups from the facade"};
+  Param<double> range{"range", 60.0, "m", between(5, 500), "longest sight"};
+  Param<double> control_sigma{"control_sigma", 0.0003, "m", between(1e-5, 0.1), "of a control mark's coordinates"};
+  Param<std::vector<std::string>> knocked{
+      "knocked", std::vector<std::string>{},
+      "control marks that were knocked by 6 mm upward, of K1 to K6: a fault to be found"};
+  Out<Points> markers{"markers", frame("frame=?F"), "hooks and marks as they really are"};
+  Out<SurveyObservations> set_ups{"set_ups", frame("frame=?F"), "what each set-up is to sight"};
+  Out<Points> control{"control", frame("frame=?F"), "the marks as they are known"};
+  void run(Context& context) override;
+};
+
+}  // namespace plumbline::loop
