@@ -49,6 +49,7 @@ void SimulateSite::run(Context&) {
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = 0; j <= i; ++j) known.covariance.push_back(i == j ? *control_sigma * *control_sigma : 0.0);
   SurveyObservationsT plan;
+  plan.info = std::make_unique<SurveyInfoT>();
   const double width = high.x() - low.x(), at = low.y() - *distance;
   add_set_up(plan, "S1", {low.x() + 0.2 * width, at, low.z() + 1.2}, site, *range);
   add_set_up(plan, "S2", {low.x() + 0.8 * width, at - 1, low.z() + 1.4}, site, *range);
