@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
 
 #include "block/bundle/adjust.hpp"
+#include "geometry/statistics.hpp"
 
 namespace plumbline::markers {
 namespace {
@@ -61,21 +63,108 @@ class Adjustment {
       store();
       reject();
     }
+    solve();
+    if (options_.robust_control) set_contradictions_aside();
+    fill(*layout_);
+    judge_what_took_no_part();
+  }
+
+ private:
+  void solve() {
     build();
-    const bundle::Layout layout(problem_);
+    layout_ = std::make_unique<bundle::Layout>(problem_);
     bundle::AdjustOptions how;
     how.minimise.max_iterations = options_.max_iterations;
     for (int step = 0; step < 4; ++step) {
-      adjusted_ = bundle::adjust(problem_, layout, state_, how);
+      adjusted_ = bundle::adjust(problem_, *layout_, state_, how);
       reliability_ = bundle::reliability_of(problem_, adjusted_);
       state_ = adjusted_.state;
       if (step == 3 || !rescale()) break;
     }
     store();
-    fill(layout);
   }
 
- private:
+  /// The control point whose normalised residual is largest, and that.
+  std::pair<size_t, double> worst_control() const {
+    std::pair<size_t, double> worst{0, 0};
+    for (size_t k = 0; k < problem_.known.size(); ++k) {
+      if (problem_.known[k].group != group_control) continue;
+      for (const auto& row : reliability_.known[k])
+        if (std::abs(row.w) > worst.second)
+          worst = {static_cast<size_t>(problem_.known[k].refs[0].index), std::abs(row.w)};
+    }
+    return worst;
+  }
+
+  /// One after the other, the worst first, because a wrong point makes sound ones look wrong (Baarda 1968). Where more
+  /// than a third would go, it is no matter of single points: all stay, and each that contradicts is named.
+  void set_contradictions_aside() {
+    const auto count = [&] { return static_cast<size_t>(std::count_if(targets_.begin(), targets_.end(), holds)); };
+    const size_t all = count();
+    std::vector<size_t> aside;
+    for (;;) {
+      const auto [j, w] = worst_control();
+      if (!(w > critical_w(count()))) break;
+      if (3 * (aside.size() + 1) > all || count() <= 3) {
+        for (const size_t a : aside) targets_[a].aside = false;
+        if (!aside.empty()) solve();
+        return;
+      }
+      targets_[j].aside = true;
+      aside.push_back(j);
+      solve();
+    }
+    // What agrees with the result after all, once the worse ones are gone, takes part again.
+    bool changed = false;
+    for (const size_t a : aside) {
+      const Eigen::MatrixXd covariance = covariance_of_differences({a});
+      const Eigen::Vector3d d = difference(a);
+      if (d.dot(covariance.ldlt().solve(d)) > adjust::check_limit(all)) continue;
+      targets_[a].aside = false, changed = true;
+    }
+    if (changed) solve();
+  }
+
+  Eigen::Vector3d difference(size_t j) const {
+    return state_.points[j] - (targets_[j].control->position - result_.origin);
+  }
+
+  /// Of points that took no part: the block's and the survey's, which have nothing in common.
+  Eigen::MatrixXd covariance_of_differences(const std::vector<size_t>& points) const {
+    std::vector<int> blocks;
+    for (const size_t j : points) blocks.push_back(layout_->block({Kind::point, static_cast<int>(j)}));
+    Eigen::MatrixXd covariance = adjusted_.cofactors->joint(blocks);
+    for (size_t k = 0; k < points.size(); ++k)
+      covariance.diagonal().segment<3>(3 * static_cast<Eigen::Index>(k)) +=
+          sigma_of(*targets_[points[k]].control, options_).cwiseAbs2();
+    return covariance;
+  }
+
+  void judge_what_took_no_part() {
+    std::vector<size_t> checks, aside;
+    for (size_t j = 0; j < targets_.size(); ++j)
+      if (targets_[j].control && targets_[j].control->check)
+        checks.push_back(j);
+      else if (targets_[j].aside)
+        aside.push_back(j);
+    if (!checks.empty()) result_.checks = judged(checks);
+    if (!aside.empty()) judged(aside);
+  }
+
+  adjust::CheckJudgement judged(const std::vector<size_t>& points) {
+    std::vector<std::string> names;
+    Eigen::VectorXd differences(3 * static_cast<Eigen::Index>(points.size()));
+    for (const size_t j : points) {
+      differences.segment<3>(3 * static_cast<Eigen::Index>(names.size())) = difference(j);
+      names.push_back(targets_[j].name);
+    }
+    adjust::CheckJudgement found = adjust::judge_check_points(names, differences, covariance_of_differences(points));
+    for (const auto& point : found.points)
+      for (AdjustedControlPoint& p : result_.points)
+        if (p.name == point.name) p.w = point.w, p.nees = point.nees, p.contradicts = point.contradicts;
+    return found;
+  }
+
   /// Drops rays to points behind their camera, points with too few rays, and photographs with too few points.
   void keep_what_can_be_computed() {
     std::erase_if(targets_, [&](Target& t) {
@@ -105,7 +194,7 @@ class Adjustment {
       }
   }
 
-  static bool holds(const Target& t) { return t.control && !t.control->check; }
+  static bool holds(const Target& t) { return t.control && !t.control->check && !t.aside; }
 
   /// Problem and state from the model and the targets as they are now.
   void build() {
@@ -270,7 +359,8 @@ class Adjustment {
   void add_control_point(size_t j, const Eigen::MatrixXd& covariance) {
     const Target& t = targets_[j];
     AdjustedControlPoint p;
-    p.name = t.name, p.check = t.control->check, p.used = true;
+    p.name = t.name, p.check = t.control->check, p.used = true, p.aside = t.aside;
+    if (t.aside) p.reason = "set aside: it contradicts the photographs and the other control points";
     p.surveyed = t.control->position, p.surveyed_sigma = sigma_of(*t.control, options_);
     p.position = state_.points[j] + result_.origin;
     p.covariance = covariance;
@@ -290,6 +380,7 @@ class Adjustment {
   std::map<std::uint32_t, int> image_index_, camera_index_;
   std::vector<BrownCamera> starts_;  ///< the cameras as COLMAP had them
   bundle::Problem problem_;
+  std::unique_ptr<bundle::Layout> layout_;
   bundle::State state_;
   bundle::Adjusted adjusted_;
   bundle::Reliability reliability_;
@@ -298,6 +389,11 @@ class Adjustment {
 };
 
 }  // namespace
+
+double critical_w(size_t control_points) {
+  const auto tests = static_cast<double>(3 * std::max<size_t>(1, control_points));
+  return normal_quantile(1 + 0.5 * std::expm1(std::log1p(-1e-3) / tests));
+}
 
 void adjust_targets(ColmapModel& model, std::vector<Target> targets, const ControlOptions& options,
                     ControlResult& result) {

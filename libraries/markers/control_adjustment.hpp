@@ -11,4 +11,8 @@ namespace plumbline::markers {
 void adjust_targets(ColmapModel& model, std::vector<Target> targets, const ControlOptions& options,
                     ControlResult& result);
 
+/// Largest |w| that is no contradiction: 0.1 % for all coordinates of so many control points together (Šidák 1967), not
+/// for each.
+double critical_w(size_t control_points);
+
 }  // namespace plumbline::markers

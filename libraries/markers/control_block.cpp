@@ -7,7 +7,6 @@
 #include <stdexcept>
 
 #include "block/control_words.hpp"
-#include "geometry/statistics.hpp"
 #include "markers/control_adjustment.hpp"
 #include "markers/robust_similarity.hpp"
 
@@ -81,6 +80,33 @@ void warn_about_control(const std::vector<ControlPoint>& control, const ControlO
                                 ". All standard deviations of the result are too small by that");
 }
 
+std::string millimetres(const Eigen::Vector3d& v) {
+  char text[96];
+  std::snprintf(text, sizeof text, "%.1f, %.1f, %.1f mm", 1e3 * v.x(), 1e3 * v.y(), 1e3 * v.z());
+  return text;
+}
+
+void warn_about_points(ControlResult& result) {
+  const auto holding = std::count_if(result.points.begin(), result.points.end(),
+                                     [](const auto& p) { return p.used && !p.check && !p.aside; });
+  const double critical = critical_w(static_cast<size_t>(holding));
+  for (auto& p : result.points) {
+    if (!p.used || p.check) continue;
+    const double w = p.w.cwiseAbs().maxCoeff();
+    if (p.aside)
+      result.warnings.push_back("control point " + p.name +
+                                " contradicts the photographs and the other control points, " + "which have it " +
+                                millimetres(p.position - p.surveyed) + " off (|w| = " + short_number(w) +
+                                "): it is set aside. Check its coordinates, its name and its measurements");
+    else if (w > critical)
+      p.contradicts = true,
+      result.warnings.push_back("control point " + p.name + " contradicts the photographs: |w| = " + short_number(w) +
+                                ". Check its coordinates, its name and its measurements");
+  }
+  if (result.checks)
+    result.warnings.insert(result.warnings.end(), result.checks->words.begin(), result.checks->words.end());
+}
+
 }  // namespace
 
 ControlResult adjust_with_control(const ColmapModel& model, const std::vector<ControlPoint>& control,
@@ -119,16 +145,7 @@ ControlResult adjust_with_control(const ColmapModel& model, const std::vector<Co
     result.left_out.push_back("control point " + p.name + ": " + unused.reason);
   }
   warn_about_control(control, options, result);
-  // 0.1 % for all coordinates of the control together (Šidák 1967), not for each.
-  const auto tests =
-      3 * std::count_if(result.points.begin(), result.points.end(), [](const auto& p) { return p.used && !p.check; });
-  const double level = -std::expm1(std::log1p(-1e-3) / static_cast<double>(std::max<std::ptrdiff_t>(1, tests)));
-  const double critical = normal_quantile(1 - 0.5 * level);
-  for (const auto& p : result.points)
-    if (p.used && !p.check && p.w.cwiseAbs().maxCoeff() > critical)
-      result.warnings.push_back("control point " + p.name +
-                                " contradicts the photographs: |w| = " + short_number(p.w.cwiseAbs().maxCoeff()) +
-                                ". Check its coordinates, its name and its measurements");
+  warn_about_points(result);
   return result;
 }
 

@@ -2,10 +2,13 @@
 // the frame of the survey. Control takes part in it with its standard deviations, it is not only fitted to.
 #pragma once
 
+#include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "adjustment/reliability.hpp"
+#include "block/check_points.hpp"
 #include "control/control_point.hpp"
 #include "markers/colmap_files.hpp"
 
@@ -19,17 +22,21 @@ struct ControlOptions {
   double measured_sigma = 0.5;   ///< of a measured control point whose file says none [px]
   double tie_sigma = 1.0;        ///< of a tie point's image coordinate; scaled by its variance component [px]
   bool self_calibration = true;
-  int max_tie_points = 600;  ///< those with the longest tracks; the others follow the cameras
-  double reject_above = 5;   ///< tie observations whose residual is this many times the median are left out
+  int max_tie_points = 600;    ///< those with the longest tracks; the others follow the cameras
+  bool robust_control = true;  ///< control that contradicts the rest is set aside, at most a third of it
+  double reject_above = 5;     ///< tie observations whose residual is this many times the median are left out
   int max_iterations = 100;
 };
 
 struct AdjustedControlPoint {
   std::string name;
   bool check = false, used = false;
+  bool aside = false;  ///< control that contradicts the rest and took no part
   Eigen::Vector3d surveyed, surveyed_sigma, position;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d w = Eigen::Vector3d::Zero();  ///< normalised residuals of control
+  Eigen::Vector3d w = Eigen::Vector3d::Zero();  ///< normalised residuals; of what took no part, of the difference
+  double nees = std::numeric_limits<double>::quiet_NaN();  ///< of the difference of what took no part; 3 of freedom
+  bool contradicts = false;
   int rays = 0;
   double largest_angle = 0;  ///< [rad]
   double rms = 0;            ///< of its image coordinates [px]
@@ -51,6 +58,7 @@ struct ControlResult {
   std::map<std::uint32_t, Eigen::Matrix<double, 6, 6>> pose_covariance;  ///< centre [m], rotation [rad]
   std::map<std::uint32_t, double> image_rms;                             ///< [px]
   std::map<std::uint32_t, int> image_points;
+  std::optional<adjust::CheckJudgement> checks;  ///< nothing without check points
   std::vector<ControlObservation> observations;
   std::vector<adjustment::VarianceComponent> groups;
   double scale = 1;  ///< metres a unit of the model
@@ -60,7 +68,7 @@ struct ControlResult {
 };
 
 /// Throws std::runtime_error that says what is missing: names that match no image of the model, fewer than three
-/// control points with two rays, control on a line.
+/// control points with two rays, control on a line. Check points are judged, and what does not hold is a warning.
 ControlResult adjust_with_control(const ColmapModel& model, const std::vector<ControlPoint>& control,
                                   const std::vector<ImagePoint>& measured, const ControlOptions& options);
 

@@ -24,6 +24,7 @@ struct Target {
   std::vector<Measured> rays;
   const ControlPoint* control = nullptr;
   std::int64_t tie = -1;
+  bool aside = false;  ///< control that contradicts the rest and does not take part
 };
 
 /// Linear intersection of the rays of a point; nothing if they are nearly parallel.

@@ -9,6 +9,7 @@
 #include "artifacts/plates.hpp"
 #include "artifacts/points.hpp"
 #include "artifacts/poses.hpp"
+#include "check_points.hpp"
 #include "plumbline/node.hpp"
 #include "tag_adjuster_node.hpp"
 #include "target_block_artifacts.hpp"
@@ -145,6 +146,7 @@ struct Adjuster : TagAdjusterNode {
     artifact.adjuster = info.kind;
     artifact.left_out = given.left_out;
     for (const auto& what : artifact.warnings) context.warn(what);
+    tell_check_points(context, result);
     points.commit(target_points(result));
     adjusted_camera.commit(target_camera(result));
     adjusted_poses.commit(target_poses(result));

@@ -97,6 +97,10 @@ Json images_json(const ControlResult& result) {
   return images;
 }
 
+std::string role_of(const AdjustedControlPoint& p) {
+  return p.check ? "check" : p.aside ? "control, set aside" : "control";
+}
+
 std::string block_text(const ControlResult& result) {
   Json groups = Json::array(), points = Json::array(), observations = Json::array(), warnings = Json::array(),
        left_out = Json::array();
@@ -109,13 +113,15 @@ std::string block_text(const ControlResult& result) {
   for (const auto& p : result.points) {
     if (!p.used) continue;
     points.push_back({{"id", p.name},
-                      {"role", p.check ? "check" : "control"},
+                      {"role", role_of(p)},
+                      {"contradicts", p.contradicts || p.aside},
                       {"position", vector(p.position)},
                       {"sigma", vector(p.covariance.diagonal().cwiseSqrt())},
                       {"surveyed", vector(p.surveyed)},
                       {"surveyed_sigma", vector(p.surveyed_sigma)},
                       {"difference", vector(p.position - p.surveyed)},
                       {"w", vector(p.w)},
+                      {"nees", std::isfinite(p.nees) ? Json(p.nees) : Json()},
                       {"rays", p.rays},
                       {"largest_angle_deg", p.largest_angle * 180 / M_PI},
                       {"rms_px", p.rms}});
@@ -130,6 +136,15 @@ std::string block_text(const ControlResult& result) {
                             {"largest_w", o.w}});
   for (const auto& w : result.warnings) warnings.push_back(w);
   for (const auto& l : result.left_out) left_out.push_back(l);
+  Json checks;
+  if (result.checks)
+    checks = {{"points", result.checks->points.size()},
+              {"holds", result.checks->holds},
+              {"limit_of_a_point", result.checks->limit},
+              {"nees", result.checks->nees},
+              {"degrees_of_freedom", result.checks->freedom},
+              {"limit", result.checks->joint_limit},
+              {"words", result.checks->words}};
   const Json root = {
       {"kind", "COLMAP model with control"},
       {"unit", "m"},
@@ -150,6 +165,7 @@ std::string block_text(const ControlResult& result) {
       {"images", images_json(result)},
       {"points", points},
       {"observations", observations},
+      {"check_points", checks},
       {"scale_bars", Json::array()},
       {"rejected", Json::array()},
       {"left_out", left_out},
@@ -158,9 +174,10 @@ std::string block_text(const ControlResult& result) {
 }
 
 std::string table_text(const ControlResult& result) {
-  std::string text = "name,role,x_m,y_m,z_m,sigma_x_m,sigma_y_m,sigma_z_m,dx_m,dy_m,dz_m,rays,rms_px,reason\n";
+  std::string text =
+      "name,role,x_m,y_m,z_m,sigma_x_m,sigma_y_m,sigma_z_m,dx_m,dy_m,dz_m,w_x,w_y,w_z,rays,rms_px,reason\n";
   for (const auto& p : result.points) {
-    text += formats::csv_field(p.name) + "," + (p.check ? "check" : "control");
+    text += formats::csv_field(p.name) + "," + role_of(p);
     const auto add = [&](double value) {
       char number[40];
       std::snprintf(number, sizeof number, ",%.6f", value);
@@ -169,6 +186,7 @@ std::string table_text(const ControlResult& result) {
     for (int k = 0; k < 3; ++k) add(p.position(k));
     for (int k = 0; k < 3; ++k) add(std::sqrt(p.covariance(k, k)));
     for (int k = 0; k < 3; ++k) add(p.position(k) - p.surveyed(k));
+    for (int k = 0; k < 3; ++k) add(p.w(k));
     text += "," + std::to_string(p.rays);
     add(p.rms);
     text += "," + formats::csv_field(p.reason) + "\n";
@@ -185,7 +203,7 @@ void AdjustColmapControl::run(Context& context) {
   ControlOptions options;
   options.control_sigma = *control_sigma, options.measured_sigma = *measured_sigma, options.tie_sigma = *tie_sigma;
   options.self_calibration = *self_calibration, options.max_tie_points = static_cast<int>(*max_tie_points),
-  options.reject_above = *reject_above;
+  options.reject_above = *reject_above, options.robust_control = *robust_control;
   if (static_cast<bool>(measured) == !observations->path.empty())
     throw std::runtime_error("give either 'observations', a file, or connect 'measured'");
   const FileT table_of = measured ? measured.unpack() : FileT();
@@ -201,6 +219,15 @@ void AdjustColmapControl::run(Context& context) {
   for (const auto& text : result.warnings) context.warn(text);
   for (const auto& text : result.left_out) context.warn("left out: " + text);
   context.metric("rms", result.rms, "px");
+  if (result.checks) {
+    double squares = 0;
+    for (const auto& point : result.checks->points) squares += point.difference.squaredNorm();
+    context.metric("check_points", static_cast<double>(result.checks->points.size()), "1");
+    context.metric("check_rmse_3d", std::sqrt(squares / static_cast<double>(result.checks->points.size())), "m");
+    context.metric("check_nees", result.checks->nees, "1");
+    context.metric("check_freedom", result.checks->freedom, "1");
+    context.metric("invalid", result.checks->holds ? 0 : 1, "1");
+  }
   block.commit(file_of("block.json", "application/json", block_text(result)));
   table.commit(file_of("points.csv", "text/csv", table_text(result)));
   const auto folder = adjusted.make_folder();

@@ -11,7 +11,7 @@
 namespace plumbline::markers {
 
 struct AdjustColmapControl : Node {
-  static constexpr Info info{"adjust.colmap_control", "", 3,
+  static constexpr Info info{"adjust.colmap_control", "", 4,
                              "Adjusts a COLMAP model together with surveyed points measured in its photographs"};
   Optional<Folder> sparse{"sparse", "the model, such as that of colmap.sfm, in place of the parameter"};
   Param<FolderPath> model{"model", FolderPath{}, "folder with cameras, images and points3D, .bin or .txt"};
@@ -31,10 +31,13 @@ struct AdjustColmapControl : Node {
   Param<int64_t> max_tie_points{
       "max_tie_points", 600, between(0, 1000000),
       "tie points that take part, those with the longest tracks first; the others follow the cameras"};
+  Param<bool> robust_control{"robust_control", true,
+                             "set control aside that contradicts the photographs and the other control, at most a "
+                             "third of it; each such point is named"};
   Param<double> reject_above{"reject_above", 5.0, "1", at_least(0),
                              "tie observations whose residual is this many times the median are left out"};
   Out<File> block{"block", "block.json: the adjustment with its statistics and residuals"};
-  Out<File> table{"table", "points.csv: the surveyed points, adjusted minus surveyed"};
+  Out<File> table{"table", "points.csv: the surveyed points, adjusted minus surveyed, and their tests"};
   Out<Folder> adjusted{"model", "the model in the frame of the survey, as COLMAP text files"};
   OutList<Camera> cameras{"cameras", "adjusted interior orientations, in the order of their ids"};
   Out<Poses> poses{"poses", frame("frame=survey"), "adjusted exterior orientations"};

@@ -188,6 +188,22 @@ void write_points(Markup& html, const Json& block) {
   }
 }
 
+/// What check points say of the block; empty where they were not judged.
+std::string check_verdict(const Json& block) {
+  const auto checks = block.find("check_points");
+  if (checks == block.end() || !checks->is_object()) return "";
+  std::string said = flag(*checks, "holds")
+                         ? "They hold: none is off by more than the standard deviations of block and "
+                           "survey allow"
+                         : "They do not hold";
+  if (const double freedom = number(*checks, "degrees_of_freedom"); freedom > 0)
+    said += ", NEES " + fixed(number(*checks, "nees"), 1) + " of " + fixed(freedom, 0) +
+            " degrees of freedom (at most " + fixed(number(*checks, "limit"), 1) + ")";
+  said += ".";
+  for (const Json& sentence : list(*checks, "words")) said += " " + sentence.get<std::string>() + ".";
+  return said;
+}
+
 void write_control(Markup& html, const Json& block) {
   std::vector<const Json*> surveyed;
   for (const Json& point : list(block, "points"))
@@ -204,7 +220,7 @@ void write_control(Markup& html, const Json& block) {
     const Eigen::Vector3d rms = (squares / static_cast<double>(checks)).cwiseSqrt();
     said += " Check points were withheld: root mean square " + mm_unit(rms.x(), 1) + " in x, " + mm_unit(rms.y(), 1) +
             " in y, " + mm_unit(rms.z(), 1) + " in z over " + count(checks, "point", "points") +
-            ", errors of the survey included.";
+            ", errors of the survey included. " + check_verdict(block);
   } else {
     said += " No point was withheld as a check (role check), so nothing here judges independently.";
   }
@@ -226,7 +242,11 @@ void write_control(Markup& html, const Json& block) {
     for (int k = 0; k < 3; ++k) cell(html, signed_fixed(1e3 * d(k), 2));
     cell(html, given.allFinite() ? triple(given, 1) : unknown);
     cell(html, triple(vector(*point, "sigma"), 1));
-    cell(html, text(*point, "role") == "check" ? unknown : fixed(vector(*point, "w").cwiseAbs().maxCoeff(), 1));
+    const Eigen::Vector3d w = vector(*point, "w");
+    if (!w.allFinite() || (text(*point, "role") == "check" && w.isZero(0)))
+      cell(html, unknown);
+    else
+      cell(html, fixed(w.cwiseAbs().maxCoeff(), 1) + (flag(*point, "contradicts") ? " !" : ""));
     cell(html, fixed(number(*point, "rms_px"), 2));
   }
 }

@@ -121,6 +121,59 @@ TEST(ControlBlock, NamesAPointWithTheWrongCoordinatesAndGoesOnWithoutIt) {
     EXPECT_LT(p.used ? (p.position - s.truth.at(p.name)).norm() : 0.0, 0.01) << p.name;
 }
 
+/// 50 mm, 25 times its standard deviation: once told nowhere.
+TEST(ControlBlock, ACheckPointThatIsOffIsToldAndTheOthersAreNot) {
+  Site s = site(7);
+  s.control[2].position.x() += 0.05;
+  const ControlResult result = adjust_with_control(s.model, s.control, s.measured, {});
+  ASSERT_TRUE(result.checks);
+  EXPECT_FALSE(result.checks->holds);
+  ASSERT_EQ(result.warnings.size(), 1u);
+  EXPECT_THAT(result.warnings[0], HasSubstr("check point P2 contradicts the block: it is off by -48"));
+  for (const auto& p : result.points) EXPECT_EQ(p.contradicts, p.name == "P2") << p.name;
+  const auto p2 =
+      std::find_if(result.points.begin(), result.points.end(), [](const auto& p) { return p.name == "P2"; });
+  EXPECT_GT(p2->nees, 100);
+  EXPECT_LT(p2->w.x(), -10);
+}
+
+TEST(ControlBlock, CheckPointsThatHoldAreSaidToHold) {
+  int held = 0;
+  double nees = 0, freedom = 0;
+  for (unsigned seed = 300; seed < 340; ++seed) {
+    const Site s = site(seed);
+    const ControlResult result = adjust_with_control(s.model, s.control, s.measured, {});
+    held += result.checks->holds;
+    nees += result.checks->nees, freedom += result.checks->freedom;
+  }
+  EXPECT_EQ(held, 40);
+  EXPECT_NEAR(nees / freedom, 1, 4 * std::sqrt(2 / freedom)) << "their covariance is that of their differences";
+}
+
+/// A wrong point bends the block, so that sound ones look wrong: it goes first, and they are not named.
+TEST(ControlBlock, AControlPointThatIsOffIsSetAsideAndNoOtherIsNamed) {
+  for (unsigned seed = 20; seed < 26; ++seed) {
+    Site s = site(seed);
+    s.control[1].position.y() += 0.03;  // less than what is left out before anything is adjusted
+    const ControlResult result = adjust_with_control(s.model, s.control, s.measured, {});
+    ASSERT_EQ(result.warnings.size(), 1u) << seed;
+    EXPECT_THAT(result.warnings[0], HasSubstr("control point P1 contradicts the photographs and the other control"));
+    EXPECT_THAT(result.warnings[0], HasSubstr("it is set aside"));
+    for (const auto& p : result.points) {
+      EXPECT_EQ(p.aside, p.name == "P1") << p.name;
+      EXPECT_LT((p.position - s.truth.at(p.name)).norm(), 0.01) << p.name;
+    }
+  }
+}
+
+TEST(ControlBlock, ControlOfWhichMostContradictsStaysAndIsNamed) {
+  Site s = site(8);
+  for (const size_t k : {0u, 3u, 6u}) s.control[k].position.z() += 0.03 + 0.01 * static_cast<double>(k);
+  const ControlResult result = adjust_with_control(s.model, s.control, s.measured, {});
+  for (const auto& p : result.points) EXPECT_FALSE(p.aside) << p.name;
+  EXPECT_FALSE(result.warnings.empty());
+}
+
 TEST(ControlBlock, EastAndNorthExchangedAreNamedAsSuch) {
   Site s = site(5);
   for (auto& p : s.control) std::swap(p.position.x(), p.position.y());
