@@ -42,7 +42,7 @@ class LayoutReader {
         fail(table_.header_line, std::string("no column '") + needed + "'", std::string("the columns ") + kColumns);
   }
 
-  SurveyLayout read() {
+  SiteLayout read() {
     for (const auto& row : table_.rows) {
       const std::string kind = formats::to_lower(text(row, "kind"));
       const std::string id = text(row, "id");
@@ -137,7 +137,7 @@ class LayoutReader {
   std::map<std::string, double> factors_;
   std::set<std::string> ids_;
   std::vector<int> lines_;  // of the set-ups
-  SurveyLayout layout_;
+  SiteLayout layout_;
 };
 
 }  // namespace
@@ -162,7 +162,7 @@ bool matches_pattern(std::string_view name, std::string_view pattern) {
   return p == pattern.size();
 }
 
-SurveyLayout read_survey_layout(std::string_view bytes, const std::string& file) {
+SiteLayout read_survey_layout(std::string_view bytes, const std::string& file) {
   return LayoutReader(bytes, file).read();
 }
 

@@ -31,13 +31,13 @@ struct LayoutSetUp {
   std::vector<std::string> sees;                       ///< names of markers; empty: all that can be seen
 };
 
-struct SurveyLayout {
+struct SiteLayout {
   std::vector<LayoutMarker> markers;
   std::vector<LayoutSetUp> set_ups;
 };
 
 /// Throws SurveyReadError with file, line and column: a plan with a hole in it is not a plan.
-SurveyLayout read_survey_layout(std::string_view bytes, const std::string& file);
+SiteLayout read_survey_layout(std::string_view bytes, const std::string& file);
 
 /// `name` against a pattern of '*' (any text) and '?' (one character).
 bool matches_pattern(std::string_view name, std::string_view pattern);

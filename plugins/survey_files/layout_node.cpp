@@ -20,7 +20,7 @@ Eigen::Quaterniond upright(double azimuth) {
   return Eigen::Quaterniond(axes);
 }
 
-survey::SurveyObservations set_ups_of(const survey::SurveyLayout& layout, const std::string& file) {
+survey::SurveyObservations set_ups_of(const survey::SiteLayout& layout, const std::string& file) {
   survey::SurveyObservations s;
   s.info.format = "layout";
   s.files = {file};
@@ -46,7 +46,7 @@ survey::SurveyObservations set_ups_of(const survey::SurveyLayout& layout, const 
 void ReadLayout::run(Context& context) {
   const auto* content = file->content();
   const std::string name = file->name()->str();
-  const survey::SurveyLayout layout =
+  const survey::SiteLayout layout =
       survey::read_survey_layout({reinterpret_cast<const char*>(content->data()), content->size()}, name);
   PointsT points;
   PlatesT all;

@@ -103,7 +103,7 @@ void run_reader(std::string_view bytes, Reader read) {
 
 inline void run_layout(std::string_view bytes) {
   try {
-    const survey::SurveyLayout layout = survey::read_survey_layout(bytes, "f");
+    const survey::SiteLayout layout = survey::read_survey_layout(bytes, "f");
     promise(!layout.markers.empty() && !layout.set_ups.empty(), "a layout has markers and set-ups");
     for (const survey::LayoutMarker& m : layout.markers) {
       promise(m.position.allFinite() && !std::isinf(m.facing_azimuth), "markers have finite places");
