@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
+#include "linked_licences.hpp"
 #include "terminal.hpp"
 
 namespace plumbline::cli {
@@ -58,6 +59,9 @@ Json param_json(const plumbline_param& param) {
 
 Json kind_json(const runtime::Kind& kind) {
   const plumbline_node& node = *kind.node;
+  Json linked = Json::array();
+  for (const LinkedLicence& l : copyleft_libraries(*kind.plugin))
+    linked.push_back({{"library", l.library}, {"licence", l.licence}});
   Json json{{"kind", node.kind},
             {"role", node.role},
             {"summary", node.summary},
@@ -66,6 +70,7 @@ Json kind_json(const runtime::Kind& kind) {
             {"plugin", kind.plugin->identity.name},
             {"plugin_version", kind.plugin->identity.version},
             {"licence", kind.plugin->identity.licence},
+            {"linked", linked},
             {"inputs", ports_json(node.inputs, node.input_count)},
             {"outputs", ports_json(node.outputs, node.output_count)}};
   json["parameters"] = Json::array();
@@ -145,6 +150,7 @@ int describe(const Options& options) {
   if (*node.role) std::printf("role %s, ", node.role);
   std::printf("version %u, plugin %s %s (%s)\n", node.version, kind->plugin->identity.name.c_str(),
               kind->plugin->identity.version.c_str(), kind->plugin->identity.licence.c_str());
+  if (const std::string linked = licences_in_words(*kind->plugin); !linked.empty()) std::printf("%s\n", linked.c_str());
   print_ports("in", node.inputs, node.input_count);
   print_ports("out", node.outputs, node.output_count);
   if (node.param_count) {

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
+#include "linked_licences.hpp"
 #include "runtime/memory_budget.hpp"
 #include "runtime/trust.hpp"
 #include "runtime/workers.hpp"
@@ -40,6 +41,9 @@ void check_plugins(const runtime::Registry& registry, std::vector<Finding>& find
     findings.push_back({Finding::good, "plugin",
                         plugin->identity.path.filename().string() + ": " + plugin->identity.name + " " +
                             plugin->identity.version + ", " + std::to_string(plugin->table->node_count) + " nodes"});
+  for (const auto& plugin : registry.plugins())
+    if (const std::string linked = licences_in_words(*plugin); !linked.empty())
+      findings.push_back({Finding::note, "licence", plugin->identity.path.filename().string() + " " + linked});
   for (const auto& refused : registry.refused())
     findings.push_back({Finding::bad, "plugin", refused.path.string() + " is refused: it " + refused.problem});
   if (registry.plugins().empty())

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "adjustment/datum.hpp"
+#include "plumbline/stop.hpp"
 
 namespace plumbline::adjustment {
 namespace {
@@ -78,6 +79,48 @@ Eigen::MatrixXd scaled_normal(const PartitionedSystem& system, const ReducedSyst
   return scaled;
 }
 
+/// A Cholesky factor in steps between which the work can be stopped: some hundred unknowns at a time.
+class Factor {
+ public:
+  explicit Factor(Eigen::MatrixXd matrix) : lower_(std::move(matrix)) {
+    const Eigen::Index n = lower_.rows();
+    for (Eigen::Index at = 0; at < n && is_regular_; at += kStep) {
+      stop_point();
+      const Eigen::Index width = std::min(kStep, n - at), rest = n - at - width;
+      auto corner = lower_.block(at, at, width, width);
+      const Eigen::LLT<Eigen::MatrixXd> factor(corner);
+      is_regular_ = factor.info() == Eigen::Success;
+      corner = factor.matrixLLT();
+      if (rest == 0 || !is_regular_) continue;
+      auto below = lower_.block(at + width, at, rest, width);
+      corner.triangularView<Eigen::Lower>().transpose().solveInPlace<Eigen::OnTheRight>(below);
+      lower_.bottomRightCorner(rest, rest).selfadjointView<Eigen::Lower>().rankUpdate(below, -1);
+    }
+  }
+  bool is_regular() const { return is_regular_; }
+  Eigen::VectorXd solve(Eigen::VectorXd right) const {
+    lower_.triangularView<Eigen::Lower>().solveInPlace(right);
+    lower_.triangularView<Eigen::Lower>().transpose().solveInPlace(right);
+    return right;
+  }
+  Eigen::MatrixXd inverse() const {
+    const Eigen::Index n = lower_.rows();
+    Eigen::MatrixXd result = Eigen::MatrixXd::Identity(n, n);
+    for (Eigen::Index at = 0; at < n; at += kStep) {
+      stop_point();
+      auto columns = result.middleCols(at, std::min(kStep, n - at));
+      lower_.triangularView<Eigen::Lower>().solveInPlace(columns);
+      lower_.triangularView<Eigen::Lower>().transpose().solveInPlace(columns);
+    }
+    return result;
+  }
+
+ private:
+  static constexpr Eigen::Index kStep = 128;
+  Eigen::MatrixXd lower_;
+  bool is_regular_ = true;
+};
+
 /// Joint cofactors of one eliminated block and the kept unknowns it depends on; the block first.
 Eigen::MatrixXd joint_cofactor(const EliminatedBlock& block, const Eigen::MatrixXd& kept_cofactor,
                                const Eigen::MatrixXd& own) {
@@ -126,6 +169,7 @@ ReducedSystem reduce(const PartitionedSystem& system) {
         Eigen::MatrixXd::Zero(size, static_cast<Eigen::Index>(reduced.eliminated[i].columns.size()));
   }
   for (const auto& rows : system.observations) {
+    stop_point();
     add_kept_part(rows, reduced);
     if (rows.eliminated < 0) continue;
     EliminatedBlock& block = reduced.eliminated[static_cast<size_t>(rows.eliminated)];
@@ -139,14 +183,15 @@ ReducedSystem reduce(const PartitionedSystem& system) {
     }
   }
   reduced.diagonal = reduced.normal.diagonal();
-  for (size_t i = 0; i < reduced.eliminated.size(); ++i) eliminate(reduced.eliminated[i], own[i], reduced);
+  for (size_t i = 0; i < reduced.eliminated.size(); ++i)
+    stop_point(), eliminate(reduced.eliminated[i], own[i], reduced);
   return reduced;
 }
 
 bool solve_corrections(const PartitionedSystem& system, const ReducedSystem& reduced, PartitionedSolution& solution) {
   const Eigen::VectorXd scale = jacobi_scale(reduced);
-  const Eigen::LLT<Eigen::MatrixXd> factor(scaled_normal(system, reduced, scale));
-  if (factor.info() != Eigen::Success) return false;
+  const Factor factor(scaled_normal(system, reduced, scale));
+  if (!factor.is_regular()) return false;
   solution.kept = scale.asDiagonal() * factor.solve(scale.asDiagonal() * reduced.right);
   solution.eliminated.clear();
   for (const auto& block : reduced.eliminated) {
@@ -160,8 +205,7 @@ bool solve_corrections(const PartitionedSystem& system, const ReducedSystem& red
 
 void add_cofactors(const PartitionedSystem& system, const ReducedSystem& reduced, PartitionedSolution& solution) {
   const Eigen::VectorXd scale = jacobi_scale(reduced);
-  const Eigen::LLT<Eigen::MatrixXd> factor(scaled_normal(system, reduced, scale));
-  Eigen::MatrixXd inverse = factor.solve(Eigen::MatrixXd::Identity(system.kept_count, system.kept_count));
+  Eigen::MatrixXd inverse = Factor(scaled_normal(system, reduced, scale)).inverse();
   inverse = scale.asDiagonal() * inverse * scale.asDiagonal();
   // (N + B B')⁻¹ belongs to no datum yet: it still holds a part G (...) G', which the S-transformation takes away.
   if (system.defect() > 0) inverse = s_transform(inverse, system.null_space, system.datum_unknowns);
@@ -182,10 +226,12 @@ std::vector<Eigen::MatrixXd> residual_cofactors(const PartitionedSystem& system,
                                                 const PartitionedSolution& solution) {
   std::vector<Eigen::MatrixXd> joint(reduced.eliminated.size());
   for (size_t i = 0; i < joint.size(); ++i)
-    joint[i] = joint_cofactor(reduced.eliminated[i], solution.kept_cofactor, solution.eliminated_cofactor[i]);
+    stop_point(),
+        joint[i] = joint_cofactor(reduced.eliminated[i], solution.kept_cofactor, solution.eliminated_cofactor[i]);
   std::vector<Eigen::MatrixXd> result;
   result.reserve(system.observations.size());
   for (const auto& rows : system.observations) {
+    stop_point();
     const Eigen::Index m = rows.misclosure.size();
     Eigen::MatrixXd fitted;
     if (rows.eliminated < 0) {
@@ -218,8 +264,8 @@ std::vector<VarianceComponent> variance_components(const PartitionedSystem& syst
 }
 
 double smallest_scaled_eigenvalue(const PartitionedSystem& system, const ReducedSystem& reduced) {
-  const Eigen::LLT<Eigen::MatrixXd> factor(scaled_normal(system, reduced, jacobi_scale(reduced)));
-  if (factor.info() != Eigen::Success) return 0;
+  const Factor factor(scaled_normal(system, reduced, jacobi_scale(reduced)));
+  if (!factor.is_regular()) return 0;
   // A start without symmetry, so that it is orthogonal to no eigenvector that a regular layout would have.
   Eigen::VectorXd vector(system.kept_count);
   for (Eigen::Index i = 0; i < vector.size(); ++i) vector(i) = 1 + 0.5 * std::sin(1.7 * static_cast<double>(i) + 0.3);

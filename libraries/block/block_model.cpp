@@ -1,40 +1,13 @@
 #include "block/block_model.hpp"
 
-#include <ceres/loss_function.h>
-#include <ceres/manifold.h>
-#include <ceres/problem.h>
-#include <ceres/solver.h>
-
 #include <algorithm>
 #include <limits>
 #include <stdexcept>
 
+#include "plumbline/stop.hpp"
+
 namespace plumbline::adjust {
 namespace {
-
-std::unique_ptr<ceres::LossFunction> make_loss(RobustLoss loss, double scale) {
-  switch (loss) {
-    case RobustLoss::huber:
-      return std::make_unique<ceres::HuberLoss>(scale);
-    case RobustLoss::cauchy:
-      return std::make_unique<ceres::CauchyLoss>(scale);
-    case RobustLoss::tukey:
-      return std::make_unique<ceres::TukeyLoss>(scale);
-    case RobustLoss::none:
-      break;
-  }
-  return nullptr;
-}
-
-void hold_fixed_values(ceres::Problem& problem, double* values, const std::vector<int>& columns) {
-  std::vector<int> held;
-  for (size_t i = 0; i < columns.size(); ++i)
-    if (columns[i] < 0) held.push_back(static_cast<int>(i));
-  if (held.size() == columns.size())
-    problem.SetParameterBlockConstant(values);
-  else if (!held.empty())
-    problem.SetManifold(values, new ceres::SubsetManifold(static_cast<int>(columns.size()), held));
-}
 
 /// Largest correction in units of the conditional standard deviation of its unknown.
 double largest_step(const ReducedSystem& reduced, const PartitionedSolution& solution) {
@@ -78,8 +51,8 @@ int BlockModel::add_group(const std::string& name) {
   return static_cast<int>(groups_.size()) - 1;
 }
 
-void BlockModel::add_term(std::unique_ptr<ceres::CostFunction> cost, std::vector<double*> parameters, int group,
-                          int label, bool robust) {
+void BlockModel::add_term(std::unique_ptr<CostFunction> cost, std::vector<double*> parameters, int group, int label,
+                          bool robust) {
   Term term;
   term.cost = std::move(cost);
   term.group = group;
@@ -95,7 +68,7 @@ void BlockModel::add_term(std::unique_ptr<ceres::CostFunction> cost, std::vector
 }
 
 ObservationRows BlockModel::rows_of(const Term& term) const {
-  const int count = term.cost->num_residuals();
+  const int count = term.cost->residual_count();
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   std::vector<RowMajor> storage;
   std::vector<const double*> values;
@@ -109,7 +82,7 @@ ObservationRows BlockModel::rows_of(const Term& term) const {
   rows.group = term.group;
   rows.label = term.label;
   Eigen::VectorXd residual(count);
-  if (!term.cost->Evaluate(values.data(), residual.data(), jacobians.data()) || !residual.allFinite())
+  if (!term.cost->evaluate(values.data(), residual.data(), jacobians.data()) || !residual.allFinite())
     throw std::runtime_error("observation " + std::to_string(term.label) + " of group '" +
                              groups_[static_cast<size_t>(term.group)] +
                              "' cannot be computed: its point lies behind the camera or outside the camera model");
@@ -142,48 +115,6 @@ PartitionedSystem BlockModel::linearise() const {
   return block;
 }
 
-BlockModel::Summary BlockModel::minimise(int max_iterations, RobustLoss loss, double scale) {
-  ceres::Problem::Options problem_options;
-  problem_options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  problem_options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  const auto robust = make_loss(loss, scale);
-  // Ceres orders parameters by their addresses. In one array the order is ours; scattered over the heap it would change
-  // from run to run, and with it the order of summation and the last bits.
-  size_t size = 0;
-  for (const Parameter& parameter : parameters_) size += static_cast<size_t>(parameter.size());
-  std::vector<double> array(size);
-  std::vector<double*> places;
-  ceres::Problem problem(problem_options);
-  ceres::Solver::Options options;
-  options.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
-  double* next = array.data();
-  for (const Parameter& parameter : parameters_) {
-    std::copy(parameter.values, parameter.values + parameter.size(), next);
-    places.push_back(next);
-    problem.AddParameterBlock(next, parameter.size());
-    options.linear_solver_ordering->AddElementToGroup(next, parameter.camera >= 0 ? 0 : 1);
-    if (parameter.camera < 0) hold_fixed_values(problem, next, parameter.columns);
-    next += parameter.size();
-  }
-  for (const Term& term : terms_) {
-    std::vector<double*> values;
-    for (size_t p : term.parameters) values.push_back(places[p]);
-    problem.AddResidualBlock(term.cost.get(), term.robust ? robust.get() : nullptr, values);
-  }
-  options.linear_solver_type = ceres::DENSE_SCHUR;
-  options.num_threads = 1;  // two threads sum in another order: other bits
-  options.logging_type = ceres::SILENT;
-  options.max_num_iterations = max_iterations;
-  options.function_tolerance = 1e-12;
-  options.gradient_tolerance = 1e-14;
-  options.parameter_tolerance = 1e-12;
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
-  for (size_t p = 0; p < places.size(); ++p)
-    std::copy(places[p], places[p] + parameters_[p].size(), parameters_[p].values);
-  return {summary.termination_type == ceres::CONVERGENCE, static_cast<int>(summary.iterations.size()), summary.message};
-}
-
 void BlockModel::apply(const PartitionedSolution& solution) {
   for (size_t i = 0; i < kept_values_.size(); ++i) *kept_values_[i] += solution.kept(static_cast<Eigen::Index>(i));
   for (size_t i = 0; i < poses_.size(); ++i)
@@ -206,6 +137,7 @@ AdjustedBlock adjust_to_convergence(BlockModel& model, int max_iterations, const
   double last = std::numeric_limits<double>::infinity();
   int steps = 0;
   for (int i = 0; i < max_shrinking; ++i, ++steps) {
+    stop_point();
     result.linear = model.linearise();
     set_datum(result.linear);
     result.reduced = reduce(result.linear);
@@ -225,8 +157,8 @@ AdjustedBlock adjust_to_convergence(BlockModel& model, int max_iterations, const
     fold();
   }
   throw std::runtime_error("the block adjustment did not converge in " + std::to_string(summary.iterations) +
-                           " damped and " + std::to_string(steps) + " undamped iterations; Ceres: " + summary.message +
-                           "; check the approximate poses and coordinates");
+                           " damped and " + std::to_string(steps) + " undamped iterations (" + summary.message +
+                           "); check the approximate poses and coordinates");
 }
 
 }  // namespace plumbline::adjust

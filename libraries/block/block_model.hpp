@@ -1,18 +1,18 @@
 // The non-linear side of a block adjustment: parameters, whitened cost functions, and the path from approximate values
-// to the linearised block at the minimum. Ceres finds the minimum (its Levenberg-Marquardt copes with poor starting
-// values and with a free datum); a few undamped Gauss-Newton steps under the inner constraints finish it, because what
-// the statistics are made of has to come from the same normal equations. Ceres' own claim of convergence is never taken
-// for a well-posed problem.
+// to the linearised block at the minimum. Levenberg-Marquardt finds the minimum (it copes with poor starting values and
+// with a free datum); a few undamped Gauss-Newton steps under the inner constraints finish it, because what the
+// statistics are made of has to come from the same normal equations.
 #pragma once
-
-#include <ceres/cost_function.h>
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "adjustment/schur.hpp"
+#include "block/bundle/elimination.hpp"
+#include "block/cost_function.hpp"
 
 namespace plumbline::adjust {
 
@@ -22,8 +22,6 @@ using adjustment::PartitionedSolution;
 using adjustment::PartitionedSystem;
 using adjustment::ReducedSystem;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
-
-enum class RobustLoss { none, huber, cauchy, tukey };
 
 class BlockModel {
  public:
@@ -38,7 +36,7 @@ class BlockModel {
 
   /// One observation: a cost function whose residuals are whitened computed minus observed, over parameters added
   /// before.
-  void add_term(std::unique_ptr<ceres::CostFunction> cost, std::vector<double*> parameters, int group, int label,
+  void add_term(std::unique_ptr<CostFunction> cost, std::vector<double*> parameters, int group, int label,
                 bool robust = false);
 
   int kept_count() const { return static_cast<int>(kept_values_.size()); }
@@ -53,8 +51,9 @@ class BlockModel {
     int iterations = 0;
     std::string message;
   };
-  /// Levenberg-Marquardt. `loss` acts on terms added as robust, with `scale` on the norm of their residuals.
-  Summary minimise(int max_iterations, RobustLoss loss = RobustLoss::none, double scale = 1);
+  /// Levenberg-Marquardt. `loss` acts on terms added as robust, on the norm of their residuals. Throws
+  /// Stopped if the work is to end.
+  Summary minimise(int max_iterations, const bundle::Loss& loss = {});
 
   /// Adds corrections to the values.
   void apply(const PartitionedSolution& solution);
@@ -67,13 +66,17 @@ class BlockModel {
     int size() const { return camera >= 0 ? 6 : static_cast<int>(columns.size()); }
   };
   struct Term {
-    std::unique_ptr<ceres::CostFunction> cost;
+    std::unique_ptr<CostFunction> cost;
     std::vector<size_t> parameters;
     int group = 0;
     int label = 0;
     bool robust = false;
   };
   ObservationRows rows_of(const Term& term) const;
+  /// Half the sum of squares, robust where terms are; nothing where a term has no value.
+  std::optional<double> cost(const bundle::Loss& loss) const;
+  std::vector<double> values() const;
+  void set_values(const std::vector<double>& all);
 
   std::vector<Parameter> parameters_;
   std::vector<std::pair<double*, size_t>> index_;  ///< sorted by address

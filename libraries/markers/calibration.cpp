@@ -1,6 +1,5 @@
 #include "markers/calibration.hpp"
 
-#include <ceres/autodiff_cost_function.h>
 #include <ceres/rotation.h>
 
 #include <Eigen/Cholesky>
@@ -15,6 +14,7 @@
 #include "block/defects.hpp"
 #include "geometry/median.hpp"
 #include "markers/planar_pose.hpp"
+#include "plumbline/stop.hpp"
 
 namespace plumbline::markers {
 namespace {
@@ -156,14 +156,14 @@ class Calibrator {
         model.add_kept(state_.bend.data(), {bent, bent}, {"bend of the board in x", "bend of the board in y"});
     if (bent)
       model.add_term(
-          std::make_unique<ceres::AutoDiffCostFunction<ScaledCost, 2, 2>>(new ScaledCost{options_.bend_sigma}),
+          std::make_unique<adjust::DifferentiatedCost<ScaledCost, 2, 2>>(new ScaledCost{options_.bend_sigma}),
           {state_.bend.data()}, 1, 0);
     for (size_t v = 0; v < views_.size(); ++v)
       for (size_t k = 0; k < views_[v].points.size(); ++k) {
         if (!use_[v][k]) continue;
         const CalibrationPoint& p = views_[v].points[k];
         const Eigen::Vector2d unit = (p.board.head<2>() - middle_).cwiseQuotient(half_);
-        model.add_term(std::make_unique<ceres::AutoDiffCostFunction<PointCost, 2, 6, count, 2>>(
+        model.add_term(std::make_unique<adjust::DifferentiatedCost<PointCost, 2, 6, count, 2>>(
                            new PointCost{p.board, p.pixel, unit, p.sigma, &state_.matrices[v]}),
                        {state_.poses[v].data(), state_.interior.data(), state_.bend.data()}, 0,
                        static_cast<int>(labels_.size()), true);
@@ -191,7 +191,7 @@ class Calibrator {
       if (!pose_all(f)) continue;
       adjust::BlockModel model;
       build(model);
-      model.minimise(options_.max_iterations, adjust::RobustLoss::huber, 30);
+      model.minimise(options_.max_iterations, {bundle::Loss::Kind::huber, 30});
       state_.fold();
       const double fit = upper_median(misfits(model));
       if (fit < lowest) lowest = fit, best = state_;
@@ -212,7 +212,7 @@ class Calibrator {
       adjust::BlockModel model;
       build(model);
       unit = std::max(1e-3, upper_median(misfits(model)));
-      model.minimise(options_.max_iterations, adjust::RobustLoss::huber, 3 * unit);
+      model.minimise(options_.max_iterations, {bundle::Loss::Kind::huber, 3 * unit});
       state_.fold();
     }
     adjust::BlockModel model;
@@ -242,6 +242,8 @@ class Calibrator {
             adjust::require_full_rank(linear, reduced, names, model.kept_labels());
             undetermined = false;
           });
+    } catch (const Stopped&) {
+      throw;
     } catch (const std::runtime_error& error) {
       throw std::runtime_error(undetermined ? std::string(error.what()) +
                                                   "; photograph the board tilted, from several sides, and over the "
@@ -368,6 +370,8 @@ Calibration calibrate(const std::vector<CalibrationView>& views, int width, int 
       result.held_flat = bent && !(attempts[k].bend_sigma > 0);
       result.held_k3 = attempts[k].free.size() < options.free.size();
       return result;
+    } catch (const Stopped&) {
+      throw;
     } catch (const std::runtime_error&) {
       if (k + 1 == attempts.size()) throw;
     }

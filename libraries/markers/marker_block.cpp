@@ -14,6 +14,7 @@
 #include "markers/marker_datum.hpp"
 #include "markers/marker_model.hpp"
 #include "markers/marker_words.hpp"
+#include "plumbline/stop.hpp"
 
 namespace plumbline::markers {
 namespace {
@@ -102,7 +103,7 @@ Trial minimised(const MarkerBlock& block, const MarkerOptions& options, const Ma
   build_model(block, options, state, model);
   double unit = 5;
   for (int pass = 0; pass < 2; ++pass) {
-    model.model.minimise(iterations, adjust::RobustLoss::huber, 2 * std::sqrt(8.0) * unit);
+    model.model.minimise(iterations, {bundle::Loss::Kind::huber, 2 * std::sqrt(8.0) * unit});
     state.fold();
     unit = std::max(1.0, upper_median(misfits(model)));
   }
@@ -186,7 +187,7 @@ void find_blunders(const MarkerBlock& block, const MarkerOptions& options, Trial
   build_model(block, options, state, model);
   double unit = std::max(1.0, upper_median(misfits(model)));
   for (int pass = 0; pass < 2; ++pass) {
-    model.model.minimise(options.max_iterations, adjust::RobustLoss::huber, 2 * std::sqrt(8.0) * unit);
+    model.model.minimise(options.max_iterations, {bundle::Loss::Kind::huber, 2 * std::sqrt(8.0) * unit});
     state.fold();
     unit = std::max(1.0, upper_median(misfits(model)));
   }
@@ -254,6 +255,8 @@ void run_or_explain(const MarkerBlock& block, const MarkerOptions& options, cons
                     MarkerResult& result) {
   try {
     run_adjustment(block, options, trial, run, result);
+  } catch (const Stopped&) {
+    throw;
   } catch (const std::runtime_error& error) {
     const bool self_calibration =
         std::any_of(block.cameras.begin(), block.cameras.end(), [](const MarkerCamera& c) { return !c.held; });
@@ -425,6 +428,8 @@ MarkerResult adjust_without_worst(const MarkerBlock& block, const MarkerOptions&
                                   std::set<int>& left_out) {
   try {
     return adjust_as_given(block, options);
+  } catch (const Stopped&) {
+    throw;
   } catch (const std::runtime_error&) {
     std::optional<MarkerResult> best;
     for (const int marker : seen) {
@@ -438,6 +443,8 @@ MarkerResult adjust_without_worst(const MarkerBlock& block, const MarkerOptions&
                                                                  : result.rms < best->rms;
         };
         if (!best || fits_better()) best = std::move(result), left_out = {marker};
+      } catch (const Stopped&) {
+        throw;
       } catch (const std::runtime_error&) {  // another tag, or none
       }
     }
@@ -501,10 +508,14 @@ MarkerResult adjust_marker_block(const MarkerBlock& block, const MarkerOptions& 
   if (!calibrated) return adjust_to_layout(block, options);
   try {
     return adjust_to_layout(block, options);
+  } catch (const Stopped&) {
+    throw;
   } catch (const std::runtime_error& error) {
     MarkerResult result;
     try {
       result = adjust_to_layout(held, options);
+    } catch (const Stopped&) {
+      throw;
     } catch (const std::runtime_error&) {
       throw error;
     }

@@ -11,6 +11,7 @@
 
 #include "geometry/similarity.hpp"
 #include "geometry/statistics.hpp"
+#include "plumbline/stop.hpp"
 
 namespace plumbline::markers {
 namespace {
@@ -122,6 +123,8 @@ std::optional<MarkerHalves> compare_halves(const MarkerBlock& block, const Marke
     if (photographs.empty()) return std::nullopt;
     try {
       found.push_back(adjust_marker_block(part_of(block, result, photographs), options));
+    } catch (const Stopped&) {
+      throw;
     } catch (const std::runtime_error&) {
       return std::nullopt;  // too few for a block of their own
     }

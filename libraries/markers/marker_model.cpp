@@ -1,6 +1,5 @@
 #include "markers/marker_model.hpp"
 
-#include <ceres/autodiff_cost_function.h>
 #include <ceres/rotation.h>
 
 #include <Eigen/Cholesky>
@@ -58,14 +57,13 @@ struct ViewCost {
 };
 
 /// W (x − x0) of one parameter block.
-class PriorCost : public ceres::CostFunction {
+class PriorCost : public adjust::CostFunction {
  public:
   PriorCost(Eigen::MatrixXd whitening, Eigen::VectorXd target)
-      : whitening_(std::move(whitening)), target_(std::move(target)) {
-    set_num_residuals(static_cast<int>(whitening_.rows()));
-    mutable_parameter_block_sizes()->push_back(static_cast<int>(target_.size()));
-  }
-  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+      : CostFunction(static_cast<int>(whitening.rows())),
+        whitening_(std::move(whitening)),
+        target_(std::move(target)) {}
+  bool evaluate(const double* const* parameters, double* residuals, double* const* jacobians) const override {
     const Eigen::Map<const Eigen::VectorXd> x(parameters[0], target_.size());
     Eigen::Map<Eigen::VectorXd>(residuals, whitening_.rows()) = whitening_ * (x - target_);
     if (jacobians && jacobians[0])
@@ -257,10 +255,10 @@ void build_model(const MarkerBlock& block, const MarkerOptions& options, MarkerS
                      {&state.scales[j]}, group_size, static_cast<int>(j));
     add_shape(options, of, static_cast<int>(j), state, model);
     if (!marker.world_from_tag) continue;
-    auto* cost = new ceres::AutoDiffCostFunction<LayoutCost, 6, 3, 3>(
+    auto* cost = new adjust::DifferentiatedCost<LayoutCost, 6, 3, 3>(
         new LayoutCost{marker.world_from_tag->translation, marker.world_from_tag->rotation, &state.world_from_tag[j],
                        options.layout_position_sigma, options.layout_rotation_sigma});
-    model.add_term(std::unique_ptr<ceres::CostFunction>(cost), {state.centres[j].data(), state.turns[j].data()},
+    model.add_term(std::unique_ptr<adjust::CostFunction>(cost), {state.centres[j].data(), state.turns[j].data()},
                    group_layout, static_cast<int>(j));
   }
   for (size_t c = 0; c < block.cameras.size(); ++c) {
@@ -287,7 +285,7 @@ void build_model(const MarkerBlock& block, const MarkerOptions& options, MarkerS
     cost->camera_matrix = &state.camera_matrices[i], cost->tag_matrix = &state.tag_matrices[j];
     cost->sigma_factor = &state.sigma_factors[view.refined ? 0 : 1];
     model.add_term(
-        std::make_unique<ceres::AutoDiffCostFunction<ViewCost, 8, 6, 3, 3, 1, shape_count, 9, 1>>(cost.release()),
+        std::make_unique<adjust::DifferentiatedCost<ViewCost, 8, 6, 3, 3, 1, shape_count, 9, 1>>(cost.release()),
         {state.poses[i].data(), state.centres[j].data(), state.turns[j].data(), &state.scales[j],
          state.shapes[j].data(), state.interiors[c].data(), &state.insets[c]},
         view.refined ? group_refined : group_unrefined, static_cast<int>(k), true);

@@ -1,6 +1,5 @@
 #include "markers/rig_adjustment.hpp"
 
-#include <ceres/autodiff_cost_function.h>
 #include <ceres/rotation.h>
 
 #include <Eigen/Cholesky>
@@ -15,6 +14,7 @@
 #include "block/defects.hpp"
 #include "geometry/median.hpp"
 #include "markers/rig.hpp"
+#include "plumbline/stop.hpp"
 
 namespace plumbline::markers {
 namespace {
@@ -140,6 +140,8 @@ class RigAdjuster {
         else if (freedom == Freedom::none)
           rig.held = "the interior orientations and the bend of the board";
         return rig;
+      } catch (const Stopped&) {
+        throw;
       } catch (const std::runtime_error& error) {
         if (freedom == Freedom::none) rig.refused = std::string("the common adjustment failed: ") + error.what();
       }
@@ -235,7 +237,7 @@ class RigAdjuster {
     const bool bent = options_.bend_sigma > 0 && freedom == Freedom::all;
     model.add_kept(p.bend.data(), {bent, bent}, {"bend of the board in x", "bend of the board in y"});
     if (bent)
-      model.add_term(std::make_unique<ceres::AutoDiffCostFunction<BendCost, 2, 2>>(new BendCost{options_.bend_sigma}),
+      model.add_term(std::make_unique<adjust::DifferentiatedCost<BendCost, 2, 2>>(new BendCost{options_.bend_sigma}),
                      {p.bend.data()}, 1, 0);
     for (size_t s = 0; s < p.shots.size(); ++s) {
       const Shot& shot = p.shots[s];
@@ -245,7 +247,7 @@ class RigAdjuster {
         const Eigen::Vector2d unit = (point.board.head<2>() - middle_).cwiseQuotient(half_);
         auto* cost =
             new RigCost{point.board, point.pixel, unit, point.sigma, &p.exposures[e].matrix, &p.cameras[c].matrix};
-        model.add_term(std::make_unique<ceres::AutoDiffCostFunction<RigCost, 2, 6, 6, count, 2>>(cost),
+        model.add_term(std::make_unique<adjust::DifferentiatedCost<RigCost, 2, 6, 6, count, 2>>(cost),
                        {p.exposures[e].values.data(), p.cameras[c].values.data(), p.interiors[c].data(), p.bend.data()},
                        0, static_cast<int>(p.labels.size()), true);
         p.labels.emplace_back(static_cast<int>(s), k);
@@ -260,7 +262,7 @@ class RigAdjuster {
     build(p, Freedom::none, model);
     double unit = 10;
     for (int pass = 0; pass < 3; ++pass) {
-      model.minimise(options_.max_iterations, adjust::RobustLoss::cauchy, 3 * unit);
+      model.minimise(options_.max_iterations, {bundle::Loss::Kind::cauchy, 3 * unit});
       p.fold();
       std::vector<double> lengths;
       for (const auto& rows : model.linearise().observations)

@@ -1,7 +1,8 @@
-// adjust.schur, adjust.ceres: bundle adjustment of marker plates, equations (4) and (5), or of measured
+// adjust.schur, adjust.ceres (ceres_engine.hpp): bundle adjustment of marker plates, equations (4) and (5), or of measured
 // targets. One node over every engine: they differ in how the minimum is found, and in nothing that is said about it.
 #pragma once
 
+#include "adjustment_memory.hpp"
 #include "artifacts/block.hpp"
 #include "artifacts/camera.hpp"
 #include "artifacts/image_block.hpp"
@@ -23,16 +24,6 @@ struct SchurEngine {
   static bundle::MinimiseSummary minimise(const bundle::Problem& problem, bundle::State& state,
                                           const bundle::MinimiseOptions& options) {
     return bundle::minimise_schur(problem, state, options);
-  }
-};
-
-struct CeresEngine {
-  static constexpr bool refines_robust = false;  // its answer is Ceres', not ours
-  static constexpr Info info{"adjust.ceres", "adjuster", 2,
-                             "Bundle adjustment with Ceres (DENSE_SCHUR), free (4) or with control (5)"};
-  static bundle::MinimiseSummary minimise(const bundle::Problem& problem, bundle::State& state,
-                                          const bundle::MinimiseOptions& options) {
-    return bundle::minimise_ceres(problem, state, options);
   }
 };
 
@@ -114,7 +105,10 @@ struct Adjuster : TagAdjusterNode {
       context.warn("parameter 'robust_control' has no effect without control, and with weighting=lambda");
     if (*lambda != default_lambda && *weighting != "lambda")
       context.warn("parameter 'lambda' has no effect with weighting=covariance; set weighting=lambda, or leave it out");
-    const TagBlockResult result = adjust_tag_block(builder.block(), chosen);
+    const TagBlock& given = builder.block();
+    announce_memory(context, given.images.size(), given.plates.size(), 6, given.observations.size(), 4000,
+                    given.plates.size());
+    const TagBlockResult result = adjust_tag_block(given, chosen);
     report(context, builder.block(), result);
     points.commit(builder.points(result));
     adjusted_camera.commit(builder.camera(result));
@@ -139,6 +133,9 @@ struct Adjuster : TagAdjusterNode {
     o.max_iterations = static_cast<int>(*max_iterations);
     o.threads = static_cast<int>(*threads);
     o.minimiser = Engine::minimise;
+    const std::size_t count = measured.points.size();
+    announce_memory(context, measured.images.size(), count, 3, measured.measurements.size(), 1000,
+                    count <= max_joint_points ? count : 0);
     const PointBlockResult result = adjust_point_block(measured, o);
     context.metric("sigma0", result.sigma0 / o.image_sigma, "1");
     context.metric("degrees_of_freedom", result.degrees_of_freedom, "1");

@@ -8,7 +8,7 @@
 #include "target_block_node.hpp"
 
 PLUMBLINE_PLUGIN("adjust", "0.1.0", "MIT", plumbline::adjust::Adjuster<plumbline::adjust::SchurEngine>,
-                 plumbline::adjust::Adjuster<plumbline::adjust::CeresEngine>, plumbline::adjust::ColmapAdjuster,
+                 plumbline::adjust::ColmapAdjuster,
                  plumbline::adjust::JointAdjuster, plumbline::adjust::ReadAicon, plumbline::adjust::ReadPhotoModeler,
                  plumbline::adjust::ReadBal, plumbline::adjust::WriteBal, plumbline::adjust::ReadImageBlock,
                  plumbline::adjust::EvaluateCost, plumbline::adjust::EvaluateCrossval,

@@ -11,6 +11,7 @@
 #include "markers/camera_groups.hpp"
 #include "output.hpp"
 #include "plumbline/node.hpp"
+#include "plumbline/stop.hpp"
 
 namespace {
 
@@ -45,6 +46,8 @@ Halves compare_halves(const Selection& selection, const CalibrationOptions& opti
     for (size_t i = 0; i < ua.size(); ++i) expected.push_back(std::hypot(ua[i], ub[i]));
     result.difference = median_of_finite(projection_difference(a.camera, b.camera, map_columns, map_rows));
     result.expected = median_of_finite(expected);
+  } catch (const Stopped&) {
+    throw;
   } catch (const std::runtime_error&) {
     // Half of the photographs may be too few; the page then says that there is no such check.
   }
@@ -114,6 +117,8 @@ struct CalibrateBoard : Node {
       Calibrated& one = all.back();
       try {
         one.calibration = calibrate(one.selection.views, one.selection.width, one.selection.height, options);
+      } catch (const Stopped&) {
+        throw;
       } catch (const std::runtime_error& error) {
         if (one.selection.camera.empty()) throw;
         throw std::runtime_error("camera " + one.selection.camera + ": " + error.what());

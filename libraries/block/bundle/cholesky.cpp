@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 
 #include "block/bundle/kernels.hpp"
+#include "plumbline/stop.hpp"
 
 namespace plumbline::bundle {
 namespace {
@@ -15,6 +16,7 @@ bool Cholesky::compute(Eigen::MatrixXd lower) {
   factor_ = std::move(lower);
   const Eigen::Index n = factor_.rows();
   for (Eigen::Index at = 0; at < n; at += panel) {
+    stop_point();
     const Eigen::Index width = std::min(panel, n - at), rest = n - at - width;
     double* corner = &factor_(at, at);
     if (!factor_lower(static_cast<int>(width), corner, n)) return false;
@@ -31,6 +33,7 @@ void Cholesky::half_solve_in_place(Eigen::Ref<Eigen::MatrixXd> right) const {
   const Eigen::Index n = factor_.rows();
   const int columns = static_cast<int>(right.cols());
   for (Eigen::Index at = 0; at < n; at += panel) {
+    stop_point();
     const Eigen::Index width = std::min(panel, n - at), rest = n - at - width;
     solve_left(static_cast<int>(width), &factor_(at, at), n, columns, &right(at, 0), right.outerStride());
     if (rest > 0)
@@ -54,11 +57,14 @@ Eigen::MatrixXd Cholesky::inverse_factor(Eigen::Index first) const {
   const Eigen::Index n = factor_.rows() - first;
   Eigen::MatrixXd root = Eigen::MatrixXd::Zero(n, n);
   for (Eigen::Index at = 0; at < n; at += panel) {
+    stop_point();
     const Eigen::Index width = std::min(panel, n - at);
-    for (Eigen::Index column = 0; column < at; column += panel)  // −L L⁻¹; above its diagonal L⁻¹ is nothing
+    for (Eigen::Index column = 0; column < at; column += panel) {  // −L L⁻¹; above its diagonal L⁻¹ is nothing
+      stop_point();
       subtract_product(&root(at, column), n, static_cast<int>(width), static_cast<int>(panel),
                        static_cast<int>(at - column),
                        {&factor_(first + at, first + column), 1, factor_.rows(), &root(column, column), n, 1}, false);
+    }
     root.block(at, at, width, width).setIdentity();
     solve_left(static_cast<int>(width), &factor_(first + at, first + at), factor_.rows(), static_cast<int>(at + width),
                &root(at, 0), n);
@@ -70,6 +76,7 @@ Eigen::MatrixXd Cholesky::inverse_of(const Eigen::MatrixXd& root) {
   const Eigen::Index n = root.rows();
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(n, n);  // −L⁻ᵀ L⁻¹, its lower triangle
   for (Eigen::Index at = 0; at < n; at += panel) {
+    stop_point();
     const Eigen::Index width = std::min(panel, n - at);
     subtract_product(&result(at, 0), n, static_cast<int>(width), static_cast<int>(at + width), static_cast<int>(n - at),
                      {&root(at, at), n, 1, &root(at, 0), n, 1}, false);

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 
+#include "plumbline/stop.hpp"
+
 namespace plumbline::bundle {
 Cofactors::Cofactors(const Problem& problem, const Layout& layout, const State& state, const Elimination& elimination,
                      const Datum& datum, const Eigen::MatrixXd& inverse_factor)
@@ -108,6 +110,7 @@ Eigen::MatrixXd Cofactors::joint(const std::vector<int>& blocks) const {
   std::vector<Eigen::MatrixXd> to_kept(blocks.size());
   const bool many = blocks.size() > 8;
   for (size_t i = 0; i < blocks.size() && many; ++i) {
+    stop_point();
     const int e = elimination_.eliminated(blocks[i]);
     if (e < 0) continue;
     const auto& block = elimination_.blocks()[static_cast<size_t>(e)];
@@ -122,6 +125,7 @@ Eigen::MatrixXd Cofactors::joint(const std::vector<int>& blocks) const {
   }
   for (size_t i = 0; i < blocks.size(); ++i)
     for (size_t j = 0; j <= i; ++j) {
+      stop_point();
       auto part = q.block(offset[i], offset[j], layout_.size(blocks[i]), layout_.size(blocks[j]));
       const int ei = elimination_.eliminated(blocks[i]), ej = elimination_.eliminated(blocks[j]);
       if (!many || ei == ej || (ei < 0 && ej < 0)) {
@@ -182,8 +186,10 @@ std::vector<Eigen::Index> Cofactors::positions(const std::vector<int>& unknowns,
 
 std::vector<Eigen::MatrixXd> Cofactors::all_own() const {
   std::vector<Eigen::MatrixXd> result(static_cast<size_t>(layout_.block_count()));
-  for (int b = 0; b < layout_.block_count(); ++b)
+  for (int b = 0; b < layout_.block_count(); ++b) {
+    stop_point();
     if (layout_.size(b) > 0) result[static_cast<size_t>(b)] = own(b);
+  }
   return result;
 }
 
@@ -242,6 +248,7 @@ void Cofactors::visit_rows(const State& state, const Visit& visit) const {
     visit(term, rows, of_rows(rows, own_block, near, term.local.data(), touched));
   };
   for (size_t e = 0; e < elimination_.blocks().size(); ++e) {
+    stop_point();
     const auto& block = elimination_.blocks()[e];
     Local near = local(block);
     own_[e] = near.own;

@@ -5,6 +5,7 @@
 
 #include "block/bundle/parallel.hpp"
 #include "block/bundle/terms.hpp"
+#include "plumbline/stop.hpp"
 
 namespace plumbline::bundle {
 namespace {
@@ -288,6 +289,7 @@ bool Elimination::linearise(const State& state, const Loss& loss, int first, int
   sums.gradient.setZero(kept_count_);
   Rows rows;
   for (int e = first; e < last; ++e) {
+    stop_point();
     Block& block = blocks_[static_cast<size_t>(e)];
     double* w = y_.data() + block.y;
     std::fill_n(w, static_cast<size_t>(block.size) * (static_cast<size_t>(block.columns) + 1), 0.0);
@@ -409,6 +411,7 @@ void Elimination::eliminate(Block& block, double damping, const Eigen::Matrix<do
 bool Elimination::add_loose(const State& state, const Loss& loss) {
   Rows rows;
   for (const TermRef& term : loose_) {
+    stop_point();
     const size_t i = static_cast<size_t>(term.index);
     if (term.kind == TermRef::Kind::known) {
       const Linear& known = known_[i];
@@ -461,6 +464,7 @@ void Elimination::subtract(size_t first, size_t step) {
   constexpr size_t portion = 32 * 1024;  // numbers of Y: a quarter of a megabyte
   std::vector<size_t> next(kept_blocks_.size(), 0);
   for (size_t end = portion; end < y_.size() + portion; end += portion) {
+    stop_point();
     const double* limit = y_.data() + std::min(end, y_.size());
     for (size_t k = first; k < kept_blocks_.size(); k += step) {
       const int block = kept_blocks_[k], at = kept_offset(block);

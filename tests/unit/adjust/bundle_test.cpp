@@ -569,4 +569,33 @@ TEST(Bundle, StopsWhenNobodyWaitsForIt) {
   }
 }
 
+/// Also while it eliminates, factorises, inverts and computes cofactors: 11 s and more of a large block.
+TEST(Bundle, StopsWhereverItIs) {
+  const Scene scene = noisy_scene(1, false);
+  const Layout layout(scene.problem);
+  struct Count {
+    int asked, limit;
+  };
+  const auto ends = [&](int limit) {
+    Count count{0, limit};
+    const StopScope scope(
+        [](const void* of) {
+          auto& c = *static_cast<Count*>(const_cast<void*>(of));
+          return ++c.asked > c.limit;
+        },
+        &count);
+    try {
+      reliability_of(scene.problem, bundle::adjust(scene.problem, layout, scene.state, {}));
+    } catch (const Stopped&) {
+      return false;
+    } catch (const std::exception& error) {
+      ADD_FAILURE() << "taken for a failure: " << error.what();
+    }
+    return true;
+  };
+  int limit = 1;
+  while (limit < 1'000'000 && !ends(limit)) limit += 1 + limit / 8;
+  EXPECT_GT(limit, 200) << "it is hardly asked";
+}
+
 }  // namespace

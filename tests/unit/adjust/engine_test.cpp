@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "adjuster_node.hpp"
+#include "ceres_engine.hpp"
 #include "synthetic_block.hpp"
 
 namespace {

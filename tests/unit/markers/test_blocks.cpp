@@ -11,6 +11,7 @@
 #include "markers/marker_datum.hpp"
 #include "markers/marker_halves.hpp"
 #include "markers/planar_pose.hpp"
+#include "plumbline/stop.hpp"
 #include "scene.hpp"
 #include "test_support.hpp"
 
@@ -262,6 +263,25 @@ std::vector<CalibrationView> board_views(double sigma, double bend, unsigned see
     views.push_back(view);
   }
   return views;
+}
+
+/// Ctrl-C was answered at the end, after half a minute: no attempt of the calibration takes it for a failure of its own
+/// and tries the next.
+TEST(Calibration, StopsWhereverItIs) {
+  struct Count {
+    int asked, limit;
+  };
+  const auto views = board_views(0.15, 4e-4, 7);
+  for (int limit = 1; limit < 3000; limit *= 3) {
+    Count count{0, limit};
+    const StopScope scope(
+        [](const void* of) {
+          auto& c = *static_cast<Count*>(const_cast<void*>(of));
+          return ++c.asked > c.limit;
+        },
+        &count);
+    EXPECT_THROW(calibrate(views, 1600, 1200, {}), Stopped) << limit;
+  }
 }
 
 TEST(Calibration, RecoversCameraAndBendAndStatesTheirUncertainty) {
