@@ -123,20 +123,25 @@ class Round {
       if (moved_floors_.count(item.floor)) continue;
       const double off = (bracket->measured - last_place(item, *bracket)).cwiseAbs().maxCoeff();
       if (item.status == ItemStatus::executed && std::isfinite(off))
-        judge_setting(item, off);
-      else if (off > options_.setting_tolerance)
+        judge_setting(item, off, doubt_of(*bracket));
+      else if (off > doubt_of(*bracket))
         give_to_a_person(item, off);
       if (item.status != ItemStatus::released && item.status != ItemStatus::executing)
         item.expected = bracket->measured;
     }
   }
 
-  void judge_setting(LoopItemT& item, double off) {
+  /// What a difference between two measurements must exceed to mean something: the tolerance, or four of its standard
+  /// deviations.
+  double doubt_of(const BracketSettingT& bracket) const {
+    return std::max(options_.setting_tolerance, 4 * std::sqrt(2.0) * bracket.sigma.maxCoeff());
+  }
+
+  void judge_setting(LoopItemT& item, double off, double most) {
     move(state_, item, ItemStatus::relocalised,
          {"measured " + millimetres(off) + " from where it was to be", {}, {}, rests_on_});
-    if (off <= options_.setting_tolerance)
-      move(state_, item, ItemStatus::verified,
-           {"within " + millimetres(options_.setting_tolerance), {}, {}, rests_on_});
+    if (off <= most)
+      move(state_, item, ItemStatus::verified, {"within " + millimetres(most), {}, {}, rests_on_});
     else
       do_again(state_, item, options_,
                {"stands " + millimetres(off) + " from where it was to be set", {}, {}, rests_on_});
@@ -178,17 +183,19 @@ class Round {
   /// Floors whose anchors all moved together: their control did. Nothing of them is verified or released by this plan.
   void find_floors_that_moved() {
     std::map<int, std::array<std::vector<double>, 3>> moves;
+    std::map<int, double> doubt;
     for (const auto& bracket : plan_.brackets) {
       const LoopItemT& item = *this->item("bracket", bracket->id);
       const Eigen::Vector3d move = bracket->measured - last_place(item, *bracket);
       if (item.status == ItemStatus::executed || !move.allFinite()) continue;
+      doubt[item.floor] = std::max(doubt[item.floor], doubt_of(*bracket));
       for (std::size_t k = 0; k < 3; ++k) moves[item.floor][k].push_back(move[static_cast<Eigen::Index>(k)]);
     }
     for (auto& [floor, by_axis] : moves)
       for (auto& values : by_axis) {
         if (values.size() < 3) continue;
         std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-        if (std::abs(values[values.size() / 2]) > options_.setting_tolerance) moved_floors_.insert(floor);
+        if (std::abs(values[values.size() / 2]) > doubt.at(floor)) moved_floors_.insert(floor);
       }
     for (const int floor : moved_floors_) {
       const std::string name = "control of floor " + std::to_string(floor);

@@ -21,7 +21,8 @@ bool may_follow(ItemStatus from, ItemStatus to);
 struct MachineOptions {
   int most_reworks = 3;
   /// Of a bracket against where it was to be set, each direction [m]: what is farther off was not done as asked. What
-  /// is less is judged by what it does to the panel, because plans rest on the bracket as it was measured.
+  /// is less is judged by what it does to the panel, because plans rest on the bracket as it was measured. At least
+  /// four standard deviations.
   double setting_tolerance = 0.003;
   double verified = 0.95;  ///< least p_in of a hanging panel that is verified, and of 1 - p_in for its rework
 };

@@ -17,11 +17,13 @@ std::string holds_words(const std::array<bool, 3>& holds) {
   return words;
 }
 
-std::unique_ptr<BracketSettingT> bracket_artifact(const Bracket& bracket, const std::string& guid, const Fit& fit,
+std::unique_ptr<BracketSettingT> bracket_artifact(const Facade& facade, const std::string& guid, const Fit& fit,
                                                   std::size_t index) {
+  const Bracket& bracket = facade.brackets[index];
   auto out = std::make_unique<BracketSettingT>();
   out->id = bracket.id, out->guid = guid, out->floor = bracket.floor;
   out->design = bracket.design, out->measured = bracket.design + bracket.deviation;
+  out->sigma = facade.covariance.diagonal().segment<3>(3 * static_cast<Eigen::Index>(index)).cwiseMax(0).cwiseSqrt();
   for (int k = 0; k < 3; ++k) out->axes.push_back(bracket.axes.col(k));
   out->asked = fit.asked[index], out->setting = fit.settings[index];
   out->low = bracket.type.low, out->high = bracket.type.high, out->type = bracket.type.name;
@@ -70,8 +72,7 @@ InstallationPlanT plan_artifact(const Facade& facade, const Fit& fit, const std:
                                 const PlanNames& names) {
   InstallationPlanT out;
   for (std::size_t b = 0; b < facade.brackets.size(); ++b)
-    out.brackets.push_back(
-        bracket_artifact(facade.brackets[b], names.brackets.empty() ? "" : names.brackets[b], fit, b));
+    out.brackets.push_back(bracket_artifact(facade, names.brackets.empty() ? "" : names.brackets[b], fit, b));
   for (const std::size_t j : installation_order(facade.panels)) {
     out.panels.push_back(panel_artifact(facade, names.panels.empty() ? "" : names.panels[j], fit, gates[j], j));
     if (facade.panels[j].installed) continue;

@@ -21,7 +21,7 @@ InstallationPlanT make_plan(const std::string& basis) {
     bracket->measured = bracket->design - Eigen::Vector3d(0, 0, 0.004);
     bracket->axes = {Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitZ(), -Eigen::Vector3d::UnitY()};
     bracket->asked = bracket->setting = {0, 0.004, 0};
-    bracket->low.setConstant(-0.02), bracket->high.setConstant(0.02);
+    bracket->sigma.setConstant(0.0004), bracket->low.setConstant(-0.02), bracket->high.setConstant(0.02);
     plan.brackets.push_back(std::move(bracket));
   }
   for (int j = 0; j < 2; ++j) {
@@ -184,6 +184,16 @@ TEST(Machine, ControlThatMovedMakesReleasedWorkStale) {
   const auto refused = apply_actuals(state, done({"b0"}, 1));
   ASSERT_EQ(refused.size(), 1u);
   EXPECT_NE(refused[0].find("not RELEASED"), std::string::npos);
+}
+
+TEST(Machine, WhatAMeasurementCannotTellIsNoMove) {
+  LoopStateT state;
+  apply_plan(state, make_plan("first"), {});
+  InstallationPlanT second = make_plan("second");
+  second.brackets[2]->measured.x() += 0.005;
+  second.brackets[2]->sigma.setConstant(0.001);  // 5.7 mm are four standard deviations of a difference
+  apply_plan(state, second, {});
+  EXPECT_EQ(item(state, "b2").status, ItemStatus::planned);
 }
 
 TEST(Machine, AFloorThatMovedAsAWholeIsNotJudged) {
