@@ -61,11 +61,13 @@ TEST_F(SiteFolder, HoldsItsOwnResultsAndStaysTheSame) {
     ASSERT_TRUE(first.code == 0 || first.code == 3) << pipeline << "\n" << first.out << first.err;
     const Answer second = in_site(pipeline, {});
     EXPECT_EQ(second.code, first.code) << second.err;
-    EXPECT_TRUE(contains(second.out, ": 0 executed, ")) << pipeline << "\n" << second.out;
+    // read.tag_family looks at its file each time, because the host cannot know when that changed.
+    const std::string anew = pipeline == "photo_campaign" || pipeline == "detect_images" ? ": 1 executed, " : ": 0 executed, ";
+    EXPECT_TRUE(contains(second.out, anew)) << pipeline << "\n" << second.out;
     EXPECT_EQ(in_site(pipeline, {"--out", "."}).code, first.code) << "outputs among the files themselves";
     const Answer beside = in_site(pipeline, {"--out", "../beside"});
     EXPECT_EQ(beside.code, first.code) << beside.err;
-    EXPECT_TRUE(contains(beside.out, ": 0 executed, ")) << pipeline << "\n" << beside.out;
+    EXPECT_TRUE(contains(beside.out, anew)) << pipeline << "\n" << beside.out;
   }
 }
 
@@ -86,7 +88,7 @@ TEST_F(SiteFolder, WhatIsNotReadIsNotProvedRead) {
   EXPECT_TRUE(contains(ifc, "plates.csv "));
   EXPECT_FALSE(contains(ifc, "docx"));
   const std::string page = read_file(plumbline.work() / "with_notes/report.html");
-  EXPECT_TRUE(contains(page, "1 file in the folder that were not read"));
+  EXPECT_TRUE(contains(page, "in the folder that were not read, with SHA-256"));
   EXPECT_TRUE(contains(page, "that the run read"));
 }
 
@@ -108,7 +110,7 @@ TEST_F(SiteFolder, ForgottenEvidenceEndsTheRun) {
       contains(answer.out, "Set aside by 'unused': images/nachtrag/F01-04.jpg, images/neu.JPG, survey/dienstag.txt."))
       << answer.out;
   EXPECT_TRUE(contains(read_file(plumbline.work() / "out/as_built.ifc"), "UnusedSha256"));
-  EXPECT_TRUE(contains(read_file(plumbline.work() / "out/report.html"), "3 files set aside by 'unused'"));
+  EXPECT_TRUE(contains(read_file(plumbline.work() / "out/report.html"), " in campaign.yaml, with SHA-256"));
 }
 
 TEST_F(SiteFolder, AMacsAndAWindowsFilesAreNoPhotographs) {

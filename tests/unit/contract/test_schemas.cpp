@@ -38,10 +38,12 @@ std::string field_problem(const reflection::Schema& schema, const reflection::Fi
   if ((floating || is_struct) && attribute(field.attributes(), "unit").empty()) return "has no unit";
   if (is_struct && type->base_type() == reflection::Obj && !(field.required() && has_attribute(field, "native_inline")))
     return "is a struct and must be (required, native_inline)";
-  if (floating && type->base_type() != reflection::Vector && !std::isnan(field.default_real()))
+  // A factor that is absent is one: nothing was scaled. Everything else that is absent is unknown, and 0 would read as perfect.
+  const bool neutral = field.name()->str().ends_with("_factor") && field.default_real() == 1;
+  if (floating && type->base_type() != reflection::Vector && !std::isnan(field.default_real()) && !neutral)
     return "is a floating scalar and must default to nan";
   const std::string frame = attribute(field.attributes(), "frame");
-  static const std::set<std::string> fixed = {"plate", "image", "camera", "station", "element", "facade"};
+  static const std::set<std::string> fixed = {"plate", "image", "camera", "station", "element", "facade", "panel"};
   if (!frame.empty() && !frames.count(frame) && !fixed.count(frame))
     return "is in frame '" + frame + "', which is neither a frame parameter of the root nor a fixed name";
   return "";
