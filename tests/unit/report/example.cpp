@@ -151,8 +151,8 @@ ReportInput example(int floors) {
   report.network = network(inputs);
   report.provenance = {
       {"Pipeline", "full_height"}, {"Plumbline", "0.1.0"}, {"Seed", "1"}, {"Design", "tower.ifc (IFC4)"}};
-  report.files = {{"campaign.yaml", "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08", 1250},
-                  {"survey/station1.gsi", "60303ae22b998861bce3b28f33eec1be758a213c86c93c076dbe9f558c11c752", 48213}};
+  report.files = {{"campaign.yaml", "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08", 1250, ""},
+                  {"survey/station1.gsi", "60303ae22b998861bce3b28f33eec1be758a213c86c93c076dbe9f558c11c752", 48213, ""}};
   return report;
 }
 

@@ -187,7 +187,7 @@ TEST(Report, EscapesEverythingThatComesFromFiles) {
   input.network->findings = {{attack, attack}};
   input.network->datum = input.network->steps[0].action = attack;
   input.provenance = {{attack, attack}};
-  input.files = {{attack, attack, 1}};
+  input.files = {{attack, attack, 1, attack}};
   const std::string html = render_report(input);
   EXPECT_FALSE(contains(html, "<script>alert"));
   EXPECT_TRUE(contains(html, "&lt;script&gt;alert"));
