@@ -135,7 +135,7 @@ TEST_F(Hostile, PipelineFilesThatIncludeTwiceOrAreDataEnd) {
   std::ofstream(plumbline.work() / "big.yaml") << "plumbline: 1\n";
   fs::resize_file(plumbline.work() / "big.yaml", 112 << 20);
   const Answer big = run({"big.yaml"});
-  EXPECT_EQ(big.code, 1);
+  EXPECT_EQ(big.code, 2);
   EXPECT_TRUE(contains(big.err, "has 112 MiB; a pipeline file has at most 16")) << big.err;
 }
 

@@ -49,7 +49,7 @@ TEST(BenchFile, APipelineThatTakesNoSeedIsRefused) {
       "plumbline: 1\nnodes:\n  site: {use: story.draw}\n  solver: {use: trial.plain, in: {site: site.number}}\n");
   plumbline.bench_file("seeds: 1-60\n");
   const Answer answer = plumbline({"bench", "b.yaml"});
-  EXPECT_EQ(answer.code, 1);
+  EXPECT_EQ(answer.code, 2);
   EXPECT_THAT(answer.err, HasSubstr("b.yaml:4:8: "));
   EXPECT_THAT(answer.err,
               HasSubstr("trial.yaml has no variable 'seed', so each of the 60 seeds would be the same trial"));
@@ -111,7 +111,7 @@ TEST(BenchFile, AnOverrideThatNoPipelineTakesIsRefused) {
   BenchProgram plumbline;
   plumbline.bench_file("seeds: 1-2\n");
   const Answer answer = plumbline({"bench", "b.yaml", "facter=2"});
-  EXPECT_EQ(answer.code, 1);
+  EXPECT_EQ(answer.code, 2);
   EXPECT_THAT(answer.err, HasSubstr("'facter=2' holds in no combination"));
 }
 
