@@ -41,6 +41,7 @@ class AsBuiltWriter {
                       const std::vector<InstanceId>& object);
   void write_uncertainty(const AnchorDeviationT& anchor, const std::vector<InstanceId>& object);
   void write_provenance();
+  void write_judgement();
   const Storey* storey_of(int floor);
   void write_floor(const FloorAccuracyT& floor, const AccuracyComparisonT& comparison);
   void write_transfer(const HeightTransferT& transfer, const AccuracyComparisonT& comparison);

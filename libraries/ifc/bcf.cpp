@@ -1,9 +1,11 @@
 #include "ifc/bcf.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <vector>
 
+#include "ifc/facade_artifact.hpp"
 #include "ifc/ifc_guid.hpp"
 #include "ifc/zip_writer.hpp"
 #include "text/xml_text.hpp"
@@ -35,14 +37,22 @@ std::string mm(double metres, int decimals = 1) {
 struct Issue {
   std::string guid, title, description, storey;
   ToleranceVerdict verdict;
-  Eigen::Vector3d centre;
-  double reach;
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  double reach = 0;
+  FacadeFrame frame;                                        ///< of one who stands before it
+  double away() const { return std::max(4.0, 4 * reach); }  ///< from it to the camera [m]
 };
+
+/// Where nothing says which way it faces it is looked at along y.
+FacadeFrame view_of(const std::unique_ptr<FacadeFrameT>& facade) {
+  const FacadeFrame frame = frame_or_none(facade);
+  return frame.known() ? frame : frame_facing(-Eigen::Vector3d::UnitY(), FacadeSource::none, false);
+}
 
 Issue issue_of(const AnchorDeviationT& anchor) {
   Issue issue{
-      anchor.guid,    "Anchor " + anchor.id, "", anchor.floor > 0 ? "Floor " + std::to_string(anchor.floor) : "",
-      anchor.verdict, anchor.design,         0.3};
+      anchor.guid,    "Anchor " + anchor.id, "",  anchor.floor > 0 ? "Floor " + std::to_string(anchor.floor) : "",
+      anchor.verdict, anchor.design,         0.3, view_of(anchor.facade)};
   for (const auto& axis : anchor.axes) {
     if (axis->axis != anchor.decided_by) continue;
     std::string name = axis->axis;
@@ -65,13 +75,29 @@ Issue issue_of(const PanelDeviationT& panel) {
               panel.floor > 0 ? "Floor " + std::to_string(panel.floor) : "",
               panel.verdict,
               Eigen::Vector3d::Zero(),
-              0.3};
+              0.3,
+              view_of(panel.facade)};
   for (const auto& corner : panel.corners) issue.centre += corner->design / static_cast<double>(panel.corners.size());
   for (const auto& corner : panel.corners) issue.reach = std::max(issue.reach, (corner->design - issue.centre).norm());
   issue.description = "Verdict " + std::string(EnumNameToleranceVerdict(panel.verdict)) + ": " + panel.reason + ".";
-  if (!panel.fixings.empty()) issue.description += " Shims per anchor, outward:";
-  for (const auto& fixing : panel.fixings) issue.description += " " + fixing->anchor + " " + mm(fixing->shim) + " mm;";
+  if (panel.facade && !panel.facade->confirmed)
+    issue.description += " Which way it faces is not confirmed: no shims are given.";
+  else if (!panel.fixings.empty())
+    issue.description += " Shims per anchor, outward:";
+  for (const auto& fixing : panel.fixings)
+    if (std::isfinite(fixing->shim)) issue.description += " " + fixing->anchor + " " + mm(fixing->shim) + " mm;";
   for (const std::string& missing : panel.missing) issue.description += " " + missing + " was not measured;";
+  return issue;
+}
+
+/// What was asked for and not judged: an issue of the whole, without a component.
+Issue issue_of(const JudgementRequestT& request) {
+  Issue issue;
+  issue.guid = "not judged: " + request.asked;
+  issue.title = "Not judged: " + request.asked;
+  issue.description = "Asked for and not judged: " + request.asked + ": " + request.not_judged +
+                      ". Nothing is ready to install before it is.";
+  issue.verdict = ToleranceVerdict::undecided;
   return issue;
 }
 
@@ -80,30 +106,64 @@ std::string uuid_of(const std::string& project, const std::string& key) {
   return uuid_to_text(*uuid);
 }
 
-std::string markup(const Issue& issue, const BcfOptions& options, const std::string& topic, const std::string& view,
-                   int index) {
+/// Which models the topic is about: without it a viewer does not know what to load.
+std::string header_of(const BcfOptions& options, const std::string& design_file) {
+  std::string files;
+  for (const std::string& name : {options.model_file, design_file})
+    if (!name.empty())
+      files += "<File IfcProject=\"" + xml_escaped(options.project_guid) + "\" isExternal=\"true\">" +
+               element("Filename", name) + "</File>";
+  return files.empty() ? "" : "<Header>" + files + "</Header>";
+}
+
+/// GlobalIds of the panels that hang between the camera and the issue: they are hidden, or nobody would see it.
+std::vector<std::string> panels_before(const Issue& issue, const DeviationT& deviation) {
+  constexpr double margin = 0.3;  // [m] what is seen beside it
+  std::vector<std::string> hidden;
+  for (const auto& panel : deviation.panels) {
+    if (panel->guid == issue.guid || panel->corners.empty()) continue;
+    Eigen::Vector3d low = Eigen::Vector3d::Constant(1e300), high = -low;
+    for (const auto& corner : panel->corners) {
+      const Eigen::Vector3d d = corner->design - issue.centre;
+      const Eigen::Vector3d seen(issue.frame.right.dot(d), issue.frame.up.dot(d), issue.frame.out.dot(d));
+      low = low.cwiseMin(seen), high = high.cwiseMax(seen);
+    }
+    const double reach = margin + issue.reach;
+    if (low.x() < reach && high.x() > -reach && low.y() < reach && high.y() > -reach && high.z() > -0.05 &&
+        low.z() < issue.away())
+      hidden.push_back(panel->guid);
+  }
+  return hidden;
+}
+
+std::string markup(const Issue& issue, const BcfOptions& options, const std::string& header, const std::string& topic,
+                   const std::string& view, int index) {
   const bool fail = issue.verdict == ToleranceVerdict::fail;
-  return kHead + "<Markup><Topic Guid=\"" + topic + "\" TopicType=\"Issue\" TopicStatus=\"Open\">" +
+  return kHead + "<Markup>" + header + "<Topic Guid=\"" + topic + "\" TopicType=\"Issue\" TopicStatus=\"Open\">" +
          element("Title", issue.title) + element("Priority", fail ? "High" : "Normal") +
          element("Index", std::to_string(index)) + element("Labels", issue.storey) +
          element("Labels", fail ? "FAIL" : "UNDECIDED") + element("Labels", options.epoch) +
          element("CreationDate", options.date) + element("CreationAuthor", options.author) +
          element("DueDate", options.due_date) + element("AssignedTo", options.assigned_to) +
-         element("Description", issue.description) + "</Topic><Viewpoints Guid=\"" + view +
-         "\"><Viewpoint>viewpoint.bcfv</Viewpoint><Snapshot>snapshot.png</Snapshot></Viewpoints></Markup>\n";
+         element("Description", issue.description) + "</Topic>" +
+         (view.empty() ? ""
+                       : "<Viewpoints Guid=\"" + view +
+                             "\"><Viewpoint>viewpoint.bcfv</Viewpoint><Snapshot>snapshot.png</Snapshot></Viewpoints>") +
+         "</Markup>\n";
 }
 
-std::string viewpoint(const Issue& issue, const DeviationT& deviation, const std::string& view) {
-  const Eigen::Vector3d normal =
-      deviation.facade_normal.allFinite() ? deviation.facade_normal : -Eigen::Vector3d::UnitY();
-  const double away = std::max(4.0, 4 * issue.reach);
+std::string viewpoint(const Issue& issue, const std::vector<std::string>& hidden, const std::string& view) {
+  const Eigen::Vector3d& normal = issue.frame.out;
+  std::string exceptions;
+  for (const std::string& guid : hidden) exceptions += "<Component IfcGuid=\"" + xml_escaped(guid) + "\"/>";
+  if (!exceptions.empty()) exceptions = "<Exceptions>" + exceptions + "</Exceptions>";
   const std::string component = "<Component IfcGuid=\"" + xml_escaped(issue.guid) + "\"/>";
   const char* colour = issue.verdict == ToleranceVerdict::fail ? "FFD55E00" : "FFE69F00";
   return kHead + "<VisualizationInfo Guid=\"" + view + "\"><Components><Selection>" + component +
-         "</Selection><Visibility DefaultVisibility=\"true\"/><Coloring><Color Color=\"" + colour + "\">" + component +
-         "</Color></Coloring></Components><PerspectiveCamera>" +
-         vector("CameraViewPoint", issue.centre + away * normal) + vector("CameraDirection", -normal) +
-         vector("CameraUpVector", Eigen::Vector3d::UnitZ()) +
+         "</Selection><Visibility DefaultVisibility=\"true\">" + exceptions + "</Visibility><Coloring><Color Color=\"" +
+         colour + "\">" + component + "</Color></Coloring></Components><PerspectiveCamera>" +
+         vector("CameraViewPoint", issue.centre + issue.away() * normal) + vector("CameraDirection", -normal) +
+         vector("CameraUpVector", issue.frame.up) +
          "<FieldOfView>60</FieldOfView></PerspectiveCamera></VisualizationInfo>\n";
 }
 
@@ -118,15 +178,21 @@ std::string write_bcf(const DeviationT& deviation, const std::vector<const Ancho
     for (const PanelDeviationT* panel : panels)
       if (panel->verdict == wanted && panel->guid.size() == 22) issues.push_back(issue_of(*panel));
   }
+  for (const auto& request : deviation.requests)
+    if (!request->not_judged.empty()) issues.push_back(issue_of(*request));
   ZipWriter zip;
   zip.add("bcf.version", kHead + "<Version VersionId=\"2.1\"><DetailedVersion>2.1</DetailedVersion></Version>\n");
+  const std::string header = header_of(options, deviation.design_file);
   int index = 0;
   for (const Issue& issue : issues) {
     const std::string topic = uuid_of(options.project_guid, "bcf/" + options.epoch + "/" + issue.guid);
-    const std::string view = uuid_of(options.project_guid, "bcf view/" + options.epoch + "/" + issue.guid);
-    zip.add(topic + "/markup.bcf", markup(issue, options, topic, view, index++));
-    zip.add(topic + "/viewpoint.bcfv", viewpoint(issue, deviation, view));
-    zip.add(topic + "/snapshot.png", snapshot_png(deviation, issue.centre, issue.reach));
+    const bool seen = issue.reach > 0;
+    const std::string view =
+        seen ? uuid_of(options.project_guid, "bcf view/" + options.epoch + "/" + issue.guid) : std::string();
+    zip.add(topic + "/markup.bcf", markup(issue, options, header, topic, view, index++));
+    if (!seen) continue;
+    zip.add(topic + "/viewpoint.bcfv", viewpoint(issue, panels_before(issue, deviation), view));
+    zip.add(topic + "/snapshot.png", snapshot_png(deviation, issue.centre, issue.reach, issue.frame));
   }
   return zip.finish();
 }

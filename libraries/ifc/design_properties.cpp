@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <limits>
 
 namespace plumbline::bim {
 
@@ -37,25 +36,44 @@ void Properties::add(std::uint64_t set_id, std::vector<Property>& to) {
   const Entity set = model_.entity(set_id);
   const std::string set_name = set.text("Name");
   for (const std::uint64_t id : set.references("HasProperties")) {
-    if (model_.keyword(id) != "IFCPROPERTYSINGLEVALUE") continue;
+    const std::string keyword(model_.keyword(id));
+    if (!keyword.starts_with("IFCPROPERTY")) continue;
     const Entity entity = model_.entity(id, set_id);
-    Property property{set_name, entity.text("Name"), "", std::numeric_limits<double>::quiet_NaN()};
+    if (entity.arguments().empty()) continue;  // every IfcProperty begins with its name
+    Property property{set_name, entity.arguments()[0].text, "", Property::nan, keyword};
     const bool known = std::any_of(to.begin(), to.end(), [&](const Property& other) {
       return other.set == property.set && other.name == property.name;
     });
-    const step::Value& value = entity.value("NominalValue");
-    if (known || value.kind != step::Kind::typed || value.items.empty()) continue;
-    const step::Value& item = value.items[0];
-    property.text = item.text;
-    if (item.is_number()) {
-      const bool length = value.text.ends_with("LENGTHMEASURE");
-      property.number = item.number * (length ? length_unit : 1);
-      char text[40];
-      const auto end = std::to_chars(text, text + sizeof text, item.number);
-      property.text.assign(text, end.ptr);
+    if (known) continue;
+    if (keyword == "IFCPROPERTYSINGLEVALUE") {
+      if (!read_single(entity.value("NominalValue"), property)) continue;
+    } else if (keyword == "IFCPROPERTYBOUNDEDVALUE") {
+      Property bound;
+      if (read_single(entity.value("UpperBoundValue"), bound))
+        property.upper = bound.number, property.text = bound.text;
+      if (read_single(entity.value("LowerBoundValue"), bound)) {
+        property.lower = bound.number;
+        property.text = bound.text + (property.text.empty() ? "" : " to " + property.text);
+      }
     }
     to.push_back(std::move(property));
   }
+}
+
+/// Text, number and type of a value; false if there is none.
+bool Properties::read_single(const step::Value& value, Property& property) const {
+  if (value.kind != step::Kind::typed || value.items.empty()) return false;
+  const step::Value& item = value.items[0];
+  property.measure = value.text, property.text = item.text;
+  property.number = Property::nan;
+  if (item.is_number()) {
+    const bool length = value.text.ends_with("LENGTHMEASURE");
+    property.number = item.number * (length ? length_unit : 1);
+    char text[40];
+    const auto end = std::to_chars(text, text + sizeof text, item.number);
+    property.text.assign(text, end.ptr);
+  }
+  return true;
 }
 
 std::vector<Property> Properties::of(std::uint64_t element) {

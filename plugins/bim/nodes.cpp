@@ -22,7 +22,7 @@ namespace plumbline::bim {
 namespace {
 
 struct ReadIfc : Node {
-  static constexpr Info info{"bim.read_ifc", "", 3,
+  static constexpr Info info{"bim.read_ifc", "", 4,
                              "Reads storeys, elements, anchors and panels from an IFC file (IFC2X3, IFC4, IFC4X3)"};
   In<plumbline::File> file{"file", "the IFC file (STEP text)"};
   Optional<Plates> plates{"plates", "anchor table: elements of these names (or tags) are anchors too"};
@@ -37,6 +37,16 @@ struct ReadIfc : Node {
   Param<std::vector<std::string>> anchor_guids{"anchor_guids", std::vector<std::string>{},
                                                "GlobalIds of elements that are anchors too"};
   Optional<plumbline::File> mapping{"mapping", "mapping table: the elements that it leads to are anchors too"};
+  Param<std::vector<std::string>> panel_selection{
+      "panel_selection", std::vector<std::string>{},
+      "elements that are facade panels, such as 'class=IfcWall & name~^FT-'; empty: IfcPlate, IfcCurtainWall, "
+      "IfcCovering "
+      "that is CLADDING, and, where a design has none of these, walls that hang before their anchors"};
+  Param<std::vector<std::string>> facades{
+      "facades", std::vector<std::string>{},
+      "which way anchors and panels face, where the design does not say it or says it wrongly: 'name~^N-: "
+      "azimuth=0deg, name=North' (clockwise from the y axis of the design), 'storey=Roof: out=up', '*: confirmed' "
+      "(what was guessed is right); later rules before earlier ones"};
   Param<bool> all_shapes{"all_shapes", false,
                          "read where every element's shape is, and not only those of anchors, panels and some of the "
                          "others; it is most of the work"};
@@ -44,11 +54,12 @@ struct ReadIfc : Node {
   Out<Points> anchor_points{"anchors", frame("frame=building"), "reference points of the anchors"};
 
   AnchorRule rule() const {
-    AnchorRule rule{*anchors, *anchor_pattern, *anchor_guids, {}, *anchor_selection, *all_shapes};
+    AnchorRule rule{*anchors, *anchor_pattern, *anchor_guids, {}, *anchor_selection, *all_shapes, *panel_selection, {}};
     if (plates)
       for (const auto& plate : plates.unpack().plates) rule.names.push_back(plate->anchor);
     if (mapping)
       for (const MappingRow& row : mapping_rows(mapping.unpack())) rule.names.push_back(row.element);
+    for (const std::string& text : *facades) rule.facades.push_back(parse_facade_rule(text));
     return rule;
   }
 

@@ -22,11 +22,17 @@ std::string listed(const std::vector<std::string>& names) {
   return names.size() > 8 ? text + " and " + std::to_string(names.size() - 8) + " more" : text;
 }
 
+/// Out of the only facade, if which way it faces is confirmed; else nan.
+Eigen::Vector3d only_direction(const DeviationT& deviation) {
+  const bool one = deviation.facades.size() == 1 && deviation.facades[0]->confirmed;
+  return one ? deviation.facades[0]->out : Eigen::Vector3d(Eigen::Vector3d::Constant(std::nan("")));
+}
+
 class Builder {
  public:
   Builder(const DeviationT& deviation, const DesignT& design, const LoopStateT* state, const FacadeRules& rules)
       : deviation_(deviation), state_(state), rules_(rules) {
-    const Eigen::Vector3d normal = rules.normal.allFinite() ? rules.normal : deviation.facade_normal;
+    const Eigen::Vector3d normal = rules.normal.allFinite() ? rules.normal : only_direction(deviation);
     if (!normal.allFinite())
       throw std::runtime_error(
           "the anchors lie in no facade whose direction could be told from them; say it with facade_normal");

@@ -97,6 +97,9 @@ std::string installation_text(const DeviationT& deviation) {
     text += "; panels: " +
             counts(at(ToleranceVerdict::pass), at(ToleranceVerdict::undecided), at(ToleranceVerdict::fail), 0);
   text += ".\n";
+  for (const std::string& misfit : deviation.misfits) text += "LESS CERTAIN, " + misfit + "\n";
+  for (const auto& request : deviation.requests)
+    if (!request->not_judged.empty()) text += "NOT JUDGED: " + request->asked + ": " + request->not_judged + "\n";
   int listed = 0;
   for (const AnchorDeviationT* anchor : worst_first(deviation)) {
     const JudgedAxisT* axis = deciding_axis(*anchor);
