@@ -296,6 +296,50 @@ TEST(Adjustment, CriticalValuesOfTheField) {
   EXPECT_NEAR(tau_critical(0.05, 10), std::sqrt(10.0) * 2.262157 / std::sqrt(9 + 2.262157 * 2.262157), 1e-5);
 }
 
+/// Of a covariance that is rotated and has three different axes, its axes and not their complements come back.
+TEST(Adjustment, AxesOfTheErrorEllipsoidPointAlongTheErrors) {
+  const Eigen::Matrix3d turn =
+      (Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitX()) * Eigen::AngleAxisd(-1.1, Eigen::Vector3d::UnitY()) *
+       Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitZ()))
+          .toRotationMatrix();
+  const Eigen::Vector3d sigma(5, 2, 0.5);  // along the columns of `turn`
+  const Eigen::Matrix3d covariance = turn * sigma.cwiseAbs2().asDiagonal() * turn.transpose();
+  const ErrorEllipsoid ellipsoid = error_ellipsoid(covariance);
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_NEAR(ellipsoid.semi_axes[k], sigma[k], 1e-12) << k;
+    EXPECT_NEAR(std::abs(ellipsoid.axes.col(k).dot(turn.col(k))), 1, 1e-12) << k;
+    // Along its axis the standard deviation is the semi-axis: from the covariance itself.
+    EXPECT_NEAR(std::sqrt(ellipsoid.axes.col(k).dot(covariance * ellipsoid.axes.col(k))), ellipsoid.semi_axes[k], 1e-12);
+  }
+}
+
+/// A refused step leaves nothing behind: values, residuals and their sum are those of before. A slope of the wrong sign
+/// makes every step rise.
+TEST(Adjustment, ARefusedStepLeavesEverythingAsItWas) {
+  class WrongSlope : public ResidualBlock {
+   public:
+    bool evaluate(const double* const* values, double* residuals, double* const* jacobians) const override {
+      residuals[0] = values[0][0] - 5, residuals[1] = 2 * values[0][0] - 11;
+      if (jacobians[0]) jacobians[0][0] = -1, jacobians[0][1] = -2;
+      return true;
+    }
+  };
+  Problem problem;
+  problem.parameters.push_back({"x", {3.0}, {}});
+  auto block = std::make_unique<WrongSlope>();
+  block->set_sigmas(Eigen::Vector2d(0.5, 0.5));
+  block->parameters = {0};
+  problem.residuals.push_back(std::move(block));
+  const Solution s = solve(problem, {});
+  EXPECT_FALSE(s.converged);
+  EXPECT_EQ(s.sums_of_squares.size(), 1u) << "none was taken";
+  EXPECT_EQ(problem.parameters[0].value[0], 3.0);
+  ASSERT_EQ(s.linearisation.residuals.size(), 2);
+  EXPECT_NEAR(s.linearisation.residuals(0), -4, 1e-12) << "whitened: (3 - 5) / 0.5";
+  EXPECT_NEAR(s.linearisation.residuals(1), -10, 1e-12);
+  EXPECT_NEAR(s.sum_of_squares(), 116, 1e-12);
+}
+
 TEST(Adjustment, SigmasAndCovariancesAreChecked) {
   LinearResidual block(Eigen::MatrixXd::Ones(2, 1), Eigen::Vector2d(1, 2));
   EXPECT_THROW(block.set_sigmas(Eigen::Vector2d(1, 0)), std::invalid_argument);

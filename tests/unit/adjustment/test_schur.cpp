@@ -109,6 +109,19 @@ TEST(Schur, ResidualCofactorsAndVarianceComponentsAddUpToTheRedundancy) {
   EXPECT_EQ(components[1].rows, 2);
   EXPECT_NEAR(components[0].redundancy + components[1].redundancy, system.redundancy(), 1e-10);
   EXPECT_NEAR(components[0].factor, components[0].sum_of_squares / components[0].redundancy, 1e-12);
+  // Σ v² and Σ r of each group, element by element.
+  double squares[2] = {0, 0}, redundancy[2] = {0, 0};
+  for (size_t i = 0; i < system.observations.size(); ++i)
+    for (Eigen::Index k = 0; k < 2; ++k) {
+      const auto g = static_cast<size_t>(system.observations[i].group);
+      squares[g] += system.observations[i].misclosure(k) * system.observations[i].misclosure(k);
+      redundancy[g] += expected(2 * static_cast<Eigen::Index>(i) + k, 2 * static_cast<Eigen::Index>(i) + k);
+    }
+  for (size_t g = 0; g < 2; ++g) {
+    EXPECT_NEAR(components[g].sum_of_squares / squares[g], 1, 1e-12) << g;
+    EXPECT_NEAR(components[g].redundancy, redundancy[g], 1e-10) << g;
+    EXPECT_NEAR(components[g].factor / (squares[g] / redundancy[g]), 1, 1e-10) << g;
+  }
 }
 
 /// Heights of which only differences are observed: the datum is the mean of two of them.

@@ -59,6 +59,45 @@ TEST_P(Robust, IsLeastSquaresWithoutBlunders) {
   EXPECT_LT((robust.w - plain.w).norm(), 1e-4);
 }
 
+/// The source's errors are stated in the source's frame and lie along other axes in the target's: what is allowed along
+/// them there is allowed nowhere else.
+TEST_P(Robust, ASourceCovarianceTurnsWithTheMotion) {
+  const double threshold_of_none = 40;  // standard deviations, of the blunder across
+  const Eigen::Vector3d loose = Eigen::Vector3d(1, 2, -1).normalized(), across = loose.unitOrthogonal();
+  for (const bool along : {true, false}) {
+    Correspondences c = facade(12, 0, 6);
+    // 40 mm along `loose`, 1 mm across it, and neighbours are correlated.
+    const Eigen::Matrix3d one = 1e-6 * Eigen::Matrix3d::Identity() + 1.6e-3 * loose * loose.transpose();
+    c.source_covariance = Eigen::MatrixXd::Zero(36, 36);
+    for (Eigen::Index i = 0; i < 12; ++i) c.source_covariance.block<3, 3>(3 * i, 3 * i) = one;
+    const Eigen::Vector3d off = motion.rotation * (0.001 * threshold_of_none * (along ? loose : across));
+    c.target.col(3) += off;
+    const auto found = register_robust(c, with(GetParam()));
+    if (along)
+      EXPECT_GT(found.weights(3), 0.6) << "one standard deviation";
+    else
+      EXPECT_LT(found.weights(3), 0.3) << "forty";
+  }
+}
+
+/// With equal weights the standard deviation is the one that is given: 3 of them are no blunder, 10 and 30 are one.
+TEST_P(Robust, EqualWeightsTakeTheStandardDeviationThatIsGiven) {
+  for (const double sigma : {0.002, 0.01, 0.3})
+    for (const double times : {2.0, 10.0, 30.0}) {
+      Correspondences c = facade(14, 0, 8);
+      c.target_covariance.resize(0, 0);
+      c.target.col(3) += Eigen::Vector3d(0, times * sigma, 0);
+      RobustOptions o = with(GetParam());
+      o.fit.weighting = Weighting::equal;
+      o.sigma = sigma;
+      const auto found = register_robust(c, o);
+      if (times < 3)
+        EXPECT_GT(found.weights(3), 0.4) << sigma;
+      else
+        EXPECT_LT(found.weights(3), 0.4) << sigma << " " << times;
+    }
+}
+
 TEST_P(Robust, OneBlunderStaysInTheTable) {
   Correspondences c = facade(12, 0, 4);
   c.target.col(3) += Eigen::Vector3d(0, 0.05, 0);
