@@ -10,6 +10,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "geometry/camera_correlations.hpp"
+
 namespace plumbline::markers {
 namespace {
 
@@ -227,6 +229,21 @@ void refuse_unknown_names(const YAML::Node& map, const std::string& of, const st
   }
 }
 
+CameraCorrelations read_correlations(const YAML::Node& given, const std::string& file) {
+  CameraCorrelations rows;
+  if (!given || given.IsNull()) return rows;
+  if (!given.IsMap()) refuse_value(file, given, "a map of parameters and their correlations with those before them");
+  refuse_unknown_names(given, "correlations", file);
+  for (size_t i = 0; i < rows.size(); ++i) {
+    const YAML::Node row = given[BrownCamera::parameter_names[i]];
+    if (!row) continue;
+    rows[i] = numbers(row);
+    for (const double value : rows[i])
+      if (!std::isfinite(value)) refuse_value(file, row, "numbers from -1 to 1");
+  }
+  return rows;
+}
+
 bool read_ours(const YAML::Node& root, const std::string& file, CameraFile& result) {
   if (!root["plumbline_camera"]) return false;
   result.format = "Plumbline";
@@ -253,9 +270,11 @@ bool read_ours(const YAML::Node& root, const std::string& file, CameraFile& resu
   result.camera.set_parameters(values);
   if (root["pixel_origin"] && root["pixel_origin"].as<std::string>("") == "corner")
     result.camera.cx -= 0.5, result.camera.cy -= 0.5;
-  if (*std::max_element(sigmas.begin(), sigmas.end()) > 0) {
-    result.covariance = Eigen::MatrixXd::Zero(9, 9);
-    for (Eigen::Index i = 0; i < 9; ++i) result.covariance(i, i) = std::pow(sigmas[static_cast<size_t>(i)], 2);
+  const CameraCorrelations correlations = read_correlations(root["correlations"], file);
+  try {
+    result.covariance = camera_covariance(sigmas, correlations);
+  } catch (const std::runtime_error& error) {
+    refuse(file, error.what());
   }
   return true;
 }
@@ -338,6 +357,21 @@ Eigen::MatrixXd usual_covariance(const BrownCamera& camera) {
   return sigma.cwiseAbs2().asDiagonal();
 }
 
+namespace {
+
+/// Lines that a reader skips.
+std::string in_comment(const std::vector<std::string>& remarks) {
+  std::string text;
+  for (const std::string& remark : remarks) {
+    text += "# ";
+    for (const char c : remark) text += static_cast<unsigned char>(c) < 32 ? ' ' : c;
+    text += "\n";
+  }
+  return text;
+}
+
+}  // namespace
+
 std::string camera_yaml(const CameraFile& file) {
   const auto number = [](double value) {
     char text[40];
@@ -346,7 +380,8 @@ std::string camera_yaml(const CameraFile& file) {
   };
   std::string id;
   for (const char c : file.id) id += c == '"' || c == '\\' || static_cast<unsigned char>(c) < 32 ? '_' : c;
-  std::string text = "plumbline_camera: 1\nid: \"" + id + "\"\nwidth: " + std::to_string(file.camera.width) +
+  std::string text = in_comment(file.remarks) + "plumbline_camera: 1\nid: \"" + id +
+                     "\"\nwidth: " + std::to_string(file.camera.width) +
                      "\nheight: " + std::to_string(file.camera.height) +
                      "\npixel_origin: centre     # the centre of the top-left pixel is (0, 0), as OpenCV has it\n"
                      "parameters:              # px; Brown's distortion, order and signs of OpenCV\n";
@@ -358,6 +393,16 @@ std::string camera_yaml(const CameraFile& file) {
   for (Eigen::Index i = 0; i < 9; ++i)
     text += std::string("  ") + BrownCamera::parameter_names[static_cast<size_t>(i)] + ": " +
             number(std::sqrt(std::max(0.0, file.covariance(i, i)))) + "\n";
+  if (file.covariance.isDiagonal(0)) return text;
+  text += "correlations:            # of each with those before it, in the order above\n";
+  for (Eigen::Index i = 1; i < 9; ++i) {
+    text += std::string("  ") + BrownCamera::parameter_names[static_cast<size_t>(i)] + ": [";
+    for (Eigen::Index j = 0; j < i; ++j) {
+      const double scale = std::sqrt(file.covariance(i, i) * file.covariance(j, j));
+      text += (j ? ", " : "") + (scale > 0 ? number(file.covariance(i, j) / scale) : "0");
+    }
+    text += "]\n";
+  }
   return text;
 }
 

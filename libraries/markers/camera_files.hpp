@@ -11,9 +11,10 @@ namespace plumbline::markers {
 
 struct CameraFile {
   std::string id;
-  BrownCamera camera;          ///< width and height 0 if the file does not say them
-  Eigen::MatrixXd covariance;  ///< 9 × 9; empty if the file has none
-  std::string format;          ///< "Plumbline", "OpenCV", "Kalibr" ..., for messages
+  BrownCamera camera;                     ///< width and height 0 if the file does not say them
+  Eigen::MatrixXd covariance;             ///< 9 × 9; empty if the file has none
+  std::string format;                     ///< "Plumbline", "OpenCV", "Kalibr" ..., for messages
+  std::vector<std::string> remarks = {};  ///< written above the parameters, for people
 };
 
 /// Reads a camera from YAML, JSON or XML: our own, OpenCV's FileStorage (camera_matrix, distortion_coefficients under
@@ -22,8 +23,8 @@ struct CameraFile {
 /// Brown's (fisheye, rational with more than five coefficients that are not zero).
 CameraFile parse_camera_file(const std::string& text, const std::string& file, const std::string& which = "");
 
-/// All cameras of a file of ours or of Kalibr's that holds several, each under its name; else, or with `which`, the one camera that
-/// parse_camera_file reads.
+/// All cameras of a file of ours or of Kalibr's that holds several, each under its name; else, or with `which`, the one
+/// camera that parse_camera_file reads.
 std::vector<CameraFile> parse_camera_files(const std::string& text, const std::string& file,
                                            const std::string& which = "");
 
@@ -31,7 +32,7 @@ std::vector<CameraFile> parse_camera_files(const std::string& text, const std::s
 /// distance and distortion to match.
 Eigen::MatrixXd usual_covariance(const BrownCamera& camera);
 
-/// Our own format, as campaign folders take it; docs/campaign_folder.md.
+/// Our own format, as campaign folders take it, with standard deviations and correlations; docs/campaign_folder.md.
 std::string camera_yaml(const CameraFile& camera);
 
 }  // namespace plumbline::markers

@@ -26,11 +26,7 @@ CameraT to_artifact(const CameraCalibration& c, const std::string& source) {
   camera.pixel_pitch = c.pixel_pitch;
   const auto parameters = c.camera.parameters();
   camera.parameters.assign(parameters.begin(), parameters.end());
-  if (std::any_of(c.sigmas.begin(), c.sigmas.end(), [](double s) { return s > 0; })) {
-    for (std::size_t i = 0; i < c.sigmas.size(); ++i) {
-      for (std::size_t j = 0; j <= i; ++j) camera.covariance.push_back(i == j ? c.sigmas[i] * c.sigmas[i] : 0.0);
-    }
-  }
+  camera.covariance = pack_symmetric(c.covariance);
   camera.source = source;
   return camera;
 }

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <set>
 
+#include "geometry/camera_correlations.hpp"
 #include "images/photograph_header.hpp"
 
 namespace plumbline::campaign {
@@ -258,7 +259,7 @@ CameraCalibration parse_camera(const std::string& yaml, const std::filesystem::p
   const YAML::Node root = load(yaml, shown);
   const Mapping mapping(root, shown,
                         {"plumbline_camera", "id", "make", "model", "width", "height", "pixel_pitch_um", "pixel_origin",
-                         "parameters", "sigmas"});
+                         "parameters", "sigmas", "correlations"});
   mapping.require_version("plumbline_camera");
   CameraCalibration c;
   c.id = mapping.as<std::string>("id", "a name");
@@ -296,6 +297,18 @@ CameraCalibration parse_camera(const std::string& yaml, const std::filesystem::p
   if (mapping.has("sigmas")) c.sigmas = read("sigmas", false);
   for (const double sigma : c.sigmas) {
     if (sigma < 0) mapping.fail(mapping.get("sigmas"), "a standard deviation is negative");
+  }
+  CameraCorrelations correlations;
+  if (mapping.has("correlations")) {
+    const YAML::Node given = mapping.get("correlations");
+    const Mapping rows(given, shown, names);
+    for (std::size_t i = 0; i < names.size(); ++i)
+      if (rows.has(names[i])) correlations[i] = rows.as<std::vector<double>>(names[i], "a list of numbers");
+  }
+  try {
+    c.covariance = camera_covariance(c.sigmas, correlations);
+  } catch (const std::runtime_error& error) {
+    mapping.fail(mapping.get(mapping.has("correlations") ? "correlations" : "sigmas"), error.what());
   }
   return c;
 }

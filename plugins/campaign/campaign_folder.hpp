@@ -68,6 +68,7 @@ struct CameraCalibration {
   BrownCamera camera;
   /// In the order and units of BrownCamera::parameter_names; 0: exact. All 0 if the file gives none.
   std::array<double, BrownCamera::parameter_count> sigmas{};
+  Eigen::MatrixXd covariance;  ///< 9 × 9 of them, with the file's correlations; empty if all are exact
 };
 /// A camera.yaml. `pixel_origin: corner` (COLMAP, libapriltag) is shifted to our convention. Throws CampaignError.
 CameraCalibration parse_camera(const std::string& yaml, const std::filesystem::path& shown);

@@ -143,6 +143,20 @@ TEST(CameraYaml, ReadsParametersAndSigmas) {
   EXPECT_TRUE(std::isnan(c.pixel_pitch));
 }
 
+TEST(CameraYaml, CorrelationsBelongToTheCovariance) {
+  const std::string text = kCamera + "correlations: {cx: [0.8, 0]}\n";
+  const CameraCalibration c = parse_camera(text, "c.yaml");
+  ASSERT_EQ(c.covariance.rows(), 9);
+  EXPECT_DOUBLE_EQ(c.covariance(0, 0), 1);
+  EXPECT_DOUBLE_EQ(c.covariance(2, 0), 0.4);
+  EXPECT_DOUBLE_EQ(c.covariance(0, 2), 0.4);
+  EXPECT_EQ(c.covariance(1, 1), 0) << "exact";
+  EXPECT_NE(camera_message(kCamera + "correlations: {cx: [0.8]}\n").find("the correlations of cx are 1 numbers"),
+            std::string::npos);
+  EXPECT_NE(camera_message(kCamera + "correlations: {cx: [much, 0]}\n").find("a list of numbers"), std::string::npos);
+  EXPECT_EQ(parse_camera(replaced(kCamera, "sigmas: {fx: 1, cx: 0.5}", ""), "c.yaml").covariance.size(), 0);
+}
+
 TEST(CameraYaml, CornerOriginIsShiftedByHalfAPixel) {
   const CameraCalibration c = parse_camera(replaced(kCamera, "centre", "corner"), "c.yaml");
   EXPECT_EQ(c.camera.cx, 299.5);

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <random>
 #include <set>
+#include <sstream>
 
 #include "detect/tag_dictionary.hpp"
 #include "markers/camera_files.hpp"
@@ -221,6 +222,56 @@ TEST(CameraFiles, OfOpenCVRosKalibrAndOurs) {
                     "f.yaml");
               }),
               HasSubstr("equidistant"));
+}
+
+/// Correlations of 0.99 are the difference between a ray at the corner known to 2.6 px and to 6.5.
+TEST(CameraFiles, CarryTheWholeCovariance) {
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> noise(0, 1);
+  const std::array<double, 9> sigmas = {2, 2.1, 3, 2.5, 0.005, 0.06, 0, 1e-4, 2e-4};  // k3 was held
+  Eigen::MatrixXd spread(9, 12);
+  for (Eigen::Index i = 0; i < 9; ++i)
+    for (Eigen::Index j = 0; j < 12; ++j) spread(i, j) = noise(random);
+  spread.row(1) = spread.row(0) + 0.1 * spread.row(1), spread.row(5) = -spread.row(4) + 0.2 * spread.row(5);
+  Eigen::MatrixXd covariance = spread * spread.transpose();
+  const Eigen::VectorXd scale =
+      Eigen::Map<const Eigen::VectorXd>(sigmas.data(), 9).cwiseQuotient(covariance.diagonal().cwiseSqrt());
+  covariance = scale.asDiagonal() * covariance * scale.asDiagonal();
+  BrownCamera camera;
+  camera.width = 1280, camera.height = 720, camera.fx = 1124, camera.fy = 1125, camera.cx = 640, camera.cy = 360;
+  camera.k1 = 0.13;
+  const std::string text = markers::camera_yaml({"x", camera, covariance, "", {"sigmas: 2.1 times\nas large"}});
+  const auto read = markers::parse_camera_file(text, "camera.yaml");
+  EXPECT_LT((read.covariance - covariance).cwiseAbs().maxCoeff(), 1e-12);
+  for (Eigen::Index i = 0; i < 9; ++i)
+    for (Eigen::Index j = 0; j < 9; ++j)
+      EXPECT_NEAR(read.covariance(i, j), covariance(i, j),
+                  1e-12 * sigmas[static_cast<size_t>(i)] * sigmas[static_cast<size_t>(j)]);
+  EXPECT_THAT(text, testing::StartsWith("# sigmas: 2.1 times as large\nplumbline_camera: 1"));
+  // Under a name, as of several cameras.
+  std::string indented = "left:\n";
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) indented += "  " + line + "\n";
+  EXPECT_LT((markers::parse_camera_file(indented, "c.yaml", "left").covariance - covariance).norm(), 1e-12);
+}
+
+TEST(CameraFiles, CorrelationsThatAreNoneAreRefused) {
+  const auto refused = [](const std::string& correlations) {
+    return message_of([&] {
+      markers::parse_camera_file(
+          "plumbline_camera: 1\nwidth: 4000\nheight: 3000\nparameters: {fx: 3000, fy: 3000, cx: 2000, cy: 1500}\n"
+          "sigmas: {fx: 1, fy: 1, cx: 2, cy: 2}\ncorrelations: " +
+              correlations + "\n",
+          "c.yaml");
+    });
+  };
+  EXPECT_EQ(refused("{fy: [0.99], cy: [0, 0.1, -0.5]}"), "nothing was thrown");
+  EXPECT_THAT(refused("{fy: [1.2]}"), HasSubstr("the correlation of fy with fx is not between -1 and 1"));
+  EXPECT_THAT(refused("{cx: [0.5]}"), HasSubstr("the correlations of cx are 1 numbers, expected 2"));
+  EXPECT_THAT(refused("{fy: [0.9], cx: [0.9, -0.9]}"), HasSubstr("of no covariance"));
+  EXPECT_THAT(refused("{fY: [0.9]}"), HasSubstr("'correlations' has no 'fY'"));
+  EXPECT_THAT(refused("{fy: [abc]}"), HasSubstr("expected numbers from -1 to 1"));
+  EXPECT_THAT(refused("[0.9]"), HasSubstr("expected a map of parameters"));
 }
 
 TEST(CameraFiles, MistypedNamesAndImpossibleNumbersAreRefused) {
