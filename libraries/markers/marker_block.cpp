@@ -13,7 +13,9 @@
 #include "geometry/median.hpp"
 #include "markers/marker_datum.hpp"
 #include "markers/marker_model.hpp"
+#include "markers/marker_truth.hpp"
 #include "markers/marker_words.hpp"
+#include "markers/rearranged_tags.hpp"
 
 namespace plumbline::markers {
 namespace {
@@ -256,7 +258,8 @@ void run_or_explain(const MarkerBlock& block, const MarkerOptions& options, cons
     run_adjustment(block, options, trial, run, result);
   } catch (const std::runtime_error& error) {
     const bool self_calibration =
-        std::any_of(block.cameras.begin(), block.cameras.end(), [](const MarkerCamera& c) { return !c.held; });
+        std::any_of(block.cameras.begin(), block.cameras.end(),
+                    [](const MarkerCamera& c) { return !c.held && c.covariance.size() == 0; });
     if (!self_calibration) throw;
     throw std::runtime_error(
         std::to_string(block.images.size()) + " photographs with " + std::to_string(block.markers.size()) +
@@ -401,6 +404,7 @@ MarkerResult adjust_as_given(const MarkerBlock& block, const MarkerOptions& opti
   run_or_explain(block, options, trial, run, result);
   drop_insignificant_insets(block, options, trial, run);
   fill_cameras(block, run, result);
+  judge_cameras(block, run.state, run.model, run.block, result);
   fill_markers(block, run, result);
   fill_images(block, run, result);
   fill_views(block, run, result);
@@ -461,6 +465,41 @@ int most_contradicted(const std::map<int, TagOffLayout>& off, double nearly) {
   return second < nearly * largest ? worst : -1;
 }
 
+/// The layout's distances give the tags' size, which must be that they are said to have. `used`: without the places of
+/// tags that were moved. Throws std::runtime_error with the size that the photographs show where it is another.
+void require_size(const MarkerBlock& used, const MarkerOptions& options) {
+  constexpr double free_size = 0.3, limit = 5, much = 0.02;  // relative, standard deviations, relative
+  if (!(options.size_sigma > 0) || !(options.size_sigma < free_size)) return;
+  MarkerOptions free = options;
+  free.size_sigma = free_size;
+  std::vector<double> scales, sigmas;
+  int together = 0;
+  try {
+    const MarkerResult result = adjust_as_given(used, free);
+    for (const AdjustedMarker& marker : result.markers) {
+      if (!used.markers[static_cast<size_t>(marker.marker)].world_from_tag) continue;
+      scales.push_back(marker.scale), sigmas.push_back(marker.scale_sigma);
+    }
+    for (const AdjustedMarkerImage& image : result.images) together += image.tags > 1;
+  } catch (const std::runtime_error&) {
+    return;  // the places say nothing of the sizes
+  }
+  if (scales.size() < 2) return;
+  const double scale = median(scales), sigma = upper_median(sigmas);
+  if (!(std::abs(scale - 1) > std::max(limit * sigma, much))) return;
+  std::vector<double> stated;
+  for (const Marker& marker : used.markers)
+    if (marker.world_from_tag) stated.push_back(marker.size);
+  const double size = median(stated);
+  throw std::runtime_error("the tags are not " + number(1e3 * size, 1) +
+                           " mm large: by the distances in the layout their edge is " + number(1e3 * size * scale, 1) +
+                           " \u00b1 " + number(1e3 * size * sigma, 1) + " mm (" + std::to_string(together) +
+                           " photographs with two tags and more). With the wrong size every photograph would be placed "
+                           "wrongly by " + number(100 * std::abs(scale - 1), 0) +
+                           " % of its distance. Correct tag_size (the edge of the black square), or the layout; where "
+                           "the layout is less certain than position_sigma says, state that");
+}
+
 /// Tags that were moved or turned since their layout was made would pull the frame along. The layout's places of those
 /// that are furthest off are left out as long as most of the tags stay, and the rest is adjusted again.
 MarkerResult adjust_to_layout(const MarkerBlock& block, const MarkerOptions& options) {
@@ -487,13 +526,12 @@ MarkerResult adjust_to_layout(const MarkerBlock& block, const MarkerOptions& opt
     for (const int marker : left_out) used.markers[static_cast<size_t>(marker)].world_from_tag.reset();
     result = adjust_as_given(used, options);
   }
+  if (has_layout(used)) require_size(used, options);
   warn_about_layout(block, options, left_out, result);
   return result;
 }
 
-}  // namespace
-
-MarkerResult adjust_marker_block(const MarkerBlock& block, const MarkerOptions& options) {
+MarkerResult adjust_with_calibrations(const MarkerBlock& block, const MarkerOptions& options) {
   MarkerBlock held = block;
   bool calibrated = false;  // a camera whose calibration is known, but not as exact
   for (MarkerCamera& camera : held.cameras)
@@ -513,6 +551,22 @@ MarkerResult adjust_marker_block(const MarkerBlock& block, const MarkerOptions& 
                            "standard deviations do not hold their uncertainty");
     return result;
   }
+}
+
+}  // namespace
+
+MarkerResult adjust_marker_block(const MarkerBlock& block, const MarkerOptions& options) {
+  MarkerResult result;
+  try {
+    result = adjust_with_calibrations(block, options);
+  } catch (const std::runtime_error& error) {
+    const std::string moved = rearranged_tags(block);
+    if (moved.empty()) throw;
+    throw std::runtime_error(std::to_string(block.images.size()) + " photographs do not make one block: " + moved);
+  }
+  if (3 * result.rejected.size() > block.views.size())
+    if (const std::string moved = rearranged_tags(block); !moved.empty()) result.warnings.push_back(moved);
+  return result;
 }
 
 }  // namespace plumbline::markers
