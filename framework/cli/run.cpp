@@ -1,7 +1,4 @@
 // plumbline run
-#include <unistd.h>
-
-#include <csignal>
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -12,6 +9,7 @@
 #include "runtime/deliver.hpp"
 #include "runtime/executor.hpp"
 #include "runtime/memory_budget.hpp"
+#include "stopping.hpp"
 #include "terminal.hpp"
 
 namespace plumbline::cli {
@@ -20,17 +18,6 @@ namespace fs = std::filesystem;
 using runtime::NodeStatus;
 
 namespace {
-
-std::atomic<bool> cancel = false;
-static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler sets it");
-
-/// The first signal asks the nodes to stop and says so at once, the second ends the program.
-extern "C" void ask_to_stop(int signal) {
-  cancel = true;
-  std::signal(signal, SIG_DFL);
-  static constexpr char text[] = "\nstopping as soon as the nodes that run now can; once more to end at once\n";
-  [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, text, sizeof text - 1);
-}
 
 void print_summary(const runtime::Graph& graph, const runtime::RunResult& result,
                    const std::vector<runtime::Delivery>& deliveries, const fs::path& out) {
@@ -185,7 +172,7 @@ int run(const Options& options) {
   run_options.threads =
       options.threads > 0 ? options.threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   run_options.memory = options.memory.empty() ? runtime::MemoryBudget::default_limit() : parse_size(options.memory);
-  run_options.cancel = &cancel;
+  run_options.cancel = &stop_is_asked_for();
   run_options.isolate = options.isolate;
   runtime::RunInfo info{PLUMBLINE_VERSION, options.overrides, store.folder(), run_options.threads, run_options.memory};
   runtime::OutputFolder folder(out, store.file_hashes(), options.overwrite);
@@ -193,16 +180,24 @@ int run(const Options& options) {
   tell_of_other_variant(options, out);
   runtime::Record record(folder, graph, info);
 
-  std::signal(SIGINT, ask_to_stop);
-  std::signal(SIGTERM, ask_to_stop);
-  runtime::RunResult result;
+  runtime::RunResult done, result;
+  result.nodes.resize(graph.nodes.size());  // cancelled, until it is known better
+  result.cancelled = true;
   {
+    const EndsInTime in_time([&] {
+      record.end(result, {});
+      std::fprintf(stderr, "cancelled; nodes that did not stop in time were left, and what was finished is kept\n");
+    });
     Progress progress(graph, record,
                       options.json    ? Progress::Style::json
                       : options.quiet ? Progress::Style::quiet
                                       : Progress::Style::lines);
-    result = execute(graph, registry, store, run_options, progress);
+    runtime::RunResult whole = execute(graph, registry, store, run_options, progress);
+    // Who stopped the run at its very end gets the same answer as who did it earlier.
+    whole.cancelled = whole.cancelled || stop_is_asked_for();
+    done = std::move(whole);
   }
+  result = std::move(done);
   std::vector<runtime::Delivery> deliveries;
   if (!result.cancelled) deliveries = deliver(graph, registry, store, result, folder);
   record.end(result, deliveries);

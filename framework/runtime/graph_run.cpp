@@ -188,6 +188,10 @@ class Execution {
     item.run = std::move(outcome.run);
     if (!item.error.empty() || item.cancelled) return;
     check_files(node, state);
+    if (cancel_) {
+      item.cancelled = true;
+      return;
+    }
     if (!node.kind.node->deterministic) return store_.keep(item.run);
     store_.put_run(item.key, item.run);
     turn.done();
