@@ -34,7 +34,8 @@ struct Options {
   std::string limit;                  ///< of `cache prune`: "2GiB"
   double days = -1;                   ///< likewise; negative: any age
   int threads = 0;
-  bool durable = false, json = false, quiet = false, overwrite = false, trust_others = false, isolate = false;
+  bool durable = false, json = false, quiet = false, overwrite = false, trust_others = false, isolate = false,
+       rehash = false, each = false;
 };
 
 int run(const Options& options);

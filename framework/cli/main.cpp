@@ -10,6 +10,7 @@
 
 #include "bench.hpp"
 #include "commands.hpp"
+#include "runtime/printable.hpp"
 
 namespace {
 
@@ -68,6 +69,8 @@ std::vector<Command> declare(CLI::App& app, Options& options, plumbline::cli::Be
   run.add_flag("--durable", options.durable,
                "sync every file of the store to disk before the next step: a power failure then costs nothing");
   add_json(run, options);
+  run.add_flag("--rehash", options.rehash,
+               "read every input file once more, and trust nothing that is remembered of its time and size");
   run.add_flag("--isolate", options.isolate,
                "run every node in a process of its own, so that a crash is an error of that node alone");
   run.add_flag("-q,--quiet", options.quiet, "print nothing but warnings and errors");
@@ -139,6 +142,11 @@ std::vector<Command> declare(CLI::App& app, Options& options, plumbline::cli::Be
                          "results bit by bit",
                          plumbline::cli::verify);
   add_pipeline(verify, options);
+  verify.add_flag(
+      "--each", options.each,
+      "run it once, from the store as far as it goes, then every node alone in a fresh process, and compare "
+      "that with what the store has");
+  add_store(verify, options);
   verify.add_option("--threads", options.threads, "of the second run (default: 2)")->check(CLI::Range(2, 4096));
   add_json(verify, options);
 
@@ -215,13 +223,13 @@ int main(int argc, char** argv) {
     for (auto command = commands.rbegin(); command != commands.rend(); ++command)
       if (command->app->parsed()) return finished(command->action(options));
   } catch (const plumbline::cli::UsageError& error) {
-    std::fprintf(stderr, "plumbline: %s\n", error.what());
+    std::fprintf(stderr, "plumbline: %s\n", plumbline::runtime::printable(error.what()).c_str());
     return 2;
   } catch (const plumbline::runtime::InvalidPipeline& error) {
-    std::fprintf(stderr, "%s\n", error.what());
+    std::fprintf(stderr, "%s\n", plumbline::runtime::printable(error.what()).c_str());
     return 1;
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "plumbline: %s\n", error.what());
+    std::fprintf(stderr, "plumbline: %s\n", plumbline::runtime::printable(error.what()).c_str());
     return 1;
   }
   return 2;

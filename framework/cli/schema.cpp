@@ -89,6 +89,24 @@ int schema(const Options&) {
       {"allOf", rules}};
   const Json include{{"anyOf", {{{"type", "string"}}, {{"type", "array"}, {"items", {{"type", "string"}}}}}},
                      {"description", "pipelines to start from, relative to this file; what stands here replaces"}};
+  const Json source{{"$ref", "#/$defs/source"}};
+  const Json carried{{"anyOf",
+                      {source,
+                       {{"type", "object"},
+                        {"additionalProperties", false},
+                        {"required", {"next"}},
+                        {"properties", {{"first", source}, {"next", source}}}}}}};
+  const Json rounds{
+      {"type", "object"},
+      {"additionalProperties", false},
+      {"properties",
+       {{"carry",
+         {{"type", "object"},
+          {"additionalProperties", carried},
+          {"description", "name: what the next round takes as rounds.NAME, and what the first takes in its place"}}},
+        {"until", {{"type", "string"}, {"description", "node.metric (above 0) or node.metric < 0.1"}}},
+        {"most", or_variable({{"type", "integer"}, {"minimum", 1}})}}},
+      {"description", "what one round gives the next one takes, until a metric says that it is enough"}};
   const Json document{
       {"$schema", "http://json-schema.org/draft-07/schema#"},
       {"title", "Plumbline pipeline"},
@@ -102,6 +120,7 @@ int schema(const Options&) {
          {{"type", "object"},
           {"additionalProperties", scalar},
           {"description", "names and values for ${name}; without a value it must be given on the command line"}}},
+        {"rounds", rounds},
         {"nodes", {{"type", "object"}, {"additionalProperties", {{"$ref", "#/$defs/node"}}}}},
         {"outputs",
          {{"type", "object"},

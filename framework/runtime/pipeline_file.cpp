@@ -10,6 +10,7 @@
 #include "runtime/near_names.hpp"
 #include "runtime/one_document.hpp"
 #include "runtime/pipeline_variables.hpp"
+#include "runtime/printable.hpp"
 
 namespace plumbline::runtime {
 
@@ -215,8 +216,9 @@ class Reader {
     check_keys(file, map, {}, "nodes");
     for (const auto& item : map) {
       const std::string name = item.first.as<std::string>("");
-      if (name.find('.') != std::string::npos || name.empty())
-        problem(position(file, item.first), "a node's name has no dots: '" + name + "'");
+      if (name.find('.') != std::string::npos || name.empty() || printable_line(name) != name)
+        problem(position(file, item.first),
+                "a node's name is one line without dots and control characters: '" + printable_line(name) + "'");
       if (!item.second.IsMap()) {
         problem(position(file, item.second), "node '" + name + "' is a map: {use: …, in: {…}, with: {…}}");
         continue;

@@ -1,7 +1,11 @@
+#include <fcntl.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <cstdlib>
+#include <thread>
 
 #include "runtime/digest.hpp"
 #include "runtime/store.hpp"
@@ -10,7 +14,10 @@
 namespace plumbline::test {
 namespace {
 
+using runtime::FileHashes;
+using runtime::sha256_of_file;
 using runtime::Store;
+using runtime::StoredRun;
 using runtime::StoreError;
 namespace fs = std::filesystem;
 
@@ -326,6 +333,103 @@ TEST(FileHashes, NameALinkThatLeadsBack) {
   fs::remove(images / "again");
   fs::create_directory_symlink("images", campaign / "photographs");  // the same twice is no circle
   EXPECT_EQ(runtime::FileHashes(folder.path() / "hashes").files_of(campaign).size(), 2u);
+}
+
+/// A tool that repairs or copies folders may leave one where a file was, and a file where a folder was.
+TEST(Store, AFolderInThePlaceOfAFileHeals) {
+  const TemporaryFolder folder;
+  const std::string key(64, 'a');
+  std::string damage, outdated;
+  const auto put = [&](Store& store) {
+    StoredRun run;
+    run.kind = "story.constant";
+    run.outputs["number"] = {store.put("blob", 4)};
+    store.put_run(key, run);
+    return run.outputs["number"][0];
+  };
+  std::string hash;
+  {
+    Store store(folder.path());
+    hash = put(store);
+  }
+  const auto blob = folder.path() / "blobs" / hash.substr(0, 2) / hash;
+  const auto record = folder.path() / "runs" / "aa" / (key + ".json");
+  for (const auto& file : {blob, record}) {
+    std::filesystem::remove(file);
+    std::filesystem::create_directories(file / "with" / "something");
+    Store store(folder.path());
+    EXPECT_FALSE(store.find_run(key, damage, outdated));
+    EXPECT_EQ(put(store), hash);
+    EXPECT_TRUE(store.find_run(key, damage, outdated)) << damage;
+  }
+  std::filesystem::remove_all(folder.path() / "runs" / "aa");
+  std::ofstream(folder.path() / "runs" / "aa") << "a file";
+  Store store(folder.path());
+  put(store);
+  EXPECT_TRUE(store.find_run(key, damage, outdated)) << damage;
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path() / "tmp"));
+}
+
+/// Two containers of one name, with process numbers of their own, write to one store at the same time.
+TEST(Store, TemporaryNamesOfTwoStoresOfOneProcessNumberDiffer) {
+  const TemporaryFolder folder;
+  Store one(folder.path()), other(folder.path());
+  const auto first = one.new_folder(), second = other.new_folder();
+  const auto drawn = [](const std::filesystem::path& path) {
+    const std::string name = path.filename().string();
+    return name.substr(0, name.rfind('-'));
+  };
+  EXPECT_NE(drawn(first), drawn(second));
+}
+
+/// A second store into a page that is not written back yet moves no time of the file.
+TEST(FileHashes, AFileThatIsOpenForWritingIsReadEachTime) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "data";
+  std::ofstream(file) << std::string(4096, 'a');
+  const timespec long_ago[2] = {{1'000'000'000, 0}, {1'000'000'000, 0}};
+  utimensat(AT_FDCWD, file.c_str(), long_ago, 0);
+  std::this_thread::sleep_for(std::chrono::milliseconds(3100));  // until it counts as settled
+  FileHashes hashes(folder.path() / "log");
+  const int open_file = open(file.c_str(), O_RDWR);
+  auto* mapped = static_cast<char*>(mmap(nullptr, 4096, PROT_READ | PROT_WRITE, MAP_SHARED, open_file, 0));
+  close(open_file);
+  ASSERT_NE(mapped, MAP_FAILED);
+  const std::string first = hashes.of_file(file);
+  struct stat before {
+  }, after{};
+  stat(file.c_str(), &before);
+  mapped[0] = 'b';
+  stat(file.c_str(), &after);
+  const std::string second = hashes.of_file(file);
+  EXPECT_NE(first, second);
+  mapped[0] = 'c';
+  EXPECT_NE(hashes.of_file(file), second);
+  munmap(mapped, 4096);
+  EXPECT_EQ(hashes.of_file(file), sha256_of_file(file)) << "what was read while it was open was not remembered";
+}
+
+TEST(FileHashes, ReadsAllAgainIfTheMemoryIsDistrusted) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "data";
+  std::ofstream(file) << "a";
+  struct stat info {};
+  stat(file.c_str(), &info);
+  std::this_thread::sleep_for(std::chrono::milliseconds(3100));
+  {
+    FileHashes hashes(folder.path() / "log");
+    hashes.of_file(file);
+  }
+  // What the log says is a lie about a file of the same identity, as a change without a trace would make it.
+  std::string log = read_file(folder.path() / "log");
+  const std::string hash = sha256_of_file(file), lie(64, '0');
+  ASSERT_NE(log.find(hash), std::string::npos) << log;
+  log.replace(log.find(hash), 64, lie);
+  std::ofstream(folder.path() / "log") << log;
+  FileHashes hashes(folder.path() / "log");
+  EXPECT_EQ(hashes.of_file(file), lie);
+  hashes.distrust_memory();
+  EXPECT_EQ(hashes.of_file(file), hash);
 }
 
 }  // namespace
