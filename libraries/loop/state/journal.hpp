@@ -1,6 +1,5 @@
 // An append-only journal: one line of JSON for each change, each with the SHA-256 of the line before. Who changes,
-// inserts or takes out a line breaks the chain from there on; `plumbline journal check` finds the place with code of
-// its own.
+// inserts or takes out a line breaks the chain from there on; reading it finds the place.
 #pragma once
 
 #include <filesystem>
