@@ -22,6 +22,7 @@ class UsageError : public std::runtime_error {
 struct Options {
   std::string pipeline;                ///< a file or the name of a pipeline
   std::vector<std::string> overrides;  ///< KEY=VALUE
+  std::string item;                    ///< of `journal`: only lines about it
   std::string name;                    ///< of a kind, a pipeline or an artifact; of `list`: what
   std::string role;                    ///< filter of `list`
   std::string out;                     ///< empty: out/<pipeline>
@@ -34,7 +35,8 @@ struct Options {
   std::string limit;                  ///< of `cache prune`: "2GiB"
   double days = -1;                   ///< likewise; negative: any age
   int threads = 0;
-  bool durable = false, json = false, quiet = false, overwrite = false, trust_others = false, isolate = false;
+  bool durable = false, json = false, quiet = false, overwrite = false, trust_others = false, isolate = false,
+       rehash = false, each = false, check = false;
 };
 
 int run(const Options& options);
@@ -60,6 +62,7 @@ int export_run(const Options& options);
 int verify(const Options& options);
 int campaign_init(const Options& options);
 int campaign_check(const Options& options);
+int journal(const Options& options);
 int cache(const Options& options);
 int prune(const Options& options);
 

@@ -1,12 +1,10 @@
-// plumbline why, diff, export, verify: what runs did, from their records.
-#include <stdlib.h>
-
+// plumbline why, diff, export: what runs did, from their records.
 #include <cstdio>
 #include <nlohmann/json.hpp>
-#include <tuple>
 
 #include "commands.hpp"
 #include "runtime/executor.hpp"
+#include "runtime/printable.hpp"
 #include "runtime/run_record.hpp"
 #include "terminal.hpp"
 
@@ -14,7 +12,6 @@ namespace plumbline::cli {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-using runtime::NodeStatus;
 
 namespace {
 
@@ -44,24 +41,6 @@ std::vector<std::string> reasons(const runtime::RecordedNode& node) {
   return all;
 }
 
-/// A folder of the program's own that goes when it is done.
-class OwnFolder {
- public:
-  OwnFolder() {
-    std::string name = (fs::temp_directory_path() / "plumbline-verify-XXXXXX").string();
-    if (!mkdtemp(name.data()))
-      throw std::runtime_error("cannot make a folder in " + fs::temp_directory_path().string());
-    path = name;
-  }
-  ~OwnFolder() {
-    std::error_code ignored;
-    fs::remove_all(path, ignored);
-  }
-  OwnFolder(const OwnFolder&) = delete;
-  OwnFolder& operator=(const OwnFolder&) = delete;
-  fs::path path;
-};
-
 }  // namespace
 
 int why(const Options& options) {
@@ -81,7 +60,7 @@ int why(const Options& options) {
   }
   std::printf("%s (%s) was %s in %s\n", runtime::label_of(node->name, node->round).c_str(), node->kind.c_str(),
               node->status.c_str(), run.file.c_str());
-  for (const std::string& line : lines) std::printf("  %s\n", line.c_str());
+  for (const std::string& line : lines) std::printf("  %s\n", runtime::printable(line).c_str());
   return 0;
 }
 
@@ -104,7 +83,7 @@ int diff(const Options& options) {
                     {"differences", difference.lines}});
     if (options.json) continue;
     std::printf("%s%s\n", difference.node.c_str(), difference.within_tolerance ? " (results agree)" : "");
-    for (const std::string& line : difference.lines) std::printf("  %s\n", line.c_str());
+    for (const std::string& line : difference.lines) std::printf("  %s\n", runtime::printable(line).c_str());
   }
   if (options.json)
     print_json({{"equal", equal}, {"nodes", json}});
@@ -118,69 +97,6 @@ int export_run(const Options& options) {
   const runtime::RecordedRun run = runtime::read_run(options.runs.at(0));
   std::printf("%s", (options.format == "trace" ? chrome_trace(run) : ro_crate(run)).c_str());
   return 0;
-}
-
-int verify(const Options& options) {
-  const runtime::Registry registry = discover();
-  const runtime::Graph graph = load(options, registry);
-  const OwnFolder folder;
-  std::vector<runtime::RunResult> results;
-  for (const int threads : {1, options.threads > 0 ? options.threads : 2}) {
-    runtime::Store store(folder.path / std::to_string(threads));
-    runtime::Observer silent;
-    runtime::RunOptions run_options;
-    run_options.threads = threads;
-    results.push_back(execute(graph, registry, store, run_options, silent));
-  }
-  size_t differing = 0, failed = 0, compared = 0;
-  Json json = Json::array();
-  const auto compare = [&](size_t i, const runtime::NodeResult& one, const runtime::NodeResult& other) {
-    ++compared;
-    const std::string label = runtime::label_of(graph.nodes[i].name, one.round);
-    std::vector<std::string> lines;
-    for (const auto* result : {&one, &other})
-      if (result->status == NodeStatus::failed && lines.empty()) lines.push_back(result->error);
-    failed += !lines.empty();
-    if (lines.empty() && is_good(one)) {
-      for (const auto& [port, hashes] : one.outputs)
-        if (const auto found = other.outputs.find(port); found == other.outputs.end() || found->second != hashes)
-          lines.push_back("output " + port + " differs");
-      if (!graph.nodes[i].kind.node->deterministic && !lines.empty())
-        lines.push_back("it says of itself that it is not deterministic");
-      differing += !lines.empty();
-    }
-    if (lines.empty()) return;
-    json.push_back({{"node", label}, {"kind", graph.nodes[i].kind.node->kind}, {"findings", lines}});
-    if (options.json) return;
-    std::printf("%s (%s)\n", label.c_str(), graph.nodes[i].kind.node->kind);
-    for (const std::string& line : lines) std::printf("  %s\n", line.c_str());
-  };
-  const auto& [first, second] = std::tie(results[0], results[1]);
-  for (size_t i = 0; i < std::min(first.earlier.size(), second.earlier.size()); ++i)
-    compare(first.earlier[i].node, first.earlier[i].result, second.earlier[i].result);
-  for (size_t i = 0; i < graph.nodes.size(); ++i) compare(i, first.nodes[i], second.nodes[i]);
-  if (first.rounds.rounds != second.rounds.rounds) {
-    ++differing;
-    const std::string line =
-        std::to_string(first.rounds.rounds) + " and " + std::to_string(second.rounds.rounds) + " rounds";
-    json.push_back({{"node", "rounds"}, {"kind", ""}, {"findings", {line}}});
-    if (!options.json) std::printf("%s\n", line.c_str());
-  }
-  for (const auto* result : {&first, &second})
-    if (const std::string& problem = result->rounds.problem; !problem.empty()) {
-      ++failed;
-      if (!options.json) std::printf("%s\n", problem.c_str());
-      break;
-    }
-  const bool equal = differing == 0 && failed == 0;
-  if (options.json)
-    print_json({{"equal", equal}, {"nodes", compared}, {"findings", json}});
-  else
-    std::printf("%s: %zu nodes, run twice: %s\n", graph.file.c_str(), compared,
-                equal    ? "the same bits"
-                : failed ? "failed"
-                         : (std::to_string(differing) + " differ").c_str());
-  return equal ? 0 : 1;
 }
 
 }  // namespace plumbline::cli

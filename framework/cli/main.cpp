@@ -11,6 +11,7 @@
 
 #include "bench.hpp"
 #include "commands.hpp"
+#include "runtime/printable.hpp"
 
 namespace {
 
@@ -69,6 +70,8 @@ std::vector<Command> declare(CLI::App& app, Options& options, plumbline::cli::Be
   run.add_flag("--durable", options.durable,
                "sync every file of the store to disk before the next step: a power failure then costs nothing");
   add_json(run, options);
+  run.add_flag("--rehash", options.rehash,
+               "read every input file once more, and trust nothing that is remembered of its time and size");
   run.add_flag("--isolate", options.isolate,
                "run every node in a process of its own, so that a crash is an error of that node alone");
   run.add_flag("-q,--quiet", options.quiet, "print nothing but warnings and errors");
@@ -159,6 +162,11 @@ std::vector<Command> declare(CLI::App& app, Options& options, plumbline::cli::Be
                          "results bit by bit",
                          plumbline::cli::verify);
   add_pipeline(verify, options);
+  verify.add_flag(
+      "--each", options.each,
+      "run it once, from the store as far as it goes, then every node alone in a fresh process, and compare "
+      "that with what the store has");
+  add_store(verify, options);
   verify.add_option("--threads", options.threads, "of the second run (default: 2)")->check(CLI::Range(2, 4096));
   add_json(verify, options);
 
@@ -167,6 +175,15 @@ std::vector<Command> declare(CLI::App& app, Options& options, plumbline::cli::Be
   exported.add_option("--format", options.format, "trace (Chrome, Perfetto) or ro-crate")
       ->check(CLI::IsMember({"trace", "ro-crate"}))
       ->required();
+
+  CLI::App& journal = add("journal", "shows a journal, checks that nothing in it was changed, explains an item",
+                          plumbline::cli::journal);
+  journal.add_option("journal", options.name, "a journal.jsonl or the output folder that holds it")
+      ->required()
+      ->type_name("JOURNAL");
+  journal.add_option("--item", options.item, "only what happened to this one")->type_name("ITEM");
+  journal.add_flag("--check", options.check, "only whether it is whole, and where everything stands");
+  add_json(journal, options);
 
   CLI::App& cache = add("cache", "lists what the store holds", plumbline::cli::cache);
   add_store(cache, options);
@@ -244,13 +261,13 @@ int main(int argc, char** argv) {
     for (auto command = commands.rbegin(); command != commands.rend(); ++command)
       if (command->app->parsed()) return finished(command->action(options));
   } catch (const plumbline::cli::UsageError& error) {
-    std::fprintf(stderr, "plumbline: %s\n", error.what());
+    std::fprintf(stderr, "plumbline: %s\n", plumbline::runtime::printable(error.what()).c_str());
     return 2;
   } catch (const plumbline::runtime::InvalidPipeline& error) {  // unknown variables and parameters, too
-    std::fprintf(stderr, "%s\n", error.what());
+    std::fprintf(stderr, "%s\n", plumbline::runtime::printable(error.what()).c_str());
     return 2;
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "plumbline: %s\n", error.what());
+    std::fprintf(stderr, "plumbline: %s\n", plumbline::runtime::printable(error.what()).c_str());
     return 1;
   }
   return 2;

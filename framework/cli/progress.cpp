@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "runtime/printable.hpp"
 #include "runtime/told_once.hpp"
 #include "terminal.hpp"
 
@@ -90,10 +91,11 @@ void Progress::node_finished(const runtime::GraphNode& node, const runtime::Node
   std::fflush(stdout);
   if (style_ != Style::json)
     for (const std::string& warning : runtime::told_once(result.warnings))
-      std::fprintf(stderr, "%s: node '%s': warning: %s\n", node.at.text().c_str(), node.name.c_str(), warning.c_str());
-  // All of it stands at the end, where people look; other branches may take an hour more.
-  if (result.status == NodeStatus::failed && !running_.empty())
-    std::fprintf(stderr, "%s\n", result.error.substr(0, result.error.find('\n')).c_str());
+      std::fprintf(stderr, "%s: node '%s': warning: %s\n", node.at.text().c_str(), node.name.c_str(),
+                   runtime::printable(warning).c_str());
+  // All of it stands at the end, where people look; other branches may take an hour more, or the program may be ended.
+  if (result.status == NodeStatus::failed && style_ != Style::json)
+    std::fprintf(stderr, "%s\n", runtime::printable(result.error.substr(0, result.error.find('\n'))).c_str());
   show_status();
 }
 
@@ -113,7 +115,7 @@ void Progress::show_status() {
   const auto& [name, running] = *running_.begin();
   const std::string of = total_ > 0 ? "/" + std::to_string(total_) : "";  // how many rounds come nobody knows
   std::string line = "[" + std::to_string(done_) + of + "] " + name;
-  if (!running.text.empty()) line += " " + running.text;
+  if (!running.text.empty()) line += " " + runtime::printable_line(running.text);
   if (running.fraction > 0.02 && running.fraction <= 1) {
     const double elapsed = std::chrono::duration<double>(shown_ - running.start).count();
     line += ", about " + rough_duration_text(elapsed * (1 / running.fraction - 1)) + " left";

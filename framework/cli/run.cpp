@@ -1,7 +1,4 @@
 // plumbline run
-#include <unistd.h>
-
-#include <csignal>
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -12,6 +9,8 @@
 #include "runtime/deliver.hpp"
 #include "runtime/executor.hpp"
 #include "runtime/memory_budget.hpp"
+#include "runtime/printable.hpp"
+#include "stopping.hpp"
 #include "terminal.hpp"
 
 namespace plumbline::cli {
@@ -20,17 +19,6 @@ namespace fs = std::filesystem;
 using runtime::NodeStatus;
 
 namespace {
-
-std::atomic<bool> cancel = false;
-static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler sets it");
-
-/// The first signal asks the nodes to stop and says so at once, the second ends the program.
-extern "C" void ask_to_stop(int signal) {
-  cancel = true;
-  std::signal(signal, SIG_DFL);
-  static constexpr char text[] = "\nstopping as soon as the nodes that run now can; once more to end at once\n";
-  [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, text, sizeof text - 1);
-}
 
 void print_summary(const runtime::Graph& graph, const runtime::RunResult& result,
                    const std::vector<runtime::Delivery>& deliveries, const fs::path& out) {
@@ -54,7 +42,8 @@ void print_verdict(const std::vector<runtime::Delivery>& deliveries, const fs::p
   for (const auto& delivery : deliveries) {
     if ((delivery.file != "verdict.txt" && delivery.file != "summary.txt") || !delivery.problem.empty()) continue;
     std::ifstream stream(out / delivery.file);
-    for (std::string line; std::getline(stream, line);) std::printf("%s\n", paint_verdict(line).c_str());
+    for (std::string line; std::getline(stream, line);)
+      std::printf("%s\n", paint_verdict(runtime::printable(line)).c_str());
   }
 }
 
@@ -116,7 +105,7 @@ void print_failure(const runtime::Graph& graph, const runtime::RunResult& result
     const bool stays = deliveries[i].problem.find(';') != std::string::npos;  // somebody's file at its place
     if (source == NodeStatus::executed || source == NodeStatus::reused || stays)
       std::fprintf(stderr, "%s: output '%s' is not written: %s\n", graph.file.c_str(), deliveries[i].file.c_str(),
-                   deliveries[i].problem.c_str());
+                   runtime::printable(deliveries[i].problem).c_str());
     else
       missing += (missing.empty() ? "" : ", ") + deliveries[i].file;
   }
@@ -124,7 +113,7 @@ void print_failure(const runtime::Graph& graph, const runtime::RunResult& result
     skipped += result.nodes[i].status == NodeStatus::skipped;
     if (result.nodes[i].status != NodeStatus::failed) continue;
     if (failed++ == 0) std::fprintf(stderr, "\n%s\n", paint_error(Colour::red, "FAILED").c_str());
-    std::fprintf(stderr, "%s\n", result.nodes[i].error.c_str());
+    std::fprintf(stderr, "%s\n", runtime::printable(result.nodes[i].error).c_str());
   }
   if (failed == 0) return;
   std::string follows;
@@ -140,6 +129,14 @@ void print_json_end(const fs::path& out) {
   std::string line, last;
   while (std::getline(stream, line)) last = line;
   std::printf("%s\n", last.c_str());
+}
+
+/// Which of two nodes of one name ran must not be a matter of folders that nobody looks at.
+void warn_of_kinds_offered_twice(const runtime::Graph& graph, const runtime::Registry& registry) {
+  for (const auto& node : graph.nodes)
+    if (const fs::path other = registry.offered_twice_by(node.kind.node->kind); !other.empty())
+      std::fprintf(stderr, "warning: node '%s' is the %s of %s; %s has one of that name, too, which is not used\n",
+                   node.name.c_str(), node.kind.node->kind, node.kind.plugin->identity.path.c_str(), other.c_str());
 }
 
 /// Variants of a pipeline share its folder below out/: what another one left there is replaced, and that is said.
@@ -179,30 +176,40 @@ int run(const Options& options) {
   const runtime::Registry registry = discover();
   const runtime::Graph graph = load_pipeline(file, options.overrides, registry, pipeline_folders());
   runtime::Store store = open_store(options);
+  if (options.rehash) store.file_hashes().distrust_memory();
   const fs::path out = options.out.empty() ? fs::path("out") / file.stem() : fs::path(options.out);
 
   runtime::RunOptions run_options;
   run_options.threads =
       options.threads > 0 ? options.threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   run_options.memory = options.memory.empty() ? runtime::MemoryBudget::default_limit() : parse_size(options.memory);
-  run_options.cancel = &cancel;
+  run_options.cancel = &stop_is_asked_for();
   run_options.isolate = options.isolate;
   runtime::RunInfo info{PLUMBLINE_VERSION, options.overrides, store.folder(), run_options.threads, run_options.memory};
+  warn_of_kinds_offered_twice(graph, registry);
   runtime::OutputFolder folder(out, store.file_hashes(), options.overwrite);
   refuse_obstacles(obstacles_to(graph, folder), options);
   tell_of_other_variant(options, out);
   runtime::Record record(folder, graph, info);
 
-  std::signal(SIGINT, ask_to_stop);
-  std::signal(SIGTERM, ask_to_stop);
-  runtime::RunResult result;
+  runtime::RunResult done, result;
+  result.nodes.resize(graph.nodes.size());  // cancelled, until it is known better
+  result.cancelled = true;
   {
+    const EndsInTime in_time([&] {
+      record.end(result, {});
+      std::fprintf(stderr, "cancelled; nodes that did not stop in time were left, and what was finished is kept\n");
+    });
     Progress progress(graph, record,
                       options.json    ? Progress::Style::json
                       : options.quiet ? Progress::Style::quiet
                                       : Progress::Style::lines);
-    result = execute(graph, registry, store, run_options, progress);
+    runtime::RunResult whole = execute(graph, registry, store, run_options, progress);
+    // Who stopped the run at its very end gets the same answer as who did it earlier.
+    whole.cancelled = whole.cancelled || stop_is_asked_for();
+    done = std::move(whole);
   }
+  result = std::move(done);
   std::vector<runtime::Delivery> deliveries;
   if (!result.cancelled) deliveries = deliver(graph, registry, store, result, folder);
   record.end(result, deliveries);

@@ -52,7 +52,9 @@ Json node_schema(const plumbline_node& node) {
   Json inputs = Json::object(), required_inputs = Json::array();
   for (uint32_t i = 0; i < node.input_count; ++i) {
     const plumbline_port& port = *node.inputs[i];
-    inputs[port.name] = {{"$ref", "#/$defs/source"}, {"description", std::string(port.type) + ": " + port.doc}};
+    const bool many = port.cardinality == PLUMBLINE_LIST || port.cardinality == PLUMBLINE_EACH;
+    inputs[port.name] = {{"$ref", many ? "#/$defs/sources" : "#/$defs/source"},
+                         {"description", std::string(port.type) + ": " + port.doc}};
     if (port.cardinality != PLUMBLINE_OPTIONAL) required_inputs.push_back(port.name);
   }
   Json with = Json::object();
@@ -129,6 +131,9 @@ int schema(const Options&) {
       {"$defs",
        {{"variable", {{"type", "string"}, {"pattern", "\\$\\{[^}]+\\}"}}},
         {"source", {{"type", "string"}, {"pattern", "^[^.]+\\..+$|\\$\\{"}, {"description", "node.port"}}},
+        {"sources",
+         {{"anyOf", Json::array({Json{{"$ref", "#/$defs/source"}},
+                                 Json{{"type", "array"}, {"items", Json{{"$ref", "#/$defs/source"}}}}})}}},
         {"node", node}}}};
   std::printf("%s\n", document.dump(1).c_str());
   return 0;

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "builtin_rules.hpp"
+#include "text/one_document.hpp"
 
 namespace plumbline::runtime {
 
@@ -46,7 +47,7 @@ std::vector<std::string> split_path(const std::string& text) {
 std::map<std::string, std::vector<Rule>> read_rules() {
   std::map<std::string, std::vector<Rule>> all;
   for (const BuiltinRule& file : kBuiltinRules) {
-    const YAML::Node document = YAML::Load(file.yaml);
+    const YAML::Node document = formats::load_one_document(file.yaml);
     auto& rules = all[document["type"].as<std::string>()];
     for (const auto& item : document["rules"]) {
       Rule rule;
@@ -241,6 +242,12 @@ std::string broken_rule(const plumbline_type& type, plumbline_bytes bytes) {
   return "";
 }
 
+std::string missing_field_of_verified(const plumbline_type& type, plumbline_bytes bytes) {
+  const Schema& schema = *reflection::GetSchema(type.schema.data);
+  const auto* buffer = static_cast<const uint8_t*>(bytes.data);
+  return missing_in(schema, *schema.root_table(), *flatbuffers::GetAnyRoot(buffer), "");
+}
+
 std::string missing_field(const plumbline_type& type, plumbline_bytes bytes) {
   // By a schema in which nothing is required the bytes are safe to walk, or wrong in another way.
   const auto* begin = static_cast<const uint8_t*>(type.schema.data);
@@ -253,8 +260,7 @@ std::string missing_field(const plumbline_type& type, plumbline_bytes bytes) {
       const_cast<Table*>(reinterpret_cast<const Table*>(field))->SetField<uint8_t>(Field::VT_REQUIRED, 0, 0);
   const auto* buffer = static_cast<const uint8_t*>(bytes.data);
   if (!flatbuffers::Verify(lenient, *lenient.root_table(), buffer, bytes.size, 64, 1u << 30)) return "";
-  const Schema& schema = *reflection::GetSchema(type.schema.data);
-  return missing_in(schema, *schema.root_table(), *flatbuffers::GetAnyRoot(buffer), "");
+  return missing_field_of_verified(type, bytes);
 }
 
 }  // namespace plumbline::runtime

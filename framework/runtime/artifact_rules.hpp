@@ -16,4 +16,8 @@ std::string broken_rule(const plumbline_type& type, plumbline_bytes bytes);
 /// (points[3])"; empty if it is something else. Safe on any bytes.
 std::string missing_field(const plumbline_type& type, plumbline_bytes bytes);
 
+/// The same of bytes that FlatBuffers has verified by the type's schema: it does not look whether required texts are
+/// there.
+std::string missing_field_of_verified(const plumbline_type& type, plumbline_bytes bytes);
+
 }  // namespace plumbline::runtime

@@ -162,7 +162,7 @@ std::string verify_artifact(const plumbline_type& type, plumbline_bytes bytes) {
     const std::string missing = missing_field(type, bytes);
     return missing.empty() ? std::string("is not a well-formed ") + type.name : missing;
   }
-  return "";
+  return missing_field_of_verified(type, bytes);
 }
 
 std::string artifact_to_json(const plumbline_type& type, plumbline_bytes bytes) {

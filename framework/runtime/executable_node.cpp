@@ -19,6 +19,7 @@
 #include "artifacts/file.hpp"
 #include "runtime/artifact_type.hpp"
 #include "runtime/child_process.hpp"
+#include "runtime/group_memory.hpp"
 #include "runtime/plugin_check.hpp"
 
 namespace plumbline::runtime {
@@ -207,8 +208,10 @@ class Exchange {
 };
 
 /// Waits for the end. "" or why it is killed.
-std::string wait_for(const ChildProcess& child, const plumbline_host& host, double limit) {
+std::string wait_for(const ChildProcess& child, const plumbline_host& host, const Limits& limits) {
   const auto start = Clock::now();
+  const double limit = limits.seconds;
+  GroupLimit memory(child.pid, limits.memory);
   while (true) {
     const double used = std::chrono::duration<double>(Clock::now() - start).count();
     if (limit > 0 && used > limit) return lateness_text(limit, child.log);
@@ -216,6 +219,7 @@ std::string wait_for(const ChildProcess& child, const plumbline_host& host, doub
     pollfd ending{child.handle, POLLIN, 0};
     if (poll(&ending, 1, static_cast<int>(std::ceil(std::min(100.0, left)))) > 0) return "";
     if (host.cancelled(host.context)) return "it was told to stop";
+    if (const std::string problem = memory.broken(); !problem.empty()) return problem + "; " + last_words(child.log);
     shorten_log(child.log);
   }
 }
@@ -246,7 +250,7 @@ std::string run_once(const ExecutableNode& node, const plumbline_host& host, con
   ChildProcess child = start_child(start);
   std::string problem;
   try {
-    problem = wait_for(child, host, limits.seconds);
+    problem = wait_for(child, host, limits);
   } catch (...) {
     finish_child(child);
     close(child.log);

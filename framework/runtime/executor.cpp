@@ -36,7 +36,11 @@ bool RunResult::ok() const {
 std::map<std::string, Hashes> inputs_of(const GraphNode& node,
                                         const std::vector<std::map<std::string, Hashes>>& outputs_of_nodes) {
   std::map<std::string, Hashes> inputs;
-  for (const auto& [port, source] : node.inputs) inputs[port] = outputs_of_nodes[source.node].at(source.port);
+  for (const auto& [port, source] : node.inputs) {
+    const Hashes& given = outputs_of_nodes[source.node].at(source.port);
+    Hashes& all = inputs[port];
+    all.insert(all.end(), given.begin(), given.end());
+  }
   for (const auto& [port, hashes] : node.given) inputs[port] = hashes;
   return inputs;
 }

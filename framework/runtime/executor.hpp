@@ -9,6 +9,7 @@
 #include <atomic>
 #include <filesystem>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -34,9 +35,17 @@ struct NodeResult {
   std::vector<Metric> metrics;
   std::vector<std::string> warnings, messages;
   std::map<std::string, std::string> used;  ///< hash by path of files found to be used, StoredRun::used of all items
-  std::vector<std::string> why;   ///< of one that was executed: what of its key changed since the pipeline's last run
+  std::vector<std::string> why;  ///< of one that was executed: what of its key changed since the pipeline's last run
+  /// Where and when its items were computed, now or by earlier runs; of results of older programs it is not known.
+  struct Computed {
+    double first = 0, last = 0;  ///< seconds since 1970: the first of them began, the last began
+    double seconds = 0;          ///< sum over the items, then
+    std::set<std::string> hosts, programs, plugins;
+    std::set<int> threads;
+  } computed;
   double start = 0;               ///< seconds since 1970 at which the first item that ran now began; 0 if none did
   uint64_t memory_announced = 0;  ///< the most that one item asked for, in bytes
+  uint64_t memory_taken = 0;      ///< the most that one item took, in bytes; known of a run in a worker only
   double seconds = 0;       ///< from the start of the first item that ran now to the end of the last; 0 if none ran
   double item_seconds = 0;  ///< sum over those items; more than `seconds` where they ran side by side
 };
@@ -82,6 +91,7 @@ struct RunOptions {
   const std::atomic<bool>* cancel = nullptr;  ///< set it to end the run early
   bool remember = true;  ///< at the end, keys for `plumbline plan`, and sync; a sweep of many graphs does without
   bool isolate = false;  ///< every node in a process of its own, not only those that ask for it
+  bool anew = false;     ///< everything runs, nothing is taken from the store, and no result is kept in it
   std::filesystem::path worker = {};  ///< the program for that, if it is not where it is installed
 };
 

@@ -2,10 +2,12 @@
 
 #include <fcntl.h>
 #include <sys/stat.h>
+#include <sys/vfs.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <csignal>
 #include <cstring>
 #include <ctime>
 #include <fstream>
@@ -55,6 +57,25 @@ bool settled(const fs::path& path) {
          std::max(info.st_mtim.tv_sec, info.st_ctim.tv_sec) + settle_seconds < now.tv_sec;
 }
 
+/// Where a lease is what a server grants: that it does not says nothing of who writes.
+bool is_remote(const struct statfs& system) {
+  const auto type = static_cast<uint32_t>(system.f_type);
+  return type == 0x6969 || type == 0xff534d42 || type == 0xfe534d42 || type == 0x517b;  // NFS, CIFS, SMB 2, SMB
+}
+
+/// Whether some program may write to the file at this moment, also through a mapping that it made earlier. A lease for
+/// reading is given only where nobody may; false where the kernel does not say.
+bool is_open_for_writing(const fs::path& path) {
+  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (file < 0) return false;
+  fcntl(file, F_SETSIG, SIGURG);  // should somebody open it in this moment: a signal that does nothing
+  struct statfs system {};
+  const bool writable =
+      fcntl(file, F_SETLEASE, F_RDLCK) != 0 && errno == EAGAIN && fstatfs(file, &system) == 0 && !is_remote(system);
+  close(file);
+  return writable;
+}
+
 }  // namespace
 
 FileHashes::FileHashes(fs::path log, const fs::path& passing) : log_(std::move(log)) {
@@ -71,9 +92,15 @@ FileHashes::FileHashes(fs::path log, const fs::path& passing) : log_(std::move(l
   }
 }
 
+void FileHashes::distrust_memory() {
+  const std::scoped_lock lock(mutex_);
+  known_.clear();
+}
+
 std::string FileHashes::of_file(const fs::path& path) {
   const std::string identity = identity_of(path);
-  {
+  const bool written = !is_passing(path) && is_open_for_writing(path);
+  if (!written) {
     const std::scoped_lock lock(mutex_);
     if (const auto found = known_.find(identity); found != known_.end()) {
       const std::string hash = found->second;
@@ -86,9 +113,9 @@ std::string FileHashes::of_file(const fs::path& path) {
       return hash;
     }
   }
-  const bool keep = settled(path), own = is_passing(path);
+  const bool keep = !written && settled(path), own = is_passing(path);
   const std::string hash = sha256_of_file(path);
-  const bool unchanged = (keep || own) && identity_of(path) == identity;
+  const bool unchanged = (keep || own) && identity_of(path) == identity && (own || !is_open_for_writing(path));
   const std::scoped_lock lock(mutex_);
   if (unchanged && !keep) own_.emplace(identity, hash);
   remember(unchanged && keep ? identity : no_identity, hash, path);

@@ -2,7 +2,10 @@
 //
 // A file is recognised by device, inode, size, time of modification and time of status change; the path plays no part,
 // so a folder keeps its hashes when it is renamed. A file that was modified less than two seconds before it was read is
-// not remembered: a second write within the tick of the file system's clock would go unnoticed. What lies in the
+// not remembered: a second write within the tick of the file system's clock would go unnoticed. Nor is one that a
+// program has open for writing: through a mapping (numpy.memmap) it may change without a trace in its times. Whether
+// that is so the kernel tells of the user's own files, on file systems that have leases; of others it is not known, and
+// `plumbline run --rehash` trusts no memory. What lies in the
 // store's own tmp/ is, as long as the process runs: nobody but the node that writes it touches it, and it has just been
 // read.
 //
@@ -24,6 +27,9 @@ class FileHashes {
   /// `log` is the file of the memory; lines are appended, several processes may do so at once. What lies in `passing`
   /// is on its way elsewhere: its place is not remembered.
   explicit FileHashes(std::filesystem::path log, const std::filesystem::path& passing = {});
+
+  /// From now on every file is read once more, whatever is remembered of it.
+  void distrust_memory();
 
   /// SHA-256 of the file's content, 64 hexadecimal digits. Throws std::runtime_error if it cannot be read.
   std::string of_file(const std::filesystem::path& path);

@@ -48,7 +48,7 @@ struct Source {
 struct GraphNode {
   std::string name;  ///< as in the pipeline
   Kind kind;
-  std::map<std::string, Source> inputs;              ///< by input port
+  std::multimap<std::string, Source> inputs;         ///< by input port; several of a list, in the pipeline's order
   std::map<std::string, std::string> connections;    ///< the same as written: "node.port", "rounds.state"
   std::map<std::string, std::string> parameters;     ///< canonical text of every parameter, defaults included
   std::map<std::string, std::string> output_frames;  ///< by output port: "frame=building"; unbound variables stay "?S"

@@ -160,14 +160,15 @@ class Linker {
                                                : "; its inputs are: " + list_text(inputs)));
         continue;
       }
-      node.connections[port_name] = text.text;
-      missing_is_told_.insert({index, port_name});
+      std::string& connection = node.connections[port_name];
+      connection += (connection.empty() ? "" : ", ") + text.text;
+      if (!missing_is_told_.insert({index, port_name}).second) refuse_second(node, *port, text);
       if (rounds_.is_meant(text.text)) {
         connect_to_rounds(node, *port, text);
         continue;
       }
       Source source;
-      if (find_source(text, source) && types_agree(node, *port, source)) node.inputs[port_name] = source;
+      if (find_source(text, source) && types_agree(node, *port, source)) node.inputs.emplace(port_name, source);
     }
     for (uint32_t i = 0; i < node.kind.node->input_count; ++i) {
       const plumbline_port& port = *node.kind.node->inputs[i];
@@ -186,11 +187,20 @@ class Linker {
     }
   }
 
+  /// Another connection of an input that has one already: only of a list, and not where rounds follow each other.
+  void refuse_second(const GraphNode& node, const plumbline_port& port, const Scalar& text) {
+    const std::string input = "input '" + std::string(port.name) + "' of '" + node.name + "' takes one connection";
+    if (port.cardinality != PLUMBLINE_LIST && port.cardinality != PLUMBLINE_EACH)
+      problem(text.at, input + ", found several: it is no list");
+    else if (spec_.rounds.given)
+      problem(text.at, input + " in a pipeline with rounds; join them in a node");
+  }
+
   void connect_to_rounds(GraphNode& node, const plumbline_port& port, const Scalar& text) {
     bool first_is_input = false, good = true;
     const std::vector<Source> sources = rounds_.connect(node, port, text, first_is_input);
     for (const Source& source : sources) good = types_agree(node, port, source) && good;
-    if (good && first_is_input) node.inputs[port.name] = sources.front();
+    if (good && first_is_input) node.inputs.emplace(port.name, sources.front());
   }
 
   bool types_agree(const GraphNode& node, const plumbline_port& port, const Source& source) {
@@ -234,7 +244,7 @@ class Linker {
   void visit(size_t first, std::vector<State>& state) {
     struct Step {
       size_t node;
-      std::map<std::string, Source>::const_iterator next;
+      std::multimap<std::string, Source>::const_iterator next;
     };
     if (state[first] != State::fresh) return;
     std::vector<Step> path{{first, nodes_[first].inputs.begin()}};
@@ -268,17 +278,8 @@ class Linker {
     std::map<std::string, std::string> bound;
     for (uint32_t i = 0; i < node.kind.node->input_count; ++i) {
       const plumbline_port& port = *node.kind.node->inputs[i];
-      const auto found = node.inputs.find(port.name);
-      if (found == node.inputs.end()) continue;
-      const GraphNode& from = graph.nodes[found->second.node];
-      const auto list = from.output_is_list.find(found->second.port);
-      if (list != from.output_is_list.end() && list->second &&
-          (port.cardinality == PLUMBLINE_ONE || port.cardinality == PLUMBLINE_OPTIONAL))
-        problem(found->second.at, "input '" + std::string(port.name) + "' of '" + node.name + "' takes one " +
-                                      port.type + ", '" + from.name + "." + found->second.port +
-                                      "' gives a list of them");
-      const auto frames = from.output_frames.find(found->second.port);
-      if (frames != from.output_frames.end()) unify_port(node, port, from, found->second, frames->second, bound);
+      const auto [first, last] = node.inputs.equal_range(port.name);
+      for (auto edge = first; edge != last; ++edge) unify_edge(graph, node, port, edge->second, bound);
     }
     for (uint32_t i = 0; i < node.kind.node->output_count; ++i) {
       const plumbline_port& port = *node.kind.node->outputs[i];
@@ -289,6 +290,18 @@ class Linker {
       }
       node.output_frames[port.name] = text;
     }
+  }
+
+  void unify_edge(const Graph& graph, const GraphNode& node, const plumbline_port& port, const Source& source,
+                  std::map<std::string, std::string>& bound) {
+    const GraphNode& from = graph.nodes[source.node];
+    const auto list = from.output_is_list.find(source.port);
+    if (list != from.output_is_list.end() && list->second &&
+        (port.cardinality == PLUMBLINE_ONE || port.cardinality == PLUMBLINE_OPTIONAL))
+      problem(source.at, "input '" + std::string(port.name) + "' of '" + node.name + "' takes one " + port.type +
+                             ", '" + from.name + "." + source.port + "' gives a list of them");
+    const auto frames = from.output_frames.find(source.port);
+    if (frames != from.output_frames.end()) unify_port(node, port, from, source, frames->second, bound);
   }
 
   void unify_port(const GraphNode& node, const plumbline_port& port, const GraphNode& from, const Source& source,

@@ -3,6 +3,7 @@
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/task_arena.h>
 #include <oneapi/tbb/task_group.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -21,10 +22,17 @@ struct Item {
   StoredRun run;
   std::string key, error, outdated;
   bool executed = false, cancelled = false, drew_seed = false;
-  uint64_t memory_announced = 0;
+  uint64_t memory_announced = 0, memory_taken = 0;
   std::chrono::steady_clock::time_point begin, end;  // of the node's run, if it ran
   std::vector<std::string> warnings;
 };
+
+/// The steady clock has no date; its distance from the one that has is taken now.
+double since_1970(std::chrono::steady_clock::time_point time) {
+  using Seconds = std::chrono::duration<double>;
+  const double ago = Seconds(std::chrono::steady_clock::now() - time).count();
+  return Seconds(std::chrono::system_clock::now().time_since_epoch()).count() - ago;
+}
 
 void add_times(const std::vector<Item>& items, NodeResult& result) {
   using Seconds = std::chrono::duration<double>;
@@ -34,12 +42,29 @@ void add_times(const std::vector<Item>& items, NodeResult& result) {
     begin = std::min(begin, item.begin), end = std::max(end, item.end);
     result.item_seconds += Seconds(item.end - item.begin).count();
     result.memory_announced = std::max(result.memory_announced, item.memory_announced);
+    result.memory_taken = std::max(result.memory_taken, item.memory_taken);
   }
   if (begin >= end) return;
   result.seconds = Seconds(end - begin).count();
-  // The steady clock has no date; its distance from the one that has is taken now.
-  const auto ago = Seconds(std::chrono::steady_clock::now() - begin).count();
-  result.start = Seconds(std::chrono::system_clock::now().time_since_epoch()).count() - ago;
+  result.start = since_1970(begin);
+}
+
+void add_provenance(const StoredRun& run, NodeResult::Computed& computed) {
+  const Provenance& from = run.provenance;
+  if (from.start <= 0) return;
+  computed.first = computed.first > 0 ? std::min(computed.first, from.start) : from.start;
+  computed.last = std::max(computed.last, from.start);
+  computed.seconds += run.seconds;
+  computed.hosts.insert(from.host);
+  computed.threads.insert(from.threads);
+  computed.programs.insert(from.program);
+  computed.plugins.insert(from.plugin);
+}
+
+std::string name_of_host() {
+  char host[65] = "host";
+  gethostname(host, sizeof host - 1);
+  return host;
 }
 
 class Execution {
@@ -56,6 +81,7 @@ class Execution {
         workers_(options.worker, threads_),
         runs_(workers_),
         remember_(options.remember),
+        anew_(options.anew),
         states_(graph.nodes.size()),
         outputs_(graph.nodes.size()) {
     for (size_t i = 0; i < graph.nodes.size(); ++i) {
@@ -153,7 +179,8 @@ class Execution {
     add_inputs(fields, call.inputs);
     call.key = key_of(fields);
     call.seed = seed_of(graph_.seed, node.name, number, node.round);
-    if (node.kind.node->deterministic) {
+    const bool reusable = node.kind.node->deterministic && !anew_;
+    if (reusable) {
       Stored stored = look_up(store_, call.key, call.seed);
       if (!stored.key.empty()) {
         item.drew_seed = stored.key != call.key;
@@ -165,7 +192,7 @@ class Execution {
       if (!stored.damage.empty()) item.warnings.push_back("its stored result cannot be used: " + stored.damage);
     }
     Turn turn(store_.claims(), call.key, key_with_seed(call.key, call.seed));
-    if (node.kind.node->deterministic && !wait_for_turn(node, state, call, turn, item)) return;
+    if (reusable && !wait_for_turn(node, state, call, turn, item)) return;
     NodeServices services{&store_,
                           &memory_,
                           &cancel_,
@@ -184,10 +211,18 @@ class Execution {
     item.error = outcome.error;
     item.drew_seed = outcome.drew_seed;
     item.memory_announced = outcome.memory_announced;
+    item.memory_taken = outcome.memory_taken;
     item.key = outcome.drew_seed ? key_with_seed(call.key, call.seed) : call.key;
     item.run = std::move(outcome.run);
+    item.run.provenance = {since_1970(item.begin), host_, threads_, PLUMBLINE_VERSION,
+                           node.kind.plugin->identity.version};
     if (!item.error.empty() || item.cancelled) return;
     check_files(node, state);
+    if (cancel_) {
+      item.cancelled = true;
+      return;
+    }
+    if (anew_) return;
     if (!node.kind.node->deterministic) return store_.keep(item.run);
     store_.put_run(item.key, item.run);
     turn.done();
@@ -273,6 +308,7 @@ class Execution {
       drew_seed |= item.drew_seed;
       if (item.executed && !item.outdated.empty()) result.why.push_back(item.outdated + (node.maps ? where : ""));
       result.used.merge(item.run.used);
+      add_provenance(item.run, result.computed);
       size_t& alike = failures[item.error];
       if (!item.error.empty() && !item.cancelled && alike > 0) {
         const std::string others = alike > 1 ? " (and " + std::to_string(alike - 1) + " others alike)" : "";
@@ -331,12 +367,13 @@ class Execution {
   std::mutex observer_mutex_;
   MemoryBudget memory_;
   const int threads_;
+  const std::string host_ = name_of_host();
   const std::atomic<bool> never_ = false;
   const std::atomic<bool>& cancel_;
   const bool isolate_all_;
   Workers workers_;
   WatchedRuns runs_;
-  const bool remember_;
+  const bool remember_, anew_;
   std::once_flag last_read_;
   std::map<std::string, KeyFields> last_;  // of the pipeline's last run
   std::vector<State> states_;

@@ -340,7 +340,7 @@ int Host::run_it() {
   const GraphNode& node = *call_.node;
   if (const auto& executable = node.kind.plugin->executable)
     return executable->run(table_, *node.kind.node, node.limits, said_to_be_used_);
-  if (services_.workers) return services_.workers->run(table_, node);
+  if (services_.workers) return services_.workers->run(table_, node, outcome_.memory_taken);
   return node.kind.node->run(&table_, node.kind.node);
 }
 
@@ -358,8 +358,9 @@ NodeOutcome Host::run() {
   }
   if (answer != 0 && outcome_.error.empty())
     outcome_.error = "it returned " + std::to_string(answer) + " without a reason";
-  // Told to stop, a node may end with half of its outputs and no error.
-  outcome_.cancelled = told_to_stop_ || (services_.cancel->load() && !outcome_.error.empty());
+  // Told to stop, a node may end with half of its outputs and no error. One that did not ask may be whole, but who
+  // stopped the run wants nothing of it any more: it is not stored either way.
+  outcome_.cancelled = told_to_stop_ || services_.cancel->load();
   if (outcome_.error.empty() && !outcome_.cancelled)
     guarded([](Host& h) {
       h.check_outputs();

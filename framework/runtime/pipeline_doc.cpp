@@ -9,6 +9,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "text/one_document.hpp"
+
 namespace plumbline::runtime {
 
 namespace fs = std::filesystem;
@@ -75,7 +77,7 @@ class Reader {
     const std::string text = text_of(file);
     YAML::Node root;
     try {
-      root = YAML::Load(text);
+      root = formats::load_one_document(text);
     } catch (const YAML::Exception& error) {
       throw std::runtime_error(file.string() + ": " + error.what());
     }

@@ -8,8 +8,9 @@
 #include <sstream>
 
 #include "runtime/near_names.hpp"
-#include "runtime/one_document.hpp"
 #include "runtime/pipeline_variables.hpp"
+#include "runtime/printable.hpp"
+#include "text/one_document.hpp"
 
 namespace plumbline::runtime {
 
@@ -97,7 +98,7 @@ class Reader {
     spec.sources.push_back({file.string(), text});
     YAML::Node root;
     try {
-      root = load_one_document(text);
+      root = formats::load_one_document(text);
     } catch (const YAML::Exception& error) {
       std::string message = error.msg;
       if (text.find("${") != std::string::npos && message.find("map flow") != std::string::npos)
@@ -215,8 +216,9 @@ class Reader {
     check_keys(file, map, {}, "nodes");
     for (const auto& item : map) {
       const std::string name = item.first.as<std::string>("");
-      if (name.find('.') != std::string::npos || name.empty())
-        problem(position(file, item.first), "a node's name has no dots: '" + name + "'");
+      if (name.find('.') != std::string::npos || name.empty() || printable_line(name) != name)
+        problem(position(file, item.first),
+                "a node's name is one line without dots and control characters: '" + printable_line(name) + "'");
       if (!item.second.IsMap()) {
         problem(position(file, item.second), "node '" + name + "' is a map: {use: …, in: {…}, with: {…}}");
         continue;
@@ -255,9 +257,17 @@ class Reader {
       if (!inputs.IsMap()) return problem(position(file, inputs), "'in' is a map: {port: node.port}");
       check_keys(file, inputs, {}, "in");
       for (const auto& item : inputs) {
-        Scalar source = scalar(file, item.second);
-        source.at = position(file, item.first);
-        set(node.inputs, item.first.as<std::string>(""), std::move(source));
+        const std::string port = item.first.as<std::string>("");
+        std::erase_if(node.inputs, [&](const auto& input) { return input.first == port; });
+        const auto connect = [&](const YAML::Node& value, const YAML::Node& place) {
+          Scalar source = scalar(file, value);
+          source.at = position(file, place);
+          node.inputs.emplace_back(port, std::move(source));
+        };
+        if (item.second.IsSequence())
+          for (const auto& value : item.second) connect(value, value);
+        else
+          connect(item.second, item.first);
       }
     }
     if (const YAML::Node with = map["with"]) {
@@ -339,7 +349,9 @@ class Reader {
       } else if (what.rfind("with.", 0) == 0) {
         set(node->parameters, what.substr(5), override_value(value, at));
       } else if (what.rfind("in.", 0) == 0) {
-        set(node->inputs, what.substr(3), Scalar{value, at, fs::current_path()});
+        const std::string port = what.substr(3);
+        std::erase_if(node->inputs, [&](const auto& input) { return input.first == port; });
+        for (Scalar& source : override_value(value, at).values) node->inputs.emplace_back(port, std::move(source));
       } else if (what == "isolate" || what == "time_limit" || what == "memory_limit") {
         set(node->conditions, what, Scalar{value, at, fs::current_path()});
       } else {

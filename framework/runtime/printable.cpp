@@ -38,15 +38,13 @@ void write_out(const std::string& text, size_t at, size_t length, std::string& r
   }
 }
 
-}  // namespace
-
-std::string printable(const std::string& text) {
+std::string printable(const std::string& text, bool keep_lines) {
   std::string result;
   result.reserve(text.size());
   for (size_t at = 0; at < text.size();) {
     uint32_t character = 0;
     const size_t length = sequence(text, at, character);
-    const bool line_end_or_tab = character == '\n' || character == '\t';
+    const bool line_end_or_tab = keep_lines && (character == '\n' || character == '\t');
     if (length > 0 && (!is_control(character) || line_end_or_tab))
       result.append(text, at, length);
     else
@@ -56,8 +54,10 @@ std::string printable(const std::string& text) {
   return result;
 }
 
-bool is_plain_line(const std::string& text) {
-  return printable(text) == text && text.find_first_of("\n\t") == std::string::npos;
-}
+}  // namespace
+
+std::string printable(const std::string& text) { return printable(text, true); }
+
+std::string printable_line(const std::string& text) { return printable(text, false); }
 
 }  // namespace plumbline::runtime

@@ -9,7 +9,7 @@ namespace plumbline::runtime {
 /// The text with control characters (but line ends and tabs) and bytes that are no UTF-8 written out, as \x1b.
 std::string printable(const std::string& text);
 
-/// Whether it is UTF-8 of one line without control characters, as names must be.
-bool is_plain_line(const std::string& text);
+/// The same, with line ends and tabs written out, too: for names.
+std::string printable_line(const std::string& text);
 
 }  // namespace plumbline::runtime

@@ -29,8 +29,8 @@ std::string dump(const Json& json) { return json.dump(-1, ' ', false, Json::erro
 
 double now() { return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count(); }
 
-std::string utc() {
-  const std::time_t time = std::time(nullptr);
+std::string utc(double seconds) {
+  const auto time = static_cast<std::time_t>(std::floor(seconds));
   std::tm parts{};
   gmtime_r(&time, &parts);
   char text[32];
@@ -71,7 +71,7 @@ Record::Record(OutputFolder& out, const Graph& graph, const RunInfo& info) : out
   Json json;
   json["event"] = "run_start";
   json["plumbline"] = info.version;
-  json["time"] = utc();
+  json["time"] = utc(now());
   json["start"] = start_;
   json["host"] = {{"name", host.nodename},
                   {"system", std::string(host.sysname) + " " + host.release},
@@ -135,6 +135,19 @@ void write_metrics(JsonText& json, const std::vector<Metric>& metrics) {
   json.close(']');
 }
 
+/// Of a reused result as well: when and where it was computed, which this run has not done.
+void write_computed(JsonText& json, const NodeResult::Computed& computed) {
+  if (computed.first <= 0) return;
+  std::vector<std::string> threads;
+  for (const int number : computed.threads) threads.push_back(std::to_string(number));
+  const auto list = [](const std::set<std::string>& texts) {
+    return std::vector<std::string>(texts.begin(), texts.end());
+  };
+  json.name("computed").open('{').field("first", utc(computed.first)).field("last", utc(computed.last));
+  json.field("seconds", computed.seconds).field("hosts", list(computed.hosts)).field("threads", threads);
+  json.field("programs", list(computed.programs)).field("plugins", list(computed.plugins)).close('}');
+}
+
 void write_texts(JsonText& json, const NodeResult& result) {
   if (!result.warnings.empty()) json.field("warnings", result.warnings);
   if (!result.messages.empty()) json.field("messages", result.messages);
@@ -159,9 +172,11 @@ std::string Record::node_line(const GraphNode& node, const NodeResult& result, b
   json.field("items", std::uint64_t{result.items}).field("items_executed", std::uint64_t{result.items_executed});
   if (result.start > 0) json.field("start", result.start);
   json.field("seconds", result.seconds).field("item_seconds", result.item_seconds);
+  write_computed(json, result.computed);
   json.name("plugin").open('{').field("name", plugin.identity.name).field("version", plugin.identity.version);
   json.field("sha256", plugin.sha256).close('}');
   json.name("memory").open('{').field("announced", std::uint64_t{result.memory_announced});
+  if (result.memory_taken > 0) json.field("taken", std::uint64_t{result.memory_taken});
   json.field("process_peak", peak_memory()).close('}');
   write_parameters(json, node);
   if (with_connections && !node.connections.empty()) {
@@ -200,7 +215,7 @@ void Record::round(const RoundsEnd& end) {
 void Record::end(const RunResult& result, const std::vector<Delivery>& deliveries) {
   Json json;
   json["event"] = "run_end";
-  json["time"] = utc();
+  json["time"] = utc(now());
   json["status"] = result.cancelled ? "cancelled" : result.ok() ? "ok" : "failed";
   for (const NodeStatus status :
        {NodeStatus::executed, NodeStatus::reused, NodeStatus::failed, NodeStatus::skipped, NodeStatus::cancelled})

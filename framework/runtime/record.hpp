@@ -4,9 +4,8 @@
 //    "sources", "arguments", "variables", "seed", "store", "threads", "memory_limit", "plugins",
 //    "process", "staging", "owned"}
 //   {"event": "node", "name", "kind", "round", "at", "status", "items", "items_executed", "start", "seconds",
-//   "item_seconds",
-//    "memory", "plugin", "parameters", "connections", "fields", "why", "used", "inputs", "outputs", "types", "keys",
-//    "metrics", "warnings", "messages", "error", "cause"}                          one for each node, as it ends
+//    "item_seconds", "computed", "memory", "plugin", "parameters", "connections", "fields", "why", "used", "inputs",
+//    "outputs", "types", "keys", "metrics", "warnings", "messages", "error", "cause"}    one for each node, as it ends
 //   {"event": "round", "round", "over", "finished", "condition", "error"}   after each round of a pipeline with rounds
 //   {"event": "deliver", "output", "number", "files", "folders"}      before an output is put in place
 //   {"event": "killed", "by"}                                         in place of run_end: a node ended the program
@@ -15,13 +14,16 @@
 //
 // "sources" are the texts of the pipeline and of all it includes, "arguments" the overrides, "folder" the working
 // folder: with the plugins of "plugin" (and the build ids of the libraries they are linked with) they make the run
-// again. "fields" is what the node's key was made of, "why" what of it changed since the pipeline's last run. "memory"
-// has what the node announced, and the most that the process had used when it ended.
+// again. "fields" is what the node's key was made of, "why" what of it changed since the pipeline's last run, "used"
+// the files that it was found to depend on beside. "memory" has what the node announced, what it took if it ran in a
+// process of its own, and the most that the program's process had used when it ended.
 //
 // "seconds" of a node is the time on the clock from the start of its first item to the end of its last; "item_seconds"
-// is the sum over its items, which is more where they ran side by side. "cause" names the failed node that made a node
-// skip. "staging", "owned" and the deliver lines prove which files in the folder the program wrote (ownership.hpp); no
-// run replaces or removes others. Wall times are here and nowhere else: artifacts hold none.
+// is the sum over its items, which is more where they ran side by side. "computed" says of executed and reused results
+// alike when ("first" and "last" of its items), where, on how many threads and by which versions they were computed,
+// and how many seconds that took. "cause" names the failed node that made a node skip. "staging", "owned" and the
+// deliver lines prove which files in the folder the program wrote (ownership.hpp); no run replaces or removes others.
+// Wall times are here and in the store's records, nowhere else: artifacts hold none.
 #pragma once
 
 #include <filesystem>

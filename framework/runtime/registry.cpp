@@ -150,7 +150,10 @@ std::vector<fs::path> Registry::search_path(const fs::path& program) {
 
 Registry Registry::discover(const std::vector<fs::path>& folders, bool look_again) {
   Registry registry;
+  std::set<fs::path> looked_at;
   for (const fs::path& folder : folders) {
+    std::error_code unreadable;
+    if (!looked_at.insert(fs::weakly_canonical(folder, unreadable)).second) continue;  // by another name
     std::vector<fs::path> libraries;
     std::error_code failed;
     for (const auto& entry : fs::directory_iterator(folder, failed))
@@ -254,24 +257,51 @@ bool Registry::load_manifest(const fs::path& manifest) {
   return add(std::move(plugin));
 }
 
+/// Whether the library came with the program: nothing on a path that somebody sets stands in its place.
+static bool is_shipped(const Plugin& plugin) {
+  std::error_code failed;
+  const fs::path self = fs::read_symlink("/proc/self/exe", failed);
+  return !failed && fs::weakly_canonical(plugin.identity.path, failed).parent_path() ==
+                        fs::weakly_canonical(self.parent_path().parent_path() / "lib" / "plumbline", failed);
+}
+
 bool Registry::add(std::unique_ptr<Plugin> plugin) {
-  std::string& problem = plugin->identity.problem;
-  for (uint32_t i = 0; problem.empty() && i < plugin->table->node_count; ++i) {
-    const char* kind = plugin->table->nodes[i]->kind;
-    if (const auto found = kinds_.find(kind); found != kinds_.end())
-      problem = std::string("offers the node '") + kind + "', which " + found->second.plugin->identity.path.string() +
-                " offers already; rename one of them or take one library off the search path";
-  }
-  if (!problem.empty()) {
+  if (!plugin->identity.problem.empty()) {
     refused_.push_back(plugin->identity);
     return false;
   }
+  size_t taken = 0;
+  const bool shipped = is_shipped(*plugin);
+  for (uint32_t i = 0; i < plugin->table->node_count; ++i) {
+    const plumbline_node* node = plugin->table->nodes[i];
+    const auto [found, fresh] = kinds_.try_emplace(node->kind, Kind{node, plugin.get()});
+    ++taken;
+    if (fresh) continue;
+    const bool in_its_place = shipped && !is_shipped(*found->second.plugin);
+    const Plugin& other = in_its_place ? *found->second.plugin : *plugin;
+    PluginIdentity refused = other.identity;
+    const bool has_more = other.table->node_count > 1;
+    if (in_its_place)
+      found->second = {node, plugin.get()};
+    else
+      --taken;
+    offered_twice_[node->kind] = refused.path;
+    refused.problem = "offers the node '" + std::string(node->kind) + "', which " +
+                      found->second.plugin->identity.path.string() +
+                      " offers already; rename one of them or take one library off the search path" +
+                      (has_more ? "; its other nodes are taken" : "");
+    refused_.push_back(refused);
+  }
+  if (taken == 0 && plugin->table->node_count > 0) return false;
   for (uint32_t i = 0; i < plugin->table->type_count; ++i)
     types_.emplace(plugin->table->types[i]->name, plugin->table->types[i]);
-  for (uint32_t i = 0; i < plugin->table->node_count; ++i)
-    kinds_[plugin->table->nodes[i]->kind] = {plugin->table->nodes[i], plugin.get()};
   plugins_.push_back(std::move(plugin));
   return true;
+}
+
+fs::path Registry::offered_twice_by(const std::string& kind) const {
+  const auto found = offered_twice_.find(kind);
+  return found == offered_twice_.end() ? fs::path() : found->second;
 }
 
 const Kind* Registry::find(const std::string& kind) const {

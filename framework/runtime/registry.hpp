@@ -3,8 +3,9 @@
 // Discovery looks in $PLUMBLINE_PLUGIN_PATH (folders separated by ':'), in the build tree beside the program
 // (../lib/plumbline of the program's folder, which is also where an installation has them). A library is never loaded
 // here to see what it offers: a child process does that and tells (plugin_scan.hpp), so that one that crashes, hangs or
-// lies costs nothing but itself. What is refused stays in the list with the reason and the mend, for `plumbline doctor`
-// and for whoever misses a node. Libraries are never unloaded.
+// lies costs nothing but itself. Of two libraries that offer a kind of one name the one beside the program has it, else
+// the first; all other kinds of the second are taken. What is refused stays in the list with the reason and the mend,
+// for `plumbline doctor` and for whoever misses a node. Libraries are never unloaded.
 #pragma once
 
 #include <filesystem>
@@ -82,6 +83,8 @@ class Registry {
   const std::vector<std::unique_ptr<Plugin>>& plugins() const { return plugins_; }
   const std::vector<PluginIdentity>& refused() const { return refused_; }
   const Roles& roles() const { return roles_; }
+  /// The library that offers this kind too, and whose node of that name is not taken; empty if none does.
+  std::filesystem::path offered_twice_by(const std::string& kind) const;
 
  private:
   static void describe(Plugin& plugin);
@@ -95,6 +98,7 @@ class Registry {
   std::vector<PluginIdentity> refused_;
   std::map<std::string, Kind> kinds_;
   std::map<std::string, const plumbline_type*> types_;
+  std::map<std::string, std::filesystem::path> offered_twice_;
 };
 
 }  // namespace plumbline::runtime

@@ -64,11 +64,11 @@ RoundsCourse::Stage RoundsCourse::stage(const std::vector<bool>& in, size_t roun
     if (!in[i]) continue;
     GraphNode node = graph_.nodes[i];
     node.round = changes_[i] ? round : 0;
-    std::map<std::string, Source> inputs;
+    std::multimap<std::string, Source> inputs;
     for (auto& [port, source] : node.inputs) {
       if (round > 1 && node.carried.count(port)) continue;
       if (in[source.node])
-        inputs[port] = {place[source.node], source.port, source.at};
+        inputs.emplace(port, Source{place[source.node], source.port, source.at});
       else
         node.given[port] = outputs_[source.node].at(source.port);
     }

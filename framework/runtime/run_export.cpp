@@ -47,6 +47,27 @@ std::string uri_path(const std::string& path) {
   return text;
 }
 
+std::string joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
+
+/// Whether this run computed it, and if not, who did.
+std::string provenance_text(const RecordedNode& node) {
+  if (node.status != "executed" && node.status != "reused") return "It gave no result in this run: " + node.status;
+  std::string text =
+      node.status == "executed" ? "Executed in this run" : "Taken over from an earlier run, not executed in this one";
+  const size_t before = node.items - std::min(node.items, node.items_executed);
+  if (node.status == "executed" && before > 0)
+    text += "; " + std::to_string(before) + " of its " + std::to_string(node.items) + " items were taken over";
+  const auto& computed = node.computed;
+  if (computed.first.empty()) return text + "; when and where it was computed is not known";
+  return text + ". Computed " + computed.first + (computed.last == computed.first ? "" : " to " + computed.last) +
+         " on " + joined(computed.hosts) + ", " + joined(computed.threads) + " threads, plumbline " +
+         joined(computed.programs) + ", plugin " + joined(computed.plugins);
+}
+
 }  // namespace
 
 std::string chrome_trace(const RecordedRun& run) {
@@ -77,6 +98,22 @@ std::string chrome_trace(const RecordedRun& run) {
                         {"items_executed", node->items_executed},
                         {"why", node->why}}}});
   }
+  // What was taken over took no time in this run: a mark at its beginning, with when it was computed.
+  for (const RecordedNode& node : run.nodes)
+    if (node.status == "reused")
+      events.push_back({{"name", label_of(node.name, node.round) + " (taken over)"},
+                        {"cat", node.kind},
+                        {"ph", "i"},
+                        {"s", "p"},
+                        {"pid", 1},
+                        {"tid", 0},
+                        {"ts", 0},
+                        {"args",
+                         {{"kind", node.kind},
+                          {"status", node.status},
+                          {"computed", node.computed.first},
+                          {"seconds", node.computed.seconds},
+                          {"hosts", node.computed.hosts}}}});
   return dump({{"displayTimeUnit", "ms"}, {"traceEvents", events}});
 }
 
@@ -114,7 +151,10 @@ std::string ro_crate(const RecordedRun& run) {
     if (node.start > 0) {
       action["startTime"] = utc(node.start);
       action["endTime"] = utc(node.start + node.seconds);
+    } else if (!node.computed.first.empty()) {  // not in this run: it says so
+      action["startTime"] = node.computed.first;
     }
+    action["description"] = provenance_text(node);
     const auto artifacts = [&](const std::string& key, const std::map<std::string, Hashes>& ports) {
       for (const auto& [port, hashes] : ports)
         for (const std::string& hash : hashes) action[key].push_back(reference("#artifact-" + hash));

@@ -37,6 +37,15 @@ RecordedNode node_of(const Json& json) {
   take(json, "connections", node.connections);
   take(json, "outputs", node.outputs);
   take(json, "types", node.types);
+  if (const auto computed = json.find("computed"); computed != json.end()) {
+    take(*computed, "first", node.computed.first);
+    take(*computed, "last", node.computed.last);
+    take(*computed, "seconds", node.computed.seconds);
+    take(*computed, "hosts", node.computed.hosts);
+    take(*computed, "threads", node.computed.threads);
+    take(*computed, "programs", node.computed.programs);
+    take(*computed, "plugins", node.computed.plugins);
+  }
   if (const auto plugin = json.find("plugin"); plugin != json.end()) {
     take(*plugin, "name", node.plugin);
     take(*plugin, "version", node.plugin_version);

@@ -16,6 +16,11 @@ struct RecordedNode {
   std::string name, kind, status, error, cause;
   size_t round = 0;               ///< of a pipeline with rounds; 0: not one of them
   double start = 0, seconds = 0;  ///< start: seconds since 1970
+  struct Computed {
+    std::string first, last;  ///< UTC; empty: not known
+    double seconds = 0;
+    std::vector<std::string> hosts, threads, programs, plugins;
+  } computed;  ///< by this run or an earlier one
   size_t items = 0, items_executed = 0;
   std::string plugin, plugin_version, plugin_sha256;
   KeyFields fields;

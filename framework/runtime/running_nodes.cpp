@@ -122,14 +122,10 @@ extern "C" void on_fatal_signal(int signal) {
   ::raise(signal);  // SA_RESETHAND has put the default action back
 }
 
-[[noreturn]] void end_at_once() {
-  for (;;) ::syscall(SYS_exit_group, 1);
-}
-
 void on_exit() {
   if (!any_runs()) return;
   name_culprits(" called exit(), which a node must not do", "");
-  end_at_once();
+  leave_at_once(1);
 }
 
 /// A stack for signal handlers: a node that has used up its own must still be named.
@@ -173,7 +169,11 @@ void name_them_in_record(int file) { record = file; }
 void end_if_a_node_asks(const char* call) {
   if (!any_runs()) return;
   name_culprits(" ended the program, which a node must not do: it called ", call);
-  end_at_once();
+  leave_at_once(1);
+}
+
+void leave_at_once(int code) {
+  for (;;) ::syscall(SYS_exit_group, code);
 }
 
 void tell_running_nodes(SharedNodes& memory) {

@@ -29,6 +29,9 @@ void name_them_in_record(int file);
 /// work: it is named, and the process ends with exit code 1. Does nothing in a process that a node has forked.
 void end_if_a_node_asks(const char* call);
 
+/// Ends the process without a word of any node, whatever runs: for the program itself.
+[[noreturn]] void leave_at_once(int code);
+
 /// A node runs in this thread as long as this lives. `text` says which: "p.yaml:3:3: node 'x' (family.kind)".
 class RunningNode {
  public:

@@ -1,6 +1,7 @@
 #include "runtime/store.hpp"
 
 #include <fcntl.h>
+#include <sys/random.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -10,6 +11,7 @@
 #include <charconv>
 #include <cstdlib>
 #include <cstring>
+#include <ctime>
 #include <fstream>
 #include <sstream>
 #include <utility>
@@ -96,7 +98,10 @@ Store::Store(const fs::path& folder, bool durable) : folder_(fs::absolute(folder
   if (access((folder_ / "tmp").c_str(), W_OK | X_OK) != 0) fail("cannot write to " + (folder_ / "tmp").string(), errno);
   char host[65] = "host";
   gethostname(host, sizeof host - 1);
-  temporary_prefix_ = std::string(host) + "-" + std::to_string(getpid()) + "-";
+  // Containers may have one name and a first process each: what was drawn tells them apart.
+  uint64_t drawn = 0;
+  if (getrandom(&drawn, sizeof drawn, 0) != sizeof drawn) drawn = static_cast<uint64_t>(std::time(nullptr));
+  temporary_prefix_ = std::string(host) + "-" + std::to_string(getpid()) + "-" + std::to_string(drawn) + "-";
   file_hashes_ = std::make_unique<FileHashes>(folder_ / "file-hashes", folder_ / "tmp");
   claims_ = std::make_unique<Claims>(folder_ / "claims");
   if (!claims_->use_store())
@@ -134,21 +139,21 @@ void Store::fail(const std::string& what, int error) const {
   throw StoreError(text);
 }
 
-/// What processes of this machine left in tmp/ that are no more. Names are host-process-count, and nothing that is
-/// called otherwise is touched. Without locks nobody can say who is alive, and it stays.
+/// What processes of this machine left in tmp/ that are no more. Names are host-process-drawn-count, and nothing that
+/// is called otherwise is touched. Without locks nobody can say who is alive, and it stays.
 void Store::remove_leftovers() const {
   std::error_code ignored;
-  const std::string host = temporary_prefix_.substr(0, temporary_prefix_.rfind('-', temporary_prefix_.size() - 2) + 1);
+  std::string host = temporary_prefix_;
+  for (int part = 0; part < 2; ++part) host.erase(host.rfind('-', host.size() - 2) + 1);
   for (const auto& entry : fs::directory_iterator(folder_ / "tmp", ignored)) {
     const std::string name = entry.path().filename().string();
     if (name.compare(0, host.size(), host) != 0 || name.compare(0, temporary_prefix_.size(), temporary_prefix_) == 0)
       continue;
     const char* const end = name.data() + name.size();
-    long process = 0, count = 0;
+    long process = 0;
     const auto first = std::from_chars(name.data() + host.size(), end, process);
     if (first.ec != std::errc() || first.ptr == end || *first.ptr != '-') continue;
-    const auto second = std::from_chars(first.ptr + 1, end, count);
-    if (second.ec != std::errc() || second.ptr != end) continue;
+    if (std::string(first.ptr, end).find_first_not_of("0123456789-") != std::string::npos) continue;
     if (process > 0 && claims_->is_gone(process)) fs::remove_all(entry.path(), ignored);
   }
 }
@@ -168,22 +173,36 @@ std::string Store::temporary_name() {
   return folder_.native() + "/tmp/" + temporary_prefix_ + std::to_string(++count);
 }
 
+/// What is no file where the store has files, and no folder where it has folders, is nobody's: a tool has made it.
+void Store::clear_way_to(const std::string& path) {
+  const fs::path folder = fs::path(path).parent_path();
+  std::error_code ignored;
+  if (fs::exists(folder, ignored) && !fs::is_directory(folder, ignored)) ::unlink(folder.c_str());
+  ::mkdir(folder.c_str(), 0755);
+  if (!fs::is_directory(fs::symlink_status(path, ignored))) return;
+  const fs::path away = temporary_name();
+  fs::rename(path, away, ignored);
+  fs::remove_all(away, ignored);
+}
+
 void Store::write(const std::string& path, const void* data, size_t size) {
   const std::string temporary = temporary_name();
+  bool made = false;
   const auto give_up = [&](const char* what) {
     const int error = errno;
-    ::unlink(temporary.c_str());
+    if (made) ::unlink(temporary.c_str());
     fail(what + path, error);
   };
   {
     File file(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644));
     if (file.number < 0) give_up("cannot write ");
+    made = true;
     if (!write_all(file.number, data, size)) give_up("cannot write ");
     if (durable_ && fsync(file.number) != 0) give_up("cannot sync ");
     if (file.close() != 0) give_up("cannot write ");  // where a network file system says that it is full
   }
   if (::rename(temporary.c_str(), path.c_str()) != 0) {
-    ::mkdir(fs::path(path).parent_path().c_str(), 0755);
+    clear_way_to(path);
     if (::rename(temporary.c_str(), path.c_str()) != 0) give_up("cannot write ");
   }
   if (durable_) {

@@ -57,6 +57,15 @@ struct Metric {
   std::string unit;
 };
 
+/// Where and how a result was computed; it goes with the result to whoever takes it over.
+struct Provenance {
+  double start = 0;     ///< seconds since 1970; 0: not known
+  std::string host;     ///< the machine's name
+  int threads = 0;      ///< that the run was given
+  std::string program;  ///< version of plumbline
+  std::string plugin;   ///< version of the node's plugin
+};
+
 /// What one run of a node gave.
 struct StoredRun {
   std::string kind;
@@ -65,6 +74,7 @@ struct StoredRun {
   std::vector<Metric> metrics;
   std::vector<std::string> warnings, messages;
   double seconds = 0;
+  Provenance provenance;
   /// Hash by path of the files that it was found to depend on when it ran, beside what its key is made of.
   std::map<std::string, std::string> used;
 };
@@ -142,6 +152,7 @@ class Store {
   std::string run_path(const std::string& key) const;
   std::string temporary_name();
   void write(const std::string& path, const void* data, size_t size);
+  void clear_way_to(const std::string& path);
   std::shared_ptr<const Blob::Memory> load(const std::string& path) const;
   std::shared_ptr<const Blob::Memory> held(const std::string& hash);
   std::shared_ptr<const Blob::Memory> from_file(const std::string& hash);

@@ -105,6 +105,12 @@ void Store::put_run(const std::string& key, const StoredRun& run) {
   }
   if (!run.warnings.empty()) json.field("warnings", run.warnings);
   if (!run.messages.empty()) json.field("messages", run.messages);
+  const Provenance& from = run.provenance;
+  if (from.start > 0) {
+    json.name("computed").open('{').field("start", from.start).field("host", from.host);
+    json.field("threads", static_cast<std::uint64_t>(from.threads)).field("program", from.program);
+    json.field("plugin", from.plugin).close('}');
+  }
   const std::string text = json.field("seconds", run.seconds).close('}').take() + "\n";
   write(run_path(key), text.data(), text.size());
 }
@@ -140,6 +146,10 @@ StoredRun run_from(const nlohmann::json& json, std::map<std::string, Memory>& co
                              metric.at("value").is_null() ? std::nan("") : metric.at("value").get<double>(),
                              metric.at("unit")});
   run.seconds = json.at("seconds");
+  if (json.contains("computed")) {
+    const auto& from = json.at("computed");
+    run.provenance = {from.at("start"), from.at("host"), from.at("threads"), from.at("program"), from.at("plugin")};
+  }
   return run;
 }
 

@@ -15,7 +15,7 @@ std::optional<Source> source_of(const Graph& graph, size_t judged, const std::st
   if (from.rfind("out.", 0) == 0)
     return node.kind.output(port) ? std::make_optional(Source{judged, port, node.at}) : std::nullopt;
   const auto found = node.inputs.find(port);
-  return found == node.inputs.end() ? std::nullopt : std::make_optional(found->second);
+  return node.inputs.count(port) == 1 ? std::make_optional(found->second) : std::nullopt;
 }
 
 bool fits(const Graph& graph, const plumbline_port& port, const Source& source) {
@@ -46,7 +46,7 @@ std::optional<GraphNode> measuring_node(const Graph& graph, size_t judged, const
     const auto from = measure.inputs.find(port.name);
     const auto source = from == measure.inputs.end() ? std::nullopt : source_of(graph, judged, from->second);
     if (source && fits(graph, port, *source))
-      node.inputs[port.name] = *source;
+      node.inputs.emplace(port.name, *source);
     else if (source || port.cardinality != PLUMBLINE_OPTIONAL)
       return std::nullopt;
   }

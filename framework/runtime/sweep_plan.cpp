@@ -77,7 +77,10 @@ std::vector<std::string> recipes_of(const Graph& graph, FileHashes& hashes) {
     KeyFields fields = key_fields(node, hashes);
     fields["name"] = node.name;
     add_rounds(graph, node, fields);
-    for (const auto& [port, source] : node.inputs) fields["input " + port] = recipes[source.node] + "." + source.port;
+    for (const auto& [port, source] : node.inputs) {
+      std::string& text = fields["input " + port];
+      text += (text.empty() ? "" : " ") + recipes[source.node] + "." + source.port;
+    }
     recipes.push_back(key_of(fields));
   }
   return recipes;

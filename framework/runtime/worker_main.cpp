@@ -8,6 +8,8 @@
 
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
+#include <cstring>
 #include <deque>
 #include <fstream>
 #include <map>
@@ -71,6 +73,14 @@ class RemoteHost {
   }
 
   const plumbline_host* table() const { return &table_; }
+
+  /// Copies that a worker has and a node in the program itself has not.
+  uint64_t bytes_of_inputs() {
+    const std::scoped_lock lock(kept_mutex_);
+    uint64_t sum = 0;
+    for (const auto& [place, bytes] : items_) sum += bytes.size();
+    return sum;
+  }
 
  private:
   static RemoteHost& self(void* context) { return *static_cast<RemoteHost*>(context); }
@@ -199,7 +209,22 @@ void limit_memory(uint64_t bytes) {
   setrlimit(RLIMIT_DATA, &limit);
 }
 
-int32_t serve(const std::string& request) {
+/// A line of /proc/self/status such as VmHWM, in bytes; 0 if there is none.
+uint64_t status_bytes(const char* name) {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);)
+    if (line.rfind(name, 0) == 0) return std::strtoull(line.c_str() + std::strlen(name) + 1, nullptr, 10) * 1024;
+  return 0;
+}
+
+/// The memory that is resident now, which from now on is the peak, too; 0 where the kernel cannot set that back.
+uint64_t begin_to_measure() {
+  std::ofstream reset("/proc/self/clear_refs");
+  reset << "5" << std::flush;
+  return reset ? status_bytes("VmRSS") : 0;
+}
+
+int32_t serve(const std::string& request, uint64_t& taken) {
   WireReader in(request);
   in.number<Ask>();
   const std::string library = in.text(), identity = in.text(), kind = in.text();
@@ -215,11 +240,14 @@ int32_t serve(const std::string& request) {
     tbb::task_arena arena(threads);
     limit_memory(memory);
     std::string changes;
+    const uint64_t before = begin_to_measure();
     arena.execute([&] {
       const ThreadConditions of_node;  // the arena may give it another thread
       answer = node->run(host.table(), node);
       changes = of_node.changes();
     });
+    const uint64_t peak = status_bytes("VmHWM"), own = before + host.bytes_of_inputs();
+    if (before > 0 && peak > own) taken = peak - own;
     if (const std::string more = process.restore(); !more.empty()) changes += (changes.empty() ? "" : ", ") + more;
     if (!changes.empty()) throw std::runtime_error(left_changed_text(changes));
   } catch (const std::exception& error) {
@@ -258,7 +286,9 @@ int main() {
   for (std::string request; receive_from_host(request);) {
     WireWriter out;
     out.number(Ask::done);
-    out.number(serve(request));
+    uint64_t taken = 0;
+    out.number(serve(request, taken));
+    out.number(taken);
     std::fflush(nullptr);
     if (!send_to_host(out.take())) break;
   }

@@ -33,7 +33,7 @@ enum class Ask : uint8_t {
   make_folder,
   digest,
   reserve_memory,
-  done  ///< what run() returned
+  done  ///< what run() returned, and the bytes that it took at most beyond what there was and its inputs
 };
 
 /// Each message is its length and that many bytes. `wait(events)` is called before each piece with POLLIN or POLLOUT

@@ -11,6 +11,7 @@
 #include <stdexcept>
 
 #include "runtime/child_process.hpp"
+#include "runtime/group_memory.hpp"
 #include "runtime/trust.hpp"
 #include "runtime/worker_messages.hpp"
 
@@ -28,7 +29,7 @@ struct Worker {
 
 namespace {
 
-constexpr auto patience_after_cancel = std::chrono::seconds(1);
+constexpr auto patience_after_cancel = std::chrono::milliseconds(300);
 
 Worker start(const fs::path& program, const std::string& library) {
   if (access(program.c_str(), X_OK) != 0)
@@ -84,10 +85,14 @@ void pass_on_print(int log) {
 /// One run of a node in a worker, seen from the host.
 class Conversation {
  public:
-  Conversation(const plumbline_host& host, const Worker& worker, double seconds)
-      : host_(host), worker_(worker), limit_(seconds), start_(Clock::now()) {}
+  Conversation(const plumbline_host& host, const Worker& worker, const Limits& limits)
+      : host_(host),
+        worker_(worker),
+        limit_(limits.seconds),
+        memory_(worker.process.pid, limits.memory),
+        start_(Clock::now()) {}
 
-  enum class Ending { done, died, late, cancelled };
+  enum class Ending { done, died, late, hungry, cancelled };
 
   Ending run(const std::string& request) {
     if (!send(request)) return ending_;
@@ -97,6 +102,7 @@ class Conversation {
       const auto what = in.number<Ask>();
       if (what == Ask::done) {
         result = in.number<int32_t>();
+        taken = in.number<uint64_t>();
         return Ending::done;
       }
       const std::optional<std::string> reply = answer(what, in);
@@ -106,8 +112,9 @@ class Conversation {
   }
 
   int result = 1;
+  uint64_t taken = 0;
   bool failed = false;  ///< the node gave a reason
-  std::string reason;
+  std::string reason, too_much;
 
  private:
   bool send(const std::string& body) {
@@ -122,6 +129,7 @@ class Conversation {
     while (true) {
       const double used = Seconds(Clock::now() - start_).count() - waited_;
       if (limit_ > 0 && used > limit_) return end(Ending::late);
+      if (too_much = memory_.broken(); !too_much.empty()) return end(Ending::hungry);
       if (!cancelled_ && host_.cancelled(host_.context)) {
         cancelled_ = true;
         cancelled_at_ = Clock::now();
@@ -219,6 +227,7 @@ class Conversation {
   const plumbline_host& host_;
   const Worker& worker_;
   const double limit_;
+  GroupLimit memory_;
   const Clock::time_point start_;
   double waited_ = 0;  // for memory that others hold: no time of this node
   Ending ending_ = Ending::died;
@@ -265,17 +274,17 @@ Worker Workers::take(const std::string& library) {
   return start(program, library);
 }
 
-int Workers::run(const plumbline_host& host, const GraphNode& node) {
+int Workers::run(const plumbline_host& host, const GraphNode& node, uint64_t& taken) {
   try {
     Worker worker = take(fs::absolute(node.kind.plugin->identity.path).string());
-    return run_in(worker, host, node);
+    return run_in(worker, host, node, taken);
   } catch (const std::exception& error) {
     host.fail(host.context, error.what());
     return 1;
   }
 }
 
-int Workers::run_in(Worker& worker, const plumbline_host& host, const GraphNode& node) {
+int Workers::run_in(Worker& worker, const plumbline_host& host, const GraphNode& node, uint64_t& taken) {
   WireWriter request;
   request.number(Ask::run);
   request.text(worker.library);
@@ -283,7 +292,7 @@ int Workers::run_in(Worker& worker, const plumbline_host& host, const GraphNode&
   request.text(node.kind.node->kind);
   request.number(node.limits.memory);
   request.number(static_cast<int32_t>(threads_));
-  Conversation conversation(host, worker, node.limits.seconds);
+  Conversation conversation(host, worker, node.limits);
   using Ending = Conversation::Ending;
   Ending ending;
   try {
@@ -293,6 +302,7 @@ int Workers::run_in(Worker& worker, const plumbline_host& host, const GraphNode&
     discard(worker);
     throw;
   }
+  taken = conversation.taken;
   if (ending == Ending::done && !conversation.failed) {
     pass_on_print(worker.process.log);
     const std::scoped_lock lock(mutex_);
@@ -308,6 +318,8 @@ int Workers::run_in(Worker& worker, const plumbline_host& host, const GraphNode&
       reason += ": its limit of memory is " + mebibytes_text(node.limits.memory);
   } else if (ending == Ending::late) {
     reason = lateness_text(node.limits.seconds, log);
+  } else if (ending == Ending::hungry) {
+    reason = conversation.too_much + "; " + last_words(log);
   } else if (ending == Ending::cancelled) {
     reason = "it did not stop when it was told to, and was killed";
   } else {

@@ -31,12 +31,12 @@ class Workers {
   Workers& operator=(const Workers&) = delete;
 
   /// Runs the node for this host in a worker, within the node's limits. Returns what its run() returned; what went
-  /// wrong is told to the host by fail().
-  int run(const plumbline_host& host, const GraphNode& node);
+  /// wrong is told to the host by fail(). `taken`: the memory that it took at most, in bytes; 0 if it is not known.
+  int run(const plumbline_host& host, const GraphNode& node, uint64_t& taken);
 
  private:
   Worker take(const std::string& library);
-  int run_in(Worker& worker, const plumbline_host& host, const GraphNode& node);
+  int run_in(Worker& worker, const plumbline_host& host, const GraphNode& node, uint64_t& taken);
 
   const std::filesystem::path program_;
   const int threads_;

@@ -57,6 +57,19 @@ TEST_F(BrokenPlugin, CrashIsContained) { expect_refusal("crashes", "signal 11");
 TEST_F(BrokenPlugin, ExceptionIsContained) { expect_refusal("throws_in_table", "no table today"); }
 TEST_F(BrokenPlugin, DuplicateKind) { expect_refusal("duplicate_kind", "story.constant"); }
 
+/// Of two libraries only the kind that both offer is in question.
+TEST_F(BrokenPlugin, AKindOfferedTwiceCostsNoOther) {
+  Registry registry;
+  ASSERT_TRUE(registry.load(std::string(PLUMBLINE_BROKEN_PLUGINS) + "/duplicate_kind.so"));
+  EXPECT_TRUE(registry.load(PLUMBLINE_STORY_PLUGIN));
+  EXPECT_TRUE(registry.find("story.add")) << "all others of the second library are taken";
+  EXPECT_EQ(registry.find("story.constant")->plugin->identity.path.filename(), "duplicate_kind.so");
+  EXPECT_EQ(registry.offered_twice_by("story.constant"), std::filesystem::path(PLUMBLINE_STORY_PLUGIN));
+  EXPECT_EQ(registry.offered_twice_by("story.add"), "");
+  ASSERT_EQ(registry.refused().size(), 1u);
+  EXPECT_NE(registry.refused()[0].problem.find("its other nodes are taken"), std::string::npos);
+}
+
 /// Every fixture made from good.cpp: what is broken, and words of the refusal.
 TEST_F(BrokenPlugin, EveryFlawOfATableIsNamed) {
   const std::pair<const char*, const char*> flaws[] = {

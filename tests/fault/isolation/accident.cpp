@@ -2,6 +2,7 @@
 #include <fenv.h>
 #include <locale.h>
 #include <poll.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -11,6 +12,7 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <thread>
@@ -63,7 +65,7 @@ struct Accident : Node {
   Optional<Number> in{"number", "passed on if nothing happens"};
   Param<std::string> how{"how", "not",
                          one_of("not", "crash", "abort", "exit", "kill", "hang", "eat", "eat_unchecked", "throw",
-                                "shout", "meet", "alone", "say_pid", "kill_pid"),
+                                "shout", "meet", "alone", "say_pid", "kill_pid", "share", "memfd"),
                          "what happens"};
   Param<std::string> place{"place", "", "folder to meet in"};
   Param<int> mebibytes{"mebibytes", 0, between(0, 4096), "memory to take first"};
@@ -84,6 +86,19 @@ struct Accident : Node {
     std::vector<std::vector<char>> eaten;
     while (*how == "eat") eaten.emplace_back(1 << 24, 'x');
     while (*how == "eat_unchecked") *static_cast<volatile char*>(std::malloc(1 << 24)) = 'x';
+    if (*how == "share") {
+      constexpr size_t size = size_t{1} << 30;
+      void* shared = mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+      std::memset(shared, 1, size);
+      std::this_thread::sleep_for(std::chrono::seconds(20));
+    }
+    if (*how == "memfd") {
+      const int file = memfd_create("accident", 0);
+      const std::string piece(1 << 20, 'x');
+      for (int i = 0; i < 1024; ++i)
+        if (write(file, piece.data(), piece.size()) < 0) throw std::runtime_error("cannot write");
+      std::this_thread::sleep_for(std::chrono::seconds(20));
+    }
     if (*how == "say_pid") return out.commit(number(getpid()));
     if (*how == "kill_pid") kill_and_wait(static_cast<pid_t>(in->value()));
     context.metric("seed", static_cast<double>(context.seed() % 1000), "1");

@@ -104,6 +104,15 @@ TEST_F(Isolation, HungerEndsAtTheLimitOfMemory) {
   EXPECT_TRUE(contains(node("worse").error, "its limit of memory is 200 MiB")) << node("worse").error;
 }
 
+/// Memory that RLIMIT_DATA does not count.
+TEST_F(Isolation, SharedMemoryAndMemfdsCountInTheLimit) {
+  for (const std::string how : {"share", "memfd"}) {
+    run("  bad: {use: accident.happens, memory_limit: 200MiB, with: {how: " + how + "}}\n");
+    EXPECT_TRUE(contains(node("bad").error, "more than its limit of 200 MiB, and was killed"))
+        << how << node("bad").error;
+  }
+}
+
 /// Of what it prints only the end is kept: it neither fills the memory nor the error.
 TEST_F(Isolation, OneThatPrintsWithoutEndIsKilledAtItsTimeLimit) {
   run("  bad: {use: accident.happens, time_limit: 0.5 s, with: {how: shout}}\n");
@@ -222,6 +231,18 @@ const char* const adds =
     "value = call.inputs('number', 'plumbline.Number/1')[0].value\n"
     "print('warning: adding', file=sys.stderr)\n"
     "call.commit('number', 'plumbline.Number/1', {'value': value + call.parameters['offset']})\n";
+
+TEST_F(Isolation, AllThatANodeStartsCountsInItsLimit) {
+  ASSERT_TRUE(registry_.load_manifest(
+      write_node(folder_.path(),
+                 "import subprocess\n"
+                 "for i in range(4):\n"
+                 "  subprocess.Popen([sys.executable, '-c', 'x = b\"1\" * (150 << 20); import time; time.sleep(20)'])\n"
+                 "import time\ntime.sleep(20)\n",
+                 "memory_limit: 300MiB\n")));
+  run("  a: {use: story.constant}\n  b: {use: outside.add, in: {number: a.number}}\n");
+  EXPECT_TRUE(contains(node("b").error, "with all that it started")) << node("b").error;
+}
 
 TEST_F(Isolation, ANodeInPythonIsANodeLikeAnyOther) {
   ASSERT_TRUE(registry_.load_manifest(write_node(folder_.path(), adds))) << registry_.refused().back().problem;

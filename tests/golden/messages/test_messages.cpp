@@ -47,7 +47,7 @@ TEST_P(Messages, AreAsTheyWereAgreed) {
   found += "exit code " + std::to_string(answer.code) + "\n";
 
   const fs::path expected = messages() / (GetParam() + ".txt");
-  // A failure is told at once, too, while other nodes still run: whether one does is a matter of time.
+  // The first line of a failure is told at once, too, and in what order nodes fail is a matter of time.
   if (const size_t end = found.find("\nFAILED\n"); end != std::string::npos) found.erase(0, end);
   if (std::getenv("PLUMBLINE_UPDATE_GOLDEN")) std::ofstream(expected) << found;
   EXPECT_EQ(found, read_file(expected)) << "with PLUMBLINE_UPDATE_GOLDEN=1 it is written anew";

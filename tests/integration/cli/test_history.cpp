@@ -41,6 +41,99 @@ TEST(History, TheRecordHoldsAllThatMakesTheRunAgain) {
   EXPECT_EQ(b["at"], "p.yaml:3:9");
 }
 
+/// Who takes a result over says who computed it, when and where; nobody would know it otherwise after the second run.
+TEST(History, ProvenanceTravelsWithResults) {
+  const Program plumbline;
+  plumbline.write("p.yaml", chain);
+  ASSERT_EQ(plumbline({"run", "p.yaml", "--threads", "3"}).code, 0);
+  const Json first = lines(plumbline.work() / "out/p/run.jsonl").at(2);
+  ASSERT_EQ(first["status"], "executed");
+  ASSERT_EQ(plumbline({"run", "p.yaml", "--threads", "1"}).code, 0);
+  const Json second = lines(plumbline.work() / "out/p/run.jsonl").at(2);
+  ASSERT_EQ(second["status"], "reused");
+  EXPECT_EQ(second["computed"], first["computed"]);
+  EXPECT_EQ(first["computed"]["threads"], Json::array({"3"}));
+  EXPECT_EQ(first["computed"]["hosts"].size(), 1u);
+  EXPECT_EQ(first["computed"]["plugins"], Json::array({"0.1.0"}));
+  EXPECT_EQ(first["computed"]["first"].get<std::string>().size(), 20u);
+  const auto crate = Json::parse(plumbline({"export", "out/p", "--format", "ro-crate"}).out);
+  size_t told = 0;
+  for (const Json& entity : crate["@graph"])
+    if (entity["@type"] == "CreateAction") {
+      ++told;
+      EXPECT_TRUE(contains(entity["description"].get<std::string>(),
+                           "Taken over from an earlier run, not executed in this one. Computed 20"));
+      EXPECT_EQ(entity["startTime"], second["computed"]["first"]);
+      EXPECT_FALSE(entity.contains("endTime"));
+    }
+  EXPECT_EQ(told, 2u);
+  const auto trace = Json::parse(plumbline({"export", "out/p", "--format", "trace"}).out);
+  size_t marks = 0;
+  for (const Json& event : trace["traceEvents"])
+    marks += event["ph"] == "i" && event["args"]["status"] == "reused" &&
+             event["args"]["computed"] == second["computed"]["first"];
+  EXPECT_EQ(marks, 2u);
+}
+
+/// What is the same is not called different: JSON by its numbers, a rotation by what it turns.
+TEST(History, DiffKnowsJsonAndRotations) {
+  const Program plumbline;
+  plumbline.write("p.yaml", "plumbline: 1\nvars: {t: ~}\nnodes:\n  p: {use: story.page, with: {text: \"${t}\"}}\n");
+  const auto code_of = [&](const std::string& a, const std::string& b) {
+    EXPECT_EQ(plumbline({"run", "p.yaml", "t=" + a, "--out", "a", "-q"}).code, 0);
+    EXPECT_EQ(plumbline({"run", "p.yaml", "t=" + b, "--out", "b", "-q"}).code, 0);
+    return plumbline({"diff", "a", "b", "--tolerance", "1e-9"});
+  };
+  EXPECT_EQ(code_of(R"({"sum": 1.0, "b": [2]})", R"({"b":[2],"sum":1.00000000001})").code, 0);
+  const Answer other = code_of(R"({"sum": 1.0})", R"({"sum": 1.1})");
+  EXPECT_EQ(other.code, 1);
+  EXPECT_TRUE(contains(other.out, "content.sum: 1 and 1.1")) << other.out;
+  EXPECT_EQ(
+      code_of(R"({"q": {"w": 0.6, "x": 0, "y": 0.8, "z": 0}})", R"({"q": {"w": -0.6, "x": 0, "y": -0.8, "z": 0}})")
+          .code,
+      0);
+  EXPECT_EQ(
+      code_of(R"({"q": {"w": 0.6, "x": 0, "y": 0.8, "z": 0}})", R"({"q": {"w": -0.6, "x": 0, "y": 0.8, "z": 0}})").code,
+      1);
+  EXPECT_EQ(code_of("{no json", "{no json ").code, 1);
+}
+
+/// Every node alone in a fresh process: what is in the store must be what it gives there.
+TEST(History, VerifyEachComparesTheStoreWithNodesRunAlone) {
+  const Program plumbline;
+  std::filesystem::create_directories(plumbline.folder.path() / "lib/plumbline");
+  std::filesystem::copy_file(PLUMBLINE_WORKER, plumbline.folder.path() / "lib/plumbline/plumbline-worker");
+  plumbline.write("q.yaml",
+                  "plumbline: 1\nnodes:\n  a: {use: story.constant}\n  s: {use: story.series}\n"
+                  "  q: {use: story.square, in: {number: s.numbers}}\n  d: {use: story.draw}\n"
+                  "  c: {use: story.add, in: {a: rounds.x}, with: {offset: 2}}\n"
+                  "rounds: {carry: {x: {first: a.number, next: c.sum}}, most: 3}\n");
+  Answer answer = plumbline({"verify", "--each", "q.yaml"});
+  EXPECT_EQ(answer.code, 0) << answer.out << answer.err;
+  EXPECT_TRUE(contains(answer.out, "q.yaml: 7 nodes, each run alone in a process of its own: the same bits"))
+      << answer.out;
+  plumbline.write("r.yaml",
+                  "plumbline: 1\nnodes:\n  k: {use: story.clock}\n  n: {use: story.add, in: {a: k.number}}\n");
+  answer = plumbline({"verify", "--each", "r.yaml"});
+  EXPECT_EQ(answer.code, 0) << "a clock of its own begins anew in each process" << answer.out;
+  // A result that another process left wrong under the right key.
+  const fs::path runs = plumbline.folder.path() / "store/runs";
+  plumbline.write("s.yaml",
+                  "plumbline: 1\nnodes:\n  a: {use: story.constant, with: {value: 41}}\n  b: {use: story.constant, "
+                  "with: {value: 42}}\n");
+  ASSERT_EQ(plumbline({"run", "s.yaml"}).code, 0);
+  const auto events = lines(plumbline.work() / "out/s/run.jsonl");
+  const auto record_of = [&](const Json& node) {
+    const std::string key = node["keys"][0];
+    return runs / key.substr(0, 2) / (key + ".json");
+  };
+  fs::copy_file(record_of(events.at(1)), record_of(events.at(2)), fs::copy_options::overwrite_existing);
+  answer = plumbline({"verify", "--each", "s.yaml"});
+  EXPECT_EQ(answer.code, 1);
+  EXPECT_TRUE(contains(answer.out, "output number differs")) << answer.out;
+  EXPECT_TRUE(contains(answer.out, "2 nodes, each run alone in a process of its own: 1 differ")) << answer.out;
+}
+
 TEST(History, WhySaysWhichPartOfTheKeyChanged) {
   const Program plumbline;
   plumbline.write("p.yaml", chain);

@@ -134,5 +134,34 @@ TEST(Ends, AnInterruptIsAnsweredAtOnce) {
   EXPECT_TRUE(contains(answer.err, "stopping as soon as the nodes that run now can")) << answer.err;
 }
 
+/// A node that does not listen is left behind: the program ends, and nothing of the node is stored.
+TEST(Ends, AnInterruptEndsTheProgramEvenIfANodeDoesNotListen) {
+  for (const bool apart : {false, true})
+    for (const int signal : {SIGINT, SIGTERM}) {
+      const Program plumbline;
+      if (apart) {
+        fs::create_directories(plumbline.folder.path() / "lib/plumbline");
+        fs::copy_file(PLUMBLINE_WORKER, plumbline.folder.path() / "lib/plumbline/plumbline-worker");
+      }
+      const fs::path started = plumbline.work() / "started";
+      plumbline.write("p.yaml",
+                      "plumbline: 1\nnodes:\n  a: {use: story.constant}\n  d: {use: story.deaf, with: {started: " +
+                          started.string() + ", milliseconds: 60000}}\noutputs: {a.json: a.number}\n");
+      std::vector<std::string> words{"run", "p.yaml"};
+      if (apart) words.emplace_back("--isolate");
+      const pid_t process = plumbline.start(words);
+      ASSERT_TRUE(wait_for_lines(started, 1));
+      const auto asked = std::chrono::steady_clock::now();
+      kill(process, signal);
+      const Answer answer = plumbline.finish(process);
+      EXPECT_EQ(answer.code, 130) << answer.err;
+      EXPECT_LT(std::chrono::steady_clock::now() - asked, std::chrono::seconds(20)) << "it was waited for";
+      EXPECT_TRUE(contains(read_file(plumbline.work() / "out/p/run.jsonl"), "\"status\":\"cancelled\""));
+      EXPECT_FALSE(fs::exists(plumbline.work() / "out/p/a.json"));
+      const Answer again = plumbline({"run", "p.yaml", "d.with.milliseconds=0"});
+      EXPECT_EQ(again.code, 0) << again.err;
+    }
+}
+
 }  // namespace
 }  // namespace plumbline::test

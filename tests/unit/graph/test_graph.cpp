@@ -3,6 +3,7 @@
 
 #include "runtime/graph.hpp"
 #include "runtime/pipeline_file.hpp"
+#include "runtime/printable.hpp"
 #include "test_support.hpp"
 
 namespace {
@@ -132,6 +133,45 @@ TEST_F(GraphTest, RefusesVariablesThatNothingUses) {
             7u);
 }
 
+/// Names are the user's, or somebody's who sent the file: they must neither break a picture nor steer a terminal.
+TEST_F(GraphTest, NamesAreQuotedInPictures) {
+  write("data.txt", "x");
+  const Graph graph = load_pipeline(
+      write("p.yaml",
+            "plumbline: 1\nnodes:\n  \"<img src=x onerror=alert(1)>\": {use: read.file, with: {file: data.txt}}\n"
+            "  'a\"] -> \\': {use: read.file, with: {file: data.txt}}\n"
+            "outputs: {\"b\\\"c.txt\": 'a\"] -> \\.file'}\n"),
+      {}, registry());
+  const std::string mermaid = to_mermaid(graph), dot = to_dot(graph);
+  EXPECT_EQ(mermaid.find("<img"), std::string::npos) << mermaid;
+  EXPECT_THAT(mermaid, HasSubstr("[\"#60;img src=x onerror=alert(1)#62;<br/>"));
+  EXPECT_THAT(mermaid, HasSubstr("[\"a#34;] -#62; \\<br/>"));
+  EXPECT_THAT(dot, HasSubstr("\"a\\\"] -> \\\\\" [label=\"a\\\"] -> \\\\\\nread.file\"]"));
+  EXPECT_THAT(dot, HasSubstr("\"output b\\\"c.txt\" [label=\"b\\\"c.txt\""));
+}
+
+TEST_F(GraphTest, NamesWithControlCharactersAreRefusedAndShownWrittenOut) {
+  write("data.txt", "x");
+  for (const auto& [written, shown] :
+       {std::pair{"a\\nb", "a\\x0ab"}, std::pair{"\\e[2Jx", "\\x1b[2Jx"}, std::pair{"\\u202eb", "\\xe2\\x80\\xaeb"}})
+    EXPECT_THAT(problems("plumbline: 1\nnodes:\n  \"" + std::string(written) +
+                         "\": {use: read.file, with: {file: data.txt}}\n"),
+                HasSubstr("p.yaml:3:3: a node's name is one line without dots and control characters: '" +
+                          std::string(shown) + "'"));
+}
+
+TEST(Printable, WritesOutWhatWouldSteerATerminal) {
+  EXPECT_EQ(printable("Maß 3 µm\n\tgut"), "Maß 3 µm\n\tgut");
+  EXPECT_EQ(printable("a\x1b[31mb\rc\x07"), "a\\x1b[31mb\\x0dc\\x07");
+  EXPECT_EQ(printable("\xff\xfe\xc3"), "\\xff\\xfe\\xc3");
+  EXPECT_EQ(printable("\xc2\x9b"
+                      "31m"),
+            "\\xc2\\x9b31m")
+      << "the one-byte form of the escape, in UTF-8";
+  EXPECT_EQ(printable("\xc0\x80\xed\xa0\x80\xf4\x90\x80\x80"), "\\xc0\\x80\\xed\\xa0\\x80\\xf4\\x90\\x80\\x80");
+  EXPECT_EQ(printable_line("a\nb"), "a\\x0ab");
+}
+
 TEST_F(GraphTest, RefusesASecondDocument) {
   write("data.txt", "x");
   const std::string one = "plumbline: 1\nnodes: {a: {use: read.file, with: {file: data.txt}}}\n";
@@ -161,8 +201,8 @@ TEST_F(GraphTest, DrawsItself) {
   const Graph graph = load_pipeline(
       write("p.yaml", "plumbline: 1\nnodes: {a: {use: read.file, with: {file: data.txt}}}\noutputs: {x.txt: a.file}\n"),
       {}, registry());
-  EXPECT_THAT(to_dot(graph), HasSubstr("\"a\" -> \"x.txt\""));
-  EXPECT_THAT(to_mermaid(graph), HasSubstr("a[\"a<br/><i>read.file</i>\"]"));
+  EXPECT_THAT(to_dot(graph), HasSubstr("\"a\" -> \"output x.txt\""));
+  EXPECT_THAT(to_mermaid(graph), HasSubstr("n0[\"a<br/><i>read.file</i>\"]"));
 }
 
 TEST_F(GraphTest, VariablesInVariablesToAFixedPointAndNothingLeftOver) {

@@ -48,6 +48,26 @@ TEST(Cancel, WhatANodeGaveAfterItWasToldToStopIsNotStored) {
   EXPECT_EQ(story.status("l"), "cancelled") << "half a result was taken from the store";
 }
 
+/// Who stopped the run wants nothing of it any more, whether the node asked or not.
+TEST(Cancel, WhatANodeGaveThatDidNotAskIsNotStored) {
+  Story story("");
+  const fs::path started = story.folder.path() / "started";
+  story.tell("d: {use: story.deaf, with: {started: " + started.string() +
+             ", milliseconds: 300}}\nn: {use: story.add, in: {a: d.number}}");
+  std::atomic<bool> cancel = false;
+  std::thread person([&] {
+    wait_for(started);
+    cancel = true;
+  });
+  story.run({}, 2, 0, &cancel);
+  person.join();
+  EXPECT_EQ(story.status("d"), "cancelled");
+  EXPECT_EQ(story.status("n"), "cancelled");
+  EXPECT_TRUE(story.result.cancelled);
+  story.run();
+  EXPECT_EQ(story.executed(), "d n");
+}
+
 TEST(Cancel, WakesThoseWhoWaitForMemory) {
   runtime::MemoryBudget budget(1000);
   std::atomic<bool> cancel = false;

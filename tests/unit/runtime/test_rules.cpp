@@ -80,7 +80,7 @@ TEST(ArtifactRules, ARotationIsOne) {
             "poses[0] 'a.jpg': cam_from_world holds [1, 0, 0, 0, 1, nan, 3], expected numbers only");
 }
 
-TEST(ArtifactRules, WhatIsCutShortIsNoArtifact) {
+TEST(ArtifactRules, AMissingFieldIsNamedByTableAndField) {
   flatbuffers::FlatBufferBuilder builder;
   const auto id = builder.CreateString("a.jpg");
   FolderEntryBuilder entry(builder);
@@ -93,6 +93,8 @@ TEST(ArtifactRules, WhatIsCutShortIsNoArtifact) {
   folder.add_files(files);
   builder.Finish(folder.Finish());
   const auto& type = artifact_traits<Folder>::type();
+  EXPECT_EQ(runtime::verify_artifact(type, {builder.GetBufferPointer(), builder.GetSize()}),
+            "plumbline.FolderEntry needs 'sha256' (files[0])");
   std::string cut(reinterpret_cast<const char*>(builder.GetBufferPointer()), builder.GetSize() / 2);
   EXPECT_EQ(runtime::verify_artifact(type, {cut.data(), cut.size()}), "is not a well-formed plumbline.Folder/1");
 }

@@ -11,6 +11,7 @@ namespace plumbline::test {
 namespace {
 
 using runtime::Store;
+using runtime::StoredRun;
 using runtime::StoreError;
 namespace fs = std::filesystem;
 
@@ -326,6 +327,53 @@ TEST(FileHashes, NameALinkThatLeadsBack) {
   fs::remove(images / "again");
   fs::create_directory_symlink("images", campaign / "photographs");  // the same twice is no circle
   EXPECT_EQ(runtime::FileHashes(folder.path() / "hashes").files_of(campaign).size(), 2u);
+}
+
+/// A tool that repairs or copies folders may leave one where a file was, and a file where a folder was.
+TEST(Store, AFolderInThePlaceOfAFileHeals) {
+  const TemporaryFolder folder;
+  const std::string key(64, 'a');
+  std::string damage, outdated;
+  const auto put = [&](Store& store) {
+    StoredRun run;
+    run.kind = "story.constant";
+    run.outputs["number"] = {store.put("blob", 4)};
+    store.put_run(key, run);
+    return run.outputs["number"][0];
+  };
+  std::string hash;
+  {
+    Store store(folder.path());
+    hash = put(store);
+  }
+  const auto blob = folder.path() / "blobs" / hash.substr(0, 2) / hash;
+  const auto record = folder.path() / "runs" / "aa" / (key + ".json");
+  for (const auto& file : {blob, record}) {
+    std::filesystem::remove(file);
+    std::filesystem::create_directories(file / "with" / "something");
+    Store store(folder.path());
+    EXPECT_FALSE(store.find_run(key, damage, outdated));
+    EXPECT_EQ(put(store), hash);
+    EXPECT_TRUE(store.find_run(key, damage, outdated)) << damage;
+  }
+  std::filesystem::remove_all(folder.path() / "runs" / "aa");
+  std::ofstream(folder.path() / "runs" / "aa") << "a file";
+  Store store(folder.path());
+  put(store);
+  EXPECT_TRUE(store.find_run(key, damage, outdated)) << damage;
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path() / "tmp"));
+}
+
+/// Two containers of one name, with process numbers of their own, write to one store at the same time.
+TEST(Store, TemporaryNamesOfTwoStoresOfOneProcessNumberDiffer) {
+  const TemporaryFolder folder;
+  Store one(folder.path()), other(folder.path());
+  const auto first = one.new_folder(), second = other.new_folder();
+  const auto drawn = [](const std::filesystem::path& path) {
+    const std::string name = path.filename().string();
+    return name.substr(0, name.rfind('-'));
+  };
+  EXPECT_NE(drawn(first), drawn(second));
 }
 
 }  // namespace

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-namespace plumbline::runtime {
+namespace plumbline::formats {
 
-/// Throws YAML::Exception, with its place if a second document stands in the text.
+/// Throws YAML::ParserException, with its place if a second document stands in the text.
 inline YAML::Node load_one_document(const std::string& text) {
   const std::vector<YAML::Node> documents = YAML::LoadAll(text);
   for (size_t i = 1; i < documents.size(); ++i)
@@ -19,4 +19,4 @@ inline YAML::Node load_one_document(const std::string& text) {
   return documents.empty() ? YAML::Node() : documents[0];
 }
 
-}  // namespace plumbline::runtime
+}  // namespace plumbline::formats

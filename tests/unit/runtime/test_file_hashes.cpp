@@ -1,0 +1,65 @@
+// What is remembered of files, and what must not be.
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <thread>
+
+#include "runtime/digest.hpp"
+#include "runtime/file_hashes.hpp"
+#include "test_support.hpp"
+
+namespace plumbline::test {
+namespace {
+
+using runtime::FileHashes;
+using runtime::sha256_of_file;
+
+/// A second store into a page that is not written back yet moves no time of the file.
+TEST(FileHashes, AFileThatIsOpenForWritingIsReadEachTime) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "data";
+  std::ofstream(file) << std::string(4096, 'a');
+  const timespec long_ago[2] = {{1'000'000'000, 0}, {1'000'000'000, 0}};
+  utimensat(AT_FDCWD, file.c_str(), long_ago, 0);
+  std::this_thread::sleep_for(std::chrono::milliseconds(3100));  // until it counts as settled
+  FileHashes hashes(folder.path() / "log");
+  const int open_file = open(file.c_str(), O_RDWR);
+  auto* mapped = static_cast<char*>(mmap(nullptr, 4096, PROT_READ | PROT_WRITE, MAP_SHARED, open_file, 0));
+  close(open_file);
+  ASSERT_NE(mapped, MAP_FAILED);
+  const std::string first = hashes.of_file(file);
+  mapped[0] = 'b';
+  const std::string second = hashes.of_file(file);
+  EXPECT_NE(first, second);
+  mapped[0] = 'c';
+  EXPECT_NE(hashes.of_file(file), second);
+  munmap(mapped, 4096);
+  EXPECT_EQ(hashes.of_file(file), sha256_of_file(file)) << "what was read while it was open was not remembered";
+}
+
+TEST(FileHashes, ReadsAllAgainIfTheMemoryIsDistrusted) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "data";
+  std::ofstream(file) << "a";
+  std::this_thread::sleep_for(std::chrono::milliseconds(3100));
+  {
+    FileHashes hashes(folder.path() / "log");
+    hashes.of_file(file);
+  }
+  // What the log says is a lie about a file of the same identity, as a change without a trace would make it.
+  std::string log = read_file(folder.path() / "log");
+  const std::string hash = sha256_of_file(file), lie(64, '0');
+  ASSERT_NE(log.find(hash), std::string::npos) << log;
+  log.replace(log.find(hash), 64, lie);
+  std::ofstream(folder.path() / "log") << log;
+  FileHashes hashes(folder.path() / "log");
+  EXPECT_EQ(hashes.of_file(file), lie);
+  hashes.distrust_memory();
+  EXPECT_EQ(hashes.of_file(file), hash);
+}
+
+}  // namespace
+}  // namespace plumbline::test
