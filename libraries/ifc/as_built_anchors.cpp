@@ -16,7 +16,8 @@ void AsBuiltWriter::write_anchor(const AnchorDeviationT& anchor) {
   if (anchor.instance == 0) return;
   const std::vector<InstanceId> object{anchor.instance};
   PropertySet deviation(appender_);
-  deviation.choice("Verdict", label_of(anchor.verdict), verdicts_, "Deviation against the tolerances, with guard band");
+  deviation.choice("Verdict", label_of(anchor.verdict), verdicts_,
+                   "Whether it is within all its tolerances at once: conformance probability against the risk");
   deviation.label("DecidedBy", anchor.decided_by);
   deviation.length("DeviationX", anchor.deviation.x());
   deviation.length("DeviationY", anchor.deviation.y());
@@ -26,7 +27,16 @@ void AsBuiltWriter::write_anchor(const AnchorDeviationT& anchor) {
     if (axis->axis == "horizontal") deviation.length("DeviationHorizontal", axis->value);
     if (axis->axis == "in_plane") deviation.length("DeviationInPlane", axis->value, "Within the facade plane");
     if (axis->axis == "out_of_plane")
-      deviation.length("DeviationOutOfPlane", axis->value, "Along the facade normal, outward positive");
+      deviation.length("DeviationOutOfPlane", axis->value,
+                       anchor.facade && anchor.facade->confirmed
+                           ? "Along the facade normal, outward positive"
+                           : "Across the facade, without a sign: which way is outward is not confirmed");
+  }
+  if (anchor.facade) {
+    deviation.label("Facade", anchor.facade->facade);
+    deviation.label("OutwardFrom", anchor.facade->source, "What says which way it faces");
+    deviation.boolean("OutwardConfirmed", anchor.facade->confirmed,
+                      "False: no order to go outward or to the right is given");
   }
   deviation.lengths("DesignPosition", {anchor.design.x(), anchor.design.y(), anchor.design.z()},
                     "Of the surveyed point: reference point of the element and target offset");

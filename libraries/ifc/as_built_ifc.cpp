@@ -57,6 +57,7 @@ AsBuiltIfc AsBuiltWriter::write() {
   find_standard_sets();
   for (const auto& anchor : deviation_.anchors) write_anchor(*anchor);
   write_provenance();
+  write_judgement();
   if (const AccuracyComparisonT* comparison = survey_comparison(accuracy_)) {
     for (const auto& floor : comparison->floors) write_floor(*floor, *comparison);
     for (const auto& transfer : comparison->transfers)
@@ -64,6 +65,7 @@ AsBuiltIfc AsBuiltWriter::write() {
     for (const auto& column : comparison->columns) write_column(*column, use_word(*comparison));
   }
   for (const auto& panel : deviation_.panels) write_panel(*panel);
+  write_surfaces();
   write_products();
   result_.additions = appender_.take_lines();
   result_.instances_added = appender_.count();
@@ -89,6 +91,25 @@ void AsBuiltWriter::write_provenance() {
     attach(set, "anchors", "ASB_Provenance", "How the as-built values came about", objects);
 }
 
+/// The whole: on the building, else on the project.
+void AsBuiltWriter::write_judgement() {
+  const auto buildings = model_.all("IFCBUILDING");
+  const InstanceId on = buildings.empty() ? model_.all("IFCPROJECT").at(0).id() : buildings[0].id();
+  std::vector<std::string> not_judged;
+  for (const auto& request : deviation_.requests)
+    if (!request->not_judged.empty()) not_judged.push_back(request->asked + ": " + request->not_judged);
+  PropertySet set(appender_);
+  set.choice("Verdict", label_of(deviation_.verdict), verdicts_, "PASS: ready to install");
+  set.integer("AnchorsPassed", deviation_.passed);
+  set.integer("AnchorsUndecided", deviation_.undecided);
+  set.integer("AnchorsFailed", deviation_.failed);
+  set.integer("AnchorsNotMeasured", deviation_.not_measured);
+  set.labels("NotJudged", not_judged, "What was asked for and could not be judged");
+  set.labels("Doubts", deviation_.doubts, "Why the measurement is not to be trusted");
+  set.real("Risk", deviation_.risk, "Pass: a conformance probability of 1 - risk or more");
+  attach(set, "judgement", "ASB_Judgement", "As-built against design, all together", {on});
+}
+
 void AsBuiltWriter::write_products() {
   if (!options_.survey_points && !options_.solids) return;
   if (!products_.possible()) {
@@ -107,7 +128,7 @@ void AsBuiltWriter::write_products() {
   }
   for (const auto& panel : deviation_.panels)
     if (const auto element = elements.find(panel->instance);
-        options_.solids && element != elements.end() && element->second->has_box)
+        options_.solids && element != elements.end() && element->second->has_box && panel->shift.allFinite())
       products_.add_panel(*panel, *element->second);
   products_.finish();
 }

@@ -17,6 +17,11 @@
 #include "ifc/design.hpp"
 #include "ifc/step.hpp"
 
+namespace plumbline {
+struct SurfacesT;
+struct SurfaceJudgementT;
+}  // namespace plumbline
+
 namespace plumbline::bim {
 
 struct AsBuiltIfcOptions {
@@ -28,6 +33,8 @@ struct AsBuiltIfcOptions {
   std::vector<std::string> input_hashes;   ///< "path sha256" of every file that was read, photographs included
   std::vector<std::string> unused_hashes;  ///< the same of evidence that was set aside
   std::int64_t image_count = -1;           ///< images that took part; below 0: not known
+  const SurfacesT* surfaces = nullptr;     ///< panels and joints as they were measured; null: they were not
+  const SurfaceJudgementT* surface_judgement = nullptr;  ///< their verdicts; null: they were not judged
 };
 
 struct AsBuiltIfc {
@@ -39,8 +46,8 @@ struct AsBuiltIfc {
 const char* label_of(ToleranceVerdict verdict);  ///< "PASS", "FAIL", "UNDECIDED", "NOTMEASURED"
 
 /// Writes ASB_AnchorDeviation, ASB_ModelVsSurvey and ASB_Uncertainty on anchors, ASB_Provenance on all of them
-/// together, ASB_FloorStatistics on storeys, ASB_InterFloor on a group of two storeys, ASB_PanelFit on panels. Lengths
-/// are in the project's unit. The same input gives the same bytes. Throws std::runtime_error if `deviation` names
+/// together, ASB_FloorStatistics on storeys, ASB_InterFloor on a group of two storeys, ASB_PanelFit on panels,
+/// ASB_PanelSurface and ASB_Joint on panels whose surfaces were measured. Lengths are in the project's unit. The same input gives the same bytes. Throws std::runtime_error if `deviation` names
 /// instances that the file does not have, or the file holds this epoch already.
 /// See enriched() for the whole file.
 AsBuiltIfc write_as_built(const step::File& file, const Design& design, const DeviationT& deviation,

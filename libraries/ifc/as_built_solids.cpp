@@ -74,6 +74,7 @@ InstanceId ProductWriter::origin() {
 InstanceId ProductWriter::shape(const char* identifier, const char* type, InstanceId item) {
   const InstanceId representation = appender_.add(
       "IFCSHAPEREPRESENTATION", {reference(context_), text(identifier), text(type), list({reference(item)})});
+  layered_.push_back(reference(representation));
   return appender_.add("IFCPRODUCTDEFINITIONSHAPE", {null, null, list({reference(representation)})});
 }
 
@@ -184,6 +185,10 @@ void ProductWriter::add_panel(const PanelDeviationT& panel, const Element& eleme
 }
 
 void ProductWriter::finish() {
+  if (!layered_.empty())
+    appender_.add("IFCPRESENTATIONLAYERASSIGNMENT",
+                  {text("As built" + (prefix_.empty() ? "" : " " + prefix_.substr(0, prefix_.size() - 1))),
+                   text("Measured positions and panels; no part of the design"), list(layered_), null});
   for (const auto& [key, container] : containers_) {
     const auto found = contained_.find(container.key);
     if (found == contained_.end()) continue;

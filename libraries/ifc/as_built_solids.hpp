@@ -53,6 +53,7 @@ class ProductWriter {
   InstanceId context_ = 0, origin_ = 0;
   std::map<std::string, Container> containers_;  // by GlobalId of the storey; "" for the rest
   std::map<std::string, std::vector<InstanceId>> contained_;
+  std::vector<std::string> layered_;  // representations, as references
   std::map<std::pair<ToleranceVerdict, bool>, InstanceId> styles_;
   std::map<ToleranceVerdict, InstanceId> profiles_;
 };

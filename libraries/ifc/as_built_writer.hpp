@@ -41,12 +41,14 @@ class AsBuiltWriter {
                       const std::vector<InstanceId>& object);
   void write_uncertainty(const AnchorDeviationT& anchor, const std::vector<InstanceId>& object);
   void write_provenance();
+  void write_judgement();
   const Storey* storey_of(int floor);
   void write_floor(const FloorAccuracyT& floor, const AccuracyComparisonT& comparison);
   void write_transfer(const HeightTransferT& transfer, const AccuracyComparisonT& comparison);
   void write_column(const ColumnDriftT& column, const std::string& use);
   std::pair<double, double> heights_between(int lower, int upper) const;
   void write_panel(const PanelDeviationT& panel);
+  void write_surfaces();
   void write_products();
 
   Model model_;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "ifc/bcf.hpp"
 
@@ -58,15 +59,27 @@ void chunk(std::string& to, const std::string& type, const std::string& data) {
               crc32(0, reinterpret_cast<const Bytef*>(checked.data()), static_cast<uInt>(checked.size()))));
 }
 
+/// zlib's stream of what is mostly runs of one colour: looking for runs only is ten times as fast, and there may be
+/// thousands of topics.
+std::string packed_runs(const std::string& raw) {
+  z_stream stream{};
+  if (deflateInit2(&stream, 6, Z_DEFLATED, 15, 8, Z_RLE) != Z_OK) throw std::runtime_error("zlib cannot start");
+  std::string packed(deflateBound(&stream, static_cast<uLong>(raw.size())), '\0');
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(raw.data()));
+  stream.avail_in = static_cast<uInt>(raw.size());
+  stream.next_out = reinterpret_cast<Bytef*>(packed.data());
+  stream.avail_out = static_cast<uInt>(packed.size());
+  deflate(&stream, Z_FINISH);
+  packed.resize(stream.total_out);
+  deflateEnd(&stream);
+  return packed;
+}
+
 std::string Picture::png() const {
   std::string raw;
   for (int y = 0; y < kHeight; ++y)
     raw += std::string(1, '\0') + pixels_.substr(static_cast<std::size_t>(y * kWidth), kWidth);
-  std::string packed(compressBound(static_cast<uLong>(raw.size())), '\0');
-  uLongf size = static_cast<uLongf>(packed.size());
-  compress2(reinterpret_cast<Bytef*>(packed.data()), &size, reinterpret_cast<const Bytef*>(raw.data()),
-            static_cast<uLong>(raw.size()), 9);
-  packed.resize(size);
+  const std::string packed = packed_runs(raw);
   std::string out = "\x89PNG\r\n\x1a\n", header, palette;
   put(header, kWidth), put(header, kHeight);
   header += std::string("\x08\x03\x00\x00\x00", 5);
@@ -85,13 +98,16 @@ unsigned char full_colour(ToleranceVerdict verdict) {
 
 }  // namespace
 
-std::string snapshot_png(const DeviationT& deviation, const Eigen::Vector3d& centre, double reach) {
-  const Eigen::Vector3d normal =
-      deviation.facade_normal.allFinite() ? deviation.facade_normal : -Eigen::Vector3d::UnitY();
-  const Eigen::Vector3d right = Eigen::Vector3d::UnitZ().cross(normal);
+std::string snapshot_png(const DeviationT& deviation, const Eigen::Vector3d& centre, double reach,
+                         const FacadeFrame& facade) {
   const double view = std::max(3.0, 2.5 * reach), scale = kHeight / (2 * view);
-  const auto x = [&](const Eigen::Vector3d& p) { return kWidth / 2.0 + scale * right.dot(p - centre); };
-  const auto y = [&](const Eigen::Vector3d& p) { return kHeight / 2.0 - scale * (p - centre).z(); };
+  const auto x = [&](const Eigen::Vector3d& p) { return kWidth / 2.0 + scale * facade.right.dot(p - centre); };
+  const auto y = [&](const Eigen::Vector3d& p) { return kHeight / 2.0 - scale * facade.up.dot(p - centre); };
+  // What hangs on another facade, or on another side of the court, is not seen from here.
+  const auto shown = [&](const Eigen::Vector3d& p, const std::unique_ptr<FacadeFrameT>& frame) {
+    return std::abs(facade.out.dot(p - centre)) < 3 &&
+           (!frame || !frame->out.allFinite() || frame->out.dot(facade.out) > 0.5);
+  };
   Picture picture;
   for (const auto& panel : deviation.panels) {
     Eigen::Vector3d low = Eigen::Vector3d::Zero(), high = Eigen::Vector3d::Zero();
@@ -99,12 +115,13 @@ std::string snapshot_png(const DeviationT& deviation, const Eigen::Vector3d& cen
       if (corner->name == "bottom_left") low = corner->design;
       if (corner->name == "top_right") high = corner->design;
     }
+    if (!shown(low, panel->facade)) continue;
     const unsigned char colour = full_colour(panel->verdict);
     picture.box(x(low), y(high), x(high), y(low), colour > 2 ? static_cast<unsigned char>(colour + 3) : 0);
     picture.frame(x(low), y(high), x(high), y(low), 2, colour);
   }
   for (const auto& anchor : deviation.anchors) {
-    if (!anchor->design.allFinite()) continue;
+    if (!anchor->design.allFinite() || !shown(anchor->design, anchor->facade)) continue;
     const double px = x(anchor->design), py = y(anchor->design);
     const unsigned char colour = full_colour(anchor->verdict);
     if (anchor->verdict == ToleranceVerdict::fail)

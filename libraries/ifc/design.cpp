@@ -25,8 +25,14 @@ constexpr std::size_t kArgumentsOfProduct = 7;
 /// So many of the elements that nothing is judged by have their shape read: enough to tell where the building stands.
 constexpr std::size_t kOtherShapes = 100;
 
-bool may_be_panel(const std::string& ifc_class) {
-  return ifc_class == "IfcPlate" || ifc_class == "IfcPlateStandardCase" || ifc_class == "IfcCurtainWall";
+/// Walls too, where they hang before their anchors (wall_panels.cpp).
+bool may_be_panel(const Entity& entity, const std::string& ifc_class) {
+  if (ifc_class != "IfcCovering")
+    return ifc_class == "IfcPlate" || ifc_class == "IfcPlateStandardCase" || ifc_class == "IfcCurtainWall";
+  constexpr std::size_t predefined_type = 8;  // behind Tag, in every schema
+  if (entity.arguments().size() <= predefined_type) return false;
+  const step::Value& kind = entity.arguments()[predefined_type];
+  return kind.kind == step::Kind::enumeration && kind.text == "CLADDING";
 }
 
 class Reader {
@@ -40,6 +46,8 @@ class Reader {
         properties_(model_, damage_),
         placements_(model_) {
     for (const std::string& text : rule.selections) selections_.emplace_back(text);
+    for (const std::string& text : rule.panels) panel_selections_.emplace_back(text);
+    selecting_.resize(selections_.size()), selecting_panels_.resize(panel_selections_.size());
     design_.file_name = file.name();
     design_.schema = schema_name(model_.schema());
   }
@@ -62,14 +70,17 @@ class Reader {
     properties_.length_unit = units_.length;
     read_storeys();
     read_elements();
+    read_fixings();
     read_shapes();
     place_aggregates();
     refuse_unplaced();
-    read_fixings();
+    if (walls_may_hang()) hang_walls(design_, rule_.facades);
     read_properties();
     read_site();
     read_map_conversion(model_, damage_, design_);
     tell_damage();
+    tell_idle();
+    assign_facades(design_, rule_.facades);
     return std::move(design_);
   }
 
@@ -142,7 +153,7 @@ class Reader {
         element.is_anchor = matches(element, pattern);
         // IfcProxy is no IfcElement, but old exporters write anchors as such.
         if (element.ifc_class == "IfcProxy" && !element.is_anchor) continue;
-        element.is_panel = !element.is_anchor && may_be_panel(element.ifc_class);
+        element.is_panel = is_panel(entity, element) && !element.is_anchor;
         if (!entity.optional_reference("ObjectPlacement")) unplaced_.insert(element.instance);
         design_.elements.push_back(std::move(element));
       } catch (const step::Error& error) {
@@ -152,7 +163,25 @@ class Reader {
   }
 
   bool needs_properties() const {
-    return std::any_of(selections_.begin(), selections_.end(), [](const Selection& s) { return s.needs_properties(); });
+    const auto needs = [](const Selection& s) { return s.needs_properties(); };
+    return std::any_of(selections_.begin(), selections_.end(), needs) ||
+           std::any_of(panel_selections_.begin(), panel_selections_.end(), needs);
+  }
+
+  /// Those of the user alone, if he names any.
+  bool is_panel(const Entity& entity, const Element& element) {
+    if (panel_selections_.empty()) return may_be_panel(entity, element.ifc_class);
+    bool selected = false;
+    for (std::size_t i = 0; i < panel_selections_.size(); ++i)
+      if (panel_selections_[i].matches(facts_of(element))) selected = selecting_panels_[i] = true;
+    return selected;
+  }
+
+  /// Walls are looked at only where nothing else is a panel: there may be thousands, and most are none.
+  bool walls_may_hang() const {
+    const auto any = [&](auto is) { return std::any_of(design_.elements.begin(), design_.elements.end(), is); };
+    return panel_selections_.empty() && any([](const Element& e) { return e.is_anchor; }) &&
+           !any([](const Element& e) { return e.is_panel; });
   }
 
   /// Shapes of what is judged and of its parts, which show where it is; of the others every so many.
@@ -160,6 +189,10 @@ class Reader {
     std::unordered_set<std::uint64_t> judged;
     for (const Element& element : design_.elements)
       if (element.is_anchor || element.is_panel) judged.insert(element.instance);
+    judged.insert(hosts_.begin(), hosts_.end());
+    if (walls_may_hang())
+      for (const Element& element : design_.elements)
+        if (is_wall(element)) judged.insert(element.instance);
     const auto counts = [&](std::uint64_t id) {
       for (int depth = 0; depth < 100; ++depth) {
         if (judged.contains(id)) return true;
@@ -206,6 +239,23 @@ class Reader {
                               "): " + reason);
   }
 
+  /// What was named as an anchor or a panel and is nothing.
+  void tell_idle() {
+    const auto idle = [&](const std::string& asked, const char* by) {
+      design_.not_applied.push_back({asked, by, "it selects nothing in " + design_.file_name});
+    };
+    for (std::size_t i = 0; i < selections_.size(); ++i)
+      if (!selecting_[i]) idle(selections_[i].text(), "anchor_selection");
+    for (std::size_t i = 0; i < panel_selections_.size(); ++i)
+      if (!selecting_panels_[i]) idle(panel_selections_[i].text(), "panel_selection");
+    std::unordered_set<std::string> guids;
+    for (const Element& element : design_.elements) guids.insert(element.guid);
+    for (const std::string& guid : rule_.guids)
+      if (!guids.contains(guid)) idle(guid, "anchor_guids");
+    for (const NotApplied& request : design_.not_applied)
+      design_.warnings.push_back(request.by + " '" + request.asked + "': " + request.reason);
+  }
+
   void tell_damage() {
     for (const auto& [keyword, entry] : damage_)
       design_.warnings.push_back(std::to_string(entry.first) + " instances of " + keyword +
@@ -249,12 +299,13 @@ class Reader {
     if ((element.object_type == "AsBuiltAnchor" || element.object_type == "AsBuiltPanel") &&
         element.ifc_class == "IfcBuildingElementProxy")
       return false;
+    bool selected = false;  // each is asked, to know those that select nothing
+    for (std::size_t i = 0; i < selections_.size(); ++i)
+      if (selections_[i].matches(facts_of(element))) selected = selecting_[i] = true;
+    if (selected) return true;
     if (std::find(rule_.classes.begin(), rule_.classes.end(), element.ifc_class) != rule_.classes.end()) return true;
     for (const std::string* text : {&element.name, &element.tag, &element.guid})
       if (!text->empty() && names_.contains(*text)) return true;
-    if (std::any_of(selections_.begin(), selections_.end(),
-                    [&](const Selection& selection) { return selection.matches(facts_of(element)); }))
-      return true;
     if (rule_.pattern.empty()) return false;
     // Bounded, because std::regex recurses once a character.
     const auto found = [&](const std::string& text) { return std::regex_search(text.substr(0, 1000), pattern); };
@@ -335,7 +386,7 @@ class Reader {
     }
   }
 
-  /// Which anchors the file itself ties to a panel.
+  /// Which anchors the file itself ties to a panel, and to a wall or slab.
   void read_fixings() {
     std::unordered_map<std::uint64_t, Element*> elements;
     for (Element& element : design_.elements) elements[element.instance] = &element;
@@ -347,7 +398,27 @@ class Reader {
           if (const auto anchor = elements.find(id); anchor != elements.end() && anchor->second->is_anchor)
             panel->second->anchor_guids.push_back(anchor->second->guid);
       }
+      for (const char* side : {"RelatingElement", "RelatedElement"})
+        for (const std::uint64_t id : relation.references("RealizingElements"))
+          tie(elements, id, relation.reference(side));
     });
+    for_all(model_, "IFCRELCONNECTSELEMENTS", damage_, [&](const Entity& relation) {
+      tie(elements, relation.reference("RelatingElement"), relation.reference("RelatedElement"));
+      tie(elements, relation.reference("RelatedElement"), relation.reference("RelatingElement"));
+    });
+    for (Element& element : design_.elements)
+      if (const auto whole = tree_.whole.find(element.instance); whole != tree_.whole.end())
+        tie(elements, element.instance, whole->second);
+  }
+
+  /// The first that an anchor is tied to and that is neither panel nor anchor is its host.
+  void tie(const std::unordered_map<std::uint64_t, Element*>& elements, std::uint64_t anchor, std::uint64_t host) {
+    const auto one = elements.find(anchor), other = elements.find(host);
+    if (one == elements.end() || other == elements.end() || !one->second->is_anchor || !one->second->host_guid.empty())
+      return;
+    if (other->second->is_anchor || other->second->is_panel) return;
+    one->second->host_guid = other->second->guid;
+    hosts_.insert(host);
   }
 
   void read_properties() {
@@ -369,7 +440,8 @@ class Reader {
   Model model_;
   const AnchorRule& rule_;
   std::unordered_set<std::string> names_, guids_;
-  std::vector<Selection> selections_;
+  std::vector<Selection> selections_, panel_selections_;
+  mutable std::vector<bool> selecting_, selecting_panels_;  // those of them that select something
   Damage damage_;
   Tree tree_;
   Properties properties_;
@@ -378,6 +450,7 @@ class Reader {
   Design design_;
   std::unordered_map<std::uint64_t, std::size_t> storey_index_;
   std::unordered_set<std::uint64_t> unplaced_;  // elements without ObjectPlacement
+  std::unordered_set<std::uint64_t> hosts_;     // walls and slabs that anchors are fixed to
   std::map<std::string, std::pair<int, std::string>> unread_;
 };
 

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "ifc/facades.hpp"
 #include "ifc/ifc_schema.hpp"
 #include "ifc/selection.hpp"
 #include "ifc/step.hpp"
@@ -52,6 +53,8 @@ struct Element {
   /// Of a panel: GlobalIds of the anchors that it is fixed by (IfcRelConnectsWithRealizingElements), if the file says
   /// so.
   std::vector<std::string> anchor_guids;
+  std::string host_guid;             ///< of an anchor: GlobalId of the wall or slab that the file says it is fixed to
+  FacadeFrame facade;                ///< of an anchor or panel: which way it faces
   std::vector<Property> properties;  ///< of an anchor or panel, its own before its type's
   std::uint64_t instance = 0;        ///< number in the file
 };
@@ -81,11 +84,13 @@ struct Design {
   std::string length_unit_name;
   std::vector<Storey> storeys;                  ///< ascending elevation
   std::vector<Element> elements;                ///< in the order of the file
+  std::vector<Facade> facades;                  ///< that its anchors and panels lie in
   std::optional<MapConversion> map_conversion;  ///< the first, if the file has several
   /// Origin of the IfcSite's placement: where exporters put map coordinates, too [m]; nan without.
   Eigen::Vector3d site_origin = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
   std::vector<std::string> skipped;  ///< elements that were not placed, with the reason
   std::vector<std::string> warnings;
+  std::vector<NotApplied> not_applied;  ///< what the rule asked for and could not be done
 };
 
 /// Which elements are anchors: those of a class, those whose name, type or tag matches, those named or listed outright.
@@ -99,11 +104,17 @@ struct AnchorRule {
   /// Reads the shapes of all elements, and not only of anchors, panels, their parts and some of the others: it is most
   /// of the work.
   bool all_shapes = false;
+  std::vector<std::string>
+      panels{};  ///< which elements are panels, in the same language; empty: plates, curtain walls,
+                 ///< cladding, and walls that hang before their anchors where there is none of these
+  std::vector<FacadeRule> facades{};  ///< which way anchors and panels face, where the user says it
 };
 
-/// Horizontal outward normal of the facade that the anchors lie in: across the line they form in plan, away from the
-/// rest of the building. Nothing if they form no line (a single column of anchors, several facades).
-std::optional<Eigen::Vector3d> estimate_facade_normal(const Design& design);
+bool is_wall(const Element& element);
+
+/// Takes walls that hang before their anchors (precast panels) for panels, where it is known which way those face;
+/// where it is not, they stand in `not_applied`. Of walls that anchors are fixed to, and of those behind them, none is.
+void hang_walls(Design& design, const std::vector<FacadeRule>& rules);
 
 /// Reads the design out of a file. What cannot be placed (a curved grid axis, a dangling reference, an argument that is
 /// missing, an anchor with neither placement nor shape) is left out and stands in `skipped`; a file without project or

@@ -181,6 +181,17 @@ std::string explain_gap(const CommonPoints& points, const std::vector<Reading>& 
     return text + "; " + change.words + " a shift and a turn would explain it to " + length_words(left) +
            ": mend the survey's files";
   }
+  // The design's numbers may be of another unit than its file declares.
+  for (const auto& [words, factor] : {std::pair{"millimetres", 1000.0}, {"centimetres", 100.0}, {"feet", 1 / 0.3048}}) {
+    const CommonPoints as_meant = changed(points, factor, false);
+    const bool moved = !(misfit(as_meant, {}) < factor * kExplained);
+    if (moved && !(misfit_of_fit(as_meant) < factor * kExplained)) continue;
+    return text + "; if the numbers of the design are " + words + ", it fits" +
+           (moved ? " after a shift and a turn about the vertical" : "") +
+           ": the file declares another length unit than it is written in; mend its unit (IfcUnitAssignment), or "
+           "export it "
+           "again";
+  }
   return text + "; neither " + (readings.empty() ? "" : "its map conversion nor ") +
          "a shift and turn, swapped axes, feet or millimetres explain it: check whether the names in the plate table "
          "mean the same "

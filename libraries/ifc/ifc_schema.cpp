@@ -41,6 +41,8 @@ constexpr EntityLayout kLayouts[] = {
     {"IFCRELCONNECTSWITHREALIZINGELEMENTS", kAllSchemas,
      "GlobalId OwnerHistory Name Description ConnectionGeometry RelatingElement RelatedElement RealizingElements "
      "ConnectionType"},
+    {"IFCRELCONNECTSELEMENTS", kAllSchemas,
+     "GlobalId OwnerHistory Name Description ConnectionGeometry RelatingElement RelatedElement"},
     {"IFCRELDEFINESBYTYPE", kAllSchemas, "GlobalId OwnerHistory Name Description RelatedObjects RelatingType"},
     {"IFCRELDEFINESBYPROPERTIES", kAllSchemas,
      "GlobalId OwnerHistory Name Description RelatedObjects RelatingPropertyDefinition"},
@@ -48,6 +50,9 @@ constexpr EntityLayout kLayouts[] = {
     {"IFCPROPERTYSET", kAllSchemas, "GlobalId OwnerHistory Name Description HasProperties"},
     {"IFCPROPERTYSINGLEVALUE", k2x3 | k4, "Name Description NominalValue Unit"},
     {"IFCPROPERTYSINGLEVALUE", k4x3, "Name Specification NominalValue Unit"},
+    {"IFCPROPERTYBOUNDEDVALUE", k2x3, "Name Description UpperBoundValue LowerBoundValue Unit"},
+    {"IFCPROPERTYBOUNDEDVALUE", k4, "Name Description UpperBoundValue LowerBoundValue Unit SetPointValue"},
+    {"IFCPROPERTYBOUNDEDVALUE", k4x3, "Name Specification UpperBoundValue LowerBoundValue Unit SetPointValue"},
     // units and georeference
     {"IFCUNITASSIGNMENT", kAllSchemas, "Units"},
     {"IFCSIUNIT", kAllSchemas, "Dimensions UnitType Prefix Name"},

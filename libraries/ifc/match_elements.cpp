@@ -69,8 +69,7 @@ std::string list_of(const std::vector<const Element*>& elements) {
 
 class Matcher {
  public:
-  Matcher(const Design& design, const MatchOptions& options)
-      : design_(design), options_(options), normal_(estimate_facade_normal(design)) {
+  Matcher(const Design& design, const MatchOptions& options) : design_(design), options_(options) {
     for (const std::string& key : options.by) {
       auto& index = index_[key];
       for (const Element& element : design.elements)
@@ -177,18 +176,21 @@ class Matcher {
       if (!offset.selection.matches(facts)) continue;
       found.target_offset = element.project_from_element.rotation * offset.own;
       if (offset.out == 0 && offset.right == 0 && offset.up == 0) continue;
-      const Eigen::Vector3d out = facade(offset.selection.text());
-      found.target_offset +=
-          offset.out * out + offset.right * Eigen::Vector3d::UnitZ().cross(out) + offset.up * Eigen::Vector3d::UnitZ();
+      const FacadeFrame& frame = facade(element, offset.selection.text());
+      found.target_offset += offset.out * frame.out + offset.right * frame.right + offset.up * frame.up;
     }
   }
 
-  const Eigen::Vector3d& facade(const std::string& rule) const {
-    if (!normal_)
-      throw std::runtime_error("'" + rule + "' asks for a place on the facade, but the anchors of " +
-                               design_.file_name +
-                               " lie in no single facade; give the offset in the element's axes (x, y, z)");
-    return *normal_;
+  /// A direction that is only guessed would put the target on the wrong side.
+  const FacadeFrame& facade(const Element& element, const std::string& rule) const {
+    if (element.facade.known() && element.facade.confirmed) return element.facade;
+    throw std::runtime_error(
+        "'" + rule + "' asks for a place on the facade, but " +
+        (element.facade.known()
+             ? "which way " + words_of(element) + " faces is not confirmed: " + element.facade.note
+             : "nothing in " + design_.file_name + " says which way " + words_of(element) + " faces") +
+        "; say it with design.with.facades, such as ['class=" + element.ifc_class +
+        ": azimuth=180deg'], or give the offset in the element's axes (x, y, z)");
   }
 
   Eigen::Vector3d reference_point(const Element& element, const std::string& rule) const {
@@ -197,7 +199,7 @@ class Matcher {
     const Eigen::Vector3d middle =
         element.project_from_element * Eigen::Vector3d(0.5 * (element.box_low + element.box_high));
     if (rule == "middle") return middle;
-    const Eigen::Vector3d out = facade(rule);
+    const Eigen::Vector3d& out = facade(element, rule).out;
     const Eigen::Vector3d own = element.project_from_element.rotation.conjugate() * out;
     const Eigen::Vector3d half = 0.5 * (element.box_high - element.box_low);
     return middle + own.cwiseAbs().dot(half) * out;
@@ -205,7 +207,6 @@ class Matcher {
 
   const Design& design_;
   const MatchOptions& options_;
-  std::optional<Eigen::Vector3d> normal_;
   std::map<std::string, std::unordered_map<std::string, std::vector<const Element*>>> index_;
   std::map<std::string, std::vector<const MappingRow*>> mapping_;
 };
@@ -215,7 +216,7 @@ class Matcher {
 TargetOffset parse_offset(const std::string& text) {
   const char* example = "class=IfcMechanicalFastener: out=40mm, up=-5mm";
   auto [selection, lengths, whole] = parse_lengths(text, example);
-  TargetOffset offset{std::move(selection), 0, 0, 0, Eigen::Vector3d::Zero()};
+  TargetOffset offset{std::move(selection), 0, 0, 0, Eigen::Vector3d::Zero(), whole};
   const std::map<std::string, double*> places = {{"out", &offset.out},   {"right", &offset.right},
                                                  {"up", &offset.up},     {"x", &offset.own.x()},
                                                  {"y", &offset.own.y()}, {"z", &offset.own.z()}};
@@ -235,11 +236,31 @@ ReferencePoint parse_reference(const std::string& text) {
   if (rule != "placement" && rule != "middle" && rule != "head")
     throw std::runtime_error("reference point '" + text + "': found '" + rule +
                              "', expected placement, middle or head");
-  return {std::move(selection), std::move(rule)};
+  return {std::move(selection), std::move(rule), text};
 }
 
+namespace {
+
+/// Rules that no anchor was placed by.
+void add_idle_rules(const std::vector<MatchedElement>& matches, const MatchOptions& options,
+                    std::vector<NotApplied>& to) {
+  const auto idle = [&](const Selection& selection) {
+    return std::none_of(matches.begin(), matches.end(), [&](const MatchedElement& match) {
+      return match.element && selection.matches(facts_of(*match.element));
+    });
+  };
+  for (const TargetOffset& offset : options.offsets)
+    if (idle(offset.selection)) to.push_back({offset.text, "offset", "it selects no anchor of the plate table"});
+  for (const ReferencePoint& reference : options.references)
+    if (idle(reference.selection))
+      to.push_back({reference.text, "reference_point", "it selects no anchor of the plate table"});
+}
+
+}  // namespace
+
 std::vector<MatchedElement> match_elements(const Design& design, const std::vector<std::string>& anchors,
-                                           const MatchOptions& options, std::vector<std::string>& warnings) {
+                                           const MatchOptions& options, std::vector<std::string>& warnings,
+                                           std::vector<NotApplied>* not_applied) {
   const Matcher matcher(design, options);
   std::vector<MatchedElement> matches;
   std::map<const Element*, std::size_t> taken;
@@ -262,6 +283,7 @@ std::vector<MatchedElement> match_elements(const Design& design, const std::vect
     if (unmatched <= 10) warnings.push_back("anchor '" + match.anchor + "': " + match.note);
   }
   if (unmatched > 10) warnings.push_back(std::to_string(unmatched - 10) + " more anchors fit no element of the design");
+  if (not_applied) add_idle_rules(matches, options, *not_applied);
   const std::set<std::string> known(anchors.begin(), anchors.end());
   for (const MappingRow& row : options.mapping)
     if (!known.contains(row.point))

@@ -23,12 +23,14 @@ struct TargetOffset {
   Selection selection;
   double out = 0, right = 0, up = 0;
   Eigen::Vector3d own = Eigen::Vector3d::Zero();
+  std::string text;
 };
 
 /// Which point of a class of elements the reference point is, where the reader's rule is not what the plan means.
 struct ReferencePoint {
   Selection selection;
   std::string rule;  ///< placement, middle (centre of its box) or head (centre of the outward face of its box)
+  std::string text;
 };
 
 /// "class=IfcMechanicalFastener: out=40mm, up=-5mm" (keys out, right, up, or x, y, z of the element's axes). Throws
@@ -56,8 +58,10 @@ struct MatchedElement {
 /// meant; if that leaves several, or two keys lead to different elements, or two anchors to one element, nothing is
 /// chosen and the note names them. Without any, the note names elements that come near (other case, separators, leading
 /// zeros, one or two letters; a name cut off at the 8 or 16 characters of a GSI file). Throws std::runtime_error if
-/// nothing at all fits, or an offset needs a facade and the design has none.
+/// nothing at all fits, or an offset needs a facade and which way the element faces is not known or not confirmed.
+/// `not_applied` gets the rules for offsets and reference points that select no anchor.
 std::vector<MatchedElement> match_elements(const Design& design, const std::vector<std::string>& anchors,
-                                           const MatchOptions& options, std::vector<std::string>& warnings);
+                                           const MatchOptions& options, std::vector<std::string>& warnings,
+                                           std::vector<NotApplied>* not_applied = nullptr);
 
 }  // namespace plumbline::bim

@@ -10,6 +10,7 @@
 // one), or Set.Property. Terms are joined by '&'.
 #pragma once
 
+#include <limits>
 #include <regex>
 #include <string>
 #include <vector>
@@ -18,8 +19,11 @@ namespace plumbline::bim {
 
 /// A property of an element. `number` is nan if the value is none; lengths in metres.
 struct Property {
+  static constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   std::string set, name, text;
   double number = 0;
+  std::string measure = {};  ///< type of the value, such as IFCLENGTHMEASURE; of what is no single value, its keyword
+  double lower = nan, upper = nan;  ///< of a bounded value, like `number`
 };
 
 /// What a selection looks at.
@@ -27,6 +31,11 @@ struct ElementFacts {
   std::string ifc_class, guid, name, tag, object_type, type_name, storey;
   const std::vector<Property>* properties = nullptr;  ///< null: none
   std::string batch = {};                             ///< of the plate at this anchor
+};
+
+/// Something that was asked for and could not be done: then nothing is ready to install.
+struct NotApplied {
+  std::string asked, by, reason;
 };
 
 class Selection {

@@ -12,7 +12,10 @@ namespace {
 
 using formats::trim;
 
-double length_of(std::string_view text) {
+}  // namespace
+
+double length_with_unit(std::string_view text) {
+  text = trim(text);
   double number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   const std::string_view unit = trim(text.substr(static_cast<std::size_t>(end - text.data())));
@@ -20,8 +23,6 @@ double length_of(std::string_view text) {
   if (error != std::errc() || factor == 0 || !std::isfinite(number)) return std::numeric_limits<double>::quiet_NaN();
   return number * factor;
 }
-
-}  // namespace
 
 SelectionAndRest split_rule(const std::string& text, const std::string& example) {
   const std::size_t colon = text.rfind(':');
@@ -37,7 +38,8 @@ LengthRule parse_lengths(const std::string& text, const std::string& example) {
     const std::string_view written = trim(part);
     const std::size_t equals = std::min(written.find('='), written.size());
     const std::string_view number = trim(written.substr(std::min(equals + 1, written.size())));
-    rule.lengths.push_back({std::string(trim(written.substr(0, equals))), length_of(number), std::string(written)});
+    rule.lengths.push_back(
+        {std::string(trim(written.substr(0, equals))), length_with_unit(number), std::string(written)});
   }
   return rule;
 }

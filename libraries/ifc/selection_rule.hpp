@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "ifc/selection.hpp"
@@ -16,6 +17,9 @@ struct SelectionAndRest {
   std::string rest;
 };
 SelectionAndRest split_rule(const std::string& text, const std::string& example);
+
+/// A length with its unit, mm or m [m]; nan if it is none.
+double length_with_unit(std::string_view text);
 
 struct NamedLength {
   std::string name;

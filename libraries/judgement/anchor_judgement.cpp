@@ -1,11 +1,10 @@
 // One anchor: its lengths against their tolerances, and the probability that it is within all of them.
 #include <Eigen/Eigenvalues>
-#include <array>
 #include <cmath>
+#include <optional>
 
-#include "geometry/statistics.hpp"
+#include "judgement/conformance.hpp"
 #include "judgement/deviation.hpp"
-#include "judgement/tolerance.hpp"
 
 namespace plumbline::judgement {
 namespace {
@@ -16,7 +15,7 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 using Span = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor, 3, 3>;
 
 /// Directions that span what an axis measures: one for a signed length, two or three for the length of a vector.
-Span span_of(Axis axis, const Eigen::Vector3d& normal) {
+Span span_of(Axis axis, const bim::FacadeFrame& facade) {
   const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
   Span rows;
   switch (axis) {
@@ -28,15 +27,19 @@ Span span_of(Axis axis, const Eigen::Vector3d& normal) {
       break;
     case Axis::in_plane:
       rows.resize(2, 3);
-      rows << up.cross(normal).transpose(), up.transpose();
+      rows << facade.right.transpose(), facade.up.transpose();
       break;
     case Axis::out_of_plane:
-      rows = normal.transpose();
+      rows = facade.out.transpose();
       break;
     default:
       rows = Eigen::Matrix3d::Identity();
   }
   return rows;
+}
+
+std::string words_of(Axis axis) {
+  return axis == Axis::in_plane ? "in the facade's plane" : "out of the facade's plane";
 }
 
 double value_of(const Span& span, const Eigen::Vector3d& d) {
@@ -57,75 +60,92 @@ double uncertainty_of(const Span& span, const Eigen::Vector3d& d, const Eigen::M
   return std::sqrt(std::max(0.0, variance));
 }
 
-constexpr int kSamples = 4096;
-
-/// Points of Halton's sequence (bases 2, 3, 5) as standard normal deviates: the same on every machine.
-const std::vector<Eigen::Vector3d>& normal_points() {
-  static const std::vector<Eigen::Vector3d> points = [] {
-    std::vector<Eigen::Vector3d> made(kSamples);
-    const std::array<int, 3> bases = {2, 3, 5};
-    for (int i = 0; i < kSamples; ++i)
-      for (int k = 0; k < 3; ++k) {
-        double fraction = 0, digit = 1;
-        for (int rest = i + 1; rest > 0; rest /= bases[static_cast<std::size_t>(k)])
-          fraction += (digit /= bases[static_cast<std::size_t>(k)]) * (rest % bases[static_cast<std::size_t>(k)]);
-        made[static_cast<std::size_t>(i)][k] = normal_quantile(fraction);
-      }
-    return made;
-  }();
-  return points;
+/// An axis that cannot be told, or only by a guess, is undecided: skipped it would be a pass.
+std::string doubt_of(Axis axis, const bim::FacadeFrame& facade, const Tolerance& tolerance) {
+  if (axis != Axis::in_plane && axis != Axis::out_of_plane) return "";
+  if (!facade.known()) return "not judged " + words_of(axis) + ": nothing says which way it faces";
+  if (facade.source == bim::FacadeSource::guess)
+    return "not judged " + words_of(axis) + ": which way it faces is only guessed";
+  if (!facade.confirmed && axis == Axis::out_of_plane && !std::isnan(tolerance.below))
+    return "not judged " + words_of(axis) + ": its tolerance has two sides, and which way it faces is not confirmed";
+  return "";
 }
 
-/// P(every judged length is within its tolerance) for a true deviation that is normal about the estimate; to 0.1 %, by
-/// quasi-Monte Carlo, since horizontal and vertical are correlated and a length is not normal.
-double pass_probability(const Eigen::Vector3d& d, const Eigen::MatrixXd& covariance,
-                        const std::vector<std::pair<Span, double>>& judged) {
-  if (judged.empty() || covariance.size() == 0 || !covariance.allFinite()) return nan;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(Eigen::Matrix3d(covariance.topLeftCorner<3, 3>()));
-  const Eigen::Matrix3d root = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
-  int inside = 0;
-  for (const Eigen::Vector3d& point : normal_points()) {
-    const Eigen::Vector3d sample = d + root * point;
-    bool within = true;
-    for (const auto& [span, tolerance] : judged) within = within && std::abs(value_of(span, sample)) <= tolerance;
-    inside += within;
+/// A judged axis: its place in the result and among what is held against limits.
+struct Entry {
+  JudgedAxisT* axis;
+  std::optional<std::size_t> limited;
+};
+
+/// The worst decides; of equal verdicts that which is least likely within its tolerance, then that which uses most of
+/// it.
+void decide(const std::vector<Entry>& entries, AnchorDeviationT& out) {
+  double likely = 2, usage = -1;
+  ToleranceVerdict worst = ToleranceVerdict::not_measured;
+  for (const Entry& entry : entries) {
+    const JudgedAxisT& axis = *entry.axis;
+    const double p = std::isnan(axis.probability) ? 2 : axis.probability;
+    const double used = std::isnan(axis.value) ? 0 : std::abs(axis.value) / axis.tolerance;
+    if (axis.verdict < worst) continue;
+    if (axis.verdict == worst && (p > likely || (p == likely && used <= usage))) continue;
+    worst = axis.verdict, likely = p, usage = used, out.decided_by = axis.axis;
   }
-  return static_cast<double>(inside) / kSamples;
 }
 
 }  // namespace
 
-void judge_anchor(const Eigen::Vector3d& deviation, const Eigen::MatrixXd& covariance, const Eigen::Vector3d& normal,
-                  const Tolerances& tolerances, double guard_factor, AnchorDeviationT& out, bool with_probability) {
-  std::vector<std::pair<Span, double>> judged;
-  double usage = -1;
+void judge_anchor(const Eigen::Vector3d& deviation, const Eigen::MatrixXd& covariance, const bim::FacadeFrame& facade,
+                  const Tolerances& tolerances, const DeviationOptions& options, AnchorDeviationT& out) {
+  std::vector<Limited> limits;
+  std::vector<Entry> judged;
+  std::string doubt;
   out.verdict = ToleranceVerdict::not_measured;
   for (const Axis axis : {Axis::horizontal, Axis::vertical, Axis::in_plane, Axis::out_of_plane, Axis::space}) {
     auto entry = std::make_unique<JudgedAxisT>();
     entry->axis = name_of(axis);
-    const auto tolerance = tolerances.find(axis);
-    if (tolerance != tolerances.end())
-      entry->tolerance = tolerance->second.value, entry->source = tolerance->second.source;
-    const bool facade = axis == Axis::in_plane || axis == Axis::out_of_plane;
-    if (deviation.allFinite() && (!facade || normal.allFinite())) {
-      const Span span = span_of(axis, normal);
+    const auto found = tolerances.find(axis);
+    const bool asked = found != tolerances.end();
+    const Tolerance tolerance = asked ? found->second : Tolerance{};
+    const bool told =
+        deviation.allFinite() && (facade.known() || (axis != Axis::in_plane && axis != Axis::out_of_plane));
+    const Span span = told ? span_of(axis, facade) : Span();
+    if (told) {
       entry->value = value_of(span, deviation);
+      // On which side the outside is is not known: neither is the sign.
+      if (axis == Axis::out_of_plane && !facade.confirmed) entry->value = std::abs(entry->value);
       entry->u = uncertainty_of(span, deviation, covariance);
-      if (entry->tolerance > 0) {
-        entry->verdict = evaluate::verdict_of(entry->value, entry->u, entry->tolerance, guard_factor);
-        judged.emplace_back(span, entry->tolerance);
-        const double used = std::abs(entry->value) / entry->tolerance;
-        if (entry->verdict > out.verdict || (entry->verdict == out.verdict && used > usage))
-          out.verdict = entry->verdict, out.decided_by = entry->axis, usage = used;
-      }
+    }
+    if (asked) {
+      entry->tolerance = tolerance.limit_of(told ? entry->value : 0), entry->source = tolerance.source;
+      entry->above = tolerance.value, entry->below = tolerance.lower();
+    }
+    if (asked && deviation.allFinite()) {
+      const std::string reason = doubt_of(axis, facade, tolerance);
+      judged.push_back({entry.get(), {}});
+      if (reason.empty())
+        judged.back().limited = limits.size(),
+        limits.push_back({span, tolerance.value, tolerance.lower(), tolerance.source == "default"});
+      else
+        doubt += (doubt.empty() ? "" : "; ") + reason;
     }
     out.axes.push_back(std::move(entry));
   }
+  const Conformance found = conformance(deviation, covariance, limits, options.risk, options.tau);
+  for (const Entry& entry : judged) {
+    if (entry.limited) entry.axis->probability = found.of_each[*entry.limited];
+    entry.axis->verdict = verdict_of(entry.axis->probability, options.risk);
+  }
+  if (!judged.empty()) out.verdict = verdict_of(found.probability, options.risk);
+  out.pass_probability = found.probability, out.tau_pass = found.tau_pass, out.tau_fail = found.tau_fail;
+  if (!doubt.empty()) {
+    out.note = doubt, out.pass_probability = nan, out.tau_pass = std::numeric_limits<double>::infinity();
+    if (out.verdict != ToleranceVerdict::fail) out.verdict = ToleranceVerdict::undecided;
+  }
+  decide(judged, out);
   out.deviation = deviation;
   if (covariance.size() != 0)
     for (Eigen::Index row = 0; row < 3; ++row)
       for (Eigen::Index column = 0; column < 3; ++column) out.covariance.push_back(covariance(row, column));
-  if (with_probability && deviation.allFinite()) out.pass_probability = pass_probability(deviation, covariance, judged);
 }
 
 }  // namespace plumbline::judgement

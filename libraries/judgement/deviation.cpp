@@ -7,8 +7,11 @@
 #include <stdexcept>
 
 #include "geometry/exchanged_places.hpp"
+#include "ifc/facade_artifact.hpp"
 #include "judgement/common_shift.hpp"
 #include "judgement/difference.hpp"
+#include "judgement/figures.hpp"
+#include "judgement/group_shifts.hpp"
 #include "judgement/panels.hpp"
 
 namespace plumbline::judgement {
@@ -32,6 +35,7 @@ std::unique_ptr<AnchorDeviationT> row_of(const AnchorCase& anchor) {
   row->class_ = anchor.element.ifc_class, row->instance = anchor.instance, row->storey_guid = anchor.storey_guid;
   row->found_by = anchor.found_by, row->reference_point_rule = anchor.reference_point_rule;
   row->floor = anchor.floor, row->column = anchor.column, row->use = anchor.use;
+  if (!anchor.element.guid.empty()) row->facade = bim::to_artifact(anchor.facade);
   row->design = anchor.design, row->target_offset = anchor.target_offset, row->note = anchor.note;
   row->as_built.setConstant(AnchorCase::nan), row->deviation.setConstant(AnchorCase::nan);
   return row;
@@ -62,7 +66,7 @@ void judge_anchors(Work& work) {
       if (covariance.size() > 0) covariance += anchor.mounting;
     }
     const Eigen::Vector3d deviation = row->as_built - anchor.design;
-    judge_anchor(deviation, covariance, work.inputs.facade_normal, anchor.tolerances, work.options.guard_factor, *row);
+    judge_anchor(deviation, covariance, anchor.facade, anchor.tolerances, work.options, *row);
     if (deviation.allFinite()) {
       work.deviations.anchors.push_back(i);
       places.push_back(found->second);
@@ -88,12 +92,72 @@ void judge_anchors(Work& work) {
         work.inputs.anchors[work.deviations.anchors[static_cast<std::size_t>(i)]].mounting;
 }
 
-/// A measurement that contradicts itself shows no anchor to be in order; what is out of tolerance stays so.
+/// A measurement that contradicts itself shows no anchor to be in order, and none to be out of tolerance.
 void take_doubts(Work& work) {
   work.out.doubts = work.inputs.doubts;
   if (work.out.doubts.empty()) return;
   for (auto& anchor : work.out.anchors)
-    if (anchor->verdict == ToleranceVerdict::pass) anchor->verdict = ToleranceVerdict::undecided;
+    if (anchor->verdict != ToleranceVerdict::not_measured) anchor->verdict = ToleranceVerdict::undecided;
+}
+
+/// The same of panels; an order that rests on it is none.
+void take_doubts_of_panels(Work& work) {
+  if (work.out.doubts.empty()) return;
+  for (auto& panel : work.out.panels) {
+    panel->verdict = ToleranceVerdict::undecided;
+    for (auto& fixing : panel->fixings) fixing->shim = fixing->sideways = fixing->upward = AnchorCase::nan;
+  }
+}
+
+/// What was asked for an anchor or a panel and cannot be judged leaves it undecided at best.
+template <typename Case, typename Row>
+void refuse(const Case& asked, Row& row, std::map<std::string, Request>& requests, bool panel) {
+  for (const std::string& text : asked.refused) {
+    Request& request = requests[text];
+    request.asked = text.substr(0, text.find(": ")), request.by = "design";
+    request.not_judged = text.substr(std::min(text.size(), text.find(": ") + 2));
+    ++(panel ? request.panels : request.anchors);
+  }
+  if (!asked.refused.empty() && row.verdict == ToleranceVerdict::pass)
+    row.verdict = ToleranceVerdict::undecided, row.decided_by = "not_judged";
+}
+
+/// Everything that was asked for, judged or not.
+void list_requests(Work& work) {
+  std::map<std::string, Request> refused;
+  for (std::size_t i = 0; i < work.inputs.anchors.size(); ++i) {
+    AnchorDeviationT& row = *work.out.anchors[i];
+    refuse(work.inputs.anchors[i], row, refused, false);
+    for (const std::string& text : work.inputs.anchors[i].refused)
+      row.note += (row.note.empty() ? "not judged: " : "; not judged: ") + text;
+  }
+  std::map<std::string, const PanelCase*> panels;
+  for (const PanelCase& panel : work.inputs.panels) panels[panel.guid] = &panel;
+  std::set<std::string> judged;
+  for (auto& row : work.out.panels) {
+    const PanelCase& panel = *panels.at(row->guid);
+    refuse(panel, *row, refused, true);
+    if (row->decided_by == "not_judged") row->reason = "not judged: " + panel.refused.front();
+    judged.insert(row->guid);
+  }
+  std::vector<Request> all = work.inputs.requests;
+  for (auto& [text, request] : refused) all.push_back(std::move(request));
+  std::vector<std::string> names;
+  for (const PanelCase& panel : work.inputs.panels)
+    if (!judged.contains(panel.guid)) names.push_back(panel.name.empty() ? panel.guid : panel.name);
+  if (!names.empty()) {
+    all.push_back({"panels " + list_of(names, 4), "design", 0, static_cast<int>(names.size()),
+                   "none of their anchors was measured"});
+  }
+  for (const Request& request : all) {
+    auto to = std::make_unique<JudgementRequestT>();
+    to->asked = request.asked, to->by = request.by, to->not_judged = request.not_judged;
+    to->anchors = request.anchors, to->panels = request.panels;
+    work.out.not_judged += !request.not_judged.empty();
+    if (!request.not_judged.empty())
+      work.out.warnings.push_back("Not judged: " + request.asked + ": " + request.not_judged + ".");
+    work.out.requests.push_back(std::move(to));
+  }
 }
 
 /// Anchors that were measured where the design has another one: plates or names were exchanged.
@@ -203,7 +267,7 @@ void summarise(Work& work) {
   }
   if (out.failed + panels_failed > 0)
     out.verdict = ToleranceVerdict::fail;
-  else if (out.undecided + panels_open > 0 || (out.not_measured > 0 && out.passed > 0))
+  else if (out.undecided + panels_open > 0 || ((out.not_measured > 0 || out.not_judged > 0) && out.passed > 0))
     out.verdict = ToleranceVerdict::undecided;
   else if (out.passed > 0)
     out.verdict = ToleranceVerdict::pass;
@@ -224,9 +288,9 @@ void find_common_shift(Work& work) {
     int passing = 0;
     for (std::size_t k = 0; k < corrected.size(); ++k) {
       AnchorDeviationT judged;
-      judge_anchor(corrected[k], block_of(work.deviations.covariance, k), work.inputs.facade_normal,
-                   work.inputs.anchors[work.deviations.anchors[k]].tolerances, work.options.guard_factor, judged,
-                   false);
+      const AnchorCase& anchor = work.inputs.anchors[work.deviations.anchors[k]];
+      judge_anchor(corrected[k], block_of(work.deviations.covariance, k), anchor.facade, anchor.tolerances,
+                   work.options, judged);
       passing += judged.verdict == ToleranceVerdict::pass;
     }
     return passing;
@@ -234,6 +298,33 @@ void find_common_shift(Work& work) {
   work.out.common_shift = common_shift(positions, deviations, work.deviations.covariance, smallest, would_pass);
   if (work.out.common_shift && work.out.common_shift->significant)
     work.out.warnings.push_back(work.out.common_shift->words);
+}
+
+/// What single floors, facades, columns and batches have in common, beyond what all of them have.
+void find_group_shifts(Work& work) {
+  const CommonShiftT* common =
+      work.out.common_shift && work.out.common_shift->significant ? work.out.common_shift.get() : nullptr;
+  std::vector<GroupMember> members;
+  double smallest = work.options.tau;
+  for (const std::size_t i : work.deviations.anchors) {
+    const AnchorCase& anchor = work.inputs.anchors[i];
+    const AnchorDeviationT& row = *work.out.anchors[i];
+    Eigen::Vector3d deviation = row.deviation;
+    if (common) deviation -= common->shift + common->rotation.cross(Eigen::Vector3d(row.design - common->centre));
+    members.push_back({deviation, row.floor, anchor.column, anchor.facade.facade, anchor.element.batch, anchor.facade});
+    for (const auto& [axis, tolerance] : anchor.tolerances)
+      if (tolerance.value > 0) smallest = std::min(smallest, tolerance.value);
+  }
+  const auto would_pass = [&](std::size_t k, const Eigen::Vector3d& deviation) {
+    AnchorDeviationT judged;
+    const AnchorCase& anchor = work.inputs.anchors[work.deviations.anchors[k]];
+    judge_anchor(deviation, block_of(work.deviations.covariance, k), anchor.facade, anchor.tolerances, work.options,
+                 judged);
+    return judged.verdict == ToleranceVerdict::pass;
+  };
+  work.out.group_shifts = group_shifts(members, work.deviations.covariance, smallest, would_pass);
+  for (const auto& group : work.out.group_shifts)
+    if (group->significant) work.out.warnings.push_back(group->words);
 }
 
 void warn_of_gaps(Work& work) {
@@ -255,21 +346,28 @@ void warn_of_gaps(Work& work) {
 }  // namespace
 
 DeviationT judge_deviations(const DeviationInputs& inputs, const DeviationOptions& options) {
-  if (!(options.tau > 0) || !(options.guard_factor >= 0))
-    throw std::runtime_error("the tolerance must be positive and the guard factor not negative");
+  if (!(options.tau > 0) || !(options.risk > 0 && options.risk < 0.5))
+    throw std::runtime_error("the tolerance must be positive and the risk between 0 and 0.5");
   Work work{inputs, options, {}, {}};
-  work.out.tau = options.tau, work.out.guard_factor = options.guard_factor;
+  work.out.tau = options.tau, work.out.risk = options.risk;
   work.out.mounting = inputs.mounting;
-  work.out.design_file = inputs.design_file, work.out.facade_normal = inputs.facade_normal;
+  work.out.misfits = inputs.misfits, work.out.misfit_factor = inputs.misfit_factor;
+  for (const std::string& misfit : inputs.misfits) work.out.warnings.push_back(misfit);
+  work.out.design_file = inputs.design_file;
+  for (const bim::Facade& facade : inputs.facades) work.out.facades.push_back(bim::to_artifact(facade));
   judge_anchors(work);
   require_same_frame(work);
   take_doubts(work);
   find_exchanged(work);
   work.out.panels = judge_panels(inputs, work.deviations, work.out.anchors, options);
+  take_doubts_of_panels(work);
+  list_requests(work);
   judge_floors(work);
   summarise(work);
+  for (std::string& warning : bim::facade_warnings(inputs.facades)) work.out.warnings.push_back(std::move(warning));
   warn_of_gaps(work);
   find_common_shift(work);
+  find_group_shifts(work);
   return std::move(work.out);
 }
 

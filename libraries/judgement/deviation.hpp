@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "artifacts/deviation.hpp"
+#include "ifc/facades.hpp"
 #include "judgement/accuracy.hpp"
 #include "judgement/tolerance_rules.hpp"
 #include "plumbline/rigid_transform.hpp"
@@ -24,7 +25,9 @@ struct AnchorCase {
   int floor = 0, column = 0;
   Eigen::Vector3d design = Eigen::Vector3d::Constant(nan);  ///< of the surveyed point; nan without element
   Eigen::Vector3d target_offset = Eigen::Vector3d::Zero();
+  bim::FacadeFrame facade;  ///< which way it faces: in_plane, out_of_plane and orders are told in it
   Tolerances tolerances;
+  std::vector<std::string> refused;  ///< what was asked for it and cannot be judged: then it does not pass
   /// Of the anchor against the plate that was measured [m²]; see mounting.hpp.
   Eigen::Matrix3d mounting = Eigen::Matrix3d::Zero();
 };
@@ -37,21 +40,37 @@ struct PanelCase {
   RigidTransform frame_from_panel;
   Eigen::Vector3d low = Eigen::Vector3d::Zero(), high = Eigen::Vector3d::Zero();  ///< [m]
   Tolerances tolerances;
+  bim::FacadeFrame facade = {};
+  std::vector<std::string> refused = {};
+};
+
+/// Something that was asked for: a rule, a property of the design, panels. What cannot be judged says why; then nothing
+/// is ready to install.
+struct Request {
+  std::string asked, by;  ///< by: "rule", "design", …
+  int anchors = 0, panels = 0;
+  std::string not_judged;  ///< the reason; empty: it was judged
 };
 
 struct DeviationInputs {
   std::vector<AnchorCase> anchors;
   std::vector<PanelCase> panels;
-  evaluate::PointSet model;                                                    ///< as built, by anchor id
-  Eigen::Vector3d facade_normal = Eigen::Vector3d::Constant(AnchorCase::nan);  ///< horizontal, outward; nan: none
+  std::vector<bim::Facade> facades;  ///< that the frames of anchors and panels name
+  evaluate::PointSet model;          ///< as built, by anchor id
   std::string design_file;
-  std::string mounting;             ///< what the anchors' `mounting` is, in words
-  std::vector<std::string> doubts;  ///< why the measurement is not to be trusted: then nothing passes
+  std::vector<Request> requests;  ///< beside what anchors and panels hold in `refused`
+  std::string mounting;           ///< what the anchors' `mounting` is, in words
+  std::vector<std::string>
+      doubts;  ///< why the measurement is not to be trusted: then nothing is decided, and no order given
+  /// What the measurement's model does not hold, in words with the command that mends it; the model's covariance is
+  /// multiplied with `misfit_factor` already, which the residuals say.
+  std::vector<std::string> misfits;
+  double misfit_factor = 1;
 };
 
 struct DeviationOptions {
-  double tau = 0.005;           ///< [m] default tolerance, for the headline
-  double guard_factor = 1.645;  ///< k of the guard band
+  double tau = 0.005;  ///< [m] default tolerance, for the headline
+  double risk = 0.05;  ///< pass if P >= 1 - risk, fail if P <= risk (conformance.hpp)
 };
 
 /// Throws std::runtime_error if ids repeat, a covariance has the wrong size, or the median deviation is above a metre:
@@ -59,10 +78,10 @@ struct DeviationOptions {
 /// reason.
 DeviationT judge_deviations(const DeviationInputs& inputs, const DeviationOptions& options);
 
-/// One anchor's axes and verdict. `covariance` is 3 x 3 or 0 x 0 [m²], `normal` the facade's or nan. The pass
-/// probability, which costs as much as all the rest, only if `with_probability`.
-void judge_anchor(const Eigen::Vector3d& deviation, const Eigen::MatrixXd& covariance, const Eigen::Vector3d& normal,
-                  const Tolerances& tolerances, double guard_factor, AnchorDeviationT& out,
-                  bool with_probability = true);
+/// One anchor's axes, verdict and probability: pass if all that is judged is within its tolerances at once with a
+/// probability of 1 - risk. `covariance` is 3 x 3 or 0 x 0 [m²]. Where a tolerance in or out of plane is asked for and
+/// nothing, or only a guess, says which way the anchor faces, that axis is undecided and `note` says why.
+void judge_anchor(const Eigen::Vector3d& deviation, const Eigen::MatrixXd& covariance, const bim::FacadeFrame& facade,
+                  const Tolerances& tolerances, const DeviationOptions& options, AnchorDeviationT& out);
 
 }  // namespace plumbline::judgement

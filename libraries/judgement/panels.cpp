@@ -5,10 +5,13 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <numbers>
 #include <set>
+#include <tuple>
 
 #include "geometry/panel_fit.hpp"
-#include "judgement/tolerance.hpp"
+#include "ifc/facade_artifact.hpp"
+#include "judgement/conformance.hpp"
 
 namespace plumbline::judgement {
 namespace {
@@ -20,16 +23,14 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 /// Panels farther apart than this are no neighbours [m].
 constexpr double kWidestJoint = 0.2;
 
-/// Axes of one who stands before the facade.
-struct Axes {
-  Eigen::Vector3d up = Eigen::Vector3d::UnitZ(), out, right;
-  explicit Axes(const Eigen::Vector3d& outward)
-      : out(Eigen::Vector3d(outward.x(), outward.y(), 0).normalized()), right(up.cross(out)) {}
-};
+using Axes = bim::FacadeFrame;
+/// Panels that face more differently than this share no joint: at a corner they meet in an edge.
+const double kOneFacade = std::cos(20 * std::numbers::pi / 180);
 
-double tolerance_for(const Tolerances& tolerances, Axis axis, double fallback) {
+/// Not judged where no tolerance is given: its value is nan then.
+Tolerance tolerance_for(const Tolerances& tolerances, Axis axis, const Tolerance& fallback = {}) {
   const auto found = tolerances.find(axis);
-  return found == tolerances.end() ? fallback : found->second.value;
+  return found == tolerances.end() ? fallback : found->second;
 }
 
 /// A panel on its anchors: every length is a row that acts on the deviations of `part`.
@@ -37,32 +38,42 @@ class Panel {
  public:
   Panel(const PanelCase& panel, const DeviationInputs& inputs, const evaluate::DifferenceSet& part,
         const DeviationOptions& options)
-      : panel_(panel), part_(part), axes_(inputs.facade_normal), guard_factor_(options.guard_factor) {
+      : panel_(panel), part_(part), axes_(panel.facade), options_(options) {
     for (const std::size_t anchor : part.anchors) fixings_.push_back(inputs.anchors[anchor].design);
     centre_ = panel.frame_from_panel * Eigen::Vector3d(0.5 * (panel.low + panel.high));
     motion_ = fit_panel(fixings_, centre_);
     find_box();
-    vertical_ = tolerance_for(panel.tolerances, Axis::vertical, options.tau);
-    sideways_ = tolerance_for(panel.tolerances, Axis::horizontal, options.tau);
-    outward_ = tolerance_for(panel.tolerances, Axis::out_of_plane,
-                             tolerance_for(panel.tolerances, Axis::horizontal, options.tau));
+    vertical_ = tolerance_for(panel.tolerances, Axis::vertical);
+    sideways_ = tolerance_for(panel.tolerances, Axis::horizontal);
+    outward_ = tolerance_for(panel.tolerances, Axis::out_of_plane, sideways_);
     in_plane_ = tolerance_for(panel.tolerances, Axis::in_plane, sideways_);
-    joint_ = tolerance_for(panel.tolerances, Axis::joint, nan);
+    joint_ = tolerance_for(panel.tolerances, Axis::joint);
   }
 
-  void fill(PanelDeviationT& out) const {
+  void fill(PanelDeviationT& out) {
     const Eigen::VectorXd motion = motion_.pose * part_.difference;
     out.shift = motion.head<3>(), out.rotation = motion.tail<3>();
-    out.out_of_plane = judge(translation(axes_.out), outward_);
-    out.sideways = judge(translation(axes_.right), sideways_);
-    out.vertical = judge(translation(axes_.up), vertical_);
+    for (Length* length :
+         {&out.out_of_plane, &out.sideways, &out.vertical, &out.tilt, &out.warp, &out.misfit, &out.corner})
+      *length = std::make_unique<JudgedLengthT>();
+    judge(*out.out_of_plane, translation(axes_.out), outward_);
+    judge(*out.sideways, translation(axes_.right), sideways_);
+    judge(*out.vertical, translation(axes_.up), vertical_);
     angle(axes_.right, 1, out.lean, out.u_lean);
     angle(axes_.up, -1, out.turn, out.u_turn);  // right × out points down
     angle(axes_.out, 1, out.roll, out.u_roll);
-    out.tilt = tilt();
-    out.warp = motion_.rotations == 3 && fixings_.size() > 3 ? worst_residual({axes_.out}, outward_) : unknown();
-    out.misfit = fixings_.size() > 1 ? worst_residual({axes_.right, axes_.up}, in_plane_) : unknown();
+    if (motion_.rotations > 0)
+      for (const Eigen::Vector3d& fixing : fixings_)
+        judge(*out.tilt, -skew(fixing - centre_) * motion_.pose.bottomRows<3>(), outward_);
+    if (motion_.rotations == 3 && fixings_.size() > 3) judge_residuals(*out.warp, {axes_.out}, outward_);
+    out.warp->value = std::abs(out.warp->value);  // two corners stand out as far as the other two stand back
+    if (fixings_.size() > 1) judge_residuals(*out.misfit, {axes_.right, axes_.up}, in_plane_);
     fill_corners(out);
+    const Conformance found = conformance(part_.difference, part_.covariance, limits_, options_.risk, options_.tau);
+    for (std::size_t i = 0; i < limits_.size(); ++i)
+      lengths_[i]->verdict = std::max(lengths_[i]->verdict, verdict_of(found.of_each[i], options_.risk));
+    out.pass_probability = found.probability, out.tau_pass = found.tau_pass, out.tau_fail = found.tau_fail;
+    if (!limits_.empty()) out.verdict = verdict_of(found.probability, options_.risk);
   }
 
   /// Row of the movement along `direction` of a point of the panel; empty where the anchors cannot tell it.
@@ -79,42 +90,41 @@ class Panel {
     return direction.transpose() * rows * motion_.pose;
   }
 
-  Length judge(const Row& row, double tolerance) const {
-    Length length = unknown();
-    length->value = row.dot(part_.difference), length->u = uncertainty(row);
-    length->tolerance = tolerance;
-    length->verdict = evaluate::verdict_of(length->value, length->u, tolerance, guard_factor_);
-    return length;
-  }
-
   const evaluate::DifferenceSet& part() const { return part_; }
   const PanelCase& panel() const { return panel_; }
   const Axes& axes() const { return axes_; }
-  double joint_tolerance() const { return joint_; }
+  const Tolerance& joint_tolerance() const { return joint_; }
+  /// Too far from another for any joint: cheap, because every two panels are asked.
+  bool far_from(const Panel& other) const {
+    return (centre_ - other.centre_).norm() > reach() + other.reach() + kWidestJoint;
+  }
+  double reach() const { return 0.5 * (panel_.high - panel_.low).norm(); }
   /// Its box along right, up and out.
   Eigen::Vector3d low, high;
-  Eigen::Vector3d at(double right, double up, double out) const {
-    return right * axes_.right + up * axes_.up + out * axes_.out;
-  }
-
- private:
-  void find_box() {
-    low.setConstant(1e300), high.setConstant(-1e300);
+  /// The same along those of another.
+  std::pair<Eigen::Vector3d, Eigen::Vector3d> box_in(const Axes& axes) const {
+    Eigen::Vector3d least = Eigen::Vector3d::Constant(1e300), most = -least;
     for (int corner = 0; corner < 8; ++corner) {
       const Eigen::Vector3d own(corner & 1 ? panel_.high.x() : panel_.low.x(),
                                 corner & 2 ? panel_.high.y() : panel_.low.y(),
                                 corner & 4 ? panel_.high.z() : panel_.low.z());
       const Eigen::Vector3d p = panel_.frame_from_panel * own;
-      const Eigen::Vector3d seen(axes_.right.dot(p), axes_.up.dot(p), axes_.out.dot(p));
-      low = low.cwiseMin(seen), high = high.cwiseMax(seen);
+      const Eigen::Vector3d seen(axes.right.dot(p), axes.up.dot(p), axes.out.dot(p));
+      least = least.cwiseMin(seen), most = most.cwiseMax(seen);
     }
+    return {least, most};
   }
+  Eigen::Vector3d at(double right, double up, double out) const {
+    return right * axes_.right + up * axes_.up + out * axes_.out;
+  }
+
+ private:
+  void find_box() { std::tie(low, high) = box_in(axes_); }
 
   double uncertainty(const Row& row) const {
     if (part_.covariance.size() == 0) return nan;
     return std::sqrt(std::max(0.0, (row * part_.covariance * row.transpose()).value()));
   }
-  static Length unknown() { return std::make_unique<JudgedLengthT>(); }
   Row translation(const Eigen::Vector3d& direction) const { return direction.transpose() * motion_.pose.topRows<3>(); }
 
   Eigen::Vector3d line_of_fixings() const {
@@ -132,39 +142,36 @@ class Panel {
     out = row.dot(part_.difference), u = uncertainty(row);
   }
 
-  /// The length of a vector that is linear in the deviations, judged along its own direction.
-  Length along_itself(const Eigen::MatrixXd& rows, double tolerance) const {
+  /// Takes a signed value (one row) or the length of a vector among what the panel is held against; of several for one
+  /// `shown` the largest is.
+  void judge(JudgedLengthT& shown, const Eigen::MatrixXd& rows, const Tolerance& tolerance) {
     const Eigen::VectorXd vector = rows * part_.difference;
-    if (!(vector.norm() > 0)) return judge(rows.row(0), tolerance);
-    return judge(vector.normalized().transpose() * rows, tolerance);
-  }
-
-  Length tilt() const {
-    if (motion_.rotations == 0) return unknown();
-    Length worst = unknown();
-    for (const Eigen::Vector3d& fixing : fixings_) {
-      Length moved = along_itself(-skew(fixing - centre_) * motion_.pose.bottomRows<3>(), outward_);
-      if (!(moved->value <= worst->value)) worst = std::move(moved);
+    const bool one = rows.rows() == 1;
+    const double value = one ? vector[0] : vector.norm();
+    if (!(std::abs(value) <= std::abs(shown.value))) {
+      shown.value = value;
+      shown.u = uncertainty(one || !(value > 0) ? Row(rows.row(0)) : Row(vector.normalized().transpose() * rows));
+      shown.tolerance = one ? tolerance.limit_of(value) : std::min(tolerance.value, tolerance.lower());
     }
-    return worst;
+    if (std::isnan(tolerance.value)) return;
+    const double size = std::min(tolerance.value, tolerance.lower());
+    limits_.push_back({rows, one ? tolerance.value : size, tolerance.lower(), tolerance.source.starts_with("default")});
+    lengths_.push_back(&shown);
   }
 
-  /// Over all fixings, the largest part of the residual in the span of `directions`.
-  Length worst_residual(const std::vector<Eigen::Vector3d>& directions, double tolerance) const {
-    Length worst = unknown();
+  /// Of all fixings, the part of the residual in the span of `directions`.
+  void judge_residuals(JudgedLengthT& shown, const std::vector<Eigen::Vector3d>& directions,
+                       const Tolerance& tolerance) {
     for (std::size_t i = 0; i < fixings_.size(); ++i) {
       Eigen::MatrixXd rows(static_cast<Eigen::Index>(directions.size()), motion_.residual.cols());
       for (std::size_t k = 0; k < directions.size(); ++k)
         rows.row(static_cast<Eigen::Index>(k)) =
             directions[k].transpose() * motion_.residual.middleRows<3>(3 * static_cast<Eigen::Index>(i));
-      Length length = along_itself(rows, tolerance);
-      if (!(length->value <= worst->value)) worst = std::move(length);
+      judge(shown, rows, tolerance);
     }
-    return worst;
   }
 
-  void fill_corners(PanelDeviationT& out) const {
-    out.corner = unknown();
+  void fill_corners(PanelDeviationT& out) {
     for (const auto& [name, right, up] : {std::tuple{"bottom_left", low.x(), low.y()},
                                           {"bottom_right", high.x(), low.y()},
                                           {"top_left", low.x(), high.y()},
@@ -179,10 +186,7 @@ class Panel {
         moved += (row.size() == 0 ? nan : row.dot(part_.difference)) * direction;
       }
       if (moved.allFinite()) corner->movement = moved;
-      if (const Row row = movement(corner->design, axes_.out); row.size() != 0) {
-        Length length = judge(row, outward_);
-        if (!(std::abs(length->value) <= std::abs(out.corner->value))) out.corner = std::move(length);
-      }
+      if (const Row row = movement(corner->design, axes_.out); row.size() != 0) judge(*out.corner, row, outward_);
       out.corners.push_back(std::move(corner));
     }
   }
@@ -190,16 +194,20 @@ class Panel {
   const PanelCase& panel_;
   evaluate::DifferenceSet part_;
   Axes axes_;
-  double guard_factor_;
+  const DeviationOptions& options_;
+  std::vector<Limited> limits_;  // what it is held against, and where each is shown
+  std::vector<JudgedLengthT*> lengths_;
   std::vector<Eigen::Vector3d> fixings_;
   Eigen::Vector3d centre_;
   PanelMotion motion_;
-  double vertical_ = nan, sideways_ = nan, outward_ = nan, in_plane_ = nan, joint_ = nan;
+  Tolerance vertical_, sideways_, outward_, in_plane_, joint_;
 };
 
 void fill_fixings(const PanelCase& panel, const DeviationInputs& inputs,
                   const std::vector<std::unique_ptr<AnchorDeviationT>>& judged, const Axes& axes,
                   PanelDeviationT& out) {
+  // An order that may be the wrong way round is none.
+  const double order = axes.confirmed ? 1 : nan;
   for (const std::size_t anchor : panel.anchors) {
     const AnchorDeviationT& verdict = *judged[anchor];
     if (!verdict.deviation.allFinite()) {
@@ -208,8 +216,9 @@ void fill_fixings(const PanelCase& panel, const DeviationInputs& inputs,
     }
     auto fixing = std::make_unique<PanelFixingT>();
     fixing->anchor = verdict.id, fixing->guid = verdict.guid;
-    fixing->shim = -axes.out.dot(verdict.deviation);
-    fixing->sideways = -axes.right.dot(verdict.deviation), fixing->upward = -verdict.deviation.z();
+    fixing->shim = -order * axes.out.dot(verdict.deviation);
+    fixing->sideways = -order * axes.right.dot(verdict.deviation);
+    fixing->upward = -axes.up.dot(verdict.deviation);
     if (verdict.covariance.size() == 9) {
       const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> s(verdict.covariance.data());
       fixing->u_shim = std::sqrt(std::max(0.0, axes.out.dot(s * axes.out)));
@@ -220,22 +229,36 @@ void fill_fixings(const PanelCase& panel, const DeviationInputs& inputs,
   }
 }
 
-/// The gap between two panels where `from` ends and `to` begins along axis 0 (right) or 1 (up).
+/// A panel that faces nowhere that is known is not left out: it is listed, and undecided.
+void fill_unknown(PanelDeviationT& out) {
+  out.shift.setConstant(nan), out.rotation.setConstant(nan);
+  for (Length* length :
+       {&out.out_of_plane, &out.sideways, &out.vertical, &out.tilt, &out.warp, &out.misfit, &out.corner})
+    *length = std::make_unique<JudgedLengthT>();
+}
+
+/// The gap between two panels where `from` ends and `to` begins along axis 0 (right) or 1 (up) of `from`.
 struct Gap {
   int axis;
-  double width, begin, end;  ///< [m]; begin and end along the other axis
+  double from, to, begin, end;  ///< [m]; begin and end along the other axis
+  double width() const { return to - from; }
 };
 
-/// Whether `b` follows `a` along the axis as a neighbour in one facade plane.
+/// Whether `b` follows `a` along the axis as a neighbour on one facade, which may bend a little between them.
 bool follows(const Panel& a, const Panel& b, int axis, Gap& gap) {
+  const double turn = a.axes().out.dot(b.axes().out);
+  if (turn < kOneFacade) return false;
   const int other = 1 - axis;
-  const double width = b.low[axis] - a.high[axis];
+  const auto [low, high] = b.box_in(a.axes());
+  const double width = low[axis] - a.high[axis];
   if (width < -0.02 || width > kWidestJoint) return false;
-  if (std::abs((b.low.z() + b.high.z()) - (a.low.z() + a.high.z())) > 0.2) return false;
-  const double begin = std::max(a.low[other], b.low[other]), end = std::min(a.high[other], b.high[other]);
-  const double shorter = std::min(a.high[other] - a.low[other], b.high[other] - b.low[other]);
+  const double bend = std::tan(std::acos(std::min(1.0, turn)));
+  const double middles = std::abs((low.z() + high.z()) - (a.low.z() + a.high.z()));
+  if (middles > 0.2 + bend * (high[axis] - a.low[axis])) return false;
+  const double begin = std::max(a.low[other], low[other]), end = std::min(a.high[other], high[other]);
+  const double shorter = std::min(a.high[other] - a.low[other], high[other] - low[other]);
   if (end - begin < 0.5 * shorter || end - begin < 0.05) return false;
-  gap = {axis, width, begin, end};
+  gap = {axis, a.high[axis], low[axis], begin, end};
   return true;
 }
 
@@ -246,7 +269,7 @@ bool change_at(const Panel& a, const Panel& b, const Gap& gap, double place, con
   const Eigen::Vector3d direction = gap.axis == 0 ? a.axes().right : a.axes().up;
   const double face = 0.5 * (a.low.z() + a.high.z());
   const auto point = [&](double along) { return gap.axis == 0 ? a.at(along, place, face) : a.at(place, along, face); };
-  const Row of_a = a.movement(point(a.high[gap.axis]), direction), of_b = b.movement(point(b.low[gap.axis]), direction);
+  const Row of_a = a.movement(point(gap.from), direction), of_b = b.movement(point(gap.to), direction);
   if (of_a.size() == 0 || of_b.size() == 0) return false;
   std::map<std::size_t, Eigen::RowVector3d> rows;  // by anchor
   const auto add = [&](const Panel& panel, const Row& row, double sign) {
@@ -273,15 +296,15 @@ bool change_at(const Panel& a, const Panel& b, const Gap& gap, double place, con
 class Joints {
  public:
   Joints(const std::vector<Panel>& panels, std::vector<std::unique_ptr<PanelDeviationT>>& out,
-         const evaluate::DifferenceSet& all, double guard_factor)
-      : panels_(panels), out_(out), all_(all), guard_factor_(guard_factor) {
+         const evaluate::DifferenceSet& all, const DeviationOptions& options)
+      : panels_(panels), out_(out), all_(all), options_(options) {
     for (std::size_t i = 0; i < all.size(); ++i) position_[all.anchors[i]] = i;
   }
 
   void find() {
     for (std::size_t a = 0; a < panels_.size(); ++a)
       for (std::size_t b = 0; b < panels_.size(); ++b)
-        for (int axis = 0; a != b && axis < 2; ++axis)
+        for (int axis = 0; a != b && !panels_[a].far_from(panels_[b]) && axis < 2; ++axis)
           if (Gap gap; follows(panels_[a], panels_[b], axis, gap)) add(a, b, gap);
   }
 
@@ -291,7 +314,7 @@ class Joints {
     if (!change_at(panels_[a], panels_[b], gap, gap.begin, all_, position_, value[0], u[0])) return;
     if (!change_at(panels_[a], panels_[b], gap, gap.end, all_, position_, value[1], u[1])) return;
     const int worse = std::abs(value[1]) > std::abs(value[0]);
-    const double width = std::max(0.0, gap.width);
+    const double width = std::max(0.0, gap.width());
     for (const auto& [own, other, side] :
          {std::tuple{a, b, gap.axis == 0 ? "right" : "above"}, {b, a, gap.axis == 0 ? "left" : "below"}}) {
       auto joint = std::make_unique<PanelJointT>();
@@ -300,17 +323,31 @@ class Joints {
       joint->narrowest = width + std::min(value[0], value[1]), joint->widest = width + std::max(value[0], value[1]);
       joint->change = std::make_unique<JudgedLengthT>();
       joint->change->value = value[worse], joint->change->u = u[worse];
-      joint->change->tolerance = panels_[own].joint_tolerance();
-      if (joint->change->tolerance > 0)
-        joint->change->verdict = evaluate::verdict_of(value[worse], u[worse], joint->change->tolerance, guard_factor_);
+      const Tolerance& tolerance = panels_[own].joint_tolerance();
+      joint->change->tolerance = tolerance.limit_of(value[worse]);
+      judge(*joint->change, tolerance, *out_[own]);
       out_[own]->joints.push_back(std::move(joint));
     }
+  }
+
+  /// The panel turns with its joints too.
+  void judge(JudgedLengthT& change, const Tolerance& tolerance, PanelDeviationT& panel) const {
+    if (std::isnan(tolerance.value)) return;
+    const Limited limited{Eigen::MatrixXd::Ones(1, 1), tolerance.value, tolerance.lower(),
+                          tolerance.source.starts_with("default")};
+    const Eigen::MatrixXd variance =
+        std::isnan(change.u) ? Eigen::MatrixXd() : Eigen::MatrixXd::Constant(1, 1, change.u * change.u);
+    const Conformance found =
+        conformance(Eigen::VectorXd::Constant(1, change.value), variance, {limited}, options_.risk, options_.tau);
+    change.verdict = verdict_of(found.probability, options_.risk);
+    panel.tau_pass = std::max(panel.tau_pass, found.tau_pass),
+    panel.tau_fail = std::max(panel.tau_fail, found.tau_fail);
   }
 
   const std::vector<Panel>& panels_;
   std::vector<std::unique_ptr<PanelDeviationT>>& out_;
   const evaluate::DifferenceSet& all_;
-  double guard_factor_;
+  const DeviationOptions& options_;
   std::map<std::size_t, std::size_t> position_;
 };
 
@@ -341,6 +378,9 @@ class Decision {
 };
 
 void decide(PanelDeviationT& out, const std::map<std::string, const AnchorDeviationT*>& anchors) {
+  // All its lengths at once, and the one that speaks for it.
+  const ToleranceVerdict together = out.verdict;
+  out.verdict = ToleranceVerdict::not_measured;
   Decision decision(out);
   decision.consider("out_of_plane", "out of plane", *out.out_of_plane);
   decision.consider("sideways", "sideways", *out.sideways);
@@ -349,6 +389,7 @@ void decide(PanelDeviationT& out, const std::map<std::string, const AnchorDeviat
   decision.consider("warp", "warp", *out.warp);
   decision.consider("misfit", "slots of the anchors", *out.misfit);
   decision.consider("corner", "corner out of plane", *out.corner);
+  if (together != ToleranceVerdict::not_measured) out.verdict = std::max(out.verdict, together);
   for (const auto& joint : out.joints)
     decision.consider("joint", ("joint to " + (joint->name.empty() ? joint->panel : joint->name)).c_str(),
                       *joint->change);
@@ -366,6 +407,11 @@ void decide(PanelDeviationT& out, const std::map<std::string, const AnchorDeviat
         }());
     if (anchor.verdict > ToleranceVerdict::pass) decision.consider("anchor", anchor.verdict, usage, words);
   }
+  const bool confirmed = out.facade && out.facade->confirmed;
+  if (!confirmed && out.verdict < ToleranceVerdict::undecided)
+    out.verdict = ToleranceVerdict::undecided, out.decided_by = "facade",
+    out.reason = out.facade && out.facade->out.allFinite() ? "not decided: " + out.facade->note
+                                                           : "not judged: nothing says which way it faces";
   if (!out.missing.empty() && out.verdict < ToleranceVerdict::undecided)
     out.verdict = ToleranceVerdict::undecided, out.decided_by = "missing_anchor",
     out.reason = "anchor " + out.missing.front() + " was not measured";
@@ -378,9 +424,9 @@ std::vector<std::unique_ptr<PanelDeviationT>> judge_panels(const DeviationInputs
                                                            const std::vector<std::unique_ptr<AnchorDeviationT>>& judged,
                                                            const DeviationOptions& options) {
   std::vector<std::unique_ptr<PanelDeviationT>> result;
-  if (!inputs.facade_normal.allFinite()) return result;
   std::map<std::size_t, std::size_t> position;
   for (std::size_t i = 0; i < deviations.size(); ++i) position[deviations.anchors[i]] = i;
+  std::vector<std::unique_ptr<PanelDeviationT>> nowhere;  // face nowhere that is known
   std::vector<Panel> panels;
   panels.reserve(inputs.panels.size());
   for (const PanelCase& panel : inputs.panels) {
@@ -388,15 +434,21 @@ std::vector<std::unique_ptr<PanelDeviationT>> judge_panels(const DeviationInputs
     for (const std::size_t anchor : panel.anchors)
       if (const auto found = position.find(anchor); found != position.end()) own.push_back(found->second);
     if (own.empty()) continue;
-    panels.emplace_back(panel, inputs, deviations.subset(own), options);
     auto out = std::make_unique<PanelDeviationT>();
     out->guid = panel.guid, out->name = panel.name, out->instance = panel.instance;
-    out->storey_guid = panel.storey_guid;
-    fill_fixings(panel, inputs, judged, panels.back().axes(), *out);
-    panels.back().fill(*out);
-    result.push_back(std::move(out));
+    out->storey_guid = panel.storey_guid, out->facade = bim::to_artifact(panel.facade);
+    fill_fixings(panel, inputs, judged, panel.facade, *out);
+    if (panel.facade.known()) {
+      panels.emplace_back(panel, inputs, deviations.subset(own), options);
+      panels.back().fill(*out);
+      result.push_back(std::move(out));
+    } else {
+      fill_unknown(*out);
+      nowhere.push_back(std::move(out));
+    }
   }
-  Joints(panels, result, deviations, options.guard_factor).find();
+  Joints(panels, result, deviations, options).find();
+  for (auto& panel : nowhere) result.push_back(std::move(panel));
   std::map<std::string, const AnchorDeviationT*> anchors;
   for (const auto& anchor : judged) anchors[anchor->id] = anchor.get();
   for (auto& panel : result) decide(*panel, anchors);

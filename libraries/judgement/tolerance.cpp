@@ -10,9 +10,9 @@ namespace plumbline::evaluate {
 ToleranceVerdict verdict_of(double d, double u, double tau, double guard_factor) {
   if (!std::isfinite(d)) return ToleranceVerdict::not_measured;
   if (!std::isfinite(u)) return ToleranceVerdict::undecided;
-  if (std::abs(d) + guard_factor * u <= tau) return ToleranceVerdict::pass;
-  if (std::abs(d) - guard_factor * u > tau) return ToleranceVerdict::fail;
-  return ToleranceVerdict::undecided;
+  const double probability = conformance_probability(d, u, tau), enough = normal_probability(guard_factor);
+  if (probability >= enough) return ToleranceVerdict::pass;
+  return probability <= 1 - enough ? ToleranceVerdict::fail : ToleranceVerdict::undecided;
 }
 
 double conformance_probability(double d, double u, double tau) {

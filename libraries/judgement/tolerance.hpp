@@ -9,8 +9,9 @@
 
 namespace plumbline::evaluate {
 
-/// Decision with a guard band (JCGM 106:2012, 8.3): pass if |d| + k·u <= tau, fail if |d| - k·u > tau, else undecided.
-/// `u` nan: undecided, unless d itself is not finite: not measured. Lengths in m.
+/// Decision by conformance probability (JCGM 106:2012, 8.3): pass if P(|D| <= tau) is at least Φ(k), fail if it is at
+/// most 1 - Φ(k), else undecided; with u far below tau that is |d| + k·u <= tau and |d| - k·u >= tau. `u` nan:
+/// undecided, unless d itself is not finite: not measured. Lengths in m.
 ToleranceVerdict verdict_of(double d, double u, double tau, double guard_factor);
 
 /// P(|D| <= tau) for a true difference D that is normal about the estimate d with standard uncertainty u

@@ -4,6 +4,8 @@
 #include <limits>
 #include <map>
 
+#include "ifc/facade_artifact.hpp"
+
 namespace plumbline::bim {
 namespace {
 
@@ -30,9 +32,12 @@ DesignElementT to_artifact(const Element& element) {
   to.item_positions = element.item_positions;
   to.anchor_guids = element.anchor_guids;
   to.instance = element.instance;
+  to.host_guid = element.host_guid;
+  if (element.is_anchor || element.is_panel) to.facade = to_artifact(element.facade);
   for (const Property& property : element.properties) {
     auto item = std::make_unique<DesignPropertyT>();
     item->set = property.set, item->name = property.name, item->text = property.text, item->number = property.number;
+    item->measure = property.measure, item->lower = property.lower, item->upper = property.upper;
     to.properties.push_back(std::move(item));
   }
   return to;
@@ -61,12 +66,21 @@ Element from_artifact(const DesignElementT& element) {
   to.item_positions = element.item_positions;
   to.anchor_guids = element.anchor_guids;
   to.instance = element.instance;
+  to.host_guid = element.host_guid;
+  if (element.facade) to.facade = bim::from_artifact(*element.facade);
   for (const auto& property : element.properties)
-    to.properties.push_back({property->set, property->name, property->text, property->number});
+    to.properties.push_back({property->set, property->name, property->text, property->number, property->measure,
+                             property->lower, property->upper});
   return to;
 }
 
 }  // namespace
+
+std::unique_ptr<JudgementRequestT> to_artifact(const NotApplied& request) {
+  auto to = std::make_unique<JudgementRequestT>();
+  to->asked = request.asked, to->by = request.by, to->not_judged = request.reason;
+  return to;
+}
 
 DesignT to_artifact(const Design& design) {
   DesignT to;
@@ -88,7 +102,9 @@ DesignT to_artifact(const Design& design) {
   }
   for (const Element& element : design.elements)
     to.elements.push_back(std::make_unique<DesignElementT>(to_artifact(element)));
-  to.facade_normal = estimate_facade_normal(design).value_or(Eigen::Vector3d::Constant(unknown));
+  for (const Facade& facade : design.facades) to.facades.push_back(to_artifact(facade));
+  const bool one = design.facades.size() == 1 && design.facades[0].bend < 1e-3;
+  to.facade_normal = one ? design.facades[0].out : Eigen::Vector3d::Constant(unknown);
   if (design.map_conversion) {
     const MapConversion& map = *design.map_conversion;
     to.map_conversion = std::make_unique<DesignMapConversionT>();
@@ -105,6 +121,7 @@ DesignT to_artifact(const Design& design) {
   to.site_origin = design.site_origin;
   to.skipped = design.skipped;
   to.warnings = design.warnings;
+  for (const NotApplied& request : design.not_applied) to.not_applied.push_back(to_artifact(request));
   return to;
 }
 
@@ -119,6 +136,7 @@ Design from_artifact(const DesignT& artifact) {
   for (const auto& storey : artifact.storeys)
     to.storeys.push_back({storey->guid, storey->name, storey->elevation, storey->placement_height, storey->instance});
   for (const auto& element : artifact.elements) to.elements.push_back(from_artifact(*element));
+  for (const auto& facade : artifact.facades) to.facades.push_back(from_artifact(*facade));
   if (const auto& map = artifact.map_conversion)
     to.map_conversion = MapConversion{map->eastings,        map->northings,       map->orthogonal_height,
                                       map->x_axis_abscissa, map->x_axis_ordinate, map->scale,
@@ -126,6 +144,8 @@ Design from_artifact(const DesignT& artifact) {
   to.site_origin = artifact.site_origin;
   to.skipped = artifact.skipped;
   to.warnings = artifact.warnings;
+  for (const auto& request : artifact.not_applied)
+    to.not_applied.push_back({request->asked, request->by, request->not_judged});
   return to;
 }
 

@@ -9,6 +9,7 @@ namespace plumbline::bim {
 
 DesignT to_artifact(const Design& design);
 Design from_artifact(const DesignT& artifact);
+std::unique_ptr<JudgementRequestT> to_artifact(const NotApplied& request);
 
 /// Anchors of a design as points of its frame: their names (GlobalIds where a name is missing or not unique), no
 /// uncertainty.

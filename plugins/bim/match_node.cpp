@@ -51,8 +51,9 @@ void MatchElements::run(Context& context) {
   for (const auto& plate : plates.unpack().plates)
     if (seen.insert(plate->anchor).second) anchors.push_back(plate->anchor);
   ElementMatchesT result;
+  std::vector<NotApplied> not_applied;
   PointsT designed;
-  for (const MatchedElement& match : match_elements(read, anchors, options, result.warnings)) {
+  for (const MatchedElement& match : match_elements(read, anchors, options, result.warnings, &not_applied)) {
     auto entry = std::make_unique<ElementMatchT>();
     entry->anchor = match.anchor, entry->found_by = match.found_by, entry->note = match.note;
     entry->position.setConstant(unknown), entry->target_offset.setZero();
@@ -69,6 +70,10 @@ void MatchElements::run(Context& context) {
     result.matches.push_back(std::move(entry));
   }
   for (const std::string& warning : result.warnings) context.warn(warning);
+  for (const NotApplied& idle : not_applied) {
+    context.warn(idle.by + " '" + idle.asked + "': " + idle.reason);
+    result.not_applied.push_back(to_artifact(idle));
+  }
   matches.commit(result);
   points.commit(designed);
 }

@@ -7,6 +7,8 @@
 #include "artifacts/file_artifact.hpp"
 #include "artifacts/input_files.hpp"
 #include "artifacts/plates.hpp"
+#include "artifacts/surface_judgement.hpp"
+#include "artifacts/surfaces.hpp"
 #include "artifacts/survey_observations.hpp"
 #include "check_node.hpp"
 #include "design_file.hpp"
@@ -22,7 +24,7 @@ namespace plumbline::bim {
 namespace {
 
 struct ReadIfc : Node {
-  static constexpr Info info{"bim.read_ifc", "", 3,
+  static constexpr Info info{"bim.read_ifc", "", 4,
                              "Reads storeys, elements, anchors and panels from an IFC file (IFC2X3, IFC4, IFC4X3)"};
   In<plumbline::File> file{"file", "the IFC file (STEP text)"};
   Optional<Plates> plates{"plates", "anchor table: elements of these names (or tags) are anchors too"};
@@ -37,6 +39,16 @@ struct ReadIfc : Node {
   Param<std::vector<std::string>> anchor_guids{"anchor_guids", std::vector<std::string>{},
                                                "GlobalIds of elements that are anchors too"};
   Optional<plumbline::File> mapping{"mapping", "mapping table: the elements that it leads to are anchors too"};
+  Param<std::vector<std::string>> panel_selection{
+      "panel_selection", std::vector<std::string>{},
+      "elements that are facade panels, such as 'class=IfcWall & name~^FT-'; empty: IfcPlate, IfcCurtainWall, "
+      "IfcCovering "
+      "that is CLADDING, and, where a design has none of these, walls that hang before their anchors"};
+  Param<std::vector<std::string>> facades{
+      "facades", std::vector<std::string>{},
+      "which way anchors and panels face, where the design does not say it or says it wrongly: 'name~^N-: "
+      "azimuth=0deg, name=North' (clockwise from the y axis of the design), 'storey=Roof: out=up', '*: confirmed' "
+      "(what was guessed is right); later rules before earlier ones"};
   Param<bool> all_shapes{"all_shapes", false,
                          "read where every element's shape is, and not only those of anchors, panels and some of the "
                          "others; it is most of the work"};
@@ -44,11 +56,12 @@ struct ReadIfc : Node {
   Out<Points> anchor_points{"anchors", frame("frame=building"), "reference points of the anchors"};
 
   AnchorRule rule() const {
-    AnchorRule rule{*anchors, *anchor_pattern, *anchor_guids, {}, *anchor_selection, *all_shapes};
+    AnchorRule rule{*anchors, *anchor_pattern, *anchor_guids, {}, *anchor_selection, *all_shapes, *panel_selection, {}};
     if (plates)
       for (const auto& plate : plates.unpack().plates) rule.names.push_back(plate->anchor);
     if (mapping)
       for (const MappingRow& row : mapping_rows(mapping.unpack())) rule.names.push_back(row.element);
+    for (const std::string& text : *facades) rule.facades.push_back(parse_facade_rule(text));
     return rule;
   }
 
@@ -73,6 +86,8 @@ struct WriteIfc : Node {
   Optional<SurveyObservations> survey{"survey", frame("frame=?S"),
                                       "the survey as read: instrument and date of the provenance"};
   Optional<InputFiles> inputs{"inputs", "the files that were read, for their hashes, and what was set aside"};
+  Optional<Surfaces> surfaces{"surfaces", frame("frame=?F"), "panels and joints as they were measured"};
+  Optional<SurfaceJudgement> surface_judgement{"surface_judgement", "their verdicts"};
   Param<bool> survey_points{"survey_points", true, "an IfcAnnotation at every measured position"};
   Param<bool> solids{"solids", true, "a small solid of the verdict's colour there, and a thin one for every panel"};
   Param<std::string> epoch{"epoch", "",
@@ -139,6 +154,10 @@ struct WriteIfc : Node {
           "the survey does not say when it was measured: the additions carry the latest date of the design; "
           "'date' in campaign.yaml or 'observation_time' says it");
     add_provenance(read, when, options);
+    SurfacesT measured;
+    SurfaceJudgementT judged;
+    if (surfaces) measured = surfaces.unpack(), options.surfaces = &measured;
+    if (surface_judgement) judged = surface_judgement.unpack(), options.surface_judgement = &judged;
     const AsBuiltIfc result = write_as_built(file, read, deviation.unpack(), accuracy.unpack(), options);
     for (const std::string& warning : result.warnings) context.warn(warning);
     const auto folder = out.make_folder();
@@ -151,10 +170,12 @@ struct WriteIfc : Node {
 struct WriteBcf : Node {
   static constexpr Info info{
       "bim.write_bcf", "", 2,
-      "Issues in BCF 2.1: a topic with viewpoint and snapshot for every failing or undecided anchor and panel"};
+      "Issues in BCF 2.1: a topic with viewpoint and snapshot for every failing or undecided anchor, panel and surface"};
   In<Deviation> deviation{"deviation", frame("frame=?F"), "as-built minus design, judged"};
   In<plumbline::Design> design{"design", frame("frame=?F"), "the design, for the ids"};
   Optional<SurveyObservations> survey{"survey", frame("frame=?S"), "the survey as read: the date of the topics"};
+  Optional<Surfaces> surfaces{"surfaces", frame("frame=?F"), "panels and joints as they were measured"};
+  Optional<SurfaceJudgement> surface_judgement{"surface_judgement", "their verdicts, which have topics too"};
   Param<std::string> epoch{"epoch", "", "name of the campaign; a label of the topics"};
   Param<std::string> date{"date", "", "of the topics, ISO 8601; empty: that of the survey"};
   Param<std::string> author{"author", "plumbline", "of the topics"};
@@ -189,6 +210,10 @@ struct WriteBcf : Node {
     to.name = "issues.bcf";
     to.media_type = "application/zip";
     const DeviationT judged = deviation.unpack();
+    SurfacesT measured;
+    SurfaceJudgementT judged_surfaces;
+    if (surfaces) measured = surfaces.unpack(), options.surfaces = &measured;
+    if (surface_judgement) judged_surfaces = surface_judgement.unpack(), options.surface_judgement = &judged_surfaces;
     const std::string bytes =
         write_bcf(judged, judgement::worst_first(judged), judgement::worst_panels_first(judged), options);
     to.content.assign(bytes.begin(), bytes.end());

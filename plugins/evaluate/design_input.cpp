@@ -1,10 +1,15 @@
 #include "evaluate/design_input.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
 #include <map>
 #include <set>
 #include <stdexcept>
 
 #include "geometry/panel_fit.hpp"
+#include "ifc/facade_artifact.hpp"
+#include "judgement/figures.hpp"
 
 namespace plumbline::evaluate {
 
@@ -17,7 +22,8 @@ using judgement::PanelCase;
 /// Facts of an element; `properties` outlives them.
 bim::ElementFacts facts_of(const DesignElementT& element, std::vector<bim::Property>& properties) {
   properties.clear();
-  for (const auto& p : element.properties) properties.push_back({p->set, p->name, p->text, p->number});
+  for (const auto& p : element.properties)
+    properties.push_back({p->set, p->name, p->text, p->number, p->measure, p->lower, p->upper});
   return {element.class_,      element.guid,      element.name,   element.tag,
           element.object_type, element.type_name, element.storey, &properties};
 }
@@ -25,11 +31,18 @@ bim::ElementFacts facts_of(const DesignElementT& element, std::vector<bim::Prope
 class Builder {
  public:
   Builder(const DesignT& design, const judgement::ToleranceTable& tolerances, const judgement::Mounting& mounting)
-      : design_(design), tolerances_(tolerances), mounting_(mounting) {
+      : design_(design),
+        tolerances_(tolerances),
+        mounting_(mounting),
+        rules_(tolerances.rules.size()),
+        mounting_rules_(mounting.rules.size()) {
     for (const auto& element : design.elements) elements_[element->guid] = element.get();
   }
 
   void add_listed(const ElementMatchesT& matches, const PlatesT& plates) {
+    for (const auto* list : {&design_.not_applied, &matches.not_applied})
+      for (const auto& request : *list)
+        inputs_.requests.push_back({request->asked, request->by, 0, 0, request->not_judged});
     std::map<std::string, const PlateT*> plate_of;
     for (const auto& plate : plates.plates) plate_of.try_emplace(plate->anchor, plate.get());
     for (const auto& match : matches.matches) {
@@ -70,34 +83,56 @@ class Builder {
   }
 
   void add_panels(double reach) {
-    if (!design_.facade_normal.allFinite()) return;
     std::set<std::string> wholes;
+    std::vector<std::string> shapeless, loose;
     for (const auto& element : design_.elements)
       if (element->is_panel) wholes.insert(element->parent_guid);
     for (const auto& element : design_.elements) {
-      if (!element->is_panel || wholes.count(element->guid) || !element->box_low.allFinite()) continue;
+      if (!element->is_panel || wholes.count(element->guid)) continue;
+      if (!element->box_low.allFinite()) {
+        shapeless.push_back(name_of(*element));
+        continue;
+      }
       PanelCase panel;
       panel.guid = element->guid, panel.name = element->name, panel.storey_guid = element->storey_guid;
       panel.instance = element->instance;
+      panel.facade = bim::frame_or_none(element->facade);
       panel.frame_from_panel = element->placement, panel.low = element->box_low, panel.high = element->box_high;
-      panel.tolerances = judgement::tolerances_of(tolerances_, facts_of(*element, properties_));
+      judgement::ToleranceFindings findings;
+      panel.tolerances = judgement::tolerances_of(tolerances_, facts_of(*element, properties_), &findings);
+      panel.refused = findings.refused;
       const std::set<std::string> said(element->anchor_guids.begin(), element->anchor_guids.end());
       const RigidTransform panel_from_project = element->placement.inverse();
+      const Eigen::Vector3d middle = element->placement * Eigen::Vector3d(0.5 * (element->box_low + element->box_high));
+      const double farthest = 0.5 * (element->box_high - element->box_low).norm() + reach;
       for (std::size_t i = 0; i < inputs_.anchors.size(); ++i) {
         const AnchorCase& anchor = inputs_.anchors[i];
         if (!anchor.design.allFinite()) continue;
         const Eigen::Vector3d reference = anchor.design - anchor.target_offset;
+        if (said.empty() && (reference - middle).norm() > farthest) continue;
         const bool holds = said.empty() ? distance_from_box(element->box_low, element->box_high,
                                                             panel_from_project * reference) <= reach
                                         : said.count(anchor.element.guid) > 0;
         if (holds) panel.anchors.push_back(i);
       }
-      if (!panel.anchors.empty()) inputs_.panels.push_back(std::move(panel));
+      if (panel.anchors.empty()) {
+        loose.push_back(name_of(*element));
+        continue;
+      }
+      for (const std::size_t rule : findings.rules) ++rules_[rule].second;
+      inputs_.panels.push_back(std::move(panel));
     }
+    char reason[100];
+    std::snprintf(reason, sizeof reason,
+                  "no anchor is within %.3g m of them (panel_reach), and the file ties none to them", reach);
+    add_panels_not_judged(loose, reason);
+    add_panels_not_judged(shapeless, "they have no shape that can be read");
   }
 
   DeviationInputs take() {
-    inputs_.facade_normal = design_.facade_normal, inputs_.design_file = design_.file_name;
+    group();
+    add_rules();
+    inputs_.design_file = design_.file_name;
     inputs_.mounting = mounting_.words(from_table_);
     return std::move(inputs_);
   }
@@ -105,14 +140,89 @@ class Builder {
  private:
   void describe(const DesignElementT& element, const PlateT* plate, AnchorCase& anchor) {
     anchor.element = facts_of(element, properties_);
+    anchor.facade = bim::frame_or_none(element.facade);
     if (plate) {
       anchor.element.batch = plate->batch;
+      const bim::FacadeFrame by_design = anchor.facade;
+      bim::add_plate(anchor.facade, plate->nominal_rotation * Eigen::Vector3d::UnitZ());
+      if (anchor.facade.source == bim::FacadeSource::plate && by_design.known())
+        sides_[by_design.facade].push_back(!anchor.facade.confirmed ? 0 : anchor.facade.out.dot(by_design.out));
       anchor.mounting = mounting_.covariance(anchor.element, plate->mounting_sigma, plate->nominal_rotation);
       from_table_ += plate->mounting_sigma.size() == 3;
     }
-    anchor.tolerances = judgement::tolerances_of(tolerances_, anchor.element);
+    judgement::ToleranceFindings findings;
+    anchor.tolerances = judgement::tolerances_of(tolerances_, anchor.element, &findings);
+    anchor.refused = findings.refused;
+    for (const std::size_t rule : findings.rules) ++rules_[rule].first;
+    for (std::size_t i = 0; i < mounting_.rules.size(); ++i)
+      mounting_rules_[i] += plate && mounting_.rules[i].selection.matches(anchor.element);
     anchor.element.properties = nullptr;
     anchor.instance = element.instance, anchor.storey_guid = element.storey_guid;
+  }
+
+  static std::string name_of(const DesignElementT& element) {
+    return element.name.empty() ? element.guid : element.name;
+  }
+
+  void add_panels_not_judged(const std::vector<std::string>& names, const std::string& reason) {
+    if (!names.empty())
+      inputs_.requests.push_back(
+          {"panels " + judgement::list_of(names, 4), "design", 0, static_cast<int>(names.size()), reason});
+  }
+
+  /// Every rule with what it is about; one that selects nothing, or asks for an axis that what it selects does not
+  /// have, is not judged.
+  void add_rules() {
+    for (std::size_t i = 0; i < tolerances_.rules.size(); ++i) {
+      const judgement::ToleranceRule& rule = tolerances_.rules[i];
+      judgement::Request request{rule.text, "rule", rules_[i].first, rules_[i].second, ""};
+      if (request.anchors + request.panels == 0) request.not_judged = "it selects no anchor and no panel";
+      for (const auto& [axis, tolerance] : rule.tolerances) {
+        const bool judged = (request.anchors > 0 && judgement::judged_of_anchors(axis)) ||
+                            (request.panels > 0 && judgement::judged_of_panels(axis));
+        if (!judged && request.not_judged.empty())
+          request.not_judged = std::string(judgement::name_of(axis)) + " is not judged of " +
+                               (request.panels > 0 ? "panels" : "anchors") + ", and it selects nothing else";
+      }
+      inputs_.requests.push_back(std::move(request));
+    }
+    for (std::size_t i = 0; i < mounting_.rules.size(); ++i)
+      inputs_.requests.push_back({mounting_.rules[i].text, "mounting", mounting_rules_[i], 0,
+                                  mounting_rules_[i] > 0 ? "" : "it selects no anchor of the plate table"});
+  }
+
+  /// The plates may have turned what the design left open: facades are grouped anew, and what no plate stands at
+  /// follows those of its facade that have one.
+  void group() {
+    std::vector<bim::Facing> all;
+    for (AnchorCase& anchor : inputs_.anchors) {
+      follow_facade(anchor.facade);
+      if (anchor.design.allFinite()) all.push_back({anchor.design, &anchor.facade, false});
+    }
+    for (PanelCase& panel : inputs_.panels) {
+      follow_anchors(panel);
+      follow_facade(panel.facade);
+      all.push_back({panel.frame_from_panel * Eigen::Vector3d(0.5 * (panel.low + panel.high)), &panel.facade, true});
+    }
+    inputs_.facades = bim::group_facades(all);
+  }
+
+  /// Where all plates of a facade keep, or all turn, what the design had guessed, the rest of it does so too.
+  void follow_facade(bim::FacadeFrame& frame) const {
+    const auto sides = sides_.find(frame.facade);
+    if (frame.confirmed || !frame.known() || sides == sides_.end()) return;
+    const auto [least, most] = std::minmax_element(sides->second.begin(), sides->second.end());
+    if (*least > 0.8 || *most < -0.8) bim::add_plate(frame, *least > 0.8 ? frame.out : Eigen::Vector3d(-frame.out));
+  }
+
+  /// What the plates at its anchors say holds for a panel too.
+  void follow_anchors(PanelCase& panel) const {
+    for (const std::size_t i : panel.anchors) {
+      const bim::FacadeFrame& anchor = inputs_.anchors[i].facade;
+      if (anchor.source == bim::FacadeSource::plate && anchor.confirmed &&
+          (!panel.facade.known() || std::abs(anchor.out.dot(panel.facade.out)) > 0.86))
+        return bim::add_plate(panel.facade, anchor.out);
+    }
   }
 
   void add(AnchorCase anchor) {
@@ -123,9 +233,12 @@ class Builder {
   const DesignT& design_;
   const judgement::ToleranceTable& tolerances_;
   const judgement::Mounting& mounting_;
+  std::vector<std::pair<int, int>> rules_;  // anchors and panels that each rule selects
+  std::vector<int> mounting_rules_;
   std::size_t from_table_ = 0;
   std::map<std::string, const DesignElementT*> elements_;
   std::map<std::string, std::size_t> index_;
+  std::map<std::string, std::vector<double>> sides_;  // by facade of the design: cosines of the plates to it
   std::vector<bim::Property> properties_;
   DeviationInputs inputs_;
 };

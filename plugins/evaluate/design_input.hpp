@@ -11,7 +11,8 @@ namespace plumbline::evaluate {
 
 /// Anchors of the plate table with their elements, then those anchors of the design that it does not list; leaf panels
 /// with the anchors that hold them: those the design says, else those within kPanelReach of the panel's box. Wholes
-/// made of other panels (a curtain wall of plates) are left out, and all panels of a facade without a known direction.
+/// made of other panels (a curtain wall of plates) are left out. Which way anchors and panels face is what the design
+/// says and, before that, the azimuths of the plates.
 /// `model` is not filled. Throws std::runtime_error if `matches` names elements that `design` does not have.
 judgement::DeviationInputs deviation_inputs(const DesignT& design, const ElementMatchesT& matches,
                                             const PlatesT& plates, const judgement::ToleranceTable& tolerances,

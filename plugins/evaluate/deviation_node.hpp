@@ -11,23 +11,28 @@
 #include "artifacts/survey_network.hpp"
 #include "artifacts/transform.hpp"
 #include "geometry/panel_fit.hpp"
+#include "judgement/deviation.hpp"
 #include "plumbline/node.hpp"
 
 namespace plumbline::evaluate {
 
 struct EvaluateDeviation : Node {
   static constexpr Info info{
-      "evaluate.deviation", "", 3,
+      "evaluate.deviation", "", 4,
       "As-built minus design (14): verdicts of anchors, panels and floors, joints, shims, common shift"};
   In<Points> model{"model", frame("frame=?F"), "as-built points with their covariance"};
   In<Design> design{"design", frame("frame=?F"), "the design"};
   In<ElementMatches> matches{"matches", frame("frame=?F"), "which anchor is which element"};
   In<Plates> plates{"plates", frame("frame=?P"),
                     "anchor table: floor, column and role of every anchor, how its plate faces and is mounted"};
-  Optional<Block> block{"block", frame("frame=?B"),
-                        "the adjusted block: one that fails its global tests proves nothing"};
-  Optional<SurveyNetwork> network{"network", frame("frame=?N"),
-                                  "the survey: one that contradicts itself proves nothing"};
+  Optional<Block> block{
+      "block", frame("frame=?B"),
+      "the adjusted block: one that fails its global tests proves nothing; one whose camera model does not "
+      "hold is less certain"};
+  Optional<SurveyNetwork> network{
+      "network", frame("frame=?N"),
+      "the survey: one that contradicts itself or that nothing controls proves nothing; one "
+      "whose readings agree less well than they should is less certain"};
   Optional<Transform> frames{"frames", frame("to=?F,from=?S"),
                              "the way from the survey's frame: the stake-out list is in that one, because instruments "
                              "are; without it, in the design's"};
@@ -37,10 +42,12 @@ struct EvaluateDeviation : Node {
       "tolerances", std::vector<std::string>{},
       "tolerances of their own: 'class=IfcPlate & storey=Level 2: out_of_plane=3mm, vertical=5mm' (horizontal, "
       "vertical, "
-      "in_plane, out_of_plane, space, joint; 0mm: not judged); later rules go before earlier ones"};
+      "in_plane, out_of_plane, space, joint; 0mm: not judged; vertical, out_of_plane and joint may have two sides, "
+      "+5/-2mm); later rules go before earlier ones; a rule that selects nothing is not judged"};
   Param<bool> design_tolerances{"design_tolerances", true, "Pset_Tolerance of an element goes before tau"};
-  Param<double> guard_factor{"guard_factor", 1.645, "1", between(0, 10),
-                             "k of the guard band: pass if |d| + k u <= tolerance; 1.645: 5 % risk"};
+  Param<double> risk{"risk", 0.05, "1", between(1e-3, 0.49),
+                     "an anchor passes if it is within all its tolerances with a probability of 1 - risk, and fails if "
+                     "that probability is at most the risk"};
   Param<double> mounting_sigma{
       "mounting_sigma", 0.0005, "m", between(0, 0.1),
       "of a plate's place on its anchor, on each axis of the plate: part of the anchor's uncertainty, because survey "
@@ -58,7 +65,7 @@ struct EvaluateDeviation : Node {
   void run(Context& context) override;
 
  private:
-  std::vector<std::string> doubts();
+  void take_tests(judgement::DeviationInputs& inputs);
 };
 
 }  // namespace plumbline::evaluate

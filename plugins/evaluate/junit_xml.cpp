@@ -67,7 +67,12 @@ std::string junit_xml(const AccuracyT& accuracy, const DeviationT* deviation) {
     for (const auto& a : deviation->anchors) anchors.push_back({a->id, words_of(*a), a->verdict});
     for (const auto& p : deviation->panels)
       panels.push_back({p->name.empty() ? p->guid : p->name, p->reason, p->verdict});
+    std::vector<Case> requests;
+    for (const auto& r : deviation->requests)
+      requests.push_back({r->asked, "not judged: " + r->not_judged,
+                          r->not_judged.empty() ? ToleranceVerdict::pass : ToleranceVerdict::undecided});
     text += suite("anchors_against_design", anchors) + suite("panels", panels);
+    if (!requests.empty()) text += suite("asked_for", requests);
   }
   std::vector<Case> checks;
   for (const auto& a : accuracy.anchors) {
@@ -100,6 +105,7 @@ std::string stake_out_csv(const DeviationT& deviation, const FrameLink& building
     correction << survey_from_building.topLeftCorner<2, 2>() * -anchor->deviation.head<2>(),
         -survey_from_building(2, 2) * anchor->deviation.z();
     for (int k = 0; k < 3; ++k) text += ";" + fixed(place[k], 4);
+    if (!deviation.doubts.empty()) correction.setConstant(NAN);  // no order rests on a measurement that proves nothing
     for (int k = 0; k < 3; ++k) text += ";" + fixed(correction[k], 4);
     text += std::string(";") + EnumNameToleranceVerdict(anchor->verdict) + "\n";
   }

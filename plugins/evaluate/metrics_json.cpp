@@ -103,6 +103,7 @@ Json to_json(const AnchorDeviationT& a);
 Json to_json(const FloorDeviationT& f);
 Json to_json(const PanelFixingT& f);
 Json to_json(const PanelJointT& j);
+Json to_json(const JudgementRequestT& r);
 
 template <typename T>
 Json list(const std::vector<std::unique_ptr<T>>& items) {
@@ -206,9 +207,29 @@ Json to_json(const PanelDeviationT& p) {
           {"reason", p.reason}};
 }
 
+Json to_json(const FacadeFrameT* f) {
+  if (!f) return nullptr;
+  return {{"name", f->facade},
+          {"source", f->source},
+          {"confirmed", f->confirmed},
+          {"out", {f->out.x(), f->out.y(), f->out.z()}},
+          {"note", f->note}};
+}
+
+Json to_json(const JudgementRequestT& r) {
+  return {{"asked", r.asked}, {"by", r.by}, {"anchors", r.anchors}, {"panels", r.panels}, {"not_judged", r.not_judged}};
+}
+
 Json to_json(const JudgedAxisT& a) {
-  return {{"axis", a.axis},           {"value", a.value},           {"u", a.u},
-          {"tolerance", a.tolerance}, {"verdict", verdict_word(a)}, {"source", a.source}};
+  return {{"axis", a.axis},
+          {"value", a.value},
+          {"u", a.u},
+          {"tolerance", a.tolerance},
+          {"below", a.below},
+          {"above", a.above},
+          {"verdict", verdict_word(a)},
+          {"probability", a.probability},
+          {"source", a.source}};
 }
 
 Json to_json(const AnchorDeviationT& a) {
@@ -217,6 +238,7 @@ Json to_json(const AnchorDeviationT& a) {
           {"floor", a.floor},
           {"use", a.use},
           {"deviation", {a.deviation.x(), a.deviation.y(), a.deviation.z()}},
+          {"facade", to_json(a.facade.get())},
           {"axes", list(a.axes)},
           {"verdict", EnumNameToleranceVerdict(a.verdict)},
           {"decided_by", a.decided_by},
@@ -244,6 +266,9 @@ Json to_json(const DeviationT* d) {
           {"undecided", d->undecided},
           {"fail", d->failed},
           {"not_measured", d->not_measured},
+          {"risk", d->risk},
+          {"not_judged", d->not_judged},
+          {"requests", list(d->requests)},
           {"common_shift", d->common_shift ? d->common_shift->words : ""},
           {"floors", list(d->floors)},
           {"anchors", list(d->anchors)}};

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <functional>
 #include <map>
-#include <optional>
 
+#include "ifc/facade_frame.hpp"
 #include "report/anchor_names.hpp"
 #include "report/format.hpp"
 #include "report/plot.hpp"
@@ -25,6 +25,7 @@ struct Spot {
   Eigen::Vector3d position = Eigen::Vector3d::Zero(), difference = Eigen::Vector3d::Zero();  ///< [m]; nan: not measured
   double number = 0;                                                                         ///< beside the name [m]
   ToleranceVerdict verdict = ToleranceVerdict::not_measured;
+  std::string facade;            ///< empty: none that is known
   double along = 0, height = 0;  ///< [m]
 };
 
@@ -35,8 +36,24 @@ struct Quad {
   std::vector<Eigen::Vector3d> corners;  ///< bottom left, bottom right, top right, top left
 };
 
+/// How one stands before a facade: to the right and up; where it bends it is unrolled.
+struct Sight {
+  Eigen::Vector3d right = Eigen::Vector3d::Zero(), up = Eigen::Vector3d::UnitZ();  ///< zero: as the anchors spread
+  std::vector<std::pair<double, double>> unrolled;                                 ///< along `right`, and unrolled [m]
+
+  double along(const Eigen::Vector3d& p) const {
+    const double s = right.dot(p);
+    if (unrolled.size() < 2) return s;
+    std::size_t i = 1;
+    while (i + 1 < unrolled.size() && unrolled[i].first < s) ++i;
+    const auto& [from, length] = unrolled[i - 1];
+    const auto& [to, end] = unrolled[i];
+    return length + (end - length) / (to - from) * (s - from);
+  }
+};
+
 /// Horizontal direction along which the anchors spread most; pointing to +x, or to +y where that is undecided.
-Eigen::Vector2d facade_direction(const std::vector<Spot>& anchors) {
+Eigen::Vector3d facade_direction(const std::vector<Spot>& anchors) {
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
   for (const Spot& a : anchors) mean += a.position.head<2>() / static_cast<double>(anchors.size());
   Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
@@ -44,10 +61,10 @@ Eigen::Vector2d facade_direction(const std::vector<Spot>& anchors) {
     const Eigen::Vector2d d = a.position.head<2>() - mean;
     scatter += d * d.transpose();
   }
-  if (scatter.trace() < 1e-6) return {1, 0};  // one vertical column
+  if (scatter.trace() < 1e-6) return {1, 0, 0};  // one vertical column
   Eigen::Vector2d direction = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(scatter).eigenvectors().col(1);
   if (direction.x() < -1e-6 || (std::abs(direction.x()) <= 1e-6 && direction.y() < 0)) direction = -direction;
-  return direction;
+  return {direction.x(), direction.y(), 0};
 }
 
 /// What one drawing shows.
@@ -57,21 +74,19 @@ struct View {
   std::string number;  ///< what stands beside the names
   std::vector<Spot> spots;
   std::vector<Quad> panels;
-  std::optional<Eigen::Vector2d> direction;  ///< to the right as one stands before the facade
+  Sight sight;
 };
 
 struct Elevation {
   std::vector<Spot> spots;
-  Eigen::Vector2d direction;
+  Sight sight;
   Scale x, y;                    ///< [m] to px
   double width = 0, height = 0;  ///< of the drawing [px]
   double pixels_per_metre = 1;
   double exaggeration = 1;
   std::map<int, std::string> prefixes;  ///< of names, left out in the drawing
 
-  Eigen::Vector2d drawn(const Eigen::Vector3d& point) const {
-    return {x(direction.dot(point.head<2>())), y(point.z())};
-  }
+  Eigen::Vector2d drawn(const Eigen::Vector3d& point) const { return {x(sight.along(point)), y(sight.up.dot(point))}; }
 };
 
 double smallest_spacing(const std::vector<Spot>& spots) {
@@ -89,18 +104,19 @@ Elevation layout(const AccuracyT& accuracy, const View& view) {
   for (const Spot& spot : view.spots)
     if (spot.position.allFinite()) e.spots.push_back(spot);
   if (e.spots.empty()) return e;
-  e.direction = view.direction.value_or(facade_direction(e.spots));
+  e.sight = view.sight;
+  if (e.sight.right.isZero()) e.sight.right = facade_direction(e.spots);
   e.prefixes = common_prefixes(accuracy);
   double left = 1e300, right = -1e300, low = 1e300, high = -1e300, largest = 0;
   const auto reach = [&](const Eigen::Vector3d& p) {
-    left = std::min(left, e.direction.dot(p.head<2>())), right = std::max(right, e.direction.dot(p.head<2>()));
-    low = std::min(low, p.z()), high = std::max(high, p.z());
+    left = std::min(left, e.sight.along(p)), right = std::max(right, e.sight.along(p));
+    low = std::min(low, e.sight.up.dot(p)), high = std::max(high, e.sight.up.dot(p));
   };
   for (Spot& spot : e.spots) {
-    spot.along = e.direction.dot(spot.position.head<2>()), spot.height = spot.position.z();
+    spot.along = e.sight.along(spot.position), spot.height = e.sight.up.dot(spot.position);
     reach(spot.position);
     if (spot.difference.allFinite())
-      largest = std::max(largest, std::hypot(e.direction.dot(spot.difference.head<2>()), spot.difference.z()));
+      largest = std::max(largest, std::hypot(e.sight.right.dot(spot.difference), e.sight.up.dot(spot.difference)));
   }
   for (const Quad& quad : view.panels)
     for (const Eigen::Vector3d& corner : quad.corners) reach(corner);
@@ -117,7 +133,8 @@ Elevation layout(const AccuracyT& accuracy, const View& view) {
   e.y = {low, low + span_y, e.height - margin, margin};
   // No arrow longer than nine tenths of the way to the next anchor, nor than the margins are wide.
   const double longest = std::min(0.9 * spacing, 60 / e.pixels_per_metre);
-  e.exaggeration = largest > 0 ? round_down(longest / largest) : 1;
+  // Nor is less than a tenth of a millimetre, which nobody measures, drawn as long as what matters.
+  e.exaggeration = round_down(longest / std::max(largest, 1e-4));
   return e;
 }
 
@@ -197,7 +214,7 @@ void draw_elevation(Markup& html, const Elevation& e, const View& view) {
     Tip tip{x, y};
     if (s.difference.allFinite()) {
       const double scale = e.exaggeration * e.pixels_per_metre;
-      tip = {x + scale * e.direction.dot(s.difference.head<2>()), y - scale * s.difference.z()};
+      tip = {x + scale * e.sight.right.dot(s.difference), y - scale * e.sight.up.dot(s.difference)};
     }
     labels.block({x - 8, y - 8, x + 8, y + 8});
     labels.block_segment(x, y, tip.x, tip.y);
@@ -244,13 +261,16 @@ void write_elevation(Markup& html, const AccuracyT& accuracy, const View& view) 
   Scope figure(html, "figure");
   html.element("h3", view.question);
   draw_elevation(html, e, view);
-  html.element("figcaption", "Arrows: " + view.name + ", drawn ×" + fixed(e.exaggeration, 0) +
-                                 " (the arrow at the right edge stands for " + tolerance(scale_deviation(e)) +
-                                 "); numbers: " + view.number + " in mm. " +
-                                 (e.prefixes.empty() ? "" : "Names without the part that a floor has in common. ") +
-                                 "Drawn along the facade, " +
-                                 (std::abs(e.direction.x()) >= std::abs(e.direction.y()) ? "x" : "y") +
-                                 " increasing to the right.");
+  const Eigen::Vector3d& right = e.sight.right;
+  html.element("figcaption",
+               "Arrows: " + view.name + ", drawn ×" + fixed(e.exaggeration, 0) +
+                   " (the arrow at the right edge stands for " + tolerance(scale_deviation(e)) +
+                   "); numbers: " + view.number + " in mm. " +
+                   (e.prefixes.empty() ? "" : "Names without the part that a floor has in common. ") +
+                   (e.sight.unrolled.empty() ? "Drawn along the facade, " : "Unrolled along the facade, ") +
+                   (std::abs(right.x()) >= std::abs(right.y()) ? "x " : "y ") +
+                   (right.x() + right.y() >= 0 || std::max(right.x(), right.y()) > 0.7 ? "increasing" : "decreasing") +
+                   " to the right.");
 }
 
 View model_view(const AccuracyT& accuracy) {
@@ -267,24 +287,66 @@ View model_view(const AccuracyT& accuracy) {
   return view;
 }
 
-/// As-built minus design with the panels; with out-of-plane numbers, or with heights.
-View built_view(const DeviationT& deviation, bool out_of_plane) {
-  View view{out_of_plane ? "How far out of the facade's plane?" : "Are the anchors in place?",
-            "as-built minus design",
-            out_of_plane ? "out of plane, outward positive," : "height deviation",
-            {},
-            {},
-            {}};
-  const Eigen::Vector3d& normal = deviation.facade_normal;
-  if (normal.allFinite()) view.direction = Eigen::Vector2d(-normal.y(), normal.x());
-  if (out_of_plane && !normal.allFinite()) return view;
+/// Before a facade; unrolled where it bends by more than 5°.
+Sight sight_of(const FacadeT& facade, const DeviationT& deviation) {
+  Sight sight;
+  const bim::FacadeFrame frame = bim::frame_facing(facade.out, bim::FacadeSource::none, false);
+  sight.right = frame.right, sight.up = frame.up;
+  if (facade.bend < 0.087) return sight;
+  std::vector<Eigen::Vector3d> places;
+  for (const auto& anchor : deviation.anchors)
+    if (anchor->facade && anchor->facade->facade == facade.name && anchor->design.allFinite())
+      places.push_back(anchor->design);
+  std::sort(places.begin(), places.end(),
+            [&](const auto& a, const auto& b) { return sight.right.dot(a) < sight.right.dot(b); });
+  for (const Eigen::Vector3d& place : places) {
+    const double s = sight.right.dot(place);
+    if (sight.unrolled.empty()) {
+      sight.unrolled.emplace_back(s, s);
+    } else if (s > sight.unrolled.back().first + 0.3) {
+      const Eigen::Vector3d before = *std::find_if(places.begin(), places.end(), [&](const auto& p) {
+        return sight.right.dot(p) >= sight.unrolled.back().first - 1e-9;
+      });
+      sight.unrolled.emplace_back(s, sight.unrolled.back().second + (place - before).head<2>().norm());
+    }
+  }
+  return sight;
+}
+
+/// As-built minus design of a facade with its panels; out of its plane (the arrows then stand for that, outward drawn
+/// upward), or in it. `facade` null: of the anchors that belong to none.
+View built_view(const DeviationT& deviation, const FacadeT* facade, bool out_of_plane) {
+  View view{
+      out_of_plane ? "How far out of the facade's plane?" : "Are the anchors in place?",
+      out_of_plane ? "as-built minus design out of the facade's plane, upward is outward" : "as-built minus design",
+      out_of_plane ? "out of plane, outward positive," : "height deviation",
+      {},
+      {},
+      {}};
+  if (facade) {
+    view.sight = sight_of(*facade, deviation);
+    view.question =
+        "Facade " + facade->name + ": " + (out_of_plane ? "how far out of its plane?" : "are the anchors in place?");
+    if (out_of_plane && !facade->confirmed)
+      view.name = "as-built minus design across the facade; which way is outward is not confirmed";
+  }
+  const std::string name = facade ? facade->name : "";
+  const auto belongs = [&](const std::unique_ptr<FacadeFrameT>& frame) {
+    return (frame ? frame->facade : std::string()) == name;
+  };
   for (const auto& a : deviation.anchors) {
+    if (!belongs(a->facade)) continue;
     Spot spot;
     spot.id = a->id, spot.floor = a->floor, spot.position = a->design, spot.difference = a->deviation;
-    spot.number = out_of_plane ? a->deviation.dot(normal) : a->deviation.z(), spot.verdict = a->verdict;
+    spot.number = a->deviation.z(), spot.verdict = a->verdict, spot.control = a->use == "control";
+    if (out_of_plane && facade) {
+      spot.number = a->deviation.dot(a->facade->out);
+      spot.difference = spot.number * view.sight.up;
+    }
     view.spots.push_back(std::move(spot));
   }
   for (const auto& panel : deviation.panels) {
+    if (!belongs(panel->facade) || panel->corners.size() < 4) continue;
     Quad quad{panel->name, panel->verdict, std::vector<Eigen::Vector3d>(4, Eigen::Vector3d::Zero())};
     const char* order[] = {"bottom_left", "bottom_right", "top_right", "top_left"};
     for (const auto& corner : panel->corners)
@@ -295,6 +357,20 @@ View built_view(const DeviationT& deviation, bool out_of_plane) {
   return view;
 }
 
+/// The same spots by facade, for the comparison with the survey.
+View only(const View& all, const FacadeT& facade, const DeviationT& deviation) {
+  std::map<std::string, std::string> facade_of;
+  for (const auto& a : deviation.anchors)
+    if (a->facade) facade_of[a->id] = a->facade->facade;
+  View view = all;
+  view.sight = sight_of(facade, deviation), view.question = "Facade " + facade.name + ": is the model right?";
+  std::erase_if(view.spots, [&](const Spot& spot) {
+    const auto found = facade_of.find(spot.id);
+    return found == facade_of.end() || found->second != facade.name;
+  });
+  return view;
+}
+
 }  // namespace
 
 void write_facade(Markup& html, const ReportInput& input) {
@@ -302,11 +378,18 @@ void write_facade(Markup& html, const ReportInput& input) {
   html.element("h2", "Facade");
   write_legend(html);
   Scope views(html, "div", {{"class", "views"}});
-  if (input.deviation) {
-    write_elevation(html, input.accuracy, built_view(*input.deviation, false));
-    write_elevation(html, input.accuracy, built_view(*input.deviation, true));
+  const View model = model_view(input.accuracy);
+  if (!input.deviation || input.deviation->facades.empty()) {
+    if (input.deviation) write_elevation(html, input.accuracy, built_view(*input.deviation, nullptr, false));
+    return write_elevation(html, input.accuracy, model);
   }
-  write_elevation(html, input.accuracy, model_view(input.accuracy));
+  const DeviationT& deviation = *input.deviation;
+  for (const auto& facade : deviation.facades) {
+    write_elevation(html, input.accuracy, built_view(deviation, facade.get(), false));
+    write_elevation(html, input.accuracy, built_view(deviation, facade.get(), true));
+    write_elevation(html, input.accuracy, only(model, *facade, deviation));
+  }
+  write_elevation(html, input.accuracy, built_view(deviation, nullptr, false));
 }
 
 }  // namespace plumbline::report

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/statistics.hpp"
 #include "report/format.hpp"
 #include "report/plot.hpp"
 #include "report/sections.hpp"
@@ -20,22 +21,26 @@ std::string found_on(const std::string& axis, double value, double u, double tol
   return text + "\u00A0mm, limit " + mm(tolerance, 1);
 }
 
-/// "6.9 mm inward, 2.1 mm to the right, 1.2 mm down": the way back to the design.
-std::string way_back(const Eigen::Vector3d& deviation, const Eigen::Vector3d& normal) {
+/// "6.9 mm inward, 2.1 mm to the right, 1.2 mm down": the way back to the design. Where which way is outward is not
+/// confirmed, along the axes of the design: nobody is sent the wrong way.
+std::string way_back(const AnchorDeviationT& anchor) {
   std::string text;
+  const Eigen::Vector3d back = -anchor.deviation;
   const auto part = [&](double length, const char* positive, const char* negative) {
-    if (std::abs(length) < 0.5e-3) return;
+    if (!(std::abs(length) >= 0.5e-3)) return;
     text += (text.empty() ? "" : ", ") + mm(std::abs(length), 1) + "\u00A0mm " + (length > 0 ? positive : negative);
   };
-  if (normal.allFinite()) {
-    const Eigen::Vector3d right = Eigen::Vector3d::UnitZ().cross(normal);
-    part(-normal.dot(deviation), "outward", "inward");
-    part(-right.dot(deviation), "to the right", "to the left");
+  const FacadeFrameT* frame = anchor.facade && anchor.facade->confirmed ? anchor.facade.get() : nullptr;
+  const bool steep = frame && std::abs(frame->out.z()) > 0.7;  // a soffit or a roof
+  if (frame && !steep) {
+    part(frame->out.dot(back), "outward", "inward");
+    part(frame->right.dot(back), "to the right", "to the left");
+    part(frame->up.dot(back), "up", "down");
   } else {
-    part(-deviation.x(), "in +x", "in −x");
-    part(-deviation.y(), "in +y", "in −y");
+    part(back.x(), "in +x", "in −x");
+    part(back.y(), "in +y", "in −y");
+    part(back.z(), "up", "down");
   }
-  part(-deviation.z(), "up", "down");
   return text;
 }
 
@@ -55,13 +60,23 @@ Task task_of(const AnchorDeviationT& anchor, const DeviationT& deviation) {
     return task;
   }
   task.found = words_of(axis->axis) + " " + found_on(axis->axis, axis->value, axis->u, axis->tolerance);
-  const std::string way = way_back(anchor.deviation, deviation.facade_normal);
-  if (anchor.verdict == ToleranceVerdict::fail) {
+  const std::string way = way_back(anchor);
+  const bool lost = !anchor.facade || !anchor.facade->confirmed;
+  if (!deviation.doubts.empty()) {
+    task.todo = "Nothing before the measurement is mended: it decides nothing.";
+    return task;
+  }
+  if (anchor.verdict == ToleranceVerdict::fail && lost) {
+    task.todo = "Not decided which way is outward: confirm the facade first. Back to the design along its axes: " +
+                (way.empty() ? "nowhere" : way) + ".";
+  } else if (lost && !anchor.note.empty()) {
+    task.todo = "Say which way its facade faces: " + anchor.note + ".";
+  } else if (anchor.verdict == ToleranceVerdict::fail) {
     task.todo = "Reset or shim: " + (way.empty() ? "back to design" : way) + ".";
   } else if (!std::isfinite(axis->u)) {
     task.todo = "Its uncertainty is not known: measure with one.";
   } else {
-    const double needed = std::abs(axis->tolerance - std::abs(axis->value)) / std::max(deviation.guard_factor, 1e-9);
+    const double needed = std::abs(axis->tolerance - std::abs(axis->value)) / normal_quantile(1 - deviation.risk);
     task.todo = needed > 0.1e-3 ? "Measure again: decided once u is below " + mm(needed, 1) + "\u00A0mm"
                                 : std::string("At the limit: no measurement will decide it");
     task.todo += way.empty() ? "." : "; or set it " + way + ".";
@@ -69,10 +84,18 @@ Task task_of(const AnchorDeviationT& anchor, const DeviationT& deviation) {
   return task;
 }
 
-Task task_of(const PanelDeviationT& panel) {
+Task task_of(const PanelDeviationT& panel, const DeviationT& deviation) {
   Task task{panel.floor, panel.verdict, "Panel " + (panel.name.empty() ? panel.guid : panel.name), panel.reason, ""};
+  if (!deviation.doubts.empty()) {
+    task.todo = "Nothing before the measurement is mended: it decides nothing.";
+    return task;
+  }
   if (!panel.missing.empty() && panel.decided_by == "missing_anchor") {
     task.todo = "Measure " + panel.missing.front() + ".";
+    return task;
+  }
+  if (!panel.facade || !panel.facade->confirmed) {
+    task.todo = "Say which way its facade faces before anything is shimmed.";
     return task;
   }
   std::string outward, inward;
@@ -95,7 +118,7 @@ std::vector<Task> tasks_of(const DeviationT& deviation) {
     for (const AnchorDeviationT* anchor : worst_first(deviation))
       if (anchor->verdict == wanted && open(wanted)) tasks.push_back(task_of(*anchor, deviation));
     for (const PanelDeviationT* panel : worst_panels_first(deviation))
-      if (panel->verdict == wanted && open(wanted)) tasks.push_back(task_of(*panel));
+      if (panel->verdict == wanted && open(wanted)) tasks.push_back(task_of(*panel, deviation));
   }
   return tasks;
 }
@@ -157,6 +180,9 @@ std::string heading_of(const DeviationT& d, int panels_failed, int panels_open) 
     return text + (d.failed + panels_failed == 1 ? " is" : " are") + " out of tolerance.";
   }
   if (d.verdict == ToleranceVerdict::undecided) {
+    if (d.not_judged > 0)
+      return "Not decided: " + count(d.not_judged, "thing that was asked for was", "things that were asked for were") +
+             " not judged.";
     if (!d.doubts.empty()) return "Not decided: the measurement contradicts itself and shows no anchor to be in order.";
     std::string text = "Not decided: ";
     if (d.undecided > 0) text += anchors(d.undecided) + " too close to call";
@@ -172,8 +198,8 @@ std::vector<std::string> confidence_of(const ReportInput& input) {
   const DeviationT& d = *input.deviation;
   std::vector<std::string> lines;
   for (const std::string& doubt : d.doubts) lines.push_back("Not to be trusted, " + doubt + ".");
-  std::string sure =
-      "Pass means that the deviation and " + fixed(d.guard_factor, 3) + " times its uncertainty are within tolerance.";
+  std::string sure = "Pass means that all that is judged of it is within tolerance at once, with a probability of " +
+                     percent(1 - d.risk) + " or more; fail, with one of " + percent(d.risk) + " or less.";
   sure +=
       d.mounting.empty()
           ? " Plates are taken to sit on their anchors without error."
@@ -231,7 +257,17 @@ void write_installation(Markup& html, const ReportInput& input) {
                   {{static_cast<int>(d.panels.size()) - panels_failed - panels_open, ToleranceVerdict::pass},
                    {panels_open, ToleranceVerdict::undecided},
                    {panels_failed, ToleranceVerdict::fail}});
+    for (const auto& request : d.requests)
+      if (!request->not_judged.empty())
+        html.element("p", "Not judged: " + request->asked + ": " + request->not_judged + ".");
+    for (const auto& facade : d.facades)
+      if (!facade->confirmed)
+        html.element("p", "Which way facade " + facade->name +
+                              " faces is not confirmed, and nobody may be sent outward " +
+                              "or inward there: " + facade->note + ". The notes below say how to confirm it.");
     if (d.common_shift && d.common_shift->significant) html.element("p", d.common_shift->words);
+    for (const auto& group : d.group_shifts)
+      if (group->significant) html.element("p", group->words);
     for (const std::string& line : confidence_of(input)) html.element("p", line);
   }
   const std::vector<Task> tasks = tasks_of(d);

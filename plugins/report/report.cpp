@@ -140,6 +140,7 @@ void write_navigation(Markup& html, const ReportInput& input) {
     link("view", "In space");
     link("facade", "Facade");
     if (!input.deviation->panels.empty()) link("panels", "Panels");
+    link("coverage", "What was judged");
   }
   link("quality", "Measuring quality");
   link("numbers", "Key numbers");
@@ -170,6 +171,7 @@ void write_body(Markup& html, const ReportInput& input) {
     write_view(html, input);
     write_facade(html, input);
     write_panels(html, *input.deviation);
+    write_coverage(html, *input.deviation);
     Scope part(html, "section", {{"id", "quality"}});
     html.element("h2", "Measuring quality");
     write_verdict(html, input);

@@ -66,6 +66,7 @@ void write_transfers(Markup& html, const AccuracyT& accuracy);
 void write_pass_rates(Markup& html, const AccuracyT& accuracy);
 void write_facade(Markup& html, const ReportInput& input);
 void write_panels(Markup& html, const DeviationT& deviation);
+void write_coverage(Markup& html, const DeviationT& deviation);
 void write_anchors(Markup& html, const ReportInput& input);
 void write_method(Markup& html, const AccuracyT& accuracy);
 /// `control` is the test of the control points against the network; null: none.

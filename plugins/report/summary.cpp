@@ -1,5 +1,6 @@
 #include "report/summary.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -97,20 +98,34 @@ std::string installation_text(const DeviationT& deviation) {
     text += "; panels: " +
             counts(at(ToleranceVerdict::pass), at(ToleranceVerdict::undecided), at(ToleranceVerdict::fail), 0);
   text += ".\n";
+  for (const std::string& misfit : deviation.misfits) text += "LESS CERTAIN, " + misfit + "\n";
+  for (const auto& request : deviation.requests)
+    if (!request->not_judged.empty()) text += "NOT JUDGED: " + request->asked + ": " + request->not_judged + "\n";
   int listed = 0;
   for (const AnchorDeviationT* anchor : worst_first(deviation)) {
     const JudgedAxisT* axis = deciding_axis(*anchor);
-    if (!axis || anchor->verdict < ToleranceVerdict::undecided || ++listed > 10) break;
+    if (!axis || anchor->verdict < ToleranceVerdict::undecided) break;
+    if (++listed > 10) continue;
     text += row("  %-20.40s %-10s %s %s mm (limit %s)", anchor->id.c_str(), verdict_of(anchor->verdict),
                 words_of(axis->axis).c_str(), with_u(axis->value, axis->u).c_str(), mm(axis->tolerance, 0).c_str());
   }
+  if (listed > 10) text += "  … and " + std::to_string(listed - 10) + " more anchors; the report lists them all\n";
   int shown = 0;
   for (const PanelDeviationT* panel : worst_panels_first(deviation)) {
-    if (panel->verdict < ToleranceVerdict::undecided || ++shown > 5) break;
+    if (panel->verdict < ToleranceVerdict::undecided) break;
+    if (++shown > 5) continue;
     text += row("  panel %-14.40s %-10s %.120s", (panel->name.empty() ? panel->guid : panel->name).c_str(),
                 verdict_of(panel->verdict), panel->reason.c_str());
   }
-  for (const std::string& warning : deviation.warnings) text += "Note: " + warning + "\n";
+  if (shown > 5) text += "  … and " + std::to_string(shown - 5) + " more panels; the report lists them all\n";
+  for (const std::string& warning : deviation.warnings) {
+    const auto& misfits = deviation.misfits;
+    const bool told = warning.starts_with("Not judged: ") ||
+                      std::find(misfits.begin(), misfits.end(), warning) != misfits.end();
+    if (!told) text += "Note: " + warning + "\n";
+  }
+  text += row("Anchors and panels pass from a probability of %.4g %% on that all judged of them is within tolerance.",
+              100 * (1 - deviation.risk));
   return text;
 }
 
@@ -118,7 +133,7 @@ std::string installation_text(const DeviationT& deviation) {
 
 std::string summary_text(const AccuracyT& accuracy, const DeviationT* deviation) {
   std::string text = deviation ? installation_text(*deviation) : "";
-  text += row("Tolerance %s mm, guard band %.3g u; u and what stands behind +- are standard uncertainties (1 sigma).",
+  text += row("Tolerance %s mm, for comparisons with a guard band of %.3g u; u and what stands behind +- are standard uncertainties (1 sigma).",
               mm(accuracy.tau, 0).c_str(), accuracy.guard_factor);
   text += comparisons_text(accuracy);
   if (!accuracy.comparisons.empty()) text += floors_text(*accuracy.comparisons.front());

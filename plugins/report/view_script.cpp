@@ -12,26 +12,23 @@ const char* const view_script = R"js(
   const data = JSON.parse(source.textContent), badges = document.getElementById("badges").children;
   const utf8 = text => { try { return decodeURIComponent(escape(text)); } catch { return text; } };
   const anchors = data.anchors, panels = data.panels, words = ["not measured", "pass", "undecided", "fail"];
-  // The rule of the program (JCGM 106): pass if |d| + k u <= tolerance, fail if |d| - k u > tolerance.
-  const verdict = ([d, u, tolerance, factor], tau) => {
-    const limit = factor > 0 ? factor * tau : tolerance;
-    if (d === null) return 0;
-    if (u === null) return 2;
-    if (Math.abs(d) + data.k * u <= limit + 1e-9) return 1;
-    return Math.abs(d) - data.k * u > limit + 1e-9 ? 3 : 2;
-  };
+  // The rule of the program (conformance probability, JCGM 106), turned into the tolerances where the verdict changes.
   // A measurement that contradicts itself lets nothing pass, at any tolerance.
-  const held = w => data.doubt && w === 1 ? 2 : w;
-  const worst = (lengths, tau) => held(lengths.reduce((w, l) => Math.max(w, verdict(l, tau)), 0));
+  const verdict = (item, tau) => {
+    const [pass, fail] = item.t;
+    if (item.w === 0) return 0;
+    if (pass !== null && tau >= pass - 1e-9) return data.doubt ? 2 : 1;
+    return fail !== null && tau < fail - 1e-9 ? 3 : 2;
+  };
   const slider = document.getElementById("tau-slider"), input = slider.querySelector("input"), output = slider.querySelector("output");
   const marker = document.getElementById("tau-marker"), axis = marker && marker.dataset;
   let state = { anchors: anchors.map(a => a.w), panels: panels.map(p => p.w) }, draw = () => {};
   const show = () => {
     const tau = Number(input.value), own = Math.abs(tau - data.tau) < 1e-9;
-    const a = anchors.map(item => own ? item.w : worst(item.l, tau));
+    const a = anchors.map(item => own ? item.w : verdict(item, tau));
     const p = panels.map(item => {
       if (own) return item.w;
-      const w = item.a.reduce((v, i) => Math.max(v, a[i] > 1 ? a[i] : 0), worst(item.l, tau));
+      const w = item.a.reduce((v, i) => Math.max(v, a[i] > 1 ? a[i] : 0), verdict(item, tau));
       return item.m ? Math.max(w, 2) : w;
     });
     state = { anchors: a, panels: p };

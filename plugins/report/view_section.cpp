@@ -14,39 +14,21 @@ namespace plumbline::report {
 
 namespace {
 
-/// [value, u, tolerance, factor] in mm; factor: how many times tau the tolerance is, 0 if it does not move with it.
-std::string judged(double value, double u, double tolerance, double factor) {
-  return "[" + script_number(1e3 * value, 6) + "," + script_number(1e3 * u, 6) + "," +
-         script_number(1e3 * tolerance, 6) + "," + script_number(factor, 0) + "]";
-}
-
-double factor_of(double tolerance, double tau) {
-  return std::abs(tolerance - tau) < 1e-12 ? 1 : std::abs(tolerance - 2 * tau) < 1e-12 ? 2 : 0;
+/// [from which tolerance on it passes, below which it fails] in mm; null: at none, or nobody knows.
+std::string turning_points(double tau_pass, double tau_fail) {
+  return "[" + script_number(1e3 * tau_pass, 6) + "," + script_number(1e3 * tau_fail, 6) + "]";
 }
 
 std::string anchor_json(const AnchorDeviationT& a, const Eigen::Vector3d& origin) {
-  std::string axes;
-  for (const auto& axis : a.axes)
-    if (axis->tolerance > 0 && std::isfinite(axis->value))
-      axes += (axes.empty() ? "" : ",") +
-              judged(axis->value, axis->u, axis->tolerance, axis->source.starts_with("default") ? 1 : 0);
   return "{\"n\":" + script_text(a.id) + ",\"f\":" + std::to_string(a.floor) +
          ",\"p\":" + script_vector(a.design - origin, 4) + ",\"d\":" + script_vector(1e3 * a.deviation, 3) +
-         ",\"w\":" + std::to_string(static_cast<int>(a.verdict)) + ",\"l\":[" + axes + "]}";
+         ",\"w\":" + std::to_string(static_cast<int>(a.verdict)) + ",\"t\":" + turning_points(a.tau_pass, a.tau_fail) +
+         "}";
 }
 
-std::string panel_json(const PanelDeviationT& p, const DeviationT& deviation, const Eigen::Vector3d& origin,
+std::string panel_json(const PanelDeviationT& p, const Eigen::Vector3d& origin,
                        const std::map<std::string, std::size_t>& index) {
-  std::string lengths, anchors, corners, movements;
-  const auto add = [&](const JudgedLengthT* l) {
-    if (l && l->tolerance > 0 && std::isfinite(l->value))
-      lengths +=
-          (lengths.empty() ? "" : ",") + judged(l->value, l->u, l->tolerance, factor_of(l->tolerance, deviation.tau));
-  };
-  for (const auto* l : {p.out_of_plane.get(), p.sideways.get(), p.vertical.get(), p.tilt.get(), p.warp.get(),
-                        p.misfit.get(), p.corner.get()})
-    add(l);
-  for (const auto& joint : p.joints) add(joint->change.get());
+  std::string anchors, corners, movements;
   for (const auto& fixing : p.fixings)
     anchors += (anchors.empty() ? "" : ",") + std::to_string(index.at(fixing->anchor));
   for (const char* name : {"bottom_left", "bottom_right", "top_right", "top_left"}) {
@@ -58,7 +40,8 @@ std::string panel_json(const PanelDeviationT& p, const DeviationT& deviation, co
   }
   return "{\"n\":" + script_text(p.name.empty() ? p.guid : p.name) + ",\"f\":" + std::to_string(p.floor) +
          ",\"w\":" + std::to_string(static_cast<int>(p.verdict)) + ",\"m\":" + (p.missing.empty() ? "0" : "1") +
-         ",\"l\":[" + lengths + "],\"a\":[" + anchors + "],\"q\":[" + corners + "],\"v\":[" + movements + "]}";
+         ",\"t\":" + turning_points(p.tau_pass, p.tau_fail) + ",\"a\":[" + anchors + "],\"q\":[" + corners +
+         "],\"v\":[" + movements + "]}";
 }
 
 std::string data_of(const ReportInput& input) {
@@ -76,10 +59,9 @@ std::string data_of(const ReportInput& input) {
       index[anchor->id] = index.size();
       anchors += (anchors.empty() ? "" : ",\n") + anchor_json(*anchor, origin);
     }
-    for (const auto& panel : d.panels) panels += (panels.empty() ? "" : ",\n") + panel_json(*panel, d, origin, index);
-    text = "{\"tau\":" + script_number(1e3 * d.tau, 6) + ",\"k\":" + script_number(d.guard_factor, 6) +
-           ",\"doubt\":" + (d.doubts.empty() ? "false" : "true") + ",\"anchors\":[" + anchors + "],\"panels\":[" +
-           panels + "]";
+    for (const auto& panel : d.panels) panels += (panels.empty() ? "" : ",\n") + panel_json(*panel, origin, index);
+    text = "{\"tau\":" + script_number(1e3 * d.tau, 6) + ",\"doubt\":" + (d.doubts.empty() ? "false" : "true") +
+           ",\"anchors\":[" + anchors + "],\"panels\":[" + panels + "]";
   }
   std::string heights;
   if (const AccuracyComparisonT* c = headline(input.accuracy))

@@ -36,7 +36,6 @@ struct Problem {
     design = reader.output<Design>("design");
     accuracy.tau = 0.005;
     accuracy.guard_factor = 2;
-    deviation.facade_normal.setConstant(std::nan(""));
     for (const auto& element : design.elements) {
       if (!element->is_anchor) continue;
       auto anchor = std::make_unique<AnchorDeviationT>();

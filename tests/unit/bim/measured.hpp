@@ -4,6 +4,7 @@
 #include <map>
 #include <string>
 
+#include "facing.hpp"
 #include "geometry/panel_fit.hpp"
 #include "ifc/design.hpp"
 #include "judgement/deviation.hpp"
@@ -15,7 +16,7 @@ namespace plumbline::test {
 inline DeviationT judged(const bim::Design& design, const std::map<std::string, Eigen::Vector3d>& deviations,
                          const Eigen::Vector3d& sigma, const Eigen::Vector3d& normal) {
   judgement::DeviationInputs inputs;
-  inputs.design_file = design.file_name, inputs.facade_normal = normal;
+  inputs.design_file = design.file_name;
   for (const bim::Element& element : design.elements) {
     if (!element.is_anchor) continue;
     judgement::AnchorCase anchor;
@@ -53,7 +54,8 @@ inline DeviationT judged(const bim::Design& design, const std::map<std::string, 
         panel.anchors.push_back(i);
     if (!panel.anchors.empty() && !element.is_anchor) inputs.panels.push_back(panel);
   }
-  return judgement::judge_deviations(inputs, {0.005, 2});
+  face(inputs, normal);
+  return judgement::judge_deviations(inputs, {0.005, 0.0228});
 }
 
 /// Residuals against the survey for the measured anchors, with floors, a transfer and a column.

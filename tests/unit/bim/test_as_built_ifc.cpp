@@ -3,6 +3,8 @@
 #include <map>
 #include <set>
 
+#include "artifacts/surface_judgement.hpp"
+#include "artifacts/surfaces.hpp"
 #include "express_schema.hpp"
 #include "ifc/as_built_ifc.hpp"
 #include "ifc/check.hpp"
@@ -164,6 +166,56 @@ TEST_P(AsBuiltFile, CarriesTheValuesInTheUnitOfTheProject) {
   EXPECT_EQ(number(found, "Level 1 to Level 2/ASB_InterFloor/MeasuredHeight"), 3508.5);
   EXPECT_EQ(number(found, "Panel 1/ASB_PanelFit/FitZ"), 9);
   EXPECT_EQ(found.at("Panel 1/ASB_PanelFit/AnchorGUIDs").items.at(0).items.at(0).text, "21vctVUKr0kugbFTf53O9L");
+}
+
+/// The panel of the design as it was measured, a joint to one that is not in it, and a verdict that fails.
+struct MeasuredSurfaces {
+  SurfacesT surfaces;
+  SurfaceJudgementT judgement;
+  explicit MeasuredSurfaces(const std::string& guid) {
+    for (const char* name : {"Panel 1", "Panel 2"}) {
+      auto panel = std::make_unique<PanelSurfaceFiguresT>();
+      panel->face = std::make_unique<SurfaceFaceT>();
+      panel->face->id = name, panel->face->guid = std::string(name) == "Panel 1" ? guid : "not in this design";
+      panel->points = 480, panel->coverage = 0.9, panel->offset = 0.0035, panel->tilt = {0.001, -0.002};
+      panel->form = {0.001, 0.002, 0.0003}, panel->form_sigma = {1e-4, 2e-4, 5e-5};
+      panel->covariance = {4e-8, 0, 1e-8, 0, 0, 1e-8};
+      auto gap = std::make_unique<SurfaceGapT>();
+      gap->length = 1, gap->gap = 0.0042, gap->sigma = 3e-4, gap->positions = 4;
+      panel->flatness.push_back(std::move(gap));
+      surfaces.panels.push_back(std::move(panel));
+    }
+    auto joint = std::make_unique<JointFiguresT>();
+    joint->first = "Panel 1", joint->second = "Panel 2";
+    surfaces.joints.push_back(std::move(joint));
+    auto verdict = std::make_unique<SurfaceVerdictT>();
+    verdict->quantity = "flatness", verdict->panel = "Panel 1", verdict->guid = guid, verdict->length = 1;
+    verdict->probability = 0.00003, verdict->verdict = ToleranceVerdict::fail, verdict->rule = "*: flatness(1m)=3mm";
+    judgement.verdicts.push_back(std::move(verdict));
+  }
+};
+
+TEST_P(AsBuiltFile, SurfacesOfPanelsWithTheirVerdicts) {
+  const std::string before = design_bytes();
+  std::string guid;
+  for (const Element& element : read_design(step::File(before, "t.ifc"), {}).elements)
+    if (element.name == "Panel 1") guid = element.guid;
+  const MeasuredSurfaces measured(guid);
+  AsBuiltIfcOptions options;
+  options.surfaces = &measured.surfaces, options.surface_judgement = &measured.judgement;
+  const Enriched after = enrich(before, options);
+  const step::File file(after.bytes, "t.ifc");
+  const auto found = properties_of(file);
+  EXPECT_NEAR(number(found, "Panel 1/ASB_PanelSurface/Offset"), 3.5, 1e-9);
+  EXPECT_NEAR(number(found, "Panel 1/ASB_PanelSurface/OffsetUncertainty"), 0.2, 1e-9);
+  EXPECT_NEAR(number(found, "Panel 1/ASB_PanelSurface/BowUp"), 2, 1e-9);
+  EXPECT_EQ(number(found, "Panel 1/ASB_PanelSurface/Points"), 480);
+  EXPECT_EQ(found.at("Panel 1/ASB_PanelSurface/Verdict").items.at(0).items.at(0).text, "FAIL");
+  EXPECT_EQ(found.at("Panel 1/ASB_PanelSurface/Quantities").items.at(0).items.at(0).text, "flatness(1m)");
+  ASSERT_EQ(after.warnings.size(), 2U);
+  EXPECT_EQ(after.warnings[0], "1 panels with measured surfaces are not in this design");
+  EXPECT_NE(after.warnings[1].find("1 joints are not written"), std::string::npos);
+  for (const Violation& violation : check_ifc(file)) ADD_FAILURE() << violation.rule << " #" << violation.instance << " " << violation.words;
 }
 
 TEST_P(AsBuiltFile, SurveyPointsStandWhereTheAnchorsWereMeasured) {

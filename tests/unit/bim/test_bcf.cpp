@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "artifacts/surface_judgement.hpp"
+#include "artifacts/surfaces.hpp"
 #include "ifc/bcf.hpp"
 #include "ifc/ifc_guid.hpp"
 #include "judgement/worst_first.hpp"
@@ -62,6 +64,50 @@ TEST(Bcf, HasATopicForEveryIssueWithViewpointAndSnapshot) {
       EXPECT_TRUE(uuid_from_text(name.substr(0, name.find('/')))) << name;
     }
   }
+}
+
+TEST(Bcf, SurfacesThatFailAndJointsHaveTopicsBesideThePanels) {
+  const Design design = read_design(step::File(test::small_building("IFC4"), "t.ifc"), {});
+  std::map<std::string, Eigen::Vector3d> deviations;
+  std::string panel;
+  for (const Element& element : design.elements) {
+    if (element.is_anchor) deviations[element.guid] = Eigen::Vector3d(0.001, 0, element.name == "F2-C1" ? 0.009 : 0.001);
+    if (element.name == "Panel 1") panel = element.guid;
+  }
+  const DeviationT deviation = test::judged(design, deviations, Eigen::Vector3d::Constant(1e-4), {1, 0, 0});
+  SurfacesT surfaces;
+  for (const char* name : {"Panel 1", "Panel 2"}) {
+    surfaces.panels.push_back(std::make_unique<PanelSurfaceFiguresT>());
+    auto& face = surfaces.panels.back()->face = std::make_unique<SurfaceFaceT>();
+    face->id = name, face->guid = std::string(name) == "Panel 1" ? panel : "0000000000000000000002";
+    face->origin = {5, 0, 3}, face->right = {1, 0, 0}, face->up = {0, 0, 1}, face->out = {0, -1, 0}, face->width = 1.5, face->height = 3;
+  }
+  surfaces.joints.push_back(std::make_unique<JointFiguresT>());
+  surfaces.joints[0]->first = "Panel 1", surfaces.joints[0]->second = "Panel 2", surfaces.joints[0]->length = 3;
+  surfaces.joints[0]->origin = {5.8, 0, 3};
+  SurfaceJudgementT judgement;
+  for (const char* second : {"", "Panel 2"}) {
+    auto verdict = std::make_unique<SurfaceVerdictT>();
+    verdict->panel = "Panel 1", verdict->second = second, verdict->guid = *second ? "" : panel;
+    verdict->quantity = *second ? "joint" : "flatness", verdict->length = *second ? std::nan("") : 1;
+    verdict->value = *second ? -0.0031 : 0.0042, verdict->sigma = 3e-4, verdict->upper = 0.003, verdict->lower = -0.003, verdict->probability = 0.01;
+    verdict->verdict = *second ? ToleranceVerdict::undecided : ToleranceVerdict::fail, verdict->rule = "*: flatness(1m)=3mm";
+    judgement.verdicts.push_back(std::move(verdict));
+  }
+  BcfOptions options;
+  options.project_guid = design.project_guid;
+  const auto topics = [&] {
+    std::string all;
+    for (const auto& [name, content] : unzipped(write_bcf(deviation, {}, judgement::worst_panels_first(deviation), options)))
+      if (name.ends_with("markup.bcf")) all += content;
+    return all;
+  };
+  EXPECT_EQ(topics().find("Surface of panel"), std::string::npos);
+  options.surfaces = &surfaces, options.surface_judgement = &judgement;
+  const std::string all = topics();
+  EXPECT_NE(all.find("<Title>Panel Panel 1"), std::string::npos) << "the panel's own topic stays";
+  EXPECT_NE(all.find("Surface of panel Panel 1: flatness(1m) 4.2 mm (limit 3.0)"), std::string::npos) << all;
+  EXPECT_NE(all.find("Joint Panel 1 | Panel 2: joint -3.1 mm (limit -3.0)"), std::string::npos) << all;
 }
 
 TEST(Bcf, IsValidAgainstItsSchemas) {

@@ -72,6 +72,23 @@ TEST(CheckIfc, EveryRuleIsFoundBroken) {
         << rules_broken(extra);
 }
 
+/// A rule that always fires finds the broken file as well.
+TEST(CheckIfc, SoundTwinsOfTheBrokenPropertiesBreakNothing) {
+  for (const std::string sound :
+       {"#500=IFCPROPERTYENUMERATION('E',(IFCLABEL('A'),IFCLABEL('B')),$);"
+        "#501=IFCPROPERTYENUMERATEDVALUE('V',$,(IFCLABEL('B')),#500);",
+        "#500=IFCPROPERTYENUMERATION('E',(IFCLABEL('A'),IFCLABEL('B'),IFCLABEL('C')),$);"
+        "#501=IFCPROPERTYENUMERATEDVALUE('V',$,(IFCLABEL('C'),IFCLABEL('A')),#500);",
+        "#500=IFCPROPERTYLISTVALUE('L',$,(IFCLABEL('A'),IFCLABEL('B')),$);",
+        "#500=IFCPROPERTYTABLEVALUE('T',$,(IFCREAL(1.),IFCREAL(2.)),(IFCREAL(1.),IFCREAL(2.)),$,$,$,$);",
+        "#500=IFCPROPERTYBOUNDEDVALUE('B',$,IFCREAL(2.),IFCREAL(1.),$,$);"})
+    EXPECT_EQ(rules_broken(sound), "") << sound;
+  // One of two values outside of the enumeration is one violation.
+  EXPECT_EQ(rules_broken("#500=IFCPROPERTYENUMERATION('E',(IFCLABEL('A'),IFCLABEL('B')),$);"
+                         "#501=IFCPROPERTYENUMERATEDVALUE('V',$,(IFCLABEL('B'),IFCLABEL('X')),#500);"),
+            "IfcPropertyEnumeratedValue.WR21\n");
+}
+
 TEST(CheckIfc, WhatWasThereBeforeIsNotOurs) {
   EXPECT_EQ(rules_broken("#500=IFCDIRECTION((0.,0.,0.));", 501), "");
   const std::string twice =

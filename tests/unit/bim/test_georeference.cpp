@@ -71,6 +71,19 @@ TEST(Gap, SiteGridsSwappedAxesAndFeetAreNamed) {
   EXPECT_NE(swapped.words().find("with east and north swapped in the survey"), std::string::npos) << swapped.words();
 }
 
+TEST(Gap, ADesignInMillimetresThatItsFileCallsMetresIsNamed) {
+  Site site;
+  for (auto& p : site.points.design) p *= 1000;  // as the file is read: 1 mm as 1 m
+  EXPECT_NE(site.words().find("if the numbers of the design are millimetres, it fits after a shift and a turn"),
+            std::string::npos)
+      << site.words();
+  for (std::size_t i = 0; i < site.points.ids.size(); ++i) site.points.survey[i] = 0.001 * site.points.design[i];
+  EXPECT_NE(
+      site.words().find("if the numbers of the design are millimetres, it fits: the file declares another length"),
+      std::string::npos)
+      << site.words();
+}
+
 TEST(Gap, WhatNothingExplainsSaysSo) {
   Site site;
   for (std::size_t i = 0; i < 12; ++i) site.points.survey[i].x() += static_cast<double>(i * i);

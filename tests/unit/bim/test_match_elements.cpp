@@ -1,6 +1,7 @@
 // One identity: names of the survey to elements of the design, or the reason why not.
 #include <gtest/gtest.h>
 
+#include "ifc/facades.hpp"
 #include "ifc/match_elements.hpp"
 
 namespace plumbline::bim {
@@ -120,6 +121,8 @@ TEST(MatchElements, OffsetsAndReferencePointsPerClass) {
   MatchOptions options;
   options.offsets = {parse_offset("class=IfcMechanicalFastener: out=40mm, up=-5mm"),
                      parse_offset("tag=A-0003: x=1mm, y=0.002m")};
+  EXPECT_THROW(match(design, {"A-0002"}, options), std::runtime_error) << "nothing says where outward is";
+  assign_facades(design, {parse_facade_rule("*: azimuth=180deg")});
   auto matches = match(design, {"A-0002", "A-0003"}, options);
   EXPECT_NEAR((matches[0].target_offset - Eigen::Vector3d(0, -0.04, -0.005)).norm(), 0, 1e-12);  // outward is -y
   EXPECT_NEAR((matches[1].target_offset - Eigen::Vector3d(0.001, 0, 0.002)).norm(), 0, 1e-12);   // its y axis points up

@@ -10,6 +10,7 @@
 #include <valijson/schema_parser.hpp>
 #include <valijson/validator.hpp>
 
+#include "../bim/facing.hpp"
 #include "judgement/deviation.hpp"
 #include "small_building.hpp"
 #include "test_support.hpp"
@@ -60,7 +61,6 @@ TEST(MetricsJson, IsValidAfterItsSchema) {
 DeviationT built() {
   const Inputs measured = test::small_building();
   judgement::DeviationInputs inputs;
-  inputs.facade_normal = Eigen::Vector3d(0, -1, 0);
   inputs.model = measured.model;
   for (std::size_t i = 0; i < measured.anchors.size(); ++i) {
     judgement::AnchorCase anchor;
@@ -79,6 +79,7 @@ DeviationT built() {
   stranger.id = "=evil", stranger.note = "not in the plate table";
   stranger.design = {9, 0, 3};
   inputs.anchors.push_back(stranger);
+  plumbline::test::face(inputs, {0, -1, 0});
   return judgement::judge_deviations(inputs, {});
 }
 

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "../bim/facing.hpp"
 #include "judgement/worst_first.hpp"
 #include "small_building.hpp"
 
@@ -16,7 +17,6 @@ DeviationInputs facade(std::size_t anchors) {
   const char* names[] = {"a", "c", "b", "d"};  // the first two stand above each other
   const Eigen::Vector3d places[] = {{0, 0, 0}, {0, 0, 2}, {2, 0, 0}, {2, 0, 2}};
   DeviationInputs inputs;
-  inputs.facade_normal = {0, -1, 0};
   PanelCase panel;
   panel.guid = "guid", panel.name = "P", panel.low = {0, -0.01, 0}, panel.high = {2, 0.01, 2};
   panel.tolerances = tolerances_of({}, {});
@@ -31,6 +31,7 @@ DeviationInputs facade(std::size_t anchors) {
   }
   inputs.model.covariance = evaluate::test::isotropic(anchors, 0.3 * mm);
   inputs.panels.push_back(panel);
+  plumbline::test::face(inputs, {0, -1, 0});
   return inputs;
 }
 

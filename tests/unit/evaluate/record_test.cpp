@@ -1,6 +1,7 @@
 // Verdicts of a facade with panels, for errors made at random; see record.hpp.
 #include "record.hpp"
 
+#include "../bim/facing.hpp"
 #include "judgement/deviation.hpp"
 #include "small_building.hpp"
 
@@ -14,7 +15,7 @@ using plumbline::test::digits;
 /// Three floors of four columns of anchors; panels of 2 m by 3 m between them, each with the anchors at its corners.
 DeviationInputs facade() {
   DeviationInputs inputs;
-  inputs.facade_normal = {0, -1, 0}, inputs.design_file = "d.ifc";
+  inputs.design_file = "d.ifc";
   for (int row = 0; row < 3; ++row)
     for (int column = 0; column < 4; ++column) {
       AnchorCase anchor;
@@ -39,6 +40,7 @@ DeviationInputs facade() {
       inputs.panels.push_back(panel);
     }
   inputs.model.covariance = evaluate::test::isotropic(inputs.model.ids.size(), 0.4 * mm);
+  plumbline::test::face(inputs, {0, -1, 0});
   return inputs;
 }
 

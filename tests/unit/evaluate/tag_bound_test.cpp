@@ -108,7 +108,9 @@ Eigen::MatrixXd bound_by_differences(const BoundProblem& p) {
              camera = static_cast<Eigen::Index>(p.free_parameters.size()), n = poses + plates + camera + p.batches;
   Eigen::MatrixXd slope(static_cast<Eigen::Index>(8 * p.tags.size()), n);
   for (Eigen::Index k = 0; k < n; ++k) {
-    const bool in_pixels = k >= poses + plates && k < poses + plates + 4;
+    const Eigen::Index of_camera = k - poses - plates;
+    const bool in_pixels =
+        of_camera >= 0 && of_camera < camera && p.free_parameters[static_cast<std::size_t>(of_camera)] < 4;
     Eigen::VectorXd change = Eigen::VectorXd::Zero(n);
     change(k) = in_pixels ? 1e-1 : 1e-5;
     slope.col(k) = (pixels(p, change) - pixels(p, -change)) / (2 * change(k));
@@ -143,6 +145,28 @@ TEST(TagBound, IsTheInverseOfTheWholeInformation) {
   for (Eigen::Index i = 0; i < bound.rows(); ++i)
     for (Eigen::Index j = 0; j < bound.rows(); ++j)
       EXPECT_NEAR(bound(i, j), other(i, j), 1e-5 * std::sqrt(other(i, i) * other(j, j))) << i << " " << j;
+}
+
+/// All nine parameters free and none zero, one prior for each so loose that its slope counts.
+TEST(TagBound, EveryLensParameterActsAsInTheProjection) {
+  BoundProblem problem = small_problem();
+  problem.camera.fy = 6900;
+  problem.camera.k2 = 0.4, problem.camera.k3 = -0.7, problem.camera.p1 = 0.004, problem.camera.p2 = -0.006;
+  const std::vector<double> prior = {3, 3, 5, 5, 0.02, 0.3, 3, 2e-3, 2e-3};
+  for (int alone = -1; alone < 9; ++alone) {
+    problem.free_parameters.clear();
+    std::vector<double> variances;
+    for (int k = 0; k < 9; ++k) {
+      if (alone >= 0 && k != alone) continue;
+      problem.free_parameters.push_back(k);
+      variances.push_back(std::pow(prior[static_cast<std::size_t>(k)], 2));
+    }
+    problem.camera_prior =
+        Eigen::Map<Eigen::VectorXd>(variances.data(), std::ssize(variances)).asDiagonal().toDenseMatrix();
+    const Eigen::MatrixXd bound = tag_bound(problem), other = bound_by_differences(problem);
+    for (Eigen::Index i = 0; i < bound.rows(); ++i)
+      EXPECT_NEAR(bound(i, i) / other(i, i), 1, 2e-5) << "parameter " << alone << ", coordinate " << i;
+  }
 }
 
 TEST(TagBound, ControlOnOneLineLeavesTheDatumOpen) {

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "../bim/facing.hpp"
 #include "judgement/accuracy.hpp"
 #include "judgement/deviation.hpp"
 
@@ -68,7 +69,7 @@ evaluate::Inputs campaign(int floors, evaluate::PointSet& designed) {
 /// The same anchors against their design, with a panel between every four.
 DeviationT built(const evaluate::Inputs& inputs, const evaluate::PointSet& designed) {
   judgement::DeviationInputs cases;
-  cases.model = inputs.model, cases.design_file = "tower.ifc", cases.facade_normal = {0, -1, 0};
+  cases.model = inputs.model, cases.design_file = "tower.ifc";
   for (std::size_t i = 0; i < inputs.anchors.size(); ++i) {
     judgement::AnchorCase anchor;
     anchor.id = inputs.anchors[i].id, anchor.floor = inputs.anchors[i].floor, anchor.column = inputs.anchors[i].column;
@@ -90,6 +91,7 @@ DeviationT built(const evaluate::Inputs& inputs, const evaluate::PointSet& desig
       panel.tolerances = judgement::tolerances_of({}, {});
       cases.panels.push_back(panel);
     }
+  plumbline::test::face(cases, {0, -1, 0});
   return judgement::judge_deviations(cases, {});
 }
 

@@ -1,0 +1,36 @@
+// What a floor, a facade, a column or a print batch has in common: one cause in place of many bad anchors.
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "artifacts/deviation.hpp"
+#include "ifc/facade_frame.hpp"
+
+namespace plumbline::judgement {
+
+/// A measured anchor, as far as groups go.
+struct GroupMember {
+  Eigen::Vector3d deviation;  ///< as-built minus design [m]
+  int floor = 0, column = 0;  ///< 0: unknown
+  std::string facade, batch;
+  bim::FacadeFrame frame;
+};
+
+/// Whether an anchor passes with another deviation than its own.
+using WouldPass = std::function<bool(std::size_t member, const Eigen::Vector3d& deviation)>;
+
+/// Every floor, facade, floor of a facade, column and print batch with at least four anchors: mean and spread of their
+/// deviations, and whether they are shifted together. The most significant shift is taken first and away from its
+/// members before the next is looked for, so that a floor that hangs low is not told again as its columns. A shift is
+/// significant at 99.9 % over all groups together (Bonferroni), against the scatter within the group and the covariance
+/// of the measurement (3n x 3n or 0 x 0 [m²]); two thirds of the group follow it, and it takes at least half of
+/// `smallest_tolerance` [m]. The most significant first.
+std::vector<std::unique_ptr<GroupShiftT>> group_shifts(const std::vector<GroupMember>& members,
+                                                       const Eigen::MatrixXd& covariance, double smallest_tolerance,
+                                                       const WouldPass& would_pass);
+
+}  // namespace plumbline::judgement

@@ -1,0 +1,303 @@
+// Which way anchors and panels face: never the wrong way round, and the same however the design is turned, mirrored,
+// cut to one trade or surrounded.
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <filesystem>
+#include <map>
+#include <numbers>
+
+#include "ifc/design.hpp"
+#include "ifc/facades.hpp"
+#include "ifc/step.hpp"
+#include "test_support.hpp"
+
+namespace plumbline::bim {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+/// A straight row of anchors in two storeys, with panels 0.2 m before them.
+struct Wing {
+  Eigen::Vector2d start;  ///< left end as one stands before it [m]
+  double azimuth;         ///< [deg]
+  int columns = 4;
+};
+
+struct Shape {
+  const char* name;
+  std::vector<Wing> wings;
+  Eigen::Vector3d building;  ///< centre of the slabs
+};
+
+enum Cut { everything, no_slabs, anchors_only, podium };
+
+Eigen::Quaterniond axes_facing(const Eigen::Vector3d& out) {
+  Eigen::Matrix3d axes;
+  axes << Eigen::Vector3d::UnitZ().cross(out), -out, Eigen::Vector3d::UnitZ();
+  return Eigen::Quaterniond(axes);
+}
+
+Element element(const std::string& guid, const std::string& ifc_class, const Eigen::Vector3d& place,
+                const Eigen::Quaterniond& axes, const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
+  Element e;
+  e.guid = e.name = guid, e.ifc_class = ifc_class;
+  e.project_from_element = {axes, place}, e.position = place;
+  e.has_box = true, e.box_low = low, e.box_high = high;
+  return e;
+}
+
+/// `turned_axes`: the placements turn with the wings; else all have the axes of the project.
+Design design_of(const Shape& shape, Cut cut, bool turned_axes) {
+  Design design;
+  design.file_name = "d.ifc";
+  for (std::size_t w = 0; w < shape.wings.size(); ++w) {
+    const Wing& wing = shape.wings[w];
+    const Eigen::Vector3d out = facing(wing.azimuth * kDegree), right = Eigen::Vector3d::UnitZ().cross(out);
+    const Eigen::Quaterniond axes = turned_axes ? axes_facing(out) : Eigen::Quaterniond::Identity();
+    const auto box = [&](const Eigen::Vector3d& half, Eigen::Vector3d& low, Eigen::Vector3d& high) {
+      // `half` along right, out and up, in the axes that the element has
+      const Eigen::Vector3d world =
+          half.x() * right.cwiseAbs() + half.y() * out.cwiseAbs() + Eigen::Vector3d(0, 0, half.z());
+      high = turned_axes ? half : world, low = -high;
+    };
+    for (int row = 0; row < 2; ++row)
+      for (int column = 0; column < wing.columns; ++column) {
+        const std::string id = std::to_string(w) + "-" + std::to_string(row) + "-" + std::to_string(column);
+        const Eigen::Vector3d place = Eigen::Vector3d(wing.start.x(), wing.start.y(), 0) + right * (1 + 2.0 * column) +
+                                      Eigen::Vector3d(0, 0, 1 + 3.0 * row);
+        Eigen::Vector3d low, high;
+        box({0.02, 0.02, 0.04}, low, high);
+        design.elements.push_back(element(id, "IfcMechanicalFastener", place, axes, low, high));
+        design.elements.back().is_anchor = true;
+        if (cut == anchors_only || row > 0 || column + 1 == wing.columns) continue;
+        box({0.98, 0.025, 1.5}, low, high);
+        design.elements.push_back(
+            element("P" + id, "IfcPlate", place + right + 0.2 * out + Eigen::Vector3d(0, 0, 1.5), axes, low, high));
+        design.elements.back().is_panel = true;
+      }
+  }
+  const auto slab = [&](const Eigen::Vector3d& centre, const Eigen::Vector3d& half) {
+    design.elements.push_back(element("slab", "IfcSlab", centre, Eigen::Quaterniond::Identity(), -half, half));
+  };
+  if (cut == everything || cut == podium) slab(shape.building, {3, 2, 0.15});
+  if (cut == podium) slab({4, -60, -3}, {80, 40, 3});  // far before the south side
+  return design;
+}
+
+std::vector<Shape> shapes() {
+  std::vector<Shape> all = {
+      {"flat", {{{0, 0}, 180}}, {4, 3, 0}},
+      {"column", {{{0, 0}, 180, 1}}, {1, 3, 0}},
+      {"two", {{{0, 0}, 180}, {{8, 0}, 90}}, {4, 4, 0}},
+      {"four", {{{0, 0}, 180}, {{8, 0}, 90}, {{8, 8}, 0}, {{0, 8}, 270}}, {4, 4, 0}},
+      {"set back", {{{0, 0}, 180}, {{8, 1.2}, 180}, {{16, 0}, 180}}, {12, 5, 0}},
+      {"a little set back", {{{0, 0}, 180}, {{8, 0.3}, 180}}, {8, 5, 0}},
+      {"court", {{{0, 20}, 180}, {{12, 8}, 270}, {{-4, 20}, 90}, {{8, 0}, 0}}, {4, 10, 0}},
+      {"folded", {{{0, 0}, 180}, {{8, 0}, 150}, {{8 + 8 * std::cos(30 * kDegree), 4}, 120}}, {8, 12, 0}},
+  };
+  Shape curve{"curved", {}, {0, 0, 0}};
+  for (int i = 0; i < 9; ++i) {
+    const double azimuth = 120 + 15 * i;
+    const Eigen::Vector3d out = facing(azimuth * kDegree), right = Eigen::Vector3d::UnitZ().cross(out);
+    const Eigen::Vector3d start = 7.6 * out - right;
+    curve.wings.push_back({start.head<2>(), azimuth, 1});
+  }
+  all.push_back(curve);
+  return all;
+}
+
+/// The design as the same building stands elsewhere: turned about the vertical, and mirrored in x before that.
+Shape moved(Shape shape, double turn, bool mirrored) {
+  const Eigen::Rotation2Dd by(-turn * kDegree);  // azimuths go clockwise
+  for (Wing& wing : shape.wings) {
+    if (mirrored) {  // the left end becomes the right one
+      const Eigen::Vector3d out = facing(wing.azimuth * kDegree), right = Eigen::Vector3d::UnitZ().cross(out);
+      wing.start += 2.0 * wing.columns * right.head<2>();
+      wing.start.x() = -wing.start.x(), wing.azimuth = 360 - wing.azimuth;
+    }
+    wing.start = by * wing.start, wing.azimuth += turn;
+  }
+  if (mirrored) shape.building.x() = -shape.building.x();
+  shape.building.head<2>() = by * shape.building.head<2>().eval();
+  return shape;
+}
+
+/// How many of the elements face the way they should, none of them the wrong way with an order.
+int right_ones(const Design& design, const Shape& shape, const std::string& what) {
+  int right = 0;
+  for (const Element& e : design.elements) {
+    if (!e.is_anchor && !e.is_panel) continue;
+    const std::string id = e.is_panel ? e.name.substr(1) : e.name;
+    const Eigen::Vector3d out = facing(shape.wings[static_cast<std::size_t>(std::stoi(id))].azimuth * kDegree);
+    const bool fits = e.facade.known() && (e.facade.out - out).norm() < 1e-6;
+    EXPECT_TRUE(fits || !e.facade.confirmed) << what << ": " << e.name << " would be sent the wrong way";
+    right += fits && e.facade.confirmed;
+    if (!e.facade.known()) continue;
+    EXPECT_LT((e.facade.up.cross(e.facade.out) - e.facade.right).norm(), 1e-12);
+    EXPECT_FALSE(e.facade.facade.empty());
+  }
+  return right;
+}
+
+TEST(Facades, TurnedMirroredCutToTheTradeAndWithAPodiumEverybodyIsSentTheSameWay) {
+  for (const Shape& shape : shapes())
+    for (const double turn : {0.0, 37.0, 90.0, 180.0})
+      for (const bool mirrored : {false, true})
+        for (const Cut cut : {everything, no_slabs, anchors_only, podium})
+          for (const bool turned_axes : {true, false}) {
+            const Shape there = moved(shape, turn, mirrored);
+            // Boxes along the axes of the project are no panels at 37°.
+            if (!turned_axes &&
+                (turn == 37 || shape.name == std::string("curved") || shape.name == std::string("folded")))
+              continue;
+            Design design = design_of(there, cut, turned_axes);
+            assign_facades(design, {});
+            const std::string what = std::string(shape.name) + ", turned by " + std::to_string(turn) + "°" +
+                                     (mirrored ? ", mirrored" : "") + ", cut " + std::to_string(cut) +
+                                     (turned_axes ? "" : ", axes of the project");
+            int all = 0;
+            for (const Element& e : design.elements) all += e.is_anchor || e.is_panel;
+            const int right = right_ones(design, there, what);
+            // Panels tell the sides; so do axes that turn with the facades.
+            bool panels = cut != anchors_only;
+            for (const Wing& wing : shape.wings) panels = panels && wing.columns > 1;
+            const bool turns = turned_axes && shape.wings.size() > 1 && !std::string(shape.name).ends_with("set back");
+            if (turns || (panels && turned_axes)) {
+              EXPECT_EQ(right, all) << what;
+            }
+          }
+}
+
+TEST(Facades, AxesThatNobodyTurnedAreNoProofOfANorthSide) {
+  const Shape north{"north", {{{8, 0}, 0}}, {4, -3, 0}};
+  Design design = design_of(north, anchors_only, false);  // -y, the way the axes point, is into the building
+  assign_facades(design, {});
+  for (const Element& e : design.elements) EXPECT_FALSE(e.facade.confirmed) << e.name;
+  design = design_of(north, everything, false);  // panels hang to the north, slabs lie to the south
+  assign_facades(design, {});
+  EXPECT_EQ(right_ones(design, north, "north"), 11);
+  ASSERT_EQ(design.facades.size(), 1u);
+  EXPECT_TRUE(design.facades[0].confirmed);
+  EXPECT_EQ(design.facades[0].name, "A (0°)");
+}
+
+TEST(Facades, OneTurnedElementProvesNothingForTheOthers) {
+  const Shape four{"four", {{{0, 0}, 180}, {{8, 0}, 90}, {{8, 8}, 0}, {{0, 8}, 270}}, {4, 4, 0}};
+  for (const Shape& shape : {four, Shape{"north", {{{8, 0}, 0}}, {4, -3, 0}}}) {
+    Design design = design_of(shape, anchors_only, false);
+    design.elements[3].project_from_element.rotation = axes_facing(facing(200 * kDegree));
+    assign_facades(design, {});
+    right_ones(design, shape, shape.name);  // none is confirmed the wrong way
+  }
+}
+
+TEST(Facades, AGuessIsToldWithTheCommandThatMendsIt) {
+  Shape court{"court", {{{0, 0}, 180}}, {4, -9, 0}};  // all that has a shape stands before the facade
+  Design design = design_of(court, everything, false);
+  std::erase_if(design.elements, [](const Element& e) { return e.is_panel; });
+  assign_facades(design, {});
+  ASSERT_EQ(design.facades.size(), 1u);
+  EXPECT_FALSE(design.facades[0].confirmed);
+  const auto warnings = facade_warnings(design.facades);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings[0].find("design.with.facades=['*: confirmed']"), std::string::npos) << warnings[0];
+  assign_facades(design, {parse_facade_rule("*: azimuth=180deg, name=South")});
+  ASSERT_EQ(design.facades.size(), 1u);
+  EXPECT_EQ(design.facades[0].name, "South");
+  EXPECT_EQ(right_ones(design, court, "court"), 8);
+  EXPECT_TRUE(facade_warnings(design.facades).empty());
+  EXPECT_EQ(design.elements[0].facade.source, FacadeSource::rule);
+}
+
+TEST(Facades, PlatesGoBeforeTheDesignAndMayContradictIt) {
+  const auto made = [](FacadeSource source, bool confirmed) { return frame_facing({0, -1, 0}, source, confirmed); };
+  FacadeFrame frame = made(FacadeSource::guess, false);
+  add_plate(frame, {0.05, -1, 0});  // 3° off: the design is more exact
+  EXPECT_TRUE(frame.confirmed);
+  EXPECT_EQ(frame.out, Eigen::Vector3d(0, -1, 0));
+  EXPECT_EQ(frame.source, FacadeSource::plate);
+  frame = made(FacadeSource::guess, false);
+  add_plate(frame, {0.05, 1, 0});
+  EXPECT_TRUE(frame.confirmed);
+  EXPECT_EQ(frame.out, Eigen::Vector3d(0, 1, 0));
+  EXPECT_EQ(frame.right, Eigen::Vector3d(-1, 0, 0));
+  frame = made(FacadeSource::panel, true);
+  add_plate(frame, {0, 1, 0});
+  EXPECT_FALSE(frame.confirmed) << "panels and plates say the opposite";
+  EXPECT_FALSE(frame.note.empty());
+  frame = made(FacadeSource::rule, true);
+  add_plate(frame, {0, 1, 0});
+  EXPECT_EQ(frame.out, Eigen::Vector3d(0, -1, 0));
+  frame = FacadeFrame{};
+  add_plate(frame, {0, 0, 1});  // a table that gives no azimuth
+  EXPECT_FALSE(frame.known());
+}
+
+TEST(Facades, WhatIsSetBackOrStandsOppositeIsAFacadeOfItsOwn) {
+  const auto count = [](const char* name) {
+    for (const Shape& shape : shapes())
+      if (shape.name == std::string(name)) {
+        Design design = design_of(shape, everything, true);
+        assign_facades(design, {});
+        return design.facades.size();
+      }
+    return std::size_t{0};
+  };
+  EXPECT_EQ(count("flat"), 1u);
+  EXPECT_EQ(count("four"), 4u);
+  EXPECT_EQ(count("court"), 4u);
+  EXPECT_EQ(count("set back"), 1u) << "1.2 m are a step of one facade";
+  EXPECT_EQ(count("curved"), 1u);
+  EXPECT_EQ(count("folded"), 3u);
+}
+
+TEST(Facades, ASoffitFacesDownWithUpInItsPlane) {
+  Design design = design_of({"soffit", {{{0, 0}, 180}}, {4, 3, 0}}, anchors_only, true);
+  assign_facades(
+      design, {parse_facade_rule("name~^0-1: out=down"), parse_facade_rule("name~^0-0: azimuth=200gon, tilt=-10deg")});
+  for (const Element& e : design.elements) {
+    if (e.name.starts_with("0-1")) {
+      EXPECT_EQ(e.facade.out, Eigen::Vector3d(0, 0, -1));
+      EXPECT_LT((e.facade.up - Eigen::Vector3d(0, 1, 0)).norm(), 1e-12);
+      continue;
+    }
+    EXPECT_NEAR(e.facade.out.z(), -std::sin(10 * kDegree), 1e-12);
+    EXPECT_NEAR(e.facade.up.z(), std::cos(10 * kDegree), 1e-12);
+    EXPECT_NEAR(e.facade.right.x(), 1, 1e-12);
+  }
+  ASSERT_EQ(design.facades.size(), 2u);
+  EXPECT_EQ(design.facades[1].name, "B (down)");
+}
+
+TEST(Facades, RulesAreRefusedInWords) {
+  for (const char* wrong :
+       {"*", "*: azimuth=180", "*: azimuth=north", "*: out=left", "*: tilt=5deg", "x=y: out=up", "*: "})
+    EXPECT_THROW(parse_facade_rule(wrong), std::runtime_error) << wrong;
+  Design design = design_of({"flat", {{{0, 0}, 180}}, {4, 3, 0}}, everything, true);
+  EXPECT_THROW(assign_facades(design, {parse_facade_rule("class=IfcMechanicalFastenr: azimuth=180deg")}),
+               std::runtime_error);
+}
+
+TEST(Facades, OfDesignsMadeByOthers) {
+  const auto folder = test::data_folder() / "outside" / "building";
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is missing";
+  const std::map<char, double> azimuth = {{'S', 180}, {'E', 90}, {'N', 0}, {'W', 270}};
+  for (const char* name : {"one", "two", "four", "trade", "court", "column", "recess0.6", "recess1.2", "curved"}) {
+    const Design design = read_design(step::File::read((folder / (std::string(name) + ".ifc")).string(), name), {});
+    int judged = 0;
+    for (const Element& e : design.elements) {
+      if (!e.is_anchor && !e.is_panel) continue;
+      ++judged;
+      EXPECT_TRUE(e.facade.confirmed) << name << ": " << e.name << ": " << e.facade.note;
+      if (std::string(name) == "curved") continue;
+      const auto wanted = azimuth.find(e.name[0]);
+      const double expected = wanted == azimuth.end() ? 180 : wanted->second;
+      EXPECT_LT((e.facade.out - facing(expected * kDegree)).norm(), 1e-6) << name << ": " << e.name;
+    }
+    EXPECT_GT(judged, 3) << name;
+  }
+}
+
+}  // namespace
+}  // namespace plumbline::bim

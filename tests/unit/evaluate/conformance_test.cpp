@@ -1,0 +1,241 @@
+// Conformance probability against integrals worked out by other means, the promise of its risk, and what was asked for.
+#include "judgement/conformance.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "../bim/facing.hpp"
+#include "geometry/statistics.hpp"
+#include "judgement/deviation.hpp"
+#include "small_building.hpp"
+
+namespace plumbline::judgement {
+namespace {
+
+using evaluate::test::isotropic;
+using evaluate::test::mm;
+using evaluate::test::Normal;
+
+const bim::FacadeFrame kSouth = bim::frame_facing({0, -1, 0}, bim::FacadeSource::rule, true);
+
+AnchorDeviationT judge(const Eigen::Vector3d& deviation, double u, const std::vector<std::string>& rules,
+                       const bim::FacadeFrame& frame = kSouth) {
+  ToleranceTable table;
+  for (const std::string& rule : rules) table.rules.push_back(parse_rule(rule));
+  AnchorDeviationT out;
+  judge_anchor(deviation, u * u * Eigen::Matrix3d::Identity(), frame, tolerances_of(table, {}), {}, out);
+  return out;
+}
+
+TEST(Conformance, OfOneSignedLengthIsThatOfTheNormalDistribution) {
+  const Limited both{Eigen::MatrixXd::Ones(1, 1), 5 * mm, 2 * mm, false};
+  const auto p = [&](double d, double u) {
+    return conformance(Eigen::VectorXd::Constant(1, d), Eigen::MatrixXd::Constant(1, 1, u * u), {both}, 0.05, 0.005)
+        .probability;
+  };
+  EXPECT_NEAR(p(1 * mm, 1 * mm), normal_probability(4) - normal_probability(-3), 1e-12);
+  EXPECT_NEAR(p(-2 * mm, 1 * mm), 0.5, 1e-9);
+  EXPECT_EQ(p(-2 * mm, 0), 1) << "at the limit itself";
+  EXPECT_EQ(p(-2.001 * mm, 0), 0);
+}
+
+TEST(Conformance, OfALengthInSpaceIsThatOfMaxwell) {
+  // P(r <= t) of three axes of u: erf(t/u√2) − √(2/π) (t/u) exp(−t²/2u²).
+  const double t = 5.0 / 3.0;
+  const double maxwell = std::erf(t / std::sqrt(2.0)) - std::sqrt(2 / std::numbers::pi) * t * std::exp(-t * t / 2);
+  const AnchorDeviationT judged = judge({0, 0, 0}, 3 * mm, {"*: space=5mm, horizontal=0mm, vertical=0mm"});
+  EXPECT_NEAR(judged.pass_probability, maxwell, 3e-3);
+  EXPECT_EQ(judged.verdict, ToleranceVerdict::undecided) << "57 % are no pass: k on the length of a vector said so";
+}
+
+TEST(Conformance, ThePassHasTheProbabilityThatIsSaid) {
+  // Each axis by itself is within with more than 95 %; both at once with 91 %.
+  const AnchorDeviationT judged = judge({0, 0, 0}, 2.1 * mm, {});
+  ASSERT_EQ(judged.axes[1]->axis, "vertical");
+  EXPECT_EQ(judged.axes[1]->verdict, ToleranceVerdict::pass);
+  EXPECT_LT(judged.pass_probability, 0.95);
+  EXPECT_EQ(judged.verdict, ToleranceVerdict::undecided);
+  Normal normal(7);
+  for (int trial = 0; trial < 300; ++trial) {
+    const AnchorDeviationT some =
+        judge({4 * normal() * mm, 3 * normal() * mm, 4 * normal() * mm}, (0.1 + std::abs(normal())) * mm,
+              {trial % 2 ? "*: out_of_plane=+5/-2mm" : "*: space=6mm"});
+    const ToleranceVerdict expected = some.pass_probability >= 0.95   ? ToleranceVerdict::pass
+                                      : some.pass_probability <= 0.05 ? ToleranceVerdict::fail
+                                                                      : ToleranceVerdict::undecided;
+    EXPECT_EQ(some.verdict, expected);
+    EXPECT_EQ(some.verdict == ToleranceVerdict::pass, 5 * mm >= some.tau_pass - 1e-12);
+    EXPECT_EQ(some.verdict == ToleranceVerdict::fail, 5 * mm < some.tau_fail - 1e-12);
+  }
+}
+
+/// False passes of items whose true deviation is drawn from a building (2.5 mm an axis), for u up to half the
+/// tolerance.
+TEST(Conformance, AtMostTheRiskOfThePassesIsFalse) {
+  for (const double share : {0.1, 0.3, 0.5})
+    for (const char* rule :
+         {"*: horizontal=5mm", "*: horizontal=0mm, vertical=0mm, space=5mm", "*: out_of_plane=5mm"}) {
+      Normal normal(11);
+      const double u = share * 5 * mm;
+      int passed = 0, wrong = 0;
+      for (int trial = 0; trial < 800; ++trial) {
+        const Eigen::Vector3d truth = 2.5 * mm * Eigen::Vector3d(normal(), normal(), normal());
+        const Eigen::Vector3d seen = truth + u * Eigen::Vector3d(normal(), normal(), normal());
+        if (judge(seen, u, {rule}).verdict != ToleranceVerdict::pass) continue;
+        ++passed, wrong += judge(truth, 0, {rule}).verdict == ToleranceVerdict::fail;
+      }
+      EXPECT_LE(wrong, 0.05 * passed + 3 * std::sqrt(0.05 * passed)) << rule << " at u = " << share << " tau";
+    }
+}
+
+TEST(Tolerances, HaveTwoSidesWhereTheLengthHasASign) {
+  EXPECT_EQ(judge({0, -4 * mm, 0}, 0.1 * mm, {"*: out_of_plane=+5/-2mm"}).verdict, ToleranceVerdict::pass);
+  const AnchorDeviationT inward = judge({0, 4 * mm, 0}, 0.1 * mm, {"*: out_of_plane=+5/-2mm"});
+  EXPECT_EQ(inward.verdict, ToleranceVerdict::fail);
+  EXPECT_EQ(inward.decided_by, "out_of_plane");
+  EXPECT_EQ(judge({0, 0, -1 * mm}, 0.1 * mm, {"*: vertical=-0/+3mm"}).verdict, ToleranceVerdict::fail);
+  EXPECT_EQ(judge({0, 0, 2.5 * mm}, 0.1 * mm, {"*: vertical=-0/+3mm"}).verdict, ToleranceVerdict::pass);
+  for (const char* wrong : {"*: horizontal=+5/-2mm", "*: vertical=5/2mm", "*: vertical=+5/+2mm", "*: vertical=+5/-2"})
+    EXPECT_THROW(parse_rule(wrong), std::runtime_error) << wrong;
+}
+
+TEST(Facade, AnAxisThatCannotBeToldIsNoPass) {
+  const AnchorDeviationT unknown =
+      judge({0, 30 * mm, 0}, 0.3 * mm, {"*: out_of_plane=4mm, vertical=4mm, horizontal=0mm"}, {});
+  EXPECT_EQ(unknown.verdict, ToleranceVerdict::undecided);
+  EXPECT_EQ(unknown.decided_by, "out_of_plane");
+  EXPECT_NE(unknown.note.find("nothing says which way it faces"), std::string::npos);
+  const auto guess = bim::frame_facing({0, -1, 0}, bim::FacadeSource::guess, false);
+  EXPECT_EQ(judge({0, 0, 0}, 0.3 * mm, {"*: out_of_plane=4mm"}, guess).verdict, ToleranceVerdict::undecided);
+  const AnchorDeviationT fails = judge({0, 0, 30 * mm}, 0.3 * mm, {"*: out_of_plane=4mm"}, guess);
+  EXPECT_EQ(fails.verdict, ToleranceVerdict::fail) << "the height does not ask which way it faces";
+}
+
+bim::Property property(const std::string& set, const std::string& name, const std::string& text, double number,
+                       const std::string& measure) {
+  bim::Property p{set, name, text, number};
+  p.measure = measure;
+  return p;
+}
+
+TEST(ToleranceRules, WhatTheDesignAsksForIsAppliedOrRefusedWithItsReason) {
+  const auto found = [](const bim::Property& p, ToleranceFindings& findings,
+                        const std::vector<std::string>& rules = {}) {
+    const std::vector<bim::Property> properties = {p};
+    bim::ElementFacts element;
+    element.properties = &properties;
+    ToleranceTable table;
+    for (const std::string& rule : rules) table.rules.push_back(parse_rule(rule));
+    return tolerances_of(table, element, &findings);
+  };
+  const std::string set = "Pset_Tolerance", out = "OrthogonalTolerance";
+  ToleranceFindings findings;
+  EXPECT_EQ(found(property(set, out, "4 mm", NAN, "IFCLABEL"), findings)[Axis::out_of_plane].value, 4 * mm);
+  EXPECT_EQ(
+      found(property("Pset_tolerance", out, "0.004", 4 * mm, "IFCPOSITIVELENGTHMEASURE"), findings)[Axis::out_of_plane]
+          .value,
+      4 * mm);
+  bim::Property bounded = property(set, out, "-2. to 4.", NAN, "IFCPROPERTYBOUNDEDVALUE");
+  bounded.lower = -2 * mm, bounded.upper = 4 * mm;
+  const Tolerance sides = found(bounded, findings)[Axis::out_of_plane];
+  EXPECT_EQ(sides.value, 4 * mm);
+  EXPECT_EQ(sides.lower(), 2 * mm);
+  EXPECT_TRUE(findings.refused.empty());
+  EXPECT_FALSE(found(property(set, out, "4.", 4, "IFCREAL"), findings).contains(Axis::out_of_plane));
+  ASSERT_EQ(findings.refused.size(), 1u);
+  EXPECT_EQ(findings.refused[0],
+            "Pset_Tolerance.OrthogonalTolerance '4.': it is an IFCREAL, a number without a unit; expected a length");
+  findings = {};
+  bounded.name = "HorizontalTolerance";
+  found(bounded, findings);
+  found(property(set, "PlanarFlatness", "0.002", 2 * mm, "IFCPOSITIVELENGTHMEASURE"), findings);
+  found(property(set, "ToleranceDescription", "as drawn", NAN, "IFCTEXT"), findings);
+  EXPECT_EQ(findings.refused.size(), 2u);
+  findings = {};
+  found(property(set, out, "4.", 4, "IFCREAL"), findings, {"*: out_of_plane=4mm"});
+  EXPECT_TRUE(findings.refused.empty()) << "a rule takes its place";
+}
+
+/// A facade of floors and columns, as built as designed.
+DeviationInputs grid(int columns, int rows) {
+  DeviationInputs inputs;
+  inputs.design_file = "d.ifc";
+  for (int row = 0; row < rows; ++row)
+    for (int column = 0; column < columns; ++column) {
+      AnchorCase anchor;
+      anchor.id = "A" + std::to_string(row) + "." + std::to_string(column);
+      anchor.element.guid = "g" + anchor.id, anchor.storey_guid = "s" + std::to_string(row);
+      anchor.floor = row + 1, anchor.column = column + 1, anchor.use = "check";
+      anchor.design = {2.0 * column, 0, 3.0 * row};
+      anchor.tolerances = tolerances_of({}, {});
+      inputs.model.ids.push_back(anchor.id);
+      inputs.model.positions.push_back(anchor.design);
+      inputs.anchors.push_back(anchor);
+    }
+  inputs.model.covariance = isotropic(inputs.model.ids.size(), 0.4 * mm);
+  plumbline::test::face(inputs, {0, -1, 0});
+  return inputs;
+}
+
+TEST(Requests, WhatIsNotJudgedForbidsReady) {
+  DeviationInputs inputs = grid(3, 3);
+  ASSERT_EQ(judge_deviations(inputs, {}).verdict, ToleranceVerdict::pass);
+  inputs.requests.push_back(
+      {"class=IfcMechanicalFastenr: vertical=1mm", "rule", 0, 0, "it selects no anchor and no panel"});
+  DeviationT result = judge_deviations(inputs, {});
+  EXPECT_EQ(result.verdict, ToleranceVerdict::undecided);
+  EXPECT_EQ(result.not_judged, 1);
+  EXPECT_EQ(result.passed, 9);
+  inputs.requests.clear();
+  inputs.anchors[4].refused = {"Pset_Tolerance.OrthogonalTolerance '4.': it is an IFCREAL"};
+  result = judge_deviations(inputs, {});
+  EXPECT_EQ(result.anchors[4]->verdict, ToleranceVerdict::undecided);
+  EXPECT_NE(result.anchors[4]->note.find("IFCREAL"), std::string::npos);
+  EXPECT_EQ(result.passed, 8);
+  ASSERT_EQ(result.requests.size(), 1u);
+  EXPECT_EQ(result.requests[0]->anchors, 1);
+}
+
+TEST(GroupShifts, AFloorThatHangsLowIsOneSentence) {
+  DeviationInputs inputs = grid(5, 4);
+  Normal normal(5);
+  for (std::size_t i = 0; i < inputs.model.positions.size(); ++i) {
+    inputs.model.positions[i] += Eigen::Vector3d(normal(), normal(), normal()) * 0.8 * mm;
+    if (inputs.anchors[i].floor == 2) inputs.model.positions[i].z() -= 12 * mm;
+  }
+  const DeviationT result = judge_deviations(inputs, {});
+  EXPECT_EQ(result.failed, 5);
+  ASSERT_FALSE(result.group_shifts.empty());
+  const GroupShiftT& floor = *result.group_shifts[0];
+  ASSERT_TRUE(floor.significant);
+  EXPECT_EQ(floor.name, "Floor 2");
+  EXPECT_NEAR(floor.shift.z(), -12 * mm, 1 * mm);
+  EXPECT_EQ(floor.would_pass, 5);
+  EXPECT_NE(floor.words.find("Floor 2 hangs 1"), std::string::npos) << floor.words;
+  EXPECT_NE(floor.words.find(" low"), std::string::npos) << floor.words;
+  for (std::size_t i = 1; i < result.group_shifts.size(); ++i) EXPECT_FALSE(result.group_shifts[i]->significant);
+}
+
+TEST(GroupShifts, AnchorsThatHappenToLieAlikeWereNotMeasuredBetter) {
+  DeviationInputs inputs = grid(5, 4);
+  for (std::size_t i = 0; i < inputs.model.positions.size(); ++i)
+    if (inputs.anchors[i].floor == 2) inputs.model.positions[i].z() -= 12 * mm;
+  const DeviationT result = judge_deviations(inputs, {});
+  ASSERT_FALSE(result.group_shifts.empty());
+  EXPECT_GT(result.group_shifts[0]->u.z(), 0.99 * 0.4 * mm / std::sqrt(5.0));  // of five anchors of 0.4 mm each
+}
+
+TEST(GroupShifts, ChanceIsNoShift) {
+  int alarms = 0;
+  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+    DeviationInputs inputs = grid(6, 6);
+    Normal normal(seed);
+    for (auto& p : inputs.model.positions) p += Eigen::Vector3d(normal(), normal(), normal()) * 3 * mm;
+    for (const auto& group : judge_deviations(inputs, {}).group_shifts) alarms += group->significant;
+  }
+  EXPECT_LE(alarms, 1);  // 0.1 % of a hundred buildings
+}
+
+}  // namespace
+}  // namespace plumbline::judgement
