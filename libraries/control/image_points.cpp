@@ -10,6 +10,7 @@
 
 #include "control/gcp_list.hpp"
 #include "text/csv_table.hpp"
+#include "text/one_document.hpp"
 
 namespace plumbline::control {
 namespace {
@@ -17,7 +18,7 @@ namespace {
 std::vector<ImagePoint> from_json(const std::string& text, const std::string& file) {
   std::vector<ImagePoint> points;
   try {
-    const YAML::Node root = YAML::Load(text);
+    const YAML::Node root = formats::load_one_document(text);
     for (const auto& image : root["images"])
       for (const auto& tag : image["tags"]) {
         ImagePoint p{image["path"].as<std::string>(), tag["id"].as<std::string>(), Eigen::Vector2d::Zero(), 0};

@@ -1,7 +1,5 @@
 #include "markers/calibration.hpp"
 
-#include <ceres/rotation.h>
-
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
@@ -13,6 +11,7 @@
 
 #include "block/defects.hpp"
 #include "geometry/median.hpp"
+#include "markers/calibration_cost.hpp"
 #include "markers/planar_pose.hpp"
 #include "plumbline/stop.hpp"
 
@@ -20,40 +19,6 @@ namespace plumbline::markers {
 namespace {
 
 constexpr int count = BrownCamera::parameter_count;
-
-/// One point. Parameters: pose (translation, rotation vector on top of the approximate one), interior orientation,
-/// bend.
-struct PointCost {
-  Eigen::Vector3d board;
-  Eigen::Vector2d pixel, unit;  // `unit`: the point from −1 to 1 over the board
-  double sigma;
-  const Eigen::Matrix3d* camera_matrix;
-
-  template <typename T>
-  bool operator()(const T* pose, const T* interior, const T* bend, T* residual) const {
-    using Vector = Eigen::Matrix<T, 3, 1>;
-    const T z = T(board.z()) + bend[0] * T(1 - unit.x() * unit.x()) + bend[1] * T(1 - unit.y() * unit.y());
-    const Vector start = camera_matrix->cast<T>() * Vector(T(board.x()), T(board.y()), z);
-    Vector turned;
-    ceres::AngleAxisRotatePoint(pose + 3, start.data(), turned.data());
-    const T depth = turned[2] + pose[2];
-    if (!(depth > T(1e-9))) return false;
-    T computed[2];
-    project_normalised(interior, T((turned[0] + pose[0]) / depth), T((turned[1] + pose[1]) / depth), computed);
-    residual[0] = (computed[0] - T(pixel.x())) / T(sigma);
-    residual[1] = (computed[1] - T(pixel.y())) / T(sigma);
-    return true;
-  }
-};
-
-struct ScaledCost {
-  double sigma;
-  template <typename T>
-  bool operator()(const T* bend, T* residual) const {
-    residual[0] = bend[0] / T(sigma), residual[1] = bend[1] / T(sigma);
-    return true;
-  }
-};
 
 struct State {
   std::vector<std::array<double, 6>> poses;
@@ -92,6 +57,21 @@ class Calibrator {
     reject();
     adjust::AdjustedBlock block = adjust();
     return result(block);
+  }
+
+  /// √(Σ(dx² + dy²)/n) of all points after the adjustment [px].
+  double residuals_of_all() {
+    start();
+    const adjust::AdjustedBlock block = adjust();
+    double squares = 0, points = 0;
+    for (const auto& rows : block.linear.observations) {
+      if (rows.group != 0) continue;
+      const auto [v, p] = labels_[static_cast<size_t>(rows.label)];
+      squares += std::pow(views_[static_cast<size_t>(v)].points[static_cast<size_t>(p)].sigma, 2) *
+                 rows.misclosure.squaredNorm();
+      ++points;
+    }
+    return std::sqrt(squares / points);
   }
 
  private:
@@ -164,7 +144,7 @@ class Calibrator {
         const CalibrationPoint& p = views_[v].points[k];
         const Eigen::Vector2d unit = (p.board.head<2>() - middle_).cwiseQuotient(half_);
         model.add_term(std::make_unique<adjust::DifferentiatedCost<PointCost, 2, 6, count, 2>>(
-                           new PointCost{p.board, p.pixel, unit, p.sigma, &state_.matrices[v]}),
+                           new PointCost{p.board, p.pixel, unit, p.sigma, options_.lens, &state_.matrices[v]}),
                        {state_.poses[v].data(), state_.interior.data(), state_.bend.data()}, 0,
                        static_cast<int>(labels_.size()), true);
         labels_.push_back({static_cast<int>(v), static_cast<int>(k)});
@@ -275,8 +255,29 @@ class Calibrator {
                   tilt);
     return begin + text +
            "which does not tell the principal distance from the distance. Tilt the board by 30 to 50 degrees in half "
-           "of "
-           "them, in several directions";
+           "of them, in several directions";
+  }
+
+  CameraEvidence evidence(const adjust::AdjustedBlock& block, double factor) const {
+    std::vector<Eigen::MatrixXd> effects;
+    for (const auto& rows : block.linear.observations) {
+      effects.emplace_back();
+      if (rows.group != 0) continue;
+      const auto [v, p] = labels_[static_cast<size_t>(rows.label)];
+      const CalibrationPoint& point = views_[static_cast<size_t>(v)].points[static_cast<size_t>(p)];
+      effects.back() = effects_at(point.pixel, height_) / point.sigma;
+    }
+    std::vector<int> members;
+    std::vector<std::string> paths;
+    for (size_t v = 0; v < views_.size(); ++v) members.push_back(static_cast<int>(v)), paths.push_back(views_[v].path);
+    return evidence_of(shares_of(block.linear, effects), block.solution.kept_cofactor, factor, columns_, members,
+                       paths);
+  }
+
+  CameraTruth judged(CameraEvidence evidence, const Calibration& c) const {
+    std::vector<RigidTransform> poses;
+    for (const int v : evidence.members) poses.push_back(c.views[static_cast<size_t>(v)].cam_from_board);
+    return judge_camera(std::move(evidence), c.camera, poses);
   }
 
   Calibration result(const adjust::AdjustedBlock& block) const {
@@ -314,13 +315,10 @@ class Calibrator {
     const double points = static_cast<double>(labels_.size()), factor = weighted / c.degrees_of_freedom;
     c.rms = std::sqrt(squares / points);
     c.sigma = std::sqrt(factor * variance / points);
-    c.covariance = Eigen::MatrixXd::Zero(count, count);
     const Eigen::MatrixXd& cofactor = block.solution.kept_cofactor;
-    for (int i = 0; i < count; ++i)
-      for (int j = 0; j < count; ++j) {
-        const int row = columns_[static_cast<size_t>(i)], column = columns_[static_cast<size_t>(j)];
-        if (row >= 0 && column >= 0) c.covariance(i, j) = factor * cofactor(row, column);
-      }
+    c.truth = judged(evidence(block, factor), c);
+    c.formal_covariance = in_nine(c.truth.evidence, c.truth.evidence.formal);
+    c.covariance = in_nine(c.truth.evidence, c.truth.empirical.written);
     c.bend_x = state_.bend[0], c.bend_y = state_.bend[1];
     if (bend_columns_[0] >= 0) c.bend_x_sigma = std::sqrt(factor * cofactor(bend_columns_[0], bend_columns_[0]));
     if (bend_columns_[1] >= 0) c.bend_y_sigma = std::sqrt(factor * cofactor(bend_columns_[1], bend_columns_[1]));
@@ -376,6 +374,30 @@ Calibration calibrate(const std::vector<CalibrationView>& views, int width, int 
       if (k + 1 == attempts.size()) throw;
     }
   }
+}
+
+LensComparison compare_lenses(const std::vector<CalibrationView>& views, const CalibrationOptions& options,
+                              const Calibration& all) {
+  constexpr double wide = 35 * std::numbers::pi / 180;
+  LensComparison lenses;
+  for (const CalibratedView& view : all.views)
+    for (const CalibrationPoint& point : views[static_cast<size_t>(view.view)].points) {
+      const Eigen::Vector3d ray = view.cam_from_board * point.board;
+      lenses.widest = std::max(lenses.widest, std::atan2(ray.head<2>().norm(), ray.z()));
+    }
+  if (lenses.widest < wide) return lenses;
+  CalibrationOptions keep = options, fisheye = options;
+  keep.reject_above = 0, fisheye.reject_above = 0;
+  fisheye.lens = LensModel::fisheye, fisheye.free = {"fx", "fy", "cx", "cy", "k1", "k2", "k3", "p1"};  // p1 is k4 there
+  try {
+    lenses.brown = Calibrator(views, all.camera.width, all.camera.height, keep).residuals_of_all();
+    lenses.fisheye = Calibrator(views, all.camera.width, all.camera.height, fisheye).residuals_of_all();
+  } catch (const Stopped&) {
+    throw;
+  } catch (const std::runtime_error&) {
+    lenses.brown = lenses.fisheye = 0;  // one of them fits nothing
+  }
+  return lenses;
 }
 
 }  // namespace plumbline::markers

@@ -10,6 +10,7 @@
 
 #include "block/block_model.hpp"
 #include "geometry/camera.hpp"
+#include "markers/camera_changes.hpp"
 #include "plumbline/rigid_transform.hpp"
 
 namespace plumbline::markers {
@@ -25,6 +26,10 @@ struct CalibrationView {
   std::vector<CalibrationPoint> points;
 };
 
+/// How a lens bends rays: Brown's polynomial of the tangent, or, for comparison only, the polynomial of the angle that
+/// fisheyes follow (Kannala and Brandt 2006, as OpenCV's fisheye model): r = θ (1 + k1 θ² + k2 θ⁴ + k3 θ⁶ + k4 θ⁸).
+enum class LensModel { brown, fisheye };
+
 struct CalibrationOptions {
   std::vector<std::string> free = {"fx", "fy", "cx", "cy", "k1", "k2", "k3", "p1", "p2"};
   /// The board may be bent: z = a (1 − x²) + b (1 − y²), x and y from −1 to 1 over the board; a and b get this prior
@@ -32,6 +37,7 @@ struct CalibrationOptions {
   double bend_sigma = 0;
   double reject_above = 5;  ///< points whose residual is this many times the median are left out; 0 keeps all
   int max_iterations = 200;
+  LensModel lens = LensModel::brown;  ///< calibrate() takes Brown's only
 };
 
 struct CalibratedView {
@@ -45,7 +51,10 @@ struct CalibratedView {
 
 struct Calibration {
   BrownCamera camera;
-  Eigen::MatrixXd covariance;  ///< 9 × 9, scaled with the residuals; zero for held parameters
+  /// 9 × 9, zero for held parameters: the larger of what the residuals and what the scatter of the photographs say.
+  Eigen::MatrixXd covariance;
+  Eigen::MatrixXd formal_covariance;  ///< 9 × 9, scaled with the residuals
+  CameraTruth truth;                  ///< whether the photographs are of one camera, and how they scatter
   double bend_x = 0, bend_y = 0, bend_x_sigma = 0, bend_y_sigma = 0;  ///< [m]
   std::vector<CalibratedView> views;
   double rms = 0;    ///< √(Σ(dx² + dy²)/n) over all points, as OpenCV gives it [px]
@@ -60,6 +69,19 @@ struct Calibration {
 /// direction, a rank defect by its unknowns, no convergence.
 Calibration calibrate(const std::vector<CalibrationView>& views, int width, int height,
                       const CalibrationOptions& options);
+
+/// Residuals of the same points with both lenses, none left out: √(Σ(dx² + dy²)/n) [px].
+struct LensComparison {
+  double brown = 0, fisheye = 0;
+  double widest = 0;  ///< angle of a point off the axis, by the calibration [rad]
+  /// That of a fisheye, which has a parameter fewer, leaves less than 0.85 of the residuals.
+  bool is_fisheye() const { return fisheye > 0 && fisheye < 0.85 * brown; }
+};
+
+/// Compares the lenses where points lie more than 35° off the axis; elsewhere both models are nearly the same, and
+/// nothing is compared. `all`: the calibration with Brown's lens.
+LensComparison compare_lenses(const std::vector<CalibrationView>& views, const CalibrationOptions& options,
+                              const Calibration& all);
 
 /// Standard deviation of a projected pixel over the image: what the covariance leaves after the rotation that fits best
 /// is taken out, because an orientation takes that up. Largest over all directions, in a grid of columns × rows pixels

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "geometry/camera_correlations.hpp"
+#include "text/one_document.hpp"
 
 namespace plumbline::markers {
 namespace {
@@ -56,7 +57,7 @@ YAML::Node parse(const std::string& text, const std::string& file) {
   // OpenCV writes "%YAML:1.0", which is no YAML directive.
   if (body.rfind("%YAML", 0) == 0) body.erase(0, std::min(body.find('\n'), body.size()));
   try {
-    return YAML::Load(body);
+    return formats::load_one_document(body);
   } catch (const YAML::Exception& error) {
     refuse(file, "neither YAML nor JSON nor XML (line " + std::to_string(error.mark.line + 1) + ": " + error.msg + ")");
   }

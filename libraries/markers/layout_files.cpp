@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "text/csv_table.hpp"
+#include "text/one_document.hpp"
 
 namespace plumbline::markers {
 namespace {
@@ -100,7 +101,7 @@ std::vector<LayoutTag> parse_tree(const std::string& text, const std::string& fi
   if (body.rfind("%YAML", 0) == 0) body.erase(0, std::min(body.find('\n'), body.size()));
   YAML::Node root;
   try {
-    root = YAML::Load(body);
+    root = formats::load_one_document(body);
   } catch (const YAML::Exception& error) {
     refuse(file, "neither JSON nor YAML (line " + std::to_string(error.mark.line + 1) + ": " + error.msg + ")");
   }

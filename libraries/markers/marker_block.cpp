@@ -11,8 +11,10 @@
 #include "block/defects.hpp"
 #include "block/row_quality.hpp"
 #include "geometry/median.hpp"
+#include "markers/marker_adjustment.hpp"
 #include "markers/marker_datum.hpp"
 #include "markers/marker_model.hpp"
+#include "markers/marker_truth.hpp"
 #include "markers/marker_words.hpp"
 #include "plumbline/stop.hpp"
 
@@ -258,8 +260,9 @@ void run_or_explain(const MarkerBlock& block, const MarkerOptions& options, cons
   } catch (const Stopped&) {
     throw;
   } catch (const std::runtime_error& error) {
-    const bool self_calibration =
-        std::any_of(block.cameras.begin(), block.cameras.end(), [](const MarkerCamera& c) { return !c.held; });
+    const bool self_calibration = std::any_of(block.cameras.begin(), block.cameras.end(), [](const MarkerCamera& c) {
+      return !c.held && c.covariance.size() == 0;
+    });
     if (!self_calibration) throw;
     throw std::runtime_error(
         std::to_string(block.images.size()) + " photographs with " + std::to_string(block.markers.size()) +
@@ -395,6 +398,8 @@ void fill_views(const MarkerBlock& block, const Run& run, MarkerResult& result) 
   result.rms = std::sqrt(squares / (8.0 * static_cast<double>(std::max<size_t>(1, result.views.size()))));
 }
 
+}  // namespace
+
 MarkerResult adjust_as_given(const MarkerBlock& block, const MarkerOptions& options) {
   require_usable(block);
   MarkerResult result;
@@ -404,6 +409,7 @@ MarkerResult adjust_as_given(const MarkerBlock& block, const MarkerOptions& opti
   run_or_explain(block, options, trial, run, result);
   drop_insignificant_insets(block, options, trial, run);
   fill_cameras(block, run, result);
+  judge_cameras(block, run.state, run.model, run.block, result);
   fill_markers(block, run, result);
   fill_images(block, run, result);
   fill_views(block, run, result);
@@ -420,110 +426,6 @@ MarkerResult adjust_as_given(const MarkerBlock& block, const MarkerOptions& opti
   warn_about_calibrations(block, result);
   warn_about_weak(block, result);
   return result;
-}
-
-/// One tag that the layout has facing away can leave nothing that converges. Then the one without whose place the rest
-/// fits best is `left_out`. Throws what the block fails of if that is no single tag.
-MarkerResult adjust_without_worst(const MarkerBlock& block, const MarkerOptions& options, const std::set<int>& seen,
-                                  std::set<int>& left_out) {
-  try {
-    return adjust_as_given(block, options);
-  } catch (const Stopped&) {
-    throw;
-  } catch (const std::runtime_error&) {
-    std::optional<MarkerResult> best;
-    for (const int marker : seen) {
-      if (seen.size() < 3) break;
-      MarkerBlock without = block;
-      without.markers[static_cast<size_t>(marker)].world_from_tag.reset();
-      try {
-        MarkerResult result = adjust_as_given(without, options);
-        const auto fits_better = [&] {
-          return result.rejected.size() != best->rejected.size() ? result.rejected.size() < best->rejected.size()
-                                                                 : result.rms < best->rms;
-        };
-        if (!best || fits_better()) best = std::move(result), left_out = {marker};
-      } catch (const Stopped&) {
-        throw;
-      } catch (const std::runtime_error&) {  // another tag, or none
-      }
-    }
-    if (!best) throw;
-    return *best;
-  }
-}
-
-/// Neighbours share what one of them is off by, so only the one whose rotation has by far the largest residual is the
-/// one; -1 if others have nearly the same.
-int most_contradicted(const std::map<int, TagOffLayout>& off, double nearly) {
-  int worst = -1;
-  double largest = 0, second = 0;
-  for (const auto& [marker, tag] : off) {
-    if (tag.contradiction > largest)
-      worst = marker, second = largest;
-    else
-      second = std::max(second, tag.contradiction);
-    largest = std::max(largest, tag.contradiction);
-  }
-  return second < nearly * largest ? worst : -1;
-}
-
-/// Tags that were moved or turned since their layout was made would pull the frame along. The layout's places of those
-/// that are furthest off are left out as long as most of the tags stay, and the rest is adjusted again.
-MarkerResult adjust_to_layout(const MarkerBlock& block, const MarkerOptions& options) {
-  constexpr double as_far = 0.75;  // one moved tag of three pulls the others by half of what it is off itself
-  MarkerBlock used = block;
-  std::set<int> seen, left_out;
-  for (const MarkerView& view : block.views)
-    if (block.markers[static_cast<size_t>(view.marker)].world_from_tag) seen.insert(view.marker);
-  MarkerResult result = adjust_without_worst(block, options, seen, left_out);
-  for (const int marker : left_out) used.markers[static_cast<size_t>(marker)].world_from_tag.reset();
-  for (;;) {
-    const auto off = tags_off_layout(used, options, result);
-    double furthest = 1;
-    for (const auto& [marker, tag] : off) furthest = std::max(furthest, tag.excess);
-    std::set<int> next = left_out;
-    for (const auto& [marker, tag] : off)
-      if (tag.excess > 1 && tag.excess >= as_far * furthest) next.insert(marker);
-    if (next == left_out) {
-      const int worst = most_contradicted(off, as_far);
-      if (worst >= 0) next.insert(worst);
-    }
-    if (next == left_out || 2 * next.size() >= seen.size()) break;
-    left_out = next;
-    for (const int marker : left_out) used.markers[static_cast<size_t>(marker)].world_from_tag.reset();
-    result = adjust_as_given(used, options);
-  }
-  warn_about_layout(block, options, left_out, result);
-  return result;
-}
-
-}  // namespace
-
-MarkerResult adjust_marker_block(const MarkerBlock& block, const MarkerOptions& options) {
-  MarkerBlock held = block;
-  bool calibrated = false;  // a camera whose calibration is known, but not as exact
-  for (MarkerCamera& camera : held.cameras)
-    if (camera.covariance.size() > 0 && !camera.held) camera.held = calibrated = true;
-  if (!calibrated) return adjust_to_layout(block, options);
-  try {
-    return adjust_to_layout(block, options);
-  } catch (const Stopped&) {
-    throw;
-  } catch (const std::runtime_error& error) {
-    MarkerResult result;
-    try {
-      result = adjust_to_layout(held, options);
-    } catch (const Stopped&) {
-      throw;
-    } catch (const std::runtime_error&) {
-      throw error;
-    }
-    result.warnings.insert(result.warnings.begin(),
-                           "the photographs do not improve the calibrations they come with, which are taken as exact: "
-                           "standard deviations do not hold their uncertainty");
-    return result;
-  }
 }
 
 }  // namespace plumbline::markers

@@ -16,6 +16,7 @@
 #include "adjustment/reliability.hpp"
 #include "block/block_model.hpp"
 #include "geometry/camera.hpp"
+#include "markers/camera_changes.hpp"
 #include "plumbline/rigid_transform.hpp"
 
 namespace plumbline::markers {
@@ -132,7 +133,10 @@ struct AdjustedMarkerView {
 
 struct AdjustedMarkerCamera {
   BrownCamera camera;
-  Eigen::MatrixXd covariance;  ///< 9 × 9, zero for held parameters
+  /// 9 × 9, zero for held parameters: the larger of what the residuals and what the scatter of the photographs say.
+  Eigen::MatrixXd covariance;
+  Eigen::MatrixXd formal_covariance;  ///< 9 × 9, by the residuals alone
+  CameraTruth truth;                  ///< whether its photographs are of one camera, and how they scatter
   double inset = 0, inset_sigma = 0;
   int images = 0, views = 0;
   double rms = 0;  ///< of a corner coordinate [px]

@@ -1,6 +1,7 @@
 #include "markers/marker_halves.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -9,6 +10,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "geometry/median.hpp"
 #include "geometry/similarity.hpp"
 #include "geometry/statistics.hpp"
 #include "plumbline/stop.hpp"
@@ -20,16 +22,34 @@ constexpr int kFewestPhotographs = 8;  // of a camera
 constexpr std::size_t kFewestTags = 4;
 constexpr double kFreeMotion = 1e6;  // variance of a motion between the halves, over the largest of a coordinate
 
-/// Photographs of one half; empty if a camera has too few.
-std::set<int> photographs_of_half(const MarkerBlock& block, const MarkerResult& result, int half) {
-  std::map<int, int> taken;  // by camera
-  std::set<int> chosen;
+/// Whether each photograph is of the second half; empty if a camera has too few. By name within each camera.
+std::map<int, bool> second_half(const MarkerBlock& block, const MarkerResult& result, HalvesBy by) {
+  std::map<int, std::vector<const AdjustedMarkerImage*>> of_camera;
   for (const AdjustedMarkerImage& image : result.images)
-    if (image.oriented && taken[block.images[static_cast<std::size_t>(image.image)].camera]++ % 2 == half)
-      chosen.insert(image.image);
-  for (const auto& [camera, count] : taken)
-    if (count < kFewestPhotographs) return {};
-  return chosen;
+    if (image.oriented) of_camera[block.images[static_cast<std::size_t>(image.image)].camera].push_back(&image);
+  std::map<int, bool> second;
+  for (auto& [camera, images] : of_camera) {
+    if (static_cast<int>(images.size()) < kFewestPhotographs) return {};
+    std::stable_sort(images.begin(), images.end(), [&](const auto* a, const auto* b) {
+      return before_by_name(block.images[static_cast<std::size_t>(a->image)].path,
+                            block.images[static_cast<std::size_t>(b->image)].path);
+    });
+    std::vector<double> along;
+    if (by == HalvesBy::place) {
+      Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+      Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+      for (const auto* image : images) mean += image->centre / static_cast<double>(images.size());
+      for (const auto* image : images) spread += (image->centre - mean) * (image->centre - mean).transpose();
+      const Eigen::Vector3d axis = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors().col(2);
+      for (const auto* image : images) along.push_back(axis.dot(image->centre - mean));
+    }
+    const double middle = along.empty() ? 0 : upper_median(along);
+    for (std::size_t k = 0; k < images.size(); ++k)
+      second[images[k]->image] = by == HalvesBy::turns  ? k % 2 == 1
+                                 : by == HalvesBy::time ? k >= images.size() / 2
+                                                        : along[k] >= middle;
+  }
+  return second;
 }
 
 /// The views of these photographs that took part, from the calibration that all found.
@@ -109,18 +129,44 @@ MarkerHalves compare(const Centres& one, const Centres& two) {
   sum += kFreeMotion * sum.diagonal().maxCoeff() * motions * motions.transpose();
   const double square = difference.dot(sum.ldlt().solve(difference));
   halves.variance = square / halves.freedom;
-  halves.contradict = square > chi_squared_quantile(0.999, halves.freedom) && std::sqrt(halves.variance) > 1.5;
+  halves.tags_contradict = square > chi_squared_quantile(0.999, halves.freedom) && std::sqrt(halves.variance) > 1.5;
   return halves;
+}
+
+/// Adds what the halves' cameras differ by, in their covariances.
+void compare_cameras(const MarkerBlock& block, const MarkerResult& one, const MarkerResult& two, MarkerHalves& halves) {
+  double square = 0;
+  for (std::size_t c = 0; c < block.cameras.size(); ++c) {
+    const Eigen::MatrixXd &a = one.cameras[c].covariance, &b = two.cameras[c].covariance;
+    std::vector<Eigen::Index> both;
+    for (Eigen::Index k = 0; k < a.rows(); ++k)
+      if (block.cameras[c].covariance.size() == 0 && a(k, k) > 0 && b(k, k) > 0) both.push_back(k);
+    if (both.empty()) continue;
+    const auto first = one.cameras[c].camera.parameters(), second = two.cameras[c].camera.parameters();
+    Eigen::VectorXd d(static_cast<Eigen::Index>(both.size()));
+    for (std::size_t i = 0; i < both.size(); ++i)
+      d(static_cast<Eigen::Index>(i)) =
+          second[static_cast<std::size_t>(both[i])] - first[static_cast<std::size_t>(both[i])];
+    const Eigen::MatrixXd sum = a(both, both) + b(both, both);
+    square += d.dot(sum.ldlt().solve(d)), halves.camera_freedom += static_cast<int>(both.size());
+  }
+  if (halves.camera_freedom == 0) return;
+  halves.camera_variance = square / halves.camera_freedom;
+  halves.cameras_contradict =
+      square > chi_squared_quantile(0.999, halves.camera_freedom) && std::sqrt(halves.camera_variance) > 2;
 }
 
 }  // namespace
 
 std::optional<MarkerHalves> compare_halves(const MarkerBlock& block, const MarkerOptions& options,
-                                           const MarkerResult& result) {
+                                           const MarkerResult& result, HalvesBy by) {
+  const std::map<int, bool> second = second_half(block, result, by);
+  if (second.empty()) return std::nullopt;
   std::vector<MarkerResult> found;
-  for (const int half : {0, 1}) {
-    const std::set<int> photographs = photographs_of_half(block, result, half);
-    if (photographs.empty()) return std::nullopt;
+  for (const bool half : {false, true}) {
+    std::set<int> photographs;
+    for (const auto& [image, in_second] : second)
+      if (in_second == half) photographs.insert(image);
     try {
       found.push_back(adjust_marker_block(part_of(block, result, photographs), options));
     } catch (const Stopped&) {
@@ -131,19 +177,32 @@ std::optional<MarkerHalves> compare_halves(const MarkerBlock& block, const Marke
   }
   const std::vector<int> both = common_markers(found[0], found[1]);
   if (both.size() < kFewestTags) return std::nullopt;
-  return compare(Centres(found[0], both), Centres(found[1], both));
+  MarkerHalves halves = compare(Centres(found[0], both), Centres(found[1], both));
+  halves.by = by;
+  compare_cameras(block, found[0], found[1], halves);
+  return halves;
 }
 
 std::string in_words(const MarkerHalves& halves) {
+  const std::string which = halves.by == HalvesBy::turns  ? "two halves of the photographs (every second one)"
+                            : halves.by == HalvesBy::time ? "the first and the second half of the photographs"
+                                                          : "the photographs from either side";
   char text[400];
-  std::snprintf(
-      text, sizeof text,
-      "two halves of the photographs place the tags %.3f mm rms apart, %.1f times what their covariances allow: "
-      "the stated standard deviations are too small by about that. The cameras are not what the model says: moved "
-      "while "
-      "their rows were read, focused or zoomed between photographs, or with a lens of another kind",
-      1e3 * halves.rms, std::sqrt(halves.variance));
-  return text;
+  std::string words = which;
+  if (halves.tags_contradict) {
+    std::snprintf(text, sizeof text, " place the tags %.3f mm rms apart, %.1f times what their covariances allow",
+                  1e3 * halves.rms, std::sqrt(halves.variance));
+    words += text;
+  }
+  if (halves.cameras_contradict) {
+    std::snprintf(text, sizeof text, "%s give cameras that differ by %.1f times what their covariances allow",
+                  halves.tags_contradict ? ", and" : "", std::sqrt(halves.camera_variance));
+    words += text;
+  }
+  return words +
+         ": the stated standard deviations are too small by about that. The cameras are not what the model says (moved "
+         "while their rows were read, focused or zoomed between photographs, with a lens of another kind)" +
+         (halves.by == HalvesBy::place ? ", or the tags are no plane squares" : "");
 }
 
 }  // namespace plumbline::markers

@@ -12,6 +12,7 @@
 #include <tuple>
 
 #include "geometry/median.hpp"
+#include "geometry/statistics.hpp"
 #include "markers/marker_model.hpp"
 
 namespace plumbline::markers {
@@ -261,30 +262,70 @@ std::string digits(double value) {
 
 }  // namespace
 
-void warn_about_calibrations(const MarkerBlock& block, MarkerResult& result) {
-  constexpr double limit = 4;         // normalised residual: 0.06 % of sound calibrations, over nine parameters
+namespace {
+
+/// "fx is 1130 ± 2, given were 1124 ± 1 (w = 4.2)", of the parameter whose own normalised residual is largest.
+std::string furthest_parameter(const BrownCamera& given, const BrownCamera& found, const Eigen::MatrixXd& prior,
+                               const Eigen::MatrixXd& adjusted) {
+  constexpr double controlled = 0.05;  // redundancy number from which a normalised residual means something
+  const auto before = given.parameters(), after = found.parameters();
+  double largest = 0;
+  std::string worst;
+  for (Eigen::Index k = 0; k < BrownCamera::parameter_count; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    if (!(prior(k, k) - adjusted(k, k) > controlled * prior(k, k))) continue;
+    const double w = std::abs(after[i] - before[i]) / std::sqrt(prior(k, k) - adjusted(k, k));
+    if (!(w > largest)) continue;
+    largest = w;
+    worst = std::string(BrownCamera::parameter_names[i]) + " is " + digits(after[i]) + " \u00b1 " +
+            digits(std::sqrt(adjusted(k, k))) + ", given were " + digits(before[i]) + " \u00b1 " +
+            digits(std::sqrt(prior(k, k))) + " (w = " + number(w, 1) + ")";
+  }
+  return worst;
+}
+
+}  // namespace
+
+CalibrationTest test_calibration(const Eigen::VectorXd& change, const Eigen::MatrixXd& prior,
+                                 const Eigen::MatrixXd& adjusted) {
   constexpr double controlled = 0.2;  // redundancy number from which the photographs can contradict
+  std::vector<Eigen::Index> free;
+  for (Eigen::Index k = 0; k < prior.rows(); ++k)
+    if (prior(k, k) > 0) free.push_back(k);
+  CalibrationTest test;
+  if (free.empty()) return test;
+  const Eigen::MatrixXd before = prior(free, free), shown = before - adjusted(free, free);
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> directions(shown, before);
+  const Eigen::VectorXd along = directions.eigenvectors().transpose() * change(free);
+  for (Eigen::Index k = 0; k < along.size(); ++k) {
+    const double redundancy = directions.eigenvalues()(k);
+    if (!(redundancy > controlled)) continue;
+    test.statistic += along(k) * along(k) / redundancy;
+    ++test.freedom;
+  }
+  return test;
+}
+
+void warn_about_calibrations(const MarkerBlock& block, MarkerResult& result) {
+  constexpr double level = 0.9995;
   for (std::size_t c = 0; c < block.cameras.size(); ++c) {
     const MarkerCamera& given = block.cameras[c];
-    if (given.held || given.covariance.size() == 0 || result.cameras[c].covariance.size() == 0) continue;
+    const Eigen::MatrixXd& adjusted = result.cameras[c].formal_covariance;
+    if (given.held || given.covariance.size() == 0 || adjusted.size() == 0) continue;
     const auto before = given.camera.parameters(), after = result.cameras[c].camera.parameters();
-    double largest = limit;
-    std::string worst;
-    for (Eigen::Index k = 0; k < BrownCamera::parameter_count; ++k) {
-      const auto i = static_cast<std::size_t>(k);
-      const double prior = given.covariance(k, k), adjusted = result.cameras[c].covariance(k, k);
-      if (!(prior > 0) || !(prior - adjusted > controlled * prior)) continue;
-      const double w = std::abs(after[i] - before[i]) / std::sqrt(prior - adjusted);
-      if (!(w > largest)) continue;
-      largest = w;
-      worst = std::string(BrownCamera::parameter_names[i]) + " is " + digits(after[i]) + " \u00b1 " +
-              digits(std::sqrt(adjusted)) + ", given were " + digits(before[i]) + " \u00b1 " +
-              digits(std::sqrt(prior)) + " (w = " + number(w, 1) + ")";
-    }
-    if (!worst.empty())
-      result.warnings.push_back("the photographs contradict the calibration of camera " + given.id + ": " + worst +
-                                ". Check that it is of this camera, focus and size of photographs; without it the "
-                                "camera calibrates itself");
+    Eigen::VectorXd change(BrownCamera::parameter_count);
+    for (Eigen::Index k = 0; k < change.size(); ++k)
+      change(k) = after[static_cast<std::size_t>(k)] - before[static_cast<std::size_t>(k)];
+    const CalibrationTest test = test_calibration(change, given.covariance, adjusted);
+    if (test.freedom == 0) continue;
+    const double limit = chi_squared_quantile(level, test.freedom);
+    if (!(test.statistic > limit)) continue;
+    result.warnings.push_back(
+        "the photographs contradict the calibration of camera " + given.id + ": all parameters together are off by " +
+        number(std::sqrt(test.statistic), 1) + " standard deviations (" + std::to_string(test.freedom) +
+        " degrees of freedom, at most " + number(std::sqrt(limit), 1) + "), furthest " +
+        furthest_parameter(given.camera, result.cameras[c].camera, given.covariance, adjusted) +
+        ". Check that it is of this camera, focus and size of photographs; without it the camera calibrates itself");
   }
 }
 

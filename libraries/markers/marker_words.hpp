@@ -34,7 +34,15 @@ void warn_about_layout(const MarkerBlock& block, const MarkerOptions& options, c
 void explain_images(const MarkerBlock& block, MarkerResult& result);
 /// The second pose of photographs with one tag.
 void explain_single_tags(const MarkerBlock& block, MarkerResult& result);
-/// Calibrations that were given with standard deviations and come out beyond them.
+/// What an adjustment makes of parameters that come with a covariance, all together: their change d against that of a
+/// sound prior, d' (Σ₀ − Σ₁)⁻¹ d, over the directions in which the observations control the prior by a fifth and more.
+struct CalibrationTest {
+  double statistic = 0;  ///< chi-squared with `freedom` if the calibration is right
+  int freedom = 0;
+};
+CalibrationTest test_calibration(const Eigen::VectorXd& change, const Eigen::MatrixXd& prior,
+                                 const Eigen::MatrixXd& adjusted);
+/// Calibrations that were given with a covariance and come out beyond it.
 void warn_about_calibrations(const MarkerBlock& block, MarkerResult& result);
 /// Poses, cameras and tags that hang on little.
 void warn_about_weak(const MarkerBlock& block, MarkerResult& result);

@@ -1,6 +1,6 @@
 // calibrate.board: the interior orientation of cameras from photographs of a board.
-#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <set>
 
 #include "artifacts/board_points.hpp"
@@ -26,34 +26,6 @@ FileT file_of(const std::string& name, const std::string& media_type, const std:
   return file;
 }
 
-double median_of_finite(std::vector<double> values) {
-  std::erase_if(values, [](double v) { return !std::isfinite(v); });
-  return upper_median(std::move(values));
-}
-
-/// Every other photograph against the rest: with the right model they differ by about √(u₀² + u₁²).
-Halves compare_halves(const Selection& selection, const CalibrationOptions& options) {
-  std::vector<CalibrationView> halves[2];
-  for (size_t i = 0; i < selection.views.size(); ++i) halves[i % 2].push_back(selection.views[i]);
-  Halves result;
-  if (halves[1].size() < 4) return result;
-  try {
-    const Calibration a = calibrate(halves[0], selection.width, selection.height, options),
-                      b = calibrate(halves[1], selection.width, selection.height, options);
-    const auto ua = projection_uncertainty(a.camera, a.covariance, map_columns, map_rows),
-               ub = projection_uncertainty(b.camera, b.covariance, map_columns, map_rows);
-    std::vector<double> expected;
-    for (size_t i = 0; i < ua.size(); ++i) expected.push_back(std::hypot(ua[i], ub[i]));
-    result.difference = median_of_finite(projection_difference(a.camera, b.camera, map_columns, map_rows));
-    result.expected = median_of_finite(expected);
-  } catch (const Stopped&) {
-    throw;
-  } catch (const std::runtime_error&) {
-    // Half of the photographs may be too few; the page then says that there is no such check.
-  }
-  return result;
-}
-
 CameraT artifact_of(const Calibrated& one, const std::string& id) {
   CameraT camera;
   camera.id = id, camera.width = one.selection.width, camera.height = one.selection.height;
@@ -66,7 +38,7 @@ CameraT artifact_of(const Calibrated& one, const std::string& id) {
 
 struct CalibrateBoard : Node {
   static constexpr Info info{
-      "calibrate.board", "", 4,
+      "calibrate.board", "", 5,
       "Calibrates cameras on photographs of a board: parameters, covariance, uncertainty over the image, rigs"};
   List<BoardPoints> points{"points", "the board's points in each photograph"};
   Param<std::vector<std::string>> free{
@@ -93,7 +65,8 @@ struct CalibrateBoard : Node {
     std::set<std::string> told;  // by whoever searched them
     for (size_t i = 0; i < points.size(); ++i) {
       photographs.push_back(points.unpack(i)), paths.push_back(photographs.back().path);
-      if (!photographs.back().problem.empty()) told.insert(paths.back());
+      const bool by_pitch = photographs.back().contradicts && std::isfinite(photographs.back().marker_ratio);
+      if (!photographs.back().problem.empty() && !by_pitch) told.insert(paths.back());
     }
     const std::string by = cameras_told(paths, *cameras);
     const std::string suspects = by == "by_folder" ? suspected_cameras(paths) : "";
@@ -103,6 +76,7 @@ struct CalibrateBoard : Node {
           ", each with the same numbers, and count as one camera's: cameras=by_name calibrates each by itself, "
           "cameras=one says that it is one");
     refuse_wrong_board(photographs);
+    excuse_board(photographs);
     CalibrationOptions options;
     options.free = *free, options.bend_sigma = *bend_sigma, options.reject_above = *reject_above;
     std::vector<Calibrated> all;
@@ -113,7 +87,7 @@ struct CalibrateBoard : Node {
                                  selection.left_out.front().first + ": " + selection.left_out.front().second);
       for (const auto& [path, reason] : selection.left_out)
         if (!told.count(path)) context.warn("left out: " + path + ": " + reason);
-      all.push_back({std::move(selection), {}, {}});
+      all.push_back({std::move(selection), {}, {}, {}});
       Calibrated& one = all.back();
       try {
         one.calibration = calibrate(one.selection.views, one.selection.width, one.selection.height, options);
@@ -123,9 +97,11 @@ struct CalibrateBoard : Node {
         if (one.selection.camera.empty()) throw;
         throw std::runtime_error("camera " + one.selection.camera + ": " + error.what());
       }
-      one.halves = compare_halves(one.selection, options);
+      refuse_fisheye(compare_lenses(one.selection.views, options, one.calibration), one.selection.camera);
+      one.parts = compare_parts(one.selection.views, options, one.calibration);
+      one.as_two = as_two_cameras(one.selection.views, options, one.calibration);
       const std::string name = one.selection.camera.empty() ? "" : one.selection.camera + ": ";
-      for (const auto& text : warnings_of(one.selection, one.calibration, one.halves)) context.warn(name + text);
+      for (const auto& text : warnings_of(one)) context.warn(name + text);
     }
     double squares = 0, count = 0;
     for (const auto& one : all) {
@@ -155,13 +131,44 @@ struct CalibrateBoard : Node {
                              first->path + ": " + first->problem);
   }
 
+  static void refuse_fisheye(const LensComparison& lenses, const std::string& camera) {
+    if (!lenses.is_fisheye()) return;
+    char text[200];
+    std::snprintf(
+        text, sizeof text,
+        "the lens is a fisheye: over %.0f degrees off the axis the points fit to %.2f px with a fisheye's model "
+        "(Kannala and Brandt, 8 parameters) and to %.2f px with Brown's (9)",
+        lenses.widest * 180 / M_PI, lenses.fisheye, lenses.brown);
+    throw std::runtime_error(
+        (camera.empty() ? "" : "camera " + camera + ": ") + std::string(text) +
+        ", which is the only one that camera.yaml and what follows have. Photograph without fish-eye ('linear' or "
+        "'narrow' on action cameras), or undistort the photographs with the program that knows the lens");
+  }
+
+  /// A photograph whose markers have another size than those of the others says nothing of the board file.
+  static void excuse_board(std::vector<BoardPointsT>& photographs) {
+    std::vector<double> ratios;
+    for (const auto& p : photographs)
+      if (!p.contradicts && std::isfinite(p.marker_ratio)) ratios.push_back(p.marker_ratio);
+    if (ratios.empty()) return;
+    for (auto& p : photographs) {
+      if (!p.contradicts || !std::isfinite(p.marker_ratio)) continue;
+      char text[240];
+      std::snprintf(text, sizeof text,
+                    "its markers measure %.3f of their squares or spacing, those of the %zu other photographs %.3f, as "
+                    "the board file has it: this one is blurred, or was moved while it was taken",
+                    p.marker_ratio, ratios.size(), upper_median(ratios));
+      p.problem = text;
+    }
+  }
+
   static Json document(const std::vector<Calibrated>& all, const std::string& by, const CalibrationOptions& options,
                        Context& context) {
-    if (all.size() == 1) return calibration_json(all[0].selection, all[0].calibration, all[0].halves);
+    if (all.size() == 1) return calibration_json(all[0]);
     Json list = Json::array();
     for (const auto& one : all) {
       Json entry = {{"id", one.selection.camera}};
-      entry.update(calibration_json(one.selection, one.calibration, one.halves));
+      entry.update(calibration_json(one));
       list.push_back(entry);
     }
     std::vector<std::string> warnings;

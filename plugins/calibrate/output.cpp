@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
+#include <cmath>
 #include <cstdio>
 #include <sstream>
 
@@ -60,18 +62,49 @@ Json images_json(const Selection& selection, const Calibration& c) {
 
 }  // namespace
 
-std::vector<std::string> warnings_of(const Selection& selection, const Calibration& c, const Halves& halves) {
+namespace {
+
+std::string with_capital(std::string text) {
+  if (!text.empty()) text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  return text;
+}
+
+/// Parts that differ by more than the scatter of the photographs, which is in their covariances.
+void add_parts(const std::vector<CalibrationParts>& all, std::vector<std::string>& warnings) {
+  constexpr double told = 4;  // from half of the photographs the covariances themselves are rough
+  const CalibrationParts* worst = nullptr;
+  for (const CalibrationParts& parts : all)
+    if (parts.statistic > told * parts.freedom && (!worst || parts.statistic > worst->statistic)) worst = &parts;
+  if (!worst) return;
+  char text[400];
+  std::snprintf(
+      text, sizeof text,
+      "%s give cameras whose parameters differ by %.1f times what their covariances allow (chi-squared %.0f of "
+      "%d degrees of freedom; %.2f px in the median over the image): the model does not fit this lens or this "
+      "board, or the camera changed between them, and the standard deviations are too small by about that",
+      with_capital(worst->split).c_str(), std::sqrt(worst->statistic / worst->freedom), worst->statistic,
+      worst->freedom, worst->difference);
+  warnings.emplace_back(text);
+}
+
+}  // namespace
+
+std::vector<std::string> warnings_of(const Calibrated& one) {
+  const Selection& selection = one.selection;
+  const Calibration& c = one.calibration;
   std::vector<std::string> warnings;
   char text[400];
-  if (halves.expected > 0 && halves.difference > 2.5 * halves.expected) {
+  for (const std::string& words : markers::warnings_of(c.truth)) warnings.push_back(with_capital(words));
+  if (c.truth.change && !one.as_two.empty()) warnings.front() += ". " + with_capital(one.as_two);
+  if (!c.truth.empirical.judged) {
     std::snprintf(
         text, sizeof text,
-        "Two halves of the photographs give cameras that differ by %.3f px (median over the image) where their "
-        "uncertainties make %.3f px expected: the model does not fit this lens or this board, and the standard "
-        "deviations are too small by a factor of about %.1f",
-        halves.difference, halves.expected, halves.difference / halves.expected);
+        "%d photographs are too few to see how they scatter (%d are needed): the standard deviations are made "
+        "of the corners alone, and what a photograph's corners have in common is not in them",
+        c.truth.empirical.photographs, fewest_to_scatter);
     warnings.emplace_back(text);
   }
+  if (!c.truth.change) add_parts(one.parts, warnings);
   if (c.rms > std::min(2.0, 1.5e-3 * std::max(selection.width, selection.height))) {
     std::snprintf(text, sizeof text,
                   "The points fit to %.1f px only: the board file does not describe this board (lengths, columns and "
@@ -120,7 +153,38 @@ std::vector<std::string> warnings_of(const Selection& selection, const Calibrati
   return warnings;
 }
 
-Json calibration_json(const Selection& selection, const Calibration& c, const Halves& halves) {
+namespace {
+
+Json parts_json(const std::vector<CalibrationParts>& all) {
+  Json list = Json::array();
+  for (const CalibrationParts& parts : all)
+    list.push_back({{"split", parts.split},
+                    {"median_difference_px", parts.difference},
+                    {"median_expected_px", parts.expected},
+                    {"chi_squared", parts.statistic},
+                    {"degrees_of_freedom", parts.freedom}});
+  return list;
+}
+
+Json scatter_json(const Calibration& c) {
+  const EmpiricalCovariance& empirical = c.truth.empirical;
+  Json formal, ratio;
+  for (std::size_t i = 0; i < c.truth.evidence.parameters.size(); ++i) {
+    const char* name = BrownCamera::parameter_names[static_cast<std::size_t>(c.truth.evidence.parameters[i])];
+    const Eigen::Index k = static_cast<Eigen::Index>(i);
+    formal[name] = std::sqrt(c.truth.evidence.formal(k, k));
+    ratio[name] = empirical.sigma_ratio(k);
+  }
+  return {{"judged", empirical.judged}, {"photographs", empirical.photographs},
+          {"factor", empirical.factor}, {"bootstrap_over_scatter", empirical.bootstrap_ratio},
+          {"formal_sigmas", formal},    {"sigma_over_formal", ratio}};
+}
+
+}  // namespace
+
+Json calibration_json(const Calibrated& one) {
+  const Selection& selection = one.selection;
+  const Calibration& c = one.calibration;
   Json parameters, sigmas, correlations = Json::array();
   const auto values = c.camera.parameters();
   for (size_t i = 0; i < values.size(); ++i) {
@@ -136,7 +200,11 @@ Json calibration_json(const Selection& selection, const Calibration& c, const Ha
   }
   Json rejected = Json::array(), warnings = Json::array(), covariance = Json::array();
   for (const auto& text : c.rejected) rejected.push_back(text);
-  for (const auto& text : warnings_of(selection, c, halves)) warnings.push_back(text);
+  Json halves = {{"median_difference_px", nullptr}, {"median_expected_px", nullptr}};
+  if (!one.parts.empty())
+    halves = {{"median_difference_px", one.parts.front().difference},
+              {"median_expected_px", one.parts.front().expected}};
+  for (const auto& text : warnings_of(one)) warnings.push_back(text);
   for (Eigen::Index i = 0; i < 9; ++i)
     for (Eigen::Index j = 0; j <= i; ++j) covariance.push_back(c.covariance(i, j));
   return {
@@ -157,7 +225,9 @@ Json calibration_json(const Selection& selection, const Calibration& c, const Ha
       {"degrees_of_freedom", c.degrees_of_freedom},
       {"board_bend_m", {c.bend_x, c.bend_y}},
       {"board_bend_sigma_m", {c.bend_x_sigma, c.bend_y_sigma}},
-      {"halves", {{"median_difference_px", halves.difference}, {"median_expected_px", halves.expected}}},
+      {"scatter_of_photographs", scatter_json(c)},
+      {"halves", halves},
+      {"parts", parts_json(one.parts)},
       {"projection_uncertainty_px", grid_json(projection_uncertainty(c.camera, c.covariance, map_columns, map_rows))},
       {"warnings", warnings},
       {"rejected", rejected},
@@ -266,11 +336,36 @@ Json rig_json(const std::vector<Calibrated>& cameras, const std::string& by, con
   return result;
 }
 
+namespace {
+
+/// What the standard deviations of the file are made of.
+std::vector<std::string> remarks_of(const Calibration& c) {
+  const EmpiricalCovariance& empirical = c.truth.empirical;
+  char text[200];
+  if (!empirical.judged)
+    std::snprintf(text, sizeof text,
+                  "sigmas: of the corners alone; %d photographs are too few to see how photographs scatter",
+                  empirical.photographs);
+  else if (empirical.factor > 1.05)
+    std::snprintf(text, sizeof text,
+                  "sigmas: %.2f times those of the corners alone, because the %d photographs scatter that much",
+                  empirical.factor, empirical.photographs);
+  else
+    std::snprintf(text, sizeof text, "sigmas: of the corners; the %d photographs scatter no more than these allow",
+                  empirical.photographs);
+  std::vector<std::string> remarks = {text};
+  if (c.truth.change) remarks.push_back("NOT ONE CAMERA: " + in_words(*c.truth.change, c.truth.evidence));
+  return remarks;
+}
+
+}  // namespace
+
 std::string yaml_of(const std::vector<Calibrated>& cameras, const std::string& id) {
   std::string text;
   for (const auto& one : cameras) {
     const std::string name = cameras.size() == 1 ? id : one.selection.camera;
-    const std::string own = camera_yaml({name, one.calibration.camera, one.calibration.covariance, ""});
+    const std::string own =
+        camera_yaml({name, one.calibration.camera, one.calibration.covariance, "", remarks_of(one.calibration)});
     if (cameras.size() == 1) return own;
     std::string quoted = name;
     for (size_t at = 0; (at = quoted.find_first_of("\"\\", at)) != std::string::npos; at += 2) quoted.insert(at, "\\");

@@ -1,33 +1,27 @@
 // What a calibration gives, as files.
 #pragma once
 
-#include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "markers/calibration_parts.hpp"
 #include "selection.hpp"
 
 namespace plumbline::markers {
-
-constexpr int map_columns = 25, map_rows = 19;  ///< of the maps over the image
-
-/// Every other photograph against the rest.
-struct Halves {
-  double difference = std::nan(""), expected = std::nan("");  ///< medians over the image [px]
-};
 
 /// What one camera gave.
 struct Calibrated {
   Selection selection;
   Calibration calibration;
-  Halves halves;
+  std::vector<CalibrationParts> parts;
+  std::string as_two;  ///< what two cameras in place of one make of its photographs; empty: nothing
 };
 
-std::vector<std::string> warnings_of(const Selection& selection, const Calibration& c, const Halves& halves);
+std::vector<std::string> warnings_of(const Calibrated& one);
 
 /// calibration.json of one camera.
-nlohmann::ordered_json calibration_json(const Selection& selection, const Calibration& c, const Halves& halves);
+nlohmann::ordered_json calibration_json(const Calibrated& one);
 
 /// How the cameras stand to each other, from one adjustment of all photographs, `by` as in camera_name; what
 /// contradicts itself becomes a warning.

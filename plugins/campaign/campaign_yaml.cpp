@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "text/one_document.hpp"
+
 namespace plumbline::campaign {
 namespace {
 
@@ -37,7 +39,7 @@ std::string near_name(const std::string& word, const std::vector<std::string>& k
 
 YAML::Node load_yaml(const std::string& yaml, const std::filesystem::path& shown) {
   try {
-    return YAML::Load(yaml);
+    return formats::load_one_document(yaml);
   } catch (const YAML::Exception& error) {
     throw CampaignError(shown, error.mark.line + 1, "this is no YAML: " + error.msg);
   }

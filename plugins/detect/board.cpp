@@ -17,6 +17,7 @@
 #include "detect/one_thread.hpp"
 #include "detect/tag_grid.hpp"
 #include "images/grey_image.hpp"
+#include "text/one_document.hpp"
 
 namespace plumbline::detect {
 namespace {
@@ -279,7 +280,7 @@ std::string Board::words() const {
 Board parse_board(const std::string& text, const std::string& file) {
   YAML::Node root;
   try {
-    root = YAML::Load(text);
+    root = formats::load_one_document(text);
   } catch (const YAML::Exception& error) {
     refuse(file, "neither YAML nor JSON (line " + std::to_string(error.mark.line + 1) + ": " + error.msg + ")");
   }

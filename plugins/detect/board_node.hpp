@@ -46,7 +46,9 @@ struct DetectBoard : Node {
     } catch (const ImageFileError& error) {
       result.problem = error.what();
     }
-    if (!result.problem.empty()) context.warn(result.path + ": " + result.problem);
+    // Whether one photograph or the file is wrong shows in all of them: calibrate.board tells.
+    const bool by_pitch = result.contradicts && std::isfinite(result.marker_ratio);
+    if (!result.problem.empty() && !by_pitch) context.warn(result.path + ": " + result.problem);
     points.commit(result);
   }
 

@@ -9,7 +9,7 @@
 namespace plumbline::detect {
 
 struct DetectTagPyramid : Node {
-  static constexpr Info info{"detect.tag_pyramid", "detector", 2,
+  static constexpr Info info{"detect.tag_pyramid", "detector", 3,
                              "Finds square tags in large images strip by strip and measures their corners"};
   Each<Image> images{"images", "photographs: JPEG, PNG or TIFF; baseline JPEG is decoded strip by strip"};
   Optional<File> family{"family", "the family or dictionary of read.tag_family, in place of `families`"};

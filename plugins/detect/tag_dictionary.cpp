@@ -18,6 +18,7 @@
 #include "detect/dictionary_tables.hpp"
 #include "detect/likeness.hpp"
 #include "detect/mip_36h12.hpp"
+#include "text/one_document.hpp"
 
 namespace plumbline::detect {
 namespace {
@@ -176,7 +177,7 @@ TagDictionary parse_yaml(const std::string& text, const std::string& file, int& 
   TagDictionary dictionary;
   YAML::Node root;
   try {
-    root = YAML::Load(body);
+    root = formats::load_one_document(body);
   } catch (const YAML::Exception& error) {
     refuse(file, "neither YAML nor JSON (line " + std::to_string(error.mark.line + 1) + ": " + error.msg + ")");
   }

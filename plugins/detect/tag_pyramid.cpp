@@ -147,7 +147,7 @@ class Reader {
       const auto edges = on_edges(image, rough, reach, bright_inside);
       CodeReading reading = decoder.read(image, edges ? *edges : rough);
       if (!reading.code && edges) reading = decoder.read(image, rough);
-      mirrored_ |= reading.mirrored;
+      if (reading.mirrored) count_mirrored(rough, decoder.chance());
       if (reading.code && reading.code->decision_margin >= options_.min_decision_margin)
         keep(*reading.code, decoder, image);
     }
@@ -156,6 +156,18 @@ class Reader {
   bool mirrored() const { return mirrored_; }
 
  private:
+  /// In a photograph of many squares a family of few cells reads some of them in a mirror by chance: four then.
+  void count_mirrored(const std::array<Eigen::Vector2d, 4>& corners, double chance) {
+    constexpr double weak = 1e-4;
+    constexpr std::size_t enough = 4;
+    const Eigen::Vector2d centre = 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
+    const double near = 0.5 * shortest_side(corners);
+    for (const Eigen::Vector2d& other : mirrored_places_)
+      if ((other - centre).norm() < near) return;  // of another level, or its border's other side
+    mirrored_places_.push_back(centre);
+    mirrored_ = mirrored_ || chance < weak || mirrored_places_.size() >= enough;
+  }
+
   /// Cells along both diagonals differ as much as black and white do around the square: plain bricks and windows end
   /// here.
   bool looks_coded(const PixelRows& image, const std::array<Eigen::Vector2d, 4>& c, const SquareFamily& family) const {
@@ -217,6 +229,7 @@ class Reader {
   const std::vector<SquareDecoder>& decoders_;
   const PyramidOptions& options_;
   std::vector<Candidate> candidates_;
+  std::vector<Eigen::Vector2d> mirrored_places_;
   bool mirrored_ = false;
 };
 

@@ -30,7 +30,7 @@ struct PyramidOptions {
 
 struct PyramidResult {
   std::vector<DetectedTag> tags;  ///< sorted by family, id and position
-  bool mirrored = false;          ///< a tag of the families was seen in a mirror
+  bool mirrored = false;  ///< a tag of the families was seen in a mirror, four of one that is easily read by chance
 };
 
 class TagPyramid {

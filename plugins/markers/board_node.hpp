@@ -5,13 +5,14 @@
 
 #include "geometry/median.hpp"
 #include "markers/marker_halves.hpp"
+#include "markers/marker_truth.hpp"
 #include "output.hpp"
 #include "plumbline/node.hpp"
 
 namespace plumbline::markers {
 
 struct AdjustMarkerBoard : Node {
-  static constexpr Info info{"adjust.marker_board", "", 2,
+  static constexpr Info info{"adjust.marker_board", "", 3,
                              "Adjusts photographs of tags in unknown places: a free network with self-calibration"};
   List<Image> images{"images", "the photographs, for what EXIF says of their cameras"};
   In<TagObservations> observations{"observations", "the tags in them"};
@@ -41,9 +42,10 @@ struct AdjustMarkerBoard : Node {
       "by_folder: photographs of another folder are from another camera; by_name: of another name around the "
       "number (cam0_17.png), too; by_file: every folder is a moment (17/cam0.png); one: only size, model "
       "and focal length tell"};
-  Param<bool> compare{"compare_halves", true,
-                      "adjust two halves of the photographs, too, and warn where they differ by more than they may; it "
-                      "takes as long again"};
+  Param<bool> compare{
+      "compare_halves", true,
+      "adjust halves of the photographs, too, by turns, by time and by place, and warn where they differ by "
+      "more than they may; it takes three times as long again"};
   Out<File> tags{"tags", "tags.json: centre, corners and sigma of every tag"};
   Out<File> block{"block", "block.json: the adjustment with its statistics, residuals and what was left out"};
   Out<Points> points{"points", frame("frame=board"), "the tags' centres with their full covariance"};
@@ -76,8 +78,8 @@ struct AdjustMarkerBoard : Node {
     if (!distance->empty()) options.distance = parse_distance(*distance, input.block);
     MarkerResult result = adjust_marker_block(input.block, options);
     if (options.distance && *tag_size > 0) check_distance(result);
-    const auto halves = *compare ? compare_halves(input.block, options, result) : std::nullopt;
-    if (halves && halves->contradict) result.warnings.push_back(in_words(*halves));
+    const std::vector<MarkerHalves> halves =
+        *compare ? halves_of(input.block, options, result) : std::vector<MarkerHalves>();
     for (const auto& text : result.left_out) context.warn("left out: " + text);
     for (const auto& text : result.warnings) context.warn(text);
     context.metric("rms", result.rms, "px");
@@ -91,6 +93,27 @@ struct AdjustMarkerBoard : Node {
   }
 
  private:
+  /// Tags and cameras by three divisions of the photographs; the worst that contradicts is told, and a camera that
+  /// changed is tried as two.
+  static std::vector<MarkerHalves> halves_of(const MarkerBlock& block, const MarkerOptions& options,
+                                             MarkerResult& result) {
+    std::vector<MarkerHalves> all;
+    for (const HalvesBy by : {HalvesBy::turns, HalvesBy::time, HalvesBy::place})
+      if (const auto halves = compare_halves(block, options, result, by)) all.push_back(*halves);
+    const MarkerHalves* worst = nullptr;
+    for (const MarkerHalves& halves : all)
+      if (halves.contradict() && (!worst || halves.worst() > worst->worst())) worst = &halves;
+    bool changed = false;
+    for (std::size_t c = 0; c < result.cameras.size(); ++c) {
+      changed = changed || result.cameras[c].truth.change;
+      const std::string two = as_two_cameras(block, options, result, c);
+      const std::string of = result.cameras.size() > 1 ? "camera " + block.cameras[c].id + ": " : "";
+      if (!two.empty()) result.warnings.push_back(of + two);
+    }
+    if (worst && !changed) result.warnings.push_back(in_words(*worst));
+    return all;
+  }
+
   /// Where both are given the distance counts; a slip of its unit would go unnoticed.
   void check_distance(MarkerResult& result) const {
     if (result.markers.empty()) return;

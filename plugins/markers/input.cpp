@@ -168,11 +168,38 @@ void refuse_side_by_side(const TagObservationsT& observations) {
       "into a file for each camera (0001/left.png, 0001/right.png); print every id once");
 }
 
+/// Where a few photographs of many show one tag each, that is a square of the scene which happens to read as one: the
+/// family is another. Of cameras that are calibrated one tag can be all there is.
+void refuse_chance_tags(const TagObservationsT& observations) {
+  constexpr size_t as_many = 3;  // photographs without a tag for each with one
+  size_t with = 0, without = 0;
+  const ImageTagsT* empty = nullptr;
+  std::string ids;
+  for (const auto& image : observations.images) {
+    if (image->tags.size() > 1) return;
+    if (image->tags.empty()) {
+      ++without;
+      if (!empty || (empty->problem.empty() && !image->problem.empty())) empty = image.get();
+      continue;
+    }
+    ++with;
+    ids += (ids.empty() ? "" : ", ") + std::to_string(image->tags.front()->id) + " in " + image->path;
+  }
+  if (with == 0 || without < as_many * with) return;
+  throw std::runtime_error(
+      std::to_string(without) + " of " + std::to_string(with + without) +
+      " photographs show no tag of the family and the others one each (" + ids +
+      "), which may be squares of the scene that happen to read so" +
+      (empty->problem.empty() ? std::string() : "; of " + empty->path + ": " + empty->problem) +
+      ". Give the family of the tags (family=); where one tag is all there is, calibrate the camera first (camera=)");
+}
+
 }  // namespace
 
 BlockInput block_of(const std::vector<ImageT>& images, const TagObservationsT& observations, std::vector<CameraT> known,
                     const InputOptions& options) {
   refuse_side_by_side(observations);
+  if (known.empty()) refuse_chance_tags(observations);
   BlockInput input;
   std::vector<std::string> paths;
   for (const auto& image : observations.images) paths.push_back(image->path);

@@ -61,6 +61,10 @@ Json camera_json(const MarkerCamera& given, const AdjustedMarkerCamera& camera) 
           {"pixel_pitch_um", 1e6 * given.pixel_pitch},
           {"interior_orientation", parameters},
           {"correlations", correlations},
+          {"scatter_of_photographs",
+           {{"judged", camera.truth.empirical.judged},
+            {"photographs", camera.truth.empirical.photographs},
+            {"factor", camera.truth.empirical.factor}}},
           {"corner_inset", camera.inset},
           {"corner_inset_sigma", camera.inset_sigma},
           {"images", camera.images},
@@ -123,7 +127,19 @@ Json image_json(const MarkerBlock& block, const AdjustedMarkerImage& image) {
   return entry;
 }
 
-Json statistics_json(const MarkerResult& result, const std::optional<MarkerHalves>& halves) {
+Json halves_json(const MarkerHalves& halves) {
+  return {{"by", halves.by == HalvesBy::turns  ? "turns"
+                 : halves.by == HalvesBy::time ? "time"
+                                               : "place"},
+          {"tags", halves.tags},
+          {"rms", halves.rms},
+          {"variance_factor", halves.variance},
+          {"degrees_of_freedom", halves.freedom},
+          {"camera_variance_factor", halves.camera_variance},
+          {"camera_degrees_of_freedom", halves.camera_freedom}};
+}
+
+Json statistics_json(const MarkerResult& result, const std::vector<MarkerHalves>& halves) {
   Json entry = {{"sigma0", result.sigma0},
                 {"degrees_of_freedom", result.degrees_of_freedom},
                 {"weighted_sum_of_squares", result.weighted_sum_of_squares},
@@ -131,11 +147,10 @@ Json statistics_json(const MarkerResult& result, const std::optional<MarkerHalve
                 {"unknowns", result.unknowns},
                 {"datum_defect", result.datum_defect},
                 {"rms_px", result.rms}};
-  if (halves)
-    entry["halves"] = {{"tags", halves->tags},
-                       {"rms", halves->rms},
-                       {"variance_factor", halves->variance},
-                       {"degrees_of_freedom", halves->freedom}};
+  if (halves.empty()) return entry;
+  entry["halves"] = halves_json(halves.front());
+  entry["parts"] = Json::array();
+  for (const MarkerHalves& each : halves) entry["parts"].push_back(halves_json(each));
   return entry;
 }
 
@@ -196,7 +211,7 @@ std::string tags_json(const MarkerBlock& block, const MarkerResult& result) {
                   {"tags", tags}});
 }
 
-std::string block_json(const BlockInput& input, const MarkerResult& result, const std::optional<MarkerHalves>& halves) {
+std::string block_json(const BlockInput& input, const MarkerResult& result, const std::vector<MarkerHalves>& halves) {
   const MarkerBlock& block = input.block;
   Json groups = Json::array(), cameras = Json::array(), images = Json::array(), points = Json::array(),
        observations = Json::array(), rejected = Json::array();

@@ -1,8 +1,8 @@
 // Results of a marker block as files and artifacts; docs/photographs.md has the fields.
 #pragma once
 
-#include <optional>
 #include <string>
+#include <vector>
 
 #include "artifacts/camera.hpp"
 #include "artifacts/file.hpp"
@@ -19,7 +19,7 @@ FileT file_of(const std::string& name, const std::string& media_type, const std:
 std::string tags_json(const MarkerBlock& block, const MarkerResult& result);
 /// The whole adjustment: statistics, groups, cameras, images, points, observations, rejected, left_out, warnings.
 std::string block_json(const BlockInput& input, const MarkerResult& result,
-                       const std::optional<MarkerHalves>& halves = std::nullopt);
+                       const std::vector<MarkerHalves>& halves = {});
 /// images[] {path, oriented, reason, centre, rotation, sigma, ...}, every photograph that was given.
 std::string poses_json(const BlockInput& input, const MarkerResult& result);
 /// One tag a line with its deviation from the layout.

@@ -171,6 +171,31 @@ TEST(PointBlock, ControlInAnotherFrame) {
   EXPECT_LT(result.control[4].residual.norm(), 2e-8);
 }
 
+/// What is given of control comes back as it was given: standard deviations, not variances, of each coordinate.
+TEST(PointBlock, ControlComesBackWithItsStandardDeviations) {
+  PointBlock block = small_block();
+  block.control.points = {0, 5, 10, 15, 19};
+  block.control.is_check = {false, false, false, false, true};
+  block.control.position.resize(15);
+  block.control.covariance = Eigen::MatrixXd::Zero(15, 15);
+  for (Eigen::Index k = 0; k < 15; ++k) block.control.covariance(k, k) = std::pow(1e-4 * static_cast<double>(1 + k), 2);
+  block.control.covariance(3, 4) = block.control.covariance(4, 3) = 0.5 * 4e-4 * 5e-4;
+  for (Eigen::Index k = 0; k < 5; ++k)
+    block.control.position.segment<3>(3 * k) =
+        block.points[static_cast<size_t>(block.control.points[static_cast<size_t>(k)])].position;
+  block.control.position(14) += 0.01;  // of the check point
+  const auto result = adjust::adjust_point_block(block, options());
+  ASSERT_EQ(result.control.size(), 5u);
+  for (Eigen::Index k = 0; k < 5; ++k)
+    for (Eigen::Index c = 0; c < 3; ++c)
+      EXPECT_NEAR(result.control[static_cast<size_t>(k)].given_sigma(c), 1e-4 * static_cast<double>(1 + 3 * k + c),
+                  1e-15);
+  const auto& check = result.control[4];
+  EXPECT_NEAR(check.residual.z(), -0.01, 1e-4);
+  EXPECT_NEAR(check.w(2), check.residual.z() / std::sqrt(result.point_covariances[19](2, 2) + std::pow(15e-4, 2)),
+              0.05 * std::abs(check.w(2)));
+}
+
 /// Level ground with its coordinates exchanged is seen as well from below: no residual tells, and no number is right.
 TEST(PointBlock, MirroredControlIsRefused) {
   PointBlock block = small_block();
@@ -274,7 +299,8 @@ TEST(PhotoModelerFiles, ControlListsOfEveryShape) {
   EXPECT_EQ(full.block.control.covariance(4, 4), 0);
   EXPECT_THAT(error_of([&] { read("12, 1, 2\n"); }), HasSubstr("control.txt:1: found 3 columns and no header"));
   EXPECT_THAT(error_of([&] { read("55, 1, 2, 3\n"); }), HasSubstr("none of its points (55) is measured"));
-  EXPECT_THAT(error_of([&] { read("12, 1, 2, 3\n12, 1, 2, 3\n"); }), HasSubstr("control.txt:2: point '12' stands in it twice"));
+  EXPECT_THAT(error_of([&] { read("12, 1, 2, 3\n12, 1, 2, 3\n"); }),
+              HasSubstr("control.txt:2: point '12' stands in it twice"));
   EXPECT_THAT(error_of([&] { read("12, 1, 2, 3\n", {"14"}); }), HasSubstr("holds no check point 14"));
   EXPECT_THAT(error_of([&] { read("12, 1, 2, 3\n13 4 5 6\n", {"12", "13"}); }), HasSubstr("are check points"));
   const std::string marked = "12 1.5 2 3\r13 4 5 6\r";  // CR alone, and two bytes a character

@@ -59,6 +59,35 @@ TEST(SeveralCameras, TakenForOneTheyDoNotPass) {
   EXPECT_NE(verdict, "");
 }
 
+/// The camera whose lens is not its model is named, and not the other one.
+TEST(SeveralCameras, AnOddLensIsThatOfItsCamera) {
+  for (const int odd : {0, 1}) {
+    auto synthetic = test::make_block({.floors = 1, .stations = 4, .two_cameras = true});
+    for (auto& seen : synthetic.block.observations) {
+      const size_t i = static_cast<size_t>(seen.image), j = static_cast<size_t>(seen.plate);
+      if (synthetic.block.images[i].camera != odd) continue;
+      const BrownCamera& lens = synthetic.camera_of(seen.image);
+      const auto corners = tag_corners_in_plate(synthetic.block.plates[j].plate);
+      for (size_t k = 0; k < 4; ++k) {
+        const Eigen::Vector3d v =
+            synthetic.cam_from_world[i] * (synthetic.anchors[j] + synthetic.world_from_plate[j] * corners[k]);
+        BrownCamera there = lens;
+        there.k1 += 0.4 * (1 / v.z() - 1 / 8.0);
+        seen.corners[k] += *project(there, v) - *project(lens, v);
+      }
+    }
+    const auto result = adjust::adjust_tag_block(synthetic.block, plain_options());
+    double factor[2] = {0, 0};
+    bool passed[2] = {true, true};
+    for (const auto& test : result.models)
+      for (const int c : {0, 1})
+        if (test.group == std::string("distortion at all distances of ") + (c == 0 ? "first" : "second"))
+          factor[c] = test.factor, passed[c] = test.passed;
+    EXPECT_FALSE(passed[odd]) << odd;
+    EXPECT_GT(factor[odd], 3 * factor[1 - odd]) << odd;
+  }
+}
+
 /// Standard deviations and correlations of both, also between them.
 TEST(SeveralCameras, InteriorOrientationsCoverTheirErrors) {
   const int trials = 12;

@@ -8,6 +8,7 @@
 #include "artifacts/file.hpp"
 #include "artifacts/tag_observations.hpp"
 #include "geometry/camera.hpp"
+#include "markers/camera_files.hpp"
 #include "node_harness.hpp"
 #include "scene.hpp"
 
@@ -67,6 +68,57 @@ TEST(CalibrateBoard, PhotographsOfAnotherBodyOrSizeAreNotTakenForTheCameras) {
   EXPECT_THAT(one.warnings(), Not(Contains(HasSubstr("left out: photo8.jpg"))));
 }
 
+/// One photograph whose markers came out smaller than the file says, among those that agree with it, is blurred.
+TEST(CalibrateBoard, OneBlurredPhotographDoesNotMakeTheBoardFileWrong) {
+  const auto run = [](int blurred, test::NodeHarness& node) {
+    for (int k = 0; k < 12; ++k) {
+      BoardPointsT taken = photograph(k, "");
+      taken.marker_ratio = 0.75;
+      if (k < blurred) {
+        taken.points.clear(), taken.contradicts = true, taken.marker_ratio = 0.704;
+        taken.problem =
+            "the markers measure 0.704 of a square, 0.750 is in b.yaml: 'marker' or 'square' there is wrong";
+      }
+      node.input<BoardPoints>("points", taken);
+    }
+    node.run();
+  };
+  test::NodeHarness node("calibrate.board");
+  run(1, node);
+  EXPECT_THAT(
+      node.warnings(),
+      Contains(HasSubstr("left out: photo0.jpg: its markers measure 0.704 of their squares or spacing, those of "
+                         "the 11 other photographs 0.750, as the board file has it: this one is blurred")));
+  EXPECT_THAT(node.warnings(), Not(Contains(HasSubstr("is wrong"))));
+  test::NodeHarness wrong("calibrate.board");
+  try {
+    run(8, wrong);
+    ADD_FAILURE() << "most contradict the file";
+  } catch (const test::NodeFailed& error) {
+    EXPECT_THAT(error.what(), HasSubstr("'marker' or 'square' there is wrong"));
+  }
+}
+
+/// What camera.yaml has of the covariance is what calibration.json and the artifact have.
+TEST(CalibrateBoard, WritesOneCovarianceEverywhere) {
+  test::NodeHarness node("calibrate.board");
+  for (int k = 0; k < 12; ++k) node.input<BoardPoints>("points", photograph(k, ""));
+  node.run();
+  const FileT yaml = node.output<File>("yaml"), file = node.output<File>("json");
+  const CameraFile read = parse_camera_file({yaml.content.begin(), yaml.content.end()}, "camera.yaml");
+  const auto json = nlohmann::json::parse(file.content.begin(), file.content.end());
+  ASSERT_EQ(json["covariance_lower_triangle"].size(), 45u);
+  std::size_t at = 0;
+  for (Eigen::Index i = 0; i < 9; ++i)
+    for (Eigen::Index j = 0; j <= i; ++j, ++at) {
+      const double value = json["covariance_lower_triangle"][at];
+      EXPECT_NEAR(read.covariance(i, j), value, 1e-9 * std::sqrt(read.covariance(i, i) * read.covariance(j, j)));
+    }
+  EXPECT_GT(std::abs(read.covariance(1, 0)), 0.5 * read.covariance(0, 0)) << "fx and fy go together";
+  EXPECT_TRUE(json["scatter_of_photographs"]["judged"]);
+  EXPECT_THAT(std::string(yaml.content.begin(), yaml.content.end()), HasSubstr("# sigmas: "));
+}
+
 TEST(CalibrateBoard, AFolderForEachMomentIsARig) {
   test::NodeHarness node("calibrate.board");
   for (int k = 0; k < 12; ++k)
@@ -114,6 +166,41 @@ TEST(MarkerBoard, PicturesSideBySideAreRefused) {
   };
   EXPECT_THAT(failure(3), HasSubstr("most tags are twice in their photographs (12 of 16, the first in 0.png)"));
   EXPECT_THAT(failure(1), Not(HasSubstr("most tags are twice")));
+}
+
+/// A wrong family reads a square of the scene now and then: two photographs with one such tag each are no block.
+TEST(MarkerBoard, ChanceTagsOfAWrongFamilyAreRefused) {
+  const auto failure = [](int with, int tags) {
+    test::NodeHarness node("adjust.marker_board");
+    node.set("tag_size", "0.02");
+    TagObservationsT seen;
+    for (int k = 0; k < 12; ++k) {
+      auto image = std::make_unique<ImageTagsT>();
+      image->path = std::to_string(k) + ".png", image->width = 1280, image->height = 720;
+      if (k >= with) image->problem = "it shows 20 tags of DICT_6X6_50: the family is wrong";
+      for (int id = 0; id < (k < with ? tags : 0); ++id) {
+        auto tag = std::make_unique<TagT>();
+        tag->family = "DICT_5X5_1000", tag->id = 215 + id;
+        const double x = 100 + 90 * id + 3 * k, y = 200 + 5 * k;
+        tag->corners = {{x, y + 40}, {x + 40, y + 41}, {x + 41, y}, {x, y}};
+        image->tags.push_back(std::move(tag));
+      }
+      seen.images.push_back(std::move(image));
+    }
+    node.input<TagObservations>("observations", seen);
+    try {
+      node.run();
+    } catch (const test::NodeFailed& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_THAT(failure(2, 1),
+              testing::AllOf(HasSubstr("10 of 12 photographs show no tag of the family and the others one each (215 in "
+                                       "0.png, 215 in 1.png)"),
+                             HasSubstr("the family is wrong"), HasSubstr("Give the family")));
+  EXPECT_THAT(failure(6, 1), Not(HasSubstr("no tag of the family")));
+  EXPECT_THAT(failure(2, 2), Not(HasSubstr("no tag of the family")));
 }
 
 }  // namespace

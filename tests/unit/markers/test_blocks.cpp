@@ -1,7 +1,9 @@
 // Blocks of tags and calibrations whose truth is known.
 #include <gmock/gmock.h>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <random>
 
 #include "geometry/similarity.hpp"
@@ -10,6 +12,7 @@
 #include "markers/marker_block.hpp"
 #include "markers/marker_datum.hpp"
 #include "markers/marker_halves.hpp"
+#include "markers/marker_words.hpp"
 #include "markers/planar_pose.hpp"
 #include "plumbline/stop.hpp"
 #include "scene.hpp"
@@ -343,10 +346,54 @@ TEST(MarkerBlock, NamesACalibrationThatThePhotographsContradict) {
   for (Eigen::Index k = 0; k < 9; ++k) given.covariance(k, k) = std::pow(sigmas[static_cast<size_t>(k)], 2);
   EXPECT_THAT(adjust_marker_block(s.block, {}).warnings, testing::Not(testing::Contains(HasSubstr("contradict"))));
   given.camera.cy += 12;
-  EXPECT_THAT(adjust_marker_block(s.block, {}).warnings,
-              testing::Contains(
-                  testing::AllOf(HasSubstr("the photographs contradict the calibration of camera telephone: cy is "),
-                                 HasSubstr("given were 602 "))));
+  EXPECT_THAT(
+      adjust_marker_block(s.block, {}).warnings,
+      testing::Contains(testing::AllOf(HasSubstr("the photographs contradict the calibration of camera telephone: all "
+                                                 "parameters together are off by"),
+                                       HasSubstr("furthest cy is "), HasSubstr("given were 602 "))));
+}
+
+/// Changes drawn from what a prior and an adjustment of it allow, with correlations of 0.99: the statistic is
+/// chi-squared of its degrees of freedom, and a change that no single parameter finds large is found against the
+/// correlation.
+TEST(CalibrationTest, IsChiSquaredOfCorrelatedParametersTogether) {
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> unit(0, 1);
+  Eigen::MatrixXd prior = Eigen::MatrixXd::Zero(9, 9);
+  prior.diagonal() << 4, 4, 9, 9, 1e-4, 1e-2, 0, 1e-8, 1e-8;
+  prior(0, 1) = prior(1, 0) = 0.99 * 4, prior(4, 5) = prior(5, 4) = -0.98 * 1e-3;
+  // The photographs: a matrix of information of their own over the free parameters.
+  const std::vector<int> free = {0, 1, 2, 3, 4, 5, 7, 8};
+  Eigen::MatrixXd information = prior(free, free).inverse().eval();
+  Eigen::MatrixXd seen = Eigen::MatrixXd::Zero(8, 8);
+  for (Eigen::Index k = 0; k < 8; ++k) {
+    Eigen::VectorXd row(8);
+    for (Eigen::Index j = 0; j < 8; ++j)
+      row(j) = unit(random) / std::sqrt(prior(free[static_cast<size_t>(j)], free[static_cast<size_t>(j)]));
+    seen += 20 * row * row.transpose();
+  }
+  const Eigen::MatrixXd after = (information + seen).inverse();
+  Eigen::MatrixXd adjusted = Eigen::MatrixXd::Zero(9, 9);
+  for (size_t i = 0; i < 8; ++i)
+    for (size_t j = 0; j < 8; ++j)
+      adjusted(free[i], free[j]) = after(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+  const Eigen::MatrixXd root = (prior - adjusted)(free, free).llt().matrixL();
+  double sum = 0, freedom = 0;
+  for (int trial = 0; trial < 400; ++trial) {
+    Eigen::VectorXd drawn(8);
+    for (Eigen::Index k = 0; k < 8; ++k) drawn(k) = unit(random);
+    Eigen::VectorXd change = Eigen::VectorXd::Zero(9);
+    change(free) = root * drawn;
+    const auto test = test_calibration(change, prior, adjusted);
+    EXPECT_GE(test.freedom, 6);
+    sum += test.statistic, freedom += test.freedom;
+  }
+  EXPECT_GT(sum, chi_squared_quantile(0.001, freedom));
+  EXPECT_LT(sum, chi_squared_quantile(0.999, freedom));
+  Eigen::VectorXd against = Eigen::VectorXd::Zero(9);
+  against(0) = 2, against(1) = -2;  // one standard deviation each, but fx and fy go together
+  const auto test = test_calibration(against, prior, adjusted);
+  EXPECT_GT(test.statistic, chi_squared_quantile(0.9995, test.freedom));
 }
 
 TEST(MarkerHalves, DifferByTheirCovariancesAndByMoreWhereTheCameraIsNotItsModel) {
@@ -357,7 +404,7 @@ TEST(MarkerHalves, DifferByTheirCovariancesAndByMoreWhereTheCameraIsNotItsModel)
     ASSERT_TRUE(halves.has_value());
     EXPECT_GE(halves->tags, 8);
     EXPECT_EQ(halves->freedom, 3 * halves->tags - 7);
-    EXPECT_FALSE(halves->contradict) << seed;
+    EXPECT_FALSE(halves->tags_contradict) << seed;
     square += halves->variance * halves->freedom, freedom += halves->freedom;
   }
   EXPECT_GT(square, chi_squared_quantile(0.001, freedom));
@@ -370,8 +417,8 @@ TEST(MarkerHalves, DifferByTheirCovariancesAndByMoreWhereTheCameraIsNotItsModel)
   all.reject_above = 0;
   const auto halves = compare_halves(moved.block, all, adjust_marker_block(moved.block, all));
   ASSERT_TRUE(halves.has_value());
-  EXPECT_TRUE(halves->contradict) << halves->variance;
-  EXPECT_THAT(in_words(*halves), HasSubstr("two halves of the photographs place the tags"));
+  EXPECT_TRUE(halves->tags_contradict) << halves->variance;
+  EXPECT_THAT(in_words(*halves), HasSubstr("two halves of the photographs (every second one) place the tags"));
 }
 
 TEST(MarkerHalves, AreNotComparedWhereTheyAreTooFew) {
@@ -381,6 +428,49 @@ TEST(MarkerHalves, AreNotComparedWhereTheyAreTooFew) {
   for (size_t i = 7; i < few.images.size(); ++i) few.images[i].oriented = false;
   EXPECT_TRUE(compare_halves(s.block, {}, result).has_value());
   EXPECT_FALSE(compare_halves(s.block, {}, few).has_value());
+}
+
+/// The layout's distances say how large the tags are.
+TEST(MarkerBlock, ATagSizeThatTheLayoutContradictsIsRefusedWithTheRightOne) {
+  const auto message = [](double factor) {
+    Scene s = scene(0.1, 5);
+    s.block.cameras[0].camera = true_camera(), s.block.cameras[0].held = true;
+    for (size_t m = 0; m < s.tags.size(); ++m)
+      s.block.markers[m].world_from_tag = s.tags[m], s.block.markers[m].size *= factor;
+    MarkerOptions options;
+    options.reject_above = 8;
+    try {
+      adjust_marker_block(s.block, options);
+    } catch (const std::runtime_error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(message(1), "");
+  EXPECT_EQ(message(1.005), "") << "less than two per cent may be the print";
+  for (const double factor : {0.92, 1.03, 1.09})
+    EXPECT_THAT(
+        message(factor),
+        testing::AllOf(HasSubstr("the tags are not " + std::to_string(120 * factor).substr(0, 5)),
+                       HasSubstr("by the distances in the layout their edge is 1"), HasSubstr("Correct tag_size")))
+        << factor;
+}
+
+/// Six tags that somebody put elsewhere between the photographs.
+TEST(MarkerBlock, TagsThatStandElsewhereFromPhotographToPhotographAreSuspected) {
+  Scene s = scene(0.1, 6);
+  for (size_t v = 0; v < s.block.views.size(); ++v) {  // other numbers in every photograph
+    MarkerView& view = s.block.views[v];
+    view.marker = (view.marker * 5 + 7 * view.image) % 12;
+  }
+  try {
+    const MarkerResult result = adjust_marker_block(s.block, {});
+    EXPECT_THAT(result.warnings, testing::Contains(HasSubstr("stand elsewhere from photograph to photograph")));
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(),
+                testing::AllOf(HasSubstr("10 photographs do not make one block: the tags stand elsewhere"),
+                               HasSubstr(" m apart in image"), testing::Not(HasSubstr("observation "))));
+  }
 }
 
 }  // namespace

@@ -64,6 +64,32 @@ TEST(Triangulation, ExactRaysMeetInThePoint) {
   }
 }
 
+/// Root mean square and largest angle, again from the views one by one.
+TEST(Triangulation, AnglesAreThoseOfTheRaysToThePoint) {
+  for (const std::size_t count : {std::size_t{2}, std::size_t{3}, near_and_far().size()}) {
+    auto views = views_from(near_and_far());
+    views.resize(std::min(count, views.size()));
+    test::Random random(11);
+    for (auto& view : views) disturb(view, 1e-3, random);
+    const auto found = triangulate(views, Triangulation::angular);
+    ASSERT_TRUE(found) << count;
+    double squares = 0, largest = 0;
+    std::vector<Eigen::Vector3d> rays;
+    for (const auto& view : views) {
+      const Eigen::Vector3d measured =
+          view.cam_from_world.rotation.conjugate() * view.normalised.homogeneous().normalized();
+      const Eigen::Vector3d computed = (found->point - view.cam_from_world.inverse().translation).normalized();
+      squares += std::pow(2 * std::asin(0.5 * (measured - computed).norm()), 2);
+      for (const Eigen::Vector3d& other : rays)
+        largest = std::max(largest, 2 * std::asin(0.5 * (measured - other).norm()));
+      rays.push_back(measured);
+    }
+    EXPECT_NEAR(found->rms_angle / std::sqrt(squares / static_cast<double>(views.size())), 1, 1e-9) << count;
+    EXPECT_NEAR(found->parallax, largest, 1e-9) << count;
+    EXPECT_GT(found->parallax, 0.01) << "two views have one, too";
+  }
+}
+
 TEST(Triangulation, WhatDoesNotMeetInFrontOfTheCamerasIsNothing) {
   auto views = views_from(near_and_far());
   for (const auto method : methods) {

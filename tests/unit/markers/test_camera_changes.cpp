@@ -1,0 +1,241 @@
+// Whether photographs are of one camera, and what their scatter makes of its covariance: simulated photographs of a
+// board, so that the truth is known.
+#include <gmock/gmock.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <random>
+
+#include "geometry/statistics.hpp"
+#include "markers/calibration_parts.hpp"
+#include "scene.hpp"
+
+namespace plumbline::markers {
+namespace {
+
+using testing::HasSubstr;
+
+/// What a photograph has of its own.
+struct Own {
+  double zoom = 1;
+  Eigen::Vector2d shift = {0, 0}, rows = {0, 0};  // [px], over the height
+};
+using OwnOf = std::function<Own(int photograph, const Eigen::Vector2d& drawn)>;
+
+/// `count` photographs of a board of 10 × 7 points from all sides with 0.1 px of noise.
+std::vector<CalibrationView> photographs(int count, unsigned seed, const OwnOf& own_of = {}) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> noise(0, 1);
+  const BrownCamera camera = true_camera();
+  std::vector<CalibrationView> views;
+  for (int k = 0; k < count; ++k) {
+    const double around = 2.4 * k + noise(random), out = 0.15 + 0.15 * std::abs(noise(random));
+    const RigidTransform pose =
+        look({0.1125 + out * std::cos(around), -0.075 + out * std::sin(around), 0.35 + 0.03 * noise(random)},
+             {0.1125 + 0.03 * noise(random), -0.075 + 0.03 * noise(random), 0}, 0.7 * k);
+    const Own own = own_of ? own_of(k, {noise(random), noise(random)}) : Own{};
+    CalibrationView view;
+    view.path = "IMG_" + std::to_string(k) + ".JPG";
+    for (int i = 0; i < 70; ++i) {
+      const Eigen::Vector3d board(0.025 * (i % 10), -0.025 * (i / 10), 0);
+      const auto pixel = project(camera, pose * board);
+      if (!pixel || pixel->minCoeff() < 20 || pixel->x() > 1580 || pixel->y() > 1180) continue;
+      const Eigen::Vector2d middle(800, 600);
+      const Eigen::Vector2d seen =
+          middle + own.zoom * (*pixel - middle) + own.shift + own.rows * (pixel->y() / 1200 - 0.5);
+      view.points.push_back({board, seen + 0.1 * Eigen::Vector2d(noise(random), noise(random)), 0.1});
+    }
+    if (view.points.size() > 20) views.push_back(view);
+  }
+  return views;
+}
+
+double normalised_square(const Calibration& c, const Eigen::MatrixXd& covariance) {
+  const auto found = c.camera.parameters(), truth = true_camera().parameters();
+  Eigen::VectorXd error(9);
+  for (Eigen::Index k = 0; k < 9; ++k) error(k) = found[static_cast<size_t>(k)] - truth[static_cast<size_t>(k)];
+  return error.dot(covariance.ldlt().solve(error)) / 9;
+}
+
+/// Of a single photograph and of a part of them: the parameters move as a calibration without them says.
+TEST(PhotographShares, LeavingOneOutIsWhatACalibrationWithoutItGives) {
+  const auto views = photographs(12, 3);
+  const Calibration all = calibrate(views, 1600, 1200, {});
+  for (const size_t left_out : {size_t{0}, size_t{5}, views.size() - 1}) {
+    auto rest = views;
+    rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(left_out));
+    CalibrationOptions options;
+    options.reject_above = 0;
+    const Calibration without = calibrate(rest, 1600, 1200, options);
+    const auto at =
+        std::find(all.truth.evidence.members.begin(), all.truth.evidence.members.end(), static_cast<int>(left_out)) -
+        all.truth.evidence.members.begin();
+    const Eigen::VectorXd& predicted = all.truth.evidence.change_without[static_cast<size_t>(at)];
+    const auto before = all.camera.parameters(), after = without.camera.parameters();
+    for (size_t k = 0; k < 9; ++k) {
+      const auto i = static_cast<Eigen::Index>(k);
+      EXPECT_NEAR(predicted(i), after[k] - before[k], 0.08 * std::sqrt(all.formal_covariance(i, i)))
+          << BrownCamera::parameter_names[k];
+    }
+  }
+}
+
+TEST(PhotographShares, AddUpToTheReducedNormalEquations) {
+  adjustment::PartitionedSystem system;
+  system.kept_count = 5, system.eliminated_count = 3, system.eliminated_size = 2;
+  system.groups = {"all"};
+  std::mt19937_64 random(2);
+  std::normal_distribution<double> unit(0, 1);
+  std::vector<Eigen::MatrixXd> effects;
+  const auto drawn = [&](int rows, int columns) {
+    Eigen::MatrixXd m(rows, columns);
+    for (Eigen::Index i = 0; i < m.size(); ++i) m(i) = unit(random);
+    return m;
+  };
+  for (int k = 0; k < 18; ++k) {
+    adjustment::ObservationRows rows;
+    rows.eliminated = k % 3, rows.columns = {4, k % 4};
+    rows.kept = drawn(2, 2), rows.own = drawn(2, 2), rows.misclosure = drawn(2, 1);
+    system.observations.push_back(rows);
+    effects.push_back(drawn(2, 2));
+  }
+  const auto shares = shares_of(system, effects);
+  const auto reduced = adjustment::reduce(system);
+  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(7, 7);
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(7);
+  for (const PhotographShare& share : shares) {
+    normal(share.columns, share.columns) += share.information;
+    right(share.columns) += share.score;
+  }
+  EXPECT_LT((normal.topLeftCorner(5, 5) - reduced.normal).norm(), 1e-11);
+  EXPECT_LT((right.head(5) - reduced.right).norm(), 1e-11);
+  // With the effects as two more unknowns that are kept.
+  auto wider = system;
+  wider.kept_count = 7;
+  for (size_t k = 0; k < effects.size(); ++k) {
+    auto& rows = wider.observations[k];
+    rows.columns.insert(rows.columns.end(), {5, 6});
+    Eigen::MatrixXd kept(2, 4);
+    kept << rows.kept, effects[k];
+    rows.kept = kept;
+  }
+  EXPECT_LT((normal - adjustment::reduce(wider).normal).norm(), 1e-11);
+}
+
+/// Errors over the covariance that is stated, of photographs that scatter and of photographs that do not.
+TEST(EmpiricalCovariance, CoversWhatPhotographsHaveInCommon) {
+  constexpr int trials = 24;
+  for (const bool scattered : {false, true}) {
+    double formal = 0, written = 0, factor = 0, bootstrap = 0;
+    int told = 0;
+    for (int trial = 0; trial < trials; ++trial) {
+      const auto views = photographs(20, 100 + static_cast<unsigned>(trial), [&](int, const Eigen::Vector2d& drawn) {
+        Own own;
+        if (scattered) own.rows = 1.5 * drawn;
+        return own;
+      });
+      const Calibration c = calibrate(views, 1600, 1200, {});
+      ASSERT_TRUE(c.truth.empirical.judged);
+      formal += normalised_square(c, c.formal_covariance) / trials;
+      written += normalised_square(c, c.covariance) / trials;
+      factor += c.truth.empirical.factor / trials;
+      bootstrap += c.truth.empirical.bootstrap_ratio / trials;
+      told += !in_words(c.truth.empirical, c.truth.scatter).empty();
+      EXPECT_GE((c.covariance - c.formal_covariance).eval().diagonal().minCoeff(), -1e-12);
+    }
+    RecordProperty(scattered ? "scattered" : "sound", std::to_string(formal) + " " + std::to_string(written) + " " +
+                                                          std::to_string(factor) + " " + std::to_string(bootstrap));
+    if (scattered) {
+      EXPECT_GT(formal, 4) << "or there is nothing to mend";
+    } else {
+      EXPECT_NEAR(formal, 1, 0.4);
+      EXPECT_LT(factor, 1.5) << "sound photographs are hardly charged for it";
+      EXPECT_LE(told, 1) << "nor is it said of them";
+    }
+    EXPECT_GT(written, scattered ? 0.6 : 0.5);
+    EXPECT_LT(written, 1.5);
+    EXPECT_GT(bootstrap, 0.6) << "two ways to the same";
+    EXPECT_LT(bootstrap, 1.4);
+  }
+}
+
+TEST(EmpiricalCovariance, OfTooFewPhotographsIsNotJudged) {
+  const Calibration c = calibrate(photographs(5, 4), 1600, 1200, {});
+  EXPECT_FALSE(c.truth.empirical.judged);
+  EXPECT_LT((c.covariance - c.formal_covariance).norm(), 1e-15);
+}
+
+TEST(CameraChange, OfSoundPhotographsIsNotFound) {
+  int named = 0;
+  for (unsigned seed = 1; seed <= 40; ++seed)
+    named += calibrate(photographs(16, seed), 1600, 1200, {}).truth.change.has_value();
+  EXPECT_LE(named, 1);
+}
+
+/// What all photographs have of a rolling shutter is no change of the camera.
+TEST(CameraChange, OfPhotographsThatScatterIsNotFound) {
+  int named = 0;
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    const auto views = photographs(20, seed, [](int, const Eigen::Vector2d& drawn) {
+      return Own{1, {0, 0}, 2 * drawn};
+    });
+    named += calibrate(views, 1600, 1200, {}).truth.change.has_value();
+  }
+  EXPECT_LE(named, 1);
+}
+
+TEST(CameraChange, IsNamedWithItsPhotographs) {
+  const auto change_of = [](const OwnOf& own, std::string& words, std::string& as_two) {
+    const auto views = photographs(24, 7, own);
+    CalibrationOptions options;
+    const Calibration c = calibrate(views, 1600, 1200, options);
+    words.clear(), as_two.clear();
+    if (!c.truth.change) return false;
+    words = in_words(*c.truth.change, c.truth.evidence);
+    as_two = as_two_cameras(views, options, c);
+    return true;
+  };
+  std::string words, as_two;
+  ASSERT_TRUE(change_of([](int k, const auto&) { return Own{k < 12 ? 1.0 : 1.02}; }, words, as_two));
+  EXPECT_THAT(words, testing::AllOf(HasSubstr("from IMG_12.JPG on the principal distance is"), HasSubstr("% longer"),
+                                    HasSubstr("focus or zoom")));
+  EXPECT_THAT(as_two, testing::ContainsRegex("as two cameras, fx (1499|1500)\\.. .* and 15(29|30)\\.. "));
+  ASSERT_TRUE(change_of([](int k, const auto&) { return Own{0.98 + 0.04 * k / 23}; }, words, as_two));
+  EXPECT_THAT(words, testing::AllOf(HasSubstr("from IMG_0.JPG to IMG_23.JPG, bit by bit, the principal distance is"),
+                                    HasSubstr("% longer")));
+  EXPECT_EQ(as_two, "");
+  ASSERT_TRUE(change_of([](int k, const auto&) { return Own{k % 4 ? 1.0 : 1.02}; }, words, as_two));
+  EXPECT_THAT(words,
+              testing::AllOf(HasSubstr("in every fourth photograph (IMG_0.JPG, IMG_4.JPG"), HasSubstr("% longer")));
+  // In no order at all.
+  ASSERT_TRUE(
+      change_of([](int k, const auto&) { return Own{k == 1 || k == 2 || k == 7 || k == 11 || k == 19 ? 1.02 : 1.0}; },
+                words, as_two));
+  EXPECT_THAT(words, HasSubstr("(IMG_1.JPG, IMG_2.JPG, IMG_7.JPG, IMG_11.JPG, ...)"));
+}
+
+TEST(Scatter, IsNamedByItsCause) {
+  const auto scatter_of = [](const OwnOf& own) {
+    return calibrate(photographs(24, 9, own), 1600, 1200, {}).truth.scatter;
+  };
+  const Scatter rows = scatter_of([](int, const Eigen::Vector2d& d) { return Own{1, {0, 0}, 3 * d}; });
+  EXPECT_EQ(rows.kind, Scatter::Kind::rolling_shutter);
+  EXPECT_NEAR(rows.rms, 3, 1.2);
+  const Scatter point = scatter_of([](int, const Eigen::Vector2d& d) { return Own{1, 8 * d, {0, 0}}; });
+  EXPECT_EQ(point.kind, Scatter::Kind::principal_point);
+  EXPECT_NEAR(point.rms, 8, 3);
+  const Scatter focus = scatter_of([](int, const Eigen::Vector2d& d) { return Own{1 + 0.01 * d.x()}; });
+  EXPECT_EQ(focus.kind, Scatter::Kind::focus);
+  EXPECT_NEAR(focus.rms, 0.01, 0.004);
+}
+
+TEST(Names, AreSortedByTheirNumbers) {
+  EXPECT_TRUE(before_by_name("2.jpg", "10.jpg"));
+  EXPECT_FALSE(before_by_name("10.jpg", "2.jpg"));
+  EXPECT_TRUE(before_by_name("a/IMG_009.JPG", "a/IMG_0010.JPG"));
+  EXPECT_TRUE(before_by_name("a1", "a1b"));
+  EXPECT_FALSE(before_by_name("x", "x"));
+}
+
+}  // namespace
+}  // namespace plumbline::markers
