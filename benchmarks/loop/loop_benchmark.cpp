@@ -33,7 +33,7 @@ struct Mean {
 
 struct Sum {
   Mean panels, joints, reworks, top, rounds, top_floor, bottom_floor, paired;
-  double verified = 0, wrong = 0, worst = 0, infeasible = 0, planted = 0, missed = 0, items = 0;
+  double verified = 0, wrong = 0, worst = 0, infeasible = 0, planted = 0, missed = 0, items = 0, looks = 0;
   double nees = 0, diagonal = 0, joint_values = 0, seconds = 0;
   double stated[12] = {}, inside[12] = {}, count[12] = {};
 };
@@ -48,7 +48,8 @@ void add(const TrialResult& r, Sum& s) {
   s.top_floor.add(100.0 * r.inside_by_floor.back() / per_floor);
   s.verified += r.verified, s.wrong += r.verified_wrong, s.infeasible += r.infeasible, s.items += r.panels;
   s.worst = std::max(s.worst, r.verified_worst);
-  s.planted += r.planted, s.missed += r.planted_verified;
+  for (const std::string& line : r.missed) std::fprintf(stderr, "missed  %s\n", line.c_str());
+  s.planted += r.planted, s.missed += r.planted_verified, s.looks += r.looks;
   s.nees += r.joint_nees, s.diagonal += r.joint_nees_diagonal, s.joint_values += r.joint_values;
   for (const Stated& stated : r.stated) {
     if (!(stated.p_in >= 0)) continue;
@@ -97,6 +98,8 @@ int main(int argc, char** argv) {
       c.verified, c.items, 100 * c.verified / c.items, c.infeasible, c.wrong, 100 * c.wrong / std::max(1.0, c.verified),
       1e3 * c.worst);
   std::printf("closed: %.0f faults planted, %.0f brackets VERIFIED that are 4.5 mm or more off\n", c.planted, c.missed);
+  std::printf("closed: a person was asked to look %.0f times, %.2f for each 100 panels\n", c.looks,
+              100 * c.looks / c.items);
   const Sum& m = sums[1];
   std::printf(
       "joints, measured once: mean of (true - stated)^2/u^2 %.3f with the joint covariance, %.3f with its diagonal "

@@ -22,15 +22,26 @@ std::string listed(const std::vector<std::string>& names) {
   return names.size() > 8 ? text + " and " + std::to_string(names.size() - 8) + " more" : text;
 }
 
+/// Right, up, out of an anchor or panel; nan where nothing says which way it faces, or nothing that orders may rest on.
+Eigen::Matrix3d confirmed_axes(const FacadeFrameT* frame) {
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Constant(kUnknown);
+  if (frame && frame->confirmed) axes << frame->right, frame->up, frame->out;
+  return axes;
+}
+
+/// Why the axes of none of them can be told.
+std::string unconfirmed_words(const DeviationT& deviation) {
+  std::string words = "which way the anchors face is not confirmed, so nobody can be told to move one to the right";
+  for (const auto& facade : deviation.facades)
+    if (!facade->confirmed) words += "; facade " + facade->name + ": " + facade->note;
+  return words + "; say it with facade_normal, or in the rules of facades";
+}
+
 class Builder {
  public:
   Builder(const DeviationT& deviation, const DesignT& design, const LoopStateT* state, const FacadeRules& rules)
       : deviation_(deviation), state_(state), rules_(rules) {
-    const Eigen::Vector3d normal = rules.normal.allFinite() ? rules.normal : deviation.facade_normal;
-    if (!normal.allFinite())
-      throw std::runtime_error(
-          "the anchors lie in no facade whose direction could be told from them; say it with facade_normal");
-    axes_ = facade_axes(normal);
+    if (rules.normal.allFinite()) only_axes_ = facade_axes(rules.normal);
     for (const auto& element : design.elements) elements_[element->guid] = element.get();
     in_.facade.errors = rules.errors;
     name_panels();
@@ -38,14 +49,22 @@ class Builder {
 
   void add_brackets() {
     std::vector<std::string> unknown;
+    std::size_t facing = 0;
     for (const auto& anchor : deviation_.anchors) {
       if (!anchor->design.allFinite()) {
         in_.notes.push_back("anchor " + anchor->id + " has no place in the design: it is no bracket of any panel");
         continue;
       }
       Bracket bracket;
-      bracket.id = anchor->id, bracket.floor = anchor->floor, bracket.axes = axes_;
+      bracket.id = anchor->id, bracket.floor = anchor->floor, bracket.axes = axes_of(anchor->facade.get());
       bracket.design = anchor->design, bracket.deviation = anchor->deviation;
+      facing += bracket.axes.allFinite();
+      if (!bracket.axes.allFinite()) {
+        in_.notes.push_back("anchor " + anchor->id + ": which way it faces is not confirmed" +
+                            (anchor->facade && !anchor->facade->note.empty() ? " (" + anchor->facade->note + ")" : "") +
+                            "; no setting is planned for it, and its panels wait");
+        bracket.axes.setIdentity(), bracket.deviation.setConstant(kUnknown);
+      }
       const std::optional<BracketType> type = bracket_type_of(rules_.brackets, facts_of(*anchor));
       if (!type) unknown.push_back(anchor->id + " (" + anchor->class_ + ")");
       if (type) bracket.type = *type;
@@ -54,6 +73,7 @@ class Builder {
       in_.guids.push_back(anchor->guid);
       in_.facade.brackets.push_back(std::move(bracket));
     }
+    if (facing == 0) throw std::runtime_error(unconfirmed_words(deviation_));
     if (!unknown.empty())
       throw std::runtime_error("no rule of 'brackets' selects " + listed(unknown) +
                                "; say what they can be set by, such as '*: right=20mm, up=15mm, out=25mm'");
@@ -90,7 +110,12 @@ class Builder {
   void add_panels() {
     for (const auto& judged : deviation_.panels) {
       Panel panel;
-      panel.id = id_of_.at(judged->guid), panel.name = judged->name, panel.floor = judged->floor, panel.axes = axes_;
+      panel.id = id_of_.at(judged->guid), panel.name = judged->name, panel.floor = judged->floor;
+      panel.axes = axes_of(judged->facade.get());
+      if (!panel.axes.allFinite()) {
+        in_.notes.push_back("panel " + panel.id + ": which way it faces is not confirmed: it is not planned");
+        continue;
+      }
       for (const auto& corner : judged->corners) {
         const std::size_t k = corner->name == "bottom_left"    ? 0
                               : corner->name == "bottom_right" ? 1
@@ -106,7 +131,7 @@ class Builder {
       in_.facade.panels.push_back(std::move(panel));
     }
     for (const auto& [guid, element] : elements_)
-      if (element->is_panel && !panel_at_.count(guid) && !wholes_.count(guid))
+      if (element->is_panel && !id_of_.count(guid) && !wholes_.count(guid))
         in_.notes.push_back("panel " + (element->name.empty() ? guid : element->name) +
                             " of the design hangs on no measured anchor: it is not planned");
   }
@@ -115,6 +140,7 @@ class Builder {
     for (const auto& judged : deviation_.panels)
       for (const auto& said : judged->joints) {
         const bool upward = said->side == "above";
+        if (!panel_at_.count(judged->guid)) continue;
         if ((!upward && said->side != "right") || !panel_at_.count(said->panel)) continue;
         const std::size_t a = panel_at_.at(judged->guid), b = panel_at_.at(said->panel);
         if (upward) in_.facade.panels[b].depends_on.push_back(in_.facade.panels[a].id);
@@ -131,6 +157,10 @@ class Builder {
   FacadeInput take() { return std::move(in_); }
 
  private:
+  Eigen::Matrix3d axes_of(const FacadeFrameT* frame) const {
+    return only_axes_.allFinite() ? only_axes_ : confirmed_axes(frame);
+  }
+
   bim::ElementFacts facts_of(const AnchorDeviationT& anchor) {
     bim::ElementFacts facts;
     facts.ifc_class = anchor.class_, facts.guid = anchor.guid, facts.tag = anchor.tag;
@@ -165,7 +195,7 @@ class Builder {
         places.push_back(in_.facade.brackets[at->second].design);
       }
     for (std::size_t i = 0; i < panel.hooks.size(); ++i) {
-      panel.hooks[i].holds = usual_hook(places, i, axes_);
+      panel.hooks[i].holds = usual_hook(places, i, panel.axes);
       for (const HookRule& rule : rules_.hooks)
         if (rule.selection.matches(facts_of(*anchors_[panel.hooks[i].bracket]))) panel.hooks[i].holds = rule.holds;
     }
@@ -177,14 +207,15 @@ class Builder {
     joint.a = a, joint.b = b;
     joint.side_of_a = upward ? Side::top : Side::right, joint.side_of_b = upward ? Side::bottom : Side::left;
     const int across = upward ? 1 : 0, along = 1 - across;
-    joint.across = axes_.col(across);
-    const auto place = [&](const Eigen::Vector3d& p, int k) { return axes_.col(k).dot(p); };
+    const Eigen::Matrix3d& axes = of_a.axes;
+    joint.across = axes.col(across);
+    const auto place = [&](const Eigen::Vector3d& p, int k) { return axes.col(k).dot(p); };
     const double begin = std::max(place(of_a.corners[0], along), place(of_b.corners[0], along));
     const double end = std::min(place(of_a.corners[3], along), place(of_b.corners[3], along));
     for (int which = 0; which < 2; ++which) {
       const double at = which == 0 ? begin : end;
       const auto edge = [&](const Eigen::Vector3d& corner) -> Eigen::Vector3d {
-        return corner + (at - place(corner, along)) * axes_.col(along);
+        return corner + (at - place(corner, along)) * axes.col(along);
       };
       joint.on_a[static_cast<std::size_t>(which)] = edge(of_a.corners[3]);
       joint.on_b[static_cast<std::size_t>(which)] = edge(of_b.corners[0]);
@@ -209,7 +240,7 @@ class Builder {
   const DeviationT& deviation_;
   const LoopStateT* state_;
   const FacadeRules& rules_;
-  Eigen::Matrix3d axes_;
+  Eigen::Matrix3d only_axes_ = Eigen::Matrix3d::Constant(kUnknown);  ///< that the user said; nan: each has its own
   FacadeInput in_;
   std::vector<const AnchorDeviationT*> anchors_;  ///< by bracket
   std::map<std::string, const DesignElementT*> elements_;

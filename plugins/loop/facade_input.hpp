@@ -17,7 +17,7 @@ struct FacadeRules {
   std::map<std::string, std::vector<std::string>> after;  ///< by panel: those that hang before it
   ErrorModel errors;
   double step_tolerance = 0;                                     ///< across a joint [m]; 0: that of the joint's width
-  Eigen::Vector3d normal = Eigen::Vector3d::Constant(kUnknown);  ///< out of the facade; nan: the judgement's
+  Eigen::Vector3d normal = Eigen::Vector3d::Constant(kUnknown);  ///< out of all of it; nan: each as the judgement says
 };
 
 /// "F02-P01 after F01-P01, F01-P02". Throws std::runtime_error that quotes it.
@@ -33,9 +33,10 @@ struct FacadeInput {
 /// Brackets: all anchors with a place in the design, whether they were measured or not; covariance of the model, plus
 /// what the judgement added to it for where plates sit. Panels and joints: those of the judgement; corners must keep
 /// its tolerances out of plane, sideways and vertical, joints that of their change. A panel above waits for the one
-/// below. `state`: what hangs already is not set any more, what was set before is no range any more. Throws
-/// std::runtime_error that says what is missing: no direction of the facade, no covariance, an anchor that no bracket
-/// rule selects, a dependence on an unknown panel.
+/// below. Directions are those of each anchor and panel, of as many facades as there are; where one is not confirmed,
+/// what it concerns is noted and not planned. `state`: what hangs already is not set any more, what was set before is
+/// no range any more. Throws std::runtime_error that says what is missing: no direction of any anchor, no covariance,
+/// an anchor that no bracket rule selects, a dependence on an unknown panel.
 FacadeInput facade_of(const DeviationT& deviation, const PointsT& model, const DesignT& design, const LoopStateT* state,
                       const FacadeRules& rules);
 

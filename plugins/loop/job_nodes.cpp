@@ -1,10 +1,10 @@
 #include "loop/job_nodes.hpp"
 
 #include <fstream>
-#include <iterator>
 #include <map>
 
 #include "geometry/random.hpp"
+#include "loop/file_content.hpp"
 #include "loop/fit/facade.hpp"
 #include "loop/job/job.hpp"
 #include "loop/job/layout_files.hpp"
@@ -12,18 +12,6 @@
 #include "loop/state/plan_artifact.hpp"
 
 namespace plumbline::loop {
-namespace {
-
-std::string content_of(const File& file, Context& context) {
-  if (file.uri() && file.uri()->size() > 0) {
-    std::ifstream stream(context.resolve(file.uri()->str()), std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
-  }
-  return {file.content()->begin(), file.content()->end()};
-}
-
-}  // namespace
-
 void WriteJob::run(Context& context) {
   const InstallationPlanT planned = plan.unpack();
   const Job made = make_job(planned, state.unpack(), static_cast<int>(*floor), *created_at, *valid_until);

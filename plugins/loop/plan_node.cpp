@@ -14,7 +14,7 @@ FacadeRules PlanInstallation::rules() {
     auto& known = rules.after[panel];
     known.insert(known.end(), before.begin(), before.end());
   }
-  rules.errors = {*setting_sigma, *station_sigma, *edge_sigma, *face_sigma, *guard_factor};
+  rules.errors = {*setting_sigma, *station_sigma, *edge_sigma, *face_sigma, *guard_factor, *slip_share, *slip_sigma};
   rules.step_tolerance = *step_tolerance;
   if (!facade_normal->empty()) {
     if (facade_normal->size() != 3)

@@ -33,13 +33,18 @@ struct PlanInstallation : Node {
   Param<std::vector<std::string>> after{
       "after", std::vector<std::string>{},
       "order: 'F02-P01 after F01-P01, F01-P02'; a panel always waits for the one below"};
-  Param<std::vector<double>> facade_normal{
-      "facade_normal", std::vector<double>{}, "1", between(-1, 1),
-      "direction out of the facade, x, y, z; without: that of the anchors. One facade at a time"};
+  Param<std::vector<double>> facade_normal{"facade_normal", std::vector<double>{}, "1", between(-1, 1),
+                                           "direction out of the facade, x, y, z, for all anchors; without: each as it "
+                                           "was judged, on as many facades as there are"};
   Param<double> setting_sigma{"setting_sigma", 0.0005, "m", between(0, 0.1),
                               "of a bracket as it is set against what was asked, each direction"};
   Param<double> station_sigma{"station_sigma", 0.0, "m", between(0, 0.1),
                               "common to all brackets that one robot sets on one floor, each direction"};
+  Param<double> slip_share{
+      "slip_share", 0.0, "1", between(0, 1),
+      "of brackets that slip on tightening, besides setting_sigma: few and large, which no standard "
+      "deviation says"};
+  Param<double> slip_sigma{"slip_sigma", 0.002, "m", between(0, 0.1), "how far these slip, each direction"};
   Param<double> edge_sigma{"edge_sigma", 0.0005, "m", between(0, 0.1), "of a panel's edges, by manufacture"};
   Param<double> face_sigma{"face_sigma", 0.0005, "m", between(0, 0.1),
                            "of a panel's face out of plane, by manufacture"};

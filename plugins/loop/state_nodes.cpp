@@ -1,7 +1,7 @@
 #include "loop/state_nodes.hpp"
 
-#include <map>
-
+#include "loop/state/date.hpp"
+#include "loop/state/next_words.hpp"
 #include "loop/state/plan_artifact.hpp"
 
 namespace plumbline::loop {
@@ -20,54 +20,32 @@ void UpdateState::run(Context& context) {
   if (!moved_control->empty()) recall(state, *moved_control, "control point " + moved_control->front() + " moved");
   for (const std::string& id : *accept)
     if (!accept_item(state, id))
-      throw std::runtime_error("'accept' names '" + id + "', which is no rejected bracket or panel of the state");
+      throw std::runtime_error(
+          "'accept' names '" + id +
+          "', which is no rejected bracket or panel of the state and no control that it reports as moved");
   context.metric("reports_taken", static_cast<double>(taken), "1");
   context.metric("reports_refused", static_cast<double>(refused), "1");
   after.commit(state);
 }
-
-namespace {
-
-/// "floor 2: set F02-C01-R1, ...; hang F02-P01; waiting: ...".
-std::string next_words(const LoopStateT& state) {
-  std::map<int, std::map<std::string, std::vector<std::string>>> floors;
-  int counts[9] = {};
-  for (const auto& item : state.items) {
-    ++counts[static_cast<int>(item->status)];
-    auto& floor = floors[item->floor];
-    if (item->status == ItemStatus::released) floor[item->kind == "bracket" ? "1 set" : "2 hang"].push_back(item->id);
-    if (item->status == ItemStatus::executed || item->status == ItemStatus::relocalised)
-      floor["3 measure"].push_back(item->id);
-    if (item->status == ItemStatus::rejected) floor["4 look at"].push_back(item->id + " (" + item->why + ")");
-  }
-  std::string text = "round " + std::to_string(state.round) + ", revision " + std::to_string(state.revision) + ":";
-  for (int status = 0; status < 9; ++status)
-    if (counts[status] > 0)
-      text += " " + std::to_string(counts[status]) + " " + name_of(static_cast<ItemStatus>(status));
-  text += "\n";
-  for (const std::string& control : state.moved_control) text += "check the control: " + control + " moved\n";
-  for (const auto& [floor, lists] : floors)
-    for (const auto& [what, ids] : lists) {
-      text += "floor " + std::to_string(floor) + ": " + what.substr(2);
-      for (std::size_t i = 0; i < ids.size(); ++i) text += (i == 0 ? " " : ", ") + ids[i];
-      text += "\n";
-    }
-  if (state.done) text += "nothing is left that could be done without a person\n";
-  return text;
-}
-
-}  // namespace
 
 void ReleaseState::run(Context& context) {
   LoopStateT state = before.unpack();
   MachineOptions options;
   options.most_reworks = static_cast<int>(*most_reworks);
   options.setting_tolerance = *setting_tolerance, options.verified = *verified;
-  const std::size_t control = state.moved_control.size();
+  options.at = *released_at;
+  if (!options.at.empty() && !seconds_of(options.at))
+    throw std::runtime_error("released_at is '" + options.at +
+                             "'; expected ISO 8601 with a zone, such as 2026-05-02T08:00:00Z");
   apply_plan(state, plan.unpack(), options);
   close_round(state);
-  for (std::size_t i = control; i < state.moved_control.size(); ++i)
-    context.warn(state.moved_control[i] + " moved since the last measurement: nothing there is verified or released");
+  for (const std::string& control : state.moved_control)
+    context.warn(control +
+                 " moved: nothing there is verified or released; look at it, measure again, and if it is in "
+                 "order give accept=['" +
+                 control + "'] to update.state");
+  // The loop ends here: whoever started it reads this first.
+  if (state.done) context.warn("next: " + next_step(state) + " (next.txt)");
   int panels = 0, hanging = 0, released = 0, reworks = 0;
   for (const auto& item : state.items) {
     panels += item->kind == "panel", hanging += item->kind == "panel" && item->status == ItemStatus::verified;

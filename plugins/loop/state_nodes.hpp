@@ -19,8 +19,10 @@ struct UpdateState : Node {
   Param<std::vector<std::string>> moved_control{
       "moved_control", std::vector<std::string>{},
       "control points that moved since work was released (compare_epochs names them): all of it becomes stale"};
-  Param<std::vector<std::string>> accept{"accept", std::vector<std::string>{},
-                                         "rejected brackets or panels that a person has looked at: planned again"};
+  Param<std::vector<std::string>> accept{
+      "accept", std::vector<std::string>{},
+      "what a person has looked at: rejected brackets or panels are planned again; 'control of "
+      "floor 3': its next measurement is the reference"};
   Out<LoopState> after{"state", frame("frame=?F"), "the state with these reports"};
   void run(Context& context) override;
 };
@@ -36,6 +38,8 @@ struct ReleaseState : Node {
                                   "of a bracket against where it was to be set, each direction"};
   Param<double> verified{"verified", 0.95, "1", between(0.5, 0.9999),
                          "least probability of a hanging panel that is verified, and of 1 - p for its rework"};
+  Param<std::string> released_at{"released_at", "",
+                                 "when, ISO 8601 with a zone: reports that are older are refused; empty: not said"};
   Out<LoopState> after{"state", frame("frame=?F"), "the state of this round"};
   Out<File> journal{"journal", "journal.jsonl: every change, with the hash of the line before"};
   Out<File> next{"next", "next.txt: what to do next, by floor"};

@@ -7,6 +7,7 @@
 #include <queue>
 #include <set>
 #include <stdexcept>
+#include <utility>
 
 namespace plumbline::loop {
 
@@ -121,9 +122,11 @@ std::vector<std::string> faults_of(const Facade& facade) {
     if (!ids.insert(bracket.id).second) faults.push_back("bracket " + bracket.id + " occurs twice");
     check_bracket(bracket, faults);
   }
-  ids.clear();
+  const std::set<std::string> brackets = std::exchange(ids, {});
   for (const Panel& panel : facade.panels) {
     if (!ids.insert(panel.id).second) faults.push_back("panel " + panel.id + " occurs twice");
+    if (brackets.count(panel.id))
+      faults.push_back("panel " + panel.id + " has the name of a bracket: reports could be on either");
     check_panel(panel, facade.brackets.size(), faults);
   }
   for (const Joint& joint : facade.joints) check_joint(joint, facade.panels, faults);

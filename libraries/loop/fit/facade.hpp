@@ -81,6 +81,8 @@ struct ErrorModel {
   double edge = 0.0005;         ///< of an edge of a panel, within its plane
   double face = 0.0005;         ///< of a panel's face out of its plane
   double guard_factor = 1.645;  ///< k
+  double slip_share = 0;        ///< of brackets that slip on tightening, besides `setting`
+  double slip = 0.002;          ///< how far these slip, each direction
 };
 
 struct Facade {

@@ -137,7 +137,21 @@ std::map<std::size_t, Eigen::RowVector3d> bracket_gradient(const JudgedValue& va
 }
 
 Eigen::MatrixXd ValueErrors::covariance() const {
-  const Eigen::MatrixXd all = rows * (measured + setting + station) * rows.transpose() + made;
+  Eigen::MatrixXd all = covariance_when(-1);
+  for (std::size_t b = 0; b < slip.size(); ++b)
+    if (slip_share * slip[b] > 0) {
+      const Eigen::MatrixXd of_bracket = rows.middleCols<3>(3 * static_cast<Eigen::Index>(b));
+      all += slip_share * slip[b] * of_bracket * of_bracket.transpose();
+    }
+  return all;
+}
+
+Eigen::MatrixXd ValueErrors::covariance_when(int slipped) const {
+  Eigen::MatrixXd all = rows * (measured + setting + station) * rows.transpose() + made;
+  if (slipped >= 0) {
+    const Eigen::MatrixXd of_bracket = rows.middleCols<3>(3 * static_cast<Eigen::Index>(slipped));
+    all += slip[static_cast<std::size_t>(slipped)] * of_bracket * of_bracket.transpose();
+  }
   return 0.5 * (all + all.transpose());
 }
 
@@ -158,6 +172,9 @@ ValueErrors errors_of(const std::vector<const JudgedValue*>& values, const Facad
   const ErrorModel& errors = facade.errors;
   out.measured.resize(3 * n, 3 * n);
   out.setting.setZero(3 * n, 3 * n), out.station.setZero(3 * n, 3 * n);
+  out.slip_share = errors.slip_share;
+  for (const std::size_t b : out.brackets)
+    out.slip.push_back(facade.brackets[b].fixed ? 0.0 : errors.slip * errors.slip);
   for (const auto& [i, at_i] : place)
     for (const auto& [j, at_j] : place) {
       out.measured.block<3, 3>(3 * at_i, 3 * at_j) =

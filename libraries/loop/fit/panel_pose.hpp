@@ -63,7 +63,12 @@ struct ValueErrors {
   Eigen::MatrixXd rows;                    ///< values x 3 brackets: d(value)/d(movement), in the frame
   Eigen::MatrixXd measured;                ///< 3n x 3n joint covariance of the deviations [m²]
   Eigen::MatrixXd setting, station, made;  ///< setting, station: 3n x 3n [m²]; made: values x values [m²]
-  Eigen::MatrixXd covariance() const;      ///< of the values [m²]
+  std::vector<double> slip;  ///< by bracket: variance of one that slips, each direction [m²]; 0: it hangs
+  double slip_share = 0;     ///< of brackets that slip
+  /// Of the values [m²], slips with their share: their second moment, though not their tails.
+  Eigen::MatrixXd covariance() const;
+  /// Of the values if no bracket slips but that at this place of `brackets` (-1: none) [m²].
+  Eigen::MatrixXd covariance_when(int slipped) const;
 };
 ValueErrors errors_of(const std::vector<const JudgedValue*>& values, const Facade& facade,
                       const std::vector<PanelPose>& poses);

@@ -56,6 +56,20 @@ Eigen::Index worst_of(const Region& region, const Eigen::MatrixXd& covariance) {
   return worst;
 }
 
+/// By which slips lower the probability that all is inside: p when nothing slips is multiplied by what each bracket's
+/// slipping leaves of it. True to the first order of their share; where two slip at once, as if they lay apart.
+/// A normal distribution of the same variance says more than is true: slips are few and large.
+double slip_factor(const Region& region, double inside) {
+  const ValueErrors& errors = region.errors;
+  double factor = 1;
+  for (std::size_t b = 0; b < errors.slip.size(); ++b) {
+    if (!(errors.slip_share * errors.slip[b] > 0) || !(inside > 1e-6)) continue;
+    const double slipped = region.inside(errors.covariance_when(static_cast<int>(b)), kAdvicePrecision);
+    factor *= 1 - errors.slip_share * (1 - std::min(1.0, slipped / inside));
+  }
+  return factor;
+}
+
 /// Covariance of the values after one more measurement of a bracket (conditioning; nothing else changes).
 Eigen::MatrixXd after_measuring(const Region& region, std::size_t bracket, double sigma) {
   ValueErrors errors = region.errors;
@@ -63,16 +77,16 @@ Eigen::MatrixXd after_measuring(const Region& region, std::size_t bracket, doubl
   const Eigen::MatrixXd column = errors.measured.middleCols<3>(at);
   const Eigen::Matrix3d innovation = errors.measured.block<3, 3>(at, at) + sigma * sigma * Eigen::Matrix3d::Identity();
   errors.measured -= column * innovation.ldlt().solve(column.transpose());
-  return errors.covariance();
+  return errors.covariance_when(-1);
 }
 
-Advice best_measurement(const Region& region, const Eigen::MatrixXd& covariance, Eigen::Index worst, double p_in,
-                        double sigma) {
+Advice best_measurement(const Region& region, const Eigen::MatrixXd& covariance, Eigen::Index worst,
+                        const PanelGate& gate, double sigma) {
   Advice best;
-  best.p_in = p_in, best.u_now = best.u = std::sqrt(covariance(worst, worst));
+  best.p_in = gate.p_in, best.u_now = best.u = std::sqrt(covariance(worst, worst));
   for (std::size_t b = 0; b < region.errors.brackets.size(); ++b) {
     const Eigen::MatrixXd after = after_measuring(region, b, sigma);
-    const double p = region.inside(after, kAdvicePrecision);
+    const double p = gate.slips * region.inside(after, kAdvicePrecision);
     // Towards a decision: away from even odds.
     if (std::abs(p - 0.5) <= std::abs(best.p_in - 0.5) + 1e-4) continue;
     best.bracket = static_cast<int>(region.errors.brackets[b]), best.p_in = p;
@@ -82,11 +96,11 @@ Advice best_measurement(const Region& region, const Eigen::MatrixXd& covariance,
 }
 
 /// The largest standard deviation of a setting that gives GO; nan if it is not the robot's precision that lacks.
-double robot_that_would_do(const Region& region, double sigma, const GateOptions& options) {
+double robot_that_would_do(const Region& region, double sigma, double slips, const GateOptions& options) {
   const auto inside_with = [&](double factor) {
     ValueErrors errors = region.errors;
     errors.setting *= factor * factor, errors.station *= factor * factor;
-    return region.inside(errors.covariance(), kAdvicePrecision);
+    return slips * region.inside(errors.covariance_when(-1), kAdvicePrecision);
   };
   if (!(sigma > 0) || inside_with(0) < options.go) return 0;
   double low = 0, high = 1;
@@ -119,6 +133,8 @@ std::string hold_words(const Facade& facade, const PanelGate& gate, const GateOp
     words += "; no single measurement decides it";
   if (gate.robot_sigma > 0)
     words += "; a robot that sets to " + number("%.2f mm", 1e3 * gate.robot_sigma) + " would do";
+  else if (gate.slips < options.go)
+    words += "; brackets that slip on tightening take p to " + number("%.2f", gate.slips) + " of what it would be";
   else if (gate.robot_sigma == 0)
     words += "; no robot is precise enough";
   return words;
@@ -150,7 +166,10 @@ PanelGate judge_region(const Facade& facade, const Fit& fit, const Region& regio
   const Eigen::MatrixXd covariance = region.errors.covariance();
   const Eigen::Index worst = worst_of(region, covariance);
   gate.decided_by = static_cast<int>(region.values[static_cast<std::size_t>(worst)]);
-  gate.p_in = region.inside(covariance);
+  const Eigen::MatrixXd unslipped = region.errors.covariance_when(-1);
+  gate.p_in = region.inside(unslipped);
+  gate.slips = slip_factor(region, gate.p_in);
+  gate.p_in *= gate.slips;
   gate.verdict = gate.p_in >= options.go          ? GateVerdict::go
                  : 1 - gate.p_in >= options.no_go ? GateVerdict::no_go
                                                   : GateVerdict::hold;
@@ -158,8 +177,8 @@ PanelGate judge_region(const Facade& facade, const Fit& fit, const Region& regio
       "p " + number("%.3f", gate.p_in) + "; " +
       value_words(facade, fit, region.values[static_cast<std::size_t>(worst)], std::sqrt(covariance(worst, worst)));
   if (gate.verdict == GateVerdict::hold) {
-    gate.measure = best_measurement(region, covariance, worst, gate.p_in, options.measurement_sigma);
-    gate.robot_sigma = robot_that_would_do(region, facade.errors.setting, options);
+    gate.measure = best_measurement(region, unslipped, worst, gate, options.measurement_sigma);
+    gate.robot_sigma = robot_that_would_do(region, facade.errors.setting, gate.slips, options);
     gate.reason += hold_words(facade, gate, options);
   }
   return gate;

@@ -29,6 +29,7 @@ struct PanelGate {
   /// Of HOLD: standard deviation of a setting with which it would be GO [m]; 0: not even a perfect robot; nan: not the
   /// robot's.
   double robot_sigma = kUnknown;
+  double slips = 1;  ///< factor of p_in by brackets that slip on tightening
   std::string reason;
 };
 

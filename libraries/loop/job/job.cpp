@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "loop/fit/facade.hpp"
+#include "loop/state/date.hpp"
 #include "loop/state/hash.hpp"
 
 namespace plumbline::loop {
@@ -29,6 +30,7 @@ JobItem bracket_item(const BracketSettingT& bracket, const LoopItemT& item, cons
   out.id = item.id, out.kind = "bracket", out.operation = "setBracket", out.guid = bracket.guid;
   out.floor = item.floor, out.revision = item.revision, out.reason = item.why;
   out.design = bracket.design - origin, out.target = item.expected - origin;
+  for (int k = 0; k < 3; ++k) out.target += item.pending[k] * bracket.axes[static_cast<std::size_t>(k)];
   out.design_rotation = out.target_rotation = rotation_of(bracket.axes);
   out.setting = item.pending, out.tolerance.setConstant(0.001);
   return out;
@@ -263,7 +265,12 @@ std::vector<std::string> job_objections(const Job& job, int newest_revision, con
   if (job.revision < newest_revision)
     objections.push_back("job " + job.id + " is revision " + std::to_string(job.revision) + ", revision " +
                          std::to_string(newest_revision) + " is out: fetch that one");
-  if (!job.valid_until.empty() && !now.empty() && job.valid_until < now)
+  const auto until = seconds_of(job.valid_until), here = seconds_of(now);
+  if (!job.valid_until.empty() && !until)
+    objections.push_back("job " + job.id + " is valid until '" + job.valid_until +
+                         "', expected ISO 8601 with a zone, such as 2026-05-02T08:00:00Z");
+  if (!now.empty() && !here) objections.push_back("the date of today, '" + now + "', is none: ISO 8601 with a zone");
+  if (until && here && *until < *here)
     objections.push_back("job " + job.id + " was valid until " + job.valid_until + ", it is " + now);
   if (!basis.empty() && job.basis != basis)
     objections.push_back("job " + job.id + " rests on another adjustment (" + job.basis.substr(0, 12) +

@@ -24,7 +24,7 @@ SimulatedSite::SimulatedSite(const SiteOptions& options, std::uint64_t seed)
 ErrorModel SimulatedSite::stated_errors() const {
   const RobotErrors& r = options_.robot;
   ErrorModel errors;
-  errors.setting = std::hypot(r.repeatability, std::sqrt(r.slip_share) * r.slip);
+  errors.setting = r.repeatability, errors.slip_share = r.slip_share, errors.slip = r.slip;
   errors.station = std::hypot(r.station, r.calibration);
   errors.edge = options_.edge, errors.face = options_.face;
   return errors;
@@ -133,6 +133,8 @@ ActualsT SimulatedSite::execute(const LoopStateT& state, int round) {
     if (hung[static_cast<std::size_t>(floor)] > 0) hang(floor);
   return actuals;
 }
+
+void SimulatedSite::mend_plate(const std::string& id) { plate_off_[bracket(id)].setZero(); }
 
 void SimulatedSite::hang(int floor) {
   for (std::size_t b = 0; b < truth_.size(); ++b)

@@ -69,6 +69,8 @@ class SimulatedSite {
   /// Sets a bracket by hand of a robot, with its errors, within its range.
   void set(std::size_t bracket, const Eigen::Vector3d& setting, int round);
   void hang(int floor);
+  /// A person has looked at a bracket: a plate that was knocked is put back.
+  void mend_plate(const std::string& bracket);
 
   /// Judged values as they really are, in the order of `judged`.
   std::vector<double> true_values(const std::vector<JudgedValue>& judged, const std::vector<PanelPose>& poses) const;

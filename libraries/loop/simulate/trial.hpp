@@ -22,6 +22,7 @@ struct TrialResult {
   int joints = 0, joints_inside = 0;  ///< ends of joints: width and step
   std::vector<int> inside_by_floor;   ///< panels
   int reworks = 0, settings = 0, rounds = 0;
+  int looks = 0;  ///< of a person, at a bracket or at the control of a floor, because the state asked for it
   int verified = 0, verified_wrong = 0;  ///< panels called VERIFIED; those of them that are outside in truth
   double verified_worst = 0;             ///< farthest that a length of a verified panel is outside its limit [m]
   int infeasible = 0;                    ///< panels that no setting could bring within their limits
@@ -31,6 +32,7 @@ struct TrialResult {
   int joint_values = 0;
   std::vector<std::string> journal;       ///< of the closed loop
   int planted = 0, planted_verified = 0;  ///< faults that left a hook off; brackets VERIFIED although still off by one
+  std::vector<std::string> missed;        ///< of the latter: what was planted there, and their lines of the journal
 };
 
 TrialResult run_trial(const SiteOptions& options, Strategy strategy, std::uint64_t seed);

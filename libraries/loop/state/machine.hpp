@@ -6,6 +6,10 @@
 // it was to be set. A panel is released when its brackets are verified and its gate is GO, verified when the
 // measurement of its hooks says that it hangs within its limits. Rework goes back to planned, a given number of times.
 // A bracket that carries a hanging panel stays as it is.
+//
+// A plate is measured, not the bracket. One that stands elsewhere than it should goes back to the robot only where a
+// mistake of a robot explains its place (not moved, moved the other way, twice); else a person looks. Where the anchors
+// of a floor moved together, nothing of it stays verified until its control fits again or somebody has looked at it.
 #pragma once
 
 #include "artifacts/actuals.hpp"
@@ -25,12 +29,13 @@ struct MachineOptions {
   /// four standard deviations.
   double setting_tolerance = 0.003;
   double verified = 0.95;  ///< least p_in of a hanging panel that is verified, and of 1 - p_in for its rework
+  std::string at;          ///< when the plan is applied, ISO 8601 with zone; empty: not said. Older reports are refused
 };
 
 /// Applies reports. Each that is not taken comes back with its reason: unknown item, another revision than the item was
-/// released with, an item that is not released, a report older than its release, one that came before (told, and
-/// harmless), a place metres away from where the item is (with what would explain it: feet, millimetres, exchanged
-/// axes, another frame).
+/// released with, an item that is not released, a report older than its release or with a date that is none, one that
+/// came before (told, and harmless), a setting far from what was asked for, a place metres away from where the item is
+/// (with what would explain it: feet, millimetres, exchanged axes, another frame).
 std::vector<std::string> apply_actuals(LoopStateT& state, const ActualsT& actuals);
 
 /// Takes a new plan, made from a new measurement: items of a first plan are added; brackets and panels that were
@@ -43,7 +48,8 @@ void apply_plan(LoopStateT& state, const InstallationPlanT& plan, const MachineO
 /// Everything released becomes stale: control has another adjustment, or points of it moved.
 void recall(LoopStateT& state, const std::vector<std::string>& moved_control, const std::string& why);
 
-/// A rejected item that a person has looked at: planned again, as it is measured next. False if it is none.
+/// A rejected item that a person has looked at: planned again, as it is measured next. "control of floor 3" of
+/// LoopState::moved_control: its next measurement is the reference for the floor. False if it is neither.
 bool accept_item(LoopStateT& state, const std::string& id);
 
 /// Counts, `done`.

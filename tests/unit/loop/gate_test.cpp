@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 
 #include "random_facade.hpp"
 
@@ -67,6 +68,46 @@ TEST(Gate, NothingIsGoBelowWhatCanBeMeasured) {
   const Fit fit = plan_settings(facade);
   for (const PanelGate& gate : judge_plan(facade, fit)) EXPECT_NE(gate.verdict, GateVerdict::go);
   EXPECT_NE(fit.notes.back().find("no setting can be shown to be good enough"), std::string::npos);
+}
+
+/// Few brackets slip, and far. A normal distribution of the same variance says that hardly any panel is outside.
+TEST(Gate, SlipsAreStatedWithTheirTails) {
+  TowerOptions options{1, 2};
+  options.tolerance = 0.005, options.joint_tolerance = 0.005;
+  Facade facade = random_facade(options, 5, 0.003, 0.0002, 0);
+  facade.errors.setting = 0.0003, facade.errors.slip_share = 0.02, facade.errors.slip = 0.003;
+  const Fit fit = plan_settings(facade);
+  const double stated = judge_plan(facade, fit)[0].p_in;
+  constexpr int kDraws = 20000;
+  int inside = 0, normal = 0;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    Random random(7, "slips", static_cast<std::uint64_t>(draw));
+    std::vector<Eigen::Vector3d> slipping = fit.settings, smooth = fit.settings;
+    const double same = std::sqrt(0.02) * 0.003;
+    for (std::size_t b = 0; b < fit.settings.size(); ++b) {
+      const Eigen::Vector3d both = random.normal3(0.0002) + random.normal3(0.0003);
+      slipping[b] += both, smooth[b] += both + random.normal3(same);
+      if (random.uniform() < 0.02) slipping[b] += random.normal3(0.003);
+    }
+    std::vector<double> made(5 * facade.panels.size());
+    for (std::size_t i = 0; i < made.size(); ++i)
+      made[i] = random.normal(i % 5 == 4 ? facade.errors.face : facade.errors.edge);
+    const auto is_inside = [&](const std::vector<Eigen::Vector3d>& done) {
+      const std::vector<double> values = values_of(facade, fit, done);
+      for (std::size_t v = 0; v < values.size(); ++v) {
+        const bool ours = std::any_of(fit.judged[v].rows.begin(), fit.judged[v].rows.end(),
+                                      [](const auto& row) { return row.first == 0; });
+        double value = values[v];
+        for (const auto& [at, factor] : fit.judged[v].edges) value += factor * made[at];
+        if (ours && (value < fit.judged[v].low || value > fit.judged[v].high)) return false;
+      }
+      return true;
+    };
+    inside += is_inside(slipping), normal += is_inside(smooth);
+  }
+  const double found = static_cast<double>(inside) / kDraws;
+  EXPECT_NEAR(stated, found, 0.008);
+  EXPECT_GT(static_cast<double>(normal) / kDraws - found, 0.005);
 }
 
 /// Errors drawn as the facade says they are: shares of panels inside against what was stated.

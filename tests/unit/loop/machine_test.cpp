@@ -1,67 +1,12 @@
 // States of brackets and panels: nothing wrong becomes VERIFIED.
-#include "loop/state/machine.hpp"
-
 #include <gtest/gtest.h>
 
-#include "loop/state/place_doubts.hpp"
+#include "two_floors.hpp"
 
 namespace plumbline::loop {
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-
-/// Two panels, one above the other, on two brackets each; all anchors 4 mm low.
-InstallationPlanT make_plan(const std::string& basis) {
-  InstallationPlanT plan;
-  plan.basis = basis;
-  for (int i = 0; i < 4; ++i) {
-    auto bracket = std::make_unique<BracketSettingT>();
-    bracket->id = "b" + std::to_string(i), bracket->floor = 1 + i / 2;
-    bracket->design = {2.0 * (i % 2), 0, 4.0 * (i / 2)};
-    bracket->measured = bracket->design - Eigen::Vector3d(0, 0, 0.004);
-    bracket->axes = {Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitZ(), -Eigen::Vector3d::UnitY()};
-    bracket->asked = bracket->setting = {0, 0.004, 0};
-    bracket->sigma.setConstant(0.0004), bracket->low.setConstant(-0.02), bracket->high.setConstant(0.02);
-    plan.brackets.push_back(std::move(bracket));
-  }
-  for (int j = 0; j < 2; ++j) {
-    auto panel = std::make_unique<PlannedPanelT>();
-    panel->id = "p" + std::to_string(j), panel->floor = j + 1;
-    panel->brackets = {"b" + std::to_string(2 * j), "b" + std::to_string(2 * j + 1)};
-    if (j == 1) panel->depends_on = {"p0"};
-    panel->centre.setZero(), panel->shift.setZero(), panel->rotation.setZero();
-    panel->gate = GateDecision::go, panel->p_in = 0.99, panel->reason = "p 0.990";
-    plan.panels.push_back(std::move(panel));
-  }
-  return plan;
-}
-
-LoopItemT& item(LoopStateT& state, const std::string& id) {
-  for (auto& i : state.items)
-    if (i->id == id) return *i;
-  throw std::runtime_error("no " + id);
-}
-
-ActualsT done(const std::vector<std::string>& ids, int revision) {
-  ActualsT actuals;
-  for (const std::string& id : ids) {
-    auto actual = std::make_unique<ActualT>();
-    actual->item = id, actual->revision = revision, actual->by = "robot-1", actual->outcome = "done";
-    actual->measured.setConstant(nan), actual->sigma.setConstant(nan), actual->setting.setConstant(nan);
-    actuals.items.push_back(std::move(actual));
-  }
-  return actuals;
-}
-
-/// The plan after brackets 0 and 1 were set, off by `off` in height.
-InstallationPlanT plan_after_setting(double off, const std::string& basis = "second") {
-  InstallationPlanT plan = make_plan(basis);
-  for (int i = 0; i < 2; ++i) {
-    plan.brackets[static_cast<std::size_t>(i)]->measured.z() += 0.004 + off;
-    plan.brackets[static_cast<std::size_t>(i)]->setting.setZero();
-  }
-  return plan;
-}
+using namespace test;
 
 TEST(Machine, BracketsComeBeforeTheirPanelAndFloorsBeforeTheNext) {
   LoopStateT state;
@@ -221,14 +166,126 @@ TEST(Machine, ANewAdjustmentWithAnotherResultMakesReleasedSettingsStale) {
   EXPECT_NEAR(item(state, "b0").pending.y(), 0.006, 1e-12);
 }
 
-TEST(PlaceDoubts, SaysWhatWouldExplainAPlace) {
-  const Eigen::Vector3d place(12.5, -0.2, 31.0);
-  EXPECT_EQ(place_doubt(place + Eigen::Vector3d(0.05, 0, 0), place, 0.25), "");
-  EXPECT_NE(place_doubt(place / 0.3048, place, 0.25).find("if it is in feet"), std::string::npos);
-  EXPECT_NE(place_doubt(1e3 * place, place, 0.25).find("if it is in millimetres"), std::string::npos);
-  EXPECT_NE(place_doubt({place.y(), place.x(), place.z()}, place, 0.25).find("first two axes are exchanged"),
-            std::string::npos);
-  EXPECT_NE(place_doubt(place + Eigen::Vector3d(100, 7, 3), place, 0.25).find("in another frame"), std::string::npos);
+TEST(Machine, WhatWasVerifiedOnControlThatMovedIsInDoubtUntilItFitsAgain) {
+  InstallationPlanT first = make_plan("first"), second = plan_after_setting(0), third = plan_after_setting(0, "third"),
+                    fourth = plan_after_setting(0, "fourth");
+  for (InstallationPlanT* plan : {&first, &second, &third, &fourth})
+    for (auto& bracket : plan->brackets) bracket->floor = 1;
+  LoopStateT state;
+  apply_plan(state, first, {});
+  apply_actuals(state, done({"b0", "b1"}, 1));
+  apply_plan(state, second, {});
+  ASSERT_EQ(item(state, "b0").status, ItemStatus::verified);
+  for (auto& bracket : third.brackets) bracket->measured.z() += 0.006;
+  apply_plan(state, third, {});
+  EXPECT_EQ(item(state, "b0").status, ItemStatus::relocalised);
+  EXPECT_EQ(item(state, "p0").status, ItemStatus::planned);
+  close_round(state);
+  EXPECT_EQ(state.verified, 0);
+  apply_plan(state, fourth, {});
+  EXPECT_EQ(item(state, "b0").status, ItemStatus::verified);
+  EXPECT_TRUE(state.moved_control.empty());
+}
+
+TEST(Machine, ControlThatAPersonHasLookedAtIsTheReferenceFromThen) {
+  InstallationPlanT first = make_plan("first"), second = make_plan("second"), third = make_plan("third");
+  for (InstallationPlanT* plan : {&first, &second, &third})
+    for (auto& bracket : plan->brackets) bracket->floor = 1;
+  for (InstallationPlanT* plan : {&second, &third})
+    for (auto& bracket : plan->brackets) bracket->measured.z() += 0.006;
+  LoopStateT state;
+  apply_plan(state, first, {});
+  apply_actuals(state, done({"b0", "b1"}, 1));
+  for (int i : {0, 1}) second.brackets[static_cast<std::size_t>(i)]->measured.x() += 0.004;  // something was done too
+  apply_plan(state, second, {});
+  EXPECT_FALSE(state.moved_control.empty());
+  EXPECT_TRUE(accept_item(state, "control of floor 1"));
+  EXPECT_FALSE(accept_item(state, "control of floor 1"));
+  apply_plan(state, third, {});
+  EXPECT_TRUE(state.moved_control.empty());
+  // What was executed in between is planned anew, and verified by nothing that was measured before.
+  EXPECT_EQ(item(state, "b0").status, ItemStatus::released);
+  EXPECT_EQ(item(state, "b0").reworks, 0);
+}
+
+TEST(Machine, ABracketThatWasNotMeasuredOnceIsStillJudgedByWhereItWasToBe) {
+  LoopStateT state;
+  apply_plan(state, make_plan("first"), {});
+  apply_actuals(state, done({"b0", "b1"}, 1));
+  InstallationPlanT hidden = plan_after_setting(0, "hidden");
+  hidden.brackets[0]->measured.setConstant(nan);
+  apply_plan(state, hidden, {});
+  EXPECT_EQ(item(state, "b0").status, ItemStatus::executed);
+  for (const char* basis : {"third", "fourth"}) {
+    InstallationPlanT plan = plan_after_setting(0, basis);
+    plan.brackets[0]->measured.x() += 0.008;
+    apply_plan(state, plan, {});
+    EXPECT_EQ(item(state, "b0").status, ItemStatus::rejected) << item(state, "b0").why;
+  }
+}
+
+/// Set right, and its plate knocked by 5 mm meanwhile: planned again it would be set wrong, and measured right.
+TEST(Machine, APlateThatWasKnockedWhileItsBracketWasSetGoesToAPerson) {
+  LoopStateT state;
+  apply_plan(state, make_plan("first"), {});
+  apply_actuals(state, done({"b0", "b1"}, 1));
+  InstallationPlanT second = plan_after_setting(0);
+  second.brackets[0]->measured += Eigen::Vector3d(0.004, 0, 0.003);
+  apply_plan(state, second, {});
+  EXPECT_EQ(item(state, "b0").status, ItemStatus::rejected);
+  EXPECT_NE(item(state, "b0").why.find("look whether the bracket slipped or its plate was knocked"), std::string::npos);
+  EXPECT_EQ(item(state, "b1").status, ItemStatus::verified);
+}
+
+TEST(Machine, AKnownMistakeOfARobotIsNamedAndDoneAgain) {
+  const auto after = [](double moved) {
+    LoopStateT state;
+    InstallationPlanT first = make_plan("first");
+    for (int i : {0, 1}) first.brackets[static_cast<std::size_t>(i)]->setting = {0, 0.004, 0.005};
+    apply_plan(state, first, {});
+    apply_actuals(state, done({"b0", "b1"}, 1));
+    InstallationPlanT second = make_plan("second");
+    second.brackets[0]->measured += moved * Eigen::Vector3d(0, -0.005, 0.004);
+    second.panels[0]->gate = GateDecision::hold;
+    apply_plan(state, second, {});
+    // What was done is what counts for its range.
+    EXPECT_NEAR(item(state, "b0").setting.z(), moved * 0.005, 1e-9);
+    return item(state, "b0").reworks == 1 ? item(state, "b0").why : "no rework: " + item(state, "b0").why;
+  };
+  EXPECT_NE(after(0).find("it was not moved"), std::string::npos) << after(0);
+  EXPECT_NE(after(-1).find("it was set the other way"), std::string::npos) << after(-1);
+  EXPECT_NE(after(2).find("it was set twice"), std::string::npos) << after(2);
+}
+
+TEST(Machine, WhatWasSkippedRecalledOrMadeStaleIsWhereItWas) {
+  for (const char* how : {"skipped", "recalled", "stale"}) {
+    LoopStateT state;
+    apply_plan(state, make_plan("first"), {});
+    ActualsT skipped = done({"b0"}, 1);
+    skipped.items[0]->outcome = "skipped";
+    if (how == std::string("skipped")) {
+      EXPECT_TRUE(apply_actuals(state, skipped).empty());
+    }
+    if (how == std::string("recalled")) recall(state, {"CP3"}, "moved");
+    InstallationPlanT second = make_plan("second");
+    second.panels[0]->gate = GateDecision::hold;
+    second.brackets[0]->setting.y() = 0.006;
+    apply_plan(state, second, {});
+    apply_plan(state, make_plan("third"), {});
+    EXPECT_EQ(item(state, "b0").status, ItemStatus::released) << how << ": " << item(state, "b0").why;
+  }
+}
+
+TEST(Machine, SmallMovementsOfWhatIsVerifiedAddUp) {
+  LoopStateT state;
+  apply_plan(state, make_plan("first"), {});
+  apply_actuals(state, done({"b0", "b1"}, 1));
+  for (int i = 0; i < 4; ++i) {
+    InstallationPlanT plan = plan_after_setting(0, std::to_string(i));
+    plan.brackets[0]->measured.x() += 0.002 * i;
+    apply_plan(state, plan, {});
+  }
+  EXPECT_EQ(item(state, "b0").status, ItemStatus::rejected);
 }
 
 }  // namespace

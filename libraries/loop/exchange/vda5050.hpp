@@ -1,0 +1,47 @@
+// Jobs as orders and states as reports of VDA 5050 (interface of mobile robots, JSON over MQTT), versions 2.0 and 3.0.
+//
+// A node of an order is a place before the facade, an action one item. Every floor is a map of its own ("floor-3"), all
+// maps have the origin of the job's root frame. An action carries the job's own numbers: what does not fit the
+// standard's fields is in its parameters.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "artifacts/actuals.hpp"
+#include "loop/job/job.hpp"
+
+namespace plumbline::loop {
+
+enum class VdaVersion { v2_0, v3_0 };
+
+/// Who is to do it, and the header that every message begins with.
+struct VdaRobot {
+  VdaVersion version = VdaVersion::v2_0;
+  std::string manufacturer, serial;  ///< as the robot names itself; parts of its topics
+  int header_id = 0;                 ///< counts the messages of a topic
+  std::string timestamp;             ///< ISO 8601 in UTC
+};
+
+/// An order on its topic. orderId is the job's id and orderUpdateId 0: a job with other contents has another id. Items
+/// in the order of the job; those that follow one another within 0.5 m on one floor share a node. Parameters of an
+/// action: jobId, item, revision, frame, designPosition, designOrientation, targetPosition, targetOrientation (m, x y z
+/// w, root frame), tolerance and setting (m: right, up, out), dependsOn, gate. Throws std::runtime_error for a job
+/// without items, an empty manufacturer or serial number, or one with a character that a topic cannot have, a timestamp
+/// that is not in UTC.
+std::string vda_order(const Job& job, const VdaRobot& robot);
+
+/// "uagv/v2/MANUFACTURER/SERIAL/order".
+std::string vda_topic(const VdaRobot& robot, const std::string& subtopic);
+
+/// actionId of an item in the order of its job.
+std::string vda_action_id(const Job& job, const JobItem& item);
+
+/// Reports out of state messages of one robot or several, one in each line, in any order, as often as they come: an
+/// action that FINISHED is done, one that FAILED has failed, anything else is no report. An action is reported once,
+/// with the earliest message that says so; a later one that says otherwise is refused, as are messages that are no
+/// state of 2.x or 3.x, of another order, on unknown actions or that lack what the standard requires. A result that is
+/// a JSON object may hold `measured` (E, N, H [m]), `sigma` and `setting` (right, up, out [m]); any other is a note.
+ActualsT vda_actuals(const std::string& lines, const Job& job, const std::string& source);
+
+}  // namespace plumbline::loop

@@ -1,0 +1,97 @@
+#include "loop/state/next_words.hpp"
+
+#include <map>
+#include <vector>
+
+namespace plumbline::loop {
+namespace {
+
+/// Lists of ids and, where each has a reason of its own, lines.
+struct Floor {
+  std::vector<std::string> set, hang, measure;
+  std::vector<std::string> lines;
+};
+
+struct Counts {
+  int panels = 0, hang = 0, brackets = 0, released = 0, measured = 0, waiting = 0, rejected = 0;
+};
+
+std::string joined(const std::vector<std::string>& ids) {
+  std::string text;
+  for (std::size_t i = 0; i < ids.size(); ++i) text += (i == 0 ? "" : ", ") + ids[i];
+  return text;
+}
+
+void add(const LoopItemT& item, Floor& floor, Counts& counts) {
+  const bool is_panel = item.kind == "panel";
+  counts.panels += is_panel, counts.hang += is_panel && item.status == ItemStatus::verified;
+  switch (item.status) {
+    case ItemStatus::released:
+    case ItemStatus::executing:
+      (is_panel ? floor.hang : floor.set).push_back(item.id), ++counts.released;
+      break;
+    case ItemStatus::executed:
+    case ItemStatus::relocalised:
+      floor.measure.push_back(item.id), ++counts.measured;
+      break;
+    case ItemStatus::rejected:
+      floor.lines.push_back("look at " + item.id + ": " + item.why), ++counts.rejected;
+      break;
+    case ItemStatus::planned:
+      if (is_panel)
+        floor.lines.push_back(item.id + (item.why.rfind("waits", 0) == 0 ? " " : " waits: ") + item.why),
+            ++counts.waiting;
+      break;
+    default:
+      break;
+  }
+}
+
+std::string step_words(const LoopStateT& state, const Counts& counts) {
+  if (!state.moved_control.empty())
+    return "look at the " + state.moved_control.front() +
+           ", then measure again; if it is in order, run with reported.with.accept=['" + state.moved_control.front() +
+           "']";
+  if (counts.released > 0) return "give the job to the robots, then measure and run again";
+  if (counts.measured > 0) return "measure, then run again";
+  if (counts.rejected > 0)
+    return "somebody looks at what is named below; then run with reported.with.accept=['NAME'] for each that is in "
+           "order";
+  if (counts.waiting > 0)
+    return "nothing may be hung as it stands: do what the lines below ask for, then measure and run again";
+  return counts.panels > 0 && counts.hang == counts.panels ? "nothing: every panel hangs within its limits"
+                                                           : "nothing is planned";
+}
+
+}  // namespace
+
+std::string next_step(const LoopStateT& state) {
+  Floor unused;
+  Counts counts;
+  for (const auto& item : state.items) add(*item, unused, counts);
+  return step_words(state, counts);
+}
+
+std::string next_words(const LoopStateT& state) {
+  std::map<int, Floor> floors;
+  Counts counts;
+  for (const auto& item : state.items) add(*item, floors[item->floor], counts);
+  std::string text = std::to_string(counts.hang) + " of " + std::to_string(counts.panels) +
+                     " panels hang and are verified, after round " + std::to_string(state.round) + "; " +
+                     std::to_string(counts.released) + " items are released (revision " +
+                     std::to_string(state.revision) + "), " + std::to_string(counts.measured) + " to be measured, " +
+                     std::to_string(counts.waiting) + " panels wait, " + std::to_string(counts.rejected) +
+                     " are for a person\n";
+  text += "next: " + step_words(state, counts) + "\n";
+  for (const std::string& control : state.moved_control) text += "check the control: " + control + " moved\n";
+  for (const auto& [number, floor] : floors) {
+    const std::string begin = "floor " + std::to_string(number) + ": ";
+    if (!floor.set.empty()) text += begin + "set " + joined(floor.set) + "\n";
+    if (!floor.hang.empty()) text += begin + "hang " + joined(floor.hang) + "\n";
+    if (!floor.measure.empty()) text += begin + "measure " + joined(floor.measure) + "\n";
+    for (const std::string& line : floor.lines) text += begin + line + "\n";
+  }
+  return text;
+}
+
+}  // namespace plumbline::loop

@@ -1,0 +1,26 @@
+// What the parts of the state machine share: one change with its line in the journal.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "artifacts/loop_state.hpp"
+
+namespace plumbline::loop {
+
+/// Why an item changes: in words, who, when (ISO 8601), hashes of what that rests on.
+struct Because {
+  std::string why, by, at;
+  std::vector<std::string> rests_on;
+};
+
+/// Changes the status and writes it into the journal. Throws std::logic_error for what may not follow.
+void move(LoopStateT& state, LoopItemT& item, ItemStatus to, const Because& because);
+
+/// "3.0 mm" of metres.
+std::string millimetres(double metres);
+
+/// Name of a floor's control in LoopState::moved_control: "control of floor 3".
+std::string control_of_floor(int floor);
+
+}  // namespace plumbline::loop

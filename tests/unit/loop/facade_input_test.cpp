@@ -1,0 +1,126 @@
+// What the planner gets from a judgement: directions of each facade, and what it must not plan.
+#include "loop/facade_input.hpp"
+
+#include <gtest/gtest.h>
+
+#include "loop/fit/plan_settings.hpp"
+
+namespace plumbline::loop {
+namespace {
+
+struct Input {
+  DeviationT deviation;
+  PointsT model;
+  DesignT design;
+};
+
+std::unique_ptr<FacadeFrameT> facing(const Eigen::Vector3d& out, const std::string& name) {
+  auto frame = std::make_unique<FacadeFrameT>();
+  const Eigen::Matrix3d axes = facade_axes(out);
+  frame->right = axes.col(0), frame->up = axes.col(1), frame->out = axes.col(2);
+  frame->confirmed = true, frame->facade = name;
+  return frame;
+}
+
+std::unique_ptr<JudgedLengthT> within(double tolerance) {
+  auto length = std::make_unique<JudgedLengthT>();
+  length->tolerance = tolerance;
+  return length;
+}
+
+/// One panel of 2 x 4 m on four anchors at `place`, its anchors 5 mm too far out.
+void add_panel(Input& input, const std::string& name, const Eigen::Vector3d& place, const Eigen::Vector3d& out) {
+  const Eigen::Matrix3d axes = facade_axes(out);
+  auto panel = std::make_unique<PanelDeviationT>();
+  panel->guid = panel->name = name, panel->floor = 1, panel->facade = facing(out, name);
+  panel->sideways = within(0.005), panel->vertical = within(0.005), panel->out_of_plane = within(0.005);
+  panel->shift.setZero(), panel->rotation.setZero();
+  const char* corners[] = {"bottom_left", "bottom_right", "top_left", "top_right"};
+  for (int k = 0; k < 4; ++k) {
+    const Eigen::Vector3d at = place + (k % 2) * 2.0 * axes.col(0) + (k / 2) * 2.0 * axes.col(1);
+    auto corner = std::make_unique<PanelCornerT>();
+    corner->name = corners[k], corner->design = at, corner->movement.setZero();
+    panel->corners.push_back(std::move(corner));
+    auto anchor = std::make_unique<AnchorDeviationT>();
+    anchor->id = name + std::to_string(k), anchor->class_ = "IfcPlate", anchor->floor = 1;
+    anchor->design = at, anchor->deviation = 0.005 * out, anchor->as_built = anchor->design + anchor->deviation;
+    anchor->target_offset.setZero(), anchor->facade = facing(out, name);
+    auto point = std::make_unique<PointT>();
+    point->id = anchor->id, point->position = anchor->as_built, point->sigma.setConstant(0.0003);
+    input.model.points.push_back(std::move(point));
+    auto fixing = std::make_unique<PanelFixingT>();
+    fixing->anchor = anchor->id;
+    panel->fixings.push_back(std::move(fixing));
+    input.deviation.anchors.push_back(std::move(anchor));
+  }
+  input.deviation.panels.push_back(std::move(panel));
+}
+
+Input two_facades() {
+  Input input;
+  add_panel(input, "South", {0, 0, 0}, {0, -1, 0});
+  add_panel(input, "East", {20, 5, 0}, {1, 0, 0});
+  const std::size_t n = 3 * input.model.points.size();
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = 0; j <= i; ++j) input.model.covariance.push_back(i == j ? 0.0003 * 0.0003 : 0.0);
+  return input;
+}
+
+std::string fault_of(const Input& input, const FacadeRules& rules) {
+  try {
+    facade_of(input.deviation, input.model, input.design, nullptr, rules);
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return {};
+}
+
+TEST(FacadeInput, EachFacadeIsSetAlongItsOwnDirections) {
+  const Input input = two_facades();
+  const FacadeInput made = facade_of(input.deviation, input.model, input.design, nullptr, {});
+  EXPECT_TRUE(faults_of(made.facade).empty());
+  EXPECT_TRUE(made.notes.empty());
+  const Fit fit = plan_settings(made.facade, {1, 1, 1, 1e-9});
+  ASSERT_EQ(fit.settings.size(), 8u);
+  for (const Eigen::Vector3d& setting : fit.settings) EXPECT_LT((setting - Eigen::Vector3d(0, 0, -0.005)).norm(), 1e-6);
+}
+
+TEST(FacadeInput, WhatFacesNobodyKnowsWhereIsSaidAndWaits) {
+  Input input = two_facades();
+  input.deviation.anchors[5]->facade->confirmed = false, input.deviation.anchors[5]->facade->note = "a guess";
+  const FacadeInput made = facade_of(input.deviation, input.model, input.design, nullptr, {});
+  ASSERT_EQ(made.notes.size(), 1u);
+  EXPECT_NE(made.notes[0].find("anchor East1: which way it faces is not confirmed (a guess)"), std::string::npos);
+  EXPECT_FALSE(made.facade.brackets[5].measured());
+  for (auto& anchor : input.deviation.anchors) anchor->facade->confirmed = false;
+  EXPECT_NE(fault_of(input, {}).find("nobody can be told to move one to the right"), std::string::npos);
+  FacadeRules rules;
+  rules.normal = {0, -1, 0};
+  EXPECT_EQ(fault_of(input, rules), "");
+}
+
+TEST(FacadeInput, BracketsOfUnknownTypeAndUnknownPanelsAreNamed) {
+  const Input input = two_facades();
+  FacadeRules rules;
+  rules.brackets = {parse_bracket_rule("name~^South: right=20mm, up=15mm, out=25mm")};
+  EXPECT_NE(fault_of(input, rules).find("no rule of 'brackets' selects East0 (IfcPlate)"), std::string::npos)
+      << fault_of(input, rules);
+  rules.brackets.clear(), rules.after["South"] = {"West"};
+  EXPECT_NE(fault_of(input, rules).find("'after' names panel 'West'"), std::string::npos);
+  rules.after = {{"South", {"East"}}, {"East", {"South"}}};
+  const FacadeInput made = facade_of(input.deviation, input.model, input.design, nullptr, rules);
+  ASSERT_EQ(faults_of(made.facade).size(), 1u);
+  EXPECT_NE(faults_of(made.facade)[0].find("South needs East needs South"), std::string::npos);
+}
+
+TEST(FacadeInput, APointThatWasJudgedAndIsNotInTheModelIsNamed) {
+  Input input = two_facades();
+  input.model.points[2]->id = "another";
+  EXPECT_NE(fault_of(input, {}).find("anchor South2 was judged, but is no point of 'model'"), std::string::npos);
+  input = two_facades();
+  input.model.covariance.clear();
+  EXPECT_NE(fault_of(input, {}).find("the model has no covariance"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace plumbline::loop

@@ -1,0 +1,105 @@
+// Reports that are wrong change nothing, and are refused in words; what to do next is said.
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "loop/state/next_words.hpp"
+#include "loop/state/place_doubts.hpp"
+#include "two_floors.hpp"
+
+namespace plumbline::loop {
+namespace {
+
+using namespace test;
+
+TEST(NextWords, SaysHowFarItIsAndWhatComesNext) {
+  LoopStateT state;
+  apply_plan(state, make_plan("first"), {});
+  close_round(state);
+  EXPECT_NE(next_words(state).find("0 of 2 panels hang and are verified, after round 1; 2 items are released"),
+            std::string::npos)
+      << next_words(state);
+  EXPECT_NE(next_words(state).find("next: give the job to the robots, then measure and run again\n"),
+            std::string::npos);
+  EXPECT_NE(next_words(state).find("floor 1: set b0, b1\n"), std::string::npos);
+  EXPECT_NE(next_words(state).find("floor 1: p0 waits for its brackets\n"), std::string::npos) << next_words(state);
+  EXPECT_EQ(next_step(state), "give the job to the robots, then measure and run again");
+  apply_actuals(state, done({"b0", "b1"}, 1));
+  EXPECT_NE(next_words(state).find("next: measure, then run again\n"), std::string::npos);
+  InstallationPlanT second = plan_after_setting(0);
+  second.panels[0]->gate = GateDecision::hold, second.panels[0]->reason = "p 0.900; measuring b0 once more would do";
+  second.panels[0]->measure = "b0", second.panels[1]->gate = GateDecision::hold;
+  MachineOptions options;
+  options.most_reworks = 0;
+  apply_plan(state, second, options);
+  EXPECT_NE(next_words(state).find("floor 1: p0 waits: p 0.900; measuring b0 once more would do\n"), std::string::npos)
+      << next_words(state);
+  EXPECT_NE(next_words(state).find("next: somebody looks at what is named below"), std::string::npos)
+      << next_words(state);
+}
+
+std::string refusal(const std::function<void(LoopStateT&, ActualT&)>& change) {
+  LoopStateT state;
+  MachineOptions options;
+  options.at = "2026-05-02T08:00:00+02:00";
+  InstallationPlanT plan = make_plan("first");
+  for (auto& bracket : plan.brackets) bracket->measured += Eigen::Vector3d(50, 20, 30);
+  apply_plan(state, plan, options);
+  ActualsT actuals = done({"b0"}, 1);
+  change(state, *actuals.items[0]);
+  const LoopStateT before = state;
+  const auto refused = apply_actuals(state, actuals);
+  if (!refused.empty()) {
+    EXPECT_EQ(state.journal, before.journal);
+    EXPECT_EQ(item(state, "b0").status, ItemStatus::released);
+    EXPECT_TRUE(item(state, "b0").setting.isZero());
+  }
+  return refused.empty() ? "taken" : refused[0];
+}
+
+TEST(Machine, PlacesInFeetOtherFramesOrWithAxesExchangedAreRefusedInWords) {
+  const auto placed = [](const std::function<Eigen::Vector3d(const Eigen::Vector3d&)>& read) {
+    return refusal([&](LoopStateT& state, ActualT& actual) { actual.measured = read(item(state, "b0").expected); });
+  };
+  using Place = Eigen::Vector3d;
+  EXPECT_EQ(placed([](const Place& p) { return p; }), "taken");
+  EXPECT_NE(placed([](const Place& p) { return Place(p / 0.3048); }).find("in feet"), std::string::npos);
+  EXPECT_NE(placed([](const Place& p) { return Place(1e3 * p); }).find("in millimetres"), std::string::npos);
+  EXPECT_NE(placed([](const Place& p) { return Place(p.y(), p.x(), p.z()); }).find("first two axes are exchanged"),
+            std::string::npos);
+  EXPECT_NE(placed([](const Place& p) { return Place(p + Place(400, 7, 0)); }).find("in another frame"),
+            std::string::npos);
+}
+
+TEST(Machine, AReportFromBeforeTheReleaseIsRefusedWhateverItsZone) {
+  const auto dated = [](const std::string& at) {
+    return refusal([&](LoopStateT&, ActualT& actual) { actual.at = at; });
+  };
+  EXPECT_EQ(dated("2026-05-02T07:30:00Z"), "taken");
+  EXPECT_EQ(dated("2026-05-01T23:00:01.5-0730"), "taken");
+  EXPECT_NE(dated("2026-05-02T07:59:59+02:00").find("before the item was released"), std::string::npos);
+  EXPECT_NE(dated("2026-05-02T09:30:00+04:00").find("before the item was released"), std::string::npos);
+  EXPECT_NE(dated("02.05.2026 9:00").find("expected ISO 8601 with a zone"), std::string::npos);
+  EXPECT_NE(dated("2026-05-02T09:00:00").find("expected ISO 8601 with a zone"), std::string::npos);
+}
+
+TEST(Machine, ASettingInMillimetresIsRefused) {
+  const auto set = [](const Eigen::Vector3d& setting) {
+    return refusal([&](LoopStateT&, ActualT& actual) { actual.setting = setting; });
+  };
+  EXPECT_EQ(set({0, 0.0045, 0}), "taken");
+  EXPECT_NE(set({0, 4, 0}).find("that would fit if it is in millimetres"), std::string::npos);
+}
+
+TEST(PlaceDoubts, SaysWhatWouldExplainAPlace) {
+  const Eigen::Vector3d place(12.5, -0.2, 31.0);
+  EXPECT_EQ(place_doubt(place + Eigen::Vector3d(0.05, 0, 0), place, 0.25), "");
+  EXPECT_NE(place_doubt(place / 0.3048, place, 0.25).find("if it is in feet"), std::string::npos);
+  EXPECT_NE(place_doubt(1e3 * place, place, 0.25).find("if it is in millimetres"), std::string::npos);
+  EXPECT_NE(place_doubt({place.y(), place.x(), place.z()}, place, 0.25).find("first two axes are exchanged"),
+            std::string::npos);
+  EXPECT_NE(place_doubt(place + Eigen::Vector3d(100, 7, 3), place, 0.25).find("in another frame"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace plumbline::loop

@@ -1,0 +1,240 @@
+// Orders and states of VDA 5050 against the official schemas.
+#include "loop/exchange/vda5050.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <regex>
+#include <set>
+#include <valijson/adapters/nlohmann_json_adapter.hpp>
+#include <valijson/schema.hpp>
+#include <valijson/schema_parser.hpp>
+#include <valijson/validator.hpp>
+
+#include "test_support.hpp"
+
+namespace plumbline::loop {
+namespace {
+
+using nlohmann::json;
+
+JobItem item_at(const std::string& id, const std::string& kind, const Eigen::Vector3d& place) {
+  JobItem item;
+  item.id = id, item.kind = kind, item.operation = kind == "bracket" ? "setBracket" : "placePanel";
+  item.floor = 2, item.revision = 3, item.reason = "p 0.990";
+  item.design = place, item.target = place + Eigen::Vector3d(0, 0, 0.004);
+  item.setting = {0, 0.004, 0}, item.tolerance.setConstant(0.001);
+  return item;
+}
+
+Job make_job() {
+  Job job;
+  job.id = "job-3-F2-0123456789ab", job.revision = 3, job.origin = {432000, 5812000, 0};
+  job.items = {item_at("F02-C01-R1", "bracket", {100, 300, 8}), item_at("F02-C01-R2", "bracket", {100, 300, 10}),
+               item_at("F02-C02-R1", "bracket", {102, 300, 8}), item_at("F02-P01", "panel", {101, 300, 9})};
+  job.items.back().depends_on = {"F02-C01-R1", "F02-C01-R2"};
+  return job;
+}
+
+VdaRobot make_robot(VdaVersion version) { return {version, "Acme", "R2D2", 7, "2026-05-02T08:00:00Z"}; }
+
+/// The schemas of 3.0.0 have commas before closing brackets, which JSON does not.
+json schema_of(const std::string& version, const std::string& name) {
+  const std::string text = test::read_file(test::data_file("robot/vda5050/" + version + "/" + name + ".schema"));
+  return json::parse(std::regex_replace(text, std::regex(",(\\s*[}\\]])"), "$1"));
+}
+
+std::string faults(const json& schema_text, const json& document) {
+  valijson::Schema schema;
+  valijson::SchemaParser parser;
+  parser.populateSchema(valijson::adapters::NlohmannJsonAdapter(schema_text), schema);
+  valijson::Validator validator;
+  valijson::ValidationResults results;
+  std::string words;
+  if (!validator.validate(schema, valijson::adapters::NlohmannJsonAdapter(document), &results))
+    for (const auto& error : results) {
+      for (const std::string& part : error.context) words += part;
+      words += ": " + error.description + "\n";
+    }
+  return words;
+}
+
+TEST(Vda5050, OrdersKeepTheOfficialSchemas) {
+  PLUMBLINE_REQUIRE_DATA("robot/vda5050/3.0.0/order.schema");
+  for (const auto& [version, name] : {std::pair(VdaVersion::v2_0, "2.0.0"), std::pair(VdaVersion::v3_0, "3.0.0")}) {
+    const json order = json::parse(vda_order(make_job(), make_robot(version)));
+    EXPECT_EQ(faults(schema_of(name, "order"), order), "") << name;
+    EXPECT_EQ(order["version"], name);
+    json wrong = order;
+    wrong["nodes"][0].erase("released");
+    EXPECT_NE(faults(schema_of(name, "order"), wrong), "") << name;
+    wrong = order;
+    wrong["nodes"][0]["actions"][0]["blockingType"] = "SOMETIMES";
+    EXPECT_NE(faults(schema_of(name, "order"), wrong), "") << name;
+  }
+  EXPECT_EQ(faults(schema_of("2.1.0", "order"), json::parse(vda_order(make_job(), make_robot(VdaVersion::v2_0)))), "");
+}
+
+TEST(Vda5050, AnOrderIsTheJobPlaceByPlace) {
+  const Job job = make_job();
+  const json order = json::parse(vda_order(job, make_robot(VdaVersion::v2_0)));
+  EXPECT_EQ(order["orderId"], job.id);
+  ASSERT_EQ(order["nodes"].size(), 3u);  // both brackets of a column from one place
+  ASSERT_EQ(order["edges"].size(), 2u);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(order["nodes"][i]["sequenceId"], 2 * i);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(order["edges"][i]["sequenceId"], 2 * i + 1);
+    EXPECT_EQ(order["edges"][i]["startNodeId"], order["nodes"][i]["nodeId"]);
+    EXPECT_EQ(order["edges"][i]["endNodeId"], order["nodes"][i + 1]["nodeId"]);
+  }
+  EXPECT_EQ(order["nodes"][0]["nodePosition"]["mapId"], "floor-2");
+  EXPECT_EQ(order["nodes"][0]["nodePosition"]["x"], 432100.0);
+  std::vector<std::string> done;
+  for (const json& node : order["nodes"])
+    for (const json& action : node["actions"]) {
+      std::map<std::string, json> parameter;
+      for (const json& p : action["actionParameters"]) parameter[p["key"]] = p["value"];
+      done.push_back(parameter.at("item"));
+      EXPECT_EQ(parameter.at("revision"), 3);
+      EXPECT_EQ(action["blockingType"], "HARD");
+    }
+  EXPECT_EQ(done, (std::vector<std::string>{"F02-C01-R1", "F02-C01-R2", "F02-C02-R1", "F02-P01"}));
+  EXPECT_EQ(vda_topic(make_robot(VdaVersion::v3_0), "order"), "uagv/v3/Acme/R2D2/order");
+}
+
+TEST(Vda5050, WhatCannotBeOrderedIsSaid) {
+  const auto fault = [](const Job& job, const VdaRobot& robot) {
+    try {
+      vda_order(job, robot);
+    } catch (const std::runtime_error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  VdaRobot robot = make_robot(VdaVersion::v2_0);
+  EXPECT_NE(fault(Job{}, robot).find("nothing to order"), std::string::npos);
+  robot.serial = "R2/+";
+  EXPECT_NE(fault(make_job(), robot).find("serial number is 'R2/+'"), std::string::npos);
+  robot = make_robot(VdaVersion::v2_0), robot.timestamp = "yesterday";
+  EXPECT_NE(fault(make_job(), robot).find("expected ISO 8601 in UTC"), std::string::npos);
+}
+
+/// A state of a robot whose actions stand as given, one letter each: w(aiting), r(unning), f(inished), x (failed).
+json make_state(const Job& job, const std::string& stands, int header, const std::string& at, VdaVersion version) {
+  const bool old = version == VdaVersion::v2_0;
+  json state = {{"headerId", header},
+                {"timestamp", at},
+                {"version", old ? "2.0.0" : "3.0.0"},
+                {"manufacturer", "Acme"},
+                {"serialNumber", "R2D2"},
+                {"orderId", job.id},
+                {"orderUpdateId", 0},
+                {"lastNodeId", ""},
+                {"lastNodeSequenceId", 0},
+                {"nodeStates", json::array()},
+                {"edgeStates", json::array()},
+                {"driving", false},
+                {"actionStates", json::array()},
+                {"operatingMode", "AUTOMATIC"},
+                {"errors", json::array()}};
+  state[old ? "batteryState" : "powerSupply"] = {{old ? "batteryCharge" : "stateOfCharge", 80}, {"charging", false}};
+  state["safetyState"] = {{old ? "eStop" : "activeEmergencyStop", "NONE"}, {"fieldViolation", false}};
+  if (!old) state["instantActionStates"] = json::array();
+  for (std::size_t i = 0; i < stands.size(); ++i) {
+    const char* status = stands[i] == 'w'   ? "WAITING"
+                         : stands[i] == 'r' ? "RUNNING"
+                         : stands[i] == 'f' ? "FINISHED"
+                                            : "FAILED";
+    state["actionStates"].push_back({{"actionId", vda_action_id(job, job.items[i])}, {"actionStatus", status}});
+  }
+  return state;
+}
+
+std::string at_second(int second) {
+  char text[32];
+  std::snprintf(text, sizeof text, "2026-05-02T08:00:%02dZ", second);
+  return text;
+}
+
+TEST(Vda5050, StatesBecomeReports) {
+  PLUMBLINE_REQUIRE_DATA("robot/vda5050/3.0.0/state.schema");
+  const Job job = make_job();
+  for (const auto& [version, name] : {std::pair(VdaVersion::v2_0, "2.0.0"), std::pair(VdaVersion::v3_0, "3.0.0")}) {
+    json state = make_state(job, "fxrw", 3, at_second(9), version);
+    state["actionStates"][0][version == VdaVersion::v2_0 ? "resultDescription" : "actionResult"] =
+        R"({"measured": [432100.001, 5812300, 8.004], "setting": [0, 0.0041, 0], "note": "ok"})";
+    state["actionStates"][1][version == VdaVersion::v2_0 ? "resultDescription" : "actionResult"] = "bolt is stuck";
+    EXPECT_EQ(faults(schema_of(name, "state"), state), "") << name;
+    const ActualsT actuals = vda_actuals(state.dump(1), job, "states.jsonl");
+    EXPECT_TRUE(actuals.refused.empty());
+    ASSERT_EQ(actuals.items.size(), 2u);
+    EXPECT_EQ(actuals.items[0]->item, "F02-C01-R1");
+    EXPECT_EQ(actuals.items[0]->outcome, "done");
+    EXPECT_EQ(actuals.items[0]->revision, 3);
+    EXPECT_EQ(actuals.items[0]->by, "Acme/R2D2");
+    EXPECT_EQ(actuals.items[0]->at, at_second(9));
+    EXPECT_NEAR(actuals.items[0]->measured.x(), 432100.001, 1e-9);
+    EXPECT_NEAR(actuals.items[0]->setting.y(), 0.0041, 1e-12);
+    EXPECT_EQ(actuals.items[1]->outcome, "failed");
+    EXPECT_EQ(actuals.items[1]->note, "bolt is stuck");
+  }
+}
+
+/// Messages lost, doubled and reordered at random: what is reported is a part of the truth, once for each item, and all
+/// of it once the last message came.
+TEST(Vda5050, LostDoubleLateAndReorderedMessagesReportNothingTwiceAndNothingWrong) {
+  const Job job = make_job();
+  const char* way[] = {"wwww", "rwww", "fwww", "frww", "fxww", "fxrw", "fxfw", "fxfr", "fxff"};
+  std::mt19937 random(5);
+  for (int trial = 0; trial < 300; ++trial) {
+    std::vector<std::string> messages;
+    bool last = false;
+    for (int i = 0; i < 9; ++i)
+      for (std::size_t copies = random() % 3; copies > 0; --copies)
+        messages.push_back(make_state(job, way[i], i, at_second(i), VdaVersion::v2_0).dump()), last = last || i == 8;
+    for (std::size_t i = messages.size(); i > 1; --i) std::swap(messages[i - 1], messages[random() % i]);
+    std::string lines;
+    for (const std::string& message : messages) lines += message + "\n";
+    const ActualsT actuals = vda_actuals(lines, job, "states.jsonl");
+    EXPECT_TRUE(actuals.refused.empty());
+    std::set<std::string> reported;
+    for (const auto& actual : actuals.items) {
+      EXPECT_TRUE(reported.insert(actual->item).second);
+      EXPECT_EQ(actual->outcome, actual->item == "F02-C01-R2" ? "failed" : "done");
+    }
+    if (last) {
+      EXPECT_EQ(reported.size(), 4u);
+    }
+  }
+}
+
+TEST(Vda5050, MessagesThatAreWrongAreRefusedWithTheirLine) {
+  const Job job = make_job();
+  Job other = job;
+  other.id = "job-2";
+  json unknown = make_state(job, "f", 1, at_second(1), VdaVersion::v2_0), old = unknown, undated = unknown,
+       strange = unknown;
+  unknown["actionStates"][0]["actionId"] = "x", old["version"] = "1.1.0", undated["timestamp"] = "noon";
+  strange["actionStates"][0]["resultDescription"] = R"({"measured": [1, 2]})";
+  const std::string lines = "{\"no\": 1}\n[]\nnot json\n" +
+                            make_state(other, "f", 1, at_second(1), VdaVersion::v2_0).dump() + "\n" + unknown.dump() +
+                            "\n" + old.dump() + "\n" + undated.dump() + "\n" + strange.dump() + "\n" +
+                            make_state(job, "wf", 2, at_second(2), VdaVersion::v2_0).dump() + "\n" +
+                            make_state(job, "wx", 3, at_second(3), VdaVersion::v2_0).dump() + "\n";
+  const ActualsT actuals = vda_actuals(lines, job, "s");
+  ASSERT_EQ(actuals.items.size(), 1u);
+  EXPECT_EQ(actuals.items[0]->outcome, "done");
+  std::string refused;
+  for (const std::string& line : actuals.refused) refused += line + "\n";
+  for (const char* words :
+       {"s:1: is no state message", "s:2: is no state message", "s:3: is no state message",
+        "s:4: is on order 'job-2', this job is job-3", "s:5: tells of action 'x'", "s:6: is of version 1.1.0",
+        "s:7: has the timestamp 'noon'", "s:8: the result of action",
+        "s:10: says that action job-3-F2-0123456789ab:F02-C01-R2:3 FAILED, a message before said FINISHED"})
+    EXPECT_NE(refused.find(words), std::string::npos) << words << " in\n" << refused;
+}
+
+}  // namespace
+}  // namespace plumbline::loop
