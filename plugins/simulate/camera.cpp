@@ -11,6 +11,7 @@
 
 #include "camera_profiles.hpp"  // generated from profiles/*.yaml
 #include "geometry/random.hpp"
+#include "text/one_document.hpp"
 
 namespace plumbline::simulate {
 namespace {
@@ -30,7 +31,7 @@ double field_radius(const BrownCamera& camera) {
 }
 
 CameraProfile parse_profile(const std::string& name, const char* text) {
-  const YAML::Node y = YAML::Load(text);
+  const YAML::Node y = formats::load_one_document(text);
   CameraProfile p;
   p.name = name;
   p.make = y["make"].as<std::string>();

@@ -185,6 +185,11 @@ struct SimulateFacade : Node {
       element->guid = "simulated-panel-" + std::to_string(i), element->name = facade.panels[i].id;
       element->class_ = "IfcPlate", element->is_panel = true;
       element->storey = "facade";
+      element->facade = std::make_unique<FacadeFrameT>();
+      element->facade->right = facade.world_from_facade.rotation * Eigen::Vector3d::UnitX();
+      element->facade->up = facade.world_from_facade.rotation * Eigen::Vector3d::UnitY();
+      element->facade->out = result.facade_normal;
+      element->facade->source = "own_axes", element->facade->confirmed = true, element->facade->facade = "facade";
       const Eigen::Vector3d middle(c * (*panel_width + *joint) + 0.5 * *panel_width - 0.5 * across(),
                                    r * (*panel_height + *joint) + 0.5 * *panel_height - 0.5 * up(), 0);
       element->placement = {facade.world_from_facade.rotation, facade.world_from_facade * middle};

@@ -16,9 +16,11 @@ struct Faces {
   std::vector<std::string> left_out; ///< panels without a face, with the reason
 };
 
-/// Outer faces of the design's panels: of the box of its shape the side of the two larger extents that more of `seen_from`
-/// (projection centres) look at. A panel that none looks at is turned to the design's facade normal; without one it is
-/// left out, because nobody knows which side is outside.
+/// Outer faces of the design's panels, each by itself: of the box of its shape the side that faces out of the facade
+/// (DesignElement.facade), where that is confirmed; else the side of the two larger extents that `seen_from` (projection
+/// centres, scanner stations) look at. A panel that is looked at from both sides, as it is in a block around a building,
+/// or from none, is turned as its unconfirmed frame says if nothing contradicts it, or as the design's one facade; else
+/// it is left out, because nobody knows which side is outside.
 Faces faces_of(const DesignT& design, const std::vector<Eigen::Vector3d>& seen_from);
 
 /// One face: the best plane of the points, wide enough to hold them and `margin` more, turned to `seen_from`. Throws

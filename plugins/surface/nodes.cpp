@@ -1,7 +1,9 @@
-// dense.plane_sweep, surface.panels and surface.joints.
+// dense.plane_sweep, dense.import, surface.panels, surface.joints and surface.judge.
+#include "import_node.hpp"
 #include "joints_node.hpp"
+#include "judge_node.hpp"
 #include "panels_node.hpp"
 #include "sweep_node.hpp"
 
-PLUMBLINE_PLUGIN("surface", "0.1.0", "MIT", plumbline::surface::PlaneSweep, plumbline::surface::Panels,
-                 plumbline::surface::Joints)
+PLUMBLINE_PLUGIN("surface", "0.1.0", "MIT", plumbline::surface::PlaneSweep, plumbline::surface::ImportCloud,
+                 plumbline::surface::Panels, plumbline::surface::Joints, plumbline::surface::JudgeSurfaces)

@@ -1,8 +1,11 @@
 // Panels from points of surfaces, whatever measured them.
 #pragma once
 
+#include <cmath>
+
 #include "artifacts/file.hpp"
 #include "plumbline/node.hpp"
+#include "plumbline/stop.hpp"
 #include "surface_artifacts.hpp"
 
 namespace plumbline::surface {
@@ -11,6 +14,13 @@ inline FileT text_file(const std::string& name, const std::string& media_type, c
   FileT file;
   file.name = name, file.media_type = media_type, file.content.assign(text.begin(), text.end());
   return file;
+}
+
+/// Of the sphere about the tile's centre that holds its points [m].
+inline double radius_of(const MeasuredTile& tile) {
+  double radius = 0;
+  for (const MeasuredPoint& point : tile.points) radius = std::max(radius, static_cast<double>(point.offset.norm()));
+  return radius;
 }
 
 struct Panels : Node {
@@ -28,8 +38,9 @@ struct Panels : Node {
 
   void run(Context& context) override {
     const SurfacePointsT given = points.unpack();
-    std::vector<MeasuredTile> tiles;
-    for (const auto& tile : given.tiles) tiles.push_back(read_tile(*tile, given.rank, context.resolve(tile->uri)));
+    const auto read = [&](size_t t) { return read_tile(*given.tiles[t], given.rank, context.resolve(given.tiles[t]->uri)); };
+    std::vector<double> radius;  // of the tiles, which are read again panel by panel: all of a scan at once may be too much
+    for (size_t t = 0; t < given.tiles.size(); ++t) radius.push_back(radius_of(read(t)));
     PanelOptions options;
     options.border = *border, options.reach = *reach, options.cell = *cell, options.least_coverage = *least_coverage;
     options.straightedges = *straightedges;
@@ -41,6 +52,12 @@ struct Panels : Node {
     int measured = 0;
     for (const auto& face : given.faces) {
       const PanelFace where = face_of(*face);
+      if (context.cancelled()) throw Stopped();
+      context.progress(static_cast<double>(result.panels.size()) / static_cast<double>(given.faces.size()), where.id);
+      std::vector<MeasuredTile> tiles;
+      const double panel_radius = std::hypot(0.5 * where.width, 0.5 * where.height, *reach);
+      for (size_t t = 0; t < given.tiles.size(); ++t)
+        if ((given.tiles[t]->centre - where.plane.origin).norm() <= panel_radius + radius[t]) tiles.push_back(read(t));
       const PanelSurface panel = measure_panel(where, tiles, options);
       if (!panel.not_measured.empty()) context.warn(panel.id + " is not measured: " + panel.not_measured);
       measured += panel.not_measured.empty();

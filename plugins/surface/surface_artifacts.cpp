@@ -28,13 +28,6 @@ std::string number(const char* format, double value) {
   return text;
 }
 
-std::string csv_text(const std::string& text) {
-  if (text.find_first_of(",\"\n") == std::string::npos) return text;
-  std::string result = "\"";
-  for (char c : text) result += c == '"' ? "\"\"" : std::string(1, c);
-  return result + "\"";
-}
-
 }  // namespace
 
 std::vector<double> row_by_row(const Eigen::Ref<const Eigen::MatrixXd>& matrix) {
@@ -65,8 +58,8 @@ PanelFace face_of(const SurfaceFaceT& face) {
   return result;
 }
 
-void write_points(const MeasuredTile& tile, const std::string& path) {
-  std::ofstream stream(path, std::ios::binary);
+void append_points(const MeasuredTile& tile, const std::string& path) {
+  std::ofstream stream(path, std::ios::binary | std::ios::app);
   stream.write(reinterpret_cast<const char*>(tile.points.data()),
                static_cast<std::streamsize>(tile.points.size() * sizeof(MeasuredPoint)));
   stream.close();
@@ -147,6 +140,13 @@ std::unique_ptr<JointFiguresT> describe(const MeasuredJoint& measured, const Joi
   result->narrowest = static_cast<int>(measured.narrowest), result->widest = static_cast<int>(measured.widest);
   result->largest_step = static_cast<int>(measured.largest_step);
   return result;
+}
+
+std::string csv_text(const std::string& text) {
+  if (text.find_first_of(",\"\n") == std::string::npos) return text;
+  std::string result = "\"";
+  for (char c : text) result += c == '"' ? "\"\"" : std::string(1, c);
+  return result + "\"";
 }
 
 std::string panels_table(const SurfacesT& surfaces) {

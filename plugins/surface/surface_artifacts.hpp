@@ -16,8 +16,8 @@ namespace plumbline::surface {
 std::unique_ptr<SurfaceFaceT> describe(const PanelFace& face, const std::string& guid);
 PanelFace face_of(const SurfaceFaceT& face);
 
-/// Writes the tile's points to `path`. Throws std::runtime_error if the disk refuses.
-void write_points(const MeasuredTile& tile, const std::string& path);
+/// Writes the tile's points to the end of the file at `path`. Throws std::runtime_error if the disk refuses.
+void append_points(const MeasuredTile& tile, const std::string& path);
 
 /// The tile with its points read from `path`. Throws std::runtime_error for a file of another size, and for a factor of
 /// another rank.
@@ -31,6 +31,9 @@ std::unique_ptr<PanelSurfaceFiguresT> describe(const PanelSurface& panel, const 
 PanelSurface panel_of(const PanelSurfaceFiguresT& figures, int rank);
 
 std::unique_ptr<JointFiguresT> describe(const MeasuredJoint& measured, const Joint& joint);
+
+/// A cell of a CSV table, in quotes where it has to be.
+std::string csv_text(const std::string& text);
 
 /// Panels and joints as text, one a line, for spreadsheets: millimetres and mm/m, with standard deviations.
 std::string panels_table(const SurfacesT& surfaces);

@@ -125,7 +125,7 @@ struct PlaneSweep : Node {
       char name[32];
       std::snprintf(name, sizeof name, "%06zu.points", t);
       const std::string path = folder.path + "/" + name;
-      write_points(measured, path);
+      append_points(measured, path);
       auto entry = std::make_unique<SurfaceTileT>();
       entry->sha256 = context.digest(path), entry->uri = "sha256:" + entry->sha256 + "/" + name;
       entry->points = measured.points.size(), entry->centre = measured.centre;

@@ -1,0 +1,47 @@
+// Files of point clouds: PLY (text, binary of both byte orders), LAS 1.0 to 1.4 without compression, PTS, XYZ.
+//
+// Files come from scanners and programs of others, so nothing in them is believed: what a header announces is held
+// against the size of the file before anything is allocated, and every refusal names the file, the place in it, what
+// was found and what was expected.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace plumbline::cloud {
+
+/// What is wrong with a file: "scan.las, byte 107: ...".
+struct CloudError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+struct CloudSummary {
+  std::string format;  ///< "LAS 1.4, point format 6"
+  double unit =
+      std::numeric_limits<double>::quiet_NaN();  ///< metres in one unit of its coordinates; nan: it does not say
+  std::uint64_t points = 0;                      ///< that were delivered
+  std::uint64_t without_place = 0;  ///< NaN or infinite, as organised scans write where nothing came back; left out
+  std::uint64_t withheld = 0;       ///< that a LAS file says not to use (withheld, noise); left out
+  Eigen::Vector3d low =
+      Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());  ///< of the delivered points
+  Eigen::Vector3d high = Eigen::Vector3d::Constant(-std::numeric_limits<double>::infinity());
+};
+
+/// Takes some points, in the unit of the file, its scale and offset applied. `done`: share of the file that was read.
+using PointSink = std::function<void(const std::vector<Eigen::Vector3d>& points, double done)>;
+
+/// What the file says before its points: format and unit. Throws CloudError as read_cloud does.
+CloudSummary look_at_cloud(const std::string& path);
+
+/// Reads a file of whatever format it is, by its first bytes, and hands its points on, up to 65536 at a time, in the
+/// order of the file. Throws CloudError for a file that is empty, shorter than it announces, of a kind that is not read
+/// (compressed LAZ, E57, PTX, PCD: it says how to get one that is), or without a single point that has coordinates.
+/// What `sink` throws goes through.
+CloudSummary read_cloud(const std::string& path, const PointSink& sink);
+
+}  // namespace plumbline::cloud

@@ -1,0 +1,88 @@
+// A file of points while it is read, and the points on their way out. For the readers of this folder.
+#pragma once
+
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+
+#include "cloud/cloud_file.hpp"
+
+namespace plumbline::cloud {
+
+static_assert(std::endian::native == std::endian::little, "binary files are read as they lie in memory");
+
+class CloudStream {
+ public:
+  /// Throws CloudError if there is no such file or it has nothing in it.
+  explicit CloudStream(const std::string& path);
+
+  std::uint64_t size() const { return size_; }
+  std::uint64_t position() const { return position_; }
+  std::uint64_t left() const { return size_ - position_; }
+  void seek(std::uint64_t position);  ///< at most the size
+  /// Reads exactly so many bytes; throws CloudError with the place and `what` was to come.
+  void read(char* to, std::uint64_t bytes, const char* what);
+  /// A line without its end; false at the end of the file. Throws CloudError for one of more than 1 MiB.
+  bool line(std::string& to);
+  std::uint64_t line_number() const { return line_; }
+
+  [[noreturn]] void fail_at_byte(std::uint64_t byte, const std::string& what) const;
+  [[noreturn]] void fail_at_line(const std::string& what) const;
+  [[noreturn]] void fail(const std::string& what) const;
+
+ private:
+  std::string name_;
+  std::ifstream stream_;
+  std::vector<char> buffer_;  ///< of a line
+  std::uint64_t size_ = 0, position_ = 0, line_ = 0;
+};
+
+/// Collects points and hands them on in pieces.
+class PointBatch {
+ public:
+  PointBatch(CloudSummary& summary, const CloudStream& stream, const PointSink& sink)
+      : summary_(summary), stream_(stream), sink_(sink) {}
+  void add(const Eigen::Vector3d& point) {
+    if (!point.allFinite()) {
+      ++summary_.without_place;
+      return;
+    }
+    summary_.low = summary_.low.cwiseMin(point), summary_.high = summary_.high.cwiseMax(point);
+    points_.push_back(point);
+    if (points_.size() == 65536) flush();
+  }
+  void flush() {
+    if (points_.empty()) return;
+    sink_(points_, static_cast<double>(stream_.position()) / static_cast<double>(stream_.size()));
+    summary_.points += points_.size();
+    points_.clear();
+  }
+
+ private:
+  CloudSummary& summary_;
+  const CloudStream& stream_;
+  const PointSink& sink_;
+  std::vector<Eigen::Vector3d> points_;
+};
+
+/// The number whose bytes lie at `from`, of either byte order.
+template <typename T>
+T number_at(const char* from, bool big_endian = false) {
+  char bytes[sizeof(T)];
+  for (size_t i = 0; i < sizeof(T); ++i) bytes[i] = from[big_endian ? sizeof(T) - 1 - i : i];
+  T value;
+  std::memcpy(&value, bytes, sizeof(T));
+  return value;
+}
+
+/// Readers: `sink` empty: only what the file says before its points.
+CloudSummary read_ply(CloudStream& stream, const PointSink& sink);
+CloudSummary read_las(CloudStream& stream, const PointSink& sink);
+CloudSummary read_text(CloudStream& stream, const PointSink& sink);
+
+/// What the records between header and points of a LAS file say of its unit: metres in one unit, nan without. Throws
+/// CloudError for degrees, and for a height of another unit than the plan.
+double las_unit(CloudStream& stream, std::uint64_t header_size, std::uint32_t records, std::uint64_t points_at);
+
+}  // namespace plumbline::cloud

@@ -1,0 +1,33 @@
+// Surfaces against the rules of a design or a pipeline.
+#pragma once
+
+#include "artifacts/design.hpp"
+#include "artifacts/file.hpp"
+#include "artifacts/surface_judgement.hpp"
+#include "artifacts/surfaces.hpp"
+#include "plumbline/node.hpp"
+
+namespace plumbline::surface {
+
+struct JudgeSurfaces : Node {
+  static constexpr Info info{
+      "surface.judge", "", 1,
+      "Flatness, bow, twist, steps and joint widths against rules: pass, fail or undecided by conformance probability"};
+  In<Surfaces> surfaces{"surfaces", frame("frame=?F"), "panels and joints with their covariance"};
+  Optional<Design> design{"design", frame("frame=?F"),
+                          "whose classes, storeys and properties rules may name; without it, names alone"};
+  Param<std::vector<std::string>> rules{
+      "rules", std::vector<std::string>{},
+      "limits: 'class=IfcPlate & storey=Level 2: flatness(1m)=3mm, bow=4mm, twist=2mm, step=2mm, joint=+4/-3mm, "
+      "narrowest=8mm, widest=20mm'; joint is the width against the design's; of a joint, rules that select either "
+      "panel; later rules go before earlier ones; a rule that selects nothing is not judged"};
+  Param<double> risk{"risk", 0.05, "1", between(1e-3, 0.49),
+                     "a quantity passes if it keeps its limit with a probability of 1 - risk, and fails if that "
+                     "probability is at most the risk"};
+  Out<SurfaceJudgement> judgement{"judgement", "the verdicts"};
+  Out<File> table{"table", "one line a verdict, CSV"};
+
+  void run(Context& context) override;
+};
+
+}  // namespace plumbline::surface

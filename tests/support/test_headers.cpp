@@ -1,0 +1,2 @@
+// The program whose precompiled headers all tests share.
+int main() {}

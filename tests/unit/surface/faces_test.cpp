@@ -1,0 +1,106 @@
+// Faces of panels of designs with one facade, with two that look away from each other, and where nothing says which
+// side is outside.
+#include "faces.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace plumbline::surface {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+const Eigen::Vector3d kSouth(0, -1, 0), kNorth(0, 1, 0);
+
+std::unique_ptr<DesignElementT> panel(const std::string& name, const Eigen::Vector3d& middle,
+                                      const Eigen::Vector3d& size) {
+  auto element = std::make_unique<DesignElementT>();
+  element->name = name, element->guid = name + "-guid", element->is_panel = true;
+  element->placement = {Eigen::Quaterniond::Identity(), middle};
+  element->box_low = -0.5 * size, element->box_high = 0.5 * size;
+  return element;
+}
+
+void face_to(DesignElementT& element, const Eigen::Vector3d& out, bool confirmed) {
+  element.facade = std::make_unique<FacadeFrameT>();
+  element.facade->out = out, element.facade->up = Eigen::Vector3d::UnitZ(),
+  element.facade->right = element.facade->up.cross(out);
+  element.facade->confirmed = confirmed, element.facade->source = confirmed ? "own_axes" : "guess";
+}
+
+/// A building 10 m deep with a panel to the south and one to the north.
+DesignT two_facades(bool confirmed) {
+  DesignT design;
+  design.facade_normal = Eigen::Vector3d::Constant(kNan);  // as it is of more than one facade
+  design.elements.push_back(panel("S", {5, 0, 3}, {1.5, 0.04, 3}));
+  design.elements.push_back(panel("N", {5, 10, 3}, {1.5, 0.04, 3}));
+  face_to(*design.elements[0], kSouth, confirmed), face_to(*design.elements[1], kNorth, confirmed);
+  return design;
+}
+
+/// More photographs of the south than of the north: for the north panel most look from behind.
+const std::vector<Eigen::Vector3d> kAround = {{2, -6, 2}, {5, -6, 2}, {8, -6, 2}, {5, -6, 4}, {3, 16, 2}, {7, 16, 2}};
+
+TEST(Faces, EachFacadeFacesItsOwnWay) {
+  for (const auto& seen_from : {kAround, std::vector<Eigen::Vector3d>{}}) {
+    const Faces faces = faces_of(two_facades(true), seen_from);
+    ASSERT_EQ(faces.faces.size(), 2U);
+    EXPECT_TRUE(faces.faces[0].plane.axes.col(2).isApprox(kSouth, 1e-12));
+    EXPECT_TRUE(faces.faces[1].plane.axes.col(2).isApprox(kNorth, 1e-12))
+        << "turned by the photographs of the other facade";
+    EXPECT_NEAR(faces.faces[1].plane.origin.y(), 10.02, 1e-12) << "the face is the outer side of the panel";
+    EXPECT_TRUE(faces.faces[0].plane.axes.col(0).isApprox(Eigen::Vector3d(1, 0, 0), 1e-12));
+    EXPECT_TRUE(faces.faces[1].plane.axes.col(0).isApprox(Eigen::Vector3d(-1, 0, 0), 1e-12));
+    for (const PanelFace& face : faces.faces) EXPECT_NEAR(face.plane.axes.determinant(), 1, 1e-12);
+    EXPECT_NEAR(faces.faces[1].width, 1.5, 1e-12);
+    EXPECT_NEAR(faces.faces[1].height, 3, 1e-12);
+    EXPECT_TRUE(faces.left_out.empty());
+  }
+}
+
+TEST(Faces, AGuessIsNotEnoughAgainstPhotographsFromBothSides) {
+  const Faces faces = faces_of(two_facades(false), kAround);
+  ASSERT_EQ(faces.faces.size(), 1U) << "of the south panel photographs and guess agree, of the north they do not";
+  EXPECT_EQ(faces.faces[0].id, "S");
+  ASSERT_EQ(faces.left_out.size(), 1U);
+  EXPECT_NE(faces.left_out[0].find("N: 4 places look at it from one side, 2 from the other"), std::string::npos)
+      << faces.left_out[0];
+}
+
+TEST(Faces, PhotographsSayItWhereTheDesignDoesNot) {
+  DesignT design;
+  design.facade_normal = Eigen::Vector3d::Constant(kNan);
+  design.elements.push_back(panel("S", {5, 0, 3}, {1.5, 0.04, 3}));
+  const Faces seen = faces_of(design, {{5, -6, 2}, {6, -6, 2}});
+  ASSERT_EQ(seen.faces.size(), 1U);
+  EXPECT_TRUE(seen.faces[0].plane.axes.col(2).isApprox(kSouth, 1e-12));
+  const Faces unseen = faces_of(design, {});
+  ASSERT_EQ(unseen.left_out.size(), 1U);
+  EXPECT_NE(unseen.left_out[0].find("does not say which side is outside"), std::string::npos) << unseen.left_out[0];
+}
+
+TEST(Faces, AFinFacesAsItsFacadeDoes) {
+  DesignT design;
+  design.facade_normal = Eigen::Vector3d::Constant(kNan);
+  design.elements.push_back(panel("fin", {5, 0, 3}, {0.05, 0.3, 3}));  // thin sideways
+  face_to(*design.elements[0], kSouth, true);
+  const Faces faces = faces_of(design, kAround);
+  ASSERT_EQ(faces.faces.size(), 1U);
+  EXPECT_TRUE(faces.faces[0].plane.axes.col(2).isApprox(kSouth, 1e-12));
+  EXPECT_NEAR(faces.faces[0].width, 0.05, 1e-12);
+}
+
+TEST(Faces, ASoffitHasTheUpOfItsFrame) {
+  DesignT design;
+  design.facade_normal = Eigen::Vector3d::Constant(kNan);
+  design.elements.push_back(panel("soffit", {5, 0, 3}, {1.5, 0.8, 0.02}));
+  face_to(*design.elements[0], {0, 0, -1}, true);
+  design.elements[0]->facade->up = {1, 0, 0};
+  const Faces faces = faces_of(design, {});
+  ASSERT_EQ(faces.faces.size(), 1U);
+  EXPECT_TRUE(faces.faces[0].plane.axes.col(1).isApprox(Eigen::Vector3d(1, 0, 0), 1e-12));
+  EXPECT_NEAR(faces.faces[0].height, 1.5, 1e-12);
+}
+
+}  // namespace
+}  // namespace plumbline::surface

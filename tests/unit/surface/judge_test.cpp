@@ -1,0 +1,164 @@
+// Verdicts of panels and joints: each the last rule's, none where nothing was measured, and as many wrong ones as the
+// risk allows.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "geometry/packed_symmetric.hpp"
+#include "judgement/surfaces.hpp"
+
+namespace plumbline::judgement {
+namespace {
+
+std::unique_ptr<PanelSurfaceFiguresT> panel(const std::string& name, double gap, double sigma) {
+  auto result = std::make_unique<PanelSurfaceFiguresT>();
+  result->face = std::make_unique<SurfaceFaceT>();
+  result->face->id = name, result->face->guid = name + "-guid";
+  auto entry = std::make_unique<SurfaceGapT>();
+  entry->length = 1, entry->gap = gap, entry->sigma = sigma, entry->positions = 10;
+  result->flatness.push_back(std::move(entry));
+  result->form = {0.001, -0.002, 0.0005}, result->form_sigma = {3e-4, 4e-4, 1e-4};
+  Eigen::Matrix<double, 6, 6> random = Eigen::Matrix<double, 6, 6>::Identity() * 1e-8;
+  random(3, 3) = 9e-8, random(4, 4) = 7e-8, random(5, 5) = 1e-8;
+  result->coefficients_random = pack_symmetric(random);
+  result->coefficients_factor = {0, 0, 0, 0, 3e-4, 0};  // rank 1: of the second bow
+  return result;
+}
+
+std::unique_ptr<JointFiguresT> joint(const std::vector<double>& widths, double sigma) {
+  auto result = std::make_unique<JointFiguresT>();
+  result->first = "A", result->second = "B", result->nominal_width = 0.012,
+  result->looked_at = static_cast<int>(widths.size());
+  for (size_t i = 0; i < widths.size(); ++i) {
+    auto place = std::make_unique<JointPlaceT>();
+    place->along = 0.02 * static_cast<double>(i), place->width = widths[i], place->width_sigma = sigma;
+    place->step = std::nan(""), place->step_sigma = std::nan("");
+    result->places.push_back(std::move(place));
+  }
+  return result;
+}
+
+SurfacesT surfaces() {
+  SurfacesT result;
+  result.rank = 1;
+  for (const char* name : {"A", "B", "C"}) result.panels.push_back(panel(name, 0.002, 2e-4));
+  result.panels[2]->not_measured = "no point was measured on it";
+  return result;
+}
+
+SurfaceJudgementT judged(const SurfacesT& what, const std::vector<std::string>& rules, double risk = 0.05) {
+  std::vector<SurfaceRule> parsed;
+  for (const auto& rule : rules) parsed.push_back(parse_surface_rule(rule));
+  std::map<std::string, bim::ElementFacts> facts;
+  for (const char* name : {"A", "B", "C"})
+    facts[std::string(name) + "-guid"] = {"IfcPlate", std::string(name) + "-guid",           name, "", "",
+                                          "",         name[0] == 'A' ? "Level 1" : "Level 2"};
+  return judge_surfaces(what, facts, parsed, risk);
+}
+
+TEST(JudgeSurfaces, FlatnessByTheLastRuleThatSelects) {
+  const auto result =
+      judged(surfaces(), {"*: flatness(1m)=3mm", "storey=Level 2: flatness(1m)=1mm", "*: flatness(2m)=4mm"});
+  ASSERT_EQ(result.verdicts.size(), 6U);
+  EXPECT_EQ(result.verdicts[0]->verdict, ToleranceVerdict::pass);
+  EXPECT_NEAR(result.verdicts[0]->probability, 1, 1e-6);
+  EXPECT_NE(result.verdicts[1]->not_judged.find("straightedges"), std::string::npos)
+      << "no straightedge of 2 m was laid";
+  EXPECT_EQ(result.verdicts[2]->verdict, ToleranceVerdict::fail);
+  EXPECT_EQ(result.verdicts[2]->rule, "storey=Level 2: flatness(1m)=1mm");
+  EXPECT_EQ(result.verdicts[4]->verdict, ToleranceVerdict::not_measured);
+  EXPECT_EQ(result.verdicts[4]->not_judged, "no point was measured on it");
+  EXPECT_EQ(result.passed, 1);
+  EXPECT_EQ(result.failed, 1);
+  EXPECT_EQ(result.not_judged, 4);
+}
+
+TEST(JudgeSurfaces, NearTheLimitItIsUndecided) {
+  SurfacesT what = surfaces();
+  what.panels[0]->flatness[0]->gap = 0.0029, what.panels[1]->flatness[0]->gap = 0.0031;
+  const auto result = judged(what, {"*: flatness(1m)=3mm"});
+  EXPECT_EQ(result.verdicts[0]->verdict, ToleranceVerdict::undecided);
+  EXPECT_NEAR(result.verdicts[0]->probability, 0.6915, 1e-3);
+  EXPECT_EQ(result.verdicts[1]->verdict, ToleranceVerdict::undecided);
+}
+
+TEST(JudgeSurfaces, BowTakesBothDirectionsAndTheSystematicPart) {
+  const auto result = judged(surfaces(), {"*: bow=2.6mm, twist=0.4mm"});
+  EXPECT_NEAR(result.verdicts[0]->value, -0.002, 1e-12);
+  EXPECT_NEAR(result.verdicts[0]->sigma, 4e-4, 1e-12) << "7e-8 random and 9e-8 systematic";
+  EXPECT_EQ(result.verdicts[0]->verdict, ToleranceVerdict::undecided);
+  EXPECT_NEAR(result.verdicts[0]->probability, 0.933, 0.01);
+  EXPECT_EQ(result.verdicts[1]->verdict, ToleranceVerdict::undecided);
+  EXPECT_NEAR(result.verdicts[1]->probability, 0.159, 0.005);
+}
+
+TEST(JudgeSurfaces, JointsByTheirWorstPlace) {
+  SurfacesT what = surfaces();
+  what.joints.push_back(joint({0.012, 0.013, 0.0151, 0.012}, 1e-4));
+  const auto result =
+      judged(what, {"name=A: joint=+3/-4mm, narrowest=8mm, widest=20mm, step=2mm", "name=C: joint=1mm"});
+  ASSERT_EQ(result.verdicts.size(), 4U);
+  EXPECT_NEAR(result.verdicts[0]->value, 0.0031, 1e-12) << "against the width of the design";
+  EXPECT_NEAR(result.verdicts[0]->along, 0.04, 1e-12);
+  EXPECT_EQ(result.verdicts[0]->verdict, ToleranceVerdict::undecided)
+      << "3.1 ± 0.1 mm, the worst of four places, against 3 mm";
+  EXPECT_EQ(result.verdicts[1]->verdict, ToleranceVerdict::pass);
+  EXPECT_EQ(result.verdicts[2]->verdict, ToleranceVerdict::pass);
+  EXPECT_EQ(result.verdicts[3]->not_judged, "one of its panels was not measured");
+  what.joints[0]->places[2]->width = 0.0154;
+  EXPECT_EQ(judged(what, {"*: joint=3mm"}).verdicts[0]->verdict, ToleranceVerdict::fail);
+}
+
+/// Joints of forty places whose true width lies just within, or just beyond, the limit: wrong verdicts stay within the
+/// risk whether errors are each place's own or common to all.
+TEST(JudgeSurfaces, WrongVerdictsStayWithinTheRisk) {
+  std::mt19937_64 random(11);
+  std::normal_distribution<double> normal(0, 1);
+  constexpr int trials = 1500;
+  constexpr double sigma = 2e-4, tiny = 1e-6;
+  for (bool common : {false, true}) {
+    int failed_good = 0, passed_bad = 0;
+    for (int trial = 0; trial < trials; ++trial) {
+      std::vector<double> good, bad;
+      const double z = normal(random);
+      for (int i = 0; i < 40; ++i) {
+        const double error = sigma * (common ? z : normal(random));
+        good.push_back(0.015 - tiny + error), bad.push_back((i == 20 ? 0.015 + tiny : 0.013) + error);
+      }
+      SurfacesT what = surfaces();
+      what.joints.push_back(joint(good, sigma)), what.joints.push_back(joint(bad, sigma));
+      const auto result = judged(what, {"*: joint=3mm"});
+      failed_good += result.verdicts[0]->verdict == ToleranceVerdict::fail;
+      passed_bad += result.verdicts[1]->verdict == ToleranceVerdict::pass;
+    }
+    EXPECT_LE(failed_good, 0.05 * trials + 3 * std::sqrt(0.05 * trials)) << common;
+    EXPECT_LE(passed_bad, 0.05 * trials + 3 * std::sqrt(0.05 * trials)) << common;
+  }
+}
+
+TEST(JudgeSurfaces, ARuleThatSelectsNothingIsSaid) {
+  const auto result = judged(surfaces(), {"storey=Roof: bow=1mm"});
+  ASSERT_EQ(result.requests.size(), 1U);
+  EXPECT_EQ(result.requests[0]->not_judged, "it selects no panel that was looked at");
+  EXPECT_TRUE(result.verdicts.empty());
+}
+
+TEST(JudgeSurfaces, RulesThatAreNoneAreQuoted) {
+  for (const char* rule : {"*: flatness=3mm", "*: flatness(3)=3mm", "*: bow=3", "*: bow=-3mm", "*: width=3mm",
+                           "*: bow(1m)=3mm", "*: step=+3/-1mm", "flatness(1m)=3mm", "*: bow=3m", "*:"}) {
+    try {
+      parse_surface_rule(rule);
+      ADD_FAILURE() << rule;
+    } catch (const std::runtime_error& error) {
+      EXPECT_NE(std::string(error.what()).find(rule), std::string::npos) << error.what();
+    }
+  }
+  const SurfaceRule rule = parse_surface_rule("class=IfcPlate: joint=+4/-3mm, flatness(100mm)=1mm");
+  EXPECT_NEAR(rule.limits[0].upper, 0.004, 1e-15);
+  EXPECT_NEAR(rule.limits[0].lower, -0.003, 1e-15);
+  EXPECT_NEAR(rule.limits[1].length, 0.1, 1e-15);
+}
+
+}  // namespace
+}  // namespace plumbline::judgement
