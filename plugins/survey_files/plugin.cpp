@@ -1,3 +1,4 @@
+#include "join_node.hpp"
 #include "layout_node.hpp"
 #include "nodes.hpp"
 
@@ -6,4 +7,4 @@ using namespace plumbline::survey_files;
 PLUMBLINE_PLUGIN("survey_files", "0.1.0", "MIT", ReadGsi, ReadLandXml, ReadJobXml, ReadSdr33, ReadRw5, ReadZeiss,
                  ReadNikon, ReadTopconGts7, ReadTopconGts210, ReadTopconLevel, ReadGeodimeter, ReadIdx, ReadStarNet,
                  ReadDynaMl, ReadGama, ReadKrumm, ReadSurveyCsv, ReadSetupCoordinates, ReadSurvey, ReadLayout, WriteGsi,
-                 WriteLandXml, WriteGama, WriteStarNet, WriteSurveyCsv)
+                 WriteLandXml, WriteGama, WriteStarNet, WriteSurveyCsv, JoinSurveys)

@@ -1,6 +1,8 @@
 // Whole networks whose answer is known.
 #include <Eigen/Dense>
+#include <cmath>
 #include <numbers>
+#include <set>
 
 #include "simulated_network.hpp"
 #include "survey/adjust/adjust_network.hpp"
@@ -100,6 +102,44 @@ TEST(Network, SnoopingRemovesTheBlunderAndSaysSo) {
   EXPECT_TRUE(r.rows[20].removed);
   EXPECT_NEAR(r.rows[20].statistics.estimated_blunder, 0.05, 0.006);
   EXPECT_LT(r.sigma0, 1.4);
+}
+
+/// Where more are suspect than may go, the robust start takes the worst of them.
+TEST(Network, TheRobustStartTakesTheWorstOfTooManySuspects) {
+  auto n = simulate({}, 7);
+  std::set<int> large;
+  int size = 0;
+  for (const int row : {2, 14, 32, 50, 65, 77, 92, 104}) {  // slope distances, the later the worse
+    ASSERT_EQ(n.survey.observations[static_cast<size_t>(row)].kind, ObservationKind::slope_distance);
+    n.survey.observations[static_cast<size_t>(row)].value += 0.02 + 0.015 * size++;
+    if (size > 5) large.insert(row);
+  }
+  AdjustOptions options;
+  options.curvature = Switch::off;
+  options.remove_blunders = options.robust_start = true;
+  options.largest_removed_share = 3.5 / static_cast<double>(n.survey.observations.size());
+  const NetworkResult r = adjust_network(n.survey, options);
+  ASSERT_GE(r.snooping.size(), 3u);
+  std::set<int> first;
+  for (size_t k = 0; k < 3; ++k) first.insert(r.snooping[k].row);
+  EXPECT_EQ(first, large);
+}
+
+/// Critical values of whole sightings: chi-squared with as many degrees of freedom as the sighting has readings.
+TEST(Network, ASightingIsTestedWithAllOfItsReadings) {
+  auto n = simulate({}, 8);
+  n.survey.observations.erase(n.survey.observations.begin() + 17);  // a sighting of two readings
+  AdjustOptions options;
+  options.curvature = Switch::off;
+  options.alpha0 = 0.01;
+  const NetworkResult r = adjust_network(n.survey, options);
+  std::set<int> ranks;
+  for (const ResultPointing& p : r.pointings) {
+    ranks.insert(p.test.rank);
+    EXPECT_NEAR(p.critical, p.test.rank == 3 ? 11.345 : 9.210, 1e-3) << "chi-squared, 99 %, of the tables";
+    EXPECT_EQ(p.flagged, p.test.statistic > p.critical);
+  }
+  EXPECT_EQ(ranks, (std::set<int>{2, 3}));
 }
 
 TEST(Network, MeansOfFacesAndSets) {
