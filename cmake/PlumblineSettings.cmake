@@ -21,8 +21,9 @@ set(CMAKE_ARCHIVE_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib)
 
 find_program(CCACHE_PROGRAM ccache)
 if(CCACHE_PROGRAM)
-  # What ccache has to be allowed, or it keeps nothing that takes a precompiled header.
-  set(CMAKE_C_COMPILER_LAUNCHER env CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE_PROGRAM})
+  # What ccache has to be allowed, or it keeps nothing that takes a precompiled header. Told by the compiler what a file
+  # reads, it need not preprocess every file that it has not seen.
+  set(CMAKE_C_COMPILER_LAUNCHER env CCACHE_SLOPPINESS=pch_defines,time_macros CCACHE_DEPEND=1 ${CCACHE_PROGRAM})
   set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_C_COMPILER_LAUNCHER})
 endif()
 
@@ -87,4 +88,10 @@ function(plumbline_embed_texts header namespace struct array folder)
   endforeach()
   string(APPEND table "};\n}  // namespace ${namespace}\n")
   file(CONFIGURE OUTPUT ${header} CONTENT "${table}" @ONLY)
+endfunction()
+
+# plumbline_compile_alone(a.cpp ...)
+# Files that are not compiled together with others of their target (CMAKE_UNITY_BUILD): their own names would meet.
+function(plumbline_compile_alone)
+  set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()

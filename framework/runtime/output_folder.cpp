@@ -32,10 +32,6 @@ std::string unpredictable_name() {
 
 const std::string record_begin = "{\"event\":\"run_start\"";
 
-bool starts_with(const std::string& text, const std::string& start) {
-  return text.compare(0, start.size(), start) == 0;
-}
-
 }  // namespace
 
 OutputFolder::OutputFolder(fs::path folder, FileHashes& hashes, bool overwrite)
@@ -102,7 +98,7 @@ void OutputFolder::put_away_leftovers() {
   std::error_code error;
   std::vector<fs::path> made;
   for (const auto& entry : fs::directory_iterator(staged, error))
-    if (starts_with(entry.path().filename().string(), "new-")) made.push_back(entry.path());
+    if (entry.path().filename().string().starts_with("new-")) made.push_back(entry.path());
   for (const fs::path& path : made) clear(path);
   ::rmdir(staged.c_str());
 }
@@ -189,7 +185,7 @@ bool OutputFolder::holds(const std::string& output, const std::string& made_from
   if (is == Standing::ours) return true;
   if (is != Standing::folder || !not_ours_in(output).empty()) return false;
   for (auto file = owned_.files.lower_bound(output + "/");
-       file != owned_.files.end() && starts_with(file->first, output + "/"); ++file)
+       file != owned_.files.end() && file->first.starts_with(output + "/"); ++file)
     if (standing(file->first) != Standing::ours) return false;
   return true;
 }
@@ -265,7 +261,7 @@ std::string OutputFolder::put_tree(const std::string& output, const std::vector<
     }
   }
   for (auto file = owned_.files.lower_bound(output + "/");
-       file != owned_.files.end() && starts_with(file->first, output + "/");)
+       file != owned_.files.end() && file->first.starts_with(output + "/");)
     file = paths.count(file->first) ? std::next(file) : owned_.files.erase(file);
   for (const auto& [path, sha256] : paths) owned_.files[path] = {sha256};
   owned_.made_from[output] = made_from;

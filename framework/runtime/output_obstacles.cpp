@@ -13,10 +13,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-bool starts_with(const std::string& text, const std::string& start) {
-  return text.compare(0, start.size(), start) == 0;
-}
-
 }  // namespace
 
 std::vector<std::string> parents_of(const std::string& path) {
@@ -121,14 +117,14 @@ std::string output_name_problem(const std::string& name) {
     if (part.empty() || part == "." || part == "..")
       return named + "'" + (part.empty() ? "/" : part) + "' names no file under the output folder";
     if (part.size() > 255) return named + "a part of it has more than 255 bytes";
-    if (starts_with(part, ".plumbline-") || part == ".run.jsonl.new")
+    if (part.starts_with(".plumbline-") || part == ".run.jsonl.new")
       return named + "names like '" + part + "' are the program's own";
     for (const char c : part)
       if (static_cast<unsigned char>(c) < 32 || c == 127) return named + "it holds a control character";
     if (end == name.size()) break;
     start = end + 1;
   }
-  return name == "run.jsonl" || starts_with(name, "run.jsonl/") ? named + "the record of the run goes there" : "";
+  return name == "run.jsonl" || name.starts_with("run.jsonl/") ? named + "the record of the run goes there" : "";
 }
 
 }  // namespace plumbline::runtime

@@ -21,9 +21,9 @@ namespace {
 constexpr size_t deepest_include = 100;
 
 /// Reads one file and, first, those it includes.
-class Reader {
+class FileReader {
  public:
-  Reader(const std::vector<std::string>& overrides, const std::vector<fs::path>& include_folders,
+  FileReader(const std::vector<std::string>& overrides, const std::vector<fs::path>& include_folders,
          std::vector<Problem>& problems)
       : overrides_(overrides), include_folders_(include_folders), problems_(problems), variables_(problems) {}
 
@@ -406,7 +406,7 @@ class Reader {
 
 PipelineSpec read_pipeline(const fs::path& file, const std::vector<std::string>& overrides,
                            const std::vector<fs::path>& include_folders, std::vector<Problem>& problems) {
-  return Reader(overrides, include_folders, problems).read(file);
+  return FileReader(overrides, include_folders, problems).read(file);
 }
 
 bool is_node_override(const std::string& text) {

@@ -30,8 +30,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr char good = '+', bad = '-';  // first byte of the child's word; its last one is `end`
-constexpr char end = '\n';
+constexpr char good = '+', bad = '-';  // first byte of the child's word; its last one is `last_byte`
+constexpr char last_byte = '\n';
 
 const std::string hung = "hung", hang_text = "hangs while it is loaded";
 
@@ -196,7 +196,7 @@ void write_all(int file, const std::string& text) {
   setrlimit(RLIMIT_CORE, &no_core);
   for (const int signal : {SIGINT, SIGTERM, SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGPIPE})
     std::signal(signal, SIG_DFL);
-  write_all(word, word_about(library, roles) + end);
+  write_all(word, word_about(library, roles) + last_byte);
   _exit(0);
 }
 
@@ -230,7 +230,7 @@ bool listen(int word, Clock::time_point deadline, std::string& text) {
     if (count < 0 && errno == EINTR) continue;
     if (count <= 0) return true;
     text.append(buffer, static_cast<size_t>(count));
-    if (text.back() == end && text.size() > 1) {  // the last word, or a piece that happens to end so
+    if (text.back() == last_byte && text.size() > 1) {  // the last word, or a piece that happens to end so
       pollfd more{word, POLLIN, 0};
       if (poll(&more, 1, 0) == 0) return true;
     }
@@ -276,7 +276,7 @@ PluginScan scan_in_child(const fs::path& library, const Roles& roles, std::strin
   bool in_time = listen(ends[0], deadline, word);
   close(ends[0]);
   // A child that gave its word ends by itself, unless a thread of the library holds it; nothing of it is needed.
-  const bool spoke = word.size() > 1 && word.back() == end;
+  const bool spoke = word.size() > 1 && word.back() == last_byte;
   int status = 0;
   if (!spoke) in_time = in_time && ended_by(child, deadline);
   if (!in_time || spoke) kill(-child, SIGKILL);

@@ -16,9 +16,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string dump(const Json& json) { return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n"; }
+std::string dumped(const Json& json) { return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n"; }
 
-std::string utc(double seconds) {
+std::string utc_milliseconds(double seconds) {
   const auto whole = static_cast<std::time_t>(std::floor(seconds));
   std::tm parts{};
   gmtime_r(&whole, &parts);
@@ -114,7 +114,7 @@ std::string chrome_trace(const RecordedRun& run) {
                           {"computed", node.computed.first},
                           {"seconds", node.computed.seconds},
                           {"hosts", node.computed.hosts}}}});
-  return dump({{"displayTimeUnit", "ms"}, {"traceEvents", events}});
+  return dumped({{"displayTimeUnit", "ms"}, {"traceEvents", events}});
 }
 
 std::string ro_crate(const RecordedRun& run) {
@@ -149,8 +149,8 @@ std::string ro_crate(const RecordedRun& run) {
                                         : "http://schema.org/FailedActionStatus"}};
     if (!node.error.empty()) action["error"] = node.error;
     if (node.start > 0) {
-      action["startTime"] = utc(node.start);
-      action["endTime"] = utc(node.start + node.seconds);
+      action["startTime"] = utc_milliseconds(node.start);
+      action["endTime"] = utc_milliseconds(node.start + node.seconds);
     } else if (!node.computed.first.empty()) {  // not in this run: it says so
       action["startTime"] = node.computed.first;
     }
@@ -191,7 +191,7 @@ std::string ro_crate(const RecordedRun& run) {
       {{"@id", "run.jsonl"}, {"@type", "File"}, {"name", "run record"}, {"encodingFormat", "application/jsonl"}});
   for (Json* list : {&files, &programs, &actions})
     for (Json& item : *list) graph.push_back(std::move(item));
-  return dump({{"@context", "https://w3id.org/ro/crate/1.1/context"}, {"@graph", graph}});
+  return dumped({{"@context", "https://w3id.org/ro/crate/1.1/context"}, {"@graph", graph}});
 }
 
 }  // namespace plumbline::runtime

@@ -12,8 +12,6 @@ namespace {
 
 using formats::CsvRow;
 
-constexpr double kNotGiven = std::numeric_limits<double>::quiet_NaN();
-
 std::string list_of(const std::vector<std::string>& names) {
   constexpr std::size_t most = 6;
   std::string text;

@@ -11,7 +11,7 @@
 namespace plumbline::control {
 namespace {
 
-constexpr const char* expected =
+constexpr const char* kOpenMvsColumns =
     "gcp_label, image_file_name, x, y, x_map, y_map, elev and perhaps x_map_acc, y_map_acc, elev_acc";
 
 const std::map<std::string, std::string>& names() {
@@ -42,7 +42,7 @@ class Table {
   std::string text(const formats::CsvRow& row, const std::string& name) const {
     const auto column = columns_.find(name);
     if (column == columns_.end())
-      throw std::runtime_error(file_ + ": the column '" + name + "' is missing, expected " + expected);
+      throw std::runtime_error(file_ + ": the column '" + name + "' is missing, expected " + kOpenMvsColumns);
     if (column->second >= row.cells.size()) fail(row, "the cell '" + name + "' is missing");
     return row.cells[column->second].text;
   }
@@ -95,7 +95,7 @@ std::vector<GcpRow> parse_openmvs_gcp(const std::string& text, const std::string
       table.fail(row, "point " + r.point + " is measured in " + r.image + " a second time; keep one of the rows");
     rows.push_back(r);
   }
-  if (rows.empty()) throw std::runtime_error(file + ": there is no row of a point, expected " + std::string(expected));
+  if (rows.empty()) throw std::runtime_error(file + ": there is no row of a point, expected " + std::string(kOpenMvsColumns));
   return rows;
 }
 

@@ -13,7 +13,6 @@ namespace {
 
 using formats::CsvRow;
 
-constexpr double kNotGiven = std::numeric_limits<double>::quiet_NaN();
 constexpr double kHighest = 20000;  // [m]
 
 class OrderedColumns {

@@ -9,8 +9,6 @@
 namespace plumbline::control {
 namespace {
 
-constexpr double kNotGiven = std::numeric_limits<double>::quiet_NaN();
-
 using Names = std::map<std::string, std::string>;
 
 void add(Names& all, const std::string& column, std::initializer_list<const char*> synonyms) {

@@ -1,6 +1,7 @@
 // What columns of tables of points mean: their names in five languages, their units, and which of X and Y is east.
 #pragma once
 
+#include <limits>
 #include <map>
 #include <string>
 #include <string_view>
@@ -9,6 +10,8 @@
 #include "text/csv_table.hpp"
 
 namespace plumbline::control {
+
+inline constexpr double kNotGiven = std::numeric_limits<double>::quiet_NaN();
 
 /// What a normalised header cell may be called -> id, e, n, h, x, y, latitude, longitude, sigma (of every axis),
 /// sigma_plan (of E and of N), sigma_e, sigma_n, sigma_h, cov_ee … cov_hh, role, code or description.

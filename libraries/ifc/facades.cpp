@@ -15,7 +15,7 @@ namespace {
 /// Neighbours on one facade are no farther apart than this in plan [m].
 constexpr double kFarthestNeighbour = 8;
 /// Two elements of one facade face alike within 20°; a bent facade turns by less from one to the next.
-const double kAlike = std::cos(20 * std::numbers::pi / 180);
+const double kSameFacing = std::cos(20 * std::numbers::pi / 180);
 /// Plates are true to a few degrees: within 30° they say the same as what is more exact.
 const double kPlateAlike = std::cos(30 * std::numbers::pi / 180);
 
@@ -26,7 +26,7 @@ struct Place {
 };
 
 bool continues(const Place& a, const Place& b) {
-  if (a.out.dot(b.out) < kAlike) return false;
+  if (a.out.dot(b.out) < kSameFacing) return false;
   const Eigen::Vector3d d = b.position - a.position;
   const double apart = d.head<2>().norm();
   if (apart > kFarthestNeighbour) return false;

@@ -9,7 +9,7 @@
 namespace plumbline::bim {
 namespace {
 
-constexpr int kDeepestNesting = 64;
+constexpr int kDeepestPlacement = 64;
 constexpr int kSamplesOfRevolution = 32;
 /// Instances and points that one element may need: the densest real ones (scanned ornaments) have some 10^5.
 constexpr std::size_t kWorkOfElement = 2'000'000;
@@ -109,7 +109,7 @@ std::vector<ItemExtent> Extents::of_shape(std::uint64_t shape_id, std::uint64_t 
 }
 
 std::vector<ItemExtent> Extents::of_representation(const Entity& representation, int depth) {
-  if (depth > kDeepestNesting)
+  if (depth > kDeepestPlacement)
     throw UnsupportedGeometry("mapped items are nested deeper than " + std::to_string(depth));
   std::vector<ItemExtent> items;
   charge(1);
@@ -148,7 +148,7 @@ std::vector<ItemExtent> Extents::of_mapped_item(const Entity& item, int depth) {
 ItemExtent Extents::of_item(std::uint64_t id, std::uint64_t referrer, int depth) {
   const Entity item = model_.entity(id, referrer);
   const std::string& kind = item.keyword();
-  if (depth > kDeepestNesting) throw UnsupportedGeometry("geometry is nested deeper than " + std::to_string(depth));
+  if (depth > kDeepestPlacement) throw UnsupportedGeometry("geometry is nested deeper than " + std::to_string(depth));
   charge(1 + item.arguments().size());
   ItemExtent extent;
   if (kind.starts_with("IFCEXTRUDEDAREASOLID")) return of_extrusion(item, depth);

@@ -61,7 +61,7 @@ const ExifEntry* find(const ExifData& data, ExifTag tag) {
   return nullptr;
 }
 
-int on_error(TIFF*, void* user, const char*, const char* format, std::va_list arguments) {
+int on_tiff_error(TIFF*, void* user, const char*, const char* format, std::va_list arguments) {
   char text[200];
   std::vsnprintf(text, sizeof text, format, arguments);
   auto& message = *static_cast<std::string*>(user);
@@ -69,7 +69,7 @@ int on_error(TIFF*, void* user, const char*, const char* format, std::va_list ar
   return 1;  // said; libtiff need not print it
 }
 
-int on_warning(TIFF*, void*, const char*, const char*, std::va_list) { return 1; }
+int on_tiff_warning(TIFF*, void*, const char*, const char*, std::va_list) { return 1; }
 
 void read_tiff_text(TIFF* tiff, ExifTag tag, Exif& exif) {
   const char* text = nullptr;
@@ -123,8 +123,8 @@ TiffHeader read_tiff_header(const std::filesystem::path& path) {
   std::string message;
   const std::unique_ptr<TIFFOpenOptions, void (*)(TIFFOpenOptions*)> options(TIFFOpenOptionsAlloc(),
                                                                              TIFFOpenOptionsFree);
-  TIFFOpenOptionsSetErrorHandlerExtR(options.get(), on_error, &message);
-  TIFFOpenOptionsSetWarningHandlerExtR(options.get(), on_warning, nullptr);
+  TIFFOpenOptionsSetErrorHandlerExtR(options.get(), on_tiff_error, &message);
+  TIFFOpenOptionsSetWarningHandlerExtR(options.get(), on_tiff_warning, nullptr);
   const std::unique_ptr<TIFF, void (*)(TIFF*)> tiff(TIFFOpenExt(path.c_str(), "rm", options.get()), [](TIFF* open) {
     if (open) TIFFClose(open);
   });

@@ -14,7 +14,7 @@
 namespace plumbline::judgement {
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
+constexpr double inf = std::numeric_limits<double>::infinity();
 constexpr int kSamples = 4096;
 /// Rounding of a limit and of a value that equals it [m].
 constexpr double kRounding = 1e-12;
@@ -79,7 +79,7 @@ double of_one(const Limited& quantity, const Eigen::VectorXd& mean, const Eigen:
 
 Conformance conformance(const Eigen::VectorXd& mean, const Eigen::MatrixXd& covariance,
                         const std::vector<Limited>& quantities, double risk, double tau) {
-  Conformance result{nan, std::vector<double>(quantities.size(), nan), inf, 0};
+  Conformance result{std::numeric_limits<double>::quiet_NaN(), std::vector<double>(quantities.size(), std::numeric_limits<double>::quiet_NaN()), inf, 0};
   if (quantities.empty() || covariance.size() == 0 || !covariance.allFinite() || !mean.allFinite()) return result;
   const Eigen::Index n = mean.size();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance);

@@ -9,14 +9,14 @@
 namespace plumbline::judgement {
 namespace {
 
-constexpr const char* kExample = "class=IfcPlate: flatness(1m)=3mm, bow=4mm, step=2mm, joint=+4/-3mm";
+constexpr const char* kSurfaceExample = "class=IfcPlate: flatness(1m)=3mm, bow=4mm, step=2mm, joint=+4/-3mm";
 constexpr SurfaceQuantity kQuantities[] = {
     SurfaceQuantity::flatness, SurfaceQuantity::bow,       SurfaceQuantity::twist, SurfaceQuantity::step,
     SurfaceQuantity::joint,    SurfaceQuantity::narrowest, SurfaceQuantity::widest};
 
 [[noreturn]] void refuse(const std::string& rule, const std::string& part, const std::string& why) {
   throw std::runtime_error("surface rule '" + rule + "': found '" + part + "', " + why + "; expected such as '" +
-                           kExample + "'");
+                           kSurfaceExample + "'");
 }
 
 SurfaceQuantity quantity_of(std::string_view name, const std::string& rule, const std::string& part) {
@@ -66,7 +66,7 @@ bool is_of_joints(SurfaceQuantity quantity) {
 }
 
 SurfaceRule parse_surface_rule(const std::string& text) {
-  auto [selection, lengths, whole] = bim::parse_lengths(text, kExample);
+  auto [selection, lengths, whole] = bim::parse_lengths(text, kSurfaceExample);
   SurfaceRule rule{std::move(selection), {}, std::move(whole)};
   for (const auto& [written, metres, part] : lengths) {
     SurfaceLimit limit;

@@ -18,13 +18,12 @@
 namespace plumbline::markers {
 namespace {
 
-constexpr int count = BrownCamera::parameter_count;
 
 struct State {
   std::vector<std::array<double, 6>> poses;
   std::vector<Eigen::Quaterniond> rotations;
   std::vector<Eigen::Matrix3d> matrices;
-  std::array<double, count> interior{};
+  std::array<double, BrownCamera::parameter_count> interior{};
   std::array<double, 2> bend{};
 
   void fold() {
@@ -120,7 +119,7 @@ class Calibrator {
     labels_.clear();
     model.add_group("points"), model.add_group("bend");
     for (auto& pose : state_.poses) model.add_pose(pose.data());
-    std::vector<bool> free(count, false);
+    std::vector<bool> free(BrownCamera::parameter_count, false);
     for (const auto& name : options_.free) {
       const auto at = std::find_if(BrownCamera::parameter_names.begin(), BrownCamera::parameter_names.end(),
                                    [&](const char* known) { return name == known; });
@@ -143,7 +142,7 @@ class Calibrator {
         if (!use_[v][k]) continue;
         const CalibrationPoint& p = views_[v].points[k];
         const Eigen::Vector2d unit = (p.board.head<2>() - middle_).cwiseQuotient(half_);
-        model.add_term(std::make_unique<adjust::DifferentiatedCost<PointCost, 2, 6, count, 2>>(
+        model.add_term(std::make_unique<adjust::DifferentiatedCost<PointCost, 2, 6, BrownCamera::parameter_count, 2>>(
                            new PointCost{p.board, p.pixel, unit, p.sigma, options_.lens, &state_.matrices[v]}),
                        {state_.poses[v].data(), state_.interior.data(), state_.bend.data()}, 0,
                        static_cast<int>(labels_.size()), true);

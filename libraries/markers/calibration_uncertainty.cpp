@@ -9,7 +9,6 @@
 namespace plumbline::markers {
 namespace {
 
-constexpr int count = BrownCamera::parameter_count;
 
 /// Directions of the grid's pixels, with the derivative of the pixel by a rotation of the direction.
 struct Ray {
@@ -36,10 +35,10 @@ std::vector<Ray> rays_of(const BrownCamera& camera, int columns, int rows) {
 }
 
 /// Derivative of the pixel by the nine parameters, by central differences.
-Eigen::Matrix<double, 2, count> by_parameters(const BrownCamera& camera, const Eigen::Vector3d& direction) {
-  Eigen::Matrix<double, 2, count> slope;
+Eigen::Matrix<double, 2, BrownCamera::parameter_count> by_parameters(const BrownCamera& camera, const Eigen::Vector3d& direction) {
+  Eigen::Matrix<double, 2, BrownCamera::parameter_count> slope;
   const auto values = camera.parameters();
-  for (int k = 0; k < count; ++k) {
+  for (int k = 0; k < BrownCamera::parameter_count; ++k) {
     const double step = k < 4 ? 1e-3 : 1e-7;
     double pixels[2][2];
     for (int side = 0; side < 2; ++side) {
@@ -62,22 +61,22 @@ std::vector<double> projection_uncertainty(const BrownCamera& camera, const Eige
                                            int rows) {
   const std::vector<Ray> rays = rays_of(camera, columns, rows);
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-  Eigen::Matrix<double, 3, count> right = Eigen::Matrix<double, 3, count>::Zero();
-  std::vector<Eigen::Matrix<double, 2, count>> slopes(rays.size());
+  Eigen::Matrix<double, 3, BrownCamera::parameter_count> right = Eigen::Matrix<double, 3, BrownCamera::parameter_count>::Zero();
+  std::vector<Eigen::Matrix<double, 2, BrownCamera::parameter_count>> slopes(rays.size());
   for (size_t i = 0; i < rays.size(); ++i) {
     if (!rays[i].valid) continue;
     slopes[i] = by_parameters(camera, rays[i].direction);
     normal += rays[i].by_rotation.transpose() * rays[i].by_rotation;
     right += rays[i].by_rotation.transpose() * slopes[i];
   }
-  const Eigen::Matrix<double, 3, count> rotation = normal.ldlt().solve(right);
+  const Eigen::Matrix<double, 3, BrownCamera::parameter_count> rotation = normal.ldlt().solve(right);
   std::vector<double> result;
   for (size_t i = 0; i < rays.size(); ++i) {
     if (!rays[i].valid) {
       result.push_back(std::nan(""));
       continue;
     }
-    const Eigen::Matrix<double, 2, count> total = slopes[i] - rays[i].by_rotation * rotation;
+    const Eigen::Matrix<double, 2, BrownCamera::parameter_count> total = slopes[i] - rays[i].by_rotation * rotation;
     const Eigen::Matrix2d c = total * covariance * total.transpose();
     const double mean = 0.5 * c.trace();
     result.push_back(std::sqrt(std::max(0.0, mean + std::hypot(0.5 * (c(0, 0) - c(1, 1)), c(0, 1)))));

@@ -17,6 +17,7 @@
 #include "markers/marker_truth.hpp"
 #include "markers/marker_words.hpp"
 #include "plumbline/stop.hpp"
+#include "text/text.hpp"
 
 namespace plumbline::markers {
 namespace {
@@ -24,12 +25,6 @@ namespace {
 using adjust::AdjustedBlock;
 using adjust::ObservationRows;
 using adjustment::PartitionedSystem;
-
-std::string number(double value, int decimals) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.*f", decimals, value);
-  return text;
-}
 
 void require_usable(const MarkerBlock& block) {
   if (block.views.empty()) throw std::runtime_error("no tag was found in any photograph");
@@ -267,7 +262,7 @@ void run_or_explain(const MarkerBlock& block, const MarkerOptions& options, cons
     throw std::runtime_error(
         std::to_string(block.images.size()) + " photographs with " + std::to_string(block.markers.size()) +
         (block.markers.size() == 1 ? " tag" : " tags") + ", " +
-        number(static_cast<double>(block.views.size()) / static_cast<double>(block.images.size()), 1) +
+        formats::format_fixed(static_cast<double>(block.views.size()) / static_cast<double>(block.images.size()), 1) +
         " in each on the average, do not calibrate " + std::to_string(block.cameras.size()) +
         (block.cameras.size() == 1 ? " camera" : " cameras") +
         ". Photograph several tags together, from several directions, tilted; or calibrate the camera on a board "

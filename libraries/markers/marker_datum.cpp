@@ -9,15 +9,10 @@
 #include <tuple>
 
 #include "geometry/median.hpp"
+#include "text/text.hpp"
 
 namespace plumbline::markers {
 namespace {
-
-std::string number(double value, int decimals) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.*f", decimals, value);
-  return text;
-}
 
 }  // namespace
 
@@ -109,8 +104,8 @@ void warn_about_inset(const MarkerBlock& block, MarkerResult& result) {
     const double inset = result.cameras[c].inset;
     if (sides.empty() || !(2 * std::abs(inset) > much * upper_median(sides))) continue;
     result.warnings.push_back(
-        "the edges of the tags are " + number(inset, 2) + " px inside of where they are printed, " +
-        number(200 * inset / upper_median(sides), 0) + " % of the " + number(upper_median(sides), 0) +
+        "the edges of the tags are " + formats::format_fixed(inset, 2) + " px inside of where they are printed, " +
+        formats::format_fixed(200 * inset / upper_median(sides), 0) + " % of the " + formats::format_fixed(upper_median(sides), 0) +
         " px of a side: this is allowed for, but all lengths hang on it and may be wrong by a part "
         "of that. Give distance=A,B,metres, or photograph the tags larger");
   }
@@ -124,7 +119,7 @@ void state_scale(const MarkerBlock& block, const MarkerOptions& options, MarkerR
     result.datum += "; lengths by the distance of tags " +
                     block.markers[static_cast<size_t>(options.distance->from)].name() + " and " +
                     block.markers[static_cast<size_t>(options.distance->to)].name() + ", good to " +
-                    number(100 * result.scale_sigma, 2) + " %";
+                    formats::format_fixed(100 * result.scale_sigma, 2) + " %";
     return;
   }
   warn_about_inset(block, result);
@@ -132,8 +127,8 @@ void state_scale(const MarkerBlock& block, const MarkerOptions& options, MarkerR
   for (const auto& marker : result.markers)
     size += block.markers[static_cast<size_t>(marker.marker)].size / static_cast<double>(result.markers.size());
   result.scale_sigma = std::hypot(options.print_sigma / size, options.size_sigma);
-  result.datum += "; lengths by the printed size of the tags, good to " + number(100 * result.scale_sigma, 2) + " % (" +
-                  number(1e3 * options.print_sigma, 2) + " mm of " + number(1e3 * size, 1) +
+  result.datum += "; lengths by the printed size of the tags, good to " + formats::format_fixed(100 * result.scale_sigma, 2) + " % (" +
+                  formats::format_fixed(1e3 * options.print_sigma, 2) + " mm of " + formats::format_fixed(1e3 * size, 1) +
                   " mm), which the standard deviations do not hold: distance=A,B,metres gives them better";
 }
 

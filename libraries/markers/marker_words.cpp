@@ -14,15 +14,10 @@
 #include "geometry/median.hpp"
 #include "geometry/statistics.hpp"
 #include "markers/marker_model.hpp"
+#include "text/text.hpp"
 
 namespace plumbline::markers {
 namespace {
-
-std::string number(double value, int decimals) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.*f", decimals, value);
-  return text;
-}
 
 /// A tag as the photographs have it.
 struct Sighting {
@@ -129,7 +124,7 @@ namespace {
 
 /// "tag 4 is turned by 180 degrees about its normal, against the layout".
 std::string words_of_turn(const TagOffLayout& tag) {
-  return (tag.about_normal ? "turned by " : "tilted by ") + number(tag.angle * 180 / M_PI, 0) +
+  return (tag.about_normal ? "turned by " : "tilted by ") + formats::format_fixed(tag.angle * 180 / M_PI, 0) +
          (tag.about_normal ? " degrees about its normal" : " degrees");
 }
 
@@ -172,7 +167,7 @@ void warn_about_layout(const MarkerBlock& block, const MarkerOptions& options, c
       if (m < there->second)
         result.warnings.push_back("tags " + name + " and " + other +
                                   " are exchanged: the photographs show each where the layout has the other, " +
-                                  number(tag.distance, 2) + " m away. Correct the layout");
+                                  formats::format_fixed(tag.distance, 2) + " m away. Correct the layout");
       continue;
     }
     if (!tag.moved) {
@@ -180,7 +175,7 @@ void warn_about_layout(const MarkerBlock& block, const MarkerOptions& options, c
                                 ": it was hung otherwise, or its rotation in the layout is wrong" + effect);
       continue;
     }
-    result.warnings.push_back("tag " + name + " is " + number(tag.distance, 2) + " m from its place in the layout" +
+    result.warnings.push_back("tag " + name + " is " + formats::format_fixed(tag.distance, 2) + " m from its place in the layout" +
                               (other.empty() ? "" : ", where the layout has tag " + other) +
                               (tag.turned ? ", and " + words_of_turn(tag) : "") +
                               ": it was moved, or the layout is wrong" + effect);
@@ -192,8 +187,8 @@ void warn_about_variance(MarkerResult& result) {
   for (const auto& group : result.groups) {
     const bool corners = group.name.rfind("corners", 0) == 0;
     if (!corners || !(group.redundancy > 10) || !(group.factor > limit)) continue;
-    result.warnings.push_back(group.name + ": " + number(std::sqrt(group.factor), 1) +
-                              " times as uncertain as the detector states (variance factor " + number(group.factor, 1) +
+    result.warnings.push_back(group.name + ": " + formats::format_fixed(std::sqrt(group.factor), 1) +
+                              " times as uncertain as the detector states (variance factor " + formats::format_fixed(group.factor, 1) +
                               "): motion, sharpening, or a lens or tags that are no plane squares. All standard "
                               "deviations are scaled by it");
   }
@@ -279,7 +274,7 @@ std::string furthest_parameter(const BrownCamera& given, const BrownCamera& foun
     largest = w;
     worst = std::string(BrownCamera::parameter_names[i]) + " is " + digits(after[i]) + " \u00b1 " +
             digits(std::sqrt(adjusted(k, k))) + ", given were " + digits(before[i]) + " \u00b1 " +
-            digits(std::sqrt(prior(k, k))) + " (w = " + number(w, 1) + ")";
+            digits(std::sqrt(prior(k, k))) + " (w = " + formats::format_fixed(w, 1) + ")";
   }
   return worst;
 }
@@ -322,8 +317,8 @@ void warn_about_calibrations(const MarkerBlock& block, MarkerResult& result) {
     if (!(test.statistic > limit)) continue;
     result.warnings.push_back(
         "the photographs contradict the calibration of camera " + given.id + ": all parameters together are off by " +
-        number(std::sqrt(test.statistic), 1) + " standard deviations (" + std::to_string(test.freedom) +
-        " degrees of freedom, at most " + number(std::sqrt(limit), 1) + "), furthest " +
+        formats::format_fixed(std::sqrt(test.statistic), 1) + " standard deviations (" + std::to_string(test.freedom) +
+        " degrees of freedom, at most " + formats::format_fixed(std::sqrt(limit), 1) + "), furthest " +
         furthest_parameter(given.camera, result.cameras[c].camera, given.covariance, adjusted) +
         ". Check that it is of this camera, focus and size of photographs; without it the camera calibrates itself");
   }
@@ -343,11 +338,11 @@ void warn_about_weak(const MarkerBlock& block, MarkerResult& result) {
     }
     std::vector<std::string> why;
     if (image.other_centre && image.ambiguity < 2 && (*image.other_centre - image.centre).norm() > 3 * sigma)
-      why.push_back("one tag, and a second pose fits nearly as well (residuals " + number(image.ambiguity, 2) +
-                    " times as large) with the camera " + number((*image.other_centre - image.centre).norm(), 2) +
+      why.push_back("one tag, and a second pose fits nearly as well (residuals " + formats::format_fixed(image.ambiguity, 2) +
+                    " times as large) with the camera " + formats::format_fixed((*image.other_centre - image.centre).norm(), 2) +
                     " m away");
     if (sigma > weak_part * nearest)
-      why.push_back("its centre is uncertain by " + number(sigma, 3) + " m (1 sigma) at " + number(nearest, 2) +
+      why.push_back("its centre is uncertain by " + formats::format_fixed(sigma, 3) + " m (1 sigma) at " + formats::format_fixed(nearest, 2) +
                     " m from the nearest tag in it: " + std::to_string(image.tags) +
                     (image.tags == 1 ? " tag" : " tags"));
     for (const auto& text : why) image.reason += (image.reason.empty() ? "weak: " : "; ") + text;
@@ -357,13 +352,13 @@ void warn_about_weak(const MarkerBlock& block, MarkerResult& result) {
     const double inset_limit = 3 * 0.3;
     if (camera.inset_sigma > 0 && std::abs(camera.inset) > inset_limit)
       result.warnings.push_back(
-          "the tags' edges are drawn " + number(camera.inset, 2) +
+          "the tags' edges are drawn " + formats::format_fixed(camera.inset, 2) +
           " px inwards, far beyond what a detector does: the photographs are blurred or sharpened "
           "strongly, or the printed size is not that of the black square");
     const double sigma_f = camera.covariance.size() ? std::sqrt(camera.covariance(0, 0)) : 0;
     if (sigma_f > 0.02 * camera.camera.fx)
       result.warnings.push_back("the principal distance of camera " + block.cameras[c].id + " is uncertain by " +
-                                number(100 * sigma_f / camera.camera.fx, 1) +
+                                formats::format_fixed(100 * sigma_f / camera.camera.fx, 1) +
                                 " %: photograph the tags from several directions, tilted, and some with the camera "
                                 "turned by 90 degrees");
   }

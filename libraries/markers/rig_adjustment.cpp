@@ -19,7 +19,6 @@
 namespace plumbline::markers {
 namespace {
 
-constexpr int count = BrownCamera::parameter_count;
 /// What is estimated besides the poses: everything, less of the lens, nothing.
 enum class Freedom { all, principal, none };
 
@@ -92,7 +91,7 @@ struct Problem {
   std::vector<std::string> exposure_names;
   std::vector<Shot> shots;
   std::vector<Pose> exposures, cameras;
-  std::vector<std::array<double, count>> interiors;
+  std::vector<std::array<double, BrownCamera::parameter_count>> interiors;
   std::array<double, 2> bend{};
   std::vector<std::vector<int>> camera_columns, interior_columns;
   std::vector<std::pair<int, int>> labels;  ///< shot and point by label
@@ -227,7 +226,7 @@ class RigAdjuster {
       p.camera_columns.push_back(model.add_kept(p.cameras[m].values.data(), std::vector<bool>(6, m > 0), labels));
       const Calibration& own = *cameras_[static_cast<size_t>(p.members[m])].calibration;
       std::vector<bool> free;
-      for (Eigen::Index k = 0; k < count; ++k) {
+      for (Eigen::Index k = 0; k < BrownCamera::parameter_count; ++k) {
         const bool estimated = own.covariance.size() == 0 || own.covariance(k, k) > 0;
         free.push_back(estimated && freedom != Freedom::none && (freedom == Freedom::all || k < 6));
         names.push_back(BrownCamera::parameter_names[static_cast<size_t>(k)] + of);
@@ -247,7 +246,7 @@ class RigAdjuster {
         const Eigen::Vector2d unit = (point.board.head<2>() - middle_).cwiseQuotient(half_);
         auto* cost =
             new RigCost{point.board, point.pixel, unit, point.sigma, &p.exposures[e].matrix, &p.cameras[c].matrix};
-        model.add_term(std::make_unique<adjust::DifferentiatedCost<RigCost, 2, 6, 6, count, 2>>(cost),
+        model.add_term(std::make_unique<adjust::DifferentiatedCost<RigCost, 2, 6, 6, BrownCamera::parameter_count, 2>>(cost),
                        {p.exposures[e].values.data(), p.cameras[c].values.data(), p.interiors[c].data(), p.bend.data()},
                        0, static_cast<int>(p.labels.size()), true);
         p.labels.emplace_back(static_cast<int>(s), k);
@@ -346,9 +345,9 @@ class RigAdjuster {
       const Calibration& separate = *cameras_[static_cast<size_t>(p.members[m])].calibration;
       camera.interior = separate.camera;
       camera.interior.set_parameters(p.interiors[m]);
-      camera.interior_covariance = Eigen::MatrixXd::Zero(count, count);
-      for (Eigen::Index i = 0; i < count; ++i)
-        for (Eigen::Index j = 0; j < count; ++j) {
+      camera.interior_covariance = Eigen::MatrixXd::Zero(BrownCamera::parameter_count, BrownCamera::parameter_count);
+      for (Eigen::Index i = 0; i < BrownCamera::parameter_count; ++i)
+        for (Eigen::Index j = 0; j < BrownCamera::parameter_count; ++j) {
           const int row = p.interior_columns[m][static_cast<size_t>(i)],
                     column = p.interior_columns[m][static_cast<size_t>(j)];
           if (row >= 0 && column >= 0) camera.interior_covariance(i, j) = factor * cofactor(row, column);

@@ -7,12 +7,12 @@
 
 #include "geometry/random.hpp"
 #include "plumbline/stop.hpp"
+#include "statistics/not_a_number.hpp"
 
 namespace plumbline::statistics {
 
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::uint64_t kEnough = 400;
 
 }  // namespace

@@ -7,25 +7,24 @@
 
 #include "geometry/median.hpp"
 #include "geometry/random.hpp"
+#include "statistics/not_a_number.hpp"
 
 namespace plumbline::statistics {
 
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 bool finished_by_both(const Encounter& e) { return std::isfinite(e.first) && std::isfinite(e.second); }
 
 /// Trials with seeds counted from 0, so that weights by seed reach them.
 class Trials {
  public:
-  struct Trial {
+  struct TrialOfSeed {
     std::size_t seed = 0;
     double first = 0, second = 0, only_first = 0, only_second = 0;
   };
   struct Group {
     double weight = 1;
-    std::vector<Trial> trials;
+    std::vector<TrialOfSeed> trials;
   };
 
   /// All trials, or only those that both finished in places that have enough of them.
@@ -60,7 +59,7 @@ class Trials {
 
   bool all_agree() const {
     for (const Group& group : groups_)
-      for (const Trial& t : group.trials)
+      for (const TrialOfSeed& t : group.trials)
         if (std::abs(t.first - t.second) > 2e-9 * std::max(t.first, t.second)) return false;
     return true;
   }
@@ -70,7 +69,7 @@ class Trials {
   double freedom() const {
     std::vector<double> share(seeds_, 0.0);
     for (const Group& group : groups_)
-      for (const Trial& t : group.trials) share[t.seed] += group.weight / static_cast<double>(group.trials.size());
+      for (const TrialOfSeed& t : group.trials) share[t.seed] += group.weight / static_cast<double>(group.trials.size());
     double squares = 0, fourths = 0;
     for (const double s : share) squares += s * s, fourths += s * s * s * s;
     return squares * squares / fourths - 1;
@@ -82,12 +81,12 @@ class Trials {
 };
 
 using Group = Trials::Group;
-using Trial = Trials::Trial;
+using TrialOfSeed = Trials::TrialOfSeed;
 
 /// First minus second; `weights` of the seeds.
 double rmse_difference(const Group& group, const Weights& weights) {
   double first = 0, second = 0, total = 0;
-  for (const Trial& t : group.trials) {
+  for (const TrialOfSeed& t : group.trials) {
     const double w = weights[t.seed];
     first += w * t.first, second += w * t.second, total += w;
   }
@@ -96,7 +95,7 @@ double rmse_difference(const Group& group, const Weights& weights) {
 
 double exchanged_difference(const Group& group, const Weights& signs) {
   double first = 0, second = 0, count = 0;
-  for (const Trial& t : group.trials) {
+  for (const TrialOfSeed& t : group.trials) {
     const bool kept = signs[t.seed] > 0;
     first += kept ? t.first : t.second;
     second += kept ? t.second : t.first;
@@ -107,7 +106,7 @@ double exchanged_difference(const Group& group, const Weights& signs) {
 
 double improvement(const Group& group, const Weights& weights) {
   double better = 0, total = 0;
-  for (const Trial& t : group.trials) {
+  for (const TrialOfSeed& t : group.trials) {
     const double both = 1 - t.only_first - t.only_second;
     const double won = t.first < t.second ? 1 : t.first > t.second ? 0 : 0.5;  // half if neither finished
     better += weights[t.seed] * (t.only_first + both * won);
@@ -116,16 +115,16 @@ double improvement(const Group& group, const Weights& weights) {
   return better / total;
 }
 
-double rmse(const Trials& pairs, double Trial::*member) {
+double rmse(const Trials& pairs, double TrialOfSeed::*member) {
   return pairs.mean([&](const Group& group) {
     double sum = 0;
-    for (const Trial& t : group.trials) sum += t.*member;
+    for (const TrialOfSeed& t : group.trials) sum += t.*member;
     return std::sqrt(sum / static_cast<double>(group.trials.size()));
   });
 }
 
 void compare_errors(const Trials& pairs, const InferenceOptions& options, PairedComparison& result) {
-  result.first = rmse(pairs, &Trial::first), result.second = rmse(pairs, &Trial::second);
+  result.first = rmse(pairs, &TrialOfSeed::first), result.second = rmse(pairs, &TrialOfSeed::second);
   result.same = pairs.all_agree();
   Jackknife difference = jackknife(pairs.seeds(), [&](const Weights& weights) {
     return pairs.mean([&](const Group& group) { return rmse_difference(group, weights); });
@@ -160,7 +159,7 @@ void compare_failures(const Trials& trials, const InferenceOptions& options, Pai
   double total = 0;
   for (const Group& group : trials.groups()) total += group.weight;
   for (const Group& group : trials.groups())
-    for (const Trial& t : group.trials) {
+    for (const TrialOfSeed& t : group.trials) {
       by_seed[t.seed] +=
           group.weight / total * (t.only_second - t.only_first) / static_cast<double>(group.trials.size());
       if (t.only_second != t.only_first) told[t.seed] = true;

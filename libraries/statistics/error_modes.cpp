@@ -6,11 +6,12 @@
 #include <cmath>
 #include <limits>
 
+#include "statistics/not_a_number.hpp"
+
 namespace plumbline::statistics {
 
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kFlat = 1e-6;  ///< of the extent: points that are this flat show no motion
 
 using Eigen::Index;

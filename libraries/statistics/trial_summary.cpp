@@ -6,11 +6,12 @@
 #include <limits>
 #include <set>
 
+#include "statistics/not_a_number.hpp"
+
 namespace plumbline::statistics {
 
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kRisk = 1e-3;
 constexpr double kTenth = 1.1;  ///< a standard deviation that is off by less is as good as can be asked for
 

@@ -14,7 +14,7 @@ namespace {
 using formats::child_text;
 using enum ObservationKind;
 
-constexpr double kSecond = std::numbers::pi / 180 / 3600;
+constexpr double kSecondOfArc = std::numbers::pi / 180 / 3600;
 constexpr double kFarthest = 20000;  // [m] from the middle: a plane is true to 5 ppm there
 constexpr const char* kRead =
     "S, C, V, Z, A, D, L or H: slope and chord distances, zenith and vertical angles, "
@@ -93,7 +93,7 @@ std::optional<double> DynaMlReader::sigma(pugi::xml_node parent, bool angular) {
       angular ? "a standard deviation in seconds above zero" : "a standard deviation in m above zero";
   const auto value = number(parent, "StdDev", expected);
   if (!value) return std::nullopt;
-  if (*value > 0) return angular ? *value * kSecond : *value;
+  if (*value > 0) return angular ? *value * kSecondOfArc : *value;
   reject(formats::child(parent, "StdDev"), child_text(parent, "StdDev"), expected);
   return std::nullopt;
 }

@@ -13,19 +13,14 @@
 namespace plumbline::survey {
 namespace {
 
-constexpr double kSecond = std::numbers::pi / 180 / 3600;
+constexpr double kArcSecond = std::numbers::pi / 180 / 3600;
 
-[[noreturn]] void cannot(const std::string& what) { throw std::runtime_error("STAR*NET writer: " + what); }
-
-bool is_angle_kind(ObservationKind kind) {
-  return kind == ObservationKind::direction || kind == ObservationKind::zenith_angle ||
-         kind == ObservationKind::angle || kind == ObservationKind::azimuth;
-}
+[[noreturn]] void starnet_cannot(const std::string& what) { throw std::runtime_error("STAR*NET writer: " + what); }
 
 /// 123-45-56.78901: to 1e-5", 5e-11 rad.
 std::string dms(double angle) {
   constexpr long long kUnits = 100000, kTurn = 360LL * 3600 * kUnits;
-  const long long units = std::llround(wrap_to_circle(angle) / kSecond * static_cast<double>(kUnits)) % kTurn;
+  const long long units = std::llround(wrap_to_circle(angle) / kArcSecond * static_cast<double>(kUnits)) % kTurn;
   const long long seconds = units / kUnits;
   char text[48];
   std::snprintf(text, sizeof text, "%lld-%02lld-%02lld.%05lld", seconds / 3600, seconds / 60 % 60, seconds % 60,
@@ -63,15 +58,15 @@ class StarNetWriter {
 void StarNetWriter::refuse_what_has_no_place() const {
   const char* instead = "; write gama XML instead";
   if (!survey_.covariances.empty())
-    cannot(std::string("the format has no place for correlated observations") + instead);
-  if (!survey_.vectors.empty()) cannot(std::string("vectors are not written") + instead);
+    starnet_cannot(std::string("the format has no place for correlated observations") + instead);
+  if (!survey_.vectors.empty()) starnet_cannot(std::string("vectors are not written") + instead);
   if (!survey_.local_coordinates.empty())
-    cannot(std::string("the format has no place for coordinates in a set-up's own frame") + instead);
+    starnet_cannot(std::string("the format has no place for coordinates in a set-up's own frame") + instead);
 }
 
 const std::string& StarNetWriter::name(const std::string& id) const {
   if (id.empty() || id.find_first_of(" \t\r\n#'\"") != std::string::npos || id == "&" || id == "*" || id == "!")
-    cannot("cannot hold the name " + formats::quoted(id) + ": names have no blanks, quotes or '#'; rename the point");
+    starnet_cannot("cannot hold the name " + formats::quoted(id) + ": names have no blanks, quotes or '#'; rename the point");
   return id;
 }
 
@@ -91,7 +86,7 @@ void StarNetWriter::begin() {
   };
   const std::string candidates = "-|^~:=";
   const auto free = std::find_if(candidates.begin(), candidates.end(), none_has);
-  if (free == candidates.end()) cannot("the names use all of " + candidates + ", none is left to join them with");
+  if (free == candidates.end()) starnet_cannot("the names use all of " + candidates + ", none is left to join them with");
   separator_ = *free;
   three_ = std::any_of(survey_.observations.begin(), survey_.observations.end(), [](const Observation& o) {
     return o.kind == ObservationKind::zenith_angle || o.kind == ObservationKind::slope_distance ||
@@ -115,7 +110,7 @@ void StarNetWriter::write_points() {
       Eigen::VectorXd others = g.covariance.row(at);
       others[at] = 0;
       if (!g.is_control || others.cwiseAbs().maxCoeff() > 0)
-        cannot("the format has no place for correlated coordinates; write gama XML instead");
+        starnet_cannot("the format has no place for correlated coordinates; write gama XML instead");
       sigmas_.try_emplace(g.components[k].point, std::array{kNotGiven, kNotGiven, kNotGiven})
           .first->second[static_cast<std::size_t>(g.components[k].axis)] = std::sqrt(g.covariance(at, at));
     }
@@ -148,7 +143,7 @@ std::string StarNetWriter::value(const Observation& o) const {
 
 std::string StarNetWriter::sigma(const Observation& o) const {
   if (std::isnan(o.sigma)) return "&";
-  return formats::format_shortest(is_angle_kind(o.kind) ? o.sigma / kSecond : o.sigma);
+  return formats::format_shortest(is_angle_kind(o.kind) ? o.sigma / kArcSecond : o.sigma);
 }
 
 void StarNetWriter::line(const std::string& head, std::initializer_list<const Observation*> values,
@@ -230,10 +225,10 @@ std::string StarNetWriter::write() {
   std::vector<const Observation*> alone;
   sighted.observations.clear();
   for (const Observation& o : survey_.observations) {
-    if (std::isnan(o.value)) cannot("the observation " + o.from + " to " + o.to + " has no value");
+    if (std::isnan(o.value)) starnet_cannot("the observation " + o.from + " to " + o.to + " has no value");
     if (o.from == o.to || (o.kind == ObservationKind::angle && (o.second_to == o.from || o.second_to == o.to)))
-      cannot("the observation " + o.from + " to " + o.to + " has one point twice; leave it out");
-    if (o.face == 2 && is_angle_kind(o.kind)) cannot("readings in face 2 are to be reduced before");
+      starnet_cannot("the observation " + o.from + " to " + o.to + " has one point twice; leave it out");
+    if (o.face == 2 && is_angle_kind(o.kind)) starnet_cannot("readings in face 2 are to be reduced before");
     const bool alone_stands = o.set_up < 0 || o.kind == ObservationKind::angle || o.kind == ObservationKind::azimuth;
     if (alone_stands)
       alone.push_back(&o);

@@ -45,7 +45,7 @@ const char* const kHeader[] = {"record",
                                "source_column",
                                "corrections"};
 
-[[noreturn]] void cannot(const std::string& what) {
+[[noreturn]] void csv_cannot(const std::string& what) {
   throw std::runtime_error("CSV writer: the table has no place for " + what + "; write gama XML instead");
 }
 
@@ -123,7 +123,7 @@ void CsvWriter::write_control(const CoordinateGroup& group) {
   Eigen::Matrix3d matrix = Eigen::Matrix3d::Constant(kNotGiven);
   for (std::size_t i = 0; i < group.components.size(); ++i) {
     const CoordinateGroup::Component& component = group.components[i];
-    if (component.point != group.components.front().point) cannot("a coordinate group of several points");
+    if (component.point != group.components.front().point) csv_cannot("a coordinate group of several points");
     const auto row = static_cast<Eigen::Index>(i);
     at[component.axis] = group.values[row];
     for (std::size_t j = 0; j < group.components.size(); ++j)
@@ -176,8 +176,8 @@ void CsvWriter::write_local(const LocalCoordinate& local) {
 }
 
 std::string CsvWriter::write() {
-  if (!survey_.covariances.empty()) cannot("covariances between observations");
-  if (!survey_.vectors.empty()) cannot("coordinate differences with covariance");
+  if (!survey_.covariances.empty()) csv_cannot("covariances between observations");
+  if (!survey_.vectors.empty()) csv_cannot("coordinate differences with covariance");
   for (const char* column : kHeader) out_ += (out_.empty() ? "" : ",") + std::string(column);
   out_ += '\n';
   for (const Point& point : survey_.points) write_point(point);

@@ -10,7 +10,7 @@
 namespace plumbline::bim {
 namespace {
 
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
 
@@ -56,14 +56,14 @@ void MatchElements::run(Context& context) {
   for (const MatchedElement& match : match_elements(read, anchors, options, result.warnings, &not_applied)) {
     auto entry = std::make_unique<ElementMatchT>();
     entry->anchor = match.anchor, entry->found_by = match.found_by, entry->note = match.note;
-    entry->position.setConstant(unknown), entry->target_offset.setZero();
+    entry->position.setConstant(kUnknown), entry->target_offset.setZero();
     if (match.element) {
       entry->guid = match.element->guid;
       entry->target_offset = match.target_offset;
       entry->position = match.reference + match.target_offset;
       auto point = std::make_unique<PointT>();
       point->id = match.anchor, point->position = entry->position;
-      point->sigma.setConstant(unknown);
+      point->sigma.setConstant(kUnknown);
       designed.points.push_back(std::move(point));
     }
     entry->reference_rule = match.element ? match.reference_rule : "";

@@ -9,7 +9,7 @@
 namespace plumbline::detect {
 namespace {
 
-[[noreturn]] void refuse(const std::string& file, const std::string& what) {
+[[noreturn]] void refuse_source(const std::string& file, const std::string& what) {
   throw std::runtime_error(file + ": " + what);
 }
 
@@ -67,7 +67,7 @@ std::vector<std::pair<int, int>> cells_of_bits(const std::string& text, const st
     const int bits = number_after(text, R"((?:TagCodes\w*|super)\s*\(\s*(\d+)\s*,)");
     if (size < 0 && bits > 0) size = static_cast<int>(std::lround(std::sqrt(bits)));
     if (size < 3 || size > 8)
-      refuse(file,
+      refuse_source(file,
              "holds codes, but neither bit_x and bit_y nor the size of the tags is in it (libapriltag's tag*.c have "
              "them)");
     for (int row = 0; row < size; ++row)
@@ -80,7 +80,7 @@ std::vector<std::pair<int, int>> cells_of_bits(const std::string& text, const st
   for (const auto& [bit, column] : x) {
     const auto row = y.find(bit);
     if (row == y.end() || bit != static_cast<int>(cells.size()))
-      refuse(file, "bit " + std::to_string(bit) + " has no bit_x or no bit_y");
+      refuse_source(file, "bit " + std::to_string(bit) + " has no bit_x or no bit_y");
     cells.emplace_back(column - 1, row->second - 1);
   }
   const bool inside = std::all_of(cells.begin(), cells.end(), [&](const auto& c) {
@@ -88,7 +88,7 @@ std::vector<std::pair<int, int>> cells_of_bits(const std::string& text, const st
   });
   if (reversed || !inside || size < 3 || size > 8 ||
       cells.size() != static_cast<size_t>(size) * static_cast<size_t>(size))
-    refuse(file,
+    refuse_source(file,
            "is a family of libapriltag whose " + std::to_string(cells.size()) +
                " cells do not fill a square inside one black border; only such families are read from a file. Use "
                "detector=apriltag with its name if libapriltag has it");
@@ -101,7 +101,7 @@ TagDictionary parse_apriltag(const std::string& text, const std::string& file) {
   for (const std::string& digits : matches(text, R"(\b0x([0-9a-fA-F]{4,16})[uUlL]*\b)")) {
     const std::uint64_t value = std::stoull(digits, nullptr, 16);
     if (cells.size() < 64 && value >> cells.size() != 0)
-      refuse(file, "the code 0x" + digits + " has more than " + std::to_string(cells.size()) + " bits");
+      refuse_source(file, "the code 0x" + digits + " has more than " + std::to_string(cells.size()) + " bits");
     std::vector<std::uint8_t> code(cells.size());
     for (size_t bit = 0; bit < cells.size(); ++bit)
       code[static_cast<size_t>(cells[bit].second * dictionary.size + cells[bit].first)] =
@@ -109,10 +109,10 @@ TagDictionary parse_apriltag(const std::string& text, const std::string& file) {
     dictionary.ids.push_back(static_cast<int>(dictionary.codes.size()));
     dictionary.codes.push_back(std::move(code));
   }
-  if (dictionary.codes.empty()) refuse(file, "holds no codes in hexadecimal (0x...)");
+  if (dictionary.codes.empty()) refuse_source(file, "holds no codes in hexadecimal (0x...)");
   const int stated = number_after(text, R"(ncodes\s*=\s*(\d+))");
   if (stated >= 0 && stated != static_cast<int>(dictionary.codes.size()))
-    refuse(file, "ncodes is " + std::to_string(stated) + ", but there are " + std::to_string(dictionary.codes.size()) +
+    refuse_source(file, "ncodes is " + std::to_string(stated) + ", but there are " + std::to_string(dictionary.codes.size()) +
                      " codes");
   const auto names = matches(text, R"raw(name\s*=\s*(?:strdup\s*\(\s*)?"(\w+)")raw");
   if (!names.empty()) dictionary.name = names[0];
@@ -137,21 +137,21 @@ TagDictionary parse_byte_array(const std::string& text, const std::string& file)
   std::regex_search(text, head, byte_array());
   const std::string rest = head.suffix();
   if (std::regex_search(rest, byte_array()))
-    refuse(file, "holds several dictionaries; put the one that is meant in a file of its own");
+    refuse_source(file, "holds several dictionaries; put the one that is meant in a file of its own");
   const size_t per_turn = head[2].length() < 3 ? static_cast<size_t>(std::stoi(head[2])) : 0;
   std::vector<int> bytes;
   for (const std::string& digits : matches(rest.substr(0, rest.find(';')), R"(\b(0x[0-9a-fA-F]+|\d+)\b)")) {
     const long value = digits.size() > 4 ? 256 : std::stol(digits, nullptr, 0);
-    if (value > 255) refuse(file, "'" + digits + "' in " + head[1].str() + " is no byte");
+    if (value > 255) refuse_source(file, "'" + digits + "' in " + head[1].str() + " is no byte");
     bytes.push_back(static_cast<int>(value));
   }
   TagDictionary dictionary;
   dictionary.name = head[1].str();
   if (per_turn == 0 || bytes.empty() || bytes.size() % (4 * per_turn) != 0)
-    refuse(file,
+    refuse_source(file,
            head[1].str() + " has " + std::to_string(bytes.size()) + " bytes, no multiple of 4 x " + head[2].str());
   dictionary.size = size_of_bytes(bytes, per_turn);
-  if (dictionary.size == 0) refuse(file, "the four codes of a marker in " + head[1].str() + " are not its four turns");
+  if (dictionary.size == 0) refuse_source(file, "the four codes of a marker in " + head[1].str() + " are not its four turns");
   for (size_t first = 0; first < bytes.size(); first += 4 * per_turn) {
     dictionary.ids.push_back(static_cast<int>(dictionary.codes.size()));
     dictionary.codes.push_back(code_of_bytes(bytes, first, dictionary.size));

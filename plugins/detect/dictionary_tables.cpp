@@ -14,7 +14,7 @@
 namespace plumbline::detect {
 namespace {
 
-[[noreturn]] void refuse(const std::string& file, const std::string& what) {
+[[noreturn]] void refuse_table(const std::string& file, const std::string& what) {
   throw std::runtime_error(file + ": " + what);
 }
 
@@ -39,7 +39,7 @@ YAML::Node matrix_of_bytes(const YAML::Node& root, const std::string& file) {
   for (const auto& entry : root)
     if (is_matrix(entry.second)) names.push_back(entry.first.as<std::string>(""));
   if (names.size() > 1)
-    refuse(file, "holds several matrices (" + names[0] + ", " + names[1] + "); call the one of the codes bytesList");
+    refuse_table(file, "holds several matrices (" + names[0] + ", " + names[1] + "); call the one of the codes bytesList");
   return names.empty() ? YAML::Node(YAML::NodeType::Undefined) : root[names[0]];
 }
 
@@ -60,12 +60,12 @@ void add_bytes(const YAML::Node& matrix, const std::string& file, TagDictionary&
   const size_t rows = static_cast<size_t>(std::max(0, matrix["rows"].as<int>(0)));
   const bool even = rows > 0 && !bytes.empty() && bytes.size() % (4 * rows) == 0;
   if (!even || *std::min_element(bytes.begin(), bytes.end()) < 0 || *std::max_element(bytes.begin(), bytes.end()) > 255)
-    refuse(file, "bytesList has " + std::to_string(rows) + " rows and " + std::to_string(bytes.size()) +
+    refuse_table(file, "bytesList has " + std::to_string(rows) + " rows and " + std::to_string(bytes.size()) +
                      " values; expected bytes, four turns of each code in a row, as OpenCV writes it");
   const size_t per_turn = bytes.size() / (4 * rows);
   if (dictionary.size == 0) dictionary.size = size_of_bytes(bytes, per_turn);
   if (dictionary.size < 3 || (static_cast<size_t>(dictionary.size * dictionary.size) + 7) / 8 != per_turn)
-    refuse(file, "bytesList has " + std::to_string(per_turn) + " bytes a code, which is no marker of " +
+    refuse_table(file, "bytesList has " + std::to_string(per_turn) + " bytes a code, which is no marker of " +
                      std::to_string(dictionary.size) + " x " + std::to_string(dictionary.size) + " cells (markerSize)");
   for (size_t row = 0; row < rows; ++row) add(dictionary, code_of_bytes(bytes, 4 * per_turn * row, dictionary.size));
 }
@@ -73,7 +73,7 @@ void add_bytes(const YAML::Node& matrix, const std::string& file, TagDictionary&
 void add_numbers(const YAML::Node& list, const std::string& file, TagDictionary& dictionary) {
   const int cells = dictionary.size * dictionary.size;
   if (cells < 9 || cells > 64)
-    refuse(file, "nBits is missing or not the square of 3 to 8: how many cells the numbers of codeList are");
+    refuse_table(file, "nBits is missing or not the square of 3 to 8: how many cells the numbers of codeList are");
   for (const auto& number : list) {
     const std::string text = number.as<std::string>("");
     size_t end = 0;
@@ -83,7 +83,7 @@ void add_numbers(const YAML::Node& list, const std::string& file, TagDictionary&
     } catch (const std::exception&) {
     }
     if (end == 0 || end != text.size() || (cells < 64 && code >> cells != 0))
-      refuse(file, "'" + text + "' in codeList is no number of " + std::to_string(cells) + " bits");
+      refuse_table(file, "'" + text + "' in codeList is no number of " + std::to_string(cells) + " bits");
     std::vector<std::uint8_t> bits;
     for (int k = cells - 1; k >= 0; --k) bits.push_back(static_cast<std::uint8_t>(code >> k & 1));
     add(dictionary, std::move(bits));
@@ -112,7 +112,7 @@ void add_entry(const YAML::Node& entry, const std::string& file, TagDictionary& 
                    cells = value(entry, {"bits", "code", "cells", "data", "pattern"});
   const int id = number.IsDefined() && number.IsScalar() ? number.as<int>(-1) : -1;
   if (id < 0 || !cells.IsDefined())
-    refuse(file, "entry " + std::to_string(dictionary.codes.size() + 1) +
+    refuse_table(file, "entry " + std::to_string(dictionary.codes.size() + 1) +
                      " of the list of markers has no id or no bits; expected {id: 7, bits: \"1010...\"} or the cells "
                      "alone");
   add(dictionary, bits_of(cells), id);
@@ -161,7 +161,7 @@ TagDictionary parse_dictionary_list(const std::string& text, const std::string& 
   }
   if (all_numbered && !with_ids.codes.empty()) return with_ids;
   if (first_odd > 0)
-    refuse(file, "line " + std::to_string(first_odd) +
+    refuse_table(file, "line " + std::to_string(first_odd) +
                      " holds more than the cells of one marker; expected them alone in every line, or behind the id in "
                      "every line (7, 1010...)");
   return plain;

@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;  // keeps our order, 17 significant digits, nan as null
 
-Json vector(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+Json triple(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 Json pixel(const Eigen::Vector2d& v) { return {v.x(), v.y()}; }
 Json quaternion(const Eigen::Quaterniond& q) { return {q.w(), q.x(), q.y(), q.z()}; }
 Json matrix(const Eigen::Matrix3d& m) {
@@ -113,15 +113,15 @@ Json image_json(const MarkerBlock& block, const AdjustedMarkerImage& image) {
   Json entry = {{"path", given.path}, {"oriented", image.oriented}, {"reason", image.reason}};
   if (!image.oriented) return entry;
   entry["camera"] = block.cameras[static_cast<size_t>(given.camera)].id;
-  entry["centre"] = vector(image.centre);
-  entry["sigma"] = vector(sigma_of(image.covariance.topLeftCorner<3, 3>()));
+  entry["centre"] = triple(image.centre);
+  entry["sigma"] = triple(sigma_of(image.covariance.topLeftCorner<3, 3>()));
   entry["rotation"] = quaternion(image.cam_from_world.rotation);
   entry["rotation_matrix"] = matrix(image.cam_from_world.rotation.toRotationMatrix());
-  entry["rotation_sigma"] = vector(sigma_of(image.covariance.bottomRightCorner<3, 3>()));
+  entry["rotation_sigma"] = triple(sigma_of(image.covariance.bottomRightCorner<3, 3>()));
   entry["tags"] = image.tags;
   entry["rms_px"] = image.rms;
   if (image.other_centre) {
-    entry["other_centre"] = vector(*image.other_centre);
+    entry["other_centre"] = triple(*image.other_centre);
     entry["ambiguity"] = image.ambiguity;
   }
   return entry;
@@ -188,14 +188,14 @@ std::string tags_json(const MarkerBlock& block, const MarkerResult& result) {
   for (const AdjustedMarker* marker : ordered(block, result)) {
     const Marker& m = block.markers[static_cast<size_t>(marker->marker)];
     Json corners = Json::array();
-    for (const auto& corner : marker->corners) corners.push_back(vector(corner));
+    for (const auto& corner : marker->corners) corners.push_back(triple(corner));
     tags.push_back({{"id", m.id},
                     {"family", m.family},
-                    {"centre", vector(marker->world_from_tag.translation)},
+                    {"centre", triple(marker->world_from_tag.translation)},
                     {"corners", corners},
-                    {"sigma", vector(sigma_of(marker->centre_covariance))},
+                    {"sigma", triple(sigma_of(marker->centre_covariance))},
                     {"rotation", quaternion(marker->world_from_tag.rotation)},
-                    {"rotation_sigma", vector(sigma_of(marker->rotation_covariance))},
+                    {"rotation_sigma", triple(sigma_of(marker->rotation_covariance))},
                     {"size", m.size * marker->scale},
                     {"size_sigma", m.size * marker->scale_sigma},
                     {"images", marker->images}});
@@ -232,14 +232,14 @@ std::string block_json(const BlockInput& input, const MarkerResult& result, cons
   for (const AdjustedMarker* marker : ordered(block, result)) {
     const auto angle = angles.find(marker->marker);
     Json entry = {{"id", label(block, marker->marker)},
-                  {"position", vector(marker->world_from_tag.translation)},
-                  {"sigma", vector(sigma_of(marker->centre_covariance))},
+                  {"position", triple(marker->world_from_tag.translation)},
+                  {"sigma", triple(sigma_of(marker->centre_covariance))},
                   {"rays", marker->images},
                   {"largest_angle_deg", angle == angles.end() ? 0.0 : angle->second * 180 / M_PI},
                   {"size_ratio", marker->scale},
                   {"size_ratio_sigma", marker->scale_sigma}};
     Json corners = Json::array();
-    for (const auto& corner : marker->corners) corners.push_back(vector(corner));
+    for (const auto& corner : marker->corners) corners.push_back(triple(corner));
     entry["corners"] = corners;
     points.push_back(entry);
   }

@@ -15,8 +15,6 @@ namespace plumbline::survey {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kMgon = kPi / 200e3;
 constexpr int kFewest = 3;                // pairs on either side
 constexpr double kLeastTurn = 5 * kMgon;  // less is in the noise of short sights
 constexpr double kLeastScatter = 0.5 * kMgon;
@@ -40,7 +38,7 @@ std::vector<Pair> pairs_of(const SurveyObservations& survey, int set_up, const s
     const auto [at, is_new] = last.try_emplace({o.to, o.set_number, height}, i);
     if (is_new) continue;
     const Observation& before = survey.observations[static_cast<size_t>(at->second)];
-    const auto turned = [](const Observation& r) { return r.value - (r.face == 2 ? kPi : 0); };
+    const auto turned = [](const Observation& r) { return r.value - (r.face == 2 ? std::numbers::pi : 0); };
     const auto face = [](const Observation& r) { return r.face == 1 ? 1.0 : r.face == 2 ? -1.0 : 0.0; };
     const auto steepness = sin_zenith.find({set_up, o.pointing});
     const double sine = steepness == sin_zenith.end() ? 1 : std::max(0.05, steepness->second);

@@ -1,12 +1,15 @@
 // The circle turned while a face was being read: a slipped clamp, a knocked tripod, an orientation set anew.
 #pragma once
 
+#include <numbers>
 #include <string>
 #include <vector>
 
 #include "survey/model/survey_observations.hpp"
 
 namespace plumbline::survey {
+
+inline constexpr double kMgon = std::numbers::pi / 200e3;  ///< [rad]
 
 /// From observation `first` on, the directions of the set-up read `turn` [rad] more than before it.
 struct CircleStep {

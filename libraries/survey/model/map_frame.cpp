@@ -11,7 +11,6 @@ namespace plumbline::survey {
 
 namespace {
 
-double or_zero(double v) { return std::isnan(v) ? 0.0 : v; }
 
 Eigen::Vector3d middle_of(const std::vector<Eigen::Vector3d>& points) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();

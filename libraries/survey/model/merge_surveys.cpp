@@ -14,7 +14,7 @@ namespace plumbline::survey {
 
 namespace {
 
-constexpr double kSameCoordinates = 0.01;           // [m]
+constexpr double kSamePlace = 0.01;           // [m]
 constexpr double kFixedContradiction = 0.001;       // [m]
 constexpr double kOtherFrame = 0.5;                 // [m]; points do not move that far between two days
 constexpr const char* kInvented = "free-station-";  // SurveyBuilder::start_unnamed_set_up
@@ -208,7 +208,7 @@ void Merger::decide_targets() {
     if (std::find(options_.known.begin(), options_.known.end(), id) != options_.known.end()) return true;
     const auto one = given[a].find(id), other = given[b].find(id);
     return one != given[a].end() && other != given[b].end() &&
-           (one->second - other->second).head<2>().norm() < kSameCoordinates;
+           (one->second - other->second).head<2>().norm() < kSamePlace;
   };
   for (size_t b = 1; b < surveys_.size(); ++b)
     for (size_t a = 0; a < b; ++a) {
@@ -257,7 +257,7 @@ void Merger::compare_coordinates(size_t a, size_t b) {
     if (std::isnan(worst)) continue;
     ++shared;
     largest = std::max(largest, worst);
-    if (worst > kSameCoordinates) different.push_back(at->first);
+    if (worst > kSamePlace) different.push_back(at->first);
   }
   if (different.empty()) return;
   const std::string what = "the coordinates of " + listed(different) + " in " + files_[b] + " differ from those in " +

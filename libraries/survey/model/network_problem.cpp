@@ -10,7 +10,6 @@ namespace plumbline::survey {
 
 namespace {
 
-double or_zero(double v) { return std::isnan(v) ? 0.0 : v; }
 
 /// Position of a parameter among those of a block; appended when new.
 int slot(adjustment::ResidualBlock& block, int parameter) {

@@ -17,14 +17,14 @@ using Eigen::Map;
 using Eigen::Vector3d;
 
 /// The line of sight as the instrument sees it, with what is needed to bring partials back to the parameters.
-struct Sight {
+struct SightLine {
   Vector3d d;      // in the instrument's frame (tilted by t if there is a tilt block)
   Vector3d level;  // before the tilt
   Vector3d tilt = Vector3d::Zero();
 };
 
-Sight sight(const Equation& eq, int target, double target_height, const double* const* values) {
-  Sight s;
+SightLine sight(const Equation& eq, int target, double target_height, const double* const* values) {
+  SightLine s;
   s.level = Map<const Vector3d>(values[target]) - Map<const Vector3d>(values[eq.from]);
   s.level.z() += target_height - eq.instrument_height;
   s.level.head<2>() /= eq.map_scale;
@@ -45,7 +45,7 @@ struct RowWriter {
 };
 
 /// Spreads the partial by the sight onto points, tilt and instrument height.
-void add_sight_partials(const Equation& eq, int target, const Sight& s, const Vector3d& by_d, const RowWriter& out) {
+void add_sight_partials(const Equation& eq, int target, const SightLine& s, const Vector3d& by_d, const RowWriter& out) {
   // d = (I + [t]x) level, so the partial by `level` is (I + [t]x)' by_d = by_d - t x by_d.
   const Vector3d by_level = by_d + s.tilt.cross(by_d);
   for (int k = 0; k < 3; ++k) {
@@ -69,7 +69,7 @@ bool azimuth(const Vector3d& d, double& value, Vector3d& gradient) {
   return true;
 }
 
-bool zenith_angle(const Equation& eq, const Sight& s, const double* const* values, double& value, Vector3d& gradient,
+bool zenith_angle(const Equation& eq, const SightLine& s, const double* const* values, double& value, Vector3d& gradient,
                   double& by_refraction) {
   const double h = std::hypot(s.d.x(), s.d.y());
   if (h < 1e-6) return false;
@@ -98,8 +98,8 @@ bool distance(const Equation& eq, const Vector3d& d, const double* const* values
 }
 
 bool evaluate_angle(const Equation& eq, const double* const* values, double& residual, const RowWriter& out) {
-  const Sight left = sight(eq, eq.to, eq.target_height, values);
-  const Sight right = sight(eq, eq.second_to, eq.second_target_height, values);
+  const SightLine left = sight(eq, eq.to, eq.target_height, values);
+  const SightLine right = sight(eq, eq.second_to, eq.second_target_height, values);
   double azimuth_left = 0, azimuth_right = 0;
   Vector3d gradient_left, gradient_right;
   if (!azimuth(left.d, azimuth_left, gradient_left) || !azimuth(right.d, azimuth_right, gradient_right)) return false;
@@ -111,7 +111,7 @@ bool evaluate_angle(const Equation& eq, const double* const* values, double& res
 
 bool evaluate_equation(const Equation& eq, const double* const* values, double& residual, const RowWriter& out) {
   if (eq.kind == ObservationKind::angle) return evaluate_angle(eq, values, residual, out);
-  const Sight s = sight(eq, eq.to, eq.target_height, values);
+  const SightLine s = sight(eq, eq.to, eq.target_height, values);
   double value = 0, extra = 0;
   Vector3d gradient = Vector3d::Zero();
   switch (eq.kind) {

@@ -10,7 +10,7 @@ namespace plumbline::survey {
 
 namespace {
 
-constexpr int kFewest = 3;  // readings that are not zero: fewer may be the same by chance
+constexpr int kFewestReadings = 3;  // readings that are not zero: fewer may be the same by chance
 
 /// A set-up of a file, or (set_up -1) what the file has without set-ups.
 struct Part {
@@ -28,14 +28,14 @@ void add_bits(double value, std::string& key) {
   key.append(bits, sizeof bits);
 }
 
-std::string key_of(const Observation& o) {
+std::string reading_key(const Observation& o) {
   std::string key = o.to + '\n' + o.second_to + '\n' + (o.set_up < 0 ? o.from : "") + '\n' +
                     static_cast<char>('a' + static_cast<int>(o.kind)) + static_cast<char>('0' + o.face);
   add_bits(o.value, key);
   return key;
 }
 
-std::string key_of(const LocalCoordinate& c) {
+std::string reading_key(const LocalCoordinate& c) {
   std::string key = c.point + "\nlocal";
   for (int k = 0; k < 3; ++k) add_bits(c.position[k], key);
   return key;
@@ -53,11 +53,11 @@ std::vector<Part> parts_of(const std::vector<SurveyObservations>& surveys) {
       ++part.readings;
       part.not_zero += not_zero;
     };
-    for (const Observation& o : s.observations) add(o.set_up, key_of(o), o.value != 0);
-    for (const LocalCoordinate& c : s.local_coordinates) add(c.set_up, key_of(c), true);
+    for (const Observation& o : s.observations) add(o.set_up, reading_key(o), o.value != 0);
+    for (const LocalCoordinate& c : s.local_coordinates) add(c.set_up, reading_key(c), true);
     for (Part& part : own) {
       std::sort(part.keys.begin(), part.keys.end());
-      if (part.not_zero >= kFewest) parts.push_back(std::move(part));
+      if (part.not_zero >= kFewestReadings) parts.push_back(std::move(part));
     }
   }
   return parts;

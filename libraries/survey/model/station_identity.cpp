@@ -23,16 +23,16 @@ constexpr double kSameCoordinates = 0.01;  // [m]
 bool is_face_2(const Observation& o) { return o.face == 2; }
 
 /// One sighting of the station with what it measured.
-struct Sight {
+struct NamedSight {
   std::string to;
   double direction = kNotGiven, zenith = kNotGiven, slope = kNotGiven, horizontal = kNotGiven;
 };
 
-std::vector<Sight> sights_of(const SurveyObservations& s, int set_up) {
-  std::map<int, Sight> by_pointing;
+std::vector<NamedSight> named_sights_of(const SurveyObservations& s, int set_up) {
+  std::map<int, NamedSight> by_pointing;
   for (const Observation& o : s.observations) {
     if (o.set_up != set_up || o.pointing < 0) continue;
-    Sight& sight = by_pointing[o.pointing];
+    NamedSight& sight = by_pointing[o.pointing];
     sight.to = o.to;
     if (o.kind == ObservationKind::direction)
       sight.direction = is_face_2(o) ? o.value - std::numbers::pi : o.value;
@@ -43,7 +43,7 @@ std::vector<Sight> sights_of(const SurveyObservations& s, int set_up) {
     else if (o.kind == ObservationKind::horizontal_distance)
       sight.horizontal = o.value;
   }
-  std::vector<Sight> sights;
+  std::vector<NamedSight> sights;
   for (auto& [pointing, sight] : by_pointing) sights.push_back(std::move(sight));
   return sights;
 }
@@ -51,7 +51,7 @@ std::vector<Sight> sights_of(const SurveyObservations& s, int set_up) {
 /// The first complete sighting of each target decides: means are not needed to tell millimetres from metres.
 SeenFigure figure_of(const SurveyObservations& s, int set_up) {
   SeenFigure figure;
-  for (const Sight& sight : sights_of(s, set_up)) {
+  for (const NamedSight& sight : named_sights_of(s, set_up)) {
     const double horizontal = std::isnan(sight.horizontal) ? sight.slope * std::sin(sight.zenith) : sight.horizontal;
     if (std::isnan(sight.direction) || std::isnan(horizontal)) continue;
     figure.try_emplace(sight.to, horizontal * std::sin(sight.direction), horizontal * std::cos(sight.direction));
@@ -69,7 +69,7 @@ struct Agreement {
 /// Turning alone hides some of the way between two stations: targets that lie in one direction from there agree after a
 /// small turn. Turn and shift over all that agree tell how far they are apart.
 void add_distance_apart(const std::vector<std::pair<Vector2d, Vector2d>>& pairs, Agreement& agreement) {
-  constexpr double kLeastScatter = 0.002;  // [m]
+  constexpr double kLeastSpread = 0.002;  // [m]
   const auto n = static_cast<double>(pairs.size());
   if (pairs.size() < 3) return;
   Vector2d from = Vector2d::Zero(), to = Vector2d::Zero();
@@ -83,7 +83,7 @@ void add_distance_apart(const std::vector<std::pair<Vector2d, Vector2d>>& pairs,
   const Eigen::Matrix2d turn = Eigen::Rotation2Dd(std::atan2(across, along)).toRotationMatrix();
   double squares = 0;
   for (const auto& [p, q] : pairs) squares += (turn * (p - from) - (q - to)).squaredNorm();
-  const double sigma = std::max(kLeastScatter, std::sqrt(squares / (2 * n - 3)));
+  const double sigma = std::max(kLeastSpread, std::sqrt(squares / (2 * n - 3)));
   agreement.apart = (to - turn * from).norm();
   agreement.apart_sigma = sigma * std::sqrt(1 / n + from.squaredNorm() / extent);
 }

@@ -14,14 +14,12 @@ namespace plumbline::survey {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kMgon = kPi / 200e3;
 
 /// In face 1: direction - pi, 2 pi - zenith angle.
 double reduced_to_face_1(const Observation& o) {
   if (o.face != 2) return o.value;
-  if (o.kind == ObservationKind::direction) return o.value - kPi;
-  if (o.kind == ObservationKind::zenith_angle) return o.value > kPi ? 2 * kPi - o.value : o.value;
+  if (o.kind == ObservationKind::direction) return o.value - std::numbers::pi;
+  if (o.kind == ObservationKind::zenith_angle) return o.value > std::numbers::pi ? 2 * std::numbers::pi - o.value : o.value;
   return o.value;
 }
 
@@ -30,7 +28,6 @@ bool is_angular(ObservationKind kind) {
          kind == ObservationKind::angle || kind == ObservationKind::azimuth;
 }
 
-double or_zero(double v) { return std::isnan(v) ? 0.0 : v; }
 
 std::string in_words(double value, ObservationKind kind) {
   char text[48];
@@ -109,15 +106,15 @@ CircleOffsets circle_offsets(const SurveyObservations& survey, const std::vector
 }
 
 /// Length and steepness of each sighting, for what pointing errors do to its angles: by set-up and pointing.
-struct Sight {
+struct SightLength {
   double length = 0, sin_zenith = 1;
 };
 
-std::map<std::pair<int, int>, Sight> sights_of(const SurveyObservations& survey) {
-  std::map<std::pair<int, int>, Sight> sights;
+std::map<std::pair<int, int>, SightLength> sights_of(const SurveyObservations& survey) {
+  std::map<std::pair<int, int>, SightLength> sights;
   for (const Observation& o : survey.observations) {
     if (o.set_up < 0 || o.pointing < 0) continue;
-    Sight& sight = sights[{o.set_up, o.pointing}];
+    SightLength& sight = sights[{o.set_up, o.pointing}];
     if (o.kind == ObservationKind::zenith_angle) sight.sin_zenith = std::abs(std::sin(o.value));
     if (o.kind == ObservationKind::slope_distance || o.kind == ObservationKind::horizontal_distance)
       sight.length = o.value;

@@ -18,6 +18,8 @@
 namespace plumbline::survey {
 
 inline constexpr double kNotGiven = std::numeric_limits<double>::quiet_NaN();
+inline double or_else(double value, double other) { return std::isnan(value) ? other : value; }
+inline double or_zero(double value) { return or_else(value, 0); }
 
 /// Where something stands in its file; line and column count from 1, 0 = unknown.
 struct SourcePosition {

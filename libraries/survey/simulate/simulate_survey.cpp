@@ -22,13 +22,13 @@ const SimulatedPoint& point_of(const SurveyLayout& layout, const std::string& id
   throw std::invalid_argument("the layout has no point '" + id + "'");
 }
 
-struct Sight {
+struct SightTaken {
   double direction = 0, zenith = 0, slope = 0, horizontal = 0;
 };
 
-Sight exact_sight(const Eigen::Vector3d& axis, double orientation, const Eigen::Vector3d& target) {
+SightTaken exact_sight(const Eigen::Vector3d& axis, double orientation, const Eigen::Vector3d& target) {
   const Eigen::Vector3d d = target - axis;
-  Sight s;
+  SightTaken s;
   s.horizontal = d.head<2>().norm();
   s.slope = d.norm();
   if (!(s.horizontal > kShortestHorizontal)) throw std::invalid_argument("a set-up stands on what it sights");
@@ -50,7 +50,7 @@ std::vector<std::string> targets_of(const SurveyLayout& layout, const SimulatedS
   return targets;
 }
 
-void add_sight(const Sight& exact, const SimulatedSetUp& set_up, int number, const std::string& to,
+void add_sight(const SightTaken& exact, const SimulatedSetUp& set_up, int number, const std::string& to,
                const SimulationOptions& options, Random& random, SurveyObservations& survey) {
   const InstrumentProfile p = options.profile.without_instrument_centring();  // free stations
   const double values[] = {exact.direction, exact.zenith, exact.slope};
@@ -112,8 +112,8 @@ void move_instrument(const SurveyMistake& m, const SurveyLayout& layout, const s
   for (int i : sight) {
     Observation& o = survey.observations[static_cast<size_t>(i)];
     const Eigen::Vector3d target = point_of(layout, o.to).position;
-    const Sight before = exact_sight(axis, set_up.orientation, target);
-    const Sight after = exact_sight(axis + Eigen::Vector3d(m.size, 0, 0), set_up.orientation, target);
+    const SightTaken before = exact_sight(axis, set_up.orientation, target);
+    const SightTaken after = exact_sight(axis + Eigen::Vector3d(m.size, 0, 0), set_up.orientation, target);
     o.value += o.kind == ObservationKind::direction      ? wrap_angle(after.direction - before.direction)
                : o.kind == ObservationKind::zenith_angle ? after.zenith - before.zenith
                                                          : after.slope - before.slope;

@@ -12,7 +12,6 @@ namespace {
 
 using Eigen::Vector2d;
 
-double or_else(double value, double fallback) { return std::isnan(value) ? fallback : value; }
 
 Vector2d polar(double azimuth, double length) { return {length * std::sin(azimuth), length * std::cos(azimuth)}; }
 

@@ -11,15 +11,11 @@
 
 namespace plumbline::survey {
 
-namespace {
-
 using Eigen::Vector2d;
 
 double azimuth_between(const Vector2d& from, const Vector2d& to) {
   return std::atan2(to.x() - from.x(), to.y() - from.y());
 }
-
-}  // namespace
 
 void Frame::grow(bool guess) {
   while (grow_well_determined() || grow_by_intersection(false) || (guess && grow_by_intersection(true))) {

@@ -14,6 +14,9 @@
 
 namespace plumbline::survey {
 
+/// Clockwise from +y [rad].
+double azimuth_between(const Eigen::Vector2d& from, const Eigen::Vector2d& to);
+
 /// What one observation says of a point that is not placed, seen from one that is.
 struct PointCondition {
   enum Kind { ray, angle, slope, horizontal, elevation, rise } kind;

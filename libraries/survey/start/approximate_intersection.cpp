@@ -12,10 +12,6 @@ namespace {
 
 using Eigen::Vector2d;
 
-double azimuth_between(const Vector2d& from, const Vector2d& to) {
-  return std::atan2(to.x() - from.x(), to.y() - from.y());
-}
-
 }  // namespace
 
 bool Frame::grow_by_intersection(bool accept_ambiguous) {

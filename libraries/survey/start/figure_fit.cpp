@@ -12,7 +12,6 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-double or_else(double v, double other) { return std::isnan(v) ? other : v; }
 
 Vector2d turned(const Vector2d& p, double rotation) {
   const double c = std::cos(rotation), s = std::sin(rotation);

@@ -19,8 +19,6 @@ using Eigen::Vector3d;
 /// Gross errors are looked for here, the fine ones by the adjustment: beyond any noise, and never below this.
 constexpr double kSigmas = 6, kSmallest = 0.004;
 
-double or_zero(double v) { return std::isnan(v) ? 0.0 : v; }
-double or_else(double v, double other) { return std::isnan(v) ? other : v; }
 
 double tolerance(double a, double b) { return kSmallest + kSigmas * std::hypot(a, b); }
 
