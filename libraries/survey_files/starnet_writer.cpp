@@ -7,6 +7,7 @@
 
 #include "survey_files/pointings.hpp"
 #include "survey_files/starnet.hpp"
+#include "survey_files/starnet_reader.hpp"
 #include "survey_files/survey_builder.hpp"
 #include "text/text.hpp"
 
