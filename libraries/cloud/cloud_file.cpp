@@ -1,6 +1,7 @@
 #include "cloud/cloud_file.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <filesystem>
 
 #include "cloud/cloud_stream.hpp"
@@ -76,6 +77,30 @@ void CloudStream::fail_at_line(const std::string& what) const {
 }
 
 void CloudStream::fail(const std::string& what) const { throw CloudError(name_ + ": " + what); }
+
+double step_of_text(std::string_view word) {
+  const size_t power = std::min(word.find_first_of("eE"), word.size()), point = word.substr(0, power).find('.');
+  double exponent = 0;
+  if (power < word.size()) {
+    std::string_view digits = word.substr(power + 1);
+    if (digits.starts_with('+')) digits.remove_prefix(1);
+    std::from_chars(digits.data(), digits.data() + digits.size(), exponent);
+  }
+  const double decimals = point == std::string_view::npos ? 0 : static_cast<double>(power - point - 1);
+  return std::pow(10.0, exponent - decimals);
+}
+
+Eigen::Vector3d Steps::found() const {
+  Eigen::Vector3d steps;
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    const auto largest = static_cast<float>(largest_(axis));
+    const double of_float = static_cast<double>(std::nextafter(largest, std::numeric_limits<float>::infinity())) -
+                            static_cast<double>(largest);
+    const bool floats = declared_[axis] || (floats_[axis] && several_[axis]);
+    steps(axis) = std::max(std::isfinite(finest_(axis)) ? finest_(axis) : 0, floats ? of_float : 0);
+  }
+  return steps;
+}
 
 CloudSummary look_at_cloud(const std::string& path) { return read_any(path, {}); }
 

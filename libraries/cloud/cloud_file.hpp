@@ -30,6 +30,12 @@ struct CloudSummary {
   Eigen::Vector3d low =
       Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());  ///< of the delivered points
   Eigen::Vector3d high = Eigen::Vector3d::Constant(-std::numeric_limits<double>::infinity());
+  /// Steps that each coordinate is written in, in the unit of the file: the scale of LAS, what a 32-bit float leaves at
+  /// the largest coordinate, the last decimal of text. Known after read_cloud.
+  Eigen::Vector3d resolution = Eigen::Vector3d::Zero();
+  int scans = 1;                ///< that it says it has: blocks of PTS, point source ids of LAS; each may err by itself
+  bool either_foot = false;     ///< it says feet and not which; `unit` is then that of the international foot
+  std::string without_unit_of;  ///< a coordinate system that it names by a number without its unit: "EPSG:2263"
 };
 
 /// Takes some points, in the unit of the file, its scale and offset applied. `done`: share of the file that was read.

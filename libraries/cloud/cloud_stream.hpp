@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <string_view>
 
 #include "cloud/cloud_file.hpp"
 
@@ -66,6 +67,33 @@ class PointBatch {
   std::vector<Eigen::Vector3d> points_;
 };
 
+/// What a number with decimals can tell apart: 0.01 of "12.50" and "1.25e1"; 1 of "12".
+double step_of_text(std::string_view word);
+
+/// Finds the steps that coordinates are written in. A program that keeps 32-bit floats writes their steps out as text
+/// and as doubles too: values that are all floats are taken for such.
+class Steps {
+ public:
+  /// `step`: of the way the number is written; 0: a double.
+  void take(Eigen::Index axis, double value, double step) {
+    if (!std::isfinite(value)) return;
+    finest_(axis) = std::min(finest_(axis), step);
+    largest_(axis) = std::max(largest_(axis), std::abs(value));
+    const double off = std::abs(static_cast<double>(static_cast<float>(value)) - value);
+    floats_[axis] = floats_[axis] && off <= 0.5000001 * step;
+    if (!(first_(axis) == value)) several_[axis] = several_[axis] || std::isfinite(first_(axis));
+    if (!std::isfinite(first_(axis))) first_(axis) = value;
+  }
+  void declare_float(Eigen::Index axis) { declared_[axis] = true; }
+  Eigen::Vector3d found() const;
+
+ private:
+  Eigen::Vector3d finest_ = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity()),
+                  largest_ = Eigen::Vector3d::Zero(),
+                  first_ = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+  bool floats_[3] = {true, true, true}, several_[3] = {}, declared_[3] = {};
+};
+
 /// The number whose bytes lie at `from`, of either byte order.
 template <typename T>
 T number_at(const char* from, bool big_endian = false) {
@@ -81,8 +109,14 @@ CloudSummary read_ply(CloudStream& stream, const PointSink& sink);
 CloudSummary read_las(CloudStream& stream, const PointSink& sink);
 CloudSummary read_text(CloudStream& stream, const PointSink& sink);
 
-/// What the records between header and points of a LAS file say of its unit: metres in one unit, nan without. Throws
-/// CloudError for degrees, and for a height of another unit than the plan.
-double las_unit(CloudStream& stream, std::uint64_t header_size, std::uint32_t records, std::uint64_t points_at);
+/// Where the records of a LAS file lie that are no points.
+struct LasRecords {
+  std::uint64_t header_size = 0, points_at = 0, extended_at = 0;
+  std::uint32_t count = 0, extended = 0;
+};
+
+/// Puts into `summary` what the records say of the unit. Throws CloudError for degrees, and for a height of another unit
+/// than the plan.
+void take_las_unit(CloudStream& stream, const LasRecords& records, CloudSummary& summary);
 
 }  // namespace plumbline::cloud

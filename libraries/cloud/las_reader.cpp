@@ -1,5 +1,7 @@
 // LAS 1.0 to 1.4 (ASPRS, "LAS Specification 1.4 - R15"): header, point records of formats 0 to 10.
+#include <algorithm>
 #include <array>
+#include <bitset>
 
 #include "cloud/cloud_stream.hpp"
 
@@ -12,7 +14,7 @@ constexpr std::array<std::uint16_t, 11> kRecord = {20, 28, 26, 34, 57, 63, 30, 3
 struct LasHeader {
   int minor = 0, format = 0;
   std::uint16_t header_size = 0, record = 0;
-  std::uint32_t records = 0;  ///< before the points
+  LasRecords records;  ///< that are no points
   std::uint64_t points_at = 0, points = 0;
   Eigen::Vector3d scale, offset;
 };
@@ -29,7 +31,8 @@ LasHeader read_header(CloudStream& stream) {
         24, "LAS version " + std::to_string(major) + "." + std::to_string(header.minor) + ", expected 1.0 to 1.4");
   header.header_size = number_at<std::uint16_t>(bytes + 94);
   header.points_at = number_at<std::uint32_t>(bytes + 96);
-  header.records = number_at<std::uint32_t>(bytes + 100);
+  header.records.count = number_at<std::uint32_t>(bytes + 100);
+  header.records.header_size = header.header_size, header.records.points_at = header.points_at;
   const int format = static_cast<unsigned char>(bytes[104]);
   if (format & 0xC0)
     stream.fail_at_byte(
@@ -59,6 +62,8 @@ LasHeader read_header(CloudStream& stream) {
       stream.fail_at_byte(247,
                           std::to_string(points) + " points, but " + std::to_string(header.points) + " at byte 107");
     if (points != 0) header.points = points;
+    header.records.extended_at = number_at<std::uint64_t>(bytes + 235);
+    header.records.extended = number_at<std::uint32_t>(bytes + 243);
   }
   if (header.header_size < smallest || header.points_at < header.header_size || header.points_at > stream.size())
     stream.fail_at_byte(94, "a header of " + std::to_string(header.header_size) + " bytes and points from byte " +
@@ -74,6 +79,11 @@ bool is_withheld(const char* record, int format) {
   return (byte(15) & 0x04) || byte(16) == 7 || byte(16) == 18;
 }
 
+/// Which of several scans in a file the point is of.
+std::uint16_t source_of(const char* record, int format) {
+  return number_at<std::uint16_t>(record + (format <= 5 ? 18 : 20));
+}
+
 }  // namespace
 
 CloudSummary read_las(CloudStream& stream, const PointSink& sink) {
@@ -87,12 +97,14 @@ CloudSummary read_las(CloudStream& stream, const PointSink& sink) {
                                  " bytes from byte " + std::to_string(header.points_at) +
                                  " on are announced, the file of " + std::to_string(stream.size()) +
                                  " bytes has room for " + std::to_string(room) + "; it was cut short");
-  summary.unit = las_unit(stream, header.header_size, header.records, header.points_at);
+  take_las_unit(stream, header.records, summary);
+  summary.resolution = header.scale;
   if (!sink) return summary;
   PointBatch batch(summary, stream, sink);
   stream.seek(header.points_at);
   const std::uint64_t at_a_time = std::max<std::uint64_t>(1, (1 << 20) / header.record);
   std::vector<char> bytes(at_a_time * header.record);
+  std::bitset<65536> sources;
   for (std::uint64_t done = 0; done < header.points;) {
     const std::uint64_t count = std::min(at_a_time, header.points - done);
     stream.read(bytes.data(), count * header.record, "the points");
@@ -102,6 +114,7 @@ CloudSummary read_las(CloudStream& stream, const PointSink& sink) {
         ++summary.withheld;
         continue;
       }
+      sources.set(source_of(record, header.format));
       const Eigen::Vector3d whole(number_at<std::int32_t>(record), number_at<std::int32_t>(record + 4),
                                   number_at<std::int32_t>(record + 8));
       batch.add(header.offset + header.scale.cwiseProduct(whole));
@@ -109,6 +122,7 @@ CloudSummary read_las(CloudStream& stream, const PointSink& sink) {
     done += count;
   }
   batch.flush();
+  summary.scans = std::max(1, static_cast<int>(sources.count()));
   return summary;
 }
 

@@ -31,6 +31,9 @@ PlyType type_or_fail(const CloudStream& stream, std::string_view name) {
   return *type;
 }
 
+/// Feet of which nobody says whether they are international or those of US surveys.
+bool says_feet(std::string_view unit) { return unit == "ft" || unit == "feet" || unit == "foot"; }
+
 /// "comment unit: mm", "comment units metres".
 double unit_of(const Words& words) {
   if (words.size() != 3 || !formats::to_lower(std::string(words[1])).starts_with("unit"))
@@ -39,7 +42,8 @@ double unit_of(const Words& words) {
   if (unit == "m" || unit == "metre" || unit == "metres" || unit == "meter" || unit == "meters") return 1;
   if (unit == "mm" || unit == "millimetres" || unit == "millimeters") return 0.001;
   if (unit == "cm") return 0.01;
-  if (unit == "ft" || unit == "feet" || unit == "foot") return 0.3048;
+  if (says_feet(unit)) return 0.3048;
+  if (unit == "us_ft" || unit == "us-ft" || unit == "ftus") return 1200.0 / 3937;
   return std::numeric_limits<double>::quiet_NaN();
 }
 
@@ -110,7 +114,8 @@ PlyHeader read_ply_header(CloudStream& stream) {
     if (words.empty()) continue;
     if (words[0] == "end_header") break;
     if (words[0] == "comment" || words[0] == "obj_info") {
-      if (const double unit = unit_of(words); unit > 0) header.unit = unit;
+      if (const double unit = unit_of(words); unit > 0)
+        header.unit = unit, header.either_foot = says_feet(formats::to_lower(std::string(words[2])));
     } else if (words[0] == "format" && words.size() == 3) {
       has_format = true;
       if (words[1] == "ascii")

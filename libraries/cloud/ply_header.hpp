@@ -30,6 +30,7 @@ struct PlyHeader {
   enum class Layout { text, little_endian, big_endian } layout = Layout::text;
   std::vector<PlyElement> elements;
   double unit = std::numeric_limits<double>::quiet_NaN();  ///< by "comment unit: mm" and the like [m]
+  bool either_foot = false;  ///< "feet", and not which
 };
 
 /// Leaves the stream after "end_header". Throws CloudError with the line.

@@ -62,8 +62,14 @@ std::array<size_t, 3> coordinates_of(const CloudStream& stream, const PlyElement
   return at;
 }
 
-void read_binary(CloudStream& stream, const PlyElement& vertex, bool big, PointBatch& batch) {
+void read_binary(CloudStream& stream, const PlyElement& vertex, bool big, PointBatch& batch, Steps& steps) {
   const auto coordinates = coordinates_of(stream, vertex);
+  std::array<double, 3> step{};  // whole numbers have one of 1
+  for (size_t axis = 0; axis < 3; ++axis) {
+    const PlyType type = vertex.properties[coordinates[axis]].type;
+    if (type == PlyType::float32) steps.declare_float(static_cast<Eigen::Index>(axis));
+    step[axis] = type == PlyType::float32 || type == PlyType::float64 ? 0 : 1;
+  }
   std::array<std::uint64_t, 3> offset{};
   for (size_t axis = 0; axis < 3; ++axis)
     for (size_t p = 0; p < coordinates[axis]; ++p)
@@ -83,6 +89,7 @@ void read_binary(CloudStream& stream, const PlyElement& vertex, bool big, PointB
       for (int axis = 0; axis < 3; ++axis) {
         const auto a = static_cast<size_t>(axis);
         point(axis) = value_at(bytes.data() + i * row + offset[a], vertex.properties[coordinates[a]].type, big);
+        steps.take(axis, point(axis), step[a]);
       }
       batch.add(point);
     }
@@ -100,7 +107,7 @@ double text_value(const CloudStream& stream, std::string_view word) {
   return value;
 }
 
-void read_lines(CloudStream& stream, const PlyElement& vertex, PointBatch& batch) {
+void read_lines(CloudStream& stream, const PlyElement& vertex, PointBatch& batch, Steps& steps) {
   const auto coordinates = coordinates_of(stream, vertex);
   std::string line;
   for (std::uint64_t i = 0; i < vertex.count; ++i) {
@@ -111,8 +118,13 @@ void read_lines(CloudStream& stream, const PlyElement& vertex, PointBatch& batch
     if (words.size() < vertex.properties.size())
       stream.fail_at_line("a vertex with " + std::to_string(words.size()) + " values, expected " +
                           std::to_string(vertex.properties.size()));
-    batch.add({text_value(stream, words[coordinates[0]]), text_value(stream, words[coordinates[1]]),
-               text_value(stream, words[coordinates[2]])});
+    Eigen::Vector3d point;
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::string_view word = words[coordinates[static_cast<size_t>(axis)]];
+      point(axis) = text_value(stream, word);
+      steps.take(axis, point(axis), step_of_text(word));
+    }
+    batch.add(point);
   }
 }
 
@@ -123,7 +135,7 @@ CloudSummary read_ply(CloudStream& stream, const PointSink& sink) {
   CloudSummary summary;
   const bool text = header.layout == PlyHeader::Layout::text, big = header.layout == PlyHeader::Layout::big_endian;
   summary.format = text ? "PLY, text" : big ? "PLY, binary, big endian" : "PLY, binary, little endian";
-  summary.unit = header.unit;
+  summary.unit = header.unit, summary.either_foot = header.either_foot;
   const auto is_vertex = [](const PlyElement& element) { return element.name == "vertex"; };
   const auto vertex = std::find_if(header.elements.begin(), header.elements.end(), is_vertex);
   if (vertex == header.elements.end()) stream.fail("the header has no element 'vertex': there are no points");
@@ -151,11 +163,13 @@ CloudSummary read_ply(CloudStream& stream, const PointSink& sink) {
         skip_row(stream, *element, big);
     }
   }
+  Steps steps;
   if (text)
-    read_lines(stream, *vertex, batch);
+    read_lines(stream, *vertex, batch, steps);
   else
-    read_binary(stream, *vertex, big, batch);
+    read_binary(stream, *vertex, big, batch, steps);
   batch.flush();
+  summary.resolution = steps.found();
   return summary;
 }
 

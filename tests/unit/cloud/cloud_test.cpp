@@ -1,6 +1,7 @@
 // Points of every format come back where they were put, with what the file says of its unit.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <fstream>
 
 #include "cloud/cloud_file.hpp"
@@ -96,6 +97,70 @@ TEST(Cloud, LasSaysItsUnitByKeysOrText) {
   EXPECT_THROW(unit(las_record(2112, mixed)), CloudError);
 }
 
+/// Unit by a WKT, of each point's own axes: before the points or, in LAS 1.4, behind them.
+Read with_wkt(const std::string& wkt, bool behind) {
+  LasFile file;
+  file.minor = 4, file.format = 6;
+  if (!behind) file.records = las_record(2112, wkt), file.record_count = 1;
+  std::string bytes = las_file(file, {file.offset});
+  if (behind) {
+    std::string record(60, '\0');
+    std::memcpy(record.data() + 2, "LASF_Projection", 15);
+    put(record, 18, std::uint16_t{2112}), put(record, 20, static_cast<std::uint64_t>(wkt.size()));
+    put(bytes, 235, static_cast<std::uint64_t>(bytes.size())), put(bytes, 243, std::uint32_t{1});
+    bytes += record + wkt;
+  }
+  return read_bytes("a.las", bytes);
+}
+
+TEST(Cloud, LasTakesTheUnitOfTheAxesAndNotOfTheEllipsoid) {
+  const std::string base =
+      R"w(BASEGEOGCRS["NAD83",DATUM["D",ELLIPSOID["GRS 1980",6378137,298.257222101,LENGTHUNIT["metre",1]]],)w"
+      R"w(PRIMEM["Greenwich",0,ANGLEUNIT["degree",0.0174532925199433]]],)w"
+      R"w(CONVERSION["C",METHOD["Transverse Mercator"],PARAMETER["False easting",500000,LENGTHUNIT["metre",1]]],)w"
+      R"w(CS[Cartesian,2],)w";
+  const std::string foot = R"w(LENGTHUNIT["US survey foot",0.304800609601219])w";
+  const std::string at_the_end = R"w(PROJCRS["New York Long Island (ftUS)",)w" + base +
+                                 R"w(AXIS["easting (X)",east,ORDER[1]],AXIS["northing (Y)",north,ORDER[2]],)w" + foot + "]";
+  const std::string by_axis = R"w(PROJCRS["New York",)w" + base + R"w(AXIS["easting (X)",east,ORDER[1],)w" + foot +
+                              R"w(],AXIS["northing (Y)",north,ORDER[2],)w" + foot + "]]";
+  for (const bool behind : {false, true})
+    for (const std::string& wkt : {at_the_end, by_axis})
+      EXPECT_NEAR(with_wkt(wkt, behind).summary.unit, 0.304800609601219, 1e-15) << behind << wkt;
+  const std::string heights = R"w(,VERTCRS["NAVD88",VDATUM["N"],CS[vertical,1],AXIS["up (H)",up],)w";
+  EXPECT_NEAR(with_wkt(R"w(COMPOUNDCRS["both",)w" + at_the_end + heights + foot + "]]", false).summary.unit,
+              0.304800609601219, 1e-15);
+  EXPECT_THROW(with_wkt(R"w(COMPOUNDCRS["both",)w" + at_the_end + heights + R"w(LENGTHUNIT["metre",1])w"+std::string("]]"), false),
+               CloudError)
+      << "plan in feet, heights in metres";
+  const std::string degrees =
+      R"w(GEODCRS["WGS 84",DATUM["W",ELLIPSOID["WGS 84",6378137,298.257223563,LENGTHUNIT["metre",1]]],)w"
+      R"w(CS[ellipsoidal,2],AXIS["latitude",north],AXIS["longitude",east],ANGLEUNIT["degree",0.0174532925199433]])w";
+  for (const bool behind : {false, true}) EXPECT_THROW(with_wkt(degrees, behind), CloudError) << behind;
+  EXPECT_TRUE(std::isnan(with_wkt("PROJCRS[[[[\"", false).summary.unit)) << "no WKT at all";
+}
+
+TEST(Cloud, StepsThatCoordinatesAreWrittenIn) {
+  const auto steps = [](const std::string& name, const std::string& bytes) {
+    return read_bytes(name, bytes).summary.resolution;
+  };
+  const Points national = {{350123.456, 5600321.123, 81.25}, {350124.789, 5600322.789, 82.75}};
+  LasFile las;
+  las.scale = 0.01, las.offset = {350000, 5600000, 0};
+  EXPECT_EQ(steps("a.las", las_file(las, national)), Eigen::Vector3d::Constant(0.01));
+  const Eigen::Vector3d ply = steps("a.ply", binary_ply(national, false));  // x double, y and z float
+  EXPECT_EQ(ply.x(), 0);
+  EXPECT_EQ(ply.y(), 0.5) << "a 32-bit float at 5600 km";
+  const Eigen::Vector3d text = steps("a.xyz", "350123.45 5600321.1 81.250\n350124.7 5600322 8.2751e1\n");
+  EXPECT_NEAR(text.x(), 0.01, 1e-15);
+  EXPECT_NEAR(text.y(), 0.1, 1e-15);
+  EXPECT_NEAR(text.z(), 0.001, 1e-15);
+  // Floats that a program has written out with six decimals, or as doubles, are no finer for it.
+  EXPECT_EQ(steps("a.xyz", "350123.468750 1.5 1\n350124.781250 1.6 2\n").x(), 0.03125);
+  const Points floats = {{350123.46875, 1, 1}, {350124.78125, 1, 1}};
+  EXPECT_EQ(steps("a.ply", binary_ply(floats, false)).x(), 0.03125);
+}
+
 TEST(Cloud, LasLeavesOutWhatItWithholds) {
   LasFile file;
   std::string bytes = las_file(file, {file.offset, file.offset, file.offset});
@@ -104,6 +169,36 @@ TEST(Cloud, LasLeavesOutWhatItWithholds) {
   const Read read = read_bytes("a.las", bytes);
   EXPECT_EQ(read.points.size(), 1U);
   EXPECT_EQ(read.summary.withheld, 2U);
+  // Formats from 6 on have their flags in another byte, and classes of their own.
+  file.minor = 4, file.format = 6;
+  bytes = las_file(file, Points(4, file.offset));
+  bytes[375 + 15] = 0x04;            // withheld
+  bytes[375 + 30 + 16] = 18;         // high noise
+  bytes[375 + 2 * 30 + 15] = 0x08;   // overlap: to be used
+  EXPECT_EQ(read_bytes("a.las", bytes).points.size(), 2U);
+}
+
+TEST(Cloud, LasCountsItsScansByTheirSource) {
+  for (const auto& [minor, format, header, record, at] : {std::array{2, 0, 227, 20, 18}, std::array{4, 6, 375, 30, 20}}) {
+    LasFile file;
+    file.minor = minor, file.format = format;
+    std::string bytes = las_file(file, Points(3, file.offset));
+    EXPECT_EQ(read_bytes("a.las", bytes).summary.scans, 1);
+    put(bytes, static_cast<size_t>(header + 2 * record + at), std::uint16_t{7});
+    EXPECT_EQ(read_bytes("a.las", bytes).summary.scans, 2) << format;
+  }
+}
+
+TEST(Cloud, LasOfTwoCountsThatAgree) {
+  LasFile file;
+  file.minor = 4;
+  std::string bytes = las_file(file, {file.offset, file.offset});
+  put(bytes, 107, std::uint32_t{2});  // as files of 1.4 for older readers have it
+  EXPECT_EQ(read_bytes("a.las", bytes).points.size(), 2U);
+  put(bytes, 247, std::uint64_t{0});
+  EXPECT_EQ(read_bytes("a.las", bytes).points.size(), 2U);
+  put(bytes, 247, std::uint64_t{1});
+  EXPECT_THROW(read_bytes("a.las", bytes), CloudError) << "2 points at byte 107, 1 at byte 247";
 }
 
 TEST(Cloud, PtsOfTwoScans) {
@@ -111,6 +206,7 @@ TEST(Cloud, PtsOfTwoScans) {
       read_bytes("a.pts", "2\n1.5 -2.25 3.125 -1200 10 20 30\n1000.5 0 -0.5 0 0 0 0\n1\n0.001 0.002 0.003 5 5 5 5\n");
   expect_near(read.points, kPoints, 1e-12);
   EXPECT_EQ(read.summary.format, "PTS");
+  EXPECT_EQ(read.summary.scans, 2);
 }
 
 TEST(Cloud, XyzWithSeparatorsHeaderRemarksAndWithoutLastLineEnd) {
@@ -125,6 +221,15 @@ TEST(Cloud, XyzWithSeparatorsHeaderRemarksAndWithoutLastLineEnd) {
     text.pop_back();
     expect_near(read_bytes("a.xyz", text).points, kPoints, 1e-12);
   }
+}
+
+TEST(Cloud, XyzByTheNamesOfItsColumns) {
+  const Points one = {{1.5, 2.5, 3.5}};
+  for (const char* text : {"Row Column X Y Z\n7 8 1.5 2.5 3.5\n", "id,x,y,z\n7,1.5,2.5,3.5\n",
+                           "Northing Easting Height\n2.5 1.5 3.5\n", "\"N\";\"E\";\"H\"\n2.5;1.5;3.5\n",
+                           "//Nx Ny Nz X Y Z\n0 0 1 1.5 2.5 3.5\n", "Easting[m] Northing[m] Elevation[m]\n1.5 2.5 3.5\n",
+                           "\xEF\xBB\xBF" "1.5 2.5 3.5\n", "\xEF\xBB\xBFX Y Z\n1.5 2.5 3.5\n"})
+    expect_near(read_bytes("a.xyz", text).points, one, 1e-12);
 }
 
 TEST(Cloud, PointsWithoutPlaceAreLeftOutAndCounted) {
