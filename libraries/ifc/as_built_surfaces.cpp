@@ -86,10 +86,13 @@ void AsBuiltWriter::write_surfaces() {
   if (!options_.surfaces) return;
   std::map<std::string, Verdicts> of_panel;  // by GlobalId
   std::map<std::pair<std::string, std::string>, Verdicts> of_joint;
+  std::map<int, Verdicts> of_numbered_joint;
   if (options_.surface_judgement)
     for (const auto& verdict : options_.surface_judgement->verdicts) {
       if (verdict->second.empty())
         of_panel[verdict->guid].push_back(verdict.get());
+      else if (verdict->item >= 0)
+        of_numbered_joint[verdict->item].push_back(verdict.get());
       else
         of_joint[{verdict->panel, verdict->second}].push_back(verdict.get());
     }
@@ -114,14 +117,24 @@ void AsBuiltWriter::write_surfaces() {
   if (strange > 0)
     result_.warnings.push_back(std::to_string(strange) + " panels with measured surfaces are not in this design");
   size_t unclear = 0;
-  for (const auto& joint : options_.surfaces->joints) {
-    const auto &first = guids[joint->first], &second = guids[joint->second];
+  const auto& panels = options_.surfaces->panels;
+  // The panel's GlobalId by its number; by the name where a joint has none.
+  const auto guids_of = [&](int number, const std::string& name) {
+    if (number < 0 || static_cast<size_t>(number) >= panels.size()) return guids[name];
+    const std::string& guid = panels[static_cast<size_t>(number)]->face->guid;
+    return elements.count(guid) ? std::vector<std::string>{guid} : std::vector<std::string>{};
+  };
+  for (size_t j = 0; j < options_.surfaces->joints.size(); ++j) {
+    const auto& joint = options_.surfaces->joints[j];
+    const auto first = guids_of(joint->first_panel, joint->first), second = guids_of(joint->second_panel, joint->second);
     if (first.size() != 1 || second.size() != 1 || first == second) {
       ++unclear;
       continue;
     }
     PropertySet set(appender_);
-    add_verdicts(set, of_joint[{joint->first, joint->second}], verdicts_);
+    const auto numbered = of_numbered_joint.find(static_cast<int>(j));
+    add_verdicts(set, numbered != of_numbered_joint.end() ? numbered->second : of_joint[{joint->first, joint->second}],
+                 verdicts_);
     add_figures(set, *joint);
     attach(set, first[0] + "/" + second[0] + "/joint", "ASB_Joint_" + joint->first + "_" + joint->second,
            "The joint between two panels as it is", {elements.at(first[0]), elements.at(second[0])});

@@ -136,24 +136,35 @@ std::vector<Issue> surface_issues(const BcfOptions& options, ToleranceVerdict wa
   if (!options.surfaces || !options.surface_judgement) return issues;
   std::map<std::pair<std::string, std::string>, std::vector<const SurfaceVerdictT*>>
       by_what;  // GlobalId, or both names
+  std::map<int, std::vector<const SurfaceVerdictT*>> by_number;  // of the joint: panels may share a name
   for (const auto& verdict : options.surface_judgement->verdicts)
-    by_what[{verdict->second.empty() ? verdict->guid : verdict->panel, verdict->second}].push_back(verdict.get());
+    if (!verdict->second.empty() && verdict->item >= 0)
+      by_number[verdict->item].push_back(verdict.get());
+    else
+      by_what[{verdict->second.empty() ? verdict->guid : verdict->panel, verdict->second}].push_back(verdict.get());
   std::map<std::string, const SurfaceFaceT*> faces;
-  for (const auto& panel : options.surfaces->panels) {
+  const auto& panels = options.surfaces->panels;
+  for (const auto& panel : panels) {
     const auto found = by_what.find({panel->face->guid, ""});
     faces[panel->face->id] = panel->face.get();
     if (panel->face->guid.size() != 22 || found == by_what.end() || worst_of(found->second) != wanted) continue;
     issues.push_back(surface_issue(*panel->face, "Surface of panel " + panel->face->id, found->second));
     issues.back().about = "surface";
   }
-  for (const auto& joint : options.surfaces->joints) {
+  std::map<std::string, int> of_that_key;
+  for (size_t j = 0; j < options.surfaces->joints.size(); ++j) {
+    const auto& joint = options.surfaces->joints[j];
+    const auto numbered = by_number.find(static_cast<int>(j));
     const auto found = by_what.find({joint->first, joint->second});
-    const auto face = faces.find(joint->first);
-    if (face == faces.end() || face->second->guid.size() != 22 || found == by_what.end() ||
-        worst_of(found->second) != wanted)
-      continue;
-    issues.push_back(surface_issue(*face->second, "Joint " + joint->first + " | " + joint->second, found->second));
-    issues.back().about = "joint/" + joint->second;
+    const bool by_name = joint->first_panel < 0 || static_cast<size_t>(joint->first_panel) >= panels.size();
+    const SurfaceFaceT* face = by_name ? faces[joint->first] : panels[static_cast<size_t>(joint->first_panel)]->face.get();
+    if (!face || face->guid.size() != 22 || (numbered == by_number.end() && found == by_what.end())) continue;
+    const auto& verdicts = numbered != by_number.end() ? numbered->second : found->second;
+    // Two neighbours of one panel may share a name: their topics are two.
+    const int same = of_that_key[face->guid + joint->second]++;
+    if (worst_of(verdicts) != wanted) continue;
+    issues.push_back(surface_issue(*face, "Joint " + joint->first + " | " + joint->second, verdicts));
+    issues.back().about = "joint/" + joint->second + (same > 0 ? "/" + std::to_string(same) : "");
     issues.back().centre = joint->origin, issues.back().reach = std::max(0.3, 0.5 * joint->length);
   }
   return issues;

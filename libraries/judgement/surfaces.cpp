@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <memory>
 #include <stdexcept>
 
@@ -15,10 +16,18 @@ namespace {
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
+/// What became of one limit of a rule.
+struct Followed {
+  int selected = 0, taken = 0;    ///< panels or joints it selects; verdicts by it, others have those of later rules
+  std::vector<std::string> open;  ///< which of these are not judged
+  std::string why;                ///< the first of them
+};
+
 /// A limit with the rule that sets it.
 struct Asked {
   SurfaceLimit limit;
   const SurfaceRule* rule;
+  Followed* followed;  ///< what becomes of it
 };
 
 /// Limits as a middle and how far a value may lie from it.
@@ -44,29 +53,76 @@ class Judge {
 
   SurfaceJudgementT all() {
     result_.risk = risk_;
-    std::map<std::string, std::vector<char>> by_panel;  // which rules select it
-    for (const auto& panel : surfaces_.panels) {
-      const std::vector<char> selects = selecting(*panel);
-      for (const Asked& asked : asked_of(selects, false)) take(of_panel(*panel, asked));
-      by_panel[panel->face->id] = selects;
+    for (const SurfaceRule& rule : rules_) asked_.emplace_back(rule.limits.size());
+    std::vector<std::vector<char>> selecting_panel;  // which rules select it
+    for (size_t p = 0; p < surfaces_.panels.size(); ++p) {
+      selecting_panel.push_back(selecting(*surfaces_.panels[p]));
+      for (const Asked& asked : asked_of(selecting_panel[p], false))
+        take(of_panel(*surfaces_.panels[p], asked), asked, static_cast<int>(p));
     }
-    for (const auto& joint : surfaces_.joints) {
-      std::vector<char> either = by_panel[joint->first];
-      const std::vector<char>& second = by_panel[joint->second];
-      either.resize(rules_.size()), std::transform(second.begin(), second.end(), either.begin(), either.begin(),
-                                                   [](char a, char b) { return a || b; });
-      for (const Asked& asked : asked_of(either, true)) take(of_joint(*joint, asked));
+    for (size_t j = 0; j < surfaces_.joints.size(); ++j) {
+      const JointFiguresT& joint = *surfaces_.joints[j];
+      std::vector<char> either(rules_.size());
+      const auto ends = {panels_of(joint.first, joint.first_panel), panels_of(joint.second, joint.second_panel)};
+      bool shared = false;
+      for (const std::vector<size_t>& end : ends) {
+        shared = shared || end.size() > 1;
+        for (const size_t p : end)
+          for (size_t r = 0; r < either.size(); ++r) either[r] = either[r] || selecting_panel[p][r];
+      }
+      for (const Asked& asked : asked_of(either, true)) {
+        auto verdict = shared ? started(asked, joint) : of_joint(joint, asked);
+        if (shared) verdict->not_judged = "its panels share their names with others, and nobody says which it lies between";
+        take(std::move(verdict), asked, static_cast<int>(j));
+      }
     }
     for (size_t r = 0; r < rules_.size(); ++r) {
       auto request = std::make_unique<JudgementRequestT>();
       request->asked = rules_[r].text, request->by = "rule", request->panels = selected_[r];
-      if (selected_[r] == 0) request->not_judged = "it selects no panel that was looked at";
+      request->not_judged = open_of(r);
       result_.requests.push_back(std::move(request));
     }
     return std::move(result_);
   }
 
  private:
+  /// Numbers of the panel at an end of a joint: one, or all of that name.
+  std::vector<size_t> panels_of(const std::string& name, int number) const {
+    if (number >= 0 && static_cast<size_t>(number) < surfaces_.panels.size()) return {static_cast<size_t>(number)};
+    std::vector<size_t> panels;
+    for (size_t p = 0; p < surfaces_.panels.size(); ++p)
+      if (surfaces_.panels[p]->face->id == name) panels.push_back(p);
+    return panels;
+  }
+
+  /// What of a rule is not judged, quantity by quantity; empty if all is.
+  std::string open_of(size_t r) const {
+    if (selected_[r] == 0) return "it selects no panel that was looked at";
+    std::string text;
+    for (size_t l = 0; l < asked_[r].size(); ++l) {
+      const Followed& followed = asked_[r][l];
+      std::string why;
+      if (followed.selected == 0) {
+        why = surfaces_.joints.empty() ? "no joint was looked at, surface.joints does that in photographs"
+                                       : "no joint lies at a panel that it selects";
+      } else if (!followed.open.empty()) {
+        constexpr size_t most = 20;
+        why = std::to_string(followed.open.size()) + " of " + std::to_string(followed.taken) + " are not judged: ";
+        for (size_t i = 0; i < std::min(most, followed.open.size()); ++i) why += (i ? ", " : "") + followed.open[i];
+        if (followed.open.size() > most) why += " and more";
+        why += " (" + followed.why + ")";
+      }
+      if (!why.empty()) text += (text.empty() ? "" : "; ") + words_of(rules_[r].limits[l]) + ": " + why;
+    }
+    return text;
+  }
+
+  static std::string words_of(const SurfaceLimit& limit) {
+    char length[40] = "";
+    if (std::isfinite(limit.length)) std::snprintf(length, sizeof length, "(%gm)", limit.length);
+    return std::string(name_of(limit.quantity)) + length;
+  }
+
   std::vector<char> selecting(const PanelSurfaceFiguresT& panel) {
     bim::ElementFacts element;
     const auto found = facts_.find(panel.face->guid);
@@ -83,17 +139,19 @@ class Judge {
   }
 
   /// Later rules go before earlier ones, quantity by quantity.
-  std::vector<Asked> asked_of(const std::vector<char>& selects, bool of_joints) const {
+  std::vector<Asked> asked_of(const std::vector<char>& selects, bool of_joints) {
     std::vector<Asked> asked;
     for (size_t r = 0; r < selects.size(); ++r) {
       if (!selects[r]) continue;
       for (const SurfaceLimit& limit : rules_[r].limits) {
         if (is_of_joints(limit.quantity) != of_joints) continue;
+        Followed& followed = asked_[r][static_cast<size_t>(&limit - rules_[r].limits.data())];
+        ++followed.selected;
         std::erase_if(asked, [&](const Asked& before) {
           const bool same_edge = std::isnan(limit.length) || std::abs(before.limit.length - limit.length) < 1e-9;
           return before.limit.quantity == limit.quantity && same_edge;
         });
-        asked.push_back({limit, &rules_[r]});
+        asked.push_back({limit, &rules_[r], &followed});
       }
     }
     return asked;
@@ -103,6 +161,11 @@ class Judge {
     auto verdict = std::make_unique<SurfaceVerdictT>();
     verdict->quantity = name_of(asked.limit.quantity), verdict->rule = asked.rule->text;
     verdict->length = asked.limit.length, verdict->lower = asked.limit.lower, verdict->upper = asked.limit.upper;
+    return verdict;
+  }
+  static std::unique_ptr<SurfaceVerdictT> started(const Asked& asked, const JointFiguresT& joint) {
+    auto verdict = started(asked);
+    verdict->panel = joint.first, verdict->second = joint.second, verdict->looked_at = joint.looked_at;
     return verdict;
   }
 
@@ -130,8 +193,19 @@ class Judge {
     } else {
       verdict.value = (*gap)->gap, verdict.sigma = (*gap)->sigma;
       verdict.probability = probability_of(verdict.value, verdict.sigma, limit);
-      decide(verdict, verdict.probability, verdict.probability, risk_);
+      // The largest of many noisy gaps is above the true one by up to the largest that noise makes by itself, whose
+      // distribution is an extreme value's (Gumbel); without it the risk is shared among the positions.
+      const double noise = (*gap)->noise_mean + gumbel_quantile() * (*gap)->noise_sigma;
+      const bool beyond = std::isfinite(noise) ? verdict.value - limit.upper > noise
+                                               : verdict.probability <= risk_ / (*gap)->positions;
+      decide(verdict, verdict.probability, beyond ? 0 : 1, risk_);
     }
+  }
+
+  /// Of the probability 1 - risk, in standard deviations from the mean.
+  double gumbel_quantile() const {
+    constexpr double euler = 0.5772156649015329;
+    return -std::sqrt(6.0) / M_PI * (euler + std::log(-std::log(1 - risk_)));
   }
 
   /// Both bows at once, or the twist, from the covariance of the panel's form.
@@ -160,8 +234,7 @@ class Judge {
   }
 
   std::unique_ptr<SurfaceVerdictT> of_joint(const JointFiguresT& joint, const Asked& asked) const {
-    auto verdict = started(asked);
-    verdict->panel = joint.first, verdict->second = joint.second, verdict->looked_at = joint.looked_at;
+    auto verdict = started(asked, joint);
     if (!joint.not_measured.empty()) {
       verdict->not_judged = joint.not_measured;
       return verdict;
@@ -187,6 +260,12 @@ class Judge {
     }
     verdict->probability = std::max(0.0, 1 - missed);
     decide(*verdict, verdict->probability, least, risk_ / verdict->places);
+    constexpr double least_share = 0.3;
+    if (verdict->verdict == ToleranceVerdict::pass && verdict->places < least_share * joint.looked_at) {
+      verdict->verdict = ToleranceVerdict::not_measured;
+      verdict->not_judged = "it was measured at " + std::to_string(verdict->places) + " of " +
+                            std::to_string(joint.looked_at) + " places along it, where it keeps the limit; to pass it needs 30 %";
+    }
     return verdict;
   }
 
@@ -198,10 +277,14 @@ class Judge {
       verdict.verdict = ToleranceVerdict::fail;
   }
 
-  void take(std::unique_ptr<SurfaceVerdictT> verdict) {
-    if (!verdict->not_judged.empty())
+  void take(std::unique_ptr<SurfaceVerdictT> verdict, const Asked& asked, int item) {
+    verdict->item = item;
+    ++asked.followed->taken;
+    if (!verdict->not_judged.empty()) {
       ++result_.not_judged;
-    else if (verdict->verdict == ToleranceVerdict::pass)
+      asked.followed->open.push_back(verdict->second.empty() ? verdict->panel : verdict->panel + " | " + verdict->second);
+      if (asked.followed->why.empty()) asked.followed->why = verdict->not_judged;
+    } else if (verdict->verdict == ToleranceVerdict::pass)
       ++result_.passed;
     else if (verdict->verdict == ToleranceVerdict::fail)
       ++result_.failed;
@@ -215,6 +298,7 @@ class Judge {
   const std::vector<SurfaceRule>& rules_;
   double risk_;
   std::vector<int> selected_;
+  std::vector<std::vector<Followed>> asked_;  ///< by rule and limit
   SurfaceJudgementT result_;
 };
 

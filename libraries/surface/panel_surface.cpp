@@ -25,8 +25,9 @@ std::vector<Sample> own_samples(const PanelFace& face, const std::vector<Measure
     for (const MeasuredPoint& point : tiles[t].points) {
       const Eigen::Vector3d arm = point.offset.cast<double>();
       const Eigen::Vector3d local = face.plane.local(tiles[t].centre + arm);
-      if (std::abs(local.x()) > across || std::abs(local.y()) > up || std::abs(local.z()) > options.reach) continue;
-      if (!(point.sigma > 0) || !local.allFinite()) continue;
+      if (std::abs(local.x()) > across || std::abs(local.y()) > up || !local.allFinite()) continue;
+      // A little further than a surface may lie: noise that is cut off on one side would pull the surface inside.
+      if (!(point.sigma > 0) || std::abs(local.z()) > options.reach + 6 * static_cast<double>(point.sigma)) continue;
       samples.push_back({local.x(), local.y(), local.z(), static_cast<double>(point.sigma), t, arm});
     }
   return samples;
@@ -98,6 +99,25 @@ Eigen::MatrixXd systematic(const PanelFace& face, const std::vector<Sample>& sam
   return result;
 }
 
+/// Why the surface may be cut: it comes to where points are no longer taken. Empty if it does not.
+std::string at_the_border(const PanelFace& face, const std::vector<Sample>& samples, const std::vector<double>& weight,
+                          const Eigen::VectorXd& form, double widened, const PanelOptions& options) {
+  const double border = std::min(options.search, options.reach);
+  double furthest = 0, sigma = 0;
+  for (size_t i = 0; i < samples.size(); ++i) {
+    if (!(weight[i] > 0)) continue;
+    const double height = std::abs(base_of(face, samples[i]).dot(form)), own = widened * samples[i].sigma;
+    if (height + 4 * own > furthest + 4 * sigma) furthest = height, sigma = own;
+  }
+  if (furthest + 4 * sigma < border) return "";
+  char text[240];
+  std::snprintf(text, sizeof text,
+                "at the border of the search: its surface is up to %.1f mm from the design's face, its points have a noise of "
+                "%.1f mm, and it is looked for within %.0f mm; look further with 'search' and 'reach'",
+                1e3 * furthest, 1e3 * sigma, 1e3 * border);
+  return text;
+}
+
 /// Cells of the face with the mean of their points: for coverage and straightedges.
 HeightGrid grid_of(const PanelFace& face, const std::vector<Sample>& samples, const std::vector<MeasuredTile>& tiles,
                    const std::vector<double>& weight, double widened, const PanelOptions& options) {
@@ -163,6 +183,8 @@ PanelSurface measure_panel(const PanelFace& face, const std::vector<MeasuredTile
     panel.not_measured = text;
     return panel;
   }
+  panel.not_measured = at_the_border(face, samples, weight, form, widened, options);
+  if (!panel.not_measured.empty()) return panel;
   const HeightGrid grid = grid_of(face, samples, tiles, weight, widened, options);
   panel.coverage = grid.coverage();
   if (panel.coverage < options.least_coverage) {

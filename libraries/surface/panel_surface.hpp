@@ -1,6 +1,7 @@
 // What points say of one panel: its plane, bow and twist with their covariance, and how flat it is under a straightedge.
 #pragma once
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@ struct PanelFace {
   FacadePlane plane;   ///< origin in the middle of the outer face, axes right, up, out
   double width = 0;    ///< along right [m]
   double height = 0;   ///< along up [m]
+  double thickness = std::numeric_limits<double>::quiet_NaN();  ///< of the panel behind the face [m]
 };
 
 struct PanelOptions {
@@ -28,17 +30,22 @@ struct PanelOptions {
   double most_scatter = 5;       ///< points that scatter more than so many times their sigmas and more than `least_scatter`
   double least_scatter = 0.0005; ///< are no surface: glass, a mirror, something else in front [m]
   std::vector<double> straightedges = {0.1, 1.0};  ///< lengths to look under [m]
+  /// How far from the design's face the points were collected, if they know no better themselves [m].
+  double search = std::numeric_limits<double>::infinity();
 };
 
 /// The largest gap under a straightedge of one length that rests on the surface's two highest places beneath it, as
 /// DIN 18202 measures flatness. Estimated from the means of cells; the largest of many gaps of a noisy surface is too
-/// large rather than too small.
+/// large rather than too small. By how much at most, the noise alone says: with true heights h and errors e every gap is
+/// linear in h + e between given places, so that the largest of all is at most the largest of h and the largest of e.
 struct Gap {
   double length = 0;   ///< of the straightedge [m]
   double gap = 0;      ///< [m]
   double sigma = 0;    ///< random and systematic [m]
   Eigen::Vector2d place = Eigen::Vector2d::Zero();  ///< of the gap on the panel, from its middle [m]
   int positions = 0;   ///< of the straightedge that were looked at; 0: the surface has none of that length
+  double noise_mean = 0;   ///< of the largest gap that the cells' errors alone make, by simulation [m]
+  double noise_sigma = 0;  ///< its standard deviation, with the systematic part of `sigma` [m]
 };
 
 /// h = c0 + c1 x + c2 y + c3 (1 − x²) + c4 (1 − y²) + c5 x y, with x and y from −1 to 1 over the panel.

@@ -81,16 +81,25 @@ std::optional<ScanTiles::Hit> ScanTiles::nearest(const Eigen::Vector3d& point) c
   return best;
 }
 
-bool ScanTiles::add(const Eigen::Vector3d& point, double sigma) {
-  const auto hit = nearest(point);
-  if (!hit) return false;
-  const PanelFace& face = faces_[hit->face];
-  const Layout& layout = layouts_[hit->face];
+size_t ScanTiles::tile_at(const Hit& hit) const {
+  const PanelFace& face = faces_[hit.face];
+  const Layout& layout = layouts_[hit.face];
   const auto place = [](double local, double size, int count) {
     return std::clamp(static_cast<int>((local / size + 0.5) * count), 0, count - 1);
   };
-  const int c = place(hit->local.x(), face.width, layout.columns), r = place(hit->local.y(), face.height, layout.rows);
-  const size_t t = layout.first + static_cast<size_t>(r) * static_cast<size_t>(layout.columns) + static_cast<size_t>(c);
+  const int c = place(hit.local.x(), face.width, layout.columns), r = place(hit.local.y(), face.height, layout.rows);
+  return layout.first + static_cast<size_t>(r) * static_cast<size_t>(layout.columns) + static_cast<size_t>(c);
+}
+
+std::optional<size_t> ScanTiles::tile_of(const Eigen::Vector3d& point) const {
+  const auto hit = nearest(point);
+  return hit ? std::optional(tile_at(*hit)) : std::nullopt;
+}
+
+bool ScanTiles::add(const Eigen::Vector3d& point, double sigma) {
+  const auto hit = nearest(point);
+  if (!hit) return false;
+  const size_t t = tile_at(*hit);
   waiting_[t].push_back({(point - tiles_[t].centre).cast<float>(), static_cast<float>(sigma)});
   ++tiles_[t].points;
   if (waiting_[t].size() < kBuffer) return true;

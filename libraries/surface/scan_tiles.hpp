@@ -32,7 +32,8 @@ class ScanTiles {
 
   /// Whether the point lies on a face.
   bool add(const Eigen::Vector3d& point, double sigma);
-  bool on_a_face(const Eigen::Vector3d& point) const { return nearest(point).has_value(); }
+  /// Number of the tile that the point would go to.
+  std::optional<size_t> tile_of(const Eigen::Vector3d& point) const;
   void flush();
   const std::vector<ScanTile>& tiles() const { return tiles_; }  ///< also those without points
 
@@ -46,6 +47,7 @@ class ScanTiles {
     int columns = 1, rows = 1;
   };
   std::optional<Hit> nearest(const Eigen::Vector3d& point) const;
+  size_t tile_at(const Hit& hit) const;
   void index(size_t face);
 
   std::vector<PanelFace> faces_;

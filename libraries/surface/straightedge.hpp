@@ -18,7 +18,8 @@ class HeightGrid {
 
   double coverage() const;  ///< share of the cells that have points
 
-  /// Straightedges along rows, columns and both diagonals, from every cell; the largest gap.
+  /// Straightedges along rows, columns and both diagonals, from every cell; the largest gap, and the largest ones of the
+  /// cells' errors alone.
   Gap largest_gap(double length) const;
 
  private:
@@ -27,8 +28,11 @@ class HeightGrid {
     Eigen::Vector2d place = Eigen::Vector2d::Zero();
     Eigen::VectorXd common;
   };
-  struct Line;
-  void look_along(int column, int row, int by_column, int by_row, double length, Gap& worst) const;
+  struct Under;     // a straightedge of some length
+  struct Supports;  // and the largest gap under it
+  bool lay(int column, int row, int by_column, int by_row, double length, Under& under) const;
+  void state(const Under& under, const Supports& at, Gap& gap) const;
+  std::vector<std::vector<float>> drawn_errors() const;
   const Cell* filled(int column, int row) const;
 
   int columns_, rows_;

@@ -100,11 +100,26 @@ Faces faces_of(const DesignT& design, const std::vector<Eigen::Vector3d>& seen_f
     Eigen::Vector3d up = turn.col(upwards);
     if (up.dot(upward) < 0) up = -up;
     face.plane.axes << up.cross(out), up, out;
-    face.width = size(across), face.height = size(upwards);
+    face.width = size(across), face.height = size(upwards), face.thickness = size(through);
     result.faces.push_back(face);
     result.guids.push_back(element->guid);
   }
   return result;
+}
+
+void leave_out_seen_from_behind(Faces& faces, const std::vector<Eigen::Vector3d>& seen_from) {
+  Faces kept;
+  kept.left_out = std::move(faces.left_out);
+  for (size_t f = 0; f < faces.faces.size(); ++f) {
+    const Lookers lookers = looked_at(faces.faces[f].plane.origin, faces.faces[f].plane.axes.col(2), seen_from);
+    if (lookers.before == 0 && lookers.behind > 0) {
+      kept.left_out.push_back(faces.faces[f].id + ": all " + std::to_string(lookers.behind) +
+                              " stations of 'seen_from' that look at it see it from behind: not its outer face");
+      continue;
+    }
+    kept.faces.push_back(std::move(faces.faces[f])), kept.guids.push_back(std::move(faces.guids[f]));
+  }
+  faces = std::move(kept);
 }
 
 Faces face_through(const PointsT& points, const std::vector<Eigen::Vector3d>& seen_from, double margin) {
@@ -124,6 +139,11 @@ Faces face_through(const PointsT& points, const std::vector<Eigen::Vector3d>& se
                              " points of 'points' lie on a line; connect 'design', or more points");
   Eigen::Vector3d out = axes.eigenvectors().col(0);
   const Lookers lookers = looked_at(mean, out, seen_from);
+  if (lookers.before == lookers.behind)
+    throw std::runtime_error(std::to_string(lookers.before) + " places look at the plane of 'points' from one side and " +
+                             std::to_string(lookers.behind) +
+                             " from the other: nobody knows which side is outside, and every sign hangs on it; set "
+                             "'seen_from' to the scanner's stations, or take photographs of one side");
   if (lookers.behind > lookers.before) out = -out;
   PanelFace face;
   face.id = "plane of the points";

@@ -23,8 +23,12 @@ struct Faces {
 /// it is left out, because nobody knows which side is outside.
 Faces faces_of(const DesignT& design, const std::vector<Eigen::Vector3d>& seen_from);
 
+/// Leaves out faces that some of `seen_from` look at and all from behind: what they see is another side of the panel.
+void leave_out_seen_from_behind(Faces& faces, const std::vector<Eigen::Vector3d>& seen_from);
+
 /// One face: the best plane of the points, wide enough to hold them and `margin` more, turned to `seen_from`. Throws
-/// std::runtime_error for fewer than three points or points on a line.
+/// std::runtime_error for fewer than three points or points on a line, and where as many look from one side as from the
+/// other, or nobody does.
 Faces face_through(const PointsT& points, const std::vector<Eigen::Vector3d>& seen_from, double margin);
 
 }  // namespace plumbline::surface

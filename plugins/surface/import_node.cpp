@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <fstream>
 #include <optional>
+#include <string_view>
 
 #include "cloud/cloud_file.hpp"
 #include "geometry/packed_symmetric.hpp"
@@ -26,19 +27,40 @@ std::string name_of_unit(double metres) {
   return std::to_string(metres) + " m";
 }
 
-/// Metres in one unit of the file. Throws if what is asked for and what the file says differ.
-double unit_of(const cloud::CloudSummary& file, const std::string& wanted, const Context& context) {
+constexpr double kFeetApart = 0.3048006096012192 - 0.3048;  // in one foot, of US surveys and international [m]
+
+struct UnitOfFile {
+  double metres = 1;
+  bool stated = true;  ///< by the file or by the user
+};
+
+/// Throws if what is asked for and what the file says differ.
+UnitOfFile unit_of(const cloud::CloudSummary& file, const std::string& wanted, const Context& context) {
   if (wanted == "from_file") {
-    if (std::isfinite(file.unit)) return file.unit;
-    context.warn("the file does not say its unit; its coordinates are taken for metres ('unit' says another)");
-    return 1;
+    if (std::isfinite(file.unit)) return {file.unit, true};
+    context.warn("the file does not say its unit" +
+                 (file.without_unit_of.empty() ? "" : " (of " + file.without_unit_of + " the unit is not known here)") +
+                 "; its coordinates are taken for metres ('unit' says another)");
+    return {1, false};
   }
   const double asked =
       std::find_if(std::begin(kUnits), std::end(kUnits), [&](const Unit& u) { return wanted == u.name; })->metres;
-  if (std::isfinite(file.unit) && std::abs(file.unit / asked - 1) > 1e-9)
+  const double alike = file.either_foot ? 1e-5 : 1e-9;
+  if (std::isfinite(file.unit) && std::abs(file.unit / asked - 1) > alike)
     throw std::runtime_error("'unit' is " + wanted + ", but the file says that its coordinates are in " +
                              name_of_unit(file.unit) + "; leave 'unit' out, or mend the file");
-  return asked;
+  return {asked, true};
+}
+
+std::string in_millimetres(double metres) {
+  char text[40];
+  std::snprintf(text, sizeof text, 1e3 * metres < 1 ? "%.2f mm" : "%.0f mm", 1e3 * metres);
+  return text;
+}
+
+/// How far apart points at these coordinates lie in the two feet.
+double feet_apart(const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
+  return kFeetApart * low.cwiseAbs().cwiseMax(high.cwiseAbs()).norm();
 }
 
 /// From coordinates of the file to the frame of the faces.
@@ -75,29 +97,42 @@ std::string box_text(const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
   return text;
 }
 
-/// Refuses a cloud that lies elsewhere: in another unit, where another would put its points on the faces, or in another
-/// frame.
+/// Parts of faces that points of the sample lie on, if the coordinates are in that unit. Parts and not points: what lies
+/// near the scanner has thousands, and in another unit a lawn may come to lie on one panel.
+size_t parts_hit(const ScanTiles& tiles, const Sample& sample, ToFaces to_faces, double unit) {
+  to_faces.unit = unit;
+  std::vector<bool> hit(tiles.tiles().size());
+  for (const Eigen::Vector3d& point : sample.points())
+    if (const auto tile = tiles.tile_of(to_faces(point))) hit[*tile] = true;
+  return static_cast<size_t>(std::count(hit.begin(), hit.end(), true));
+}
+
+/// "set unit: mm"; of feet both, as nobody can tell them by where points lie.
+std::string advice(const Unit& unit, const cloud::CloudSummary& file) {
+  if (std::string_view(unit.name).find("ft") == std::string_view::npos) return std::string("set unit: ") + unit.name;
+  return "set unit: ft for international feet (0.3048 m) or unit: us_ft for US survey feet (1200/3937 m); here they lie " +
+         in_millimetres(feet_apart(file.low, file.high)) + " apart";
+}
+
+/// Refuses a cloud that lies elsewhere: in another unit, where nobody states one and another would put its points on the
+/// faces, or in another frame.
 void check_place(const std::vector<PanelFace>& faces, const ScanTiles& tiles, const Sample& sample,
-                 const ToFaces& to_faces) {
-  const auto hits = [&](double unit) {
-    ToFaces other = to_faces;
-    other.unit = unit;
-    return std::count_if(sample.points().begin(), sample.points().end(),
-                         [&](const Eigen::Vector3d& point) { return tiles.on_a_face(other(point)); });
-  };
-  const auto now = hits(to_faces.unit),
-             enough = static_cast<std::ptrdiff_t>(std::min<size_t>(20, sample.points().size()));
-  auto most = now;
+                 const ToFaces& to_faces, bool unit_stated, const cloud::CloudSummary& file) {
+  const size_t now = parts_hit(tiles, sample, to_faces, to_faces.unit);
+  const bool none =
+      std::none_of(tiles.tiles().begin(), tiles.tiles().end(), [](const ScanTile& tile) { return tile.points > 0; });
+  if (unit_stated && !none) return;
+  size_t most = now;
   const Unit* better = nullptr;
   for (const Unit& unit : kUnits)
-    if (const auto count = hits(unit.metres); count > 3 * most && count >= enough) most = count, better = &unit;
-  const std::string of = " of " + std::to_string(sample.points().size()) + " sampled points lie on the faces";
+    if (const size_t count = parts_hit(tiles, sample, to_faces, unit.metres); count > 3 * most)
+      most = count, better = &unit;
+  const std::string of = " of " + std::to_string(tiles.tiles().size()) + " parts of the faces have points";
   if (better)
     throw std::runtime_error(std::to_string(now) + of + " if the coordinates are in " + name_of_unit(to_faces.unit) +
-                             ", " + std::to_string(most) + " if they are in " + better->name +
-                             "; set unit: " + better->name);
-  if (std::any_of(tiles.tiles().begin(), tiles.tiles().end(), [](const ScanTile& tile) { return tile.points > 0; }))
-    return;
+                             ", " + std::to_string(most) + " if they are in " + better->name + "; " +
+                             (unit_stated ? "is the stated unit wrong? " : "") + advice(*better, file));
+  if (!none) return;
   Eigen::Vector3d low = Eigen::Vector3d::Constant(1e300), high = -low, face_low = low, face_high = high;
   for (const auto& point : sample.points()) low = low.cwiseMin(to_faces(point)), high = high.cwiseMax(to_faces(point));
   for (const PanelFace& face : faces)
@@ -108,9 +143,26 @@ void check_place(const std::vector<PanelFace>& faces, const ScanTiles& tiles, co
                            "further with 'search'");
 }
 
-/// What the scan's place is off by: from the registration, and from what the user states.
+/// Refuses coordinates that are written in coarser steps than the scanner's noise: all points of a wall then lie on a few
+/// of them, and it looks flat whatever it is.
+void check_steps(const std::vector<PanelFace>& faces, const ScanTiles& tiles, const ToFaces& to_faces,
+                 const Eigen::Vector3d& steps, double noise) {
+  for (const ScanTile& tile : tiles.tiles()) {
+    if (tile.points == 0) continue;
+    const Eigen::Vector3d out = to_faces.frame.rotation.conjugate() * faces[tile.face].plane.axes.col(2);
+    const double across = out.cwiseProduct(steps).norm() * to_faces.unit * to_faces.scale;
+    if (across > noise)
+      throw std::runtime_error("across the face of " + faces[tile.face].id + " the coordinates are written in steps of " +
+                               in_millimetres(across) + ", 'noise' is " + in_millimetres(noise) +
+                               ": flatness and place would be those of the steps; write doubles, more decimals or a finer "
+                               "scale of LAS, or shift the cloud to smaller coordinates before it is written");
+  }
+}
+
+/// What the scan's place is off by: from the registration, from what the user states, and, where one of them is known,
+/// from the steps that its coordinates are written in.
 std::vector<ScanPlace> places_of(const std::optional<TransformT>& registration, double place_sigma, double turn_sigma,
-                                 const Eigen::Vector3d& middle) {
+                                 const Eigen::Vector3d& middle, const Eigen::Matrix3d& of_steps) {
   std::vector<ScanPlace> places;
   if (registration && !registration->covariance.empty()) {
     ScanPlace place;
@@ -127,6 +179,7 @@ std::vector<ScanPlace> places_of(const std::optional<TransformT>& registration, 
     place.covariance.diagonal().tail<3>().setConstant(place_sigma * place_sigma);
     places.push_back(place);
   }
+  if (!places.empty()) places.front().covariance.block<3, 3>(3, 3) += of_steps;
   return places;
 }
 
@@ -168,11 +221,13 @@ void ImportCloud::run(Context& context) {
   if (!design && !points)
     throw std::runtime_error("connect 'design', whose panels are measured, or 'points', whose plane is");
   const auto stations = stations_of(*seen_from);
-  const Faces faces = design ? faces_of(design.unpack(), stations) : face_through(points.unpack(), stations, *margin);
+  Faces faces = design ? faces_of(design.unpack(), stations) : face_through(points.unpack(), stations, *margin);
+  leave_out_seen_from_behind(faces, stations);
   for (const auto& what : faces.left_out) context.warn("not measured: " + what);
   if (faces.faces.empty())
-    throw std::runtime_error(
-        "the design has no panel with a face that could be measured; mark the panels in it, or connect 'points'");
+    throw std::runtime_error("the design has no panel with a face that could be measured" +
+                             (faces.left_out.empty() ? "" : " (" + faces.left_out.front() + ")") +
+                             "; mark the panels in it, or connect 'points'");
   ToFaces to_faces;
   std::optional<TransformT> fit;
   if (registration) {
@@ -183,11 +238,13 @@ void ImportCloud::run(Context& context) {
     to_faces.frame = fit->to_from_from, to_faces.scale = std::isfinite(fit->scale) ? fit->scale : 1;
   }
   const cloud::CloudSummary before = cloud::look_at_cloud(file->path);
-  to_faces.unit = unit_of(before, *unit, context);
+  const UnitOfFile chosen = unit_of(before, *unit, context);
+  to_faces.unit = chosen.metres;
 
   const auto folder = files.make_folder();
   const auto path_of = [&](size_t t) { return folder.path + "/" + file_name(t); };
-  ScanTiles tiles(faces.faces, *search, *tile, [&](size_t t, const std::vector<MeasuredPoint>& some) {
+  // Further than `search` by its noise: a panel there would lose the points beyond it, and be pulled inside.
+  ScanTiles tiles(faces.faces, *search + 6 * *noise, *tile, [&](size_t t, const std::vector<MeasuredPoint>& some) {
     MeasuredTile part;
     part.points = some;
     append_points(part, path_of(t));
@@ -209,17 +266,28 @@ void ImportCloud::run(Context& context) {
     context.warn(std::to_string(read.without_place) + " points have no coordinates (NaN) and are left out");
   if (read.withheld > 0)
     context.info(std::to_string(read.withheld) + " points are withheld or noise, as the file says, and are left out");
-  check_place(faces.faces, tiles, sample, to_faces);
-
-  commit(context, faces, tiles, places_of(fit, *place_sigma, *turn_sigma, middle_of(faces.faces)), folder.path,
-         folder.uri);
+  if (read.scans > 1)
+    context.warn("there are " + std::to_string(read.scans) +
+                 " scans in the file, which are held to err alike, as one: what they differ by is in no standard deviation; "
+                 "import them one by one, or state it with 'place_sigma'");
+  if (read.either_foot && *unit == "from_file")
+    context.warn("the file says feet and not which: they are taken for international ones (0.3048 m); in US survey feet its "
+                 "points would lie up to " + in_millimetres(feet_apart(read.low, read.high)) +
+                 " from there; 'unit' says which, ft or us_ft");
+  check_place(faces.faces, tiles, sample, to_faces, chosen.stated, read);
+  check_steps(faces.faces, tiles, to_faces, read.resolution, *noise);
+  const Eigen::Matrix3d turn = to_faces.frame.rotation.toRotationMatrix();
+  const Eigen::Vector3d steps = to_faces.unit * to_faces.scale * read.resolution;
+  const Eigen::Matrix3d of_steps = turn * (steps.cwiseAbs2() / 12).asDiagonal() * turn.transpose();
+  commit(context, faces, tiles, places_of(fit, *place_sigma, *turn_sigma, middle_of(faces.faces), of_steps),
+         folder.path, folder.uri);
 }
 
 void ImportCloud::commit(Context& context, const Faces& faces, const ScanTiles& tiles,
                          const std::vector<ScanPlace>& places, const std::string& folder,
                          const std::string& uri) const {
   SurfacePointsT artifact;
-  artifact.source = "scan", artifact.warnings = faces.left_out;
+  artifact.source = "scan", artifact.warnings = faces.left_out, artifact.search = *search;
   for (const ScanPlace& place : places) artifact.rank += static_cast<int>(place.covariance.rows());
   FolderT listing;
   listing.uri = uri;

@@ -30,14 +30,14 @@ struct ImportCloud : Node {
                             "of the scan's place as a whole in each coordinate, besides the registration's covariance"};
   Param<double> turn_sigma{"turn_sigma", 0.0, "rad", between(0, 0.1),
                            "of the scan's orientation about each axis through the middle of the faces, likewise"};
-  Param<double> search{"search", 0.05, "m", between(0.001, 2), "points further from a face are not its own"};
+  Param<double> search{"search", 0.05, "m", between(0.001, 2), "a panel further than this from its face is not measured; points are kept to 6 times the noise beyond it"};
   Param<double> tile{"tile", 0.5, "m", between(0.02, 5), "edge of the parts that points are kept in"};
   Param<double> margin{"margin", 0.05, "m", between(0, 5),
                        "without a design: how far beyond the points the plane reaches"};
   Param<std::vector<double>> seen_from{
       "seen_from", std::vector<double>{}, "m", between(-1e9, 1e9),
       "x, y, z of the scanner's stations in the frame of the design, one after the other: on which side of a panel the "
-      "outside is, where the design does not say"};
+      "outside is, where the design does not say; a panel that all of them see from behind is left out"};
   Out<SurfacePoints> surface{"surface", frame("frame=?F"), "the points"};
   Out<Folder> files{"files", "where they lie"};
 

@@ -91,6 +91,7 @@ void JudgeSurfaces::run(Context& context) {
   context.metric("surfaces_undecided", result.undecided, "1");
   context.metric("surfaces_failed", result.failed, "1");
   context.metric("surfaces_not_judged", result.not_judged, "1");
+  context.metric("surface_rules_not_judged", open, "1");
   if (open > 0) context.metric("invalid", 1, "1");  // a question without an answer: exit code 3
   judgement.commit(result);
   FileT file;

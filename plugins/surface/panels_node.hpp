@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstdio>
 
 #include "artifacts/file.hpp"
 #include "plumbline/node.hpp"
@@ -36,6 +37,19 @@ struct Panels : Node {
   Out<Surfaces> surfaces{"surfaces", frame("frame=?F"), "the panels"};
   Out<File> table{"table", "one line a panel, CSV"};
 
+  /// A thin panel scanned from inside looks like one that stands too far back, by its thickness.
+  static void warn_of_inner_side(Context& context, const PanelFace& face, const PanelSurface& panel) {
+    const double offset = panel.plane(0), sigma = std::sqrt(panel.plane_covariance()(0, 0));
+    const double beyond = std::abs(offset + face.thickness);  // from the design's inner side
+    if (!(face.thickness > 0) || !(beyond < 0.5 * face.thickness || beyond < 3 * sigma)) return;
+    char text[200];
+    std::snprintf(text, sizeof text,
+                  " lies %.1f mm behind its outer face and is %.1f mm thick: are these points of its inner side? 'seen_from' of "
+                  "dense.import says where the scanner stood",
+                  -1e3 * offset, 1e3 * face.thickness);
+    context.warn(panel.id + text);
+  }
+
   void run(Context& context) override {
     const SurfacePointsT given = points.unpack();
     const auto read = [&](size_t t) { return read_tile(*given.tiles[t], given.rank, context.resolve(given.tiles[t]->uri)); };
@@ -44,6 +58,7 @@ struct Panels : Node {
     PanelOptions options;
     options.border = *border, options.reach = *reach, options.cell = *cell, options.least_coverage = *least_coverage;
     options.straightedges = *straightedges;
+    if (std::isfinite(given.search)) options.search = given.search;
     SurfacesT result;
     result.rank = given.rank, result.warnings = given.warnings;
     if (given.rank == 0)
@@ -60,6 +75,7 @@ struct Panels : Node {
         if ((given.tiles[t]->centre - where.plane.origin).norm() <= panel_radius + radius[t]) tiles.push_back(read(t));
       const PanelSurface panel = measure_panel(where, tiles, options);
       if (!panel.not_measured.empty()) context.warn(panel.id + " is not measured: " + panel.not_measured);
+      if (panel.not_measured.empty() && given.source == "scan") warn_of_inner_side(context, where, panel);
       measured += panel.not_measured.empty();
       result.panels.push_back(describe(panel, where, face->guid, given.rank));
     }

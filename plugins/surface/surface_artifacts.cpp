@@ -42,7 +42,7 @@ std::unique_ptr<SurfaceFaceT> describe(const PanelFace& face, const std::string&
   result->id = face.id, result->guid = guid;
   result->origin = face.plane.origin;
   result->right = face.plane.axes.col(0), result->up = face.plane.axes.col(1), result->out = face.plane.axes.col(2);
-  result->width = face.width, result->height = face.height;
+  result->width = face.width, result->height = face.height, result->thickness = face.thickness;
   return result;
 }
 
@@ -54,7 +54,7 @@ PanelFace face_of(const SurfaceFaceT& face) {
   if ((result.plane.axes.transpose() * result.plane.axes - Eigen::Matrix3d::Identity()).norm() > 1e-6 ||
       result.plane.axes.determinant() < 0)
     throw std::runtime_error("the axes of face '" + face.id + "' are not right, up and out of a right-handed frame");
-  result.width = face.width, result.height = face.height;
+  result.width = face.width, result.height = face.height, result.thickness = face.thickness;
   return result;
 }
 
@@ -107,7 +107,8 @@ std::unique_ptr<PanelSurfaceFiguresT> describe(const PanelSurface& panel, const 
   for (const Gap& gap : panel.flatness) {
     auto entry = std::make_unique<SurfaceGapT>();
     entry->length = gap.length, entry->positions = gap.positions, entry->place = gap.place;
-    if (gap.positions > 0) entry->gap = gap.gap, entry->sigma = gap.sigma;
+    if (gap.positions > 0) entry->gap = gap.gap, entry->sigma = gap.sigma, entry->noise_mean = gap.noise_mean,
+                           entry->noise_sigma = gap.noise_sigma;
     result->flatness.push_back(std::move(entry));
   }
   return result;
@@ -127,6 +128,7 @@ PanelSurface panel_of(const PanelSurfaceFiguresT& figures, int rank) {
 std::unique_ptr<JointFiguresT> describe(const MeasuredJoint& measured, const Joint& joint) {
   auto result = std::make_unique<JointFiguresT>();
   result->first = joint.a, result->second = joint.b, result->upright = joint.upright;
+  result->first_panel = static_cast<int>(joint.face_a), result->second_panel = static_cast<int>(joint.face_b);
   result->origin = joint.plane.origin, result->along = joint.plane.axes.col(1);
   result->nominal_width = joint.width, result->length = joint.length;
   result->not_measured = measured.not_measured, result->looked_at = measured.stations_looked_at;
@@ -153,13 +155,13 @@ std::string panels_table(const SurfacesT& surfaces) {
   std::string text =
       "panel,not_measured,points,coverage,offset_mm,offset_sigma_mm,tilt_right_mm_per_m,tilt_right_sigma,tilt_up_mm_per_m,"
       "tilt_up_sigma,bow_across_mm,bow_across_sigma,bow_up_mm,bow_up_sigma,twist_mm,twist_sigma,rms_mm,straightedge_mm,"
-      "gap_mm,gap_sigma_mm\n";
+      "gap_mm,gap_sigma_mm,gap_of_noise_mm\n";
   for (const auto& panel : surfaces.panels) {
     const auto mm = [](double value) { return number("%.3f", 1e3 * value) + ","; };
     text += csv_text(panel->face->id) + "," + csv_text(panel->not_measured) + "," + std::to_string(panel->points) + "," +
             number("%.3f", panel->coverage) + ",";
     if (!panel->not_measured.empty()) {
-      text += ",,,,,,,,,,,,,,,\n";
+      text += ",,,,,,,,,,,,,,,,\n";
       continue;
     }
     const Eigen::MatrixXd covariance = unpack_symmetric(panel->covariance, 3, "a panel");
@@ -170,7 +172,9 @@ std::string panels_table(const SurfacesT& surfaces) {
     const SurfaceGapT* longest = nullptr;
     for (const auto& gap : panel->flatness)
       if (gap->positions > 0) longest = gap.get();
-    text += longest ? number("%.0f", 1e3 * longest->length) + "," + mm(longest->gap) + number("%.3f", 1e3 * longest->sigma) : ",,";
+    text += longest ? number("%.0f", 1e3 * longest->length) + "," + mm(longest->gap) + number("%.3f", 1e3 * longest->sigma) + "," +
+                          number("%.3f", 1e3 * longest->noise_mean)
+                    : ",,,";
     text += "\n";
   }
   return text;

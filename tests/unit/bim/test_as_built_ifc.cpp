@@ -195,6 +195,29 @@ struct MeasuredSurfaces {
   }
 };
 
+TEST_P(AsBuiltFile, JointsOfPanelsThatShareANameAreWritten) {
+  const std::string before = design_bytes();
+  std::string guid, other;
+  for (const Element& element : read_design(step::File(before, "t.ifc"), {}).elements)
+    (element.name == "Panel 1" ? guid : other) = element.guid;
+  MeasuredSurfaces measured(guid);
+  measured.surfaces.panels[1]->face->id = "Panel 1", measured.surfaces.panels[1]->face->guid = other;
+  JointFiguresT& joint = *measured.surfaces.joints[0];
+  joint.second = "Panel 1", joint.first_panel = 0, joint.second_panel = 1;
+  joint.nominal_width = 0.012;
+  measured.judgement.verdicts.push_back(std::make_unique<SurfaceVerdictT>(*measured.judgement.verdicts[0]));
+  SurfaceVerdictT& verdict = *measured.judgement.verdicts[1];
+  verdict.quantity = "joint", verdict.second = "Panel 1", verdict.length = std::nan(""), verdict.item = 0;
+  AsBuiltIfcOptions options;
+  options.surfaces = &measured.surfaces, options.surface_judgement = &measured.judgement;
+  const Enriched after = enrich(before, options);
+  const step::File file(after.bytes, "t.ifc");
+  const auto found = properties_of(file);
+  EXPECT_NEAR(number(found, "Panel 1/ASB_Joint_Panel 1_Panel 1/NominalWidth"), 12, 1e-9);
+  EXPECT_EQ(found.at("Panel 1/ASB_Joint_Panel 1_Panel 1/Verdict").items.at(0).items.at(0).text, "FAIL");
+  EXPECT_TRUE(after.warnings.empty()) << after.warnings[0];
+}
+
 TEST_P(AsBuiltFile, SurfacesOfPanelsWithTheirVerdicts) {
   const std::string before = design_bytes();
   std::string guid;

@@ -110,6 +110,38 @@ TEST(Bcf, SurfacesThatFailAndJointsHaveTopicsBesideThePanels) {
   EXPECT_NE(all.find("Joint Panel 1 | Panel 2: joint -3.1 mm (limit -3.0)"), std::string::npos) << all;
 }
 
+TEST(Bcf, AJointOfPanelsThatShareANameSelectsItsOwn) {
+  const Design design = read_design(step::File(test::small_building("IFC4"), "t.ifc"), {});
+  const DeviationT deviation = test::judged(design, {}, Eigen::Vector3d::Constant(1e-4), {1, 0, 0});
+  SurfacesT surfaces;
+  SurfaceJudgementT judgement;
+  for (int i : {0, 1, 2}) {
+    surfaces.panels.push_back(std::make_unique<PanelSurfaceFiguresT>());
+    auto& face = surfaces.panels.back()->face = std::make_unique<SurfaceFaceT>();
+    face->id = "Panel", face->guid = "000000000000000000000" + std::to_string(i);
+    face->right = {1, 0, 0}, face->up = {0, 0, 1}, face->out = {0, -1, 0}, face->width = 1.5, face->height = 3;
+  }
+  for (int j : {0, 1}) {
+    surfaces.joints.push_back(std::make_unique<JointFiguresT>());
+    JointFiguresT& joint = *surfaces.joints.back();
+    joint.first = joint.second = "Panel", joint.length = 3, joint.first_panel = j, joint.second_panel = j + 1;
+    auto verdict = std::make_unique<SurfaceVerdictT>();
+    verdict->panel = verdict->second = "Panel", verdict->quantity = "joint", verdict->item = j;
+    verdict->value = 0.0042, verdict->sigma = 3e-4, verdict->upper = 0.003, verdict->lower = -0.003, verdict->probability = 0.01;
+    verdict->verdict = j == 1 ? ToleranceVerdict::fail : ToleranceVerdict::pass, verdict->rule = "*: joint=3mm";
+    judgement.verdicts.push_back(std::move(verdict));
+  }
+  BcfOptions options;
+  options.project_guid = design.project_guid, options.surfaces = &surfaces, options.surface_judgement = &judgement;
+  std::string views;
+  for (const auto& [name, content] : unzipped(write_bcf(deviation, {}, {}, options)))
+    if (name.ends_with("viewpoint.bcfv")) views += content;
+  EXPECT_NE(views.find("<Selection><Component IfcGuid=\"0000000000000000000001\"/>"), std::string::npos) << views;
+  EXPECT_EQ(views.find("<Selection><Component IfcGuid=\"0000000000000000000000\"/>"), std::string::npos)
+      << "the joint that passes has no topic";
+  EXPECT_EQ(views.find("<Selection><Component IfcGuid=\"0000000000000000000002\"/>"), std::string::npos);
+}
+
 TEST(Bcf, IsValidAgainstItsSchemas) {
   PLUMBLINE_REQUIRE_DATA("bcf/markup.xsd");
   if (std::system("xmllint --version > /dev/null 2>&1") != 0) GTEST_SKIP() << "xmllint is not installed";

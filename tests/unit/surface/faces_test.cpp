@@ -102,5 +102,21 @@ TEST(Faces, ASoffitHasTheUpOfItsFrame) {
   EXPECT_NEAR(faces.faces[0].height, 1.5, 1e-12);
 }
 
+TEST(Faces, ThePlaneOfPointsNeedsSomeoneWhoLooksAtIt) {
+  PointsT points;
+  for (const Eigen::Vector3d& place : {Eigen::Vector3d(0, 0, 0), {2, 0, 0}, {2, 0, 3}, {0, 0.001, 3}}) {
+    points.points.push_back(std::make_unique<PointT>());
+    points.points.back()->position = place;
+  }
+  for (const auto& from : {std::vector<Eigen::Vector3d>{}, {{1, -5, 1}, {1, 5, 1}}}) try {
+      face_through(points, from, 0.05);
+      ADD_FAILURE() << "which side is outside is a guess";
+    } catch (const std::runtime_error& error) {
+      EXPECT_NE(std::string(error.what()).find("'seen_from'"), std::string::npos) << error.what();
+    }
+  EXPECT_LT(face_through(points, {{1, -5, 1}}, 0.05).faces[0].plane.axes(1, 2), -0.99);
+  EXPECT_GT(face_through(points, {{1, 5, 1}}, 0.05).faces[0].plane.axes(1, 2), 0.99);
+}
+
 }  // namespace
 }  // namespace plumbline::surface

@@ -1,7 +1,9 @@
 // dense.import: units, frames and registrations of scans.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "artifacts/design.hpp"
 #include "artifacts/folder.hpp"
@@ -169,6 +171,178 @@ TEST(ImportNode, ThePanelsOfAScan) {
   EXPECT_NEAR(std::sqrt(surfaces.panels[0]->covariance[0]), 0.0015, 5e-5)
       << "3600 points do not make the registration better";
   EXPECT_EQ(surfaces.panels[1]->not_measured, "no point was measured on it");
+}
+
+TEST(ImportNode, ARegistrationWithScaleAndItsCovariance) {
+  TransformT registration;
+  registration.to_from_from = {quaternion_from_rotation_vector({0, 0, 0.3}), {100, 80, 0}};
+  registration.scale = 1.002;
+  Eigen::Matrix<double, 7, 1> sigma;
+  sigma << 1e-6, 1e-6, 1e-6, 1e-3, 1e-3, 1e-3, 5e-5;
+  for (int r = 0; r < 7; ++r)
+    for (int c = 0; c <= r; ++c) registration.covariance.push_back(r == c ? sigma(r) * sigma(r) : 0);
+  ASSERT_EQ(registration.covariance.size(), 28U);
+  Places own = scan();
+  for (auto& point : own) point = registration.to_from_from.inverse() * point / registration.scale;
+  Import import("scan.xyz", xyz(own, 1));
+  import.node.input<Transform>("registration", registration);
+  EXPECT_NEAR(import.place(), 79.996, 1e-5);
+  const auto surface = import.node.output<SurfacePoints>("surface");
+  EXPECT_EQ(surface.rank, 7);
+  const auto points = stated_points(surface, import.node.output<Folder>("files").uri);
+  // The scale is known to 5e-5 of 1.002, and about 20 m lie between the registration's origin and the panel.
+  const Eigen::MatrixXd cov = points[0].by_common_errors * points[0].by_common_errors.transpose();
+  const Eigen::Vector3d arm = points[0].place - Eigen::Vector3d(100, 80, 0);
+  EXPECT_NEAR(std::sqrt(cov(0, 0)), std::hypot(1e-3, 5e-5 / 1.002 * arm.x()), 2e-5);
+}
+
+/// A file whose coordinates are `moved` from the design's, and the registration that leads back.
+struct Far : Import {
+  Far(const std::string& name, const std::string& bytes, const Eigen::Vector3d& moved) : Import(name, bytes) {
+    TransformT registration;
+    registration.to_from_from = {Eigen::Quaterniond::Identity(), -moved};
+    registration.scale = 1;
+    node.input<Transform>("registration", registration);
+  }
+};
+
+TEST(ImportNode, CoordinatesCoarserThanTheNoiseAreRefused) {
+  const Eigen::Vector3d national(350000, 350000, 0);
+  Places far = scan();
+  for (auto& point : far) point += national;
+  std::string in_metres = cloud_bytes::binary_ply(far, false);  // y as a 32-bit float
+  in_metres.replace(in_metres.find("comment unit: mm"), 16, "comment unit: m ");
+  Far coarse("scan.ply", in_metres, national);
+  const std::string found = coarse.refusal();
+  EXPECT_NE(found.find("written in steps of 31 mm"), std::string::npos) << found;
+  EXPECT_NE(found.find("write doubles"), std::string::npos) << found;
+
+  cloud_bytes::LasFile las;
+  las.scale = 0.01, las.offset = {100, 50, 0};
+  Import centimetres("scan.las", cloud_bytes::las_file(las, scan()));
+  expect_refused(centimetres, "written in steps of 10 mm, 'noise' is 2 mm");
+  std::string two_decimals;
+  for (const auto& p : scan()) {
+    char line[100];
+    std::snprintf(line, sizeof line, "%.2f %.2f %.2f\n", p.x(), p.y(), p.z());
+    two_decimals += line;
+  }
+  Import text("scan.xyz", two_decimals);
+  expect_refused(text, "written in steps of 10 mm");
+  Import noisy("scan.xyz", two_decimals);
+  noisy.node.set("noise", "0.02");
+  noisy.node.run();
+
+  // Finer steps than the noise are errors that all points have in common.
+  las.scale = 0.0015;
+  Import fine("scan.las", cloud_bytes::las_file(las, scan()));
+  fine.node.set("place_sigma", "0.0001");
+  fine.node.run();
+  const auto points =
+      stated_points(fine.node.output<SurfacePoints>("surface"), fine.node.output<Folder>("files").uri);
+  EXPECT_NEAR(points[0].by_common_errors.row(1).norm(), std::hypot(0.0001, 0.0015 / std::sqrt(12.0)), 1e-6);
+}
+
+SurfacesT panels_of(Import& import, const std::string& reach, std::vector<std::string>* warnings = nullptr) {
+  import.node.run();
+  NodeHarness panels("surface.panels");
+  panels.set("reach", reach);
+  panels.input<SurfacePoints>("surface", import.node.output<SurfacePoints>("surface"));
+  panels.run();
+  if (warnings) *warnings = panels.warnings();
+  return panels.output<Surfaces>("surfaces");
+}
+
+/// The first panel so far before (above 0) or behind its face, with 2 mm of noise.
+std::string panel_at(double out) {
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> noise(0, 0.002);
+  Places points;
+  for (int i = 0; i < 60; ++i)
+    for (int j = 0; j < 60; ++j) points.push_back({119.3 + 0.0237 * i, 80 - out + noise(random), 8.55 + 0.0487 * j});
+  return xyz(points, 1);
+}
+
+TEST(ImportNode, APanelAtTheBorderOfTheSearchIsNotMeasured) {
+  for (const double out : {0.044, 0.05, 0.055, -0.05}) {
+    Import import("scan.xyz", panel_at(out));
+    const auto panel = std::move(panels_of(import, "0.05").panels[0]);
+    EXPECT_NE(panel->not_measured.find("at the border of the search"), std::string::npos)
+        << out << ": " << panel->offset << " " << panel->not_measured;
+  }
+  Import inside("scan.xyz", panel_at(0.035));
+  EXPECT_NEAR(panels_of(inside, "0.05").panels[0]->offset, 0.035, 2e-4);
+  Import wide("scan.xyz", panel_at(0.055));
+  wide.node.set("search", "0.2");
+  EXPECT_NE(panels_of(wide, "0.06").panels[0]->not_measured, "") << "what the panels' own reach cuts";
+  Import wider("scan.xyz", panel_at(0.055));
+  wider.node.set("search", "0.2");
+  EXPECT_NEAR(panels_of(wider, "0.2").panels[0]->offset, 0.055, 2e-4);
+}
+
+TEST(ImportNode, TheInnerSideOfAThinPanelIsNotItsFace) {
+  Import behind("scan.xyz", panel_at(-0.05));
+  behind.node.set("search", "0.1"), behind.node.set("seen_from", "120.5\x1f" "90\x1f" "10");
+  expect_refused(behind, "P1: all 1 stations of 'seen_from' that look at it see it from behind");
+  Import before("scan.xyz", panel_at(0));
+  before.node.set("seen_from", "120.5\x1f" "70\x1f" "10");
+  EXPECT_EQ(panels_of(before, "0.05").panels.size(), 2U);
+  std::vector<std::string> warnings;
+  Import untold("scan.xyz", panel_at(-0.05));
+  untold.node.set("search", "0.1");
+  panels_of(untold, "0.1", &warnings);
+  EXPECT_NE(testing::PrintToString(warnings).find("are these points of its inner side?"), std::string::npos)
+      << testing::PrintToString(warnings);
+  Import outside("scan.xyz", panel_at(0));
+  panels_of(outside, "0.05", &warnings);
+  EXPECT_EQ(testing::PrintToString(warnings).find("inner side"), std::string::npos);
+}
+
+TEST(ImportNode, BothFeetAreNamedAndHowFarApartTheyAre) {
+  Import silent("scan.xyz", xyz(scan(), 1 / 0.3048));
+  const std::string found = silent.refusal();
+  // 144 m from the origin: 2e-6 of it.
+  EXPECT_NE(found.find("unit: ft for international feet (0.3048 m) or unit: us_ft for US survey feet"), std::string::npos)
+      << found;
+  EXPECT_NE(found.find("here they lie 0.31 mm apart"), std::string::npos) << found;
+  Places feet = scan();
+  for (auto& point : feet) point /= 0.3048;
+  std::string ply = cloud_bytes::binary_ply(feet, false);
+  ply.replace(ply.find("comment unit: mm"), 16, "comment unit: ft");
+  Import said("scan.ply", ply);
+  said.node.run();
+  EXPECT_NE(testing::PrintToString(said.node.warnings()).find("says feet and not which"), std::string::npos);
+  Import chosen("scan.ply", ply);
+  chosen.node.set("unit", "us_ft");
+  chosen.node.run();
+  EXPECT_EQ(testing::PrintToString(chosen.node.warnings()).find("says feet"), std::string::npos);
+}
+
+TEST(ImportNode, ARightScanIsReadWhateverElseIsInIt) {
+  Places points = scan();
+  for (int i = 0; i < 40000; ++i)  // a lawn that would lie on the panel if its metres were feet
+    points.push_back(Eigen::Vector3d(120.1 + 0.00001 * i, 80, 10.1) / 0.3048);
+  Import guessed("scan.xyz", xyz(points, 1));
+  EXPECT_NEAR(guessed.place(), 79.996, 1e-5) << "one part of the panel has more points than all parts in metres";
+  // Where the unit is stated nobody argues, even if in feet more of the faces would have points.
+  Places little;
+  for (int i = 0; i < 3600; ++i) little.push_back({120.1 + 0.00001 * i, 79.996, 10.1});
+  for (int i = 0; i < 60; ++i)
+    for (int j = 0; j < 60; ++j) little.push_back(Eigen::Vector3d(119.3 + 0.0237 * i, 80, 8.55 + 0.0487 * j) / 0.3048);
+  Import unstated("scan.xyz", xyz(little, 1));
+  expect_refused(unstated, "1 of 36 parts of the faces have points if the coordinates are in m, 18 if they are in ft");
+  Import stated("scan.xyz", xyz(little, 1));
+  stated.node.set("unit", "m");
+  EXPECT_NEAR(stated.place(), 79.996, 1e-5);
+}
+
+TEST(ImportNode, SeveralScansInAFileAreSaid) {
+  const std::string points = xyz(scan(), 1);
+  const std::string count = std::to_string(std::count(points.begin(), points.end(), '\n')) + "\n";
+  Import import("scan.pts", count + points + count + points);
+  import.node.run();
+  EXPECT_NE(testing::PrintToString(import.node.warnings()).find("there are 2 scans in the file"), std::string::npos)
+      << testing::PrintToString(import.node.warnings());
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "geometry/packed_symmetric.hpp"
 #include "judgement/surfaces.hpp"
+#include "surface/straightedge.hpp"
 
 namespace plumbline::judgement {
 namespace {
@@ -158,6 +159,95 @@ TEST(JudgeSurfaces, RulesThatAreNoneAreQuoted) {
   EXPECT_NEAR(rule.limits[0].upper, 0.004, 1e-15);
   EXPECT_NEAR(rule.limits[0].lower, -0.003, 1e-15);
   EXPECT_NEAR(rule.limits[1].length, 0.1, 1e-15);
+}
+
+TEST(JudgeSurfaces, ARuleOfWhichNothingOrNotAllIsJudgedSaysSo) {
+  SurfacesT what = surfaces();
+  const auto without = judged(what, {"*: step=2mm, joint=3mm", "name=A: flatness(1m)=3mm"});
+  ASSERT_EQ(without.requests.size(), 2U);
+  EXPECT_NE(without.requests[0]->not_judged.find("step: no joint was looked at"), std::string::npos)
+      << without.requests[0]->not_judged;
+  EXPECT_NE(without.requests[0]->not_judged.find("joint: no joint"), std::string::npos);
+  EXPECT_EQ(without.requests[1]->not_judged, "");
+  what.joints.push_back(joint({0.012, 0.012}, 1e-4));
+  EXPECT_NE(judged(what, {"name=C: joint=3mm"}).requests[0]->not_judged.find("no joint lies at a panel that it selects"),
+            std::string::npos);
+  const auto partly = judged(what, {"*: flatness(1m)=3mm, flatness(2m)=4mm"});
+  EXPECT_NE(partly.requests[0]->not_judged.find("flatness(1m): 1 of 3 are not judged: C (no point was measured on it)"),
+            std::string::npos)
+      << partly.requests[0]->not_judged;
+  EXPECT_NE(partly.requests[0]->not_judged.find("flatness(2m): 3 of 3 are not judged: A, B, C"), std::string::npos);
+  // What a later rule judges is judged.
+  const auto later = judged(what, {"*: flatness(1m)=3mm", "name=C: bow=1mm", "name=A: flatness(1m)=2.5mm"});
+  EXPECT_EQ(later.requests[2]->not_judged, "");
+}
+
+TEST(JudgeSurfaces, AJointPassesOnlyIfItWasSeenAlongEnoughOfIt) {
+  SurfacesT what = surfaces();
+  what.joints.push_back(joint({0.012}, 1e-4));
+  what.joints[0]->looked_at = 150;
+  const auto result = judged(what, {"*: joint=3mm"});
+  EXPECT_EQ(result.passed, 0);
+  EXPECT_EQ(result.verdicts[0]->verdict, ToleranceVerdict::not_measured);
+  EXPECT_NE(result.verdicts[0]->not_judged.find("1 of 150 places"), std::string::npos) << result.verdicts[0]->not_judged;
+  what.joints[0]->places[0]->width = 0.02;
+  EXPECT_EQ(judged(what, {"*: joint=3mm"}).failed, 1) << "one place is enough to fail";
+  what.joints[0]->places[0]->width = 0.012, what.joints[0]->looked_at = 3;
+  EXPECT_EQ(judged(what, {"*: joint=3mm"}).passed, 1);
+}
+
+TEST(JudgeSurfaces, JointsOfPanelsThatShareAName) {
+  SurfacesT what = surfaces();
+  what.panels.push_back(panel("A", 0.002, 2e-4));  // another A, with another GlobalId
+  what.panels[3]->face->guid = "B-guid";           // that the rule for level 2 selects
+  what.joints.push_back(joint({0.012, 0.012}, 1e-4));
+  what.joints[0]->first = "A", what.joints[0]->second = "C";
+  what.joints[0]->first_panel = 0, what.joints[0]->second_panel = 0;
+  const std::vector<std::string> rules = {"storey=Level 1: joint=3mm", "name=B: joint=1mm"};
+  auto result = judged(what, rules);
+  ASSERT_EQ(result.verdicts.size(), 1U);
+  EXPECT_EQ(result.verdicts[0]->rule, rules[0]) << "the joint is of the first A, not of the other";
+  EXPECT_EQ(result.verdicts[0]->item, 0);
+  what.joints[0]->first_panel = what.joints[0]->second_panel = 3;
+  EXPECT_EQ(judged(what, rules).verdicts[0]->rule, rules[1]);
+  what.joints[0]->first_panel = what.joints[0]->second_panel = -1;
+  EXPECT_NE(judged(what, rules).verdicts[0]->not_judged.find("share their names"), std::string::npos);
+}
+
+/// Panels of points 20 mm apart with 2 mm of noise, flat but for a hollow of one size of cell: wrong verdicts stay within
+/// the risk, although the largest of thousands of noisy gaps is judged, and what is clearly hollow fails.
+TEST(JudgeSurfaces, TheLargestOfManyNoisyGapsIsNoHollow) {
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal(0, 1);
+  constexpr double noise = 0.002, limit = 0.003, tiny = 1e-6;
+  constexpr int trials = 150;
+  const auto verdict = [&](double hollow) {
+    surface::HeightGrid grid(24, 24, {1.2, 1.2});
+    for (int i = 0; i < 60; ++i)
+      for (int j = 0; j < 60; ++j) {
+        const Eigen::Vector2d place(0.02 * i - 0.59, 0.02 * j - 0.59);
+        const bool in = place.x() > 0 && place.x() < 0.05 && place.y() > 0 && place.y() < 0.05;
+        grid.add(place, noise * normal(random) - (in ? hollow : 0), noise, Eigen::VectorXd());
+      }
+    const surface::Gap gap = grid.largest_gap(1);
+    SurfacesT what;
+    what.panels.push_back(panel("A", gap.gap, gap.sigma));
+    auto& entry = *what.panels[0]->flatness[0];
+    entry.positions = gap.positions, entry.noise_mean = gap.noise_mean, entry.noise_sigma = gap.noise_sigma;
+    return judged(what, {"*: flatness(1m)=3mm"}).verdicts[0]->verdict;
+  };
+  int flat_failed = 0, good_failed = 0, bad_passed = 0, hollow_failed = 0;
+  for (int trial = 0; trial < trials; ++trial) {
+    flat_failed += verdict(0) == ToleranceVerdict::fail;
+    good_failed += verdict(limit - tiny) == ToleranceVerdict::fail;
+    bad_passed += verdict(limit + tiny) == ToleranceVerdict::pass;
+    hollow_failed += verdict(0.01) == ToleranceVerdict::fail;
+  }
+  const double most = 0.05 * trials + 3 * std::sqrt(0.05 * trials);
+  EXPECT_LE(flat_failed, most);
+  EXPECT_LE(good_failed, most);
+  EXPECT_LE(bad_passed, most);
+  EXPECT_GE(hollow_failed, 0.9 * trials) << "a hollow of 10 mm, five times the noise of a point";
 }
 
 }  // namespace
