@@ -110,7 +110,7 @@ class Judge {
         why = std::to_string(followed.open.size()) + " of " + std::to_string(followed.taken) + " are not judged: ";
         for (size_t i = 0; i < std::min(most, followed.open.size()); ++i) why += (i ? ", " : "") + followed.open[i];
         if (followed.open.size() > most) why += " and more";
-        why += " (" + followed.why + ")";
+        why += (followed.open.size() > 1 ? " (the first: " : " (") + followed.why + ")";
       }
       if (!why.empty()) text += (text.empty() ? "" : "; ") + words_of(rules_[r].limits[l]) + ": " + why;
     }
