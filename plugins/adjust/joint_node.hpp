@@ -14,6 +14,7 @@
 #include "artifacts/transform.hpp"
 #include "joint/joint_adjustment.hpp"
 #include "survey/model/merge_surveys.hpp"
+#include "survey/model/several_instruments.hpp"
 #include "tag_adjuster_node.hpp"
 
 namespace plumbline::adjust {
@@ -110,6 +111,7 @@ struct JointAdjuster : TagAdjusterNode {
     for (const std::string& text : *exclude) o.exclude.push_back(survey::parse_exclusion(text));
     std::string remark;
     o.profile = survey::choose_profile(*profile, profile_file->path, merged.survey.info.instrument, remark);
+    o.instruments = survey::choose_instruments(*profile, profile_file->path, merged.survey.instruments);
     if (!remark.empty()) context.warn(remark);
     std::unique_ptr<survey::KeptNetwork> kept;
     const survey::NetworkResult result = survey::adjust_network(merged.survey, o, control, kept);

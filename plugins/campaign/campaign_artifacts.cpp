@@ -117,6 +117,12 @@ SurveyObservationsT read_surveys(const CampaignDescription& description, const f
       for (const std::string& warning : parts.back().warnings) context.warn(path + ": " + warning);
     });
   problems.raise();
+  // What campaign.yaml says holds for all files; where it is silent, the files may differ.
+  for (survey::SurveyObservations& part : parts) {
+    if (!description.instrument.empty()) part.info.instrument = description.instrument;
+    if (!description.date.empty()) part.info.date = description.date;
+    if (!description.name.empty()) part.info.title = description.name;
+  }
   survey::MergeOptions options;
   for (const ControlPoint& point : known.points) options.known.push_back(point.name);
   survey::MergedSurvey merged = survey::merge_surveys(parts, options);

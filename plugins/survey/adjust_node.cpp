@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "artifacts/survey_artifact.hpp"
@@ -26,12 +27,28 @@ Switch to_switch(const std::string& name) {
   return name == "on" ? Switch::on : name == "off" ? Switch::off : Switch::automatic;
 }
 
-std::string stochastic_model(const plumbline::survey::SurveyObservations& survey, const InstrumentProfile& profile) {
-  const auto without = std::count_if(survey.observations.begin(), survey.observations.end(),
-                                     [](const auto& o) { return std::isnan(o.sigma); });
-  if (without == 0) return "";
-  return in_words(profile) + "; used for " + std::to_string(without) + " of " +
-         std::to_string(survey.observations.size()) + " readings, whose files give no standard deviation";
+/// Which profile stands for how many readings; several instruments have one each.
+std::string stochastic_model(const plumbline::survey::SurveyObservations& survey, const AdjustOptions& options) {
+  std::map<std::string, size_t> readings;  // by the profile in words
+  for (const auto& o : survey.observations) {
+    if (!std::isnan(o.sigma)) continue;
+    const auto own = o.instrument < 0 ? options.instruments.end()
+                                      : options.instruments.find(survey.instruments[static_cast<size_t>(o.instrument)]);
+    ++readings[in_words(own == options.instruments.end() ? options.profile : own->second)];
+  }
+  std::string text;
+  for (const auto& [profile, count] : readings)
+    text += (text.empty() ? "" : "; ") + profile + "; used for " + std::to_string(count) + " of " +
+            std::to_string(survey.observations.size()) + " readings, whose files give no standard deviation";
+  return text;
+}
+
+std::string instruments_in_words(const plumbline::survey::SurveyObservations& survey) {
+  std::string text = survey.info.instrument;
+  for (const std::string& name : survey.instruments)
+    if (name != survey.info.instrument) text += (text.empty() ? "" : ", ") + name;
+  if (!survey.info.instrument_serial.empty()) text += ", no. " + survey.info.instrument_serial;
+  return text;
 }
 
 }  // namespace
@@ -76,7 +93,7 @@ void AdjustNode::run(Context& context) {
   AdjustOptions o = options();
   std::string remark;
   o.profile = chosen_profile(survey.info.instrument, remark);
-  o.instruments = further_instruments();
+  o.instruments = further_instruments(survey.instruments);
   if (!remark.empty()) context.warn(remark);
   for (const std::string& name : survey.instruments)
     if (!o.instruments.contains(name))
@@ -96,9 +113,8 @@ void AdjustNode::run(Context& context) {
   context.metric("invalid", result.validity == Validity::invalid ? 1 : 0, "1");
   points.commit(to_points_artifact(result));
   SurveyNetworkT tables = to_network_artifact(result, o);
-  tables.stochastic_model = stochastic_model(survey, o.profile);
-  tables.instrument = survey.info.instrument;
-  if (!survey.info.instrument_serial.empty()) tables.instrument += ", no. " + survey.info.instrument_serial;
+  tables.stochastic_model = stochastic_model(survey, o);
+  tables.instrument = instruments_in_words(survey);
   tables.date = survey.info.date;
   tables.files = survey.files;
   network.commit(tables);

@@ -194,7 +194,7 @@ void CheckControlNode::run(Context& context) {
   AdjustOptions adjustment;
   std::string remark;  // survey.adjust says it
   adjustment.profile = chosen_profile(survey.info.instrument, remark);
-  adjustment.instruments = further_instruments();
+  adjustment.instruments = further_instruments(survey.instruments);
   adjustment.map = *map;
   adjustment.geoid_height = *geoid_height;
   adjustment.remove_blunders = *remove_blunders;

@@ -3,6 +3,7 @@
 
 #include "plumbline/node.hpp"
 #include "survey/model/instrument_profile.hpp"
+#include "survey/model/several_instruments.hpp"
 
 namespace plumbline::survey {
 
@@ -10,14 +11,15 @@ struct ProfiledNode : Node {
   Param<std::string> profile{
       "profile", "automatic", choices(),
       "instrument profile for readings whose file gives no standard deviation; automatic: the one that the "
-      "observations name, or ics50_assumed"};
+      "observations name, each file's own where they differ, or ics50_assumed"};
   Param<FilePath> profile_file{"profile_file", FilePath{},
                                "YAML file of a profile of your own, in place of `profile`; `instruments` in it are "
                                "those that the files name (STAR*NET's .INST)"};
 
  protected:
-  std::map<std::string, InstrumentProfile> further_instruments() const {
-    return profile_file->path.empty() ? std::map<std::string, InstrumentProfile>{} : read_instruments(profile_file->path);
+  /// Profiles of those that the observations name one by one.
+  std::map<std::string, InstrumentProfile> further_instruments(const std::vector<std::string>& names) const {
+    return choose_instruments(*profile, profile_file->path, names);
   }
   /// `instrument` as the observations name it, or ""; `remark`: what the user should know about the choice, or "".
   InstrumentProfile chosen_profile(const std::string& instrument, std::string& remark) const {

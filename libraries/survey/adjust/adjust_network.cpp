@@ -12,6 +12,7 @@
 #include "survey/adjust/kept_network.hpp"
 #include "survey/doctor/network_words.hpp"
 #include "survey/model/observation_equations.hpp"
+#include "survey/model/reduced_readings.hpp"
 
 namespace plumbline::survey {
 
@@ -133,7 +134,7 @@ bool has_plan(const Point& p) { return !p.coordinates.head<2>().array().isNaN().
 /// points, or of most (these are approximate), or if the user has said what the datum is.
 bool hold_given(SurveyObservations& survey, const AdjustOptions& options, const ControlPoints& control,
                 std::vector<Finding>& said) {
-  const bool of_adjustment = survey.info.format == "gama-xml" || survey.info.format == "krumm";
+  const bool of_adjustment = is_of_adjustment_programs(survey);
   if (options.datum != DatumMode::automatic || !options.datum_points.empty() || !control.ids.empty() ||
       !survey.coordinates.empty() || of_adjustment)
     return false;

@@ -6,6 +6,8 @@
 #include <map>
 #include <set>
 
+#include "survey/model/common_info.hpp"
+#include "survey/model/reduced_readings.hpp"
 #include "survey/model/repeated_readings.hpp"
 #include "survey/model/reused_names.hpp"
 #include "survey/model/station_identity.hpp"
@@ -62,8 +64,8 @@ class Merger {
   void compare_coordinates(size_t a, size_t b);
   void refuse_fixed(const Point& a, const Point& b, size_t file_a, size_t file_b) const;
   std::string name_in(size_t file, const std::string& id) const;
-  void merge_info(const NetworkInfo& info);
   void merge_points(size_t file);
+  int instrument_of(const std::string& name);
   void merge_observations(size_t file);
   void merge_groups(size_t file);
   void find(Finding::Severity severity, const std::string& text, std::vector<std::string> points) {
@@ -80,6 +82,7 @@ class Merger {
   std::map<std::string, size_t> index_;
   std::set<std::string> set_up_ids_;
   int pointings_ = 0;
+  CommonInfo common_;
 };
 
 void Merger::name_files() {
@@ -281,14 +284,6 @@ void Merger::compare_coordinates() {
       if (!drop_coordinates_[a]) compare_coordinates(a, b);
 }
 
-/// The first file that has something of the file as a whole decides; what differs is nobody's any more.
-void Merger::merge_info(const NetworkInfo& info) {
-  NetworkInfo& all = merged_.survey.info;
-  if (all.format == info.format) return;
-  all.format = "several";
-  all.largest_misclosure = kNotGiven;
-}
-
 /// Points of the same name are one now: the first coordinates, the strongest role, which brings its coordinates along.
 void Merger::merge_points(size_t file) {
   std::vector<Point>& all = merged_.survey.points;
@@ -318,6 +313,16 @@ void Merger::merge_points(size_t file) {
   }
 }
 
+/// Its index; -1 if it has no name.
+int Merger::instrument_of(const std::string& name) {
+  if (name.empty()) return -1;
+  std::vector<std::string>& all = merged_.survey.instruments;
+  const auto at = std::find(all.begin(), all.end(), name);
+  const auto index = static_cast<int>(at - all.begin());
+  if (at == all.end()) all.push_back(name);
+  return index;
+}
+
 /// Observations and what refers to them, behind those that are there already.
 void Merger::merge_observations(size_t file) {
   const SurveyObservations& s = surveys_[file];
@@ -325,11 +330,9 @@ void Merger::merge_observations(size_t file) {
   const int set_up_offset = static_cast<int>(all.set_ups.size());
   const int observation_offset = static_cast<int>(all.observations.size());
   std::vector<int> instruments;  // of the file -> of all
-  for (const std::string& name : s.instruments) {
-    const auto at = std::find(all.instruments.begin(), all.instruments.end(), name);
-    instruments.push_back(static_cast<int>(at - all.instruments.begin()));
-    if (at == all.instruments.end()) all.instruments.push_back(name);
-  }
+  for (const std::string& name : s.instruments) instruments.push_back(instrument_of(name));
+  const int own_instrument = common_.several_instruments ? instrument_of(s.info.instrument) : -1;
+  const bool reduced = common_.several_formats && is_of_adjustment_program(s.info);
   for (SetUp set_up : s.set_ups) {
     if (const std::string now = name_in(file, set_up.station); now != set_up.station) {
       if (set_up.id.starts_with(set_up.station)) set_up.id = now + set_up.id.substr(set_up.station.size());
@@ -345,7 +348,8 @@ void Merger::merge_observations(size_t file) {
   for (Observation o : s.observations) {
     if (o.set_up >= 0) o.set_up += set_up_offset;
     if (o.pointing >= 0) o.pointing += pointings_;
-    if (o.instrument >= 0) o.instrument = instruments.at(static_cast<size_t>(o.instrument));
+    o.instrument = o.instrument >= 0 ? instruments.at(static_cast<size_t>(o.instrument)) : own_instrument;
+    if (reduced) o.corrections.emplace_back(kReducedBefore);
     next_pointing = std::max(next_pointing, o.pointing + 1);
     for (std::string* id : {&o.from, &o.to, &o.second_to}) *id = name_in(file, *id);
     all.observations.push_back(std::move(o));
@@ -378,12 +382,13 @@ void Merger::merge_groups(size_t file) {
 }
 
 MergedSurvey Merger::run() {
-  merged_.survey.info = surveys_.front().info;
+  common_ = common_info(surveys_, files_);
+  merged_.survey.info = common_.info;
+  append(common_.findings, merged_.findings);
   decide_stations();
   decide_targets();
   compare_coordinates();
   for (size_t i = 0; i < surveys_.size(); ++i) {
-    merge_info(surveys_[i].info);
     append(surveys_[i].files, merged_.survey.files);
     merge_points(i);
     merge_observations(i);

@@ -30,6 +30,8 @@ struct MergedSurvey {
 /// doubt), or both give it the
 /// same coordinates, not round to the metre. Otherwise each file's has a name of its own ("monday:S1").
 /// Coordinates of free points in a file whose coordinates contradict those before it are not used.
+/// What the files say differently of themselves (instrument, refraction, scaling of covariances, dates) is reset and
+/// told with both values; readings keep the instrument and the reduction that their file states.
 /// Throws NetworkError where fixed coordinates contradict each other by more than 1 mm.
 MergedSurvey merge_surveys(const std::vector<SurveyObservations>& surveys, const MergeOptions& options = {});
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "survey/model/network_model_steps.hpp"
+#include "survey/model/reduced_readings.hpp"
 
 namespace plumbline::survey {
 
@@ -32,7 +33,7 @@ DatumMode choose_datum(const NetworkModel& m, const AdjustOptions& options, cons
   if (!options.datum_points.empty()) return DatumMode::inner;
   if (knows_any(m)) return DatumMode::weighted;
   // Adjustment programs' own files say what the datum is; if they say nothing that is for the user to decide.
-  return m.survey.info.format == "gama-xml" || m.survey.info.format == "krumm" ? DatumMode::file : DatumMode::inner;
+  return is_of_adjustment_programs(m.survey) ? DatumMode::file : DatumMode::inner;
 }
 
 int require_point(const NetworkModel& m, const std::string& id, const std::string& what) {

@@ -8,6 +8,7 @@
 
 #include "survey/doctor/check_set_ups.hpp"
 #include "survey/model/network_model_steps.hpp"
+#include "survey/model/reduced_readings.hpp"
 #include "survey/start/set_up_chain.hpp"
 
 namespace plumbline::survey {
@@ -380,8 +381,8 @@ NetworkModel make_model(const SurveyObservations& survey, const AdjustOptions& o
   collect_points(m);
   distrust_equal_coordinates(m);
   apply_datum(m, options, control);
-  const bool reduced_file = survey.info.format == "gama-xml" || survey.info.format == "krumm";
-  m.curvature = options.curvature == Switch::on || (options.curvature == Switch::automatic && !reduced_file);
+  const bool is_raw = !is_of_adjustment_programs(survey);
+  m.curvature = options.curvature == Switch::on || (options.curvature == Switch::automatic && is_raw);
   m.refraction_coefficient = std::isnan(survey.info.refraction_coefficient) ? options.refraction_coefficient
                                                                             : survey.info.refraction_coefficient;
   take_map(m, options);

@@ -5,6 +5,7 @@
 
 #include "survey/model/network_model.hpp"
 #include "survey/model/reading_sigmas.hpp"
+#include "survey/model/reduced_readings.hpp"
 
 namespace plumbline::survey {
 
@@ -57,15 +58,16 @@ class Assembler {
     if (has_centring_unknown(o, p)) eq.centring = slot(block, p.centring_blocks[static_cast<size_t>(o.set_up)]);
     if (o.set_up >= 0) eq.instrument_height_correction = slot(block, p.height_correction_blocks[o.set_up]);
     const bool distance = o.kind == ObservationKind::slope_distance || o.kind == ObservationKind::horizontal_distance;
+    // Said outright it holds for all; else what its file has reduced is not reduced again.
+    eq.curvature = m_.curvature && (options_.curvature == Switch::on || !is_reduced(o));
     for (const auto& [name, parameter] : p.common_blocks) {
       if (name == "scale" && distance) eq.scale = slot(block, parameter);
       if (name == "additive constant" && distance) eq.additive_constant = slot(block, parameter);
-      if (name == "refraction coefficient" && o.kind == ObservationKind::zenith_angle)
+      if (name == "refraction coefficient" && o.kind == ObservationKind::zenith_angle && eq.curvature)
         eq.refraction = slot(block, parameter);
       if (name == "vertical index" && o.kind == ObservationKind::zenith_angle) eq.index = slot(block, parameter);
     }
     add_extra(block, o, p, eq);
-    eq.curvature = m_.curvature;
     eq.refraction_coefficient = m_.refraction_coefficient;
     return eq;
   }
