@@ -55,8 +55,16 @@ class _Watch:
         pass
 
 
+_folder_at_start = os.getcwd()
+
+
+def _whole(path):
+    """A path as it was named, links and all: what a link leads to may change."""
+    return os.path.join(_folder_at_start, path)
+
+
 def _module_files():
-    """The files of all modules that were imported, as whole paths."""
+    """The files of all modules that were imported, as whole paths: as they were found, and where links lead."""
     found = set()
     for module in list(sys.modules.values()):
         path = getattr(module, "__file__", None)
@@ -67,8 +75,27 @@ def _module_files():
         while path and not os.path.exists(path):  # in an archive
             path = os.path.dirname(path)
         if path and os.path.isfile(path):
-            found.add(os.path.realpath(path))
+            found.update((_whole(path), os.path.realpath(path)))
     return sorted(found)
+
+
+def _absent_files():
+    """What is not there and would have been imported in place of a module that was: it stands before it on the path."""
+    suffixes = importlib.machinery.EXTENSION_SUFFIXES + importlib.machinery.SOURCE_SUFFIXES
+    entries = [_whole(entry) for entry in sys.path]
+    absent = {entry for entry in entries if not os.path.exists(entry)}
+    for name, module in list(sys.modules.items()):
+        origin = getattr(getattr(module, "__spec__", None), "origin", None)
+        if "." in name or not origin or not getattr(module.__spec__, "has_location", False):
+            continue  # parts of a package come from its folder; what is built in nothing stands before
+        origin = _whole(origin)
+        candidates = [os.path.join(name, "__init__.py")] + [name + suffix for suffix in suffixes]
+        for candidate in (os.path.join(entry, candidate) for entry in entries for candidate in candidates):
+            if candidate == origin:
+                break
+            if not os.path.lexists(candidate):
+                absent.add(candidate)
+    return sorted(absent)
 
 
 sys.meta_path.insert(0, _Watch)
@@ -292,6 +319,7 @@ class Call:
     def _tell_used(self):
         with open(os.path.join(self.folder, "used"), "wb") as stream:
             stream.write(b"".join(os.fsencode(path) + b"\n" for path in _module_files()))
+            stream.write(b"".join(b"absent:" + os.fsencode(path) + b"\n" for path in _absent_files()))
 
     def schema(self, type_name):
         """Of a type such as "plumbline.Points/1"."""

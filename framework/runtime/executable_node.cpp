@@ -20,6 +20,7 @@
 #include "runtime/artifact_type.hpp"
 #include "runtime/child_process.hpp"
 #include "runtime/group_memory.hpp"
+#include "runtime/library.hpp"
 #include "runtime/plugin_check.hpp"
 
 namespace plumbline::runtime {
@@ -234,9 +235,17 @@ void tell(const plumbline_host& host, int log) {
   }
 }
 
+/// The first of its files that is not what was hashed when the node was found, as a sentence; empty: none.
+std::string changed_file(const ExecutableNode& node) {
+  for (const auto& [file, identity] : node.identities)
+    if (file_identity(file) != identity) return file.string() + " is not the file any more that was looked at; run again";
+  return "";
+}
+
 std::string run_once(const ExecutableNode& node, const plumbline_host& host, const plumbline_node& entry,
                      const Limits& limits, std::vector<std::string>& used) {
   if (limits.memory && host.reserve_memory(host.context, limits.memory)) return "it was told to stop";
+  if (std::string problem = changed_file(node); !problem.empty()) return problem;
   Exchange exchange(node, host, entry);
   exchange.write();
   ChildStart start;
@@ -261,6 +270,7 @@ std::string run_once(const ExecutableNode& node, const plumbline_host& host, con
     problem = death_text(end, child.log, limits.memory);
   if (problem.empty()) tell(host, child.log);
   close(child.log);
+  if (problem.empty()) problem = changed_file(node);
   if (problem.empty()) problem = exchange.take_metrics();
   if (problem.empty()) used = exchange.used();
   return problem.empty() ? exchange.take_outputs() : problem;

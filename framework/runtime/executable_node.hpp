@@ -8,7 +8,9 @@
 //   schemas/NAME.bfbs     the binary schema of every type of its ports: plumbline.Points/1 is plumbline.Points-1.bfbs
 //   outputs/PORT/         where it writes its artifacts; they are taken in the order of their names
 //   used                  if it writes it: files that its results depend on and the manifest does not name, a path a
-//                         line; plumbline_artifacts.py writes all modules that were imported
+//                         line, or "absent:" and the path of one that was looked for and is not there;
+//                         plumbline_artifacts.py writes all modules that were imported, and those that would have been
+//                         taken before them
 //
 // Inputs are verified before it sees them and outputs before anybody else does. It ends with exit code 0; with any
 // other the last lines it printed are the error. A printed line that begins with "warning: " is a warning.
@@ -16,6 +18,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -33,6 +36,8 @@ struct ExecutableNode {
   Limits limits;
   std::string version, licence;
   std::unique_ptr<PluginTable> table;  ///< of the one node
+  /// Of `files` and the program, before they were hashed: whether they are still what the key says.
+  std::map<std::filesystem::path, std::string> identities;
 
   /// One run. `limits`: where they say something, in place of the manifest's; `used`: gets what it says of that.
   /// Returns 0, or 1 after fail().

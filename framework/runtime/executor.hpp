@@ -42,6 +42,7 @@ struct NodeResult {
     double seconds = 0;          ///< sum over the items, then
     std::set<std::string> hosts, programs, plugins;
     std::set<int> threads;
+    size_t unknown = 0;  ///< items of which none of this is known
   } computed;
   double start = 0;               ///< seconds since 1970 at which the first item that ran now began; 0 if none did
   uint64_t memory_announced = 0;  ///< the most that one item asked for, in bytes
@@ -91,7 +92,9 @@ struct RunOptions {
   const std::atomic<bool>* cancel = nullptr;  ///< set it to end the run early
   bool remember = true;  ///< at the end, keys for `plumbline plan`, and sync; a sweep of many graphs does without
   bool isolate = false;  ///< every node in a process of its own, not only those that ask for it
-  bool anew = false;     ///< everything runs, nothing is taken from the store, and no result is kept in it
+  /// Everything runs and nothing is taken from the store. The outputs are there as long as they are blobs of it, which
+  /// hands them from node to node; no record names them as a result that another run would take.
+  bool anew = false;
   std::filesystem::path worker = {};  ///< the program for that, if it is not where it is installed
 };
 

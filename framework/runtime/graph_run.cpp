@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "runtime/node_run.hpp"
+#include "runtime/used_files.hpp"
 #include "runtime/watched_run.hpp"
 
 namespace plumbline::runtime {
@@ -307,8 +308,10 @@ class Execution {
       cancelled |= item.cancelled;
       drew_seed |= item.drew_seed;
       if (item.executed && !item.outdated.empty()) result.why.push_back(item.outdated + (node.maps ? where : ""));
-      result.used.merge(item.run.used);
+      for (const auto& [file, hash] : item.run.used)
+        if (hash != absent_hash) result.used.emplace(file, hash);
       add_provenance(item.run, result.computed);
+      if (item.run.provenance.start <= 0 && item.error.empty() && !item.cancelled) ++result.computed.unknown;
       size_t& alike = failures[item.error];
       if (!item.error.empty() && !item.cancelled && alike > 0) {
         const std::string others = alike > 1 ? " (and " + std::to_string(alike - 1) + " others alike)" : "";

@@ -1,10 +1,12 @@
 #include "runtime/key.hpp"
 
+#include <cstdlib>
 #include <filesystem>
 #include <regex>
 #include <set>
 
 #include "runtime/digest.hpp"
+#include "runtime/executable_node.hpp"
 #include "runtime/programs.hpp"
 
 namespace plumbline::runtime {
@@ -60,6 +62,12 @@ std::string shortened(std::string text) {
   return result.empty() ? "(empty)" : result;
 }
 
+/// What Python's choice of modules depends on beside files. Whether another program looks at it nobody can tell.
+void add_environment(KeyFields& fields) {
+  for (const char* name : {"PYTHONHOME", "PYTHONNOUSERSITE", "PYTHONPATH", "PYTHONSAFEPATH", "PYTHONUSERBASE"})
+    if (const char* value = std::getenv(name); value && *value) fields[std::string("environment ") + name] = value;
+}
+
 }  // namespace
 
 KeyFields key_fields(const GraphNode& node, FileHashes& files) {
@@ -72,6 +80,7 @@ KeyFields key_fields(const GraphNode& node, FileHashes& files) {
     const size_t colon = library.rfind(':');
     fields["library " + library.substr(0, colon)] = colon == std::string::npos ? "" : library.substr(colon + 1);
   }
+  if (node.kind.plugin->executable) add_environment(fields);
   for (uint32_t i = 0; i < node.kind.node->param_count; ++i) {
     const plumbline_param& param = *node.kind.node->params[i];
     const auto value = node.parameters.find(param.name);

@@ -354,6 +354,8 @@ void OutputFolder::settle_ownership() {
     folder = lstat((folder_ / *folder).c_str(), &info) == 0 ? std::next(folder) : owned_.folders.erase(folder);
   for (auto from = owned_.made_from.begin(); from != owned_.made_from.end();)
     from = lstat((folder_ / from->first).c_str(), &info) == 0 ? std::next(from) : owned_.made_from.erase(from);
+  for (auto of = owned_.origins.begin(); of != owned_.origins.end();)
+    of = lstat((folder_ / of->first).c_str(), &info) == 0 ? std::next(of) : owned_.origins.erase(of);
 }
 
 }  // namespace plumbline::runtime

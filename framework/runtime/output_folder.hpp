@@ -20,11 +20,19 @@
 
 namespace plumbline::runtime {
 
+/// Which run an output is of.
+struct OutputOrigin {
+  std::string time;                    ///< UTC at which the run began
+  std::vector<std::string> arguments;  ///< its KEY=VALUE overrides
+  bool operator==(const OutputOrigin&) const = default;
+};
+
 /// What a record proves. Paths are relative to the output folder, with forward slashes.
 struct Ownership {
   std::map<std::string, std::set<std::string>> files;  ///< SHA-256 that the file had when it was written
   std::map<std::string, std::string> made_from;        ///< by output: identity of what it was made from
   std::set<std::string> folders;                       ///< that the program made
+  std::map<std::string, OutputOrigin> origins;         ///< by output: the run that wrote it or found it as it must be
 };
 
 /// A file of a tree that is delivered.
@@ -67,6 +75,11 @@ class OutputFolder {
   /// Removes what an earlier run left as `output`. Returns what had to stay, as a sentence; empty: nothing did.
   std::string remove(const std::string& output);
 
+  /// The run that has the folder now; and that `output` is what it gave.
+  void set_run(OutputOrigin run) { run_ = std::move(run); }
+  void confirm(const std::string& output) { owned_.origins[output] = run_; }
+  const OutputOrigin& this_run() const { return run_; }
+
   /// Forgets files that are no more: what run_end tells is the final state.
   void settle_ownership();
 
@@ -101,6 +114,7 @@ class OutputFolder {
   std::string old_staging_;                       // of the run before
   std::map<std::string, std::string> displaced_;  // "old-3" of the run before -> output
   size_t deliveries_ = 0;
+  OutputOrigin run_;
   Ownership owned_;
 };
 

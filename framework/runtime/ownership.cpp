@@ -23,6 +23,9 @@ Ownership parse_ownership(const Json& json) {
     for (const auto& hash : hashes) owned.files[path].insert(hash.get<std::string>());
   for (const auto& [output, from] : json.at("made_from").items()) owned.made_from[output] = from.get<std::string>();
   for (const auto& folder : json.at("folders")) owned.folders.insert(folder.get<std::string>());
+  if (json.contains("origins"))
+    for (const auto& [output, run] : json.at("origins").items())
+      owned.origins[output] = {run.at("time").get<std::string>(), run.at("arguments").get<std::vector<std::string>>()};
   return owned;
 }
 
@@ -30,6 +33,7 @@ void add_delivery(const Json& json, Ownership& owned, std::map<std::string, std:
   const std::string output = json.at("output").get<std::string>();
   for (const auto& [path, hash] : json.at("files").items()) owned.files[path].insert(hash.get<std::string>());
   for (const auto& folder : json.at("folders")) owned.folders.insert(folder.get<std::string>());
+  owned.origins.erase(output);
   owned.made_from.erase(output);  // until its end a run does not say that it is whole
   displaced["old-" + std::to_string(json.at("number").get<size_t>())] = output;
 }
@@ -82,6 +86,9 @@ std::string ownership_text(const Ownership& owned) {
   for (const auto& [path, hashes] : owned.files) json["files"][path] = hashes;
   json["made_from"] = owned.made_from;
   json["folders"] = owned.folders;
+  json["origins"] = Json::object();
+  for (const auto& [output, run] : owned.origins)
+    json["origins"][output] = {{"time", run.time}, {"arguments", run.arguments}};
   return dump(json);
 }
 

@@ -21,7 +21,7 @@ bool read_ownership(const std::filesystem::path& record, Ownership& owned, std::
 std::string deliver_line(const std::string& output, size_t number, const std::map<std::string, std::string>& files,
                          const std::set<std::string>& folders);
 
-/// {"files": {path: [sha256]}, "made_from", "folders"}, as JSON text.
+/// {"files": {path: [sha256]}, "made_from", "folders", "origins": {output: {"time", "arguments"}}}, as JSON text.
 std::string ownership_text(const Ownership& owned);
 
 /// ", process 123 on host since 2026-11-21T23:47:49Z", or nothing.

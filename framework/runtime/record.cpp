@@ -69,9 +69,11 @@ Record::Record(OutputFolder& out, const Graph& graph, const RunInfo& info) : out
   utsname host{};
   uname(&host);
   Json json;
+  const std::string time = utc(now());
+  out.set_run({time, info.arguments});
   json["event"] = "run_start";
   json["plumbline"] = info.version;
-  json["time"] = utc(now());
+  json["time"] = time;
   json["start"] = start_;
   json["host"] = {{"name", host.nodename},
                   {"system", std::string(host.sysname) + " " + host.release},
@@ -145,7 +147,9 @@ void write_computed(JsonText& json, const NodeResult::Computed& computed) {
   };
   json.name("computed").open('{').field("first", utc(computed.first)).field("last", utc(computed.last));
   json.field("seconds", computed.seconds).field("hosts", list(computed.hosts)).field("threads", threads);
-  json.field("programs", list(computed.programs)).field("plugins", list(computed.plugins)).close('}');
+  json.field("programs", list(computed.programs)).field("plugins", list(computed.plugins));
+  if (computed.unknown > 0) json.field("unknown_items", std::uint64_t{computed.unknown});
+  json.close('}');
 }
 
 void write_texts(JsonText& json, const NodeResult& result) {

@@ -21,7 +21,8 @@
 // "seconds" of a node is the time on the clock from the start of its first item to the end of its last; "item_seconds"
 // is the sum over its items, which is more where they ran side by side. "computed" says of executed and reused results
 // alike when ("first" and "last" of its items), where, on how many threads and by which versions they were computed,
-// and how many seconds that took. "cause" names the failed node that made a node skip. "staging", "owned" and the
+// and how many seconds that took; its "unknown_items" are those, of results of older
+// programs, of which none of it is known. "cause" names the failed node that made a node skip. "staging", "owned" and the
 // deliver lines prove which files in the folder the program wrote (ownership.hpp); no run replaces or removes others.
 // Wall times are here and in the store's records, nowhere else: artifacts hold none.
 #pragma once

@@ -231,6 +231,7 @@ void Registry::describe_manifest(Plugin& plugin) {
   files.emplace_back(node.command[0]);
   for (const fs::path& file : files)
     if (const std::string problem = plugin_distrust(file); !problem.empty()) throw std::runtime_error(problem);
+  for (const fs::path& file : files) plugin.executable->identities[file] = file_identity(file);
   plugin.table = &node.table->table();
   if (const std::string problem = check_table(plugin.table, roles_); !problem.empty())
     throw std::runtime_error(problem);

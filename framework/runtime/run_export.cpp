@@ -63,7 +63,10 @@ std::string provenance_text(const RecordedNode& node) {
     text += "; " + std::to_string(before) + " of its " + std::to_string(node.items) + " items were taken over";
   const auto& computed = node.computed;
   if (computed.first.empty()) return text + "; when and where it was computed is not known";
-  return text + ". Computed " + computed.first + (computed.last == computed.first ? "" : " to " + computed.last) +
+  if (computed.unknown > 0)
+    text += "; of " + std::to_string(computed.unknown) + " of its " + std::to_string(node.items) +
+            " items it is not known when and where they were computed, the others were";
+  return text + (computed.unknown > 0 ? " computed " : ". Computed ") + computed.first + (computed.last == computed.first ? "" : " to " + computed.last) +
          " on " + joined(computed.hosts) + ", " + joined(computed.threads) + " threads, plumbline " +
          joined(computed.programs) + ", plugin " + joined(computed.plugins);
 }

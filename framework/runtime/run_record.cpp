@@ -1,5 +1,6 @@
 #include "runtime/run_record.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -45,6 +46,7 @@ RecordedNode node_of(const Json& json) {
     take(*computed, "threads", node.computed.threads);
     take(*computed, "programs", node.computed.programs);
     take(*computed, "plugins", node.computed.plugins);
+    take(*computed, "unknown_items", node.computed.unknown);
   }
   if (const auto plugin = json.find("plugin"); plugin != json.end()) {
     take(*plugin, "name", node.plugin);
@@ -78,9 +80,19 @@ void end_of(const Json& json, RecordedRun& run) {
   take(json, "status", run.status);
   take(json, "time", run.end_time);
   take(json, "seconds", run.seconds);
+  // What lies in the folder may be of earlier runs, too: this one gave what it says that it wrote.
+  std::vector<std::string> written;
+  if (const auto outputs = json.find("outputs"); outputs != json.end())
+    for (const auto& [output, how] : outputs->items())
+      if (how == "written") written.push_back(output);
+  const auto is_written = [&](const std::string& path) {
+    return std::any_of(written.begin(), written.end(), [&](const std::string& output) {
+      return path == output || path.starts_with(output + "/");
+    });
+  };
   if (const auto owned = json.find("owned"); owned != json.end())
     for (const auto& [path, hashes] : owned->at("files").items())
-      if (!hashes.empty()) run.delivered[path] = hashes.front().get<std::string>();
+      if (!hashes.empty() && is_written(path)) run.delivered[path] = hashes.front().get<std::string>();
 }
 
 }  // namespace

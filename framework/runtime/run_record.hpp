@@ -20,6 +20,7 @@ struct RecordedNode {
     std::string first, last;  ///< UTC; empty: not known
     double seconds = 0;
     std::vector<std::string> hosts, threads, programs, plugins;
+    size_t unknown = 0;  ///< items of which it is not known
   } computed;  ///< by this run or an earlier one
   size_t items = 0, items_executed = 0;
   std::string plugin, plugin_version, plugin_sha256;
@@ -39,7 +40,7 @@ struct RecordedRun {
   std::vector<SourceFile> sources;
   double start = 0, seconds = 0;
   std::vector<RecordedNode> nodes;               ///< in the order they ended
-  std::map<std::string, std::string> delivered;  ///< file in the output folder -> SHA-256
+  std::map<std::string, std::string> delivered;  ///< file that this run wrote, or found as it must be -> SHA-256
   /// By name; of a node that ran in several rounds the last, or that of "name@3".
   const RecordedNode* find(const std::string& name) const;
   const RecordedNode* find(const std::string& name, size_t round) const;

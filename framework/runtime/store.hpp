@@ -75,7 +75,8 @@ struct StoredRun {
   std::vector<std::string> warnings, messages;
   double seconds = 0;
   Provenance provenance;
-  /// Hash by path of the files that it was found to depend on when it ran, beside what its key is made of.
+  /// Hash by path of the files that it was found to depend on when it ran, beside what its key is made of;
+  /// of one that must not be there, absent_hash.
   std::map<std::string, std::string> used;
 };
 

@@ -12,6 +12,7 @@
 #include "runtime/blob_memory.hpp"
 #include "runtime/digest.hpp"
 #include "runtime/json_text.hpp"
+#include "runtime/used_files.hpp"
 
 namespace plumbline::runtime {
 
@@ -159,6 +160,11 @@ StoredRun run_from(const nlohmann::json& json, std::map<std::string, Memory>& co
 std::string Store::changed_of(const std::map<std::string, std::string>& used) {
   for (const auto& [file, hash] : used) {
     std::error_code failed;
+    if (hash == absent_hash) {
+      if (fs::exists(fs::symlink_status(file, failed)))
+        return file + " is there now, and may be taken in place of what it used";
+      continue;
+    }
     if (!fs::is_regular_file(file, failed)) return file + ", which it used, is not there any more";
     if (file_hashes_->of_file(file) != hash) return file + ", which it used, has changed";
   }

@@ -75,6 +75,36 @@ TEST(History, ProvenanceTravelsWithResults) {
   EXPECT_EQ(marks, 2u);
 }
 
+/// Results that an older program stored do not say when they were computed: nobody speaks for them.
+TEST(History, ItemsOfUnknownProvenanceAreCounted) {
+  const Program plumbline;
+  plumbline.write("p.yaml",
+                  "plumbline: 1\nnodes:\n  s: {use: story.series, with: {values: [1, 2, 3]}}\n"
+                  "  q: {use: story.square, in: {number: s.numbers}}\noutputs: {q.json: q.square}\n");
+  ASSERT_EQ(plumbline({"run", "p.yaml"}).code, 0);
+  const auto squared = [&] {
+    for (const Json& line : lines(plumbline.work() / "out/p/run.jsonl"))
+      if (line.at("event") == "node" && line.at("name") == "q") return line;
+    return Json();
+  };
+  EXPECT_FALSE(squared().at("computed").contains("unknown_items"));
+  size_t changed = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(plumbline.folder.path() / "store/runs")) {
+    if (!entry.is_regular_file() || changed == 2) continue;
+    Json stored = Json::parse(read_file(entry.path()), nullptr, false);
+    if (!stored.is_object() || stored.value("kind", "") != "story.square") continue;
+    stored.erase("computed");
+    std::ofstream(entry.path()) << stored.dump() << '\n';
+    ++changed;
+  }
+  ASSERT_EQ(changed, 2u);
+  ASSERT_EQ(plumbline({"run", "p.yaml"}).code, 0);
+  EXPECT_EQ(squared().at("status"), "reused");
+  EXPECT_EQ(squared().at("computed").at("unknown_items"), 2) << squared();
+  EXPECT_TRUE(contains(plumbline({"export", "out/p", "--format", "ro-crate"}).out,
+                       "of 2 of its 3 items it is not known when and where they were computed"));
+}
+
 /// What is the same is not called different: JSON by its numbers, a rotation by what it turns.
 TEST(History, DiffKnowsJsonAndRotations) {
   const Program plumbline;
