@@ -374,6 +374,7 @@ int bench(const BenchOptions& given) {
     file.seeds = *seeds;
   }
   const SweepPlan plan = plan_sweep(file, options.overrides, registry, store.file_hashes());
+  warn_of_kinds_offered_twice(graphs_of(plan), registry);
   if (plan.cells.empty()) throw UsageError(options.file + ": everything is excluded, there is nothing to run");
   if (options.executor != "local" && !options.status && options.task < 0) return send(options, plan, store);
 

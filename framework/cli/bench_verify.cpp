@@ -58,6 +58,7 @@ int verify_bench(const std::string& folder, const BenchOptions& options) {
   const PassingFolder passing;
   runtime::Store store(passing.path());
   const runtime::SweepPlan plan = plan_sweep(file, archive.overrides, registry, store.file_hashes());
+  warn_of_kinds_offered_twice(graphs_of(plan), registry);
   const std::vector<size_t> chosen = spread_over(plan, archive, static_cast<size_t>(options.cells));
   if (chosen.empty()) throw std::runtime_error(folder + " has no result of a cell that this program would run");
   if (archive.commit != build_commit())

@@ -15,6 +15,7 @@ int validate(const Options& options) {
   const auto file = find_pipeline(options.pipeline);
   try {
     const runtime::Graph graph = load_pipeline(file, options.overrides, registry, pipeline_folders());
+    warn_of_kinds_offered_twice(graph, registry);
     if (options.json)
       std::printf("%s\n", Json{{"valid", true}, {"file", graph.file}, {"nodes", graph.nodes.size()}}.dump().c_str());
     else if (!options.quiet)

@@ -1,7 +1,9 @@
 // Where pipelines, plugins and the store are found.
 #include <algorithm>
+#include <cstdio>
 #include <cstdlib>
 #include <fstream>
+#include <set>
 
 #include "commands.hpp"
 #include "runtime/quantities.hpp"
@@ -20,7 +22,25 @@ std::vector<fs::path> pipeline_folders() {
 }
 
 runtime::Graph load(const Options& options, const runtime::Registry& registry) {
-  return load_pipeline(find_pipeline(options.pipeline), options.overrides, registry, pipeline_folders());
+  runtime::Graph graph =
+      load_pipeline(find_pipeline(options.pipeline), options.overrides, registry, pipeline_folders());
+  warn_of_kinds_offered_twice(graph, registry);
+  return graph;
+}
+
+void warn_of_kinds_offered_twice(const runtime::Graph& graph, const runtime::Registry& registry) {
+  warn_of_kinds_offered_twice(std::vector{&graph}, registry);
+}
+
+void warn_of_kinds_offered_twice(const std::vector<const runtime::Graph*>& graphs, const runtime::Registry& registry) {
+  std::set<std::string> told;
+  for (const runtime::Graph* graph : graphs)
+    for (const auto& node : graph->nodes) {
+      const fs::path other = registry.offered_twice_by(node.kind.node->kind);
+      if (other.empty() || !told.insert(node.kind.node->kind).second) continue;
+      std::fprintf(stderr, "warning: node '%s' is the %s of %s; %s has one of that name, too, which is not used\n",
+                   node.name.c_str(), node.kind.node->kind, node.kind.plugin->identity.path.c_str(), other.c_str());
+    }
 }
 
 std::string did_you_mean(const std::string& wanted, const std::vector<std::string>& candidates) {

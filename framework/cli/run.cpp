@@ -1,7 +1,10 @@
 // plumbline run
+#include <chrono>
 #include <cstdio>
 #include <fstream>
-#include <nlohmann/json.hpp>
+#include <map>
+#include <mutex>
+#include <set>
 #include <thread>
 
 #include "commands.hpp"
@@ -131,31 +134,80 @@ void print_json_end(const fs::path& out) {
   std::printf("%s\n", last.c_str());
 }
 
-/// Which of two nodes of one name ran must not be a matter of folders that nobody looks at.
-void warn_of_kinds_offered_twice(const runtime::Graph& graph, const runtime::Registry& registry) {
-  for (const auto& node : graph.nodes)
-    if (const fs::path other = registry.offered_twice_by(node.kind.node->kind); !other.empty())
-      std::fprintf(stderr, "warning: node '%s' is the %s of %s; %s has one of that name, too, which is not used\n",
-                   node.name.c_str(), node.kind.node->kind, node.kind.plugin->identity.path.c_str(), other.c_str());
+std::string in_words(const runtime::OutputOrigin& run) {
+  std::string words;
+  for (const std::string& text : run.arguments) words += " " + text;
+  return words.empty() ? "without overrides" : words.substr(1);
 }
 
 /// Variants of a pipeline share its folder below out/: what another one left there is replaced, and that is said.
-void tell_of_other_variant(const Options& options, const fs::path& out) {
+void tell_of_other_variant(const Options& options, const runtime::Graph& graph, const runtime::OutputFolder& folder) {
   if (!options.out.empty() || options.json || options.quiet) return;
-  std::ifstream stream(out / "run.jsonl");
-  std::string line;
-  if (!std::getline(stream, line)) return;
-  const auto start = nlohmann::json::parse(line, nullptr, false);
-  if (!start.is_object() || !start.contains("arguments") || !start["arguments"].is_array()) return;
-  std::vector<std::string> before;
-  for (const auto& text : start["arguments"])
-    if (text.is_string()) before.push_back(text);
-  if (before == options.overrides) return;
-  std::string words;
-  for (const std::string& text : before) words += " " + text;
-  std::printf("note: the results of another variant (%s) in %s are replaced; give it a folder of its own with --out\n",
-              before.empty() ? "without overrides" : words.c_str() + 1, out.c_str());
+  for (const auto& output : graph.outputs) {
+    const auto found = folder.owned().origins.find(output.file);
+    if (found == folder.owned().origins.end() || found->second.arguments == options.overrides) continue;
+    std::printf("note: the results of another variant (%s) in %s are replaced; give it a folder of its own with --out\n",
+                in_words(found->second).c_str(), folder.path().c_str());
+    return;
+  }
 }
+
+/// After a run that was stopped: the record is this run's, and what lies beside it need not be.
+void tell_whose_outputs_lie_there(const runtime::Graph& graph, const runtime::OutputFolder& folder) {
+  std::map<std::string, std::string> outputs;  // by the run that they are of
+  for (const auto& output : graph.outputs) {
+    const auto found = folder.owned().origins.find(output.file);
+    if (!fs::exists(fs::symlink_status(folder.path() / output.file))) continue;
+    if (found != folder.owned().origins.end() && found->second == folder.this_run()) continue;
+    std::string& list =
+        outputs[found == folder.owned().origins.end() ? "an earlier run, which the record does not tell"
+                                                      : "the run of " + found->second.time + " (" +
+                                                            in_words(found->second) + ")"];
+    list += (list.empty() ? "" : ", ") + output.file;
+  }
+  for (const auto& [run, list] : outputs)
+    std::fprintf(stderr, "%s in %s: not of this run, but of %s\n", list.c_str(), folder.path().c_str(), run.c_str());
+}
+
+/// What a run is seen to have done, for the record of one whose nodes do not let it end.
+class Seen : public Progress {
+ public:
+  Seen(const runtime::Graph& graph, runtime::Record& record, Style style)
+      : Progress(graph, record, style), graph_(graph) {
+    result_.nodes.resize(graph.nodes.size());  // cancelled, until it is known better
+    result_.cancelled = true;
+  }
+
+  void node_finished(const runtime::GraphNode& node, const runtime::NodeResult& result) override {
+    const std::scoped_lock lock(mutex_);
+    Progress::node_finished(node, result);
+    for (size_t i = 0; i < graph_.nodes.size(); ++i) {
+      if (graph_.nodes[i].name != node.name) continue;
+      if (!ended_.insert(i).second) result_.earlier.push_back({i, result_.nodes[i].round, result_.nodes[i]});
+      result_.nodes[i] = {};
+      result_.nodes[i].status = result.status;
+      result_.nodes[i].round = result.round;
+    }
+  }
+  void round_finished(const runtime::RoundsEnd& end) override {
+    const std::scoped_lock lock(mutex_);
+    Progress::round_finished(end);
+    result_.rounds = end;
+  }
+
+  /// From now on no node is told to have finished: the record has its end. One that is just being told may hold it up
+  /// for a moment, not longer.
+  runtime::RunResult freeze() {
+    const bool quiet = mutex_.try_lock_for(std::chrono::milliseconds(200));
+    return quiet ? result_ : runtime::RunResult{std::vector<runtime::NodeResult>(graph_.nodes.size()), {}, {}, true};
+  }
+
+ private:
+  const runtime::Graph& graph_;
+  std::timed_mutex mutex_;
+  std::set<size_t> ended_;
+  runtime::RunResult result_;
+};
 
 /// Files of the user's that the outputs would replace: told before anything runs.
 void refuse_obstacles(const std::vector<std::string>& obstacles, const Options& options) {
@@ -189,29 +241,28 @@ int run(const Options& options) {
   warn_of_kinds_offered_twice(graph, registry);
   runtime::OutputFolder folder(out, store.file_hashes(), options.overwrite);
   refuse_obstacles(obstacles_to(graph, folder), options);
-  tell_of_other_variant(options, out);
+  tell_of_other_variant(options, graph, folder);
   runtime::Record record(folder, graph, info);
 
-  runtime::RunResult done, result;
-  result.nodes.resize(graph.nodes.size());  // cancelled, until it is known better
-  result.cancelled = true;
+  runtime::RunResult result;
   {
+    Seen progress(graph, record,
+                  options.json    ? Progress::Style::json
+                  : options.quiet ? Progress::Style::quiet
+                                  : Progress::Style::lines);
     const EndsInTime in_time([&] {
-      record.end(result, {});
       std::fprintf(stderr, "cancelled; nodes that did not stop in time were left, and what was finished is kept\n");
+      tell_whose_outputs_lie_there(graph, folder);
+      record.end(progress.freeze(), {});
+      if (options.json) print_json_end(out);
     });
-    Progress progress(graph, record,
-                      options.json    ? Progress::Style::json
-                      : options.quiet ? Progress::Style::quiet
-                                      : Progress::Style::lines);
-    runtime::RunResult whole = execute(graph, registry, store, run_options, progress);
-    // Who stopped the run at its very end gets the same answer as who did it earlier.
-    whole.cancelled = whole.cancelled || stop_is_asked_for();
-    done = std::move(whole);
+    result = execute(graph, registry, store, run_options, progress);
   }
-  result = std::move(done);
   std::vector<runtime::Delivery> deliveries;
-  if (!result.cancelled) deliveries = deliver(graph, registry, store, result, folder);
+  if (!result.cancelled && !stop_is_asked_for())
+    deliveries = deliver(graph, registry, store, result, folder, &stop_is_asked_for());
+  // Who stopped the run at its very end gets the same answer as who did it earlier.
+  result.cancelled = result.cancelled || stop_is_asked_for();
   record.end(result, deliveries);
 
   if (!result.rounds.problem.empty())
@@ -233,6 +284,7 @@ int run(const Options& options) {
   std::fflush(stdout);
   print_failure(graph, result, deliveries);
   if (result.cancelled) {
+    tell_whose_outputs_lie_there(graph, folder);
     std::fprintf(stderr, "cancelled; what was finished is kept and the next run goes on from there\n");
     return 130;
   }

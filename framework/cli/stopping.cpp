@@ -4,6 +4,8 @@
 
 #include <chrono>
 #include <csignal>
+#include <cstdio>
+#include <exception>
 
 #include "runtime/running_nodes.hpp"
 
@@ -53,7 +55,12 @@ void EndsInTime::watch() {
   while (!asked_for)
     if (done_changed_.wait_for(lock, look, [this] { return done_; })) return;
   if (done_changed_.wait_for(lock, patience, [this] { return done_; })) return;
-  last_words_();
+  try {
+    last_words_();
+  } catch (const std::exception& error) {  // a full disk must not make an abort of it
+    std::fprintf(stderr, "the run's end is not told in its record: %s\n", error.what());
+  }
+  std::fflush(stdout);
   runtime::leave_at_once(130);
 }
 

@@ -155,16 +155,20 @@ std::vector<std::string> obstacles_to(const Graph& graph, const OutputFolder& ou
 }
 
 std::vector<Delivery> deliver(const Graph& graph, const Registry& registry, Store& store, const RunResult& result,
-                              OutputFolder& out) {
+                              OutputFolder& out, const std::atomic<bool>* stop) {
   std::vector<Delivery> deliveries;
   for (const GraphOutput& output : graph.outputs) {
     const NodeResult& source = result.nodes[output.from.node];
     const NodeStatus status = source.status;
     const std::string& name = graph.nodes[output.from.node].name;
     Delivery delivery{output.file, "", ""};
+    if (stop && *stop) {
+      deliveries.push_back({output.file, "the run was stopped before it was written", ""});
+      continue;
+    }
     try {
       if (status == NodeStatus::executed || status == NodeStatus::reused)
-        delivery.note = deliver_one(graph, registry, store, result, output, out);
+        delivery.note = deliver_one(graph, registry, store, result, output, out), out.confirm(output.file);
       else
         delivery.problem = "'" + name + "' " +
                            (status == NodeStatus::failed    ? "failed"

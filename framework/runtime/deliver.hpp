@@ -1,6 +1,7 @@
 // Puts the named outputs of a pipeline where the user asked.
 #pragma once
 
+#include <atomic>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -24,9 +25,9 @@ std::vector<std::string> obstacles_to(const Graph& graph, const OutputFolder& ou
 /// the name ends in .json), a list of Files as a folder of them, any other artifact as JSON, a list of them as a JSON
 /// array. Each is put in place whole or not at all, and not written again if it is there already. Of an output whose
 /// node did not succeed, what an earlier run left there is removed: it would be taken for this run's. The record must
-/// have been begun in `out`.
+/// have been begun in `out`. When `stop` is set, outputs that are not begun yet are left as they are, with a problem.
 std::vector<Delivery> deliver(const Graph& graph, const Registry& registry, Store& store, const RunResult& result,
-                              OutputFolder& out);
+                              OutputFolder& out, const std::atomic<bool>* stop = nullptr);
 
 /// An artifact of the store as JSON. Throws StoreError if it is missing, std::runtime_error if it is no valid `type`.
 std::string blob_to_json(Store& store, const plumbline_type& type, const std::string& hash);

@@ -457,6 +457,14 @@ std::string SweepCell::label() const {
   return text;
 }
 
+std::vector<const Graph*> graphs_of(const SweepPlan& plan) {
+  std::set<const CellGraph*> seen;
+  std::vector<const Graph*> graphs;
+  for (const SweepCell& cell : plan.cells)
+    if (cell.graph && seen.insert(cell.graph.get()).second) graphs.push_back(&cell.graph->graph);
+  return graphs;
+}
+
 SweepPlan plan_sweep(const SweepFile& file, const Overrides& overrides, const Registry& registry, FileHashes& hashes) {
   return Planner(file, overrides, registry, hashes).plan();
 }

@@ -56,6 +56,9 @@ struct SweepPlan {
 /// pen: throws InvalidPipeline with its place.
 SweepPlan plan_sweep(const SweepFile& file, const Overrides& overrides, const Registry& registry, FileHashes& hashes);
 
+/// All graphs of its cells, each once.
+std::vector<const Graph*> graphs_of(const SweepPlan& plan);
+
 /// Several cells as one graph. `nodes[c]` are the indices, in the merged graph, of the nodes of the c-th of them.
 struct MergedGraph {
   Graph graph;

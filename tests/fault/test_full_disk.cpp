@@ -98,6 +98,32 @@ TEST(FullDisk, OfTheOutputsIsNamedAndNothingHalfWrittenStays) {
     GTEST_SKIP() << "this system does not let tests mount a tmpfs";
 }
 
+/// The end of a run cannot be told, and a node does not listen: that is no reason to abort.
+TEST(FullDisk, AnInterruptEndsTheProgramAllTheSame) {
+  if (!in_own_mounts([] {
+        const Program plumbline;
+        const fs::path disk = plumbline.folder.path() / "disk", started = plumbline.work() / "started";
+        plumbline.write("p.yaml", "plumbline: 1\nnodes:\n  d: {use: story.deaf, with: {started: " + started.string() +
+                                      ", milliseconds: 60000}}\n");
+        fs::create_directory(disk);
+        ASSERT_EQ(mount("none", disk.c_str(), "tmpfs", 0, "mode=700,size=64k"), 0);
+        const pid_t process = plumbline.start({"run", "p.yaml", "--out", (disk / "out").string()});
+        for (int i = 0; i < 6000 && !fs::exists(started); ++i) usleep(5000);
+        ASSERT_TRUE(fs::exists(started));
+        const fs::path record = disk / "out/run.jsonl";
+        // To the last byte: the record's own page as well.
+        for (const fs::path& file : {disk / "full", record}) {
+          std::ofstream stream(file, std::ios::app);
+          while (stream.put(' ').flush()) continue;
+        }
+        kill(process, SIGINT);
+        const Answer answer = plumbline.finish(process);
+        EXPECT_EQ(answer.code, 130) << answer.err;
+        EXPECT_TRUE(contains(answer.err, "No space left on device")) << answer.err;
+      }))
+    GTEST_SKIP() << "this system does not let tests mount a tmpfs";
+}
+
 TEST(FullDisk, AStoreThatCannotBeWrittenServesPlanAndShow) {
   if (!in_own_mounts([] {
         const Program plumbline;

@@ -32,6 +32,22 @@ TEST(Bench, WhatAlternativesShareRunsOnceAndNothingRunsTwice) {
   EXPECT_EQ(third["executed"], 8);
 }
 
+/// What is measured must be known: a plugin that is not used is named, once.
+TEST(Bench, SaysWhichOfTwoPluginsItUses) {
+  BenchProgram plumbline;
+  plumbline.bench_file("seeds: 1-2\n");
+  const fs::path other = plumbline.folder.path() / "other";
+  fs::create_directory(other);
+  fs::copy_file(PLUMBLINE_STORY_PLUGIN, other / fs::path(PLUMBLINE_STORY_PLUGIN).filename());
+  plumbline.use_plugins(plumbline.plugins().string() + ":" + other.string());
+  plumbline.run();
+  EXPECT_EQ(plumbline.answer.code, 0) << plumbline.answer.err;
+  const std::string words = "has one of that name, too, which is not used";
+  const size_t first = plumbline.answer.err.find(words);
+  EXPECT_NE(first, std::string::npos) << plumbline.answer.err;
+  EXPECT_EQ(plumbline.answer.err.find(words, first + 1), std::string::npos) << plumbline.answer.err;
+}
+
 TEST(Bench, TheOrderOfAlternativesAndOtherNamesForThemChangeNothing) {
   BenchProgram plumbline;
   plumbline.bench_file(two);

@@ -129,6 +129,39 @@ TEST(Commands, DoctorNamesARefusedPluginAndItsMend) {
   EXPECT_TRUE(contains(answer.out, "/proc/nowhere")) << answer.out;
 }
 
+/// Whoever runs, plans or measures with a node must know which of two it is.
+TEST(Commands, EveryCommandThatLinksAPipelineSaysWhichOfTwoPluginsItUses) {
+  Program plumbline;
+  plumbline.write("p.yaml", chain);
+  namespace fs = std::filesystem;
+  const fs::path mine = plumbline.folder.path() / "mine", other = plumbline.folder.path() / "other",
+                 shipped = plumbline.folder.path() / "lib/plumbline";
+  const fs::path name = fs::path(PLUMBLINE_STORY_PLUGIN).filename();
+  for (const fs::path& folder : {mine, other}) {
+    fs::create_directories(folder);
+    fs::copy_file(PLUMBLINE_STORY_PLUGIN, folder / name);
+    fs::create_symlink(fs::path(PLUMBLINE_STORY_PLUGIN).parent_path() / "roles", folder / "roles");
+  }
+  plumbline.use_plugins(mine.string() + ":" + other.string());
+  const auto warning = [&](const fs::path& used, const fs::path& not_used) {
+    return "is the story.constant of " + (used / name).string() + "; " + (not_used / name).string() +
+           " has one of that name, too, which is not used";
+  };
+  const std::vector<std::vector<std::string>> commands = {
+      {"run", "p.yaml"}, {"plan", "p.yaml"}, {"verify", "p.yaml"}, {"validate", "p.yaml"}};
+  for (const auto& words : commands) {
+    const Answer answer = plumbline(words);
+    EXPECT_TRUE(contains(answer.err, warning(mine, other))) << words[0] << ": " << answer.out << answer.err;
+  }
+  // What came with the program is used, wherever the path leads.
+  fs::create_directories(shipped);
+  fs::copy_file(PLUMBLINE_STORY_PLUGIN, shipped / name);
+  plumbline.use_plugins(mine);
+  const Answer answer = plumbline({"run", "p.yaml"});
+  EXPECT_EQ(answer.code, 0) << answer.err;
+  EXPECT_TRUE(contains(answer.err, warning(shipped, mine))) << answer.err;
+}
+
 TEST(Commands, ShowFindsArtifacts) {
   const Program plumbline;
   plumbline.write("p.yaml", chain);

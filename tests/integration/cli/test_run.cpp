@@ -1,4 +1,6 @@
 // `plumbline run` from outside: outputs, reuse, failure, cancellation, a killed process.
+#include <sys/stat.h>
+
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -167,6 +169,68 @@ TEST(Run, InterruptedItEndsWith130AndGoesOnLater) {
     EXPECT_EQ(files_in(plumbline.folder.path() / "store/tmp") + files_in(plumbline.folder.path() / "store/folders"),
               0u);
   }
+}
+
+/// The record is of the run that was stopped, the files beside it are of the one before: both are told.
+TEST(Run, AStoppedRunSaysWhoseOutputsLieThere) {
+  const Program plumbline;
+  plumbline.write("p.yaml",
+                  "plumbline: 1\nvars: {value: 3}\nnodes:\n"
+                  "  a: {use: story.constant, with: {value: \"${value}\"}}\noutputs: {a.json: a.number}\n");
+  fs::copy_file(plumbline.work() / "p.yaml", plumbline.work() / "q.yaml");
+  ASSERT_EQ(plumbline({"run", "p.yaml", "value=4"}).code, 0);
+  const std::string before = read_file(plumbline.work() / "out/p/a.json");
+  const fs::path started = plumbline.work() / "started";
+  plumbline.write("p.yaml",
+                  "plumbline: 1\nvars: {value: 3}\nnodes:\n"
+                  "  a: {use: story.constant, with: {value: \"${value}\"}}\n  w: {use: story.waits, with: {started: " +
+                      started.string() + "}}\noutputs: {a.json: a.number}\n");
+  const pid_t process = plumbline.start({"run", "p.yaml", "value=5", "--threads", "2"});
+  ASSERT_TRUE(wait_for(started));
+  kill(process, SIGINT);
+  const Answer answer = plumbline.finish(process);
+  EXPECT_EQ(answer.code, 130);
+  EXPECT_TRUE(contains(answer.err, "a.json in out/p: not of this run, but of the run of 2")) << answer.err;
+  EXPECT_TRUE(contains(answer.err, "(value=4)")) << answer.err;
+  EXPECT_EQ(read_file(plumbline.work() / "out/p/a.json"), before);
+  const Json crate = Json::parse(plumbline({"export", "out/p", "--format", "ro-crate"}).out);
+  for (const Json& item : crate.at("@graph"))
+    EXPECT_NE(item.at("@id"), "a.json") << "the stopped run did not give it";
+  // The next run knows still whose they are.
+  fs::remove(plumbline.work() / "p.yaml");
+  fs::rename(plumbline.work() / "q.yaml", plumbline.work() / "p.yaml");
+  const Answer next = plumbline({"run", "p.yaml", "value=5"});
+  EXPECT_TRUE(contains(next.out, "the results of another variant (value=4) in out/p are replaced")) << next.out;
+  EXPECT_TRUE(contains(plumbline({"export", "out/p", "--format", "ro-crate"}).out, "\"a.json\""));
+}
+
+/// What a memory of hashes says of a file is believed; --rehash reads it once more.
+TEST(Run, RehashReadsWhatTheMemoryOfHashesHasWrong) {
+  const Program plumbline;
+  fs::create_directory(plumbline.work() / "photographs");
+  plumbline.write("photographs/1.jpg", "seven b");
+  plumbline.write("p.yaml",
+                  "plumbline: 1\nnodes:\n  l: {use: story.length, with: {folder: photographs}}\n"
+                  "outputs: {l.json: l.number}\n");
+  const auto tree_of_run = [&](const std::vector<std::string>& words) {
+    const Answer answer = plumbline(words);
+    EXPECT_EQ(answer.code, 0) << answer.err;
+    std::istringstream lines(read_file(plumbline.work() / "out/p/run.jsonl"));
+    for (std::string line; std::getline(lines, line);)
+      if (const Json json = Json::parse(line); json.at("event") == "node")
+        return json.at("fields").at("parameter folder").get<std::string>();
+    return std::string();
+  };
+  const std::string right = tree_of_run({"run", "p.yaml"});
+  struct stat info {};
+  ASSERT_EQ(stat((plumbline.work() / "photographs/1.jpg").c_str(), &info), 0);
+  const auto time = [](const timespec& t) { return std::to_string(t.tv_sec) + "." + std::to_string(t.tv_nsec); };
+  std::ofstream(plumbline.folder.path() / "store/file-hashes", std::ios::app)
+      << info.st_dev << ':' << info.st_ino << ':' << info.st_size << ':' << time(info.st_mtim) << ':'
+      << time(info.st_ctim) << ' ' << std::string(64, 'a') << ' '
+      << (plumbline.work() / "photographs/1.jpg").string() << '\n';
+  EXPECT_NE(tree_of_run({"run", "p.yaml"}), right) << "this test must be able to fail";
+  EXPECT_EQ(tree_of_run({"run", "p.yaml", "--rehash"}), right);
 }
 
 TEST(Run, KilledItResumes) {

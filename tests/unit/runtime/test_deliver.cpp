@@ -280,6 +280,25 @@ TEST(Deliver, DoesNotWriteAgainWhatIsThere) {
   EXPECT_EQ(nlohmann::json::parse(read_file(file)).size(), 1u);
 }
 
+/// Between two outputs there is time to stop; what is not written is left as it was, and the record says of whom.
+TEST(Deliver, StoppedItBeginsNoOtherOutput) {
+  Story story("a: {use: story.constant}\nb: {use: story.constant, with: {value: 2}}",
+              "outputs: {a.json: a.number, b.json: b.number}");
+  story.run();
+  deliver(story);
+  const std::string before = read_file(story.folder.path() / "out/b.json");
+  story.run({"a.with.value=7", "b.with.value=8"});
+  const std::atomic<bool> stop = true;
+  runtime::OutputFolder out(story.folder.path() / "out", story.store->file_hashes(), false);
+  runtime::Record record(out, story.graph, {"0.0", {"b.with.value=8"}, {}, 1, 0});
+  for (const auto& delivery :
+       runtime::deliver(story.graph, story_registry(), *story.store, story.result, out, &stop))
+    EXPECT_EQ(delivery.problem, "the run was stopped before it was written") << delivery.file;
+  EXPECT_EQ(read_file(story.folder.path() / "out/b.json"), before);
+  EXPECT_TRUE(out.owned().origins.at("b.json").arguments.empty()) << "it is still of the run before";
+  EXPECT_FALSE(out.owned().origins.at("b.json") == out.this_run());
+}
+
 TEST(Deliver, LeavesNoTemporaryNames) {
   Story story("w: {use: story.folder}\na: {use: story.constant}", "outputs: {tree: w.folder, a.json: a.number}");
   story.run();
