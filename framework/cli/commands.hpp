@@ -34,6 +34,8 @@ struct Options {
   double tolerance = 0;               ///< of `diff`
   std::string limit;                  ///< of `cache prune`: "2GiB"
   double days = -1;                   ///< likewise; negative: any age
+  double quiet_seconds = 2;  ///< of `watch`
+  int most_runs = 0;         ///< of `watch`; 0: without end
   int threads = 0;
   bool durable = false, json = false, quiet = false, overwrite = false, trust_others = false, isolate = false,
        rehash = false, each = false, check = false;
@@ -60,6 +62,7 @@ int why(const Options& options);
 int diff(const Options& options);
 int export_run(const Options& options);
 int verify(const Options& options);
+int watch(const Options& options);
 int campaign_init(const Options& options);
 int campaign_check(const Options& options);
 int journal(const Options& options);

@@ -76,6 +76,22 @@ std::vector<Command> declare(CLI::App& app, Options& options, plumbline::cli::Be
                "run every node in a process of its own, so that a crash is an error of that node alone");
   run.add_flag("-q,--quiet", options.quiet, "print nothing but warnings and errors");
 
+  CLI::App& watch = add("watch", "runs a pipeline again whenever what it reads has changed", plumbline::cli::watch);
+  add_pipeline(watch, options);
+  watch.add_option("--out", options.out, "folder for the named outputs and run.jsonl (default: out/<pipeline>)")
+      ->type_name("DIR");
+  watch.add_flag("--overwrite", options.overwrite, "replace files in the way of an output whoever wrote them");
+  watch.add_option("--quiet-for", options.quiet_seconds,
+                   "seconds in which no file may change before a run begins: half-copied files are waited for")
+      ->check(CLI::Range(0.1, 3600.0))
+      ->capture_default_str();
+  watch.add_option("--runs", options.most_runs, "ends after so many runs, with the last one's exit code")
+      ->check(CLI::Range(1, 1000000));
+  watch.add_option("--threads", options.threads, "number of threads (default: all processors)")
+      ->check(CLI::Range(1, 4096));
+  add_store(watch, options);
+  watch.add_flag("-q,--quiet", options.quiet, "print nothing of a run but warnings and errors");
+
   CLI::App* bench =
       app.add_subcommand("bench", "runs alternatives on many trials and says which is better, and by how much");
   plumbline::cli::declare_bench(*bench, bench_options);

@@ -8,7 +8,7 @@ _plumbline() {
     words=$("$program" "$command" --help 2>/dev/null | grep -oE -- '--[a-z-]+' | sort -u)
   else
     case $command in
-      run | validate | plan | graph | verify)
+      run | watch | validate | plan | graph | verify)
         if ((COMP_CWORD == 2)); then
           words=$("$program" list pipelines 2>/dev/null | cut -d' ' -f1)
         else

@@ -1,0 +1,179 @@
+// plumbline watch: runs a pipeline again whenever what it reads has changed. What has not changed is taken from the
+// store, so that a photograph more costs one detection and what follows from it.
+#include <spawn.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <map>
+#include <set>
+#include <thread>
+#include <utility>
+
+#include "commands.hpp"
+#include "plumbline/folder_files.hpp"
+#include "runtime/printable.hpp"
+#include "stopping.hpp"
+
+extern char** environ;
+
+namespace plumbline::cli {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// What is known of a file without reading it: whoever copies it changes one of these.
+struct Stamp {
+  long long size = -1, seconds = 0, nanoseconds = 0;
+  unsigned long long node = 0;
+  bool operator==(const Stamp&) const = default;
+};
+using Snapshot = std::map<std::string, Stamp>;
+
+void add_file(const fs::path& path, Snapshot& snapshot) {
+  struct stat info {};
+  Stamp& stamp = snapshot[path.string()];  // one that is not there is told by its stamp, and comes as a change
+  if (stat(path.c_str(), &info) == 0)
+    stamp = {info.st_size, info.st_mtim.tv_sec, info.st_mtim.tv_nsec, info.st_ino};
+}
+
+/// Files and folders that the pipeline's text and parameters name.
+std::set<fs::path> read_by(const runtime::Graph& graph) {
+  std::set<fs::path> paths;
+  for (const auto& source : graph.sources) paths.insert(fs::absolute(source.path));
+  for (const auto& node : graph.nodes)
+    for (uint32_t i = 0; i < node.kind.node->param_count; ++i) {
+      const plumbline_param& param = *node.kind.node->params[i];
+      const auto value = node.parameters.find(param.name);
+      if ((param.kind != PLUMBLINE_FILE && param.kind != PLUMBLINE_FOLDER) || value == node.parameters.end()) continue;
+      std::string path;
+      for (const char c : value->second + '\x1f')
+        if (c != '\x1f')
+          path += c;
+        else if (!path.empty())
+          paths.insert(fs::absolute(std::exchange(path, {})));
+    }
+  return paths;
+}
+
+/// What runs left in a folder is no content of it (list_files), or each run would be followed by another one.
+Snapshot look_at(const std::set<fs::path>& paths) {
+  Snapshot snapshot;
+  for (const fs::path& path : paths) {
+    std::error_code ignored;
+    if (!fs::is_directory(path, ignored)) {
+      add_file(path, snapshot);
+      continue;
+    }
+    try {
+      for (const std::string& file : list_files(path).files)
+        if (!is_system_file(file)) add_file(path / file, snapshot);
+    } catch (const std::runtime_error&) {  // a folder that goes while it is looked at; the run says what is wrong
+    }
+  }
+  return snapshot;
+}
+
+/// False if the program is to end.
+bool wait(double seconds) {
+  const auto until = Clock::now() + std::chrono::duration<double>(seconds);
+  while (Clock::now() < until && !stop_is_asked_for()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  return !stop_is_asked_for();
+}
+
+/// Looks until nothing has changed for a while, because a file that is being copied is there before its end is.
+bool wait_until_quiet(const std::set<fs::path>& paths, double quiet, Snapshot& now) {
+  now = look_at(paths);
+  for (auto since = Clock::now(); Clock::now() - since < std::chrono::duration<double>(quiet);) {
+    if (!wait(std::min(0.25, quiet))) return false;
+    if (Snapshot next = look_at(paths); next != now) now = std::move(next), since = Clock::now();
+  }
+  return true;
+}
+
+std::vector<std::string> words_of_run(const Options& options) {
+  std::vector<std::string> words{"plumbline", "run", options.pipeline};
+  words.insert(words.end(), options.overrides.begin(), options.overrides.end());
+  const auto option = [&](const char* name, const std::string& value) {
+    if (!value.empty()) words.insert(words.end(), {name, value});
+  };
+  option("--out", options.out), option("--store", options.store), option("--memory", options.memory);
+  option("--threads", options.threads > 0 ? std::to_string(options.threads) : "");
+  for (const auto& [set, name] : {std::pair{options.overwrite, "--overwrite"}, {options.isolate, "--isolate"},
+                                  {options.trust_others, "--trust-others"}, {options.quiet, "--quiet"}})
+    if (set) words.emplace_back(name);
+  return words;
+}
+
+/// `plumbline run`, as a process of its own: a run that crashes is told and does not end the watch.
+int run_once(const Options& options) {
+  std::vector<std::string> words = words_of_run(options);
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  pid_t child = 0;
+  if (const int error = posix_spawn(&child, "/proc/self/exe", nullptr, nullptr, arguments.data(), environ))
+    throw std::runtime_error(std::string("cannot start the run: ") + std::strerror(error));
+  int status = 0;
+  // Ctrl-C in a terminal reaches both; whoever ends this process alone means the run as well.
+  for (auto asked = Clock::time_point::max(); waitpid(child, &status, WNOHANG) == 0;) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    if (!stop_is_asked_for()) continue;
+    if (asked == Clock::time_point::max()) asked = Clock::now();
+    if (Clock::now() - asked > std::chrono::seconds(1)) kill(child, SIGTERM), asked = Clock::now();
+  }
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+std::string changed_text(const Snapshot& before, const Snapshot& now) {
+  std::vector<std::string> names;
+  for (const auto& [path, stamp] : now)
+    if (const auto found = before.find(path); found == before.end() || !(found->second == stamp)) names.push_back(path);
+  for (const auto& [path, stamp] : before)
+    if (!now.count(path)) names.push_back(path + " (gone)");
+  std::string text = names.empty() ? "" : names.front();
+  if (names.size() > 1) text += " and " + std::to_string(names.size() - 1) + " more";
+  return text;
+}
+
+/// What the pipeline reads now. One that cannot be read any more is said to be so, and its own files are watched on.
+std::set<fs::path> paths_of(const Options& options, const runtime::Registry& registry, std::set<fs::path> before) {
+  try {
+    return read_by(load(options, registry));
+  } catch (const std::exception& error) {
+    if (before.empty()) throw;
+    std::fprintf(stderr, "%s\n", runtime::printable(error.what()).c_str());
+    return before;
+  }
+}
+
+}  // namespace
+
+int watch(const Options& options) {
+  const runtime::Registry registry = discover();
+  std::set<fs::path> paths = paths_of(options, registry, {});
+  stop_is_asked_for();  // from here on Ctrl-C ends the watch
+  for (int runs = 0;;) {
+    Snapshot before;
+    if (!wait_until_quiet(paths, options.quiet_seconds, before)) return 130;
+    const int code = run_once(options);
+    if (stop_is_asked_for()) return 130;
+    if (++runs == options.most_runs) return code;
+    paths = paths_of(options, registry, std::move(paths));
+    std::printf("watching %zu files (the run ended with %d); Ctrl-C ends it\n", before.size(), code);
+    std::fflush(stdout);
+    Snapshot now = look_at(paths);  // what came while the run was at work counts
+    for (; now == before; now = look_at(paths))
+      if (!wait(1)) return 130;
+    std::printf("changed: %s\n", runtime::printable(changed_text(before, now)).c_str());
+    std::fflush(stdout);
+  }
+}
+
+}  // namespace plumbline::cli

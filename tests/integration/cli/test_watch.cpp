@@ -1,0 +1,75 @@
+// plumbline watch: one run for what is there, one for what comes, none for what the program wrote itself.
+#include <chrono>
+#include <csignal>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "program.hpp"
+
+namespace plumbline::test {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+/// The folder is read where the outputs go, too.
+const std::string site =
+    "plumbline: 1\nnodes:\n  f: {use: story.length, with: {folder: .}}\n"
+    "  a: {use: story.constant, with: {value: 3}}\noutputs: {size.json: f.number, a.json: a.number}\n";
+
+std::map<std::string, std::string> statuses(const fs::path& record) {
+  std::map<std::string, std::string> found;
+  std::istringstream stream(read_file(record));
+  for (std::string line; std::getline(stream, line);) {
+    const Json event = Json::parse(line);
+    if (event["event"] == "node") found[event["name"]] = event["status"];
+  }
+  return found;
+}
+
+bool wait_until(const std::function<bool()>& there) {
+  for (int i = 0; i < 1200; ++i, std::this_thread::sleep_for(std::chrono::milliseconds(50)))
+    if (there()) return true;
+  return false;
+}
+
+bool has_ended(const fs::path& record) { return contains(read_file(record), "\"event\":\"run_end\""); }
+
+TEST(Watch, RunsAgainForWhatComesAndNotForItsOwnOutputs) {
+  const Program plumbline;
+  plumbline.write("p.yaml", site);
+  plumbline.write("one.txt", "1");
+  const pid_t child = plumbline.start({"watch", "p.yaml", "--runs", "2", "--quiet-for", "0.2"});
+  const fs::path record = plumbline.work() / "out/p/run.jsonl";
+  ASSERT_TRUE(wait_until([&] { return fs::exists(record) && has_ended(record); }));
+  // What it waits for now is a change; its own outputs were none, or --runs 2 would end it.
+  std::this_thread::sleep_for(std::chrono::seconds(2));
+  ASSERT_EQ(kill(child, 0), 0);
+  plumbline.write("two.txt", "22");
+  const Answer answer = plumbline.finish(child);
+  EXPECT_EQ(answer.code, 0) << answer.err;
+  EXPECT_TRUE(contains(answer.out, "changed: ")) << answer.out;
+  EXPECT_TRUE(contains(answer.out, "two.txt")) << answer.out;
+  EXPECT_EQ(statuses(record), (std::map<std::string, std::string>{{"f", "executed"}, {"a", "reused"}}));
+}
+
+TEST(Watch, EndsWithTheSignalAndSaysSoByItsExitCode) {
+  const Program plumbline;
+  plumbline.write("p.yaml", chain);
+  const pid_t child = plumbline.start({"watch", "p.yaml", "--quiet-for", "0.2"});
+  const fs::path record = plumbline.work() / "out/p/run.jsonl";
+  ASSERT_TRUE(wait_until([&] { return fs::exists(record) && has_ended(record); }));
+  kill(child, SIGTERM);
+  EXPECT_EQ(plumbline.finish(child).code, 130);
+}
+
+TEST(Watch, APipelineThatIsWrongFromTheStartIsRefused) {
+  const Program plumbline;
+  plumbline.write("p.yaml", "plumbline: 1\nnodes: {a: {use: story.constnat}}\n");
+  const Answer answer = plumbline({"watch", "p.yaml"});
+  EXPECT_EQ(answer.code, 2);
+  EXPECT_TRUE(contains(answer.err, "story.constant")) << answer.err;
+}
+
+}  // namespace
+}  // namespace plumbline::test
