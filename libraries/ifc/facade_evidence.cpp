@@ -90,6 +90,7 @@ struct Evidence {
   std::optional<Eigen::Vector3d> own;
   std::optional<Line> panel, host;
   std::optional<Eigen::Vector3d> row;
+  bool corner = false;  ///< panels that face differently hang at it, and nothing of its own says whose it is
 };
 
 class Assigner {
@@ -213,6 +214,7 @@ class Assigner {
         if (!evidence.panel) {
           evidence.panel = line;
         } else if (!alike(evidence.panel->direction, line->direction)) {
+          evidence.corner = true;
           if (own_fits && !alike(*evidence.own, evidence.panel->direction)) evidence.panel = line;
         } else if (!evidence.panel->outward) {
           evidence.panel = line;
@@ -221,6 +223,9 @@ class Assigner {
         }
       }
     if (opposite) evidence.panel->outward = false;
+    // Axes that were turned to one of them say whose it is.
+    if (evidence.corner && turned_ && evidence.own && alike(*evidence.own, evidence.panel->direction))
+      evidence.corner = false;
     if (!evidence.panel && !evidence.host && !(evidence.own && turned_)) evidence.row = row_of(anchor);
     return evidence;
   }
@@ -262,6 +267,11 @@ class Assigner {
   }
 
   FacadeFrame decide(const Evidence& evidence, const Element& element) const {
+    if (evidence.corner) {
+      FacadeFrame nobodys;
+      nobodys.note = "panels that face differently hang at it";
+      return nobodys;
+    }
     const auto fits = [&](const std::optional<Line>& line) { return line && alike(*evidence.own, line->direction); };
     const bool own_says =
         evidence.own && (!evidence.panel || fits(evidence.panel)) &&
@@ -287,7 +297,13 @@ class Assigner {
       strong.emplace_back(FacadeSource::wall, side(evidence.host->direction));
     const int weak = own_says && !turned_ ? side(*evidence.own) : 0;
     const int behind = side_of_building(element.position, *line);
-    return frame_of(*line, strong, weak, behind, axes_of(element).col(1));
+    FacadeFrame frame = frame_of(*line, strong, weak, behind, axes_of(element).col(1));
+    // Of a panel the place of the wall is that of its anchors, which were decided before.
+    if (element.is_anchor && strong.size() == 1 && strong.front().first == FacadeSource::wall &&
+        behind == -strong.front().second && frame.confirmed)
+      frame.confirmed = false,
+      frame.note = "the wall or slab behind it has it look to where the rest of the building stands";
+    return frame;
   }
 
   /// Away from the rest of the building: +1 or −1 along the line, 0 if that stands nowhere in particular.

@@ -63,8 +63,17 @@ void assign_facades(Design& design, const std::vector<FacadeRule>& rules, bool a
 /// but rules; what it contradicts is no longer confirmed.
 void add_plate(FacadeFrame& frame, const Eigen::Vector3d& out);
 
+/// An anchor or panel with the facade that it is in, for a rule that selects all of one facade.
+struct FacadeMember {
+  std::string facade;  ///< its name
+  ElementFacts element;
+  const FacadeFrame* frame;
+};
+
 /// What a reader must do before orders are given: which facades are not confirmed, why, and the whole command. Empty:
-/// all are.
-std::vector<std::string> facade_warnings(const std::vector<Facade>& facades);
+/// all are. `members`: all anchors and panels, those of confirmed facades too. The rule in the command says a direction
+/// and selects this facade alone: it acts on the design before any plate is seen, and what it confirmed would be
+/// another direction than the one that is told.
+std::vector<std::string> facade_warnings(const std::vector<Facade>& facades, const std::vector<FacadeMember>& members);
 
 }  // namespace plumbline::bim

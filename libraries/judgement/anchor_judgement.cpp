@@ -63,7 +63,9 @@ double uncertainty_of(const Span& span, const Eigen::Vector3d& d, const Eigen::M
 /// An axis that cannot be told, or only by a guess, is undecided: skipped it would be a pass.
 std::string doubt_of(Axis axis, const bim::FacadeFrame& facade, const Tolerance& tolerance) {
   if (axis != Axis::in_plane && axis != Axis::out_of_plane) return "";
-  if (!facade.known()) return "not judged " + words_of(axis) + ": nothing says which way it faces";
+  if (!facade.known())
+    return "not judged " + words_of(axis) + ": " +
+           (facade.note.empty() ? "nothing says which way it faces" : facade.note);
   if (facade.source == bim::FacadeSource::guess)
     return "not judged " + words_of(axis) + ": which way it faces is only guessed";
   if (!facade.confirmed && axis == Axis::out_of_plane && !std::isnan(tolerance.below))
@@ -138,7 +140,8 @@ void judge_anchor(const Eigen::Vector3d& deviation, const Eigen::MatrixXd& covar
   if (!judged.empty()) out.verdict = verdict_of(found.probability, options.risk);
   out.pass_probability = found.probability, out.tau_pass = found.tau_pass, out.tau_fail = found.tau_fail;
   if (!doubt.empty()) {
-    out.note = doubt, out.pass_probability = nan, out.tau_pass = std::numeric_limits<double>::infinity();
+    out.note += (out.note.empty() ? "" : "; ") + doubt;
+    out.pass_probability = nan, out.tau_pass = std::numeric_limits<double>::infinity();
     if (out.verdict != ToleranceVerdict::fail) out.verdict = ToleranceVerdict::undecided;
   }
   decide(judged, out);

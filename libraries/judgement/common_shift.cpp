@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 
 #include "geometry/median.hpp"
 #include "geometry/statistics.hpp"
@@ -101,7 +102,8 @@ Fit robust_fit(const Motion& motion, const Eigen::VectorXd& d) {
   return fit;
 }
 
-std::string words_of(const CommonShiftT& shift, int passing) {
+/// `passing`: anchors that pass as they are; nothing where no anchor can pass.
+std::string words_of(const CommonShiftT& shift, std::optional<int> passing) {
   const auto mm = [](double metres) {
     char text[32];
     std::snprintf(text, sizeof text, "%+.1f mm", 1e3 * metres);
@@ -118,10 +120,11 @@ std::string words_of(const CommonShiftT& shift, int passing) {
   }
   words +=
       ": the survey and the design do not share their datum, or the building stands elsewhere. Check control points "
-      "and grid lines before any anchor is mended; without the common part " +
-      std::to_string(shift.would_pass) + " of " + std::to_string(shift.anchors) + " would pass instead of " +
-      std::to_string(passing) + ".";
-  return words;
+      "and grid lines before any anchor is mended";
+  if (passing)
+    words += "; without the common part " + std::to_string(shift.would_pass) + " of " + std::to_string(shift.anchors) +
+             " would pass instead of " + std::to_string(*passing);
+  return words + ".";
 }
 
 }  // namespace
@@ -148,7 +151,7 @@ std::unique_ptr<CommonShiftT> common_shift(
     out->largest_effect = std::max(out->largest_effect, moved.segment<3>(3 * i).norm());
     corrected.push_back(d.segment<3>(3 * i) - moved.segment<3>(3 * i));
   }
-  out->would_pass = would_pass(corrected);
+  if (would_pass) out->would_pass = would_pass(corrected);
   if (fit.rank == 0 || fit.freedom <= 0) return out;
   Eigen::Matrix<double, 6, 6> s = fit.scatter * fit.scatter * fit.cofactor;
   if (covariance.size() != 0) s += fit.gain * covariance * fit.gain.transpose();
@@ -160,7 +163,8 @@ std::unique_ptr<CommonShiftT> common_shift(
   out->critical = fit.rank * fisher_f_quantile(0.999, fit.rank, fit.freedom);
   out->significant = out->statistic > out->critical && 3 * out->following >= 2 * out->anchors &&
                      out->largest_effect >= 0.5 * smallest_tolerance;
-  if (out->significant) out->words = words_of(*out, would_pass(deviations));
+  if (out->significant)
+    out->words = words_of(*out, would_pass ? std::optional<int>(would_pass(deviations)) : std::nullopt);
   return out;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <set>
 #include <stdexcept>
@@ -22,11 +23,15 @@ using evaluate::DifferenceSet;
 /// Beyond this the points are in another frame, not badly built [m].
 constexpr double kFarthestAnchor = 1.0;
 
+/// A common tolerance at which nothing passes [m].
+constexpr double kAtNone = std::numeric_limits<double>::infinity();
+
 struct Work {
   const DeviationInputs& inputs;
   const DeviationOptions& options;
   DeviationT out;
   DifferenceSet deviations;
+  std::map<std::string, Request> refused;  // by what the design asks for in vain
 };
 
 std::unique_ptr<AnchorDeviationT> row_of(const AnchorCase& anchor) {
@@ -92,24 +97,47 @@ void judge_anchors(Work& work) {
         work.inputs.anchors[work.deviations.anchors[static_cast<std::size_t>(i)]].mounting;
 }
 
-/// A measurement that contradicts itself shows no anchor to be in order, and none to be out of tolerance.
+/// Neither in order nor out of tolerance, at whatever tolerance.
+template <typename Judged>
+void leave_open(Judged& judged) {
+  if (judged.verdict != ToleranceVerdict::not_measured) judged.verdict = ToleranceVerdict::undecided;
+}
+
+template <typename Row>
+void leave_row_open(Row& row) {
+  leave_open(row);
+  row.tau_pass = kAtNone, row.tau_fail = 0;
+}
+
+/// A measurement that contradicts itself shows no anchor to be in order, and none to be out of tolerance; no axis
+/// either.
 void take_doubts(Work& work) {
   work.out.doubts = work.inputs.doubts;
   if (work.out.doubts.empty()) return;
-  for (auto& anchor : work.out.anchors)
-    if (anchor->verdict != ToleranceVerdict::not_measured) anchor->verdict = ToleranceVerdict::undecided;
+  for (auto& anchor : work.out.anchors) {
+    if (anchor->verdict == ToleranceVerdict::not_measured) continue;
+    leave_row_open(*anchor);
+    for (auto& axis : anchor->axes) leave_open(*axis);
+    anchor->note += (anchor->note.empty() ? "" : "; ") + ("not decided: " + work.out.doubts.front());
+  }
 }
 
-/// The same of panels; an order that rests on it is none.
+/// The same of panels, their lengths and joints; an order that rests on it is none.
 void take_doubts_of_panels(Work& work) {
   if (work.out.doubts.empty()) return;
   for (auto& panel : work.out.panels) {
     panel->verdict = ToleranceVerdict::undecided;
+    leave_row_open(*panel);
+    panel->reason = "not decided: " + work.out.doubts.front();
+    for (auto* length : {panel->out_of_plane.get(), panel->sideways.get(), panel->vertical.get(), panel->tilt.get(),
+                         panel->warp.get(), panel->misfit.get(), panel->corner.get()})
+      leave_open(*length);
+    for (auto& joint : panel->joints) leave_open(*joint->change);
     for (auto& fixing : panel->fixings) fixing->shim = fixing->sideways = fixing->upward = AnchorCase::nan;
   }
 }
 
-/// What was asked for an anchor or a panel and cannot be judged leaves it undecided at best.
+/// What was asked for an anchor or a panel and cannot be judged leaves it undecided at best, at any tolerance.
 template <typename Case, typename Row>
 void refuse(const Case& asked, Row& row, std::map<std::string, Request>& requests, bool panel) {
   for (const std::string& text : asked.refused) {
@@ -118,30 +146,34 @@ void refuse(const Case& asked, Row& row, std::map<std::string, Request>& request
     request.not_judged = text.substr(std::min(text.size(), text.find(": ") + 2));
     ++(panel ? request.panels : request.anchors);
   }
-  if (!asked.refused.empty() && row.verdict == ToleranceVerdict::pass)
-    row.verdict = ToleranceVerdict::undecided, row.decided_by = "not_judged";
+  if (asked.refused.empty()) return;
+  row.tau_pass = kAtNone;
+  if (row.verdict == ToleranceVerdict::pass) row.verdict = ToleranceVerdict::undecided, row.decided_by = "not_judged";
+}
+
+/// Before panels are judged: none is better than its anchors.
+void refuse_anchors(Work& work) {
+  for (std::size_t i = 0; i < work.inputs.anchors.size(); ++i) {
+    AnchorDeviationT& row = *work.out.anchors[i];
+    refuse(work.inputs.anchors[i], row, work.refused, false);
+    for (const std::string& text : work.inputs.anchors[i].refused)
+      row.note += (row.note.empty() ? "not judged: " : "; not judged: ") + text;
+  }
 }
 
 /// Everything that was asked for, judged or not.
 void list_requests(Work& work) {
-  std::map<std::string, Request> refused;
-  for (std::size_t i = 0; i < work.inputs.anchors.size(); ++i) {
-    AnchorDeviationT& row = *work.out.anchors[i];
-    refuse(work.inputs.anchors[i], row, refused, false);
-    for (const std::string& text : work.inputs.anchors[i].refused)
-      row.note += (row.note.empty() ? "not judged: " : "; not judged: ") + text;
-  }
   std::map<std::string, const PanelCase*> panels;
   for (const PanelCase& panel : work.inputs.panels) panels[panel.guid] = &panel;
   std::set<std::string> judged;
   for (auto& row : work.out.panels) {
     const PanelCase& panel = *panels.at(row->guid);
-    refuse(panel, *row, refused, true);
+    refuse(panel, *row, work.refused, true);
     if (row->decided_by == "not_judged") row->reason = "not judged: " + panel.refused.front();
     judged.insert(row->guid);
   }
   std::vector<Request> all = work.inputs.requests;
-  for (auto& [text, request] : refused) all.push_back(std::move(request));
+  for (auto& [text, request] : work.refused) all.push_back(std::move(request));
   std::vector<std::string> names;
   for (const PanelCase& panel : work.inputs.panels)
     if (!judged.contains(panel.guid)) names.push_back(panel.name.empty() ? panel.guid : panel.name);
@@ -189,6 +221,23 @@ void require_same_frame(const Work& work) {
   throw std::runtime_error("the measured anchors lie " + std::to_string(median) +
                            " m (median) from their design positions in " + work.inputs.design_file +
                            ": they are not in the frame of the design; 'frames.to_building' brings a survey there");
+}
+
+/// The lowest floor of a panel's anchors, which the plate table or their storeys tell; else that of its own storey.
+void set_floors_of_panels(Work& work, const std::map<std::string, int>& floor_of) {
+  std::map<std::string, int> floor_of_anchor;
+  for (const auto& anchor : work.out.anchors) floor_of_anchor[anchor->id] = anchor->floor;
+  for (auto& panel : work.out.panels) {
+    const auto consider = [&](const std::string& anchor) {
+      const int floor = floor_of_anchor[anchor];
+      if (floor > 0) panel->floor = panel->floor == 0 ? floor : std::min(panel->floor, floor);
+    };
+    for (const auto& fixing : panel->fixings) consider(fixing->anchor);
+    for (const std::string& missing : panel->missing)
+      if (panel->floor == 0) consider(missing);
+    if (panel->floor != 0) continue;
+    if (const auto floor = floor_of.find(panel->storey_guid); floor != floor_of.end()) panel->floor = floor->second;
+  }
 }
 
 /// Floors are numbers in the plate table and storeys in the design: each anchor that has both votes.
@@ -240,6 +289,7 @@ void judge_floors(Work& work) {
        : anchor->verdict == ToleranceVerdict::undecided ? floor.undecided
                                                         : floor.not_measured);
   }
+  set_floors_of_panels(work, floor_of);
   for (const auto& panel : work.out.panels) {
     FloorDeviationT& floor = floor_at(panel->floor);
     ++(panel->verdict == ToleranceVerdict::pass   ? floor.panels_passed
@@ -276,25 +326,41 @@ void summarise(Work& work) {
       out.weakest_pass = anchor->pass_probability;
 }
 
+/// The smallest tolerance that any measured anchor is held against. A side of zero ("never too far out") is none.
+double smallest_tolerance(const Work& work) {
+  double smallest = work.options.tau;
+  for (const std::size_t i : work.deviations.anchors)
+    for (const auto& [axis, tolerance] : work.inputs.anchors[i].tolerances)
+      for (const double side : {tolerance.value, tolerance.lower()})
+        if (side > 0) smallest = std::min(smallest, side);
+  return smallest;
+}
+
+/// Whether the k-th measured anchor would pass with another deviation; empty where the measurement proves nothing.
+WouldPass would_pass_of(const Work& work) {
+  if (!work.out.doubts.empty()) return {};
+  return [&work](std::size_t k, const Eigen::Vector3d& deviation) {
+    AnchorDeviationT judged;
+    const AnchorCase& anchor = work.inputs.anchors[work.deviations.anchors[k]];
+    if (!anchor.refused.empty()) return false;
+    judge_anchor(deviation, block_of(work.deviations.covariance, k), anchor.facade, anchor.tolerances, work.options,
+                 judged);
+    return judged.verdict == ToleranceVerdict::pass;
+  };
+}
+
 void find_common_shift(Work& work) {
   std::vector<Eigen::Vector3d> positions, deviations;
-  double smallest = work.options.tau;
-  for (const std::size_t i : work.deviations.anchors) {
+  for (const std::size_t i : work.deviations.anchors)
     positions.push_back(work.out.anchors[i]->design), deviations.push_back(work.out.anchors[i]->deviation);
-    for (const auto& [axis, tolerance] : work.inputs.anchors[i].tolerances)
-      smallest = std::min(smallest, tolerance.value);
-  }
-  const auto would_pass = [&](const std::vector<Eigen::Vector3d>& corrected) {
-    int passing = 0;
-    for (std::size_t k = 0; k < corrected.size(); ++k) {
-      AnchorDeviationT judged;
-      const AnchorCase& anchor = work.inputs.anchors[work.deviations.anchors[k]];
-      judge_anchor(corrected[k], block_of(work.deviations.covariance, k), anchor.facade, anchor.tolerances,
-                   work.options, judged);
-      passing += judged.verdict == ToleranceVerdict::pass;
-    }
-    return passing;
-  };
+  const double smallest = smallest_tolerance(work);
+  std::function<int(const std::vector<Eigen::Vector3d>&)> would_pass;
+  if (const WouldPass one = would_pass_of(work))
+    would_pass = [one](const std::vector<Eigen::Vector3d>& corrected) {
+      int passing = 0;
+      for (std::size_t k = 0; k < corrected.size(); ++k) passing += one(k, corrected[k]);
+      return passing;
+    };
   work.out.common_shift = common_shift(positions, deviations, work.deviations.covariance, smallest, would_pass);
   if (work.out.common_shift && work.out.common_shift->significant)
     work.out.warnings.push_back(work.out.common_shift->words);
@@ -305,26 +371,30 @@ void find_group_shifts(Work& work) {
   const CommonShiftT* common =
       work.out.common_shift && work.out.common_shift->significant ? work.out.common_shift.get() : nullptr;
   std::vector<GroupMember> members;
-  double smallest = work.options.tau;
   for (const std::size_t i : work.deviations.anchors) {
     const AnchorCase& anchor = work.inputs.anchors[i];
     const AnchorDeviationT& row = *work.out.anchors[i];
     Eigen::Vector3d deviation = row.deviation;
     if (common) deviation -= common->shift + common->rotation.cross(Eigen::Vector3d(row.design - common->centre));
     members.push_back({deviation, row.floor, anchor.column, anchor.facade.facade, anchor.element.batch, anchor.facade});
-    for (const auto& [axis, tolerance] : anchor.tolerances)
-      if (tolerance.value > 0) smallest = std::min(smallest, tolerance.value);
   }
-  const auto would_pass = [&](std::size_t k, const Eigen::Vector3d& deviation) {
-    AnchorDeviationT judged;
-    const AnchorCase& anchor = work.inputs.anchors[work.deviations.anchors[k]];
-    judge_anchor(deviation, block_of(work.deviations.covariance, k), anchor.facade, anchor.tolerances, work.options,
-                 judged);
-    return judged.verdict == ToleranceVerdict::pass;
-  };
-  work.out.group_shifts = group_shifts(members, work.deviations.covariance, smallest, would_pass);
+  work.out.group_shifts =
+      group_shifts(members, work.deviations.covariance, smallest_tolerance(work), would_pass_of(work));
   for (const auto& group : work.out.group_shifts)
     if (group->significant) work.out.warnings.push_back(group->words);
+}
+
+void warn_of_facades(Work& work) {
+  std::vector<bim::FacadeMember> members;
+  for (const AnchorCase& anchor : work.inputs.anchors)
+    if (!anchor.element.guid.empty()) members.push_back({anchor.facade.facade, anchor.element, &anchor.facade});
+  for (const PanelCase& panel : work.inputs.panels) {
+    bim::FacadeMember member{panel.facade.facade, {}, &panel.facade};
+    member.element.guid = panel.guid, member.element.name = panel.name;
+    members.push_back(std::move(member));
+  }
+  for (std::string& warning : bim::facade_warnings(work.inputs.facades, members))
+    work.out.warnings.push_back(std::move(warning));
 }
 
 void warn_of_gaps(Work& work) {
@@ -348,7 +418,7 @@ void warn_of_gaps(Work& work) {
 DeviationT judge_deviations(const DeviationInputs& inputs, const DeviationOptions& options) {
   if (!(options.tau > 0) || !(options.risk > 0 && options.risk < 0.5))
     throw std::runtime_error("the tolerance must be positive and the risk between 0 and 0.5");
-  Work work{inputs, options, {}, {}};
+  Work work{inputs, options, {}, {}, {}};
   work.out.tau = options.tau, work.out.risk = options.risk;
   work.out.mounting = inputs.mounting;
   work.out.misfits = inputs.misfits, work.out.misfit_factor = inputs.misfit_factor;
@@ -357,6 +427,7 @@ DeviationT judge_deviations(const DeviationInputs& inputs, const DeviationOption
   for (const bim::Facade& facade : inputs.facades) work.out.facades.push_back(bim::to_artifact(facade));
   judge_anchors(work);
   require_same_frame(work);
+  refuse_anchors(work);
   take_doubts(work);
   find_exchanged(work);
   work.out.panels = judge_panels(inputs, work.deviations, work.out.anchors, options);
@@ -364,7 +435,7 @@ DeviationT judge_deviations(const DeviationInputs& inputs, const DeviationOption
   list_requests(work);
   judge_floors(work);
   summarise(work);
-  for (std::string& warning : bim::facade_warnings(inputs.facades)) work.out.warnings.push_back(std::move(warning));
+  warn_of_facades(work);
   warn_of_gaps(work);
   find_common_shift(work);
   find_group_shifts(work);

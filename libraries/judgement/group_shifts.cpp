@@ -202,14 +202,15 @@ std::vector<std::unique_ptr<GroupShiftT>> group_shifts(const std::vector<GroupMe
     row->significant = true;
     for (const std::size_t i : strongest.following) {
       const Eigen::Vector3d corrected = left[i] - strongest.shift;
-      row->would_pass += !would_pass(i, left[i]) && would_pass(i, corrected);
+      row->would_pass += would_pass && !would_pass(i, left[i]) && would_pass(i, corrected);
       left[i] = corrected;
     }
     row->words = row->name + (row->kind.starts_with("floor") ? " hangs " : " stands ") +
                  way_of(strongest.shift, strongest.covariance, common_frame(members, strongest.following)) + " (" +
                  std::to_string(row->following) + " of its " + std::to_string(row->anchors) +
-                 " anchors share it; without it " + std::to_string(row->would_pass) +
-                 " more would pass): one cause to look for, before single anchors are reset.";
+                 " anchors share it" +
+                 (would_pass ? "; without it " + std::to_string(row->would_pass) + " more would pass" : "") +
+                 "): one cause to look for, before single anchors are reset.";
     told[best] = std::move(row);
   }
   std::stable_sort(told.begin(), told.end(), [](const auto& a, const auto& b) {

@@ -20,7 +20,7 @@ struct GroupMember {
   bim::FacadeFrame frame;
 };
 
-/// Whether an anchor passes with another deviation than its own.
+/// Whether an anchor passes with another deviation than its own; empty where none can pass: then nothing is said of it.
 using WouldPass = std::function<bool(std::size_t member, const Eigen::Vector3d& deviation)>;
 
 /// Every floor, facade, floor of a facade, column and print batch with at least four anchors: mean and spread of their

@@ -33,6 +33,12 @@ Tolerance tolerance_for(const Tolerances& tolerances, Axis axis, const Tolerance
   return found == tolerances.end() ? fallback : found->second;
 }
 
+/// Of a length that says nothing of a position (a turn, a warp): half of what lies between the two sides, on either.
+Tolerance about_zero(Tolerance tolerance) {
+  tolerance.value = 0.5 * (tolerance.value + tolerance.lower()), tolerance.below = nan;
+  return tolerance;
+}
+
 /// A panel on its anchors: every length is a row that acts on the deviations of `part`.
 class Panel {
  public:
@@ -48,6 +54,8 @@ class Panel {
     outward_ = tolerance_for(panel.tolerances, Axis::out_of_plane, sideways_);
     in_plane_ = tolerance_for(panel.tolerances, Axis::in_plane, sideways_);
     joint_ = tolerance_for(panel.tolerances, Axis::joint);
+    out_of_place_ = about_zero(outward_);
+    if (!axes_.confirmed) leave_out();
   }
 
   void fill(PanelDeviationT& out) {
@@ -58,22 +66,25 @@ class Panel {
       *length = std::make_unique<JudgedLengthT>();
     judge(*out.out_of_plane, translation(axes_.out), outward_);
     judge(*out.sideways, translation(axes_.right), sideways_);
-    judge(*out.vertical, translation(axes_.up), vertical_);
+    judge(*out.vertical, translation(axes_.up), vertical_, true);
     angle(axes_.right, 1, out.lean, out.u_lean);
     angle(axes_.up, -1, out.turn, out.u_turn);  // right × out points down
     angle(axes_.out, 1, out.roll, out.u_roll);
     if (motion_.rotations > 0)
       for (const Eigen::Vector3d& fixing : fixings_)
-        judge(*out.tilt, -skew(fixing - centre_) * motion_.pose.bottomRows<3>(), outward_);
-    if (motion_.rotations == 3 && fixings_.size() > 3) judge_residuals(*out.warp, {axes_.out}, outward_);
+        judge(*out.tilt, -skew(fixing - centre_) * motion_.pose.bottomRows<3>(), out_of_place_);
+    if (motion_.rotations == 3 && fixings_.size() > 3) judge_residuals(*out.warp, {axes_.out}, out_of_place_);
     out.warp->value = std::abs(out.warp->value);  // two corners stand out as far as the other two stand back
     if (fixings_.size() > 1) judge_residuals(*out.misfit, {axes_.right, axes_.up}, in_plane_);
     fill_corners(out);
+    if (!axes_.confirmed) drop_signs(out);
     const Conformance found = conformance(part_.difference, part_.covariance, limits_, options_.risk, options_.tau);
     for (std::size_t i = 0; i < limits_.size(); ++i)
       lengths_[i]->verdict = std::max(lengths_[i]->verdict, verdict_of(found.of_each[i], options_.risk));
     out.pass_probability = found.probability, out.tau_pass = found.tau_pass, out.tau_fail = found.tau_fail;
     if (!limits_.empty()) out.verdict = verdict_of(found.probability, options_.risk);
+    if (!axes_.confirmed) out.tau_pass = std::numeric_limits<double>::infinity();
+    if (left_out_) out.pass_probability = nan;
   }
 
   /// Row of the movement along `direction` of a point of the panel; empty where the anchors cannot tell it.
@@ -142,20 +153,43 @@ class Panel {
     out = row.dot(part_.difference), u = uncertainty(row);
   }
 
+  /// What depends on a side that is not confirmed, or on a plane that is only guessed, is not held against a limit: a
+  /// panel would fail by the guess.
+  void leave_out() {
+    const bool guessed = axes_.source <= bim::FacadeSource::guess;
+    skip_out_ = guessed || (!std::isnan(outward_.below) && outward_.below != outward_.value);
+    skip_along_ = guessed;
+  }
+
+  /// On which side the outside is is not known: neither are the signs.
+  static void drop_signs(PanelDeviationT& out) {
+    for (JudgedLengthT* length : {out.out_of_plane.get(), out.sideways.get(), out.corner.get()})
+      length->value = std::abs(length->value);
+    out.lean = std::abs(out.lean), out.roll = std::abs(out.roll);
+  }
+
+  bool skipped(const Tolerance& tolerance) const {
+    return &tolerance == &outward_ || &tolerance == &out_of_place_ ? skip_out_ : skip_along_;
+  }
+
   /// Takes a signed value (one row) or the length of a vector among what the panel is held against; of several for one
-  /// `shown` the largest is.
-  void judge(JudgedLengthT& shown, const Eigen::MatrixXd& rows, const Tolerance& tolerance) {
+  /// `shown` the largest is. `level`: it does not ask which way the panel faces.
+  void judge(JudgedLengthT& shown, const Eigen::MatrixXd& rows, const Tolerance& tolerance, bool level = false) {
     const Eigen::VectorXd vector = rows * part_.difference;
     const bool one = rows.rows() == 1;
     const double value = one ? vector[0] : vector.norm();
     if (!(std::abs(value) <= std::abs(shown.value))) {
       shown.value = value;
       shown.u = uncertainty(one || !(value > 0) ? Row(rows.row(0)) : Row(vector.normalized().transpose() * rows));
-      shown.tolerance = one ? tolerance.limit_of(value) : std::min(tolerance.value, tolerance.lower());
+      shown.tolerance = one ? tolerance.limit_of(value) : about_zero(tolerance).value;
     }
     if (std::isnan(tolerance.value)) return;
-    const double size = std::min(tolerance.value, tolerance.lower());
-    limits_.push_back({rows, one ? tolerance.value : size, tolerance.lower(), tolerance.source.starts_with("default")});
+    if (!level && skipped(tolerance)) {
+      shown.tolerance = nan, left_out_ = true;
+      return;
+    }
+    const double above = one ? tolerance.value : about_zero(tolerance).value;
+    limits_.push_back({rows, above, tolerance.lower(), tolerance.source.starts_with("default")});
     lengths_.push_back(&shown);
   }
 
@@ -200,7 +234,8 @@ class Panel {
   std::vector<Eigen::Vector3d> fixings_;
   Eigen::Vector3d centre_;
   PanelMotion motion_;
-  Tolerance vertical_, sideways_, outward_, in_plane_, joint_;
+  Tolerance vertical_, sideways_, outward_, out_of_place_, in_plane_, joint_;
+  bool skip_out_ = false, skip_along_ = false, left_out_ = false;
 };
 
 void fill_fixings(const PanelCase& panel, const DeviationInputs& inputs,
@@ -358,6 +393,12 @@ std::string length_words(const std::string& what, const JudgedLengthT& length) {
   return text;
 }
 
+/// Share of a tolerance that a value uses; 0 where there is none.
+double share_of(double value, double tolerance) {
+  const double share = std::abs(value) / tolerance;
+  return std::isnan(share) ? 0 : share;
+}
+
 /// The worst decides; of equal verdicts that which uses most of its tolerance.
 class Decision {
  public:
@@ -369,7 +410,7 @@ class Decision {
   }
   void consider(const char* by, const char* words, const JudgedLengthT& length) {
     if (std::isfinite(length.value))
-      consider(by, length.verdict, std::abs(length.value) / length.tolerance, length_words(words, length));
+      consider(by, length.verdict, share_of(length.value, length.tolerance), length_words(words, length));
   }
 
  private:
@@ -399,12 +440,13 @@ void decide(PanelDeviationT& out, const std::map<std::string, const AnchorDeviat
     std::string words;
     for (const auto& axis : anchor.axes)
       if (axis->axis == anchor.decided_by)
-        usage = std::abs(axis->value) / axis->tolerance,
+        usage = share_of(axis->value, axis->tolerance),
         words = length_words("anchor " + anchor.id + " " + axis->axis, [&] {
           JudgedLengthT length;
           length.value = axis->value, length.tolerance = axis->tolerance;
           return length;
         }());
+    if (words.empty()) words = "anchor " + anchor.id + (anchor.note.empty() ? " is not decided" : ": " + anchor.note);
     if (anchor.verdict > ToleranceVerdict::pass) decision.consider("anchor", anchor.verdict, usage, words);
   }
   const bool confirmed = out.facade && out.facade->confirmed;

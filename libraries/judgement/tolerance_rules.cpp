@@ -80,7 +80,7 @@ std::optional<Tolerance> read(const bim::Property& property, Axis axis, std::str
     if (!(tolerance.value >= 0) || !(tolerance.lower() >= 0))
       reason = "its bounds are no lengths in the unit of the project on both sides of zero";
     if (!std::isnan(tolerance.below) && !has_sign(axis)) reason = "it has two sides, and this length has no sign";
-  } else if (property.measure.starts_with("IFCPROPERTY")) {
+  } else if (property.measure.starts_with("IFCPROPERTY") || property.measure == "IFCCOMPLEXPROPERTY") {
     reason = "it is an " + property.measure + ", expected a length";
   } else if (!std::isnan(property.number) &&
              (property.measure.empty() || property.measure.ends_with("LENGTHMEASURE"))) {

@@ -25,7 +25,8 @@ int urgency(ToleranceVerdict verdict) {
 /// Share of its tolerance that the deciding length uses.
 double usage(const AnchorDeviationT& anchor) {
   const JudgedAxisT* axis = deciding_axis(anchor);
-  return axis && axis->tolerance > 0 ? std::abs(axis->value) / axis->tolerance : 0;
+  // What has no number has no share: nan would have no place in any order.
+  return axis && axis->tolerance > 0 && std::isfinite(axis->value) ? std::abs(axis->value) / axis->tolerance : 0;
 }
 
 double usage(const PanelDeviationT& panel) {

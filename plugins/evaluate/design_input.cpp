@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <numbers>
 #include <set>
 #include <stdexcept>
 
@@ -18,6 +19,9 @@ namespace {
 using judgement::AnchorCase;
 using judgement::DeviationInputs;
 using judgement::PanelCase;
+
+/// Plates are true to a few degrees: within 30° they say the same as what is more exact.
+const double kPlateAlike = std::cos(30 * std::numbers::pi / 180);
 
 /// Facts of an element; `properties` outlives them.
 bim::ElementFacts facts_of(const DesignElementT& element, std::vector<bim::Property>& properties) {
@@ -215,14 +219,39 @@ class Builder {
     if (*least > 0.8 || *most < -0.8) bim::add_plate(frame, *least > 0.8 ? frame.out : Eigen::Vector3d(-frame.out));
   }
 
-  /// What the plates at its anchors say holds for a panel too.
+  /// What the plates at its anchors say holds for a panel too, and so does what they contradict: nobody is sent outward
+  /// by a panel whose anchors are in dispute.
   void follow_anchors(PanelCase& panel) const {
+    if (panel.facade.known() && panel.facade.source != bim::FacadeSource::rule)
+      for (const std::size_t i : panel.anchors)
+        if (contradicts(inputs_.anchors[i].facade, panel.facade)) return dispute(panel, inputs_.anchors[i]);
     for (const std::size_t i : panel.anchors) {
       const bim::FacadeFrame& anchor = inputs_.anchors[i].facade;
       if (anchor.source == bim::FacadeSource::plate && anchor.confirmed &&
-          (!panel.facade.known() || std::abs(anchor.out.dot(panel.facade.out)) > 0.86))
+          (!panel.facade.known() || std::abs(anchor.out.dot(panel.facade.out)) > kPlateAlike))
         return bim::add_plate(panel.facade, anchor.out);
     }
+  }
+
+  /// A plate that is in dispute itself and says something else than the panel, or a rule that says the opposite.
+  static bool contradicts(const bim::FacadeFrame& anchor, const bim::FacadeFrame& panel) {
+    const double along = anchor.known() ? anchor.out.dot(panel.out) : 1;
+    return (anchor.source == bim::FacadeSource::plate && !anchor.confirmed && along < kPlateAlike) ||
+           (anchor.source == bim::FacadeSource::rule && along < -kPlateAlike);
+  }
+
+  /// The panel turns with its anchors where its plane allows it: they stay one facade, and one rule settles both.
+  static void dispute(PanelCase& panel, const AnchorCase& anchor) {
+    const bim::FacadeFrame before = panel.facade;
+    if (std::abs(anchor.facade.out.dot(before.out)) > kPlateAlike) {
+      panel.facade = bim::frame_facing(anchor.facade.out, bim::FacadeSource::plate, false);
+      panel.facade.facade = before.facade, panel.facade.named = before.named;
+    }
+    panel.facade.confirmed = false;
+    panel.facade.note = anchor.facade.source == bim::FacadeSource::plate
+                            ? anchor.facade.note
+                            : "a rule has its anchor " + anchor.id + " face " + bim::facing_words(anchor.facade.out) +
+                                  ", and the design has it face " + bim::facing_words(before.out);
   }
 
   void add(AnchorCase anchor) {

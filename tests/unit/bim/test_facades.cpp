@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <numbers>
@@ -192,6 +193,61 @@ TEST(Facades, OneTurnedElementProvesNothingForTheOthers) {
   }
 }
 
+std::vector<FacadeMember> members_of(const Design& design) {
+  std::vector<FacadeMember> members;
+  for (const Element& e : design.elements)
+    if (e.is_anchor || e.is_panel) members.push_back({e.facade.facade, facts_of(e), &e.facade});
+  return members;
+}
+
+/// Each open facade has a rule of its own, which selects all of it and nothing else, and confirms what is told.
+TEST(Facades, TheRulesOfTheWarningsSettleOneFacadeEach) {
+  const Shape four{"four", {{{0, 0}, 180}, {{8, 0}, 90}, {{8, 8}, 0}, {{0, 8}, 270}}, {4, 4, 0}};
+  for (const bool named : {true, false}) {
+    Design design = design_of(four, anchors_only, false);
+    int number = 0;
+    for (Element& e : design.elements)
+      if (!named) e.guid = "2O2Fr$t4X7Zf8NOew3F" + std::to_string(100 + number++), e.name = "Bolt";
+    assign_facades(design, {});
+    const auto warnings = facade_warnings(design.facades, members_of(design));
+    ASSERT_EQ(warnings.size(), design.facades.size());
+    ASSERT_GE(warnings.size(), 2u);
+    std::vector<FacadeRule> rules;
+    for (std::size_t i = 0; i < warnings.size(); ++i) {
+      const std::size_t begin = warnings[i].find("facades=['") + 10, end = warnings[i].find("']", begin);
+      const std::string rule = warnings[i].substr(begin, end - begin);
+      EXPECT_EQ(rule.find_first_of("$\"`"), std::string::npos) << "a shell would read it: " << rule;
+      rules.push_back(parse_facade_rule(rule));
+      ASSERT_TRUE(rules.back().out) << rule;
+      EXPECT_LT((*rules.back().out - design.facades[i].out).norm(), 1e-4) << rule;
+      int selected = 0;
+      for (const FacadeMember& member : members_of(design))
+        if (rules.back().selection.matches(member.element)) {
+          ++selected;
+          EXPECT_EQ(member.facade, design.facades[i].name) << rule;
+        }
+      EXPECT_EQ(selected, design.facades[i].anchors) << rule;
+    }
+    assign_facades(design, rules);
+    EXPECT_TRUE(facade_warnings(design.facades, members_of(design)).empty());
+  }
+}
+
+/// What bends has no one azimuth: its own directions are confirmed, unless plates say something else.
+TEST(Facades, OfABentFacadeTheDirectionsOfItsElementsAreConfirmed) {
+  Design design = design_of(shapes().back(), no_slabs, true);
+  assign_facades(design, {});
+  ASSERT_EQ(design.facades.size(), 1u);
+  ASSERT_GT(design.facades[0].bend, 0.1);
+  design.facades[0].confirmed = false;
+  for (Element& e : design.elements) e.facade.confirmed = false;
+  EXPECT_NE(facade_warnings(design.facades, members_of(design))[0].find("['*: confirmed']"), std::string::npos);
+  design.elements[2].facade.source = FacadeSource::plate;
+  const std::string warning = facade_warnings(design.facades, members_of(design))[0];
+  EXPECT_EQ(warning.find("confirmed']"), std::string::npos) << warning;
+  EXPECT_NE(warning.find("azimuth of each of its parts"), std::string::npos) << warning;
+}
+
 TEST(Facades, AGuessIsToldWithTheCommandThatMendsIt) {
   Shape court{"court", {{{0, 0}, 180}}, {4, -9, 0}};  // all that has a shape stands before the facade
   Design design = design_of(court, everything, false);
@@ -199,15 +255,70 @@ TEST(Facades, AGuessIsToldWithTheCommandThatMendsIt) {
   assign_facades(design, {});
   ASSERT_EQ(design.facades.size(), 1u);
   EXPECT_FALSE(design.facades[0].confirmed);
-  const auto warnings = facade_warnings(design.facades);
+  const auto members = members_of(design);
+  const auto warnings = facade_warnings(design.facades, members);
   ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_NE(warnings[0].find("design.with.facades=['*: confirmed']"), std::string::npos) << warnings[0];
+  EXPECT_NE(warnings[0].find("design.with.facades=['*: azimuth=180deg']"), std::string::npos) << warnings[0];
   assign_facades(design, {parse_facade_rule("*: azimuth=180deg, name=South")});
   ASSERT_EQ(design.facades.size(), 1u);
   EXPECT_EQ(design.facades[0].name, "South");
   EXPECT_EQ(right_ones(design, court, "court"), 8);
-  EXPECT_TRUE(facade_warnings(design.facades).empty());
+  EXPECT_TRUE(facade_warnings(design.facades, members).empty());
   EXPECT_EQ(design.elements[0].facade.source, FacadeSource::rule);
+}
+
+/// Panels of two facades hang at an anchor on their corner: axes that are the same for all do not say whose it is.
+TEST(Facades, AnAnchorAtACornerBelongsToNobodyUnlessItsOwnAxesSayWhose) {
+  for (const bool turned : {false, true})
+    for (const Cut cut : {everything, no_slabs}) {
+      Design design = design_of({"two", {{{0, 0}, 180}, {{8, 0}, 90}}, {4, 4, 0}}, cut, turned);
+      const Eigen::Quaterniond axes =
+          turned ? axes_facing(facing(90 * kDegree)) : Eigen::Quaterniond::Identity();
+      Element corner = element("corner", "IfcMechanicalFastener", {8, 0, 1}, axes, {-0.02, -0.02, -0.04},
+                               {0.02, 0.02, 0.04});
+      corner.is_anchor = true;
+      design.elements.push_back(corner);
+      for (Element& e : design.elements) {
+        if (e.name == "P0-0-2") e.anchor_guids = {"0-0-2", "0-0-3", "corner"};
+        if (e.name == "P1-0-0") e.anchor_guids = {"1-0-0", "1-0-1", "corner"};
+      }
+      assign_facades(design, {});
+      const auto named = [&](const std::string& name) -> const Element& {
+        return *std::find_if(design.elements.begin(), design.elements.end(),
+                             [&](const Element& e) { return e.name == name; });
+      };
+      const FacadeFrame& frame = named("corner").facade;
+      EXPECT_EQ(frame.confirmed, turned) << frame.note;
+      if (turned) {
+        EXPECT_LT((frame.out - facing(90 * kDegree)).norm(), 1e-6);
+      } else {
+        EXPECT_NE(frame.note.find("panels that face differently hang at it"), std::string::npos) << frame.note;
+        bool told = false;
+        for (const std::string& warning : facade_warnings(design.facades, members_of(design)))
+          told = told || warning.find("corner") != std::string::npos;
+        EXPECT_TRUE(told) << "nobody is sent outward there, and that is said";
+      }
+      for (const char* other : {"0-0-2", "0-0-3", "P0-0-2", "1-0-1", "P1-0-0"})
+        EXPECT_TRUE(named(other).facade.confirmed) << other << ": " << named(other).facade.note;
+    }
+}
+
+/// A wall behind an anchor that stands with its back to the rest of the building proves no side: a parapet, a shaft.
+TEST(Facades, AWallAloneThatContradictsTheBuildingConfirmsNothing) {
+  for (const double building : {5.0, -5.0}) {
+    Design design = design_of({"flat", {{{0, 0}, 180}}, {4, building, 0}}, anchors_only, false);
+    design.elements.push_back(element("wall", "IfcWall", {4, 0.15, 2}, Eigen::Quaterniond::Identity(), {-6, -0.1, -3},
+                                      {6, 0.1, 3}));
+    design.elements.push_back(element("slab", "IfcSlab", {4, building, 0}, Eigen::Quaterniond::Identity(),
+                                      {-3, -2, -0.15}, {3, 2, 0.15}));
+    for (Element& e : design.elements)
+      if (e.is_anchor) e.host_guid = "wall";
+    assign_facades(design, {});
+    for (const Element& e : design.elements)
+      if (e.is_anchor) {
+        EXPECT_EQ(e.facade.confirmed, building > 0) << e.facade.note;
+      }
+  }
 }
 
 TEST(Facades, PlatesGoBeforeTheDesignAndMayContradictIt) {

@@ -96,7 +96,8 @@ TEST(Tolerances, HaveTwoSidesWhereTheLengthHasASign) {
   EXPECT_EQ(inward.decided_by, "out_of_plane");
   EXPECT_EQ(judge({0, 0, -1 * mm}, 0.1 * mm, {"*: vertical=-0/+3mm"}).verdict, ToleranceVerdict::fail);
   EXPECT_EQ(judge({0, 0, 2.5 * mm}, 0.1 * mm, {"*: vertical=-0/+3mm"}).verdict, ToleranceVerdict::pass);
-  for (const char* wrong : {"*: horizontal=+5/-2mm", "*: vertical=5/2mm", "*: vertical=+5/+2mm", "*: vertical=+5/-2"})
+  for (const char* wrong : {"*: horizontal=+5/-2mm", "*: vertical=5/2mm", "*: vertical=+5/+2mm", "*: vertical=+5/-2", "*: vertical=+0.5mm/-0.002m",
+                            "*: vertical=+0.005m/-2mm"})
     EXPECT_THROW(parse_rule(wrong), std::runtime_error) << wrong;
 }
 
@@ -152,6 +153,17 @@ TEST(ToleranceRules, WhatTheDesignAsksForIsAppliedOrRefusedWithItsReason) {
   found(property(set, "PlanarFlatness", "0.002", 2 * mm, "IFCPOSITIVELENGTHMEASURE"), findings);
   found(property(set, "ToleranceDescription", "as drawn", NAN, "IFCTEXT"), findings);
   EXPECT_EQ(findings.refused.size(), 2u);
+  // What is no single value has no length, even where a reader left a number or a text with a unit in it.
+  for (const char* kind : {"IFCPROPERTYLISTVALUE", "IFCPROPERTYTABLEVALUE", "IFCPROPERTYENUMERATEDVALUE",
+                           "IFCPROPERTYREFERENCEVALUE", "IFCCOMPLEXPROPERTY"}) {
+    for (const auto& [text, number] : {std::pair{"4 mm", static_cast<double>(NAN)}, {"", 4 * mm}}) {
+      findings = {};
+      EXPECT_FALSE(found(property(set, out, text, number, kind), findings).contains(Axis::out_of_plane))
+          << kind << " '" << text << "'";
+      ASSERT_EQ(findings.refused.size(), 1u) << kind;
+      EXPECT_NE(findings.refused[0].find(kind), std::string::npos) << findings.refused[0];
+    }
+  }
   findings = {};
   found(property(set, out, "4.", 4, "IFCREAL"), findings, {"*: out_of_plane=4mm"});
   EXPECT_TRUE(findings.refused.empty()) << "a rule takes its place";

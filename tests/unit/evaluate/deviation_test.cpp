@@ -158,6 +158,70 @@ TEST(CommonShift, SoundCampaignsGiveNoAlarm) {
   EXPECT_LE(alarms, 2);
 }
 
+/// A side of 0 mm is a side without room, not the smallest tolerance: half a millimetre in common is no wrong datum.
+TEST(CommonShift, ASideOfZeroRaisesNoAlarm) {
+  DeviationInputs inputs = grid(5, 4);
+  inputs.model.covariance = isotropic(inputs.model.ids.size(), 0.05 * mm);
+  for (auto& anchor : inputs.anchors)
+    anchor.tolerances = tolerances_of({0.005, true, {parse_rule("*: vertical=+0/-5mm")}}, {});
+  Normal normal(9);
+  for (std::size_t i = 0; i < inputs.model.positions.size(); ++i)
+    inputs.model.positions[i] +=
+        Eigen::Vector3d(normal(), normal(), normal()) * 0.05 * mm + Eigen::Vector3d(0, 0, -0.5 * mm) +
+        Eigen::Vector3d(0, 0, inputs.anchors[i].floor == 2 ? -0.6 * mm : 0);
+  const DeviationT result = judge_deviations(inputs, {});
+  EXPECT_FALSE(result.common_shift->significant) << result.common_shift->words;
+  // A side that is smaller than the other counts: 1 mm outward, of which half is worth saying.
+  for (auto& anchor : inputs.anchors)
+    anchor.tolerances = tolerances_of({0.005, true, {parse_rule("*: vertical=+5/-1mm")}}, {});
+  EXPECT_TRUE(judge_deviations(inputs, {}).common_shift->significant);
+}
+
+/// On a measurement that contradicts itself nothing would pass; what is refused would not either.
+TEST(CommonShift, WouldPassHoldsOfWhatCanPass) {
+  DeviationInputs inputs = grid(5, 4);
+  Normal normal(4);
+  for (auto& p : inputs.model.positions)
+    p += Eigen::Vector3d(6 * mm, 0, 0) + Eigen::Vector3d(normal(), normal(), normal()) * 0.3 * mm;
+  const DeviationT sound = judge_deviations(inputs, {});
+  ASSERT_TRUE(sound.common_shift->significant);
+  EXPECT_EQ(sound.common_shift->would_pass, 20);
+  inputs.anchors[3].refused = {"a: b"};
+  EXPECT_EQ(judge_deviations(inputs, {}).common_shift->would_pass, 19);
+  inputs.doubts = {"the survey: contradicts itself"};
+  const DeviationT doubted = judge_deviations(inputs, {});
+  ASSERT_TRUE(doubted.common_shift->significant);
+  EXPECT_EQ(doubted.common_shift->would_pass, 0);
+  EXPECT_EQ(doubted.common_shift->words.find("would pass"), std::string::npos) << doubted.common_shift->words;
+  for (const auto& group : doubted.group_shifts) {
+    EXPECT_EQ(group->would_pass, 0);
+    EXPECT_EQ(group->words.find("would pass"), std::string::npos) << group->words;
+  }
+}
+
+TEST(GroupShifts, OnAMeasurementInDoubtDoNotSayWhatWouldPass) {
+  DeviationInputs inputs = grid(5, 4);
+  Normal normal(5);
+  for (std::size_t i = 0; i < inputs.model.positions.size(); ++i) {
+    inputs.model.positions[i] += Eigen::Vector3d(normal(), normal(), normal()) * 0.8 * mm;
+    if (inputs.anchors[i].floor == 2) inputs.model.positions[i].z() -= 12 * mm;
+  }
+  inputs.doubts = {"the survey: contradicts itself"};
+  const DeviationT result = judge_deviations(inputs, {});
+  ASSERT_TRUE(result.group_shifts.at(0)->significant);
+  EXPECT_EQ(result.group_shifts[0]->would_pass, 0);
+  EXPECT_EQ(result.group_shifts[0]->words.find("would pass"), std::string::npos) << result.group_shifts[0]->words;
+}
+
+TEST(AnchorJudgement, KeepsTheNoteOfTheMatch) {
+  AnchorDeviationT out;
+  out.note = "found by its tag";
+  judge_anchor({0, 0, 0}, 1e-8 * Eigen::Matrix3d::Identity(), {},
+               tolerances_of({0.005, true, {parse_rule("*: out_of_plane=4mm")}}, {}), {}, out);
+  EXPECT_NE(out.note.find("found by its tag"), std::string::npos) << out.note;
+  EXPECT_NE(out.note.find("nothing says which way it faces"), std::string::npos) << out.note;
+}
+
 TEST(Deviation, NothingPassesOnAMeasurementThatContradictsItself) {
   DeviationInputs inputs = grid(3, 3);
   inputs.model.positions[4].z() += 9 * mm;

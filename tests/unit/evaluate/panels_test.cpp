@@ -129,6 +129,110 @@ TEST(Panels, NeverPassOnAnAnchorThatFails) {
       << deviation.panels[0]->reason;
 }
 
+/// The side is guessed or in dispute: what depends on it may not fail a panel.
+void unconfirmed(DeviationInputs& inputs, bim::FacadeSource source) {
+  const bim::FacadeFrame frame = bim::frame_facing({0, -1, 0}, source, false);
+  for (AnchorCase& anchor : inputs.anchors) anchor.facade = frame;
+  for (PanelCase& panel : inputs.panels) panel.facade = frame;
+}
+
+TEST(Panels, NoneFailsByASideThatIsNotConfirmed) {
+  DeviationInputs inputs = facade(4);
+  // Outward 4 mm of +5/-2 mm by the truth; the guess has it the other way round.
+  inputs.panels[0].tolerances = tolerances_of({0.005, true, {parse_rule("*: out_of_plane=+5/-2mm")}}, {});
+  move(inputs, {0, 4 * mm, 0}, Eigen::Vector3d::Zero());
+  ASSERT_EQ(judge_deviations(inputs, {}).panels[0]->verdict, ToleranceVerdict::fail);
+  for (const auto source : {bim::FacadeSource::guess, bim::FacadeSource::plate}) {
+    unconfirmed(inputs, source);
+    const DeviationT result = judge_deviations(inputs, {});
+    const PanelDeviationT& p = *result.panels[0];
+    EXPECT_EQ(p.verdict, ToleranceVerdict::undecided) << p.reason;
+    EXPECT_EQ(p.decided_by, "facade") << p.reason;
+    EXPECT_NEAR(p.out_of_plane->value, 4 * mm, 1e-12) << "its size, without a sign";
+    EXPECT_GE(p.corner->value, 0);
+    EXPECT_EQ(p.out_of_plane->verdict, ToleranceVerdict::not_measured);
+    EXPECT_TRUE(std::isinf(p.tau_pass));
+  }
+  // Of one value on both sides it fails whichever side it is, unless the plane itself is a guess.
+  inputs.panels[0].tolerances = tolerances_of({0.005, true, {parse_rule("*: out_of_plane=3mm")}}, {});
+  unconfirmed(inputs, bim::FacadeSource::plate);
+  EXPECT_EQ(judge_deviations(inputs, {}).panels[0]->verdict, ToleranceVerdict::fail);
+  unconfirmed(inputs, bim::FacadeSource::guess);
+  EXPECT_EQ(judge_deviations(inputs, {}).panels[0]->verdict, ToleranceVerdict::undecided);
+}
+
+/// "Never too far out": of two anchors, or of four, a panel that leans a little is not out of a tolerance of nothing.
+TEST(Panels, ATiltIsHeldAgainstTheMiddleOfTwoSides) {
+  for (const std::size_t anchors : {2u, 4u}) {
+    DeviationInputs inputs = facade(anchors);
+    inputs.panels[0].tolerances = tolerances_of({0.005, true, {parse_rule("*: out_of_plane=+0/-5mm")}}, {});
+    move(inputs, {0, 2.5 * mm, 0}, {2e-4, 0, 0});  // 2.5 mm in, leaning by 0.2 mm at its anchors
+    const double saddle[] = {0.3, -0.3, -0.3, 0.3};
+    for (std::size_t i = 0; anchors == 4 && i < 4; ++i) inputs.model.positions[i].y() += saddle[i] * mm;
+    const DeviationT result = judge_deviations(inputs, {});
+    const PanelDeviationT& p = *result.panels[0];
+    EXPECT_EQ(p.verdict, ToleranceVerdict::pass) << anchors << ": " << p.decided_by << ": " << p.reason;
+    EXPECT_NEAR(p.tilt->tolerance, 2.5 * mm, 1e-12);
+    move(inputs, Eigen::Vector3d::Zero(), {4e-3, 0, 0});
+    EXPECT_EQ(judge_deviations(inputs, {}).panels[0]->tilt->verdict, ToleranceVerdict::fail);
+  }
+}
+
+TEST(Panels, NonePassesOnAnAnchorOfWhichSomethingIsNotJudged) {
+  DeviationInputs inputs = facade(4);
+  ASSERT_EQ(judge_deviations(inputs, {}).panels[0]->verdict, ToleranceVerdict::pass);
+  inputs.anchors[2].refused = {"Pset_Tolerance.OrthogonalTolerance '4.': it is an IFCREAL"};
+  const DeviationT result = judge_deviations(inputs, {});
+  EXPECT_EQ(result.anchors[2]->verdict, ToleranceVerdict::undecided);
+  EXPECT_EQ(result.panels[0]->verdict, ToleranceVerdict::undecided);
+  EXPECT_EQ(result.panels[0]->decided_by, "anchor");
+  EXPECT_NE(result.panels[0]->reason.find("anchor b"), std::string::npos) << result.panels[0]->reason;
+  EXPECT_NE(result.panels[0]->reason.find("IFCREAL"), std::string::npos) << result.panels[0]->reason;
+}
+
+/// The slider of the page goes by tau_pass and tau_fail alone: at the tolerance in force they say the verdict.
+TEST(Panels, TurningPointsSayTheVerdictWhereMoreThanNumbersHoldsItDown) {
+  const auto slider = [](const auto& row, double tau) {
+    if (row.tau_pass <= tau) return ToleranceVerdict::pass;
+    return row.tau_fail > tau ? ToleranceVerdict::fail : ToleranceVerdict::undecided;
+  };
+  DeviationInputs inputs = facade(4);
+  inputs.model.positions[0].z() += 9 * mm;
+  inputs.anchors[1].refused = {"a: b"};
+  inputs.panels[0].refused = {"c: d"};
+  DeviationT result = judge_deviations(inputs, {});
+  EXPECT_EQ(slider(*result.anchors[1], 0.005), ToleranceVerdict::undecided);
+  EXPECT_EQ(slider(*result.anchors[1], 1), ToleranceVerdict::undecided) << "at no tolerance";
+  EXPECT_NE(slider(*result.panels[0], 1), ToleranceVerdict::pass);
+  EXPECT_EQ(slider(*result.anchors[0], 0.005), ToleranceVerdict::fail);
+  EXPECT_EQ(slider(*result.anchors[0], 0.02), ToleranceVerdict::pass);
+  inputs.doubts = {"the survey: contradicts itself"};
+  result = judge_deviations(inputs, {});
+  for (const double tau : {0.001, 0.005, 0.02, 1.0}) {
+    for (const auto& anchor : result.anchors) EXPECT_EQ(slider(*anchor, tau), ToleranceVerdict::undecided) << tau;
+    for (const auto& panel : result.panels) EXPECT_EQ(slider(*panel, tau), ToleranceVerdict::undecided) << tau;
+  }
+}
+
+/// What proves nothing proves nothing of an axis or a length either, and says why.
+TEST(Panels, DoubtsReachEveryAxisAndLength) {
+  DeviationInputs inputs = facade(4);
+  inputs.model.positions[0].z() += 9 * mm;
+  inputs.doubts = {"the survey: contradicts itself"};
+  const DeviationT result = judge_deviations(inputs, {});
+  for (const auto& anchor : result.anchors) {
+    for (const auto& axis : anchor->axes)
+      EXPECT_TRUE(axis->verdict == ToleranceVerdict::undecided || axis->verdict == ToleranceVerdict::not_measured)
+          << anchor->id << " " << axis->axis;
+    EXPECT_NE(anchor->note.find("the survey: contradicts itself"), std::string::npos) << anchor->note;
+  }
+  const PanelDeviationT& p = *result.panels[0];
+  for (const auto* length : {p.out_of_plane.get(), p.sideways.get(), p.vertical.get(), p.tilt.get(), p.warp.get(),
+                             p.misfit.get(), p.corner.get()})
+    EXPECT_TRUE(length->verdict == ToleranceVerdict::undecided || length->verdict == ToleranceVerdict::not_measured);
+  EXPECT_NE(p.reason.find("the survey: contradicts itself"), std::string::npos) << p.reason;
+}
+
 TEST(Panels, JointsBetweenNeighbours) {
   DeviationInputs inputs = facade(4);
   DeviationInputs right = facade(4);  // the same panel 2.02 m to the right: a joint of 20 mm
@@ -195,6 +299,13 @@ TEST(WorstFirst, OfAnchorsAndPanels) {
     }
     d.panels.push_back(std::move(p));
   };
+  // What has no number does not part those that have one.
+  anchor("x1", V::undecided, std::nan(""), 5 * mm), anchor("x2", V::undecided, 4 * mm, 5 * mm),
+      anchor("x3", V::undecided, std::nan(""), 5 * mm), anchor("x4", V::undecided, 6 * mm, 5 * mm);
+  order.clear();
+  for (const AnchorDeviationT* a : worst_first(d)) order += a->id + " ";
+  EXPECT_EQ(order, "f2 f1 f3 x4 u x2 x1 x3 n p2 p1 ");
+
   panel("a", 1 * mm, 2 * mm), panel("b", -4 * mm, 1 * mm), panel("c", 3 * mm, std::nan(""));
   order.clear();
   for (const PanelDeviationT* p : worst_panels_first(d)) order += p->name + " ";

@@ -1,0 +1,151 @@
+// From a design, its matches and its plates to what is judged: which way panels face when the plate table says
+// otherwise, and the command that is printed for it.
+#include "evaluate/design_input.hpp"
+
+#include <gtest/gtest.h>
+
+#include <regex>
+
+#include "ifc/facade_artifact.hpp"
+#include "small_building.hpp"
+
+namespace plumbline::evaluate {
+namespace {
+
+using test::mm;
+
+/// Two floors of three anchors on a facade to the south, two panels between them; the panels' side is confirmed.
+struct Site {
+  DesignT design;
+  ElementMatchesT matches;
+  PlatesT plates;
+  PointSet model;
+  std::string prefix;
+
+  /// `of_plates`: direction in which the plates look; zero: the table gives none.
+  Site(const Eigen::Vector3d& of_plates, const std::string& names = "S-") : prefix(names) {
+    design.file_name = "d.ifc";
+    for (int floor = 1; floor <= 2; ++floor)
+      for (int column = 0; column < 3; ++column) {
+        DesignElementT& e = add(names + std::to_string(floor) + std::to_string(column), "IfcMechanicalFastener",
+                                {2.0 * column, 0, 3.0 * floor});
+        e.is_anchor = true;
+        auto match = std::make_unique<ElementMatchT>();
+        match->anchor = e.name, match->guid = e.guid, match->position = e.position, match->target_offset.setZero();
+        matches.matches.push_back(std::move(match));
+        auto plate = std::make_unique<PlateT>();
+        plate->anchor = e.name, plate->floor = floor, plate->column = column + 1, plate->role = "check";
+        plate->nominal_rotation = of_plates.norm() > 0
+                                      ? Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), of_plates)
+                                      : Eigen::Quaterniond::Identity();
+        plates.plates.push_back(std::move(plate));
+        model.ids.push_back(e.name), model.positions.push_back(e.position);
+      }
+    for (int column = 0; column < 2; ++column) {
+      DesignElementT& e = add("P" + names + std::to_string(column), "IfcPlate", {2.0 * column, -0.1, 3});
+      e.is_panel = true, e.box_low = {0.01, -0.02, 0}, e.box_high = {1.99, 0.02, 3};
+      for (const int k : {0, 1, 3, 4})
+        e.anchor_guids.push_back(design.elements[static_cast<std::size_t>(column + k)]->guid);
+    }
+    model.covariance = test::isotropic(model.ids.size(), 0.3 * mm);
+  }
+
+  DesignElementT& add(const std::string& name, const std::string& ifc_class, const Eigen::Vector3d& place) {
+    auto e = std::make_unique<DesignElementT>();
+    e->guid = "g" + name, e->name = name, e->class_ = ifc_class, e->position = place;
+    e->placement = {Eigen::Quaterniond::Identity(), place};
+    e->box_low.setConstant(NAN), e->box_high.setConstant(NAN);
+    bim::FacadeFrame frame = bim::frame_facing({0, -1, 0}, bim::FacadeSource::panel, true);
+    frame.facade = "A (180°)";
+    e->facade = bim::to_artifact(frame);
+    design.elements.push_back(std::move(e));
+    return *design.elements.back();
+  }
+
+  DeviationT judge() const {
+    auto inputs = deviation_inputs(design, matches, plates, {}, 0.3, {});
+    inputs.model = model;
+    return judgement::judge_deviations(inputs, {});
+  }
+};
+
+TEST(DesignInput, PlatesThatContradictTheDesignLeaveThePanelsWithoutOrders) {
+  Site site({0, 1, 0});  // the plate table: 0°; the design: 180°
+  site.model.positions[0].y() -= 4 * mm;
+  const DeviationT result = site.judge();
+  EXPECT_FALSE(result.anchors[0]->facade->confirmed);
+  ASSERT_EQ(result.panels.size(), 2u);
+  for (const auto& panel : result.panels) {
+    EXPECT_FALSE(panel->facade->confirmed) << panel->name;
+    EXPECT_NE(panel->facade->note.find("plate table"), std::string::npos) << panel->facade->note;
+    EXPECT_EQ(panel->verdict, ToleranceVerdict::undecided);
+    for (const auto& fixing : panel->fixings) EXPECT_TRUE(std::isnan(fixing->shim)) << fixing->anchor;
+  }
+  // One plate of four that says otherwise is enough.
+  Site one({0, -1, 0});
+  one.plates.plates[0]->nominal_rotation = site.plates.plates[0]->nominal_rotation;
+  EXPECT_FALSE(one.judge().panels[0]->facade->confirmed);
+  EXPECT_TRUE(one.judge().panels[1]->facade->confirmed) << "none of its plates contradicts";
+  EXPECT_TRUE(Site({0, -1, 0}).judge().panels[0]->facade->confirmed);
+  EXPECT_TRUE(Site({0, 0, 0}).judge().panels[0]->facade->confirmed);
+}
+
+/// The rule that is printed, by what a user would copy.
+std::string rule_in(const std::string& warning) {
+  std::smatch found;
+  return std::regex_search(warning, found, std::regex("design\\.with\\.facades=\\['([^']*)'\\]")) ? found[1].str() : "";
+}
+
+/// The rule acts on the design before any plate is seen: it has to say the direction that the warning speaks of.
+TEST(DesignInput, TheCommandOfTheWarningSaysTheDirectionItSpeaksOf) {
+  Site site({0, 1, 0});
+  Site other({0, 0, 0}, "N-");  // a second facade 50 m away, of which nothing is open
+  for (auto& e : other.design.elements) {
+    e->position.y() += 50, e->placement.translation.y() += 50;
+    site.design.elements.push_back(std::move(e));
+  }
+  std::vector<std::string> warnings;
+  for (const std::string& warning : site.judge().warnings)
+    if (warning.find("design.with.facades") != std::string::npos) warnings.push_back(warning);
+  ASSERT_EQ(warnings.size(), 1u) << "anchors and the panels they hold are one facade";
+  EXPECT_NE(warnings[0].find("If it faces 0°"), std::string::npos) << warnings[0];
+  EXPECT_EQ(warnings[0].find("confirmed'"), std::string::npos) << warnings[0];
+  const std::string rule = rule_in(warnings[0]);
+  ASSERT_NE(rule, "") << warnings[0];
+  const bim::FacadeRule parsed = bim::parse_facade_rule(rule);
+  ASSERT_TRUE(parsed.out) << rule;
+  EXPECT_LT((*parsed.out - Eigen::Vector3d(0, 1, 0)).norm(), 1e-6) << rule;
+  for (const auto& e : site.design.elements) {
+    const bim::ElementFacts facts{e->class_, e->guid, e->name, "", "", "", "", nullptr};
+    EXPECT_EQ(parsed.selection.matches(facts), e->name.find("S-") != std::string::npos) << rule << " " << e->name;
+  }
+}
+
+/// A rule for the anchors alone that turns them round leaves no panel confirmed the other way.
+TEST(DesignInput, ARuleForTheAnchorsThatContradictsThePanelsSideIsNotPassedOver) {
+  Site site({0, 0, 0});
+  for (auto& e : site.design.elements)
+    if (e->is_anchor) e->facade = bim::to_artifact(bim::frame_facing({0, 1, 0}, bim::FacadeSource::rule, true));
+  EXPECT_FALSE(site.judge().panels[0]->facade->confirmed);
+}
+
+/// The plate table may lack anchors that the design has: their floor is that of their storey, and so is the panel's.
+TEST(DesignInput, PanelsStandOnTheFloorOfTheirAnchors) {
+  Site site({0, 0, 0});
+  for (auto& e : site.design.elements) e->storey_guid = e->position.z() > 4 ? "upper" : "lower";
+  for (const std::size_t i : {0u, 1u, 2u, 3u, 4u}) {  // 5, on the upper floor, stays listed
+    site.matches.matches[i].reset(), site.plates.plates[i].reset();
+  }
+  std::erase(site.matches.matches, nullptr), std::erase(site.plates.plates, nullptr);
+  const DeviationT result = site.judge();
+  for (const auto& anchor : result.anchors)
+    EXPECT_EQ(anchor->floor, anchor->storey_guid == "upper" ? 2 : 0) << anchor->id;
+  for (const auto& panel : result.panels) EXPECT_EQ(panel->floor, 2) << panel->name;
+  int panels_of_second = 0;
+  for (const auto& floor : result.floors)
+    if (floor->floor == 2) panels_of_second += floor->panels_passed + floor->panels_undecided + floor->panels_failed;
+  EXPECT_EQ(panels_of_second, 2);
+}
+
+}  // namespace
+}  // namespace plumbline::evaluate
