@@ -10,6 +10,13 @@ namespace {
 
 constexpr double kSquareMillimetres = 1e6;  // in a square metre
 
+/// The tolerance of an axis as the standard's set can hold it: one number that the design or a rule asks for. A default
+/// would be the design's own in the next epoch, and two sides would become one.
+double standard_tolerance(const JudgedAxisT& axis) {
+  const bool asked = !axis.source.empty() && !axis.source.starts_with("default");
+  return asked && std::abs(axis.above - axis.below) < 1e-12 ? axis.above : std::nan("");
+}
+
 }  // namespace
 
 void AsBuiltWriter::write_anchor(const AnchorDeviationT& anchor) {
@@ -47,7 +54,8 @@ void AsBuiltWriter::write_anchor(const AnchorDeviationT& anchor) {
                                                              {"in_plane", "ToleranceInPlane"},
                                                              {"out_of_plane", "ToleranceOutOfPlane"},
                                                              {"space", "Tolerance3D"}};
-    if (axis->tolerance > 0) deviation.plus_minus(names.at(axis->axis), axis->tolerance, axis->source);
+    if (axis->above > 0 || axis->below > 0)
+      deviation.bounds(names.at(axis->axis), -axis->below, axis->above, axis->source);
   }
   deviation.probability("PassProbability", anchor.pass_probability, "That the true deviation is within all tolerances");
   deviation.label("Frame", "project", "Coordinate system of the object placements");
@@ -88,8 +96,8 @@ void AsBuiltWriter::write_standard_sets(const AnchorDeviationT& anchor, const st
   PropertySet tolerance(appender_);
   if (!standard_sets_.contains({anchor.instance, "Pset_Tolerance"})) {
     for (const auto& axis : anchor.axes) {
-      if (axis->axis == "horizontal") tolerance.positive_length("HorizontalTolerance", axis->tolerance);
-      if (axis->axis == "vertical") tolerance.positive_length("VerticalTolerance", axis->tolerance);
+      if (axis->axis == "horizontal") tolerance.positive_length("HorizontalTolerance", standard_tolerance(*axis));
+      if (axis->axis == "vertical") tolerance.positive_length("VerticalTolerance", standard_tolerance(*axis));
     }
     if (!tolerance.empty()) tolerance.attach(key(anchor.guid), "Pset_Tolerance", "", object);
   }

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 
 #include "ifc/as_built_writer.hpp"
 #include "ifc/ifc_units.hpp"
@@ -18,7 +19,9 @@ const char* property_of(const std::string& part) {
                                                            {"corner", "Corner"},
                                                            {"joint", "Joint"},
                                                            {"anchor", "Anchor"},
-                                                           {"missing_anchor", "MissingAnchor"}};
+                                                           {"missing_anchor", "MissingAnchor"},
+                                                           {"facade", "Facade"},
+                                                           {"not_judged", "NotJudged"}};
   const auto found = names.find(part);
   return found == names.end() ? "" : found->second;
 }
@@ -55,7 +58,11 @@ void AsBuiltWriter::write_panel(const PanelDeviationT& panel) {
                                                                   {"Misfit", panel.misfit.get()},
                                                                   {"Corner", panel.corner.get()}};
   for (const auto& [name, length] : lengths)
-    if (length) set.length(name, length->value);
+    if (length)
+      set.length(name, length->value,
+                 panel.facade && !panel.facade->confirmed && std::string_view(name) == "OutOfPlane"
+                     ? "Without a sign: which way is outward is not confirmed"
+                     : "");
   set.length("FitX", panel.shift.x(), "Shift of the panel's centre if it follows its anchors");
   set.length("FitY", panel.shift.y());
   set.length("FitZ", panel.shift.z());

@@ -71,6 +71,7 @@ Issue issue_of(const AnchorDeviationT& anchor) {
   const Eigen::Vector3d& d = anchor.deviation;
   issue.description +=
       " As-built minus design: " + mm(d.x(), 2) + ", " + mm(d.y(), 2) + ", " + mm(d.z(), 2) + " mm (x, y, z).";
+  if (!anchor.note.empty()) issue.description += " " + anchor.note + ".";
   return issue;
 }
 
@@ -181,6 +182,16 @@ Issue issue_of(const JudgementRequestT& request) {
   return issue;
 }
 
+/// Why the measurement proves nothing: an issue of the whole, before all others.
+Issue issue_of_doubt(const std::string& doubt) {
+  Issue issue;
+  issue.guid = "doubt: " + doubt;
+  issue.title = "Measurement not to be trusted: " + doubt.substr(0, doubt.find(": "));
+  issue.description = "Not to be trusted, " + doubt + ". Nothing is decided, and no order is given, before it is mended.";
+  issue.verdict = ToleranceVerdict::undecided;
+  return issue;
+}
+
 std::string uuid_of(const std::string& project, const std::string& key) {
   const auto uuid = uuid_from_ifc_guid(derived_ifc_guid(project, key));
   return uuid_to_text(*uuid);
@@ -252,6 +263,7 @@ std::string viewpoint(const Issue& issue, const std::vector<std::string>& hidden
 std::string write_bcf(const DeviationT& deviation, const std::vector<const AnchorDeviationT*>& anchors,
                       const std::vector<const PanelDeviationT*>& panels, const BcfOptions& options) {
   std::vector<Issue> issues;
+  for (const std::string& doubt : deviation.doubts) issues.push_back(issue_of_doubt(doubt));
   for (const ToleranceVerdict wanted : {ToleranceVerdict::fail, ToleranceVerdict::undecided}) {
     for (const AnchorDeviationT* anchor : anchors)
       if (anchor->verdict == wanted && anchor->guid.size() == 22) issues.push_back(issue_of(*anchor));

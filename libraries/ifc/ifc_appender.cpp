@@ -260,9 +260,9 @@ void PropertySet::labels(const std::string& name, const std::vector<std::string>
   listed(name, values, description);
 }
 
-void PropertySet::plus_minus(const std::string& name, double metres, const std::string& description) {
-  std::vector<std::string> arguments{step::text(name), text_or_null(description), appender_.length_measure(metres),
-                                     appender_.length_measure(-metres), null};
+void PropertySet::bounds(const std::string& name, double lower, double upper, const std::string& description) {
+  std::vector<std::string> arguments{step::text(name), text_or_null(description), appender_.length_measure(upper),
+                                     appender_.length_measure(lower), null};
   if (appender_.schema() != Schema::ifc2x3) arguments.push_back(appender_.length_measure(0));
   properties_.push_back(appender_.add("IFCPROPERTYBOUNDEDVALUE", arguments));
 }

@@ -81,10 +81,14 @@ class PropertySet {
   void lengths(const std::string& name, const std::vector<double>& metres, const std::string& description = "");
   void reals(const std::string& name, const std::vector<double>& values, const std::string& description = "");
   void labels(const std::string& name, const std::vector<std::string>& values, const std::string& description = "");
-  /// ±metres, with 0 as set point where the schema has one.
   /// An instant as text, ISO 8601.
   void date_time(const std::string& name, const std::string& value, const std::string& description = "");
-  void plus_minus(const std::string& name, double metres, const std::string& description = "");
+  /// ±metres, with 0 as set point where the schema has one.
+  void plus_minus(const std::string& name, double metres, const std::string& description = "") {
+    bounds(name, -metres, metres, description);
+  }
+  /// From `lower` to `upper` about 0, which lies between them.
+  void bounds(const std::string& name, double lower, double upper, const std::string& description = "");
   void table(const std::string& name, const std::vector<std::pair<double, double>>& metres_to_ratio,
              const std::string& description = "");
 

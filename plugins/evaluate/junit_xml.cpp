@@ -54,7 +54,7 @@ std::string words_of(const AnchorDeviationT& anchor) {
   for (const auto& axis : anchor.axes)
     if (axis->axis == anchor.decided_by)
       return axis->axis + " " + fixed(1e3 * axis->value, 1) + " mm, u " + fixed(1e3 * axis->u, 1) + " mm, limit " +
-             fixed(1e3 * axis->tolerance, 1) + " mm";
+             fixed(1e3 * axis->tolerance, 1) + " mm" + (anchor.note.empty() ? "" : "; " + anchor.note);
   return anchor.note;
 }
 
@@ -63,7 +63,10 @@ std::string words_of(const AnchorDeviationT& anchor) {
 std::string junit_xml(const AccuracyT& accuracy, const DeviationT* deviation) {
   std::string text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites name=\"plumbline\">\n";
   if (deviation) {
-    std::vector<Case> anchors, panels;
+    std::vector<Case> anchors, panels, doubts;
+    for (const std::string& doubt : deviation->doubts)
+      doubts.push_back({doubt.substr(0, doubt.find(": ")), "not to be trusted, " + doubt, ToleranceVerdict::undecided});
+    if (!doubts.empty()) text += suite("measurement", doubts);
     for (const auto& a : deviation->anchors) anchors.push_back({a->id, words_of(*a), a->verdict});
     for (const auto& p : deviation->panels)
       panels.push_back({p->name.empty() ? p->guid : p->name, p->reason, p->verdict});

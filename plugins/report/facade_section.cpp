@@ -328,7 +328,8 @@ View built_view(const DeviationT& deviation, const FacadeT* facade, bool out_of_
     view.question =
         "Facade " + facade->name + ": " + (out_of_plane ? "how far out of its plane?" : "are the anchors in place?");
     if (out_of_plane && !facade->confirmed)
-      view.name = "as-built minus design across the facade; which way is outward is not confirmed";
+      view.name = "as-built minus design across the facade; which way is outward is not confirmed",
+      view.number = "across the facade, without a sign,";
   }
   const std::string name = facade ? facade->name : "";
   const auto belongs = [&](const std::unique_ptr<FacadeFrameT>& frame) {
@@ -342,6 +343,7 @@ View built_view(const DeviationT& deviation, const FacadeT* facade, bool out_of_
     if (out_of_plane && facade) {
       spot.number = a->deviation.dot(a->facade->out);
       spot.difference = spot.number * view.sight.up;
+      if (!facade->confirmed) spot.number = std::abs(spot.number);
     }
     view.spots.push_back(std::move(spot));
   }

@@ -2,7 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "geometry/statistics.hpp"
+#include "ifc/facade_artifact.hpp"
+#include "judgement/deviation.hpp"
 #include "report/format.hpp"
 #include "report/plot.hpp"
 #include "report/sections.hpp"
@@ -44,6 +45,33 @@ std::string way_back(const AnchorDeviationT& anchor) {
   return text;
 }
 
+/// The uncertainty of an axis [mm] below which the anchor is decided if all of its covariance shrinks alike; 0 if it is
+/// not decided so. Found by halving the range of the factor: the verdict goes by all axes at once.
+double deciding_u(const AnchorDeviationT& anchor, const JudgedAxisT& axis, const DeviationT& deviation) {
+  if (anchor.covariance.size() != 9) return 0;
+  const Eigen::Matrix3d covariance =
+      Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(anchor.covariance.data());
+  judgement::Tolerances tolerances;
+  for (const auto& judged : anchor.axes)
+    for (const judgement::Axis kind : judgement::kAxes)
+      if (judged->axis == judgement::name_of(kind) && std::isfinite(judged->above))
+        tolerances[kind] = {judged->above, judged->source, judged->below};
+  const bim::FacadeFrame frame = bim::frame_or_none(anchor.facade);
+  const auto decided = [&](double factor) {
+    AnchorDeviationT judged;
+    judgement::judge_anchor(anchor.deviation, factor * factor * covariance, frame, tolerances,
+                            {deviation.tau, deviation.risk}, judged);
+    return judged.verdict != ToleranceVerdict::undecided;
+  };
+  double least = 0.02, most = 1;  // less than a fiftieth of what it is no other measurement brings
+  if (!decided(least) || decided(most)) return 0;
+  for (int i = 0; i < 20; ++i) {
+    const double middle = 0.5 * (least + most);
+    (decided(middle) ? least : most) = middle;
+  }
+  return std::floor(1e5 * least * axis.u) / 100;  // never more than it takes
+}
+
 /// A line of the work list.
 struct Task {
   int floor;
@@ -56,7 +84,8 @@ Task task_of(const AnchorDeviationT& anchor, const DeviationT& deviation) {
   const JudgedAxisT* axis = deciding_axis(anchor);
   if (!axis) {
     task.found = anchor.note.empty() ? "not measured" : anchor.note;
-    task.todo = "Measure it.";
+    task.todo = anchor.decided_by == "not_judged" ? "Give what it asks for as a length with its unit, or a rule for it."
+                                                  : "Measure it.";
     return task;
   }
   task.found = words_of(axis->axis) + " " + found_on(axis->axis, axis->value, axis->u, axis->tolerance);
@@ -69,17 +98,18 @@ Task task_of(const AnchorDeviationT& anchor, const DeviationT& deviation) {
   if (anchor.verdict == ToleranceVerdict::fail && lost) {
     task.todo = "Not decided which way is outward: confirm the facade first. Back to the design along its axes: " +
                 (way.empty() ? "nowhere" : way) + ".";
-  } else if (lost && !anchor.note.empty()) {
-    task.todo = "Say which way its facade faces: " + anchor.note + ".";
+  } else if (lost && (axis->axis == "in_plane" || axis->axis == "out_of_plane")) {
+    task.todo = "Say which way its facade faces" +
+                (anchor.facade && !anchor.facade->note.empty() ? ": " + anchor.facade->note : "") + ".";
   } else if (anchor.verdict == ToleranceVerdict::fail) {
     task.todo = "Reset or shim: " + (way.empty() ? "back to design" : way) + ".";
   } else if (!std::isfinite(axis->u)) {
     task.todo = "Its uncertainty is not known: measure with one.";
   } else {
-    const double needed = std::abs(axis->tolerance - std::abs(axis->value)) / normal_quantile(1 - deviation.risk);
-    task.todo = needed > 0.1e-3 ? "Measure again: decided once u is below " + mm(needed, 1) + "\u00A0mm"
-                                : std::string("At the limit: no measurement will decide it");
-    task.todo += way.empty() ? "." : "; or set it " + way + ".";
+    const double needed = deciding_u(anchor, *axis, deviation);
+    if (needed > 0) task.todo = "Measure again: decided once u is below " + fixed(needed, 2) + "\u00A0mm";
+    if (!way.empty()) task.todo += (task.todo.empty() ? "Set it " : "; or set it ") + way;
+    task.todo += task.todo.empty() ? "At the limit: no better measurement decides it." : ".";
   }
   return task;
 }

@@ -23,8 +23,10 @@ const char* const view_script = R"js(
   const slider = document.getElementById("tau-slider"), input = slider.querySelector("input"), output = slider.querySelector("output");
   const marker = document.getElementById("tau-marker"), axis = marker && marker.dataset;
   let state = { anchors: anchors.map(a => a.w), panels: panels.map(p => p.w) }, draw = () => {};
+  // The program's verdicts stand in the page; they change when somebody moves the slider, and not before.
+  let touched = false;
   const show = () => {
-    const tau = Number(input.value), own = Math.abs(tau - data.tau) < 1e-9;
+    const at = Number(input.value), own = !touched || Math.abs(at - data.tau) < 0.05, tau = own ? data.tau : Math.round(10 * at) / 10;
     const a = anchors.map(item => own ? item.w : verdict(item, tau));
     const p = panels.map(item => {
       if (own) return item.w;
@@ -41,15 +43,17 @@ const char* const view_script = R"js(
       const i = cell.dataset[name];
       if (i !== "") cell.replaceChildren(badges[list[Number(i)]].cloneNode(true));
     });
-    mark(document.querySelectorAll("td[data-anchor]"), a, "anchor");
-    mark(document.querySelectorAll("td[data-panel]"), p, "panel");
+    if (touched) {
+      mark(document.querySelectorAll("td[data-anchor]"), a, "anchor");
+      mark(document.querySelectorAll("td[data-panel]"), p, "panel");
+    }
     if (marker) {
       const x = Number(axis.x0) + (tau - Number(axis.v0)) / (Number(axis.v1) - Number(axis.v0)) * (Number(axis.x1) - Number(axis.x0));
       marker.setAttribute("x1", x); marker.setAttribute("x2", x);
     }
     draw();
   };
-  input.addEventListener("input", show);
+  input.addEventListener("input", () => { touched = true; show(); });
   slider.hidden = false;
 
   const figure = document.getElementById("space"), canvas = document.getElementById("canvas"), pen = canvas.getContext("2d");

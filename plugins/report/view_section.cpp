@@ -1,5 +1,6 @@
 // The building in space, and the numbers from which the slider recomputes verdicts where scripts run. Everything that
 // the view shows stands in the tables too.
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <map>
@@ -79,12 +80,14 @@ void write_view(Markup& html, const ReportInput& input) {
   {
     Scope box(html, "div", {{"class", "slider"}, {"id", "tau-slider"}, {"hidden", "hidden"}});
     html.element("label", {{"for", "tau-input"}}, "Try another tolerance");
+    // The tolerance in force lies on the slider, whatever it is: a browser moves a value that does not.
+    const double tau = 1e3 * input.deviation->tau;
     html.empty("input", {{"id", "tau-input"},
                          {"type", "range"},
-                         {"min", "1"},
-                         {"max", "20"},
-                         {"step", "0.1"},
-                         {"value", px(1e3 * input.deviation->tau)}});
+                         {"min", script_number(std::min(1.0, tau), 6)},
+                         {"max", script_number(std::max(20.0, tau), 6)},
+                         {"step", "any"},
+                         {"value", script_number(tau, 6)}});
     html.element("output", {{"for", "tau-input"}}, "");
   }
   {

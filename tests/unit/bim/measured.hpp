@@ -14,19 +14,21 @@ namespace plumbline::test {
 /// Every anchor of the design under its GlobalId, as-built minus design as given (those that are not in `deviations`
 /// were not measured), floors from the storeys, sigma of each coordinate [m].
 inline DeviationT judged(const bim::Design& design, const std::map<std::string, Eigen::Vector3d>& deviations,
-                         const Eigen::Vector3d& sigma, const Eigen::Vector3d& normal) {
+                         const Eigen::Vector3d& sigma, const Eigen::Vector3d& normal,
+                         const judgement::ToleranceTable& tolerances = {},
+                         const std::vector<std::string>& doubts = {}) {
   judgement::DeviationInputs inputs;
-  inputs.design_file = design.file_name;
+  inputs.design_file = design.file_name, inputs.doubts = doubts;
   for (const bim::Element& element : design.elements) {
     if (!element.is_anchor) continue;
     judgement::AnchorCase anchor;
     anchor.id = element.guid, anchor.element = bim::facts_of(element), anchor.instance = element.instance;
+    anchor.tolerances = judgement::tolerances_of(tolerances, anchor.element);
     anchor.element.properties = nullptr;
     anchor.storey_guid = element.storey_guid, anchor.design = element.position;
     anchor.reference_point_rule = bim::name_of(element.rule);
     for (std::size_t i = 0; i < design.storeys.size(); ++i)
       if (design.storeys[i].guid == element.storey_guid) anchor.floor = static_cast<int>(i) + 1;
-    anchor.tolerances = judgement::tolerances_of({}, {});
     if (const auto measured = deviations.find(element.guid); measured != deviations.end()) {
       anchor.use = "check", anchor.column = 1;
       inputs.model.ids.push_back(anchor.id);
@@ -47,7 +49,7 @@ inline DeviationT judged(const bim::Design& design, const std::map<std::string, 
                                element.project_from_element,
                                element.box_low,
                                element.box_high,
-                               judgement::tolerances_of({}, {})};
+                               judgement::tolerances_of(tolerances, bim::facts_of(element))};
     for (std::size_t i = 0; i < inputs.anchors.size(); ++i)
       if (distance_from_box(element.box_low, element.box_high,
                             element.project_from_element.inverse() * inputs.anchors[i].design) < 0.3)

@@ -142,6 +142,30 @@ TEST(Bcf, AJointOfPanelsThatShareANameSelectsItsOwn) {
   EXPECT_EQ(views.find("<Selection><Component IfcGuid=\"0000000000000000000002\"/>"), std::string::npos);
 }
 
+TEST(Bcf, ADoubtHasATopicAndItsAnchorsSayWhy) {
+  const Design design = read_design(step::File(test::small_building("IFC4"), "t.ifc"), {});
+  std::map<std::string, Eigen::Vector3d> deviations;
+  for (const Element& element : design.elements)
+    if (element.is_anchor) deviations[element.guid] = Eigen::Vector3d(0.001, 0, 0.009);
+  const std::string doubt = "the survey: station 3 contradicts itself";
+  const DeviationT deviation =
+      test::judged(design, deviations, Eigen::Vector3d::Constant(1e-4), {1, 0, 0}, {}, {doubt});
+  BcfOptions options;
+  options.project_guid = design.project_guid;
+  const auto files = unzipped(
+      write_bcf(deviation, judgement::worst_first(deviation), judgement::worst_panels_first(deviation), options));
+  int of_doubt = 0, of_anchors = 0;
+  for (const auto& [name, content] : files) {
+    if (!name.ends_with("markup.bcf")) continue;
+    of_doubt += content.find("<Title>Measurement not to be trusted") != std::string::npos;
+    if (content.find("<Title>Anchor") == std::string::npos) continue;
+    ++of_anchors;
+    EXPECT_NE(content.find("not decided: " + doubt), std::string::npos) << content;
+  }
+  EXPECT_EQ(of_doubt, 1);
+  EXPECT_GT(of_anchors, 1);
+}
+
 TEST(Bcf, IsValidAgainstItsSchemas) {
   PLUMBLINE_REQUIRE_DATA("bcf/markup.xsd");
   if (std::system("xmllint --version > /dev/null 2>&1") != 0) GTEST_SKIP() << "xmllint is not installed";

@@ -109,6 +109,21 @@ TEST(MetricsFiles, NoNameBecomesAFormulaOrMarkup) {
   EXPECT_NE(junit_xml(odd).find("name=\"a&quot;&lt;b&gt;&amp;\uFFFD\""), std::string::npos);
 }
 
+TEST(Junit, ADoubtIsAnEntryOfItsOwnAndAnchorsSayWhy) {
+  DeviationT deviation = built();
+  const AccuracyT accuracy = evaluate_accuracy(everything(), {});
+  EXPECT_EQ(junit_xml(accuracy, &deviation).find("testsuite name=\"measurement\""), std::string::npos);
+  deviation.doubts = {"the survey: station 3 contradicts itself"};
+  deviation.anchors[4]->verdict = ToleranceVerdict::undecided;
+  deviation.anchors[4]->note = "not decided: the survey: station 3 contradicts itself";
+  const std::string xml = junit_xml(accuracy, &deviation);
+  EXPECT_NE(xml.find("<testsuite name=\"measurement\" tests=\"1\" failures=\"1\""), std::string::npos) << xml;
+  EXPECT_NE(xml.find("not to be trusted, the survey: station 3 contradicts itself"), std::string::npos) << xml;
+  const std::size_t at = xml.find("name=\"" + deviation.anchors[4]->id + "\"");
+  ASSERT_NE(at, std::string::npos);
+  EXPECT_NE(xml.substr(at, xml.find("</testcase>", at) - at).find("not decided: the survey"), std::string::npos) << xml;
+}
+
 TEST(StakeOut, HoldsDesignAndCorrectionWorstFirst) {
   DeviationT deviation = built();
   deviation.anchors[4]->verdict = ToleranceVerdict::fail;  // F3C1, 4 mm too high

@@ -7,9 +7,12 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <limits>
 #include <regex>
 
 #include "example.hpp"
+#include "ifc/facade_artifact.hpp"
+#include "judgement/deviation.hpp"
 #include "report/format.hpp"
 #include "report/script_data.hpp"
 #include "test_support.hpp"
@@ -32,6 +35,132 @@ TEST(Report, ItsScriptsAreJavaScript) {
     EXPECT_EQ(std::system(("node --check " + file.string()).c_str()), 0);
   }
   EXPECT_GE(scripts, 1);
+}
+
+/// Runs the slider of a page as a browser does (a value that is not on the range is moved onto it) and says, a line
+/// each, the badges that were replaced and the words: on load, then with the slider at `tolerances` [mm].
+std::string slider_says(const std::string& html, const std::string& tolerances) {
+  const plumbline::test::TemporaryFolder folder;
+  const auto page = folder.path() / "page.html", script = folder.path() / "browser.js", out = folder.path() / "out.txt";
+  std::ofstream(page) << html;
+  std::ofstream(script) << R"js(
+const html = require("fs").readFileSync(process.argv[2], "utf8"), badges = {};
+const attr = name => html.match(new RegExp('id="tau-input"[^>]*? ' + name + '="([^"]*)"'))[1];
+const onRange = v => {
+  const low = Number(attr("min")), high = Number(attr("max")), step = attr("step");
+  v = Math.min(high, Math.max(low, v));
+  return String(step === "any" ? v : low + Number(step) * Math.round((v - low) / Number(step)));
+};
+const input = { value: onRange(Number(attr("value"))), addEventListener(name, f) { this[name] = f; } }, output = {};
+const cells = JSON.parse(html.match(/id="judged">([\s\S]*?)<\/script>/)[1]).anchors.map((_, i) =>
+  ({ dataset: { anchor: String(i) }, replaceChildren(b) { badges[i] = b.w; } }));
+const nodes = { judged: { textContent: html.match(/id="judged">([\s\S]*?)<\/script>/)[1] }, canvas: { getContext: () => null },
+  badges: { children: [0, 1, 2, 3].map(w => ({ cloneNode: () => ({ w }) })) },
+  "tau-slider": { querySelector: s => s === "input" ? input : output } };
+global.document = { getElementById: id => nodes[id] || null, querySelectorAll: s => s === "td[data-anchor]" ? cells : [] };
+const from = html.indexOf('"use strict";', html.lastIndexOf("getElementById(\"judged\")") - 200);
+new Function(html.slice(from, html.indexOf("</script>", from)))();
+const tell = () => console.log(JSON.stringify(badges) + " " + output.textContent);
+tell();
+for (const mm of process.argv.slice(3)) { input.value = onRange(Number(mm)); input.input(); tell(); }
+)js";
+  const std::string command = "node " + script.string() + " " + page.string() + " " + tolerances + " > " + out.string();
+  EXPECT_EQ(std::system(command.c_str()), 0);
+  return plumbline::test::read_file(out);
+}
+
+/// What the program judged stands in the page until somebody moves the slider, whatever the tolerance is.
+TEST(Report, ThePageKeepsItsVerdictsUntilTheSliderIsMoved) {
+  if (std::system("node --version > /dev/null 2>&1") != 0) GTEST_SKIP() << "node is not installed";
+  for (const double tau : {0.0005, 0.00254, 0.005, 0.030}) {
+    ReportInput input = test::example();
+    input.deviation->tau = tau;
+    const std::string said = slider_says(render_report(input), "");
+    EXPECT_TRUE(contains(said, "{} ")) << tau << ": " << said;
+    EXPECT_TRUE(contains(said, "(in force)")) << tau << ": " << said;
+  }
+}
+
+/// What is refused stays undecided at any tolerance; with doubts nothing passes or fails.
+TEST(Report, TheSliderDecidesNothingThatMoreThanNumbersHoldsDown) {
+  if (std::system("node --version > /dev/null 2>&1") != 0) GTEST_SKIP() << "node is not installed";
+  ReportInput input = test::example();
+  auto& refused = *input.deviation->anchors.at(0);
+  refused.verdict = ToleranceVerdict::undecided, refused.tau_pass = std::numeric_limits<double>::infinity();
+  const std::string said = slider_says(render_report(input), "19.9 5");
+  EXPECT_TRUE(contains(said, "{\"0\":2,\"1\":1,")) << said;
+  for (auto& anchor : input.deviation->anchors) {
+    if (anchor->verdict == ToleranceVerdict::not_measured) continue;
+    anchor->verdict = ToleranceVerdict::undecided;
+    anchor->tau_pass = std::numeric_limits<double>::infinity(), anchor->tau_fail = 0;
+  }
+  for (auto& panel : input.deviation->panels)
+    panel->verdict = ToleranceVerdict::undecided, panel->tau_pass = std::numeric_limits<double>::infinity(),
+    panel->tau_fail = 0;
+  input.deviation->doubts = {"the survey: contradicts itself"};
+  const std::string doubted = slider_says(render_report(input), "1 19.9");
+  EXPECT_FALSE(contains(doubted, "\u00A0pass") || contains(doubted, "\u00A0fail")) << doubted;
+}
+
+/// "Decided once u is below X": with X the verdict is one, and a larger uncertainty than the one it has is no advice.
+TEST(Report, SaysWhichUncertaintyWouldDecide) {
+  const auto advice = [](const Eigen::Vector3d& deviation, double u, const std::string& rule) {
+    ReportInput input = test::example();
+    judgement::ToleranceTable table;
+    if (!rule.empty()) table.rules = {judgement::parse_rule(rule)};
+    const bim::FacadeFrame frame = bim::frame_facing({0, -1, 0}, bim::FacadeSource::rule, true);
+    auto judged = std::make_unique<AnchorDeviationT>();
+    judgement::judge_anchor(deviation, u * u * Eigen::Matrix3d::Identity(), frame, judgement::tolerances_of(table, {}),
+                            {}, *judged);
+    EXPECT_EQ(judged->verdict, ToleranceVerdict::undecided);
+    judged->id = "Q1", judged->facade = bim::to_artifact(frame), judged->floor = 1;
+    judged->design = {0, 0, 0}, judged->as_built = deviation, judged->target_offset.setZero();
+    input.deviation->panels.clear(), input.deviation->anchors.clear();
+    input.deviation->anchors.push_back(std::move(judged));
+    const std::string html = render_report(input);
+    const std::size_t at = html.find("<tbody>", html.find("Where not, and what to do"));
+    return html.substr(at, html.find("</tr>", at) - at);
+  };
+  // Two axes, each within by more than its share, both at once not: u has to come down, not up.
+  const std::string both = advice({0, 0, 0}, 2.1e-3, "");
+  std::smatch found;
+  ASSERT_TRUE(std::regex_search(both, found, std::regex("decided once u is below ([0-9.]+)"))) << both;
+  EXPECT_LT(std::stod(found[1]), 2.1);
+  EXPECT_GT(std::stod(found[1]), 1.5);
+  // Near the lower of two sides: 1 mm from −2 mm, not 6 mm from the upper.
+  const std::string low = advice({0, 0, -1e-3}, 0.8e-3, "*: vertical=+5/-2mm, horizontal=0mm");
+  ASSERT_TRUE(std::regex_search(low, found, std::regex("decided once u is below ([0-9.]+)"))) << low;
+  EXPECT_NEAR(std::stod(found[1]), 1 / 1.645, 0.02);
+  const std::string limit = advice({0, 0, -2e-3}, 0.8e-3, "*: vertical=+5/-2mm, horizontal=0mm");
+  EXPECT_FALSE(contains(limit, "decided once")) << limit;
+}
+
+/// Numbers across a facade of which nobody knows the outside have no sign, and nothing claims one.
+TEST(Report, ClaimsNoOutwardWhereTheFacadeIsNotConfirmed) {
+  ReportInput input = test::example();
+  const auto elevation = [&] {
+    const std::string html = render_report(input);
+    const std::size_t at = html.find("how far out of its plane?");
+    return html.substr(at, html.find("</figure>", at) - at);
+  };
+  EXPECT_TRUE(contains(elevation(), "outward positive"));
+  for (auto& facade : input.deviation->facades) facade->confirmed = false, facade->note = "guessed";
+  for (auto& anchor : input.deviation->anchors) anchor->facade->confirmed = false;
+  EXPECT_FALSE(contains(elevation(), "outward positive")) << elevation();
+  EXPECT_TRUE(contains(elevation(), "without a sign"));
+}
+
+/// What the design asks for and nobody judges is not mended by measuring again.
+TEST(Report, DoesNotSendAnybodyToMeasureWhatIsNotJudged) {
+  ReportInput input = test::example();
+  auto& anchor = *input.deviation->anchors.at(0);
+  anchor.verdict = ToleranceVerdict::undecided, anchor.decided_by = "not_judged", anchor.note = "not judged: a: b";
+  const std::string html = render_report(input);
+  const std::size_t at = html.find("Anchor " + anchor.id + "</th>");
+  ASSERT_NE(at, std::string::npos);
+  const std::string row = html.substr(at, html.find("</tr>", at) - at);
+  EXPECT_FALSE(contains(row, "Measure it")) << row;
+  EXPECT_TRUE(contains(row, "not judged: a: b")) << row;
 }
 
 TEST(Report, CarriesItsLibraryAndWhereThePanelsCameToLie) {
