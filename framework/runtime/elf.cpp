@@ -191,16 +191,20 @@ static std::string id_of(const LoadedObject& object) {
   return object.build_id.empty() ? id_of_library(object.path) : object.build_id;
 }
 
-std::vector<std::string> linked_build_ids(const void* address) {
-  std::vector<LoadedObject> objects;
-  dl_iterate_phdr(&collect_object, &objects);
-  std::map<std::string, const LoadedObject*> by_name;
-  const LoadedObject* start = nullptr;
-  const auto where = reinterpret_cast<uintptr_t>(address);
-  for (const LoadedObject& object : objects) {
-    by_name.emplace(object.soname, &object);
-    if (object.lowest <= where && where < object.highest) start = &object;
-  }
+/// Libraries that fetch or show: no number of a node comes through them, and what they need is needed for that.
+static bool only_fetches_or_shows(const std::string& soname) {
+  for (const char* name : {"libcurl.so", "libcurl-gnutls.so", "libX11.so", "libxcb.so", "libGL.so", "libGLX.so",
+                           "libOpenGL.so", "libEGL.so", "libwayland-client.so"})
+    if (soname.starts_with(name)) return true;
+  return false;
+}
+
+namespace {
+
+using ByName = std::map<std::string, const LoadedObject*>;
+
+/// Names of all that `start` needs, and what that needs; `behind` false: not beyond those that only fetch or show.
+std::set<std::string> needed_by(const LoadedObject* start, const ByName& by_name, bool behind) {
   std::set<std::string> seen;
   std::vector<const LoadedObject*> waiting;
   if (start) waiting.push_back(start);
@@ -209,12 +213,30 @@ std::vector<std::string> linked_build_ids(const void* address) {
     waiting.pop_back();
     for (const std::string& needed : object->needed) {
       const std::string name = std::filesystem::path(needed).filename();  // one without a soname is needed by its path
+      if (!behind && object != start && only_fetches_or_shows(name)) continue;
       if (const auto found = by_name.find(name); found != by_name.end() && seen.insert(name).second)
         waiting.push_back(found->second);
     }
   }
+  return seen;
+}
+
+}  // namespace
+
+std::vector<std::string> linked_build_ids(const void* address) {
+  std::vector<LoadedObject> objects;
+  dl_iterate_phdr(&collect_object, &objects);
+  ByName by_name;
+  const LoadedObject* start = nullptr;
+  const auto where = reinterpret_cast<uintptr_t>(address);
+  for (const LoadedObject& object : objects) {
+    by_name.emplace(object.soname, &object);
+    if (object.lowest <= where && where < object.highest) start = &object;
+  }
+  const std::set<std::string> computing = needed_by(start, by_name, false);
   std::vector<std::string> ids;
-  for (const std::string& name : seen) ids.push_back(name + ":" + id_of(*by_name[name]));
+  for (const std::string& name : needed_by(start, by_name, true))
+    ids.push_back(name + ":" + id_of(*by_name[name]) + std::string(computing.count(name) ? "" : kNoPartOfKeys));
   return ids;
 }
 

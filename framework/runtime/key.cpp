@@ -6,6 +6,7 @@
 #include <set>
 
 #include "runtime/digest.hpp"
+#include "runtime/elf.hpp"
 #include "runtime/executable_node.hpp"
 #include "runtime/programs.hpp"
 
@@ -77,6 +78,7 @@ KeyFields key_fields(const GraphNode& node, FileHashes& files) {
   fields["version"] = std::to_string(node.kind.node->version);
   fields["plugin binary"] = node.kind.plugin->sha256;
   for (const std::string& library : node.kind.plugin->linked_build_ids) {
+    if (library.ends_with(kNoPartOfKeys)) continue;
     const size_t colon = library.rfind(':');
     fields["library " + library.substr(0, colon)] = colon == std::string::npos ? "" : library.substr(colon + 1);
   }

@@ -1,5 +1,8 @@
 // What a key holds of programs that a node starts, and of libraries: what they are, not how they are called.
+#include <dlfcn.h>
 #include <stdlib.h>
+
+#include <map>
 
 #include "runtime/digest.hpp"
 #include "runtime/elf.hpp"
@@ -75,6 +78,26 @@ TEST(Libraries, WithoutABuildIdCountByContent) {
     EXPECT_EQ(std::count(ids.begin(), ids.end(), expected), 1) << expected;
   }
   for (const std::string& id : ids) EXPECT_GT(id.size() - id.rfind(':'), 16u) << id;
+}
+
+/// PROJ can fetch grids: what brings them has no part in a number. SQLite, which reads its tables, has.
+TEST(Libraries, WhatOnlyFetchesOrShowsIsNoPartOfKeys) {
+  void* proj = dlopen("libproj.so.25", RTLD_NOW | RTLD_LOCAL);
+  if (!proj) GTEST_SKIP() << "no libproj.so.25 here: " << dlerror();
+  std::map<std::string, bool> counts;
+  for (const std::string& id : runtime::linked_build_ids(dlsym(proj, "proj_create")))
+    counts[id.substr(0, id.find('.'))] = !id.ends_with(runtime::kNoPartOfKeys);
+  // PROJ itself needs libcurl: it counts, and all behind it as well.
+  EXPECT_TRUE(counts.at("libsqlite3"));
+  EXPECT_TRUE(counts.at("libcurl-gnutls"));
+  // For what needs PROJ neither does.
+  void* user = dlopen(PLUMBLINE_SURVEY_PLUGIN, RTLD_NOW | RTLD_LOCAL);
+  ASSERT_TRUE(user) << dlerror();
+  counts.clear();
+  for (const std::string& id : runtime::linked_build_ids(dlsym(user, "plumbline_plugin")))
+    counts[id.substr(0, id.find('.'))] = !id.ends_with(runtime::kNoPartOfKeys);
+  for (const char* name : {"libproj", "libsqlite3", "libm", "libtiff"}) EXPECT_TRUE(counts.at(name)) << name;
+  for (const char* name : {"libcurl-gnutls", "libgnutls", "libssh2", "libkrb5"}) EXPECT_FALSE(counts.at(name)) << name;
 }
 
 }  // namespace
