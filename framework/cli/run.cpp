@@ -157,8 +157,7 @@ void tell_whose_outputs_lie_there(const runtime::Graph& graph, const runtime::Ou
   std::map<std::string, std::string> outputs;  // by the run that they are of
   for (const auto& output : graph.outputs) {
     const auto found = folder.owned().origins.find(output.file);
-    if (!fs::exists(fs::symlink_status(folder.path() / output.file))) continue;
-    if (found != folder.owned().origins.end() && found->second == folder.this_run()) continue;
+    if (folder.is_of_this_run(output.file) || !fs::exists(fs::symlink_status(folder.path() / output.file))) continue;
     std::string& list =
         outputs[found == folder.owned().origins.end() ? "an earlier run, which the record does not tell"
                                                       : "the run of " + found->second.time + " (" +

@@ -24,7 +24,6 @@ namespace plumbline::runtime {
 struct OutputOrigin {
   std::string time;                    ///< UTC at which the run began
   std::vector<std::string> arguments;  ///< its KEY=VALUE overrides
-  bool operator==(const OutputOrigin&) const = default;
 };
 
 /// What a record proves. Paths are relative to the output folder, with forward slashes.
@@ -77,8 +76,11 @@ class OutputFolder {
 
   /// The run that has the folder now; and that `output` is what it gave.
   void set_run(OutputOrigin run) { run_ = std::move(run); }
-  void confirm(const std::string& output) { owned_.origins[output] = run_; }
-  const OutputOrigin& this_run() const { return run_; }
+  void confirm(const std::string& output) {
+    owned_.origins[output] = run_;
+    confirmed_.insert(output);
+  }
+  bool is_of_this_run(const std::string& output) const { return confirmed_.contains(output); }
 
   /// Forgets files that are no more: what run_end tells is the final state.
   void settle_ownership();
@@ -115,6 +117,7 @@ class OutputFolder {
   std::map<std::string, std::string> displaced_;  // "old-3" of the run before -> output
   size_t deliveries_ = 0;
   OutputOrigin run_;
+  std::set<std::string> confirmed_;
   Ownership owned_;
 };
 

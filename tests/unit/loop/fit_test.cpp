@@ -7,6 +7,7 @@
 #include <cstdlib>
 
 #include "loop/fit/settings_program.hpp"
+#include "plumbline/stop.hpp"
 #include "random_facade.hpp"
 
 namespace plumbline::loop {
@@ -65,6 +66,24 @@ double clp_value(const ConvexProgram& p) {
   EXPECT_TRUE(clp.isProvenOptimal());
   const Eigen::Map<const Eigen::VectorXd> x(clp.primalColumnSolution(), columns.cols());
   return x.dot(0.5 * (p.quadratic * x) + p.linear);
+}
+
+/// Not "no optimum", wherever Ipopt was.
+TEST(Fit, StopsWhenNobodyWaitsForIt) {
+  const ConvexProgram program = whole_program(random_facade({2, 2}, 1, 0.010));
+  struct Asked {
+    int limit, count;
+  };
+  for (const int limit : {0, 1, 3}) {
+    Asked asked{limit, 0};
+    const StopScope scope(
+        [](const void* of) {
+          auto& all = *static_cast<Asked*>(const_cast<void*>(of));
+          return ++all.count > all.limit;
+        },
+        &asked);
+    EXPECT_THROW(minimise(program), Stopped) << limit;
+  }
 }
 
 TEST(Fit, KeepsTheOptimalityConditions) {

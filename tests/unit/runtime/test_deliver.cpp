@@ -296,7 +296,7 @@ TEST(Deliver, StoppedItBeginsNoOtherOutput) {
     EXPECT_EQ(delivery.problem, "the run was stopped before it was written") << delivery.file;
   EXPECT_EQ(read_file(story.folder.path() / "out/b.json"), before);
   EXPECT_TRUE(out.owned().origins.at("b.json").arguments.empty()) << "it is still of the run before";
-  EXPECT_FALSE(out.owned().origins.at("b.json") == out.this_run());
+  EXPECT_FALSE(out.is_of_this_run("b.json"));
 }
 
 TEST(Deliver, LeavesNoTemporaryNames) {
