@@ -457,6 +457,7 @@ void decide(PanelDeviationT& out, const std::map<std::string, const AnchorDeviat
   if (!out.missing.empty() && out.verdict < ToleranceVerdict::undecided)
     out.verdict = ToleranceVerdict::undecided, out.decided_by = "missing_anchor",
     out.reason = "anchor " + out.missing.front() + " was not measured";
+  if (!out.missing.empty()) out.tau_pass = std::numeric_limits<double>::infinity();
 }
 
 }  // namespace

@@ -244,7 +244,9 @@ class Builder {
   static void dispute(PanelCase& panel, const AnchorCase& anchor) {
     const bim::FacadeFrame before = panel.facade;
     if (std::abs(anchor.facade.out.dot(before.out)) > kPlateAlike) {
-      panel.facade = bim::frame_facing(anchor.facade.out, bim::FacadeSource::plate, false);
+      const bool by_rule = anchor.facade.source == bim::FacadeSource::rule;
+      panel.facade =
+          bim::frame_facing(anchor.facade.out, by_rule ? before.source : bim::FacadeSource::plate, false);
       panel.facade.facade = before.facade, panel.facade.named = before.named;
     }
     panel.facade.confirmed = false;

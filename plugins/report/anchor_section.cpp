@@ -51,10 +51,12 @@ std::vector<Entry> entries_of(const ReportInput& input) {
   return entries;
 }
 
-/// Of the plane, of the facade and in space: lengths without a direction, so without a sign.
-std::string axis_with_u(const JudgedAxisT& axis) {
+/// Of the plane, of the facade and in space: lengths without a direction, so without a sign; and so is what lies across
+/// a facade of which nobody confirmed the outside.
+std::string axis_with_u(const JudgedAxisT& axis, const AnchorDeviationT& anchor) {
   std::string text = mm_with_u(axis.value, axis.u, 1);
-  const bool directed = axis.axis == "vertical" || axis.axis == "out_of_plane";
+  const bool directed =
+      axis.axis == "vertical" || (axis.axis == "out_of_plane" && anchor.facade && anchor.facade->confirmed);
   return !directed && text.starts_with('+') ? text.substr(1) : text;
 }
 
@@ -70,7 +72,7 @@ void write_built_cells(Markup& html, const Entry& entry) {
     const JudgedAxisT* found = nullptr;
     for (std::size_t i = 0; d && i < d->axes.size(); ++i)
       if (d->axes[i]->axis == name) found = d->axes[i].get();
-    html.element("td", found ? axis_with_u(*found) : unknown);
+    html.element("td", found ? axis_with_u(*found, *d) : unknown);
   }
   html.element("td", d ? percent(d->pass_probability) : unknown);
 }
@@ -123,8 +125,8 @@ void write_all_numbers(Markup& html, const DeviationT& deviation) {
     const auto u = [&](std::size_t i) { return known ? mm(std::sqrt(std::max(0.0, a->covariance[4 * i]))) : unknown; };
     std::string tolerances, in_plane = unknown, in_space = unknown;
     for (const auto& axis : a->axes) {
-      if (axis->axis == "in_plane") in_plane = axis_with_u(*axis);
-      if (axis->axis == "space") in_space = axis_with_u(*axis);
+      if (axis->axis == "in_plane") in_plane = axis_with_u(*axis, *a);
+      if (axis->axis == "space") in_space = axis_with_u(*axis, *a);
       if (axis->tolerance > 0)
         tolerances += (tolerances.empty() ? "" : ", ") + words_of(axis->axis) + " " + fixed(1e3 * axis->tolerance, 1) +
                       (axis->source == "default" ? "" : " (" + axis->source + ")");

@@ -15,9 +15,10 @@ namespace {
 /// What fits on the first screen; the rest is folded.
 constexpr std::size_t kFirstRows = 8;
 
-/// "+7.6 ± 0.4 mm, limit 5.0"; only up and outward have a sign.
-std::string found_on(const std::string& axis, double value, double u, double tolerance) {
-  std::string text = axis == "vertical" || axis == "out_of_plane" ? signed_mm(value, 1) : mm(value, 1);
+/// "+7.6 ± 0.4 mm, limit 5.0"; only up and outward have a sign, and outward where it is confirmed.
+std::string found_on(const std::string& axis, double value, double u, double tolerance, bool outward_known) {
+  const bool directed = axis == "vertical" || (axis == "out_of_plane" && outward_known);
+  std::string text = directed ? signed_mm(value, 1) : mm(value, 1);
   if (std::isfinite(u)) text += " ± " + mm(u, 1);
   return text + "\u00A0mm, limit " + mm(tolerance, 1);
 }
@@ -88,9 +89,9 @@ Task task_of(const AnchorDeviationT& anchor, const DeviationT& deviation) {
                                                   : "Measure it.";
     return task;
   }
-  task.found = words_of(axis->axis) + " " + found_on(axis->axis, axis->value, axis->u, axis->tolerance);
-  const std::string way = way_back(anchor);
   const bool lost = !anchor.facade || !anchor.facade->confirmed;
+  task.found = words_of(axis->axis) + " " + found_on(axis->axis, axis->value, axis->u, axis->tolerance, !lost);
+  const std::string way = way_back(anchor);
   if (!deviation.doubts.empty()) {
     task.todo = "Nothing before the measurement is mended: it decides nothing.";
     return task;

@@ -16,6 +16,12 @@ std::string per_metre(double angle) { return std::isfinite(angle) ? signed_fixed
 
 std::string length(const JudgedLengthT& l) { return mm_with_u(l.value, l.u, 1); }
 
+/// Outward, to the right, leaning and rolling have no sign where nobody confirmed which side is outside.
+std::string without_sign(const std::string& text, const PanelDeviationT& panel) {
+  const bool lost = !panel.facade || !panel.facade->confirmed;
+  return lost && text.starts_with('+') ? text.substr(1) : text;
+}
+
 std::vector<std::string> fixings(const PanelDeviationT& panel) {
   std::vector<std::string> texts;
   for (const auto& fixing : panel.fixings) texts.push_back(fixing->anchor + " " + signed_mm(fixing->shim, 1));
@@ -49,9 +55,12 @@ void write_row(Markup& html, const PanelDeviationT& panel, std::size_t index) {
     verdict_badge(html, panel.verdict);
   }
   html.element("td", {{"class", "words"}}, panel.reason.empty() ? words_of(panel.decided_by) : panel.reason);
-  for (const auto* l : {panel.out_of_plane.get(), panel.sideways.get(), panel.vertical.get()})
-    html.element("td", length(*l));
-  for (const double angle : {panel.lean, panel.turn, panel.roll}) html.element("td", per_metre(angle));
+  html.element("td", without_sign(length(*panel.out_of_plane), panel));
+  html.element("td", without_sign(length(*panel.sideways), panel));
+  html.element("td", length(*panel.vertical));
+  html.element("td", without_sign(per_metre(panel.lean), panel));
+  html.element("td", per_metre(panel.turn));
+  html.element("td", without_sign(per_metre(panel.roll), panel));
   for (const auto* l : {panel.tilt.get(), panel.warp.get(), panel.misfit.get(), panel.corner.get()})
     html.element("td", mm(l->value, 1));
   write_list(html, fixings(panel));

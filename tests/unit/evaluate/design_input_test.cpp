@@ -126,7 +126,9 @@ TEST(DesignInput, ARuleForTheAnchorsThatContradictsThePanelsSideIsNotPassedOver)
   Site site({0, 0, 0});
   for (auto& e : site.design.elements)
     if (e->is_anchor) e->facade = bim::to_artifact(bim::frame_facing({0, 1, 0}, bim::FacadeSource::rule, true));
-  EXPECT_FALSE(site.judge().panels[0]->facade->confirmed);
+  const DeviationT result = site.judge();
+  EXPECT_FALSE(result.panels[0]->facade->confirmed);
+  EXPECT_EQ(result.panels[0]->facade->source, "panel") << "no plate has said anything";
 }
 
 /// The plate table may lack anchors that the design has: their floor is that of their storey, and so is the panel's.

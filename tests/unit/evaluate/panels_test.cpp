@@ -206,6 +206,9 @@ TEST(Panels, TurningPointsSayTheVerdictWhereMoreThanNumbersHoldsItDown) {
   EXPECT_NE(slider(*result.panels[0], 1), ToleranceVerdict::pass);
   EXPECT_EQ(slider(*result.anchors[0], 0.005), ToleranceVerdict::fail);
   EXPECT_EQ(slider(*result.anchors[0], 0.02), ToleranceVerdict::pass);
+  DeviationInputs missing = facade(4);
+  missing.model.positions[2].setConstant(std::nan(""));
+  EXPECT_EQ(slider(*judge_deviations(missing, {}).panels[0], 1), ToleranceVerdict::undecided);
   inputs.doubts = {"the survey: contradicts itself"};
   result = judge_deviations(inputs, {});
   for (const double tau : {0.001, 0.005, 0.02, 1.0}) {

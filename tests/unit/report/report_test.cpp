@@ -148,6 +148,17 @@ TEST(Report, ClaimsNoOutwardWhereTheFacadeIsNotConfirmed) {
   for (auto& anchor : input.deviation->anchors) anchor->facade->confirmed = false;
   EXPECT_FALSE(contains(elevation(), "outward positive")) << elevation();
   EXPECT_TRUE(contains(elevation(), "without a sign"));
+  // The tables of anchors and panels, and the work list.
+  auto& anchor = *input.deviation->anchors.at(0);
+  for (auto& axis : anchor.axes)
+    if (axis->axis == "out_of_plane") axis->value = 0.0123, axis->u = 4e-4, axis->tolerance = 0.005;
+  anchor.verdict = ToleranceVerdict::fail, anchor.decided_by = "out_of_plane";
+  auto& panel = *input.deviation->panels.at(0);
+  panel.facade->confirmed = false, panel.out_of_plane->value = 0.0117, panel.out_of_plane->u = 4e-4;
+  const std::string html = render_report(input);
+  EXPECT_TRUE(contains(html, "12.3") && contains(html, "11.7"));
+  EXPECT_FALSE(contains(html, "+12.3")) << "an anchor's";
+  EXPECT_FALSE(contains(html, "+11.7")) << "a panel's";
 }
 
 /// What the design asks for and nobody judges is not mended by measuring again.
