@@ -147,6 +147,10 @@ TEST(DesignInput, PanelsStandOnTheFloorOfTheirAnchors) {
   for (const auto& floor : result.floors)
     if (floor->floor == 2) panels_of_second += floor->panels_passed + floor->panels_undecided + floor->panels_failed;
   EXPECT_EQ(panels_of_second, 2);
+  // Where no floor of its anchors is known, its own storey tells it.
+  for (auto& e : site.design.elements)
+    if (e->is_panel) e->storey_guid = "upper", e->anchor_guids = {site.design.elements[0]->guid};
+  for (const auto& panel : site.judge().panels) EXPECT_EQ(panel->floor, 2) << panel->name;
 }
 
 }  // namespace
