@@ -145,7 +145,9 @@ std::string changed_text(const Snapshot& before, const Snapshot& now) {
 /// What the pipeline reads now. One that cannot be read any more is said to be so, and its own files are watched on.
 std::set<fs::path> paths_of(const Options& options, const runtime::Registry& registry, std::set<fs::path> before) {
   try {
-    return read_by(load(options, registry));
+    // The run says which of two plugins it uses; here it would be said a second time.
+    return read_by(
+        load_pipeline(find_pipeline(options.pipeline), options.overrides, registry, pipeline_folders()));
   } catch (const std::exception& error) {
     if (before.empty()) throw;
     std::fprintf(stderr, "%s\n", runtime::printable(error.what()).c_str());

@@ -1,6 +1,5 @@
 #include "runtime/node_run.hpp"
 
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -15,7 +14,6 @@
 #include "runtime/artifact_type.hpp"
 #include "runtime/digest.hpp"
 #include "runtime/executable_node.hpp"
-#include "runtime/trust.hpp"
 #include "runtime/used_files.hpp"
 
 namespace plumbline::runtime {
@@ -23,21 +21,6 @@ namespace plumbline::runtime {
 namespace fs = std::filesystem;
 
 namespace {
-
-bool is_before(const timespec& a, const timespec& b) {
-  return a.tv_sec < b.tv_sec || (a.tv_sec == b.tv_sec && a.tv_nsec < b.tv_nsec);
-}
-
-/// The clock that files get their times from, at its next tick: what was written before it has an older time.
-timespec next_tick_of_files() {
-  timespec first{}, now{};
-  clock_gettime(CLOCK_REALTIME_COARSE, &first);
-  do {
-    usleep(500);
-    clock_gettime(CLOCK_REALTIME_COARSE, &now);
-  } while (now.tv_sec == first.tv_sec && now.tv_nsec == first.tv_nsec);
-  return now;
-}
 
 /// The context behind plumbline_host. Nodes may call from several threads, so all state is under one mutex.
 class Host {
@@ -136,8 +119,6 @@ class Host {
   void check_outputs() const;
   void commit_folders();
   void check_references() const;
-  void take_used_files();
-  void take_used_file(const std::string& file, std::map<fs::path, std::string>& folders);
 
   const NodeCall& call_;
   const NodeServices& services_;
@@ -342,37 +323,6 @@ void Host::check_references() const {
   }
 }
 
-/// What was run with the user's rights must be nobody else's, as the node itself. And it must be what the node read:
-/// the time of a file's last change, which no program can set, tells whether it was written since the node began.
-void Host::take_used_file(const std::string& file, std::map<fs::path, std::string>& folders) {
-  struct stat info {};
-  if (!fs::path(file).is_absolute() || stat(file.c_str(), &info) != 0 || !S_ISREG(info.st_mode))
-    throw std::runtime_error("it says that it used " + file + ", which is no file; it must say whole paths of files");
-  if (!is_before(info.st_ctim, started_))
-    throw std::runtime_error(file + " changed while the node worked with it; run again");
-  const auto [folder, fresh] = folders.try_emplace(fs::path(file).parent_path());
-  if (fresh) folder->second = distrust(folder->first);
-  const std::string problem = folder->second.empty() ? distrust(file) : folder->second;
-  if (!problem.empty()) throw std::runtime_error("it used a file that is not believed: " + problem);
-  outcome_.run.used[file] = services_.store->file_hashes().of_file(file);
-}
-
-void Host::take_used_files() {
-  std::map<fs::path, std::string> folders;  // there are few, of hundreds of files
-  for (const std::string& line : said_to_be_used_) {
-    if (!line.starts_with(absent_mark)) {
-      take_used_file(line, folders);
-      continue;
-    }
-    const std::string file = line.substr(absent_mark.size());
-    if (!fs::path(file).is_absolute())
-      throw std::runtime_error("it says that it looked for " + file + "; it must say whole paths");
-    if (fs::exists(fs::symlink_status(file)))
-      throw std::runtime_error(file + " came while the node worked without it; run again");
-    outcome_.run.used[file] = absent_hash;
-  }
-}
-
 int Host::run_it() {
   const GraphNode& node = *call_.node;
   if (const auto& executable = node.kind.plugin->executable) {
@@ -404,7 +354,7 @@ NodeOutcome Host::run() {
     guarded([](Host& h) {
       h.check_outputs();
       h.check_references();
-      h.take_used_files();
+      h.outcome_.run.used = hashes_of_used(h.said_to_be_used_, h.started_, h.services_.store->file_hashes());
       h.commit_folders();
     });
   for (uint32_t i = 0; i < node.output_count; ++i) outcome_.run.outputs[node.outputs[i]->name];  // empty lists too
