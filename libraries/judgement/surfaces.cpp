@@ -199,7 +199,19 @@ class Judge {
       const bool beyond = std::isfinite(noise) ? verdict.value - limit.upper > noise
                                                : verdict.probability <= risk_ / (*gap)->positions;
       decide(verdict, verdict.probability, beyond ? 0 : 1, risk_);
+      if (verdict.verdict == ToleranceVerdict::pass && std::isfinite((*gap)->with_outlying)) doubt(**gap, limit, verdict);
     }
+  }
+
+  /// A dent that is deep beside the noise looks like something in front of the panel: it does not pass by being left out.
+  void doubt(const SurfaceGapT& gap, const SurfaceLimit& limit, SurfaceVerdictT& verdict) const {
+    if (verdict_of(probability_of(gap.with_outlying, gap.sigma, limit), risk_) == ToleranceVerdict::pass) return;
+    char text[200];
+    std::snprintf(text, sizeof text,
+                  "places on it lie off the surface together, a dent or something in front of it: the largest gap is %.1f mm "
+                  "without them and %.1f mm with them",
+                  1e3 * gap.gap, 1e3 * gap.with_outlying);
+    verdict.verdict = ToleranceVerdict::not_measured, verdict.not_judged = text;
   }
 
   /// Of the probability 1 - risk, in standard deviations from the mean.

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <map>
 
 #include "surface/straightedge.hpp"
 
@@ -118,17 +119,57 @@ std::string at_the_border(const PanelFace& face, const std::vector<Sample>& samp
   return text;
 }
 
+/// How the face is divided into cells.
+struct Division {
+  double across, up;
+  int columns, rows;
+  Division(const PanelFace& face, const PanelOptions& options)
+      : across(face.width - 2 * options.border),
+        up(face.height - 2 * options.border),
+        columns(std::max(1, static_cast<int>(across / options.cell))),
+        rows(std::max(1, static_cast<int>(up / options.cell))) {}
+  size_t cell_of(const Sample& s) const {
+    const int c = std::clamp(static_cast<int>((s.u / across + 0.5) * columns), 0, columns - 1);
+    const int r = std::clamp(static_cast<int>((s.v / up + 0.5) * rows), 0, rows - 1);
+    return static_cast<size_t>(r) * static_cast<size_t>(columns) + static_cast<size_t>(c);
+  }
+};
+
+/// The points that count (1), and with them those of cells where most points do not and agree with each other: a dent, or
+/// something in front of the panel. The same as `counts` if there are none.
+std::vector<char> with_outlying_cells(const PanelFace& face, const std::vector<Sample>& samples, std::vector<char> counts,
+                                      double widened, const PanelOptions& options) {
+  constexpr size_t least = 3;  // points that can agree with each other
+  const Division division(face, options);
+  std::map<size_t, std::vector<size_t>> outlying;  // points by cell
+  std::vector<size_t> others(static_cast<size_t>(division.columns) * static_cast<size_t>(division.rows));
+  for (size_t i = 0; i < samples.size(); ++i)
+    if (counts[i])
+      ++others[division.cell_of(samples[i])];
+    else
+      outlying[division.cell_of(samples[i])].push_back(i);
+  for (const auto& [cell, points] : outlying) {
+    if (points.size() < least || points.size() <= others[cell]) continue;
+    std::vector<double> heights, off;
+    for (size_t i : points) heights.push_back(samples[i].h);
+    const double middle = median_of(heights);
+    for (double h : heights) off.push_back(std::abs(h - middle));
+    if (median_of(off) > 2 * widened * samples[points[0]].sigma) continue;
+    for (size_t i : points) counts[i] = 1;
+  }
+  return counts;
+}
+
 /// Cells of the face with the mean of their points: for coverage and straightedges.
 HeightGrid grid_of(const PanelFace& face, const std::vector<Sample>& samples, const std::vector<MeasuredTile>& tiles,
-                   const std::vector<double>& weight, double widened, const PanelOptions& options) {
-  const double across = face.width - 2 * options.border, up = face.height - 2 * options.border;
-  HeightGrid grid(std::max(1, static_cast<int>(across / options.cell)), std::max(1, static_cast<int>(up / options.cell)),
-                  {across, up});
+                   const std::vector<char>& counts, double widened, const PanelOptions& options) {
+  const Division division(face, options);
+  HeightGrid grid(division.columns, division.rows, {division.across, division.up});
   Eigen::Index rank = 0;
   for (const MeasuredTile& tile : tiles) rank = std::max(rank, tile.factor.cols());
   const Eigen::Vector3d out = face.plane.axes.col(2);
   for (size_t i = 0; i < samples.size(); ++i) {
-    if (!(weight[i] > 0)) continue;
+    if (!counts[i]) continue;
     const Sample& s = samples[i];
     Eigen::VectorXd common = Eigen::VectorXd::Zero(rank);
     const auto& factor = tiles[s.tile].factor;
@@ -185,7 +226,9 @@ PanelSurface measure_panel(const PanelFace& face, const std::vector<MeasuredTile
   }
   panel.not_measured = at_the_border(face, samples, weight, form, widened, options);
   if (!panel.not_measured.empty()) return panel;
-  const HeightGrid grid = grid_of(face, samples, tiles, weight, widened, options);
+  std::vector<char> counts;
+  for (double w : weight) counts.push_back(w > 0);
+  const HeightGrid grid = grid_of(face, samples, tiles, counts, widened, options);
   panel.coverage = grid.coverage();
   if (panel.coverage < options.least_coverage) {
     panel.not_measured = "points cover " + std::to_string(static_cast<int>(100 * panel.coverage)) + " % of it, " +
@@ -207,6 +250,10 @@ PanelSurface measure_panel(const PanelFace& face, const std::vector<MeasuredTile
   panel.plane_factor = plane * panel.form_factor;
   panel.plane_systematic = panel.plane_factor * panel.plane_factor.transpose();
   for (double length : options.straightedges) panel.flatness.push_back(grid.largest_gap(length));
+  const std::vector<char> more = with_outlying_cells(face, samples, counts, widened, options);
+  if (more == counts) return panel;
+  const HeightGrid whole = grid_of(face, samples, tiles, more, widened, options);
+  for (Gap& gap : panel.flatness) gap.with_outlying = whole.largest_gap(gap.length).gap;
   return panel;
 }
 

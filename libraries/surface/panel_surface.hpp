@@ -46,6 +46,8 @@ struct Gap {
   int positions = 0;   ///< of the straightedge that were looked at; 0: the surface has none of that length
   double noise_mean = 0;   ///< of the largest gap that the cells' errors alone make, by simulation [m]
   double noise_sigma = 0;  ///< its standard deviation, with the systematic part of `sigma` [m]
+  /// The largest gap with places whose points lie off the surface together: a dent, or something in front. nan: none do [m]
+  double with_outlying = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// h = c0 + c1 x + c2 y + c3 (1 − x²) + c4 (1 − y²) + c5 x y, with x and y from −1 to 1 over the panel.

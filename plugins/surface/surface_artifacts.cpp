@@ -108,7 +108,7 @@ std::unique_ptr<PanelSurfaceFiguresT> describe(const PanelSurface& panel, const 
     auto entry = std::make_unique<SurfaceGapT>();
     entry->length = gap.length, entry->positions = gap.positions, entry->place = gap.place;
     if (gap.positions > 0) entry->gap = gap.gap, entry->sigma = gap.sigma, entry->noise_mean = gap.noise_mean,
-                           entry->noise_sigma = gap.noise_sigma;
+                           entry->noise_sigma = gap.noise_sigma, entry->with_outlying = gap.with_outlying;
     result->flatness.push_back(std::move(entry));
   }
   return result;
