@@ -67,6 +67,10 @@ void write_pass_rates(Markup& html, const AccuracyT& accuracy);
 void write_facade(Markup& html, const ReportInput& input);
 void write_panels(Markup& html, const DeviationT& deviation);
 void write_coverage(Markup& html, const DeviationT& deviation);
+/// Verdicts of surfaces, the failing ones first.
+void write_surfaces(Markup& html, const SurfaceJudgementT& judgement);
+/// "12 pass, 1 undecided, 0 fail, 2 not judged".
+std::string surface_counts(const SurfaceJudgementT& judgement);
 void write_anchors(Markup& html, const ReportInput& input);
 void write_method(Markup& html, const AccuracyT& accuracy);
 /// `control` is the test of the control points against the network; null: none.
