@@ -1,4 +1,5 @@
 // calibrate.board: the interior orientation of cameras from photographs of a board.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <set>
@@ -146,18 +147,30 @@ struct CalibrateBoard : Node {
   }
 
   /// A photograph whose markers have another size than those of the others says nothing of the board file.
+  /// Several of the same size show another board.
   static void excuse_board(std::vector<BoardPointsT>& photographs) {
+    constexpr double alike = 0.005;  // relative: blur makes each another size
     std::vector<double> ratios;
     for (const auto& p : photographs)
       if (!p.contradicts && std::isfinite(p.marker_ratio)) ratios.push_back(p.marker_ratio);
     if (ratios.empty()) return;
     for (auto& p : photographs) {
       if (!p.contradicts || !std::isfinite(p.marker_ratio)) continue;
-      char text[240];
-      std::snprintf(text, sizeof text,
-                    "its markers measure %.3f of their squares or spacing, those of the %zu other photographs %.3f, as "
-                    "the board file has it: this one is blurred, or was moved while it was taken",
-                    p.marker_ratio, ratios.size(), upper_median(ratios));
+      char text[300];
+      const auto like = std::count_if(photographs.begin(), photographs.end(), [&](const BoardPointsT& other) {
+        return other.contradicts && std::abs(other.marker_ratio / p.marker_ratio - 1) < alike;
+      });
+      if (like > 1)
+        std::snprintf(text, sizeof text,
+                      "its markers measure %.3f of their squares or spacing, and so do those of %td photographs "
+                      "together; those of the %zu others measure %.3f, as the board file has it: it shows another "
+                      "board. Put its photographs into a folder of their own, with a board file",
+                      p.marker_ratio, like, ratios.size(), upper_median(ratios));
+      else
+        std::snprintf(text, sizeof text,
+                      "its markers measure %.3f of their squares or spacing, those of the %zu other photographs %.3f, "
+                      "as the board file has it: this one is blurred, or was moved while it was taken",
+                      p.marker_ratio, ratios.size(), upper_median(ratios));
       p.problem = text;
     }
   }
