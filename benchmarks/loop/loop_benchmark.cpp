@@ -1,11 +1,12 @@
 // Open, measured once, closed: the same simulated towers side by side. Prints a table, the reliability of p_in, joints,
 // faults.
 //
-//   loop_benchmark [trials] [floors] [share of faults] [first seed]
+//   loop_benchmark [trials] [floors] [share of faults] [first seed] [facades]
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
+#include <map>
 #include <string>
 
 #include "loop/simulate/trial.hpp"
@@ -35,6 +36,7 @@ struct Sum {
   Mean panels, joints, reworks, top, rounds, top_floor, bottom_floor, paired;
   double verified = 0, wrong = 0, worst = 0, infeasible = 0, planted = 0, missed = 0, items = 0, looks = 0;
   double nees = 0, diagonal = 0, joint_values = 0, seconds = 0;
+  std::map<std::string, int> kinds;
   double stated[12] = {}, inside[12] = {}, count[12] = {};
 };
 
@@ -49,6 +51,7 @@ void add(const TrialResult& r, Sum& s) {
   s.verified += r.verified, s.wrong += r.verified_wrong, s.infeasible += r.infeasible, s.items += r.panels;
   s.worst = std::max(s.worst, r.verified_worst);
   for (const std::string& line : r.missed) std::fprintf(stderr, "missed  %s\n", line.c_str());
+  for (const auto& [kind, count] : r.planted_by_kind) s.kinds[kind] += count;
   s.planted += r.planted, s.missed += r.planted_verified, s.looks += r.looks;
   s.nees += r.joint_nees, s.diagonal += r.joint_nees_diagonal, s.joint_values += r.joint_values;
   for (const Stated& stated : r.stated) {
@@ -66,6 +69,7 @@ int main(int argc, char** argv) {
   options.tower.floors = floors, options.tower.bays = 4;
   options.faults = Faults::all(argc > 3 ? std::atof(argv[3]) : 0);
   const auto first = static_cast<std::uint64_t>(argc > 4 ? std::atoi(argv[4]) : 1);
+  options.tower.facades = argc > 5 ? std::atoi(argv[5]) : 1;
   Sum sums[3];
   for (int t = 0; t < trials; ++t) {
     double share[3];
@@ -79,7 +83,7 @@ int main(int argc, char** argv) {
     }
     sums[0].paired.add(share[2] - share[0]), sums[1].paired.add(share[2] - share[1]);
   }
-  std::printf("%d trials, %d floors of 4 panels\n", trials, floors);
+  std::printf("%d trials, %d floors of 4 panels on %d facades\n", trials, floors, options.tower.facades);
   std::printf("%-14s %18s %18s %14s %14s %10s %16s %8s %8s\n", "", "panels inside [%]", "joints inside [%]",
               "lowest floor", "top floor", "reworks", "top height [mm]", "rounds", "s/trial");
   for (const Strategy strategy : {Strategy::open, Strategy::measured_once, Strategy::closed}) {
@@ -98,6 +102,7 @@ int main(int argc, char** argv) {
       c.verified, c.items, 100 * c.verified / c.items, c.infeasible, c.wrong, 100 * c.wrong / std::max(1.0, c.verified),
       1e3 * c.worst);
   std::printf("closed: %.0f faults planted, %.0f brackets VERIFIED that are 4.5 mm or more off\n", c.planted, c.missed);
+  for (const auto& [kind, count] : c.kinds) std::printf("  %s: %d\n", kind.c_str(), count);
   std::printf("closed: a person was asked to look %.0f times, %.2f for each 100 panels\n", c.looks,
               100 * c.looks / c.items);
   const Sum& m = sums[1];

@@ -48,9 +48,10 @@ void PlanInstallation::run(Context& context) {
   result.design_file = deviation->design_file() ? deviation->design_file()->str() : "";
   // A measurement that contradicts itself proves nothing, here neither.
   if (deviation->doubts() && deviation->doubts()->size() > 0) {
+    for (const auto* doubt : *deviation->doubts()) result.doubts.push_back(doubt->str());
     result.hold += result.go, result.go = 0;
     for (auto& panel : result.panels)
-      if (!panel->installed && panel->gate == GateDecision::go) {
+      if (panel->gate == GateDecision::go) {
         panel->gate = GateDecision::hold;
         panel->reason = "the measurement is in doubt: " + deviation->doubts()->Get(0)->str() + "; " + panel->reason;
       }

@@ -1,5 +1,6 @@
 #include "loop/state_nodes.hpp"
 
+#include "loop/job/job.hpp"
 #include "loop/state/date.hpp"
 #include "loop/state/next_words.hpp"
 #include "loop/state/plan_artifact.hpp"
@@ -20,9 +21,10 @@ void UpdateState::run(Context& context) {
   if (!moved_control->empty()) recall(state, *moved_control, "control point " + moved_control->front() + " moved");
   for (const std::string& id : *accept)
     if (!accept_item(state, id))
-      throw std::runtime_error(
-          "'accept' names '" + id +
-          "', which is no rejected bracket or panel of the state and no control that it reports as moved");
+      // In a pipeline with rounds the name may be rejected in a later one: no error.
+      context.warn("'accept' names '" + id +
+                   "', which is no rejected bracket or panel of the state and no control that it reports as moved: "
+                   "nothing is accepted");
   context.metric("reports_taken", static_cast<double>(taken), "1");
   context.metric("reports_refused", static_cast<double>(refused), "1");
   after.commit(state);
@@ -37,7 +39,9 @@ void ReleaseState::run(Context& context) {
   if (!options.at.empty() && !seconds_of(options.at))
     throw std::runtime_error("released_at is '" + options.at +
                              "'; expected ISO 8601 with a zone, such as 2026-05-02T08:00:00Z");
-  apply_plan(state, plan.unpack(), options);
+  const InstallationPlanT planned = plan.unpack();
+  apply_plan(state, planned, options);
+  note_jobs(planned, state);
   close_round(state);
   for (const std::string& control : state.moved_control)
     context.warn(control +

@@ -33,7 +33,7 @@ struct Bracket {
   Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();               ///< frame_from_facade: columns right, up, out
   Eigen::Vector3d deviation = Eigen::Vector3d::Constant(kUnknown);  ///< as-built minus design (14); nan: not measured
   BracketType type;
-  bool fixed = false;  ///< a panel hangs on it: it is set no more, `deviation` is that of the hook as it stands
+  bool fixed = false;  ///< planned as it stands: a panel hangs on it, or it was set; `deviation` is that of the hook
   bool measured() const { return deviation.allFinite(); }
 };
 

@@ -140,6 +140,11 @@ std::string hold_words(const Facade& facade, const PanelGate& gate, const GateOp
   return words;
 }
 
+bool all_hang(const Facade& facade, const JudgedValue& judged) {
+  return std::all_of(judged.rows.begin(), judged.rows.end(),
+                     [&](const auto& row) { return facade.panels[row.first].installed; });
+}
+
 /// Why a panel cannot be more than HOLD; empty if it can.
 std::string obstacle(const Facade& facade, const Fit& fit, std::size_t j) {
   const Panel& panel = facade.panels[j];
@@ -189,7 +194,9 @@ PanelGate judge_region(const Facade& facade, const Fit& fit, const Region& regio
 std::vector<PanelGate> judge_plan(const Facade& facade, const Fit& fit, const GateOptions& options) {
   std::vector<std::vector<std::size_t>> values(facade.panels.size());
   for (std::size_t v = 0; v < fit.judged.size(); ++v)
-    for (const auto& [panel, row] : fit.judged[v].rows) values[panel].push_back(v);
+    for (const auto& [panel, row] : fit.judged[v].rows)
+      // What hangs is right or wrong by what hangs: a neighbour that cannot hang yet says nothing against it.
+      if (!facade.panels[panel].installed || all_hang(facade, fit.judged[v])) values[panel].push_back(v);
   std::vector<PanelGate> gates;
   for (std::size_t j = 0; j < facade.panels.size(); ++j) {
     const std::string why_not = obstacle(facade, fit, j);

@@ -1,5 +1,6 @@
 #include "loop/job/job.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -25,6 +26,19 @@ Eigen::Quaterniond rotation_of(const std::vector<Eigen::Vector3d>& axes) {
   return Eigen::Quaterniond(m).normalized();
 }
 
+/// Right, up and out of a panel as its own corners have them: facades face several ways.
+Eigen::Quaterniond rotation_of_face(const PlannedPanelT& panel) {
+  const auto& c = panel.corners;
+  if (c.size() == 4) {
+    const Eigen::Vector3d right = (c[1] - c[0] + c[3] - c[2]).normalized();
+    const Eigen::Vector3d along = c[2] - c[0] + c[3] - c[1], out = right.cross(along).normalized();
+    if (right.allFinite() && out.allFinite() && out.norm() > 0.5) return rotation_of({right, out.cross(right), out});
+  }
+  throw std::runtime_error("panel " + panel.id + " has " + std::to_string(c.size()) +
+                           " corners that span no face, expected four: which way it faces is not known, so it is no "
+                           "job for a robot");
+}
+
 JobItem bracket_item(const BracketSettingT& bracket, const LoopItemT& item, const Eigen::Vector3d& origin) {
   JobItem out;
   out.id = item.id, out.kind = "bracket", out.operation = "setBracket", out.guid = bracket.guid;
@@ -36,8 +50,11 @@ JobItem bracket_item(const BracketSettingT& bracket, const LoopItemT& item, cons
   return out;
 }
 
-JobItem panel_item(const PlannedPanelT& panel, const LoopItemT& item, const Eigen::Quaterniond& axes,
-                   const Eigen::Vector3d& origin) {
+JobItem panel_item(const PlannedPanelT& panel, const LoopItemT& item, const Eigen::Vector3d& origin) {
+  if (panel.gate != GateDecision::go)
+    throw std::runtime_error("panel " + panel.id + " is released and not GO in this plan (" + panel.reason +
+                             "): release with this plan first");
+  const Eigen::Quaterniond axes = rotation_of_face(panel);
   JobItem out;
   out.id = item.id, out.kind = "panel", out.operation = "placePanel", out.guid = panel.guid;
   out.floor = item.floor, out.revision = item.revision, out.reason = item.why;
@@ -74,20 +91,31 @@ Job make_job(const InstallationPlanT& plan, const LoopStateT& state, int floor, 
   for (const auto& item : state.items)
     if (item->status == ItemStatus::released && (floor == 0 || item->floor == floor))
       released[item->kind + " " + item->id] = item.get();
-  Eigen::Quaterniond axes{1, 0, 0, 0};
-  for (const auto& bracket : plan.brackets) {
-    axes = rotation_of(bracket->axes);
+  for (const auto& bracket : plan.brackets)
     if (const auto item = released.find("bracket " + bracket->id); item != released.end())
       job.items.push_back(bracket_item(*bracket, *item->second, job.origin));
-  }
   for (const auto& panel : plan.panels)
     if (const auto item = released.find("panel " + panel->id); item != released.end())
-      job.items.push_back(panel_item(*panel, *item->second, axes, job.origin));
-  std::string content = job.basis + std::to_string(job.revision) + ":" + std::to_string(floor);
-  for (const JobItem& item : job.items) content += " " + item.id;
+      job.items.push_back(panel_item(*panel, *item->second, job.origin));
+  // A job with other contents has another name; when it was written is no content.
+  Job content = job;
+  content.created_at.clear(), content.valid_until.clear();
   job.id = "job-" + std::to_string(job.revision) + (floor > 0 ? "-F" + std::to_string(floor) : "") + "-" +
-           sha256_hex(content).substr(0, 12);
+           sha256_hex(job_json(content)).substr(0, 12);
   return job;
+}
+
+void note_jobs(const InstallationPlanT& plan, LoopStateT& state) {
+  std::set<int> floors = {0};
+  for (const auto& item : state.items)
+    if (item->status == ItemStatus::released) floors.insert(item->floor);
+  for (const int floor : floors) {
+    const std::string id = make_job(plan, state, floor, "", "").id;
+    for (auto& item : state.items)
+      if (item->status == ItemStatus::released && (floor == 0 || item->floor == floor) &&
+          std::find(item->jobs.begin(), item->jobs.end(), id) == item->jobs.end())
+        item->jobs.push_back(id);
+  }
 }
 
 std::string job_json(const Job& job) {

@@ -38,9 +38,13 @@ struct Job {
 };
 
 /// Released items of the state, in the order of the plan; those of `floor` only unless it is 0. Throws
-/// std::runtime_error if the state was made from another plan.
+/// std::runtime_error if the state was made from another plan, for a released panel that is not GO in it, and for one
+/// whose corners do not tell which way it faces. The id is a hash of the content.
 Job make_job(const InstallationPlanT& plan, const LoopStateT& state, int floor, const std::string& created_at,
              const std::string& valid_until);
+
+/// Notes at all released items the ids of the jobs that hold them: of all floors and of their own.
+void note_jobs(const InstallationPlanT& plan, LoopStateT& state);
 
 std::string job_json(const Job& job);
 

@@ -12,6 +12,7 @@ SimulatedSite::SimulatedSite(const SiteOptions& options, std::uint64_t seed)
     truth_.push_back(built.normal3(options.as_built));
     bracket_at_[design_.brackets[b].id] = b;
   }
+  seen_.assign(truth_.size(), Eigen::Vector3d::Constant(kUnknown));
   plate_off_.assign(truth_.size(), Eigen::Vector3d::Zero()), set_ = plate_off_;
   for (std::size_t i = 0; i < 5 * design_.panels.size(); ++i)
     made_.push_back(made.normal(i % 5 == 4 ? options.face : options.edge));
@@ -48,6 +49,12 @@ Facade SimulatedSite::measure(int round) {
       set_up.back() += Eigen::Vector3d(0, 0, 0.006);
     }
   }
+  Random gaps(seed_, "campaign gaps", static_cast<std::uint64_t>(round));
+  std::vector<bool> left_out;
+  for (int floor = 1; floor <= options_.tower.floors; ++floor) {
+    left_out.push_back(gaps.uniform() < options_.faults.partial);
+    if (left_out.back()) planted_.push_back({"partial campaign", "floor " + std::to_string(floor), round, 0});
+  }
   for (std::size_t b = 0; b < facade.brackets.size(); ++b) {
     Bracket& bracket = facade.brackets[b];
     if (faults.uniform() < options_.faults.tag_bumped) {
@@ -56,6 +63,13 @@ Facade SimulatedSite::measure(int round) {
     }
     bracket.deviation =
         truth_[b] + plate_off_[b] + set_up[static_cast<std::size_t>(bracket.floor - 1)] + noise.normal3(s.single);
+    if (left_out[static_cast<std::size_t>(bracket.floor - 1)] && seen_[b].allFinite()) bracket.deviation = seen_[b];
+    if (gaps.uniform() < options_.faults.hidden) {
+      plant("hidden", b, round, Eigen::Vector3d::Zero());
+      bracket.deviation.setConstant(kUnknown);
+    } else {
+      seen_[b] = bracket.deviation;
+    }
   }
   for (std::size_t i = 0; i < facade.brackets.size(); ++i)
     for (std::size_t j = 0; j < facade.brackets.size(); ++j) {
@@ -86,7 +100,7 @@ void SimulatedSite::execute_bracket(const LoopItemT& item, int round, ActualsT& 
   Random luck(seed_, "faults", static_cast<std::uint64_t>(round) * 100000u + b);
   auto actual = std::make_unique<ActualT>();
   actual->item = item.id, actual->revision = item.revision, actual->by = "robot-" + std::to_string(1 + item.floor % 2);
-  actual->outcome = "done";
+  actual->outcome = "done", actual->job = item.jobs.empty() ? "" : item.jobs.front();
   actual->measured.setConstant(kUnknown), actual->sigma.setConstant(kUnknown), actual->setting.setConstant(kUnknown);
   std::size_t where = b;
   Eigen::Vector3d what = item.pending;
@@ -106,6 +120,9 @@ void SimulatedSite::execute_bracket(const LoopItemT& item, int round, ActualsT& 
     plant("done twice", b, round, what), twice = true;
   } else if (luck.uniform() < f.old_revision) {
     plant("old revision", b, round, Eigen::Vector3d::Zero()), actual->revision = item.revision - 1;
+  } else if (luck.uniform() < f.other_job) {
+    const Eigen::Vector3d other = luck.normal3(0.006);
+    plant("other job", b, round, other - what), what = other, actual->job = "job-of-another-tower";
   }
   if (what.squaredNorm() > 0) set(where, what, round);
   if (twice) set(where, what, round + 50000);

@@ -54,6 +54,39 @@ std::size_t tower_bracket(const TowerOptions& o, int floor, int row, int column)
   return static_cast<std::size_t>((floor * 2 + row) * (o.bays + 1) + column);
 }
 
+namespace {
+
+/// The same facade once more, turned a quarter to face right.
+void add_east_facade(Facade& facade, const TowerOptions& o) {
+  const std::size_t brackets = facade.brackets.size(), panels = facade.panels.size(), joints = facade.joints.size();
+  Eigen::Matrix3d turn;
+  turn << 0, -1, 0, 1, 0, 0, 0, 0, 1;
+  const Eigen::Vector3d corner(o.bays * o.width + 1, 1, 0);
+  const auto place = [&](const Eigen::Vector3d& p) -> Eigen::Vector3d { return turn * p + corner; };
+  for (std::size_t b = 0; b < brackets; ++b) {
+    Bracket bracket = facade.brackets[b];
+    bracket.id = "E" + bracket.id, bracket.design = place(bracket.design), bracket.axes = turn * bracket.axes;
+    facade.brackets.push_back(std::move(bracket));
+  }
+  for (std::size_t j = 0; j < panels; ++j) {
+    Panel panel = facade.panels[j];
+    panel.id = panel.name = "E" + panel.id, panel.axes = turn * panel.axes, panel.centre = place(panel.centre);
+    for (auto& c : panel.corners) c = place(c);
+    for (Hook& hook : panel.hooks) hook.bracket += brackets;
+    for (std::string& before : panel.depends_on) before = "E" + before;
+    facade.panels.push_back(std::move(panel));
+  }
+  for (std::size_t i = 0; i < joints; ++i) {
+    Joint joint = facade.joints[i];
+    joint.a += panels, joint.b += panels, joint.across = turn * joint.across;
+    for (auto* ends : {&joint.on_a, &joint.on_b})
+      for (auto& end : *ends) end = place(end);
+    facade.joints.push_back(std::move(joint));
+  }
+}
+
+}  // namespace
+
 Facade make_tower(const TowerOptions& o) {
   Facade facade;
   const Eigen::Matrix3d axes = facade_axes(-Eigen::Vector3d::UnitY());
@@ -75,6 +108,7 @@ Facade make_tower(const TowerOptions& o) {
       if (floor + 1 < o.floors)
         facade.joints.push_back(make_joint(o, facade.panels, at(floor, bay), at(floor + 1, bay), true));
     }
+  if (o.facades > 1) add_east_facade(facade, o);
   const auto n = static_cast<Eigen::Index>(3 * facade.brackets.size());
   facade.covariance = Eigen::MatrixXd::Zero(n, n);
   return facade;

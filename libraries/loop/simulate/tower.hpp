@@ -17,6 +17,7 @@ struct TowerOptions {
   double joint_tolerance = 0.008;    ///< change of a joint's width, and step across it [m]
   double tolerance = 0.005;          ///< of corners, each direction [m]
   bool steps_judged = true;
+  int facades = 1;  ///< 2: the same again round the corner to the right, names with E before them
 };
 
 /// Nothing measured yet: deviations are nan, the covariance is zero. Frame: x to the right, y into the building, z up.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "loop/job/job.hpp"
 #include "loop/state/plan_artifact.hpp"
 
 namespace plumbline::loop {
@@ -174,6 +175,7 @@ std::vector<bool> count_verified(const SimulatedSite& site, const LoopStateT& st
 /// Faults that left a hook 2 mm off or more from where the state believes it, and that a verified bracket still has.
 void count_planted(const SimulatedSite& site, const LoopStateT& state, TrialResult& result) {
   result.planted = static_cast<int>(site.planted().size());
+  for (const PlantedFault& fault : site.planted()) ++result.planted_by_kind[fault.kind];
   for (const auto& item : state.items) {
     if (item->kind != "bracket" || item->status != ItemStatus::verified || !item->expected.allFinite()) continue;
     for (std::size_t b = 0; b < site.design().brackets.size(); ++b) {
@@ -225,6 +227,7 @@ std::vector<bool> closed(SimulatedSite& site, TrialResult& result) {
       InstallationPlanT plan = plan_artifact(facade, fit, judge_plan(facade, fit));
       add_other_brackets(plan, measured);
       apply_plan(state, plan, options);
+      note_jobs(plan, state);
       for (const auto& panel : plan.panels)
         if (panel->floor == floor && panel->gate == GateDecision::no_go && !fit.relaxations.empty())
           limited.insert(panel->id);

@@ -2,6 +2,8 @@
 // closed loop.
 #pragma once
 
+#include <map>
+
 #include "loop/gate/gate.hpp"
 #include "loop/simulate/site.hpp"
 #include "loop/state/machine.hpp"
@@ -32,6 +34,7 @@ struct TrialResult {
   int joint_values = 0;
   std::vector<std::string> journal;       ///< of the closed loop
   int planted = 0, planted_verified = 0;  ///< faults that left a hook off; brackets VERIFIED although still off by one
+  std::map<std::string, int> planted_by_kind;
   std::vector<std::string> missed;        ///< of the latter: what was planted there, and their lines of the journal
 };
 

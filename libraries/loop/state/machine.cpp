@@ -32,7 +32,7 @@ bool may_follow(ItemStatus from, ItemStatus to) {
       {S::relocalised, {S::verified, S::rework}},
       {S::verified, {S::relocalised, S::rework}},
       {S::rework, {S::planned, S::rejected}},
-      {S::rejected, {S::planned}},
+      {S::rejected, {S::planned, S::relocalised}},
       {S::stale, {S::planned}}};
   return next.at(from).count(to) > 0;
 }
@@ -44,6 +44,14 @@ std::string millimetres(double metres) {
 }
 
 std::string control_of_floor(int floor) { return "control of floor " + std::to_string(floor); }
+
+std::string control_without_floor(const LoopStateT& state) {
+  for (const std::string& name : state.moved_control)
+    if (std::none_of(state.items.begin(), state.items.end(),
+                     [&](const auto& item) { return control_of_floor(item->floor) == name; }))
+      return name;
+  return {};
+}
 
 void move(LoopStateT& state, LoopItemT& item, ItemStatus to, const Because& because) {
   if (!may_follow(item.status, to))
@@ -69,8 +77,19 @@ std::string date_doubt(const LoopItemT& item, const ActualT& actual) {
   const std::optional<double> then = seconds_of(actual.at);
   if (!then) return "is dated '" + actual.at + "', expected ISO 8601 with a zone, such as 2026-05-02T08:00:00Z";
   const std::optional<double> released = seconds_of(item.at);
-  return released && *then < *released ? "is dated " + actual.at + ", before the item was released at " + item.at
-                                       : std::string();
+  return released && *then <= *released ? "is dated " + actual.at +
+                                              ", not after the item was released or reported last at " + item.at
+                                        : std::string();
+}
+
+/// A report on work that was released before, or on another robot's, does not say that this was done.
+std::string release_doubt(const LoopItemT& item, const ActualT& actual) {
+  if (item.kind == "panel" && actual.revision == 0 && actual.job.empty() && actual.at.empty())
+    return "has no revision, no job and no date: nothing says that the panel was hung since it was released; give one";
+  if (actual.job.empty() || item.jobs.empty()) return {};
+  if (std::find(item.jobs.begin(), item.jobs.end(), actual.job) != item.jobs.end()) return {};
+  return "answers " + actual.job + ", the item was released with " + item.jobs.back() +
+         ": another job was executed; measure the item";
 }
 
 std::string setting_doubt(const LoopItemT& item, const ActualT& actual) {
@@ -97,6 +116,7 @@ std::string objection(const LoopItemT* item, const ActualT& actual) {
            std::to_string(item->revision) + ": a job that is no longer valid was executed; measure the item";
   if (item->status != ItemStatus::released && item->status != ItemStatus::executing)
     return std::string("the item is ") + name_of(item->status) + ", not RELEASED: nobody asked for it; measure it";
+  if (const std::string doubt = release_doubt(*item, actual); !doubt.empty()) return doubt;
   if (const std::string doubt = date_doubt(*item, actual); !doubt.empty()) return doubt;
   if (const std::string doubt = setting_doubt(*item, actual); !doubt.empty()) return doubt;
   if (actual.measured.allFinite() && item->expected.allFinite())
@@ -121,8 +141,8 @@ std::vector<std::string> apply_actuals(LoopStateT& state, const ActualsT& actual
         actual->note.empty() ? "reported " + actual->outcome : actual->note, actual->by, actual->at, {}};
     if (actual->outcome == "done") {
       move(state, *item, ItemStatus::executed, because);
-      // What is asked for stays: the next measurement judges by it.
-      item->setting += actual->setting.allFinite() ? actual->setting : item->pending;
+      // What is asked for stays: the next measurement judges by it, and corrects what the bracket has used of its range.
+      item->setting += item->pending, item->hangs = item->kind == "panel";
     } else {
       move(state, *item, ItemStatus::planned, {actual->outcome + ": " + because.why, actual->by, actual->at, {}});
       item->pending.setZero();
@@ -153,7 +173,7 @@ bool accept_control(LoopStateT& state, const std::string& name) {
   if (known == state.moved_control.end()) return false;
   state.moved_control.erase(known);
   for (auto& item : state.items)
-    if (control_of_floor(item->floor) == name) item->expected.setConstant(kUnknown);
+    if (item->kind == "bracket" && control_of_floor(item->floor) == name) item->expected.setConstant(kUnknown);
   return true;
 }
 
@@ -163,15 +183,19 @@ bool accept_item(LoopStateT& state, const std::string& id) {
   bool found = accept_control(state, id);
   for (auto& item : state.items) {
     if (item->id != id || item->status != ItemStatus::rejected) continue;
-    move(state, *item, ItemStatus::planned, {"accepted by a person", {}, {}, {}});
-    item->reworks = 0, item->expected.setConstant(kUnknown), found = true;
+    found = true, item->reworks = 0;
+    // What hangs is not released again: the next measurement judges it.
+    move(state, *item, item->hangs ? ItemStatus::relocalised : ItemStatus::planned,
+         {"accepted by a person", {}, {}, {}});
+    if (item->kind == "bracket") item->expected.setConstant(kUnknown);
   }
   return found;
 }
 
 void close_round(LoopStateT& state) {
   state.verified = state.given_up = 0;
-  bool open = false;
+  bool open = state.to_plan;
+  const bool blocked = !control_without_floor(state).empty();
   const auto in_doubt = [&](int floor) {
     return std::count(state.moved_control.begin(), state.moved_control.end(), control_of_floor(floor)) > 0;
   };
@@ -183,6 +207,7 @@ void close_round(LoopStateT& state) {
         open || item->status == ItemStatus::released || item->status == ItemStatus::executing ||
         ((item->status == ItemStatus::executed || item->status == ItemStatus::relocalised) && !in_doubt(item->floor));
   }
+  open = open && !blocked;
   ++state.round;
   state.done = !open;
 }

@@ -33,23 +33,25 @@ struct MachineOptions {
 };
 
 /// Applies reports. Each that is not taken comes back with its reason: unknown item, another revision than the item was
-/// released with, an item that is not released, a report older than its release or with a date that is none, one that
-/// came before (told, and harmless), a setting far from what was asked for, a place metres away from where the item is
+/// released with, another job, an item that is not released, a report not later than its release or the report before, or
+/// with a date that is none, a panel's without revision, job and date, one that came before (told, and harmless), a setting far from what was asked for, a place metres away from where the item is
 /// (with what would explain it: feet, millimetres, exchanged axes, another frame).
 std::vector<std::string> apply_actuals(LoopStateT& state, const ActualsT& actuals);
 
 /// Takes a new plan, made from a new measurement: items of a first plan are added; brackets and panels that were
 /// executed are judged by it; released ones whose setting changed by more than a tenth of the tolerance, or all of them
 /// when `plan.basis` is another and no measurement explains it, become stale and are planned again; panels that are GO
-/// and whose turn it is are released with the brackets that carry them. `measured`: ids of anchors that were measured
-/// after the reports were made; empty: all of the plan.
+/// and whose turn it is are released with the brackets that carry them. What was reported is judged once the anchor's own
+/// measurement (BracketSetting::basis) is another than before. Throws std::runtime_error for a name whose GlobalId
+/// changed.
 void apply_plan(LoopStateT& state, const InstallationPlanT& plan, const MachineOptions& options);
 
 /// Everything released becomes stale: control has another adjustment, or points of it moved.
 void recall(LoopStateT& state, const std::vector<std::string>& moved_control, const std::string& why);
 
 /// A rejected item that a person has looked at: planned again, as it is measured next. "control of floor 3" of
-/// LoopState::moved_control: its next measurement is the reference for the floor. False if it is neither.
+/// LoopState::moved_control: its next measurement is the reference for the floor. Any other name in there ("CP3")
+/// blocks everything until it is accepted. A panel that hangs is to be measured again. False if it is none of these.
 bool accept_item(LoopStateT& state, const std::string& id);
 
 /// Counts, `done`.

@@ -17,6 +17,18 @@ std::string holds_words(const std::array<bool, 3>& holds) {
   return words;
 }
 
+/// Of the anchor's own measurement, to a micrometre: what is measured or designed elsewhere does not change it.
+std::string own_basis(const Facade& facade, std::size_t index) {
+  const Bracket& bracket = facade.brackets[index];
+  if (!bracket.measured()) return {};
+  const Eigen::Vector3d measured = bracket.design + bracket.deviation;
+  std::vector<double> numbers(measured.begin(), measured.end());
+  const auto at = 3 * static_cast<Eigen::Index>(index);
+  for (Eigen::Index i = 0; i < 3; ++i)
+    for (Eigen::Index j = 0; j <= i; ++j) numbers.push_back(1e4 * facade.covariance(at + i, at + j));
+  return sha256_hex(numbers, 1e-6).substr(0, 16);
+}
+
 std::unique_ptr<BracketSettingT> bracket_artifact(const Facade& facade, const std::string& guid, const Fit& fit,
                                                   std::size_t index) {
   const Bracket& bracket = facade.brackets[index];
@@ -27,7 +39,7 @@ std::unique_ptr<BracketSettingT> bracket_artifact(const Facade& facade, const st
   for (int k = 0; k < 3; ++k) out->axes.push_back(bracket.axes.col(k));
   out->asked = fit.asked[index], out->setting = fit.settings[index];
   out->low = bracket.type.low, out->high = bracket.type.high, out->type = bracket.type.name;
-  out->fixed = bracket.fixed;
+  out->fixed = bracket.fixed, out->basis = own_basis(facade, index);
   return out;
 }
 
@@ -105,15 +117,17 @@ void apply_state(Facade& facade, const LoopStateT& state) {
     const auto item = items.find("panel " + panel.id);
     if (item == items.end()) continue;
     const ItemStatus status = item->second->status;
-    panel.installed =
-        status == ItemStatus::executed || status == ItemStatus::relocalised || status == ItemStatus::verified;
+    panel.installed = item->second->hangs || status == ItemStatus::executed || status == ItemStatus::relocalised ||
+                      status == ItemStatus::verified;
     for (const Hook& hook : panel.hooks)
       if (panel.installed) facade.brackets[hook.bracket].fixed = true;
   }
   for (Bracket& bracket : facade.brackets) {
     const auto item = items.find("bracket " + bracket.id);
     if (item == items.end()) continue;
-    bracket.fixed = bracket.fixed || item->second->status == ItemStatus::verified;
+    const ItemStatus status = item->second->status;
+    bracket.fixed = bracket.fixed || status == ItemStatus::executed || status == ItemStatus::relocalised ||
+                    status == ItemStatus::verified;
     bracket.type.low -= item->second->setting, bracket.type.high -= item->second->setting;
     bracket.type.low = bracket.type.low.cwiseMin(0.0), bracket.type.high = bracket.type.high.cwiseMax(0.0);
   }

@@ -15,7 +15,8 @@ struct PlanNames {
 InstallationPlanT plan_artifact(const Facade& facade, const Fit& fit, const std::vector<PanelGate>& gates,
                                 const PlanNames& names = {});
 
-/// Marks what hangs, and the brackets that are set no more: those that carry it, and verified ones. Takes what was set
+/// Marks what hangs, and the brackets that are planned as they stand: those that carry it, and those that were set,
+/// verified or not yet (no plan may count on a second setting that nobody makes). Takes what was set
 /// before off the ranges. Items are found by id.
 void apply_state(Facade& facade, const LoopStateT& state);
 

@@ -1,12 +1,12 @@
 // A new plan on a new measurement: what was done is judged, what is in doubt is no longer verified, what is GO is
 // released.
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <map>
 #include <set>
 
 #include "loop/fit/facade.hpp"
+#include "loop/state/bracket_places.hpp"
+#include "loop/state/floor_moves.hpp"
 #include "loop/state/machine.hpp"
 #include "loop/state/transitions.hpp"
 
@@ -30,23 +30,31 @@ void do_again(LoopStateT& state, LoopItemT& item, const MachineOptions& options,
 class Round {
  public:
   Round(LoopStateT& state, const InstallationPlanT& plan, const MachineOptions& options)
-      : state_(state), plan_(plan), options_(options), measured_again_(plan.basis != state.basis) {
-    add_items();
+      : state_(state), plan_(plan), options_(options) {
+    add_items(state, plan);
     for (auto& item : state_.items) item_of_[item->kind + " " + item->id] = item.get();
     for (const auto& bracket : plan_.brackets) bracket_of_[bracket->id] = bracket.get();
     rests_on_ = {plan_.basis};
   }
 
   void run() {
-    for (const int floor : floors_in_doubt()) moved_floors_.insert(floor);
-    if (measured_again_) {
-      moved_floors_.clear();
+    moved_floors_ = floors_in_doubt();
+    state_.to_plan = false;
+    if (const std::string why = doubt_of_everything(); !why.empty()) {
+      hold_everything(why);
+    } else {
       verify_brackets();
       verify_panels();
       find_stale();
+      unset_what_does_not_do();
+      release();
+      for (const auto& bracket : plan_.brackets)
+        if (bracket->fixed && item("bracket", bracket->id)->status == ItemStatus::planned && !carries(bracket->id))
+          state_.to_plan = true;
+      // What was reported is judged by measurements that no plan has seen before.
+      for (auto& item : state_.items)
+        if (item->status != ItemStatus::executed) note_basis(*item);
     }
-    unset_what_does_not_do();
-    release();
     state_.basis = plan_.basis;
   }
 
@@ -54,6 +62,41 @@ class Round {
   LoopItemT* item(const std::string& kind, const std::string& id) const {
     const auto found = item_of_.find(kind + " " + id);
     return found == item_of_.end() ? nullptr : found->second;
+  }
+
+  /// Why nothing can be told by this plan; empty: something can.
+  std::string doubt_of_everything() const {
+    if (const std::string name = control_without_floor(state_); !name.empty())
+      return name + " moved, and nobody knows what hangs on it: look at it, then accept it";
+    return plan_.doubts.empty() ? std::string() : "the measurement is in doubt: " + plan_.doubts.front();
+  }
+
+  /// Nothing is verified, done again or released; what waits to be judged says why.
+  void hold_everything(const std::string& why) {
+    for (auto& item : state_.items) {
+      if (item->status == ItemStatus::released) recall_item(*item, why);
+      if (item->status != ItemStatus::verified && item->status != ItemStatus::rejected) item->why = why;
+    }
+  }
+
+  void recall_item(LoopItemT& item, const std::string& why) {
+    const Because because{why, {}, {}, rests_on_};
+    move(state_, item, ItemStatus::stale, because), move(state_, item, ItemStatus::planned, because);
+    item.pending.setZero();
+  }
+
+  /// The measurements that an item rests on: of its anchor, or of the anchors of its panel.
+  void note_basis(LoopItemT& item) const {
+    if (item.kind == "bracket") {
+      const auto bracket = bracket_of_.find(item.id);
+      if (bracket != bracket_of_.end() && !bracket->second->basis.empty()) item.basis = bracket->second->basis;
+      return;
+    }
+    for (const auto& panel : plan_.panels) {
+      if (panel->id != item.id) continue;
+      item.basis.clear();
+      for (const std::string& id : panel->brackets) item.basis += this->item("bracket", id)->basis + " ";
+    }
   }
 
   /// Without a new measurement a floor that moved stays in doubt.
@@ -65,26 +108,15 @@ class Round {
     return floors;
   }
 
-  void add_items() {
-    std::set<std::string> known;
-    for (const auto& item : state_.items) known.insert(item->kind + " " + item->id);
-    const auto add = [&](const std::string& kind, const std::string& id, int floor) {
-      if (!known.insert(kind + " " + id).second) return;
-      auto item = std::make_unique<LoopItemT>();
-      item->id = id, item->kind = kind, item->floor = floor;
-      item->setting.setZero(), item->pending.setZero(), item->expected.setConstant(kUnknown);
-      state_.items.push_back(std::move(item));
-    };
-    for (const auto& bracket : plan_.brackets) add("bracket", bracket->id, bracket->floor);
-    for (const auto& panel : plan_.panels) add("panel", panel->id, panel->floor);
-  }
-
   void verify_brackets() {
     find_floors_that_moved();
     doubt_what_stands_on_moved_control();
     for (const auto& bracket : plan_.brackets) {
       LoopItemT& item = *this->item("bracket", bracket->id);
       if (moved_floors_.count(item.floor) || !bracket->measured.allFinite()) continue;
+      // What was done is not judged by what was measured before.
+      const bool waits = item.status == ItemStatus::executed || item.status == ItemStatus::relocalised;
+      if (waits && !is_measured_anew(item, *bracket)) continue;
       const bool is_known = item.expected.allFinite(), was_planned = item.status == ItemStatus::planned;
       if (is_known)
         judge_bracket(item, *bracket);
@@ -98,8 +130,8 @@ class Round {
 
   void judge_bracket(LoopItemT& item, const BracketSettingT& bracket) {
     const Eigen::Vector3d shift = bracket.measured - place_of(item, bracket);
-    const double off = shift.cwiseAbs().maxCoeff(), most = doubt_of(bracket).maxCoeff();
-    const bool is_there = (shift.cwiseAbs().array() <= doubt_of(bracket).array()).all();
+    const double off = shift.cwiseAbs().maxCoeff(), most = doubt(bracket).maxCoeff();
+    const bool is_there = (shift.cwiseAbs().array() <= doubt(bracket).array()).all();
     if (item.status == ItemStatus::executed)
       judge_setting(item, bracket, off, is_there);
     else if (!is_there)
@@ -112,6 +144,9 @@ class Round {
   }
 
   void verify(LoopItemT& item, const BracketSettingT& bracket, const std::string& why) {
+    // What it has used of its range is what was measured, not what was asked.
+    const Eigen::Vector3d off = along_axes(bracket, bracket.measured - place_of(item, bracket));
+    if (off.allFinite()) item.setting += off;
     move(state_, item, ItemStatus::verified, {why, {}, {}, rests_on_});
     item.expected = bracket.measured, item.pending.setZero();
   }
@@ -131,32 +166,14 @@ class Round {
     move(state_, item, ItemStatus::rework, because), move(state_, item, ItemStatus::planned, because);
   }
 
-  /// What a difference between two measurements must exceed to mean something: the tolerance, or four of its standard
-  /// deviations. Each axis of the frame [m].
-  Eigen::Vector3d doubt_of(const BracketSettingT& bracket) const {
-    return (4 * std::sqrt(2.0) * bracket.sigma).cwiseMax(options_.setting_tolerance);
-  }
-
-  /// Along right, up, out [m].
-  static Eigen::Vector3d along_axes(const BracketSettingT& bracket, const Eigen::Vector3d& v) {
-    return {bracket.axes[0].dot(v), bracket.axes[1].dot(v), bracket.axes[2].dot(v)};
-  }
-  static Eigen::Vector3d from_axes(const BracketSettingT& bracket, const Eigen::Vector3d& v) {
-    return v.x() * bracket.axes[0] + v.y() * bracket.axes[1] + v.z() * bracket.axes[2];
-  }
-
-  /// How a robot comes to move a bracket as it did, from where it stood when it was asked; empty if nothing explains
-  /// it.
-  static std::string explanation(const LoopItemT& item, const BracketSettingT& bracket, double most) {
-    const Eigen::Vector3d moved = along_axes(bracket, bracket.measured - item.expected);
-    const auto is = [&](double times) { return (moved - times * item.pending).cwiseAbs().maxCoeff() <= most; };
-    return is(0) ? "it was not moved" : is(-1) ? "it was set the other way" : is(2) ? "it was set twice" : "";
+  Eigen::Vector3d doubt(const BracketSettingT& bracket) const {
+    return doubt_of(bracket, options_.setting_tolerance);
   }
 
   /// A measurement of the plate does not tell a bracket that was set elsewhere from a plate that was knocked: only what
   /// a known mistake explains is done again without a person.
   void judge_setting(LoopItemT& item, const BracketSettingT& bracket, double off, bool is_there) {
-    const double most = doubt_of(bracket).maxCoeff();
+    const double most = doubt(bracket).maxCoeff();
     move(state_, item, ItemStatus::relocalised,
          {"measured " + millimetres(off) + " from where it was to be", {}, {}, rests_on_});
     const std::string how = is_there ? "" : explanation(item, bracket, most);
@@ -178,13 +195,6 @@ class Round {
              {"stands " + millimetres(off) + " from where it was to be set: " + how, {}, {}, rests_on_});
   }
 
-  /// Where the anchor of a bracket should be measured now: that a robot was asked does not move it, that it says so
-  /// does.
-  static Eigen::Vector3d place_of(const LoopItemT& item, const BracketSettingT& bracket) {
-    const bool asked = item.status == ItemStatus::executed || item.status == ItemStatus::relocalised;
-    return asked ? Eigen::Vector3d(item.expected + from_axes(bracket, item.pending)) : item.expected;
-  }
-
   void give_to_a_person(LoopItemT& item, const std::string& why) {
     const Because because{why, {}, {}, rests_on_};
     reject(item, because);
@@ -204,34 +214,16 @@ class Round {
   }
 
   /// Floors whose anchors all moved together: their control did, now or when they were measured last. Nothing of them
-  /// is verified or released by this plan.
+  /// is verified or released by this plan. Fewer than three anchors do not show that it is in order again.
   void find_floors_that_moved() {
-    std::map<int, std::array<std::vector<double>, 3>> moves;
-    std::map<int, Eigen::Vector3d> doubt;
-    for (const auto& bracket : plan_.brackets) {
-      const LoopItemT& item = *this->item("bracket", bracket->id);
-      const Eigen::Vector3d shift = bracket->measured - place_of(item, *bracket);
-      if (!shift.allFinite()) continue;
-      const Eigen::Vector3d most = doubt_of(*bracket);
-      if (item.status == ItemStatus::executed && (shift.cwiseAbs().array() > most.array()).any() &&
-          !explanation(item, *bracket, most.maxCoeff()).empty())
-        continue;
-      Eigen::Vector3d& of_floor = doubt.try_emplace(item.floor, Eigen::Vector3d::Zero()).first->second;
-      of_floor = of_floor.cwiseMax(most);
-      for (std::size_t k = 0; k < 3; ++k) moves[item.floor][k].push_back(shift[static_cast<Eigen::Index>(k)]);
-    }
-    for (auto& [floor, by_axis] : moves) {
-      if (by_axis[0].size() < 3) continue;
+    for (const auto& [number, floor] : moves_of_floors(state_, plan_, options_.setting_tolerance)) {
+      const bool moved = floor.moved();
+      if (!moved && floor.moves.size() < 3) continue;
       auto& names = state_.moved_control;
-      names.erase(std::remove(names.begin(), names.end(), control_of_floor(floor)), names.end());
-      for (std::size_t k = 0; k < 3; ++k) {
-        auto& values = by_axis[k];
-        std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-        if (std::abs(values[values.size() / 2]) > doubt.at(floor)[static_cast<Eigen::Index>(k)])
-          moved_floors_.insert(floor);
-      }
-      if (moved_floors_.count(floor)) names.push_back(control_of_floor(floor));
+      names.erase(std::remove(names.begin(), names.end(), control_of_floor(number)), names.end());
+      if (moved) names.push_back(control_of_floor(number));
     }
+    moved_floors_ = floors_in_doubt();
   }
 
   /// What was released is recalled, and what was verified is measured at most: it was verified by one of two
@@ -244,37 +236,48 @@ class Round {
                             {},
                             {},
                             rests_on_};
-      if (item->status == ItemStatus::released) {
-        move(state_, *item, ItemStatus::stale, because);
-        move(state_, *item, ItemStatus::planned, because);
-        item->pending.setZero();
-      } else if (item->status == ItemStatus::verified) {
+      if (item->status == ItemStatus::released)
+        recall_item(*item, because.why);
+      else if (item->status == ItemStatus::verified)
         move(state_, *item, ItemStatus::relocalised, because);
-      }
     }
   }
 
   /// Whether a panel hangs on it.
   bool carries(const std::string& bracket) const {
     for (const auto& panel : plan_.panels) {
-      const ItemStatus status = item("panel", panel->id)->status;
-      if (status != ItemStatus::executed && status != ItemStatus::relocalised && status != ItemStatus::verified)
+      const LoopItemT& hung = *item("panel", panel->id);
+      if (!hung.hangs && hung.status != ItemStatus::executed && hung.status != ItemStatus::relocalised &&
+          hung.status != ItemStatus::verified)
         continue;
       if (std::find(panel->brackets.begin(), panel->brackets.end(), bracket) != panel->brackets.end()) return true;
     }
     return false;
   }
 
+  /// Whether all anchors of a panel were measured, and those of a panel that was just hung since it hangs.
+  bool can_be_judged(const PlannedPanelT& panel, const LoopItemT& item) const {
+    return std::all_of(panel.brackets.begin(), panel.brackets.end(), [&](const std::string& id) {
+      const BracketSettingT& bracket = *bracket_of_.at(id);
+      return bracket.measured.allFinite() &&
+             (item.status != ItemStatus::executed || is_measured_anew(item, bracket));
+    });
+  }
+
   void verify_panels() {
     for (const auto& panel : plan_.panels) {
       LoopItemT& item = *this->item("panel", panel->id);
-      if (!panel->installed || !(panel->p_in >= 0) || touches_moved_floor(*panel)) continue;
-      if (item.status == ItemStatus::executed)
-        move(state_, item, ItemStatus::relocalised, {panel->reason, {}, {}, rests_on_});
-      if (item.status == ItemStatus::relocalised && panel->p_in >= options_.verified)
-        move(state_, item, ItemStatus::verified, {panel->reason, {}, {}, rests_on_});
-      else if ((item.status == ItemStatus::relocalised || item.status == ItemStatus::verified) &&
-               1 - panel->p_in >= options_.verified)
+      if (!panel->installed || !(panel->p_in >= 0) || touches_moved_floor(*panel) || !can_be_judged(*panel, item))
+        continue;
+      const Because because{panel->reason, {}, {}, rests_on_};
+      if (item.status == ItemStatus::executed) move(state_, item, ItemStatus::relocalised, because);
+      const bool is_right = panel->gate == GateDecision::go && panel->p_in >= options_.verified;
+      if (item.status == ItemStatus::verified && !is_right)
+        move(state_, item, ItemStatus::relocalised, {"no longer sure to hang right: " + panel->reason, {}, {}, rests_on_});
+      if (item.status != ItemStatus::relocalised) continue;
+      if (is_right)
+        move(state_, item, ItemStatus::verified, because);
+      else if (1 - panel->p_in >= options_.verified)
         take_down(*panel, item);
     }
   }
@@ -288,6 +291,8 @@ class Round {
 
   void take_down(const PlannedPanelT& panel, LoopItemT& item) {
     do_again(state_, item, options_, {"hangs outside its limits: " + panel.reason, {}, {}, rests_on_});
+    // What was done again too often is left to a person, and hangs.
+    item.hangs = item.status == ItemStatus::rejected;
     for (const std::string& id : panel.brackets) {
       LoopItemT* bracket = this->item("bracket", id);
       if (bracket && bracket->status == ItemStatus::verified && !carries(id))
@@ -298,16 +303,31 @@ class Round {
   void find_stale() {
     for (const auto& bracket : plan_.brackets) {
       LoopItemT& item = *this->item("bracket", bracket->id);
-      if (item.status != ItemStatus::released) continue;
-      if (moved_floors_.count(item.floor)) continue;
+      if (item.status != ItemStatus::released || moved_floors_.count(item.floor) || !bracket->measured.allFinite())
+        continue;
       const Eigen::Vector3d moved = along_axes(*bracket, bracket->measured - item.expected);
       const double change = (moved + bracket->setting - item.pending).cwiseAbs().maxCoeff();
       if (change <= 0.1 * options_.setting_tolerance) continue;
-      move(state_, item, ItemStatus::stale,
-           {"the new measurement asks for " + millimetres(change) + " elsewhere", {}, {}, rests_on_});
-      move(state_, item, ItemStatus::planned, {"stale", {}, {}, rests_on_});
-      item.pending.setZero(), item.expected = bracket->measured;
+      recall_item(item, "stale: the new measurement asks for " + millimetres(change) + " elsewhere");
+      item.expected = bracket->measured;
     }
+    for (const auto& panel : plan_.panels)
+      if (LoopItemT& item = *this->item("panel", panel->id); item.status == ItemStatus::released) {
+        const std::string why = why_stale(*panel, item);
+        if (!why.empty()) recall_item(item, "stale: " + why);
+      }
+  }
+
+  /// Why a panel may not be hung as it was released; empty: it may.
+  std::string why_stale(const PlannedPanelT& panel, const LoopItemT& item) const {
+    if (panel.gate != GateDecision::go) return "it is no longer GO: " + panel.reason;
+    if (touches_moved_floor(panel)) return "the control of its floor or of one beside it moved";
+    for (const std::string& id : panel.brackets)
+      if (this->item("bracket", id)->status != ItemStatus::verified && !carries(id))
+        return "its bracket " + id + " is no longer verified";
+    const double change = (panel.centre + panel.shift - item.expected).cwiseAbs().maxCoeff();
+    return change > 0.1 * options_.setting_tolerance ? "it is to hang " + millimetres(change) + " elsewhere"
+                                                     : std::string();
   }
 
   /// Brackets that stand where they were to be, under a panel that is not GO with them: set again, if the plan could
@@ -317,7 +337,7 @@ class Round {
       const LoopItemT& hung = *item("panel", panel->id);
       if (hung.status != ItemStatus::planned || panel->gate == GateDecision::go || touches_moved_floor(*panel))
         continue;
-      if (panel->gate == GateDecision::hold && !panel->measure.empty() && !measured_again_) continue;
+      if (panel->gate == GateDecision::hold && !panel->measure.empty() && plan_.basis == state_.basis) continue;
       for (const std::string& id : panel->brackets) {
         LoopItemT* bracket = item("bracket", id);
         if (bracket && bracket->status == ItemStatus::verified && !carries(id))
@@ -330,7 +350,8 @@ class Round {
   bool turn_of(const PlannedPanelT& panel) const {
     return std::all_of(panel.depends_on.begin(), panel.depends_on.end(), [&](const std::string& id) {
       const LoopItemT* before = item("panel", id);
-      return !before || before->status == ItemStatus::verified || before->status == ItemStatus::rejected;
+      return !before || before->status == ItemStatus::verified ||
+             (before->status == ItemStatus::rejected && !before->hangs);
     });
   }
 
@@ -354,7 +375,7 @@ class Round {
         item.why = "waits for its brackets";
         continue;
       }
-      item.revision = revision();
+      item.revision = revision(), item.expected = panel->centre + panel->shift, item.jobs.clear();
       move(state_, item, ItemStatus::released, {panel->reason, {}, options_.at, rests_on_});
     }
   }
@@ -363,14 +384,17 @@ class Round {
   bool bracket_is_ready(const std::string& id, const Revision& revision) {
     LoopItemT& item = *this->item("bracket", id);
     const BracketSettingT& bracket = *bracket_of_.at(id);
-    if (item.status == ItemStatus::verified || bracket.fixed) return true;
-    if (item.status != ItemStatus::planned) return false;
+    if (item.status == ItemStatus::verified) return true;
+    if (item.status != ItemStatus::planned || !bracket.measured.allFinite()) return false;
+    if (carries(id)) return true;
+    // The plan took it as it stood and says nothing on how it is to be set.
+    if (bracket.fixed) return false;
     item.expected = bracket.measured;
     if (bracket.setting.cwiseAbs().maxCoeff() < kDeadBand) {
       move(state_, item, ItemStatus::verified, {"needs no setting", {}, {}, rests_on_});
       return true;
     }
-    item.pending = bracket.setting, item.revision = revision();
+    item.pending = bracket.setting, item.revision = revision(), item.jobs.clear();
     move(state_, item, ItemStatus::released, {"gate of its panels is GO", {}, options_.at, rests_on_});
     return false;
   }
@@ -378,7 +402,6 @@ class Round {
   LoopStateT& state_;
   const InstallationPlanT& plan_;
   const MachineOptions& options_;
-  bool measured_again_;
   std::map<std::string, LoopItemT*> item_of_;
   std::map<std::string, const BracketSettingT*> bracket_of_;
   std::vector<std::string> rests_on_;

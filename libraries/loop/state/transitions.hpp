@@ -23,4 +23,7 @@ std::string millimetres(double metres);
 /// Name of a floor's control in LoopState::moved_control: "control of floor 3".
 std::string control_of_floor(int floor);
 
+/// The first name in LoopState::moved_control that is no floor's: a point whose floor nobody knows. Empty: none.
+std::string control_without_floor(const LoopStateT& state);
+
 }  // namespace plumbline::loop

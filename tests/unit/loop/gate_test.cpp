@@ -71,6 +71,19 @@ TEST(Gate, NothingIsGoBelowWhatCanBeMeasured) {
 }
 
 /// Few brackets slip, and far. A normal distribution of the same variance says that hardly any panel is outside.
+/// The joint to a panel that cannot hang says nothing against the one below that hangs.
+TEST(Gate, WhatHangsIsJudgedByWhatHangs) {
+  Facade facade = random_facade({2, 1}, 3, 0.0005, 0.0002, 0);
+  for (Bracket& bracket : facade.brackets) {
+    bracket.fixed = bracket.floor == 1;
+    if (bracket.floor == 2) bracket.deviation.z() = -0.080;
+  }
+  facade.panels[0].installed = true;
+  const std::vector<PanelGate> gates = judge_plan(facade, plan_settings(facade));
+  EXPECT_EQ(gates[0].verdict, GateVerdict::go) << gates[0].reason;
+  EXPECT_EQ(gates[1].verdict, GateVerdict::no_go) << gates[1].reason;
+}
+
 TEST(Gate, SlipsAreStatedWithTheirTails) {
   TowerOptions options{1, 2};
   options.tolerance = 0.005, options.joint_tolerance = 0.005;

@@ -5,6 +5,7 @@
 #include <openssl/evp.h>
 #include <openssl/pem.h>
 
+#include <map>
 #include <nlohmann/json.hpp>
 #include <valijson/adapters/nlohmann_json_adapter.hpp>
 #include <valijson/schema.hpp>
@@ -75,6 +76,55 @@ TEST(Job, ComesBackAsItWasWritten) {
     // Design plus as-built deviation plus setting is the target, to the last digit that matters.
     EXPECT_LT((item.target - item.design).norm(), 0.03);
   }
+}
+
+/// Both facades, every panel released as it would be when its brackets are verified.
+struct TwoFacades {
+  InstallationPlanT plan;
+  LoopStateT state;
+  TwoFacades() {
+    TowerOptions options{1, 1};
+    options.facades = 2;
+    const Facade facade = test::random_facade(options, 4, 0.002, 0.0003, 0.0004);
+    const Fit fit = plan_settings(facade);
+    plan = plan_artifact(facade, fit, judge_plan(facade, fit));
+    apply_plan(state, plan, {});
+    for (auto& item : state.items) item->status = ItemStatus::released, item->revision = 1;
+  }
+};
+
+TEST(Job, EachPanelHasTheOrientationOfItsOwnFacade) {
+  const TwoFacades two;
+  const json orders = json::parse(job_json(make_job(two.plan, two.state, 0, "", "")));
+  std::map<std::string, Eigen::Vector3d> out;
+  for (const auto& item : orders["items"]) {
+    const auto& q = item["designPose"]["orientation"];
+    out[item["id"]] = Eigen::Quaterniond(q[3], q[0], q[1], q[2]) * Eigen::Vector3d::UnitZ();
+  }
+  EXPECT_LT((out.at("F01-P01") + Eigen::Vector3d::UnitY()).norm(), 1e-9);
+  EXPECT_LT((out.at("EF01-P01") - Eigen::Vector3d::UnitX()).norm(), 1e-9);
+  EXPECT_LT((out.at("EF01-C01-R1") - Eigen::Vector3d::UnitX()).norm(), 1e-9);
+}
+
+TEST(Job, APanelThatIsNotGoOrFacesNobodyKnowsWhereIsNoJob) {
+  TwoFacades two;
+  two.plan.panels[0]->gate = GateDecision::hold;
+  EXPECT_THROW(make_job(two.plan, two.state, 0, "", ""), std::runtime_error);
+  two.plan.panels[0]->gate = GateDecision::go, two.plan.panels[0]->corners.clear();
+  EXPECT_THROW(make_job(two.plan, two.state, 0, "", ""), std::runtime_error);
+}
+
+TEST(Job, AnotherContentIsAnotherJobAndReleasedItemsKnowTheirs) {
+  Released r;
+  const std::string before = make_job(r.plan, r.state, 1, "2026-05-02T08:00:00Z", "").id;
+  EXPECT_EQ(make_job(r.plan, r.state, 1, "2026-05-02T09:00:00Z", "").id, before);
+  note_jobs(r.plan, r.state);
+  for (const auto& item : r.state.items) {
+    if (item->status != ItemStatus::released) continue;
+    EXPECT_EQ(std::count(item->jobs.begin(), item->jobs.end(), before), 1) << item->id;
+    item->pending.z() += 0.001;
+  }
+  EXPECT_NE(make_job(r.plan, r.state, 1, "", "").id, before);
 }
 
 TEST(Job, OnlyWhatIsReleasedIsInIt) {

@@ -1,6 +1,7 @@
 // Two panels, one above the other, and what happens to them, for tests of the state machine.
 #pragma once
 
+#include <algorithm>
 #include <limits>
 #include <stdexcept>
 
@@ -18,7 +19,7 @@ inline InstallationPlanT make_plan(const std::string& basis) {
   plan.basis = basis;
   for (int i = 0; i < 4; ++i) {
     auto bracket = std::make_unique<BracketSettingT>();
-    bracket->id = "b" + std::to_string(i), bracket->floor = 1 + i / 2;
+    bracket->id = "b" + std::to_string(i), bracket->floor = 1 + i / 2, bracket->basis = "<" + basis + ">";
     bracket->design = {2.0 * (i % 2), 0, 4.0 * (i / 2)};
     bracket->measured = bracket->design - Eigen::Vector3d(0, 0, 0.004);
     bracket->axes = {Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitZ(), -Eigen::Vector3d::UnitY()};
@@ -53,6 +54,35 @@ inline ActualsT done(const std::vector<std::string>& ids, int revision) {
     actuals.items.push_back(std::move(actual));
   }
   return actuals;
+}
+
+/// What plan.installation takes from the state: brackets that were set, or that carry a panel, are planned as they stand.
+inline void take_state(const LoopStateT& state, InstallationPlanT& plan) {
+  const auto known = [&](const std::string& id) -> const LoopItemT* {
+    for (const auto& i : state.items)
+      if (i->id == id) return i.get();
+    return nullptr;
+  };
+  const auto done = [&](const std::string& id) {
+    const LoopItemT* i = known(id);
+    return i && (i->hangs || i->status == ItemStatus::executed || i->status == ItemStatus::relocalised ||
+                 i->status == ItemStatus::verified);
+  };
+  for (auto& bracket : plan.brackets) bracket->fixed = done(bracket->id);
+  for (auto& panel : plan.panels) {
+    panel->installed = done(panel->id);
+    for (auto& bracket : plan.brackets)
+      if (panel->installed && std::count(panel->brackets.begin(), panel->brackets.end(), bracket->id) > 0)
+        bracket->fixed = true;
+  }
+  for (auto& bracket : plan.brackets)
+    if (bracket->fixed) bracket->setting.setZero();
+}
+
+/// Planned with this state, then released.
+inline void next_plan(LoopStateT& state, InstallationPlanT plan, const MachineOptions& options = {}) {
+  take_state(state, plan);
+  apply_plan(state, plan, options);
 }
 
 /// The plan after brackets 0 and 1 were set, off by `off` in height.

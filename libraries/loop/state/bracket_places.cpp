@@ -1,0 +1,44 @@
+#include "loop/state/bracket_places.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace plumbline::loop {
+namespace {
+
+Eigen::Vector3d from_axes(const BracketSettingT& bracket, const Eigen::Vector3d& v) {
+  return v.x() * bracket.axes[0] + v.y() * bracket.axes[1] + v.z() * bracket.axes[2];
+}
+
+}  // namespace
+
+Eigen::Vector3d doubt_of(const BracketSettingT& bracket, double tolerance) {
+  return (4 * std::sqrt(2.0) * bracket.sigma).cwiseMax(tolerance);
+}
+
+Eigen::Vector3d along_axes(const BracketSettingT& bracket, const Eigen::Vector3d& v) {
+  return {bracket.axes[0].dot(v), bracket.axes[1].dot(v), bracket.axes[2].dot(v)};
+}
+
+Eigen::Vector3d place_of(const LoopItemT& item, const BracketSettingT& bracket) {
+  const bool asked = item.status == ItemStatus::executed || item.status == ItemStatus::relocalised;
+  return asked ? Eigen::Vector3d(item.expected + from_axes(bracket, item.pending)) : item.expected;
+}
+
+std::string explanation(const LoopItemT& item, const BracketSettingT& bracket, double most) {
+  const Eigen::Vector3d moved = along_axes(bracket, bracket.measured - item.expected);
+  const auto is = [&](double times) { return (moved - times * item.pending).cwiseAbs().maxCoeff() <= most; };
+  return is(0) ? "it was not moved" : is(-1) ? "it was set the other way" : is(2) ? "it was set twice" : "";
+}
+
+bool is_measured_anew(const LoopItemT& item, const BracketSettingT& bracket) {
+  return !bracket.basis.empty() && item.basis.find(bracket.basis) == std::string::npos;
+}
+
+double median_of(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const std::size_t n = values.size();
+  return 0.5 * (values[(n - 1) / 2] + values[n / 2]);
+}
+
+}  // namespace plumbline::loop

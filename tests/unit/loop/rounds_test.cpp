@@ -1,0 +1,260 @@
+// What a plan may and may not conclude: from old measurements, from brackets that nobody sets, of panels that hang.
+#include <gtest/gtest.h>
+
+#include "loop/state/plan_artifact.hpp"
+#include "random_facade.hpp"
+#include "two_floors.hpp"
+
+namespace plumbline::loop {
+namespace {
+
+using namespace test;
+
+/// Brackets of the first panel set, measured, verified; the panel is released.
+LoopStateT with_released_panel() {
+  LoopStateT state;
+  next_plan(state, make_plan("first"));
+  apply_actuals(state, done({"b0", "b1"}, 1));
+  next_plan(state, plan_after_setting(0));
+  return state;
+}
+
+LoopStateT with_hung_panel() {
+  LoopStateT state = with_released_panel();
+  apply_actuals(state, done({"p0"}, item(state, "p0").revision));
+  return state;
+}
+
+TEST(Rounds, ABracketThatThisPlanRejectsCarriesNoPanel) {
+  LoopStateT state;
+  next_plan(state, make_plan("first"));
+  apply_actuals(state, done({"b0", "b1"}, 1));
+  InstallationPlanT second = plan_after_setting(0), third = plan_after_setting(0, "third");
+  second.brackets[1]->measured.setConstant(nan), second.brackets[1]->basis.clear();
+  next_plan(state, std::move(second));
+  ASSERT_EQ(item(state, "b0").status, ItemStatus::verified);
+  third.brackets[0]->measured.x() += 0.006;
+  next_plan(state, std::move(third));
+  EXPECT_EQ(item(state, "b0").status, ItemStatus::rejected);
+  EXPECT_EQ(item(state, "b1").status, ItemStatus::verified);
+  EXPECT_EQ(item(state, "p0").status, ItemStatus::planned) << item(state, "p0").why;
+}
+
+TEST(Rounds, ABracketThatIsToBeSetAgainIsPlannedFirstAndTheLoopIsNotDone) {
+  LoopStateT state;
+  next_plan(state, make_plan("first"));
+  apply_actuals(state, done({"b0", "b1"}, 1));
+  InstallationPlanT second = plan_after_setting(0);
+  second.brackets[0]->measured.z() -= 0.004;  // nobody moved it
+  next_plan(state, std::move(second));
+  EXPECT_EQ(item(state, "b0").status, ItemStatus::planned) << item(state, "b0").why;
+  EXPECT_EQ(item(state, "p0").status, ItemStatus::planned);
+  close_round(state);
+  EXPECT_FALSE(state.done);
+  InstallationPlanT third = plan_after_setting(0, "second");  // the same measurement
+  third.brackets[0]->measured.z() -= 0.004, third.brackets[0]->setting.y() = 0.004;
+  next_plan(state, std::move(third));
+  EXPECT_EQ(item(state, "b0").status, ItemStatus::released);
+}
+
+TEST(Rounds, WhatWasReportedAsSetIsPlannedAsItStands) {
+  Facade facade = random_facade({1, 1}, 4);
+  LoopStateT state;
+  for (const ItemStatus status : {ItemStatus::executed, ItemStatus::relocalised, ItemStatus::planned}) {
+    auto item = std::make_unique<LoopItemT>();
+    item->id = facade.brackets[state.items.size()].id, item->kind = "bracket", item->status = status;
+    item->setting.setZero();
+    state.items.push_back(std::move(item));
+  }
+  apply_state(facade, state);
+  EXPECT_TRUE(facade.brackets[0].fixed);
+  EXPECT_TRUE(facade.brackets[1].fixed);
+  EXPECT_FALSE(facade.brackets[2].fixed);
+}
+
+TEST(Rounds, APanelThatIsNoLongerGoOrIsToHangElsewhereIsRecalled) {
+  for (const bool elsewhere : {false, true}) {
+    LoopStateT state = with_released_panel();
+    ASSERT_EQ(item(state, "p0").status, ItemStatus::released);
+    const int revision = item(state, "p0").revision;
+    InstallationPlanT third = plan_after_setting(0, "third");
+    if (elsewhere)
+      third.panels[0]->shift.z() = 0.002;
+    else
+      third.panels[0]->gate = GateDecision::no_go, third.panels[0]->p_in = 0.01;
+    next_plan(state, std::move(third));
+    EXPECT_EQ(item(state, "p0").status, elsewhere ? ItemStatus::released : ItemStatus::planned);
+    EXPECT_EQ(item(state, "p0").revision > revision, elsewhere);
+    EXPECT_EQ(apply_actuals(state, done({"p0"}, revision)).size(), 1u);
+  }
+}
+
+TEST(Rounds, ACampaignOnAnotherFloorVerifiesNothingHere) {
+  LoopStateT state;
+  next_plan(state, make_plan("first"));
+  apply_actuals(state, done({"b0", "b1"}, 1));
+  InstallationPlanT second = plan_after_setting(0);
+  for (std::size_t i : {0u, 1u}) second.brackets[i]->basis = "<first>";
+  next_plan(state, std::move(second));
+  EXPECT_EQ(item(state, "b0").status, ItemStatus::executed);
+  EXPECT_EQ(item(state, "p0").status, ItemStatus::planned);
+  next_plan(state, plan_after_setting(0, "third"));
+  EXPECT_EQ(item(state, "b0").status, ItemStatus::verified);
+}
+
+TEST(Rounds, TheBasisOfAnAnchorIsItsOwnMeasurement) {
+  Facade facade = random_facade({2, 1}, 4);
+  const auto bases = [](const Facade& f) {
+    const Fit fit = plan_settings(f);
+    std::vector<std::string> out;
+    for (const auto& bracket : plan_artifact(f, fit, judge_plan(f, fit)).brackets) out.push_back(bracket->basis);
+    return out;
+  };
+  const auto before = bases(facade);
+  Facade other = facade;
+  other.brackets.back().deviation.z() += 0.001;                                         // measured again up there
+  other.brackets[0].design.x() += 0.002, other.brackets[0].deviation.x() -= 0.002;      // the design was revised
+  const auto after = bases(other);
+  EXPECT_EQ(after[0], before[0]);
+  EXPECT_NE(after.back(), before.back());
+}
+
+TEST(Rounds, APanelIsVerifiedByAnchorsThatWereAllMeasuredSinceItHangs) {
+  LoopStateT state = with_hung_panel();
+  InstallationPlanT hidden = plan_after_setting(0, "hidden"), old = plan_after_setting(0, "old");
+  hidden.brackets[0]->measured.setConstant(nan), hidden.brackets[0]->basis.clear();
+  hidden.panels[0]->gate = GateDecision::hold;
+  next_plan(state, std::move(hidden));
+  EXPECT_EQ(item(state, "p0").status, ItemStatus::executed);
+  old.brackets[0]->basis = "<second>";  // measured before the panel was hung
+  next_plan(state, std::move(old));
+  EXPECT_EQ(item(state, "p0").status, ItemStatus::executed);
+  next_plan(state, plan_after_setting(0, "third"));
+  EXPECT_EQ(item(state, "p0").status, ItemStatus::verified);
+}
+
+TEST(Rounds, AMeasurementThatContradictsItselfDecidesNothing) {
+  LoopStateT state = with_hung_panel();
+  InstallationPlanT third = plan_after_setting(0, "third");
+  third.doubts = {"K3 does not fit by 12 mm"};
+  third.brackets[0]->measured.x() += 0.006;
+  third.panels[0]->gate = GateDecision::no_go, third.panels[0]->p_in = 0;
+  next_plan(state, std::move(third));
+  EXPECT_EQ(item(state, "p0").status, ItemStatus::executed);
+  EXPECT_EQ(item(state, "p0").why, "the measurement is in doubt: K3 does not fit by 12 mm");
+  EXPECT_EQ(item(state, "b0").status, ItemStatus::verified);
+  EXPECT_EQ(item(state, "b0").reworks, 0);
+}
+
+TEST(Rounds, AVerifiedPanelThatIsNoLongerSureIsSo) {
+  LoopStateT state = with_hung_panel();
+  next_plan(state, plan_after_setting(0, "third"));
+  ASSERT_EQ(item(state, "p0").status, ItemStatus::verified);
+  InstallationPlanT fourth = plan_after_setting(0, "fourth");
+  fourth.panels[0]->p_in = 0.6, fourth.panels[0]->gate = GateDecision::hold, fourth.panels[0]->reason = "p 0.600";
+  next_plan(state, std::move(fourth));
+  EXPECT_EQ(item(state, "p0").status, ItemStatus::relocalised);
+  EXPECT_NE(item(state, "p0").why.find("no longer sure to hang right: p 0.600"), std::string::npos);
+}
+
+TEST(Rounds, APanelReportFromTheNeighboursPlaceIsRefused) {
+  LoopStateT state = with_released_panel();
+  ActualsT actuals = done({"p0"}, item(state, "p0").revision);
+  actuals.items[0]->measured = {1.5, 0, 0};
+  EXPECT_EQ(apply_actuals(state, actuals).size(), 1u);
+  EXPECT_EQ(item(state, "p0").status, ItemStatus::released);
+  actuals.items[0]->measured = {0.01, 0, 0};
+  EXPECT_TRUE(apply_actuals(state, actuals).empty());
+}
+
+TEST(Rounds, AReportOfAnotherJobOrWithoutAnyTieToItsReleaseIsRefused) {
+  LoopStateT state = with_released_panel();
+  item(state, "p0").jobs = {"job-2-abc", "job-2-F1-def"};
+  ActualsT actuals = done({"p0"}, 0);
+  auto refused = apply_actuals(state, actuals);
+  ASSERT_EQ(refused.size(), 1u);
+  EXPECT_NE(refused[0].find("has no revision, no job and no date"), std::string::npos) << refused[0];
+  actuals.items[0]->revision = item(state, "p0").revision, actuals.items[0]->job = "job-2-F2-xyz";
+  refused = apply_actuals(state, actuals);
+  ASSERT_EQ(refused.size(), 1u);
+  EXPECT_NE(refused[0].find("answers job-2-F2-xyz, the item was released with job-2-F1-def"), std::string::npos);
+  actuals.items[0]->job = "job-2-abc";
+  EXPECT_TRUE(apply_actuals(state, actuals).empty());
+}
+
+TEST(Rounds, AReportWithTheDateOfTheOneBeforeIsRefused) {
+  LoopStateT state = with_released_panel();
+  item(state, "p0").at = "2026-05-02T08:00:00Z";
+  ActualsT actuals = done({"p0"}, item(state, "p0").revision);
+  actuals.items[0]->at = "2026-05-02T10:00:00+02:00";
+  EXPECT_EQ(apply_actuals(state, actuals).size(), 1u);
+}
+
+/// A rejected panel hangs until it is taken down: its brackets stay, and accepting it does not release it again.
+TEST(Rounds, ARejectedPanelThatHangsStillHangs) {
+  LoopStateT state = with_hung_panel();
+  InstallationPlanT third = plan_after_setting(0, "third");
+  third.brackets[0]->measured.x() += 0.006;
+  next_plan(state, std::move(third));
+  ASSERT_EQ(item(state, "p0").status, ItemStatus::rejected);
+  Facade facade;
+  facade.panels.resize(1), facade.panels[0].id = "p0", facade.panels[0].hooks = {{0}};
+  facade.brackets.resize(1);
+  apply_state(facade, state);
+  EXPECT_TRUE(facade.panels[0].installed);
+  EXPECT_TRUE(facade.brackets[0].fixed);
+  EXPECT_TRUE(accept_item(state, "p0"));
+  EXPECT_EQ(item(state, "p0").status, ItemStatus::relocalised);
+}
+
+TEST(Rounds, ControlWithoutAFloorBlocksEverythingUntilItIsAccepted) {
+  LoopStateT state;
+  next_plan(state, make_plan("first"));
+  apply_actuals(state, done({"b0", "b1"}, 1));
+  recall(state, {"CP3"}, "control point CP3 moved by 6.0 mm");
+  next_plan(state, plan_after_setting(0));
+  EXPECT_EQ(item(state, "b0").status, ItemStatus::executed);
+  EXPECT_NE(item(state, "b0").why.find("CP3 moved"), std::string::npos);
+  close_round(state);
+  EXPECT_TRUE(state.done);  // somebody has to look
+  EXPECT_TRUE(accept_item(state, "CP3"));
+  next_plan(state, plan_after_setting(0, "third"));
+  EXPECT_EQ(item(state, "b0").status, ItemStatus::verified);
+}
+
+/// Set right by 4 mm each, and the control sank by as much: they seem not to have moved.
+TEST(Rounds, BracketsThatShareAMistakeAreAFloorInDoubt) {
+  LoopStateT state;
+  next_plan(state, make_plan("first"));
+  apply_actuals(state, done({"b0", "b1"}, 1));
+  next_plan(state, make_plan("second"));
+  EXPECT_EQ(state.moved_control, std::vector<std::string>{"control of floor 1"});
+  EXPECT_EQ(item(state, "b0").reworks, 0);
+  EXPECT_EQ(item(state, "b0").status, ItemStatus::executed);
+  // Two anchors do not show that it is in order again.
+  next_plan(state, plan_after_setting(0, "third"));
+  EXPECT_EQ(state.moved_control, std::vector<std::string>{"control of floor 1"});
+  EXPECT_EQ(item(state, "b0").status, ItemStatus::executed);
+}
+
+TEST(Rounds, ANameThatMeansAnotherElementIsRefused) {
+  LoopStateT state;
+  InstallationPlanT first = make_plan("first"), second = make_plan("second");
+  first.brackets[0]->guid = "1aaa", second.brackets[0]->guid = "2bbb";
+  next_plan(state, std::move(first));
+  EXPECT_THROW(next_plan(state, std::move(second)), std::runtime_error);
+}
+
+TEST(Rounds, WhatABracketHasUsedOfItsRangeIsWhatWasMeasured) {
+  LoopStateT state;
+  next_plan(state, make_plan("first"));
+  ActualsT actuals = done({"b0", "b1"}, 1);
+  actuals.items[0]->setting = {0, 0.009, 0};  // says the robot
+  EXPECT_TRUE(apply_actuals(state, actuals).empty());
+  next_plan(state, plan_after_setting(0.001));
+  ASSERT_EQ(item(state, "b0").status, ItemStatus::verified);
+  EXPECT_NEAR(item(state, "b0").setting.y(), 0.005, 1e-9);
+}
+
+}  // namespace
+}  // namespace plumbline::loop
