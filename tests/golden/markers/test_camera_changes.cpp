@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <functional>
 #include <map>
 #include <random>
@@ -53,6 +54,10 @@ struct Frame {
     };
   }
 };
+
+/// One zoomed and one untouched case of each set always, the others with PLUMBLINE_LONG.
+#define ONLY_WITH_LONG() \
+  if (!std::getenv("PLUMBLINE_LONG")) GTEST_SKIP() << "with PLUMBLINE_LONG"
 
 double from_the_middle_on(double factor, int k, int count) { return 2 * k >= count ? factor : 1; }
 
@@ -121,6 +126,7 @@ TEST(ChangedGrid, FromTheMiddleOnIsNamedAndDivided) {
 }
 
 TEST(ChangedGrid, IsNamed) {
+  ONLY_WITH_LONG();
   PLUMBLINE_REQUIRE_DATA("images/aruco_grid/aruco_data/0.jpg");
   EXPECT_THAT(
       told("zoom_late_5", grid_with(grid_frame.zoomed([](int k, int n) { return from_the_middle_on(1.05, k, n); }))),
@@ -139,6 +145,7 @@ TEST(ChangedGrid, IsNamed) {
 
 /// Another body, of another focal length, took a third of the photographs, in no order.
 TEST(ChangedGrid, TwoCamerasInOneFolderAreNamed) {
+  ONLY_WITH_LONG();
   PLUMBLINE_REQUIRE_DATA("images/aruco_grid/aruco_data/0.jpg");
   const Mistake zoomed = grid_frame.zoomed([](int k, int) { return k * k % 7 == 2 ? 1.25 : 1; });
   const auto two = grid_with([&](int k, int n, const Eigen::Vector2d& p) -> Eigen::Vector2d {
@@ -149,6 +156,7 @@ TEST(ChangedGrid, TwoCamerasInOneFolderAreNamed) {
 
 /// Somebody put the tags elsewhere in the second half. They stand too close together to say that it is this.
 TEST(ChangedGrid, RearrangedTagsAreNoBlock) {
+  ONLY_WITH_LONG();
   PLUMBLINE_REQUIRE_DATA("images/aruco_grid/aruco_data/0.jpg");
   markers::MarkerBlock block = grid();
   const int count = static_cast<int>(block.markers.size());
@@ -164,6 +172,7 @@ TEST(ChangedGrid, RearrangedTagsAreNoBlock) {
 }
 
 TEST(ChangedGrid, WhatScattersIsInTheStandardDeviations) {
+  ONLY_WITH_LONG();
   PLUMBLINE_REQUIRE_DATA("images/aruco_grid/aruco_data/0.jpg");
   for (const auto& [rows, shift] : {std::pair(6.0, 0.0), std::pair(0.0, 8.0)}) {
     const auto result = grid_with(grid_frame.scattered(rows, shift));
@@ -233,6 +242,7 @@ TEST(ChangedBoard, IsNamed) {
 /// As small a zoom, or one that few photographs have, is within the scatter of this camera: it is not told, but the
 /// standard deviations hold it.
 TEST(ChangedBoard, WhatIsNotNamedIsInTheStandardDeviations) {
+  ONLY_WITH_LONG();
   PLUMBLINE_REQUIRE_DATA("images/charuco_lifecam_1280");
   for (const auto& [name, factor] : {std::pair<const char*, std::function<double(int, int)>>(
                                          "zoom_late_2", [](int k, int n) { return from_the_middle_on(1.02, k, n); }),
@@ -249,6 +259,7 @@ TEST(ChangedBoard, WhatIsNotNamedIsInTheStandardDeviations) {
 /// Halves at random and by time, each calibrated with the covariance that camera.yaml would have: their differences
 /// over it, where the corners alone make 13 of it.
 TEST(ChangedBoard, HalvesOfASoundSetAgreeWithinWhatIsWritten) {
+  ONLY_WITH_LONG();
   PLUMBLINE_REQUIRE_DATA("images/charuco_lifecam_1280");
   constexpr int splits = 12;
   double written = 0, formal = 0;
