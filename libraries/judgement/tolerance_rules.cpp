@@ -160,11 +160,19 @@ ToleranceRule parse_rule(const std::string& text) {
   return rule;
 }
 
+/// A limit of zero on both sides says that the axis is not judged.
+static bool is_wider(const Tolerance& later, const Tolerance& earlier) {
+  if (!(earlier.value > 0 || earlier.lower() > 0)) return false;
+  if (!(later.value > 0 || later.lower() > 0)) return true;
+  return later.value > earlier.value || later.lower() > earlier.lower();
+}
+
 Tolerances tolerances_of(const ToleranceTable& table, const bim::ElementFacts& element, ToleranceFindings* findings) {
   Tolerances tolerances;
   for (const Axis axis : {Axis::horizontal, Axis::vertical}) tolerances[axis] = {table.tau, "default"};
   tolerances[Axis::joint] = {2 * table.tau, "default: twice the tolerance"};
-  std::map<std::string, Axis> open;  // by what the design asks for in vain
+  std::map<std::string, Axis> open;    // by what the design asks for in vain
+  std::map<Axis, std::size_t> rule_of;  // the rule that holds
   if (table.from_design && element.properties)
     for (const bim::Property& property : *element.properties) add_design(property, tolerances, open);
   for (std::size_t i = 0; i < table.rules.size(); ++i) {
@@ -172,6 +180,9 @@ Tolerances tolerances_of(const ToleranceTable& table, const bim::ElementFacts& e
     if (!rule.selection.matches(element)) continue;
     if (findings) findings->rules.push_back(i);
     for (const auto& [axis, tolerance] : rule.tolerances) {
+      if (findings && rule_of.contains(axis) && is_wider(tolerance, table.rules[rule_of[axis]].tolerances.at(axis)))
+        findings->widened[rule_of[axis]] = i;
+      rule_of[axis] = i;
       if (tolerance.value > 0 || tolerance.lower() > 0)
         tolerances[axis] = {tolerance.value, rule.text, tolerance.below};
       else
@@ -179,6 +190,8 @@ Tolerances tolerances_of(const ToleranceTable& table, const bim::ElementFacts& e
       if (axis != Axis::joint) std::erase_if(open, [&](const auto& entry) { return entry.second == axis; });
     }
   }
+  if (findings)
+    for (const auto& [axis, rule] : rule_of) findings->in_force.push_back(rule);
   if (findings)
     for (const auto& [text, axis] : open) findings->refused.push_back(text);
   return tolerances;

@@ -124,6 +124,7 @@ class Builder {
         continue;
       }
       for (const std::size_t rule : findings.rules) ++rules_[rule].second;
+      note(findings);
       inputs_.panels.push_back(std::move(panel));
     }
     char reason[100];
@@ -158,6 +159,7 @@ class Builder {
     anchor.tolerances = judgement::tolerances_of(tolerances_, anchor.element, &findings);
     anchor.refused = findings.refused;
     for (const std::size_t rule : findings.rules) ++rules_[rule].first;
+    note(findings);
     for (std::size_t i = 0; i < mounting_.rules.size(); ++i)
       mounting_rules_[i] += plate && mounting_.rules[i].selection.matches(anchor.element);
     anchor.element.properties = nullptr;
@@ -174,8 +176,13 @@ class Builder {
           {"panels " + judgement::list_of(names, 4), "design", 0, static_cast<int>(names.size()), reason});
   }
 
+  void note(const judgement::ToleranceFindings& findings) {
+    in_force_.insert(findings.in_force.begin(), findings.in_force.end());
+    widened_.insert(findings.widened.begin(), findings.widened.end());
+  }
+
   /// Every rule with what it is about; one that selects nothing, or asks for an axis that what it selects does not
-  /// have, is not judged.
+  /// have, is not judged; nor is one that a later, wider one replaces wherever it would hold.
   void add_rules() {
     for (std::size_t i = 0; i < tolerances_.rules.size(); ++i) {
       const judgement::ToleranceRule& rule = tolerances_.rules[i];
@@ -188,6 +195,9 @@ class Builder {
           request.not_judged = std::string(judgement::name_of(axis)) + " is not judged of " +
                                (request.panels > 0 ? "panels" : "anchors") + ", and it selects nothing else";
       }
+      if (request.not_judged.empty() && widened_.contains(i) && !in_force_.contains(i))
+        request.not_judged = "it holds nowhere: '" + tolerances_.rules[widened_.at(i)].text +
+                             "' stands after it and is wider; put the narrower rule last, or take it out";
       inputs_.requests.push_back(std::move(request));
     }
     for (std::size_t i = 0; i < mounting_.rules.size(); ++i)
@@ -265,6 +275,8 @@ class Builder {
   const judgement::ToleranceTable& tolerances_;
   const judgement::Mounting& mounting_;
   std::vector<std::pair<int, int>> rules_;  // anchors and panels that each rule selects
+  std::set<std::size_t> in_force_;                // rules that hold somewhere
+  std::map<std::size_t, std::size_t> widened_;  // rules that a later, wider one replaces somewhere
   std::vector<int> mounting_rules_;
   std::size_t from_table_ = 0;
   std::map<std::string, const DesignElementT*> elements_;

@@ -62,8 +62,8 @@ struct Site {
     return *design.elements.back();
   }
 
-  DeviationT judge() const {
-    auto inputs = deviation_inputs(design, matches, plates, {}, 0.3, {});
+  DeviationT judge(const judgement::ToleranceTable& tolerances = {}) const {
+    auto inputs = deviation_inputs(design, matches, plates, tolerances, 0.3, {});
     inputs.model = model;
     return judgement::judge_deviations(inputs, {});
   }
@@ -88,6 +88,29 @@ TEST(DesignInput, PlatesThatContradictTheDesignLeaveThePanelsWithoutOrders) {
   EXPECT_TRUE(one.judge().panels[1]->facade->confirmed) << "none of its plates contradicts";
   EXPECT_TRUE(Site({0, -1, 0}).judge().panels[0]->facade->confirmed);
   EXPECT_TRUE(Site({0, 0, 0}).judge().panels[0]->facade->confirmed);
+}
+
+/// The last rule holds. Who wrote the narrow one first asked for something that nobody would judge.
+TEST(DesignInput, ANarrowRuleThatALaterWideOneReplacesIsNotJudged) {
+  const Site site({0, -1, 0});
+  const auto not_judged = [&](std::vector<std::string> rules) {
+    judgement::ToleranceTable table;
+    for (const std::string& rule : rules) table.rules.push_back(judgement::parse_rule(rule));
+    std::vector<std::string> found;
+    const DeviationT result = site.judge(table);
+    for (const auto& request : result.requests)
+      if (!request->not_judged.empty()) found.push_back(request->asked + ": " + request->not_judged);
+    return found;
+  };
+  const std::string narrow = "class=IfcMechanicalFastener: vertical=2mm", wide = "*: vertical=8mm";
+  const auto found = not_judged({narrow, wide});
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_NE(found[0].find(narrow + ": it holds nowhere"), std::string::npos) << found[0];
+  EXPECT_NE(found[0].find(wide), std::string::npos) << found[0];
+  EXPECT_TRUE(not_judged({wide, narrow}).empty()) << "from the general to the special";
+  EXPECT_TRUE(not_judged({narrow, "name=" + site.design.elements[0]->name + ": vertical=8mm"}).empty()) << "it holds for the others";
+  EXPECT_TRUE(not_judged({"*: vertical=8mm", "*: vertical=2mm"}).empty()) << "nothing narrower is lost";
+  EXPECT_EQ(not_judged({narrow, "*: vertical=0mm"}).size(), 1u) << "not judged at all is wider than any";
 }
 
 /// The rule that is printed, by what a user would copy.
