@@ -1,0 +1,53 @@
+// execution_loop.yaml as a whole: brackets are set, panels hang, and all are verified by measurement; a survey that is
+// too weak for the limits ends with persons, not with panels that only seem to be verified.
+#include <nlohmann/json.hpp>
+
+#include "program.hpp"
+#include "test_paths.hpp"
+
+namespace plumbline::test {
+namespace {
+
+using Json = nlohmann::json;
+
+std::map<std::string, double> last_metrics(const std::filesystem::path& record, const std::string& node) {
+  std::map<std::string, double> metrics;
+  std::istringstream stream(read_file(record));
+  for (std::string line; std::getline(stream, line);)
+    if (const Json event = Json::parse(line); event["event"] == "node" && event["name"] == node)
+      for (const Json& metric : event["metrics"]) metrics[metric["name"]] = metric["value"];
+  return metrics;
+}
+
+Answer run(const Program& plumbline, std::vector<std::string> more) {
+  more.insert(more.begin(), {"run", std::string(source_dir()) + "/pipelines/execution_loop.yaml", "--out", "out"});
+  return plumbline(more);
+}
+
+TEST(ExecutionLoop, AllPanelsHangAndAreVerified) {
+  for (const char* seed : {"seed=1", "seed=2"}) {
+    const Program plumbline;
+    const Answer answer = run(plumbline, {seed});
+    ASSERT_EQ(answer.code, 0) << answer.err;
+    const auto metrics = last_metrics(plumbline.work() / "out/run.jsonl", "release");
+    EXPECT_EQ(metrics.at("panels"), 9);
+    EXPECT_EQ(metrics.at("panels_verified"), 9) << seed;
+    EXPECT_EQ(metrics.at("released"), 0);
+    const Answer journal = plumbline({"journal", "out", "--check"});
+    EXPECT_EQ(journal.code, 0) << journal.err;
+  }
+}
+
+TEST(ExecutionLoop, ASurveyThatIsTooWeakEndsWithPersonsAndSaysWhy) {
+  const Program plumbline;
+  const Answer answer = run(plumbline, {"sets=1"});
+  ASSERT_EQ(answer.code, 0) << answer.err;
+  const auto metrics = last_metrics(plumbline.work() / "out/run.jsonl", "release");
+  EXPECT_GT(metrics.at("given_up"), 0);
+  EXPECT_LT(metrics.at("panels_verified"), 9);
+  const std::string next = read_file(plumbline.work() / "out/next.txt");
+  EXPECT_TRUE(contains(next, "measuring ")) << next;
+}
+
+}  // namespace
+}  // namespace plumbline::test
