@@ -24,7 +24,7 @@ struct State {
   std::vector<Eigen::Quaterniond> rotations;
   std::vector<Eigen::Matrix3d> matrices;
   std::array<double, BrownCamera::parameter_count> interior{};
-  std::array<double, 2> bend{};
+  std::array<double, bend_count> bend{};
 
   void fold() {
     for (size_t i = 0; i < poses.size(); ++i) {
@@ -131,18 +131,19 @@ class Calibrator {
     columns_ = model.add_kept(state_.interior.data(), free,
                               {BrownCamera::parameter_names.begin(), BrownCamera::parameter_names.end()});
     const bool bent = options_.bend_sigma > 0;
-    bend_columns_ =
-        model.add_kept(state_.bend.data(), {bent, bent}, {"bend of the board in x", "bend of the board in y"});
+    bend_columns_ = model.add_kept(state_.bend.data(), {bent, bent, bent}, bend_names());
     if (bent)
       model.add_term(
-          std::make_unique<adjust::DifferentiatedCost<ScaledCost, 2, 2>>(new ScaledCost{options_.bend_sigma}),
+          std::make_unique<adjust::DifferentiatedCost<BendCost, bend_count, bend_count>>(
+              new BendCost{options_.bend_sigma}),
           {state_.bend.data()}, 1, 0);
     for (size_t v = 0; v < views_.size(); ++v)
       for (size_t k = 0; k < views_[v].points.size(); ++k) {
         if (!use_[v][k]) continue;
         const CalibrationPoint& p = views_[v].points[k];
         const Eigen::Vector2d unit = (p.board.head<2>() - middle_).cwiseQuotient(half_);
-        model.add_term(std::make_unique<adjust::DifferentiatedCost<PointCost, 2, 6, BrownCamera::parameter_count, 2>>(
+        model.add_term(std::make_unique<
+                           adjust::DifferentiatedCost<PointCost, 2, 6, BrownCamera::parameter_count, bend_count>>(
                            new PointCost{p.board, p.pixel, unit, p.sigma, options_.lens, &state_.matrices[v]}),
                        {state_.poses[v].data(), state_.interior.data(), state_.bend.data()}, 0,
                        static_cast<int>(labels_.size()), true);
@@ -318,9 +319,10 @@ class Calibrator {
     c.truth = judged(evidence(block, factor), c);
     c.formal_covariance = in_nine(c.truth.evidence, c.truth.evidence.formal);
     c.covariance = in_nine(c.truth.evidence, c.truth.empirical.written);
-    c.bend_x = state_.bend[0], c.bend_y = state_.bend[1];
-    if (bend_columns_[0] >= 0) c.bend_x_sigma = std::sqrt(factor * cofactor(bend_columns_[0], bend_columns_[0]));
-    if (bend_columns_[1] >= 0) c.bend_y_sigma = std::sqrt(factor * cofactor(bend_columns_[1], bend_columns_[1]));
+    c.bend_x = state_.bend[0], c.bend_y = state_.bend[1], c.twist = state_.bend[2];
+    const auto sigma = [&](int column) { return column < 0 ? 0 : std::sqrt(factor * cofactor(column, column)); };
+    c.bend_x_sigma = sigma(bend_columns_[0]), c.bend_y_sigma = sigma(bend_columns_[1]);
+    c.twist_sigma = sigma(bend_columns_[2]);
     for (const auto& [v, p] : rejected_)
       c.rejected.push_back("point " + std::to_string(p) + " in " + views_[static_cast<size_t>(v)].path +
                            ": its residual is more than 5 times that of the median point");

@@ -32,8 +32,8 @@ enum class LensModel { brown, fisheye };
 
 struct CalibrationOptions {
   std::vector<std::string> free = {"fx", "fy", "cx", "cy", "k1", "k2", "k3", "p1", "p2"};
-  /// The board may be bent: z = a (1 − x²) + b (1 − y²), x and y from −1 to 1 over the board; a and b get this prior
-  /// [m], 0 holds it flat.
+  /// The board may be bent and twisted: z = a (1 − x²) + b (1 − y²) + c x y, x and y from −1 to 1 over the board; each
+  /// of the three gets this prior [m], 0 holds it flat.
   double bend_sigma = 0;
   double reject_above = 5;  ///< points whose residual is this many times the median are left out; 0 keeps all
   int max_iterations = 200;
@@ -63,6 +63,7 @@ struct Calibration {
   std::vector<std::string> rejected;  ///< in words
   bool held_flat = false;  ///< the photographs did not tell a bend of the board from the lens, so it was held flat
   bool held_k3 = false;    ///< nor the third radial coefficient, which was held at zero
+  double twist = 0, twist_sigma = 0;  ///< of the board, at its corners [m]
 };
 
 /// Throws std::runtime_error that says what is missing: fewer than three views or too few points, all views from one

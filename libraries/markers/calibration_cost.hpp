@@ -4,6 +4,8 @@
 #include <ceres/rotation.h>
 
 #include <Eigen/Core>
+#include <string>
+#include <vector>
 
 #include "markers/calibration.hpp"
 
@@ -21,6 +23,18 @@ void project_fisheye(const T* p, const T& x, const T& y, T* pixel) {
   pixel[0] = p[0] * scale * x + p[2], pixel[1] = p[1] * scale * y + p[3];
 }
 
+/// How far a point of the board stands before its plane: bulges along x and y, and a twist. `unit`: from −1 to 1 over
+/// the board.
+template <typename T>
+T height_of_bend(const T* bend, const Eigen::Vector2d& unit) {
+  return bend[0] * T(1 - unit.x() * unit.x()) + bend[1] * T(1 - unit.y() * unit.y()) + bend[2] * T(unit.x() * unit.y());
+}
+constexpr int bend_count = 3;
+
+inline std::vector<std::string> bend_names() {
+  return {"bend of the board in x", "bend of the board in y", "twist of the board"};
+}
+
 /// One point. Parameters: pose (translation, rotation vector on top of the approximate one), interior orientation,
 /// bend.
 struct PointCost {
@@ -33,7 +47,7 @@ struct PointCost {
   template <typename T>
   bool operator()(const T* pose, const T* interior, const T* bend, T* residual) const {
     using Vector = Eigen::Matrix<T, 3, 1>;
-    const T z = T(board.z()) + bend[0] * T(1 - unit.x() * unit.x()) + bend[1] * T(1 - unit.y() * unit.y());
+    const T z = T(board.z()) + height_of_bend(bend, unit);
     const Vector start = camera_matrix->cast<T>() * Vector(T(board.x()), T(board.y()), z);
     Vector turned;
     ceres::AngleAxisRotatePoint(pose + 3, start.data(), turned.data());
@@ -51,11 +65,12 @@ struct PointCost {
   }
 };
 
-struct ScaledCost {
+/// The prior of the bend.
+struct BendCost {
   double sigma;
   template <typename T>
   bool operator()(const T* bend, T* residual) const {
-    residual[0] = bend[0] / T(sigma), residual[1] = bend[1] / T(sigma);
+    for (int k = 0; k < bend_count; ++k) residual[k] = bend[k] / T(sigma);
     return true;
   }
 };

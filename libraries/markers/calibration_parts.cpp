@@ -10,7 +10,6 @@
 #include <stdexcept>
 
 #include "geometry/median.hpp"
-#include "markers/marker_truth.hpp"
 #include "plumbline/stop.hpp"
 
 namespace plumbline::markers {
@@ -39,11 +38,23 @@ std::optional<std::array<Calibration, 2>> calibrate_parts(const std::vector<Cali
   }
 }
 
-CalibrationParts compare(const std::string& split, const Calibration& a, const Calibration& b) {
+/// That of a part. One of too few photographs to see how they scatter has that of its corners alone, which is made
+/// larger as the scatter makes that of all.
+Eigen::MatrixXd covariance_of(const Calibration& part, const Calibration& all) {
+  if (part.truth.empirical.judged || !all.truth.empirical.judged) return part.covariance;
+  Eigen::VectorXd ratio = Eigen::VectorXd::Ones(part.covariance.rows());
+  for (Eigen::Index k = 0; k < ratio.size(); ++k)
+    if (all.formal_covariance(k, k) > 0) ratio(k) = std::sqrt(all.covariance(k, k) / all.formal_covariance(k, k));
+  return ratio.asDiagonal() * part.covariance * ratio.asDiagonal();
+}
+
+CalibrationParts compare(const std::string& split, const Calibration& a, const Calibration& b,
+                         const Calibration& all) {
   CalibrationParts parts;
   parts.split = split;
-  const auto ua = projection_uncertainty(a.camera, a.covariance, map_columns, map_rows),
-             ub = projection_uncertainty(b.camera, b.covariance, map_columns, map_rows);
+  const Eigen::MatrixXd covariance_a = covariance_of(a, all), covariance_b = covariance_of(b, all);
+  const auto ua = projection_uncertainty(a.camera, covariance_a, map_columns, map_rows),
+             ub = projection_uncertainty(b.camera, covariance_b, map_columns, map_rows);
   std::vector<double> expected;
   for (std::size_t i = 0; i < ua.size(); ++i) expected.push_back(std::hypot(ua[i], ub[i]));
   parts.difference = median_of_finite(projection_difference(a.camera, b.camera, map_columns, map_rows));
@@ -51,14 +62,14 @@ CalibrationParts compare(const std::string& split, const Calibration& a, const C
   const auto first = a.camera.parameters(), other = b.camera.parameters();
   std::vector<int> both;
   for (int k = 0; k < BrownCamera::parameter_count; ++k)
-    if (a.covariance(k, k) > 0 && b.covariance(k, k) > 0) both.push_back(k);
+    if (covariance_a(k, k) > 0 && covariance_b(k, k) > 0) both.push_back(k);
   parts.freedom = static_cast<int>(both.size());
   Eigen::VectorXd d(parts.freedom);
   for (std::size_t i = 0; i < both.size(); ++i) {
     const auto k = static_cast<std::size_t>(both[i]);
     d(static_cast<Eigen::Index>(i)) = other[k] - first[k];
   }
-  const Eigen::MatrixXd sum = a.covariance(both, both) + b.covariance(both, both);
+  const Eigen::MatrixXd sum = covariance_a(both, both) + covariance_b(both, both);
   parts.statistic = d.dot(sum.ldlt().solve(d));
   return parts;
 }
@@ -98,23 +109,41 @@ std::vector<CalibrationParts> compare_parts(const std::vector<CalibrationView>& 
                                       std::pair("the first and the second half of the photographs", late),
                                       std::pair("the photographs from either side", from_one_side(all))})
     if (const auto parts = calibrate_parts(views, second, options, all.camera, fewest))
-      result.push_back(compare(split, (*parts)[0], (*parts)[1]));
+    {
+      result.push_back(compare(split, (*parts)[0], (*parts)[1], all));
+      result.back().by_place = split == std::string("the photographs from either side");
+    }
   return result;
 }
 
-std::string as_two_cameras(const std::vector<CalibrationView>& views, const CalibrationOptions& options,
-                           const Calibration& all) {
+std::string try_two_cameras(const std::vector<CalibrationView>& views, const CalibrationOptions& options,
+                            Calibration& all) {
   const auto& change = all.truth.change;
   if (!change || !divides(*change)) return "";
+  std::vector<CalibrationView> used(views.size());
+  for (const CalibratedView& view : all.views) {
+    const CalibrationView& given = views[static_cast<std::size_t>(view.view)];
+    CalibrationView& same = used[static_cast<std::size_t>(view.view)];
+    same.path = given.path;
+    for (const int k : view.points) same.points.push_back(given.points[static_cast<std::size_t>(k)]);
+  }
   std::vector<bool> second(views.size());
   for (const int k : change->second)
     second[static_cast<std::size_t>(all.truth.evidence.members[static_cast<std::size_t>(k)])] = true;
-  const auto parts = calibrate_parts(views, second, options, all.camera, 3);
+  CalibrationOptions same = options;
+  same.reject_above = 0;
+  const auto parts = calibrate_parts(used, second, same, all.camera, 3);
   if (!parts) return "";
   const auto& [a, b] = *parts;
-  const double rms =
+  TwoCameras two;
+  two.first = a.camera, two.second = b.camera;
+  two.first_covariance = a.covariance, two.second_covariance = b.covariance;
+  two.rms_as_one = all.rms;
+  two.rms_as_two =
       std::sqrt((a.rms * a.rms * a.observations + b.rms * b.rms * b.observations) / (a.observations + b.observations));
-  return as_two_cameras(a.camera, std::sqrt(a.covariance(0, 0)), b.camera, std::sqrt(b.covariance(0, 0)), rms, all.rms);
+  two.more_unknowns = a.unknowns + b.unknowns - all.unknowns;
+  two.redundancy = a.degrees_of_freedom + b.degrees_of_freedom;
+  return settle_change(all.truth, two);
 }
 
 }  // namespace plumbline::markers

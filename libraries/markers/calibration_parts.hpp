@@ -14,6 +14,7 @@ struct CalibrationParts {
   double statistic =
       0;  ///< d' (Σ₁ + Σ₂)⁻¹ d of all parameters that both estimate: chi-squared if the covariances are true
   int freedom = 0;
+  bool by_place = false;  ///< the photographs from either side
 };
 
 constexpr int map_columns = 25, map_rows = 19;  ///< of maps over the image
@@ -23,9 +24,10 @@ constexpr int map_columns = 25, map_rows = 19;  ///< of maps over the image
 std::vector<CalibrationParts> compare_parts(const std::vector<CalibrationView>& views,
                                             const CalibrationOptions& options, const Calibration& all);
 
-/// Where the photographs are of two cameras (all.truth.change): "as two cameras, fx ..., they fit to ..."; empty where
-/// there is no such change, or a part cannot be calibrated by itself.
-std::string as_two_cameras(const std::vector<CalibrationView>& views, const CalibrationOptions& options,
-                           const Calibration& all);
+/// Where the photographs are of two cameras (all.truth.change) these are calibrated, on the points of the one: what
+/// that says of the change goes into all.truth and is returned (settle_change). Empty where there is no such change, or
+/// a part cannot be calibrated by itself.
+std::string try_two_cameras(const std::vector<CalibrationView>& views, const CalibrationOptions& options,
+                            Calibration& all);
 
 }  // namespace plumbline::markers

@@ -4,9 +4,14 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <numeric>
+#include <optional>
+#include <tuple>
 
 #include "geometry/median.hpp"
 #include "geometry/random.hpp"
@@ -170,50 +175,161 @@ Eigen::MatrixXd in_nine(const CameraEvidence& evidence, const Eigen::MatrixXd& o
 
 namespace {
 
-/// Logarithm of the likelihood of scores of an effect with variance `variance` over that of none: each photograph's
-/// score has the covariance J + J τ² J.
-double gain(const std::vector<Eigen::VectorXd>& scores, const std::vector<Eigen::MatrixXd>& information,
-            double variance) {
-  double sum = 0;
-  for (std::size_t i = 0; i < scores.size(); ++i) {
-    const auto d = scores[i].size();
-    const Eigen::MatrixXd inflated = Eigen::MatrixXd::Identity(d, d) + variance * information[i];
-    sum += 0.5 * variance * scores[i].dot(inflated.partialPivLu().solve(scores[i])) -
-           0.5 * std::log(std::max(1e-300, inflated.determinant()));
-  }
-  return sum;
-}
+constexpr std::array<Scatter::Kind, 3> kinds_of_scatter{Scatter::Kind::focus, Scatter::Kind::principal_point, Scatter::Kind::rolling_shutter};
+using Rms = std::array<double, kinds_of_scatter.size()>;  // of each; 0: there is no such effect
 
-Eigen::Index place_of(const CameraEvidence& evidence, int parameter) {
-  const auto found = std::find(evidence.parameters.begin(), evidence.parameters.end(), parameter);
-  return found == evidence.parameters.end() ? -1 : found - evidence.parameters.begin();
-}
+/// The likelihood of all photographs' scores if each has effects of its own.
+class JointScatter {
+ public:
+  JointScatter(const CameraEvidence& evidence, const BrownCamera& camera) : largest_{0.3, 0.1 * camera.width, 0.1 * camera.width} {
+    const auto p = static_cast<Eigen::Index>(evidence.parameters.size());
+    const auto values = camera.parameters();
+    Eigen::MatrixXd directions = Eigen::MatrixXd::Zero(p + effect_count, size);
+    for (Eigen::Index at = 0; at < p; ++at) {
+      const int parameter = evidence.parameters[static_cast<std::size_t>(at)];
+      if (parameter < 2) directions(at, 0) = values[static_cast<std::size_t>(parameter)];
+      if (parameter == 2 || parameter == 3) directions(at, parameter - 1) = 1;
+    }
+    directions.bottomRightCorner<effect_count, effect_count>().setIdentity();
+    normal_ = Eigen::MatrixXd::Zero(p, p), sum_ = Eigen::VectorXd::Zero(p);
+    for (std::size_t i = 0; i < evidence.score.size(); ++i) {
+      scores_.emplace_back(directions.transpose() * evidence.score[i]);
+      const Eigen::MatrixXd through = directions.transpose() * evidence.information[i];
+      information_.emplace_back(through * directions);
+      through_.emplace_back(through.leftCols(p));
+      normal_ += evidence.information[i].topLeftCorner(p, p), sum_ += evidence.score[i].head(p);
+    }
+  }
 
-/// Puts the best rms of an effect along `directions` into `best` if it explains more.
-void consider(const CameraEvidence& evidence, Scatter::Kind kind, const Eigen::MatrixXd& directions, double largest,
-              Scatter& best) {
-  if (directions.isZero(0)) return;
-  std::vector<Eigen::VectorXd> scores;
-  std::vector<Eigen::MatrixXd> information;
-  for (std::size_t i = 0; i < evidence.score.size(); ++i) {
-    scores.emplace_back(directions.transpose() * evidence.score[i]);
-    information.emplace_back(directions.transpose() * evidence.information[i] * directions);
+  /// Logarithm of the likelihood over that of no effect, the common parameters where they fit best: each photograph's
+  /// score has the covariance J + J T J.
+  double gain(const Rms& rms) const { return profile(rms).first; }
+
+  /// How far the common parameters move with these effects.
+  Eigen::VectorXd moved(const Rms& rms) const { return profile(rms).second; }
+
+  /// The rms of the effects that are not 0 in `rms` and of `added` that are most likely, each in turn until none moves.
+  std::pair<double, Rms> best(Rms rms, std::optional<std::size_t> added) const {
+    double value = gain(rms);
+    if (added) {
+      Rms tried = rms;
+      double first = -std::numeric_limits<double>::infinity();
+      for (double each = largest_[*added]; each > 1e-4 * largest_[*added]; each /= 1.5) {
+        tried[*added] = each;
+        if (const double found = gain(tried); found > first) first = found, rms = tried;
+      }
+      value = first;
+    }
+    for (double step = 1.5; step > 1.01;) {
+      bool moved = false;
+      for (std::size_t k = 0; k < rms.size(); ++k)
+        for (const double factor : {step, 1 / step}) {
+          double& each = rms[k];
+          const double before = each;
+          each = std::min(factor * each, largest_[k]);
+          const double found = before > 0 ? gain(rms) : value;
+          if (found > value + 1e-9)
+            value = found, moved = true;
+          else
+            each = before;
+        }
+      if (!moved) step = std::sqrt(step);
+    }
+    return {value, rms};
   }
-  for (double rms = largest; rms > 1e-4 * largest; rms /= 1.1) {
-    const double value = gain(scores, information, rms * rms);
-    if (value > best.gain) best = {kind, rms, value};
+
+ private:
+  static constexpr int size = 3 + effect_count;
+  using Vector = Eigen::Matrix<double, size, 1>;
+  using Matrix = Eigen::Matrix<double, size, size>;
+  using Through = Eigen::Matrix<double, size, Eigen::Dynamic, 0, size, BrownCamera::parameter_count>;
+
+  std::pair<double, Eigen::VectorXd> profile(const Rms& rms) const {
+    Vector sigma;
+    sigma << rms[0], rms[1], rms[1], rms[2], rms[2];
+    double sum = 0;
+    Eigen::MatrixXd normal = normal_;
+    Eigen::VectorXd right = sum_;
+    for (std::size_t i = 0; i < scores_.size(); ++i) {
+      const Matrix inflated = Matrix::Identity() + (sigma.asDiagonal() * information_[i] * sigma.asDiagonal()).eval();
+      const Eigen::LLT<Matrix> root(inflated);
+      const Vector scaled = root.matrixL().solve(sigma.cwiseProduct(scores_[i]));
+      const Through through = root.matrixL().solve((sigma.asDiagonal() * through_[i]).eval());
+      sum += 0.5 * scaled.squaredNorm() - root.matrixLLT().diagonal().array().log().sum();
+      normal.noalias() -= through.transpose() * through, right.noalias() -= through.transpose() * scaled;
+    }
+    const Eigen::LDLT<Eigen::MatrixXd> factor(normal);
+    if (!factor.isPositive()) return {-std::numeric_limits<double>::infinity(), Eigen::VectorXd::Zero(right.size())};
+    const Eigen::VectorXd by = factor.solve(right);
+    return {sum + 0.5 * right.dot(by), by};
   }
-}
+
+  Rms largest_;
+  Eigen::MatrixXd normal_;
+  Eigen::VectorXd sum_;  // of the scores: what the adjustment left of them
+  std::vector<Through> through_;
+  std::vector<Vector> scores_;
+  std::vector<Matrix> information_;
+};
 
 }  // namespace
 
-Scatter rolling_shutter_of(const CameraEvidence& evidence, const BrownCamera& camera) {
-  Scatter best;
-  const auto p = static_cast<Eigen::Index>(evidence.parameters.size());
-  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(p + effect_count, effect_count);
-  rows.bottomRows<effect_count>().setIdentity();
-  consider(evidence, Scatter::Kind::rolling_shutter, rows, 0.1 * camera.width, best);
-  return best;
+std::vector<Scatter> explain_scatter(const CameraEvidence& evidence, const BrownCamera& camera) {
+  if (evidence.parameters.empty()) return {};
+  const JointScatter joint(evidence, camera);
+  Rms rms{};
+  double reached = 0;
+  std::vector<Scatter> causes(kinds_of_scatter.size());
+  for (;;) {
+    std::array<std::pair<double, Rms>, kinds_of_scatter.size()> with;
+    std::size_t best = 0, next = 0;  // of those that are not among them yet
+    for (std::size_t k = 0; k < with.size(); ++k) {
+      with[k] = {-std::numeric_limits<double>::infinity(), {}};
+      if (!(rms[k] > 0)) with[k] = joint.best(rms, k);
+    }
+    for (std::size_t k = 1; k < with.size(); ++k)
+      if (with[k].first > with[best].first) best = k;
+    next = best == 0 ? 1 : 0;
+    for (std::size_t k = 0; k < with.size(); ++k)
+      if (k != best && with[k].first > with[next].first) next = k;
+    if (!(with[best].first > reached + significant_gain)) break;
+    if (with[next].first > std::max(reached, with[best].first - significant_gain))
+      causes[best].instead = kinds_of_scatter[next], causes[best].instead_rms = with[next].second[next];
+    std::tie(reached, rms) = with[best];
+  }
+  // What came first may be of no use beside what came after.
+  for (std::size_t k = 0; k < rms.size(); ++k) {
+    if (!(rms[k] > 0)) continue;
+    Rms others = rms;
+    others[k] = 0;
+    const auto without = joint.best(others, std::nullopt);
+    causes[k].gain = reached - without.first;
+    if (!(causes[k].gain > significant_gain)) std::tie(reached, rms) = without;
+  }
+  for (std::size_t k = 0; k < rms.size(); ++k) {
+    if (rms[k] > 0) causes[k].kind = kinds_of_scatter[k], causes[k].rms = rms[k];
+    if (rms_of(causes, causes[k].instead) > 0) causes[k].instead = Scatter::Kind::none;
+  }
+  std::erase_if(causes, [](const Scatter& cause) { return cause.kind == Scatter::Kind::none; });
+  std::stable_sort(causes.begin(), causes.end(), [](const Scatter& a, const Scatter& b) { return a.gain > b.gain; });
+  return causes;
+}
+
+CameraEvidence about_common(const CameraEvidence& evidence, const BrownCamera& camera,
+                            const std::vector<Scatter>& causes) {
+  const Rms rms{rms_of(causes, Scatter::Kind::focus), rms_of(causes, Scatter::Kind::principal_point), 0};
+  if (evidence.parameters.empty() || rms == Rms{}) return evidence;
+  const Eigen::VectorXd moved = JointScatter(evidence, camera).moved(rms);
+  CameraEvidence about = evidence;
+  for (std::size_t i = 0; i < about.score.size(); ++i)
+    about.score[i] -= about.information[i].leftCols(moved.size()) * moved;
+  return about;
+}
+
+double rms_of(const std::vector<Scatter>& causes, Scatter::Kind kind) {
+  for (const Scatter& cause : causes)
+    if (kind != Scatter::Kind::none && cause.kind == kind) return cause.rms;
+  return 0;
 }
 
 CameraEvidence without_rolling_shutter(const CameraEvidence& evidence, double rms) {
@@ -236,57 +352,62 @@ CameraEvidence without_rolling_shutter(const CameraEvidence& evidence, double rm
   return left;
 }
 
-Scatter explain_scatter(const CameraEvidence& evidence, const BrownCamera& camera) {
-  Scatter best;
-  const auto p = static_cast<Eigen::Index>(evidence.parameters.size());
-  const auto values = camera.parameters();
-  Eigen::MatrixXd focus = Eigen::MatrixXd::Zero(p + effect_count, 1);
-  for (const int k : {0, 1})
-    if (const auto at = place_of(evidence, k); at >= 0) focus(at, 0) = values[static_cast<std::size_t>(k)];
-  consider(evidence, Scatter::Kind::focus, focus, 0.3, best);
-  Eigen::MatrixXd point = Eigen::MatrixXd::Zero(p + effect_count, 2);
-  for (const int k : {2, 3})
-    if (const auto at = place_of(evidence, k); at >= 0) point(at, k - 2) = 1;
-  consider(evidence, Scatter::Kind::principal_point, point, 0.1 * camera.width, best);
-  const Scatter rows = rolling_shutter_of(evidence, camera);
-  return rows.gain > best.gain ? rows : best;
+namespace {
+
+/// What it is like, and what to do about it.
+std::pair<std::string, std::string> words_of(Scatter::Kind kind, double rms) {
+  char text[200] = "";
+  switch (kind) {
+    case Scatter::Kind::focus:
+      std::snprintf(text, sizeof text,
+                    "a principal distance that differs by %.2f %% rms from photograph to photograph (an autofocus or a "
+                    "zoom)",
+                    100 * rms);
+      return {text, "fix the focus"};
+    case Scatter::Kind::principal_point:
+      std::snprintf(text, sizeof text,
+                    "a principal point that moves by %.1f px rms from photograph to photograph (a stabiliser, or a "
+                    "lens that is loose)",
+                    rms);
+      return {text, "switch the stabiliser off"};
+    case Scatter::Kind::rolling_shutter:
+      std::snprintf(text, sizeof text,
+                    "rows read one after another while the camera moves, by %.1f px rms from the first to the last (a "
+                    "rolling shutter)",
+                    rms);
+      return {text, "hold the camera still"};
+    case Scatter::Kind::none:
+      break;
+  }
+  return {};
 }
 
-std::string in_words(const EmpiricalCovariance& empirical, const Scatter& scatter) {
-  constexpr double significant = 5;  // logarithm of a likelihood ratio
-  // Sound photographs scatter by chance, too: 20 of them by 1.4 times in the mean, as no direction counts less than 1.
-  const double told = scatter.gain > significant ? 1.5 : 3;
-  if (!empirical.judged || !(empirical.factor > told)) return "";
+}  // namespace
+
+std::string scatter_in_words(const EmpiricalCovariance& empirical) {
   char text[300];
   std::snprintf(text, sizeof text,
                 "the %d photographs scatter %.1f times as far as their corners allow: the standard deviations of the "
                 "camera are made of that scatter",
                 empirical.photographs, empirical.factor);
-  std::string words = text;
-  if (!(scatter.gain > significant)) return words + "; lens or board are not quite as the model has them";
-  switch (scatter.kind) {
-    case Scatter::Kind::focus:
-      std::snprintf(text, sizeof text,
-                    ". It is most like a principal distance that differs by %.2f %% rms from photograph to photograph: "
-                    "an autofocus or a zoom. Fix the focus",
-                    100 * scatter.rms);
-      break;
-    case Scatter::Kind::principal_point:
-      std::snprintf(text, sizeof text,
-                    ". It is most like a principal point that moves by %.1f px rms from photograph to photograph: a "
-                    "stabiliser, or a lens that is loose. Switch it off",
-                    scatter.rms);
-      break;
-    case Scatter::Kind::rolling_shutter:
-      std::snprintf(text, sizeof text,
-                    ". It is most like rows read one after another while the camera moves, by %.1f px rms from the "
-                    "first to the last: a rolling shutter. Hold the camera still",
-                    scatter.rms);
-      break;
-    case Scatter::Kind::none:
-      return words;
+  return text;
+}
+
+std::string in_words(const EmpiricalCovariance& empirical, const std::vector<Scatter>& causes) {
+  // Sound photographs scatter by chance, too: 20 of them by 1.4 times in the mean, as no direction counts less than 1.
+  const double told = causes.empty() ? 3 : 1.5;
+  if (!empirical.judged || !(empirical.factor > told)) return "";
+  const std::string words = scatter_in_words(empirical);
+  if (causes.empty()) return words + "; lens or board are not quite as the model has them";
+  std::string like, remedy;
+  for (const Scatter& cause : causes) {
+    const auto [own, own_remedy] = words_of(cause.kind, cause.rms);
+    const auto [other, other_remedy] = words_of(cause.instead, cause.instead_rms);
+    like += (like.empty() ? "" : ", and ") + own + (other.empty() ? "" : ", or nearly as much like " + other);
+    remedy += (remedy.empty() ? "" : ", ") + own_remedy + (other.empty() ? "" : ", " + other_remedy);
   }
-  return words + text;
+  remedy[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(remedy[0])));
+  return words + ". It is most like " + like + ". " + remedy;
 }
 
 }  // namespace plumbline::markers

@@ -69,25 +69,40 @@ EmpiricalCovariance empirical_covariance(const CameraEvidence& evidence);
 /// 9 × 9 of the estimated parameters' p × p.
 Eigen::MatrixXd in_nine(const CameraEvidence& evidence, const Eigen::MatrixXd& of_estimated);
 
-/// Effects of single photographs that would make them scatter as they do.
+/// An effect of single photographs that makes them scatter as they do.
 struct Scatter {
   enum class Kind { none, focus, principal_point, rolling_shutter };
   Kind kind = Kind::none;
-  double rms = 0;   ///< of focus: relative; else [px]
-  double gain = 0;  ///< of the logarithm of the likelihood over no such effect
+  double rms = 0;             ///< of focus: relative; else [px]
+  double gain = 0;            ///< of the logarithm of the likelihood, over the other effects without it
+  Kind instead = Kind::none;  ///< another that explains as much in its place, within significant_gain
+  double instead_rms = 0;
 };
 
-/// The rolling shutter alone, whether or not another effect explains more.
-Scatter rolling_shutter_of(const CameraEvidence& evidence, const BrownCamera& camera);
+/// Logarithm of a likelihood ratio from which an effect counts.
+constexpr double significant_gain = 5;
+
+/// The effects, each normal from photograph to photograph, whose variances together explain the scores best: one after
+/// the other that explains most of what those before it leave, each only if it adds more than significant_gain beside
+/// all others.
+std::vector<Scatter> explain_scatter(const CameraEvidence& evidence, const BrownCamera& camera);
+
+/// That of a kind; 0 where it is not among them.
+double rms_of(const std::vector<Scatter>& causes, Scatter::Kind kind);
 
 /// The evidence with a movement of the rows of each photograph by `rms` [px] as an unknown of its own, normal about
 /// zero, taken out: scores about the parameters that fit best then. What is left scatters less, and differs sooner.
 CameraEvidence without_rolling_shutter(const CameraEvidence& evidence, double rms);
 
-/// The one effect, normal from photograph to photograph, that explains the scores best.
-Scatter explain_scatter(const CameraEvidence& evidence, const BrownCamera& camera);
+/// Scores about the parameters that fit best if the principal distance and point are each photograph's own, as far as
+/// `causes` has them scatter: photographs with another one do not pull those of the rest.
+CameraEvidence about_common(const CameraEvidence& evidence, const BrownCamera& camera,
+                            const std::vector<Scatter>& causes);
 
 /// What to say of a camera whose photographs scatter by more than its corners allow; empty if they do not.
-std::string in_words(const EmpiricalCovariance& empirical, const Scatter& scatter);
+std::string in_words(const EmpiricalCovariance& empirical, const std::vector<Scatter>& causes);
+
+/// That they scatter, without a cause.
+std::string scatter_in_words(const EmpiricalCovariance& empirical);
 
 }  // namespace plumbline::markers

@@ -29,6 +29,7 @@ struct MarkerCamera {
   Eigen::MatrixXd covariance;  ///< 9 × 9 prior; empty: none. Parameters of variance 0 are held
   bool held = false;           ///< the interior orientation is taken as exact
   double pixel_pitch = std::numeric_limits<double>::quiet_NaN();  ///< edge of a pixel on the sensor [m]; nan: unknown
+  bool guessed = false;  ///< the covariance is of a guess, not of a calibration that photographs could contradict
 };
 
 struct MarkerImage {

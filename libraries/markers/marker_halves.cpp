@@ -133,11 +133,24 @@ MarkerHalves compare(const Centres& one, const Centres& two) {
   return halves;
 }
 
-/// Adds what the halves' cameras differ by, in their covariances.
-void compare_cameras(const MarkerBlock& block, const MarkerResult& one, const MarkerResult& two, MarkerHalves& halves) {
+/// That of a half's camera. One of too few photographs to see how they scatter has that of its corners alone, which is
+/// made larger as the scatter makes that of all.
+Eigen::MatrixXd camera_covariance(const AdjustedMarkerCamera& half, const AdjustedMarkerCamera& all) {
+  if (half.truth.empirical.judged || !all.truth.empirical.judged) return half.covariance;
+  Eigen::VectorXd ratio = Eigen::VectorXd::Ones(half.covariance.rows());
+  for (Eigen::Index k = 0; k < ratio.size(); ++k)
+    if (all.formal_covariance(k, k) > 0) ratio(k) = std::sqrt(all.covariance(k, k) / all.formal_covariance(k, k));
+  return ratio.asDiagonal() * half.covariance * ratio.asDiagonal();
+}
+
+/// Adds what the halves' cameras differ by, in their covariances. One that changed is told to have.
+void compare_cameras(const MarkerBlock& block, const MarkerResult& all, const MarkerResult& one,
+                     const MarkerResult& two, MarkerHalves& halves) {
   double square = 0;
   for (std::size_t c = 0; c < block.cameras.size(); ++c) {
-    const Eigen::MatrixXd &a = one.cameras[c].covariance, &b = two.cameras[c].covariance;
+    if (all.cameras[c].truth.change) continue;
+    const Eigen::MatrixXd a = camera_covariance(one.cameras[c], all.cameras[c]),
+                          b = camera_covariance(two.cameras[c], all.cameras[c]);
     std::vector<Eigen::Index> both;
     for (Eigen::Index k = 0; k < a.rows(); ++k)
       if (block.cameras[c].covariance.size() == 0 && a(k, k) > 0 && b(k, k) > 0) both.push_back(k);
@@ -179,7 +192,7 @@ std::optional<MarkerHalves> compare_halves(const MarkerBlock& block, const Marke
   if (both.size() < kFewestTags) return std::nullopt;
   MarkerHalves halves = compare(Centres(found[0], both), Centres(found[1], both));
   halves.by = by;
-  compare_cameras(block, found[0], found[1], halves);
+  compare_cameras(block, result, found[0], found[1], halves);
   return halves;
 }
 
@@ -199,10 +212,17 @@ std::string in_words(const MarkerHalves& halves) {
                   halves.tags_contradict ? ", and" : "", std::sqrt(halves.camera_variance));
     words += text;
   }
-  return words +
-         ": the stated standard deviations are too small by about that. The cameras are not what the model says (moved "
-         "while their rows were read, focused or zoomed between photographs, with a lens of another kind)" +
-         (halves.by == HalvesBy::place ? ", or the tags are no plane squares" : "");
+  words += ": the stated standard deviations are too small by about that. ";
+  if (halves.of_object)
+    return words +
+           "Every second photograph and the others agree, so it is not the camera: the tags are no plane squares, or "
+           "their paper or board is wavy or gives way";
+  const std::string camera =
+      "the cameras are not what the model says (moved while their rows were read, focused or zoomed between "
+      "photographs, with a lens of another kind)";
+  if (halves.by == HalvesBy::place)
+    return words + "The tags are no plane squares, or their paper or board is wavy or gives way, or " + camera;
+  return words + "T" + camera.substr(1);
 }
 
 }  // namespace plumbline::markers

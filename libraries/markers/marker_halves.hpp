@@ -30,10 +30,12 @@ struct MarkerHalves {
   bool tags_contradict = false, cameras_contradict = false;
   bool contradict() const { return tags_contradict || cameras_contradict; }
   double worst() const { return std::max(variance, camera_variance); }
+  /// Halves by turns agree where these, by place, do not: it is not the camera, which each of those had from all sides.
+  bool of_object = false;
 };
 
 /// Adjusts two halves of the photographs and compares the tags' centres, free of position, rotation and scale, and the
-/// cameras. What is wrong with the model of the camera (rows read one after another, a focus that moves, a lens of
+/// cameras that did not change (AdjustedMarkerCamera::truth). What is wrong with the model of the camera (rows read one after another, a focus that moves, a lens of
 /// another kind) differs between the halves, and no residual need be large. Nothing where a camera has fewer than eight
 /// oriented photographs, or a half cannot be adjusted or has fewer than four tags in common with the other. Takes about
 /// as long as the adjustment itself.

@@ -162,9 +162,13 @@ MarkerResult adjust_with_calibrations(const MarkerBlock& block, const MarkerOpti
     } catch (const std::runtime_error&) {
       throw error;
     }
-    result.warnings.insert(result.warnings.begin(),
-                           "the photographs do not improve the calibrations they come with, which are taken as exact: "
-                           "standard deviations do not hold their uncertainty");
+    const bool guessed = std::any_of(block.cameras.begin(), block.cameras.end(),
+                                     [](const MarkerCamera& camera) { return camera.guessed; });
+    result.warnings.insert(
+        result.warnings.begin(),
+        guessed ? "the photographs do not calibrate their cameras, which are taken as EXIF or their tags have them"
+                : "the photographs do not improve the calibrations they come with, which are taken as exact: standard "
+                  "deviations do not hold their uncertainty");
     return result;
   }
 }

@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+#include <optional>
 #include <stdexcept>
 
 #include "plumbline/stop.hpp"
@@ -37,6 +37,9 @@ std::optional<MarkerBlock> with_camera_divided(const MarkerBlock& block, const M
   const CameraTruth& truth = result.cameras[camera].truth;
   if (!truth.change || !divides(*truth.change)) return std::nullopt;
   MarkerBlock divided = block;
+  divided.views.clear();  // the same observations as of one camera
+  for (const AdjustedMarkerView& view : result.views)
+    divided.views.push_back(block.views[static_cast<std::size_t>(view.view)]);
   for (std::size_t c = 0; c < divided.cameras.size(); ++c)
     if (!divided.cameras[c].held) divided.cameras[c].camera = result.cameras[c].camera;
   divided.cameras.push_back(divided.cameras[camera]);
@@ -46,6 +49,48 @@ std::optional<MarkerBlock> with_camera_divided(const MarkerBlock& block, const M
       if (image.camera == static_cast<int>(camera) && image.path == truth.evidence.paths[static_cast<std::size_t>(k)])
         image.camera = static_cast<int>(divided.cameras.size()) - 1;
   return divided;
+}
+
+std::string of_camera(const MarkerBlock& block, std::size_t camera) {
+  return block.cameras.size() > 1 ? "camera " + block.cameras[camera].id + ": " : "";
+}
+
+/// Puts `now` where the first of `before` stands among the warnings.
+void retell(const std::vector<std::string>& before, const std::vector<std::string>& now,
+            std::vector<std::string>& warnings) {
+  auto at = warnings.end();
+  for (const std::string& text : before) {
+    const auto found = std::find(warnings.begin(), warnings.end(), text);
+    if (found != warnings.end()) at = warnings.erase(found);
+  }
+  warnings.insert(at, now.begin(), now.end());
+}
+
+std::vector<std::string> told_of(const MarkerBlock& block, const MarkerResult& result, std::size_t camera) {
+  std::vector<std::string> words = warnings_of(result.cameras[camera].truth);
+  for (std::string& text : words) text.insert(0, of_camera(block, camera));
+  return words;
+}
+
+std::optional<TwoCameras> as_two_cameras(const MarkerBlock& block, const MarkerOptions& options,
+                                         const MarkerResult& result, std::size_t camera) {
+  const auto divided = with_camera_divided(block, result, camera);
+  if (!divided) return std::nullopt;
+  MarkerOptions same = options;
+  same.reject_above = 0;
+  try {
+    const MarkerResult found = adjust_marker_block(*divided, same);
+    TwoCameras two;
+    two.first = found.cameras[camera].camera, two.second = found.cameras.back().camera;
+    two.first_covariance = found.cameras[camera].covariance, two.second_covariance = found.cameras.back().covariance;
+    two.rms_as_one = result.rms, two.rms_as_two = found.rms;
+    two.more_unknowns = found.unknowns - result.unknowns, two.redundancy = found.degrees_of_freedom;
+    return two;
+  } catch (const Stopped&) {
+    throw;
+  } catch (const std::runtime_error&) {
+    return std::nullopt;
+  }
 }
 
 }  // namespace
@@ -76,38 +121,33 @@ void judge_cameras(const MarkerBlock& block, const MarkerState& state, const Mar
     }
     camera.truth = judge_camera(std::move(evidence), camera.camera, poses);
     camera.covariance = in_nine(camera.truth.evidence, camera.truth.empirical.written);
-    const std::string of = block.cameras.size() > 1 ? "camera " + block.cameras[c].id + ": " : "";
-    for (const std::string& text : warnings_of(camera.truth)) result.warnings.push_back(of + text);
+    for (const std::string& text : told_of(block, result, c)) result.warnings.push_back(text);
   }
 }
 
-std::string as_two_cameras(const MarkerBlock& block, const MarkerOptions& options, const MarkerResult& result,
-                           std::size_t c) {
-  const auto divided = with_camera_divided(block, result, c);
-  if (!divided) return "";
-  try {
-    const MarkerResult two = adjust_marker_block(*divided, options);
-    const AdjustedMarkerCamera &first = two.cameras[c], &second = two.cameras.back();
-    const auto sigma = [](const AdjustedMarkerCamera& camera) { return std::sqrt(camera.covariance(0, 0)); };
-    return as_two_cameras(first.camera, sigma(first), second.camera, sigma(second), two.rms, result.rms);
-  } catch (const Stopped&) {
-    throw;
-  } catch (const std::runtime_error&) {
-    return "";
+void try_two_cameras(const MarkerBlock& block, const MarkerOptions& options, MarkerResult& result) {
+  for (std::size_t c = 0; c < result.cameras.size(); ++c) {
+    const auto two = as_two_cameras(block, options, result, c);
+    if (!two) continue;
+    const std::vector<std::string> before = told_of(block, result, c);
+    const std::string words = of_camera(block, c) + settle_change(result.cameras[c].truth, *two);
+    std::vector<std::string> now = told_of(block, result, c);
+    now.insert(now.begin() + (result.cameras[c].truth.change ? 1 : 0), words);
+    retell(before, now, result.warnings);
   }
 }
 
-std::string as_two_cameras(const BrownCamera& first, double first_sigma, const BrownCamera& second, double second_sigma,
-                           double rms_of_two, double rms_of_one) {
-  char text[240], lengths[100] = "";
-  if (std::abs(second.fx - first.fx) > 2 * std::hypot(first_sigma, second_sigma))
-    std::snprintf(lengths, sizeof lengths, ", fx %.1f \u00b1 %.1f and %.1f \u00b1 %.1f px,", first.fx, first_sigma,
-                  second.fx, second_sigma);
-  std::snprintf(text, sizeof text,
-                "as two cameras%s they fit to %.3f px rms, as one to %.3f px: put these photographs into a folder of "
-                "their own",
-                lengths, rms_of_two, rms_of_one);
-  return text;
+std::string withdraw_scatter(const MarkerBlock& block, MarkerResult& result) {
+  std::string scatter;
+  for (std::size_t c = 0; c < result.cameras.size(); ++c) {
+    CameraTruth& truth = result.cameras[c].truth;
+    const std::string words = in_words(truth.empirical, truth.scatter);
+    if (truth.change || words.empty()) continue;
+    retell({of_camera(block, c) + words}, {}, result.warnings);
+    truth.scatter.clear();
+    scatter += (scatter.empty() ? "" : "; ") + of_camera(block, c) + scatter_in_words(truth.empirical);
+  }
+  return scatter;
 }
 
 }  // namespace plumbline::markers

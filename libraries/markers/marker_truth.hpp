@@ -12,14 +12,13 @@ namespace plumbline::markers {
 void judge_cameras(const MarkerBlock& block, const MarkerState& state, const MarkerModel& model,
                    const adjust::AdjustedBlock& adjusted, MarkerResult& result);
 
-/// The block adjusted again with the photographs of a change (camera_changes.hpp) as a camera of their own, in words;
-/// empty where camera `c` did not change, or bit by bit, or the block does not adjust.
-std::string as_two_cameras(const MarkerBlock& block, const MarkerOptions& options, const MarkerResult& result,
-                           std::size_t c);
+/// Adjusts the block again with the photographs of each change (camera_changes.hpp) as a camera of their own, and puts
+/// into the result and its warnings what that says of the change. A change bit by bit, and a block that does not adjust,
+/// stay as they are.
+void try_two_cameras(const MarkerBlock& block, const MarkerOptions& options, MarkerResult& result);
 
-/// "as two cameras, fx 811.9 ± 0.6 and 852.5 ± 0.7 px, they fit to 0.24 px rms, as one to 0.31 px", the principal
-/// distances only where they differ by two standard deviations.
-std::string as_two_cameras(const BrownCamera& first, double first_sigma, const BrownCamera& second, double second_sigma,
-                           double rms_of_two, double rms_of_one);
+/// Takes the scatter of the cameras' photographs out of the warnings and returns it, without a cause: where something
+/// else was found to be the cause.
+std::string withdraw_scatter(const MarkerBlock& block, MarkerResult& result);
 
 }  // namespace plumbline::markers

@@ -13,6 +13,7 @@
 
 #include "block/defects.hpp"
 #include "geometry/median.hpp"
+#include "markers/calibration_cost.hpp"
 #include "markers/rig.hpp"
 #include "plumbline/stop.hpp"
 
@@ -52,7 +53,7 @@ struct RigCost {
   template <typename T>
   bool operator()(const T* exposure, const T* camera, const T* interior, const T* bend, T* residual) const {
     using Vector = Eigen::Matrix<T, 3, 1>;
-    const T z = T(board.z()) + bend[0] * T(1 - unit.x() * unit.x()) + bend[1] * T(1 - unit.y() * unit.y());
+    const T z = T(board.z()) + height_of_bend(bend, unit);
     const Vector on_board = exposure_matrix->cast<T>() * Vector(T(board.x()), T(board.y()), z);
     Vector turned, seen;
     ceres::AngleAxisRotatePoint(exposure + 3, on_board.data(), turned.data());
@@ -65,15 +66,6 @@ struct RigCost {
     project_normalised(interior, T((seen[0] + camera[0]) / depth), T((seen[1] + camera[1]) / depth), computed);
     residual[0] = (computed[0] - T(pixel.x())) / T(sigma);
     residual[1] = (computed[1] - T(pixel.y())) / T(sigma);
-    return true;
-  }
-};
-
-struct BendCost {
-  double sigma;
-  template <typename T>
-  bool operator()(const T* bend, T* residual) const {
-    residual[0] = bend[0] / T(sigma), residual[1] = bend[1] / T(sigma);
     return true;
   }
 };
@@ -92,7 +84,7 @@ struct Problem {
   std::vector<Shot> shots;
   std::vector<Pose> exposures, cameras;
   std::vector<std::array<double, BrownCamera::parameter_count>> interiors;
-  std::array<double, 2> bend{};
+  std::array<double, bend_count> bend{};
   std::vector<std::vector<int>> camera_columns, interior_columns;
   std::vector<std::pair<int, int>> labels;  ///< shot and point by label
 
@@ -196,9 +188,8 @@ class RigAdjuster {
         p.exposures[e].set(start[m].inverse() * views[v].cam_from_board);
       }
     }
-    p.bend = {cameras_[static_cast<size_t>(members[0])].calibration->bend_x,
-              cameras_[static_cast<size_t>(members[0])].calibration->bend_y};
-    if (!(options_.bend_sigma > 0)) p.bend = {0, 0};
+    const Calibration& first = *cameras_[static_cast<size_t>(members[0])].calibration;
+    if (options_.bend_sigma > 0) p.bend = {first.bend_x, first.bend_y, first.twist};
     drop_empty_exposures(p);
   }
 
@@ -234,9 +225,10 @@ class RigAdjuster {
       p.interior_columns.push_back(model.add_kept(p.interiors[m].data(), free, names));
     }
     const bool bent = options_.bend_sigma > 0 && freedom == Freedom::all;
-    model.add_kept(p.bend.data(), {bent, bent}, {"bend of the board in x", "bend of the board in y"});
+    model.add_kept(p.bend.data(), {bent, bent, bent}, bend_names());
     if (bent)
-      model.add_term(std::make_unique<adjust::DifferentiatedCost<BendCost, 2, 2>>(new BendCost{options_.bend_sigma}),
+      model.add_term(std::make_unique<adjust::DifferentiatedCost<BendCost, bend_count, bend_count>>(
+                         new BendCost{options_.bend_sigma}),
                      {p.bend.data()}, 1, 0);
     for (size_t s = 0; s < p.shots.size(); ++s) {
       const Shot& shot = p.shots[s];
@@ -246,7 +238,8 @@ class RigAdjuster {
         const Eigen::Vector2d unit = (point.board.head<2>() - middle_).cwiseQuotient(half_);
         auto* cost =
             new RigCost{point.board, point.pixel, unit, point.sigma, &p.exposures[e].matrix, &p.cameras[c].matrix};
-        model.add_term(std::make_unique<adjust::DifferentiatedCost<RigCost, 2, 6, 6, BrownCamera::parameter_count, 2>>(cost),
+        using Term = adjust::DifferentiatedCost<RigCost, 2, 6, 6, BrownCamera::parameter_count, bend_count>;
+        model.add_term(std::make_unique<Term>(cost),
                        {p.exposures[e].values.data(), p.cameras[c].values.data(), p.interiors[c].data(), p.bend.data()},
                        0, static_cast<int>(p.labels.size()), true);
         p.labels.emplace_back(static_cast<int>(s), k);

@@ -1,4 +1,5 @@
 // calibrate.board: the interior orientation of cameras from photographs of a board.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <set>
@@ -45,7 +46,7 @@ struct CalibrateBoard : Node {
       "free", {"fx", "fy", "cx", "cy", "k1", "k2", "k3", "p1", "p2"}, "parameters to estimate"};
   Param<double> bend_sigma{
       "bend_sigma", 0.001, "m", between(0, 1),
-      "prior standard deviation of how far the board bulges, along x and along y; 0 holds it flat"};
+      "prior standard deviation of how far the board bulges, along x and along y, and is twisted; 0 holds it flat"};
   Param<double> reject_above{"reject_above", 5.0, "1", at_least(0),
                              "points whose residual is this many times the median are left out; 0 keeps all"};
   Param<std::string> cameras{
@@ -98,8 +99,8 @@ struct CalibrateBoard : Node {
         throw std::runtime_error("camera " + one.selection.camera + ": " + error.what());
       }
       refuse_fisheye(compare_lenses(one.selection.views, options, one.calibration), one.selection.camera);
+      one.as_two = try_two_cameras(one.selection.views, options, one.calibration);
       one.parts = compare_parts(one.selection.views, options, one.calibration);
-      one.as_two = as_two_cameras(one.selection.views, options, one.calibration);
       const std::string name = one.selection.camera.empty() ? "" : one.selection.camera + ": ";
       for (const auto& text : warnings_of(one)) context.warn(name + text);
     }
@@ -146,15 +147,27 @@ struct CalibrateBoard : Node {
   }
 
   /// A photograph whose markers have another size than those of the others says nothing of the board file.
+  /// Several of the same size show another board.
   static void excuse_board(std::vector<BoardPointsT>& photographs) {
+    constexpr double alike = 0.005;  // relative: blur makes each another size
     std::vector<double> ratios;
     for (const auto& p : photographs)
       if (!p.contradicts && std::isfinite(p.marker_ratio)) ratios.push_back(p.marker_ratio);
     if (ratios.empty()) return;
     for (auto& p : photographs) {
       if (!p.contradicts || !std::isfinite(p.marker_ratio)) continue;
-      char text[240];
-      std::snprintf(text, sizeof text,
+      char text[300];
+      const auto like = std::count_if(photographs.begin(), photographs.end(), [&](const BoardPointsT& other) {
+        return other.contradicts && std::abs(other.marker_ratio / p.marker_ratio - 1) < alike;
+      });
+      if (like > 1)
+        std::snprintf(text, sizeof text,
+                      "its markers measure %.3f of their squares or spacing, and so do those of %td photographs "
+                      "together; those of the %zu others measure %.3f, as the board file has it: it shows another "
+                      "board. Put its photographs into a folder of their own, with a board file",
+                      p.marker_ratio, like, ratios.size(), upper_median(ratios));
+      else
+        std::snprintf(text, sizeof text,
                     "its markers measure %.3f of their squares or spacing, those of the %zu other photographs %.3f, as "
                     "the board file has it: this one is blurred, or was moved while it was taken",
                     p.marker_ratio, ratios.size(), upper_median(ratios));

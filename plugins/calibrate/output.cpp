@@ -73,17 +73,20 @@ std::string with_capital(std::string text) {
 void add_parts(const std::vector<CalibrationParts>& all, std::vector<std::string>& warnings) {
   constexpr double told = 4;  // from half of the photographs the covariances themselves are rough
   const CalibrationParts* worst = nullptr;
+  const auto contradict = [](const CalibrationParts& parts) { return parts.statistic > told * parts.freedom; };
   for (const CalibrationParts& parts : all)
-    if (parts.statistic > told * parts.freedom && (!worst || parts.statistic > worst->statistic)) worst = &parts;
+    if (contradict(parts) && (!worst || parts.statistic > worst->statistic)) worst = &parts;
   if (!worst) return;
+  // Each of the halves by turns saw the board from all sides.
+  const bool of_object = worst->by_place && !all.front().by_place && !contradict(all.front());
   char text[400];
   std::snprintf(
       text, sizeof text,
       "%s give cameras whose parameters differ by %.1f times what their covariances allow (chi-squared %.0f of "
-      "%d degrees of freedom; %.2f px in the median over the image): the model does not fit this lens or this "
-      "board, or the camera changed between them, and the standard deviations are too small by about that",
+      "%d degrees of freedom; %.2f px in the median over the image): the model does not fit this board or this "
+      "lens%s, and the standard deviations are too small by about that",
       with_capital(worst->split).c_str(), std::sqrt(worst->statistic / worst->freedom), worst->statistic,
-      worst->freedom, worst->difference);
+      worst->freedom, worst->difference, of_object ? "" : ", or the camera changed between them");
   warnings.emplace_back(text);
 }
 
@@ -95,7 +98,10 @@ std::vector<std::string> warnings_of(const Calibrated& one) {
   std::vector<std::string> warnings;
   char text[400];
   for (const std::string& words : markers::warnings_of(c.truth)) warnings.push_back(with_capital(words));
-  if (c.truth.change && !one.as_two.empty()) warnings.front() += ". " + with_capital(one.as_two);
+  if (c.truth.change && !one.as_two.empty())
+    warnings.front() += ". " + with_capital(one.as_two);
+  else if (!one.as_two.empty())
+    warnings.insert(warnings.begin(), with_capital(one.as_two));
   if (!c.truth.empirical.judged) {
     std::snprintf(
         text, sizeof text,
@@ -143,11 +149,12 @@ std::vector<std::string> warnings_of(const Calibrated& one) {
                   static_cast<int>(empty));
     warnings.emplace_back(text);
   }
-  if (c.bend_x_sigma > 0 && std::max(std::abs(c.bend_x) / c.bend_x_sigma, std::abs(c.bend_y) / c.bend_y_sigma) > 4) {
+  if (c.bend_x_sigma > 0 && std::max({std::abs(c.bend_x) / c.bend_x_sigma, std::abs(c.bend_y) / c.bend_y_sigma,
+                                        std::abs(c.twist) / c.twist_sigma}) > 4) {
     std::snprintf(text, sizeof text,
-                  "The board is bent: its middle stands %.2f mm (along x) and %.2f mm (along y) before its edges; this "
-                  "is taken into account",
-                  1e3 * c.bend_x, 1e3 * c.bend_y);
+                  "The board is bent: its middle stands %.2f mm (along x) and %.2f mm (along y) before its edges, and "
+                  "its corners %.2f mm out of its plane by a twist; this is taken into account",
+                  1e3 * c.bend_x, 1e3 * c.bend_y, 1e3 * std::abs(c.twist));
     warnings.emplace_back(text);
   }
   return warnings;
@@ -225,6 +232,8 @@ Json calibration_json(const Calibrated& one) {
       {"degrees_of_freedom", c.degrees_of_freedom},
       {"board_bend_m", {c.bend_x, c.bend_y}},
       {"board_bend_sigma_m", {c.bend_x_sigma, c.bend_y_sigma}},
+      {"board_twist_m", c.twist},
+      {"board_twist_sigma_m", c.twist_sigma},
       {"scatter_of_photographs", scatter_json(c)},
       {"halves", halves},
       {"parts", parts_json(one.parts)},

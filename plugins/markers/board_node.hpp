@@ -93,24 +93,23 @@ struct AdjustMarkerBoard : Node {
   }
 
  private:
-  /// Tags and cameras by three divisions of the photographs; the worst that contradicts is told, and a camera that
-  /// changed is tried as two.
+  /// Cameras that changed, each tried as two; then tags and cameras by three divisions of the photographs, of which the
+  /// worst that contradicts is told.
   static std::vector<MarkerHalves> halves_of(const MarkerBlock& block, const MarkerOptions& options,
                                              MarkerResult& result) {
+    try_two_cameras(block, options, result);
     std::vector<MarkerHalves> all;
     for (const HalvesBy by : {HalvesBy::turns, HalvesBy::time, HalvesBy::place})
       if (const auto halves = compare_halves(block, options, result, by)) all.push_back(*halves);
-    const MarkerHalves* worst = nullptr;
-    for (const MarkerHalves& halves : all)
+    const bool turns_agree = !all.empty() && all.front().by == HalvesBy::turns && !all.front().contradict();
+    MarkerHalves* worst = nullptr;
+    for (MarkerHalves& halves : all) {
+      halves.of_object = turns_agree && halves.by == HalvesBy::place && halves.contradict();
       if (halves.contradict() && (!worst || halves.worst() > worst->worst())) worst = &halves;
-    bool changed = false;
-    for (std::size_t c = 0; c < result.cameras.size(); ++c) {
-      changed = changed || result.cameras[c].truth.change;
-      const std::string two = as_two_cameras(block, options, result, c);
-      const std::string of = result.cameras.size() > 1 ? "camera " + block.cameras[c].id + ": " : "";
-      if (!two.empty()) result.warnings.push_back(of + two);
     }
-    if (worst && !changed) result.warnings.push_back(in_words(*worst));
+    if (!worst) return all;
+    const std::string scatter = worst->of_object ? withdraw_scatter(block, result) : "";
+    result.warnings.push_back(in_words(*worst) + (scatter.empty() ? "" : ". For the same reason " + scatter));
     return all;
   }
 

@@ -3,6 +3,8 @@
 #include <map>
 #include <set>
 
+#include "markers/marker_truth.hpp"
+
 namespace plumbline::markers {
 namespace {
 
@@ -71,7 +73,8 @@ void AdjustMarkerField::run(Context& context) {
   options.shape_sigma = *shape_sigma, options.twist_sigma = *twist_sigma;
   options.size_sigma = *size_sigma, options.inset_sigma = *corner_inset_sigma, options.reject_above = *reject_above;
   options.layout_position_sigma = *position_sigma, options.layout_rotation_sigma = *rotation_sigma;
-  const MarkerResult result = adjust_marker_block(input.block, options);
+  MarkerResult result = adjust_marker_block(input.block, options);
+  try_two_cameras(input.block, options, result);
   for (const auto& text : result.left_out) context.warn("left out: " + text);
   for (const auto& text : result.warnings) context.warn(text);
   context.metric("rms", result.rms, "px");

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "geometry/packed_symmetric.hpp"
+#include "markers/marker_truth.hpp"
 #include "markers/survey_frame.hpp"
 
 namespace plumbline::markers {
@@ -264,9 +265,11 @@ void AdjustMarkerStart::run(Context& context) {
   const std::vector<SurveyedTag> surveyed = surveyed_tags(table, surveyed_points, input.block);
   if (known.empty())
     for (MarkerCamera& one : input.block.cameras)  // few photographs do not calibrate
-      if (one.camera.fx > 0) one.covariance = weak_prior(one.camera, 0.05, 0.01, 0.1);
-  const MarkerResult network = adjust_marker_block(input.block, {});
+      if (one.camera.fx > 0) one.covariance = weak_prior(one.camera, 0.05, 0.01, 0.1), one.guessed = true;
+  MarkerResult network = adjust_marker_block(input.block, {});
+  try_two_cameras(input.block, {}, network);
   for (const auto& text : network.left_out) context.warn("left out: " + text);
+  for (const auto& text : network.warnings) context.warn(text);
   const SurveyFrame frame = frame_of(network, surveyed, input.block, surveyed_points);
   double known_size = 0;  // of any: all tags have one, or none
   for (const auto& plate : table.plates)

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "artifacts/image.hpp"
+#include "artifacts/plates.hpp"
 #include "artifacts/points.hpp"
 #include "artifacts/tag_observations.hpp"
 #include "node_harness.hpp"
@@ -15,15 +16,14 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-/// What the node says of the block of scene.hpp, whose tags 0 and 1 are 0.3 m apart, with this distance.
-std::string said_of(const std::string& distance) {
-  const Scene s = scene(0.05, 3);
-  test::NodeHarness node("adjust.marker_board");
+/// The photographs of a block and the tags in them; `principal_distance`: of EXIF, 0: none.
+void give(const Scene& s, double principal_distance, test::NodeHarness& node) {
   TagObservationsT seen;
   for (std::size_t i = 0; i < s.block.images.size(); ++i) {
     ImageT photograph;
     photograph.path = s.block.images[i].path;
     photograph.width = true_camera().width, photograph.height = true_camera().height;
+    if (principal_distance > 0) photograph.principal_distance = principal_distance;
     node.input<Image>("images", photograph);
     auto image = std::make_unique<ImageTagsT>();
     image->path = photograph.path, image->width = photograph.width, image->height = photograph.height;
@@ -40,9 +40,10 @@ std::string said_of(const std::string& distance) {
     seen.images.push_back(std::move(image));
   }
   node.input<TagObservations>("observations", seen);
-  node.set("tag_size", "0.12");
-  node.set("distance", distance);
-  node.set("compare_halves", "false");
+}
+
+/// All warnings, or what the node refuses.
+std::string said_by(test::NodeHarness& node) {
   try {
     node.run();
   } catch (const test::NodeFailed& error) {
@@ -51,6 +52,69 @@ std::string said_of(const std::string& distance) {
   std::string said;
   for (const std::string& warning : node.warnings()) said += warning + "\n";
   return said;
+}
+
+/// What the node says of the block of scene.hpp, whose tags 0 and 1 are 0.3 m apart, with this distance.
+std::string said_of(const std::string& distance) {
+  test::NodeHarness node("adjust.marker_board");
+  give(scene(0.05, 3), 0, node);
+  node.set("tag_size", "0.12");
+  node.set("distance", distance);
+  node.set("compare_halves", "false");
+  return said_by(node);
+}
+
+/// What the start of photo_campaign says of 24 photographs with all tags surveyed, the second half zoomed.
+std::string said_of_campaign(double zoom, double exif) {
+  Scene s = scene(0.1, 3, 24);
+  const Eigen::Vector2d middle(800, 600);
+  for (MarkerView& view : s.block.views)
+    for (Eigen::Vector2d& corner : view.corners)
+      if (view.image >= 12) corner = middle + zoom * (corner - middle);
+  test::NodeHarness node("adjust.marker_start");
+  give(s, exif, node);
+  PointsT points;
+  for (std::size_t m = 0; m < s.tags.size(); ++m) {
+    points.points.push_back(std::make_unique<PointT>());
+    points.points.back()->id = std::to_string(m), points.points.back()->position = s.tags[m].translation;
+    points.points.back()->sigma = Eigen::Vector3d::Constant(1e-3);
+  }
+  node.input<Points>("points", points);
+  node.input<Plates>("plates", PlatesT());
+  node.set("tag_size", "0.12");
+  return said_by(node);
+}
+
+TEST(MarkerStart, SaysThatTheCameraChanged) {
+  for (const double exif : {1480.0, 0.0})
+    EXPECT_THAT(said_of_campaign(1.03, exif),
+                testing::ContainsRegex("from image12.jpg on the principal distance is (2.[89]|3.[01]).* % longer: focus"));
+  EXPECT_THAT(said_of_campaign(1, 1480), Not(HasSubstr("principal distance")));
+}
+
+/// What EXIF has is no calibration: photographs that contradict it mend it.
+TEST(MarkerStart, SaysOfNoGuessThatItIsContradicted) {
+  const std::string said = said_of_campaign(1, 1150);
+  EXPECT_THAT(said, Not(HasSubstr("contradict the calibration")));
+  EXPECT_THAT(said, Not(HasSubstr("principal distance")));
+}
+
+/// Halves of the photographs of a changed camera: what they say of the tags is told beside it.
+TEST(MarkerBoardHalves, OfTagsThatMovedAreToldBesideAChangedCamera) {
+  Scene s = scene(0.1, 4, 24);
+  const Eigen::Vector2d middle(800, 600);
+  for (MarkerView& view : s.block.views)
+    for (std::size_t q = 0; q < 4; ++q) {
+      Eigen::Vector2d& corner = view.corners[q];
+      if (view.image >= 12) corner = middle + 1.05 * (corner - middle);
+      if (view.image % 2 && view.marker % 4 == 1) corner.x() += 1.5;  // stands elsewhere in every second photograph
+    }
+  test::NodeHarness node("adjust.marker_board");
+  give(s, 0, node);
+  node.set("tag_size", "0.12");
+  EXPECT_THAT(said_by(node), testing::AllOf(HasSubstr("longer: focus or zoom"),
+                                            HasSubstr("put these photographs into a folder of their own"),
+                                            HasSubstr("(every second one) place the tags")));
 }
 
 TEST(MarkerBoardDistance, IsThreePlainNumbersOrFour) {

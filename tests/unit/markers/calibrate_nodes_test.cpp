@@ -99,6 +99,21 @@ TEST(CalibrateBoard, OneBlurredPhotographDoesNotMakeTheBoardFileWrong) {
   }
 }
 
+/// Several photographs whose markers all came out the same other size show another board.
+TEST(CalibrateBoard, PhotographsOfAnotherBoardAreNotExcusedAsBlurred) {
+  test::NodeHarness node("calibrate.board");
+  for (int k = 0; k < 12; ++k) {
+    BoardPointsT taken = photograph(k, "");
+    taken.marker_ratio = k == 9 ? 0.66 : k < 3 ? 0.704 + 0.0005 * k : 0.75;
+    if (k < 3 || k == 9) taken.points.clear(), taken.contradicts = true, taken.problem = "'marker' is wrong";
+    node.input<BoardPoints>("points", taken);
+  }
+  node.run();
+  EXPECT_THAT(node.warnings(), Contains(testing::AllOf(HasSubstr("left out: photo1.jpg: its markers measure 0.704"),
+                                                       HasSubstr("it shows another board"), Not(HasSubstr("blurred")))));
+  EXPECT_THAT(node.warnings(), Contains(testing::AllOf(HasSubstr("left out: photo9.jpg"), HasSubstr("blurred"))));
+}
+
 /// What camera.yaml has of the covariance is what calibration.json and the artifact have.
 TEST(CalibrateBoard, WritesOneCovarianceEverywhere) {
   test::NodeHarness node("calibrate.board");

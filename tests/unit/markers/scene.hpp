@@ -35,8 +35,8 @@ struct Scene {
   std::vector<RigidTransform> tags, images;
 };
 
-/// Twelve tags on two walls of a corner, ten photographs; noise of `sigma` px, stated as such.
-inline Scene scene(double sigma, unsigned seed) {
+/// Twelve tags on two walls of a corner, ten photographs or more; noise of `sigma` px, stated as such.
+inline Scene scene(double sigma, unsigned seed, int photographs = 10) {
   Scene s;
   std::mt19937_64 random(seed);
   std::normal_distribution<double> noise(0, sigma > 0 ? sigma : 1);
@@ -51,8 +51,9 @@ inline Scene scene(double sigma, unsigned seed) {
     s.tags.push_back({turn, side ? Eigen::Vector3d(1.1, b, 0.2 + a) : Eigen::Vector3d(a, b, 0)});
     s.block.markers.push_back({"tag36h11", i, 0.12, std::nullopt});
   }
-  for (int k = 0; k < 10; ++k) {
-    const double u = (k % 5) / 4.0, v = k / 5;
+  for (int k = 0; k < photographs; ++k) {
+    const int place = photographs == 10 ? k : k * 7 % photographs;  // of more in mixed order
+    const double u = (place % 5) / 4.0, v = place / 5 * (5.0 / (photographs - 5));
     s.images.push_back(
         look({-0.6 + 1.0 * u, -0.4 + 1.1 * v, 1.5 + 0.3 * u}, {0.55, 0.2, 0.15}, k % 2 ? M_PI / 2 : 0.1));
     s.block.images.push_back({"image" + std::to_string(k) + ".jpg", 0});
