@@ -337,7 +337,14 @@ class Round {
       const LoopItemT& hung = *item("panel", panel->id);
       if (hung.status != ItemStatus::planned || panel->gate == GateDecision::go || touches_moved_floor(*panel))
         continue;
-      if (panel->gate == GateDecision::hold && !panel->measure.empty() && plan_.basis == state_.basis) continue;
+      // Another measurement decides what is in doubt; only what is known to hang wrong is set again.
+      if (panel->gate == GateDecision::hold && !panel->measure.empty()) {
+        const auto& ids = panel->brackets;
+        state_.to_plan = state_.to_plan || std::all_of(ids.begin(), ids.end(), [&](const std::string& id) {
+          return item("bracket", id)->status == ItemStatus::verified;
+        });
+        continue;
+      }
       for (const std::string& id : panel->brackets) {
         LoopItemT* bracket = item("bracket", id);
         if (bracket && bracket->status == ItemStatus::verified && !carries(id))
