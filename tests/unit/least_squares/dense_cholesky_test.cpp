@@ -1,19 +1,19 @@
 // The Cholesky factor by blocks against Eigen's, at every size: what is left over at the end of a block is another case
 // each time.
-#include "block/bundle/cholesky.hpp"
+#include "least_squares/dense_cholesky.hpp"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
 
-#include "synthetic_block.hpp"
+#include "geometry/random.hpp"
 
 namespace {
 
 using namespace plumbline;
 
 Eigen::MatrixXd random_matrix(Eigen::Index rows, Eigen::Index columns, uint64_t seed) {
-  test::Random random(seed);
+  Random random(seed);
   return Eigen::MatrixXd::NullaryExpr(rows, columns, [&] { return random.normal(); });
 }
 
@@ -26,7 +26,7 @@ TEST(Cholesky, IsThatOfEigenAtEverySize) {
     const Eigen::MatrixXd matrix = root * root.transpose() + double(n) * Eigen::MatrixXd::Identity(n, n);
     const Eigen::LLT<Eigen::MatrixXd> expected(matrix);
     const Eigen::MatrixXd lower = expected.matrixL(), identity = Eigen::MatrixXd::Identity(n, n);
-    bundle::Cholesky factor;
+    least_squares::Cholesky factor;
     ASSERT_TRUE(factor.compute(matrix));
     EXPECT_LT(difference(factor.inverse_factor(), lower.triangularView<Eigen::Lower>().solve(identity)), 1e-13);
     const Eigen::MatrixXd inverse = expected.solve(identity);
@@ -47,7 +47,7 @@ TEST(Cholesky, IsThatOfEigenAtEverySize) {
 TEST(Cholesky, RefusesWhatIsNotPositiveDefinite) {
   for (Eigen::Index at : {0, 17, 31, 32, 70}) {
     Eigen::MatrixXd matrix = Eigen::MatrixXd::Identity(71, 71);
-    bundle::Cholesky factor;
+    least_squares::Cholesky factor;
     for (double bad : {0.0, -1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
       matrix(at, at) = bad;
       EXPECT_FALSE(factor.compute(matrix)) << at << " " << bad;

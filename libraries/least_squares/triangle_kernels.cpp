@@ -3,10 +3,10 @@
 #include <array>
 #include <cmath>
 
-#include "block/bundle/kernels.hpp"
 #include "geometry/vectors.hpp"
+#include "least_squares/dense_kernels.hpp"
 
-namespace plumbline::bundle {
+namespace plumbline::least_squares {
 namespace {
 
 constexpr int widest = 64;
@@ -36,7 +36,7 @@ PLUMBLINE_INLINE void subtract_at(double* to, const double* from, double factor)
 }  // namespace
 
 PLUMBLINE_CLONES
-bool factor_lower(int size, double* matrix, std::ptrdiff_t stride) {
+int factor_lower(int size, double* matrix, std::ptrdiff_t stride) {
   for (int c = 0; c < size; ++c) {
     double* own = matrix + c * stride;
     for (int k = 0; k < c; ++k) {
@@ -46,12 +46,12 @@ bool factor_lower(int size, double* matrix, std::ptrdiff_t stride) {
       for (; r + 4 <= size; r += 4) subtract_at<V4>(own + r, other + r, factor);
       for (; r < size; ++r) own[r] -= factor * other[r];
     }
-    if (!(own[c] > 0) || !std::isfinite(own[c])) return false;
+    if (!(own[c] > 0) || !std::isfinite(own[c])) return c;
     own[c] = std::sqrt(own[c]);
     const double inverse = 1 / own[c];
     for (int r = c + 1; r < size; ++r) own[r] *= inverse;
   }
-  return true;
+  return size;
 }
 
 PLUMBLINE_CLONES
@@ -83,4 +83,4 @@ void solve_left(int size, const double* lower, std::ptrdiff_t stride, int column
   }
 }
 
-}  // namespace plumbline::bundle
+}  // namespace plumbline::least_squares

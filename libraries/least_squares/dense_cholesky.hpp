@@ -4,7 +4,10 @@
 
 #include <Eigen/Core>
 
-namespace plumbline::bundle {
+namespace plumbline::least_squares {
+
+/// L⁻¹ of a lower triangle (column-major, `stride` from column to column); above its diagonal it is zero.
+Eigen::MatrixXd inverse_of_lower(const double* lower, std::ptrdiff_t stride, int size);
 
 class Cholesky {
  public:
@@ -17,7 +20,10 @@ class Cholesky {
   void solve_in_place(Eigen::VectorXd& right) const;
   void half_solve_in_place(Eigen::Ref<Eigen::MatrixXd> right) const;  ///< L⁻¹ right
   /// L⁻¹: the block of it that belongs to the unknowns from `first` on. Above its diagonal it is zero.
-  Eigen::MatrixXd inverse_factor(Eigen::Index first = 0) const;
+  Eigen::MatrixXd inverse_factor(Eigen::Index first = 0) const {
+    const Eigen::Index n = factor_.rows() - first;
+    return inverse_of_lower(n > 0 ? &factor_(first, first) : nullptr, factor_.rows(), static_cast<int>(n));
+  }
   /// The symmetric inverse: the block of it that belongs to the unknowns from `first` on.
   Eigen::MatrixXd inverse(Eigen::Index first = 0) const { return inverse_of(inverse_factor(first)); }
   /// L⁻ᵀ L⁻¹ of a lower triangular L⁻¹.
@@ -27,4 +33,4 @@ class Cholesky {
   Eigen::MatrixXd factor_;  ///< L in its lower triangle; above it anything
 };
 
-}  // namespace plumbline::bundle
+}  // namespace plumbline::least_squares

@@ -1,11 +1,11 @@
-#include "block/bundle/cholesky.hpp"
+#include "least_squares/dense_cholesky.hpp"
 
 #include <Eigen/Core>
 
-#include "block/bundle/kernels.hpp"
+#include "least_squares/dense_kernels.hpp"
 #include "plumbline/stop.hpp"
 
-namespace plumbline::bundle {
+namespace plumbline::least_squares {
 namespace {
 
 constexpr Eigen::Index panel = 32;
@@ -19,7 +19,7 @@ bool Cholesky::compute(Eigen::MatrixXd lower) {
     stop_point();
     const Eigen::Index width = std::min(panel, n - at), rest = n - at - width;
     double* corner = &factor_(at, at);
-    if (!factor_lower(static_cast<int>(width), corner, n)) return false;
+    if (factor_lower(static_cast<int>(width), corner, n) < width) return false;
     if (rest == 0) return true;
     const double* below = corner + width;
     solve_right(static_cast<int>(width), corner, n, static_cast<int>(rest), corner + width, n);
@@ -53,8 +53,8 @@ void Cholesky::solve_in_place(Eigen::VectorXd& right) const {
   factor_.triangularView<Eigen::Lower>().transpose().solveInPlace(right);
 }
 
-Eigen::MatrixXd Cholesky::inverse_factor(Eigen::Index first) const {
-  const Eigen::Index n = factor_.rows() - first;
+Eigen::MatrixXd inverse_of_lower(const double* lower, std::ptrdiff_t stride, int size) {
+  const Eigen::Index n = size;
   Eigen::MatrixXd root = Eigen::MatrixXd::Zero(n, n);
   for (Eigen::Index at = 0; at < n; at += panel) {
     stop_point();
@@ -63,11 +63,11 @@ Eigen::MatrixXd Cholesky::inverse_factor(Eigen::Index first) const {
       stop_point();
       subtract_product(&root(at, column), n, static_cast<int>(width), static_cast<int>(panel),
                        static_cast<int>(at - column),
-                       {&factor_(first + at, first + column), 1, factor_.rows(), &root(column, column), n, 1}, false);
+                       {lower + at + column * stride, 1, stride, &root(column, column), n, 1}, false);
     }
     root.block(at, at, width, width).setIdentity();
-    solve_left(static_cast<int>(width), &factor_(first + at, first + at), factor_.rows(), static_cast<int>(at + width),
-               &root(at, 0), n);
+    solve_left(static_cast<int>(width), lower + at + at * stride, stride, static_cast<int>(at + width), &root(at, 0),
+               n);
   }
   return root;
 }
@@ -88,4 +88,4 @@ Eigen::MatrixXd Cholesky::inverse_of(const Eigen::MatrixXd& root) {
   return result;
 }
 
-}  // namespace plumbline::bundle
+}  // namespace plumbline::least_squares
