@@ -175,7 +175,6 @@ std::unique_ptr<CommonShiftT> common_shift(
     out->largest_effect = std::max(out->largest_effect, moved.segment<3>(3 * i).norm());
     corrected.push_back(d.segment<3>(3 * i) - moved.segment<3>(3 * i));
   }
-  if (would_pass) out->would_pass = would_pass(corrected);
   if (fit.rank == 0 || fit.freedom <= 2) return out;
   Eigen::Matrix<double, 6, 6> s = covariance_of_motion(fit);
   if (covariance.size() != 0) s += fit.gain * covariance * fit.gain.transpose();
@@ -189,8 +188,9 @@ std::unique_ptr<CommonShiftT> common_shift(
   out->critical = fit.rank * f / (f - 2) * fisher_f_quantile(0.999, fit.rank, f - 2);
   out->significant = out->statistic > out->critical && 3 * out->following >= 2 * out->anchors &&
                      out->largest_effect >= 0.5 * smallest_tolerance;
-  if (out->significant)
-    out->words = words_of(*out, would_pass ? std::optional<int>(would_pass(deviations)) : std::nullopt);
+  if (!out->significant) return out;
+  if (would_pass) out->would_pass = would_pass(corrected);
+  out->words = words_of(*out, would_pass ? std::optional<int>(would_pass(deviations)) : std::nullopt);
   return out;
 }
 

@@ -415,7 +415,9 @@ TEST(Facades, OfDesignsMadeByOthers) {
     for (const Element& e : design.elements) {
       if (!e.is_anchor && !e.is_panel) continue;
       ++judged;
-      EXPECT_TRUE(e.facade.confirmed) << name << ": " << e.name << ": " << e.facade.note;
+      // One column, no panels, axes of the project: whether slabs behind it are the building's, nothing proves.
+      const bool column = std::string(name) == "column";
+      EXPECT_EQ(e.facade.confirmed, !column) << name << ": " << e.name << ": " << e.facade.note;
       if (std::string(name) == "curved") continue;
       const auto wanted = azimuth.find(e.name[0]);
       const double expected = wanted == azimuth.end() ? 180 : wanted->second;
