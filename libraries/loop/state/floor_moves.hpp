@@ -18,7 +18,8 @@ struct FloorMoves {
 };
 
 /// Of the anchors that were measured anew, by floor.
-std::map<int, FloorMoves> moves_of_floors(const LoopStateT& state, const InstallationPlanT& plan, double tolerance);
+std::map<int, FloorMoves> moves_of_floors(const LoopStateT& state, const InstallationPlanT& plan, double tolerance,
+                                          const std::string& measured_at);
 
 /// Items of the plan that the state does not know yet. Throws std::runtime_error for a name whose GlobalId changed.
 void add_items(LoopStateT& state, const InstallationPlanT& plan);
