@@ -70,24 +70,27 @@ std::string comments(const BcfIssue& issue, const BcfOptions& options, const std
   std::string text;
   for (std::size_t i = 0; i < issue.comments.size(); ++i) {
     const BcfComment& comment = issue.comments[i];
-    text += "<Comment Guid=\"" + uuid_of(options.project_guid, "bcf comment/" + topic + "/" + std::to_string(i)) + "\">" +
-            element("Date", comment.date) + element("Author", comment.author) + element("Comment", comment.text) +
-            "</Comment>";
+    text += "<Comment Guid=\"" + uuid_of(options.project_guid, "bcf comment/" + topic + "/" + std::to_string(i)) +
+            "\">" + element("Date", comment.date) + element("Author", comment.author) +
+            element("Comment", comment.text) + "</Comment>";
   }
   return text;
 }
 
-std::string markup(const BcfIssue& issue, const BcfOptions& options, const std::string& header, const std::string& topic,
-                   const std::string& view, int index) {
+std::string markup(const BcfIssue& issue, const BcfOptions& options, const std::string& header,
+                   const std::string& topic, const std::string& view, int index) {
   const bool fail = issue.verdict == ToleranceVerdict::fail;
   return kHead + "<Markup>" + header + "<Topic Guid=\"" + topic + "\" TopicType=\"Issue\" TopicStatus=\"" +
-         (issue.closed ? "Closed" : "Open") + "\">" +
-         element("Title", issue.title) + element("Priority", fail ? "High" : "Normal") +
-         element("Index", std::to_string(index)) + element("Labels", issue.storey) +
-         element("Labels", issue.closed ? "MENDED" : fail ? "FAIL" : "UNDECIDED") + element("Labels", options.epoch) +
-         element("CreationDate", options.date) + element("CreationAuthor", options.author) +
-         element("DueDate", options.due_date) + element("AssignedTo", options.assigned_to) +
-         element("Description", issue.description) + "</Topic>" + comments(issue, options, topic) +
+         (issue.closed ? "Closed" : "Open") + "\">" + element("Title", issue.title) +
+         element("Priority", fail ? "High" : "Normal") + element("Index", std::to_string(index)) +
+         element("Labels", issue.storey) +
+         element("Labels", issue.closed ? "MENDED"
+                           : fail       ? "FAIL"
+                                        : "UNDECIDED") +
+         element("Labels", options.epoch) + element("CreationDate", options.date) +
+         element("CreationAuthor", options.author) + element("DueDate", options.due_date) +
+         element("AssignedTo", options.assigned_to) + element("Description", issue.description) + "</Topic>" +
+         comments(issue, options, topic) +
          (view.empty() ? ""
                        : "<Viewpoints Guid=\"" + view +
                              "\"><Viewpoint>viewpoint.bcfv</Viewpoint><Snapshot>snapshot.png</Snapshot></Viewpoints>") +

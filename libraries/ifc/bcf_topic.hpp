@@ -20,11 +20,11 @@ struct BcfIssue {
   std::string guid, title, description, storey;
   ToleranceVerdict verdict = ToleranceVerdict::undecided;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  double reach = 0;                          ///< half of its size [m]; 0: of the whole, nothing to look at
-  FacadeFrame frame;                         ///< of one who stands before it
-  std::string about = {};                    ///< what of the element; empty: the whole
-  bool closed = false;                       ///< it was mended, and the file says so
-  std::vector<BcfComment> comments = {};     ///< oldest first
+  double reach = 0;                       ///< half of its size [m]; 0: of the whole, nothing to look at
+  FacadeFrame frame;                      ///< of one who stands before it
+  std::string about = {};                 ///< what of the element; empty: the whole
+  bool closed = false;                    ///< it was mended, and the file says so
+  std::vector<BcfComment> comments = {};  ///< oldest first
   std::string key() const { return about.empty() ? guid : guid + "/" + about; }
   double away() const { return std::max(4.0, 4 * reach); }  ///< from it to the camera [m]
 };

@@ -25,7 +25,8 @@ std::map<std::pair<std::string, std::string>, Words> history_of(const LoopStateT
     const auto line = nlohmann::json::parse(text, nullptr, false);
     if (!line.is_object()) continue;
     const auto word = [&](const char* key) { return line.value(key, std::string()); };
-    BcfComment comment{is_xml_date(word("at")) ? word("at") : options.date, word("by").empty() ? options.author : word("by"),
+    BcfComment comment{is_xml_date(word("at")) ? word("at") : options.date,
+                       word("by").empty() ? options.author : word("by"),
                        "round " + std::to_string(line.value("round", 0)) + ": " + word("from") + " to " + word("to") +
                            ": " + word("why")};
     history[{word("kind"), word("item")}].emplace_back(word("to"), std::move(comment));
@@ -94,11 +95,13 @@ class Topics {
 
   std::vector<BcfIssue> all(const std::vector<std::string>& by_hand) const {
     std::vector<BcfIssue> issues;
-    for (const std::string& control : state_.moved_control) issues.push_back(of_the_whole(control + " moved", "control " + control));
+    for (const std::string& control : state_.moved_control)
+      issues.push_back(of_the_whole(control + " moved", "control " + control));
     for (const std::string& words : by_hand) issues.push_back(of_the_whole("By hand: " + words, "by hand " + words));
     for (const bool closed : {false, true})
       for (const auto& item : state_.items)
-        if (const std::string what = what_is_wrong(*item); !what.empty() && (item->status == ItemStatus::verified) == closed)
+        if (const std::string what = what_is_wrong(*item);
+            !what.empty() && (item->status == ItemStatus::verified) == closed)
           add(*item, what, issues);
     return issues;
   }

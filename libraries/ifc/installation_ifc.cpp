@@ -45,8 +45,9 @@ class InstallationWriter {
   }
 
   AsBuiltIfc write() {
-    states_ = appender_.enumeration("ASB_InstallationStatus", {"PLANNED", "RELEASED", "EXECUTING", "EXECUTED",
-                                                               "RELOCALISED", "VERIFIED", "REWORK", "REJECTED", "STALE"});
+    states_ = appender_.enumeration(
+        "ASB_InstallationStatus",
+        {"PLANNED", "RELEASED", "EXECUTING", "EXECUTED", "RELOCALISED", "VERIFIED", "REWORK", "REJECTED", "STALE"});
     gates_ = appender_.enumeration("ASB_Gate", {"GO", "HOLD", "NO_GO"});
     std::vector<std::string> tasks;
     for (const auto& item : state_.items) {
@@ -61,8 +62,9 @@ class InstallationWriter {
     if (!tasks.empty()) write_summary(tasks);
     write_sequence();
     if (!missing_.empty())
-      result_.warnings.push_back(std::to_string(missing_.size()) + " items are not in the file and have no state there: " +
-                                 missing_[0] + (missing_.size() > 1 ? ", ..." : ""));
+      result_.warnings.push_back(std::to_string(missing_.size()) +
+                                 " items are not in the file and have no state there: " + missing_[0] +
+                                 (missing_.size() > 1 ? ", ..." : ""));
     result_.additions = appender_.take_lines(), result_.instances_added = appender_.count();
     return std::move(result_);
   }
@@ -95,23 +97,27 @@ class InstallationWriter {
     else
       write_panel(item, set);
     set.label("PlanBasis", plan_.basis, "SHA-256 of the measurement that the plan rests on");
-    const std::string name = options_.epoch.empty() ? "ASB_InstallationState" : "ASB_InstallationState_" + options_.epoch;
+    const std::string name =
+        options_.epoch.empty() ? "ASB_InstallationState" : "ASB_InstallationState_" + options_.epoch;
     set.attach(key(guid_of(item)), name, "Where this stands in the execution loop", {element});
   }
 
   void write_bracket(const LoopItemT& item, PropertySet& set) {
     const char* names[] = {"Right", "Up", "Out"};
     for (int k = 0; k < 3; ++k)
-      set.length(std::string("Set") + names[k], item.setting[k],
-                 k == 0 ? "What the bracket was set by in all, as measured; seen by one who stands before the facade" : "");
+      set.length(
+          std::string("Set") + names[k], item.setting[k],
+          k == 0 ? "What the bracket was set by in all, as measured; seen by one who stands before the facade" : "");
     if (item.status == ItemStatus::released || item.status == ItemStatus::executed)
       for (int k = 0; k < 3; ++k)
-        set.length(std::string("Asked") + names[k], item.pending[k], k == 0 ? "What it was last asked to be set by" : "");
+        set.length(std::string("Asked") + names[k], item.pending[k],
+                   k == 0 ? "What it was last asked to be set by" : "");
     const auto found = brackets_.find(item.id);
     if (found == brackets_.end() || !found->second->measured.allFinite()) return;
     const Eigen::Vector3d off = found->second->measured - found->second->design;
     const char* axes[] = {"MeasuredX", "MeasuredY", "MeasuredZ"};
-    for (int k = 0; k < 3; ++k) set.length(axes[k], off[k], k == 0 ? "Where its plate is measured, minus the design" : "");
+    for (int k = 0; k < 3; ++k)
+      set.length(axes[k], off[k], k == 0 ? "Where its plate is measured, minus the design" : "");
   }
 
   void write_panel(const LoopItemT& item, PropertySet& set) {
@@ -120,7 +126,8 @@ class InstallationWriter {
     const auto found = panels_.find(item.id);
     if (found == panels_.end()) return;
     const PlannedPanelT& panel = *found->second;
-    set.choice("Gate", gate_label(panel.gate), gates_, "GO: hangs within all its limits with the probability asked for");
+    set.choice("Gate", gate_label(panel.gate), gates_,
+               "GO: hangs within all its limits with the probability asked for");
     set.probability("ProbabilityInside", panel.p_in, "That all its lengths are within their limits at once");
     set.label("GateReason", panel.reason);
     if (!item.hangs) return;
@@ -143,8 +150,8 @@ class InstallationWriter {
   }
 
   /// Identification, then in IFC2X3 neither a long description nor a type of task.
-  InstanceId add_task(const std::string& what, const std::string& name, const std::string& id, const std::string& status,
-                      const std::string& words) {
+  InstanceId add_task(const std::string& what, const std::string& name, const std::string& id,
+                      const std::string& status, const std::string& words) {
     const bool old = model_.schema() == Schema::ifc2x3;
     std::vector<std::string> rest{step::null, step::text(id)};
     if (!old) rest.push_back(words.empty() ? step::null : step::text(words));
@@ -154,8 +161,8 @@ class InstallationWriter {
   }
 
   void write_summary(const std::vector<std::string>& tasks) {
-    const auto panels = std::count_if(state_.items.begin(), state_.items.end(),
-                                      [](const auto& item) { return item->kind == "panel"; });
+    const auto panels =
+        std::count_if(state_.items.begin(), state_.items.end(), [](const auto& item) { return item->kind == "panel"; });
     const auto verified = std::count_if(state_.items.begin(), state_.items.end(), [](const auto& item) {
       return item->kind == "panel" && item->status == ItemStatus::verified;
     });

@@ -11,8 +11,8 @@ namespace plumbline::bim {
 
 void WriteInstallation::run(Context& context) {
   const auto index = index_of(*file, context);
-  const AsBuiltIfc result = write_installation(*index, from_artifact(design.unpack()), plan.unpack(), state.unpack(),
-                                               {*epoch, *timestamp});
+  const AsBuiltIfc result =
+      write_installation(*index, from_artifact(design.unpack()), plan.unpack(), state.unpack(), {*epoch, *timestamp});
   for (const std::string& warning : result.warnings) context.warn(warning);
   const auto folder = out.make_folder();
   const std::string path = folder.path + "/as_built.ifc";

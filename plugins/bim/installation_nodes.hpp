@@ -10,14 +10,16 @@
 namespace plumbline::bim {
 
 struct WriteInstallation : Node {
-  static constexpr Info info{"bim.write_installation", "", 1,
-                             "Writes what was set and hung into a copy of the design or as-built IFC: a property set and a "
-                             "task for each bracket and panel, in their order"};
+  static constexpr Info info{
+      "bim.write_installation", "", 1,
+      "Writes what was set and hung into a copy of the design or as-built IFC: a property set and a "
+      "task for each bracket and panel, in their order"};
   In<plumbline::File> file{"file", "the design IFC, or the as-built one of bim.write_ifc; its lines stay as they are"};
   In<plumbline::Design> design{"design", frame("frame=?F"), "what bim.read_ifc read from the design"};
   In<InstallationPlan> plan{"plan", frame("frame=?F"), "the plan of the last round"};
   In<LoopState> state{"state", frame("frame=?F"), "the state after it"};
-  Param<std::string> epoch{"epoch", "", "name of the round or campaign; several of different names can stand in one file"};
+  Param<std::string> epoch{"epoch", "",
+                           "name of the round or campaign; several of different names can stand in one file"};
   Param<int64_t> timestamp{"timestamp", 0, "s", at_least(0),
                            "date of the additions since 1970; 0: the latest date of the file"};
   Param<std::string> file_name{"file_name", "as_built.ifc", "name of the file"};

@@ -6,5 +6,5 @@
 
 using namespace plumbline::loop;
 
-PLUMBLINE_PLUGIN("loop", "0.1.0", "MIT", PlanInstallation, ReadActuals, ReadReports, ReadState, ReadVda5050, ReleaseState, SimulateRobots,
-                 SimulateSite, UpdateState, WriteJob, WriteVda5050)
+PLUMBLINE_PLUGIN("loop", "0.1.0", "MIT", PlanInstallation, ReadActuals, ReadReports, ReadState, ReadVda5050,
+                 ReleaseState, SimulateRobots, SimulateSite, UpdateState, WriteJob, WriteVda5050)

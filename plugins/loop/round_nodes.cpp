@@ -25,10 +25,11 @@ std::string name_of_file(const FilePath& file) { return std::filesystem::path(fi
 
 void ReadState::run(Context& context) {
   if (file->path.empty() != *first)
-    throw std::runtime_error(*first ? "there is a state of a round before (" + file->path +
-                                          "), and this is said to be the first round: give one of the two"
-                                    : "no state is given: state=FOLDER/state.json of the round before, or first=true if "
-                                      "nothing was set or hung yet");
+    throw std::runtime_error(*first
+                                 ? "there is a state of a round before (" + file->path +
+                                       "), and this is said to be the first round: give one of the two"
+                                 : "no state is given: state=FOLDER/state.json of the round before, or first=true if "
+                                   "nothing was set or hung yet");
   LoopStateT read;
   if (!*first) {
     read = read_state_json(text_of(*file), file->path);
@@ -55,14 +56,16 @@ void ReadReports::run(Context& context) {
   ActualsT all;
   for (const FilePath& file : *json) take(read_actuals_json(text_of(file), name_of_file(file)), all);
   for (const FilePath& file : *hilti) take(read_staked(text_of(file), LayoutFormat::hilti, name_of_file(file)), all);
-  for (const FilePath& file : *trimble) take(read_staked(text_of(file), LayoutFormat::trimble, name_of_file(file)), all);
+  for (const FilePath& file : *trimble)
+    take(read_staked(text_of(file), LayoutFormat::trimble, name_of_file(file)), all);
   for (const FilePath& file : *leica) take(read_staked(text_of(file), LayoutFormat::leica, name_of_file(file)), all);
   for (std::size_t i = 0; i < states->size(); ++i)
     take(vda_actuals(text_of((*states)[i]), read_job(text_of((*jobs)[i])), name_of_file((*states)[i])), all);
   for (const auto& item : all.items)
     if (item->at.empty()) {
-      context.warn("the report on " + item->item + " has no date, and perhaps others: where it is said when was "
-                   "measured, nothing judges what was done nobody knows when; 'at' gives them one");
+      context.warn("the report on " + item->item +
+                   " has no date, and perhaps others: where it is said when was "
+                   "measured, nothing judges what was done nobody knows when; 'at' (reported_at) gives them one");
       break;
     }
   context.metric("reports", static_cast<double>(all.items.size()), "1");

@@ -36,9 +36,10 @@ struct ReleaseState : Node {
                               "how often an item is done again before it is given up"};
   Param<double> setting_tolerance{"setting_tolerance", 0.003, "m", between(1e-5, 0.1),
                                   "of a bracket against where it was to be set, each direction"};
-  Param<std::string> measured_at{"measured_at", "",
-                                 "when the measurement under the plan began, ISO 8601 with zone: what was reported as done "
-                                 "later, or without a date, is not judged by it; empty: not said"};
+  Param<std::string> measured_at{
+      "measured_at", "",
+      "when the measurement under the plan began, ISO 8601 with zone: what was reported as done "
+      "later, or without a date, is not judged by it; empty: not said"};
   Param<double> verified{"verified", 0.95, "1", between(0.5, 0.9999),
                          "least probability of a hanging panel that is verified, and of 1 - p for its rework"};
   Param<std::string> released_at{"released_at", "",

@@ -15,10 +15,10 @@ namespace {
 
 const std::vector<std::pair<ItemStatus, const char*>>& states_in_order() {
   static const std::vector<std::pair<ItemStatus, const char*>> states = {
-      {ItemStatus::verified, "VERIFIED"},     {ItemStatus::relocalised, "RELOCALISED"},
-      {ItemStatus::executed, "EXECUTED"},     {ItemStatus::executing, "EXECUTING"},
-      {ItemStatus::released, "RELEASED"},     {ItemStatus::planned, "PLANNED"},
-      {ItemStatus::rework, "REWORK"},         {ItemStatus::stale, "STALE"},
+      {ItemStatus::verified, "VERIFIED"}, {ItemStatus::relocalised, "RELOCALISED"},
+      {ItemStatus::executed, "EXECUTED"}, {ItemStatus::executing, "EXECUTING"},
+      {ItemStatus::released, "RELEASED"}, {ItemStatus::planned, "PLANNED"},
+      {ItemStatus::rework, "REWORK"},     {ItemStatus::stale, "STALE"},
       {ItemStatus::rejected, "REJECTED"}};
   return states;
 }
@@ -32,9 +32,9 @@ std::string word_of(ItemStatus status) {
 /// Dark to light from done to open, orange for what a person must look at: told apart without colours by their order.
 const char* colour_of(const std::string& state) {
   static const std::map<std::string, const char*> colours = {
-      {"VERIFIED", "#0072b2"}, {"RELOCALISED", "#4f9fcf"}, {"EXECUTED", "#8fc1e3"}, {"EXECUTING", "#b7d7ee"},
-      {"RELEASED", "#009e73"}, {"PLANNED", "#d9d9d9"},     {"REWORK", "#e69f00"},   {"STALE", "#e69f00"},
-      {"REJECTED", "#d55e00"}};
+      {"VERIFIED", "#0072b2"},  {"RELOCALISED", "#4f9fcf"}, {"EXECUTED", "#8fc1e3"},
+      {"EXECUTING", "#b7d7ee"}, {"RELEASED", "#009e73"},    {"PLANNED", "#d9d9d9"},
+      {"REWORK", "#e69f00"},    {"STALE", "#e69f00"},       {"REJECTED", "#d55e00"}};
   const auto found = colours.find(state);
   return found == colours.end() ? "#999999" : found->second;
 }
@@ -100,9 +100,12 @@ void write_next_table(Markup& html, const LoopStateT& state, const std::map<int,
     const std::string who = robot != robots.end() ? robot->second
                             : floor.last.empty()  ? std::string("any")
                                                   : "any (last: " + floor.last + ")";
-    table_row(html, {floor_word(number), left(who), left(some_of(floor.set)), left(some_of(floor.hang)),
-                     left(some_of(floor.measure)), left(some_of(floor.look)), left(some_of(floor.wait)),
-                     std::to_string(floor.verified) + " of " + std::to_string(floor.panels)});
+    Scope row(html, "tr");
+    html.element("th", {{"scope", "row"}}, floor_word(number));
+    for (const std::string& cell : {who, some_of(floor.set), some_of(floor.hang), some_of(floor.measure),
+                                    some_of(floor.look), some_of(floor.wait)})
+      html.element("td", {{"class", "words"}, {"style", "min-width:5em"}}, cell);
+    html.element("td", std::to_string(floor.verified) + " of " + std::to_string(floor.panels));
   }
 }
 
@@ -162,7 +165,7 @@ void write_next(Markup& html, const InstallationPlanT& plan, const LoopStateT& s
     verified += item->kind == "panel" && item->status == ItemStatus::verified;
   }
   const bool all = panels > 0 && verified == panels;
-  const auto verdict = all ? ToleranceVerdict::pass
+  const auto verdict = all                                            ? ToleranceVerdict::pass
                        : rejected > 0 || !state.moved_control.empty() ? ToleranceVerdict::fail
                                                                       : ToleranceVerdict::undecided;
   Scope part(html, "section", {{"id", "next"}});
@@ -187,18 +190,18 @@ void write_next(Markup& html, const InstallationPlanT& plan, const LoopStateT& s
 namespace {
 
 void draw_rounds(Markup& html, const std::vector<std::map<std::string, int>>& rounds, const std::string& what) {
-  const double width = 900, height = 240, left_edge = 60, bottom = 200, top = 16;
+  const double chart_width = 900, chart_height = 240, left_edge = 60, bottom = 200, top = 16;
   int most = 1;
   for (const auto& counts : rounds) {
     int sum = 0;
     for (const auto& [state, n] : counts) sum += n;
     most = std::max(most, sum);
   }
-  Scope svg = drawing(html, width, height, what + " by state after each round");
-  const double step = (width - left_edge - 10) / static_cast<double>(rounds.size());
+  Scope svg = drawing(html, chart_width, chart_height, what + " by state after each round");
+  const double step = (chart_width - left_edge - 10) / static_cast<double>(rounds.size());
   const Scale y{0, static_cast<double>(most), bottom, top};
   for (const double tick : ticks(0, most, 4)) {
-    line(html, left_edge, y(tick), width - 10, y(tick), "grid");
+    line(html, left_edge, y(tick), chart_width - 10, y(tick), "grid");
     label(html, left_edge - 8, y(tick) + 4, fixed(tick, 0), "tick", "end");
   }
   for (std::size_t r = 0; r < rounds.size(); ++r) {
@@ -215,9 +218,10 @@ void draw_rounds(Markup& html, const std::vector<std::map<std::string, int>>& ro
       sum += found->second;
     }
     if (rounds.size() <= 30 || r % 5 == 0)
-      label(html, left_edge + step * (static_cast<double>(r) + 0.5), bottom + 18, std::to_string(r + 1), "tick", "middle");
+      label(html, left_edge + step * (static_cast<double>(r) + 0.5), bottom + 18, std::to_string(r + 1), "tick",
+            "middle");
   }
-  label(html, 0.5 * width, height - 4, "round", "tick", "middle");
+  label(html, 0.5 * chart_width, chart_height - 4, "round", "tick", "middle");
 }
 
 void write_state_legend(Markup& html, const std::vector<std::map<std::string, int>>& rounds) {
@@ -227,7 +231,11 @@ void write_state_legend(Markup& html, const std::vector<std::map<std::string, in
   Scope p(html, "p", {{"class", "note"}});
   for (const auto& [state, word] : states_in_order()) {
     if (!used.count(word)) continue;
-    html.element("span", {{"style", std::string("display:inline-block;width:0.9em;height:0.9em;margin:0 0.3em 0 0.8em;background:") + colour_of(word)}}, "");
+    html.element(
+        "span",
+        {{"style", std::string("display:inline-block;width:0.9em;height:0.9em;margin:0 0.3em 0 0.8em;background:") +
+                       colour_of(word)}},
+        "");
     html.text(word);
   }
 }
@@ -305,7 +313,8 @@ void write_items(Markup& html, const InstallationPlanT& plan, const LoopStateT& 
   {
     Scope wide(html, "div", {{"class", "wide"}});
     Scope table(html, "table", {{"class", "sortable"}});
-    table_head(html, {"Panel", "Floor", left("State"), left("Gate"), "p inside", left("Decided by"), "Reworks", left("Why")});
+    table_head(html,
+               {"Panel", "Floor", left("State"), left("Gate"), "p inside", left("Decided by"), "Reworks", left("Why")});
     Scope body(html, "tbody");
     for (const auto& panel : plan.panels) {
       const auto found = items.find({"panel", panel->id});

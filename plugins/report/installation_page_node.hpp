@@ -1,6 +1,8 @@
 // report.installation: the page of an execution loop.
 #pragma once
 
+#include <map>
+
 #include "artifacts/file.hpp"
 #include "artifacts/input_files.hpp"
 #include "artifacts/installation_plan.hpp"
@@ -12,9 +14,10 @@
 namespace plumbline::report {
 
 struct ReportInstallation : Node {
-  static constexpr Info info{"report.installation", "", 1,
-                             "One offline HTML file about an execution loop: what to do next by floor and robot, states "
-                             "over rounds, what was done again and why"};
+  static constexpr Info info{
+      "report.installation", "", 1,
+      "One offline HTML file about an execution loop: what to do next by floor and robot, states "
+      "over rounds, what was done again and why"};
   In<InstallationPlan> plan{"plan", frame("frame=?F"), "the plan of the last round"};
   In<LoopState> state{"state", frame("frame=?F"), "the state after it"};
   Optional<SurveyNetwork> network{"network", frame("frame=?S"), "the survey that the plan rests on, for a section"};

@@ -29,6 +29,7 @@ struct RobotState {
   std::map<std::string, std::string> actions;  ///< status by actionId
   bool drives = false;                         ///< its order has nodes or edges before it
   std::string digest;                          ///< of what is worth a line on disk
+  std::optional<VdaPlace> place;               ///< where the robot stands, if it says so
 };
 
 /// The order that an error refuses, by its references; empty: none.
@@ -37,6 +38,15 @@ std::string order_of_error(const ordered_json& error) {
   for (const auto& reference : error["errorReferences"])
     if (reference.value("referenceKey", "") == "orderId") return reference.value("referenceValue", "");
   return {};
+}
+
+/// In 2.x agvPosition, in 3.0 mobileRobotPosition.
+std::optional<VdaPlace> place_of_robot(const ordered_json& json) {
+  for (const char* key : {"agvPosition", "mobileRobotPosition"})
+    if (json.contains(key) && json[key].is_object() && json[key].contains("x") && json[key].contains("mapId"))
+      return VdaPlace{json.value("lastNodeId", ""), json[key].value("mapId", ""), json[key].value("x", 0.0),
+                      json[key].value("y", 0.0), json[key].value("theta", 0.0)};
+  return std::nullopt;
 }
 
 /// Throws nlohmann::json::exception for what is no state message.
@@ -52,6 +62,7 @@ RobotState read_robot_state(const ordered_json& json) {
   for (const auto& error : errors)
     if (const std::string refused = order_of_error(error); !refused.empty() && refused != state.order)
       state.rejects = refused, state.reason = error.value("errorType", "") + ": " + error.value("errorDescription", "");
+  state.place = place_of_robot(json);
   state.digest = ordered_json{state.order, json["actionStates"], errors}.dump(-1, ' ', false,
                                                                               ordered_json::error_handler_t::replace);
   return state;
@@ -114,7 +125,7 @@ void OrderExchange::take(const std::string& payload, bool is_new, double now) {
   if (!is_new && ours) last_actions_ = state.digest;
   // Started again: a later message with a smaller number.
   const bool was_started_again = is_newest && newest_header_ >= 0 && state.header < newest_header_;
-  if (is_newest) newest_ = state.seconds, newest_header_ = state.header, heard_at_ = now;
+  if (is_newest) newest_ = state.seconds, newest_header_ = state.header, heard_at_ = now, robot_.start = state.place;
   if (is_over()) return;
   if (is_newest) answered_ = is_new;
   if (ours && (is_newest || is_at_its_end(state))) {
@@ -123,7 +134,8 @@ void OrderExchange::take(const std::string& payload, bool is_new, double now) {
     std::set<std::string> known;
     for (const auto& [id, status] : state.actions) ++counts[status], known.insert(id);
     progress_.clear();
-    for (const auto& [status, n] : counts) progress_ += (progress_.empty() ? "" : ", ") + std::to_string(n) + " " + status;
+    for (const auto& [status, n] : counts)
+      progress_ += (progress_.empty() ? "" : ", ") + std::to_string(n) + " " + status;
     const bool all = std::all_of(job_.items.begin(), job_.items.end(),
                                  [&](const JobItem& item) { return known.count(vda_action_id(job_, item)) > 0; });
     if (all && is_at_its_end(state)) status_ = ExchangeStatus::finished;
@@ -137,11 +149,12 @@ void OrderExchange::take(const std::string& payload, bool is_new, double now) {
   const bool was_sent = sent_at_ >= 0;
   if (was_sent && (status_ == ExchangeStatus::accepted || was_started_again ||
                    (header_at_sending_ >= 0 && state.header < header_at_sending_))) {
-    reason_ = status_ == ExchangeStatus::accepted
-                  ? "the robot had the order and has it no more, without having told its end: measure the items, nothing "
-                    "is sent again"
-                  : "the robot was started again, or took another order, since the order was sent to it: it may have done "
-                    "it and forgotten; measure the items, nothing is sent again";
+    reason_ =
+        status_ == ExchangeStatus::accepted
+            ? "the robot had the order and has it no more, without having told its end: measure the items, nothing "
+              "is sent again"
+            : "the robot was started again, or took another order, since the order was sent to it: it may have done "
+              "it and forgotten; measure the items, nothing is sent again";
     status_ = ExchangeStatus::unknown;
     return;
   }
@@ -164,13 +177,14 @@ MqttMessage OrderExchange::order(double now, const std::string& utc) {
   robot_.timestamp = utc, robot_.header_id = ++order_number_;
   const MqttMessage message{vda_topic(robot_, "order"), vda_order(job_, robot_), times_.expiry};
   // On disk first: if nothing comes after this line, the order may be out and may not.
-  log_.append_sent(ordered_json{{"orderId", job_.id},
-                                {"headerId", order_number_},
-                                {"at", now},
-                                {"utc", utc},
-                                {"robotHeaderId", newest_header_},
-                                {"robotSeconds", newest_}}
-                       .dump());
+  log_.append_sent(ordered_json{
+      {"orderId", job_.id},
+      {"headerId", order_number_},
+      {"at", now},
+      {"utc", utc},
+      {"robotHeaderId", newest_header_},
+      {"robotSeconds",
+       newest_}}.dump());
   sent_at_ = now, header_at_sending_ = newest_header_, answered_ = asked_ = false;
   status_ = ExchangeStatus::sent;
   return message;
@@ -183,7 +197,8 @@ std::vector<MqttMessage> OrderExchange::due(double now, const std::string& utc) 
     asked_ = true, asked_at_ = now;
     return {question(utc)};
   };
-  if (status_ == ExchangeStatus::accepted) return now - heard_at_ > times_.silence || !answered_ ? ask() : std::vector<MqttMessage>{};
+  if (status_ == ExchangeStatus::accepted)
+    return now - heard_at_ > times_.silence || !answered_ ? ask() : std::vector<MqttMessage>{};
   if (!answered_ || status_ == ExchangeStatus::busy) return ask();
   // The robot has answered that it does not have the order.
   if (sent_at_ >= 0 && now - sent_at_ < times_.answer) return {};

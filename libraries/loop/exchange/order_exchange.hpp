@@ -3,11 +3,11 @@
 //
 // What makes it so: (1) a state message is a whole, it tells of every action of the robot's order, so that the next one
 // makes up for any that was lost; (2) before an order is sent, and before it is sent again, the robot is asked
-// (`stateRequest`) and must have answered that it does not have it; (3) what is about to be sent is on disk before it is
-// sent, what came is on disk before anything is concluded from it; (4) an order that is sent again is the same, byte for
-// byte but its header's number, and a robot takes the same orderId and orderUpdateId as the order that it has; (5) an order
-// that a broker holds back expires before another one is sent; (6) a robot that was started again since an order was sent
-// may have done it and forgotten: then nothing is sent, and a person is asked to measure.
+// (`stateRequest`) and must have answered that it does not have it; (3) what is about to be sent is on disk before it
+// is sent, what came is on disk before anything is concluded from it; (4) an order that is sent again is the same, byte
+// for byte but its header's number, and a robot takes the same orderId and orderUpdateId as the order that it has; (5)
+// an order that a broker holds back expires before another one is sent; (6) a robot that was started again since an
+// order was sent may have done it and forgotten: then nothing is sent, and a person is asked to measure.
 #pragma once
 
 #include <string>
@@ -32,8 +32,8 @@ class ExchangeLog {
   virtual std::vector<std::string> states() const = 0;
 };
 
-/// sent.jsonl and states.jsonl in a folder that is made. A torn last line, of a program that was killed, is cut off. One
-/// program at a time: a second one is refused. Throws std::runtime_error with path and reason.
+/// sent.jsonl and states.jsonl in a folder that is made. A torn last line, of a program that was killed, is cut off.
+/// One program at a time: a second one is refused. Throws std::runtime_error with path and reason.
 class ExchangeFolder : public ExchangeLog {
  public:
   explicit ExchangeFolder(const std::string& folder);
@@ -102,10 +102,10 @@ class OrderExchange {
   std::string reason_, progress_, last_actions_;
   bool asked_ = false, answered_ = false;  ///< since start, connection or the last order
   double asked_at_ = 0, heard_at_ = 0, sent_at_ = -1;
-  std::string other_order_;   ///< the last that was sent and is not this one
+  std::string other_order_;  ///< the last that was sent and is not this one
   double other_sent_at_ = -1e300;
   long long header_ = 0, header_at_sending_ = -1;
-  double newest_ = -1e300;    ///< timestamp of the newest state [s]
+  double newest_ = -1e300;  ///< timestamp of the newest state [s]
   long long newest_header_ = -1;
   int question_number_ = 0, order_number_ = 0;
 };

@@ -39,11 +39,12 @@ std::pair<std::string, std::string> name_and_unit(std::string_view cell) {
 /// X and Y are left out: half of the world takes X for north.
 const std::map<std::string, char>& meaning_of_heads() {
   static const std::map<std::string, char> heads = {
-      {"ptid", 'p'},       {"name", 'p'},   {"point", 'p'},    {"point id", 'p'}, {"pointid", 'p'},  {"id", 'p'},
-      {"point name", 'p'}, {"punkt", 'p'},  {"e", 'e'},        {"east", 'e'},     {"easting", 'e'},  {"rechtswert", 'e'},
-      {"n", 'n'},          {"north", 'n'},  {"northing", 'n'}, {"hochwert", 'n'}, {"h", 'h'},        {"z", 'h'},
-      {"height", 'h'},     {"elev", 'h'},   {"elevation", 'h'}, {"höhe", 'h'},    {"hoehe", 'h'},    {"timestamp", 't'},
-      {"datetime", 't'},   {"date time", 't'}};
+      {"ptid", 'p'},      {"name", 'p'},       {"point", 'p'}, {"point id", 'p'},  {"pointid", 'p'},
+      {"id", 'p'},        {"point name", 'p'}, {"punkt", 'p'}, {"e", 'e'},         {"east", 'e'},
+      {"easting", 'e'},   {"rechtswert", 'e'}, {"n", 'n'},     {"north", 'n'},     {"northing", 'n'},
+      {"hochwert", 'n'},  {"h", 'h'},          {"z", 'h'},     {"height", 'h'},    {"elev", 'h'},
+      {"elevation", 'h'}, {"höhe", 'h'},       {"hoehe", 'h'}, {"timestamp", 't'}, {"datetime", 't'},
+      {"date time", 't'}};
   return heads;
 }
 

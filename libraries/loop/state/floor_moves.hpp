@@ -12,7 +12,7 @@ namespace plumbline::loop {
 /// What the anchors of one floor say about its control. Those that a mistake of a robot explains say nothing, unless so
 /// many share the movement that the control explains them as well.
 struct FloorMoves {
-  std::vector<Eigen::Vector3d> moves, explained;     ///< against where they should be [m]
+  std::vector<Eigen::Vector3d> moves, explained;    ///< against where they should be [m]
   Eigen::Vector3d doubt = Eigen::Vector3d::Zero();  ///< what a movement must exceed to mean something [m]
   bool moved() const;
 };

@@ -98,9 +98,9 @@ std::string date_doubt(const LoopItemT& item, const ActualT& actual) {
   const std::optional<double> then = seconds_of(actual.at);
   if (!then) return "is dated '" + actual.at + "', expected ISO 8601 with a zone, such as 2026-05-02T08:00:00Z";
   const std::optional<double> released = seconds_of(item.at);
-  return released && *then <= *released ? "is dated " + actual.at +
-                                              ", not after the item was released or reported last at " + item.at
-                                        : std::string();
+  return released && *then <= *released
+             ? "is dated " + actual.at + ", not after the item was released or reported last at " + item.at
+             : std::string();
 }
 
 /// A report on work that was released before, or on another robot's, does not say that this was done.
@@ -184,8 +184,8 @@ std::vector<std::string> apply_actuals(LoopStateT& state, const ActualsT& actual
       note(state, *item, {"measured where it hangs", actual->by, actual->at, {}});
       continue;
     }
-    const std::string why_not = named > 1 ? "a bracket and a panel have this name: give one of them another"
-                                          : objection(item, *actual);
+    const std::string why_not =
+        named > 1 ? "a bracket and a panel have this name: give one of them another" : objection(item, *actual);
     if (!why_not.empty()) {
       if (named == 1 && contradicts(*item, *actual))
         reject_item(state, *item,
@@ -197,7 +197,8 @@ std::vector<std::string> apply_actuals(LoopStateT& state, const ActualsT& actual
         actual->note.empty() ? "reported " + actual->outcome : actual->note, actual->by, actual->at, {}};
     if (actual->outcome == "done") {
       move(state, *item, ItemStatus::executed, because);
-      // What is asked for stays: the next measurement judges by it, and corrects what the bracket has used of its range.
+      // What is asked for stays: the next measurement judges by it, and corrects what the bracket has used of its
+      // range.
       item->setting += item->pending, item->hangs = item->kind == "panel";
       item->seen = item->hangs && shows_panel(*item, *actual);
       item->at = actual->at;  // of the work, not of its release: none is none

@@ -40,17 +40,18 @@ struct MachineOptions {
 };
 
 /// Applies reports. Each that is not taken comes back with its reason: unknown item, another revision than the item was
-/// released with, another job, an item that is not released, a report not later than its release or the report before, or
-/// with a date that is none, a panel's without revision, job and date, one that came before (told, and harmless), a setting far from what was asked for, a place metres away from where the item is
-/// (with what would explain it: feet, millimetres, exchanged axes, another frame), a name of a bracket and a panel. A
-/// panel that was reported done and then failed goes to a person.
+/// released with, another job, an item that is not released, a report not later than its release or the report before,
+/// or with a date that is none, a panel's without revision, job and date, one that came before (told, and harmless), a
+/// setting far from what was asked for, a place metres away from where the item is (with what would explain it: feet,
+/// millimetres, exchanged axes, another frame), a name of a bracket and a panel. A panel that was reported done and
+/// then failed goes to a person.
 std::vector<std::string> apply_actuals(LoopStateT& state, const ActualsT& actuals);
 
 /// Takes a new plan, made from a new measurement: items of a first plan are added; brackets and panels that were
 /// executed are judged by it; released ones whose setting changed by more than a tenth of the tolerance, or all of them
 /// when `plan.basis` is another and no measurement explains it, become stale and are planned again; panels that are GO
-/// and whose turn it is are released with the brackets that carry them. What was reported is judged once the anchor's own
-/// measurement (BracketSetting::basis) is another than before. Throws std::runtime_error for a name whose GlobalId
+/// and whose turn it is are released with the brackets that carry them. What was reported is judged once the anchor's
+/// own measurement (BracketSetting::basis) is another than before. Throws std::runtime_error for a name whose GlobalId
 /// changed.
 void apply_plan(LoopStateT& state, const InstallationPlanT& plan, const MachineOptions& options);
 

@@ -62,6 +62,7 @@ std::string step_words(const LoopStateT& state, const Counts& counts) {
            "']";
   if (counts.released > 0) return "give the job to the robots, then measure and run again";
   if (counts.measured > 0) return "measure, then run again";
+  if (state.to_plan) return "run again with this state: brackets are to be planned anew, by the same measurement";
   if (counts.rejected > 0 || counts.unseen > 0)
     return "somebody looks at what is named below; then run with reported.with.accept=['NAME'] for each that is in "
            "order";

@@ -170,12 +170,10 @@ class Round {
     move(state_, item, ItemStatus::rework, because), move(state_, item, ItemStatus::planned, because);
   }
 
-  Eigen::Vector3d doubt(const BracketSettingT& bracket) const {
-    return doubt_of(bracket, options_.setting_tolerance);
-  }
+  Eigen::Vector3d doubt(const BracketSettingT& bracket) const { return doubt_of(bracket, options_.setting_tolerance); }
 
-  /// A measurement of the plate does not tell a bracket that was set elsewhere from a plate that was knocked, also where
-  /// a known mistake of a robot would explain its place.
+  /// A measurement of the plate does not tell a bracket that was set elsewhere from a plate that was knocked, also
+  /// where a known mistake of a robot would explain its place.
   void judge_setting(LoopItemT& item, const BracketSettingT& bracket, double off, bool is_there) {
     const double most = doubt(bracket).maxCoeff();
     move(state_, item, ItemStatus::relocalised,
@@ -205,7 +203,8 @@ class Round {
   /// Floors whose anchors all moved together: their control did, now or when they were measured last. Nothing of them
   /// is verified or released by this plan. Fewer than three anchors do not show that it is in order again.
   void find_floors_that_moved() {
-    for (const auto& [number, floor] : moves_of_floors(state_, plan_, options_.setting_tolerance, options_.measured_at)) {
+    for (const auto& [number, floor] :
+         moves_of_floors(state_, plan_, options_.setting_tolerance, options_.measured_at)) {
       const bool moved = floor.moved();
       if (!moved && floor.moves.size() < 3) continue;
       auto& names = state_.moved_control;
@@ -262,11 +261,13 @@ class Round {
       if (item.status == ItemStatus::executed) move(state_, item, ItemStatus::relocalised, because);
       const bool is_right = panel->gate == GateDecision::go && panel->p_in >= options_.verified;
       if (item.status == ItemStatus::verified && !is_right)
-        move(state_, item, ItemStatus::relocalised, {"no longer sure to hang right: " + panel->reason, {}, {}, rests_on_});
+        move(state_, item, ItemStatus::relocalised,
+             {"no longer sure to hang right: " + panel->reason, {}, {}, rests_on_});
       if (item.status != ItemStatus::relocalised) continue;
       if (is_right && !item.seen)
-        item.why = "would hang right, and nothing has seen it hang: give its measured place, or accept it when somebody "
-                   "has seen it";
+        item.why =
+            "would hang right, and nothing has seen it hang: give its measured place, or accept it when somebody "
+            "has seen it";
       else if (is_right)
         move(state_, item, ItemStatus::verified, because);
       else if (1 - panel->p_in >= options_.verified)

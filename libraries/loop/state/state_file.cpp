@@ -85,8 +85,8 @@ void check_items(const LoopStateT& state) {
     const auto found = last.find({item->kind, item->id});
     const std::string by_journal = found == last.end() ? name_of(ItemStatus::planned) : found->second;
     if (by_journal != name_of(item->status))
-      throw std::runtime_error(item->kind + " " + item->id + " is " + name_of(item->status) + ", by the journal it is " +
-                               by_journal);
+      throw std::runtime_error(item->kind + " " + item->id + " is " + name_of(item->status) +
+                               ", by the journal it is " + by_journal);
   }
 }
 

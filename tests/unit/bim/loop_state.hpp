@@ -39,8 +39,7 @@ inline std::pair<InstallationPlanT, LoopStateT> loop_of(const bim::Design& desig
     bracket->axes = {Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitZ(), -Eigen::Vector3d::UnitY()};
     for (Eigen::Vector3d* v : {&bracket->sigma, &bracket->asked, &bracket->setting, &bracket->low, &bracket->high})
       v->setZero();
-    state.items.push_back(
-        loop_item("bracket", bracket->id, element.guid, static_cast<ItemStatus>(k++ % 9)));
+    state.items.push_back(loop_item("bracket", bracket->id, element.guid, static_cast<ItemStatus>(k++ % 9)));
     plan.brackets.push_back(std::move(bracket));
   }
   k = 0;

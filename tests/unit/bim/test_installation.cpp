@@ -20,8 +20,7 @@ namespace plumbline::bim {
 namespace {
 
 struct Site {
-  explicit Site(const char* schema)
-      : file(test::small_building(schema), "t.ifc"), design(read_design(file, {})) {
+  explicit Site(const char* schema) : file(test::small_building(schema), "t.ifc"), design(read_design(file, {})) {
     auto [planned, reached] = test::loop_of(design);
     plan = std::move(planned), state = std::move(reached);
   }
@@ -110,7 +109,8 @@ TEST(Installation, WhatIsNotInTheFileIsNamed) {
   site.state.items[0]->guid = "0000000000000000000000";
   const AsBuiltIfc result = write_installation(site.file, site.design, site.plan, site.state, {});
   ASSERT_EQ(result.warnings.size(), 1u);
-  EXPECT_NE(result.warnings[0].find("1 items are not in the file and have no state there: anchor 0"), std::string::npos);
+  EXPECT_NE(result.warnings[0].find("1 items are not in the file and have no state there: anchor 0"),
+            std::string::npos);
 }
 
 std::map<std::string, std::string> topics_of(const Site& site) {

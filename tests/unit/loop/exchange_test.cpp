@@ -1,7 +1,6 @@
 // An order through a broker that loses, holds back, doubles and reorders messages and goes away, by a program that is
 // killed at any moment, to a robot as VDA 5050 has it: nothing lost, nothing done twice.
 #include <gtest/gtest.h>
-
 #include <unistd.h>
 
 #include <cmath>
@@ -33,7 +32,7 @@ Job job_of(const std::string& id, int items) {
 }
 
 const VdaRobot& robot_one() {
-  static const VdaRobot robot{VdaVersion::v2_0, "RobotCompany", "001", 0, ""};
+  static const VdaRobot robot{VdaVersion::v2_0, "RobotCompany", "001", 0, "", std::nullopt};
   return robot;
 }
 
@@ -105,10 +104,12 @@ struct Robot {
   }
   void restart() { order.clear(), actions.clear(), header = 0, errors = json::array(); }
   std::string state(double now) {
-    json out{{"headerId", ++header},      {"timestamp", utc_of(now)}, {"version", "2.0.0"},
-             {"manufacturer", "RobotCompany"}, {"serialNumber", "001"},    {"orderId", order},
-             {"orderUpdateId", 0},        {"nodeStates", json::array()}, {"edgeStates", json::array()},
-             {"errors", errors},          {"actionStates", json::array()}};
+    json out{{"headerId", ++header},         {"timestamp", utc_of(now)},
+             {"version", "2.0.0"},           {"manufacturer", "RobotCompany"},
+             {"serialNumber", "001"},        {"orderId", order},
+             {"orderUpdateId", 0},           {"nodeStates", json::array()},
+             {"edgeStates", json::array()},  {"errors", errors},
+             {"actionStates", json::array()}};
     for (const auto& [id, state] : actions) out["actionStates"].push_back({{"actionId", id}, {"actionStatus", state}});
     return out.dump();
   }
@@ -176,8 +177,7 @@ class World {
     if (luck_.uniform() < weather_.away) away_until_ = now + 10 * luck_.uniform();
     if (luck_.uniform() < weather_.restarted) robot.restart();
     const bool changed = robot.work(now);
-    if (changed || now >= next_state_)
-      send(false, {exchange.state_topic(), robot.state(now)}), next_state_ = now + 5;
+    if (changed || now >= next_state_) send(false, {exchange.state_topic(), robot.state(now)}), next_state_ = now + 5;
     std::vector<OnTheWay> here;
     for (std::size_t i = 0; i < on_the_way_.size();)
       if (on_the_way_[i].arrives <= now)

@@ -52,7 +52,8 @@ TEST(StateFile, ComesBackAndGoesOnAsIfNothingHadBeenBetween) {
 TEST(StateFile, WhatWasChangedIsNotTaken) {
   const std::string text = state_json(some_state());
   EXPECT_EQ(error_of(text), "taken");
-  for (const auto& [from, to] : {std::pair{"\"PLANNED\"", "\"VERIFIED\""}, {"\"reworks\": 0", "\"reworks\": 1"},
+  for (const auto& [from, to] : {std::pair{"\"PLANNED\"", "\"VERIFIED\""},
+                                 {"\"reworks\": 0", "\"reworks\": 1"},
                                  {"gate of its panels is GO", "somebody said so"}})
     EXPECT_NE(error_of(changed(text, from, to)).find("was changed since it was written"), std::string::npos) << from;
   EXPECT_NE(error_of(text.substr(0, text.size() / 2)).find("state.json: is no state of a loop, or a torn one"),
