@@ -8,7 +8,7 @@ target_include_directories(plumbline_testing INTERFACE
   $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/tests/support> $<INSTALL_INTERFACE:include/plumbline/testing>)
 target_link_libraries(plumbline_testing INTERFACE plumbline_runtime plumbline_node plumbline_geometry)
 
-foreach(name contract artifacts node folder_files text control geometry statistics adjustment images geodesy survey survey_files ifc block_bound block markers judgement pose surface
+foreach(name contract artifacts node folder_files text control geometry statistics least_squares adjustment images geodesy survey survey_files ifc block_bound block markers judgement pose surface
              artifact_conversions runtime testing)
   if(NOT TARGET Plumbline::${name})
     add_library(Plumbline::${name} ALIAS plumbline_${name})

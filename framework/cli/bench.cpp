@@ -16,13 +16,13 @@
 
 #include "bench_verify.hpp"
 #include "build_info.hpp"
-#include "runtime/deliver.hpp"
-#include "runtime/new_file.hpp"
-#include "runtime/record.hpp"
-#include "runtime/sweep_archive.hpp"
-#include "runtime/sweep_dispatch.hpp"
-#include "runtime/sweep_run.hpp"
-#include "runtime/sweep_table.hpp"
+#include "runtime/base/new_file.hpp"
+#include "runtime/record/deliver.hpp"
+#include "runtime/record/record.hpp"
+#include "runtime/sweep/sweep_archive.hpp"
+#include "runtime/sweep/sweep_dispatch.hpp"
+#include "runtime/sweep/sweep_run.hpp"
+#include "runtime/sweep/sweep_table.hpp"
 #include "terminal.hpp"
 
 namespace plumbline::cli {

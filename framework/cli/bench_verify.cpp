@@ -7,8 +7,8 @@
 #include <filesystem>
 
 #include "build_info.hpp"
-#include "runtime/sweep_archive.hpp"
-#include "runtime/sweep_run.hpp"
+#include "runtime/sweep/sweep_archive.hpp"
+#include "runtime/sweep/sweep_run.hpp"
 #include "terminal.hpp"
 
 namespace plumbline::cli {

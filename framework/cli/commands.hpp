@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "runtime/graph.hpp"
-#include "runtime/registry.hpp"
-#include "runtime/store.hpp"
+#include "runtime/graph/graph.hpp"
+#include "runtime/plugins/registry.hpp"
+#include "runtime/store/store.hpp"
 
 namespace plumbline::cli {
 
@@ -34,8 +34,8 @@ struct Options {
   double tolerance = 0;               ///< of `diff`
   std::string limit;                  ///< of `cache prune`: "2GiB"
   double days = -1;                   ///< likewise; negative: any age
-  double quiet_seconds = 2;  ///< of `watch`
-  int most_runs = 0;         ///< of `watch`; 0: without end
+  double quiet_seconds = 2;           ///< of `watch`
+  int most_runs = 0;                  ///< of `watch`; 0: without end
   int threads = 0;
   bool durable = false, json = false, quiet = false, overwrite = false, trust_others = false, isolate = false,
        rehash = false, each = false, check = false;

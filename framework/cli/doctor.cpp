@@ -7,9 +7,9 @@
 
 #include "commands.hpp"
 #include "linked_licences.hpp"
-#include "runtime/memory_budget.hpp"
-#include "runtime/trust.hpp"
-#include "runtime/workers.hpp"
+#include "runtime/base/memory_budget.hpp"
+#include "runtime/base/trust.hpp"
+#include "runtime/run/workers.hpp"
 #include "terminal.hpp"
 
 namespace plumbline::cli {

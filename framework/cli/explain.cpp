@@ -4,8 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
-#include "runtime/pipeline_doc.hpp"
-#include "runtime/type_doc.hpp"
+#include "runtime/graph/pipeline_doc.hpp"
+#include "runtime/plugins/type_doc.hpp"
 #include "terminal.hpp"
 
 namespace plumbline::cli {

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
-#include "runtime/plan.hpp"
+#include "runtime/run/plan.hpp"
 #include "terminal.hpp"
 
 namespace plumbline::cli {

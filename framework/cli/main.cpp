@@ -11,7 +11,7 @@
 
 #include "bench.hpp"
 #include "commands.hpp"
-#include "runtime/printable.hpp"
+#include "runtime/base/printable.hpp"
 
 namespace {
 
@@ -81,8 +81,9 @@ std::vector<Command> declare(CLI::App& app, Options& options, plumbline::cli::Be
   watch.add_option("--out", options.out, "folder for the named outputs and run.jsonl (default: out/<pipeline>)")
       ->type_name("DIR");
   watch.add_flag("--overwrite", options.overwrite, "replace files in the way of an output whoever wrote them");
-  watch.add_option("--quiet-for", options.quiet_seconds,
-                   "seconds in which no file may change before a run begins: half-copied files are waited for")
+  watch
+      .add_option("--quiet-for", options.quiet_seconds,
+                  "seconds in which no file may change before a run begins: half-copied files are waited for")
       ->check(CLI::Range(0.1, 3600.0))
       ->capture_default_str();
   watch.add_option("--runs", options.most_runs, "ends after so many runs, with the last one's exit code")

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "runtime/printable.hpp"
-#include "runtime/told_once.hpp"
+#include "runtime/base/printable.hpp"
+#include "runtime/base/told_once.hpp"
 #include "terminal.hpp"
 
 namespace plumbline::cli {

@@ -5,8 +5,8 @@
 #include <map>
 #include <string>
 
-#include "runtime/executor.hpp"
-#include "runtime/record.hpp"
+#include "runtime/record/record.hpp"
+#include "runtime/run/executor.hpp"
 
 namespace plumbline::cli {
 

@@ -9,10 +9,10 @@
 
 #include "commands.hpp"
 #include "progress.hpp"
-#include "runtime/deliver.hpp"
-#include "runtime/executor.hpp"
-#include "runtime/memory_budget.hpp"
-#include "runtime/printable.hpp"
+#include "runtime/base/memory_budget.hpp"
+#include "runtime/base/printable.hpp"
+#include "runtime/record/deliver.hpp"
+#include "runtime/run/executor.hpp"
 #include "stopping.hpp"
 #include "terminal.hpp"
 
@@ -146,8 +146,9 @@ void tell_of_other_variant(const Options& options, const runtime::Graph& graph, 
   for (const auto& output : graph.outputs) {
     const auto found = folder.owned().origins.find(output.file);
     if (found == folder.owned().origins.end() || found->second.arguments == options.overrides) continue;
-    std::printf("note: the results of another variant (%s) in %s are replaced; give it a folder of its own with --out\n",
-                in_words(found->second).c_str(), folder.path().c_str());
+    std::printf(
+        "note: the results of another variant (%s) in %s are replaced; give it a folder of its own with --out\n",
+        in_words(found->second).c_str(), folder.path().c_str());
     return;
   }
 }
@@ -158,10 +159,9 @@ void tell_whose_outputs_lie_there(const runtime::Graph& graph, const runtime::Ou
   for (const auto& output : graph.outputs) {
     const auto found = folder.owned().origins.find(output.file);
     if (folder.is_of_this_run(output.file) || !fs::exists(fs::symlink_status(folder.path() / output.file))) continue;
-    std::string& list =
-        outputs[found == folder.owned().origins.end() ? "an earlier run, which the record does not tell"
-                                                      : "the run of " + found->second.time + " (" +
-                                                            in_words(found->second) + ")"];
+    std::string& list = outputs[found == folder.owned().origins.end()
+                                    ? "an earlier run, which the record does not tell"
+                                    : "the run of " + found->second.time + " (" + in_words(found->second) + ")"];
     list += (list.empty() ? "" : ", ") + output.file;
   }
   for (const auto& [run, list] : outputs)

@@ -32,7 +32,7 @@ Eigen::MatrixXd constraints_of(const Problem& problem, const Layout& layout, con
 
 /// By inverse iteration. Given up where no doubt is left that it is above `enough`: four steps raise the part of a
 /// vector that belongs to a 10⁴ times smaller value by 10¹⁶.
-double smallest_eigenvalue(const Cholesky& factor, Eigen::Index n, Eigen::VectorXd& vector,
+double smallest_eigenvalue(const least_squares::Cholesky& factor, Eigen::Index n, Eigen::VectorXd& vector,
                            double enough = std::numeric_limits<double>::infinity()) {
   vector.resize(n);
   for (Eigen::Index i = 0; i < n; ++i) vector(i) = 1 + 0.3 * std::sin(1.7 * static_cast<double>(i + 1));

@@ -12,7 +12,7 @@ Cofactors::Cofactors(const Problem& problem, const Layout& layout, const State& 
     : problem_(problem), layout_(layout), elimination_(elimination), own_(elimination.blocks().size()) {
   const Eigen::Index n = elimination.kept_count();
   if (n > 0) {
-    kept_ = Cholesky::inverse_of(inverse_factor);
+    kept_ = least_squares::Cholesky::inverse_of(inverse_factor);
     const auto& scale = elimination.scale();
     for (Eigen::Index c = 0; c < n; ++c) kept_.col(c).array() *= scale.array() * scale(c);
   }

@@ -13,9 +13,9 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "block/bundle/cholesky.hpp"
 #include "block/bundle/kernels.hpp"
 #include "block/bundle/problem.hpp"
+#include "least_squares/dense_cholesky.hpp"
 
 namespace plumbline::bundle {
 
@@ -90,7 +90,7 @@ class Elimination {
   const Eigen::VectorXd& scale() const { return scale_; }
   /// S scaled to its diagonal before the elimination (plus constraints), lower triangle, before its factorisation.
   Eigen::MatrixXd scaled_matrix(const Eigen::MatrixXd& constraints) const;
-  const Cholesky& factor() const { return factor_; }
+  const least_squares::Cholesky& factor() const { return factor_; }
 
   struct TermRef {
     enum class Kind : int { point, tag, distance, known } kind;
@@ -143,7 +143,7 @@ class Elimination {
   std::vector<Run> runs_;
   Eigen::MatrixXd normal_;  ///< reduced, lower triangle
   Eigen::VectorXd right_, diagonal_, reduced_right_, scale_;
-  Cholesky factor_;
+  least_squares::Cholesky factor_;
   double cost_ = 0;
   std::string undefined_;
 };

@@ -10,10 +10,10 @@
 #include <thread>
 #include <tuple>
 
-#include "runtime/artifact_type.hpp"
-#include "runtime/deliver.hpp"
-#include "runtime/executor.hpp"
-#include "runtime/plan.hpp"
+#include "runtime/plugins/artifact_type.hpp"
+#include "runtime/record/deliver.hpp"
+#include "runtime/run/executor.hpp"
+#include "runtime/run/plan.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::test {
@@ -389,11 +389,11 @@ TEST_F(Isolation, AModuleThatChangesWhileTheNodeRunsIsRefused) {
   std::ofstream(helper) << "more = 1\n";
   std::ofstream(edited) << "1";
   // As an editor does it, once: the node itself waits for nobody.
-  ASSERT_TRUE(registry_.load_manifest(write_node(
-      folder_.path(), std::string("from helper import more\n") + "if os.path.exists('" + edited.string() +
-                          "'):\n  os.remove('" + edited.string() + "')\n  open('" + helper.string() +
-                          "', 'w').write('more = 2\\n')\n" +
-                          "call.commit('number', 'plumbline.Number/1', {'value': more})\n")));
+  ASSERT_TRUE(registry_.load_manifest(
+      write_node(folder_.path(), std::string("from helper import more\n") + "if os.path.exists('" + edited.string() +
+                                     "'):\n  os.remove('" + edited.string() + "')\n  open('" + helper.string() +
+                                     "', 'w').write('more = 2\\n')\n" +
+                                     "call.commit('number', 'plumbline.Number/1', {'value': more})\n")));
   run(kHelped);
   EXPECT_EQ(node("b").status, NodeStatus::failed);
   EXPECT_TRUE(contains(node("b").error, helper.string() + " changed while the node worked with it; run again"))
@@ -412,9 +412,8 @@ TEST_F(Isolation, AScriptThatChangedSinceItWasFoundIsRefused) {
       << node("b").error;
   Registry again;
   ASSERT_TRUE(again.load(PLUMBLINE_STORY_PLUGIN));
-  ASSERT_TRUE(again.load_manifest(
-      write_node(folder_.path(), "open('" + (folder_.path() / "add.py").string() + "', 'a').write('# more\\n')\n" +
-                                     adds)));
+  ASSERT_TRUE(again.load_manifest(write_node(
+      folder_.path(), "open('" + (folder_.path() / "add.py").string() + "', 'a').write('# more\\n')\n" + adds)));
   std::swap(again, registry_);
   run(kHelped);
   EXPECT_TRUE(contains(node("b").error, "add.py is not the file any more that was looked at")) << node("b").error;

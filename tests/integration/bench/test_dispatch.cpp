@@ -1,6 +1,6 @@
 // Cells that run elsewhere: printed commands, GNU parallel, and tasks that run twice, late, or for another plan.
 #include "bench_program.hpp"
-#include "runtime/sweep_dispatch.hpp"
+#include "runtime/sweep/sweep_dispatch.hpp"
 
 namespace plumbline::test {
 namespace {

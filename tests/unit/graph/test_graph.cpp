@@ -1,9 +1,9 @@
 // Pipelines as people write them, and what they are told when something is wrong.
 #include <gmock/gmock.h>
 
-#include "runtime/graph.hpp"
-#include "runtime/pipeline_file.hpp"
-#include "runtime/printable.hpp"
+#include "runtime/base/printable.hpp"
+#include "runtime/graph/graph.hpp"
+#include "runtime/graph/pipeline_file.hpp"
 #include "test_support.hpp"
 
 namespace {

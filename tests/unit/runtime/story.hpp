@@ -15,11 +15,11 @@
 #include <vector>
 
 #include "artifacts/number.hpp"
-#include "runtime/deliver.hpp"
-#include "runtime/executor.hpp"
-#include "runtime/graph.hpp"
-#include "runtime/plan.hpp"
-#include "runtime/record.hpp"
+#include "runtime/graph/graph.hpp"
+#include "runtime/record/deliver.hpp"
+#include "runtime/record/record.hpp"
+#include "runtime/run/executor.hpp"
+#include "runtime/run/plan.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::test {

@@ -3,8 +3,8 @@
 
 #include <cstdlib>
 
-#include "runtime/digest.hpp"
-#include "runtime/store.hpp"
+#include "runtime/base/digest.hpp"
+#include "runtime/store/store.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::test {
