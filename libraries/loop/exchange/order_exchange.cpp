@@ -169,6 +169,8 @@ MqttMessage OrderExchange::question(const std::string& utc) {
   ordered_json action{{"actionId", job_.id + ":state:" + utc + ":" + std::to_string(question_number_)},
                       {"actionType", "stateRequest"},
                       {"blockingType", "NONE"}};
+  // The text of 2.0 says actionType, its schema for instant actions actionName.
+  if (robot_.version == VdaVersion::v2_0) action["actionName"] = "stateRequest";
   out["actions"] = ordered_json::array({action});
   return {vda_topic(robot_, "instantActions"), out.dump(), times_.expiry};
 }

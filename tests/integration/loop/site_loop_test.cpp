@@ -69,7 +69,8 @@ class Site {
       fs::copy_file(plumbline_.work() / "start/site" / name, plumbline_.work() / folder / name);
     fs::copy_file(plumbline_.work() / out / "readings.csv", plumbline_.work() / folder / "readings.csv");
     std::string control = "id,E,N,H,sE_mm,sN_mm,sH_mm\n";
-    for (const Json& point : Json::parse(read_file(plumbline_.work() / out / "control.json"))["points"]) {
+    const Json marks = Json::parse(read_file(plumbline_.work() / out / "control.json"));
+    for (const Json& point : marks["points"]) {
       const Json& p = point["position"];
       char text[200];
       std::snprintf(text, sizeof text, "%s,%.6f,%.6f,%.6f,0.3,0.3,0.3\n", point["id"].get<std::string>().c_str(),
@@ -204,7 +205,14 @@ TEST(SiteLoop, WhatARoundMustKnowIsAskedFor) {
   // The campaign of the day before: measured before the work, so nothing is verified by it.
   const Answer old = run_round(plumbline, 2, {"measured=" + day(2, "05:00")});
   ASSERT_EQ(old.code, 0) << old.err;
-  EXPECT_FALSE(contains(read_file(plumbline.work() / "round2/state.json"), "\"VERIFIED\""));
+  const Json job = Json::parse(read_file(plumbline.work() / "round1/job.json"));
+  const Json after = Json::parse(read_file(plumbline.work() / "round2/state.json"));
+  for (const Json& done : job["items"])
+    for (const Json& item : after["items"])
+      if (item["id"] == done["id"]) {
+        EXPECT_EQ(item["status"], "EXECUTED") << item["why"];
+        EXPECT_EQ(item["why"], "waits for a measurement that was made after it was done");
+      }
 }
 
 }  // namespace
