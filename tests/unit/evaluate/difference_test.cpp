@@ -202,7 +202,7 @@ TEST(Incomplete, DriftEndsBelowAFloorWithoutAnchors) {
 
 TEST(Incomplete, WithoutCovarianceEveryVerdictIsUndecided) {
   Inputs inputs = test::small_building();
-  inputs.model.covariance.resize(0, 0);
+  inputs.model.covariance = {};
   AccuracyT accuracy = evaluate_accuracy(inputs, {});
   EXPECT_EQ(accuracy.comparisons[0]->undecided, 6);
   EXPECT_TRUE(std::isnan(accuracy.comparisons[0]->u_mean_dz));
