@@ -146,7 +146,8 @@ double BlockCovariance::quadratic(const Eigen::SparseVector<double>& weights) co
     const Place& place = where_[u(w.index() / step_)];
     entries.push_back({place.cluster, place.at * step_ + w.index() % step_, w.value()});
   }
-  std::stable_sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) { return a.cluster < b.cluster; });
+  std::stable_sort(entries.begin(), entries.end(),
+                   [](const Entry& a, const Entry& b) { return a.cluster < b.cluster; });
   double all = 0;
   for (std::size_t begin = 0, end = 0; begin < entries.size(); begin = end) {
     while (end < entries.size() && entries[end].cluster == entries[begin].cluster) ++end;

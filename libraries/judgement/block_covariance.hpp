@@ -22,6 +22,9 @@ class BlockCovariance {
   BlockCovariance() = default;
   /// Of items with `step` coordinates each, 3 of points; zeros between items keep them apart. 0 x 0: not known.
   BlockCovariance(const Eigen::MatrixXd& full, Index step = 3);  // NOLINT: a matrix is one
+  template <typename Derived>
+  BlockCovariance(const Eigen::MatrixBase<Derived>& full, Index step = 3)  // NOLINT: and so is what makes one
+      : BlockCovariance(Eigen::MatrixXd(full), step) {}
   /// Of items without correlation between them, 3 x 3 [m²] each.
   static BlockCovariance independent(const std::vector<Eigen::Matrix3d>& blocks);
   /// Of n points, from the lower triangle row by row as artifacts have it. Throws std::runtime_error that says what is
@@ -31,6 +34,7 @@ class BlockCovariance {
   BlockCovariance(std::vector<Cluster> clusters, Index items, Index step);
 
   Index size() const { return items() * step_; }  ///< rows; 0: not known
+  Index step() const { return step_; }            ///< coordinates of an item
   Index items() const { return static_cast<Index>(where_.size()); }
   const std::vector<Cluster>& clusters() const { return clusters_; }
   std::size_t cluster_of(Index item) const { return where_[static_cast<std::size_t>(item)].cluster; }

@@ -51,7 +51,7 @@ void fill_heights(const DifferenceSet& set, const std::vector<AnchorEntry>& tabl
   out.predicted_rmse_z = predicted.value;
   out.predicted_rmse_z_lower = predicted.lower;
   out.predicted_rmse_z_upper = predicted.upper;
-  out.consistency_z = consistency(dz, covariance, 1, options.confidence);
+  out.consistency_z = consistency(dz, covariance, options.confidence);
 }
 
 void fill_distances(const DifferenceSet& set, const Options& options, AccuracyComparisonT& out) {
@@ -62,7 +62,7 @@ void fill_distances(const DifferenceSet& set, const Options& options, AccuracyCo
     out.max_distance = std::max(out.max_distance, set.difference.segment<3>(3 * i).norm());
   if (set.covariance.size() == 0) return;
   out.predicted_rmse_3d = std::sqrt(std::max(0.0, set.covariance.trace()) / static_cast<double>(n));
-  out.consistency_3d = consistency(set.difference, set.covariance, 3, options.confidence);
+  out.consistency_3d = consistency(set.difference, set.covariance, options.confidence);
 }
 
 }  // namespace
@@ -108,9 +108,10 @@ std::unique_ptr<AnchorDifferenceT> anchor_difference(const Eigen::Vector3d& diff
 }
 
 std::unique_ptr<ErrorConsistencyT> consistency(const Eigen::VectorXd& difference, const BlockCovariance& covariance,
-                                               Eigen::Index step, double confidence) {
+                                               double confidence) {
   if (covariance.size() == 0 || difference.size() == 0) return nullptr;
   std::vector<double> values, along;  // of all directions of all clusters
+  const Eigen::Index step = covariance.step();
   for (const BlockCovariance::Cluster& cluster : covariance.clusters()) {
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(cluster.matrix);
     Eigen::VectorXd own(cluster.matrix.rows());

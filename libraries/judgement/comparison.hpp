@@ -17,9 +17,9 @@ std::unique_ptr<AnchorDifferenceT> anchor_difference(const Eigen::Vector3d& diff
                                                      const Eigen::MatrixXd& covariance, const Options& options);
 
 /// Chi-square statistic d' S⁺ d with the rank of S as degrees of freedom, directions of less than 0.02 mm left out;
-/// null when S [m²] is unknown or zero. `step`: coordinates of an item of S.
+/// null when S [m²] is unknown or zero.
 std::unique_ptr<ErrorConsistencyT> consistency(const Eigen::VectorXd& difference, const BlockCovariance& covariance,
-                                               Eigen::Index step, double confidence);
+                                               double confidence);
 
 /// RMSE of n zero-mean errors with covariance S: its expectation sqrt(tr S / n) and the range it falls in at the
 /// confidence level, from the chi-square distribution with the same first two moments as d'd (Satterthwaite 1946).

@@ -80,8 +80,8 @@ void judge_anchors(Work& work) {
   if (model.covariance.size() == 0) return;
   work.deviations.covariance = model.covariance.subset(places);
   for (Eigen::Index i = 0; i < n; ++i)
-    work.deviations.covariance.add(
-        i, work.inputs.anchors[work.deviations.anchors[static_cast<std::size_t>(i)]].mounting);
+    work.deviations.covariance.add(i,
+                                   work.inputs.anchors[work.deviations.anchors[static_cast<std::size_t>(i)]].mounting);
 }
 
 /// Neither in order nor out of tolerance, at whatever tolerance.

@@ -69,8 +69,6 @@ Eigen::MatrixXd pseudo_inverse(const Eigen::MatrixXd& s) {
   return eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
 }
 
-}  // namespace
-
 /// Of matches that are correlated, in the model or in the survey.
 struct Part {
   Eigen::MatrixXd sum, matrix;  ///< matrix: less what model and survey have in common
@@ -92,8 +90,7 @@ Part part_of(const PointSet& model, const PointSet& survey, const std::vector<Ma
   const Eigen::MatrixXd s = part.sum - cross - cross.transpose();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(0.5 * (s + s.transpose()));
   part.smallest = eigen.eigenvalues().minCoeff();
-  part.matrix =
-      eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).asDiagonal() * eigen.eigenvectors().transpose();
+  part.matrix = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).asDiagonal() * eigen.eigenvectors().transpose();
   return part;
 }
 
@@ -105,10 +102,11 @@ std::vector<std::vector<std::size_t>> parts_of(const PointSet& model, const Poin
   std::map<std::size_t, std::size_t> match_of_model;
   for (std::size_t i = 0; i < matches.size(); ++i) {
     match_of_model[matches[i].model] = i;
-    partition.join(i, by_model.try_emplace(model.covariance.cluster_of(static_cast<Index>(matches[i].model)), i)
-                          .first->second);
-    partition.join(i, by_survey.try_emplace(survey.covariance.cluster_of(static_cast<Index>(matches[i].reference)), i)
-                          .first->second);
+    partition.join(
+        i, by_model.try_emplace(model.covariance.cluster_of(static_cast<Index>(matches[i].model)), i).first->second);
+    partition.join(
+        i,
+        by_survey.try_emplace(survey.covariance.cluster_of(static_cast<Index>(matches[i].reference)), i).first->second);
   }
   for (const Match& c : control)
     if (!match_of_model.contains(c.model)) {  // whom it says something of cannot be told: all stay together

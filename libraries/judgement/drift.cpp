@@ -33,7 +33,8 @@ Linear apply(const Weights& weights, const Eigen::VectorXd& dz, const BlockCovar
 /// Weights that average the anchors of a floor, or those of a column on a floor; none where there are no anchors.
 class Means {
  public:
-  Means(const DifferenceSet& set, const std::vector<AnchorEntry>& table) : size_(static_cast<Eigen::Index>(set.size())) {
+  Means(const DifferenceSet& set, const std::vector<AnchorEntry>& table)
+      : size_(static_cast<Eigen::Index>(set.size())) {
     for (std::size_t i = 0; i < set.size(); ++i) {
       const AnchorEntry& anchor = table[set.anchors[i]];
       floors_[anchor.floor].push_back(static_cast<Eigen::Index>(i));
@@ -77,7 +78,8 @@ int count_of(const Weights& weights) { return static_cast<int>(weights.nonZeros(
 void fill_floor_statistics(const Eigen::VectorXd& dz, const Weights& weights, FloorAccuracyT& floor) {
   floor.rmse_z = std::sqrt(weights.dot(dz.cwiseAbs2()));
   floor.max_abs_dz = 0;
-  for (Weights::InnerIterator w(weights); w; ++w) floor.max_abs_dz = std::max(floor.max_abs_dz, std::abs(dz[w.index()]));
+  for (Weights::InnerIterator w(weights); w; ++w)
+    floor.max_abs_dz = std::max(floor.max_abs_dz, std::abs(dz[w.index()]));
 }
 
 /// Floors in ascending order, each with the weights of its mean.

@@ -243,8 +243,9 @@ std::unique_ptr<GroupShiftT> row_of(const Group& group, const std::vector<Sample
 }  // namespace
 
 std::vector<std::unique_ptr<GroupShiftT>> group_shifts(const std::vector<GroupMember>& members,
-                                                       const evaluate::BlockCovariance& covariance, double smallest_tolerance,
-                                                       const WouldPass& would_pass, std::vector<Vector3d>* remainder) {
+                                                       const evaluate::BlockCovariance& covariance,
+                                                       double smallest_tolerance, const WouldPass& would_pass,
+                                                       std::vector<Vector3d>* remainder) {
   const std::vector<Group> groups = groups_of(members);
   std::vector<Vector3d> left;
   for (const GroupMember& member : members) left.push_back(member.deviation);

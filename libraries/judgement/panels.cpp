@@ -323,10 +323,10 @@ bool change_at(const Panel& a, const Panel& b, const Gap& gap, double place, con
   double variance = 0;
   for (const auto& [i, row_i] : rows)
     for (const auto& [j, row_j] : rows)
-      variance += row_i *
-                  all.covariance.block(static_cast<Eigen::Index>(position.at(i)),
-                                       static_cast<Eigen::Index>(position.at(j))) *
-                  row_j.transpose();
+      variance +=
+          row_i *
+          all.covariance.block(static_cast<Eigen::Index>(position.at(i)), static_cast<Eigen::Index>(position.at(j))) *
+          row_j.transpose();
   u = std::sqrt(std::max(0.0, variance));
   return true;
 }
@@ -352,7 +352,8 @@ class Joints {
       for (int x = -1; x <= 1; ++x)
         for (int y = -1; y <= 1; ++y)
           for (int z = -1; z <= 1; ++z)
-            if (const auto found = cells.find({cell(panels_[a], 0) + x, cell(panels_[a], 1) + y, cell(panels_[a], 2) + z});
+            if (const auto found =
+                    cells.find({cell(panels_[a], 0) + x, cell(panels_[a], 1) + y, cell(panels_[a], 2) + z});
                 found != cells.end())
               near.insert(near.end(), found->second.begin(), found->second.end());
       std::sort(near.begin(), near.end());

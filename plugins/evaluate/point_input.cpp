@@ -1,6 +1,5 @@
 #include "evaluate/point_input.hpp"
 
-
 namespace plumbline::evaluate {
 
 namespace {
