@@ -36,7 +36,7 @@ def slug(heading):
 @functools.cache
 def anchors(page):
     text = re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.M | re.S)
-    return {slug(m.group(1)) for m in re.finditer(r"^#+ +(.*)$", text, re.M)}
+    return {slug(m.group(1)) for m in re.finditer(r"^#+ +(.*)$", text, re.M)} | set(re.findall(r'<a id="([^"]+)">', text))
 
 
 def check_links(page, text):
