@@ -4,6 +4,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "plumbline/failure.hpp"
 #include "plumbline/stop.hpp"
 
 namespace plumbline::adjust {
@@ -156,9 +157,9 @@ AdjustedBlock adjust_to_convergence(BlockModel& model, int max_iterations, const
     model.apply(result.solution);
     fold();
   }
-  throw std::runtime_error("the block adjustment did not converge in " + std::to_string(summary.iterations) +
-                           " damped and " + std::to_string(steps) + " undamped iterations (" + summary.message +
-                           "); check the approximate poses and coordinates");
+  throw NotConverged("the block adjustment did not converge in " + std::to_string(summary.iterations) + " damped and " +
+                     std::to_string(steps) + " undamped iterations (" + summary.message +
+                     "); check the approximate poses and coordinates");
 }
 
 }  // namespace plumbline::adjust

@@ -10,6 +10,7 @@
 #include "block/tag_block_model.hpp"
 #include "block/tag_block_orientations.hpp"
 #include "geometry/median.hpp"
+#include "plumbline/failure.hpp"
 #include "plumbline/stop.hpp"
 
 namespace plumbline::adjust {
@@ -311,13 +312,11 @@ Solved solve_under(const std::vector<std::string>& weak_datum, const TagBlockOpt
                    const bundle::Layout& layout, TagModel& model) {
   try {
     return solve(options, layout, model);
-  } catch (const Stopped&) {
-    throw;
   } catch (const std::runtime_error& error) {
     if (weak_datum.empty()) throw;
-    throw std::runtime_error("the control hardly determines " + enumerate(weak_datum) +
-                             " of the block; add control that is not on one line, or adjust a free network (" +
-                             error.what() + ")");
+    throw BadInput("the control hardly determines " + enumerate(weak_datum) +
+                   " of the block; add control that is not on one line, or adjust a free network (" + error.what() +
+                   ")");
   }
 }
 

@@ -13,11 +13,11 @@
 #include "geometry/median.hpp"
 #include "markers/calibration_cost.hpp"
 #include "markers/planar_pose.hpp"
+#include "plumbline/failure.hpp"
 #include "plumbline/stop.hpp"
 
 namespace plumbline::markers {
 namespace {
-
 
 struct State {
   std::vector<std::array<double, 6>> poses;
@@ -221,13 +221,10 @@ class Calibrator {
             adjust::require_full_rank(linear, reduced, names, model.kept_labels());
             undetermined = false;
           });
-    } catch (const Stopped&) {
-      throw;
     } catch (const std::runtime_error& error) {
-      throw std::runtime_error(undetermined ? std::string(error.what()) +
-                                                  "; photograph the board tilted, from several sides, and over the "
-                                                  "whole image"
-                                            : no_convergence());
+      if (!undetermined) throw NotConverged(no_convergence());
+      throw BadInput(std::string(error.what()) +
+                     "; photograph the board tilted, from several sides, and over the whole image");
     }
   }
 
@@ -367,8 +364,6 @@ Calibration calibrate(const std::vector<CalibrationView>& views, int width, int 
       result.held_flat = bent && !(attempts[k].bend_sigma > 0);
       result.held_k3 = attempts[k].free.size() < options.free.size();
       return result;
-    } catch (const Stopped&) {
-      throw;
     } catch (const std::runtime_error&) {
       if (k + 1 == attempts.size()) throw;
     }
@@ -391,8 +386,6 @@ LensComparison compare_lenses(const std::vector<CalibrationView>& views, const C
   try {
     lenses.brown = Calibrator(views, all.camera.width, all.camera.height, keep).residuals_of_all();
     lenses.fisheye = Calibrator(views, all.camera.width, all.camera.height, fisheye).residuals_of_all();
-  } catch (const Stopped&) {
-    throw;
   } catch (const std::runtime_error&) {
     lenses.brown = lenses.fisheye = 0;  // one of them fits nothing
   }

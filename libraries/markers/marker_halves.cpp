@@ -169,8 +169,6 @@ std::optional<MarkerHalves> compare_halves(const MarkerBlock& block, const Marke
       if (in_second == half) photographs.insert(image);
     try {
       found.push_back(adjust_marker_block(part_of(block, result, photographs), options));
-    } catch (const Stopped&) {
-      throw;
     } catch (const std::runtime_error&) {
       return std::nullopt;  // too few for a block of their own
     }

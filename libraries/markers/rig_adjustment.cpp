@@ -139,8 +139,6 @@ class RigAdjuster {
         else if (freedom == Freedom::none)
           rig.held = "the interior orientations and the bend of the board";
         return rig;
-      } catch (const Stopped&) {
-        throw;
       } catch (const std::runtime_error& error) {
         if (freedom == Freedom::none) rig.refused = std::string("the common adjustment failed: ") + error.what();
       }
@@ -246,9 +244,10 @@ class RigAdjuster {
         const Eigen::Vector2d unit = (point.board.head<2>() - middle_).cwiseQuotient(half_);
         auto* cost =
             new RigCost{point.board, point.pixel, unit, point.sigma, &p.exposures[e].matrix, &p.cameras[c].matrix};
-        model.add_term(std::make_unique<adjust::DifferentiatedCost<RigCost, 2, 6, 6, BrownCamera::parameter_count, 2>>(cost),
-                       {p.exposures[e].values.data(), p.cameras[c].values.data(), p.interiors[c].data(), p.bend.data()},
-                       0, static_cast<int>(p.labels.size()), true);
+        model.add_term(
+            std::make_unique<adjust::DifferentiatedCost<RigCost, 2, 6, 6, BrownCamera::parameter_count, 2>>(cost),
+            {p.exposures[e].values.data(), p.cameras[c].values.data(), p.interiors[c].data(), p.bend.data()}, 0,
+            static_cast<int>(p.labels.size()), true);
         p.labels.emplace_back(static_cast<int>(s), k);
       }
     }

@@ -11,6 +11,7 @@
 #include "geometry/packed_symmetric.hpp"
 #include "markers/camera_groups.hpp"
 #include "output.hpp"
+#include "plumbline/failure.hpp"
 #include "plumbline/node.hpp"
 #include "plumbline/stop.hpp"
 
@@ -92,11 +93,9 @@ struct CalibrateBoard : Node {
       Calibrated& one = all.back();
       try {
         one.calibration = calibrate(one.selection.views, one.selection.width, one.selection.height, options);
-      } catch (const Stopped&) {
-        throw;
       } catch (const std::runtime_error& error) {
         if (one.selection.camera.empty()) throw;
-        throw std::runtime_error("camera " + one.selection.camera + ": " + error.what());
+        throw Failure(kind_of(error), "camera " + one.selection.camera + ": " + error.what());
       }
       refuse_fisheye(compare_lenses(one.selection.views, options, one.calibration), one.selection.camera);
       one.parts = compare_parts(one.selection.views, options, one.calibration);

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "block/bundle/parts.hpp"
+#include "plumbline/failure.hpp"
 
 namespace plumbline::bundle {
 namespace {
@@ -170,8 +171,8 @@ double largest_step(const Elimination& elimination, const Eigen::VectorXd& step)
   if (cause.empty())
     cause = "the approximate values do not lead to a minimum: the worst fit is in " +
             worst_images(problem, layout, state) + "; check their approximate poses and point numbers";
-  throw std::runtime_error("the block adjustment did not converge in " + std::to_string(iterations) +
-                           " iterations: " + cause + (engine.empty() ? "" : " (the engine says: " + engine + ")"));
+  throw NotConverged("the block adjustment did not converge in " + std::to_string(iterations) +
+                     " iterations: " + cause + (engine.empty() ? "" : " (the engine says: " + engine + ")"));
 }
 
 }  // namespace

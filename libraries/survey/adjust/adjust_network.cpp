@@ -93,7 +93,7 @@ void Adjuster::fail_to_converge(const NetworkProblem& problem, const Solution& s
     text += "; the largest residual is that of the " + row.kind + " " + row.from + (row.from.empty() ? "" : " -> ") +
             row.to + (at.empty() ? "" : " (" + at + ")") + ": check its point names and value";
   }
-  throw NetworkError(text);
+  throw NetworkError(text, {}, {}, PLUMBLINE_NOT_CONVERGED);
 }
 
 void Adjuster::doubt(const Solution& solution) const {

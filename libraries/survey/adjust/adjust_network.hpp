@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "adjustment/reliability.hpp"
+#include "plumbline/failure.hpp"
 #include "survey/model/instrument_profile.hpp"
 #include "survey/model/station_reduction.hpp"
 #include "survey/model/survey_observations.hpp"
@@ -100,11 +101,11 @@ struct KnownPoint {
   bool stands() const { return rank == 0 || statistic <= critical; }
 };
 
-class NetworkError : public std::runtime_error {
+class NetworkError : public Failure {
  public:
   explicit NetworkError(const std::string& message, std::vector<Finding> what_was_found = {},
-                        std::vector<std::string> points = {})
-      : std::runtime_error(message), findings(std::move(what_was_found)), undetermined(std::move(points)) {}
+                        std::vector<std::string> points = {}, plumbline_answer kind = PLUMBLINE_BAD_INPUT)
+      : Failure(kind, message), findings(std::move(what_was_found)), undetermined(std::move(points)) {}
   std::vector<Finding> findings;
   std::vector<std::string> undetermined;  ///< points without which the rest might be adjusted; may be empty
 };

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <regex>
 
+#include "plumbline/stop.hpp"
 #include "test_support.hpp"
 
 namespace {
@@ -154,6 +155,27 @@ TEST(Layers, APluginIncludesNoOtherPluginAndNotTheRuntime) {
     allowed.insert(allowed.end(), {"plumbline", "artifacts", name});
     EXPECT_EQ(violations({"plugins/" + name, allowed}), "");
   }
+}
+
+// Who catches everything catches Stopped too, which is no std::exception for that reason, and must let it pass.
+TEST(Layers, WhoCatchesEverythingThrowsOn) {
+  static_assert(!std::is_base_of_v<std::exception, plumbline::Stopped>);
+  const fs::path root = plumbline::test::source_dir();
+  static const std::regex pattern(R"(catch \((\.\.\.|const (plumbline::)?Stopped ?&\w*)\) \{)");
+  int found = 0;
+  for (const char* folder : {"libraries", "plugins"})
+    for (const auto& entry : fs::recursive_directory_iterator(root / folder)) {
+      if (entry.path().extension() != ".cpp" && entry.path().extension() != ".hpp") continue;
+      const std::string text = plumbline::test::read_file(entry.path());
+      for (std::sregex_iterator m(text.begin(), text.end(), pattern), end; m != end; ++m, ++found) {
+        const auto from = static_cast<size_t>(m->position() + m->length());
+        const std::string body = text.substr(from, text.find('}', from) - from);
+        EXPECT_TRUE(body.find("throw;") != std::string::npos ||
+                    body.find("std::current_exception()") != std::string::npos)
+            << entry.path() << ": " << (*m)[0] << body;
+      }
+    }
+  EXPECT_GT(found, 0);
 }
 
 TEST(Layers, TheRuleFindsAViolation) { EXPECT_NE(violations({"framework/runtime", {"plumbline"}}), ""); }
