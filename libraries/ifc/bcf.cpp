@@ -273,9 +273,6 @@ std::string write_bcf(const DeviationT& deviation, const std::vector<const Ancho
   }
   for (const auto& request : deviation.requests)
     if (!request->not_judged.empty()) issues.push_back(issue_of(*request));
-  if (options.surface_judgement)
-    for (const auto& request : options.surface_judgement->requests)
-      if (!request->not_judged.empty()) issues.push_back(issue_of(*request));
   ZipWriter zip;
   zip.add("bcf.version", kHead + "<Version VersionId=\"2.1\"><DetailedVersion>2.1</DetailedVersion></Version>\n");
   const std::string header = header_of(options, deviation.design_file);

@@ -81,6 +81,8 @@ struct Panels : Node {
     }
     context.info(std::to_string(measured) + " of " + std::to_string(given.faces.size()) + " panels measured");
     context.metric("panels", measured, "1");
+    // Nothing of what the node is for: exit code 3 (framework/cli/run.cpp).
+    if (measured == 0) context.metric("invalid", 1, "1");
     surfaces.commit(result);
     table.commit(text_file("panels.csv", "text/csv", panels_table(result)));
   }
