@@ -77,7 +77,10 @@ void Progress::node_finished(const runtime::GraphNode& node, const runtime::Node
   ++done_;
   record_.node(node, result);
   clear_status();
-  if (style_ == Style::json) std::printf("%s\n", runtime::Record::node_line(node, result).c_str());
+  if (style_ == Style::json) {
+    std::fprintf(json_output(), "%s\n", runtime::Record::node_line(node, result).c_str());
+    std::fflush(json_output());
+  }
   // What was skipped is a consequence of what failed: told in one line at the end.
   if (style_ == Style::lines && result.status != NodeStatus::skipped) {
     std::string line = paint(colour_of(result.status), to_text(result.status));

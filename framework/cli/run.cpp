@@ -131,7 +131,8 @@ void print_json_end(const fs::path& out) {
   std::ifstream stream(out / "run.jsonl");
   std::string line, last;
   while (std::getline(stream, line)) last = line;
-  std::printf("%s\n", last.c_str());
+  std::fprintf(json_output(), "%s\n", last.c_str());
+  std::fflush(json_output());
 }
 
 std::string in_words(const runtime::OutputOrigin& run) {
@@ -243,6 +244,7 @@ int run(const Options& options) {
   tell_of_other_variant(options, graph, folder);
   runtime::Record record(folder, graph, info);
 
+  if (options.json) keep_output_for_json();
   runtime::RunResult result;
   {
     Seen progress(graph, record,

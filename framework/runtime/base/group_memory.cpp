@@ -11,25 +11,13 @@
 #include <map>
 
 #include "runtime/base/child_process.hpp"
+#include "runtime/base/process_list.hpp"
 
 namespace plumbline::runtime {
 
 namespace fs = std::filesystem;
 
 namespace {
-
-/// The group of a process as its stat tells it; 0 if it is gone. Its name may hold blanks and brackets.
-pid_t group_of(const fs::path& process) {
-  std::ifstream stream(process / "stat");
-  std::string text;
-  std::getline(stream, text);
-  const size_t name_end = text.rfind(')');
-  if (name_end == std::string::npos || name_end + 4 >= text.size()) return 0;
-  const char* at = text.c_str() + name_end + 4;  // behind the state
-  char* next = nullptr;
-  std::strtol(at, &next, 10);  // the parent
-  return static_cast<pid_t>(std::strtol(next, nullptr, 10));
-}
 
 /// Proportional parts, so that what processes share counts once.
 void add_mapped(const fs::path& process, uint64_t& own, uint64_t& shared) {
@@ -62,12 +50,11 @@ int64_t now() {
 uint64_t memory_of_group(pid_t leader) {
   uint64_t own = 0, mapped = 0, written = 0;
   std::map<ino_t, uint64_t> files;
-  std::error_code error;
-  for (fs::directory_iterator entry("/proc", error), end; !error && entry != end; entry.increment(error)) {
-    const std::string name = entry->path().filename().string();
-    if (name.find_first_not_of("0123456789") != std::string::npos || group_of(entry->path()) != leader) continue;
-    add_mapped(entry->path(), own, mapped);
-    add_memfds(entry->path(), files);
+  for (const ProcessStat& process : running_processes()) {
+    if (process.group != leader) continue;
+    const fs::path folder = "/proc/" + std::to_string(process.pid);
+    add_mapped(folder, own, mapped);
+    add_memfds(folder, files);
   }
   for (const auto& [inode, bytes] : files) written += bytes;
   return own + std::max(mapped, written);  // of a memfd that is mapped both tell

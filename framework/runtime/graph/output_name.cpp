@@ -2,10 +2,12 @@
 
 #include <algorithm>
 
+#include "runtime/base/printable.hpp"
+
 namespace plumbline::runtime {
 
 std::string output_name_problem(const std::string& name) {
-  const std::string named = "'" + name + "' cannot be the name of an output: ";
+  const std::string named = "'" + printable_line(name) + "' cannot be the name of an output: ";
   if (name.empty()) return named + "it is empty";
   if (name[0] == '/') return named + "it must lie under the output folder";
   size_t start = 0;

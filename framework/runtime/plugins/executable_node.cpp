@@ -15,10 +15,12 @@
 #include <sstream>
 #include <stdexcept>
 #include <string_view>
+#include <thread>
 
 #include "artifacts/file.hpp"
 #include "runtime/base/child_process.hpp"
 #include "runtime/base/group_memory.hpp"
+#include "runtime/base/process_list.hpp"
 #include "runtime/plugins/artifact_type.hpp"
 #include "runtime/plugins/library.hpp"
 #include "runtime/plugins/plugin_check.hpp"
@@ -225,6 +227,22 @@ std::string wait_for(const ChildProcess& child, const plumbline_host& host, cons
   }
 }
 
+/// Its outputs are whole when nothing that it has started can write them any more. Helpers that end by themselves with
+/// the program, as Python's multiprocessing has them, get a moment for it. "" or what goes on.
+std::string wait_for_what_it_started(const ChildProcess& child, const std::string& mark, const plumbline_host& host) {
+  constexpr auto patience = std::chrono::seconds(2);
+  const auto start = Clock::now();
+  while (true) {
+    const std::string left = left_running(child.pid, mark);
+    if (left.empty()) return "";
+    if (Clock::now() - start > patience)
+      return "it ended while what it had started went on and might still have written its outputs: " + left +
+             "; wait for it before the end (in Python: Popen.wait(), Process.join())";
+    if (host.cancelled(host.context)) return "it was told to stop";
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+}
+
 /// What it printed, line by line, into the record.
 void tell(const plumbline_host& host, int log) {
   std::istringstream lines(end_of_log(log, size_t{1} << 18));
@@ -253,15 +271,19 @@ std::string run_once(const ExecutableNode& node, const plumbline_host& host, con
   start.arguments = node.command;
   start.arguments.push_back(exchange.folder().string());
   const char* path = std::getenv("PYTHONPATH");
+  const std::string mark = "PLUMBLINE_NODE_RUN=" + exchange.folder().string();
   start.settings = {"PYTHONPATH=" + python_folder().string() + (path && *path ? std::string(":") + path : ""),
-                    "PYTHONDONTWRITEBYTECODE=1"};
+                    "PYTHONDONTWRITEBYTECODE=1", mark};
   start.memory_limit = limits.memory;
   start.ends_with_this_thread = true;
   ChildProcess child = start_child(start);
   std::string problem;
   try {
     problem = wait_for(child, host, limits);
+    if (problem.empty()) problem = wait_for_what_it_started(child, mark, host);
+    if (!problem.empty()) kill_left_running(child.pid, mark);
   } catch (...) {
+    kill_left_running(child.pid, mark);
     finish_child(child);
     close(child.log);
     throw;

@@ -15,7 +15,9 @@ std::string file_identity(const fs::path& path) {
   std::string text;
   for (const auto value :
        {static_cast<uint64_t>(found.st_dev), static_cast<uint64_t>(found.st_ino), static_cast<uint64_t>(found.st_size),
-        static_cast<uint64_t>(found.st_mtim.tv_sec), static_cast<uint64_t>(found.st_mtim.tv_nsec)})
+        static_cast<uint64_t>(found.st_mtim.tv_sec), static_cast<uint64_t>(found.st_mtim.tv_nsec),
+        // Whoever writes can set the time of modification back; that of the change of status nobody can.
+        static_cast<uint64_t>(found.st_ctim.tv_sec), static_cast<uint64_t>(found.st_ctim.tv_nsec)})
     text += std::to_string(value) + ' ';
   return text;
 }

@@ -11,6 +11,7 @@
 #include <set>
 
 #include "runtime/base/digest.hpp"
+#include "runtime/base/forks.hpp"
 #include "runtime/plugins/artifact_rules.hpp"
 #include "runtime/plugins/artifact_type.hpp"
 #include "runtime/plugins/executable_node.hpp"
@@ -115,6 +116,7 @@ class Host {
   int reserve_memory(uint64_t bytes);
 
   int run_it();
+  int run_here(const plumbline_node& node);
   const plumbline_port& output(const std::string& port) const;
   void check_outputs() const;
   void commit_folders();
@@ -330,7 +332,22 @@ int Host::run_it() {
     return executable->run(table_, *node.kind.node, node.limits, said_to_be_used_);
   }
   if (services_.workers) return services_.workers->run(table_, node, outcome_.memory_taken);
-  return node.kind.node->run(&table_, node.kind.node);
+  return run_here(*node.kind.node);
+}
+
+/// In this process, where what the node has forked is seen.
+int Host::run_here(const plumbline_node& node) {
+  const ForkWatch forks;
+  int answer = 1;
+  try {
+    answer = node.run(&table_, &node);
+  } catch (...) {
+    forks.end_if_this_is_a_copy();
+    throw;
+  }
+  forks.end_if_this_is_a_copy();
+  if (const std::string left = forks.end_what_is_left(); !left.empty()) fail(left);
+  return answer;
 }
 
 NodeOutcome Host::run() {

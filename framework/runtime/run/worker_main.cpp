@@ -243,7 +243,9 @@ int32_t serve(const std::string& request, uint64_t& taken) {
     const uint64_t before = begin_to_measure();
     arena.execute([&] {
       const ThreadConditions of_node;  // the arena may give it another thread
+      const pid_t worker = getpid();
       answer = node->run(host.table(), node);
+      if (getpid() != worker) _exit(1);  // a copy that the node has forked and that came back
       changes = of_node.changes();
     });
     const uint64_t peak = status_bytes("VmHWM"), own = before + host.bytes_of_inputs();

@@ -225,8 +225,10 @@ std::shared_ptr<const Blob::Memory> Store::load(const std::string& path) const {
       return memory;
     }
   }
-  memory->owned.resize(memory->size);
-  return read_all(file.number, memory->owned.data(), memory->size) ? memory : nullptr;
+  std::vector<unsigned char> bytes(memory->size);
+  if (!read_all(file.number, bytes.data(), bytes.size())) return nullptr;
+  memory->kept = read_only_copy(bytes.data(), bytes.size());
+  return memory;
 }
 
 std::string Store::put(const void* data, size_t size) {

@@ -59,7 +59,9 @@ std::vector<StoredFile> results_in(const fs::path& runs) {
     result.age = std::chrono::duration<double, std::ratio<86400>>(now - entry->last_write_time(gone)).count();
     result.bytes = entry->file_size(gone);
     std::ifstream stream(entry->path());
-    const auto json = nlohmann::json::parse(stream, nullptr, false);
+    std::string line;  // the second one is its check: whatever the first names is kept
+    std::getline(stream, line);
+    const auto json = nlohmann::json::parse(line, nullptr, false);
     try {
       if (!json.is_discarded()) {
         json.at("kind").get_to(result.kind);

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <string_view>
 
 #include "runtime/base/digest.hpp"
 #include "runtime/base/json_text.hpp"
@@ -35,9 +36,10 @@ std::string hex_of(const Blob::Memory& memory) {
   static constexpr const char* digits = "0123456789abcdef";
   std::string text;
   text.reserve(2 * memory.size);
-  for (const unsigned char byte : memory.owned) {
-    text += digits[byte >> 4];
-    text += digits[byte & 15];
+  const auto* const bytes = static_cast<const unsigned char*>(memory.data());
+  for (size_t i = 0; i < memory.size; ++i) {
+    text += digits[bytes[i] >> 4];
+    text += digits[bytes[i] & 15];
   }
   return text;
 }
@@ -52,7 +54,7 @@ Memory content_of(const std::string& hex, const std::string& hash) {
     bytes[i] = static_cast<unsigned char>(16 * high + low);
   }
   if (hex.size() % 2 != 0 || sha256_of(bytes.data(), bytes.size()) != hash) return nullptr;
-  return std::make_shared<const Blob::Memory>(std::move(bytes));
+  return std::make_shared<const Blob::Memory>(bytes.data(), bytes.size());
 }
 
 }  // namespace
@@ -60,12 +62,37 @@ Memory content_of(const std::string& hex, const std::string& hash) {
 std::string Store::hold(const void* data, size_t size) {
   if (size > in_memory_up_to_) return put(data, size);
   std::string hash = sha256_of(data, size);
-  const auto* begin = static_cast<const unsigned char*>(data);
-  auto memory = std::make_shared<const Blob::Memory>(std::vector<unsigned char>(begin, begin + size));
+  auto memory = std::make_shared<const Blob::Memory>(data, size);
   const std::scoped_lock lock(mutex_);
   held_.try_emplace(hash, std::move(memory));
   return hash;
 }
+
+namespace {
+
+/// Of the record of a run. A program that does not know it passes the record over and computes for itself: what it
+/// would not understand may say that the result must not be taken.
+constexpr std::uint64_t record_format = 1;
+
+/// The record as it is written: a line, and a second one with the line's SHA-256. Blobs are checked by their names; a
+/// metric or a warning is in the record alone.
+std::string with_check(std::string line) {
+  line += '\n';
+  return line + sha256_of(line.data(), line.size()) + '\n';
+}
+
+/// The first line. Nothing if it is not what was written.
+std::optional<std::string_view> checked_line(std::string_view text) {
+  const size_t line = text.find('\n') + 1;
+  if (line == 0 || text.size() != line + 65 || text.back() != '\n') return std::nullopt;
+  if (text.substr(line, 64) != sha256_of(text.data(), line)) return std::nullopt;
+  return text.substr(0, line);
+}
+
+/// Programs before the first format wrote a line and no check.
+bool is_without_check(std::string_view text) { return text.starts_with("{\"kind\":") && text.ends_with("}\n"); }
+
+}  // namespace
 
 void Store::keep(const StoredRun& run) {
   for (const auto& [port, hashes] : run.outputs)
@@ -75,7 +102,7 @@ void Store::keep(const StoredRun& run) {
 
 void Store::put_run(const std::string& key, const StoredRun& run) {
   JsonText json;
-  json.open('{').field("kind", run.kind).name("outputs").open('{');
+  json.open('{').field("format", record_format).field("key", key).field("kind", run.kind).name("outputs").open('{');
   for (const auto& [port, hashes] : run.outputs) json.field(port, hashes);
   json.close('}');
   std::map<std::string, Memory> contents;
@@ -112,7 +139,7 @@ void Store::put_run(const std::string& key, const StoredRun& run) {
     json.field("threads", static_cast<std::uint64_t>(from.threads)).field("program", from.program);
     json.field("plugin", from.plugin).close('}');
   }
-  const std::string text = json.field("seconds", run.seconds).close('}').take() + "\n";
+  const std::string text = with_check(json.field("seconds", run.seconds).close('}').take());
   write(run_path(key), text.data(), text.size());
 }
 
@@ -177,11 +204,18 @@ std::optional<StoredRun> Store::find_run(const std::string& key, std::string& da
   const std::string path = run_path(key);
   const auto text = load(path);
   if (!text) return std::nullopt;
+  const std::string_view record(static_cast<const char*>(text->data()), text->size);
+  const auto line = checked_line(record);
+  if (!line) {
+    if (!is_without_check(record)) damage = "its record in the store is damaged";
+    return std::nullopt;
+  }
   StoredRun run;
   try {
-    const char* begin = static_cast<const char*>(text->data());
     std::map<std::string, Memory> contents;
-    const auto json = nlohmann::json::parse(begin, begin + text->size);
+    const auto json = nlohmann::json::parse(*line);
+    if (json.at("format") != record_format) return std::nullopt;
+    if (json.at("key") != key) throw StoreError("its record in the store is that of another node");
     run = run_from(json, contents);
     if (json.contains("used")) {
       const Blob blob = get(json.at("used").get<std::string>());
@@ -221,7 +255,8 @@ std::map<std::string, Memory> Store::contents_starting_with(const std::string& p
     std::ostringstream text;
     text << stream.rdbuf();
     if (text.str().find("\"" + prefix) == std::string::npos) continue;
-    const auto json = nlohmann::json::parse(text.str(), nullptr, false);
+    const auto line = checked_line(text.view());
+    const auto json = nlohmann::json::parse(line.value_or(""), nullptr, false);
     if (!json.is_object() || !json.contains("contents") || !json.at("contents").is_object()) continue;
     for (const auto& [hash, hex] : json.at("contents").items())
       if (hash.compare(0, prefix.size(), prefix) == 0 && hex.is_string())

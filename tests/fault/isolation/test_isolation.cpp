@@ -244,6 +244,40 @@ TEST_F(Isolation, AllThatANodeStartsCountsInItsLimit) {
   EXPECT_TRUE(contains(node("b").error, "with all that it started")) << node("b").error;
 }
 
+/// In the program itself: a child that nobody waited for might write on, and one that returns would be the program
+/// twice, with the same record and the same outputs.
+TEST_F(Isolation, WhatANodeForksInTheProgramEndsWithIt) {
+  run("  a: {use: accident.happens, with: {how: fork}}\n");
+  EXPECT_TRUE(contains(node("a").error, "what it had forked went on (process ")) << node("a").error;
+  run("  a: {use: accident.happens, with: {how: fork_and_return}}\n  b: {use: accident.happens, in: {number: "
+      "a.number}}\n");
+  EXPECT_TRUE(contains(value("a"), "1")) << value("a");
+  EXPECT_TRUE(contains(value("b"), "2")) << value("b");
+}
+
+/// What it left running might write outputs after they were taken. What ends by itself in a moment is waited for.
+TEST_F(Isolation, ANodeInPythonThatLeavesSomethingRunningIsRefused) {
+  const std::tuple<const char*, const char*> ways[] = {
+      {"import subprocess\nsubprocess.Popen(['sleep', '30'])\n", "'sleep' (process "},
+      {"if os.fork() == 0:\n  os.setsid()\n  if os.fork() == 0:\n    import time\n    time.sleep(30)\n  os._exit(0)\n",
+       "might still have written its outputs: '"},
+      {"import subprocess\nsubprocess.Popen(['sleep', '0.3'], start_new_session=True)\n", ""},
+  };
+  for (const auto& [script, words] : ways) {
+    const TemporaryFolder folder;
+    Registry registry;
+    ASSERT_TRUE(registry.load(PLUMBLINE_STORY_PLUGIN));
+    ASSERT_TRUE(registry.load_manifest(write_node(folder.path(), adds + std::string(script))));
+    std::swap(registry, registry_);
+    run("  a: {use: story.constant}\n  b: {use: outside.add, in: {number: a.number}}\n");
+    if (*words)
+      EXPECT_TRUE(contains(node("b").error, words)) << script << ": " << node("b").error;
+    else
+      EXPECT_EQ(node("b").error, "") << script;
+    std::swap(registry, registry_);
+  }
+}
+
 TEST_F(Isolation, ANodeInPythonIsANodeLikeAnyOther) {
   ASSERT_TRUE(registry_.load_manifest(write_node(folder_.path(), adds))) << registry_.refused().back().problem;
   const std::string nodes =

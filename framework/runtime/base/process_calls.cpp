@@ -1,6 +1,7 @@
-// _exit() and the exec family, as a node may call them. They leave the process without a word: no handler of exit()
-// runs, and the exit code may be 0. These stand in the place of libc's own for all that is loaded into the program. In
-// the process that runs the node they name it; in one that it has forked they do what they always do.
+// _exit(), the exec family and fork(), as a node may call them; these stand in the place of libc's own for all that is
+// loaded into the program. The first two leave the process without a word: no handler of exit() runs, and the exit code
+// may be 0. In the process that runs the node they name it; in one that it has forked they do what they always do. What
+// is forked is noted (forks.hpp).
 #include <dlfcn.h>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -8,6 +9,7 @@
 #include <cstdarg>
 #include <cstdlib>
 
+#include "runtime/base/forks.hpp"
 #include "runtime/base/running_nodes.hpp"
 
 #define PLUMBLINE_FOR_ALL __attribute__((visibility("default")))  // libraries that are loaded find these first
@@ -25,6 +27,7 @@ template <typename Function>
 Function* next(const char* name) {
   return reinterpret_cast<Function*>(dlsym(RTLD_NEXT, name));
 }
+pid_t (*const real_fork)() = next<pid_t()>("fork");
 using WithEnvironment = int(const char*, char* const*, char* const*);
 WithEnvironment* const real_execve = next<WithEnvironment>("execve");
 WithEnvironment* const real_execvpe = next<WithEnvironment>("execvpe");
@@ -55,6 +58,12 @@ extern "C" {
 [[noreturn]] PLUMBLINE_FOR_ALL void _Exit(int code) noexcept {
   end_if_a_node_asks("_Exit()");
   leave(code);
+}
+
+PLUMBLINE_FOR_ALL pid_t fork() noexcept {
+  const pid_t child = real_fork();
+  plumbline::runtime::ForkWatch::note(child);
+  return child;
 }
 
 PLUMBLINE_FOR_ALL int execve(const char* path, char* const* arguments, char* const* environment) noexcept {
