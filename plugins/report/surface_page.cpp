@@ -127,12 +127,13 @@ void write_joint_row(Markup& html, const JointFiguresT& joint) {
   };
   const auto where = [&](const JointPlaceT* at) { return at ? signed_fixed(at->along, 2) : std::string(unknown); };
   const JointPlaceT *narrow = place(joint.narrowest), *wide = place(joint.widest), *step = place(joint.largest_step);
+  if (step && !std::isfinite(step->step)) step = nullptr;  // one of the panels was not measured
   Scope row(html, "tr");
   html.element("th", {{"scope", "row"}}, joint.first + " | " + joint.second);
   html.element("td", {{"class", "text"}}, joint.upright ? "up" : "across");
   html.element("td", mm(joint.nominal_width, 1));
   for (const JointPlaceT* at : {narrow, wide}) {
-    html.element("td", at ? mm_with_u(at->width, at->width_sigma) : std::string(unknown));
+    html.element("td", at ? mm(at->width) + " ± " + mm(at->width_sigma) : std::string(unknown));
     html.element("td", where(at));
   }
   html.element("td", step ? mm_with_u(step->step, step->step_sigma) : std::string(unknown));
