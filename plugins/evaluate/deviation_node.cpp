@@ -27,7 +27,7 @@ void EvaluateDeviation::run(Context& context) {
   inputs.doubts = trust.doubts, inputs.misfits = trust.misfits, inputs.misfit_factor = trust.factor;
   std::string dropped;
   if (inputs.model.covariance.size() != 0 && !inputs.model.covariance.allFinite()) {
-    inputs.model.covariance.resize(0, 0);
+    inputs.model.covariance = {};
     dropped = "The covariance of the model holds values that are not finite; it is not used.";
   }
   inputs.model.covariance *= inputs.misfit_factor;
