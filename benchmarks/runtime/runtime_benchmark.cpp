@@ -14,9 +14,9 @@
 #include <fstream>
 #include <memory>
 
-#include "runtime/executor.hpp"
-#include "runtime/output_folder.hpp"
-#include "runtime/record.hpp"
+#include "runtime/record/output_folder.hpp"
+#include "runtime/record/record.hpp"
+#include "runtime/run/executor.hpp"
 
 namespace {
 

@@ -16,13 +16,13 @@
 
 #include "bench_verify.hpp"
 #include "build_info.hpp"
-#include "runtime/deliver.hpp"
-#include "runtime/new_file.hpp"
-#include "runtime/record.hpp"
-#include "runtime/sweep_archive.hpp"
-#include "runtime/sweep_dispatch.hpp"
-#include "runtime/sweep_run.hpp"
-#include "runtime/sweep_table.hpp"
+#include "runtime/base/new_file.hpp"
+#include "runtime/record/deliver.hpp"
+#include "runtime/record/record.hpp"
+#include "runtime/sweep/sweep_archive.hpp"
+#include "runtime/sweep/sweep_dispatch.hpp"
+#include "runtime/sweep/sweep_run.hpp"
+#include "runtime/sweep/sweep_table.hpp"
 #include "terminal.hpp"
 
 namespace plumbline::cli {
@@ -51,7 +51,7 @@ std::string counts_text(const SweepProgress& p) {
 /// One line that replaces itself on a terminal, a line every half minute elsewhere.
 class Ticker {
  public:
-  explicit Ticker(bool silent) : silent_(silent), terminal_(isatty(STDERR_FILENO) != 0) {}
+  explicit Ticker(bool silent) : silent_(silent), terminal_(can_rewrite_lines()) {}
   Ticker(const Ticker&) = delete;
   Ticker& operator=(const Ticker&) = delete;
   ~Ticker() {
@@ -366,7 +366,7 @@ int bench(const BenchOptions& given) {
   Options for_store;
   for_store.store = options.store;
   runtime::Store store = open_store(for_store);
-  runtime::SweepFile file = read_sweep(options.file, registry);
+  runtime::SweepFile file = read_sweep(options.file, registry, pipeline_folders());
   if (!options.seeds.empty()) {
     const auto seeds = runtime::seeds_of(options.seeds);
     file.looks.clear();  // they are numbers of the file's own seeds

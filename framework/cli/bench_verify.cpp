@@ -7,8 +7,8 @@
 #include <filesystem>
 
 #include "build_info.hpp"
-#include "runtime/sweep_archive.hpp"
-#include "runtime/sweep_run.hpp"
+#include "runtime/sweep/sweep_archive.hpp"
+#include "runtime/sweep/sweep_run.hpp"
 #include "terminal.hpp"
 
 namespace plumbline::cli {
@@ -53,7 +53,7 @@ int verify_bench(const std::string& folder, const BenchOptions& options) {
   constexpr double tolerance = 1e-9;
   const runtime::Archive archive = runtime::read_archive(folder);
   const runtime::Registry registry = discover();
-  runtime::SweepFile file = read_sweep(archive.bench, registry);
+  runtime::SweepFile file = read_sweep(archive.bench, registry, archive.folders);
   file.seeds = archive.seeds;
   const PassingFolder passing;
   runtime::Store store(passing.path());

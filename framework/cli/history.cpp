@@ -3,9 +3,9 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
-#include "runtime/executor.hpp"
-#include "runtime/printable.hpp"
-#include "runtime/run_record.hpp"
+#include "runtime/base/printable.hpp"
+#include "runtime/record/run_record.hpp"
+#include "runtime/run/executor.hpp"
 #include "terminal.hpp"
 
 namespace plumbline::cli {

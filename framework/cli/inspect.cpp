@@ -3,7 +3,8 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
-#include "runtime/plan.hpp"
+#include "runtime/base/printable.hpp"
+#include "runtime/run/plan.hpp"
 #include "terminal.hpp"
 
 namespace plumbline::cli {
@@ -23,7 +24,7 @@ int validate(const Options& options) {
     return 0;
   } catch (const runtime::InvalidPipeline& invalid) {
     if (!options.json) {
-      std::fprintf(stderr, "%s\n", invalid.what());
+      std::fprintf(stderr, "%s\n", runtime::printable(invalid.what()).c_str());
       return 1;
     }
     Json problems = Json::array();

@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
-#include "runtime/digest.hpp"
-#include "runtime/printable.hpp"
+#include "runtime/base/digest.hpp"
+#include "runtime/base/printable.hpp"
 
 namespace plumbline::cli {
 

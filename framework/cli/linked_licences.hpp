@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "runtime/registry.hpp"
+#include "runtime/plugins/registry.hpp"
 
 namespace plumbline::cli {
 

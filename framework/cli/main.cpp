@@ -11,7 +11,7 @@
 
 #include "bench.hpp"
 #include "commands.hpp"
-#include "runtime/printable.hpp"
+#include "runtime/base/printable.hpp"
 
 namespace {
 
@@ -81,8 +81,9 @@ std::vector<Command> declare(CLI::App& app, Options& options, plumbline::cli::Be
   watch.add_option("--out", options.out, "folder for the named outputs and run.jsonl (default: out/<pipeline>)")
       ->type_name("DIR");
   watch.add_flag("--overwrite", options.overwrite, "replace files in the way of an output whoever wrote them");
-  watch.add_option("--quiet-for", options.quiet_seconds,
-                   "seconds in which no file may change before a run begins: half-copied files are waited for")
+  watch
+      .add_option("--quiet-for", options.quiet_seconds,
+                  "seconds in which no file may change before a run begins: half-copied files are waited for")
       ->check(CLI::Range(0.1, 3600.0))
       ->capture_default_str();
   watch.add_option("--runs", options.most_runs, "ends after so many runs, with the last one's exit code")
@@ -91,6 +92,26 @@ std::vector<Command> declare(CLI::App& app, Options& options, plumbline::cli::Be
       ->check(CLI::Range(1, 4096));
   add_store(watch, options);
   watch.add_flag("-q,--quiet", options.quiet, "print nothing of a run but warnings and errors");
+
+  CLI::App& serve =
+      add("serve", "shows runs as a page on this machine that follows them as they go", plumbline::cli::serve);
+  serve.add_option("folder", options.name, "the output folder of a run, or one that holds several (default: out)")
+      ->type_name("OUT");
+  serve.add_option("--port", options.port, "where to listen (default: any that is free)")->check(CLI::Range(0, 65535));
+  serve
+      .add_option("--host", options.host,
+                  "address to listen on; others than this machine's own are reached by whoever has the token")
+      ->type_name("ADDRESS");
+  add_store(serve, options);
+
+  CLI::App& made = add("new", "begins a node of your own: a folder that builds, is tested and runs as it is",
+                       plumbline::cli::new_node);
+  made.add_option("template", options.role,
+                  "detector, pose_solver, adjuster, registrar, metric, survey_reader, writer or python_node")
+      ->required()
+      ->type_name("TEMPLATE");
+  made.add_option("name", options.name, "of the node, as in detect.NAME")->required()->type_name("NAME");
+  made.add_option("--out", options.out, "the folder to make (default: NAME)")->type_name("DIR");
 
   CLI::App* bench =
       app.add_subcommand("bench", "runs alternatives on many trials and says which is better, and by how much");

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "commands.hpp"
-#include "runtime/quantities.hpp"
+#include "runtime/base/quantities.hpp"
 
 namespace plumbline::cli {
 

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "runtime/printable.hpp"
-#include "runtime/told_once.hpp"
+#include "runtime/base/printable.hpp"
+#include "runtime/base/told_once.hpp"
 #include "terminal.hpp"
 
 namespace plumbline::cli {
@@ -51,21 +51,27 @@ size_t terminal_width() {
 
 }  // namespace
 
-Progress::Progress(const runtime::Graph& graph, runtime::Record& record, Style style)
-    : record_(record), style_(style), total_(graph.rounds.most > 0 ? 0 : graph.nodes.size()) {
+Progress::Progress(const runtime::Graph& graph, runtime::Record& record, Style style,
+                   const std::filesystem::path& folder)
+    : record_(record),
+      live_(folder, graph.rounds.most > 0 ? 0 : graph.nodes.size()),
+      style_(style),
+      total_(graph.rounds.most > 0 ? 0 : graph.nodes.size()) {
   for (const auto& node : graph.nodes)
     name_width_ = std::max(name_width_, node.name.size() + std::string(node.kind.node->kind).size() + 3);
 }
 
 Progress::~Progress() { clear_status(); }
 
-void Progress::node_started(const runtime::GraphNode& node, size_t) {
+void Progress::node_started(const runtime::GraphNode& node, size_t items) {
+  live_.started(node.name, items);
   running_[node.name].start = Clock::now();
   show_status();
 }
 
 void Progress::node_progress(const runtime::GraphNode& node, size_t items_done, size_t items, double fraction,
                              const std::string& text) {
+  live_.at(node.name, items_done, items, fraction, text);
   Running& running = running_[node.name];
   running.fraction = items > 1 ? static_cast<double>(items_done) / static_cast<double>(items) : fraction;
   running.text = items > 1 ? std::to_string(items_done) + " of " + std::to_string(items) : text;
@@ -74,10 +80,14 @@ void Progress::node_progress(const runtime::GraphNode& node, size_t items_done, 
 
 void Progress::node_finished(const runtime::GraphNode& node, const runtime::NodeResult& result) {
   running_.erase(node.name);
+  live_.finished(node.name);
   ++done_;
   record_.node(node, result);
   clear_status();
-  if (style_ == Style::json) std::printf("%s\n", runtime::Record::node_line(node, result).c_str());
+  if (style_ == Style::json) {
+    std::fprintf(json_output(), "%s\n", runtime::Record::node_line(node, result).c_str());
+    std::fflush(json_output());
+  }
   // What was skipped is a consequence of what failed: told in one line at the end.
   if (style_ == Style::lines && result.status != NodeStatus::skipped) {
     std::string line = paint(colour_of(result.status), to_text(result.status));

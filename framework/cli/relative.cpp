@@ -10,9 +10,9 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
-#include "runtime/artifact_type.hpp"
-#include "runtime/deliver.hpp"
-#include "runtime/run_record.hpp"
+#include "runtime/plugins/artifact_type.hpp"
+#include "runtime/record/deliver.hpp"
+#include "runtime/record/run_record.hpp"
 
 namespace plumbline::cli {
 

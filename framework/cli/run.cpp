@@ -9,10 +9,10 @@
 
 #include "commands.hpp"
 #include "progress.hpp"
-#include "runtime/deliver.hpp"
-#include "runtime/executor.hpp"
-#include "runtime/memory_budget.hpp"
-#include "runtime/printable.hpp"
+#include "runtime/base/memory_budget.hpp"
+#include "runtime/base/printable.hpp"
+#include "runtime/record/deliver.hpp"
+#include "runtime/run/executor.hpp"
 #include "stopping.hpp"
 #include "terminal.hpp"
 
@@ -131,7 +131,8 @@ void print_json_end(const fs::path& out) {
   std::ifstream stream(out / "run.jsonl");
   std::string line, last;
   while (std::getline(stream, line)) last = line;
-  std::printf("%s\n", last.c_str());
+  std::fprintf(json_output(), "%s\n", last.c_str());
+  std::fflush(json_output());
 }
 
 std::string in_words(const runtime::OutputOrigin& run) {
@@ -146,8 +147,9 @@ void tell_of_other_variant(const Options& options, const runtime::Graph& graph, 
   for (const auto& output : graph.outputs) {
     const auto found = folder.owned().origins.find(output.file);
     if (found == folder.owned().origins.end() || found->second.arguments == options.overrides) continue;
-    std::printf("note: the results of another variant (%s) in %s are replaced; give it a folder of its own with --out\n",
-                in_words(found->second).c_str(), folder.path().c_str());
+    std::printf(
+        "note: the results of another variant (%s) in %s are replaced; give it a folder of its own with --out\n",
+        in_words(found->second).c_str(), folder.path().c_str());
     return;
   }
 }
@@ -158,10 +160,9 @@ void tell_whose_outputs_lie_there(const runtime::Graph& graph, const runtime::Ou
   for (const auto& output : graph.outputs) {
     const auto found = folder.owned().origins.find(output.file);
     if (folder.is_of_this_run(output.file) || !fs::exists(fs::symlink_status(folder.path() / output.file))) continue;
-    std::string& list =
-        outputs[found == folder.owned().origins.end() ? "an earlier run, which the record does not tell"
-                                                      : "the run of " + found->second.time + " (" +
-                                                            in_words(found->second) + ")"];
+    std::string& list = outputs[found == folder.owned().origins.end()
+                                    ? "an earlier run, which the record does not tell"
+                                    : "the run of " + found->second.time + " (" + in_words(found->second) + ")"];
     list += (list.empty() ? "" : ", ") + output.file;
   }
   for (const auto& [run, list] : outputs)
@@ -171,8 +172,8 @@ void tell_whose_outputs_lie_there(const runtime::Graph& graph, const runtime::Ou
 /// What a run is seen to have done, for the record of one whose nodes do not let it end.
 class Seen : public Progress {
  public:
-  Seen(const runtime::Graph& graph, runtime::Record& record, Style style)
-      : Progress(graph, record, style), graph_(graph) {
+  Seen(const runtime::Graph& graph, runtime::Record& record, Style style, const fs::path& folder)
+      : Progress(graph, record, style, folder), graph_(graph) {
     result_.nodes.resize(graph.nodes.size());  // cancelled, until it is known better
     result_.cancelled = true;
   }
@@ -243,16 +244,20 @@ int run(const Options& options) {
   tell_of_other_variant(options, graph, folder);
   runtime::Record record(folder, graph, info);
 
+  if (options.json) keep_output_for_json();
   runtime::RunResult result;
   {
     Seen progress(graph, record,
                   options.json    ? Progress::Style::json
                   : options.quiet ? Progress::Style::quiet
-                                  : Progress::Style::lines);
+                                  : Progress::Style::lines,
+                  out);
     const EndsInTime in_time([&] {
       std::fprintf(stderr, "cancelled; nodes that did not stop in time were left, and what was finished is kept\n");
       tell_whose_outputs_lie_there(graph, folder);
       record.end(progress.freeze(), {});
+      std::error_code ignored;
+      fs::remove(out / LiveProgress::file_name, ignored);
       if (options.json) print_json_end(out);
     });
     result = execute(graph, registry, store, run_options, progress);

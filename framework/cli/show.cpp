@@ -9,8 +9,8 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
-#include "runtime/artifact_type.hpp"
-#include "runtime/deliver.hpp"
+#include "runtime/plugins/artifact_type.hpp"
+#include "runtime/record/deliver.hpp"
 
 namespace plumbline::cli {
 

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <exception>
 
-#include "runtime/running_nodes.hpp"
+#include "runtime/base/running_nodes.hpp"
 
 namespace plumbline::cli {
 

@@ -1,15 +1,19 @@
 #include "terminal.hpp"
 
+#include <fcntl.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <iterator>
 #include <sstream>
+#include <stdexcept>
 #include <string_view>
 #include <utility>
 
@@ -39,7 +43,20 @@ size_t width(const std::string& text) {
       std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
 }
 
+std::FILE* for_json = stdout;
+
 }  // namespace
+
+void keep_output_for_json() {
+  std::fflush(stdout);
+  const int kept = fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 3);
+  std::FILE* const stream = kept >= 0 ? fdopen(kept, "w") : nullptr;
+  if (!stream || dup2(STDERR_FILENO, STDOUT_FILENO) < 0)
+    throw std::runtime_error(std::string("cannot keep standard output for JSON: ") + std::strerror(errno));
+  for_json = stream;
+}
+
+std::FILE* json_output() { return for_json; }
 
 std::string paint(Colour colour, const std::string& text) {
   return colour == Colour::none || !colours() ? text : painted(colour, text);
@@ -157,8 +174,9 @@ std::string columns(const std::vector<std::vector<std::string>>& rows, size_t sc
     else if (start + narrowest <= screen)
       text += wrapped(last, screen - start, start);
     else
-      text += "\n" + std::string(hanging, ' ') +
-              wrapped(last, screen > hanging + narrowest ? screen - hanging : narrowest, hanging);
+      text.erase(text.find_last_not_of(' ') + 1),
+          text += "\n" + std::string(hanging, ' ') +
+                  wrapped(last, screen > hanging + narrowest ? screen - hanging : narrowest, hanging);
     text.erase(text.find_last_not_of(' ') + 1);
     text += "\n";
   }

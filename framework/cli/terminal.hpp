@@ -1,6 +1,7 @@
 // What the program knows of the terminal: colours only there, and only if NO_COLOR is not set.
 #pragma once
 
+#include <cstdio>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,12 @@ std::string paint_verdict(const std::string& line);
 bool can_rewrite_lines();
 /// Columns of standard output's terminal; 0 if it is none.
 size_t terminal_columns();
+
+/// From now on what nodes print to standard output goes to standard error: a line of theirs among those of --json, or
+/// in the middle of one, would make it no JSON. Throws std::runtime_error.
+void keep_output_for_json();
+/// Where lines of JSON go: standard output as the program was given it.
+std::FILE* json_output();
 
 /// "1.24 s", "2 min 05 s", "1 h 02 min".
 std::string duration_text(double seconds);

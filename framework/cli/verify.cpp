@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
-#include "runtime/executor.hpp"
-#include "runtime/printable.hpp"
+#include "runtime/base/printable.hpp"
+#include "runtime/run/executor.hpp"
 
 namespace plumbline::cli {
 

@@ -15,7 +15,7 @@
 
 #include "commands.hpp"
 #include "plumbline/folder_files.hpp"
-#include "runtime/printable.hpp"
+#include "runtime/base/printable.hpp"
 #include "stopping.hpp"
 
 extern char** environ;
@@ -39,8 +39,7 @@ using Snapshot = std::map<std::string, Stamp>;
 void add_file(const fs::path& path, Snapshot& snapshot) {
   struct stat info {};
   Stamp& stamp = snapshot[path.string()];  // one that is not there is told by its stamp, and comes as a change
-  if (stat(path.c_str(), &info) == 0)
-    stamp = {info.st_size, info.st_mtim.tv_sec, info.st_mtim.tv_nsec, info.st_ino};
+  if (stat(path.c_str(), &info) == 0) stamp = {info.st_size, info.st_mtim.tv_sec, info.st_mtim.tv_nsec, info.st_ino};
 }
 
 /// Files and folders that the pipeline's text and parameters name.
@@ -105,8 +104,10 @@ std::vector<std::string> words_of_run(const Options& options) {
   };
   option("--out", options.out), option("--store", options.store), option("--memory", options.memory);
   option("--threads", options.threads > 0 ? std::to_string(options.threads) : "");
-  for (const auto& [set, name] : {std::pair{options.overwrite, "--overwrite"}, {options.isolate, "--isolate"},
-                                  {options.trust_others, "--trust-others"}, {options.quiet, "--quiet"}})
+  for (const auto& [set, name] : {std::pair{options.overwrite, "--overwrite"},
+                                  {options.isolate, "--isolate"},
+                                  {options.trust_others, "--trust-others"},
+                                  {options.quiet, "--quiet"}})
     if (set) words.emplace_back(name);
   return words;
 }
@@ -146,8 +147,7 @@ std::string changed_text(const Snapshot& before, const Snapshot& now) {
 std::set<fs::path> paths_of(const Options& options, const runtime::Registry& registry, std::set<fs::path> before) {
   try {
     // The run says which of two plugins it uses; here it would be said a second time.
-    return read_by(
-        load_pipeline(find_pipeline(options.pipeline), options.overrides, registry, pipeline_folders()));
+    return read_by(load_pipeline(find_pipeline(options.pipeline), options.overrides, registry, pipeline_folders()));
   } catch (const std::exception& error) {
     if (before.empty()) throw;
     std::fprintf(stderr, "%s\n", runtime::printable(error.what()).c_str());

@@ -78,6 +78,26 @@ Solution start(Problem& problem, const SolverOptions& options) {
   return solution;
 }
 
+/// What the last digit of the parameters' values does to the whitened observations: coordinates of millions of metres
+/// beside an azimuth that is held to a thousandth of a second are not better known than this, and no step is.
+double rounding(const Problem& problem, const Solution& s) {
+  constexpr double kLastDigit = 2 * std::numeric_limits<double>::epsilon();
+  const Linearisation& lin = s.linearisation;
+  double sum = 0;
+  for (const Linearisation::Block& block : lin.blocks) {
+    const auto jacobian = lin.jacobian_of(block);
+    for (int r = 0; r < block.rows; ++r)
+      for (int k = 0; k < block.column_count; ++k) {
+        const int unknown = lin.columns[static_cast<size_t>(block.column_begin + k)];
+        const ParameterBlock& of = problem.parameters[static_cast<size_t>(s.unknowns.block_of(unknown))];
+        if (of.plus) continue;
+        const double digit = kLastDigit * of.value[static_cast<size_t>(s.unknowns.component_of(unknown))];
+        sum += std::pow(jacobian(r, k) * digit, 2);
+      }
+  }
+  return std::sqrt(sum);
+}
+
 /// One accepted step, damped as much as it needs. False if none lowers the sum of squares.
 bool iterate(Problem& problem, Solution& s, double& damping, const SolverOptions& options) {
   for (;;) {
@@ -89,7 +109,7 @@ bool iterate(Problem& problem, Solution& s, double& damping, const SolverOptions
       s.last_step = step->length;
       // Measured against the residuals too, so that a sum of squares near zero is still found to all its digits.
       const double negligible = options.negligible_step * std::min(1.0, std::sqrt(s.sum_of_squares()));
-      if (damping == 0 && quadratic && step->length < negligible) {
+      if (damping == 0 && ((quadratic && step->length < negligible) || step->length < rounding(problem, s))) {
         s.converged = true;
         return false;
       }

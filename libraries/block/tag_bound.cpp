@@ -7,9 +7,9 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "block/bundle/cholesky.hpp"
 #include "block/bundle/kernels.hpp"
 #include "block/defects.hpp"
+#include "least_squares/dense_cholesky.hpp"
 #include "plumbline/stop.hpp"
 
 namespace plumbline::adjust {
@@ -232,7 +232,7 @@ void TagBound::invert(Extent extent) {
 Eigen::MatrixXd TagBound::inverse_of_scaled(const Eigen::MatrixXd& scaled, const std::vector<Index>& used,
                                             const Eigen::VectorXd& scale, Index first) const {
   constexpr double certain = 1e-9, undetermined = 1e-13;
-  bundle::Cholesky quick;
+  least_squares::Cholesky quick;
   if (quick.compute(scaled) && quick.smallest_pivot() > certain) return quick.inverse(first);
   const Eigen::LDLT<Eigen::MatrixXd> factor(scaled);
   if (factor.info() == Eigen::Success && factor.vectorD().minCoeff() > undetermined) {

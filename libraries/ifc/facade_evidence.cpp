@@ -334,12 +334,16 @@ class Assigner {
                         "say the opposite of each other");
       return make(side, weak == side ? FacadeSource::own_axes : strong.front().first, true, "");
     }
-    if (weak != 0 && behind == weak) return make(weak, FacadeSource::own_axes, true, "");
+    // Axes that nobody turned point the same way on every side of a building, and on one side of every courtyard that
+    // is away from the middle of it: that both agree proves nothing.
     if (weak != 0)
       return make(weak, FacadeSource::guess, false,
-                  behind == 0 ? "only the axes of its elements say it, which are the same for all of them"
-                              : "the axes of its elements, the same for all of them, point to where the rest of the "
-                                "building stands");
+                  behind == weak
+                      ? "only the axes of its elements, the same for all of them, and where the other shapes "
+                        "of the design stand say it, which are no proof (courtyard, podium)"
+                  : behind == 0 ? "only the axes of its elements say it, which are the same for all of them"
+                                : "the axes of its elements, the same for all of them, point to where the rest of the "
+                                  "building stands");
     if (behind != 0)
       return make(behind, FacadeSource::guess, false,
                   "it was guessed from where the other shapes of the design stand, which are no proof (courtyard, "

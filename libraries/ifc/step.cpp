@@ -14,6 +14,7 @@
 #include <unordered_map>
 
 #include "ifc/step_scanner.hpp"
+#include "ifc/zip_reader.hpp"
 
 namespace plumbline::step {
 namespace {
@@ -49,10 +50,16 @@ bool same_keyword(const std::string& capitals, std::string_view keyword) {
 }
 
 void refuse_other_formats(const Scanner& scanner) {
-  if (scanner.starts_with("PK\x03\x04"))
-    scanner.fail("an ISO-10303-21 file; this is a ZIP archive (ifcZIP): unpack it first");
   if (scanner.starts_with("<"))
     scanner.fail("an ISO-10303-21 file; this is XML (ifcXML): export as IFC (STEP) instead");
+}
+
+std::string unzipped(const std::string& archive, const std::string& name) {
+  try {
+    return unzip_ifc(archive).content;
+  } catch (const std::runtime_error& error) {
+    throw Error(name + ": " + error.what());
+  }
 }
 
 /// A file in memory, for reading only.
@@ -88,13 +95,17 @@ File File::read(const std::string& path, std::string name) {
   if (!regular || (!empty && mapping->data == MAP_FAILED))
     throw Error(path + ": cannot be read, expected an IFC or STEP file");
   const std::string_view bytes(empty ? "" : static_cast<const char*>(mapping->data), mapping->size);
+  if (is_zip(bytes)) return view(bytes, name.empty() ? path : std::move(name));
   return File(std::move(mapping), bytes, name.empty() ? path : std::move(name));
 }
 
-File File::view(std::string_view bytes, std::string name) { return File(nullptr, bytes, std::move(name)); }
+File File::view(std::string_view bytes, std::string name) {
+  if (is_zip(bytes)) return File(std::string(bytes), std::move(name));
+  return File(nullptr, bytes, std::move(name));
+}
 
 File::File(std::string bytes, std::string name) : name_(std::move(name)), lists_(std::make_shared<Lists>()) {
-  auto owner = std::make_shared<const std::string>(std::move(bytes));
+  auto owner = std::make_shared<const std::string>(is_zip(bytes) ? unzipped(bytes, name_) : std::move(bytes));
   bytes_ = *owner;
   owner_ = std::move(owner);
   read_index();

@@ -90,7 +90,8 @@ class Scanner;
 
 class File {
  public:
-  /// Takes the bytes of a file; `name` is for messages. Throws Error.
+  /// Takes the bytes of a file; `name` is for messages. Throws Error. Here and below the file may be an ifcZIP archive
+  /// of one model (zip_reader.hpp): `bytes()` are then those of the model.
   File(std::string bytes, std::string name);
   /// Looks at bytes that the caller keeps alive and unchanged. Throws Error.
   static File view(std::string_view bytes, std::string name);

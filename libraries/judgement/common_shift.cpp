@@ -42,7 +42,9 @@ struct Fit {
   Eigen::Matrix<double, 6, 6> cofactor = Eigen::Matrix<double, 6, 6>::Zero();  ///< pseudo-inverse of the normal matrix
   Eigen::VectorXd weights;                                                     ///< one an anchor
   double scatter = 0;
-  int rank = 0, freedom = 0;
+  Eigen::Vector3d scale = Eigen::Vector3d::Zero();   ///< robust scatter along x, y, z
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();  ///< covariance of what is left of an anchor
+  int rank = 0, freedom = 0;                         ///< freedom: of `spread`
 };
 
 /// Weighted solution; motions that the anchors cannot tell (a turn about their own line) stay zero.
@@ -62,17 +64,37 @@ void solve(const Motion& motion, const Eigen::VectorXd& d, Fit& fit) {
   fit.x = fit.gain * d;
 }
 
-/// What stood out is left out, the rest counts alike: its scatter has a known distribution, that of the median has not.
+/// What is farther off than this along an axis does not count [m].
+Eigen::Vector3d reach_of(const Fit& fit) { return kTukey * fit.scale; }
+
+/// What stood out is left out, the rest counts alike. What was cut off belongs to the scatter all the same: it is taken
+/// as far off as the cut (the winsorised variance of a trimmed mean, Tukey and McLaughlin 1963).
 void least_squares_of_the_rest(const Motion& motion, const Eigen::VectorXd& d, Fit& fit) {
   fit.weights = (fit.weights.array() > 0).cast<double>();
   const int kept = static_cast<int>(fit.weights.sum());
   if (kept < 4) return;
   solve(motion, d, fit);
-  fit.freedom = 3 * kept - fit.rank;
-  double squares = 0;
   const Eigen::VectorXd residual = d - motion.rows * fit.x;
-  for (Index i = 0; i < d.size(); ++i) squares += fit.weights[i / 3] * residual[i] * residual[i];
-  fit.scatter = std::max(std::sqrt(squares / fit.freedom), kSmallestScatter);
+  const Eigen::Vector3d reach = reach_of(fit);
+  double squares = 0;
+  for (Index i = 0; i < fit.weights.size(); ++i) {
+    const Eigen::Vector3d r = residual.segment<3>(3 * i), cut = r.cwiseMin(reach).cwiseMax(-reach);
+    fit.spread += cut * cut.transpose(), squares += fit.weights[i] * r.squaredNorm();
+  }
+  fit.scatter = std::max(std::sqrt(squares / (3 * kept - fit.rank)), kSmallestScatter);
+  fit.freedom = kept - (fit.rank + 2) / 3;
+  const double n = static_cast<double>(fit.weights.size());
+  fit.spread *= n / kept / std::max(1.0, n - (fit.rank + 2) / 3);
+  fit.spread += kSmallestScatter * kSmallestScatter * Eigen::Matrix3d::Identity();
+}
+
+/// Of the motion, by what anchors scatter about it: more out of a facade's plane than in height, or the other way
+/// round.
+Eigen::Matrix<double, 6, 6> covariance_of_motion(const Fit& fit) {
+  Eigen::Matrix<double, 6, 6> s = Eigen::Matrix<double, 6, 6>::Zero();
+  for (Index i = 0; i < fit.weights.size(); ++i)
+    s += fit.gain.middleCols<3>(3 * i) * fit.spread * fit.gain.middleCols<3>(3 * i).transpose();
+  return s;
 }
 
 Fit robust_fit(const Motion& motion, const Eigen::VectorXd& d) {
@@ -86,11 +108,13 @@ Fit robust_fit(const Motion& motion, const Eigen::VectorXd& d) {
   }
   for (int iteration = 0; iteration < 30; ++iteration) {
     const Eigen::VectorXd residual = d - motion.rows * fit.x;
-    std::vector<double> sizes(residual.data(), residual.data() + residual.size());
-    for (double& size : sizes) size = std::abs(size);
-    fit.scatter = std::max(1.4826 * upper_median(sizes), kSmallestScatter);
+    for (Index k = 0; k < 3; ++k) {
+      std::vector<double> sizes;
+      for (Index i = 0; i < n; ++i) sizes.push_back(std::abs(residual[3 * i + k]));
+      fit.scale[k] = std::max(1.4826 * upper_median(sizes), kSmallestScatter);
+    }
     for (Index i = 0; i < n; ++i) {
-      const double u = residual.segment<3>(3 * i).cwiseAbs().maxCoeff() / (kTukey * fit.scatter);
+      const double u = residual.segment<3>(3 * i).cwiseAbs().cwiseQuotient(reach_of(fit)).maxCoeff();
       fit.weights[i] = u < 1 ? (1 - u * u) * (1 - u * u) : 0;
     }
     if ((fit.weights.array() > 0).count() < 4) break;
@@ -151,20 +175,22 @@ std::unique_ptr<CommonShiftT> common_shift(
     out->largest_effect = std::max(out->largest_effect, moved.segment<3>(3 * i).norm());
     corrected.push_back(d.segment<3>(3 * i) - moved.segment<3>(3 * i));
   }
-  if (would_pass) out->would_pass = would_pass(corrected);
-  if (fit.rank == 0 || fit.freedom <= 0) return out;
-  Eigen::Matrix<double, 6, 6> s = fit.scatter * fit.scatter * fit.cofactor;
+  if (fit.rank == 0 || fit.freedom <= 2) return out;
+  Eigen::Matrix<double, 6, 6> s = covariance_of_motion(fit);
   if (covariance.size() != 0) s += fit.gain * covariance * fit.gain.transpose();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> eigen(s);
   out->statistic = 0;
   for (int k = 0; k < 6; ++k)
     if (eigen.eigenvalues()[k] > 1e-12 * eigen.eigenvalues().maxCoeff())
       out->statistic += std::pow(eigen.eigenvectors().col(k).dot(fit.x), 2) / eigen.eigenvalues()[k];
-  out->critical = fit.rank * fisher_f_quantile(0.999, fit.rank, fit.freedom);
+  // Hotelling's T², as the scatter of three directions was estimated.
+  const double f = fit.freedom;
+  out->critical = fit.rank * f / (f - 2) * fisher_f_quantile(0.999, fit.rank, f - 2);
   out->significant = out->statistic > out->critical && 3 * out->following >= 2 * out->anchors &&
                      out->largest_effect >= 0.5 * smallest_tolerance;
-  if (out->significant)
-    out->words = words_of(*out, would_pass ? std::optional<int>(would_pass(deviations)) : std::nullopt);
+  if (!out->significant) return out;
+  if (would_pass) out->would_pass = would_pass(corrected);
+  out->words = words_of(*out, would_pass ? std::optional<int>(would_pass(deviations)) : std::nullopt);
   return out;
 }
 

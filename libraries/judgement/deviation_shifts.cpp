@@ -39,11 +39,9 @@ WouldPass would_pass_of(const ShiftWork& work) {
   };
 }
 
-void find_common_shift(const ShiftWork& work) {
-  std::vector<Eigen::Vector3d> positions, deviations;
-  for (const std::size_t i : work.deviations.anchors)
-    positions.push_back(work.out.anchors[i]->design), deviations.push_back(work.out.anchors[i]->deviation);
-  const double smallest = smallest_tolerance(work);
+std::unique_ptr<CommonShiftT> find_common_shift(const ShiftWork& work, const std::vector<Eigen::Vector3d>& deviations) {
+  std::vector<Eigen::Vector3d> positions;
+  for (const std::size_t i : work.deviations.anchors) positions.push_back(work.out.anchors[i]->design);
   std::function<int(const std::vector<Eigen::Vector3d>&)> would_pass;
   if (const WouldPass one = would_pass_of(work))
     would_pass = [one](const std::vector<Eigen::Vector3d>& corrected) {
@@ -51,36 +49,57 @@ void find_common_shift(const ShiftWork& work) {
       for (std::size_t k = 0; k < corrected.size(); ++k) passing += one(k, corrected[k]);
       return passing;
     };
-  work.out.common_shift = common_shift(positions, deviations, work.deviations.covariance, smallest, would_pass);
-  if (work.out.common_shift && work.out.common_shift->significant)
-    work.out.warnings.push_back(work.out.common_shift->words);
+  return common_shift(positions, deviations, work.deviations.covariance, smallest_tolerance(work), would_pass);
 }
 
-/// What single floors, facades, columns and batches have in common, beyond what all of them have.
-void find_group_shifts(const ShiftWork& work) {
-  const CommonShiftT* common =
-      work.out.common_shift && work.out.common_shift->significant ? work.out.common_shift.get() : nullptr;
+using GroupShifts = std::vector<std::unique_ptr<GroupShiftT>>;
+
+/// What single floors, facades, columns and batches have in common, of these deviations.
+GroupShifts find_group_shifts(const ShiftWork& work, const std::vector<Eigen::Vector3d>& deviations,
+                              std::vector<Eigen::Vector3d>* remainder = nullptr) {
   std::vector<GroupMember> members;
-  for (const std::size_t i : work.deviations.anchors) {
+  for (std::size_t k = 0; k < deviations.size(); ++k) {
+    const std::size_t i = work.deviations.anchors[k];
     const AnchorCase& anchor = work.inputs.anchors[i];
-    const AnchorDeviationT& row = *work.out.anchors[i];
-    Eigen::Vector3d deviation = row.deviation;
-    if (common) deviation -= common->shift + common->rotation.cross(Eigen::Vector3d(row.design - common->centre));
-    members.push_back({deviation, row.floor, anchor.column, anchor.facade.facade, anchor.element.batch, anchor.facade});
+    members.push_back({deviations[k], work.out.anchors[i]->floor, anchor.column, anchor.facade.facade,
+                       anchor.element.batch, anchor.facade});
   }
-  work.out.group_shifts =
-      group_shifts(members, work.deviations.covariance, smallest_tolerance(work), would_pass_of(work));
-  for (const auto& group : work.out.group_shifts)
-    if (group->significant) work.out.warnings.push_back(group->words);
+  return group_shifts(members, work.deviations.covariance, smallest_tolerance(work), would_pass_of(work), remainder);
+}
+
+std::ptrdiff_t sentences(const GroupShifts& shifts) {
+  return std::count_if(shifts.begin(), shifts.end(), [](const auto& shift) { return shift->significant; });
 }
 
 }  // namespace
 
+/// One facade that stands out pulls the mean of the whole building after it, and everything else then seems to stand
+/// back: of what explains the deviations, that with fewer sentences is told.
 void tell_shifts(const DeviationInputs& inputs, const DeviationOptions& options,
-                 const evaluate::DifferenceSet& deviations, DeviationT& out) {
-  const ShiftWork work{inputs, options, deviations, out};
-  find_common_shift(work);
-  find_group_shifts(work);
+                 const evaluate::DifferenceSet& differences, DeviationT& out) {
+  const ShiftWork work{inputs, options, differences, out};
+  std::vector<Eigen::Vector3d> deviations, remainder;
+  for (const std::size_t i : differences.anchors) deviations.push_back(out.anchors[i]->deviation);
+  out.common_shift = find_common_shift(work, deviations);
+  out.group_shifts = find_group_shifts(work, deviations, &remainder);
+  if (out.common_shift && out.common_shift->significant) {
+    CommonShiftT& common = *out.common_shift;
+    std::vector<Eigen::Vector3d> beyond = deviations;
+    for (std::size_t k = 0; k < beyond.size(); ++k) {
+      const Eigen::Vector3d arm = out.anchors[differences.anchors[k]]->design - common.centre;
+      beyond[k] -= common.shift + common.rotation.cross(arm);
+    }
+    GroupShifts then = find_group_shifts(work, beyond);
+    const std::ptrdiff_t alone = sentences(out.group_shifts);
+    const bool groups_tell =
+        alone > 0 && alone < 1 + sentences(then) && !find_common_shift(work, remainder)->significant;
+    if (groups_tell)
+      common.significant = false, common.words.clear();
+    else
+      out.group_shifts = std::move(then), out.warnings.push_back(common.words);
+  }
+  for (const auto& group : out.group_shifts)
+    if (group->significant) out.warnings.push_back(group->words);
 }
 
 }  // namespace plumbline::judgement

@@ -1,6 +1,7 @@
 // Digital levels in GSI: staff readings in words 330 to 336, the distance to the staff in word 32, the height that the
 // level computes in word 83, the method of a line in a code block '410001+?......2'.
 #include <cmath>
+#include <utility>
 
 #include "survey_files/gsi_reader.hpp"
 
@@ -24,6 +25,7 @@ bool GsiReader::read_level_block(const GsiBlock& block) {
   const GsiWord& head = block.words.front();
   if (head.index == 41 && head.data.find('?') != std::string_view::npos) {
     is_level_ = true;
+    line_height_ = {};
     const char method = head.data.empty() ? '0' : head.data.back();
     level_.begin_line(method == '2' || method == '4' ? 2 : method == '1' || method == '3' ? 1 : 0);
     return true;
@@ -31,6 +33,7 @@ bool GsiReader::read_level_block(const GsiBlock& block) {
   for (const GsiWord& word : block.words) {
     if (word.index < 330 || word.index > 336) continue;
     is_level_ = true;
+    line_height_.has_readings = true;
     read_staff(block, word);
     return true;
   }
@@ -51,8 +54,29 @@ bool GsiReader::read_level_block(const GsiBlock& block) {
       if (!keyed) builder_.compute_coordinates(*id);
       builder_.give_coordinates(*id, at, builder_.at(line_, height->column));
       if (keyed) builder_.know_coordinates(*id, at, builder_.at(line_, height->column));
+      add_stored_difference(*id, *value, block);
     }
   return true;
+}
+
+// Of a line without staff readings (LS10, LS15 as points) the heights and distances from its begin are what there is.
+void GsiReader::add_stored_difference(const std::string& id, double height, const GsiBlock& block) {
+  const LineHeight before = std::exchange(line_height_, {id, height, 0, line_height_.has_readings});
+  const auto distance = length(block.find(574));
+  line_height_.distance = distance.value_or(before.distance);
+  if (before.has_readings || before.id.empty() || before.id == id || !distance) return;
+  Observation o;
+  o.kind = ObservationKind::height_difference;
+  o.from = before.id;
+  o.to = id;
+  o.value = height - before.height;
+  if (*distance > before.distance) o.levelling_length = *distance - before.distance;
+  o.source = builder_.at(line_, block.words.front().column);
+  o.corrections.push_back("difference of the heights that the level wrote");
+  builder_.add(std::move(o));
+  builder_.warn(
+      "levelling lines without staff readings: height differences are those of the heights that the level wrote (words "
+      "83 and 574); where it has distributed a misclosure they close by construction and test nothing");
 }
 
 // The level computed its height from the readings before it: where the two differ a reading was repeated, lost or

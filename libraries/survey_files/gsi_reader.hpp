@@ -28,6 +28,7 @@ class GsiReader {
   void begin_planned(const GsiBlock& block, std::size_t number);
   bool read_level_block(const GsiBlock& block);
   void read_staff(const GsiBlock& block, const GsiWord& word);
+  void add_stored_difference(const std::string& id, double height, const GsiBlock& block);
   void compare_level_height(const std::string& id, double height);
   void read_code_block(const GsiBlock& block);
   void read_heights(const GsiBlock& block);
@@ -59,6 +60,11 @@ class GsiReader {
   GsiStations plan_;
   LevelRun level_{builder_};
   bool is_level_ = false;
+  struct LineHeight {  // that the level wrote last in its line [m]
+    std::string id;
+    double height = 0, distance = 0;
+    bool has_readings = false;  // the line has staff readings
+  } line_height_;
   std::map<std::string, double> level_heights_;  // [m], as the level wrote them, the last
   int line_ = 0;
   double instrument_height_ = kNotGiven, target_height_ = kNotGiven;

@@ -26,6 +26,7 @@ class NikonReader {
   void read_comment(std::string_view text);
   void read_station(const Parts& parts);
   void read_sighting(const Parts& parts, int face);
+  double height_of_target(std::string_view text, int face, const std::string& to);
   void read_coordinates(const Parts& parts);
   void begin(const std::string& station, double orientation);
   std::string_view part(const Parts& parts, std::size_t i) const {
@@ -44,7 +45,9 @@ class NikonReader {
   bool east_first_ = false, has_units_ = false;
   std::string station_, backsight_;
   double azimuth_ = kNotGiven, circle_ = kNotGiven;  // of the backsight
-  double current_zero_ = kNotGiven;                  // orientation of the set-up that sightings go to now
+  std::string last_target_;
+  double last_height_ = kNotGiven;   // of it [m]
+  double current_zero_ = kNotGiven;  // orientation of the set-up that sightings go to now
   std::size_t passed_over_ = 0, records_ = 0;
 };
 
@@ -116,12 +119,20 @@ void NikonReader::read_station(const Parts& parts) {
   begin(station_, backsight_.empty() ? kNotGiven : wrap_to_circle(azimuth_ - circle_));
 }
 
+// The second face of a set repeats the target, not always its height.
+double NikonReader::height_of_target(std::string_view text, int face, const std::string& to) {
+  const double height = length(text, "a target height");
+  if (std::isnan(height) && face == 2 && to == last_target_) return last_height_;
+  last_target_ = to;
+  return last_height_ = height;
+}
+
 // pt,target height,slope distance,circle,vertical angle,time,code
 void NikonReader::read_sighting(const Parts& parts, int face) {
   Sighting sighting;
   sighting.to = std::string(part(parts, 1));
   sighting.source = builder_.at(line_, 1);
-  sighting.target_height = length(part(parts, 2), "a target height");
+  sighting.target_height = height_of_target(part(parts, 2), face, sighting.to);
   sighting.slope_distance = length(part(parts, 3), "a slope distance");
   sighting.direction = angle(part(parts, 4), "a circle reading");
   const double vertical = angle(part(parts, 5), "a vertical angle");
@@ -161,8 +172,7 @@ void NikonReader::read_coordinates(const Parts& parts) {
   if (!east_first_) std::swap(at[0], at[1]);
   if (at.array().isNaN().all()) return;
   builder_.give_coordinates(id, at, builder_.at(line_, 1));
-  if (parts[0] == "MP" || parts[0] == "UP")
-    builder_.know_coordinates(id, at, builder_.at(line_, 1));
+  if (parts[0] == "MP" || parts[0] == "UP") builder_.know_coordinates(id, at, builder_.at(line_, 1));
   Point& point = builder_.point(id, builder_.at(line_, 1));
   if (point.code.empty()) point.code = std::string(part(parts, 6));
 }

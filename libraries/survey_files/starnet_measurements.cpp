@@ -59,7 +59,13 @@ void StarNetReader::take(const Parts& parts, std::size_t first, const std::vecto
     }
     made.push_back(std::move(o));
   }
+  // A zenith angle beyond half a circle is read in face 2, and so is the direction beside it; an included angle is the
+  // same in both faces.
+  const bool second_face = std::any_of(made.begin(), made.end(), [](const Observation& o) {
+    return o.kind == zenith_angle && face_of_zenith_angle(o.value) == 2;
+  });
   for (Observation& o : made) {
+    if (second_face && (o.kind == direction || o.kind == zenith_angle)) o.face = 2;
     if (o.kind == ObservationKind::angle) {
       // From at, left arm, right arm. The rest of the line goes to the right arm.
       builder_.add(std::move(o));

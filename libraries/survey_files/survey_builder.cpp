@@ -226,6 +226,21 @@ void SurveyBuilder::drop_empty_set_ups() {
     if (local.set_up >= 0) local.set_up = new_index[static_cast<std::size_t>(local.set_up)];
 }
 
+// Levels begin a line at 0 where nobody keys in a height: one such bench mark is as good a datum as any, of two at
+// least one is none.
+void SurveyBuilder::distrust_zero_heights() {
+  std::string names;
+  int zeros = 0;
+  const auto is_zero = [](const Point& p) { return p.known[2] && p.coordinates.z() == 0; };
+  for (const Point& p : survey.points)
+    if (is_zero(p)) names += (zeros++ > 0 ? ", " : "") + formats::quoted(p.id, 60);
+  if (zeros < 2) return;
+  for (Point& p : survey.points)
+    if (is_zero(p)) p.known[2] = false;
+  warn("lines begin at height 0 at " + names +
+       ": taken as heights that nobody keyed in, so that these points are not known; give control if they are");
+}
+
 SurveyObservations SurveyBuilder::finish(const std::string& found_nothing, const std::string& expected) {
   if (skipped_beyond_cap_ > 0)
     warn("another " + std::to_string(skipped_beyond_cap_) + " places of the file were skipped; only the first " +
@@ -241,6 +256,7 @@ SurveyObservations SurveyBuilder::finish(const std::string& found_nothing, const
                               "), it should hold " + expected);
   }
   drop_empty_set_ups();
+  distrust_zero_heights();
   number_sets();
   return std::move(survey);
 }

@@ -92,6 +92,7 @@ class SurveyBuilder {
  private:
   void number_sets();
   void drop_empty_set_ups();
+  void distrust_zero_heights();
   void add_kind(const Sighting& sighting, ObservationKind kind, double value, int face,
                 const std::vector<std::string>& corrections);
 

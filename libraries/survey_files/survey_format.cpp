@@ -293,6 +293,9 @@ SurveyObservations read_survey(std::string_view bytes, const std::string& file, 
   const std::string_view first = text.substr(0, text.find_first_of("\r\n")), root = root_element(text);
   if (!root.empty())
     throw SurveyReadError({file, 1, 1}, "XML with the root element " + formats::quoted(root), understood_formats());
+  if (text.find("STAR*NET") < 400 && text.find("Run Date") != std::string_view::npos)
+    throw SurveyReadError({file, 1, 1}, "the listing of a STAR*NET adjustment (" + formats::quoted(first) + ")",
+                          "the data that it was made of: the listing names them under 'Data File List' (.dat)");
   throw SurveyReadError({file, text.empty() ? 0 : 1, text.empty() ? 0 : 1},
                         text.empty() ? "an empty file (" + std::to_string(bytes.size()) + " bytes)"
                                      : "a file that begins with " + formats::quoted(first),

@@ -2,7 +2,7 @@
 // how they were really built, and the marker plate that hangs at each.
 //
 // Building frame [m]: x along the facade to the right as one looks at it, y into the building (cameras and set-ups
-// stand at negative y), z up. Survey axes E, N, H are x, y, z.
+// stand at negative y), z up. Survey axes E, N, H are x, y, z. Buildings of several facades: wings.hpp.
 #pragma once
 
 #include <array>
@@ -43,6 +43,7 @@ struct Anchor {
   Eigen::Vector3d design = Eigen::Vector3d::Zero();  ///< [m], building frame
   Eigen::Vector3d built = Eigen::Vector3d::Zero();   ///< truth [m], building frame
 
+  int wing = 0;  ///< index into Building::wings
   int tag_id = 0;
   int batch = 0;                       ///< print batch of the plate, from 0
   RigidTransform building_from_plate;  ///< truth
@@ -61,8 +62,14 @@ struct Building {
   double height = 0;                ///< from z = 0 [m]
   MarkerPlate nominal_plate;        ///< as the table of plates says
   std::vector<double> batch_scale;  ///< true over nominal tag size
-  std::vector<Anchor> anchors;      ///< by floor, control before check
+  std::vector<Anchor> anchors;      ///< by facade, then by floor, control before check
+  /// Frames of its facades: each lies in x and z of its own, from x = 0 to `width`, and faces -y. One, the building's
+  /// own, unless it has a shape (wings.hpp).
+  std::vector<RigidTransform> wings = {RigidTransform{}};
 };
+
+/// Whether no facade but `own_wing` stands between two places.
+bool free_sight(const Building& building, const Eigen::Vector3d& from, const Eigen::Vector3d& to, int own_wing = -1);
 
 /// Orientation of a plate that hangs upright and flat on the facade: its z axis points to the cameras (-y).
 Eigen::Quaterniond facade_from_plate();

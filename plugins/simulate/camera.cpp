@@ -149,6 +149,7 @@ std::vector<VisibleTag> visible_tags(const Building& building, const BrownCamera
     if (!tag_is_free(obstruction, building, index, centre)) continue;
     const Eigen::Vector3d normal = anchor.building_from_plate.rotation * Eigen::Vector3d::UnitZ();
     if (normal.dot((centre - anchor.built).normalized()) < std::cos(70.0 / 180.0 * std::numbers::pi)) continue;
+    if (building.wings.size() > 1 && !free_sight(building, centre, anchor.built, anchor.wing)) continue;
     VisibleTag tag{&anchor, {}};
     bool whole = true;
     const auto corners = anchor.tag_corners();

@@ -2,8 +2,11 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <cstdio>
+#include <numbers>
 #include <stdexcept>
 
 #include "design_ifc.hpp"
@@ -12,6 +15,7 @@
 #include "observations.hpp"
 #include "survey_files/gsi.hpp"
 #include "text_output.hpp"
+#include "wings.hpp"
 
 namespace plumbline::simulate {
 namespace {
@@ -21,7 +25,8 @@ std::string campaign_yaml(const Campaign& c, bool observed) {
          "plumbline_campaign: 1\n"
          "name: simulated facade, " +
          std::to_string(c.building.options.floors) + (c.building.options.floors == 1 ? " floor, " : " floors, ") +
-         std::to_string(c.building.options.columns) + " columns\n" +
+         std::to_string(c.building.options.columns) + " columns" +
+         (c.options.shape == "flat" ? "" : ", shape " + c.options.shape) + "\n" +
          (observed ? "observations: observations.csv\n" : "images: images/*.jpg\n") +
          "camera: camera.yaml\n"
          "plates: plates.csv\n"
@@ -52,16 +57,19 @@ std::string camera_yaml(const SimulatedCamera& camera, const BrownCamera& values
   return text;
 }
 
-std::string plates_csv(const Building& building) {
+std::string plates_csv(const Building& c) {
   std::string text =
       "anchor,role,floor,column,row,tag_family,tag_id,tag_size_mm,tag_x_mm,tag_y_mm,tag_z_mm,facing_azimuth_deg,"
       "batch\n";
-  const MarkerPlate& plate = building.nominal_plate;
-  for (const Anchor& a : building.anchors) {
+  const MarkerPlate& plate = c.nominal_plate;
+  for (const Anchor& a : c.anchors) {
     text += a.id + "," + to_string(a.role) + "," + std::to_string(a.floor) + "," + std::to_string(a.column) + "," +
             std::to_string(a.row) + ",tag36h11," + std::to_string(a.tag_id) + "," + number(1e3 * plate.tag_size);
     for (const double offset : plate.tag_centre_in_plate) text += "," + number(1e3 * offset);
-    text += ",180,batch-" + std::to_string(a.batch + 1) + "\n";
+    const Eigen::Vector3d out = c.wings[static_cast<std::size_t>(a.wing)].rotation * -Eigen::Vector3d::UnitY();
+    const double azimuth = std::atan2(out.x(), out.y()) * 180 / std::numbers::pi;
+    text += "," + number(std::round(1e6 * (azimuth < 0 ? azimuth + 360 : azimuth)) / 1e6) + ",batch-" +
+            std::to_string(a.batch + 1) + "\n";
   }
   return text;
 }
@@ -107,20 +115,42 @@ RenderOptions render_options(const Campaign& c, std::size_t index) {
 
 }  // namespace
 
+namespace {
+
+/// The first facade is that of the flat building of the same seed.
+std::uint64_t derived(std::uint64_t seed, std::size_t wing) {
+  return wing == 0 ? seed : derive_seed(seed, "wing", wing);
+}
+
+WingPlan plan_wing(const CampaignOptions& options, const SimulatedCamera& camera, std::uint64_t seed) {
+  WingPlan wing;
+  wing.building = make_building(options.building, seed);
+  wing.stations = plan_camera_stations(wing.building, camera, options.cameras, seed);
+  wing.plan = plan_set_ups(wing.building, options.survey, seed);
+  const std::vector<std::string> broken = broken_station_rules(wing.building, wing.plan);
+  if (!broken.empty())
+    throw std::invalid_argument("the station plan breaks " + std::to_string(broken.size()) +
+                                " rules of the survey, the first: " + broken.front());
+  return wing;
+}
+
+}  // namespace
+
 Campaign make_campaign(const CampaignOptions& options, std::uint64_t seed) {
   Campaign c;
   c.options = options;
   c.seed = seed;
-  c.building = make_building(options.building, seed);
   c.camera = make_camera(camera_profile(options.camera), seed);
-  c.stations = plan_camera_stations(c.building, c.camera, options.cameras, seed);
+  const double width = options.building.columns * options.building.spacing;
+  const double distance = options.cameras.distance > 0 ? options.cameras.distance : c.camera.profile.distance;
+  const auto places = wings_of(options.shape, width, options.step, 2 + std::max(distance, options.survey.distance));
+  if (places.size() > 1 && options.obstruction.scaffold_spacing > 0)
+    throw std::invalid_argument("a scaffold stands before a flat facade only; the shape is " + options.shape);
+  std::vector<WingPlan> wings;
+  for (std::size_t w = 0; w < places.size(); ++w) wings.push_back(plan_wing(options, c.camera, derived(seed, w)));
+  WingPlan all = join_wings(std::move(wings), places, c.camera.truth, options.cameras.required_tags);
+  c.building = std::move(all.building), c.stations = std::move(all.stations), c.plan = std::move(all.plan);
   c.obstruction = make_obstruction(c.building, options.obstruction, seed);
-  c.plan = plan_set_ups(c.building, options.survey, seed);
-  const std::vector<std::string> broken = broken_station_rules(c.building, c.plan);
-  if (!broken.empty()) {
-    throw std::invalid_argument("the station plan breaks " + std::to_string(broken.size()) +
-                                " rules of the survey, the first: " + broken.front());
-  }
   if (options.readings) c.observations = observe(c.building, c.plan, options.survey, seed);
   return c;
 }

@@ -13,6 +13,8 @@ namespace plumbline::simulate {
 
 struct CampaignOptions {
   BuildingOptions building;
+  std::string shape = "flat";  ///< of shape_names(); the building's columns are those of each facade
+  double step = 1.0;           ///< by which the middle of "set_back" lies behind the others [m]
   SurveyOptions survey;
   CameraNetworkOptions cameras;
   std::string camera = "demo_24mp";

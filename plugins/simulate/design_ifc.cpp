@@ -22,9 +22,10 @@ class DesignWriter {
   DesignWriter(const Building& building, std::uint64_t seed, bool millimetres)
       : building_(building), millimetres_(millimetres) {
     const Uuid name_space = *uuid_from_text("0b1d7a52-5b0e-5a1c-9a53-6f0c7c1f7c11");  // drawn once, for this writer
-    project_guid_ = ifc_guid(uuid_v5(name_space, "simulated building " + std::to_string(seed) + ", " +
-                                                     std::to_string(building.options.floors) + " floors, " +
-                                                     std::to_string(building.options.columns) + " columns"));
+    project_guid_ = ifc_guid(uuid_v5(
+        name_space, "simulated building " + std::to_string(seed) + ", " + std::to_string(building.options.floors) +
+                        " floors, " + std::to_string(building.options.columns) + " columns" +
+                        (building.wings.size() > 1 ? ", facades " + std::to_string(building.wings.size()) : "")));
   }
 
   std::string write() {
@@ -104,6 +105,15 @@ class DesignWriter {
     return add("IFCLOCALPLACEMENT", {parent ? reference(parent) : std::string(null), reference(at)});
   }
 
+  /// The same turned about the vertical, as a facade stands.
+  Id turned_placement(Id parent, const RigidTransform& place) {
+    const Eigen::Vector3d &o = place.translation, x = place.rotation * Eigen::Vector3d::UnitX();
+    const Id point = add("IFCCARTESIANPOINT", {list({length(o.x()), length(o.y()), length(o.z())})});
+    const Id along = add("IFCDIRECTION", {list({real_rounded(x.x(), 15), real_rounded(x.y(), 15), "0."})});
+    const Id at = add("IFCAXIS2PLACEMENT3D", {reference(point), reference(along_z_), reference(along)});
+    return add("IFCLOCALPLACEMENT", {reference(parent), reference(at)});
+  }
+
   Id spatial(std::string_view keyword, const std::string& name, Id at, const std::vector<std::string>& rest) {
     std::vector<std::string> arguments = {
         guid(name), reference(owner_), text(name), null, null, reference(at), null, null, enumeration("ELEMENT")};
@@ -142,8 +152,9 @@ class DesignWriter {
     return bolt_solid_;
   }
 
-  Id write_anchor(const Anchor& anchor, Id storey_placement, double elevation) {
-    const Id at = placement(storey_placement, anchor.design - Eigen::Vector3d(0, 0, elevation));
+  /// `in_facade`: its design, in the frame of its facade.
+  Id write_anchor(const Anchor& anchor, const Eigen::Vector3d& in_facade, Id facade_placement, double elevation) {
+    const Id at = placement(facade_placement, in_facade - Eigen::Vector3d(0, 0, elevation));
     const Id representation =
         add("IFCSHAPEREPRESENTATION", {reference(body_), text("Body"), text("SweptSolid"), list({reference(bolt())})});
     const Id form = add("IFCPRODUCTDEFINITIONSHAPE", {null, null, list({reference(representation)})});
@@ -157,38 +168,53 @@ class DesignWriter {
     const std::string name = "Floor " + std::to_string(floor);
     const Id at = placement(building_placement, {0, 0, elevation});
     const Id storey = spatial("IFCBUILDINGSTOREY", name, at, {length(elevation)});
-
-    const Id slab_placement = placement(at, {0, 0, -0.16});
-    const Id slab_shape = box(0.5 * building_.width, 3.0 + 0.05, building_.width, 6.0, 0.32);
-    const Id slab = add("IFCSLAB", {guid(name + " slab"), reference(owner_), text(name + " slab"), null, null,
-                                    reference(slab_placement), reference(slab_shape), null, enumeration("FLOOR")});
-    const Id wall_placement = placement(at, {0, 0, 0});
-    const Id wall = add("IFCCURTAINWALL", {guid(name + " facade"), reference(owner_), text(name + " facade"), null,
-                                           null, reference(wall_placement), null, null, enumeration("NOTDEFINED")});
-    std::vector<Id> contained = {slab, wall}, panels;
-    std::vector<std::vector<Id>> fixings(static_cast<std::size_t>(building_.options.columns));
-    for (const Anchor& anchor : building_.anchors) {
-      if (anchor.floor != floor) continue;
-      contained.push_back(write_anchor(anchor, at, elevation));
-      if (anchor.role == AnchorRole::control)
-        fixings[static_cast<std::size_t>(anchor.column - 1)].push_back(contained.back());
-    }
-    // A panel hangs between two columns of anchors and shares them with its neighbours.
-    for (int column = 1; column < building_.options.columns; ++column) {
-      std::vector<Id> corners = fixings[static_cast<std::size_t>(column - 1)];
-      corners.insert(corners.end(), fixings[static_cast<std::size_t>(column)].begin(),
-                     fixings[static_cast<std::size_t>(column)].end());
-      panels.push_back(write_panel(floor, column, wall_placement, slab, corners));
-    }
-    aggregate(name + " facade", wall, panels);
+    std::vector<Id> contained;
+    for (std::size_t wing = 0; wing < building_.wings.size(); ++wing) write_wing(wing, floor, name, at, contained);
     add("IFCRELCONTAINEDINSPATIALSTRUCTURE",
         {guid(name + " contents"), reference(owner_), null, null, references(contained), reference(storey)});
     return storey;
   }
 
-  Id write_panel(int floor, int column, Id wall_placement, Id slab, const std::vector<Id>& anchors) {
+  /// One facade of a storey: slab behind it, curtain wall with its panels, anchors, all in the frame of the facade.
+  void write_wing(std::size_t wing, int floor, const std::string& storey, Id storey_placement,
+                  std::vector<Id>& contained) {
+    const bool many = building_.wings.size() > 1;
+    const std::string name = many ? storey + " " + std::string(1, static_cast<char>('A' + wing)) : storey;
+    const RigidTransform& place = building_.wings[wing];
+    const Id at = many ? turned_placement(storey_placement, place) : storey_placement;
+    const double depth = many ? 2.0 : 6.0;  // behind an inner corner there is no room for more
+    const Id slab_placement = placement(at, {0, 0, -0.16});
+    const Id slab_shape = box(0.5 * building_.width, 0.5 * depth + 0.05, building_.width, depth, 0.32);
+    const Id slab = add("IFCSLAB", {guid(name + " slab"), reference(owner_), text(name + " slab"), null, null,
+                                    reference(slab_placement), reference(slab_shape), null, enumeration("FLOOR")});
+    const Id wall_placement = placement(at, {0, 0, 0});
+    const Id wall = add("IFCCURTAINWALL", {guid(name + " facade"), reference(owner_), text(name + " facade"), null,
+                                           null, reference(wall_placement), null, null, enumeration("NOTDEFINED")});
+    contained.push_back(slab), contained.push_back(wall);
+    std::vector<Id> panels;
+    const int columns = building_.options.columns, first = static_cast<int>(wing) * columns;
+    std::vector<std::vector<Id>> fixings(static_cast<std::size_t>(columns));
+    for (const Anchor& anchor : building_.anchors) {
+      if (anchor.floor != floor || anchor.wing != static_cast<int>(wing)) continue;
+      contained.push_back(
+          write_anchor(anchor, place.inverse() * anchor.design, at, building_.storey_height * (floor - 1)));
+      if (anchor.role == AnchorRole::control)
+        fixings[static_cast<std::size_t>(anchor.column - first - 1)].push_back(contained.back());
+    }
+    // A panel hangs between two columns of anchors and shares them with its neighbours.
+    for (int column = 1; column < columns; ++column) {
+      std::vector<Id> corners = fixings[static_cast<std::size_t>(column - 1)];
+      corners.insert(corners.end(), fixings[static_cast<std::size_t>(column)].begin(),
+                     fixings[static_cast<std::size_t>(column)].end());
+      panels.push_back(write_panel(floor, first, column, wall_placement, slab, corners));
+    }
+    aggregate(name + " facade", wall, panels);
+  }
+
+  /// `column`: that of its facade, which follows the `first` columns of others.
+  Id write_panel(int floor, int first, int column, Id wall_placement, Id slab, const std::vector<Id>& anchors) {
     char name[32];
-    std::snprintf(name, sizeof name, "F%02d-P%02d", floor, column);
+    std::snprintf(name, sizeof name, "F%02d-P%02d", floor, first + column);
     const double pitch = building_.options.spacing, joint = 0.01;
     const Id at = placement(wall_placement, {pitch * column, -0.20, 0.5 * joint});
     const Id form = box(0, 0, pitch - joint, 0.05, building_.storey_height - joint);

@@ -64,6 +64,9 @@ struct SimulateCampaign : simulate::SimulatedSite {
     if (*depth_distortion != 0 && !observed)
       throw std::runtime_error(
           "depth_distortion is not in rendered photographs: take photographs=observed, or leave it out");
+    if (*shape != "flat" && !observed)
+      throw std::runtime_error("photographs are rendered of a flat facade only: shape=" + *shape +
+                               " needs photographs=observed");
     if (observed) refuse_what_is_rendered_only();
     const auto campaign_folder = folder.make_folder(), truth_folder = truth.make_folder();
     simulate::write_campaign_files(campaign, campaign_folder.path, observed);
@@ -221,7 +224,8 @@ struct SimulateObservations : simulate::SimulatedSite {
       plate->tag_id = anchor.tag_id;
       plate->tag_size = building.nominal_plate.tag_size;
       plate->tag_centre_in_plate = building.nominal_plate.tag_centre_in_plate;
-      plate->nominal_rotation = simulate::facade_from_plate();
+      plate->nominal_rotation =
+          building.wings[static_cast<std::size_t>(anchor.wing)].rotation * simulate::facade_from_plate();
       plate->batch = "batch-" + std::to_string(anchor.batch + 1);
       plate->role = role_of(anchor);
       plate->floor = anchor.floor;

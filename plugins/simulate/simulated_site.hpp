@@ -13,6 +13,11 @@ namespace plumbline::simulate {
 struct SimulatedSite : Node {
   Param<int64_t> floors{"floors", 3, between(1, 20), "storeys of the building"};
   Param<int64_t> columns{"columns", 4, between(2, 12), "columns of control markers; two rows a floor"};
+  Param<std::string> shape{
+      "shape", "flat", one_of("flat", "set_back", "curved", "corner", "block", "courtyard"),
+      "of the building: three facades of one direction, the middle one set back by `step`; four that bend by 15° each; "
+      "two at an inner corner; four around a block or a courtyard. `columns` are those of each facade"};
+  Param<double> step{"step", 1.0, "m", between(0.1, 10), "by which the middle facade of shape=set_back is set back"};
   Param<double> spacing{"spacing", 2.0, "m", between(1, 10), "of the grid, both ways; a storey is two rows high"};
   Param<double> as_built_sigma{"as_built_sigma", 0.003, "m", between(0, 0.1), "deviation of anchors from their design"};
   Param<double> tilt_sigma{"tilt_sigma", 0.025, "rad", between(0, 0.2), "rotation of plates off the facade, each axis"};
@@ -114,6 +119,7 @@ struct SimulatedSite : Node {
     CampaignOptions o;
     o.perturbations = perturbations();
     o.building.flaws = o.perturbations;
+    o.shape = *shape, o.step = *step;
     o.building.floors = static_cast<int>(*floors);
     o.building.columns = static_cast<int>(*columns);
     o.building.spacing = *spacing;

@@ -2,8 +2,8 @@
 #include <cstring>
 #include <functional>
 
-#include "runtime/graph.hpp"
-#include "runtime/registry.hpp"
+#include "runtime/graph/graph.hpp"
+#include "runtime/plugins/registry.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::test {

@@ -7,11 +7,11 @@
 #include <fstream>
 
 #include "random_table.hpp"
-#include "runtime/executable_node.hpp"
-#include "runtime/graph.hpp"
-#include "runtime/parameters.hpp"
-#include "runtime/plugin_check.hpp"
-#include "runtime/plugin_table.hpp"
+#include "runtime/graph/graph.hpp"
+#include "runtime/graph/parameters.hpp"
+#include "runtime/plugins/executable_node.hpp"
+#include "runtime/plugins/plugin_check.hpp"
+#include "runtime/plugins/plugin_table.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::test {

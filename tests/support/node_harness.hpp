@@ -21,10 +21,10 @@
 
 #include "plumbline/artifact.hpp"
 #include "plumbline/plugin.h"
-#include "runtime/artifact_type.hpp"
-#include "runtime/digest.hpp"
-#include "runtime/file_hashes.hpp"
-#include "runtime/registry.hpp"
+#include "runtime/base/digest.hpp"
+#include "runtime/plugins/artifact_type.hpp"
+#include "runtime/plugins/registry.hpp"
+#include "runtime/store/file_hashes.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::test {

@@ -35,11 +35,11 @@ struct Coupled {
   int run_count = 0, rows = 0, columns = 0, first = 0;
 };
 
-/// Columns `at` … `at` + `size` of the reduced system (column-major) −= Yᵀ Y of everything coupled with that kept
-/// block, from the row of the diagonal on, and its right side −= Yᵀ L⁻¹ right. `reduced` points to the first of the
-/// columns.
-void subtract_strip(double* reduced, std::ptrdiff_t stride, int size, const Coupled* coupled, std::size_t count,
-                    double* right);
+/// The `size` columns of a kept block in the reduced system (a panel, column-major) −= Yᵀ Y of everything coupled with
+/// it, from the row of the diagonal on, and its right side −= Yᵀ L⁻¹ right. `rows`: by the first row of a kept block in
+/// the reduced system its first row in the panel, where neighbours are neighbours again.
+void subtract_strip(double* panel, std::ptrdiff_t stride, int size, const int* rows, const Coupled* coupled,
+                    std::size_t count, double* right);
 
 /// sums[k] = Σ over the runs of Y_k · x.
 void multiply_runs(const double* y, int y_rows, int columns, const Run* runs, int run_count, const double* x,
@@ -48,24 +48,5 @@ void multiply_runs(const double* y, int y_rows, int columns, const Run* runs, in
 /// q (rows × rows, column-major) = I − J K Jᵀ. J row by row, at most 32 columns; K symmetric, row by row with
 /// `k_stride` a multiple of 4: what stands between `columns` and the next such multiple is read and not used.
 void residual_cofactor(int rows, int columns, const double* j, int j_stride, const double* k, int k_stride, double* q);
-
-/// C (rows × columns, column-major) −= A Bᵀ, where A(i, k) is at a[i·a_row + k·a_column] and B(j, k) at b[j·b_row +
-/// k·b_column]. With `lower`, what lies above the diagonal of C is left undefined.
-struct Factors {
-  const double* a;
-  std::ptrdiff_t a_row, a_column;
-  const double* b;
-  std::ptrdiff_t b_row, b_column;
-};
-void subtract_product(double* c, std::ptrdiff_t stride, int rows, int columns, int inner, const Factors& factors,
-                      bool lower);
-
-/// Small triangles of a Cholesky factor (column-major, at most 64 rows), in place. L of a symmetric matrix, of which
-/// the lower triangle is read; false if a pivot is not positive or no number.
-bool factor_lower(int size, double* matrix, std::ptrdiff_t stride);
-/// X (rows × size, column-major) → X L⁻ᵀ.
-void solve_right(int size, const double* lower, std::ptrdiff_t stride, int rows, double* x, std::ptrdiff_t x_stride);
-/// X (size × columns, column-major) → L⁻¹ X.
-void solve_left(int size, const double* lower, std::ptrdiff_t stride, int columns, double* x, std::ptrdiff_t x_stride);
 
 }  // namespace plumbline::bundle

@@ -10,6 +10,7 @@
 #include "survey/adjust/adjuster.hpp"
 #include "survey/adjust/exclusions.hpp"
 #include "survey/adjust/kept_network.hpp"
+#include "survey/doctor/find_causes.hpp"
 #include "survey/doctor/network_words.hpp"
 #include "survey/model/observation_equations.hpp"
 #include "survey/model/reduced_readings.hpp"
@@ -217,9 +218,8 @@ bool any_is_given(const SurveyObservations& survey, const std::vector<std::strin
 
 }  // namespace
 
-static NetworkResult adjust_network(const SurveyObservations& survey, const AdjustOptions& options,
-                                    const ControlPoints& control, std::unique_ptr<KeptNetwork>* kept) {
-  check_indices(survey);
+static NetworkResult adjust_as_it_is(const SurveyObservations& survey, const AdjustOptions& options,
+                                     const ControlPoints& control, std::unique_ptr<KeptNetwork>* kept) {
   std::vector<Finding> said;
   SurveyObservations rest = without_excluded(survey, options.exclude, said);
   const size_t all = points_of(rest);
@@ -255,6 +255,53 @@ static NetworkResult adjust_network(const SurveyObservations& survey, const Adju
       left_out = now;
       rest = without_points(rest, error.undetermined);
     }
+  }
+}
+
+namespace {
+
+/// The causes that the network itself confirms: adjusted without them, it is sound or nearly so. Worded with what came
+/// of it; `now` is the sigma0 as it is, NaN: it could not be adjusted.
+std::vector<Finding> confirmed_causes(const SurveyObservations& survey, const AdjustOptions& options,
+                                      const ControlPoints& control, double now) {
+  constexpr double kFits = 3, kBetter = 5;  // of sigma0
+  std::vector<Finding> findings;
+  for (const Cause& cause : find_causes(survey, options, control)) {
+    try {
+      const NetworkResult r = adjust_as_it_is(cause.mended, options, cause.control, nullptr);
+      const bool several = r.sigma0 > kFits && r.sigma0 * kBetter < now;  // it is one of several mistakes
+      if (r.validity == Validity::invalid && !several) continue;
+      findings.push_back({Finding::Severity::warning,
+                          "probably: " + cause.text + ". Adjusted with that undone, sigma0 is " +
+                              fixed_digits(r.sigma0, 2) +
+                              (std::isnan(now) ? "; as it is the network cannot be adjusted"
+                                               : " in place of " + fixed_digits(now, 2)) +
+                              ". Mend it in the file: nothing was changed here",
+                          cause.points});
+    } catch (const NetworkError&) {
+      continue;  // it is not that, or not that alone
+    }
+  }
+  return findings;
+}
+
+}  // namespace
+
+static NetworkResult adjust_network(const SurveyObservations& survey, const AdjustOptions& options,
+                                    const ControlPoints& control, std::unique_ptr<KeptNetwork>* kept) {
+  check_indices(survey);
+  try {
+    NetworkResult result = adjust_as_it_is(survey, options, control, kept);
+    if (result.validity != Validity::invalid) return result;
+    const std::vector<Finding> causes = confirmed_causes(survey, options, control, result.sigma0);
+    result.findings.insert(result.findings.begin(), causes.begin(), causes.end());
+    return result;
+  } catch (const NetworkError& error) {
+    std::vector<Finding> findings = confirmed_causes(survey, options, control, kNotGiven);
+    if (findings.empty()) throw;
+    const std::string text = findings.front().text + ". " + error.what();
+    findings.insert(findings.end(), error.findings.begin(), error.findings.end());
+    throw NetworkError(text, findings, error.undetermined);
   }
 }
 

@@ -36,6 +36,8 @@ struct ExcludedItem {
 /// that says what was expected.
 ExcludedItem parse_exclusion(const std::string& text);
 
+inline constexpr const char* kPlane = "plane";
+
 struct AdjustOptions {
   InstrumentProfile profile;
   std::map<std::string, InstrumentProfile> instruments;  ///< by the name that the survey has for them; else `profile`
@@ -67,7 +69,8 @@ struct AdjustOptions {
   double vertical_index_sigma = 0;     ///< [rad], one for all set-ups
   double tilt_sigma = 0;               ///< [rad], two per set-up
   double instrument_height_sigma = 0;  ///< [m], one per set-up
-  /// Map of E and N ("EPSG:25832", "utm:32"); empty: a plane of its own in which lengths are true.
+  /// Map of E and N ("EPSG:25832", "utm:32"); empty: a plane of its own in which lengths are true; kPlane: likewise,
+  /// and coordinates that look like those of a map are none.
   std::string map;
   double geoid_height = 0;    ///< of the geoid above the map's ellipsoid [m]
   double known_sigma = 1e-4;  ///< [m], each coordinate of points that were keyed in as known, where nothing states it

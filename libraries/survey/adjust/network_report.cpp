@@ -113,6 +113,12 @@ void Adjuster::report_pointings(const Pass& pass, NetworkResult& result) const {
   }
 }
 
+static CommonEstimate scale_of_all(const std::vector<CommonError>& common) {
+  for (const CommonError& e : common)
+    if (e.kind == CommonError::Kind::scale && e.set_up < 0 && e.sigma > 0) return {e.size, e.sigma};
+  return {};
+}
+
 NetworkResult Adjuster::report(Pass& pass) {
   NetworkResult result;
   const Solution& s = pass.solution;
@@ -164,6 +170,8 @@ NetworkResult Adjuster::report(Pass& pass) {
   const std::vector<Finding> examined = examine(m_, options_, result);
   result.findings.insert(result.findings.end(), examined.begin(), examined.end());
   judge(m_, critical_removal(), result);
+  if (tell_missing_map(m_, options_, scale_of_all(common), result) && result.validity == Validity::sound)
+    result.verdict += "; lengths are those of a plane, though the coordinates look like a map's";
   return result;
 }
 

@@ -36,6 +36,18 @@ std::vector<Eigen::Vector3d> known_places(const NetworkModel& m) {
   return m.datum == DatumMode::inner ? std::vector<Eigen::Vector3d>{} : places;
 }
 
+/// Distances that somebody has brought to the map already are too short by the map's scale a second time.
+std::string reduced_before(const NetworkModel& m, double size, double sigma) {
+  constexpr double kClose = 1.5e-5;  // heights of the geoid, a wide site
+  double sum = 0, count = 0;
+  for (size_t i = 0; i < m.corrections.size(); ++i)
+    if (group_of(m.observations[i].observation.kind) == kDistances && !m.dropped[i])
+      sum += m.corrections[i].scale, ++count;
+  if (count == 0 || std::abs(size - (sum / count - 1)) > std::max(kClose, 3 * sigma)) return "";
+  return "they look as if they had been reduced to the map already (its scale here is " + fixed_digits(sum / count, 6) +
+         "): switch that off in the instrument or its export, or leave out map";
+}
+
 /// What the mistakes of the field can amount to: prism constants, settings of ppm, indices, heights read off a tape.
 /// What is larger is another mistake, or none of these.
 double largest_plausible(CommonError::Kind kind) {
@@ -70,7 +82,9 @@ std::string Adjuster::describe(const CommonError& e) const {
     case CommonError::Kind::scale:
       text = all + "distances" + owner + " look too " + (e.size > 0 ? "long" : "short") + " by " +
              fixed_digits(std::abs(e.size) * 1e6, 0) + " ppm: ";
-      if (e.set_up < 0 && !m_.map) text += map_that_explains(1 / (1 + e.size), e.sigma, known_places(m_));
+      if (e.set_up < 0)
+        text += m_.map ? reduced_before(m_, e.size, e.sigma)
+                       : map_that_explains(1 / (1 + e.size), e.sigma, known_places(m_));
       if (text.ends_with(": ")) text += "check the ppm setting and the unit";
       break;
     case CommonError::Kind::index:

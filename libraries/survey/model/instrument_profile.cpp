@@ -41,6 +41,7 @@ const std::map<std::string, Field>& fields() {
       {"instrument_centring_mm", {&P::instrument_centring, kMillimetre, false}},
       {"target_centring_mm", {&P::target_centring, kMillimetre, false}},
       {"height_centring_mm", {&P::height_centring, kMillimetre, false}},
+      {"instrument_height_mm", {&P::instrument_height, kMillimetre, false}},
       {"levelling_arcsec", {&P::levelling, kArcsecond, false}},
       {"distance_centring_mm", {&P::distance_centring, kMillimetre, false}},
       {"height_difference_mm", {&P::height_difference, kMillimetre, false}},
@@ -105,6 +106,12 @@ double InstrumentProfile::levelled(double length) const {
 InstrumentProfile InstrumentProfile::without_instrument_centring() const {
   InstrumentProfile rest = *this;
   rest.instrument_centring = 0;
+  return rest;
+}
+
+InstrumentProfile InstrumentProfile::without_centring() const {
+  InstrumentProfile rest = *this;
+  rest.instrument_centring = rest.target_centring = rest.height_centring = 0;
   return rest;
 }
 

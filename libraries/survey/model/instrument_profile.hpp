@@ -23,7 +23,8 @@ struct InstrumentProfile {
   double distance_ppm = 0;         ///< [1e-6]
   double instrument_centring = 0;  ///< horizontal, over a mark, each component [m]
   double target_centring = 0;      ///< horizontal, each component [m]
-  double height_centring = 0;      ///< of the line of sight's two ends together, vertical [m]
+  double height_centring = 0;      ///< vertical, of the target and, where the next is 0, of both ends together [m]
+  double instrument_height = 0;    ///< of the height noted above a mark [m]; common to all sights of a set-up
   /// What is left of the vertical axis' error after levelling and compensator, each component [rad]. It holds for a
   /// whole set-up, so sets do not average it away: tan(elevation) of it in a direction, all of it in a zenith angle
   /// (Ghilani, Adjustment Computations, ch. 7).
@@ -48,6 +49,8 @@ struct InstrumentProfile {
 
   /// The same for readings whose equations have the instrument's centring as an unknown of their set-up.
   InstrumentProfile without_instrument_centring() const;
+  /// What is the instrument's own alone: no centring of it, of targets and in height.
+  InstrumentProfile without_centring() const;
 };
 
 /// "total_station_1arcsec: directions 1.0", zenith angles 1.0", distances 1.0 mm + 1.0 ppm, targets 0.3 mm".

@@ -62,13 +62,15 @@ void add_point(NetworkModel& m, const std::string& id, const Eigen::Vector3d& co
 /// Points that take part, in the order of the file; those nobody observed are left out.
 void collect_points(NetworkModel& m) {
   const Touched touched = touched_points(m);
-  std::vector<std::string> lonely;
+  std::vector<std::string> lonely, held;
   for (const Point& p : m.survey.points) {
     if (touched.points.contains(p.id))
       add_point(m, p.id, p.coordinates, p.roles);
-    else if (p.roles[0] != CoordinateRole::fixed && p.roles[2] != CoordinateRole::fixed)
-      lonely.push_back(p.id);
+    else
+      (p.roles[0] == CoordinateRole::fixed || p.roles[2] == CoordinateRole::fixed ? held : lonely).push_back(p.id);
   }
+  if (!held.empty())
+    m.findings.push_back({Finding::Severity::note, "held by the file, but nothing observes it: " + join(held), held});
   if (!lonely.empty())
     m.findings.push_back({Finding::Severity::note, "no observation, left out: " + join(lonely), lonely});
   using R = CoordinateRole;
@@ -229,11 +231,12 @@ void take_map(NetworkModel& m, const AdjustOptions& options) {
   const auto& vectors = m.survey.vectors;
   const auto geocentric = [](const VectorGroup& g) { return g.is_geocentric; };
   const bool some = std::any_of(vectors.begin(), vectors.end(), geocentric);
-  if (options.map.empty() && some)
+  const bool plane = options.map.empty() || options.map == kPlane;
+  if (plane && some)
     throw NetworkError(
         "the network has vectors in X, Y, Z of the earth: say which map its E and N are on, such as "
         "map=EPSG:25832, or leave them out");
-  if (options.map.empty()) return;
+  if (plane) return;
   if (!std::all_of(vectors.begin(), vectors.end(), geocentric))
     throw NetworkError(
         "the network has vectors dE, dN, dH of a plane, which are not adjusted on a map: leave out map=" + options.map);

@@ -111,6 +111,11 @@ std::vector<Finding> name_local_defects(const NetworkModel& model, const Network
 /// Uncontrolled and weak observations, hinge points, failing tests: what a surveyor should look at.
 std::vector<Finding> examine(const NetworkModel& model, const AdjustOptions& options, const NetworkResult& result);
 
+/// Coordinates look like those of a map and none was given: a finding at the head of the result, a warning (true) where
+/// they hold the network. `scale` of all distances as the network would estimate it.
+bool tell_missing_map(const NetworkModel& model, const AdjustOptions& options, const CommonEstimate& scale,
+                      NetworkResult& result);
+
 /// What the readings say of the points that were known, largest difference first; `cofactors` a priori.
 std::vector<KnownPoint> compare_with_known(const NetworkModel& model, const NetworkProblem& problem,
                                            const adjustment::Solution& solution, const Eigen::MatrixXd& cofactors,

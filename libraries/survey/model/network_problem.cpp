@@ -6,11 +6,11 @@
 #include "survey/model/network_model.hpp"
 #include "survey/model/reading_sigmas.hpp"
 #include "survey/model/reduced_readings.hpp"
+#include "survey/model/sight_covariance.hpp"
 
 namespace plumbline::survey {
 
 namespace {
-
 
 /// Position of a parameter among those of a block; appended when new.
 int slot(adjustment::ResidualBlock& block, int parameter) {
@@ -24,7 +24,11 @@ int slot(adjustment::ResidualBlock& block, int parameter) {
 class Assembler {
  public:
   Assembler(const NetworkModel& model, const AdjustOptions& options, const StochasticState& state)
-      : m_(model), options_(options), state_(state), sigmas_(model, options, state) {}
+      : m_(model),
+        options_(options),
+        state_(state),
+        sigmas_(model, options, state),
+        shared_centring_(options.centring_per_set_up && state.weight_factors.empty()) {}
 
   NetworkProblem assemble() {
     add_points();
@@ -132,6 +136,7 @@ class Assembler {
     return 0;
   }
 
+  /// Where an instrument stood and how high is one amount for all that it saw from there.
   void add_set_ups() {
     std::vector<char> directions(m_.survey.set_ups.size(), 0);
     for (size_t i = 0; i < m_.observations.size(); ++i) {
@@ -139,25 +144,22 @@ class Assembler {
       if (o.kind == ObservationKind::direction && !m_.dropped[i] && !state_.removed[i]) directions[o.set_up] = 1;
     }
     for (const LocalCoordinate& c : m_.survey.local_coordinates) directions[c.set_up] = 1;
-    const std::vector<double> centring = sigmas_.centrings();
-    for (int i = 0; i < static_cast<int>(m_.survey.set_ups.size()); ++i) {
+    const std::vector<Eigen::Vector2d> centring = sigmas_.centrings();
+    const auto with_prior = [&](const std::string& name, int size, double sigma) {
+      if (!(sigma > 0)) return -1;
+      const int block = add_block(name, std::vector<double>(static_cast<size_t>(size), 0.0));
+      add_prior(block, Eigen::VectorXd::Zero(size), sigma);
+      return block;
+    };
+    for (size_t i = 0; i < m_.survey.set_ups.size(); ++i) {
       const std::string& id = m_.survey.set_ups[i].id;
-      out_.orientation_blocks.push_back(directions[i] ? add_block("orientation " + id, {initial_orientation(i)}) : -1);
-      out_.height_correction_blocks.push_back(-1);
-      out_.tilt_blocks.push_back(-1);
-      if (options_.instrument_height_sigma > 0) {
-        out_.height_correction_blocks[i] = add_block("instrument height " + id, {0.0});
-        add_prior(out_.height_correction_blocks[i], Eigen::VectorXd::Zero(1), options_.instrument_height_sigma);
-      }
-      out_.centring_blocks.push_back(-1);
-      if (centring[static_cast<size_t>(i)] > 0) {
-        out_.centring_blocks.back() = add_block("centring " + id, {0.0, 0.0});
-        add_prior(out_.centring_blocks.back(), Eigen::VectorXd::Zero(2), centring[static_cast<size_t>(i)]);
-      }
-      if (options_.tilt_sigma > 0) {
-        out_.tilt_blocks[i] = add_block("tilt " + id, {0.0, 0.0});
-        add_prior(out_.tilt_blocks[i], Eigen::VectorXd::Zero(2), options_.tilt_sigma);
-      }
+      out_.orientation_blocks.push_back(
+          directions[i] ? add_block("orientation " + id, {initial_orientation(static_cast<int>(i))}) : -1);
+      const bool all_heights = options_.instrument_height_sigma > 0;
+      out_.height_correction_blocks.push_back(
+          with_prior("instrument height " + id, 1, all_heights ? options_.instrument_height_sigma : centring[i][1]));
+      out_.centring_blocks.push_back(with_prior("centring " + id, 2, centring[i][0]));
+      out_.tilt_blocks.push_back(with_prior("tilt " + id, 2, options_.tilt_sigma));
     }
   }
 
@@ -184,40 +186,74 @@ class Assembler {
 
   bool takes_part(int observation) const { return !m_.dropped[observation] && !state_.removed[observation]; }
 
-  /// The observations of one sighting make one block, so that they are tested together.
+  /// The observations of one sighting make one block, so that they are tested together; and with them whatever else
+  /// saw the target where it stood then (sight_covariance.hpp).
   void add_observations() {
+    using Key = std::tuple<int, std::string, std::string, double, int>;
     std::map<std::tuple<int, std::string, std::string, double, ObservationKind>, int> seen;
     std::vector<std::vector<int>> blocks;
-    std::map<std::tuple<int, std::string, std::string, double, int>, size_t> block_of;
+    std::map<Key, size_t> block_of;
+    int station = -1;  // last reading without a set-up that may share a station with the next
     for (int i = 0; i < static_cast<int>(m_.observations.size()); ++i) {
       const Observation& o = m_.observations[i].observation;
       if (!takes_part(i) || !m_.rows[i].removable) continue;
+      const bool shares = shared_centring_ && std::isnan(o.sigma);
       if (o.set_up < 0) {
-        blocks.push_back({i});
+        constexpr size_t kMost = 60;  // readings of one station
+        const bool goes_on = shares && station >= 0 && stands_where(station, o) && blocks.back().size() < kMost &&
+                             !holds(blocks.back(), o);
+        if (!goes_on) blocks.emplace_back();
+        blocks.back().push_back(i);
+        station = shares && o.kind != ObservationKind::height_difference ? i : -1;
         continue;
       }
-      const double heights = or_zero(o.target_height) - or_zero(o.instrument_height);
-      const int occurrence = seen[{o.set_up, o.from, o.to, heights, o.kind}]++;
-      const auto [at, is_new] = block_of.try_emplace({o.set_up, o.from, o.to, heights, occurrence}, blocks.size());
+      station = -1;
+      const double heights = std::round(1e4 * (or_zero(o.target_height) - or_zero(o.instrument_height)));
+      const int occurrence = shares ? 0 : seen[{o.set_up, o.from, o.to, heights, o.kind}]++;
+      const auto [at, is_new] = block_of.try_emplace(Key{o.set_up, o.from, o.to, heights, occurrence}, blocks.size());
       if (is_new) blocks.emplace_back();
       blocks[at->second].push_back(i);
     }
     for (const auto& members : blocks) add_observation_block(members);
   }
 
+  /// What was read already is read again in another set, of which nobody says that nothing was moved before.
+  bool holds(const std::vector<int>& block, const Observation& o) const {
+    return std::any_of(block.begin(), block.end(), [&](int i) {
+      const Observation& b = m_.observations[static_cast<size_t>(i)].observation;
+      return b.kind == o.kind && b.to == o.to && b.second_to == o.second_to;
+    });
+  }
+
+  /// Angles and single sights that follow each other on one station are of one occupation.
+  bool stands_where(int before, const Observation& o) const {
+    const Observation& b = m_.observations[static_cast<size_t>(before)].observation;
+    return o.kind != ObservationKind::height_difference && b.from == o.from && b.source.file == o.source.file &&
+           b.source.line <= o.source.line && or_zero(b.instrument_height) == or_zero(o.instrument_height);
+  }
+
   void add_observation_block(const std::vector<int>& members) {
     auto block = std::make_unique<ObservationBlock>();
-    Eigen::VectorXd sigmas(members.size());
-    for (size_t k = 0; k < members.size(); ++k) {
-      const MeanObservation& mean = m_.observations[members[k]];
-      block->equations.push_back(equation(*block, members[k], out_));
-      block->groups.push_back(group_of(mean.observation.kind));
-      sigmas[static_cast<Eigen::Index>(k)] = sigmas_(members[k]);
-      if (!state_.weight_factors.empty()) block->weight_factors.push_back(state_.weight_factors[members[k]]);
+    for (const int i : members) {
+      block->equations.push_back(equation(*block, i, out_));
+      block->groups.push_back(group_of(m_.observations[i].observation.kind));
+      if (!state_.weight_factors.empty()) block->weight_factors.push_back(state_.weight_factors[i]);
     }
-    set_sigmas(*block, sigmas, m_.observations[members.front()].observation);
-    const int set_up = m_.observations[members.front()].observation.set_up;
-    finish(std::move(block), members, set_up >= 0 ? m_.survey.set_ups[set_up].id : "");
+    const Observation& first = m_.observations[members.front()].observation;
+    set_uncertainty(*block, members, first);
+    finish(std::move(block), members, first.set_up >= 0 ? m_.survey.set_ups[first.set_up].id : "");
+  }
+
+  void set_uncertainty(ObservationBlock& block, const std::vector<int>& members, const Observation& first) const {
+    Eigen::VectorXd variances(members.size());
+    for (size_t k = 0; k < members.size(); ++k)
+      variances[static_cast<Eigen::Index>(k)] = std::pow(sigmas_(members[k]), 2);
+    if (shared_centring_) {
+      const Eigen::MatrixXd covariance = sight_covariance(m_, sigmas_, members);
+      if (!covariance.isDiagonal(1e-12)) return set_covariance(block, covariance, name_of(first));
+      variances = covariance.diagonal();
+    }
+    set_sigmas(block, variances.cwiseSqrt(), first);
   }
 
   static void set_sigmas(ObservationBlock& block, const Eigen::VectorXd& sigmas, const Observation& o) {
@@ -354,6 +390,7 @@ class Assembler {
   const AdjustOptions& options_;
   const StochasticState& state_;
   ReadingSigmas sigmas_;
+  bool shared_centring_;
   NetworkProblem out_;
 };
 

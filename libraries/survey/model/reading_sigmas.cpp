@@ -13,48 +13,75 @@ ReadingSigmas::ReadingSigmas(const NetworkModel& model, const AdjustOptions& opt
     profiles_.push_back(given == options_.instruments.end() ? options_.profile : given->second);
   }
   profiles_.push_back(options_.profile);
-  for (const InstrumentProfile& p : profiles_) centred_.push_back(p.without_instrument_centring());
+  for (const InstrumentProfile& p : profiles_) {
+    centred_.push_back(p.without_instrument_centring());
+    own_.push_back(p.without_centring());
+  }
 }
 
-const InstrumentProfile& ReadingSigmas::profile_of(const Observation& o, bool with_instrument_centring) const {
-  const size_t own = o.instrument >= 0 ? static_cast<size_t>(o.instrument) : profiles_.size() - 1;
-  return (with_instrument_centring ? profiles_ : centred_)[own];
+const InstrumentProfile& ReadingSigmas::profile_of(const Observation& o,
+                                                   const std::vector<InstrumentProfile>& profiles) const {
+  return profiles[o.instrument >= 0 ? static_cast<size_t>(o.instrument) : profiles.size() - 1];
+}
+
+double ReadingSigmas::factor(int index) const {
+  return state_.sigma_factors[group_of(m_.observations[static_cast<size_t>(index)].observation.kind)];
 }
 
 double ReadingSigmas::operator()(int index) const {
+  const Observation& o = m_.observations[static_cast<size_t>(index)].observation;
+  if (!std::isnan(o.sigma)) return factor(index) * o.sigma;
+  // Of a set-up it is an unknown, or there is none; of a single angle or distance it is in their standard deviation.
+  const bool in_reading = !options_.centring_per_set_up || o.set_up < 0;
+  return factor(index) * sigma_by(profile_of(o, in_reading ? profiles_ : centred_), index);
+}
+
+double ReadingSigmas::own(int index) const {
+  const Observation& o = m_.observations[static_cast<size_t>(index)].observation;
+  return std::isnan(o.sigma) ? sigma_by(profile_of(o, own_), index) : o.sigma;
+}
+
+Eigen::Vector2d ReadingSigmas::lengths_between(const std::string& from, const std::string& to) const {
+  const auto place = [&](const std::string& id) { return m_.initial[static_cast<size_t>(m_.index.at(id))]; };
+  const Eigen::Vector3d d = place(to) - place(from);
+  const double horizontal = std::max(kShortestHorizontal, d.head<2>().norm());
+  return {horizontal, std::max(horizontal, d.norm())};
+}
+
+double ReadingSigmas::sigma_by(const InstrumentProfile& p, int index) const {
   const MeanObservation& mean = m_.observations[static_cast<size_t>(index)];
   const Observation& o = mean.observation;
-  const double factor = state_.sigma_factors[group_of(o.kind)];
-  if (!std::isnan(o.sigma)) return factor * o.sigma;
   const Eigen::Vector2d& lengths = m_.lengths[static_cast<size_t>(index)];
   const double horizontal = lengths[0], slope = lengths[1];
-  // Of a set-up it is an unknown, or there is none; of a single angle or distance it is in their standard deviation.
-  const InstrumentProfile& p = profile_of(o, !options_.centring_per_set_up || o.set_up < 0);
-  const auto place = [&](const std::string& id) { return m_.initial[static_cast<size_t>(m_.index.at(id))]; };
   switch (o.kind) {
     case ObservationKind::direction:
-      return factor * p.direction(horizontal, slope, mean.sets, mean.single_face);
+      return p.direction(horizontal, slope, mean.sets, mean.single_face);
     case ObservationKind::azimuth:
-      return factor * p.azimuth(horizontal, slope, mean.sets);
+      return p.azimuth(horizontal, slope, mean.sets);
     case ObservationKind::angle: {
-      const Eigen::Vector3d right = place(o.second_to) - place(o.from), left = place(o.to) - place(o.from);
-      const double other = std::max(kShortestHorizontal, right.head<2>().norm());
-      return factor * p.angle({horizontal, other}, {slope, std::max(other, right.norm())},
-                              (right - left).head<2>().norm(), mean.sets);
+      const auto place = [&](const std::string& id) { return m_.initial[static_cast<size_t>(m_.index.at(id))]; };
+      const Eigen::Vector2d other = lengths_between(o.from, o.second_to);
+      return p.angle({horizontal, other[0]}, {slope, other[1]}, (place(o.second_to) - place(o.to)).head<2>().norm(),
+                     mean.sets);
     }
-    case ObservationKind::zenith_angle:
-      return factor * p.zenith_angle(slope, mean.sets, mean.single_face);
+    case ObservationKind::zenith_angle: {
+      InstrumentProfile level = p;
+      level.height_centring = 0;
+      const double centring = std::hypot(p.instrument_centring, p.target_centring);
+      return std::hypot(level.zenith_angle(slope, mean.sets, mean.single_face),
+                        std::hypot(p.height_centring * std::sin(o.value), centring * std::cos(o.value)) / slope);
+    }
     case ObservationKind::slope_distance:
     case ObservationKind::horizontal_distance:
-      return factor * p.distance(slope, mean.sets);
+      return p.distance(slope, mean.sets);
     case ObservationKind::height_difference:
-      return factor * p.levelled(std::isnan(o.levelling_length) ? slope : o.levelling_length);
+      return p.levelled(std::isnan(o.levelling_length) ? slope : o.levelling_length);
   }
   return kNotGiven;
 }
 
-std::vector<double> ReadingSigmas::centrings() const {
-  std::vector<double> sizes(m_.survey.set_ups.size(), 0.0);
+std::vector<Eigen::Vector2d> ReadingSigmas::centrings() const {
+  std::vector<Eigen::Vector2d> sizes(m_.survey.set_ups.size(), Eigen::Vector2d::Zero());
   if (!options_.centring_per_set_up) return sizes;
   std::map<std::string, int> tied;  // what else knows a point; its own set-up is one
   for (const SetUp& s : m_.survey.set_ups) ++tied[s.station];
@@ -74,7 +101,8 @@ std::vector<double> ReadingSigmas::centrings() const {
     const Observation& o = m_.observations[i].observation;
     if (o.set_up < 0 || !takes_part(i) || !std::isnan(o.sigma)) continue;
     const auto set_up = static_cast<size_t>(o.set_up);
-    if (tied.at(m_.survey.set_ups[set_up].station) > 1) sizes[set_up] = profile_of(o, true).instrument_centring;
+    if (tied.at(m_.survey.set_ups[set_up].station) > 1)
+      sizes[set_up] = {profile(o).instrument_centring, profile(o).instrument_height};
   }
   return sizes;
 }

@@ -5,6 +5,7 @@
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -63,10 +64,11 @@ void kill_and_wait(pid_t process) {
 struct Accident : Node {
   static constexpr Info info{"accident.happens", "", 1, "Ends its process in the way that is asked for"};
   Optional<Number> in{"number", "passed on if nothing happens"};
-  Param<std::string> how{"how", "not",
-                         one_of("not", "crash", "abort", "exit", "kill", "hang", "eat", "eat_unchecked", "throw",
-                                "shout", "meet", "alone", "say_pid", "kill_pid", "share", "memfd"),
-                         "what happens"};
+  Param<std::string> how{
+      "how", "not",
+      one_of("not", "crash", "abort", "exit", "kill", "hang", "eat", "eat_unchecked", "throw", "shout", "meet", "alone",
+             "say_pid", "kill_pid", "share", "memfd", "fork", "fork_and_return", "write_input"),
+      "what happens"};
   Param<std::string> place{"place", "", "folder to meet in"};
   Param<int> mebibytes{"mebibytes", 0, between(0, 4096), "memory to take first"};
   Out<Number> out{"number", "the number"};
@@ -98,6 +100,20 @@ struct Accident : Node {
       for (int i = 0; i < 1024; ++i)
         if (write(file, piece.data(), piece.size()) < 0) throw std::runtime_error("cannot write");
       std::this_thread::sleep_for(std::chrono::seconds(20));
+    }
+    if (*how == "fork" && fork() == 0) {
+      std::this_thread::sleep_for(std::chrono::seconds(30));
+      _exit(0);
+    }
+    if (*how == "fork_and_return") {
+      const pid_t child = fork();
+      if (child == 0) return out.commit(number(-1));
+      waitpid(child, nullptr, 0);
+    }
+    if (*how == "write_input") {
+      plumbline_bytes bytes{};
+      context.host().get(context.host().context, "number", 0, &bytes);
+      *static_cast<volatile char*>(const_cast<void*>(bytes.data)) = 'x';
     }
     if (*how == "say_pid") return out.commit(number(getpid()));
     if (*how == "kill_pid") kill_and_wait(static_cast<pid_t>(in->value()));

@@ -10,10 +10,10 @@
 #include <thread>
 #include <tuple>
 
-#include "runtime/artifact_type.hpp"
-#include "runtime/deliver.hpp"
-#include "runtime/executor.hpp"
-#include "runtime/plan.hpp"
+#include "runtime/plugins/artifact_type.hpp"
+#include "runtime/record/deliver.hpp"
+#include "runtime/run/executor.hpp"
+#include "runtime/run/plan.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::test {
@@ -244,6 +244,40 @@ TEST_F(Isolation, AllThatANodeStartsCountsInItsLimit) {
   EXPECT_TRUE(contains(node("b").error, "with all that it started")) << node("b").error;
 }
 
+/// In the program itself: a child that nobody waited for might write on, and one that returns would be the program
+/// twice, with the same record and the same outputs.
+TEST_F(Isolation, WhatANodeForksInTheProgramEndsWithIt) {
+  run("  a: {use: accident.happens, with: {how: fork}}\n");
+  EXPECT_TRUE(contains(node("a").error, "what it had forked went on (process ")) << node("a").error;
+  run("  a: {use: accident.happens, with: {how: fork_and_return}}\n  b: {use: accident.happens, in: {number: "
+      "a.number}}\n");
+  EXPECT_TRUE(contains(value("a"), "1")) << value("a");
+  EXPECT_TRUE(contains(value("b"), "2")) << value("b");
+}
+
+/// What it left running might write outputs after they were taken. What ends by itself in a moment is waited for.
+TEST_F(Isolation, ANodeInPythonThatLeavesSomethingRunningIsRefused) {
+  const std::tuple<const char*, const char*> ways[] = {
+      {"import subprocess\nsubprocess.Popen(['sleep', '30'])\n", "'sleep' (process "},
+      {"if os.fork() == 0:\n  os.setsid()\n  if os.fork() == 0:\n    import time\n    time.sleep(30)\n  os._exit(0)\n",
+       "might still have written its outputs: '"},
+      {"import subprocess\nsubprocess.Popen(['sleep', '0.3'], start_new_session=True)\n", ""},
+  };
+  for (const auto& [script, words] : ways) {
+    const TemporaryFolder folder;
+    Registry registry;
+    ASSERT_TRUE(registry.load(PLUMBLINE_STORY_PLUGIN));
+    ASSERT_TRUE(registry.load_manifest(write_node(folder.path(), adds + std::string(script))));
+    std::swap(registry, registry_);
+    run("  a: {use: story.constant}\n  b: {use: outside.add, in: {number: a.number}}\n");
+    if (*words)
+      EXPECT_TRUE(contains(node("b").error, words)) << script << ": " << node("b").error;
+    else
+      EXPECT_EQ(node("b").error, "") << script;
+    std::swap(registry, registry_);
+  }
+}
+
 TEST_F(Isolation, ANodeInPythonIsANodeLikeAnyOther) {
   ASSERT_TRUE(registry_.load_manifest(write_node(folder_.path(), adds))) << registry_.refused().back().problem;
   const std::string nodes =
@@ -389,11 +423,11 @@ TEST_F(Isolation, AModuleThatChangesWhileTheNodeRunsIsRefused) {
   std::ofstream(helper) << "more = 1\n";
   std::ofstream(edited) << "1";
   // As an editor does it, once: the node itself waits for nobody.
-  ASSERT_TRUE(registry_.load_manifest(write_node(
-      folder_.path(), std::string("from helper import more\n") + "if os.path.exists('" + edited.string() +
-                          "'):\n  os.remove('" + edited.string() + "')\n  open('" + helper.string() +
-                          "', 'w').write('more = 2\\n')\n" +
-                          "call.commit('number', 'plumbline.Number/1', {'value': more})\n")));
+  ASSERT_TRUE(registry_.load_manifest(
+      write_node(folder_.path(), std::string("from helper import more\n") + "if os.path.exists('" + edited.string() +
+                                     "'):\n  os.remove('" + edited.string() + "')\n  open('" + helper.string() +
+                                     "', 'w').write('more = 2\\n')\n" +
+                                     "call.commit('number', 'plumbline.Number/1', {'value': more})\n")));
   run(kHelped);
   EXPECT_EQ(node("b").status, NodeStatus::failed);
   EXPECT_TRUE(contains(node("b").error, helper.string() + " changed while the node worked with it; run again"))
@@ -412,9 +446,8 @@ TEST_F(Isolation, AScriptThatChangedSinceItWasFoundIsRefused) {
       << node("b").error;
   Registry again;
   ASSERT_TRUE(again.load(PLUMBLINE_STORY_PLUGIN));
-  ASSERT_TRUE(again.load_manifest(
-      write_node(folder_.path(), "open('" + (folder_.path() / "add.py").string() + "', 'a').write('# more\\n')\n" +
-                                     adds)));
+  ASSERT_TRUE(again.load_manifest(write_node(
+      folder_.path(), "open('" + (folder_.path() / "add.py").string() + "', 'a').write('# more\\n')\n" + adds)));
   std::swap(again, registry_);
   run(kHelped);
   EXPECT_TRUE(contains(node("b").error, "add.py is not the file any more that was looked at")) << node("b").error;

@@ -1,7 +1,9 @@
 // A real GSI-16 network, 22 set-ups in two faces, as a free network with all points in the datum. The numbers are
 // regression values for exactly these standard deviations of the means.
 #include <cmath>
+#include <map>
 #include <numbers>
+#include <tuple>
 
 #include "survey/adjust/adjust_network.hpp"
 #include "survey_files/gsi.hpp"
@@ -53,12 +55,35 @@ TEST(Network22, WithoutCentring) {
 
 TEST(Network22, WithCentring) {
   PLUMBLINE_REQUIRE_DATA(kFile);
-  const NetworkResult r = adjust(options_with(1.4e-3, 0.7e-3));
+  // Means with these standard deviations as a file states them: hypot(5 cc, 1.4 mm / h) and hypot(5 cc, 0.7 mm / s).
+  SurveyObservations survey = read_gsi(test::read_file(test::data_file(kFile)), "network_22_setups.GSI");
+  std::vector<Observation> means;
+  std::map<std::tuple<int, std::string>, double> slopes;
+  for (const MeanObservation& mean : mean_observations(survey).observations) {
+    means.push_back(mean.observation);
+    means.back().face = 0;
+    if (mean.observation.kind == ObservationKind::slope_distance)
+      slopes[{mean.observation.set_up, mean.observation.to}] = mean.observation.value;
+  }
+  std::map<std::tuple<int, std::string>, double> sines;
+  for (const Observation& o : means)
+    if (o.kind == ObservationKind::zenith_angle) sines[{o.set_up, o.to}] = std::sin(o.value);
+  for (Observation& o : means) {
+    const double s = slopes.at({o.set_up, o.to}), h = s * sines.at({o.set_up, o.to});
+    o.sigma = o.kind == ObservationKind::direction      ? std::hypot(5 * kCc, 1.4e-3 / h)
+              : o.kind == ObservationKind::zenith_angle ? std::hypot(5 * kCc, 0.7e-3 / s)
+                                                        : 1e-3;
+  }
+  survey.observations = means;
+  const NetworkResult r = adjust_network(survey, options_with(0, 0));
   EXPECT_NEAR(r.sum_of_squares, 216.429, 0.01);
   EXPECT_NEAR(r.sigma0, 1.00099, 1e-4);
   EXPECT_NEAR(r.sum_of_redundancy_numbers, 216, 1e-6);
   EXPECT_NEAR(std::abs(worst(r).statistics.w), 4.83, 0.01);
   EXPECT_EQ(worst(r).from + " " + worst(r).to, "BP04 BP02");
+  // With the targets displaced by as much, which reaches zenith angles of steep sights too, a little less is left.
+  const NetworkResult displaced = adjust(options_with(1.4e-3, 0.7e-3));
+  EXPECT_NEAR(displaced.sum_of_squares, 214.9, 0.1);
 }
 
 // Half the differences of the faces times the sine of the zenith angle, their medians computed from the file's words by

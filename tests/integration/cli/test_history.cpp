@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "program.hpp"
+#include "store_record.hpp"
 
 namespace plumbline::test {
 namespace {
@@ -91,10 +92,10 @@ TEST(History, ItemsOfUnknownProvenanceAreCounted) {
   size_t changed = 0;
   for (const auto& entry : fs::recursive_directory_iterator(plumbline.folder.path() / "store/runs")) {
     if (!entry.is_regular_file() || changed == 2) continue;
-    Json stored = Json::parse(read_file(entry.path()), nullptr, false);
+    nlohmann::json stored = stored_record(entry.path());
     if (!stored.is_object() || stored.value("kind", "") != "story.square") continue;
     stored.erase("computed");
-    std::ofstream(entry.path()) << stored.dump() << '\n';
+    store_record(entry.path(), stored);
     ++changed;
   }
   ASSERT_EQ(changed, 2u);
@@ -157,7 +158,9 @@ TEST(History, VerifyEachComparesTheStoreWithNodesRunAlone) {
     const std::string key = node["keys"][0];
     return runs / key.substr(0, 2) / (key + ".json");
   };
-  fs::copy_file(record_of(events.at(1)), record_of(events.at(2)), fs::copy_options::overwrite_existing);
+  nlohmann::json wrong = stored_record(record_of(events.at(1)));
+  wrong["key"] = events.at(2)["keys"][0].get<std::string>();
+  store_record(record_of(events.at(2)), wrong);
   answer = plumbline({"verify", "--each", "s.yaml"});
   EXPECT_EQ(answer.code, 1);
   EXPECT_TRUE(contains(answer.out, "output number differs")) << answer.out;

@@ -61,6 +61,18 @@ TEST(Run, TakesOverridesAndIsQuiet) {
   EXPECT_EQ(Json::parse(read_file(plumbline.work() / "out/p/b.json")), (Json{{"value", 8.0}}));
 }
 
+/// Whatever a node prints: a program reads what comes with --json line by line.
+TEST(Run, JsonIsAloneOnStandardOutput) {
+  const Program plumbline;
+  plumbline.write("p.yaml", "plumbline: 1\nnodes:\n  a: {use: story.twice}\n  b: {use: story.constant}\n");
+  const Answer answer = plumbline({"run", "p.yaml", "--json"});
+  std::istringstream lines(answer.out);
+  int count = 0;
+  for (std::string line; std::getline(lines, line); ++count) EXPECT_TRUE(Json::accept(line)) << line;
+  EXPECT_EQ(count, 3) << answer.out;
+  EXPECT_TRUE(contains(answer.err, "{\"first\": ")) << answer.err;
+}
+
 TEST(Run, JsonIsTheRecord) {
   const Program plumbline;
   plumbline.write("p.yaml", chain);
@@ -194,8 +206,7 @@ TEST(Run, AStoppedRunSaysWhoseOutputsLieThere) {
   EXPECT_TRUE(contains(answer.err, "(value=4)")) << answer.err;
   EXPECT_EQ(read_file(plumbline.work() / "out/p/a.json"), before);
   const Json crate = Json::parse(plumbline({"export", "out/p", "--format", "ro-crate"}).out);
-  for (const Json& item : crate.at("@graph"))
-    EXPECT_NE(item.at("@id"), "a.json") << "the stopped run did not give it";
+  for (const Json& item : crate.at("@graph")) EXPECT_NE(item.at("@id"), "a.json") << "the stopped run did not give it";
   // The next run knows still whose they are.
   fs::remove(plumbline.work() / "p.yaml");
   fs::rename(plumbline.work() / "q.yaml", plumbline.work() / "p.yaml");
@@ -227,8 +238,8 @@ TEST(Run, RehashReadsWhatTheMemoryOfHashesHasWrong) {
   const auto time = [](const timespec& t) { return std::to_string(t.tv_sec) + "." + std::to_string(t.tv_nsec); };
   std::ofstream(plumbline.folder.path() / "store/file-hashes", std::ios::app)
       << info.st_dev << ':' << info.st_ino << ':' << info.st_size << ':' << time(info.st_mtim) << ':'
-      << time(info.st_ctim) << ' ' << std::string(64, 'a') << ' '
-      << (plumbline.work() / "photographs/1.jpg").string() << '\n';
+      << time(info.st_ctim) << ' ' << std::string(64, 'a') << ' ' << (plumbline.work() / "photographs/1.jpg").string()
+      << '\n';
   EXPECT_NE(tree_of_run({"run", "p.yaml"}), right) << "this test must be able to fail";
   EXPECT_EQ(tree_of_run({"run", "p.yaml", "--rehash"}), right);
 }

@@ -31,7 +31,7 @@ struct Shape {
   Eigen::Vector3d building;  ///< centre of the slabs
 };
 
-enum Cut { everything, no_slabs, anchors_only, podium };
+enum Cut { everything, no_slabs, anchors_only, podium, no_panels, podium_no_panels, beyond };
 
 Eigen::Quaterniond axes_facing(const Eigen::Vector3d& out) {
   Eigen::Matrix3d axes;
@@ -71,7 +71,8 @@ Design design_of(const Shape& shape, Cut cut, bool turned_axes) {
         box({0.02, 0.02, 0.04}, low, high);
         design.elements.push_back(element(id, "IfcMechanicalFastener", place, axes, low, high));
         design.elements.back().is_anchor = true;
-        if (cut == anchors_only || row > 0 || column + 1 == wing.columns) continue;
+        const bool bare = cut == anchors_only || cut == no_panels || cut == podium_no_panels;
+        if (bare || row > 0 || column + 1 == wing.columns) continue;
         box({0.98, 0.025, 1.5}, low, high);
         design.elements.push_back(
             element("P" + id, "IfcPlate", place + right + 0.2 * out + Eigen::Vector3d(0, 0, 1.5), axes, low, high));
@@ -81,8 +82,10 @@ Design design_of(const Shape& shape, Cut cut, bool turned_axes) {
   const auto slab = [&](const Eigen::Vector3d& centre, const Eigen::Vector3d& half) {
     design.elements.push_back(element("slab", "IfcSlab", centre, Eigen::Quaterniond::Identity(), -half, half));
   };
-  if (cut == everything || cut == podium) slab(shape.building, {3, 2, 0.15});
-  if (cut == podium) slab({4, -60, -3}, {80, 40, 3});  // far before the south side
+  if (cut == everything || cut == podium || cut == no_panels || cut == podium_no_panels)
+    slab(shape.building, {3, 2, 0.15});
+  if (cut == podium || cut == podium_no_panels) slab({4, -60, -3}, {80, 40, 3});  // far before the south side
+  if (cut == beyond) slab({4, 60, -3}, {80, 40, 3});                              // far before the north side
   return design;
 }
 
@@ -95,6 +98,19 @@ std::vector<Shape> shapes() {
       {"set back", {{{0, 0}, 180}, {{8, 1.2}, 180}, {{16, 0}, 180}}, {12, 5, 0}},
       {"a little set back", {{{0, 0}, 180}, {{8, 0.3}, 180}}, {8, 5, 0}},
       {"court", {{{0, 20}, 180}, {{12, 8}, 270}, {{-4, 20}, 90}, {{8, 0}, 0}}, {4, 10, 0}},
+      {"L", {{{0, 0}, 180, 8}, {{16, 0}, 90}, {{16, 8}, 0}, {{8, 8}, 90}, {{8, 16}, 0}, {{0, 16}, 270, 8}}, {6, 6, 0}},
+      {"outside and court",
+       {{{0, 0}, 180, 12},
+        {{24, 0}, 90, 12},
+        {{24, 24}, 0, 12},
+        {{0, 24}, 270, 12},
+        {{8, 16}, 180},
+        {{16, 16}, 270},
+        {{16, 8}, 0},
+        {{8, 8}, 90}},
+       {12, 12, 0}},
+      {"half a metre set back", {{{0, 0}, 180}, {{8, 0.6}, 180, 2}, {{12, 0}, 180}}, {8, 5, 0}},
+      {"a metre set back", {{{0, 0}, 180}, {{8, 1.0}, 180}}, {8, 5, 0}},
       {"folded", {{{0, 0}, 180}, {{8, 0}, 150}, {{8 + 8 * std::cos(30 * kDegree), 4}, 120}}, {8, 12, 0}},
   };
   Shape curve{"curved", {}, {0, 0, 0}};
@@ -145,7 +161,7 @@ TEST(Facades, TurnedMirroredCutToTheTradeAndWithAPodiumEverybodyIsSentTheSameWay
   for (const Shape& shape : shapes())
     for (const double turn : {0.0, 37.0, 90.0, 180.0})
       for (const bool mirrored : {false, true})
-        for (const Cut cut : {everything, no_slabs, anchors_only, podium})
+        for (const Cut cut : {everything, no_slabs, anchors_only, podium, no_panels, podium_no_panels, beyond})
           for (const bool turned_axes : {true, false}) {
             const Shape there = moved(shape, turn, mirrored);
             // Boxes along the axes of the project are no panels at 37°.
@@ -161,7 +177,7 @@ TEST(Facades, TurnedMirroredCutToTheTradeAndWithAPodiumEverybodyIsSentTheSameWay
             for (const Element& e : design.elements) all += e.is_anchor || e.is_panel;
             const int right = right_ones(design, there, what);
             // Panels tell the sides; so do axes that turn with the facades.
-            bool panels = cut != anchors_only;
+            bool panels = cut != anchors_only && cut != no_panels && cut != podium_no_panels;
             for (const Wing& wing : shape.wings) panels = panels && wing.columns > 1;
             const bool turns = turned_axes && shape.wings.size() > 1 && !std::string(shape.name).ends_with("set back");
             if (turns || (panels && turned_axes)) {
@@ -272,10 +288,9 @@ TEST(Facades, AnAnchorAtACornerBelongsToNobodyUnlessItsOwnAxesSayWhose) {
   for (const bool turned : {false, true})
     for (const Cut cut : {everything, no_slabs}) {
       Design design = design_of({"two", {{{0, 0}, 180}, {{8, 0}, 90}}, {4, 4, 0}}, cut, turned);
-      const Eigen::Quaterniond axes =
-          turned ? axes_facing(facing(90 * kDegree)) : Eigen::Quaterniond::Identity();
-      Element corner = element("corner", "IfcMechanicalFastener", {8, 0, 1}, axes, {-0.02, -0.02, -0.04},
-                               {0.02, 0.02, 0.04});
+      const Eigen::Quaterniond axes = turned ? axes_facing(facing(90 * kDegree)) : Eigen::Quaterniond::Identity();
+      Element corner =
+          element("corner", "IfcMechanicalFastener", {8, 0, 1}, axes, {-0.02, -0.02, -0.04}, {0.02, 0.02, 0.04});
       corner.is_anchor = true;
       design.elements.push_back(corner);
       for (Element& e : design.elements) {
@@ -307,10 +322,10 @@ TEST(Facades, AnAnchorAtACornerBelongsToNobodyUnlessItsOwnAxesSayWhose) {
 TEST(Facades, AWallAloneThatContradictsTheBuildingConfirmsNothing) {
   for (const double building : {5.0, -5.0}) {
     Design design = design_of({"flat", {{{0, 0}, 180}}, {4, building, 0}}, anchors_only, false);
-    design.elements.push_back(element("wall", "IfcWall", {4, 0.15, 2}, Eigen::Quaterniond::Identity(), {-6, -0.1, -3},
-                                      {6, 0.1, 3}));
-    design.elements.push_back(element("slab", "IfcSlab", {4, building, 0}, Eigen::Quaterniond::Identity(),
-                                      {-3, -2, -0.15}, {3, 2, 0.15}));
+    design.elements.push_back(
+        element("wall", "IfcWall", {4, 0.15, 2}, Eigen::Quaterniond::Identity(), {-6, -0.1, -3}, {6, 0.1, 3}));
+    design.elements.push_back(
+        element("slab", "IfcSlab", {4, building, 0}, Eigen::Quaterniond::Identity(), {-3, -2, -0.15}, {3, 2, 0.15}));
     for (Element& e : design.elements)
       if (e.is_anchor) e.host_guid = "wall";
     assign_facades(design, {});
@@ -400,7 +415,9 @@ TEST(Facades, OfDesignsMadeByOthers) {
     for (const Element& e : design.elements) {
       if (!e.is_anchor && !e.is_panel) continue;
       ++judged;
-      EXPECT_TRUE(e.facade.confirmed) << name << ": " << e.name << ": " << e.facade.note;
+      // One column, no panels, axes of the project: whether slabs behind it are the building's, nothing proves.
+      const bool column = std::string(name) == "column";
+      EXPECT_EQ(e.facade.confirmed, !column) << name << ": " << e.name << ": " << e.facade.note;
       if (std::string(name) == "curved") continue;
       const auto wanted = azimuth.find(e.name[0]);
       const double expected = wanted == azimuth.end() ? 180 : wanted->second;

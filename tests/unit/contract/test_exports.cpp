@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <memory>
 
-#include "runtime/registry.hpp"
+#include "runtime/plugins/registry.hpp"
 #include "test_support.hpp"
 
 namespace {
@@ -39,7 +39,8 @@ TEST(Plugins, CarryTheirIdentityAndAreAccepted) {
     const auto identity = plumbline::runtime::read_identity(library);
     EXPECT_EQ(identity.problem, "") << library;
     EXPECT_EQ("plumbline_" + identity.name + ".so", library.filename().string());
-    // Debian's Ceres brings parts of SuiteSparse that are under the GPL; its plugin says so (tests/integration/licences).
+    // Debian's Ceres brings parts of SuiteSparse that are under the GPL; its plugin says so
+    // (tests/integration/licences).
     EXPECT_EQ(identity.licence, identity.name == "adjust_ceres" ? "MIT; GPL-2.0-or-later as linked" : "MIT");
   }
   const auto registry =

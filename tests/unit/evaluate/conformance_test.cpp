@@ -209,45 +209,5 @@ TEST(Requests, WhatIsNotJudgedForbidsReady) {
   EXPECT_EQ(result.requests[0]->anchors, 1);
 }
 
-TEST(GroupShifts, AFloorThatHangsLowIsOneSentence) {
-  DeviationInputs inputs = grid(5, 4);
-  Normal normal(5);
-  for (std::size_t i = 0; i < inputs.model.positions.size(); ++i) {
-    inputs.model.positions[i] += Eigen::Vector3d(normal(), normal(), normal()) * 0.8 * mm;
-    if (inputs.anchors[i].floor == 2) inputs.model.positions[i].z() -= 12 * mm;
-  }
-  const DeviationT result = judge_deviations(inputs, {});
-  EXPECT_EQ(result.failed, 5);
-  ASSERT_FALSE(result.group_shifts.empty());
-  const GroupShiftT& floor = *result.group_shifts[0];
-  ASSERT_TRUE(floor.significant);
-  EXPECT_EQ(floor.name, "Floor 2");
-  EXPECT_NEAR(floor.shift.z(), -12 * mm, 1 * mm);
-  EXPECT_EQ(floor.would_pass, 5);
-  EXPECT_NE(floor.words.find("Floor 2 hangs 1"), std::string::npos) << floor.words;
-  EXPECT_NE(floor.words.find(" low"), std::string::npos) << floor.words;
-  for (std::size_t i = 1; i < result.group_shifts.size(); ++i) EXPECT_FALSE(result.group_shifts[i]->significant);
-}
-
-TEST(GroupShifts, AnchorsThatHappenToLieAlikeWereNotMeasuredBetter) {
-  DeviationInputs inputs = grid(5, 4);
-  for (std::size_t i = 0; i < inputs.model.positions.size(); ++i)
-    if (inputs.anchors[i].floor == 2) inputs.model.positions[i].z() -= 12 * mm;
-  const DeviationT result = judge_deviations(inputs, {});
-  ASSERT_FALSE(result.group_shifts.empty());
-  EXPECT_GT(result.group_shifts[0]->u.z(), 0.99 * 0.4 * mm / std::sqrt(5.0));  // of five anchors of 0.4 mm each
-}
-
-TEST(GroupShifts, ChanceIsNoShift) {
-  int alarms = 0;
-  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
-    DeviationInputs inputs = grid(6, 6);
-    Normal normal(seed);
-    for (auto& p : inputs.model.positions) p += Eigen::Vector3d(normal(), normal(), normal()) * 3 * mm;
-    for (const auto& group : judge_deviations(inputs, {}).group_shifts) alarms += group->significant;
-  }
-  EXPECT_LE(alarms, 1);  // 0.1 % of a hundred buildings
-}
-
 }  // namespace
 }  // namespace plumbline::judgement

@@ -15,11 +15,12 @@
 #include <vector>
 
 #include "artifacts/number.hpp"
-#include "runtime/deliver.hpp"
-#include "runtime/executor.hpp"
-#include "runtime/graph.hpp"
-#include "runtime/plan.hpp"
-#include "runtime/record.hpp"
+#include "runtime/graph/graph.hpp"
+#include "runtime/record/deliver.hpp"
+#include "runtime/record/record.hpp"
+#include "runtime/run/executor.hpp"
+#include "runtime/run/plan.hpp"
+#include "store_record.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::test {
@@ -97,14 +98,14 @@ class Story {
   /// Small outputs leave the records and become blobs, as large ones are.
   void move_contents_to_blobs() {
     for (const auto& file : records()) {
-      auto record = nlohmann::json::parse(read_file(file));
+      auto record = stored_record(file);
       for (const auto& [port, hashes] : record.at("outputs").items())
         for (const std::string hash : hashes) {
           const auto bytes = store->get(hash).bytes();
           store->put(bytes.data, bytes.size);
         }
       record.erase("contents");
-      std::ofstream(file, std::ios::trunc) << record.dump();
+      store_record(file, record);
     }
   }
 

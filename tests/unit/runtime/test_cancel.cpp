@@ -1,6 +1,6 @@
 #include <thread>
 
-#include "runtime/memory_budget.hpp"
+#include "runtime/base/memory_budget.hpp"
 #include "story.hpp"
 
 namespace plumbline::test {

@@ -4,8 +4,8 @@
 
 #include <thread>
 
-#include "runtime/claims.hpp"
-#include "runtime/key.hpp"
+#include "runtime/run/key.hpp"
+#include "runtime/store/claims.hpp"
 #include "story.hpp"
 
 namespace plumbline::test {

@@ -1,7 +1,7 @@
 // What comes out of a run, and what becomes of nodes that misbehave.
 #include <thread>
 
-#include "runtime/told_once.hpp"
+#include "runtime/base/told_once.hpp"
 #include "story.hpp"
 
 namespace plumbline::test {

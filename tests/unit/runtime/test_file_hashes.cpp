@@ -7,8 +7,8 @@
 #include <chrono>
 #include <thread>
 
-#include "runtime/digest.hpp"
-#include "runtime/file_hashes.hpp"
+#include "runtime/base/digest.hpp"
+#include "runtime/store/file_hashes.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::test {

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "plumbline/folder_files.hpp"
-#include "runtime/file_hashes.hpp"
+#include "runtime/store/file_hashes.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::test {

@@ -1,4 +1,4 @@
-#include "runtime/key.hpp"
+#include "runtime/run/key.hpp"
 #include "story.hpp"
 
 namespace plumbline::test {

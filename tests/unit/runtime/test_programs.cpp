@@ -4,9 +4,9 @@
 
 #include <map>
 
-#include "runtime/digest.hpp"
-#include "runtime/elf.hpp"
-#include "runtime/programs.hpp"
+#include "runtime/base/digest.hpp"
+#include "runtime/plugins/elf.hpp"
+#include "runtime/plugins/programs.hpp"
 #include "story.hpp"
 
 extern "C" int nameless(), unsigned_by_the_linker();

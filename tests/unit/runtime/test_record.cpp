@@ -1,7 +1,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "runtime/json_text.hpp"
+#include "runtime/base/json_text.hpp"
 #include "story.hpp"
 
 namespace plumbline::test {

@@ -127,12 +127,12 @@ TEST(Reuse, ADamagedContentIsNamedAndItsNodeRunsAgain) {
   const std::string hash = story.node("b").outputs.at("sum").at(0);
   ASSERT_FALSE(std::filesystem::exists(story.blob(hash)));
   for (const auto& file : story.records()) {
-    auto record = nlohmann::json::parse(read_file(file));
+    auto record = stored_record(file);
     if (!record.at("contents").contains(hash)) continue;
     std::string hex = record["contents"][hash];
     hex.back() = hex.back() == '0' ? '1' : '0';
     record["contents"][hash] = hex;
-    std::ofstream(file, std::ios::trunc) << record.dump();
+    store_record(file, record);
   }
   story.run();
   EXPECT_EQ(story.executed(), "b");
@@ -167,6 +167,52 @@ TEST(Reuse, ADamagedRecordIsPassedOver) {
   story.run();
   EXPECT_EQ(story.executed(), "a b c d");
   EXPECT_TRUE(story.result.ok());
+}
+
+/// A metric stands in the record alone: no hash of a blob tells that it was changed.
+TEST(Reuse, ARecordInWhichAMetricChangedIsNotBelieved) {
+  Story story(small_chain);
+  story.run();
+  for (const auto& file : story.records()) {
+    std::string text = read_file(file);
+    const size_t metric = text.find("\"value\":4");
+    if (metric == std::string::npos) continue;
+    text[metric + 8] = '5';
+    std::ofstream(file, std::ios::trunc) << text;
+  }
+  story.run();
+  EXPECT_EQ(story.executed(), "b");
+  EXPECT_EQ(story.node("b").metrics.at(0).value, 4);
+  ASSERT_EQ(story.node("b").warnings.size(), 1u);
+  EXPECT_NE(story.node("b").warnings[0].find("its record in the store is damaged"), std::string::npos);
+}
+
+/// What a tool that copies or renames files gets wrong.
+TEST(Reuse, ARecordUnderTheKeyOfAnotherNodeIsNotBelieved) {
+  Story story("a: {use: story.constant, with: {value: 1}}\nb: {use: story.constant, with: {value: 2}}\n");
+  story.run();
+  const auto record_of = [&](const std::string& node) {
+    const std::string key = story.node(node).keys.at(0);
+    return story.folder.path() / "store/runs" / key.substr(0, 2) / (key + ".json");
+  };
+  std::filesystem::copy_file(record_of("a"), record_of("b"), std::filesystem::copy_options::overwrite_existing);
+  story.run();
+  EXPECT_EQ(story.executed(), "b");
+  EXPECT_EQ(story.value("b", "number"), 2);
+}
+
+/// A later program may say in a record what this one does not understand, such as that the result must not be taken.
+TEST(Reuse, RecordsOfAnotherFormatAreComputedAgainWithoutAWord) {
+  Story story(small_chain);
+  story.run();
+  for (const auto& file : story.records()) {
+    auto record = stored_record(file);
+    record["format"] = 2;
+    store_record(file, record);
+  }
+  story.run();
+  EXPECT_EQ(story.executed(), "a b c d");
+  for (const auto& node : story.result.nodes) EXPECT_TRUE(node.warnings.empty()) << node.warnings[0];
 }
 
 TEST(Reuse, AFolderThatWasChangedIsMadeAgain) {

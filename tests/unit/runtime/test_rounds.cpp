@@ -1,7 +1,7 @@
 // Pipelines with rounds: what one round gives the next one takes.
 #include <gmock/gmock.h>
 
-#include "runtime/run_record.hpp"
+#include "runtime/record/run_record.hpp"
 #include "story.hpp"
 
 namespace plumbline::test {
@@ -197,7 +197,8 @@ TEST(Rounds, APlanKnowsThoseThatAreInTheStore) {
   planned = story.plan();
   std::string text;
   for (const auto& node : planned)
-    text += runtime::label_of(story.graph.nodes[node.node].name, node.round) + (node.runs ? node.is_sure ? "!" : "?" : "") + " ";
+    text += runtime::label_of(story.graph.nodes[node.node].name, node.round) +
+            (node.runs ? node.is_sure ? "!" : "?" : "") + " ";
   EXPECT_EQ(text, "start up up, round 2 up, round 3! aside after? all? ");
   EXPECT_THAT(planned.back().reasons.at(0), HasSubstr("of which number 3 is still to be computed"));
   story.run();

@@ -6,8 +6,8 @@
 #include "artifacts/folder.hpp"
 #include "artifacts/points.hpp"
 #include "artifacts/poses.hpp"
-#include "runtime/artifact_rules.hpp"
-#include "runtime/artifact_type.hpp"
+#include "runtime/plugins/artifact_rules.hpp"
+#include "runtime/plugins/artifact_type.hpp"
 
 namespace plumbline::test {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <cstdlib>
 
-#include "runtime/digest.hpp"
-#include "runtime/store.hpp"
+#include "runtime/base/digest.hpp"
+#include "runtime/store/store.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::test {
@@ -34,6 +34,21 @@ TEST(Store, GivesBackWhatItWasGiven) {
   EXPECT_EQ(text_of(store.get(hashes[1])), large);
   EXPECT_EQ(text_of(store.get(hashes[2])), empty);
   EXPECT_EQ(hashes[0], runtime::sha256_of(small.data(), small.size()));
+}
+
+/// Several nodes read one blob where it lies: one that writes into its input changes it for none of them.
+TEST(Store, BlobsCannotBeWritten) {
+  const TemporaryFolder folder;
+  Store store(folder.path());
+  const auto overwrite = [](const runtime::Blob& blob) {
+    *static_cast<volatile char*>(const_cast<void*>(blob.bytes().data)) = 'x';
+  };
+  const std::string small = "small", large(200'000, 'y');
+  const std::string held = store.hold(small.data(), small.size());
+  EXPECT_EXIT(overwrite(store.get(held)), testing::KilledBySignal(SIGSEGV), "");
+  for (const std::string& text : {small, large})
+    EXPECT_EXIT(overwrite(store.get(put(store, text))), testing::KilledBySignal(SIGSEGV), "") << text.size();
+  EXPECT_EQ(text_of(store.get(held)), small);
 }
 
 TEST(Store, ABlobLivesAsLongAsItsReaders) {

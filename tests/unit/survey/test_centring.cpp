@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "survey/adjust/adjust_network.hpp"
+#include "survey/simulate/simulate_survey.hpp"
 
 namespace plumbline::survey {
 namespace {
@@ -90,6 +91,101 @@ TEST(Centring, OfASetUpMovesAllItsSightsTogether) {
   // All targets are seen from where the instruments are; the mark alone is uncertain.
   EXPECT_NEAR(sigma_of_target(true, 2e-3, true), sigma_of_target(false, 0, true), 2e-6);
   EXPECT_GT(sigma_of_target(true, 2e-3, false), 3 * sigma_of_target(true, 2e-3, true)) << "reading by reading";
+}
+
+/// Where a target stood in a set-up as a point of its own, tied to its mark by a vector of no length: the displacement
+/// as an unknown with its prior, which the covariance of the sight eliminates.
+SurveyObservations with_displaced_targets(SurveyObservations s, double horizontal, double vertical) {
+  std::map<std::string, bool> known;
+  for (Observation& o : s.observations) {
+    const std::string stood = o.to + "@" + std::to_string(o.set_up);
+    if (!known[stood]) {
+      VectorGroup& g = s.vectors.emplace_back();
+      g.vectors = {{o.to, stood}};
+      g.values = Eigen::Vector3d::Zero();
+      g.covariance = Eigen::Vector3d(horizontal, horizontal, vertical).cwiseAbs2().asDiagonal();
+      for (const Point& p : std::vector<Point>(s.points))
+        if (p.id == o.to) {
+          s.points.push_back(p);
+          s.points.back().id = stood;
+          s.points.back().coordinates.x() += 2e-3 * (o.set_up + 1);  // equal ones would be placeholders
+        }
+      known[stood] = true;
+    }
+    o.to = stood;
+  }
+  return s;
+}
+
+TEST(Centring, OfATargetIsAnUnknownOfItsSetUp) {
+  SimulationOptions simulation;
+  simulation.profile = built_in_profile("total_station_2arcsec");
+  simulation.sigmas = false;
+  simulation.coordinates = true;
+  SurveyLayout layout = facade_layout(15, 3, 5);
+  for (SimulatedPoint& p : layout.points)
+    if (p.id[0] == 'M') p.position.z() += 3 * (p.position.z() - 1);  // steep sights
+  SurveyObservations survey = simulate_survey(layout, simulation, 5);
+  for (size_t i = 0, n = survey.observations.size(); i < n; i += 3)  // read twice, not averaged
+    if (i % 2 == 0) {
+      Observation again = survey.observations[i];
+      again.value += 1e-5, again.target_height = 1e-12;
+      survey.observations.push_back(again);
+    }
+  AdjustOptions with, without;
+  with.profile = without.profile = simulation.profile;
+  with.profile.instrument_centring = without.profile.instrument_centring = 0;
+  with.profile.target_centring = 1e-3, with.profile.height_centring = 0.5e-3;
+  without.profile.target_centring = without.profile.height_centring = 0;
+  with.datum = without.datum = DatumMode::fixed;
+  with.datum_points = without.datum_points = {"M1", "M3"};
+  const NetworkResult covariances = adjust_network(survey, with);
+  const NetworkResult unknowns = adjust_network(with_displaced_targets(survey, 1e-3, 0.5e-3), without);
+  EXPECT_EQ(covariances.degrees_of_freedom, unknowns.degrees_of_freedom);
+  EXPECT_NEAR(covariances.sum_of_squares, unknowns.sum_of_squares, 1e-3 * unknowns.sum_of_squares);
+  for (const ResultPoint& p : covariances.points) {
+    const ResultPoint& q = unknowns.point(p.id);
+    EXPECT_LT((p.position - q.position).norm(), 2e-6) << p.id;
+    const Eigen::Matrix3d c = covariances.covariance(p, p), d = unknowns.covariance(q, q);
+    EXPECT_LE((c - d).norm(), 2e-3 * d.norm()) << p.id;
+  }
+}
+
+/// STAR*NET's M: angle, distance and zenith angle of one line share the instrument's and the target's displacement.
+TEST(Centring, OfASingleLineIsSharedByItsReadings) {
+  SurveyObservations s;
+  s.info.format = "starnet";
+  const auto point = [&](const std::string& id, const Eigen::Vector3d& at, CoordinateRole role) {
+    Point& p = s.points.emplace_back();
+    p.id = id, p.coordinates = at, p.roles = {role, role, role};
+  };
+  point("A", {0, 0, 0}, CoordinateRole::fixed), point("B", {0, 50, 0}, CoordinateRole::fixed);
+  point("P", {12, 16, 15}, CoordinateRole::free);
+  const auto add = [&](ObservationKind kind, const std::string& to, const std::string& second, double value) {
+    Observation o;
+    o.kind = kind, o.from = "A", o.to = to, o.second_to = second, o.value = value;
+    o.source = {"m.dat", 7, 1};
+    s.observations.push_back(o);
+  };
+  add(ObservationKind::angle, "B", "P", std::atan2(12.0, 16.0));
+  add(ObservationKind::slope_distance, "P", "", 25);
+  add(ObservationKind::zenith_angle, "P", "", std::atan2(20.0, 15.0));
+  AdjustOptions o;
+  o.profile.direction_sigma = o.profile.zenith_sigma = 1e-9, o.profile.distance_constant = 1e-9;
+  o.profile.instrument_centring = 2e-3, o.profile.target_centring = 1e-3, o.profile.height_centring = 0.5e-3;
+  const NetworkResult r = adjust_network(s, o);
+  const Eigen::Matrix3d c = r.covariance(r.point("P"), r.point("P"));
+  // With perfect readings P is off by the displacement of its target, and by that of the instrument less what the
+  // angle to B, 50 m away, makes of it: dE (1 - 16/50) + ..., by hand.
+  Eigen::Matrix3d shift = Eigen::Matrix3d::Identity();  // of P by a displacement of the instrument
+  const double turn = 1.0 / 50;                         // of the orientation by dE of the instrument (towards B)
+  shift(0, 0) -= turn * 16, shift(1, 0) += turn * 12;
+  const Eigen::Matrix3d target = Eigen::Vector3d(1e-6, 1e-6, 0.25e-6).asDiagonal();
+  const Eigen::Matrix3d instrument = shift * Eigen::Vector3d(4e-6, 4e-6, 0).asDiagonal() * shift.transpose();
+  Eigen::Matrix3d left = Eigen::Matrix3d::Zero();  // B's target turns P about A
+  const Eigen::Vector3d across(16, -12, 0);
+  left = across * across.transpose() * std::pow(1e-3 / 50, 2);
+  EXPECT_LT((c - (target + instrument + left)).norm(), 1e-3 * c.norm()) << c << "\n\n" << target + instrument + left;
 }
 
 }  // namespace

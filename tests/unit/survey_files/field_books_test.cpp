@@ -63,6 +63,16 @@ TEST(Nikon, AControlPointIsASightingWithASecondName) {
   EXPECT_TRUE(s.skipped.empty());
 }
 
+TEST(Nikon, TheSecondFaceHasTheTargetHeightOfTheFirst) {
+  const auto s = read_nikon(
+      "CO,Dist Units: Metres\nCO,Angle Units: Gons\nCO,Zero VA: Horizon\nST,S1,,,,1.500,0.0000,0.0000\n"
+      "SS,A,1.600,10.000,50.0000,1.2345,10:00:00,\nF2,A,,10.002,250.0000,198.7655,10:00:30\n"
+      "F2,B,,20.000,-10.0000,398.0000,10:01:00,\n",
+      "n.raw");
+  EXPECT_EQ(observation(s, 1, ObservationKind::slope_distance).target_height, 1.6);
+  EXPECT_TRUE(std::isnan(observation(s, 2, ObservationKind::slope_distance).target_height)) << "another target";
+}
+
 TEST(Nikon, ABacksightReadBeforeItsAzimuthWasSetIsASetUpOfItsOwn) {
   const auto s = read_nikon(
       "CO,Dist Units: Metres\nCO,Angle Units: Gons\nST,S,,A,,1.2,100.0000,100.0000\nF1,A,1.3,50.0,30.0000,99.0,\n"

@@ -196,6 +196,23 @@ TEST(Gsi, ReadsSexagesimalAnglesWithoutAStation) {
   EXPECT_EQ(survey.warnings.size(), 1u) << "the station has no name";
 }
 
+/// Two lines of an LS15 that holds heights and distances from the begin only; both begin at a height nobody keyed in.
+TEST(Gsi, HeightsThatALevelStoredGiveDifferencesWhereNoStaffWasRead) {
+  const auto s = read_gsi(
+      "410001+?......4\n110002+00Y04H02 83..58+00000000\n110003+00000Z01 574..8+00100000 83..28+00000100\n"
+      "110004+0000YSH4 574..8+00300000 83..28-00000050\n110006+00Y04H02 574..8+00700000 83..28+00000000\n"
+      "410010+?......4\n110011+00Y02H01 83..58+00000000\n110012+00000Z01 574..8+00200000 83..28+00000030\n",
+      "l.gsi");
+  ASSERT_EQ(s.observations.size(), 4u);
+  EXPECT_EQ(s.observations[1].from, "Z01");
+  EXPECT_EQ(s.observations[1].to, "YSH4");
+  EXPECT_NEAR(s.observations[1].value, -0.0015, 1e-12);
+  EXPECT_NEAR(s.observations[1].levelling_length, 2.0, 1e-12);
+  EXPECT_EQ(s.observations[3].from, "Y02H01") << "each line begins anew";
+  for (const Point& p : s.points) EXPECT_FALSE(p.known[2]) << p.id << ": two heights of exactly 0 are none";
+  ASSERT_EQ(s.warnings.size(), 2u);
+}
+
 TEST(GsiWriter, RealNetworkReadsBackTheSame) {
   PLUMBLINE_REQUIRE_DATA("survey/gsi/network_22_setups.GSI");
   const auto survey = read_gsi(test::read_file(test::data_file("survey/gsi/network_22_setups.GSI")), "network.GSI");

@@ -63,6 +63,20 @@ TEST(StarNetFlags, MayStandWithoutBlanks) {
   EXPECT_LT(s.observations[1].sigma, 1e-5);
 }
 
+/// Sets in two faces, as a field book's converter writes them: left in face 1, the circle read two hundred gon apart.
+TEST(StarNetFaces, AZenithAngleBeyondHalfACircleIsOfFaceTwo) {
+  const auto s = read_starnet(
+      ".3D\n.ORDER NE\nDB 101\nDM 1001 0-00-00 42.1940 81-18-56.73\nDM 1001 180-00-09.35 42.1944 278-40-59.68\n"
+      "DN 102 10-00-00\nDE\nM 101-1001-102 10-00-00 50 271-00-00\n",
+      "f.dat");
+  ASSERT_EQ(s.observations.size(), 10u);
+  for (const Observation& o : s.observations)
+    EXPECT_EQ(o.face, (o.source.line == 5 && o.kind != slope_distance) || (o.source.line == 8 && o.kind == zenith_angle)
+                          ? 2
+                          : 0)
+        << o.source.line;
+}
+
 /// A swallowed word may be a standard deviation that somebody meant.
 TEST(StarNetWords, ThatNothingReadsAreErrors) {
   const std::string control = ".3D\n.ORDER EN\nC A 0 0 100 ! ! !\nC B 100 0 100 ! ! !\n";

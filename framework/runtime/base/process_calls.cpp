@@ -1,0 +1,128 @@
+// _exit(), the exec family and fork(), as a node may call them; these stand in the place of libc's own for all that is
+// loaded into the program. The first two leave the process without a word: no handler of exit() runs, and the exit code
+// may be 0. In the process that runs the node they name it; in one that it has forked they do what they always do. What
+// is forked is noted (forks.hpp).
+#include <dlfcn.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <cstdarg>
+#include <cstdlib>
+
+#include "runtime/base/forks.hpp"
+#include "runtime/base/running_nodes.hpp"
+
+#define PLUMBLINE_FOR_ALL __attribute__((visibility("default")))  // libraries that are loaded find these first
+
+namespace {
+
+using plumbline::runtime::end_if_a_node_asks;
+
+[[noreturn]] void leave(int code) {
+  for (;;) syscall(SYS_exit_group, code);
+}
+
+/// libc's own, looked up while the program starts: in a forked child it may be too late for the loader's locks.
+template <typename Function>
+Function* next(const char* name) {
+  return reinterpret_cast<Function*>(dlsym(RTLD_NEXT, name));
+}
+pid_t (*const real_fork)() = next<pid_t()>("fork");
+using WithEnvironment = int(const char*, char* const*, char* const*);
+WithEnvironment* const real_execve = next<WithEnvironment>("execve");
+WithEnvironment* const real_execvpe = next<WithEnvironment>("execvpe");
+int (*const real_fexecve)(int, char* const*, char* const*) = next<int(int, char* const*, char* const*)>("fexecve");
+int (*const real_execveat)(int, const char*, char* const*, char* const*,
+                           int) = next<int(int, const char*, char* const*, char* const*, int)>("execveat");
+
+/// The arguments of an execl(), which end with a null pointer.
+struct Words {
+  static constexpr size_t most = 4096;
+  const char* list[most + 1] = {};
+  Words(const char* first, va_list& more) {
+    size_t count = 0;
+    for (const char* word = first; word && count < most; word = va_arg(more, const char*)) list[count++] = word;
+  }
+  char* const* get() const { return const_cast<char* const*>(list); }
+};
+
+}  // namespace
+
+extern "C" {
+
+[[noreturn]] PLUMBLINE_FOR_ALL void _exit(int code) {
+  end_if_a_node_asks("_exit()");
+  leave(code);
+}
+
+[[noreturn]] PLUMBLINE_FOR_ALL void _Exit(int code) noexcept {
+  end_if_a_node_asks("_Exit()");
+  leave(code);
+}
+
+PLUMBLINE_FOR_ALL pid_t fork() noexcept {
+  const pid_t child = real_fork();
+  plumbline::runtime::ForkWatch::note(child);
+  return child;
+}
+
+PLUMBLINE_FOR_ALL int execve(const char* path, char* const* arguments, char* const* environment) noexcept {
+  end_if_a_node_asks("execve()");
+  return real_execve(path, arguments, environment);
+}
+
+PLUMBLINE_FOR_ALL int execv(const char* path, char* const* arguments) noexcept {
+  end_if_a_node_asks("execv()");
+  return real_execve(path, arguments, environ);
+}
+
+PLUMBLINE_FOR_ALL int execvp(const char* file, char* const* arguments) noexcept {
+  end_if_a_node_asks("execvp()");
+  return real_execvpe(file, arguments, environ);
+}
+
+PLUMBLINE_FOR_ALL int execvpe(const char* file, char* const* arguments, char* const* environment) noexcept {
+  end_if_a_node_asks("execvpe()");
+  return real_execvpe(file, arguments, environment);
+}
+
+PLUMBLINE_FOR_ALL int fexecve(int file, char* const* arguments, char* const* environment) noexcept {
+  end_if_a_node_asks("fexecve()");
+  return real_fexecve(file, arguments, environment);
+}
+
+PLUMBLINE_FOR_ALL int execveat(int folder, const char* path, char* const* arguments, char* const* environment,
+                               int flags) noexcept {
+  end_if_a_node_asks("execveat()");
+  return real_execveat(folder, path, arguments, environment, flags);
+}
+
+PLUMBLINE_FOR_ALL int execl(const char* path, const char* first, ...) noexcept {
+  end_if_a_node_asks("execl()");
+  va_list more;
+  va_start(more, first);
+  const Words words(first, more);
+  va_end(more);
+  return real_execve(path, words.get(), environ);
+}
+
+PLUMBLINE_FOR_ALL int execlp(const char* file, const char* first, ...) noexcept {
+  end_if_a_node_asks("execlp()");
+  va_list more;
+  va_start(more, first);
+  const Words words(first, more);
+  va_end(more);
+  return real_execvpe(file, words.get(), environ);
+}
+
+PLUMBLINE_FOR_ALL int execle(const char* path, const char* first, ...) noexcept {
+  end_if_a_node_asks("execle()");
+  va_list more;
+  va_start(more, first);
+  const Words words(first, more);
+  char* const* environment = va_arg(more, char* const*);
+  va_end(more);
+  return real_execve(path, words.get(), environment);
+}
+
+}  // extern "C"

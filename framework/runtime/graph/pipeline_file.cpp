@@ -1,0 +1,433 @@
+#include "runtime/graph/pipeline_file.hpp"
+
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+#include "runtime/base/near_names.hpp"
+#include "runtime/base/printable.hpp"
+#include "runtime/graph/pipeline_variables.hpp"
+#include "text/one_document.hpp"
+
+namespace plumbline::runtime {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr size_t deepest_include = 100;
+
+/// Reads one file and, first, those it includes.
+class FileReader {
+ public:
+  FileReader(const std::vector<std::string>& overrides, const std::vector<fs::path>& include_folders,
+             std::vector<Problem>& problems)
+      : overrides_(overrides), include_folders_(include_folders), problems_(problems), variables_(problems) {}
+
+  PipelineSpec read(const fs::path& file) {
+    PipelineSpec spec;
+    collect(file, spec);
+    variables_.tell_unused(overrides_);
+    variables_.apply(overrides_);
+    apply_node_overrides(spec);
+    variables_.resolve();
+    std::vector<Scalar*> descriptions;
+    for (NodeSpec& node : spec.nodes) {
+      refuse_variable_in_name(node.name, node.at);
+      variables_.replace(node.use);
+      for (auto& [name, value] : node.conditions) variables_.replace(value);
+      for (auto& [port, source] : node.inputs) variables_.replace(source);
+      for (auto& [name, parameter] : node.parameters)
+        for (Scalar& value : parameter.values)
+          is_description(value) ? descriptions.push_back(&value) : variables_.replace(value);
+    }
+    const std::string nodes = descriptions.empty() ? "" : nodes_in_words(spec);
+    for (Scalar* value : descriptions) value->text = nodes;
+    for (auto& [name, source] : spec.outputs) {
+      refuse_variable_in_name(name, source.at);
+      variables_.replace(source);
+    }
+    for (auto& carry : spec.rounds.carry) variables_.replace(carry.first), variables_.replace(carry.next);
+    variables_.replace(spec.rounds.until);
+    variables_.replace(spec.rounds.most);
+    spec.variables = variables_.values();
+    return spec;
+  }
+
+ private:
+  void problem(const Position& at, const std::string& message) { problems_.push_back({at, message}); }
+
+  /// The value "${pipeline}": what runs, in words, for a report. A variable of that name goes before it.
+  bool is_description(const Scalar& value) const { return value.text == "${pipeline}" && !variables_.has("pipeline"); }
+
+  /// A line for each node: its name, its kind, and the parameters that the pipeline gives it. Paths are left out: where
+  /// a file lies is no part of a result, and what is in it is told by hashes.
+  std::string nodes_in_words(const PipelineSpec& spec) const {
+    std::string text;
+    for (const NodeSpec& node : spec.nodes) {
+      text += (text.empty() ? "" : "\n") + node.name + ": " + node.use.text;
+      for (const auto& [name, parameter] : node.parameters) {
+        std::string values;
+        for (const Scalar& value : parameter.values)
+          if (!is_description(value)) values += (values.empty() ? "" : ",") + value.text;
+        if (!values.empty() && values.find('/') == std::string::npos) text += " " + name + "=" + values;
+      }
+    }
+    return text;
+  }
+
+  static Position position(const fs::path& file, const YAML::Node& node) {
+    const YAML::Mark mark = node.Mark();
+    return {file.string(), mark.line + 1, mark.column + 1};
+  }
+
+  static bool has_tab(const std::string& text, int line) {
+    std::istringstream stream(text);
+    std::string found;
+    for (int i = 0; i <= line && std::getline(stream, found); ++i) {
+    }
+    return found.find('\t') != std::string::npos;
+  }
+
+  void collect(const fs::path& file, PipelineSpec& spec) {
+    read_.insert(fs::weakly_canonical(file));
+    const std::string text = read_text(file);
+    spec.sources.push_back({file.string(), text});
+    YAML::Node root;
+    try {
+      root = formats::load_one_document(text);
+    } catch (const YAML::Exception& error) {
+      std::string message = error.msg;
+      if (text.find("${") != std::string::npos && message.find("map flow") != std::string::npos)
+        message += " (a variable inside { } must be quoted: \"${name}\")";
+      if (has_tab(text, error.mark.line)) message += " (this line has a tab; YAML is indented by blanks)";
+      problem({file.string(), error.mark.line + 1, error.mark.column + 1}, message);
+      return;
+    }
+    if (!root.IsMap()) {
+      problem({file.string(), 1, 1},
+              "a pipeline is a map with the keys plumbline, vars, nodes, outputs; found something else");
+      return;
+    }
+    check_keys(file, root, {"plumbline", "include", "vars", "rounds", "nodes", "outputs"}, "a pipeline");
+    if (!root["plumbline"])
+      problem({file.string(), 1, 1}, "the first line of a pipeline is 'plumbline: 1' (the version of the format)");
+    else if (!root["plumbline"].IsScalar() || root["plumbline"].Scalar() != "1")
+      problem(position(file, root["plumbline"]), "the version of the format must be 1");
+    if (root["include"]) read_includes(file, root["include"], spec);
+    if (root["vars"]) read_variables(file, root["vars"]);
+    if (root["rounds"]) read_rounds(file, root["rounds"], spec.rounds);
+    if (root["nodes"]) read_nodes(file, root["nodes"], spec);
+    if (root["outputs"]) read_outputs(file, root["outputs"], spec);
+  }
+
+  std::string read_text(const fs::path& file) {
+    std::error_code error;
+    std::ifstream stream;
+    if (fs::is_regular_file(file, error)) stream.open(file, std::ios::binary);
+    if (!stream.is_open() || !stream) {
+      problem({file.string(), 0, 0}, "cannot read this pipeline file");
+      return "plumbline: 1";
+    }
+    if (const auto size = fs::file_size(file, error); error || size > largest_pipeline_file) {
+      problem({file.string(), 0, 0}, "has " + std::to_string(size >> 20) + " MiB; a pipeline file has at most " +
+                                         std::to_string(largest_pipeline_file >> 20) + ". Is it data?");
+      return "plumbline: 1";
+    }
+    std::ostringstream text;
+    text << stream.rdbuf();
+    return text.str();
+  }
+
+  void check_keys(const fs::path& file, const YAML::Node& map, const std::vector<std::string>& known,
+                  const std::string& of) {
+    std::set<std::string> seen;
+    for (const auto& item : map) {
+      if (!item.first.IsScalar()) {
+        problem(position(file, item.first), "a key must be plain text");
+        continue;
+      }
+      const std::string key = item.first.Scalar();
+      if (!known.empty() && std::find(known.begin(), known.end(), key) == known.end())
+        problem(position(file, item.first), of + " has no key '" + key + "'" + did_you_mean(key, known));
+      if (!seen.insert(key).second)
+        problem(position(file, item.first), "the key '" + key + "' stands here a second time; keep one of them");
+    }
+  }
+
+  void read_includes(const fs::path& file, const YAML::Node& list, PipelineSpec& spec) {
+    std::vector<YAML::Node> items;
+    if (list.IsScalar()) items.push_back(list);
+    if (list.IsSequence())
+      for (const auto& item : list) items.push_back(item);
+    including_.push_back(fs::weakly_canonical(file));
+    for (const YAML::Node& item : items) {
+      const fs::path included = find_include(file, item.as<std::string>(""));
+      const fs::path same = fs::weakly_canonical(included);
+      if (included.empty())
+        problem(position(file, item), "included file not found: " + included_places(file, item.as<std::string>("")));
+      else if (std::find(including_.begin(), including_.end(), same) != including_.end())
+        problem(position(file, item), "this include goes round in a circle");
+      else if (including_.size() > deepest_include)
+        problem(position(file, item), "files include one another deeper than " + std::to_string(deepest_include) +
+                                          " levels; name them side by side in one list");
+      else if (!read_.count(same))
+        collect(included, spec);
+    }
+    including_.pop_back();
+  }
+
+  fs::path find_include(const fs::path& file, const std::string& name) const {
+    if (name.empty()) return {};
+    std::vector<fs::path> folders{file.parent_path()};
+    folders.insert(folders.end(), include_folders_.begin(), include_folders_.end());
+    for (const fs::path& folder : folders)
+      for (const fs::path& candidate : {folder / name, folder / (name + ".yaml")})
+        if (fs::is_regular_file(candidate)) return candidate.lexically_normal();
+    return {};
+  }
+
+  std::string included_places(const fs::path& file, const std::string& name) const {
+    std::string text = (file.parent_path() / name).lexically_normal().string();
+    for (const fs::path& folder : include_folders_) text += ", nor in " + folder.string();
+    return text;
+  }
+
+  void read_variables(const fs::path& file, const YAML::Node& map) {
+    if (!map.IsMap()) return problem(position(file, map), "'vars' is a map of names and values");
+    check_keys(file, map, {}, "vars");
+    for (const auto& item : map) {
+      if (!item.second.IsScalar() && !item.second.IsNull()) {
+        problem(position(file, item.second), "a variable has one plain value");
+        continue;
+      }
+      const bool given = item.second.IsScalar();
+      if (given) variables_.mention(item.second.Scalar());
+      variables_.declare(item.first.as<std::string>(""),
+                         {given ? item.second.Scalar() : "", position(file, item.first), file.parent_path()}, given);
+    }
+  }
+
+  void read_nodes(const fs::path& file, const YAML::Node& map, PipelineSpec& spec) {
+    if (!map.IsMap()) return problem(position(file, map), "'nodes' is a map: name: {use: …, in: {…}, with: {…}}");
+    check_keys(file, map, {}, "nodes");
+    for (const auto& item : map) {
+      const std::string name = item.first.as<std::string>("");
+      if (name.find('.') != std::string::npos || name.empty() || printable_line(name) != name)
+        problem(position(file, item.first),
+                "a node's name is one line without dots and control characters: '" + printable_line(name) + "'");
+      if (!item.second.IsMap()) {
+        problem(position(file, item.second), "node '" + name + "' is a map: {use: …, in: {…}, with: {…}}");
+        continue;
+      }
+      check_keys(file, item.second, {"use", "in", "with", "isolate", "time_limit", "memory_limit"}, "a node");
+      // An including file may change parts of an included node: what it says replaces, the rest stays.
+      const auto [found, fresh] = node_index_.emplace(name, spec.nodes.size());
+      if (fresh) spec.nodes.push_back({name, {}, {}, {}, {}});
+      NodeSpec& node = spec.nodes[found->second];
+      node.at = position(file, item.first);
+      read_node(file, item.second, node);
+    }
+  }
+
+  Scalar scalar(const fs::path& file, const YAML::Node& node) {
+    if (!node.IsScalar()) problem(position(file, node), "one plain value is expected here");
+    if (node.IsScalar()) variables_.mention(node.Scalar());
+    return {node.IsScalar() ? node.Scalar() : "", position(file, node), file.parent_path(), !node.IsScalar()};
+  }
+
+  template <typename Value>
+  static void set(std::vector<std::pair<std::string, Value>>& list, const std::string& key, Value value) {
+    for (auto& [name, old] : list)
+      if (name == key) {
+        old = std::move(value);
+        return;
+      }
+    list.emplace_back(key, std::move(value));
+  }
+
+  void read_node(const fs::path& file, const YAML::Node& map, NodeSpec& node) {
+    if (map["use"]) node.use = scalar(file, map["use"]);
+    for (const char* condition : {"isolate", "time_limit", "memory_limit"})
+      if (map[condition]) set(node.conditions, condition, scalar(file, map[condition]));
+    if (const YAML::Node inputs = map["in"]) {
+      if (!inputs.IsMap()) return problem(position(file, inputs), "'in' is a map: {port: node.port}");
+      check_keys(file, inputs, {}, "in");
+      for (const auto& item : inputs) {
+        const std::string port = item.first.as<std::string>("");
+        std::erase_if(node.inputs, [&](const auto& input) { return input.first == port; });
+        const auto connect = [&](const YAML::Node& value, const YAML::Node& place) {
+          Scalar source = scalar(file, value);
+          source.at = position(file, place);
+          node.inputs.emplace_back(port, std::move(source));
+        };
+        if (item.second.IsSequence())
+          for (const auto& value : item.second) connect(value, value);
+        else
+          connect(item.second, item.first);
+      }
+    }
+    if (const YAML::Node with = map["with"]) {
+      if (!with.IsMap()) return problem(position(file, with), "'with' is a map: {parameter: value}");
+      check_keys(file, with, {}, "with");
+      for (const auto& item : with) {
+        ParameterSpec parameter;
+        parameter.at = position(file, item.first);
+        parameter.is_list = item.second.IsSequence();
+        if (parameter.is_list)
+          for (const auto& value : item.second) parameter.values.push_back(scalar(file, value));
+        else
+          parameter.values.push_back(scalar(file, item.second));
+        set(node.parameters, item.first.as<std::string>(""), std::move(parameter));
+      }
+    }
+  }
+
+  void read_rounds(const fs::path& file, const YAML::Node& map, RoundsSpec& rounds) {
+    if (!map.IsMap())
+      return problem(position(file, map),
+                     "'rounds' is a map: {carry: {name: node.port}, until: node.metric, most: 20}");
+    check_keys(file, map, {"carry", "until", "most"}, "rounds");
+    rounds.given = true;
+    rounds.at = position(file, map);
+    if (map["until"]) rounds.until = scalar(file, map["until"]);
+    if (map["most"]) rounds.most = scalar(file, map["most"]);
+    const YAML::Node carry = map["carry"];
+    if (!carry) return;
+    if (!carry.IsMap())
+      return problem(position(file, carry), "'carry' is a map: {name: node.port} or {name: {first: …, next: …}}");
+    check_keys(file, carry, {}, "carry");
+    for (const auto& item : carry) {
+      RoundsSpec::Carry one{item.first.as<std::string>(""), position(file, item.first), {}, {}};
+      if (item.second.IsMap()) {
+        check_keys(file, item.second, {"first", "next"}, "what is carried");
+        if (item.second["first"]) one.first = scalar(file, item.second["first"]);
+        if (item.second["next"]) one.next = scalar(file, item.second["next"]);
+      } else {
+        one.next = scalar(file, item.second);
+      }
+      std::erase_if(rounds.carry, [&](const auto& other) { return other.name == one.name; });
+      rounds.carry.push_back(std::move(one));
+    }
+  }
+
+  void read_outputs(const fs::path& file, const YAML::Node& map, PipelineSpec& spec) {
+    if (!map.IsMap()) return problem(position(file, map), "'outputs' is a map: {file name: node.port}");
+    check_keys(file, map, {}, "outputs");
+    for (const auto& item : map) {
+      Scalar source = scalar(file, item.second);
+      source.at = position(file, item.first);
+      set(spec.outputs, item.first.as<std::string>(""), std::move(source));
+    }
+  }
+
+  void apply_node_overrides(PipelineSpec& spec) {
+    for (const std::string& text : overrides_) {
+      const size_t equals = text.find('=');
+      if (!is_node_override(text)) continue;
+      const std::string key = text.substr(0, equals), value = text.substr(equals + 1);
+      const Position at{"'" + text + "'", 0, 0};
+      const size_t dot = key.find('.');
+      const std::string name = key.substr(0, dot), what = key.substr(dot + 1);
+      if (name == "rounds" && spec.rounds.given) {
+        override_rounds(what, Scalar{value, at, fs::current_path()}, spec.rounds);
+        continue;
+      }
+      const auto found = node_index_.find(name);
+      NodeSpec* node = found == node_index_.end() ? nullptr : &spec.nodes[found->second];
+      if (!node) {
+        std::vector<std::string> names;
+        for (const NodeSpec& n : spec.nodes) names.push_back(n.name);
+        problem(at, "this pipeline has no node '" + name + "'" + did_you_mean(name, names));
+      } else if (what == "use") {
+        node->use = {value, at, fs::current_path()};
+      } else if (what.rfind("with.", 0) == 0 && value == "~") {  // what the pipeline sets for the kind it names
+        std::erase_if(node->parameters, [&](const auto& parameter) { return parameter.first == what.substr(5); });
+      } else if (what.rfind("with.", 0) == 0) {
+        set(node->parameters, what.substr(5), override_value(value, at));
+      } else if (what.rfind("in.", 0) == 0) {
+        const std::string port = what.substr(3);
+        std::erase_if(node->inputs, [&](const auto& input) { return input.first == port; });
+        for (Scalar& source : override_value(value, at).values) node->inputs.emplace_back(port, std::move(source));
+      } else if (what == "isolate" || what == "time_limit" || what == "memory_limit") {
+        set(node->conditions, what, Scalar{value, at, fs::current_path()});
+      } else {
+        problem(at, "write " + name + ".use=KIND, " + name + ".with.PARAMETER=VALUE, " + name + ".in.PORT=NODE.PORT, " +
+                        name + ".isolate=process, " + name + ".time_limit=TIME or " + name + ".memory_limit=SIZE");
+      }
+    }
+  }
+
+  void override_rounds(const std::string& what, const Scalar& value, RoundsSpec& rounds) {
+    if (what == "most")
+      rounds.most = value;
+    else if (what == "until")
+      rounds.until = value.text == "~" ? Scalar{} : value;
+    else
+      problem(value.at, "of rounds the command line sets rounds.most=NUMBER and rounds.until=NODE.METRIC, no other");
+  }
+
+  /// Items between commas, without blanks at both ends; one in quotes, single or double, may have commas and blanks in it.
+  static std::vector<std::string> list_items(const std::string& text) {
+    std::vector<std::string> items;
+    for (size_t at = 0; at < text.size();) {
+      const size_t first = text.find_first_not_of(' ', at);
+      if (first == std::string::npos) break;
+      const bool quoted = text[first] == '"' || text[first] == '\'';
+      const size_t close = quoted ? text.find(text[first], first + 1) : std::string::npos;
+      // A quote that nothing closes is a character like any other.
+      const size_t end = std::min(text.find(',', close == std::string::npos ? first : close), text.size());
+      const size_t last = text.find_last_not_of(' ', end - 1);
+      if (close != std::string::npos && last == close)
+        items.push_back(text.substr(first + 1, close - first - 1));
+      else if (first < end)
+        items.push_back(text.substr(first, last - first + 1));
+      at = end + 1;
+    }
+    return items;
+  }
+
+  /// `[a, b]` on the command line is a list, everything else one value.
+  static ParameterSpec override_value(const std::string& value, const Position& at) {
+    ParameterSpec parameter;
+    parameter.at = at;
+    if (value.size() >= 2 && value.front() == '[' && value.back() == ']') {
+      parameter.is_list = true;
+      for (const std::string& item : list_items(value.substr(1, value.size() - 2)))
+        parameter.values.push_back({item, at, fs::current_path()});
+    } else {
+      parameter.values.push_back({value, at, fs::current_path()});
+    }
+    return parameter;
+  }
+
+  void refuse_variable_in_name(const std::string& name, const Position& at) {
+    if (name.find("${") != std::string::npos)
+      problem(at, "'" + name + "': variables stand in values, not in names; write the name out");
+  }
+
+  const std::vector<std::string>& overrides_;
+  const std::vector<fs::path>& include_folders_;
+  std::vector<Problem>& problems_;
+  PipelineVariables variables_;
+  std::map<std::string, size_t> node_index_;  // in PipelineSpec::nodes
+  std::set<fs::path> read_;
+  std::vector<fs::path> including_;
+};
+
+}  // namespace
+
+PipelineSpec read_pipeline(const fs::path& file, const std::vector<std::string>& overrides,
+                           const std::vector<fs::path>& include_folders, std::vector<Problem>& problems) {
+  return FileReader(overrides, include_folders, problems).read(file);
+}
+
+bool is_node_override(const std::string& text) {
+  const size_t equals = text.find('=');
+  return equals != std::string::npos && text.find('.') < equals;
+}
+
+}  // namespace plumbline::runtime

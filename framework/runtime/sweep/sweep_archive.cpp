@@ -1,0 +1,166 @@
+#include "runtime/sweep/sweep_archive.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+
+#include "runtime/base/digest.hpp"
+
+namespace plumbline::runtime {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+void write(const fs::path& path, const std::string& text) {
+  fs::create_directories(path.parent_path());
+  std::ofstream stream(path, std::ios::binary | std::ios::trunc);
+  stream << text;
+  stream.close();
+  if (!stream) throw std::runtime_error("cannot write " + path.string() + "; check space and rights");
+}
+
+std::string content_of(const fs::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  if (!stream || fs::is_directory(path)) throw std::runtime_error("cannot read " + path.string());
+  return text.str();
+}
+
+fs::path absolute(const std::string& path) { return fs::absolute(path).lexically_normal(); }
+
+/// The folder that all lie in.
+fs::path common_folder(const std::vector<SourceFile>& sources) {
+  fs::path common = absolute(sources.front().path).parent_path();
+  for (const SourceFile& source : sources)
+    while (absolute(source.path).lexically_relative(common).string().rfind("..", 0) == 0) common = common.parent_path();
+  return common;
+}
+
+/// Files and folders that parameters name, with their hashes.
+Json inputs_of_plan(const SweepPlan& plan, FileHashes& hashes) {
+  std::set<std::string> paths;
+  std::set<const CellGraph*> seen;
+  for (const SweepCell& cell : plan.cells) {
+    if (!cell.graph || !seen.insert(cell.graph.get()).second) continue;
+    for (const GraphNode& node : cell.graph->graph.nodes)
+      for (uint32_t i = 0; i < node.kind.node->param_count; ++i) {
+        const plumbline_param& param = *node.kind.node->params[i];
+        if (param.kind != PLUMBLINE_FILE && param.kind != PLUMBLINE_FOLDER) continue;
+        const auto value = node.parameters.find(param.name);
+        if (value == node.parameters.end()) continue;
+        std::istringstream list(value->second);
+        for (std::string path; std::getline(list, path, '\x1f');)
+          if (!path.empty()) paths.insert(path);
+      }
+  }
+  Json inputs = Json::array();
+  for (const std::string& path : paths) inputs.push_back({{"path", path}, {"sha256", hashes.of(path)}});
+  return inputs;
+}
+
+Json machine_json(const Registry& registry, const BuildFacts& build) {
+  Json plugins = Json::array();
+  for (const auto& plugin : registry.plugins())
+    plugins.push_back(
+        {{"name", plugin->identity.name}, {"version", plugin->identity.version}, {"sha256", plugin->sha256}});
+  return {{"version", build.version},
+          {"commit", build.commit},
+          {"compiler", build.compiler},
+          {"libraries", build.libraries},
+          {"plugins", plugins}};
+}
+
+bool alike(const nlohmann::json& a, const nlohmann::json& b, double tolerance) {
+  if (!a.is_number() || !b.is_number()) return a == b;
+  const double x = a.get<double>(), y = b.get<double>();
+  return x == y || std::abs(x - y) <= tolerance * std::max(std::abs(x), std::abs(y));
+}
+
+}  // namespace
+
+void write_archive(const fs::path& folder, const SweepPlan& plan, const Overrides& overrides,
+                   const CellRecords& records, const Registry& registry, FileHashes& hashes, const BuildFacts& build) {
+  std::vector<SourceFile> sources = sources_of(plan);
+  sources.insert(sources.begin(), {plan.file.path.string(), plan.file.text});
+  const fs::path common = common_folder(sources);
+  fs::remove_all(folder / "files");
+  Json files = Json::array();
+  for (const SourceFile& source : sources) {
+    const std::string place = "files/" + absolute(source.path).lexically_relative(common).generic_string();
+    write(folder / place, source.text);
+    files.push_back({{"path", place}, {"sha256", sha256_of(source.text.data(), source.text.size())}});
+  }
+  std::string cells;
+  for (const SweepCell& cell : plan.cells)
+    if (const auto record = records.find(cell.key))
+      cells += Json{{"cell", cell.label()}, {"result", Json::parse(CellRecords::result_text(*record))}}.dump() + "\n";
+  write(folder / "cells.jsonl", cells);
+  const Json json{{"plumbline_archive", 1},
+                  {"title", plan.file.title},
+                  {"bench", files[0]["path"]},
+                  {"overrides", overrides},
+                  {"seeds", plan.file.seeds},
+                  {"machine", machine_json(registry, build)},
+                  {"files", files},
+                  {"inputs", inputs_of_plan(plan, hashes)},
+                  {"cells_sha256", sha256_of(cells.data(), cells.size())}};
+  write(folder / "archive.json", json.dump(1) + "\n");
+}
+
+Archive read_archive(const fs::path& folder) {
+  Archive archive;
+  const std::string cells = content_of(folder / "cells.jsonl");
+  try {
+    const auto json = nlohmann::json::parse(content_of(folder / "archive.json"));
+    if (json.at("plumbline_archive") != 1)
+      throw std::runtime_error(folder.string() + " is an archive of a form that this program does not know");
+    for (const auto& file : json.at("files")) {
+      const std::string path = file.at("path"), text = content_of(folder / path);
+      if (sha256_of(text.data(), text.size()) != file.at("sha256"))
+        throw std::runtime_error((folder / path).string() + " is not what was archived: it has been changed");
+      const fs::path its = (folder / path).parent_path();
+      if (std::find(archive.folders.begin(), archive.folders.end(), its) == archive.folders.end())
+        archive.folders.push_back(its);
+    }
+    if (sha256_of(cells.data(), cells.size()) != json.at("cells_sha256"))
+      throw std::runtime_error((folder / "cells.jsonl").string() + " is not what was archived: it has been changed");
+    archive.bench = folder / json.at("bench").get<std::string>();
+    json.at("overrides").get_to(archive.overrides);
+    json.at("seeds").get_to(archive.seeds);
+    archive.commit = json.at("machine").at("commit");
+    std::istringstream lines(cells);
+    for (std::string line; std::getline(lines, line);) {
+      const auto cell = nlohmann::json::parse(line);
+      archive.results[cell.at("cell")] = cell.at("result").dump();
+    }
+  } catch (const nlohmann::json::exception& error) {
+    throw std::runtime_error(folder.string() + " is no archive of a bench: " + error.what());
+  }
+  return archive;
+}
+
+std::string difference_of(const std::string& archived, const std::string& again, double tolerance) {
+  const auto a = nlohmann::json::parse(archived), b = nlohmann::json::parse(again);
+  if (a.at("status") != b.at("status"))
+    return "it was " + a.at("status").get<std::string>() + ", now it is " + b.at("status").get<std::string>() +
+           (b.contains("error") ? ": " + b.at("error").get<std::string>() : "");
+  std::set<std::string> names;
+  for (const auto& side : {a, b})
+    for (const auto& [name, metric] : side.at("metrics").items()) names.insert(name);
+  for (const std::string& name : names) {
+    const auto &of_a = a.at("metrics"), &of_b = b.at("metrics");
+    if (!of_a.contains(name) || !of_b.contains(name)) return "the metric " + name + " is there only once";
+    const auto &x = of_a.at(name).at("value"), &y = of_b.at(name).at("value");
+    if (!alike(x, y, tolerance)) return name + " was " + x.dump() + ", now it is " + y.dump();
+  }
+  return "";
+}
+
+}  // namespace plumbline::runtime

@@ -1,0 +1,41 @@
+// A bench as a supplement of a paper: a folder from which any cell can be made again and compared.
+//
+//   archive.json   {"plumbline_archive": 1, "bench", "overrides", "seeds", "machine", "files", "inputs"}: the bench
+//   file,
+//                  what was given on the command line, version, commit, compiler and libraries of the program, plugins
+//                  with their hashes; hashes of the files beside, and of files that parameters of nodes name
+//   files/...      the bench file, its pipelines and all that they include, as they lie to each other
+//   cells.jsonl    a line a cell: {"cell", "result"}; "result" as in the store, without host and times
+//
+// Inputs are not copied, they may be photographs of many gigabytes: they are named with their hashes.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "runtime/sweep/sweep_table.hpp"
+
+namespace plumbline::runtime {
+
+/// Replaces what an earlier one wrote into the folder. Throws std::runtime_error.
+void write_archive(const std::filesystem::path& folder, const SweepPlan& plan, const Overrides& overrides,
+                   const CellRecords& records, const Registry& registry, FileHashes& hashes, const BuildFacts& build);
+
+struct Archive {
+  std::filesystem::path bench;                 ///< the file in the archive
+  std::vector<std::filesystem::path> folders;  ///< of its files: where pipelines are found by name, and nowhere else
+  Overrides overrides;
+  std::vector<uint64_t> seeds;
+  std::string commit;
+  std::map<std::string, std::string> results;  ///< by label of the cell
+};
+/// Throws std::runtime_error that says what of it is missing, damaged or changed.
+Archive read_archive(const std::filesystem::path& folder);
+
+/// Metrics of two results that differ by more than `tolerance` of themselves, another status, or a metric that one
+/// lacks; empty if they agree. Texts of errors and hashes of inputs are not compared: they have paths in them.
+std::string difference_of(const std::string& archived, const std::string& again, double tolerance);
+
+}  // namespace plumbline::runtime

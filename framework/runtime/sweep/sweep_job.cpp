@@ -1,0 +1,120 @@
+#include "runtime/sweep/sweep_job.hpp"
+
+#include <unistd.h>
+
+#include <memory>
+
+#include "runtime/base/digest.hpp"
+#include "runtime/run/executor.hpp"
+
+namespace plumbline::runtime {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string hash_of_inputs(const NodeResult& result) {
+  Sha256 hash;
+  for (const auto& [port, hashes] : result.inputs) {
+    hash.add_field(port);
+    for (const std::string& item : hashes) hash.add_field(item);
+  }
+  return hash.hex().substr(0, 16);
+}
+
+CellRecord record_of(const SweepCell& cell, const std::vector<size_t>& nodes, const RunResult& run) {
+  CellRecord record;
+  record.host = this_host();
+  for (size_t i = 0; i < nodes.size(); ++i) {
+    const NodeResult& result = run.nodes[nodes[i]];
+    const std::string& name = cell.graph->graph.nodes[i].name;
+    if (result.status == NodeStatus::failed && !cell.graph->essential[i]) {
+      record.warnings.push_back(result.error);  // a bound that does not exist takes nothing from the result
+    } else if (result.status == NodeStatus::failed && !record.failed) {
+      record.failed = true;
+      record.error = result.error;
+      record.failed_node = name;
+    }
+    for (const Metric& metric : result.metrics) record.metrics[name + "." + metric.name] = metric;
+    for (const std::string& warning : result.warnings) record.warnings.push_back(name + ": " + warning);
+    if (!result.inputs.empty()) record.inputs[name] = hash_of_inputs(result);
+    if (result.status == NodeStatus::executed) record.seconds[name] = result.item_seconds;
+  }
+  for (const RunResult::EarlierRound& node : run.earlier)
+    record.seconds[cell.graph->graph.nodes[node.node].name] += node.result.item_seconds;
+  if (run.rounds.rounds > 0) {
+    record.metrics["rounds.number"] = {"number", static_cast<double>(run.rounds.rounds), "1"};
+    record.metrics["rounds.finished"] = {"finished", run.rounds.finished ? 1.0 : 0.0, "1"};
+  }
+  if (!run.rounds.problem.empty() && !record.failed) {
+    record.failed = true;
+    record.error = run.rounds.problem;
+  }
+  return record;
+}
+
+/// One graph for the cells that are ordinary ones, and one for each that has rounds.
+std::vector<MergedGraph> graphs_of(const std::vector<const SweepCell*>& cells) {
+  std::vector<const SweepCell*> ordinary;
+  std::vector<MergedGraph> graphs;
+  for (const SweepCell* cell : cells) {
+    if (cell->graph->graph.rounds.most == 0)
+      ordinary.push_back(cell);
+    else
+      graphs.push_back(merge_cells({cell}));
+  }
+  if (!ordinary.empty()) graphs.push_back(merge_cells(ordinary));
+  return graphs;
+}
+
+constexpr size_t largest_in_memory = size_t{4} << 20;  ///< of what a node hands on, where only results are kept
+
+}  // namespace
+
+std::string this_host() {
+  char host[65] = "host";
+  gethostname(host, sizeof host - 1);
+  return host;
+}
+
+SweepAnswer run_sweep_job(const SweepPlan& plan, const SweepJob& job, const Registry& registry, Store& store,
+                          const fs::path& scratch, int threads, uint64_t memory, const std::atomic<bool>* cancel) {
+  std::vector<const SweepCell*> cells;
+  for (const size_t index : job.cells) cells.push_back(&plan.cells[index]);
+  SweepAnswer answer;
+  std::unique_ptr<Store> thrown_away;
+  const fs::path own = scratch / std::to_string(getpid());
+  if (!plan.file.keep_everything) {
+    thrown_away = std::make_unique<Store>(own);
+    thrown_away->keep_in_memory(largest_in_memory);
+  }
+  RunOptions options;
+  options.threads = threads;
+  options.memory = memory;
+  options.cancel = cancel;
+  options.remember = false;
+  std::vector<std::pair<const SweepCell*, CellRecord>> done;
+  for (const MergedGraph& merged : graphs_of(cells)) {
+    Observer silent;
+    const RunResult run = execute(merged.graph, registry, thrown_away ? *thrown_away : store, options, silent);
+    for (size_t c = 0; c < merged.cells.size(); ++c) {
+      answer.nodes += merged.nodes[c].size();
+      done.emplace_back(merged.cells[c], record_of(*merged.cells[c], merged.nodes[c], run));
+    }
+    answer.merged += merged.graph.nodes.size();
+    answer.executed += run.count(NodeStatus::executed);
+    answer.cancelled = answer.cancelled || run.cancelled;
+  }
+  thrown_away.reset();
+  std::error_code ignored;
+  if (!plan.file.keep_everything) fs::remove_all(own, ignored);
+  if (answer.cancelled) return answer;
+  const CellRecords records(store);
+  for (const auto& [cell, record] : done) {
+    answer.failed += record.failed;
+    records.put(cell->key, record);
+  }
+  return answer;
+}
+
+}  // namespace plumbline::runtime

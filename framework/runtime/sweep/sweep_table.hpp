@@ -1,0 +1,29 @@
+// Everything a sweep has found so far, as one JSON text: what the node bench.summary reads.
+#pragma once
+
+#include <string>
+
+#include "runtime/sweep/sweep_plan.hpp"
+#include "runtime/sweep/sweep_records.hpp"
+
+namespace plumbline::runtime {
+
+struct BuildFacts {
+  std::string version, commit, compiler;
+  std::vector<std::string> libraries;  ///< files of shared libraries, with their versions
+};
+
+/// Why a cell counts as failed: its record's error, or that it has no finite value of the error that the file measures.
+/// Empty if it counts.
+std::string failure_of(const CellRecord& record, const SweepFile& file);
+
+/// {"title", "pipeline", "measure", "rope", "tolerances", "scenarios", "variables", "groups", "excluded", "machine",
+/// "cells"}: see docs/benchmarking.md. Cells that have not run yet are there with the status "missing".
+/// `build`: what the program says of itself ("version", "commit", "compiler", …); goes to "machine".
+std::string sweep_table(const SweepPlan& plan, const CellRecords& records, const Registry& registry,
+                        const BuildFacts& build);
+
+/// The pipelines that cells run and all that they include, once each, in the order of the cells.
+std::vector<SourceFile> sources_of(const SweepPlan& plan);
+
+}  // namespace plumbline::runtime

@@ -1,0 +1,230 @@
+#include "survey/doctor/find_causes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <optional>
+
+#include "plumbline/stop.hpp"
+#include "survey/doctor/control_causes.hpp"
+#include "survey/doctor/network_words.hpp"
+#include "survey/model/observation_equations.hpp"
+#include "survey/start/set_up_chain.hpp"
+
+namespace plumbline::survey {
+
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kFits = 0.85;     ///< share of sights that agree where a cause is undone
+constexpr double kMisfits = 0.75;  ///< and that do at most as the file is
+
+double circle(double angle) { return angle - 2 * kPi * std::floor(angle / (2 * kPi)); }
+
+/// Degrees, minutes and seconds packed as D.MMSS, that were read as decimal degrees.
+double unpacked(double angle) {
+  const double packed = std::round(angle * 180 / kPi * 1e6) / 1e6, degrees = std::floor(packed + 1e-7),
+               rest = 100 * (packed - degrees), minutes = std::floor(rest + 1e-5), seconds = 100 * (rest - minutes);
+  return (degrees + minutes / 60 + seconds / 3600) * kPi / 180;
+}
+
+/// A mistake of angles, undone in one reading.
+struct AngleMistake {
+  const char* what;
+  bool directions, zenith_angles;
+  double (*undo)(double);
+};
+
+double from_zenith(double a) { return circle(kPi / 2 - a); }
+double clockwise(double a) { return circle(-a); }
+double gon_as_degrees(double a) { return a * 10 / 9; }
+double degrees_as_gon(double a) { return a * 9 / 10; }
+
+constexpr AngleMistake kAngleMistakes[] = {
+    {"zenith angles are counted from the horizon", false, true, from_zenith},
+    {"directions are counted counter-clockwise", true, false, clockwise},
+    {"directions are in degrees and were read as gon", true, false, gon_as_degrees},
+    {"zenith angles are in degrees and were read as gon", false, true, gon_as_degrees},
+    {"directions and zenith angles are in degrees and were read as gon", true, true, gon_as_degrees},
+    {"directions are in gon and were read as degrees", true, false, degrees_as_gon},
+    {"zenith angles are in gon and were read as degrees", false, true, degrees_as_gon},
+    {"directions and zenith angles are in gon and were read as degrees", true, true, degrees_as_gon},
+    {"directions and zenith angles are degrees, minutes and seconds (D.MMSS) and were read as decimal degrees", true,
+     true, unpacked},
+};
+
+/// In the readings of one set-up, -1: of all. Faces follow from the zenith angles again.
+SurveyObservations without_mistake(SurveyObservations survey, const AngleMistake& mistake, int set_up) {
+  for (Observation& o : survey.observations) {
+    if (o.set_up < 0 || (set_up >= 0 && o.set_up != set_up)) continue;
+    const bool direction = o.kind == ObservationKind::direction, zenith = o.kind == ObservationKind::zenith_angle;
+    if ((direction && mistake.directions) || (zenith && mistake.zenith_angles)) o.value = mistake.undo(o.value);
+    if (mistake.undo == from_zenith && zenith && o.value > kPi) o.value = 2 * kPi - o.value;
+    if (mistake.undo == from_zenith && (direction || zenith)) o.face = 0;
+  }
+  return survey;
+}
+
+/// How far the set-ups agree on where their common points lie.
+struct Agreement {
+  int compared = 0, agreeing = 0;
+  std::vector<std::pair<int, int>> of_set_up;  ///< compared, agreeing
+  double share() const { return compared > 0 ? static_cast<double>(agreeing) / compared : 1; }
+};
+
+SetUpChain chain_of(const SurveyObservations& survey, const AdjustOptions& options) {
+  return SetUpChain(survey, mean_observations(survey).observations, options.profile);
+}
+
+Agreement agreement_of(const SurveyObservations& survey, const SetUpChain& chain) {
+  Agreement all;
+  all.of_set_up.resize(survey.set_ups.size());
+  std::map<std::string, int> views;
+  for (const SetUpFigure& f : chain.figures())
+    for (const LocalSight& s : f.sights) ++views[s.point];
+  for (size_t f = 0; f < chain.figures().size(); ++f) {
+    const SetUpFigure& figure = chain.figures()[f];
+    auto& [compared, agreeing] = all.of_set_up[static_cast<size_t>(figure.set_up)];
+    for (const LocalSight& s : figure.sights) compared += s.order >= 0 && views.at(s.point) > 1;
+    if (chain.placed(f))
+      for (const FigurePair& p : chain.pairs_of(f)) agreeing += p.sight->order >= 0 && agrees(chain.fit(f), p);
+    all.compared += compared;
+    all.agreeing += agreeing;
+  }
+  return all;
+}
+
+std::string percent(double share) { return fixed_digits(100 * share, 0) + " %"; }
+
+class Causes {
+ public:
+  Causes(const SurveyObservations& survey, const AdjustOptions& options, const ControlPoints& control)
+      : survey_(survey), options_(options), control_(control) {}
+
+  std::vector<Cause> run() {
+    const SetUpChain chain = chain_of(survey_, options_);
+    if (chain.figures().empty()) return {};
+    as_it_is_ = agreement_of(survey_, chain);
+    if (as_it_is_.share() < kMisfits && as_it_is_.compared >= 4) of_angles(-1);
+    if (found_.empty()) of_single_set_ups();
+    names_on_two_marks(chain);
+    if (found_.empty())
+      for (ControlCause& c : control_causes(survey_, control_, chain))
+        found_.push_back({c.text, c.points, std::move(c.survey), std::move(c.control)});
+    return std::move(found_);
+  }
+
+ private:
+  bool of_angles(int set_up) {
+    std::optional<Cause> best;
+    double most = 0;
+    for (const AngleMistake& mistake : kAngleMistakes) {
+      stop_point();
+      SurveyObservations mended = without_mistake(survey_, mistake, set_up);
+      const double share = share_with(mended, set_up);
+      if (share < kFits || share <= most) continue;
+      most = share;
+      const std::string owner = set_up < 0 ? "all " : "the ";
+      const std::string of = set_up < 0 ? "" : " of set-up " + survey_.set_ups[static_cast<size_t>(set_up)].id;
+      std::string what = mistake.what;
+      what.insert(std::min(what.find(" are "), what.size()), of);
+      best = Cause{owner + what + ": so " + percent(share) + " of the sights to common points agree, as they are, " +
+                       percent(share_of(as_it_is_, set_up)),
+                   {},
+                   std::move(mended),
+                   control_};
+    }
+    if (best) found_.push_back(std::move(*best));
+    return best.has_value();
+  }
+
+  static double share_of(const Agreement& a, int set_up) {
+    if (set_up < 0) return a.share();
+    const auto& [compared, agreeing] = a.of_set_up[static_cast<size_t>(set_up)];
+    return compared > 0 ? static_cast<double>(agreeing) / compared : 1;
+  }
+  double share_with(const SurveyObservations& mended, int set_up) const {
+    try {
+      return share_of(agreement_of(mended, chain_of(mended, options_)), set_up);
+    } catch (const std::runtime_error&) {
+      return 0;
+    }
+  }
+
+  /// Those that fit least: a mistake of one set-up leaves the others in agreement.
+  void of_single_set_ups() {
+    constexpr int kMost = 3;
+    std::vector<int> order;
+    for (int s = 0; s < static_cast<int>(survey_.set_ups.size()); ++s)
+      if (as_it_is_.of_set_up[static_cast<size_t>(s)].first >= 3 && share_of(as_it_is_, s) < kMisfits)
+        order.push_back(s);
+    std::stable_sort(order.begin(), order.end(),
+                     [&](int a, int b) { return share_of(as_it_is_, a) < share_of(as_it_is_, b); });
+    for (int k = 0; k < std::min(kMost, static_cast<int>(order.size())); ++k) of_angles(order[static_cast<size_t>(k)]);
+  }
+
+  /// Where half of the set-ups see a point at one place and half at another, both more than once.
+  void names_on_two_marks(const SetUpChain& chain) {
+    for (const std::string& point : chain.points()) {
+      stop_point();
+      std::vector<std::pair<int, Eigen::Vector3d>> seen;  // set-up, place
+      std::vector<double> sigmas;
+      for (size_t f = 0; f < chain.figures().size(); ++f)
+        for (const LocalSight& s : chain.figures()[f].sights)
+          if (s.point == point && s.order >= 0 && chain.placed(f)) {
+            seen.emplace_back(chain.figures()[f].set_up, chain.fit(f)(s));
+            sigmas.push_back(s.sigma);
+          }
+      if (seen.size() < 4) continue;
+      std::vector<int> first, second;
+      std::optional<Eigen::Vector3d> other;
+      for (const auto& [set_up, at] : seen) {
+        const auto near = [&](const Eigen::Vector3d& b) { return (at - b).head<2>().norm() < kSamePlace; };
+        if (near(seen.front().second))
+          first.push_back(set_up);
+        else if (!other || near(*other))
+          other = other.value_or(at), second.push_back(set_up);
+      }
+      if (first.size() < 2 || second.size() < 2 || first.size() + second.size() != seen.size()) continue;
+      two_marks(point, first, second, (seen.front().second - *other).head<2>().norm());
+    }
+  }
+
+  void two_marks(const std::string& point, const std::vector<int>& first, const std::vector<int>& second,
+                 double apart) {
+    Cause cause{"", {point}, survey_, control_};
+    const auto names = [&](const std::vector<int>& list) {
+      std::vector<std::string> ids;
+      for (const int s : list) ids.push_back(survey_.set_ups[static_cast<size_t>(s)].id);
+      return join(ids, 4);
+    };
+    for (Observation& o : cause.mended.observations)
+      if (o.to == point && std::find(second.begin(), second.end(), o.set_up) != second.end()) o.to += " (2)";
+    cause.text = point + " is the name of two marks " + fixed_digits(apart, 2) + " m apart: " + names(first) +
+                 " see the one, " + names(second) + " the other";
+    found_.push_back(std::move(cause));
+  }
+
+  static constexpr double kSamePlace = 0.05;  // [m]
+  const SurveyObservations& survey_;
+  const AdjustOptions& options_;
+  const ControlPoints& control_;
+  Agreement as_it_is_;
+  std::vector<Cause> found_;
+};
+
+}  // namespace
+
+std::vector<Cause> find_causes(const SurveyObservations& survey, const AdjustOptions& options,
+                               const ControlPoints& control) {
+  try {
+    return Causes(survey, options, control).run();
+  } catch (const Stopped&) {
+    throw;
+  } catch (const std::runtime_error&) {
+    return {};  // what cannot even be laid out has no such cause
+  }
+}
+
+}  // namespace plumbline::survey

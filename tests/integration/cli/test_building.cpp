@@ -1,0 +1,94 @@
+// Buildings of several facades from readings to orders: whoever is sent outward on one facade is sent outward on all,
+// and the shape of a building changes nothing for the anchors that all shapes have.
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <sstream>
+
+#include "program.hpp"
+
+namespace plumbline::test {
+namespace {
+
+using Row = std::map<std::string, std::string>;
+
+/// By the value in the first column.
+std::map<std::string, Row> table(const std::filesystem::path& path) {
+  std::istringstream lines(read_file(path));
+  std::string line, cell;
+  std::vector<std::string> names;
+  std::map<std::string, Row> rows;
+  while (std::getline(lines, line)) {
+    std::istringstream cells(line);
+    std::vector<std::string> values;
+    while (std::getline(cells, cell, ',')) values.push_back(cell);
+    if (names.empty()) {
+      names = values;
+      continue;
+    }
+    for (std::size_t i = 0; i < std::min(names.size(), values.size()); ++i) rows[values[0]][names[i]] = values[i];
+  }
+  return rows;
+}
+
+double number(const Row& row, const std::string& name) { return std::atof(row.at(name).c_str()); }
+
+class Building : public testing::Test {
+ protected:
+  /// The judged anchors of a building of that shape, all of them compared with the truth.
+  std::map<std::string, Row> built(const std::string& shape, const std::string& step = "1.0") {
+    const std::string out = "out-" + shape + step;
+    const Answer answer = program_({"run", std::string(source_dir()) + "/pipelines/building.yaml", "shape=" + shape,
+                                    "step=" + step, "floors=2", "as_built_sigma=0.006", "--out", out});
+    EXPECT_EQ(answer.code, 0) << answer.out << answer.err;
+    EXPECT_FALSE(contains(answer.err, "Nobody may be sent")) << answer.err;
+    const auto folder = program_.work() / out;
+    const auto judged = table(folder / "metrics.csv"), truth = table(folder / "truth" / "anchors.csv"),
+               plates = table(folder / "campaign" / "plates.csv");
+    EXPECT_EQ(judged.size(), plates.size());
+    int clear = 0;
+    for (const auto& [anchor, row] : judged) {
+      const double azimuth = number(plates.at(anchor), "facing_azimuth_deg") * std::numbers::pi / 180;
+      const auto off = [&](const char* axis) {
+        return 1e3 * (number(truth.at(anchor), std::string(axis) + "_m") -
+                      number(truth.at(anchor), "design_" + std::string(axis) + "_m"));
+      };
+      const double outward = off("x") * std::sin(azimuth) + off("y") * std::cos(azimuth);
+      const double u = number(row, "design_out_of_plane_u_mm"), told = number(row, "design_out_of_plane_mm");
+      EXPECT_LT(std::abs(told - outward), 5 * u) << shape << ": " << anchor;
+      clear += std::abs(outward) > 5 * u;
+    }
+    EXPECT_GT(clear, static_cast<int>(judged.size()) / 4)
+        << shape << ": no sign is proved by what lies within its noise";
+    return judged;
+  }
+
+  Program program_{PLUMBLINE_PLUGIN_FOLDER};
+};
+
+TEST_F(Building, OfEveryShapeAllAreSentTheRightWay) {
+  const auto flat = built("flat");
+  for (const auto& [shape, step, facades] :
+       std::vector<std::tuple<std::string, std::string, std::size_t>>{{"block", "1.0", 4},
+                                                                      {"courtyard", "1.0", 4},
+                                                                      {"curved", "1.0", 4},
+                                                                      {"corner", "1.0", 2},
+                                                                      {"set_back", "0.3", 3},
+                                                                      {"set_back", "1.2", 3}}) {
+    const auto judged = built(shape, step);
+    EXPECT_EQ(judged.size(), facades * flat.size()) << shape;
+    for (const auto& [anchor, row] : flat) {
+      if (anchor.find("-C") == std::string::npos) continue;  // check anchors are in columns after all others
+      for (const char* length : {"design_out_of_plane", "design_vertical"}) {
+        const double u = number(row, std::string(length) + "_u_mm");
+        EXPECT_LT(
+            std::abs(number(judged.at(anchor), std::string(length) + "_mm") - number(row, std::string(length) + "_mm")),
+            6 * u)
+            << shape << ": " << anchor << " " << length;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace plumbline::test

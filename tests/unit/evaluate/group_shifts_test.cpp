@@ -1,0 +1,182 @@
+// Shifts of floors, facades, columns and batches: told as one sentence, and only where there is one.
+#include "judgement/group_shifts.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "../bim/facing.hpp"
+#include "judgement/common_shift.hpp"
+#include "judgement/deviation.hpp"
+#include "judgement/moderated_variance.hpp"
+#include "small_building.hpp"
+
+namespace plumbline::judgement {
+namespace {
+
+using evaluate::test::isotropic;
+using evaluate::test::mm;
+using evaluate::test::Normal;
+
+/// Facades around a square, each with its own direction, as built as designed.
+DeviationInputs block(int facades, int columns, int rows) {
+  DeviationInputs inputs;
+  inputs.design_file = "d.ifc";
+  for (int row = 0; row < rows; ++row)
+    for (int column = 0; column < facades * columns; ++column) {
+      AnchorCase anchor;
+      const Eigen::Vector3d out = bim::facing(0.5 * std::numbers::pi * (column / columns));
+      anchor.id = "A" + std::to_string(row) + "." + std::to_string(column), anchor.element.guid = "g" + anchor.id;
+      anchor.element.batch = (row + column) % 2 ? "odd" : "even";
+      anchor.floor = row + 1, anchor.column = column + 1, anchor.use = "check";
+      anchor.facade = bim::frame_facing(out, bim::FacadeSource::rule, true);
+      anchor.facade.facade = std::string(1, static_cast<char>('A' + column / columns));
+      anchor.design = 10 * out + anchor.facade.right * (2.0 * (column % columns)) + Eigen::Vector3d(0, 0, 3.0 * row);
+      anchor.tolerances = tolerances_of({}, {});
+      inputs.model.ids.push_back(anchor.id), inputs.model.positions.push_back(anchor.design);
+      inputs.anchors.push_back(anchor);
+    }
+  inputs.model.covariance = isotropic(inputs.model.ids.size(), 0.4 * mm);
+  return inputs;
+}
+
+DeviationInputs grid(int columns, int rows) { return block(1, columns, rows); }
+
+TEST(GroupShifts, AFloorThatHangsLowIsOneSentence) {
+  DeviationInputs inputs = grid(5, 4);
+  Normal normal(5);
+  for (std::size_t i = 0; i < inputs.model.positions.size(); ++i) {
+    inputs.model.positions[i] += Eigen::Vector3d(normal(), normal(), normal()) * 0.8 * mm;
+    if (inputs.anchors[i].floor == 2) inputs.model.positions[i].z() -= 12 * mm;
+  }
+  const DeviationT result = judge_deviations(inputs, {});
+  EXPECT_EQ(result.failed, 5);
+  ASSERT_FALSE(result.group_shifts.empty());
+  const GroupShiftT& floor = *result.group_shifts[0];
+  ASSERT_TRUE(floor.significant);
+  EXPECT_EQ(floor.name, "Floor 2");
+  EXPECT_NEAR(floor.shift.z(), -12 * mm, 1 * mm);
+  EXPECT_EQ(floor.would_pass, 5);
+  EXPECT_NE(floor.words.find("Floor 2 hangs 1"), std::string::npos) << floor.words;
+  EXPECT_NE(floor.words.find(" low"), std::string::npos) << floor.words;
+  for (std::size_t i = 1; i < result.group_shifts.size(); ++i) EXPECT_FALSE(result.group_shifts[i]->significant);
+}
+
+TEST(GroupShifts, AnchorsThatHappenToLieAlikeWereNotMeasuredBetter) {
+  DeviationInputs inputs = grid(5, 4);
+  for (std::size_t i = 0; i < inputs.model.positions.size(); ++i)
+    if (inputs.anchors[i].floor == 2) inputs.model.positions[i].z() -= 12 * mm;
+  const DeviationT result = judge_deviations(inputs, {});
+  ASSERT_FALSE(result.group_shifts.empty());
+  EXPECT_GT(result.group_shifts[0]->u.z(), 0.99 * 0.4 * mm / std::sqrt(5.0));  // of five anchors of 0.4 mm each
+}
+
+TEST(GroupShifts, ChanceIsNoShift) {
+  int alarms = 0;
+  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+    DeviationInputs inputs = grid(6, 6);
+    Normal normal(seed);
+    for (auto& p : inputs.model.positions) p += Eigen::Vector3d(normal(), normal(), normal()) * 3 * mm;
+    for (const auto& group : judge_deviations(inputs, {}).group_shifts) alarms += group->significant;
+  }
+  EXPECT_LE(alarms, 1);  // 0.1 % of a hundred buildings
+}
+
+/// Facades that are rough out of their plane and true in height, or the other way round, share nothing for that: a test
+/// that takes both for one scatter gives 3 alarms in 20 such buildings.
+TEST(GroupShifts, UnequalScatterIsNoShift) {
+  int common = 0, groups = 0;
+  for (std::uint64_t seed = 1; seed <= 200; ++seed)
+    for (const bool outward : {true, false}) {
+      const DeviationInputs inputs = seed % 2 ? block(4, 4, 6) : block(1, 5, 4);
+      Normal normal(seed);
+      std::vector<GroupMember> members;
+      std::vector<Eigen::Vector3d> deviations;
+      for (const AnchorCase& a : inputs.anchors) {
+        const Eigen::Vector3d rough = outward ? a.facade.out : Eigen::Vector3d(0, 0, 1);
+        deviations.push_back(Eigen::Vector3d(normal(), normal(), normal()) * mm + 8 * mm * normal() * rough);
+        members.push_back({deviations.back(), a.floor, a.column, a.facade.facade, a.element.batch, a.facade});
+      }
+      common += common_shift(inputs.model.positions, deviations, inputs.model.covariance, 5 * mm, {})->significant;
+      for (const auto& group : group_shifts(members, inputs.model.covariance, 5 * mm, {})) groups += group->significant;
+    }
+  EXPECT_LE(common, 2);  // 0.1 % of 400 are 0.4
+  EXPECT_LE(groups, 2);
+}
+
+/// A quarter of the building that stands out pulls the mean of all after it: that is one sentence, not two.
+TEST(GroupShifts, OfWhatExplainsItThatWithFewerSentencesIsTold) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    DeviationInputs facade = block(4, 4, 6), building = block(4, 4, 6);
+    Normal normal(seed);
+    for (std::size_t i = 0; i < facade.anchors.size(); ++i) {
+      const Eigen::Vector3d noise = Eigen::Vector3d(normal(), normal(), normal()) * 1.5 * mm;
+      const bim::FacadeFrame& frame = facade.anchors[i].facade;
+      facade.model.positions[i] +=
+          noise + (frame.facade == "B" ? Eigen::Vector3d(8 * mm * frame.out) : Eigen::Vector3d(0, 0, 0));
+      building.model.positions[i] += noise + Eigen::Vector3d(9 * mm, 0, 0);
+    }
+    DeviationT result = judge_deviations(facade, {});
+    EXPECT_FALSE(result.common_shift->significant) << result.common_shift->words;
+    ASSERT_TRUE(result.group_shifts.at(0)->significant);
+    EXPECT_EQ(result.group_shifts[0]->name, "Facade B");
+    EXPECT_NE(result.group_shifts[0]->words.find("too far out"), std::string::npos) << result.group_shifts[0]->words;
+    EXPECT_FALSE(result.group_shifts.at(1)->significant) << result.group_shifts[1]->words;
+    result = judge_deviations(building, {});
+    EXPECT_TRUE(result.common_shift->significant);
+    EXPECT_FALSE(result.group_shifts.at(0)->significant) << result.group_shifts[0]->words;
+  }
+}
+
+TEST(GroupShifts, EachKindIsToldByItsName) {
+  const auto told = [](const auto& shift) {
+    DeviationInputs inputs = block(4, 4, 6);
+    Normal normal(3);
+    for (std::size_t i = 0; i < inputs.anchors.size(); ++i)
+      inputs.model.positions[i] += Eigen::Vector3d(normal(), normal(), normal()) * mm + shift(inputs.anchors[i]);
+    std::string names;
+    for (const auto& group : judge_deviations(inputs, {}).group_shifts)
+      if (group->significant) names += (names.empty() ? "" : ", ") + group->name;
+    return names;
+  };
+  const auto where = [](bool there, const Eigen::Vector3d& shift) -> Eigen::Vector3d {
+    return there ? shift : Eigen::Vector3d(0, 0, 0);
+  };
+  const Eigen::Vector3d low(0, 0, -9 * mm);
+  EXPECT_EQ(told([&](const AnchorCase& a) { return where(a.floor == 2, low); }), "Floor 2");
+  EXPECT_EQ(told([&](const AnchorCase& a) { return where(a.column == 7, 9 * mm * a.facade.right); }), "Column 7");
+  EXPECT_EQ(told([&](const AnchorCase& a) { return where(a.element.batch == "odd", low); }), "Print batch odd");
+  EXPECT_EQ(
+      told([&](const AnchorCase& a) { return where(a.floor == 3 && a.facade.facade == "D", 11 * mm * a.facade.out); }),
+      "Floor 3 of facade D");
+  EXPECT_EQ(told([&](const AnchorCase& a) { return where(a.floor == 1 || a.floor == 5, a.floor == 1 ? low : -low); }),
+            "Floor 1, Floor 5");
+}
+
+/// Against what the method promises: variances that are equal give all of their freedom, others give little.
+TEST(ModeratedVariance, TakesFromTheOthersAsMuchAsTheyAreAlike) {
+  Normal normal(11);
+  const auto sample = [&](double sigma) {
+    double squares = 0;
+    for (int i = 0; i < 5; ++i) squares += std::pow(sigma * normal(), 2);
+    return SampleVariance{squares / 5, 5};
+  };
+  std::vector<SampleVariance> equal, unequal;
+  for (int i = 0; i < 400; ++i) {
+    equal.push_back(sample(2));
+    double inverse = 0;  // true variances: 6 · 4 / χ² of 6
+    for (int k = 0; k < 6; ++k) inverse += std::pow(normal(), 2);
+    unequal.push_back(sample(std::sqrt(6 * 4 / inverse)));
+  }
+  const SampleVariance one = variance_prior(equal), many = variance_prior(unequal);
+  EXPECT_NEAR(one.variance, 4, 0.5);
+  EXPECT_GT(one.freedom, 50);
+  EXPECT_NEAR(many.variance, 4, 0.8);
+  EXPECT_NEAR(many.freedom, 6, 2);
+  EXPECT_EQ(variance_prior({{3, 5}}).freedom, 0);
+  EXPECT_EQ(moderated({3, 5}, {}).variance, 3);
+  EXPECT_NEAR(moderated({3, 5}, {4, 5}).variance, 3.5, 1e-12);
+}
+
+}  // namespace
+}  // namespace plumbline::judgement

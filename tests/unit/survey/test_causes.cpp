@@ -1,0 +1,204 @@
+// Mistakes made with whole files: the cause is named where the network without it is sound, and nowhere else.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+#include "geometry/random.hpp"
+#include "network_words.hpp"
+#include "survey/simulate/simulate_survey.hpp"
+
+namespace plumbline::survey {
+namespace {
+
+using enum ObservationKind;
+
+/// Thirty marks around a yard of 200 m and four free stations in it that see them all.
+SurveyLayout yard() {
+  Random random(11, "yard");
+  SurveyLayout layout;
+  for (int m = 1; m <= 30; ++m)
+    layout.points.push_back(
+        {"M" + std::to_string(m), {random.uniform(0, 200), random.uniform(0, 150), random.uniform(0, 12)}});
+  for (int i = 1; i <= 4; ++i) {
+    const std::string id = "S" + std::to_string(i);
+    layout.set_ups.push_back({id, id, 1.6, 0.7 * i, {}});
+    for (int m = 1; m <= 30; ++m) layout.set_ups.back().sees.push_back("M" + std::to_string(m));
+  }
+  for (int i = 1; i <= 4; ++i)
+    layout.points.push_back({"S" + std::to_string(i), {random.uniform(50, 150), random.uniform(40, 110), 0.1 * i}});
+  return layout;
+}
+
+struct Job {
+  SurveyLayout layout;
+  SurveyObservations survey;
+  AdjustOptions options;
+
+  explicit Job(const Eigen::Vector3d& origin = Eigen::Vector3d::Zero()) : layout(yard()) {
+    for (SimulatedPoint& p : layout.points) p.position += origin;
+    SimulationOptions simulation;
+    simulation.profile = options.profile = built_in_profile("total_station_2arcsec");
+    simulation.sigmas = false;
+    survey = simulate_survey(layout, simulation, 11);
+    survey.info.format = "csv";
+  }
+  /// Markers M1, M8, M15, M22 and M29 as control of a millimetre.
+  void know(const std::function<Eigen::Vector3d(size_t, const Eigen::Vector3d&)>& as) {
+    size_t number = 0;
+    for (const SimulatedPoint& p : layout.points) {
+      if (p.id != "M1" && p.id != "M8" && p.id != "M15" && p.id != "M22" && p.id != "M29") continue;
+      CoordinateGroup g;
+      for (int k = 0; k < 3; ++k) g.components.push_back({p.id, k});
+      g.values = as(number++, p.position);
+      g.covariance = 1e-6 * Eigen::Matrix3d::Identity();
+      g.is_control = true;
+      survey.coordinates.push_back(std::move(g));
+      for (Point& point : survey.points)
+        if (point.id == p.id) point.coordinates = survey.coordinates.back().values;
+    }
+  }
+  void change(ObservationKind kind, int set_up, double (*how)(double)) {
+    for (Observation& o : survey.observations)
+      if (o.kind == kind && (set_up < 0 || o.set_up == set_up)) o.value = how(o.value);
+  }
+  /// What is said, as a result or as a refusal.
+  std::string words() const {
+    try {
+      const NetworkResult r = adjust_network(survey, options);
+      return (r.validity == Validity::invalid ? "invalid: " : "") + all_words(r);
+    } catch (const NetworkError& error) {
+      return std::string("invalid: ") + error.what();
+    }
+  }
+};
+
+void expect_cause(const Job& job, const std::string& cause) {
+  const std::string text = job.words();
+  EXPECT_TRUE(text.starts_with("invalid: ")) << text;
+  EXPECT_NE(text.find("probably: " + cause), std::string::npos) << cause << " in:\n" << text;
+}
+
+Eigen::Vector3d as_it_is(size_t, const Eigen::Vector3d& p) { return p; }
+
+TEST(Causes, ASoundJobHasNone) {
+  Job job;
+  job.know(as_it_is);
+  EXPECT_EQ(job.words().find("probably: "), std::string::npos) << job.words();
+}
+
+TEST(Causes, AnglesOfAllSetUpsOrOfOne) {
+  Job horizon;
+  horizon.change(zenith_angle, -1, [](double z) { return std::numbers::pi / 2 - z; });
+  for (Observation& o : horizon.survey.observations)  // as a reader has them
+    if (o.value < 0) o.value += 2 * std::numbers::pi;
+  expect_cause(horizon, "all zenith angles are counted from the horizon");
+  Job degrees;
+  degrees.change(direction, -1, [](double d) { return 0.9 * d; });
+  expect_cause(degrees, "all directions are in degrees and were read as gon");
+  Job one;
+  one.change(direction, 2, [](double d) { return 2 * std::numbers::pi - d; });
+  expect_cause(one, "the directions of set-up S3 are counted counter-clockwise");
+}
+
+/// M7 is called M20 in two of four set-ups, which do not see the other M20.
+TEST(Causes, OneNameOnTwoMarks) {
+  Job job;
+  std::erase_if(job.survey.observations, [](const Observation& o) {
+    return (o.set_up >= 2 && o.to == "M20") || (o.set_up < 2 && o.to == "M7");
+  });
+  int named = 0, own = 0;
+  for (Observation& o : job.survey.observations) {
+    own += o.to == "M20" && o.kind == direction;
+    named += o.to == "M7" && o.kind == direction;
+    if (o.to == "M7") o.to = "M20";
+  }
+  ASSERT_EQ(own, 2);
+  ASSERT_EQ(named, 2);
+  expect_cause(job, "M20 is the name of two marks");
+}
+
+TEST(Causes, ControlWithExchangedAxes) {
+  Job some, all;
+  some.know(
+      [](size_t i, const Eigen::Vector3d& p) { return i == 1 || i == 3 ? Eigen::Vector3d(p.y(), p.x(), p.z()) : p; });
+  expect_cause(some, "of the known points M22, M8 E and N are exchanged");
+  all.know([](size_t, const Eigen::Vector3d& p) { return Eigen::Vector3d(p.y(), p.x(), p.z()); });
+  EXPECT_NE(all.words().find("E and N of the known points are exchanged"), std::string::npos) << all.words();
+}
+
+TEST(Causes, ControlOfAnotherLevelZoneOrUnit) {
+  Job level, zone, feet;
+  level.know([](size_t i, const Eigen::Vector3d& p) {
+    return i == 0 || i == 2 ? Eigen::Vector3d(p + Eigen::Vector3d(0, 0, 42.3)) : p;
+  });
+  expect_cause(level, "of the known points M1, M15 heights 42.3 m above what the others say");
+  zone.know(
+      [](size_t i, const Eigen::Vector3d& p) { return i == 4 ? Eigen::Vector3d(p + Eigen::Vector3d(32e6, 0, 0)) : p; });
+  expect_cause(zone, "of the known point M29 the zone's number stands before E");
+  feet.know([](size_t, const Eigen::Vector3d& p) { return Eigen::Vector3d(p / 0.3048); });
+  EXPECT_NE(feet.words().find("feet"), std::string::npos) << feet.words();
+}
+
+/// Coordinates of a map that nobody named: nothing that was read can tell lengths on it from those on the ground.
+TEST(MissingMap, IsSaidWhereTheScaleIsNotTested) {
+  const Eigen::Vector3d utm(565000, 5933000, 20);
+  Job one(utm);
+  for (Point& p : one.survey.points)
+    if (p.id == "S1") {
+      p.coordinates = one.layout.points[30].position;
+      ASSERT_EQ(one.layout.points[30].id, "S1");
+      p.known = {true, true, true};
+    }
+  const auto finding = [](const Job& job) {
+    const NetworkResult r = adjust_network(job.survey, job.options);
+    for (const Finding& f : r.findings)
+      if (f.text.find("look like those of a map") != std::string::npos)
+        return std::string(f.severity == Finding::Severity::warning ? "warning " : "note ") + r.verdict;
+    return std::string();
+  };
+  EXPECT_TRUE(finding(one).starts_with("warning ")) << finding(one);
+  EXPECT_NE(finding(one).find("lengths are those of a plane"), std::string::npos) << finding(one);
+  one.options.map = kPlane;
+  EXPECT_EQ(finding(one), "");
+  Job tested(utm);  // control of a millimetre over 100 m tells a map's scale
+  tested.options.known_sigma = 1e-3;
+  tested.know(as_it_is);
+  EXPECT_EQ(finding(tested), "");
+  EXPECT_EQ(finding(Job()), "") << "a site's own thousands";
+}
+
+/// Distances that were brought to the map already, on the map again.
+TEST(MissingMap, AScaleAppliedTwiceIsNamed) {
+  Job job(Eigen::Vector3d(565000, 5933000, 20));
+  job.know(as_it_is);
+  job.options.map = "utm:32";
+  const std::string text = job.words();
+  EXPECT_NE(text.find("look as if they had been reduced to the map already"), std::string::npos) << text;
+}
+
+/// An azimuth held to a thousandth of a second beside coordinates of millions of metres: rounding is no reason to go
+/// on.
+TEST(Rounding, ANetworkAtMillionsOfMetresEnds) {
+  SurveyObservations s;
+  s.info.format = "starnet";
+  const auto point = [&](const std::string& id, double e, double n, CoordinateRole role) {
+    Point& p = s.points.emplace_back();
+    p.id = id, p.coordinates = {e, n, 400}, p.roles = {role, role, role};
+  };
+  point("A", 338919.04, 5566451.951, CoordinateRole::fixed);
+  point("B", 338887.58, 5566424.57, CoordinateRole::free);
+  const auto add = [&](ObservationKind kind, double value, double sigma) {
+    Observation o;
+    o.kind = kind, o.from = "B", o.to = "A", o.value = value, o.sigma = sigma;
+    s.observations.push_back(o);
+  };
+  add(azimuth, 0.8548, 5e-9), add(slope_distance, 41.7126, 1e-3), add(zenith_angle, std::numbers::pi / 2, 1e-5);
+  const NetworkResult r = adjust_network(s, {});
+  EXPECT_LT(r.iterations, 20);
+  EXPECT_NEAR((r.point("A").position - r.point("B").position).norm(), 41.7126, 1e-6);
+}
+
+}  // namespace
+}  // namespace plumbline::survey
