@@ -182,6 +182,23 @@ struct ReadSurveyCampaign : Node {
   }
 };
 
+/// Each file by itself: campaigns of one network at different times.
+struct ReadSurveyEpochs : Node {
+  static constexpr Info info{"read.survey_epochs", "", 1,
+                             "Reads the survey files that a campaign.yaml names, one epoch each, in its order"};
+  In<Folder> folder{"folder", "a folder with a campaign.yaml whose `survey` names the files, oldest first"};
+  OutList<SurveyObservations> epochs{"epochs", frame("frame=building"), "one for each file"};
+  Param<bool> strict{"strict", true,
+                     "refuse survey files of which anything has to be skipped; otherwise it is a warning"};
+
+  void run(Context& context) override {
+    campaign::ListedCampaign site(folder.unpack(), context.resolve(std::string(folder->uri()->string_view())),
+                                  campaign::CampaignUse::survey);
+    for (const auto& epoch : campaign::read_survey_files(site.description, site.root, *strict, context))
+      epochs.commit(survey::to_artifact(epoch));
+  }
+};
+
 /// Only an evaluation may be fed from this.
 struct ReadTruth : Node {
   static constexpr Info info{"read.truth", "", 1, "Reads the truth beside a simulated campaign; for evaluation only"};
@@ -205,5 +222,5 @@ struct ReadTruth : Node {
 
 }  // namespace
 
-PLUMBLINE_PLUGIN("campaign", "0.1.0", "MIT", ReadCampaign, campaign::ReadPhotoCampaign, ReadSurveyCampaign, ReadTruth,
-                 campaign::ProposeCampaign, campaign::AccountForCampaign)
+PLUMBLINE_PLUGIN("campaign", "0.1.0", "MIT", ReadCampaign, campaign::ReadPhotoCampaign, ReadSurveyCampaign,
+                 ReadSurveyEpochs, ReadTruth, campaign::ProposeCampaign, campaign::AccountForCampaign)
