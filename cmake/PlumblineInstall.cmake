@@ -9,13 +9,16 @@ target_include_directories(plumbline_testing INTERFACE
 target_link_libraries(plumbline_testing INTERFACE plumbline_runtime plumbline_node plumbline_geometry)
 
 foreach(name contract artifacts node folder_files text control geometry statistics least_squares adjustment images geodesy survey survey_files ifc block_bound block markers judgement pose surface
-             artifact_conversions runtime testing)
+             registration register_core adjust_core artifact_conversions runtime testing)
   if(NOT TARGET Plumbline::${name})
     add_library(Plumbline::${name} ALIAS plumbline_${name})
   endif()
   set_target_properties(plumbline_${name} PROPERTIES EXPORT_NAME ${name})
   install(TARGETS plumbline_${name} EXPORT PlumblineTargets ARCHIVE DESTINATION lib COMPONENT Development)
 endforeach()
+# What is said and stated of a result in all adjusters, and in all registrars: theirs is only the way to it.
+set_target_properties(plumbline_adjust_core PROPERTIES EXPORT_NAME adjuster)
+set_target_properties(plumbline_register_core PROPERTIES EXPORT_NAME registrar)
 set_target_properties(plumbline-typegen PROPERTIES EXPORT_NAME typegen)
 install(TARGETS plumbline-typegen EXPORT PlumblineTargets RUNTIME DESTINATION bin COMPONENT Development)
 install(EXPORT PlumblineTargets NAMESPACE Plumbline:: DESTINATION lib/cmake/Plumbline COMPONENT Development)
@@ -24,12 +27,20 @@ set(headers FILES_MATCHING PATTERN "*.h" PATTERN "*.hpp")
 install(DIRECTORY framework/include/plumbline DESTINATION include COMPONENT Development)
 install(DIRECTORY ${PROJECT_BINARY_DIR}/framework/include/plumbline_artifacts/artifacts DESTINATION include COMPONENT Development ${headers})
 install(DIRECTORY libraries/ framework/runtime DESTINATION include/plumbline/libraries COMPONENT Development ${headers})
+install(DIRECTORY plugins/adjust plugins/register DESTINATION include/plumbline/libraries COMPONENT Development ${headers})
 install(DIRECTORY tests/support/ DESTINATION include/plumbline/testing COMPONENT Development ${headers})
 install(DIRECTORY schemas/artifacts DESTINATION share/plumbline/schemas COMPONENT Development)
-# The kits that need nothing but the nodes under test.
-install(FILES tests/conformance/adjuster.cpp tests/conformance/pose_initialiser.cpp tests/conformance/registrar.cpp
-  tests/conformance/triangulator.cpp
-  tests/conformance/survey_adjuster.cpp tests/support/test_paths.cpp DESTINATION share/plumbline/conformance COMPONENT Development)
+# The kits, and what they draw and read.
+foreach(file adjuster.cpp detector.cpp pose_initialiser.cpp registrar.cpp survey_adjuster.cpp survey_reader.cpp survey_writer.cpp
+             triangulator.cpp tag36h11_cells.cpp)
+  list(APPEND kit_files tests/conformance/${file})
+endforeach()
+install(FILES ${kit_files} tests/support/test_paths.cpp tests/support/kit_fixtures.cpp tests/unit/detect/tag_cells.hpp
+  tests/unit/detect/tag_rendering.hpp tests/unit/detect/tag_rendering.cpp DESTINATION share/plumbline/conformance COMPONENT Development)
+install(FILES tests/unit/survey_files/fixtures/code_block_cr_only.gsi tests/unit/survey_files/fixtures/station_coordinates.gsi
+  DESTINATION share/plumbline/conformance/fixtures COMPONENT Development)
+# What `plumbline new` begins a plugin with.
+install(DIRECTORY templates DESTINATION share/plumbline USE_SOURCE_PERMISSIONS)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/PlumblineConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES cmake/PlumblineConfig.cmake cmake/PlumblinePlugin.cmake cmake/PlumblineTesting.cmake cmake/plugin_exports.map
   ${PROJECT_BINARY_DIR}/PlumblineConfigVersion.cmake DESTINATION lib/cmake/Plumbline COMPONENT Development)

@@ -1,17 +1,42 @@
 # plumbline_test_role(FAMILY ROLE)
 # Puts the nodes of ROLE in the plugin FAMILY, made with plumbline_add_plugin(), through the conformance kit of the role: a
-# GoogleTest program FAMILY_ROLE_test, every test of it one of ctest. Needs enable_testing().
+# GoogleTest program FAMILY_ROLE_test, every test of it one of ctest. Needs enable_testing(). A reader of survey files is held
+# against the files in fixtures/ of its project.
 function(plumbline_test_role family role)
   set(kit ${PLUMBLINE_CONFORMANCE_DIR}/${role}.cpp)
   if(NOT EXISTS ${kit})
     file(GLOB kits RELATIVE ${PLUMBLINE_CONFORMANCE_DIR} ${PLUMBLINE_CONFORMANCE_DIR}/*.cpp)
-    list(REMOVE_ITEM kits test_paths.cpp)
+    list(REMOVE_ITEM kits test_paths.cpp kit_fixtures.cpp tag_rendering.cpp tag36h11_cells.cpp)
     message(FATAL_ERROR "plumbline_test_role(${family} ${role}): there is no kit of that role; there are ${kits}")
   endif()
+  set(target ${family}_${role}_test)
+  plumbline_add_node_test(${target} ${family} ${kit})
+  if(role STREQUAL detector)
+    find_package(PNG REQUIRED)
+    target_sources(${target} PRIVATE ${PLUMBLINE_CONFORMANCE_DIR}/tag_rendering.cpp ${PLUMBLINE_CONFORMANCE_DIR}/tag36h11_cells.cpp)
+    target_include_directories(${target} PRIVATE ${PLUMBLINE_CONFORMANCE_DIR})
+    target_link_libraries(${target} PRIVATE Plumbline::images PNG::PNG)
+  elseif(role MATCHES "^survey_(reader|writer)$")
+    set(fixtures ${PLUMBLINE_CONFORMANCE_DIR}/fixtures)
+    if(role STREQUAL survey_reader)
+      set(fixtures ${PROJECT_SOURCE_DIR}/fixtures)
+    endif()
+    target_sources(${target} PRIVATE ${PLUMBLINE_CONFORMANCE_DIR}/kit_fixtures.cpp)
+    target_compile_definitions(${target} PRIVATE PLUMBLINE_KIT_FIXTURES="${fixtures}")
+    target_link_libraries(${target} PRIVATE Plumbline::survey_files Plumbline::artifact_conversions)
+  endif()
+endfunction()
+
+# plumbline_test_node(FAMILY SOURCE...)
+# A GoogleTest program FAMILY_test of tests of your own, with node_harness.hpp to run single nodes of the plugin FAMILY.
+function(plumbline_test_node family)
+  plumbline_add_node_test(${family}_test ${family} ${ARGN})
+endfunction()
+
+function(plumbline_add_node_test target family)
   find_package(GTest REQUIRED)
   include(GoogleTest)
-  set(target ${family}_${role}_test)
-  add_executable(${target} ${kit} ${PLUMBLINE_CONFORMANCE_DIR}/test_paths.cpp)
+  add_executable(${target} ${ARGN} ${PLUMBLINE_CONFORMANCE_DIR}/test_paths.cpp)
   target_compile_definitions(${target} PRIVATE
     PLUMBLINE_SOURCE_DIR="${PROJECT_SOURCE_DIR}" PLUMBLINE_BINARY_DIR="${CMAKE_BINARY_DIR}")
   target_link_libraries(${target} PRIVATE Plumbline::testing GTest::gtest_main)

@@ -233,6 +233,8 @@ class Schema:
                 builder.PrependUOffsetTRelative(end)
             return builder.EndVector()
         form = np.dtype(self._element(field))
+        if isinstance(value, (bytes, bytearray)) and form.itemsize == 1:  # the content of a File
+            value = np.frombuffer(value, form)
         if field.element == _OBJECT and not (isinstance(value, np.ndarray) and value.dtype == form):
             items = b"".join(_struct(form, item) for item in value)
         else:
@@ -251,15 +253,30 @@ class Schema:
         return builder.Offset()
 
 
+def _numbers(value):
+    for item in value.item() if isinstance(value, np.void) else value:
+        if isinstance(item, (tuple, list, np.ndarray, np.void)):
+            yield from _numbers(item)
+        else:
+            yield item
+
+
 def _struct(form, value):
     """One struct as bytes, from numbers in the order of its fields, nested or flat."""
-    numbers = iter(np.asarray(value).item() if isinstance(value, np.void) else value)
+    numbers = list(_numbers(value))
+    left = iter(numbers)
 
-    def fill(kind, items):
-        return tuple(fill(kind[name], item if kind[name].names else item) if kind[name].names else item
-                     for name, item in zip(kind.names, items))
+    def fill(kind):
+        return tuple(fill(kind[name]) if kind[name].names else next(left) for name in kind.names)
 
-    return np.array([fill(form, list(numbers))], form).tobytes()
+    try:
+        filled = fill(form)
+        extra = len(list(left))
+    except (StopIteration, RuntimeError):
+        extra = -1
+    if extra:
+        raise ValueError(f"a struct of the fields {', '.join(form.names)} was given {len(numbers)} numbers")
+    return np.array([filled], form).tobytes()
 
 
 class Table:

@@ -51,7 +51,7 @@ std::string counts_text(const SweepProgress& p) {
 /// One line that replaces itself on a terminal, a line every half minute elsewhere.
 class Ticker {
  public:
-  explicit Ticker(bool silent) : silent_(silent), terminal_(isatty(STDERR_FILENO) != 0) {}
+  explicit Ticker(bool silent) : silent_(silent), terminal_(can_rewrite_lines()) {}
   Ticker(const Ticker&) = delete;
   Ticker& operator=(const Ticker&) = delete;
   ~Ticker() {
@@ -366,7 +366,7 @@ int bench(const BenchOptions& given) {
   Options for_store;
   for_store.store = options.store;
   runtime::Store store = open_store(for_store);
-  runtime::SweepFile file = read_sweep(options.file, registry);
+  runtime::SweepFile file = read_sweep(options.file, registry, pipeline_folders());
   if (!options.seeds.empty()) {
     const auto seeds = runtime::seeds_of(options.seeds);
     file.looks.clear();  // they are numbers of the file's own seeds

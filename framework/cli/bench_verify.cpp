@@ -53,7 +53,7 @@ int verify_bench(const std::string& folder, const BenchOptions& options) {
   constexpr double tolerance = 1e-9;
   const runtime::Archive archive = runtime::read_archive(folder);
   const runtime::Registry registry = discover();
-  runtime::SweepFile file = read_sweep(archive.bench, registry);
+  runtime::SweepFile file = read_sweep(archive.bench, registry, archive.folders);
   file.seeds = archive.seeds;
   const PassingFolder passing;
   runtime::Store store(passing.path());

@@ -35,6 +35,8 @@ struct Options {
   std::string limit;                  ///< of `cache prune`: "2GiB"
   double days = -1;                   ///< likewise; negative: any age
   double quiet_seconds = 2;           ///< of `watch`
+  std::string host;                   ///< of `serve`; empty: loopback
+  int port = 0;                       ///< likewise; 0: any that is free
   int most_runs = 0;                  ///< of `watch`; 0: without end
   int threads = 0;
   bool durable = false, json = false, quiet = false, overwrite = false, trust_others = false, isolate = false,
@@ -63,6 +65,9 @@ int diff(const Options& options);
 int export_run(const Options& options);
 int verify(const Options& options);
 int watch(const Options& options);
+int serve(const Options& options);
+/// `new`: options.role is the template, options.name that of the node, options.out the folder.
+int new_node(const Options& options);
 int campaign_init(const Options& options);
 int campaign_check(const Options& options);
 int journal(const Options& options);

@@ -3,12 +3,15 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "commands.hpp"
 #include "linked_licences.hpp"
 #include "runtime/base/memory_budget.hpp"
 #include "runtime/base/trust.hpp"
+#include "runtime/plugins/programs.hpp"
 #include "runtime/run/workers.hpp"
 #include "terminal.hpp"
 
@@ -41,13 +44,41 @@ void check_plugins(const runtime::Registry& registry, std::vector<Finding>& find
     findings.push_back({Finding::good, "plugin",
                         plugin->identity.path.filename().string() + ": " + plugin->identity.name + " " +
                             plugin->identity.version + ", " + std::to_string(plugin->table->node_count) + " nodes"});
+  std::map<std::string, std::string> loaded_by;  // "libjbig.so.0 (GPL-2.0-or-later)" -> plugins
   for (const auto& plugin : registry.plugins())
-    if (const std::string linked = licences_in_words(*plugin); !linked.empty())
-      findings.push_back({Finding::note, "licence", plugin->identity.path.filename().string() + " " + linked});
+    for (const LinkedLicence& linked : copyleft_libraries(*plugin)) {
+      std::string& names = loaded_by[linked.library + " (" + linked.licence + ")"];
+      names += (names.empty() ? "" : ", ") + plugin->identity.name;
+    }
+  for (const auto& [library, plugins] : loaded_by)
+    findings.push_back({Finding::note, "licence",
+                        library + " is loaded by " + plugins +
+                            ": who passes them on with it does so under that licence; see NOTICE.md"});
   for (const auto& refused : registry.refused())
     findings.push_back({Finding::bad, "plugin", refused.path.string() + " is refused: it " + refused.problem});
   if (registry.plugins().empty())
     findings.push_back({Finding::bad, "plugin", "no plugin was found; build the project or set PLUMBLINE_PLUGIN_PATH"});
+}
+
+/// Programs that nodes start (COLMAP): whoever has no use for those nodes needs none of them.
+void check_programs(const runtime::Registry& registry, std::vector<Finding>& findings) {
+  std::map<std::string, std::string> needed_by;
+  for (const auto& [name, kind] : registry.kinds())
+    for (uint32_t i = 0; i < kind.node->param_count; ++i) {
+      const plumbline_param& param = *kind.node->params[i];
+      if (!runtime::names_program(param)) continue;
+      std::string& kinds = needed_by[param.default_text];
+      kinds += (kinds.empty() ? "" : ", ") + name;
+    }
+  for (const auto& [program, kinds] : needed_by) {
+    const std::string path = runtime::find_program(program);
+    const bool there = path.find('/') != std::string::npos;
+    findings.push_back({there ? Finding::good : Finding::note, "program",
+                        there ? path + ", for " + kinds
+                              : program + " is not there; only " + kinds + " need" +
+                                    (kinds.find(',') == std::string::npos ? "s" : "") + " it: apt-get install " +
+                                    program});
+  }
 }
 
 void check_worker(std::vector<Finding>& findings) {
@@ -91,6 +122,17 @@ void check_python(std::vector<Finding>& findings) {
   }
 }
 
+/// Painted when the columns are measured: codes have no width.
+void print_marked(const std::string& text, const char* const (&marks)[3], const Colour (&colours)[3]) {
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    for (size_t i = 0; i < 3; ++i)
+      if (const std::string mark = marks[i]; line.rfind(mark + " ", 0) == 0)
+        line.replace(0, mark.size(), paint(colours[i], mark));
+    std::printf("%s\n", line.c_str());
+  }
+}
+
 }  // namespace
 
 int doctor(const Options& options) {
@@ -98,6 +140,7 @@ int doctor(const Options& options) {
   check_search_path(findings);
   const auto registry = runtime::Registry::discover(runtime::Registry::search_path(), true);
   check_plugins(registry, findings);
+  check_programs(registry, findings);
   check_worker(findings);
   check_store(options, findings);
   findings.push_back({Finding::good, "memory",
@@ -106,17 +149,18 @@ int doctor(const Options& options) {
   check_python(findings);
   bool healthy = true;
   Json json = Json::array();
+  std::vector<std::vector<std::string>> rows;
   static constexpr const char* marks[] = {"ok", "note", "wrong"};
   static constexpr Colour colours[] = {Colour::green, Colour::yellow, Colour::red};
   for (const Finding& finding : findings) {
     healthy &= finding.level != Finding::bad;
     json.push_back({{"level", marks[finding.level]}, {"subject", finding.subject}, {"text", finding.text}});
-    if (!options.json)
-      std::printf("%s%s%s: %s\n", paint(colours[finding.level], marks[finding.level]).c_str(),
-                  std::string(7 - std::string(marks[finding.level]).size(), ' ').c_str(), finding.subject.c_str(),
-                  finding.text.c_str());
+    rows.push_back({marks[finding.level], finding.subject + ": " + finding.text});
   }
-  if (options.json) std::printf("%s\n", json.dump(1).c_str());
+  if (options.json)
+    std::printf("%s\n", json.dump(1).c_str());
+  else
+    print_marked(columns(rows), marks, colours);
   return healthy ? 0 : 1;
 }
 

@@ -104,7 +104,8 @@ bool describe_pipeline(const Options& options, const runtime::Registry& registry
                             .c_str());
     return true;
   }
-  std::printf("%s  %s\n\n%s\n", paint(Colour::bold, file.stem().string()).c_str(), file.c_str(), doc.summary.c_str());
+  std::printf("%s  %s\n\n%s", paint(Colour::bold, file.stem().string()).c_str(), file.c_str(),
+              columns({{doc.summary}}).c_str());
   std::vector<std::vector<std::string>> rows;
   for (const auto& v : doc.variables)
     rows.push_back(
@@ -113,7 +114,7 @@ bool describe_pipeline(const Options& options, const runtime::Registry& registry
   if (!doc.outputs.empty()) {
     std::string all;
     for (const std::string& output : doc.outputs) all += (all.empty() ? "" : ", ") + output;
-    std::printf("\n%s\n  %s\n", paint(Colour::bold, "outputs").c_str(), all.c_str());
+    std::printf("\n%s\n%s", paint(Colour::bold, "outputs").c_str(), columns({{" ", all}}).c_str());
   }
   std::printf("\n`plumbline graph %s` draws it.\n", file.stem().c_str());
   return true;

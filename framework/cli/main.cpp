@@ -93,6 +93,26 @@ std::vector<Command> declare(CLI::App& app, Options& options, plumbline::cli::Be
   add_store(watch, options);
   watch.add_flag("-q,--quiet", options.quiet, "print nothing of a run but warnings and errors");
 
+  CLI::App& serve =
+      add("serve", "shows runs as a page on this machine that follows them as they go", plumbline::cli::serve);
+  serve.add_option("folder", options.name, "the output folder of a run, or one that holds several (default: out)")
+      ->type_name("OUT");
+  serve.add_option("--port", options.port, "where to listen (default: any that is free)")->check(CLI::Range(0, 65535));
+  serve
+      .add_option("--host", options.host,
+                  "address to listen on; others than this machine's own are reached by whoever has the token")
+      ->type_name("ADDRESS");
+  add_store(serve, options);
+
+  CLI::App& made = add("new", "begins a node of your own: a folder that builds, is tested and runs as it is",
+                       plumbline::cli::new_node);
+  made.add_option("template", options.role,
+                  "detector, pose_solver, adjuster, registrar, metric, survey_reader, writer or python_node")
+      ->required()
+      ->type_name("TEMPLATE");
+  made.add_option("name", options.name, "of the node, as in detect.NAME")->required()->type_name("NAME");
+  made.add_option("--out", options.out, "the folder to make (default: NAME)")->type_name("DIR");
+
   CLI::App* bench =
       app.add_subcommand("bench", "runs alternatives on many trials and says which is better, and by how much");
   plumbline::cli::declare_bench(*bench, bench_options);

@@ -51,21 +51,27 @@ size_t terminal_width() {
 
 }  // namespace
 
-Progress::Progress(const runtime::Graph& graph, runtime::Record& record, Style style)
-    : record_(record), style_(style), total_(graph.rounds.most > 0 ? 0 : graph.nodes.size()) {
+Progress::Progress(const runtime::Graph& graph, runtime::Record& record, Style style,
+                   const std::filesystem::path& folder)
+    : record_(record),
+      live_(folder, graph.rounds.most > 0 ? 0 : graph.nodes.size()),
+      style_(style),
+      total_(graph.rounds.most > 0 ? 0 : graph.nodes.size()) {
   for (const auto& node : graph.nodes)
     name_width_ = std::max(name_width_, node.name.size() + std::string(node.kind.node->kind).size() + 3);
 }
 
 Progress::~Progress() { clear_status(); }
 
-void Progress::node_started(const runtime::GraphNode& node, size_t) {
+void Progress::node_started(const runtime::GraphNode& node, size_t items) {
+  live_.started(node.name, items);
   running_[node.name].start = Clock::now();
   show_status();
 }
 
 void Progress::node_progress(const runtime::GraphNode& node, size_t items_done, size_t items, double fraction,
                              const std::string& text) {
+  live_.at(node.name, items_done, items, fraction, text);
   Running& running = running_[node.name];
   running.fraction = items > 1 ? static_cast<double>(items_done) / static_cast<double>(items) : fraction;
   running.text = items > 1 ? std::to_string(items_done) + " of " + std::to_string(items) : text;
@@ -74,6 +80,7 @@ void Progress::node_progress(const runtime::GraphNode& node, size_t items_done, 
 
 void Progress::node_finished(const runtime::GraphNode& node, const runtime::NodeResult& result) {
   running_.erase(node.name);
+  live_.finished(node.name);
   ++done_;
   record_.node(node, result);
   clear_status();

@@ -5,6 +5,7 @@
 #include <map>
 #include <string>
 
+#include "live_progress.hpp"
 #include "runtime/record/record.hpp"
 #include "runtime/run/executor.hpp"
 
@@ -13,7 +14,8 @@ namespace plumbline::cli {
 class Progress : public runtime::Observer {
  public:
   enum class Style { lines, json, quiet };
-  Progress(const runtime::Graph& graph, runtime::Record& record, Style style);
+  /// `folder` is where the run delivers to.
+  Progress(const runtime::Graph& graph, runtime::Record& record, Style style, const std::filesystem::path& folder);
   ~Progress() override;
 
   void node_started(const runtime::GraphNode& node, size_t items) override;
@@ -32,6 +34,7 @@ class Progress : public runtime::Observer {
   void clear_status();
 
   runtime::Record& record_;
+  LiveProgress live_;
   const Style style_;
   const size_t total_;
   size_t name_width_ = 0, done_ = 0;

@@ -172,8 +172,8 @@ void tell_whose_outputs_lie_there(const runtime::Graph& graph, const runtime::Ou
 /// What a run is seen to have done, for the record of one whose nodes do not let it end.
 class Seen : public Progress {
  public:
-  Seen(const runtime::Graph& graph, runtime::Record& record, Style style)
-      : Progress(graph, record, style), graph_(graph) {
+  Seen(const runtime::Graph& graph, runtime::Record& record, Style style, const fs::path& folder)
+      : Progress(graph, record, style, folder), graph_(graph) {
     result_.nodes.resize(graph.nodes.size());  // cancelled, until it is known better
     result_.cancelled = true;
   }
@@ -250,11 +250,14 @@ int run(const Options& options) {
     Seen progress(graph, record,
                   options.json    ? Progress::Style::json
                   : options.quiet ? Progress::Style::quiet
-                                  : Progress::Style::lines);
+                                  : Progress::Style::lines,
+                  out);
     const EndsInTime in_time([&] {
       std::fprintf(stderr, "cancelled; nodes that did not stop in time were left, and what was finished is kept\n");
       tell_whose_outputs_lie_there(graph, folder);
       record.end(progress.freeze(), {});
+      std::error_code ignored;
+      fs::remove(out / LiveProgress::file_name, ignored);
       if (options.json) print_json_end(out);
     });
     result = execute(graph, registry, store, run_options, progress);

@@ -174,8 +174,9 @@ std::string columns(const std::vector<std::vector<std::string>>& rows, size_t sc
     else if (start + narrowest <= screen)
       text += wrapped(last, screen - start, start);
     else
-      text += "\n" + std::string(hanging, ' ') +
-              wrapped(last, screen > hanging + narrowest ? screen - hanging : narrowest, hanging);
+      text.erase(text.find_last_not_of(' ') + 1),
+          text += "\n" + std::string(hanging, ' ') +
+                  wrapped(last, screen > hanging + narrowest ? screen - hanging : narrowest, hanging);
     text.erase(text.find_last_not_of(' ') + 1);
     text += "\n";
   }

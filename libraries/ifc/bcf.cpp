@@ -8,51 +8,18 @@
 
 #include "artifacts/surface_judgement.hpp"
 #include "artifacts/surfaces.hpp"
-#include "ifc/facade_artifact.hpp"
-#include "ifc/ifc_guid.hpp"
+#include "ifc/bcf_topic.hpp"
 #include "ifc/surface_words.hpp"
-#include "ifc/zip_writer.hpp"
-#include "text/xml_text.hpp"
 
 namespace plumbline::bim {
 namespace {
 
-const std::string kHead = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
-
-using formats::xml_escaped;
-
-std::string element(const std::string& name, const std::string& text) {
-  return text.empty() ? "" : "<" + name + ">" + xml_escaped(text) + "</" + name + ">";
-}
-
-std::string vector(const std::string& name, const Eigen::Vector3d& v) {
-  char text[200];
-  std::snprintf(text, sizeof text, "<X>%.6f</X><Y>%.6f</Y><Z>%.6f</Z>", v.x(), v.y(), v.z());
-  return "<" + name + ">" + text + "</" + name + ">";
-}
+using Issue = BcfIssue;
 
 std::string mm(double metres, int decimals = 1) {
   char text[40];
   std::snprintf(text, sizeof text, "%.*f", decimals, 1e3 * metres);
   return text;
-}
-
-/// One anchor or panel to be mended.
-struct Issue {
-  std::string guid, title, description, storey;
-  ToleranceVerdict verdict;
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  double reach = 0;
-  FacadeFrame frame;                                        ///< of one who stands before it
-  std::string about = {};                                   ///< what of the element; empty: the whole
-  std::string key() const { return about.empty() ? guid : guid + "/" + about; }
-  double away() const { return std::max(4.0, 4 * reach); }  ///< from it to the camera [m]
-};
-
-/// Where nothing says which way it faces it is looked at along y.
-FacadeFrame view_of(const std::unique_ptr<FacadeFrameT>& facade) {
-  const FacadeFrame frame = frame_or_none(facade);
-  return frame.known() ? frame : frame_facing(-Eigen::Vector3d::UnitY(), FacadeSource::none, false);
 }
 
 Issue issue_of(const AnchorDeviationT& anchor) {
@@ -192,72 +159,6 @@ Issue issue_of_doubt(const std::string& doubt) {
   return issue;
 }
 
-std::string uuid_of(const std::string& project, const std::string& key) {
-  const auto uuid = uuid_from_ifc_guid(derived_ifc_guid(project, key));
-  return uuid_to_text(*uuid);
-}
-
-/// Which models the topic is about: without it a viewer does not know what to load.
-std::string header_of(const BcfOptions& options, const std::string& design_file) {
-  std::string files;
-  for (const std::string& name : {options.model_file, design_file})
-    if (!name.empty())
-      files += "<File IfcProject=\"" + xml_escaped(options.project_guid) + "\" isExternal=\"true\">" +
-               element("Filename", name) + "</File>";
-  return files.empty() ? "" : "<Header>" + files + "</Header>";
-}
-
-/// GlobalIds of the panels that hang between the camera and the issue: they are hidden, or nobody would see it.
-std::vector<std::string> panels_before(const Issue& issue, const DeviationT& deviation) {
-  constexpr double margin = 0.3;  // [m] what is seen beside it
-  std::vector<std::string> hidden;
-  for (const auto& panel : deviation.panels) {
-    if (panel->guid == issue.guid || panel->corners.empty()) continue;
-    Eigen::Vector3d low = Eigen::Vector3d::Constant(1e300), high = -low;
-    for (const auto& corner : panel->corners) {
-      const Eigen::Vector3d d = corner->design - issue.centre;
-      const Eigen::Vector3d seen(issue.frame.right.dot(d), issue.frame.up.dot(d), issue.frame.out.dot(d));
-      low = low.cwiseMin(seen), high = high.cwiseMax(seen);
-    }
-    const double reach = margin + issue.reach;
-    if (low.x() < reach && high.x() > -reach && low.y() < reach && high.y() > -reach && high.z() > -0.05 &&
-        low.z() < issue.away())
-      hidden.push_back(panel->guid);
-  }
-  return hidden;
-}
-
-std::string markup(const Issue& issue, const BcfOptions& options, const std::string& header, const std::string& topic,
-                   const std::string& view, int index) {
-  const bool fail = issue.verdict == ToleranceVerdict::fail;
-  return kHead + "<Markup>" + header + "<Topic Guid=\"" + topic + "\" TopicType=\"Issue\" TopicStatus=\"Open\">" +
-         element("Title", issue.title) + element("Priority", fail ? "High" : "Normal") +
-         element("Index", std::to_string(index)) + element("Labels", issue.storey) +
-         element("Labels", fail ? "FAIL" : "UNDECIDED") + element("Labels", options.epoch) +
-         element("CreationDate", options.date) + element("CreationAuthor", options.author) +
-         element("DueDate", options.due_date) + element("AssignedTo", options.assigned_to) +
-         element("Description", issue.description) + "</Topic>" +
-         (view.empty() ? ""
-                       : "<Viewpoints Guid=\"" + view +
-                             "\"><Viewpoint>viewpoint.bcfv</Viewpoint><Snapshot>snapshot.png</Snapshot></Viewpoints>") +
-         "</Markup>\n";
-}
-
-std::string viewpoint(const Issue& issue, const std::vector<std::string>& hidden, const std::string& view) {
-  const Eigen::Vector3d& normal = issue.frame.out;
-  std::string exceptions;
-  for (const std::string& guid : hidden) exceptions += "<Component IfcGuid=\"" + xml_escaped(guid) + "\"/>";
-  if (!exceptions.empty()) exceptions = "<Exceptions>" + exceptions + "</Exceptions>";
-  const std::string component = "<Component IfcGuid=\"" + xml_escaped(issue.guid) + "\"/>";
-  const char* colour = issue.verdict == ToleranceVerdict::fail ? "FFD55E00" : "FFE69F00";
-  return kHead + "<VisualizationInfo Guid=\"" + view + "\"><Components><Selection>" + component +
-         "</Selection><Visibility DefaultVisibility=\"true\">" + exceptions + "</Visibility><Coloring><Color Color=\"" +
-         colour + "\">" + component + "</Color></Coloring></Components><PerspectiveCamera>" +
-         vector("CameraViewPoint", issue.centre + issue.away() * normal) + vector("CameraDirection", -normal) +
-         vector("CameraUpVector", issue.frame.up) +
-         "<FieldOfView>60</FieldOfView></PerspectiveCamera></VisualizationInfo>\n";
-}
-
 }  // namespace
 
 std::string write_bcf(const DeviationT& deviation, const std::vector<const AnchorDeviationT*>& anchors,
@@ -276,21 +177,9 @@ std::string write_bcf(const DeviationT& deviation, const std::vector<const Ancho
   if (options.surface_judgement)
     for (const auto& request : options.surface_judgement->requests)
       if (!request->not_judged.empty()) issues.push_back(issue_of(*request));
-  ZipWriter zip;
-  zip.add("bcf.version", kHead + "<Version VersionId=\"2.1\"><DetailedVersion>2.1</DetailedVersion></Version>\n");
-  const std::string header = header_of(options, deviation.design_file);
-  int index = 0;
-  for (const Issue& issue : issues) {
-    const std::string topic = uuid_of(options.project_guid, "bcf/" + options.epoch + "/" + issue.key());
-    const bool seen = issue.reach > 0;
-    const std::string view =
-        seen ? uuid_of(options.project_guid, "bcf view/" + options.epoch + "/" + issue.key()) : std::string();
-    zip.add(topic + "/markup.bcf", markup(issue, options, header, topic, view, index++));
-    if (!seen) continue;
-    zip.add(topic + "/viewpoint.bcfv", viewpoint(issue, panels_before(issue, deviation), view));
-    zip.add(topic + "/snapshot.png", snapshot_png(deviation, issue.centre, issue.reach, issue.frame));
-  }
-  return zip.finish();
+  BcfFile file(options, deviation.design_file);
+  for (const Issue& issue : issues) file.add(issue, deviation);
+  return file.finish();
 }
 
 }  // namespace plumbline::bim

@@ -28,14 +28,14 @@ Eigen::Matrix3d axes(const Eigen::Vector3d& axis, const Eigen::Vector3d& referen
   return rotation;
 }
 
-struct Line {
+struct PlacementLine {
   Eigen::Vector3d point, direction;
 };
 
 /// A grid axis as a line in the plane of its grid, in its sense.
-Line read_grid_axis(const Model& model, const Entity& axis) {
+PlacementLine read_grid_axis(const Model& model, const Entity& axis) {
   const Entity curve = model.entity(axis.reference("AxisCurve"), axis.id());
-  Line line;
+  PlacementLine line;
   if (curve.keyword() == "IFCLINE") {
     line.point = read_point(model, curve.reference("Pnt"), curve.id());
     const Entity vector = model.entity(curve.reference("Dir"), curve.id());
@@ -56,7 +56,7 @@ Eigen::Vector3d intersection(const Model& model, const Entity& crossing, Eigen::
   std::vector<double> offsets = crossing.numbers("OffsetDistances");
   offsets.resize(std::max<std::size_t>(offsets.size(), 3), 0.0);
   if (ids.size() != 2) crossing.fail("IntersectingAxes", "two axes");
-  Line lines[2];
+  PlacementLine lines[2];
   for (std::size_t i = 0; i < 2; ++i) {
     lines[i] = read_grid_axis(model, model.entity(ids[i], crossing.id()));
     // Positive offsets lie to the left of the axis, as with IfcOffsetCurve2D.

@@ -181,6 +181,7 @@ Analysis analyse(const Bench& bench) {
   analysis.failures = failures_of(bench);
   analysis.unused = unused_of(bench);
   analysis.rising = rising_of(bench);
+  analysis.breakdowns = breakdowns(bench, analysis.confidence);
   return analysis;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "bench/bench_data.hpp"
+#include "bench/breakdown.hpp"
 #include "statistics/comparison.hpp"
 #include "statistics/trial_summary.hpp"
 
@@ -45,6 +46,7 @@ struct Analysis {
   std::vector<Failure> failures;
   std::vector<std::string> unused;  ///< alternatives that ran nothing and measures without a value, with the reason
   std::vector<std::string> rising;  ///< rows whose cost went up, in words
+  std::vector<Breakdown> breakdowns;
   std::size_t cells = 0, done = 0, failed = 0, missing = 0, seeds = 0;
   std::size_t open = 0;  ///< comparisons that are not decided: too few trials, or nothing shown
   /// Of all intervals and verdicts. Where a bench may stop at several looks each has its share of the 5 % (Bonferroni),

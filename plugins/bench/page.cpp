@@ -160,6 +160,20 @@ std::string plain_list(const std::vector<std::string>& sentences, const std::str
   return text + "</ul>\n";
 }
 
+std::string breakdown_table(const Analysis& analysis) {
+  std::string text =
+      "<p class=\"soft\">The value up to which half of the sites have a result within the tolerance, and the 95 % "
+      "interval of that median.</p><div class=\"scroll\"><table><thead><tr><th>variable</th><th>place</th>"
+      "<th>alternative</th><th class=\"n\">within [mm]</th><th "
+      "class=\"n\">sites</th><th>holds</th></tr></thead><tbody>\n";
+  for (const Breakdown& b : analysis.breakdowns)
+    text += "<tr><td>" + xml_escaped(b.variable) + "</td><td>" + xml_escaped(b.place) + "</td><td>" +
+            xml_escaped(b.name) + "</td><td class=\"n\">" + number_text(1e3 * b.tolerance, 1) +
+            "</td><td class=\"n\">" + std::to_string(b.sites) + "</td><td>" + xml_escaped(breakdown_text(b)) +
+            "</td></tr>\n";
+  return text + "</tbody></table></div>\n";
+}
+
 /// What a person needs first: a sentence for each group, what is wrong with the bench itself, and the picture.
 std::string first_screen(const Bench& bench, const Analysis& analysis) {
   std::string text;
@@ -171,6 +185,8 @@ std::string first_screen(const Bench& bench, const Analysis& analysis) {
   for (std::size_t i = 0; i < bench.groups.size(); ++i)
     text += "<p class=\"answer\">" + xml_escaped(sentences[i]) + "</p>\n<div class=\"panel\">" +
             to_svg(panel(bench, analysis, bench.groups[i]), Svg::inlined) + "</div>\n";
+  if (const auto broken = breakdown_sentences(analysis.breakdowns); !broken.empty())
+    text += "<h2>Where they break</h2>\n" + plain_list(broken);
   return "<section>" + text + "</section>\n";
 }
 
@@ -183,6 +199,7 @@ std::string behind(const Bench& bench, const Analysis& analysis) {
   if (!bench.groups.empty()) fold("Verdicts, pair by pair", verdict_list(bench, analysis));
   if (const auto sentences = calibration_verdicts(analysis); !sentences.empty())
     fold("What covariances state against what is found", plain_list(sentences));
+  if (!analysis.breakdowns.empty()) fold("Where they break", breakdown_table(analysis));
   if (!analysis.rising.empty()) fold("Costs that go up", plain_list(analysis.rising, "bad"));
   return text.empty() ? "" : "<section>" + text + "</section>\n";
 }

@@ -101,6 +101,15 @@ Json duel_json(const Duel& duel) {
   return json;
 }
 
+/// `holds` is the last value at which half of the sites hold, null if they do not at the first one.
+Json breakdown_json(const Breakdown& b) {
+  const auto value = [&](std::size_t count) { return count == 0 ? Json() : Json(b.values[count - 1]); };
+  Json json{{"variable", b.variable}, {"place", b.place},   {"name", b.name},          {"tolerance", b.tolerance},
+            {"sites", b.sites},       {"values", b.values}, {"holds", value(b.median)}};
+  if (b.has_interval()) json["interval"] = {value(b.lower), value(b.upper)};
+  return json;
+}
+
 std::string table_cell(std::string text) {
   for (char& c : text)
     if (c == '\n' || c == '|') c = ' ';
@@ -223,6 +232,8 @@ std::string to_json(const Bench& bench, const Analysis& analysis) {
   for (const Sentence& sentence : verdicts(bench, analysis)) json["verdicts"].push_back(sentence.text);
   json["calibration"] = calibration_verdicts(analysis);
   json["rising_costs"] = analysis.rising;
+  json["breakdowns"] = Json::array();
+  for (const Breakdown& b : analysis.breakdowns) json["breakdowns"].push_back(breakdown_json(b));
   json["weights"] = bench.weights;
   json["unused"] = analysis.unused;
   json["rows"] = Json::array();
@@ -244,6 +255,8 @@ std::string to_markdown(const Bench& bench, const Analysis& analysis) {
   std::string text = "# " + one_line(bench.title) + "\n\n" + coverage_text(bench, analysis) + ".\n\n";
   if (!bench.groups.empty()) text += "## What to choose\n\n";
   for (const std::string& sentence : choices_to_make(bench, analysis)) text += "- " + sentence + "\n";
+  if (!analysis.breakdowns.empty()) text += "\n## Where they break\n\n";
+  for (const std::string& sentence : breakdown_sentences(analysis.breakdowns)) text += "- " + sentence + "\n";
   if (!bench.groups.empty()) text += "\n## Verdicts\n\n";
   for (const Sentence& sentence : verdicts(bench, analysis)) text += "- " + sentence.text + "\n";
   for (const std::string& sentence : analysis.unused) text += "- " + sentence + "\n";

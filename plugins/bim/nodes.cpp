@@ -15,6 +15,7 @@
 #include "ifc/as_built_ifc.hpp"
 #include "ifc/bcf.hpp"
 #include "ifc/ifc_guid.hpp"
+#include "installation_nodes.hpp"
 #include "instant.hpp"
 #include "judgement/worst_first.hpp"
 #include "match_node.hpp"
@@ -225,4 +226,5 @@ struct WriteBcf : Node {
 }  // namespace plumbline::bim
 
 PLUMBLINE_PLUGIN("bim", "0.1.0", "MIT", plumbline::bim::ReadIfc, plumbline::bim::MatchElements,
-                 plumbline::bim::WriteIfc, plumbline::bim::WriteBcf, plumbline::bim::CheckIfc)
+                 plumbline::bim::WriteIfc, plumbline::bim::WriteBcf, plumbline::bim::CheckIfc, plumbline::bim::WriteInstallation,
+                 plumbline::bim::WriteInstallationBcf)

@@ -107,6 +107,11 @@ CampaignDescription parse_campaign(const std::string& yaml, const std::filesyste
   if (wanted("survey")) take([&] { c.survey = resolver.many("survey"); });
   if (mapping.has("control")) one("control", c.control);
   if (use == CampaignUse::survey) return c;
+  if (use == CampaignUse::measured) {
+    one("plates", c.plates), one("design", c.design);
+    if (mapping.has("mapping")) one("mapping", c.mapping);
+    return c;
+  }
   if (!mapping.has("survey") && !mapping.has("control") && optional)
     problems.add(CampaignError(shown, 0, "found neither 'survey' nor 'control': where the points are, nothing says"));
   if (mapping.has("observations")) one("observations", c.observations);

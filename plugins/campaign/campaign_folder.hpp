@@ -67,7 +67,8 @@ struct CampaignDescription {
 enum class CampaignUse {
   site,         ///< all of it
   photographs,  ///< photographs (or observations), and survey files or control points; the rest if it is there
-  survey        ///< survey files; images, camera, plates and design are left alone
+  survey,       ///< survey files; images, camera, plates and design are left alone
+  measured      ///< survey files, plates and design: anchors are measured by total station; images are left alone
 };
 
 /// `files`: what the folder holds, as relative paths with forward slashes. `shown` names campaign.yaml in messages.

@@ -15,6 +15,33 @@ namespace {
 using namespace plumbline;
 namespace fs = std::filesystem;
 
+std::vector<campaign::PlateEntry> read_plates(const fs::path& path, Context& context) {
+  std::vector<std::string> warnings;
+  auto entries = campaign::parse_plates(campaign::read_text(path), path, campaign::CampaignUse::site, &warnings);
+  for (const std::string& warning : warnings) context.warn(warning);
+  return entries;
+}
+
+FileT mapping_file(campaign::ListedCampaign& site) {
+  FileT table;
+  table.name = "mapping.csv";
+  if (site.description.mapping.empty()) return table;
+  table.name = fs::path(site.description.mapping).filename().string();
+  site.problems.attempt([&] {
+    const std::string rows = campaign::read_text(site.root / site.description.mapping);
+    table.media_type = "text/csv";
+    table.content.assign(rows.begin(), rows.end());
+  });
+  return table;
+}
+
+/// By reference, like the photographs: a design may have hundreds of megabytes.
+FileT design_reference(const campaign::ListedCampaign& site) {
+  const FolderEntryT& design = site.entry(site.description.design);
+  const std::string name = fs::path(design.path).filename().string();
+  return file_reference(name, "application/x-step", "sha256:" + design.sha256 + "/" + name, design.sha256);
+}
+
 struct ReadCampaign : Node {
   static constexpr Info info{"read.campaign", "", 8, "Reads the folder of a site: campaign.yaml and what it names"};
   In<Folder> folder{"folder", "a folder with a campaign.yaml; see docs/campaign_folder.md"};
@@ -69,36 +96,12 @@ struct ReadCampaign : Node {
     for (const ImageT& image : photographs) images.commit(image);
     const std::size_t observed = commit_observations(tags, *cameras);
     mapping.commit(table);
-    // By reference, like the photographs: a design may have hundreds of megabytes.
-    const FolderEntryT& design = site.entry(description.design);
-    const std::string name = fs::path(design.path).filename().string();
-    design_file.commit(
-        file_reference(name, "application/x-step", "sha256:" + design.sha256 + "/" + name, design.sha256));
+    design_file.commit(design_reference(site));
     inputs.commit(site.inputs(photographs.empty() ? observed : photographs.size(), readings.observations.size()));
     unread.commit(site.unread());
   }
 
  private:
-  static std::vector<campaign::PlateEntry> read_plates(const fs::path& path, Context& context) {
-    std::vector<std::string> warnings;
-    auto entries = campaign::parse_plates(campaign::read_text(path), path, campaign::CampaignUse::site, &warnings);
-    for (const std::string& warning : warnings) context.warn(warning);
-    return entries;
-  }
-
-  static FileT mapping_file(campaign::ListedCampaign& site) {
-    FileT table;
-    table.name = "mapping.csv";
-    if (site.description.mapping.empty()) return table;
-    table.name = fs::path(site.description.mapping).filename().string();
-    site.problems.attempt([&] {
-      const std::string rows = campaign::read_text(site.root / site.description.mapping);
-      table.media_type = "text/csv";
-      table.content.assign(rows.begin(), rows.end());
-    });
-    return table;
-  }
-
   /// Returns the number of images.
   std::size_t commit_observations(const std::vector<campaign::ObservedTag>& tags,
                                   const campaign::CampaignCameras& cameras) {
@@ -199,6 +202,45 @@ struct ReadSurveyEpochs : Node {
   }
 };
 
+struct ReadMeasuredCampaign : Node {
+  static constexpr Info info{"read.measured_campaign", "", 1,
+                             "Reads a folder whose anchors were measured by total station: survey files, control, "
+                             "plates and design; photographs in it are left alone"};
+  In<Folder> folder{"folder", "a folder with a campaign.yaml; images, observations and camera may be left out"};
+  Out<Plates> plates{"plates", frame("frame=building"), "which point stands for which anchor, and how it faces"};
+  Out<SurveyObservations> survey{"survey", frame("frame=building"),
+                                 "all survey files in one; the datum is in `control`"};
+  Out<Points> control{"control", frame("frame=building"), "the control points as given"};
+  Param<bool> strict{"strict", true,
+                     "refuse survey files of which anything has to be skipped; otherwise it is a warning"};
+  Out<File> design_file{"design_file", "the design IFC as it is, by reference"};
+  Out<File> mapping{"mapping", "the mapping table from points to elements of the design; empty without one"};
+  Out<InputFiles> inputs{"inputs", "the files that were read, and survey files that `unused` sets aside"};
+  Out<InputFiles> unread{"unread", "what else lies in the folder"};
+
+  void run(Context& context) override {
+    campaign::ListedCampaign site(folder.unpack(), context.resolve(std::string(folder->uri()->string_view())),
+                                  campaign::CampaignUse::measured);
+    campaign::KnownControl known;
+    SurveyObservationsT readings;
+    std::vector<campaign::PlateEntry> entries;
+    if (!site.description.plates.empty())
+      site.problems.attempt([&] { entries = read_plates(site.root / site.description.plates, context); });
+    site.problems.attempt([&] { known = campaign::read_control(site.description, site.root, context); });
+    site.problems.attempt(
+        [&] { readings = campaign::read_surveys(site.description, site.root, known, *strict, context); });
+    const FileT table = mapping_file(site);
+    site.problems.raise();
+    plates.commit(campaign::to_artifact(entries));
+    control.commit(campaign::to_artifact(known.points));
+    survey.commit(readings);
+    design_file.commit(design_reference(site));
+    mapping.commit(table);
+    inputs.commit(site.inputs(0, readings.observations.size()));
+    unread.commit(site.unread());
+  }
+};
+
 /// Only an evaluation may be fed from this.
 struct ReadTruth : Node {
   static constexpr Info info{"read.truth", "", 1, "Reads the truth beside a simulated campaign; for evaluation only"};
@@ -223,4 +265,5 @@ struct ReadTruth : Node {
 }  // namespace
 
 PLUMBLINE_PLUGIN("campaign", "0.1.0", "MIT", ReadCampaign, campaign::ReadPhotoCampaign, ReadSurveyCampaign,
-                 ReadSurveyEpochs, ReadTruth, campaign::ProposeCampaign, campaign::AccountForCampaign)
+                 ReadSurveyEpochs, ReadMeasuredCampaign, ReadTruth, campaign::ProposeCampaign,
+                 campaign::AccountForCampaign)

@@ -1,8 +1,10 @@
 #include "propose_campaign.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <fstream>
 #include <map>
+#include <set>
 
 #include "images/photograph_header.hpp"
 #include "plumbline/folder_files.hpp"
@@ -224,34 +226,88 @@ class Sorter {
       add("camera", yaml_text(cameras_.front().name), "its calibration");
       return check_size(groups_.front(), cameras_.front());
     }
-    proposal_.yaml += "camera:   # calibration: the photographs it is for\n";
+    add_cameras();
+  }
+
+  /// Which calibration is for which photographs. A calibration that is nobody's is told: it was made for something.
+  void add_cameras() {
+    std::vector<Names> taken(cameras_.size());
+    std::string missing;
     for (const Group& group : groups_) {
-      const CameraFile* its = camera_of(group);
-      const std::string names = listed(patterns_of(group.names));
-      if (its) {
-        proposal_.yaml += "  " + yaml_text(its->name) + ": " + names + "\n";
-        proposal_.found.push_back("camera: " + its->name + " for " + names);
+      const std::vector<std::size_t> fits = cameras_of(group);
+      if (fits.size() > 1) {
+        share_by_folders(group, fits, taken);
+      } else if (fits.size() == 1) {
+        taken[fits[0]].insert(taken[fits[0]].end(), group.names.begin(), group.names.end());
+      } else {
+        missing += "  # CALIBRATION.yaml: " + listed(patterns_of(group.names)) + "   # MISSING\n";
+        proposal_.wrong.push_back("camera: no calibration of " + std::to_string(group.width) + " x " +
+                                  std::to_string(group.height) + " pixels is for " + few(group.names));
+      }
+    }
+    proposal_.yaml += "camera:   # calibration: the photographs it is for\n";
+    for (std::size_t i = 0; i < cameras_.size(); ++i) {
+      const std::string& name = cameras_[i].name;
+      if (taken[i].empty()) {
+        proposal_.wrong.push_back("camera: " + name + " is a calibration for none of the photographs");
         continue;
       }
-      proposal_.yaml += "  # CALIBRATION.yaml: " + names + "   # MISSING\n";
-      proposal_.wrong.push_back("camera: no calibration of " + std::to_string(group.width) + " x " +
-                                std::to_string(group.height) + " pixels is for " + few(group.names));
+      const std::string names = listed(patterns_of(taken[i]));
+      proposal_.yaml += "  " + yaml_text(name) + ": " + names + "\n";
+      proposal_.found.push_back("camera: " + name + " for " + names);
+    }
+    proposal_.yaml += missing;
+  }
+
+  /// Indices of the calibrations of that size; of several, those whose model EXIF names.
+  std::vector<std::size_t> cameras_of(const Group& group) const {
+    std::vector<std::size_t> fits, named;
+    for (std::size_t i = 0; i < cameras_.size(); ++i) {
+      const CameraCalibration& c = cameras_[i].calibration;
+      if (c.camera.width != group.width || c.camera.height != group.height) continue;
+      fits.push_back(i);
+      if (!c.model.empty() && group.model.find(c.model) != std::string::npos) named.push_back(i);
+    }
+    return named.empty() ? fits : named;
+  }
+
+  /// Two bodies of one model: photographs in a folder `crane` are those of `camera_crane.yaml`. Where names do not
+  /// tell, somebody must.
+  void share_by_folders(const Group& group, const std::vector<std::size_t>& fits, std::vector<Names>& taken) {
+    std::map<std::string, Names> folders;
+    for (const std::string& name : group.names) folders[fs::path(name).parent_path().string()].push_back(name);
+    for (const auto& [folder, names] : folders) {
+      std::vector<std::size_t> own;
+      for (const std::size_t i : fits)
+        if (share_a_word(folder, cameras_[i].name) || share_a_word(folder, cameras_[i].calibration.id))
+          own.push_back(i);
+      if (own.size() != 1)
+        proposal_.wrong.push_back("camera: " + cameras_[fits[0]].name + " and " + cameras_[fits[1]].name +
+                                  " both fit " + few(names) +
+                                  "; the first is taken. Write which of them took which photographs");
+      Names& its = taken[own.size() == 1 ? own[0] : fits[0]];
+      its.insert(its.end(), names.begin(), names.end());
     }
   }
 
-  /// The calibration of that size; of several, the one whose model EXIF names.
-  const CameraFile* camera_of(const Group& group) {
-    std::vector<const CameraFile*> fits;
-    for (const CameraFile& camera : cameras_)
-      if (camera.calibration.camera.width == group.width && camera.calibration.camera.height == group.height)
-        fits.push_back(&camera);
-    for (const CameraFile* camera : fits)
-      if (!camera->calibration.model.empty() && group.model.find(camera->calibration.model) != std::string::npos)
-        return camera;
-    if (fits.size() > 1)
-      proposal_.wrong.push_back("camera: " + fits[0]->name + " and " + fits[1]->name + " both fit " + few(group.names) +
-                                "; the first is taken");
-    return fits.empty() ? nullptr : fits.front();
+  static std::set<std::string> words_of(const std::string& text) {
+    constexpr std::size_t shortest = 3;
+    std::set<std::string> words;
+    std::string word;
+    for (const char c : text + " ") {
+      const unsigned char u = static_cast<unsigned char>(c);
+      if (u < 128 && !std::isalnum(u)) {
+        if (word.size() >= shortest) words.insert(word);
+        word.clear();
+      } else {
+        word += static_cast<char>(u < 128 ? std::tolower(u) : u);
+      }
+    }
+    return words;
+  }
+  static bool share_a_word(const std::string& a, const std::string& b) {
+    const std::set<std::string> of_a = words_of(a), of_b = words_of(b);
+    return std::any_of(of_a.begin(), of_a.end(), [&](const std::string& word) { return of_b.count(word) > 0; });
   }
 
   void check_size(const Group& group, const CameraFile& camera) {

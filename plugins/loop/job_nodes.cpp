@@ -82,10 +82,10 @@ void SimulateRobots::run(Context& context) {
       deed.outcome = "skipped", deed.fault = "skipped", deed.setting.setZero();
     else if (luck.uniform() < *old_revision)
       deed.revision -= 1, deed.fault = "old revision";
-    else if (item.kind != "bracket")
-      deed.fault = "";
     else if (luck.uniform() < *did_nothing)
       deed.setting.setZero(), deed.fault = "did nothing";
+    else if (item.kind != "bracket")
+      deed.fault = "";
     else if (luck.uniform() < *off_8mm)
       deed.setting.x() += 0.008, deed.fault = "8 mm off";
     else if (luck.uniform() < *wrong_side)
@@ -102,8 +102,11 @@ void SimulateRobots::run(Context& context) {
     }
     auto report = std::make_unique<ActualT>();
     report->item = item.id, report->job = todo.id, report->revision = deed.revision, report->outcome = deed.outcome;
-    report->by = "robot-" + std::to_string(1 + item.floor % 2);
-    report->measured.setConstant(kUnknown), report->sigma.setConstant(kUnknown), report->setting.setConstant(kUnknown);
+    report->by = "robot-" + std::to_string(1 + item.floor % 2), report->measured.setConstant(kUnknown);
+    // A robot sees the panel that it has hung, to a millimetre.
+    if (item.kind == "panel" && deed.outcome == "done" && deed.fault != "did nothing")
+      report->measured = todo.origin + item.target + own.normal3(0.001);
+    report->sigma.setConstant(kUnknown), report->setting.setConstant(kUnknown);
     reports.items.push_back(std::move(report));
   }
   context.metric("done", static_cast<double>(todo.items.size()), "1");

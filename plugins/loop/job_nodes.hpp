@@ -44,7 +44,7 @@ struct ReadActuals : Node {
 };
 
 struct SimulateRobots : Node {
-  static constexpr Info info{"simulate.robots", "", 1,
+  static constexpr Info info{"simulate.robots", "", 2,
                              "Robots that do a job with their errors and faults, on a site whose truth only they move"};
   In<File> job{"job", "job.json"};
   In<Points> truth{"truth", frame("frame=?F"), "hooks as they really are"};

@@ -14,7 +14,7 @@ namespace plumbline::loop {
 
 struct PlanInstallation : Node {
   static constexpr Info info{
-      "plan.installation", "", 1,
+      "plan.installation", "", 2,
       "How brackets are to be set so that panels hang right although the anchors are off, and with what probability"};
   In<Deviation> deviation{"deviation", frame("frame=?F"), "anchors and panels as judged, with their tolerances"};
   In<Points> model{"model", frame("frame=?F"), "the points that were judged, with their joint covariance"};

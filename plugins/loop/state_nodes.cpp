@@ -4,6 +4,7 @@
 #include "loop/state/date.hpp"
 #include "loop/state/next_words.hpp"
 #include "loop/state/plan_artifact.hpp"
+#include "loop/state/state_file.hpp"
 
 namespace plumbline::loop {
 
@@ -39,6 +40,10 @@ void ReleaseState::run(Context& context) {
   if (!options.at.empty() && !seconds_of(options.at))
     throw std::runtime_error("released_at is '" + options.at +
                              "'; expected ISO 8601 with a zone, such as 2026-05-02T08:00:00Z");
+  options.measured_at = *measured_at;
+  if (!options.measured_at.empty() && !seconds_of(options.measured_at))
+    throw std::runtime_error("measured_at is '" + options.measured_at +
+                             "'; expected ISO 8601 with a zone, such as 2026-05-02T08:00:00Z");
   const InstallationPlanT planned = plan.unpack();
   apply_plan(state, planned, options);
   note_jobs(planned, state);
@@ -64,6 +69,7 @@ void ReleaseState::run(Context& context) {
   std::string lines;
   for (const std::string& line : state.journal) lines += line + "\n";
   journal.commit(text_file("journal.jsonl", "application/jsonl", lines));
+  file.commit(text_file("state.json", "application/json", state_json(state)));
   next.commit(text_file("next.txt", "text/plain", next_words(state)));
   after.commit(state);
 }

@@ -11,7 +11,7 @@
 namespace plumbline::loop {
 
 struct UpdateState : Node {
-  static constexpr Info info{"update.state", "", 1,
+  static constexpr Info info{"update.state", "", 2,
                              "Takes what robots and people report into the state of brackets and panels"};
   Optional<LoopState> before{"state", frame("frame=?F"),
                              "the state of the round before; without: nothing was done yet"};
@@ -28,7 +28,7 @@ struct UpdateState : Node {
 };
 
 struct ReleaseState : Node {
-  static constexpr Info info{"release.state", "", 1,
+  static constexpr Info info{"release.state", "", 2,
                              "Verifies by a new plan what was done, and releases what is GO and whose turn it is"};
   In<LoopState> before{"state", frame("frame=?F"), "the state with all reports"};
   In<InstallationPlan> plan{"plan", frame("frame=?F"), "the plan on the measurement made since, with this state"};
@@ -36,12 +36,17 @@ struct ReleaseState : Node {
                               "how often an item is done again before it is given up"};
   Param<double> setting_tolerance{"setting_tolerance", 0.003, "m", between(1e-5, 0.1),
                                   "of a bracket against where it was to be set, each direction"};
+  Param<std::string> measured_at{
+      "measured_at", "",
+      "when the measurement under the plan began, ISO 8601 with zone: what was reported as done "
+      "later, or without a date, is not judged by it; empty: not said"};
   Param<double> verified{"verified", 0.95, "1", between(0.5, 0.9999),
                          "least probability of a hanging panel that is verified, and of 1 - p for its rework"};
   Param<std::string> released_at{"released_at", "",
                                  "when, ISO 8601 with a zone: reports that are older are refused; empty: not said"};
   Out<LoopState> after{"state", frame("frame=?F"), "the state of this round"};
   Out<File> journal{"journal", "journal.jsonl: every change, with the hash of the line before"};
+  Out<File> file{"file", "state.json: what the next round of a site reads (read.state)"};
   Out<File> next{"next", "next.txt: what to do next, by floor"};
   void run(Context& context) override;
 };

@@ -21,6 +21,7 @@
 #include "report/calibration_page_node.hpp"
 #include "report/format.hpp"
 #include "report/image_block_page_node.hpp"
+#include "report/installation_page_node.hpp"
 #include "report/network_page.hpp"
 #include "report/report.hpp"
 #include "report/sections.hpp"
@@ -203,4 +204,5 @@ struct ReportSummary : Node {
 PLUMBLINE_PLUGIN("report", "0.1.0", "MIT", plumbline::report::ReportHtml, plumbline::report::ReportSummary,
                  plumbline::report::ReportSurvey, plumbline::report::ReportImageBlock,
                  plumbline::report::ReportModelBlock, plumbline::report::ReportTagBlock,
-                 plumbline::report::ReportTargetBlock, plumbline::report::ReportCalibration)
+                 plumbline::report::ReportTargetBlock, plumbline::report::ReportCalibration,
+                 plumbline::report::ReportInstallation)

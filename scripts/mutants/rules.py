@@ -11,6 +11,12 @@ LOW = r'\s(?:\+|-|<|>|<=|>=|==|!=|&&|\|\||\?|:|<<|>>|=|\+=|-=|\*=|/=|<=>)\s'
 HIGH = LOW[:-3] + r'|\*|/|%)\s'
 
 
+# Members that stand side by side in one struct; where one of the two is not there, the compiler leaves the place out.
+COPIED = [('first', 'second'), ('from', 'to'), ('width', 'height'), ('low', 'high'), ('lower', 'upper'), ('minimum', 'maximum'),
+          ('rows', 'columns'), ('line', 'column'), ('begin', 'end'), ('east', 'north'), ('fx', 'fy'), ('cx', 'cy'), ('p1', 'p2'),
+          ('instrument_height', 'target_height'), ('measured', 'computed'), ('given', 'measured'), ('source', 'target')]
+
+
 @dataclasses.dataclass
 class Site:
     rule: str
@@ -101,6 +107,31 @@ def spots(code):
     for m in re.finditer(r'(?<![\w.])(0\.5|[234](?:\.0)?)(?= [*/] )|(?<= [*/] )(0\.5|[234](?:\.0)?)(?![\w.])', code):
         yield spot('factor left out', m.start(), m.end(), f'(mutants::on(N) ? {"1.0" if "." in m[0] else "1"} : {m[0]})',
                    '', False, '1')
+    # A number that something is compared with, half as large again; a count by one more.
+    for m in re.finditer(r'(?<=\s[<>]\s|[<>]=\s)(\d+\.?\d*(?:e-?\d+)?)(?![\w.])(?=\s*(?:[);,&|?*]|$))', code):
+        number = m[1]
+        wrong = f'1.5 * {number}' if re.search(r'[.e]', number) else f'{int(number) + 1}'
+        yield spot('threshold', m.start(), m.end(), f'(mutants::on(N) ? {wrong} : {number})', '', False, wrong)
+    for m in re.finditer(r'\bconstexpr double \w+ = ([^;{}]+);', code):
+        if 'numeric_limits' in m[1]:
+            continue
+        yield spot('default', m.start(), m.end(), code[m.start():m.start(1)].replace('constexpr', 'const', 1)
+                   + f'(mutants::on(N) ? 1.5 * ({m[1]}) : ({m[1]}));', '', False, m[0].replace(m[1], f'1.5 * ({m[1]})'))
+    for m in re.finditer(r'(?<![\w.])(?<!const )double \w+ = (\d+\.?\d*(?:e-?\d+)?);', code):
+        if float(m[1]) != 0:
+            yield spot('default', m.start(1), m.end(1), f'(mutants::on(N) ? 1.5 * {m[1]} : {m[1]})', '', False, f'1.5 * {m[1]}')
+    unit = r'(?:1000(?:\.0?)?|1e-?[369]|180(?:\.0?)?|200(?:\.0?)?|400(?:\.0?)?|60(?:\.0?)?|3600(?:\.0?)?)'
+    for m in re.finditer(rf'(?<![\w.])({unit})(?= [*/] )|(?<= [*/] )({unit})(?![\w.])', code):
+        yield spot('unit', m.start(), m.end(), f'(mutants::on(N) ? 1 : {m[0]})', '', False, '1')
+    # A name that was copied from the line above and not changed.
+    for one, other in COPIED:
+        for here, there in ((one, other), (other, one)):
+            for m in re.finditer(rf'(?<=[\w\])])\.{here}\b(?!\()', code):
+                begin = primary_begin(code, m.start())
+                if begin is not None and not re.match(r'\s[-+*/|&]?=\s', code[m.end():]):
+                    of = code[begin:m.start()]
+                    yield spot('copied name', begin, m.end(), f'(mutants::on(N) ? {of}.{there} : {of}.{here})', '', False,
+                               f'{of}.{there}')
     for name in ('sqrt', 'abs', 'cos', 'sin', 'atan2', 'hypot', 'clamp', 'max', 'min'):
         wrong = {'cos': 'std::sin(', 'sin': 'std::cos(', 'max': 'std::min(', 'min': 'std::max(', 'sqrt': '(', 'abs': '(',
                  'atan2': 'std::atan2 swapped(', 'hypot': 'first of (', 'clamp': 'first of ('}[name]
@@ -171,7 +202,7 @@ def sites(text):
     code, found = blanked(text), []
     for rule, start, end, before, after, keep, wrong, tail in spots(code):
         line_begin = text.rfind('\n', 0, start) + 1
-        if re.match(r'\s*(?:static_assert|template|using|constexpr|PLUMBLINE_)|.*\boperator\b', code[line_begin:].split('\n')[0]):
+        if re.match(r'\s*(?:static_assert|template|using|constexpr (?!double)|PLUMBLINE_)|.*\boperator\b', code[line_begin:].split('\n')[0]):
             continue
         kind = wrong[0] if isinstance(wrong, tuple) else None
         if kind == 'flip':

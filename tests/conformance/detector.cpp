@@ -5,7 +5,7 @@
 #include "artifacts/image_tags.hpp"
 #include "node_harness.hpp"
 #include "parameter_effects.hpp"
-#include "unit/detect/tag_rendering.hpp"
+#include "tag_rendering.hpp"
 
 namespace plumbline {
 namespace {

@@ -18,6 +18,7 @@ _plumbline() {
       describe) words=$({ "$program" list; "$program" list pipelines; "$program" list artifacts; } 2>/dev/null | cut -d' ' -f1) ;;
       list) words="nodes pipelines artifacts" ;;
       campaign) ((COMP_CWORD == 2)) && words="init check" ;;
+      new) ((COMP_CWORD == 2)) && words="detector pose_solver adjuster registrar metric survey_reader writer python_node" ;;
       help) words=$("$program" --help 2>/dev/null | sed -n '/^Subcommands:/,$s/^  \([a-z]\{1,\}\) .*/\1/p') ;;
     esac
   fi

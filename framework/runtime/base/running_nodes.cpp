@@ -117,8 +117,18 @@ const char* name_of(int signal) {
   }
 }
 
+/// Nodes ran here before, and one of them may have left a thread that went on.
+void say_crash_without_node(const char* what) {
+  for (const char* text : {"\nplumbline crashed while no node ran: ", what,
+                           ". A thread that a node has left running may have done it; --isolate says which node.\n"})
+    say(text);
+}
+
 extern "C" void on_fatal_signal(int signal) {
-  if (any_runs()) name_culprits(" crashed: ", name_of(signal));
+  if (any_runs())
+    name_culprits(" crashed: ", name_of(signal));
+  else if (process == getpid())
+    say_crash_without_node(name_of(signal));
   ::raise(signal);  // SA_RESETHAND has put the default action back
 }
 

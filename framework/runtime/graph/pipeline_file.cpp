@@ -370,18 +370,34 @@ class FileReader {
       problem(value.at, "of rounds the command line sets rounds.most=NUMBER and rounds.until=NODE.METRIC, no other");
   }
 
+  /// Items between commas, without blanks at both ends; one in quotes, single or double, may have commas and blanks in it.
+  static std::vector<std::string> list_items(const std::string& text) {
+    std::vector<std::string> items;
+    for (size_t at = 0; at < text.size();) {
+      const size_t first = text.find_first_not_of(' ', at);
+      if (first == std::string::npos) break;
+      const bool quoted = text[first] == '"' || text[first] == '\'';
+      const size_t close = quoted ? text.find(text[first], first + 1) : std::string::npos;
+      // A quote that nothing closes is a character like any other.
+      const size_t end = std::min(text.find(',', close == std::string::npos ? first : close), text.size());
+      const size_t last = text.find_last_not_of(' ', end - 1);
+      if (close != std::string::npos && last == close)
+        items.push_back(text.substr(first + 1, close - first - 1));
+      else if (first < end)
+        items.push_back(text.substr(first, last - first + 1));
+      at = end + 1;
+    }
+    return items;
+  }
+
   /// `[a, b]` on the command line is a list, everything else one value.
   static ParameterSpec override_value(const std::string& value, const Position& at) {
     ParameterSpec parameter;
     parameter.at = at;
     if (value.size() >= 2 && value.front() == '[' && value.back() == ']') {
       parameter.is_list = true;
-      std::istringstream items(value.substr(1, value.size() - 2));
-      for (std::string item; std::getline(items, item, ',');) {
-        const size_t first = item.find_first_not_of(' '), last = item.find_last_not_of(' ');
-        if (first != std::string::npos)
-          parameter.values.push_back({item.substr(first, last - first + 1), at, fs::current_path()});
-      }
+      for (const std::string& item : list_items(value.substr(1, value.size() - 2)))
+        parameter.values.push_back({item, at, fs::current_path()});
     } else {
       parameter.values.push_back({value, at, fs::current_path()});
     }

@@ -15,6 +15,14 @@ constexpr const char* the_seed = "seed";  // of the run: it need be neither decl
 
 }  // namespace
 
+std::string PipelineVariables::near_or_all(const std::string& wanted) const {
+  if (const std::string near = did_you_mean(wanted); !near.empty()) return near;
+  std::string all;
+  for (const auto& [name, variable] : variables_)
+    if (name != the_seed) all += (all.empty() ? "" : ", ") + name;
+  return "; it has " + (all.empty() ? "none" : all) + "; a parameter of a node is set by NODE.with.PARAMETER=VALUE";
+}
+
 std::string PipelineVariables::did_you_mean(const std::string& wanted) const {
   std::vector<std::string> names;
   for (const auto& [name, variable] : variables_) names.push_back(name);
@@ -55,7 +63,7 @@ void PipelineVariables::apply(const std::vector<std::string>& overrides) {
     auto found = variables_.find(key);
     if (found == variables_.end() && key == the_seed) found = variables_.try_emplace(key).first;
     if (found == variables_.end()) {
-      problem({"'" + text + "'", 0, 0}, "this pipeline has no variable '" + key + "'" + did_you_mean(key));
+      problem({"'" + text + "'", 0, 0}, "this pipeline has no variable '" + key + "'" + near_or_all(key));
       continue;
     }
     found->second.value = {text.substr(equals + 1), {"'" + text + "'", 0, 0}, fs::current_path()};

@@ -44,6 +44,8 @@ class PipelineVariables {
 
   void problem(const Position& at, const std::string& message) { problems_.push_back({at, message}); }
   std::string did_you_mean(const std::string& wanted) const;
+  /// Near names, or all there are and how parameters are set.
+  std::string near_or_all(const std::string& wanted) const;
   void resolve(Variable& variable);
 
   std::vector<Problem>& problems_;

@@ -1,5 +1,6 @@
 #include "runtime/sweep/sweep_archive.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -124,6 +125,9 @@ Archive read_archive(const fs::path& folder) {
       const std::string path = file.at("path"), text = content_of(folder / path);
       if (sha256_of(text.data(), text.size()) != file.at("sha256"))
         throw std::runtime_error((folder / path).string() + " is not what was archived: it has been changed");
+      const fs::path its = (folder / path).parent_path();
+      if (std::find(archive.folders.begin(), archive.folders.end(), its) == archive.folders.end())
+        archive.folders.push_back(its);
     }
     if (sha256_of(cells.data(), cells.size()) != json.at("cells_sha256"))
       throw std::runtime_error((folder / "cells.jsonl").string() + " is not what was archived: it has been changed");

@@ -24,7 +24,8 @@ void write_archive(const std::filesystem::path& folder, const SweepPlan& plan, c
                    const CellRecords& records, const Registry& registry, FileHashes& hashes, const BuildFacts& build);
 
 struct Archive {
-  std::filesystem::path bench;  ///< the file in the archive
+  std::filesystem::path bench;                 ///< the file in the archive
+  std::vector<std::filesystem::path> folders;  ///< of its files: where pipelines are found by name, and nowhere else
   Overrides overrides;
   std::vector<uint64_t> seeds;
   std::string commit;

@@ -9,6 +9,7 @@
 #include <set>
 #include <sstream>
 
+#include "runtime/base/near_names.hpp"
 #include "text/one_document.hpp"
 
 namespace plumbline::runtime {
@@ -27,7 +28,8 @@ bool read_number(std::string_view text, uint64_t& value) {
 
 class SweepReader {
  public:
-  SweepReader(const fs::path& file, const Registry& registry) : file_(file), registry_(registry) {}
+  SweepReader(const fs::path& file, const Registry& registry, const std::vector<fs::path>& folders)
+      : file_(file), registry_(registry), folders_(folders) {}
 
   SweepFile read() {
     sweep_.path = file_;
@@ -94,8 +96,18 @@ class SweepReader {
   }
 
   fs::path pipeline_path(const YAML::Node& node) {
-    const fs::path path = (file_.parent_path() / text_of(node, "a pipeline")).lexically_normal();
-    if (!fs::is_regular_file(path)) problem(node, "there is no pipeline " + path.string());
+    const std::string text = text_of(node, "a pipeline");
+    const fs::path path = (file_.parent_path() / text).lexically_normal();
+    if (fs::is_regular_file(path)) return path;
+    std::vector<std::string> names;
+    for (const fs::path& folder : folders_) {
+      for (const fs::path& candidate : {folder / text, folder / (text + ".yaml")})
+        if (text.find('/') == std::string::npos && fs::is_regular_file(candidate)) return candidate;
+      std::error_code ignored;
+      for (const auto& entry : fs::directory_iterator(folder, ignored))
+        if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
+    }
+    problem(node, "there is no pipeline " + path.string() + did_you_mean(path.stem().string(), names));
     return path;
   }
 
@@ -335,13 +347,16 @@ class SweepReader {
 
   const fs::path& file_;
   const Registry& registry_;
+  const std::vector<fs::path>& folders_;
   std::vector<Problem> problems_;
   SweepFile sweep_;
 };
 
 }  // namespace
 
-SweepFile read_sweep(const fs::path& file, const Registry& registry) { return SweepReader(file, registry).read(); }
+SweepFile read_sweep(const fs::path& file, const Registry& registry, const std::vector<fs::path>& folders) {
+  return SweepReader(file, registry, folders).read();
+}
 
 std::optional<double> length_of(const std::string& text) {
   double value = 0;

@@ -82,8 +82,10 @@ struct SweepFile {
 };
 
 /// Reads a bench file; `all` in place of a list of alternatives stands for every kind of the role that the registry
-/// has. Throws InvalidPipeline with all that is wrong.
-SweepFile read_sweep(const std::filesystem::path& file, const Registry& registry);
+/// has. A pipeline is a path from the file's folder, or the name of one in `folders`. Throws InvalidPipeline with all
+/// that is wrong.
+SweepFile read_sweep(const std::filesystem::path& file, const Registry& registry,
+                     const std::vector<std::filesystem::path>& folders = {});
 
 /// "0.05 mm", "1 cm", "2e-3 m" in metres; nothing if it is no length.
 std::optional<double> length_of(const std::string& text);

@@ -21,8 +21,8 @@ namespace {
 /// Items nearer than this to the first of a node are done from the same place [m].
 constexpr double kReachOfNode = 0.5;
 
-ordered_json numbers(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
-ordered_json numbers(const Eigen::Quaterniond& q) { return {q.x(), q.y(), q.z(), q.w()}; }
+ordered_json vda_numbers(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+ordered_json vda_numbers(const Eigen::Quaterniond& q) { return {q.x(), q.y(), q.z(), q.w()}; }
 
 void check_name(const char* what, const std::string& name) {
   if (name.empty() || name.find_first_of("/+#$ ") != std::string::npos)
@@ -48,12 +48,12 @@ ordered_json action_of(const Job& job, const JobItem& item, VdaVersion version) 
     action["actionParameters"].push_back({{"key", key}, {"value", value}});
   };
   add("jobId", job.id), add("item", item.id), add("revision", item.revision), add("frame", job.frame);
-  add("designPosition", numbers(Eigen::Vector3d(item.design + job.origin)));
-  add("designOrientation", numbers(item.design_rotation));
-  add("targetPosition", numbers(Eigen::Vector3d(item.target + job.origin)));
-  add("targetOrientation", numbers(item.target_rotation));
-  if (item.kind == "bracket") add("setting", numbers(item.setting));
-  add("tolerance", numbers(item.tolerance)), add("dependsOn", item.depends_on), add("gate", "GO");
+  add("designPosition", vda_numbers(Eigen::Vector3d(item.design + job.origin)));
+  add("designOrientation", vda_numbers(item.design_rotation));
+  add("targetPosition", vda_numbers(Eigen::Vector3d(item.target + job.origin)));
+  add("targetOrientation", vda_numbers(item.target_rotation));
+  if (item.kind == "bracket") add("setting", vda_numbers(item.setting));
+  add("tolerance", vda_numbers(item.tolerance)), add("dependsOn", item.depends_on), add("gate", "GO");
   return action;
 }
 
@@ -63,6 +63,14 @@ ordered_json node_of(const Job& job, const JobItem& item, std::size_t sequence) 
   node["released"] = true;
   const Eigen::Vector3d place = item.design + job.origin;
   node["nodePosition"] = {{"x", place.x()}, {"y", place.y()}, {"mapId", "floor-" + std::to_string(item.floor)}};
+  node["actions"] = ordered_json::array();
+  return node;
+}
+
+ordered_json start_node(const VdaPlace& start) {
+  ordered_json node;
+  node["nodeId"] = start.node.empty() ? "start" : start.node, node["sequenceId"] = 0, node["released"] = true;
+  node["nodePosition"] = {{"x", start.x}, {"y", start.y}, {"theta", start.theta}, {"mapId", start.map}};
   node["actions"] = ordered_json::array();
   return node;
 }
@@ -96,6 +104,8 @@ std::string vda_order(const Job& job, const VdaRobot& robot) {
   out["orderId"] = job.id, out["orderUpdateId"] = 0;
   ordered_json nodes = ordered_json::array(), edges = ordered_json::array();
   const JobItem* first = nullptr;
+  if (robot.start && node_of(job, job.items.front(), 0)["nodeId"] != robot.start->node)
+    nodes.push_back(start_node(*robot.start));
   for (const JobItem& item : job.items) {
     const bool here =
         first && first->floor == item.floor && (item.design - first->design).head<2>().norm() <= kReachOfNode;

@@ -5,6 +5,7 @@
 // standard's fields is in its parameters.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,12 +16,19 @@ namespace plumbline::loop {
 
 enum class VdaVersion { v2_0, v3_0 };
 
+/// Where a robot stands: an order begins there, or the robot does not take it.
+struct VdaPlace {
+  std::string node, map;           ///< the node that it passed last, may be empty; its map
+  double x = 0, y = 0, theta = 0;  ///< [m], [rad] on that map
+};
+
 /// Who is to do it, and the header that every message begins with.
 struct VdaRobot {
   VdaVersion version = VdaVersion::v2_0;
   std::string manufacturer, serial;  ///< as the robot names itself; parts of its topics
   int header_id = 0;                 ///< counts the messages of a topic
   std::string timestamp;             ///< ISO 8601 in UTC
+  std::optional<VdaPlace> start;     ///< a node without actions before the first; none: the robot stands at the first
 };
 
 /// An order on its topic. orderId is the job's id and orderUpdateId 0: a job with other contents has another id. Items

@@ -73,7 +73,7 @@ namespace {
 constexpr int kPoints = 32, kBlocks = 80, kFewestBlocks = 4;  ///< of the lattice
 constexpr double kCloseBounds = 0.001;
 constexpr double kFarInside = 1e-5;  ///< probability outside below which a value is left to itself
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
 double between(double low, double high) {
   // In the upper tail differences of Phi lose their digits: mirrored.
@@ -140,7 +140,7 @@ double product_at(const Separated& s, const double* point, double* y) {
   double product = 1;
   const auto rank = static_cast<std::size_t>(s.factor.cols());
   for (std::size_t k = 0; k < rank; ++k) {
-    double a = -kInfinity, b = kInfinity;
+    double a = -kUnbounded, b = kUnbounded;
     for (const Eigen::Index i : s.rows[k]) {
       double known = 0;
       const double* row = s.factor.data() + i * s.factor.cols();

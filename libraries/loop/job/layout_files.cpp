@@ -122,48 +122,6 @@ std::string layout_dxf(const InstallationPlanT& plan, const std::vector<LayoutPo
   return text + "0\nENDTAB\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n" + entities + "0\nENDSEC\n0\nEOF\n";
 }
 
-ActualsT read_staked(const std::string& text, LayoutFormat format, const std::string& source) {
-  ActualsT out;
-  out.sources.push_back(source);
-  const std::string decoded = formats::decode_text(text).text;
-  std::set<std::string> seen;
-  bool first = true;
-  for (const formats::Line& line : formats::split_lines(decoded)) {
-    if (formats::trim(line.text).empty()) continue;
-    const auto refuse = [&](const std::string& why) {
-      out.refused.push_back(source + ":" + std::to_string(line.number) + ": " + why);
-    };
-    const auto cells = formats::split(line.text, format == LayoutFormat::hilti ? ';' : ',');
-    const bool header = first;
-    first = false;
-    if (cells.size() < 4) {
-      if (!header) refuse("found " + std::to_string(cells.size()) + " columns, expected a name and three coordinates");
-      continue;
-    }
-    double value[3];
-    bool numbers = true;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto number = formats::parse_number(formats::trim(cells[k + 1]));
-      numbers = numbers && number && std::isfinite(*number);
-      value[k] = number ? *number : 0;
-    }
-    if (!numbers) {
-      if (!header) refuse("the coordinates of '" + std::string(formats::trim(cells[0])) + "' are no numbers");
-      continue;
-    }
-    auto actual = empty_actual();
-    actual->item = std::string(formats::trim(cells[0])), actual->outcome = "done", actual->by = source;
-    if (!seen.insert(actual->item).second) {
-      refuse("'" + actual->item + "' occurs twice; the first is taken");
-      continue;
-    }
-    actual->measured = format == LayoutFormat::trimble ? Eigen::Vector3d(value[1], value[0], value[2])
-                                                       : Eigen::Vector3d(value[0], value[1], value[2]);
-    out.items.push_back(std::move(actual));
-  }
-  return out;
-}
-
 ActualsT read_actuals_json(const std::string& text, const std::string& source) {
   const auto parsed = nlohmann::json::parse(text, nullptr, false);
   if (!parsed.is_object() || !parsed.contains("items") || !parsed["items"].is_array())

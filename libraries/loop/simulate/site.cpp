@@ -143,6 +143,11 @@ ActualsT SimulatedSite::execute(const LoopStateT& state, int round) {
     actual->by = "robot-" + std::to_string(1 + item->floor % 2);
     actual->outcome = "done";
     actual->measured.setConstant(kUnknown), actual->sigma.setConstant(kUnknown), actual->setting.setConstant(kUnknown);
+    Random luck(seed_, "panel " + item->id, static_cast<std::uint64_t>(round));
+    if (luck.uniform() < options_.faults.did_nothing)
+      planted_.push_back({"panel not hung", item->id, round, 0}), not_hung_.insert(item->id);
+    else
+      actual->measured = item->expected + luck.normal3(0.001), not_hung_.erase(item->id);
     actuals.items.push_back(std::move(actual));
     ++hung[static_cast<std::size_t>(item->floor)];
   }

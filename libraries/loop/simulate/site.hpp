@@ -3,6 +3,7 @@
 #pragma once
 
 #include <map>
+#include <set>
 
 #include "artifacts/actuals.hpp"
 #include "artifacts/loop_state.hpp"
@@ -75,6 +76,9 @@ class SimulatedSite {
   void hang(int floor);
   /// A person has looked at a bracket: a plate that was knocked is put back.
   void mend_plate(const std::string& bracket);
+  /// Whether a panel hangs; a person who looks hangs it if it does not.
+  bool hangs(const std::string& panel) const { return not_hung_.count(panel) == 0; }
+  void hang_what_does_not(const std::string& panel) { not_hung_.erase(panel); }
 
   /// Judged values as they really are, in the order of `judged`.
   std::vector<double> true_values(const std::vector<JudgedValue>& judged, const std::vector<PanelPose>& poses) const;
@@ -99,6 +103,7 @@ class SimulatedSite {
   std::map<std::string, std::size_t> bracket_at_;
   Eigen::Vector3d arm_;
   std::vector<PlantedFault> planted_;
+  std::set<std::string> not_hung_;  ///< panels that were reported as hung and are not
 };
 
 }  // namespace plumbline::loop

@@ -177,6 +177,8 @@ void count_planted(const SimulatedSite& site, const LoopStateT& state, TrialResu
   result.planted = static_cast<int>(site.planted().size());
   for (const PlantedFault& fault : site.planted()) ++result.planted_by_kind[fault.kind];
   for (const auto& item : state.items) {
+    if (item->kind == "panel" && item->status == ItemStatus::verified && !site.hangs(item->id))
+      ++result.planted_verified, result.missed.push_back(item->id + ": VERIFIED, and does not hang");
     if (item->kind != "bracket" || item->status != ItemStatus::verified || !item->expected.allFinite()) continue;
     for (std::size_t b = 0; b < site.design().brackets.size(); ++b) {
       const Bracket& bracket = site.design().brackets[b];
@@ -207,7 +209,10 @@ void look_at_what_is_asked(SimulatedSite& site, LoopStateT& state, std::set<std:
     rejected.push_back(item->id);
     if (item->kind == "bracket") site.mend_plate(item->id), ++result.looks;
   }
-  for (const std::string& id : rejected) accept_item(state, id);
+  for (const auto& item : state.items)
+    if (item->kind == "panel" && item->status == ItemStatus::relocalised && item->hangs && !item->seen)
+      rejected.push_back(item->id), ++result.looks;
+  for (const std::string& id : rejected) site.hang_what_does_not(id), accept_item(state, id);
 }
 
 std::vector<bool> closed(SimulatedSite& site, TrialResult& result) {

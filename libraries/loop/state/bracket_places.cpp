@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "loop/state/date.hpp"
+
 namespace plumbline::loop {
 namespace {
 
@@ -31,8 +33,12 @@ std::string explanation(const LoopItemT& item, const BracketSettingT& bracket, d
   return is(0) ? "it was not moved" : is(-1) ? "it was set the other way" : is(2) ? "it was set twice" : "";
 }
 
-bool is_measured_anew(const LoopItemT& item, const BracketSettingT& bracket) {
-  return !bracket.basis.empty() && item.basis.find(bracket.basis) == std::string::npos;
+bool is_measured_anew(const LoopItemT& item, const BracketSettingT& bracket, const std::string& measured_at) {
+  if (bracket.basis.empty() || item.basis.find(bracket.basis) != std::string::npos) return false;
+  const bool waits = item.status == ItemStatus::executed || item.status == ItemStatus::relocalised;
+  if (!waits || measured_at.empty()) return true;
+  const std::optional<double> done = seconds_of(item.at), measured = seconds_of(measured_at);
+  return done && measured && *done < *measured;
 }
 
 double median_of(std::vector<double> values) {

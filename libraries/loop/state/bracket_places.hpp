@@ -21,8 +21,9 @@ Eigen::Vector3d place_of(const LoopItemT& item, const BracketSettingT& bracket);
 /// How a robot comes to move a bracket as it did, from where it stood when it was asked; empty if nothing explains it.
 std::string explanation(const LoopItemT& item, const BracketSettingT& bracket, double most);
 
-/// Whether the anchor was measured again since the item was reported as done.
-bool is_measured_anew(const LoopItemT& item, const BracketSettingT& bracket);
+/// Whether the anchor was measured again since the item was reported as done: by another measurement than before, and,
+/// if `measured_at` says when (ISO 8601), one that was made after what was done.
+bool is_measured_anew(const LoopItemT& item, const BracketSettingT& bracket, const std::string& measured_at);
 
 /// The middle one, or between the two in the middle. `values` must not be empty.
 double median_of(std::vector<double> values);

@@ -35,7 +35,8 @@ bool FloorMoves::moved() const {
          (moves.size() >= 3 && (median_move(moves).cwiseAbs().array() > doubt.array()).any());
 }
 
-std::map<int, FloorMoves> moves_of_floors(const LoopStateT& state, const InstallationPlanT& plan, double tolerance) {
+std::map<int, FloorMoves> moves_of_floors(const LoopStateT& state, const InstallationPlanT& plan, double tolerance,
+                                          const std::string& measured_at) {
   std::map<std::string, const LoopItemT*> items;
   for (const auto& item : state.items)
     if (item->kind == "bracket") items[item->id] = item.get();
@@ -43,7 +44,7 @@ std::map<int, FloorMoves> moves_of_floors(const LoopStateT& state, const Install
   for (const auto& bracket : plan.brackets) {
     const LoopItemT& item = *items.at(bracket->id);
     const Eigen::Vector3d shift = bracket->measured - place_of(item, *bracket);
-    if (!shift.allFinite() || !is_measured_anew(item, *bracket)) continue;
+    if (!shift.allFinite() || !is_measured_anew(item, *bracket, measured_at)) continue;
     const Eigen::Vector3d most = doubt_of(*bracket, tolerance);
     FloorMoves& floor = floors[item.floor];
     floor.doubt = floor.doubt.cwiseMax(most);

@@ -10,6 +10,7 @@
 
 #include "loop/fit/facade.hpp"
 #include "loop/state/date.hpp"
+#include "loop/state/next_words.hpp"
 #include "loop/state/place_doubts.hpp"
 #include "loop/state/transitions.hpp"
 
@@ -65,21 +66,41 @@ void move(LoopStateT& state, LoopItemT& item, ItemStatus to, const Because& beca
   if (!because.at.empty()) item.at = because.at;
 }
 
+void note(LoopStateT& state, LoopItemT& item, const Because& because) {
+  state.journal.push_back(journal_line({state.round, item.id, item.kind, name_of(item.status), name_of(item.status),
+                                        because.by, because.at, because.why, because.rests_on},
+                                       journal_head(state.journal)));
+  item.why = because.why;
+}
+
+void reject_item(LoopStateT& state, LoopItemT& item, const Because& because) {
+  using S = ItemStatus;
+  if (item.status == S::released) move(state, item, S::stale, because), move(state, item, S::planned, because);
+  if (item.status == S::executed) move(state, item, S::relocalised, because);
+  if (item.status == S::relocalised || item.status == S::verified) move(state, item, S::rework, because);
+  if (item.status == S::planned || item.status == S::rework) move(state, item, S::rejected, because);
+  item.pending.setZero();
+}
+
 namespace {
 
 /// A report may come from a tool that stands on the plate, not on the anchor [m].
 constexpr double kReach = 0.25;
 /// A setting that is reported farther than this from what was asked is not in metres, or of another item [m].
 constexpr double kSettingReach = 0.03;
+/// A panel that was measured within this of where its centre is to be hangs there [m].
+constexpr double kPanelReach = 0.05;
+/// What is nearer than this to the target is the target's own number, not a measurement [m].
+constexpr double kEcho = 1e-6;
 
 std::string date_doubt(const LoopItemT& item, const ActualT& actual) {
   if (actual.at.empty()) return {};
   const std::optional<double> then = seconds_of(actual.at);
   if (!then) return "is dated '" + actual.at + "', expected ISO 8601 with a zone, such as 2026-05-02T08:00:00Z";
   const std::optional<double> released = seconds_of(item.at);
-  return released && *then <= *released ? "is dated " + actual.at +
-                                              ", not after the item was released or reported last at " + item.at
-                                        : std::string();
+  return released && *then <= *released
+             ? "is dated " + actual.at + ", not after the item was released or reported last at " + item.at
+             : std::string();
 }
 
 /// A report on work that was released before, or on another robot's, does not say that this was done.
@@ -101,14 +122,39 @@ std::string setting_doubt(const LoopItemT& item, const ActualT& actual) {
          (fits ? "; that would fit if it is in millimetres" : "");
 }
 
+bool is_over(const LoopItemT& item) {
+  return item.status == ItemStatus::executed || item.status == ItemStatus::relocalised ||
+         item.status == ItemStatus::verified;
+}
+
+/// That a panel hangs is known by reports alone: where they contradict each other somebody looks.
+bool contradicts(const LoopItemT& item, const ActualT& actual) {
+  return item.kind == "panel" && is_over(item) && actual.revision == item.revision &&
+         (actual.outcome == "failed" || actual.outcome == "skipped");
+}
+
+/// Whether a report shows that its panel hangs: it was measured there, and not by copying the target.
+bool shows_panel(const LoopItemT& item, const ActualT& actual) {
+  if (!actual.measured.allFinite() || !item.expected.allFinite()) return false;
+  const double off = (actual.measured - item.expected).cwiseAbs().maxCoeff();
+  return off > kEcho && off <= kPanelReach;
+}
+
+/// A later report that shows a panel of which only a word was known so far.
+bool shows_what_was_reported(const LoopItemT& item, const ActualT& actual) {
+  return item.kind == "panel" && is_over(item) && item.hangs && !item.seen && actual.outcome == "done" &&
+         (actual.revision == 0 || actual.revision == item.revision) && shows_panel(item, actual) &&
+         date_doubt(item, actual).empty();
+}
+
 /// Why a report is not taken; empty if it is.
 std::string objection(const LoopItemT* item, const ActualT& actual) {
   if (!item) return "no bracket or panel of this name is known";
   if (actual.outcome != "done" && actual.outcome != "failed" && actual.outcome != "skipped")
     return "outcome '" + actual.outcome + "', expected done, failed or skipped";
-  const bool over = item->status == ItemStatus::executed || item->status == ItemStatus::relocalised ||
-                    item->status == ItemStatus::verified;
-  if (over && actual.revision == item->revision) return "was reported before; nothing changes";
+  if (is_over(*item) && actual.revision == item->revision)
+    return actual.outcome == "done" ? "was reported before; nothing changes"
+                                    : "says " + actual.outcome + ", a report before it said done: look at it";
   if (item->revision == 0)
     return std::string("the item is ") + name_of(item->status) + ", not RELEASED: nobody asked for it; measure it";
   if (actual.revision != 0 && actual.revision != item->revision)
@@ -130,10 +176,20 @@ std::vector<std::string> apply_actuals(LoopStateT& state, const ActualsT& actual
   std::vector<std::string> refused;
   for (const auto& actual : actuals.items) {
     LoopItemT* item = nullptr;
+    int named = 0;
     for (auto& candidate : state.items)
-      if (candidate->id == actual->item) item = candidate.get();
-    const std::string why_not = objection(item, *actual);
+      if (candidate->id == actual->item) item = candidate.get(), ++named;
+    if (named == 1 && shows_what_was_reported(*item, *actual)) {
+      item->seen = true;
+      note(state, *item, {"measured where it hangs", actual->by, actual->at, {}});
+      continue;
+    }
+    const std::string why_not =
+        named > 1 ? "a bracket and a panel have this name: give one of them another" : objection(item, *actual);
     if (!why_not.empty()) {
+      if (named == 1 && contradicts(*item, *actual))
+        reject_item(state, *item,
+                    {"reported done, then " + actual->outcome + ": look whether it hangs", actual->by, {}, {}});
       refused.push_back("report on " + actual->item + (actual->by.empty() ? "" : " by " + actual->by) + ": " + why_not);
       continue;
     }
@@ -141,8 +197,11 @@ std::vector<std::string> apply_actuals(LoopStateT& state, const ActualsT& actual
         actual->note.empty() ? "reported " + actual->outcome : actual->note, actual->by, actual->at, {}};
     if (actual->outcome == "done") {
       move(state, *item, ItemStatus::executed, because);
-      // What is asked for stays: the next measurement judges by it, and corrects what the bracket has used of its range.
+      // What is asked for stays: the next measurement judges by it, and corrects what the bracket has used of its
+      // range.
       item->setting += item->pending, item->hangs = item->kind == "panel";
+      item->seen = item->hangs && shows_panel(*item, *actual);
+      item->at = actual->at;  // of the work, not of its release: none is none
     } else {
       move(state, *item, ItemStatus::planned, {actual->outcome + ": " + because.why, actual->by, actual->at, {}});
       item->pending.setZero();
@@ -182,6 +241,10 @@ bool accept_control(LoopStateT& state, const std::string& name) {
 bool accept_item(LoopStateT& state, const std::string& id) {
   bool found = accept_control(state, id);
   for (auto& item : state.items) {
+    if (item->id == id && item->hangs && !item->seen) {
+      found = item->seen = true;
+      note(state, *item, {"a person has seen it hang", {}, {}, {}});
+    }
     if (item->id != id || item->status != ItemStatus::rejected) continue;
     found = true, item->reworks = 0;
     // What hangs is not released again: the next measurement judges it.
@@ -202,14 +265,15 @@ void close_round(LoopStateT& state) {
   for (const auto& item : state.items) {
     state.verified += item->status == ItemStatus::verified;
     state.given_up += item->status == ItemStatus::rejected;
-    // Who is to look at the control of its floor is a person.
+    // Who is to look at the control of its floor is a person, and so is who sees whether a panel hangs.
+    if (item->status == ItemStatus::relocalised && item->hangs && !item->seen) continue;
     open =
         open || item->status == ItemStatus::released || item->status == ItemStatus::executing ||
         ((item->status == ItemStatus::executed || item->status == ItemStatus::relocalised) && !in_doubt(item->floor));
   }
   open = open && !blocked;
   ++state.round;
-  state.done = !open;
+  state.done = !open, state.next = next_step(state);
 }
 
 }  // namespace plumbline::loop

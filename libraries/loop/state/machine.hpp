@@ -7,9 +7,13 @@
 // measurement of its hooks says that it hangs within its limits. Rework goes back to planned, a given number of times.
 // A bracket that carries a hanging panel stays as it is.
 //
-// A plate is measured, not the bracket. One that stands elsewhere than it should goes back to the robot only where a
-// mistake of a robot explains its place (not moved, moved the other way, twice); else a person looks. Where the anchors
-// of a floor moved together, nothing of it stays verified until its control fits again or somebody has looked at it.
+// A plate is measured, not the bracket. One that stands elsewhere than it should is looked at by a person, also where a
+// mistake of a robot (not moved, moved the other way, twice) would explain it: a plate that was knocked meanwhile may
+// look the same, and would be set wrong and measured right. Where the anchors of a floor moved together, nothing of it
+// stays verified until its control fits again or somebody has looked at it.
+//
+// The plates tell nothing of whether a panel hangs: it is verified only if it was itself measured (its report has a
+// place that is not the target's own number) or a person has seen it.
 #pragma once
 
 #include "artifacts/actuals.hpp"
@@ -30,19 +34,24 @@ struct MachineOptions {
   double setting_tolerance = 0.003;
   double verified = 0.95;  ///< least p_in of a hanging panel that is verified, and of 1 - p_in for its rework
   std::string at;          ///< when the plan is applied, ISO 8601 with zone; empty: not said. Older reports are refused
+  /// When the measurement under the plan began, likewise: what was done later, or nobody knows when, is not judged by
+  /// it. Empty: not said, and only a measurement that is another than before tells.
+  std::string measured_at;
 };
 
 /// Applies reports. Each that is not taken comes back with its reason: unknown item, another revision than the item was
-/// released with, another job, an item that is not released, a report not later than its release or the report before, or
-/// with a date that is none, a panel's without revision, job and date, one that came before (told, and harmless), a setting far from what was asked for, a place metres away from where the item is
-/// (with what would explain it: feet, millimetres, exchanged axes, another frame).
+/// released with, another job, an item that is not released, a report not later than its release or the report before,
+/// or with a date that is none, a panel's without revision, job and date, one that came before (told, and harmless), a
+/// setting far from what was asked for, a place metres away from where the item is (with what would explain it: feet,
+/// millimetres, exchanged axes, another frame), a name of a bracket and a panel. A panel that was reported done and
+/// then failed goes to a person.
 std::vector<std::string> apply_actuals(LoopStateT& state, const ActualsT& actuals);
 
 /// Takes a new plan, made from a new measurement: items of a first plan are added; brackets and panels that were
 /// executed are judged by it; released ones whose setting changed by more than a tenth of the tolerance, or all of them
 /// when `plan.basis` is another and no measurement explains it, become stale and are planned again; panels that are GO
-/// and whose turn it is are released with the brackets that carry them. What was reported is judged once the anchor's own
-/// measurement (BracketSetting::basis) is another than before. Throws std::runtime_error for a name whose GlobalId
+/// and whose turn it is are released with the brackets that carry them. What was reported is judged once the anchor's
+/// own measurement (BracketSetting::basis) is another than before. Throws std::runtime_error for a name whose GlobalId
 /// changed.
 void apply_plan(LoopStateT& state, const InstallationPlanT& plan, const MachineOptions& options);
 
@@ -51,10 +60,11 @@ void recall(LoopStateT& state, const std::vector<std::string>& moved_control, co
 
 /// A rejected item that a person has looked at: planned again, as it is measured next. "control of floor 3" of
 /// LoopState::moved_control: its next measurement is the reference for the floor. Any other name in there ("CP3")
-/// blocks everything until it is accepted. A panel that hangs is to be measured again. False if it is none of these.
+/// blocks everything until it is accepted. A panel that hangs is to be measured again. A panel that hangs by its report
+/// alone: a person has seen it. False if it is none of these.
 bool accept_item(LoopStateT& state, const std::string& id);
 
-/// Counts, `done`.
+/// Counts, `done`, `next`.
 void close_round(LoopStateT& state);
 
 }  // namespace plumbline::loop

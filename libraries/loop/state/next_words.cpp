@@ -13,13 +13,18 @@ struct Floor {
 };
 
 struct Counts {
-  int panels = 0, hang = 0, brackets = 0, released = 0, measured = 0, waiting = 0, rejected = 0;
+  int panels = 0, hang = 0, brackets = 0, released = 0, measured = 0, waiting = 0, rejected = 0, unseen = 0;
 };
 
 std::string joined(const std::vector<std::string>& ids) {
   std::string text;
   for (std::size_t i = 0; i < ids.size(); ++i) text += (i == 0 ? "" : ", ") + ids[i];
   return text;
+}
+
+/// A panel that hangs by a report alone, and is right if it hangs.
+bool is_unseen(const LoopItemT& item) {
+  return item.kind == "panel" && item.status == ItemStatus::relocalised && item.hangs && !item.seen;
 }
 
 void add(const LoopItemT& item, Floor& floor, Counts& counts) {
@@ -32,7 +37,10 @@ void add(const LoopItemT& item, Floor& floor, Counts& counts) {
       break;
     case ItemStatus::executed:
     case ItemStatus::relocalised:
-      floor.measure.push_back(item.id), ++counts.measured;
+      if (is_unseen(item))
+        floor.lines.push_back("look whether " + item.id + " hangs: nothing has measured it there"), ++counts.unseen;
+      else
+        floor.measure.push_back(item.id), ++counts.measured;
       break;
     case ItemStatus::rejected:
       floor.lines.push_back("look at " + item.id + ": " + item.why), ++counts.rejected;
@@ -54,7 +62,8 @@ std::string step_words(const LoopStateT& state, const Counts& counts) {
            "']";
   if (counts.released > 0) return "give the job to the robots, then measure and run again";
   if (counts.measured > 0) return "measure, then run again";
-  if (counts.rejected > 0)
+  if (state.to_plan) return "run again with this state: brackets are to be planned anew, by the same measurement";
+  if (counts.rejected > 0 || counts.unseen > 0)
     return "somebody looks at what is named below; then run with reported.with.accept=['NAME'] for each that is in "
            "order";
   if (counts.waiting > 0)
@@ -81,7 +90,7 @@ std::string next_words(const LoopStateT& state) {
                      std::to_string(counts.released) + " items are released (revision " +
                      std::to_string(state.revision) + "), " + std::to_string(counts.measured) + " to be measured, " +
                      std::to_string(counts.waiting) + " panels wait, " + std::to_string(counts.rejected) +
-                     " are for a person\n";
+                     " are for a person, " + std::to_string(counts.unseen) + " nobody has seen hang\n";
   text += "next: " + step_words(state, counts) + "\n";
   for (const std::string& control : state.moved_control) text += "check the control: " + control + " moved\n";
   for (const auto& [number, floor] : floors) {

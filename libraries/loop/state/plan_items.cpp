@@ -11,8 +11,7 @@ namespace {
 /// A name that means another element in a revised design carries over nothing that was done to the first.
 void take_guid(LoopItemT& item, const std::string& guid) {
   if (!item.guid.empty() && !guid.empty() && item.guid != guid)
-    throw std::runtime_error(item.kind + " " + item.id + " is GlobalId " + guid + " in this plan and was " +
-                             item.guid +
+    throw std::runtime_error(item.kind + " " + item.id + " is GlobalId " + guid + " in this plan and was " + item.guid +
                              " in the state: its name stands for another element now; give the element its old "
                              "name or GlobalId back, or begin with a new state");
   if (!guid.empty()) item.guid = guid;

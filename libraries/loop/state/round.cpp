@@ -116,7 +116,11 @@ class Round {
       if (moved_floors_.count(item.floor) || !bracket->measured.allFinite()) continue;
       // What was done is not judged by what was measured before.
       const bool waits = item.status == ItemStatus::executed || item.status == ItemStatus::relocalised;
-      if (waits && !is_measured_anew(item, *bracket)) continue;
+      if (waits && !is_measured_anew(item, *bracket, options_.measured_at)) {
+        item.why = "waits for a measurement that was made after it was done" +
+                   std::string(item.at.empty() && !options_.measured_at.empty() ? "; its report has no date" : "");
+        continue;
+      }
       const bool is_known = item.expected.allFinite(), was_planned = item.status == ItemStatus::planned;
       if (is_known)
         judge_bracket(item, *bracket);
@@ -166,57 +170,41 @@ class Round {
     move(state_, item, ItemStatus::rework, because), move(state_, item, ItemStatus::planned, because);
   }
 
-  Eigen::Vector3d doubt(const BracketSettingT& bracket) const {
-    return doubt_of(bracket, options_.setting_tolerance);
-  }
+  Eigen::Vector3d doubt(const BracketSettingT& bracket) const { return doubt_of(bracket, options_.setting_tolerance); }
 
-  /// A measurement of the plate does not tell a bracket that was set elsewhere from a plate that was knocked: only what
-  /// a known mistake explains is done again without a person.
+  /// A measurement of the plate does not tell a bracket that was set elsewhere from a plate that was knocked, also
+  /// where a known mistake of a robot would explain its place.
   void judge_setting(LoopItemT& item, const BracketSettingT& bracket, double off, bool is_there) {
     const double most = doubt(bracket).maxCoeff();
     move(state_, item, ItemStatus::relocalised,
          {"measured " + millimetres(off) + " from where it was to be", {}, {}, rests_on_});
     const std::string how = is_there ? "" : explanation(item, bracket, most);
-    if (!is_there && how.empty()) {
-      give_to_a_person(item,
-                       "stands " + millimetres(off) +
-                           " from where it was to be set, and no mistake of a robot explains it: look whether the "
-                           "bracket slipped or its plate was knocked");
-      return;
-    }
     if (is_there) {
       verify(item, bracket, "within " + millimetres(most));
       return;
     }
-    // What was reported is not what was done.
-    item.setting += along_axes(bracket, bracket.measured - place_of(item, bracket));
-    item.pending.setZero();
-    do_again(state_, item, options_,
-             {"stands " + millimetres(off) + " from where it was to be set: " + how, {}, {}, rests_on_});
+    // If that is so, what was reported is not what was done.
+    if (!how.empty()) item.setting += along_axes(bracket, bracket.measured - place_of(item, bracket));
+    give_to_a_person(item, "stands " + millimetres(off) + " from where it was to be set, " +
+                               (how.empty() ? "and no mistake of a robot explains it: look whether the bracket slipped "
+                                              "or its plate was knocked"
+                                            : "as if " + how + ": look whether that is so, or its plate was knocked"));
   }
 
   void give_to_a_person(LoopItemT& item, const std::string& why) {
     const Because because{why, {}, {}, rests_on_};
-    reject(item, because);
+    reject_item(state_, item, because);
     for (const auto& panel : plan_.panels)
       if (std::find(panel->brackets.begin(), panel->brackets.end(), item.id) != panel->brackets.end())
         if (LoopItemT& hung = *this->item("panel", panel->id); hung.status != ItemStatus::planned)
-          reject(hung, {"its bracket " + item.id + " " + because.why, {}, {}, rests_on_});
-  }
-
-  void reject(LoopItemT& item, const Because& because) {
-    using S = ItemStatus;
-    if (item.status == S::released) move(state_, item, S::stale, because), move(state_, item, S::planned, because);
-    if (item.status == S::executed) move(state_, item, S::relocalised, because);
-    if (item.status == S::relocalised || item.status == S::verified) move(state_, item, S::rework, because);
-    if (item.status == S::planned || item.status == S::rework) move(state_, item, S::rejected, because);
-    item.pending.setZero();
+          reject_item(state_, hung, {"its bracket " + item.id + " " + because.why, {}, {}, rests_on_});
   }
 
   /// Floors whose anchors all moved together: their control did, now or when they were measured last. Nothing of them
   /// is verified or released by this plan. Fewer than three anchors do not show that it is in order again.
   void find_floors_that_moved() {
-    for (const auto& [number, floor] : moves_of_floors(state_, plan_, options_.setting_tolerance)) {
+    for (const auto& [number, floor] :
+         moves_of_floors(state_, plan_, options_.setting_tolerance, options_.measured_at)) {
       const bool moved = floor.moved();
       if (!moved && floor.moves.size() < 3) continue;
       auto& names = state_.moved_control;
@@ -260,7 +248,7 @@ class Round {
     return std::all_of(panel.brackets.begin(), panel.brackets.end(), [&](const std::string& id) {
       const BracketSettingT& bracket = *bracket_of_.at(id);
       return bracket.measured.allFinite() &&
-             (item.status != ItemStatus::executed || is_measured_anew(item, bracket));
+             (item.status != ItemStatus::executed || is_measured_anew(item, bracket, options_.measured_at));
     });
   }
 
@@ -273,9 +261,14 @@ class Round {
       if (item.status == ItemStatus::executed) move(state_, item, ItemStatus::relocalised, because);
       const bool is_right = panel->gate == GateDecision::go && panel->p_in >= options_.verified;
       if (item.status == ItemStatus::verified && !is_right)
-        move(state_, item, ItemStatus::relocalised, {"no longer sure to hang right: " + panel->reason, {}, {}, rests_on_});
+        move(state_, item, ItemStatus::relocalised,
+             {"no longer sure to hang right: " + panel->reason, {}, {}, rests_on_});
       if (item.status != ItemStatus::relocalised) continue;
-      if (is_right)
+      if (is_right && !item.seen)
+        item.why =
+            "would hang right, and nothing has seen it hang: give its measured place, or accept it when somebody "
+            "has seen it";
+      else if (is_right)
         move(state_, item, ItemStatus::verified, because);
       else if (1 - panel->p_in >= options_.verified)
         take_down(*panel, item);
@@ -292,7 +285,7 @@ class Round {
   void take_down(const PlannedPanelT& panel, LoopItemT& item) {
     do_again(state_, item, options_, {"hangs outside its limits: " + panel.reason, {}, {}, rests_on_});
     // What was done again too often is left to a person, and hangs.
-    item.hangs = item.status == ItemStatus::rejected;
+    item.hangs = item.status == ItemStatus::rejected, item.seen = item.seen && item.hangs;
     for (const std::string& id : panel.brackets) {
       LoopItemT* bracket = this->item("bracket", id);
       if (bracket && bracket->status == ItemStatus::verified && !carries(id))
@@ -375,7 +368,7 @@ class Round {
         item.why = "waits for its brackets";
         continue;
       }
-      item.revision = revision(), item.expected = panel->centre + panel->shift, item.jobs.clear();
+      item.revision = revision(), item.expected = panel->centre + panel->shift, item.jobs.clear(), item.seen = false;
       move(state_, item, ItemStatus::released, {panel->reason, {}, options_.at, rests_on_});
     }
   }

@@ -17,6 +17,12 @@ struct Because {
 /// Changes the status and writes it into the journal. Throws std::logic_error for what may not follow.
 void move(LoopStateT& state, LoopItemT& item, ItemStatus to, const Because& because);
 
+/// A line in the journal about an item that stays where it stands.
+void note(LoopStateT& state, LoopItemT& item, const Because& because);
+
+/// To a person, from wherever it stands; the journal has each step on the way.
+void reject_item(LoopStateT& state, LoopItemT& item, const Because& because);
+
 /// "3.0 mm" of metres.
 std::string millimetres(double metres);
 

@@ -6,9 +6,11 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "../../unit/bim/loop_state.hpp"
 #include "../../unit/bim/measured.hpp"
 #include "../../unit/bim/small_building.hpp"
 #include "ifc/as_built_ifc.hpp"
+#include "ifc/installation_ifc.hpp"
 
 namespace {
 
@@ -70,8 +72,11 @@ void make(const std::filesystem::path& out, const std::string& name, const step:
   const step::File once = step::File(bim::enriched(file, result), name + ".as_built.ifc");
   const DeviationT later = second_epoch(design);
   const AccuracyT residuals = test::residuals(later, 0.00005);
+  const std::string twice = bim::enriched(once, bim::write_as_built(once, design, later, residuals, options));
+  const step::File two(twice, name + ".two_epochs.ifc");
+  const auto [plan, state] = test::loop_of(design);
   std::ofstream(out / (name + ".two_epochs.ifc"), std::ios::binary)
-      << bim::enriched(once, bim::write_as_built(once, design, later, residuals, options));
+      << bim::enriched(two, bim::write_installation(two, design, plan, state, {}));
   Json expected{{"length_unit", design.length_unit},
                 {"instances", file.instances().size() + result.instances_added},
                 {"storeys", Json::array()},

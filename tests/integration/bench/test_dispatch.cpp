@@ -1,4 +1,8 @@
 // Cells that run elsewhere: printed commands, GNU parallel, and tasks that run twice, late, or for another plan.
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
 #include "bench_program.hpp"
 #include "runtime/sweep/sweep_dispatch.hpp"
 
@@ -72,9 +76,21 @@ TEST(Dispatch, AnArrayIsWrittenShort) {
 TEST(Dispatch, SshWithoutHostsAndSlurmWithoutSbatchSayWhatToDo) {
   BenchProgram plumbline;
   plumbline.bench_file(many);
-  Answer answer = plumbline({"bench", "b.yaml", "--executor", "ssh"});
-  EXPECT_EQ(answer.code, 1);
-  EXPECT_THAT(answer.err, testing::AnyOf(HasSubstr("--hosts"), HasSubstr("install the package parallel")));
+  // A machine that has neither Slurm nor GNU parallel, and one that has the latter.
+  const std::string path = std::getenv("PATH");
+  const auto tools = plumbline.folder.path() / "tools";
+  std::filesystem::create_directory(tools);
+  setenv("PATH", tools.c_str(), 1);
+  const Answer slurm = plumbline({"bench", "b.yaml", "--executor", "slurm"});
+  const Answer ssh = plumbline({"bench", "b.yaml", "--executor", "ssh", "--hosts", ":"});
+  std::ofstream(tools / "parallel") << "#!/bin/sh\necho GNU parallel\n";
+  std::filesystem::permissions(tools / "parallel", std::filesystem::perms::owner_all);
+  const Answer no_hosts = plumbline({"bench", "b.yaml", "--executor", "ssh"});
+  setenv("PATH", path.c_str(), 1);
+  for (const Answer& answer : {slurm, ssh, no_hosts}) EXPECT_EQ(answer.code, 1) << answer.out;
+  EXPECT_THAT(slurm.err, HasSubstr("there is no program 'sbatch' here; install slurm-client, or use --executor print"));
+  EXPECT_THAT(ssh.err, HasSubstr("install the package parallel, or use --executor print"));
+  EXPECT_THAT(no_hosts.err, HasSubstr("--executor ssh needs --hosts"));
 }
 
 }  // namespace

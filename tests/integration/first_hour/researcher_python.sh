@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# usage: researcher_python.sh PLUMBLINE WORK     From a look around to numbers in numpy, with the package of the tree
+# usage: researcher_python.sh PREFIX WORK     From a look around to numbers in numpy, with the package of the installation
 source "$(dirname "$0")/steps.sh"
-export PYTHONPATH=$(cd "$(dirname "$0")/../../../python" && pwd)
+export PYTHONPATH=$prefix/share/plumbline/python
 cd "$work"
-/usr/bin/python3 -c 'import numpy' 2>/dev/null || { echo 'skipped: /usr/bin/python3 has no numpy'; exit 77; }
-step plumbline list pipelines > .said
+needs_numpy
+step plumbline list pipelines
 says "single_floor"
-step plumbline describe observations > .said
+step plumbline describe observations
 says "images_per_floor"
 edit "study.py"
 cat > study.py <<'PYTHON'

@@ -45,7 +45,7 @@ std::set<std::string> loaded_by(const fs::path& file) {
 }
 
 std::vector<fs::path> binaries() {
-  std::vector<fs::path> files = {PLUMBLINE_PROGRAM};
+  std::vector<fs::path> files = {PLUMBLINE_PROGRAM, PLUMBLINE_ROBOTS};
   for (const auto& entry : fs::directory_iterator(PLUMBLINE_PLUGIN_FOLDER)) files.push_back(entry.path());
   return files;
 }

@@ -96,6 +96,17 @@ class Artifacts(unittest.TestCase):
             self.assertEqual(found.residuals[0].residual["y"], 0.2)
             self.assertEqual((found.scale, found.residuals[0].id), (1.5, "x" * name_length))
 
+    def test_a_struct_in_a_struct_is_given_flat_or_nested_and_a_files_content_as_bytes(self):
+        poses, file = schema("poses"), schema("file")
+        flat = poses.write({"poses": [{"path": "a", "cam_from_world": [1, 0, 0, 0, 4, 5, 6]}]})
+        self.assertEqual(flat, poses.write({"poses": [{"path": "a", "cam_from_world": ((1, 0, 0, 0), np.array([4, 5, 6]))}]}))
+        self.assertEqual(poses.read(flat).poses[0].cam_from_world["translation"].tolist(), (4, 5, 6))
+        for wrong in ([1, 0, 0, 0], [1, 0, 0, 0, 4, 5, 6, 7]):
+            with self.assertRaisesRegex(ValueError, f"rotation, translation was given {len(wrong)} numbers"):
+                poses.write({"poses": [{"path": "a", "cam_from_world": wrong}]})
+        data = file.write({"name": "a.csv", "media_type": "text/csv", "content": "Süd".encode()})
+        self.assertEqual(file.read(data).content.tobytes().decode(), "Süd")
+
     def test_says_what_is_wrong(self):
         with self.assertRaisesRegex(KeyError, "has no hight; it has"):
             schema("image_tags").write({"path": "a", "tags": [], "hight": 3})

@@ -52,6 +52,36 @@ TEST_F(Folder, RecognisesWhatLiesThere) {
   EXPECT_EQ(p.yaml.find("Protokoll"), std::string::npos);
 }
 
+/// Header and end of a PNG of 60 x 40 pixels: all that is read of a photograph here.
+const std::string photograph(
+    "\x89\x50\x4e\x47\x0d\x0a\x1a\x0a\x00\x00\x00\x0d\x49\x48\x44\x52\x00\x00\x00\x3c\x00\x00\x00\x28\x08\x00\x00\x00"
+    "\x00\x87\xd0\xc6\x23\x00\x00\x00\x00IEND\xae\x42\x60\x82",
+    45);
+
+std::string all_of(const std::vector<std::string>& lines) {
+  std::string all;
+  for (const std::string& line : lines) all += line + "\n";
+  return all;
+}
+
+TEST_F(Folder, TwoBodiesOfOneModelAreToldApartByTheirFolders) {
+  write("Kran/1.png", photograph), write("Kran/2.png", photograph), write("Boden/1.png", photograph);
+  write("Kamera_Kran.yaml", camera("a", 60, 40)), write("cal-2.yaml", camera("x2d-boden", 60, 40));
+  const Proposal p = propose();
+  EXPECT_NE(p.yaml.find("  Kamera_Kran.yaml: \"Kran/*.png\"\n"), std::string::npos) << p.yaml;
+  EXPECT_NE(p.yaml.find("  cal-2.yaml: Boden/1.png\n"), std::string::npos) << p.yaml;
+  EXPECT_EQ(all_of(p.wrong).find("camera:"), std::string::npos) << all_of(p.wrong);
+}
+
+TEST_F(Folder, CalibrationsThatNothingTellsApartAreAQuestion) {
+  write("Fotos/1.png", photograph), write("Fotos/2.png", photograph);
+  write("a.yaml", camera("a", 60, 40)), write("b.yaml", camera("b", 60, 40)), write("c.yaml", camera("c", 80, 40));
+  const std::string wrong = all_of(propose().wrong);
+  EXPECT_NE(wrong.find("a.yaml and b.yaml both fit Fotos/1.png, Fotos/2.png; the first is taken"), std::string::npos)
+      << wrong;
+  EXPECT_NE(wrong.find("c.yaml is a calibration for none of the photographs"), std::string::npos) << wrong;
+}
+
 TEST_F(Folder, GermanColumnsAndRolesOfPlatesAreRead) {
   const auto entries = parse_plates(plates, "Schilder.csv", CampaignUse::site, &names_);
   ASSERT_EQ(entries.size(), 2u);

@@ -1,7 +1,5 @@
 #include "tag_rendering.hpp"
 
-#include <apriltag/apriltag.h>
-#include <apriltag/common/image_u8.h>
 #include <png.h>
 
 #include <Eigen/Geometry>
@@ -10,7 +8,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "detect/tag_family.hpp"
+#include "tag_cells.hpp"
 
 namespace plumbline::test {
 namespace {
@@ -30,27 +28,6 @@ Eigen::Matrix3d homography(const std::array<Eigen::Vector2d, 4>& from, const std
   Eigen::Matrix3d m;
   m << h[0], h[1], h[2], h[3], h[4], h[5], h[6], h[7], 1;
   return m;
-}
-
-/// Cells of the tag, white (1) outside.
-struct Cells {
-  int total = 0, border = 0;
-  std::vector<std::uint8_t> white;
-  bool at(double x, double y) const {  // cells from the centre, y up
-    const int i = static_cast<int>(std::floor(x + 0.5 * total)), j = static_cast<int>(std::floor(0.5 * total - y));
-    if (i < 0 || j < 0 || i >= total || j >= total) return true;
-    return white[static_cast<std::size_t>(j * total + i)] > 127;
-  }
-};
-
-Cells cells_of(const std::string& name, int id) {
-  const auto family = detect::make_tag_family(name);
-  image_u8_t* picture = apriltag_to_image(family.get(), id);
-  Cells cells{static_cast<int>(family->total_width), static_cast<int>(family->width_at_border), {}};
-  for (int y = 0; y < cells.total; ++y)
-    for (int x = 0; x < cells.total; ++x) cells.white.push_back(picture->buf[y * picture->stride + x]);
-  image_u8_destroy(picture);
-  return cells;
 }
 
 /// Weights of the fine samples for one pixel: the pixel's box blurred by the lens.
@@ -122,7 +99,7 @@ std::array<Eigen::Vector2d, 4> true_corners(const TagScene& scene) {
 }
 
 GreyImage render(const TagScene& scene) {
-  const Cells cells = cells_of(scene.family, scene.id);
+  const TagCells cells = cells_of(scene.family, scene.id);
   const double b = 0.5 * cells.border;
   const Eigen::Matrix3d tag_from_pixel = homography(scene.corners, {{{-b, -b}, {b, -b}, {b, b}, {-b, b}}});
   const int width = scene.width * kOver, height = scene.height * kOver;

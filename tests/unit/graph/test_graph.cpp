@@ -111,6 +111,9 @@ TEST_F(GraphTest, TellsOfVariablesThatAreUnknownOrEmpty) {
       HasSubstr("did you mean 'folder'?"));
   EXPECT_THAT(problems("plumbline: 1\nvars: {floors: 2}\nnodes: {}\n", {"flors=3"}),
               HasSubstr("this pipeline has no variable 'flors' — did you mean 'floors'?"));
+  EXPECT_THAT(
+      problems("plumbline: 1\nvars: {floors: 2}\nnodes: {}\n", {"tolerance=3"}),
+      HasSubstr("no variable 'tolerance'; it has floors; a parameter of a node is set by NODE.with.PARAMETER=VALUE"));
 }
 
 /// A name with a slip of the pen would change nothing, and nobody would know.

@@ -224,6 +224,25 @@ TEST(LayoutFiles, AreReadBackAsTheyWereWritten) {
   }
 }
 
+TEST(LayoutFiles, AHeadSaysWhichColumnIsWhat) {
+  const auto place = [](const std::string& text, LayoutFormat format) {
+    const ActualsT back = read_staked(text, format, "staked.csv");
+    return back.items.size() == 1 ? back.items[0]->measured : Eigen::Vector3d::Zero().eval();
+  };
+  const Eigen::Vector3d p(401.25, 77.5, 12.125);
+  EXPECT_EQ(place("A;401,25;77,5;12,125\n", LayoutFormat::hilti), p);
+  EXPECT_EQ(place("A,77.5,401.25,12.125,GO\n", LayoutFormat::trimble), p);
+  EXPECT_EQ(place("Name,Easting,Northing,Elev\nA,401.25,77.5,12.125\n", LayoutFormat::trimble), p);
+  EXPECT_EQ(place("PtID;Code;N [m];E [m];Höhe\nA;x;77.5;401.25;12.125\n", LayoutFormat::hilti), p);
+  // What X and Y are nobody says: the tool's own order counts.
+  EXPECT_EQ(place("PtID,X,Y,Z\nA,401.25,77.5,12.125\n", LayoutFormat::leica), p);
+  EXPECT_EQ(read_staked("PtID,E,N,H,Timestamp\nA,1,2,3,2026-05-02T08:00:00Z\n", LayoutFormat::leica, "s").items[0]->at,
+            "2026-05-02T08:00:00Z");
+  EXPECT_THROW(read_staked("PtID;E [mm];N [mm];H [mm]\nA;1;2;3\n", LayoutFormat::hilti, "s"), std::runtime_error);
+  EXPECT_THROW(read_staked("Name,Northing (usft),Easting (usft),Elev (usft)\n", LayoutFormat::trimble, "s"),
+               std::runtime_error);
+}
+
 TEST(LayoutFiles, WhatIsNoPointIsRefusedWithItsLine) {
   const ActualsT back = read_staked("PtID;E;N;H\nF01-C01-R1;1.0;2.0;3.0\nx;1;2\ny;a;b;c\nF01-C01-R1;1;2;3\n",
                                     LayoutFormat::hilti, "staked.csv");

@@ -42,26 +42,36 @@ TEST(Machine, ARobotThatReportsSuccessAndDidNothingIsFound) {
   InstallationPlanT second = plan_after_setting(0);
   second.brackets[0]->measured.z() -= 0.004;  // where it was before
   next_plan(state, second, {});
-  EXPECT_NE(item(state, "b0").status, ItemStatus::verified);
-  EXPECT_EQ(item(state, "b0").reworks, 1);
+  EXPECT_EQ(item(state, "b0").status, ItemStatus::rejected);
   EXPECT_EQ(item(state, "p0").status, ItemStatus::planned);
+  EXPECT_TRUE(accept_item(state, "b0"));
+  next_plan(state, make_plan("third"), {});
+  EXPECT_EQ(item(state, "b0").status, ItemStatus::released) << item(state, "b0").why;
 }
 
+/// Brackets under a panel that would not hang right on them are set again, and again.
 TEST(Machine, AtMostSoManyReworks) {
   LoopStateT state;
   MachineOptions options;
   options.most_reworks = 2;
-  for (int round = 0; round < 9; ++round) {
-    InstallationPlanT plan = round == 0 ? make_plan("first") : plan_after_setting(0, std::to_string(round));
-    if (round > 0) plan.brackets[0]->measured.z() -= 0.004, plan.brackets[0]->setting.z() = 0.004;
+  double moved = 0;
+  for (int round = 0; round < 12; ++round) {
+    InstallationPlanT plan = make_plan(std::to_string(round));
+    for (int i : {0, 1}) {
+      plan.brackets[static_cast<std::size_t>(i)]->measured.z() += moved;
+      plan.brackets[static_cast<std::size_t>(i)]->setting = {0, 0.001, 0};
+    }
+    if (item_status(state, "b0") == ItemStatus::executed || item_status(state, "b0") == ItemStatus::verified)
+      plan.panels[0]->gate = GateDecision::no_go, plan.panels[0]->p_in = 0.01;
     next_plan(state, plan, options);
-    apply_actuals(state, done({"b0"}, item(state, "b0").revision));
-    apply_actuals(state, done({"b1"}, item(state, "b1").revision));
+    if (item_status(state, "b0") == ItemStatus::released) moved += 0.001;
+    apply_actuals(state, done({"b0", "b1"}, item(state, "b0").revision));
   }
-  EXPECT_EQ(item(state, "b0").status, ItemStatus::rejected);
+  EXPECT_EQ(item(state, "b0").status, ItemStatus::rejected) << item(state, "b0").why;
+  EXPECT_EQ(item(state, "b0").reworks, 3);
   close_round(state);
   EXPECT_TRUE(state.done);
-  EXPECT_EQ(state.given_up, 1);
+  EXPECT_EQ(state.given_up, 2);
 }
 
 TEST(Machine, AHangingPanelOutsideItsLimitsIsTakenDownWithItsBrackets) {
@@ -245,7 +255,8 @@ TEST(Machine, APlateThatWasKnockedWhileItsBracketWasSetGoesToAPerson) {
   EXPECT_EQ(item(state, "b1").status, ItemStatus::verified);
 }
 
-TEST(Machine, AKnownMistakeOfARobotIsNamedAndDoneAgain) {
+/// A plate that was knocked while its bracket was set looks like that, too, if it was knocked by what was asked for.
+TEST(Machine, AKnownMistakeOfARobotIsNamedToWhoLooks) {
   const auto after = [](double moved) {
     LoopStateT state;
     InstallationPlanT first = make_plan("first");
@@ -259,9 +270,10 @@ TEST(Machine, AKnownMistakeOfARobotIsNamedAndDoneAgain) {
     next_plan(state, second, {});
     // What was done is what counts for its range.
     EXPECT_NEAR(item(state, "b0").setting.z(), moved * 0.005, 1e-9);
-    return item(state, "b0").reworks == 1 ? item(state, "b0").why : "no rework: " + item(state, "b0").why;
+    EXPECT_EQ(item(state, "b0").status, ItemStatus::rejected);
+    return item(state, "b0").why;
   };
-  EXPECT_NE(after(0).find("it was not moved"), std::string::npos) << after(0);
+  EXPECT_NE(after(0).find("as if it was not moved: look whether that is so, or its plate was knocked"), std::string::npos) << after(0);
   EXPECT_NE(after(-1).find("it was set the other way"), std::string::npos) << after(-1);
   EXPECT_NE(after(2).find("it was set twice"), std::string::npos) << after(2);
 }

@@ -45,14 +45,14 @@ TEST(Rounds, ABracketThatIsToBeSetAgainIsPlannedFirstAndTheLoopIsNotDone) {
   next_plan(state, make_plan("first"));
   apply_actuals(state, done({"b0", "b1"}, 1));
   InstallationPlanT second = plan_after_setting(0);
-  second.brackets[0]->measured.z() -= 0.004;  // nobody moved it
+  second.panels[0]->gate = GateDecision::no_go, second.panels[0]->p_in = 0.01;  // on brackets as they stand now
   next_plan(state, std::move(second));
   EXPECT_EQ(item(state, "b0").status, ItemStatus::planned) << item(state, "b0").why;
   EXPECT_EQ(item(state, "p0").status, ItemStatus::planned);
   close_round(state);
   EXPECT_FALSE(state.done);
   InstallationPlanT third = plan_after_setting(0, "second");  // the same measurement
-  third.brackets[0]->measured.z() -= 0.004, third.brackets[0]->setting.y() = 0.004;
+  third.brackets[0]->setting.y() = 0.004;
   next_plan(state, std::move(third));
   EXPECT_EQ(item(state, "b0").status, ItemStatus::released);
 }
@@ -131,6 +131,75 @@ TEST(Rounds, APanelIsVerifiedByAnchorsThatWereAllMeasuredSinceItHangs) {
   EXPECT_EQ(item(state, "p0").status, ItemStatus::executed);
   next_plan(state, plan_after_setting(0, "third"));
   EXPECT_EQ(item(state, "p0").status, ItemStatus::verified);
+}
+
+TEST(Rounds, APanelThatNothingHasSeenIsNotVerified) {
+  const auto report = [](const Eigen::Vector3d& measured) {
+    LoopStateT state = with_released_panel();
+    ActualsT actuals = done({"p0"}, item(state, "p0").revision);
+    actuals.items[0]->measured = measured;
+    apply_actuals(state, actuals);
+    next_plan(state, plan_after_setting(0, "third"));
+    return state;
+  };
+  EXPECT_EQ(report({0.001, 0, 0}).journal.empty(), false);
+  LoopStateT seen = report({0.001, 0.002, 0}), unsaid = report({nan, nan, nan}), echo = report({0, 0, 0}),
+             elsewhere = report({0.2, 0, 0});
+  EXPECT_EQ(item(seen, "p0").status, ItemStatus::verified);
+  for (LoopStateT* state : {&unsaid, &echo, &elsewhere}) {
+    EXPECT_EQ(item(*state, "p0").status, ItemStatus::relocalised) << item(*state, "p0").why;
+    EXPECT_EQ(item(*state, "b2").status, ItemStatus::planned);  // nor does the next floor begin
+    close_round(*state);
+    EXPECT_TRUE(state->done);
+  }
+  // A person has seen one, a total station the other, before the release of which nothing counts.
+  EXPECT_TRUE(accept_item(unsaid, "p0"));
+  EXPECT_FALSE(accept_item(unsaid, "p0"));
+  ActualsT staked = done({"p0"}, 0);
+  EXPECT_TRUE(apply_actuals(echo, staked).empty());
+  for (LoopStateT* state : {&unsaid, &echo}) {
+    EXPECT_EQ(check_journal(state->journal).words, "");
+    next_plan(*state, plan_after_setting(0, "fourth"));
+    EXPECT_EQ(item(*state, "p0").status, ItemStatus::verified) << item(*state, "p0").why;
+  }
+}
+
+TEST(Rounds, APanelThatWasReportedDoneAndThenFailedGoesToAPerson) {
+  for (const bool judged : {false, true}) {
+    LoopStateT state = with_hung_panel();
+    if (judged) next_plan(state, plan_after_setting(0, "third"));
+    ActualsT failed = done({"p0"}, item(state, "p0").revision);
+    failed.items[0]->outcome = "failed";
+    const auto refused = apply_actuals(state, failed);
+    ASSERT_EQ(refused.size(), 1u);
+    EXPECT_NE(refused[0].find("says failed, a report before it said done"), std::string::npos) << refused[0];
+    EXPECT_EQ(item(state, "p0").status, ItemStatus::rejected);
+    next_plan(state, plan_after_setting(0, "fourth"));
+    EXPECT_EQ(item(state, "p0").status, ItemStatus::rejected);
+  }
+}
+
+TEST(Rounds, WhatWasMeasuredBeforeTheWorkJudgesNothing) {
+  const auto after = [](const std::string& reported, const std::string& measured) {
+    LoopStateT state;
+    MachineOptions options;
+    options.at = "2026-05-02T08:00:00Z";
+    next_plan(state, make_plan("first"), options);
+    ActualsT actuals = done({"b0", "b1"}, 1);
+    for (auto& actual : actuals.items) actual->at = reported;
+    EXPECT_TRUE(apply_actuals(state, actuals).empty());
+    // Read after the work, and nobody had moved anything yet: neither floor nor bracket moved, nothing is verified.
+    InstallationPlanT second = measured > "2026-05-02T10" ? plan_after_setting(0) : make_plan("second");
+    options.measured_at = measured, options.at = "2026-05-03T08:00:00Z";
+    next_plan(state, std::move(second), options);
+    EXPECT_TRUE(state.moved_control.empty());
+    return std::string(name_of(item(state, "b0").status)) + " " + item(state, "b0").why;
+  };
+  EXPECT_EQ(after("2026-05-02T10:00:00Z", "2026-05-02T13:00:00+02:00").substr(0, 8), "VERIFIED");
+  EXPECT_EQ(after("2026-05-02T10:00:00Z", "2026-05-02T09:30:00Z"),
+            "EXECUTED waits for a measurement that was made after it was done");
+  EXPECT_EQ(after("", "2026-05-02T12:00:00Z"),
+            "EXECUTED waits for a measurement that was made after it was done; its report has no date");
 }
 
 TEST(Rounds, AMeasurementThatContradictsItselfDecidesNothing) {

@@ -13,6 +13,7 @@
 #include <valijson/schema_parser.hpp>
 #include <valijson/validator.hpp>
 
+#include "loop/exchange/order_exchange.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::loop {
@@ -38,7 +39,7 @@ Job make_job() {
   return job;
 }
 
-VdaRobot make_robot(VdaVersion version) { return {version, "Acme", "R2D2", 7, "2026-05-02T08:00:00Z"}; }
+VdaRobot make_robot(VdaVersion version) { return {version, "Acme", "R2D2", 7, "2026-05-02T08:00:00Z", std::nullopt}; }
 
 /// The schemas of 3.0.0 have commas before closing brackets, which JSON does not.
 json schema_of(const std::string& version, const std::string& name) {
@@ -234,6 +235,44 @@ TEST(Vda5050, MessagesThatAreWrongAreRefusedWithTheirLine) {
         "s:7: has the timestamp 'noon'", "s:8: the result of action",
         "s:10: says that action job-3-F2-0123456789ab:F02-C01-R2:3 FAILED, a message before said FINISHED"})
     EXPECT_NE(refused.find(words), std::string::npos) << words << " in\n" << refused;
+}
+
+/// Where it stands, then the first node with work; not where it stands already.
+TEST(Vda5050, AnOrderBeginsWhereTheRobotStands) {
+  for (const VdaVersion version : {VdaVersion::v2_0, VdaVersion::v3_0}) {
+    VdaRobot robot = make_robot(version);
+    const json without = json::parse(vda_order(make_job(), robot));
+    robot.start = VdaPlace{"parking", "floor-1", -4, 2, 0.5};
+    const json with = json::parse(vda_order(make_job(), robot));
+    ASSERT_EQ(with["nodes"].size(), without["nodes"].size() + 1);
+    EXPECT_EQ(with["nodes"][0]["nodeId"], "parking");
+    EXPECT_EQ(with["nodes"][0]["actions"].size(), 0u);
+    EXPECT_EQ(with["edges"].size(), without["edges"].size() + 1);
+    for (std::size_t i = 0; i < with["nodes"].size(); ++i) EXPECT_EQ(with["nodes"][i]["sequenceId"], 2 * i);
+    const std::string name = version == VdaVersion::v2_0 ? "2.0.0" : "3.0.0";
+    PLUMBLINE_REQUIRE_DATA("robot/vda5050/" + name + "/order.schema");
+    EXPECT_EQ(faults(schema_of(name, "order"), with), "");
+    robot.start->node = without["nodes"][0]["nodeId"];
+    EXPECT_EQ(json::parse(vda_order(make_job(), robot))["nodes"].size(), without["nodes"].size());
+  }
+}
+
+/// What asks a robot for its state is a message of the standard, too.
+TEST(Vda5050, TheQuestionForAStateIsValid) {
+  struct NoLog : ExchangeLog {
+    void append_sent(const std::string&) override {}
+    void append_state(const std::string&) override {}
+    std::vector<std::string> sent() const override { return {}; }
+    std::vector<std::string> states() const override { return {}; }
+  } log;
+  for (const VdaVersion version : {VdaVersion::v2_0, VdaVersion::v3_0}) {
+    const std::string name = version == VdaVersion::v2_0 ? "2.0.0" : "3.0.0";
+    PLUMBLINE_REQUIRE_DATA("robot/vda5050/" + name + "/instantActions.schema");
+    OrderExchange exchange(make_job(), make_robot(version), log);
+    const auto messages = exchange.due(100, "2026-05-02T08:00:00Z");
+    ASSERT_EQ(messages.size(), 1u);
+    EXPECT_EQ(faults(schema_of(name, "instantActions"), json::parse(messages[0].payload)), "") << messages[0].payload;
+  }
 }
 
 }  // namespace

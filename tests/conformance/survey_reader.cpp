@@ -1,14 +1,14 @@
-// What every reader and writer of survey files must do, on the fixtures of all formats: read or refuse with the file's
-// name, the same bytes for the same file, and nothing half.
+// What every reader of survey files must do, on the fixtures of all formats: read or refuse with the file's name, the
+// same bytes for the same file, and nothing half.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 
 #include "artifacts/file.hpp"
 #include "artifacts/survey_observations.hpp"
+#include "kit_fixtures.hpp"
 #include "node_harness.hpp"
 #include "parameter_effects.hpp"
-#include "test_paths.hpp"
 
 namespace {
 
@@ -25,8 +25,7 @@ FileT file_of(const std::string& name, const std::string& bytes) {
 
 std::vector<fs::path> fixtures() {
   std::vector<fs::path> all;
-  for (const auto& entry :
-       fs::directory_iterator(fs::path(plumbline::test::source_dir()) / "tests/unit/survey_files/fixtures"))
+  for (const auto& entry : fs::directory_iterator(kit_fixtures()))
     if (entry.is_regular_file()) all.push_back(entry.path());
   std::sort(all.begin(), all.end());
   return all;
@@ -60,7 +59,7 @@ TEST_P(SurveyReader, ReadsOrRefusesEveryFileWithItsName) {
       EXPECT_FALSE(observation->to.empty());
     }
   }
-  EXPECT_GE(read, 1u) << "no fixture in tests/unit/survey_files/fixtures is of this reader's format";
+  EXPECT_GE(read, 1u) << "no file in " << kit_fixtures() << " is of this reader's format";
 }
 
 TEST_P(SurveyReader, GivesTheSameBytesForTheSameFile) {
@@ -132,45 +131,5 @@ TEST_P(SurveyReader, EveryDeclaredParameterHasItsEffect) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, SurveyReader, testing::ValuesIn(kinds_of_role("survey_reader")), test_name);
-
-class SurveyWriter : public testing::TestWithParam<std::string> {};
-
-TEST_P(SurveyWriter, WritesWhatReadSurveyReadsBack) {
-  const fs::path fixture =
-      fs::path(plumbline::test::source_dir()) / "tests/unit/survey_files/fixtures/code_block_cr_only.gsi";
-  NodeHarness source = reader("read.survey", "source.gsi", read_file(fixture));
-  source.run();
-  const auto expected = source.output<SurveyObservations>("observations");
-  NodeHarness writer(GetParam());
-  writer.input<SurveyObservations>("observations", expected);
-  writer.run();
-  const FileT written = writer.output<File>("file");
-  EXPECT_FALSE(written.media_type.empty());
-  NodeHarness again = reader("read.survey", written.name, std::string(written.content.begin(), written.content.end()));
-  again.run();
-  const auto found = again.output<SurveyObservations>("observations");
-  ASSERT_EQ(found.observations.size(), expected.observations.size());
-  ASSERT_EQ(found.set_ups.size(), expected.set_ups.size());
-  // gama XML has the height at each observation.
-  const double own = found.observations[0]->instrument_height;
-  EXPECT_NEAR(std::isnan(own) ? found.set_ups[0]->instrument_height : own, expected.set_ups[0]->instrument_height,
-              1e-9);
-}
-
-TEST_P(SurveyWriter, EveryDeclaredParameterHasItsEffect) {
-  const auto written = [this](const char* fixture) -> Situation {
-    const fs::path path = fs::path(plumbline::test::source_dir()) / "tests/unit/survey_files/fixtures" / fixture;
-    NodeHarness source = reader("read.survey", "source.gsi", read_file(path));
-    source.run();
-    return [survey = source.output<SurveyObservations>("observations")] {
-      NodeHarness writer(GetParam());
-      writer.input<SurveyObservations>("observations", survey);
-      return writer;
-    };
-  };
-  EXPECT_EQ(parameters_at_fault({written("code_block_cr_only.gsi"), written("station_coordinates.gsi")}), "");
-}
-
-INSTANTIATE_TEST_SUITE_P(All, SurveyWriter, testing::ValuesIn(kinds_of_role("survey_writer")), test_name);
 
 }  // namespace

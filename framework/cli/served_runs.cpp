@@ -1,0 +1,278 @@
+#include "served_runs.hpp"
+
+#include <dirent.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <memory>
+#include <set>
+
+#include "commands.hpp"
+#include "live_progress.hpp"
+
+namespace plumbline::cli {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr size_t most_runs = 2000, longest_text = 64 * 1024;
+constexpr int deepest = 3;
+
+std::string joined(const std::string& folder, const std::string& name) {
+  return folder == "." ? name : folder + "/" + name;
+}
+
+/// The parts of a relative path; none if one of them is empty, hidden, "." or "..".
+std::vector<std::string> parts_of(const std::string& path) {
+  std::vector<std::string> parts;
+  for (size_t at = 0; at <= path.size();) {
+    const size_t end = std::min(path.find('/', at), path.size());
+    parts.push_back(path.substr(at, end - at));
+    if (parts.back().empty() || parts.back()[0] == '.') return {};
+    at = end + 1;
+  }
+  return parts;
+}
+
+/// The file below `folder`, no part of its path being a link; -1 if there is none.
+int open_below(int folder, const std::vector<std::string>& parts, int flags) {
+  int at = fcntl(folder, F_DUPFD_CLOEXEC, 0);
+  for (size_t i = 0; i < parts.size() && at >= 0; ++i) {
+    const bool last = i + 1 == parts.size();
+    const int next = openat(at, parts[i].c_str(), O_NOFOLLOW | O_CLOEXEC | (last ? flags : O_PATH | O_DIRECTORY));
+    ::close(at);
+    at = next;
+  }
+  return at;
+}
+
+std::string name_of_node(const nlohmann::ordered_json& node) {
+  const int round = node.value("round", 0);
+  return node.value("name", "") + (round > 0 ? "@" + std::to_string(round) : "");
+}
+
+}  // namespace
+
+ServedRuns::ServedRuns(const fs::path& folder)
+    : folder_(folder), descriptor_(::open(folder.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC)) {
+  if (descriptor_ < 0)
+    throw UsageError(folder.string() + " is no folder that can be shown: " + std::strerror(errno) +
+                     "; give the output folder of a run, or one that holds several, such as out");
+}
+
+ServedRuns::~ServedRuns() { ::close(descriptor_); }
+
+ServedRuns::File ServedRuns::open(const std::string& path) const {
+  const auto parts = parts_of(path);
+  if (parts.empty()) return {};
+  // O_NONBLOCK: a pipe that somebody put there must not hold us up.
+  const int file = open_below(descriptor_, parts, O_RDONLY | O_NONBLOCK);
+  struct stat info {};
+  if (file >= 0 && fstat(file, &info) == 0 && S_ISREG(info.st_mode))
+    return {file, static_cast<std::uint64_t>(info.st_size)};
+  if (file >= 0) ::close(file);
+  return {};
+}
+
+/// Folders with a run.jsonl; `folder` is taken over.
+void ServedRuns::find(int folder, const std::string& path, int depth) {
+  const std::unique_ptr<DIR, int (*)(DIR*)> entries(fdopendir(folder), closedir);
+  if (!entries) {
+    ::close(folder);
+    return;
+  }
+  std::set<std::string> folders;
+  while (const dirent* entry = readdir(entries.get())) {
+    struct stat info {};
+    if (fstatat(folder, entry->d_name, &info, AT_SYMLINK_NOFOLLOW) != 0) continue;
+    const std::string name = entry->d_name;
+    if (name == "run.jsonl" && S_ISREG(info.st_mode)) found_.push_back(path);
+    if (S_ISDIR(info.st_mode) && name[0] != '.' && depth < deepest) folders.insert(name);
+  }
+  for (const std::string& name : folders) {
+    if (found_.size() >= most_runs) return;
+    const int below = openat(folder, name.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+    if (below >= 0) find(below, joined(path, name), depth + 1);
+  }
+}
+
+void ServedRuns::take(const std::string& line, Run& run) {
+  Json json = Json::parse(line, nullptr, false);
+  if (!json.is_object()) {
+    ++run.lines_not_read;
+    return;
+  }
+  const std::string event = json.value("event", "");
+  if (event == "run_start") {
+    run.start = std::move(json);
+  } else if (event == "run_end" || event == "killed") {
+    json.erase("owned");
+    run.end = std::move(json);
+  } else if (event == "node") {
+    for (const char* large : {"fields", "keys", "used", "inputs", "computed", "parameters", "connections"})
+      json.erase(large);
+    const std::string name = name_of_node(json);
+    if (!run.nodes.count(name)) run.order.push_back(name);
+    run.nodes[name] = std::move(json);
+  }
+}
+
+/// Takes what was added to the record since the last look. Another file at its place begins anew.
+void ServedRuns::follow(const std::string& id) {
+  Run& run = runs_[id];
+  const File record = open(joined(id, "run.jsonl"));
+  struct stat info {};
+  if (record.descriptor < 0 || fstat(record.descriptor, &info) != 0) {
+    run = {};
+    if (record.descriptor >= 0) ::close(record.descriptor);
+    return;
+  }
+  if (info.st_dev != run.device || info.st_ino != run.inode || record.size < run.read) {
+    run = {};
+    run.device = info.st_dev, run.inode = info.st_ino;
+  }
+  std::string text(record.size - run.read, '\0');
+  size_t got = 0;
+  while (got < text.size()) {
+    const ssize_t count =
+        pread(record.descriptor, text.data() + got, text.size() - got, static_cast<off_t>(run.read + got));
+    if (count <= 0) break;
+    got += static_cast<size_t>(count);
+  }
+  ::close(record.descriptor);
+  text.resize(got);
+  size_t at = 0;
+  for (size_t end = text.find('\n'); end != std::string::npos; end = text.find('\n', at)) {
+    try {
+      take(text.substr(at, end - at), run);
+    } catch (const Json::exception&) {
+      ++run.lines_not_read;
+    }
+    at = end + 1;
+  }
+  run.read += at;  // a line that is just being written is taken when it is whole
+}
+
+void ServedRuns::look() {
+  found_.clear();
+  const int top = openat(descriptor_, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (top >= 0) find(top, ".", 0);
+  for (const std::string& id : found_) follow(id);
+  std::erase_if(runs_, [&](const auto& run) {
+    return std::find(found_.begin(), found_.end(), run.first) == found_.end() || run.second.start.is_null();
+  });
+}
+
+std::string ServedRuns::text_of(const std::string& path, size_t most) const {
+  const File file = open(path);
+  if (file.descriptor < 0) return {};
+  std::string text(std::min<std::uint64_t>(file.size, most), '\0');
+  const ssize_t count = pread(file.descriptor, text.data(), text.size(), 0);
+  ::close(file.descriptor);
+  text.resize(static_cast<size_t>(std::max<ssize_t>(count, 0)));
+  return text;
+}
+
+ServedRuns::Json ServedRuns::progress(const std::string& id) const {
+  const auto parts = id == "." ? std::vector<std::string>{} : parts_of(id);
+  std::vector<std::string> path = parts;
+  path.emplace_back(LiveProgress::file_name);
+  const int file = open_below(descriptor_, path, O_RDONLY | O_NONBLOCK);
+  if (file < 0) return nullptr;
+  std::string text(longest_text, '\0');
+  const ssize_t count = pread(file, text.data(), text.size(), 0);
+  ::close(file);
+  text.resize(static_cast<size_t>(std::max<ssize_t>(count, 0)));
+  const Json json = Json::parse(text, nullptr, false);
+  return json.is_object() ? json : Json(nullptr);
+}
+
+ServedRuns::Json ServedRuns::summary(const std::string& id, const Run& run) const {
+  Json json{{"id", id}};
+  json["pipeline"] = fs::path(run.start.value("pipeline", "")).stem().string();
+  json["arguments"] = run.start.value("arguments", Json::array());
+  json["time"] = run.start.value("time", "");
+  size_t failed = 0, warnings = 0;
+  bool invalid = false;
+  std::string error;
+  for (const std::string& name : run.order) {
+    const Json& node = run.nodes.at(name);
+    const std::string status = node.value("status", "");
+    failed += status == "failed";
+    if (status == "failed" && error.empty()) error = node.value("error", "");
+    warnings += node.value("warnings", Json::array()).size();
+    for (const Json& metric : node.value("metrics", Json::array()))
+      invalid = invalid || (metric.value("name", "") == "invalid" && metric.contains("value") &&
+                            metric["value"].is_number() && metric["value"].get<double>() > 0);
+  }
+  json["ended"] = run.nodes.size();
+  json["warnings"] = warnings;
+  json["invalid"] = invalid;
+  if (!error.empty()) json["error"] = error;
+  if (run.end.is_null()) {
+    const auto process = run.start.value("process", 0);
+    const bool alive = process > 0 && (kill(process, 0) == 0 || errno == EPERM);
+    json["status"] = alive ? "running" : "ended without a word";
+    json["seconds"] = nullptr;
+    json["start"] = run.start.value("start", 0.0);
+    if (alive) json["progress"] = progress(id);
+  } else if (run.end.value("event", "") == "killed") {
+    json["status"] = "killed: " + run.end.value("by", "");
+  } else {
+    const std::string status = run.end.value("status", "");
+    json["status"] = status == "ok" && invalid ? "not usable" : status;
+    json["seconds"] = run.end.value("seconds", 0.0);
+  }
+  json["files"] = Json::array();
+  const Json outputs = run.end.is_object() ? run.end.value("outputs", Json::object()) : Json::object();
+  for (const auto& [file, how] : outputs.items())
+    if (how == "written") json["files"].push_back(file);
+  return json;
+}
+
+ServedRuns::Json ServedRuns::list() {
+  const std::scoped_lock lock(mutex_);
+  look();
+  std::vector<Json> all;
+  for (const auto& [id, run] : runs_) {
+    try {
+      all.push_back(summary(id, run));
+    } catch (const Json::exception&) {  // a record that is none of ours must not hide the others
+      all.push_back({{"id", id}, {"pipeline", id}, {"time", ""}, {"status", "its record cannot be read"}});
+    }
+  }
+  std::sort(all.begin(), all.end(), [](const Json& a, const Json& b) { return a["time"] > b["time"]; });
+  return all;
+}
+
+ServedRuns::Json ServedRuns::run(const std::string& id) {
+  const std::scoped_lock lock(mutex_);
+  const auto found = runs_.find(id);
+  if (found == runs_.end()) return nullptr;
+  follow(id);
+  const Run& run = found->second;
+  Json json = summary(id, run);
+  json["host"] = run.start.value("host", Json::object()).value("name", "");
+  json["plumbline"] = run.start.value("plumbline", "");
+  json["nodes"] = Json::array();
+  for (const std::string& name : run.order) json["nodes"].push_back(run.nodes.at(name));
+  for (const char* words : {"verdict.txt", "summary.txt"})
+    if (const std::string text = text_of(joined(id, words), longest_text); !text.empty()) {
+      json["words"] = text;
+      break;
+    }
+  return json;
+}
+
+fs::path ServedRuns::record(const std::string& id) {
+  const std::scoped_lock lock(mutex_);
+  return runs_.count(id) ? folder_ / id / "run.jsonl" : fs::path();
+}
+
+}  // namespace plumbline::cli

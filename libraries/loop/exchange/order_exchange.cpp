@@ -1,0 +1,211 @@
+#include "loop/exchange/order_exchange.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "loop/state/date.hpp"
+
+namespace plumbline::loop {
+
+using nlohmann::ordered_json;
+
+const char* name_of(ExchangeStatus status) {
+  static constexpr const char* kNames[] = {"ASKING", "BUSY", "SENT", "ACCEPTED", "FINISHED", "REJECTED", "UNKNOWN"};
+  return kNames[static_cast<std::size_t>(status)];
+}
+
+namespace {
+
+bool is_final(const std::string& status) { return status == "FINISHED" || status == "FAILED"; }
+
+/// What of a state message this exchange looks at.
+struct RobotState {
+  std::string order, rejects, reason;  ///< `rejects`: the order that its errors refuse
+  double seconds = 0;
+  long long header = 0;
+  std::map<std::string, std::string> actions;  ///< status by actionId
+  bool drives = false;                         ///< its order has nodes or edges before it
+  std::string digest;                          ///< of what is worth a line on disk
+  std::optional<VdaPlace> place;               ///< where the robot stands, if it says so
+};
+
+/// The order that an error refuses, by its references; empty: none.
+std::string order_of_error(const ordered_json& error) {
+  if (!error.contains("errorReferences") || !error["errorReferences"].is_array()) return {};
+  for (const auto& reference : error["errorReferences"])
+    if (reference.value("referenceKey", "") == "orderId") return reference.value("referenceValue", "");
+  return {};
+}
+
+/// In 2.x agvPosition, in 3.0 mobileRobotPosition.
+std::optional<VdaPlace> place_of_robot(const ordered_json& json) {
+  for (const char* key : {"agvPosition", "mobileRobotPosition"})
+    if (json.contains(key) && json[key].is_object() && json[key].contains("x") && json[key].contains("mapId"))
+      return VdaPlace{json.value("lastNodeId", ""), json[key].value("mapId", ""), json[key].value("x", 0.0),
+                      json[key].value("y", 0.0), json[key].value("theta", 0.0)};
+  return std::nullopt;
+}
+
+/// Throws nlohmann::json::exception for what is no state message.
+RobotState read_robot_state(const ordered_json& json) {
+  RobotState state;
+  json.at("orderId").get_to(state.order), json.at("headerId").get_to(state.header);
+  state.seconds = seconds_of(json.at("timestamp").get<std::string>()).value_or(std::nan(""));
+  for (const auto& action : json.at("actionStates"))
+    state.actions[action.at("actionId").get<std::string>()] = action.at("actionStatus").get<std::string>();
+  for (const char* key : {"nodeStates", "edgeStates"})
+    state.drives = state.drives || (json.contains(key) && json[key].is_array() && !json[key].empty());
+  const ordered_json errors = json.value("errors", ordered_json::array());
+  for (const auto& error : errors)
+    if (const std::string refused = order_of_error(error); !refused.empty() && refused != state.order)
+      state.rejects = refused, state.reason = error.value("errorType", "") + ": " + error.value("errorDescription", "");
+  state.place = place_of_robot(json);
+  state.digest = ordered_json{state.order, json["actionStates"], errors}.dump(-1, ' ', false,
+                                                                              ordered_json::error_handler_t::replace);
+  return state;
+}
+
+/// Whether an order is at its end: nothing before the robot, every action final.
+bool is_at_its_end(const RobotState& state) {
+  return !state.drives && std::all_of(state.actions.begin(), state.actions.end(),
+                                      [](const auto& action) { return is_final(action.second); });
+}
+
+}  // namespace
+
+OrderExchange::OrderExchange(const Job& job, const VdaRobot& robot, ExchangeLog& log, const ExchangeTimes& times)
+    : job_(job), robot_(robot), log_(log), times_(times) {
+  robot_.timestamp = "2000-01-01T00:00:00Z";
+  vda_order(job_, robot_);  // what is wrong with the job is said before anything is sent
+  restore_sent();
+  for (const std::string& line : log_.states()) take(line, false, 0);
+  // What is on disk was heard by a program before this one; the robot is asked anew.
+  answered_ = false;
+}
+
+void OrderExchange::restore_sent() {
+  for (const std::string& line : log_.sent()) {
+    const auto sent = ordered_json::parse(line, nullptr, false);
+    if (!sent.is_object()) continue;
+    order_number_ = std::max(order_number_, sent.value("headerId", 0));
+    const double at = sent.value("at", 0.0);
+    if (sent.value("orderId", "") == job_.id) {
+      // What the robot said before is late if it comes now.
+      sent_at_ = at, header_at_sending_ = newest_header_ = sent.value("robotHeaderId", -1LL);
+      newest_ = std::max(newest_, sent.value("robotSeconds", -1e300));
+    }
+    if (sent.value("orderId", "") != job_.id)
+      other_order_ = sent.value("orderId", ""), other_sent_at_ = std::max(other_sent_at_, at);
+  }
+}
+
+void OrderExchange::on_state(const std::string& payload, double now) { take(payload, true, now); }
+
+void OrderExchange::take(const std::string& payload, bool is_new, double now) {
+  const auto json = ordered_json::parse(payload, nullptr, false);
+  RobotState state;
+  try {
+    if (!json.is_object() || json.at("manufacturer") != robot_.manufacturer || json.at("serialNumber") != robot_.serial)
+      return;
+    state = read_robot_state(json);
+  } catch (const nlohmann::json::exception&) {
+    return;
+  }
+  if (!std::isfinite(state.seconds)) return;
+  const bool is_newest = state.seconds > newest_ || (state.seconds == newest_ && state.header > newest_header_);
+  // Late ones tell nothing about now, but may tell that an action came to its end.
+  const bool ours = state.order == job_.id;
+  if (is_new && (ours || state.rejects == job_.id) && state.digest != last_actions_) {
+    log_.append_state(json.dump(-1, ' ', false, ordered_json::error_handler_t::replace));
+    last_actions_ = state.digest;
+  }
+  if (!is_new && ours) last_actions_ = state.digest;
+  // Started again: a later message with a smaller number.
+  const bool was_started_again = is_newest && newest_header_ >= 0 && state.header < newest_header_;
+  if (is_newest) newest_ = state.seconds, newest_header_ = state.header, heard_at_ = now, robot_.start = state.place;
+  if (is_over()) return;
+  if (is_newest) answered_ = is_new;
+  if (ours && (is_newest || is_at_its_end(state))) {
+    status_ = ExchangeStatus::accepted;
+    std::map<std::string, int> counts;
+    std::set<std::string> known;
+    for (const auto& [id, status] : state.actions) ++counts[status], known.insert(id);
+    progress_.clear();
+    for (const auto& [status, n] : counts)
+      progress_ += (progress_.empty() ? "" : ", ") + std::to_string(n) + " " + status;
+    const bool all = std::all_of(job_.items.begin(), job_.items.end(),
+                                 [&](const JobItem& item) { return known.count(vda_action_id(job_, item)) > 0; });
+    if (all && is_at_its_end(state)) status_ = ExchangeStatus::finished;
+    return;
+  }
+  if (!is_newest) return;
+  if (state.rejects == job_.id) {
+    status_ = ExchangeStatus::rejected, reason_ = "the robot refuses the order: " + state.reason;
+    return;
+  }
+  const bool was_sent = sent_at_ >= 0;
+  if (was_sent && (status_ == ExchangeStatus::accepted || was_started_again ||
+                   (header_at_sending_ >= 0 && state.header < header_at_sending_))) {
+    reason_ =
+        status_ == ExchangeStatus::accepted
+            ? "the robot had the order and has it no more, without having told its end: measure the items, nothing "
+              "is sent again"
+            : "the robot was started again, or took another order, since the order was sent to it: it may have done "
+              "it and forgotten; measure the items, nothing is sent again";
+    status_ = ExchangeStatus::unknown;
+    return;
+  }
+  status_ = is_at_its_end(state) || state.order.empty() ? ExchangeStatus::asking : ExchangeStatus::busy;
+}
+
+MqttMessage OrderExchange::question(const std::string& utc) {
+  ordered_json out;
+  out["headerId"] = ++question_number_, out["timestamp"] = utc;
+  out["version"] = robot_.version == VdaVersion::v2_0 ? "2.0.0" : "3.0.0";
+  out["manufacturer"] = robot_.manufacturer, out["serialNumber"] = robot_.serial;
+  ordered_json action{{"actionId", job_.id + ":state:" + utc + ":" + std::to_string(question_number_)},
+                      {"actionType", "stateRequest"},
+                      {"blockingType", "NONE"}};
+  // The text of 2.0 says actionType, its schema for instant actions actionName.
+  if (robot_.version == VdaVersion::v2_0) action["actionName"] = "stateRequest";
+  out["actions"] = ordered_json::array({action});
+  return {vda_topic(robot_, "instantActions"), out.dump(), times_.expiry};
+}
+
+MqttMessage OrderExchange::order(double now, const std::string& utc) {
+  robot_.timestamp = utc, robot_.header_id = ++order_number_;
+  const MqttMessage message{vda_topic(robot_, "order"), vda_order(job_, robot_), times_.expiry};
+  // On disk first: if nothing comes after this line, the order may be out and may not.
+  log_.append_sent(ordered_json{
+      {"orderId", job_.id},
+      {"headerId", order_number_},
+      {"at", now},
+      {"utc", utc},
+      {"robotHeaderId", newest_header_},
+      {"robotSeconds",
+       newest_}}.dump());
+  sent_at_ = now, header_at_sending_ = newest_header_, answered_ = asked_ = false;
+  status_ = ExchangeStatus::sent;
+  return message;
+}
+
+std::vector<MqttMessage> OrderExchange::due(double now, const std::string& utc) {
+  if (is_over()) return {};
+  const auto ask = [&]() -> std::vector<MqttMessage> {
+    if (asked_ && now - asked_at_ < times_.answer) return {};
+    asked_ = true, asked_at_ = now;
+    return {question(utc)};
+  };
+  if (status_ == ExchangeStatus::accepted)
+    return now - heard_at_ > times_.silence || !answered_ ? ask() : std::vector<MqttMessage>{};
+  if (!answered_ || status_ == ExchangeStatus::busy) return ask();
+  // The robot has answered that it does not have the order.
+  if (sent_at_ >= 0 && now - sent_at_ < times_.answer) return {};
+  if (!other_order_.empty() && now - other_sent_at_ < times_.expiry) return {};
+  return {order(now, utc)};
+}
+
+}  // namespace plumbline::loop

@@ -1,0 +1,128 @@
+// Staked points of layout tools as reports.
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <map>
+#include <set>
+#include <stdexcept>
+
+#include "loop/fit/facade.hpp"
+#include "loop/job/layout_files.hpp"
+#include "text/text.hpp"
+
+namespace plumbline::loop {
+namespace {
+
+/// Which column is what; a tool's own order unless the head of the table says otherwise.
+struct StakedColumns {
+  std::size_t name = 0, east = 1, north = 2, height = 3, date = std::string::npos;
+  std::size_t most() const { return std::max({name, east, north, height}); }
+};
+
+std::string lower_case(std::string_view text) {
+  std::string out(text);
+  std::transform(out.begin(), out.end(), out.begin(), [](unsigned char c) { return std::tolower(c); });
+  return out;
+}
+
+/// "Easting [m]" is "easting" and "m".
+std::pair<std::string, std::string> name_and_unit(std::string_view cell) {
+  const std::string text = lower_case(formats::trim(cell));
+  const auto open = text.find_first_of("[(");
+  if (open == std::string::npos) return {text, ""};
+  const auto close = text.find_first_of("])", open);
+  return {std::string(formats::trim(text.substr(0, open))),
+          close == std::string::npos ? "" : std::string(formats::trim(text.substr(open + 1, close - open - 1)))};
+}
+
+/// X and Y are left out: half of the world takes X for north.
+const std::map<std::string, char>& meaning_of_heads() {
+  static const std::map<std::string, char> heads = {
+      {"ptid", 'p'},      {"name", 'p'},       {"point", 'p'}, {"point id", 'p'},  {"pointid", 'p'},
+      {"id", 'p'},        {"point name", 'p'}, {"punkt", 'p'}, {"e", 'e'},         {"east", 'e'},
+      {"easting", 'e'},   {"rechtswert", 'e'}, {"n", 'n'},     {"north", 'n'},     {"northing", 'n'},
+      {"hochwert", 'n'},  {"h", 'h'},          {"z", 'h'},     {"height", 'h'},    {"elev", 'h'},
+      {"elevation", 'h'}, {"höhe", 'h'},       {"hoehe", 'h'}, {"timestamp", 't'}, {"datetime", 't'},
+      {"date time", 't'}};
+  return heads;
+}
+
+/// Takes the head's word for the order of the columns if it names all three. Throws std::runtime_error for a unit that
+/// is not metres.
+void read_head(const std::vector<std::string_view>& cells, const std::string& source, StakedColumns& columns) {
+  std::map<char, std::size_t> found;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const auto [name, unit] = name_and_unit(cells[i]);
+    const auto known = meaning_of_heads().find(name);
+    if (known == meaning_of_heads().end()) continue;
+    found.emplace(known->second, i);
+    if (std::string("enh").find(known->second) != std::string::npos && !unit.empty() && unit != "m" &&
+        unit != "metre" && unit != "meter")
+      throw std::runtime_error(source + ": its column '" + std::string(formats::trim(cells[i])) + "' is in " + unit +
+                               "; expected metres: export it in metres");
+  }
+  if (found.count('e') && found.count('n') && found.count('h'))
+    columns.east = found['e'], columns.north = found['n'], columns.height = found['h'];
+  if (found.count('p')) columns.name = found['p'];
+  if (found.count('t')) columns.date = found['t'];
+}
+
+/// Where ';' separates cells a comma is that of a decimal fraction.
+std::optional<double> staked_number(std::string_view cell, LayoutFormat format) {
+  const std::string_view text = formats::trim(cell);
+  const bool comma = format == LayoutFormat::hilti && text.find(',') != std::string_view::npos &&
+                     text.find('.') == std::string_view::npos;
+  const auto number = formats::parse_number(text, comma ? ',' : '.');
+  return number && std::isfinite(*number) ? number : std::nullopt;
+}
+
+}  // namespace
+
+ActualsT read_staked(const std::string& text, LayoutFormat format, const std::string& source) {
+  ActualsT out;
+  out.sources.push_back(source);
+  const std::string decoded = formats::decode_text(text).text;
+  std::set<std::string> seen;
+  StakedColumns columns;
+  if (format == LayoutFormat::trimble) columns.north = 1, columns.east = 2;
+  bool first = true;
+  for (const formats::Line& line : formats::split_lines(decoded)) {
+    if (formats::trim(line.text).empty()) continue;
+    const auto refuse = [&](const std::string& why) {
+      out.refused.push_back(source + ":" + std::to_string(line.number) + ": " + why);
+    };
+    const auto split = formats::split(line.text, format == LayoutFormat::hilti ? ';' : ',');
+    const std::vector<std::string_view> cells(split.begin(), split.end());
+    const bool is_head = std::exchange(first, false) && !(cells.size() > 3 && staked_number(cells[3], format));
+    if (is_head) {
+      read_head(cells, source, columns);
+      continue;
+    }
+    if (cells.size() <= columns.most()) {
+      refuse("found " + std::to_string(cells.size()) + " columns, expected a name and three coordinates");
+      continue;
+    }
+    const std::string name(formats::trim(cells[columns.name]));
+    const std::array<std::optional<double>, 3> at = {staked_number(cells[columns.east], format),
+                                                     staked_number(cells[columns.north], format),
+                                                     staked_number(cells[columns.height], format)};
+    if (!at[0] || !at[1] || !at[2]) {
+      refuse("the coordinates of '" + name + "' are no numbers");
+      continue;
+    }
+    if (!seen.insert(name).second) {
+      refuse("'" + name + "' occurs twice; the first is taken");
+      continue;
+    }
+    auto actual = std::make_unique<ActualT>();
+    actual->item = name, actual->outcome = "done", actual->by = source;
+    actual->measured = {*at[0], *at[1], *at[2]};
+    actual->sigma.setConstant(kUnknown), actual->setting.setConstant(kUnknown);
+    if (columns.date < cells.size()) actual->at = std::string(formats::trim(cells[columns.date]));
+    out.items.push_back(std::move(actual));
+  }
+  return out;
+}
+
+}  // namespace plumbline::loop

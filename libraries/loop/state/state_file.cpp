@@ -1,0 +1,146 @@
+#include "loop/state/state_file.hpp"
+
+#include <map>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "loop/fit/facade.hpp"
+#include "loop/state/hash.hpp"
+#include "loop/state/journal.hpp"
+#include "loop/state/machine.hpp"
+
+namespace plumbline::loop {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+constexpr int kVersion = 1;
+
+Json numbers_or_null(const Eigen::Vector3d& v) {
+  Json list = Json::array();
+  for (const double value : {v.x(), v.y(), v.z()}) list.push_back(std::isfinite(value) ? Json(value) : Json());
+  return list;
+}
+
+Eigen::Vector3d numbers_of(const Json& list) {
+  if (!list.is_array() || list.size() != 3) throw std::runtime_error("a place or setting has not three numbers");
+  Eigen::Vector3d v;
+  for (std::size_t k = 0; k < 3; ++k)
+    v[static_cast<Eigen::Index>(k)] = list[k].is_null() ? kUnknown : list[k].get<double>();
+  return v;
+}
+
+Json json_of(const LoopItemT& item) {
+  return {{"id", item.id},
+          {"kind", item.kind},
+          {"guid", item.guid},
+          {"floor", item.floor},
+          {"status", name_of(item.status)},
+          {"revision", item.revision},
+          {"reworks", item.reworks},
+          {"setting", numbers_or_null(item.setting)},
+          {"pending", numbers_or_null(item.pending)},
+          {"expected", numbers_or_null(item.expected)},
+          {"by", item.by},
+          {"at", item.at},
+          {"why", item.why},
+          {"hangs", item.hangs},
+          {"seen", item.seen},
+          {"basis", item.basis},
+          {"jobs", item.jobs}};
+}
+
+ItemStatus status_of(const std::string& name) {
+  for (int i = 0; i <= static_cast<int>(ItemStatus::stale); ++i)
+    if (name == name_of(static_cast<ItemStatus>(i))) return static_cast<ItemStatus>(i);
+  throw std::runtime_error("'" + name + "' is no state of an item");
+}
+
+std::unique_ptr<LoopItemT> item_of(const Json& json) {
+  auto item = std::make_unique<LoopItemT>();
+  json.at("id").get_to(item->id), json.at("kind").get_to(item->kind), json.at("guid").get_to(item->guid);
+  json.at("floor").get_to(item->floor), json.at("revision").get_to(item->revision);
+  json.at("reworks").get_to(item->reworks), item->status = status_of(json.at("status").get<std::string>());
+  item->setting = numbers_of(json.at("setting")), item->pending = numbers_of(json.at("pending"));
+  item->expected = numbers_of(json.at("expected"));
+  json.at("by").get_to(item->by), json.at("at").get_to(item->at), json.at("why").get_to(item->why);
+  json.at("hangs").get_to(item->hangs), json.at("seen").get_to(item->seen);
+  json.at("basis").get_to(item->basis), json.at("jobs").get_to(item->jobs);
+  return item;
+}
+
+std::string dumped(const Json& json) { return json.dump(1, ' ', false, Json::error_handler_t::replace); }
+
+/// Each item stands where the journal's last line about it put it; PLANNED if there is none.
+void check_items(const LoopStateT& state) {
+  if (const JournalFault fault = check_journal(state.journal); fault.line > 0)
+    throw std::runtime_error("line " + std::to_string(fault.line) + " of its journal " + fault.words);
+  std::map<std::pair<std::string, std::string>, std::string> last;
+  for (const std::string& text : state.journal) {
+    const Json line = Json::parse(text);
+    last[{line.at("kind").get<std::string>(), line.at("item").get<std::string>()}] = line.at("to").get<std::string>();
+  }
+  for (const auto& item : state.items) {
+    const auto found = last.find({item->kind, item->id});
+    const std::string by_journal = found == last.end() ? name_of(ItemStatus::planned) : found->second;
+    if (by_journal != name_of(item->status))
+      throw std::runtime_error(item->kind + " " + item->id + " is " + name_of(item->status) +
+                               ", by the journal it is " + by_journal);
+  }
+}
+
+}  // namespace
+
+std::string state_json(const LoopStateT& state) {
+  Json out{{"plumbline_loop_state", kVersion},
+           {"revision", state.revision},
+           {"round", state.round},
+           {"basis", state.basis},
+           {"moved_control", state.moved_control},
+           {"verified", state.verified},
+           {"given_up", state.given_up},
+           {"done", state.done},
+           {"to_plan", state.to_plan},
+           {"next", state.next},
+           {"items", Json::array()},
+           {"journal", state.journal}};
+  for (const auto& item : state.items) out["items"].push_back(json_of(*item));
+  // As it is read back: what is no UTF-8 was replaced on the way.
+  out = Json::parse(dumped(out));
+  const std::string seal = sha256_hex(dumped(out));
+  out["seal"] = seal;
+  return dumped(out) + "\n";
+}
+
+LoopStateT read_state_json(const std::string& text, const std::string& source) {
+  try {
+    Json json = Json::parse(text);
+    if (!json.is_object() || !json.contains("plumbline_loop_state"))
+      throw std::runtime_error("is no state of a loop: expected state.json as a round of site_loop wrote it");
+    if (json["plumbline_loop_state"] != kVersion)
+      throw std::runtime_error("is a state of version " + json["plumbline_loop_state"].dump() + ", expected " +
+                               std::to_string(kVersion));
+    const std::string seal = json.value("seal", "");
+    json.erase("seal");
+    if (seal != sha256_hex(dumped(json)))
+      throw std::runtime_error(
+          "was changed since it was written, or is only a part of it: take the file of that round again");
+    LoopStateT state;
+    json.at("revision").get_to(state.revision), json.at("round").get_to(state.round);
+    json.at("basis").get_to(state.basis), json.at("moved_control").get_to(state.moved_control);
+    json.at("verified").get_to(state.verified), json.at("given_up").get_to(state.given_up);
+    json.at("done").get_to(state.done), json.at("to_plan").get_to(state.to_plan);
+    json.at("next").get_to(state.next);
+    json.at("journal").get_to(state.journal);
+    for (const Json& item : json.at("items")) state.items.push_back(item_of(item));
+    check_items(state);
+    return state;
+  } catch (const nlohmann::json::exception& error) {
+    throw std::runtime_error(source + ": is no state of a loop, or a torn one: " + error.what());
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(source + ": " + error.what());
+  }
+}
+
+}  // namespace plumbline::loop

@@ -1,0 +1,147 @@
+// plumbline-robots: a job to one robot of VDA 5050, through a broker, to its end. What the robot said lies in the
+// folder's states.jsonl afterwards, for read.reports. May be killed and started again at any moment.
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <ctime>
+#include <fstream>
+#include <iterator>
+
+#include "loop/exchange/order_exchange.hpp"
+#include "loop/job/job.hpp"
+#include "loop/job/signature.hpp"
+#include "mqtt_client.hpp"
+
+namespace {
+
+using namespace plumbline::loop;
+
+volatile std::sig_atomic_t stopped = 0;
+
+struct Arguments {
+  std::string job, signature, public_key, robot, folder, version = "2.0.0", password_file;
+  BrokerOptions broker;
+  double longest = 0;
+};
+
+double seconds_now() {
+  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
+std::string utc_now() {
+  const double now = seconds_now();
+  const auto whole = static_cast<std::time_t>(now);
+  std::tm parts{};
+  gmtime_r(&whole, &parts);
+  char date[40], text[60];
+  std::strftime(date, sizeof date, "%Y-%m-%dT%H:%M:%S", &parts);
+  std::snprintf(text, sizeof text, "%s.%03dZ", date, static_cast<int>(1e3 * (now - static_cast<double>(whole))));
+  return text;
+}
+
+std::string content_of(const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) throw std::runtime_error("cannot read " + path);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+/// The job, if it may be carried out: signed as it must be, within its time.
+Job job_to_do(const Arguments& arguments) {
+  const std::string text = content_of(arguments.job);
+  if (!arguments.public_key.empty()) {
+    const std::string signature = arguments.signature.empty() ? arguments.job + ".sig" : arguments.signature;
+    if (const std::string fault = signature_fault(text, content_of(signature), content_of(arguments.public_key));
+        !fault.empty())
+      throw std::runtime_error(arguments.job + ": " + fault);
+  }
+  Job job = read_job(text);
+  if (const auto objections = job_objections(job, 0, utc_now(), job.basis); !objections.empty())
+    throw std::runtime_error(arguments.job + ": " + objections[0]);
+  return job;
+}
+
+VdaRobot robot_of(const Arguments& arguments) {
+  const auto slash = arguments.robot.find('/');
+  if (slash == std::string::npos)
+    throw std::runtime_error("--robot is '" + arguments.robot + "'; expected MANUFACTURER/SERIAL-NUMBER");
+  VdaRobot robot;
+  robot.version = arguments.version == "2.0.0" ? VdaVersion::v2_0 : VdaVersion::v3_0;
+  robot.manufacturer = arguments.robot.substr(0, slash), robot.serial = arguments.robot.substr(slash + 1);
+  return robot;
+}
+
+void say(const std::string& line) {
+  std::printf("%s %s\n", utc_now().c_str(), line.c_str());
+  std::fflush(stdout);
+}
+
+int carry_out(const Arguments& arguments) {
+  const Job job = job_to_do(arguments);
+  ExchangeFolder log(arguments.folder);
+  OrderExchange exchange(job, robot_of(arguments), log);
+  MqttClient client(arguments.broker);
+  client.on_message = [&](const std::string&, const std::string& payload) {
+    exchange.on_state(payload, seconds_now());
+  };
+  client.on_connect = [&] { exchange.on_connect(); };
+  client.subscribe(exchange.state_topic());
+  std::string said;
+  const double start = seconds_now();
+  while (!exchange.is_over() && !stopped && (arguments.longest <= 0 || seconds_now() - start < arguments.longest)) {
+    client.poll(0.2);
+    if (client.is_connected())
+      for (const MqttMessage& message : exchange.due(seconds_now(), utc_now())) client.publish(message);
+    const std::string line = !client.is_connected() && !client.trouble().empty()
+                                 ? client.trouble()
+                                 : std::string(name_of(exchange.status())) + " " + exchange.progress();
+    if (line != said) say(said = line);
+  }
+  if (exchange.status() == ExchangeStatus::finished) {
+    say("job " + job.id + " is at its end: " + exchange.progress() + "; " + arguments.folder + "/states.jsonl and " +
+        arguments.job + " go into the next round");
+    return 0;
+  }
+  say(exchange.is_over() ? exchange.reason()
+                         : "job " + job.id + " is not at its end (" + name_of(exchange.status()) +
+                               "): start again with the same words to go on");
+  return stopped ? 130 : 3;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Arguments arguments;
+  CLI::App app{"Carries a job to a robot of VDA 5050 through an MQTT broker, and what it says back"};
+  app.add_option("--job", arguments.job, "job.json of write.job")->required();
+  app.add_option("--robot", arguments.robot, "MANUFACTURER/SERIAL-NUMBER, as the robot names itself")->required();
+  app.add_option("--folder", arguments.folder, "sent.jsonl and states.jsonl of this robot; the same each time")
+      ->required();
+  app.add_option("--version", arguments.version, "of VDA 5050")->check(CLI::IsMember({"2.0.0", "3.0.0"}));
+  app.add_option("--public-key", arguments.public_key, "Ed25519 in PEM: the job must be signed with its private half");
+  app.add_option("--signature", arguments.signature, "of the job; else JOB.sig");
+  app.add_option("--host", arguments.broker.host, "of the broker; without --ca only this machine's own addresses");
+  app.add_option("--port", arguments.broker.port, "of the broker");
+  app.add_option("--client-id", arguments.broker.id, "at the broker; else one of its own");
+  app.add_option("--user", arguments.broker.user, "at the broker");
+  app.add_option("--password-file", arguments.password_file, "file whose first line is the password");
+  app.add_option("--ca", arguments.broker.ca_file,
+                 "certificates of the authorities that the broker's is checked by: TLS");
+  app.add_option("--certificate", arguments.broker.certificate, "of this client, where the broker asks for one");
+  app.add_option("--key", arguments.broker.key, "of that certificate");
+  app.add_option("--longest", arguments.longest, "stop after so many seconds; 0: never");
+  CLI11_PARSE(app, argc, argv);
+  std::signal(SIGINT, [](int) { stopped = 1; });
+  std::signal(SIGTERM, [](int) { stopped = 1; });
+  try {
+    if (!arguments.password_file.empty()) {
+      arguments.broker.password = content_of(arguments.password_file);
+      arguments.broker.password.resize(
+          std::min(arguments.broker.password.find_first_of("\r\n"), arguments.broker.password.size()));
+    }
+    return carry_out(arguments);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "plumbline-robots: %s\n", error.what());
+    return 1;
+  }
+}

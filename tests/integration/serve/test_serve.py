@@ -1,0 +1,179 @@
+"""usage: test_serve.py PLUMBLINE     What `plumbline serve` answers, and what it must not."""
+import json
+import os
+import pathlib
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+PLUMBLINE = os.path.abspath(sys.argv.pop(1))
+
+
+class Served(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.temporary = tempfile.TemporaryDirectory()
+        work = cls.work = pathlib.Path(cls.temporary.name)
+        cls.environment = dict(os.environ, PLUMBLINE_STORE=str(work / "store"), XDG_CACHE_HOME=str(work / "cache"))
+        (work / "secret.txt").write_text("secret")
+        (work / "points.csv").write_text("name,x,y,z,sigma\nA,1,2,3,0.001\nB,4,5,6,0.001\n")
+        (work / "p.yaml").write_text("plumbline: 1\nvars: {file: points.csv}\nnodes:\n  points: {use: read.points, with: {file: \"${file}\"}}\noutputs: {points.json: points.points}\n")
+        (work / "other.csv").write_text("name,x,y,z,sigma\nA,1,2,3.5,0.001\nB,4,5,6,0.001\n")
+        for out, file in (("one", "points.csv"), ("two", "other.csv")):
+            subprocess.run([PLUMBLINE, "run", "p.yaml", "file=" + file, "--out", "out/" + out, "-q"], cwd=work, env=cls.environment, check=True)
+        out = cls.out = work / "out"
+        (out / "one/page.html").write_text("<script>1</script>")
+        (out / "one/Turm Süd.txt").write_text("umlaut")
+        (out / "one/.hidden").write_text("secret")
+        (out / "one/link.txt").symlink_to(work / "secret.txt")
+        (out / "one/up").symlink_to(work)
+        (out / "linked").symlink_to(out / "one")
+        os.mkfifo(out / "one/pipe")
+        # A record that is none, and what it says as markup.
+        (out / "odd").mkdir()
+        (out / "odd/run.jsonl").write_text('{"event":"run_start","pipeline":"<img src=x>","time":7}\n{"event":"node","name":[]}\nnonsense\n')
+        cls.start()
+
+    @classmethod
+    def start(cls):
+        cls.server = subprocess.Popen([PLUMBLINE, "serve", "out"], cwd=cls.work, env=cls.environment, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+        cls.address = cls.server.stdout.readline().strip()
+        cls.port = int(cls.address.split(":")[2].split("/")[0])
+        cls.token = cls.address.split("token=")[1]
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.server.send_signal(signal.SIGINT)
+        assert cls.server.wait(10) == 130
+        cls.server.stdout.close()
+        cls.temporary.cleanup()
+
+    def raw(self, data, timeout=8):
+        with socket.create_connection(("127.0.0.1", self.port), timeout=timeout) as connection:
+            connection.sendall(data)
+            answer = b""
+            while part := connection.recv(65536):
+                answer += part
+        return answer
+
+    def ask(self, path, host=None, token=True, more=(), method="GET"):
+        lines = [f"{method} {path} HTTP/1.1", f"Host: {host or f'127.0.0.1:{self.port}'}", *more]
+        if token:
+            lines.append(f"Authorization: Bearer {self.token}")
+        head, _, body = self.raw(("\r\n".join(lines) + "\r\n\r\n").encode()).partition(b"\r\n\r\n")
+        return int(head.split()[1]), head.decode(), body
+
+    def test_the_token_is_asked_for_and_leaves_the_address(self):
+        self.assertEqual(self.ask("/", token=False)[0], 401)
+        self.assertEqual(self.ask("/?token=0" + self.token[1:] if self.token[0] != "0" else "/?token=1" + self.token[1:], token=False)[0], 401)
+        self.assertEqual(self.ask("/api/runs", token=False, more=["Cookie: plumbline_1=" + self.token])[0], 401)
+        self.assertEqual(self.ask("/api/runs", token=False, more=["Authorization: Bearer"])[0], 401)
+        status, head, _ = self.ask("/?token=" + self.token, token=False)
+        self.assertEqual(status, 303)
+        self.assertIn("Location: /\r\n", head)
+        self.assertIn("HttpOnly; SameSite=Lax", head)
+        cookie = head.split("Set-Cookie: ")[1].split(";")[0]
+        self.assertEqual(self.ask("/api/runs", token=False, more=["Cookie: a=b; " + cookie])[0], 200)
+
+    def test_another_name_that_points_here_gets_nothing(self):
+        for host in ("evil.example", f"evil.example:{self.port}", "127.0.0.1", f"127.0.0.1.evil.example:{self.port}", f"localhost.evil:{self.port}", "[::1]:1", ""):
+            self.assertEqual(self.ask("/api/runs", host=host or " ")[0], 421, host)
+        self.assertEqual(self.ask("/api/runs", host=f"localhost:{self.port}")[0], 200)
+        self.assertEqual(self.raw(f"GET / HTTP/1.1\r\nAuthorization: Bearer {self.token}\r\n\r\n".encode()).split()[1], b"421")
+
+    def test_runs_their_nodes_artifacts_and_differences(self):
+        listed = json.loads(self.ask("/api/runs")[2])["runs"]
+        by_id = {r["id"]: r for r in listed}
+        self.assertLessEqual({"one", "two", "odd"}, set(by_id))
+        self.assertNotIn("linked", by_id)
+        self.assertEqual((by_id["one"]["status"], by_id["one"]["files"]), ("ok", ["points.json"]))
+        run = json.loads(self.ask("/api/run?id=one")[2])
+        self.assertEqual(run["nodes"][0]["name"], "points")
+        self.assertIn('"A"', self.ask("/api/artifact?id=one&node=points&port=points&item=0")[2].decode())
+        self.assertEqual(self.ask("/api/artifact?id=one&node=points&port=points&item=7")[0], 404)
+        self.assertIn("3.5", self.ask("/api/diff?a=one&b=two")[2].decode())
+        self.assertEqual(self.ask("/api/diff?a=one&b=..")[0], 404)
+        self.assertEqual(self.ask("/api/run?id=../one")[0], 404)
+        status, head, body = self.ask("/files/one/page.html")
+        self.assertEqual((status, body), (200, b"<script>1</script>"))
+        self.assertIn("Content-Security-Policy: sandbox allow-scripts allow-popups allow-downloads;", head)
+        self.assertEqual(self.ask("/files/one/Turm%20S%C3%BCd.txt")[2], b"umlaut")
+        status, head, body = self.ask("/files/one/page.html", method="HEAD")
+        self.assertEqual((status, body), (200, b""))
+        self.assertIn("default-src 'none'", self.ask("/")[1])
+
+    def test_nothing_outside_of_the_folder(self):
+        for path in ("../secret.txt", "..%2fsecret.txt", "%2e%2e/secret.txt", "one/../../secret.txt", "one/%2e%2e/%2e%2e/secret.txt", "one/..%5c..%5csecret.txt",
+                     "%252e%252e/secret.txt", "/" + str(self.work / "secret.txt"), str(self.work / "secret.txt"), "one/link.txt", "one/up/secret.txt", "linked/page.html",
+                     "one/.hidden", "one//page.html", "one/./page.html", "one", "one/", "", "one/pipe", "one/page.html/", "one/page.html%20", "..", "%c0%ae%c0%ae/secret.txt"):
+            status, _, body = self.ask("/files/" + path)
+            self.assertEqual(status, 404, path)
+            self.assertNotIn(b"secret", body, path)
+        self.assertEqual(self.ask("/files/one/page.html%00.txt")[0], 400)
+        self.assertEqual(self.ask("/files/one/page.html%4")[0], 400)
+
+    def test_what_is_no_request_is_refused_and_bounded(self):
+        self.assertEqual(self.ask("/", method="POST")[0], 405)
+        self.assertEqual(self.ask("http://127.0.0.1/")[0], 400)
+        for bad in (b"\r\n\r\n", b"GET\r\n\r\n", b"GET / HTTP/9\r\n\r\n", b"\0\xff\x16\x03\r\n\r\n", b"GET / HTTP/1.1\r\n: x\r\n\r\n",
+                    b"GET / HTTP/1.1\r\nHost: a\r\nHost: b\r\n\r\n", b"GET /?a=1&a=2 HTTP/1.1\r\n\r\n"):
+            self.assertEqual(self.raw(bad).split()[1], b"400", bad)
+        self.assertEqual(self.raw(b"GET /" + b"a" * 100000 + b" HTTP/1.1\r\n\r\n").split()[1], b"431")
+        # Headers without end.
+        with socket.create_connection(("127.0.0.1", self.port), timeout=8) as endless:
+            endless.sendall(b"GET / HTTP/1.1\r\n")
+            with self.assertRaises(OSError):
+                for _ in range(100000):
+                    endless.sendall(b"X: " + b"y" * 1000 + b"\r\n")
+
+    def test_slow_ones_do_not_keep_others_out(self):
+        slow = [socket.create_connection(("127.0.0.1", self.port)) for _ in range(200)]
+        for one in slow:
+            try:
+                one.sendall(b"GET / HTTP/1.1\r\nX")
+            except OSError:
+                pass
+        started = time.monotonic()
+        self.assertEqual(self.ask("/api/runs")[0], 200)
+        self.assertLess(time.monotonic() - started, 5)
+        # One byte a time does not help beyond the limit for a head.
+        drip = socket.create_connection(("127.0.0.1", self.port), timeout=20)
+        drip.sendall(b"GET / HTTP/1.1\r\n")
+        try:
+            while time.monotonic() - started < 15:
+                drip.sendall(b"x")
+                time.sleep(0.2)
+            self.fail("a request may drip for 15 s")
+        except OSError:
+            pass
+        for one in [*slow, drip]:
+            one.close()
+        self.assertEqual(self.ask("/api/runs")[0], 200)
+
+    def test_a_run_is_followed_as_it_goes(self):
+        out = self.out / "going"
+        out.mkdir()
+        start = {"event": "run_start", "time": "2026-01-01T00:00:00Z", "start": 1.0, "pipeline": "slow.yaml", "arguments": [], "process": os.getpid()}
+        record = out / "run.jsonl"
+        record.write_text(json.dumps(start) + "\n" + '{"event":"node","name":"a","kind":"k","status":"exec')
+        (out / ".plumbline-progress").write_text(json.dumps({"process": 1, "done": 0, "total": 2, "running": [{"name": "a", "items_done": 3, "items": 9}]}))
+        going = json.loads(self.ask("/api/run?id=going")[2]) if self.ask("/api/runs")[0] == 200 else {}
+        self.assertEqual((going["status"], going["nodes"], going["progress"]["running"][0]["items_done"]), ("running", [], 3))
+        with record.open("a") as more:
+            more.write('uted","outputs":{},"metrics":[{"name":"invalid","value":1,"unit":"1"}]}\n{"event":"run_end","status":"ok","seconds":2.0,"outputs":{}}\n')
+        going = json.loads(self.ask("/api/run?id=going")[2])
+        self.assertEqual((going["status"], going["nodes"][0]["status"]), ("not usable", "executed"))
+        # A new run at its place.
+        fresh = out / "fresh"
+        fresh.write_text(json.dumps(dict(start, process=2 ** 22 + 5)) + "\n")
+        fresh.rename(record)
+        going = json.loads(self.ask("/api/run?id=going")[2])
+        self.assertEqual((going["status"], going["nodes"]), ("ended without a word", []))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,88 @@
+// Where an alternative breaks: the median over sites of the value at which each of them breaks.
+#include <gmock/gmock.h>
+
+#include "bench/breakdown.hpp"
+
+namespace plumbline::bench {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+/// `breaks_at` by seed: the number of the first of six values at which that site's error is too large.
+Bench bench_of(const std::vector<std::size_t>& breaks_at, bool fewer_is_worse = false) {
+  Bench bench;
+  bench.tolerances = {0.002, 0.005};
+  bench.variables = {{"outliers", {"0", "0.1", "0.2", "0.3", "0.4", "0.5"}}};
+  for (std::size_t seed = 0; seed < breaks_at.size(); ++seed)
+    for (std::size_t v = 0; v < 6; ++v) {
+      Cell cell;
+      cell.scenario = "field";
+      cell.values["outliers"] = bench.variables[0].values[fewer_is_worse ? 5 - v : v];
+      cell.choices["method"] = "robust";
+      cell.seed = seed;
+      cell.status = "done";
+      cell.measures["worst"] = v >= breaks_at[seed] ? 1.0 : 0.001;
+      bench.cells.push_back(cell);
+    }
+  return bench;
+}
+
+TEST(Breakdown, HalfOfTheSitesHoldUpToTheMedian) {
+  const auto found = breakdowns(bench_of({3, 3, 4, 4, 4, 4, 5, 5, 6}), 0.95);
+  ASSERT_EQ(found.size(), 2u) << "one for each tolerance";
+  EXPECT_EQ(found[0].sites, 9u);
+  EXPECT_EQ(found[0].median, 4u);
+  EXPECT_EQ(breakdown_text(found[0]), "up to 0.3 (0.2 to 0.4)");
+  EXPECT_THAT(breakdown_sentences(found),
+              ElementsAre("as outliers goes from 0 to 0.5 on field, half of the sites stay within 2 mm up to 0.3 (0.2 "
+                          "to 0.4) with robust."));
+}
+
+/// Ranks of the interval of a median as textbooks have them (Conover, table A3): 2 and 8 of 9, 6 and 15 of 20.
+TEST(Breakdown, TheIntervalIsThatOfAMedian) {
+  std::vector<std::size_t> ends(20, 6);
+  for (std::size_t i = 0; i < 5; ++i) ends[i] = 1;
+  EXPECT_EQ(breakdowns(bench_of(ends), 0.95)[0].lower, 6u);
+  ends[5] = 1;
+  EXPECT_EQ(breakdowns(bench_of(ends), 0.95)[0].lower, 1u);
+  const auto few = breakdowns(bench_of({1, 2, 3, 4, 5}), 0.95)[0];
+  EXPECT_FALSE(few.has_interval()) << "the least of five is below the median with 97 % only";
+  EXPECT_EQ(breakdown_text(few), "up to 0.2");
+}
+
+TEST(Breakdown, WhatHoldsAgainBehindIsNoMerit) {
+  Bench bench = bench_of({6, 6, 6, 6, 6, 6, 6});
+  for (Cell& cell : bench.cells)
+    if (cell.values["outliers"] == "0.2") cell.status = "failed";
+  EXPECT_EQ(breakdown_text(breakdowns(bench, 0.95)[0]), "up to 0.1");
+}
+
+TEST(Breakdown, FewerMayBeWorse) {
+  const auto found = breakdowns(bench_of({2, 2, 2, 2, 2, 2, 2}, true), 0.95);
+  EXPECT_THAT(found[0].values, ElementsAre("0.5", "0.4", "0.3", "0.2", "0.1", "0"));
+  EXPECT_EQ(breakdown_text(found[0]), "up to 0.4");
+}
+
+TEST(Breakdown, EndsAreSaid) {
+  EXPECT_EQ(breakdown_text(breakdowns(bench_of({6, 6, 6, 6, 6, 6, 6}), 0.95)[0]), "through 0.5");
+  EXPECT_EQ(breakdown_text(breakdowns(bench_of({0, 0, 0, 0, 0, 0, 0, 0}), 0.95)[0]), "not even at 0");
+  EXPECT_EQ(breakdown_text(breakdowns(bench_of({0, 0, 0, 0, 0, 0, 0, 6}), 0.95)[0]), "not even at 0 (below 0 to 0.5)");
+}
+
+TEST(Breakdown, SitesThatHaveNotRunAreNotCounted) {
+  Bench bench = bench_of({4, 4, 4, 4, 4, 4, 4});
+  for (Cell& cell : bench.cells)
+    if (cell.seed < 2 && cell.values["outliers"] == "0.3") cell.status = "missing";
+  EXPECT_EQ(breakdowns(bench, 0.95)[0].sites, 5u);
+}
+
+TEST(Breakdown, OnlyOfVariablesThatAreNumbers) {
+  Bench bench = bench_of({3, 3, 3});
+  for (Cell& cell : bench.cells) cell.values["outliers"] += " of all";
+  for (std::string& value : bench.variables[0].values) value += " of all";
+  EXPECT_TRUE(breakdowns(bench, 0.95).empty());
+}
+
+}  // namespace
+}  // namespace plumbline::bench

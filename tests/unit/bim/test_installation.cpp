@@ -1,0 +1,182 @@
+// The state of an execution loop in IFC and BCF: valid against the schemas, and what it says is what the state says.
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <set>
+
+#include "express_schema.hpp"
+#include "ifc/check.hpp"
+#include "ifc/ifc_model.hpp"
+#include "ifc/installation_bcf.hpp"
+#include "ifc/installation_ifc.hpp"
+#include "loop_state.hpp"
+#include "small_building.hpp"
+#include "test_support.hpp"
+#include "unzipped.hpp"
+
+namespace plumbline::bim {
+namespace {
+
+struct Site {
+  explicit Site(const char* schema) : file(test::small_building(schema), "t.ifc"), design(read_design(file, {})) {
+    auto [planned, reached] = test::loop_of(design);
+    plan = std::move(planned), state = std::move(reached);
+  }
+  std::string written(const std::string& epoch = "") const {
+    return enriched(file, write_installation(file, design, plan, state, {epoch, 0}));
+  }
+  step::File file;
+  Design design;
+  InstallationPlanT plan;
+  LoopStateT state;
+};
+
+class InstallationFile : public testing::TestWithParam<const char*> {};
+
+TEST_P(InstallationFile, IsValidAndBreaksNoRule) {
+  const Site site(GetParam());
+  const std::string bytes = site.written();
+  EXPECT_EQ(bytes, site.written());
+  const step::File file(bytes, "t.ifc");
+  for (const Violation& violation : check_ifc(file))
+    ADD_FAILURE() << violation.rule << " #" << violation.instance << " " << violation.words;
+  const std::string path = std::string("ifc/express/") + GetParam() + ".exp";
+  PLUMBLINE_REQUIRE_DATA(path);
+  const test::ExpressSchema schema(test::read_file(test::data_file(path)));
+  std::set<std::string> guids;
+  for (const step::Instance& instance : file.instances()) {
+    for (const std::string& wrong : schema.check(file, instance)) ADD_FAILURE() << wrong;
+    if (schema.is_a(file.type_name(instance), "IFCROOT")) {
+      EXPECT_TRUE(guids.insert(file.arguments(instance).at(0).text).second) << "GlobalId twice: #" << instance.id;
+    }
+  }
+}
+
+/// Name of each task and the GlobalId of the element that it is about.
+std::map<std::string, std::string> tasks_of(const step::File& file) {
+  std::map<std::string, std::string> found;
+  for (const std::uint32_t index : file.of_type("IFCRELASSIGNSTOPROCESS")) {
+    const auto relation = file.arguments(file.instances()[index]);
+    found[file.arguments(*file.find(relation.at(6).id)).at(2).text] =
+        file.arguments(*file.find(relation.at(4).items.at(0).id)).at(0).text;
+  }
+  return found;
+}
+
+TEST_P(InstallationFile, EachItemHasItsStateItsTaskAndItsPlaceInTheOrder) {
+  const Site site(GetParam());
+  const step::File file(site.written(), "t.ifc");
+  const auto tasks = tasks_of(file);
+  ASSERT_EQ(tasks.size(), site.state.items.size());
+  for (const auto& item : site.state.items)
+    EXPECT_EQ(tasks.at((item->kind == "bracket" ? "Set bracket " : "Hang panel ") + item->id), item->guid);
+  std::size_t order = 0;
+  for (const auto& panel : site.plan.panels) order += panel->brackets.size() + panel->depends_on.size();
+  EXPECT_EQ(file.of_type("IFCRELSEQUENCE").size(), order);
+  EXPECT_EQ(file.of_type("IFCRELNESTS").size(), 1u);
+  const auto nested = file.arguments(file.instances()[file.of_type("IFCRELNESTS")[0]]);
+  EXPECT_EQ(nested.at(5).items.size(), site.state.items.size());
+  const Model model(file);
+  std::map<std::string, std::string> status;  // by GlobalId
+  for (const std::uint32_t index : file.of_type("IFCRELDEFINESBYPROPERTIES")) {
+    const auto relation = file.arguments(file.instances()[index]);
+    const Entity set = model.entity(relation.at(5).id);
+    if (set.text("Name") != "ASB_InstallationState") continue;
+    for (const std::uint64_t id : set.references("HasProperties")) {
+      const auto property = file.arguments(*file.find(id));
+      if (property.at(0).text == "Status")
+        status[file.arguments(*file.find(relation.at(4).items.at(0).id)).at(0).text] =
+            property.at(2).items.at(0).items.at(0).text;
+    }
+  }
+  for (const auto& item : site.state.items) EXPECT_EQ(status[item->guid], label_of(item->status)) << item->id;
+}
+
+TEST_P(InstallationFile, RoundsOfDifferentNamesStandInOneFile) {
+  const Site site(GetParam());
+  const step::File once(site.written("1"), "t.ifc");
+  const std::string twice = enriched(once, write_installation(once, site.design, site.plan, site.state, {"2", 0}));
+  EXPECT_EQ(check_ifc(step::File(twice, "t.ifc")).size(), 0u);
+  EXPECT_THROW(write_installation(once, site.design, site.plan, site.state, {"1", 0}), std::runtime_error);
+}
+
+INSTANTIATE_TEST_SUITE_P(Schemas, InstallationFile, testing::Values("IFC2X3", "IFC4", "IFC4X3"));
+
+TEST(Installation, WhatIsNotInTheFileIsNamed) {
+  Site site("IFC4");
+  site.state.items[0]->guid = "0000000000000000000000";
+  const AsBuiltIfc result = write_installation(site.file, site.design, site.plan, site.state, {});
+  ASSERT_EQ(result.warnings.size(), 1u);
+  EXPECT_NE(result.warnings[0].find("1 items are not in the file and have no state there: anchor 0"),
+            std::string::npos);
+}
+
+std::map<std::string, std::string> topics_of(const Site& site) {
+  BcfOptions options;
+  options.project_guid = site.design.project_guid, options.date = "2026-05-12T10:00:00";
+  return test::unzipped(write_installation_bcf(site.plan, site.state, options));
+}
+
+std::string markup_about(const std::map<std::string, std::string>& files, const std::string& title) {
+  for (const auto& [name, content] : files)
+    if (name.ends_with("markup.bcf") && content.find("<Title>" + title) != std::string::npos) return name + content;
+  return "none";
+}
+
+/// What is rejected has an open topic; once it is verified the same topic is closed.
+TEST(InstallationBcf, ATopicOpensAndIsClosed) {
+  Site site("IFC4");
+  LoopItemT& item = *site.state.items[0];
+  item.status = ItemStatus::rejected, item.why = "its plate was knocked";
+  site.state.journal = {test::journal_words(item, "RELOCALISED", "REWORK", "moved by 5.0 mm"),
+                        test::journal_words(item, "REWORK", "REJECTED", "moved by 5.0 mm")};
+  const std::string open = markup_about(topics_of(site), "Bracket anchor 0: look at it: its plate was knocked");
+  EXPECT_NE(open.find("TopicStatus=\"Open\""), std::string::npos) << open;
+  EXPECT_NE(open.find("<Comment>round 1: REWORK to REJECTED: moved by 5.0 mm</Comment>"), std::string::npos) << open;
+  item.status = ItemStatus::verified, item.why = "within 3.0 mm";
+  site.state.journal.push_back(test::journal_words(item, "RELOCALISED", "VERIFIED", "within 3.0 mm"));
+  const std::string closed = markup_about(topics_of(site), "Bracket anchor 0: mended: within 3.0 mm");
+  EXPECT_NE(closed.find("TopicStatus=\"Closed\""), std::string::npos) << closed;
+  EXPECT_EQ(closed.substr(0, 36), open.substr(0, 36)) << "the topic keeps its id";
+  // What never was wrong has no topic.
+  site.state.journal.clear();
+  EXPECT_EQ(markup_about(topics_of(site), "Bracket anchor 0"), "none");
+}
+
+TEST(InstallationBcf, ControlThatMovedAndWorkByHandHaveTopics) {
+  Site site("IFC4");
+  site.state.moved_control = {"control of floor 1"};
+  site.plan.relaxations = {"bracket anchor 1 would have to move 31.0 mm up, it has 25.0: re-drill"};
+  const auto files = topics_of(site);
+  EXPECT_NE(markup_about(files, "control of floor 1 moved"), "none");
+  EXPECT_NE(markup_about(files, "By hand: bracket anchor 1 would have to move"), "none");
+}
+
+TEST(InstallationBcf, IsValidAgainstItsSchemas) {
+  PLUMBLINE_REQUIRE_DATA("bcf/markup.xsd");
+  if (std::system("xmllint --version > /dev/null 2>&1") != 0) GTEST_SKIP() << "xmllint is not installed";
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / ("plumbline_loop_bcf_" + std::to_string(getpid()));
+  std::filesystem::create_directories(folder);
+  Site site("IFC4");
+  site.state.moved_control = {"CP3"};
+  for (const auto& item : site.state.items)
+    site.state.journal.push_back(test::journal_words(*item, "PLANNED", "REWORK", "a & <b>"));
+  int number = 0;
+  for (const auto& [name, content] : topics_of(site)) {
+    const std::string schema = name.ends_with(".bcf") ? "markup" : name.ends_with(".bcfv") ? "visinfo" : "";
+    if (schema.empty()) continue;
+    const std::filesystem::path file = folder / std::to_string(number++);
+    std::ofstream(file, std::ios::binary) << content;
+    const std::string command = "xmllint --noout --schema '" + test::data_file("bcf/" + schema + ".xsd").string() +
+                                "' '" + file.string() + "' 2>&1";
+    EXPECT_EQ(std::system(command.c_str()), 0) << name << "\n" << content;
+  }
+  EXPECT_GT(number, 4);
+  std::filesystem::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace plumbline::bim

@@ -1,0 +1,311 @@
+// An order through a broker that loses, holds back, doubles and reorders messages and goes away, by a program that is
+// killed at any moment, to a robot as VDA 5050 has it: nothing lost, nothing done twice.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "geometry/random.hpp"
+#include "loop/exchange/order_exchange.hpp"
+
+namespace plumbline::loop {
+namespace {
+
+using json = nlohmann::ordered_json;
+
+Job job_of(const std::string& id, int items) {
+  Job job;
+  job.id = id, job.revision = 1;
+  for (int i = 0; i < items; ++i) {
+    JobItem item;
+    item.id = "b" + std::to_string(i), item.kind = "bracket", item.operation = "setBracket", item.revision = 1;
+    item.floor = 1, item.design = item.target = {2.0 * i, 0, 3};
+    job.items.push_back(item);
+  }
+  return job;
+}
+
+const VdaRobot& robot_one() {
+  static const VdaRobot robot{VdaVersion::v2_0, "RobotCompany", "001", 0, "", std::nullopt};
+  return robot;
+}
+
+std::string utc_of(double seconds) {
+  char text[40];
+  std::snprintf(text, sizeof text, "2026-05-02T%02d:%02d:%06.3fZ", static_cast<int>(seconds / 3600) % 24,
+                static_cast<int>(seconds / 60) % 60, std::fmod(seconds, 60));
+  return text;
+}
+
+/// What is on disk when the program is killed.
+struct Disk : ExchangeLog {
+  std::vector<std::string> sent_lines, state_lines;
+  std::function<void()> before, after;  ///< may throw: killed there
+  void append_sent(const std::string& line) override {
+    if (before) before();
+    sent_lines.push_back(line);
+    if (after) after();
+  }
+  void append_state(const std::string& line) override {
+    if (before) before();
+    state_lines.push_back(line);
+    if (after) after();
+  }
+  std::vector<std::string> sent() const override { return sent_lines; }
+  std::vector<std::string> states() const override { return state_lines; }
+};
+
+/// Keeps one order, in memory only; takes the same order as the one that it has; refuses another while it works.
+struct Robot {
+  std::string order;
+  std::vector<std::pair<std::string, std::string>> actions;  ///< with their states
+  std::map<std::string, int> executed;                       ///< how often each was done, whatever the robot remembers
+  json errors = json::array();
+  long long header = 0;
+  double busy_until = 0;
+
+  bool works() const {
+    return std::any_of(actions.begin(), actions.end(), [](const auto& a) { return a.second != "FINISHED"; });
+  }
+  void take(const MqttMessage& message, double now) {
+    const json in = json::parse(message.payload);
+    if (message.topic.ends_with("instantActions")) return;  // a state follows in any case
+    const std::string id = in["orderId"];
+    if (id == order) return;
+    if (works()) {
+      errors = json::array({{{"errorType", "orderError"},
+                             {"errorLevel", "WARNING"},
+                             {"errorReferences", {{{"referenceKey", "orderId"}, {"referenceValue", id}}}}}});
+      return;
+    }
+    order = id, errors = json::array(), actions.clear(), busy_until = now + 1;
+    for (const json& node : in["nodes"])
+      for (const json& action : node["actions"]) actions.emplace_back(action["actionId"], "WAITING");
+  }
+  /// True if something changed.
+  bool work(double now) {
+    if (now < busy_until) return false;
+    for (auto& [id, state] : actions) {
+      if (state == "FINISHED") continue;
+      if (state == "WAITING")
+        state = "RUNNING";
+      else
+        state = "FINISHED", ++executed[id];
+      busy_until = now + 0.7;
+      return true;
+    }
+    return false;
+  }
+  void restart() { order.clear(), actions.clear(), header = 0, errors = json::array(); }
+  std::string state(double now) {
+    json out{{"headerId", ++header},         {"timestamp", utc_of(now)},
+             {"version", "2.0.0"},           {"manufacturer", "RobotCompany"},
+             {"serialNumber", "001"},        {"orderId", order},
+             {"orderUpdateId", 0},           {"nodeStates", json::array()},
+             {"edgeStates", json::array()},  {"errors", errors},
+             {"actionStates", json::array()}};
+    for (const auto& [id, state] : actions) out["actionStates"].push_back({{"actionId", id}, {"actionStatus", state}});
+    return out.dump();
+  }
+};
+
+struct Weather {
+  double lost = 0, twice = 0, late = 0, away = 0, killed = 0, restarted = 0;
+};
+
+struct OnTheWay {
+  double arrives = 0, expires = 0;
+  bool to_robot = false;
+  MqttMessage message;
+};
+
+/// Killed here.
+struct Kill {};
+
+class World {
+ public:
+  World(const Weather& weather, std::uint64_t seed) : weather_(weather), luck_(seed, "weather") {
+    const auto perhaps = [this] {
+      if (luck_.uniform() < weather_.killed) throw Kill{};
+    };
+    disk.before = disk.after = perhaps;
+  }
+
+  /// Runs until the exchange of this job is over; its status.
+  ExchangeStatus run(const Job& job, double longest) {
+    const ExchangeTimes times{3, 20, 8};
+    std::unique_ptr<OrderExchange> exchange;
+    for (const double end = now + longest; now < end; now += 0.1) {
+      try {
+        if (!exchange) exchange = std::make_unique<OrderExchange>(job, robot_one(), disk, times);
+        step(*exchange);
+        if (exchange->is_over()) {
+          reason = exchange->reason();
+          return exchange->status();
+        }
+      } catch (const Kill&) {
+        exchange.reset(), ++kills;
+        now += 4 * luck_.uniform();
+      }
+    }
+    return exchange ? exchange->status() : ExchangeStatus::asking;
+  }
+
+  Robot robot;
+  Disk disk;
+  double now = 100;
+  std::string reason;
+  int kills = 0;
+
+ private:
+  void send(bool to_robot, MqttMessage message) {
+    if (now < away_until_) return;  // nobody takes it
+    const int copies = luck_.uniform() < weather_.lost ? 0 : luck_.uniform() < weather_.twice ? 2 : 1;
+    for (int i = 0; i < copies; ++i) {
+      const double delay = luck_.uniform() < weather_.late ? 12 * luck_.uniform() : 0.2 * luck_.uniform();
+      on_the_way_.push_back({now + delay, message.expires > 0 ? now + message.expires : 1e300, to_robot, message});
+    }
+  }
+
+  void step(OrderExchange& exchange) {
+    if (luck_.uniform() < weather_.away) away_until_ = now + 10 * luck_.uniform();
+    if (luck_.uniform() < weather_.restarted) robot.restart();
+    const bool changed = robot.work(now);
+    if (changed || now >= next_state_) send(false, {exchange.state_topic(), robot.state(now)}), next_state_ = now + 5;
+    std::vector<OnTheWay> here;
+    for (std::size_t i = 0; i < on_the_way_.size();)
+      if (on_the_way_[i].arrives <= now)
+        here.push_back(on_the_way_[i]), on_the_way_.erase(on_the_way_.begin() + static_cast<std::ptrdiff_t>(i));
+      else
+        ++i;
+    for (const OnTheWay& message : here) {
+      if (message.expires <= now) continue;
+      if (message.to_robot)
+        robot.take(message.message, now), send(false, {exchange.state_topic(), robot.state(now)});
+      else
+        exchange.on_state(message.message.payload, now);
+    }
+    for (const MqttMessage& message : exchange.due(now, utc_of(now))) {
+      if (luck_.uniform() < weather_.killed) throw Kill{};
+      send(true, message);
+      if (luck_.uniform() < weather_.killed) throw Kill{};
+    }
+  }
+
+  Weather weather_;
+  Random luck_;
+  double away_until_ = 0, next_state_ = 0;
+  std::vector<OnTheWay> on_the_way_;
+};
+
+/// Reports that the files give, by item.
+std::map<std::string, int> reports_of(const World& world, const Job& job) {
+  std::string lines;
+  for (const std::string& line : world.disk.state_lines)
+    if (json::parse(line)["orderId"] == job.id) lines += line + "\n";
+  std::map<std::string, int> reports;
+  for (const auto& actual : vda_actuals(lines, job, "states.jsonl").items) ++reports[actual->item];
+  return reports;
+}
+
+TEST(Exchange, AnOrderGoesToItsEndOnAQuietDay) {
+  World world({}, 1);
+  const Job job = job_of("job-a", 4);
+  EXPECT_EQ(world.run(job, 100), ExchangeStatus::finished);
+  EXPECT_EQ(world.disk.sent_lines.size(), 1u);
+  EXPECT_EQ(reports_of(world, job).size(), 4u);
+  // Asked again, it is known to be done, and nothing is sent.
+  EXPECT_EQ(world.run(job, 100), ExchangeStatus::finished);
+  EXPECT_EQ(world.disk.sent_lines.size(), 1u);
+}
+
+TEST(Exchange, NothingIsLostAndNothingIsDoneTwiceInAnyWeather) {
+  const int seeds = 250;
+  int kills = 0, sendings = 0;
+  for (int seed = 1; seed <= seeds; ++seed) {
+    World world({0.2, 0.2, 0.3, 0.003, 0.03, 0}, static_cast<std::uint64_t>(seed));
+    for (const char* id : {"job-a", "job-b", "job-c"}) {
+      const Job job = job_of(id, 3);
+      ASSERT_EQ(world.run(job, 2000), ExchangeStatus::finished) << seed << " " << id << " " << world.reason;
+      const auto reports = reports_of(world, job);
+      EXPECT_EQ(reports.size(), 3u) << seed;
+      for (const auto& [item, n] : reports) EXPECT_EQ(n, 1) << seed << " " << item;
+    }
+    EXPECT_EQ(world.robot.executed.size(), 9u);
+    for (const auto& [action, n] : world.robot.executed) EXPECT_EQ(n, 1) << seed << " " << action;
+    kills += world.kills, sendings += static_cast<int>(world.disk.sent_lines.size());
+  }
+  EXPECT_GT(kills, 2 * seeds) << "the program was hardly killed";
+  EXPECT_GT(sendings, 3 * seeds + seeds / 4) << "hardly an order was lost";
+}
+
+/// It forgets its order. Nobody may send it again, and what is not known is said.
+TEST(Exchange, ARobotThatIsStartedAgainIsNeverAskedTwice) {
+  std::map<ExchangeStatus, int> ends;
+  for (int seed = 1; seed <= 200; ++seed) {
+    World world({0.1, 0, 0, 0, 0.01, 0.01}, static_cast<std::uint64_t>(1000 + seed));
+    const Job job = job_of("job-a", 3);
+    ++ends[world.run(job, 600)];
+    for (const auto& [action, n] : world.robot.executed) EXPECT_EQ(n, 1) << seed << " " << action;
+  }
+  EXPECT_GT(ends[ExchangeStatus::finished], 20);
+  EXPECT_GT(ends[ExchangeStatus::unknown], 20);
+  EXPECT_EQ(ends[ExchangeStatus::finished] + ends[ExchangeStatus::unknown], 200);
+}
+
+TEST(Exchange, ARobotAtAnotherOrderIsWaitedForAndARefusalIsSaid) {
+  World world({}, 5);
+  world.robot.order = "somebody-elses", world.robot.actions = {{"x", "RUNNING"}}, world.robot.busy_until = 130;
+  Disk disk;
+  OrderExchange exchange(job_of("job-a", 1), robot_one(), disk);
+  EXPECT_EQ(exchange.due(100, utc_of(100)).at(0).topic, "uagv/v2/RobotCompany/001/instantActions");
+  exchange.on_state(world.robot.state(101), 101);
+  EXPECT_EQ(exchange.status(), ExchangeStatus::busy);
+  EXPECT_TRUE(disk.sent_lines.empty());
+  world.robot.actions[0].second = "FINISHED";
+  exchange.on_state(world.robot.state(131), 131);
+  EXPECT_EQ(exchange.due(131, utc_of(131)).at(0).topic, "uagv/v2/RobotCompany/001/order");
+  world.robot.errors = {{{"errorType", "validationError"},
+                         {"errorReferences", {{{"referenceKey", "orderId"}, {"referenceValue", "job-a"}}}}}};
+  exchange.on_state(world.robot.state(132), 132);
+  EXPECT_EQ(exchange.status(), ExchangeStatus::rejected);
+  EXPECT_NE(exchange.reason().find("validationError"), std::string::npos);
+  EXPECT_TRUE(exchange.due(200, utc_of(200)).empty());
+}
+
+TEST(Exchange, WhatIsNoStateOfThisRobotChangesNothing) {
+  Disk disk;
+  OrderExchange exchange(job_of("job-a", 1), robot_one(), disk);
+  Robot robot;
+  json other = json::parse(robot.state(101));
+  other["serialNumber"] = "002";
+  for (const std::string& text : {std::string("nonsense"), std::string("[]"), std::string("{}"), other.dump()})
+    exchange.on_state(text, 101);
+  EXPECT_EQ(exchange.due(102, utc_of(102)).at(0).topic, "uagv/v2/RobotCompany/001/instantActions");
+}
+
+TEST(ExchangeFolder, LinesOutliveAKillAndOneProgramWorksAtATime) {
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / ("plumbline_exchange_" + std::to_string(getpid()));
+  std::filesystem::remove_all(folder);
+  {
+    ExchangeFolder disk(folder);
+    disk.append_sent("{\"a\":1}"), disk.append_state("{\"b\":2}");
+    EXPECT_THROW(ExchangeFolder second(folder), std::runtime_error);
+  }
+  std::ofstream(folder / "states.jsonl", std::ios::app) << "{\"torn\":";
+  ExchangeFolder disk(folder);
+  EXPECT_EQ(disk.states(), std::vector<std::string>{"{\"b\":2}"});
+  disk.append_state("{\"c\":3}");
+  EXPECT_EQ(disk.states(), (std::vector<std::string>{"{\"b\":2}", "{\"c\":3}"}));
+  std::filesystem::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace plumbline::loop

@@ -1,0 +1,75 @@
+// The state between two rounds of a site: back bit for bit, and nothing that was changed is taken.
+#include "loop/state/state_file.hpp"
+
+#include <gtest/gtest.h>
+
+#include "two_floors.hpp"
+
+namespace plumbline::loop {
+namespace {
+
+using namespace test;
+
+LoopStateT some_state() {
+  LoopStateT state;
+  next_plan(state, make_plan("first"));
+  apply_actuals(state, done({"b0", "b1"}, 1));
+  next_plan(state, plan_after_setting(0.0004));
+  recall(state, {"CP3"}, "control point CP3 moved");
+  close_round(state);
+  return state;
+}
+
+std::string error_of(const std::string& text) {
+  try {
+    read_state_json(text, "state.json");
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "taken";
+}
+
+std::string changed(std::string text, const std::string& from, const std::string& to) {
+  const auto at = text.find(from);
+  return at == std::string::npos ? "nothing to change" : text.replace(at, from.size(), to);
+}
+
+TEST(StateFile, ComesBackAndGoesOnAsIfNothingHadBeenBetween) {
+  LoopStateT state = some_state(), read = read_state_json(state_json(state), "state.json");
+  EXPECT_EQ(state_json(read), state_json(state));
+  EXPECT_EQ(read.moved_control, state.moved_control);
+  for (LoopStateT* s : {&state, &read}) accept_item(*s, "CP3"), next_plan(*s, plan_after_setting(0, "third"));
+  EXPECT_EQ(read.journal, state.journal);
+  for (std::size_t i = 0; i < state.items.size(); ++i) {
+    EXPECT_EQ(read.items[i]->expected.allFinite(), state.items[i]->expected.allFinite());
+    if (state.items[i]->expected.allFinite()) {
+      EXPECT_EQ(read.items[i]->expected, state.items[i]->expected);
+    }
+    EXPECT_EQ(read.items[i]->status, state.items[i]->status);
+  }
+}
+
+TEST(StateFile, WhatWasChangedIsNotTaken) {
+  const std::string text = state_json(some_state());
+  EXPECT_EQ(error_of(text), "taken");
+  for (const auto& [from, to] : {std::pair{"\"PLANNED\"", "\"VERIFIED\""},
+                                 {"\"reworks\": 0", "\"reworks\": 1"},
+                                 {"gate of its panels is GO", "somebody said so"}})
+    EXPECT_NE(error_of(changed(text, from, to)).find("was changed since it was written"), std::string::npos) << from;
+  EXPECT_NE(error_of(text.substr(0, text.size() / 2)).find("state.json: is no state of a loop, or a torn one"),
+            std::string::npos);
+  EXPECT_NE(error_of("{\"items\": []}").find("expected state.json as a round"), std::string::npos);
+}
+
+TEST(StateFile, AnItemStandsWhereItsJournalSays) {
+  LoopStateT state = some_state();
+  item(state, "p1").status = ItemStatus::verified;  // and sealed
+  EXPECT_NE(error_of(state_json(state)).find("panel p1 is VERIFIED, by the journal it is PLANNED"), std::string::npos)
+      << error_of(state_json(state));
+  state = some_state();
+  state.journal.erase(state.journal.begin() + 1);
+  EXPECT_NE(error_of(state_json(state)).find("line 2 of its journal"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace plumbline::loop
