@@ -46,7 +46,7 @@ struct Trial {
       const std::string id = "S" + std::to_string(i);
       layout.set_ups.push_back({id, id, random.uniform(1.4, 1.7), random.uniform(0, 2 * kPi), {}});
       for (int m = 1; m <= 30; ++m)
-        if (random.uniform() < 0.85) layout.set_ups.back().sees.push_back("M" + std::to_string(m));
+        if (random.uniform() < 0.85 || m == 8 || m == 20) layout.set_ups.back().sees.push_back("M" + std::to_string(m));
     }
     for (int i = 1; i <= 5; ++i)
       layout.points.push_back({"S" + std::to_string(i), {random.uniform(-50, 50), random.uniform(-35, 35), 0.1 * i}});
