@@ -322,6 +322,7 @@ PointBlockResult adjust_point_block(const PointBlock& given, const PointBlockOpt
   const Built built = build(block, options, origin);
   const bundle::Layout layout(built.problem);
   bundle::AdjustOptions how;
+  how.announce = options.announce;
   how.minimise.max_iterations = options.max_iterations;
   how.minimise.threads = options.threads;
   how.minimise.side = options.side;

@@ -90,6 +90,7 @@ struct PointBlockOptions {
   int threads = 1;
   bundle::Side side = bundle::Side::automatic;
   bundle::Minimiser minimiser = bundle::minimise_schur;
+  std::function<void(std::size_t)> announce;  ///< see bundle::AdjustOptions
 };
 
 struct ControlResult {

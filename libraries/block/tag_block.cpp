@@ -119,6 +119,7 @@ Solved solve(const TagBlockOptions& options, const bundle::Layout& layout, TagMo
   constexpr int max_variance_steps = 5;
   const bool by_lambda = options.weighting == TagBlockOptions::Weighting::lambda;
   bundle::AdjustOptions how;
+  how.announce = options.announce;
   how.minimise.max_iterations = options.max_iterations;
   how.minimise.threads = options.threads;
   how.minimiser = options.minimiser;
@@ -146,9 +147,8 @@ Solved solve(const TagBlockOptions& options, const bundle::Layout& layout, TagMo
       model.state = solved.adjusted.state;
     }
   }
-  solved.adjusted.cofactors =
-      std::make_unique<bundle::Cofactors>(model.problem, layout, solved.adjusted.state, *solved.adjusted.elimination,
-                                          how.datum, solved.adjusted.inverse_factor);
+  solved.adjusted.cofactors = std::make_unique<bundle::Cofactors>(model.problem, layout, solved.adjusted.state,
+                                                                  *solved.adjusted.elimination, how.datum);
   solved.reliability = bundle::reliability_of(model.problem, solved.adjusted);
   return solved;
 }

@@ -111,6 +111,7 @@ struct TagBlockOptions {
   bool joint_orientations = false;
   int max_iterations = 100;
   int threads = 1;
+  std::function<void(std::size_t)> announce;  ///< see bundle::AdjustOptions; may be told more than once
   bundle::Minimiser minimiser = bundle::minimise_schur;
   /// From the robust solution undamped steps are tried before the engine is asked; not where an engine is to show
   /// itself.
@@ -189,12 +190,12 @@ struct TagBlockResult {
   std::vector<ImagePrincipalPoint> principal_points;          ///< one an image, if images have their own
   std::vector<std::optional<RigidTransform>> cam_from_world;  ///< one an image; nothing if left out
   std::vector<Matrix6> pose_covariance;  ///< rotation vector in the camera frame, translation; empty: not known
-  /// Of all oriented images in their order rotation vector, translation and own principal point (8), then of each camera
-  /// its nine parameters; zero for what is held; empty unless asked for.
+  /// Of all oriented images in their order rotation vector, translation and own principal point (8), then of each
+  /// camera its nine parameters; zero for what is held; empty unless asked for.
   Eigen::MatrixXd orientation_covariance;
-  std::vector<int> plates;               ///< adjusted plates, indices into TagBlock::plates
-  Eigen::VectorXd anchors;               ///< 3n, in the order of `plates` [m]
-  Eigen::MatrixXd anchor_covariance;     ///< 3n × 3n [m²]; empty: not known
+  std::vector<int> plates;            ///< adjusted plates, indices into TagBlock::plates
+  Eigen::VectorXd anchors;            ///< 3n, in the order of `plates` [m]
+  Eigen::MatrixXd anchor_covariance;  ///< 3n × 3n [m²]; empty: not known
   std::vector<Eigen::Quaterniond> world_from_plate;
   std::vector<int> images_per_plate;
   std::vector<TagBatch> batches;

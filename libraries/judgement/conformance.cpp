@@ -79,7 +79,8 @@ double of_one(const Limited& quantity, const Eigen::VectorXd& mean, const Eigen:
 
 Conformance conformance(const Eigen::VectorXd& mean, const Eigen::MatrixXd& covariance,
                         const std::vector<Limited>& quantities, double risk, double tau) {
-  Conformance result{std::numeric_limits<double>::quiet_NaN(), std::vector<double>(quantities.size(), std::numeric_limits<double>::quiet_NaN()), inf, 0};
+  Conformance result{std::numeric_limits<double>::quiet_NaN(),
+                     std::vector<double>(quantities.size(), std::numeric_limits<double>::quiet_NaN()), inf, 0};
   if (quantities.empty() || covariance.size() == 0 || !covariance.allFinite() || !mean.allFinite()) return result;
   const Eigen::Index n = mean.size();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance);

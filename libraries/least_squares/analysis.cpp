@@ -11,6 +11,8 @@ namespace {
 
 using Lists = std::vector<std::vector<int>>;
 
+constexpr int smallest_sparse = 64;
+
 /// Parents in the elimination tree of the graph in this order (Liu 1986: with shortened paths); −1 for a root.
 std::vector<int> elimination_tree(const Lists& neighbours, const std::vector<int>& order,
                                   const std::vector<int>& place) {
@@ -93,16 +95,38 @@ bool is_worth_it(double zeros, double all, int width) {
 Analysis::Analysis(const Pattern& pattern) {
   offsets_.push_back(0);
   for (int b = 0; b < pattern.block_count(); ++b) offsets_.push_back(offsets_.back() + pattern.size(b));
-  positions_.assign(block_count(), 0);
-  blocks_.assign(unknown_count(), 0);
-  supernode_at_.assign(unknown_count(), 0);
-  Lists neighbours = neighbours_of(pattern);
+  const Lists neighbours = neighbours_of(pattern);
   std::vector<int> order = minimum_degree_order(neighbours);
   std::erase_if(order, [&](int b) { return size(b) == 0; });
   make_supernodes(neighbours, std::move(order));
+  // Columns in the order given need not be gathered, and a single panel has the fewest ends of loops.
+  const double n = unknown_count(), dense = n * n * n / 6;
+  if (operations_ > 0.6 * dense || unknown_count() <= smallest_sparse) {
+    make_dense();
+    operations_ = dense;
+  }
+  find_work();
+}
+
+void Analysis::make_dense() {
+  is_dense_ = true;
+  positions_.assign(offsets_.begin(), offsets_.end() - 1);
+  for (int b = 0; b < block_count(); ++b) std::fill_n(blocks_.begin() + offset(b), size(b), b);
+  supernodes_.clear();
+  const int n = unknown_count();
+  if (n == 0) return;
+  Supernode& s = supernodes_.emplace_back();
+  s.width = n;
+  s.rows.resize(n);
+  std::iota(s.rows.begin(), s.rows.end(), 0);
+  supernode_at_.assign(n, 0);
+  entries_ = static_cast<std::size_t>(n) * n;
 }
 
 void Analysis::make_supernodes(const Lists& neighbours, std::vector<int> order) {
+  positions_.assign(block_count(), 0);
+  blocks_.assign(unknown_count(), 0);
+  supernode_at_.assign(unknown_count(), 0);
   std::vector<int> place(neighbours.size(), -1);
   const auto renumber = [&] {
     for (std::size_t k = 0; k < order.size(); ++k) place[order[k]] = static_cast<int>(k);
@@ -162,20 +186,27 @@ void Analysis::make_supernodes(const Lists& neighbours, std::vector<int> order) 
 void Analysis::find_updates() {
   for (int from = 0; from < static_cast<int>(supernodes_.size()); ++from) {
     const std::vector<int>& rows = supernodes_[from].rows;
-    const int height = static_cast<int>(rows.size()), width = supernodes_[from].width;
-    for (int row = width; row < height;) {
+    const int height = static_cast<int>(rows.size());
+    for (int row = supernodes_[from].width; row < height;) {
       const int to = supernode_at(rows[row]);
       int end = row;
       while (end < height && supernode_at(rows[end]) == to) ++end;
       supernodes_[to].updates.push_back({from, row, end - row});
-      work_ = std::max(work_, static_cast<std::size_t>(height - row) * (end - row));
       row = end;
     }
-    const double h = height, w = width;
-    operations_ += w * h * h - w * w * h + w * w * w / 3;
+    const double h = height, w = supernodes_[from].width;
+    operations_ += (w * h * h - w * w * h + w * w * w / 3) / 2;
+  }
+}
+
+void Analysis::find_work() {
+  work_ = 0;
+  for (const Supernode& s : supernodes_) {
+    for (const auto& update : s.updates)
+      work_ = std::max(work_, static_cast<std::size_t>(supernodes_[update.from].height() - update.row) * update.count);
     // A selected inverse gathers what belongs to the rows below, and multiplies it with the columns.
-    const std::size_t below = height - width, own = width;
-    work_ = std::max(work_, below * below + 2 * below * own + 2 * own * own);
+    const std::size_t width = s.width, below = s.rows.size() - width;
+    work_ = std::max(work_, below * below + 2 * below * width + width * width);
   }
 }
 

@@ -7,6 +7,7 @@
 // Ashcraft & Grimes (1989), The influence of relaxed supernode partitions.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <vector>
 
@@ -16,8 +17,10 @@ namespace plumbline::least_squares {
 
 class Analysis {
  public:
-  /// Of the orders that it knows the one with the least work. Deterministic.
+  /// By minimum degree, or in the order given as one dense supernode where that is hardly more work. Deterministic.
   explicit Analysis(const Pattern& pattern);
+  /// One supernode, unknowns in the order given: the panel is the matrix.
+  bool is_dense() const { return is_dense_; }
 
   int unknown_count() const { return offsets_.back(); }
   int block_count() const { return static_cast<int>(offsets_.size()) - 1; }
@@ -40,6 +43,12 @@ class Analysis {
     };
     std::vector<Update> updates;  ///< ascending
     int height() const { return static_cast<int>(rows.size()); }
+    /// Where a position stands among the rows, or −1. Precondition: it is not before the first.
+    int row_of(int position) const {
+      if (position < first + width) return position - first;
+      const auto found = std::lower_bound(rows.begin() + width, rows.end(), position);
+      return found != rows.end() && *found == position ? static_cast<int>(found - rows.begin()) : -1;
+    }
   };
   const std::vector<Supernode>& supernodes() const { return supernodes_; }
   std::size_t entries() const { return entries_; }
@@ -52,12 +61,15 @@ class Analysis {
 
  private:
   void make_supernodes(const std::vector<std::vector<int>>& neighbours, std::vector<int> order);
+  void make_dense();
   void find_updates();
+  void find_work();
 
   std::vector<int> offsets_, positions_, blocks_, supernode_at_;
   std::vector<Supernode> supernodes_;
   std::size_t entries_ = 0, work_ = 0;
   double operations_ = 0;
+  bool is_dense_ = false;
 };
 
 }  // namespace plumbline::least_squares

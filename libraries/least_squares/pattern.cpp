@@ -7,7 +7,7 @@
 namespace plumbline::least_squares {
 namespace {
 
-constexpr std::size_t smallest_list = 32;
+constexpr std::size_t smallest_list = 32, most_bits = 8192;
 
 void sort_unique(std::vector<int>& list) {
   std::sort(list.begin(), list.end());
@@ -16,11 +16,16 @@ void sort_unique(std::vector<int>& list) {
 
 }  // namespace
 
-Pattern::Pattern(std::vector<int> sizes)
-    : sizes_(std::move(sizes)), offsets_{0}, after_(sizes_.size()), tidy_at_(sizes_.size(), smallest_list) {
+Pattern::Pattern(std::vector<int> sizes) : sizes_(std::move(sizes)), offsets_{0} {
   for (int size : sizes_) {
     if (size < 0) throw std::out_of_range("a block of " + std::to_string(size) + " unknowns");
     offsets_.push_back(offsets_.back() + size);
+  }
+  if (sizes_.size() <= most_bits) {
+    for (std::size_t b = 0; b < sizes_.size(); ++b) bits_.emplace_back(sizes_.size() - b);
+  } else {
+    after_.resize(sizes_.size());
+    tidy_at_.assign(sizes_.size(), smallest_list);
   }
 }
 
@@ -29,7 +34,11 @@ void Pattern::couple(int a, int b) {
     throw std::out_of_range("blocks " + std::to_string(a) + " and " + std::to_string(b) + " of " +
                             std::to_string(block_count()));
   if (a == b) return;
-  const auto first = static_cast<std::size_t>(std::min(a, b));
+  const int first = std::min(a, b);
+  if (!bits_.empty()) {
+    bits_[first][std::max(a, b) - first] = true;
+    return;
+  }
   std::vector<int>& list = after_[first];
   list.push_back(std::max(a, b));
   if (list.size() < tidy_at_[first]) return;
@@ -43,7 +52,11 @@ void Pattern::couple(std::span<const int> blocks) {
 }
 
 std::vector<int> Pattern::after(int block) const {
-  std::vector<int> list = after_[block];
+  std::vector<int> list;
+  for (int b = block + 1; b < block_count() && !bits_.empty(); ++b)
+    if (bits_[block][b - block]) list.push_back(b);
+  if (!bits_.empty()) return list;
+  list = after_[block];
   sort_unique(list);
   return list;
 }

@@ -29,13 +29,16 @@ class Pattern {
 
  private:
   std::vector<int> sizes_, offsets_;
-  std::vector<std::vector<int>> after_;  // with repeats, tidied up when they double
+  // Of few blocks a bit for each pair, of many their lists, with repeats that are tidied up when a list has doubled.
+  std::vector<std::vector<bool>> bits_;
+  std::vector<std::vector<int>> after_;
   std::vector<std::size_t> tidy_at_;
 };
 
 /// Values of the lower triangle on a pattern, zero at first.
 class SymmetricBlocks {
  public:
+  SymmetricBlocks() : offsets_{0} {}
   explicit SymmetricBlocks(const Pattern& pattern);
   /// What it takes, before it is made.
   static std::size_t bytes(const Pattern& pattern);
@@ -69,6 +72,7 @@ class SymmetricBlocks {
   };
   const Column& column(int block) const { return columns_[block]; }
   const double* values() const { return values_.data(); }
+  std::size_t value_count() const { return values_.size(); }
   double* values() { return values_.data(); }
 
  private:

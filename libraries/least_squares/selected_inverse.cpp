@@ -9,6 +9,15 @@
 #include "plumbline/stop.hpp"
 
 namespace plumbline::least_squares {
+namespace {
+
+[[noreturn]] void refuse(int a, int b) {
+  throw std::out_of_range("the selected inverse has no cofactors of blocks " + std::to_string(a) + " and " +
+                          std::to_string(b) + ", which never meet: ask the factor for them");
+}
+
+}  // namespace
+
 struct SelectedInverse::Work {
   std::vector<int> places;                ///< of the rows below in another supernode
   Eigen::MatrixXd below, ratio, product;  ///< Z_RR; −L_RC L_CC⁻¹; −Z_RC
@@ -77,12 +86,11 @@ void SelectedInverse::invert(const Analysis::Supernode& s, Work& work) {
 
 /// The entry of the first unknowns of two blocks, the row's at or behind the column's; null outside of the pattern.
 const double* SelectedInverse::find(int row, int column, std::ptrdiff_t& stride) const {
-  const auto& s = analysis_->supernodes()[analysis_->supernode_at(analysis_->position(column))];
-  const int position = analysis_->position(row);
-  const auto found = std::lower_bound(s.rows.begin(), s.rows.end(), position);
-  if (found == s.rows.end() || *found != position) return nullptr;
+  const int position = analysis_->position(column);
+  const auto& s = analysis_->supernodes()[analysis_->supernode_at(position)];
+  const int at = s.row_of(analysis_->position(row));
   stride = s.height();
-  return values_.data() + s.begin + (found - s.rows.begin()) + (analysis_->position(column) - s.first) * stride;
+  return at < 0 ? nullptr : values_.data() + s.begin + at + (position - s.first) * stride;
 }
 
 bool SelectedInverse::has(int a, int b) const {
@@ -91,29 +99,65 @@ bool SelectedInverse::has(int a, int b) const {
   return analysis_->position(a) >= analysis_->position(b) ? find(a, b, stride) : find(b, a, stride);
 }
 
+bool SelectedInverse::has_all(std::span<const int> blocks) const {
+  for (std::size_t i = 0; i < blocks.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if (!has(blocks[i], blocks[j])) return false;
+  return true;
+}
+
 Eigen::MatrixXd SelectedInverse::block(int a, int b) const {
   const int rows = analysis_->size(a), columns = analysis_->size(b);
   if (rows == 0 || columns == 0) return Eigen::MatrixXd(rows, columns);
   if (analysis_->position(a) < analysis_->position(b)) return block(b, a).transpose();
   std::ptrdiff_t stride = 0;
   const double* from = find(a, b, stride);
-  if (!from)
-    throw std::out_of_range("the selected inverse has no cofactors of blocks " + std::to_string(a) + " and " +
-                            std::to_string(b) + ", which never meet: ask the factor for them");
+  if (!from) refuse(a, b);
   return Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>(from, rows, columns, Eigen::OuterStride<>(stride));
 }
 
-Eigen::MatrixXd SelectedInverse::joint(std::span<const int> blocks) const {
-  std::vector<int> offset = {0};
-  for (int b : blocks) offset.push_back(offset.back() + analysis_->size(b));
-  Eigen::MatrixXd result(offset.back(), offset.back());
-  for (std::size_t i = 0; i < blocks.size(); ++i)
-    for (std::size_t j = 0; j <= i; ++j) {
-      const Eigen::MatrixXd part = block(blocks[i], blocks[j]);
-      result.block(offset[i], offset[j], part.rows(), part.cols()) = part;
-      result.block(offset[j], offset[i], part.cols(), part.rows()) = part.transpose();
+void SelectedInverse::joint(std::span<const int> blocks, Eigen::Ref<Eigen::MatrixXd> target) const {
+  const std::ptrdiff_t across = target.outerStride();
+  int row = 0;
+  for (std::size_t i = 0; i < blocks.size(); row += analysis_->size(blocks[i]), ++i) {
+    int column = 0;
+    for (std::size_t j = 0; j <= i; column += analysis_->size(blocks[j]), ++j) {
+      const bool is_below = analysis_->position(blocks[i]) >= analysis_->position(blocks[j]);
+      const int rows = analysis_->size(blocks[i]), columns = analysis_->size(blocks[j]);
+      if (rows == 0 || columns == 0) continue;
+      std::ptrdiff_t stride = 0;
+      const double* from = is_below ? find(blocks[i], blocks[j], stride) : find(blocks[j], blocks[i], stride);
+      if (!from) refuse(blocks[i], blocks[j]);
+      double *to = target.data() + row + column * across, *mirrored = target.data() + column + row * across;
+      for (int c = 0; c < columns; ++c)
+        for (int r = 0; r < rows; ++r)
+          mirrored[c + r * across] = to[r + c * across] = is_below ? from[r + c * stride] : from[c + r * stride];
     }
+  }
+}
+
+Eigen::MatrixXd SelectedInverse::joint(std::span<const int> blocks) const {
+  int size = 0;
+  for (int b : blocks) size += analysis_->size(b);
+  Eigen::MatrixXd result(size, size);
+  joint(blocks, result);
   return result;
+}
+
+Eigen::Map<const Eigen::MatrixXd> SelectedInverse::dense() const {
+  if (!analysis_->is_dense()) throw std::logic_error("a sparse inverse has no dense matrix");
+  return {values_.data(), analysis_->unknown_count(), analysis_->unknown_count()};
+}
+
+void SelectedInverse::scale(const Eigen::VectorXd& s) {
+  std::vector<double> by_position(analysis_->unknown_count());
+  for (int b = 0; b < analysis_->block_count(); ++b)
+    for (int c = 0; c < analysis_->size(b); ++c) by_position[analysis_->position(b) + c] = s(analysis_->offset(b) + c);
+  for (const auto& node : analysis_->supernodes()) {
+    double* value = values_.data() + node.begin;
+    for (int c = 0; c < node.width; ++c)
+      for (int r = 0; r < node.height(); ++r) *value++ *= by_position[node.rows[r]] * by_position[node.first + c];
+  }
 }
 
 Eigen::VectorXd SelectedInverse::diagonal() const {

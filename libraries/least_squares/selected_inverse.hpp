@@ -21,10 +21,16 @@ class SelectedInverse {
 
   /// Whether the pattern holds the pair: always if they are coupled or the same.
   bool has(int a, int b) const;
+  bool has_all(std::span<const int> blocks) const;  ///< each pair of them
   /// size(a) × size(b). Throws std::out_of_range where has() is false.
   Eigen::MatrixXd block(int a, int b) const;
   /// Joint matrix of blocks that all meet each other, in the order given. Throws as block() does.
   Eigen::MatrixXd joint(std::span<const int> blocks) const;
+  void joint(std::span<const int> blocks, Eigen::Ref<Eigen::MatrixXd> target) const;
+  /// All of it, where the analysis is dense.
+  Eigen::Map<const Eigen::MatrixXd> dense() const;
+  /// diag(s) Z diag(s) in place.
+  void scale(const Eigen::VectorXd& s);
   Eigen::VectorXd diagonal() const;
 
  private:

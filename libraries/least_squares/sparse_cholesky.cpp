@@ -20,12 +20,12 @@ constexpr double held = std::numeric_limits<double>::infinity();
 
 SparseCholesky::SparseCholesky(std::shared_ptr<const Analysis> analysis) : analysis_(std::move(analysis)) {}
 
-bool SparseCholesky::factorise(const SymmetricBlocks& matrix, double tolerance) {
+bool SparseCholesky::factorise(const SymmetricBlocks& matrix, double tolerance, const Scaling& scaling) {
   if (matrix.unknown_count() != analysis_->unknown_count() || matrix.block_count() != analysis_->block_count())
     throw std::logic_error("a matrix of " + std::to_string(matrix.unknown_count()) + " unknowns for an analysis of " +
                            std::to_string(analysis_->unknown_count()));
   undetermined_.clear();
-  scatter(matrix);
+  scatter(matrix, scaling);
   std::vector<int> place(analysis_->unknown_count());
   std::vector<double> work;
   for (const auto& s : analysis_->supernodes()) {
@@ -37,34 +37,36 @@ bool SparseCholesky::factorise(const SymmetricBlocks& matrix, double tolerance) 
 }
 
 /// The matrix into the panels.
-void SparseCholesky::scatter(const SymmetricBlocks& matrix) {
+void SparseCholesky::scatter(const SymmetricBlocks& matrix, const Scaling& scaling) {
   const Analysis& a = *analysis_;
   values_.assign(a.entries(), 0.0);
   diagonal_.assign(a.unknown_count(), 0.0);
+  const std::vector<double> ones(a.unknown_count(), 1.0);
+  const double* scale = scaling.scale.size() > 0 ? scaling.scale.data() : ones.data();
   for (int b = 0; b < matrix.block_count(); ++b) {
     const auto& column = matrix.column(b);
-    const double* from = matrix.values() + column.begin;
     for (std::size_t k = 0; k < column.rows.size() && a.size(b) > 0; ++k) {
       const int row = column.rows[k];
       if (a.size(row) == 0) continue;
-      const bool is_own = row == b, is_below = a.position(row) >= a.position(b);
-      const int first_column = is_below ? a.position(b) : a.position(row);
-      const int first_row = is_below ? a.position(row) : a.position(b);
+      const bool is_below = a.position(row) >= a.position(b);
+      const int first_row = a.position(is_below ? row : b), first_column = a.position(is_below ? b : row);
       const auto& s = a.supernodes()[a.supernode_at(first_column)];
-      const auto found = std::lower_bound(s.rows.begin(), s.rows.end(), first_row);
-      if (found == s.rows.end() || *found != first_row)
-        throw std::logic_error("the matrix is not one on the pattern of the analysis");
-      double* to = values_.data() + s.begin + (found - s.rows.begin());
-      const std::ptrdiff_t height = s.height(), stride = column.height();
+      const std::ptrdiff_t at = s.row_of(first_row), height = s.height(), stride = column.height();
+      if (at < 0) throw std::logic_error("the matrix is not one on the pattern of the analysis");
+      double* to = values_.data() + s.begin + at + (first_column - s.first) * height;
+      const double* from = matrix.values() + column.begin + column.starts[k];
+      const double *of_row = scale + a.offset(row), *of_column = scale + a.offset(b);
       for (int c = 0; c < a.size(b); ++c)
-        for (int r = is_own ? c : 0; r < a.size(row); ++r) {
-          const double value = from[c * stride + column.starts[k] + r];
-          if (is_below)
-            to[r + (c + first_column - s.first) * height] = value;
-          else
-            to[c + (r + first_column - s.first) * height] = value;
-          if (is_own && r == c) diagonal_[first_column + c] = value;
+        for (int r = row == b ? c : 0; r < a.size(row); ++r) {
+          const double value = from[c * stride + r] * (of_row[r] * of_column[c]);
+          (is_below ? to[r + c * height] : to[c + r * height]) = value;
         }
+      if (row != b) continue;
+      for (int c = 0; c < a.size(b); ++c) {
+        double& value = to[c + c * height];
+        if (scaling.added.size() > 0) value += scaling.added(a.offset(b) + c);
+        diagonal_[first_column + c] = value;
+      }
     }
   }
 }
@@ -215,8 +217,40 @@ void SparseCholesky::solve_backward(Eigen::MatrixXd& x) const {
   }
 }
 
+// A single right side: each number of the factor is read once and used once, so that nothing is gained by tiles.
+void SparseCholesky::solve_forward(Eigen::VectorXd& x) const {
+  Eigen::VectorXd product;
+  for (const auto& s : analysis_->supernodes()) {
+    stop_point();
+    const Eigen::Map<const Eigen::MatrixXd> values(values_.data() + s.begin, s.height(), s.width);
+    auto own = x.segment(s.first, s.width);
+    values.topRows(s.width).triangularView<Eigen::Lower>().solveInPlace(own);
+    product.noalias() = values.bottomRows(s.height() - s.width) * own;
+    for (int r = s.width; r < s.height(); ++r) x(s.rows[r]) -= product(r - s.width);
+  }
+}
+
+void SparseCholesky::solve_backward(Eigen::VectorXd& x) const {
+  Eigen::VectorXd gathered;
+  for (auto s = analysis_->supernodes().rbegin(); s != analysis_->supernodes().rend(); ++s) {
+    stop_point();
+    const Eigen::Map<const Eigen::MatrixXd> values(values_.data() + s->begin, s->height(), s->width);
+    auto own = x.segment(s->first, s->width);
+    gathered.resize(s->height() - s->width);
+    for (int r = s->width; r < s->height(); ++r) gathered(r - s->width) = x(s->rows[r]);
+    own.noalias() -= values.bottomRows(s->height() - s->width).transpose() * gathered;
+    values.topRows(s->width).triangularView<Eigen::Lower>().transpose().solveInPlace(own);
+  }
+}
+
 Eigen::MatrixXd SparseCholesky::solve(const Eigen::Ref<const Eigen::MatrixXd>& right) const {
   Eigen::MatrixXd x = to_elimination_order(right);
+  if (x.cols() == 1) {
+    Eigen::VectorXd single = x.col(0);
+    solve_forward(single);
+    solve_backward(single);
+    return to_given_order(single);
+  }
   solve_forward(x);
   solve_backward(x);
   return to_given_order(x);

@@ -34,6 +34,11 @@ struct Undetermined {
   double pivot = 0;  ///< what is left of its diagonal element, relative to that
 };
 
+/// What is factorised in place of N: diag(scale) N diag(scale) + diag(added); empty vectors change nothing.
+struct Scaling {
+  Eigen::VectorXd scale, added;
+};
+
 class SparseCholesky {
  public:
   static constexpr double default_tolerance = 1e-12;
@@ -43,7 +48,7 @@ class SparseCholesky {
   /// False if a pivot is below `tolerance` times its diagonal element, or no number: undetermined() then has one entry
   /// for each of the matrix' rank defects, and the factor is that of the matrix with those unknowns held (solutions and
   /// inverse are zero there). `matrix` is one on the pattern of the analysis.
-  bool factorise(const SymmetricBlocks& matrix, double tolerance = default_tolerance);
+  bool factorise(const SymmetricBlocks& matrix, double tolerance = default_tolerance, const Scaling& scaling = {});
   const std::vector<Undetermined>& undetermined() const { return undetermined_; }
   bool is_regular() const { return undetermined_.empty(); }
 
@@ -66,7 +71,7 @@ class SparseCholesky {
   std::vector<double> release() && { return std::move(values_); }
 
  private:
-  void scatter(const SymmetricBlocks& matrix);
+  void scatter(const SymmetricBlocks& matrix, const Scaling& scaling);
   void add_updates(const Analysis::Supernode& target, std::vector<int>& place, std::vector<double>& work);
   void factor_panel(const Analysis::Supernode& s, double tolerance);
   void factor_holding(const Analysis::Supernode& s, int at, int width, double tolerance);
@@ -74,6 +79,8 @@ class SparseCholesky {
   Eigen::MatrixXd to_given_order(const Eigen::Ref<const Eigen::MatrixXd>& solution) const;
   void solve_forward(Eigen::MatrixXd& x) const;
   void solve_backward(Eigen::MatrixXd& x) const;
+  void solve_forward(Eigen::VectorXd& x) const;
+  void solve_backward(Eigen::VectorXd& x) const;
 
   std::shared_ptr<const Analysis> analysis_;
   std::vector<double> values_, diagonal_;  ///< diagonal_: of the matrix, by position

@@ -1,5 +1,6 @@
-// adjust.schur, adjust.ceres (ceres_engine.hpp): bundle adjustment of marker plates, equations (4) and (5), or of measured
-// targets. One node over every engine: they differ in how the minimum is found, and in nothing that is said about it.
+// adjust.schur, adjust.ceres (ceres_engine.hpp): bundle adjustment of marker plates, equations (4) and (5), or of
+// measured targets. One node over every engine: they differ in how the minimum is found, and in nothing that is said
+// about it.
 #pragma once
 
 #include "adjustment_memory.hpp"
@@ -100,14 +101,13 @@ struct Adjuster : TagAdjusterNode {
     for (size_t i = 0; i < observations.size(); ++i) builder.add_image(observations.unpack(i), *corner_sigma);
     if (control) builder.set_control(control.unpack());
     for (const auto& warning : builder.warnings()) context.warn(warning);
-    const TagBlockOptions chosen = options();
+    TagBlockOptions chosen = options();
     if (*robust_control && (!control || *weighting == "lambda"))
       context.warn("parameter 'robust_control' has no effect without control, and with weighting=lambda");
     if (*lambda != default_lambda && *weighting != "lambda")
       context.warn("parameter 'lambda' has no effect with weighting=covariance; set weighting=lambda, or leave it out");
     const TagBlock& given = builder.block();
-    announce_memory(context, given.images.size(), given.plates.size(), 6, given.observations.size(), 4000,
-                    given.plates.size());
+    chosen.announce = announcer(context, given.observations.size(), 4000, given.plates.size());
     const TagBlockResult result = adjust_tag_block(given, chosen);
     report(context, builder.block(), result);
     points.commit(builder.points(result));
@@ -134,8 +134,7 @@ struct Adjuster : TagAdjusterNode {
     o.threads = static_cast<int>(*threads);
     o.minimiser = Engine::minimise;
     const std::size_t count = measured.points.size();
-    announce_memory(context, measured.images.size(), count, 3, measured.measurements.size(), 1000,
-                    count <= max_joint_points ? count : 0);
+    o.announce = announcer(context, measured.measurements.size(), 1000, count <= max_joint_points ? count : 0);
     const PointBlockResult result = adjust_point_block(measured, o);
     context.metric("sigma0", result.sigma0 / o.image_sigma, "1");
     context.metric("degrees_of_freedom", result.degrees_of_freedom, "1");

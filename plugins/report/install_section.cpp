@@ -66,7 +66,7 @@ double deciding_u(const AnchorDeviationT& anchor, const JudgedAxisT& axis, const
   };
   double least = 0.02, most = 1;  // less than a fiftieth of what it is no other measurement brings
   if (!decided(least) || decided(most)) return 0;
-  for (int i = 0; i < 20; ++i) {
+  for (int i = 0; i < 10; ++i) {  // to a thousandth: what is told has two digits, and there may be thousands of anchors
     const double middle = 0.5 * (least + most);
     (decided(middle) ? least : most) = middle;
   }

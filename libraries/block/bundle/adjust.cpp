@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "block/bundle/parts.hpp"
+#include "block/bundle/weakest.hpp"
 
 namespace plumbline::bundle {
 namespace {
@@ -15,36 +16,18 @@ namespace {
 constexpr double rank_tolerance = 1e-12;  ///< of scaled eigenvalues; rounding leaves about 1e-15
 constexpr double weak_eigenvalue = 1e-9;  ///< below it a step of unit length changes next to nothing
 
-/// Null vectors of the reduced, scaled matrix of a free block, orthonormal: added as B Bᵀ they complete its rank.
-Eigen::MatrixXd constraints_of(const Problem& problem, const Layout& layout, const State& state,
-                               const Elimination& elimination, const Datum& datum) {
+/// Null vectors of the reduced, scaled matrix of a free block, orthonormal.
+Eigen::MatrixXd motions_of_kept(const Problem& problem, const Layout& layout, const State& state,
+                                const Elimination& elimination, const Datum& datum) {
   if (datum.count == 0 || elimination.kept_count() < datum.count) return {};
   const Eigen::MatrixXd g =
       motions_of(problem, layout, state, adjust::centre_of(bodies_of(problem, state))).leftCols(datum.count);
   Eigen::MatrixXd kept = Eigen::MatrixXd::Zero(elimination.kept_count(), datum.count);
-  for (int b = 0; b < layout.block_count(); ++b)
-    if (const int at = elimination.kept_offset(b); at >= 0)
-      kept.middleRows(at, layout.size(b)) = g.middleRows(layout.offset(b), layout.size(b));
+  for (int b : elimination.kept_blocks())
+    kept.middleRows(elimination.kept_offset(b), layout.size(b)) = g.middleRows(layout.offset(b), layout.size(b));
   kept = elimination.scale().cwiseInverse().asDiagonal() * kept;
   const Eigen::HouseholderQR<Eigen::MatrixXd> qr(kept);
   return qr.householderQ() * Eigen::MatrixXd::Identity(kept.rows(), kept.cols());
-}
-
-/// By inverse iteration. Given up where no doubt is left that it is above `enough`: four steps raise the part of a
-/// vector that belongs to a 10⁴ times smaller value by 10¹⁶.
-double smallest_eigenvalue(const least_squares::Cholesky& factor, Eigen::Index n, Eigen::VectorXd& vector,
-                           double enough = std::numeric_limits<double>::infinity()) {
-  vector.resize(n);
-  for (Eigen::Index i = 0; i < n; ++i) vector(i) = 1 + 0.3 * std::sin(1.7 * static_cast<double>(i + 1));
-  double value = 1;
-  for (int step = 0; step < 12; ++step) {
-    vector.normalize();
-    factor.solve_in_place(vector);
-    value = 1 / vector.norm();
-    if (step == 3 && value > enough) break;
-  }
-  vector.normalize();
-  return value;
 }
 
 /// A vector of the scaled reduced system as a direction in all unknowns, scaled to their conditional standard
@@ -161,7 +144,8 @@ double largest_step(const Elimination& elimination, const Eigen::VectorXd& step)
   Eigen::VectorXd weakest;
   if (elimination.build(state)) {
     if (require_determined(problem, layout, state, elimination, datum) && elimination.kept_count() > 0 &&
-        smallest_eigenvalue(elimination.factor(), elimination.kept_count(), weakest) < weak_eigenvalue)
+        smallest_eigenvalue(elimination.factor(), motions_of_kept(problem, layout, state, elimination, datum),
+                            weakest) < weak_eigenvalue)
       cause = "the observations hardly determine " +
               describe_direction(problem, layout, state, elimination,
                                  full_direction(layout, elimination, weakest).unknowns) +
@@ -198,20 +182,19 @@ bool require_determined(const Problem& problem, const Layout& layout, const Stat
                              " is undetermined: its rays are parallel or it is seen only once");
   const Eigen::Index n = elimination.kept_count();
   if (n == 0) return true;
-  const Eigen::MatrixXd constraints = constraints_of(problem, layout, state, elimination, datum);
-  const bool factorised = elimination.factorise(constraints);
+  const Eigen::MatrixXd motions = motions_of_kept(problem, layout, state, elimination, datum);
+  const bool factorised = elimination.factorise(motions);
   Eigen::VectorXd weakest;
   constexpr double limit = 2 * rank_tolerance;
-  if (factorised && smallest_eigenvalue(elimination.factor(), n, weakest, 1e4 * limit) > limit) return true;
-  const Eigen::MatrixXd scaled = elimination.scaled_matrix(constraints);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> spectrum(scaled);
+  if (factorised && smallest_eigenvalue(elimination.factor(), motions, weakest, 1e4 * limit) > limit) return true;
+  const Spectrum spectrum = smallest_eigenvalues(elimination, motions, rank_tolerance);
   std::string message;
   int defect = 0;
-  for (Eigen::Index i = 0; i < n && spectrum.eigenvalues()(i) < rank_tolerance; ++i, ++defect) {
+  for (Eigen::Index i = 0; i < spectrum.values.size() && spectrum.values(i) < rank_tolerance; ++i, ++defect) {
     if (defect >= 7) continue;
     const std::string words =
         "; " + describe_direction(problem, layout, state, elimination,
-                                  full_direction(layout, elimination, spectrum.eigenvectors().col(i)).unknowns);
+                                  full_direction(layout, elimination, spectrum.vectors.col(i)).unknowns);
     if (message.find(words) == std::string::npos) message += words;  // one point may be open in several directions
   }
   if (defect == 0) return factorised;
@@ -262,7 +245,7 @@ class Refinement {
   bool factorise(const State& state, Elimination& elimination) {
     if (steps_ == 0 && !options_.is_determined)
       return require_determined(problem_, layout_, state, elimination, options_.datum);
-    return elimination.factorise(constraints_of(problem_, layout_, state, elimination, options_.datum));
+    return elimination.factorise(motions_of_kept(problem_, layout_, state, elimination, options_.datum));
   }
 
   void move(const Eigen::VectorXd& step, State& state) {
@@ -311,21 +294,26 @@ Adjusted adjust(const Problem& problem, const Layout& layout, const State& start
   result.defect = options.datum.count;
   MinimiseOptions minimise = options.minimise;
   minimise.loss = {};
-  result.elimination = std::make_unique<Elimination>(problem, layout, minimise.side, minimise.threads);
-  Elimination& elimination = *result.elimination;
+  const auto eliminate = [&] {
+    result.elimination = std::make_unique<Elimination>(problem, layout, minimise.side, minimise.threads);
+  };
+  eliminate();
+  if (options.announce) options.announce(result.elimination->bytes());
   Refinement refinement(problem, layout, start, options);
   MinimiseSummary summary;
   bool found = false;
   if (options.start_is_near) {
     result.state = start;
-    found = refinement.run(result.state, elimination);
+    found = refinement.run(result.state, *result.elimination);
   }
   if (!found) {
+    if (options.start_is_near) eliminate();  // the minimiser has one of its own: not two at a time
     result.state = start;
     summary = options.minimiser(problem, result.state, minimise);
     restore_datum(problem, layout, options.datum, start, result.state);
-    found = refinement.run(result.state, elimination);
+    found = refinement.run(result.state, *result.elimination);
   }
+  Elimination& elimination = *result.elimination;
   result.iterations = summary.iterations + refinement.steps();
   if (!elimination.undefined().empty())
     throw std::runtime_error(elimination.undefined() +
@@ -334,18 +322,16 @@ Adjusted adjust(const Problem& problem, const Layout& layout, const State& start
   if (!found)
     fail_to_converge(problem, layout, result.state, elimination, options.datum, result.iterations, summary.message);
   result.sum_of_squares = refinement.sum_of_squares();
-  result.inverse_factor = elimination.factor().inverse_factor();
   if (options.with_cofactors)
-    result.cofactors =
-        std::make_unique<Cofactors>(problem, layout, result.state, elimination, options.datum, result.inverse_factor);
+    result.cofactors = std::make_unique<Cofactors>(problem, layout, result.state, elimination, options.datum);
   return result;
 }
 
 namespace {
 
 /// tr J Q Jᵀ of a linear term: what it has no redundancy for. Its unknowns are kept ones.
-double trace_of_adjusted(const Layout& layout, const Elimination& elimination, const Eigen::MatrixXd& inverse_factor,
-                         const KnownRows& term) {
+double trace_of_adjusted(const Layout& layout, const Elimination& elimination, const KnownRows& term) {
+  constexpr Eigen::Index batch = 64;
   std::vector<int> at;
   for (int column : term.columns)
     for (int b : term.blocks)
@@ -354,17 +340,14 @@ double trace_of_adjusted(const Layout& layout, const Elimination& elimination, c
         break;
       }
   const Eigen::VectorXd scale = elimination.scale()(at);
-  const Eigen::MatrixXd& jacobian = term.jacobian;
-  if (jacobian.rows() == jacobian.cols() && jacobian.isDiagonal(0)) {
-    double sum = 0;
-    for (size_t k = 0; k < at.size(); ++k) {
-      const auto i = static_cast<Eigen::Index>(k);
-      const double weight = jacobian(i, i) * scale(i);
-      sum += weight * weight * inverse_factor.col(at[k]).squaredNorm();
-    }
-    return sum;
+  double sum = 0;
+  for (Eigen::Index first = 0; first < term.jacobian.rows(); first += batch) {
+    const Eigen::Index count = std::min(batch, term.jacobian.rows() - first);
+    Eigen::MatrixXd functionals = Eigen::MatrixXd::Zero(elimination.kept_count(), count);
+    functionals(at, Eigen::all) = scale.asDiagonal() * term.jacobian.middleRows(first, count).transpose();
+    sum += elimination.factor().half_solve(functionals).squaredNorm();
   }
-  return (inverse_factor(Eigen::all, at) * scale.asDiagonal() * jacobian.transpose()).squaredNorm();
+  return sum;
 }
 
 }  // namespace
@@ -385,11 +368,10 @@ double observed_variance(const Problem& problem, const Layout& layout, const Adj
     const KnownRows term = evaluate(problem, layout, adjusted.state, problem.known[k]);
     redundancy -= static_cast<double>(term.residual.size());
     if (std::all_of(term.blocks.begin(), term.blocks.end(), [&](int b) { return elimination.eliminated(b) < 0; })) {
-      redundancy += trace_of_adjusted(layout, elimination, adjusted.inverse_factor, term);
+      redundancy += trace_of_adjusted(layout, elimination, term);
       continue;
     }
-    if (!all)
-      all = std::make_unique<Cofactors>(problem, layout, adjusted.state, elimination, datum, adjusted.inverse_factor);
+    if (!all) all = std::make_unique<Cofactors>(problem, layout, adjusted.state, elimination, datum);
     redundancy += static_cast<double>(term.residual.size()) - all->known(adjusted.state, k).residual_cofactor.trace();
   }
   return redundancy > 1e-6 ? squares / redundancy : 0;

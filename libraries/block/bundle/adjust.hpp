@@ -39,7 +39,8 @@ using Minimiser = std::function<MinimiseSummary(const Problem&, State&, const Mi
 /// computed at the start.
 MinimiseSummary minimise_schur(const Problem& problem, State& state, const MinimiseOptions& options);
 
-/// Ceres, DENSE_SCHUR, with the same analytic derivatives. Single-threaded: with more its sums have another order.
+/// Ceres with the same analytic derivatives, DENSE_SCHUR, or SPARSE_SCHUR where the reduced system is large and sparse.
+/// Single-threaded: with more its sums have another order.
 MinimiseSummary minimise_ceres(const Problem& problem, State& state, const MinimiseOptions& options);
 
 struct AdjustOptions {
@@ -53,6 +54,8 @@ struct AdjustOptions {
   /// deviations from there to the minimum. 0: it is at the minimum.
   double nearby = 0;
   bool with_cofactors = true;  ///< Adjusted::cofactors is filled
+  /// Told the memory that is going to be taken, before it is; may throw.
+  std::function<void(std::size_t)> announce;
 };
 
 /// The block at its minimum. Owns nothing of problem and layout, which must outlive it.
@@ -60,7 +63,6 @@ struct Adjusted {
   State state;
   int iterations = 0;
   std::unique_ptr<Elimination> elimination;  ///< at the state, or AdjustOptions::nearby
-  Eigen::MatrixXd inverse_factor;            ///< L⁻¹ of its factor
   std::unique_ptr<Cofactors> cofactors;
   int rows = 0, unknowns = 0, defect = 0;
   int redundancy() const { return rows - unknowns + defect; }

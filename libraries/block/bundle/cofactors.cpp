@@ -8,14 +8,14 @@
 
 namespace plumbline::bundle {
 Cofactors::Cofactors(const Problem& problem, const Layout& layout, const State& state, const Elimination& elimination,
-                     const Datum& datum, const Eigen::MatrixXd& inverse_factor)
-    : problem_(problem), layout_(layout), elimination_(elimination), own_(elimination.blocks().size()) {
-  const Eigen::Index n = elimination.kept_count();
-  if (n > 0) {
-    kept_ = least_squares::Cholesky::inverse_of(inverse_factor);
-    const auto& scale = elimination.scale();
-    for (Eigen::Index c = 0; c < n; ++c) kept_.col(c).array() *= scale.array() * scale(c);
-  }
+                     const Datum& datum)
+    : problem_(problem),
+      layout_(layout),
+      elimination_(elimination),
+      kept_(elimination.factor()),
+      is_dense_(elimination.factor().analysis().is_dense()),
+      own_(elimination.blocks().size()) {
+  kept_.scale(elimination.scale());
   if (datum.count == 0) return;
   g_ = motions_of(problem, layout, state, adjust::centre_of(bodies_of(problem, state))).leftCols(datum.count);
   Eigen::MatrixXd c = Eigen::MatrixXd::Zero(g_.rows(), datum.count);
@@ -29,13 +29,28 @@ Cofactors::Local Cofactors::local(const Elimination::Block& block) const {
   Local result;
   const auto y = elimination_.y(block);
   const Eigen::Index s = block.size;
-  if (!block.determined()) {
-    result.t.setZero(s, block.columns);
-    result.own.setZero(s, s);
-    return result;
+  if (!is_dense_) {
+    std::vector<int> kept;
+    for (int b : block.kept) kept.push_back(elimination_.kept_index(b));
+    result.kept = kept_.joint(kept);
   }
-  result.t.resize(s, block.columns);
-  multiply_kept(block, result.t);
+  result.t.setZero(s, block.columns);
+  result.own.setZero(s, s);
+  if (!block.determined()) return result;
+  const double* numbers = elimination_.y_of(block);
+  Eigen::Index at = 0;
+  if (is_dense_) {
+    const auto all = kept_.dense();
+    const Run* runs = elimination_.runs(block);
+    for (const Run* run = runs; run < runs + block.run_count; ++run)
+      for (int c = 0; c < run->length; ++c)
+        multiply_runs(numbers, block.size, block.columns, runs, block.run_count, all.col(run->offset + c).data(),
+                      result.t.col(at++).data());
+  } else {
+    const Run whole{0, 0, block.columns};
+    for (; at < block.columns; ++at)
+      multiply_runs(numbers, block.size, block.columns, &whole, 1, result.kept.col(at).data(), result.t.col(at).data());
+  }
   const auto lower = block.factor.topLeftCorner(s, s).triangularView<Eigen::Lower>();
   result.own = Eigen::MatrixXd::Identity(s, s) + result.t * y.transpose();
   const Eigen::MatrixXd inverse = lower.solve(Eigen::MatrixXd::Identity(s, s));
@@ -44,53 +59,129 @@ Cofactors::Local Cofactors::local(const Elimination::Block& block) const {
   return result;
 }
 
-/// Y Q of the local kept unknowns, or of all of them if `product` has as many columns.
-void Cofactors::multiply_kept(const Elimination::Block& block, Eigen::MatrixXd& product) const {
-  const bool all = product.cols() == kept_.cols();
-  const Run* runs = elimination_.runs(block);
-  const Run whole{0, 0, static_cast<int>(kept_.cols())};
-  Eigen::Index at = 0;
-  for (const Run* run = all ? &whole : runs; run < (all ? &whole + 1 : runs + block.run_count); ++run)
-    for (int c = 0; c < run->length; ++c)
-      multiply_runs(elimination_.y_of(block), block.size, block.columns, runs, block.run_count,
-                    kept_.col(run->offset + c).data(), product.col(at++).data());
+Eigen::MatrixXd Cofactors::own_before_datum(int block) const {
+  const int e = elimination_.eliminated(block);
+  if (e < 0) return kept_.block(elimination_.kept_index(block), elimination_.kept_index(block));
+  const Eigen::MatrixXd& known = own_[static_cast<size_t>(e)];
+  return known.size() > 0 ? known : local(elimination_.blocks()[static_cast<size_t>(e)]).own;
 }
 
-Eigen::MatrixXd Cofactors::raw(int a, int b) const {
-  const int ea = elimination_.eliminated(a), eb = elimination_.eliminated(b);
-  if (ea < 0 && eb < 0)
-    return kept_.block(elimination_.kept_offset(a), elimination_.kept_offset(b), layout_.size(a), layout_.size(b));
-  if (ea < 0) return raw(b, a).transpose();
-  const auto& block = elimination_.blocks()[static_cast<size_t>(ea)];
-  if (ea == eb) {
-    const Eigen::MatrixXd& known = own_[static_cast<size_t>(ea)];
-    return known.size() > 0 ? known : local(block).own;
+/// What of a block's errors comes from kept unknowns, and what it has of its own: Q_ab = G_a Q G_bᵀ, and for a = b
+/// V⁻¹ more.
+struct Cofactors::Reach {
+  std::vector<int> kept, starts;  ///< kept blocks by their index, and where their columns in `g` begin
+  Eigen::MatrixXd g;              ///< −L⁻ᵀ Y of an eliminated block, the identity of a kept one
+  Eigen::MatrixXd own;            ///< V⁻¹, or zero
+};
+
+Cofactors::Reach Cofactors::reach_of(int block) const {
+  Reach reach;
+  const int size = layout_.size(block), e = elimination_.eliminated(block);
+  reach.own.setZero(size, size);
+  if (size == 0) return reach;
+  if (e < 0) {
+    reach.kept = {elimination_.kept_index(block)};
+    reach.starts = {0};
+    reach.g.setIdentity(size, size);
+    return reach;
   }
-  // −L⁻ᵀ Y Q to what is kept.
-  const auto y = elimination_.y(block);
-  const auto upper = block.factor.topLeftCorner(block.size, block.size).triangularView<Eigen::Lower>().transpose();
-  const auto to_kept = [&](int offset, int size) {
-    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(block.size, size);
-    if (!block.determined()) return sum;
-    for (size_t k = 0; k < block.kept.size(); ++k)
-      sum -= y.middleCols(block.local[k], layout_.size(block.kept[k])) *
-             kept_.block(elimination_.kept_offset(block.kept[k]), offset, layout_.size(block.kept[k]), size);
-    return Eigen::MatrixXd(upper.solve(sum));
-  };
-  if (eb < 0) return to_kept(elimination_.kept_offset(b), layout_.size(b));
-  const auto& other = elimination_.blocks()[static_cast<size_t>(eb)];
-  if (!other.determined()) return Eigen::MatrixXd::Zero(block.size, other.size);
-  const auto y_other = elimination_.y(other);
-  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(block.size, other.size);
-  for (size_t k = 0; k < other.kept.size(); ++k)
-    sum -= to_kept(elimination_.kept_offset(other.kept[k]), layout_.size(other.kept[k])) *
-           y_other.middleCols(other.local[k], layout_.size(other.kept[k])).transpose();
-  // sum = −Q_ak Yᵀ; the other side's L⁻¹ from the right.
-  return other.factor.topLeftCorner(other.size, other.size)
-      .triangularView<Eigen::Lower>()
-      .transpose()
-      .solve(sum.transpose())
-      .transpose();
+  const auto& from = elimination_.blocks()[static_cast<size_t>(e)];
+  if (!from.determined()) return reach;
+  for (int b : from.kept) reach.kept.push_back(elimination_.kept_index(b));
+  reach.starts = from.local;
+  const auto lower = from.factor.topLeftCorner(size, size).triangularView<Eigen::Lower>();
+  reach.g = -elimination_.y(from);
+  lower.transpose().solveInPlace(reach.g);
+  const Eigen::MatrixXd inverse = lower.solve(Eigen::MatrixXd::Identity(size, size));
+  reach.own = inverse.transpose() * inverse;
+  return reach;
+}
+
+/// G Q Gᵀ from the inverse of all kept blocks that are reached, which all meet.
+Eigen::MatrixXd Cofactors::by_inverse(const std::vector<Reach>& reaches, const std::vector<int>& kept) const {
+  const auto& analysis = elimination_.factor().analysis();
+  std::vector<Eigen::Index> row(static_cast<size_t>(analysis.block_count()));  // by kept block
+  Eigen::MatrixXd gathered;
+  if (!is_dense_) gathered = kept_.joint(kept);
+  Eigen::Index next = 0, all = 0;
+  for (int k : kept) row[static_cast<size_t>(k)] = is_dense_ ? analysis.offset(k) : next, next += analysis.size(k);
+  const Eigen::Map<const Eigen::MatrixXd> q =
+      is_dense_ ? kept_.dense() : Eigen::Map<const Eigen::MatrixXd>(gathered.data(), gathered.rows(), gathered.cols());
+  for (const Reach& reach : reaches) all += reach.own.rows();
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(all, all);
+  Eigen::Index at = 0;
+  for (size_t i = 0; i < reaches.size(); at += reaches[i].own.rows(), ++i) {
+    stop_point();
+    Eigen::MatrixXd to_kept = Eigen::MatrixXd::Zero(reaches[i].own.rows(), q.cols());
+    for (size_t k = 0; k < reaches[i].kept.size(); ++k) {
+      const int b = reaches[i].kept[k], size = analysis.size(b);
+      to_kept.noalias() += reaches[i].g.middleCols(reaches[i].starts[k], size) *
+                           q.middleCols(row[static_cast<size_t>(b)], size).transpose();
+    }
+    Eigen::Index to = 0;
+    for (size_t j = 0; j <= i; to += reaches[j].own.rows(), ++j) {
+      auto part = result.block(at, to, reaches[i].own.rows(), reaches[j].own.rows());
+      for (size_t k = 0; k < reaches[j].kept.size(); ++k) {
+        const int b = reaches[j].kept[k], size = analysis.size(b);
+        part.noalias() += to_kept.middleCols(row[static_cast<size_t>(b)], size) *
+                          reaches[j].g.middleCols(reaches[j].starts[k], size).transpose();
+      }
+      if (i != j) result.block(to, at, part.cols(), part.rows()) = part.transpose();
+    }
+  }
+  return result;
+}
+
+/// The same for kept blocks of which some never meet: the functionals S Gᵀ of the factor's matrix.
+Eigen::MatrixXd Cofactors::by_solves(const std::vector<Reach>& reaches) const {
+  const auto& analysis = elimination_.factor().analysis();
+  Eigen::Index all = 0;
+  for (const Reach& reach : reaches) all += reach.own.rows();
+  Eigen::MatrixXd functionals = Eigen::MatrixXd::Zero(analysis.unknown_count(), all);
+  Eigen::Index at = 0;
+  for (const Reach& reach : reaches) {
+    for (size_t k = 0; k < reach.kept.size(); ++k) {
+      const int offset = analysis.offset(reach.kept[k]), size = analysis.size(reach.kept[k]);
+      functionals.block(offset, at, size, reach.own.rows()) = elimination_.scale().segment(offset, size).asDiagonal() *
+                                                              reach.g.middleCols(reach.starts[k], size).transpose();
+    }
+    at += reach.own.rows();
+  }
+  return elimination_.factor().covariance(functionals);
+}
+
+Eigen::MatrixXd Cofactors::joint(const std::vector<int>& blocks) const {
+  Eigen::MatrixXd q;
+  if (blocks.size() == 1) {
+    if (layout_.size(blocks[0]) > 0) q = own_before_datum(blocks[0]);
+  } else {
+    std::vector<Reach> reaches;
+    std::vector<int> kept;
+    for (int b : blocks) {
+      reaches.push_back(reach_of(b));
+      kept.insert(kept.end(), reaches.back().kept.begin(), reaches.back().kept.end());
+    }
+    std::sort(kept.begin(), kept.end());
+    kept.erase(std::unique(kept.begin(), kept.end()), kept.end());
+    q = is_dense_ || kept_.has_all(kept) ? by_inverse(reaches, kept) : by_solves(reaches);
+    Eigen::Index at = 0;
+    for (size_t i = 0; i < blocks.size(); at += layout_.size(blocks[i]), ++i) {
+      Eigen::Index to = 0;
+      for (size_t j = 0; j < blocks.size(); to += layout_.size(blocks[j]), ++j)
+        if (blocks[i] == blocks[j]) q.block(at, to, reaches[i].own.rows(), reaches[i].own.rows()) += reaches[i].own;
+    }
+  }
+  Eigen::Index at = 0;
+  for (size_t i = 0; i < blocks.size(); at += layout_.size(blocks[i]), ++i) {
+    Eigen::Index to = 0;
+    for (size_t j = 0; j <= i; to += layout_.size(blocks[j]), ++j) {
+      auto part = q.block(at, to, layout_.size(blocks[i]), layout_.size(blocks[j]));
+      to_datum(blocks[i], blocks[j], part);
+      if (i == j) part = (0.5 * (part + part.transpose())).eval();
+      if (i != j) q.block(to, at, part.cols(), part.rows()) = part.transpose();
+    }
+  }
+  return q;
 }
 
 void Cofactors::to_datum(int a, int b, Eigen::Ref<Eigen::MatrixXd> q) const {
@@ -100,62 +191,6 @@ void Cofactors::to_datum(int a, int b, Eigen::Ref<Eigen::MatrixXd> q) const {
   q -= ga * p_.middleCols(layout_.offset(b), layout_.size(b));
   q -= p_.middleCols(layout_.offset(a), layout_.size(a)).transpose() * gb.transpose();
   q += ga * m_ * gb.transpose();
-}
-
-Eigen::MatrixXd Cofactors::joint(const std::vector<int>& blocks) const {
-  std::vector<int> offset{0};
-  for (int b : blocks) offset.push_back(offset.back() + layout_.size(b));
-  Eigen::MatrixXd q(offset.back(), offset.back());
-  // Rows of an eliminated block to everything kept, once for all its partners.
-  std::vector<Eigen::MatrixXd> to_kept(blocks.size());
-  const bool many = blocks.size() > 8;
-  for (size_t i = 0; i < blocks.size() && many; ++i) {
-    stop_point();
-    const int e = elimination_.eliminated(blocks[i]);
-    if (e < 0) continue;
-    const auto& block = elimination_.blocks()[static_cast<size_t>(e)];
-    to_kept[i] = Eigen::MatrixXd::Zero(block.size, elimination_.kept_count());
-    if (!block.determined()) continue;
-    multiply_kept(block, to_kept[i]);
-    to_kept[i] *= -1;
-    block.factor.topLeftCorner(block.size, block.size)
-        .triangularView<Eigen::Lower>()
-        .transpose()
-        .solveInPlace(to_kept[i]);
-  }
-  for (size_t i = 0; i < blocks.size(); ++i)
-    for (size_t j = 0; j <= i; ++j) {
-      stop_point();
-      auto part = q.block(offset[i], offset[j], layout_.size(blocks[i]), layout_.size(blocks[j]));
-      const int ei = elimination_.eliminated(blocks[i]), ej = elimination_.eliminated(blocks[j]);
-      if (!many || ei == ej || (ei < 0 && ej < 0)) {
-        part = raw(blocks[i], blocks[j]);
-      } else if (ei >= 0 && ej >= 0) {
-        const auto& other = elimination_.blocks()[static_cast<size_t>(ej)];
-        part.setZero();
-        if (other.determined()) {
-          const auto y = elimination_.y(other);
-          Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(other.size, part.rows());
-          for (size_t k = 0; k < other.kept.size(); ++k)
-            sum.noalias() -=
-                y.middleCols(other.local[k], layout_.size(other.kept[k])) *
-                to_kept[i].middleCols(elimination_.kept_offset(other.kept[k]), layout_.size(other.kept[k])).transpose();
-          part = other.factor.topLeftCorner(other.size, other.size)
-                     .triangularView<Eigen::Lower>()
-                     .transpose()
-                     .solve(sum)
-                     .transpose();
-        }
-      } else if (ei >= 0) {
-        part = to_kept[i].middleCols(elimination_.kept_offset(blocks[j]), part.cols());
-      } else {
-        part = to_kept[j].middleCols(elimination_.kept_offset(blocks[i]), part.rows()).transpose();
-      }
-      to_datum(blocks[i], blocks[j], part);
-      if (i == j) part = (0.5 * (part + part.transpose())).eval();
-      if (i != j) q.block(offset[j], offset[i], part.cols(), part.rows()) = part.transpose();
-    }
-  return q;
 }
 
 Eigen::MatrixXd Cofactors::cross(const std::vector<int>& blocks, const std::vector<int>& unknowns,
@@ -211,20 +246,31 @@ struct Cofactors::Touched {
 /// `local`: where its kept parts are in `near`.
 Cofactors::Square Cofactors::of_rows(const Rows& rows, int own_block, const Local* near, const int* local,
                                      Touched& touched) const {
+  std::array<int, Rows::max_parts> column{};  // of the kept parts among the local ones
   int next = 0;
+  for (int k = 0; k < rows.parts && near; ++k)
+    if (rows.part[static_cast<size_t>(k)].block != own_block) column[static_cast<size_t>(k)] = local[next++];
   for (int l = 0; l < rows.parts; ++l) {
     const auto& b = rows.part[static_cast<size_t>(l)];
-    const bool is_own = near && b.block == own_block;
-    const int to = is_own ? 0 : elimination_.kept_offset(b.block), at = near && !is_own ? local[next++] : 0;
+    const bool to_own = near && b.block == own_block;
+    const int to = column[static_cast<size_t>(l)];
     for (int k = 0; k < rows.parts; ++k) {
       const auto& a = rows.part[static_cast<size_t>(k)];
       const bool from_own = near && a.block == own_block;
-      if (is_own && from_own)
+      if (to_own && from_own)
         touched.set(a, b, near->own);
       else if (from_own)
-        touched.set(a, b, near->cross.middleCols(at, b.size));
-      else if (!is_own && k <= l)
-        touched.set(a, b, kept_.block(elimination_.kept_offset(a.block), to, a.size, b.size));
+        touched.set(a, b, near->cross.middleCols(to, b.size));
+      else if (to_own || k > l)
+        continue;
+      else if (is_dense_)
+        touched.set(
+            a, b,
+            kept_.dense().block(elimination_.kept_offset(a.block), elimination_.kept_offset(b.block), a.size, b.size));
+      else if (near)
+        touched.set(a, b, near->kept.block(column[static_cast<size_t>(k)], to, a.size, b.size));
+      else
+        touched.set(a, b, kept_.block(elimination_.kept_index(a.block), elimination_.kept_index(b.block)));
     }
   }
   Square q(rows.rows, rows.rows);

@@ -1,5 +1,6 @@
-// Cofactors (covariances for σ0 = 1) of the unknowns of a block by selected inverse: the dense inverse of the reduced
-// matrix, and of the eliminated unknowns only what is asked for. Marginal: everything else is unknown too.
+// Cofactors (covariances for σ0 = 1) of the unknowns of a block by selected inverse: of the kept unknowns where blocks
+// meet, of the eliminated ones what is asked for; pairs of the kept ones that never meet by solves. Marginal:
+// everything else is unknown too.
 #pragma once
 
 #include <functional>
@@ -7,16 +8,16 @@
 #include "block/bundle/datum.hpp"
 #include "block/bundle/elimination.hpp"
 #include "block/bundle/terms.hpp"
+#include "least_squares/selected_inverse.hpp"
 
 namespace plumbline::bundle {
 
 class Cofactors {
  public:
-  /// Precondition: elimination.factorise() succeeded, with constraints if `datum` is free; `inverse_factor` is L⁻¹ of
-  /// its factor. Cofactors belong to the datum: whatever completed the rank, S Q Sᵀ with S = I − G (CᵀG)⁻¹ Cᵀ is that
-  /// of the wanted one (Baarda 1973).
+  /// Precondition: elimination.factorise() succeeded, with its motions if `datum` is free. Cofactors belong to the
+  /// datum: whatever completed the rank, S Q Sᵀ with S = I − G (CᵀG)⁻¹ Cᵀ is that of the wanted one (Baarda 1973).
   Cofactors(const Problem& problem, const Layout& layout, const State& state, const Elimination& elimination,
-            const Datum& datum, const Eigen::MatrixXd& inverse_factor);
+            const Datum& datum);
 
   /// Joint cofactor matrix of some blocks of unknowns (numbers of Layout), in the order given.
   Eigen::MatrixXd joint(const std::vector<int>& blocks) const;
@@ -48,20 +49,25 @@ class Cofactors {
     Eigen::MatrixXd t;      ///< Y Q of the local kept unknowns
     Eigen::MatrixXd own;    ///< before the datum
     Eigen::MatrixXd cross;  ///< to the local kept unknowns: −L⁻ᵀ t; only in visit_rows()
+    Eigen::MatrixXd kept;   ///< Q of the local kept unknowns, unless the inverse is dense
   };
+  struct Reach;
   struct Touched;
   using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, Rows::max_rows, Rows::max_rows>;
   std::vector<Eigen::Index> positions(const std::vector<int>& unknowns, const std::vector<int>& blocks) const;
   Local local(const Elimination::Block& block) const;
   Square of_rows(const Rows& rows, int own_block, const Local* near, const int* local, Touched& touched) const;
-  void multiply_kept(const Elimination::Block& block, Eigen::MatrixXd& product) const;
-  Eigen::MatrixXd raw(int a, int b) const;
+  Eigen::MatrixXd own_before_datum(int block) const;
+  Reach reach_of(int block) const;
+  Eigen::MatrixXd by_inverse(const std::vector<Reach>& reaches, const std::vector<int>& kept) const;
+  Eigen::MatrixXd by_solves(const std::vector<Reach>& reaches) const;
   void to_datum(int a, int b, Eigen::Ref<Eigen::MatrixXd> q) const;
 
   const Problem& problem_;
   const Layout& layout_;
   const Elimination& elimination_;
-  Eigen::MatrixXd kept_;                      ///< dense inverse of the reduced matrix
+  least_squares::SelectedInverse kept_;  ///< of the reduced matrix, by kept blocks
+  bool is_dense_ = false;
   mutable std::vector<Eigen::MatrixXd> own_;  ///< Local::own of eliminated blocks that visit_rows() has been at
   Eigen::MatrixXd g_, p_, m_;                 ///< G, P = (CᵀG)⁻¹ Cᵀ Q, M; empty without a free datum
 };

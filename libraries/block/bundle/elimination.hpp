@@ -1,7 +1,7 @@
 // Normal equations of a block with one class of unknowns eliminated: either the bodies (points, plates) or the images,
 // whichever leaves less work; bodies that an observation ties to other bodies are kept. Observations are linearised one
 // after the other, each once, and only L⁻¹ of an eliminated block's coupling is kept: memory is 3 × 6 numbers an
-// observation and the square of the kept unknowns.
+// observation, and what of the kept unknowns' matrix and its factor is not zero (least_squares/sparse_cholesky.hpp).
 //
 // With V the normal matrix of an eliminated block, V = L Lᵀ, W its coupling with kept unknowns and Y = L⁻¹ W, the
 // reduced normal matrix is S = N − Σ Yᵀ Y. Source: Brown (1958); Förstner & Wrobel (2016), Photogrammetric Computer
@@ -15,7 +15,7 @@
 
 #include "block/bundle/kernels.hpp"
 #include "block/bundle/problem.hpp"
-#include "least_squares/dense_cholesky.hpp"
+#include "least_squares/sparse_cholesky.hpp"
 
 namespace plumbline::bundle {
 
@@ -40,9 +40,13 @@ class Elimination {
   /// Linearises at `state`, adds `damping` times the diagonal to it, eliminates. False if an observation cannot be
   /// computed there (undefined() says which).
   bool build(const State& state, double damping = 0, const Loss& loss = {});
-  /// Factorises the reduced matrix, to which B Bᵀ of the scaled `constraints` (kept_count × d) is added; false if it
-  /// has no Cholesky factor.
-  bool factorise(const Eigen::MatrixXd& constraints);
+  /// What build(), factorise() and a selected inverse of it take at their most, beside what was taken when this was
+  /// made.
+  std::size_t bytes() const;
+  /// Factorises the reduced matrix, scaled to its diagonal; false if it has no Cholesky factor. Where `motions`
+  /// (kept_count × d, scaled, orthonormal) are its null space, d unknowns are weighed that these move most and apart:
+  /// solutions for right sides that no motion sees are those of N, and an inverse is a generalised one.
+  bool factorise(const Eigen::MatrixXd& motions);
   /// N⁻¹ right for all unknowns (Layout's order), n × d. Precondition: factorise().
   Eigen::MatrixXd solve(const Eigen::MatrixXd& right) const;
   /// −Jᵀ r at `state` for all unknowns and Σ ρ there, and nothing else; false if an observation cannot be computed
@@ -88,9 +92,13 @@ class Elimination {
   int kept_offset(int block) const { return kept_offset_[static_cast<size_t>(block)]; }
   /// Scale of each kept unknown in the factorised matrix: 1/√diagonal.
   const Eigen::VectorXd& scale() const { return scale_; }
-  /// S scaled to its diagonal before the elimination (plus constraints), lower triangle, before its factorisation.
-  Eigen::MatrixXd scaled_matrix(const Eigen::MatrixXd& constraints) const;
-  const least_squares::Cholesky& factor() const { return factor_; }
+  /// S before its scaling, by kept blocks in their order.
+  const least_squares::SymmetricBlocks& reduced() const { return normal_; }
+  /// Of the scaled matrix; its blocks are the kept ones.
+  const least_squares::SparseCholesky& factor() const { return factor_; }
+  const std::vector<int>& kept_blocks() const { return kept_blocks_; }
+  /// Number of a kept block among the kept ones, or −1.
+  int kept_index(int block) const { return kept_index_[static_cast<size_t>(block)]; }
 
   struct TermRef {
     enum class Kind : int { point, tag, distance, known } kind;
@@ -106,6 +114,9 @@ class Elimination {
   void sort_unknowns();
   void sort_terms();
   void blocks_of(const TermRef& term, std::vector<int>& all) const;
+  void lay_out_y();
+  void couple_kept();
+  void allocate();
   bool linearise(const State& state, const Loss& loss, int first, int last, double damping, Sums& sums);
   bool add_loose(const State& state, const Loss& loss);
   void add_products(const Block& block, const TermRef& term, const Rows& rows, double* w, double* v, double* g,
@@ -124,8 +135,8 @@ class Elimination {
   const Layout& layout_;
   Side side_ = Side::bodies;
   int threads_ = 1;
-  int kept_count_ = 0, primary_count_ = 0;
-  std::vector<int> eliminated_, kept_offset_, kept_blocks_;
+  int kept_count_ = 0;
+  std::vector<int> eliminated_, kept_offset_, kept_index_, kept_blocks_;
   std::vector<bool> tied_;  ///< bodies that an observation ties to others
   std::vector<Block> blocks_;
   std::vector<std::vector<TermRef>> terms_;
@@ -134,16 +145,27 @@ class Elimination {
   struct Linear {
     Eigen::MatrixXd whitening, jacobian, normal;  ///< W, J, Jᵀ J
     std::vector<int> columns;                     ///< unknowns, see Layout
-    std::vector<int> at;                          ///< their rows in the eliminated block or in the reduced matrix
+    std::vector<int> at;                          ///< their rows in their blocks
     bool diagonal = false;                        ///< JᵀJ is
+    /// Columns that are neighbours in one kept block.
+    struct Part {
+      int kept, first, count;
+    };
+    std::vector<Part> parts;
   };
+  void add_known(const Linear& known);
   std::vector<Linear> known_;                  ///< in the order of the problem
   std::vector<std::vector<Coupled>> coupled_;  ///< by kept block
   std::vector<double> y_;
   std::vector<Run> runs_;
-  Eigen::MatrixXd normal_;  ///< reduced, lower triangle
+  static constexpr int max_chunks = 8;  ///< of eliminated blocks that are summed up apart
+  size_t y_count_ = 0;
+  bool is_allocated_ = false;
+  /// Of the reduced matrix; and of what kept blocks have in common in observations of eliminated ones.
+  least_squares::Pattern pattern_{{}}, direct_pattern_{{}};
+  least_squares::SymmetricBlocks normal_, direct_;
   Eigen::VectorXd right_, diagonal_, reduced_right_, scale_;
-  least_squares::Cholesky factor_;
+  least_squares::SparseCholesky factor_;
   double cost_ = 0;
   std::string undefined_;
 };

@@ -4,6 +4,7 @@
 
 #include "block/bundle/elimination.hpp"
 #include "block/bundle/terms.hpp"
+#include "plumbline/stop.hpp"
 
 namespace plumbline::bundle {
 
@@ -17,6 +18,7 @@ bool Elimination::gradient(const State& state, Eigen::VectorXd& right, double& c
   };
   Rows rows;
   const auto add = [&](const auto& term, bool robust) {
+    stop_point();
     if (!evaluate(problem_, layout_, state, term, true, rows)) return false;
     const double weight = weigh(robust, rows.values().squaredNorm());
     for (int k = 0; k < rows.parts; ++k) {
@@ -32,6 +34,7 @@ bool Elimination::gradient(const State& state, Eigen::VectorXd& right, double& c
   };
   TagGradient of_tag;
   const auto add_tag = [&](const ImageTag& term) {
+    stop_point();
     if (!gradient_of(problem_, state, term, of_tag)) return false;
     subtract_gradient(term, of_tag, weigh(term.robust, of_tag.squares), right);
     return true;
@@ -70,17 +73,18 @@ void Elimination::subtract_gradient(const ImageTag& term, const TagGradient& of_
   for (int value : layout_.free_values(camera)) right(next++) -= weight * of_tag.by_interior(value);
 }
 
-Eigen::MatrixXd Elimination::scaled_matrix(const Eigen::MatrixXd& constraints) const {
-  Eigen::MatrixXd scaled = normal_;
-  for (int c = 0; c < kept_count_; ++c)
-    scaled.col(c).tail(kept_count_ - c).array() *= scale_.tail(kept_count_ - c).array() * scale_(c);
-  if (constraints.cols() > 0) scaled.selfadjointView<Eigen::Lower>().rankUpdate(constraints);
-  return scaled;
-}
-
-bool Elimination::factorise(const Eigen::MatrixXd& constraints) {
-  if (kept_count_ == 0) return true;
-  return factor_.compute(scaled_matrix(constraints));
+bool Elimination::factorise(const Eigen::MatrixXd& motions) {
+  least_squares::Scaling scaling{scale_, Eigen::VectorXd::Zero(kept_count_)};
+  Eigen::MatrixXd left = motions;
+  for (Eigen::Index k = 0; k < motions.cols(); ++k) {
+    Eigen::Index at = 0;
+    const double longest = std::sqrt(left.rowwise().squaredNorm().maxCoeff(&at));
+    if (!(longest > 0)) return false;
+    scaling.added(at) += 1;
+    const Eigen::RowVectorXd direction = left.row(at) / longest;
+    left -= (left * direction.transpose()).eval() * direction;
+  }
+  return factor_.factorise(normal_, 0, scaling);
 }
 
 Eigen::VectorXd Elimination::step() const {
@@ -111,8 +115,7 @@ Eigen::VectorXd Elimination::step(const Eigen::VectorXd& right) const {
 
 Eigen::VectorXd Elimination::substitute_back(const Eigen::VectorXd& reduced, const std::vector<Half>& halves) const {
   Eigen::VectorXd result = Eigen::VectorXd::Zero(layout_.unknown_count()), kept = scale_.cwiseProduct(reduced);
-  if (kept_count_ > 0) factor_.solve_in_place(kept);
-  kept = scale_.cwiseProduct(kept);
+  kept = scale_.cwiseProduct(factor_.solve(kept).col(0));
   for (int b : kept_blocks_)
     result.segment(layout_.offset(b), layout_.size(b)) = kept.segment(kept_offset(b), layout_.size(b));
   std::array<double, 6> from_kept;
@@ -147,11 +150,7 @@ Eigen::MatrixXd Elimination::solve(const Eigen::MatrixXd& right) const {
       kept.middleRows(kept_offset(block.kept[k]), layout_.size(block.kept[k])) -=
           own.middleCols(block.local[k], layout_.size(block.kept[k])).transpose() * half[e];
   }
-  if (kept_count_ > 0) {
-    kept = scale_.asDiagonal() * kept;
-    factor_.solve_in_place(kept);
-    kept = scale_.asDiagonal() * kept;
-  }
+  kept = scale_.asDiagonal() * factor_.solve(scale_.asDiagonal() * kept);
   for (int b : kept_blocks_)
     result.middleRows(layout_.offset(b), layout_.size(b)) = kept.middleRows(kept_offset(b), layout_.size(b));
   for (size_t e = 0; e < blocks_.size(); ++e) {

@@ -122,8 +122,8 @@ void solve_lower(int size, const double* factor, double* w, int columns) {
 }
 
 PLUMBLINE_CLONES
-void subtract_strip(double* reduced, std::ptrdiff_t stride, int size, const Coupled* coupled, std::size_t count,
-                    double* right) {
+void subtract_strip(double* panel, std::ptrdiff_t stride, int size, const int* rows, const Coupled* coupled,
+                    std::size_t count, double* right) {
   for (const Coupled* block = coupled; block < coupled + count; ++block) {
     const double* own = block->y + block->first;
     const double* half = block->y + static_cast<std::ptrdiff_t>(block->rows) * block->columns;
@@ -136,7 +136,7 @@ void subtract_strip(double* reduced, std::ptrdiff_t stride, int size, const Coup
       const int end = run->local + run->length;
       if (end <= block->first) continue;
       int c = std::max(run->local, block->first);
-      double* to = reduced + run->offset - run->local;
+      double* to = panel + rows[run->offset + c - run->local] - c;
       const double* y = block->y;
       for (; block->rows == 3 && c + 8 <= end; c += 8) strip_of_eight(to + c, stride, size, own, y + c, block->columns);
       for (; c + 4 <= end; c += 4) strip_at<V4>(to + c, stride, size, own, y + c, block->rows, block->columns);

@@ -35,11 +35,11 @@ struct Coupled {
   int run_count = 0, rows = 0, columns = 0, first = 0;
 };
 
-/// Columns `at` … `at` + `size` of the reduced system (column-major) −= Yᵀ Y of everything coupled with that kept
-/// block, from the row of the diagonal on, and its right side −= Yᵀ L⁻¹ right. `reduced` points to the first of the
-/// columns.
-void subtract_strip(double* reduced, std::ptrdiff_t stride, int size, const Coupled* coupled, std::size_t count,
-                    double* right);
+/// The `size` columns of a kept block in the reduced system (a panel, column-major) −= Yᵀ Y of everything coupled with
+/// it, from the row of the diagonal on, and its right side −= Yᵀ L⁻¹ right. `rows`: by the first row of a kept block in
+/// the reduced system its first row in the panel, where neighbours are neighbours again.
+void subtract_strip(double* panel, std::ptrdiff_t stride, int size, const int* rows, const Coupled* coupled,
+                    std::size_t count, double* right);
 
 /// sums[k] = Σ over the runs of Y_k · x.
 void multiply_runs(const double* y, int y_rows, int columns, const Run* runs, int run_count, const double* x,

@@ -210,6 +210,8 @@ void add_terms(const std::vector<Term>& terms, const Values& values, ceres::Loss
   }
 }
 
+constexpr int largest_dense = 3000;  ///< reduced unknowns that Ceres takes as one dense matrix even if they are sparse
+
 class StopIfAsked : public ceres::IterationCallback {
  public:
   ceres::CallbackReturnType operator()(const ceres::IterationSummary&) override {
@@ -247,7 +249,8 @@ MinimiseSummary minimise_ceres(const Problem& problem, State& state, const Minim
     for (int b : rows.blocks) places.push_back(values.place(b));
     if (!places.empty()) ceres_problem.AddResidualBlock(new KnownCost(values, term, rows), nullptr, places);
   }
-  solver.linear_solver_type = ceres::DENSE_SCHUR;
+  const bool is_small = order.kept_count() <= largest_dense || order.factor().analysis().is_dense();
+  solver.linear_solver_type = is_small ? ceres::DENSE_SCHUR : ceres::SPARSE_SCHUR;
   solver.num_threads = 1;
   solver.logging_type = ceres::SILENT;
   solver.max_num_iterations = options.max_iterations;

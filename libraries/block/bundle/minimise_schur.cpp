@@ -26,6 +26,8 @@ double norm_of_values(const State& state) {
   return std::sqrt(sum);
 }
 
+constexpr double as_predicted = 0.9;  ///< of the fall that was predicted
+
 class Descent {
  public:
   Descent(const Problem& problem, const Layout& layout, State& state, const MinimiseOptions& options)
@@ -89,13 +91,17 @@ class Descent {
   bool take_step() {
     trial_ = state_;
     apply_step(problem_, layout_, step_, trial_);
-    // Linearised with the damping the next step would have: most steps are accepted, and then this is its system.
-    const double next = std::max(damping_ / relief, smallest_damping);
-    if (!elimination_.build(trial_, next, options_.loss) || !(elimination_.sum_of_squares() < cost_)) return false;
-    const double gain = cost_ - elimination_.sum_of_squares();
+    // Linearised with the damping the next step would have: most steps do what was predicted, and then this is its
+    // system.
+    const double expected = std::max(damping_ / relief, smallest_damping);
+    if (!elimination_.build(trial_, expected, options_.loss) || !(elimination_.sum_of_squares() < cost_)) return false;
+    const double gain = cost_ - elimination_.sum_of_squares(), ratio = gain / predicted_;
     cost_ = elimination_.sum_of_squares();
     std::swap(state_, trial_);
-    damping_ = next;
+    // One that did less keeps its damping, or more (Nielsen 1999): without, a long weak block takes every second step
+    // in vain.
+    damping_ = ratio > as_predicted ? expected : std::max(expected, damping_ * (1 - std::pow(2 * ratio - 1, 3)));
+    if (damping_ != expected) elimination_.build(state_, damping_, options_.loss);
     growth_ = 2;
     if (gain <= negligible()) converged("the cost falls no further");
     return true;

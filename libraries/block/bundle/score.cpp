@@ -23,7 +23,7 @@ ScoreTest::ScoreTest(const Problem& problem, const Problem& larger, const State&
   add_observations(state, -1);
   add_known(state);
   kept_ = factors.scale().asDiagonal() * kept_;
-  if (kept_.rows() > 0) factors.factor().half_solve_in_place(kept_);
+  kept_ = factors.factor().half_solve(kept_);  // rows in another order, of which only products are taken
   reduced_.selfadjointView<Eigen::Lower>().rankUpdate(kept_.transpose());
 }
 

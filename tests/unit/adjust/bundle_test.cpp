@@ -206,7 +206,7 @@ void compare_with_dense(const Scene& scene, Side side) {
   const Eigen::VectorXd expected = -inverse * (jacobian.transpose() * rows);
   EXPECT_LT((elimination.step() - expected).cwiseQuotient(inverse.diagonal().cwiseSqrt()).norm(),
             1e-5 * expected.cwiseQuotient(inverse.diagonal().cwiseSqrt()).norm());
-  const Cofactors cofactors(scene.problem, layout, scene.state, elimination, {}, elimination.factor().inverse_factor());
+  const Cofactors cofactors(scene.problem, layout, scene.state, elimination, {});
   std::vector<int> all;
   for (int b = 0; b < layout.block_count(); ++b) all.push_back(b);
   const Eigen::VectorXd sigma = inverse.diagonal().cwiseSqrt().cwiseInverse();
@@ -229,8 +229,7 @@ void compare_with_dense(const Scene& scene, Side side) {
   // Redundancy: the trace of I − J Q Jᵀ is rows less unknowns, and each row's is that of the dense matrix.
   Adjusted adjusted;
   adjusted.state = scene.state;
-  adjusted.cofactors = std::make_unique<Cofactors>(scene.problem, layout, scene.state, elimination, Datum{},
-                                                   elimination.factor().inverse_factor());
+  adjusted.cofactors = std::make_unique<Cofactors>(scene.problem, layout, scene.state, elimination, Datum{});
   const Reliability reliability = reliability_of(scene.problem, adjusted);
   double redundancy = 0;
   for (const auto& group : reliability.groups) redundancy += group.redundancy;
