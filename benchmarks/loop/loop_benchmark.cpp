@@ -1,7 +1,9 @@
 // Open, measured once, closed: the same simulated towers side by side. Prints a table, the reliability of p_in, joints,
 // faults.
 //
-//   loop_benchmark [trials] [floors] [share of faults] [first seed] [facades]
+//   loop_benchmark [trials] [floors] [share of faults] [first seed] [facades] [factor on the survey's errors]
+//
+// With a survey that is two or three times worse there are panels of every stated probability: the reliability diagram.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -70,6 +72,8 @@ int main(int argc, char** argv) {
   options.faults = Faults::all(argc > 3 ? std::atof(argv[3]) : 0);
   const auto first = static_cast<std::uint64_t>(argc > 4 ? std::atoi(argv[4]) : 1);
   options.tower.facades = argc > 5 ? std::atoi(argv[5]) : 1;
+  const double worse = argc > 6 ? std::atof(argv[6]) : 1;
+  options.survey.single *= worse, options.survey.set_up *= worse, options.survey.control_walk *= worse;
   Sum sums[3];
   for (int t = 0; t < trials; ++t) {
     double share[3];

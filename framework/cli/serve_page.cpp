@@ -37,7 +37,8 @@ th,td{padding:5px 9px;text-align:left;border-bottom:1px solid var(--line);vertic
 th{border-bottom:2px solid var(--soft);font-weight:600}td.n{text-align:right;white-space:nowrap}th.n{text-align:right}
 details summary{cursor:pointer}details ul{margin:4px 0;padding-left:20px;overflow-wrap:anywhere}
 select{font:inherit;max-width:100%}
-iframe{width:100%;height:80vh;border:1px solid var(--line);border-radius:6px;background:#fff}
+#diff,li{overflow-wrap:anywhere}
+iframe{width:100%;height:80vh;margin-top:12px;border:1px solid var(--line);border-radius:6px;background:#fff}
 @media (max-width:760px){#all{grid-template-columns:minmax(0,1fr)}#runs{border-right:0;border-bottom:1px solid var(--line);max-height:38vh}
 #run,header{padding-left:14px;padding-right:14px}.kind{display:none}td.n,th.n{padding-left:4px;padding-right:4px}}
 </style></head><body>

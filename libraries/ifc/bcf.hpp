@@ -1,4 +1,5 @@
-// Issues for the people who mend them: BCF 2.1, the version that every BIM program reads. Nothing is judged here.
+// Issues for the people who mend them: BCF 2.1, the version that every BIM program reads, or 3.0. Nothing is judged
+// here.
 #pragma once
 
 #include <cstdint>
@@ -16,6 +17,7 @@ struct SurfaceJudgementT;
 namespace plumbline::bim {
 
 struct BcfOptions {
+  bool version_3 = false;                    ///< BCF 3.0, else 2.1
   std::string project_guid;                  ///< IFC GlobalId, the name space of the topics' ids
   std::string epoch;                         ///< part of the ids
   std::string date = "1970-01-01T00:00:00";  ///< of the topics, xs:dateTime
@@ -26,10 +28,10 @@ struct BcfOptions {
   const SurfaceJudgementT* surface_judgement = nullptr;  ///< their verdicts; null likewise
 };
 
-/// A .bcf (ZIP): one topic for every failing or undecided anchor, panel, surface of a panel and joint, with a viewpoint that selects and colours
-/// it (camera in metres, project coordinates; panels between it and the camera are hidden) and a snapshot, and one for
-/// everything that was asked for and not judged. The failing ones come first, and else they stand in the
-/// order of `anchors` and `panels`, which are those of `deviation` as they are to be mended
+/// A .bcf (ZIP): one topic for every failing or undecided anchor, panel, surface of a panel and joint, with a viewpoint
+/// that selects and colours it (camera in metres, project coordinates; panels between it and the camera are hidden) and
+/// a snapshot, and one for everything that was asked for and not judged. The failing ones come first, and else they
+/// stand in the order of `anchors` and `panels`, which are those of `deviation` as they are to be mended
 /// (judgement/worst_first.hpp). The same input gives the same bytes.
 std::string write_bcf(const DeviationT& deviation, const std::vector<const AnchorDeviationT*>& anchors,
                       const std::vector<const PanelDeviationT*>& panels, const BcfOptions& options);

@@ -23,12 +23,16 @@ class Picture {
     if (x >= 0 && y >= 0 && x < kWidth && y < kHeight) pixels_[static_cast<std::size_t>(y * kWidth + x)] = colour;
   }
   void box(double x0, double y0, double x1, double y1, unsigned char colour) {
-    for (int y = at(y0); y <= at(y1); ++y)
-      for (int x = at(x0); x <= at(x1); ++x) set(x, y, colour);
+    for (int y = std::max(0, at(y0)); y <= std::min(kHeight - 1, at(y1)); ++y)
+      for (int x = std::max(0, at(x0)); x <= std::min(kWidth - 1, at(x1)); ++x) set(x, y, colour);
   }
   void frame(double x0, double y0, double x1, double y1, int thick, unsigned char colour) {
     box(x0, y0, x1, y0 + thick, colour), box(x0, y1 - thick, x1, y1, colour);
     box(x0, y0, x0 + thick, y1, colour), box(x1 - thick, y0, x1, y1, colour);
+  }
+  /// Nothing of what reaches so far from there is in the picture.
+  static bool outside(double x, double y, double r) {
+    return x + r < 0 || y + r < 0 || x - r > kWidth || y - r > kHeight;
   }
   void disc(double x, double y, double r, unsigned char colour) {
     for (int j = at(y - r); j <= at(y + r); ++j)
@@ -123,6 +127,7 @@ std::string snapshot_png(const DeviationT& deviation, const Eigen::Vector3d& cen
   for (const auto& anchor : deviation.anchors) {
     if (!anchor->design.allFinite() || !shown(anchor->design, anchor->facade)) continue;
     const double px = x(anchor->design), py = y(anchor->design);
+    if (Picture::outside(px, py, 10)) continue;
     const unsigned char colour = full_colour(anchor->verdict);
     if (anchor->verdict == ToleranceVerdict::fail)
       picture.box(px - 7, py - 7, px + 7, py + 7, colour);

@@ -41,9 +41,10 @@ std::string header_of(const BcfOptions& options, const std::string& design_file)
   std::string files;
   for (const std::string& name : {options.model_file, design_file})
     if (!name.empty())
-      files += "<File IfcProject=\"" + xml_escaped(options.project_guid) + "\" isExternal=\"true\">" +
-               element("Filename", name) + "</File>";
-  return files.empty() ? "" : "<Header>" + files + "</Header>";
+      files += "<File IfcProject=\"" + xml_escaped(options.project_guid) + "\" " +
+               (options.version_3 ? "IsExternal" : "isExternal") + "=\"true\">" + element("Filename", name) + "</File>";
+  if (files.empty()) return "";
+  return options.version_3 ? "<Header><Files>" + files + "</Files></Header>" : "<Header>" + files + "</Header>";
 }
 
 /// GlobalIds of the panels that hang between the camera and the issue: they are hidden, or nobody would see it.
@@ -77,27 +78,52 @@ std::string comments(const BcfIssue& issue, const BcfOptions& options, const std
   return text;
 }
 
-std::string markup(const BcfIssue& issue, const BcfOptions& options, const std::string& header,
-                   const std::string& topic, const std::string& view, int index) {
-  const bool fail = issue.verdict == ToleranceVerdict::fail;
-  return kHead + "<Markup>" + header + "<Topic Guid=\"" + topic + "\" TopicType=\"Issue\" TopicStatus=\"" +
-         (issue.closed ? "Closed" : "Open") + "\">" + element("Title", issue.title) +
-         element("Priority", fail ? "High" : "Normal") + element("Index", std::to_string(index)) +
-         element("Labels", issue.storey) +
-         element("Labels", issue.closed ? "MENDED"
-                           : fail       ? "FAIL"
-                                        : "UNDECIDED") +
-         element("Labels", options.epoch) + element("CreationDate", options.date) +
-         element("CreationAuthor", options.author) + element("DueDate", options.due_date) +
-         element("AssignedTo", options.assigned_to) + element("Description", issue.description) + "</Topic>" +
-         comments(issue, options, topic) +
-         (view.empty() ? ""
-                       : "<Viewpoints Guid=\"" + view +
-                             "\"><Viewpoint>viewpoint.bcfv</Viewpoint><Snapshot>snapshot.png</Snapshot></Viewpoints>") +
-         "</Markup>\n";
+std::vector<std::string> labels_of(const BcfIssue& issue, const BcfOptions& options) {
+  const char* state = issue.closed ? "MENDED" : issue.verdict == ToleranceVerdict::fail ? "FAIL" : "UNDECIDED";
+  std::vector<std::string> labels;
+  for (const std::string& label : {issue.storey, std::string(state), options.epoch})
+    if (!label.empty()) labels.push_back(label);
+  return labels;
 }
 
-std::string viewpoint(const BcfIssue& issue, const std::vector<std::string>& hidden, const std::string& view) {
+/// In 3.0 comments and viewpoints are parts of the topic, and lists have an element around them.
+std::string markup(const BcfIssue& issue, const BcfOptions& options, const std::string& header,
+                   const std::string& topic, const std::string& view, int index) {
+  const bool newer = options.version_3;
+  std::string labels, views, said = comments(issue, options, topic);
+  for (const std::string& label : labels_of(issue, options)) labels += element(newer ? "Label" : "Labels", label);
+  if (newer && !labels.empty()) labels = "<Labels>" + labels + "</Labels>";
+  if (newer && !said.empty()) said = "<Comments>" + said + "</Comments>";
+  if (!view.empty()) {
+    const std::string files = "<Viewpoint>viewpoint.bcfv</Viewpoint><Snapshot>snapshot.png</Snapshot>";
+    views = newer ? "<Viewpoints><ViewPoint Guid=\"" + view + "\">" + files + "</ViewPoint></Viewpoints>"
+                  : "<Viewpoints Guid=\"" + view + "\">" + files + "</Viewpoints>";
+  }
+  return kHead + "<Markup>" + header + "<Topic Guid=\"" + topic + "\" TopicType=\"Issue\" TopicStatus=\"" +
+         (issue.closed ? "Closed" : "Open") + "\">" + element("Title", issue.title) +
+         element("Priority", issue.verdict == ToleranceVerdict::fail ? "High" : "Normal") +
+         element("Index", std::to_string(index)) + labels + element("CreationDate", options.date) +
+         element("CreationAuthor", options.author) + element("DueDate", options.due_date) +
+         element("AssignedTo", options.assigned_to) + element("Description", issue.description) +
+         (newer ? said + views + "</Topic>" : "</Topic>" + said + views) + "</Markup>\n";
+}
+
+/// What topics of 3.0 may say, which is what these do.
+std::string extensions(const std::set<std::string>& labels, const BcfOptions& options) {
+  std::set<std::string> users = {options.author};
+  if (!options.assigned_to.empty()) users.insert(options.assigned_to);
+  const auto list = [](const std::string& all, const char* one, const std::set<std::string>& values) {
+    std::string text;
+    for (const std::string& value : values) text += element(one, value);
+    return "<" + all + ">" + text + "</" + all + ">";
+  };
+  return kHead + "<Extensions>" + list("TopicTypes", "TopicType", {"Issue"}) +
+         list("TopicStatuses", "TopicStatus", {"Open", "Closed"}) + list("Priorities", "Priority", {"High", "Normal"}) +
+         list("TopicLabels", "TopicLabel", labels) + list("Users", "User", users) + "</Extensions>\n";
+}
+
+std::string viewpoint(const BcfIssue& issue, const std::vector<std::string>& hidden, const std::string& view,
+                      const BcfOptions& options) {
   const Eigen::Vector3d& normal = issue.frame.out;
   std::string exceptions;
   for (const std::string& guid : hidden) exceptions += "<Component IfcGuid=\"" + xml_escaped(guid) + "\"/>";
@@ -106,17 +132,22 @@ std::string viewpoint(const BcfIssue& issue, const std::vector<std::string>& hid
   const char* colour = issue.verdict == ToleranceVerdict::fail ? "FFD55E00" : "FFE69F00";
   return kHead + "<VisualizationInfo Guid=\"" + view + "\"><Components><Selection>" + component +
          "</Selection><Visibility DefaultVisibility=\"true\">" + exceptions + "</Visibility><Coloring><Color Color=\"" +
-         colour + "\">" + component + "</Color></Coloring></Components><PerspectiveCamera>" +
+         colour + "\">" + (options.version_3 ? "<Components>" + component + "</Components>" : component) +
+         "</Color></Coloring></Components><PerspectiveCamera>" +
          vector("CameraViewPoint", issue.centre + issue.away() * normal) + vector("CameraDirection", -normal) +
-         vector("CameraUpVector", issue.frame.up) +
-         "<FieldOfView>60</FieldOfView></PerspectiveCamera></VisualizationInfo>\n";
+         vector("CameraUpVector", issue.frame.up) + "<FieldOfView>60</FieldOfView>" +
+         (options.version_3 ? "<AspectRatio>1.333333</AspectRatio>" : "") +
+         "</PerspectiveCamera></VisualizationInfo>\n";
 }
 
 }  // namespace
 
 BcfFile::BcfFile(const BcfOptions& options, const std::string& design_file)
     : options_(options), header_(header_of(options, design_file)) {
-  zip_.add("bcf.version", kHead + "<Version VersionId=\"2.1\"><DetailedVersion>2.1</DetailedVersion></Version>\n");
+  zip_.add(
+      "bcf.version",
+      kHead + (options.version_3 ? "<Version VersionId=\"3.0\"/>\n"
+                                 : "<Version VersionId=\"2.1\"><DetailedVersion>2.1</DetailedVersion></Version>\n"));
 }
 
 void BcfFile::add(const BcfIssue& issue, const DeviationT& surroundings) {
@@ -124,10 +155,16 @@ void BcfFile::add(const BcfIssue& issue, const DeviationT& surroundings) {
   const bool seen = issue.reach > 0;
   const std::string view =
       seen ? uuid_of(options_.project_guid, "bcf view/" + options_.epoch + "/" + issue.key()) : std::string();
+  for (const std::string& label : labels_of(issue, options_)) labels_.insert(label);
   zip_.add(topic + "/markup.bcf", markup(issue, options_, header_, topic, view, index_++));
   if (!seen) return;
-  zip_.add(topic + "/viewpoint.bcfv", viewpoint(issue, panels_before(issue, surroundings), view));
+  zip_.add(topic + "/viewpoint.bcfv", viewpoint(issue, panels_before(issue, surroundings), view, options_));
   zip_.add(topic + "/snapshot.png", snapshot_png(surroundings, issue.centre, issue.reach, issue.frame));
+}
+
+std::string BcfFile::finish() {
+  if (options_.version_3) zip_.add("extensions.xml", extensions(labels_, options_));
+  return zip_.finish();
 }
 
 }  // namespace plumbline::bim

@@ -1,7 +1,8 @@
-// One topic of a BCF 2.1 file, whatever it is about; private to ifc/bcf*.cpp and ifc/installation_bcf.cpp.
+// One topic of a BCF file, 2.1 or 3.0, whatever it is about; private to ifc/bcf*.cpp and ifc/installation_bcf.cpp.
 #pragma once
 
 #include <algorithm>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -37,13 +38,14 @@ class BcfFile {
   BcfFile(const BcfOptions& options, const std::string& design_file);
   /// `surroundings`: panels and anchors that the snapshot shows, and that are hidden where they hang before the issue.
   void add(const BcfIssue& issue, const DeviationT& surroundings);
-  std::string finish() { return zip_.finish(); }
+  std::string finish();
 
  private:
   const BcfOptions& options_;
   std::string header_;
   ZipWriter zip_;
   int index_ = 0;
+  std::set<std::string> labels_;
 };
 
 }  // namespace plumbline::bim

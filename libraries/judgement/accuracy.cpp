@@ -68,7 +68,7 @@ PointSet usable(const PointSet& points, const std::string& what, Evaluation& eva
     evaluation.warn("The covariance of the " + what +
                     " holds values that are not finite or variances below zero; it is not used, "
                     "and every verdict stays undecided.");
-    copy.covariance.resize(0, 0);
+    copy.covariance = {};
   }
   return copy;
 }
@@ -114,9 +114,9 @@ DifferenceSet against_exact(const Evaluation& evaluation, const PointSet& refere
   DifferenceSet set = differences_of(evaluation.model, reference, matches);
   if (evaluation.model.covariance.size() == 0) return set;
   PointSet exact;
-  const auto size = 3 * static_cast<Eigen::Index>(reference.ids.size());
   const double mounting = evaluation.inputs.mounting_sigma;
-  exact.covariance = mounting * mounting * Eigen::MatrixXd::Identity(size, size);
+  const std::vector<Eigen::Matrix3d> of_each(reference.ids.size(), mounting * mounting * Eigen::Matrix3d::Identity());
+  exact.covariance = BlockCovariance::independent(of_each);
   set.covariance = difference_covariance(evaluation.model, exact, matches, {}).matrix;
   return set;
 }
@@ -208,7 +208,7 @@ void add_comparisons(Evaluation& evaluation, const DifferenceSet& all, AccuracyR
 /// 3 x 3 block, or 0 x 0.
 Eigen::MatrixXd block_of(const DifferenceSet& set, std::size_t i) {
   if (set.covariance.size() == 0) return {};
-  return set.covariance.block<3, 3>(3 * static_cast<Eigen::Index>(i), 3 * static_cast<Eigen::Index>(i));
+  return set.covariance.block(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i));
 }
 
 void attach(Evaluation& evaluation, const DifferenceSet& set,

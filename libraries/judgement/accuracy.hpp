@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "artifacts/accuracy.hpp"
+#include "judgement/block_covariance.hpp"
 
 namespace plumbline::evaluate {
 
@@ -18,7 +19,7 @@ namespace plumbline::evaluate {
 struct PointSet {
   std::vector<std::string> ids;
   std::vector<Eigen::Vector3d> positions;  ///< [m]
-  Eigen::MatrixXd covariance;              ///< 3n x 3n [m²], order x0 y0 z0 x1 ...; 0 x 0 when unknown
+  BlockCovariance covariance;              ///< 3n x 3n [m²], order x0 y0 z0 x1 ...
 };
 
 /// One row of the anchor table.

@@ -155,7 +155,7 @@ std::string words_of(const CommonShiftT& shift, std::optional<int> passing) {
 
 std::unique_ptr<CommonShiftT> common_shift(
     const std::vector<Eigen::Vector3d>& positions, const std::vector<Eigen::Vector3d>& deviations,
-    const Eigen::MatrixXd& covariance, double smallest_tolerance,
+    const evaluate::BlockCovariance& covariance, double smallest_tolerance,
     const std::function<int(const std::vector<Eigen::Vector3d>& corrected)>& would_pass) {
   const auto n = static_cast<Index>(positions.size());
   if (n < 4) return nullptr;
@@ -177,7 +177,12 @@ std::unique_ptr<CommonShiftT> common_shift(
   }
   if (fit.rank == 0 || fit.freedom <= 2) return out;
   Eigen::Matrix<double, 6, 6> s = covariance_of_motion(fit);
-  if (covariance.size() != 0) s += fit.gain * covariance * fit.gain.transpose();
+  for (const auto& cluster : covariance.clusters()) {
+    Eigen::MatrixXd gain(6, cluster.matrix.cols());
+    for (std::size_t k = 0; k < cluster.items.size(); ++k)
+      gain.middleCols<3>(3 * static_cast<Index>(k)) = fit.gain.middleCols<3>(3 * cluster.items[k]);
+    s += gain * cluster.matrix * gain.transpose();
+  }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> eigen(s);
   out->statistic = 0;
   for (int k = 0; k < 6; ++k)

@@ -15,10 +15,11 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-void fill_verdicts(const Eigen::VectorXd& dz, const Eigen::MatrixXd& covariance, const Options& options,
+void fill_verdicts(const Eigen::VectorXd& dz, const BlockCovariance& covariance, const Options& options,
                    AccuracyComparisonT& out) {
+  const Eigen::VectorXd variances = covariance.diagonal();
   for (Eigen::Index i = 0; i < dz.size(); ++i) {
-    const double u = covariance.size() == 0 ? nan : std::sqrt(std::max(0.0, covariance(i, i)));
+    const double u = covariance.size() == 0 ? nan : std::sqrt(std::max(0.0, variances[i]));
     switch (verdict_of(dz[i], u, options.tau, options.guard_factor)) {
       case ToleranceVerdict::pass:
         ++out.passed;
@@ -35,7 +36,7 @@ void fill_verdicts(const Eigen::VectorXd& dz, const Eigen::MatrixXd& covariance,
 void fill_heights(const DifferenceSet& set, const std::vector<AnchorEntry>& table, const Options& options,
                   AccuracyComparisonT& out) {
   const Eigen::VectorXd dz = set.heights();
-  const Eigen::MatrixXd covariance = set.height_covariance();
+  const BlockCovariance covariance = set.covariance.heights();
   const auto n = static_cast<double>(dz.size());
   out.mean_dz = dz.mean();
   out.rmse_z = std::sqrt(dz.squaredNorm() / n);
@@ -106,19 +107,28 @@ std::unique_ptr<AnchorDifferenceT> anchor_difference(const Eigen::Vector3d& diff
   return out;
 }
 
-std::unique_ptr<ErrorConsistencyT> consistency(const Eigen::VectorXd& difference, const Eigen::MatrixXd& covariance,
+std::unique_ptr<ErrorConsistencyT> consistency(const Eigen::VectorXd& difference, const BlockCovariance& covariance,
                                                double confidence) {
   if (covariance.size() == 0 || difference.size() == 0) return nullptr;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance);
+  std::vector<double> values, along;  // of all directions of all clusters
+  const Eigen::Index step = covariance.step();
+  for (const BlockCovariance::Cluster& cluster : covariance.clusters()) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(cluster.matrix);
+    Eigen::VectorXd own(cluster.matrix.rows());
+    for (std::size_t k = 0; k < cluster.items.size(); ++k)
+      own.segment(static_cast<Eigen::Index>(k) * step, step) = difference.segment(cluster.items[k] * step, step);
+    own = eigen.eigenvectors().transpose() * own;
+    values.insert(values.end(), eigen.eigenvalues().begin(), eigen.eigenvalues().end());
+    along.insert(along.end(), own.begin(), own.end());
+  }
   // Directions in which a difference is known to better than 0.02 mm are those where a control anchor follows its
   // survey: what is left there is rounding and the small variances that adjustments add, not errors to be tested.
-  const double limit = std::max(1e-6 * eigen.eigenvalues().maxCoeff(), 4e-10);
-  const Eigen::VectorXd along = eigen.eigenvectors().transpose() * difference;
+  const double limit = std::max(1e-6 * *std::max_element(values.begin(), values.end()), 4e-10);
   auto out = std::make_unique<ErrorConsistencyT>();
   out->statistic = 0;
-  for (Eigen::Index i = 0; i < along.size(); ++i) {
-    if (!(eigen.eigenvalues()[i] > limit)) continue;
-    out->statistic += along[i] * along[i] / eigen.eigenvalues()[i];
+  for (std::size_t i = 0; i < along.size(); ++i) {
+    if (!(values[i] > limit)) continue;
+    out->statistic += along[i] * along[i] / values[i];
     ++out->degrees_of_freedom;
   }
   if (out->degrees_of_freedom == 0) return nullptr;
@@ -128,7 +138,7 @@ std::unique_ptr<ErrorConsistencyT> consistency(const Eigen::VectorXd& difference
   return out;
 }
 
-PredictedRmse predicted_rmse(const Eigen::MatrixXd& covariance, double n, double confidence) {
+PredictedRmse predicted_rmse(const BlockCovariance& covariance, double n, double confidence) {
   const double trace = std::max(0.0, covariance.trace());
   const double square = covariance.squaredNorm();    // tr(S S') of a symmetric S
   if (!(square > 0 && trace > 0)) return {0, 0, 0};  // a model that is its own survey

@@ -18,7 +18,7 @@ std::unique_ptr<AnchorDifferenceT> anchor_difference(const Eigen::Vector3d& diff
 
 /// Chi-square statistic d' S⁺ d with the rank of S as degrees of freedom, directions of less than 0.02 mm left out;
 /// null when S [m²] is unknown or zero.
-std::unique_ptr<ErrorConsistencyT> consistency(const Eigen::VectorXd& difference, const Eigen::MatrixXd& covariance,
+std::unique_ptr<ErrorConsistencyT> consistency(const Eigen::VectorXd& difference, const BlockCovariance& covariance,
                                                double confidence);
 
 /// RMSE of n zero-mean errors with covariance S: its expectation sqrt(tr S / n) and the range it falls in at the
@@ -26,6 +26,6 @@ std::unique_ptr<ErrorConsistencyT> consistency(const Eigen::VectorXd& difference
 struct PredictedRmse {
   double value, lower, upper;
 };
-PredictedRmse predicted_rmse(const Eigen::MatrixXd& covariance, double n, double confidence);
+PredictedRmse predicted_rmse(const BlockCovariance& covariance, double n, double confidence);
 
 }  // namespace plumbline::evaluate

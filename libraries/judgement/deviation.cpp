@@ -78,15 +78,10 @@ void judge_anchors(Work& work) {
     work.deviations.difference.segment<3>(3 * i) =
         work.out.anchors[work.deviations.anchors[static_cast<std::size_t>(i)]]->deviation;
   if (model.covariance.size() == 0) return;
-  work.deviations.covariance.resize(3 * n, 3 * n);
+  work.deviations.covariance = model.covariance.subset(places);
   for (Eigen::Index i = 0; i < n; ++i)
-    for (Eigen::Index j = 0; j < n; ++j)
-      work.deviations.covariance.block<3, 3>(3 * i, 3 * j) =
-          model.covariance.block<3, 3>(3 * static_cast<Eigen::Index>(places[static_cast<std::size_t>(i)]),
-                                       3 * static_cast<Eigen::Index>(places[static_cast<std::size_t>(j)]));
-  for (Eigen::Index i = 0; i < n; ++i)
-    work.deviations.covariance.block<3, 3>(3 * i, 3 * i) +=
-        work.inputs.anchors[work.deviations.anchors[static_cast<std::size_t>(i)]].mounting;
+    work.deviations.covariance.add(i,
+                                   work.inputs.anchors[work.deviations.anchors[static_cast<std::size_t>(i)]].mounting);
 }
 
 /// Neither in order nor out of tolerance, at whatever tolerance.

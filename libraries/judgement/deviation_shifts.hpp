@@ -7,9 +7,9 @@
 namespace plumbline::judgement {
 
 /// Block of the i-th point, 3 x 3 or 0 x 0.
-inline Eigen::MatrixXd block_of(const Eigen::MatrixXd& covariance, std::size_t i) {
+inline Eigen::MatrixXd block_of(const evaluate::BlockCovariance& covariance, std::size_t i) {
   if (covariance.size() == 0) return {};
-  return covariance.block<3, 3>(3 * static_cast<Eigen::Index>(i), 3 * static_cast<Eigen::Index>(i));
+  return covariance.block(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i));
 }
 
 /// Fills the common shift and those of groups, with a warning for each that is significant. `deviations`: (14) of the

@@ -18,11 +18,10 @@ std::map<std::string, std::size_t> index_points(const PointSet& points, const st
 struct DifferenceSet {
   std::vector<std::size_t> anchors;  ///< index into the anchor table
   Eigen::VectorXd difference;        ///< 3n [m], x y z of each anchor
-  Eigen::MatrixXd covariance;        ///< 3n x 3n [m²]; 0 x 0 when unknown
+  BlockCovariance covariance;        ///< 3n x 3n [m²]
 
   std::size_t size() const { return anchors.size(); }
-  Eigen::VectorXd heights() const;            ///< n [m]
-  Eigen::MatrixXd height_covariance() const;  ///< n x n [m²]; 0 x 0 when unknown
+  Eigen::VectorXd heights() const;  ///< n [m]
   DifferenceSet subset(const std::vector<std::size_t>& positions) const;
 };
 
@@ -39,7 +38,7 @@ struct Match {
 /// network ties them to the control by. Exact for `covariance` weights; a model of other weights can make the result
 /// indefinite, which `consistent` tells.
 struct DifferenceCovariance {
-  Eigen::MatrixXd matrix;  ///< 3n x 3n [m²], order of the matches
+  BlockCovariance matrix;  ///< 3n x 3n [m²], order of the matches
   bool consistent = true;  ///< false: C did not fit to S_M and S_S, and the matrix is S_M + S_S
 };
 DifferenceCovariance difference_covariance(const PointSet& model, const PointSet& survey,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <set>
 
@@ -15,35 +16,54 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
+/// Of the differences of a set; most are zero.
+using Weights = Eigen::SparseVector<double>;
+
 /// A linear function of the vertical residuals: its value and standard uncertainty.
 struct Linear {
   double value = nan, u = nan;
 };
 
-Linear apply(const Eigen::VectorXd& weights, const Eigen::VectorXd& dz, const Eigen::MatrixXd& covariance) {
+Linear apply(const Weights& weights, const Eigen::VectorXd& dz, const BlockCovariance& covariance) {
   Linear result{weights.dot(dz), nan};
-  if (covariance.size() != 0) result.u = std::sqrt(std::max(0.0, weights.dot(covariance * weights)));
+  if (covariance.size() != 0) result.u = std::sqrt(std::max(0.0, covariance.quadratic(weights)));
   return result;
 }
 
-/// Weights that average the anchors for which `chosen` holds; empty when there is none.
-template <typename Chosen>
-Eigen::VectorXd mean_weights(const DifferenceSet& set, const std::vector<AnchorEntry>& table, Chosen chosen) {
-  Eigen::VectorXd weights = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(set.size()));
-  for (std::size_t i = 0; i < set.size(); ++i)
-    if (chosen(table[set.anchors[i]])) weights[static_cast<Eigen::Index>(i)] = 1;
-  const double count = weights.sum();
-  if (count == 0) return {};
-  return weights / count;
-}
+/// Weights that average the anchors of a floor, or those of a column on a floor; none where there are no anchors.
+class Means {
+ public:
+  Means(const DifferenceSet& set, const std::vector<AnchorEntry>& table)
+      : size_(static_cast<Eigen::Index>(set.size())) {
+    for (std::size_t i = 0; i < set.size(); ++i) {
+      const AnchorEntry& anchor = table[set.anchors[i]];
+      floors_[anchor.floor].push_back(static_cast<Eigen::Index>(i));
+      columns_[{anchor.floor, anchor.column}].push_back(static_cast<Eigen::Index>(i));
+    }
+  }
+  Weights of_floor(int floor) const {
+    const auto found = floors_.find(floor);
+    return found == floors_.end() ? Weights(size_) : mean_of(found->second);
+  }
+  Weights of_column(int floor, int column) const {
+    const auto found = columns_.find({floor, column});
+    return found == columns_.end() ? Weights(size_) : mean_of(found->second);
+  }
 
-Eigen::VectorXd floor_weights(const DifferenceSet& set, const std::vector<AnchorEntry>& table, int floor) {
-  return mean_weights(set, table, [floor](const AnchorEntry& anchor) { return anchor.floor == floor; });
-}
+ private:
+  Weights mean_of(const std::vector<Eigen::Index>& members) const {
+    Weights weights(size_);
+    weights.reserve(static_cast<Eigen::Index>(members.size()));
+    for (const Eigen::Index i : members) weights.insertBack(i) = 1 / static_cast<double>(members.size());
+    return weights;
+  }
 
-Eigen::VectorXd column_weights(const DifferenceSet& set, const std::vector<AnchorEntry>& table, int floor, int column) {
-  return mean_weights(set, table, [&](const AnchorEntry& a) { return a.floor == floor && a.column == column; });
-}
+  Eigen::Index size_;
+  std::map<int, std::vector<Eigen::Index>> floors_;
+  std::map<std::pair<int, int>, std::vector<Eigen::Index>> columns_;
+};
+
+bool none(const Weights& weights) { return weights.nonZeros() == 0; }
 
 /// Numbers of the vertical marker columns, ascending.
 std::set<int> columns_of(const std::vector<AnchorEntry>& table) {
@@ -53,21 +73,21 @@ std::set<int> columns_of(const std::vector<AnchorEntry>& table) {
   return columns;
 }
 
-int count_of(const Eigen::VectorXd& weights) { return static_cast<int>((weights.array() != 0).count()); }
+int count_of(const Weights& weights) { return static_cast<int>(weights.nonZeros()); }
 
-void fill_floor_statistics(const DifferenceSet& set, const Eigen::VectorXd& weights, FloorAccuracyT& floor) {
-  const Eigen::VectorXd dz = set.heights();
+void fill_floor_statistics(const Eigen::VectorXd& dz, const Weights& weights, FloorAccuracyT& floor) {
   floor.rmse_z = std::sqrt(weights.dot(dz.cwiseAbs2()));
   floor.max_abs_dz = 0;
-  for (Eigen::Index i = 0; i < dz.size(); ++i)
-    if (weights[i] != 0) floor.max_abs_dz = std::max(floor.max_abs_dz, std::abs(dz[i]));
+  for (Weights::InnerIterator w(weights); w; ++w)
+    floor.max_abs_dz = std::max(floor.max_abs_dz, std::abs(dz[w.index()]));
 }
 
 /// Floors in ascending order, each with the weights of its mean.
-using FloorWeights = std::vector<std::pair<double, Eigen::VectorXd>>;
+using FloorWeights = std::vector<std::pair<double, Weights>>;
 
 /// Unweighted straight line through means over their floors; null with fewer than two.
-std::unique_ptr<DriftSlopeT> slope_through(const FloorWeights& means, const DifferenceSet& set, double confidence) {
+std::unique_ptr<DriftSlopeT> slope_through(const FloorWeights& means, const Eigen::VectorXd& dz,
+                                           const BlockCovariance& covariance, double confidence) {
   if (means.size() < 2) return nullptr;
   const auto n = static_cast<double>(means.size());
   double centre = 0;
@@ -75,14 +95,13 @@ std::unique_ptr<DriftSlopeT> slope_through(const FloorWeights& means, const Diff
   centre /= n;
   double squares = 0;
   for (const auto& [floor, weights] : means) squares += (floor - centre) * (floor - centre);
-  const Eigen::VectorXd dz = set.heights();
-  Eigen::VectorXd slope_weights = Eigen::VectorXd::Zero(dz.size());
+  Weights slope_weights(dz.size());
   double level = 0;
   for (const auto& [floor, weights] : means) {
     slope_weights += (floor - centre) / squares * weights;
     level += weights.dot(dz) / n;
   }
-  const Linear slope = apply(slope_weights, dz, set.height_covariance());
+  const Linear slope = apply(slope_weights, dz, covariance);
   auto result = std::make_unique<DriftSlopeT>();
   result->per_floor = slope.value, result->u_per_floor = slope.u;
   const double half = normal_quantile(0.5 + 0.5 * confidence) * slope.u;
@@ -124,26 +143,26 @@ std::vector<std::unique_ptr<FloorAccuracyT>> floor_accuracy(const DifferenceSet&
                                                             const std::vector<int>& floors, const Options& options,
                                                             bool with_drift) {
   const Eigen::VectorXd dz = set.heights();
-  const Eigen::MatrixXd covariance = set.height_covariance();
+  const BlockCovariance covariance = set.covariance.heights();
+  const Means means_of(set, table);
   std::vector<std::unique_ptr<FloorAccuracyT>> result;
-  Eigen::VectorXd sum = Eigen::VectorXd::Zero(dz.size());  // weights of D(F)
-  Eigen::VectorXd first;                                   // weights of r_1
+  Weights sum(dz.size()), first(dz.size());  // weights of D(F) and of r_1
   bool gap = false;
   for (const int number : floors) {
     auto floor = std::make_unique<FloorAccuracyT>();
     floor->floor = number;
-    const Eigen::VectorXd weights = floor_weights(set, table, number);
-    gap = gap || weights.size() == 0;
-    if (weights.size() != 0) {
+    const Weights weights = means_of.of_floor(number);
+    gap = gap || none(weights);
+    if (!none(weights)) {
       floor->anchors = count_of(weights);
       const Linear mean = apply(weights, dz, covariance);
       floor->mean_dz = mean.value, floor->u_mean_dz = mean.u;
-      fill_floor_statistics(set, weights, *floor);
+      fill_floor_statistics(dz, weights, *floor);
       Eigen::VectorXd own(floor->anchors);
-      for (Eigen::Index i = 0, k = 0; i < dz.size(); ++i)
-        if (weights[i] != 0) own[k++] = dz[i];
+      Eigen::Index k = 0;
+      for (Weights::InnerIterator w(weights); w; ++w) own[k++] = dz[w.index()];
       floor->pass_rates = pass_rates(own, options.tolerances, options.confidence);
-      if (first.size() == 0) first = weights;
+      if (none(first)) first = weights;
       const Linear relative = apply(weights - first, dz, covariance);
       floor->relative_drift = relative.value, floor->u_relative_drift = relative.u;
       if (with_drift && !gap) {
@@ -162,20 +181,21 @@ std::vector<std::unique_ptr<FloorAccuracyT>> floor_accuracy(const DifferenceSet&
 std::unique_ptr<DriftSlopeT> drift_slope(const DifferenceSet& set, const std::vector<AnchorEntry>& table,
                                          const std::vector<int>& floors, double confidence) {
   FloorWeights means;
+  const Means means_of(set, table);
   for (const int floor : floors)
-    if (Eigen::VectorXd weights = floor_weights(set, table, floor); weights.size() != 0)
-      means.emplace_back(floor, std::move(weights));
-  return slope_through(means, set, confidence);
+    if (Weights weights = means_of.of_floor(floor); !none(weights)) means.emplace_back(floor, std::move(weights));
+  return slope_through(means, set.heights(), set.covariance.heights(), confidence);
 }
 
 std::vector<std::unique_ptr<HeightTransferT>> height_transfers(const DifferenceSet& set,
                                                                const std::vector<AnchorEntry>& table,
                                                                const std::vector<int>& floors, const Options& options) {
   const Eigen::VectorXd dz = set.heights();
-  const Eigen::MatrixXd covariance = set.height_covariance();
+  const BlockCovariance covariance = set.covariance.heights();
+  const Means means_of(set, table);
   std::vector<std::unique_ptr<HeightTransferT>> result;
-  const auto add = [&](int floor, int column, const Eigen::VectorXd& lower, const Eigen::VectorXd& upper) {
-    if (lower.size() == 0 || upper.size() == 0) return;
+  const auto add = [&](int floor, int column, const Weights& lower, const Weights& upper) {
+    if (none(lower) || none(upper)) return;
     auto transfer = std::make_unique<HeightTransferT>();
     transfer->lower_floor = floor, transfer->upper_floor = floor + 1;
     transfer->column = column;
@@ -186,10 +206,10 @@ std::vector<std::unique_ptr<HeightTransferT>> height_transfers(const DifferenceS
     transfer->verdict = verdict_of(difference.value, difference.u, options.tau, options.guard_factor);
     result.push_back(std::move(transfer));
   };
-  for (const int floor : floors) add(floor, 0, floor_weights(set, table, floor), floor_weights(set, table, floor + 1));
+  for (const int floor : floors) add(floor, 0, means_of.of_floor(floor), means_of.of_floor(floor + 1));
   for (const int column : columns_of(table))
     for (const int floor : floors)
-      add(floor, column, column_weights(set, table, floor, column), column_weights(set, table, floor + 1, column));
+      add(floor, column, means_of.of_column(floor, column), means_of.of_column(floor + 1, column));
   return result;
 }
 
@@ -198,14 +218,15 @@ std::vector<std::unique_ptr<ColumnDriftT>> column_drifts(const DifferenceSet& se
                                                          const std::vector<int>& floors, const Options& options,
                                                          bool with_drift) {
   const Eigen::VectorXd dz = set.heights();
-  const Eigen::MatrixXd covariance = set.height_covariance();
+  const BlockCovariance covariance = set.covariance.heights();
+  const Means means_of(set, table);
   std::vector<std::unique_ptr<ColumnDriftT>> result;
   for (const int column : columns_of(table)) {
     FloorWeights means;
     auto drift = std::make_unique<ColumnDriftT>();
     for (const int floor : floors) {
-      Eigen::VectorXd weights = column_weights(set, table, floor, column);
-      if (weights.size() == 0) continue;
+      Weights weights = means_of.of_column(floor, column);
+      if (none(weights)) continue;
       if (means.empty()) drift->lowest_floor = floor;
       drift->highest_floor = floor;
       drift->anchors += count_of(weights);
@@ -217,13 +238,13 @@ std::vector<std::unique_ptr<ColumnDriftT>> column_drifts(const DifferenceSet& se
     drift->relative_drift = relative.value, drift->u_relative_drift = relative.u;
     drift->relative_verdict = verdict_of(relative.value, relative.u, options.tau, options.guard_factor);
     if (with_drift && means.size() == floors.size()) {
-      Eigen::VectorXd all = Eigen::VectorXd::Zero(dz.size());
+      Weights all(dz.size());
       for (const auto& [floor, weights] : means) all += weights;
       const Linear sum = apply(all, dz, covariance);
       drift->drift = sum.value, drift->u_drift = sum.u;
       drift->drift_verdict = verdict_of(sum.value, sum.u, options.tau, options.guard_factor);
     }
-    drift->slope = slope_through(means, set, options.confidence);
+    drift->slope = slope_through(means, dz, covariance, options.confidence);
     result.push_back(std::move(drift));
   }
   return result;

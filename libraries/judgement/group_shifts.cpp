@@ -126,7 +126,7 @@ Sample sample_of(const Group& group, const Direction& direction, const std::vect
 /// Samples of all groups along all their directions, each held against its own scatter and that of its like.
 class Examination {
  public:
-  Examination(const std::vector<Group>& groups, const Eigen::MatrixXd& covariance)
+  Examination(const std::vector<Group>& groups, const evaluate::BlockCovariance& covariance)
       : groups_(groups), covariance_(covariance) {
     for (const Group& group : groups) tests_ += group.directions.size();
   }
@@ -156,20 +156,24 @@ class Examination {
     if (sample.following.size() < kFewest) return;
     const double n = static_cast<double>(sample.following.size());
     const SampleVariance known = moderated(sample.scatter, priors[direction.kind]);
-    double own = 0, shared = 0;  // errors of the measurement: each anchor's, and what the group's have in common
-    if (covariance_.size() != 0)
-      for (const std::size_t i : sample.following)
-        for (const std::size_t j : sample.following)
-          (i == j ? own : shared) += direction.along.dot(
-              covariance_.block<3, 3>(3 * static_cast<Index>(i), 3 * static_cast<Index>(j)) * direction.along);
+    double own = 0, all = 0;  // errors of the measurement: each anchor's, and of their mean
+    if (covariance_.size() != 0) {
+      Eigen::SparseVector<double> weights(covariance_.size());
+      for (const std::size_t i : sample.following) {
+        const auto k = static_cast<Index>(i);
+        own += direction.along.dot(covariance_.block(k, k) * direction.along);
+        for (Index c = 0; c < 3; ++c) weights.insert(3 * k + c) = direction.along[c];
+      }
+      all = covariance_.quadratic(weights);
+    }
     // Anchors that happen to lie alike were not measured better for that.
-    sample.variance = std::max(known.variance, own / n) / n + std::max(0.0, shared) / (n * n);
+    sample.variance = std::max(known.variance, own / n) / n + std::max(0.0, all - own) / (n * n);
     sample.t = std::abs(sample.mean) / std::sqrt(sample.variance);
     sample.critical = student_t_quantile(1 - 0.5 * kLevel / static_cast<double>(tests_), known.freedom);
   }
 
   const std::vector<Group>& groups_;
-  const Eigen::MatrixXd& covariance_;
+  const evaluate::BlockCovariance& covariance_;
   std::size_t tests_ = 0;
 };
 
@@ -239,8 +243,9 @@ std::unique_ptr<GroupShiftT> row_of(const Group& group, const std::vector<Sample
 }  // namespace
 
 std::vector<std::unique_ptr<GroupShiftT>> group_shifts(const std::vector<GroupMember>& members,
-                                                       const Eigen::MatrixXd& covariance, double smallest_tolerance,
-                                                       const WouldPass& would_pass, std::vector<Vector3d>* remainder) {
+                                                       const evaluate::BlockCovariance& covariance,
+                                                       double smallest_tolerance, const WouldPass& would_pass,
+                                                       std::vector<Vector3d>* remainder) {
   const std::vector<Group> groups = groups_of(members);
   std::vector<Vector3d> left;
   for (const GroupMember& member : members) left.push_back(member.deviation);

@@ -9,6 +9,7 @@
 
 #include "artifacts/deviation.hpp"
 #include "ifc/facade_frame.hpp"
+#include "judgement/block_covariance.hpp"
 
 namespace plumbline::judgement {
 
@@ -28,12 +29,12 @@ using WouldPass = std::function<bool(std::size_t member, const Eigen::Vector3d& 
 /// of several). The clearest shift is taken first and away from its members before the next is looked for, so that a
 /// floor that hangs low is not told again as its columns. A shift is significant at 99.9 % over all groups and
 /// directions together (Bonferroni), by Student's t with the group's own scatter in that direction, moderated by that
-/// of the other groups (moderated_variance.hpp), and the covariance of the measurement (3n x 3n or 0 x 0 [m²]); two
-/// thirds of the group follow it, and it takes at least half of `smallest_tolerance` [m]. The clearest first.
+/// of the other groups (moderated_variance.hpp), and the covariance of the measurement (3n x 3n [m²], if it is known);
+/// two thirds of the group follow it, and it takes at least half of `smallest_tolerance` [m]. The clearest first.
 /// `remainder`: what is left of the deviations.
 std::vector<std::unique_ptr<GroupShiftT>> group_shifts(const std::vector<GroupMember>& members,
-                                                       const Eigen::MatrixXd& covariance, double smallest_tolerance,
-                                                       const WouldPass& would_pass,
+                                                       const evaluate::BlockCovariance& covariance,
+                                                       double smallest_tolerance, const WouldPass& would_pass,
                                                        std::vector<Eigen::Vector3d>* remainder = nullptr);
 
 }  // namespace plumbline::judgement

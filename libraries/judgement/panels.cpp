@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <map>
@@ -44,7 +45,7 @@ class Panel {
  public:
   Panel(const PanelCase& panel, const DeviationInputs& inputs, const evaluate::DifferenceSet& part,
         const DeviationOptions& options)
-      : panel_(panel), part_(part), axes_(panel.facade), options_(options) {
+      : panel_(panel), part_(part), covariance_(part.covariance.dense()), axes_(panel.facade), options_(options) {
     for (const std::size_t anchor : part.anchors) fixings_.push_back(inputs.anchors[anchor].design);
     centre_ = panel.frame_from_panel * Eigen::Vector3d(0.5 * (panel.low + panel.high));
     motion_ = fit_panel(fixings_, centre_);
@@ -78,7 +79,7 @@ class Panel {
     if (fixings_.size() > 1) judge_residuals(*out.misfit, {axes_.right, axes_.up}, in_plane_);
     fill_corners(out);
     if (!axes_.confirmed) drop_signs(out);
-    const Conformance found = conformance(part_.difference, part_.covariance, limits_, options_.risk, options_.tau);
+    const Conformance found = conformance(part_.difference, covariance_, limits_, options_.risk, options_.tau);
     for (std::size_t i = 0; i < limits_.size(); ++i)
       lengths_[i]->verdict = std::max(lengths_[i]->verdict, verdict_of(found.of_each[i], options_.risk));
     out.pass_probability = found.probability, out.tau_pass = found.tau_pass, out.tau_fail = found.tau_fail;
@@ -109,6 +110,7 @@ class Panel {
   bool far_from(const Panel& other) const {
     return (centre_ - other.centre_).norm() > reach() + other.reach() + kWidestJoint;
   }
+  const Eigen::Vector3d& centre() const { return centre_; }
   double reach() const { return 0.5 * (panel_.high - panel_.low).norm(); }
   /// Its box along right, up and out.
   Eigen::Vector3d low, high;
@@ -133,8 +135,8 @@ class Panel {
   void find_box() { std::tie(low, high) = box_in(axes_); }
 
   double uncertainty(const Row& row) const {
-    if (part_.covariance.size() == 0) return nan;
-    return std::sqrt(std::max(0.0, (row * part_.covariance * row.transpose()).value()));
+    if (covariance_.size() == 0) return nan;
+    return std::sqrt(std::max(0.0, (row * covariance_ * row.transpose()).value()));
   }
   Row translation(const Eigen::Vector3d& direction) const { return direction.transpose() * motion_.pose.topRows<3>(); }
 
@@ -227,6 +229,7 @@ class Panel {
 
   const PanelCase& panel_;
   evaluate::DifferenceSet part_;
+  Eigen::MatrixXd covariance_;
   Axes axes_;
   const DeviationOptions& options_;
   std::vector<Limited> limits_;  // what it is held against, and where each is shown
@@ -320,10 +323,10 @@ bool change_at(const Panel& a, const Panel& b, const Gap& gap, double place, con
   double variance = 0;
   for (const auto& [i, row_i] : rows)
     for (const auto& [j, row_j] : rows)
-      variance += row_i *
-                  all.covariance.block<3, 3>(3 * static_cast<Eigen::Index>(position.at(i)),
-                                             3 * static_cast<Eigen::Index>(position.at(j))) *
-                  row_j.transpose();
+      variance +=
+          row_i *
+          all.covariance.block(static_cast<Eigen::Index>(position.at(i)), static_cast<Eigen::Index>(position.at(j))) *
+          row_j.transpose();
   u = std::sqrt(std::max(0.0, variance));
   return true;
 }
@@ -337,10 +340,27 @@ class Joints {
   }
 
   void find() {
-    for (std::size_t a = 0; a < panels_.size(); ++a)
-      for (std::size_t b = 0; b < panels_.size(); ++b)
+    double reach = 0;
+    for (const Panel& panel : panels_) reach = std::max(reach, panel.reach());
+    const double size = 2 * reach + kWidestJoint;  // of a cell: what touches a panel is in one of those around its own
+    const auto cell = [&](const Panel& panel, int k) { return static_cast<int>(std::floor(panel.centre()[k] / size)); };
+    std::map<std::array<int, 3>, std::vector<std::size_t>> cells;
+    for (std::size_t i = 0; i < panels_.size(); ++i)
+      cells[{cell(panels_[i], 0), cell(panels_[i], 1), cell(panels_[i], 2)}].push_back(i);
+    for (std::size_t a = 0; a < panels_.size(); ++a) {
+      std::vector<std::size_t> near;
+      for (int x = -1; x <= 1; ++x)
+        for (int y = -1; y <= 1; ++y)
+          for (int z = -1; z <= 1; ++z)
+            if (const auto found =
+                    cells.find({cell(panels_[a], 0) + x, cell(panels_[a], 1) + y, cell(panels_[a], 2) + z});
+                found != cells.end())
+              near.insert(near.end(), found->second.begin(), found->second.end());
+      std::sort(near.begin(), near.end());
+      for (const std::size_t b : near)
         for (int axis = 0; a != b && !panels_[a].far_from(panels_[b]) && axis < 2; ++axis)
           if (Gap gap; follows(panels_[a], panels_[b], axis, gap)) add(a, b, gap);
+    }
   }
 
  private:

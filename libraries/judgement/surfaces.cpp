@@ -72,7 +72,8 @@ class Judge {
       }
       for (const Asked& asked : asked_of(either, true)) {
         auto verdict = shared ? started(asked, joint) : of_joint(joint, asked);
-        if (shared) verdict->not_judged = "its panels share their names with others, and nobody says which it lies between";
+        if (shared)
+          verdict->not_judged = "its panels share their names with others, and nobody says which it lies between";
         take(std::move(verdict), asked, static_cast<int>(j));
       }
     }
@@ -196,21 +197,24 @@ class Judge {
       // The largest of many noisy gaps is above the true one by up to the largest that noise makes by itself, whose
       // distribution is an extreme value's (Gumbel); without it the risk is shared among the positions.
       const double noise = (*gap)->noise_mean + gumbel_quantile() * (*gap)->noise_sigma;
-      const bool beyond = std::isfinite(noise) ? verdict.value - limit.upper > noise
-                                               : verdict.probability <= risk_ / (*gap)->positions;
+      const bool beyond =
+          std::isfinite(noise) ? verdict.value - limit.upper > noise : verdict.probability <= risk_ / (*gap)->positions;
       decide(verdict, verdict.probability, beyond ? 0 : 1, risk_);
-      if (verdict.verdict == ToleranceVerdict::pass && std::isfinite((*gap)->with_outlying)) doubt(**gap, limit, verdict);
+      if (verdict.verdict == ToleranceVerdict::pass && std::isfinite((*gap)->with_outlying))
+        doubt(**gap, limit, verdict);
     }
   }
 
-  /// A dent that is deep beside the noise looks like something in front of the panel: it does not pass by being left out.
+  /// A dent that is deep beside the noise looks like something in front of the panel: it does not pass by being left
+  /// out.
   void doubt(const SurfaceGapT& gap, const SurfaceLimit& limit, SurfaceVerdictT& verdict) const {
     if (verdict_of(probability_of(gap.with_outlying, gap.sigma, limit), risk_) == ToleranceVerdict::pass) return;
     char text[200];
-    std::snprintf(text, sizeof text,
-                  "places on it lie off the surface together, a dent or something in front of it: the largest gap is %.1f mm "
-                  "without them and %.1f mm with them",
-                  1e3 * gap.gap, 1e3 * gap.with_outlying);
+    std::snprintf(
+        text, sizeof text,
+        "places on it lie off the surface together, a dent or something in front of it: the largest gap is %.1f mm "
+        "without them and %.1f mm with them",
+        1e3 * gap.gap, 1e3 * gap.with_outlying);
     verdict.verdict = ToleranceVerdict::not_measured, verdict.not_judged = text;
   }
 
@@ -276,7 +280,8 @@ class Judge {
     if (verdict->verdict == ToleranceVerdict::pass && verdict->places < least_share * joint.looked_at) {
       verdict->verdict = ToleranceVerdict::not_measured;
       verdict->not_judged = "it was measured at " + std::to_string(verdict->places) + " of " +
-                            std::to_string(joint.looked_at) + " places along it, where it keeps the limit; to pass it needs 30 %";
+                            std::to_string(joint.looked_at) +
+                            " places along it, where it keeps the limit; to pass it needs 30 %";
     }
     return verdict;
   }
@@ -294,7 +299,8 @@ class Judge {
     ++asked.followed->taken;
     if (!verdict->not_judged.empty()) {
       ++result_.not_judged;
-      asked.followed->open.push_back(verdict->second.empty() ? verdict->panel : verdict->panel + " | " + verdict->second);
+      asked.followed->open.push_back(verdict->second.empty() ? verdict->panel
+                                                             : verdict->panel + " | " + verdict->second);
       if (asked.followed->why.empty()) asked.followed->why = verdict->not_judged;
     } else if (verdict->verdict == ToleranceVerdict::pass)
       ++result_.passed;

@@ -19,9 +19,9 @@ namespace plumbline::judgement {
 /// Errors are normal with the stated covariance, random and systematic. Along a joint the probability of n places is
 /// bounded by Boole's inequality, 1 - Σ(1 - P): places have errors in common that are not known here, and the bound
 /// holds for any. It fails if one place does with a probability of at most risk / n of keeping its limit: the worst of
-/// many noisy places is worse than any of them is. Where so few places were measured that they are less than 30 % of those
-/// looked at, a joint does not pass. Flatness fails if the largest gap is above the limit by more than the points' noise
-/// makes of a true one with a probability of the risk.
+/// many noisy places is worse than any of them is. Where so few places were measured that they are less than 30 % of
+/// those looked at, a joint does not pass. Flatness fails if the largest gap is above the limit by more than the
+/// points' noise makes of a true one with a probability of the risk.
 SurfaceJudgementT judge_surfaces(const SurfacesT& surfaces, const std::map<std::string, bim::ElementFacts>& facts,
                                  const std::vector<SurfaceRule>& rules, double risk);
 

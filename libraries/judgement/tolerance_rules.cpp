@@ -60,7 +60,8 @@ std::optional<Tolerance> two_sides(std::string_view text) {
     const std::string_view unit = formats::trim(part.substr(static_cast<std::size_t>(end - part.data())));
     if (with_unit) factor = unit == "mm" ? 1e-3 : unit == "m" ? 1 : 0;
     // "+0.5mm/-0.002m" is not read as if both were metres.
-    const bool same_unit = with_unit || unit.empty() || (unit == "mm" && factor == 1e-3) || (unit == "m" && factor == 1);
+    const bool same_unit =
+        with_unit || unit.empty() || (unit == "mm" && factor == 1e-3) || (unit == "m" && factor == 1);
     return error == std::errc() && same_unit ? value : bim::Property::nan;
   };
   const double b = number(second, true), a = number(first, false);
@@ -171,7 +172,7 @@ Tolerances tolerances_of(const ToleranceTable& table, const bim::ElementFacts& e
   Tolerances tolerances;
   for (const Axis axis : {Axis::horizontal, Axis::vertical}) tolerances[axis] = {table.tau, "default"};
   tolerances[Axis::joint] = {2 * table.tau, "default: twice the tolerance"};
-  std::map<std::string, Axis> open;    // by what the design asks for in vain
+  std::map<std::string, Axis> open;     // by what the design asks for in vain
   std::map<Axis, std::size_t> rule_of;  // the rule that holds
   if (table.from_design && element.properties)
     for (const bim::Property& property : *element.properties) add_design(property, tolerances, open);

@@ -169,14 +169,15 @@ struct WriteIfc : Node {
 };
 
 struct WriteBcf : Node {
-  static constexpr Info info{
-      "bim.write_bcf", "", 2,
-      "Issues in BCF 2.1: a topic with viewpoint and snapshot for every failing or undecided anchor, panel and surface"};
+  static constexpr Info info{"bim.write_bcf", "", 3,
+                             "Issues in BCF 2.1 or 3.0: a topic with viewpoint and snapshot for every failing or "
+                             "undecided anchor, panel and surface"};
   In<Deviation> deviation{"deviation", frame("frame=?F"), "as-built minus design, judged"};
   In<plumbline::Design> design{"design", frame("frame=?F"), "the design, for the ids"};
   Optional<SurveyObservations> survey{"survey", frame("frame=?S"), "the survey as read: the date of the topics"};
   Optional<Surfaces> surfaces{"surfaces", frame("frame=?F"), "panels and joints as they were measured"};
   Optional<SurfaceJudgement> surface_judgement{"surface_judgement", "their verdicts, which have topics too"};
+  Param<std::string> version{"version", "2.1", one_of("2.1", "3.0"), "of BCF: every BIM program reads 2.1"};
   Param<std::string> epoch{"epoch", "", "name of the campaign; a label of the topics"};
   Param<std::string> date{"date", "", "of the topics, ISO 8601; empty: that of the survey"};
   Param<std::string> author{"author", "plumbline", "of the topics"};
@@ -196,6 +197,7 @@ struct WriteBcf : Node {
   void run(Context& context) override {
     BcfOptions options;
     options.project_guid = design->project_guid()->str();
+    options.version_3 = *version == "3.0";
     options.epoch = *epoch, options.author = *author, options.assigned_to = *assigned_to;
     options.due_date = date_of(*due_date, "due_date");
     std::string when = date_of(*date, "date");

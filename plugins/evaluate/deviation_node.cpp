@@ -87,7 +87,7 @@ void EvaluateDeviation::run(Context& context) {
   take_tests(inputs);
   std::string dropped;
   if (inputs.model.covariance.size() != 0 && !inputs.model.covariance.allFinite()) {
-    inputs.model.covariance.resize(0, 0);
+    inputs.model.covariance = {};
     dropped = "The covariance of the model holds values that are not finite; it is not used.";
   }
   inputs.model.covariance *= inputs.misfit_factor;

@@ -1,22 +1,16 @@
 #include "evaluate/point_input.hpp"
 
-#include <cmath>
-
-#include "geometry/packed_symmetric.hpp"
-
 namespace plumbline::evaluate {
 
 namespace {
 
-Eigen::MatrixXd covariance_of(const PointsT& points, const std::string& what) {
-  const auto n = static_cast<Eigen::Index>(3 * points.points.size());
-  if (points.covariance.empty()) {
-    Eigen::MatrixXd s = Eigen::MatrixXd::Zero(n, n);
-    for (Eigen::Index i = 0; i < n; ++i)
-      s(i, i) = std::pow(points.points[static_cast<std::size_t>(i / 3)]->sigma[i % 3], 2);
-    return s.allFinite() ? s : Eigen::MatrixXd();
-  }
-  return unpack_symmetric(points.covariance, static_cast<std::size_t>(n), "input '" + what + "'");
+BlockCovariance covariance_of(const PointsT& points, const std::string& what) {
+  if (!points.covariance.empty())
+    return BlockCovariance::from_packed(points.covariance, points.points.size(), "input '" + what + "'");
+  std::vector<Eigen::Matrix3d> of_each;
+  for (const auto& point : points.points) of_each.push_back(point->sigma.cwiseAbs2().asDiagonal());
+  BlockCovariance all = BlockCovariance::independent(of_each);
+  return all.allFinite() ? all : BlockCovariance();
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 // site_loop.yaml as a site runs it: a folder for each campaign, reports as files, a state from round to round, until
 // every panel hangs. The site is simulated here, and goes in as files only.
+#include <functional>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "geometry/random.hpp"
@@ -213,6 +215,55 @@ TEST(SiteLoop, WhatARoundMustKnowIsAskedFor) {
         EXPECT_EQ(item["status"], "EXECUTED") << item["why"];
         EXPECT_EQ(item["why"], "waits for a measurement that was made after it was done");
       }
+}
+
+/// Work that was done and reported wrongly: named, nothing lost, and nothing that was asked for then is VERIFIED.
+TEST(SiteLoop, WrongReportsAreNamedAndVerifyNothing) {
+  const Program plumbline;
+  Site site(plumbline);
+  site.measure(1);
+  ASSERT_EQ(run_round(plumbline, 1).code, 0);
+  ASSERT_GT(site.work(1), 0u);
+  site.measure(2);
+  const Json job = Json::parse(read_file(plumbline.work() / "round1/job.json"));
+  const Json right = Json::parse(read_file(plumbline.work() / "actuals1.json"));
+  std::map<std::string, Json> target;
+  for (const Json& item : job["items"]) target[item["id"]] = item["targetPose"]["position"];
+  const std::map<std::string, std::pair<std::function<void(Json&)>, std::string>> mistakes = {
+      {"feet",
+       {[&](Json& r) {
+          for (const Json& x : target[r["item"]]) r["measured"].push_back(x.get<double>() / 0.3048);
+        },
+        "that would fit if it is in feet"}},
+      {"axes",
+       {[&](Json& r) {
+          const Json& p = target[r["item"]];
+          r["measured"] = {p[1], p[0], p[2]};
+        },
+        "axes are exchanged"}},
+      {"frame",
+       {[&](Json& r) {
+          const Json& p = target[r["item"]];
+          r["measured"] = {p[0].get<double>() + 400, p[1], p[2]};
+        },
+        "in another frame"}},
+      {"early", {[](Json& r) { r["at"] = day(1, "15:00"); }, "not after the item was released"}},
+      {"revision", {[](Json& r) { r["revision"] = 7; }, "a job that is no longer valid was executed"}},
+      {"job", {[](Json& r) { r["job"] = "job-of-another-site"; }, "another job was executed"}},
+      {"name", {[](Json& r) { r["item"] = r["item"].get<std::string>() + "x"; }, "no bracket or panel of this name"}}};
+  for (const auto& [name, mistake] : mistakes) {
+    Json wrong = right;
+    for (Json& report : wrong["items"]) mistake.first(report);
+    plumbline.write(name + ".json", wrong.dump());
+    const Answer answer = run_round(plumbline, 2, {"reports.with.json=[" + name + ".json]"});
+    ASSERT_EQ(answer.code, 0) << name << answer.err;
+    EXPECT_TRUE(contains(answer.out + answer.err, mistake.second)) << name << answer.err;
+    const Json state = Json::parse(read_file(plumbline.work() / "round2/state.json"));
+    for (const Json& item : state["items"])
+      if (target.count(item["id"])) {
+        EXPECT_NE(item["status"], "VERIFIED") << name << " " << item["id"] << item["why"];
+      }
+  }
 }
 
 }  // namespace

@@ -37,8 +37,9 @@ inline DeviationT judged(const bim::Design& design, const std::map<std::string, 
     inputs.anchors.push_back(anchor);
   }
   const auto n = static_cast<Eigen::Index>(3 * inputs.model.ids.size());
-  inputs.model.covariance = Eigen::MatrixXd::Zero(n, n);
-  for (Eigen::Index i = 0; i < n; ++i) inputs.model.covariance(i, i) = sigma[i % 3] * sigma[i % 3];
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(n, n);
+  for (Eigen::Index i = 0; i < n; ++i) covariance(i, i) = sigma[i % 3] * sigma[i % 3];
+  inputs.model.covariance = covariance;
   for (const bim::Element& element : design.elements) {
     if (element.ifc_class != "IfcPlate" || !element.has_box) continue;
     judgement::PanelCase panel{element.guid,

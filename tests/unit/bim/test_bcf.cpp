@@ -1,4 +1,4 @@
-// BCF 2.1: a topic for every failing or undecided anchor and panel, valid against buildingSMART's schemas.
+// BCF 2.1 and 3.0: a topic for every failing or undecided anchor and panel, valid against buildingSMART's schemas.
 #include <unistd.h>
 
 #include <cstdlib>
@@ -20,7 +20,7 @@ namespace {
 
 using test::unzipped;
 
-std::map<std::string, std::string> example() {
+std::map<std::string, std::string> example(bool version_3 = false) {
   const Design design = read_design(step::File(test::small_building("IFC4"), "t.ifc"), {});
   std::map<std::string, Eigen::Vector3d> deviations;
   for (const Element& element : design.elements)
@@ -30,6 +30,7 @@ std::map<std::string, std::string> example() {
   deviation.anchors[0]->id = "A & <B>";
   BcfOptions options;
   options.project_guid = design.project_guid, options.date = "2026-05-12T10:00:00", options.epoch = "2026-05";
+  options.version_3 = version_3;
   const std::string bytes =
       write_bcf(deviation, judgement::worst_first(deviation), judgement::worst_panels_first(deviation), options);
   EXPECT_EQ(write_bcf(deviation, judgement::worst_first(deviation), judgement::worst_panels_first(deviation), options),
@@ -52,12 +53,43 @@ TEST(Bcf, HasATopicForEveryIssueWithViewpointAndSnapshot) {
   }
 }
 
+/// The same topics and views in both versions, and of 3.0 what its schemas ask for.
+TEST(Bcf, OfVersion3SaysTheSame) {
+  const auto older = example(), newer = example(true);
+  EXPECT_EQ(newer.size(), older.size() + 1);
+  EXPECT_NE(newer.at("bcf.version").find("VersionId=\"3.0\""), std::string::npos);
+  for (const char* label : {"FAIL", "2026-05"})
+    EXPECT_NE(newer.at("extensions.xml").find("<TopicLabel>" + std::string(label) + "</TopicLabel>"),
+              std::string::npos);
+  for (const auto& [name, content] : older) {
+    if (name == "bcf.version") continue;
+    ASSERT_EQ(newer.count(name), 1u) << name;
+    const std::string& other = newer.at(name);
+    if (name.ends_with(".png")) {
+      EXPECT_EQ(other, content);
+    }
+    for (const char* part :
+         {"Title", "Description", "CameraViewPoint", "CameraDirection", "Selection", "CreationDate"}) {
+      const auto of = [&](const std::string& text) {
+        const std::size_t begin = text.find("<" + std::string(part) + ">");
+        return begin == std::string::npos ? "" : text.substr(begin, text.find("</" + std::string(part)) - begin);
+      };
+      EXPECT_EQ(of(other), of(content)) << name;
+    }
+    if (!name.ends_with("markup.bcf")) continue;
+    EXPECT_NE(other.find("<Header><Files><File IfcProject="), std::string::npos);
+    EXPECT_NE(other.find("<Labels><Label>"), std::string::npos);
+    EXPECT_NE(other.find("</ViewPoint></Viewpoints></Topic></Markup>"), std::string::npos);
+  }
+}
+
 TEST(Bcf, SurfacesThatFailAndJointsHaveTopicsBesideThePanels) {
   const Design design = read_design(step::File(test::small_building("IFC4"), "t.ifc"), {});
   std::map<std::string, Eigen::Vector3d> deviations;
   std::string panel;
   for (const Element& element : design.elements) {
-    if (element.is_anchor) deviations[element.guid] = Eigen::Vector3d(0.001, 0, element.name == "F2-C1" ? 0.009 : 0.001);
+    if (element.is_anchor)
+      deviations[element.guid] = Eigen::Vector3d(0.001, 0, element.name == "F2-C1" ? 0.009 : 0.001);
     if (element.name == "Panel 1") panel = element.guid;
   }
   const DeviationT deviation = test::judged(design, deviations, Eigen::Vector3d::Constant(1e-4), {1, 0, 0});
@@ -66,7 +98,8 @@ TEST(Bcf, SurfacesThatFailAndJointsHaveTopicsBesideThePanels) {
     surfaces.panels.push_back(std::make_unique<PanelSurfaceFiguresT>());
     auto& face = surfaces.panels.back()->face = std::make_unique<SurfaceFaceT>();
     face->id = name, face->guid = std::string(name) == "Panel 1" ? panel : "0000000000000000000002";
-    face->origin = {5, 0, 3}, face->right = {1, 0, 0}, face->up = {0, 0, 1}, face->out = {0, -1, 0}, face->width = 1.5, face->height = 3;
+    face->origin = {5, 0, 3}, face->right = {1, 0, 0}, face->up = {0, 0, 1}, face->out = {0, -1, 0}, face->width = 1.5,
+    face->height = 3;
   }
   surfaces.joints.push_back(std::make_unique<JointFiguresT>());
   surfaces.joints[0]->first = "Panel 1", surfaces.joints[0]->second = "Panel 2", surfaces.joints[0]->length = 3;
@@ -76,15 +109,18 @@ TEST(Bcf, SurfacesThatFailAndJointsHaveTopicsBesideThePanels) {
     auto verdict = std::make_unique<SurfaceVerdictT>();
     verdict->panel = "Panel 1", verdict->second = second, verdict->guid = *second ? "" : panel;
     verdict->quantity = *second ? "joint" : "flatness", verdict->length = *second ? std::nan("") : 1;
-    verdict->value = *second ? -0.0031 : 0.0042, verdict->sigma = 3e-4, verdict->upper = 0.003, verdict->lower = -0.003, verdict->probability = 0.01;
-    verdict->verdict = *second ? ToleranceVerdict::undecided : ToleranceVerdict::fail, verdict->rule = "*: flatness(1m)=3mm";
+    verdict->value = *second ? -0.0031 : 0.0042, verdict->sigma = 3e-4, verdict->upper = 0.003, verdict->lower = -0.003,
+    verdict->probability = 0.01;
+    verdict->verdict = *second ? ToleranceVerdict::undecided : ToleranceVerdict::fail,
+    verdict->rule = "*: flatness(1m)=3mm";
     judgement.verdicts.push_back(std::move(verdict));
   }
   BcfOptions options;
   options.project_guid = design.project_guid;
   const auto topics = [&] {
     std::string all;
-    for (const auto& [name, content] : unzipped(write_bcf(deviation, {}, judgement::worst_panels_first(deviation), options)))
+    for (const auto& [name, content] :
+         unzipped(write_bcf(deviation, {}, judgement::worst_panels_first(deviation), options)))
       if (name.ends_with("markup.bcf")) all += content;
     return all;
   };
@@ -113,7 +149,8 @@ TEST(Bcf, AJointOfPanelsThatShareANameSelectsItsOwn) {
     joint.first = joint.second = "Panel", joint.length = 3, joint.first_panel = j, joint.second_panel = j + 1;
     auto verdict = std::make_unique<SurfaceVerdictT>();
     verdict->panel = verdict->second = "Panel", verdict->quantity = "joint", verdict->item = j;
-    verdict->value = 0.0042, verdict->sigma = 3e-4, verdict->upper = 0.003, verdict->lower = -0.003, verdict->probability = 0.01;
+    verdict->value = 0.0042, verdict->sigma = 3e-4, verdict->upper = 0.003, verdict->lower = -0.003,
+    verdict->probability = 0.01;
     verdict->verdict = j == 1 ? ToleranceVerdict::fail : ToleranceVerdict::pass, verdict->rule = "*: joint=3mm";
     judgement.verdicts.push_back(std::move(verdict));
   }

@@ -108,7 +108,8 @@ TEST(DesignInput, ANarrowRuleThatALaterWideOneReplacesIsNotJudged) {
   EXPECT_NE(found[0].find(narrow + ": it holds nowhere"), std::string::npos) << found[0];
   EXPECT_NE(found[0].find(wide), std::string::npos) << found[0];
   EXPECT_TRUE(not_judged({wide, narrow}).empty()) << "from the general to the special";
-  EXPECT_TRUE(not_judged({narrow, "name=" + site.design.elements[0]->name + ": vertical=8mm"}).empty()) << "it holds for the others";
+  EXPECT_TRUE(not_judged({narrow, "name=" + site.design.elements[0]->name + ": vertical=8mm"}).empty())
+      << "it holds for the others";
   EXPECT_TRUE(not_judged({"*: vertical=8mm", "*: vertical=2mm"}).empty()) << "nothing narrower is lost";
   EXPECT_EQ(not_judged({narrow, "*: vertical=0mm"}).size(), 1u) << "not judged at all is wider than any";
 }

@@ -166,9 +166,9 @@ TEST(CommonShift, ASideOfZeroRaisesNoAlarm) {
     anchor.tolerances = tolerances_of({0.005, true, {parse_rule("*: vertical=+0/-5mm")}}, {});
   Normal normal(9);
   for (std::size_t i = 0; i < inputs.model.positions.size(); ++i)
-    inputs.model.positions[i] +=
-        Eigen::Vector3d(normal(), normal(), normal()) * 0.05 * mm + Eigen::Vector3d(0, 0, -0.5 * mm) +
-        Eigen::Vector3d(0, 0, inputs.anchors[i].floor == 2 ? -0.6 * mm : 0);
+    inputs.model.positions[i] += Eigen::Vector3d(normal(), normal(), normal()) * 0.05 * mm +
+                                 Eigen::Vector3d(0, 0, -0.5 * mm) +
+                                 Eigen::Vector3d(0, 0, inputs.anchors[i].floor == 2 ? -0.6 * mm : 0);
   const DeviationT result = judge_deviations(inputs, {});
   EXPECT_FALSE(result.common_shift->significant) << result.common_shift->words;
   // A side that is smaller than the other counts: 1 mm outward, of which half is worth saying.

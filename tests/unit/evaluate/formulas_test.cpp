@@ -237,8 +237,10 @@ TEST(Formulas, ConformanceProbability) {
 
 TEST(Formulas, CommonSetUpHeightErrorStaysInTheDriftAndLeavesTheRelativeDrift) {
   Inputs inputs = test::small_building();
+  Eigen::MatrixXd common = inputs.survey.covariance.dense();
   for (Eigen::Index i = 0; i < 6; ++i)
-    for (Eigen::Index j = 0; j < 6; ++j) inputs.survey.covariance(3 * i + 2, 3 * j + 2) += 1 * mm * mm;
+    for (Eigen::Index j = 0; j < 6; ++j) common(3 * i + 2, 3 * j + 2) += 1 * mm * mm;
+  inputs.survey.covariance = common;
   const AccuracyT accuracy = evaluate_accuracy(inputs, {});
   const auto& top = *test::find(accuracy, AnchorUse::check, AccuracyReference::survey)->floors[2];
   EXPECT_NEAR(top.u_mean_dz, std::sqrt(0.125 + 1) * mm, 1e-12);
@@ -249,16 +251,16 @@ TEST(Formulas, CommonSetUpHeightErrorStaysInTheDriftAndLeavesTheRelativeDrift) {
 TEST(Formulas, ChiSquareOfCorrelatedErrors) {
   Eigen::Matrix2d s;
   s << 2, 1, 1, 2;  // inverse (2, -1; -1, 2)/3
-  const auto test = consistency(Eigen::Vector2d(1, -1), s, 0.95);
+  const auto test = consistency(Eigen::Vector2d(1, -1), {s, 1}, 0.95);
   EXPECT_NEAR(test->statistic, 2.0, 1e-12);
   EXPECT_EQ(test->degrees_of_freedom, 2);
   EXPECT_NEAR(test->lower, 0.050636, 1e-6);
   EXPECT_NEAR(test->upper, 7.377759, 1e-6);
   EXPECT_NEAR(test->probability, 1 - std::exp(-1.0), 1e-12);
-  const auto singular = consistency(Eigen::Vector2d(3, 3), Eigen::Matrix2d::Ones(), 0.95);
+  const auto singular = consistency(Eigen::Vector2d(3, 3), {Eigen::Matrix2d::Ones(), 1}, 0.95);
   EXPECT_EQ(singular->degrees_of_freedom, 1);
   EXPECT_NEAR(singular->statistic, 9, 1e-9);
-  EXPECT_EQ(consistency(Eigen::Vector2d(3, 3), Eigen::Matrix2d::Zero(), 0.95), nullptr);
+  EXPECT_EQ(consistency(Eigen::Vector2d(3, 3), {Eigen::Matrix2d::Zero(), 1}, 0.95), nullptr);
 }
 
 TEST(Formulas, PredictedRmseAndItsRangeCoverSimulatedErrors) {
@@ -266,7 +268,7 @@ TEST(Formulas, PredictedRmseAndItsRangeCoverSimulatedErrors) {
   // chi-square statistics between the critical values. 3 standard deviations of a binomial of 600: 0.027.
   Eigen::MatrixXd s = 0.25 * Eigen::MatrixXd::Identity(6, 6) + 0.5 * Eigen::MatrixXd::Ones(6, 6);
   const Eigen::MatrixXd root = s.llt().matrixL();
-  const PredictedRmse predicted = predicted_rmse(s, 6, 0.95);
+  const PredictedRmse predicted = predicted_rmse({s, 1}, 6, 0.95);
   EXPECT_NEAR(predicted.value, std::sqrt(0.75), 1e-12);
   test::Normal normal(7);
   int in_range = 0, consistent = 0;
@@ -276,7 +278,7 @@ TEST(Formulas, PredictedRmseAndItsRangeCoverSimulatedErrors) {
     d = root * d;
     const double rmse = std::sqrt(d.squaredNorm() / 6);
     in_range += rmse >= predicted.lower && rmse <= predicted.upper;
-    const auto chi = consistency(d, s, 0.95);
+    const auto chi = consistency(d, {s, 1}, 0.95);
     consistent += chi->statistic >= chi->lower && chi->statistic <= chi->upper;
   }
   EXPECT_NEAR(in_range / 600.0, 0.95, 0.03);

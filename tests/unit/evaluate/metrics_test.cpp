@@ -52,7 +52,7 @@ TEST(MetricsJson, IsValidAfterItsSchema) {
   EXPECT_EQ(schema_errors(json::parse(metrics_json(evaluate_accuracy(everything(), options)))), "");
   EXPECT_EQ(schema_errors(json::parse(metrics_json(evaluate_accuracy(test::small_building(), {})))), "");
   Inputs bare = test::small_building(AnchorUse::control);
-  bare.model.covariance.resize(0, 0);
+  bare.model.covariance = {};
   bare.model.positions[0].z() = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(schema_errors(json::parse(metrics_json(evaluate_accuracy(bare, {})))), "");
 }

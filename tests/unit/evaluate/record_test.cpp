@@ -135,7 +135,7 @@ TEST(Deviation, ACommonShiftIsMeasuredByTheSmallestTolerance) {
 
 TEST(Panels, AJointNeedsTheTurnOfBothPanelsAndACovarianceToBeJudged) {
   DeviationInputs inputs = facade();
-  inputs.model.covariance.resize(0, 0);
+  inputs.model.covariance = {};
   ASSERT_FALSE(judge_deviations(inputs, {}).panels[0]->joints.empty());
   EXPECT_TRUE(std::isnan(judge_deviations(inputs, {}).panels[0]->joints[0]->change->u));
   inputs.panels[0].anchors = {0};
