@@ -127,51 +127,81 @@ double chance_of(double relative_noise_squared, double samples) {
   return samples > 0 ? kFactor * relative_noise_squared / samples : 0;
 }
 
-/// Exponent of the transfer curve that explains the image's edges best, over the exponents that cameras have. What the
-/// profiles differ from the model by decides; noise averages away over an image, an error of the model does not. A
-/// curve is corrected only where the edges show it: where blur is too small, noise too large or the image sharpened,
-/// the exponent stays near 1, and what remains is an inset common to the image's corners.
-double estimate_gamma(const std::vector<Quadrilateral>& found, const EdgeFitOptions& options) {
-  constexpr std::array<double, 5> exponent = {1.0, 1.4, 1.9, 2.4, 2.9};
-  constexpr double kPrior = 3;         // exponential above 1: a curve must pay for itself
-  constexpr double kValues = 6;        // independent values of a profile
-  constexpr double kFloor = 0.0005;    // misfit of a perfect photograph [contrast]
-  constexpr double kFewest = 12;       // edges: chance fools a tag or two
+/// The transfer curve, and how far its error moves all edges of the image together.
+struct Curve {
+  double gamma = 1;
+  double inset_sigma = 0;  // [px]
+};
+
+/// What the edges of some quadrilaterals say of each of the exponents.
+struct CurveFits {
+  static constexpr std::array<double, 5> exponent = {1.0, 1.4, 1.9, 2.4, 2.9};
+  std::array<double, 5> misfit = {}, position = {};  // sums over the edges; the position across [px]
+  double count = 0, noise = 0, samples = 0, blur = 0;
+};
+
+CurveFits fit_curves(const std::vector<Quadrilateral>& found, const EdgeFitOptions& options) {
   constexpr std::size_t kEnough = 12;  // quadrilaterals
-  static const std::vector<TransferCurve> curves(exponent.begin(), exponent.end());
+  static const std::vector<TransferCurve> curves(CurveFits::exponent.begin(), CurveFits::exponent.end());
   EdgeFitter fitter(options);
-  std::array<double, 5> misfit = {};
-  double count = 0, noise = 0, samples = 0;
+  CurveFits fits;
   const std::size_t stride = (found.size() + kEnough - 1) / kEnough;
   for (std::size_t k = 0; k < found.size(); k += std::max<std::size_t>(1, stride)) {
-    std::array<double, 5> own = {};
-    double own_noise = 0, own_samples = 0;
+    std::array<std::vector<FittedEdge>, 4> edges;
     bool all = true;
     for (int i = 0; i < 4 && all; ++i) {
-      const auto edges = fitter.fit_with_curves(*found[k].part, strip_of(found[k], i), curves);
-      all = !edges.empty();
-      for (std::size_t g = 0; g < edges.size(); ++g) own[g] += edges[g].misfit;
-      if (!all) continue;
-      own_noise += std::pow(edges[0].noise / edges[0].contrast, 2);
-      own_samples += edges[0].samples;
+      edges[i] = fitter.fit_with_curves(*found[k].part, strip_of(found[k], i), curves);
+      all = !edges[i].empty();
     }
     if (!all) continue;
-    for (std::size_t g = 0; g < exponent.size(); ++g) misfit[g] += own[g];
-    count += 4;
-    noise += own_noise;
-    samples += own_samples;
+    for (const auto& edge : edges) {
+      for (std::size_t g = 0; g < edge.size(); ++g)
+        fits.misfit[g] += edge[g].misfit, fits.position[g] += edge[g].shape[0];
+      fits.noise += std::pow(edge[0].noise / edge[0].contrast, 2);
+      fits.samples += edge[0].samples;
+      fits.blur += edge[0].blur, fits.count += 1;
+    }
   }
-  if (count < kFewest) return 1;
-  const double floor = kFloor * kFloor + 4 * chance_of(noise / count, samples);
-  std::array<double, 5> cost = {};
+  return fits;
+}
+
+/// Of the curves that cameras have, the one that explains the image's edges best. What the profiles differ from the
+/// model by decides; noise averages away over an image, an error of the model does not. Photographs are sRGB or nearly
+/// so: where JPEG, noise or sharpening hide the curve that is what is taken, and how far curves that are nearly as
+/// likely move the edges is in the covariance. Linear files show themselves.
+Curve estimate_curve(const std::vector<Quadrilateral>& found, const EdgeFitOptions& options) {
+  constexpr std::array<double, 5> prior = {4, 4, 1, 0, 2};  // -2 log of how usual each exponent is
+  constexpr double kValues = 6;                             // independent values of a profile
+  constexpr double kFloor = 0.0005;                         // misfit of a perfect photograph [contrast]
+  constexpr auto& exponent = CurveFits::exponent;
+  const CurveFits fits = fit_curves(found, options);
+  // No camera draws as sharp: a drawing, whose grey values are what they are.
+  constexpr double kDrawn = 0.3;  // [px]
+  if (!(fits.count > 0) || fits.blur < kDrawn * fits.count) return {};
+  const double floor = kFloor * kFloor + 4 * chance_of(fits.noise / fits.count, fits.samples);
+  std::array<double, 5> cost = prior;
   for (std::size_t g = 0; g < exponent.size(); ++g)
-    cost[g] = kValues * std::log(std::max(0.0, misfit[g] / count) + floor) + kPrior * (exponent[g] - 1);
+    cost[g] +=
+        std::min(1.0, fits.count / kFewest) * kValues * std::log(std::max(0.0, fits.misfit[g] / fits.count) + floor);
   const std::size_t best = static_cast<std::size_t>(std::min_element(cost.begin(), cost.end()) - cost.begin());
-  if (best == 0 || best + 1 == exponent.size()) return exponent[best];
-  // Vertex of the parabola through the three costs (Brent's step).
-  const double x = exponent[best], left = x - exponent[best - 1], right = x - exponent[best + 1];
-  const double by_left = cost[best] - cost[best - 1], by_right = cost[best] - cost[best + 1];
-  return x - 0.5 * (left * left * by_right - right * right * by_left) / (left * by_right - right * by_left);
+  Curve curve;
+  double position = fits.position[best];
+  curve.gamma = exponent[best];
+  if (best > 0 && best + 1 < exponent.size()) {
+    // Vertex of the parabola through the three costs (Brent's step).
+    const double x = exponent[best], left = x - exponent[best - 1], right = x - exponent[best + 1];
+    const double by_left = cost[best] - cost[best - 1], by_right = cost[best] - cost[best + 1];
+    curve.gamma = x - 0.5 * (left * left * by_right - right * right * by_left) / (left * by_right - right * by_left);
+    const std::size_t beside = curve.gamma < x ? best - 1 : best + 1;
+    position += (fits.position[beside] - position) * (curve.gamma - x) / (exponent[beside] - x);
+  }
+  double sum = 0, squares = 0;
+  for (std::size_t g = 0; g < exponent.size(); ++g) {
+    const double weight = std::exp(-0.5 * (cost[g] - cost[best]));
+    sum += weight, squares += weight * std::pow((fits.position[g] - position) / fits.count, 2);
+  }
+  curve.inset_sigma = std::sqrt(squares / sum);
+  return curve;
 }
 
 /// Root mean square misfit over all edges; 0 where noise explains it.
@@ -188,12 +218,12 @@ double model_error_of(const std::vector<Edges>& measured) {
 }
 
 /// Adds to the fit's covariance what an error of the model does to an edge: a shift, and a turn of half the variance at
-/// its ends.
-void add_model_error(double model_error, FittedEdge& edge) {
+/// its ends; and the shift that all edges have of the curve's error.
+void add_model_error(double model_error, double inset_sigma, FittedEdge& edge) {
   constexpr double kMultiple = 9.0;
   constexpr double kPixelVariance = 1.0 / 12;  // of a pixel's box [px²]
   const double shift = kMultiple * model_error * std::sqrt(edge.blur * edge.blur + kPixelVariance);
-  edge.covariance(0, 0) += shift * shift;
+  edge.covariance(0, 0) += shift * shift + inset_sigma * inset_sigma;
   edge.covariance(1, 1) += 0.5 * shift * shift;
 }
 
@@ -216,15 +246,17 @@ Measurement measure_corners(const GreyImage& image, const std::vector<Quadrilate
 Measurement measure_corners(const std::vector<Quadrilateral>& found, const EdgeFitOptions& options) {
   Measurement measurement;
   EdgeFitOptions used = options;
-  if (options.gamma == 0) used.gamma = estimate_gamma(found, options);
+  Curve curve{options.gamma, 0};
+  if (options.gamma == 0) curve = estimate_curve(found, options);
+  used.gamma = curve.gamma;
   std::vector<Edges> measured = fit_image(found, used);
-  measurement.quality = {used.gamma, *used.grid, model_error_of(measured)};
+  measurement.quality = {curve.gamma, *used.grid, model_error_of(measured), curve.inset_sigma};
   for (std::size_t k = 0; k < found.size(); ++k) {
     if (!complete(measured[k])) {
       measurement.corners.emplace_back();
       continue;
     }
-    for (auto& edge : measured[k]) add_model_error(measurement.quality.model_error, *edge);
+    for (auto& edge : measured[k]) add_model_error(measurement.quality.model_error, curve.inset_sigma, *edge);
     measurement.corners.push_back(corners_of(measured[k], found[k]));
   }
   return measurement;

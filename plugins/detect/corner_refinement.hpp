@@ -33,6 +33,9 @@ struct ImageQuality {
   SamplingGrid grid;  ///< where the pixels lie
   double model_error =
       0;  ///< what the edges' profiles differ from the model by, root mean square in units of the contrast
+  /// How far the error of the curve moves all edges of the image together, inwards or outwards [px]; in the stated
+  /// covariances. 0 where the curve was given.
+  double inset_sigma = 0;
 };
 
 struct Measurement {
