@@ -1,6 +1,8 @@
 // The first screen: can we install, where not and what to do, how sure.
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 
 #include "ifc/facade_artifact.hpp"
 #include "ifc/surface_words.hpp"
@@ -78,7 +80,7 @@ double deciding_u(const AnchorDeviationT& anchor, const JudgedAxisT& axis, const
 struct Task {
   int floor;
   ToleranceVerdict verdict;
-  std::string what, found, todo;
+  std::string what, found, todo, facade = {};
 };
 
 Task task_of(const AnchorDeviationT& anchor, const DeviationT& deviation) {
@@ -165,12 +167,18 @@ Task task_of(const SurfaceVerdictT& verdict, const DeviationT& deviation) {
 std::vector<Task> tasks_of(const DeviationT& deviation) {
   std::vector<Task> tasks;
   const auto open = [](ToleranceVerdict verdict) { return verdict != ToleranceVerdict::pass; };
+  // Of a building of several facades whoever is sent somewhere is told to which.
+  const auto add = [&](const auto& element) {
+    tasks.push_back(task_of(element, deviation));
+    if (deviation.facades.size() > 1 && element.facade)
+      tasks.back().facade = element.facade->facade.empty() ? unknown : element.facade->facade;
+  };
   for (const ToleranceVerdict wanted :
        {ToleranceVerdict::fail, ToleranceVerdict::undecided, ToleranceVerdict::not_measured}) {
     for (const AnchorDeviationT* anchor : worst_first(deviation))
-      if (anchor->verdict == wanted && open(wanted)) tasks.push_back(task_of(*anchor, deviation));
+      if (anchor->verdict == wanted && open(wanted)) add(*anchor);
     for (const PanelDeviationT* panel : worst_panels_first(deviation))
-      if (panel->verdict == wanted && open(wanted)) tasks.push_back(task_of(*panel, deviation));
+      if (panel->verdict == wanted && open(wanted)) add(*panel);
     if (deviation.surfaces)
       for (const SurfaceVerdictT* verdict : worst_surfaces_first(*deviation.surfaces))
         if (verdict->verdict == wanted) tasks.push_back(task_of(*verdict, deviation));
@@ -181,12 +189,16 @@ std::vector<Task> tasks_of(const DeviationT& deviation) {
 void write_tasks(Markup& html, const std::vector<Task>& tasks, std::size_t from, std::size_t to) {
   Scope wide(html, "div", {{"class", "wide"}});
   Scope table(html, "table", {{"class", from == 0 ? "tasks" : "tasks sortable"}});
-  table_head(html, {left("Where"), "Floor", left("Verdict"), left("Found"), left("To do")});
+  const bool facades = std::any_of(tasks.begin(), tasks.end(), [](const Task& t) { return !t.facade.empty(); });
+  std::vector<Cell> heads = {left("Where"), "Floor", left("Verdict"), left("Found"), left("To do")};
+  if (facades) heads.insert(heads.begin() + 1, left("Facade"));
+  table_head(html, heads);
   Scope body(html, "tbody");
   for (std::size_t i = from; i < to; ++i) {
     const Task& task = tasks[i];
     Scope row(html, "tr");
     html.element("th", {{"scope", "row"}}, task.what);
+    if (facades) html.element("td", {{"class", "words"}}, task.facade.empty() ? unknown : task.facade);
     html.element("td", {{"data-head", "Floor"}}, task.floor > 0 ? std::to_string(task.floor) : unknown);
     {
       Scope td(html, "td", {{"class", "text"}});
@@ -235,6 +247,32 @@ std::string counted_words(int anchors, int panels, int surfaces) {
   for (std::size_t i = 0; i < parts.size(); ++i)
     text += (i == 0 ? "" : i + 1 == parts.size() ? " and " : ", ") + parts[i];
   return text;
+}
+
+/// Of a building of several facades: how each of them stands.
+void write_facades_overview(Markup& html, const DeviationT& deviation) {
+  if (deviation.facades.size() < 2) return;
+  std::map<std::string, std::array<int, 8>> counts;  // anchors, then panels: pass, undecided, fail, not measured
+  const auto count = [&](const auto& element, std::size_t first) {
+    const std::size_t at = element.verdict == ToleranceVerdict::pass        ? 0
+                           : element.verdict == ToleranceVerdict::undecided ? 1
+                           : element.verdict == ToleranceVerdict::fail      ? 2
+                                                                            : 3;
+    if (element.facade) ++counts[element.facade->facade][first + at];
+  };
+  for (const auto& anchor : deviation.anchors) count(*anchor, 0);
+  for (const auto& panel : deviation.panels) count(*panel, 4);
+  html.element("h3", "Facade by facade");
+  Scope wide(html, "div", {{"class", "wide"}});
+  Scope table(html, "table");
+  table_head(html,
+             {left("Facade"), "Anchors pass", "undecided", "fail", "not measured", "Panels pass", "undecided", "fail"});
+  Scope body(html, "tbody");
+  for (const auto& facade : deviation.facades) {
+    Scope row(html, "tr");
+    html.element("th", {{"scope", "row"}}, facade->name);
+    for (std::size_t k = 0; k < 7; ++k) html.element("td", std::to_string(counts[facade->name][k]));
+  }
 }
 
 std::string heading_of(const DeviationT& d, int panels_failed, int panels_open) {
@@ -356,6 +394,7 @@ void write_installation(Markup& html, const ReportInput& input) {
              [&] { write_tasks(html, tasks, kFirstRows, tasks.size()); });
   }
   write_floors_overview(html, d);
+  write_facades_overview(html, d);
 }
 
 }  // namespace plumbline::report

@@ -4,6 +4,7 @@
 
 #include "block/bundle/elimination.hpp"
 #include "block/bundle/terms.hpp"
+#include "plumbline/stop.hpp"
 
 namespace plumbline::bundle {
 
@@ -17,6 +18,7 @@ bool Elimination::gradient(const State& state, Eigen::VectorXd& right, double& c
   };
   Rows rows;
   const auto add = [&](const auto& term, bool robust) {
+    stop_point();
     if (!evaluate(problem_, layout_, state, term, true, rows)) return false;
     const double weight = weigh(robust, rows.values().squaredNorm());
     for (int k = 0; k < rows.parts; ++k) {
@@ -32,6 +34,7 @@ bool Elimination::gradient(const State& state, Eigen::VectorXd& right, double& c
   };
   TagGradient of_tag;
   const auto add_tag = [&](const ImageTag& term) {
+    stop_point();
     if (!gradient_of(problem_, state, term, of_tag)) return false;
     subtract_gradient(term, of_tag, weigh(term.robust, of_tag.squares), right);
     return true;

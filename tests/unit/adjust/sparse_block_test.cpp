@@ -5,6 +5,7 @@
 
 #include "block/bundle/adjust.hpp"
 #include "plumbline/rigid_transform.hpp"
+#include "plumbline/stop.hpp"
 #include "synthetic_block.hpp"
 
 namespace {
@@ -220,6 +221,23 @@ TEST(SparseBlock, TellsItsMemoryWhichGrowsWithItsLength) {
     EXPECT_THROW(bundle::adjust(strip.problem, layout, strip.state, options), Enough);
   }
   EXPECT_NEAR(told[1] / told[0], 2, 0.1);
+}
+
+// Every loop over observations or unknowns asks.
+TEST(SparseBlock, CanBeStoppedAnywhere) {
+  const Strip strip = make_strip(60, true);
+  const Layout layout(strip.problem);
+  Elimination elimination(strip.problem, layout);
+  ASSERT_TRUE(elimination.build(strip.state) && elimination.factorise({}));
+  Eigen::VectorXd right;
+  double cost = 0;
+  const StopScope scope([](const void*) { return true; }, nullptr);
+  EXPECT_THROW(Elimination(strip.problem, layout), Stopped);
+  EXPECT_THROW(elimination.gradient(strip.state, right, cost), Stopped);
+  EXPECT_THROW(elimination.step(), Stopped);
+  EXPECT_THROW(Cofactors(strip.problem, layout, strip.state, elimination, {}), Stopped);
+  EXPECT_THROW(elimination.factorise({}), Stopped);
+  EXPECT_THROW(elimination.build(strip.state), Stopped);
 }
 
 }  // namespace
