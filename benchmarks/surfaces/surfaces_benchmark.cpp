@@ -8,52 +8,15 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
-#include <fstream>
 #include <map>
 
+#include "fountain.hpp"
 #include "surface/facet_tile.hpp"
 
 namespace {
 
 using namespace plumbline;
 using namespace plumbline::surface;
-
-/// K, three zeros, the rotation whose columns are the camera's axes in the world, the projection centre, the size.
-View read_camera(const std::string& path) {
-  std::ifstream stream(path);
-  std::array<double, 26> v{};
-  for (double& value : v)
-    if (!(stream >> value)) throw std::runtime_error(path + " is no camera of the set");
-  View view;
-  view.camera.fx = v[0], view.camera.fy = v[4], view.camera.cx = v[2], view.camera.cy = v[5];
-  view.camera.width = static_cast<int>(v[24]), view.camera.height = static_cast<int>(v[25]);
-  Eigen::Matrix3d world_from_cam;
-  world_from_cam << v[12], v[13], v[14], v[15], v[16], v[17], v[18], v[19], v[20];
-  view.cam_from_world.rotation = Eigen::Quaterniond(world_from_cam.transpose()).normalized();
-  view.cam_from_world.translation = -(view.cam_from_world.rotation * Eigen::Vector3d(v[21], v[22], v[23]));
-  return view;
-}
-
-struct Photographs {
-  std::vector<View> views;
-  std::vector<Pyramid> images;
-  std::vector<FacetView> every(size_t first, size_t step) const {
-    std::vector<FacetView> chosen;
-    for (size_t k = first; k < views.size(); k += step) chosen.push_back({&views[k], &images[k]});
-    return chosen;
-  }
-};
-
-Photographs read(const std::string& folder) {
-  Photographs photographs;
-  for (int k = 0; k < 11; ++k) {
-    char name[16];
-    std::snprintf(name, sizeof name, "%04d.jpg", k);
-    photographs.views.push_back(read_camera(folder + "/gt_dense_cameras/" + name + ".camera"));
-    photographs.images.push_back(pyramid_of(read_grey_image(folder + "/images/" + name)));
-  }
-  return photographs;
-}
 
 constexpr int kColumns = 8, kRows = 6;
 constexpr double kTile = 0.4;
@@ -151,18 +114,13 @@ void print(const char* what, const std::vector<Pairs>& all) {
 int main(int count, char** arguments) try {
   if (count < 2)
     throw std::runtime_error("usage: surfaces_benchmark FOLDER [distance of the wall from the middle camera, m]");
-  const Photographs photographs = read(arguments[1]);
-  const View& middle = photographs.views[5];
-  const RigidTransform world_from_cam = middle.cam_from_world.inverse();
+  const Fountain photographs = read_fountain(arguments[1]);
   const double distance = count > 2 ? std::atof(arguments[2]) : 8;
-  Eigen::Vector3d forward = world_from_cam.rotation * Eigen::Vector3d::UnitZ();
-  forward.z() = 0;
-  const FacadePlane plane = facade_plane(world_from_cam.translation + distance * forward.normalized(), -forward);
+  const FacadePlane plane = photographs.wall(distance);
   TileOptions options;
   options.facet.search = 0.4, options.facet.max_sigma = 0.01;
   options.pitch = 0.045;  // more than a facet of either set, so that both look at the same places
-  std::printf("camera 5 at %.2f %.2f %.2f, ground pixel %.2f mm\n", world_from_cam.translation.x(),
-              world_from_cam.translation.y(), world_from_cam.translation.z(), 1e3 * distance / middle.camera.fx);
+  std::printf("ground pixel %.2f mm\n", 1e3 * distance / photographs.views[5].camera.fx);
   const auto even = measure(plane, photographs.every(0, 2), options),
              odd = measure(plane, photographs.every(1, 2), options);
   for (const auto* set : {&even, &odd}) {

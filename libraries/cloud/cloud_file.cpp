@@ -19,12 +19,9 @@ CloudSummary read_any(const std::string& path, const PointSink& sink) {
   const std::string head(first, sizeof first);
   if (head.starts_with("ply") && (head[3] == '\n' || head[3] == '\r')) return read_ply(stream, sink);
   if (head.starts_with("LASF")) return read_las(stream, sink);
-  if (head.starts_with("ASTM-E57"))
-    stream.fail(
-        "this is an E57 file, which is not read; write it out as LAS, PLY or PTS from the scanner's program or with "
-        "CloudCompare, in metres");
+  if (head.starts_with("ASTM-E57")) return read_e57(stream, sink);
   if (head.starts_with("# .PCD") || head.starts_with("VERSION"))
-    stream.fail("this is a PCD file, which is not read; expected PLY, LAS, PTS or XYZ");
+    stream.fail("this is a PCD file, which is not read; expected PLY, LAS, E57, PTS or XYZ");
   return read_text(stream, sink);
 }
 
@@ -36,7 +33,7 @@ CloudStream::CloudStream(const std::string& path)
   if (!std::filesystem::is_regular_file(path, error)) fail("there is no such file: " + path);
   size_ = std::filesystem::file_size(path, error);
   if (!stream_ || error) fail("the file cannot be read: " + path);
-  if (size_ == 0) fail("the file is empty; expected a point cloud as PLY, LAS, PTS or XYZ");
+  if (size_ == 0) fail("the file is empty; expected a point cloud as PLY, LAS, E57, PTS or XYZ");
 }
 
 void CloudStream::seek(std::uint64_t position) {

@@ -39,32 +39,40 @@ class CloudStream {
   std::uint64_t size_ = 0, position_ = 0, line_ = 0;
 };
 
-/// Collects points and hands them on in pieces.
+/// Collects points and hands them on in pieces, each of one scan.
 class PointBatch {
  public:
   PointBatch(CloudSummary& summary, const CloudStream& stream, const PointSink& sink)
       : summary_(summary), stream_(stream), sink_(sink) {}
-  void add(const Eigen::Vector3d& point) {
+  void add(const Eigen::Vector3d& point, std::size_t scan = 0) {
     if (!point.allFinite()) {
       ++summary_.without_place;
       return;
     }
     summary_.low = summary_.low.cwiseMin(point), summary_.high = summary_.high.cwiseMax(point);
-    points_.push_back(point);
-    if (points_.size() == 65536) flush();
+    scan = std::min(scan, kMostScans - 1);
+    if (scan >= points_.size()) points_.resize(scan + 1);
+    points_[scan].push_back(point);
+    if (++waiting_ == 65536) flush();
   }
   void flush() {
-    if (points_.empty()) return;
-    sink_(points_, static_cast<double>(stream_.position()) / static_cast<double>(stream_.size()));
-    summary_.points += points_.size();
-    points_.clear();
+    const double done = static_cast<double>(stream_.position()) / static_cast<double>(stream_.size());
+    for (std::size_t scan = 0; scan < points_.size(); ++scan) {
+      if (points_[scan].empty()) continue;
+      sink_(points_[scan], done, static_cast<int>(scan));
+      summary_.points += points_[scan].size();
+      points_[scan].clear();
+    }
+    waiting_ = 0;
   }
 
  private:
+  static constexpr std::size_t kMostScans = 256;
   CloudSummary& summary_;
   const CloudStream& stream_;
   const PointSink& sink_;
-  std::vector<Eigen::Vector3d> points_;
+  std::vector<std::vector<Eigen::Vector3d>> points_;  ///< by scan
+  std::size_t waiting_ = 0;
 };
 
 /// What a number with decimals can tell apart: 0.01 of "12.50" and "1.25e1"; 1 of "12".
@@ -108,6 +116,7 @@ T number_at(const char* from, bool big_endian = false) {
 CloudSummary read_ply(CloudStream& stream, const PointSink& sink);
 CloudSummary read_las(CloudStream& stream, const PointSink& sink);
 CloudSummary read_text(CloudStream& stream, const PointSink& sink);
+CloudSummary read_e57(CloudStream& stream, const PointSink& sink);
 
 /// Where the records of a LAS file lie that are no points.
 struct LasRecords {

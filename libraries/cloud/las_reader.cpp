@@ -1,7 +1,6 @@
 // LAS 1.0 to 1.4 (ASPRS, "LAS Specification 1.4 - R15"): header, point records of formats 0 to 10.
 #include <algorithm>
 #include <array>
-#include <bitset>
 
 #include "cloud/cloud_stream.hpp"
 
@@ -104,7 +103,8 @@ CloudSummary read_las(CloudStream& stream, const PointSink& sink) {
   stream.seek(header.points_at);
   const std::uint64_t at_a_time = std::max<std::uint64_t>(1, (1 << 20) / header.record);
   std::vector<char> bytes(at_a_time * header.record);
-  std::bitset<65536> sources;
+  std::vector<std::int32_t> scan_of(65536, -1);  // by point source id, in the order in which they come
+  int scans = 0;
   for (std::uint64_t done = 0; done < header.points;) {
     const std::uint64_t count = std::min(at_a_time, header.points - done);
     stream.read(bytes.data(), count * header.record, "the points");
@@ -114,15 +114,16 @@ CloudSummary read_las(CloudStream& stream, const PointSink& sink) {
         ++summary.withheld;
         continue;
       }
-      sources.set(source_of(record, header.format));
+      std::int32_t& scan = scan_of[source_of(record, header.format)];
+      if (scan < 0) scan = scans++;
       const Eigen::Vector3d whole(number_at<std::int32_t>(record), number_at<std::int32_t>(record + 4),
                                   number_at<std::int32_t>(record + 8));
-      batch.add(header.offset + header.scale.cwiseProduct(whole));
+      batch.add(header.offset + header.scale.cwiseProduct(whole), static_cast<size_t>(scan));
     }
     done += count;
   }
   batch.flush();
-  summary.scans = std::max(1, static_cast<int>(sources.count()));
+  summary.scans = std::max(1, scans);
   return summary;
 }
 

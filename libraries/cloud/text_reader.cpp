@@ -166,7 +166,7 @@ CloudSummary read_text(CloudStream& stream, const PointSink& sink) {
     const auto point = points.take(line);
     if (!point) continue;
     if (!sink) return summary;
-    batch.add(*point);
+    batch.add(*point, static_cast<size_t>(summary.scans - 1));
   }
   if (!sink) return summary;
   points.end();

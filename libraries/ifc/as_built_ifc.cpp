@@ -104,6 +104,12 @@ void AsBuiltWriter::write_judgement() {
   set.integer("AnchorsUndecided", deviation_.undecided);
   set.integer("AnchorsFailed", deviation_.failed);
   set.integer("AnchorsNotMeasured", deviation_.not_measured);
+  if (const auto& surfaces = deviation_.surfaces) {
+    set.integer("SurfacesPassed", surfaces->passed, "Quantities of panels' surfaces and joints that keep their limits");
+    set.integer("SurfacesUndecided", surfaces->undecided);
+    set.integer("SurfacesFailed", surfaces->failed);
+    set.integer("SurfacesNotJudged", surfaces->not_judged);
+  }
   set.labels("NotJudged", not_judged, "What was asked for and could not be judged");
   set.labels("Doubts", deviation_.doubts, "Why the measurement is not to be trusted");
   set.real("Risk", deviation_.risk, "Pass: a conformance probability of 1 - risk or more");

@@ -174,9 +174,6 @@ std::string write_bcf(const DeviationT& deviation, const std::vector<const Ancho
   }
   for (const auto& request : deviation.requests)
     if (!request->not_judged.empty()) issues.push_back(issue_of(*request));
-  if (options.surface_judgement)
-    for (const auto& request : options.surface_judgement->requests)
-      if (!request->not_judged.empty()) issues.push_back(issue_of(*request));
   BcfFile file(options, deviation.design_file);
   for (const Issue& issue : issues) file.add(issue, deviation);
   return file.finish();

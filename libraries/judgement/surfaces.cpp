@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <memory>
+#include <set>
 #include <stdexcept>
 
 #include "geometry/packed_symmetric.hpp"
@@ -60,6 +61,7 @@ class Judge {
       for (const Asked& asked : asked_of(selecting_panel[p], false))
         take(of_panel(*surfaces_.panels[p], asked), asked, static_cast<int>(p));
     }
+    take_panels_without_a_face();
     for (size_t j = 0; j < surfaces_.joints.size(); ++j) {
       const JointFiguresT& joint = *surfaces_.joints[j];
       std::vector<char> either(rules_.size());
@@ -131,6 +133,27 @@ class Judge {
       element = found->second;
     else
       element.name = panel.face->id, element.guid = panel.face->guid;
+    return selecting(element);
+  }
+
+  /// Panels of the design of which the measurement has no face: asked for, and nobody looked at them.
+  void take_panels_without_a_face() {
+    std::set<std::string> with_face;
+    for (const auto& panel : surfaces_.panels) with_face.insert(panel->face->guid);
+    for (const auto& [guid, element] : facts_) {
+      if (with_face.contains(guid)) continue;
+      const std::string name = element.name.empty() ? guid : element.name;
+      for (const Asked& asked : asked_of(selecting(element), false)) {
+        auto verdict = started(asked);
+        verdict->panel = name, verdict->guid = guid, verdict->not_judged = "no face of it was looked at";
+        for (const std::string& warning : surfaces_.warnings)
+          if (warning.starts_with(name + ": ")) verdict->not_judged = warning.substr(name.size() + 2);
+        take(std::move(verdict), asked, -1);
+      }
+    }
+  }
+
+  std::vector<char> selecting(const bim::ElementFacts& element) {
     std::vector<char> selects;
     for (size_t r = 0; r < rules_.size(); ++r) {
       selects.push_back(rules_[r].selection.matches(element));

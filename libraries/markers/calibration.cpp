@@ -276,6 +276,7 @@ class Calibrator {
   CameraTruth judged(CameraEvidence evidence, const Calibration& c) const {
     std::vector<RigidTransform> poses;
     for (const int v : evidence.members) poses.push_back(c.views[static_cast<size_t>(v)].cam_from_board);
+    evidence.object_is_known = true;
     return judge_camera(std::move(evidence), c.camera, poses);
   }
 

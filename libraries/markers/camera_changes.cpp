@@ -1,12 +1,13 @@
 #include "markers/camera_changes.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <map>
 #include <numeric>
-
-#include "geometry/random.hpp"
 
 namespace plumbline::markers {
 namespace {
@@ -14,88 +15,64 @@ namespace {
 using Split = CameraChange::Split;
 using What = CameraChange::What;
 
-constexpr int fewest_photographs = 8, smallest_part = 3;
-constexpr int permutations = 1999;
-constexpr double level_of_groups = 0.002, level_of_all = 0.004;
+constexpr std::size_t fewest_photographs = 8, smallest_part = 3;
+constexpr double told_from = 5;  // logarithm of the odds, 150 to 1
+constexpr double told_of_place_from = 8, mostly = 0.9;
+constexpr double clear_from = 0.9;  // probability of a split, of a cause
+constexpr double significant = 5;   // logarithm of a likelihood ratio
 
-/// Part of sound sets of photographs that may be told to change in this: with the two below 2 % in all.
-double highest_level(What what) {
-  switch (what) {
-    case What::focus:
-    case What::principal_point:
-      return 0.005;
-    case What::distortion:
-      return 0.003;
-    case What::aspect:
-      break;
-  }
-  return 0.001;
-}
-
-/// A way to weigh the photographs against each other: of two parts, or of a drift. The weights sum up to zero.
+/// A way to weigh the photographs against each other, with the part of all changes that are expected to be of it.
 struct Contrast {
   Split split = Split::from_on;
-  Eigen::VectorXd weights;  // second part positive
+  Eigen::VectorXd weights;
   std::vector<int> second;
   int period = 0;
+  double log_prior = 0;
 };
 
-/// What may differ: directions in the parameters of the evidence.
+/// What may differ, and by how much it usually would.
 struct Hypothesis {
   What what = What::focus;
   Eigen::MatrixXd directions;
+  Eigen::VectorXd sizes;
 };
 
-Contrast of_parts(Split split, const std::vector<bool>& second, int period = 0) {
-  Contrast contrast;
-  contrast.split = split, contrast.period = period;
-  const auto n = static_cast<Eigen::Index>(second.size());
-  contrast.weights.resize(n);
-  const double share = static_cast<double>(std::count(second.begin(), second.end(), true)) / static_cast<double>(n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const bool in = second[static_cast<std::size_t>(i)];
-    contrast.weights(i) = (in ? 1 : 0) - share;
-    if (in) contrast.second.push_back(static_cast<int>(i));
-  }
+std::optional<Contrast> of_parts(Split split, const std::vector<bool>& second, double log_prior, int period = 0) {
+  const auto count = static_cast<std::size_t>(std::count(second.begin(), second.end(), true));
+  if (count < smallest_part || second.size() - count < smallest_part) return std::nullopt;
+  Contrast contrast{split, Eigen::VectorXd::Zero(static_cast<Eigen::Index>(second.size())), {}, period, log_prior};
+  for (std::size_t i = 0; i < second.size(); ++i)
+    if (second[i]) contrast.weights(static_cast<Eigen::Index>(i)) = 1, contrast.second.push_back(static_cast<int>(i));
   return contrast;
 }
 
-void add_parts(Split split, const std::vector<bool>& second, int period, std::vector<Contrast>& contrasts) {
-  const auto count = std::count(second.begin(), second.end(), true);
-  if (count < smallest_part || static_cast<std::ptrdiff_t>(second.size()) - count < smallest_part) return;
-  contrasts.push_back(of_parts(split, second, period));
-}
-
-/// By the order of the photographs.
+/// By the order of the photographs: of the changes that are expected 0.4 are a cut, 0.2 a drift, 0.2 every so many.
 std::vector<Contrast> contrasts_in_order(std::size_t n) {
   std::vector<Contrast> contrasts;
   constexpr std::size_t most_cuts = 60;
-  for (std::size_t cut = smallest_part; cut + smallest_part <= n; cut += 1 + n / most_cuts) {
+  const std::size_t stride = 1 + n / most_cuts;
+  const double cuts = static_cast<double>((n - 2 * smallest_part) / stride + 1);
+  for (std::size_t cut = smallest_part; cut + smallest_part <= n; cut += stride) {
     std::vector<bool> second(n);
-    for (std::size_t i = cut; i < n; ++i) second[i] = true;
-    add_parts(Split::from_on, second, 0, contrasts);
+    std::fill(second.begin() + static_cast<std::ptrdiff_t>(cut), second.end(), true);
+    if (auto one = of_parts(Split::from_on, second, std::log(0.4 / cuts))) contrasts.push_back(*one);
   }
-  Contrast drift = of_parts(Split::drift, [&] {
-    std::vector<bool> half(n);
-    for (std::size_t i = n / 2; i < n; ++i) half[i] = true;
-    return half;
-  }());
-  for (std::size_t i = 0; i < n; ++i)
-    drift.weights(static_cast<Eigen::Index>(i)) = static_cast<double>(i) / static_cast<double>(n - 1) - 0.5;
+  Contrast drift{
+      Split::drift, Eigen::VectorXd::LinSpaced(static_cast<Eigen::Index>(n), -0.5, 0.5), {}, 0, std::log(0.2)};
+  for (std::size_t i = n / 2; i < n; ++i) drift.second.push_back(static_cast<int>(i));
   contrasts.push_back(drift);
   for (const std::size_t period : {2, 3, 4})
     for (std::size_t first = 0; first < (period == 2 ? 1 : period); ++first) {
       std::vector<bool> second(n);
       for (std::size_t i = first; i < n; i += period) second[i] = true;
-      add_parts(Split::every, second, static_cast<int>(period), contrasts);
+      if (auto one = of_parts(Split::every, second, std::log(0.2 / 8), static_cast<int>(period)))
+        contrasts.push_back(*one);
     }
   return contrasts;
 }
 
-/// The camera's x axis in the object: held one way or upside down against most. A principal point shows it when a
-/// program has turned the pictures; a lens or a board that are not quite the model show it, too, but in other
-/// parameters.
-void add_upside_down(const std::vector<RigidTransform>& poses, std::vector<Contrast>& contrasts) {
+/// The camera's x axis in the object: held one way or upside down against most.
+std::optional<Contrast> upside_down(const std::vector<RigidTransform>& poses) {
   std::vector<bool> turned;
   Eigen::Matrix3d axes = Eigen::Matrix3d::Zero();
   for (const RigidTransform& pose : poses) {
@@ -106,281 +83,284 @@ void add_upside_down(const std::vector<RigidTransform>& poses, std::vector<Contr
   for (const RigidTransform& pose : poses)
     turned.push_back((pose.rotation.conjugate() * Eigen::Vector3d::UnitX()).dot(common) < 0);
   if (2 * std::count(turned.begin(), turned.end(), true) > std::ssize(poses)) turned.flip();
-  add_parts(Split::upside_down, turned, 0, contrasts);
+  return of_parts(Split::upside_down, turned, std::log(0.1));
 }
 
-std::vector<Hypothesis> hypotheses_of(const CameraEvidence& evidence, const BrownCamera& camera) {
-  const auto values = camera.parameters();
-  const auto p = static_cast<Eigen::Index>(evidence.parameters.size());
-  std::vector<Hypothesis> hypotheses;
-  const auto add = [&](What what, const std::vector<std::vector<std::pair<int, double>>>& columns) {
-    std::vector<Eigen::VectorXd> directions;
+/// Photographs sorted by what each says of its own along the hypothesis, cut at every place: as many ways as there are
+/// subsets of the size, so each counts as little.
+std::vector<Contrast> groups(const EffectFit& fit, const Hypothesis& hypothesis) {
+  Eigen::MatrixXd steps;
+  Eigen::VectorXd weight;
+  fit.own_steps(hypothesis.directions, steps, weight);
+  if (!steps.allFinite() || !(weight.sum() > 0)) return {};
+  const Eigen::RowVectorXd mean = weight.transpose() * steps / weight.sum();
+  const Eigen::MatrixXd centred = weight.cwiseMax(0).cwiseSqrt().asDiagonal() * (steps.rowwise() - mean);
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(centred, Eigen::ComputeThinV);
+  const Eigen::VectorXd value = steps * svd.matrixV().col(0);
+  const auto n = static_cast<std::size_t>(value.size());
+  std::vector<int> order(n);
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return value(a) < value(b); });
+  std::vector<Contrast> contrasts;
+  for (std::size_t cut = smallest_part; cut + smallest_part <= n; ++cut) {
+    std::vector<bool> second(n);
+    const bool above = 2 * cut >= n;  // the smaller part is the second
+    for (std::size_t k = above ? cut : 0; k < (above ? n : cut); ++k) second[static_cast<std::size_t>(order[k])] = true;
+    const double all = static_cast<double>(n), part = static_cast<double>(above ? n - cut : cut);
+    const double log_ways = std::lgamma(all + 1) - std::lgamma(part + 1) - std::lgamma(all - part + 1);
+    if (auto one = of_parts(Split::some, second, std::log(0.1 / all) - log_ways)) contrasts.push_back(*one);
+  }
+  return contrasts;
+}
+
+std::vector<Hypothesis> hypotheses_of(const EffectModel& model, const BrownCamera& c) {
+  const double w = c.width;
+  std::vector<Hypothesis> all;
+  const auto add = [&](What what, const std::vector<std::array<double, 9>>& columns, const std::vector<double>& sizes) {
+    Hypothesis one{what, Eigen::MatrixXd(), Eigen::Map<const Eigen::VectorXd>(sizes.data(), std::ssize(sizes))};
     for (const auto& column : columns) {
-      Eigen::VectorXd direction = Eigen::VectorXd::Zero(p);
-      for (const auto& [parameter, value] : column) {
-        const auto at = std::find(evidence.parameters.begin(), evidence.parameters.end(), parameter);
-        if (at != evidence.parameters.end()) direction(at - evidence.parameters.begin()) = value;
+      const Eigen::VectorXd direction = model.direction(column);
+      if (direction.isZero(0)) return;
+      one.directions.conservativeResize(direction.size(), one.directions.cols() + 1);
+      one.directions.rightCols(1) = direction;
+    }
+    all.push_back(one);
+  };
+  add(What::focus, {{c.fx, c.fy}}, {0.03});
+  add(What::aspect, {{0.5 * c.fx, -0.5 * c.fy}}, {0.03});
+  add(What::principal_point, {{0, 0, 1}, {0, 0, 0, 1}}, {0.01 * w, 0.01 * w});
+  add(What::distortion, {{0, 0, 0, 0, 1}, {0, 0, 0, 0, 0, 1}}, {0.1, 0.3});
+  add(What::several, {{c.fx, c.fy}, {0, 0, 1}, {0, 0, 0, 1}, {0, 0, 0, 0, 1}, {0, 0, 0, 0, 0, 1}},
+      {0.03, 0.01 * w, 0.01 * w, 0.1, 0.3});
+  // Of the distortion that all have in the mean: those that a program freed of it lack more than that.
+  add(What::undistorted, {{0, 0, 0, 0, -c.k1, -c.k2, -c.k3, -c.p1, -c.p2}}, {1.5});
+  add(What::turned, {{0, 0, 1}, {0, 0, 0, 1}}, {0.01 * w, 0.01 * w});
+  return all;
+}
+
+/// A change with what it explains.
+struct Candidate {
+  const Hypothesis* hypothesis = nullptr;
+  Contrast contrast;
+  StepFit fit;
+  double value = 0;  // logarithm of its likelihood over no change, prior included
+};
+
+class Search {
+ public:
+  Search(const EffectModel& model, const BrownCamera& camera, const std::vector<RigidTransform>& poses)
+      : model_(model),
+        hypotheses_(hypotheses_of(model, camera)),
+        in_order_(contrasts_in_order(model.size())),
+        upside_down_(upside_down(poses)),
+        none_(most_likely(model, {})) {}
+
+  /// All changes at strengths that fit the best of them, which are put into `fitted_to`.
+  std::vector<Candidate> candidates(Strengths& fitted_to) const {
+    fitted_to = none_.strengths;
+    std::vector<Candidate> found = scan(none_.strengths);
+    if (found.empty()) return found;
+    Optimum best = none_;
+    best.log_likelihood = -std::numeric_limits<double>::infinity();
+    for (int round = 0; round < 2; ++round) {
+      std::map<std::pair<What, Split>, const Candidate*> leading;
+      for (const Candidate& one : found) {
+        const Candidate*& leader = leading[{one.hypothesis->what, one.contrast.split}];
+        if (!leader || one.value > leader->value) leader = &one;
       }
-      if (!direction.isZero(0)) directions.push_back(direction);
+      std::vector<const Candidate*> order;
+      for (const auto& [key, leader] : leading) order.push_back(leader);
+      std::stable_sort(order.begin(), order.end(), [](const auto* a, const auto* b) { return a->value > b->value; });
+      // Without the change its size counts as scatter: the second round starts from strengths with one.
+      const std::size_t most = round == 0 ? 10 : 5;
+      for (std::size_t k = 0; k < std::min(most, order.size()); ++k) {
+        const Step step = step_of(*order[k]);
+        const Optimum fitted = most_likely(model_, round == 0 ? none_.strengths : best.strengths, &step);
+        if (fitted.log_likelihood + order[k]->contrast.log_prior > best.log_likelihood)
+          best = fitted, best.log_likelihood += order[k]->contrast.log_prior;
+      }
+      found = scan(best.strengths);
     }
-    if (directions.empty()) return;
-    Hypothesis hypothesis;
-    hypothesis.what = what;
-    hypothesis.directions.resize(p, static_cast<Eigen::Index>(directions.size()));
-    for (std::size_t k = 0; k < directions.size(); ++k)
-      hypothesis.directions.col(static_cast<Eigen::Index>(k)) = directions[k];
-    hypotheses.push_back(hypothesis);
-  };
-  add(What::focus, {{{0, values[0]}, {1, values[1]}}});
-  add(What::aspect, {{{0, 0.5 * values[0]}, {1, -0.5 * values[1]}}});
-  add(What::principal_point, {{{2, 1.0}}, {{3, 1.0}}});
-  add(What::distortion, {{{4, 1.0}}, {{5, 1.0}}});
-  return hypotheses;
-}
+    fitted_to = best.strengths;
+    return found;
+  }
 
-/// Scores of the photographs along a hypothesis, one a row, with the inverse of their scatter.
-struct Scores {
-  Eigen::MatrixXd values;
-  Eigen::MatrixXd weight;
+  const Optimum& none() const { return none_; }
+
+ private:
+  static Step step_of(const Candidate& one) {
+    return {one.contrast.weights, one.hypothesis->directions, one.hypothesis->sizes};
+  }
+
+  std::vector<Candidate> scan(const Strengths& strengths) const {
+    const EffectFit fit(model_, strengths);
+    const double offset =
+        fit.log_likelihood() - none_.log_likelihood - std::log(static_cast<double>(hypotheses_.size()));
+    std::vector<Candidate> found;
+    for (const Hypothesis& hypothesis : hypotheses_) {
+      std::vector<Contrast> contrasts;
+      if (hypothesis.what != What::turned) contrasts = in_order_;
+      if (hypothesis.what == What::undistorted)
+        std::erase_if(contrasts, [](const Contrast& c) { return c.split == Split::drift; });
+      if (hypothesis.what == What::turned && upside_down_) contrasts.push_back(*upside_down_);
+      if (hypothesis.what != What::aspect && hypothesis.what != What::turned)
+        for (Contrast& group : groups(fit, hypothesis)) contrasts.push_back(std::move(group));
+      for (Contrast& contrast : contrasts) {
+        Candidate one{&hypothesis, std::move(contrast), {}, 0};
+        one.fit = fit.fit(step_of(one));
+        one.value = one.fit.gain + one.contrast.log_prior + offset;
+        if (std::isfinite(one.value)) found.push_back(std::move(one));
+      }
+    }
+    return found;
+  }
+
+  const EffectModel& model_;
+  std::vector<Hypothesis> hypotheses_;
+  std::vector<Contrast> in_order_;
+  std::optional<Contrast> upside_down_;
+  Optimum none_;
 };
 
-Scores scores_of(const CameraEvidence& evidence, const Hypothesis& hypothesis) {
-  const auto n = static_cast<Eigen::Index>(evidence.score.size());
-  Scores scores;
-  scores.values.resize(n, hypothesis.directions.cols());
-  for (Eigen::Index i = 0; i < n; ++i)
-    scores.values.row(i) = (hypothesis.directions.transpose() *
-                            evidence.score[static_cast<std::size_t>(i)].head(hypothesis.directions.rows()))
-                               .transpose();
-  scores.values.rowwise() -= scores.values.colwise().mean().eval();
-  const Eigen::MatrixXd scatter = scores.values.transpose() * scores.values;
-  scores.weight = scatter.ldlt().solve(Eigen::MatrixXd::Identity(scatter.rows(), scatter.cols()));
-  return scores;
+/// Whether two splits are the same to who reads of them.
+bool alike(const Contrast& a, const Contrast& b) {
+  if (a.split != b.split && (a.split == Split::drift || b.split == Split::drift)) return false;
+  const Eigen::ArrayXd x = a.weights.array() - a.weights.mean(), y = b.weights.array() - b.weights.mean();
+  return std::abs((x * y).sum()) > 0.75 * std::sqrt(x.square().sum() * y.square().sum());
 }
 
-/// n log of what the split leaves unexplained of the scatter, less what as many free parameters explain of nothing
-/// (Schwarz 1978): larger is better.
-double merit(const Scores& scores, const Contrast& contrast, const std::vector<int>& order) {
-  const auto n = static_cast<double>(order.size());
-  Eigen::RowVectorXd sum = Eigen::RowVectorXd::Zero(scores.values.cols());
-  for (std::size_t i = 0; i < order.size(); ++i)
-    sum += contrast.weights(static_cast<Eigen::Index>(i)) * scores.values.row(order[i]);
-  const double explained = (sum * scores.weight * sum.transpose())(0, 0) / contrast.weights.squaredNorm();
-  return -n * std::log(std::max(1e-12, 1 - explained)) - static_cast<double>(scores.values.cols()) * std::log(n);
+/// Part of the weights' variance that the places the photographs were taken from explain.
+double by_place(const EffectModel& model, const Eigen::VectorXd& weights) {
+  Eigen::MatrixXd columns(weights.size(), static_cast<Eigen::Index>(model.places().size()) + 1);
+  columns.col(0).setOnes();
+  for (std::size_t k = 0; k < model.places().size(); ++k)
+    columns.col(static_cast<Eigen::Index>(k) + 1) = model.places()[k];
+  const Eigen::VectorXd left = weights - columns * columns.colPivHouseholderQr().solve(weights);
+  return 1 - left.squaredNorm() / (weights.array() - weights.mean()).matrix().squaredNorm();
 }
 
-/// How much the parts differ along the hypothesis, the other parameters common.
-Eigen::VectorXd difference(const CameraEvidence& evidence, const Hypothesis& hypothesis, const Contrast& contrast) {
-  const auto p = hypothesis.directions.rows();
-  Eigen::VectorXd score = Eigen::VectorXd::Zero(p);
-  Eigen::MatrixXd once = Eigen::MatrixXd::Zero(p, p), twice = once;
-  for (std::size_t i = 0; i < evidence.score.size(); ++i) {
-    const double w = contrast.weights(static_cast<Eigen::Index>(i));
-    score += w * evidence.score[i].head(p);
-    once += w * evidence.information[i].topLeftCorner(p, p),
-        twice += w * w * evidence.information[i].topLeftCorner(p, p);
+/// A program takes all of the distortion away: half of the photographs lack twice their mean.
+bool is_plausible(const Candidate& one) {
+  if (one.hypothesis->what != What::undistorted) return true;
+  return one.fit.by(0) > 0.7 - 3 * one.fit.sigma(0) && one.fit.by(0) < 4 + 3 * one.fit.sigma(0);
+}
+
+/// What of several parameters differs by more than three standard deviations, if that is but one.
+What single_of_several(const StepFit& fit) {
+  const auto is = [&](Eigen::Index k) { return std::abs(fit.by(k)) > 3 * fit.sigma(k); };
+  const bool focus = is(0), point = is(1) || is(2), distortion = is(3) || is(4);
+  if (focus + point + distortion != 1) return What::several;
+  return focus ? What::focus : point ? What::principal_point : What::distortion;
+}
+
+What cause_of(const Candidate& one) {
+  return one.hypothesis->what == What::several ? single_of_several(one.fit) : one.hypothesis->what;
+}
+
+/// The scatter from photograph to photograph that a change would be taken for, if it is one at all.
+std::optional<Strengths::Kind> scatter_like(What what) {
+  switch (what) {
+    case What::focus:
+    case What::several:
+      return Strengths::focus;
+    case What::principal_point:
+    case What::turned:
+      return Strengths::principal_point;
+    default:
+      return std::nullopt;
   }
-  const Eigen::MatrixXd left = twice - once * evidence.formal * once;
-  const Eigen::MatrixXd& e = hypothesis.directions;
-  return (e.transpose() * left * e).ldlt().solve(e.transpose() * score);
-}
-
-/// Principal distances of single photographs in two groups: the best split of their sorted values, and how often
-/// normal ones of the same uncertainties are split as well.
-std::optional<CameraChange> two_groups(const CameraEvidence& evidence, const Hypothesis& focus) {
-  const std::size_t n = evidence.score.size();
-  std::vector<double> value(n), variance(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    const auto p = focus.directions.rows();
-    const double information =
-        (focus.directions.transpose() * evidence.information[i].topLeftCorner(p, p) * focus.directions)(0, 0);
-    if (!(information > 0)) return std::nullopt;
-    value[i] = focus.directions.col(0).dot(evidence.score[i].head(p)) / information, variance[i] = 1 / information;
-  }
-  // The scatter within a group is not known beforehand: the formal one, and the same for all beside it.
-  const auto merit_of = [&](const std::vector<double>& values, std::vector<bool>* second) {
-    std::vector<std::size_t> order(n);
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return values[a] < values[b]; });
-    double total = 0, square = 0, weights = 0;
-    for (std::size_t i = 0; i < n; ++i)
-      total += values[i] / variance[i], square += values[i] * values[i] / variance[i], weights += 1 / variance[i];
-    const double spread = square - total * total / weights;
-    double below = 0, weight_below = 0, best = 0;
-    std::size_t cut = 0;
-    for (std::size_t k = 0; k + smallest_part < n; ++k) {
-      below += values[order[k]] / variance[order[k]], weight_below += 1 / variance[order[k]];
-      if (k + 1 < smallest_part) continue;
-      const double above = total - below;
-      const double between =
-          below * below / weight_below + above * above / (weights - weight_below) - total * total / weights;
-      if (between / spread > best) best = between / spread, cut = k + 1;
-    }
-    if (second) {
-      second->assign(n, false);
-      for (std::size_t k = cut; k < n; ++k) (*second)[order[k]] = true;
-    }
-    return best;
-  };
-  std::vector<bool> second;
-  const double found = merit_of(value, &second);
-  double mean = 0, weights = 0, excess = 0;
-  for (std::size_t i = 0; i < n; ++i) mean += value[i] / variance[i], weights += 1 / variance[i];
-  mean /= weights;
-  for (std::size_t i = 0; i < n; ++i) excess += (value[i] - mean) * (value[i] - mean) / variance[i];
-  double inverse = 0;
-  for (std::size_t i = 0; i < n; ++i) inverse += 1 / variance[i] / variance[i];
-  const double common =
-      std::max(0.0, (excess - static_cast<double>(n - 1)) / (weights - inverse / weights));  // DerSimonian, Laird 1986
-  Random random(1, "two groups");
-  int as_good = 0;
-  for (int k = 0; k < permutations; ++k) {
-    std::vector<double> drawn(n);
-    for (std::size_t i = 0; i < n; ++i) drawn[i] = random.normal(std::sqrt(variance[i] + common));
-    as_good += merit_of(drawn, nullptr) >= found;
-  }
-  CameraChange change;
-  change.level = (as_good + 1.0) / (permutations + 1.0);
-  if (!(change.level <= level_of_groups)) return std::nullopt;
-  if (2 * std::count(second.begin(), second.end(), true) > static_cast<std::ptrdiff_t>(n)) second.flip();
-  const Contrast contrast = of_parts(Split::some, second);
-  change.split = Split::some, change.what = What::focus, change.second = contrast.second;
-  change.by.x() = difference(evidence, focus, contrast)(0);
-  return change;
-}
-
-/// How far the sum of squares falls if the parts have a camera each along `directions`, in units of the variance.
-double decrease(const CameraEvidence& evidence, const Eigen::MatrixXd& directions, const Contrast& contrast,
-                const std::vector<int>& order) {
-  const auto p = directions.rows();
-  Eigen::VectorXd score = Eigen::VectorXd::Zero(p);
-  Eigen::MatrixXd once = Eigen::MatrixXd::Zero(p, p), twice = once;
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    const auto at = static_cast<std::size_t>(order[i]);
-    const double w = contrast.weights(static_cast<Eigen::Index>(i));
-    score += w * evidence.score[at].head(p);
-    once += w * evidence.information[at].topLeftCorner(p, p);
-    twice += w * w * evidence.information[at].topLeftCorner(p, p);
-  }
-  const Eigen::MatrixXd left = directions.transpose() * (twice - once * evidence.formal * once) * directions;
-  const Eigen::LDLT<Eigen::MatrixXd> factor(left);
-  const Eigen::VectorXd along = directions.transpose() * score;
-  return factor.isPositive() ? along.dot(factor.solve(along)) : 0;
-}
-
-/// The best split by one hypothesis, and how many orders of the photographs split as well.
-struct BestSplit {
-  std::size_t contrast = 0;
-  double merit = 0, level = 1;
-};
-
-/// `merit_of` a contrast with the photographs in some order: larger is better.
-template <typename Merit>
-BestSplit best_split(std::size_t photographs, const std::vector<Contrast>& contrasts, double highest,
-                     const Merit& merit_of) {
-  std::vector<int> order(photographs);
-  std::iota(order.begin(), order.end(), 0);
-  BestSplit best;
-  best.merit = -1e300;
-  for (std::size_t c = 0; c < contrasts.size(); ++c) {
-    const double value = merit_of(contrasts[c], order);
-    if (value > best.merit) best.merit = value, best.contrast = c;
-  }
-  Random random(1, "order of photographs");
-  int as_good = 0;
-  for (int k = 0; k < permutations && as_good + 1 <= highest * (permutations + 1); ++k) {
-    for (std::size_t i = order.size() - 1; i > 0; --i)
-      std::swap(order[i], order[static_cast<std::size_t>(random.uniform() * static_cast<double>(i + 1))]);
-    as_good += std::any_of(contrasts.begin(), contrasts.end(),
-                           [&](const Contrast& each) { return merit_of(each, order) >= best.merit; });
-  }
-  best.level = (as_good + 1.0) / (permutations + 1.0);
-  return best;
-}
-
-CameraChange described(const CameraEvidence& evidence, const Hypothesis& hypothesis, const Contrast& contrast,
-                       double level) {
-  CameraChange change{contrast.split, hypothesis.what, contrast.second, contrast.period, {0, 0}, level};
-  const Eigen::VectorXd by = difference(evidence, hypothesis, contrast);
-  change.by.head(std::min<Eigen::Index>(2, by.size())) = by.head(std::min<Eigen::Index>(2, by.size()));
-  return change;
-}
-
-/// A program takes the distortion away, another lens has another one; a part of it that comes and goes while the
-/// principal distance stays is what the lens, the board or the places of the photographs have beside the model.
-bool is_plausible(const CameraChange& change, const BrownCamera& camera) {
-  return change.what != What::distortion || std::abs(change.by.x()) > 0.5 * std::abs(camera.k1);
-}
-
-/// Parts that differ in all parameters together, such as pictures that a program freed of distortion: by how far the
-/// sum of squares falls. What differs most names it.
-std::optional<CameraChange> change_of_all(const CameraEvidence& evidence, const std::vector<Contrast>& contrasts,
-                                          const std::vector<Hypothesis>& hypotheses, const BrownCamera& camera) {
-  const auto p = static_cast<Eigen::Index>(evidence.parameters.size());
-  const Eigen::MatrixXd all = Eigen::MatrixXd::Identity(p, p);
-  const BestSplit best =
-      best_split(evidence.score.size(), contrasts, level_of_all,
-                 [&](const Contrast& contrast, const auto& order) { return decrease(evidence, all, contrast, order); });
-  if (!(best.level <= level_of_all)) return std::nullopt;
-  std::vector<int> order(evidence.score.size());
-  std::iota(order.begin(), order.end(), 0);
-  const Contrast& contrast = contrasts[best.contrast];
-  const auto named = std::max_element(hypotheses.begin(), hypotheses.end(), [&](const auto& a, const auto& b) {
-    return decrease(evidence, a.directions, contrast, order) < decrease(evidence, b.directions, contrast, order);
-  });
-  if (named == hypotheses.end()) return std::nullopt;
-  const CameraChange change = described(evidence, *named, contrast, best.level);
-  return is_plausible(change, camera) ? std::optional(change) : std::nullopt;
 }
 
 }  // namespace
 
-std::optional<CameraChange> find_change(const CameraEvidence& given, const BrownCamera& camera,
+std::optional<CameraChange> find_change(const CameraEvidence& evidence, const BrownCamera& camera,
                                         const std::vector<RigidTransform>& cam_from_object) {
-  constexpr double significant = 5;  // logarithm of a likelihood ratio
-  const std::size_t n = given.score.size();
-  if (n < fewest_photographs || cam_from_object.size() != n) return std::nullopt;
-  // A principal point that moves and rows that move are hardly to be told apart, the others are.
-  const Scatter rows = rolling_shutter_of(given, camera);
-  const CameraEvidence reduced = rows.gain > significant ? without_rolling_shutter(given, rows.rms) : given;
-  const std::vector<Contrast> in_order = contrasts_in_order(n);
-  std::vector<Contrast> with_turned = in_order;
-  add_upside_down(cam_from_object, with_turned);
-  std::optional<CameraChange> change;
-  double clearest = 1, largest = 0;  // level over the highest, merit
-  for (const Hypothesis& hypothesis : hypotheses_of(given, camera)) {
-    const bool of_point = hypothesis.what == What::principal_point;
-    const CameraEvidence& evidence = of_point ? given : reduced;
-    const std::vector<Contrast>& contrasts = of_point ? with_turned : in_order;
-    const double highest = highest_level(hypothesis.what);
-    const Scores scores = scores_of(evidence, hypothesis);
-    const BestSplit best = best_split(n, contrasts, highest, [&](const Contrast& contrast, const auto& order) {
-      return merit(scores, contrast, order);
-    });
-    const double clear = best.level / highest;
-    if (clear > 1 || clear > clearest || (clear == clearest && best.merit < largest)) continue;
-    const CameraChange found = described(evidence, hypothesis, contrasts[best.contrast], best.level);
-    if (!is_plausible(found, camera)) continue;
-    clearest = clear, largest = best.merit, change = found;
+  if (evidence.score.size() < fewest_photographs || cam_from_object.size() != evidence.score.size() ||
+      evidence.parameters.empty())
+    return std::nullopt;
+  const EffectModel model(evidence, camera, cam_from_object);
+  const Search search(model, camera, cam_from_object);
+  Strengths fitted_to;
+  std::vector<Candidate> all = search.candidates(fitted_to);
+  std::erase_if(all, [](const Candidate& one) { return !is_plausible(one); });
+  if (all.empty()) return std::nullopt;
+  const Candidate& best =
+      *std::max_element(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.value < b.value; });
+  double sum = 0, of_split = 0;
+  std::map<What, double> of_cause;
+  for (const Candidate& one : all) {
+    const double odds = std::exp(one.value - best.value);
+    sum += odds, of_cause[cause_of(one)] += odds;
+    if (alike(one.contrast, best.contrast)) of_split += odds;
   }
-  if (change) return change;
-  if ((change = change_of_all(reduced, in_order, hypotheses_of(given, camera), camera))) return change;
-  // Two principal distances look like moving rows as well, but less so than like a focus that moves.
-  const bool moves = explain_scatter(given, camera).kind == Scatter::Kind::focus;
-  for (const Hypothesis& hypothesis : hypotheses_of(given, camera))
-    if (hypothesis.what == What::focus) return two_groups(moves ? given : reduced, hypothesis);
-  return std::nullopt;
+  // Against photographs that are alike; and against photographs that each differ, in no order.
+  CameraChange change;
+  const double beyond_scatter = best.value + std::log(sum);
+  change.log_odds = beyond_scatter;
+  if (const auto kind = scatter_like(best.hypothesis->what); kind && beyond_scatter > 0)
+    change.log_odds +=
+        search.none().log_likelihood - most_likely(model, search.none().strengths, nullptr, {*kind}).log_likelihood;
+  change.or_place = by_place(model, best.contrast.weights) > mostly;
+  if (!(change.log_odds > (change.or_place ? told_of_place_from : told_from))) return std::nullopt;
+  // Parts whose photographs differ among themselves nearly as much as before are not the parts.
+  constexpr double much = 0.02, nearly = 0.6;
+  const double own = fitted_to.of(Strengths::focus);
+  const bool still_scattered = own > much && own > nearly * search.none().strengths.of(Strengths::focus);
+  const bool in_order = !still_scattered && beyond_scatter > -std::log(1 / clear_from - 1);
+  change.split = best.contrast.split, change.second = best.contrast.second, change.period = best.contrast.period;
+  change.by = best.fit.by, change.sigma = best.fit.sigma, change.what = best.hypothesis->what;
+  for (const auto& [what, odds] : of_cause) change.causes.emplace_back(what, odds / sum);
+  std::stable_sort(change.causes.begin(), change.causes.end(),
+                   [](const auto& a, const auto& b) { return a.second > b.second; });
+  change.split_is_clear = in_order && of_split > clear_from * sum;
+  change.what_is_clear = change.causes.front().second > clear_from;
+  // The step in that parameter alone, if there is one.
+  const What clearest = change.causes.front().first;
+  if (change.what_is_clear && clearest != change.what) {
+    const Candidate* named = nullptr;
+    for (const Candidate& one : all)
+      if (one.hypothesis->what == clearest && alike(one.contrast, best.contrast) &&
+          (!named || one.value > named->value))
+        named = &one;
+    if (named)
+      change.what = clearest, change.by = named->fit.by, change.sigma = named->fit.sigma;
+    else
+      change.what_is_clear = false;
+  }
+  return change;
 }
 
 bool divides(const CameraChange& change) { return change.split != Split::drift; }
+
+std::vector<Scatter> causes_of_scatter(const CameraEvidence& evidence, const BrownCamera& camera,
+                                       const std::vector<RigidTransform>& cam_from_object) {
+  if (evidence.score.size() < fewest_photographs || cam_from_object.size() != evidence.score.size() ||
+      evidence.parameters.empty())
+    return {};
+  const EffectModel model(evidence, camera, cam_from_object);
+  const Optimum all = most_likely(model, {});
+  const auto needed = [&](const std::vector<Strengths::Kind>& kinds) {
+    return all.log_likelihood - most_likely(model, all.strengths, nullptr, kinds).log_likelihood > significant;
+  };
+  std::vector<Scatter> causes;
+  for (const Strengths::Kind kind : {Strengths::focus, Strengths::principal_point, Strengths::rows})
+    if (needed({kind})) causes.push_back({kind, all.strengths.of(kind)});
+  // Rows and a principal point that move are much alike: where either would do, but not neither, both are named.
+  const bool either =
+      std::none_of(causes.begin(), causes.end(), [](const Scatter& s) { return s.kind != Strengths::focus; });
+  if (either && needed({Strengths::principal_point, Strengths::rows}))
+    causes.push_back({Strengths::rows, all.strengths.of(Strengths::rows), true});
+  if (needed({Strengths::place})) causes.push_back({Strengths::place, all.strengths.of(Strengths::place)});
+  return causes;
+}
 
 CameraTruth judge_camera(CameraEvidence evidence, const BrownCamera& camera,
                          const std::vector<RigidTransform>& cam_from_object) {
   CameraTruth truth;
   truth.evidence = std::move(evidence);
   truth.empirical = empirical_covariance(truth.evidence);
-  truth.scatter = explain_scatter(truth.evidence, camera);
   truth.change = find_change(truth.evidence, camera, cam_from_object);
+  if (!truth.change) truth.scatter = causes_of_scatter(truth.evidence, camera, cam_from_object);
   return truth;
 }
 

@@ -36,6 +36,9 @@ struct CameraEvidence {
   std::vector<Eigen::VectorXd> score;           ///< of each photograph: the parameters', then the effects'
   std::vector<Eigen::MatrixXd> information;     ///< of each: of the same, all else known
   std::vector<Eigen::VectorXd> change_without;  ///< of the parameters, if the photograph is left out
+  /// The photographs show an object that is known, as a board. Tags in unknown places follow a camera that changes, so
+  /// that its scores tell less than the change.
+  bool object_is_known = false;
 };
 
 /// `shares` with effects and `cofactor` are of one adjustment, `factor` is its variance factor: scores and information
@@ -68,26 +71,5 @@ EmpiricalCovariance empirical_covariance(const CameraEvidence& evidence);
 
 /// 9 × 9 of the estimated parameters' p × p.
 Eigen::MatrixXd in_nine(const CameraEvidence& evidence, const Eigen::MatrixXd& of_estimated);
-
-/// Effects of single photographs that would make them scatter as they do.
-struct Scatter {
-  enum class Kind { none, focus, principal_point, rolling_shutter };
-  Kind kind = Kind::none;
-  double rms = 0;   ///< of focus: relative; else [px]
-  double gain = 0;  ///< of the logarithm of the likelihood over no such effect
-};
-
-/// The rolling shutter alone, whether or not another effect explains more.
-Scatter rolling_shutter_of(const CameraEvidence& evidence, const BrownCamera& camera);
-
-/// The evidence with a movement of the rows of each photograph by `rms` [px] as an unknown of its own, normal about
-/// zero, taken out: scores about the parameters that fit best then. What is left scatters less, and differs sooner.
-CameraEvidence without_rolling_shutter(const CameraEvidence& evidence, double rms);
-
-/// The one effect, normal from photograph to photograph, that explains the scores best.
-Scatter explain_scatter(const CameraEvidence& evidence, const BrownCamera& camera);
-
-/// What to say of a camera whose photographs scatter by more than its corners allow; empty if they do not.
-std::string in_words(const EmpiricalCovariance& empirical, const Scatter& scatter);
 
 }  // namespace plumbline::markers

@@ -183,7 +183,7 @@ std::optional<MarkerHalves> compare_halves(const MarkerBlock& block, const Marke
   return halves;
 }
 
-std::string in_words(const MarkerHalves& halves) {
+std::string in_words(const MarkerHalves& halves, bool only_by_place) {
   const std::string which = halves.by == HalvesBy::turns  ? "two halves of the photographs (every second one)"
                             : halves.by == HalvesBy::time ? "the first and the second half of the photographs"
                                                           : "the photographs from either side";
@@ -199,10 +199,11 @@ std::string in_words(const MarkerHalves& halves) {
                   halves.tags_contradict ? ", and" : "", std::sqrt(halves.camera_variance));
     words += text;
   }
-  return words +
-         ": the stated standard deviations are too small by about that. The cameras are not what the model says (moved "
-         "while their rows were read, focused or zoomed between photographs, with a lens of another kind)" +
-         (halves.by == HalvesBy::place ? ", or the tags are no plane squares" : "");
+  words += ": the stated standard deviations are too small by about that. ";
+  if (only_by_place)
+    return words +
+           "Other halves agree, so it is not the cameras: the tags or their paper are not as the model has them";
+  return words + "The cameras, the lens or the tags are not as the model has them";
 }
 
 }  // namespace plumbline::markers

@@ -40,7 +40,7 @@ struct MarkerHalves {
 std::optional<MarkerHalves> compare_halves(const MarkerBlock& block, const MarkerOptions& options,
                                            const MarkerResult& result, HalvesBy by = HalvesBy::turns);
 
-/// What to say where they contradict each other, and what to do.
-std::string in_words(const MarkerHalves& halves);
+/// What to say where they contradict each other. `only_by_place`: all other halves agree.
+std::string in_words(const MarkerHalves& halves, bool only_by_place = false);
 
 }  // namespace plumbline::markers

@@ -27,8 +27,8 @@ Eigen::MatrixXd spread(const ObservationRows& rows, const Eigen::MatrixXd* effec
 std::vector<PhotographShare> shares_of(const PartitionedSystem& system, const std::vector<Eigen::MatrixXd>& effects) {
   const auto blocks = static_cast<std::size_t>(system.eliminated_count);
   std::vector<std::set<int>> touched(blocks);
-  Eigen::Index effect_count = 0;
-  for (const Eigen::MatrixXd& effect : effects) effect_count = std::max(effect_count, effect.cols());
+  Eigen::Index most_effects = 0;
+  for (const Eigen::MatrixXd& effect : effects) most_effects = std::max(most_effects, effect.cols());
   for (const ObservationRows& rows : system.observations)
     if (rows.eliminated >= 0)
       touched[static_cast<std::size_t>(rows.eliminated)].insert(rows.columns.begin(), rows.columns.end());
@@ -38,7 +38,7 @@ std::vector<PhotographShare> shares_of(const PartitionedSystem& system, const st
   for (std::size_t b = 0; b < blocks; ++b) {
     PhotographShare& share = shares[b];
     share.columns.assign(touched[b].begin(), touched[b].end());
-    for (Eigen::Index e = 0; e < effect_count; ++e) share.columns.push_back(system.kept_count + static_cast<int>(e));
+    for (Eigen::Index e = 0; e < most_effects; ++e) share.columns.push_back(system.kept_count + static_cast<int>(e));
     const auto n = static_cast<Eigen::Index>(share.columns.size());
     share.score = Eigen::VectorXd::Zero(n), share.information = Eigen::MatrixXd::Zero(n, n);
     own[b] = Eigen::MatrixXd::Zero(system.eliminated_size, system.eliminated_size);

@@ -99,20 +99,38 @@ std::vector<double> starts_of(const std::vector<std::vector<double>>& found, int
 
 }  // namespace
 
-FacetTile measure_tile(const FacadePlane& plane, const Rectangle& area, const std::vector<FacetView>& all_views,
-                       const OrientationCovariance& orientations, const TileOptions& options) {
+FacetTile tile_of(const FacadePlane& plane, const Rectangle& area,
+                  const std::vector<std::pair<Eigen::Vector2d, Facet>>& facets, const std::vector<FacetView>& views,
+                  const OrientationCovariance& orientations) {
   FacetTile tile;
   tile.place = 0.5 * (area.low + area.high);
   tile.measured.centre = plane.world({tile.place.x(), tile.place.y(), 0});
   tile.sensitivity = Eigen::MatrixXd::Zero(3, orientations.size());
+  TileSensitivity sensitivity;
+  for (const auto& [at, facet] : facets) {
+    ++tile.outcomes[static_cast<size_t>(facet.outcome)];
+    if (facet.outcome != FacetOutcome::measured) continue;
+    const Eigen::Vector3d place(at.x(), at.y(), facet.height);
+    tile.measured.points.push_back(
+        {(plane.world(place) - tile.measured.centre).cast<float>(), static_cast<float>(facet.sigma)});
+    sensitivity.add(at - tile.place, 1 / (facet.sigma * facet.sigma), by_orientations(plane, place, facet, views, orientations));
+  }
+  if (!tile.measured.points.empty() && orientations.size() > 0)
+    tile.sensitivity = sensitivity.solved(0.5 * (area.high - area.low).norm(), static_cast<int>(tile.measured.points.size()));
+  return tile;
+}
+
+FacetTile measure_tile(const FacadePlane& plane, const Rectangle& area, const std::vector<FacetView>& all_views,
+                       const OrientationCovariance& orientations, const TileOptions& options) {
   double spacing = 0;
-  const std::vector<FacetView> views = best_views(plane, tile.place, all_views, options.max_views, &spacing);
-  const auto count = [&](FacetOutcome outcome) { ++tile.outcomes[static_cast<size_t>(outcome)]; };
+  const std::vector<FacetView> views =
+      best_views(plane, 0.5 * (area.low + area.high), all_views, options.max_views, &spacing);
   const Eigen::Vector2d size = area.high - area.low;
   const double own = views.empty() ? 0 : (2 * options.facet.half - 1) * spacing;
   const double pitch = std::max(options.pitch, own);
   const int columns = std::max(1, static_cast<int>(size.x() / pitch)), rows = std::max(1, static_cast<int>(size.y() / pitch));
   if (static_cast<int>(views.size()) < options.facet.min_views) {
+    FacetTile tile = tile_of(plane, area, {}, views, orientations);
     tile.outcomes[static_cast<size_t>(FacetOutcome::too_few_views)] = columns * rows;
     return tile;
   }
@@ -130,7 +148,7 @@ FacetTile measure_tile(const FacadePlane& plane, const Rectangle& area, const st
       found[static_cast<size_t>(r) * coarse_columns + c] = search_heights(plane, at, spacing, views, options.facet, 2, &two);
       ambiguous[static_cast<size_t>(r) * coarse_columns + c] = two;
     }
-  TileSensitivity sensitivity;
+  std::vector<std::pair<Eigen::Vector2d, Facet>> facets;
   for (int r = 0; r < rows; ++r) {
     stop_point();
     for (int c = 0; c < columns; ++c) {
@@ -149,17 +167,10 @@ FacetTile measure_tile(const FacadePlane& plane, const Rectangle& area, const st
       }
       if (best.outcome == FacetOutcome::measured && ambiguous[static_cast<size_t>(cr) * coarse_columns + cc])
         best.outcome = FacetOutcome::ambiguous;
-      count(best.outcome);
-      if (best.outcome != FacetOutcome::measured) continue;
-      const Eigen::Vector3d place(at.x(), at.y(), best.height);
-      tile.measured.points.push_back(
-          {(plane.world(place) - tile.measured.centre).cast<float>(), static_cast<float>(best.sigma)});
-      sensitivity.add(at - tile.place, 1 / (best.sigma * best.sigma), by_orientations(plane, place, best, views, orientations));
+      facets.emplace_back(at, std::move(best));
     }
   }
-  if (!tile.measured.points.empty() && orientations.size() > 0)
-    tile.sensitivity = sensitivity.solved(0.5 * size.norm(), static_cast<int>(tile.measured.points.size()));
-  return tile;
+  return tile_of(plane, area, facets, views, orientations);
 }
 
 void add_systematic_part(std::vector<FacetTile>& tiles, const std::vector<FacadePlane>& planes,

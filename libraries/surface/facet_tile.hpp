@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <utility>
 
 #include "surface/facet.hpp"
 #include "surface/measured_points.hpp"
@@ -33,6 +34,11 @@ struct TileOptions {
 /// used here. Same input, same bits.
 FacetTile measure_tile(const FacadePlane& plane, const Rectangle& area, const std::vector<FacetView>& views,
                        const OrientationCovariance& orientations, const TileOptions& options);
+
+/// A tile of facets, each at its place (u, v), with the share of the orientations in their heights.
+FacetTile tile_of(const FacadePlane& plane, const Rectangle& area,
+                  const std::vector<std::pair<Eigen::Vector2d, Facet>>& facets, const std::vector<FacetView>& views,
+                  const OrientationCovariance& orientations);
 
 /// Gives all tiles, measured on one of `planes` each, their factor: what the orientations' joint covariance says of each, reduced to the directions that
 /// hold all but `lost` of the variance. Throws std::invalid_argument for a covariance of another size, and

@@ -48,28 +48,33 @@ Vector6 base_at(double x, double y) {
 
 Vector6 base_of(const PanelFace& face, const Sample& s) { return base_at(2 * s.u / face.width, 2 * s.v / face.height); }
 
-/// Weighted least squares of the first `count` base functions; weights of Tukey's biweight on robustly scaled residuals,
-/// which leaves out what is something else. Weights end in `weight`.
-Eigen::VectorXd fit(const PanelFace& face, const std::vector<Sample>& samples, int count, std::vector<double>& weight,
-                    Eigen::MatrixXd& normal) {
-  Eigen::VectorXd solution = Eigen::VectorXd::Zero(count);
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+/// Weighted least squares of the six base functions; weights of Tukey's biweight on robustly scaled residuals, which
+/// leaves out what is something else. Weights end in `weight`. A scan has a hundred thousand points on a panel: nothing
+/// here is made anew for each of them.
+Vector6 fit(const PanelFace& face, const std::vector<Sample>& samples, std::vector<double>& weight, Matrix6& normal) {
+  Vector6 solution = Vector6::Zero();
+  std::vector<double> residuals(samples.size()), sizes(samples.size());
   for (int pass = 0; pass < 8; ++pass) {
-    normal = Eigen::MatrixXd::Zero(count, count);
-    Eigen::VectorXd right = Eigen::VectorXd::Zero(count);
+    normal.setZero();
+    Vector6 right = Vector6::Zero();
     for (size_t i = 0; i < samples.size(); ++i) {
-      const Eigen::VectorXd base = base_of(face, samples[i]).head(count);
+      const Vector6 base = base_of(face, samples[i]);
       const double p = weight[i] / (samples[i].sigma * samples[i].sigma);
-      normal += p * base * base.transpose();
-      right += p * samples[i].h * base;
+      const Vector6 weighted = p * base;
+      normal.noalias() += weighted * base.transpose();
+      right += samples[i].h * weighted;
     }
     solution = normal.ldlt().solve(right);
     if (pass == 7) break;
-    std::vector<double> residuals(samples.size()), sizes;
     for (size_t i = 0; i < samples.size(); ++i) {
-      residuals[i] = (samples[i].h - base_of(face, samples[i]).head(count).dot(solution)) / samples[i].sigma;
-      sizes.push_back(std::abs(residuals[i]));
+      residuals[i] = (samples[i].h - base_of(face, samples[i]).dot(solution)) / samples[i].sigma;
+      sizes[i] = std::abs(residuals[i]);
     }
-    const double scale = std::max(1.4826 * median_of(sizes), 1e-12);
+    const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+    std::nth_element(sizes.begin(), middle, sizes.end());
+    const double scale = std::max(1.4826 * *middle, 1e-12);
     for (size_t i = 0; i < samples.size(); ++i) {
       const double r = residuals[i] / (6 * scale);
       weight[i] = std::abs(r) < 1 ? (1 - r * r) * (1 - r * r) : 0;
@@ -80,29 +85,28 @@ Eigen::VectorXd fit(const PanelFace& face, const std::vector<Sample>& samples, i
 
 /// Systematic part of a linear function of the points: Σ gain_i · normal · (t + ω × arm).
 Eigen::MatrixXd systematic(const PanelFace& face, const std::vector<Sample>& samples, const std::vector<MeasuredTile>& tiles,
-                           const std::vector<double>& weight, const Eigen::MatrixXd& inverse, Eigen::Index count) {
+                           const std::vector<double>& weight, const Matrix6& inverse) {
   Eigen::Index rank = 0;
   for (const MeasuredTile& tile : tiles) rank = std::max(rank, tile.factor.cols());
-  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(count, rank);
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(6, rank);
   if (rank == 0) return result;
   const Eigen::Vector3d out = face.plane.axes.col(2);
-  std::vector<Eigen::MatrixXd> gain(tiles.size());
+  std::vector<Matrix6> gain(tiles.size(), Matrix6::Zero());
   for (size_t i = 0; i < samples.size(); ++i) {
     Eigen::Matrix<double, 1, 6> row;  // of the tile's (t, ω): out · (ω × arm) = ω · (arm × out)
     row << out.transpose(), samples[i].arm.cross(out).transpose();
-    Eigen::MatrixXd& of_tile = gain[samples[i].tile];
-    if (of_tile.size() == 0) of_tile = Eigen::MatrixXd::Zero(count, 6);
-    of_tile += weight[i] / (samples[i].sigma * samples[i].sigma) * base_of(face, samples[i]).head(count) * row;
+    const Vector6 weighted = weight[i] / (samples[i].sigma * samples[i].sigma) * base_of(face, samples[i]);
+    gain[samples[i].tile].noalias() += weighted * row;
   }
   for (size_t t = 0; t < tiles.size(); ++t)
-    if (gain[t].size() > 0 && tiles[t].factor.cols() > 0)
+    if (tiles[t].factor.cols() > 0)
       result.leftCols(tiles[t].factor.cols()) += inverse * gain[t] * tiles[t].factor;
   return result;
 }
 
 /// Why the surface may be cut: it comes to where points are no longer taken. Empty if it does not.
 std::string at_the_border(const PanelFace& face, const std::vector<Sample>& samples, const std::vector<double>& weight,
-                          const Eigen::VectorXd& form, double widened, const PanelOptions& options) {
+                          const Vector6& form, double widened, const PanelOptions& options) {
   const double border = std::min(options.search, options.reach);
   double furthest = 0, sigma = 0;
   for (size_t i = 0; i < samples.size(); ++i) {
@@ -168,14 +172,17 @@ HeightGrid grid_of(const PanelFace& face, const std::vector<Sample>& samples, co
   Eigen::Index rank = 0;
   for (const MeasuredTile& tile : tiles) rank = std::max(rank, tile.factor.cols());
   const Eigen::Vector3d out = face.plane.axes.col(2);
+  Eigen::VectorXd common = Eigen::VectorXd::Zero(rank);
   for (size_t i = 0; i < samples.size(); ++i) {
     if (!counts[i]) continue;
     const Sample& s = samples[i];
-    Eigen::VectorXd common = Eigen::VectorXd::Zero(rank);
     const auto& factor = tiles[s.tile].factor;
-    if (factor.cols() > 0)
-      common.head(factor.cols()) =
-          factor.topRows<3>().transpose() * out + factor.bottomRows<3>().transpose() * s.arm.cross(out);
+    if (factor.cols() < rank) common.setZero();
+    if (factor.cols() > 0) {
+      auto own = common.head(factor.cols());
+      own.noalias() = factor.topRows<3>().transpose() * out;
+      own.noalias() += factor.bottomRows<3>().transpose() * s.arm.cross(out);
+    }
     grid.add({s.u, s.v}, s.h, s.sigma * widened, common);
   }
   return grid;
@@ -201,8 +208,8 @@ PanelSurface measure_panel(const PanelFace& face, const std::vector<MeasuredTile
     return panel;
   }
   std::vector<double> weight(samples.size(), 1.0);
-  Eigen::MatrixXd normal;
-  const Eigen::VectorXd form = fit(face, samples, 6, weight, normal);
+  Matrix6 normal;
+  const Vector6 form = fit(face, samples, weight, normal);
   double squares = 0, weighted = 0, sum = 0;
   for (size_t i = 0; i < samples.size(); ++i) {
     const double residual = samples[i].h - base_of(face, samples[i]).dot(form);
@@ -235,8 +242,8 @@ PanelSurface measure_panel(const PanelFace& face, const std::vector<MeasuredTile
                          std::to_string(static_cast<int>(100 * options.least_coverage)) + " % are needed";
     return panel;
   }
-  const Eigen::MatrixXd inverse = normal.ldlt().solve(Eigen::MatrixXd::Identity(6, 6));
-  const Eigen::MatrixXd common = systematic(face, samples, tiles, weight, inverse, 6);
+  const Matrix6 inverse = normal.ldlt().solve(Matrix6::Identity());
+  const Eigen::MatrixXd common = systematic(face, samples, tiles, weight, inverse);
   panel.form = form;
   panel.form_random = widened * widened * inverse;
   panel.form_factor = common;

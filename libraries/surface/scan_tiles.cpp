@@ -47,7 +47,6 @@ ScanTiles::ScanTiles(const std::vector<PanelFace>& faces, double reach, double e
     layouts_.push_back(layout);
     index(f);
   }
-  waiting_.resize(tiles_.size());
 }
 
 void ScanTiles::index(size_t f) {
@@ -96,22 +95,23 @@ std::optional<size_t> ScanTiles::tile_of(const Eigen::Vector3d& point) const {
   return hit ? std::optional(tile_at(*hit)) : std::nullopt;
 }
 
-bool ScanTiles::add(const Eigen::Vector3d& point, double sigma) {
+bool ScanTiles::add(const Eigen::Vector3d& point, double sigma, size_t scan) {
   const auto hit = nearest(point);
   if (!hit) return false;
-  const size_t t = tile_at(*hit);
-  waiting_[t].push_back({(point - tiles_[t].centre).cast<float>(), static_cast<float>(sigma)});
-  ++tiles_[t].points;
-  if (waiting_[t].size() < kBuffer) return true;
-  sink_(t, waiting_[t]);
-  waiting_[t].clear();
+  const size_t t = tile_at(*hit), place = scan * tiles_.size() + t;
+  if (scan >= scans()) waiting_.resize((scan + 1) * tiles_.size()), counts_.resize(waiting_.size());
+  waiting_[place].push_back({(point - tiles_[t].centre).cast<float>(), static_cast<float>(sigma)});
+  ++tiles_[t].points, ++counts_[place];
+  if (waiting_[place].size() < kBuffer) return true;
+  sink_(t, scan, waiting_[place]);
+  waiting_[place].clear();
   return true;
 }
 
 void ScanTiles::flush() {
-  for (size_t t = 0; t < waiting_.size(); ++t) {
-    if (!waiting_[t].empty()) sink_(t, waiting_[t]);
-    waiting_[t] = {};
+  for (size_t place = 0; place < waiting_.size(); ++place) {
+    if (!waiting_[place].empty()) sink_(place % tiles_.size(), place / tiles_.size(), waiting_[place]);
+    waiting_[place] = {};
   }
 }
 

@@ -2,6 +2,7 @@
 // is off by, as the systematic part of each tile.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -20,22 +21,24 @@ struct ScanTile {
   std::uint64_t points = 0;
 };
 
-/// Sorts points to tiles. Memory: a buffer a tile, whatever the number of points.
+/// Sorts points to tiles, those of different scans apart. Memory: a buffer a tile and scan, whatever the number of points.
 class ScanTiles {
  public:
-  /// Takes some points of a tile, in the order in which they came.
-  using Sink = std::function<void(size_t tile, const std::vector<MeasuredPoint>& points)>;
+  /// Takes some points of a tile and a scan, in the order in which they came.
+  using Sink = std::function<void(size_t tile, size_t scan, const std::vector<MeasuredPoint>& points)>;
   /// Points belong to a face if they lie over its rectangle and within `reach` [m] of it; of several faces to the one
   /// they are nearest to. Tiles are at most `edge` [m] wide and high. Throws std::invalid_argument for edges or reaches
   /// that are no lengths.
   ScanTiles(const std::vector<PanelFace>& faces, double reach, double edge, Sink sink);
 
   /// Whether the point lies on a face.
-  bool add(const Eigen::Vector3d& point, double sigma);
+  bool add(const Eigen::Vector3d& point, double sigma, size_t scan = 0);
   /// Number of the tile that the point would go to.
   std::optional<size_t> tile_of(const Eigen::Vector3d& point) const;
   void flush();
   const std::vector<ScanTile>& tiles() const { return tiles_; }  ///< also those without points
+  size_t scans() const { return counts_.size() / std::max<size_t>(1, tiles_.size()); }  ///< the last one with points, and those before it
+  std::uint64_t points_of(size_t tile, size_t scan) const { return counts_[scan * tiles_.size() + tile]; }
 
  private:
   struct Hit {
@@ -55,7 +58,8 @@ class ScanTiles {
   double reach_, cell_ = 1;
   std::unordered_map<std::uint64_t, std::vector<size_t>> faces_by_cell_;
   std::vector<ScanTile> tiles_;
-  std::vector<std::vector<MeasuredPoint>> waiting_;
+  std::vector<std::vector<MeasuredPoint>> waiting_;  ///< all tiles of the first scan, then of the next
+  std::vector<std::uint64_t> counts_;                ///< likewise
   Sink sink_;
 };
 

@@ -88,7 +88,6 @@ struct WriteIfc : Node {
                                       "the survey as read: instrument and date of the provenance"};
   Optional<InputFiles> inputs{"inputs", "the files that were read, for their hashes, and what was set aside"};
   Optional<Surfaces> surfaces{"surfaces", frame("frame=?F"), "panels and joints as they were measured"};
-  Optional<SurfaceJudgement> surface_judgement{"surface_judgement", "their verdicts"};
   Param<bool> survey_points{"survey_points", true, "an IfcAnnotation at every measured position"};
   Param<bool> solids{"solids", true, "a small solid of the verdict's colour there, and a thin one for every panel"};
   Param<std::string> epoch{"epoch", "",
@@ -156,10 +155,10 @@ struct WriteIfc : Node {
           "'date' in campaign.yaml or 'observation_time' says it");
     add_provenance(read, when, options);
     SurfacesT measured;
-    SurfaceJudgementT judged;
     if (surfaces) measured = surfaces.unpack(), options.surfaces = &measured;
-    if (surface_judgement) judged = surface_judgement.unpack(), options.surface_judgement = &judged;
-    const AsBuiltIfc result = write_as_built(file, read, deviation.unpack(), accuracy.unpack(), options);
+    const DeviationT judged = deviation.unpack();
+    options.surface_judgement = judged.surfaces.get();
+    const AsBuiltIfc result = write_as_built(file, read, judged, accuracy.unpack(), options);
     for (const std::string& warning : result.warnings) context.warn(warning);
     const auto folder = out.make_folder();
     const std::string path = folder.path + "/as_built.ifc";
@@ -176,7 +175,6 @@ struct WriteBcf : Node {
   In<plumbline::Design> design{"design", frame("frame=?F"), "the design, for the ids"};
   Optional<SurveyObservations> survey{"survey", frame("frame=?S"), "the survey as read: the date of the topics"};
   Optional<Surfaces> surfaces{"surfaces", frame("frame=?F"), "panels and joints as they were measured"};
-  Optional<SurfaceJudgement> surface_judgement{"surface_judgement", "their verdicts, which have topics too"};
   Param<std::string> version{"version", "2.1", one_of("2.1", "3.0"), "of BCF: every BIM program reads 2.1"};
   Param<std::string> epoch{"epoch", "", "name of the campaign; a label of the topics"};
   Param<std::string> date{"date", "", "of the topics, ISO 8601; empty: that of the survey"};
@@ -214,9 +212,10 @@ struct WriteBcf : Node {
     to.media_type = "application/zip";
     const DeviationT judged = deviation.unpack();
     SurfacesT measured;
-    SurfaceJudgementT judged_surfaces;
     if (surfaces) measured = surfaces.unpack(), options.surfaces = &measured;
-    if (surface_judgement) judged_surfaces = surface_judgement.unpack(), options.surface_judgement = &judged_surfaces;
+    options.surface_judgement = judged.surfaces.get();
+    if (judged.surfaces && !surfaces)
+      context.warn("the deviation has verdicts of surfaces; connect 'surfaces' too, or they have no topics");
     const std::string bytes =
         write_bcf(judged, judgement::worst_first(judged), judgement::worst_panels_first(judged), options);
     to.content.assign(bytes.begin(), bytes.end());

@@ -99,9 +99,8 @@ KnownControl read_control(const CampaignDescription& description, const fs::path
   return known;
 }
 
-/// All survey files in one. A network adjusted from part of its readings must not look like one adjusted from all.
-SurveyObservationsT read_surveys(const CampaignDescription& description, const fs::path& root,
-                                 const KnownControl& known, bool strict, Context& context) {
+std::vector<survey::SurveyObservations> read_survey_files(const CampaignDescription& description, const fs::path& root,
+                                                          bool strict, Context& context) {
   std::vector<survey::SurveyObservations> parts;
   Problems problems;
   for (const std::string& path : description.survey)
@@ -117,9 +116,17 @@ SurveyObservationsT read_surveys(const CampaignDescription& description, const f
       for (const std::string& warning : parts.back().warnings) context.warn(path + ": " + warning);
     });
   problems.raise();
+  for (survey::SurveyObservations& part : parts)
+    if (!description.instrument.empty()) part.info.instrument = description.instrument;
+  return parts;
+}
+
+/// All survey files in one. A network adjusted from part of its readings must not look like one adjusted from all.
+SurveyObservationsT read_surveys(const CampaignDescription& description, const fs::path& root,
+                                 const KnownControl& known, bool strict, Context& context) {
+  std::vector<survey::SurveyObservations> parts = read_survey_files(description, root, strict, context);
   // What campaign.yaml says holds for all files; where it is silent, the files may differ.
   for (survey::SurveyObservations& part : parts) {
-    if (!description.instrument.empty()) part.info.instrument = description.instrument;
     if (!description.date.empty()) part.info.date = description.date;
     if (!description.name.empty()) part.info.title = description.name;
   }

@@ -185,6 +185,23 @@ struct ReadSurveyCampaign : Node {
   }
 };
 
+/// Each file by itself: campaigns of one network at different times.
+struct ReadSurveyEpochs : Node {
+  static constexpr Info info{"read.survey_epochs", "", 1,
+                             "Reads the survey files that a campaign.yaml names, one epoch each, in its order"};
+  In<Folder> folder{"folder", "a folder with a campaign.yaml whose `survey` names the files, oldest first"};
+  OutList<SurveyObservations> epochs{"epochs", frame("frame=building"), "one for each file"};
+  Param<bool> strict{"strict", true,
+                     "refuse survey files of which anything has to be skipped; otherwise it is a warning"};
+
+  void run(Context& context) override {
+    campaign::ListedCampaign site(folder.unpack(), context.resolve(std::string(folder->uri()->string_view())),
+                                  campaign::CampaignUse::survey);
+    for (const auto& epoch : campaign::read_survey_files(site.description, site.root, *strict, context))
+      epochs.commit(survey::to_artifact(epoch));
+  }
+};
+
 struct ReadMeasuredCampaign : Node {
   static constexpr Info info{"read.measured_campaign", "", 1,
                              "Reads a folder whose anchors were measured by total station: survey files, control, "
@@ -247,6 +264,6 @@ struct ReadTruth : Node {
 
 }  // namespace
 
-PLUMBLINE_PLUGIN("campaign", "0.1.0", "MIT", ReadCampaign, campaign::ReadPhotoCampaign, ReadSurveyCampaign, ReadMeasuredCampaign,
-                 ReadTruth,
-                 campaign::ProposeCampaign, campaign::AccountForCampaign)
+PLUMBLINE_PLUGIN("campaign", "0.1.0", "MIT", ReadCampaign, campaign::ReadPhotoCampaign, ReadSurveyCampaign,
+                 ReadSurveyEpochs, ReadMeasuredCampaign, ReadTruth, campaign::ProposeCampaign,
+                 campaign::AccountForCampaign)

@@ -8,6 +8,7 @@
 #include "artifacts/file.hpp"
 #include "artifacts/plates.hpp"
 #include "artifacts/points.hpp"
+#include "artifacts/surface_judgement.hpp"
 #include "artifacts/survey_network.hpp"
 #include "artifacts/transform.hpp"
 #include "geometry/panel_fit.hpp"
@@ -18,8 +19,8 @@ namespace plumbline::evaluate {
 
 struct EvaluateDeviation : Node {
   static constexpr Info info{
-      "evaluate.deviation", "", 4,
-      "As-built minus design (14): verdicts of anchors, panels and floors, joints, shims, common shift"};
+      "evaluate.deviation", "", 5,
+      "As-built minus design (14): verdicts of anchors, panels, floors and surfaces, joints, shims, common shift"};
   In<Points> model{"model", frame("frame=?F"), "as-built points with their covariance"};
   In<Design> design{"design", frame("frame=?F"), "the design"};
   In<ElementMatches> matches{"matches", frame("frame=?F"), "which anchor is which element"};
@@ -36,6 +37,9 @@ struct EvaluateDeviation : Node {
   Optional<Transform> frames{"frames", frame("to=?F,from=?S"),
                              "the way from the survey's frame: the stake-out list is in that one, because instruments "
                              "are; without it, in the design's"};
+  Optional<SurfaceJudgement> surface_judgement{
+      "surface_judgement",
+      "surfaces of panels and joints against their rules: nothing is ready to install where one fails or is not judged"};
   Param<double> tau{"tau", 0.005, "m", between(1e-6, 1),
                     "tolerance of the horizontal and of the vertical deviation; joints: twice that"};
   Param<std::vector<std::string>> tolerances{
@@ -63,9 +67,6 @@ struct EvaluateDeviation : Node {
                       "stake_out.csv: PtID;E;N;H and corrections in the survey's frame, as site instruments import it"};
 
   void run(Context& context) override;
-
- private:
-  void take_tests(judgement::DeviationInputs& inputs);
 };
 
 }  // namespace plumbline::evaluate

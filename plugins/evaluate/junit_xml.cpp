@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "evaluate/metrics.hpp"
+#include "ifc/surface_words.hpp"
 #include "judgement/worst_first.hpp"
 #include "text/xml_text.hpp"
 
@@ -58,6 +59,12 @@ std::string words_of(const AnchorDeviationT& anchor) {
   return anchor.note;
 }
 
+std::string words_of(const SurfaceVerdictT& verdict) {
+  if (!verdict.not_judged.empty()) return "not judged: " + verdict.not_judged;
+  return fixed(1e3 * verdict.value, 2) + " mm, u " + fixed(1e3 * verdict.sigma, 2) + " mm, limit " +
+         fixed(1e3 * bim::limit_of(verdict), 2) + " mm (" + verdict.rule + ")";
+}
+
 }  // namespace
 
 std::string junit_xml(const AccuracyT& accuracy, const DeviationT* deviation) {
@@ -70,11 +77,16 @@ std::string junit_xml(const AccuracyT& accuracy, const DeviationT* deviation) {
     for (const auto& a : deviation->anchors) anchors.push_back({a->id, words_of(*a), a->verdict});
     for (const auto& p : deviation->panels)
       panels.push_back({p->name.empty() ? p->guid : p->name, p->reason, p->verdict});
-    std::vector<Case> requests;
+    std::vector<Case> surfaces, requests;
+    if (deviation->surfaces)
+      for (const auto& v : deviation->surfaces->verdicts)
+        surfaces.push_back({(v->second.empty() ? v->panel : v->panel + " | " + v->second) + ", " + bim::quantity_of(*v),
+                            words_of(*v), v->verdict});
     for (const auto& r : deviation->requests)
       requests.push_back({r->asked, "not judged: " + r->not_judged,
                           r->not_judged.empty() ? ToleranceVerdict::pass : ToleranceVerdict::undecided});
     text += suite("anchors_against_design", anchors) + suite("panels", panels);
+    if (!surfaces.empty()) text += suite("surfaces", surfaces);
     if (!requests.empty()) text += suite("asked_for", requests);
   }
   std::vector<Case> checks;

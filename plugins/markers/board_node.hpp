@@ -1,6 +1,7 @@
 // adjust.marker_board: tags in unknown places, from photographs alone.
 #pragma once
 
+#include <algorithm>
 #include <cstdio>
 
 #include "geometry/median.hpp"
@@ -110,8 +111,28 @@ struct AdjustMarkerBoard : Node {
       const std::string of = result.cameras.size() > 1 ? "camera " + block.cameras[c].id + ": " : "";
       if (!two.empty()) result.warnings.push_back(of + two);
     }
-    if (worst && !changed) result.warnings.push_back(in_words(*worst));
+    if (worst && !changed) tell(*worst, all, result);
     return all;
+  }
+
+  /// One warning of what the photographs say of the cameras and of the halves; halves by turns that agree show that it
+  /// goes with places, which is not the cameras.
+  static void tell(const MarkerHalves& worst, const std::vector<MarkerHalves>& all, MarkerResult& result) {
+    const bool only_by_place =
+        worst.by == HalvesBy::place && std::all_of(all.begin(), all.end(), [](const MarkerHalves& halves) {
+          return halves.by == HalvesBy::place || !halves.contradict();
+        });
+    const std::string words = in_words(worst, only_by_place);
+    for (const AdjustedMarkerCamera& camera : result.cameras) {
+      const std::string scatter = in_words(camera.truth.empirical, camera.truth.scatter);
+      if (scatter.empty()) continue;
+      for (std::string& warning : result.warnings)
+        if (warning.ends_with(scatter)) {
+          warning += ". And " + words;
+          return;
+        }
+    }
+    result.warnings.push_back(words);
   }
 
   /// Where both are given the distance counts; a slip of its unit would go unnoticed.

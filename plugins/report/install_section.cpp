@@ -1,8 +1,11 @@
 // The first screen: can we install, where not and what to do, how sure.
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 
 #include "ifc/facade_artifact.hpp"
+#include "ifc/surface_words.hpp"
 #include "judgement/deviation.hpp"
 #include "report/format.hpp"
 #include "report/plot.hpp"
@@ -77,7 +80,7 @@ double deciding_u(const AnchorDeviationT& anchor, const JudgedAxisT& axis, const
 struct Task {
   int floor;
   ToleranceVerdict verdict;
-  std::string what, found, todo;
+  std::string what, found, todo, facade = {};
 };
 
 Task task_of(const AnchorDeviationT& anchor, const DeviationT& deviation) {
@@ -141,15 +144,44 @@ Task task_of(const PanelDeviationT& panel, const DeviationT& deviation) {
   return task;
 }
 
+Task task_of(const SurfaceVerdictT& verdict, const DeviationT& deviation) {
+  Task task{0, verdict.verdict, (verdict.second.empty() ? "Surface " : "Joint ") + surface_name(verdict), "", ""};
+  for (const auto& panel : deviation.panels)
+    if (panel->guid == verdict.guid) task.floor = panel->floor;
+  task.found = bim::quantity_of(verdict) + " " + mm(verdict.value, 1) + " ± " + mm(verdict.sigma, 1) + "\u00A0mm, limit " +
+               surface_limit(verdict);
+  if (std::isfinite(verdict.along) && !verdict.second.empty())
+    task.found += ", " + fixed(std::abs(verdict.along), 2) + "\u00A0m " + (verdict.along < 0 ? "before" : "behind") +
+                  " the joint's middle";
+  if (!deviation.doubts.empty())
+    task.todo = "Nothing before the measurement is mended: it decides nothing.";
+  else if (verdict.verdict == ToleranceVerdict::undecided)
+    task.todo = "Too close to call: measure again, from nearer or in more photographs.";
+  else if (verdict.second.empty())
+    task.todo = "The panel itself is out of shape: replace it or have it accepted.";
+  else
+    task.todo = "Set one of the two panels anew.";
+  return task;
+}
+
 std::vector<Task> tasks_of(const DeviationT& deviation) {
   std::vector<Task> tasks;
   const auto open = [](ToleranceVerdict verdict) { return verdict != ToleranceVerdict::pass; };
+  // Of a building of several facades whoever is sent somewhere is told to which.
+  const auto add = [&](const auto& element) {
+    tasks.push_back(task_of(element, deviation));
+    if (deviation.facades.size() > 1 && element.facade)
+      tasks.back().facade = element.facade->facade.empty() ? unknown : element.facade->facade;
+  };
   for (const ToleranceVerdict wanted :
        {ToleranceVerdict::fail, ToleranceVerdict::undecided, ToleranceVerdict::not_measured}) {
     for (const AnchorDeviationT* anchor : worst_first(deviation))
-      if (anchor->verdict == wanted && open(wanted)) tasks.push_back(task_of(*anchor, deviation));
+      if (anchor->verdict == wanted && open(wanted)) add(*anchor);
     for (const PanelDeviationT* panel : worst_panels_first(deviation))
-      if (panel->verdict == wanted && open(wanted)) tasks.push_back(task_of(*panel, deviation));
+      if (panel->verdict == wanted && open(wanted)) add(*panel);
+    if (deviation.surfaces)
+      for (const SurfaceVerdictT* verdict : worst_surfaces_first(*deviation.surfaces))
+        if (verdict->verdict == wanted) tasks.push_back(task_of(*verdict, deviation));
   }
   return tasks;
 }
@@ -157,12 +189,16 @@ std::vector<Task> tasks_of(const DeviationT& deviation) {
 void write_tasks(Markup& html, const std::vector<Task>& tasks, std::size_t from, std::size_t to) {
   Scope wide(html, "div", {{"class", "wide"}});
   Scope table(html, "table", {{"class", from == 0 ? "tasks" : "tasks sortable"}});
-  table_head(html, {left("Where"), "Floor", left("Verdict"), left("Found"), left("To do")});
+  const bool facades = std::any_of(tasks.begin(), tasks.end(), [](const Task& t) { return !t.facade.empty(); });
+  std::vector<Cell> heads = {left("Where"), "Floor", left("Verdict"), left("Found"), left("To do")};
+  if (facades) heads.insert(heads.begin() + 1, left("Facade"));
+  table_head(html, heads);
   Scope body(html, "tbody");
   for (std::size_t i = from; i < to; ++i) {
     const Task& task = tasks[i];
     Scope row(html, "tr");
     html.element("th", {{"scope", "row"}}, task.what);
+    if (facades) html.element("td", {{"class", "words"}}, task.facade.empty() ? unknown : task.facade);
     html.element("td", {{"data-head", "Floor"}}, task.floor > 0 ? std::to_string(task.floor) : unknown);
     {
       Scope td(html, "td", {{"class", "text"}});
@@ -181,6 +217,7 @@ void write_floors_overview(Markup& html, const DeviationT& deviation) {
   std::vector<Cell> heads = {"Floor",     left("Storey"), left("Verdict"), "Anchors pass",
                              "undecided", "fail",         "not measured"};
   if (with_panels) heads.insert(heads.end(), {"Panels pass", "undecided", "fail"});
+  if (deviation.surfaces) heads.insert(heads.end(), {"Surfaces open", "fail"});
   table_head(html, heads);
   Scope body(html, "tbody");
   for (auto floor = deviation.floors.rbegin(); floor != deviation.floors.rend(); ++floor) {
@@ -195,20 +232,60 @@ void write_floors_overview(Markup& html, const DeviationT& deviation) {
     for (const int n : {f.passed, f.undecided, f.failed, f.not_measured}) html.element("td", std::to_string(n));
     if (with_panels)
       for (const int n : {f.panels_passed, f.panels_undecided, f.panels_failed}) html.element("td", std::to_string(n));
+    if (deviation.surfaces)
+      for (const int n : {f.surfaces_open, f.surfaces_failed}) html.element("td", std::to_string(n));
+  }
+}
+
+/// "2 anchors, 1 panel and 1 surface or joint"; those of which there are none are left out.
+std::string counted_words(int anchors, int panels, int surfaces) {
+  std::vector<std::string> parts;
+  if (anchors > 0) parts.push_back(count(anchors, "anchor", "anchors"));
+  if (panels > 0) parts.push_back(count(panels, "panel", "panels"));
+  if (surfaces > 0) parts.push_back(count(surfaces, "surface or joint", "surfaces and joints"));
+  std::string text;
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == parts.size() ? " and " : ", ") + parts[i];
+  return text;
+}
+
+/// Of a building of several facades: how each of them stands.
+void write_facades_overview(Markup& html, const DeviationT& deviation) {
+  if (deviation.facades.size() < 2) return;
+  std::map<std::string, std::array<int, 8>> counts;  // anchors, then panels: pass, undecided, fail, not measured
+  const auto count = [&](const auto& element, std::size_t first) {
+    const std::size_t at = element.verdict == ToleranceVerdict::pass        ? 0
+                           : element.verdict == ToleranceVerdict::undecided ? 1
+                           : element.verdict == ToleranceVerdict::fail      ? 2
+                                                                            : 3;
+    if (element.facade) ++counts[element.facade->facade][first + at];
+  };
+  for (const auto& anchor : deviation.anchors) count(*anchor, 0);
+  for (const auto& panel : deviation.panels) count(*panel, 4);
+  html.element("h3", "Facade by facade");
+  Scope wide(html, "div", {{"class", "wide"}});
+  Scope table(html, "table");
+  table_head(html,
+             {left("Facade"), "Anchors pass", "undecided", "fail", "not measured", "Panels pass", "undecided", "fail"});
+  Scope body(html, "tbody");
+  for (const auto& facade : deviation.facades) {
+    Scope row(html, "tr");
+    html.element("th", {{"scope", "row"}}, facade->name);
+    for (std::size_t k = 0; k < 7; ++k) html.element("td", std::to_string(counts[facade->name][k]));
   }
 }
 
 std::string heading_of(const DeviationT& d, int panels_failed, int panels_open) {
   const auto anchors = [](int n) { return count(n, "anchor", "anchors"); };
-  const auto panels = [](int n) { return count(n, "panel", "panels"); };
+  const auto surfaces = [&](ToleranceVerdict v) { return d.surfaces ? surfaces_with(*d.surfaces, v) : 0; };
   if (d.verdict == ToleranceVerdict::pass)
-    return "Ready to install: all " + anchors(d.passed) +
-           (d.panels.empty() ? "" : " and " + panels(static_cast<int>(d.panels.size()))) + " are within tolerance.";
+    return "Ready to install: all " +
+           counted_words(d.passed, static_cast<int>(d.panels.size()), surfaces(ToleranceVerdict::pass)) +
+           " are within tolerance.";
   if (d.verdict == ToleranceVerdict::fail) {
-    std::string text = "Not ready: ";
-    if (d.failed > 0) text += anchors(d.failed);
-    if (panels_failed > 0) text += (d.failed > 0 ? " and " : "") + panels(panels_failed);
-    return text + (d.failed + panels_failed == 1 ? " is" : " are") + " out of tolerance.";
+    const int surfaces_failed = surfaces(ToleranceVerdict::fail);
+    return "Not ready: " + counted_words(d.failed, panels_failed, surfaces_failed) +
+           (d.failed + panels_failed + surfaces_failed == 1 ? " is" : " are") + " out of tolerance.";
   }
   if (d.verdict == ToleranceVerdict::undecided) {
     if (d.not_judged > 0)
@@ -218,7 +295,8 @@ std::string heading_of(const DeviationT& d, int panels_failed, int panels_open) 
     std::string text = "Not decided: ";
     if (d.undecided > 0) text += anchors(d.undecided) + " too close to call";
     if (d.not_measured > 0) text += (d.undecided > 0 ? ", " : "") + anchors(d.not_measured) + " without verdict";
-    if (d.undecided + d.not_measured == 0) text += panels(panels_open) + " too close to call";
+    if (d.undecided + d.not_measured == 0)
+      text += counted_words(0, panels_open, surfaces(ToleranceVerdict::undecided)) + " too close to call";
     return text + ".";
   }
   return "No verdict: no anchor of the design was measured.";
@@ -288,6 +366,12 @@ void write_installation(Markup& html, const ReportInput& input) {
                   {{static_cast<int>(d.panels.size()) - panels_failed - panels_open, ToleranceVerdict::pass},
                    {panels_open, ToleranceVerdict::undecided},
                    {panels_failed, ToleranceVerdict::fail}});
+    if (d.surfaces)
+      write_count(html, "Surfaces and joints",
+                  {{d.surfaces->passed, ToleranceVerdict::pass},
+                   {d.surfaces->undecided, ToleranceVerdict::undecided},
+                   {d.surfaces->failed, ToleranceVerdict::fail},
+                   {d.surfaces->not_judged, ToleranceVerdict::not_measured}});
     for (const auto& request : d.requests)
       if (!request->not_judged.empty())
         html.element("p", "Not judged: " + request->asked + ": " + request->not_judged + ".");
@@ -310,6 +394,7 @@ void write_installation(Markup& html, const ReportInput& input) {
              [&] { write_tasks(html, tasks, kFirstRows, tasks.size()); });
   }
   write_floors_overview(html, d);
+  write_facades_overview(html, d);
 }
 
 }  // namespace plumbline::report

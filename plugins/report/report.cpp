@@ -141,7 +141,7 @@ void write_navigation(Markup& html, const ReportInput& input) {
     link("facade", "Facade");
     if (!input.deviation->panels.empty()) link("panels", "Panels");
     link("coverage", "What was judged");
-    if (input.surfaces) link("surfaces", "Surfaces");
+    if (input.deviation->surfaces) link("surfaces", "Surfaces");
   }
   link("quality", "Measuring quality");
   link("numbers", "Key numbers");
@@ -173,7 +173,7 @@ void write_body(Markup& html, const ReportInput& input) {
     write_facade(html, input);
     write_panels(html, *input.deviation);
     write_coverage(html, *input.deviation);
-    if (input.surfaces) write_surfaces(html, *input.surfaces);
+    if (input.deviation->surfaces) write_surfaces(html, *input.deviation->surfaces);
     Scope part(html, "section", {{"id", "quality"}});
     html.element("h2", "Measuring quality");
     write_verdict(html, input);
@@ -182,7 +182,6 @@ void write_body(Markup& html, const ReportInput& input) {
   write_floors(html, input.accuracy);
   write_pass_rates(html, input.accuracy);
   if (!input.deviation) write_facade(html, input);
-  if (!input.deviation && input.surfaces) write_surfaces(html, *input.surfaces);
   write_transfers(html, input.accuracy);
   write_block(html, input);
   if (input.network) write_network(html, *input.network, input.control_check ? &*input.control_check : nullptr);

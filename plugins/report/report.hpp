@@ -14,7 +14,6 @@
 #include "artifacts/accuracy.hpp"
 #include "artifacts/block.hpp"
 #include "artifacts/deviation.hpp"
-#include "artifacts/surface_judgement.hpp"
 #include "artifacts/survey_comparison.hpp"
 
 namespace plumbline::report {
@@ -133,7 +132,6 @@ struct ReportInput {
   std::vector<SourceFile> files;      ///< that were read
   std::vector<SourceFile> set_aside;  ///< evidence that lay there and was left out on purpose
   std::vector<SourceFile> unread;     ///< what else lay there
-  std::optional<SurfaceJudgementT> surfaces;  ///< of panels and joints against their rules
 };
 
 /// The whole report as HTML. Deterministic; all text from the input is escaped; the result requests nothing from

@@ -15,7 +15,6 @@
 #include "artifacts/site_frames.hpp"
 #include "artifacts/survey_comparison.hpp"
 #include "artifacts/survey_network.hpp"
-#include "artifacts/surface_judgement.hpp"
 #include "artifacts/survey_observations.hpp"
 #include "plumbline/node.hpp"
 #include "report/calibration_page_node.hpp"
@@ -26,6 +25,7 @@
 #include "report/report.hpp"
 #include "report/sections.hpp"
 #include "report/summary.hpp"
+#include "report/surface_page_node.hpp"
 #include "report/survey_page_node.hpp"
 
 namespace plumbline::report {
@@ -128,8 +128,6 @@ struct ReportHtml : Node {
   Optional<InputFiles> inputs{"inputs",
                               "the files that were read, and evidence that was set aside, for the provenance"};
   Optional<InputFiles> unread{"unread", "what else lay in the folder, for the provenance"};
-  Optional<SurfaceJudgement> surface_judgement{"surface_judgement",
-                                               "surfaces of panels and joints against their rules, for a section"};
   Param<std::string> title{"title", "Accuracy of the facade anchors", "heading"};
   Param<std::string> subtitle{"subtitle", "", "site, scenario, date of the campaign; empty: the title of the survey"};
   Param<std::vector<std::string>> facts{"facts", std::vector<std::string>{}, "lines for the provenance: name=value"};
@@ -147,7 +145,6 @@ struct ReportHtml : Node {
     if (poses) add_images(poses.unpack(), input.images);
     if (network) input.network = network_page(network.unpack());
     if (control_check) input.control_check = control_check.unpack();
-    if (surface_judgement) input.surfaces = surface_judgement.unpack();
     CameraT read_camera;
     SurveyInfoT survey_info;
     if (camera) read_camera = camera.unpack();
@@ -178,7 +175,6 @@ struct ReportSummary : Node {
   Optional<Block> block{"block", frame("frame=?B"), "the adjustment of the images: how many of them took part"};
   Optional<InputFiles> inputs{"inputs", "the files that were read, and evidence that was set aside"};
   Optional<InputFiles> unread{"unread", "what else lay in the folder"};
-  Optional<SurfaceJudgement> surface_judgement{"surface_judgement", "surfaces of panels and joints against their rules"};
   Out<File> out{"file", "summary.txt"};
 
   void run(Context&) override {
@@ -190,9 +186,7 @@ struct ReportSummary : Node {
     if (inputs) read = inputs.unpack();
     if (unread) left = unread.unpack();
     const long used = block && block->images() ? static_cast<long>(block->images()->size()) : -1;
-    std::string surfaces;
-    if (surface_judgement) surfaces = "Surfaces: " + surface_counts(surface_judgement.unpack()) + "\n";
-    const std::string text = summary_text(accuracy.unpack(), built ? &*built : nullptr) + surfaces +
+    const std::string text = summary_text(accuracy.unpack(), built ? &*built : nullptr) +
                              words_of_inputs(read ? &*read : nullptr, left ? &*left : nullptr, used);
     file.content.assign(text.begin(), text.end());
     out.commit(file);
@@ -205,4 +199,4 @@ PLUMBLINE_PLUGIN("report", "0.1.0", "MIT", plumbline::report::ReportHtml, plumbl
                  plumbline::report::ReportSurvey, plumbline::report::ReportImageBlock,
                  plumbline::report::ReportModelBlock, plumbline::report::ReportTagBlock,
                  plumbline::report::ReportTargetBlock, plumbline::report::ReportCalibration,
-                 plumbline::report::ReportInstallation)
+                 plumbline::report::ReportInstallation, plumbline::report::ReportSurfaces)

@@ -71,6 +71,14 @@ void write_coverage(Markup& html, const DeviationT& deviation);
 void write_surfaces(Markup& html, const SurfaceJudgementT& judgement);
 /// "12 pass, 1 undecided, 0 fail, 2 not judged".
 std::string surface_counts(const SurfaceJudgementT& judgement);
+/// "Panel 3", "Panel 3 | Panel 4".
+std::string surface_name(const SurfaceVerdictT& verdict);
+/// Those that fail, then those that are too close to call.
+std::vector<const SurfaceVerdictT*> worst_surfaces_first(const SurfaceJudgementT& judgement);
+/// Panels and joints of which a quantity has that verdict, each once.
+int surfaces_with(const SurfaceJudgementT& judgement, ToleranceVerdict verdict);
+/// "at most 3.0", "-4.0 to 3.0" [mm].
+std::string surface_limit(const SurfaceVerdictT& verdict);
 void write_anchors(Markup& html, const ReportInput& input);
 void write_method(Markup& html, const AccuracyT& accuracy);
 /// `control` is the test of the control points against the network; null: none.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "ifc/surface_words.hpp"
 #include "report/sections.hpp"
 
 namespace plumbline::report {
@@ -85,6 +86,20 @@ std::string counts(int passed, int undecided, int failed, int not_measured) {
   return not_measured > 0 ? text + ", " + std::to_string(not_measured) + " not measured" : text;
 }
 
+/// What of surfaces and joints is out of its limits, or too close to call; what is not judged stands with its rule.
+std::string surfaces_text(const SurfaceJudgementT& surfaces) {
+  std::string text;
+  int listed = 0;
+  for (const SurfaceVerdictT* verdict : worst_surfaces_first(surfaces)) {
+    if (++listed > 5) continue;
+    text += row("  %-20.60s %-10s %s %s mm (limit %s)", surface_name(*verdict).c_str(), verdict_of(verdict->verdict),
+                bim::quantity_of(*verdict).c_str(), with_u(verdict->value, verdict->sigma).c_str(),
+                mm(bim::limit_of(*verdict), 0).c_str());
+  }
+  if (listed > 5) text += "  … and " + std::to_string(listed - 5) + " more of surfaces; the report lists them all\n";
+  return text;
+}
+
 /// Can we install, and what first.
 std::string installation_text(const DeviationT& deviation) {
   int panels[4] = {};
@@ -97,6 +112,7 @@ std::string installation_text(const DeviationT& deviation) {
   if (!deviation.panels.empty())
     text += "; panels: " +
             counts(at(ToleranceVerdict::pass), at(ToleranceVerdict::undecided), at(ToleranceVerdict::fail), 0);
+  if (deviation.surfaces) text += "; surfaces and joints: " + surface_counts(*deviation.surfaces);
   text += ".\n";
   for (const std::string& misfit : deviation.misfits) text += "LESS CERTAIN, " + misfit + "\n";
   for (const auto& request : deviation.requests)
@@ -118,6 +134,7 @@ std::string installation_text(const DeviationT& deviation) {
                 verdict_of(panel->verdict), panel->reason.c_str());
   }
   if (shown > 5) text += "  … and " + std::to_string(shown - 5) + " more panels; the report lists them all\n";
+  if (deviation.surfaces) text += surfaces_text(*deviation.surfaces);
   for (const std::string& warning : deviation.warnings) {
     const auto& misfits = deviation.misfits;
     const bool told = warning.starts_with("Not judged: ") ||

@@ -1,6 +1,8 @@
 // Surfaces of panels and joints against their rules: what fails first, what nobody can judge next.
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <tuple>
 
 #include "ifc/surface_words.hpp"
 #include "report/format.hpp"
@@ -18,17 +20,10 @@ int surface_order(const SurfaceVerdictT& verdict) {
   return verdict.verdict == ToleranceVerdict::undecided ? 2 : 3;
 }
 
-std::string surface_limit(const SurfaceVerdictT& verdict) {
-  std::string text;
-  if (std::isfinite(verdict.lower)) text = mm(verdict.lower, 1);
-  if (std::isfinite(verdict.upper)) text += (text.empty() ? "at most " : " to ") + mm(verdict.upper, 1);
-  return std::isfinite(verdict.upper) || text.empty() ? text : "at least " + text;
-}
-
 void write_surface_row(Markup& html, const SurfaceVerdictT& verdict) {
   Scope row(html, "tr");
   html.element("th", {{"scope", "row"}},
-               verdict.second.empty() ? verdict.panel : verdict.panel + " | " + verdict.second);
+               surface_name(verdict));
   html.element("td", {{"class", "text"}}, bim::quantity_of(verdict));
   {
     Scope td(html, "td", {{"class", "text"}});
@@ -56,6 +51,32 @@ void write_surface_table(Markup& html, const std::vector<const SurfaceVerdictT*>
 }
 
 }  // namespace
+
+std::string surface_limit(const SurfaceVerdictT& verdict) {
+  std::string text;
+  if (std::isfinite(verdict.lower)) text = mm(verdict.lower, 1);
+  if (std::isfinite(verdict.upper)) text += (text.empty() ? "at most " : " to ") + mm(verdict.upper, 1);
+  return std::isfinite(verdict.upper) || text.empty() ? text : "at least " + text;
+}
+
+std::string surface_name(const SurfaceVerdictT& verdict) {
+  return verdict.second.empty() ? verdict.panel : verdict.panel + " | " + verdict.second;
+}
+
+std::vector<const SurfaceVerdictT*> worst_surfaces_first(const SurfaceJudgementT& judgement) {
+  std::vector<const SurfaceVerdictT*> worst;
+  for (const ToleranceVerdict wanted : {ToleranceVerdict::fail, ToleranceVerdict::undecided})
+    for (const auto& verdict : judgement.verdicts)
+      if (verdict->verdict == wanted) worst.push_back(verdict.get());
+  return worst;
+}
+
+int surfaces_with(const SurfaceJudgementT& judgement, ToleranceVerdict wanted) {
+  std::set<std::tuple<std::string, std::string, std::string, int>> found;
+  for (const auto& verdict : judgement.verdicts)
+    if (verdict->verdict == wanted) found.emplace(verdict->panel, verdict->guid, verdict->second, verdict->item);
+  return static_cast<int>(found.size());
+}
 
 std::string surface_counts(const SurfaceJudgementT& judgement) {
   return std::to_string(judgement.passed) + " pass, " + std::to_string(judgement.undecided) + " undecided, " +

@@ -159,6 +159,14 @@ void check_steps(const std::vector<PanelFace>& faces, const ScanTiles& tiles, co
   }
 }
 
+ScanPlace stated_place(double place_sigma, double turn_sigma, const Eigen::Vector3d& middle) {
+  ScanPlace place;
+  place.pivot = middle, place.covariance = Eigen::MatrixXd::Zero(6, 6);
+  place.covariance.diagonal().head<3>().setConstant(turn_sigma * turn_sigma);
+  place.covariance.diagonal().tail<3>().setConstant(place_sigma * place_sigma);
+  return place;
+}
+
 /// What the scan's place is off by: from the registration, from what the user states, and, where one of them is known,
 /// from the steps that its coordinates are written in.
 std::vector<ScanPlace> places_of(const std::optional<TransformT>& registration, double place_sigma, double turn_sigma,
@@ -172,13 +180,7 @@ std::vector<ScanPlace> places_of(const std::optional<TransformT>& registration, 
     if (rows == 7) place.covariance.row(6) /= registration->scale, place.covariance.col(6) /= registration->scale;
     places.push_back(place);
   }
-  if (place_sigma > 0 || turn_sigma > 0) {
-    ScanPlace place;
-    place.pivot = middle, place.covariance = Eigen::MatrixXd::Zero(6, 6);
-    place.covariance.diagonal().head<3>().setConstant(turn_sigma * turn_sigma);
-    place.covariance.diagonal().tail<3>().setConstant(place_sigma * place_sigma);
-    places.push_back(place);
-  }
+  if (place_sigma > 0 || turn_sigma > 0) places.push_back(stated_place(place_sigma, turn_sigma, middle));
   if (!places.empty()) places.front().covariance.block<3, 3>(3, 3) += of_steps;
   return places;
 }
@@ -198,14 +200,17 @@ Eigen::Vector3d middle_of(const std::vector<PanelFace>& faces) {
   return middle;
 }
 
-Eigen::MatrixXd factor_of_all(const std::vector<ScanPlace>& places, int rank, const Eigen::Vector3d& centre) {
-  Eigen::MatrixXd factor(6, rank);
+/// Columns: the errors that all scans share, then those of each scan by itself, which are 0 for the others.
+Eigen::MatrixXd factor_of_all(const std::vector<ScanPlace>& common, const std::optional<ScanPlace>& own, size_t scan,
+                              int rank, const Eigen::Vector3d& centre) {
+  Eigen::MatrixXd factor = Eigen::MatrixXd::Zero(6, rank);
   Eigen::Index column = 0;
-  for (const ScanPlace& place : places) {
+  for (const ScanPlace& place : common) {
     const auto part = factor_of(place, centre);
     factor.middleCols(column, part.cols()) = part;
     column += part.cols();
   }
+  if (own) factor.middleCols(column + 6 * static_cast<Eigen::Index>(scan), 6) = factor_of(*own, centre);
   return factor;
 }
 
@@ -242,22 +247,25 @@ void ImportCloud::run(Context& context) {
   to_faces.unit = chosen.metres;
 
   const auto folder = files.make_folder();
-  const auto path_of = [&](size_t t) { return folder.path + "/" + file_name(t); };
   // Further than `search` by its noise: a panel there would lose the points beyond it, and be pulled inside.
-  ScanTiles tiles(faces.faces, *search + 6 * *noise, *tile, [&](size_t t, const std::vector<MeasuredPoint>& some) {
-    MeasuredTile part;
-    part.points = some;
-    append_points(part, path_of(t));
-  });
+  const bool apart = *scan_sigma > 0 || *scan_turn_sigma > 0;
+  size_t width = 0;  // of the numbering: tiles of a scan
+  ScanTiles tiles(faces.faces, *search + 6 * *noise, *tile,
+                  [&](size_t t, size_t scan, const std::vector<MeasuredPoint>& some) {
+                    MeasuredTile part;
+                    part.points = some;
+                    append_points(part, folder.path + "/" + file_name(scan * width + t));
+                  });
+  width = tiles.tiles().size();
   context.reserve_memory(tiles.tiles().size() * 1024 * sizeof(MeasuredPoint) + (8u << 20));
   Sample sample;
   const cloud::CloudSummary read =
-      cloud::read_cloud(file->path, [&](const std::vector<Eigen::Vector3d>& some, double done) {
+      cloud::read_cloud(file->path, [&](const std::vector<Eigen::Vector3d>& some, double done, int scan) {
         if (context.cancelled()) throw Stopped();
         context.progress(done, "points");
         for (const auto& point : some) {
           sample.add(point);
-          tiles.add(to_faces(point), *noise);
+          tiles.add(to_faces(point), *noise, apart ? static_cast<size_t>(scan) : 0);
         }
       });
   tiles.flush();
@@ -266,10 +274,10 @@ void ImportCloud::run(Context& context) {
     context.warn(std::to_string(read.without_place) + " points have no coordinates (NaN) and are left out");
   if (read.withheld > 0)
     context.info(std::to_string(read.withheld) + " points are withheld or noise, as the file says, and are left out");
-  if (read.scans > 1)
+  if (read.scans > 1 && !apart)
     context.warn("there are " + std::to_string(read.scans) +
                  " scans in the file, which are held to err alike, as one: what they differ by is in no standard deviation; "
-                 "import them one by one, or state it with 'place_sigma'");
+                 "'scan_sigma' and 'scan_turn_sigma' state what each is off by itself");
   if (read.either_foot && *unit == "from_file")
     context.warn("the file says feet and not which: they are taken for international ones (0.3048 m); in US survey feet its "
                  "points would lie up to " + in_millimetres(feet_apart(read.low, read.high)) +
@@ -279,16 +287,19 @@ void ImportCloud::run(Context& context) {
   const Eigen::Matrix3d turn = to_faces.frame.rotation.toRotationMatrix();
   const Eigen::Vector3d steps = to_faces.unit * to_faces.scale * read.resolution;
   const Eigen::Matrix3d of_steps = turn * (steps.cwiseAbs2() / 12).asDiagonal() * turn.transpose();
-  commit(context, faces, tiles, places_of(fit, *place_sigma, *turn_sigma, middle_of(faces.faces), of_steps),
-         folder.path, folder.uri);
+  const Eigen::Vector3d middle = middle_of(faces.faces);
+  std::optional<ScanPlace> own;
+  if (apart && tiles.scans() > 1) own = stated_place(*scan_sigma, *scan_turn_sigma, middle);
+  commit(context, faces, tiles, places_of(fit, *place_sigma, *turn_sigma, middle, of_steps), own, folder.path, folder.uri);
 }
 
 void ImportCloud::commit(Context& context, const Faces& faces, const ScanTiles& tiles,
-                         const std::vector<ScanPlace>& places, const std::string& folder,
-                         const std::string& uri) const {
+                         const std::vector<ScanPlace>& common, const std::optional<ScanPlace>& own,
+                         const std::string& folder, const std::string& uri) const {
   SurfacePointsT artifact;
   artifact.source = "scan", artifact.warnings = faces.left_out, artifact.search = *search;
-  for (const ScanPlace& place : places) artifact.rank += static_cast<int>(place.covariance.rows());
+  for (const ScanPlace& place : common) artifact.rank += static_cast<int>(place.covariance.rows());
+  if (own) artifact.rank += 6 * static_cast<int>(tiles.scans());
   FolderT listing;
   listing.uri = uri;
   double covered = 0;
@@ -299,19 +310,24 @@ void ImportCloud::commit(Context& context, const Faces& faces, const ScanTiles& 
       ++empty;
       continue;
     }
-    auto entry = std::make_unique<SurfaceTileT>();
-    entry->sha256 = context.digest(folder + "/" + file_name(t)),
-    entry->uri = "sha256:" + entry->sha256 + "/" + file_name(t);
-    entry->points = from.points, entry->centre = from.centre;
-    entry->factor = row_by_row(factor_of_all(places, artifact.rank, from.centre));
-    auto listed = std::make_unique<FolderEntryT>();
-    listed->path = file_name(t), listed->sha256 = entry->sha256, listed->size = from.points * sizeof(MeasuredPoint);
-    listing.files.push_back(std::move(listed));
+    for (size_t scan = 0; scan < tiles.scans(); ++scan) {
+      const std::uint64_t points_here = tiles.points_of(t, scan);
+      if (points_here == 0) continue;
+      const std::string name = file_name(scan * tiles.tiles().size() + t);
+      auto entry = std::make_unique<SurfaceTileT>();
+      entry->sha256 = context.digest(folder + "/" + name), entry->uri = "sha256:" + entry->sha256 + "/" + name;
+      entry->points = points_here, entry->centre = from.centre;
+      entry->factor = row_by_row(factor_of_all(common, own, scan, artifact.rank, from.centre));
+      auto listed = std::make_unique<FolderEntryT>();
+      listed->path = name, listed->sha256 = entry->sha256, listed->size = points_here * sizeof(MeasuredPoint);
+      listing.files.push_back(std::move(listed));
+      artifact.tiles.push_back(std::move(entry));
+    }
     artifact.measured += static_cast<std::int64_t>(from.points);
-    artifact.tiles.push_back(std::move(entry));
     const PanelFace& face = faces.faces[from.face];
     covered += face.width * face.height / (std::ceil(face.width / *tile) * std::ceil(face.height / *tile));
   }
+  std::sort(listing.files.begin(), listing.files.end(), [](const auto& a, const auto& b) { return a->path < b->path; });
   for (size_t f = 0; f < faces.faces.size(); ++f) artifact.faces.push_back(describe(faces.faces[f], faces.guids[f]));
   if (empty > 0) {
     auto entry = std::make_unique<SurfaceHolesT>();

@@ -1,6 +1,8 @@
 // Points of a scanner, or of another program, on the faces of a design.
 #pragma once
 
+#include <optional>
+
 #include "artifacts/design.hpp"
 #include "artifacts/folder.hpp"
 #include "artifacts/points.hpp"
@@ -14,9 +16,9 @@ namespace plumbline::surface {
 
 struct ImportCloud : Node {
   static constexpr Info info{
-      "dense.import", "", 1,
-      "Reads a point cloud (PLY, LAS 1.0 to 1.4, PTS, XYZ) and keeps the points on the faces of a design"};
-  Param<FilePath> file{"file", required, "the cloud: .ply, .las, .pts, .xyz, recognised by its content"};
+      "dense.import", "", 2,
+      "Reads a point cloud (PLY, LAS 1.0 to 1.4, E57, PTS, XYZ) and keeps the points on the faces of a design"};
+  Param<FilePath> file{"file", required, "the cloud: .ply, .las, .e57, .pts, .xyz, recognised by its content"};
   Optional<Design> design{"design", frame("frame=?F"), "whose panels are measured"};
   Optional<Points> points{"points", frame("frame=?F"), "without a design: the plane of these points is measured"};
   Optional<Transform> registration{
@@ -30,6 +32,10 @@ struct ImportCloud : Node {
                             "of the scan's place as a whole in each coordinate, besides the registration's covariance"};
   Param<double> turn_sigma{"turn_sigma", 0.0, "rad", between(0, 0.1),
                            "of the scan's orientation about each axis through the middle of the faces, likewise"};
+  Param<double> scan_sigma{"scan_sigma", 0.0, "m", between(0, 10),
+                           "of each scan's place by itself, where a file has several (blocks of PTS, point source ids of LAS, "
+                           "scans of E57): what they differ by where two of them meet"};
+  Param<double> scan_turn_sigma{"scan_turn_sigma", 0.0, "rad", between(0, 0.1), "of each scan's orientation, likewise"};
   Param<double> search{"search", 0.05, "m", between(0.001, 2), "a panel further than this from its face is not measured; points are kept to 6 times the noise beyond it"};
   Param<double> tile{"tile", 0.5, "m", between(0.02, 5), "edge of the parts that points are kept in"};
   Param<double> margin{"margin", 0.05, "m", between(0, 5),
@@ -44,8 +50,9 @@ struct ImportCloud : Node {
   void run(Context& context) override;
 
  private:
-  void commit(Context& context, const Faces& faces, const ScanTiles& tiles, const std::vector<ScanPlace>& places,
-              const std::string& folder, const std::string& uri) const;
+  /// `common`: places that all scans share; `own`: of each by itself.
+  void commit(Context& context, const Faces& faces, const ScanTiles& tiles, const std::vector<ScanPlace>& common,
+              const std::optional<ScanPlace>& own, const std::string& folder, const std::string& uri) const;
 };
 
 }  // namespace plumbline::surface

@@ -7,6 +7,7 @@
 
 #include "ifc/surface_words.hpp"
 #include "judgement/surfaces.hpp"
+#include "judgement/trust.hpp"
 #include "surface_artifacts.hpp"
 
 namespace plumbline::surface {
@@ -73,7 +74,13 @@ void JudgeSurfaces::run(Context& context) {
   std::vector<std::vector<bim::Property>> properties;
   std::map<std::string, bim::ElementFacts> facts;
   if (design) facts = facts_of(design.unpack(), properties);
-  const SurfaceJudgementT result = judgement::judge_surfaces(surfaces.unpack(), facts, parsed, *risk);
+  const judgement::Trust trust = judgement::trust_of(block ? &*block : nullptr, network ? &*network : nullptr);
+  SurfacesT measured = surfaces.unpack();
+  judgement::enlarge(measured, trust.factor);
+  SurfaceJudgementT result = judgement::judge_surfaces(measured, facts, parsed, *risk);
+  if (!trust.doubts.empty()) judgement::leave_open(result);
+  for (const std::string& doubt : trust.doubts) context.warn("not to be trusted, and nothing is decided: " + doubt);
+  for (const std::string& misfit : trust.misfits) context.warn(misfit);
   int open = 0;
   for (const auto& request : result.requests)
     if (!request->not_judged.empty())
@@ -92,7 +99,7 @@ void JudgeSurfaces::run(Context& context) {
   context.metric("surfaces_failed", result.failed, "1");
   context.metric("surfaces_not_judged", result.not_judged, "1");
   context.metric("surface_rules_not_judged", open, "1");
-  if (open > 0) context.metric("invalid", 1, "1");  // a question without an answer: exit code 3
+  if (open > 0 || !trust.doubts.empty()) context.metric("invalid", 1, "1");  // a question without an answer: exit code 3
   judgement.commit(result);
   FileT file;
   file.name = "surface_verdicts.csv", file.media_type = "text/csv";

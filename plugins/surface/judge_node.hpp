@@ -1,21 +1,28 @@
 // Surfaces against the rules of a design or a pipeline.
 #pragma once
 
+#include "artifacts/block.hpp"
 #include "artifacts/design.hpp"
 #include "artifacts/file.hpp"
 #include "artifacts/surface_judgement.hpp"
 #include "artifacts/surfaces.hpp"
+#include "artifacts/survey_network.hpp"
 #include "plumbline/node.hpp"
 
 namespace plumbline::surface {
 
 struct JudgeSurfaces : Node {
   static constexpr Info info{
-      "surface.judge", "", 1,
+      "surface.judge", "", 2,
       "Flatness, bow, twist, steps and joint widths against rules: pass, fail or undecided by conformance probability"};
   In<Surfaces> surfaces{"surfaces", frame("frame=?F"), "panels and joints with their covariance"};
   Optional<Design> design{"design", frame("frame=?F"),
                           "whose classes, storeys and properties rules may name; without it, names alone"};
+  Optional<Block> block{"block", frame("frame=?B"),
+                        "the adjusted block behind the orientations: one that fails its global tests shows nothing; one whose "
+                        "camera model does not hold is less certain"};
+  Optional<SurveyNetwork> network{"network", frame("frame=?N"),
+                                  "the survey behind them: likewise where it contradicts itself"};
   Param<std::vector<std::string>> rules{
       "rules", std::vector<std::string>{},
       "limits: 'class=IfcPlate & storey=Level 2: flatness(1m)=3mm, bow=4mm, twist=2mm, step=2mm, joint=+4/-3mm, "

@@ -1,8 +1,12 @@
 // Panels from points of surfaces, whatever measured them.
 #pragma once
 
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+
 #include <cmath>
 #include <cstdio>
+#include <mutex>
 
 #include "artifacts/file.hpp"
 #include "plumbline/node.hpp"
@@ -22,6 +26,19 @@ inline double radius_of(const MeasuredTile& tile) {
   double radius = 0;
   for (const MeasuredPoint& point : tile.points) radius = std::max(radius, static_cast<double>(point.offset.norm()));
   return radius;
+}
+
+/// Work on many things, two or more at a time; ends as soon as the run is stopped.
+template <typename Work>
+void in_parallel(Context& context, size_t count, const Work& work) {
+  tbb::this_task_arena::isolate([&] {
+    tbb::parallel_for(size_t{0}, count, [&](size_t i) {
+      if (context.cancelled()) return;
+      const StopScope stop([](const void* of) { return static_cast<const Context*>(of)->cancelled(); }, &context);
+      work(i);
+    });
+  });
+  if (context.cancelled()) throw Stopped();
 }
 
 struct Panels : Node {
@@ -52,9 +69,12 @@ struct Panels : Node {
 
   void run(Context& context) override {
     const SurfacePointsT given = points.unpack();
-    const auto read = [&](size_t t) { return read_tile(*given.tiles[t], given.rank, context.resolve(given.tiles[t]->uri)); };
-    std::vector<double> radius;  // of the tiles, which are read again panel by panel: all of a scan at once may be too much
-    for (size_t t = 0; t < given.tiles.size(); ++t) radius.push_back(radius_of(read(t)));
+    std::vector<std::string> paths;
+    for (const auto& tile : given.tiles) paths.push_back(context.resolve(tile->uri));
+    const auto read = [&](size_t t) { return read_tile(*given.tiles[t], given.rank, paths[t]); };
+    // Tiles are read again panel by panel: all of a scan at once may be too much.
+    std::vector<double> radius(given.tiles.size());
+    in_parallel(context, radius.size(), [&](size_t t) { radius[t] = radius_of(read(t)); });
     PanelOptions options;
     options.border = *border, options.reach = *reach, options.cell = *cell, options.least_coverage = *least_coverage;
     options.straightedges = *straightedges;
@@ -64,23 +84,32 @@ struct Panels : Node {
     if (given.rank == 0)
       context.warn("the points come without systematic errors: what is stated of a panel's place is how well it is measured "
                    "among its neighbours, not where it is");
-    int measured = 0;
-    for (const auto& face : given.faces) {
-      const PanelFace where = face_of(*face);
-      if (context.cancelled()) throw Stopped();
-      context.progress(static_cast<double>(result.panels.size()) / static_cast<double>(given.faces.size()), where.id);
+    std::vector<PanelSurface> found(given.faces.size());
+    size_t done = 0;
+    std::mutex telling;
+    in_parallel(context, found.size(), [&](size_t f) {
+      const PanelFace where = face_of(*given.faces[f]);
       std::vector<MeasuredTile> tiles;
       const double panel_radius = std::hypot(0.5 * where.width, 0.5 * where.height, *reach);
       for (size_t t = 0; t < given.tiles.size(); ++t)
         if ((given.tiles[t]->centre - where.plane.origin).norm() <= panel_radius + radius[t]) tiles.push_back(read(t));
-      const PanelSurface panel = measure_panel(where, tiles, options);
+      found[f] = measure_panel(where, tiles, options);
+      const std::lock_guard lock(telling);
+      context.progress(static_cast<double>(++done) / static_cast<double>(found.size()), where.id);
+    });
+    int measured = 0;
+    for (size_t f = 0; f < found.size(); ++f) {
+      const PanelFace where = face_of(*given.faces[f]);
+      const PanelSurface& panel = found[f];
       if (!panel.not_measured.empty()) context.warn(panel.id + " is not measured: " + panel.not_measured);
       if (panel.not_measured.empty() && given.source == "scan") warn_of_inner_side(context, where, panel);
       measured += panel.not_measured.empty();
-      result.panels.push_back(describe(panel, where, face->guid, given.rank));
+      result.panels.push_back(describe(panel, where, given.faces[f]->guid, given.rank));
     }
     context.info(std::to_string(measured) + " of " + std::to_string(given.faces.size()) + " panels measured");
     context.metric("panels", measured, "1");
+    // Nothing of what the node is for: exit code 3 (framework/cli/run.cpp).
+    if (measured == 0) context.metric("invalid", 1, "1");
     surfaces.commit(result);
     table.commit(text_file("panels.csv", "text/csv", panels_table(result)));
   }

@@ -67,7 +67,7 @@ struct AdjustNode : ProfiledNode {
                               "another for each reading, as STAR*NET has it in direction sets"};
   Param<std::string> map{"map", "",
                          "map that E and N are on: 'EPSG:25832', 'utm:32' or its name; empty: a plane in which lengths "
-                         "are true"};
+                         "are true; plane: likewise, and coordinates that look like a map's are none"};
   Param<double> geoid_height{"geoid_height", 0.0, "m", between(-200, 200),
                              "of the geoid above the map's ellipsoid, for the reduction of lengths from the heights"};
   Out<Points> points{"points", frame("frame=?S"), "adjusted points with full covariance"};

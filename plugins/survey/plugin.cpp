@@ -2,10 +2,11 @@
 #include "compare_node.hpp"
 #include "file_axes_node.hpp"
 #include "plan_node.hpp"
+#include "series_node.hpp"
 #include "simulate_node.hpp"
 #include "tables_node.hpp"
 
 using namespace plumbline::survey;
 
-PLUMBLINE_PLUGIN("survey", "0.1.0", "MIT", AdjustNode, CompareEpochsNode, CheckControlNode, FileAxesNode, PlanNode,
-                 SimulateSurveyNode, TablesNode)
+PLUMBLINE_PLUGIN("survey", "0.1.0", "MIT", AdjustNode, CompareEpochsNode, CheckControlNode, EpochSeriesNode,
+                 FileAxesNode, PlanNode, SimulateSurveyNode, TablesNode)

@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "plumbline/stop.hpp"
 #include "survey/adjust/adjuster.hpp"
 #include "survey/adjust/exclusions.hpp"
 #include "survey/adjust/kept_network.hpp"
@@ -278,7 +279,9 @@ std::vector<Finding> confirmed_causes(const SurveyObservations& survey, const Ad
                                                : " in place of " + fixed_digits(now, 2)) +
                               ". Mend it in the file: nothing was changed here",
                           cause.points});
-    } catch (const NetworkError&) {
+    } catch (const Stopped&) {
+      throw;
+    } catch (const std::runtime_error&) {
       continue;  // it is not that, or not that alone
     }
   }

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
+#include <map>
 #include <numbers>
 #include <optional>
 
@@ -147,6 +147,8 @@ class Causes {
   double share_with(const SurveyObservations& mended, int set_up) const {
     try {
       return share_of(agreement_of(mended, chain_of(mended, options_)), set_up);
+    } catch (const Stopped&) {
+      throw;
     } catch (const std::runtime_error&) {
       return 0;
     }
@@ -166,16 +168,12 @@ class Causes {
 
   /// Where half of the set-ups see a point at one place and half at another, both more than once.
   void names_on_two_marks(const SetUpChain& chain) {
-    for (const std::string& point : chain.points()) {
+    std::map<std::string, std::vector<std::pair<int, Eigen::Vector3d>>> places;  // set-up, place
+    for (size_t f = 0; f < chain.figures().size(); ++f)
+      for (const LocalSight& s : chain.figures()[f].sights)
+        if (s.order >= 0 && chain.placed(f)) places[s.point].emplace_back(chain.figures()[f].set_up, chain.fit(f)(s));
+    for (const auto& [point, seen] : places) {
       stop_point();
-      std::vector<std::pair<int, Eigen::Vector3d>> seen;  // set-up, place
-      std::vector<double> sigmas;
-      for (size_t f = 0; f < chain.figures().size(); ++f)
-        for (const LocalSight& s : chain.figures()[f].sights)
-          if (s.point == point && s.order >= 0 && chain.placed(f)) {
-            seen.emplace_back(chain.figures()[f].set_up, chain.fit(f)(s));
-            sigmas.push_back(s.sigma);
-          }
       if (seen.size() < 4) continue;
       std::vector<int> first, second;
       std::optional<Eigen::Vector3d> other;

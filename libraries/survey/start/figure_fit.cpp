@@ -1,6 +1,7 @@
 // Levelled motions of a set-up's figure onto points: robust, then least squares.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "survey/model/observation_equations.hpp"
 #include "survey/start/set_up_chain.hpp"
@@ -12,7 +13,6 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-
 Vector2d turned(const Vector2d& p, double rotation) {
   const double c = std::cos(rotation), s = std::sin(rotation);
   return {p.x() * c + p.y() * s, -p.x() * s + p.y() * c};
@@ -20,16 +20,22 @@ Vector2d turned(const Vector2d& p, double rotation) {
 
 double azimuth(const Vector2d& d) { return std::atan2(d.x(), d.y()); }
 
-/// Truncated squares over all pairs: a point that does not agree costs 1, however far off it is.
-double cost_of(const FigureFit& fit, const std::vector<FigurePair>& pairs, int& agree) {
+/// Truncated squares over all pairs: a point that does not agree costs 1, however far off it is. Ends where it reaches
+/// `limit`, since it only grows; `agree` is not counted to the end then.
+double cost_of(const FigureFit& fit, const std::vector<FigurePair>& pairs, int& agree,
+               double limit = std::numeric_limits<double>::infinity()) {
+  const double c = std::cos(fit.rotation), s = std::sin(fit.rotation);
   double cost = 0;
   agree = 0;
   for (const FigurePair& p : pairs) {
-    Vector3d d = fit(*p.sight) - p.target;
+    const Vector3d local = p.sight->place(fit.scale, fit.constant);
+    Vector3d d =
+        Vector3d(local.x() * c + local.y() * s, -local.x() * s + local.y() * c, local.z()) + fit.shift - p.target;
     if (std::isnan(d.z())) d.z() = 0;
     const double share = d.squaredNorm() / (p.tolerance * p.tolerance);
     cost += std::min(1.0, share);
     agree += share <= 1;
+    if (cost >= limit) break;
   }
   return cost;
 }
@@ -107,7 +113,7 @@ std::optional<FigureFit> fit_robustly(const std::vector<FigurePair>& pairs, doub
       if (count % step != 0) continue;
       auto fit = fit_of_two(pairs[a], pairs[a + apart], scale);
       if (!fit) continue;
-      double cost = cost_of(*fit, pairs, fit->agree);
+      double cost = cost_of(*fit, pairs, fit->agree, least);
       if (cost >= least) continue;
       least = cost;
       best = fit;

@@ -152,6 +152,7 @@ std::optional<SetUpChain::Place> SetUpChain::place_of(const std::string& point, 
     best.agree = agree;
     best.position << sum.head<2>() / weights, up_weights > 0 ? sum.z() / up_weights : kNotGiven;
     best.sigma = centre.sigma;
+    if (10 * best.agree >= 9 * best.views) break;  // no centre has many more, and there may be a hundred views
   }
   return best;
 }
@@ -221,6 +222,8 @@ void SetUpChain::grow(size_t root) {
     int placed = 0;  ///< of its points
     bool stale = true;
     bool usable() const { return fit && (fit->agree >= 3 || fit->compared <= 2); }
+    /// So many placed points agree, and so few do not, that no other order of placing would put it elsewhere.
+    bool certain() const { return fit && fit->scale == 1 && fit->agree >= 12 && 10 * fit->agree >= 9 * fit->compared; }
   };
   std::vector<Candidate> candidates(figures_.size());
   std::map<std::string, std::optional<Place>> places;  // of points that are placed; no candidate has a part in them
@@ -263,7 +266,10 @@ void SetUpChain::grow(size_t root) {
       if (!fits_[f] && candidates[f].stale && candidates[f].placed >= 2) open.push_back(f);
     std::stable_sort(open.begin(), open.end(),
                      [&](size_t a, size_t b) { return candidates[a].placed > candidates[b].placed; });
+    // With many set-ups over the same points each step would fit all that are left, to find which of them fits best:
+    // one that is certain is as good.
     for (const size_t f : open) {
+      if (best >= 0 && candidates[static_cast<size_t>(best)].certain()) break;
       if (!before(f, candidates[f].placed, false)) continue;
       evaluate(f);
       if (candidates[f].usable() && before(f, candidates[f].fit->agree, candidates[f].fit->scale != 1))

@@ -46,6 +46,9 @@ class Building : public testing::Test {
     const auto judged = table(folder / "metrics.csv"), truth = table(folder / "truth" / "anchors.csv"),
                plates = table(folder / "campaign" / "plates.csv");
     EXPECT_EQ(judged.size(), plates.size());
+    const std::string page = read_file(folder / "report.html");
+    EXPECT_EQ(contains(page, "Facade by facade"), shape == "block" || shape == "courtyard" || shape == "corner")
+        << shape;
     int clear = 0;
     for (const auto& [anchor, row] : judged) {
       const double azimuth = number(plates.at(anchor), "facing_azimuth_deg") * std::numbers::pi / 180;

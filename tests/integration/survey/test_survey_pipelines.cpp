@@ -158,6 +158,23 @@ TEST(SurveyPipelines, TwoFilesAreComparedAsEpochs) {
   EXPECT_TRUE(contains(read_file(plumbline.work() / "out/movements.html"), "No point has moved significantly."));
 }
 
+TEST(SurveyPipelines, ThreeFilesAreASeries) {
+  const Program plumbline;
+  for (const int seed : {11, 12, 13}) plumbline.write("e" + std::to_string(seed) + ".gsi", job(seed));
+  plumbline.write("campaign.yaml", "plumbline_campaign: 1\nsurvey: [e11.gsi, e12.gsi, e13.gsi]\n");
+  const Answer answer = plumbline({"run", pipeline("epoch_series"), "folder=.", "profile=total_station_5arcsec",
+                                   "movements.with.days=[0, 30, 60]", "alarm_level=0.05", "--out", "out"});
+  ASSERT_EQ(answer.code, 0) << answer.err;
+  const Json json = Json::parse(read_file(plumbline.work() / "out/series.json"));
+  EXPECT_EQ(json["points"].size(), 12u) << "free stations stand elsewhere every time";
+  EXPECT_EQ(json["epochs"].size(), 3u);
+  EXPECT_EQ(json["epochs"][2]["time"], 60);
+  EXPECT_EQ(json["points"][0]["movements"].size(), 2u);
+  const std::string page = read_file(plumbline.work() / "out/series.html");
+  EXPECT_TRUE(contains(page, "No point moves, and none has moved, beyond chance.")) << page.substr(0, 2000);
+  EXPECT_TRUE(contains(page, "<svg"));
+}
+
 /// docs/examples/before.csv with the distances of one set-up in feet.
 std::string with_feet(const std::string& set_up) {
   std::istringstream stream(read_file(fs::path(source_dir()) / "docs/examples/before.csv"));

@@ -25,7 +25,8 @@ Read read_bytes(const std::string& name, const std::string& bytes) {
   std::ofstream(path, std::ios::binary) << bytes;
   Read read;
   double last = 0;
-  read.summary = read_cloud(path, [&](const Points& some, double done) {
+  read.summary = read_cloud(path, [&](const Points& some, double done, int scan) {
+    EXPECT_GE(scan, 0);
     EXPECT_GE(done, last);
     EXPECT_LE(done, 1);
     last = done;

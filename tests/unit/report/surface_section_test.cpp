@@ -46,7 +46,7 @@ TEST(SurfaceSection, WhatFailsStandsFirstAndWhatIsNotJudgedHasItsReason) {
 TEST(SurfaceSection, StandsOnTheReportIfThereAreSurfaces) {
   ReportInput input = test::example(2);
   EXPECT_EQ(render_report(input).find("Surfaces of panels"), std::string::npos);
-  input.surfaces = judgement();
+  input.deviation->surfaces = std::make_unique<SurfaceJudgementT>(judgement());
   EXPECT_NE(render_report(input).find("Surfaces of panels"), std::string::npos);
 }
 

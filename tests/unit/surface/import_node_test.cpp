@@ -11,6 +11,7 @@
 #include "artifacts/surfaces.hpp"
 #include "artifacts/transform.hpp"
 #include "cloud_bytes.hpp"
+#include "e57_bytes.hpp"
 #include "node_harness.hpp"
 #include "surface_artifact.hpp"
 
@@ -343,6 +344,40 @@ TEST(ImportNode, SeveralScansInAFileAreSaid) {
   import.node.run();
   EXPECT_NE(testing::PrintToString(import.node.warnings()).find("there are 2 scans in the file"), std::string::npos)
       << testing::PrintToString(import.node.warnings());
+}
+
+/// Two scans of the first panel, the second 3 mm behind the first, as E57 with what each is off by.
+TEST(ImportNode, ScansOfAFileErrEachByItself) {
+  Places first, second;
+  for (const Eigen::Vector3d& point : scan()) {
+    if (point.x() < 120.02) first.push_back(point - Eigen::Vector3d(119, 79, 9));
+    if (point.x() > 119.9) second.push_back(point - Eigen::Vector3d(119, 79 - 0.003, 9));
+  }
+  const std::string pose =
+      "<pose><translation><x>119</x><y>79</y><z>9</z></translation></pose>";
+  Import import("scans.e57", cloud_bytes::e57_file({{first, {}, pose, "double"}, {second, {}, pose, "double"}}));
+  import.node.set("place_sigma", "0.001"), import.node.set("scan_sigma", "0.002");
+  import.node.run();
+  EXPECT_EQ(testing::PrintToString(import.node.warnings()).find("scans in the file"), std::string::npos);
+  const auto surface = import.node.output<SurfacePoints>("surface");
+  ASSERT_EQ(surface.rank, 18) << "six of all, six of each";
+  double of_both = 0;
+  for (const StatedPoint& point : stated_points(surface, import.node.output<Folder>("files").uri)) {
+    const bool late = point.place.y() > 79.998;
+    EXPECT_NEAR(point.by_common_errors.leftCols(6).row(1).norm(), 0.001, 1e-9);
+    EXPECT_NEAR(point.by_common_errors.middleCols(late ? 12 : 6, 6).row(1).norm(), 0.002, 1e-9);
+    EXPECT_EQ(point.by_common_errors.middleCols(late ? 6 : 12, 6).norm(), 0);
+    of_both += late;
+  }
+  EXPECT_GT(of_both, 1000);
+  // A panel of two scans is known as well as two of them are, beside what they share.
+  NodeHarness panels("surface.panels");
+  panels.input<SurfacePoints>("surface", surface);
+  panels.run();
+  const auto measured = panels.output<Surfaces>("surfaces");
+  const double sigma = std::sqrt(measured.panels[0]->covariance[0]);
+  EXPECT_GT(sigma, std::hypot(0.001, 0.0013));
+  EXPECT_LT(sigma, std::hypot(0.001, 0.0021));
 }
 
 }  // namespace

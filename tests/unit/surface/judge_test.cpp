@@ -2,6 +2,7 @@
 // risk allows.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -143,6 +144,32 @@ TEST(JudgeSurfaces, ARuleThatSelectsNothingIsSaid) {
   ASSERT_EQ(result.requests.size(), 1U);
   EXPECT_EQ(result.requests[0]->not_judged, "it selects no panel that was looked at");
   EXPECT_TRUE(result.verdicts.empty());
+}
+
+TEST(JudgeSurfaces, APanelThatNobodyLookedAtIsNotJudged) {
+  SurfacesT what = surfaces();
+  what.panels.erase(what.panels.begin() + 1);
+  what.warnings = {"B: nothing looks at it and the design does not say which side is outside"};
+  const auto result = judged(what, {"*: flatness(1m)=3mm", "name=A: bow=3mm"});
+  EXPECT_EQ(result.not_judged, 2) << "B, and C that has no points";
+  EXPECT_NE(result.requests[0]->not_judged.find("B"), std::string::npos) << result.requests[0]->not_judged;
+  EXPECT_EQ(result.requests[1]->not_judged, "");
+  const auto verdict = std::find_if(result.verdicts.begin(), result.verdicts.end(), [](const auto& v) { return v->panel == "B"; });
+  ASSERT_NE(verdict, result.verdicts.end());
+  EXPECT_EQ((*verdict)->not_judged, "nothing looks at it and the design does not say which side is outside");
+}
+
+TEST(JudgeSurfaces, WhatFitsLessWellIsLessCertain) {
+  SurfacesT what = surfaces();
+  what.panels[0]->flatness[0]->gap = 0.0026;
+  what.joints.push_back(joint({0.012, 0.0145}, 1e-4));
+  EXPECT_EQ(judged(what, {"*: flatness(1m)=3mm, bow=3mm, joint=3mm"}).verdicts[0]->verdict, ToleranceVerdict::pass);
+  enlarge(what, 9);
+  const auto result = judged(what, {"*: flatness(1m)=3mm, bow=3mm, joint=3mm"});
+  EXPECT_EQ(result.verdicts[0]->verdict, ToleranceVerdict::undecided);
+  EXPECT_NEAR(result.verdicts[0]->sigma, 6e-4, 1e-12);
+  EXPECT_NEAR(result.verdicts[1]->sigma, 1.2e-3, 1e-12) << "bow: random and systematic part";
+  EXPECT_NEAR(result.verdicts.back()->sigma, 3e-4, 1e-12);
 }
 
 TEST(JudgeSurfaces, RulesThatAreNoneAreQuoted) {

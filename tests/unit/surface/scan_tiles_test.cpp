@@ -14,7 +14,7 @@ const FacadePlane kPlane = facade_plane({105, 212, 31}, {-0.6, -0.8, 0});
 std::vector<MeasuredTile> tiles_of(const std::vector<PanelFace>& faces, const std::vector<Eigen::Vector3d>& points,
                                    double sigma, const ScanPlace& place) {
   std::vector<MeasuredTile> measured;
-  ScanTiles tiles(faces, 0.1, 0.5, [&](size_t t, const std::vector<MeasuredPoint>& some) {
+  ScanTiles tiles(faces, 0.1, 0.5, [&](size_t t, size_t, const std::vector<MeasuredPoint>& some) {
     measured[t].points.insert(measured[t].points.end(), some.begin(), some.end());
   });
   measured.resize(tiles.tiles().size());
@@ -35,7 +35,7 @@ TEST(ScanTiles, EveryPointGoesToTheNearestFaceOnce) {
   size_t count[2] = {0, 0};
   std::vector<size_t> face_of;
   ScanTiles tiles(faces, 0.1, 0.5,
-                  [&](size_t t, const std::vector<MeasuredPoint>& some) { count[face_of[t]] += some.size(); });
+                  [&](size_t t, size_t, const std::vector<MeasuredPoint>& some) { count[face_of[t]] += some.size(); });
   for (const ScanTile& tile : tiles.tiles()) face_of.push_back(tile.face);
   EXPECT_EQ(tiles.tiles().size(), 4U * 6 + 3 * 6);
   EXPECT_TRUE(tiles.add(kPlane.world({0.97, 0, 0.01}), 1e-3)) << "over both, nearer to the front";

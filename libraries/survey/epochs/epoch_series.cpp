@@ -1,0 +1,293 @@
+#include "survey/epochs/epoch_series.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+#include <stdexcept>
+
+#include "geometry/statistics.hpp"
+#include "plumbline/stop.hpp"
+#include "survey/doctor/network_words.hpp"
+
+namespace plumbline::survey {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+
+Index row_of(const Epoch& e, const std::string& id) {
+  const auto at = std::find(e.ids.begin(), e.ids.end(), id);
+  return at == e.ids.end() ? -1 : static_cast<Index>(3 * (at - e.ids.begin()));
+}
+
+/// Bartlett (1937): are the variances of all epochs equal?
+void test_variances_of(const std::vector<DatedEpoch>& epochs, double alpha, EpochSeries& series) {
+  double f = 0, sum = 0, logs = 0, inverse = 0;
+  int tested = 0;
+  series.factors.assign(epochs.size(), 1);
+  for (const DatedEpoch& e : epochs) {
+    const int own = e.variance.degrees_of_freedom;
+    if (own <= 0 || !(e.variance.sigma0 > 0)) continue;
+    const double variance = e.variance.sigma0 * e.variance.sigma0;
+    f += own, sum += own * variance, logs += own * std::log(variance), inverse += 1.0 / own, ++tested;
+  }
+  if (tested == 0) {
+    series.variances = "no epoch has redundancy: the stated accuracies are taken as they are";
+    return;
+  }
+  const double pooled = sum / f;
+  series.sigma0 = std::sqrt(pooled);
+  if (tested > 1) {
+    const double correction = 1 + (inverse - 1 / f) / (3 * (tested - 1));
+    series.bartlett = std::max(0.0, (f * std::log(pooled) - logs) / correction);
+    series.bartlett_critical = chi_squared_quantile(1 - alpha, tested - 1);
+  }
+  const auto noisy = [&](double variance, double degrees) {
+    return variance * degrees > chi_squared_quantile(1 - alpha, degrees);
+  };
+  const bool equal = series.bartlett <= series.bartlett_critical;
+  int least = 0;
+  for (size_t k = 0; k < epochs.size(); ++k) {
+    const EpochVariance& v = epochs[k].variance;
+    const double own = v.sigma0 * v.sigma0;
+    if (equal && noisy(pooled, f)) series.factors[k] = v.applied ? 1 : pooled, least = static_cast<int>(f);
+    if (!equal && v.degrees_of_freedom > 0 && noisy(own, v.degrees_of_freedom)) {
+      series.factors[k] = v.applied ? 1 : own;
+      least = least == 0 ? v.degrees_of_freedom : std::min(least, v.degrees_of_freedom);
+    }
+  }
+  series.degrees_of_freedom = least;
+  series.variances =
+      (equal ? "the readings of all epochs are equally good, pooled sigma0 "
+             : "the readings of the epochs are not equally good (Bartlett " + fixed_digits(series.bartlett, 1) +
+                   ", critical " + fixed_digits(series.bartlett_critical, 1) + "), together sigma0 ") +
+      fixed_digits(series.sigma0, 2);
+  if (least > 0)
+    series.variances += equal ? "; noisier than stated: all tests are with it"
+                              : "; those noisier than stated count with what they show of themselves";
+}
+
+/// Points that no comparison with the first epoch takes out of the datum.
+std::vector<std::string> stable_points(const std::vector<DatedEpoch>& epochs, const SeriesOptions& options,
+                                       const EpochSeries& series) {
+  std::vector<std::string> stable;
+  for (const std::string& id : epochs.front().epoch.ids)
+    if (std::all_of(epochs.begin(), epochs.end(), [&](const DatedEpoch& e) { return row_of(e.epoch, id) >= 0; }))
+      stable.push_back(id);
+  ComparisonOptions compare;
+  // Over all comparisons together a sound network loses a point with alpha (Sidak).
+  compare.alpha = 1 - std::pow(1 - options.alpha, 1.0 / static_cast<double>(epochs.size() - 1));
+  compare.alpha0 = options.alpha0;
+  compare.free_motions = options.free_motions;
+  compare.variance_degrees = series.degrees_of_freedom;
+  std::set<std::string> out;
+  Epoch first = epochs.front().epoch;
+  first.covariance *= series.factors.front();
+  for (size_t k = 1; k < epochs.size(); ++k) {
+    stop_point();
+    Epoch second = epochs[k].epoch;
+    second.covariance *= series.factors[k];
+    const Comparison c = compare_epochs(first, second, compare);
+    for (const Exclusion& e : c.excluded) out.insert(e.id);
+    for (const Movement& m : c.movements)
+      if (m.moved) out.insert(m.id);
+  }
+  std::erase_if(stable, [&](const std::string& id) { return out.contains(id); });
+  return stable;
+}
+
+/// Brings an epoch into the datum of the stable points: laid on them, covariance S C S'.
+void align(const Epoch& reference, const std::vector<std::string>& stable, int free_motions, Epoch& epoch) {
+  if (free_motions == 0) return;
+  Vector3d from = Vector3d::Zero(), to = Vector3d::Zero(), count = Vector3d::Zero();
+  const auto each = [&](const auto& use) {
+    for (const std::string& id : stable)
+      use(Vector3d(epoch.coordinates.segment<3>(row_of(epoch, id))),
+          Vector3d(reference.coordinates.segment<3>(row_of(reference, id))));
+  };
+  each([&](const Vector3d& a, const Vector3d& b) {
+    for (Index c = 0; c < 3; ++c)
+      if (std::isfinite(a[c]) && std::isfinite(b[c])) from[c] += a[c], to[c] += b[c], ++count[c];
+  });
+  from = from.cwiseQuotient(count.cwiseMax(1)), to = to.cwiseQuotient(count.cwiseMax(1));
+  double sine = 0, cosine = 0;
+  if (free_motions >= 4)
+    each([&](const Vector3d& a, const Vector3d& b) {
+      const Eigen::Vector2d p = (a - from).head<2>(), q = (b - to).head<2>();
+      if (!p.allFinite() || !q.allFinite()) return;
+      cosine += p.dot(q), sine += p.x() * q.y() - p.y() * q.x();
+    });
+  const double angle = std::atan2(sine, cosine);
+  Matrix3d turn = Matrix3d::Identity();
+  turn.topLeftCorner<2, 2>() << std::cos(angle), -std::sin(angle), std::sin(angle), std::cos(angle);
+  // Inner constraints on the stable points: x' = x - G (E'G)^-1 E' x, G about their centre.
+  const Index n = epoch.coordinates.size() / 3;
+  MatrixXd g = MatrixXd::Zero(3 * n, free_motions >= 4 ? 4 : 3), e = g;
+  std::set<Index> held;
+  for (const std::string& id : stable) held.insert(row_of(epoch, id));
+  for (Index i = 0; i < n; ++i) {
+    auto p = epoch.coordinates.segment<3>(3 * i);
+    const Vector3d d = p - from;
+    for (Index c = 0; c < 3; ++c) g(3 * i + c, c) = std::isfinite(p[c]) ? 1 : 0;
+    if (g.cols() > 3 && d.head<2>().allFinite()) g.block<2, 1>(3 * i, 3) = Eigen::Vector2d(d.y(), -d.x());
+    if (held.contains(3 * i)) e.middleRows(3 * i, 3) = g.middleRows(3 * i, 3);
+    Vector3d laid(d.x() * turn(0, 0) + d.y() * turn(0, 1), d.x() * turn(1, 0) + d.y() * turn(1, 1), d.z());
+    p = laid + to;
+  }
+  std::vector<Index> moving;
+  for (Index k = 0; k < g.cols(); ++k)
+    if (e.col(k).cwiseAbs().maxCoeff() > 0) moving.push_back(k);
+  const MatrixXd of = g(Eigen::all, moving), on = e(Eigen::all, moving);
+  const MatrixXd h = MatrixXd(on.transpose() * of).ldlt().solve(MatrixXd(on.transpose()));
+  MatrixXd s = MatrixXd::Identity(3 * n, 3 * n) - of * h;
+  for (Index i = 0; i < n; ++i) s.middleRows(3 * i, 3) = (turn * s.middleRows(3 * i, 3)).eval();  // and turned with it
+  epoch.covariance = (s * epoch.covariance * s.transpose()).eval();
+}
+
+Level level_of(double length, double sigma, double level) {
+  constexpr double kOneSided = 1.645;
+  if (!(level > 0)) return Level::below;
+  return length > level ? Level::reached : length + kOneSided * sigma > level ? Level::may_be_reached : Level::below;
+}
+
+double critical_of(double alpha, int rank, int degrees) {
+  return degrees > 0 ? rank * fisher_f_quantile(1 - alpha, rank, degrees) : chi_squared_quantile(1 - alpha, rank);
+}
+
+/// A point in one epoch: the coordinates it has.
+struct Seen {
+  size_t epoch;
+  double time;
+  Vector3d at;
+  Matrix3d covariance;
+};
+
+void add_movements(const std::vector<Seen>& seen, const std::vector<Index>& axes, const SeriesOptions& options,
+                   int degrees, SeriesPoint& point) {
+  for (size_t k = 1; k < seen.size(); ++k) {
+    SeriesPoint::At at;
+    at.epoch = seen[k].epoch;
+    at.movement.setConstant(std::numeric_limits<double>::quiet_NaN());
+    at.sigma = at.movement;
+    const MatrixXd c = MatrixXd(seen[k].covariance + seen[0].covariance)(axes, axes);
+    const Eigen::VectorXd d = Eigen::VectorXd(seen[k].at - seen[0].at)(axes);
+    for (size_t a = 0; a < axes.size(); ++a) {
+      const auto i = static_cast<Index>(a);
+      at.movement[axes[a]] = d[i], at.sigma[axes[a]] = std::sqrt(std::max(0.0, c(i, i)));
+    }
+    at.statistic = d.dot(c.ldlt().solve(d));
+    at.critical = critical_of(options.alpha0, static_cast<int>(axes.size()), degrees);
+    at.moved = at.statistic > at.critical;
+    const double length = d.norm(),
+                 sigma = length > 0 ? std::sqrt(d.dot(c * d)) / length : std::sqrt(c.diagonal().maxCoeff());
+    at.warning = level_of(length, sigma, options.warning_level);
+    at.alarm = level_of(length, sigma, options.alarm_level);
+    point.at.push_back(at);
+  }
+}
+
+void add_velocity(const std::vector<Seen>& seen, const std::vector<Index>& axes, const SeriesOptions& options,
+                  int degrees, SeriesPoint& point) {
+  point.velocity.setConstant(std::numeric_limits<double>::quiet_NaN());
+  point.velocity_sigma = point.velocity;
+  const auto n = static_cast<Index>(axes.size());
+  MatrixXd normal = MatrixXd::Zero(2 * n, 2 * n);
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(2 * n);
+  const auto design = [&](const Seen& s) {
+    MatrixXd a(n, 2 * n);
+    a << MatrixXd::Identity(n, n), (s.time - seen.front().time) * MatrixXd::Identity(n, n);
+    return a;
+  };
+  const auto moved = [&](const Seen& s) { return Eigen::VectorXd(Eigen::VectorXd(s.at - seen.front().at)(axes)); };
+  for (const Seen& s : seen) {
+    const MatrixXd weighted = MatrixXd(s.covariance(axes, axes)).ldlt().solve(design(s));
+    normal += design(s).transpose() * weighted;
+    right += weighted.transpose() * moved(s);
+  }
+  const auto factor = normal.ldlt();
+  const Eigen::VectorXd x = factor.solve(right);
+  const MatrixXd q = factor.solve(MatrixXd::Identity(2 * n, 2 * n));
+  for (Index a = 0; a < n; ++a)
+    point.velocity[axes[static_cast<size_t>(a)]] = x[n + a],
+    point.velocity_sigma[axes[static_cast<size_t>(a)]] = std::sqrt(q(n + a, n + a));
+  const Eigen::VectorXd v = x.tail(n);
+  point.velocity_statistic = v.dot(MatrixXd(q.bottomRightCorner(n, n)).ldlt().solve(v));
+  point.velocity_critical = critical_of(options.alpha0, static_cast<int>(n), degrees);
+  point.moves = point.velocity_statistic > point.velocity_critical;
+  if (seen.size() < 3) return;
+  for (const Seen& s : seen) {
+    const Eigen::VectorXd r = moved(s) - design(s) * x;
+    point.misfit += r.dot(MatrixXd(s.covariance(axes, axes)).ldlt().solve(r));
+  }
+  point.misfit_critical =
+      critical_of(options.alpha0, static_cast<int>(n) * (static_cast<int>(seen.size()) - 2), degrees);
+}
+
+}  // namespace
+
+EpochSeries epoch_series(const std::vector<DatedEpoch>& epochs, const SeriesOptions& options) {
+  if (epochs.size() < 2) throw std::runtime_error("a series needs two epochs at least");
+  for (size_t k = 1; k < epochs.size(); ++k)
+    if (!(epochs[k].time > epochs[k - 1].time))
+      throw std::runtime_error("epoch " + epochs[k].name + " is not later than " + epochs[k - 1].name +
+                               ": give the epochs in the order of their times");
+  if (options.free_motions != 0 && options.free_motions != 3 && options.free_motions != 4)
+    throw std::runtime_error(
+        "a series of epochs that are free in scale or tilt is not compared; hold them, or compare two");
+  EpochSeries series;
+  test_variances_of(epochs, options.alpha, series);
+  series.stable = options.stable.empty() ? stable_points(epochs, options, series) : options.stable;
+  for (const std::string& id : series.stable)
+    for (const DatedEpoch& e : epochs)
+      if (row_of(e.epoch, id) < 0)
+        throw std::runtime_error("point '" + id + "' is to carry the datum, and epoch " + e.name + " has not seen it");
+  const size_t needed = options.free_motions == 0 ? 0 : options.free_motions == 3 ? 1 : 2;
+  if (series.stable.size() < needed)
+    throw std::runtime_error("only " + std::to_string(series.stable.size()) +
+                             " points have stayed in all epochs: name those that carry the datum (stable)");
+  std::vector<Epoch> laid;
+  for (size_t k = 0; k < epochs.size(); ++k) {
+    stop_point();
+    laid.push_back(epochs[k].epoch);
+    laid.back().covariance *= series.factors[k];
+    // What does not exist has no variance either.
+    laid.back().covariance = laid.back().covariance.array().isFinite().select(laid.back().covariance, 0.0).eval();
+    align(epochs.front().epoch, series.stable, options.free_motions, laid.back());
+  }
+  std::vector<std::string> ids;
+  std::set<std::string> known;
+  for (const Epoch& e : laid)
+    for (const std::string& id : e.ids)
+      if (known.insert(id).second) ids.push_back(id);
+  for (const std::string& id : ids) {
+    stop_point();
+    std::vector<Seen> seen;
+    std::vector<Index> axes = {0, 1, 2};
+    for (size_t k = 0; k < laid.size(); ++k)
+      if (const Index row = row_of(laid[k], id); row >= 0) {
+        seen.push_back(
+            {k, epochs[k].time, laid[k].coordinates.segment<3>(row), laid[k].covariance.block<3, 3>(row, row)});
+        std::erase_if(
+            axes, [&](Index c) { return !std::isfinite(seen.back().at[c]) || !(seen.back().covariance(c, c) > 0); });
+      }
+    if (seen.size() < 2 || axes.empty()) {
+      series.seen_once.push_back(id);
+      continue;
+    }
+    SeriesPoint point;
+    point.id = id;
+    point.first = seen.front().epoch;
+    point.stable = std::find(series.stable.begin(), series.stable.end(), id) != series.stable.end();
+    add_movements(seen, axes, options, series.degrees_of_freedom, point);
+    add_velocity(seen, axes, options, series.degrees_of_freedom, point);
+    series.points.push_back(std::move(point));
+  }
+  return series;
+}
+
+}  // namespace plumbline::survey

@@ -1,0 +1,22 @@
+// report.surfaces: panels and joints as they are, on a page of their own.
+#pragma once
+
+#include "artifacts/file.hpp"
+#include "artifacts/surface_judgement.hpp"
+#include "artifacts/surfaces.hpp"
+#include "plumbline/node.hpp"
+
+namespace plumbline::report {
+
+struct ReportSurfaces : Node {
+  static constexpr Info info{"report.surfaces", "", 1,
+                             "One offline HTML file: heat map of the panels on the elevation of each facade, joints, verdicts"};
+  In<Surfaces> surfaces{"surfaces", frame("frame=?F"), "panels, and joints where they were measured"};
+  Optional<SurfaceJudgement> surface_judgement{"surface_judgement", "their verdicts"};
+  Param<std::string> title{"title", "Surfaces of panels and joints", "heading"};
+  Out<File> out{"file", "surfaces.html"};
+
+  void run(Context& context) override;
+};
+
+}  // namespace plumbline::report

@@ -1,0 +1,173 @@
+#include "series_files.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "survey/doctor/network_words.hpp"
+
+namespace plumbline::survey {
+
+namespace {
+
+void json_number(double value, std::string& out) {
+  if (!std::isfinite(value)) {
+    out += "null";
+    return;
+  }
+  char text[32];
+  out.append(text, std::to_chars(text, text + sizeof text, value).ptr);
+}
+
+void json_vector(const Eigen::Vector3d& v, std::string& out) {
+  for (int k = 0; k < 3; ++k) out += k ? ", " : "[", json_number(v[k], out);
+  out += ']';
+}
+
+void json_text(const std::string& text, std::string& out) {
+  out += '"';
+  for (const char c : text) {
+    if (c == '"' || c == '\\') out += '\\';
+    out += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
+  }
+  out += '"';
+}
+
+void json_list(const std::vector<std::string>& ids, std::string& out) {
+  out += '[';
+  for (size_t i = 0; i < ids.size(); ++i) {
+    if (i) out += ", ";
+    json_text(ids[i], out);
+  }
+  out += ']';
+}
+
+const char* level_word(Level l) {
+  return l == Level::reached ? "reached" : l == Level::may_be_reached ? "may be reached" : "below";
+}
+
+void json_field(const char* name, std::string& out, bool first = false) {
+  out += first ? "\"" : ", \"";
+  out += name;
+  out += "\": ";
+}
+
+/// "E +1.2, H -3.4 mm/year (sigma 0.2, 0.3)" of the axes that are there.
+std::string components(const Eigen::Vector3d& value, const Eigen::Vector3d& sigma, double factor,
+                       const std::string& unit) {
+  std::string text, sigmas;
+  for (int k = 0; k < 3; ++k) {
+    if (!std::isfinite(value[k])) continue;
+    const double size = factor * value[k];
+    text += (text.empty() ? "" : ", ") + std::string(1, "ENH"[k]) + (size < 0 ? " " : " +") + fixed_digits(size, 2);
+    sigmas += (sigmas.empty() ? "" : ", ") + fixed_digits(factor * sigma[k], 2);
+  }
+  return text + " " + unit + " (sigma " + sigmas + ")";
+}
+
+}  // namespace
+
+double velocity_factor(const SeriesText& text) { return 1000 * (text.unit == "day" ? 365.25 : 1); }
+std::string velocity_unit(const SeriesText& text) { return text.unit == "day" ? "mm/year" : "mm/" + text.unit; }
+
+std::string in_words(const SeriesPoint& p, const SeriesText& text) {
+  std::string words;
+  const auto add = [&](const std::string& what) { words += (words.empty() ? "" : "; ") + what; };
+  const SeriesPoint::At& last = p.at.back();
+  if (p.moves) add("moves, " + components(p.velocity, p.velocity_sigma, velocity_factor(text), velocity_unit(text)));
+  if (p.uneven() && (p.moves || last.moved)) add("not evenly");
+  if (last.moved)
+    add("moved since " + text.labels[p.first] + " by " + components(last.movement, last.sigma, 1000, "mm"));
+  else if (std::any_of(p.at.begin(), p.at.end(), [](const auto& at) { return at.moved; }))
+    add("was elsewhere in between");
+  if (last.alarm != Level::below)
+    add(std::string("the alarm level ") + (last.alarm == Level::reached ? "is reached" : "may be reached"));
+  else if (last.warning != Level::below)
+    add(std::string("the warning level ") + (last.warning == Level::reached ? "is reached" : "may be reached"));
+  return words.empty() ? "" : p.id + ": " + words;
+}
+
+std::string series_as_json(const EpochSeries& s, const SeriesText& text) {
+  std::string out = "{";
+  json_field("unit_of_time", out, true), json_text(text.unit, out);
+  json_field("epochs", out), out += "[";
+  for (size_t k = 0; k < text.labels.size(); ++k) {
+    out += k ? ", {" : "{";
+    json_field("name", out, true), json_text(text.labels[k], out);
+    json_field("time", out), json_number(text.times[k], out);
+    json_field("variance_factor", out), json_number(s.factors[k], out);
+    out += "}";
+  }
+  out += "]";
+  json_field("variances", out), json_text(s.variances, out);
+  json_field("sigma0", out), json_number(s.sigma0, out);
+  json_field("bartlett", out), json_number(s.bartlett, out);
+  json_field("bartlett_critical", out), json_number(s.bartlett_critical, out);
+  json_field("degrees_of_freedom", out), out += std::to_string(s.degrees_of_freedom);
+  json_field("warning_level", out), json_number(text.options.warning_level, out);
+  json_field("alarm_level", out), json_number(text.options.alarm_level, out);
+  json_field("stable", out), json_list(s.stable, out);
+  json_field("seen_once", out), json_list(s.seen_once, out);
+  json_field("points", out), out += "[";
+  for (size_t i = 0; i < s.points.size(); ++i) {
+    const SeriesPoint& p = s.points[i];
+    out += i ? ",\n{" : "\n{";
+    json_field("id", out, true), json_text(p.id, out);
+    json_field("stable", out), out += p.stable ? "true" : "false";
+    json_field("first_epoch", out), out += std::to_string(p.first);
+    json_field("velocity", out), json_vector(p.velocity, out);
+    json_field("velocity_sigma", out), json_vector(p.velocity_sigma, out);
+    json_field("velocity_statistic", out), json_number(p.velocity_statistic, out);
+    json_field("velocity_critical", out), json_number(p.velocity_critical, out);
+    json_field("moves", out), out += p.moves ? "true" : "false";
+    json_field("misfit", out), json_number(p.misfit, out);
+    json_field("misfit_critical", out), json_number(p.misfit_critical, out);
+    json_field("movements", out), out += "[";
+    for (size_t k = 0; k < p.at.size(); ++k) {
+      const SeriesPoint::At& at = p.at[k];
+      out += k ? ", {" : "{";
+      json_field("epoch", out, true), out += std::to_string(at.epoch);
+      json_field("movement", out), json_vector(at.movement, out);
+      json_field("sigma", out), json_vector(at.sigma, out);
+      json_field("statistic", out), json_number(at.statistic, out);
+      json_field("critical", out), json_number(at.critical, out);
+      json_field("moved", out), out += at.moved ? "true" : "false";
+      json_field("warning", out), json_text(level_word(at.warning), out);
+      json_field("alarm", out), json_text(level_word(at.alarm), out);
+      out += "}";
+    }
+    out += "]}";
+  }
+  return out + "]}\n";
+}
+
+std::string series_as_csv(const EpochSeries& s, const SeriesText& text) {
+  std::string out = "point,epoch,time [" + text.unit +
+                    "],dE [mm],dN [mm],dH [mm],sE [mm],sN [mm],sH [mm],statistic,critical,moved,warning,alarm\n";
+  const auto cell = [&](double value, int digits) {
+    out += ",";
+    if (std::isfinite(value)) out += fixed_digits(value, digits);
+  };
+  const auto name = [&](const std::string& id) {
+    if (id.find_first_of(",\"\n") == std::string::npos) return void(out += id);
+    out += '"';
+    for (const char c : id) out += c == '"' ? std::string("\"\"") : std::string(1, c);
+    out += '"';
+  };
+  for (const SeriesPoint& p : s.points)
+    for (const SeriesPoint::At& at : p.at) {
+      name(p.id), out += ",", name(text.labels[at.epoch]);
+      cell(text.times[at.epoch], 3);
+      for (int k = 0; k < 3; ++k) cell(1000 * at.movement[k], 3);
+      for (int k = 0; k < 3; ++k) cell(1000 * at.sigma[k], 3);
+      cell(at.statistic, 2), cell(at.critical, 2);
+      out += at.moved ? ",yes," : ",no,";
+      out += level_word(at.warning);
+      out += ",";
+      out += level_word(at.alarm);
+      out += "\n";
+    }
+  return out;
+}
+
+}  // namespace plumbline::survey

@@ -1,0 +1,30 @@
+// A series of epochs as files.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "survey/epochs/epoch_series.hpp"
+
+namespace plumbline::survey {
+
+struct SeriesText {
+  std::string unit;                 ///< of time: "day", or "epoch"
+  std::vector<std::string> labels;  ///< one per epoch
+  std::vector<double> times;        ///< likewise
+  SeriesOptions options;
+};
+
+/// A velocity as people read it: per year where time is in days.
+double velocity_factor(const SeriesText& text);
+std::string velocity_unit(const SeriesText& text);
+
+/// "M7 moves: H -14.6 mm/year (sigma 0.9)"; empty if nothing is to be said of the point.
+std::string in_words(const SeriesPoint& point, const SeriesText& text);
+
+std::string series_as_json(const EpochSeries& series, const SeriesText& text);
+std::string series_as_csv(const EpochSeries& series, const SeriesText& text);
+/// Points that move, moved or reach a level first; a chart for each of them, and of the others where they are few.
+std::string series_as_html(const EpochSeries& series, const SeriesText& text);
+
+}  // namespace plumbline::survey

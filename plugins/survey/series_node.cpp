@@ -1,0 +1,128 @@
+#include "series_node.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <set>
+
+#include "artifacts/survey_artifact.hpp"
+#include "series_files.hpp"
+#include "survey/adjust/adjust_network.hpp"
+
+namespace plumbline::survey {
+
+namespace {
+
+/// "2025-03-14" or "14.03.2025" as days from 1970; nullopt: no date.
+std::optional<double> day_of(const std::string& date) {
+  int part[3] = {0, 0, 0};
+  const char* at = date.data();
+  const char* const end = at + std::min<size_t>(date.size(), 10);
+  for (int k = 0; k < 3; ++k) {
+    const auto read = std::from_chars(at, end, part[k]);
+    if (read.ec != std::errc()) return std::nullopt;
+    at = read.ptr;
+    if (k < 2 && (at == end || (*at != '-' && *at != '.'))) return std::nullopt;
+    if (k < 2) ++at;
+  }
+  if (part[0] <= 31 && part[2] > 1900) std::swap(part[0], part[2]);
+  int y = part[0];
+  const int m = part[1], d = part[2];
+  if (y < 1900 || y > 2200 || m < 1 || m > 12 || d < 1 || d > 31) return std::nullopt;
+  y -= m <= 2;  // Hinnant, days from civil
+  const int era = y / 400, of_era = y - era * 400, of_year = (153 * (m + (m > 2 ? -3 : 9)) + 2) / 5 + d - 1;
+  return era * 146097 + of_era * 365 + of_era / 4 - of_era / 100 + of_year - 719468;
+}
+
+/// Instrument stations that no sight leads to stand elsewhere every time.
+std::set<std::string> stations_without_mark(const plumbline::survey::SurveyObservations& survey) {
+  std::set<std::string> stations;
+  for (const SetUp& s : survey.set_ups) stations.insert(s.station);
+  for (const Observation& o : survey.observations) stations.erase(o.to), stations.erase(o.second_to);
+  return stations;
+}
+
+FileT series_file(const char* name, const char* media_type, const std::string& text) {
+  FileT file;
+  file.name = name;
+  file.media_type = media_type;
+  file.content.assign(text.begin(), text.end());
+  return file;
+}
+
+}  // namespace
+
+void EpochSeriesNode::run(Context& context) {
+  if (epochs.size() < 2)
+    throw std::runtime_error("a series needs two epochs at least, 'epochs' has " + std::to_string(epochs.size()));
+  if (!days->empty() && days->size() != epochs.size())
+    throw std::runtime_error("'days' has " + std::to_string(days->size()) + " values, and there are " +
+                             std::to_string(epochs.size()) + " epochs");
+  std::vector<DatedEpoch> dated;
+  SeriesText text;
+  text.options.alpha = *alpha, text.options.alpha0 = *alpha0, text.options.stable = *stable;
+  text.options.warning_level = *warning_level, text.options.alarm_level = *alarm_level;
+  text.options.free_motions = 0;
+  std::vector<std::optional<double>> dates;
+  for (size_t i = 0; i < epochs.size(); ++i) {
+    const auto survey = from_artifact(epochs.unpack(i));
+    const std::string name = survey.files.empty() ? "epoch " + std::to_string(i + 1) : survey.files.front();
+    AdjustOptions options;
+    std::string remark;
+    options.profile = chosen_profile(survey.info.instrument, remark);
+    options.instruments = further_instruments(survey.instruments);
+    options.datum = *datum == "free" ? DatumMode::inner : DatumMode::automatic;
+    options.map = *map, options.geoid_height = *geoid_height;
+    if (!remark.empty()) context.warn(name + ": " + remark);
+    const NetworkResult r = adjust_network(survey, options);
+    if (r.validity == Validity::invalid) throw std::runtime_error(name + " is no epoch to compare: " + r.verdict);
+    if (r.validity != Validity::sound) context.warn(name + ": " + r.verdict);
+    if (r.defect > 4)
+      throw std::runtime_error(name + " is free in " + std::to_string(r.defect) +
+                               " motions: epochs without a vertical or a scale are not compared");
+    text.options.free_motions = std::max(text.options.free_motions, r.defect == 0 ? 0 : r.defect <= 3 ? 3 : 4);
+    DatedEpoch& epoch = dated.emplace_back();
+    epoch.name = name;
+    epoch.variance = {r.sigma0, r.degrees_of_freedom, r.variance_factor != 1};
+    Epoch all;
+    std::vector<char> keep;
+    const std::set<std::string> stations = stations_without_mark(survey);
+    all.covariance = r.full_covariance();
+    all.coordinates.resize(all.covariance.rows());
+    for (size_t k = 0; k < r.points.size(); ++k) {
+      all.ids.push_back(r.points[k].id);
+      keep.push_back(!stations.contains(r.points[k].id));
+      all.coordinates.segment<3>(static_cast<Eigen::Index>(3 * k)) = r.points[k].position;
+    }
+    epoch.epoch = part_of(all, keep);
+    dates.push_back(day_of(survey.info.date));
+    text.labels.push_back(survey.info.date.empty() ? name : survey.info.date);
+  }
+  bool dates_ascend = true;
+  for (size_t i = 0; i < dates.size(); ++i) dates_ascend &= dates[i] && (i == 0 || *dates[i] > *dates[i - 1]);
+  text.unit = !days->empty() || dates_ascend ? "day" : "epoch";
+  for (size_t i = 0; i < dated.size(); ++i)
+    text.times.push_back(dated[i].time = !days->empty() ? (*days)[i]
+                                         : dates_ascend ? *dates[i] - *dates[0]
+                                                        : static_cast<double>(i + 1));
+  if (text.unit == "epoch")
+    context.warn("the files do not say when they were measured: velocities are per epoch; give days=[0, 30, ...]");
+  const EpochSeries result = epoch_series(dated, text.options);
+  if (result.degrees_of_freedom > 0)
+    context.warn(result.variances);
+  else
+    context.info(result.variances);
+  int told = 0, alarms = 0;
+  for (const SeriesPoint& p : result.points) {
+    alarms += p.at.back().alarm != Level::below;
+    if (const std::string words = in_words(p, text); !words.empty()) ++told, context.warn(words);
+  }
+  context.metric("points_told", told, "1");
+  context.metric("alarms", alarms, "1");
+  series.commit(series_file("series.json", "application/json", series_as_json(result, text)));
+  table.commit(series_file("series.csv", "text/csv", series_as_csv(result, text)));
+  page.commit(series_file("series.html", "text/html", series_as_html(result, text)));
+}
+
+}  // namespace plumbline::survey

@@ -1,0 +1,34 @@
+// survey.epoch_series: three epochs and more, each adjusted by itself, to movements, velocities and levels.
+#pragma once
+
+#include "artifacts/file.hpp"
+#include "artifacts/survey_observations.hpp"
+#include "profiled_node.hpp"
+
+namespace plumbline::survey {
+
+struct EpochSeriesNode : ProfiledNode {
+  static constexpr Info info{"survey.epoch_series", "", 1,
+                             "Adjusts the epochs of a network one by one and finds what stays, what moves, how fast, "
+                             "and what reaches a level"};
+  List<plumbline::SurveyObservations> epochs{"epochs", frame("frame=?S"), "readings of one epoch each, oldest first"};
+  Param<std::vector<double>> days{"days", std::vector<double>{}, "d", between(-1e6, 1e6),
+                                  "when each epoch was measured, from any day on; empty: the dates of the files, or "
+                                  "1, 2, 3 where they name none"};
+  Param<std::vector<std::string>> stable{"stable", std::vector<std::string>{},
+                                         "points that carry the datum; empty: those that are found to stay"};
+  Param<std::string> datum{"datum", "free", one_of("free", "file"),
+                           "free: each epoch is a free network; file: known points of the files hold them"};
+  Param<double> warning_level{"warning_level", 0.0, "m", between(0, 100), "length of a movement; 0: none"};
+  Param<double> alarm_level{"alarm_level", 0.0, "m", between(0, 100), "length of a movement; 0: none"};
+  Param<double> alpha{"alpha", 0.05, "1", between(1e-6, 0.5), "error of the first kind of tests of the whole"};
+  Param<double> alpha0{"alpha0", 0.001, "1", between(1e-9, 0.5), "error of the first kind of the test of a point"};
+  Param<std::string> map{"map", "", "as in survey.adjust: map that E and N are on"};
+  Param<double> geoid_height{"geoid_height", 0.0, "m", between(-200, 200), "as in survey.adjust"};
+  Out<File> series{"series", "epochs, stable points and every point with its movements, velocity and levels, as JSON"};
+  Out<File> table{"table", "one row a point and epoch, as CSV"};
+  Out<File> page{"page", "what moves, and a chart of each point over time, as HTML"};
+  void run(Context& context) override;
+};
+
+}  // namespace plumbline::survey

@@ -1,0 +1,185 @@
+// Series of epochs with movements that were planted, against what was planted and against chance.
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+
+#include "geometry/random.hpp"
+#include "survey/epochs/epoch_series.hpp"
+
+namespace plumbline::survey {
+namespace {
+
+constexpr double kMillimetre = 1e-3;
+
+/// Twelve markers 10 m apart, measured with 0.5 mm in each coordinate and a correlation between neighbours; every epoch
+/// lies somewhere else.
+struct Site {
+  int epochs = 5;
+  std::uint64_t seed = 1;
+  double noise = 1;  ///< of what is stated
+  Eigen::Vector3d velocity_of_m7 = Eigen::Vector3d::Zero();
+  Eigen::Vector3d step_of_m4 = Eigen::Vector3d::Zero();  ///< from the third epoch on
+
+  std::vector<DatedEpoch> make() const {
+    Random random(seed, "series");
+    const int n = 12;
+    std::vector<DatedEpoch> result;
+    Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(3 * n, 3 * n);
+    const double s = 0.5 * kMillimetre;
+    for (int i = 0; i < 3 * n; ++i)
+      for (int j = 0; j < 3 * n; ++j) covariance(i, j) = s * s * (i == j ? 1 : i % 3 == j % 3 ? 0.2 : 0);
+    const Eigen::MatrixXd root = covariance.llt().matrixL();
+    for (int k = 0; k < epochs; ++k) {
+      DatedEpoch e;
+      e.name = "E" + std::to_string(k + 1), e.time = 30 * k;
+      e.variance = {noise * (1 + 0.01 * random.normal(1)), 120, false};
+      e.epoch.coordinates.resize(3 * n), e.epoch.covariance = covariance;
+      Eigen::VectorXd error(3 * n);
+      for (int i = 0; i < 3 * n; ++i) error[i] = random.normal(noise);
+      error = root * error;
+      const double turn = random.uniform(0, 6);
+      const Eigen::Vector3d shift(random.uniform(-100, 100), random.uniform(-100, 100), random.uniform(-5, 5));
+      for (int m = 0; m < n; ++m) {
+        e.epoch.ids.push_back("M" + std::to_string(m + 1));
+        Eigen::Vector3d p(10 * (m % 4), 8 * (m / 4) + 0.3 * m, 2 * (m % 3));
+        if (m == 6) p += e.time * velocity_of_m7;
+        if (m == 3 && k >= 2) p += step_of_m4;
+        p += error.segment<3>(3 * m);
+        e.epoch.coordinates.segment<3>(3 * m) =
+            Eigen::Vector3d(p.x() * std::cos(turn) + p.y() * std::sin(turn),
+                            -p.x() * std::sin(turn) + p.y() * std::cos(turn), p.z()) +
+            shift;
+      }
+      result.push_back(std::move(e));
+    }
+    return result;
+  }
+};
+
+const SeriesPoint& of(const EpochSeries& s, const std::string& id) {
+  for (const SeriesPoint& p : s.points)
+    if (p.id == id) return p;
+  throw std::out_of_range(id);
+}
+
+TEST(EpochSeries, WhereNothingMovesNothingIsFound) {
+  int moving = 0, moved = 0, unstable = 0, points = 0;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    const EpochSeries s = epoch_series(Site{5, seed}.make(), {});
+    ASSERT_EQ(s.points.size(), 12u);
+    EXPECT_EQ(s.degrees_of_freedom, 0) << "a priori variances hold";
+    for (const SeriesPoint& p : s.points) {
+      moving += p.moves, unstable += !p.stable, points += 1;
+      for (const auto& at : p.at) moved += at.moved;
+    }
+  }
+  // 480 points, 1920 movements at 0.1 %; a point leaves the datum in about one series of twenty.
+  EXPECT_LE(moving, 4);
+  EXPECT_LE(moved, 10);
+  EXPECT_LE(unstable, 10);
+}
+
+TEST(EpochSeries, AVelocityIsFoundWithItsUncertainty) {
+  double sum = 0;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  const int trials = 60;
+  for (int seed = 1; seed <= trials; ++seed) {
+    Site site{6, static_cast<std::uint64_t>(seed)};
+    site.velocity_of_m7 = {0, 0, -0.04 * kMillimetre};  // a day: 6 mm over the series
+    const EpochSeries s = epoch_series(site.make(), {});
+    const SeriesPoint& p = of(s, "M7");
+    EXPECT_TRUE(p.moves) << seed;
+    EXPECT_FALSE(p.stable) << seed;
+    EXPECT_FALSE(p.uneven()) << seed;
+    EXPECT_FALSE(of(s, "M1").moves && of(s, "M2").moves && of(s, "M3").moves) << seed;
+    const Eigen::Vector3d off = (p.velocity - site.velocity_of_m7).cwiseQuotient(p.velocity_sigma);
+    sum += off.squaredNorm();
+    mean += (p.velocity - site.velocity_of_m7) / trials;
+  }
+  EXPECT_NEAR(sum / (3 * trials), 1, 0.3);  // three standard deviations of a mean of 180 squares
+  EXPECT_LT(mean.norm(), 0.003 * kMillimetre);
+}
+
+TEST(EpochSeries, AStepIsUnevenAndReachesItsLevels) {
+  Site site;
+  site.epochs = 6;
+  site.step_of_m4 = {6 * kMillimetre, 0, 0};
+  SeriesOptions options;
+  options.warning_level = 4 * kMillimetre, options.alarm_level = 7 * kMillimetre;
+  const EpochSeries s = epoch_series(site.make(), options);
+  const SeriesPoint& p = of(s, "M4");
+  ASSERT_EQ(p.at.size(), 5u);
+  EXPECT_FALSE(p.at[0].moved);
+  for (size_t k = 1; k < 5; ++k) {
+    EXPECT_TRUE(p.at[k].moved);
+    EXPECT_NEAR(p.at[k].movement.norm(), 6 * kMillimetre, 3 * kMillimetre);
+    EXPECT_NE(p.at[k].warning, Level::below);
+    EXPECT_NE(p.at[k].alarm, Level::reached);
+  }
+  EXPECT_EQ(p.at[0].warning, Level::below);
+  EXPECT_TRUE(p.uneven());
+  EXPECT_FALSE(of(s, "M5").uneven());
+}
+
+/// Readings twice as noisy as stated, in all epochs or in one, are no movements.
+TEST(EpochSeries, NoisierThanStatedIsPooledOrOfItsEpoch) {
+  int moved = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    Site site{5, seed, 2};
+    const EpochSeries s = epoch_series(site.make(), {});
+    EXPECT_NEAR(s.sigma0, 2, 0.1);
+    EXPECT_GT(s.degrees_of_freedom, 400);
+    EXPECT_LE(s.bartlett, s.bartlett_critical);
+    for (const SeriesPoint& p : s.points) moved += p.moves;
+  }
+  EXPECT_LE(moved, 3);
+  std::vector<DatedEpoch> one = Site{5, 3}.make();
+  one[2].variance.sigma0 = 2;
+  const EpochSeries s = epoch_series(one, {});
+  EXPECT_GT(s.bartlett, s.bartlett_critical);
+  EXPECT_DOUBLE_EQ(s.factors[2], 4);
+  EXPECT_DOUBLE_EQ(s.factors[1], 1);
+}
+
+/// With two epochs the movements are those of the comparison of two.
+TEST(EpochSeries, OfTwoIsTheComparisonOfTwo) {
+  Site site{2, 7};
+  site.velocity_of_m7 = {0, 0, 0.2 * kMillimetre};
+  const std::vector<DatedEpoch> epochs = site.make();
+  const EpochSeries s = epoch_series(epochs, {});
+  const Comparison c = compare_epochs(epochs[0].epoch, epochs[1].epoch, {});
+  for (const Movement& m : c.movements) {
+    const SeriesPoint& p = of(s, m.id);
+    EXPECT_EQ(p.stable, m.stable) << m.id;
+    EXPECT_LT((p.at.at(0).movement - m.movement).norm(), 1e-6) << m.id;
+    EXPECT_LT((p.at[0].sigma - m.sigma).norm(), 1e-3 * m.sigma.norm()) << m.id;
+    EXPECT_EQ(p.misfit_critical, 0);
+  }
+}
+
+TEST(EpochSeries, RefusesWhatIsNoSeries) {
+  std::vector<DatedEpoch> epochs = Site{3, 1}.make();
+  EXPECT_THROW(epoch_series({epochs[0]}, {}), std::runtime_error);
+  std::swap(epochs[0], epochs[1]);
+  EXPECT_THROW(epoch_series(epochs, {}), std::runtime_error) << "times";
+  std::swap(epochs[0], epochs[1]);
+  SeriesOptions options;
+  options.stable = {"M1", "M99"};
+  EXPECT_THROW(epoch_series(epochs, options), std::runtime_error);
+}
+
+/// A point that is first seen later is compared with where it was then.
+TEST(EpochSeries, PointsMayComeLater) {
+  std::vector<DatedEpoch> epochs = Site{4, 2}.make();
+  std::vector<char> keep(12, 1);
+  keep[9] = 0;
+  epochs[0].epoch = part_of(epochs[0].epoch, keep);
+  const EpochSeries s = epoch_series(epochs, {});
+  const SeriesPoint& p = of(s, "M10");
+  EXPECT_EQ(p.first, 1u);
+  EXPECT_EQ(p.at.size(), 2u);
+  EXPECT_FALSE(p.stable);
+}
+
+}  // namespace
+}  // namespace plumbline::survey
