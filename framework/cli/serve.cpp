@@ -199,9 +199,11 @@ class Site {
     const std::string number = value_of(request.query, "item");
     const size_t item = number.size() < 7 ? static_cast<size_t>(std::atoi(number.c_str())) : 0;
     for (const Json& one : run["nodes"]) {
-      if (one.value("name", "") != node || !one["outputs"].contains(port)) continue;
-      const auto hashes = one["outputs"][port].get<std::vector<std::string>>();
-      const plumbline_type* type = registry_.type(one["types"].value(port, ""));
+      // A record may say anything, and leave anything out.
+      const Json outputs = one.value("outputs", Json::object());
+      if (one.value("name", "") != node || !outputs.contains(port)) continue;
+      const auto hashes = outputs[port].get<std::vector<std::string>>();
+      const plumbline_type* type = registry_.type(one.value("types", Json::object()).value(port, ""));
       if (item >= hashes.size() || !type) break;
       const std::string text = blob_to_json(*open_store_to_read(options_), *type, hashes[item]);
       if (text.size() > largest_artifact)

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr size_t most_runs = 2000, longest_text = 64 * 1024;
+constexpr size_t most_runs = 2000, longest_text = 64 * 1024, piece = 1 << 20, longest_line = 64 << 20;
 constexpr int deepest = 3;
 
 std::string joined(const std::string& folder, const std::string& name) {
@@ -137,26 +137,32 @@ void ServedRuns::follow(const std::string& id) {
     run = {};
     run.device = info.st_dev, run.inode = info.st_ino;
   }
-  std::string text(record.size - run.read, '\0');
-  size_t got = 0;
-  while (got < text.size()) {
-    const ssize_t count =
-        pread(record.descriptor, text.data() + got, text.size() - got, static_cast<off_t>(run.read + got));
-    if (count <= 0) break;
-    got += static_cast<size_t>(count);
-  }
+  take_lines(record, run);
   ::close(record.descriptor);
-  text.resize(got);
-  size_t at = 0;
-  for (size_t end = text.find('\n'); end != std::string::npos; end = text.find('\n', at)) {
-    try {
-      take(text.substr(at, end - at), run);
-    } catch (const Json::exception&) {
-      ++run.lines_not_read;
+}
+
+/// In pieces: a file of that name may be of any size, and have no line in it.
+void ServedRuns::take_lines(const File& record, Run& run) {
+  std::string text;
+  while (run.read + text.size() < record.size && text.size() < longest_line) {
+    const size_t had = text.size();
+    text.resize(had + std::min<std::uint64_t>(piece, record.size - run.read - had));
+    const ssize_t count =
+        pread(record.descriptor, text.data() + had, text.size() - had, static_cast<off_t>(run.read + had));
+    text.resize(had + static_cast<size_t>(std::max<ssize_t>(count, 0)));
+    if (count <= 0) return;
+    size_t at = 0;
+    for (size_t end = text.find('\n', had); end != std::string::npos; end = text.find('\n', at)) {
+      try {
+        take(text.substr(at, end - at), run);
+      } catch (const Json::exception&) {
+        ++run.lines_not_read;
+      }
+      at = end + 1;
     }
-    at = end + 1;
+    run.read += at;  // a line that is just being written is taken when it is whole
+    text.erase(0, at);
   }
-  run.read += at;  // a line that is just being written is taken when it is whole
 }
 
 void ServedRuns::look() {

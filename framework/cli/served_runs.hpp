@@ -52,6 +52,7 @@ class ServedRuns {
   void find(int folder, const std::string& path, int depth);
   void follow(const std::string& id);
   static void take(const std::string& line, Run& run);
+  static void take_lines(const File& record, Run& run);
   Json summary(const std::string& id, const Run& run) const;
   Json progress(const std::string& id) const;
   std::string text_of(const std::string& path, size_t most) const;

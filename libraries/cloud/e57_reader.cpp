@@ -132,7 +132,8 @@ class ScanPoints {
     for (std::uint64_t i = 0; i < ready; ++i) {
       Eigen::Vector3d own;
       for (int c = 0; c < 3; ++c) own(c) = streams_[static_cast<size_t>(scan_.coordinates[c])].next();
-      if (scan_.invalid >= 0 && streams_[static_cast<size_t>(scan_.invalid)].next() != 0) {
+      const bool said = scan_.invalid >= 0 && streams_[static_cast<size_t>(scan_.invalid)].next() != 0;
+      if (said || !own.allFinite()) {  // an infinite number would be the largest, and its step none
         ++summary_.without_place;
         continue;
       }

@@ -1,5 +1,6 @@
 #include "ifc/installation_bcf.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -93,16 +94,21 @@ class Topics {
     for (const auto& panel : drawn_.panels) drawn_panels_[panel->name] = panel.get();
   }
 
-  std::vector<BcfIssue> all(const std::vector<std::string>& by_hand) const {
+  std::vector<BcfIssue> all(const InstallationPlanT& plan) const {
     std::vector<BcfIssue> issues;
     for (const std::string& control : state_.moved_control)
       issues.push_back(of_the_whole(control + " moved", "control " + control));
-    for (const std::string& words : by_hand) issues.push_back(of_the_whole("By hand: " + words, "by hand " + words));
+    for (const std::string& words : plan.relaxations)
+      issues.push_back(of_the_whole("By hand: " + words, "by hand " + words));
+    for (const std::string& doubt : plan.doubts)
+      issues.push_back(of_the_whole("The measurement is in doubt: " + doubt, "doubt " + doubt));
+    std::vector<std::string> nowhere;
     for (const bool closed : {false, true})
       for (const auto& item : state_.items)
         if (const std::string what = what_is_wrong(*item);
-            !what.empty() && (item->status == ItemStatus::verified) == closed)
-          add(*item, what, issues);
+            !what.empty() && (item->status == ItemStatus::verified) == closed && !add(*item, what, issues) && !closed)
+          nowhere.push_back(item->id);
+    if (!nowhere.empty()) issues.push_back(of_items_nowhere(nowhere));
     return issues;
   }
 
@@ -113,6 +119,18 @@ class Topics {
     BcfIssue issue;
     issue.guid = key, issue.title = title, issue.about = "installation";
     issue.description = title + ". Nothing there is verified or released before somebody has looked.";
+    return issue;
+  }
+
+  /// What is open and has no place in a model is told all the same.
+  static BcfIssue of_items_nowhere(const std::vector<std::string>& ids) {
+    constexpr std::size_t kNamed = 20;
+    BcfIssue issue = of_the_whole(
+        std::to_string(ids.size()) + (ids.size() == 1 ? " item is" : " items are") + " open that no viewer can show",
+        "nowhere");
+    issue.description = issue.title + " (no GlobalId, or not in the plan):";
+    for (std::size_t i = 0; i < std::min(ids.size(), kNamed); ++i) issue.description += (i ? ", " : " ") + ids[i];
+    issue.description += ids.size() > kNamed ? " and more; next.txt has all." : ". next.txt says what is to be done.";
     return issue;
   }
 
@@ -134,7 +152,8 @@ class Topics {
     return {};
   }
 
-  void add(const LoopItemT& item, const std::string& what, std::vector<BcfIssue>& issues) const {
+  /// False if it has no place in a model.
+  bool add(const LoopItemT& item, const std::string& what, std::vector<BcfIssue>& issues) const {
     BcfIssue issue;
     issue.about = "installation", issue.closed = item.status == ItemStatus::verified;
     issue.title = (item.kind == "bracket" ? "Bracket " : "Panel ") + item.id + ": " + what;
@@ -143,8 +162,9 @@ class Topics {
     issue.storey = item.floor > 0 ? "Floor " + std::to_string(item.floor) : "";
     issue.verdict = item.status == ItemStatus::rejected ? ToleranceVerdict::fail : ToleranceVerdict::undecided;
     for (const auto& [to, comment] : words_of(item)) issue.comments.push_back(comment);
-    if (!place(item, issue) || issue.guid.size() != 22) return;
+    if (!place(item, issue) || issue.guid.size() != 22) return false;
     issues.push_back(std::move(issue));
+    return true;
   }
 
   /// Where it is and how it faces; false if the plan does not have it.
@@ -178,7 +198,7 @@ class Topics {
 std::string write_installation_bcf(const InstallationPlanT& plan, const LoopStateT& state, const BcfOptions& options) {
   const Topics topics(plan, state, options);
   BcfFile file(options, plan.design_file);
-  for (const BcfIssue& issue : topics.all(plan.relaxations)) file.add(issue, topics.drawn());
+  for (const BcfIssue& issue : topics.all(plan)) file.add(issue, topics.drawn());
   return file.finish();
 }
 

@@ -22,16 +22,25 @@ std::map<std::string, int> floors_of_panels(const DeviationT& deviation) {
   return floors;
 }
 
+/// What lies on no floor that is known (a panel without anchors, a joint between panels that share a name) is told.
 void take_into_floors(const SurfaceJudgementT& surfaces, DeviationT& deviation) {
   const std::map<std::string, int> floors = floors_of_panels(deviation);
+  int nowhere = 0;
   for (const auto& verdict : surfaces.verdicts) {
     if (verdict->verdict == ToleranceVerdict::pass) continue;
     const auto floor = floors.find(verdict->guid.empty() ? verdict->panel : verdict->guid);
-    if (floor == floors.end()) continue;
+    if (floor == floors.end()) {
+      ++nowhere;
+      continue;
+    }
     for (auto& row : deviation.floors)
       if (row->floor == floor->second)
         ++(verdict->verdict == ToleranceVerdict::fail ? row->surfaces_failed : row->surfaces_open);
   }
+  if (nowhere > 0)
+    deviation.warnings.push_back(std::to_string(nowhere) +
+                                 " verdicts of surfaces and joints that do not pass count in no floor: nobody says "
+                                 "which floor their panels are on. The verdict of the whole counts them.");
   for (auto& row : deviation.floors) {
     if (row->surfaces_failed > 0)
       row->verdict = ToleranceVerdict::fail;

@@ -107,6 +107,7 @@ std::string series_as_json(const EpochSeries& s, const SeriesText& text) {
   json_field("warning_level", out), json_number(text.options.warning_level, out);
   json_field("alarm_level", out), json_number(text.options.alarm_level, out);
   json_field("stable", out), json_list(s.stable, out);
+  json_field("contradicted", out), json_list(s.contradicted, out);
   json_field("seen_once", out), json_list(s.seen_once, out);
   json_field("points", out), out += "[";
   for (size_t i = 0; i < s.points.size(); ++i) {

@@ -9,6 +9,7 @@
 #include "artifacts/survey_artifact.hpp"
 #include "series_files.hpp"
 #include "survey/adjust/adjust_network.hpp"
+#include "survey/doctor/check_control.hpp"
 
 namespace plumbline::survey {
 
@@ -63,7 +64,7 @@ void EpochSeriesNode::run(Context& context) {
   SeriesText text;
   text.options.alpha = *alpha, text.options.alpha0 = *alpha0, text.options.stable = *stable;
   text.options.warning_level = *warning_level, text.options.alarm_level = *alarm_level;
-  text.options.free_motions = 0;
+  int largest = 0, smallest = 0;  // rank defects
   std::vector<std::optional<double>> dates;
   for (size_t i = 0; i < epochs.size(); ++i) {
     const auto survey = from_artifact(epochs.unpack(i));
@@ -81,7 +82,7 @@ void EpochSeriesNode::run(Context& context) {
     if (r.defect > 4)
       throw std::runtime_error(name + " is free in " + std::to_string(r.defect) +
                                " motions: epochs without a vertical or a scale are not compared");
-    text.options.free_motions = std::max(text.options.free_motions, r.defect == 0 ? 0 : r.defect <= 3 ? 3 : 4);
+    largest = std::max(largest, r.defect), smallest = i == 0 ? r.defect : std::min(smallest, r.defect);
     DatedEpoch& epoch = dated.emplace_back();
     epoch.name = name;
     epoch.variance = {r.sigma0, r.degrees_of_freedom, r.variance_factor != 1};
@@ -99,6 +100,8 @@ void EpochSeriesNode::run(Context& context) {
     dates.push_back(day_of(survey.info.date));
     text.labels.push_back(survey.info.date.empty() ? name : survey.info.date);
   }
+  // Three of a network of plan positions are two shifts and a turn, of one in space three shifts.
+  text.options.free_motions = merged_motions(largest, smallest, dated.front().epoch);
   bool dates_ascend = true;
   for (size_t i = 0; i < dates.size(); ++i) dates_ascend &= dates[i] && (i == 0 || *dates[i] > *dates[i - 1]);
   text.unit = !days->empty() || dates_ascend ? "day" : "epoch";
@@ -113,6 +116,10 @@ void EpochSeriesNode::run(Context& context) {
     context.warn(result.variances);
   else
     context.info(result.variances);
+  for (const std::string& id : result.contradicted)
+    context.warn("point '" + id +
+                 "' was named to carry the datum (stable), and has itself moved against most of the others beyond "
+                 "chance: all movements here are against it as if it had not");
   int told = 0, alarms = 0;
   for (const SeriesPoint& p : result.points) {
     alarms += p.at.back().alarm != Level::below;

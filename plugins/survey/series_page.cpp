@@ -131,10 +131,17 @@ std::string series_as_html(const EpochSeries& s, const SeriesText& text) {
     for (const SeriesPoint* p : told) out += "<li>" + xml_escaped(in_words(*p, text)) + "</li>";
     out += "</ul>";
   }
-  out += "</div><p>Of the epochs: " + xml_escaped(s.variances) + ".</p><p>The datum is carried by " + std::to_string(s.stable.size()) +
-         " points that stay in all epochs: " + xml_escaped(join(s.stable, 20)) + ".</p>";
+  out += "</div><p>Of the epochs: " + xml_escaped(s.variances) + ".</p><p>The datum is carried by " +
+         std::to_string(s.stable.size()) +
+         (text.options.stable.empty() ? " points that stay in all epochs: " : " points that were named for it: ") +
+         xml_escaped(join(s.stable, 20)) + ".</p>";
+  if (!s.contradicted.empty())
+    out += "<div class=\"box bad\"><strong>Of them moved, against most other points: " +
+           xml_escaped(join(s.contradicted, 20)) +
+           "</strong><p>All movements below are against these points as if they had not.</p></div>";
   if (!s.seen_once.empty())
-    out += "<p class=\"n\">Seen in one epoch only: " + xml_escaped(join(s.seen_once, 20)) + ".</p>";
+    out += "<p class=\"n\">Not compared (seen in one epoch only, or held without error): " +
+           xml_escaped(join(s.seen_once, 20)) + ".</p>";
   out +=
       "<p class=\"n\">Movements are against the first epoch that saw the point, bars are two standard deviations; a "
       "broken "

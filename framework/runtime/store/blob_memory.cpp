@@ -31,12 +31,17 @@ class Chunk {
   }
   ~Chunk() {
     munmap(const_cast<unsigned char*>(start_), size_);
-    close(file_);
+    end_writing();
   }
   Chunk(const Chunk&) = delete;
   Chunk& operator=(const Chunk&) = delete;
 
   bool has_room_for(size_t bytes) const { return bytes <= size_ - used_; }
+  /// What lies here stays; the descriptor goes, of which a process has a thousand.
+  void end_writing() {
+    if (file_ >= 0) close(file_);
+    file_ = -1;
+  }
 
   const void* add(const void* data, size_t bytes) {
     const auto* from = static_cast<const char*>(data);
@@ -53,7 +58,7 @@ class Chunk {
 
  private:
   const size_t size_;
-  const int file_;
+  int file_;
   const unsigned char* start_ = nullptr;
   size_t used_ = 0;
 };
@@ -65,7 +70,11 @@ std::shared_ptr<const void> read_only_copy(const void* data, size_t size) {
   static std::mutex mutex;
   static auto* const current = new std::shared_ptr<Chunk>;  // never destroyed: blobs may outlive what is static
   const std::scoped_lock lock(mutex);
-  if (!*current || !(*current)->has_room_for(size)) *current = std::make_shared<Chunk>(size);
+  if (!*current || !(*current)->has_room_for(size)) {
+    auto fresh = std::make_shared<Chunk>(size);
+    if (*current) (*current)->end_writing();
+    *current = std::move(fresh);
+  }
   return {*current, (*current)->add(data, size)};
 }
 

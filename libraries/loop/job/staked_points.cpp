@@ -49,7 +49,7 @@ const std::map<std::string, char>& meaning_of_heads() {
 }
 
 /// Takes the head's word for the order of the columns if it names all three. Throws std::runtime_error for a unit that
-/// is not metres.
+/// is not metres, and for a head that names some of the columns: the tool's own order may contradict it.
 void read_head(const std::vector<std::string_view>& cells, const std::string& source, StakedColumns& columns) {
   std::map<char, std::size_t> found;
   for (std::size_t i = 0; i < cells.size(); ++i) {
@@ -64,6 +64,11 @@ void read_head(const std::vector<std::string_view>& cells, const std::string& so
   }
   if (found.count('e') && found.count('n') && found.count('h'))
     columns.east = found['e'], columns.north = found['n'], columns.height = found['h'];
+  else if ((found.count('e') && found['e'] != columns.east) || (found.count('n') && found['n'] != columns.north) ||
+           (found.count('h') && found['h'] != columns.height))
+    throw std::runtime_error(source +
+                             ": its head names some of the coordinates, and not where this tool writes them; expected "
+                             "all three as E, N and H");
   if (found.count('p')) columns.name = found['p'];
   if (found.count('t')) columns.date = found['t'];
 }
@@ -94,7 +99,10 @@ ActualsT read_staked(const std::string& text, LayoutFormat format, const std::st
     };
     const auto split = formats::split(line.text, format == LayoutFormat::hilti ? ';' : ',');
     const std::vector<std::string_view> cells(split.begin(), split.end());
-    const bool is_head = std::exchange(first, false) && !(cells.size() > 3 && staked_number(cells[3], format));
+    // A first point with one coordinate that cannot be read is no head.
+    const bool is_head = std::exchange(first, false) &&
+                         std::none_of(cells.begin() + 1, cells.end(),
+                                      [&](std::string_view cell) { return staked_number(cell, format).has_value(); });
     if (is_head) {
       read_head(cells, source, columns);
       continue;

@@ -90,8 +90,9 @@ constexpr double kReach = 0.25;
 constexpr double kSettingReach = 0.03;
 /// A panel that was measured within this of where its centre is to be hangs there [m].
 constexpr double kPanelReach = 0.05;
-/// What is nearer than this to the target is the target's own number, not a measurement [m].
-constexpr double kEcho = 1e-6;
+/// What is nearer than this to the target is the target's own number, not a measurement: with all its digits, or as a
+/// file with four decimals has it [m].
+constexpr double kEcho = 6e-5;
 
 std::string date_doubt(const LoopItemT& item, const ActualT& actual) {
   if (actual.at.empty()) return {};
@@ -133,18 +134,25 @@ bool contradicts(const LoopItemT& item, const ActualT& actual) {
          (actual.outcome == "failed" || actual.outcome == "skipped");
 }
 
+/// The target's own number, also rounded to millimetres.
+bool is_echo(const Eigen::Vector3d& measured, const Eigen::Vector3d& target) {
+  const Eigen::Vector3d rounded = 1e-3 * (1e3 * target).array().round();
+  return (measured - target).cwiseAbs().maxCoeff() <= kEcho || (measured - rounded).cwiseAbs().maxCoeff() < 1e-9;
+}
+
 /// Whether a report shows that its panel hangs: it was measured there, and not by copying the target.
 bool shows_panel(const LoopItemT& item, const ActualT& actual) {
   if (!actual.measured.allFinite() || !item.expected.allFinite()) return false;
-  const double off = (actual.measured - item.expected).cwiseAbs().maxCoeff();
-  return off > kEcho && off <= kPanelReach;
+  return !is_echo(actual.measured, item.expected) &&
+         (actual.measured - item.expected).cwiseAbs().maxCoeff() <= kPanelReach;
 }
 
-/// A later report that shows a panel of which only a word was known so far.
+/// A later report that shows a panel of which only a word was known so far. One that nothing ties to this release may
+/// be of the time before it was taken down and hung again.
 bool shows_what_was_reported(const LoopItemT& item, const ActualT& actual) {
   return item.kind == "panel" && is_over(item) && item.hangs && !item.seen && actual.outcome == "done" &&
          (actual.revision == 0 || actual.revision == item.revision) && shows_panel(item, actual) &&
-         date_doubt(item, actual).empty();
+         date_doubt(item, actual).empty() && release_doubt(item, actual).empty();
 }
 
 /// Why a report is not taken; empty if it is.
@@ -155,6 +163,8 @@ std::string objection(const LoopItemT* item, const ActualT& actual) {
   if (is_over(*item) && actual.revision == item->revision)
     return actual.outcome == "done" ? "was reported before; nothing changes"
                                     : "says " + actual.outcome + ", a report before it said done: look at it";
+  if (is_over(*item) && item->kind == "panel" && !item->seen && actual.revision == 0)
+    if (const std::string doubt = release_doubt(*item, actual); !doubt.empty()) return doubt;
   if (item->revision == 0)
     return std::string("the item is ") + name_of(item->status) + ", not RELEASED: nobody asked for it; measure it";
   if (actual.revision != 0 && actual.revision != item->revision)

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <stdexcept>
 
 #include "loop/fit/facade.hpp"
 #include "loop/state/bracket_places.hpp"
+#include "loop/state/date.hpp"
 #include "loop/state/floor_moves.hpp"
 #include "loop/state/machine.hpp"
 #include "loop/state/transitions.hpp"
@@ -404,6 +406,10 @@ class Round {
 }  // namespace
 
 void apply_plan(LoopStateT& state, const InstallationPlanT& plan, const MachineOptions& options) {
+  const std::optional<double> measured = seconds_of(options.measured_at), now = seconds_of(options.at);
+  if (measured && now && *measured > *now)
+    throw std::runtime_error("the measurement began at " + options.measured_at + ", after the plan that rests on it (" +
+                             options.at + "): are the two exchanged, or in another zone?");
   Round(state, plan, options).run();
 }
 

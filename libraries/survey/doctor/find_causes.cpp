@@ -5,6 +5,7 @@
 #include <map>
 #include <numbers>
 #include <optional>
+#include <set>
 
 #include "plumbline/stop.hpp"
 #include "survey/doctor/control_causes.hpp"
@@ -166,42 +167,84 @@ class Causes {
     for (int k = 0; k < std::min(kMost, static_cast<int>(order.size())); ++k) of_angles(order[static_cast<size_t>(k)]);
   }
 
-  /// Where half of the set-ups see a point at one place and half at another, both more than once.
+  /// A point that some set-ups see at one place and the others at another, both more than once.
+  struct TwoMarks {
+    std::string point;
+    std::vector<int> first, second;  ///< set-ups
+    double apart = 0;                ///< [m]
+  };
+
   void names_on_two_marks(const SetUpChain& chain) {
+    // One mended alone leaves the others wrong, and each is an adjustment of the whole.
+    constexpr size_t kSingly = 3;
+    const std::vector<TwoMarks> marks = two_marks(chain);
+    if (marks.size() > kSingly) return add_together(marks);
+    for (const TwoMarks& m : marks)
+      add_marks({m}, m.point + " is the name of two marks " + fixed_digits(m.apart, 2) +
+                         " m apart: " + names({m.first.begin(), m.first.end()}) + " see the one, " +
+                         names({m.second.begin(), m.second.end()}) + " the other");
+  }
+
+  std::vector<TwoMarks> two_marks(const SetUpChain& chain) const {
     std::map<std::string, std::vector<std::pair<int, Eigen::Vector3d>>> places;  // set-up, place
     for (size_t f = 0; f < chain.figures().size(); ++f)
       for (const LocalSight& s : chain.figures()[f].sights)
         if (s.order >= 0 && chain.placed(f)) places[s.point].emplace_back(chain.figures()[f].set_up, chain.fit(f)(s));
+    std::vector<TwoMarks> found;
     for (const auto& [point, seen] : places) {
       stop_point();
       if (seen.size() < 4) continue;
-      std::vector<int> first, second;
+      TwoMarks marks{point, {}, {}, 0};
       std::optional<Eigen::Vector3d> other;
       for (const auto& [set_up, at] : seen) {
         const auto near = [&](const Eigen::Vector3d& b) { return (at - b).head<2>().norm() < kSamePlace; };
         if (near(seen.front().second))
-          first.push_back(set_up);
+          marks.first.push_back(set_up);
         else if (!other || near(*other))
-          other = other.value_or(at), second.push_back(set_up);
+          other = other.value_or(at), marks.second.push_back(set_up);
       }
-      if (first.size() < 2 || second.size() < 2 || first.size() + second.size() != seen.size()) continue;
-      two_marks(point, first, second, (seen.front().second - *other).head<2>().norm());
+      if (marks.first.size() < 2 || marks.second.size() < 2 || marks.first.size() + marks.second.size() != seen.size())
+        continue;
+      marks.apart = (seen.front().second - *other).head<2>().norm();
+      found.push_back(std::move(marks));
     }
+    return found;
   }
 
-  void two_marks(const std::string& point, const std::vector<int>& first, const std::vector<int>& second,
-                 double apart) {
-    Cause cause{"", {point}, survey_, control_};
-    const auto names = [&](const std::vector<int>& list) {
-      std::vector<std::string> ids;
-      for (const int s : list) ids.push_back(survey_.set_ups[static_cast<size_t>(s)].id);
-      return join(ids, 4);
-    };
+  /// So many are no names taken twice: the job is of two campaigns, or marks were moved during it.
+  void add_together(const std::vector<TwoMarks>& marks) {
+    std::set<int> first, second;
+    std::vector<std::string> points;
+    double least = marks.front().apart, most = least;
+    for (const TwoMarks& m : marks) {
+      first.insert(m.first.begin(), m.first.end()), second.insert(m.second.begin(), m.second.end());
+      points.push_back(m.point);
+      least = std::min(least, m.apart), most = std::max(most, m.apart);
+    }
+    const bool apart = std::none_of(first.begin(), first.end(), [&](int s) { return second.contains(s); });
+    add_marks(marks, std::to_string(points.size()) + " points (" + join(points, 6) + ") are each seen at two places, " +
+                         fixed_digits(least, 2) + " to " + fixed_digits(most, 2) + " m apart" +
+                         (apart ? ": " + names(first) + " see the one, " + names(second) +
+                                      " the other. Two campaigns in one job, or marks that were moved in between"
+                                : ""));
+  }
+
+  void add_marks(const std::vector<TwoMarks>& marks, std::string text) {
+    Cause cause{std::move(text), {}, survey_, control_};
+    std::map<std::string, std::set<int>> moved;
+    for (const TwoMarks& m : marks) {
+      cause.points.push_back(m.point);
+      moved[m.point].insert(m.second.begin(), m.second.end());
+    }
     for (Observation& o : cause.mended.observations)
-      if (o.to == point && std::find(second.begin(), second.end(), o.set_up) != second.end()) o.to += " (2)";
-    cause.text = point + " is the name of two marks " + fixed_digits(apart, 2) + " m apart: " + names(first) +
-                 " see the one, " + names(second) + " the other";
+      if (const auto at = moved.find(o.to); at != moved.end() && at->second.contains(o.set_up)) o.to += " (2)";
     found_.push_back(std::move(cause));
+  }
+
+  std::string names(const std::set<int>& set_ups) const {
+    std::vector<std::string> ids;
+    for (const int s : set_ups) ids.push_back(survey_.set_ups[static_cast<size_t>(s)].id);
+    return join(ids, 4);
   }
 
   static constexpr double kSamePlace = 0.05;  // [m]

@@ -1,6 +1,7 @@
 #include "survey/epochs/epoch_series.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -165,10 +166,24 @@ struct Seen {
   double time;
   Vector3d at;
   Matrix3d covariance;
+  Vector3d before;  ///< variances before it was laid on the stable points
 };
 
-void add_movements(const std::vector<Seen>& seen, const std::vector<Index>& axes, const SeriesOptions& options,
-                   int degrees, SeriesPoint& point) {
+/// Directions in which the datum leaves a point free, as columns: a point that carries it alone cannot move at all, of
+/// two none across their line. What is computed there is rounding, and no movement.
+MatrixXd free_directions(const std::vector<Seen>& seen, const std::vector<Index>& axes) {
+  constexpr double kNothing = 1e-9;  // of the variance that a point had: rounding leaves 1e-14
+  const auto n = static_cast<Index>(axes.size());
+  MatrixXd sum = MatrixXd::Zero(n, n);
+  double before = 0;
+  for (const Seen& s : seen) sum += s.covariance(axes, axes), before += Eigen::VectorXd(s.before(axes)).maxCoeff();
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> spectrum(sum);
+  const Index none = (spectrum.eigenvalues().array() <= kNothing * before).count();
+  return none == 0 ? MatrixXd(MatrixXd::Identity(n, n)) : MatrixXd(spectrum.eigenvectors().rightCols(n - none));
+}
+
+void add_movements(const std::vector<Seen>& seen, const std::vector<Index>& axes, const MatrixXd& directions,
+                   const SeriesOptions& options, int degrees, SeriesPoint& point) {
   for (size_t k = 1; k < seen.size(); ++k) {
     SeriesPoint::At at;
     at.epoch = seen[k].epoch;
@@ -180,8 +195,9 @@ void add_movements(const std::vector<Seen>& seen, const std::vector<Index>& axes
       const auto i = static_cast<Index>(a);
       at.movement[axes[a]] = d[i], at.sigma[axes[a]] = std::sqrt(std::max(0.0, c(i, i)));
     }
-    at.statistic = d.dot(c.ldlt().solve(d));
-    at.critical = critical_of(options.alpha0, static_cast<int>(axes.size()), degrees);
+    const Eigen::VectorXd free = directions.transpose() * d;
+    if (free.size() > 0) at.statistic = free.dot(MatrixXd(directions.transpose() * c * directions).ldlt().solve(free));
+    at.critical = critical_of(options.alpha0, static_cast<int>(std::max<Index>(1, free.size())), degrees);
     at.moved = at.statistic > at.critical;
     const double length = d.norm(),
                  sigma = length > 0 ? std::sqrt(d.dot(c * d)) / length : std::sqrt(c.diagonal().maxCoeff());
@@ -191,11 +207,14 @@ void add_movements(const std::vector<Seen>& seen, const std::vector<Index>& axes
   }
 }
 
-void add_velocity(const std::vector<Seen>& seen, const std::vector<Index>& axes, const SeriesOptions& options,
-                  int degrees, SeriesPoint& point) {
+void add_velocity(const std::vector<Seen>& seen, const std::vector<Index>& axes, const MatrixXd& directions,
+                  const SeriesOptions& options, int degrees, SeriesPoint& point) {
   point.velocity.setConstant(std::numeric_limits<double>::quiet_NaN());
+  for (const Index axis : axes) point.velocity[axis] = 0;
   point.velocity_sigma = point.velocity;
-  const auto n = static_cast<Index>(axes.size());
+  const Index n = directions.cols();
+  point.velocity_critical = critical_of(options.alpha0, static_cast<int>(std::max<Index>(1, n)), degrees);
+  if (n == 0) return;
   MatrixXd normal = MatrixXd::Zero(2 * n, 2 * n);
   Eigen::VectorXd right = Eigen::VectorXd::Zero(2 * n);
   const auto design = [&](const Seen& s) {
@@ -203,26 +222,32 @@ void add_velocity(const std::vector<Seen>& seen, const std::vector<Index>& axes,
     a << MatrixXd::Identity(n, n), (s.time - seen.front().time) * MatrixXd::Identity(n, n);
     return a;
   };
-  const auto moved = [&](const Seen& s) { return Eigen::VectorXd(Eigen::VectorXd(s.at - seen.front().at)(axes)); };
+  const auto moved = [&](const Seen& s) {
+    return Eigen::VectorXd(directions.transpose() * Eigen::VectorXd(s.at - seen.front().at)(axes));
+  };
+  const auto covariance_of = [&](const Seen& s) {
+    return MatrixXd(directions.transpose() * s.covariance(axes, axes) * directions);
+  };
   for (const Seen& s : seen) {
-    const MatrixXd weighted = MatrixXd(s.covariance(axes, axes)).ldlt().solve(design(s));
+    const MatrixXd weighted = covariance_of(s).ldlt().solve(design(s));
     normal += design(s).transpose() * weighted;
     right += weighted.transpose() * moved(s);
   }
   const auto factor = normal.ldlt();
   const Eigen::VectorXd x = factor.solve(right);
   const MatrixXd q = factor.solve(MatrixXd::Identity(2 * n, 2 * n));
-  for (Index a = 0; a < n; ++a)
-    point.velocity[axes[static_cast<size_t>(a)]] = x[n + a],
-    point.velocity_sigma[axes[static_cast<size_t>(a)]] = std::sqrt(q(n + a, n + a));
-  const Eigen::VectorXd v = x.tail(n);
+  const Eigen::VectorXd v = x.tail(n), along = directions * v,
+                        variances = (directions * q.bottomRightCorner(n, n) * directions.transpose()).diagonal();
+  for (size_t a = 0; a < axes.size(); ++a) {
+    const auto i = static_cast<Index>(a);
+    point.velocity[axes[a]] = along[i], point.velocity_sigma[axes[a]] = std::sqrt(std::max(0.0, variances[i]));
+  }
   point.velocity_statistic = v.dot(MatrixXd(q.bottomRightCorner(n, n)).ldlt().solve(v));
-  point.velocity_critical = critical_of(options.alpha0, static_cast<int>(n), degrees);
   point.moves = point.velocity_statistic > point.velocity_critical;
   if (seen.size() < 3) return;
   for (const Seen& s : seen) {
     const Eigen::VectorXd r = moved(s) - design(s) * x;
-    point.misfit += r.dot(MatrixXd(s.covariance(axes, axes)).ldlt().solve(r));
+    point.misfit += r.dot(covariance_of(s).ldlt().solve(r));
   }
   point.misfit_critical =
       critical_of(options.alpha0, static_cast<int>(n) * (static_cast<int>(seen.size()) - 2), degrees);
@@ -241,22 +266,30 @@ EpochSeries epoch_series(const std::vector<DatedEpoch>& epochs, const SeriesOpti
         "a series of epochs that are free in scale or tilt is not compared; hold them, or compare two");
   EpochSeries series;
   test_variances_of(epochs, options.alpha, series);
-  series.stable = options.stable.empty() ? stable_points(epochs, options, series) : options.stable;
-  for (const std::string& id : series.stable)
+  for (const std::string& id : options.stable)
     for (const DatedEpoch& e : epochs)
       if (row_of(e.epoch, id) < 0)
         throw std::runtime_error("point '" + id + "' is to carry the datum, and epoch " + e.name + " has not seen it");
+  series.stable = stable_points(epochs, options, series);
+  if (!options.stable.empty()) {
+    for (const std::string& id : options.stable)
+      if (std::find(series.stable.begin(), series.stable.end(), id) == series.stable.end())
+        series.contradicted.push_back(id);
+    series.stable = options.stable;
+  }
   const size_t needed = options.free_motions == 0 ? 0 : options.free_motions == 3 ? 1 : 2;
   if (series.stable.size() < needed)
     throw std::runtime_error("only " + std::to_string(series.stable.size()) +
                              " points have stayed in all epochs: name those that carry the datum (stable)");
   std::vector<Epoch> laid;
+  std::vector<Eigen::VectorXd> before;  // variances, not yet in the datum of the stable points
   for (size_t k = 0; k < epochs.size(); ++k) {
     stop_point();
     laid.push_back(epochs[k].epoch);
     laid.back().covariance *= series.factors[k];
     // What does not exist has no variance either.
     laid.back().covariance = laid.back().covariance.array().isFinite().select(laid.back().covariance, 0.0).eval();
+    before.push_back(laid.back().covariance.diagonal());
     align(epochs.front().epoch, series.stable, options.free_motions, laid.back());
   }
   std::vector<std::string> ids;
@@ -270,10 +303,9 @@ EpochSeries epoch_series(const std::vector<DatedEpoch>& epochs, const SeriesOpti
     std::vector<Index> axes = {0, 1, 2};
     for (size_t k = 0; k < laid.size(); ++k)
       if (const Index row = row_of(laid[k], id); row >= 0) {
-        seen.push_back(
-            {k, epochs[k].time, laid[k].coordinates.segment<3>(row), laid[k].covariance.block<3, 3>(row, row)});
-        std::erase_if(
-            axes, [&](Index c) { return !std::isfinite(seen.back().at[c]) || !(seen.back().covariance(c, c) > 0); });
+        seen.push_back({k, epochs[k].time, laid[k].coordinates.segment<3>(row),
+                        laid[k].covariance.block<3, 3>(row, row), before[k].segment<3>(row)});
+        std::erase_if(axes, [&](Index c) { return !std::isfinite(seen.back().at[c]) || !(seen.back().before[c] > 0); });
       }
     if (seen.size() < 2 || axes.empty()) {
       series.seen_once.push_back(id);
@@ -283,8 +315,9 @@ EpochSeries epoch_series(const std::vector<DatedEpoch>& epochs, const SeriesOpti
     point.id = id;
     point.first = seen.front().epoch;
     point.stable = std::find(series.stable.begin(), series.stable.end(), id) != series.stable.end();
-    add_movements(seen, axes, options, series.degrees_of_freedom, point);
-    add_velocity(seen, axes, options, series.degrees_of_freedom, point);
+    const MatrixXd directions = free_directions(seen, axes);
+    add_movements(seen, axes, directions, options, series.degrees_of_freedom, point);
+    add_velocity(seen, axes, directions, options, series.degrees_of_freedom, point);
     series.points.push_back(std::move(point));
   }
   return series;

@@ -63,8 +63,9 @@ struct EpochSeries {
   std::vector<double> factors;                 ///< on the covariance of each epoch
   std::string variances;                       ///< in words
   std::vector<std::string> stable;
-  std::vector<std::string> seen_once;  ///< points of one epoch only
-  std::vector<SeriesPoint> points;     ///< those that some epoch sees again, in the order they first appear
+  std::vector<std::string> contradicted;  ///< of those that were named to carry the datum: most others say they moved
+  std::vector<std::string> seen_once;     ///< points of one epoch only, or held without error
+  std::vector<SeriesPoint> points;        ///< those that some epoch sees again, in the order they first appear
 };
 
 /// Throws std::runtime_error: fewer than two epochs, times that do not ascend, no common datum.

@@ -106,6 +106,26 @@ class Served(unittest.TestCase):
         self.assertEqual((status, body), (200, b""))
         self.assertIn("default-src 'none'", self.ask("/")[1])
 
+    def test_a_record_that_leaves_things_out_or_is_of_any_size_ends_nothing(self):
+        out = self.out / "bare"
+        out.mkdir()
+        start = json.dumps({"event": "run_start", "time": "", "pipeline": "p.yaml"})
+        (out / "run.jsonl").write_text(start + '\n{"event":"node","name":"a"}\n{"event":"node","name":"b","outputs":{"p":["0"]}}\n{"event":"node","name":"c","outputs":7}\n')
+        huge = self.out / "huge"
+        huge.mkdir()
+        with (huge / "run.jsonl").open("w") as record:
+            record.write(start + "\n")
+            record.truncate(1 << 40)
+        for _ in range(2):
+            status, _, body = self.ask("/api/runs")
+            self.assertEqual(status, 200)
+            self.assertLessEqual({"one", "bare", "huge"}, {r["id"] for r in json.loads(body)["runs"]})
+        for node in "abc":
+            self.assertIn(self.ask(f"/api/artifact?id=bare&node={node}&port=p&item=0")[0], (404, 500), node)
+        self.assertIn("\nVmHWM:", (status := pathlib.Path(f"/proc/{self.server.pid}/status").read_text()))
+        self.assertLess(int(status.split("VmHWM:")[1].split()[0]), 600_000, "kB")
+        (huge / "run.jsonl").unlink()
+
     def test_nothing_outside_of_the_folder(self):
         for path in ("../secret.txt", "..%2fsecret.txt", "%2e%2e/secret.txt", "one/../../secret.txt", "one/%2e%2e/%2e%2e/secret.txt", "one/..%5c..%5csecret.txt",
                      "%252e%252e/secret.txt", "/" + str(self.work / "secret.txt"), str(self.work / "secret.txt"), "one/link.txt", "one/up/secret.txt", "linked/page.html",

@@ -1,7 +1,10 @@
 // The survey pipelines from outside: damaged files, encodings, a plan, two epochs.
+#include <cmath>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <sstream>
 
+#include "geometry/random.hpp"
 #include "program.hpp"
 #include "simulated_network.hpp"
 #include "survey_files/gsi.hpp"
@@ -173,6 +176,41 @@ TEST(SurveyPipelines, ThreeFilesAreASeries) {
   const std::string page = read_file(plumbline.work() / "out/series.html");
   EXPECT_TRUE(contains(page, "No point moves, and none has moved, beyond chance.")) << page.substr(0, 2000);
   EXPECT_TRUE(contains(page, "<svg"));
+}
+
+/// docs/examples/before.csv as directions and horizontal distances, with circles that were set up `turn` gon on and
+/// errors of their own.
+std::string in_plan(double turn, std::uint64_t seed) {
+  Random random(seed, "plan");
+  std::istringstream stream(read_file(fs::path(source_dir()) / "docs/examples/before.csv"));
+  std::string text = "station,target,hz [gon],hd [m]\n", line;
+  std::getline(stream, line);
+  while (std::getline(stream, line)) {
+    std::istringstream cells(line);
+    std::vector<std::string> cell;
+    for (std::string c; std::getline(cells, c, ',');) cell.push_back(c);
+    const double v = std::stod(cell.at(3)) * std::numbers::pi / 200;
+    text += cell[0] + "," + cell[1] + "," +
+            std::to_string(std::fmod(std::stod(cell[2]) + turn + random.normal(0.0005), 400)) + "," +
+            std::to_string(std::stod(cell.at(4)) * std::sin(v) + random.normal(0.0005)) + "\n";
+  }
+  return text;
+}
+
+/// A network in plan is free to turn, though its rank defect is three as that of three shifts.
+TEST(SurveyPipelines, ASeriesInPlanDoesNotMoveByTurning) {
+  const Program plumbline;
+  for (int k = 1; k <= 3; ++k)
+    plumbline.write("e" + std::to_string(k) + ".csv", in_plan(70 * k, static_cast<std::uint64_t>(k)));
+  plumbline.write("campaign.yaml", "plumbline_campaign: 1\nsurvey: [e1.csv, e2.csv, e3.csv]\n");
+  for (const char* stable : {"[]", "[F01-C01-R1, F03-C04-R2, F01-C04-R1]"}) {
+    const Answer answer = plumbline({"run", pipeline("epoch_series"), "folder=.", "profile=total_station_2arcsec",
+                                     std::string("movements.with.stable=") + stable, "--out", "out"});
+    ASSERT_EQ(answer.code, 0) << stable << "\n" << answer.err;
+    const Json json = Json::parse(read_file(plumbline.work() / "out/series.json"));
+    EXPECT_EQ(json["points"].size(), 24u);
+    for (const Json& p : json["points"]) EXPECT_FALSE(p["moves"].get<bool>()) << stable << " " << p["id"];
+  }
 }
 
 /// docs/examples/before.csv with the distances of one set-up in feet.

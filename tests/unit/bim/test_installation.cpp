@@ -154,6 +154,17 @@ TEST(InstallationBcf, ControlThatMovedAndWorkByHandHaveTopics) {
   EXPECT_NE(markup_about(files, "By hand: bracket anchor 1 would have to move"), "none");
 }
 
+TEST(InstallationBcf, WhatHoldsEverythingAndWhatHasNoPlaceHaveTopics) {
+  Site site("IFC4");
+  site.plan.doubts = {"the image block: group tags contradicts the rest"};
+  LoopItemT& item = *site.state.items[0];
+  item.status = ItemStatus::rejected, item.id = "drawn by hand", item.guid.clear();
+  const auto files = topics_of(site);
+  EXPECT_NE(markup_about(files, "The measurement is in doubt: the image block: group tags contradicts"), "none");
+  const std::string nowhere = markup_about(files, "1 item is open that no viewer can show");
+  EXPECT_NE(nowhere.find("drawn by hand"), std::string::npos) << nowhere;
+}
+
 TEST(InstallationBcf, IsValidAgainstItsSchemas) {
   PLUMBLINE_REQUIRE_DATA("bcf/markup.xsd");
   if (std::system("xmllint --version > /dev/null 2>&1") != 0) GTEST_SKIP() << "xmllint is not installed";

@@ -76,6 +76,17 @@ TEST(E57, StepsAreThoseOfTheNumbers) {
   EXPECT_EQ(read_e57_bytes(e57_file({{places(10), {}, "", "double"}})).summary.resolution.x(), 0);
 }
 
+TEST(E57, WhatHasNoFinitePlaceIsLeftOutAndSaysNothingOfSteps) {
+  for (const char* kind : {"single", "double"}) {
+    Places points = places(10);
+    points[2].x() = std::numeric_limits<double>::infinity(), points[5].z() = std::numeric_limits<double>::quiet_NaN();
+    const E57Read read = read_e57_bytes(e57_file({{points, {}, "", kind}}));
+    EXPECT_EQ(read.points.size(), 8U) << read.refused;
+    EXPECT_EQ(read.summary.without_place, 2U);
+    EXPECT_NEAR(read.summary.resolution.x(), kind == std::string("single") ? std::ldexp(1, -17) : 0, 1e-12) << kind;
+  }
+}
+
 TEST(E57, EachScanHasItsPoseAndPointsWithoutAPlaceAreLeftOut) {
   const double half = std::sqrt(0.5);
   const std::string pose = "<pose type=\"Structure\"><rotation type=\"Structure\"><w type=\"Float\">" +

@@ -121,6 +121,14 @@ TEST(SurfaceAgreement, OneThatIsNotJudgedOrTooCloseWithholdsItToo) {
   EXPECT_TRUE(says(close.outputs().at("page"), "Not decided: 1\u00A0surface or joint too close to call."));
 }
 
+TEST(SurfaceAgreement, OneOnNoFloorThatIsKnownIsToldBesideTheFloors) {
+  SurfaceCase facade;
+  facade.panel = "a panel without anchors", facade.add(ToleranceVerdict::fail), facade.ask("");
+  const auto out = facade.outputs();
+  EXPECT_EQ(facade.deviation.verdict, ToleranceVerdict::fail);
+  EXPECT_TRUE(says(out.at("page"), "1 verdicts of surfaces and joints that do not pass count in no floor"));
+}
+
 TEST(SurfaceAgreement, ADoubtfulMeasurementShowsNoSurfaceToBeInOrderOrOutOfIt) {
   SurfaceCase facade({"the image block: group tags contradicts the rest"});
   facade.add(ToleranceVerdict::pass), facade.add(ToleranceVerdict::fail);

@@ -241,6 +241,15 @@ TEST(LayoutFiles, AHeadSaysWhichColumnIsWhat) {
   EXPECT_THROW(read_staked("PtID;E [mm];N [mm];H [mm]\nA;1;2;3\n", LayoutFormat::hilti, "s"), std::runtime_error);
   EXPECT_THROW(read_staked("Name,Northing (usft),Easting (usft),Elev (usft)\n", LayoutFormat::trimble, "s"),
                std::runtime_error);
+  // "Ortho" is no name of a height that is known: then north and east would be taken for each other.
+  EXPECT_THROW(read_staked("PtID;N;E;Ortho\nA;77.5;401.25;12.125\n", LayoutFormat::hilti, "s"), std::runtime_error);
+  EXPECT_EQ(place("PtID;E;N;Ortho\nA;401.25;77.5;12.125\n", LayoutFormat::hilti), p);
+}
+
+TEST(LayoutFiles, AFirstPointThatCannotBeReadIsNoHead) {
+  const ActualsT back = read_staked("A;401.25;77.5;\nB;401.25;77.5;12.125\n", LayoutFormat::hilti, "staked.csv");
+  ASSERT_EQ(back.items.size(), 1u);
+  EXPECT_EQ(back.refused, std::vector<std::string>{"staked.csv:1: the coordinates of 'A' are no numbers"});
 }
 
 TEST(LayoutFiles, WhatIsNoPointIsRefusedWithItsLine) {

@@ -112,8 +112,8 @@ TEST(Rounds, TheBasisOfAnAnchorIsItsOwnMeasurement) {
   };
   const auto before = bases(facade);
   Facade other = facade;
-  other.brackets.back().deviation.z() += 0.001;                                         // measured again up there
-  other.brackets[0].design.x() += 0.002, other.brackets[0].deviation.x() -= 0.002;      // the design was revised
+  other.brackets.back().deviation.z() += 0.001;                                     // measured again up there
+  other.brackets[0].design.x() += 0.002, other.brackets[0].deviation.x() -= 0.002;  // the design was revised
   const auto after = bases(other);
   EXPECT_EQ(after[0], before[0]);
   EXPECT_NE(after.back(), before.back());
@@ -144,9 +144,9 @@ TEST(Rounds, APanelThatNothingHasSeenIsNotVerified) {
   };
   EXPECT_EQ(report({0.001, 0, 0}).journal.empty(), false);
   LoopStateT seen = report({0.001, 0.002, 0}), unsaid = report({nan, nan, nan}), echo = report({0, 0, 0}),
-             elsewhere = report({0.2, 0, 0});
+             elsewhere = report({0.2, 0, 0}), rounded = report({0, 0.00005, 0});
   EXPECT_EQ(item(seen, "p0").status, ItemStatus::verified);
-  for (LoopStateT* state : {&unsaid, &echo, &elsewhere}) {
+  for (LoopStateT* state : {&unsaid, &echo, &elsewhere, &rounded}) {
     EXPECT_EQ(item(*state, "p0").status, ItemStatus::relocalised) << item(*state, "p0").why;
     EXPECT_EQ(item(*state, "b2").status, ItemStatus::planned);  // nor does the next floor begin
     close_round(*state);
@@ -155,7 +155,13 @@ TEST(Rounds, APanelThatNothingHasSeenIsNotVerified) {
   // A person has seen one, a total station the other, before the release of which nothing counts.
   EXPECT_TRUE(accept_item(unsaid, "p0"));
   EXPECT_FALSE(accept_item(unsaid, "p0"));
+  // A file that does not say when may be of the time before it was taken down and hung again.
   ActualsT staked = done({"p0"}, 0);
+  const auto refused = apply_actuals(echo, staked);
+  ASSERT_EQ(refused.size(), 1u);
+  EXPECT_NE(refused[0].find("has no revision, no job and no date"), std::string::npos) << refused[0];
+  EXPECT_FALSE(item(echo, "p0").seen);
+  staked.items[0]->at = "2026-05-04T08:00:00Z";
   EXPECT_TRUE(apply_actuals(echo, staked).empty());
   for (LoopStateT* state : {&unsaid, &echo}) {
     EXPECT_EQ(check_journal(state->journal).words, "");
@@ -200,6 +206,25 @@ TEST(Rounds, WhatWasMeasuredBeforeTheWorkJudgesNothing) {
             "EXECUTED waits for a measurement that was made after it was done");
   EXPECT_EQ(after("", "2026-05-02T12:00:00Z"),
             "EXECUTED waits for a measurement that was made after it was done; its report has no date");
+}
+
+TEST(Rounds, APanelsPlaceThatIsItsTargetInMillimetresIsNoMeasurement) {
+  LoopStateT state = with_released_panel();
+  item(state, "p0").expected = {12.34567, 1.00032, 7.1};
+  ActualsT actuals = done({"p0"}, item(state, "p0").revision);
+  actuals.items[0]->measured = {12.346, 1.0, 7.1};
+  EXPECT_TRUE(apply_actuals(state, actuals).empty());
+  EXPECT_TRUE(item(state, "p0").hangs);
+  EXPECT_FALSE(item(state, "p0").seen);
+}
+
+TEST(Rounds, AMeasurementThatBeganAfterItsPlanIsRefused) {
+  LoopStateT state;
+  MachineOptions options;
+  options.at = "2026-05-02T10:00:00+02:00", options.measured_at = "2026-05-02T09:00:00Z";
+  EXPECT_THROW(apply_plan(state, make_plan("first"), options), std::runtime_error);
+  options.measured_at = "2026-05-02T08:00:00Z";
+  EXPECT_NO_THROW(apply_plan(state, make_plan("first"), options));
 }
 
 TEST(Rounds, AMeasurementThatContradictsItselfDecidesNothing) {

@@ -51,6 +51,21 @@ TEST(Store, BlobsCannotBeWritten) {
   EXPECT_EQ(text_of(store.get(held)), small);
 }
 
+/// A node may read thousands of small blobs at a time, and a process has a thousand descriptors.
+TEST(Store, BlobsThatAreReadHoldNoDescriptors) {
+  const TemporaryFolder folder;
+  Store store(folder.path());
+  const auto open_descriptors = [] {
+    const fs::directory_iterator all("/proc/self/fd");
+    return std::distance(begin(all), end(all));
+  };
+  const auto before = open_descriptors();
+  std::vector<runtime::Blob> blobs;
+  for (int i = 0; i < 200; ++i) blobs.push_back(store.get(put(store, std::string(60'000, 'a') + std::to_string(i))));
+  EXPECT_LE(open_descriptors(), before + 1);
+  EXPECT_EQ(text_of(blobs[7]), std::string(60'000, 'a') + "7");
+}
+
 TEST(Store, ABlobLivesAsLongAsItsReaders) {
   const TemporaryFolder folder;
   Store store(folder.path());

@@ -7,6 +7,7 @@
 
 #include "geometry/random.hpp"
 #include "network_words.hpp"
+#include "survey/doctor/find_causes.hpp"
 #include "survey/simulate/simulate_survey.hpp"
 
 namespace plumbline::survey {
@@ -198,6 +199,24 @@ TEST(Rounding, ANetworkAtMillionsOfMetresEnds) {
   const NetworkResult r = adjust_network(s, {});
   EXPECT_LT(r.iterations, 20);
   EXPECT_NEAR((r.point("A").position - r.point("B").position).norm(), 41.7126, 1e-6);
+}
+
+/// Two campaigns in one job, between which a third of the marks were moved: one mended alone would leave the others.
+TEST(Causes, ManyMarksAtTwoPlacesAreOneCause) {
+  Job job;
+  SurveyLayout later = job.layout;
+  int m = 0;
+  for (SimulatedPoint& p : later.points)
+    if (p.id[0] == 'M' && ++m % 3 == 0) p.position += Eigen::Vector3d(0.1 * (m % 4) + 0.2, 0.1 * (m % 5) - 0.2, 0);
+  SimulationOptions simulation;
+  simulation.profile = job.options.profile;
+  simulation.sigmas = false;
+  const SurveyObservations moved = simulate_survey(later, simulation, 12);
+  ASSERT_EQ(moved.observations.size(), job.survey.observations.size());
+  for (size_t i = 0; i < moved.observations.size(); ++i)
+    if (moved.observations[i].set_up >= 2) job.survey.observations[i] = moved.observations[i];
+  EXPECT_EQ(find_causes(job.survey, job.options, {}).size(), 1u);
+  expect_cause(job, "10 points (");
 }
 
 }  // namespace

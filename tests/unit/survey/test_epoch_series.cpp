@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <limits>
 
 #include "geometry/random.hpp"
 #include "survey/epochs/epoch_series.hpp"
@@ -166,6 +167,48 @@ TEST(EpochSeries, RefusesWhatIsNoSeries) {
   SeriesOptions options;
   options.stable = {"M1", "M99"};
   EXPECT_THROW(epoch_series(epochs, options), std::runtime_error);
+}
+
+/// Two points that carry the datum cannot move across their line, and one that carries it cannot move at all: what
+/// coordinates of a map leave there is rounding of 1e-9 m, and its variance is nothing.
+TEST(EpochSeries, FewPointsThatCarryTheDatumDoNotMoveByRounding) {
+  int moved = 0;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    std::vector<DatedEpoch> epochs = Site{5, seed}.make();
+    for (DatedEpoch& e : epochs)
+      for (Eigen::Index i = 0; i < e.epoch.coordinates.size(); i += 3)
+        e.epoch.coordinates.segment<3>(i) += Eigen::Vector3d(32400000, 5700000, 400);
+    SeriesOptions options;
+    options.stable = {"M1", "M7"};
+    const EpochSeries s = epoch_series(epochs, options);
+    for (const char* id : {"M1", "M7"}) {
+      const SeriesPoint& p = of(s, id);
+      moved += p.moves + p.uneven();
+      for (const auto& at : p.at) moved += at.moved;
+    }
+    options.stable = {"M1"}, options.free_motions = 3;
+    for (DatedEpoch& e : epochs)  // of levelled heights
+      for (Eigen::Index i = 0; i < e.epoch.coordinates.size(); ++i)
+        if (i % 3 != 2) e.epoch.coordinates[i] = std::numeric_limits<double>::quiet_NaN();
+    const EpochSeries lift = epoch_series(epochs, options);
+    EXPECT_TRUE(lift.seen_once.empty());
+    EXPECT_FALSE(of(lift, "M1").moves || of(lift, "M1").at.back().moved) << seed;
+    EXPECT_EQ(of(lift, "M1").velocity.z(), 0);
+  }
+  EXPECT_LE(moved, 3);  // of 480 tests at 0.1 %
+}
+
+/// A point that was named to carry the datum and moved is told: all others would seem to move against it.
+TEST(EpochSeries, ANamedPointThatMovedIsTold) {
+  Site site;
+  site.velocity_of_m7 = {0.2 * kMillimetre, 0, 0};
+  SeriesOptions options;
+  options.stable = {"M1", "M4", "M7", "M12"};
+  const EpochSeries s = epoch_series(site.make(), options);
+  EXPECT_EQ(s.contradicted, std::vector<std::string>{"M7"});
+  EXPECT_EQ(s.stable, options.stable);
+  site.velocity_of_m7.setZero();
+  EXPECT_TRUE(epoch_series(site.make(), options).contradicted.empty());
 }
 
 /// A point that is first seen later is compared with where it was then.
