@@ -36,6 +36,20 @@ Window window_of(const PanelFace& face, double beyond, const Orthophoto& picture
           std::min(picture.height - 1, row(low.y()))};
 }
 
+/// Where the perpendicular of the picture's plane through a place of it meets a panel, as (u, v, h) of its face. Faces of
+/// one picture lie off its plane and lean against it, so that their own perpendicular is another.
+Eigen::Vector3d place_on(const PanelFace& face, const PanelSurface& surface, const Eigen::Vector3d& on_picture,
+                         const Eigen::Vector3d& out) {
+  const Eigen::Vector3d direction = face.plane.axes.transpose() * out;
+  Eigen::Vector3d at = face.plane.local(on_picture);
+  double height = 0;
+  for (int step = 0; step < 3; ++step) {  // on a plane the first one is right; panels are flat to a hundredth
+    at += (height - at.z()) / direction.z() * direction;
+    height = surface.not_measured.empty() ? surface.base(at.x(), at.y()).dot(surface.form) : 0.0;
+  }
+  return {at.x(), at.y(), height};
+}
+
 }  // namespace
 
 std::vector<std::vector<size_t>> facades_of(const std::vector<PanelFace>& faces, double offset) {
@@ -110,11 +124,10 @@ void paint(const PanelFace& face, const PanelSurface& surface, const FacetView& 
       std::uint8_t& grey = picture.grey[static_cast<size_t>(y) * static_cast<size_t>(picture.width) + static_cast<size_t>(x)];
       const Eigen::Vector3d on_plane = picture.plane.world({picture.area.low.x() + (x + 0.5) * picture.pixel,
                                                             picture.area.high.y() - (y + 0.5) * picture.pixel, 0});
-      const Eigen::Vector3d at = face.plane.local(on_plane);
+      const Eigen::Vector3d at = place_on(face, surface, on_plane, picture.plane.axes.col(2));
       const double off_u = std::abs(at.x()) - 0.5 * face.width, off_v = std::abs(at.y()) - 0.5 * face.height;
       if (off_u > beyond || off_v > beyond || ((off_u > 0 || off_v > 0) && grey != 0)) continue;
-      const Eigen::Vector3d point = face.plane.world({at.x(), at.y(), surface.not_measured.empty() ? surface.base(at.x(), at.y()).dot(surface.form) : 0.0});
-      const auto seen = project(view.view->camera, view.view->cam_from_world * point);
+      const auto seen = project(view.view->camera, view.view->cam_from_world * face.plane.world(at));
       if (!seen) continue;
       const int value = grey_at(image, seen->x() * scale + shift, seen->y() * scale + shift);
       if (value >= 0) grey = static_cast<std::uint8_t>(std::max(1, value));

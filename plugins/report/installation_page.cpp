@@ -159,18 +159,22 @@ std::vector<std::map<std::string, int>> states_by_round(const LoopStateT& state,
 
 void write_next(Markup& html, const InstallationPlanT& plan, const LoopStateT& state,
                 const std::map<int, std::string>& robots) {
-  int panels = 0, verified = 0, rejected = 0;
+  int panels = 0, verified = 0, rejected = 0, unseen = 0;
   for (const auto& item : state.items) {
-    panels += item->kind == "panel", rejected += item->status == ItemStatus::rejected;
+    panels += item->kind == "panel", rejected += item->status == ItemStatus::rejected, unseen += nobody_saw(*item);
     verified += item->kind == "panel" && item->status == ItemStatus::verified;
   }
-  const bool all = panels > 0 && verified == panels;
+  // Panels that were verified stay so while somebody is to look at control, at a bracket or at the measurement.
+  const bool all =
+      panels > 0 && verified == panels && rejected == 0 && state.moved_control.empty() && plan.doubts.empty();
   const auto verdict = all                                            ? ToleranceVerdict::pass
                        : rejected > 0 || !state.moved_control.empty() ? ToleranceVerdict::fail
                                                                       : ToleranceVerdict::undecided;
   Scope part(html, "section", {{"id", "next"}});
   {
-    const std::string heading = "Next: " + state.next;
+    const std::string heading = plan.doubts.empty()
+                                    ? "Next: " + state.next
+                                    : "Mend the measurement, it decides nothing: " + plan.doubts.front();
     Scope box(html, "div", {{"class", std::string("verdict ") + verdict_class(verdict)}});
     {
       Scope svg = drawing(html, 44, 46, heading);
@@ -180,8 +184,8 @@ void write_next(Markup& html, const InstallationPlanT& plan, const LoopStateT& s
     html.element("strong", heading);
     html.element("p", std::to_string(verified) + " of " + count(panels, "panel hangs and is", "panels hang and are") +
                           " verified after round " + std::to_string(state.round) + " (revision " +
-                          std::to_string(state.revision) + "); " + count(rejected, "item waits", "items wait") +
-                          " for a person.");
+                          std::to_string(state.revision) + "); " +
+                          count(rejected + unseen, "item waits", "items wait") + " for a person.");
   }
   write_next_table(html, state, robots);
   write_by_hand(html, plan, state);

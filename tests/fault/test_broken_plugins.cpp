@@ -131,6 +131,7 @@ TEST_F(BrokenPlugin, EveryFlawOfATableIsNamed) {
 }
 
 TEST_F(BrokenPlugin, TheGoodOneThatTheyAreMadeFromIsTaken) { EXPECT_EQ(refusal(fixture("no_flaw")), ""); }
+TEST_F(BrokenPlugin, ADescriptionThatComesInPiecesIsReadWhole) { EXPECT_EQ(refusal(fixture("long_description")), ""); }
 
 TEST_F(BrokenPlugin, WhatHangsIsKilledWhateverItIgnores) {
   setenv("PLUMBLINE_SCAN_SECONDS", "1", 1);

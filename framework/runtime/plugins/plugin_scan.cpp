@@ -30,8 +30,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr char good = '+', bad = '-';  // first byte of the child's word; its last one is `last_byte`
-constexpr char last_byte = '\n';
+constexpr char good = '+', bad = '-';  // first byte of the child's word
 
 const std::string hung = "hung", hang_text = "hangs while it is loaded";
 
@@ -196,7 +195,7 @@ void write_all(int file, const std::string& text) {
   setrlimit(RLIMIT_CORE, &no_core);
   for (const int signal : {SIGINT, SIGTERM, SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGPIPE})
     std::signal(signal, SIG_DFL);
-  write_all(word, word_about(library, roles) + last_byte);
+  write_all(word, join({word_about(library, roles)}));
   _exit(0);
 }
 
@@ -218,7 +217,7 @@ bool ended_by(pid_t child, Clock::time_point deadline) {
   return ready > 0;
 }
 
-/// Reads until the child is done or the time is up. False: it was up.
+/// Reads until the child's word is whole, its length going before it, or it is done. False: the time was up.
 bool listen(int word, Clock::time_point deadline, std::string& text) {
   char buffer[1 << 16];
   while (true) {
@@ -230,10 +229,7 @@ bool listen(int word, Clock::time_point deadline, std::string& text) {
     if (count < 0 && errno == EINTR) continue;
     if (count <= 0) return true;
     text.append(buffer, static_cast<size_t>(count));
-    if (text.back() == last_byte && text.size() > 1) {  // the last word, or a piece that happens to end so
-      pollfd more{word, POLLIN, 0};
-      if (poll(&more, 1, 0) == 0) return true;
-    }
+    if (split(text).size() == 1) return true;
   }
 }
 
@@ -270,13 +266,14 @@ PluginScan scan_in_child(const fs::path& library, const Roles& roles, std::strin
   if (child == 0) be_the_child(library, roles, ends[1], log);
   setpgid(child, child);
   close(ends[1]);
-  std::string word;
+  std::string said;
   const int seconds = seconds_to_load();
   const auto deadline = Clock::now() + std::chrono::seconds(seconds);
-  bool in_time = listen(ends[0], deadline, word);
+  bool in_time = listen(ends[0], deadline, said);
   close(ends[0]);
   // A child that gave its word ends by itself, unless a thread of the library holds it; nothing of it is needed.
-  const bool spoke = word.size() > 1 && word.back() == last_byte;
+  const std::vector<std::string> words = split(said);
+  const bool spoke = words.size() == 1 && !words[0].empty();
   int status = 0;
   if (!spoke) in_time = in_time && ended_by(child, deadline);
   if (!in_time || spoke) kill(-child, SIGKILL);
@@ -285,10 +282,8 @@ PluginScan scan_in_child(const fs::path& library, const Roles& roles, std::strin
   kill(-child, SIGKILL);  // what it may have started
   if (!spoke)
     scan.problem = end_text(status, in_time, seconds) + tail_of(log);
-  else if (word[0] == bad)
-    scan.problem = word.substr(1, word.size() - 2);
   else
-    description = word.substr(1, word.size() - 2);
+    (words[0][0] == bad ? scan.problem : description) = words[0].substr(1);
   close(log);
   return scan;
 }

@@ -1,0 +1,8 @@
+// Nothing is wrong with it, but its description is longer than a pipe, and wherever it is cut it ends like a whole one.
+#include "good.hpp"
+
+#include <string>
+
+static const std::string words(1 << 19, '\n');
+
+BROKEN(plugin.node.summary = words.c_str();)

@@ -1,0 +1,54 @@
+// The first line of the loop's page: it is green only if nothing is left to look at.
+#include "report/installation_page.hpp"
+
+#include <gtest/gtest.h>
+
+#include "report/sections.hpp"
+
+namespace plumbline::report {
+namespace {
+
+std::string next_of(const InstallationPlanT& plan, const LoopStateT& state) {
+  return render_page("Loop", [&](Markup& html) { write_next(html, plan, state, {}); });
+}
+
+LoopStateT with_verified_panel() {
+  LoopStateT state;
+  state.items.push_back(std::make_unique<LoopItemT>());
+  LoopItemT& panel = *state.items.back();
+  panel.id = "p0", panel.kind = "panel", panel.floor = 1, panel.status = ItemStatus::verified;
+  panel.hangs = panel.seen = true;
+  state.next = "nothing: every panel hangs within its limits";
+  return state;
+}
+
+bool is_green(const std::string& page) { return page.find("class=\"verdict pass\"") != std::string::npos; }
+
+TEST(InstallationPage, IsGreenOnlyIfNobodyIsToLookAtAnything) {
+  EXPECT_TRUE(is_green(next_of({}, with_verified_panel())));
+  LoopStateT moved = with_verified_panel(), bracket = with_verified_panel();
+  moved.moved_control = {"CP3"};
+  EXPECT_FALSE(is_green(next_of({}, moved)));
+  bracket.items.push_back(std::make_unique<LoopItemT>());
+  bracket.items.back()->id = "b0", bracket.items.back()->kind = "bracket";
+  bracket.items.back()->status = ItemStatus::rejected;
+  EXPECT_FALSE(is_green(next_of({}, bracket)));
+}
+
+TEST(InstallationPage, ADoubtfulMeasurementStandsBeforeWhatItSays) {
+  InstallationPlanT plan;
+  plan.doubts = {"the image block: group tags contradicts the rest"};
+  const std::string page = next_of(plan, with_verified_panel());
+  EXPECT_FALSE(is_green(page));
+  EXPECT_NE(page.find("Mend the measurement, it decides nothing: the image block"), std::string::npos);
+  EXPECT_EQ(page.find("Next: nothing"), std::string::npos);
+}
+
+TEST(InstallationPage, WhoeverIsToSeeAPanelHangIsCounted) {
+  LoopStateT state = with_verified_panel();
+  state.items[0]->status = ItemStatus::relocalised, state.items[0]->seen = false;
+  EXPECT_NE(next_of({}, state).find("1\u00A0item waits"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace plumbline::report
