@@ -46,8 +46,8 @@ Trust trust_of(const Block* block, const SurveyNetwork* network) {
         text_of(network->validity()) == "doubtful" && statistics && statistics->degrees_of_freedom() > 0;
     const std::string words = "the survey: " + text_of(network->verdict() ? network->verdict() : network->validity());
     const double factor =
-        tested && !network->scaled_with_sigma0() ? std::max(1.0, std::pow(statistics->sigma0(), 2)) : 1;
-    if (!tested)
+        tested && !network->scaled_with_sigma0() ? std::max(std::pow(statistics->sigma0(), 2), 1.0) : 1;
+    if (!tested || !std::isfinite(factor))
       trust.doubts.push_back(words);
     else
       trust.factor = std::max(trust.factor, factor),
@@ -57,7 +57,8 @@ Trust trust_of(const Block* block, const SurveyNetwork* network) {
   for (const auto* test : *block->tests()) {
     if (test->passed()) continue;
     const std::string words = "the image block: " + text_of(test->words() ? test->words() : test->group());
-    if (tests_observations(*block, *test)) {
+    // By how much is not known: no factor makes up for it.
+    if (tests_observations(*block, *test) || !std::isfinite(test->variance_factor())) {
       trust.doubts.push_back(words);
       continue;
     }

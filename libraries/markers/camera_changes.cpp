@@ -9,6 +9,8 @@
 #include <map>
 #include <numeric>
 
+#include "plumbline/stop.hpp"
+
 namespace plumbline::markers {
 namespace {
 
@@ -206,6 +208,7 @@ class Search {
       if (hypothesis.what != What::aspect && hypothesis.what != What::turned)
         for (Contrast& group : groups(fit, hypothesis)) contrasts.push_back(std::move(group));
       for (Contrast& contrast : contrasts) {
+        stop_point();
         Candidate one{&hypothesis, std::move(contrast), {}, 0};
         one.fit = fit.fit(step_of(one));
         one.value = one.fit.gain + one.contrast.log_prior + offset;

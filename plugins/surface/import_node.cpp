@@ -289,7 +289,7 @@ void ImportCloud::run(Context& context) {
   const Eigen::Matrix3d of_steps = turn * (steps.cwiseAbs2() / 12).asDiagonal() * turn.transpose();
   const Eigen::Vector3d middle = middle_of(faces.faces);
   std::optional<ScanPlace> own;
-  if (apart && tiles.scans() > 1) own = stated_place(*scan_sigma, *scan_turn_sigma, middle);
+  if (apart) own = stated_place(*scan_sigma, *scan_turn_sigma, middle);
   commit(context, faces, tiles, places_of(fit, *place_sigma, *turn_sigma, middle, of_steps), own, folder.path, folder.uri);
 }
 

@@ -16,7 +16,7 @@ namespace plumbline::surface {
 
 struct ImportCloud : Node {
   static constexpr Info info{
-      "dense.import", "", 2,
+      "dense.import", "", 3,
       "Reads a point cloud (PLY, LAS 1.0 to 1.4, E57, PTS, XYZ) and keeps the points on the faces of a design"};
   Param<FilePath> file{"file", required, "the cloud: .ply, .las, .e57, .pts, .xyz, recognised by its content"};
   Optional<Design> design{"design", frame("frame=?F"), "whose panels are measured"};
@@ -33,8 +33,8 @@ struct ImportCloud : Node {
   Param<double> turn_sigma{"turn_sigma", 0.0, "rad", between(0, 0.1),
                            "of the scan's orientation about each axis through the middle of the faces, likewise"};
   Param<double> scan_sigma{"scan_sigma", 0.0, "m", between(0, 10),
-                           "of each scan's place by itself, where a file has several (blocks of PTS, point source ids of LAS, "
-                           "scans of E57): what they differ by where two of them meet"};
+                           "of each scan's place by itself (blocks of PTS, point source ids of LAS, scans of E57): what they differ "
+                           "by where two of them meet"};
   Param<double> scan_turn_sigma{"scan_turn_sigma", 0.0, "rad", between(0, 0.1), "of each scan's orientation, likewise"};
   Param<double> search{"search", 0.05, "m", between(0.001, 2), "a panel further than this from its face is not measured; points are kept to 6 times the noise beyond it"};
   Param<double> tile{"tile", 0.5, "m", between(0.02, 5), "edge of the parts that points are kept in"};

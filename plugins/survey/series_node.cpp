@@ -1,7 +1,6 @@
 #include "series_node.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <optional>
 #include <set>
@@ -10,31 +9,11 @@
 #include "series_files.hpp"
 #include "survey/adjust/adjust_network.hpp"
 #include "survey/doctor/check_control.hpp"
+#include "survey/doctor/network_words.hpp"
 
 namespace plumbline::survey {
 
 namespace {
-
-/// "2025-03-14" or "14.03.2025" as days from 1970; nullopt: no date.
-std::optional<double> day_of(const std::string& date) {
-  int part[3] = {0, 0, 0};
-  const char* at = date.data();
-  const char* const end = at + std::min<size_t>(date.size(), 10);
-  for (int k = 0; k < 3; ++k) {
-    const auto read = std::from_chars(at, end, part[k]);
-    if (read.ec != std::errc()) return std::nullopt;
-    at = read.ptr;
-    if (k < 2 && (at == end || (*at != '-' && *at != '.'))) return std::nullopt;
-    if (k < 2) ++at;
-  }
-  if (part[0] <= 31 && part[2] > 1900) std::swap(part[0], part[2]);
-  int y = part[0];
-  const int m = part[1], d = part[2];
-  if (y < 1900 || y > 2200 || m < 1 || m > 12 || d < 1 || d > 31) return std::nullopt;
-  y -= m <= 2;  // Hinnant, days from civil
-  const int era = y / 400, of_era = y - era * 400, of_year = (153 * (m + (m > 2 ? -3 : 9)) + 2) / 5 + d - 1;
-  return era * 146097 + of_era * 365 + of_era / 4 - of_era / 100 + of_year - 719468;
-}
 
 /// Instrument stations that no sight leads to stand elsewhere every time.
 std::set<std::string> stations_without_mark(const plumbline::survey::SurveyObservations& survey) {
@@ -97,20 +76,37 @@ void EpochSeriesNode::run(Context& context) {
       all.coordinates.segment<3>(static_cast<Eigen::Index>(3 * k)) = r.points[k].position;
     }
     epoch.epoch = part_of(all, keep);
-    dates.push_back(day_of(survey.info.date));
+    dates.push_back(day_of_date(survey.info.date));
     text.labels.push_back(survey.info.date.empty() ? name : survey.info.date);
   }
   // Three of a network of plan positions are two shifts and a turn, of one in space three shifts.
   text.options.free_motions = merged_motions(largest, smallest, dated.front().epoch);
   bool dates_ascend = true;
-  for (size_t i = 0; i < dates.size(); ++i) dates_ascend &= dates[i] && (i == 0 || *dates[i] > *dates[i - 1]);
+  for (size_t i = 0; i < dates.size(); ++i) {
+    if (days->empty() && i > 0 && dates[i] && dates[i - 1] && *dates[i] < *dates[i - 1])
+      throw std::runtime_error(
+          "by the dates in their heads " + dated[i].name + " (" + text.labels[i] + ") is older than " +
+          dated[i - 1].name + " (" + text.labels[i - 1] +
+          "): name the files oldest first, or give days=[0, 30, ...] if the dates are not those of "
+          "the measurement");
+    dates_ascend &= dates[i] && (i == 0 || *dates[i] > *dates[i - 1]);
+  }
   text.unit = !days->empty() || dates_ascend ? "day" : "epoch";
   for (size_t i = 0; i < dated.size(); ++i)
     text.times.push_back(dated[i].time = !days->empty() ? (*days)[i]
                                          : dates_ascend ? *dates[i] - *dates[0]
                                                         : static_cast<double>(i + 1));
   if (text.unit == "epoch")
-    context.warn("the files do not say when they were measured: velocities are per epoch; give days=[0, 30, ...]");
+    context.warn(
+        "the files do not say when they were measured, or not apart from each other: velocities are per epoch; give "
+        "days=[0, 30, ...]");
+  else if (days->empty()) {
+    std::string dates_taken;
+    for (const double time : text.times) dates_taken += (dates_taken.empty() ? "" : ", ") + fixed_digits(time, 0);
+    context.warn("velocities are by the dates in the heads of the files (days " + dates_taken +
+                 "), which of exports (JobXML, LandXML) are those of the export: give days=[0, 30, ...] if it was "
+                 "measured on others");
+  }
   const EpochSeries result = epoch_series(dated, text.options);
   if (result.degrees_of_freedom > 0)
     context.warn(result.variances);

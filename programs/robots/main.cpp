@@ -1,6 +1,7 @@
 // plumbline-robots: a job to one robot of VDA 5050, through a broker, to its end. What the robot said lies in the
 // folder's states.jsonl afterwards, for read.reports. May be killed and started again at any moment.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -46,7 +47,7 @@ std::string content_of(const std::string& path) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-/// The job, if it may be carried out: signed as it must be, within its time.
+/// The job, signed as it must be.
 Job job_to_do(const Arguments& arguments) {
   const std::string text = content_of(arguments.job);
   if (!arguments.public_key.empty()) {
@@ -55,10 +56,17 @@ Job job_to_do(const Arguments& arguments) {
         !fault.empty())
       throw std::runtime_error(arguments.job + ": " + fault);
   }
-  Job job = read_job(text);
-  if (const auto objections = job_objections(job, 0, utc_now(), job.basis); !objections.empty())
+  return read_job(text);
+}
+
+/// What began within its time is followed to its end, however late; what did not is not begun.
+void check_time(const Job& job, const Arguments& arguments, const ExchangeLog& log) {
+  const std::vector<std::string> sent = log.sent();
+  const bool begun = std::any_of(sent.begin(), sent.end(), [&](const std::string& line) {
+    return line.find("\"orderId\":\"" + job.id + "\"") != std::string::npos;
+  });
+  if (const auto objections = job_objections(job, 0, begun ? "" : utc_now(), job.basis); !objections.empty())
     throw std::runtime_error(arguments.job + ": " + objections[0]);
-  return job;
 }
 
 VdaRobot robot_of(const Arguments& arguments) {
@@ -79,6 +87,7 @@ void say(const std::string& line) {
 int carry_out(const Arguments& arguments) {
   const Job job = job_to_do(arguments);
   ExchangeFolder log(arguments.folder);
+  check_time(job, arguments, log);
   OrderExchange exchange(job, robot_of(arguments), log);
   MqttClient client(arguments.broker);
   client.on_message = [&](const std::string&, const std::string& payload) {

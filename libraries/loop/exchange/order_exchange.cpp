@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "loop/job/job.hpp"
 #include "loop/state/date.hpp"
 
 namespace plumbline::loop {
@@ -205,6 +206,14 @@ std::vector<MqttMessage> OrderExchange::due(double now, const std::string& utc) 
   // The robot has answered that it does not have the order.
   if (sent_at_ >= 0 && now - sent_at_ < times_.answer) return {};
   if (!other_order_.empty() && now - other_sent_at_ < times_.expiry) return {};
+  // It was valid when this began: the robot may have been busy for hours.
+  if (const auto objections = job_objections(job_, 0, utc, job_.basis);
+      !job_.valid_until.empty() && !objections.empty()) {
+    status_ = sent_at_ < 0 ? ExchangeStatus::rejected : ExchangeStatus::unknown;
+    reason_ = objections[0] +
+              (sent_at_ < 0 ? ": it was not sent; make a new one" : ": it is not sent again; measure the items");
+    return {};
+  }
   return {order(now, utc)};
 }
 

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <limits>
 #include <set>
@@ -254,6 +255,29 @@ void add_velocity(const std::vector<Seen>& seen, const std::vector<Index>& axes,
 }
 
 }  // namespace
+
+std::optional<double> day_of_date(const std::string& date) {
+  int part[3] = {0, 0, 0};
+  const char* at = date.data();
+  const char* const end = at + std::min<size_t>(date.size(), 10);
+  for (int k = 0; k < 3; ++k) {
+    const auto read = std::from_chars(at, end, part[k]);
+    if (read.ec != std::errc()) return std::nullopt;
+    at = read.ptr;
+    if (k < 2 && (at == end || (*at != '-' && *at != '.'))) return std::nullopt;
+    if (k < 2) ++at;
+  }
+  if (part[0] <= 31 && part[2] > 1900) {
+    if (date.find('-') < 4) std::swap(part[0], part[1]);
+    std::swap(part[0], part[2]);
+  }
+  int y = part[0];
+  const int m = part[1], d = part[2];
+  if (y < 1900 || y > 2200 || m < 1 || m > 12 || d < 1 || d > 31) return std::nullopt;
+  y -= m <= 2;  // Hinnant, days from civil
+  const int era = y / 400, of_era = y - era * 400, of_year = (153 * (m + (m > 2 ? -3 : 9)) + 2) / 5 + d - 1;
+  return era * 146097 + of_era * 365 + of_era / 4 - of_era / 100 + of_year - 719468;
+}
 
 EpochSeries epoch_series(const std::vector<DatedEpoch>& epochs, const SeriesOptions& options) {
   if (epochs.size() < 2) throw std::runtime_error("a series needs two epochs at least");

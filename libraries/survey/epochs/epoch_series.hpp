@@ -11,6 +11,7 @@
 // Überwachungsmessungen, 9.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -67,6 +68,10 @@ struct EpochSeries {
   std::vector<std::string> seen_once;     ///< points of one epoch only, or held without error
   std::vector<SeriesPoint> points;        ///< those that some epoch sees again, in the order they first appear
 };
+
+/// A date of a file's head as days from 1970: "2025-03-14", "14.03.2025", "03-14-2025" (RW5 has the month first).
+/// nullopt: no date.
+std::optional<double> day_of_date(const std::string& date);
 
 /// Throws std::runtime_error: fewer than two epochs, times that do not ascend, no common datum.
 EpochSeries epoch_series(const std::vector<DatedEpoch>& epochs, const SeriesOptions& options);

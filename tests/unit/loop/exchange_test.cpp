@@ -279,6 +279,36 @@ TEST(Exchange, ARobotAtAnotherOrderIsWaitedForAndARefusalIsSaid) {
   EXPECT_TRUE(exchange.due(200, utc_of(200)).empty());
 }
 
+TEST(Exchange, AJobIsNotSentAfterItsTime) {
+  World world({}, 6);
+  world.robot.order = "somebody-elses", world.robot.actions = {{"x", "RUNNING"}};
+  Job job = job_of("job-a", 1);
+  job.valid_until = "2026-05-02T00:02:00Z";
+  const auto sent = [&](double free_at, Disk& disk, OrderExchange& exchange) {
+    exchange.due(100, utc_of(100));
+    exchange.on_state(world.robot.state(101), 101);
+    Robot done = world.robot;
+    done.actions[0].second = "FINISHED";
+    exchange.on_state(done.state(free_at), free_at);
+    exchange.due(free_at, utc_of(free_at));
+    return disk.sent_lines.size();
+  };
+  Disk early, late;
+  OrderExchange in_time(job, robot_one(), early), too_late(job, robot_one(), late);
+  EXPECT_EQ(sent(119, early, in_time), 1u);
+  EXPECT_EQ(sent(121, late, too_late), 0u);
+  EXPECT_EQ(too_late.status(), ExchangeStatus::rejected);
+  EXPECT_NE(too_late.reason().find("was valid until 2026-05-02T00:02:00Z"), std::string::npos) << too_late.reason();
+  // One that was sent in time, and lost, is not sent again.
+  in_time.on_state(world.robot.state(124), 124);
+  Robot idle = world.robot;
+  idle.actions[0].second = "FINISHED";
+  in_time.on_state(idle.state(125), 125);
+  EXPECT_TRUE(in_time.due(125, utc_of(125)).empty());
+  EXPECT_EQ(early.sent_lines.size(), 1u);
+  EXPECT_EQ(in_time.status(), ExchangeStatus::unknown);
+}
+
 TEST(Exchange, WhatIsNoStateOfThisRobotChangesNothing) {
   Disk disk;
   OrderExchange exchange(job_of("job-a", 1), robot_one(), disk);

@@ -380,4 +380,24 @@ TEST(ImportNode, ScansOfAFileErrEachByItself) {
   EXPECT_LT(sigma, std::hypot(0.001, 0.0021));
 }
 
+/// What a scan is off by does not go away because no other one of the file, or none at all, is on the faces.
+TEST(ImportNode, TheOnlyScanOnTheFacesErrsByItselfToo) {
+  Places here, elsewhere;
+  for (const Eigen::Vector3d& point : scan()) {
+    here.push_back(point - Eigen::Vector3d(119, 79, 9));
+    elsewhere.push_back(here.back() + Eigen::Vector3d(0, 40, 0));
+  }
+  const std::string pose = "<pose><translation><x>119</x><y>79</y><z>9</z></translation></pose>";
+  const cloud_bytes::E57ScanBytes on{here, {}, pose, "double"}, off{elsewhere, {}, pose, "double"};
+  for (const std::vector<cloud_bytes::E57ScanBytes>& file : {std::vector{on, off}, std::vector{on}}) {
+    Import import("scans.e57", cloud_bytes::e57_file(file));
+    import.node.set("scan_sigma", "0.002");
+    import.node.run();
+    const auto surface = import.node.output<SurfacePoints>("surface");
+    ASSERT_EQ(surface.rank, 6) << file.size() << " scans";
+    for (const StatedPoint& point : stated_points(surface, import.node.output<Folder>("files").uri))
+      EXPECT_NEAR(point.by_common_errors.row(1).norm(), 0.002, 1e-9);
+  }
+}
+
 }  // namespace

@@ -211,6 +211,13 @@ TEST(EpochSeries, ANamedPointThatMovedIsTold) {
   EXPECT_TRUE(epoch_series(site.make(), options).contradicted.empty());
 }
 
+/// Velocities go with them: DT06-01-2024 of an RW5 file is the first of June.
+TEST(EpochSeries, DatesAreReadAsTheirFormatsHaveThem) {
+  for (const char* date : {"2024-06-01", "01.06.2024", "06-01-2024", "2024-06-01T10:20:30"})
+    EXPECT_EQ(day_of_date(date), 19875) << date;
+  for (const char* none : {"", "10-Feb-93 08:23", "2024", "13.13.2024"}) EXPECT_FALSE(day_of_date(none)) << none;
+}
+
 /// A point that is first seen later is compared with where it was then.
 TEST(EpochSeries, PointsMayComeLater) {
   std::vector<DatedEpoch> epochs = Site{4, 2}.make();

@@ -57,6 +57,19 @@ SurveyObservations network_with_a_blunder(bool with_coordinates) {
   return survey;
 }
 
+/// What is no result is examined for its cause: hypotheses that fail are no stops, and stops no hypotheses that fail.
+TEST(Stopped, TheSearchForACauseStopsWhereverItIs) {
+  SurveyObservations survey = network_with_a_blunder(false);
+  for (Observation& o : survey.observations)
+    if (o.kind == ObservationKind::direction) o.value *= 0.9;
+  expect_to_stop_everywhere([&] {
+    try {
+      adjust_network(survey, {});
+    } catch (const NetworkError&) {
+    }
+  });
+}
+
 TEST(Stopped, AnAdjustmentStopsWhereverItIs) {
   for (const bool with_coordinates : {true, false}) {
     const SurveyObservations survey = network_with_a_blunder(with_coordinates);
@@ -88,7 +101,8 @@ TEST(Stopped, APlanStopsWhereverItIs) {
   std::vector<PlannedMarker> markers;
   for (int f = 1; f <= 2; ++f)
     for (int c = 1; c <= 3; ++c)
-      markers.push_back({"A" + std::to_string(f) + std::to_string(c), {2.0 * c, 0.1 * (c % 2), 4.0 * f}, {0, -1, 0}, f, c});
+      markers.push_back(
+          {"A" + std::to_string(f) + std::to_string(c), {2.0 * c, 0.1 * (c % 2), 4.0 * f}, {0, -1, 0}, f, c});
   PlanOptions options;
   options.profile = built_in_profile("ics50_assumed");
   expect_to_stop_everywhere([&] { plan_survey(markers, {{"S1", {5, -15, 1.6}}}, options); });

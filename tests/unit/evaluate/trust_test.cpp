@@ -1,0 +1,45 @@
+// What fails a test proves nothing; what only fits less well than it should is less certain, by a factor that is known.
+#include "judgement/trust.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace plumbline::judgement {
+namespace {
+
+/// One failed test of a block whose observations are "images" and "control".
+Trust after(const char* test, double variance_factor) {
+  flatbuffers::FlatBufferBuilder made;
+  const auto groups =
+      made.CreateVector(std::vector{CreateBlockGroupDirect(made, "images"), CreateBlockGroupDirect(made, "control")});
+  const auto tests =
+      made.CreateVector(std::vector{CreateBlockTestDirect(made, test, variance_factor, 1.0, false, "it does not fit"),
+                                    CreateBlockTestDirect(made, "images", 9.0, 10.0, true)});
+  const auto start = made.StartTable();
+  made.AddOffset(Block::VT_GROUPS, groups), made.AddOffset(Block::VT_TESTS, tests);
+  made.Finish(flatbuffers::Offset<Block>(made.EndTable(start)));
+  return trust_of(flatbuffers::GetRoot<Block>(made.GetBufferPointer()), nullptr);
+}
+
+TEST(Trust, AModelThatFitsLessWellMakesEverythingLessCertainAndAGroupThatContradictsProvesNothing) {
+  EXPECT_TRUE(trust_of(nullptr, nullptr).doubts.empty());
+  EXPECT_EQ(trust_of(nullptr, nullptr).factor, 1);
+  const Trust model = after("one principal point", 6.25), group = after("control", 6.25);
+  EXPECT_TRUE(model.doubts.empty());
+  EXPECT_EQ(model.factor, 6.25);
+  ASSERT_EQ(model.misfits.size(), 1u);
+  EXPECT_NE(model.misfits[0].find("standard deviations are 2.5 times as large"), std::string::npos);
+  EXPECT_TRUE(group.misfits.empty());
+  EXPECT_EQ(group.doubts.size(), 1u);
+}
+
+TEST(Trust, ATestThatFailsByNobodyKnowsHowMuchIsADoubt) {
+  const Trust trust = after("one principal point", std::nan(""));
+  EXPECT_TRUE(trust.misfits.empty());
+  ASSERT_EQ(trust.doubts.size(), 1u);
+  EXPECT_EQ(trust.doubts[0], "the image block: it does not fit");
+}
+
+}  // namespace
+}  // namespace plumbline::judgement
