@@ -55,7 +55,8 @@ Heights swept(const CellGrid& grid, const std::vector<FacetView>& views, const F
       const Eigen::Vector2d at = grid.middle(cell);
       double spacing = 0;
       for (const FacetView& view : views)
-        if (const auto map = map_at(*view.view, grid.plane, {at.x(), at.y(), 0}, 8)) spacing = std::max(spacing, map->ground_pixel());
+        if (const auto map = map_at(*view.view, grid.plane, {at.x(), at.y(), 0}, 8))
+          spacing = std::max(spacing, map->ground_pixel());
       if (!(spacing > 0)) continue;
       bool two = false;
       Facet best;
@@ -155,13 +156,17 @@ void pair(const std::string& left, const std::string& right, const std::string& 
       const Eigen::Vector2d at = grid.middle(cell);
       if (std::isnan(found.height[cell])) {
         const auto map = map_at(views[0], grid.plane, {at.x(), at.y(), 0}, 8);
-        if (map && truth[static_cast<size_t>(std::lround(map->pixel.y())) * static_cast<size_t>(width) + static_cast<size_t>(std::lround(map->pixel.x()))] > 0) ++all;
+        if (map && truth[static_cast<size_t>(std::lround(map->pixel.y())) * static_cast<size_t>(width) +
+                         static_cast<size_t>(std::lround(map->pixel.x()))] > 0)
+          ++all;
         continue;
       }
       const Eigen::Vector3d point = grid.plane.world({at.x(), at.y(), found.height[cell]});
       const auto seen = project(views[0].camera, point);
       if (!seen || seen->x() < 0 || seen->y() < 0 || seen->x() > width - 1 || seen->y() > height - 1) continue;
-      const auto d = static_cast<double>(truth[static_cast<size_t>(std::lround(seen->y())) * static_cast<size_t>(width) + static_cast<size_t>(std::lround(seen->x()))]);
+      const auto d =
+          static_cast<double>(truth[static_cast<size_t>(std::lround(seen->y())) * static_cast<size_t>(width) +
+                                    static_cast<size_t>(std::lround(seen->x()))]);
       if (!(d > 0) || !std::isfinite(d)) continue;
       ++all;
       const double here = f / point.z(), error = std::abs(here - d);
@@ -169,11 +174,13 @@ void pair(const std::string& left, const std::string& right, const std::string& 
       within += error < 3 * found.sigma[cell] * here / point.z();
     }
     const double count = static_cast<double>(errors.size());
-    std::printf("%-22s complete %5.1f %%, |error| median %.3f px, 90 %% below %.2f px, above 1 px %4.1f %%, above 2 px %4.1f %%, "
-                "within 3 sigma %4.1f %%; %.2f s, %.1f ns a pixel and hypothesis\n",
-                name, 100 * count / static_cast<double>(all), quantile(errors, 0.5), quantile(errors, 0.9),
-                100 * static_cast<double>(bad) / count, 100 * static_cast<double>(far) / count, 100 * within / count, found.seconds,
-                1e9 * found.seconds / (static_cast<double>(width) * height * hypotheses));
+    std::printf(
+        "%-22s complete %5.1f %%, |error| median %.3f px, 90 %% below %.2f px, above 1 px %4.1f %%, above 2 px %4.1f "
+        "%%, "
+        "within 3 sigma %4.1f %%; %.2f s, %.1f ns a pixel and hypothesis\n",
+        name, 100 * count / static_cast<double>(all), quantile(errors, 0.5), quantile(errors, 0.9),
+        100 * static_cast<double>(bad) / count, 100 * static_cast<double>(far) / count, 100 * within / count,
+        found.seconds, 1e9 * found.seconds / (static_cast<double>(width) * height * hypotheses));
   };
   tell("dense.plane_sweep", swept(grid, both, sweep));
   tell("dense.sgm", matched(grid, both, {*rectified}, sgm));
@@ -200,7 +207,8 @@ void fountain(const std::string& folder) {
       const std::vector<FacetView> views = set.every(half, 2);
       std::vector<View> oriented;
       for (const FacetView& view : views) oriented.push_back(*view.view);
-      found[half] = name[6] == 'p' ? swept(grid, views, sweep) : matched(grid, views, pairs_for(grid.plane, {0, 0}, oriented, 2, 10), sgm);
+      found[half] = name[6] == 'p' ? swept(grid, views, sweep)
+                                   : matched(grid, views, pairs_for(grid.plane, {0, 0}, oriented, 2, 10), sgm);
     }
     std::vector<double> differences, ratios;
     size_t count[2] = {0, 0}, within = 0;
@@ -213,11 +221,16 @@ void fountain(const std::string& folder) {
       within += ratios.back() < 3;
     }
     const double both = static_cast<double>(differences.size());
-    std::printf("%-22s of %zu cells even %zu, odd %zu, both %.0f; |difference| median %.2f mm, 90 %% below %.2f mm, above 20 mm "
-                "%.1f %%; over its sigma median %.2f, within 3 sigma %.0f %%; %.1f s\n",
-                name, grid.size(), count[0], count[1], both, 1e3 * quantile(differences, 0.5), 1e3 * quantile(differences, 0.9),
-                100 * static_cast<double>(std::count_if(differences.begin(), differences.end(), [](double d) { return d > 0.02; })) / both,
-                quantile(ratios, 0.5), 100 * static_cast<double>(within) / both, found[0].seconds + found[1].seconds);
+    std::printf(
+        "%-22s of %zu cells even %zu, odd %zu, both %.0f; |difference| median %.2f mm, 90 %% below %.2f mm, above 20 "
+        "mm "
+        "%.1f %%; over its sigma median %.2f, within 3 sigma %.0f %%; %.1f s\n",
+        name, grid.size(), count[0], count[1], both, 1e3 * quantile(differences, 0.5), 1e3 * quantile(differences, 0.9),
+        100 *
+            static_cast<double>(
+                std::count_if(differences.begin(), differences.end(), [](double d) { return d > 0.02; })) /
+            both,
+        quantile(ratios, 0.5), 100 * static_cast<double>(within) / both, found[0].seconds + found[1].seconds);
   }
 }
 
@@ -232,9 +245,11 @@ void locking() {
     views[k].camera.width = 1600, views[k].camera.height = 400;
     views[k].camera.fx = views[k].camera.fy = 4000, views[k].camera.cx = 800, views[k].camera.cy = 200;
     // All parallel: rectified pairs are then the photographs themselves, and nothing is smoothed on the way.
-    views[k].cam_from_world = plumbline::testing::looking(scene.plane.world({0.4 * (static_cast<double>(k) - 1), 0, 3}),
-                                                          scene.plane.world({0.4 * (static_cast<double>(k) - 1), 0, 0}));
-    images.push_back(pyramid_of(plumbline::testing::exposed(plumbline::testing::photograph(scene, views[k].camera, views[k].cam_from_world), 1600, 400, 1.5, k)));
+    views[k].cam_from_world =
+        plumbline::testing::looking(scene.plane.world({0.4 * (static_cast<double>(k) - 1), 0, 3}),
+                                    scene.plane.world({0.4 * (static_cast<double>(k) - 1), 0, 0}));
+    images.push_back(pyramid_of(plumbline::testing::exposed(
+        plumbline::testing::photograph(scene, views[k].camera, views[k].cam_from_world), 1600, 400, 1.5, k)));
   }
   std::vector<FacetView> all;
   for (size_t k = 0; k < 3; ++k) all.push_back({&views[k], &images[k]});
@@ -260,7 +275,8 @@ void locking() {
       const auto bin = static_cast<size_t>(8 * (truth - std::floor(truth)));
       sum[bin] += here - truth, ++count[bin], squares += (here - truth) * (here - truth), mean += here - truth, ++cells;
     }
-    std::printf("%-22s %d cells, rms %.4f px, mean %+.4f px; mean by eighths of a disparity:", name, cells, std::sqrt(squares / cells), mean / cells);
+    std::printf("%-22s %d cells, rms %.4f px, mean %+.4f px; mean by eighths of a disparity:", name, cells,
+                std::sqrt(squares / cells), mean / cells);
     for (size_t bin = 0; bin < 8; ++bin) std::printf(" %+.3f", count[bin] ? sum[bin] / count[bin] : kNan);
     std::printf("\n");
   }

@@ -33,7 +33,7 @@ struct CloudSummary {
   /// Steps that each coordinate is written in, in the unit of the file: the scale of LAS, what a 32-bit float leaves at
   /// the largest coordinate, the last decimal of text. Known after read_cloud.
   Eigen::Vector3d resolution = Eigen::Vector3d::Zero();
-  int scans = 1;                ///< that it says it has: blocks of PTS, point source ids of LAS, scans of E57; each may err by itself
+  int scans = 1;  ///< that it says it has: blocks of PTS, point source ids of LAS, scans of E57; each may err by itself
   bool either_foot = false;     ///< it says feet and not which; `unit` is then that of the international foot
   std::string without_unit_of;  ///< a coordinate system that it names by a number without its unit: "EPSG:2263"
 };
@@ -45,10 +45,10 @@ using PointSink = std::function<void(const std::vector<Eigen::Vector3d>& points,
 /// What the file says before its points: format and unit. Throws CloudError as read_cloud does.
 CloudSummary look_at_cloud(const std::string& path);
 
-/// Reads a file of whatever format it is, by its first bytes, and hands its points on, up to 65536 at a time, those of a
-/// scan in the order of the file. Throws CloudError for a file that is empty, shorter than it announces, of a kind that is not read
-/// (compressed LAZ, PTX, PCD: it says how to get one that is), or without a single point that has coordinates.
-/// What `sink` throws goes through.
+/// Reads a file of whatever format it is, by its first bytes, and hands its points on, up to 65536 at a time, those of
+/// a scan in the order of the file. Throws CloudError for a file that is empty, shorter than it announces, of a kind
+/// that is not read (compressed LAZ, PTX, PCD: it says how to get one that is), or without a single point that has
+/// coordinates. What `sink` throws goes through.
 CloudSummary read_cloud(const std::string& path, const PointSink& sink);
 
 }  // namespace plumbline::cloud

@@ -124,8 +124,8 @@ struct LasRecords {
   std::uint32_t count = 0, extended = 0;
 };
 
-/// Puts into `summary` what the records say of the unit. Throws CloudError for degrees, and for a height of another unit
-/// than the plan.
+/// Puts into `summary` what the records say of the unit. Throws CloudError for degrees, and for a height of another
+/// unit than the plan.
 void take_las_unit(CloudStream& stream, const LasRecords& records, CloudSummary& summary);
 
 }  // namespace plumbline::cloud

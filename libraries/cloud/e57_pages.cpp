@@ -77,7 +77,8 @@ void E57Pages::load(std::uint64_t page, const char* what) {
 
 void E57Pages::read(char* to, std::uint64_t bytes, const char* what) {
   if (bytes > content_left())
-    stream_.fail_at_byte(physical(), "the file ends after " + std::to_string(stream_.size()) + " bytes, within " + what);
+    stream_.fail_at_byte(physical(),
+                         "the file ends after " + std::to_string(stream_.size()) + " bytes, within " + what);
   while (bytes > 0) {
     const std::uint64_t page = position_ / kContent, at = position_ % kContent;
     if (page != loaded_) load(page, what);

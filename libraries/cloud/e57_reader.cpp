@@ -19,7 +19,9 @@ class BitStream {
     end_ += count;
   }
   std::uint64_t ready(std::uint64_t most) const {
-    return field_.bits == 0 ? most : std::min<std::uint64_t>(most, (8 * end_ - first_) / static_cast<std::uint64_t>(field_.bits));
+    return field_.bits == 0
+               ? most
+               : std::min<std::uint64_t>(most, (8 * end_ - first_) / static_cast<std::uint64_t>(field_.bits));
   }
   double next() {
     const std::uint64_t stored = bits();
@@ -53,7 +55,7 @@ void take_steps(const E57Scan& scan, double farthest, const Eigen::Vector3d& flo
   Eigen::Vector3d own;
   for (int i = 0; i < 3; ++i) {
     const E57Field& field = scan.fields[static_cast<size_t>(scan.coordinates[i])];
-    own(i) = field.kind == E57Field::Kind::integer ? std::abs(field.scale)
+    own(i) = field.kind == E57Field::Kind::integer        ? std::abs(field.scale)
              : field.kind == E57Field::Kind::single_float ? floats(i)
                                                           : 0;
   }
@@ -64,7 +66,12 @@ void take_steps(const E57Scan& scan, double farthest, const Eigen::Vector3d& flo
 class ScanPoints {
  public:
   ScanPoints(E57Pages& pages, const E57Scan& scan, size_t number, CloudSummary& summary, PointBatch& batch)
-      : pages_(pages), scan_(scan), number_(number), summary_(summary), batch_(batch), turn_(scan.rotation.toRotationMatrix()) {
+      : pages_(pages),
+        scan_(scan),
+        number_(number),
+        summary_(summary),
+        batch_(batch),
+        turn_(scan.rotation.toRotationMatrix()) {
     where_ = "the points of scan " + std::to_string(number);
     for (const E57Field& field : scan.fields) streams_.emplace_back(field);
     for (size_t f = 0; f < streams_.size(); ++f)
@@ -84,14 +91,17 @@ class ScanPoints {
     const auto length = number_at<std::uint64_t>(head + 8);
     pages_.seek_physical(number_at<std::uint64_t>(head + 16), where_.c_str());
     while (done_ < scan_.points) {
-      if (pages_.position() - begin >= length) fail("its packets end after " + std::to_string(done_) + " of " + std::to_string(scan_.points) + " points");
+      if (pages_.position() - begin >= length)
+        fail("its packets end after " + std::to_string(done_) + " of " + std::to_string(scan_.points) + " points");
       packet();
     }
     take_steps(scan_, farthest_, Eigen::Vector3d(step_(0), step_(1), step_(2)), summary_.resolution);
   }
 
  private:
-  [[noreturn]] void fail(const std::string& what) { pages_.stream().fail_at_byte(pages_.physical(), where_ + ": " + what); }
+  [[noreturn]] void fail(const std::string& what) {
+    pages_.stream().fail_at_byte(pages_.physical(), where_ + ": " + what);
+  }
 
   void packet() {
     const std::uint64_t begin = pages_.position();
@@ -108,11 +118,13 @@ class ScanPoints {
     pages_.read(head + 4, 2, where_.c_str());
     const std::uint64_t count = number_at<std::uint16_t>(head + 4);
     if (count != streams_.size())
-      fail("a packet of " + std::to_string(count) + " streams, its points have " + std::to_string(streams_.size()) + " fields");
+      fail("a packet of " + std::to_string(count) + " streams, its points have " + std::to_string(streams_.size()) +
+           " fields");
     std::vector<char> content(length < 6 ? 0 : length - 6);
     pages_.read(content.data(), content.size(), where_.c_str());
     std::uint64_t at = 2 * count;
-    if (at > content.size()) fail("a packet of " + std::to_string(length) + " bytes is shorter than its own list of streams");
+    if (at > content.size())
+      fail("a packet of " + std::to_string(length) + " bytes is shorter than its own list of streams");
     bool anything = false;
     for (size_t f = 0; f < streams_.size(); ++f) {
       const std::uint64_t bytes = number_at<std::uint16_t>(content.data() + 2 * f);
@@ -121,7 +133,8 @@ class ScanPoints {
       if (wanted_[f]) streams_[f].append(content.data() + at, bytes);
       at += bytes, anything = anything || bytes > 0;
     }
-    if (!anything && pages_.position() == begin + 6 + 2 * count && ++empty_ > 1000) fail("a thousand packets without content");
+    if (!anything && pages_.position() == begin + 6 + 2 * count && ++empty_ > 1000)
+      fail("a thousand packets without content");
     unpack();
   }
 
@@ -140,7 +153,8 @@ class ScanPoints {
       take_float_steps(own);
       if (scan_.spherical) {
         farthest_ = std::max(farthest_, own(0));
-        own = own(0) * Eigen::Vector3d(std::cos(own(2)) * std::cos(own(1)), std::cos(own(2)) * std::sin(own(1)), std::sin(own(2)));
+        own = own(0) * Eigen::Vector3d(std::cos(own(2)) * std::cos(own(1)), std::cos(own(2)) * std::sin(own(1)),
+                                       std::sin(own(2)));
       }
       batch_.add(turn_ * own + scan_.translation, number_ - 1);
     }
@@ -153,7 +167,8 @@ class ScanPoints {
       if (!(std::abs(own(c)) > largest_(c))) continue;
       largest_(c) = std::abs(own(c));
       const auto value = static_cast<float>(largest_(c));
-      step_(c) = static_cast<double>(std::nextafter(value, std::numeric_limits<float>::infinity())) - static_cast<double>(value);
+      step_(c) = static_cast<double>(std::nextafter(value, std::numeric_limits<float>::infinity())) -
+                 static_cast<double>(value);
     }
   }
 

@@ -46,7 +46,8 @@ class ScanReader {
   }
   std::uint64_t whole(pugi::xml_node node, const char* name, std::uint64_t without) const {
     const pugi::xml_attribute attribute = node.attribute(name);
-    return attribute ? number<std::uint64_t>(attribute.value(), std::string(name) + " of '" + node.name() + "'") : without;
+    return attribute ? number<std::uint64_t>(attribute.value(), std::string(name) + " of '" + node.name() + "'")
+                     : without;
   }
   template <typename T>
   T value_of(pugi::xml_node field, const char* name, T without) const {
@@ -77,7 +78,8 @@ class ScanReader {
         fail("'" + field.name + "' has a scale of " + std::to_string(field.scale) + " and an offset of " +
              std::to_string(field.offset));
     } else {
-      fail("'" + field.name + "' of a point is of the type '" + type + "', expected Integer, ScaledInteger, Float or String");
+      fail("'" + field.name + "' of a point is of the type '" + type +
+           "', expected Integer, ScaledInteger, Float or String");
     }
     return field;
   }

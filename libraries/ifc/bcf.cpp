@@ -103,7 +103,7 @@ std::vector<Issue> surface_issues(const BcfOptions& options, ToleranceVerdict wa
   std::vector<Issue> issues;
   if (!options.surfaces || !options.surface_judgement) return issues;
   std::map<std::pair<std::string, std::string>, std::vector<const SurfaceVerdictT*>>
-      by_what;  // GlobalId, or both names
+      by_what;                                                   // GlobalId, or both names
   std::map<int, std::vector<const SurfaceVerdictT*>> by_number;  // of the joint: panels may share a name
   for (const auto& verdict : options.surface_judgement->verdicts)
     if (!verdict->second.empty() && verdict->item >= 0)
@@ -125,7 +125,8 @@ std::vector<Issue> surface_issues(const BcfOptions& options, ToleranceVerdict wa
     const auto numbered = by_number.find(static_cast<int>(j));
     const auto found = by_what.find({joint->first, joint->second});
     const bool by_name = joint->first_panel < 0 || static_cast<size_t>(joint->first_panel) >= panels.size();
-    const SurfaceFaceT* face = by_name ? faces[joint->first] : panels[static_cast<size_t>(joint->first_panel)]->face.get();
+    const SurfaceFaceT* face =
+        by_name ? faces[joint->first] : panels[static_cast<size_t>(joint->first_panel)]->face.get();
     if (!face || face->guid.size() != 22 || (numbered == by_number.end() && found == by_what.end())) continue;
     const auto& verdicts = numbered != by_number.end() ? numbered->second : found->second;
     // Two neighbours of one panel may share a name: their topics are two.
@@ -154,7 +155,8 @@ Issue issue_of_doubt(const std::string& doubt) {
   Issue issue;
   issue.guid = "doubt: " + doubt;
   issue.title = "Measurement not to be trusted: " + doubt.substr(0, doubt.find(": "));
-  issue.description = "Not to be trusted, " + doubt + ". Nothing is decided, and no order is given, before it is mended.";
+  issue.description =
+      "Not to be trusted, " + doubt + ". Nothing is decided, and no order is given, before it is mended.";
   issue.verdict = ToleranceVerdict::undecided;
   return issue;
 }

@@ -15,8 +15,8 @@ namespace plumbline::judgement {
 /// Every panel and joint that rules select, against the last rule that limits each quantity; of a joint, rules that
 /// select either of its panels. `facts`: of the design's elements by GlobalId; a panel without is known by its name
 /// alone. What is asked for and cannot be judged stands among the verdicts with its reason; in the requests stands of
-/// every rule what of it is not judged, or not everywhere. A panel of `facts` that nobody looked at, because which of its
-/// sides is outside is not known, is not judged either.
+/// every rule what of it is not judged, or not everywhere. A panel of `facts` that nobody looked at, because which of
+/// its sides is outside is not known, is not judged either.
 ///
 /// Errors are normal with the stated covariance, random and systematic. Along a joint the probability of n places is
 /// bounded by Boole's inequality, 1 - Σ(1 - P): places have errors in common that are not known here, and the bound

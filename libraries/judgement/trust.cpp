@@ -50,8 +50,7 @@ Trust trust_of(const Block* block, const SurveyNetwork* network) {
     if (!tested || !std::isfinite(factor))
       trust.doubts.push_back(words);
     else
-      trust.factor = std::max(trust.factor, factor),
-      trust.misfits.push_back(words + larger(factor) + ".");
+      trust.factor = std::max(trust.factor, factor), trust.misfits.push_back(words + larger(factor) + ".");
   }
   if (!block || !block->tests()) return trust;
   for (const auto* test : *block->tests()) {

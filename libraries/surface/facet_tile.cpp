@@ -27,7 +27,8 @@ std::vector<FacetView> best_views(const FacadePlane& plane, const Eigen::Vector2
     const auto map = map_at(*view.view, plane, {place.x(), place.y(), 0}, 8);
     if (map && map->parallax().norm() < 2.5) candidates.push_back({view, map->parallax(), map->ground_pixel()});
   }
-  std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) { return a.ground < b.ground; });
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const auto& a, const auto& b) { return a.ground < b.ground; });
   while (!candidates.empty() && candidates.back().ground > 2.5 * candidates.front().ground) candidates.pop_back();
   std::vector<Candidate> chosen, near;
   for (const Candidate& candidate : candidates) {
@@ -55,9 +56,9 @@ Eigen::VectorXd by_orientations(const FacadePlane& plane, const Eigen::Vector3d&
     const View& view = *views[static_cast<size_t>(facet.views[i])].view;
     const auto map = map_at(view, plane, place, -1e6);
     if (!map) continue;
-    const Eigen::RowVector2d by_pixel =
-        facet.by_shift[i].transpose() * map->by_place.leftCols<2>().inverse();
-    if (view.orientation >= 0) row.segment<8>(orientations.of_image(view.orientation)) += (by_pixel * map->by_image).transpose();
+    const Eigen::RowVector2d by_pixel = facet.by_shift[i].transpose() * map->by_place.leftCols<2>().inverse();
+    if (view.orientation >= 0)
+      row.segment<8>(orientations.of_image(view.orientation)) += (by_pixel * map->by_image).transpose();
     if (view.camera_number < orientations.cameras)
       row.segment<9>(orientations.of_camera(view.camera_number)) += (by_pixel * map->by_camera).transpose();
   }
@@ -113,10 +114,12 @@ FacetTile tile_of(const FacadePlane& plane, const Rectangle& area,
     const Eigen::Vector3d place(at.x(), at.y(), facet.height);
     tile.measured.points.push_back(
         {(plane.world(place) - tile.measured.centre).cast<float>(), static_cast<float>(facet.sigma)});
-    sensitivity.add(at - tile.place, 1 / (facet.sigma * facet.sigma), by_orientations(plane, place, facet, views, orientations));
+    sensitivity.add(at - tile.place, 1 / (facet.sigma * facet.sigma),
+                    by_orientations(plane, place, facet, views, orientations));
   }
   if (!tile.measured.points.empty() && orientations.size() > 0)
-    tile.sensitivity = sensitivity.solved(0.5 * (area.high - area.low).norm(), static_cast<int>(tile.measured.points.size()));
+    tile.sensitivity =
+        sensitivity.solved(0.5 * (area.high - area.low).norm(), static_cast<int>(tile.measured.points.size()));
   return tile;
 }
 
@@ -128,7 +131,8 @@ FacetTile measure_tile(const FacadePlane& plane, const Rectangle& area, const st
   const Eigen::Vector2d size = area.high - area.low;
   const double own = views.empty() ? 0 : (2 * options.facet.half - 1) * spacing;
   const double pitch = std::max(options.pitch, own);
-  const int columns = std::max(1, static_cast<int>(size.x() / pitch)), rows = std::max(1, static_cast<int>(size.y() / pitch));
+  const int columns = std::max(1, static_cast<int>(size.x() / pitch)),
+            rows = std::max(1, static_cast<int>(size.y() / pitch));
   if (static_cast<int>(views.size()) < options.facet.min_views) {
     FacetTile tile = tile_of(plane, area, {}, views, orientations);
     tile.outcomes[static_cast<size_t>(FacetOutcome::too_few_views)] = columns * rows;
@@ -143,9 +147,11 @@ FacetTile measure_tile(const FacadePlane& plane, const Rectangle& area, const st
   std::vector<char> ambiguous(found.size());
   for (int r = 0; r < coarse_rows; ++r)
     for (int c = 0; c < coarse_columns; ++c) {
-      const Eigen::Vector2d at = area.low + Eigen::Vector2d((c + 0.5) / coarse_columns * size.x(), (r + 0.5) / coarse_rows * size.y());
+      const Eigen::Vector2d at =
+          area.low + Eigen::Vector2d((c + 0.5) / coarse_columns * size.x(), (r + 0.5) / coarse_rows * size.y());
       bool two = false;
-      found[static_cast<size_t>(r) * coarse_columns + c] = search_heights(plane, at, spacing, views, options.facet, 2, &two);
+      found[static_cast<size_t>(r) * coarse_columns + c] =
+          search_heights(plane, at, spacing, views, options.facet, 2, &two);
       ambiguous[static_cast<size_t>(r) * coarse_columns + c] = two;
     }
   std::vector<std::pair<Eigen::Vector2d, Facet>> facets;
@@ -190,8 +196,8 @@ void add_systematic_part(std::vector<FacetTile>& tiles, const std::vector<Facade
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> spectrum(correlations);
   if (!(spectrum.eigenvalues()(0) > -1e-6 * static_cast<double>(used.size())))
     throw std::runtime_error("the covariance of the orientations has a negative eigenvalue: it is none");
-  const Eigen::MatrixXd root = scale.asDiagonal() * spectrum.eigenvectors() *
-                               spectrum.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
+  const Eigen::MatrixXd root =
+      scale.asDiagonal() * spectrum.eigenvectors() * spectrum.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
   // All tiles below each other; slopes count with half a metre's lever, so that the rows are lengths.
   constexpr double lever = 0.5;
   const Eigen::Vector3d rows(1, lever, lever);

@@ -16,7 +16,7 @@ struct Rectangle {
 };
 
 struct FacetTile {
-  MeasuredTile measured;  ///< without factor
+  MeasuredTile measured;                            ///< without factor
   Eigen::Vector2d place = Eigen::Vector2d::Zero();  ///< of its centre, u and v [m]
   /// Height error = (1, u − place.u, v − place.v) · sensitivity · (errors of the orientations, in the order of
   /// OrientationCovariance).
@@ -26,8 +26,9 @@ struct FacetTile {
 
 struct TileOptions {
   FacetOptions facet;
-  double pitch = 0.02;  ///< between the centres of facets; no less than a facet's size is used, so that noise is each's own [m]
-  int max_views = 8;    ///< the best ones: small on the ground, and far from each other
+  double pitch =
+      0.02;  ///< between the centres of facets; no less than a facet's size is used, so that noise is each's own [m]
+  int max_views = 8;  ///< the best ones: small on the ground, and far from each other
 };
 
 /// Measures `area` of the plane. `orientations`: unknowns of all photographs and cameras, of which only the numbers are
@@ -40,9 +41,9 @@ FacetTile tile_of(const FacadePlane& plane, const Rectangle& area,
                   const std::vector<std::pair<Eigen::Vector2d, Facet>>& facets, const std::vector<FacetView>& views,
                   const OrientationCovariance& orientations);
 
-/// Gives all tiles, measured on one of `planes` each, their factor: what the orientations' joint covariance says of each, reduced to the directions that
-/// hold all but `lost` of the variance. Throws std::invalid_argument for a covariance of another size, and
-/// std::runtime_error for one that is not positive semidefinite.
+/// Gives all tiles, measured on one of `planes` each, their factor: what the orientations' joint covariance says of
+/// each, reduced to the directions that hold all but `lost` of the variance. Throws std::invalid_argument for a
+/// covariance of another size, and std::runtime_error for one that is not positive semidefinite.
 void add_systematic_part(std::vector<FacetTile>& tiles, const std::vector<FacadePlane>& planes,
                          const OrientationCovariance& orientations, double lost = 1e-6);
 

@@ -27,17 +27,20 @@ Window window_of(const PanelFace& face, double beyond, const Orthophoto& picture
   for (const double a : {-0.5, 0.5})
     for (const double b : {-0.5, 0.5}) {
       const Eigen::Vector2d at =
-          picture.plane.local(face.plane.world({a * (face.width + 2 * beyond), b * (face.height + 2 * beyond), 0})).head<2>();
+          picture.plane.local(face.plane.world({a * (face.width + 2 * beyond), b * (face.height + 2 * beyond), 0}))
+              .head<2>();
       low = low.cwiseMin(at), high = high.cwiseMax(at);
     }
-  const auto column = [&](double u) { return static_cast<int>(std::floor((u - picture.area.low.x()) / picture.pixel)); };
+  const auto column = [&](double u) {
+    return static_cast<int>(std::floor((u - picture.area.low.x()) / picture.pixel));
+  };
   const auto row = [&](double v) { return static_cast<int>(std::floor((picture.area.high.y() - v) / picture.pixel)); };
   return {std::max(0, column(low.x())), std::min(picture.width - 1, column(high.x())), std::max(0, row(high.y())),
           std::min(picture.height - 1, row(low.y()))};
 }
 
-/// Where the perpendicular of the picture's plane through a place of it meets a panel, as (u, v, h) of its face. Faces of
-/// one picture lie off its plane and lean against it, so that their own perpendicular is another.
+/// Where the perpendicular of the picture's plane through a place of it meets a panel, as (u, v, h) of its face. Faces
+/// of one picture lie off its plane and lean against it, so that their own perpendicular is another.
 Eigen::Vector3d place_on(const PanelFace& face, const PanelSurface& surface, const Eigen::Vector3d& on_picture,
                          const Eigen::Vector3d& out) {
   const Eigen::Vector3d direction = face.plane.axes.transpose() * out;
@@ -86,7 +89,8 @@ Orthophoto orthophoto_of(const std::vector<PanelFace>& faces, const std::vector<
   const Eigen::Vector2d extent = picture.area.high - picture.area.low;
   picture.pixel = std::max(pixel, std::sqrt(extent.prod() / most));
   const Eigen::Vector2d size = extent / picture.pixel;
-  picture.width = static_cast<int>(std::ceil(size.x() - 1e-6)), picture.height = static_cast<int>(std::ceil(size.y() - 1e-6));
+  picture.width = static_cast<int>(std::ceil(size.x() - 1e-6)),
+  picture.height = static_cast<int>(std::ceil(size.y() - 1e-6));
   picture.grey.assign(static_cast<size_t>(picture.width) * static_cast<size_t>(picture.height), 0);
   return picture;
 }
@@ -109,7 +113,8 @@ int best_view(const PanelFace& face, const std::vector<FacetView>& views) {
   return best;
 }
 
-void paint(const PanelFace& face, const PanelSurface& surface, const FacetView& view, double beyond, Orthophoto& picture) {
+void paint(const PanelFace& face, const PanelSurface& surface, const FacetView& view, double beyond,
+           Orthophoto& picture) {
   const auto middle = map_at(*view.view, face.plane, {0, 0, 0}, -1e6);
   if (!middle) return;
   // As many pixels of the photograph as one of the picture holds are taken together.
@@ -121,9 +126,10 @@ void paint(const PanelFace& face, const PanelSurface& surface, const FacetView& 
   for (int y = window.top; y <= window.bottom; ++y) {
     stop_point();
     for (int x = window.left; x <= window.right; ++x) {
-      std::uint8_t& grey = picture.grey[static_cast<size_t>(y) * static_cast<size_t>(picture.width) + static_cast<size_t>(x)];
-      const Eigen::Vector3d on_plane = picture.plane.world({picture.area.low.x() + (x + 0.5) * picture.pixel,
-                                                            picture.area.high.y() - (y + 0.5) * picture.pixel, 0});
+      std::uint8_t& grey =
+          picture.grey[static_cast<size_t>(y) * static_cast<size_t>(picture.width) + static_cast<size_t>(x)];
+      const Eigen::Vector3d on_plane = picture.plane.world(
+          {picture.area.low.x() + (x + 0.5) * picture.pixel, picture.area.high.y() - (y + 0.5) * picture.pixel, 0});
       const Eigen::Vector3d at = place_on(face, surface, on_plane, picture.plane.axes.col(2));
       const double off_u = std::abs(at.x()) - 0.5 * face.width, off_v = std::abs(at.y()) - 0.5 * face.height;
       if (off_u > beyond || off_v > beyond || ((off_u > 0 || off_v > 0) && grey != 0)) continue;

@@ -1,5 +1,5 @@
-// A facade as a picture without perspective: every pixel is taken where the measured surface is, from the photograph that
-// shows its panel best.
+// A facade as a picture without perspective: every pixel is taken where the measured surface is, from the photograph
+// that shows its panel best.
 #pragma once
 
 #include <cstdint>
@@ -23,17 +23,18 @@ struct Orthophoto {
 /// Faces that lie in one plane within `offset` [m] and 5°, as numbers in their order; a facade each.
 std::vector<std::vector<size_t>> facades_of(const std::vector<PanelFace>& faces, double offset = 0.3);
 
-/// The empty picture of some faces, with `margin` [m] around them. Its pixels are larger than `pixel` where it would have
-/// more than `most` of them.
+/// The empty picture of some faces, with `margin` [m] around them. Its pixels are larger than `pixel` where it would
+/// have more than `most` of them.
 Orthophoto orthophoto_of(const std::vector<PanelFace>& faces, const std::vector<size_t>& facade, double pixel,
                          double margin, double most);
 
-/// The photograph that shows a face best: of those that show all of it, else its middle, the one with the smallest pixels
-/// on it. −1: none does.
+/// The photograph that shows a face best: of those that show all of it, else its middle, the one with the smallest
+/// pixels on it. −1: none does.
 int best_view(const PanelFace& face, const std::vector<FacetView>& views);
 
-/// Fills the pixels of a face, `beyond` [m] around it where nothing is yet, from a photograph. `surface`: as the panel is;
-/// one that was not measured lies where it was designed.
-void paint(const PanelFace& face, const PanelSurface& surface, const FacetView& view, double beyond, Orthophoto& picture);
+/// Fills the pixels of a face, `beyond` [m] around it where nothing is yet, from a photograph. `surface`: as the panel
+/// is; one that was not measured lies where it was designed.
+void paint(const PanelFace& face, const PanelSurface& surface, const FacetView& view, double beyond,
+           Orthophoto& picture);
 
 }  // namespace plumbline::surface

@@ -28,8 +28,10 @@ std::optional<Compared> compare(const FacadePlane& plane, const Eigen::Vector3d&
   if (!ma || !mb) return std::nullopt;
   const double spacing = std::max(ma->ground_pixel(), mb->ground_pixel());
   Patch pa, pb;
-  if (!sample_patch(a.image->level[0], ma->pixel, spacing * ma->by_place.col(0), spacing * ma->by_place.col(1), half, true, pa) ||
-      !sample_patch(b.image->level[0], mb->pixel, spacing * mb->by_place.col(0), spacing * mb->by_place.col(1), half, true, pb))
+  if (!sample_patch(a.image->level[0], ma->pixel, spacing * ma->by_place.col(0), spacing * ma->by_place.col(1), half,
+                    true, pa) ||
+      !sample_patch(b.image->level[0], mb->pixel, spacing * mb->by_place.col(0), spacing * mb->by_place.col(1), half,
+                    true, pb))
     return std::nullopt;
   normalise(pa), normalise(pb);
   Compared result;
@@ -86,7 +88,8 @@ PairHeight cell_height(const CellGrid& grid, size_t cell, std::vector<float>& he
   }
   if (!compared) return result;
   const Eigen::Vector3d place(at.x(), at.y(), result.height);
-  result.state = compared->correlation >= options.min_correlation ? PairHeight::State::found : PairHeight::State::differs;
+  result.state =
+      compared->correlation >= options.min_correlation ? PairHeight::State::found : PairHeight::State::differs;
   // What a disparity more is in height.
   const Eigen::Vector3d here = pair.rectified(grid.plane.world(place));
   const double by_disparity =
@@ -120,7 +123,8 @@ Facet agreed_facet(const CellGrid& grid, size_t cell, const std::vector<Rectifie
   std::vector<size_t> taken;
   for (size_t p = 0; p < pairs.size(); ++p) {
     const PairHeight& one = heights[p];
-    if (one.state != PairHeight::State::found || std::abs(one.height - middle) > 3 * std::sqrt(2.0) * one.sigma) continue;
+    if (one.state != PairHeight::State::found || std::abs(one.height - middle) > 3 * std::sqrt(2.0) * one.sigma)
+      continue;
     agreeing.insert(pairs[p].left), agreeing.insert(pairs[p].right), taken.push_back(p);
     weights += 1 / (one.sigma * one.sigma), sum += one.height / (one.sigma * one.sigma);
   }
@@ -130,8 +134,10 @@ Facet agreed_facet(const CellGrid& grid, size_t cell, const std::vector<Rectifie
     return facet;
   facet.height = sum / weights;
   // Pairs share photographs: of K of them K - 1 are independent at most, however many pairs they make.
-  const double independent = std::min(1.0, (static_cast<double>(agreeing.size()) - 1) / static_cast<double>(taken.size()));
-  // Each pair errs by its own orientations too: where not all pairs say something of a cell, that differs from cell to cell.
+  const double independent =
+      std::min(1.0, (static_cast<double>(agreeing.size()) - 1) / static_cast<double>(taken.size()));
+  // Each pair errs by its own orientations too: where not all pairs say something of a cell, that differs from cell to
+  // cell.
   double scatter = 0;
   for (const size_t p : taken) scatter += std::pow((heights[p].height - facet.height) / heights[p].sigma, 2);
   const double factor = std::max(1.0, scatter / (static_cast<double>(taken.size()) - 1));

@@ -19,7 +19,8 @@ struct Sample {
   Eigen::Vector3d arm;  ///< from the tile's centre [m]
 };
 
-std::vector<Sample> own_samples(const PanelFace& face, const std::vector<MeasuredTile>& tiles, const PanelOptions& options) {
+std::vector<Sample> own_samples(const PanelFace& face, const std::vector<MeasuredTile>& tiles,
+                                const PanelOptions& options) {
   std::vector<Sample> samples;
   const double across = 0.5 * face.width - options.border, up = 0.5 * face.height - options.border;
   for (size_t t = 0; t < tiles.size(); ++t)
@@ -84,8 +85,9 @@ Vector6 fit(const PanelFace& face, const std::vector<Sample>& samples, std::vect
 }
 
 /// Systematic part of a linear function of the points: Σ gain_i · normal · (t + ω × arm).
-Eigen::MatrixXd systematic(const PanelFace& face, const std::vector<Sample>& samples, const std::vector<MeasuredTile>& tiles,
-                           const std::vector<double>& weight, const Matrix6& inverse) {
+Eigen::MatrixXd systematic(const PanelFace& face, const std::vector<Sample>& samples,
+                           const std::vector<MeasuredTile>& tiles, const std::vector<double>& weight,
+                           const Matrix6& inverse) {
   Eigen::Index rank = 0;
   for (const MeasuredTile& tile : tiles) rank = std::max(rank, tile.factor.cols());
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(6, rank);
@@ -99,8 +101,7 @@ Eigen::MatrixXd systematic(const PanelFace& face, const std::vector<Sample>& sam
     gain[samples[i].tile].noalias() += weighted * row;
   }
   for (size_t t = 0; t < tiles.size(); ++t)
-    if (tiles[t].factor.cols() > 0)
-      result.leftCols(tiles[t].factor.cols()) += inverse * gain[t] * tiles[t].factor;
+    if (tiles[t].factor.cols() > 0) result.leftCols(tiles[t].factor.cols()) += inverse * gain[t] * tiles[t].factor;
   return result;
 }
 
@@ -116,10 +117,11 @@ std::string at_the_border(const PanelFace& face, const std::vector<Sample>& samp
   }
   if (furthest + 4 * sigma < border) return "";
   char text[240];
-  std::snprintf(text, sizeof text,
-                "at the border of the search: its surface is up to %.1f mm from the design's face, its points have a noise of "
-                "%.1f mm, and it is looked for within %.0f mm; look further with 'search' and 'reach'",
-                1e3 * furthest, 1e3 * sigma, 1e3 * border);
+  std::snprintf(
+      text, sizeof text,
+      "at the border of the search: its surface is up to %.1f mm from the design's face, its points have a noise of "
+      "%.1f mm, and it is looked for within %.0f mm; look further with 'search' and 'reach'",
+      1e3 * furthest, 1e3 * sigma, 1e3 * border);
   return text;
 }
 
@@ -139,10 +141,10 @@ struct Division {
   }
 };
 
-/// The points that count (1), and with them those of cells where most points do not and agree with each other: a dent, or
-/// something in front of the panel. The same as `counts` if there are none.
-std::vector<char> with_outlying_cells(const PanelFace& face, const std::vector<Sample>& samples, std::vector<char> counts,
-                                      double widened, const PanelOptions& options) {
+/// The points that count (1), and with them those of cells where most points do not and agree with each other: a dent,
+/// or something in front of the panel. The same as `counts` if there are none.
+std::vector<char> with_outlying_cells(const PanelFace& face, const std::vector<Sample>& samples,
+                                      std::vector<char> counts, double widened, const PanelOptions& options) {
   constexpr size_t least = 3;  // points that can agree with each other
   const Division division(face, options);
   std::map<size_t, std::vector<size_t>> outlying;  // points by cell
@@ -224,10 +226,11 @@ PanelSurface measure_panel(const PanelFace& face, const std::vector<MeasuredTile
   const double few = 0.5;  // share of outliers above which the rest is an arbitrary choice
   if ((widened > options.most_scatter && panel.rms > options.least_scatter) || panel.outliers > few * panel.points) {
     char text[200];
-    std::snprintf(text, sizeof text,
-                  "its %d points contradict each other: they scatter by %.1f mm about the best surface, %.1f times what they "
-                  "state, and %d lie elsewhere; glass, a mirror, or something in front",
-                  panel.points, 1e3 * panel.rms, widened, panel.outliers);
+    std::snprintf(
+        text, sizeof text,
+        "its %d points contradict each other: they scatter by %.1f mm about the best surface, %.1f times what they "
+        "state, and %d lie elsewhere; glass, a mirror, or something in front",
+        panel.points, 1e3 * panel.rms, widened, panel.outliers);
     panel.not_measured = text;
     return panel;
   }

@@ -30,7 +30,8 @@ std::optional<RectifiedPair> rectified_pair(const FacadePlane& plane, const Eige
   pair.left = one, pair.right = other;
   pair.centre = views[one].cam_from_world.inverse().translation;
   const Eigen::Vector3d second = views[other].cam_from_world.inverse().translation, point = plane.world(at);
-  const double angle = std::acos(std::clamp((pair.centre - point).normalized().dot((second - point).normalized()), -1.0, 1.0));
+  const double angle =
+      std::acos(std::clamp((pair.centre - point).normalized().dot((second - point).normalized()), -1.0, 1.0));
   if (!(angle > 0.05 && angle < 0.87)) return std::nullopt;
   pair.baseline = (second - pair.centre).norm();
   const Eigen::Vector3d x = (second - pair.centre) / pair.baseline;

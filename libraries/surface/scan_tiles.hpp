@@ -21,7 +21,8 @@ struct ScanTile {
   std::uint64_t points = 0;
 };
 
-/// Sorts points to tiles, those of different scans apart. Memory: a buffer a tile and scan, whatever the number of points.
+/// Sorts points to tiles, those of different scans apart. Memory: a buffer a tile and scan, whatever the number of
+/// points.
 class ScanTiles {
  public:
   /// Takes some points of a tile and a scan, in the order in which they came.
@@ -37,7 +38,9 @@ class ScanTiles {
   std::optional<size_t> tile_of(const Eigen::Vector3d& point) const;
   void flush();
   const std::vector<ScanTile>& tiles() const { return tiles_; }  ///< also those without points
-  size_t scans() const { return counts_.size() / std::max<size_t>(1, tiles_.size()); }  ///< the last one with points, and those before it
+  size_t scans() const {
+    return counts_.size() / std::max<size_t>(1, tiles_.size());
+  }  ///< the last one with points, and those before it
   std::uint64_t points_of(size_t tile, size_t scan) const { return counts_[scan * tiles_.size() + tile]; }
 
  private:

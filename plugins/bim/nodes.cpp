@@ -227,5 +227,5 @@ struct WriteBcf : Node {
 }  // namespace plumbline::bim
 
 PLUMBLINE_PLUGIN("bim", "0.1.0", "MIT", plumbline::bim::ReadIfc, plumbline::bim::MatchElements,
-                 plumbline::bim::WriteIfc, plumbline::bim::WriteBcf, plumbline::bim::CheckIfc, plumbline::bim::WriteInstallation,
-                 plumbline::bim::WriteInstallationBcf)
+                 plumbline::bim::WriteIfc, plumbline::bim::WriteBcf, plumbline::bim::CheckIfc,
+                 plumbline::bim::WriteInstallation, plumbline::bim::WriteInstallationBcf)

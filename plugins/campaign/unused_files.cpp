@@ -102,7 +102,8 @@ std::vector<UnusedFile> unused_files(const CampaignDescription& description, con
 
 void refuse_forgotten(const std::vector<UnusedFile>& unused, const CampaignDescription& description,
                       const fs::path& root, CampaignUse use) {
-  const bool wants_photographs = use != CampaignUse::survey && use != CampaignUse::measured && description.observations.empty();
+  const bool wants_photographs =
+      use != CampaignUse::survey && use != CampaignUse::measured && description.observations.empty();
   std::vector<std::string> photographs, readings;
   for (const UnusedFile& file : unused) {
     if (file.set_aside) continue;

@@ -37,9 +37,9 @@ struct EvaluateDeviation : Node {
   Optional<Transform> frames{"frames", frame("to=?F,from=?S"),
                              "the way from the survey's frame: the stake-out list is in that one, because instruments "
                              "are; without it, in the design's"};
-  Optional<SurfaceJudgement> surface_judgement{
-      "surface_judgement",
-      "surfaces of panels and joints against their rules: nothing is ready to install where one fails or is not judged"};
+  Optional<SurfaceJudgement> surface_judgement{"surface_judgement",
+                                               "surfaces of panels and joints against their rules: nothing is ready to "
+                                               "install where one fails or is not judged"};
   Param<double> tau{"tau", 0.005, "m", between(1e-6, 1),
                     "tolerance of the horizontal and of the vertical deviation; joints: twice that"};
   Param<std::vector<std::string>> tolerances{

@@ -148,8 +148,8 @@ Task task_of(const SurfaceVerdictT& verdict, const DeviationT& deviation) {
   Task task{0, verdict.verdict, (verdict.second.empty() ? "Surface " : "Joint ") + surface_name(verdict), "", ""};
   for (const auto& panel : deviation.panels)
     if (panel->guid == verdict.guid) task.floor = panel->floor;
-  task.found = bim::quantity_of(verdict) + " " + mm(verdict.value, 1) + " ± " + mm(verdict.sigma, 1) + "\u00A0mm, limit " +
-               surface_limit(verdict);
+  task.found = bim::quantity_of(verdict) + " " + mm(verdict.value, 1) + " ± " + mm(verdict.sigma, 1) +
+               "\u00A0mm, limit " + surface_limit(verdict);
   if (std::isfinite(verdict.along) && !verdict.second.empty())
     task.found += ", " + fixed(std::abs(verdict.along), 2) + "\u00A0m " + (verdict.along < 0 ? "before" : "behind") +
                   " the joint's middle";

@@ -137,8 +137,8 @@ std::string installation_text(const DeviationT& deviation) {
   if (deviation.surfaces) text += surfaces_text(*deviation.surfaces);
   for (const std::string& warning : deviation.warnings) {
     const auto& misfits = deviation.misfits;
-    const bool told = warning.starts_with("Not judged: ") ||
-                      std::find(misfits.begin(), misfits.end(), warning) != misfits.end();
+    const bool told =
+        warning.starts_with("Not judged: ") || std::find(misfits.begin(), misfits.end(), warning) != misfits.end();
     if (!told) text += "Note: " + warning + "\n";
   }
   text += row("Anchors and panels pass from a probability of %.4g %% on that all judged of them is within tolerance.",
@@ -150,8 +150,10 @@ std::string installation_text(const DeviationT& deviation) {
 
 std::string summary_text(const AccuracyT& accuracy, const DeviationT* deviation) {
   std::string text = deviation ? installation_text(*deviation) : "";
-  text += row("Tolerance %s mm, for comparisons with a guard band of %.3g u; u and what stands behind +- are standard uncertainties (1 sigma).",
-              mm(accuracy.tau, 0).c_str(), accuracy.guard_factor);
+  text +=
+      row("Tolerance %s mm, for comparisons with a guard band of %.3g u; u and what stands behind +- are standard "
+          "uncertainties (1 sigma).",
+          mm(accuracy.tau, 0).c_str(), accuracy.guard_factor);
   text += comparisons_text(accuracy);
   if (!accuracy.comparisons.empty()) text += floors_text(*accuracy.comparisons.front());
   for (const std::string& warning : accuracy.warnings) text += "Note: " + warning + "\n";

@@ -42,11 +42,14 @@ std::vector<ElevationOfSurfaces> surface_elevations(const SurfacesT& surfaces) {
     }
     found->panels.push_back(p);
     const double u = found->right.dot(face.origin - found->origin), v = found->up.dot(face.origin - found->origin);
-    found->low_u = std::min(found->low_u, u - 0.5 * face.width), found->high_u = std::max(found->high_u, u + 0.5 * face.width);
-    found->low_v = std::min(found->low_v, v - 0.5 * face.height), found->high_v = std::max(found->high_v, v + 0.5 * face.height);
+    found->low_u = std::min(found->low_u, u - 0.5 * face.width),
+    found->high_u = std::max(found->high_u, u + 0.5 * face.width);
+    found->low_v = std::min(found->low_v, v - 0.5 * face.height),
+    found->high_v = std::max(found->high_v, v + 0.5 * face.height);
   }
   for (auto& one : all)
-    one.scale = std::min((kDrawingWidth - 2 * kPad) / std::max(1e-3, one.high_u - one.low_u), 1500 / std::max(1e-3, one.high_v - one.low_v));
+    one.scale = std::min((kDrawingWidth - 2 * kPad) / std::max(1e-3, one.high_u - one.low_u),
+                         1500 / std::max(1e-3, one.high_v - one.low_v));
   return all;
 }
 
@@ -54,11 +57,14 @@ std::vector<ElevationOfSurfaces> surface_elevations(const SurfacesT& surfaces) {
 double surface_height(const PanelSurfaceFiguresT& panel, double x, double y) {
   const std::array<double, 6> base = {1, x, y, 1 - x * x, 1 - y * y, x * y};
   double height = 0;
-  for (size_t i = 0; i < std::min(base.size(), panel.coefficients.size()); ++i) height += panel.coefficients[i] * base[i];
+  for (size_t i = 0; i < std::min(base.size(), panel.coefficients.size()); ++i)
+    height += panel.coefficients[i] * base[i];
   return height;
 }
 
-bool is_measured(const PanelSurfaceFiguresT& panel) { return panel.not_measured.empty() && panel.coefficients.size() == 6; }
+bool is_measured(const PanelSurfaceFiguresT& panel) {
+  return panel.not_measured.empty() && panel.coefficients.size() == 6;
+}
 
 /// What the colours end at: all panels of the page share it [m].
 double colour_range(const SurfacesT& surfaces) {
@@ -91,21 +97,34 @@ void draw_panel(Markup& svg, const ElevationOfSurfaces& at, const PanelSurfaceFi
   if (measured)
     for (int r = 0; r < kCells; ++r)
       for (int c = 0; c < kCells; ++c)
-        svg.empty("rect", {{"x", px(left + c * width / kCells)},
-                           {"y", px(top + r * height / kCells)},
-                           {"width", px(width / kCells + 0.3)},
-                           {"height", px(height / kCells + 0.3)},
-                           {"fill", heat_colour(surface_height(panel, (c + 0.5) * 2 / kCells - 1, 1 - (r + 0.5) * 2 / kCells), range)}});
+        svg.empty("rect",
+                  {{"x", px(left + c * width / kCells)},
+                   {"y", px(top + r * height / kCells)},
+                   {"width", px(width / kCells + 0.3)},
+                   {"height", px(height / kCells + 0.3)},
+                   {"fill", heat_colour(surface_height(panel, (c + 0.5) * 2 / kCells - 1, 1 - (r + 0.5) * 2 / kCells),
+                                        range)}});
   {
-    Scope outline(svg, "rect", {{"x", px(left)}, {"y", px(top)}, {"width", px(width)}, {"height", px(height)},
-                                {"fill", measured ? "none" : "#cfcfcf"}, {"stroke", "#444"}, {"stroke-width", "1"}});
+    Scope outline(svg, "rect",
+                  {{"x", px(left)},
+                   {"y", px(top)},
+                   {"width", px(width)},
+                   {"height", px(height)},
+                   {"fill", measured ? "none" : "#cfcfcf"},
+                   {"stroke", "#444"},
+                   {"stroke-width", "1"}});
     svg.element("title", face.id + (measured ? ": " + signed_mm(panel.offset, 2) + " mm out of the design at its middle"
                                              : ": not measured, " + panel.not_measured));
   }
   if (width < 40 || height < 24) return;
   const auto words = [&](double down, const std::string& text, const char* size) {
-    svg.element("text", {{"x", px(left + 0.5 * width)}, {"y", px(top + 0.5 * height + down)}, {"text-anchor", "middle"},
-                         {"font-size", size}, {"fill", "#111"}}, text);
+    svg.element("text",
+                {{"x", px(left + 0.5 * width)},
+                 {"y", px(top + 0.5 * height + down)},
+                 {"text-anchor", "middle"},
+                 {"font-size", size},
+                 {"fill", "#111"}},
+                text);
   };
   words(-3, face.id.substr(0, static_cast<size_t>(width / 7)), "12");
   words(11, measured ? signed_mm(panel.offset, 1) + " mm" : "not measured", "11");
@@ -114,7 +133,10 @@ void draw_panel(Markup& svg, const ElevationOfSurfaces& at, const PanelSurfaceFi
 void draw_colour_bar(Markup& html, double range) {
   const Scope svg = drawing(html, 360, 40, "What the colours mean");
   for (int i = 0; i < 30; ++i)
-    html.empty("rect", {{"x", px(30 + 10 * i)}, {"y", "4"}, {"width", "10.3"}, {"height", "14"},
+    html.empty("rect", {{"x", px(30 + 10 * i)},
+                        {"y", "4"},
+                        {"width", "10.3"},
+                        {"height", "14"},
                         {"fill", heat_colour((i + 0.5) / 15 * range - range, range)}});
   for (const double part : {-1.0, 0.0, 1.0})
     html.element("text", {{"x", px(180 + 150 * part)}, {"y", "34"}, {"text-anchor", "middle"}, {"font-size", "12"}},
@@ -123,7 +145,9 @@ void draw_colour_bar(Markup& html, double range) {
 
 void write_joint_row(Markup& html, const JointFiguresT& joint) {
   const auto place = [&](int index) {
-    return index >= 0 && static_cast<size_t>(index) < joint.places.size() ? joint.places[static_cast<size_t>(index)].get() : nullptr;
+    return index >= 0 && static_cast<size_t>(index) < joint.places.size()
+               ? joint.places[static_cast<size_t>(index)].get()
+               : nullptr;
   };
   const auto where = [&](const JointPlaceT* at) { return at ? signed_fixed(at->along, 2) : std::string(unknown); };
   const JointPlaceT *narrow = place(joint.narrowest), *wide = place(joint.widest), *step = place(joint.largest_step);
@@ -145,30 +169,35 @@ void write_joint_row(Markup& html, const JointFiguresT& joint) {
 void write_joints(Markup& html, const SurfacesT& surfaces) {
   if (surfaces.joints.empty()) return;
   html.element("h2", "Joints");
-  html.element("p", {{"class", "note"}},
-               "Widths and steps with their standard uncertainties in mm; 'at' is the way from the joint's middle in m, upwards "
-               "or to the right. A step is positive where the second panel stands further out.");
+  html.element(
+      "p", {{"class", "note"}},
+      "Widths and steps with their standard uncertainties in mm; 'at' is the way from the joint's middle in m, upwards "
+      "or to the right. A step is positive where the second panel stands further out.");
   Scope wide(html, "div", {{"class", "wide"}});
   Scope table(html, "table", {{"class", "sortable"}});
-  table_head(html, {"Joint", left("Runs"), "Design", "Narrowest", "at", "Widest", "at", "Largest step", "at", "Places", left("Why it is not measured")});
+  table_head(html, {"Joint", left("Runs"), "Design", "Narrowest", "at", "Widest", "at", "Largest step", "at", "Places",
+                    left("Why it is not measured")});
   Scope body(html, "tbody");
   for (const auto& joint : surfaces.joints) write_joint_row(html, *joint);
 }
 
 }  // namespace
 
-std::string render_surface_page(const SurfacesT& surfaces, const SurfaceJudgementT* judgement, const std::string& title) {
+std::string render_surface_page(const SurfacesT& surfaces, const SurfaceJudgementT* judgement,
+                                const std::string& title) {
   return render_page(title, [&](Markup& html) {
     Scope main(html, "main");
     html.element("h1", title);
-    const auto measured = static_cast<long>(
-        std::count_if(surfaces.panels.begin(), surfaces.panels.end(), [](const auto& panel) { return is_measured(*panel); }));
-    html.element("p", std::to_string(measured) + " of " + count(static_cast<long>(surfaces.panels.size()), "panel", "panels") +
-                          " measured; where they stand out of the design (red) or behind it (blue). Grey: not measured.");
+    const auto measured = static_cast<long>(std::count_if(surfaces.panels.begin(), surfaces.panels.end(),
+                                                          [](const auto& panel) { return is_measured(*panel); }));
+    html.element(
+        "p", std::to_string(measured) + " of " + count(static_cast<long>(surfaces.panels.size()), "panel", "panels") +
+                 " measured; where they stand out of the design (red) or behind it (blue). Grey: not measured.");
     const double range = colour_range(surfaces);
     if (measured > 0) draw_colour_bar(html, range);
     for (const ElevationOfSurfaces& at : surface_elevations(surfaces)) {
-      const Scope svg = drawing(html, kDrawingWidth, at.height(), "Elevation of " + std::to_string(at.panels.size()) + " panels as seen from outside");
+      const Scope svg = drawing(html, kDrawingWidth, at.height(),
+                                "Elevation of " + std::to_string(at.panels.size()) + " panels as seen from outside");
       for (const size_t p : at.panels) draw_panel(html, at, *surfaces.panels[p], range);
     }
     write_joints(html, surfaces);

@@ -1,5 +1,5 @@
-// Panels as they stand: a heat map on the elevation of each facade, and a table of joints with their narrowest and widest
-// places.
+// Panels as they stand: a heat map on the elevation of each facade, and a table of joints with their narrowest and
+// widest places.
 #pragma once
 
 #include <string>
@@ -10,6 +10,7 @@
 namespace plumbline::report {
 
 /// One offline HTML page. `judgement` may be null. Deterministic; all text from the input is escaped.
-std::string render_surface_page(const SurfacesT& surfaces, const SurfaceJudgementT* judgement, const std::string& title);
+std::string render_surface_page(const SurfacesT& surfaces, const SurfaceJudgementT* judgement,
+                                const std::string& title);
 
 }  // namespace plumbline::report

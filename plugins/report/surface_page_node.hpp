@@ -9,8 +9,9 @@
 namespace plumbline::report {
 
 struct ReportSurfaces : Node {
-  static constexpr Info info{"report.surfaces", "", 1,
-                             "One offline HTML file: heat map of the panels on the elevation of each facade, joints, verdicts"};
+  static constexpr Info info{
+      "report.surfaces", "", 1,
+      "One offline HTML file: heat map of the panels on the elevation of each facade, joints, verdicts"};
   In<Surfaces> surfaces{"surfaces", frame("frame=?F"), "panels, and joints where they were measured"};
   Optional<SurfaceJudgement> surface_judgement{"surface_judgement", "their verdicts"};
   Param<std::string> title{"title", "Surfaces of panels and joints", "heading"};

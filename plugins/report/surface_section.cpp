@@ -22,8 +22,7 @@ int surface_order(const SurfaceVerdictT& verdict) {
 
 void write_surface_row(Markup& html, const SurfaceVerdictT& verdict) {
   Scope row(html, "tr");
-  html.element("th", {{"scope", "row"}},
-               surface_name(verdict));
+  html.element("th", {{"scope", "row"}}, surface_name(verdict));
   html.element("td", {{"class", "text"}}, bim::quantity_of(verdict));
   {
     Scope td(html, "td", {{"class", "text"}});
@@ -106,11 +105,12 @@ void write_surfaces(Markup& html, const SurfaceJudgementT& judgement) {
   if (!passed.empty())
     folded(html, count(static_cast<long>(passed.size()), "quantity keeps its limit", "quantities keep their limits"),
            [&] { write_surface_table(html, passed); });
-  html.element("p", {{"class", "note"}},
-               "Flatness is the largest gap under a straightedge of that length, bow the middle over the edges; step, "
-               "joint (the width against the design's), narrowest and widest are those of the place along the joint that "
-               "keeps its limit least well. The probability is that the limit is kept everywhere, given what was "
-               "measured and how surely.");
+  html.element(
+      "p", {{"class", "note"}},
+      "Flatness is the largest gap under a straightedge of that length, bow the middle over the edges; step, "
+      "joint (the width against the design's), narrowest and widest are those of the place along the joint that "
+      "keeps its limit least well. The probability is that the limit is kept everywhere, given what was "
+      "measured and how surely.");
 }
 
 }  // namespace plumbline::report

@@ -13,12 +13,14 @@ void DepthNode::run(Context& context) {
   const Faces faces = wanted_faces(context, photographs);
   const auto limit = static_cast<std::uint64_t>(*memory * 1073741824.0);
   context.reserve_memory(limit);
-  PixelCache pixels(photographs, limit, [&](size_t view) { return read_grey_image(context.resolve(photographs.uri(view))); });
+  PixelCache pixels(photographs, limit,
+                    [&](size_t view) { return read_grey_image(context.resolve(photographs.uri(view))); });
   std::vector<FacetTile> tiles;
   std::vector<size_t> face_of_tile;
   for (size_t f = 0; f < faces.faces.size(); ++f) {
     context.progress(static_cast<double>(f) / static_cast<double>(faces.faces.size()), faces.faces[f].id);
-    measure_face(context, photographs, pixels.take(that_fit(context, photographs, faces.faces[f], limit)), faces.faces[f], tiles);
+    measure_face(context, photographs, pixels.take(that_fit(context, photographs, faces.faces[f], limit)),
+                 faces.faces[f], tiles);
     face_of_tile.resize(tiles.size(), f);
     if (context.cancelled()) throw Stopped();
   }
@@ -26,13 +28,15 @@ void DepthNode::run(Context& context) {
 }
 
 Faces DepthNode::wanted_faces(Context& context, const Photographs& photographs) const {
-  if (!design && !points) throw std::runtime_error("connect 'design', whose panels are measured, or 'points', whose plane is");
+  if (!design && !points)
+    throw std::runtime_error("connect 'design', whose panels are measured, or 'points', whose plane is");
   Faces faces = design ? faces_of(design.unpack(), photographs.centres())
                        : face_through(points.unpack(), photographs.centres(), *margin);
   for (const auto& what : faces.left_out) context.warn("not measured: " + what);
   if (faces.faces.empty())
     throw std::runtime_error(
-        "the design has no panel with a face that could be measured; mark the panels in it, or connect 'points' instead of 'design'");
+        "the design has no panel with a face that could be measured; mark the panels in it, or connect 'points' "
+        "instead of 'design'");
   return faces;
 }
 
@@ -62,8 +66,8 @@ std::vector<Rectangle> DepthNode::parts_of(const PanelFace& face) const {
   return parts;
 }
 
-void DepthNode::commit(Context& context, const Photographs& photographs, const Faces& faces, const std::vector<size_t>& face_of_tile,
-            std::vector<FacetTile> tiles) const {
+void DepthNode::commit(Context& context, const Photographs& photographs, const Faces& faces,
+                       const std::vector<size_t>& face_of_tile, std::vector<FacetTile> tiles) const {
   std::vector<FacadePlane> planes;
   for (size_t f : face_of_tile) planes.push_back(faces.faces[f].plane);
   add_systematic_part(tiles, planes, photographs.orientations());
@@ -104,7 +108,8 @@ void DepthNode::commit(Context& context, const Photographs& photographs, const F
   artifact.warnings = faces.left_out;
   context.info(std::to_string(artifact.measured) + " points on " + std::to_string(faces.faces.size()) + " faces, " +
                std::to_string(holes) + " holes");
-  for (const auto& entry : artifact.holes) context.info("holes: " + std::to_string(entry->count) + ", " + entry->reason);
+  for (const auto& entry : artifact.holes)
+    context.info("holes: " + std::to_string(entry->count) + ", " + entry->reason);
   context.metric("points", static_cast<double>(artifact.measured), "1");
   context.metric("holes", static_cast<double>(holes), "1");
   surface.commit(artifact);

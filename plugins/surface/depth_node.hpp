@@ -22,10 +22,12 @@ struct DepthNode : Node {
   Param<double> search{"search", 0.05, "m", between(0.001, 0.5), "how far before and behind the design's face to look"};
   Param<double> pitch{"pitch", 0.02, "m", between(0.0005, 1), "between points; never less than a facet's own size"};
   Param<double> tile{"tile", 0.25, "m", between(0.02, 5), "edge of the parts that are measured at a time"};
-  Param<double> margin{"margin", 0.05, "m", between(0, 5), "without a design: how far beyond the points the plane reaches"};
+  Param<double> margin{"margin", 0.05, "m", between(0, 5),
+                       "without a design: how far beyond the points the plane reaches"};
   Param<int64_t> half{"half", 5, between(3, 15), "a facet has (2 half + 1)² samples, a pixel apart"};
   Param<int64_t> min_views{"min_views", 3, between(2, 20), "photographs that have to agree on a facet"};
-  Param<double> min_correlation{"min_correlation", 0.7, "1", between(0.1, 0.99), "of what the photographs show of a facet"};
+  Param<double> min_correlation{"min_correlation", 0.7, "1", between(0.1, 0.99),
+                                "of what the photographs show of a facet"};
   Param<double> max_sigma{"max_sigma", 0.002, "m", between(1e-6, 0.1), "a facet known worse is a hole"};
   Param<double> memory{"memory", 1.5, "GiB", between(0.05, 64), "for the photographs' pixels"};
   Out<SurfacePoints> surface{"surface", frame("frame=?F"), "the points"};

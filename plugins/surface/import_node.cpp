@@ -97,8 +97,8 @@ std::string box_text(const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
   return text;
 }
 
-/// Parts of faces that points of the sample lie on, if the coordinates are in that unit. Parts and not points: what lies
-/// near the scanner has thousands, and in another unit a lawn may come to lie on one panel.
+/// Parts of faces that points of the sample lie on, if the coordinates are in that unit. Parts and not points: what
+/// lies near the scanner has thousands, and in another unit a lawn may come to lie on one panel.
 size_t parts_hit(const ScanTiles& tiles, const Sample& sample, ToFaces to_faces, double unit) {
   to_faces.unit = unit;
   std::vector<bool> hit(tiles.tiles().size());
@@ -110,12 +110,13 @@ size_t parts_hit(const ScanTiles& tiles, const Sample& sample, ToFaces to_faces,
 /// "set unit: mm"; of feet both, as nobody can tell them by where points lie.
 std::string advice(const Unit& unit, const cloud::CloudSummary& file) {
   if (std::string_view(unit.name).find("ft") == std::string_view::npos) return std::string("set unit: ") + unit.name;
-  return "set unit: ft for international feet (0.3048 m) or unit: us_ft for US survey feet (1200/3937 m); here they lie " +
+  return "set unit: ft for international feet (0.3048 m) or unit: us_ft for US survey feet (1200/3937 m); here they "
+         "lie " +
          in_millimetres(feet_apart(file.low, file.high)) + " apart";
 }
 
-/// Refuses a cloud that lies elsewhere: in another unit, where nobody states one and another would put its points on the
-/// faces, or in another frame.
+/// Refuses a cloud that lies elsewhere: in another unit, where nobody states one and another would put its points on
+/// the faces, or in another frame.
 void check_place(const std::vector<PanelFace>& faces, const ScanTiles& tiles, const Sample& sample,
                  const ToFaces& to_faces, bool unit_stated, const cloud::CloudSummary& file) {
   const size_t now = parts_hit(tiles, sample, to_faces, to_faces.unit);
@@ -143,8 +144,8 @@ void check_place(const std::vector<PanelFace>& faces, const ScanTiles& tiles, co
                            "further with 'search'");
 }
 
-/// Refuses coordinates that are written in coarser steps than the scanner's noise: all points of a wall then lie on a few
-/// of them, and it looks flat whatever it is.
+/// Refuses coordinates that are written in coarser steps than the scanner's noise: all points of a wall then lie on a
+/// few of them, and it looks flat whatever it is.
 void check_steps(const std::vector<PanelFace>& faces, const ScanTiles& tiles, const ToFaces& to_faces,
                  const Eigen::Vector3d& steps, double noise) {
   for (const ScanTile& tile : tiles.tiles()) {
@@ -152,10 +153,11 @@ void check_steps(const std::vector<PanelFace>& faces, const ScanTiles& tiles, co
     const Eigen::Vector3d out = to_faces.frame.rotation.conjugate() * faces[tile.face].plane.axes.col(2);
     const double across = out.cwiseProduct(steps).norm() * to_faces.unit * to_faces.scale;
     if (across > noise)
-      throw std::runtime_error("across the face of " + faces[tile.face].id + " the coordinates are written in steps of " +
-                               in_millimetres(across) + ", 'noise' is " + in_millimetres(noise) +
-                               ": flatness and place would be those of the steps; write doubles, more decimals or a finer "
-                               "scale of LAS, or shift the cloud to smaller coordinates before it is written");
+      throw std::runtime_error(
+          "across the face of " + faces[tile.face].id + " the coordinates are written in steps of " +
+          in_millimetres(across) + ", 'noise' is " + in_millimetres(noise) +
+          ": flatness and place would be those of the steps; write doubles, more decimals or a finer "
+          "scale of LAS, or shift the cloud to smaller coordinates before it is written");
   }
 }
 
@@ -275,13 +277,15 @@ void ImportCloud::run(Context& context) {
   if (read.withheld > 0)
     context.info(std::to_string(read.withheld) + " points are withheld or noise, as the file says, and are left out");
   if (read.scans > 1 && !apart)
-    context.warn("there are " + std::to_string(read.scans) +
-                 " scans in the file, which are held to err alike, as one: what they differ by is in no standard deviation; "
-                 "'scan_sigma' and 'scan_turn_sigma' state what each is off by itself");
+    context.warn(
+        "there are " + std::to_string(read.scans) +
+        " scans in the file, which are held to err alike, as one: what they differ by is in no standard deviation; "
+        "'scan_sigma' and 'scan_turn_sigma' state what each is off by itself");
   if (read.either_foot && *unit == "from_file")
-    context.warn("the file says feet and not which: they are taken for international ones (0.3048 m); in US survey feet its "
-                 "points would lie up to " + in_millimetres(feet_apart(read.low, read.high)) +
-                 " from there; 'unit' says which, ft or us_ft");
+    context.warn(
+        "the file says feet and not which: they are taken for international ones (0.3048 m); in US survey feet its "
+        "points would lie up to " +
+        in_millimetres(feet_apart(read.low, read.high)) + " from there; 'unit' says which, ft or us_ft");
   check_place(faces.faces, tiles, sample, to_faces, chosen.stated, read);
   check_steps(faces.faces, tiles, to_faces, read.resolution, *noise);
   const Eigen::Matrix3d turn = to_faces.frame.rotation.toRotationMatrix();
@@ -290,7 +294,8 @@ void ImportCloud::run(Context& context) {
   const Eigen::Vector3d middle = middle_of(faces.faces);
   std::optional<ScanPlace> own;
   if (apart) own = stated_place(*scan_sigma, *scan_turn_sigma, middle);
-  commit(context, faces, tiles, places_of(fit, *place_sigma, *turn_sigma, middle, of_steps), own, folder.path, folder.uri);
+  commit(context, faces, tiles, places_of(fit, *place_sigma, *turn_sigma, middle, of_steps), own, folder.path,
+         folder.uri);
 }
 
 void ImportCloud::commit(Context& context, const Faces& faces, const ScanTiles& tiles,

@@ -32,11 +32,14 @@ struct ImportCloud : Node {
                             "of the scan's place as a whole in each coordinate, besides the registration's covariance"};
   Param<double> turn_sigma{"turn_sigma", 0.0, "rad", between(0, 0.1),
                            "of the scan's orientation about each axis through the middle of the faces, likewise"};
-  Param<double> scan_sigma{"scan_sigma", 0.0, "m", between(0, 10),
-                           "of each scan's place by itself (blocks of PTS, point source ids of LAS, scans of E57): what they differ "
-                           "by where two of them meet"};
+  Param<double> scan_sigma{
+      "scan_sigma", 0.0, "m", between(0, 10),
+      "of each scan's place by itself (blocks of PTS, point source ids of LAS, scans of E57): what they differ "
+      "by where two of them meet"};
   Param<double> scan_turn_sigma{"scan_turn_sigma", 0.0, "rad", between(0, 0.1), "of each scan's orientation, likewise"};
-  Param<double> search{"search", 0.05, "m", between(0.001, 2), "a panel further than this from its face is not measured; points are kept to 6 times the noise beyond it"};
+  Param<double> search{
+      "search", 0.05, "m", between(0.001, 2),
+      "a panel further than this from its face is not measured; points are kept to 6 times the noise beyond it"};
   Param<double> tile{"tile", 0.5, "m", between(0.02, 5), "edge of the parts that points are kept in"};
   Param<double> margin{"margin", 0.05, "m", between(0, 5),
                        "without a design: how far beyond the points the plane reaches"};

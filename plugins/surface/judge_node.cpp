@@ -99,7 +99,8 @@ void JudgeSurfaces::run(Context& context) {
   context.metric("surfaces_failed", result.failed, "1");
   context.metric("surfaces_not_judged", result.not_judged, "1");
   context.metric("surface_rules_not_judged", open, "1");
-  if (open > 0 || !trust.doubts.empty()) context.metric("invalid", 1, "1");  // a question without an answer: exit code 3
+  if (open > 0 || !trust.doubts.empty())
+    context.metric("invalid", 1, "1");  // a question without an answer: exit code 3
   judgement.commit(result);
   FileT file;
   file.name = "surface_verdicts.csv", file.media_type = "text/csv";

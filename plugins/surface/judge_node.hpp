@@ -18,16 +18,18 @@ struct JudgeSurfaces : Node {
   In<Surfaces> surfaces{"surfaces", frame("frame=?F"), "panels and joints with their covariance"};
   Optional<Design> design{"design", frame("frame=?F"),
                           "whose classes, storeys and properties rules may name; without it, names alone"};
-  Optional<Block> block{"block", frame("frame=?B"),
-                        "the adjusted block behind the orientations: one that fails its global tests shows nothing; one whose "
-                        "camera model does not hold is less certain"};
+  Optional<Block> block{
+      "block", frame("frame=?B"),
+      "the adjusted block behind the orientations: one that fails its global tests shows nothing; one whose "
+      "camera model does not hold is less certain"};
   Optional<SurveyNetwork> network{"network", frame("frame=?N"),
                                   "the survey behind them: likewise where it contradicts itself"};
   Param<std::vector<std::string>> rules{
       "rules", std::vector<std::string>{},
       "limits: 'class=IfcPlate & storey=Level 2: flatness(1m)=3mm, bow=4mm, twist=2mm, step=2mm, joint=+4/-3mm, "
       "narrowest=8mm, widest=20mm'; joint is the width against the design's; of a joint, rules that select either "
-      "panel; later rules go before earlier ones; a rule that selects nothing, or of which something is not judged, is said and ends with exit code 3"};
+      "panel; later rules go before earlier ones; a rule that selects nothing, or of which something is not judged, is "
+      "said and ends with exit code 3"};
   Param<double> risk{"risk", 0.05, "1", between(1e-3, 0.49),
                      "a quantity passes if it keeps its limit with a probability of 1 - risk, and fails if that "
                      "probability is at most the risk"};

@@ -7,5 +7,6 @@
 #include "sgm_node.hpp"
 #include "sweep_node.hpp"
 
-PLUMBLINE_PLUGIN("surface", "0.1.0", "MIT", plumbline::surface::PlaneSweep, plumbline::surface::SemiGlobal, plumbline::surface::ImportCloud,
-                 plumbline::surface::Panels, plumbline::surface::Joints, plumbline::surface::OrthophotoNode, plumbline::surface::JudgeSurfaces)
+PLUMBLINE_PLUGIN("surface", "0.1.0", "MIT", plumbline::surface::PlaneSweep, plumbline::surface::SemiGlobal,
+                 plumbline::surface::ImportCloud, plumbline::surface::Panels, plumbline::surface::Joints,
+                 plumbline::surface::OrthophotoNode, plumbline::surface::JudgeSurfaces)

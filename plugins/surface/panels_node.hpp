@@ -45,12 +45,14 @@ struct Panels : Node {
   static constexpr Info info{"surface.panels", "", 1,
                              "Planes, bow, twist and flatness of panels from points, with their covariance"};
   In<SurfacePoints> points{"surface", frame("frame=?F"), "the points and the faces that they lie on"};
-  Param<double> border{"border", 0.02, "m", between(0, 1), "points nearer to a panel's edge are left out: bevels, joints"};
-  Param<double> reach{"reach", 0.1, "m", between(0.001, 2), "points further from the design's face are not the panel's"};
+  Param<double> border{"border", 0.02, "m", between(0, 1),
+                       "points nearer to a panel's edge are left out: bevels, joints"};
+  Param<double> reach{"reach", 0.1, "m", between(0.001, 2),
+                      "points further from the design's face are not the panel's"};
   Param<double> cell{"cell", 0.05, "m", between(0.002, 1), "of which flatness takes the means"};
   Param<double> least_coverage{"least_coverage", 0.3, "1", between(0, 1), "share of a panel that has to have points"};
-  Param<std::vector<double>> straightedges{"straightedges", {0.1, 1.0}, "m", between(0.01, 20),
-                                           "lengths under which gaps are looked for"};
+  Param<std::vector<double>> straightedges{
+      "straightedges", {0.1, 1.0}, "m", between(0.01, 20), "lengths under which gaps are looked for"};
   Out<Surfaces> surfaces{"surfaces", frame("frame=?F"), "the panels"};
   Out<File> table{"table", "one line a panel, CSV"};
 
@@ -60,10 +62,11 @@ struct Panels : Node {
     const double beyond = std::abs(offset + face.thickness);  // from the design's inner side
     if (!(face.thickness > 0) || !(beyond < 0.5 * face.thickness || beyond < 3 * sigma)) return;
     char text[200];
-    std::snprintf(text, sizeof text,
-                  " lies %.1f mm behind its outer face and is %.1f mm thick: are these points of its inner side? 'seen_from' of "
-                  "dense.import says where the scanner stood",
-                  -1e3 * offset, 1e3 * face.thickness);
+    std::snprintf(
+        text, sizeof text,
+        " lies %.1f mm behind its outer face and is %.1f mm thick: are these points of its inner side? 'seen_from' of "
+        "dense.import says where the scanner stood",
+        -1e3 * offset, 1e3 * face.thickness);
     context.warn(panel.id + text);
   }
 
@@ -82,8 +85,9 @@ struct Panels : Node {
     SurfacesT result;
     result.rank = given.rank, result.warnings = given.warnings;
     if (given.rank == 0)
-      context.warn("the points come without systematic errors: what is stated of a panel's place is how well it is measured "
-                   "among its neighbours, not where it is");
+      context.warn(
+          "the points come without systematic errors: what is stated of a panel's place is how well it is measured "
+          "among its neighbours, not where it is");
     std::vector<PanelSurface> found(given.faces.size());
     size_t done = 0;
     std::mutex telling;

@@ -19,8 +19,8 @@ cv::Mat rectified_part(const RectifiedPair& pair, const FacetView& view, double 
   for (int r = 0; r < down; ++r)
     for (int c = 0; c < across; ++c) {
       const auto at = pair.source(*view.view, {x0 + c * kNode, y0 + r * kNode});
-      nodes.at<cv::Vec2f>(r, c) = at ? cv::Vec2f(static_cast<float>(at->x()), static_cast<float>(at->y()))
-                                     : cv::Vec2f(-1e6f, -1e6f);
+      nodes.at<cv::Vec2f>(r, c) =
+          at ? cv::Vec2f(static_cast<float>(at->x()), static_cast<float>(at->y())) : cv::Vec2f(-1e6f, -1e6f);
     }
   cv::Mat map(height, width, CV_32FC2);
   for (int r = 0; r < height; ++r) {
@@ -28,8 +28,9 @@ cv::Mat rectified_part(const RectifiedPair& pair, const FacetView& view, double 
     for (int c = 0; c < width; ++c) {
       const float a = static_cast<float>(c % kNode) / kNode;
       const int nr = r / kNode, nc = c / kNode;
-      map.at<cv::Vec2f>(r, c) = (1 - b) * ((1 - a) * nodes.at<cv::Vec2f>(nr, nc) + a * nodes.at<cv::Vec2f>(nr, nc + 1)) +
-                                b * ((1 - a) * nodes.at<cv::Vec2f>(nr + 1, nc) + a * nodes.at<cv::Vec2f>(nr + 1, nc + 1));
+      map.at<cv::Vec2f>(r, c) =
+          (1 - b) * ((1 - a) * nodes.at<cv::Vec2f>(nr, nc) + a * nodes.at<cv::Vec2f>(nr, nc + 1)) +
+          b * ((1 - a) * nodes.at<cv::Vec2f>(nr + 1, nc) + a * nodes.at<cv::Vec2f>(nr + 1, nc + 1));
     }
   }
   const GreyImage& grey = view.image->level[0];
@@ -52,7 +53,8 @@ std::optional<DisparityRange> disparity_range(const RectifiedPair& pair, const C
       }
   DisparityRange range;
   range.low = low.head<2>(), range.high = high.head<2>();
-  if (!(high.z() - low.z() < 1000) || !(range.high - range.low).allFinite() || (range.high - range.low).maxCoeff() > 1e5)
+  if (!(high.z() - low.z() < 1000) || !(range.high - range.low).allFinite() ||
+      (range.high - range.low).maxCoeff() > 1e5)
     return std::nullopt;
   range.least = static_cast<int>(std::floor(low.z())) - 2;
   range.count = (static_cast<int>(std::ceil(high.z())) + 2 - range.least + 15) / 16 * 16;
@@ -65,8 +67,8 @@ std::vector<PairHeight> semi_global_heights(const RectifiedPair& pair, const Cel
   const auto range = disparity_range(pair, grid, options.pair.search);
   if (!range) return result;
   const int squared = options.block * options.block;
-  const auto matcher = cv::StereoSGBM::create(0, range->count, options.block, 8 * squared, 32 * squared, 1, 31, 5, 60, 2,
-                                              cv::StereoSGBM::MODE_SGBM);
+  const auto matcher = cv::StereoSGBM::create(0, range->count, options.block, 8 * squared, 32 * squared, 1, 31, 5, 60,
+                                              2, cv::StereoSGBM::MODE_SGBM);
   std::vector<std::vector<float>> heights(grid.size());
   // The first columns have no partner at the largest disparity: as many are taken more.
   const double x0 = std::floor(range->low.x()) - range->count - 8, top = std::floor(range->low.y()) - 1;
@@ -84,8 +86,7 @@ std::vector<PairHeight> semi_global_heights(const RectifiedPair& pair, const Cel
       for (int c = range->count; c < width; ++c) {
         const std::int16_t sixteenths = disparity.at<std::int16_t>(r, c);
         if (sixteenths < 0) continue;
-        const Eigen::Vector3d local =
-            grid.plane.local(pair.world({x0 + c, y0 + r, range->least + sixteenths / 16.0}));
+        const Eigen::Vector3d local = grid.plane.local(pair.world({x0 + c, y0 + r, range->least + sixteenths / 16.0}));
         if (const auto cell = grid.at(local.x(), local.y())) heights[*cell].push_back(static_cast<float>(local.z()));
       }
   }

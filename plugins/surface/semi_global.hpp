@@ -16,8 +16,8 @@ struct SemiGlobalOptions {
 /// Disparities that a pair has over a grid, as whole pixels: how many hypotheses each pixel takes. Nothing if more than
 /// 1024: the pair sees the face too much from the side, or the search is too wide for it.
 struct DisparityRange {
-  int least = 0, count = 0;  ///< count: a multiple of 16
-  Eigen::Vector2d low, high; ///< of the left photograph, rectified [px]
+  int least = 0, count = 0;   ///< count: a multiple of 16
+  Eigen::Vector2d low, high;  ///< of the left photograph, rectified [px]
 };
 std::optional<DisparityRange> disparity_range(const RectifiedPair& pair, const CellGrid& grid, double search);
 

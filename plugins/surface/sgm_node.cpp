@@ -29,13 +29,15 @@ void SemiGlobal::measure_face(Context& context, const Photographs& photographs, 
                               const PanelFace& face, std::vector<FacetTile>& tiles) const {
   std::vector<View> oriented;
   for (const FacetView& view : views) oriented.push_back(*view.view);
-  const std::vector<RectifiedPair> found = pairs_for(face.plane, {0, 0}, oriented, static_cast<int>(*each), static_cast<size_t>(*pairs));
+  const std::vector<RectifiedPair> found =
+      pairs_for(face.plane, {0, 0}, oriented, static_cast<int>(*each), static_cast<size_t>(*pairs));
   double ground = 0;
   for (const RectifiedPair& pair : found) ground = std::max(ground, pair.depth / pair.focal);
   const CellGrid grid = grid_of(face, *pitch, (2 * static_cast<double>(*half) - 1) * ground);
   SemiGlobalOptions options;
   options.block = static_cast<int>(*block) | 1;
-  options.pair.search = *search, options.pair.refine = *refine, options.pair.matching_sigma = *matching_sigma, options.pair.half = static_cast<int>(*half);
+  options.pair.search = *search, options.pair.refine = *refine, options.pair.matching_sigma = *matching_sigma,
+  options.pair.half = static_cast<int>(*half);
   options.pair.min_correlation = *min_correlation, options.pair.max_sigma = *max_sigma;
   options.pair.min_views = static_cast<int>(*min_views);
   std::vector<std::vector<PairHeight>> heights(found.size());
@@ -51,7 +53,8 @@ void SemiGlobal::measure_face(Context& context, const Photographs& photographs, 
     std::vector<std::pair<Eigen::Vector2d, Facet>> facets;
     for (size_t cell = 0; cell < grid.size(); ++cell) {
       const Eigen::Vector2d at = grid.middle(cell);
-      if (at.x() < part.low.x() || at.y() < part.low.y() || at.x() >= part.high.x() || at.y() >= part.high.y()) continue;
+      if (at.x() < part.low.x() || at.y() < part.low.y() || at.x() >= part.high.x() || at.y() >= part.high.y())
+        continue;
       std::vector<PairHeight> said;
       for (const auto& of_pair : heights) said.push_back(of_pair[cell]);
       facets.emplace_back(at, agreed_facet(grid, cell, found, said, views, options.pair));

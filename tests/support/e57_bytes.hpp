@@ -33,7 +33,7 @@ struct E57ScanBytes {
   /// azimuth, elevation as doubles.
   std::string kind = "scaled";
   size_t points_a_packet = 100;
-  bool index = true;  ///< a packet before the data that readers step over
+  bool index = true;    ///< a packet before the data that readers step over
   long announced = -1;  ///< number of points; -1: as many as there are
 };
 
@@ -42,7 +42,8 @@ class Bits {
   void add(std::uint64_t value, int bits) {
     for (int b = 0; b < bits; ++b, ++count_) {
       if (count_ % 8 == 0) bytes_ += '\0';
-      if (value >> b & 1) bytes_.back() = static_cast<char>(static_cast<unsigned char>(bytes_.back()) | 1u << count_ % 8);
+      if (value >> b & 1)
+        bytes_.back() = static_cast<char>(static_cast<unsigned char>(bytes_.back()) | 1u << count_ % 8);
     }
   }
   /// Whole bytes that were not taken yet; all at the end.
@@ -101,12 +102,14 @@ inline std::string e57_section(const E57ScanBytes& scan) {
 /// `changes`: of the XML, old text and new.
 inline std::string e57_file(const std::vector<E57ScanBytes>& scans,
                             const std::vector<std::pair<std::string, std::string>>& changes = {}) {
-  std::string content(48, '\0'), xml =
-      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<e57Root type=\"Structure\" "
-      "xmlns=\"http://www.astm.org/COMMIT/E57/2010-e57-v1.0\">\n<formatName type=\"String\"><![CDATA[ASTM E57 3D Imaging "
-      "Data File]]></formatName>\n<guid type=\"String\"><![CDATA[{1}]]></guid>\n<versionMajor "
-      "type=\"Integer\">1</versionMajor>\n<versionMinor type=\"Integer\">0</versionMinor>\n<data3D type=\"Vector\" "
-      "allowHeterogeneousChildren=\"1\">\n";
+  std::string content(48, '\0'),
+      xml =
+          "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<e57Root type=\"Structure\" "
+          "xmlns=\"http://www.astm.org/COMMIT/E57/2010-e57-v1.0\">\n<formatName type=\"String\"><![CDATA[ASTM E57 3D "
+          "Imaging "
+          "Data File]]></formatName>\n<guid type=\"String\"><![CDATA[{1}]]></guid>\n<versionMajor "
+          "type=\"Integer\">1</versionMajor>\n<versionMinor type=\"Integer\">0</versionMinor>\n<data3D type=\"Vector\" "
+          "allowHeterogeneousChildren=\"1\">\n";
   int number = 0;
   for (const E57ScanBytes& scan : scans) {
     const size_t at = content.size();
@@ -114,13 +117,15 @@ inline std::string e57_file(const std::vector<E57ScanBytes>& scans,
     put(content, at + 16, with_checksums(at + 32));
     const bool spherical = scan.kind == "spherical";
     ++number;
-    const std::string type = scan.kind == "scaled"
-                                 ? "\"ScaledInteger\" minimum=\"-1000000000\" maximum=\"1000000000\" scale=\"1.0e-4\" offset=\"100\""
-                             : scan.kind == "single" ? "\"Float\" precision=\"single\""
-                                                     : "\"Float\"";
+    const std::string type =
+        scan.kind == "scaled"
+            ? "\"ScaledInteger\" minimum=\"-1000000000\" maximum=\"1000000000\" scale=\"1.0e-4\" offset=\"100\""
+        : scan.kind == "single" ? "\"Float\" precision=\"single\""
+                                : "\"Float\"";
     xml += "<vectorChild type=\"Structure\"><guid type=\"String\"><![CDATA[{" + std::to_string(number) +
            "}]]></guid><name type=\"String\"><![CDATA[station " + std::to_string(number) + "]]></name>" + scan.pose +
-           "<points type=\"CompressedVector\" fileOffset=\"" + std::to_string(with_checksums(at)) + "\" recordCount=\"" +
+           "<points type=\"CompressedVector\" fileOffset=\"" + std::to_string(with_checksums(at)) +
+           "\" recordCount=\"" +
            std::to_string(scan.announced >= 0 ? scan.announced : static_cast<long>(scan.points.size())) +
            "\"><prototype type=\"Structure\">";
     for (const char* name : {"X", "Y", "Z"}) {
@@ -134,7 +139,8 @@ inline std::string e57_file(const std::vector<E57ScanBytes>& scans,
   }
   xml += "</data3D>\n<images2D type=\"Vector\" allowHeterogeneousChildren=\"1\"></images2D>\n</e57Root>\n";
   for (const auto& [from, to] : changes)
-    for (size_t at = 0; (at = xml.find(from, at)) != std::string::npos; at += to.size()) xml.replace(at, from.size(), to);
+    for (size_t at = 0; (at = xml.find(from, at)) != std::string::npos; at += to.size())
+      xml.replace(at, from.size(), to);
   const size_t xml_at = content.size();
   content += xml;
   content.resize((content.size() + 1019) / 1020 * 1020);

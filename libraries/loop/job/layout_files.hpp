@@ -28,10 +28,10 @@ std::vector<LayoutPoint> layout_points(const InstallationPlanT& plan);
 /// control on CONTROL.
 std::string layout_dxf(const InstallationPlanT& plan, const std::vector<LayoutPoint>& control);
 
-/// Staked points of such a file as reports "done" with their place. `format`: which tool wrote it, and so in which order;
-/// a head that names E, N and H (in words of English or German) goes before it, as do a name's and a time stamp's
-/// column. Decimal commas are read where ';' separates. What is no point is refused with its line: too few columns, no
-/// number, a name twice. Throws std::runtime_error if the head says a unit other than metres.
+/// Staked points of such a file as reports "done" with their place. `format`: which tool wrote it, and so in which
+/// order; a head that names E, N and H (in words of English or German) goes before it, as do a name's and a time
+/// stamp's column. Decimal commas are read where ';' separates. What is no point is refused with its line: too few
+/// columns, no number, a name twice. Throws std::runtime_error if the head says a unit other than metres.
 ActualsT read_staked(const std::string& text, LayoutFormat format, const std::string& source);
 
 /// actuals.json: {"items": [{"item", "job", "revision", "by", "at", "outcome", "measured": [E, N, H], "sigma": [...],

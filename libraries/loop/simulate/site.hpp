@@ -34,12 +34,13 @@ struct Faults {
   double did_nothing = 0, off_8mm = 0, wrong_side = 0, wrong_item = 0, skipped = 0, twice = 0, old_revision = 0;
   double tag_bumped = 0;       ///< plates of brackets that were knocked by 5 mm, seen by every campaign from then on
   double control_knocked = 0;  ///< of floors whose control was knocked by 6 mm before a campaign
-  double hidden = 0;     ///< of anchors in each campaign that are not measured
+  double hidden = 0;           ///< of anchors in each campaign that are not measured
   double partial = 0;    ///< of floors in each campaign that are not measured again: the measurement before stands
   double other_job = 0;  ///< of brackets set by another job's numbers and reported with its name
   /// Each campaign looks at all anchors, so what happens between campaigns gets smaller shares.
-  static Faults all(double share) { return {share, share, share, share, share, share, share, share / 50, share / 5,
-                                                share / 5, share, share}; }
+  static Faults all(double share) {
+    return {share, share, share, share, share, share, share, share / 50, share / 5, share / 5, share, share};
+  }
 };
 
 struct SiteOptions {

@@ -1,4 +1,5 @@
-// site_surfaces.yaml and photo_surfaces.yaml as a whole, on the folder of a small simulated site with rendered photographs.
+// site_surfaces.yaml and photo_surfaces.yaml as a whole, on the folder of a small simulated site with rendered
+// photographs.
 
 #include <memory>
 
@@ -17,9 +18,10 @@ class PhotoSurfaces : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     made = std::make_unique<Program>(PLUMBLINE_PLUGIN_FOLDER);
-    made->write("make.yaml",
-                "plumbline: 1\nvars: {seed: 2}\nnodes:\n  site: {use: simulate.campaign, with: {floors: 1, columns: 3, camera: "
-                "quick_6mp, images_per_floor: 4}}\noutputs: {site: site.folder}\n");
+    made->write(
+        "make.yaml",
+        "plumbline: 1\nvars: {seed: 2}\nnodes:\n  site: {use: simulate.campaign, with: {floors: 1, columns: 3, camera: "
+        "quick_6mp, images_per_floor: 4}}\noutputs: {site: site.folder}\n");
     const Answer answer = (*made)({"run", "make.yaml", "--out", "made"});
     ASSERT_EQ(answer.code, 0) << answer.err;
   }
@@ -40,8 +42,8 @@ TEST_F(PhotoSurfaces, WhatASiteAsksForAndNobodyCanMeasureWithholdsReadyToInstall
   ASSERT_EQ(plain.code, 0) << plain.err;
   const Answer answer = run("site_surfaces.yaml", "site");
   EXPECT_EQ(answer.code, 3) << answer.err;
-  for (const char* name : {"panels.csv", "joints.csv", "surface_verdicts.csv", "as_built.ifc", "issues.bcf", "report.html",
-                           "summary.txt", "metrics.xml"})
+  for (const char* name : {"panels.csv", "joints.csv", "surface_verdicts.csv", "as_built.ifc", "issues.bcf",
+                           "report.html", "summary.txt", "metrics.xml"})
     EXPECT_TRUE(fs::exists(made->work() / "site" / name)) << name;
   EXPECT_FALSE(has(file("site/report.html"), "Ready to install"));
   EXPECT_TRUE(has(file("site/report.html"), "Surfaces and joints"));

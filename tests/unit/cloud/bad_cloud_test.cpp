@@ -81,9 +81,11 @@ TEST(BadCloud, OtherFormatsSayWhatToDo) {
   expect_refused("a.xyz", "1 2 3\n4 5\n", "line 2");
   expect_refused("a.xyz", "1 2 3\nx y z\n", "line 2");
   expect_refused("a.pts", "1\n1 2 3\n4 5 6\n", "line 3: more points than the 1");
-  expect_refused("a.ptx", "2\n1\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n1 2 3 0.5\n4 5 6 0.5\n",
+  expect_refused("a.ptx",
+                 "2\n1\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n1 2 3 0.5\n4 5 6 0.5\n",
                  "line 2: two whole numbers, 2 and 1, at the start of a scan: this is a PTX file");
-  expect_refused("a.xyz", "Punkt Rechts Hoch Kote\n7 1 2 3\n", "line 1: the columns are named 'Punkt Rechts Hoch Kote'");
+  expect_refused("a.xyz", "Punkt Rechts Hoch Kote\n7 1 2 3\n",
+                 "line 1: the columns are named 'Punkt Rechts Hoch Kote'");
   expect_refused("a.xyz", "x x y z\n7 1 2 3\n", "line 1: the columns are named");
 }
 

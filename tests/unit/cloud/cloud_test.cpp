@@ -122,7 +122,8 @@ TEST(Cloud, LasTakesTheUnitOfTheAxesAndNotOfTheEllipsoid) {
       R"w(CS[Cartesian,2],)w";
   const std::string foot = R"w(LENGTHUNIT["US survey foot",0.304800609601219])w";
   const std::string at_the_end = R"w(PROJCRS["New York Long Island (ftUS)",)w" + base +
-                                 R"w(AXIS["easting (X)",east,ORDER[1]],AXIS["northing (Y)",north,ORDER[2]],)w" + foot + "]";
+                                 R"w(AXIS["easting (X)",east,ORDER[1]],AXIS["northing (Y)",north,ORDER[2]],)w" + foot +
+                                 "]";
   const std::string by_axis = R"w(PROJCRS["New York",)w" + base + R"w(AXIS["easting (X)",east,ORDER[1],)w" + foot +
                               R"w(],AXIS["northing (Y)",north,ORDER[2],)w" + foot + "]]";
   for (const bool behind : {false, true})
@@ -131,8 +132,10 @@ TEST(Cloud, LasTakesTheUnitOfTheAxesAndNotOfTheEllipsoid) {
   const std::string heights = R"w(,VERTCRS["NAVD88",VDATUM["N"],CS[vertical,1],AXIS["up (H)",up],)w";
   EXPECT_NEAR(with_wkt(R"w(COMPOUNDCRS["both",)w" + at_the_end + heights + foot + "]]", false).summary.unit,
               0.304800609601219, 1e-15);
-  EXPECT_THROW(with_wkt(R"w(COMPOUNDCRS["both",)w" + at_the_end + heights + R"w(LENGTHUNIT["metre",1])w"+std::string("]]"), false),
-               CloudError)
+  EXPECT_THROW(
+      with_wkt(R"w(COMPOUNDCRS["both",)w" + at_the_end + heights + R"w(LENGTHUNIT["metre",1])w" + std::string("]]"),
+               false),
+      CloudError)
       << "plan in feet, heights in metres";
   const std::string degrees =
       R"w(GEODCRS["WGS 84",DATUM["W",ELLIPSOID["WGS 84",6378137,298.257223563,LENGTHUNIT["metre",1]]],)w"
@@ -173,14 +176,15 @@ TEST(Cloud, LasLeavesOutWhatItWithholds) {
   // Formats from 6 on have their flags in another byte, and classes of their own.
   file.minor = 4, file.format = 6;
   bytes = las_file(file, Points(4, file.offset));
-  bytes[375 + 15] = 0x04;            // withheld
-  bytes[375 + 30 + 16] = 18;         // high noise
-  bytes[375 + 2 * 30 + 15] = 0x08;   // overlap: to be used
+  bytes[375 + 15] = 0x04;           // withheld
+  bytes[375 + 30 + 16] = 18;        // high noise
+  bytes[375 + 2 * 30 + 15] = 0x08;  // overlap: to be used
   EXPECT_EQ(read_bytes("a.las", bytes).points.size(), 2U);
 }
 
 TEST(Cloud, LasCountsItsScansByTheirSource) {
-  for (const auto& [minor, format, header, record, at] : {std::array{2, 0, 227, 20, 18}, std::array{4, 6, 375, 30, 20}}) {
+  for (const auto& [minor, format, header, record, at] :
+       {std::array{2, 0, 227, 20, 18}, std::array{4, 6, 375, 30, 20}}) {
     LasFile file;
     file.minor = minor, file.format = format;
     std::string bytes = las_file(file, Points(3, file.offset));
@@ -226,10 +230,13 @@ TEST(Cloud, XyzWithSeparatorsHeaderRemarksAndWithoutLastLineEnd) {
 
 TEST(Cloud, XyzByTheNamesOfItsColumns) {
   const Points one = {{1.5, 2.5, 3.5}};
-  for (const char* text : {"Row Column X Y Z\n7 8 1.5 2.5 3.5\n", "id,x,y,z\n7,1.5,2.5,3.5\n",
-                           "Northing Easting Height\n2.5 1.5 3.5\n", "\"N\";\"E\";\"H\"\n2.5;1.5;3.5\n",
-                           "//Nx Ny Nz X Y Z\n0 0 1 1.5 2.5 3.5\n", "Easting[m] Northing[m] Elevation[m]\n1.5 2.5 3.5\n",
-                           "\xEF\xBB\xBF" "1.5 2.5 3.5\n", "\xEF\xBB\xBFX Y Z\n1.5 2.5 3.5\n"})
+  for (const char* text :
+       {"Row Column X Y Z\n7 8 1.5 2.5 3.5\n", "id,x,y,z\n7,1.5,2.5,3.5\n", "Northing Easting Height\n2.5 1.5 3.5\n",
+        "\"N\";\"E\";\"H\"\n2.5;1.5;3.5\n", "//Nx Ny Nz X Y Z\n0 0 1 1.5 2.5 3.5\n",
+        "Easting[m] Northing[m] Elevation[m]\n1.5 2.5 3.5\n",
+        "\xEF\xBB\xBF"
+        "1.5 2.5 3.5\n",
+        "\xEF\xBB\xBFX Y Z\n1.5 2.5 3.5\n"})
     expect_near(read_bytes("a.xyz", text).points, one, 1e-12);
 }
 

@@ -71,7 +71,8 @@ TEST(E57, EveryEncodingComesBackWhereverPacketsEnd) {
 
 TEST(E57, StepsAreThoseOfTheNumbers) {
   EXPECT_NEAR(read_e57_bytes(e57_file({{places(10)}})).summary.resolution.x(), 1e-4, 1e-12);
-  EXPECT_NEAR(read_e57_bytes(e57_file({{places(10), {}, "", "single"}})).summary.resolution.x(), std::ldexp(1, -17), 1e-12)
+  EXPECT_NEAR(read_e57_bytes(e57_file({{places(10), {}, "", "single"}})).summary.resolution.x(), std::ldexp(1, -17),
+              1e-12)
       << "what a 32-bit float tells apart at 100";
   EXPECT_EQ(read_e57_bytes(e57_file({{places(10), {}, "", "double"}})).summary.resolution.x(), 0);
 }
@@ -106,7 +107,8 @@ TEST(E57, EachScanHasItsPoseAndPointsWithoutAPlaceAreLeftOut) {
   // A quarter turn about z: x becomes y.
   const Eigen::Vector3d expected(1000 - points[0].y(), 2000 + points[0].x(), points[0].z());
   EXPECT_LT((read.points[300] - expected).norm(), 1e-3);
-  EXPECT_LT((read.points[303] - Eigen::Vector3d(1000 - points[4].y(), 2000 + points[4].x(), points[4].z())).norm(), 1e-3)
+  EXPECT_LT((read.points[303] - Eigen::Vector3d(1000 - points[4].y(), 2000 + points[4].x(), points[4].z())).norm(),
+            1e-3)
       << "the fourth was left out";
 }
 
@@ -116,7 +118,8 @@ TEST(E57, WhatIsDamagedOrCutShortIsRefusedWithItsPlace) {
   std::string bad = good;
   bad[1500] = static_cast<char>(bad[1500] ^ 1);
   expect_e57_refused(bad, "byte 1024: the checksum of this page of 1024 bytes does not fit what is in it");
-  expect_e57_refused(good.substr(0, good.size() - 1024), "its head says " + std::to_string(good.size()) + "; it was cut short");
+  expect_e57_refused(good.substr(0, good.size() - 1024),
+                     "its head says " + std::to_string(good.size()) + "; it was cut short");
   expect_e57_refused(good.substr(0, 30), "within the head of 48 bytes");
   bad = good, put(bad, 8, std::uint32_t{2});
   expect_e57_refused(with_new_checksums(bad), "E57 version 2.0");
@@ -141,28 +144,34 @@ TEST(E57, WhatIsDamagedOrCutShortIsRefusedWithItsPlace) {
 TEST(E57, WhatIsAnnouncedAndNotThereIsRefusedBeforeAnythingIsMadeOfIt) {
   E57ScanBytes scan{places(5)};
   scan.announced = 1000000000;
-  expect_e57_refused(e57_file({scan}), "scan 1 ('station 1'): 1000000000 points of 95 bits are announced, the file has");
+  expect_e57_refused(e57_file({scan}),
+                     "scan 1 ('station 1'): 1000000000 points of 95 bits are announced, the file has");
   scan.announced = 60;
   expect_e57_refused(e57_file({scan}), "its packets end after 5 of 60 points");
   expect_e57_refused(e57_file({}), "there is no scan in it");
   expect_e57_refused(e57_file({{{}}}), "there is no point in it");
   // A billion points of which every number is the same need no byte.
   scan.announced = 1000000000;
-  expect_e57_refused(e57_file({scan}, {{"maximum=\"1000000000\"", "maximum=\"-1000000000\""}, {"maximum=\"2\"", "maximum=\"0\""}}),
-                     "1000000000 points of 0 bits are announced");
+  expect_e57_refused(
+      e57_file({scan}, {{"maximum=\"1000000000\"", "maximum=\"-1000000000\""}, {"maximum=\"2\"", "maximum=\"0\""}}),
+      "1000000000 points of 0 bits are announced");
 }
 
 TEST(E57, WhatIsNotTakenIsNamed) {
   const E57ScanBytes scan{places(5)};
   expect_e57_refused(e57_file({scan}, {{"cartesianY", "ownY"}}), "neither cartesianX, Y and Z nor sphericalRange");
   expect_e57_refused(e57_file({scan}, {{"scale=\"1.0e-4\"", "scale=\"nan\""}}), "'cartesianX' has a scale of");
-  expect_e57_refused(e57_file({scan}, {{"scale=\"1.0e-4\"", "scale=\"much\""}}), "scale of 'cartesianX' is 'much', expected a number");
+  expect_e57_refused(e57_file({scan}, {{"scale=\"1.0e-4\"", "scale=\"much\""}}),
+                     "scale of 'cartesianX' is 'much', expected a number");
   expect_e57_refused(e57_file({scan}, {{"\"1000000000\"", "\"-2000000000\""}}), "a maximum below its minimum");
-  expect_e57_refused(e57_file({scan}, {{"<codecs type=\"Vector\" allowHeterogeneousChildren=\"1\">",
-                                        "<codecs type=\"Vector\" allowHeterogeneousChildren=\"1\"><vectorChild><zip/></vectorChild>"}}),
-                     "packed by a codec of its own");
+  expect_e57_refused(
+      e57_file({scan},
+               {{"<codecs type=\"Vector\" allowHeterogeneousChildren=\"1\">",
+                 "<codecs type=\"Vector\" allowHeterogeneousChildren=\"1\"><vectorChild><zip/></vectorChild>"}}),
+      "packed by a codec of its own");
   expect_e57_refused(e57_file({scan}, {{"</data3D>", ""}}), "the XML section does not parse");
-  expect_e57_refused(e57_file({{places(5), {}, "<pose><rotation><w>3</w></rotation></pose>"}}), "a quaternion of length 3");
+  expect_e57_refused(e57_file({{places(5), {}, "<pose><rotation><w>3</w></rotation></pose>"}}),
+                     "a quaternion of length 3");
 }
 
 TEST(E57, DamagedFilesNeverEndTheProgram) {
@@ -187,7 +196,9 @@ TEST(E57, FilesOfOthers) {
   Eigen::Vector3d sums[2] = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
   for (int i : {0, 1})
     summaries[i] = read_cloud(folder + (i ? "/reference/bunnyDouble.e57" : "/reference/bunnyInt32.e57"),
-                              [&](const Places& some, double, int) { for (const auto& p : some) sums[i] += p; });
+                              [&](const Places& some, double, int) {
+                                for (const auto& p : some) sums[i] += p;
+                              });
   EXPECT_EQ(summaries[0].points, 30571U);
   EXPECT_LT((summaries[0].low - Eigen::Vector3d(-0.0946890, 0.0400110, -0.0618730)).norm(), 1e-9) << "as its XML says";
   EXPECT_LT((sums[0] - sums[1]).norm(), 1e-6);

@@ -41,10 +41,10 @@ struct SurfaceCase {
     if (second.empty()) v->length = 1;
     v->value = 0.0042, v->sigma = 2e-4, v->upper = 0.003, v->lower = -0.003, v->probability = 0.5;
     v->verdict = verdict, v->not_judged = not_judged;
-    ++(verdict == ToleranceVerdict::pass    ? surfaces.passed
-       : verdict == ToleranceVerdict::fail  ? surfaces.failed
-       : not_judged.empty()                 ? surfaces.undecided
-                                            : surfaces.not_judged);
+    ++(verdict == ToleranceVerdict::pass   ? surfaces.passed
+       : verdict == ToleranceVerdict::fail ? surfaces.failed
+       : not_judged.empty()                ? surfaces.undecided
+                                           : surfaces.not_judged);
     surfaces.verdicts.push_back(std::move(v));
   }
   void ask(const std::string& not_judged) {
@@ -63,7 +63,8 @@ struct SurfaceCase {
     out["ifc"] = bim::enriched(file, bim::write_as_built(file, design, deviation, accuracy, options));
     bim::BcfOptions bcf;
     bcf.project_guid = design.project_guid, bcf.surface_judgement = deviation.surfaces.get();
-    out["bcf"] = bim::write_bcf(deviation, judgement::worst_first(deviation), judgement::worst_panels_first(deviation), bcf);
+    out["bcf"] =
+        bim::write_bcf(deviation, judgement::worst_first(deviation), judgement::worst_panels_first(deviation), bcf);
     out["junit"] = junit_xml(accuracy, &deviation);
     report::ReportInput input;
     input.deviation = deviation;

@@ -273,7 +273,9 @@ TEST(Machine, AKnownMistakeOfARobotIsNamedToWhoLooks) {
     EXPECT_EQ(item(state, "b0").status, ItemStatus::rejected);
     return item(state, "b0").why;
   };
-  EXPECT_NE(after(0).find("as if it was not moved: look whether that is so, or its plate was knocked"), std::string::npos) << after(0);
+  EXPECT_NE(after(0).find("as if it was not moved: look whether that is so, or its plate was knocked"),
+            std::string::npos)
+      << after(0);
   EXPECT_NE(after(-1).find("it was set the other way"), std::string::npos) << after(-1);
   EXPECT_NE(after(2).find("it was set twice"), std::string::npos) << after(2);
 }

@@ -62,7 +62,8 @@ inline ActualsT done(const std::vector<std::string>& ids, int revision) {
   return actuals;
 }
 
-/// What plan.installation takes from the state: brackets that were set, or that carry a panel, are planned as they stand.
+/// What plan.installation takes from the state: brackets that were set, or that carry a panel, are planned as they
+/// stand.
 inline void take_state(const LoopStateT& state, InstallationPlanT& plan) {
   const auto known = [&](const std::string& id) -> const LoopItemT* {
     for (const auto& i : state.items)

@@ -1,9 +1,9 @@
 // The page of surfaces: every panel on its elevation, measured or not, and joints with their extreme places.
+#include "report/surface_page.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
-
-#include "report/surface_page.hpp"
 
 namespace plumbline::report {
 namespace {
@@ -25,10 +25,12 @@ TEST(SurfacePage, ShowsFacadesApartAndWhatWasNotMeasured) {
   surfaces.panels.push_back(panel_at("B1", 0, {1, 0, 0}));
   surfaces.panels[1]->not_measured = "no point was measured on it";
   auto joint = std::make_unique<JointFiguresT>();
-  joint->first = "A<1>", joint->second = "A2", joint->nominal_width = 0.012, joint->looked_at = 9, joint->upright = true;
+  joint->first = "A<1>", joint->second = "A2", joint->nominal_width = 0.012, joint->looked_at = 9,
+  joint->upright = true;
   for (const double width : {0.0101, 0.0132}) {
     joint->places.push_back(std::make_unique<JointPlaceT>());
-    joint->places.back()->width = width, joint->places.back()->width_sigma = 2e-4, joint->places.back()->along = 10 * width;
+    joint->places.back()->width = width, joint->places.back()->width_sigma = 2e-4,
+    joint->places.back()->along = 10 * width;
   }
   joint->narrowest = 0, joint->widest = 1, joint->largest_step = 0;
   surfaces.joints.push_back(std::move(joint));

@@ -21,7 +21,8 @@ SurfaceJudgementT judgement() {
   SurfaceJudgementT result;
   result.verdicts.push_back(verdict("Flat", 0.001, ToleranceVerdict::pass));
   result.verdicts.push_back(verdict("Nearly", 0.0029, ToleranceVerdict::undecided));
-  result.verdicts.push_back(verdict("<Glass>", std::numeric_limits<double>::quiet_NaN(), ToleranceVerdict::not_measured));
+  result.verdicts.push_back(
+      verdict("<Glass>", std::numeric_limits<double>::quiet_NaN(), ToleranceVerdict::not_measured));
   result.verdicts.back()->not_judged = "its points contradict each other";
   result.verdicts.push_back(verdict("Bent", 0.0052, ToleranceVerdict::fail));
   result.requests.push_back(std::make_unique<JudgementRequestT>());
@@ -35,8 +36,8 @@ TEST(SurfaceSection, WhatFailsStandsFirstAndWhatIsNotJudgedHasItsReason) {
   write_surfaces(html, judgement());
   const std::string page = html.str();
   for (const char* part : {"1 pass, 1 undecided, 1 fail, 1 not judged", "flatness(1m)", "5.20", "at most 3.0",
-                           "its points contradict each other", "Asked for and not judged", "*: step=2mm: step: no joint was looked at",
-                           "&lt;Glass&gt;"})
+                           "its points contradict each other", "Asked for and not judged",
+                           "*: step=2mm: step: no joint was looked at", "&lt;Glass&gt;"})
     EXPECT_NE(page.find(part), std::string::npos) << part << page;
   EXPECT_LT(page.find("Bent"), page.find("&lt;Glass&gt;"));
   EXPECT_LT(page.find("&lt;Glass&gt;"), page.find("Nearly"));

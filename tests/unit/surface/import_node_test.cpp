@@ -239,8 +239,7 @@ TEST(ImportNode, CoordinatesCoarserThanTheNoiseAreRefused) {
   Import fine("scan.las", cloud_bytes::las_file(las, scan()));
   fine.node.set("place_sigma", "0.0001");
   fine.node.run();
-  const auto points =
-      stated_points(fine.node.output<SurfacePoints>("surface"), fine.node.output<Folder>("files").uri);
+  const auto points = stated_points(fine.node.output<SurfacePoints>("surface"), fine.node.output<Folder>("files").uri);
   EXPECT_NEAR(points[0].by_common_errors.row(1).norm(), std::hypot(0.0001, 0.0015 / std::sqrt(12.0)), 1e-6);
 }
 
@@ -283,10 +282,16 @@ TEST(ImportNode, APanelAtTheBorderOfTheSearchIsNotMeasured) {
 
 TEST(ImportNode, TheInnerSideOfAThinPanelIsNotItsFace) {
   Import behind("scan.xyz", panel_at(-0.05));
-  behind.node.set("search", "0.1"), behind.node.set("seen_from", "120.5\x1f" "90\x1f" "10");
+  behind.node.set("search", "0.1"), behind.node.set("seen_from",
+                                                    "120.5\x1f"
+                                                    "90\x1f"
+                                                    "10");
   expect_refused(behind, "P1: all 1 stations of 'seen_from' that look at it see it from behind");
   Import before("scan.xyz", panel_at(0));
-  before.node.set("seen_from", "120.5\x1f" "70\x1f" "10");
+  before.node.set("seen_from",
+                  "120.5\x1f"
+                  "70\x1f"
+                  "10");
   EXPECT_EQ(panels_of(before, "0.05").panels.size(), 2U);
   std::vector<std::string> warnings;
   Import untold("scan.xyz", panel_at(-0.05));
@@ -303,7 +308,8 @@ TEST(ImportNode, BothFeetAreNamedAndHowFarApartTheyAre) {
   Import silent("scan.xyz", xyz(scan(), 1 / 0.3048));
   const std::string found = silent.refusal();
   // 144 m from the origin: 2e-6 of it.
-  EXPECT_NE(found.find("unit: ft for international feet (0.3048 m) or unit: us_ft for US survey feet"), std::string::npos)
+  EXPECT_NE(found.find("unit: ft for international feet (0.3048 m) or unit: us_ft for US survey feet"),
+            std::string::npos)
       << found;
   EXPECT_NE(found.find("here they lie 0.31 mm apart"), std::string::npos) << found;
   Places feet = scan();
@@ -353,8 +359,7 @@ TEST(ImportNode, ScansOfAFileErrEachByItself) {
     if (point.x() < 120.02) first.push_back(point - Eigen::Vector3d(119, 79, 9));
     if (point.x() > 119.9) second.push_back(point - Eigen::Vector3d(119, 79 - 0.003, 9));
   }
-  const std::string pose =
-      "<pose><translation><x>119</x><y>79</y><z>9</z></translation></pose>";
+  const std::string pose = "<pose><translation><x>119</x><y>79</y><z>9</z></translation></pose>";
   Import import("scans.e57", cloud_bytes::e57_file({{first, {}, pose, "double"}, {second, {}, pose, "double"}}));
   import.node.set("place_sigma", "0.001"), import.node.set("scan_sigma", "0.002");
   import.node.run();

@@ -154,7 +154,8 @@ TEST(JudgeSurfaces, APanelThatNobodyLookedAtIsNotJudged) {
   EXPECT_EQ(result.not_judged, 2) << "B, and C that has no points";
   EXPECT_NE(result.requests[0]->not_judged.find("B"), std::string::npos) << result.requests[0]->not_judged;
   EXPECT_EQ(result.requests[1]->not_judged, "");
-  const auto verdict = std::find_if(result.verdicts.begin(), result.verdicts.end(), [](const auto& v) { return v->panel == "B"; });
+  const auto verdict =
+      std::find_if(result.verdicts.begin(), result.verdicts.end(), [](const auto& v) { return v->panel == "B"; });
   ASSERT_NE(verdict, result.verdicts.end());
   EXPECT_EQ((*verdict)->not_judged, "nothing looks at it and the design does not say which side is outside");
 }
@@ -197,8 +198,9 @@ TEST(JudgeSurfaces, ARuleOfWhichNothingOrNotAllIsJudgedSaysSo) {
   EXPECT_NE(without.requests[0]->not_judged.find("joint: no joint"), std::string::npos);
   EXPECT_EQ(without.requests[1]->not_judged, "");
   what.joints.push_back(joint({0.012, 0.012}, 1e-4));
-  EXPECT_NE(judged(what, {"name=C: joint=3mm"}).requests[0]->not_judged.find("no joint lies at a panel that it selects"),
-            std::string::npos);
+  EXPECT_NE(
+      judged(what, {"name=C: joint=3mm"}).requests[0]->not_judged.find("no joint lies at a panel that it selects"),
+      std::string::npos);
   const auto partly = judged(what, {"*: flatness(1m)=3mm, flatness(2m)=4mm"});
   EXPECT_NE(partly.requests[0]->not_judged.find("flatness(1m): 1 of 3 are not judged: C (no point was measured on it)"),
             std::string::npos)
@@ -216,7 +218,8 @@ TEST(JudgeSurfaces, AJointPassesOnlyIfItWasSeenAlongEnoughOfIt) {
   const auto result = judged(what, {"*: joint=3mm"});
   EXPECT_EQ(result.passed, 0);
   EXPECT_EQ(result.verdicts[0]->verdict, ToleranceVerdict::not_measured);
-  EXPECT_NE(result.verdicts[0]->not_judged.find("1 of 150 places"), std::string::npos) << result.verdicts[0]->not_judged;
+  EXPECT_NE(result.verdicts[0]->not_judged.find("1 of 150 places"), std::string::npos)
+      << result.verdicts[0]->not_judged;
   what.joints[0]->places[0]->width = 0.02;
   EXPECT_EQ(judged(what, {"*: joint=3mm"}).failed, 1) << "one place is enough to fail";
   what.joints[0]->places[0]->width = 0.012, what.joints[0]->looked_at = 3;
@@ -241,8 +244,8 @@ TEST(JudgeSurfaces, JointsOfPanelsThatShareAName) {
   EXPECT_NE(judged(what, rules).verdicts[0]->not_judged.find("share their names"), std::string::npos);
 }
 
-/// Panels of points 20 mm apart with 2 mm of noise, flat but for a hollow of one size of cell: wrong verdicts stay within
-/// the risk, although the largest of thousands of noisy gaps is judged, and what is clearly hollow fails.
+/// Panels of points 20 mm apart with 2 mm of noise, flat but for a hollow of one size of cell: wrong verdicts stay
+/// within the risk, although the largest of thousands of noisy gaps is judged, and what is clearly hollow fails.
 TEST(JudgeSurfaces, TheLargestOfManyNoisyGapsIsNoHollow) {
   std::mt19937_64 random(3);
   std::normal_distribution<double> normal(0, 1);

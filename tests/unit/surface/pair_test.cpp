@@ -1,4 +1,5 @@
-// Rectified pairs and heights of cells: geometry that goes there and back, heights within their standard deviations, holes.
+// Rectified pairs and heights of cells: geometry that goes there and back, heights within their standard deviations,
+// holes.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -26,7 +27,9 @@ TEST(Pairs, ARectifiedPlaceLiesInTheSameRowOfBothPhotographs) {
       EXPECT_LT((pair.world(at) - point).norm(), 1e-9);
       const View &left = site.views[pair.left], &right = site.views[pair.right];
       EXPECT_LT((*pair.source(left, at.head<2>()) - *project(left.camera, left.cam_from_world * point)).norm(), 1e-6);
-      EXPECT_LT((*pair.source(right, {at.x() - at.z(), at.y()}) - *project(right.camera, right.cam_from_world * point)).norm(), 1e-6);
+      EXPECT_LT((*pair.source(right, {at.x() - at.z(), at.y()}) - *project(right.camera, right.cam_from_world * point))
+                    .norm(),
+                1e-6);
     }
   EXPECT_FALSE(rectified_pair(site.scene.plane, {0, 0}, site.views, 1, 1)) << "a photograph with itself";
 }
@@ -77,7 +80,8 @@ TEST(Pairs, WhatFewSayOrWhatShowsDifferentlyIsAHole) {
     return agreed_facet(grid, 60, pairs, said, views, {}).outcome;
   };
   EXPECT_EQ(facet_of(textured.facet_views(), 100), FacetOutcome::measured);
-  EXPECT_EQ(facet_of(textured.facet_views(), 40), FacetOutcome::no_texture) << "the matcher is silent on most of the cell";
+  EXPECT_EQ(facet_of(textured.facet_views(), 40), FacetOutcome::no_texture)
+      << "the matcher is silent on most of the cell";
   EXPECT_NE(facet_of(site.facet_views(), 100), FacetOutcome::measured) << "a matcher's smooth guess on plain paint";
   std::vector<FacetView> mixed = textured.facet_views();
   for (size_t k = 0; k + 2 < mixed.size(); ++k) mixed[k].image = site.facet_views()[k].image;
@@ -93,7 +97,8 @@ Eigen::Vector2d dark_middle(const Orthophoto& picture) {
       const int grey = picture.grey[static_cast<size_t>(y * picture.width + x)];
       if (grey == 0 || grey > 130) continue;
       count += 1;
-      sum += Eigen::Vector2d(picture.area.low.x() + (x + 0.5) * picture.pixel, picture.area.high.y() - (y + 0.5) * picture.pixel);
+      sum += Eigen::Vector2d(picture.area.low.x() + (x + 0.5) * picture.pixel,
+                             picture.area.high.y() - (y + 0.5) * picture.pixel);
     }
   EXPECT_GT(count, 100);
   return sum / count;
@@ -123,8 +128,8 @@ TEST(Orthophoto, ShowsEveryPlaceWhereItIsAndNothingThatWasNotSeen) {
   EXPECT_NEAR(orthophoto_of({face}, {0}, 0.001, 0.02, 480).pixel, 0.01, 1e-9) << "no more than 480 pixels";
 }
 
-/// The picture's plane is that of its first panel: of another one, which lies deeper and leans, every place is at the foot
-/// of its perpendicular on the picture's plane, and not on the panel's own.
+/// The picture's plane is that of its first panel: of another one, which lies deeper and leans, every place is at the
+/// foot of its perpendicular on the picture's plane, and not on the panel's own.
 TEST(Orthophoto, APanelThatLeansAgainstThePictureIsNotShifted) {
   plumbline::testing::FacadeScene scene;
   scene.height = [](double, double) { return 0.01; };
@@ -132,7 +137,10 @@ TEST(Orthophoto, APanelThatLeansAgainstThePictureIsNotShifted) {
   const Site site = make_site(scene, 0);
   const PanelFace face{"P", site.scene.plane, 0.2, 0.16};
   const double lean = 4 * M_PI / 180;
-  const PanelFace first{"first", facade_plane(face.plane.world({0.1, 0, 0.2}), face.plane.axes * Eigen::Vector3d(std::sin(lean), 0, std::cos(lean))), 0.5, 0.4};
+  const PanelFace first{"first",
+                        facade_plane(face.plane.world({0.1, 0, 0.2}),
+                                     face.plane.axes * Eigen::Vector3d(std::sin(lean), 0, std::cos(lean))),
+                        0.5, 0.4};
   ASSERT_EQ(facades_of({first, face}).size(), 1U);
   PanelSurface surface;
   surface.half_width = 0.1, surface.half_height = 0.08, surface.form(0) = 0.01;
