@@ -127,45 +127,66 @@ double chance_of(double relative_noise_squared, double samples) {
   return samples > 0 ? kFactor * relative_noise_squared / samples : 0;
 }
 
-/// Exponent of the transfer curve that explains the image's edges best, over the exponents that cameras have. What the
-/// profiles differ from the model by decides; noise averages away over an image, an error of the model does not. A
-/// curve is corrected only where the edges show it: where blur is too small, noise too large or the image sharpened,
-/// the exponent stays near 1, and what remains is an inset common to the image's corners.
-double estimate_gamma(const std::vector<Quadrilateral>& found, const EdgeFitOptions& options) {
-  constexpr std::array<double, 5> exponent = {1.0, 1.4, 1.9, 2.4, 2.9};
-  constexpr double kPrior = 3;         // exponential above 1: a curve must pay for itself
-  constexpr double kValues = 6;        // independent values of a profile
-  constexpr double kFloor = 0.0005;    // misfit of a perfect photograph [contrast]
-  constexpr double kFewest = 12;       // edges: chance fools a tag or two
+/// What the edges of some quadrilaterals say of each of the exponents.
+struct CurveFits {
+  static constexpr std::array<double, 5> exponent = {1.0, 1.4, 1.9, 2.4, 2.9};
+  std::array<double, 5> misfit = {};  // sum over the edges
+  double count = 0, noise = 0, samples = 0, blur = 0;
+};
+
+CurveFits fit_curves(const std::vector<Quadrilateral>& found, const EdgeFitOptions& options) {
   constexpr std::size_t kEnough = 12;  // quadrilaterals
-  static const std::vector<TransferCurve> curves(exponent.begin(), exponent.end());
+  static const std::vector<TransferCurve> curves(CurveFits::exponent.begin(), CurveFits::exponent.end());
   EdgeFitter fitter(options);
-  std::array<double, 5> misfit = {};
-  double count = 0, noise = 0, samples = 0;
+  CurveFits fits;
   const std::size_t stride = (found.size() + kEnough - 1) / kEnough;
   for (std::size_t k = 0; k < found.size(); k += std::max<std::size_t>(1, stride)) {
-    std::array<double, 5> own = {};
-    double own_noise = 0, own_samples = 0;
+    std::array<std::vector<FittedEdge>, 4> edges;
     bool all = true;
     for (int i = 0; i < 4 && all; ++i) {
-      const auto edges = fitter.fit_with_curves(*found[k].part, strip_of(found[k], i), curves);
-      all = !edges.empty();
-      for (std::size_t g = 0; g < edges.size(); ++g) own[g] += edges[g].misfit;
-      if (!all) continue;
-      own_noise += std::pow(edges[0].noise / edges[0].contrast, 2);
-      own_samples += edges[0].samples;
+      edges[i] = fitter.fit_with_curves(*found[k].part, strip_of(found[k], i), curves);
+      all = !edges[i].empty();
     }
     if (!all) continue;
-    for (std::size_t g = 0; g < exponent.size(); ++g) misfit[g] += own[g];
-    count += 4;
-    noise += own_noise;
-    samples += own_samples;
+    for (const auto& edge : edges) {
+      for (std::size_t g = 0; g < edge.size(); ++g) fits.misfit[g] += edge[g].misfit;
+      fits.noise += std::pow(edge[0].noise / edge[0].contrast, 2);
+      fits.samples += edge[0].samples;
+      fits.blur += edge[0].blur, fits.count += 1;
+    }
   }
-  if (count < kFewest) return 1;
-  const double floor = kFloor * kFloor + 4 * chance_of(noise / count, samples);
-  std::array<double, 5> cost = {};
-  for (std::size_t g = 0; g < exponent.size(); ++g)
-    cost[g] = kValues * std::log(std::max(0.0, misfit[g] / count) + floor) + kPrior * (exponent[g] - 1);
+  return fits;
+}
+
+/// -2 log of how likely each of the exponents is. What the profiles differ from the model by decides; where noise
+/// explains that, by as much as a likelihood with this noise, and where the model errs, by its logarithm. JPEG's errors
+/// differ from edge to edge, so many edges say more than few, but not in proportion. `fits` hold an edge at least.
+std::array<double, 5> costs_of(const CurveFits& fits) {
+  // Photographs are sRGB or nearly so, or linear files; measured with drawings of both, JPEG 90 to 50.
+  constexpr std::array<double, 5> prior = {2, 8, 4, 0, 2};
+  constexpr double kOfAnEdge = 3;    // independent values of a profile
+  constexpr double kFloor = 0.0005;  // misfit of a perfect photograph [contrast]
+  const double values = kOfAnEdge * std::sqrt(fits.count);
+  const double lowest = *std::min_element(fits.misfit.begin(), fits.misfit.end()) / fits.count;
+  const double noise = fits.noise / fits.count;
+  const double floor =
+      kFloor * kFloor + values * noise / fits.samples + std::max(0.0, lowest - chance_of(noise, fits.samples));
+  std::array<double, 5> cost = prior;
+  for (std::size_t g = 0; g < cost.size(); ++g)
+    cost[g] += values * std::log(fits.misfit[g] / fits.count - lowest + floor);
+  return cost;
+}
+
+/// Exponent of the curve that explains the image's edges best, of those that cameras have; where JPEG, noise or
+/// sharpening hide it, the most usual. What it errs by moves all edges alike, inwards or outwards, and is in no
+/// covariance: blocks of tags have that inset as an unknown.
+double estimate_gamma(const std::vector<Quadrilateral>& found, const EdgeFitOptions& options) {
+  constexpr double kFewest = 12;  // edges: chance fools a tag or two
+  constexpr double kDrawn = 0.3;  // [px]: no camera draws as sharp; a drawing's grey values are what they are
+  constexpr auto& exponent = CurveFits::exponent;
+  const CurveFits fits = fit_curves(found, options);
+  if (fits.count < kFewest || fits.blur < kDrawn * fits.count) return 1;
+  const std::array<double, 5> cost = costs_of(fits);
   const std::size_t best = static_cast<std::size_t>(std::min_element(cost.begin(), cost.end()) - cost.begin());
   if (best == 0 || best + 1 == exponent.size()) return exponent[best];
   // Vertex of the parabola through the three costs (Brent's step).
