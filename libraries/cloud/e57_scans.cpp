@@ -22,6 +22,9 @@ class ScanReader {
     const pugi::xml_node points = node_.child("points");
     if (std::string_view(points.attribute("type").value()) != "CompressedVector")
       fail("it has no 'points' of the type CompressedVector");
+    // Both are required; a scan without them would be one of no points.
+    for (const char* name : {"fileOffset", "recordCount"})
+      if (!points.attribute(name)) fail("its 'points' have no " + std::string(name));
     scan_.points_at = whole(points, "fileOffset", 0), scan_.points = whole(points, "recordCount", 0);
     for (const pugi::xml_node codec : points.child("codecs").children())
       if (codec.type() == pugi::node_element && !codec.child("bitPackCodec"))

@@ -18,7 +18,6 @@
 namespace plumbline::markers {
 namespace {
 
-
 struct State {
   std::vector<std::array<double, 6>> poses;
   std::vector<Eigen::Quaterniond> rotations;

@@ -19,7 +19,6 @@ using Eigen::Vector3d;
 /// Gross errors are looked for here, the fine ones by the adjustment: beyond any noise, and never below this.
 constexpr double kSigmas = 6, kSmallest = 0.004;
 
-
 double tolerance(double a, double b) { return kSmallest + kSigmas * std::hypot(a, b); }
 
 /// What one set-up read to one target at one target height.

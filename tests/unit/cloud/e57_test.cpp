@@ -159,6 +159,8 @@ TEST(E57, WhatIsAnnouncedAndNotThereIsRefusedBeforeAnythingIsMadeOfIt) {
 
 TEST(E57, WhatIsNotTakenIsNamed) {
   const E57ScanBytes scan{places(5)};
+  for (const std::string name : {"fileOffset", "recordCount"})
+    expect_e57_refused(e57_file({{places(5)}, scan}, {{" " + name + "=", " other="}}), "have no " + name);
   expect_e57_refused(e57_file({scan}, {{"cartesianY", "ownY"}}), "neither cartesianX, Y and Z nor sphericalRange");
   expect_e57_refused(e57_file({scan}, {{"scale=\"1.0e-4\"", "scale=\"nan\""}}), "'cartesianX' has a scale of");
   expect_e57_refused(e57_file({scan}, {{"scale=\"1.0e-4\"", "scale=\"much\""}}),
