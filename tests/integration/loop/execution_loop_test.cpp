@@ -35,6 +35,9 @@ TEST(ExecutionLoop, AllPanelsHangAndAreVerified) {
     EXPECT_EQ(metrics.at("released"), 0);
     const Answer journal = plumbline({"journal", "out", "--check"});
     EXPECT_EQ(journal.code, 0) << journal.err;
+    const std::string model = read_file(plumbline.work() / "out/as_built.ifc");
+    EXPECT_TRUE(contains(model, "'ASB_InstallationState'") && contains(model, "IFCTASK(")) << seed;
+    EXPECT_TRUE(contains(read_file(plumbline.work() / "out/loop.html"), "every panel hangs within its limits")) << seed;
   }
 }
 
