@@ -42,12 +42,14 @@ void check_absent_file(const std::string& file) {
 }  // namespace
 
 timespec next_tick_of_files() {
-  timespec first{}, now{};
-  clock_gettime(CLOCK_REALTIME_COARSE, &first);
+  // Files may be stamped by the fine clock, and a busy machine moves the coarse one late and several ticks at once: the
+  // next of its values need not have come after what was stamped before.
+  timespec called{}, now{};
+  clock_gettime(CLOCK_REALTIME, &called);
   do {
     usleep(500);
     clock_gettime(CLOCK_REALTIME_COARSE, &now);
-  } while (now.tv_sec == first.tv_sec && now.tv_nsec == first.tv_nsec);
+  } while (!is_before(called, now));
   return now;
 }
 

@@ -9,6 +9,7 @@
 
 #include "runtime/base/digest.hpp"
 #include "runtime/store/file_hashes.hpp"
+#include "runtime/store/used_files.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::test {
@@ -16,6 +17,16 @@ namespace {
 
 using runtime::FileHashes;
 using runtime::sha256_of_file;
+
+/// Files may have times of the fine clock, and the coarse one lags behind it by more than a step where ticks come late.
+TEST(UsedFiles, TheNextTickComesAfterAllThatWasWritten) {
+  for (int i = 0; i < 25; ++i) {
+    timespec before{};
+    clock_gettime(CLOCK_REALTIME, &before);
+    const timespec tick = runtime::next_tick_of_files();
+    EXPECT_GT(std::make_pair(tick.tv_sec, tick.tv_nsec), std::make_pair(before.tv_sec, before.tv_nsec));
+  }
+}
 
 /// A second store into a page that is not written back yet moves no time of the file.
 TEST(FileHashes, AFileThatIsOpenForWritingIsReadEachTime) {
