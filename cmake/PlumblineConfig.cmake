@@ -4,9 +4,10 @@ include(CMakeFindDependencyMacro)
 find_dependency(Eigen3)
 find_program(FLATC flatc REQUIRED)
 # What single libraries need is looked for, and missed only by who links that library.
-foreach(package Threads Boost Ceres yaml-cpp pugixml JPEG PNG TIFF OpenSSL TBB nlohmann_json PkgConfig PROJ)
+foreach(package Threads Boost Ceres yaml-cpp pugixml JPEG PNG TIFF OpenSSL TBB nlohmann_json PkgConfig PROJ ZLIB apriltag)
   find_package(${package} QUIET)
 endforeach()
+find_package(OpenCV QUIET COMPONENTS core imgproc calib3d aruco)  # of Plumbline::detect
 if(PkgConfig_FOUND)
   pkg_check_modules(LIBEXIF QUIET IMPORTED_TARGET libexif)  # of Plumbline::images
 endif()

@@ -8,7 +8,7 @@ target_include_directories(plumbline_testing INTERFACE
   $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/tests/support> $<INSTALL_INTERFACE:include/plumbline/testing>)
 target_link_libraries(plumbline_testing INTERFACE plumbline_runtime plumbline_node plumbline_geometry)
 
-foreach(name contract artifacts node folder_files text control geometry statistics least_squares adjustment images geodesy survey survey_files ifc block_bound block markers judgement pose surface
+foreach(name contract artifacts node folder_files text control geometry statistics least_squares adjustment images geodesy survey survey_files step ifc bundle block_bound block markers detect judgement pose surface
              registration register_core adjust_core artifact_conversions runtime testing)
   if(NOT TARGET Plumbline::${name})
     add_library(Plumbline::${name} ALIAS plumbline_${name})
@@ -27,7 +27,7 @@ set(headers FILES_MATCHING PATTERN "*.h" PATTERN "*.hpp")
 install(DIRECTORY framework/include/plumbline DESTINATION include COMPONENT Development)
 install(DIRECTORY ${PROJECT_BINARY_DIR}/framework/include/plumbline_artifacts/artifacts DESTINATION include COMPONENT Development ${headers})
 install(DIRECTORY libraries/ framework/runtime DESTINATION include/plumbline/libraries COMPONENT Development ${headers})
-install(DIRECTORY plugins/adjust plugins/register DESTINATION include/plumbline/libraries COMPONENT Development ${headers})
+install(DIRECTORY plugins/place/adjust plugins/place/register DESTINATION include/plumbline/libraries/place COMPONENT Development ${headers})
 install(DIRECTORY tests/support/ DESTINATION include/plumbline/testing COMPONENT Development ${headers})
 install(DIRECTORY schemas/artifacts DESTINATION share/plumbline/schemas COMPONENT Development)
 # The kits, and what they draw and read.

@@ -14,9 +14,9 @@
 #include <string>
 #include <vector>
 
+#include "building/judgement/deviation.hpp"
 #include "geometry/random.hpp"
 #include "geometry/statistics.hpp"
-#include "judgement/deviation.hpp"
 
 namespace {
 
@@ -41,14 +41,14 @@ DeviationInputs building(const Size& size, const ToleranceTable& table) {
     for (int column = 0; column < all; ++column) {
       const int side = column / columns;
       const double turn = 2 * std::numbers::pi * side / std::max(2, size.facades);
-      const Vector3d out = bim::facing(turn), right = Vector3d::UnitZ().cross(out);
+      const Vector3d out = ifc::facing(turn), right = Vector3d::UnitZ().cross(out);
       AnchorCase anchor;
       anchor.id = "F" + std::to_string(floor + 1) + "-C" + std::to_string(column + 1);
       anchor.element.guid = "g" + anchor.id, anchor.element.name = anchor.id;
       anchor.floor = floor + 1, anchor.column = column + 1, anchor.use = "check";
       anchor.element.batch = "batch-" + std::to_string((floor * all + column) % 3);
       anchor.design = 10 * out + right * (2.0 * (column % columns)) + Vector3d(0, 0, 3.0 * floor);
-      anchor.facade = bim::frame_facing(out, bim::FacadeSource::rule, true);
+      anchor.facade = ifc::frame_facing(out, ifc::FacadeSource::rule, true);
       anchor.tolerances = tolerances_of(table, anchor.element);
       inputs.model.ids.push_back(anchor.id), inputs.model.positions.push_back(anchor.design);
       inputs.anchors.push_back(std::move(anchor));
@@ -59,7 +59,7 @@ DeviationInputs building(const Size& size, const ToleranceTable& table) {
       PanelCase panel;
       const auto corner = static_cast<std::size_t>(floor * all + column),
                  above = corner + static_cast<std::size_t>(all);
-      const bim::FacadeFrame& frame = inputs.anchors[corner].facade;
+      const ifc::FacadeFrame& frame = inputs.anchors[corner].facade;
       panel.guid = panel.name = "P" + inputs.anchors[corner].id, panel.facade = frame;
       Eigen::Matrix3d axes;
       axes << frame.right, -frame.out, frame.up;
@@ -69,10 +69,10 @@ DeviationInputs building(const Size& size, const ToleranceTable& table) {
       panel.anchors = {corner, corner + 1, above, above + 1};
       inputs.panels.push_back(std::move(panel));
     }
-  std::vector<bim::Facing> all_faces;
+  std::vector<ifc::Facing> all_faces;
   for (auto& anchor : inputs.anchors) all_faces.push_back({anchor.design, &anchor.facade, false});
   for (auto& panel : inputs.panels) all_faces.push_back({panel.frame_from_panel.translation, &panel.facade, true});
-  inputs.facades = bim::group_facades(all_faces);
+  inputs.facades = ifc::group_facades(all_faces);
   return inputs;
 }
 
@@ -218,11 +218,11 @@ std::vector<Built> sound() {
       {"3 mm each axis", each([](const auto&, Random& r) -> Vector3d { return r.normal3(3e-3); })},
       {"6 mm each axis", each([](const auto&, Random& r) -> Vector3d { return r.normal3(6e-3); })},
       {"8 mm out of plane, 1 mm else",
-       each([](const bim::FacadeFrame& f, Random& r) -> Vector3d { return r.normal3(1e-3) + r.normal(8e-3) * f.out; })},
-      {"6 mm in height, 1 mm else", each([](const bim::FacadeFrame&, Random& r) -> Vector3d {
+       each([](const ifc::FacadeFrame& f, Random& r) -> Vector3d { return r.normal3(1e-3) + r.normal(8e-3) * f.out; })},
+      {"6 mm in height, 1 mm else", each([](const ifc::FacadeFrame&, Random& r) -> Vector3d {
          return r.normal3(1e-3) + Vector3d(0, 0, r.normal(6e-3));
        })},
-      {"2 mm, one in five 12 mm", each([](const bim::FacadeFrame&, Random& r) -> Vector3d {
+      {"2 mm, one in five 12 mm", each([](const ifc::FacadeFrame&, Random& r) -> Vector3d {
          return r.normal3(r.uniform() < 0.2 ? 12e-3 : 2e-3);
        })},
       {"2 mm; every floor with a scatter of its own, 1 to 8 mm",

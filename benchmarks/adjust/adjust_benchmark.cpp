@@ -11,10 +11,10 @@
 #include <cstdlib>
 #include <ctime>
 
-#include "block/bundle/adjust.hpp"
-#include "block/image_block_folder.hpp"
-#include "block/point_block.hpp"
-#include "colmap/exchange.hpp"
+#include "photo/block/image_block_folder.hpp"
+#include "photo/block/point_block.hpp"
+#include "photo/bundle/adjust.hpp"
+#include "photo/colmap/exchange.hpp"
 #include "plumbline/rigid_transform.hpp"
 
 namespace {
@@ -112,14 +112,14 @@ struct Captured {};
 /// The problem and the start that a block of another program's files becomes.
 Made read(const char* folder) {
   Made made;
-  adjust::PointBlockOptions options;
+  block::PointBlockOptions options;
   options.minimiser = [&](const Problem& problem, State& state, const MinimiseOptions&) -> MinimiseSummary {
     made.problem = problem;
     made.start = state;
     throw Captured();
   };
   try {
-    adjust::adjust_point_block(adjust::read_image_block(folder, "", "", {}).block, options);
+    block::adjust_point_block(block::read_image_block(folder, "", "", {}).block, options);
   } catch (const Captured&) {
   }
   return made;

@@ -16,9 +16,9 @@
 #include <opencv2/core.hpp>
 #include <stdexcept>
 
-#include "detect/tag_pyramid.hpp"
-#include "images/grey_rows.hpp"
 #include "peers.hpp"
+#include "photo/detect/tag_pyramid.hpp"
+#include "photo/images/grey_rows.hpp"
 #include "scene.hpp"
 
 namespace {

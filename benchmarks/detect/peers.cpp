@@ -9,7 +9,7 @@
 #include <opencv2/aruco.hpp>
 #include <opencv2/core.hpp>
 
-#include "detect/tag_pyramid.hpp"
+#include "photo/detect/tag_pyramid.hpp"
 
 namespace plumbline::benchmark {
 namespace {

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "detect/square_code.hpp"
-#include "images/grey_image.hpp"
+#include "photo/detect/square_code.hpp"
+#include "photo/images/grey_image.hpp"
 
 namespace plumbline::benchmark {
 

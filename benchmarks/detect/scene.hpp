@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "detect/square_code.hpp"
+#include "photo/detect/square_code.hpp"
 
 namespace plumbline::benchmark {
 

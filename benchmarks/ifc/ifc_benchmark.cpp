@@ -14,7 +14,7 @@
 #include <functional>
 #include <sstream>
 
-#include "ifc/as_built_ifc.hpp"
+#include "building/ifc/as_built_ifc.hpp"
 #include "unit/bim/measured.hpp"
 
 namespace {
@@ -77,25 +77,25 @@ Cost in_own_process(const std::function<std::size_t(double& own)>& work) {
 }
 
 /// Three hundred elements of the file, to be its anchors: few real files have any.
-bim::AnchorRule some_elements(const std::string& path) {
-  const bim::Design design = bim::read_design(step::File::read(path), {});
-  bim::AnchorRule rule;
+ifc::AnchorRule some_elements(const std::string& path) {
+  const ifc::Design design = ifc::read_design(step::File::read(path), {});
+  ifc::AnchorRule rule;
   const std::size_t stride = 1 + design.elements.size() / 300;
   for (std::size_t i = 0; i < design.elements.size(); i += stride) rule.guids.push_back(design.elements[i].guid);
   return rule;
 }
 
-std::size_t enrich(const std::string& path, const bim::AnchorRule& rule, double& own) {
+std::size_t enrich(const std::string& path, const ifc::AnchorRule& rule, double& own) {
   const step::File file = step::File::read(path);
-  const bim::Design design = bim::read_design(file, rule);
+  const ifc::Design design = ifc::read_design(file, rule);
   std::map<std::string, Eigen::Vector3d> deviations;
-  for (const bim::Element& element : design.elements)
+  for (const ifc::Element& element : design.elements)
     if (element.is_anchor) deviations[element.guid] = Eigen::Vector3d(0.001, -0.002, 0.003);
   const DeviationT deviation =
       test::judged(design, deviations, Eigen::Vector3d::Constant(1e-4), Eigen::Vector3d::Constant(std::nan("")));
   const std::filesystem::path as_built =
       std::filesystem::temp_directory_path() / ("ifc_benchmark." + std::to_string(getpid()) + ".ifc");
-  bim::write_enriched(file, bim::write_as_built(file, design, deviation, test::residuals(deviation, 0.00005), {}),
+  ifc::write_enriched(file, ifc::write_as_built(file, design, deviation, test::residuals(deviation, 0.00005), {}),
                       as_built);
   own = status("RssAnon");
   const std::size_t size = std::filesystem::file_size(as_built);
@@ -133,10 +133,10 @@ int main(int count, char** arguments) {
             return index.instances().size();
           }),
           size);
-    const bim::AnchorRule rule = some_elements(path);
+    const ifc::AnchorRule rule = some_elements(path);
     print("design: elements", in_own_process([&](double& own) {
             const step::File index = step::File::read(path);
-            const bim::Design design = bim::read_design(index, rule);
+            const ifc::Design design = ifc::read_design(index, rule);
             own = status("RssAnon");
             return design.elements.size();
           }),

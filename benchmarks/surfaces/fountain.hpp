@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "surface/facet.hpp"
+#include "surface/dense/facet.hpp"
 
 namespace plumbline::surface {
 

@@ -11,7 +11,7 @@
 #include <map>
 
 #include "fountain.hpp"
-#include "surface/facet_tile.hpp"
+#include "surface/dense/facet_tile.hpp"
 
 namespace {
 

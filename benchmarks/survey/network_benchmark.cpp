@@ -17,8 +17,8 @@
 #include <vector>
 
 #include "survey/adjust/adjust_network.hpp"
+#include "survey/files/gama.hpp"
 #include "survey/model/observation_equations.hpp"
-#include "survey_files/gama.hpp"
 
 namespace {
 

@@ -2,8 +2,8 @@
 //
 // Write your way to the minimum into minimise(). Readers, approximate values, blunders, covariances and tests are those
 // of every adjuster: nothing is taken from your own claim of convergence.
-#include "adjust/adjuster_node.hpp"
-#include "block/bundle/elimination.hpp"
+#include "photo/bundle/elimination.hpp"
+#include "place/adjust/adjuster_node.hpp"
 #include "plumbline/stop.hpp"
 
 using namespace plumbline;
@@ -52,4 +52,4 @@ struct Engine {
 
 }  // namespace
 
-PLUMBLINE_PLUGIN("@name@", "0.1.0", "MIT", adjust::Adjuster<Engine>)
+PLUMBLINE_PLUGIN("@name@", "0.1.0", "MIT", block::Adjuster<Engine>)

@@ -11,7 +11,7 @@
 #include "artifacts/file.hpp"
 #include "artifacts/image.hpp"
 #include "artifacts/image_tags.hpp"
-#include "images/grey_image.hpp"
+#include "photo/images/grey_image.hpp"
 #include "plumbline/node.hpp"
 
 using namespace plumbline;

@@ -4,7 +4,7 @@
 // of an image that cannot be oriented) is PoseNode's.
 #include <Eigen/SVD>
 
-#include "pose/pose_node.hpp"
+#include "photo/pose/pose_node.hpp"
 
 using namespace plumbline;
 

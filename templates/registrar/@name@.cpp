@@ -5,8 +5,8 @@
 // it.
 #include <Eigen/Eigenvalues>
 
+#include "place/register/registrar_artifacts.hpp"
 #include "plumbline/node.hpp"
-#include "register/registrar_artifacts.hpp"
 
 using namespace plumbline;
 namespace reg = plumbline::registration;

@@ -7,7 +7,7 @@
 #include "artifacts/survey_artifact.hpp"
 #include "artifacts/survey_observations.hpp"
 #include "plumbline/node.hpp"
-#include "survey_files/survey_builder.hpp"
+#include "survey/files/survey_builder.hpp"
 
 using namespace plumbline;
 

@@ -4,7 +4,7 @@
 #include "artifacts/design.hpp"
 #include "artifacts/deviation.hpp"
 #include "artifacts/file_artifact.hpp"
-#include "ifc/step.hpp"
+#include "building/step/step.hpp"
 #include "node_harness.hpp"
 #include "parameter_effects.hpp"
 

@@ -35,7 +35,8 @@ class Registrar : public testing::TestWithParam<std::string> {
   }
   static std::string nothing_stated() {
     return "'" + GetParam() +
-           "' states no covariance: 'transform.covariance' or 'points.covariance' is empty although that of both inputs "
+           "' states no covariance: 'transform.covariance' or 'points.covariance' is empty although that of both "
+           "inputs "
            "is given. It can be used, but nothing it gives can be judged: a bench leaves predicted, NEES and their "
            "verdicts empty. For points moved by a closed form see move_points() of registration/rigid_registration.hpp";
   }

@@ -8,7 +8,7 @@
 #include "kit_fixtures.hpp"
 #include "node_harness.hpp"
 #include "parameter_effects.hpp"
-#include "survey_files/survey_format.hpp"
+#include "survey/files/survey_format.hpp"
 
 namespace {
 

@@ -10,10 +10,10 @@
 #include <map>
 #include <string>
 
-#include "ifc/as_built_ifc.hpp"
-#include "ifc/check.hpp"
-#include "ifc/design.hpp"
-#include "ifc/step.hpp"
+#include "building/ifc/as_built_ifc.hpp"
+#include "building/ifc/check.hpp"
+#include "building/ifc/design.hpp"
+#include "building/step/step.hpp"
 #include "step_mutator.hpp"
 #include "unit/bim/measured.hpp"
 
@@ -22,20 +22,20 @@ namespace {
 using namespace plumbline;
 
 /// Two anchors out of three are measured; four are enough for every set and solid that is written.
-DeviationT measured(const bim::Design& design) {
+DeviationT measured(const ifc::Design& design) {
   std::map<std::string, Eigen::Vector3d> deviations;
-  for (const bim::Element& element : design.elements)
+  for (const ifc::Element& element : design.elements)
     if (element.is_anchor && deviations.size() < 4 && element.instance % 3 != 0)
       deviations[element.guid] = Eigen::Vector3d(0.001, -0.002, 0.003);
   return test::judged(design, deviations, Eigen::Vector3d::Constant(1e-4), Eigen::Vector3d::Constant(std::nan("")));
 }
 
-void enrich(const step::File& file, const bim::Design& design) {
+void enrich(const step::File& file, const ifc::Design& design) {
   const DeviationT deviation = measured(design);
-  bim::AsBuiltIfcOptions options;
+  ifc::AsBuiltIfcOptions options;
   options.provenance = {{"Method", "fuzz"}};
   const std::string as_built =
-      bim::enriched(file, bim::write_as_built(file, design, deviation, test::residuals(deviation, 0.00005), options));
+      ifc::enriched(file, ifc::write_as_built(file, design, deviation, test::residuals(deviation, 0.00005), options));
   const std::string_view original = file.bytes(), tail = original.substr(file.data_end());
   if (!as_built.starts_with(original.substr(0, file.data_end())) || !as_built.ends_with(tail)) abort();
   const auto again = [&] {
@@ -47,7 +47,7 @@ void enrich(const step::File& file, const bim::Design& design) {
   }();
   for (const auto& instance : again.instances())
     if (instance.id > file.largest_id()) again.records(instance);
-  bim::check_ifc(again, file.largest_id() + 1);
+  ifc::check_ifc(again, file.largest_id() + 1);
 }
 
 }  // namespace
@@ -73,7 +73,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       } catch (const step::Error&) {
       }
     }
-    const bim::Design design = bim::read_design(file, {{}, "", {}, {}, {"*"}});
+    const ifc::Design design = ifc::read_design(file, {{}, "", {}, {}, {"*"}});
     enrich(file, design);
   } catch (const std::runtime_error&) {
   }

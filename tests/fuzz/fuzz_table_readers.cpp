@@ -13,11 +13,11 @@
 #include <string_view>
 
 #include "campaign_folder.hpp"
-#include "control/control_files.hpp"
-#include "control/image_points.hpp"
-#include "markers/camera_files.hpp"
-#include "markers/colmap_files.hpp"
-#include "markers/layout_files.hpp"
+#include "control/points/control_files.hpp"
+#include "control/points/image_points.hpp"
+#include "photo/markers/camera_files.hpp"
+#include "photo/markers/colmap_files.hpp"
+#include "photo/markers/layout_files.hpp"
 
 namespace {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "ifc/ifc_schema.hpp"
+#include "building/ifc/ifc_schema.hpp"
 #include "unit/bim/small_building.hpp"
 
 namespace plumbline::fuzz {
@@ -93,7 +93,7 @@ class StepMutator {
     if (below(2)) text_.erase(at, line.size());
     if (below(2)) text_.insert(std::min(place_of('\n'), text_.size()), line);
   }
-  const bim::EntityLayout& layout() { return bim::entity_layouts()[below(bim::entity_layouts().size())]; }
+  const ifc::EntityLayout& layout() { return ifc::entity_layouts()[below(ifc::entity_layouts().size())]; }
   void replace_keyword() {
     const std::size_t at = text_.find("=IFC", below(text_.size()));
     if (at == std::string::npos) return;

@@ -11,21 +11,21 @@
 #include <string>
 #include <string_view>
 
-#include "survey_files/dynaml.hpp"
-#include "survey_files/field_books.hpp"
-#include "survey_files/gama.hpp"
-#include "survey_files/gsi.hpp"
-#include "survey_files/jobxml.hpp"
-#include "survey_files/krumm.hpp"
-#include "survey_files/landxml.hpp"
-#include "survey_files/rw5.hpp"
-#include "survey_files/sdr33.hpp"
-#include "survey_files/starnet.hpp"
-#include "survey_files/survey_csv.hpp"
-#include "survey_files/survey_format.hpp"
-#include "survey_files/survey_layout.hpp"
-#include "survey_files/zeiss.hpp"
-#include "text/csv_table.hpp"
+#include "base/text/csv_table.hpp"
+#include "survey/files/dynaml.hpp"
+#include "survey/files/field_books.hpp"
+#include "survey/files/gama.hpp"
+#include "survey/files/gsi.hpp"
+#include "survey/files/jobxml.hpp"
+#include "survey/files/krumm.hpp"
+#include "survey/files/landxml.hpp"
+#include "survey/files/rw5.hpp"
+#include "survey/files/sdr33.hpp"
+#include "survey/files/starnet.hpp"
+#include "survey/files/survey_csv.hpp"
+#include "survey/files/survey_format.hpp"
+#include "survey/files/survey_layout.hpp"
+#include "survey/files/zeiss.hpp"
 
 namespace plumbline::fuzz {
 

@@ -1,5 +1,5 @@
-// A facade with planted relief, texture and joints, and photographs of it by an own renderer that shares nothing with what
-// is tested but the camera model: every pixel is the mean of rays that are intersected with the relief.
+// A facade with planted relief, texture and joints, and photographs of it by an own renderer that shares nothing with
+// what is tested but the camera model: every pixel is the mean of rays that are intersected with the relief.
 #pragma once
 
 #include <cmath>
@@ -9,14 +9,15 @@
 #include <vector>
 
 #include "geometry/camera.hpp"
-#include "images/grey_image.hpp"
+#include "photo/images/grey_image.hpp"
 #include "plumbline/rigid_transform.hpp"
-#include "surface/facade_plane.hpp"
+#include "surface/dense/facade_plane.hpp"
 
 namespace plumbline::testing {
 
 inline double lattice(std::int64_t x, std::int64_t y, std::uint64_t seed) {
-  std::uint64_t h = static_cast<std::uint64_t>(x) * 0x9e3779b97f4a7c15u ^ static_cast<std::uint64_t>(y) * 0xc2b2ae3d27d4eb4fu ^ seed;
+  std::uint64_t h =
+      static_cast<std::uint64_t>(x) * 0x9e3779b97f4a7c15u ^ static_cast<std::uint64_t>(y) * 0xc2b2ae3d27d4eb4fu ^ seed;
   h = (h ^ (h >> 30)) * 0xbf58476d1ce4e5b9u;
   h = (h ^ (h >> 27)) * 0x94d049bb133111ebu;
   return static_cast<double>((h ^ (h >> 31)) >> 11) * 0x1.0p-53;
@@ -39,7 +40,7 @@ inline double plaster(double u, double v, double finest, std::uint64_t seed = 7)
 
 struct FacadeScene {
   surface::FacadePlane plane;
-  std::function<double(double, double)> height = [](double, double) { return 0.0; };        ///< relief [m]
+  std::function<double(double, double)> height = [](double, double) { return 0.0; };  ///< relief [m]
   std::function<double(double, double)> reflectance = [](double u, double v) { return plaster(u, v, 0.002); };
 };
 
@@ -77,8 +78,8 @@ inline GreyImage exposed(const std::vector<float>& light, int width, int height,
   std::mt19937_64 random(seed);
   std::normal_distribution<double> noise(0, 1);
   for (size_t i = 0; i < light.size(); ++i)
-    image.pixels[i] = static_cast<std::uint8_t>(std::lround(
-        std::min(255.0, std::max(0.0, 40 + 180 * static_cast<double>(light[i]) + sigma * noise(random)))));
+    image.pixels[i] = static_cast<std::uint8_t>(
+        std::lround(std::min(255.0, std::max(0.0, 40 + 180 * static_cast<double>(light[i]) + sigma * noise(random)))));
   return image;
 }
 

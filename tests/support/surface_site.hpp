@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "facade_scene.hpp"
-#include "surface/facet.hpp"
+#include "surface/dense/facet.hpp"
 
 namespace plumbline::surface {
 
@@ -23,8 +23,8 @@ struct Site {
   void expose(double noise, std::uint64_t seed) {
     images.clear();
     for (size_t k = 0; k < light.size(); ++k)
-      images.push_back(pyramid_of(plumbline::testing::exposed(light[k], views[k].camera.width, views[k].camera.height,
-                                                               noise, seed * 100 + k)));
+      images.push_back(pyramid_of(
+          plumbline::testing::exposed(light[k], views[k].camera.width, views[k].camera.height, noise, seed * 100 + k)));
   }
 };
 
@@ -78,7 +78,8 @@ inline void perturb(Site& site, const std::vector<View>& views, const Eigen::Vec
   site.views = views;
   for (int k = 0; k < 5; ++k) {
     View& view = site.views[static_cast<size_t>(k)];
-    view.cam_from_world.rotation = quaternion_from_rotation_vector(error.segment<3>(8 * k)) * view.cam_from_world.rotation;
+    view.cam_from_world.rotation =
+        quaternion_from_rotation_vector(error.segment<3>(8 * k)) * view.cam_from_world.rotation;
     view.cam_from_world.translation += error.segment<3>(8 * k + 3);
     view.camera.fx += error(40), view.camera.fy += error(41);
   }

@@ -1,4 +1,5 @@
-// Where the checkout and the build are. Functions and not macros, so that test sources compile to the same object in any folder.
+// Where the checkout and the build are. Functions and not macros, so that test sources compile to the same object in
+// any folder.
 #pragma once
 
 namespace plumbline::test {

@@ -9,7 +9,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "text/one_document.hpp"
+#include "base/text/one_document.hpp"
 
 namespace plumbline::runtime {
 
@@ -77,7 +77,7 @@ class Reader {
     const std::string text = text_of(file);
     YAML::Node root;
     try {
-      root = formats::load_one_document(text);
+      root = text::load_one_document(text);
     } catch (const YAML::Exception& error) {
       throw std::runtime_error(file.string() + ": " + error.what());
     }

@@ -7,10 +7,10 @@
 #include <set>
 #include <sstream>
 
+#include "base/text/one_document.hpp"
 #include "runtime/base/near_names.hpp"
 #include "runtime/base/printable.hpp"
 #include "runtime/graph/pipeline_variables.hpp"
-#include "text/one_document.hpp"
 
 namespace plumbline::runtime {
 
@@ -98,7 +98,7 @@ class FileReader {
     spec.sources.push_back({file.string(), text});
     YAML::Node root;
     try {
-      root = formats::load_one_document(text);
+      root = text::load_one_document(text);
     } catch (const YAML::Exception& error) {
       std::string message = error.msg;
       if (text.find("${") != std::string::npos && message.find("map flow") != std::string::npos)
@@ -370,7 +370,8 @@ class FileReader {
       problem(value.at, "of rounds the command line sets rounds.most=NUMBER and rounds.until=NODE.METRIC, no other");
   }
 
-  /// Items between commas, without blanks at both ends; one in quotes, single or double, may have commas and blanks in it.
+  /// Items between commas, without blanks at both ends; one in quotes, single or double, may have commas and blanks in
+  /// it.
   static std::vector<std::string> list_items(const std::string& text) {
     std::vector<std::string> items;
     for (size_t at = 0; at < text.size();) {

@@ -12,8 +12,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "base/text/one_document.hpp"
 #include "builtin_rules.hpp"
-#include "text/one_document.hpp"
 
 namespace plumbline::runtime {
 
@@ -47,7 +47,7 @@ std::vector<std::string> split_path(const std::string& text) {
 std::map<std::string, std::vector<Rule>> read_rules() {
   std::map<std::string, std::vector<Rule>> all;
   for (const BuiltinRule& file : kBuiltinRules) {
-    const YAML::Node document = formats::load_one_document(file.yaml);
+    const YAML::Node document = text::load_one_document(file.yaml);
     auto& rules = all[document["type"].as<std::string>()];
     for (const auto& item : document["rules"]) {
       Rule rule;

@@ -12,9 +12,9 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "base/text/one_document.hpp"
 #include "runtime/base/near_names.hpp"
 #include "runtime/plugins/executable_node.hpp"
-#include "text/one_document.hpp"
 
 namespace plumbline::runtime {
 
@@ -99,7 +99,7 @@ class ManifestReader {
     if (!stream) throw std::runtime_error(std::string("cannot be read: ") + std::strerror(errno));
     std::ostringstream content;
     content << stream.rdbuf();
-    const YAML::Node root = formats::load_one_document(content.str());
+    const YAML::Node root = text::load_one_document(content.str());
     check_keys(root,
                {"plumbline_node", "kind", "role", "version", "summary", "licence", "run", "needs", "deterministic",
                 "seed", "time_limit", "memory_limit", "inputs", "outputs", "parameters"},

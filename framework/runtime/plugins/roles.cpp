@@ -6,10 +6,10 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "base/text/one_document.hpp"
 #include "builtin_roles.hpp"
 #include "runtime/base/near_names.hpp"
 #include "runtime/plugins/frames.hpp"
-#include "text/one_document.hpp"
 
 namespace plumbline::runtime {
 
@@ -158,7 +158,7 @@ void Roles::add(const std::filesystem::path& file) {
 void Roles::add(const std::string& yaml, const std::string& where) {
   Role role;
   try {
-    const YAML::Node document = formats::load_one_document(yaml);
+    const YAML::Node document = text::load_one_document(yaml);
     if (!document.IsMap()) throw std::runtime_error(where + ": a role is a map of role, doc, inputs, outputs");
     for (const auto& entry : document) {
       const auto key = entry.first.as<std::string>();

@@ -9,8 +9,8 @@
 #include <set>
 #include <sstream>
 
+#include "base/text/one_document.hpp"
 #include "runtime/base/near_names.hpp"
-#include "text/one_document.hpp"
 
 namespace plumbline::runtime {
 
@@ -53,7 +53,7 @@ class SweepReader {
     text << stream.rdbuf();
     sweep_.text = text.str();
     try {
-      const YAML::Node root = formats::load_one_document(sweep_.text);
+      const YAML::Node root = text::load_one_document(sweep_.text);
       if (root.IsMap()) return root;
       problems_.push_back({{file_.string(), 1, 1}, "a bench file is a map that begins with 'bench: 1'"});
     } catch (const YAML::Exception& error) {

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "ifc/selection_rule.hpp"
+#include "building/ifc/selection_rule.hpp"
 
 namespace plumbline::loop {
 
 BracketRule parse_bracket_rule(const std::string& text) {
   auto [selection, lengths, whole] =
-      bim::parse_lengths(text, "class=IfcMechanicalFastener: right=20mm, up=15mm, out=25mm, step_out=1mm");
+      ifc::parse_lengths(text, "class=IfcMechanicalFastener: right=20mm, up=15mm, out=25mm, step_out=1mm");
   BracketRule rule{std::move(selection), {}};
   rule.type.name = whole;
   for (const auto& [name, length, part] : lengths) {
@@ -29,14 +29,14 @@ BracketRule parse_bracket_rule(const std::string& text) {
   return rule;
 }
 
-std::optional<BracketType> bracket_type_of(const std::vector<BracketRule>& rules, const bim::ElementFacts& anchor) {
+std::optional<BracketType> bracket_type_of(const std::vector<BracketRule>& rules, const ifc::ElementFacts& anchor) {
   for (auto rule = rules.rbegin(); rule != rules.rend(); ++rule)
     if (rule->selection.matches(anchor)) return rule->type;
   BracketType type;
   bool told = false;
   static constexpr const char* kNames[] = {"Right", "Up", "Out"};
   if (anchor.properties)
-    for (const bim::Property& property : *anchor.properties)
+    for (const ifc::Property& property : *anchor.properties)
       for (int k = 0; k < 3 && property.set == "Pset_BracketRange"; ++k) {
         if (!(property.number >= 0 && property.number <= 0.5)) continue;
         if (property.name == kNames[k]) type.low[k] = -property.number, type.high[k] = property.number, told = true;
@@ -48,7 +48,7 @@ std::optional<BracketType> bracket_type_of(const std::vector<BracketRule>& rules
 }
 
 HookRule parse_hook_rule(const std::string& text) {
-  auto [selection, word] = bim::split_rule(text, "name~-R2$: slides_sideways");
+  auto [selection, word] = ifc::split_rule(text, "name~-R2$: slides_sideways");
   HookRule rule{std::move(selection), {true, true, true}};
   if (word == "slides_sideways") {
     rule.holds = {false, true, true};

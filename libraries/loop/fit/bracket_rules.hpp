@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "ifc/selection.hpp"
+#include "building/ifc/selection.hpp"
 #include "loop/fit/facade.hpp"
 
 namespace plumbline::loop {
@@ -14,7 +14,7 @@ namespace plumbline::loop {
 /// "class=IfcMechanicalFastener: right=20mm, up=15mm, out=25mm, step_out=1mm": to both sides; what is not named is that
 /// of BracketType; 0mm: not adjustable that way.
 struct BracketRule {
-  bim::Selection selection;
+  ifc::Selection selection;
   BracketType type;
 };
 
@@ -23,11 +23,11 @@ BracketRule parse_bracket_rule(const std::string& text);
 
 /// The last rule that selects the anchor; before that, the design's Pset_BracketRange (Right, Up, Out, StepRight,
 /// StepUp, StepOut [m]). Without any rules the assumed type. nullopt: there are rules, and none selects it.
-std::optional<BracketType> bracket_type_of(const std::vector<BracketRule>& rules, const bim::ElementFacts& anchor);
+std::optional<BracketType> bracket_type_of(const std::vector<BracketRule>& rules, const ifc::ElementFacts& anchor);
 
 /// "name~-R2$: fixed", or slides_sideways, slides_up, slides (held only out of plane).
 struct HookRule {
-  bim::Selection selection;
+  ifc::Selection selection;
   std::array<bool, 3> holds;
 };
 HookRule parse_hook_rule(const std::string& text);

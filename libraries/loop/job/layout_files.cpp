@@ -8,8 +8,8 @@
 #include <set>
 #include <stdexcept>
 
+#include "base/text/text.hpp"
 #include "loop/fit/facade.hpp"
-#include "text/text.hpp"
 
 namespace plumbline::loop {
 namespace {

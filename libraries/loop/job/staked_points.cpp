@@ -7,9 +7,9 @@
 #include <set>
 #include <stdexcept>
 
+#include "base/text/text.hpp"
 #include "loop/fit/facade.hpp"
 #include "loop/job/layout_files.hpp"
-#include "text/text.hpp"
 
 namespace plumbline::loop {
 namespace {
@@ -28,12 +28,12 @@ std::string lower_case(std::string_view text) {
 
 /// "Easting [m]" is "easting" and "m".
 std::pair<std::string, std::string> name_and_unit(std::string_view cell) {
-  const std::string text = lower_case(formats::trim(cell));
+  const std::string text = lower_case(text::trim(cell));
   const auto open = text.find_first_of("[(");
   if (open == std::string::npos) return {text, ""};
   const auto close = text.find_first_of("])", open);
-  return {std::string(formats::trim(text.substr(0, open))),
-          close == std::string::npos ? "" : std::string(formats::trim(text.substr(open + 1, close - open - 1)))};
+  return {std::string(text::trim(text.substr(0, open))),
+          close == std::string::npos ? "" : std::string(text::trim(text.substr(open + 1, close - open - 1)))};
 }
 
 /// X and Y are left out: half of the world takes X for north.
@@ -59,7 +59,7 @@ void read_head(const std::vector<std::string_view>& cells, const std::string& so
     found.emplace(known->second, i);
     if (std::string("enh").find(known->second) != std::string::npos && !unit.empty() && unit != "m" &&
         unit != "metre" && unit != "meter")
-      throw std::runtime_error(source + ": its column '" + std::string(formats::trim(cells[i])) + "' is in " + unit +
+      throw std::runtime_error(source + ": its column '" + std::string(text::trim(cells[i])) + "' is in " + unit +
                                "; expected metres: export it in metres");
   }
   if (found.count('e') && found.count('n') && found.count('h'))
@@ -75,10 +75,10 @@ void read_head(const std::vector<std::string_view>& cells, const std::string& so
 
 /// Where ';' separates cells a comma is that of a decimal fraction.
 std::optional<double> staked_number(std::string_view cell, LayoutFormat format) {
-  const std::string_view text = formats::trim(cell);
+  const std::string_view text = text::trim(cell);
   const bool comma = format == LayoutFormat::hilti && text.find(',') != std::string_view::npos &&
                      text.find('.') == std::string_view::npos;
-  const auto number = formats::parse_number(text, comma ? ',' : '.');
+  const auto number = text::parse_number(text, comma ? ',' : '.');
   return number && std::isfinite(*number) ? number : std::nullopt;
 }
 
@@ -87,17 +87,17 @@ std::optional<double> staked_number(std::string_view cell, LayoutFormat format) 
 ActualsT read_staked(const std::string& text, LayoutFormat format, const std::string& source) {
   ActualsT out;
   out.sources.push_back(source);
-  const std::string decoded = formats::decode_text(text).text;
+  const std::string decoded = text::decode_text(text).text;
   std::set<std::string> seen;
   StakedColumns columns;
   if (format == LayoutFormat::trimble) columns.north = 1, columns.east = 2;
   bool first = true;
-  for (const formats::Line& line : formats::split_lines(decoded)) {
-    if (formats::trim(line.text).empty()) continue;
+  for (const text::Line& line : text::split_lines(decoded)) {
+    if (text::trim(line.text).empty()) continue;
     const auto refuse = [&](const std::string& why) {
       out.refused.push_back(source + ":" + std::to_string(line.number) + ": " + why);
     };
-    const auto split = formats::split(line.text, format == LayoutFormat::hilti ? ';' : ',');
+    const auto split = text::split(line.text, format == LayoutFormat::hilti ? ';' : ',');
     const std::vector<std::string_view> cells(split.begin(), split.end());
     // A first point with one coordinate that cannot be read is no head.
     const bool is_head = std::exchange(first, false) &&
@@ -111,7 +111,7 @@ ActualsT read_staked(const std::string& text, LayoutFormat format, const std::st
       refuse("found " + std::to_string(cells.size()) + " columns, expected a name and three coordinates");
       continue;
     }
-    const std::string name(formats::trim(cells[columns.name]));
+    const std::string name(text::trim(cells[columns.name]));
     const std::array<std::optional<double>, 3> at = {staked_number(cells[columns.east], format),
                                                      staked_number(cells[columns.north], format),
                                                      staked_number(cells[columns.height], format)};
@@ -127,7 +127,7 @@ ActualsT read_staked(const std::string& text, LayoutFormat format, const std::st
     actual->item = name, actual->outcome = "done", actual->by = source;
     actual->measured = {*at[0], *at[1], *at[2]};
     actual->sigma.setConstant(kUnknown), actual->setting.setConstant(kUnknown);
-    if (columns.date < cells.size()) actual->at = std::string(formats::trim(cells[columns.date]));
+    if (columns.date < cells.size()) actual->at = std::string(text::trim(cells[columns.date]));
     out.items.push_back(std::move(actual));
   }
   return out;

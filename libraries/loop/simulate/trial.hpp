@@ -35,7 +35,7 @@ struct TrialResult {
   std::vector<std::string> journal;       ///< of the closed loop
   int planted = 0, planted_verified = 0;  ///< faults that left a hook off; brackets VERIFIED although still off by one
   std::map<std::string, int> planted_by_kind;
-  std::vector<std::string> missed;        ///< of the latter: what was planted there, and their lines of the journal
+  std::vector<std::string> missed;  ///< of the latter: what was planted there, and their lines of the journal
 };
 
 TrialResult run_trial(const SiteOptions& options, Strategy strategy, std::uint64_t seed);

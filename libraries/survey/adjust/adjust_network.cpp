@@ -18,7 +18,7 @@
 
 namespace plumbline::survey {
 
-using adjustment::Solution;
+using least_squares::Solution;
 
 NetworkResult Adjuster::run(std::unique_ptr<KeptNetwork>* kept) {
   if (options_.robust_start && options_.remove_blunders) remove_by_robust_weights();
@@ -37,20 +37,20 @@ NetworkResult Adjuster::run(std::unique_ptr<KeptNetwork>* kept) {
 
 Pass Adjuster::adjust(bool statistics) {
   NetworkProblem problem = make_problem(m_, options_, state_);
-  adjustment::SolverOptions solver;
-  if (adjustment::UnknownIndex(problem.problem).count() == 0)
+  least_squares::SolverOptions solver;
+  if (least_squares::UnknownIndex(problem.problem).count() == 0)
     throw NetworkError("there is nothing to determine: no point of the network is both observed and unknown");
   solver.datum_unknowns = datum_unknowns(m_, problem);
   solver.negligible_step = 3e-5;  // of a standard deviation: below a tenth of a micrometre in any real network
   try {
-    Solution solution = adjustment::solve(problem.problem, solver);
+    Solution solution = least_squares::solve(problem.problem, solver);
     refuse_local_defects(problem, solution);
     if (!solution.converged) fail_to_converge(problem, solution);
     if (m_.unrelated) doubt(solution);
     Pass pass{std::move(problem), std::move(solution), {}, {}};
     if (statistics) add_statistics(pass);
     return pass;
-  } catch (const adjustment::RankDefect& defect) {
+  } catch (const least_squares::RankDefect& defect) {
     const bool held = m_.datum == DatumMode::file || m_.datum == DatumMode::fixed;
     fail_with(name_defects(m_, problem, defect.directions),
               held ? ". Fix points, give control points, or adjust it as a free network (datum: inner)" : "");
@@ -71,8 +71,8 @@ void Adjuster::refuse_local_defects(const NetworkProblem& problem, const Solutio
 }
 
 void Adjuster::add_statistics(Pass& pass) const {
-  pass.cofactors = adjustment::cofactor_matrix(pass.solution);
-  adjustment::ReliabilityOptions reliability;
+  pass.cofactors = least_squares::cofactor_matrix(pass.solution);
+  least_squares::ReliabilityOptions reliability;
   reliability.alpha0 = options_.alpha0;
   reliability.power = options_.power;
   for (int block : pass.problem.point_blocks) {
@@ -80,7 +80,8 @@ void Adjuster::add_statistics(Pass& pass) const {
     for (int k = 0; k < 3; ++k) unknowns.push_back(pass.solution.unknowns(block, k));
     reliability.groups.push_back(std::move(unknowns));
   }
-  pass.reliability = adjustment::compute_reliability(pass.problem.problem, pass.solution, pass.cofactors, reliability);
+  pass.reliability =
+      least_squares::compute_reliability(pass.problem.problem, pass.solution, pass.cofactors, reliability);
 }
 
 void Adjuster::fail_to_converge(const NetworkProblem& problem, const Solution& solution) const {

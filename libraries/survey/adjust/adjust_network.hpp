@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "adjustment/reliability.hpp"
+#include "least_squares/problem/reliability.hpp"
 #include "survey/model/instrument_profile.hpp"
 #include "survey/model/station_reduction.hpp"
 #include "survey/model/survey_observations.hpp"
@@ -114,7 +114,7 @@ class NetworkError : public std::runtime_error {
 struct ResultRow {
   std::string kind, set_up, from, to, detail;
   double value = 0;
-  adjustment::RowStatistics statistics;
+  least_squares::RowStatistics statistics;
   int group = 0;
   bool removed = false, flagged = false, removable = false;
   int sets = 1;
@@ -154,7 +154,7 @@ struct ResultParameter {
 
 struct ResultPointing {
   std::string set_up, to;
-  adjustment::BlockTest test;
+  least_squares::BlockTest test;
   double critical = 0;
   bool flagged = false;
 };
@@ -162,7 +162,7 @@ struct ResultPointing {
 struct ResultGroup {
   std::string name;
   double applied_factor = 1;  ///< on the standard deviations
-  adjustment::VarianceComponent component;
+  least_squares::VarianceComponent component;
 };
 
 struct SnoopingAction {
@@ -203,7 +203,7 @@ struct NetworkResult {
   double sum_of_squares = 0;  ///< v' P v
   double sigma0 = 1;          ///< a posteriori, of unit weight
   double sum_of_redundancy_numbers = 0;
-  adjustment::GlobalTest global_test;
+  least_squares::GlobalTest global_test;
   double critical_w = 0, critical_tau = 0;
 
   /// Something measured says of a known point where it is: the first finding then tells of all of them.

@@ -16,9 +16,9 @@ namespace plumbline::survey {
 /// One adjustment of the rows that are in.
 struct Pass {
   NetworkProblem problem;
-  adjustment::Solution solution;
+  least_squares::Solution solution;
   Eigen::MatrixXd cofactors;
-  adjustment::Reliability reliability;
+  least_squares::Reliability reliability;
 };
 
 /// An error that many observations have in common, as the hypothesis that explains most of the misfit.
@@ -47,11 +47,11 @@ class Adjuster {
   [[noreturn]] static void fail_with(const std::vector<Finding>& defects, const std::string& advice);
 
   /// Inner constraints choose among positions of the whole network; they must not stand in for missing observations.
-  void refuse_local_defects(const NetworkProblem& problem, const adjustment::Solution& solution) const;
+  void refuse_local_defects(const NetworkProblem& problem, const least_squares::Solution& solution) const;
   void add_statistics(Pass& pass) const;
   /// Initial values that were not related to each other may lead to a solution that is not the right one.
-  void doubt(const adjustment::Solution& solution) const;
-  [[noreturn]] void fail_to_converge(const NetworkProblem& problem, const adjustment::Solution& solution) const;
+  void doubt(const least_squares::Solution& solution) const;
+  [[noreturn]] void fail_to_converge(const NetworkProblem& problem, const least_squares::Solution& solution) const;
   double critical_w() const;
   /// Of removals and diagnoses: over all tests of the network together they err with probability removal_alpha.
   double critical_removal() const;
@@ -97,7 +97,7 @@ class Adjuster {
 
   /// Test of an observation that took no part: its misfit against its own and the network's uncertainty. This is the w
   /// the observation had before it was removed, with all other removed ones out.
-  adjustment::RowStatistics removed_statistics(const Pass& pass, int row) const;
+  least_squares::RowStatistics removed_statistics(const Pass& pass, int row) const;
 
   /// Huber weights by iteration; observations they push out start as removed and must earn their way back.
   void remove_by_robust_weights();

@@ -4,12 +4,12 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "adjustment/reliability.hpp"
+#include "least_squares/problem/reliability.hpp"
 #include "survey/doctor/network_words.hpp"
 
 namespace plumbline::survey {
 
-KeptNetwork::KeptNetwork(const NetworkModel& model, NetworkProblem problem, adjustment::Solution solution,
+KeptNetwork::KeptNetwork(const NetworkModel& model, NetworkProblem problem, least_squares::Solution solution,
                          double variance_factor)
     : ids_(model.ids),
       rows_(model.rows),
@@ -42,8 +42,8 @@ std::array<int, 3> KeptNetwork::unknowns(const std::string& id) const {
 
 KeptNetwork::Estimate KeptNetwork::estimate() {
   Estimate result;
-  result.step = adjustment::gauss_newton_step(solution_);
-  result.cofactors = adjustment::cofactor_matrix(solution_);
+  result.step = least_squares::gauss_newton_step(solution_);
+  result.cofactors = least_squares::cofactor_matrix(solution_);
   // |u + J dx|^2 = u'u + 2 g'dx + dx'N dx with N dx = -g.
   result.sum_of_squares = solution_.sum_of_squares() + solution_.normal.gradient().dot(result.step);
   return result;
@@ -51,7 +51,7 @@ KeptNetwork::Estimate KeptNetwork::estimate() {
 
 std::vector<KeptNetwork::Conspicuous> KeptNetwork::conspicuous(const Eigen::MatrixXd& cofactors, double variance,
                                                                double critical) const {
-  const auto reliability = adjustment::compute_reliability(problem_.problem, solution_, cofactors / variance, {});
+  const auto reliability = least_squares::compute_reliability(problem_.problem, solution_, cofactors / variance, {});
   std::vector<Conspicuous> found;
   for (size_t r = 0; r < problem_.rows.size(); ++r) {
     const double w = reliability.rows[r].w / std::sqrt(variance);

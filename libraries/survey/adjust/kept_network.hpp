@@ -13,7 +13,8 @@ class KeptNetwork {
  public:
   /// `problem` and `solution` as they were left by the adjustment, whose covariances are
   /// multiplied by `variance_factor`.
-  KeptNetwork(const NetworkModel& model, NetworkProblem problem, adjustment::Solution solution, double variance_factor);
+  KeptNetwork(const NetworkModel& model, NetworkProblem problem, least_squares::Solution solution,
+              double variance_factor);
 
   const std::vector<std::string>& ids() const { return ids_; }
   bool has(const std::string& id) const;
@@ -33,7 +34,7 @@ class KeptNetwork {
   };
   Estimate estimate();
 
-  void move(const Eigen::VectorXd& step) { adjustment::move(problem_.problem, solution_, step); }
+  void move(const Eigen::VectorXd& step) { least_squares::move(problem_.problem, solution_, step); }
 
   /// A reading whose normalised residual is large: row of the adjustment, in words, with its w.
   struct Conspicuous {
@@ -50,7 +51,7 @@ class KeptNetwork {
   std::vector<ResultRow> rows_;
   std::vector<std::array<CoordinateRole, 3>> roles_;
   NetworkProblem problem_;
-  adjustment::Solution solution_;
+  least_squares::Solution solution_;
   double variance_factor_;
 };
 

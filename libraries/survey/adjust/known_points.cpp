@@ -24,7 +24,7 @@ struct Known {
 };
 
 Known known_of(const CoordinateGroup& group, const NetworkModel& model, const NetworkProblem& problem,
-               const adjustment::Solution& solution, const MatrixXd& cofactors) {
+               const least_squares::Solution& solution, const MatrixXd& cofactors) {
   const auto n = static_cast<Index>(group.components.size());
   VectorXd v(n);
   std::vector<int> unknowns;
@@ -87,7 +87,7 @@ std::string difference_in_words(const KnownPoint& k) {
 }  // namespace
 
 std::vector<KnownPoint> compare_with_known(const NetworkModel& model, const NetworkProblem& problem,
-                                           const adjustment::Solution& solution, const MatrixXd& cofactors,
+                                           const least_squares::Solution& solution, const MatrixXd& cofactors,
                                            double alpha) {
   std::vector<KnownPoint> result;
   for (const CoordinateGroup& group : model.survey.coordinates) {

@@ -7,7 +7,7 @@
 
 namespace plumbline::survey {
 
-using adjustment::Solution;
+using least_squares::Solution;
 
 void Adjuster::report_points(const Pass& pass, NetworkResult& result) const {
   for (size_t i = 0; i < m_.ids.size(); ++i) {
@@ -71,7 +71,7 @@ void Adjuster::report_set_ups(const Pass& pass, NetworkResult& result) const {
 
 void Adjuster::report_rows(const Pass& pass, NetworkResult& result) const {
   result.rows = m_.rows;
-  const auto finish = [&](ResultRow& row, const adjustment::RowStatistics& statistics) {
+  const auto finish = [&](ResultRow& row, const least_squares::RowStatistics& statistics) {
     row.statistics = statistics;
     row.flagged = std::abs(statistics.w) > result.critical_w;
     if (statistics.external_group >= 0) row.external_point = m_.ids[statistics.external_group];
@@ -138,14 +138,14 @@ NetworkResult Adjuster::report(Pass& pass) {
   result.sum_of_squares = s.sum_of_squares();
   if (result.degrees_of_freedom > 0) result.sigma0 = std::sqrt(result.sum_of_squares / result.degrees_of_freedom);
   result.sum_of_redundancy_numbers = pass.reliability.sum_of_redundancy_numbers;
-  result.global_test = adjustment::global_test(result.sum_of_squares, result.degrees_of_freedom, options_.alpha);
+  result.global_test = least_squares::global_test(result.sum_of_squares, result.degrees_of_freedom, options_.alpha);
   result.critical_w = critical_w();
-  result.critical_tau = adjustment::tau_critical(options_.alpha0, result.degrees_of_freedom);
+  result.critical_tau = least_squares::tau_critical(options_.alpha0, result.degrees_of_freedom);
   result.null_space = s.datum.null_space();
   const bool scale = options_.scale_with_sigma0 == Switch::on ||
                      (options_.scale_with_sigma0 == Switch::automatic && m_.survey.info.use_a_posteriori_sigma0);
   if (scale && result.degrees_of_freedom > 0) result.variance_factor = result.sigma0 * result.sigma0;
-  const auto components = adjustment::variance_components(pass.problem.problem, s, pass.reliability);
+  const auto components = least_squares::variance_components(pass.problem.problem, s, pass.reliability);
   for (size_t g = 0; g < components.size() && g < kGroups; ++g)
     if (components[g].rows > 0) result.groups.push_back({kGroupNames[g], state_.sigma_factors[g], components[g]});
   report_rows(pass, result);

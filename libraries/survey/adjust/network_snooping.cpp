@@ -20,8 +20,8 @@ int Adjuster::removed() const { return static_cast<int>(std::count(state_.remove
 bool Adjuster::clean(const Pass& pass) const {
   constexpr double kClearly = 0.001;
   return worst_row(pass, {}) < 0 &&
-         adjustment::global_test(pass.solution.sum_of_squares(), pass.solution.degrees_of_freedom(), kClearly)
-                 .verdict != adjustment::GlobalTest::Verdict::high;
+         least_squares::global_test(pass.solution.sum_of_squares(), pass.solution.degrees_of_freedom(), kClearly)
+                 .verdict != least_squares::GlobalTest::Verdict::high;
 }
 
 void Adjuster::snoop(Pass& pass) {
@@ -162,7 +162,7 @@ void Adjuster::log_action(int row, bool restored, double w, double blunder, cons
 void Adjuster::restore_innocent(Pass& pass, std::set<int>& restored) {
   for (int row = 0; row < static_cast<int>(m_.observations.size()); ++row) {
     if (!state_.removed[row] || restored.contains(row)) continue;
-    const adjustment::RowStatistics test = removed_statistics(pass, row);
+    const least_squares::RowStatistics test = removed_statistics(pass, row);
     if (std::abs(test.w) > critical_removal()) continue;
     restored.insert(row);
     state_.removed[row] = 0;
@@ -171,9 +171,9 @@ void Adjuster::restore_innocent(Pass& pass, std::set<int>& restored) {
   }
 }
 
-adjustment::RowStatistics Adjuster::removed_statistics(const Pass& pass, int row) const {
+least_squares::RowStatistics Adjuster::removed_statistics(const Pass& pass, int row) const {
   const auto block = single_block(m_, options_, state_, pass.problem, row);
-  const adjustment::Problem& problem = pass.problem.problem;
+  const least_squares::Problem& problem = pass.problem.problem;
   std::vector<const double*> values;
   std::vector<std::vector<double>> storage;
   std::vector<double*> jacobians;
@@ -183,7 +183,7 @@ adjustment::RowStatistics Adjuster::removed_statistics(const Pass& pass, int row
     storage.emplace_back(problem.parameters[p].tangent(), 0.0);
   }
   for (auto& s : storage) jacobians.push_back(s.data());
-  adjustment::RowStatistics result;
+  least_squares::RowStatistics result;
   result.sigma = 1 / block->whitening()(0, 0);
   if (!block->evaluate(values.data(), &result.residual, jacobians.data())) return result;
   Eigen::VectorXd a = Eigen::VectorXd::Zero(pass.solution.unknowns.count());
@@ -198,7 +198,7 @@ adjustment::RowStatistics Adjuster::removed_statistics(const Pass& pass, int row
   result.redundancy_number = result.controlled = result.sigma * result.sigma / (total * total);
   result.w = result.residual / total;
   result.estimated_blunder = -result.residual;
-  const double delta0 = adjustment::non_centrality(options_.alpha0, options_.power);
+  const double delta0 = least_squares::non_centrality(options_.alpha0, options_.power);
   result.mdb = delta0 * total;
   result.bias_to_noise = delta0 * std::sqrt(network) / result.sigma;
   return result;
@@ -247,7 +247,7 @@ void Adjuster::remove_by_robust_weights() {
 void Adjuster::estimate_variance_components(Pass& pass) {
   constexpr double kEnoughRedundancy = 10, kClosest = 0.01, kLeast = 0.2, kMost = 5;
   for (int iteration = 0; iteration < 20; ++iteration) {
-    const auto components = adjustment::variance_components(pass.problem.problem, pass.solution, pass.reliability);
+    const auto components = least_squares::variance_components(pass.problem.problem, pass.solution, pass.reliability);
     double change = 0;
     for (size_t g = 0; g < components.size() && g < kGiven; ++g) {
       if (components[g].redundancy < kEnoughRedundancy) continue;

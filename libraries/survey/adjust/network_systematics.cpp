@@ -113,7 +113,7 @@ std::string Adjuster::describe(const CommonError& e) const {
 
 /// One hypothesis: `rows` of the problem, each with its coefficient c.
 CommonError Adjuster::test_common_error(const Pass& pass, const std::vector<std::pair<int, double>>& rows) const {
-  const adjustment::Linearisation& lin = pass.solution.linearisation;
+  const least_squares::Linearisation& lin = pass.solution.linearisation;
   Eigen::VectorXd atc = Eigen::VectorXd::Zero(pass.solution.unknowns.count());
   double numerator = 0, own = 0;
   std::size_t b = 0;

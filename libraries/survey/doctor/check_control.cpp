@@ -45,8 +45,8 @@ SurveyObservations without_control(const SurveyObservations& survey) {
 void place_on_map(const Epoch& given, SurveyObservations& free) {
   for (size_t i = 0; i < given.ids.size(); ++i) {
     const Eigen::Vector3d at = given.coordinates.segment<3>(static_cast<Eigen::Index>(3 * i));
-    const auto known = std::find_if(free.points.begin(), free.points.end(),
-                                    [&](const Point& p) { return p.id == given.ids[i]; });
+    const auto known =
+        std::find_if(free.points.begin(), free.points.end(), [&](const Point& p) { return p.id == given.ids[i]; });
     if (known == free.points.end()) {
       Point& added = free.points.emplace_back();
       added.id = given.ids[i];

@@ -362,7 +362,7 @@ class DefectNamer {
 
   const NetworkModel& m_;
   const NetworkProblem& p_;
-  adjustment::UnknownIndex unknowns_;
+  least_squares::UnknownIndex unknowns_;
   Eigen::MatrixXd open_;
   std::vector<int> part_;
   Eigen::MatrixXd named_;

@@ -193,7 +193,7 @@ std::vector<Finding> examine(const NetworkModel& model, const AdjustOptions& opt
   std::vector<Finding> findings;
   if (result.degrees_of_freedom == 0)
     findings.push_back({Finding::Severity::warning, "there is no redundancy: nothing controls the observations", {}});
-  using Verdict = adjustment::GlobalTest::Verdict;
+  using Verdict = least_squares::GlobalTest::Verdict;
   const std::string sigma0 = fixed_digits(result.sigma0, 2);
   // One sound network in twenty fails at the usual level: that is a note. A warning is for what is certain.
   const bool certain = result.degrees_of_freedom > 0 && result.sigma0 * result.sigma0 * result.degrees_of_freedom >

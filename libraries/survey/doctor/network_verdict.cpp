@@ -25,7 +25,7 @@ long failing(const NetworkResult& r, double critical) {
 /// (tau) they are tested at the level of removals, over all of them together.
 long failing_among_themselves(const NetworkResult& r, double critical) {
   const double alpha = 2 * (1 - normal_probability(critical));
-  const double tau = adjustment::tau_critical(std::max(alpha, 1e-12), r.degrees_of_freedom);
+  const double tau = least_squares::tau_critical(std::max(alpha, 1e-12), r.degrees_of_freedom);
   return r.sigma0 > 0 && std::isfinite(tau) ? failing(r, tau * r.sigma0) : 0;
 }
 
@@ -66,7 +66,7 @@ std::string broken_set_up(const NetworkResult& r) {
 
 void judge(const NetworkModel& model, double critical, NetworkResult& r) {
   const std::string sigma0 = "sigma0 " + fixed_digits(r.sigma0, 2);
-  const bool high = r.degrees_of_freedom > 0 && r.global_test.verdict == adjustment::GlobalTest::Verdict::high;
+  const bool high = r.degrees_of_freedom > 0 && r.global_test.verdict == least_squares::GlobalTest::Verdict::high;
   // One sound network in forty fails its global test; without a suspect it is doubted only if it fails clearly.
   const bool clearly = high && r.sum_of_squares > chi_squared_quantile(1 - kClearly, r.degrees_of_freedom);
   const bool low = r.degrees_of_freedom > 0 && r.sum_of_squares < chi_squared_quantile(kClearly, r.degrees_of_freedom);

@@ -8,9 +8,9 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "adjustment/reliability.hpp"
 #include "geometry/similarity.hpp"
 #include "geometry/statistics.hpp"
+#include "least_squares/problem/reliability.hpp"
 #include "plumbline/stop.hpp"
 
 namespace plumbline::survey {
@@ -296,7 +296,7 @@ void add_movements(const Difference& r, const MatrixXd& g, const std::vector<cha
   if (g.cols() > 0) h = MatrixXd(h * g).ldlt().solve(h);
   const VectorXd d = r.d - g * (h * r.d);
   const MatrixXd hc = h * r.covariance, hch = hc * h.transpose();
-  const double delta = adjustment::non_centrality(options.alpha0, options.power);
+  const double delta = least_squares::non_centrality(options.alpha0, options.power);
   for (size_t i = 0; i < r.ids.size(); ++i) {
     const auto k = static_cast<Index>(3 * i);
     const MatrixXd gi = g.middleRows(k, 3), cross = gi * hc.middleCols(k, 3);

@@ -54,7 +54,7 @@ class InfoMerger {
  private:
   /// Empty if all say the same, else who says what; then `field` is `neutral`.
   template <typename T>
-  std::string reset_if_different(T NetworkInfo::* field, const T& neutral) {
+  std::string reset_if_different(T NetworkInfo::*field, const T& neutral) {
     std::vector<std::pair<std::string, std::vector<std::string>>> values;  // what, and in which files
     for (const size_t i : asked_) {
       const std::string value = as_stated(surveys_[i].info.*field);

@@ -11,9 +11,9 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "base/text/one_document.hpp"
 #include "builtin_profiles.hpp"
 #include "survey/doctor/network_words.hpp"
-#include "text/one_document.hpp"
 
 namespace plumbline::survey {
 
@@ -160,7 +160,7 @@ void take_keys(const YAML::Node& map, const std::string& origin, InstrumentProfi
 YAML::Node load(const std::string& yaml, const std::string& origin) {
   YAML::Node root;
   try {
-    root = formats::load_one_document(yaml);
+    root = text::load_one_document(yaml);
   } catch (const YAML::ParserException& error) {
     fail(origin, error.mark, error.msg);
   }

@@ -11,7 +11,6 @@ namespace plumbline::survey {
 
 namespace {
 
-
 Eigen::Vector3d middle_of(const std::vector<Eigen::Vector3d>& points) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& p : points) sum += Eigen::Vector3d(p.x(), p.y(), or_zero(p.z()));

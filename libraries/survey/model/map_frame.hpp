@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "geodesy/map_projection.hpp"
+#include "geometry/geodesy/map_projection.hpp"
 
 namespace plumbline::survey {
 

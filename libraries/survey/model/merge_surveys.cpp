@@ -16,7 +16,7 @@ namespace plumbline::survey {
 
 namespace {
 
-constexpr double kSamePlace = 0.01;           // [m]
+constexpr double kSamePlace = 0.01;                 // [m]
 constexpr double kFixedContradiction = 0.001;       // [m]
 constexpr double kOtherFrame = 0.5;                 // [m]; points do not move that far between two days
 constexpr const char* kInvented = "free-station-";  // SurveyBuilder::start_unnamed_set_up

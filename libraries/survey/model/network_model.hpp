@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "adjustment/solver.hpp"
+#include "least_squares/problem/solver.hpp"
 #include "survey/adjust/adjust_network.hpp"
 #include "survey/model/map_frame.hpp"
 #include "survey/model/observation_equations.hpp"
@@ -62,7 +62,7 @@ NetworkModel make_model(const SurveyObservations& survey, const AdjustOptions& o
 
 /// A least-squares problem of the rows that are not removed, and the way back from its numbers to the model's.
 struct NetworkProblem {
-  adjustment::Problem problem;
+  least_squares::Problem problem;
   std::vector<int> point_blocks;                           ///< one per point
   std::vector<int> orientation_blocks;                     ///< one per set-up; -1
   std::vector<int> height_correction_blocks, tilt_blocks;  ///< one per set-up; -1
@@ -118,7 +118,7 @@ bool tell_missing_map(const NetworkModel& model, const AdjustOptions& options, c
 
 /// What the readings say of the points that were known, largest difference first; `cofactors` a priori.
 std::vector<KnownPoint> compare_with_known(const NetworkModel& model, const NetworkProblem& problem,
-                                           const adjustment::Solution& solution, const Eigen::MatrixXd& cofactors,
+                                           const least_squares::Solution& solution, const Eigen::MatrixXd& cofactors,
                                            double alpha);
 
 /// They as one finding: a warning where one of them does not stand.

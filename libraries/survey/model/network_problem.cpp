@@ -13,7 +13,7 @@ namespace plumbline::survey {
 namespace {
 
 /// Position of a parameter among those of a block; appended when new.
-int slot(adjustment::ResidualBlock& block, int parameter) {
+int slot(least_squares::ResidualBlock& block, int parameter) {
   if (parameter < 0) return -1;
   const auto at = std::find(block.parameters.begin(), block.parameters.end(), parameter);
   if (at != block.parameters.end()) return static_cast<int>(at - block.parameters.begin());
@@ -108,7 +108,8 @@ class Assembler {
     finish(std::move(block), std::vector<int>(prior.size(), -1), "");
   }
 
-  void finish(std::unique_ptr<adjustment::ResidualBlock> block, const std::vector<int>& rows, const std::string& name) {
+  void finish(std::unique_ptr<least_squares::ResidualBlock> block, const std::vector<int>& rows,
+              const std::string& name) {
     out_.rows.insert(out_.rows.end(), rows.begin(), rows.end());
     out_.block_names.push_back(name);
     out_.problem.residuals.push_back(std::move(block));
@@ -264,7 +265,7 @@ class Assembler {
     }
   }
 
-  static void set_covariance(adjustment::ResidualBlock& block, const Eigen::MatrixXd& covariance,
+  static void set_covariance(least_squares::ResidualBlock& block, const Eigen::MatrixXd& covariance,
                              const std::string& what) {
     try {
       block.set_covariance(covariance);
@@ -379,7 +380,7 @@ class Assembler {
     return axes * sigmas.cwiseAbs2().asDiagonal() * axes.transpose();
   }
 
-  void finish_given(std::unique_ptr<adjustment::ResidualBlock> block, const Eigen::MatrixXd& covariance,
+  void finish_given(std::unique_ptr<least_squares::ResidualBlock> block, const Eigen::MatrixXd& covariance,
                     const std::vector<int>& rows, int group, const std::string& what) {
     set_covariance(*block, covariance, what);
     block->groups.assign(rows.size(), group);
@@ -411,7 +412,7 @@ std::unique_ptr<ObservationBlock> single_block(const NetworkModel& model, const 
 }
 
 std::vector<int> datum_unknowns(const NetworkModel& model, const NetworkProblem& problem) {
-  const adjustment::UnknownIndex unknowns(problem.problem);
+  const least_squares::UnknownIndex unknowns(problem.problem);
   std::vector<int> result;
   for (size_t i = 0; i < model.ids.size(); ++i)
     for (int k = 0; k < 3; ++k)

@@ -45,7 +45,8 @@ struct RowWriter {
 };
 
 /// Spreads the partial by the sight onto points, tilt and instrument height.
-void add_sight_partials(const Equation& eq, int target, const SightLine& s, const Vector3d& by_d, const RowWriter& out) {
+void add_sight_partials(const Equation& eq, int target, const SightLine& s, const Vector3d& by_d,
+                        const RowWriter& out) {
   // d = (I + [t]x) level, so the partial by `level` is (I + [t]x)' by_d = by_d - t x by_d.
   const Vector3d by_level = by_d + s.tilt.cross(by_d);
   for (int k = 0; k < 3; ++k) {
@@ -69,8 +70,8 @@ bool azimuth(const Vector3d& d, double& value, Vector3d& gradient) {
   return true;
 }
 
-bool zenith_angle(const Equation& eq, const SightLine& s, const double* const* values, double& value, Vector3d& gradient,
-                  double& by_refraction) {
+bool zenith_angle(const Equation& eq, const SightLine& s, const double* const* values, double& value,
+                  Vector3d& gradient, double& by_refraction) {
   const double h = std::hypot(s.d.x(), s.d.y());
   if (h < 1e-6) return false;
   double bend = 0;  // (1 - k) / R

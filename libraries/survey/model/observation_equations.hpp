@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "adjustment/problem.hpp"
+#include "least_squares/problem/problem.hpp"
 #include "survey/model/map_frame.hpp"
 #include "survey/model/survey_observations.hpp"
 
@@ -46,14 +46,14 @@ struct Equation {
 };
 
 /// Scalar observations with a common covariance (a pointing, or a correlated group).
-class ObservationBlock : public adjustment::ResidualBlock {
+class ObservationBlock : public least_squares::ResidualBlock {
  public:
   bool evaluate(const double* const* values, double* residuals, double* const* jacobians) const override;
   std::vector<Equation> equations;  ///< one per row
 };
 
 /// Observed coordinates: row r is component `axis` of point block `point`.
-class CoordinateBlock : public adjustment::ResidualBlock {
+class CoordinateBlock : public least_squares::ResidualBlock {
  public:
   bool evaluate(const double* const* values, double* residuals, double* const* jacobians) const override;
   struct Row {
@@ -64,7 +64,7 @@ class CoordinateBlock : public adjustment::ResidualBlock {
 };
 
 /// Coordinate differences, three rows each.
-class VectorBlock : public adjustment::ResidualBlock {
+class VectorBlock : public least_squares::ResidualBlock {
  public:
   bool evaluate(const double* const* values, double* residuals, double* const* jacobians) const override;
   struct Vector {
@@ -77,7 +77,7 @@ class VectorBlock : public adjustment::ResidualBlock {
 };
 
 /// A point in the frame of a levelled set-up: p = R(orientation) (X + TH e3 - S - IH e3), y at the zero of the circle.
-class LocalCoordinateBlock : public adjustment::ResidualBlock {
+class LocalCoordinateBlock : public least_squares::ResidualBlock {
  public:
   bool evaluate(const double* const* values, double* residuals, double* const* jacobians) const override;
   Eigen::Vector3d observed;
@@ -87,7 +87,7 @@ class LocalCoordinateBlock : public adjustment::ResidualBlock {
 };
 
 /// A parameter known with a standard deviation: v = x - value, all components of the one block.
-class PriorBlock : public adjustment::ResidualBlock {
+class PriorBlock : public least_squares::ResidualBlock {
  public:
   bool evaluate(const double* const* values, double* residuals, double* const* jacobians) const override;
   Eigen::VectorXd prior;

@@ -10,7 +10,8 @@
 namespace plumbline::survey {
 
 /// Stands in `corrections` of a reading that came from such a file into a network of several formats.
-inline constexpr const char* kReducedBefore = "free of curvature and refraction, as its file is an adjustment program's";
+inline constexpr const char* kReducedBefore =
+    "free of curvature and refraction, as its file is an adjustment program's";
 
 inline bool is_of_adjustment_program(const NetworkInfo& info) {
   return info.format == "gama-xml" || info.format == "krumm";

@@ -14,12 +14,12 @@ namespace plumbline::survey {
 
 namespace {
 
-
 /// In face 1: direction - pi, 2 pi - zenith angle.
 double reduced_to_face_1(const Observation& o) {
   if (o.face != 2) return o.value;
   if (o.kind == ObservationKind::direction) return o.value - std::numbers::pi;
-  if (o.kind == ObservationKind::zenith_angle) return o.value > std::numbers::pi ? 2 * std::numbers::pi - o.value : o.value;
+  if (o.kind == ObservationKind::zenith_angle)
+    return o.value > std::numbers::pi ? 2 * std::numbers::pi - o.value : o.value;
   return o.value;
 }
 
@@ -27,7 +27,6 @@ bool is_angular(ObservationKind kind) {
   return kind == ObservationKind::direction || kind == ObservationKind::zenith_angle ||
          kind == ObservationKind::angle || kind == ObservationKind::azimuth;
 }
-
 
 std::string in_words(double value, ObservationKind kind) {
   char text[48];

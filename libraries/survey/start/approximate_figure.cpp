@@ -12,7 +12,6 @@ namespace {
 
 using Eigen::Vector2d;
 
-
 Vector2d polar(double azimuth, double length) { return {length * std::sin(azimuth), length * std::cos(azimuth)}; }
 
 /// Adds an angle to the figure that has one of its arms, or to a new one.

@@ -25,10 +25,10 @@ std::optional<Trial> try_model(const NetworkModel& m, size_t number, const Adjus
   StochasticState state;
   state.removed.assign(m.rows.size(), 0);
   NetworkProblem problem = make_problem(m, options, state);
-  adjustment::SolverOptions solver;
+  least_squares::SolverOptions solver;
   solver.datum_unknowns = datum_unknowns(m, problem);
   try {
-    const adjustment::Solution solution = adjustment::solve(problem.problem, solver);
+    const least_squares::Solution solution = least_squares::solve(problem.problem, solver);
     if (!solution.converged || !name_local_defects(m, problem, solution.datum.null_space()).empty())
       return std::nullopt;
     Trial trial{number, solution.sum_of_squares(), solution.degrees_of_freedom(), solution.datum.defect(), {}};

@@ -17,14 +17,14 @@
 #include <regex>
 #include <sstream>
 
-#include "block/aicon_files.hpp"
+#include "photo/block/aicon_files.hpp"
 #include "test_support.hpp"
 
 namespace {
 
 using namespace plumbline;
-using adjust::PointBlock;
-using adjust::PointBlockResult;
+using block::PointBlock;
+using block::PointBlockResult;
 
 struct Report {
   struct Row {
@@ -117,18 +117,18 @@ class AiconBlock : public testing::Test {
   static void SetUpTestSuite() {
     if (!std::filesystem::exists(test::data_file("blocks/aicon/example.htm"))) return;
     report = read_report();
-    PointBlock block = adjust::read_aicon_folder(test::data_file("blocks/aicon")).block;
-    equal_weights = adjust::adjust_point_block(block, {});
+    PointBlock block = block::read_aicon_folder(test::data_file("blocks/aicon")).block;
+    equal_weights = block::adjust_point_block(block, {});
     for (auto& m : block.measurements) {
       const auto& image = block.images[static_cast<size_t>(m.image)];
       m.sigma =
           report.observations.at({image.id, std::stoi(block.points[static_cast<size_t>(m.point)].name)}).sigma.x();
     }
-    reported_weights = adjust::adjust_point_block(block, {});
-    adjust::PointBlockOptions other;
+    reported_weights = block::adjust_point_block(block, {});
+    block::PointBlockOptions other;
     other.minimiser = bundle::minimise_ceres;
     other.side = bundle::Side::bodies;
-    other_way = adjust::adjust_point_block(block, other);
+    other_way = block::adjust_point_block(block, other);
   }
   static Report report;
   static PointBlockResult equal_weights, reported_weights, other_way;
@@ -153,7 +153,7 @@ TEST_F(AiconBlock, CeresAndTheOtherEliminationGiveTheSame) {
 
 TEST_F(AiconBlock, ReaderLeavesOutWhatTheReportDidNotUse) {
   PLUMBLINE_REQUIRE_DATA("blocks/aicon/example.phc");
-  const auto read = adjust::read_aicon_folder(test::data_file("blocks/aicon"));
+  const auto read = block::read_aicon_folder(test::data_file("blocks/aicon"));
   EXPECT_EQ(read.measurements_read, 10366);
   EXPECT_EQ(read.block.measurements.size(), 9972u);
   EXPECT_EQ(read.block.points.size(), 150u);
@@ -224,7 +224,7 @@ TEST_F(AiconBlock, InteriorOrientation) {
 /// Correlations of the centre and the rotation vector r in the block's axes with the interior orientation. Ours turns
 /// camera_from_block, exp(δ) R, in the camera's axes; block_from_camera is Rᵀ exp(−δ) = exp(−Rᵀδ) Rᵀ: r = −Rᵀ δ.
 Eigen::MatrixXd correlation_in_block_axes(const PointBlockResult& result, size_t i, Eigen::Vector3d& turn_sigma) {
-  const Eigen::Matrix3d block_from_camera = adjust::rotation_from_angles(result.block.images[i].angles);
+  const Eigen::Matrix3d block_from_camera = block::rotation_from_angles(result.block.images[i].angles);
   const Eigen::Matrix3d turn = result.pose_covariance[i].bottomRightCorner<3, 3>();
   turn_sigma = (block_from_camera * turn * block_from_camera.transpose()).diagonal().cwiseSqrt();
   Eigen::MatrixXd correlation = result.pose_interior_correlation[i];

@@ -5,7 +5,7 @@
 #include <map>
 #include <sstream>
 
-#include "block/image_block_folder.hpp"
+#include "photo/block/image_block_folder.hpp"
 #include "test_support.hpp"
 
 namespace {
@@ -78,11 +78,11 @@ TEST_P(PhotoModelerBlock, AgreesWithItsReport) {
   const Report report = read_report(test::data_file(folder + "dbatexports/" + project + "-dbatreport.txt"));
   ASSERT_EQ(report.photos.size(), 21u);
   const std::string control = project.substr(0, project.find('-'));
-  const adjust::ReadBlock read = adjust::read_image_block(
+  const block::ReadBlock read = block::read_image_block(
       test::data_file(folder), project, test::data_file(folder + "ref/ctrlpts-" + control + ".txt").string(), {});
-  adjust::PointBlockOptions options;
+  block::PointBlockOptions options;
   options.image_sigma = read.block.measurements[0].sigma;
-  const adjust::PointBlockResult result = adjust::adjust_point_block(read.block, options);
+  const block::PointBlockResult result = block::adjust_point_block(read.block, options);
   EXPECT_EQ(result.observations, report.observations);
   EXPECT_EQ(result.unknowns, report.parameters);
   EXPECT_EQ(result.degrees_of_freedom, report.redundancy);

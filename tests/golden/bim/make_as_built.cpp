@@ -9,8 +9,8 @@
 #include "../../unit/bim/loop_state.hpp"
 #include "../../unit/bim/measured.hpp"
 #include "../../unit/bim/small_building.hpp"
-#include "ifc/as_built_ifc.hpp"
-#include "ifc/installation_ifc.hpp"
+#include "building/ifc/as_built_ifc.hpp"
+#include "building/ifc/installation_ifc.hpp"
 
 namespace {
 
@@ -18,25 +18,25 @@ using namespace plumbline;
 using Json = nlohmann::json;
 
 /// Every anchor a little higher than the one before.
-DeviationT measurements(const bim::Design& design) {
+DeviationT measurements(const ifc::Design& design) {
   std::map<std::string, Eigen::Vector3d> deviations;
   double step = 0;
-  for (const bim::Element& element : design.elements)
+  for (const ifc::Element& element : design.elements)
     if (element.is_anchor) deviations[element.guid] = Eigen::Vector3d(0.001, -0.002, 0.0001 * step++);
   return test::judged(design, deviations, Eigen::Vector3d::Constant(1e-4), Eigen::Vector3d::Constant(std::nan("")));
 }
 
 /// The next campaign: some did not move, some are out of tolerance, some nearly, some were not measured.
-DeviationT second_epoch(const bim::Design& design) {
+DeviationT second_epoch(const ifc::Design& design) {
   std::map<std::string, Eigen::Vector3d> deviations;
   int k = 0;
-  for (const bim::Element& element : design.elements)
+  for (const ifc::Element& element : design.elements)
     if (element.is_anchor && ++k % 4 != 0)
       deviations[element.guid] = Eigen::Vector3d(0, 0.001, k % 4 == 1 ? 0.009 : k % 4 == 2 ? 0.005 : 0);
   return test::judged(design, deviations, Eigen::Vector3d::Constant(1e-3), Eigen::Vector3d(0, -1, 0));
 }
 
-Json box_of(const bim::Element& element) {
+Json box_of(const ifc::Element& element) {
   if (!element.has_box) return nullptr;
   Eigen::AlignedBox3d box;
   for (int corner = 0; corner < 8; ++corner) {
@@ -51,7 +51,7 @@ Json box_of(const bim::Element& element) {
 Json vector(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 /// Whether the axes of the element are those of the project, so that its box is the box of the project's axes too.
-bool parallel(const bim::Element& element) {
+bool parallel(const ifc::Element& element) {
   return (element.project_from_element.rotation.toRotationMatrix().cwiseAbs().array().round() -
           element.project_from_element.rotation.toRotationMatrix().cwiseAbs().array())
              .abs()
@@ -59,32 +59,32 @@ bool parallel(const bim::Element& element) {
 }
 
 void make(const std::filesystem::path& out, const std::string& name, const step::File& file) {
-  const bim::Design design =
-      bim::read_design(file, {{"IfcMechanicalFastener", "IfcWindow", "IfcPlate"}, "", {}, {}, {}, true});
+  const ifc::Design design =
+      ifc::read_design(file, {{"IfcMechanicalFastener", "IfcWindow", "IfcPlate"}, "", {}, {}, {}, true});
   const DeviationT deviation = measurements(design);
   const AccuracyT accuracy = test::residuals(deviation, 0.00005);
-  bim::AsBuiltIfcOptions options;
+  ifc::AsBuiltIfcOptions options;
   options.provenance = {{"Method", "test"}};
-  const bim::AsBuiltIfc result = bim::write_as_built(file, design, deviation, accuracy, options);
+  const ifc::AsBuiltIfc result = ifc::write_as_built(file, design, deviation, accuracy, options);
   std::ofstream(out / (name + ".design.ifc"), std::ios::binary) << file.bytes();
-  std::ofstream(out / (name + ".as_built.ifc"), std::ios::binary) << bim::enriched(file, result);
+  std::ofstream(out / (name + ".as_built.ifc"), std::ios::binary) << ifc::enriched(file, result);
   options.epoch = "2026-05";
-  const step::File once = step::File(bim::enriched(file, result), name + ".as_built.ifc");
+  const step::File once = step::File(ifc::enriched(file, result), name + ".as_built.ifc");
   const DeviationT later = second_epoch(design);
   const AccuracyT residuals = test::residuals(later, 0.00005);
-  const std::string twice = bim::enriched(once, bim::write_as_built(once, design, later, residuals, options));
+  const std::string twice = ifc::enriched(once, ifc::write_as_built(once, design, later, residuals, options));
   const step::File two(twice, name + ".two_epochs.ifc");
   const auto [plan, state] = test::loop_of(design);
   std::ofstream(out / (name + ".two_epochs.ifc"), std::ios::binary)
-      << bim::enriched(two, bim::write_installation(two, design, plan, state, {}));
+      << ifc::enriched(two, ifc::write_installation(two, design, plan, state, {}));
   Json expected{{"length_unit", design.length_unit},
                 {"instances", file.instances().size() + result.instances_added},
                 {"storeys", Json::array()},
                 {"elements", Json::array()},
                 {"anchors", Json::array()}};
-  for (const bim::Storey& storey : design.storeys)
+  for (const ifc::Storey& storey : design.storeys)
     expected["storeys"].push_back({{"guid", storey.guid}, {"name", storey.name}, {"height", storey.placement_height}});
-  for (const bim::Element& element : design.elements)
+  for (const ifc::Element& element : design.elements)
     expected["elements"].push_back(
         {{"guid", element.guid},
          {"class", element.ifc_class},
@@ -93,13 +93,13 @@ void make(const std::filesystem::path& out, const std::string& name, const step:
          {"axes",
           {vector(element.project_from_element.rotation * Eigen::Vector3d::UnitX()),
            vector(element.project_from_element.rotation * Eigen::Vector3d::UnitZ())}},
-         {"box", element.rule == bim::ReferencePointRule::parts_centre ? Json() : box_of(element)},
+         {"box", element.rule == ifc::ReferencePointRule::parts_centre ? Json() : box_of(element)},
          {"parallel", parallel(element)}});
   for (const auto& anchor : deviation.anchors)
     expected["anchors"].push_back({{"guid", anchor->guid},
                                    {"deviation", {anchor->deviation.x(), anchor->deviation.y(), anchor->deviation.z()}},
                                    {"delta_z", 0.00005},
-                                   {"verdict", bim::label_of(anchor->verdict)},
+                                   {"verdict", ifc::label_of(anchor->verdict)},
                                    {"floor", anchor->floor}});
   std::ofstream(out / (name + ".json")) << expected.dump(1);
 }

@@ -2,8 +2,8 @@
 #include <fstream>
 #include <regex>
 
-#include "detect/tag_detector.hpp"
-#include "images/grey_image.hpp"
+#include "photo/detect/tag_detector.hpp"
+#include "photo/images/grey_image.hpp"
 #include "test_support.hpp"
 
 namespace plumbline {

@@ -4,13 +4,13 @@
 #include <cmath>
 #include <map>
 
-#include "detect/aruco_detector.hpp"
-#include "detect/board.hpp"
 #include "geometry/similarity.hpp"
 #include "geometry/statistics.hpp"
-#include "images/grey_image.hpp"
-#include "markers/calibration.hpp"
-#include "markers/marker_block.hpp"
+#include "photo/detect/aruco_detector.hpp"
+#include "photo/detect/board.hpp"
+#include "photo/images/grey_image.hpp"
+#include "photo/markers/calibration.hpp"
+#include "photo/markers/marker_block.hpp"
 #include "test_support.hpp"
 
 namespace plumbline {

@@ -8,12 +8,12 @@
 #include <map>
 #include <random>
 
-#include "detect/aruco_detector.hpp"
-#include "detect/board.hpp"
-#include "images/grey_image.hpp"
-#include "markers/calibration_parts.hpp"
-#include "markers/marker_block.hpp"
-#include "markers/marker_truth.hpp"
+#include "photo/detect/aruco_detector.hpp"
+#include "photo/detect/board.hpp"
+#include "photo/images/grey_image.hpp"
+#include "photo/markers/calibration_parts.hpp"
+#include "photo/markers/marker_block.hpp"
+#include "photo/markers/marker_truth.hpp"
 #include "test_support.hpp"
 
 namespace plumbline {

@@ -1,7 +1,7 @@
 // Blankenbach and Willert (2009), eight slope distances with two blunders, as in F. Krumm's collection: the plain
 // result, the order in which data snooping finds the blunders, and the clean result.
 #include "survey/adjust/adjust_network.hpp"
-#include "survey_files/krumm.hpp"
+#include "survey/files/krumm.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::survey {

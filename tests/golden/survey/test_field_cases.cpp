@@ -17,8 +17,8 @@
 #include <optional>
 #include <sstream>
 
+#include "survey/files/survey_format.hpp"
 #include "survey/model/merge_surveys.hpp"
-#include "survey_files/survey_format.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::survey {

@@ -7,10 +7,10 @@
 #include <map>
 #include <set>
 
+#include "base/text/text.hpp"
 #include "survey/adjust/adjust_network.hpp"
-#include "survey_files/krumm.hpp"
+#include "survey/files/krumm.hpp"
 #include "test_support.hpp"
-#include "text/text.hpp"
 
 namespace plumbline::survey {
 namespace {
@@ -40,12 +40,12 @@ std::map<std::string, std::vector<double>> adjusted(const fs::path& file) {
   std::map<std::string, std::vector<double>> rows;
   std::string text = test::read_file(file);
   for (size_t at; (at = text.find("\xE2\x88\x92")) != std::string::npos;) text.replace(at, 3, "-");
-  for (const auto& line : formats::split_lines(text)) {
-    const auto parts = formats::split_blanks(line.text);
+  for (const auto& line : text::split_lines(text)) {
+    const auto parts = text::split_blanks(line.text);
     if (parts.size() < 4 || parts[0].front() == '#' || parts[0].front() == '<') continue;
     std::vector<double> values;
     for (size_t i = 1; i < parts.size(); ++i)
-      if (const auto value = formats::parse_number(parts[i])) values.push_back(*value);
+      if (const auto value = text::parse_number(parts[i])) values.push_back(*value);
     if (values.size() + 1 == parts.size()) rows[std::string(parts[0])] = values;
   }
   return rows;

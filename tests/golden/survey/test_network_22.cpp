@@ -6,7 +6,7 @@
 #include <tuple>
 
 #include "survey/adjust/adjust_network.hpp"
-#include "survey_files/gsi.hpp"
+#include "survey/files/gsi.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::survey {

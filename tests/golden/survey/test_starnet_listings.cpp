@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "survey/adjust/adjust_network.hpp"
-#include "survey_files/starnet.hpp"
+#include "survey/files/starnet.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::survey {

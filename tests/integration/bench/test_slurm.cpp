@@ -51,9 +51,9 @@ TEST(Slurm, ManyCellsAndAKilledNode) {
   if (geteuid() != 0) GTEST_SKIP() << "slurmd must be root to start jobs";
   BenchProgram local, sent;
   const size_t seeds = std::getenv("PLUMBLINE_LONG") ? 250 : 75, cells = 4 * seeds;
-  const std::string rest =
-      "seeds: 1-" + std::to_string(seeds) + "\nmatrix: {factor: [1, 2]}\n"
-      "alternatives: {method: {a: {}, b: {solver.with.milliseconds: 40}}}\n";
+  const std::string rest = "seeds: 1-" + std::to_string(seeds) +
+                           "\nmatrix: {factor: [1, 2]}\n"
+                           "alternatives: {method: {a: {}, b: {solver.with.milliseconds: 40}}}\n";
   for (const BenchProgram* program : {&local, &sent}) program->bench_file(rest);
   local.run();
   ASSERT_EQ(local.results().size(), cells);
@@ -72,7 +72,8 @@ TEST(Slurm, ManyCellsAndAKilledNode) {
   setenv("PATH", (shims.string() + ":" + path).c_str(), 1);
   const Answer answer = sent({"bench", "b.yaml", "--executor", "slurm", "--cells-per-task", "50"});
   ASSERT_EQ(answer.code, 0) << answer.out << answer.err;
-  EXPECT_TRUE(contains(answer.out, std::to_string(cells) + " cells in " + std::to_string(cells / 50) + " tasks")) << answer.out;
+  EXPECT_TRUE(contains(answer.out, std::to_string(cells) + " cells in " + std::to_string(cells / 50) + " tasks"))
+      << answer.out;
   const auto done = [&] { return sent.results().size(); };
   const auto wait_for = [&](size_t wanted, int seconds) {
     for (int i = 0; i < 10 * seconds && done() < wanted; ++i)
@@ -83,7 +84,8 @@ TEST(Slurm, ManyCellsAndAKilledNode) {
   ASSERT_LT(done(), cells) << "the node should die while there is work";
   EXPECT_EQ(cluster.script("kill-node", "2"), 0);
   const Answer status = sent({"bench", "b.yaml", "--status"});
-  EXPECT_TRUE(contains(status.out, " of " + std::to_string(cells) + " cells")) << status.code << status.out << status.err;
+  EXPECT_TRUE(contains(status.out, " of " + std::to_string(cells) + " cells"))
+      << status.code << status.out << status.err;
   // Slurm holds what it requeues for two minutes; the test does not wait that long.
   setenv("PATH", path.c_str(), 1);
   for (int i = 0; i < 60 && !wait_for(cells, 3); ++i)

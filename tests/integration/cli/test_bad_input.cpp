@@ -195,7 +195,8 @@ TEST_F(BadCampaign, AFailureInOneBranchLeavesTheOthersTheirOutputs) {
   write("with_network.yaml",
         "plumbline: 1\ninclude: " + pipelines + "site_campaign.yaml\noutputs: {network.json: network.network}\n");
   const Answer answer = run("with_network.yaml", {"folder=site"});
-  expect_refused(answer, {"node 'design' (bim.read_ifc) failed: design.ifc:", "nodes that need it did not run", "report.html"},
+  expect_refused(answer,
+                 {"node 'design' (bim.read_ifc) failed: design.ifc:", "nodes that need it did not run", "report.html"},
                  {"network.json"});
 }
 

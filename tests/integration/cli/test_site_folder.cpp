@@ -62,7 +62,8 @@ TEST_F(SiteFolder, HoldsItsOwnResultsAndStaysTheSame) {
     const Answer second = in_site(pipeline, {});
     EXPECT_EQ(second.code, first.code) << second.err;
     // read.tag_family looks at its file each time, because the host cannot know when that changed.
-    const std::string anew = pipeline == "photo_campaign" || pipeline == "detect_images" ? ": 1 executed, " : ": 0 executed, ";
+    const std::string anew =
+        pipeline == "photo_campaign" || pipeline == "detect_images" ? ": 1 executed, " : ": 0 executed, ";
     EXPECT_TRUE(contains(second.out, anew)) << pipeline << "\n" << second.out;
     EXPECT_EQ(in_site(pipeline, {"--out", "."}).code, first.code) << "outputs among the files themselves";
     const Answer beside = in_site(pipeline, {"--out", "../beside"});

@@ -3,9 +3,9 @@
 #include <random>
 #include <sstream>
 
+#include "building/ifc/design.hpp"
+#include "building/step/step.hpp"
 #include "cloud_bytes.hpp"
-#include "ifc/design.hpp"
-#include "ifc/step.hpp"
 #include "program.hpp"
 #include "small_building.hpp"
 #include "test_paths.hpp"
@@ -19,7 +19,7 @@ class ScanOfAPanel : public testing::Test {
   void SetUp() override {
     const std::string ifc = small_building("IFC4");
     plumbline.write("design.ifc", ifc);
-    for (const bim::Element& element : bim::read_design(step::File(ifc, "design.ifc"), {}).elements)
+    for (const ifc::Element& element : ifc::read_design(step::File(ifc, "design.ifc"), {}).elements)
       if (element.name == "Panel 1") panel = element;
     ASSERT_TRUE(panel.has_box);
   }
@@ -33,7 +33,8 @@ class ScanOfAPanel : public testing::Test {
       for (int j = 0; j < 100; ++j) {
         const double u = (i + 0.5) / 220, v = (j + 0.5) / 100, x = 2 * u - 1;
         const double across = low.y() - (out + 0.002 * (1 - x * x) + noise(random));
-        cloud.push_back(panel.project_from_element * Eigen::Vector3d(low.x() + u * size.x(), across, low.z() + v * size.z()));
+        cloud.push_back(panel.project_from_element *
+                        Eigen::Vector3d(low.x() + u * size.x(), across, low.z() + v * size.z()));
       }
     for (int i = 0; i < 2000; ++i)
       cloud.push_back(panel.project_from_element * Eigen::Vector3d(0.001 * i, 3.0, 0.5 + noise(random)));
@@ -62,7 +63,7 @@ class ScanOfAPanel : public testing::Test {
   }
 
   Program plumbline;
-  bim::Element panel;
+  ifc::Element panel;
 };
 
 TEST_F(ScanOfAPanel, IsMeasuredAndJudged) {
@@ -102,7 +103,8 @@ TEST_F(ScanOfAPanel, IsLeftOutIfTheScannerStoodBehindIt) {
   write_scan(points(0));
   const auto station = [&](double to) {
     const Eigen::Vector3d at = panel.project_from_element * Eigen::Vector3d(0, to, 0.5);
-    return "depth.with.seen_from=[" + std::to_string(at.x()) + ", " + std::to_string(at.y()) + ", " + std::to_string(at.z()) + "]";
+    return "depth.with.seen_from=[" + std::to_string(at.x()) + ", " + std::to_string(at.y()) + ", " +
+           std::to_string(at.z()) + "]";
   };
   EXPECT_EQ(run({station(-8), "rule=*: bow=4mm"}).code, 0);
   const Answer behind = run({station(8)});

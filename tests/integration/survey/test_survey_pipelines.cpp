@@ -7,8 +7,8 @@
 #include "geometry/random.hpp"
 #include "program.hpp"
 #include "simulated_network.hpp"
-#include "survey_files/gsi.hpp"
-#include "survey_files/survey_csv.hpp"
+#include "survey/files/gsi.hpp"
+#include "survey/files/survey_csv.hpp"
 #include "test_paths.hpp"
 
 namespace plumbline::test {

@@ -1,17 +1,17 @@
 // Bundle adjustment problems in text, held by the formula of the format written out a second time.
-#include "block/bal_files.hpp"
+#include "photo/block/bal_files.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "block/image_block_folder.hpp"
+#include "photo/block/image_block_folder.hpp"
 #include "synthetic_block.hpp"
 #include "test_support.hpp"
 
 namespace {
 
 using namespace plumbline;
-using adjust::PointBlock;
+using block::PointBlock;
 using test::error_of;
 using testing::HasSubstr;
 
@@ -67,8 +67,8 @@ Made make() {
 
 class Bal : public testing::Test {
  protected:
-  adjust::ReadBlock read(const std::string& text, double pitch = 0.002) {
-    return adjust::read_bal_file(write("problem.txt", text), pitch);
+  block::ReadBlock read(const std::string& text, double pitch = 0.002) {
+    return block::read_bal_file(write("problem.txt", text), pitch);
   }
   std::filesystem::path write(const std::string& name, const std::string& text) {
     std::ofstream(folder_.path() / name, std::ios::binary) << text;
@@ -85,7 +85,7 @@ double misfit(const PointBlock& block) {
     const auto& camera = block.cameras[static_cast<size_t>(image.camera)];
     bundle::LensRows rows;
     EXPECT_TRUE(bundle::evaluate_lens(camera.lens, camera.values.data(), camera.balance_radius, 0,
-                                      adjust::rotation_from_angles(image.angles).transpose() *
+                                      block::rotation_from_angles(image.angles).transpose() *
                                           (block.points[static_cast<size_t>(m.point)].position - image.centre),
                                       m.position, false, rows));
     sum += rows.misclosure.squaredNorm();
@@ -106,7 +106,7 @@ TEST_F(Bal, IsAdjustedWithPrincipalDistanceAndRadialDistortionOfEveryCamera) {
   for (auto& camera : block.cameras) camera.values[0] *= 1 + 0.002 * random.normal();
   for (auto& point : block.points)
     for (int c = 0; c < 3; ++c) point.position(c) += 0.01 * random.normal();
-  const auto result = adjust::adjust_point_block(block, {});
+  const auto result = block::adjust_point_block(block, {});
   EXPECT_EQ(result.unknowns, 4 * 9 + 12 * 3);
   EXPECT_LT(result.sigma0, 1e-9);
   for (size_t i = 0; i < 4; ++i) EXPECT_NEAR(result.block.cameras[i].values[0], -0.002 * make().cameras[i].f, 1e-8);
@@ -115,7 +115,7 @@ TEST_F(Bal, IsAdjustedWithPrincipalDistanceAndRadialDistortionOfEveryCamera) {
 TEST_F(Bal, ComesBackAsItWasWritten) {
   std::vector<std::string> notes;
   const auto first = read(make().text).block;
-  const auto second = read(adjust::bal_text(first, notes)).block;
+  const auto second = read(block::bal_text(first, notes)).block;
   EXPECT_TRUE(notes.empty());
   for (size_t i = 0; i < 4; ++i)
     for (size_t k = 0; k < 5; ++k)
@@ -139,7 +139,7 @@ TEST_F(Bal, CamerasOfOtherProgramsArriveWithTheSameRays) {
     for (auto& m : block.measurements) {  // what these cameras measure: Newton on the misclosure
       const auto& image = block.images[static_cast<size_t>(m.image)];
       const auto& camera = block.cameras[static_cast<size_t>(image.camera)];
-      const Eigen::Vector3d v = adjust::rotation_from_angles(image.angles).transpose() *
+      const Eigen::Vector3d v = block::rotation_from_angles(image.angles).transpose() *
                                 (block.points[static_cast<size_t>(m.point)].position - image.centre);
       m.position = {1.5, 1.1};
       for (int step = 0; step < 60; ++step) {
@@ -151,7 +151,7 @@ TEST_F(Bal, CamerasOfOtherProgramsArriveWithTheSameRays) {
     }
     ASSERT_LT(misfit(block), 1e-18) << kind;
     std::vector<std::string> notes;
-    const auto back = read(adjust::bal_text(block, notes)).block;
+    const auto back = read(block::bal_text(block, notes)).block;
     EXPECT_EQ(notes.size(), kind == 0 ? 0u : 1u);
     EXPECT_LT(misfit(back), 1e-18) << kind;
   }
@@ -189,14 +189,14 @@ TEST_F(Bal, CountsThatAreNotThoseOfTheFileAreRefused) {
 
 TEST_F(Bal, AnEditorsMarkInFrontIsNoPartOfIt) {
   const auto file = write("marked.txt", "\xEF\xBB\xBF" + make().text);
-  EXPECT_TRUE(adjust::looks_like_bal(file));
-  EXPECT_EQ(adjust::read_bal_file(file, 0.002).block.points.size(), 12u);
+  EXPECT_TRUE(block::looks_like_bal(file));
+  EXPECT_EQ(block::read_bal_file(file, 0.002).block.points.size(), 12u);
 }
 
 TEST_F(Bal, AFolderIsKnownByItsContent) {
   write("some.txt", make().text);
   write("notes.txt", "3 cameras were used\n");
-  EXPECT_EQ(adjust::read_image_block(folder_.path(), "", "", {}).block.images.size(), 4u);
+  EXPECT_EQ(block::read_image_block(folder_.path(), "", "", {}).block.images.size(), 4u);
 }
 
 }  // namespace

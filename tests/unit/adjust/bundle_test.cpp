@@ -5,9 +5,9 @@
 
 #include <Eigen/Dense>
 
-#include "block/bundle/adjust.hpp"
-#include "block/bundle/parts.hpp"
-#include "block/bundle/score.hpp"
+#include "photo/bundle/adjust.hpp"
+#include "photo/bundle/parts.hpp"
+#include "photo/bundle/score.hpp"
 #include "plumbline/stop.hpp"
 #include "synthetic_block.hpp"
 #include "test_support.hpp"

@@ -1,5 +1,5 @@
 // Check points against what block and survey state of them.
-#include "block/check_points.hpp"
+#include "photo/block/check_points.hpp"
 
 #include <gmock/gmock.h>
 
@@ -7,7 +7,7 @@
 
 #include "geometry/random.hpp"
 
-namespace plumbline::adjust {
+namespace plumbline::block {
 namespace {
 
 using testing::HasSubstr;
@@ -81,4 +81,4 @@ TEST(CheckPoints, OfCoordinatesThatAreExactAnyDifferenceContradicts) {
 }
 
 }  // namespace
-}  // namespace plumbline::adjust
+}  // namespace plumbline::block

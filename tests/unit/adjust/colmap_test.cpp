@@ -6,8 +6,8 @@
 #include <csignal>
 #include <fstream>
 
-#include "colmap/reconstruction.hpp"
-#include "colmap/tag_block.hpp"
+#include "photo/colmap/reconstruction.hpp"
+#include "photo/colmap/tag_block.hpp"
 #include "plumbline/stop.hpp"
 #include "synthetic_block.hpp"
 #include "test_support.hpp"
@@ -67,7 +67,7 @@ test::SyntheticBlock small_block() {
   return synthetic;
 }
 
-std::string failure_of(const adjust::TagBlock& block, const TagBlockOptions& options = {}) {
+std::string failure_of(const block::TagBlock& block, const TagBlockOptions& options = {}) {
   try {
     adjust_plates(block, options);
   } catch (const std::runtime_error& error) {
@@ -178,13 +178,13 @@ TEST(ColmapBlock, PutsPlatesWhereOurAdjustmentPutsThem) {
   REQUIRE_COLMAP();
   test::SyntheticBlock synthetic = test::make_block({.floors = 2});
   synthetic.use_control(synthetic.choose([](int, int, int) { return true; }));
-  adjust::TagBlock calibrated = synthetic.block;
+  block::TagBlock calibrated = synthetic.block;
   calibrated.cameras[0].interior = synthetic.camera;
   TagBlockOptions options;
   options.bundle.refine_focal_length = options.bundle.refine_extra_params = false;
-  adjust::TagBlockOptions own;
+  block::TagBlockOptions own;
   own.self_calibration = false;
-  const auto theirs = adjust_plates(calibrated, options), ours = adjust::adjust_tag_block(calibrated, own);
+  const auto theirs = adjust_plates(calibrated, options), ours = block::adjust_tag_block(calibrated, own);
   ASSERT_EQ(theirs.plates, ours.plates);
   EXPECT_NEAR(theirs.sigma0, 1, 0.05);
   EXPECT_NEAR(theirs.batches.at(0).scale, 1, 2e-4);

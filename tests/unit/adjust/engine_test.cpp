@@ -10,7 +10,7 @@
 namespace {
 
 using namespace plumbline;
-using namespace plumbline::adjust;
+using namespace plumbline::block;
 
 /// What an engine was asked for, and where it was sent from.
 struct Call {

@@ -5,7 +5,7 @@
 
 #include <Eigen/Dense>
 
-#include "joint/joint_adjustment.hpp"
+#include "photo/joint/joint_adjustment.hpp"
 #include "survey/simulate/simulate_survey.hpp"
 #include "synthetic_block.hpp"
 #include "test_support.hpp"
@@ -39,7 +39,7 @@ struct Site {
 
 JointOptions known_weights() {
   JointOptions options;
-  options.block.loss = adjust::RobustLoss::none;
+  options.block.loss = block::RobustLoss::none;
   options.block.estimate_image_variance = false;
   return options;
 }
@@ -90,7 +90,7 @@ TEST_P(JointAndTwoSteps, AreEqualWithFullCovariance) {
   for (uint64_t seed = 1; seed <= 5; ++seed) {
     Site site = make_site(seed, noise);
     // Two steps: coordinates of all marks with their covariance, then the block.
-    adjust::TagBlock block = site.images.block;
+    block::TagBlock block = site.images.block;
     std::vector<int> rows;
     block.control = {};
     block.control.position.resize(3 * static_cast<Eigen::Index>(site.marks.size()));
@@ -101,7 +101,7 @@ TEST_P(JointAndTwoSteps, AreEqualWithFullCovariance) {
       rows.insert(rows.end(), point.unknowns.begin(), point.unknowns.end());
     }
     block.control.covariance = site.alone.cofactors(rows, rows);
-    const auto two_steps = adjust::adjust_tag_block(block, known_weights().block);
+    const auto two_steps = block::adjust_tag_block(block, known_weights().block);
     const JointResult joint = site.adjust(known_weights());
     ASSERT_EQ(joint.block.plates, two_steps.plates);
     EXPECT_LT((joint.block.anchors - two_steps.anchors).cwiseAbs().maxCoeff(), limit) << seed;
@@ -210,7 +210,7 @@ TEST(Joint, IsTheSameInAnotherFrame) {
 TEST(Joint, RefusesWhatItCannotDo) {
   Site site = make_site(1);
   JointOptions lambda = known_weights();
-  lambda.block.weighting = adjust::TagBlockOptions::Weighting::lambda;
+  lambda.block.weighting = block::TagBlockOptions::Weighting::lambda;
   EXPECT_THAT(test::error_of([&] { site.adjust(lambda); }), HasSubstr("needs weights by covariance"));
   site.marks.resize(2);
   EXPECT_THAT(test::error_of([&] { site.adjust(known_weights()); }), HasSubstr("at least 3 marks"));

@@ -334,8 +334,9 @@ TEST(AdjustSchurNode, LambdaSaysWhatItBelievesOfTheSurvey) {
   EXPECT_THAT(silent, testing::Not(testing::Contains(HasSubstr("believes"))));
   const auto [wrong, said] = with("1");
   EXPECT_NEAR(wrong, 0.2, 0.02);
-  EXPECT_THAT(said, testing::Contains(testing::AllOf(HasSubstr("λ of 1 px²/m² believes a standard deviation of"),
-                                                     HasSubstr("the survey states 1 mm"), HasSubstr("would be right"))));
+  EXPECT_THAT(said,
+              testing::Contains(testing::AllOf(HasSubstr("λ of 1 px²/m² believes a standard deviation of"),
+                                               HasSubstr("the survey states 1 mm"), HasSubstr("would be right"))));
 }
 
 TEST(AdjustCeresNode, RefusesContradictions) {

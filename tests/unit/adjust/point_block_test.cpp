@@ -1,26 +1,26 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "block/aicon_files.hpp"
-#include "block/control_list.hpp"
-#include "block/control_words.hpp"
-#include "block/image_block_folder.hpp"
-#include "block/photomodeler_files.hpp"
-#include "block/point_block_words.hpp"
+#include "photo/block/aicon_files.hpp"
+#include "photo/block/control_list.hpp"
+#include "photo/block/control_words.hpp"
+#include "photo/block/image_block_folder.hpp"
+#include "photo/block/photomodeler_files.hpp"
+#include "photo/block/point_block_words.hpp"
 #include "synthetic_block.hpp"
 #include "test_support.hpp"
 
 namespace {
 
 using namespace plumbline;
-using adjust::PointBlock;
+using block::PointBlock;
 using test::error_of;
 using testing::HasSubstr;
 
 /// 20 points on a table of half a metre, 8 images around it, distortion-free camera, one scale bar, no noise.
 PointBlock small_block() {
   PointBlock block;
-  adjust::SensorCamera camera;
+  block::SensorCamera camera;
   camera.id = 1;
   camera.values = {-28, 0.02, -0.03, 0, 0, 0, 0, 0, 0, 0};
   camera.balance_radius = 13;
@@ -37,11 +37,11 @@ PointBlock small_block() {
     const Eigen::Vector3d x = Eigen::Vector3d(std::cos(i), std::sin(1.0 * i), 0).cross(z).normalized();
     Eigen::Matrix3d block_from_camera;
     block_from_camera << x, z.cross(x), z;
-    block.images.push_back({i + 1, 0, centre, adjust::angles_from_rotation(block_from_camera)});
+    block.images.push_back({i + 1, 0, centre, block::angles_from_rotation(block_from_camera)});
     for (int j = 0; j < 20; ++j) {
       const Eigen::Vector3d v =
           block_from_camera.transpose() * (block.points[static_cast<size_t>(j)].position - centre);
-      adjust::BlockMeasurement measured;
+      block::BlockMeasurement measured;
       measured.image = i;
       measured.point = j;
       measured.position = Eigen::Vector2d(0.02, -0.03) - 28 * v.head<2>() / v.z();
@@ -52,15 +52,15 @@ PointBlock small_block() {
   return block;
 }
 
-adjust::PointBlockOptions options() {
-  adjust::PointBlockOptions result;
+block::PointBlockOptions options() {
+  block::PointBlockOptions result;
   result.free_parameters = {"Ck", "xh", "yh"};
   return result;
 }
 
 TEST(PointBlock, AnglesAndBack) {
   const Eigen::Vector3d angles(2.1, -0.7, -3.0);
-  EXPECT_LT((adjust::angles_from_rotation(adjust::rotation_from_angles(angles)) - angles).norm(), 1e-14);
+  EXPECT_LT((block::angles_from_rotation(block::rotation_from_angles(angles)) - angles).norm(), 1e-14);
 }
 
 TEST(PointBlock, RecoversTruthFromDisturbedValues) {
@@ -69,7 +69,7 @@ TEST(PointBlock, RecoversTruthFromDisturbedValues) {
   for (size_t i = 0; i < start.images.size(); ++i)
     start.images[i].centre += 0.01 * Eigen::Vector3d(std::sin(i), std::cos(i), 0.5);
   start.cameras[0].values[0] = -28.3;
-  const auto result = adjust::adjust_point_block(start, options());
+  const auto result = block::adjust_point_block(start, options());
   EXPECT_NEAR(result.block.cameras[0].values[0], -28, 1e-7);
   EXPECT_EQ(result.constraints, 6);
   EXPECT_EQ(result.degrees_of_freedom, 2 * 160 + 1 - (60 + 48 + 3) + 6);
@@ -80,7 +80,7 @@ TEST(PointBlock, RecoversTruthFromDisturbedValues) {
 TEST(PointBlock, WithoutScaleBarScaleIsPartOfTheDatum) {
   PointBlock block = small_block();
   block.scale_bars.clear();
-  const auto result = adjust::adjust_point_block(block, options());
+  const auto result = block::adjust_point_block(block, options());
   EXPECT_EQ(result.constraints, 7);
   EXPECT_EQ(result.degrees_of_freedom, 2 * 160 - (60 + 48 + 3) + 7);
 }
@@ -92,9 +92,9 @@ TEST(PointBlock, TheHeldImageHasNoStandardDeviation) {
   test::Random random(7);
   for (auto& m : block.measurements)
     m.position += 1e-3 * Eigen::Vector2d(random.uniform() - 0.5, random.uniform() - 0.5);
-  adjust::PointBlockOptions held = options();
-  held.free_datum = adjust::PointBlockOptions::FreeDatum::first_image;
-  const auto result = adjust::adjust_point_block(block, held);
+  block::PointBlockOptions held = options();
+  held.free_datum = block::PointBlockOptions::FreeDatum::first_image;
+  const auto result = block::adjust_point_block(block, held);
   EXPECT_EQ(result.constraints, 7);
   EXPECT_TRUE(result.orientation_covariance[0].isZero(0));
   EXPECT_TRUE(result.pose_interior_correlation[0].isZero(0));
@@ -107,7 +107,7 @@ TEST(PointBlock, TheHeldImageHasNoStandardDeviation) {
 
 TEST(PointBlock, RefusalsNameTheCause) {
   const auto refusal = [](const PointBlock& block) {
-    return error_of([&] { adjust::adjust_point_block(block, options()); });
+    return error_of([&] { block::adjust_point_block(block, options()); });
   };
   PointBlock one_image = small_block();
   one_image.images.resize(1);
@@ -129,7 +129,7 @@ TEST(PointBlock, RefusalsNameTheCause) {
 /// One coordinate of 1e308 is the mean of all of them, so that innocent points seem undetermined.
 TEST(PointBlock, CoordinatesThatAreNoneAreNamed) {
   const auto refusal = [](const PointBlock& block) {
-    return error_of([&] { adjust::adjust_point_block(block, options()); });
+    return error_of([&] { block::adjust_point_block(block, options()); });
   };
   PointBlock point = small_block();
   point.points[3].position.z() = 1e308;
@@ -158,7 +158,7 @@ TEST(PointBlock, ControlInAnotherFrame) {
   for (Eigen::Index k = 0; k < 5; ++k)
     block.control.position.segment<3>(3 * k) =
         2.0 * (turn * block.points[static_cast<size_t>(block.control.points[static_cast<size_t>(k)])].position) + far;
-  const auto result = adjust::adjust_point_block(block, options());
+  const auto result = block::adjust_point_block(block, options());
   EXPECT_EQ(result.constraints, 0);
   EXPECT_EQ(result.unknowns, 60 - 6 + 48 + 3);
   EXPECT_EQ(result.observations, 2 * 160 + 6);
@@ -184,7 +184,7 @@ TEST(PointBlock, ControlComesBackWithItsStandardDeviations) {
     block.control.position.segment<3>(3 * k) =
         block.points[static_cast<size_t>(block.control.points[static_cast<size_t>(k)])].position;
   block.control.position(14) += 0.01;  // of the check point
-  const auto result = adjust::adjust_point_block(block, options());
+  const auto result = block::adjust_point_block(block, options());
   ASSERT_EQ(result.control.size(), 5u);
   for (Eigen::Index k = 0; k < 5; ++k)
     for (Eigen::Index c = 0; c < 3; ++c)
@@ -208,26 +208,26 @@ TEST(PointBlock, MirroredControlIsRefused) {
     const Eigen::Vector3d p = block.points[static_cast<size_t>(block.control.points[static_cast<size_t>(k)])].position;
     block.control.position.segment<3>(3 * k) = Eigen::Vector3d(p.y(), p.x(), p.z());
   }
-  EXPECT_THAT(error_of([&] { adjust::adjust_point_block(block, options()); }),
+  EXPECT_THAT(error_of([&] { block::adjust_point_block(block, options()); }),
               testing::AllOf(HasSubstr("the control is the mirror image of the block"), HasSubstr("east and north")));
 }
 
 TEST(PointBlock, AnImageThatTurnsOverIsNamed) {
   const PointBlock block = small_block();
-  const auto result = adjust::adjust_point_block(block, options());
-  EXPECT_EQ(adjust::turned_images(block, result), "");
+  const auto result = block::adjust_point_block(block, options());
+  EXPECT_EQ(block::turned_images(block, result), "");
   PointBlock wrong = block;  // as if the adjustment had found image 3 elsewhere than it was given
-  wrong.images[2].angles = adjust::angles_from_rotation(adjust::rotation_from_angles(block.images[2].angles) *
-                                                        Eigen::AngleAxisd(3, Eigen::Vector3d::UnitX()).matrix());
-  EXPECT_THAT(adjust::turned_images(wrong, result), HasSubstr("image 3 has turned by more than 45 degrees"));
+  wrong.images[2].angles = block::angles_from_rotation(block::rotation_from_angles(block.images[2].angles) *
+                                                       Eigen::AngleAxisd(3, Eigen::Vector3d::UnitX()).matrix());
+  EXPECT_THAT(block::turned_images(wrong, result), HasSubstr("image 3 has turned by more than 45 degrees"));
   for (auto& image : wrong.images)  // another frame is no finding
-    image.angles = adjust::angles_from_rotation(Eigen::AngleAxisd(2, Eigen::Vector3d::UnitY()).matrix() *
-                                                adjust::rotation_from_angles(image.angles));
-  EXPECT_THAT(adjust::turned_images(wrong, result), HasSubstr("image 3 has turned"));
+    image.angles = block::angles_from_rotation(Eigen::AngleAxisd(2, Eigen::Vector3d::UnitY()).matrix() *
+                                               block::rotation_from_angles(image.angles));
+  EXPECT_THAT(block::turned_images(wrong, result), HasSubstr("image 3 has turned"));
   wrong.images[2] = block.images[2];
-  wrong.images[2].angles = adjust::angles_from_rotation(Eigen::AngleAxisd(2, Eigen::Vector3d::UnitY()).matrix() *
-                                                        adjust::rotation_from_angles(block.images[2].angles));
-  EXPECT_EQ(adjust::turned_images(wrong, result), "");
+  wrong.images[2].angles = block::angles_from_rotation(Eigen::AngleAxisd(2, Eigen::Vector3d::UnitY()).matrix() *
+                                                       block::rotation_from_angles(block.images[2].angles));
+  EXPECT_EQ(block::turned_images(wrong, result), "");
 }
 
 TEST(PointBlock, AMarkOfAnotherPointIsNamed) {
@@ -235,9 +235,9 @@ TEST(PointBlock, AMarkOfAnotherPointIsNamed) {
   test::Random random(7);
   for (auto& m : block.measurements)
     m.position += 1e-3 * Eigen::Vector2d(random.uniform() - 0.5, random.uniform() - 0.5);
-  EXPECT_EQ(adjust::blunders_in_words(adjust::adjust_point_block(block, options())), "");
+  EXPECT_EQ(block::blunders_in_words(block::adjust_point_block(block, options())), "");
   block.measurements[47].position.x() += 0.1;  // point 8 in image 3
-  EXPECT_THAT(adjust::blunders_in_words(adjust::adjust_point_block(block, options())),
+  EXPECT_THAT(block::blunders_in_words(block::adjust_point_block(block, options())),
               testing::AllOf(HasSubstr("1 image point of 160 contradicts"), HasSubstr("point 8 in image 3")));
 }
 
@@ -249,12 +249,12 @@ TEST(PointBlock, ControlOfAnotherBlockIsNamedAsSuch) {
     block.emplace_back(k, 3 * std::sin(5.0 * k), std::cos(3.0 * k));
     control.push_back(20 * block.back() + Eigen::Vector3d(7e5, 5e6, 0));  // another frame and scale
   }
-  EXPECT_NO_THROW(adjust::require_same_figure(names, block, control));
+  EXPECT_NO_THROW(block::require_same_figure(names, block, control));
   control[2] += Eigen::Vector3d(300, 0, 0);  // one wrong point is not another list
-  EXPECT_NO_THROW(adjust::require_same_figure(names, block, control));
+  EXPECT_NO_THROW(block::require_same_figure(names, block, control));
   control[2] -= Eigen::Vector3d(300, 0, 0);
   std::rotate(control.begin(), control.begin() + 2, control.end());
-  EXPECT_THAT(error_of([&] { adjust::require_same_figure(names, block, control); }),
+  EXPECT_THAT(error_of([&] { block::require_same_figure(names, block, control); }),
               testing::AllOf(HasSubstr("6 control points are not the points of these names"), HasSubstr("15 distances"),
                              HasSubstr("another block")));
 }
@@ -264,11 +264,11 @@ TEST(PhotoModelerFiles, ErrorsNameFileAndLine) {
   const auto file = folder.path() / "a-pmexport.txt";
   const auto read = [&](const std::string& text) {
     std::ofstream(file) << text;
-    return error_of([&] { adjust::read_photomodeler_export(file); });
+    return error_of([&] { block::read_photomodeler_export(file); });
   };
   EXPECT_THAT(read(""), HasSubstr("the file ends, expected a title"));
   EXPECT_THAT(read("t\n0.0005 20\n"), HasSubstr(":2: the second line has no image size"));
-  EXPECT_THAT(error_of([&] { adjust::read_photomodeler_export(file, {2000, 1000}); }), HasSubstr("the file ends"));
+  EXPECT_THAT(error_of([&] { block::read_photomodeler_export(file, {2000, 1000}); }), HasSubstr("the file ends"));
   const std::string head = "t\n0.0005 20 2000 1000\n1 0.1\n7 4 2 8 4 0 0 0 0 0\n0\n";
   EXPECT_THAT(read(head + "\n\n\n\n"), HasSubstr("the export has no photo"));
   const std::string photo = "0 a.jpg\n0 0 0 5 0 0 0\n0 0 0 0 0 0 0\n\n0 7 4 2 8 4 0 0 0 0 0\n0 0\n\n";
@@ -276,7 +276,7 @@ TEST(PhotoModelerFiles, ErrorsNameFileAndLine) {
   EXPECT_THAT(read(head + photo + "\n1 0 0 0\n\n0 1 10 10 1 1\n0 1 10 10 1 1\n"),
               HasSubstr("point 1 is marked a second time"));
   EXPECT_THAT(read(head + photo + "\n1 0 0 0\n\n3 1 10 10 1 1\n"), HasSubstr("photo 3 is not in the file"));
-  EXPECT_THAT(error_of([&] { adjust::read_image_block(folder.path(), "b", "", {}); }),
+  EXPECT_THAT(error_of([&] { block::read_image_block(folder.path(), "b", "", {}); }),
               HasSubstr("project=b does not choose one"));
 }
 
@@ -285,9 +285,9 @@ TEST(PhotoModelerFiles, ControlListsOfEveryShape) {
   const auto file = folder.path() / "control.txt";
   const auto read = [&](const std::string& text, const std::vector<std::string>& check = {}) {
     std::ofstream(file) << text;
-    adjust::ReadBlock block;
+    block::ReadBlock block;
     block.block.points = {{"12", {0, 0, 0}}, {"P7", {0, 0, 0}}, {"13", {0, 0, 0}}};
-    adjust::add_control(file, check, block);
+    block::add_control(file, check, block);
     return block;
   };
   const auto full = read("# a comment\n12, CP1, 1.5, 2, 3, 0.1, 0.2, 0.3\n13 4 5 6\n99, P7, 7, 8, 9\n", {"P7"});
@@ -315,9 +315,9 @@ TEST(PhotoModelerFiles, FiveNumbersAreWhatTheHeadingOrTheNumbersSay) {
   const auto file = folder.path() / "control.txt";
   const auto x_of = [&](const std::string& text) {
     std::ofstream(file) << text;
-    adjust::ReadBlock block;
+    block::ReadBlock block;
     block.block.points = {{"12", {0, 0, 0}}, {"13", {0, 0, 0}}};
-    adjust::add_control(file, {}, block);
+    block::add_control(file, {}, block);
     return block.block.control.position(0);
   };
   const std::string rows = "12, 200, 80.995, 50.6, 155.573\n13, 201, 80.989, 50.611, 151.37\n";
@@ -342,7 +342,7 @@ TEST(PhotoModelerFiles, MarksWithoutCoordinatesAreOneSentence) {
   std::ofstream(file)
       << "t\n0.0005 20 2000 1000\n1 0.1\n7 4 2 8 4 0 0 0 0 0\n0\n0 a.jpg\n0 0 0 5 0 0 0\n0 0 0 0 0 0 0\n\n"
          "0 7 4 2 8 4 0 0 0 0 0\n0 0\n\n\n1 0 0 0\n\n0 1 9 9 1 1\n0 2 9 9 1 1\n0 3 8 8 1 1\n";
-  const adjust::ReadBlock read = adjust::read_photomodeler_export(file);
+  const block::ReadBlock read = block::read_photomodeler_export(file);
   EXPECT_THAT(read.left_out, testing::ElementsAre("2 marks of 2 points without coordinates in the export: 2 and 3"));
   EXPECT_EQ(read.contradictions, read.left_out) << "most of what was measured";
 }
@@ -352,13 +352,13 @@ TEST(PhotoModelerFiles, AnImageSizeThatIsNotThePhotographsIsRefused) {
   const auto file = folder.path() / "a-pmexport.txt";
   std::ofstream(file) << "t\n0.0005 20\n1 0.1\n7 4 2 8 4 0 0 0 0 0\n0\n0 a.jpg\n0 0 0 5 0 0 0\n0 0 0 0 0 0 0\n\n"
                          "0 7 4 2 8 4 0 0 0 0 0\n0 0\n\n\n1 0 0 0\n\n0 1 1900 9 1 1\n";
-  EXPECT_EQ(adjust::read_photomodeler_export(file, {2000, 1000}).block.measurements.size(), 1u);
+  EXPECT_EQ(block::read_photomodeler_export(file, {2000, 1000}).block.measurements.size(), 1u);
   EXPECT_THAT(error_of([&] {
-                adjust::read_photomodeler_export(file, {1000, 2000});
+                block::read_photomodeler_export(file, {1000, 2000});
               }),
               testing::AllOf(HasSubstr("sides of 8 and 2 um"), HasSubstr("exchanged?")));
   EXPECT_THAT(error_of([&] {
-                adjust::read_photomodeler_export(file, {1000, 500});
+                block::read_photomodeler_export(file, {1000, 500});
               }),
               HasSubstr("point 1 is marked at (1900.0, 9.0) in photo 0, outside of 1000 x 500 pixels"));
 }
@@ -369,18 +369,18 @@ TEST(PointBlock, OneOrTwoControlPointsAreNoDatum) {
   block.control.is_check = {false};
   block.control.position = block.points[4].position;
   block.control.covariance = 1e-8 * Eigen::Matrix3d::Identity();
-  EXPECT_THAT(error_of([&] { adjust::adjust_point_block(block, options()); }),
+  EXPECT_THAT(error_of([&] { block::adjust_point_block(block, options()); }),
               testing::AllOf(HasSubstr("only 1 point of the control (5)"), HasSubstr("list that of another block")));
 }
 
 TEST(PhotoModelerFiles, ANameThatIsANumberIsNotTakenForAnotherPointsNumber) {
   const test::TemporaryFolder folder;
   const auto file = folder.path() / "control.txt";
-  adjust::ReadBlock block;
+  block::ReadBlock block;
   block.block.points = {{"1", {0, 0, 0}}, {"103", {5, 0, 0}}};
   std::ofstream(file)
       << "# Id, Name, X, Y, Z\n1, 101, 0, 0, 0\n24, 103, 9, 9, 9\n";  // 24 is in no image, and 103 is another point
-  adjust::add_control(file, {}, block);
+  block::add_control(file, {}, block);
   EXPECT_EQ(block.block.control.points, std::vector<int>{0});
   EXPECT_THAT(block.left_out, testing::ElementsAre(HasSubstr("control 103: measured in no image")));
 }
@@ -390,7 +390,7 @@ TEST(PhotoModelerFiles, ControlThatIsAnotherPointIsLeftOutByName) {
   const auto file = folder.path() / "control.txt";
   const std::vector<Eigen::Vector3d> places = {{0, 0, 0}, {10, 0, 0}, {0, 8, 0}, {3, 4, 6}, {9, 9, 1}};
   const auto read = [&](double off) {
-    adjust::ReadBlock block;
+    block::ReadBlock block;
     std::ofstream list(file);
     for (size_t j = 0; j < places.size(); ++j) {
       const Eigen::Vector3d given = 2 * places[j] + (j == 3 ? off : 0) * Eigen::Vector3d(1, -1, 1);
@@ -398,12 +398,12 @@ TEST(PhotoModelerFiles, ControlThatIsAnotherPointIsLeftOutByName) {
       list << j << ' ' << given.x() << ' ' << given.y() << ' ' << given.z() << " 0.005\n";
     }
     list.close();
-    adjust::add_control(file, {}, block);
+    block::add_control(file, {}, block);
     return block;
   };
   EXPECT_TRUE(read(0).contradictions.empty());
   EXPECT_TRUE(read(0.1).contradictions.empty()) << "a mistake of centimetres is the adjustment's to find";
-  const adjust::ReadBlock wrong = read(15);
+  const block::ReadBlock wrong = read(15);
   EXPECT_EQ(wrong.block.control.points, (std::vector<int>{0, 1, 2, 4}));
   EXPECT_EQ(wrong.block.control.position.size(), 12);
   EXPECT_EQ(wrong.block.control.covariance.rows(), 12);
@@ -415,7 +415,7 @@ TEST(PhotoModelerFiles, ControlThatIsAnotherPointIsLeftOutByName) {
 TEST(AiconFiles, ErrorsNameFileAndLine) {
   const test::TemporaryFolder folder;
   const auto write = [&](const char* name, const std::string& text) { std::ofstream(folder.path() / name) << text; };
-  const auto read = [&] { return error_of([&] { adjust::read_aicon_folder(folder.path()); }); };
+  const auto read = [&] { return error_of([&] { block::read_aicon_folder(folder.path()); }); };
   EXPECT_THAT(read(), HasSubstr("holds no *.ior file"));
   write("b.ior", "1 -999 -28.7 0 0 0 0 13.4\n0\n0 0\n0 0\n");
   EXPECT_THAT(read(), HasSubstr("b.ior:1: the camera that begins here has 4 lines, expected 5"));
@@ -434,7 +434,7 @@ TEST(AiconFiles, ErrorsNameFileAndLine) {
   write("b.scale", "0 \"my bar\" 7 8 100 0.1 1\n");
   EXPECT_THAT(read(), HasSubstr("b.scale:1: point 8 of scale bar 'my bar'"));
   write("c.phc", "");
-  EXPECT_THAT(error_of([&] { adjust::read_image_block(folder.path(), "", "", {}); }),
+  EXPECT_THAT(error_of([&] { block::read_image_block(folder.path(), "", "", {}); }),
               HasSubstr("holds 2 *.phc files (b.phc, c.phc), expected one"));
 }
 

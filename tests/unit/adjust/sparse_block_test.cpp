@@ -3,7 +3,7 @@
 
 #include <Eigen/Dense>
 
-#include "block/bundle/adjust.hpp"
+#include "photo/bundle/adjust.hpp"
 #include "plumbline/rigid_transform.hpp"
 #include "plumbline/stop.hpp"
 #include "synthetic_block.hpp"
@@ -97,7 +97,7 @@ void compare_with_dense(const Strip& strip, const Datum& datum) {
   Eigen::MatrixXd normal = scale.asDiagonal() * (jacobian.transpose() * jacobian).eval() * scale.asDiagonal();
   Eigen::MatrixXd g;  // null space, and the S-transformation to the datum
   if (datum.count > 0) {
-    g = motions_of(strip.problem, layout, strip.state, adjust::centre_of(bodies_of(strip.problem, strip.state)))
+    g = motions_of(strip.problem, layout, strip.state, least_squares::centre_of(bodies_of(strip.problem, strip.state)))
             .leftCols(datum.count);
     const Eigen::MatrixXd scaled = (scale.cwiseInverse().asDiagonal() * g).householderQr().householderQ() *
                                    Eigen::MatrixXd::Identity(g.rows(), g.cols());

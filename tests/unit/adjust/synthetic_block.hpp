@@ -11,7 +11,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "block/tag_block.hpp"
+#include "photo/block/tag_block.hpp"
 
 namespace plumbline::test {
 
@@ -44,7 +44,7 @@ struct SyntheticOptions {
 };
 
 struct SyntheticBlock {
-  adjust::TagBlock block;
+  block::TagBlock block;
   std::vector<Eigen::Vector3d> anchors;        ///< truth, in the order of block.plates
   std::vector<RigidTransform> cam_from_world;  ///< truth
   std::vector<Eigen::Quaterniond> world_from_plate;
@@ -92,7 +92,7 @@ inline RigidTransform look_at(const Eigen::Vector3d& from, const Eigen::Vector3d
 
 inline void add_plates(const SyntheticOptions& options, Random& random, SyntheticBlock& synthetic) {
   const auto add = [&](const std::string& name, double x, double z) {
-    adjust::TagPlate plate;
+    block::TagPlate plate;
     plate.anchor = name;
     plate.plate = {0.2, {0.0, 0.18, 0.0}};
     Eigen::Matrix3d facing;
@@ -133,7 +133,7 @@ inline void add_images(const SyntheticOptions& options, Random& random, Syntheti
           // Approximate poses as a single-image resection gives them.
           const Eigen::Vector3d turn(1e-3 * random.normal(), 1e-3 * random.normal(), 1e-3 * random.normal());
           const Eigen::Vector3d shift(0.01 * random.normal(), 0.01 * random.normal(), 0.01 * random.normal());
-          adjust::TagImage image;
+          block::TagImage image;
           image.name = name;
           image.camera = options.two_cameras ? static_cast<int>(synthetic.cam_from_world.size() + 1) % 2 : 0;
           image.cam_from_world =
@@ -145,7 +145,7 @@ inline void add_images(const SyntheticOptions& options, Random& random, Syntheti
 inline void add_observations(const SyntheticOptions& options, Random& random, SyntheticBlock& synthetic) {
   for (size_t i = 0; i < synthetic.cam_from_world.size(); ++i)
     for (size_t j = 0; j < synthetic.anchors.size(); ++j) {
-      adjust::TagObservation seen;
+      block::TagObservation seen;
       seen.image = static_cast<int>(i);
       seen.plate = static_cast<int>(j);
       bool inside = true;
@@ -212,21 +212,21 @@ inline SyntheticBlock make_block(const SyntheticOptions& options) {
 }
 
 /// Known weights, no prior on the interior orientation, tag size unknown: the setting of the bound's table.
-inline adjust::TagBlockOptions bound_options() {
-  adjust::TagBlockOptions options;
+inline block::TagBlockOptions bound_options() {
+  block::TagBlockOptions options;
   options.fixed_aspect = true;
   options.tag_scale_sigma = std::numeric_limits<double>::infinity();
-  options.loss = adjust::RobustLoss::none;
+  options.loss = block::RobustLoss::none;
   options.estimate_image_variance = false;
   return options;
 }
 
-inline Eigen::Index row_of_plate(const adjust::TagBlockResult& result, int plate) {
+inline Eigen::Index row_of_plate(const block::TagBlockResult& result, int plate) {
   return 3 * (std::find(result.plates.begin(), result.plates.end(), plate) - result.plates.begin());
 }
 
 /// Predicted root mean square standard deviation of the check anchors' coordinate (0 … 2).
-inline double predicted_rmse(const SyntheticBlock& synthetic, const adjust::TagBlockResult& result, int coordinate) {
+inline double predicted_rmse(const SyntheticBlock& synthetic, const block::TagBlockResult& result, int coordinate) {
   double sum = 0;
   for (int plate : synthetic.check) {
     const Eigen::Index i = row_of_plate(result, plate) + coordinate;
@@ -235,7 +235,7 @@ inline double predicted_rmse(const SyntheticBlock& synthetic, const adjust::TagB
   return std::sqrt(sum / static_cast<double>(synthetic.check.size()));
 }
 
-inline double rmse_of_check(const SyntheticBlock& synthetic, const adjust::TagBlockResult& result, int coordinate) {
+inline double rmse_of_check(const SyntheticBlock& synthetic, const block::TagBlockResult& result, int coordinate) {
   double sum = 0;
   for (int plate : synthetic.check)
     sum += std::pow(result.anchors(row_of_plate(result, plate) + coordinate) -

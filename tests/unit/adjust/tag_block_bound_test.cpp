@@ -17,7 +17,7 @@ using namespace plumbline;
 double bound(int floors, bool (*is_control)(int floor, int column, int row)) {
   auto synthetic = test::make_block({.floors = floors, .noise = false});
   synthetic.use_control(synthetic.choose(is_control));
-  const auto result = adjust::adjust_tag_block(synthetic.block, test::bound_options());
+  const auto result = block::adjust_tag_block(synthetic.block, test::bound_options());
   EXPECT_TRUE(result.weak_datum.empty());
   return 1e3 * test::predicted_rmse(synthetic, result, 2);
 }
@@ -48,7 +48,7 @@ TEST(TagBlockBound, FiveFloors) {
 TEST(TagBlockBound, OneColumnIsReportedAsWeak) {
   auto synthetic = test::make_block({.floors = 2, .noise = false});
   synthetic.use_control(synthetic.choose([](int, int column, int) { return column == 2; }));
-  const auto result = adjust::adjust_tag_block(synthetic.block, test::bound_options());
+  const auto result = block::adjust_tag_block(synthetic.block, test::bound_options());
   EXPECT_LT(test::predicted_rmse(synthetic, result, 2), 0.002);
   EXPECT_GT(test::predicted_rmse(synthetic, result, 1), 0.02);
   ASSERT_EQ(result.weak_datum.size(), 1u);
@@ -64,7 +64,7 @@ TEST(TagBlockBound, ErrorsOf200BlocksAreThosePredicted) {
   int dimension = 0;
   for (uint64_t seed = 1; seed <= seeds; ++seed) {
     const auto synthetic = test::make_block({.floors = 1, .stations = 2, .seed = seed});
-    const auto result = adjust::adjust_tag_block(synthetic.block, {});  // as the pipelines run it
+    const auto result = block::adjust_tag_block(synthetic.block, {});  // as the pipelines run it
     std::vector<int> heights;
     Eigen::VectorXd error(synthetic.check.size());
     for (size_t k = 0; k < synthetic.check.size(); ++k) {

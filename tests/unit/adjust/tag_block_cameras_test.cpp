@@ -11,13 +11,13 @@ using testing::Not;
 
 const std::vector<int> calibrated = {0, 1, 2, 3, 4, 5, 7, 8};  // fx, fy, cx, cy, k1, k2, p1, p2
 
-adjust::TagBlockOptions plain_options() {
+block::TagBlockOptions plain_options() {
   auto options = test::bound_options();
   options.fixed_aspect = false;
   return options;
 }
 
-double largest_error(const test::SyntheticBlock& synthetic, const adjust::TagBlockResult& result) {
+double largest_error(const test::SyntheticBlock& synthetic, const block::TagBlockResult& result) {
   double largest = 0;
   for (size_t j = 0; j < result.plates.size(); ++j)
     largest = std::max(
@@ -30,7 +30,7 @@ TEST(SeveralCameras, EachHasAnInteriorOrientationOfItsOwn) {
   for (const bool with_poses : {true, false}) {
     if (!with_poses)  // the approximate pose of an image from plates is one by its own camera
       for (size_t i = 2; i < synthetic.block.images.size(); ++i) synthetic.block.images[i].cam_from_world.reset();
-    const auto result = adjust::adjust_tag_block(synthetic.block, plain_options());
+    const auto result = block::adjust_tag_block(synthetic.block, plain_options());
     EXPECT_TRUE(result.left_out.empty());
     EXPECT_LT(largest_error(synthetic, result), 1e-8);
     ASSERT_EQ(result.cameras.size(), 2u);
@@ -52,7 +52,7 @@ TEST(SeveralCameras, TakenForOneTheyDoNotPass) {
   try {
     auto options = plain_options();
     options.estimate_image_variance = true;
-    for (const auto& test : adjust::adjust_tag_block(synthetic.block, options).tests) verdict += test.words;
+    for (const auto& test : block::adjust_tag_block(synthetic.block, options).tests) verdict += test.words;
   } catch (const std::runtime_error& error) {
     verdict = error.what();
   }
@@ -76,7 +76,7 @@ TEST(SeveralCameras, AnOddLensIsThatOfItsCamera) {
         seen.corners[k] += *project(there, v) - *project(lens, v);
       }
     }
-    const auto result = adjust::adjust_tag_block(synthetic.block, plain_options());
+    const auto result = block::adjust_tag_block(synthetic.block, plain_options());
     double factor[2] = {0, 0};
     bool passed[2] = {true, true};
     for (const auto& test : result.models)
@@ -95,7 +95,7 @@ TEST(SeveralCameras, InteriorOrientationsCoverTheirErrors) {
   for (int trial = 0; trial < trials; ++trial) {
     const auto synthetic = test::make_block(
         {.floors = 1, .stations = 3, .seed = 700u + static_cast<uint64_t>(trial), .two_cameras = true});
-    const auto result = adjust::adjust_tag_block(synthetic.block, plain_options());
+    const auto result = block::adjust_tag_block(synthetic.block, plain_options());
     std::vector<int> rows;
     Eigen::VectorXd error(16);
     for (int c = 0; c < 2; ++c) {
@@ -122,7 +122,7 @@ TEST(SeveralCameras, AWrongCalibrationIsNamed) {
   covariance.diagonal() << 9, 9, 9, 9, 1e-6, 1e-6, 0, 1e-8, 1e-8;
   for (auto& camera : synthetic.block.cameras) camera.covariance = covariance;
   synthetic.block.cameras[1].interior.fx *= 1.03, synthetic.block.cameras[1].interior.fy *= 1.03;
-  const auto result = adjust::adjust_tag_block(synthetic.block, plain_options());
+  const auto result = block::adjust_tag_block(synthetic.block, plain_options());
   int named = 0;
   for (const auto& test : result.tests) {
     if (test.group == "interior prior of first") {
@@ -151,7 +151,7 @@ TEST(SeveralCameras, TheModelOfEachIsTested) {
       seen.corners[k] += *project(there, v) - *project(synthetic.second, v);
     }
   }
-  const auto result = adjust::adjust_tag_block(synthetic.block, plain_options());
+  const auto result = block::adjust_tag_block(synthetic.block, plain_options());
   std::string failed;
   for (const auto& test : result.models)
     if (!test.passed) failed += test.words + "; ";
@@ -168,7 +168,7 @@ TEST(SeveralCameras, InsetsAreTheCameras) {
         test::drawn_inwards(seen.corners, inset[synthetic.block.images[static_cast<size_t>(seen.image)].camera]);
   auto options = plain_options();
   options.corner_inset_sigma = 10;
-  const auto result = adjust::adjust_tag_block(synthetic.block, options);
+  const auto result = block::adjust_tag_block(synthetic.block, options);
   ASSERT_EQ(result.batches.size(), 2u);
   EXPECT_EQ(result.batches[1].name, "a in second");
   EXPECT_NEAR(result.batches[0].inset, inset[0], 1e-3);
@@ -182,11 +182,11 @@ TEST(SeveralCameras, OneWithoutImagesStaysAsItIsGiven) {
   auto synthetic = test::make_block({.floors = 1});
   synthetic.block.cameras.push_back(synthetic.block.cameras[0]);
   synthetic.block.cameras[1].name = "spare";
-  const auto with = adjust::adjust_tag_block(synthetic.block, plain_options());
+  const auto with = block::adjust_tag_block(synthetic.block, plain_options());
   EXPECT_EQ(with.cameras[1].interior.parameters(), synthetic.block.cameras[1].interior.parameters());
   EXPECT_EQ(with.cameras[1].covariance.norm(), 0);
   synthetic.block.cameras.pop_back();
-  const auto without = adjust::adjust_tag_block(synthetic.block, plain_options());
+  const auto without = block::adjust_tag_block(synthetic.block, plain_options());
   EXPECT_EQ(with.anchors, without.anchors);
   EXPECT_EQ(with.unknowns, without.unknowns);
 }

@@ -10,8 +10,8 @@ using namespace plumbline;
 using test::error_of;
 using testing::HasSubstr;
 
-std::string refusal(const adjust::TagBlock& block, const adjust::TagBlockOptions& options = test::bound_options()) {
-  return error_of([&] { adjust::adjust_tag_block(block, options); });
+std::string refusal(const block::TagBlock& block, const block::TagBlockOptions& options = test::bound_options()) {
+  return error_of([&] { block::adjust_tag_block(block, options); });
 }
 
 test::SyntheticBlock flat_block() { return test::make_block({.floors = 1, .scatter = 0}); }
@@ -100,7 +100,7 @@ TEST(DegenerateTagBlock, WhatCannotBePlacedIsNamedAndLeftOut) {
   synthetic.block.images.push_back({"empty.jpg", std::nullopt});
   synthetic.block.plates.push_back(synthetic.block.plates.front());
   synthetic.block.plates.back().anchor = "F09-C09-R1";
-  const auto result = adjust::adjust_tag_block(synthetic.block, test::bound_options());
+  const auto result = block::adjust_tag_block(synthetic.block, test::bound_options());
   EXPECT_EQ(result.left_out,
             (std::vector<std::string>{"empty.jpg: no tag of a known plate", "F09-C09-R1: its tag is in no image"}));
   EXPECT_FALSE(result.cam_from_world.back());

@@ -6,8 +6,8 @@
 #include <Eigen/LU>
 #include <map>
 
-#include "block/tag_block_model.hpp"
-#include "block/tag_cost.hpp"
+#include "photo/block/tag_block_model.hpp"
+#include "photo/block/tag_cost.hpp"
 #include "synthetic_block.hpp"
 #include "test_support.hpp"
 
@@ -17,7 +17,7 @@ using namespace plumbline;
 using test::error_of;
 using testing::HasSubstr;
 
-adjust::TagBlockOptions plain_options() {
+block::TagBlockOptions plain_options() {
   auto options = test::bound_options();
   options.fixed_aspect = false;
   return options;
@@ -29,7 +29,7 @@ TEST(TagBlockStatistics, PosesAndInteriorOrientationCoverTheirErrors) {
   int pose_count = 0;
   for (int trial = 0; trial < trials; ++trial) {
     const auto synthetic = test::make_block({.floors = 1, .stations = 3, .seed = 500u + static_cast<uint64_t>(trial)});
-    const auto result = adjust::adjust_tag_block(synthetic.block, plain_options());
+    const auto result = block::adjust_tag_block(synthetic.block, plain_options());
     for (size_t i = 0; i < result.cam_from_world.size(); i += 5) {
       const RigidTransform &found = *result.cam_from_world[i], &truth = synthetic.cam_from_world[i];
       const Eigen::Quaterniond turn = found.rotation * truth.rotation.conjugate();
@@ -75,7 +75,7 @@ OddLens odd_lens(double slope, double shift_sigma, uint64_t seed) {
   return odd;
 }
 
-const adjust::GroupTest& named(const std::vector<adjust::GroupTest>& tests, const std::string& name) {
+const block::GroupTest& named(const std::vector<block::GroupTest>& tests, const std::string& name) {
   for (const auto& test : tests)
     if (test.group == name) return test;
   throw std::runtime_error("no test '" + name + "'");
@@ -83,7 +83,7 @@ const adjust::GroupTest& named(const std::vector<adjust::GroupTest>& tests, cons
 
 TEST(CameraModel, ThatHoldsIsNotDoubted) {
   for (uint64_t seed = 1; seed <= 5; ++seed) {
-    const auto result = adjust::adjust_tag_block(odd_lens(0, 0, seed).synthetic.block, plain_options());
+    const auto result = block::adjust_tag_block(odd_lens(0, 0, seed).synthetic.block, plain_options());
     ASSERT_EQ(result.models.size(), 2u);
     for (const auto& test : result.models) EXPECT_TRUE(test.passed) << test.group << " " << test.words;
   }
@@ -93,7 +93,7 @@ TEST(CameraModel, ThatHoldsIsNotDoubted) {
 TEST(CameraModel, ThatChangesWithTheDistanceIsNoticedAndEstimated) {
   const OddLens odd = odd_lens(0.1, 0, 3);
   auto options = plain_options();
-  const auto without = adjust::adjust_tag_block(odd.synthetic.block, options);
+  const auto without = block::adjust_tag_block(odd.synthetic.block, options);
   EXPECT_FALSE(named(without.models, "distortion at all distances").passed);
   EXPECT_THAT(named(without.models, "distortion at all distances").words, HasSubstr("add d1 and d2 to free_interior"));
   options.free_interior.push_back("d1");
@@ -103,7 +103,7 @@ TEST(CameraModel, ThatChangesWithTheDistanceIsNoticedAndEstimated) {
     for (const bundle::Minimiser& engine :
          {bundle::Minimiser(bundle::minimise_schur), bundle::Minimiser(bundle::minimise_ceres)}) {
       options.minimiser = engine;
-      const auto with = adjust::adjust_tag_block(odd.synthetic.block, options);
+      const auto with = block::adjust_tag_block(odd.synthetic.block, options);
       EXPECT_LT(with.weighted_sum_of_squares, without.weighted_sum_of_squares - 30);
       EXPECT_NEAR(with.cameras[0].distance_terms.x(), 0.1, 4 * std::sqrt(with.interior_covariance(9, 9)));
       EXPECT_LT(std::sqrt(with.interior_covariance(9, 9)), 0.05);
@@ -117,11 +117,11 @@ TEST(CameraModel, ThatChangesWithTheDistanceIsNoticedAndEstimated) {
 TEST(CameraModel, WithAPrincipalPointOfEachImageIsNoticedAndEstimated) {
   const OddLens odd = odd_lens(0, 30, 4);
   auto options = plain_options();
-  const auto without = adjust::adjust_tag_block(odd.synthetic.block, options);
+  const auto without = block::adjust_tag_block(odd.synthetic.block, options);
   EXPECT_FALSE(named(without.models, "one principal point").passed);
   EXPECT_THAT(named(without.models, "one principal point").words, HasSubstr("set image_principal_point_sigma"));
   options.image_principal_point_sigma = 30;
-  const auto with = adjust::adjust_tag_block(odd.synthetic.block, options);
+  const auto with = block::adjust_tag_block(odd.synthetic.block, options);
   ASSERT_EQ(with.principal_points.size(), odd.shifts.size());
   EXPECT_LT(with.weighted_sum_of_squares, 0.9 * without.weighted_sum_of_squares);
   EXPECT_TRUE(named(with.models, "distortion at all distances").passed);
@@ -138,7 +138,7 @@ TEST(CameraModel, ItsCovariancesCoverItsErrors) {
     auto options = plain_options();
     options.free_interior.insert(options.free_interior.end(), {"d1", "d2"});
     options.image_principal_point_sigma = 0.5;
-    const auto result = adjust::adjust_tag_block(odd.synthetic.block, options);
+    const auto result = block::adjust_tag_block(odd.synthetic.block, options);
     const auto found = result.cameras[0].interior.parameters();
     auto truth = odd.synthetic.camera.parameters();
     truth[4] += 0.1 * (1 / result.cameras[0].reference_distance - 1 / 8.0);
@@ -168,15 +168,15 @@ TEST(RobustControl, LeavesOutWhatContradictsAndNothingElse) {
   auto synthetic = test::make_block({.floors = 2, .stations = 3, .seed = 21});
   auto options = plain_options();
   options.robust_control = true;
-  EXPECT_TRUE(adjust::adjust_tag_block(synthetic.block, options).rejected_control.empty());
+  EXPECT_TRUE(block::adjust_tag_block(synthetic.block, options).rejected_control.empty());
   const Eigen::Vector3d off[] = {{0.02, 0, 0}, {0, 0.014, 0.014}, {0, 0, -0.02}};
   const int wrong[] = {2, 5, 11};
-  adjust::TagBlock without = synthetic.block;
+  block::TagBlock without = synthetic.block;
   std::vector<int> sound;
   for (int k = 0; k < static_cast<int>(without.control.plates.size()); ++k)
     if (std::find(wrong, wrong + 3, k) == wrong + 3) sound.push_back(without.control.plates[static_cast<size_t>(k)]);
   for (int b = 0; b < 3; ++b) synthetic.block.control.position.segment<3>(3 * wrong[b]) += off[b];
-  const auto result = adjust::adjust_tag_block(synthetic.block, options);
+  const auto result = block::adjust_tag_block(synthetic.block, options);
   ASSERT_EQ(result.rejected_control.size(), 3u);
   for (const auto& rejected : result.rejected_control) {
     const auto b = std::find_if(wrong, wrong + 3, [&](int k) {
@@ -190,7 +190,7 @@ TEST(RobustControl, LeavesOutWhatContradictsAndNothingElse) {
   }
   synthetic.use_control(sound);
   options.robust_control = false;
-  const auto expected = adjust::adjust_tag_block(synthetic.block, options);
+  const auto expected = block::adjust_tag_block(synthetic.block, options);
   EXPECT_LT((result.anchors - expected.anchors).cwiseAbs().maxCoeff(), 1e-8);
   EXPECT_LT((result.anchor_covariance - expected.anchor_covariance).norm(), 1e-6 * expected.anchor_covariance.norm());
   EXPECT_EQ(result.degrees_of_freedom, expected.degrees_of_freedom);
@@ -206,18 +206,18 @@ TEST(RobustControl, LeavesOutWhatContradictsAndNothingElse) {
 /// plus the survey's own, which is correlated here.
 TEST(Crossval, IsTheAdjustmentWithoutTheGroup) {
   auto synthetic = test::make_block({.floors = 2, .stations = 3, .seed = 31});
-  adjust::TagControl& control = synthetic.block.control;
+  block::TagControl& control = synthetic.block.control;
   const Eigen::Index n = control.position.size();
   for (Eigen::Index a = 2; a < n; a += 3)
     for (Eigen::Index b = 2; b < n; b += 3) control.covariance(a, b) += 4e-6;  // one height error of the instrument
   auto options = plain_options();
   options.withhold = {{control.plates[1], control.plates[6]}, {control.plates[3]}, control.plates};
-  const auto result = adjust::adjust_tag_block(synthetic.block, options);
+  const auto result = block::adjust_tag_block(synthetic.block, options);
   ASSERT_EQ(result.withheld.size(), 3u);
   EXPECT_THAT(result.withheld[2].undetermined, HasSubstr("does not hold the block"));
   options.withhold.clear();
   for (int g = 0; g < 2; ++g) {
-    adjust::TagBlock without = synthetic.block;
+    block::TagBlock without = synthetic.block;
     std::vector<int> rows, out;
     without.control.plates.clear();
     for (size_t k = 0; k < control.plates.size(); ++k) {
@@ -228,7 +228,7 @@ TEST(Crossval, IsTheAdjustmentWithoutTheGroup) {
     }
     without.control.position = control.position(rows);
     without.control.covariance = control.covariance(rows, rows);
-    const auto expected = adjust::adjust_tag_block(without, options);
+    const auto expected = block::adjust_tag_block(without, options);
     // The survey's correlations tell of the withheld points, too: x + C Q⁻¹ (x_c − l_c) is not formed by the adjustment
     // without them, so the difference is taken from what the rest of the survey predicts of its error.
     const Eigen::MatrixXd gain =
@@ -270,7 +270,7 @@ TEST(RobustControl, RefusesASurveyOfWhichHalfIsWrong) {
   for (Eigen::Index k = 0; k < 12; ++k) synthetic.block.control.position(2 * k) += 0.03 * random.normal();
   auto options = plain_options();
   options.robust_control = true;
-  EXPECT_THAT(error_of([&] { adjust::adjust_tag_block(synthetic.block, options); }),
+  EXPECT_THAT(error_of([&] { block::adjust_tag_block(synthetic.block, options); }),
               HasSubstr("more than a third of the 8 control points contradict the photographs"));
 }
 
@@ -280,13 +280,13 @@ TEST(TagBlockStatistics, TheLargestNormalisedResidualOfATagIsThatOfItsWorstCoord
   auto synthetic = test::make_block({.floors = 1, .stations = 3, .seed = 41});
   const size_t observation = 17;
   synthetic.block.observations[observation].corners[2].y() += 1.1;  // w < 0: the largest is of absolute values
-  const auto all = adjust::adjust_tag_block(synthetic.block, plain_options());
+  const auto all = block::adjust_tag_block(synthetic.block, plain_options());
   double largest = 0;
   for (size_t corner = 0; corner < 4; ++corner)
     for (int axis = 0; axis < 2; ++axis) {
-      adjust::TagBlock without = synthetic.block;
+      block::TagBlock without = synthetic.block;
       without.observations[observation].covariances[corner](axis, axis) *= 1e10;
-      const auto rest = adjust::adjust_tag_block(without, plain_options());
+      const auto rest = block::adjust_tag_block(without, plain_options());
       largest = std::max(largest, std::sqrt(all.weighted_sum_of_squares - rest.weighted_sum_of_squares));
     }
   for (const auto& tag : all.tags)
@@ -303,16 +303,16 @@ TEST(TagBlockStatistics, SigmasOfABatchGainWhatAPriorGives) {
   const auto synthetic = test::make_block({.floors = 1, .stations = 3, .seed = 43});
   auto options = plain_options();
   options.corner_inset_sigma = 10;
-  const auto loose = adjust::adjust_tag_block(synthetic.block, options).batches.at(0);
+  const auto loose = block::adjust_tag_block(synthetic.block, options).batches.at(0);
   const auto information = [](double sigma) { return 1 / (sigma * sigma); };
   options.corner_inset_sigma = 2 * loose.inset_sigma;
-  const auto inset = adjust::adjust_tag_block(synthetic.block, options).batches.at(0);
+  const auto inset = block::adjust_tag_block(synthetic.block, options).batches.at(0);
   EXPECT_NEAR((information(inset.inset_sigma) - information(loose.inset_sigma)) /
                   (information(2 * loose.inset_sigma) - information(10)),
               1, 1e-3);
   options.corner_inset_sigma = 10;
   options.tag_scale_sigma = 2 * loose.scale_sigma;
-  const auto scale = adjust::adjust_tag_block(synthetic.block, options).batches.at(0);
+  const auto scale = block::adjust_tag_block(synthetic.block, options).batches.at(0);
   EXPECT_NEAR((information(scale.scale_sigma) - information(loose.scale_sigma)) / information(2 * loose.scale_sigma), 1,
               1e-3);
 }
@@ -322,7 +322,7 @@ TEST(TagBlockStatistics, SigmasOfABatchGainWhatAPriorGives) {
 TEST(TagBlockStatistics, APlateIsJudgedByItsSurveyAndItsMiddleTag) {
   auto synthetic = test::make_block({.floors = 1, .stations = 3, .seed = 44});
   synthetic.block.control.position(3 * 2 + 2) += 0.008;
-  const auto result = adjust::adjust_tag_block(synthetic.block, plain_options());
+  const auto result = block::adjust_tag_block(synthetic.block, plain_options());
   for (size_t j = 0; j < result.plates.size(); ++j) {
     std::vector<double> tags;
     for (const auto& tag : result.tags)
@@ -348,8 +348,8 @@ TEST(TagBlockStatistics, CornersAreWeightedByTheirFullCovariance) {
   for (auto& seen : synthetic.block.observations) seen.covariances.fill(covariance);
   std::vector<std::string> left_out;
   const auto start =
-      adjust::start_tag_block(synthetic.block, std::vector<bool>(synthetic.block.observations.size(), true), left_out);
-  const auto model = adjust::build_tag_model(synthetic.block, plain_options(), start);
+      block::start_tag_block(synthetic.block, std::vector<bool>(synthetic.block.observations.size(), true), left_out);
+  const auto model = block::build_tag_model(synthetic.block, plain_options(), start);
   for (const auto& whitening : model.problem.image_tags.front().whitening)
     EXPECT_LT((whitening.transpose() * whitening * covariance - Eigen::Matrix2d::Identity()).norm(), 1e-12);
 }
@@ -360,9 +360,9 @@ TEST(TagBlockStatistics, ImageVarianceIsEstimatedTheRightWayUp) {
     for (auto& covariance : seen.covariances) covariance /= 9;  // the detector claims a third of its noise
   auto options = plain_options();
   options.estimate_image_variance = true;
-  const auto result = adjust::adjust_tag_block(synthetic.block, options);
+  const auto result = block::adjust_tag_block(synthetic.block, options);
   EXPECT_NEAR(result.image_variance_factor, 9, 0.9);
-  const auto right = adjust::adjust_tag_block(test::make_block({.floors = 1}).block, options);
+  const auto right = block::adjust_tag_block(test::make_block({.floors = 1}).block, options);
   EXPECT_NEAR(right.image_variance_factor, 1, 0.1);
   EXPECT_LT((result.pose_covariance[3] - right.pose_covariance[3]).norm(), 0.01 * right.pose_covariance[3].norm());
 }
@@ -371,7 +371,7 @@ TEST(TagBlockStatistics, ResidualsAreThoseOfTheProjection) {
   const auto synthetic = test::make_block({.floors = 1});
   auto options = plain_options();
   options.tag_scale_sigma = 0;
-  const auto result = adjust::adjust_tag_block(synthetic.block, options);
+  const auto result = block::adjust_tag_block(synthetic.block, options);
   for (const auto& tag : result.tags) {
     const auto& seen = synthetic.block.observations[static_cast<size_t>(tag.observation)];
     const Eigen::Index at = test::row_of_plate(result, seen.plate);
@@ -392,13 +392,13 @@ TEST(TagBlockStatistics, ResidualsAreThoseOfTheProjection) {
 /// An error of the size of the MDB in one control coordinate, put in: the largest height change is the one stated.
 TEST(TagBlockStatistics, EffectOnHeightsIsThatOfADisturbedControlPoint) {
   const auto synthetic = test::make_block({.floors = 2, .noise = false});
-  const auto before = adjust::adjust_tag_block(synthetic.block, plain_options());
+  const auto before = block::adjust_tag_block(synthetic.block, plain_options());
   for (const size_t coordinate : {size_t{0}, size_t{2}}) {
     const size_t point = 5;
     auto disturbed = synthetic.block;
     const double mdb = before.control[point].coordinates[coordinate].mdb;
     disturbed.control.position(static_cast<Eigen::Index>(3 * point + coordinate)) += mdb;
-    const auto after = adjust::adjust_tag_block(disturbed, plain_options());
+    const auto after = block::adjust_tag_block(disturbed, plain_options());
     double largest = 0;
     for (Eigen::Index j = 2; j < after.anchors.size(); j += 3)
       largest = std::max(largest, std::abs(after.anchors(j) - before.anchors(j)));
@@ -413,9 +413,9 @@ TEST(TagBlockStatistics, GlobalTestsTellWhatIsWrong) {
   auto options = test::bound_options();
   options.estimate_image_variance = true;
   options.tag_scale_sigma = 1e-3;
-  const auto failed = [&](const test::SyntheticBlock& synthetic, const adjust::TagBlockOptions& how) {
+  const auto failed = [&](const test::SyntheticBlock& synthetic, const block::TagBlockOptions& how) {
     std::string groups;
-    for (const auto& test : adjust::adjust_tag_block(synthetic.block, how).tests)
+    for (const auto& test : block::adjust_tag_block(synthetic.block, how).tests)
       if (!test.passed) groups += test.group + ";";
     return groups;
   };
@@ -444,13 +444,13 @@ TEST(TagBlockStatistics, GlobalTestsTellWhatIsWrong) {
 TEST(TagBlockStatistics, SurveyInAnotherFrameUnitOrOrder) {
   const auto synthetic = test::make_block({.floors = 2});
   const auto options = plain_options();
-  const auto here = adjust::adjust_tag_block(synthetic.block, options);
+  const auto here = block::adjust_tag_block(synthetic.block, options);
   EXPECT_TRUE(here.warnings.empty());
   const RigidTransform move{quaternion_from_rotation_vector({0, 0, 2.1}), {691000, 5335000, 500}};
   auto elsewhere = synthetic.block;
   for (Eigen::Index k = 0; k < elsewhere.control.position.size(); k += 3)
     elsewhere.control.position.segment<3>(k) = move * Eigen::Vector3d(synthetic.block.control.position.segment<3>(k));
-  const auto there = adjust::adjust_tag_block(elsewhere, options);
+  const auto there = block::adjust_tag_block(elsewhere, options);
   ASSERT_EQ(there.warnings.size(), 1u);
   EXPECT_THAT(there.warnings[0], HasSubstr("different frames"));
   for (Eigen::Index k = 0; k < here.anchors.size(); k += 3)
@@ -458,12 +458,12 @@ TEST(TagBlockStatistics, SurveyInAnotherFrameUnitOrOrder) {
 
   auto feet = synthetic.block;
   feet.control.position /= 0.3048;
-  EXPECT_THAT(error_of([&] { adjust::adjust_tag_block(feet, options); }), HasSubstr("feet"));
+  EXPECT_THAT(error_of([&] { block::adjust_tag_block(feet, options); }), HasSubstr("feet"));
   auto swapped = synthetic.block;
   const Eigen::Vector3d first = swapped.control.position.segment<3>(0);
   swapped.control.position.segment<3>(0) = Eigen::Vector3d(swapped.control.position.segment<3>(9));
   swapped.control.position.segment<3>(9) = first;
-  EXPECT_THAT(error_of([&] { adjust::adjust_tag_block(swapped, options); }),
+  EXPECT_THAT(error_of([&] { block::adjust_tag_block(swapped, options); }),
               HasSubstr("the plate of F01-C01-R1 hangs where the survey has F01-C02-R2"));
 }
 
@@ -471,72 +471,72 @@ TEST(TagBlockStatistics, SurveyInAnotherFrameUnitOrOrder) {
 TEST(TagCost, IsWhatTheAdjustmentMinimised) {
   auto synthetic = test::make_block({.floors = 1});
   synthetic.block.cameras[0].interior = synthetic.camera;
-  adjust::TagBlockOptions options;
+  block::TagBlockOptions options;
   options.self_calibration = options.estimate_image_variance = false;
   options.tag_scale_sigma = options.reject_above = 0;
-  options.loss = adjust::RobustLoss::none;
-  const auto result = adjust::adjust_tag_block(synthetic.block, options);
+  options.loss = block::RobustLoss::none;
+  const auto result = block::adjust_tag_block(synthetic.block, options);
   std::map<std::string, Eigen::Vector3d> start, found;
   for (size_t j = 0; j < result.plates.size(); ++j) {
     const size_t plate = static_cast<size_t>(result.plates[j]);
     found[synthetic.block.plates[plate].anchor] = result.anchors.segment<3>(3 * static_cast<Eigen::Index>(j));
     start[synthetic.block.plates[plate].anchor] = synthetic.anchors[plate];
   }
-  const double at_start = adjust::cost_of_tag_block(synthetic.block, start).total();
+  const double at_start = block::cost_of_tag_block(synthetic.block, start).total();
   // Where an adjustment starts by itself, from approximate poses and from true ones.
-  const adjust::TagCost own_start = adjust::start_cost_of_tag_block(synthetic.block);
+  const block::TagCost own_start = block::start_cost_of_tag_block(synthetic.block);
   EXPECT_GT(own_start.total(), 10 * result.weighted_sum_of_squares);
   EXPECT_EQ(own_start.left_out, 0);
-  adjust::TagBlock at_truth = synthetic.block;
+  block::TagBlock at_truth = synthetic.block;
   at_truth.cameras[0].interior = synthetic.camera;
   for (size_t i = 0; i < at_truth.images.size(); ++i) at_truth.images[i].cam_from_world = synthetic.cam_from_world[i];
-  EXPECT_LT(adjust::start_cost_of_tag_block(at_truth).total(), 0.01 * own_start.total());
-  adjust::TagBlock adjusted = synthetic.block;
+  EXPECT_LT(block::start_cost_of_tag_block(at_truth).total(), 0.01 * own_start.total());
+  block::TagBlock adjusted = synthetic.block;
   for (size_t i = 0; i < adjusted.images.size(); ++i) adjusted.images[i].cam_from_world = result.cam_from_world[i];
-  const adjust::TagCost cost = adjust::cost_of_tag_block(adjusted, found);
+  const block::TagCost cost = block::cost_of_tag_block(adjusted, found);
   EXPECT_NEAR(cost.total() / result.weighted_sum_of_squares, 1, 1e-7);
   EXPECT_EQ(cost.corner_rows + cost.control_rows, result.observations);
   EXPECT_EQ(cost.left_out, 0);
   EXPECT_GT(at_start, 1.1 * cost.total());
   adjusted.images[3].cam_from_world->translation.x() += 1e-4;
-  EXPECT_GT(adjust::cost_of_tag_block(adjusted, found).total(), cost.total());
+  EXPECT_GT(block::cost_of_tag_block(adjusted, found).total(), cost.total());
   found.erase(synthetic.block.plates[0].anchor);
-  EXPECT_GT(adjust::cost_of_tag_block(adjusted, found).left_out, 0);
+  EXPECT_GT(block::cost_of_tag_block(adjusted, found).left_out, 0);
 }
 
 /// With sizes of tags, insets and the camera unknown under their priors, the cost is still what was minimised, and less
 /// than that of tags of the printed size.
 TEST(TagCost, CountsWhatIsAssumedOfTagsAndCalibration) {
   auto synthetic = test::make_block({.floors = 1});
-  adjust::TagBlockOptions options;
+  block::TagBlockOptions options;
   options.estimate_image_variance = false;
   options.reject_above = 0;
-  options.loss = adjust::RobustLoss::none;
+  options.loss = block::RobustLoss::none;
   options.corner_inset_sigma = 0.3;
   for (auto& plate : synthetic.block.plates) plate.plate.tag_size *= 1.0015;
-  const auto result = adjust::adjust_tag_block(synthetic.block, options);
+  const auto result = block::adjust_tag_block(synthetic.block, options);
   ASSERT_NEAR(result.batches.at(0).scale, 1 / 1.0015, 3e-4);
   std::map<std::string, Eigen::Vector3d> found;
   for (size_t j = 0; j < result.plates.size(); ++j)
     found[synthetic.block.plates[static_cast<size_t>(result.plates[j])].anchor] =
         result.anchors.segment<3>(3 * static_cast<Eigen::Index>(j));
-  adjust::TagBlock adjusted = synthetic.block;
+  block::TagBlock adjusted = synthetic.block;
   adjusted.cameras[0].interior = result.cameras[0].interior;
   for (size_t i = 0; i < adjusted.images.size(); ++i) adjusted.images[i].cam_from_world = result.cam_from_world[i];
-  adjust::TagCostPriors priors;
+  block::TagCostPriors priors;
   priors.tag_scale_sigma = options.tag_scale_sigma;
   priors.corner_inset_sigma = options.corner_inset_sigma;
   priors.calibration = synthetic.block.cameras;
-  const adjust::TagCost cost = adjust::cost_of_tag_block(adjusted, found, priors);
+  const block::TagCost cost = block::cost_of_tag_block(adjusted, found, priors);
   EXPECT_NEAR(cost.total() / result.weighted_sum_of_squares, 1, 1e-7);
   EXPECT_GT(cost.priors, 1);
-  EXPECT_GT(adjust::cost_of_tag_block(adjusted, found).total(), 1.1 * cost.total()) << "tags of the printed size";
+  EXPECT_GT(block::cost_of_tag_block(adjusted, found).total(), 1.1 * cost.total()) << "tags of the printed size";
   // Every adjustment starts at the printed size and at the calibration: no prior is strained there.
-  EXPECT_EQ(adjust::start_cost_of_tag_block(synthetic.block, priors).priors, 0);
-  EXPECT_EQ(adjust::start_cost_of_tag_block(synthetic.block, priors).total(),
-            adjust::start_cost_of_tag_block(synthetic.block).total());
+  EXPECT_EQ(block::start_cost_of_tag_block(synthetic.block, priors).priors, 0);
+  EXPECT_EQ(block::start_cost_of_tag_block(synthetic.block, priors).total(),
+            block::start_cost_of_tag_block(synthetic.block).total());
   adjusted.cameras[0].interior.fx += 5;
-  EXPECT_GT(adjust::cost_of_tag_block(adjusted, found, priors).priors, cost.priors);
+  EXPECT_GT(block::cost_of_tag_block(adjusted, found, priors).priors, cost.priors);
 }
 
 }  // namespace

@@ -6,8 +6,8 @@
 namespace {
 
 using namespace plumbline;
-using adjust::TagBlockOptions;
-using adjust::TagBlockResult;
+using block::TagBlockOptions;
+using block::TagBlockResult;
 using test::SyntheticBlock;
 
 double largest_error(const SyntheticBlock& synthetic, const TagBlockResult& result) {
@@ -20,7 +20,7 @@ double largest_error(const SyntheticBlock& synthetic, const TagBlockResult& resu
 
 TEST(TagBlock, RecoversTruthWithoutNoise) {
   const auto synthetic = test::make_block({.noise = false});
-  const auto result = adjust::adjust_tag_block(synthetic.block, test::bound_options());
+  const auto result = block::adjust_tag_block(synthetic.block, test::bound_options());
   EXPECT_LT(largest_error(synthetic, result), 1e-8);
   EXPECT_NEAR(result.cameras[0].interior.fx, synthetic.camera.fx, 1e-4);
   EXPECT_NEAR(result.cameras[0].interior.cy, synthetic.camera.cy, 1e-4);
@@ -38,7 +38,7 @@ TEST(TagBlock, RecoversTruthWithoutNoise) {
 
 TEST(TagBlock, CountsAndRedundancyAddUp) {
   const auto synthetic = test::make_block({.floors = 1});
-  const auto result = adjust::adjust_tag_block(synthetic.block, test::bound_options());
+  const auto result = block::adjust_tag_block(synthetic.block, test::bound_options());
   const int tags = static_cast<int>(synthetic.block.observations.size());
   EXPECT_EQ(result.observations, 8 * tags + 3 * 8 + 1);  // corners, control, aspect condition
   EXPECT_EQ(result.unknowns, 6 * 16 + 6 * 11 + 8 + 1);   // poses, plates, interior orientation, tag scale
@@ -51,9 +51,10 @@ TEST(TagBlock, CountsAndRedundancyAddUp) {
   for (const auto& control : result.control)
     for (size_t c = 0; c < 3; ++c) {
       EXPECT_GT(control.coordinates[c].redundancy_number, 0.3);
-      EXPECT_NEAR(control.coordinates[c].mdb,
-                  adjustment::non_centrality(0.001, 0.8) * 0.001 / std::sqrt(control.coordinates[c].redundancy_number),
-                  1e-6);
+      EXPECT_NEAR(
+          control.coordinates[c].mdb,
+          least_squares::non_centrality(0.001, 0.8) * 0.001 / std::sqrt(control.coordinates[c].redundancy_number),
+          1e-6);
       EXPECT_GT(control.effect_on_height[2], 0);
       EXPECT_LT(control.effect_on_height[c], control.coordinates[c].mdb);
     }
@@ -76,8 +77,8 @@ TEST(TagBlock, EquivariantUnderAChangeOfFrame) {
     moved.control.covariance.block<3, 3>(3 * k, 3 * k) =
         turn * block.control.covariance.block<3, 3>(3 * k, 3 * k) * turn.transpose();
   }
-  const auto here = adjust::adjust_tag_block(block, test::bound_options());
-  const auto there = adjust::adjust_tag_block(moved, test::bound_options());
+  const auto here = block::adjust_tag_block(block, test::bound_options());
+  const auto there = block::adjust_tag_block(moved, test::bound_options());
   EXPECT_NEAR(here.weighted_sum_of_squares, there.weighted_sum_of_squares, 1e-4);
   for (size_t j = 0; j < here.plates.size(); ++j) {
     const Eigen::Vector3d p = here.anchors.segment<3>(3 * j), q = there.anchors.segment<3>(3 * j);
@@ -117,8 +118,8 @@ TEST(TagBlock, LambdaEqualsCovarianceForIsotropicNoise) {
   by_lambda.weighting = TagBlockOptions::Weighting::lambda;
   by_lambda.lambda = std::pow(0.2 / 0.001, 2);  // (σ_px / σ_S)²
   by_lambda.corner_sigma = 0.2;
-  const auto a = adjust::adjust_tag_block(synthetic.block, by_covariance);
-  const auto b = adjust::adjust_tag_block(synthetic.block, by_lambda);
+  const auto a = block::adjust_tag_block(synthetic.block, by_covariance);
+  const auto b = block::adjust_tag_block(synthetic.block, by_lambda);
   EXPECT_LT((a.anchors - b.anchors).norm(), 1e-9);
   EXPECT_LT((a.anchor_covariance - b.anchor_covariance).norm(), 1e-6 * a.anchor_covariance.norm());
   // And it is the minimum of the formula: the slope along every anchor coordinate vanishes, the curvature does not.
@@ -164,7 +165,7 @@ TEST(TagBlock, LambdaTestsTagsAndControlAgainstTheVarianceFound) {
   options.lambda = std::pow(0.2 / 0.001, 2);
   options.corner_sigma = 0.6;
   options.estimate_image_variance = true;
-  const auto found = adjust::adjust_tag_block(synthetic.block, options);
+  const auto found = block::adjust_tag_block(synthetic.block, options);
   const double variance = equation_5(synthetic, found, options.lambda, found.anchors) / found.degrees_of_freedom;
   EXPECT_NEAR(std::sqrt(variance), 0.2, 0.01);
   const double non_centrality = normal_quantile(1 - 0.0005) + normal_quantile(0.8);
@@ -178,7 +179,7 @@ TEST(TagBlock, LambdaTestsTagsAndControlAgainstTheVarianceFound) {
   for (Eigen::Index row = 0; row < 8; ++row) {
     SyntheticBlock disturbed = synthetic;
     disturbed.block.observations[observation].corners[static_cast<size_t>(row / 2)](row % 2) += error;
-    const auto after = adjust::adjust_tag_block(disturbed.block, options);
+    const auto after = block::adjust_tag_block(disturbed.block, options);
     const double shown = (residuals - residuals_of(disturbed, after, observation))(row) / error;
     smallest = std::min(smallest, shown);
     largest_w = std::max(largest_w, std::abs(residuals(row)) / std::sqrt(variance * shown));
@@ -194,7 +195,7 @@ TEST(TagBlock, LambdaTestsTagsAndControlAgainstTheVarianceFound) {
     constexpr double metres = 1e-3;
     SyntheticBlock disturbed = synthetic;
     disturbed.block.control.position(static_cast<Eigen::Index>(3 * point + c)) += metres;
-    const auto after = adjust::adjust_tag_block(disturbed.block, options);
+    const auto after = block::adjust_tag_block(disturbed.block, options);
     const auto& control = found.control[point].coordinates[c];
     const double shown = (control.residual - after.control[point].coordinates[c].residual) / metres;
     const double sigma = std::sqrt(variance / options.lambda);
@@ -211,7 +212,7 @@ TEST(TagBlock, LambdaTestsTagsAndControlAgainstTheVarianceFound) {
   for (auto& seen : stated.observations) seen.covariances.fill(variance * Eigen::Matrix2d::Identity());
   stated.control.covariance = variance / options.lambda *
                               Eigen::MatrixXd::Identity(stated.control.position.size(), stated.control.position.size());
-  const auto expected = adjust::adjust_tag_block(stated, known);
+  const auto expected = block::adjust_tag_block(stated, known);
   const auto same = [](const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) { return (a - b).norm() < 1e-5 * b.norm(); };
   EXPECT_TRUE(same(found.anchor_covariance, expected.anchor_covariance));
   EXPECT_TRUE(same(found.interior_covariance, expected.interior_covariance));
@@ -228,7 +229,7 @@ TEST(TagBlock, LambdaOfOneIgnoresControl) {
   options.weighting = TagBlockOptions::Weighting::lambda;
   for (double lambda : {1.0, 1e11}) {
     options.lambda = lambda;
-    const auto result = adjust::adjust_tag_block(synthetic.block, options);
+    const auto result = block::adjust_tag_block(synthetic.block, options);
     const double pulled = result.control[0].coordinates[2].residual;  // adjusted minus survey
     if (lambda == 1)
       EXPECT_LT(pulled, -0.005);
@@ -243,7 +244,7 @@ TEST(TagBlock, PredictedCovarianceCoversTheErrors) {
   int dimension = 0, freedom = 0;
   for (int trial = 0; trial < trials; ++trial) {
     const auto synthetic = test::make_block({.floors = 1, .seed = 100 + static_cast<uint64_t>(trial)});
-    const auto result = adjust::adjust_tag_block(synthetic.block, test::bound_options());
+    const auto result = block::adjust_tag_block(synthetic.block, test::bound_options());
     std::vector<int> rows;
     for (int plate : synthetic.check)
       for (int c = 0; c < 3; ++c) rows.push_back(static_cast<int>(test::row_of_plate(result, plate)) + c);
@@ -269,7 +270,7 @@ TEST(TagBlock, VarianceComponentOfTheImagesIsFound) {
     for (auto& covariance : seen.covariances) covariance /= 9;  // the detector claims a third of its standard deviation
   auto options = test::bound_options();
   options.estimate_image_variance = true;
-  const auto result = adjust::adjust_tag_block(synthetic.block, options);
+  const auto result = block::adjust_tag_block(synthetic.block, options);
   EXPECT_NEAR(result.image_variance_factor, 9, 0.9);
   EXPECT_NEAR(result.sigma0, 1, 0.02);
 }
@@ -290,7 +291,7 @@ TEST(TagBlock, TagScaleAndInsetAreSeparated) {
   }
   auto options = test::bound_options();
   options.corner_inset_sigma = 10;
-  const auto result = adjust::adjust_tag_block(synthetic.block, options);
+  const auto result = block::adjust_tag_block(synthetic.block, options);
   EXPECT_NEAR(result.batches[0].scale, printed, 2e-6);
   EXPECT_NEAR(result.batches[0].inset, inset, 1e-3);
   EXPECT_LT(largest_error(synthetic, result), 1e-5);
@@ -299,14 +300,14 @@ TEST(TagBlock, TagScaleAndInsetAreSeparated) {
 TEST(TagBlock, BlundersAreNamedAndLeftOut) {
   auto synthetic = test::make_block({.floors = 1});
   auto options = test::bound_options();
-  options.loss = adjust::RobustLoss::huber;
-  const auto clean = adjust::adjust_tag_block(synthetic.block, options);
+  options.loss = block::RobustLoss::huber;
+  const auto clean = block::adjust_tag_block(synthetic.block, options);
   EXPECT_TRUE(clean.rejected.empty());
   synthetic.block.observations[7].corners[2] += Eigen::Vector2d(15, -10);
   std::swap(synthetic.block.observations[40].corners[0], synthetic.block.observations[40].corners[1]);
-  for (auto loss : {adjust::RobustLoss::huber, adjust::RobustLoss::cauchy, adjust::RobustLoss::tukey}) {
+  for (auto loss : {block::RobustLoss::huber, block::RobustLoss::cauchy, block::RobustLoss::tukey}) {
     options.loss = loss;
-    const auto result = adjust::adjust_tag_block(synthetic.block, options);
+    const auto result = block::adjust_tag_block(synthetic.block, options);
     EXPECT_EQ(result.rejected, (std::vector<int>{7, 40}));
     EXPECT_LT((result.anchors - clean.anchors).cwiseAbs().maxCoeff(), 2e-4);
   }
@@ -317,7 +318,7 @@ TEST(TagBlock, BlundersAreNamedAndLeftOut) {
 TEST(TagBlock, RejectionIsInUnitsOfTheMedianTag) {
   auto synthetic = test::make_block({.floors = 1, .stations = 3, .seed = 5});
   auto options = test::bound_options();
-  options.loss = adjust::RobustLoss::huber;
+  options.loss = block::RobustLoss::huber;
   const Eigen::Vector2d off(0.2 / std::sqrt(2.0), -0.2 / std::sqrt(2.0));  // at each corner: no motion of the plate
   const auto disturb = [&](size_t observation, double sigmas) {
     for (size_t k = 0; k < 4; ++k)
@@ -329,17 +330,17 @@ TEST(TagBlock, RejectionIsInUnitsOfTheMedianTag) {
     auto block = synthetic.block;
     for (auto& seen : block.observations)
       for (auto& covariance : seen.covariances) covariance *= claim * claim;
-    EXPECT_EQ(adjust::adjust_tag_block(block, options).rejected, std::vector<int>{7}) << claim;
+    EXPECT_EQ(block::adjust_tag_block(block, options).rejected, std::vector<int>{7}) << claim;
   }
 }
 
 TEST(TagBlock, ImagesWithoutPoseAreOrientedFromTheirNeighbours) {
   auto synthetic = test::make_block({.floors = 2});
-  const auto all = adjust::adjust_tag_block(synthetic.block, test::bound_options());
+  const auto all = block::adjust_tag_block(synthetic.block, test::bound_options());
   for (size_t i = 0; i < synthetic.block.images.size(); ++i)
     if (i % 16 > 2) synthetic.block.images[i].cam_from_world.reset();
   for (size_t i = 16; i < 32; ++i) synthetic.block.images[i].cam_from_world.reset();  // the whole upper floor
-  const auto some = adjust::adjust_tag_block(synthetic.block, test::bound_options());
+  const auto some = block::adjust_tag_block(synthetic.block, test::bound_options());
   EXPECT_LT((all.anchors - some.anchors).cwiseAbs().maxCoeff(), 1e-8);
 }
 
@@ -349,7 +350,7 @@ TEST(TagBlock, FreeNetworkHasTheFigureOfTheImagesAndNoDatum) {
   options.free_network = true;
   for (double sigma : {1e-3, std::numeric_limits<double>::infinity()}) {
     options.tag_scale_sigma = sigma;
-    const auto result = adjust::adjust_tag_block(synthetic.block, options);
+    const auto result = block::adjust_tag_block(synthetic.block, options);
     const int defect = std::isinf(sigma) ? 7 : 6;
     EXPECT_EQ(result.datum_defect, defect);
     double redundancy = 0;
@@ -368,13 +369,13 @@ TEST(TagBlock, FreeNetworkHasTheFigureOfTheImagesAndNoDatum) {
 
 TEST(TagBlock, SameInputGivesTheSameBits) {
   const auto synthetic = test::make_block({.floors = 1});
-  const auto first = adjust::adjust_tag_block(synthetic.block, {});
+  const auto first = block::adjust_tag_block(synthetic.block, {});
   std::vector<std::vector<char>> litter;  // moves the heap, so that nothing may hang on addresses
   for (size_t i = 1; i < 6; ++i) {
     for (size_t k = 0; k < 200; ++k) litter.emplace_back((i * 7919 + k * 104729) % 3000);
     for (size_t k = 0; k < litter.size(); k += 3) litter[k] = {};
-    const auto copy = std::make_unique<adjust::TagBlock>(synthetic.block);
-    const auto again = adjust::adjust_tag_block(*copy, {});
+    const auto copy = std::make_unique<block::TagBlock>(synthetic.block);
+    const auto again = block::adjust_tag_block(*copy, {});
     EXPECT_TRUE((first.anchors.array() == again.anchors.array()).all());
     EXPECT_TRUE((first.anchor_covariance.array() == again.anchor_covariance.array()).all());
   }

@@ -3,11 +3,11 @@
 #include <Eigen/Dense>
 #include <cmath>
 
-#include "adjustment/reliability.hpp"
-#include "adjustment/solver.hpp"
+#include "least_squares/problem/reliability.hpp"
+#include "least_squares/problem/solver.hpp"
 #include "test_support.hpp"
 
-namespace plumbline::adjustment {
+namespace plumbline::least_squares {
 namespace {
 
 /// v = A x - l for one scalar block of parameters.
@@ -309,7 +309,8 @@ TEST(Adjustment, AxesOfTheErrorEllipsoidPointAlongTheErrors) {
     EXPECT_NEAR(ellipsoid.semi_axes[k], sigma[k], 1e-12) << k;
     EXPECT_NEAR(std::abs(ellipsoid.axes.col(k).dot(turn.col(k))), 1, 1e-12) << k;
     // Along its axis the standard deviation is the semi-axis: from the covariance itself.
-    EXPECT_NEAR(std::sqrt(ellipsoid.axes.col(k).dot(covariance * ellipsoid.axes.col(k))), ellipsoid.semi_axes[k], 1e-12);
+    EXPECT_NEAR(std::sqrt(ellipsoid.axes.col(k).dot(covariance * ellipsoid.axes.col(k))), ellipsoid.semi_axes[k],
+                1e-12);
   }
 }
 
@@ -353,4 +354,4 @@ TEST(Adjustment, SigmasAndCovariancesAreChecked) {
 }
 
 }  // namespace
-}  // namespace plumbline::adjustment
+}  // namespace plumbline::least_squares

@@ -3,11 +3,11 @@
 
 #include <Eigen/Dense>
 
-#include "adjustment/schur.hpp"
 #include "geometry/packed_symmetric.hpp"
 #include "geometry/random.hpp"
+#include "least_squares/problem/schur.hpp"
 
-namespace plumbline::adjustment {
+namespace plumbline::least_squares {
 namespace {
 
 constexpr int kKept = 7, kBlocks = 4, kSize = 3;
@@ -169,4 +169,4 @@ TEST(PackedSymmetric, ComesBack) {
 }
 
 }  // namespace
-}  // namespace plumbline::adjustment
+}  // namespace plumbline::least_squares

@@ -1,7 +1,7 @@
 // Where an alternative breaks: the median over sites of the value at which each of them breaks.
 #include <gmock/gmock.h>
 
-#include "bench/breakdown.hpp"
+#include "show/bench/breakdown.hpp"
 
 namespace plumbline::bench {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "ifc/step.hpp"
+#include "building/step/step.hpp"
 
 namespace plumbline::test {
 

@@ -5,7 +5,7 @@
 
 #include "artifacts/installation_plan.hpp"
 #include "artifacts/loop_state.hpp"
-#include "ifc/design.hpp"
+#include "building/ifc/design.hpp"
 
 namespace plumbline::test {
 
@@ -26,12 +26,12 @@ inline std::string journal_words(const LoopItemT& item, const std::string& from,
 }
 
 /// Each panel hangs on two anchors, and waits for the panel before it.
-inline std::pair<InstallationPlanT, LoopStateT> loop_of(const bim::Design& design) {
+inline std::pair<InstallationPlanT, LoopStateT> loop_of(const ifc::Design& design) {
   InstallationPlanT plan;
   LoopStateT state;
   plan.basis = std::string(64, 'a'), plan.design_file = design.file_name, state.round = 3;
   int k = 0;
-  for (const bim::Element& element : design.elements) {
+  for (const ifc::Element& element : design.elements) {
     if (!element.is_anchor) continue;
     auto bracket = std::make_unique<BracketSettingT>();
     bracket->id = "anchor " + std::to_string(k), bracket->guid = element.guid, bracket->floor = 1;
@@ -43,7 +43,7 @@ inline std::pair<InstallationPlanT, LoopStateT> loop_of(const bim::Design& desig
     plan.brackets.push_back(std::move(bracket));
   }
   k = 0;
-  for (const bim::Element& element : design.elements) {
+  for (const ifc::Element& element : design.elements) {
     if (!element.is_panel || plan.brackets.empty()) continue;
     auto panel = std::make_unique<PlannedPanelT>();
     panel->id = "panel " + std::to_string(k), panel->guid = element.guid, panel->floor = 1;

@@ -4,29 +4,29 @@
 #include <map>
 #include <string>
 
+#include "building/ifc/design.hpp"
+#include "building/judgement/deviation.hpp"
 #include "facing.hpp"
 #include "geometry/panel_fit.hpp"
-#include "ifc/design.hpp"
-#include "judgement/deviation.hpp"
 
 namespace plumbline::test {
 
 /// Every anchor of the design under its GlobalId, as-built minus design as given (those that are not in `deviations`
 /// were not measured), floors from the storeys, sigma of each coordinate [m].
-inline DeviationT judged(const bim::Design& design, const std::map<std::string, Eigen::Vector3d>& deviations,
+inline DeviationT judged(const ifc::Design& design, const std::map<std::string, Eigen::Vector3d>& deviations,
                          const Eigen::Vector3d& sigma, const Eigen::Vector3d& normal,
                          const judgement::ToleranceTable& tolerances = {},
                          const std::vector<std::string>& doubts = {}) {
   judgement::DeviationInputs inputs;
   inputs.design_file = design.file_name, inputs.doubts = doubts;
-  for (const bim::Element& element : design.elements) {
+  for (const ifc::Element& element : design.elements) {
     if (!element.is_anchor) continue;
     judgement::AnchorCase anchor;
-    anchor.id = element.guid, anchor.element = bim::facts_of(element), anchor.instance = element.instance;
+    anchor.id = element.guid, anchor.element = ifc::facts_of(element), anchor.instance = element.instance;
     anchor.tolerances = judgement::tolerances_of(tolerances, anchor.element);
     anchor.element.properties = nullptr;
     anchor.storey_guid = element.storey_guid, anchor.design = element.position;
-    anchor.reference_point_rule = bim::name_of(element.rule);
+    anchor.reference_point_rule = ifc::name_of(element.rule);
     for (std::size_t i = 0; i < design.storeys.size(); ++i)
       if (design.storeys[i].guid == element.storey_guid) anchor.floor = static_cast<int>(i) + 1;
     if (const auto measured = deviations.find(element.guid); measured != deviations.end()) {
@@ -40,7 +40,7 @@ inline DeviationT judged(const bim::Design& design, const std::map<std::string, 
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(n, n);
   for (Eigen::Index i = 0; i < n; ++i) covariance(i, i) = sigma[i % 3] * sigma[i % 3];
   inputs.model.covariance = covariance;
-  for (const bim::Element& element : design.elements) {
+  for (const ifc::Element& element : design.elements) {
     if (element.ifc_class != "IfcPlate" || !element.has_box) continue;
     judgement::PanelCase panel{element.guid,
                                element.name,
@@ -50,7 +50,7 @@ inline DeviationT judged(const bim::Design& design, const std::map<std::string, 
                                element.project_from_element,
                                element.box_low,
                                element.box_high,
-                               judgement::tolerances_of(tolerances, bim::facts_of(element))};
+                               judgement::tolerances_of(tolerances, ifc::facts_of(element))};
     for (std::size_t i = 0; i < inputs.anchors.size(); ++i)
       if (distance_from_box(element.box_low, element.box_high,
                             element.project_from_element.inverse() * inputs.anchors[i].design) < 0.3)

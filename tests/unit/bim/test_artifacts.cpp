@@ -2,10 +2,10 @@
 #include <gtest/gtest.h>
 
 #include "artifacts.hpp"
-#include "ifc/step.hpp"
+#include "building/step/step.hpp"
 #include "small_building.hpp"
 
-namespace plumbline::bim {
+namespace plumbline::ifc {
 namespace {
 
 TEST(BimArtifacts, DesignsSurviveTheRoundTrip) {
@@ -55,4 +55,4 @@ TEST(BimArtifacts, AnchorPointsAreNamedUniquely) {
 }
 
 }  // namespace
-}  // namespace plumbline::bim
+}  // namespace plumbline::ifc

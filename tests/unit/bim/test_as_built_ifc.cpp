@@ -5,15 +5,15 @@
 
 #include "artifacts/surface_judgement.hpp"
 #include "artifacts/surfaces.hpp"
+#include "building/ifc/as_built_ifc.hpp"
+#include "building/ifc/check.hpp"
+#include "building/ifc/ifc_model.hpp"
 #include "express_schema.hpp"
-#include "ifc/as_built_ifc.hpp"
-#include "ifc/check.hpp"
-#include "ifc/ifc_model.hpp"
 #include "measured.hpp"
 #include "small_building.hpp"
 #include "test_support.hpp"
 
-namespace plumbline::bim {
+namespace plumbline::ifc {
 namespace {
 
 /// Three of four anchors measured.
@@ -180,8 +180,7 @@ TEST_P(AsBuiltFile, CarriesTolerancesWithBothTheirSides) {
   const auto enriched_by = [&](const std::vector<std::string>& rules) {
     judgement::ToleranceTable table;
     for (const std::string& rule : rules) table.rules.push_back(judgement::parse_rule(rule));
-    const DeviationT deviation =
-        test::judged(design, deviations, Eigen::Vector3d::Constant(2e-4), {1, 0, 0}, table);
+    const DeviationT deviation = test::judged(design, deviations, Eigen::Vector3d::Constant(2e-4), {1, 0, 0}, table);
     const AsBuiltIfc result = write_as_built(design_file, design, deviation, test::residuals(deviation, 0), {});
     return enriched(design_file, result);
   };
@@ -286,7 +285,8 @@ TEST_P(AsBuiltFile, SurfacesOfPanelsWithTheirVerdicts) {
   ASSERT_EQ(after.warnings.size(), 2U);
   EXPECT_EQ(after.warnings[0], "1 panels with measured surfaces are not in this design");
   EXPECT_NE(after.warnings[1].find("1 joints are not written"), std::string::npos);
-  for (const Violation& violation : check_ifc(file)) ADD_FAILURE() << violation.rule << " #" << violation.instance << " " << violation.words;
+  for (const Violation& violation : check_ifc(file))
+    ADD_FAILURE() << violation.rule << " #" << violation.instance << " " << violation.words;
 }
 
 TEST_P(AsBuiltFile, SurveyPointsStandWhereTheAnchorsWereMeasured) {
@@ -457,4 +457,4 @@ TEST(AsBuiltRealFiles, AreEnrichedAndValid) {
 }
 
 }  // namespace
-}  // namespace plumbline::bim
+}  // namespace plumbline::ifc

@@ -7,15 +7,15 @@
 
 #include "artifacts/surface_judgement.hpp"
 #include "artifacts/surfaces.hpp"
-#include "ifc/bcf.hpp"
-#include "ifc/ifc_guid.hpp"
-#include "judgement/worst_first.hpp"
+#include "building/ifc/bcf.hpp"
+#include "building/ifc/ifc_guid.hpp"
+#include "building/judgement/worst_first.hpp"
 #include "measured.hpp"
 #include "small_building.hpp"
 #include "test_support.hpp"
 #include "unzipped.hpp"
 
-namespace plumbline::bim {
+namespace plumbline::ifc {
 namespace {
 
 using test::unzipped;
@@ -212,4 +212,4 @@ TEST(Bcf, IsValidAgainstItsSchemas) {
 }
 
 }  // namespace
-}  // namespace plumbline::bim
+}  // namespace plumbline::ifc

@@ -1,10 +1,10 @@
 // bim.check: each rule on a file that breaks it, and on nothing else.
 #include <gtest/gtest.h>
 
-#include "ifc/check.hpp"
+#include "building/ifc/check.hpp"
 #include "small_building.hpp"
 
-namespace plumbline::bim {
+namespace plumbline::ifc {
 namespace {
 
 std::string rules_broken(const std::string& extra, std::uint64_t first = 500) {
@@ -101,4 +101,4 @@ TEST(CheckIfc, WhatWasThereBeforeIsNotOurs) {
 }
 
 }  // namespace
-}  // namespace plumbline::bim
+}  // namespace plumbline::ifc

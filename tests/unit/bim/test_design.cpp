@@ -3,11 +3,11 @@
 #include <cmath>
 #include <map>
 
-#include "ifc/design.hpp"
+#include "building/ifc/design.hpp"
 #include "small_building.hpp"
 #include "test_support.hpp"
 
-namespace plumbline::bim {
+namespace plumbline::ifc {
 namespace {
 
 using test::small_building;
@@ -464,10 +464,9 @@ TEST(Properties, BoundsWithoutAUnitAreNoLengths) {
 }
 
 TEST(Properties, WhatIsNoSingleValueIsKeptByItsKind) {
-  const auto found = tolerances_in(
-      kSetOfAnchor +
-      "#501=IFCCOMPLEXPROPERTY('OrthogonalTolerance',$,'limits',(#502));"
-      "#502=IFCPROPERTYSINGLEVALUE('Upper',$,IFCPOSITIVELENGTHMEASURE(5.),$);");
+  const auto found = tolerances_in(kSetOfAnchor +
+                                   "#501=IFCCOMPLEXPROPERTY('OrthogonalTolerance',$,'limits',(#502));"
+                                   "#502=IFCPROPERTYSINGLEVALUE('Upper',$,IFCPOSITIVELENGTHMEASURE(5.),$);");
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found.at("OrthogonalTolerance").measure, "IFCCOMPLEXPROPERTY");
   EXPECT_TRUE(std::isnan(found.at("OrthogonalTolerance").number));
@@ -537,4 +536,4 @@ TEST(RealDesigns, HaveTheStoreysAndElementsThatTheirFilesList) {
 }
 
 }  // namespace
-}  // namespace plumbline::bim
+}  // namespace plumbline::ifc

@@ -8,12 +8,12 @@
 #include <map>
 #include <numbers>
 
-#include "ifc/design.hpp"
-#include "ifc/facades.hpp"
-#include "ifc/step.hpp"
+#include "building/ifc/design.hpp"
+#include "building/ifc/facades.hpp"
+#include "building/step/step.hpp"
 #include "test_support.hpp"
 
-namespace plumbline::bim {
+namespace plumbline::ifc {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
@@ -428,4 +428,4 @@ TEST(Facades, OfDesignsMadeByOthers) {
 }
 
 }  // namespace
-}  // namespace plumbline::bim
+}  // namespace plumbline::ifc

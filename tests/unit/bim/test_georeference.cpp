@@ -1,9 +1,9 @@
 // The survey against the design: what explains a gap, in words; readings of a map conversion; the fit.
 #include <gtest/gtest.h>
 
-#include "ifc/georeference.hpp"
+#include "building/ifc/georeference.hpp"
 
-namespace plumbline::bim {
+namespace plumbline::ifc {
 namespace {
 
 /// A facade of 12 anchors; the survey in map coordinates by the standard's conversion, a few millimetres off.
@@ -109,4 +109,4 @@ TEST(Fit, FindsShiftAndTurnWithTheirUncertainty) {
 }
 
 }  // namespace
-}  // namespace plumbline::bim
+}  // namespace plumbline::ifc

@@ -1,9 +1,9 @@
 // Our table of attribute positions and element classes against the EXPRESS text of the schemas.
+#include "building/ifc/ifc_schema.hpp"
 #include "express_schema.hpp"
-#include "ifc/ifc_schema.hpp"
 #include "test_support.hpp"
 
-namespace plumbline::bim {
+namespace plumbline::ifc {
 namespace {
 
 step::File file_of(const std::string& schema) {
@@ -64,4 +64,4 @@ TEST(IfcSchemaName, ElementsGetTheirProperCase) {
 }
 
 }  // namespace
-}  // namespace plumbline::bim
+}  // namespace plumbline::ifc

@@ -6,17 +6,17 @@
 #include <fstream>
 #include <set>
 
+#include "building/ifc/check.hpp"
+#include "building/ifc/ifc_model.hpp"
+#include "building/ifc/installation_bcf.hpp"
+#include "building/ifc/installation_ifc.hpp"
 #include "express_schema.hpp"
-#include "ifc/check.hpp"
-#include "ifc/ifc_model.hpp"
-#include "ifc/installation_bcf.hpp"
-#include "ifc/installation_ifc.hpp"
 #include "loop_state.hpp"
 #include "small_building.hpp"
 #include "test_support.hpp"
 #include "unzipped.hpp"
 
-namespace plumbline::bim {
+namespace plumbline::ifc {
 namespace {
 
 struct Site {
@@ -190,4 +190,4 @@ TEST(InstallationBcf, IsValidAgainstItsSchemas) {
 }
 
 }  // namespace
-}  // namespace plumbline::bim
+}  // namespace plumbline::ifc

@@ -1,10 +1,10 @@
 // One identity: names of the survey to elements of the design, or the reason why not.
 #include <gtest/gtest.h>
 
-#include "ifc/facades.hpp"
-#include "ifc/match_elements.hpp"
+#include "building/ifc/facades.hpp"
+#include "building/ifc/match_elements.hpp"
 
-namespace plumbline::bim {
+namespace plumbline::ifc {
 namespace {
 
 Element element_of(const std::string& name, const std::string& tag, const Eigen::Vector3d& position) {
@@ -150,4 +150,4 @@ TEST(SelectionLanguage, SelectsAndRefusesInWords) {
 }
 
 }  // namespace
-}  // namespace plumbline::bim
+}  // namespace plumbline::ifc

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <set>
 
-#include "ifc/step.hpp"
+#include "building/step/step.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::step {

@@ -5,9 +5,9 @@
 #include <cstring>
 #include <limits>
 
-#include "ifc/ifc_guid.hpp"
-#include "ifc/step.hpp"
-#include "ifc/step_writer.hpp"
+#include "building/ifc/ifc_guid.hpp"
+#include "building/step/step.hpp"
+#include "building/step/step_writer.hpp"
 
 namespace plumbline {
 namespace {

@@ -6,9 +6,9 @@
 #include <filesystem>
 #include <fstream>
 
-#include "ifc/step.hpp"
-#include "ifc/zip_reader.hpp"
-#include "ifc/zip_writer.hpp"
+#include "building/step/step.hpp"
+#include "building/step/zip_reader.hpp"
+#include "building/step/zip_writer.hpp"
 #include "small_building.hpp"
 #include "test_support.hpp"
 
@@ -25,7 +25,7 @@ std::string message_of(const std::string& archive) {
 }
 
 std::string archive_of(const std::vector<std::string>& names, const std::string& content = "ISO-10303-21;") {
-  ZipWriter writer;
+  step::ZipWriter writer;
   for (const std::string& name : names) writer.add(name, content);
   return writer.finish();
 }

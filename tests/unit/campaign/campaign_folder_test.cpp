@@ -299,10 +299,8 @@ TEST(ControlCsv, ReadsAndRefuses) {
   EXPECT_EQ(points[0].position, Eigen::Vector3d(1, 2, 3));
   EXPECT_DOUBLE_EQ(points[0].sigma.z(), 1e-3);
   const auto message = [&](const std::string& text) { return message_of([&] { parse_control(text, "k.csv"); }); };
-  EXPECT_NE(message(replaced(csv, "G2", "G1")).find("k.csv:3: point 'G1' stands in it twice"),
-            std::string::npos);
-  EXPECT_NE(message(replaced(csv, "0.5,0.5,1", "0.5,0,1"))
-                .find("k.csv: 'G1' lacks a standard deviation above zero"),
+  EXPECT_NE(message(replaced(csv, "G2", "G1")).find("k.csv:3: point 'G1' stands in it twice"), std::string::npos);
+  EXPECT_NE(message(replaced(csv, "0.5,0.5,1", "0.5,0,1")).find("k.csv: 'G1' lacks a standard deviation above zero"),
             std::string::npos);
   for (const char* sigma : {"nan", "inf", "x"})
     EXPECT_NE(message(replaced(csv, "0.5,0.5,1", std::string(sigma) + ",0.5,1"))

@@ -3,8 +3,8 @@
 
 #include <fstream>
 
-#include "cloud/cloud_file.hpp"
 #include "cloud_bytes.hpp"
+#include "surface/cloud/cloud_file.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::cloud {

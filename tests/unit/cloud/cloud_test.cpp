@@ -4,8 +4,8 @@
 #include <array>
 #include <fstream>
 
-#include "cloud/cloud_file.hpp"
 #include "cloud_bytes.hpp"
+#include "surface/cloud/cloud_file.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::cloud {

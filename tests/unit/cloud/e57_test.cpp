@@ -3,9 +3,9 @@
 
 #include <fstream>
 
-#include "cloud/cloud_file.hpp"
-#include "cloud/e57_pages.hpp"
 #include "e57_bytes.hpp"
+#include "surface/cloud/cloud_file.hpp"
+#include "surface/cloud/e57_pages.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::cloud {

@@ -38,7 +38,8 @@ std::string field_problem(const reflection::Schema& schema, const reflection::Fi
   if ((floating || is_struct) && attribute(field.attributes(), "unit").empty()) return "has no unit";
   if (is_struct && type->base_type() == reflection::Obj && !(field.required() && has_attribute(field, "native_inline")))
     return "is a struct and must be (required, native_inline)";
-  // A factor that is absent is one: nothing was scaled. Everything else that is absent is unknown, and 0 would read as perfect.
+  // A factor that is absent is one: nothing was scaled. Everything else that is absent is unknown, and 0 would read as
+  // perfect.
   const bool neutral = field.name()->str().ends_with("_factor") && field.default_real() == 1;
   if (floating && type->base_type() != reflection::Vector && !std::isnan(field.default_real()) && !neutral)
     return "is a floating scalar and must default to nan";

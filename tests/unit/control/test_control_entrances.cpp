@@ -5,10 +5,10 @@
 #include <fstream>
 #include <optional>
 
-#include "block/control_list.hpp"
 #include "campaign_folder.hpp"
-#include "control/control_files.hpp"
-#include "survey_files/survey_csv.hpp"
+#include "control/points/control_files.hpp"
+#include "photo/block/control_list.hpp"
+#include "survey/files/survey_csv.hpp"
 #include "test_support.hpp"
 
 namespace plumbline {
@@ -45,10 +45,10 @@ Read by_campaign(const std::string& text) {
 Read by_block(const std::string& text) {
   const test::TemporaryFolder folder;
   std::ofstream(folder.path() / "c.csv", std::ios::binary) << text;
-  adjust::ReadBlock read;
+  block::ReadBlock read;
   for (const char* name : {"A", "B", "7"}) read.block.points.push_back({name, {0, 0, 0}});
   try {
-    adjust::add_control(folder.path() / "c.csv", {}, read);
+    block::add_control(folder.path() / "c.csv", {}, read);
   } catch (const std::runtime_error&) {
     return std::nullopt;
   }

@@ -1,8 +1,8 @@
 // Tables of known points as programs, offices and spreadsheets write them.
 #include <gmock/gmock.h>
 
-#include "control/control_files.hpp"
-#include "control/image_points.hpp"
+#include "control/points/control_files.hpp"
+#include "control/points/image_points.hpp"
 
 namespace plumbline {
 namespace {

@@ -1,9 +1,9 @@
 // OpenDroneMap's gcp_list.txt as it comes from other machines.
 #include <gmock/gmock.h>
 
-#include "control/gcp_list.hpp"
-#include "control/image_points.hpp"
-#include "control/projection_unit.hpp"
+#include "control/points/gcp_list.hpp"
+#include "control/points/image_points.hpp"
+#include "control/points/projection_unit.hpp"
 
 namespace plumbline::control {
 namespace {

@@ -4,7 +4,7 @@
 #include <apriltag/apriltag.h>
 #include <apriltag/common/image_u8.h>
 
-#include "detect/tag_family.hpp"
+#include "photo/detect/tag_family.hpp"
 
 namespace plumbline::test {
 

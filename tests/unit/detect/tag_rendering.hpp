@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "images/grey_image.hpp"
+#include "photo/images/grey_image.hpp"
 
 namespace plumbline::test {
 

@@ -6,11 +6,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "detect/aruco_detector.hpp"
-#include "detect/corner_refinement.hpp"
-#include "detect/square_code.hpp"
-#include "detect/tag_detector.hpp"
-#include "detect/tag_family.hpp"
+#include "photo/detect/aruco_detector.hpp"
+#include "photo/detect/corner_refinement.hpp"
+#include "photo/detect/square_code.hpp"
+#include "photo/detect/tag_detector.hpp"
+#include "photo/detect/tag_family.hpp"
 #include "tag_rendering.hpp"
 
 namespace plumbline {

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <random>
 
-#include "detect/level_search.hpp"
-#include "detect/tag_pyramid.hpp"
+#include "photo/detect/level_search.hpp"
+#include "photo/detect/tag_pyramid.hpp"
 #include "tag_rendering.hpp"
 
 namespace plumbline::detect {

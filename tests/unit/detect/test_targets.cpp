@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "detect/target_fit.hpp"
+#include "photo/detect/target_fit.hpp"
 #include "tag_rendering.hpp"
 
 namespace plumbline::detect {

@@ -5,13 +5,13 @@
 #include <Eigen/LU>
 #include <cmath>
 
-#include "detect/aruco_detector.hpp"
-#include "detect/board.hpp"
-#include "detect/family_guess.hpp"
-#include "detect/tag_detector.hpp"
-#include "detect/tag_family.hpp"
-#include "detect/tag_pyramid.hpp"
-#include "images/grey_image.hpp"
+#include "photo/detect/aruco_detector.hpp"
+#include "photo/detect/board.hpp"
+#include "photo/detect/family_guess.hpp"
+#include "photo/detect/tag_detector.hpp"
+#include "photo/detect/tag_family.hpp"
+#include "photo/detect/tag_pyramid.hpp"
+#include "photo/images/grey_image.hpp"
 #include "tag_rendering.hpp"
 
 namespace plumbline::detect {

@@ -8,19 +8,19 @@
 #include <regex>
 
 #include "artifacts.hpp"
-#include "evaluate/design_input.hpp"
-#include "evaluate/metrics.hpp"
-#include "ifc/as_built_ifc.hpp"
-#include "ifc/bcf.hpp"
-#include "ifc/ifc_guid.hpp"
-#include "ifc/ifc_model.hpp"
-#include "ifc/match_elements.hpp"
-#include "judgement/worst_first.hpp"
-#include "report/report.hpp"
-#include "report/summary.hpp"
+#include "build/evaluate/design_input.hpp"
+#include "build/evaluate/metrics.hpp"
+#include "building/ifc/as_built_ifc.hpp"
+#include "building/ifc/bcf.hpp"
+#include "building/ifc/ifc_guid.hpp"
+#include "building/ifc/ifc_model.hpp"
+#include "building/ifc/match_elements.hpp"
+#include "building/judgement/worst_first.hpp"
+#include "show/report/report.hpp"
+#include "show/report/summary.hpp"
 #include "small_building.hpp"
 
-namespace plumbline::evaluate {
+namespace plumbline::judgement {
 namespace {
 
 using test::mm;
@@ -98,7 +98,7 @@ std::string facade_ifc(int floors, int columns, const std::string& schema) {
 
 struct Campaign {
   std::string bytes;
-  bim::Design design;
+  ifc::Design design;
   AccuracyT accuracy;
   DeviationT deviation;
 };
@@ -109,13 +109,13 @@ Campaign random_campaign(std::uint64_t seed) {
   Campaign c;
   const int floors = 2 + die(3), columns = 2 + die(4);
   c.bytes = facade_ifc(floors, columns, die(2) ? "IFC4" : die(2) ? "IFC2X3" : "IFC4X3");
-  c.design = bim::read_design(step::File(c.bytes, "f.ifc"), {});
+  c.design = ifc::read_design(step::File(c.bytes, "f.ifc"), {});
   Inputs inputs;
   PlatesT plates;
   std::vector<std::string> ids;
   const double sigma = die(6) ? (0.1 + 0.3 * die(8)) * mm : 0;  // sometimes nobody knows the uncertainty
   const double built = (1 + die(5)) * mm;
-  for (const bim::Element& element : c.design.elements) {
+  for (const ifc::Element& element : c.design.elements) {
     if (!element.is_anchor || die(12) == 0) continue;  // some are not in the plate table
     const std::string id = die(2) ? element.name : element.tag;
     const int floor = element.name[1] - '0';
@@ -135,7 +135,7 @@ Campaign random_campaign(std::uint64_t seed) {
   inputs.survey.covariance = test::isotropic(inputs.survey.ids.size(), 0.5 * mm);
   std::vector<std::string> warnings;
   ElementMatchesT matches;
-  for (const bim::MatchedElement& match : bim::match_elements(c.design, ids, {}, warnings)) {
+  for (const ifc::MatchedElement& match : ifc::match_elements(c.design, ids, {}, warnings)) {
     auto entry = std::make_unique<ElementMatchT>();
     entry->anchor = match.anchor, entry->found_by = match.found_by, entry->note = match.note;
     entry->guid = match.element ? match.element->guid : "";
@@ -146,7 +146,7 @@ Campaign random_campaign(std::uint64_t seed) {
   if (die(2))
     table.rules = {judgement::parse_rule("name~C1$: vertical=3mm, out_of_plane=4mm"),
                    judgement::parse_rule("class=IfcPlate: joint=6mm")};
-  auto cases = deviation_inputs(bim::to_artifact(c.design), matches, plates, table, 0.3);
+  auto cases = deviation_inputs(ifc::to_artifact(c.design), matches, plates, table, 0.3);
   cases.model = inputs.model;
   c.deviation = judgement::judge_deviations(cases, {});
   c.accuracy = evaluate_accuracy(inputs, {});
@@ -157,10 +157,10 @@ using Verdicts = std::map<std::string, std::string>;
 
 /// Verdict by GlobalId out of the property sets of a name in an as-built IFC.
 Verdicts verdicts_in_ifc(const step::File& file, const std::string& set_name) {
-  const bim::Model model(file);
+  const ifc::Model model(file);
   Verdicts found;
-  for (const bim::Entity& relation : model.all("IFCRELDEFINESBYPROPERTIES")) {
-    const bim::Entity set = model.entity(relation.reference("RelatingPropertyDefinition"));
+  for (const ifc::Entity& relation : model.all("IFCRELDEFINESBYPROPERTIES")) {
+    const ifc::Entity set = model.entity(relation.reference("RelatingPropertyDefinition"));
     if (set.text("Name") != set_name) continue;
     for (const std::uint64_t id : set.references("HasProperties")) {
       const auto property = file.arguments(*file.find(id));
@@ -174,10 +174,10 @@ Verdicts verdicts_in_ifc(const step::File& file, const std::string& set_name) {
 
 /// As-built minus design by GlobalId out of an as-built IFC, m.
 std::map<std::string, Eigen::Vector3d> deviations_in_ifc(const step::File& file, const std::string& set_name) {
-  const bim::Model model(file);
+  const ifc::Model model(file);
   std::map<std::string, Eigen::Vector3d> found;
-  for (const bim::Entity& relation : model.all("IFCRELDEFINESBYPROPERTIES")) {
-    const bim::Entity set = model.entity(relation.reference("RelatingPropertyDefinition"));
+  for (const ifc::Entity& relation : model.all("IFCRELDEFINESBYPROPERTIES")) {
+    const ifc::Entity set = model.entity(relation.reference("RelatingPropertyDefinition"));
     if (set.text("Name") != set_name) continue;
     for (const std::uint64_t id : set.references("HasProperties")) {
       const auto property = file.arguments(*file.find(id));
@@ -236,20 +236,20 @@ TEST(Agreement, AllOutputsSayTheSameOfEveryAnchorPanelAndFloor) {
     const Campaign c = random_campaign(static_cast<std::uint64_t>(trial));
     const DeviationT& d = c.deviation;
     const step::File design(c.bytes, "f.ifc");
-    bim::AsBuiltIfcOptions options;
+    ifc::AsBuiltIfcOptions options;
     options.epoch = trial % 2 ? "" : "2026-05";
-    const std::string bytes = bim::enriched(design, bim::write_as_built(design, c.design, d, c.accuracy, options));
+    const std::string bytes = ifc::enriched(design, ifc::write_as_built(design, c.design, d, c.accuracy, options));
     const step::File written(bytes, "a.ifc");
     const std::string suffix = trial % 2 ? "" : "_2026-05";
     const Verdicts anchors = verdicts_in_ifc(written, "ASB_AnchorDeviation" + suffix),
                    panels = verdicts_in_ifc(written, "ASB_PanelFit" + suffix),
                    floors = verdicts_in_ifc(written, "ASB_FloorStatistics" + suffix);
     const auto lengths = deviations_in_ifc(written, "ASB_AnchorDeviation" + suffix);
-    bim::BcfOptions bcf_options;
+    ifc::BcfOptions bcf_options;
     bcf_options.project_guid = "0YvctVUKr0kugbFTf53O9L";
     const auto json = nlohmann::json::parse(metrics_json(c.accuracy, &d));
     const std::string csv = metrics_csv(c.accuracy, &d), junit = junit_xml(c.accuracy, &d),
-                      bcf = bim::write_bcf(d, judgement::worst_first(d), judgement::worst_panels_first(d), bcf_options);
+                      bcf = ifc::write_bcf(d, judgement::worst_first(d), judgement::worst_panels_first(d), bcf_options);
     report::ReportInput input;
     input.accuracy.tau = c.accuracy.tau;
     for (const auto& a : c.accuracy.anchors) input.accuracy.anchors.push_back(std::make_unique<AnchorAccuracyT>(*a));
@@ -264,7 +264,7 @@ TEST(Agreement, AllOutputsSayTheSameOfEveryAnchorPanelAndFloor) {
       ++seen[static_cast<int>(a.verdict)];
       EXPECT_EQ(json["deviation"]["anchors"][i]["verdict"], word(a.verdict)) << a.id;
       if (!a.guid.empty()) {
-        EXPECT_EQ(anchors.at(a.guid), bim::label_of(a.verdict)) << a.id;
+        EXPECT_EQ(anchors.at(a.guid), ifc::label_of(a.verdict)) << a.id;
       }
       EXPECT_EQ(page.at(a.id), spaced(a.verdict)) << a.id;
       EXPECT_NE(csv.find("," + word(a.verdict) + "," + a.decided_by + ",", csv.find("\n" + a.id + ",")),
@@ -309,7 +309,7 @@ TEST(Agreement, AllOutputsSayTheSameOfEveryAnchorPanelAndFloor) {
     for (std::size_t i = 0; i < d.panels.size(); ++i) {
       const PanelDeviationT& p = *d.panels[i];
       EXPECT_EQ(json["panels"][i]["verdict"], word(p.verdict));
-      EXPECT_EQ(panels.at(p.guid), bim::label_of(p.verdict));
+      EXPECT_EQ(panels.at(p.guid), ifc::label_of(p.verdict));
       EXPECT_EQ(page_panels.at(p.name), spaced(p.verdict));
       const std::string panel_case = "<testcase classname=\"panels\" name=\"" + p.name + "\"";
       const std::size_t panel_at = junit.find(panel_case);
@@ -335,7 +335,7 @@ TEST(Agreement, AllOutputsSayTheSameOfEveryAnchorPanelAndFloor) {
       const FloorDeviationT& f = *d.floors[i];
       EXPECT_EQ(json["deviation"]["floors"][i]["verdict"], word(f.verdict));
       if (const auto floor = floors.find(f.storey_guid); floor != floors.end()) {
-        EXPECT_EQ(floor->second, bim::label_of(f.verdict));
+        EXPECT_EQ(floor->second, ifc::label_of(f.verdict));
       }
       std::string told = spaced(f.verdict);
       for (const int n : {f.passed, f.undecided, f.failed, f.not_measured}) told += " " + std::to_string(n);
@@ -364,4 +364,4 @@ TEST(Agreement, AllOutputsSayTheSameOfEveryAnchorPanelAndFloor) {
 }
 
 }  // namespace
-}  // namespace plumbline::evaluate
+}  // namespace plumbline::judgement

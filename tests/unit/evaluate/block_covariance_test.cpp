@@ -1,13 +1,13 @@
 // Covariances in blocks are the matrices that they stand for, whatever is asked of them.
-#include "judgement/block_covariance.hpp"
+#include "building/judgement/block_covariance.hpp"
 
 #include <gtest/gtest.h>
 
+#include "building/judgement/difference.hpp"
 #include "geometry/packed_symmetric.hpp"
-#include "judgement/difference.hpp"
 #include "small_building.hpp"
 
-namespace plumbline::evaluate {
+namespace plumbline::judgement {
 namespace {
 
 /// Six points of which 0, 2 and 5 know of one another (0 and 5 by way of 2), and 3 and 4.
@@ -94,4 +94,4 @@ TEST(BlockCovariance, DifferencesComeOutAsInOnePiece) {
 }
 
 }  // namespace
-}  // namespace plumbline::evaluate
+}  // namespace plumbline::judgement

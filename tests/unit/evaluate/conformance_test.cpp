@@ -1,26 +1,26 @@
 // Conformance probability against integrals worked out by other means, the promise of its risk, and what was asked for.
-#include "judgement/conformance.hpp"
+#include "building/judgement/conformance.hpp"
 
 #include <gtest/gtest.h>
 
 #include <numbers>
 
 #include "../bim/facing.hpp"
+#include "building/judgement/deviation.hpp"
 #include "geometry/statistics.hpp"
-#include "judgement/deviation.hpp"
 #include "small_building.hpp"
 
 namespace plumbline::judgement {
 namespace {
 
-using evaluate::test::isotropic;
-using evaluate::test::mm;
-using evaluate::test::Normal;
+using judgement::test::isotropic;
+using judgement::test::mm;
+using judgement::test::Normal;
 
-const bim::FacadeFrame kSouth = bim::frame_facing({0, -1, 0}, bim::FacadeSource::rule, true);
+const ifc::FacadeFrame kSouth = ifc::frame_facing({0, -1, 0}, ifc::FacadeSource::rule, true);
 
 AnchorDeviationT judge(const Eigen::Vector3d& deviation, double u, const std::vector<std::string>& rules,
-                       const bim::FacadeFrame& frame = kSouth) {
+                       const ifc::FacadeFrame& frame = kSouth) {
   ToleranceTable table;
   for (const std::string& rule : rules) table.rules.push_back(parse_rule(rule));
   AnchorDeviationT out;
@@ -107,24 +107,24 @@ TEST(Facade, AnAxisThatCannotBeToldIsNoPass) {
   EXPECT_EQ(unknown.verdict, ToleranceVerdict::undecided);
   EXPECT_EQ(unknown.decided_by, "out_of_plane");
   EXPECT_NE(unknown.note.find("nothing says which way it faces"), std::string::npos);
-  const auto guess = bim::frame_facing({0, -1, 0}, bim::FacadeSource::guess, false);
+  const auto guess = ifc::frame_facing({0, -1, 0}, ifc::FacadeSource::guess, false);
   EXPECT_EQ(judge({0, 0, 0}, 0.3 * mm, {"*: out_of_plane=4mm"}, guess).verdict, ToleranceVerdict::undecided);
   const AnchorDeviationT fails = judge({0, 0, 30 * mm}, 0.3 * mm, {"*: out_of_plane=4mm"}, guess);
   EXPECT_EQ(fails.verdict, ToleranceVerdict::fail) << "the height does not ask which way it faces";
 }
 
-bim::Property property(const std::string& set, const std::string& name, const std::string& text, double number,
+ifc::Property property(const std::string& set, const std::string& name, const std::string& text, double number,
                        const std::string& measure) {
-  bim::Property p{set, name, text, number};
+  ifc::Property p{set, name, text, number};
   p.measure = measure;
   return p;
 }
 
 TEST(ToleranceRules, WhatTheDesignAsksForIsAppliedOrRefusedWithItsReason) {
-  const auto found = [](const bim::Property& p, ToleranceFindings& findings,
+  const auto found = [](const ifc::Property& p, ToleranceFindings& findings,
                         const std::vector<std::string>& rules = {}) {
-    const std::vector<bim::Property> properties = {p};
-    bim::ElementFacts element;
+    const std::vector<ifc::Property> properties = {p};
+    ifc::ElementFacts element;
     element.properties = &properties;
     ToleranceTable table;
     for (const std::string& rule : rules) table.rules.push_back(parse_rule(rule));
@@ -137,7 +137,7 @@ TEST(ToleranceRules, WhatTheDesignAsksForIsAppliedOrRefusedWithItsReason) {
       found(property("Pset_tolerance", out, "0.004", 4 * mm, "IFCPOSITIVELENGTHMEASURE"), findings)[Axis::out_of_plane]
           .value,
       4 * mm);
-  bim::Property bounded = property(set, out, "-2. to 4.", NAN, "IFCPROPERTYBOUNDEDVALUE");
+  ifc::Property bounded = property(set, out, "-2. to 4.", NAN, "IFCPROPERTYBOUNDEDVALUE");
   bounded.lower = -2 * mm, bounded.upper = 4 * mm;
   const Tolerance sides = found(bounded, findings)[Axis::out_of_plane];
   EXPECT_EQ(sides.value, 4 * mm);

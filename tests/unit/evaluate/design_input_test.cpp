@@ -1,15 +1,15 @@
 // From a design, its matches and its plates to what is judged: which way panels face when the plate table says
 // otherwise, and the command that is printed for it.
-#include "evaluate/design_input.hpp"
+#include "build/evaluate/design_input.hpp"
 
 #include <gtest/gtest.h>
 
 #include <regex>
 
-#include "ifc/facade_artifact.hpp"
+#include "building/ifc/facade_artifact.hpp"
 #include "small_building.hpp"
 
-namespace plumbline::evaluate {
+namespace plumbline::judgement {
 namespace {
 
 using test::mm;
@@ -55,9 +55,9 @@ struct Site {
     e->guid = "g" + name, e->name = name, e->class_ = ifc_class, e->position = place;
     e->placement = {Eigen::Quaterniond::Identity(), place};
     e->box_low.setConstant(NAN), e->box_high.setConstant(NAN);
-    bim::FacadeFrame frame = bim::frame_facing({0, -1, 0}, bim::FacadeSource::panel, true);
+    ifc::FacadeFrame frame = ifc::frame_facing({0, -1, 0}, ifc::FacadeSource::panel, true);
     frame.facade = "A (180°)";
-    e->facade = bim::to_artifact(frame);
+    e->facade = ifc::to_artifact(frame);
     design.elements.push_back(std::move(e));
     return *design.elements.back();
   }
@@ -136,11 +136,11 @@ TEST(DesignInput, TheCommandOfTheWarningSaysTheDirectionItSpeaksOf) {
   EXPECT_EQ(warnings[0].find("confirmed'"), std::string::npos) << warnings[0];
   const std::string rule = rule_in(warnings[0]);
   ASSERT_NE(rule, "") << warnings[0];
-  const bim::FacadeRule parsed = bim::parse_facade_rule(rule);
+  const ifc::FacadeRule parsed = ifc::parse_facade_rule(rule);
   ASSERT_TRUE(parsed.out) << rule;
   EXPECT_LT((*parsed.out - Eigen::Vector3d(0, 1, 0)).norm(), 1e-6) << rule;
   for (const auto& e : site.design.elements) {
-    const bim::ElementFacts facts{e->class_, e->guid, e->name, "", "", "", "", nullptr};
+    const ifc::ElementFacts facts{e->class_, e->guid, e->name, "", "", "", "", nullptr};
     EXPECT_EQ(parsed.selection.matches(facts), e->name.find("S-") != std::string::npos) << rule << " " << e->name;
   }
 }
@@ -149,7 +149,7 @@ TEST(DesignInput, TheCommandOfTheWarningSaysTheDirectionItSpeaksOf) {
 TEST(DesignInput, ARuleForTheAnchorsThatContradictsThePanelsSideIsNotPassedOver) {
   Site site({0, 0, 0});
   for (auto& e : site.design.elements)
-    if (e->is_anchor) e->facade = bim::to_artifact(bim::frame_facing({0, 1, 0}, bim::FacadeSource::rule, true));
+    if (e->is_anchor) e->facade = ifc::to_artifact(ifc::frame_facing({0, 1, 0}, ifc::FacadeSource::rule, true));
   const DeviationT result = site.judge();
   EXPECT_FALSE(result.panels[0]->facade->confirmed);
   EXPECT_EQ(result.panels[0]->facade->source, "panel") << "no plate has said anything";
@@ -178,4 +178,4 @@ TEST(DesignInput, PanelsStandOnTheFloorOfTheirAnchors) {
 }
 
 }  // namespace
-}  // namespace plumbline::evaluate
+}  // namespace plumbline::judgement

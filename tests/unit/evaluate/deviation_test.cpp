@@ -1,27 +1,27 @@
 // Deviations judged per axis, against values worked out by hand; the guard band's promise over simulated campaigns.
-#include "judgement/deviation.hpp"
+#include "building/judgement/deviation.hpp"
 
 #include <gtest/gtest.h>
 
 #include "../bim/facing.hpp"
+#include "building/judgement/mounting.hpp"
 #include "geometry/exchanged_places.hpp"
 #include "geometry/statistics.hpp"
-#include "judgement/mounting.hpp"
 #include "small_building.hpp"
 
 namespace plumbline::judgement {
 namespace {
 
-using evaluate::test::isotropic;
-using evaluate::test::mm;
-using evaluate::test::Normal;
+using judgement::test::isotropic;
+using judgement::test::mm;
+using judgement::test::Normal;
 
 const Eigen::Vector3d kOut(0, -1, 0);
 
 AnchorDeviationT judge(const Eigen::Vector3d& deviation, double u, const Tolerances& tolerances, double k = 2) {
   AnchorDeviationT out;
   judge_anchor(deviation, u > 0 ? Eigen::MatrixXd(u * u * Eigen::Matrix3d::Identity()) : Eigen::MatrixXd(),
-               bim::frame_facing(kOut, bim::FacadeSource::rule, true), tolerances, {0.005, 1 - normal_probability(k)},
+               ifc::frame_facing(kOut, ifc::FacadeSource::rule, true), tolerances, {0.005, 1 - normal_probability(k)},
                out);
   return out;
 }
@@ -60,8 +60,8 @@ TEST(AnchorJudgement, ProbabilityIsThatOfAllAxesTogether) {
 }
 
 TEST(ToleranceRules, LaterRulesAndTheDesignGoBeforeTheDefault) {
-  const std::vector<bim::Property> properties = {{"Pset_Tolerance", "VerticalTolerance", "3.", 3 * mm}};
-  bim::ElementFacts element;
+  const std::vector<ifc::Property> properties = {{"Pset_Tolerance", "VerticalTolerance", "3.", 3 * mm}};
+  ifc::ElementFacts element;
   element.ifc_class = "IfcMechanicalFastener", element.name = "A1", element.properties = &properties;
   ToleranceTable table;
   Tolerances found = tolerances_of(table, element);
@@ -240,7 +240,7 @@ TEST(Mounting, RulesGoBeforeThePlateTableWhichGoesBeforeTheDefault) {
                            parse_mounting("batch=march & name~^A: out=0.002m")}};
   // A plate that faces east: its right is north, it looks out to the east.
   const Eigen::Quaterniond east((Eigen::Matrix3d() << 0, 0, 1, 1, 0, 0, 0, 1, 0).finished());
-  bim::ElementFacts anchor;
+  ifc::ElementFacts anchor;
   const auto sigmas = [&](const std::vector<double>& of_plate) {
     const Eigen::Matrix3d c = mounting.covariance(anchor, of_plate, east);
     EXPECT_LT((c - Eigen::Matrix3d(c.diagonal().asDiagonal())).norm(), 1e-18);

@@ -1,5 +1,5 @@
 // Covariance of the differences, the vacuous drift on control anchors, and input that is incomplete or wrong.
-#include "judgement/difference.hpp"
+#include "building/judgement/difference.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 
 #include "small_building.hpp"
 
-namespace plumbline::evaluate {
+namespace plumbline::judgement {
 namespace {
 
 using test::mm;
@@ -255,4 +255,4 @@ TEST(Wrong, InputIsNamedInTheError) {
 }
 
 }  // namespace
-}  // namespace plumbline::evaluate
+}  // namespace plumbline::judgement

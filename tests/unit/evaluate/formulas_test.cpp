@@ -1,12 +1,12 @@
 // Every formula of the evaluation against numbers worked by hand on the small building.
 #include <gtest/gtest.h>
 
-#include "judgement/comparison.hpp"
-#include "judgement/drift.hpp"
-#include "judgement/tolerance.hpp"
+#include "building/judgement/comparison.hpp"
+#include "building/judgement/drift.hpp"
+#include "building/judgement/tolerance.hpp"
 #include "small_building.hpp"
 
-namespace plumbline::evaluate {
+namespace plumbline::judgement {
 namespace {
 
 using test::mm;
@@ -286,4 +286,4 @@ TEST(Formulas, PredictedRmseAndItsRangeCoverSimulatedErrors) {
 }
 
 }  // namespace
-}  // namespace plumbline::evaluate
+}  // namespace plumbline::judgement

@@ -1,22 +1,22 @@
 // Shifts of floors, facades, columns and batches: told as one sentence, and only where there is one.
-#include "judgement/group_shifts.hpp"
+#include "building/judgement/group_shifts.hpp"
 
 #include <gtest/gtest.h>
 
 #include <numbers>
 
 #include "../bim/facing.hpp"
-#include "judgement/common_shift.hpp"
-#include "judgement/deviation.hpp"
-#include "judgement/moderated_variance.hpp"
+#include "building/judgement/common_shift.hpp"
+#include "building/judgement/deviation.hpp"
+#include "building/judgement/moderated_variance.hpp"
 #include "small_building.hpp"
 
 namespace plumbline::judgement {
 namespace {
 
-using evaluate::test::isotropic;
-using evaluate::test::mm;
-using evaluate::test::Normal;
+using judgement::test::isotropic;
+using judgement::test::mm;
+using judgement::test::Normal;
 
 /// Facades around a square, each with its own direction, as built as designed.
 DeviationInputs block(int facades, int columns, int rows) {
@@ -25,11 +25,11 @@ DeviationInputs block(int facades, int columns, int rows) {
   for (int row = 0; row < rows; ++row)
     for (int column = 0; column < facades * columns; ++column) {
       AnchorCase anchor;
-      const Eigen::Vector3d out = bim::facing(0.5 * std::numbers::pi * (column / columns));
+      const Eigen::Vector3d out = ifc::facing(0.5 * std::numbers::pi * (column / columns));
       anchor.id = "A" + std::to_string(row) + "." + std::to_string(column), anchor.element.guid = "g" + anchor.id;
       anchor.element.batch = (row + column) % 2 ? "odd" : "even";
       anchor.floor = row + 1, anchor.column = column + 1, anchor.use = "check";
-      anchor.facade = bim::frame_facing(out, bim::FacadeSource::rule, true);
+      anchor.facade = ifc::frame_facing(out, ifc::FacadeSource::rule, true);
       anchor.facade.facade = std::string(1, static_cast<char>('A' + column / columns));
       anchor.design = 10 * out + anchor.facade.right * (2.0 * (column % columns)) + Eigen::Vector3d(0, 0, 3.0 * row);
       anchor.tolerances = tolerances_of({}, {});
@@ -111,7 +111,7 @@ TEST(GroupShifts, OfWhatExplainsItThatWithFewerSentencesIsTold) {
     Normal normal(seed);
     for (std::size_t i = 0; i < facade.anchors.size(); ++i) {
       const Eigen::Vector3d noise = Eigen::Vector3d(normal(), normal(), normal()) * 1.5 * mm;
-      const bim::FacadeFrame& frame = facade.anchors[i].facade;
+      const ifc::FacadeFrame& frame = facade.anchors[i].facade;
       facade.model.positions[i] +=
           noise + (frame.facade == "B" ? Eigen::Vector3d(8 * mm * frame.out) : Eigen::Vector3d(0, 0, 0));
       building.model.positions[i] += noise + Eigen::Vector3d(9 * mm, 0, 0);

@@ -1,5 +1,5 @@
 // metrics.json and metrics.csv: valid after the schema, complete, and harmless with odd ids and unknown numbers.
-#include "evaluate/metrics.hpp"
+#include "build/evaluate/metrics.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,11 +11,11 @@
 #include <valijson/validator.hpp>
 
 #include "../bim/facing.hpp"
-#include "judgement/deviation.hpp"
+#include "building/judgement/deviation.hpp"
 #include "small_building.hpp"
 #include "test_support.hpp"
 
-namespace plumbline::evaluate {
+namespace plumbline::judgement {
 namespace {
 
 using nlohmann::json;
@@ -233,4 +233,4 @@ TEST(MetricsCsv, HasOneRowAnAnchorInMillimetres) {
 }
 
 }  // namespace
-}  // namespace plumbline::evaluate
+}  // namespace plumbline::judgement

@@ -1,16 +1,16 @@
 // Panels from the deviations of their anchors, against motions that are known.
-#include "judgement/panels.hpp"
+#include "building/judgement/panels.hpp"
 
 #include <gtest/gtest.h>
 
 #include "../bim/facing.hpp"
-#include "judgement/worst_first.hpp"
+#include "building/judgement/worst_first.hpp"
 #include "small_building.hpp"
 
 namespace plumbline::judgement {
 namespace {
 
-using evaluate::test::mm;
+using judgement::test::mm;
 
 /// A facade that looks to -y: a panel of 2 m by 2 m about (1, 0, 1), held at its corners a, b (below), c, d (above).
 DeviationInputs facade(std::size_t anchors) {
@@ -29,7 +29,7 @@ DeviationInputs facade(std::size_t anchors) {
     inputs.model.positions.push_back(places[i]);
     panel.anchors.push_back(i);
   }
-  inputs.model.covariance = evaluate::test::isotropic(anchors, 0.3 * mm);
+  inputs.model.covariance = judgement::test::isotropic(anchors, 0.3 * mm);
   inputs.panels.push_back(panel);
   plumbline::test::face(inputs, {0, -1, 0});
   return inputs;
@@ -130,8 +130,8 @@ TEST(Panels, NeverPassOnAnAnchorThatFails) {
 }
 
 /// The side is guessed or in dispute: what depends on it may not fail a panel.
-void unconfirmed(DeviationInputs& inputs, bim::FacadeSource source) {
-  const bim::FacadeFrame frame = bim::frame_facing({0, -1, 0}, source, false);
+void unconfirmed(DeviationInputs& inputs, ifc::FacadeSource source) {
+  const ifc::FacadeFrame frame = ifc::frame_facing({0, -1, 0}, source, false);
   for (AnchorCase& anchor : inputs.anchors) anchor.facade = frame;
   for (PanelCase& panel : inputs.panels) panel.facade = frame;
 }
@@ -142,7 +142,7 @@ TEST(Panels, NoneFailsByASideThatIsNotConfirmed) {
   inputs.panels[0].tolerances = tolerances_of({0.005, true, {parse_rule("*: out_of_plane=+5/-2mm")}}, {});
   move(inputs, {0, 4 * mm, 0}, Eigen::Vector3d::Zero());
   ASSERT_EQ(judge_deviations(inputs, {}).panels[0]->verdict, ToleranceVerdict::fail);
-  for (const auto source : {bim::FacadeSource::guess, bim::FacadeSource::plate}) {
+  for (const auto source : {ifc::FacadeSource::guess, ifc::FacadeSource::plate}) {
     unconfirmed(inputs, source);
     const DeviationT result = judge_deviations(inputs, {});
     const PanelDeviationT& p = *result.panels[0];
@@ -155,9 +155,9 @@ TEST(Panels, NoneFailsByASideThatIsNotConfirmed) {
   }
   // Of one value on both sides it fails whichever side it is, unless the plane itself is a guess.
   inputs.panels[0].tolerances = tolerances_of({0.005, true, {parse_rule("*: out_of_plane=3mm")}}, {});
-  unconfirmed(inputs, bim::FacadeSource::plate);
+  unconfirmed(inputs, ifc::FacadeSource::plate);
   EXPECT_EQ(judge_deviations(inputs, {}).panels[0]->verdict, ToleranceVerdict::fail);
-  unconfirmed(inputs, bim::FacadeSource::guess);
+  unconfirmed(inputs, ifc::FacadeSource::guess);
   EXPECT_EQ(judge_deviations(inputs, {}).panels[0]->verdict, ToleranceVerdict::undecided);
 }
 
@@ -251,7 +251,7 @@ TEST(Panels, JointsBetweenNeighbours) {
     inputs.anchors.push_back(anchor);
   }
   inputs.panels.push_back(neighbour);
-  inputs.model.covariance = evaluate::test::isotropic(8, 0.3 * mm);
+  inputs.model.covariance = judgement::test::isotropic(8, 0.3 * mm);
   for (std::size_t i = 0; i < 4; ++i) inputs.model.positions[i].x() -= 1 * mm;
   const DeviationT deviation = judge_deviations(inputs, {});
   ASSERT_EQ(deviation.panels[0]->joints.size(), 1u);

@@ -2,14 +2,14 @@
 #include "record.hpp"
 
 #include "../bim/facing.hpp"
-#include "judgement/deviation.hpp"
+#include "building/judgement/deviation.hpp"
 #include "small_building.hpp"
 
 namespace plumbline::judgement {
 namespace {
 
-using evaluate::test::mm;
-using evaluate::test::Normal;
+using judgement::test::mm;
+using judgement::test::Normal;
 using plumbline::test::digits;
 
 /// Three floors of four columns of anchors; panels of 2 m by 3 m between them, each with the anchors at its corners.
@@ -39,7 +39,7 @@ DeviationInputs facade() {
       for (const std::size_t corner : {0, 1, 4, 5}) panel.anchors.push_back(4 * row + column + corner);
       inputs.panels.push_back(panel);
     }
-  inputs.model.covariance = evaluate::test::isotropic(inputs.model.ids.size(), 0.4 * mm);
+  inputs.model.covariance = judgement::test::isotropic(inputs.model.ids.size(), 0.4 * mm);
   plumbline::test::face(inputs, {0, -1, 0});
   return inputs;
 }
@@ -115,7 +115,7 @@ TEST(Records, VerdictsOfAFacade) {
 TEST(Deviation, AFloorOfWhichAnAnchorIsNotMeasuredIsOpen) {
   DeviationInputs inputs = facade();
   inputs.model.ids.pop_back(), inputs.model.positions.pop_back();
-  inputs.model.covariance = evaluate::test::isotropic(11, 0.1 * mm);
+  inputs.model.covariance = judgement::test::isotropic(11, 0.1 * mm);
   inputs.panels.clear();
   const DeviationT d = judge_deviations(inputs, {});
   EXPECT_EQ(d.floors[0]->verdict, ToleranceVerdict::pass);
@@ -125,7 +125,7 @@ TEST(Deviation, AFloorOfWhichAnAnchorIsNotMeasuredIsOpen) {
 
 TEST(Deviation, ACommonShiftIsMeasuredByTheSmallestTolerance) {
   DeviationInputs inputs = facade();
-  inputs.model.covariance = evaluate::test::isotropic(12, 0.05 * mm);
+  inputs.model.covariance = judgement::test::isotropic(12, 0.05 * mm);
   for (auto& p : inputs.model.positions) p.x() += 1.5 * mm;
   EXPECT_FALSE(judge_deviations(inputs, {}).common_shift->significant);
   for (AnchorCase& anchor : inputs.anchors)

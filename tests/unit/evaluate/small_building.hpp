@@ -9,9 +9,9 @@
 
 #include <cmath>
 
-#include "judgement/accuracy.hpp"
+#include "building/judgement/accuracy.hpp"
 
-namespace plumbline::evaluate::test {
+namespace plumbline::judgement::test {
 
 inline constexpr double mm = 1e-3;
 
@@ -75,4 +75,4 @@ class Normal {
   std::uint64_t state_;
 };
 
-}  // namespace plumbline::evaluate::test
+}  // namespace plumbline::judgement::test

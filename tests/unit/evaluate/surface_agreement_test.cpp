@@ -5,30 +5,30 @@
 #include "../bim/measured.hpp"
 #include "../bim/small_building.hpp"
 #include "artifacts/surfaces.hpp"
-#include "evaluate/metrics.hpp"
-#include "ifc/as_built_ifc.hpp"
-#include "ifc/bcf.hpp"
-#include "judgement/surfaces.hpp"
-#include "judgement/worst_first.hpp"
-#include "report/report.hpp"
-#include "report/summary.hpp"
+#include "build/evaluate/metrics.hpp"
+#include "building/ifc/as_built_ifc.hpp"
+#include "building/ifc/bcf.hpp"
+#include "building/judgement/surfaces.hpp"
+#include "building/judgement/worst_first.hpp"
+#include "show/report/report.hpp"
+#include "show/report/summary.hpp"
 #include "small_building.hpp"
 
-namespace plumbline::evaluate {
+namespace plumbline::judgement {
 namespace {
 
 bool says(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 struct SurfaceCase {
   std::string bytes = plumbline::test::small_building("IFC4");
-  bim::Design design = bim::read_design(step::File(bytes, "t.ifc"), {});
+  ifc::Design design = ifc::read_design(step::File(bytes, "t.ifc"), {});
   std::string panel;
   DeviationT deviation;
   SurfaceJudgementT surfaces;
 
   explicit SurfaceCase(const std::vector<std::string>& doubts = {}) {
     std::map<std::string, Eigen::Vector3d> deviations;
-    for (const bim::Element& element : design.elements) {
+    for (const ifc::Element& element : design.elements) {
       if (element.is_anchor) deviations[element.guid] = Eigen::Vector3d(1e-4, 1e-4, 1e-4);
       if (element.name == "Panel 1") panel = element.guid;
     }
@@ -58,13 +58,13 @@ struct SurfaceCase {
     const AccuracyT accuracy = evaluate_accuracy(test::small_building(), {});
     std::map<std::string, std::string> out;
     const step::File file(bytes, "t.ifc");
-    bim::AsBuiltIfcOptions options;
+    ifc::AsBuiltIfcOptions options;
     options.surface_judgement = deviation.surfaces.get();
-    out["ifc"] = bim::enriched(file, bim::write_as_built(file, design, deviation, accuracy, options));
-    bim::BcfOptions bcf;
+    out["ifc"] = ifc::enriched(file, ifc::write_as_built(file, design, deviation, accuracy, options));
+    ifc::BcfOptions bcf;
     bcf.project_guid = design.project_guid, bcf.surface_judgement = deviation.surfaces.get();
     out["bcf"] =
-        bim::write_bcf(deviation, judgement::worst_first(deviation), judgement::worst_panels_first(deviation), bcf);
+        ifc::write_bcf(deviation, judgement::worst_first(deviation), judgement::worst_panels_first(deviation), bcf);
     out["junit"] = junit_xml(accuracy, &deviation);
     report::ReportInput input;
     input.deviation = deviation;
@@ -141,4 +141,4 @@ TEST(SurfaceAgreement, ADoubtfulMeasurementShowsNoSurfaceToBeInOrderOrOutOfIt) {
 }
 
 }  // namespace
-}  // namespace plumbline::evaluate
+}  // namespace plumbline::judgement

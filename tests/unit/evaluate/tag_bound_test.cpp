@@ -1,5 +1,5 @@
 // The bound against a second derivation: the whole system at once, its derivatives by differences of the projection.
-#include "block/tag_bound.hpp"
+#include "photo/block/tag_bound.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,11 +7,11 @@
 #include <Eigen/LU>
 #include <cmath>
 
-#include "block/image_plan.hpp"
 #include "geometry/marker_plate.hpp"
 #include "geometry/random.hpp"
+#include "photo/block/image_plan.hpp"
 
-namespace plumbline::adjust {
+namespace plumbline::block {
 namespace {
 
 /// Five plates on a facade in two batches, four convergent images, control on three of them with correlated heights.
@@ -257,4 +257,4 @@ TEST(ImagePlan, ListsWhatSaysLittleAndWhatGainsMost) {
 }
 
 }  // namespace
-}  // namespace plumbline::adjust
+}  // namespace plumbline::block

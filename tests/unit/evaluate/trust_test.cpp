@@ -1,5 +1,5 @@
 // What fails a test proves nothing; what only fits less well than it should is less certain, by a factor that is known.
-#include "judgement/trust.hpp"
+#include "building/judgement/trust.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 
 #include "artifacts/file.hpp"
 #include "artifacts/points.hpp"
-#include "control/openmvs_gcp.hpp"
+#include "control/points/openmvs_gcp.hpp"
 #include "node_harness.hpp"
 
 namespace plumbline {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "geodesy/map_projection.hpp"
+#include "geometry/geodesy/map_projection.hpp"
 
 namespace plumbline::geodesy {
 namespace {

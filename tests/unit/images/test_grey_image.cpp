@@ -7,10 +7,10 @@
 #include <cmath>
 #include <fstream>
 
-#include "images/grey_image.hpp"
-#include "images/grey_rows.hpp"
-#include "images/photograph_header.hpp"
-#include "images/visibility.hpp"
+#include "photo/images/grey_image.hpp"
+#include "photo/images/grey_rows.hpp"
+#include "photo/images/photograph_header.hpp"
+#include "photo/images/visibility.hpp"
 #include "test_support.hpp"
 
 namespace plumbline {

@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-#include "images/photograph_header.hpp"
+#include "photo/images/photograph_header.hpp"
 #include "test_support.hpp"
 
 namespace plumbline {

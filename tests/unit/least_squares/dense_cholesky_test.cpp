@@ -1,6 +1,6 @@
 // The Cholesky factor by blocks against Eigen's, at every size: what is left over at the end of a block is another case
 // each time.
-#include "least_squares/dense_cholesky.hpp"
+#include "least_squares/sparse/dense_cholesky.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,12 @@
 // The sparse factor and what is asked of its inverse, against Eigen's dense inverse of the same matrix.
-#include "least_squares/sparse_cholesky.hpp"
+#include "least_squares/sparse/sparse_cholesky.hpp"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
 
 #include "geometry/random.hpp"
-#include "least_squares/selected_inverse.hpp"
+#include "least_squares/sparse/selected_inverse.hpp"
 #include "plumbline/stop.hpp"
 
 namespace {

@@ -1,5 +1,5 @@
 // What the planner gets from a judgement: directions of each facade, and what it must not plan.
-#include "loop/facade_input.hpp"
+#include "build/loop/facade_input.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // A tower in a closed loop where everything goes wrong that a site can plant: nothing wrong becomes VERIFIED.
-#include <gtest/gtest.h>
-
 #include "loop/simulate/trial.hpp"
+
+#include <gtest/gtest.h>
 
 namespace plumbline::loop {
 namespace {
@@ -20,8 +20,9 @@ TEST(Trial, NothingWrongBecomesVerifiedAmongFaultsOfAllKinds) {
     for (const auto& [kind, count] : r.planted_by_kind) kinds[kind] += count;
     for (const std::string& line : r.missed) std::printf("missed %s\n", line.c_str());
   }
-  std::printf("%d faults, %d brackets wrongly VERIFIED; %d of %.0f panels VERIFIED, %d of them outside, worst %.2f mm\n",
-              planted, brackets_wrong, verified, stated, panels_wrong, 1e3 * worst);
+  std::printf(
+      "%d faults, %d brackets wrongly VERIFIED; %d of %.0f panels VERIFIED, %d of them outside, worst %.2f mm\n",
+      planted, brackets_wrong, verified, stated, panels_wrong, 1e3 * worst);
   for (const auto& [kind, count] : kinds) std::printf("  %s: %d\n", kind.c_str(), count);
   for (const char* kind : {"hidden", "partial campaign", "other job", "did nothing"}) EXPECT_GT(kinds[kind], 0) << kind;
   EXPECT_EQ(brackets_wrong, 0);

@@ -87,8 +87,7 @@ std::string said_of_campaign(double zoom, double exif) {
 
 TEST(MarkerStart, SaysThatTheCameraChanged) {
   for (const double exif : {1480.0, 0.0})
-    EXPECT_THAT(said_of_campaign(1.03, exif),
-                testing::ContainsRegex("from image12.jpg on .* (longer|shorter): focus"));
+    EXPECT_THAT(said_of_campaign(1.03, exif), testing::ContainsRegex("from image12.jpg on .* (longer|shorter): focus"));
   EXPECT_THAT(said_of_campaign(1, 1480), Not(HasSubstr("principal distance")));
 }
 

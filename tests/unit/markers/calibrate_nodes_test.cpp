@@ -8,8 +8,8 @@
 #include "artifacts/file.hpp"
 #include "artifacts/tag_observations.hpp"
 #include "geometry/camera.hpp"
-#include "markers/camera_files.hpp"
 #include "node_harness.hpp"
+#include "photo/markers/camera_files.hpp"
 #include "scene.hpp"
 
 namespace plumbline::markers {
@@ -109,8 +109,9 @@ TEST(CalibrateBoard, PhotographsOfAnotherBoardAreNotExcusedAsBlurred) {
     node.input<BoardPoints>("points", taken);
   }
   node.run();
-  EXPECT_THAT(node.warnings(), Contains(testing::AllOf(HasSubstr("left out: photo1.jpg: its markers measure 0.704"),
-                                                       HasSubstr("it shows another board"), Not(HasSubstr("blurred")))));
+  EXPECT_THAT(node.warnings(),
+              Contains(testing::AllOf(HasSubstr("left out: photo1.jpg: its markers measure 0.704"),
+                                      HasSubstr("it shows another board"), Not(HasSubstr("blurred")))));
   EXPECT_THAT(node.warnings(), Contains(testing::AllOf(HasSubstr("left out: photo9.jpg"), HasSubstr("blurred"))));
 }
 

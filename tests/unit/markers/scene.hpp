@@ -5,7 +5,7 @@
 #include <random>
 
 #include "geometry/similarity.hpp"
-#include "markers/marker_block.hpp"
+#include "photo/markers/marker_block.hpp"
 
 namespace plumbline::markers {
 

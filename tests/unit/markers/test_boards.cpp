@@ -8,10 +8,10 @@
 #include <thread>
 #include <utility>
 
-#include "detect/board.hpp"
-#include "images/grey_image.hpp"
-#include "markers/rig.hpp"
-#include "markers/rig_adjustment.hpp"
+#include "photo/detect/board.hpp"
+#include "photo/images/grey_image.hpp"
+#include "photo/markers/rig.hpp"
+#include "photo/markers/rig_adjustment.hpp"
 #include "test_support.hpp"
 
 namespace plumbline {

@@ -7,7 +7,7 @@
 #include <random>
 
 #include "geometry/statistics.hpp"
-#include "markers/calibration_parts.hpp"
+#include "photo/markers/calibration_parts.hpp"
 #include "scene.hpp"
 
 namespace plumbline::markers {
@@ -106,7 +106,7 @@ TEST(PhotographShares, LeavingOneOutIsWhatACalibrationWithoutItGives) {
 }
 
 TEST(PhotographShares, AddUpToTheReducedNormalEquations) {
-  adjustment::PartitionedSystem system;
+  least_squares::PartitionedSystem system;
   system.kept_count = 5, system.eliminated_count = 3, system.eliminated_size = 2;
   system.groups = {"all"};
   std::mt19937_64 random(2);
@@ -118,14 +118,14 @@ TEST(PhotographShares, AddUpToTheReducedNormalEquations) {
     return m;
   };
   for (int k = 0; k < 18; ++k) {
-    adjustment::ObservationRows rows;
+    least_squares::ObservationRows rows;
     rows.eliminated = k % 3, rows.columns = {4, k % 4};
     rows.kept = drawn(2, 2), rows.own = drawn(2, 2), rows.misclosure = drawn(2, 1);
     system.observations.push_back(rows);
     effects.push_back(drawn(2, 2));
   }
   const auto shares = shares_of(system, effects);
-  const auto reduced = adjustment::reduce(system);
+  const auto reduced = least_squares::reduce(system);
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(7, 7);
   Eigen::VectorXd right = Eigen::VectorXd::Zero(7);
   for (const PhotographShare& share : shares) {
@@ -144,7 +144,7 @@ TEST(PhotographShares, AddUpToTheReducedNormalEquations) {
     kept << rows.kept, effects[k];
     rows.kept = kept;
   }
-  EXPECT_LT((normal - adjustment::reduce(wider).normal).norm(), 1e-11);
+  EXPECT_LT((normal - least_squares::reduce(wider).normal).norm(), 1e-11);
 }
 
 /// Errors over the covariance that is stated, of photographs that scatter and of photographs that do not.

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <random>
 
-#include "markers/control_block.hpp"
+#include "photo/markers/control_block.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::markers {

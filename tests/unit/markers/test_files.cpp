@@ -10,13 +10,13 @@
 #include <set>
 #include <sstream>
 
-#include "detect/tag_dictionary.hpp"
-#include "markers/camera_files.hpp"
-#include "markers/camera_groups.hpp"
-#include "markers/colmap_files.hpp"
-#include "markers/layout_files.hpp"
-#include "markers/robust_similarity.hpp"
-#include "markers/survey_frame.hpp"
+#include "photo/detect/tag_dictionary.hpp"
+#include "photo/markers/camera_files.hpp"
+#include "photo/markers/camera_groups.hpp"
+#include "photo/markers/colmap_files.hpp"
+#include "photo/markers/layout_files.hpp"
+#include "photo/markers/robust_similarity.hpp"
+#include "photo/markers/survey_frame.hpp"
 #include "test_support.hpp"
 
 namespace plumbline {

@@ -5,10 +5,10 @@
 #include <cmath>
 
 #include "geometry/random.hpp"
-#include "pose/lambda_twist.hpp"
-#include "pose/opencv_solvers.hpp"
-#include "pose/opengv_solvers.hpp"
-#include "pose/raw_pose.hpp"
+#include "photo/pose/lambda_twist.hpp"
+#include "photo/pose/raw_pose.hpp"
+#include "place/pose/opencv_solvers.hpp"
+#include "place/pose/opengv_solvers.hpp"
 
 namespace plumbline {
 namespace {

@@ -12,8 +12,8 @@
 #include "geometry/samples.hpp"
 #include "geometry/statistics.hpp"
 #include "geometry/tag_pose.hpp"
-#include "pose/opencv_solvers.hpp"
-#include "pose/opengv_solvers.hpp"
+#include "place/pose/opencv_solvers.hpp"
+#include "place/pose/opengv_solvers.hpp"
 #include "synthetic_facade.hpp"
 
 namespace plumbline {

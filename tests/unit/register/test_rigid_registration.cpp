@@ -7,7 +7,7 @@
 #include <Eigen/QR>
 #include <cmath>
 
-#include "registration/rigid_registration.hpp"
+#include "control/registration/rigid_registration.hpp"
 
 namespace plumbline::registration {
 namespace {

@@ -4,8 +4,8 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
+#include "control/registration/robust_registration.hpp"
 #include "geometry/random.hpp"
-#include "registration/robust_registration.hpp"
 
 namespace {
 

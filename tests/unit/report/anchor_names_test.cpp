@@ -1,4 +1,4 @@
-#include "report/anchor_names.hpp"
+#include "show/report/anchor_names.hpp"
 
 #include <gtest/gtest.h>
 

@@ -5,8 +5,8 @@
 #include <map>
 
 #include "node_harness.hpp"
-#include "report/image_block_page.hpp"
-#include "report/tag_block_json.hpp"
+#include "show/report/image_block_page.hpp"
+#include "show/report/tag_block_json.hpp"
 #include "synthetic_facade.hpp"
 
 namespace plumbline::report {

@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "../bim/facing.hpp"
-#include "judgement/accuracy.hpp"
-#include "judgement/deviation.hpp"
+#include "building/judgement/accuracy.hpp"
+#include "building/judgement/deviation.hpp"
 
 namespace plumbline::report::test {
 
@@ -32,8 +32,8 @@ std::string id_of(int floor, int column, int row) {
   return "F0" + std::to_string(floor) + "-C0" + std::to_string(column) + "-R" + std::to_string(row);
 }
 
-evaluate::Inputs campaign(int floors, evaluate::PointSet& designed) {
-  evaluate::Inputs inputs;
+judgement::Inputs campaign(int floors, judgement::PointSet& designed) {
+  judgement::Inputs inputs;
   inputs.truth.emplace();
   Normal normal(4);
   const auto noise = [&](double sigma) {
@@ -47,7 +47,7 @@ evaluate::Inputs campaign(int floors, evaluate::PointSet& designed) {
         const bool check = (column + row) % 3 == 0;
         const Eigen::Vector3d truth = design + noise(3 * mm);
         inputs.anchors.push_back({id, floor, column, row, check ? AnchorUse::check : AnchorUse::control});
-        const auto add = [&](evaluate::PointSet& set, const Eigen::Vector3d& p) {
+        const auto add = [&](judgement::PointSet& set, const Eigen::Vector3d& p) {
           set.ids.push_back(id);
           set.positions.push_back(p);
         };
@@ -67,7 +67,7 @@ evaluate::Inputs campaign(int floors, evaluate::PointSet& designed) {
 }
 
 /// The same anchors against their design, with a panel between every four.
-DeviationT built(const evaluate::Inputs& inputs, const evaluate::PointSet& designed) {
+DeviationT built(const judgement::Inputs& inputs, const judgement::PointSet& designed) {
   judgement::DeviationInputs cases;
   cases.model = inputs.model, cases.design_file = "tower.ifc";
   for (std::size_t i = 0; i < inputs.anchors.size(); ++i) {
@@ -95,7 +95,7 @@ DeviationT built(const evaluate::Inputs& inputs, const evaluate::PointSet& desig
   return judgement::judge_deviations(cases, {});
 }
 
-NetworkPage network(const evaluate::Inputs& inputs) {
+NetworkPage network(const judgement::Inputs& inputs) {
   NetworkPage page;
   Normal normal(5);
   for (std::size_t i = 0; i < inputs.survey.ids.size(); ++i) {
@@ -143,18 +143,19 @@ NetworkPage network(const evaluate::Inputs& inputs) {
 }  // namespace
 
 ReportInput example(int floors) {
-  evaluate::PointSet designed;
-  const evaluate::Inputs inputs = campaign(floors, designed);
+  judgement::PointSet designed;
+  const judgement::Inputs inputs = campaign(floors, designed);
   ReportInput report;
   report.title = "Facade anchors, full height";
   report.subtitle = "Example building, south facade, 5 floors. Campaign of 12 May 2025";
-  report.accuracy = evaluate::evaluate_accuracy(inputs, {});
+  report.accuracy = judgement::evaluate_accuracy(inputs, {});
   report.deviation = built(inputs, designed);
   report.network = network(inputs);
   report.provenance = {
       {"Pipeline", "full_height"}, {"Plumbline", "0.1.0"}, {"Seed", "1"}, {"Design", "tower.ifc (IFC4)"}};
-  report.files = {{"campaign.yaml", "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08", 1250, ""},
-                  {"survey/station1.gsi", "60303ae22b998861bce3b28f33eec1be758a213c86c93c076dbe9f558c11c752", 48213, ""}};
+  report.files = {
+      {"campaign.yaml", "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08", 1250, ""},
+      {"survey/station1.gsi", "60303ae22b998861bce3b28f33eec1be758a213c86c93c076dbe9f558c11c752", 48213, ""}};
   return report;
 }
 

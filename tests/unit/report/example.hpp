@@ -2,7 +2,7 @@
 // missing.
 #pragma once
 
-#include "report/report.hpp"
+#include "show/report/report.hpp"
 
 namespace plumbline::report::test {
 

@@ -1,9 +1,9 @@
 // The first line of the loop's page: it is green only if nothing is left to look at.
-#include "report/installation_page.hpp"
+#include "show/report/installation_page.hpp"
 
 #include <gtest/gtest.h>
 
-#include "report/sections.hpp"
+#include "show/report/sections.hpp"
 
 namespace plumbline::report {
 namespace {

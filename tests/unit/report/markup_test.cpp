@@ -1,13 +1,13 @@
-#include "report/markup.hpp"
+#include "show/report/markup.hpp"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "report/format.hpp"
-#include "report/image_block_page.hpp"
-#include "report/plot.hpp"
+#include "show/report/format.hpp"
+#include "show/report/image_block_page.hpp"
+#include "show/report/plot.hpp"
 
 namespace plumbline::report {
 namespace {

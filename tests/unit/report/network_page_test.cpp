@@ -1,4 +1,4 @@
-#include "report/network_page.hpp"
+#include "show/report/network_page.hpp"
 
 #include <gtest/gtest.h>
 

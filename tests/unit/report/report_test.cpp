@@ -1,6 +1,6 @@
 // The report says what the evaluation found, holds no request to the outside, and survives hostile and incomplete
 // input.
-#include "report/report.hpp"
+#include "show/report/report.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,11 +10,11 @@
 #include <limits>
 #include <regex>
 
+#include "building/ifc/facade_artifact.hpp"
+#include "building/judgement/deviation.hpp"
 #include "example.hpp"
-#include "ifc/facade_artifact.hpp"
-#include "judgement/deviation.hpp"
-#include "report/format.hpp"
-#include "report/script_data.hpp"
+#include "show/report/format.hpp"
+#include "show/report/script_data.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::report {
@@ -108,12 +108,12 @@ TEST(Report, SaysWhichUncertaintyWouldDecide) {
     ReportInput input = test::example();
     judgement::ToleranceTable table;
     if (!rule.empty()) table.rules = {judgement::parse_rule(rule)};
-    const bim::FacadeFrame frame = bim::frame_facing({0, -1, 0}, bim::FacadeSource::rule, true);
+    const ifc::FacadeFrame frame = ifc::frame_facing({0, -1, 0}, ifc::FacadeSource::rule, true);
     auto judged = std::make_unique<AnchorDeviationT>();
     judgement::judge_anchor(deviation, u * u * Eigen::Matrix3d::Identity(), frame, judgement::tolerances_of(table, {}),
                             {}, *judged);
     EXPECT_EQ(judged->verdict, ToleranceVerdict::undecided);
-    judged->id = "Q1", judged->facade = bim::to_artifact(frame), judged->floor = 1;
+    judged->id = "Q1", judged->facade = ifc::to_artifact(frame), judged->floor = 1;
     judged->design = {0, 0, 0}, judged->as_built = deviation, judged->target_offset.setZero();
     input.deviation->panels.clear(), input.deviation->anchors.clear();
     input.deviation->anchors.push_back(std::move(judged));

@@ -1,5 +1,5 @@
 // The page of surfaces: every panel on its elevation, measured or not, and joints with their extreme places.
-#include "report/surface_page.hpp"
+#include "show/report/surface_page.hpp"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "example.hpp"
-#include "report/sections.hpp"
+#include "show/report/sections.hpp"
 
 namespace plumbline::report {
 namespace {

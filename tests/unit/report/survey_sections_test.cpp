@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "report/sections.hpp"
+#include "show/report/sections.hpp"
 
 namespace plumbline::report {
 namespace {

@@ -7,13 +7,13 @@
 #include <algorithm>
 #include <map>
 
+#include "building/ifc/design.hpp"
 #include "campaign_folder.hpp"
 #include "design_ifc.hpp"
 #include "express_schema.hpp"
-#include "ifc/design.hpp"
-#include "images/photograph_header.hpp"
 #include "observations.hpp"
-#include "survey_files/survey_format.hpp"
+#include "photo/images/photograph_header.hpp"
+#include "survey/files/survey_format.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::simulate {
@@ -166,12 +166,12 @@ TEST(DesignIfc, IsValidAndHasAnchorsAndPanelsAtTheirPlaces) {
     for (const step::Instance& instance : file.instances()) {
       for (const std::string& problem : schema.check(file, instance)) ADD_FAILURE() << problem;
     }
-    const bim::Design design = bim::read_design(file, {});
+    const ifc::Design design = ifc::read_design(file, {});
     ASSERT_EQ(design.storeys.size(), 3u);
     EXPECT_NEAR(design.storeys[2].elevation, 8, 1e-12);
     std::size_t anchors = 0, panels = 0;
     std::set<std::string> guids;
-    for (const bim::Element& element : design.elements) {
+    for (const ifc::Element& element : design.elements) {
       EXPECT_TRUE(guids.insert(element.guid).second);
       panels += element.ifc_class == "IfcPlate";
       if (!element.is_anchor) continue;

@@ -6,9 +6,9 @@
 
 #include <algorithm>
 
-#include "detect/tag_detector.hpp"
-#include "images/grey_image.hpp"
 #include "jpeg.hpp"
+#include "photo/detect/tag_detector.hpp"
+#include "photo/images/grey_image.hpp"
 #include "plate_raster.hpp"
 
 namespace plumbline::simulate {

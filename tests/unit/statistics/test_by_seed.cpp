@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "statistics/by_seed.hpp"
+#include "base/statistics/by_seed.hpp"
 
 namespace {
 

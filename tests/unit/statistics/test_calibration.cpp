@@ -3,8 +3,8 @@
 
 #include <cmath>
 
+#include "base/statistics/trial_summary.hpp"
 #include "geometry/random.hpp"
-#include "statistics/trial_summary.hpp"
 
 namespace {
 

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
+#include "base/statistics/comparison.hpp"
 #include "geometry/random.hpp"
-#include "statistics/comparison.hpp"
 
 namespace {
 

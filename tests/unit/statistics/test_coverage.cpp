@@ -7,8 +7,8 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "base/statistics/comparison.hpp"
 #include "geometry/random.hpp"
-#include "statistics/comparison.hpp"
 
 namespace {
 

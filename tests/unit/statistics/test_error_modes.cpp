@@ -4,8 +4,8 @@
 #include <cmath>
 #include <map>
 
+#include "base/statistics/error_modes.hpp"
 #include "geometry/random.hpp"
-#include "statistics/error_modes.hpp"
 
 namespace {
 

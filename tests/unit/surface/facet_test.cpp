@@ -4,9 +4,9 @@
 
 #include <Eigen/Cholesky>
 
+#include "surface/dense/facet_tile.hpp"
+#include "surface/dense/panel_surface.hpp"
 #include "surface_site.hpp"
-#include "surface/facet_tile.hpp"
-#include "surface/panel_surface.hpp"
 
 namespace plumbline::surface {
 namespace {
@@ -65,15 +65,20 @@ TEST(Facet, SystematicPartIsWhatWrongOrientationsDo) {
     } else {
       RigidTransform& pose = site.views[1].cam_from_world;
       Eigen::Vector3d turn = Eigen::Vector3d::Zero();
-      if (unknown < 3) turn(unknown) = step;
-      else pose.translation(unknown - 3) += step;
+      if (unknown < 3)
+        turn(unknown) = step;
+      else
+        pose.translation(unknown - 3) += step;
       // R' = exp(δ) R with the translation kept.
       pose.rotation = quaternion_from_rotation_vector(turn) * pose.rotation;
     }
-    const Eigen::Vector3d change = fit(measure_tile(site.scene.plane, kArea, site.facet_views(), site.orientations, {})) - before;
+    const Eigen::Vector3d change =
+        fit(measure_tile(site.scene.plane, kArea, site.facet_views(), site.orientations, {})) - before;
     Eigen::Vector3d predicted = Eigen::Vector3d::Zero();
-    if (unknown == 6) predicted = step * (right.sensitivity.col(40) + right.sensitivity.col(41));
-    else predicted = step * right.sensitivity.col(8 + unknown);
+    if (unknown == 6)
+      predicted = step * (right.sensitivity.col(40) + right.sensitivity.col(41));
+    else
+      predicted = step * right.sensitivity.col(8 + unknown);
     EXPECT_NEAR(change(0), predicted(0), 0.08 * std::abs(predicted(0)) + 4e-6) << unknown;
     EXPECT_NEAR(change(1), predicted(1), 0.15 * std::abs(predicted(1)) + 4e-5) << unknown;
     EXPECT_NEAR(change(2), predicted(2), 0.15 * std::abs(predicted(2)) + 4e-5) << unknown;
@@ -134,7 +139,8 @@ TEST(Facet, HolesAreHoles) {
     View& view = striped.views[static_cast<size_t>(k)];
     view.cam_from_world =
         plumbline::testing::looking(striped.scene.plane.world({0.6 * (k - 1), 0, 3}), striped.scene.plane.origin);
-    striped.light[static_cast<size_t>(k)] = plumbline::testing::photograph(striped.scene, view.camera, view.cam_from_world);
+    striped.light[static_cast<size_t>(k)] =
+        plumbline::testing::photograph(striped.scene, view.camera, view.cam_from_world);
   }
   striped.views.resize(3), striped.light.resize(3);
   striped.expose(1.5, 2);

@@ -1,11 +1,12 @@
 // Joints of a rendered facade against what was planted: width, step and what their standard deviations state.
+#include "surface/dense/joint.hpp"
+
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
 
-#include "surface/edge_profile.hpp"
-#include "surface/facet_tile.hpp"
-#include "surface/joint.hpp"
+#include "surface/dense/edge_profile.hpp"
+#include "surface/dense/facet_tile.hpp"
 #include "surface_site.hpp"
 
 namespace plumbline::surface {
@@ -44,8 +45,9 @@ Outcome measure(const Site& site) {
   const std::vector<PanelFace> faces = faces_of(site);
   std::vector<FacetTile> tiles;
   for (double side : {-1.0, 1.0})
-    tiles.push_back(measure_tile(site.scene.plane, {{std::min(side * 0.01, side * 0.16), -0.12}, {std::max(side * 0.01, side * 0.16), 0.12}},
-                                 site.facet_views(), site.orientations, {}));
+    tiles.push_back(measure_tile(
+        site.scene.plane, {{std::min(side * 0.01, side * 0.16), -0.12}, {std::max(side * 0.01, side * 0.16), 0.12}},
+        site.facet_views(), site.orientations, {}));
   add_systematic_part(tiles, {site.scene.plane, site.scene.plane}, site.orientations);
   std::vector<MeasuredTile> measured;
   for (const FacetTile& tile : tiles) measured.push_back(tile.measured);
@@ -128,8 +130,7 @@ TEST(EdgeProfile, BothEdgesOfAGapToAFewThousandthsOfASample) {
     const double first = 30.37, second = first + width;
     std::vector<double> samples;
     const auto phi = [](double t) { return 0.5 * std::erfc(-t / std::sqrt(2.0)); };
-    for (int i = 0; i < 81; ++i)
-      samples.push_back(150 - 100 * phi((i - first) / 1.7) + 80 * phi((i - second) / 1.7));
+    for (int i = 0; i < 81; ++i) samples.push_back(150 - 100 * phi((i - first) / 1.7) + 80 * phi((i - second) / 1.7));
     EXPECT_NEAR(steepest(samples, 30, 8, false), first, 1.5);
     const auto gap = fit_gap(samples, std::floor(first), std::ceil(second), 12, true);
     ASSERT_TRUE(gap) << width;

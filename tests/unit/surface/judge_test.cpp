@@ -6,9 +6,9 @@
 #include <cmath>
 #include <random>
 
+#include "building/judgement/surfaces.hpp"
 #include "geometry/packed_symmetric.hpp"
-#include "judgement/surfaces.hpp"
-#include "surface/straightedge.hpp"
+#include "surface/dense/straightedge.hpp"
 
 namespace plumbline::judgement {
 namespace {
@@ -52,7 +52,7 @@ SurfacesT surfaces() {
 SurfaceJudgementT judged(const SurfacesT& what, const std::vector<std::string>& rules, double risk = 0.05) {
   std::vector<SurfaceRule> parsed;
   for (const auto& rule : rules) parsed.push_back(parse_surface_rule(rule));
-  std::map<std::string, bim::ElementFacts> facts;
+  std::map<std::string, ifc::ElementFacts> facts;
   for (const char* name : {"A", "B", "C"})
     facts[std::string(name) + "-guid"] = {"IfcPlate", std::string(name) + "-guid",           name, "", "",
                                           "",         name[0] == 'A' ? "Level 1" : "Level 2"};

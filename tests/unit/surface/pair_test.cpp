@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "surface/orthophoto.hpp"
-#include "surface/pair_heights.hpp"
+#include "surface/dense/orthophoto.hpp"
+#include "surface/dense/pair_heights.hpp"
 #include "surface_site.hpp"
 
 namespace plumbline::surface {

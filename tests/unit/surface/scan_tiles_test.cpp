@@ -1,5 +1,5 @@
 // Points of a scan: sorted to faces, and planes with the errors that noise and registration really make.
-#include "surface/scan_tiles.hpp"
+#include "surface/dense/scan_tiles.hpp"
 
 #include <gtest/gtest.h>
 

@@ -7,9 +7,9 @@
 
 #include "random_network.hpp"
 #include "survey/adjust/adjust_network.hpp"
+#include "survey/files/gama.hpp"
 #include "survey/start/approximate.hpp"
 #include "survey/start/approximate_figure.hpp"
-#include "survey_files/gama.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::survey {

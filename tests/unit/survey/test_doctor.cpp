@@ -299,7 +299,7 @@ TEST(Verdict, RemovedReadingsOfThePartsOfASetUpCountTogether) {
 TEST(Verdict, WhatContradictsItselfIsNoResultAndItsSigmasGrow) {
   NetworkResult r = sound_result();
   EXPECT_EQ(judged(r, true).validity, Validity::invalid);
-  r.global_test.verdict = adjustment::GlobalTest::Verdict::high;
+  r.global_test.verdict = least_squares::GlobalTest::Verdict::high;
   r.sigma0 = 20, r.sum_of_squares = 4000;
   const NetworkResult bad = judged(r);
   EXPECT_EQ(bad.validity, Validity::invalid);
@@ -315,7 +315,7 @@ TEST(Verdict, WhatContradictsItselfIsNoResultAndItsSigmasGrow) {
 
 TEST(Verdict, DoubtNeedsASuspectOrAClearFailure) {
   NetworkResult r = sound_result();
-  r.global_test.verdict = adjustment::GlobalTest::Verdict::high;
+  r.global_test.verdict = least_squares::GlobalTest::Verdict::high;
   r.sum_of_squares = 21, r.sigma0 = 1.449;  // 10 degrees of freedom: 20.5 at 97.5 %, 29.6 at 99.9 %
   EXPECT_EQ(judged(r).validity, Validity::sound);
   expect_words(judged(r).verdict, {"a little high"});

@@ -3,7 +3,7 @@
 
 #include "simulated_network.hpp"
 #include "survey/adjust/adjust_network.hpp"
-#include "survey_files/gama.hpp"
+#include "survey/files/gama.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::survey {

@@ -84,9 +84,8 @@ TEST(JoinNode, TwoInstrumentsKeepTheirProfilesWhicheverIsConnectedFirst) {
   const auto join = [](const auto& a, const auto& b) {
     return joined({a, b}).template output<SurveyObservations>("observations");
   };
-  for (const auto& readings :
-       {std::vector{precise, silent}, std::vector{silent, precise}, std::vector{join(precise, silent)},
-        std::vector{join(silent, precise)}}) {
+  for (const auto& readings : {std::vector{precise, silent}, std::vector{silent, precise},
+                               std::vector{join(precise, silent)}, std::vector{join(silent, precise)}}) {
     const std::string model = adjusted(readings).stochastic_model;
     EXPECT_NE(model.find("total_station_1arcsec"), std::string::npos) << model;
     EXPECT_NE(model.find("ics50_assumed"), std::string::npos) << model;

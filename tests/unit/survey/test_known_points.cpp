@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "survey/adjust/adjust_network.hpp"
-#include "survey_files/survey_format.hpp"
+#include "survey/files/survey_format.hpp"
 
 namespace plumbline::survey {
 namespace {

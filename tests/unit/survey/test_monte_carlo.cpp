@@ -112,7 +112,7 @@ TEST(MonteCarlo, BlundersAreFoundAsOftenAsTheirMdbSays) {
     const auto& s = r.rows[kRow].statistics;
     found += std::abs(s.w) > r.critical_w;
     // A blunder of size mdb shifts w by delta0.
-    const double shift = adjustment::non_centrality(options.alpha0, options.power) * kBlunder / s.mdb;
+    const double shift = least_squares::non_centrality(options.alpha0, options.power) * kBlunder / s.mdb;
     expected += 1 - normal_probability(r.critical_w - shift) + normal_probability(-r.critical_w - shift);
   }
   const double p = expected / n, sigma = std::sqrt(n * p * (1 - p));

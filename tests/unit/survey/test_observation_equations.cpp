@@ -8,7 +8,7 @@ namespace plumbline::survey {
 namespace {
 
 /// Largest deviation of the analytic partials from central differences.
-double worst_partial(const adjustment::ResidualBlock& block, std::vector<std::vector<double>> values, int rows) {
+double worst_partial(const least_squares::ResidualBlock& block, std::vector<std::vector<double>> values, int rows) {
   const auto pointers = [&] {
     std::vector<const double*> p;
     for (const auto& v : values) p.push_back(v.data());

@@ -49,7 +49,7 @@ TEST(SecondDerivation, ExternalEffectIsHowFarAPointMoves) {
 
 TEST(SecondDerivation, BiasToNoiseAndAdjustedSigma) {
   const NetworkResult r = adjust_network(test::simulate({}, 52).survey, free_network());
-  const double delta0 = adjustment::non_centrality(0.001, 0.80);
+  const double delta0 = least_squares::non_centrality(0.001, 0.80);
   for (const ResultRow& row : r.rows) {
     const auto& s = row.statistics;
     // A blunder of size mdb is partly seen (delta0) and partly in the unknowns (bias to noise).
@@ -103,7 +103,7 @@ TEST(SecondDerivation, ARemovedReadingKeepsTheTestItHad) {
   const double predicted = std::sqrt(along.dot(without.relative_covariance(a, b) * along));
   EXPECT_NEAR(s.sigma_adjusted / predicted, 1, 1e-3);
   EXPECT_NEAR(s.w, s.residual / std::hypot(s.sigma, predicted), 1e-2);
-  const double delta0 = adjustment::non_centrality(0.001, 0.80);
+  const double delta0 = least_squares::non_centrality(0.001, 0.80);
   EXPECT_NEAR(std::hypot(delta0, s.bias_to_noise) / (s.mdb / s.sigma), 1, 1e-9);
 }
 
@@ -118,7 +118,7 @@ TEST(SecondDerivation, CorrelatedRowsWithANegativeRedundancyNumberAreTested) {
   const Eigen::Matrix2d qvv = sigma - q * a * a.transpose(), pqp = p * qvv * p;
   const Eigen::Matrix2d lower = sigma.llt().matrixL();
   const Eigen::Matrix2d w = lower.inverse();
-  const auto rows = adjustment::row_statistics(w, w * v, w * qvv * w.transpose(), 4.13);
+  const auto rows = least_squares::row_statistics(w, w * v, w * qvv * w.transpose(), 4.13);
   ASSERT_EQ(rows.size(), 2u);
   EXPECT_NEAR(rows[0].redundancy_number, 1 - (4 - 1.8) / (5 - 3.6), 1e-9);
   EXPECT_LT(rows[0].redundancy_number, 0);

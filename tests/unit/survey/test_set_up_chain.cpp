@@ -66,10 +66,10 @@ TEST(SetUpFigure, IsWhatWasRead) {
   EXPECT_NEAR(sights[1].heights, 1.3, 1e-12);
   EXPECT_EQ(sights[1].order, 0);
   EXPECT_EQ(sights[1].observations.size(), 3u);
-  EXPECT_NEAR(sights[1].sigma,
-              std::max({h * seen.direction(h, 500, 1, false), seen.distance(500, 1),
-                        500 * seen.zenith_angle(500, 1, false)}),
-              1e-9);
+  EXPECT_NEAR(
+      sights[1].sigma,
+      std::max({h * seen.direction(h, 500, 1, false), seen.distance(500, 1), 500 * seen.zenith_angle(500, 1, false)}),
+      1e-9);
   EXPECT_EQ(sights[2].point, "B");
   EXPECT_TRUE(std::isnan(sights[2].ray.z()));
   EXPECT_NEAR(sights[2].ray.head<2>().norm(), 40, 1e-9);

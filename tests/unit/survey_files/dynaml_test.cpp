@@ -1,10 +1,10 @@
 // The fixture's readings were computed from geocentric places and local verticals on the ellipsoid, without a
 // projection.
-#include "survey_files/dynaml.hpp"
+#include "survey/files/dynaml.hpp"
 
 #include <gtest/gtest.h>
 
-#include "survey_files/geodetic_frame.hpp"
+#include "survey/files/geodetic_frame.hpp"
 #include "survey_test_support.hpp"
 
 namespace plumbline::survey {

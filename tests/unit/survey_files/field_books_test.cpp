@@ -1,17 +1,17 @@
 // Field books of other makers. One geometry in all of them: from K (1000, 2000, 100; instrument 1.5 m) to A (1030,
 // 2040, 101) and B (960, 2030, 99), targets at 1.3 m; azimuth = circle + 10 degrees.
-#include "survey_files/field_books.hpp"
+#include "survey/files/field_books.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <tuple>
 
-#include "survey_files/gsi.hpp"
-#include "survey_files/starnet.hpp"
-#include "survey_files/survey_builder.hpp"
-#include "survey_files/survey_format.hpp"
-#include "survey_files/zeiss.hpp"
+#include "survey/files/gsi.hpp"
+#include "survey/files/starnet.hpp"
+#include "survey/files/survey_builder.hpp"
+#include "survey/files/survey_format.hpp"
+#include "survey/files/zeiss.hpp"
 #include "survey_test_support.hpp"
 
 namespace plumbline::survey {

@@ -1,4 +1,4 @@
-#include "survey_files/gama.hpp"
+#include "survey/files/gama.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "survey_files/gsi.hpp"
+#include "survey/files/gsi.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "survey_files/jobxml.hpp"
+#include "survey/files/jobxml.hpp"
 
 #include <gtest/gtest.h>
 

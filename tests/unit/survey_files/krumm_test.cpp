@@ -1,4 +1,4 @@
-#include "survey_files/krumm.hpp"
+#include "survey/files/krumm.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "survey_files/landxml.hpp"
+#include "survey/files/landxml.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "survey_files/rw5.hpp"
+#include "survey/files/rw5.hpp"
 
 #include <gtest/gtest.h>
 

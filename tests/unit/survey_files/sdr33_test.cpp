@@ -1,4 +1,4 @@
-#include "survey_files/sdr33.hpp"
+#include "survey/files/sdr33.hpp"
 
 #include <gtest/gtest.h>
 

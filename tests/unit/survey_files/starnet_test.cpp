@@ -1,5 +1,5 @@
 // STAR*NET: what a word of a line is for, and that no word is swallowed.
-#include "survey_files/starnet.hpp"
+#include "survey/files/starnet.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,9 @@
-#include "survey_files/survey_csv.hpp"
+#include "survey/files/survey_csv.hpp"
 
 #include <gtest/gtest.h>
 
+#include "base/text/csv_table.hpp"
 #include "survey_test_support.hpp"
-#include "text/csv_table.hpp"
 
 namespace plumbline::survey {
 namespace {
@@ -12,7 +12,7 @@ using namespace test_help;
 using enum ObservationKind;
 
 TEST(CsvTable, DetectsDelimiterAndDecimalSeparator) {
-  const auto dialect = [](const char* text) { return formats::read_csv(text, {}).dialect(); };
+  const auto dialect = [](const char* text) { return text::read_csv(text, {}).dialect(); };
   EXPECT_EQ(dialect("1,2.5,3.5\n"), "delimiter ',', decimal separator '.'");
   EXPECT_EQ(dialect("P1;2,5;3,5\n"), "delimiter ';', decimal separator ','");
   EXPECT_EQ(dialect("P1 2,5 3,5\n"), "delimiter blank, decimal separator ','");
@@ -22,22 +22,22 @@ TEST(CsvTable, DetectsDelimiterAndDecimalSeparator) {
 }
 
 TEST(CsvTable, QuotesAndColumns) {
-  const auto table = formats::read_csv("a,\"b,\"\"c\",  d\n", {});
+  const auto table = text::read_csv("a,\"b,\"\"c\",  d\n", {});
   ASSERT_EQ(table.rows.size(), 1u);
   ASSERT_EQ(table.rows[0].cells.size(), 3u);
   EXPECT_EQ(table.rows[0].cells[1].text, "b,\"c");
   EXPECT_EQ(table.rows[0].cells[2].column, 13);
   for (const char* name : {"=1+1", "+A", "-1-1", "-A", "@x", "'=x", "''+y", "=a,b"}) {
-    const std::string field = formats::csv_field(name);
+    const std::string field = text::csv_field(name);
     EXPECT_NE(std::string("=+-@").find(field[field[0] == '"']), 0u) << field;
     EXPECT_EQ(field[field[0] == '"'], '\'') << field << ": a spreadsheet must not take it for a formula";
-    const auto back = formats::read_csv("id,e\n" + field + ",1\n", {{"id", "id"}, {"e", "e"}});
+    const auto back = text::read_csv("id,e\n" + field + ",1\n", {{"id", "id"}, {"e", "e"}});
     ASSERT_EQ(back.rows.size(), 1u);
     EXPECT_EQ(back.rows[0].cells[0].text, name) << "and reads back as it was";
   }
-  EXPECT_EQ(formats::csv_field("O'Neill"), "O'Neill");
-  for (const char* number : {"-1", "+2.5", "-1e-3"}) EXPECT_EQ(formats::csv_field(number), number);
-  EXPECT_EQ(formats::csv_field("b,\"c"), "\"b,\"\"c\"");
+  EXPECT_EQ(text::csv_field("O'Neill"), "O'Neill");
+  for (const char* number : {"-1", "+2.5", "-1e-3"}) EXPECT_EQ(text::csv_field(number), number);
+  EXPECT_EQ(text::csv_field("b,\"c"), "\"b,\"\"c\"");
 }
 
 TEST(SurveyCsv, ReadsPointsWithDecimalCommaAndLatin1) {

@@ -1,9 +1,9 @@
-#include "survey_files/survey_format.hpp"
+#include "survey/files/survey_format.hpp"
 
 #include <gtest/gtest.h>
 
+#include "base/text/text.hpp"
 #include "survey_test_support.hpp"
-#include "text/text.hpp"
 
 namespace plumbline::survey {
 namespace {
@@ -66,7 +66,7 @@ TEST(SurveyFormat, ReadsEveryFormatAndInUtf16Too) {
     const std::string bytes = fixture(known.file);
     const SurveyObservations survey = read_survey(bytes, known.file);
     EXPECT_EQ(survey.files.at(0), known.file);
-    const std::string utf8 = formats::decode_text(bytes).text;
+    const std::string utf8 = text::decode_text(bytes).text;
     bool ascii = true;
     std::string utf16 = "\xFE\xFF";
     for (const char c : utf8) {

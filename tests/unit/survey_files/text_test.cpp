@@ -1,12 +1,12 @@
-#include "text/text.hpp"
+#include "base/text/text.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "text/xml_text.hpp"
+#include "base/text/xml_text.hpp"
 
-namespace plumbline::formats {
+namespace plumbline::text {
 namespace {
 
 using namespace std::string_view_literals;
@@ -27,18 +27,18 @@ TEST(Text, DecodesCommonEncodings) {
 TEST(Text, ControlCharactersBecomePrintable) { EXPECT_EQ(decode_text("A\0B\x01 C\t\r\n\x1A"sv).text, "A B? C\t\r\n "); }
 
 TEST(XmlText, IsWellFormedWhateverComes) {
-  EXPECT_EQ(formats::xml_escaped("a<b>&\"c'\""), "a&lt;b&gt;&amp;&quot;c&#39;&quot;");
-  EXPECT_EQ(formats::xml_escaped("M\xC3\xBC"
-                                 "hle"),
+  EXPECT_EQ(text::xml_escaped("a<b>&\"c'\""), "a&lt;b&gt;&amp;&quot;c&#39;&quot;");
+  EXPECT_EQ(text::xml_escaped("M\xC3\xBC"
+                              "hle"),
             "M\xC3\xBC"
             "hle");
-  EXPECT_EQ(formats::xml_escaped("M\xFC"
-                                 "hle\x01"),
+  EXPECT_EQ(text::xml_escaped("M\xFC"
+                              "hle\x01"),
             "M\uFFFDhle ")
       << "a byte that is no UTF-8, and a control character";
-  EXPECT_EQ(formats::xml_escaped("cut \xE2\x82"), "cut \uFFFD\uFFFD");
-  EXPECT_EQ(formats::xml_escaped("\xC0\xAF"), "\uFFFD\uFFFD") << "overlong";
-  EXPECT_EQ(formats::xml_escaped("\xED\xA0\x80"), "\uFFFD\uFFFD\uFFFD") << "a surrogate";
+  EXPECT_EQ(text::xml_escaped("cut \xE2\x82"), "cut \uFFFD\uFFFD");
+  EXPECT_EQ(text::xml_escaped("\xC0\xAF"), "\uFFFD\uFFFD") << "overlong";
+  EXPECT_EQ(text::xml_escaped("\xED\xA0\x80"), "\uFFFD\uFFFD\uFFFD") << "a surrogate";
 }
 
 TEST(Text, InvalidUtf8IsWindows1252) {
@@ -87,4 +87,4 @@ TEST(Text, FormatsNumbers) {
 }
 
 }  // namespace
-}  // namespace plumbline::formats
+}  // namespace plumbline::text

@@ -1,8 +1,8 @@
-#include "text/composed.hpp"
+#include "base/text/composed.hpp"
 
 #include <gtest/gtest.h>
 
-namespace plumbline::formats {
+namespace plumbline::text {
 namespace {
 
 TEST(Composed, JoinsALetterAndItsMark) {
@@ -24,4 +24,4 @@ TEST(Composed, LeavesWhatIsNoUtf8) {
 }
 
 }  // namespace
-}  // namespace plumbline::formats
+}  // namespace plumbline::text

@@ -2,14 +2,14 @@
 #include <functional>
 #include <stdexcept>
 
+#include "base/text/one_document.hpp"
 #include "campaign_folder.hpp"
-#include "control/image_points.hpp"
-#include "detect/board.hpp"
-#include "detect/tag_dictionary.hpp"
-#include "markers/camera_files.hpp"
-#include "markers/layout_files.hpp"
+#include "control/points/image_points.hpp"
+#include "photo/detect/board.hpp"
+#include "photo/detect/tag_dictionary.hpp"
+#include "photo/markers/camera_files.hpp"
+#include "photo/markers/layout_files.hpp"
 #include "survey/model/instrument_profile.hpp"
-#include "text/one_document.hpp"
 
 namespace plumbline {
 namespace {

@@ -1,0 +1,170 @@
+#include "building/ifc/bcf_topic.hpp"
+
+#include <cmath>
+#include <cstdio>
+
+#include "base/text/xml_text.hpp"
+#include "building/ifc/facade_artifact.hpp"
+#include "building/ifc/ifc_guid.hpp"
+
+namespace plumbline::ifc {
+
+using text::xml_escaped;
+
+/// Where nothing says which way it faces it is looked at along y.
+FacadeFrame view_of(const std::unique_ptr<FacadeFrameT>& facade) {
+  const FacadeFrame frame = frame_or_none(facade);
+  return frame.known() ? frame : frame_facing(-Eigen::Vector3d::UnitY(), FacadeSource::none, false);
+}
+
+namespace {
+
+const std::string kHead = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
+
+std::string element(const std::string& name, const std::string& text) {
+  return text.empty() ? "" : "<" + name + ">" + xml_escaped(text) + "</" + name + ">";
+}
+
+std::string vector(const std::string& name, const Eigen::Vector3d& v) {
+  char text[200];
+  std::snprintf(text, sizeof text, "<X>%.6f</X><Y>%.6f</Y><Z>%.6f</Z>", v.x(), v.y(), v.z());
+  return "<" + name + ">" + text + "</" + name + ">";
+}
+
+std::string uuid_of(const std::string& project, const std::string& key) {
+  const auto uuid = uuid_from_ifc_guid(derived_ifc_guid(project, key));
+  return uuid_to_text(*uuid);
+}
+
+/// Which models the topic is about: without it a viewer does not know what to load.
+std::string header_of(const BcfOptions& options, const std::string& design_file) {
+  std::string files;
+  for (const std::string& name : {options.model_file, design_file})
+    if (!name.empty())
+      files += "<File IfcProject=\"" + xml_escaped(options.project_guid) + "\" " +
+               (options.version_3 ? "IsExternal" : "isExternal") + "=\"true\">" + element("Filename", name) + "</File>";
+  if (files.empty()) return "";
+  return options.version_3 ? "<Header><Files>" + files + "</Files></Header>" : "<Header>" + files + "</Header>";
+}
+
+/// GlobalIds of the panels that hang between the camera and the issue: they are hidden, or nobody would see it.
+std::vector<std::string> panels_before(const BcfIssue& issue, const DeviationT& deviation) {
+  constexpr double margin = 0.3;  // [m] what is seen beside it
+  std::vector<std::string> hidden;
+  for (const auto& panel : deviation.panels) {
+    if (panel->guid == issue.guid || panel->corners.empty()) continue;
+    Eigen::Vector3d low = Eigen::Vector3d::Constant(1e300), high = -low;
+    for (const auto& corner : panel->corners) {
+      const Eigen::Vector3d d = corner->design - issue.centre;
+      const Eigen::Vector3d seen(issue.frame.right.dot(d), issue.frame.up.dot(d), issue.frame.out.dot(d));
+      low = low.cwiseMin(seen), high = high.cwiseMax(seen);
+    }
+    const double reach = margin + issue.reach;
+    if (low.x() < reach && high.x() > -reach && low.y() < reach && high.y() > -reach && high.z() > -0.05 &&
+        low.z() < issue.away())
+      hidden.push_back(panel->guid);
+  }
+  return hidden;
+}
+
+std::string comments(const BcfIssue& issue, const BcfOptions& options, const std::string& topic) {
+  std::string text;
+  for (std::size_t i = 0; i < issue.comments.size(); ++i) {
+    const BcfComment& comment = issue.comments[i];
+    text += "<Comment Guid=\"" + uuid_of(options.project_guid, "bcf comment/" + topic + "/" + std::to_string(i)) +
+            "\">" + element("Date", comment.date) + element("Author", comment.author) +
+            element("Comment", comment.text) + "</Comment>";
+  }
+  return text;
+}
+
+std::vector<std::string> labels_of(const BcfIssue& issue, const BcfOptions& options) {
+  const char* state = issue.closed ? "MENDED" : issue.verdict == ToleranceVerdict::fail ? "FAIL" : "UNDECIDED";
+  std::vector<std::string> labels;
+  for (const std::string& label : {issue.storey, std::string(state), options.epoch})
+    if (!label.empty()) labels.push_back(label);
+  return labels;
+}
+
+/// In 3.0 comments and viewpoints are parts of the topic, and lists have an element around them.
+std::string markup(const BcfIssue& issue, const BcfOptions& options, const std::string& header,
+                   const std::string& topic, const std::string& view, int index) {
+  const bool newer = options.version_3;
+  std::string labels, views, said = comments(issue, options, topic);
+  for (const std::string& label : labels_of(issue, options)) labels += element(newer ? "Label" : "Labels", label);
+  if (newer && !labels.empty()) labels = "<Labels>" + labels + "</Labels>";
+  if (newer && !said.empty()) said = "<Comments>" + said + "</Comments>";
+  if (!view.empty()) {
+    const std::string files = "<Viewpoint>viewpoint.bcfv</Viewpoint><Snapshot>snapshot.png</Snapshot>";
+    views = newer ? "<Viewpoints><ViewPoint Guid=\"" + view + "\">" + files + "</ViewPoint></Viewpoints>"
+                  : "<Viewpoints Guid=\"" + view + "\">" + files + "</Viewpoints>";
+  }
+  return kHead + "<Markup>" + header + "<Topic Guid=\"" + topic + "\" TopicType=\"Issue\" TopicStatus=\"" +
+         (issue.closed ? "Closed" : "Open") + "\">" + element("Title", issue.title) +
+         element("Priority", issue.verdict == ToleranceVerdict::fail ? "High" : "Normal") +
+         element("Index", std::to_string(index)) + labels + element("CreationDate", options.date) +
+         element("CreationAuthor", options.author) + element("DueDate", options.due_date) +
+         element("AssignedTo", options.assigned_to) + element("Description", issue.description) +
+         (newer ? said + views + "</Topic>" : "</Topic>" + said + views) + "</Markup>\n";
+}
+
+/// What topics of 3.0 may say, which is what these do.
+std::string extensions(const std::set<std::string>& labels, const BcfOptions& options) {
+  std::set<std::string> users = {options.author};
+  if (!options.assigned_to.empty()) users.insert(options.assigned_to);
+  const auto list = [](const std::string& all, const char* one, const std::set<std::string>& values) {
+    std::string text;
+    for (const std::string& value : values) text += element(one, value);
+    return "<" + all + ">" + text + "</" + all + ">";
+  };
+  return kHead + "<Extensions>" + list("TopicTypes", "TopicType", {"Issue"}) +
+         list("TopicStatuses", "TopicStatus", {"Open", "Closed"}) + list("Priorities", "Priority", {"High", "Normal"}) +
+         list("TopicLabels", "TopicLabel", labels) + list("Users", "User", users) + "</Extensions>\n";
+}
+
+std::string viewpoint(const BcfIssue& issue, const std::vector<std::string>& hidden, const std::string& view,
+                      const BcfOptions& options) {
+  const Eigen::Vector3d& normal = issue.frame.out;
+  std::string exceptions;
+  for (const std::string& guid : hidden) exceptions += "<Component IfcGuid=\"" + xml_escaped(guid) + "\"/>";
+  if (!exceptions.empty()) exceptions = "<Exceptions>" + exceptions + "</Exceptions>";
+  const std::string component = "<Component IfcGuid=\"" + xml_escaped(issue.guid) + "\"/>";
+  const char* colour = issue.verdict == ToleranceVerdict::fail ? "FFD55E00" : "FFE69F00";
+  return kHead + "<VisualizationInfo Guid=\"" + view + "\"><Components><Selection>" + component +
+         "</Selection><Visibility DefaultVisibility=\"true\">" + exceptions + "</Visibility><Coloring><Color Color=\"" +
+         colour + "\">" + (options.version_3 ? "<Components>" + component + "</Components>" : component) +
+         "</Color></Coloring></Components><PerspectiveCamera>" +
+         vector("CameraViewPoint", issue.centre + issue.away() * normal) + vector("CameraDirection", -normal) +
+         vector("CameraUpVector", issue.frame.up) + "<FieldOfView>60</FieldOfView>" +
+         (options.version_3 ? "<AspectRatio>1.333333</AspectRatio>" : "") +
+         "</PerspectiveCamera></VisualizationInfo>\n";
+}
+
+}  // namespace
+
+BcfFile::BcfFile(const BcfOptions& options, const std::string& design_file)
+    : options_(options), header_(header_of(options, design_file)) {
+  zip_.add(
+      "bcf.version",
+      kHead + (options.version_3 ? "<Version VersionId=\"3.0\"/>\n"
+                                 : "<Version VersionId=\"2.1\"><DetailedVersion>2.1</DetailedVersion></Version>\n"));
+}
+
+void BcfFile::add(const BcfIssue& issue, const DeviationT& surroundings) {
+  const std::string topic = uuid_of(options_.project_guid, "bcf/" + options_.epoch + "/" + issue.key());
+  const bool seen = issue.reach > 0;
+  const std::string view =
+      seen ? uuid_of(options_.project_guid, "bcf view/" + options_.epoch + "/" + issue.key()) : std::string();
+  for (const std::string& label : labels_of(issue, options_)) labels_.insert(label);
+  zip_.add(topic + "/markup.bcf", markup(issue, options_, header_, topic, view, index_++));
+  if (!seen) return;
+  zip_.add(topic + "/viewpoint.bcfv", viewpoint(issue, panels_before(issue, surroundings), view, options_));
+  zip_.add(topic + "/snapshot.png", snapshot_png(surroundings, issue.centre, issue.reach, issue.frame));
+}
+
+std::string BcfFile::finish() {
+  if (options_.version_3) zip_.add("extensions.xml", extensions(labels_, options_));
+  return zip_.finish();
+}
+
+}  // namespace plumbline::ifc

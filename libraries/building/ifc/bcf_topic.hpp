@@ -1,0 +1,51 @@
+// One topic of a BCF file, 2.1 or 3.0, whatever it is about; private to ifc/bcf*.cpp and ifc/installation_bcf.cpp.
+#pragma once
+
+#include <algorithm>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "building/ifc/bcf.hpp"
+#include "building/step/zip_writer.hpp"
+
+namespace plumbline::ifc {
+
+/// What somebody said about a topic.
+struct BcfComment {
+  std::string date, author, text;  ///< date: xs:dateTime
+};
+
+/// One anchor or panel to be mended.
+struct BcfIssue {
+  std::string guid, title, description, storey;
+  ToleranceVerdict verdict = ToleranceVerdict::undecided;
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  double reach = 0;                       ///< half of its size [m]; 0: of the whole, nothing to look at
+  FacadeFrame frame;                      ///< of one who stands before it
+  std::string about = {};                 ///< what of the element; empty: the whole
+  bool closed = false;                    ///< it was mended, and the file says so
+  std::vector<BcfComment> comments = {};  ///< oldest first
+  std::string key() const { return about.empty() ? guid : guid + "/" + about; }
+  double away() const { return std::max(4.0, 4 * reach); }  ///< from it to the camera [m]
+};
+
+/// Where nothing says which way it faces it is looked at along y.
+FacadeFrame view_of(const std::unique_ptr<FacadeFrameT>& facade);
+
+class BcfFile {
+ public:
+  BcfFile(const BcfOptions& options, const std::string& design_file);
+  /// `surroundings`: panels and anchors that the snapshot shows, and that are hidden where they hang before the issue.
+  void add(const BcfIssue& issue, const DeviationT& surroundings);
+  std::string finish();
+
+ private:
+  const BcfOptions& options_;
+  std::string header_;
+  step::ZipWriter zip_;
+  int index_ = 0;
+  std::set<std::string> labels_;
+};
+
+}  // namespace plumbline::ifc

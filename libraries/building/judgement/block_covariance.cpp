@@ -1,0 +1,220 @@
+#include "building/judgement/block_covariance.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <stdexcept>
+
+#include "geometry/packed_symmetric.hpp"
+
+namespace plumbline::judgement {
+namespace {
+
+using Index = Eigen::Index;
+
+std::size_t u(Index i) { return static_cast<std::size_t>(i); }
+
+/// Clusters of what `value(row, column)` of the lower triangle is not zero for; that is read row by row.
+template <typename Value>
+std::vector<BlockCovariance::Cluster> clusters_of(Index items, Index step, const Value& value) {
+  Partition partition(u(items));
+  for (Index row = 0; row < items * step; ++row)
+    for (Index column = 0; column < row / step * step; ++column)
+      if (value(row, column) != 0) partition.join(u(row / step), u(column / step));
+  std::vector<BlockCovariance::Cluster> clusters;
+  for (const std::vector<std::size_t>& part : partition.parts()) {
+    BlockCovariance::Cluster cluster;
+    for (const std::size_t item : part) cluster.items.push_back(static_cast<Index>(item));
+    const Index n = static_cast<Index>(part.size()) * step;
+    cluster.matrix.resize(n, n);
+    const auto source = [&](Index k) { return cluster.items[u(k / step)] * step + k % step; };
+    for (Index i = 0; i < n; ++i)
+      for (Index j = 0; j <= i; ++j) cluster.matrix(i, j) = cluster.matrix(j, i) = value(source(i), source(j));
+    clusters.push_back(std::move(cluster));
+  }
+  return clusters;
+}
+
+}  // namespace
+
+Partition::Partition(std::size_t items) : parent_(items) { std::iota(parent_.begin(), parent_.end(), std::size_t{0}); }
+
+std::size_t Partition::find(std::size_t item) {
+  while (parent_[item] != item) item = parent_[item] = parent_[parent_[item]];
+  return item;
+}
+
+void Partition::join(std::size_t a, std::size_t b) {
+  a = find(a), b = find(b);
+  parent_[std::max(a, b)] = std::min(a, b);
+}
+
+std::vector<std::vector<std::size_t>> Partition::parts() {
+  std::vector<std::vector<std::size_t>> all;
+  std::vector<std::size_t> number(parent_.size());
+  for (std::size_t i = 0; i < parent_.size(); ++i) {
+    const std::size_t first = find(i);  // the lowest of its part: it was numbered before
+    if (first == i) number[i] = all.size(), all.emplace_back();
+    all[number[first]].push_back(i);
+  }
+  return all;
+}
+
+BlockCovariance::BlockCovariance(std::vector<Cluster> clusters, Index items, Index step)
+    : step_(step), clusters_(std::move(clusters)), where_(u(items)) {
+  index();
+}
+
+BlockCovariance::BlockCovariance(const Eigen::MatrixXd& full, Index step) : step_(step) {
+  if (full.rows() != full.cols() || full.rows() % step != 0)
+    throw std::runtime_error("the covariance is " + std::to_string(full.rows()) + " x " + std::to_string(full.cols()) +
+                             ", expected " + std::to_string(step) + " rows and columns for each point");
+  where_.resize(u(full.rows() / step));
+  clusters_ = clusters_of(items(), step, [&](Index row, Index column) { return full(row, column); });
+  index();
+}
+
+BlockCovariance BlockCovariance::independent(const std::vector<Eigen::Matrix3d>& blocks) {
+  std::vector<Cluster> clusters;
+  for (std::size_t i = 0; i < blocks.size(); ++i) clusters.push_back({{static_cast<Index>(i)}, blocks[i]});
+  return {std::move(clusters), static_cast<Index>(blocks.size()), 3};
+}
+
+BlockCovariance BlockCovariance::from_packed(const std::vector<double>& values, std::size_t points,
+                                             const std::string& of) {
+  if (values.empty()) return {};
+  if (values.size() != packed_size(3 * points)) unpack_symmetric(values, 3 * points, of);  // says what is wrong
+  const auto value = [&](Index row, Index column) {
+    const std::size_t r = u(std::max(row, column)), c = u(std::min(row, column));
+    return values[packed_size(r) + c];
+  };
+  const auto n = static_cast<Index>(points);
+  return {clusters_of(n, 3, value), n, 3};
+}
+
+void BlockCovariance::index() {
+  for (std::size_t c = 0; c < clusters_.size(); ++c)
+    for (std::size_t k = 0; k < clusters_[c].items.size(); ++k)
+      where_[u(clusters_[c].items[k])] = {c, static_cast<Index>(k)};
+}
+
+double BlockCovariance::operator()(Index row, Index column) const {
+  const Place &a = where_[u(row / step_)], &b = where_[u(column / step_)];
+  if (a.cluster != b.cluster) return 0;
+  return clusters_[a.cluster].matrix(a.at * step_ + row % step_, b.at * step_ + column % step_);
+}
+
+Eigen::Matrix3d BlockCovariance::block(Index a, Index b) const {
+  const Place &p = where_[u(a)], &q = where_[u(b)];
+  if (p.cluster != q.cluster) return Eigen::Matrix3d::Zero();
+  return clusters_[p.cluster].matrix.block<3, 3>(3 * p.at, 3 * q.at);
+}
+
+Eigen::VectorXd BlockCovariance::diagonal() const {
+  Eigen::VectorXd all(size());
+  for (const Cluster& cluster : clusters_)
+    for (std::size_t k = 0; k < cluster.items.size(); ++k)
+      all.segment(cluster.items[k] * step_, step_) =
+          cluster.matrix.diagonal().segment(static_cast<Index>(k) * step_, step_);
+  return all;
+}
+
+double BlockCovariance::sum() const {
+  double all = 0;
+  for (const Cluster& cluster : clusters_) all += cluster.matrix.sum();
+  return all;
+}
+
+double BlockCovariance::squaredNorm() const {
+  double all = 0;
+  for (const Cluster& cluster : clusters_) all += cluster.matrix.squaredNorm();
+  return all;
+}
+
+bool BlockCovariance::allFinite() const {
+  return std::all_of(clusters_.begin(), clusters_.end(), [](const Cluster& c) { return c.matrix.allFinite(); });
+}
+
+double BlockCovariance::quadratic(const Eigen::SparseVector<double>& weights) const {
+  struct Entry {
+    std::size_t cluster;
+    Index row;
+    double weight;
+  };
+  std::vector<Entry> entries;
+  for (Eigen::SparseVector<double>::InnerIterator w(weights); w; ++w) {
+    const Place& place = where_[u(w.index() / step_)];
+    entries.push_back({place.cluster, place.at * step_ + w.index() % step_, w.value()});
+  }
+  std::stable_sort(entries.begin(), entries.end(),
+                   [](const Entry& a, const Entry& b) { return a.cluster < b.cluster; });
+  double all = 0;
+  for (std::size_t begin = 0, end = 0; begin < entries.size(); begin = end) {
+    while (end < entries.size() && entries[end].cluster == entries[begin].cluster) ++end;
+    const Eigen::MatrixXd& matrix = clusters_[entries[begin].cluster].matrix;
+    for (std::size_t i = begin; i < end; ++i)
+      for (std::size_t j = begin; j < end; ++j)
+        all += entries[i].weight * entries[j].weight * matrix(entries[i].row, entries[j].row);
+  }
+  return all;
+}
+
+Eigen::MatrixXd BlockCovariance::dense(const std::vector<std::size_t>& items) const {
+  if (size() == 0) return {};
+  const auto n = static_cast<Index>(items.size());
+  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(n * step_, n * step_);
+  for (Index i = 0; i < n; ++i)
+    for (Index j = 0; j < n; ++j) {
+      const Place &a = where_[items[u(i)]], &b = where_[items[u(j)]];
+      if (a.cluster == b.cluster)
+        all.block(i * step_, j * step_, step_, step_) =
+            clusters_[a.cluster].matrix.block(a.at * step_, b.at * step_, step_, step_);
+    }
+  return all;
+}
+
+Eigen::MatrixXd BlockCovariance::dense() const {
+  std::vector<std::size_t> all(u(items()));
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  return dense(all);
+}
+
+BlockCovariance BlockCovariance::subset(const std::vector<std::size_t>& items) const {
+  if (size() == 0) return {};
+  std::vector<std::vector<std::size_t>> of(clusters_.size());  // places in `items`
+  for (std::size_t k = 0; k < items.size(); ++k) of[where_[items[k]].cluster].push_back(k);
+  std::vector<Cluster> part;
+  for (const std::vector<std::size_t>& places : of) {
+    if (places.empty()) continue;
+    std::vector<std::size_t> own;
+    Cluster cluster;
+    for (const std::size_t k : places) own.push_back(items[k]), cluster.items.push_back(static_cast<Index>(k));
+    cluster.matrix = dense(own);
+    part.push_back(std::move(cluster));
+  }
+  return {std::move(part), static_cast<Index>(items.size()), step_};
+}
+
+BlockCovariance BlockCovariance::heights() const {
+  std::vector<Cluster> part;
+  for (const Cluster& cluster : clusters_) {
+    const auto n = static_cast<Index>(cluster.items.size());
+    Eigen::MatrixXd matrix(n, n);
+    for (Index i = 0; i < n; ++i)
+      for (Index j = 0; j < n; ++j) matrix(i, j) = cluster.matrix(3 * i + 2, 3 * j + 2);
+    part.push_back({cluster.items, std::move(matrix)});
+  }
+  return {std::move(part), items(), 1};
+}
+
+BlockCovariance& BlockCovariance::operator*=(double factor) {
+  for (Cluster& cluster : clusters_) cluster.matrix *= factor;
+  return *this;
+}
+
+void BlockCovariance::add(Index point, const Eigen::Matrix3d& more) {
+  const Place& place = where_[u(point)];
+  clusters_[place.cluster].matrix.block<3, 3>(3 * place.at, 3 * place.at) += more;
+}
+
+}  // namespace plumbline::judgement

@@ -1,0 +1,148 @@
+#include "building/judgement/difference.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <map>
+#include <set>
+#include <stdexcept>
+
+namespace plumbline::judgement {
+
+std::map<std::string, std::size_t> index_points(const PointSet& points, const std::string& what) {
+  if (points.ids.size() != points.positions.size())
+    throw std::runtime_error(what + " points: " + std::to_string(points.ids.size()) + " ids but " +
+                             std::to_string(points.positions.size()) + " positions");
+  const auto expected = static_cast<Eigen::Index>(3 * points.ids.size());
+  if (points.covariance.size() != 0 && points.covariance.size() != expected)
+    throw std::runtime_error(what + " points: the covariance is " + std::to_string(points.covariance.size()) + " x " +
+                             std::to_string(points.covariance.size()) + ", expected " + std::to_string(expected) +
+                             " x " + std::to_string(expected) + " for " + std::to_string(points.ids.size()) +
+                             " points");
+  std::map<std::string, std::size_t> index;
+  for (std::size_t i = 0; i < points.ids.size(); ++i)
+    if (!index.emplace(points.ids[i], i).second)
+      throw std::runtime_error(what + " points: '" + points.ids[i] + "' occurs twice; ids must be unique");
+  return index;
+}
+
+Eigen::VectorXd DifferenceSet::heights() const {
+  Eigen::VectorXd z(size());
+  for (Eigen::Index i = 0; i < z.size(); ++i) z[i] = difference[3 * i + 2];
+  return z;
+}
+
+DifferenceSet DifferenceSet::subset(const std::vector<std::size_t>& positions) const {
+  const auto n = static_cast<Eigen::Index>(positions.size());
+  DifferenceSet part;
+  part.difference.resize(3 * n);
+  part.covariance = covariance.subset(positions);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const auto from = static_cast<Eigen::Index>(positions[static_cast<std::size_t>(i)]);
+    part.anchors.push_back(anchors[static_cast<std::size_t>(from)]);
+    part.difference.segment<3>(3 * i) = difference.segment<3>(3 * from);
+  }
+  return part;
+}
+
+namespace {
+
+using Index = Eigen::Index;
+
+/// Blocks of a covariance for two lists of points.
+template <typename Row, typename Column>
+Eigen::MatrixXd blocks(const BlockCovariance& s, const std::vector<Match>& rows, Row row,
+                       const std::vector<Match>& columns, Column column) {
+  Eigen::MatrixXd out(3 * static_cast<Index>(rows.size()), 3 * static_cast<Index>(columns.size()));
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    for (std::size_t j = 0; j < columns.size(); ++j)
+      out.block<3, 3>(3 * static_cast<Index>(i), 3 * static_cast<Index>(j)) =
+          s.block(static_cast<Index>(row(rows[i])), static_cast<Index>(column(columns[j])));
+  return out;
+}
+
+/// Pseudo-inverse of a symmetric matrix: the survey of a free network has a singular covariance.
+Eigen::MatrixXd pseudo_inverse(const Eigen::MatrixXd& s) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(s);
+  const double limit = 1e-10 * eigen.eigenvalues().cwiseAbs().maxCoeff();
+  Eigen::VectorXd inverse = eigen.eigenvalues();
+  for (Index i = 0; i < inverse.size(); ++i) inverse[i] = inverse[i] > limit ? 1.0 / inverse[i] : 0.0;
+  return eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
+}
+
+/// Of matches that are correlated, in the model or in the survey.
+struct Part {
+  Eigen::MatrixXd sum, matrix;  ///< matrix: less what model and survey have in common
+  double smallest = 0;          ///< eigenvalue
+};
+
+Part part_of(const PointSet& model, const PointSet& survey, const std::vector<Match>& matches,
+             const std::vector<Match>& control) {
+  const auto of_model = [](const Match& m) { return m.model; };
+  const auto of_survey = [](const Match& m) { return m.reference; };
+  Part part;
+  part.sum = blocks(model.covariance, matches, of_model, matches, of_model) +
+             blocks(survey.covariance, matches, of_survey, matches, of_survey);
+  part.matrix = part.sum;
+  if (control.empty()) return part;
+  const Eigen::MatrixXd gain = blocks(model.covariance, matches, of_model, control, of_model) *
+                               pseudo_inverse(blocks(survey.covariance, control, of_survey, control, of_survey));
+  const Eigen::MatrixXd cross = gain * blocks(survey.covariance, control, of_survey, matches, of_survey);
+  const Eigen::MatrixXd s = part.sum - cross - cross.transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(0.5 * (s + s.transpose()));
+  part.smallest = eigen.eigenvalues().minCoeff();
+  part.matrix = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).asDiagonal() * eigen.eigenvectors().transpose();
+  return part;
+}
+
+/// Matches that have nothing to do with one another are taken apart: what is correlated in either set stays together.
+std::vector<std::vector<std::size_t>> parts_of(const PointSet& model, const PointSet& survey,
+                                               const std::vector<Match>& matches, const std::vector<Match>& control) {
+  Partition partition(matches.size());
+  std::map<std::size_t, std::size_t> by_model, by_survey;  // the first match of a cluster
+  std::map<std::size_t, std::size_t> match_of_model;
+  for (std::size_t i = 0; i < matches.size(); ++i) {
+    match_of_model[matches[i].model] = i;
+    partition.join(
+        i, by_model.try_emplace(model.covariance.cluster_of(static_cast<Index>(matches[i].model)), i).first->second);
+    partition.join(
+        i,
+        by_survey.try_emplace(survey.covariance.cluster_of(static_cast<Index>(matches[i].reference)), i).first->second);
+  }
+  for (const Match& c : control)
+    if (!match_of_model.contains(c.model)) {  // whom it says something of cannot be told: all stay together
+      for (std::size_t i = 1; i < matches.size(); ++i) partition.join(0, i);
+      break;
+    }
+  return partition.parts();
+}
+
+}  // namespace
+
+DifferenceCovariance difference_covariance(const PointSet& model, const PointSet& survey,
+                                           const std::vector<Match>& matches, const std::vector<Match>& control) {
+  std::set<std::size_t> controlling;
+  for (const Match& c : control) controlling.insert(c.model);
+  const auto parts = parts_of(model, survey, matches, control);
+  const bool whole = parts.size() == 1;
+  std::vector<BlockCovariance::Cluster> sums, differences;
+  double smallest = 0, largest = 0;
+  for (const std::vector<std::size_t>& places : parts) {
+    std::vector<Match> own, own_control;
+    std::vector<Index> items;
+    for (const std::size_t i : places) {
+      own.push_back(matches[i]), items.push_back(static_cast<Index>(i));
+      if (controlling.contains(matches[i].model)) own_control.push_back(matches[i]);
+    }
+    Part part = part_of(model, survey, own, whole ? control : own_control);
+    smallest = std::min(smallest, part.smallest), largest = std::max(largest, part.sum.diagonal().maxCoeff());
+    sums.push_back({items, std::move(part.sum)}), differences.push_back({items, std::move(part.matrix)});
+  }
+  const auto n = static_cast<Index>(matches.size());
+  // An adjustment may add a little to the control's variances (a hundredth of a millimetre, to keep weights finite), so
+  // small negative eigenvalues are zeros; a thousandth of the largest variance is more than that and means that C is
+  // wrong.
+  if (smallest < -1e-3 * largest) return {BlockCovariance(std::move(sums), n, 3), false};
+  return {BlockCovariance(std::move(differences), n, 3), true};
+}
+
+}  // namespace plumbline::judgement

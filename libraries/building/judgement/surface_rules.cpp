@@ -1,0 +1,100 @@
+#include "building/judgement/surface_rules.hpp"
+
+#include <cmath>
+#include <stdexcept>
+
+#include "base/text/text.hpp"
+#include "building/ifc/selection_rule.hpp"
+
+namespace plumbline::judgement {
+namespace {
+
+constexpr const char* kSurfaceExample = "class=IfcPlate: flatness(1m)=3mm, bow=4mm, step=2mm, joint=+4/-3mm";
+constexpr SurfaceQuantity kQuantities[] = {
+    SurfaceQuantity::flatness, SurfaceQuantity::bow,       SurfaceQuantity::twist, SurfaceQuantity::step,
+    SurfaceQuantity::joint,    SurfaceQuantity::narrowest, SurfaceQuantity::widest};
+
+[[noreturn]] void refuse(const std::string& rule, const std::string& part, const std::string& why) {
+  throw std::runtime_error("surface rule '" + rule + "': found '" + part + "', " + why + "; expected such as '" +
+                           kSurfaceExample + "'");
+}
+
+SurfaceQuantity quantity_of(std::string_view name, const std::string& rule, const std::string& part) {
+  for (const SurfaceQuantity quantity : kQuantities)
+    if (name == name_of(quantity)) return quantity;
+  refuse(rule, part, "which is none of flatness(length), bow, twist, step, joint, narrowest, widest");
+}
+
+/// "+4/-3mm": above and below, in one unit.
+bool two_sides(std::string_view text, double& above, double& below) {
+  const size_t slash = text.find('/');
+  if (slash == std::string_view::npos || !text.starts_with('+')) return false;
+  const std::string_view second = text::trim(text.substr(slash + 1));
+  if (!second.starts_with('-')) return false;
+  const std::string unit = second.ends_with("mm") ? "mm" : "m";
+  const std::string first(text::trim(text.substr(1, slash - 1)));
+  above = ifc::length_with_unit(first.ends_with("m") ? first : first + unit);
+  below = ifc::length_with_unit(second.substr(1));
+  return true;
+}
+
+}  // namespace
+
+const char* name_of(SurfaceQuantity quantity) {
+  switch (quantity) {
+    case SurfaceQuantity::flatness:
+      return "flatness";
+    case SurfaceQuantity::bow:
+      return "bow";
+    case SurfaceQuantity::twist:
+      return "twist";
+    case SurfaceQuantity::step:
+      return "step";
+    case SurfaceQuantity::joint:
+      return "joint";
+    case SurfaceQuantity::narrowest:
+      return "narrowest";
+    case SurfaceQuantity::widest:
+      return "widest";
+  }
+  return "";
+}
+
+bool is_of_joints(SurfaceQuantity quantity) {
+  return quantity != SurfaceQuantity::flatness && quantity != SurfaceQuantity::bow &&
+         quantity != SurfaceQuantity::twist;
+}
+
+SurfaceRule parse_surface_rule(const std::string& text) {
+  auto [selection, lengths, whole] = ifc::parse_lengths(text, kSurfaceExample);
+  SurfaceRule rule{std::move(selection), {}, std::move(whole)};
+  for (const auto& [written, metres, part] : lengths) {
+    SurfaceLimit limit;
+    const size_t bracket = std::min(written.find('('), written.size());
+    limit.quantity = quantity_of(text::trim(std::string_view(written).substr(0, bracket)), text, part);
+    if (limit.quantity == SurfaceQuantity::flatness) {
+      if (bracket < written.size() && written.ends_with(')'))
+        limit.length = ifc::length_with_unit(written.substr(bracket + 1, written.size() - bracket - 2));
+      if (!(limit.length > 0)) refuse(text, part, "flatness is under a straightedge of a length, such as flatness(1m)");
+    } else if (bracket < written.size()) {
+      refuse(text, part, "only flatness has a length of its own");
+    }
+    double above = metres, below = metres;
+    const size_t equals = std::min(part.find('='), part.size() - 1);
+    const bool sides = two_sides(text::trim(std::string_view(part).substr(equals + 1)), above, below);
+    if (sides && limit.quantity != SurfaceQuantity::joint) refuse(text, part, "two sides are for joint only");
+    if (!(above >= 0 && above <= 1 && below >= 0 && below <= 1))
+      refuse(text, part, "a limit is a length from 0 to 1 m with its unit, mm or m");
+    if (limit.quantity == SurfaceQuantity::narrowest)
+      limit.lower = below;
+    else
+      limit.upper = above;
+    const bool about_zero = limit.quantity == SurfaceQuantity::bow || limit.quantity == SurfaceQuantity::twist ||
+                            limit.quantity == SurfaceQuantity::step || limit.quantity == SurfaceQuantity::joint;
+    if (about_zero) limit.lower = -below;
+    rule.limits.push_back(limit);
+  }
+  return rule;
+}
+
+}  // namespace plumbline::judgement

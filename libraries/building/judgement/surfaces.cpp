@@ -1,0 +1,353 @@
+#include "building/judgement/surfaces.hpp"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <set>
+#include <stdexcept>
+
+#include "building/judgement/conformance.hpp"
+#include "building/judgement/tolerance.hpp"
+#include "geometry/packed_symmetric.hpp"
+
+namespace plumbline::judgement {
+namespace {
+
+constexpr double kInf = std::numeric_limits<double>::infinity();
+
+/// What became of one limit of a rule.
+struct Followed {
+  int selected = 0, taken = 0;    ///< panels or joints it selects; verdicts by it, others have those of later rules
+  std::vector<std::string> open;  ///< which of these are not judged
+  std::string why;                ///< the first of them
+};
+
+/// A limit with the rule that sets it.
+struct Asked {
+  SurfaceLimit limit;
+  const SurfaceRule* rule;
+  Followed* followed;  ///< what becomes of it
+};
+
+/// Limits as a middle and how far a value may lie from it.
+struct Shifted {
+  double centre, half;
+};
+Shifted shifted(const SurfaceLimit& limit) {
+  constexpr double far = 1e3;  // stands for no limit [m]
+  const double upper = std::min(limit.upper, far), lower = std::max(limit.lower, -far);
+  return {0.5 * (upper + lower), 0.5 * (upper - lower)};
+}
+
+double probability_of(double value, double sigma, const SurfaceLimit& limit) {
+  const Shifted at = shifted(limit);
+  return judgement::conformance_probability(value - at.centre, sigma, at.half);
+}
+
+class Judge {
+ public:
+  Judge(const SurfacesT& surfaces, const std::map<std::string, ifc::ElementFacts>& facts,
+        const std::vector<SurfaceRule>& rules, double risk)
+      : surfaces_(surfaces), facts_(facts), rules_(rules), risk_(risk), selected_(rules.size()) {}
+
+  SurfaceJudgementT all() {
+    result_.risk = risk_;
+    for (const SurfaceRule& rule : rules_) asked_.emplace_back(rule.limits.size());
+    std::vector<std::vector<char>> selecting_panel;  // which rules select it
+    for (size_t p = 0; p < surfaces_.panels.size(); ++p) {
+      selecting_panel.push_back(selecting(*surfaces_.panels[p]));
+      for (const Asked& asked : asked_of(selecting_panel[p], false))
+        take(of_panel(*surfaces_.panels[p], asked), asked, static_cast<int>(p));
+    }
+    take_panels_without_a_face();
+    for (size_t j = 0; j < surfaces_.joints.size(); ++j) {
+      const JointFiguresT& joint = *surfaces_.joints[j];
+      std::vector<char> either(rules_.size());
+      const auto ends = {panels_of(joint.first, joint.first_panel), panels_of(joint.second, joint.second_panel)};
+      bool shared = false;
+      for (const std::vector<size_t>& end : ends) {
+        shared = shared || end.size() > 1;
+        for (const size_t p : end)
+          for (size_t r = 0; r < either.size(); ++r) either[r] = either[r] || selecting_panel[p][r];
+      }
+      for (const Asked& asked : asked_of(either, true)) {
+        auto verdict = shared ? started(asked, joint) : of_joint(joint, asked);
+        if (shared)
+          verdict->not_judged = "its panels share their names with others, and nobody says which it lies between";
+        take(std::move(verdict), asked, static_cast<int>(j));
+      }
+    }
+    for (size_t r = 0; r < rules_.size(); ++r) {
+      auto request = std::make_unique<JudgementRequestT>();
+      request->asked = rules_[r].text, request->by = "rule", request->panels = selected_[r];
+      request->not_judged = open_of(r);
+      result_.requests.push_back(std::move(request));
+    }
+    return std::move(result_);
+  }
+
+ private:
+  /// Numbers of the panel at an end of a joint: one, or all of that name.
+  std::vector<size_t> panels_of(const std::string& name, int number) const {
+    if (number >= 0 && static_cast<size_t>(number) < surfaces_.panels.size()) return {static_cast<size_t>(number)};
+    std::vector<size_t> panels;
+    for (size_t p = 0; p < surfaces_.panels.size(); ++p)
+      if (surfaces_.panels[p]->face->id == name) panels.push_back(p);
+    return panels;
+  }
+
+  /// What of a rule is not judged, quantity by quantity; empty if all is.
+  std::string open_of(size_t r) const {
+    if (selected_[r] == 0) return "it selects no panel that was looked at";
+    std::string text;
+    for (size_t l = 0; l < asked_[r].size(); ++l) {
+      const Followed& followed = asked_[r][l];
+      std::string why;
+      if (followed.selected == 0) {
+        why = surfaces_.joints.empty() ? "no joint was looked at, surface.joints does that in photographs"
+                                       : "no joint lies at a panel that it selects";
+      } else if (!followed.open.empty()) {
+        constexpr size_t most = 20;
+        why = std::to_string(followed.open.size()) + " of " + std::to_string(followed.taken) + " are not judged: ";
+        for (size_t i = 0; i < std::min(most, followed.open.size()); ++i) why += (i ? ", " : "") + followed.open[i];
+        if (followed.open.size() > most) why += " and more";
+        why += (followed.open.size() > 1 ? " (the first: " : " (") + followed.why + ")";
+      }
+      if (!why.empty()) text += (text.empty() ? "" : "; ") + words_of(rules_[r].limits[l]) + ": " + why;
+    }
+    return text;
+  }
+
+  static std::string words_of(const SurfaceLimit& limit) {
+    char length[40] = "";
+    if (std::isfinite(limit.length)) std::snprintf(length, sizeof length, "(%gm)", limit.length);
+    return std::string(name_of(limit.quantity)) + length;
+  }
+
+  std::vector<char> selecting(const PanelSurfaceFiguresT& panel) {
+    ifc::ElementFacts element;
+    const auto found = facts_.find(panel.face->guid);
+    if (found != facts_.end())
+      element = found->second;
+    else
+      element.name = panel.face->id, element.guid = panel.face->guid;
+    return selecting(element);
+  }
+
+  /// Panels of the design of which the measurement has no face: asked for, and nobody looked at them.
+  void take_panels_without_a_face() {
+    std::set<std::string> with_face;
+    for (const auto& panel : surfaces_.panels) with_face.insert(panel->face->guid);
+    for (const auto& [guid, element] : facts_) {
+      if (with_face.contains(guid)) continue;
+      const std::string name = element.name.empty() ? guid : element.name;
+      for (const Asked& asked : asked_of(selecting(element), false)) {
+        auto verdict = started(asked);
+        verdict->panel = name, verdict->guid = guid, verdict->not_judged = "no face of it was looked at";
+        for (const std::string& warning : surfaces_.warnings)
+          if (warning.starts_with(name + ": ")) verdict->not_judged = warning.substr(name.size() + 2);
+        take(std::move(verdict), asked, -1);
+      }
+    }
+  }
+
+  std::vector<char> selecting(const ifc::ElementFacts& element) {
+    std::vector<char> selects;
+    for (size_t r = 0; r < rules_.size(); ++r) {
+      selects.push_back(rules_[r].selection.matches(element));
+      selected_[r] += selects.back();
+    }
+    return selects;
+  }
+
+  /// Later rules go before earlier ones, quantity by quantity.
+  std::vector<Asked> asked_of(const std::vector<char>& selects, bool of_joints) {
+    std::vector<Asked> asked;
+    for (size_t r = 0; r < selects.size(); ++r) {
+      if (!selects[r]) continue;
+      for (const SurfaceLimit& limit : rules_[r].limits) {
+        if (is_of_joints(limit.quantity) != of_joints) continue;
+        Followed& followed = asked_[r][static_cast<size_t>(&limit - rules_[r].limits.data())];
+        ++followed.selected;
+        std::erase_if(asked, [&](const Asked& before) {
+          const bool same_edge = std::isnan(limit.length) || std::abs(before.limit.length - limit.length) < 1e-9;
+          return before.limit.quantity == limit.quantity && same_edge;
+        });
+        asked.push_back({limit, &rules_[r], &followed});
+      }
+    }
+    return asked;
+  }
+
+  static std::unique_ptr<SurfaceVerdictT> started(const Asked& asked) {
+    auto verdict = std::make_unique<SurfaceVerdictT>();
+    verdict->quantity = name_of(asked.limit.quantity), verdict->rule = asked.rule->text;
+    verdict->length = asked.limit.length, verdict->lower = asked.limit.lower, verdict->upper = asked.limit.upper;
+    return verdict;
+  }
+  static std::unique_ptr<SurfaceVerdictT> started(const Asked& asked, const JointFiguresT& joint) {
+    auto verdict = started(asked);
+    verdict->panel = joint.first, verdict->second = joint.second, verdict->looked_at = joint.looked_at;
+    return verdict;
+  }
+
+  std::unique_ptr<SurfaceVerdictT> of_panel(const PanelSurfaceFiguresT& panel, const Asked& asked) const {
+    auto verdict = started(asked);
+    verdict->panel = panel.face->id, verdict->guid = panel.face->guid;
+    if (!panel.not_measured.empty()) {
+      verdict->not_judged = panel.not_measured;
+      return verdict;
+    }
+    if (asked.limit.quantity == SurfaceQuantity::flatness)
+      flatness(panel, asked.limit, *verdict);
+    else
+      bend(panel, asked.limit, *verdict);
+    return verdict;
+  }
+
+  void flatness(const PanelSurfaceFiguresT& panel, const SurfaceLimit& limit, SurfaceVerdictT& verdict) const {
+    const auto gap = std::find_if(panel.flatness.begin(), panel.flatness.end(),
+                                  [&](const auto& g) { return std::abs(g->length - limit.length) < 1e-6; });
+    if (gap == panel.flatness.end()) {
+      verdict.not_judged = "no straightedge of that length was laid; add it to 'straightedges' of surface.panels";
+    } else if ((*gap)->positions == 0 || !std::isfinite((*gap)->gap)) {
+      verdict.not_judged = "the panel has no place for a straightedge of that length with points all along it";
+    } else {
+      verdict.value = (*gap)->gap, verdict.sigma = (*gap)->sigma;
+      verdict.probability = probability_of(verdict.value, verdict.sigma, limit);
+      // The largest of many noisy gaps is above the true one by up to the largest that noise makes by itself, whose
+      // distribution is an extreme value's (Gumbel); without it the risk is shared among the positions.
+      const double noise = (*gap)->noise_mean + gumbel_quantile() * (*gap)->noise_sigma;
+      const bool beyond =
+          std::isfinite(noise) ? verdict.value - limit.upper > noise : verdict.probability <= risk_ / (*gap)->positions;
+      decide(verdict, verdict.probability, beyond ? 0 : 1, risk_);
+      if (verdict.verdict == ToleranceVerdict::pass && std::isfinite((*gap)->with_outlying))
+        doubt(**gap, limit, verdict);
+    }
+  }
+
+  /// A dent that is deep beside the noise looks like something in front of the panel: it does not pass by being left
+  /// out.
+  void doubt(const SurfaceGapT& gap, const SurfaceLimit& limit, SurfaceVerdictT& verdict) const {
+    if (verdict_of(probability_of(gap.with_outlying, gap.sigma, limit), risk_) == ToleranceVerdict::pass) return;
+    char text[200];
+    std::snprintf(
+        text, sizeof text,
+        "places on it lie off the surface together, a dent or something in front of it: the largest gap is %.1f mm "
+        "without them and %.1f mm with them",
+        1e3 * gap.gap, 1e3 * gap.with_outlying);
+    verdict.verdict = ToleranceVerdict::not_measured, verdict.not_judged = text;
+  }
+
+  /// Of the probability 1 - risk, in standard deviations from the mean.
+  double gumbel_quantile() const {
+    constexpr double euler = 0.5772156649015329;
+    return -std::sqrt(6.0) / M_PI * (euler + std::log(-std::log(1 - risk_)));
+  }
+
+  /// Both bows at once, or the twist, from the covariance of the panel's form.
+  void bend(const PanelSurfaceFiguresT& panel, const SurfaceLimit& limit, SurfaceVerdictT& verdict) const {
+    Eigen::MatrixXd covariance = unpack_symmetric(panel.coefficients_random, 6, "panel '" + panel.face->id + "'");
+    if (covariance.size() == 0 || panel.coefficients_factor.size() != 6 * static_cast<size_t>(surfaces_.rank))
+      throw std::runtime_error("the figures of panel '" + panel.face->id + "' lack their covariance");
+    const Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> factor(
+        panel.coefficients_factor.data(), 6, surfaces_.rank);
+    covariance += factor * factor.transpose();
+    const bool twist = limit.quantity == SurfaceQuantity::twist;
+    const Eigen::VectorXd form = twist ? Eigen::VectorXd(panel.form.tail<1>()) : Eigen::VectorXd(panel.form.head<2>());
+    const Eigen::MatrixXd own =
+        twist ? Eigen::MatrixXd(covariance.block(5, 5, 1, 1)) : Eigen::MatrixXd(covariance.block(3, 3, 2, 2));
+    std::vector<Limited> quantities;
+    for (Eigen::Index i = 0; i < form.size(); ++i) {
+      Limited one;
+      one.rows = Eigen::MatrixXd::Identity(form.size(), form.size()).row(i), one.above = one.below = limit.upper;
+      quantities.push_back(one);
+    }
+    Eigen::Index larger = 0;
+    form.cwiseAbs().maxCoeff(&larger);
+    verdict.value = form(larger), verdict.sigma = std::sqrt(own(larger, larger));
+    verdict.probability = conformance(form, own, quantities, risk_, limit.upper).probability;
+    decide(verdict, verdict.probability, verdict.probability, risk_);
+  }
+
+  std::unique_ptr<SurfaceVerdictT> of_joint(const JointFiguresT& joint, const Asked& asked) const {
+    auto verdict = started(asked, joint);
+    if (!joint.not_measured.empty()) {
+      verdict->not_judged = joint.not_measured;
+      return verdict;
+    }
+    double missed = 0, least = kInf;
+    for (const auto& place : joint.places) {
+      const bool step = asked.limit.quantity == SurfaceQuantity::step;
+      const double nominal = asked.limit.quantity == SurfaceQuantity::joint ? joint.nominal_width : 0;
+      const double value = step ? place->step : place->width - nominal,
+                   sigma = step ? place->step_sigma : place->width_sigma;
+      if (!std::isfinite(value) || !std::isfinite(sigma)) continue;
+      const double probability = probability_of(value, sigma, asked.limit);
+      ++verdict->places;
+      missed += 1 - probability;
+      if (probability >= least) continue;
+      least = probability;
+      verdict->value = value, verdict->sigma = sigma, verdict->along = place->along;
+    }
+    if (verdict->places == 0) {
+      verdict->not_judged = asked.limit.quantity == SurfaceQuantity::step ? "one of its panels was not measured"
+                                                                          : "no place along it was measured";
+      return verdict;
+    }
+    verdict->probability = std::max(0.0, 1 - missed);
+    decide(*verdict, verdict->probability, least, risk_ / verdict->places);
+    constexpr double least_share = 0.3;
+    if (verdict->verdict == ToleranceVerdict::pass && verdict->places < least_share * joint.looked_at) {
+      verdict->verdict = ToleranceVerdict::not_measured;
+      verdict->not_judged = "it was measured at " + std::to_string(verdict->places) + " of " +
+                            std::to_string(joint.looked_at) +
+                            " places along it, where it keeps the limit; to pass it needs 30 %";
+    }
+    return verdict;
+  }
+
+  void decide(SurfaceVerdictT& verdict, double kept, double at_worst, double fails_at) const {
+    verdict.verdict = ToleranceVerdict::undecided;
+    if (verdict_of(kept, risk_) == ToleranceVerdict::pass)
+      verdict.verdict = ToleranceVerdict::pass;
+    else if (at_worst <= fails_at)
+      verdict.verdict = ToleranceVerdict::fail;
+  }
+
+  void take(std::unique_ptr<SurfaceVerdictT> verdict, const Asked& asked, int item) {
+    verdict->item = item;
+    ++asked.followed->taken;
+    if (!verdict->not_judged.empty()) {
+      ++result_.not_judged;
+      asked.followed->open.push_back(verdict->second.empty() ? verdict->panel
+                                                             : verdict->panel + " | " + verdict->second);
+      if (asked.followed->why.empty()) asked.followed->why = verdict->not_judged;
+    } else if (verdict->verdict == ToleranceVerdict::pass)
+      ++result_.passed;
+    else if (verdict->verdict == ToleranceVerdict::fail)
+      ++result_.failed;
+    else
+      ++result_.undecided;
+    result_.verdicts.push_back(std::move(verdict));
+  }
+
+  const SurfacesT& surfaces_;
+  const std::map<std::string, ifc::ElementFacts>& facts_;
+  const std::vector<SurfaceRule>& rules_;
+  double risk_;
+  std::vector<int> selected_;
+  std::vector<std::vector<Followed>> asked_;  ///< by rule and limit
+  SurfaceJudgementT result_;
+};
+
+}  // namespace
+
+SurfaceJudgementT judge_surfaces(const SurfacesT& surfaces, const std::map<std::string, ifc::ElementFacts>& facts,
+                                 const std::vector<SurfaceRule>& rules, double risk) {
+  return Judge(surfaces, facts, rules, risk).all();
+}
+
+}  // namespace plumbline::judgement

@@ -1,0 +1,200 @@
+#include "building/judgement/tolerance_rules.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <stdexcept>
+
+#include "base/text/text.hpp"
+#include "building/ifc/selection_rule.hpp"
+
+namespace plumbline::judgement {
+namespace {
+
+Axis axis_of(const std::string& name, const std::string& rule) {
+  for (const Axis axis : kAxes)
+    if (name == name_of(axis)) return axis;
+  throw std::runtime_error("tolerance rule '" + rule + "': the axis '" + name +
+                           "' is not known; expected horizontal, vertical, in_plane, out_of_plane, space or joint");
+}
+
+}  // namespace
+
+const char* name_of(Axis axis) {
+  switch (axis) {
+    case Axis::horizontal:
+      return "horizontal";
+    case Axis::vertical:
+      return "vertical";
+    case Axis::in_plane:
+      return "in_plane";
+    case Axis::out_of_plane:
+      return "out_of_plane";
+    case Axis::space:
+      return "space";
+    case Axis::joint:
+      return "joint";
+  }
+  return "";
+}
+
+bool judged_of_anchors(Axis axis) { return axis != Axis::joint; }
+bool judged_of_panels(Axis axis) { return axis != Axis::space; }
+
+namespace {
+
+bool has_sign(Axis axis) { return axis == Axis::vertical || axis == Axis::out_of_plane || axis == Axis::joint; }
+
+/// "+5/-2mm" or "-2/+5mm" [m]; nothing if it is no such thing.
+std::optional<Tolerance> two_sides(std::string_view text) {
+  const std::size_t slash = text.find('/');
+  if (slash == std::string_view::npos) return {};
+  const std::string_view first = text::trim(text.substr(0, slash)), second = text::trim(text.substr(slash + 1));
+  double factor = 0;
+  const auto number = [&](std::string_view part, bool with_unit) {
+    double value = ifc::Property::nan;
+    if (part.empty() || (part[0] != '+' && part[0] != '-')) return value;
+    const auto [end, error] = std::from_chars(part.data() + 1, part.data() + part.size(), value);
+    const std::string_view unit = text::trim(part.substr(static_cast<std::size_t>(end - part.data())));
+    if (with_unit) factor = unit == "mm" ? 1e-3 : unit == "m" ? 1 : 0;
+    // "+0.5mm/-0.002m" is not read as if both were metres.
+    const bool same_unit =
+        with_unit || unit.empty() || (unit == "mm" && factor == 1e-3) || (unit == "m" && factor == 1);
+    return error == std::errc() && same_unit ? value : ifc::Property::nan;
+  };
+  const double b = number(second, true), a = number(first, false);
+  if (first.empty() || second.empty() || first[0] == second[0] || factor == 0 || !(a >= 0) || !(b >= 0)) return {};
+  Tolerance tolerance;
+  tolerance.value = factor * (first[0] == '+' ? a : b), tolerance.below = factor * (first[0] == '+' ? b : a);
+  return tolerance;
+}
+
+/// What a property of Pset_Tolerance says: a tolerance, or why it is none.
+std::optional<Tolerance> read(const ifc::Property& property, Axis axis, std::string& reason) {
+  Tolerance tolerance;
+  if (property.measure == "IFCPROPERTYBOUNDEDVALUE") {
+    tolerance.value = property.upper, tolerance.below = -property.lower;
+    if (std::isnan(property.lower)) tolerance.below = Tolerance{}.below;
+    if (std::abs(tolerance.value - tolerance.below) < 1e-12) tolerance.below = Tolerance{}.below;
+    if (!(tolerance.value >= 0) || !(tolerance.lower() >= 0))
+      reason = "its bounds are no lengths in the unit of the project on both sides of zero";
+    if (!std::isnan(tolerance.below) && !has_sign(axis)) reason = "it has two sides, and this length has no sign";
+  } else if (property.measure.starts_with("IFCPROPERTY") || property.measure == "IFCCOMPLEXPROPERTY") {
+    reason = "it is an " + property.measure + ", expected a length";
+  } else if (!std::isnan(property.number) &&
+             (property.measure.empty() || property.measure.ends_with("LENGTHMEASURE"))) {
+    tolerance.value = property.number;
+  } else if (!std::isnan(property.number)) {
+    reason = "it is an " + property.measure + ", a number without a unit; expected a length";
+  } else {
+    const auto sides = two_sides(property.text);
+    const double length = ifc::length_with_unit(property.text);
+    if (sides && has_sign(axis))
+      tolerance = *sides;
+    else if (std::isfinite(length))
+      tolerance.value = length;
+    else
+      reason = "it is a text without a length and its unit";
+  }
+  if (reason.empty() && !(tolerance.value > 0 || tolerance.lower() > 0)) reason = "it is not above zero";
+  if (reason.empty() && !(tolerance.value <= 1 && tolerance.lower() <= 1)) reason = "it is more than a metre";
+  if (!reason.empty()) return {};
+  return tolerance;
+}
+
+bool same_name(const std::string& a, const char* b) {
+  return a.size() == std::string_view(b).size() && std::equal(a.begin(), a.end(), b, [](char x, char y) {
+           return std::tolower(static_cast<unsigned char>(x)) == std::tolower(static_cast<unsigned char>(y));
+         });
+}
+
+/// The set's words about a tolerance, which ask for nothing.
+bool is_description(const std::string& name) { return name == "ToleranceDescription" || name == "ToleranceBasis"; }
+
+void add_design(const ifc::Property& property, Tolerances& tolerances, std::map<std::string, Axis>& open) {
+  static const std::map<std::string, Axis> names = {{"HorizontalTolerance", Axis::horizontal},
+                                                    {"VerticalTolerance", Axis::vertical},
+                                                    {"OrthogonalTolerance", Axis::out_of_plane},
+                                                    {"OverallTolerance", Axis::space}};
+  if (!same_name(property.set, "Pset_Tolerance") || is_description(property.name)) return;
+  const std::string name = property.set + "." + property.name,
+                    value = property.text.empty() ? "" : " '" + property.text + "'";
+  const auto axis = names.find(property.name);
+  if (axis == names.end()) {
+    open.emplace(name + value + ": nothing here measures it", Axis::joint);  // of no anchor: no rule takes its place
+    return;
+  }
+  std::string reason;
+  if (auto tolerance = read(property, axis->second, reason)) {
+    tolerance->source = "design: " + name;
+    tolerances[axis->second] = *tolerance;
+  } else {
+    open.emplace(name + value + ": " + reason, axis->second);
+  }
+}
+
+}  // namespace
+
+ToleranceRule parse_rule(const std::string& text) {
+  auto [selection, lengths, whole] = ifc::parse_lengths(text, "class=IfcPlate: out_of_plane=+5/-2mm, vertical=5mm");
+  ToleranceRule rule{std::move(selection), {}, std::move(whole)};
+  for (const auto& [name, length, part] : lengths) {
+    const Axis axis = axis_of(name, text);
+    Tolerance tolerance;
+    tolerance.value = length;
+    const auto sides = two_sides(text::trim(std::string_view(part).substr(std::min(part.size(), part.find('=') + 1))));
+    if (sides && !has_sign(axis))
+      throw std::runtime_error(
+          "tolerance rule '" + text + "': found '" + part + "', but " + name +
+          " is the length of a vector and has no sign; two sides are for vertical, out_of_plane and "
+          "joint");
+    if (sides) tolerance = *sides;
+    if (!(tolerance.value >= 0 && tolerance.value <= 1 && tolerance.lower() <= 1))
+      throw std::runtime_error("tolerance rule '" + text + "': found '" + part +
+                               "', expected axis=length, a length from 0 to 1 m with its unit, such as 5mm, 0.005m or "
+                               "+5/-2mm");
+    rule.tolerances[axis] = tolerance;
+  }
+  return rule;
+}
+
+/// A limit of zero on both sides says that the axis is not judged.
+static bool is_wider(const Tolerance& later, const Tolerance& earlier) {
+  if (!(earlier.value > 0 || earlier.lower() > 0)) return false;
+  if (!(later.value > 0 || later.lower() > 0)) return true;
+  return later.value > earlier.value || later.lower() > earlier.lower();
+}
+
+Tolerances tolerances_of(const ToleranceTable& table, const ifc::ElementFacts& element, ToleranceFindings* findings) {
+  Tolerances tolerances;
+  for (const Axis axis : {Axis::horizontal, Axis::vertical}) tolerances[axis] = {table.tau, "default"};
+  tolerances[Axis::joint] = {2 * table.tau, "default: twice the tolerance"};
+  std::map<std::string, Axis> open;     // by what the design asks for in vain
+  std::map<Axis, std::size_t> rule_of;  // the rule that holds
+  if (table.from_design && element.properties)
+    for (const ifc::Property& property : *element.properties) add_design(property, tolerances, open);
+  for (std::size_t i = 0; i < table.rules.size(); ++i) {
+    const ToleranceRule& rule = table.rules[i];
+    if (!rule.selection.matches(element)) continue;
+    if (findings) findings->rules.push_back(i);
+    for (const auto& [axis, tolerance] : rule.tolerances) {
+      if (findings && rule_of.contains(axis) && is_wider(tolerance, table.rules[rule_of[axis]].tolerances.at(axis)))
+        findings->widened[rule_of[axis]] = i;
+      rule_of[axis] = i;
+      if (tolerance.value > 0 || tolerance.lower() > 0)
+        tolerances[axis] = {tolerance.value, rule.text, tolerance.below};
+      else
+        tolerances.erase(axis);
+      if (axis != Axis::joint) std::erase_if(open, [&](const auto& entry) { return entry.second == axis; });
+    }
+  }
+  if (findings)
+    for (const auto& [axis, rule] : rule_of) findings->in_force.push_back(rule);
+  if (findings)
+    for (const auto& [text, axis] : open) findings->refused.push_back(text);
+  return tolerances;
+}
+
+}  // namespace plumbline::judgement

@@ -1,0 +1,93 @@
+#include "photo/block/point_block_words.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "geometry/statistics.hpp"
+#include "photo/block/read_block.hpp"
+
+namespace plumbline::block {
+
+std::string control_against_images(const PointBlockResult& result) {
+  const least_squares::VarianceComponent *images = nullptr, *control = nullptr;
+  for (const auto& group : result.groups) {
+    if (group.name == "image coordinates") images = &group;
+    if (group.name == "control") control = &group;
+  }
+  if (!images || !control || control->redundancy < 1 || images->redundancy < 1 || !(images->factor > 0)) return "";
+  const double ratio = control->factor / images->factor;
+  const double limit = fisher_f_quantile(0.999, control->redundancy, images->redundancy);
+  if (!(ratio > limit)) return "";
+  double squares = 0, largest = 0;
+  std::string worst;
+  int count = 0;
+  for (const ControlResult& c : result.control) {
+    if (c.check || c.fixed) continue;
+    squares += c.residual.squaredNorm(), ++count;
+    if (const double w = c.w.cwiseAbs().maxCoeff(); w > largest)
+      largest = w, worst = result.block.points[static_cast<size_t>(c.point)].name;
+  }
+  char text[500];
+  std::snprintf(
+      text, sizeof text,
+      "control and images contradict each other: the control's variance factor is %.3g times that of the images "
+      "(at most %.3g by chance), its residuals %.3g mm rms, most at %s (w %.1f). Its standard deviations are "
+      "too small, a point of it is another one in the images, or the camera is not what the file says%s",
+      ratio, limit, 1e3 * std::sqrt(squares / count), worst.c_str(), largest,
+      result.block.cameras.at(0).lens == bundle::Lens::correcting
+          ? " (block.with.free=[c, xp, yp, K1, K2, P1, P2] estimates it)"
+          : "");
+  return text;
+}
+
+std::string blunders_in_words(const PointBlockResult& result) {
+  constexpr double beyond_chance = 12;
+  double largest = 0;
+  size_t worst = 0, count = 0;
+  for (size_t m = 0; m < result.measurement_reliability.size(); ++m) {
+    const auto& [x, y] = result.measurement_reliability[m];
+    const double w = std::max(std::abs(x.w), std::abs(y.w));
+    count += w > beyond_chance;
+    if (w > largest) largest = w, worst = m;
+  }
+  if (count == 0) return "";
+  const BlockMeasurement& measured = result.block.measurements[worst];
+  const auto& [x, y] = result.measurement_reliability[worst];
+  char text[300];
+  std::snprintf(
+      text, sizeof text,
+      "%zu image point%s of %zu contradict%s all the others, most point %s in image %d (off by %.3g mm in the "
+      "sensor, w %.0f): it is another point there, or its control is wrong; Block.targets.findings lists them",
+      count, count == 1 ? "" : "s", result.measurement_reliability.size(), count == 1 ? "s" : "",
+      result.block.points[static_cast<size_t>(measured.point)].name.c_str(),
+      result.block.images[static_cast<size_t>(measured.image)].id, std::hypot(x.residual, y.residual), largest);
+  return text;
+}
+
+std::string turned_images(const PointBlock& given, const PointBlockResult& result) {
+  const size_t n = given.images.size();
+  const double alike = std::cos(10 * M_PI / 180), other = std::cos(45 * M_PI / 180);
+  if (n < 4) return "";
+  std::vector<Eigen::Matrix3d> turns;  // from the approximate to the adjusted block frame, as each image has it
+  for (size_t i = 0; i < n; ++i)
+    turns.push_back(rotation_from_angles(result.block.images[i].angles) *
+                    rotation_from_angles(given.images[i].angles).transpose());
+  const auto cosine = [&](size_t i, size_t j) { return 0.5 * ((turns[i].transpose() * turns[j]).trace() - 1); };
+  for (size_t i = 0; i < std::min<size_t>(n, 5); ++i) {  // one of five is as the most are
+    std::vector<std::string> names;
+    size_t same = 0;
+    for (size_t j = 0; j < n; ++j) {
+      same += cosine(i, j) > alike;
+      if (cosine(i, j) < other) names.push_back(std::to_string(given.images[j].id));
+    }
+    if (names.empty() || 5 * same < 4 * n) continue;
+    return (names.size() == 1 ? "image " : "images ") + few_of(names) + (names.size() == 1 ? " has" : " have") +
+           " turned by more than 45 degrees against the approximate orientation, all the others have not: its image "
+           "coordinates are exchanged or mirrored, its points are others, or the approximate orientation was wrong";
+  }
+  return "";
+}
+
+}  // namespace plumbline::block

@@ -1,0 +1,23 @@
+// What stands out in an adjusted block of measured targets, in words; each is empty if nothing does.
+#pragma once
+
+#include <string>
+
+#include "photo/block/point_block.hpp"
+
+namespace plumbline::block {
+
+/// What the control's variance component says beside that of the images; empty if it may be chance. Both are
+/// compared by their ratio, because nobody knows the standard deviation of image coordinates beforehand: F test, 0.1 %.
+std::string control_against_images(const PointBlockResult& result);
+
+/// Measurements that no chance explains: |w| above 12. Matched features have long tails (up to 11.5 in public blocks
+/// that are sound otherwise), so not everything that a test at some per cent finds is worth a warning.
+std::string blunders_in_words(const PointBlockResult& result);
+
+/// Images that the adjustment has turned by more than 45° against their approximate orientation where four fifths
+/// of all have turned alike, within 10°. A view of level ground whose coordinates are exchanged or mirrored fits
+/// from below the ground, and no residual tells.
+std::string turned_images(const PointBlock& given, const PointBlockResult& result);
+
+}  // namespace plumbline::block

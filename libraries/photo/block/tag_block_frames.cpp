@@ -1,0 +1,142 @@
+// Whether control and approximate values speak of the same places.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <stdexcept>
+
+#include "geometry/exchanged_places.hpp"
+#include "geometry/similarity.hpp"
+#include "least_squares/problem/defects.hpp"
+#include "photo/block/tag_block_model.hpp"
+
+namespace plumbline::block {
+namespace {
+
+constexpr double same_place = 0.25;  ///< [m] closer than two plates hang
+constexpr double near_enough = 2;    ///< [m] approximate values this far off are good enough to start from
+
+struct Pair {
+  size_t plate = 0;  ///< index into start.plates
+  Eigen::Vector3d placed, surveyed;
+};
+
+std::vector<Pair> pairs_of(const TagBlock& block, const TagStart& start) {
+  std::vector<Pair> pairs;
+  for (size_t k = 0; k < block.control.plates.size(); ++k) {
+    const auto at = std::find(start.plates.begin(), start.plates.end(), block.control.plates[k]);
+    if (at == start.plates.end()) continue;
+    const size_t plate = static_cast<size_t>(at - start.plates.begin());
+    pairs.push_back({plate, start.world_from_plate[plate].translation,
+                     block.control.position.segment<3>(3 * static_cast<Eigen::Index>(k))});
+  }
+  return pairs;
+}
+
+bool is_figure(const std::vector<Eigen::Vector3d>& points) {
+  double area = 0, length = 0;
+  for (const auto& p : points)
+    for (const auto& q : points) {
+      length = std::max(length, (p - points[0]).norm());
+      area = std::max(area, (p - points[0]).cross(q - points[0]).norm());
+    }
+  return points.size() >= 3 && area > 0.02 * length * length;
+}
+
+/// The similarity that most control points agree with: the largest residual leaves until all are near, or half is gone.
+struct Agreement {
+  SimilarityMotion motion;
+  std::vector<Pair> agreeing, other;
+  bool found = false;
+};
+
+Agreement agree(std::vector<Pair> pairs) {
+  Agreement result;
+  const size_t least = std::max<size_t>(3, (pairs.size() + 2) / 2);
+  while (pairs.size() >= least) {
+    std::vector<Eigen::Vector3d> from, to;
+    for (const auto& p : pairs) from.push_back(p.placed), to.push_back(p.surveyed);
+    if (!is_figure(from) || !is_figure(to)) return result;
+    result.motion = fit_similarity(from, to, true);
+    const auto residual = [&](const Pair& p) { return (result.motion * p.placed - p.surveyed).norm(); };
+    const auto worst = std::max_element(pairs.begin(), pairs.end(),
+                                        [&](const Pair& a, const Pair& b) { return residual(a) < residual(b); });
+    if (residual(*worst) < same_place) {
+      result.agreeing = pairs;
+      result.found = true;
+      return result;
+    }
+    result.other.push_back(*worst);
+    pairs.erase(worst);
+  }
+  return result;
+}
+
+std::string in_words(const SimilarityMotion& motion, const Eigen::Vector3d& at) {
+  const Eigen::AngleAxisd turn(motion.rotation);
+  const double shift = (motion * at - at).norm();
+  char text[160];
+  std::snprintf(text, sizeof text, "%.3g %s apart, turned by %.2f degrees", shift > 1000 ? shift / 1000 : shift,
+                shift > 1000 ? "km" : "m", std::abs(turn.angle()) * 180 / M_PI);
+  return text;
+}
+
+[[noreturn]] void refuse_scale(double scale) {
+  const std::pair<double, const char*> units[] = {{0.3048, "metres where feet were expected"},
+                                                  {1 / 0.3048, "feet"},
+                                                  {1000, "millimetres"},
+                                                  {100, "centimetres"},
+                                                  {0.001, "metres where millimetres were expected"}};
+  std::string cause = "another unit, or tags whose size is not the one given";
+  for (const auto& [factor, name] : units)
+    if (std::abs(scale / factor - 1) < 0.02) cause = std::string("the control is in ") + name + ", or the tag size is";
+  char text[64];
+  std::snprintf(text, sizeof text, "%.4g", scale);
+  throw std::runtime_error(std::string("distances between control points are ") + text +
+                           " times those between the plates in the images: " + cause);
+}
+
+/// Control points that lie where other plates hang.
+void refuse_exchanged(const TagBlock& block, const TagStart& start, const Agreement& agreement) {
+  std::vector<std::string> exchanged;
+  std::vector<Eigen::Vector3d> placed, surveyed;
+  for (const Pair& pair : agreement.other)
+    placed.push_back(agreement.motion * pair.placed), surveyed.push_back(pair.surveyed);
+  const auto anchor = [&](size_t k) {
+    return block.plates[static_cast<size_t>(start.plates[agreement.other[k].plate])].anchor;
+  };
+  const auto tell = [&](size_t thing, size_t place) {
+    exchanged.push_back("the plate of " + anchor(thing) + " hangs where the survey has " + anchor(place));
+  };
+  for (const ExchangedPlace& pair : exchanged_places(placed, surveyed)) {
+    tell(pair.thing, pair.place);
+    if (pair.mutual) tell(pair.place, pair.thing);
+  }
+  if (!exchanged.empty())
+    throw std::runtime_error(least_squares::enumerate(exchanged) +
+                             ": plates or names in the survey are exchanged; correct the plate table or the survey");
+}
+
+}  // namespace
+
+void move_to_control(const TagBlock& block, TagStart& start, std::vector<std::string>& warnings) {
+  const std::vector<Pair> pairs = pairs_of(block, start);
+  if (pairs.size() < 3) return;
+  const Agreement agreement = agree(pairs);
+  if (!agreement.found) return;
+  if (std::abs(agreement.motion.scale - 1) > 0.05) refuse_scale(agreement.motion.scale);
+  refuse_exchanged(block, start, agreement);
+  double furthest = 0;
+  for (const Pair& pair : agreement.agreeing) furthest = std::max(furthest, (pair.placed - pair.surveyed).norm());
+  if (furthest < near_enough) return;
+  std::vector<Eigen::Vector3d> from, to;
+  for (const Pair& pair : agreement.agreeing) from.push_back(pair.placed), to.push_back(pair.surveyed);
+  const SimilarityMotion motion = fit_similarity(from, to, false);
+  const RigidTransform move{motion.rotation, motion.translation};
+  warnings.push_back("survey and approximate positions (design) are in different frames, " +
+                     in_words(motion, agreement.agreeing.front().placed) +
+                     ": the image block was adjusted in the frame of the survey");
+  for (auto& plate : start.world_from_plate) plate = move * plate;
+  for (auto& pose : start.cam_from_world) pose = pose * move.inverse();
+}
+
+}  // namespace plumbline::block

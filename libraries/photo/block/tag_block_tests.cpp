@@ -1,0 +1,181 @@
+// Global tests of a tag block: the variance of each group of observations against what was assumed of it.
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "geometry/statistics.hpp"
+#include "photo/block/control_words.hpp"
+#include "photo/block/tag_block_model.hpp"
+#include "photo/bundle/score.hpp"
+
+namespace plumbline::block {
+namespace {
+
+/// Detectors know their standard deviations to a factor of some five: residuals larger than that are no noise.
+constexpr double largest_image_factor = 25;
+constexpr double test_level = 1e-4;
+
+constexpr size_t most_images = 300;      ///< with a principal point each: the cube of their number is work
+constexpr double least_redundancy = 30;  ///< left by the larger model, so that its variance is known
+
+/// The score test of what `explained` has beyond the model, against the variance that would be left.
+GroupTest model_test(const std::string& name, double explained, double freedom, const TagBlockResult& result) {
+  GroupTest test;
+  test.group = name;
+  test.factor =
+      explained / freedom / ((result.weighted_sum_of_squares - explained) / (result.degrees_of_freedom - freedom));
+  test.limit = chi_squared_quantile(1 - test_level, freedom) / freedom;
+  test.passed = test.factor <= test.limit;
+  return test;
+}
+
+/// `camera`: its name, if there are several.
+void add_distance_terms(const bundle::ScoreTest& score, int index, const std::string& camera, TagBlockResult& result) {
+  const auto explained = score.by(bundle::Kind::camera, index);
+  if (!std::isfinite(explained.decrease)) return;  // one distance: nothing to tell
+  const std::string of = camera.empty() ? "" : " of " + camera;
+  GroupTest test = model_test("distortion at all distances" + of, explained.decrease, 2, result);
+  char figure[160];
+  std::snprintf(figure, sizeof figure, " (test value %.1f, at most %.1f)", test.factor, test.limit);
+  if (!test.passed)
+    test.words = "the lens' distortion" + of + " changes with the distance" + std::string(figure) +
+                 ": add d1 and d2 to free_interior";
+  result.models.push_back(test);
+}
+
+void add_principal_points(const bundle::ScoreTest& score, TagBlockResult& result) {
+  const auto explained = score.by(bundle::Kind::shift);
+  if (!std::isfinite(explained.decrease)) return;
+  const auto freedom = static_cast<double>(explained.step.size());
+  GroupTest test = model_test("one principal point", explained.decrease, freedom, result);
+  char figure[200];
+  std::snprintf(figure, sizeof figure, " (test value %.1f, at most %.1f), rms %.2g px: set image_principal_point_sigma",
+                test.factor, test.limit, std::sqrt(explained.step.squaredNorm() / freedom));
+  if (!test.passed) test.words = "the images have principal points of their own" + std::string(figure);
+  result.models.push_back(test);
+}
+
+}  // namespace
+
+std::optional<RejectedControl> worst_control(const TagModel& model, const TagStart& start,
+                                             const bundle::Adjusted& adjusted) {
+  constexpr double level = 1e-3;       // over all points
+  constexpr double controlled = 0.01;  // part of an error that has to show
+  const size_t count = model.control_plates.size();
+  if (model.control_term < 0 || count < 4) return std::nullopt;
+  const size_t term = static_cast<size_t>(model.control_term);
+  const auto quality = adjusted.cofactors->known(adjusted.state, term);
+  const Eigen::MatrixXd& whitening = model.problem.known[term].whitening;
+  RejectedControl worst;
+  for (size_t k = 0; k < count; ++k) {
+    const Eigen::MatrixXd b = whitening.middleCols<3>(static_cast<Eigen::Index>(3 * k));
+    const Eigen::Matrix3d seen = b.transpose() * quality.residual_cofactor * b, weight = b.transpose() * b;
+    const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix3d> shown(seen, weight, Eigen::EigenvaluesOnly);
+    if (!(shown.eigenvalues()(0) > controlled)) continue;
+    const Eigen::Vector3d pull = b.transpose() * quality.rows.residual, off = -seen.llt().solve(pull);
+    const double test = -pull.dot(off);
+    if (!(test > worst.test)) continue;
+    worst.plate = start.plates[static_cast<size_t>(model.control_plates[k])];
+    worst.off = off;
+    worst.test = test;
+  }
+  worst.limit = chi_squared_quantile(1 - level / static_cast<double>(count), 3);
+  return worst.test > worst.limit ? std::make_optional(worst) : std::nullopt;
+}
+
+WithheldControl withheld_control(const TagModel& model, const TagStart& start, const bundle::Adjusted& adjusted,
+                                 const std::vector<int>& plates) {
+  constexpr double determined = 1e-6;  // part of an error that shows in the residuals; rounding leaves 1e-12
+  WithheldControl result;
+  std::vector<int> columns;
+  for (size_t k = 0; k < model.control_plates.size(); ++k) {
+    const int plate = start.plates[static_cast<size_t>(model.control_plates[k])];
+    if (std::find(plates.begin(), plates.end(), plate) == plates.end()) continue;
+    result.plates.push_back(plate);
+    for (int c = 0; c < 3; ++c) columns.push_back(3 * static_cast<int>(k) + c);
+  }
+  if (result.plates.empty()) {
+    result.undetermined = "none of its points is control that the images show";
+    return result;
+  }
+  const size_t term = static_cast<size_t>(model.control_term);
+  const auto quality = adjusted.cofactors->known(adjusted.state, term);
+  const Eigen::MatrixXd b = model.problem.known[term].whitening(Eigen::all, columns);
+  const Eigen::MatrixXd seen = b.transpose() * quality.residual_cofactor * b, weight = b.transpose() * b;
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> shown(seen, weight, Eigen::EigenvaluesOnly);
+  if (!(shown.eigenvalues()(0) > determined)) {
+    result.undetermined = "without its points the control does not hold the block";
+    return result;
+  }
+  const Eigen::LLT<Eigen::MatrixXd> factor(seen);
+  result.off = -factor.solve(b.transpose() * quality.rows.residual);
+  result.covariance = factor.solve(Eigen::MatrixXd::Identity(seen.rows(), seen.cols()));
+  return result;
+}
+
+void test_models(const TagBlockOptions& options, const TagModel& model, const bundle::Adjusted& adjusted,
+                 TagBlockResult& result) {
+  constexpr int d1 = BrownCamera::parameter_count;
+  constexpr double anywhere = 100;  // [px] so far the prior says next to nothing, and cx, cy keep the mean
+  if (!options.self_calibration) return;
+  bundle::Problem larger = model.problem;
+  bundle::State state = model.state;
+  const size_t images = larger.images.size();
+  std::vector<int> distances;
+  for (size_t c = 0; c < larger.cameras.size() && result.degrees_of_freedom - 2 >= least_redundancy; ++c) {
+    auto& free = larger.cameras[c].free;
+    if (free[d1] || free[d1 + 1]) continue;
+    free[d1] = free[d1 + 1] = true;
+    distances.push_back(static_cast<int>(c));
+  }
+  const bool points = !(options.image_principal_point_sigma > 0) && images <= most_images &&
+                      result.degrees_of_freedom - 2.0 * static_cast<double>(images) >= least_redundancy;
+  if (distances.empty() && !points) return;
+  if (points) free_principal_points(anywhere, larger, state);
+  const bundle::ScoreTest score(model.problem, larger, state, *adjusted.elimination);
+  for (int c : distances)
+    add_distance_terms(score, c, larger.cameras.size() > 1 ? larger.cameras[static_cast<size_t>(c)].name : "", result);
+  if (points) add_principal_points(score, result);
+}
+
+void test_groups(const TagBlock& block, TagBlockResult& result) {
+  const std::string interior = "interior prior";
+  for (const auto& group : result.groups) {
+    if (!(group.redundancy > 0.1)) continue;
+    GroupTest test;
+    test.group = group.name;
+    test.factor = group.factor;
+    char figure[160];
+    if (group.name == "images") {
+      test.factor *= result.image_variance_factor;
+      test.limit = largest_image_factor;
+      std::snprintf(figure, sizeof figure, "the tags fit %.1f times worse than the detector says of its corners",
+                    std::sqrt(test.factor));
+      test.words = std::string(figure) + ": camera model or calibration, tag size or plate table are wrong";
+    } else {
+      test.limit = chi_squared_quantile(1 - test_level, group.redundancy) / group.redundancy;
+      std::snprintf(figure, sizeof figure, " (variance factor %.3g, expected 1, at most %.2f)", test.factor,
+                    test.limit);
+      test.words =
+          (group.name == "control"
+               ? "images and survey contradict each other far beyond the survey's standard deviations"
+           : group.name.starts_with(interior)
+               ? "the images contradict the " +
+                     (group.name == interior ? "camera's calibration"
+                                             : "calibration of camera " + group.name.substr(interior.size() + 4)) +
+                     " far beyond its sigmas: wrong calibration, lens or focus"
+           : group.name == "tag scale prior" ? "the tags are not of the size given, or not all of one where none is: "
+                                               "printed at another scale, or measured wrong"
+                                             : "the images contradict the " + group.name) +
+          std::string(figure);
+    }
+    test.passed = test.factor <= test.limit;
+    if (group.name == "control" && !test.passed) test.words += control_in_words(block, result);
+    if (test.passed) test.words.clear();
+    result.tests.push_back(test);
+  }
+}
+
+}  // namespace plumbline::block

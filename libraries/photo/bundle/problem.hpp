@@ -1,0 +1,177 @@
+// The one block model: images of several cameras that see points, targets and marker plates, with what else is known of
+// them (distances, coordinates, calibrations, printed sizes). Every reader and every front-end ends in a Problem and a
+// State; every adjuster starts from them. Nothing here solves anything.
+//
+// Units: object space in m, rotations in rad, image coordinates in what the camera's lens model uses (px or mm).
+// Frames: object space is a local frame: coordinates of a site with seven digits are to be shifted by whole metres
+// first. A pose maps x_camera = R (X − C).
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <array>
+#include <string>
+#include <vector>
+
+#include "geometry/marker_plate.hpp"
+#include "photo/bundle/lens.hpp"
+
+namespace plumbline::bundle {
+
+struct Camera {
+  std::string name;
+  Lens lens = Lens::brown;
+  double balance_radius = 0;  ///< [mm], balanced model only
+  std::vector<bool> free;     ///< which of the lens' values are unknown
+  /// 1/Z0 [1/m] of a distortion that depends on the distance, see lens.hpp; 0: its coefficients are those at infinity.
+  double inverse_reference = 0;
+};
+
+struct Image {
+  std::string name;
+  int camera = 0;
+  bool fixed = false;       ///< the pose is known exactly
+  bool shift_free = false;  ///< the image has a principal point of its own
+};
+
+struct Point {
+  std::string name;
+  bool fixed = false;  ///< the coordinates are known exactly
+};
+
+/// A plate is a body of six unknowns: its anchor and its rotation.
+struct Plate {
+  std::string name;
+  MarkerPlate shape;
+  int batch = 0;
+};
+
+/// Tags printed together share a relative size and an inset of their detected edges.
+struct Batch {
+  std::string name;
+  bool scale_free = false, inset_free = false;
+};
+
+/// What an unknown belongs to.
+enum class Kind { image, point, plate, camera, scale, inset, shift };
+constexpr int kind_count = 7;
+struct Ref {
+  Kind kind;
+  int index;
+};
+
+/// Whitening W of an observation with covariance Σ: WᵀW = Σ⁻¹.
+struct ImagePoint {
+  int image = 0, point = 0;
+  Eigen::Vector2d observed = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d whitening = Eigen::Matrix2d::Identity();
+  int group = 0;
+  bool robust = false;
+};
+
+struct ImageTag {
+  int image = 0, plate = 0;
+  std::array<Eigen::Vector2d, 4> corners;  ///< libapriltag's order, see geometry/marker_plate.hpp
+  std::array<Eigen::Matrix2d, 4> whitening;
+  int group = 0;
+  bool robust = false;
+  int inset = -1;  ///< the batch whose inset the detector drew here; −1: that of the plate
+};
+
+/// A known distance between two bodies (points, or anchors of plates).
+struct Distance {
+  std::string name;
+  Ref from{Kind::point, 0}, to{Kind::point, 0};
+  double length = 0, sigma = 0;  ///< [m]
+  int group = 0;
+};
+
+/// W (x − target) over coordinates of a few refs: three of a point, of a plate's anchor or of an image's projection
+/// centre, all values of a camera, one of a scale or an inset, two of an image's shift. Known coordinates with their
+/// full covariance, the calibration of a camera, a printed size.
+struct Known {
+  std::vector<Ref> refs;
+  Eigen::VectorXd target;
+  Eigen::MatrixXd whitening;
+  int group = 0;
+};
+
+struct Group {
+  std::string name;
+  double sigma_factor = 1;  ///< multiplies all a priori standard deviations of the group
+};
+
+struct Problem {
+  std::vector<Camera> cameras;
+  std::vector<Image> images;
+  std::vector<Point> points;
+  std::vector<Plate> plates;
+  std::vector<Batch> batches;
+  std::vector<ImagePoint> image_points;
+  std::vector<ImageTag> image_tags;
+  std::vector<Distance> distances;
+  std::vector<Known> known;
+  std::vector<Group> groups;
+
+  int row_count() const;
+  /// Throws std::runtime_error for an index out of its range or a whitening of the wrong size.
+  void require_consistent() const;
+};
+
+/// Rotation and position: cam_from_world and projection centre of an image, world_from_plate and anchor of a plate.
+struct Placement {
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d matrix = Eigen::Matrix3d::Identity();  ///< of `rotation`; kept by set()
+  void set(const Eigen::Quaterniond& q, const Eigen::Vector3d& p) {
+    rotation = q.normalized();
+    position = p;
+    matrix = rotation.toRotationMatrix();
+  }
+};
+
+using Interior = std::array<double, max_interior>;
+
+/// The values of all unknowns.
+struct State {
+  std::vector<Placement> images;  ///< cam_from_world, projection centre
+  std::vector<Eigen::Vector3d> points;
+  std::vector<Placement> plates;  ///< world_from_plate, anchor
+  std::vector<Interior> interiors;
+  std::vector<double> scales, insets;  ///< one a batch: size over nominal, inset [px]
+  /// One an image, or none at all: principal point minus that of its camera, in the image's unit.
+  std::vector<Eigen::Vector2d> shifts = {};
+  Eigen::Vector2d shift(int image) const {
+    return shifts.empty() ? Eigen::Vector2d(0, 0) : shifts[static_cast<size_t>(image)];
+  }
+};
+
+/// Blocks of unknowns and their numbers. A block is what belongs to one Ref: six of an image (position, then a rotation
+/// vector in the camera frame on top of the rotation), three of a point, six of a plate (anchor, rotation vector in the
+/// object frame), the free values of a camera, one of a scale or an inset, two of the shift of an image's principal
+/// point. What is held has a block of size 0.
+class Layout {
+ public:
+  explicit Layout(const Problem& problem);
+  int block_count() const { return static_cast<int>(sizes_.size()); }
+  int unknown_count() const { return offsets_.back(); }
+  int block(Ref ref) const { return first_[static_cast<size_t>(ref.kind)] + ref.index; }
+  Ref ref(int block) const;
+  int size(int block) const { return sizes_[static_cast<size_t>(block)]; }
+  int offset(int block) const { return offsets_[static_cast<size_t>(block)]; }
+  /// Values of the camera that are unknowns, in their order.
+  const std::vector<int>& free_values(int camera) const { return free_values_[static_cast<size_t>(camera)]; }
+
+ private:
+  std::array<int, kind_count + 1> first_{};
+  std::vector<int> sizes_, offsets_;
+  std::vector<std::vector<int>> free_values_;
+};
+
+/// Adds a step in all unknowns (see Layout) to the state.
+void apply_step(const Problem& problem, const Layout& layout, const Eigen::VectorXd& step, State& state);
+
+/// "x of point 12", "rotation of image 3", "k1 of camera c" — for messages.
+std::string name_of_unknown(const Problem& problem, const Layout& layout, int unknown);
+
+}  // namespace plumbline::bundle

@@ -1,0 +1,340 @@
+#include "photo/detect/board.hpp"
+
+#include <yaml-cpp/yaml.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
+#include <stdexcept>
+
+#include "base/text/one_document.hpp"
+#include "photo/detect/aruco_detector.hpp"
+#include "photo/detect/board_geometry.hpp"
+#include "photo/detect/chessboard.hpp"
+#include "photo/detect/one_thread.hpp"
+#include "photo/detect/tag_grid.hpp"
+#include "photo/images/grey_image.hpp"
+
+namespace plumbline::detect {
+namespace {
+
+[[noreturn]] void refuse(const std::string& file, const std::string& what) {
+  throw std::runtime_error(
+      file + ": " + what +
+      ". A board file has type (chessboard, charuco or tags), columns, rows, square [m], marker [m], "
+      "gap [m], dictionary and first_id; docs/photographs.md has an example of each");
+}
+
+YAML::Node value(const YAML::Node& root, std::initializer_list<const char*> names) {
+  for (const char* name : names)
+    if (root[name]) return root[name];
+  return YAML::Node(YAML::NodeType::Undefined);
+}
+
+double length(const YAML::Node& root, const std::string& file, std::initializer_list<const char*> names,
+              double fallback) {
+  const YAML::Node node = value(root, names);
+  if (!node.IsDefined()) return fallback;
+  const double metres = node.as<double>(std::nan(""));
+  if (!(metres > 0))
+    refuse(file,
+           std::string("'") + *names.begin() + "' is '" + node.as<std::string>("") + "', expected a length in metres");
+  if (metres > 2)
+    refuse(file, std::string("'") + *names.begin() + "' is " + node.as<std::string>("") +
+                     " m; lengths are in metres: 0.025 for 25 mm");
+  return metres;
+}
+
+int whole(const YAML::Node& root, const std::string& file, std::initializer_list<const char*> names, int fallback,
+          int least) {
+  const YAML::Node node = value(root, names);
+  const int number = node.IsDefined() ? node.as<int>(-1) : fallback;
+  if (number < least || number > 1000)
+    refuse(file, std::string("'") + *names.begin() + "' is " +
+                     (node.IsDefined() ? "'" + node.as<std::string>("") + "'" : "missing") +
+                     ", expected a whole number of at least " + std::to_string(least));
+  return number;
+}
+
+BoardKind kind_of(const YAML::Node& root, const std::string& file) {
+  const YAML::Node node = value(root, {"type", "target_type", "pattern", "board"});
+  if (!node.IsDefined()) refuse(file, "'type' is missing");
+  std::string name;
+  for (const char c : node.as<std::string>("")) name += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (name == "chessboard" || name == "checkerboard") return BoardKind::chessboard;
+  if (name == "charuco") return BoardKind::charuco;
+  if (name == "tags" || name == "aprilgrid" || name == "grid" || name == "aruco" || name == "tag_grid")
+    return BoardKind::tags;
+  if (name.find("circle") != std::string::npos)
+    refuse(file, "'type' is '" + name +
+                     "': grids of circles are not measured, because the image of a circle's centre is not the centre "
+                     "of its image. Print a chessboard or a ChArUco board");
+  refuse(file, "'type' is '" + name + "'");
+}
+
+TagDictionary dictionary_of(const YAML::Node& root, const std::string& file, const char* fallback) {
+  const YAML::Node node = value(root, {"dictionary", "family", "dict"});
+  const std::string name = node.IsDefined() ? node.as<std::string>("") : fallback;
+  const size_t slash = file.find_last_of('/');
+  const std::string path =
+      name.empty() || name[0] == '/' || slash == std::string::npos ? name : file.substr(0, slash + 1) + name;
+  std::ifstream stream(path, std::ios::binary);
+  if (name.find_first_of("./") != std::string::npos && stream)
+    return parse_dictionary({std::istreambuf_iterator<char>(stream), {}}, path);
+  try {
+    return builtin_dictionary(name);
+  } catch (const std::runtime_error& error) {
+    refuse(file, error.what());
+  }
+}
+
+/// Centres of a ChArUco board's markers by id. `legacy`: the top left square holds a marker, as OpenCV before 4.6 drew
+/// boards with an even number of rows.
+std::map<int, Eigen::Vector2d> charuco_markers(const Board& board, bool legacy) {
+  std::map<int, Eigen::Vector2d> centres;
+  int id = board.first_id;
+  for (int row = 0; row < board.rows; ++row)
+    for (int column = 0; column < board.columns; ++column)
+      if ((row + column) % 2 == (legacy ? 0 : 1))
+        centres[id++] = {(column + 0.5) * board.square, -(row + 0.5) * board.square};
+  return centres;
+}
+
+/// Squares per unit of length: homographies work best near 1.
+struct Layout {
+  bool legacy = false;
+  double misfit = 1e9;  ///< of the median marker [px]
+  double score = 1e9;   ///< mean over all markers, each bounded: every other row alone fits the wrong layout exactly
+  Eigen::Matrix3d onto_image = Eigen::Matrix3d::Identity();
+};
+
+/// Corners of markers that are drawn turned, all alike (OpenCV draws libapriltag's families upside down), get the order
+/// that they have on the board.
+void turn_alike(std::vector<DetectedTag>& tags, const std::map<int, Eigen::Vector2d>& centres,
+                const Eigen::Matrix3d& onto_image, const Board& board) {
+  const double h = 0.5 * board.marker;
+  const Eigen::Vector2d offsets[] = {{-h, -h}, {h, -h}, {h, h}, {-h, h}};
+  std::vector<TagCorners> expected, seen;
+  for (const auto& tag : tags) {
+    const auto at = centres.find(tag.id);
+    if (at == centres.end()) continue;
+    TagCorners& corners = expected.emplace_back();
+    for (size_t k = 0; k < 4; ++k) corners[k] = mapped(onto_image, (at->second + offsets[k]) / board.square);
+    seen.push_back(tag.corners);
+  }
+  const int quarter = turn_of(expected, seen).quarter;
+  for (auto& tag : tags) std::rotate(tag.corners.begin(), tag.corners.begin() + (4 - quarter) % 4, tag.corners.end());
+}
+
+SeenBoard find_charuco(const GreyImage& image, const cv::Mat& view, const Board& board) {
+  SeenBoard seen;
+  ArucoOptions options;
+  options.refinement = Refinement::apriltag;
+  options.limit = LikenessLimit{};  // the board's geometry tells what does not belong to it
+  const auto found = ArucoDetector(board.dictionary, options).detect(image);
+  const size_t expected = charuco_markers(board, false).size();
+  const SingleTags once = single_tags(found, board.first_id, static_cast<int>(expected) + 1);
+  if (!once.problem.empty()) {
+    seen.problem = once.problem;
+    return seen;
+  }
+  auto tags = once.tags;
+  const size_t known = tags.size();
+  if (known < 4) {
+    seen.problem = std::to_string(known) + " of the board's " + std::to_string(expected) + " markers were found (" +
+                   std::to_string(found.size()) + " tags of " + board.dictionary.name +
+                   " in all), needed are 4; check the "
+                   "dictionary and first_id, or photograph it larger and sharper";
+    return seen;
+  }
+  Layout best;
+  for (const bool legacy : {false, true}) {
+    const auto centres = charuco_markers(board, legacy);
+    std::vector<cv::Point2f> from, to;
+    for (const auto& tag : tags)
+      if (const auto at = centres.find(tag.id); at != centres.end()) {
+        from.push_back(point(at->second / board.square));
+        to.push_back(point(0.25 * (tag.corners[0] + tag.corners[1] + tag.corners[2] + tag.corners[3])));
+      }
+    if (from.size() < 4) continue;
+    const Eigen::Matrix3d h = homography(from, to, cv::RANSAC);
+    if (!h.allFinite()) continue;
+    std::vector<double> misfits;
+    for (size_t i = 0; i < from.size(); ++i)
+      misfits.push_back((mapped(h, {static_cast<double>(from[i].x), static_cast<double>(from[i].y)}) -
+                         Eigen::Vector2d(static_cast<double>(to[i].x), static_cast<double>(to[i].y)))
+                            .norm());
+    std::nth_element(misfits.begin(), misfits.begin() + static_cast<std::ptrdiff_t>(misfits.size() / 2), misfits.end());
+    const double bound = 0.01 * std::max(image.width, image.height);
+    double score = 0;
+    for (const double m : misfits) score += std::min(m, bound) / static_cast<double>(misfits.size());
+    if (score < best.score) best = {legacy, misfits[misfits.size() / 2], score, h};
+  }
+  if (best.misfit > 0.01 * std::max(image.width, image.height)) {
+    seen.problem = "the markers are not where the board file has them: they miss their squares by " +
+                   std::to_string(best.misfit) + " px; check columns, rows and first_id";
+    return seen;
+  }
+  const auto centres = charuco_markers(board, best.legacy);
+  turn_alike(tags, centres, best.onto_image, board);
+  std::map<int, const DetectedTag*> by_id;
+  for (const auto& tag : tags) by_id[tag.id] = &tag;
+  // Each inner corner from the markers around it: over a few squares a lens is as good as straight.
+  std::vector<cv::Point2f> corners;
+  std::vector<SeenPoint> points;
+  double smallest_square = 1e9;
+  const double free = 0.45 * (1 - board.marker / board.square);  // of a square: what holds no part of a marker
+  for (int row = 1; row < board.rows; ++row)
+    for (int column = 1; column < board.columns; ++column) {
+      const Eigen::Vector2d at(column * board.square, -row * board.square);
+      std::vector<cv::Point2f> from, to;
+      bool beside = false;
+      for (const auto& [id, centre] : centres) {
+        const auto tag = by_id.find(id);
+        const double distance = (centre - at).norm() / board.square;
+        if (tag == by_id.end() || distance > 2.2) continue;
+        beside = beside || distance < 0.8;
+        const double h = 0.5 * board.marker;
+        const Eigen::Vector2d offsets[] = {{-h, -h}, {h, -h}, {h, h}, {-h, h}};
+        for (size_t k = 0; k < 4; ++k) {
+          from.push_back(point((centre + offsets[k]) / board.square));
+          to.push_back(point(tag->second->corners[k]));
+        }
+      }
+      if (!beside || from.size() < 8) continue;
+      const Eigen::Matrix3d h = homography(from, to, 0);
+      if (!h.allFinite()) continue;
+      const Eigen::Vector2d pixel = mapped(h, at / board.square);
+      const double square = std::min((mapped(h, at / board.square + Eigen::Vector2d(1, 0)) - pixel).norm(),
+                                     (mapped(h, at / board.square + Eigen::Vector2d(0, 1)) - pixel).norm());
+      const double margin = 0.3 * square;
+      if (!(pixel.x() > margin && pixel.y() > margin && pixel.x() < image.width - 1 - margin &&
+            pixel.y() < image.height - 1 - margin))
+        continue;
+      smallest_square = std::min(smallest_square, square);
+      std::vector<cv::Point2f> corner{point(pixel)};
+      const int window = std::clamp(static_cast<int>(free * square), 2, 11);
+      cv::cornerSubPix(view, corner, {window, window}, {-1, -1},
+                       cv::TermCriteria(cv::TermCriteria::EPS + cv::TermCriteria::COUNT, 60, 0.001));
+      corners.push_back(corner.front());
+      points.push_back({(row - 1) * (board.columns - 1) + column - 1, {at.x(), at.y(), 0}, pixel, 0.1});
+    }
+  if (points.size() < 6) {
+    seen.problem = std::to_string(points.size()) + " inner corners have a marker beside them, needed are 6";
+    return seen;
+  }
+  std::vector<cv::Point2f> from, to;
+  for (size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector2d refined(static_cast<double>(corners[i].x), static_cast<double>(corners[i].y));
+    if ((refined - points[i].pixel).norm() > std::max(1.5, 0.15 * smallest_square)) continue;
+    points[i].pixel = refined;
+    seen.points.push_back(points[i]);
+    from.push_back(point(refined)), to.push_back(point(points[i].board.head<2>() / board.square));
+  }
+  if (seen.points.size() < 6) {
+    seen.problem =
+        "only " + std::to_string(seen.points.size()) + " inner corners could be measured; the photograph is blurred";
+    seen.points.clear();
+    return seen;
+  }
+  const Eigen::Matrix3d back = homography(from, to, 0);
+  double ratio = 0;
+  size_t measured = 0;
+  for (const auto& tag : tags) {
+    if (!centres.count(tag.id) || !back.allFinite()) continue;
+    std::array<Eigen::Vector2d, 4> on_board;
+    for (size_t k = 0; k < 4; ++k) on_board[k] = mapped(back, tag.corners[k]);
+    ratio += side(on_board), ++measured;
+  }
+  if (measured) seen.marker_ratio = ratio / static_cast<double>(measured);
+  if (!(seen.marker_ratio > 0.05 && seen.marker_ratio < 1.2)) {
+    seen.points.clear();
+    seen.marker_ratio = std::nan("");
+    seen.problem = "the markers are not where a board of " + std::to_string(board.columns) + " x " +
+                   std::to_string(board.rows) +
+                   " squares has them; check columns and rows (are they exchanged?) and first_id";
+  }
+  return seen;
+}
+
+}  // namespace
+
+std::string Board::words() const {
+  const auto mm = [](double metres) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.5g mm", 1e3 * metres);
+    return std::string(text);
+  };
+  const std::string size = std::to_string(columns) + " x " + std::to_string(rows);
+  if (kind == BoardKind::chessboard) return "chessboard of " + size + " inner corners, squares " + mm(square);
+  if (kind == BoardKind::charuco)
+    return "ChArUco board of " + size + " squares of " + mm(square) + ", markers " + mm(marker) + ", " +
+           dictionary.name;
+  return "grid of " + size + " tags of " + mm(marker) + ", gap " + mm(gap) + ", " + dictionary.name;
+}
+
+Board parse_board(const std::string& text, const std::string& file) {
+  YAML::Node root;
+  try {
+    root = text::load_one_document(text);
+  } catch (const YAML::Exception& error) {
+    refuse(file, "neither YAML nor JSON (line " + std::to_string(error.mark.line + 1) + ": " + error.msg + ")");
+  }
+  if (!root.IsMap()) refuse(file, "holds no keys");
+  Board board;
+  board.kind = kind_of(root, file);
+  board.columns =
+      whole(root, file, {"columns", "cols", "squares_x", "squaresX", "targetCols", "tagCols", "width"}, -1, 2);
+  board.rows = whole(root, file, {"rows", "squares_y", "squaresY", "targetRows", "tagRows", "height"}, -1, 2);
+  board.first_id = whole(root, file, {"first_id", "start_id", "tagStartId"}, 0, 0);
+  board.square = length(root, file, {"square", "square_size", "square_length", "squareLength", "colSpacingMeters"}, 0);
+  board.square_y = length(root, file, {"square_y", "rowSpacingMeters"}, board.square);
+  board.marker =
+      length(root, file, {"marker", "marker_size", "marker_length", "markerLength", "tag_size", "tagSize", "size"}, 0);
+  board.gap = length(root, file, {"gap", "separation", "marker_separation", "markerSeparation"}, 0);
+  if (root["tagSpacing"]) board.gap = root["tagSpacing"].as<double>(0) * board.marker, board.ids_from_bottom = true;
+  if (board.kind != BoardKind::tags && !(board.square > 0))
+    refuse(file, "'square' is missing: the edge of a square in metres");
+  if (board.kind == BoardKind::chessboard) return board;
+  if (!(board.marker > 0)) refuse(file, "'marker' is missing: the edge of a marker in metres");
+  if (board.kind == BoardKind::charuco && board.marker >= board.square)
+    refuse(file, "the markers are not smaller than the squares (" + std::to_string(board.marker) + " m, " +
+                     std::to_string(board.square) + " m)");
+  if (board.kind == BoardKind::tags && !(board.gap > 0))
+    refuse(file, "'gap' is missing: the space between two tags in metres");
+  board.dictionary = dictionary_of(root, file, root["target_type"] ? "tag36h11b2" : "");
+  const int needed = board.kind == BoardKind::charuco ? board.columns * board.rows / 2 : board.columns * board.rows;
+  if (board.first_id + needed > 1 + *std::max_element(board.dictionary.ids.begin(), board.dictionary.ids.end()))
+    refuse(file, "the board has " + std::to_string(needed) + " markers from number " + std::to_string(board.first_id) +
+                     ", but " + board.dictionary.name + " ends at " +
+                     std::to_string(*std::max_element(board.dictionary.ids.begin(), board.dictionary.ids.end())));
+  return board;
+}
+
+SeenBoard find_board(const GreyImage& image, const Board& board) {
+  if (image.width < 32 || image.height < 32) {
+    SeenBoard seen;
+    seen.problem = "the photograph is too small";
+    return seen;
+  }
+  keep_opencv_to_one_thread();
+  if (board.kind == BoardKind::chessboard) {
+    return find_chessboard(image, board);
+  }
+  const auto find = [&](const GreyImage& grey) {
+    const cv::Mat pixels(grey.height, grey.width, CV_8UC1, const_cast<std::uint8_t*>(grey.pixels.data()));
+    return board.kind == BoardKind::charuco ? find_charuco(grey, pixels, board) : find_tags(grey, board);
+  };
+  const SeenBoard seen = find(image);
+  if (!seen.points.empty()) return seen;
+  GreyImage negative = image;  // boards are also printed white on black
+  for (auto& pixel : negative.pixels) pixel = static_cast<std::uint8_t>(255 - pixel);
+  const SeenBoard inverted = find(negative);
+  return inverted.points.empty() ? seen : inverted;
+}
+
+}  // namespace plumbline::detect

@@ -1,0 +1,120 @@
+#include "photo/markers/calibration_parts.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <stdexcept>
+
+#include "geometry/median.hpp"
+#include "photo/markers/marker_truth.hpp"
+#include "plumbline/stop.hpp"
+
+namespace plumbline::markers {
+namespace {
+
+double median_of_finite(std::vector<double> values) {
+  std::erase_if(values, [](double v) { return !std::isfinite(v); });
+  return upper_median(std::move(values));
+}
+
+/// The parts calibrated, first and second; nothing if one is too small or cannot be.
+std::optional<std::array<Calibration, 2>> calibrate_parts(const std::vector<CalibrationView>& views,
+                                                          const std::vector<bool>& second,
+                                                          const CalibrationOptions& options, const BrownCamera& size,
+                                                          std::size_t fewest) {
+  std::array<std::vector<CalibrationView>, 2> parts;
+  for (std::size_t i = 0; i < views.size(); ++i) parts[second[i] ? 1 : 0].push_back(views[i]);
+  if (parts[0].size() < fewest || parts[1].size() < fewest) return std::nullopt;
+  try {
+    return std::array{calibrate(parts[0], size.width, size.height, options),
+                      calibrate(parts[1], size.width, size.height, options)};
+  } catch (const Stopped&) {
+    throw;
+  } catch (const std::runtime_error&) {
+    return std::nullopt;  // part of the photographs may be too few
+  }
+}
+
+CalibrationParts compare(const std::string& split, const Calibration& a, const Calibration& b) {
+  CalibrationParts parts;
+  parts.split = split;
+  const auto ua = projection_uncertainty(a.camera, a.covariance, map_columns, map_rows),
+             ub = projection_uncertainty(b.camera, b.covariance, map_columns, map_rows);
+  std::vector<double> expected;
+  for (std::size_t i = 0; i < ua.size(); ++i) expected.push_back(std::hypot(ua[i], ub[i]));
+  parts.difference = median_of_finite(projection_difference(a.camera, b.camera, map_columns, map_rows));
+  parts.expected = median_of_finite(expected);
+  const auto first = a.camera.parameters(), other = b.camera.parameters();
+  std::vector<int> both;
+  for (int k = 0; k < BrownCamera::parameter_count; ++k)
+    if (a.covariance(k, k) > 0 && b.covariance(k, k) > 0) both.push_back(k);
+  parts.freedom = static_cast<int>(both.size());
+  Eigen::VectorXd d(parts.freedom);
+  for (std::size_t i = 0; i < both.size(); ++i) {
+    const auto k = static_cast<std::size_t>(both[i]);
+    d(static_cast<Eigen::Index>(i)) = other[k] - first[k];
+  }
+  const Eigen::MatrixXd sum = a.covariance(both, both) + b.covariance(both, both);
+  parts.statistic = d.dot(sum.ldlt().solve(d));
+  return parts;
+}
+
+/// Places along the longest axis of all: whether each lies beyond the middle one.
+std::vector<bool> from_one_side(const Calibration& all) {
+  std::vector<Eigen::Vector3d> centres;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const CalibratedView& view : all.views) {
+    centres.push_back(view.cam_from_board.inverse().translation);
+    mean += centres.back() / static_cast<double>(all.views.size());
+  }
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (const Eigen::Vector3d& c : centres) spread += (c - mean) * (c - mean).transpose();
+  const Eigen::Vector3d axis = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors().col(2);
+  std::vector<double> along;
+  for (const Eigen::Vector3d& c : centres) along.push_back(axis.dot(c - mean));
+  const double middle = upper_median(along);
+  std::vector<bool> second;
+  for (const double value : along) second.push_back(value >= middle);
+  return second;
+}
+
+}  // namespace
+
+std::vector<CalibrationParts> compare_parts(const std::vector<CalibrationView>& views,
+                                            const CalibrationOptions& options, const Calibration& all) {
+  constexpr std::size_t fewest = 4;
+  std::vector<bool> every_second(views.size()), late(views.size());
+  const std::vector<int>& by_name = all.truth.evidence.members;
+  for (std::size_t k = 0; k < by_name.size(); ++k) {
+    every_second[static_cast<std::size_t>(by_name[k])] = k % 2 == 1;
+    late[static_cast<std::size_t>(by_name[k])] = k >= by_name.size() / 2;
+  }
+  std::vector<CalibrationParts> result;
+  for (const auto& [split, second] : {std::pair("every second photograph and the others", every_second),
+                                      std::pair("the first and the second half of the photographs", late),
+                                      std::pair("the photographs from either side", from_one_side(all))})
+    if (const auto parts = calibrate_parts(views, second, options, all.camera, fewest))
+      result.push_back(compare(split, (*parts)[0], (*parts)[1]));
+  return result;
+}
+
+std::string as_two_cameras(const std::vector<CalibrationView>& views, const CalibrationOptions& options,
+                           const Calibration& all) {
+  const auto& change = all.truth.change;
+  if (!change || !divides(*change)) return "";
+  std::vector<bool> second(views.size());
+  for (const int k : change->second)
+    second[static_cast<std::size_t>(all.truth.evidence.members[static_cast<std::size_t>(k)])] = true;
+  const auto parts = calibrate_parts(views, second, options, all.camera, 3);
+  if (!parts) return "";
+  const auto& [a, b] = *parts;
+  const double rms =
+      std::sqrt((a.rms * a.rms * a.observations + b.rms * b.rms * b.observations) / (a.observations + b.observations));
+  return as_two_cameras(a.camera, std::sqrt(a.covariance(0, 0)), b.camera, std::sqrt(b.covariance(0, 0)), rms, all.rms);
+}
+
+}  // namespace plumbline::markers

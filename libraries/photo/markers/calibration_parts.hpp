@@ -1,0 +1,31 @@
+// Parts of the photographs of a board calibrated by themselves, against each other.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "photo/markers/calibration.hpp"
+
+namespace plumbline::markers {
+
+struct CalibrationParts {
+  std::string split;                                          ///< "every second photograph and the others"
+  double difference = std::nan(""), expected = std::nan("");  ///< medians over the image [px]
+  double statistic =
+      0;  ///< d' (Σ₁ + Σ₂)⁻¹ d of all parameters that both estimate: chi-squared if the covariances are true
+  int freedom = 0;
+};
+
+constexpr int map_columns = 25, map_rows = 19;  ///< of maps over the image
+
+/// Every second photograph, the first half by name, and those from one side, each against the rest. Parts of fewer than
+/// four photographs, and those that cannot be calibrated, are left out. Takes three times as long as the calibration.
+std::vector<CalibrationParts> compare_parts(const std::vector<CalibrationView>& views,
+                                            const CalibrationOptions& options, const Calibration& all);
+
+/// Where the photographs are of two cameras (all.truth.change): "as two cameras, fx ..., they fit to ..."; empty where
+/// there is no such change, or a part cannot be calibrated by itself.
+std::string as_two_cameras(const std::vector<CalibrationView>& views, const CalibrationOptions& options,
+                           const Calibration& all);
+
+}  // namespace plumbline::markers

@@ -1,0 +1,194 @@
+// What is said of cameras that change and of photographs that scatter.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "photo/markers/camera_changes.hpp"
+
+namespace plumbline::markers {
+namespace {
+
+using Split = CameraChange::Split;
+using What = CameraChange::What;
+
+std::string list_of(const std::vector<int>& members, const std::vector<std::string>& paths) {
+  constexpr std::size_t most = 4;
+  std::string list;
+  for (std::size_t k = 0; k < std::min(most, members.size()); ++k)
+    list += (k ? ", " : "") + paths[static_cast<std::size_t>(members[k])];
+  return list + (members.size() > most ? ", ..." : "");
+}
+
+std::string where(const CameraChange& change, const CameraEvidence& evidence) {
+  const std::string count = std::to_string(change.second.size());
+  const std::string list = " (" + list_of(change.second, evidence.paths) + ")";
+  switch (change.split) {
+    case Split::from_on:
+      return "from " + evidence.paths[static_cast<std::size_t>(change.second.front())] + " on";
+    case Split::drift:
+      return "from " + evidence.paths.front() + " to " + evidence.paths.back() + ", bit by bit,";
+    case Split::every:
+      return std::string("in every ") +
+             (change.period == 2   ? "second"
+              : change.period == 3 ? "third"
+                                   : "fourth") +
+             " photograph" + list;
+    case Split::some:
+      return "in " + count + " photographs" + list;
+    case Split::upside_down:
+      return "in the " + count + " photographs that are held upside down against the others" + list;
+  }
+  return "";
+}
+
+std::string name_of(What what) {
+  switch (what) {
+    case What::focus:
+      return "the principal distance";
+    case What::aspect:
+      return "fx against fy";
+    case What::principal_point:
+      return "the principal point";
+    case What::distortion:
+      return "the distortion";
+    case What::undistorted:
+      return "a program that took the distortion away";
+    case What::turned:
+      return "a program that turned the pictures";
+    case What::several:
+      return "several of its parameters";
+  }
+  return "";
+}
+
+std::string printed(const char* format, double a, double b = 0, double c = 0, double d = 0) {
+  char text[240];
+  std::snprintf(text, sizeof text, format, a, b, c, d);
+  return text;
+}
+
+/// "2.01 ± 0.05 % longer"; without its size where that is not known.
+std::string longer(double by, double sigma, bool sized) {
+  return (sized ? printed("%.2f ± %.2f %% ", 100 * std::abs(by), 100 * sigma) : "") + (by > 0 ? "longer" : "shorter");
+}
+
+std::string elsewhere(const CameraChange& change, Eigen::Index at, bool sized) {
+  const auto& by = change.by;
+  const auto& sigma = change.sigma;
+  return sized ? printed("elsewhere by %.1f ± %.1f, %.1f ± %.1f px", by(at), sigma(at), by(at + 1), sigma(at + 1))
+               : "elsewhere";
+}
+
+std::string by_k1(const CameraChange& change, Eigen::Index at, bool sized) {
+  return sized ? printed(" (k1 by %+.3f ± %.3f)", change.by(at), change.sigma(at)) : "";
+}
+
+/// Those of several parameters that are more than three standard deviations.
+std::string listed(const CameraChange& change, bool sized) {
+  std::string list;
+  const auto add = [&](const std::string& text) { list += (list.empty() ? "" : ", ") + text; };
+  const auto is = [&](Eigen::Index k) { return std::abs(change.by(k)) > 3 * change.sigma(k); };
+  if (is(0)) add("principal distance " + longer(change.by(0), change.sigma(0), sized));
+  if (is(1) || is(2)) add("principal point " + elsewhere(change, 1, sized));
+  if (is(3) || is(4)) add("another distortion" + by_k1(change, 3, sized));
+  return list;
+}
+
+std::string what_changed(const CameraChange& change, bool sized) {
+  const std::string point = "the principal point lies ";
+  switch (change.what) {
+    case What::focus:
+      return "the principal distance is " + longer(change.by(0), change.sigma(0), sized) + ": focus or zoom";
+    case What::aspect:
+      return "fx is " + longer(change.by(0), change.sigma(0), sized) + " against fy: pictures that a program stretched";
+    case What::principal_point:
+      return point + elsewhere(change, 0, sized) +
+             ": pictures that a program cropped or moved, a stabiliser, or a board that was bent otherwise";
+    case What::distortion:
+      return "the distortion is another" + by_k1(change, 0, sized) +
+             ": another lens or setting of it, pictures that a program changed, or a board that was bent otherwise";
+    case What::undistorted:
+      return "the distortion is gone: pictures that a program freed of it";
+    case What::turned:
+      return point + elsewhere(change, 0, sized) + ": pictures that a program turned by 180 degrees";
+    case What::several: {
+      const std::string list = listed(change, sized);
+      return "the camera is another" + (list.empty() ? "" : " (" + list + ")") +
+             ": another body or lens, a zoom, or pictures that a program changed";
+    }
+  }
+  return "";
+}
+
+}  // namespace
+
+std::string in_words(const CameraChange& change, const CameraEvidence& evidence) {
+  const std::string parts =
+      change.split_is_clear
+          ? where(change, evidence)
+          : "in part of the photographs, which they do not tell clearly (most likely " + where(change, evidence) + ")";
+  if (change.split == Split::upside_down)
+    return parts + " the principal point lies " + elsewhere(change, 0, evidence.object_is_known) +
+           ": pictures that a program turned by 180 degrees, or a board or tags that are not as the model has them";
+  if (change.or_place)
+    return parts +
+           " the photographs tell another camera, and they were taken place after place in that order: either the "
+           "camera "
+           "changed, or the board or the tags are not as the model has them";
+  if (change.what_is_clear) return parts + " " + what_changed(change, evidence.object_is_known);
+  std::string causes;
+  for (const auto& [what, probability] : change.causes)
+    if (probability > 0.05 && what != What::several) causes += (causes.empty() ? "" : " or ") + name_of(what);
+  return parts + " the camera is another; what of it changed these photographs do not tell" +
+         (causes.empty() ? "" : " (" + causes + ")");
+}
+
+std::string in_words(const EmpiricalCovariance& empirical, const std::vector<Scatter>& causes) {
+  // Sound photographs scatter by chance, too: 20 of them by 1.4 times in the mean, as no direction counts less than 1.
+  const double told = causes.empty() ? 3 : 1.5;
+  if (!empirical.judged || !(empirical.factor > told)) return "";
+  std::string words = printed(
+      "the %.0f photographs scatter %.1f times as far as their corners allow: the standard deviations of the camera "
+      "are "
+      "made of that scatter",
+      empirical.photographs, empirical.factor);
+  std::string list;
+  const auto add = [&](const std::string& text) { list += (list.empty() ? "" : "; and of ") + text; };
+  for (const Scatter& cause : causes) switch (cause.kind) {
+      case Strengths::focus:
+        add(
+            printed("a principal distance that differs by %.2f %% rms from photograph to photograph (an autofocus, a "
+                    "zoom, or photographs of another camera among them)",
+                    100 * cause.rms));
+        break;
+      case Strengths::principal_point:
+        add(printed(
+            "a principal point that moves by %.1f px rms from photograph to photograph (a stabiliser, or a lens "
+            "that is loose: switch it off)",
+            cause.rms));
+        break;
+      case Strengths::rows:
+        add(cause.or_point
+                ? "rows that are read one after another while the camera moves, or of a principal point that moves (a "
+                  "rolling shutter, or a stabiliser)"
+                : printed("rows read one after another while the camera moves, by %.1f px rms from the first to the "
+                          "last (a rolling shutter: hold the camera still)",
+                          cause.rms));
+        break;
+      case Strengths::place:
+        add("places: photographs from one side tell another camera than those from the other (a board or tags that are "
+            "not as the model has them, or a lens that is not)");
+        break;
+      default:
+        break;
+    }
+  return words + (list.empty() ? ". Nothing that could be its cause stands out" : ". It is that of " + list);
+}
+
+std::vector<std::string> warnings_of(const CameraTruth& truth) {
+  if (truth.change) return {in_words(*truth.change, truth.evidence)};
+  const std::string scatter = in_words(truth.empirical, truth.scatter);
+  return scatter.empty() ? std::vector<std::string>() : std::vector<std::string>{scatter};
+}
+
+}  // namespace plumbline::markers

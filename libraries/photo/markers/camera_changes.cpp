@@ -1,0 +1,370 @@
+#include "photo/markers/camera_changes.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+
+#include "plumbline/stop.hpp"
+
+namespace plumbline::markers {
+namespace {
+
+using Split = CameraChange::Split;
+using What = CameraChange::What;
+
+constexpr std::size_t fewest_photographs = 8, smallest_part = 3;
+constexpr double told_from = 5;  // logarithm of the odds, 150 to 1
+constexpr double told_of_place_from = 8, mostly = 0.9;
+constexpr double clear_from = 0.9;  // probability of a split, of a cause
+constexpr double significant = 5;   // logarithm of a likelihood ratio
+
+/// A way to weigh the photographs against each other, with the part of all changes that are expected to be of it.
+struct Contrast {
+  Split split = Split::from_on;
+  Eigen::VectorXd weights;
+  std::vector<int> second;
+  int period = 0;
+  double log_prior = 0;
+};
+
+/// What may differ, and by how much it usually would.
+struct Hypothesis {
+  What what = What::focus;
+  Eigen::MatrixXd directions;
+  Eigen::VectorXd sizes;
+};
+
+std::optional<Contrast> of_parts(Split split, const std::vector<bool>& second, double log_prior, int period = 0) {
+  const auto count = static_cast<std::size_t>(std::count(second.begin(), second.end(), true));
+  if (count < smallest_part || second.size() - count < smallest_part) return std::nullopt;
+  Contrast contrast{split, Eigen::VectorXd::Zero(static_cast<Eigen::Index>(second.size())), {}, period, log_prior};
+  for (std::size_t i = 0; i < second.size(); ++i)
+    if (second[i]) contrast.weights(static_cast<Eigen::Index>(i)) = 1, contrast.second.push_back(static_cast<int>(i));
+  return contrast;
+}
+
+/// By the order of the photographs: of the changes that are expected 0.4 are a cut, 0.2 a drift, 0.2 every so many.
+std::vector<Contrast> contrasts_in_order(std::size_t n) {
+  std::vector<Contrast> contrasts;
+  constexpr std::size_t most_cuts = 60;
+  const std::size_t stride = 1 + n / most_cuts;
+  const double cuts = static_cast<double>((n - 2 * smallest_part) / stride + 1);
+  for (std::size_t cut = smallest_part; cut + smallest_part <= n; cut += stride) {
+    std::vector<bool> second(n);
+    std::fill(second.begin() + static_cast<std::ptrdiff_t>(cut), second.end(), true);
+    if (auto one = of_parts(Split::from_on, second, std::log(0.4 / cuts))) contrasts.push_back(*one);
+  }
+  Contrast drift{
+      Split::drift, Eigen::VectorXd::LinSpaced(static_cast<Eigen::Index>(n), -0.5, 0.5), {}, 0, std::log(0.2)};
+  for (std::size_t i = n / 2; i < n; ++i) drift.second.push_back(static_cast<int>(i));
+  contrasts.push_back(drift);
+  for (const std::size_t period : {2, 3, 4})
+    for (std::size_t first = 0; first < (period == 2 ? 1 : period); ++first) {
+      std::vector<bool> second(n);
+      for (std::size_t i = first; i < n; i += period) second[i] = true;
+      if (auto one = of_parts(Split::every, second, std::log(0.2 / 8), static_cast<int>(period)))
+        contrasts.push_back(*one);
+    }
+  return contrasts;
+}
+
+/// The camera's x axis in the object: held one way or upside down against most.
+std::optional<Contrast> upside_down(const std::vector<RigidTransform>& poses) {
+  std::vector<bool> turned;
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Zero();
+  for (const RigidTransform& pose : poses) {
+    const Eigen::Vector3d x = pose.rotation.conjugate() * Eigen::Vector3d::UnitX();
+    axes += x * x.transpose();
+  }
+  const Eigen::Vector3d common = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(axes).eigenvectors().col(2);
+  for (const RigidTransform& pose : poses)
+    turned.push_back((pose.rotation.conjugate() * Eigen::Vector3d::UnitX()).dot(common) < 0);
+  if (2 * std::count(turned.begin(), turned.end(), true) > std::ssize(poses)) turned.flip();
+  return of_parts(Split::upside_down, turned, std::log(0.1));
+}
+
+/// Photographs sorted by what each says of its own along the hypothesis, cut at every place: as many ways as there are
+/// subsets of the size, so each counts as little.
+std::vector<Contrast> groups(const EffectFit& fit, const Hypothesis& hypothesis) {
+  Eigen::MatrixXd steps;
+  Eigen::VectorXd weight;
+  fit.own_steps(hypothesis.directions, steps, weight);
+  if (!steps.allFinite() || !(weight.sum() > 0)) return {};
+  const Eigen::RowVectorXd mean = weight.transpose() * steps / weight.sum();
+  const Eigen::MatrixXd centred = weight.cwiseMax(0).cwiseSqrt().asDiagonal() * (steps.rowwise() - mean);
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(centred, Eigen::ComputeThinV);
+  const Eigen::VectorXd value = steps * svd.matrixV().col(0);
+  const auto n = static_cast<std::size_t>(value.size());
+  std::vector<int> order(n);
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return value(a) < value(b); });
+  std::vector<Contrast> contrasts;
+  for (std::size_t cut = smallest_part; cut + smallest_part <= n; ++cut) {
+    std::vector<bool> second(n);
+    const bool above = 2 * cut >= n;  // the smaller part is the second
+    for (std::size_t k = above ? cut : 0; k < (above ? n : cut); ++k) second[static_cast<std::size_t>(order[k])] = true;
+    const double all = static_cast<double>(n), part = static_cast<double>(above ? n - cut : cut);
+    const double log_ways = std::lgamma(all + 1) - std::lgamma(part + 1) - std::lgamma(all - part + 1);
+    if (auto one = of_parts(Split::some, second, std::log(0.1 / all) - log_ways)) contrasts.push_back(*one);
+  }
+  return contrasts;
+}
+
+std::vector<Hypothesis> hypotheses_of(const EffectModel& model, const BrownCamera& c) {
+  const double w = c.width;
+  std::vector<Hypothesis> all;
+  const auto add = [&](What what, const std::vector<std::array<double, 9>>& columns, const std::vector<double>& sizes) {
+    Hypothesis one{what, Eigen::MatrixXd(), Eigen::Map<const Eigen::VectorXd>(sizes.data(), std::ssize(sizes))};
+    for (const auto& column : columns) {
+      const Eigen::VectorXd direction = model.direction(column);
+      if (direction.isZero(0)) return;
+      one.directions.conservativeResize(direction.size(), one.directions.cols() + 1);
+      one.directions.rightCols(1) = direction;
+    }
+    all.push_back(one);
+  };
+  add(What::focus, {{c.fx, c.fy}}, {0.03});
+  add(What::aspect, {{0.5 * c.fx, -0.5 * c.fy}}, {0.03});
+  add(What::principal_point, {{0, 0, 1}, {0, 0, 0, 1}}, {0.01 * w, 0.01 * w});
+  add(What::distortion, {{0, 0, 0, 0, 1}, {0, 0, 0, 0, 0, 1}}, {0.1, 0.3});
+  add(What::several, {{c.fx, c.fy}, {0, 0, 1}, {0, 0, 0, 1}, {0, 0, 0, 0, 1}, {0, 0, 0, 0, 0, 1}},
+      {0.03, 0.01 * w, 0.01 * w, 0.1, 0.3});
+  // Of the distortion that all have in the mean: those that a program freed of it lack more than that.
+  add(What::undistorted, {{0, 0, 0, 0, -c.k1, -c.k2, -c.k3, -c.p1, -c.p2}}, {1.5});
+  add(What::turned, {{0, 0, 1}, {0, 0, 0, 1}}, {0.01 * w, 0.01 * w});
+  return all;
+}
+
+/// A change with what it explains.
+struct Candidate {
+  const Hypothesis* hypothesis = nullptr;
+  Contrast contrast;
+  StepFit fit;
+  double value = 0;  // logarithm of its likelihood over no change, prior included
+};
+
+class Search {
+ public:
+  Search(const EffectModel& model, const BrownCamera& camera, const std::vector<RigidTransform>& poses)
+      : model_(model),
+        hypotheses_(hypotheses_of(model, camera)),
+        in_order_(contrasts_in_order(model.size())),
+        upside_down_(upside_down(poses)),
+        none_(most_likely(model, {})) {}
+
+  /// All changes at strengths that fit the best of them, which are put into `fitted_to`.
+  std::vector<Candidate> candidates(Strengths& fitted_to) const {
+    fitted_to = none_.strengths;
+    std::vector<Candidate> found = scan(none_.strengths);
+    if (found.empty()) return found;
+    Optimum best = none_;
+    best.log_likelihood = -std::numeric_limits<double>::infinity();
+    for (int round = 0; round < 2; ++round) {
+      std::map<std::pair<What, Split>, const Candidate*> leading;
+      for (const Candidate& one : found) {
+        const Candidate*& leader = leading[{one.hypothesis->what, one.contrast.split}];
+        if (!leader || one.value > leader->value) leader = &one;
+      }
+      std::vector<const Candidate*> order;
+      for (const auto& [key, leader] : leading) order.push_back(leader);
+      std::stable_sort(order.begin(), order.end(), [](const auto* a, const auto* b) { return a->value > b->value; });
+      // Without the change its size counts as scatter: the second round starts from strengths with one.
+      const std::size_t most = round == 0 ? 10 : 5;
+      for (std::size_t k = 0; k < std::min(most, order.size()); ++k) {
+        const Step step = step_of(*order[k]);
+        const Optimum fitted = most_likely(model_, round == 0 ? none_.strengths : best.strengths, &step);
+        if (fitted.log_likelihood + order[k]->contrast.log_prior > best.log_likelihood)
+          best = fitted, best.log_likelihood += order[k]->contrast.log_prior;
+      }
+      found = scan(best.strengths);
+    }
+    fitted_to = best.strengths;
+    return found;
+  }
+
+  const Optimum& none() const { return none_; }
+
+ private:
+  static Step step_of(const Candidate& one) {
+    return {one.contrast.weights, one.hypothesis->directions, one.hypothesis->sizes};
+  }
+
+  std::vector<Candidate> scan(const Strengths& strengths) const {
+    const EffectFit fit(model_, strengths);
+    const double offset =
+        fit.log_likelihood() - none_.log_likelihood - std::log(static_cast<double>(hypotheses_.size()));
+    std::vector<Candidate> found;
+    for (const Hypothesis& hypothesis : hypotheses_) {
+      std::vector<Contrast> contrasts;
+      if (hypothesis.what != What::turned) contrasts = in_order_;
+      if (hypothesis.what == What::undistorted)
+        std::erase_if(contrasts, [](const Contrast& c) { return c.split == Split::drift; });
+      if (hypothesis.what == What::turned && upside_down_) contrasts.push_back(*upside_down_);
+      if (hypothesis.what != What::aspect && hypothesis.what != What::turned)
+        for (Contrast& group : groups(fit, hypothesis)) contrasts.push_back(std::move(group));
+      for (Contrast& contrast : contrasts) {
+        stop_point();
+        Candidate one{&hypothesis, std::move(contrast), {}, 0};
+        one.fit = fit.fit(step_of(one));
+        one.value = one.fit.gain + one.contrast.log_prior + offset;
+        if (std::isfinite(one.value)) found.push_back(std::move(one));
+      }
+    }
+    return found;
+  }
+
+  const EffectModel& model_;
+  std::vector<Hypothesis> hypotheses_;
+  std::vector<Contrast> in_order_;
+  std::optional<Contrast> upside_down_;
+  Optimum none_;
+};
+
+/// Whether two splits are the same to who reads of them.
+bool alike(const Contrast& a, const Contrast& b) {
+  if (a.split != b.split && (a.split == Split::drift || b.split == Split::drift)) return false;
+  const Eigen::ArrayXd x = a.weights.array() - a.weights.mean(), y = b.weights.array() - b.weights.mean();
+  return std::abs((x * y).sum()) > 0.75 * std::sqrt(x.square().sum() * y.square().sum());
+}
+
+/// Part of the weights' variance that the places the photographs were taken from explain.
+double by_place(const EffectModel& model, const Eigen::VectorXd& weights) {
+  Eigen::MatrixXd columns(weights.size(), static_cast<Eigen::Index>(model.places().size()) + 1);
+  columns.col(0).setOnes();
+  for (std::size_t k = 0; k < model.places().size(); ++k)
+    columns.col(static_cast<Eigen::Index>(k) + 1) = model.places()[k];
+  const Eigen::VectorXd left = weights - columns * columns.colPivHouseholderQr().solve(weights);
+  return 1 - left.squaredNorm() / (weights.array() - weights.mean()).matrix().squaredNorm();
+}
+
+/// A program takes all of the distortion away: half of the photographs lack twice their mean.
+bool is_plausible(const Candidate& one) {
+  if (one.hypothesis->what != What::undistorted) return true;
+  return one.fit.by(0) > 0.7 - 3 * one.fit.sigma(0) && one.fit.by(0) < 4 + 3 * one.fit.sigma(0);
+}
+
+/// What of several parameters differs by more than three standard deviations, if that is but one.
+What single_of_several(const StepFit& fit) {
+  const auto is = [&](Eigen::Index k) { return std::abs(fit.by(k)) > 3 * fit.sigma(k); };
+  const bool focus = is(0), point = is(1) || is(2), distortion = is(3) || is(4);
+  if (focus + point + distortion != 1) return What::several;
+  return focus ? What::focus : point ? What::principal_point : What::distortion;
+}
+
+What cause_of(const Candidate& one) {
+  return one.hypothesis->what == What::several ? single_of_several(one.fit) : one.hypothesis->what;
+}
+
+/// The scatter from photograph to photograph that a change would be taken for, if it is one at all.
+std::optional<Strengths::Kind> scatter_like(What what) {
+  switch (what) {
+    case What::focus:
+    case What::several:
+      return Strengths::focus;
+    case What::principal_point:
+    case What::turned:
+      return Strengths::principal_point;
+    default:
+      return std::nullopt;
+  }
+}
+
+}  // namespace
+
+std::optional<CameraChange> find_change(const CameraEvidence& evidence, const BrownCamera& camera,
+                                        const std::vector<RigidTransform>& cam_from_object) {
+  if (evidence.score.size() < fewest_photographs || cam_from_object.size() != evidence.score.size() ||
+      evidence.parameters.empty())
+    return std::nullopt;
+  const EffectModel model(evidence, camera, cam_from_object);
+  const Search search(model, camera, cam_from_object);
+  Strengths fitted_to;
+  std::vector<Candidate> all = search.candidates(fitted_to);
+  std::erase_if(all, [](const Candidate& one) { return !is_plausible(one); });
+  if (all.empty()) return std::nullopt;
+  const Candidate& best =
+      *std::max_element(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.value < b.value; });
+  double sum = 0, of_split = 0;
+  std::map<What, double> of_cause;
+  for (const Candidate& one : all) {
+    const double odds = std::exp(one.value - best.value);
+    sum += odds, of_cause[cause_of(one)] += odds;
+    if (alike(one.contrast, best.contrast)) of_split += odds;
+  }
+  // Against photographs that are alike; and against photographs that each differ, in no order.
+  CameraChange change;
+  const double beyond_scatter = best.value + std::log(sum);
+  change.log_odds = beyond_scatter;
+  if (const auto kind = scatter_like(best.hypothesis->what); kind && beyond_scatter > 0)
+    change.log_odds +=
+        search.none().log_likelihood - most_likely(model, search.none().strengths, nullptr, {*kind}).log_likelihood;
+  change.or_place = by_place(model, best.contrast.weights) > mostly;
+  if (!(change.log_odds > (change.or_place ? told_of_place_from : told_from))) return std::nullopt;
+  // Parts whose photographs differ among themselves nearly as much as before are not the parts.
+  constexpr double much = 0.02, nearly = 0.6;
+  const double own = fitted_to.of(Strengths::focus);
+  const bool still_scattered = own > much && own > nearly * search.none().strengths.of(Strengths::focus);
+  const bool in_order = !still_scattered && beyond_scatter > -std::log(1 / clear_from - 1);
+  change.split = best.contrast.split, change.second = best.contrast.second, change.period = best.contrast.period;
+  change.by = best.fit.by, change.sigma = best.fit.sigma, change.what = best.hypothesis->what;
+  for (const auto& [what, odds] : of_cause) change.causes.emplace_back(what, odds / sum);
+  std::stable_sort(change.causes.begin(), change.causes.end(),
+                   [](const auto& a, const auto& b) { return a.second > b.second; });
+  change.split_is_clear = in_order && of_split > clear_from * sum;
+  change.what_is_clear = change.causes.front().second > clear_from;
+  // The step in that parameter alone, if there is one.
+  const What clearest = change.causes.front().first;
+  if (change.what_is_clear && clearest != change.what) {
+    const Candidate* named = nullptr;
+    for (const Candidate& one : all)
+      if (one.hypothesis->what == clearest && alike(one.contrast, best.contrast) &&
+          (!named || one.value > named->value))
+        named = &one;
+    if (named)
+      change.what = clearest, change.by = named->fit.by, change.sigma = named->fit.sigma;
+    else
+      change.what_is_clear = false;
+  }
+  return change;
+}
+
+bool divides(const CameraChange& change) { return change.split != Split::drift; }
+
+std::vector<Scatter> causes_of_scatter(const CameraEvidence& evidence, const BrownCamera& camera,
+                                       const std::vector<RigidTransform>& cam_from_object) {
+  if (evidence.score.size() < fewest_photographs || cam_from_object.size() != evidence.score.size() ||
+      evidence.parameters.empty())
+    return {};
+  const EffectModel model(evidence, camera, cam_from_object);
+  const Optimum all = most_likely(model, {});
+  const auto needed = [&](const std::vector<Strengths::Kind>& kinds) {
+    return all.log_likelihood - most_likely(model, all.strengths, nullptr, kinds).log_likelihood > significant;
+  };
+  std::vector<Scatter> causes;
+  for (const Strengths::Kind kind : {Strengths::focus, Strengths::principal_point, Strengths::rows})
+    if (needed({kind})) causes.push_back({kind, all.strengths.of(kind)});
+  // Rows and a principal point that move are much alike: where either would do, but not neither, both are named.
+  const bool either =
+      std::none_of(causes.begin(), causes.end(), [](const Scatter& s) { return s.kind != Strengths::focus; });
+  if (either && needed({Strengths::principal_point, Strengths::rows}))
+    causes.push_back({Strengths::rows, all.strengths.of(Strengths::rows), true});
+  if (needed({Strengths::place})) causes.push_back({Strengths::place, all.strengths.of(Strengths::place)});
+  return causes;
+}
+
+CameraTruth judge_camera(CameraEvidence evidence, const BrownCamera& camera,
+                         const std::vector<RigidTransform>& cam_from_object) {
+  CameraTruth truth;
+  truth.evidence = std::move(evidence);
+  truth.empirical = empirical_covariance(truth.evidence);
+  truth.change = find_change(truth.evidence, camera, cam_from_object);
+  if (!truth.change) truth.scatter = causes_of_scatter(truth.evidence, camera, cam_from_object);
+  return truth;
+}
+
+}  // namespace plumbline::markers

@@ -1,0 +1,135 @@
+#include "photo/markers/marker_datum.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <stdexcept>
+#include <tuple>
+
+#include "base/text/text.hpp"
+#include "geometry/median.hpp"
+
+namespace plumbline::markers {
+namespace {}  // namespace
+
+void scale_by_distance(const MarkerBlock& block, const MarkerDistance& distance, MarkerResult& result) {
+  const auto find = [&](int marker) {
+    for (size_t j = 0; j < result.markers.size(); ++j)
+      if (result.markers[j].marker == marker) return j;
+    throw std::runtime_error("tag " + block.markers[static_cast<size_t>(marker)].name() +
+                             " of the given distance could not be placed; measure between two tags that several "
+                             "photographs show");
+  };
+  const size_t a = find(distance.from), b = find(distance.to);
+  const Eigen::Index n = static_cast<Eigen::Index>(result.markers.size());
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const auto& m : result.markers) middle += m.world_from_tag.translation / static_cast<double>(n);
+  Eigen::VectorXd x(3 * n), slope = Eigen::VectorXd::Zero(3 * n);
+  for (Eigen::Index j = 0; j < n; ++j)
+    x.segment<3>(3 * j) = result.markers[static_cast<size_t>(j)].world_from_tag.translation - middle;
+  const Eigen::Vector3d between =
+      result.markers[b].world_from_tag.translation - result.markers[a].world_from_tag.translation;
+  const double length = between.norm(), factor = distance.length / length;
+  slope.segment<3>(3 * static_cast<Eigen::Index>(b)) = between / length;
+  slope.segment<3>(3 * static_cast<Eigen::Index>(a)) = -between / length;
+  // x' = x L/d(x): the part of dx along the scale goes, the length's own uncertainty comes.
+  const Eigen::MatrixXd project = Eigen::MatrixXd::Identity(3 * n, 3 * n) - x * slope.transpose() / length;
+  result.centre_covariance = factor * factor * (project * result.centre_covariance * project.transpose()) +
+                             std::pow(factor * distance.sigma / distance.length, 2) * x * x.transpose();
+  for (size_t j = 0; j < result.markers.size(); ++j) {
+    AdjustedMarker& marker = result.markers[j];
+    const auto scaled = [&](const Eigen::Vector3d& p) -> Eigen::Vector3d { return middle + factor * (p - middle); };
+    marker.world_from_tag.translation = scaled(marker.world_from_tag.translation);
+    for (auto& corner : marker.corners) corner = scaled(corner);
+    marker.scale *= factor;
+    const Eigen::Index at = 3 * static_cast<Eigen::Index>(j);
+    marker.centre_covariance = result.centre_covariance.block<3, 3>(at, at);
+  }
+  for (auto& image : result.images) {
+    image.centre = middle + factor * (image.centre - middle);
+    image.cam_from_world.translation = -(image.cam_from_world.rotation * image.centre);
+    image.covariance.topRows<3>() *= factor, image.covariance.leftCols<3>() *= factor;
+  }
+}
+
+void to_first_tag(const MarkerBlock& block, bool in_one_line, MarkerResult& result) {
+  const auto first = std::min_element(result.markers.begin(), result.markers.end(), [&](const auto& a, const auto& b) {
+    const Marker &ma = block.markers[static_cast<size_t>(a.marker)], &mb = block.markers[static_cast<size_t>(b.marker)];
+    return std::tie(ma.family, ma.id) < std::tie(mb.family, mb.id);
+  });
+  const RigidTransform frame_from_world = first->world_from_tag.inverse();
+  const Eigen::Matrix3d r = frame_from_world.rotation.toRotationMatrix();
+  for (auto& marker : result.markers) {
+    marker.world_from_tag = frame_from_world * marker.world_from_tag;
+    for (auto& corner : marker.corners) corner = frame_from_world * corner;
+    marker.centre_covariance = r * marker.centre_covariance * r.transpose();
+    marker.rotation_covariance = r * marker.rotation_covariance * r.transpose();
+  }
+  for (Eigen::Index i = 0; i < result.centre_covariance.rows(); i += 3)
+    for (Eigen::Index j = 0; j < result.centre_covariance.cols(); j += 3)
+      result.centre_covariance.block<3, 3>(i, j) = r * result.centre_covariance.block<3, 3>(i, j) * r.transpose();
+  for (auto& image : result.images) {
+    if (!image.oriented) continue;
+    image.cam_from_world = image.cam_from_world * frame_from_world.inverse();
+    image.centre = frame_from_world * image.centre;
+    image.covariance.topRows<3>() = r * image.covariance.topRows<3>();
+    image.covariance.leftCols<3>() = image.covariance.leftCols<3>() * r.transpose();
+  }
+  result.datum = "free network: inner constraints over the centres" + std::string(in_one_line ? " and rotations" : "") +
+                 " of all tags, shown in the frame of tag " + block.markers[static_cast<size_t>(first->marker)].name() +
+                 " (x right, y up, z out of it)";
+}
+
+/// What gives the lengths, and how well. The print of the tags errs alike for all of them: ink spreads, printers scale,
+/// and the inset of the detector is hardly to be told from either, so that a network which fits to a hundredth of a
+/// pixel can be too large by a per cent.
+namespace {
+
+/// Of small tags the inset of the edges is a good part of the side, and lengths hang on the one value that is estimated
+/// for all photographs of a camera.
+void warn_about_inset(const MarkerBlock& block, MarkerResult& result) {
+  constexpr double much = 0.04;  // of the side
+  for (size_t c = 0; c < result.cameras.size(); ++c) {
+    std::vector<double> sides;
+    for (const auto& seen : result.views) {
+      const MarkerView& view = block.views[static_cast<size_t>(seen.view)];
+      if (static_cast<size_t>(block.images[static_cast<size_t>(view.image)].camera) == c)
+        sides.push_back(0.5 *
+                        ((view.corners[0] - view.corners[1]).norm() + (view.corners[1] - view.corners[2]).norm()));
+    }
+    const double inset = result.cameras[c].inset;
+    if (sides.empty() || !(2 * std::abs(inset) > much * upper_median(sides))) continue;
+    result.warnings.push_back(
+        "the edges of the tags are " + text::format_fixed(inset, 2) + " px inside of where they are printed, " +
+        text::format_fixed(200 * inset / upper_median(sides), 0) + " % of the " +
+        text::format_fixed(upper_median(sides), 0) +
+        " px of a side: this is allowed for, but all lengths hang on it and may be wrong by a part "
+        "of that. Give distance=A,B,metres, or photograph the tags larger");
+  }
+}
+
+}  // namespace
+
+void state_scale(const MarkerBlock& block, const MarkerOptions& options, MarkerResult& result) {
+  if (options.distance) {
+    result.scale_sigma = options.distance->sigma / options.distance->length;
+    result.datum += "; lengths by the distance of tags " +
+                    block.markers[static_cast<size_t>(options.distance->from)].name() + " and " +
+                    block.markers[static_cast<size_t>(options.distance->to)].name() + ", good to " +
+                    text::format_fixed(100 * result.scale_sigma, 2) + " %";
+    return;
+  }
+  warn_about_inset(block, result);
+  double size = 0;
+  for (const auto& marker : result.markers)
+    size += block.markers[static_cast<size_t>(marker.marker)].size / static_cast<double>(result.markers.size());
+  result.scale_sigma = std::hypot(options.print_sigma / size, options.size_sigma);
+  result.datum += "; lengths by the printed size of the tags, good to " +
+                  text::format_fixed(100 * result.scale_sigma, 2) + " % (" +
+                  text::format_fixed(1e3 * options.print_sigma, 2) + " mm of " + text::format_fixed(1e3 * size, 1) +
+                  " mm), which the standard deviations do not hold: distance=A,B,metres gives them better";
+}
+
+}  // namespace plumbline::markers

@@ -1,0 +1,113 @@
+#include "photo/markers/marker_truth.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <stdexcept>
+
+#include "plumbline/stop.hpp"
+
+namespace plumbline::markers {
+namespace {
+
+/// Derivatives of the whitened rows by the effects that a photograph may have of its own.
+std::vector<Eigen::MatrixXd> effects_of(const MarkerBlock& block, const MarkerState& state,
+                                        const least_squares::PartitionedSystem& system) {
+  std::vector<Eigen::MatrixXd> effects;
+  for (const least_squares::ObservationRows& rows : system.observations) {
+    effects.emplace_back();
+    if (rows.group != group_refined && rows.group != group_unrefined) continue;
+    const MarkerView& view = block.views[static_cast<size_t>(state.views[static_cast<size_t>(rows.label)])];
+    const MarkerImage& image = block.images[static_cast<size_t>(view.image)];
+    const int height = block.cameras[static_cast<size_t>(image.camera)].camera.height;
+    Eigen::MatrixXd pixels(8, effect_count);
+    for (size_t q = 0; q < 4; ++q)
+      pixels.middleRows<2>(2 * static_cast<Eigen::Index>(q)) = effects_at(view.corners[q], height);
+    effects.back() =
+        view_root(view).triangularView<Eigen::Lower>().solve(pixels) / state.sigma_factors[view.refined ? 0 : 1];
+  }
+  return effects;
+}
+
+/// The same photographs with those of the change as a camera of their own; both go on from where the adjustment left
+/// them.
+std::optional<MarkerBlock> with_camera_divided(const MarkerBlock& block, const MarkerResult& result,
+                                               std::size_t camera) {
+  const CameraTruth& truth = result.cameras[camera].truth;
+  if (!truth.change || !divides(*truth.change)) return std::nullopt;
+  MarkerBlock divided = block;
+  for (std::size_t c = 0; c < divided.cameras.size(); ++c)
+    if (!divided.cameras[c].held) divided.cameras[c].camera = result.cameras[c].camera;
+  divided.cameras.push_back(divided.cameras[camera]);
+  divided.cameras.back().id += " (second part)";
+  for (const int k : truth.change->second)
+    for (MarkerImage& image : divided.images)
+      if (image.camera == static_cast<int>(camera) && image.path == truth.evidence.paths[static_cast<std::size_t>(k)])
+        image.camera = static_cast<int>(divided.cameras.size()) - 1;
+  return divided;
+}
+
+}  // namespace
+
+void judge_cameras(const MarkerBlock& block, const MarkerState& state, const MarkerModel& model,
+                   const block::AdjustedBlock& adjusted, MarkerResult& result) {
+  const std::vector<PhotographShare> shares = shares_of(adjusted.linear, effects_of(block, state, adjusted.linear));
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const auto& centre : state.centres)
+    middle += Eigen::Map<const Eigen::Vector3d>(centre.data()) / static_cast<double>(state.centres.size());
+  for (size_t c = 0; c < block.cameras.size(); ++c) {
+    AdjustedMarkerCamera& camera = result.cameras[c];
+    camera.formal_covariance = camera.covariance;
+    if (camera.covariance.isZero(0)) continue;
+    std::vector<int> members;
+    std::vector<std::string> paths;
+    for (size_t i = 0; i < state.images.size(); ++i) {
+      const MarkerImage& image = block.images[static_cast<size_t>(state.images[i])];
+      if (image.camera == static_cast<int>(c)) members.push_back(static_cast<int>(i)), paths.push_back(image.path);
+    }
+    CameraEvidence evidence =
+        evidence_of(shares, adjusted.solution.kept_cofactor, 1, model.interior_columns[c], members, paths);
+    std::vector<RigidTransform> poses;
+    for (const int i : evidence.members) {
+      const Eigen::Map<const Eigen::Vector3d> centre(state.poses[static_cast<size_t>(i)].data());
+      const Eigen::Quaterniond& turn = state.cam_from_world[static_cast<size_t>(i)];
+      poses.push_back({turn, turn * (middle - centre)});
+    }
+    camera.truth = judge_camera(std::move(evidence), camera.camera, poses);
+    camera.covariance = in_nine(camera.truth.evidence, camera.truth.empirical.written);
+    const std::string of = block.cameras.size() > 1 ? "camera " + block.cameras[c].id + ": " : "";
+    for (const std::string& text : warnings_of(camera.truth)) result.warnings.push_back(of + text);
+  }
+}
+
+std::string as_two_cameras(const MarkerBlock& block, const MarkerOptions& options, const MarkerResult& result,
+                           std::size_t c) {
+  const auto divided = with_camera_divided(block, result, c);
+  if (!divided) return "";
+  try {
+    const MarkerResult two = adjust_marker_block(*divided, options);
+    const AdjustedMarkerCamera &first = two.cameras[c], &second = two.cameras.back();
+    const auto sigma = [](const AdjustedMarkerCamera& camera) { return std::sqrt(camera.covariance(0, 0)); };
+    return as_two_cameras(first.camera, sigma(first), second.camera, sigma(second), two.rms, result.rms);
+  } catch (const Stopped&) {
+    throw;
+  } catch (const std::runtime_error&) {
+    return "";
+  }
+}
+
+std::string as_two_cameras(const BrownCamera& first, double first_sigma, const BrownCamera& second, double second_sigma,
+                           double rms_of_two, double rms_of_one) {
+  char text[240], lengths[100] = "";
+  if (std::abs(second.fx - first.fx) > 2 * std::hypot(first_sigma, second_sigma))
+    std::snprintf(lengths, sizeof lengths, ", fx %.1f \u00b1 %.1f and %.1f \u00b1 %.1f px,", first.fx, first_sigma,
+                  second.fx, second_sigma);
+  std::snprintf(text, sizeof text,
+                "as two cameras%s they fit to %.3f px rms, as one to %.3f px: put these photographs into a folder of "
+                "their own",
+                lengths, rms_of_two, rms_of_one);
+  return text;
+}
+
+}  // namespace plumbline::markers

@@ -1,0 +1,85 @@
+#include "photo/markers/rearranged_tags.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "geometry/median.hpp"
+#include "photo/markers/marker_model.hpp"
+
+namespace plumbline::markers {
+namespace {
+
+struct SeenDistance {
+  double metres = 0;
+  int image = 0;
+};
+
+/// By pair of markers, in every photograph that shows both.
+std::map<std::pair<int, int>, std::vector<SeenDistance>> distances_of(const MarkerBlock& block) {
+  std::vector<BrownCamera> cameras;
+  for (std::size_t c = 0; c < block.cameras.size(); ++c) {
+    BrownCamera camera = block.cameras[c].camera;
+    if (!(camera.fx > 0)) {
+      const double extent = std::max(camera.width, camera.height),
+                   f = focal_length_from_tags(block, static_cast<int>(c));
+      camera.fx = camera.fy = f > 0.4 * extent && f < 8 * extent ? f : 1.2 * extent;
+      camera.cx = 0.5 * (camera.width - 1), camera.cy = 0.5 * (camera.height - 1);
+    }
+    cameras.push_back(camera);
+  }
+  std::map<int, std::vector<std::pair<int, Eigen::Vector3d>>> places;  // by image: marker, in the camera's frame
+  for (const MarkerView& view : block.views) {
+    const int camera = block.images[static_cast<std::size_t>(view.image)].camera;
+    const auto poses = poses_of_view(block, view, cameras[static_cast<std::size_t>(camera)]);
+    if (!poses.empty()) places[view.image].emplace_back(view.marker, poses.front().cam_from_figure.translation);
+  }
+  std::map<std::pair<int, int>, std::vector<SeenDistance>> distances;
+  for (const auto& [image, seen] : places)
+    for (const auto& [a, at_a] : seen)
+      for (const auto& [b, at_b] : seen)
+        if (a < b) distances[{a, b}].push_back({(at_a - at_b).norm(), image});
+  return distances;
+}
+
+}  // namespace
+
+std::string rearranged_tags(const MarkerBlock& block) {
+  constexpr double apart = 0.25;  // of the distance
+  int pairs = 0, moved = 0;
+  double furthest = 0;
+  std::string example;
+  std::map<int, int> times;  // in pairs that moved
+  for (auto& [pair, seen] : distances_of(block)) {
+    if (seen.size() < 2) continue;
+    ++pairs;
+    const auto [least, most] =
+        std::minmax_element(seen.begin(), seen.end(), [](const auto& a, const auto& b) { return a.metres < b.metres; });
+    std::vector<double> all;
+    for (const SeenDistance& each : seen) all.push_back(each.metres);
+    const Marker &a = block.markers[static_cast<std::size_t>(pair.first)],
+                 &b = block.markers[static_cast<std::size_t>(pair.second)];
+    const double allowed = apart * upper_median(all) + std::max(a.size, b.size), off = most->metres - least->metres;
+    if (!(off > allowed)) continue;
+    ++moved, ++times[pair.first], ++times[pair.second];
+    if (!(off / allowed > furthest)) continue;
+    furthest = off / allowed;
+    char text[240];
+    std::snprintf(text, sizeof text, "tags %s and %s are %.2f m apart in %s and %.2f m in %s", a.name().c_str(),
+                  b.name().c_str(), least->metres, block.images[static_cast<std::size_t>(least->image)].path.c_str(),
+                  most->metres, block.images[static_cast<std::size_t>(most->image)].path.c_str());
+    example = text;
+  }
+  if (moved < 2 || 2 * moved < pairs) return "";
+  std::string names;
+  for (const auto& [marker, count] : times)
+    names += (names.empty() ? "" : ", ") + block.markers[static_cast<std::size_t>(marker)].name();
+  return "the tags stand elsewhere from photograph to photograph, or several tags have one number: " + example +
+         "; so do " + std::to_string(moved) + " of " + std::to_string(pairs) +
+         " pairs that are seen together more than once (tags " + names +
+         "). Photograph an arrangement that stays, or a folder for each arrangement; print every id once";
+}
+
+}  // namespace plumbline::markers

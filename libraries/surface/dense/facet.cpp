@@ -1,0 +1,282 @@
+#include "surface/dense/facet.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "surface/dense/patch.hpp"
+
+namespace plumbline::surface {
+namespace {
+
+constexpr double kMinContrast = 1.0;  // grey values; below it a patch is rounding and noise
+
+/// A photograph's share of a facet: the map at the start, and its patch at the current height.
+struct Share {
+  int number = 0;
+  LocalMap map;
+  Eigen::Vector2d parallax;
+  Patch patch;
+};
+
+std::vector<Share> shares_of(const FacadePlane& plane, const Eigen::Vector2d& place, double height, double margin,
+                             const std::vector<FacetView>& views) {
+  std::vector<Share> shares;
+  for (size_t k = 0; k < views.size(); ++k) {
+    const auto map = map_at(*views[k].view, plane, {place.x(), place.y(), height}, margin);
+    if (map) shares.push_back({static_cast<int>(k), *map, map->parallax(), {}});
+  }
+  return shares;
+}
+
+/// Takes the patch of a share at `raise` [m] above where its map is, with a slope; `level` of the pyramid.
+bool take(Share& share, const FacetView& view, double raise, const Eigen::Vector2d& slope, double spacing, int half,
+          int level, bool cubic) {
+  const double scale = 1.0 / (1 << level);
+  const auto& by = share.map.by_place;
+  const Eigen::Vector2d at = share.map.pixel + by.col(2) * raise;
+  const Eigen::Vector2d pixel = (at.array() + 0.5) * scale - 0.5;
+  const Eigen::Vector2d by_i = (by.col(0) + by.col(2) * slope.x()) * (spacing * scale);
+  const Eigen::Vector2d by_j = (by.col(1) + by.col(2) * slope.y()) * (spacing * scale);
+  if (!sample_patch(view.image->level[level], pixel, by_i, by_j, half, cubic, share.patch)) return false;
+  normalise(share.patch);
+  return share.patch.contrast >= kMinContrast;
+}
+
+Eigen::ArrayXf mean_patch(const std::vector<Share>& shares) {
+  Eigen::ArrayXf mean = Eigen::ArrayXf::Zero(shares.front().patch.values.size());
+  for (const Share& share : shares) mean += share.patch.values;
+  return mean / static_cast<float>(shares.size());
+}
+
+double correlation(const Share& share, const Eigen::ArrayXf& mean) {
+  const double norm = std::sqrt(static_cast<double>(mean.square().mean()));
+  return norm > 0 ? static_cast<double>((share.patch.values * mean).mean()) / norm : 0;
+}
+
+/// Mean correlation of pairs of patches: (K² |T|² − K) / (K (K − 1)), since all have contrast 1.
+double agreement(const std::vector<Share>& shares) {
+  const double count = static_cast<double>(shares.size());
+  return (count * static_cast<double>(mean_patch(shares).square().mean()) - 1) / (count - 1);
+}
+
+double agreement_at(std::vector<Share>& all, const std::vector<FacetView>& views, double raise, double spacing,
+                    int half, int level, int min_views) {
+  std::vector<Share> taken;
+  for (Share& share : all)
+    if (take(share, views[static_cast<size_t>(share.number)], raise, Eigen::Vector2d::Zero(), spacing, half, level,
+             false))
+      taken.push_back(share);
+  return static_cast<int>(taken.size()) < min_views ? -1 : agreement(taken);
+}
+
+/// Slopes of the mean patch by u and v, times `spacing`; zero on its border, which has no neighbours.
+void gradients(const Eigen::ArrayXf& mean, int half, Eigen::ArrayXd& by_u, Eigen::ArrayXd& by_v) {
+  const int n = 2 * half + 1;
+  by_u = by_v = Eigen::ArrayXd::Zero(n * n);
+  for (int j = 1; j + 1 < n; ++j)
+    for (int i = 1; i + 1 < n; ++i) {
+      const int at = j * n + i;
+      by_u(at) = 0.5 * static_cast<double>(mean(at + 1) - mean(at - 1));
+      by_v(at) = 0.5 * static_cast<double>(mean(at + n) - mean(at - n));
+    }
+}
+
+/// One linearisation: what the photographs say of height and slope together.
+struct Normal {
+  Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  Eigen::Matrix2d texture = Eigen::Matrix2d::Zero();  ///< Σ of the gradients' products, less the share of noise [1/m²]
+  double squares = 0;
+  int residuals = 0;
+};
+
+Normal linearise(const std::vector<Share>& shares, int half, double spacing) {
+  Normal normal;
+  const Eigen::ArrayXf mean = mean_patch(shares);
+  Eigen::ArrayXd by_u, by_v;
+  gradients(mean, half, by_u, by_v);
+  const int n = 2 * half + 1;
+  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+  for (const Share& share : shares) middle += share.parallax / static_cast<double>(shares.size());
+  for (int j = 1; j + 1 < n; ++j)
+    for (int i = 1; i + 1 < n; ++i) {
+      const int at = j * n + i;
+      const Eigen::Vector2d gradient = Eigen::Vector2d(by_u(at), by_v(at)) / spacing;
+      const Eigen::Vector3d place(1, (i - half) * spacing, (j - half) * spacing);
+      normal.texture += gradient * gradient.transpose();
+      for (const Share& share : shares) {
+        const Eigen::Vector3d row = gradient.dot(share.parallax - middle) * place;
+        const double residual = static_cast<double>(share.patch.values(at) - mean(at));
+        normal.matrix += row * row.transpose();
+        normal.right -= row * residual;
+        normal.squares += residual * residual;
+      }
+      normal.residuals += static_cast<int>(shares.size());
+    }
+  return normal;
+}
+
+/// Variance of a normalised grey value about the pattern: of K values the mean takes one, mean and contrast of each
+/// photograph two.
+double variance_of(const Normal& normal, size_t views) {
+  const double count = static_cast<double>(views);
+  const double inner = normal.residuals / count;
+  const double freedom = (count - 1) * inner - 2 * count - 3;
+  return freedom > 1 ? normal.squares / freedom : 0;
+}
+
+void settle(const Normal& normal, const std::vector<Share>& shares, double spacing, Facet& facet) {
+  const double variance = variance_of(normal, shares.size());
+  const double inner = normal.residuals / static_cast<double>(shares.size());
+  // Noise of the mean patch looks like texture: each gradient has the variance of half a grey value's, over K.
+  const double noise = 0.5 * variance / static_cast<double>(shares.size()) / (spacing * spacing) * inner;
+  Eigen::Matrix2d texture = normal.texture - noise * Eigen::Matrix2d::Identity();
+  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+  for (const Share& share : shares) middle += share.parallax / static_cast<double>(shares.size());
+  double weight = 0;
+  for (const Share& share : shares) {
+    const Eigen::Vector2d p = share.parallax - middle;
+    weight += p.dot(texture * p);
+  }
+  if (!(weight > 0)) {
+    facet.outcome = FacetOutcome::no_texture;
+    return;
+  }
+  facet.sigma = std::sqrt(variance / weight);
+  for (const Share& share : shares) {
+    facet.views.push_back(share.number);
+    facet.by_shift.push_back(-(texture * (share.parallax - middle)) / weight);
+  }
+}
+
+}  // namespace
+
+const char* to_string(FacetOutcome outcome) {
+  switch (outcome) {
+    case FacetOutcome::measured:
+      return "measured";
+    case FacetOutcome::too_few_views:
+      return "too few photographs see it";
+    case FacetOutcome::no_texture:
+      return "nothing on it to measure";
+    case FacetOutcome::no_agreement:
+      return "the photographs disagree";
+    case FacetOutcome::ambiguous:
+      return "two heights fit alike";
+    case FacetOutcome::outside_search:
+      return "at the border of the search";
+  }
+  return "";
+}
+
+std::vector<double> search_heights(const FacadePlane& plane, const Eigen::Vector2d& place, double spacing,
+                                   const std::vector<FacetView>& views, const FacetOptions& options, size_t most,
+                                   bool* ambiguous) {
+  *ambiguous = false;
+  constexpr int level = Pyramid::levels - 1;
+  const double coarse = spacing * (1 << level);
+  std::vector<Share> shares = shares_of(plane, place, 0, 0, views);
+  if (static_cast<int>(shares.size()) < options.min_views) return {};
+  double slope = 0;
+  for (const Share& a : shares)
+    for (const Share& b : shares) slope = std::max(slope, (a.parallax - b.parallax).norm());
+  if (!(slope > 0.02)) return {};  // rays that are all alike fix no height
+  const double step = 0.7 * coarse / slope;
+  const int reach = static_cast<int>(std::ceil(options.search / step));
+  std::vector<double> found(static_cast<size_t>(2 * reach + 1));
+  for (int s = -reach; s <= reach; ++s)
+    found[static_cast<size_t>(s + reach)] =
+        agreement_at(shares, views, s * step, coarse, options.half, level, options.min_views);
+  std::vector<size_t> peaks;
+  for (size_t s = 0; s < found.size(); ++s)
+    if (found[s] > 0.3 && (s == 0 || found[s] >= found[s - 1]) && (s + 1 == found.size() || found[s] > found[s + 1]))
+      peaks.push_back(s);
+  std::sort(peaks.begin(), peaks.end(), [&](size_t a, size_t b) { return found[a] > found[b]; });
+  if (peaks.size() > 1 && found[peaks[1]] > found[peaks[0]] - options.repetition) *ambiguous = true;
+  std::vector<double> heights;
+  for (size_t k = 0; k < std::min(most, peaks.size()); ++k)
+    heights.push_back((static_cast<int>(peaks[k]) - reach) * step);
+  return heights;
+}
+
+Facet match_facet(const FacadePlane& plane, const Eigen::Vector2d& place, double spacing, double start,
+                  const std::vector<FacetView>& views, const FacetOptions& options) {
+  Facet facet;
+  std::vector<Share> shares = shares_of(plane, place, start, 0, views);
+  double raise = 0;
+  Eigen::Vector2d slope = Eigen::Vector2d::Zero();
+  // Half resolution brings the start within a pixel; the last steps at full resolution are cubic.
+  for (int step = 0; step < 12; ++step) {
+    const int level = step < 3 ? 1 : 0;
+    const double sampling = spacing * (1 << level);
+    std::vector<Share> agreeing;
+    for (Share& share : shares)
+      if (take(share, views[static_cast<size_t>(share.number)], raise, slope, sampling, options.half, level, step > 4))
+        agreeing.push_back(share);
+    if (static_cast<int>(agreeing.size()) < options.min_views) {
+      facet.outcome = shares.size() < static_cast<size_t>(options.min_views) ? FacetOutcome::too_few_views
+                                                                             : FacetOutcome::no_texture;
+      return facet;
+    }
+    if (step >= 3) {  // who disagrees goes, the worst first
+      for (;;) {
+        const Eigen::ArrayXf mean = mean_patch(agreeing);
+        const auto worst = std::min_element(agreeing.begin(), agreeing.end(), [&](const Share& a, const Share& b) {
+          return correlation(a, mean) < correlation(b, mean);
+        });
+        if (correlation(*worst, mean) >= options.min_correlation) break;
+        agreeing.erase(worst);
+        if (static_cast<int>(agreeing.size()) < options.min_views ||
+            static_cast<double>(agreeing.size()) < options.min_share * static_cast<double>(shares.size())) {
+          facet.outcome = FacetOutcome::no_agreement;
+          return facet;
+        }
+      }
+    }
+    const Normal normal = linearise(agreeing, options.half, sampling);
+    const bool with_slope = step >= 3;
+    Eigen::Vector3d change = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d matrix = normal.matrix;
+    // A facade leans little: slopes are zero within a twentieth, which holds them where there is little texture.
+    const double variance = variance_of(normal, agreeing.size());
+    Eigen::Vector3d right = normal.right;
+    if (with_slope && variance > 0) {
+      matrix(1, 1) += variance / (0.05 * 0.05), matrix(2, 2) += variance / (0.05 * 0.05);
+      right.tail<2>() -= variance / (0.05 * 0.05) * slope;
+      change = matrix.ldlt().solve(right);
+    } else if (matrix(0, 0) > 0) {
+      change(0) = right(0) / matrix(0, 0);
+    }
+    if (!change.allFinite()) {
+      facet.outcome = FacetOutcome::no_texture;
+      return facet;
+    }
+    double most = 0;
+    for (const Share& share : agreeing) most = std::max(most, share.parallax.norm());
+    const double longest = 1.5 * sampling / std::max(most, 0.05);  // further than patches agree nothing is known
+    change(0) = std::clamp(change(0), -longest, longest);
+    raise += change(0);
+    slope += change.tail<2>();
+    const bool done = step > 5 && std::abs(change(0)) * std::max(most, 0.05) < 2e-3 * spacing;
+    if (!done && step < 11) continue;
+    if (std::abs(change(0)) * std::max(most, 0.05) > 0.1 * spacing) {  // steps that do not end
+      facet.outcome = FacetOutcome::no_agreement;
+      return facet;
+    }
+    facet.height = start + raise, facet.slope = slope;
+    const Eigen::ArrayXf mean = mean_patch(agreeing);
+    for (const Share& share : agreeing)
+      facet.correlation += correlation(share, mean) / static_cast<double>(agreeing.size());
+    facet.outcome = FacetOutcome::measured;
+    settle(normal, agreeing, spacing, facet);
+    if (facet.outcome != FacetOutcome::measured) return facet;
+    if (!(facet.sigma <= options.max_sigma)) facet.outcome = FacetOutcome::no_texture;
+    if (std::abs(facet.height) > options.search) facet.outcome = FacetOutcome::outside_search;
+    return facet;
+  }
+  return facet;
+}
+
+}  // namespace plumbline::surface

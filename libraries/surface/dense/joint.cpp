@@ -1,0 +1,383 @@
+#include "surface/dense/joint.hpp"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "plumbline/stop.hpp"
+#include "surface/dense/edge_profile.hpp"
+
+namespace plumbline::surface {
+namespace {
+
+constexpr double kSamples = 2;  // of a profile for one pixel on the ground
+constexpr double kWindow = 6;   // half the window of an edge's fit [px]
+
+/// One edge of a joint in the joint's own plane: u of its place is looked for around `nominal`.
+struct EdgeLine {
+  double nominal = 0;  ///< [m]
+  const PanelFace* face = nullptr;
+  const PanelSurface* surface = nullptr;
+};
+
+/// Height of the panel's surface over the joint's plane at a place of that plane, and its variance by the panel's
+/// random part; the design's height where the panel has no figures.
+struct EdgeHeight {
+  double height = 0;
+  Vector6 base = Vector6::Zero();
+  bool measured = false;
+};
+
+EdgeHeight height_at(const EdgeLine& line, const FacadePlane& plane, double u, double v) {
+  const Eigen::Vector3d on_face = line.face->plane.local(plane.world({u, v, 0}));
+  EdgeHeight result;
+  Eigen::Vector3d place(on_face.x(), on_face.y(), 0);
+  if (line.surface && line.surface->not_measured.empty()) {
+    result.measured = true;
+    result.base = line.surface->base(on_face.x(), on_face.y());
+    place.z() = result.base.dot(line.surface->form);
+  }
+  result.height = plane.local(line.face->plane.world(place)).z();
+  return result;
+}
+
+/// Mean grey values across the joint in one photograph, from `from` on and `step` apart. What lies left of the joint's
+/// middle is taken at one height, what lies right of it at another, because each edge is its panel's.
+std::vector<double> profile(const FacetView& view, const LocalMap& map, const Eigen::Vector3d& centre, double from,
+                            double step, int count, double along, const double heights[2]) {
+  const int rows = std::max(1, static_cast<int>(std::lround(along / map.ground_pixel())));
+  const GreyImage& image = view.image->level[0];
+  std::vector<double> values(static_cast<size_t>(count));
+  for (int i = 0; i < count; ++i) {
+    double sum = 0;
+    const double u = from + i * step;
+    for (int r = 0; r < rows; ++r) {
+      const Eigen::Vector3d offset(u - centre.x(), ((r + 0.5) / rows - 0.5) * along,
+                                   heights[u < 0 ? 0 : 1] - centre.z());
+      const Eigen::Vector2d pixel = map.pixel + map.by_place * offset;
+      const int x = static_cast<int>(std::floor(pixel.x())), y = static_cast<int>(std::floor(pixel.y()));
+      if (x < 0 || y < 0 || x + 1 >= image.width || y + 1 >= image.height) return {};
+      const double a = pixel.x() - x, b = pixel.y() - y;
+      const auto at = [&](int column, int row) {
+        return static_cast<double>(image.pixels[static_cast<size_t>(row) * image.width + column]);
+      };
+      sum += (at(x, y) * (1 - a) + at(x + 1, y) * a) * (1 - b) + (at(x, y + 1) * (1 - a) + at(x + 1, y + 1) * a) * b;
+    }
+    values[static_cast<size_t>(i)] = sum / rows;
+  }
+  return values;
+}
+
+/// What one photograph says of an edge at one station.
+struct EdgeSight {
+  double place = 0, sigma = 0;  ///< u at the height that was assumed [m]
+  double parallax = 0;          ///< change of that by height
+  Eigen::RowVectorXd by_orientation;
+};
+
+/// An edge at one station from all photographs.
+struct EdgePlace {
+  bool found = false;
+  double u = 0, variance = 0;  ///< random part [m], [m²]
+  Eigen::RowVectorXd by_orientation;
+  int views = 0;
+};
+
+class Station {
+ public:
+  Station(const Joint& joint, const EdgeLine& a, const EdgeLine& b, bool dark, const std::vector<FacetView>& views,
+          const OrientationCovariance& orientations, const JointOptions& options)
+      : joint_(joint), lines_{a, b}, dark_(dark), views_(views), orientations_(orientations), options_(options) {}
+
+  /// Both edges; `found` says whether.
+  std::array<EdgePlace, 2> edges(double along) const {
+    double heights[2];
+    for (size_t e : {0, 1}) heights[e] = height_at(lines_[e], joint_.plane, lines_[e].nominal, along).height;
+    std::vector<EdgeSight> sights[2];
+    for (const FacetView& view : views_) look(view, along, heights, sights);
+    return {intersect(std::move(sights[0])), intersect(std::move(sights[1]))};
+  }
+
+ private:
+  void look(const FacetView& view, double along, const double heights[2], std::vector<EdgeSight>* sights) const {
+    const Eigen::Vector3d centre(0, along, 0.5 * (heights[0] + heights[1]));
+    const auto map = map_at(*view.view, joint_.plane, centre, 12);
+    if (!map) return;
+    const double step = map->ground_pixel() / kSamples, window = kWindow * kSamples;
+    const double reach = 0.5 * joint_.width + options_.search + window * step;
+    const int half = static_cast<int>(std::ceil(reach / step));
+    const auto grey = profile(view, *map, centre, -half * step, step, 2 * half + 1, options_.station, heights);
+    if (grey.empty()) return;
+    const double first = steepest(grey, half + lines_[0].nominal / step, options_.search / step, !dark_);
+    const double second = steepest(grey, half + lines_[1].nominal / step, options_.search / step, dark_);
+    if (first < 0 || second <= first) return;
+    const auto gap = fit_gap(grey, first, second, window, dark_);
+    if (!gap) return;
+    for (int e : {0, 1}) {
+      const double u = (gap->place[e] - half) * step;
+      const auto at = map_at(*view.view, joint_.plane, {u, along, heights[e]}, 0);
+      if (!at) return;
+      const Eigen::Matrix2d plane_from_pixel = at->by_place.leftCols<2>().inverse();
+      EdgeSight sight;
+      sight.place = u;
+      // Neighbouring samples share pixels, so each counts for less than one: kSamples of them for a pixel.
+      sight.sigma = std::max(gap->sigma[e] * step * std::sqrt(kSamples), 0.01 * map->ground_pixel());
+      sight.parallax = at->parallax().x();
+      sight.by_orientation = Eigen::RowVectorXd::Zero(orientations_.size());
+      if (view.view->orientation >= 0)
+        sight.by_orientation.segment<8>(orientations_.of_image(view.view->orientation)) =
+            -(plane_from_pixel * at->by_image).row(0);
+      if (view.view->camera_number < orientations_.cameras)
+        sight.by_orientation.segment<9>(orientations_.of_camera(view.view->camera_number)) =
+            -(plane_from_pixel * at->by_camera).row(0);
+      sights[e].push_back(sight);
+    }
+  }
+
+  /// Covariance of the sights' places: noise, the edge's height over the panel, and the orientations.
+  Eigen::MatrixXd covariance_of(const std::vector<EdgeSight>& sights) const {
+    const Eigen::Index n = static_cast<Eigen::Index>(sights.size());
+    Eigen::MatrixXd by(n, orientations_.size());
+    Eigen::VectorXd parallax(n), noise(n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const EdgeSight& s = sights[static_cast<size_t>(i)];
+      by.row(i) = s.by_orientation, parallax(i) = s.parallax, noise(i) = s.sigma * s.sigma;
+    }
+    Eigen::MatrixXd covariance = options_.height_sigma * options_.height_sigma * parallax * parallax.transpose();
+    covariance.diagonal() += noise;
+    if (by.cols() > 0) covariance += by * orientations_.matrix * by.transpose();
+    return covariance;
+  }
+
+  /// The best mean of the sights; those that stand out go, the worst first.
+  EdgePlace intersect(std::vector<EdgeSight> sights) const {
+    EdgePlace place;
+    while (static_cast<int>(sights.size()) >= options_.min_views) {
+      const Eigen::Index n = static_cast<Eigen::Index>(sights.size());
+      const Eigen::MatrixXd inverse = covariance_of(sights).inverse();
+      const Eigen::VectorXd ones = Eigen::VectorXd::Ones(n);
+      const Eigen::RowVectorXd weight = ones.transpose() * inverse / ones.dot(inverse * ones);
+      Eigen::VectorXd seen(n);
+      for (Eigen::Index i = 0; i < n; ++i) seen(i) = sights[static_cast<size_t>(i)].place;
+      const double u = weight * seen;
+      const Eigen::VectorXd off = inverse * (seen - u * ones);
+      const double factor = std::max(1.0, (seen - u * ones).dot(off) / std::max<double>(static_cast<double>(n) - 1, 1));
+      Eigen::Index worst = 0;  // by its own test: (C⁻¹ v)ᵢ over the root of (C⁻¹)ᵢᵢ
+      const double largest = (off.array().abs() / inverse.diagonal().array().sqrt()).maxCoeff(&worst);
+      if (largest > 4 && n > options_.min_views) {
+        sights.erase(sights.begin() + static_cast<std::ptrdiff_t>(worst));
+        continue;
+      }
+      if (factor > 16) break;  // photographs that show different edges
+      place.found = true, place.views = static_cast<int>(n), place.u = u;
+      place.by_orientation = Eigen::RowVectorXd::Zero(orientations_.size());
+      double noise = 0, height = 0;
+      for (Eigen::Index i = 0; i < n; ++i) {
+        const EdgeSight& s = sights[static_cast<size_t>(i)];
+        place.by_orientation += weight(i) * s.by_orientation;
+        noise += weight(i) * weight(i) * s.sigma * s.sigma;
+        height += weight(i) * s.parallax * options_.height_sigma;
+      }
+      place.variance = factor * (noise + height * height);
+      break;
+    }
+    return place;
+  }
+
+  const Joint& joint_;
+  EdgeLine lines_[2];
+  bool dark_;
+  const std::vector<FacetView>& views_;
+  const OrientationCovariance& orientations_;
+  const JointOptions& options_;
+};
+
+/// Whether grey values fall at edge a: the joint is darker than the panels. By the mean over the whole joint in all
+/// photographs that see its middle.
+bool joint_is_dark(const Joint& joint, const std::vector<FacetView>& views) {
+  double difference = 0;
+  for (const FacetView& view : views)
+    for (int part = -2; part <= 2; ++part) {
+      const Eigen::Vector3d centre(0, part * 0.2 * joint.length, 0);
+      const auto map = map_at(*view.view, joint.plane, centre, 12);
+      if (!map) continue;
+      const double reach = 0.5 * joint.width + 0.01;
+      const double on_the_plane[2] = {0, 0};
+      const auto grey = profile(view, *map, centre, -reach, reach / 20, 41, 0.02, on_the_plane);
+      if (grey.empty()) continue;
+      const auto side = [&](size_t from, size_t to) {
+        double sum = 0;
+        for (size_t i = from; i < to; ++i) sum += grey[i];
+        return sum / static_cast<double>(to - from);
+      };
+      difference += side(17, 24) - 0.5 * (side(0, 7) + side(34, 41));
+    }
+  return difference <= 0;
+}
+
+JointStation station_of(const EdgePlace& a, const EdgePlace& b, const EdgeLine& line_a, const EdgeLine& line_b,
+                        const Joint& joint, const OrientationCovariance& orientations, double along) {
+  JointStation station;
+  station.along = along;
+  station.width = b.u - a.u;
+  const Eigen::RowVectorXd row = b.by_orientation - a.by_orientation;
+  const double common = orientations.size() > 0 ? (row * orientations.matrix * row.transpose())(0) : 0;
+  station.width_sigma = std::sqrt(a.variance + b.variance + common);
+  station.views = std::min(a.views, b.views);
+  const EdgeHeight of_a = height_at(line_a, joint.plane, a.u, along), of_b = height_at(line_b, joint.plane, b.u, along);
+  station.step = station.step_sigma = std::numeric_limits<double>::quiet_NaN();
+  if (!of_a.measured || !of_b.measured) return station;
+  station.step = of_b.height - of_a.height;
+  const PanelSurface &sa = *line_a.surface, &sb = *line_b.surface;
+  const Eigen::Index rank = std::max(sa.form_factor.cols(), sb.form_factor.cols());
+  Eigen::RowVectorXd factor = Eigen::RowVectorXd::Zero(rank);
+  factor.head(sb.form_factor.cols()) += of_b.base.transpose() * sb.form_factor;
+  factor.head(sa.form_factor.cols()) -= of_a.base.transpose() * sa.form_factor;
+  station.step_sigma = std::sqrt(of_a.base.dot(sa.form_random * of_a.base) + of_b.base.dot(sb.form_random * of_b.base) +
+                                 factor.squaredNorm());
+  return station;
+}
+
+/// Median of the slopes of pairs, and of the offsets (Theil 1950, Sen 1968): a line that a third of false places
+/// leaves.
+Eigen::Vector2d robust_line(const std::vector<double>& x, const std::vector<double>& y) {
+  const auto median = [](std::vector<double> values) {
+    std::sort(values.begin(), values.end());
+    return values.empty() ? 0.0 : 0.5 * (values[(values.size() - 1) / 2] + values[values.size() / 2]);
+  };
+  std::vector<double> slopes, offsets;
+  for (size_t i = 0; i < x.size(); ++i)
+    for (size_t j = 0; j < i; ++j) slopes.push_back((y[i] - y[j]) / (x[i] - x[j]));
+  const double slope = median(slopes);
+  for (size_t i = 0; i < x.size(); ++i) offsets.push_back(y[i] - slope * x[i]);
+  return {median(offsets), slope};
+}
+
+/// Both edges at a station: places and variances of their random part.
+struct EdgePair {
+  double u[2], variance[2];
+};
+
+/// Leaves out stations whose edges are not on the lines of the others, within a bow of 1.5 mm: grain that looked like
+/// an edge. Grain that merely shifts an edge does so in all photographs alike, which no fit shows; what it does is seen
+/// in how the stations scatter about the line, and the random part is widened to that.
+void keep_straight(MeasuredJoint& measured, const std::vector<EdgePair>& edges) {
+  std::vector<double> along;
+  for (const JointStation& station : measured.stations) along.push_back(station.along);
+  std::vector<char> straight(edges.size(), 1);
+  double factor[2];
+  for (int e : {0, 1}) {
+    std::vector<double> places, sizes;
+    for (const EdgePair& pair : edges) places.push_back(pair.u[e]);
+    const Eigen::Vector2d line = robust_line(along, places);
+    for (size_t s = 0; s < edges.size(); ++s) {
+      const double off = std::abs(places[s] - line(0) - line(1) * along[s]);
+      if (off > 0.0015)
+        straight[s] = 0;
+      else
+        sizes.push_back(off / std::sqrt(edges[s].variance[e]));
+    }
+    std::sort(sizes.begin(), sizes.end());
+    const double scatter = sizes.size() > 4 ? 1.4826 * sizes[sizes.size() / 2] : 1;
+    factor[e] = std::max(1.0, scatter * scatter);
+  }
+  std::vector<JointStation> kept;
+  for (size_t s = 0; s < edges.size(); ++s) {
+    if (!straight[s]) continue;
+    JointStation station = measured.stations[s];
+    double variance = station.width_sigma * station.width_sigma;
+    for (int e : {0, 1}) variance += (factor[e] - 1) * edges[s].variance[e];
+    station.width_sigma = std::sqrt(variance);
+    kept.push_back(station);
+  }
+  measured.stations = std::move(kept);
+}
+
+}  // namespace
+
+std::vector<Joint> joints_of(const std::vector<PanelFace>& faces, double widest, double offset) {
+  std::vector<Joint> joints;
+  for (size_t i = 0; i < faces.size(); ++i)
+    for (size_t j = 0; j < faces.size(); ++j) {
+      if (i == j) continue;
+      const PanelFace &a = faces[i], &b = faces[j];
+      const Eigen::Vector3d apart = a.plane.local(b.plane.origin);
+      if (std::abs(apart.z()) > offset || a.plane.axes.col(2).dot(b.plane.axes.col(2)) < std::cos(M_PI / 18)) continue;
+      for (int across : {0, 1}) {
+        const double half_a = 0.5 * (across == 0 ? a.width : a.height),
+                     half_b = 0.5 * (across == 0 ? b.width : b.height);
+        const double along_a = 0.5 * (across == 0 ? a.height : a.width),
+                     along_b = 0.5 * (across == 0 ? b.height : b.width);
+        const double gap = apart(across) - half_a - half_b;  // only where b lies at the positive side, so each once
+        if (gap < -0.002 || gap > widest) continue;
+        const double low = std::max(-along_a, apart(1 - across) - along_b),
+                     high = std::min(along_a, apart(1 - across) + along_b);
+        if (high - low < 0.05) continue;
+        Joint joint;
+        joint.a = a.id, joint.b = b.id, joint.face_a = i, joint.face_b = j;
+        joint.width = gap, joint.length = high - low, joint.upright = across == 0;
+        Eigen::Vector3d middle;
+        middle(across) = half_a + 0.5 * gap, middle(1 - across) = 0.5 * (low + high), middle.z() = 0.5 * apart.z();
+        joint.plane.origin = a.plane.world(middle);
+        // A joint that runs across: its right is the facade's up, so its up is the facade's left.
+        if (across == 0)
+          joint.plane.axes = a.plane.axes;
+        else
+          joint.plane.axes << a.plane.axes.col(1), -a.plane.axes.col(0), a.plane.axes.col(2);
+        joints.push_back(joint);
+      }
+    }
+  return joints;
+}
+
+MeasuredJoint measure_joint(const Joint& joint, const std::vector<PanelFace>& faces,
+                            const std::vector<PanelSurface>& surfaces, const std::vector<FacetView>& views,
+                            const OrientationCovariance& orientations, const JointOptions& options) {
+  MeasuredJoint measured;
+  const bool dark = joint_is_dark(joint, views);
+  const auto line = [&](size_t face, double nominal) {
+    return EdgeLine{nominal, &faces[face], face < surfaces.size() ? &surfaces[face] : nullptr};
+  };
+  const EdgeLine a = line(joint.face_a, -0.5 * joint.width), b = line(joint.face_b, 0.5 * joint.width);
+  const Station station(joint, a, b, dark, views, orientations, options);
+  const int count = std::max(1, static_cast<int>((joint.length - options.station) / options.station));
+  int one_edge = 0;
+  std::vector<EdgePair> edges;
+  for (int s = 0; s < count; ++s) {
+    stop_point();
+    const double along = ((s + 0.5) / count - 0.5) * (joint.length - options.station);
+    ++measured.stations_looked_at;
+    const auto [edge_a, edge_b] = station.edges(along);
+    if (!edge_a.found || !edge_b.found) {
+      one_edge += edge_a.found || edge_b.found;
+      continue;
+    }
+    measured.stations.push_back(station_of(edge_a, edge_b, a, b, joint, orientations, along));
+    edges.push_back({{edge_a.u, edge_b.u}, {edge_a.variance, edge_b.variance}});
+  }
+  if (measured.stations.empty()) {
+    measured.not_measured =
+        one_edge > 0 ? "only one of its edges shows in " + std::to_string(options.min_views) + " photographs or more"
+                     : "its edges show in fewer than " + std::to_string(options.min_views) + " photographs";
+    return measured;
+  }
+  keep_straight(measured, edges);
+  const auto& stations = measured.stations;
+  if (2 * static_cast<int>(stations.size()) < measured.stations_looked_at) {
+    measured.not_measured = "two straight edges show at " + std::to_string(stations.size()) + " of " +
+                            std::to_string(measured.stations_looked_at) + " places along it";
+    measured.stations.clear();
+    return measured;
+  }
+  for (size_t s = 0; s < stations.size(); ++s) {
+    if (stations[s].width < stations[measured.narrowest].width) measured.narrowest = s;
+    if (stations[s].width > stations[measured.widest].width) measured.widest = s;
+    if (!(std::abs(stations[s].step) <= std::abs(stations[measured.largest_step].step))) measured.largest_step = s;
+  }
+  return measured;
+}
+
+}  // namespace plumbline::surface

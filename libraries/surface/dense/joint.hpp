@@ -1,0 +1,58 @@
+// Joints between panels, measured in the photographs: both edges as sub-pixel positions in every photograph that sees
+// them, width and flush step along the joint with their standard deviations.
+//
+// What is measured is the edge that is seen: where the panel's face turns away. A bevel or a bead of sealant belongs to
+// the joint as it is lit.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "surface/dense/facet.hpp"
+#include "surface/dense/panel_surface.hpp"
+
+namespace plumbline::surface {
+
+/// A joint of the design. `plane`: origin in the joint's middle; right is across the joint from panel `a` to `b`, up is
+/// along it, out as the facade.
+struct Joint {
+  std::string a, b;               ///< ids of the panels; `a` lies at negative right
+  size_t face_a = 0, face_b = 0;  ///< numbers of their faces
+  FacadePlane plane;
+  double width = 0;     ///< nominal [m]
+  double length = 0;    ///< [m]
+  bool upright = true;  ///< runs upwards on the facade; else across
+};
+
+/// Joints between faces that lie in one plane within `offset` and 10°, face each other along at least 50 mm, and are no
+/// further apart than `widest` [m]. In the order of the faces.
+std::vector<Joint> joints_of(const std::vector<PanelFace>& faces, double widest = 0.06, double offset = 0.05);
+
+struct JointOptions {
+  double station = 0.02;       ///< length along the joint that one station takes the mean of [m]
+  double search = 0.012;       ///< how far an edge is looked for from where the design has it [m]
+  int min_views = 2;           ///< photographs that have to show an edge
+  double height_sigma = 3e-4;  ///< of the edge over the panel's fitted surface: bevels, dents [m]
+};
+
+struct JointStation {
+  double along = 0;                   ///< from the joint's middle [m]
+  double width = 0, width_sigma = 0;  ///< [m]; sigma has the random and the systematic part
+  double step = 0, step_sigma = 0;    ///< b over a, out of the facade [m]; nan if a panel was not measured
+  int views = 0;                      ///< photographs that show both edges, or the fewer of the two
+};
+
+struct MeasuredJoint {
+  size_t joint = 0;          ///< which one
+  std::string not_measured;  ///< why it has no station
+  std::vector<JointStation> stations;
+  int stations_looked_at = 0;
+  size_t narrowest = 0, widest = 0, largest_step = 0;  ///< stations, if there are any
+};
+
+/// `surfaces`: of the faces, in their order. Orientations: what is common to all stations.
+MeasuredJoint measure_joint(const Joint& joint, const std::vector<PanelFace>& faces,
+                            const std::vector<PanelSurface>& surfaces, const std::vector<FacetView>& views,
+                            const OrientationCovariance& orientations, const JointOptions& options);
+
+}  // namespace plumbline::surface

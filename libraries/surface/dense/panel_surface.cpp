@@ -1,0 +1,270 @@
+#include "surface/dense/panel_surface.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+
+#include "surface/dense/straightedge.hpp"
+
+namespace plumbline::surface {
+namespace {
+
+struct Sample {
+  double u, v, h, sigma;
+  size_t tile;
+  Eigen::Vector3d arm;  ///< from the tile's centre [m]
+};
+
+std::vector<Sample> own_samples(const PanelFace& face, const std::vector<MeasuredTile>& tiles,
+                                const PanelOptions& options) {
+  std::vector<Sample> samples;
+  const double across = 0.5 * face.width - options.border, up = 0.5 * face.height - options.border;
+  for (size_t t = 0; t < tiles.size(); ++t)
+    for (const MeasuredPoint& point : tiles[t].points) {
+      const Eigen::Vector3d arm = point.offset.cast<double>();
+      const Eigen::Vector3d local = face.plane.local(tiles[t].centre + arm);
+      if (std::abs(local.x()) > across || std::abs(local.y()) > up || !local.allFinite()) continue;
+      // A little further than a surface may lie: noise that is cut off on one side would pull the surface inside.
+      if (!(point.sigma > 0) || std::abs(local.z()) > options.reach + 6 * static_cast<double>(point.sigma)) continue;
+      samples.push_back({local.x(), local.y(), local.z(), static_cast<double>(point.sigma), t, arm});
+    }
+  return samples;
+}
+
+double median_of(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+Vector6 base_at(double x, double y) {
+  Vector6 base;
+  base << 1, x, y, 1 - x * x, 1 - y * y, x * y;
+  return base;
+}
+
+Vector6 base_of(const PanelFace& face, const Sample& s) { return base_at(2 * s.u / face.width, 2 * s.v / face.height); }
+
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+/// Weighted least squares of the six base functions; weights of Tukey's biweight on robustly scaled residuals, which
+/// leaves out what is something else. Weights end in `weight`. A scan has a hundred thousand points on a panel: nothing
+/// here is made anew for each of them.
+Vector6 fit(const PanelFace& face, const std::vector<Sample>& samples, std::vector<double>& weight, Matrix6& normal) {
+  Vector6 solution = Vector6::Zero();
+  std::vector<double> residuals(samples.size()), sizes(samples.size());
+  for (int pass = 0; pass < 8; ++pass) {
+    normal.setZero();
+    Vector6 right = Vector6::Zero();
+    for (size_t i = 0; i < samples.size(); ++i) {
+      const Vector6 base = base_of(face, samples[i]);
+      const double p = weight[i] / (samples[i].sigma * samples[i].sigma);
+      const Vector6 weighted = p * base;
+      normal.noalias() += weighted * base.transpose();
+      right += samples[i].h * weighted;
+    }
+    solution = normal.ldlt().solve(right);
+    if (pass == 7) break;
+    for (size_t i = 0; i < samples.size(); ++i) {
+      residuals[i] = (samples[i].h - base_of(face, samples[i]).dot(solution)) / samples[i].sigma;
+      sizes[i] = std::abs(residuals[i]);
+    }
+    const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+    std::nth_element(sizes.begin(), middle, sizes.end());
+    const double scale = std::max(1.4826 * *middle, 1e-12);
+    for (size_t i = 0; i < samples.size(); ++i) {
+      const double r = residuals[i] / (6 * scale);
+      weight[i] = std::abs(r) < 1 ? (1 - r * r) * (1 - r * r) : 0;
+    }
+  }
+  return solution;
+}
+
+/// Systematic part of a linear function of the points: Σ gain_i · normal · (t + ω × arm).
+Eigen::MatrixXd systematic(const PanelFace& face, const std::vector<Sample>& samples,
+                           const std::vector<MeasuredTile>& tiles, const std::vector<double>& weight,
+                           const Matrix6& inverse) {
+  Eigen::Index rank = 0;
+  for (const MeasuredTile& tile : tiles) rank = std::max(rank, tile.factor.cols());
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(6, rank);
+  if (rank == 0) return result;
+  const Eigen::Vector3d out = face.plane.axes.col(2);
+  std::vector<Matrix6> gain(tiles.size(), Matrix6::Zero());
+  for (size_t i = 0; i < samples.size(); ++i) {
+    Eigen::Matrix<double, 1, 6> row;  // of the tile's (t, ω): out · (ω × arm) = ω · (arm × out)
+    row << out.transpose(), samples[i].arm.cross(out).transpose();
+    const Vector6 weighted = weight[i] / (samples[i].sigma * samples[i].sigma) * base_of(face, samples[i]);
+    gain[samples[i].tile].noalias() += weighted * row;
+  }
+  for (size_t t = 0; t < tiles.size(); ++t)
+    if (tiles[t].factor.cols() > 0) result.leftCols(tiles[t].factor.cols()) += inverse * gain[t] * tiles[t].factor;
+  return result;
+}
+
+/// Why the surface may be cut: it comes to where points are no longer taken. Empty if it does not.
+std::string at_the_border(const PanelFace& face, const std::vector<Sample>& samples, const std::vector<double>& weight,
+                          const Vector6& form, double widened, const PanelOptions& options) {
+  const double border = std::min(options.search, options.reach);
+  double furthest = 0, sigma = 0;
+  for (size_t i = 0; i < samples.size(); ++i) {
+    if (!(weight[i] > 0)) continue;
+    const double height = std::abs(base_of(face, samples[i]).dot(form)), own = widened * samples[i].sigma;
+    if (height + 4 * own > furthest + 4 * sigma) furthest = height, sigma = own;
+  }
+  if (furthest + 4 * sigma < border) return "";
+  char text[240];
+  std::snprintf(
+      text, sizeof text,
+      "at the border of the search: its surface is up to %.1f mm from the design's face, its points have a noise of "
+      "%.1f mm, and it is looked for within %.0f mm; look further with 'search' and 'reach'",
+      1e3 * furthest, 1e3 * sigma, 1e3 * border);
+  return text;
+}
+
+/// How the face is divided into cells.
+struct Division {
+  double across, up;
+  int columns, rows;
+  Division(const PanelFace& face, const PanelOptions& options)
+      : across(face.width - 2 * options.border),
+        up(face.height - 2 * options.border),
+        columns(std::max(1, static_cast<int>(across / options.cell))),
+        rows(std::max(1, static_cast<int>(up / options.cell))) {}
+  size_t cell_of(const Sample& s) const {
+    const int c = std::clamp(static_cast<int>((s.u / across + 0.5) * columns), 0, columns - 1);
+    const int r = std::clamp(static_cast<int>((s.v / up + 0.5) * rows), 0, rows - 1);
+    return static_cast<size_t>(r) * static_cast<size_t>(columns) + static_cast<size_t>(c);
+  }
+};
+
+/// The points that count (1), and with them those of cells where most points do not and agree with each other: a dent,
+/// or something in front of the panel. The same as `counts` if there are none.
+std::vector<char> with_outlying_cells(const PanelFace& face, const std::vector<Sample>& samples,
+                                      std::vector<char> counts, double widened, const PanelOptions& options) {
+  constexpr size_t least = 3;  // points that can agree with each other
+  const Division division(face, options);
+  std::map<size_t, std::vector<size_t>> outlying;  // points by cell
+  std::vector<size_t> others(static_cast<size_t>(division.columns) * static_cast<size_t>(division.rows));
+  for (size_t i = 0; i < samples.size(); ++i)
+    if (counts[i])
+      ++others[division.cell_of(samples[i])];
+    else
+      outlying[division.cell_of(samples[i])].push_back(i);
+  for (const auto& [cell, points] : outlying) {
+    if (points.size() < least || points.size() <= others[cell]) continue;
+    std::vector<double> heights, off;
+    for (size_t i : points) heights.push_back(samples[i].h);
+    const double middle = median_of(heights);
+    for (double h : heights) off.push_back(std::abs(h - middle));
+    if (median_of(off) > 2 * widened * samples[points[0]].sigma) continue;
+    for (size_t i : points) counts[i] = 1;
+  }
+  return counts;
+}
+
+/// Cells of the face with the mean of their points: for coverage and straightedges.
+HeightGrid grid_of(const PanelFace& face, const std::vector<Sample>& samples, const std::vector<MeasuredTile>& tiles,
+                   const std::vector<char>& counts, double widened, const PanelOptions& options) {
+  const Division division(face, options);
+  HeightGrid grid(division.columns, division.rows, {division.across, division.up});
+  Eigen::Index rank = 0;
+  for (const MeasuredTile& tile : tiles) rank = std::max(rank, tile.factor.cols());
+  const Eigen::Vector3d out = face.plane.axes.col(2);
+  Eigen::VectorXd common = Eigen::VectorXd::Zero(rank);
+  for (size_t i = 0; i < samples.size(); ++i) {
+    if (!counts[i]) continue;
+    const Sample& s = samples[i];
+    const auto& factor = tiles[s.tile].factor;
+    if (factor.cols() < rank) common.setZero();
+    if (factor.cols() > 0) {
+      auto own = common.head(factor.cols());
+      own.noalias() = factor.topRows<3>().transpose() * out;
+      own.noalias() += factor.bottomRows<3>().transpose() * s.arm.cross(out);
+    }
+    grid.add({s.u, s.v}, s.h, s.sigma * widened, common);
+  }
+  return grid;
+}
+
+}  // namespace
+
+Vector6 PanelSurface::base(double u, double v) const { return base_at(u / half_width, v / half_height); }
+
+PanelSurface measure_panel(const PanelFace& face, const std::vector<MeasuredTile>& tiles, const PanelOptions& options) {
+  PanelSurface panel;
+  panel.id = face.id;
+  if (!(face.width > 2 * options.border && face.height > 2 * options.border)) {
+    panel.not_measured = "the panel is smaller than twice the border that is left out";
+    return panel;
+  }
+  const std::vector<Sample> samples = own_samples(face, tiles, options);
+  panel.points = static_cast<int>(samples.size());
+  if (panel.points < options.least_points) {
+    panel.not_measured = panel.points == 0 ? "no point was measured on it"
+                                           : std::to_string(panel.points) + " points were measured on it, " +
+                                                 std::to_string(options.least_points) + " are needed";
+    return panel;
+  }
+  std::vector<double> weight(samples.size(), 1.0);
+  Matrix6 normal;
+  const Vector6 form = fit(face, samples, weight, normal);
+  double squares = 0, weighted = 0, sum = 0;
+  for (size_t i = 0; i < samples.size(); ++i) {
+    const double residual = samples[i].h - base_of(face, samples[i]).dot(form);
+    panel.outliers += !(weight[i] > 0);
+    if (weight[i] > 0) squares += residual * residual, sum += 1;
+    weighted += weight[i] * std::pow(residual / samples[i].sigma, 2);
+  }
+  panel.rms = std::sqrt(squares / std::max(sum, 1.0));
+  // Tukey's weights take from the squares of normal residuals too; at 6 times the scale they leave 84.5 %.
+  panel.variance_factor = sum > 6 ? weighted / (sum - 6) / 0.845 : 1;
+  const double widened = std::sqrt(std::max(1.0, panel.variance_factor));
+  const double few = 0.5;  // share of outliers above which the rest is an arbitrary choice
+  if ((widened > options.most_scatter && panel.rms > options.least_scatter) || panel.outliers > few * panel.points) {
+    char text[200];
+    std::snprintf(
+        text, sizeof text,
+        "its %d points contradict each other: they scatter by %.1f mm about the best surface, %.1f times what they "
+        "state, and %d lie elsewhere; glass, a mirror, or something in front",
+        panel.points, 1e3 * panel.rms, widened, panel.outliers);
+    panel.not_measured = text;
+    return panel;
+  }
+  panel.not_measured = at_the_border(face, samples, weight, form, widened, options);
+  if (!panel.not_measured.empty()) return panel;
+  std::vector<char> counts;
+  for (double w : weight) counts.push_back(w > 0);
+  const HeightGrid grid = grid_of(face, samples, tiles, counts, widened, options);
+  panel.coverage = grid.coverage();
+  if (panel.coverage < options.least_coverage) {
+    panel.not_measured = "points cover " + std::to_string(static_cast<int>(100 * panel.coverage)) + " % of it, " +
+                         std::to_string(static_cast<int>(100 * options.least_coverage)) + " % are needed";
+    return panel;
+  }
+  const Matrix6 inverse = normal.ldlt().solve(Matrix6::Identity());
+  const Eigen::MatrixXd common = systematic(face, samples, tiles, weight, inverse);
+  panel.form = form;
+  panel.form_random = widened * widened * inverse;
+  panel.form_factor = common;
+  panel.half_width = 0.5 * face.width, panel.half_height = 0.5 * face.height;
+  // The best plane of that form over the whole panel: (1 − x²) has the mean 2/3 and no slope.
+  Eigen::Matrix<double, 3, 6> plane = Eigen::Matrix<double, 3, 6>::Zero();
+  plane(0, 0) = 1, plane(0, 3) = plane(0, 4) = 2.0 / 3;
+  plane(1, 1) = 2 / face.width, plane(2, 2) = 2 / face.height;
+  panel.plane = plane * panel.form;
+  panel.plane_random = plane * panel.form_random * plane.transpose();
+  panel.plane_factor = plane * panel.form_factor;
+  panel.plane_systematic = panel.plane_factor * panel.plane_factor.transpose();
+  for (double length : options.straightedges) panel.flatness.push_back(grid.largest_gap(length));
+  const std::vector<char> more = with_outlying_cells(face, samples, counts, widened, options);
+  if (more == counts) return panel;
+  const HeightGrid whole = grid_of(face, samples, tiles, more, widened, options);
+  for (Gap& gap : panel.flatness) gap.with_outlying = whole.largest_gap(gap.length).gap;
+  return panel;
+}
+
+}  // namespace plumbline::surface

@@ -1,0 +1,65 @@
+#include "surface/dense/view.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+namespace plumbline::surface {
+namespace {
+
+/// Derivatives of the pixel by the nine parameters at normalised image coordinates (x, y).
+Eigen::Matrix<double, 2, 9> by_parameters(const BrownCamera& camera, double x, double y) {
+  const double r2 = x * x + y * y;
+  const double radial = 1 + r2 * (camera.k1 + r2 * (camera.k2 + r2 * camera.k3));
+  const double xd = x * radial + 2 * camera.p1 * x * y + camera.p2 * (r2 + 2 * x * x);
+  const double yd = y * radial + camera.p1 * (r2 + 2 * y * y) + 2 * camera.p2 * x * y;
+  Eigen::Matrix<double, 2, 9> d;
+  d.row(0) << xd, 0, 1, 0, camera.fx * x * r2, camera.fx * x * r2 * r2, camera.fx * x * r2 * r2 * r2,
+      camera.fx * 2 * x * y, camera.fx * (r2 + 2 * x * x);
+  d.row(1) << 0, yd, 0, 1, camera.fy * y * r2, camera.fy * y * r2 * r2, camera.fy * y * r2 * r2 * r2,
+      camera.fy * (r2 + 2 * y * y), camera.fy * 2 * x * y;
+  return d;
+}
+
+GreyImage halved(const GreyImage& image) {
+  GreyImage half;
+  half.width = image.width / 2, half.height = image.height / 2;
+  half.pixels.resize(static_cast<size_t>(half.width) * half.height);
+  for (int y = 0; y < half.height; ++y) {
+    const std::uint8_t* upper = image.pixels.data() + static_cast<size_t>(2 * y) * image.width;
+    const std::uint8_t* lower = upper + image.width;
+    std::uint8_t* out = half.pixels.data() + static_cast<size_t>(y) * half.width;
+    for (int x = 0; x < half.width; ++x)
+      out[x] = static_cast<std::uint8_t>((upper[2 * x] + upper[2 * x + 1] + lower[2 * x] + lower[2 * x + 1] + 2) / 4);
+  }
+  return half;
+}
+
+}  // namespace
+
+std::optional<LocalMap> map_at(const View& view, const FacadePlane& plane, const Eigen::Vector3d& place,
+                               double margin) {
+  const Eigen::Vector3d turned = view.cam_from_world.rotation * plane.world(place);
+  const Eigen::Vector3d in_camera = turned + view.cam_from_world.translation;
+  const auto seen = project_with_slope(view.camera, in_camera);
+  if (!seen) return std::nullopt;
+  const auto inside = [&](double value, int size) { return value >= margin && value <= size - 1 - margin; };
+  if (!inside(seen->pixel.x(), view.camera.width) || !inside(seen->pixel.y(), view.camera.height)) return std::nullopt;
+  const Eigen::Matrix3d cam_from_plane = view.cam_from_world.rotation.toRotationMatrix() * plane.axes;
+  if (in_camera.dot(cam_from_plane.col(2)) >= 0) return std::nullopt;  // from behind
+  LocalMap map;
+  map.pixel = seen->pixel;
+  map.by_place = seen->by_point * cam_from_plane;
+  map.by_image << -seen->by_point * skew(turned), seen->by_point, Eigen::Matrix2d::Identity();
+  map.by_camera = by_parameters(view.camera, in_camera.x() / in_camera.z(), in_camera.y() / in_camera.z());
+  return map;
+}
+
+Pyramid pyramid_of(GreyImage image) {
+  Pyramid pyramid;
+  pyramid.level[0] = std::move(image);
+  for (int l = 1; l < Pyramid::levels; ++l) pyramid.level[l] = halved(pyramid.level[l - 1]);
+  return pyramid;
+}
+
+}  // namespace plumbline::surface

@@ -1,0 +1,210 @@
+#include <cmath>
+#include <map>
+
+#include "survey/files/jobxml.hpp"
+#include "survey/files/survey_builder.hpp"
+#include "survey/files/xml_file.hpp"
+
+namespace plumbline::survey {
+namespace {
+
+using text::attribute;
+using text::child_text;
+
+class JobXmlReader {
+ public:
+  JobXmlReader(std::string_view bytes, const std::string& file)
+      : xml_(bytes, file,
+             {"PointRecord", "StationRecord", "TargetRecord", "AtmosphereRecord", "BackBearingRecord", "Point"}),
+        builder_(file, "jobxml") {}
+
+  SurveyObservations read();
+
+ private:
+  struct Target {
+    double height = kNotGiven, prism_constant = kNotGiven;
+  };
+
+  void read_record(pugi::xml_node record);
+  void read_station(pugi::xml_node record);
+  void read_target(pugi::xml_node record);
+  void read_back_bearing(pugi::xml_node record);
+  void read_point(pugi::xml_node record);
+  void read_circle(pugi::xml_node record, pugi::xml_node circle, const std::string& name);
+  void read_coordinates(const std::string& name, pugi::xml_node grid, bool known = false);
+  void correct_distance(pugi::xml_node record, Sighting& sighting);
+  double number(pugi::xml_node parent, const char* name);
+  double degrees(pugi::xml_node parent, const char* name);
+  void reject(pugi::xml_node node, const std::string& found, const std::string& expected) {
+    const SourcePosition at = xml_.position(node);
+    builder_.skip(at.line, at.column, found, expected);
+  }
+
+  text::XmlFile xml_;
+  SurveyBuilder builder_;
+  std::map<std::string, int> stations_;                // ID -> set-up
+  std::map<std::string, double> atmospheres_;          // ID -> ppm
+  std::map<std::string, std::string> air_of_station_;  // station ID -> atmosphere ID
+  std::map<std::string, Target> targets_;
+  std::string last_station_, last_atmosphere_;
+  std::size_t deleted_ = 0, means_ = 0;
+};
+
+double JobXmlReader::number(pugi::xml_node parent, const char* name) {
+  const std::string text = child_text(parent, name);
+  if (text.empty()) return kNotGiven;
+  if (const auto value = text::parse_number(text)) return *value;
+  if (text != "?") reject(text::child(parent, name), text, std::string("a number in ") + name);
+  return kNotGiven;
+}
+
+double JobXmlReader::degrees(pugi::xml_node parent, const char* name) {
+  const double value = number(parent, name);
+  if (std::isnan(value) || std::abs(value) <= 720) return degrees_to_rad(value);
+  reject(text::child(parent, name), child_text(parent, name), "an angle in decimal degrees");
+  return kNotGiven;
+}
+
+void JobXmlReader::read_station(pugi::xml_node record) {
+  const std::string name = child_text(record, "StationName"), id = attribute(record, "ID");
+  if (child_text(record, "Deleted") == "true") return;
+  if (name.empty()) return reject(record, "a StationRecord", "its StationName");
+  stations_[id] = builder_.start_set_up(name, number(record, "TheodoliteHeight"), xml_.position(record));
+  last_station_ = id;
+  const std::string air = child_text(record, "AtmosphereID");
+  air_of_station_[id] = air.empty() ? last_atmosphere_ : air;
+  const double scale = number(record, "ScaleFactor");
+  if (!std::isnan(scale) && scale != 1.0)
+    builder_.warn("station " + text::quoted(name) + " has the scale factor " + text::format_shortest(scale) +
+                  ", which is not applied to distances");
+}
+
+void JobXmlReader::read_target(pugi::xml_node record) {
+  Target& target = targets_[attribute(record, "ID")];
+  target.height = number(record, "TargetHeight");
+  target.prism_constant = number(record, "PrismConstant");
+}
+
+// What is added to the circle's readings to make them azimuths.
+void JobXmlReader::read_back_bearing(pugi::xml_node record) {
+  const auto station = stations_.find(child_text(record, "StationRecordID"));
+  const double correction = degrees(record, "OrientationCorrection");
+  const int set_up = station != stations_.end() ? station->second : builder_.current_set_up();
+  if (set_up >= 0 && !std::isnan(correction))
+    builder_.survey.set_ups[static_cast<std::size_t>(set_up)].stated_orientation = wrap_to_circle(correction);
+}
+
+void JobXmlReader::read_coordinates(const std::string& name, pugi::xml_node grid, bool known) {
+  if (!grid) return;
+  const Eigen::Vector3d at = {number(grid, "East"), number(grid, "North"), number(grid, "Elevation")};
+  if (!at.array().isNaN().all()) builder_.give_coordinates(name, at, xml_.position(grid));
+  if (known) builder_.know_coordinates(name, at, xml_.position(grid));
+}
+
+// The job stores what the distance meter gave before any correction.
+void JobXmlReader::correct_distance(pugi::xml_node record, Sighting& sighting) {
+  const auto target = targets_.find(child_text(record, "TargetID"));
+  const auto air = air_of_station_.find(child_text(record, "StationID"));
+  const auto found = atmospheres_.find(air == air_of_station_.end() ? last_atmosphere_ : air->second);
+  if (found != atmospheres_.end() && !std::isnan(found->second)) {
+    sighting.slope_distance *= 1 + found->second * 1e-6;
+    sighting.distance_corrections.push_back("ppm " + text::format_shortest(found->second));
+  }
+  if (target != targets_.end() && !std::isnan(target->second.prism_constant)) {
+    sighting.slope_distance += target->second.prism_constant;
+    sighting.distance_corrections.push_back("prism constant " +
+                                            text::format_fixed(target->second.prism_constant * 1e3, 1) + " mm");
+  }
+}
+
+void JobXmlReader::read_circle(pugi::xml_node record, pugi::xml_node circle, const std::string& name) {
+  Sighting sighting;
+  sighting.to = name;
+  sighting.source = xml_.position(record);
+  sighting.direction = degrees(circle, "HorizontalCircle");
+  sighting.zenith_angle = degrees(circle, "VerticalCircle");
+  sighting.slope_distance = number(circle, "EDMDistance");
+  const std::string face = child_text(circle, "Face");
+  sighting.face = face == "Face1" ? 1 : face == "Face2" ? 2 : 0;
+  if (sighting.slope_distance < 0 || sighting.slope_distance > 1e5) {
+    reject(text::child(circle, "EDMDistance"), child_text(circle, "EDMDistance"), "a distance between 0 and 100 km");
+    sighting.slope_distance = kNotGiven;
+  }
+  if (sighting.slope_distance > 0) correct_distance(record, sighting);
+  if (const auto target = targets_.find(child_text(record, "TargetID")); target != targets_.end())
+    sighting.target_height = target->second.height;
+  std::string station = child_text(record, "StationID");
+  if (station.empty()) station = last_station_;
+  const auto known = stations_.find(station);
+  if (known == stations_.end()) {
+    builder_.warn("observations refer to the station record " + text::quoted(station) + ", which is not in the file");
+    stations_[station] = builder_.start_unnamed_set_up(kNotGiven, sighting.source);
+  }
+  builder_.select_set_up(stations_.at(station));
+  if (!builder_.add(sighting)) reject(record, "a Circle without values", "circle readings in decimal degrees");
+}
+
+void JobXmlReader::read_point(pugi::xml_node record) {
+  const std::string name = child_text(record, "Name");
+  if (child_text(record, "Deleted") == "true") {
+    ++deleted_;
+    return;
+  }
+  if (name.empty()) return reject(record, "a PointRecord", "its Name");
+  const std::string method = child_text(record, "Method");
+  if (method == "MeanTurnedAngle") {
+    ++means_;
+    return;
+  }
+  const pugi::xml_node circle = text::child(record, "Circle");
+  if (circle)
+    read_circle(record, circle, name);
+  else
+    read_coordinates(name, text::child(record, "Grid"), method == "KeyedIn");
+  const std::string code = child_text(record, "Code");
+  if (!code.empty()) builder_.point(name, xml_.position(record)).code = code;
+}
+
+void JobXmlReader::read_record(pugi::xml_node record) {
+  const std::string_view kind = text::local_name(record);
+  NetworkInfo& info = builder_.survey.info;
+  if (kind == "StationRecord") return read_station(record);
+  if (kind == "TargetRecord") return read_target(record);
+  if (kind == "BackBearingRecord") return read_back_bearing(record);
+  if (kind == "PointRecord") return read_point(record);
+  if (kind == "AtmosphereRecord") {
+    last_atmosphere_ = attribute(record, "ID");
+    atmospheres_[last_atmosphere_] = number(record, "PPM");
+  } else if (kind == "InstrumentRecord") {
+    if (info.instrument.empty()) info.instrument = child_text(record, "Model");
+    if (info.instrument_serial.empty()) info.instrument_serial = child_text(record, "Serial");
+  }
+}
+
+SurveyObservations JobXmlReader::read() {
+  if (text::local_name(xml_.root()) != "JOBFile")
+    throw SurveyReadError(xml_.position(xml_.root()), "the root element " + text::quoted(xml_.root().name()),
+                          "JOBFile, or " + understood_formats());
+  builder_.survey.info.title = attribute(xml_.root(), "jobName");
+  builder_.survey.info.program = attribute(xml_.root(), "product");
+  builder_.survey.info.date = attribute(xml_.root(), "TimeStamp");
+  builder_.survey.info.angles_in_degrees = true;
+  for (pugi::xml_node record : text::child(xml_.root(), "FieldBook").children())
+    if (record.type() == pugi::node_element) read_record(record);
+  for (pugi::xml_node point : text::children(text::child(xml_.root(), "Reductions"), "Point"))
+    if (const std::string name = child_text(point, "Name"); !name.empty())
+      read_coordinates(name, text::child(point, "Grid"));
+  if (deleted_ > 0) builder_.warn(std::to_string(deleted_) + " deleted point records were left out");
+  if (means_ > 0)
+    builder_.warn(std::to_string(means_) + " mean turned angles were left out; the single sightings are read");
+  if (xml_.damage()) builder_.survey.skipped.push_back(*xml_.damage());
+  return builder_.finish("JobXML without observations or coordinates", "PointRecord elements with Circle or Grid");
+}
+
+}  // namespace
+
+SurveyObservations read_jobxml(std::string_view bytes, const std::string& file) {
+  return JobXmlReader(bytes, file).read();
+}
+
+}  // namespace plumbline::survey

@@ -1,0 +1,105 @@
+#include "survey/files/levelling.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/text/text.hpp"
+
+namespace plumbline::survey {
+namespace {
+
+constexpr double kLargestDoubleReading = 0.002;  // [m] between the two height differences of one position
+
+double mean(const std::vector<StaffReading>& readings, double StaffReading::*member) {
+  double sum = 0;
+  for (const StaffReading& r : readings) sum += r.*member;
+  return sum / static_cast<double>(readings.size());
+}
+
+std::string lines_of(const std::vector<StaffReading>& readings) {
+  std::string text;
+  for (const StaffReading& r : readings) text += (text.empty() ? "" : ", ") + std::to_string(r.source.line);
+  return text;
+}
+
+}  // namespace
+
+void LevelRun::begin_line(int readings) {
+  finish_position();
+  readings_ = readings;
+  last_back_ = {};
+}
+
+bool LevelRun::complete() const {
+  const auto needed = static_cast<std::size_t>(std::max(1, readings_));
+  return back_.size() >= needed && ahead_.size() >= needed;
+}
+
+void LevelRun::add(StaffReading reading) {
+  any_ = true;
+  if (reading.kind == StaffReading::Kind::intermediate) {
+    if (readings_ > 0 && complete()) finish_position();
+    const StaffReading& back = back_.empty() ? last_back_ : back_.front();
+    if (back.point.empty()) {
+      builder_.warn("line " + std::to_string(reading.source.line) +
+                    ": an intermediate sight without a reading back before it was passed over");
+      return;
+    }
+    emit({back}, {reading});
+    return;
+  }
+  // A new staff where this one has been read, or more readings than the method has: another position of the level.
+  const bool is_back = reading.kind == StaffReading::Kind::back;
+  std::vector<StaffReading>& side = is_back ? back_ : ahead_;
+  const bool other_staff = !side.empty() && side.front().point != reading.point;
+  if (other_staff || (readings_ > 0 && complete())) finish_position();
+  (is_back ? back_ : ahead_).push_back(std::move(reading));
+}
+
+void LevelRun::drop_last() {
+  std::vector<StaffReading>& side =
+      ahead_.empty() || (!back_.empty() && back_.back().source.line > ahead_.back().source.line) ? back_ : ahead_;
+  if (!side.empty()) side.pop_back();
+}
+
+void LevelRun::drop_position() {
+  back_.clear();
+  ahead_.clear();
+}
+
+void LevelRun::finish_position() {
+  if (!back_.empty()) last_back_ = back_.front();
+  if (!back_.empty() && !ahead_.empty())
+    emit(back_, ahead_);
+  else if (!back_.empty() || !ahead_.empty())
+    builder_.warn("line " + lines_of(back_.empty() ? ahead_ : back_) +
+                  ": a staff reading without its counterpart back or ahead was passed over");
+  drop_position();
+}
+
+void LevelRun::emit(const std::vector<StaffReading>& back, const std::vector<StaffReading>& ahead) {
+  if (back.front().point == ahead.front().point) {
+    builder_.warn("line " + lines_of(ahead) + ": back and ahead are the same point " +
+                  text::quoted(back.front().point) + "; passed over");
+    return;
+  }
+  Observation o;
+  o.kind = ObservationKind::height_difference;
+  o.from = back.front().point;
+  o.to = ahead.front().point;
+  o.value = mean(back, &StaffReading::value) - mean(ahead, &StaffReading::value);
+  const double length = mean(back, &StaffReading::distance) + mean(ahead, &StaffReading::distance);
+  if (length > 0) o.levelling_length = length;
+  o.source = ahead.front().source;
+  if (back.size() > 1 && ahead.size() > 1) {
+    o.corrections.push_back("mean of " + std::to_string(std::min(back.size(), ahead.size())) + " double readings");
+    const double first = back.front().value - ahead.front().value, second = back.back().value - ahead.back().value;
+    if (std::abs(first - second) > kLargestDoubleReading)
+      builder_.warn("lines " + lines_of(back) + ", " + lines_of(ahead) + ": the two height differences " + o.from +
+                    " -> " + o.to + " differ by " + text::format_fixed(std::abs(first - second) * 1e3, 2) +
+                    " mm: look at these readings");
+  }
+  builder_.add(std::move(o));
+}
+
+}  // namespace plumbline::survey

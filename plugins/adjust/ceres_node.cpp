@@ -1,6 +1,0 @@
-// adjust.ceres: the blocks of adjust.schur with their minimum found by Ceres, in a plugin of its own.
-#include "adjuster_node.hpp"
-#include "ceres_engine.hpp"
-
-PLUMBLINE_PLUGIN("adjust_ceres", "0.1.0", "MIT; GPL-2.0-or-later as linked",
-                 plumbline::adjust::Adjuster<plumbline::adjust::CeresEngine>)

@@ -1,0 +1,300 @@
+#include "build/evaluate/design_input.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <numbers>
+#include <set>
+#include <stdexcept>
+
+#include "building/ifc/facade_artifact.hpp"
+#include "building/judgement/figures.hpp"
+#include "geometry/panel_fit.hpp"
+
+namespace plumbline::judgement {
+
+namespace {
+
+using judgement::AnchorCase;
+using judgement::DeviationInputs;
+using judgement::PanelCase;
+
+/// Plates are true to a few degrees: within 30° they say the same as what is more exact.
+const double kPlateAlike = std::cos(30 * std::numbers::pi / 180);
+
+/// Facts of an element; `properties` outlives them.
+ifc::ElementFacts facts_of(const DesignElementT& element, std::vector<ifc::Property>& properties) {
+  properties.clear();
+  for (const auto& p : element.properties)
+    properties.push_back({p->set, p->name, p->text, p->number, p->measure, p->lower, p->upper});
+  return {element.class_,      element.guid,      element.name,   element.tag,
+          element.object_type, element.type_name, element.storey, &properties};
+}
+
+class Builder {
+ public:
+  Builder(const DesignT& design, const judgement::ToleranceTable& tolerances, const judgement::Mounting& mounting)
+      : design_(design),
+        tolerances_(tolerances),
+        mounting_(mounting),
+        rules_(tolerances.rules.size()),
+        mounting_rules_(mounting.rules.size()) {
+    for (const auto& element : design.elements) elements_[element->guid] = element.get();
+  }
+
+  void add_listed(const ElementMatchesT& matches, const PlatesT& plates) {
+    for (const auto* list : {&design_.not_applied, &matches.not_applied})
+      for (const auto& request : *list)
+        inputs_.requests.push_back({request->asked, request->by, 0, 0, request->not_judged});
+    std::map<std::string, const PlateT*> plate_of;
+    for (const auto& plate : plates.plates) plate_of.try_emplace(plate->anchor, plate.get());
+    for (const auto& match : matches.matches) {
+      AnchorCase anchor;
+      anchor.id = match->anchor;
+      const auto listed = plate_of.find(match->anchor);
+      const PlateT* plate = listed != plate_of.end() ? listed->second : nullptr;
+      if (plate) anchor.floor = plate->floor, anchor.column = plate->column, anchor.use = plate->role;
+      anchor.note = match->note;
+      if (!match->guid.empty()) {
+        const auto element = elements_.find(match->guid);
+        if (element == elements_.end())
+          throw std::runtime_error("input 'matches': anchor '" + match->anchor + "' is the element " + match->guid +
+                                   ", which 'design' does not have; connect both to the same design");
+        describe(*element->second, plate, anchor);
+        anchor.found_by = match->found_by, anchor.reference_point_rule = match->reference_rule;
+        anchor.design = match->position, anchor.target_offset = match->target_offset;
+      }
+      add(std::move(anchor));
+    }
+  }
+
+  void add_unlisted() {
+    std::map<std::string, int> names;
+    for (const AnchorCase& anchor : inputs_.anchors) names[anchor.id] = 2;  // an id that is taken is not unique
+    for (const auto& element : design_.elements)
+      if (element->is_anchor) ++names[element->name];
+    for (const auto& element : design_.elements) {
+      if (!element->is_anchor || index_.contains(element->guid)) continue;
+      AnchorCase anchor;
+      describe(*element, nullptr, anchor);
+      anchor.id = element->name.empty() || names[element->name] > 1 ? element->guid : element->name;
+      anchor.reference_point_rule = element->reference_point_rule;
+      anchor.design = element->position;
+      anchor.note = "not in the plate table";
+      add(std::move(anchor));
+    }
+  }
+
+  void add_panels(double reach) {
+    std::set<std::string> wholes;
+    std::vector<std::string> shapeless, loose;
+    for (const auto& element : design_.elements)
+      if (element->is_panel) wholes.insert(element->parent_guid);
+    for (const auto& element : design_.elements) {
+      if (!element->is_panel || wholes.count(element->guid)) continue;
+      if (!element->box_low.allFinite()) {
+        shapeless.push_back(name_of(*element));
+        continue;
+      }
+      PanelCase panel;
+      panel.guid = element->guid, panel.name = element->name, panel.storey_guid = element->storey_guid;
+      panel.instance = element->instance;
+      panel.facade = ifc::frame_or_none(element->facade);
+      panel.frame_from_panel = element->placement, panel.low = element->box_low, panel.high = element->box_high;
+      judgement::ToleranceFindings findings;
+      panel.tolerances = judgement::tolerances_of(tolerances_, facts_of(*element, properties_), &findings);
+      panel.refused = findings.refused;
+      const std::set<std::string> said(element->anchor_guids.begin(), element->anchor_guids.end());
+      const RigidTransform panel_from_project = element->placement.inverse();
+      const Eigen::Vector3d middle = element->placement * Eigen::Vector3d(0.5 * (element->box_low + element->box_high));
+      const double farthest = 0.5 * (element->box_high - element->box_low).norm() + reach;
+      for (std::size_t i = 0; i < inputs_.anchors.size(); ++i) {
+        const AnchorCase& anchor = inputs_.anchors[i];
+        if (!anchor.design.allFinite()) continue;
+        const Eigen::Vector3d reference = anchor.design - anchor.target_offset;
+        if (said.empty() && (reference - middle).norm() > farthest) continue;
+        const bool holds = said.empty() ? distance_from_box(element->box_low, element->box_high,
+                                                            panel_from_project * reference) <= reach
+                                        : said.count(anchor.element.guid) > 0;
+        if (holds) panel.anchors.push_back(i);
+      }
+      if (panel.anchors.empty()) {
+        loose.push_back(name_of(*element));
+        continue;
+      }
+      for (const std::size_t rule : findings.rules) ++rules_[rule].second;
+      note(findings);
+      inputs_.panels.push_back(std::move(panel));
+    }
+    char reason[100];
+    std::snprintf(reason, sizeof reason,
+                  "no anchor is within %.3g m of them (panel_reach), and the file ties none to them", reach);
+    add_panels_not_judged(loose, reason);
+    add_panels_not_judged(shapeless, "they have no shape that can be read");
+  }
+
+  DeviationInputs take() {
+    group();
+    add_rules();
+    inputs_.design_file = design_.file_name;
+    inputs_.mounting = mounting_.words(from_table_);
+    return std::move(inputs_);
+  }
+
+ private:
+  void describe(const DesignElementT& element, const PlateT* plate, AnchorCase& anchor) {
+    anchor.element = facts_of(element, properties_);
+    anchor.facade = ifc::frame_or_none(element.facade);
+    if (plate) {
+      anchor.element.batch = plate->batch;
+      const ifc::FacadeFrame by_design = anchor.facade;
+      ifc::add_plate(anchor.facade, plate->nominal_rotation * Eigen::Vector3d::UnitZ());
+      if (anchor.facade.source == ifc::FacadeSource::plate && by_design.known())
+        sides_[by_design.facade].push_back(!anchor.facade.confirmed ? 0 : anchor.facade.out.dot(by_design.out));
+      anchor.mounting = mounting_.covariance(anchor.element, plate->mounting_sigma, plate->nominal_rotation);
+      from_table_ += plate->mounting_sigma.size() == 3;
+    }
+    judgement::ToleranceFindings findings;
+    anchor.tolerances = judgement::tolerances_of(tolerances_, anchor.element, &findings);
+    anchor.refused = findings.refused;
+    for (const std::size_t rule : findings.rules) ++rules_[rule].first;
+    note(findings);
+    for (std::size_t i = 0; i < mounting_.rules.size(); ++i)
+      mounting_rules_[i] += plate && mounting_.rules[i].selection.matches(anchor.element);
+    anchor.element.properties = nullptr;
+    anchor.instance = element.instance, anchor.storey_guid = element.storey_guid;
+  }
+
+  static std::string name_of(const DesignElementT& element) {
+    return element.name.empty() ? element.guid : element.name;
+  }
+
+  void add_panels_not_judged(const std::vector<std::string>& names, const std::string& reason) {
+    if (!names.empty())
+      inputs_.requests.push_back(
+          {"panels " + judgement::list_of(names, 4), "design", 0, static_cast<int>(names.size()), reason});
+  }
+
+  void note(const judgement::ToleranceFindings& findings) {
+    in_force_.insert(findings.in_force.begin(), findings.in_force.end());
+    widened_.insert(findings.widened.begin(), findings.widened.end());
+  }
+
+  /// Every rule with what it is about; one that selects nothing, or asks for an axis that what it selects does not
+  /// have, is not judged; nor is one that a later, wider one replaces wherever it would hold.
+  void add_rules() {
+    for (std::size_t i = 0; i < tolerances_.rules.size(); ++i) {
+      const judgement::ToleranceRule& rule = tolerances_.rules[i];
+      judgement::Request request{rule.text, "rule", rules_[i].first, rules_[i].second, ""};
+      if (request.anchors + request.panels == 0) request.not_judged = "it selects no anchor and no panel";
+      for (const auto& [axis, tolerance] : rule.tolerances) {
+        const bool judged = (request.anchors > 0 && judgement::judged_of_anchors(axis)) ||
+                            (request.panels > 0 && judgement::judged_of_panels(axis));
+        if (!judged && request.not_judged.empty())
+          request.not_judged = std::string(judgement::name_of(axis)) + " is not judged of " +
+                               (request.panels > 0 ? "panels" : "anchors") + ", and it selects nothing else";
+      }
+      if (request.not_judged.empty() && widened_.contains(i) && !in_force_.contains(i))
+        request.not_judged = "it holds nowhere: '" + tolerances_.rules[widened_.at(i)].text +
+                             "' stands after it and is wider; put the narrower rule last, or take it out";
+      inputs_.requests.push_back(std::move(request));
+    }
+    for (std::size_t i = 0; i < mounting_.rules.size(); ++i)
+      inputs_.requests.push_back({mounting_.rules[i].text, "mounting", mounting_rules_[i], 0,
+                                  mounting_rules_[i] > 0 ? "" : "it selects no anchor of the plate table"});
+  }
+
+  /// The plates may have turned what the design left open: facades are grouped anew, and what no plate stands at
+  /// follows those of its facade that have one.
+  void group() {
+    std::vector<ifc::Facing> all;
+    for (AnchorCase& anchor : inputs_.anchors) {
+      follow_facade(anchor.facade);
+      if (anchor.design.allFinite()) all.push_back({anchor.design, &anchor.facade, false});
+    }
+    for (PanelCase& panel : inputs_.panels) {
+      follow_anchors(panel);
+      follow_facade(panel.facade);
+      all.push_back({panel.frame_from_panel * Eigen::Vector3d(0.5 * (panel.low + panel.high)), &panel.facade, true});
+    }
+    inputs_.facades = ifc::group_facades(all);
+  }
+
+  /// Where all plates of a facade keep, or all turn, what the design had guessed, the rest of it does so too.
+  void follow_facade(ifc::FacadeFrame& frame) const {
+    const auto sides = sides_.find(frame.facade);
+    if (frame.confirmed || !frame.known() || sides == sides_.end()) return;
+    const auto [least, most] = std::minmax_element(sides->second.begin(), sides->second.end());
+    if (*least > 0.8 || *most < -0.8) ifc::add_plate(frame, *least > 0.8 ? frame.out : Eigen::Vector3d(-frame.out));
+  }
+
+  /// What the plates at its anchors say holds for a panel too, and so does what they contradict: nobody is sent outward
+  /// by a panel whose anchors are in dispute.
+  void follow_anchors(PanelCase& panel) const {
+    if (panel.facade.known() && panel.facade.source != ifc::FacadeSource::rule)
+      for (const std::size_t i : panel.anchors)
+        if (contradicts(inputs_.anchors[i].facade, panel.facade)) return dispute(panel, inputs_.anchors[i]);
+    for (const std::size_t i : panel.anchors) {
+      const ifc::FacadeFrame& anchor = inputs_.anchors[i].facade;
+      if (anchor.source == ifc::FacadeSource::plate && anchor.confirmed &&
+          (!panel.facade.known() || std::abs(anchor.out.dot(panel.facade.out)) > kPlateAlike))
+        return ifc::add_plate(panel.facade, anchor.out);
+    }
+  }
+
+  /// A plate that is in dispute itself and says something else than the panel, or a rule that says the opposite.
+  static bool contradicts(const ifc::FacadeFrame& anchor, const ifc::FacadeFrame& panel) {
+    const double along = anchor.known() ? anchor.out.dot(panel.out) : 1;
+    return (anchor.source == ifc::FacadeSource::plate && !anchor.confirmed && along < kPlateAlike) ||
+           (anchor.source == ifc::FacadeSource::rule && along < -kPlateAlike);
+  }
+
+  /// The panel turns with its anchors where its plane allows it: they stay one facade, and one rule settles both.
+  static void dispute(PanelCase& panel, const AnchorCase& anchor) {
+    const ifc::FacadeFrame before = panel.facade;
+    if (std::abs(anchor.facade.out.dot(before.out)) > kPlateAlike) {
+      const bool by_rule = anchor.facade.source == ifc::FacadeSource::rule;
+      panel.facade = ifc::frame_facing(anchor.facade.out, by_rule ? before.source : ifc::FacadeSource::plate, false);
+      panel.facade.facade = before.facade, panel.facade.named = before.named;
+    }
+    panel.facade.confirmed = false;
+    panel.facade.note = anchor.facade.source == ifc::FacadeSource::plate
+                            ? anchor.facade.note
+                            : "a rule has its anchor " + anchor.id + " face " + ifc::facing_words(anchor.facade.out) +
+                                  ", and the design has it face " + ifc::facing_words(before.out);
+  }
+
+  void add(AnchorCase anchor) {
+    if (!anchor.element.guid.empty()) index_[anchor.element.guid] = inputs_.anchors.size();
+    inputs_.anchors.push_back(std::move(anchor));
+  }
+
+  const DesignT& design_;
+  const judgement::ToleranceTable& tolerances_;
+  const judgement::Mounting& mounting_;
+  std::vector<std::pair<int, int>> rules_;      // anchors and panels that each rule selects
+  std::set<std::size_t> in_force_;              // rules that hold somewhere
+  std::map<std::size_t, std::size_t> widened_;  // rules that a later, wider one replaces somewhere
+  std::vector<int> mounting_rules_;
+  std::size_t from_table_ = 0;
+  std::map<std::string, const DesignElementT*> elements_;
+  std::map<std::string, std::size_t> index_;
+  std::map<std::string, std::vector<double>> sides_;  // by facade of the design: cosines of the plates to it
+  std::vector<ifc::Property> properties_;
+  DeviationInputs inputs_;
+};
+
+}  // namespace
+
+judgement::DeviationInputs deviation_inputs(const DesignT& design, const ElementMatchesT& matches,
+                                            const PlatesT& plates, const judgement::ToleranceTable& tolerances,
+                                            double panel_reach, const judgement::Mounting& mounting) {
+  Builder builder(design, tolerances, mounting);
+  builder.add_listed(matches, plates);
+  builder.add_unlisted();
+  builder.add_panels(panel_reach);
+  return builder.take();
+}
+
+}  // namespace plumbline::judgement

@@ -1,0 +1,54 @@
+#include "build/evaluate/deviation_node.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "artifacts/frame_artifact.hpp"
+#include "build/evaluate/design_input.hpp"
+#include "build/evaluate/metrics.hpp"
+#include "build/evaluate/point_input.hpp"
+#include "building/judgement/surfaces.hpp"
+#include "building/judgement/trust.hpp"
+
+namespace plumbline::judgement {
+
+void EvaluateDeviation::run(Context& context) {
+  judgement::ToleranceTable table;
+  table.tau = *tau, table.from_design = *design_tolerances;
+  for (const std::string& rule : *tolerances) table.rules.push_back(judgement::parse_rule(rule));
+  judgement::Mounting how;
+  how.sigma = *mounting_sigma;
+  for (const std::string& rule : *mounting) how.rules.push_back(judgement::parse_mounting(rule));
+  judgement::DeviationInputs inputs =
+      deviation_inputs(design.unpack(), matches.unpack(), plates.unpack(), table, *panel_reach, how);
+  inputs.model = point_set(model.unpack(), "model");
+  const judgement::Trust trust = judgement::trust_of(block ? &*block : nullptr, network ? &*network : nullptr);
+  inputs.doubts = trust.doubts, inputs.misfits = trust.misfits, inputs.misfit_factor = trust.factor;
+  std::string dropped;
+  if (inputs.model.covariance.size() != 0 && !inputs.model.covariance.allFinite()) {
+    inputs.model.covariance = {};
+    dropped = "The covariance of the model holds values that are not finite; it is not used.";
+  }
+  inputs.model.covariance *= inputs.misfit_factor;
+  DeviationT result = judgement::judge_deviations(inputs, {*tau, *risk});
+  if (!dropped.empty()) result.warnings.push_back(dropped);
+  if (surface_judgement) judgement::take_surfaces(surface_judgement.unpack(), result);
+  for (const std::string& warning : result.warnings) context.warn(warning);
+  context.metric("anchors_passed", result.passed, "1");
+  context.metric("anchors_undecided", result.undecided, "1");
+  context.metric("anchors_failed", result.failed, "1");
+  context.metric("anchors_not_measured", result.not_measured, "1");
+  context.metric("not_judged", result.not_judged, "1");
+  // A measurement that proves nothing, and a question without an answer: exit code 3 (framework/cli/run.cpp).
+  if (result.not_judged > 0 || !result.doubts.empty()) context.metric("invalid", 1, "1");
+  deviation.commit(result);
+  FileT file;
+  file.name = "stake_out.csv", file.media_type = "text/csv";
+  const std::string text =
+      stake_out_csv(result, frames ? frame_link(frames.unpack(), "building", "survey") : FrameLink());
+  file.content.assign(text.begin(), text.end());
+  stake_out.commit(file);
+}
+
+}  // namespace plumbline::judgement

@@ -1,0 +1,15 @@
+// Points of an artifact as the library takes them.
+#pragma once
+
+#include <string>
+
+#include "artifacts/points.hpp"
+#include "building/judgement/accuracy.hpp"
+
+namespace plumbline::judgement {
+
+/// Positions with their covariance: the packed lower triangle, else the standard deviations, else 0 x 0. `what` names
+/// the port in messages.
+PointSet point_set(const PointsT& points, const std::string& what);
+
+}  // namespace plumbline::judgement

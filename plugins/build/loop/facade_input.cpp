@@ -1,0 +1,282 @@
+#include "build/loop/facade_input.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <stdexcept>
+
+#include "geometry/packed_symmetric.hpp"
+#include "loop/state/plan_artifact.hpp"
+
+namespace plumbline::loop {
+namespace {
+
+std::string trimmed(const std::string& text) {
+  const auto from = text.find_first_not_of(" \t"), to = text.find_last_not_of(" \t");
+  return from == std::string::npos ? std::string() : text.substr(from, to - from + 1);
+}
+
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (std::size_t i = 0; i < std::min<std::size_t>(names.size(), 8); ++i) text += (i > 0 ? ", " : "") + names[i];
+  return names.size() > 8 ? text + " and " + std::to_string(names.size() - 8) + " more" : text;
+}
+
+/// Right, up, out of an anchor or panel; nan where nothing says which way it faces, or nothing that orders may rest on.
+Eigen::Matrix3d confirmed_axes(const FacadeFrameT* frame) {
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Constant(kUnknown);
+  if (frame && frame->confirmed) axes << frame->right, frame->up, frame->out;
+  return axes;
+}
+
+/// Why the axes of none of them can be told.
+std::string unconfirmed_words(const DeviationT& deviation) {
+  std::string words = "which way the anchors face is not confirmed, so nobody can be told to move one to the right";
+  for (const auto& facade : deviation.facades)
+    if (!facade->confirmed) words += "; facade " + facade->name + ": " + facade->note;
+  return words + "; say it with facade_normal, or in the rules of facades";
+}
+
+class Builder {
+ public:
+  Builder(const DeviationT& deviation, const DesignT& design, const LoopStateT* state, const FacadeRules& rules)
+      : deviation_(deviation), state_(state), rules_(rules) {
+    if (rules.normal.allFinite()) only_axes_ = facade_axes(rules.normal);
+    for (const auto& element : design.elements) elements_[element->guid] = element.get();
+    in_.facade.errors = rules.errors;
+    name_panels();
+  }
+
+  void add_brackets() {
+    std::vector<std::string> unknown;
+    std::size_t facing = 0;
+    for (const auto& anchor : deviation_.anchors) {
+      if (!anchor->design.allFinite()) {
+        in_.notes.push_back("anchor " + anchor->id + " has no place in the design: it is no bracket of any panel");
+        continue;
+      }
+      Bracket bracket;
+      bracket.id = anchor->id, bracket.floor = anchor->floor, bracket.axes = axes_of(anchor->facade.get());
+      bracket.design = anchor->design, bracket.deviation = anchor->deviation;
+      facing += bracket.axes.allFinite();
+      if (!bracket.axes.allFinite()) {
+        in_.notes.push_back("anchor " + anchor->id + ": which way it faces is not confirmed" +
+                            (anchor->facade && !anchor->facade->note.empty() ? " (" + anchor->facade->note + ")" : "") +
+                            "; no setting is planned for it, and its panels wait");
+        bracket.axes.setIdentity(), bracket.deviation.setConstant(kUnknown);
+      }
+      const std::optional<BracketType> type = bracket_type_of(rules_.brackets, facts_of(*anchor));
+      if (!type) unknown.push_back(anchor->id + " (" + anchor->class_ + ")");
+      if (type) bracket.type = *type;
+      bracket_at_[anchor->id] = in_.facade.brackets.size();
+      anchors_.push_back(anchor.get());
+      in_.guids.push_back(anchor->guid);
+      in_.facade.brackets.push_back(std::move(bracket));
+    }
+    if (facing == 0) throw std::runtime_error(unconfirmed_words(deviation_));
+    if (!unknown.empty())
+      throw std::runtime_error("no rule of 'brackets' selects " + listed(unknown) +
+                               "; say what they can be set by, such as '*: right=20mm, up=15mm, out=25mm'");
+  }
+
+  void add_covariance(const PointsT& model) {
+    const std::size_t n = in_.facade.brackets.size();
+    in_.facade.covariance = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(n), 3 * static_cast<Eigen::Index>(n));
+    const Eigen::MatrixXd all = unpack_symmetric(model.covariance, 3 * model.points.size(), "the model");
+    if (all.size() == 0 || !all.allFinite())
+      throw std::runtime_error("the model has no covariance: without it nothing can be said of how a panel will hang");
+    std::map<std::string, Eigen::Index> point;
+    for (std::size_t i = 0; i < model.points.size(); ++i) point[model.points[i]->id] = static_cast<Eigen::Index>(i);
+    std::vector<Eigen::Index> at(n, -1);
+    for (std::size_t b = 0; b < n; ++b) {
+      const auto found = point.find(in_.facade.brackets[b].id);
+      if (found != point.end()) at[b] = found->second;
+      if (in_.facade.brackets[b].measured() && at[b] < 0)
+        throw std::runtime_error("anchor " + in_.facade.brackets[b].id +
+                                 " was judged, but is no point of 'model'; connect the points that were judged");
+    }
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t j = 0; j < n; ++j)
+        if (at[i] >= 0 && at[j] >= 0)
+          in_.facade.covariance.block<3, 3>(3 * static_cast<Eigen::Index>(i), 3 * static_cast<Eigen::Index>(j)) =
+              all.block<3, 3>(3 * at[i], 3 * at[j]);
+    // Where plates sit on their anchors is part of the judged covariance, and not of the model's.
+    for (std::size_t b = 0; b < n; ++b)
+      if (anchors_[b]->covariance.size() == 9)
+        in_.facade.covariance.block<3, 3>(3 * static_cast<Eigen::Index>(b), 3 * static_cast<Eigen::Index>(b)) =
+            Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(anchors_[b]->covariance.data());
+  }
+
+  void add_panels() {
+    for (const auto& judged : deviation_.panels) {
+      Panel panel;
+      panel.id = id_of_.at(judged->guid), panel.name = judged->name, panel.floor = judged->floor;
+      panel.axes = axes_of(judged->facade.get());
+      if (!panel.axes.allFinite()) {
+        in_.notes.push_back("panel " + panel.id + ": which way it faces is not confirmed: it is not planned");
+        continue;
+      }
+      for (const auto& corner : judged->corners) {
+        const std::size_t k = corner->name == "bottom_left"    ? 0
+                              : corner->name == "bottom_right" ? 1
+                              : corner->name == "top_left"     ? 2
+                                                               : 3;
+        panel.corners[k] = corner->design;
+      }
+      panel.centre = 0.25 * (panel.corners[0] + panel.corners[1] + panel.corners[2] + panel.corners[3]);
+      panel.limits = {judged->sideways->tolerance, judged->vertical->tolerance, judged->out_of_plane->tolerance};
+      add_hooks(*judged, panel);
+      panel_at_[judged->guid] = in_.facade.panels.size();
+      in_.panel_guids.push_back(judged->guid);
+      in_.facade.panels.push_back(std::move(panel));
+    }
+    for (const auto& [guid, element] : elements_)
+      if (element->is_panel && !id_of_.count(guid) && !wholes_.count(guid))
+        in_.notes.push_back("panel " + (element->name.empty() ? guid : element->name) +
+                            " of the design hangs on no measured anchor: it is not planned");
+  }
+
+  void add_joints() {
+    for (const auto& judged : deviation_.panels)
+      for (const auto& said : judged->joints) {
+        const bool upward = said->side == "above";
+        if (!panel_at_.count(judged->guid)) continue;
+        if ((!upward && said->side != "right") || !panel_at_.count(said->panel)) continue;
+        const std::size_t a = panel_at_.at(judged->guid), b = panel_at_.at(said->panel);
+        if (upward) in_.facade.panels[b].depends_on.push_back(in_.facade.panels[a].id);
+        if (!(said->change->tolerance > 0)) continue;
+        in_.facade.joints.push_back(joint_of(a, b, upward, said->design, said->change->tolerance));
+      }
+    for (const auto& [panel, before] : rules_.after) add_dependence(panel, before);
+  }
+
+  void add_state() {
+    if (state_) apply_state(in_.facade, *state_);
+  }
+
+  FacadeInput take() { return std::move(in_); }
+
+ private:
+  Eigen::Matrix3d axes_of(const FacadeFrameT* frame) const {
+    return only_axes_.allFinite() ? only_axes_ : confirmed_axes(frame);
+  }
+
+  ifc::ElementFacts facts_of(const AnchorDeviationT& anchor) {
+    ifc::ElementFacts facts;
+    facts.ifc_class = anchor.class_, facts.guid = anchor.guid, facts.tag = anchor.tag;
+    facts.name = anchor.name.empty() ? anchor.id : anchor.name;
+    const auto element = elements_.find(anchor.guid);
+    if (element == elements_.end()) return facts;
+    facts.object_type = element->second->object_type, facts.type_name = element->second->type_name;
+    facts.storey = element->second->storey;
+    properties_.clear();
+    for (const auto& p : element->second->properties) properties_.push_back({p->set, p->name, p->text, p->number});
+    facts.properties = &properties_;
+    return facts;
+  }
+
+  void name_panels() {
+    std::map<std::string, int> count;
+    for (const auto& panel : deviation_.panels) ++count[panel->name];
+    for (const auto& panel : deviation_.panels)
+      id_of_[panel->guid] = panel->name.empty() || count[panel->name] > 1 ? panel->guid : panel->name;
+    for (const auto& [guid, element] : elements_)
+      if (element->is_panel) wholes_.insert(element->parent_guid);
+  }
+
+  void add_hooks(const PanelDeviationT& judged, Panel& panel) {
+    std::vector<std::string> ids;
+    for (const auto& fixing : judged.fixings) ids.push_back(fixing->anchor);
+    ids.insert(ids.end(), judged.missing.begin(), judged.missing.end());
+    std::vector<Eigen::Vector3d> places;
+    for (const std::string& id : ids)
+      if (const auto at = bracket_at_.find(id); at != bracket_at_.end()) {
+        panel.hooks.push_back({at->second, {}});
+        places.push_back(in_.facade.brackets[at->second].design);
+      }
+    for (std::size_t i = 0; i < panel.hooks.size(); ++i) {
+      panel.hooks[i].holds = usual_hook(places, i, panel.axes);
+      for (const HookRule& rule : rules_.hooks)
+        if (rule.selection.matches(facts_of(*anchors_[panel.hooks[i].bracket]))) panel.hooks[i].holds = rule.holds;
+    }
+  }
+
+  Joint joint_of(std::size_t a, std::size_t b, bool upward, double width, double tolerance) const {
+    const Panel &of_a = in_.facade.panels[a], &of_b = in_.facade.panels[b];
+    Joint joint;
+    joint.a = a, joint.b = b;
+    joint.side_of_a = upward ? Side::top : Side::right, joint.side_of_b = upward ? Side::bottom : Side::left;
+    const int across = upward ? 1 : 0, along = 1 - across;
+    const Eigen::Matrix3d& axes = of_a.axes;
+    joint.across = axes.col(across);
+    const auto place = [&](const Eigen::Vector3d& p, int k) { return axes.col(k).dot(p); };
+    const double begin = std::max(place(of_a.corners[0], along), place(of_b.corners[0], along));
+    const double end = std::min(place(of_a.corners[3], along), place(of_b.corners[3], along));
+    for (int which = 0; which < 2; ++which) {
+      const double at = which == 0 ? begin : end;
+      const auto edge = [&](const Eigen::Vector3d& corner) -> Eigen::Vector3d {
+        return corner + (at - place(corner, along)) * axes.col(along);
+      };
+      joint.on_a[static_cast<std::size_t>(which)] = edge(of_a.corners[3]);
+      joint.on_b[static_cast<std::size_t>(which)] = edge(of_b.corners[0]);
+    }
+    joint.nominal = width, joint.least = width - tolerance, joint.most = width + tolerance;
+    joint.step_most = rules_.step_tolerance > 0 ? rules_.step_tolerance : tolerance;
+    return joint;
+  }
+
+  void add_dependence(const std::string& panel, const std::vector<std::string>& before) {
+    const auto find = [&](const std::string& id) {
+      const auto at =
+          std::find_if(in_.facade.panels.begin(), in_.facade.panels.end(), [&](const Panel& p) { return p.id == id; });
+      if (at == in_.facade.panels.end())
+        throw std::runtime_error("'after' names panel '" + id + "', which is none of the " +
+                                 std::to_string(in_.facade.panels.size()) + " panels with measured anchors");
+      return at;
+    };
+    for (const std::string& id : before) find(panel)->depends_on.push_back(find(id)->id);
+  }
+
+  const DeviationT& deviation_;
+  const LoopStateT* state_;
+  const FacadeRules& rules_;
+  Eigen::Matrix3d only_axes_ = Eigen::Matrix3d::Constant(kUnknown);  ///< that the user said; nan: each has its own
+  FacadeInput in_;
+  std::vector<const AnchorDeviationT*> anchors_;  ///< by bracket
+  std::map<std::string, const DesignElementT*> elements_;
+  std::map<std::string, std::size_t> bracket_at_, panel_at_;  ///< by anchor id, by GlobalId
+  std::map<std::string, std::string> id_of_;
+  std::set<std::string> wholes_;
+  std::vector<ifc::Property> properties_;
+};
+
+}  // namespace
+
+std::pair<std::string, std::vector<std::string>> parse_dependence(const std::string& text) {
+  const auto word = text.find(" after ");
+  std::pair<std::string, std::vector<std::string>> out;
+  if (word != std::string::npos) {
+    out.first = trimmed(text.substr(0, word));
+    for (std::size_t from = word + 7; from <= text.size();) {
+      const std::size_t comma = std::min(text.find(',', from), text.size());
+      if (const std::string id = trimmed(text.substr(from, comma - from)); !id.empty()) out.second.push_back(id);
+      from = comma + 1;
+    }
+  }
+  if (out.first.empty() || out.second.empty())
+    throw std::runtime_error("dependence '" + text + "': expected 'PANEL after PANEL, PANEL'");
+  return out;
+}
+
+FacadeInput facade_of(const DeviationT& deviation, const PointsT& model, const DesignT& design, const LoopStateT* state,
+                      const FacadeRules& rules) {
+  Builder builder(deviation, design, state, rules);
+  builder.add_brackets();
+  builder.add_covariance(model);
+  builder.add_panels();
+  builder.add_joints();
+  builder.add_state();
+  return builder.take();
+}
+
+}  // namespace plumbline::loop

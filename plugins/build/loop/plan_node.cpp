@@ -1,0 +1,69 @@
+#include "build/loop/plan_node.hpp"
+
+#include "loop/gate/gate.hpp"
+#include "loop/state/plan_artifact.hpp"
+
+namespace plumbline::loop {
+
+FacadeRules PlanInstallation::rules() {
+  FacadeRules rules;
+  for (const std::string& text : *brackets) rules.brackets.push_back(parse_bracket_rule(text));
+  for (const std::string& text : *hooks) rules.hooks.push_back(parse_hook_rule(text));
+  for (const std::string& text : *after) {
+    auto [panel, before] = parse_dependence(text);
+    auto& known = rules.after[panel];
+    known.insert(known.end(), before.begin(), before.end());
+  }
+  rules.errors = {*setting_sigma, *station_sigma, *edge_sigma, *face_sigma, *guard_factor, *slip_share, *slip_sigma};
+  rules.step_tolerance = *step_tolerance;
+  if (!facade_normal->empty()) {
+    if (facade_normal->size() != 3)
+      throw std::runtime_error("facade_normal has " + std::to_string(facade_normal->size()) +
+                               " numbers; expected x, y, z");
+    rules.normal = Eigen::Vector3d((*facade_normal)[0], (*facade_normal)[1], (*facade_normal)[2]);
+  }
+  return rules;
+}
+
+void PlanInstallation::run(Context& context) {
+  LoopStateT before;
+  if (state) before = state.unpack();
+  FacadeInput input =
+      facade_of(deviation.unpack(), model.unpack(), design.unpack(), state ? &before : nullptr, rules());
+  const std::vector<std::string> faults = faults_of(input.facade);
+  if (!faults.empty()) {
+    std::string text = "this facade cannot be planned:";
+    for (std::size_t i = 0; i < std::min<std::size_t>(faults.size(), 20); ++i) text += "\n  " + faults[i];
+    if (faults.size() > 20) text += "\n  and " + std::to_string(faults.size() - 20) + " more";
+    throw std::runtime_error(text);
+  }
+  if (brackets->empty())
+    input.notes.push_back(
+        "what brackets can be set by was not said: 20 mm sideways, 15 mm in height and 25 mm out of plane are assumed");
+  const Fit fit = plan_settings(input.facade, {*pose_weight, *gap_weight, *step_weight, *setting_weight});
+  const std::vector<PanelGate> gates =
+      judge_plan(input.facade, fit, {*go_probability, *go_probability, *measurement_sigma});
+  InstallationPlanT result = plan_artifact(input.facade, fit, gates, {input.guids, input.panel_guids, input.notes});
+  result.go_probability = *go_probability,
+  result.design_file = deviation->design_file() ? deviation->design_file()->str() : "";
+  // A measurement that contradicts itself proves nothing, here neither.
+  if (deviation->doubts() && deviation->doubts()->size() > 0) {
+    for (const auto* doubt : *deviation->doubts()) result.doubts.push_back(doubt->str());
+    result.hold += result.go, result.go = 0;
+    for (auto& panel : result.panels)
+      if (panel->gate == GateDecision::go) {
+        panel->gate = GateDecision::hold;
+        panel->reason = "the measurement is in doubt: " + deviation->doubts()->Get(0)->str() + "; " + panel->reason;
+      }
+  }
+  for (const std::string& relaxed : result.relaxations) context.warn(relaxed);
+  context.metric("panels_go", result.go, "1");
+  context.metric("panels_hold", result.hold, "1");
+  context.metric("panels_no_go", result.no_go, "1");
+  context.metric("relaxations", static_cast<double>(result.relaxations.size()), "1");
+  table.commit(text_file("settings.csv", "text/csv", settings_csv(result)));
+  words.commit(text_file("installation.txt", "text/plain", installation_words(result)));
+  plan.commit(result);
+}
+
+}  // namespace plumbline::loop

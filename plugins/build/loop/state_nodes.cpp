@@ -1,0 +1,77 @@
+#include "build/loop/state_nodes.hpp"
+
+#include "loop/job/job.hpp"
+#include "loop/state/date.hpp"
+#include "loop/state/next_words.hpp"
+#include "loop/state/plan_artifact.hpp"
+#include "loop/state/state_file.hpp"
+
+namespace plumbline::loop {
+
+void UpdateState::run(Context& context) {
+  LoopStateT state;
+  if (before) state = before.unpack();
+  std::size_t taken = 0, refused = 0;
+  if (reports) {
+    const ActualsT actuals = reports.unpack();
+    const auto objections = apply_actuals(state, actuals);
+    for (const std::string& line : actuals.refused) context.warn(line);
+    for (const std::string& objection : objections) context.warn(objection);
+    taken += actuals.items.size() - objections.size(), refused += actuals.refused.size() + objections.size();
+  }
+  if (!moved_control->empty()) recall(state, *moved_control, "control point " + moved_control->front() + " moved");
+  for (const std::string& id : *accept)
+    if (!accept_item(state, id))
+      // In a pipeline with rounds the name may be rejected in a later one: no error.
+      context.warn("'accept' names '" + id +
+                   "', which is no rejected bracket or panel of the state and no control that it reports as moved: "
+                   "nothing is accepted");
+  context.metric("reports_taken", static_cast<double>(taken), "1");
+  context.metric("reports_refused", static_cast<double>(refused), "1");
+  after.commit(state);
+}
+
+void ReleaseState::run(Context& context) {
+  LoopStateT state = before.unpack();
+  MachineOptions options;
+  options.most_reworks = static_cast<int>(*most_reworks);
+  options.setting_tolerance = *setting_tolerance, options.verified = *verified;
+  options.at = *released_at;
+  if (!options.at.empty() && !seconds_of(options.at))
+    throw std::runtime_error("released_at is '" + options.at +
+                             "'; expected ISO 8601 with a zone, such as 2026-05-02T08:00:00Z");
+  options.measured_at = *measured_at;
+  if (!options.measured_at.empty() && !seconds_of(options.measured_at))
+    throw std::runtime_error("measured_at is '" + options.measured_at +
+                             "'; expected ISO 8601 with a zone, such as 2026-05-02T08:00:00Z");
+  const InstallationPlanT planned = plan.unpack();
+  apply_plan(state, planned, options);
+  note_jobs(planned, state);
+  close_round(state);
+  for (const std::string& control : state.moved_control)
+    context.warn(control +
+                 " moved: nothing there is verified or released; look at it, measure again, and if it is in "
+                 "order give accept=['" +
+                 control + "'] to update.state");
+  // The loop ends here: whoever started it reads this first.
+  if (state.done) context.warn("next: " + next_step(state) + " (next.txt)");
+  int panels = 0, hanging = 0, released = 0, reworks = 0;
+  for (const auto& item : state.items) {
+    panels += item->kind == "panel", hanging += item->kind == "panel" && item->status == ItemStatus::verified;
+    released += item->status == ItemStatus::released, reworks += item->reworks;
+  }
+  context.metric("done", state.done, "1");
+  context.metric("panels", panels, "1");
+  context.metric("panels_verified", hanging, "1");
+  context.metric("released", released, "1");
+  context.metric("given_up", state.given_up, "1");
+  context.metric("reworks", reworks, "1");
+  std::string lines;
+  for (const std::string& line : state.journal) lines += line + "\n";
+  journal.commit(text_file("journal.jsonl", "application/jsonl", lines));
+  file.commit(text_file("state.json", "application/json", state_json(state)));
+  next.commit(text_file("next.txt", "text/plain", next_words(state)));
+  after.commit(state);
+}
+
+}  // namespace plumbline::loop

@@ -1,0 +1,203 @@
+#include "place/frames/to_building.hpp"
+
+#include <cmath>
+#include <complex>
+#include <cstdio>
+#include <limits>
+#include <map>
+#include <vector>
+
+#include "artifacts/frame_artifact.hpp"
+#include "building/ifc/georeference.hpp"
+#include "geometry/packed_symmetric.hpp"
+
+namespace plumbline::frames {
+namespace {
+
+using ifc::CommonPoints;
+using ifc::PlanTransform;
+
+CommonPoints common_points(const PointsT& survey, const PointsT& design) {
+  std::map<std::string, const PointT*> known;
+  for (const auto& point : design.points) known[point->id] = point.get();
+  CommonPoints common;
+  for (const auto& point : survey.points) {
+    const auto found = known.find(point->id);
+    if (found == known.end() || !point->position.allFinite() || !found->second->position.allFinite()) continue;
+    common.ids.push_back(point->id);
+    common.survey.push_back(point->position), common.design.push_back(found->second->position);
+  }
+  return common;
+}
+
+std::vector<ifc::Reading> readings(const DesignT& design) {
+  if (!design.map_conversion) return {};
+  const DesignMapConversionT& map = *design.map_conversion;
+  return ifc::readings_of({map.eastings, map.northings, map.orthogonal_height, map.x_axis_abscissa, map.x_axis_ordinate,
+                           map.scale, map.scale_given, map.crs_name, map.map_unit},
+                          design.length_unit);
+}
+
+/// What is applied: survey_from_design, the covariance of (angle, translation), and where it comes from.
+struct Choice {
+  PlanTransform transform;
+  Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
+  std::string origin;
+};
+
+/// The way back: building_from_survey. Its covariance is, to first order, that of the turn reversed and the shift
+/// turned back.
+FrameLink link_of(const Choice& choice) {
+  FrameLink link;
+  link.to = "building", link.from = "survey", link.origin = choice.origin;
+  const double angle = 0 - choice.transform.angle;  // and not -0
+  link.to_from_from.rotation = Eigen::Quaterniond(std::cos(angle / 2), 0, 0, std::sin(angle / 2));
+  link.to_from_from.translation = ifc::design_from_survey(choice.transform, Eigen::Vector3d::Zero());
+  link.scale = 1 / choice.transform.scale;
+  link.plan_only = true;
+  const Eigen::Vector3d& t = link.to_from_from.translation;
+  Eigen::Matrix<double, 6, 4> rows = Eigen::Matrix<double, 6, 4>::Zero();
+  rows(2, 0) = -1;
+  rows.block<3, 1>(3, 0) = Eigen::Vector3d(t.y(), -t.x(), 0);
+  rows.block<3, 3>(3, 1) = -link.linear();
+  link.covariance.topLeftCorner<6, 6>() = rows * choice.covariance * rows.transpose();
+  return link;
+}
+
+/// Positions and their covariance; what all have in common through the transform is added to it.
+PointsT moved(const PointsT& points, const FrameLink& link) {
+  PointsT out = points;
+  const auto n = static_cast<Eigen::Index>(points.points.size());
+  FramePoints given;
+  for (const auto& point : points.points) given.positions.push_back(point->position);
+  const bool uncertain = link.covariance.cwiseAbs().maxCoeff() > 0;
+  if (!points.covariance.empty()) {
+    given.covariance = unpack_symmetric(points.covariance, static_cast<std::size_t>(3 * n), "input 'points'");
+  } else if (uncertain) {
+    given.covariance = Eigen::MatrixXd::Zero(3 * n, 3 * n);
+    for (Eigen::Index i = 0; i < n; ++i)
+      given.covariance.block<3, 3>(3 * i, 3 * i) =
+          points.points[static_cast<std::size_t>(i)]->sigma.cwiseAbs2().asDiagonal();
+  }
+  FrameGraph graph;
+  graph.add(link);
+  const FramePoints result = graph.express(given, link.to, link.from);
+  const Eigen::Matrix3d linear = link.linear();
+  for (Eigen::Index i = 0; i < n; ++i) {
+    PointT& point = *out.points[static_cast<std::size_t>(i)];
+    point.position = result.positions[static_cast<std::size_t>(i)];
+    point.sigma = result.covariance.size() > 0
+                      ? Eigen::Vector3d(result.covariance.diagonal().segment<3>(3 * i).cwiseMax(0).cwiseSqrt())
+                      : Eigen::Vector3d((linear.cwiseAbs2() * point.sigma.cwiseAbs2()).cwiseSqrt());
+  }
+  if (result.covariance.size() > 0) out.covariance = pack_symmetric(result.covariance);
+  return out;
+}
+
+/// How much larger than the design the survey is in plan once it is in the building frame, with its standard deviation
+/// by what is left over; the best similarity in the sense of least squares.
+struct PlanScale {
+  double value = 1, sigma = std::numeric_limits<double>::infinity();
+};
+PlanScale plan_scale(const CommonPoints& common, const PlanTransform& transform) {
+  const auto n = common.ids.size();
+  if (n < 4) return {};
+  std::vector<std::complex<double>> survey, design;
+  std::complex<double> survey_mean, design_mean;
+  for (std::size_t i = 0; i < n; ++i) {
+    const Eigen::Vector3d p = ifc::design_from_survey(transform, common.survey[i]);
+    survey.emplace_back(p.x(), p.y()), design.emplace_back(common.design[i].x(), common.design[i].y());
+    survey_mean += survey.back() / static_cast<double>(n), design_mean += design.back() / static_cast<double>(n);
+  }
+  std::complex<double> product;
+  double extent = 0, left = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    product += std::conj(design[i] - design_mean) * (survey[i] - survey_mean);
+    extent += std::norm(design[i] - design_mean);
+  }
+  if (!(extent > 0)) return {};
+  const std::complex<double> factor = product / extent;
+  for (std::size_t i = 0; i < n; ++i) left += std::norm(survey[i] - survey_mean - factor * (design[i] - design_mean));
+  constexpr double smallest = 1e-6;  // no survey knows its scale better
+  return {std::abs(factor), std::max(smallest, std::sqrt(left / static_cast<double>(2 * n - 4) / extent))};
+}
+
+/// A survey on the ground divided by a map's scale is out by hundreds of ppm, which looks like anchors out of place.
+void require_map_scale(const CommonPoints& common, const PlanTransform& transform, const std::string& how) {
+  const double k = transform.scale;
+  const PlanScale scale = plan_scale(common, transform);
+  if (std::abs(k - 1) < 20e-6 || std::abs(scale.value - 1) < 4 * scale.sigma ||
+      std::abs(scale.value * k - 1) > 3 * scale.sigma)
+    return;
+  char text[400];
+  std::snprintf(
+      text, sizeof text,
+      "with frames.with.use=%s the survey is %.0f +- %.0f ppm larger than the design, which is the map's scale "
+      "of %.6f: its coordinates are at ground scale, not reduced to the map; take frames.with.use=fitted, "
+      "frames.with.use=given with grid_scale=1, or reduce the survey's distances to the map",
+      how.c_str(), 1e6 * (scale.value - 1), 1e6 * scale.sigma, k);
+  throw std::runtime_error(text);
+}
+
+}  // namespace
+
+void ToBuilding::run(Context& context) {
+  const PointsT survey = points.unpack();
+  const DesignT read = design.unpack();
+  const CommonPoints common = common_points(survey, designed.unpack());
+  const auto known = readings(read);
+  const std::string& how = *use;
+  Choice choice;
+  choice.origin = "survey and design share one frame";
+  if (how == "fitted") {
+    choice.origin = "fitted to " + std::to_string(common.ids.size()) + " anchors";
+    choice.transform = ifc::fit_plan(common, choice.covariance);
+    context.warn(
+        "the survey was fitted to the design by its anchors (shift and turn): a common shift of the building cannot be "
+        "seen");
+  } else if (how == "given") {
+    if (translation->size() != 3)
+      throw std::runtime_error("parameter 'translation' has " + std::to_string(translation->size()) +
+                               " numbers, expected E N H of the design's origin with use=given");
+    choice.transform = {*rotation, *grid_scale, Eigen::Vector3d(translation->data())};
+    choice.origin = "given in the pipeline";
+    if (!sigmas->empty() && sigmas->size() != 4)
+      throw std::runtime_error("parameter 'sigmas' has " + std::to_string(sigmas->size()) +
+                               " numbers, expected four: rotation, E, N, H");
+    for (std::size_t i = 0; i < sigmas->size(); ++i)
+      choice.covariance(static_cast<int>(i), static_cast<int>(i)) = (*sigmas)[i] * (*sigmas)[i];
+  } else if (how != "same") {
+    const auto reading = std::find_if(known.begin(), known.end(), [&](const ifc::Reading& r) { return r.use == how; });
+    if (reading == known.end())
+      throw std::runtime_error(known.empty() ? read.file_name +
+                                                   " has no map conversion; frames.with.use=given takes numbers, "
+                                                   "frames.with.use=fitted the anchors"
+                                             : "the map conversion of " + read.file_name +
+                                                   " reads the same with use=map_conversion: take that");
+    choice.transform = reading->transform;
+    choice.origin = reading->words + " (" + read.file_name + ")";
+  }
+  const double left = ifc::misfit(common, choice.transform);
+  if (how == "same") {
+    if (const std::string gap = ifc::explain_gap(common, known, read.file_name); !gap.empty())
+      throw std::runtime_error(gap);
+  } else if (left > 1) {
+    const std::string gap = ifc::explain_gap(common, known, read.file_name);
+    throw std::runtime_error("with frames.with.use=" + how + " the survey is " + std::to_string(left) +
+                             " m from the design (median)" + (gap.empty() ? "; without it, it is not" : "; " + gap));
+  }
+  require_map_scale(common, choice.transform, how);
+  if (common.ids.empty())
+    context.warn("survey and design name no anchor alike, so nothing shows that they share a frame");
+  else
+    context.metric("misfit_of_survey_and_design", left, "m");
+  const FrameLink link = link_of(choice);
+  building.commit(moved(survey, link));
+  PlatesT turned = plates.unpack();
+  for (auto& plate : turned.plates)
+    plate->nominal_rotation = (link.to_from_from.rotation * plate->nominal_rotation).normalized();
+  building_plates.commit(turned);
+  transform.commit(transform_artifact(link));
+}
+
+}  // namespace plumbline::frames

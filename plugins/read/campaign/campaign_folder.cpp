@@ -1,0 +1,151 @@
+#include "campaign_folder.hpp"
+
+#include <algorithm>
+#include <optional>
+
+#include "campaign_resolver.hpp"
+#include "photo/images/photograph_header.hpp"
+#include "plumbline/folder_files.hpp"
+
+namespace plumbline::campaign {
+namespace {
+
+/// `camera` names one calibration, or of several which photographs each took. Those are added to `images`.
+std::vector<CameraOfImages> parse_cameras(const Mapping& mapping, const Resolver& resolver, bool observed,
+                                          std::vector<std::string>& images) {
+  const YAML::Node node = mapping.get("camera");
+  if (!node.IsMap()) return {{resolver.one("camera"), {}}};
+  if (mapping.has("images"))
+    mapping.fail(node,
+                 "'camera' says which photographs each camera took, and 'images' names photographs too; take "
+                 "'images' out");
+  std::vector<CameraOfImages> cameras;
+  for (const auto& entry : node) {
+    const std::vector<std::string> files = resolver.files_of("camera", entry.first);
+    if (files.size() != 1)
+      mapping.fail(entry.first, "'" + entry.first.Scalar() + "' matches " + std::to_string(files.size()) +
+                                    " files, expected one calibration");
+    for (const CameraOfImages& other : cameras)
+      if (other.file == files.front()) mapping.fail(entry.first, "'" + files.front() + "' stands here a second time");
+    CameraOfImages camera{files.front(), {}};
+    const auto add = [&](const YAML::Node& pattern) {
+      if (!pattern.IsScalar())
+        mapping.fail(pattern, "'camera': expected photographs of " + camera.file +
+                                  ": a file, a pattern such as left/*.jpg, or a list");
+      camera.patterns.push_back(pattern.Scalar());
+    };
+    if (entry.second.IsSequence())
+      for (const YAML::Node& item : entry.second) add(item);
+    else
+      add(entry.second);
+    if (camera.patterns.empty()) mapping.fail(entry.second, "'camera': no photographs are named for " + camera.file);
+    if (!observed)  // measured tags carry the names of photographs that need not be there
+      for (const std::string& image : resolver.files_of("camera", entry.second)) images.push_back(image);
+    cameras.push_back(std::move(camera));
+  }
+  if (cameras.empty()) mapping.fail(node, "'camera' is an empty mapping, expected calibrations");
+  std::sort(images.begin(), images.end());
+  const auto twice = std::adjacent_find(images.begin(), images.end());
+  if (twice != images.end()) mapping.fail(node, "'" + *twice + "' is named for two cameras, and was taken with one");
+  return cameras;
+}
+
+}  // namespace
+
+bool Problems::attempt(const std::function<void()>& action) {
+  try {
+    action();
+    return true;
+  } catch (const ToldAlready&) {
+  } catch (const std::runtime_error& error) {
+    lines_.push_back(error.what());
+  }
+  return false;
+}
+
+void Problems::raise() const {
+  constexpr std::size_t most = 25;
+  if (lines_.empty()) return;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(lines_.size(), most); ++i) text += (i ? "\n" : "") + lines_[i];
+  if (lines_.size() > most) text += "\nand " + std::to_string(lines_.size() - most) + " more of the kind";
+  throw CampaignError(text);
+}
+
+CampaignDescription parse_campaign(const std::string& yaml, const std::filesystem::path& shown,
+                                   std::vector<std::string> files, CampaignUse use) {
+  Problems problems;
+  CampaignDescription description = parse_campaign(yaml, shown, std::move(files), use, problems);
+  problems.raise();
+  return description;
+}
+
+CampaignDescription parse_campaign(const std::string& yaml, const std::filesystem::path& shown,
+                                   std::vector<std::string> files, CampaignUse use, Problems& problems) {
+  CampaignDescription c;
+  std::optional<Mapping> found;
+  if (!problems.attempt([&] {
+        found.emplace(
+            load_yaml(yaml, shown), shown,
+            std::vector<std::string>{"plumbline_campaign", "name", "images", "observations", "camera", "plates",
+                                     "survey", "instrument", "date", "control", "design", "mapping", "unused"},
+            &problems);
+        found->require_version("plumbline_campaign");
+      }))
+    return c;
+  const Mapping& mapping = *found;
+  Resolver resolver(mapping, std::move(files));
+  const bool optional = use == CampaignUse::photographs;
+  const auto take = [&](const std::function<void()>& action) { problems.attempt(action); };
+  const auto one = [&](const char* key, std::string& file) { take([&] { file = resolver.one(key); }); };
+  const auto wanted = [&](const char* key) { return !optional || mapping.has(key); };
+  take([&] { c.unused = resolver.set_aside(); });
+  if (mapping.has("name")) take([&] { c.name = mapping.as<std::string>("name", "a text"); });
+  if (mapping.has("instrument"))
+    take([&] { c.instrument = mapping.as<std::string>("instrument", "the name of a profile"); });
+  if (mapping.has("date")) take([&] { c.date = mapping.as<std::string>("date", "a day such as 2026-05-12"); });
+  if (wanted("survey")) take([&] { c.survey = resolver.many("survey"); });
+  if (mapping.has("control")) one("control", c.control);
+  if (use == CampaignUse::survey) return c;
+  if (use == CampaignUse::measured) {
+    one("plates", c.plates), one("design", c.design);
+    if (mapping.has("mapping")) one("mapping", c.mapping);
+    return c;
+  }
+  if (!mapping.has("survey") && !mapping.has("control") && optional)
+    problems.add(CampaignError(shown, 0, "found neither 'survey' nor 'control': where the points are, nothing says"));
+  if (mapping.has("observations")) one("observations", c.observations);
+  const bool observed = mapping.has("observations"), by_camera = mapping.has("camera") && mapping.get("camera").IsMap();
+  if (!by_camera && (!observed || mapping.has("images"))) take([&] { c.images = resolver.many("images"); });
+  if (wanted("camera")) take([&] { c.cameras = parse_cameras(mapping, resolver, observed, c.images); });
+  if (optional && c.cameras.size() > 1)
+    take([&] {
+      mapping.fail(mapping.get("camera"),
+                   "several cameras are one camera.yaml here, each under the name of the folder of its photographs, or "
+                   "none: photographs of a folder each calibrate themselves");
+    });
+  if (wanted("plates")) one("plates", c.plates);
+  if (optional) return c;
+  one("design", c.design);
+  if (mapping.has("mapping")) one("mapping", c.mapping);
+  return c;
+}
+
+CampaignDescription find_campaign(const std::filesystem::path& folder, std::vector<std::string> files) {
+  std::sort(files.begin(), files.end());
+  CampaignDescription c;
+  for (const std::string& file : files) {
+    if (file == "camera.yaml") c.cameras = {{file, {}}};
+    if (file == "plates.csv") c.plates = file;
+    if (file == "control.csv") c.control = file;
+    if (file.starts_with("survey/") && !is_system_file(file)) c.survey.push_back(file);
+    if (is_photograph_name(file) && !is_system_file(file)) c.images.push_back(file);
+  }
+  const std::string mend = "; expected them by these names, or a campaign.yaml that says otherwise";
+  if (c.images.empty()) throw CampaignError(folder, 0, "found no photograph (JPEG, PNG or TIFF) in this folder" + mend);
+  if (c.survey.empty() && c.control.empty())
+    throw CampaignError(folder, 0, "found no survey files in survey/ and no control.csv" + mend);
+  return c;
+}
+
+}  // namespace plumbline::campaign

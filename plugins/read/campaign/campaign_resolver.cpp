@@ -1,0 +1,126 @@
+#include "campaign_resolver.hpp"
+
+#include <algorithm>
+
+#include "base/text/composed.hpp"
+#include "plumbline/folder_files.hpp"
+
+namespace plumbline::campaign {
+namespace {
+
+bool matches(const char* pattern, const char* text) {
+  if (!*pattern) return !*text;
+  if (*pattern == '*' && pattern[1] == '*') {
+    const char* after = pattern + 2;
+    if (*after == '/' && matches(after + 1, text)) return true;  // no folder at all
+    for (const char* rest = text;; ++rest) {
+      if (matches(after, rest)) return true;
+      if (!*rest) return false;
+    }
+  }
+  if (*pattern == '*') {
+    for (const char* rest = text;; ++rest) {
+      if (matches(pattern + 1, rest)) return true;
+      if (!*rest || *rest == '/') return false;
+    }
+  }
+  if (!*text) return false;
+  if (*pattern == '?') {
+    if (*text == '/') return false;
+    for (++text; (static_cast<unsigned char>(*text) & 0xC0) == 0x80;) ++text;  // the rest of one character
+    return matches(pattern + 1, text);
+  }
+  return *pattern == *text && matches(pattern + 1, text + 1);
+}
+
+bool is_pattern(const std::string& text) { return text.find_first_of("*?") != std::string::npos; }
+
+std::string in_small(std::string text) {
+  for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return text;
+}
+
+}  // namespace
+
+bool matches_pattern(const std::string& pattern, const std::string& name) {
+  return matches(text::composed(pattern).c_str(), text::composed(name).c_str());
+}
+
+Resolver::Resolver(const Mapping& mapping, std::vector<std::string> files)
+    : mapping_(mapping), files_(std::move(files)) {
+  std::sort(files_.begin(), files_.end());
+}
+
+std::vector<std::string> Resolver::set_aside() {
+  if (!mapping_.has("unused")) return {};
+  const YAML::Node node = mapping_.get("unused");
+  std::vector<std::string> found;
+  const auto take = [&](const YAML::Node& item) {
+    if (!item.IsScalar())
+      mapping_.fail(item, "'unused' must be a file, a pattern such as old/**, or a list; what it names is left out");
+    const std::size_t before = found.size();
+    for (const std::string& file : files_)
+      if (matches_pattern(item.Scalar(), file)) found.push_back(file);
+    if (found.size() == before && !is_pattern(item.Scalar())) not_there("unused", item);
+  };
+  if (node.IsSequence())
+    for (const YAML::Node& item : node) take(item);
+  else
+    take(node);
+  unused_ = {found.begin(), found.end()};
+  return {unused_.begin(), unused_.end()};
+}
+
+std::string Resolver::one(const std::string& key) const {
+  const std::vector<std::string> found = many(key);
+  if (found.size() != 1) {
+    mapping_.fail(mapping_.get(key), "'" + key + "' matches " + std::to_string(found.size()) + " files, expected one");
+  }
+  return found.front();
+}
+
+std::vector<std::string> Resolver::files_of(const std::string& key, const YAML::Node& node) const {
+  std::vector<std::string> found;
+  Problems problems;
+  if (node.IsSequence()) {
+    for (const YAML::Node& item : node) problems.attempt([&] { add(key, item, found); });
+  } else {
+    add(key, node, found);
+  }
+  problems.raise();
+  std::sort(found.begin(), found.end());
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+  return found;
+}
+
+void Resolver::add(const std::string& key, const YAML::Node& node, std::vector<std::string>& found) const {
+  if (!node.IsScalar()) mapping_.fail(node, "'" + key + "' must be a file, a pattern such as images/*.jpg, or a list");
+  const std::string pattern = node.Scalar();
+  const std::size_t before = found.size();
+  for (const std::string& file : files_) {
+    if (!matches_pattern(pattern, file)) continue;
+    if (!is_pattern(pattern) && unused_.count(file))
+      mapping_.fail(node, "'" + key + "' names '" + file + "', and 'unused' names it too; take it out of one");
+    const bool passed_over = is_pattern(pattern) && (unused_.count(file) || is_system_file(file));
+    if (!passed_over) found.push_back(file);
+  }
+  if (found.size() == before) not_there(key, node);
+}
+
+void Resolver::not_there(const std::string& key, const YAML::Node& node) const {
+  const std::string pattern = node.Scalar();
+  std::string why = "the folder has no such file; paths are relative to campaign.yaml";
+  std::vector<std::string> alike;
+  for (const std::string& file : files_)
+    if (matches_pattern(in_small(pattern), in_small(file)) && !is_system_file(file) && !unused_.count(file))
+      alike.push_back(file);
+  std::error_code ignored;
+  if (!alike.empty())
+    why += " and upper and lower case differ: there is " + alike.front() +
+           (alike.size() > 1 ? " and " + std::to_string(alike.size() - 1) + " more" : "");
+  else if (!is_pattern(pattern) && std::filesystem::exists(mapping_.shown().parent_path() / pattern, ignored))
+    why = "that is the output of a run, which is no content of the folder; copy it to a place of its own";
+  mapping_.fail(node, "'" + key + "' names '" + pattern + "', and " + why);
+}
+
+}  // namespace plumbline::campaign

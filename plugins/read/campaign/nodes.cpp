@@ -1,0 +1,269 @@
+// read.campaign: the folder of a site as artifacts. The work is in campaign_folder.hpp and campaign_artifacts.hpp.
+#include <optional>
+
+#include "artifacts/file_artifact.hpp"
+#include "artifacts/image.hpp"
+#include "artifacts/image_tags.hpp"
+#include "campaign_cameras.hpp"
+#include "listed_campaign.hpp"
+#include "photo/images/photograph_header.hpp"
+#include "photo_campaign_node.hpp"
+#include "propose_node.hpp"
+
+namespace {
+
+using namespace plumbline;
+namespace fs = std::filesystem;
+
+std::vector<campaign::PlateEntry> read_plates(const fs::path& path, Context& context) {
+  std::vector<std::string> warnings;
+  auto entries = campaign::parse_plates(campaign::read_text(path), path, campaign::CampaignUse::site, &warnings);
+  for (const std::string& warning : warnings) context.warn(warning);
+  return entries;
+}
+
+FileT mapping_file(campaign::ListedCampaign& site) {
+  FileT table;
+  table.name = "mapping.csv";
+  if (site.description.mapping.empty()) return table;
+  table.name = fs::path(site.description.mapping).filename().string();
+  site.problems.attempt([&] {
+    const std::string rows = campaign::read_text(site.root / site.description.mapping);
+    table.media_type = "text/csv";
+    table.content.assign(rows.begin(), rows.end());
+  });
+  return table;
+}
+
+/// By reference, like the photographs: a design may have hundreds of megabytes.
+FileT design_reference(const campaign::ListedCampaign& site) {
+  const FolderEntryT& design = site.entry(site.description.design);
+  const std::string name = fs::path(design.path).filename().string();
+  return file_reference(name, "application/x-step", "sha256:" + design.sha256 + "/" + name, design.sha256);
+}
+
+struct ReadCampaign : Node {
+  static constexpr Info info{"read.campaign", "", 8, "Reads the folder of a site: campaign.yaml and what it names"};
+  In<Folder> folder{"folder", "a folder with a campaign.yaml; see docs/campaign_folder.md"};
+  OutList<Image> images{"images", "the photographs, by reference, ordered by path"};
+  OutList<ImageTags> observations{"observations", "tags that were measured already, where campaign.yaml names a table"};
+  Out<Camera> camera{"camera", "the calibration, or all of several, with the uncertainty its file states"};
+  Out<Plates> plates{"plates", frame("frame=building"), "which tag stands for which anchor"};
+  Out<SurveyObservations> survey{"survey", frame("frame=building"),
+                                 "all survey files in one; the datum is in `control`"};
+  Out<Points> control{"control", frame("frame=building"), "the control points as given"};
+  Param<bool> strict{"strict", true,
+                     "refuse survey files of which anything has to be skipped; otherwise it is a warning"};
+  Out<File> design_file{"design_file", "the design IFC as it is, by reference"};
+  Out<File> mapping{"mapping", "the mapping table from points to elements of the design; empty without one"};
+  Out<InputFiles> inputs{"inputs", "the files that were read, and evidence that `unused` sets aside"};
+  Out<InputFiles> unread{"unread", "what else lies in the folder"};
+
+  void run(Context& context) override {
+    campaign::ListedCampaign site(folder.unpack(), context.resolve(std::string(folder->uri()->string_view())),
+                                  campaign::CampaignUse::site);
+    const campaign::CampaignDescription& description = site.description;
+    const fs::path& root = site.root;
+    const auto attempt = [&](bool there, const auto& action) {
+      if (there) site.problems.attempt(action);
+    };
+
+    std::optional<campaign::CampaignCameras> cameras;
+    std::vector<campaign::PlateEntry> entries;
+    campaign::KnownControl known;
+    SurveyObservationsT readings;
+    std::vector<ImageT> photographs;
+    std::vector<campaign::ObservedTag> tags;
+    attempt(!description.cameras.empty(), [&] { cameras.emplace(description, root); });
+    attempt(!description.plates.empty(), [&] { entries = read_plates(root / description.plates, context); });
+    attempt(true, [&] { known = campaign::read_control(description, root, context); });
+    attempt(!description.survey.empty(),
+            [&] { readings = campaign::read_surveys(description, root, known, *strict, context); });
+    for (const std::string& path : description.images)
+      attempt(cameras.has_value(), [&] { photographs.push_back(image_of(site.entry(path), root, cameras->of(path))); });
+    attempt(cameras && !description.observations.empty(), [&] {
+      const fs::path table = root / description.observations;
+      const auto camera_of = [&](const std::string& image) -> const BrownCamera& { return cameras->of(image).camera; };
+      tags = campaign::parse_observations(campaign::read_text(table), table, camera_of);
+    });
+    FileT table = mapping_file(site);
+    site.problems.raise();
+
+    camera.commit(cameras->artifact());
+    plates.commit(campaign::to_artifact(entries));
+    control.commit(campaign::to_artifact(known.points));
+    survey.commit(readings);
+    for (const ImageT& image : photographs) images.commit(image);
+    const std::size_t observed = commit_observations(tags, *cameras);
+    mapping.commit(table);
+    design_file.commit(design_reference(site));
+    inputs.commit(site.inputs(photographs.empty() ? observed : photographs.size(), readings.observations.size()));
+    unread.commit(site.unread());
+  }
+
+ private:
+  /// Returns the number of images.
+  std::size_t commit_observations(const std::vector<campaign::ObservedTag>& tags,
+                                  const campaign::CampaignCameras& cameras) {
+    std::size_t count = 0;
+    for (std::size_t first = 0, last = 0; first < tags.size(); first = last, ++count) {
+      ImageTagsT image;
+      image.path = tags[first].image;
+      const campaign::CameraCalibration& calibration = cameras.of(image.path);
+      image.camera = calibration.id;
+      image.width = calibration.camera.width;
+      image.height = calibration.camera.height;
+      for (; last < tags.size() && tags[last].image == image.path; ++last) {
+        auto tag = std::make_unique<TagT>();
+        tag->family = tags[last].family;
+        tag->id = tags[last].id;
+        tag->corners.assign(tags[last].corners.begin(), tags[last].corners.end());
+        tag->refined = true;
+        const double variance = tags[last].sigma * tags[last].sigma;
+        for (int corner = 0; corner < 4; ++corner)
+          for (const double value : {variance, 0.0, variance}) tag->corner_covariances.push_back(value);
+        image.tags.push_back(std::move(tag));
+      }
+      observations.commit(image);
+    }
+    return count;
+  }
+
+  static ImageT image_of(const FolderEntryT& entry, const fs::path& root,
+                         const campaign::CameraCalibration& calibration) {
+    const PhotographHeader header = campaign::header_of(root / entry.path);
+    if (header.width != calibration.camera.width || header.height != calibration.camera.height) {
+      throw campaign::CampaignError(root / entry.path, 0,
+                                    "the image has " + std::to_string(header.width) + " x " +
+                                        std::to_string(header.height) + " pixels, camera '" + calibration.id +
+                                        "' was calibrated with " + std::to_string(calibration.camera.width) + " x " +
+                                        std::to_string(calibration.camera.height) +
+                                        "; images must be as the camera wrote them, not rotated or scaled");
+    }
+    ImageT image;
+    image.path = entry.path;
+    // By content: a folder that is moved, or made again, leaves all that follows as it is.
+    image.uri = "sha256:" + entry.sha256 + "/" + fs::path(entry.path).filename().string();
+    image.sha256 = entry.sha256;
+    image.size = entry.size;
+    image.width = header.width;
+    image.height = header.height;
+    image.camera = calibration.id;
+    image.model = header.model;
+    image.focal_length = header.focal_length;
+    image.taken_at = header.taken_at;
+    return image;
+  }
+};
+
+struct ReadSurveyCampaign : Node {
+  static constexpr Info info{"read.survey_campaign", "", 2,
+                             "Reads the survey files and control points that a campaign.yaml names, and nothing else"};
+  In<Folder> folder{"folder", "a folder with a campaign.yaml; images, camera, plates and design may be left out"};
+  Out<SurveyObservations> survey{"survey", frame("frame=building"),
+                                 "all survey files in one; the datum is in `control`"};
+  Out<Points> control{"control", frame("frame=building"), "the control points as given"};
+  Param<bool> strict{"strict", true,
+                     "refuse survey files of which anything has to be skipped; otherwise it is a warning"};
+
+  Out<InputFiles> inputs{"inputs", "the files that were read, and survey files that `unused` sets aside"};
+  Out<InputFiles> unread{"unread", "what else lies in the folder"};
+
+  void run(Context& context) override {
+    campaign::ListedCampaign site(folder.unpack(), context.resolve(std::string(folder->uri()->string_view())),
+                                  campaign::CampaignUse::survey);
+    campaign::KnownControl known;
+    SurveyObservationsT readings;
+    site.problems.attempt([&] { known = campaign::read_control(site.description, site.root, context); });
+    site.problems.attempt(
+        [&] { readings = campaign::read_surveys(site.description, site.root, known, *strict, context); });
+    site.problems.raise();
+    control.commit(campaign::to_artifact(known.points));
+    survey.commit(readings);
+    inputs.commit(site.inputs(0, readings.observations.size()));
+    unread.commit(site.unread());
+  }
+};
+
+/// Each file by itself: campaigns of one network at different times.
+struct ReadSurveyEpochs : Node {
+  static constexpr Info info{"read.survey_epochs", "", 1,
+                             "Reads the survey files that a campaign.yaml names, one epoch each, in its order"};
+  In<Folder> folder{"folder", "a folder with a campaign.yaml whose `survey` names the files, oldest first"};
+  OutList<SurveyObservations> epochs{"epochs", frame("frame=building"), "one for each file"};
+  Param<bool> strict{"strict", true,
+                     "refuse survey files of which anything has to be skipped; otherwise it is a warning"};
+
+  void run(Context& context) override {
+    campaign::ListedCampaign site(folder.unpack(), context.resolve(std::string(folder->uri()->string_view())),
+                                  campaign::CampaignUse::survey);
+    for (const auto& epoch : campaign::read_survey_files(site.description, site.root, *strict, context))
+      epochs.commit(survey::to_artifact(epoch));
+  }
+};
+
+struct ReadMeasuredCampaign : Node {
+  static constexpr Info info{"read.measured_campaign", "", 1,
+                             "Reads a folder whose anchors were measured by total station: survey files, control, "
+                             "plates and design; photographs in it are left alone"};
+  In<Folder> folder{"folder", "a folder with a campaign.yaml; images, observations and camera may be left out"};
+  Out<Plates> plates{"plates", frame("frame=building"), "which point stands for which anchor, and how it faces"};
+  Out<SurveyObservations> survey{"survey", frame("frame=building"),
+                                 "all survey files in one; the datum is in `control`"};
+  Out<Points> control{"control", frame("frame=building"), "the control points as given"};
+  Param<bool> strict{"strict", true,
+                     "refuse survey files of which anything has to be skipped; otherwise it is a warning"};
+  Out<File> design_file{"design_file", "the design IFC as it is, by reference"};
+  Out<File> mapping{"mapping", "the mapping table from points to elements of the design; empty without one"};
+  Out<InputFiles> inputs{"inputs", "the files that were read, and survey files that `unused` sets aside"};
+  Out<InputFiles> unread{"unread", "what else lies in the folder"};
+
+  void run(Context& context) override {
+    campaign::ListedCampaign site(folder.unpack(), context.resolve(std::string(folder->uri()->string_view())),
+                                  campaign::CampaignUse::measured);
+    campaign::KnownControl known;
+    SurveyObservationsT readings;
+    std::vector<campaign::PlateEntry> entries;
+    if (!site.description.plates.empty())
+      site.problems.attempt([&] { entries = read_plates(site.root / site.description.plates, context); });
+    site.problems.attempt([&] { known = campaign::read_control(site.description, site.root, context); });
+    site.problems.attempt(
+        [&] { readings = campaign::read_surveys(site.description, site.root, known, *strict, context); });
+    const FileT table = mapping_file(site);
+    site.problems.raise();
+    plates.commit(campaign::to_artifact(entries));
+    control.commit(campaign::to_artifact(known.points));
+    survey.commit(readings);
+    design_file.commit(design_reference(site));
+    mapping.commit(table);
+    inputs.commit(site.inputs(0, readings.observations.size()));
+    unread.commit(site.unread());
+  }
+};
+
+/// Only an evaluation may be fed from this.
+struct ReadTruth : Node {
+  static constexpr Info info{"read.truth", "", 1, "Reads the truth beside a simulated campaign; for evaluation only"};
+  In<Folder> truth{"truth", "the folder `truth` of simulate.campaign"};
+  Out<Points> points{"points", frame("frame=building"), "where the anchors really are; sigma 0"};
+
+  void run(Context& context) override {
+    const fs::path path = fs::path(context.resolve(std::string(truth->uri()->string_view()))) / "anchors.csv";
+    PointsT result;
+    for (const campaign::TrueAnchor& anchor : campaign::parse_true_anchors(campaign::read_text(path), path)) {
+      auto point = std::make_unique<PointT>();
+      point->id = anchor.id;
+      point->position = anchor.position;
+      point->sigma.setZero();
+      point->role = anchor.role;
+      result.points.push_back(std::move(point));
+    }
+    points.commit(result);
+  }
+};
+
+}  // namespace
+
+PLUMBLINE_PLUGIN("campaign", "0.1.0", "MIT", ReadCampaign, campaign::ReadPhotoCampaign, ReadSurveyCampaign,
+                 ReadSurveyEpochs, ReadMeasuredCampaign, ReadTruth, campaign::ProposeCampaign,
+                 campaign::AccountForCampaign)

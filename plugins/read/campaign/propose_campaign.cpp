@@ -1,0 +1,332 @@
+#include "propose_campaign.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <fstream>
+#include <map>
+#include <set>
+
+#include "base/text/csv_table.hpp"
+#include "base/text/text.hpp"
+#include "photo/images/photograph_header.hpp"
+#include "plumbline/folder_files.hpp"
+#include "unused_files.hpp"
+
+namespace plumbline::campaign {
+namespace {
+
+namespace fs = std::filesystem;
+using Names = std::vector<std::string>;
+
+constexpr std::size_t kLargestText = 16 << 20;  // of a table or a calibration [bytes]
+
+std::string text_of(const fs::path& path, std::size_t bytes = kLargestText) {
+  std::ifstream stream(path, std::ios::binary);
+  std::string text(bytes, '\0');
+  stream.read(text.data(), static_cast<std::streamsize>(bytes));
+  text.resize(static_cast<std::size_t>(stream.gcount()));
+  return text;
+}
+
+bool ends_as(const std::string& name, std::initializer_list<const char*> endings) {
+  const std::string small = text::to_lower(name);
+  return std::any_of(endings.begin(), endings.end(), [&](const char* ending) { return small.ends_with(ending); });
+}
+
+/// As YAML writes a name: quoted where its characters mean something there.
+std::string yaml_text(const std::string& name) {
+  static const std::string plain = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_./- ";
+  const bool simple = std::all_of(name.begin(), name.end(), [](char c) {
+    return (static_cast<unsigned char>(c) & 0x80) || plain.find(c) != std::string::npos;
+  });
+  if (simple && !name.empty() && name.front() != ' ' && name.front() != '-' && name.back() != ' ') return name;
+  std::string text = "\"";
+  for (const char c : name) text += (c == '"' || c == '\\' ? "\\" : "") + std::string(1, c);
+  return text + "\"";
+}
+
+std::string listed(const Names& names) {
+  if (names.size() == 1) return yaml_text(names.front());
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "[" : ", ") + yaml_text(name);
+  return text + "]";
+}
+
+std::string few(const Names& names) {
+  constexpr std::size_t most = 4;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(names.size(), most); ++i) text += (i ? ", " : "") + names[i];
+  return names.size() > most ? text + " and " + std::to_string(names.size() - most) + " more" : text;
+}
+
+/// Photographs that one camera took, as far as their headers tell.
+struct Group {
+  std::string model;  ///< make, model and serial number; empty if EXIF says nothing
+  int width = 0, height = 0;
+  Names names;
+};
+
+struct CameraFile {
+  std::string name;
+  CameraCalibration calibration;
+};
+
+class Sorter {
+ public:
+  Sorter(const fs::path& root, Names files) : root_(root) {
+    std::sort(files.begin(), files.end());
+    for (const std::string& file : files) sort(file);
+  }
+
+  Proposal propose() {
+    proposal_.yaml =
+        "plumbline_campaign: 1\n# Proposed from what lies in this folder: check each line, then `plumbline campaign "
+        "check`.\nname: " +
+        yaml_text(fs::weakly_canonical(root_).filename().string()) + "\n";
+    add_photographs();
+    if (plates_.empty())
+      lack("plates", "plates.csv",
+           "no table says which tag hangs at which anchor (columns anchor, role, floor, tag_family, tag_id, "
+           "tag_size_mm, tag_x_mm, tag_y_mm, tag_z_mm, facing_azimuth_deg)");
+    else
+      add("plates", one_of("plates", plates_), "which tag hangs at which anchor");
+    if (survey_.empty())
+      lack("survey", "survey/*.gsi", "no file with readings of a total station was found");
+    else
+      add("survey", listed(survey_), "readings of the total station");
+    if (!control_.empty()) add("control", one_of("control", control_), "known points that carry the datum");
+    if (designs_.empty())
+      lack("design", "design.ifc", "no IFC file was found");
+    else
+      add("design", one_of("design", designs_), "the design");
+    for (const std::string& name : office_)
+      proposal_.wrong.push_back(name + ": a spreadsheet's own format is not read; save the sheet as CSV beside it");
+    return std::move(proposal_);
+  }
+
+ private:
+  void sort(const std::string& file) {
+    if (is_system_file(file) || file == "campaign.yaml") return;
+    const fs::path path = root_ / file;
+    if (is_photograph_name(file)) return add_photograph(file);
+    if (ends_as(file, {".xlsx", ".xls", ".ods", ".numbers"})) return office_.push_back(file);
+    if (ends_as(file, {".ifc"})) return designs_.push_back(file);
+    std::error_code error;
+    if (fs::file_size(path, error) > kLargestText || error) return;
+    const std::string text = text_of(path);
+    if (ends_as(file, {".yaml", ".yml"}) && text.find("plumbline_camera") != std::string::npos) {
+      attempt([&] { cameras_.push_back({file, parse_camera(text, file)}); });
+    } else if (is_table_of_plates(text)) {
+      plates_.push_back(file);
+      std::vector<std::string> notes;  // of the owner's own columns: nothing to mend
+      attempt([&] { parse_plates(text, file, CampaignUse::site, &notes); });
+    } else if (holds_readings(path, file)) {
+      survey_.push_back(file);
+    } else if (ends_as(file, {".csv", ".txt"}) && is_table_of_points(text)) {
+      control_.push_back(file);
+    }
+  }
+
+  void add_photograph(const std::string& file) {
+    Group group;
+    attempt([&] {
+      try {
+        const PhotographHeader header = read_photograph_header(root_ / file);
+        group = {header.model + (header.serial.empty() ? "" : " " + header.serial), header.width, header.height, {}};
+      } catch (const std::runtime_error& reason) {
+        throw CampaignError(file + ": " + reason.what());
+      }
+    });
+    for (Group& known : groups_)
+      if (known.model == group.model && known.width == group.width && known.height == group.height)
+        return known.names.push_back(file);
+    group.names = {file};
+    groups_.push_back(std::move(group));
+  }
+
+  static bool is_table_of_plates(const std::string& text) {
+    const auto table = text::read_csv(text, plate_column_names());
+    const auto has = [&](const char* name) {
+      return std::any_of(table.header.begin(), table.header.end(), [&](const auto& cell) { return cell.name == name; });
+    };
+    return has("anchor") && has("tag_id");
+  }
+
+  static bool is_table_of_points(const std::string& text) {
+    try {
+      return !parse_control(text, "table").empty();
+    } catch (const std::runtime_error&) {
+      return false;
+    }
+  }
+
+  void attempt(const std::function<void()>& action) {
+    try {
+      action();
+    } catch (const std::runtime_error& error) {
+      proposal_.wrong.push_back(error.what());
+    }
+  }
+
+  void add(const std::string& key, const std::string& value, const std::string& comment) {
+    proposal_.yaml += key + ": " + value + "   # " + comment + "\n";
+    proposal_.found.push_back(key + ": " + value);
+  }
+  void lack(const std::string& key, const std::string& example, const std::string& why) {
+    proposal_.yaml += "# " + key + ": " + example + "   # MISSING: " + why + "\n";
+    proposal_.wrong.push_back(key + ": " + why);
+  }
+  std::string one_of(const std::string& key, const Names& names) {
+    if (names.size() > 1)
+      proposal_.wrong.push_back(key + ": " + few(names) + " could all be it; " + names.front() +
+                                " is taken. Name the right one");
+    return yaml_text(names.front());
+  }
+
+  /// Patterns that fit these photographs and no others.
+  Names patterns_of(const Names& names) const {
+    Names result;
+    for (const std::string& pattern : patterns_for(names)) {
+      Names members;
+      bool alone = true;
+      for (const Group& group : groups_)
+        for (const std::string& name : group.names) {
+          if (!matches_pattern(pattern, name)) continue;
+          members.push_back(name);
+          alone = alone && std::find(names.begin(), names.end(), name) != names.end();
+        }
+      if (alone) {
+        result.push_back(pattern);
+        continue;
+      }
+      for (const std::string& name : members)
+        if (std::find(names.begin(), names.end(), name) != names.end()) result.push_back(name);
+    }
+    return result;
+  }
+
+  void add_photographs() {
+    Names all;
+    for (const Group& group : groups_) all.insert(all.end(), group.names.begin(), group.names.end());
+    std::sort(all.begin(), all.end());
+    if (all.empty()) return lack("images", "images/*.JPG", "no photograph (JPEG, PNG, TIFF) was found");
+    proposal_.found.push_back(std::to_string(all.size()) + " photographs of " + std::to_string(groups_.size()) +
+                              (groups_.size() == 1 ? " camera" : " cameras"));
+    for (const Group& group : groups_)
+      proposal_.yaml += "# " + std::to_string(group.names.size()) + " photographs of " +
+                        (group.model.empty() ? "a camera that EXIF does not name" : group.model) + ", " +
+                        std::to_string(group.width) + " x " + std::to_string(group.height) + "\n";
+    if (cameras_.empty()) {
+      add("images", listed(patterns_for(all)), "all photographs");
+      return lack("camera", "camera.yaml",
+                  "no calibration was found; photographs of a board give one: plumbline run calibrate_camera");
+    }
+    if (groups_.size() == 1 && cameras_.size() == 1) {
+      add("images", listed(patterns_for(all)), "all photographs");
+      add("camera", yaml_text(cameras_.front().name), "its calibration");
+      return check_size(groups_.front(), cameras_.front());
+    }
+    add_cameras();
+  }
+
+  /// Which calibration is for which photographs. A calibration that is nobody's is told: it was made for something.
+  void add_cameras() {
+    std::vector<Names> taken(cameras_.size());
+    std::string missing;
+    for (const Group& group : groups_) {
+      const std::vector<std::size_t> fits = cameras_of(group);
+      if (fits.size() > 1) {
+        share_by_folders(group, fits, taken);
+      } else if (fits.size() == 1) {
+        taken[fits[0]].insert(taken[fits[0]].end(), group.names.begin(), group.names.end());
+      } else {
+        missing += "  # CALIBRATION.yaml: " + listed(patterns_of(group.names)) + "   # MISSING\n";
+        proposal_.wrong.push_back("camera: no calibration of " + std::to_string(group.width) + " x " +
+                                  std::to_string(group.height) + " pixels is for " + few(group.names));
+      }
+    }
+    proposal_.yaml += "camera:   # calibration: the photographs it is for\n";
+    for (std::size_t i = 0; i < cameras_.size(); ++i) {
+      const std::string& name = cameras_[i].name;
+      if (taken[i].empty()) {
+        proposal_.wrong.push_back("camera: " + name + " is a calibration for none of the photographs");
+        continue;
+      }
+      const std::string names = listed(patterns_of(taken[i]));
+      proposal_.yaml += "  " + yaml_text(name) + ": " + names + "\n";
+      proposal_.found.push_back("camera: " + name + " for " + names);
+    }
+    proposal_.yaml += missing;
+  }
+
+  /// Indices of the calibrations of that size; of several, those whose model EXIF names.
+  std::vector<std::size_t> cameras_of(const Group& group) const {
+    std::vector<std::size_t> fits, named;
+    for (std::size_t i = 0; i < cameras_.size(); ++i) {
+      const CameraCalibration& c = cameras_[i].calibration;
+      if (c.camera.width != group.width || c.camera.height != group.height) continue;
+      fits.push_back(i);
+      if (!c.model.empty() && group.model.find(c.model) != std::string::npos) named.push_back(i);
+    }
+    return named.empty() ? fits : named;
+  }
+
+  /// Two bodies of one model: photographs in a folder `crane` are those of `camera_crane.yaml`. Where names do not
+  /// tell, somebody must.
+  void share_by_folders(const Group& group, const std::vector<std::size_t>& fits, std::vector<Names>& taken) {
+    std::map<std::string, Names> folders;
+    for (const std::string& name : group.names) folders[fs::path(name).parent_path().string()].push_back(name);
+    for (const auto& [folder, names] : folders) {
+      std::vector<std::size_t> own;
+      for (const std::size_t i : fits)
+        if (share_a_word(folder, cameras_[i].name) || share_a_word(folder, cameras_[i].calibration.id))
+          own.push_back(i);
+      if (own.size() != 1)
+        proposal_.wrong.push_back("camera: " + cameras_[fits[0]].name + " and " + cameras_[fits[1]].name +
+                                  " both fit " + few(names) +
+                                  "; the first is taken. Write which of them took which photographs");
+      Names& its = taken[own.size() == 1 ? own[0] : fits[0]];
+      its.insert(its.end(), names.begin(), names.end());
+    }
+  }
+
+  static std::set<std::string> words_of(const std::string& text) {
+    constexpr std::size_t shortest = 3;
+    std::set<std::string> words;
+    std::string word;
+    for (const char c : text + " ") {
+      const unsigned char u = static_cast<unsigned char>(c);
+      if (u < 128 && !std::isalnum(u)) {
+        if (word.size() >= shortest) words.insert(word);
+        word.clear();
+      } else {
+        word += static_cast<char>(u < 128 ? std::tolower(u) : u);
+      }
+    }
+    return words;
+  }
+  static bool share_a_word(const std::string& a, const std::string& b) {
+    const std::set<std::string> of_a = words_of(a), of_b = words_of(b);
+    return std::any_of(of_a.begin(), of_a.end(), [&](const std::string& word) { return of_b.count(word) > 0; });
+  }
+
+  void check_size(const Group& group, const CameraFile& camera) {
+    const BrownCamera& calibrated = camera.calibration.camera;
+    if (group.width == 0 || (group.width == calibrated.width && group.height == calibrated.height)) return;
+    proposal_.wrong.push_back(camera.name + ": was calibrated with " + std::to_string(calibrated.width) + " x " +
+                              std::to_string(calibrated.height) + " pixels, the photographs have " +
+                              std::to_string(group.width) + " x " + std::to_string(group.height));
+  }
+
+  fs::path root_;
+  Proposal proposal_;
+  std::vector<Group> groups_;
+  std::vector<CameraFile> cameras_;
+  Names plates_, survey_, control_, designs_, office_;
+};
+
+}  // namespace
+
+Proposal propose_campaign(const fs::path& root, Names files) { return Sorter(root, std::move(files)).propose(); }
+
+}  // namespace plumbline::campaign

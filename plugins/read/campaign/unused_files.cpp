@@ -1,0 +1,128 @@
+#include "unused_files.hpp"
+
+#include <algorithm>
+#include <fstream>
+
+#include "photo/images/photograph_header.hpp"
+#include "plumbline/folder_files.hpp"
+#include "survey/files/survey_builder.hpp"
+#include "survey/files/survey_format.hpp"
+
+namespace plumbline::campaign {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kBeginning = 16384;           // what detect_survey_format() looks at [bytes]
+constexpr std::uintmax_t kLargestTable = 20 << 20;  // a table that is read whole to see whether it holds readings
+
+std::string beginning_of(const fs::path& path, std::size_t bytes) {
+  std::ifstream stream(path, std::ios::binary);
+  std::string text(bytes, '\0');
+  stream.read(text.data(), static_cast<std::streamsize>(bytes));
+  text.resize(static_cast<std::size_t>(stream.gcount()));
+  return text;
+}
+
+std::string looks_like(const fs::path& root, const std::string& path) {
+  if (is_system_file(path)) return "";
+  if (is_photograph_name(path)) return "photograph";
+  return holds_readings(root / path, path) ? "survey" : "";
+}
+
+std::string names_of(const std::vector<std::string>& names) {
+  constexpr std::size_t most = 8;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(names.size(), most); ++i) text += (i ? ", " : "") + names[i];
+  return names.size() > most ? text + " and " + std::to_string(names.size() - most) + " more" : text;
+}
+
+std::string plural(std::size_t n, const std::string& one) {
+  return std::to_string(n) + " " + one + (n == 1 ? "" : "s");
+}
+
+}  // namespace
+
+bool holds_readings(const fs::path& path, const std::string& name) {
+  std::error_code error;
+  const std::uintmax_t size = fs::file_size(path, error);
+  if (error || size == 0) return false;
+  const auto format = survey::detect_survey_format(beginning_of(path, kBeginning), name);
+  if (!format) return false;
+  const bool table = *format == survey::SurveyFormat::csv || *format == survey::SurveyFormat::setup_coordinates;
+  if (size > kLargestTable) return !table;
+  try {
+    const survey::SurveyObservations found = survey::read_survey(beginning_of(path, size), name);
+    return !found.observations.empty() || (!table && !found.skipped.empty());
+  } catch (const std::runtime_error&) {
+    return !table;
+  }
+}
+
+std::vector<std::string> patterns_for(const std::vector<std::string>& names) {
+  std::map<std::string, std::vector<std::string>> groups;
+  for (const std::string& name : names) {
+    const fs::path path = name;
+    groups[(path.parent_path() / ("*" + path.extension().string())).generic_string()].push_back(name);
+  }
+  std::vector<std::string> patterns;
+  for (const auto& [pattern, members] : groups) patterns.push_back(members.size() > 1 ? pattern : members.front());
+  return patterns;
+}
+
+std::map<std::string, std::string> uses_of(const CampaignDescription& d, const std::vector<std::string>& files) {
+  std::map<std::string, std::string> uses;
+  const auto add = [&](const std::string& path, const char* use) {
+    if (!path.empty()) uses.emplace(path, use);
+  };
+  if (std::find(files.begin(), files.end(), "campaign.yaml") != files.end()) add("campaign.yaml", "campaign");
+  for (const std::string& path : d.images) add(path, "photograph");
+  add(d.observations, "observations");
+  for (const CameraOfImages& camera : d.cameras) add(camera.file, "camera");
+  add(d.plates, "plates");
+  for (const std::string& path : d.survey) add(path, "survey");
+  add(d.control, "control");
+  add(d.design, "design");
+  add(d.mapping, "mapping");
+  return uses;
+}
+
+std::vector<UnusedFile> unused_files(const CampaignDescription& description, const fs::path& root,
+                                     std::vector<std::string> files) {
+  const auto uses = uses_of(description, files);
+  std::sort(files.begin(), files.end());
+  std::vector<UnusedFile> unused;
+  for (const std::string& path : files) {
+    if (uses.count(path)) continue;
+    const auto& aside = description.unused;
+    unused.push_back({path, looks_like(root, path), std::find(aside.begin(), aside.end(), path) != aside.end()});
+  }
+  return unused;
+}
+
+void refuse_forgotten(const std::vector<UnusedFile>& unused, const CampaignDescription& description,
+                      const fs::path& root, CampaignUse use) {
+  const bool wants_photographs =
+      use != CampaignUse::survey && use != CampaignUse::measured && description.observations.empty();
+  std::vector<std::string> photographs, readings;
+  for (const UnusedFile& file : unused) {
+    if (file.set_aside) continue;
+    if (file.looks_like == "photograph" && wants_photographs) photographs.push_back(file.path);
+    if (file.looks_like == "survey") readings.push_back(file.path);
+  }
+  if (photographs.empty() && readings.empty()) return;
+  std::string text, all;
+  if (!photographs.empty()) text += plural(photographs.size(), "photograph") + " (" + names_of(photographs) + ")";
+  if (!readings.empty())
+    text += (text.empty() ? "" : " and ") + plural(readings.size(), "survey file") + " (" + names_of(readings) + ")";
+  for (const auto* names : {&photographs, &readings})
+    for (const std::string& pattern : patterns_for(*names))
+      all += (all.empty() ? "" : ", ") +
+             (pattern.find_first_of("*,[]{}#&!|>'\"%@` ") == std::string::npos ? pattern : "\"" + pattern + "\"");
+  const std::string keys = photographs.empty() ? "'survey'" : readings.empty() ? "'images'" : "'images' and 'survey'";
+  throw CampaignError(root / "campaign.yaml", 0,
+                      "the folder holds " + text + " that nothing names, so they would take no part. Name them under " +
+                          keys + " to use them, or leave them out by the line  unused: [" + all + "]");
+}
+
+}  // namespace plumbline::campaign

@@ -1,0 +1,203 @@
+// calibrate.board: the interior orientation of cameras from photographs of a board.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <set>
+
+#include "artifacts/board_points.hpp"
+#include "artifacts/camera.hpp"
+#include "artifacts/file.hpp"
+#include "geometry/median.hpp"
+#include "geometry/packed_symmetric.hpp"
+#include "output.hpp"
+#include "photo/markers/camera_groups.hpp"
+#include "plumbline/node.hpp"
+#include "plumbline/stop.hpp"
+
+namespace {
+
+using namespace plumbline;
+using namespace plumbline::markers;
+using Json = nlohmann::ordered_json;
+
+FileT file_of(const std::string& name, const std::string& media_type, const std::string& text) {
+  FileT file;
+  file.name = name, file.media_type = media_type;
+  file.content.assign(text.begin(), text.end());
+  return file;
+}
+
+CameraT artifact_of(const Calibrated& one, const std::string& id) {
+  CameraT camera;
+  camera.id = id, camera.width = one.selection.width, camera.height = one.selection.height;
+  const auto values = one.calibration.camera.parameters();
+  camera.parameters.assign(values.begin(), values.end());
+  camera.covariance = pack_symmetric(one.calibration.covariance);
+  camera.source = "calibration on a " + one.selection.board;
+  return camera;
+}
+
+struct CalibrateBoard : Node {
+  static constexpr Info info{
+      "calibrate.board", "", 5,
+      "Calibrates cameras on photographs of a board: parameters, covariance, uncertainty over the image, rigs"};
+  List<BoardPoints> points{"points", "the board's points in each photograph"};
+  Param<std::vector<std::string>> free{
+      "free", {"fx", "fy", "cx", "cy", "k1", "k2", "k3", "p1", "p2"}, "parameters to estimate"};
+  Param<double> bend_sigma{
+      "bend_sigma", 0.001, "m", between(0, 1),
+      "prior standard deviation of how far the board bulges, along x and along y; 0 holds it flat"};
+  Param<double> reject_above{"reject_above", 5.0, "1", at_least(0),
+                             "points whose residual is this many times the median are left out; 0 keeps all"};
+  Param<std::string> cameras{
+      "cameras", "by_folder", one_of("by_folder", "by_name", "by_file", "one"),
+      "by_folder: photographs of another folder are from another camera; by_name: of another name around the "
+      "number (left01.jpg, right01.jpg), too; by_file: every folder is a moment (01/left.jpg, 01/right.jpg)"};
+  Param<std::string> id{"id", "camera", "name of the camera in its file, where there is one"};
+  OutList<Camera> calibrated{"cameras", "the interior orientations with their full covariance"};
+  Out<File> yaml{"yaml", "camera.yaml, as campaign folders take it; several cameras each under its name"};
+  Out<File> json{"json",
+                 "calibration.json: parameters, sigmas, correlations, rms_px, images[]; of several cameras "
+                 "cameras[] of these, and rig[]"};
+
+  void run(Context& context) override {
+    std::vector<BoardPointsT> photographs;
+    std::vector<std::string> paths;
+    std::set<std::string> told;  // by whoever searched them
+    for (size_t i = 0; i < points.size(); ++i) {
+      photographs.push_back(points.unpack(i)), paths.push_back(photographs.back().path);
+      const bool by_pitch = photographs.back().contradicts && std::isfinite(photographs.back().marker_ratio);
+      if (!photographs.back().problem.empty() && !by_pitch) told.insert(paths.back());
+    }
+    const std::string by = cameras_told(paths, *cameras);
+    const std::string suspects = by == "by_folder" ? suspected_cameras(paths) : "";
+    if (!suspects.empty())
+      context.warn(
+          "the photographs are called " + suspects +
+          ", each with the same numbers, and count as one camera's: cameras=by_name calibrates each by itself, "
+          "cameras=one says that it is one");
+    refuse_wrong_board(photographs);
+    excuse_board(photographs);
+    CalibrationOptions options;
+    options.free = *free, options.bend_sigma = *bend_sigma, options.reject_above = *reject_above;
+    std::vector<Calibrated> all;
+    for (Selection& selection : select(photographs, by)) {
+      if (selection.views.size() < 3 && !selection.left_out.empty())
+        throw std::runtime_error("the board was found in " + std::to_string(selection.views.size()) + " of " +
+                                 std::to_string(photographs.size()) + " photographs; needed are 3. " +
+                                 selection.left_out.front().first + ": " + selection.left_out.front().second);
+      for (const auto& [path, reason] : selection.left_out)
+        if (!told.count(path)) context.warn("left out: " + path + ": " + reason);
+      all.push_back({std::move(selection), {}, {}, {}});
+      Calibrated& one = all.back();
+      try {
+        one.calibration = calibrate(one.selection.views, one.selection.width, one.selection.height, options);
+      } catch (const Stopped&) {
+        throw;
+      } catch (const std::runtime_error& error) {
+        if (one.selection.camera.empty()) throw;
+        throw std::runtime_error("camera " + one.selection.camera + ": " + error.what());
+      }
+      refuse_fisheye(compare_lenses(one.selection.views, options, one.calibration), one.selection.camera);
+      one.parts = compare_parts(one.selection.views, options, one.calibration);
+      one.as_two = as_two_cameras(one.selection.views, options, one.calibration);
+      const std::string name = one.selection.camera.empty() ? "" : one.selection.camera + ": ";
+      for (const auto& text : warnings_of(one)) context.warn(name + text);
+    }
+    double squares = 0, count = 0;
+    for (const auto& one : all) {
+      squares += one.calibration.rms * one.calibration.rms * one.calibration.observations;
+      count += one.calibration.observations;
+      calibrated.commit(artifact_of(one, one.selection.camera.empty() ? *id : one.selection.camera));
+    }
+    context.metric("rms", std::sqrt(squares / count), "px");
+    yaml.commit(file_of("camera.yaml", "application/yaml", yaml_of(all, *id)));
+    json.commit(
+        file_of("calibration.json", "application/json",
+                document(all, by, options, context).dump(1, ' ', false, Json::error_handler_t::replace) + "\n"));
+  }
+
+ private:
+  /// A board file that more photographs contradict than agree with: those that agree show too little of the board.
+  static void refuse_wrong_board(const std::vector<BoardPointsT>& photographs) {
+    const BoardPointsT* first = nullptr;
+    size_t against = 0, good = 0;
+    for (const auto& p : photographs) {
+      good += p.problem.empty(), against += p.contradicts;
+      if (p.contradicts && !first) first = &p;
+    }
+    if (against <= good) return;
+    throw std::runtime_error(std::to_string(against) + " of " + std::to_string(photographs.size()) +
+                             " photographs contradict the board file, " + std::to_string(good) + " agree with it. " +
+                             first->path + ": " + first->problem);
+  }
+
+  static void refuse_fisheye(const LensComparison& lenses, const std::string& camera) {
+    if (!lenses.is_fisheye()) return;
+    char text[200];
+    std::snprintf(
+        text, sizeof text,
+        "the lens is a fisheye: over %.0f degrees off the axis the points fit to %.2f px with a fisheye's model "
+        "(Kannala and Brandt, 8 parameters) and to %.2f px with Brown's (9)",
+        lenses.widest * 180 / M_PI, lenses.fisheye, lenses.brown);
+    throw std::runtime_error(
+        (camera.empty() ? "" : "camera " + camera + ": ") + std::string(text) +
+        ", which is the only one that camera.yaml and what follows have. Photograph without fish-eye ('linear' or "
+        "'narrow' on action cameras), or undistort the photographs with the program that knows the lens");
+  }
+
+  /// A photograph whose markers have another size than those of the others says nothing of the board file.
+  /// Several of the same size show another board.
+  static void excuse_board(std::vector<BoardPointsT>& photographs) {
+    constexpr double alike = 0.005;  // relative: blur makes each another size
+    std::vector<double> ratios;
+    for (const auto& p : photographs)
+      if (!p.contradicts && std::isfinite(p.marker_ratio)) ratios.push_back(p.marker_ratio);
+    if (ratios.empty()) return;
+    for (auto& p : photographs) {
+      if (!p.contradicts || !std::isfinite(p.marker_ratio)) continue;
+      char text[300];
+      const auto like = std::count_if(photographs.begin(), photographs.end(), [&](const BoardPointsT& other) {
+        return other.contradicts && std::abs(other.marker_ratio / p.marker_ratio - 1) < alike;
+      });
+      if (like > 1)
+        std::snprintf(text, sizeof text,
+                      "its markers measure %.3f of their squares or spacing, and so do those of %td photographs "
+                      "together; those of the %zu others measure %.3f, as the board file has it: it shows another "
+                      "board. Put its photographs into a folder of their own, with a board file",
+                      p.marker_ratio, like, ratios.size(), upper_median(ratios));
+      else
+        std::snprintf(text, sizeof text,
+                      "its markers measure %.3f of their squares or spacing, those of the %zu other photographs %.3f, "
+                      "as the board file has it: this one is blurred, or was moved while it was taken",
+                      p.marker_ratio, ratios.size(), upper_median(ratios));
+      p.problem = text;
+    }
+  }
+
+  static Json document(const std::vector<Calibrated>& all, const std::string& by, const CalibrationOptions& options,
+                       Context& context) {
+    if (all.size() == 1) return calibration_json(all[0]);
+    Json list = Json::array();
+    for (const auto& one : all) {
+      Json entry = {{"id", one.selection.camera}};
+      entry.update(calibration_json(one));
+      list.push_back(entry);
+    }
+    std::vector<std::string> warnings;
+    Json rig = rig_json(all, by, options, warnings);
+    for (const auto& text : warnings) context.warn(text);
+    return {
+        {"cameras", list},
+        {"rig_is",
+         "camera from reference, from one adjustment of all cameras: rotation quaternion w, x, y, z; translation in "
+         "m; covariance of a rotation vector in the camera's frame [rad], then of the translation [m]; halves: mean "
+         "square difference of two halves of the moments over its covariance; parameters of the camera there"},
+        {"rig", rig},
+        {"warnings", warnings}};
+  }
+};
+
+}  // namespace
+
+PLUMBLINE_PLUGIN("calibrate", "0.1.0", "MIT", CalibrateBoard)

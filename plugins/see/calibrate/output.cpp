@@ -1,0 +1,379 @@
+#include "output.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <cstdio>
+#include <sstream>
+
+#include "photo/markers/camera_files.hpp"
+#include "photo/markers/camera_groups.hpp"
+#include "photo/markers/rig_adjustment.hpp"
+
+namespace plumbline::markers {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+Json grid_json(const std::vector<double>& values) {
+  Json table = Json::array();
+  for (int row = 0; row < map_rows; ++row) {
+    Json line = Json::array();
+    for (int column = 0; column < map_columns; ++column)
+      line.push_back(values[static_cast<size_t>(row * map_columns + column)]);
+    table.push_back(line);
+  }
+  return table;
+}
+
+Json images_json(const Selection& selection, const Calibration& c) {
+  Json images = Json::array();
+  for (const auto& view : c.views) {
+    const CalibrationView& given = selection.views[static_cast<size_t>(view.view)];
+    double left = 1e9, right = -1e9, top = 1e9, bottom = -1e9;
+    Json points = Json::array();
+    for (size_t k = 0; k < view.points.size(); ++k) {
+      const Eigen::Vector2d& p = given.points[static_cast<size_t>(view.points[k])].pixel;
+      left = std::min(left, p.x()), right = std::max(right, p.x()), top = std::min(top, p.y()),
+      bottom = std::max(bottom, p.y());
+      points.push_back({p.x(), p.y(), view.residuals[k].x(), view.residuals[k].y()});
+    }
+    const double covered = view.points.empty() ? 0
+                                               : (right - left) * (bottom - top) /
+                                                     (static_cast<double>(selection.width) * selection.height);
+    const RigidTransform& t = view.cam_from_board;
+    images.push_back({{"path", given.path},
+                      {"used", true},
+                      {"reason", ""},
+                      {"points", view.points.size()},
+                      {"rms_px", view.rms},
+                      {"coverage", covered},
+                      {"tilt_deg", view.tilt * 180 / M_PI},
+                      {"rotation", {t.rotation.w(), t.rotation.x(), t.rotation.y(), t.rotation.z()}},
+                      {"translation", {t.translation.x(), t.translation.y(), t.translation.z()}},
+                      {"residuals", points}});
+  }
+  for (const auto& [path, reason] : selection.left_out)
+    images.push_back({{"path", path}, {"used", false}, {"reason", reason}});
+  return images;
+}
+
+}  // namespace
+
+namespace {
+
+std::string with_capital(std::string text) {
+  if (!text.empty()) text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  return text;
+}
+
+/// Parts that differ by more than the scatter of the photographs, which is in their covariances.
+void add_parts(const std::vector<CalibrationParts>& all, std::vector<std::string>& warnings) {
+  constexpr double told = 4;  // from half of the photographs the covariances themselves are rough
+  const CalibrationParts* worst = nullptr;
+  for (const CalibrationParts& parts : all)
+    if (parts.statistic > told * parts.freedom && (!worst || parts.statistic > worst->statistic)) worst = &parts;
+  if (!worst) return;
+  char text[400];
+  std::snprintf(
+      text, sizeof text,
+      "%s give cameras whose parameters differ by %.1f times what their covariances allow (chi-squared %.0f of "
+      "%d degrees of freedom; %.2f px in the median over the image): the model does not fit this lens or this "
+      "board, or the camera changed between them, and the standard deviations are too small by about that",
+      with_capital(worst->split).c_str(), std::sqrt(worst->statistic / worst->freedom), worst->statistic,
+      worst->freedom, worst->difference);
+  warnings.emplace_back(text);
+}
+
+}  // namespace
+
+std::vector<std::string> warnings_of(const Calibrated& one) {
+  const Selection& selection = one.selection;
+  const Calibration& c = one.calibration;
+  std::vector<std::string> warnings;
+  char text[400];
+  for (const std::string& words : markers::warnings_of(c.truth)) warnings.push_back(with_capital(words));
+  if (c.truth.change && !one.as_two.empty()) warnings.front() += ". " + with_capital(one.as_two);
+  if (!c.truth.empirical.judged) {
+    std::snprintf(
+        text, sizeof text,
+        "%d photographs are too few to see how they scatter (%d are needed): the standard deviations are made "
+        "of the corners alone, and what a photograph's corners have in common is not in them",
+        c.truth.empirical.photographs, fewest_to_scatter);
+    warnings.emplace_back(text);
+  }
+  if (!c.truth.change) add_parts(one.parts, warnings);
+  if (c.rms > std::min(2.0, 1.5e-3 * std::max(selection.width, selection.height))) {
+    std::snprintf(text, sizeof text,
+                  "The points fit to %.1f px only: the board file does not describe this board (lengths, columns and "
+                  "rows), the board is not rigid, or the lens is none of this model (a fisheye)",
+                  c.rms);
+    warnings.emplace_back(text);
+  }
+  double tilted = 0;
+  for (const auto& view : c.views) tilted += view.tilt > 20 * M_PI / 180;
+  if (tilted < 0.25 * static_cast<double>(c.views.size()))
+    warnings.emplace_back(
+        "Most photographs look straight at the board: the principal distance then hangs on the distance. Tilt "
+        "the board by 30 to 50 degrees in half of them");
+  if (c.held_flat)
+    warnings.emplace_back(
+        "The photographs are too much alike to tell a bend of the board from the lens: the board is taken as flat, and "
+        "the standard deviations know nothing of a bend");
+  if (c.held_k3)
+    warnings.emplace_back(
+        "The photographs do not determine the third radial coefficient: k3 is held at 0. Bring the board into the "
+        "corners of the image");
+  // Coverage in a 4 × 4 grid of the image.
+  std::array<int, 16> cells{};
+  for (const auto& view : c.views)
+    for (const int k : view.points) {
+      const Eigen::Vector2d& p = selection.views[static_cast<size_t>(view.view)].points[static_cast<size_t>(k)].pixel;
+      const int x = std::clamp(static_cast<int>(4 * p.x() / selection.width), 0, 3),
+                y = std::clamp(static_cast<int>(4 * p.y() / selection.height), 0, 3);
+      ++cells[static_cast<size_t>(4 * y + x)];
+    }
+  const auto empty = std::count_if(cells.begin(), cells.end(), [](int n) { return n < 5; });
+  if (empty > 0) {
+    std::snprintf(text, sizeof text,
+                  "%d of 16 parts of the image hold hardly any point: the distortion there is a guess. Bring the board "
+                  "into every corner",
+                  static_cast<int>(empty));
+    warnings.emplace_back(text);
+  }
+  if (c.bend_x_sigma > 0 && std::max(std::abs(c.bend_x) / c.bend_x_sigma, std::abs(c.bend_y) / c.bend_y_sigma) > 4) {
+    std::snprintf(text, sizeof text,
+                  "The board is bent: its middle stands %.2f mm (along x) and %.2f mm (along y) before its edges; this "
+                  "is taken into account",
+                  1e3 * c.bend_x, 1e3 * c.bend_y);
+    warnings.emplace_back(text);
+  }
+  return warnings;
+}
+
+namespace {
+
+Json parts_json(const std::vector<CalibrationParts>& all) {
+  Json list = Json::array();
+  for (const CalibrationParts& parts : all)
+    list.push_back({{"split", parts.split},
+                    {"median_difference_px", parts.difference},
+                    {"median_expected_px", parts.expected},
+                    {"chi_squared", parts.statistic},
+                    {"degrees_of_freedom", parts.freedom}});
+  return list;
+}
+
+Json scatter_json(const Calibration& c) {
+  const EmpiricalCovariance& empirical = c.truth.empirical;
+  Json formal, ratio;
+  for (std::size_t i = 0; i < c.truth.evidence.parameters.size(); ++i) {
+    const char* name = BrownCamera::parameter_names[static_cast<std::size_t>(c.truth.evidence.parameters[i])];
+    const Eigen::Index k = static_cast<Eigen::Index>(i);
+    formal[name] = std::sqrt(c.truth.evidence.formal(k, k));
+    ratio[name] = empirical.sigma_ratio(k);
+  }
+  return {{"judged", empirical.judged}, {"photographs", empirical.photographs},
+          {"factor", empirical.factor}, {"bootstrap_over_scatter", empirical.bootstrap_ratio},
+          {"formal_sigmas", formal},    {"sigma_over_formal", ratio}};
+}
+
+}  // namespace
+
+Json calibration_json(const Calibrated& one) {
+  const Selection& selection = one.selection;
+  const Calibration& c = one.calibration;
+  Json parameters, sigmas, correlations = Json::array();
+  const auto values = c.camera.parameters();
+  for (size_t i = 0; i < values.size(); ++i) {
+    const Eigen::Index k = static_cast<Eigen::Index>(i);
+    parameters[BrownCamera::parameter_names[i]] = values[i];
+    sigmas[BrownCamera::parameter_names[i]] = std::sqrt(c.covariance(k, k));
+    Json row = Json::array();
+    for (Eigen::Index j = 0; j < 9; ++j) {
+      const double scale = std::sqrt(c.covariance(k, k) * c.covariance(j, j));
+      row.push_back(scale > 0 ? c.covariance(k, j) / scale : (k == j ? 1.0 : 0.0));
+    }
+    correlations.push_back(row);
+  }
+  Json rejected = Json::array(), warnings = Json::array(), covariance = Json::array();
+  for (const auto& text : c.rejected) rejected.push_back(text);
+  Json halves = {{"median_difference_px", nullptr}, {"median_expected_px", nullptr}};
+  if (!one.parts.empty())
+    halves = {{"median_difference_px", one.parts.front().difference},
+              {"median_expected_px", one.parts.front().expected}};
+  for (const auto& text : warnings_of(one)) warnings.push_back(text);
+  for (Eigen::Index i = 0; i < 9; ++i)
+    for (Eigen::Index j = 0; j <= i; ++j) covariance.push_back(c.covariance(i, j));
+  return {
+      {"board", selection.board},
+      {"width", selection.width},
+      {"height", selection.height},
+      {"model", "Brown, as OpenCV: fx, fy, cx, cy, k1, k2, k3, p1, p2; the centre of the top-left pixel is (0, 0)"},
+      {"parameters", parameters},
+      {"sigmas", sigmas},
+      {"parameter_order",
+       std::vector<std::string>(BrownCamera::parameter_names.begin(), BrownCamera::parameter_names.end())},
+      {"correlations", correlations},
+      {"covariance_lower_triangle", covariance},
+      {"rms_px", c.rms},
+      {"sigma_px", c.sigma},
+      {"observations", c.observations},
+      {"unknowns", c.unknowns},
+      {"degrees_of_freedom", c.degrees_of_freedom},
+      {"board_bend_m", {c.bend_x, c.bend_y}},
+      {"board_bend_sigma_m", {c.bend_x_sigma, c.bend_y_sigma}},
+      {"scatter_of_photographs", scatter_json(c)},
+      {"halves", halves},
+      {"parts", parts_json(one.parts)},
+      {"projection_uncertainty_px", grid_json(projection_uncertainty(c.camera, c.covariance, map_columns, map_rows))},
+      {"warnings", warnings},
+      {"rejected", rejected},
+      {"images", images_json(selection, c)}};
+}
+
+namespace {
+
+Json triple(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+Json pose_json(const AdjustedRig& rig, const AdjustedRigCamera& c, const std::vector<Calibrated>& cameras,
+               const std::vector<std::vector<std::string>>& moments) {
+  const auto& own = cameras[static_cast<size_t>(c.camera)];
+  const auto& views = own.selection.views;
+  std::vector<std::string> left_out;
+  for (const auto& path : rig.left_out)
+    for (size_t i = 0; i < views.size(); ++i)
+      if (views[i].path == path) left_out.push_back(moments[static_cast<size_t>(c.camera)][i]);
+  Json covariance = Json::array(), parameters, sigmas;
+  for (Eigen::Index i = 0; i < 6; ++i)
+    for (Eigen::Index j = 0; j <= i; ++j) covariance.push_back(c.covariance(i, j));
+  const auto values = c.interior.parameters();
+  for (size_t k = 0; k < values.size(); ++k) {
+    const Eigen::Index i = static_cast<Eigen::Index>(k);
+    parameters[BrownCamera::parameter_names[k]] = values[k];
+    sigmas[BrownCamera::parameter_names[k]] = std::sqrt(c.interior_covariance(i, i));
+  }
+  const RigidTransform& t = c.cam_from_reference;
+  const Eigen::Matrix<double, 6, 1> sigma = c.covariance.diagonal().cwiseSqrt();
+  return {{"camera", own.selection.camera},
+          {"reference", cameras[static_cast<size_t>(rig.reference)].selection.camera},
+          {"rotation", {t.rotation.w(), t.rotation.x(), t.rotation.y(), t.rotation.z()}},
+          {"translation", triple(t.translation)},
+          {"rotation_sigma", triple(sigma.head<3>())},
+          {"translation_sigma", triple(sigma.tail<3>())},
+          {"covariance_lower_triangle", covariance},
+          {"halves", c.halves},
+          {"rms_px", c.rms},
+          {"separate_rms_px", c.separate_rms},
+          {"shared", c.shared},
+          {"moments", moments[static_cast<size_t>(c.camera)]},
+          {"left_out", left_out},
+          {"parameters", parameters},
+          {"sigmas", sigmas}};
+}
+
+void add_rig_warnings(const AdjustedRig& rig, const std::vector<Calibrated>& cameras,
+                      std::vector<std::string>& warnings) {
+  if (!rig.left_out.empty())
+    warnings.push_back("Left out of the rig: photographs that do not show the board where the rig has it (" +
+                       std::to_string(rig.left_out.size()) + ", the first is " + rig.left_out.front() +
+                       "): not taken at the same moment as the others of their number, or the rig moved");
+  if (!rig.held.empty())
+    warnings.push_back("The rig is adjusted with " + rig.held +
+                       " held as the cameras' own calibrations have them, because these photographs do not determine "
+                       "them together; its standard deviations do not hold their uncertainty");
+  double separate = 0;
+  for (const auto& c : rig.cameras) separate = std::max(separate, c.separate_rms);
+  if (rig.rms > 2.5 * separate) {
+    char text[300];
+    std::snprintf(
+        text, sizeof text,
+        "As a rig the photographs fit to %.2f px where each camera alone fits to %.2f px: those of one moment "
+        "were not taken at quite the same time, or the cameras moved a little. The standard deviations of the "
+        "rig are made of the larger residuals",
+        rig.rms, separate);
+    warnings.emplace_back(text);
+  }
+  for (const auto& c : rig.cameras)
+    if (c.halves > 3) {
+      char text[300];
+      std::snprintf(text, sizeof text,
+                    "Two halves of the moments place camera %s %.1f times as far apart as their standard deviations "
+                    "make expected: the cameras moved against each other, or lens and board are not as the model has "
+                    "them. Take the standard deviations that many times",
+                    cameras[static_cast<size_t>(c.camera)].selection.camera.c_str(), std::sqrt(c.halves));
+      warnings.emplace_back(text);
+    }
+}
+
+}  // namespace
+
+Json rig_json(const std::vector<Calibrated>& cameras, const std::string& by, const CalibrationOptions& options,
+              std::vector<std::string>& warnings) {
+  Json result = Json::array();
+  if (by == "one") return result;
+  std::vector<RigCamera> given;
+  std::vector<std::vector<std::string>> paths;
+  for (const auto& one : cameras) {
+    given.push_back({one.selection.camera, &one.selection.views, &one.calibration});
+    paths.emplace_back();
+    for (const auto& view : one.selection.views) paths.back().push_back(view.path);
+  }
+  const auto moments = moments_of(paths, by);
+  for (const AdjustedRig& rig : adjust_rigs(given, moments, options)) {
+    if (!rig.refused.empty()) {
+      warnings.push_back("No rig: " + rig.refused +
+                         ". Each camera is calibrated by itself. Photographs of one moment need the same last number "
+                         "in their names, or a folder of their own");
+      continue;
+    }
+    for (const auto& camera : rig.cameras)
+      if (camera.camera != rig.reference) result.push_back(pose_json(rig, camera, cameras, moments));
+    add_rig_warnings(rig, cameras, warnings);
+  }
+  return result;
+}
+
+namespace {
+
+/// What the standard deviations of the file are made of.
+std::vector<std::string> remarks_of(const Calibration& c) {
+  const EmpiricalCovariance& empirical = c.truth.empirical;
+  char text[200];
+  if (!empirical.judged)
+    std::snprintf(text, sizeof text,
+                  "sigmas: of the corners alone; %d photographs are too few to see how photographs scatter",
+                  empirical.photographs);
+  else if (empirical.factor > 1.05)
+    std::snprintf(text, sizeof text,
+                  "sigmas: %.2f times those of the corners alone, because the %d photographs scatter that much",
+                  empirical.factor, empirical.photographs);
+  else
+    std::snprintf(text, sizeof text, "sigmas: of the corners; the %d photographs scatter no more than these allow",
+                  empirical.photographs);
+  std::vector<std::string> remarks = {text};
+  if (c.truth.change) remarks.push_back("NOT ONE CAMERA: " + in_words(*c.truth.change, c.truth.evidence));
+  return remarks;
+}
+
+}  // namespace
+
+std::string yaml_of(const std::vector<Calibrated>& cameras, const std::string& id) {
+  std::string text;
+  for (const auto& one : cameras) {
+    const std::string name = cameras.size() == 1 ? id : one.selection.camera;
+    const std::string own =
+        camera_yaml({name, one.calibration.camera, one.calibration.covariance, "", remarks_of(one.calibration)});
+    if (cameras.size() == 1) return own;
+    std::string quoted = name;
+    for (size_t at = 0; (at = quoted.find_first_of("\"\\", at)) != std::string::npos; at += 2) quoted.insert(at, "\\");
+    text += "\"" + quoted + "\":\n";
+    std::istringstream lines(own);
+    for (std::string line; std::getline(lines, line);) text += "  " + line + "\n";
+  }
+  return text;
+}
+
+}  // namespace plumbline::markers

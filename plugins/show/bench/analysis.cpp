@@ -1,0 +1,188 @@
+#include "show/bench/analysis.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <set>
+#include <sstream>
+
+#include "geometry/median.hpp"
+#include "show/bench/duels.hpp"
+
+namespace plumbline::bench {
+
+namespace {
+
+Row row_of(const std::vector<const Cell*>& cells, const Bench& bench, double confidence) {
+  Row row;
+  row.place = cells[0]->place;
+  row.values = cells[0]->values;
+  row.choices = cells[0]->choices;
+  row.name = choices_text(row.choices);
+  std::vector<statistics::Trial> trials;
+  std::vector<double> seconds, starts, costs;
+  std::size_t failures = 0;
+  for (const Cell* cell : cells) {
+    row.missing += cell->status == "missing";
+    failures += cell->status == "failed";
+    if (cell->status != "done") continue;
+    trials.push_back({cell->measure("error"),
+                      cell->measure("bias"),
+                      cell->measure("worst"),
+                      cell->measure("predicted"),
+                      cell->measure("bound"),
+                      cell->measure("nees"),
+                      cell->measure("freedom"),
+                      {}});
+    for (const auto& [mode, stated] : cell->modes)
+      trials.back().modes[mode] = {stated.at("found"), stated.at("predicted"), stated.at("nees"), stated.at("freedom")};
+    row.errors.push_back(trials.back().rms);
+    row.worst.push_back(trials.back().worst);
+    row.seeds.push_back(cell->seed);
+    if (const double s = seconds_of(bench, *cell); std::isfinite(s)) seconds.push_back(s);
+    if (const double c = cell->measure("start_cost"); std::isfinite(c)) starts.push_back(c);
+    if (const double c = cell->measure("final_cost"); std::isfinite(c)) costs.push_back(c);
+  }
+  row.summary = summarise(trials, failures, bench.tolerances, confidence);
+  row.seconds = median(seconds);
+  row.start_cost = median(starts);
+  row.final_cost = median(costs);
+  return row;
+}
+
+std::vector<Failure> failures_of(const Bench& bench) {
+  std::vector<Failure> failures;
+  for (const Cell& cell : bench.cells) {
+    if (cell.status != "failed") continue;
+    const std::string name = choices_text(cell.choices);
+    // Numbers and names of points differ from seed to seed; the first words are the reason.
+    const auto words = [](const std::string& text) {
+      std::istringstream stream(text);
+      std::string kept;
+      int count = 0;
+      for (std::string word; count < 14 && stream >> word;)
+        if (word.find_first_of("0123456789") == std::string::npos) kept += word + " ", ++count;
+      return kept;
+    };
+    auto found = std::find_if(failures.begin(), failures.end(), [&](const Failure& f) {
+      return f.place == cell.place && f.name == name && words(f.reason) == words(cell.error);
+    });
+    if (found == failures.end()) found = failures.insert(failures.end(), {cell.place, name, cell.error, 0, {}});
+    ++found->cells;
+    found->seeds.push_back(cell.seed);
+  }
+  return failures;
+}
+
+std::vector<std::string> unused_of(const Bench& bench) {
+  std::vector<std::string> unused;
+  for (const Group& group : bench.groups)
+    for (const std::string& name : group.alternatives) {
+      std::size_t cells = 0, done = 0;
+      std::string reason;
+      for (const Cell& cell : bench.cells) {
+        const auto choice = cell.choices.find(group.name);
+        if (choice == cell.choices.end() || choice->second != name) continue;
+        ++cells;
+        done += cell.status == "done";
+        if (cell.status == "failed" && reason.empty()) reason = cell.error;
+      }
+      if (done > 0) continue;
+      unused.push_back(group.name + "=" + name + " gave no result: " +
+                       (cells == 0       ? "all its cells are excluded"
+                        : reason.empty() ? "none of its " + std::to_string(cells) + " cells has run yet"
+                                         : "all that ran failed; the first: " + reason));
+    }
+  const bool any_done =
+      std::any_of(bench.cells.begin(), bench.cells.end(), [](const Cell& cell) { return cell.status == "done"; });
+  for (const auto& [quantity, metric] : bench.metrics) {
+    const bool measured = std::any_of(bench.cells.begin(), bench.cells.end(),
+                                      [&](const Cell& cell) { return std::isfinite(cell.measure(quantity)); });
+    if (any_done && !measured)
+      unused.push_back("measure " + quantity + " (" + metric +
+                       ") has no value in any finished cell: is it spelt right?");
+  }
+  return unused;
+}
+
+/// evaluate.cost counts everything that was observed, also what the alternative rejected or damped: a cost that goes up
+/// is one of another problem than the one that was solved, or a solver that diverged, and not seen in a table.
+std::vector<std::string> rising_of(const Bench& bench) {
+  struct Count {
+    std::size_t rose = 0, all = 0;
+    double start = 0, final = 0;
+  };
+  std::map<std::string, Count> counts;
+  std::vector<std::string> order, sentences;
+  for (const Cell& cell : bench.cells) {
+    const double start = cell.measure("start_cost"), final = cell.measure("final_cost");
+    if (cell.status != "done" || !std::isfinite(start + final)) continue;
+    const std::string name = (cell.place.empty() ? "" : cell.place + ", ") + choices_text(cell.choices);
+    const auto [found, fresh] = counts.emplace(name, Count{});
+    if (fresh) order.push_back(name);
+    ++found->second.all;
+    if (!(final > start * (1 + 1e-9))) continue;
+    if (found->second.rose++ == 0) found->second.start = start, found->second.final = final;
+  }
+  for (const std::string& name : order) {
+    const Count& c = counts.at(name);
+    if (c.rose == 0) continue;
+    char costs[96];
+    std::snprintf(costs, sizeof costs, "%.4g to %.4g", c.start, c.final);
+    sentences.push_back(name + ": the cost of all observations went up in " + std::to_string(c.rose) + " of " +
+                        std::to_string(c.all) + " trials (the first from " + costs +
+                        "): what was minimised leaves some of them out or damps them, or the solver diverged");
+  }
+  return sentences;
+}
+
+}  // namespace
+
+double seconds_of(const Bench& bench, const Cell& cell) {
+  std::set<std::string> nodes;
+  bool whole = bench.groups.empty();
+  for (const Group& group : bench.groups) {
+    nodes.insert(group.nodes.begin(), group.nodes.end());
+    whole |= group.whole_pipelines;
+  }
+  return seconds_in(cell, nodes, whole);
+}
+
+Analysis analyse(const Bench& bench) {
+  Analysis analysis;
+  statistics::InferenceOptions options;
+  if (!bench.looks.empty()) analysis.confidence = 1 - 0.05 / static_cast<double>(bench.looks.size());
+  options.confidence = analysis.confidence;
+  std::size_t pairs = 0;
+  for (const Group& group : bench.groups) pairs += group.alternatives.size() * (group.alternatives.size() - 1) / 2;
+  options.draws = statistics::draws_for(pairs * bench.places().size());
+  std::vector<std::pair<std::string, std::string>> order;
+  std::map<std::pair<std::string, std::string>, std::vector<const Cell*>> by_row;
+  std::set<std::uint64_t> seeds;
+  for (const Cell& cell : bench.cells) {
+    const std::pair<std::string, std::string> key{cell.place, choices_text(cell.choices)};
+    auto& cells = by_row[key];
+    if (cells.empty()) order.push_back(key);
+    cells.push_back(&cell);
+    ++analysis.cells;
+    analysis.done += cell.status == "done";
+    analysis.failed += cell.status == "failed";
+    analysis.missing += cell.status == "missing";
+    seeds.insert(cell.seed);
+  }
+  analysis.seeds = seeds.size();
+  for (const auto& key : order) analysis.rows.push_back(row_of(by_row[key], bench, options.confidence));
+  analysis.duels = judged_duels(bench, options);
+  for (const Duel& duel : analysis.duels) {
+    const bool judged = duel.refused.empty() && (!duel.overall || duel.weighted);
+    analysis.open += judged && (duel.errors.verdict == statistics::Verdict::undecided ||
+                                duel.errors.verdict == statistics::Verdict::too_few);
+  }
+  analysis.failures = failures_of(bench);
+  analysis.unused = unused_of(bench);
+  analysis.rising = rising_of(bench);
+  analysis.breakdowns = breakdowns(bench, analysis.confidence);
+  return analysis;
+}
+
+}  // namespace plumbline::bench

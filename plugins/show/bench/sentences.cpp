@@ -1,0 +1,391 @@
+#include "show/bench/sentences.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "show/bench/duels.hpp"
+#include "show/bench/tables.hpp"
+
+namespace plumbline::bench {
+
+using statistics::Verdict;
+
+namespace {
+
+/// "a", "a and b", "a, b and c".
+std::string joined(const std::vector<std::string>& items, const char* last = " and ", const char* between = ", ") {
+  std::string text;
+  for (std::size_t i = 0; i < items.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == items.size() ? last : between) + items[i];
+  return text;
+}
+
+/// Names of places have commas in them.
+std::string listed(const std::vector<std::string>& places) { return joined(places, " / ", " / "); }
+
+std::string after_semicolons(const std::vector<std::string>& parts) {
+  std::string text;
+  for (const std::string& part : parts) text += (text.empty() ? "" : "; ") + part;
+  return text;
+}
+
+std::string millimetres(double metres) {
+  const double mm = 1e3 * std::abs(metres);
+  return fixed(mm, mm < 0.1 ? 3 : mm < 10 ? 2 : 1) + " mm";
+}
+
+/// Without the sign of what rounds to zero.
+std::string signed_millimetres(double metres) {
+  const std::string text = fixed(1e3 * metres, 2);
+  return text == "-0.00" ? "0.00" : text;
+}
+
+std::string rope_text(const Bench& bench) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%g mm", 1e3 * bench.rope);
+  return text;
+}
+
+/// All that is known of two alternatives.
+struct Pairing {
+  const Duel* overall = nullptr;
+  std::vector<const Duel*> places;
+  std::string first() const { return places.front()->first; }
+  std::string second() const { return places.front()->second; }
+};
+
+std::vector<Pairing> pairings(const Analysis& analysis, const std::string& group) {
+  std::vector<Pairing> list;
+  std::string last;
+  for (const Duel& duel : analysis.duels) {
+    if (duel.group != group) continue;
+    const std::string names = duel.first + "\n" + duel.second;
+    if (names != last) list.emplace_back();
+    last = names;
+    if (duel.overall)
+      list.back().overall = &duel;
+    else
+      list.back().places.push_back(&duel);
+  }
+  return list;
+}
+
+bool is_winner(Verdict v) { return v == Verdict::first_better || v == Verdict::second_better; }
+
+/// Where somebody wins: "full height (by 0.62 mm)", "corridor (gives a result 40 times more)".
+std::string place_with_size(const Duel& duel) {
+  const auto& e = duel.errors;
+  if (e.errors_differ) return duel.place + " (by " + millimetres(e.difference.value) + ")";
+  const double more = std::abs(e.lost_first - e.lost_second);
+  return duel.place + " (" + fixed(more, 0) + " more results)";
+}
+
+/// Every verdict and the places that have it, in an order that puts winners first.
+std::string by_place(const Pairing& pair, const Bench& bench) {
+  std::vector<std::string> first, second, equal, open, opposed, few, refused;
+  for (const Duel* duel : pair.places) {
+    if (!duel->refused.empty()) {
+      refused.push_back(duel->place);
+      continue;
+    }
+    switch (duel->errors.verdict) {
+      case Verdict::first_better:
+        first.push_back(place_with_size(*duel));
+        break;
+      case Verdict::second_better:
+        second.push_back(place_with_size(*duel));
+        break;
+      case Verdict::equal:
+        equal.push_back(duel->place);
+        break;
+      case Verdict::undecided:
+        open.push_back(duel->place);
+        break;
+      case Verdict::opposed:
+        opposed.push_back(duel->place);
+        break;
+      case Verdict::too_few:
+        few.push_back(duel->place);
+        break;
+    }
+  }
+  const std::size_t all = pair.places.size();
+  std::vector<std::string> parts;
+  const auto add = [&](const std::vector<std::string>& places, const std::string& what) {
+    if (places.empty()) return;
+    const std::string where = places.size() == all && all > 3 ? "all " + std::to_string(all) + " places"
+                              : places.size() > 4
+                                  ? std::to_string(places.size()) + " of " + std::to_string(all) + " places"
+                                  : listed(places);
+    parts.push_back(what + " " + where);
+  };
+  const auto name_all = [&](const std::vector<std::string>& places, const std::string& what) {
+    if (!places.empty()) parts.push_back(what + " on " + listed(places));
+  };
+  name_all(first, pair.first() + " is better");
+  name_all(second, pair.second() + " is better");
+  name_all(opposed, "one has the smaller errors, the other more results");
+  add(equal, "they are equal within " + rope_text(bench) + " on");
+  add(open, "there is no winner on");
+  add(few, "there are too few trials on");
+  add(refused, "they are not compared on");
+  return after_semicolons(parts);
+}
+
+std::string spread_text(const Duel& duel) {
+  if (!duel.errors.spread) return "";
+  const auto& s = *duel.errors.spread;
+  if (duel.errors.same) return "";
+  return "from place to place the difference of " + duel.first + " and " + duel.second + " goes from " +
+         signed_millimetres(s.lowest) + " to " + signed_millimetres(s.highest) + " mm, standard deviation " +
+         fixed(1e3 * s.deviation, 2) + " mm beyond noise";
+}
+
+/// "131 seeds would show 0.06 mm on full height": of the place that needs most.
+std::string power_text(const Pairing& pair, const Bench& bench) {
+  const Duel* worst = nullptr;
+  double most = 0;
+  for (const Duel* duel : pair.places) {
+    if (!duel->refused.empty()) continue;
+    const double wanted = seeds_wanted(duel->errors, bench.rope);
+    if (wanted > most) most = wanted, worst = duel;
+  }
+  if (!worst) return "";
+  const std::string power = power_in_words(worst->errors, bench.rope, 1e3, "mm");
+  return power.empty() || worst->place.empty() ? power : power + " on " + worst->place;
+}
+
+bool all_same(const Pairing& pair) {
+  bool any = false;
+  for (const Duel* duel : pair.places) {
+    if (!duel->refused.empty() || duel->errors.lost_first + duel->errors.lost_second > 0) return false;
+    if (duel->errors.places == 0) continue;
+    if (!duel->errors.same) return false;
+    any = true;
+  }
+  return any;
+}
+
+std::size_t pairs_of(const Pairing& pair) {
+  std::size_t pairs = 0;
+  for (const Duel* duel : pair.places) pairs += duel->errors.pairs;
+  return pairs;
+}
+
+void append(std::string& text, const std::string& more) {
+  if (!more.empty()) text += "; " + more;
+}
+
+std::string sentence_of(const Pairing& pair, const Bench& bench) {
+  if (!pair.overall) {
+    std::string text = pair.places.front()->words;
+    append(text, pair.places.front()->time_words);
+    return text + ".";
+  }
+  if (!pair.overall->refused.empty()) return pair.overall->words + ".";
+  std::string text;
+  if (all_same(pair)) {
+    text = pair.first() + " and " + pair.second() + " gave the same in all " + std::to_string(pairs_of(pair)) +
+           " trials: what they do differently does not reach what is measured";
+  } else {
+    text = pair.first() + " and " + pair.second() + ": " + by_place(pair, bench);
+    append(text, spread_text(*pair.overall));
+    append(text, power_text(pair, bench));
+    if (pair.overall->weighted) {
+      text += "; " + bench.weights_text + ", " + pair.overall->words;
+      if (const std::size_t left_out = pair.overall->errors.left_out; left_out > 0)
+        text += " (without " + std::to_string(left_out) + (left_out == 1 ? " place" : " places") + " of fewer than " +
+                std::to_string(statistics::least_seeds) + " pairs)";
+    }
+  }
+  append(text, pair.overall->time_words);
+  return text + ".";
+}
+
+struct Standing {
+  std::vector<std::string> beaten_on;
+  double most = 0;  ///< largest difference by which it is beaten [m]
+  std::size_t cells = 0, failed = 0;
+  bool compared = false;  ///< with enough trials for a verdict
+};
+
+std::map<std::string, Standing> standings_of(const Bench& bench, const Group& group,
+                                             const std::vector<Pairing>& pairs) {
+  std::map<std::string, Standing> standings;
+  const auto note = [](std::vector<std::string>& places, const std::string& place) {
+    if (std::find(places.begin(), places.end(), place) == places.end()) places.push_back(place);
+  };
+  for (const Pairing& pair : pairs)
+    for (const Duel* duel : pair.places) {
+      if (!duel->refused.empty() || duel->errors.verdict == Verdict::too_few) continue;
+      standings[duel->first].compared = standings[duel->second].compared = true;
+      if (!is_winner(duel->errors.verdict)) continue;
+      const bool first = duel->errors.verdict == Verdict::first_better;
+      Standing& loser = standings[first ? duel->second : duel->first];
+      note(loser.beaten_on, duel->place);
+      if (duel->errors.errors_differ) loser.most = std::max(loser.most, std::abs(duel->errors.difference.value));
+    }
+  for (const Cell& cell : bench.cells) {
+    const auto choice = cell.choices.find(group.name);
+    if (choice == cell.choices.end() || cell.status == "missing") continue;
+    ++standings[choice->second].cells;
+    standings[choice->second].failed += cell.status == "failed";
+  }
+  return standings;
+}
+
+std::string places_text(const std::vector<std::string>& places, std::size_t all) {
+  if (all < 2) return "";
+  return " on " + (places.size() == all && all > 3 ? "all " + std::to_string(all) + " places"
+                   : places.size() > 3 ? std::to_string(places.size()) + " of " + std::to_string(all) + " places"
+                                       : listed(places));
+}
+
+std::string choice_of(const Bench& bench, const Group& group, const std::vector<Pairing>& pairs) {
+  const std::size_t places = bench.places().size();
+  std::map<std::string, Standing> standings = standings_of(bench, group, pairs);
+  std::vector<std::string> unbeaten, beaten, silent, unknown, failing;
+  bool any_winner = false, all_equal = true;
+  for (const std::string& name : group.alternatives) {
+    const Standing& s = standings[name];
+    if (s.cells == 0) continue;
+    if (s.failed == s.cells)
+      silent.push_back(name + " gave no result in any of " + std::to_string(s.cells) + " cells");
+    else if (!s.compared)
+      unknown.push_back(name);
+    else
+      (s.beaten_on.empty() ? unbeaten : beaten).push_back(name);
+    any_winner |= !s.beaten_on.empty();
+    if (s.failed > 0 && s.failed < s.cells)
+      failing.push_back(name + " in " + std::to_string(s.failed) + " of " + std::to_string(s.cells) + " cells");
+  }
+  bool same = !pairs.empty();
+  std::string power;
+  for (const Pairing& pair : pairs) {
+    same &= all_same(pair);
+    for (const Duel* duel : pair.places)
+      all_equal &=
+          duel->refused.empty() && (duel->errors.verdict == Verdict::equal || duel->errors.verdict == Verdict::too_few);
+    if (power.empty()) power = power_text(pair, bench);
+  }
+  std::vector<std::string> parts;
+  if (same) {
+    parts.push_back("nothing separates " + joined(unbeaten) +
+                    ": they gave the same in every trial, so what they do "
+                    "differently does not reach what is measured here");
+  } else if (!any_winner && unbeaten.size() > 1) {
+    parts.push_back(
+        "nothing separates " + joined(unbeaten) +
+        (all_equal
+             ? ": they are equal within " + rope_text(bench) + (places > 1 ? " wherever there are trials enough" : "")
+             : ": no winner" + (places > 1 ? std::string(" at any place") : "") + (power.empty() ? "" : "; " + power)));
+  } else if (!unbeaten.empty() && any_winner) {
+    parts.push_back("take " + joined(unbeaten, " or ") + ", beaten nowhere");
+    for (const std::string& name : beaten) {
+      const Standing& s = standings[name];
+      parts.push_back(name + " is beaten" + places_text(s.beaten_on, places) +
+                      (s.most > 0 ? (s.beaten_on.size() > 1 ? ", by up to " : " by ") + millimetres(s.most)
+                                  : ", for lack of results"));
+    }
+  } else if (!beaten.empty()) {
+    // The one that is beaten on fewest places comes first.
+    std::stable_sort(beaten.begin(), beaten.end(), [&](const std::string& x, const std::string& y) {
+      return standings[x].beaten_on.size() < standings[y].beaten_on.size();
+    });
+    std::vector<std::string> each;
+    for (const std::string& name : beaten) {
+      const Standing& s = standings[name];
+      each.push_back(name + places_text(s.beaten_on, places) + (s.most > 0 ? ", by up to " + millimetres(s.most) : ""));
+    }
+    parts.push_back(places > 1 ? "none is best everywhere; beaten are " + after_semicolons(each)
+                               : "each of " + joined(beaten) + " is beaten by another");
+  }
+  if (!unknown.empty()) parts.push_back("of " + joined(unknown) + " nothing can be said: too few trials to compare");
+  if (!failing.empty()) parts.push_back("without result: " + joined(failing));
+  parts.insert(parts.end(), silent.begin(), silent.end());
+  return group.name + ": " + after_semicolons(parts) + ".";
+}
+
+}  // namespace
+
+std::vector<Sentence> verdicts(const Bench& bench, const Analysis& analysis) {
+  std::vector<Sentence> sentences;
+  std::set<std::pair<std::string, std::string>> with_result;
+  for (const Cell& cell : bench.cells)
+    if (cell.status == "done") with_result.insert(cell.choices.begin(), cell.choices.end());
+  for (const Group& group : bench.groups)
+    for (const Pairing& pair : pairings(analysis, group.name)) {
+      // Who gave no result at all is told of by itself, once, and not against everybody else.
+      if (with_result.count({group.name, pair.first()}) == 0 || with_result.count({group.name, pair.second()}) == 0)
+        continue;
+      Sentence sentence{sentence_of(pair, bench)};
+      const auto any = [&](auto&& holds) { return std::any_of(pair.places.begin(), pair.places.end(), holds); };
+      sentence.refused = any([](const Duel* duel) { return !duel->refused.empty(); });
+      sentence.winner = any([](const Duel* duel) { return is_winner(duel->errors.verdict); });
+      sentence.open = !any(
+          [](const Duel* duel) { return is_winner(duel->errors.verdict) || duel->errors.verdict == Verdict::equal; });
+      sentences.push_back(std::move(sentence));
+    }
+  return sentences;
+}
+
+std::vector<std::string> choices_to_make(const Bench& bench, const Analysis& analysis) {
+  std::vector<std::string> sentences;
+  for (const Group& group : bench.groups) sentences.push_back(choice_of(bench, group, pairings(analysis, group.name)));
+  return sentences;
+}
+
+std::vector<std::string> calibration_verdicts(const Analysis& analysis) {
+  // Alternatives that state the same at one place stand together.
+  std::map<std::pair<std::string, std::string>, std::vector<std::string>> who;
+  std::vector<std::pair<std::string, std::string>> order;
+  std::size_t right = 0, judged = 0;
+  for (const Row& row : analysis.rows) {
+    std::vector<std::string> words;
+    bool known = false;
+    const auto& parts = row.summary.calibration;
+    for (const auto& part : parts) {
+      const auto honest = statistics::honesty(part);
+      known |= honest != statistics::Honesty::unknown;
+      // What is measured may be there under its own name, too.
+      const auto named = [&](const auto& other) {
+        return !other.mode.empty() && std::abs(other.ratio.value / part.ratio.value - 1) < 1e-9;
+      };
+      if (part.mode.empty() && std::any_of(parts.begin(), parts.end(), named)) continue;
+      if (honest == statistics::Honesty::too_much || honest == statistics::Honesty::too_little)
+        words.push_back(in_words(part));
+    }
+    judged += known;
+    right += known && words.empty();
+    if (words.empty()) continue;
+    const std::pair<std::string, std::string> key{row.place, joined(words)};
+    if (who[key].empty()) order.push_back(key);
+    who[key].push_back(row.name);
+  }
+  if (judged == 0) return {};
+  std::vector<std::string> sentences;
+  for (const auto& key : order)
+    sentences.push_back((key.first.empty() ? "" : key.first + ": ") + joined(who[key], " and ", "; ") + " stated " +
+                        key.second + ".");
+  sentences.push_back(std::to_string(right) + " of " + std::to_string(judged) +
+                      " rows state what is found, within a tenth or within what the trials can tell.");
+  return sentences;
+}
+
+std::string method_text(const Bench& bench, const Analysis& analysis) {
+  std::string text = "Intervals: " + fixed(100 * analysis.confidence, bench.looks.empty() ? 0 : 1) +
+                     " %, delete-one jackknife over seeds (a seed counts once, in all places), rates by Wilson; "
+                     "differences are paired by seed, tested by exchanging whole seeds, p adjusted by Holm over all "
+                     "places and pairs; a trial without result is lost";
+  if (!bench.looks.empty())
+    text += "; the bench may stop at " + std::to_string(bench.looks.size()) +
+            (bench.looks.size() == 1 ? " look" : " looks") + ", each with its share of the error probability of 5 %";
+  if (bench.rope > 0) text += "; differences below " + rope_text(bench) + " count as equal";
+  if (bench.places().size() > 1)
+    text += bench.weights.empty() ? "; the file states no weights, so nothing is said over all places together"
+                                  : "; over all places: " + bench.weights_text;
+  return text + ".";
+}
+
+}  // namespace plumbline::bench

@@ -1,0 +1,353 @@
+#include "show/bench/tables.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "base/text/csv_table.hpp"
+#include "show/bench/sentences.hpp"
+
+namespace plumbline::bench {
+
+using Json = nlohmann::ordered_json;
+using statistics::Estimate;
+
+namespace {
+
+std::string printed(const char* format, double value) {
+  char text[64];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
+std::string shortest(double value) { return std::isfinite(value) ? Json(value).dump() : ""; }
+
+Json estimate_json(const Estimate& estimate) {
+  return {{"value", estimate.value}, {"lower", estimate.interval.lower}, {"upper", estimate.interval.upper}};
+}
+
+Json calibration_json(const statistics::TrialSummary& summary) {
+  Json list = Json::array();
+  for (const auto& part : summary.calibration)
+    list.push_back({{"part", part.mode.empty() ? "all that is measured" : part.mode},
+                    {"predicted_by_found", estimate_json(part.ratio)},
+                    {"nees", part.nees},
+                    {"band", {part.nees_band.lower, part.nees_band.upper}},
+                    {"words", in_words(part)}});
+  return list;
+}
+
+Json row_json(const Row& row) {
+  const auto& s = row.summary;
+  Json json{{"place", row.place},
+            {"choices", row.choices},
+            {"trials", s.trials},
+            {"failures", s.failures},
+            {"missing", row.missing},
+            {"rmse", estimate_json(s.rmse)},
+            {"mean", estimate_json(s.mean)},
+            {"bias", estimate_json(s.bias)},
+            {"predicted", estimate_json(s.predicted)},
+            {"efficiency", estimate_json(s.efficiency)},
+            {"nees", {{"value", s.nees}, {"band", {s.nees_band.lower, s.nees_band.upper}}}},
+            {"calibration", calibration_json(s)},
+            {"seconds", row.seconds},
+            {"start_cost", row.start_cost},
+            {"final_cost", row.final_cost}};
+  json["failure_rates"] = Json::array();
+  for (const auto& rate : s.failure_rates)
+    json["failure_rates"].push_back({{"tau", rate.tau},
+                                     {"failed", rate.failed},
+                                     {"share", rate.share},
+                                     {"lower", rate.interval.lower},
+                                     {"upper", rate.interval.upper}});
+  return json;
+}
+
+Json duel_json(const Duel& duel) {
+  Json json{{"group", duel.group}, {"first", duel.first}, {"second", duel.second}};
+  json["place"] = duel.overall ? Json() : Json(duel.place);
+  json["words"] = duel.words;
+  if (!duel.refused.empty()) {
+    json["refused"] = duel.refused;
+    return json;
+  }
+  json["pairs"] = duel.errors.pairs;
+  json["seeds"] = duel.errors.seeds;
+  json["lost_by_first"] = duel.errors.lost_first;
+  json["lost_by_second"] = duel.errors.lost_second;
+  json["time_ratio"] = estimate_json(duel.times.ratio);
+  json["time_confirmed"] = duel.times.confirmed;
+  json["time_words"] = duel.time_words;
+  if (duel.errors.spread)
+    json["spread"] = {{"places", duel.errors.spread->places},
+                      {"deviation", duel.errors.spread->deviation},
+                      {"lowest", duel.errors.spread->lowest},
+                      {"highest", duel.errors.spread->highest}};
+  if (duel.overall && !duel.weighted) return json;
+  json["verdict"] = to_text(duel.errors.verdict);
+  json["places"] = duel.errors.places;
+  json["places_left_out"] = duel.errors.left_out;
+  json["difference"] = estimate_json(duel.errors.difference);
+  json["narrow"] = {duel.errors.narrow.lower, duel.errors.narrow.upper};
+  json["improvement"] = estimate_json(duel.errors.improvement);
+  json["p"] = duel.errors.p;
+  json["adjusted_p"] = duel.errors.adjusted_p;
+  json["share_lost"] = duel.errors.share_lost;
+  json["p_lost"] = duel.errors.p_lost;
+  json["adjusted_p_lost"] = duel.errors.adjusted_p_lost;
+  json["standard_deviation_of_a_seed"] = duel.errors.deviation;
+  return json;
+}
+
+/// `holds` is the last value at which half of the sites hold, null if they do not at the first one.
+Json breakdown_json(const Breakdown& b) {
+  const auto value = [&](std::size_t count) { return count == 0 ? Json() : Json(b.values[count - 1]); };
+  Json json{{"variable", b.variable}, {"place", b.place},   {"name", b.name},          {"tolerance", b.tolerance},
+            {"sites", b.sites},       {"values", b.values}, {"holds", value(b.median)}};
+  if (b.has_interval()) json["interval"] = {value(b.lower), value(b.upper)};
+  return json;
+}
+
+std::string table_cell(std::string text) {
+  for (char& c : text)
+    if (c == '\n' || c == '|') c = ' ';
+  return text.size() > 400 ? text.substr(0, 400) + " …" : text;
+}
+
+std::string one_line(std::string text) {
+  for (char& c : text)
+    if (c == '\n' || c == '\r') c = ' ';
+  return text;
+}
+
+std::string rate_text(const Row& row, double tau) {
+  for (const auto& rate : row.summary.failure_rates)
+    if (rate.tau == tau)
+      return printed("%.1f %%", 100 * rate.share) + " (" + printed("%.1f", 100 * rate.interval.lower) + "–" +
+             printed("%.1f", 100 * rate.interval.upper) + ")";
+  return "–";
+}
+
+std::string seeds_text(const std::vector<std::uint64_t>& seeds) {
+  std::string text;
+  for (std::size_t i = 0; i < std::min<std::size_t>(seeds.size(), 5); ++i)
+    text += (i ? ", " : "") + std::to_string(seeds[i]);
+  return seeds.size() > 5 ? text + ", …" : text;
+}
+
+/// Names of places and alternatives without the characters that \csname cannot take, no two the same.
+class TexNames {
+ public:
+  std::string of(const std::string& name) {
+    if (const auto known = names_.find(name); known != names_.end()) return known->second;
+    std::string plain = name;
+    for (char& c : plain)
+      if (std::string("\\{}%#&~^$_\r\n").find(c) != std::string::npos) c = '-';
+    for (std::size_t at; (at = plain.find("·")) != std::string::npos;) plain.replace(at, std::string("·").size(), "+");
+    std::string unique = plain;
+    for (int n = 2; !taken_.insert(unique).second; ++n) unique = plain + "-" + std::to_string(n);
+    return names_[name] = unique;
+  }
+  /// A comment line for each name that is written otherwise.
+  std::string legend() const {
+    std::string text;
+    for (const auto& [name, written] : names_)
+      if (name != written) text += "% " + one_line(name) + " is written " + written + "\n";
+    return text;
+  }
+
+ private:
+  std::map<std::string, std::string> names_;
+  std::set<std::string> taken_;
+};
+
+}  // namespace
+
+std::string cost_text(double cost) { return std::isfinite(cost) ? printed("%.6g", cost) : "–"; }
+
+std::string number_text(double value, double uncertainty) {
+  if (!std::isfinite(value)) return "–";
+  int decimals = 3;
+  if (std::isfinite(uncertainty) && uncertainty > 0)
+    decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(uncertainty))), 0, 6);
+  char text[64];
+  std::snprintf(text, sizeof text, "%.*f", decimals, value);
+  return text;
+}
+
+std::string interval_text(const Estimate& estimate, double scale) {
+  if (!std::isfinite(estimate.value)) return "–";
+  const double half = 0.5 * scale * (estimate.interval.upper - estimate.interval.lower);
+  const std::string value = number_text(scale * estimate.value, half);
+  if (!std::isfinite(half)) return value;
+  const char* joint = estimate.interval.lower < 0 ? " to " : "–";  // "-0.3–-0.1" is not read
+  return value + " (" + number_text(scale * estimate.interval.lower, half) + joint +
+         number_text(scale * estimate.interval.upper, half) + ")";
+}
+
+std::string coverage_text(const Bench& bench, const Analysis& analysis) {
+  std::string text = std::to_string(analysis.cells) + " cells with " + std::to_string(analysis.seeds) +
+                     (analysis.seeds == 1 ? " seed: " : " different seeds: ") + std::to_string(analysis.done) +
+                     " finished, " + std::to_string(analysis.failed) + " failed, " + std::to_string(analysis.missing) +
+                     " not run yet";
+  std::size_t excluded = 0;
+  for (const Excluded& item : bench.excluded) excluded += item.cells;
+  if (excluded > 0) text += "; " + std::to_string(excluded) + " excluded by the file";
+  return text;
+}
+
+std::string to_csv(const Bench& bench) {
+  std::set<std::string> quantities;
+  for (const Cell& cell : bench.cells)
+    for (const auto& [name, value] : cell.measures) quantities.insert(name);
+  std::string text = "place";
+  for (const Variable& variable : bench.variables) text += "," + text::csv_field(variable.name);
+  for (const Group& group : bench.groups) text += "," + text::csv_field(group.name);
+  text += ",seed,status";
+  for (const std::string& quantity : quantities) text += "," + text::csv_field(quantity);
+  text += ",seconds,error_text\r\n";
+  for (const Cell& cell : bench.cells) {
+    text += text::csv_field(cell.place);
+    for (const Variable& variable : bench.variables) text += "," + text::csv_field(cell.values.at(variable.name));
+    for (const Group& group : bench.groups) text += "," + text::csv_field(cell.choices.at(group.name));
+    text += "," + std::to_string(cell.seed) + "," + cell.status;
+    for (const std::string& quantity : quantities) text += "," + shortest(cell.measure(quantity));
+    text += "," + shortest(seconds_of(bench, cell)) + "," + text::csv_field(cell.error) + "\r\n";
+  }
+  return text;
+}
+
+std::string to_json(const Bench& bench, const Analysis& analysis) {
+  Json json;
+  json["title"] = bench.title;
+  json["error"] = {{"metric", bench.error_metric}, {"unit", "m"}};
+  json["rope"] = bench.rope;
+  json["confidence"] = analysis.confidence;
+  json["cells"] = {
+      {"all", analysis.cells}, {"done", analysis.done}, {"failed", analysis.failed}, {"missing", analysis.missing}};
+  json["choices"] = choices_to_make(bench, analysis);
+  json["verdicts"] = Json::array();
+  for (const Sentence& sentence : verdicts(bench, analysis)) json["verdicts"].push_back(sentence.text);
+  json["calibration"] = calibration_verdicts(analysis);
+  json["rising_costs"] = analysis.rising;
+  json["breakdowns"] = Json::array();
+  for (const Breakdown& b : analysis.breakdowns) json["breakdowns"].push_back(breakdown_json(b));
+  json["weights"] = bench.weights;
+  json["unused"] = analysis.unused;
+  json["rows"] = Json::array();
+  for (const Row& row : analysis.rows) json["rows"].push_back(row_json(row));
+  json["comparisons"] = Json::array();
+  for (const Duel& duel : analysis.duels) json["comparisons"].push_back(duel_json(duel));
+  json["failures"] = Json::array();
+  for (const Failure& f : analysis.failures)
+    json["failures"].push_back(
+        {{"place", f.place}, {"name", f.name}, {"reason", f.reason}, {"cells", f.cells}, {"seeds", f.seeds}});
+  json["excluded"] = Json::array();
+  for (const Excluded& item : bench.excluded)
+    json["excluded"].push_back({{"what", item.what}, {"why", item.why}, {"cells", item.cells}});
+  json["machine"] = bench.machine;
+  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string to_markdown(const Bench& bench, const Analysis& analysis) {
+  std::string text = "# " + one_line(bench.title) + "\n\n" + coverage_text(bench, analysis) + ".\n\n";
+  if (!bench.groups.empty()) text += "## What to choose\n\n";
+  for (const std::string& sentence : choices_to_make(bench, analysis)) text += "- " + sentence + "\n";
+  if (!analysis.breakdowns.empty()) text += "\n## Where they break\n\n";
+  for (const std::string& sentence : breakdown_sentences(analysis.breakdowns)) text += "- " + sentence + "\n";
+  if (!bench.groups.empty()) text += "\n## Verdicts\n\n";
+  for (const Sentence& sentence : verdicts(bench, analysis)) text += "- " + sentence.text + "\n";
+  for (const std::string& sentence : analysis.unused) text += "- " + sentence + "\n";
+  const std::vector<std::string> calibration = calibration_verdicts(analysis);
+  if (!calibration.empty()) text += "\n## What covariances state\n\n";
+  for (const std::string& sentence : calibration) text += "- " + sentence + "\n";
+  if (!analysis.rising.empty()) text += "\n## Costs that go up\n\n";
+  for (const std::string& sentence : analysis.rising) text += "- " + sentence + ".\n";
+  const double tau = bench.tolerances.empty() ? 0 : bench.tolerances.front();
+  const bool costs = std::any_of(analysis.rows.begin(), analysis.rows.end(),
+                                 [](const Row& row) { return std::isfinite(row.start_cost + row.final_cost); });
+  text +=
+      "\n| place | alternative | trials | failed | RMSE [mm] | bias [mm] | predicted [mm] | bound²/MSE | NEES / "
+      "freedom (band) | worst error above " +
+      printed("%g", 1e3 * tau) + " mm | time [s] |" + (costs ? " start cost | final cost |" : "") +
+      "\n|---|---|---|---|---|---|---|---|---|---|---|" + (costs ? "---|---|" : "") + "\n";
+  for (const Row& row : analysis.rows) {
+    const auto& s = row.summary;
+    text += "| " + table_cell(row.place) + " | " + table_cell(row.name) + " | " + std::to_string(s.trials) +
+            (row.missing ? " (" + std::to_string(row.missing) + " to come)" : "") + " | " + std::to_string(s.failures) +
+            " | " + interval_text(s.rmse, 1e3) + " | " + interval_text(s.bias, 1e3) + " | " +
+            number_text(1e3 * s.predicted.value, 1e-2) + " | " + interval_text(s.efficiency, 1) + " | " +
+            number_text(s.nees, 0.1) +
+            (std::isfinite(s.nees_band.lower)
+                 ? " (" + number_text(s.nees_band.lower, 0.1) + "–" + number_text(s.nees_band.upper, 0.1) + ")"
+                 : "") +
+            " | " + rate_text(row, tau) + " | " + number_text(row.seconds, 0.5 * row.seconds) + " |" +
+            (costs ? " " + cost_text(row.start_cost) + " | " + cost_text(row.final_cost) + " |" : "") + "\n";
+  }
+  text += "\n" + method_text(bench, analysis) + "\n";
+  if (!analysis.failures.empty()) {
+    text += "\n## Failed cells\n\n| place | alternative | cells | seeds | reason |\n|---|---|---|---|---|\n";
+    for (const Failure& f : analysis.failures)
+      text += "| " + table_cell(f.place) + " | " + table_cell(f.name) + " | " + std::to_string(f.cells) + " | " +
+              seeds_text(f.seeds) + " | " + table_cell(f.reason) + " |\n";
+  }
+  if (!bench.excluded.empty()) {
+    text += "\n## Excluded\n\n";
+    for (const Excluded& item : bench.excluded)
+      text += "- " + item.what + " (" + std::to_string(item.cells) + " cells)" +
+              (item.why.empty() ? "" : ": " + item.why) + "\n";
+  }
+  text += "\n";
+  for (const std::string& line : bench.machine)
+    if (line.rfind("plugin ", 0) != 0 && line.rfind("libraries ", 0) != 0) text += "- " + line + "\n";
+  return text;
+}
+
+std::string to_tex(const Bench& bench, const Analysis& analysis) {
+  std::string text =
+      "% " + one_line(bench.title) +
+      "\n% \\bench{place/alternative/quantity}: millimetres, seconds and plain numbers; quantities rmse, "
+      "rmse-low, rmse-high,\n% bias, predicted, efficiency, nees, failures, trials, seconds. "
+      "\\benchdiff{place/first/second}: mm, -low, -high.\n"
+      "\\makeatletter\n"
+      "\\newcommand{\\bench}[1]{\\ifcsname bench@#1\\endcsname\\csname bench@#1\\endcsname\\else\\textbf{??}\\fi}\n"
+      "\\newcommand{\\benchdiff}[1]{\\bench{diff/#1}}\n";
+  TexNames names;
+  std::string definitions;
+  // What is not defined prints ??, so that nothing that does not exist is quoted as a number.
+  const auto define = [&](const std::string& name, const std::string& value) {
+    if (value != "–") definitions += "\\expandafter\\def\\csname bench@" + name + "\\endcsname{" + value + "}\n";
+  };
+  define("cells", std::to_string(analysis.cells));
+  define("seeds", std::to_string(analysis.seeds));
+  for (const Row& row : analysis.rows) {
+    const auto& s = row.summary;
+    const std::string name = names.of(row.place.empty() ? "all" : row.place) + "/" + names.of(row.name) + "/";
+    const double half = 0.5e3 * (s.rmse.interval.upper - s.rmse.interval.lower);
+    define(name + "rmse", number_text(1e3 * s.rmse.value, half));
+    define(name + "rmse-low", number_text(1e3 * s.rmse.interval.lower, half));
+    define(name + "rmse-high", number_text(1e3 * s.rmse.interval.upper, half));
+    define(name + "bias", number_text(1e3 * s.bias.value, half));
+    define(name + "predicted", number_text(1e3 * s.predicted.value, half));
+    define(name + "efficiency", number_text(s.efficiency.value, 0.01));
+    define(name + "nees", number_text(s.nees, 0.1));
+    define(name + "trials", std::to_string(s.trials));
+    define(name + "failures", std::to_string(s.failures));
+    define(name + "seconds", number_text(row.seconds, 0.5 * row.seconds));
+  }
+  for (const Duel& duel : analysis.duels) {
+    if (!duel.refused.empty() || (duel.overall && !duel.weighted)) continue;
+    const Estimate& d = duel.errors.difference;
+    const double half = 0.5e3 * (d.interval.upper - d.interval.lower);
+    const std::string name = "diff/" + names.of(duel.overall || duel.place.empty() ? "all" : duel.place) + "/" +
+                             names.of(duel.first) + "/" + names.of(duel.second);
+    define(name, number_text(1e3 * d.value, half));
+    define(name + "-low", number_text(1e3 * d.interval.lower, half));
+    define(name + "-high", number_text(1e3 * d.interval.upper, half));
+  }
+  return text + names.legend() + definitions + "\\makeatother\n";
+}
+
+}  // namespace plumbline::bench

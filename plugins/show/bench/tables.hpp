@@ -1,0 +1,24 @@
+// The analysis as text: for spreadsheets, programs, READMEs and papers.
+#pragma once
+
+#include <string>
+
+#include "show/bench/analysis.hpp"
+
+namespace plumbline::bench {
+
+std::string to_csv(const Bench& bench);  ///< one line a cell, failed and missing ones too; RFC 4180
+std::string to_json(const Bench& bench, const Analysis& analysis);
+std::string to_markdown(const Bench& bench, const Analysis& analysis);
+/// Macros: \bench{full height/adjust.ceres/rmse} prints the number in mm, and ?? if there is none of that name.
+std::string to_tex(const Bench& bench, const Analysis& analysis);
+
+/// "12.3": so many decimals that the half width of the interval keeps two digits; "–" for nan.
+std::string number_text(double value, double uncertainty);
+std::string cost_text(double cost);  ///< six digits, "–" if it is not known
+std::string interval_text(const statistics::Estimate& estimate, double scale);  ///< "0.24 (0.21–0.28)"
+
+/// What stands above every table: how many cells, trials, failures.
+std::string coverage_text(const Bench& bench, const Analysis& analysis);
+
+}  // namespace plumbline::bench

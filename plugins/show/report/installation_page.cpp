@@ -1,0 +1,351 @@
+#include "show/report/installation_page.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "show/report/format.hpp"
+#include "show/report/plot.hpp"
+#include "show/report/sections.hpp"
+
+namespace plumbline::report {
+
+namespace {
+
+const std::vector<std::pair<ItemStatus, const char*>>& states_in_order() {
+  static const std::vector<std::pair<ItemStatus, const char*>> states = {
+      {ItemStatus::verified, "VERIFIED"}, {ItemStatus::relocalised, "RELOCALISED"},
+      {ItemStatus::executed, "EXECUTED"}, {ItemStatus::executing, "EXECUTING"},
+      {ItemStatus::released, "RELEASED"}, {ItemStatus::planned, "PLANNED"},
+      {ItemStatus::rework, "REWORK"},     {ItemStatus::stale, "STALE"},
+      {ItemStatus::rejected, "REJECTED"}};
+  return states;
+}
+
+std::string word_of(ItemStatus status) {
+  for (const auto& [state, word] : states_in_order())
+    if (state == status) return word;
+  return "?";
+}
+
+/// Dark to light from done to open, orange for what a person must look at: told apart without colours by their order.
+const char* colour_of(const std::string& state) {
+  static const std::map<std::string, const char*> colours = {
+      {"VERIFIED", "#0072b2"},  {"RELOCALISED", "#4f9fcf"}, {"EXECUTED", "#8fc1e3"},
+      {"EXECUTING", "#b7d7ee"}, {"RELEASED", "#009e73"},    {"PLANNED", "#d9d9d9"},
+      {"REWORK", "#e69f00"},    {"STALE", "#e69f00"},       {"REJECTED", "#d55e00"}};
+  const auto found = colours.find(state);
+  return found == colours.end() ? "#999999" : found->second;
+}
+
+struct FloorWork {
+  std::vector<std::string> set, hang, measure, look, wait;
+  std::string last;  ///< who worked there last
+  int panels = 0, verified = 0;
+};
+
+bool nobody_saw(const LoopItemT& item) {
+  return item.kind == "panel" && item.status == ItemStatus::relocalised && item.hangs && !item.seen;
+}
+
+std::map<int, FloorWork, std::greater<>> work_of(const LoopStateT& state) {
+  std::map<int, FloorWork, std::greater<>> floors;
+  for (const auto& item : state.items) {
+    FloorWork& floor = floors[item->floor];
+    const bool is_panel = item->kind == "panel";
+    floor.panels += is_panel, floor.verified += is_panel && item->status == ItemStatus::verified;
+    if (!item->by.empty()) floor.last = item->by;
+    switch (item->status) {
+      case ItemStatus::released:
+      case ItemStatus::executing:
+        (is_panel ? floor.hang : floor.set).push_back(item->id);
+        break;
+      case ItemStatus::executed:
+      case ItemStatus::relocalised:
+        (nobody_saw(*item) ? floor.look : floor.measure).push_back(item->id);
+        break;
+      case ItemStatus::rejected:
+        floor.look.push_back(item->id);
+        break;
+      case ItemStatus::planned:
+        if (is_panel) floor.wait.push_back(item->id);
+        break;
+      default:
+        break;
+    }
+  }
+  return floors;
+}
+
+/// "F01-C01-R1, F01-C02-R1 and 14 more": the tables below have all.
+std::string some_of(const std::vector<std::string>& ids) {
+  constexpr std::size_t kShown = 6;
+  if (ids.empty()) return unknown;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(ids.size(), kShown); ++i) text += (i ? ", " : "") + ids[i];
+  return ids.size() > kShown ? text + " and " + std::to_string(ids.size() - kShown) + " more" : text;
+}
+
+std::string floor_word(int floor) { return floor > 0 ? std::to_string(floor) : std::string("not known"); }
+
+void write_next_table(Markup& html, const LoopStateT& state, const std::map<int, std::string>& robots) {
+  Scope wide(html, "div", {{"class", "wide"}});
+  Scope table(html, "table");
+  table_head(html, {"Floor", left("Robot"), left("Set"), left("Hang"), left("Measure"), left("A person looks at"),
+                    left("Waits"), "Panels verified"});
+  Scope body(html, "tbody");
+  for (const auto& [number, floor] : work_of(state)) {
+    const auto robot = robots.find(number);
+    const std::string who = robot != robots.end() ? robot->second
+                            : floor.last.empty()  ? std::string("any")
+                                                  : "any (last: " + floor.last + ")";
+    Scope row(html, "tr");
+    html.element("th", {{"scope", "row"}}, floor_word(number));
+    for (const std::string& cell : {who, some_of(floor.set), some_of(floor.hang), some_of(floor.measure),
+                                    some_of(floor.look), some_of(floor.wait)})
+      html.element("td", {{"class", "words"}, {"style", "min-width:5em"}}, cell);
+    html.element("td", std::to_string(floor.verified) + " of " + std::to_string(floor.panels));
+  }
+}
+
+void write_by_hand(Markup& html, const InstallationPlanT& plan, const LoopStateT& state) {
+  std::vector<std::string> lines;
+  for (const std::string& control : state.moved_control)
+    lines.push_back(control + " moved: nothing there is verified or released before somebody has looked at it");
+  for (const std::string& doubt : plan.doubts) lines.push_back("The measurement is not to be trusted: " + doubt);
+  for (const std::string& words : plan.relaxations) lines.push_back(words);
+  for (const auto& item : state.items)
+    if (item->status == ItemStatus::rejected || nobody_saw(*item)) lines.push_back(item->id + ": " + item->why);
+  if (lines.empty()) return;
+  Scope box(html, "div", {{"class", "warnings"}});
+  html.element("h2", "For a person");
+  Scope list(html, "ul");
+  for (std::size_t i = 0; i < std::min<std::size_t>(lines.size(), 12); ++i) html.element("li", lines[i]);
+  if (lines.size() > 12)
+    html.element("li", std::to_string(lines.size() - 12) + " more: the table of brackets and panels has all");
+}
+
+}  // namespace
+
+std::vector<LoopChange> changes_of(const LoopStateT& state) {
+  std::vector<LoopChange> changes;
+  for (const std::string& text : state.journal) {
+    const auto line = nlohmann::json::parse(text, nullptr, false);
+    if (!line.is_object()) continue;
+    const auto word = [&](const char* key) { return line.value(key, std::string()); };
+    changes.push_back({line.value("round", 0), word("kind"), word("item"), word("from"), word("to"), word("by"),
+                       word("at"), word("why")});
+  }
+  return changes;
+}
+
+std::vector<std::map<std::string, int>> states_by_round(const LoopStateT& state, const std::vector<LoopChange>& changes,
+                                                        const std::string& kind) {
+  std::map<std::string, std::string> now;
+  for (const auto& item : state.items)
+    if (item->kind == kind) now[item->id] = "PLANNED";
+  std::vector<std::map<std::string, int>> rounds;
+  std::size_t next = 0;
+  for (int round = 0; round < std::max(1, state.round); ++round) {
+    for (; next < changes.size() && changes[next].round <= round; ++next)
+      if (changes[next].kind == kind) now[changes[next].item] = changes[next].to;
+    std::map<std::string, int> counts;
+    for (const auto& [id, word] : now) ++counts[word];
+    rounds.push_back(std::move(counts));
+  }
+  return rounds;
+}
+
+void write_next(Markup& html, const InstallationPlanT& plan, const LoopStateT& state,
+                const std::map<int, std::string>& robots) {
+  int panels = 0, verified = 0, rejected = 0, unseen = 0;
+  for (const auto& item : state.items) {
+    panels += item->kind == "panel", rejected += item->status == ItemStatus::rejected, unseen += nobody_saw(*item);
+    verified += item->kind == "panel" && item->status == ItemStatus::verified;
+  }
+  // Panels that were verified stay so while somebody is to look at control, at a bracket or at the measurement.
+  const bool all =
+      panels > 0 && verified == panels && rejected == 0 && state.moved_control.empty() && plan.doubts.empty();
+  const auto verdict = all                                            ? ToleranceVerdict::pass
+                       : rejected > 0 || !state.moved_control.empty() ? ToleranceVerdict::fail
+                                                                      : ToleranceVerdict::undecided;
+  Scope part(html, "section", {{"id", "next"}});
+  {
+    const std::string heading = plan.doubts.empty()
+                                    ? "Next: " + state.next
+                                    : "Mend the measurement, it decides nothing: " + plan.doubts.front();
+    Scope box(html, "div", {{"class", std::string("verdict ") + verdict_class(verdict)}});
+    {
+      Scope svg = drawing(html, 44, 46, heading);
+      verdict_symbol(html, 22, 23, 16, verdict, false);
+    }
+    Scope words(html, "div");
+    html.element("strong", heading);
+    html.element("p", std::to_string(verified) + " of " + count(panels, "panel hangs and is", "panels hang and are") +
+                          " verified after round " + std::to_string(state.round) + " (revision " +
+                          std::to_string(state.revision) + "); " +
+                          count(rejected + unseen, "item waits", "items wait") + " for a person.");
+  }
+  write_next_table(html, state, robots);
+  write_by_hand(html, plan, state);
+}
+
+namespace {
+
+void draw_rounds(Markup& html, const std::vector<std::map<std::string, int>>& rounds, const std::string& what) {
+  const double chart_width = 900, chart_height = 240, left_edge = 60, bottom = 200, top = 16;
+  int most = 1;
+  for (const auto& counts : rounds) {
+    int sum = 0;
+    for (const auto& [state, n] : counts) sum += n;
+    most = std::max(most, sum);
+  }
+  Scope svg = drawing(html, chart_width, chart_height, what + " by state after each round");
+  const double step = (chart_width - left_edge - 10) / static_cast<double>(rounds.size());
+  const Scale y{0, static_cast<double>(most), bottom, top};
+  for (const double tick : ticks(0, most, 4)) {
+    line(html, left_edge, y(tick), chart_width - 10, y(tick), "grid");
+    label(html, left_edge - 8, y(tick) + 4, fixed(tick, 0), "tick", "end");
+  }
+  for (std::size_t r = 0; r < rounds.size(); ++r) {
+    double sum = 0;
+    for (const auto& [state, word] : states_in_order()) {
+      const auto found = rounds[r].find(word);
+      if (found == rounds[r].end()) continue;
+      const double x = left_edge + step * static_cast<double>(r) + 0.1 * step;
+      html.empty("rect", {{"x", px(x)},
+                          {"y", px(y(sum + found->second))},
+                          {"width", px(0.8 * step)},
+                          {"height", px(y(sum) - y(sum + found->second))},
+                          {"fill", colour_of(word)}});
+      sum += found->second;
+    }
+    if (rounds.size() <= 30 || r % 5 == 0)
+      label(html, left_edge + step * (static_cast<double>(r) + 0.5), bottom + 18, std::to_string(r + 1), "tick",
+            "middle");
+  }
+  label(html, 0.5 * chart_width, chart_height - 4, "round", "tick", "middle");
+}
+
+void write_state_legend(Markup& html, const std::vector<std::map<std::string, int>>& rounds) {
+  std::set<std::string> used;
+  for (const auto& counts : rounds)
+    for (const auto& [state, n] : counts) used.insert(state);
+  Scope p(html, "p", {{"class", "note"}});
+  for (const auto& [state, word] : states_in_order()) {
+    if (!used.count(word)) continue;
+    html.element(
+        "span",
+        {{"style", std::string("display:inline-block;width:0.9em;height:0.9em;margin:0 0.3em 0 0.8em;background:") +
+                       colour_of(word)}},
+        "");
+    html.text(word);
+  }
+}
+
+void write_reworks(Markup& html, const std::vector<LoopChange>& changes) {
+  html.element("h3", "What was done again or given to a person, and why");
+  std::vector<const LoopChange*> wrong;
+  for (const LoopChange& change : changes)
+    if (change.to == "REWORK" || change.to == "REJECTED" || change.to == "STALE") wrong.push_back(&change);
+  if (wrong.empty()) {
+    html.element("p", "Nothing.");
+    return;
+  }
+  Scope wide(html, "div", {{"class", "wide"}});
+  Scope table(html, "table", {{"class", "sortable"}});
+  table_head(html, {"Round", left("Item"), left("From"), left("To"), left("Why")});
+  Scope body(html, "tbody");
+  for (const LoopChange* change : wrong)
+    table_row(html, {std::to_string(change->round + 1), left(change->item), left(change->from), left(change->to),
+                     left(change->why)});
+}
+
+/// What the anchors' heights would be without what was set, and are: by floor, so that drift shows.
+void write_heights(Markup& html, const InstallationPlanT& plan, const LoopStateT& state) {
+  struct Heights {
+    int n = 0;
+    double without = 0, now = 0, worst_without = 0, worst_now = 0;
+  };
+  std::map<std::string, const LoopItemT*> items;
+  for (const auto& item : state.items)
+    if (item->kind == "bracket") items[item->id] = item.get();
+  std::map<int, Heights> floors;
+  for (const auto& bracket : plan.brackets) {
+    const auto item = items.find(bracket->id);
+    if (item == items.end() || !bracket->measured.allFinite() || bracket->axes.size() != 3) continue;
+    const double now = bracket->axes[1].dot(bracket->measured - bracket->design);
+    const double without = now - item->second->setting.y();
+    Heights& h = floors[bracket->floor];
+    ++h.n, h.now += now, h.without += without;
+    h.worst_now = std::max(h.worst_now, std::abs(now)), h.worst_without = std::max(h.worst_without, std::abs(without));
+  }
+  if (floors.empty()) return;
+  html.element("h3", "Heights of the brackets, as they are and without what was set");
+  Scope wide(html, "div", {{"class", "wide"}});
+  Scope table(html, "table");
+  table_head(html, {"Floor", "Brackets measured", "Mean without setting [mm]", "Mean as it is [mm]",
+                    "Largest without setting [mm]", "Largest as it is [mm]"});
+  Scope body(html, "tbody");
+  for (const auto& [floor, h] : floors)
+    table_row(html, {floor_word(floor), std::to_string(h.n), signed_mm(h.without / h.n, 1), signed_mm(h.now / h.n, 1),
+                     mm(h.worst_without, 1), mm(h.worst_now, 1)});
+}
+
+}  // namespace
+
+void write_rounds(Markup& html, const InstallationPlanT& plan, const LoopStateT& state) {
+  const std::vector<LoopChange> changes = changes_of(state);
+  Scope part(html, "section", {{"id", "rounds"}});
+  html.element("h2", "The loop so far");
+  for (const auto& [kind, heading] : {std::pair{"panel", "Panels"}, {"bracket", "Brackets"}}) {
+    const auto rounds = states_by_round(state, changes, kind);
+    html.element("h3", std::string(heading) + " by state after each round");
+    draw_rounds(html, rounds, heading);
+    write_state_legend(html, rounds);
+  }
+  write_reworks(html, changes);
+  write_heights(html, plan, state);
+}
+
+void write_items(Markup& html, const InstallationPlanT& plan, const LoopStateT& state) {
+  std::map<std::pair<std::string, std::string>, const LoopItemT*> items;
+  for (const auto& item : state.items) items[{item->kind, item->id}] = item.get();
+  Scope part(html, "section", {{"id", "items"}});
+  html.element("h2", "Panels and brackets");
+  {
+    Scope wide(html, "div", {{"class", "wide"}});
+    Scope table(html, "table", {{"class", "sortable"}});
+    table_head(html,
+               {"Panel", "Floor", left("State"), left("Gate"), "p inside", left("Decided by"), "Reworks", left("Why")});
+    Scope body(html, "tbody");
+    for (const auto& panel : plan.panels) {
+      const auto found = items.find({"panel", panel->id});
+      if (found == items.end()) continue;
+      const LoopItemT& item = *found->second;
+      const char* gate = panel->gate == GateDecision::go ? "GO" : panel->gate == GateDecision::no_go ? "NO_GO" : "HOLD";
+      table_row(html, {panel->id, floor_word(panel->floor), left(word_of(item.status)), left(gate),
+                       std::isfinite(panel->p_in) ? fixed(panel->p_in, 3) : std::string(unknown),
+                       left(panel->decided_by), std::to_string(item.reworks), left(item.why)});
+    }
+  }
+  Scope wide(html, "div", {{"class", "wide"}});
+  Scope table(html, "table", {{"class", "sortable"}});
+  table_head(html, {"Bracket", "Floor", left("State"), "Right [mm]", "Up [mm]", "Out [mm]", "Set right [mm]",
+                    "Set up [mm]", "Set out [mm]", "u up [mm]", left("Why")});
+  Scope body(html, "tbody");
+  for (const auto& bracket : plan.brackets) {
+    const auto found = items.find({"bracket", bracket->id});
+    if (found == items.end() || bracket->axes.size() != 3) continue;
+    const LoopItemT& item = *found->second;
+    const Eigen::Vector3d off = bracket->measured - bracket->design;
+    table_row(html, {bracket->id, floor_word(bracket->floor), left(word_of(item.status)),
+                     signed_mm(bracket->axes[0].dot(off), 1), signed_mm(bracket->axes[1].dot(off), 1),
+                     signed_mm(bracket->axes[2].dot(off), 1), signed_mm(item.setting.x(), 1),
+                     signed_mm(item.setting.y(), 1), signed_mm(item.setting.z(), 1),
+                     mm(std::abs(bracket->axes[1].cwiseAbs().dot(bracket->sigma)), 1), left(item.why)});
+  }
+}
+
+}  // namespace plumbline::report

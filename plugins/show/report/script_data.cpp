@@ -1,0 +1,36 @@
+#include "show/report/script_data.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+
+namespace plumbline::report {
+
+std::string script_number(double value, int decimals) {
+  if (!std::isfinite(value)) return "null";
+  char buffer[64];
+  const auto end = std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::fixed, decimals);
+  return end.ec == std::errc() ? std::string(buffer, end.ptr) : "null";
+}
+
+std::string script_text(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte < 0x20 || byte >= 0x7F || c == '"' || c == '\\' || c == '<' || c == '>' || c == '&') {
+      char escape[8];
+      std::snprintf(escape, sizeof escape, "\\u%04x", byte);
+      out += escape;
+    } else {
+      out += c;
+    }
+  }
+  return out + "\"";
+}
+
+std::string script_vector(const Eigen::Vector3d& v, int decimals) {
+  return "[" + script_number(v.x(), decimals) + "," + script_number(v.y(), decimals) + "," +
+         script_number(v.z(), decimals) + "]";
+}
+
+}  // namespace plumbline::report

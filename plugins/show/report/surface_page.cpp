@@ -1,0 +1,208 @@
+#include "show/report/surface_page.hpp"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+
+#include "show/report/format.hpp"
+#include "show/report/markup.hpp"
+#include "show/report/plot.hpp"
+#include "show/report/sections.hpp"
+
+namespace plumbline::report {
+namespace {
+
+constexpr double kDrawingWidth = 960, kPad = 12;  // [px]
+constexpr int kCells = 8;                         // of a panel, each way
+
+/// Panels that lie in one plane, and what of them is drawn where.
+struct ElevationOfSurfaces {
+  std::vector<size_t> panels;
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero(), right = origin, up = origin, out = origin;
+  double low_u = 1e300, high_u = -1e300, low_v = 1e300, high_v = -1e300, scale = 1;
+  double x(double u) const { return kPad + (u - low_u) * scale; }
+  double y(double v) const { return kPad + (high_v - v) * scale; }
+  double height() const { return 2 * kPad + (high_v - low_v) * scale; }
+};
+
+std::vector<ElevationOfSurfaces> surface_elevations(const SurfacesT& surfaces) {
+  std::vector<ElevationOfSurfaces> all;
+  for (size_t p = 0; p < surfaces.panels.size(); ++p) {
+    const SurfaceFaceT& face = *surfaces.panels[p]->face;
+    auto found = std::find_if(all.begin(), all.end(), [&](const ElevationOfSurfaces& one) {
+      return one.out.dot(face.out) > 0.98 && std::abs(one.out.dot(face.origin - one.origin)) < 0.5;
+    });
+    if (found == all.end()) {
+      all.push_back({});
+      found = all.end() - 1;
+      found->origin = face.origin, found->right = face.right, found->up = face.up, found->out = face.out;
+    }
+    found->panels.push_back(p);
+    const double u = found->right.dot(face.origin - found->origin), v = found->up.dot(face.origin - found->origin);
+    found->low_u = std::min(found->low_u, u - 0.5 * face.width),
+    found->high_u = std::max(found->high_u, u + 0.5 * face.width);
+    found->low_v = std::min(found->low_v, v - 0.5 * face.height),
+    found->high_v = std::max(found->high_v, v + 0.5 * face.height);
+  }
+  for (auto& one : all)
+    one.scale = std::min((kDrawingWidth - 2 * kPad) / std::max(1e-3, one.high_u - one.low_u),
+                         1500 / std::max(1e-3, one.high_v - one.low_v));
+  return all;
+}
+
+/// Height of a panel over its design at x and y from −1 to 1 [m].
+double surface_height(const PanelSurfaceFiguresT& panel, double x, double y) {
+  const std::array<double, 6> base = {1, x, y, 1 - x * x, 1 - y * y, x * y};
+  double height = 0;
+  for (size_t i = 0; i < std::min(base.size(), panel.coefficients.size()); ++i)
+    height += panel.coefficients[i] * base[i];
+  return height;
+}
+
+bool is_measured(const PanelSurfaceFiguresT& panel) {
+  return panel.not_measured.empty() && panel.coefficients.size() == 6;
+}
+
+/// What the colours end at: all panels of the page share it [m].
+double colour_range(const SurfacesT& surfaces) {
+  double largest = 5e-4;
+  for (const auto& panel : surfaces.panels)
+    if (is_measured(*panel))
+      for (const double x : {-1.0, 0.0, 1.0})
+        for (const double y : {-1.0, 0.0, 1.0}) largest = std::max(largest, std::abs(surface_height(*panel, x, y)));
+  return round_up(largest);
+}
+
+/// Blue behind the design, white on it, red before it: also apart for eyes that do not tell red from green.
+std::string heat_colour(double height, double range) {
+  const double t = std::clamp(height / range, -1.0, 1.0);
+  const std::array<double, 3> white = {247, 247, 247}, blue = {33, 102, 172}, red = {178, 24, 43};
+  std::string colour = "rgb(";
+  for (size_t c = 0; c < 3; ++c) {
+    const double end = t < 0 ? blue[c] : red[c];
+    colour += std::to_string(std::lround(white[c] + std::abs(t) * (end - white[c]))) + (c < 2 ? "," : ")");
+  }
+  return colour;
+}
+
+void draw_panel(Markup& svg, const ElevationOfSurfaces& at, const PanelSurfaceFiguresT& panel, double range) {
+  const SurfaceFaceT& face = *panel.face;
+  const double u = at.right.dot(face.origin - at.origin), v = at.up.dot(face.origin - at.origin);
+  const double left = at.x(u - 0.5 * face.width), top = at.y(v + 0.5 * face.height);
+  const double width = face.width * at.scale, height = face.height * at.scale;
+  const bool measured = is_measured(panel);
+  if (measured)
+    for (int r = 0; r < kCells; ++r)
+      for (int c = 0; c < kCells; ++c)
+        svg.empty("rect",
+                  {{"x", px(left + c * width / kCells)},
+                   {"y", px(top + r * height / kCells)},
+                   {"width", px(width / kCells + 0.3)},
+                   {"height", px(height / kCells + 0.3)},
+                   {"fill", heat_colour(surface_height(panel, (c + 0.5) * 2 / kCells - 1, 1 - (r + 0.5) * 2 / kCells),
+                                        range)}});
+  {
+    Scope outline(svg, "rect",
+                  {{"x", px(left)},
+                   {"y", px(top)},
+                   {"width", px(width)},
+                   {"height", px(height)},
+                   {"fill", measured ? "none" : "#cfcfcf"},
+                   {"stroke", "#444"},
+                   {"stroke-width", "1"}});
+    svg.element("title", face.id + (measured ? ": " + signed_mm(panel.offset, 2) + " mm out of the design at its middle"
+                                             : ": not measured, " + panel.not_measured));
+  }
+  if (width < 40 || height < 24) return;
+  const auto words = [&](double down, const std::string& text, const char* size) {
+    svg.element("text",
+                {{"x", px(left + 0.5 * width)},
+                 {"y", px(top + 0.5 * height + down)},
+                 {"text-anchor", "middle"},
+                 {"font-size", size},
+                 {"fill", "#111"}},
+                text);
+  };
+  words(-3, face.id.substr(0, static_cast<size_t>(width / 7)), "12");
+  words(11, measured ? signed_mm(panel.offset, 1) + " mm" : "not measured", "11");
+}
+
+void draw_colour_bar(Markup& html, double range) {
+  const Scope svg = drawing(html, 360, 40, "What the colours mean");
+  for (int i = 0; i < 30; ++i)
+    html.empty("rect", {{"x", px(30 + 10 * i)},
+                        {"y", "4"},
+                        {"width", "10.3"},
+                        {"height", "14"},
+                        {"fill", heat_colour((i + 0.5) / 15 * range - range, range)}});
+  for (const double part : {-1.0, 0.0, 1.0})
+    html.element("text", {{"x", px(180 + 150 * part)}, {"y", "34"}, {"text-anchor", "middle"}, {"font-size", "12"}},
+                 signed_mm(part * range, 1) + (part == 0 ? " mm" : ""));
+}
+
+void write_joint_row(Markup& html, const JointFiguresT& joint) {
+  const auto place = [&](int index) {
+    return index >= 0 && static_cast<size_t>(index) < joint.places.size()
+               ? joint.places[static_cast<size_t>(index)].get()
+               : nullptr;
+  };
+  const auto where = [&](const JointPlaceT* at) { return at ? signed_fixed(at->along, 2) : std::string(unknown); };
+  const JointPlaceT *narrow = place(joint.narrowest), *wide = place(joint.widest), *step = place(joint.largest_step);
+  if (step && !std::isfinite(step->step)) step = nullptr;  // one of the panels was not measured
+  Scope row(html, "tr");
+  html.element("th", {{"scope", "row"}}, joint.first + " | " + joint.second);
+  html.element("td", {{"class", "text"}}, joint.upright ? "up" : "across");
+  html.element("td", mm(joint.nominal_width, 1));
+  for (const JointPlaceT* at : {narrow, wide}) {
+    html.element("td", at ? mm(at->width) + " ± " + mm(at->width_sigma) : std::string(unknown));
+    html.element("td", where(at));
+  }
+  html.element("td", step ? mm_with_u(step->step, step->step_sigma) : std::string(unknown));
+  html.element("td", where(step));
+  html.element("td", std::to_string(joint.places.size()) + " of " + std::to_string(joint.looked_at));
+  html.element("td", {{"class", "words"}}, joint.not_measured);
+}
+
+void write_joints(Markup& html, const SurfacesT& surfaces) {
+  if (surfaces.joints.empty()) return;
+  html.element("h2", "Joints");
+  html.element(
+      "p", {{"class", "note"}},
+      "Widths and steps with their standard uncertainties in mm; 'at' is the way from the joint's middle in m, upwards "
+      "or to the right. A step is positive where the second panel stands further out.");
+  Scope wide(html, "div", {{"class", "wide"}});
+  Scope table(html, "table", {{"class", "sortable"}});
+  table_head(html, {"Joint", left("Runs"), "Design", "Narrowest", "at", "Widest", "at", "Largest step", "at", "Places",
+                    left("Why it is not measured")});
+  Scope body(html, "tbody");
+  for (const auto& joint : surfaces.joints) write_joint_row(html, *joint);
+}
+
+}  // namespace
+
+std::string render_surface_page(const SurfacesT& surfaces, const SurfaceJudgementT* judgement,
+                                const std::string& title) {
+  return render_page(title, [&](Markup& html) {
+    Scope main(html, "main");
+    html.element("h1", title);
+    const auto measured = static_cast<long>(std::count_if(surfaces.panels.begin(), surfaces.panels.end(),
+                                                          [](const auto& panel) { return is_measured(*panel); }));
+    html.element(
+        "p", std::to_string(measured) + " of " + count(static_cast<long>(surfaces.panels.size()), "panel", "panels") +
+                 " measured; where they stand out of the design (red) or behind it (blue). Grey: not measured.");
+    const double range = colour_range(surfaces);
+    if (measured > 0) draw_colour_bar(html, range);
+    for (const ElevationOfSurfaces& at : surface_elevations(surfaces)) {
+      const Scope svg = drawing(html, kDrawingWidth, at.height(),
+                                "Elevation of " + std::to_string(at.panels.size()) + " panels as seen from outside");
+      for (const size_t p : at.panels) draw_panel(html, at, *surfaces.panels[p], range);
+    }
+    write_joints(html, surfaces);
+    if (judgement) write_surfaces(html, *judgement);
+  });
+}
+
+}  // namespace plumbline::report

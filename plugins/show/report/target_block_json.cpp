@@ -1,0 +1,211 @@
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <stdexcept>
+
+#include "photo/bundle/lens.hpp"
+#include "show/report/block_json_parts.hpp"
+#include "show/report/tag_block_json.hpp"
+
+namespace plumbline::report {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string name_of(const char* what, int id) { return std::string(what) + " " + std::to_string(id); }
+
+bool is_of_image(const InteriorParameterT& p) { return p.name.find(" of image ") != std::string::npos; }
+
+/// R = Rx(ω) Ry(φ) Rz(κ), transposed: camera from block.
+Eigen::Matrix3d cam_from_block(const Eigen::Vector3d& angles) {
+  return (Eigen::AngleAxisd(angles.x(), Eigen::Vector3d::UnitX()) *
+          Eigen::AngleAxisd(angles.y(), Eigen::Vector3d::UnitY()) *
+          Eigen::AngleAxisd(angles.z(), Eigen::Vector3d::UnitZ()))
+      .toRotationMatrix()
+      .transpose();
+}
+
+class Converter {
+ public:
+  Converter(const BlockT& block, const ImageBlockT& measured)
+      : block_(block), targets_(*block.targets), measured_(measured) {
+    for (const auto& camera : measured.cameras) given_[camera->id] = camera.get();
+    for (const auto& camera : targets_.cameras) cameras_[camera->id] = camera.get();
+    for (const auto& image : targets_.images) images_[image->id] = image.get();
+    for (const auto& point : targets_.points) points_[point->id] = point.get();
+    for (const auto& finding : targets_.findings) findings_[{finding->image, finding->point}] = finding.get();
+    for (const SensorMeasurement& m : measured.measurements) observe(m);
+  }
+
+  Json json() const {
+    Json result = head_json(block_);
+    const double scale = targets_.image_sigma_px / targets_.image_sigma;
+    result["statistics"]["rms_px"] = scale * targets_.image_rms;
+    result["cameras"] = cameras();
+    result["images"] = images();
+    result["points"] = points();
+    result["observations"] = observations_;
+    result["rejected"] = Json::array();
+    return result;
+  }
+
+ private:
+  double pitch_of(int camera) const {  // [mm]
+    const auto given = given_.find(camera);
+    return given == given_.end() ? std::nan("") : given->second->sensor_width / given->second->width;
+  }
+  const AdjustedSensorImageT* adjusted_image(int index) const {
+    const auto found = images_.find(measured_.images.at(static_cast<size_t>(index))->id);
+    return found == images_.end() ? nullptr : found->second;
+  }
+
+  /// Takes in one measurement; those that were left out before the adjustment have no image or point.
+  void observe(const SensorMeasurement& m) {
+    const AdjustedSensorImageT* image = adjusted_image(m.image());
+    const auto point = points_.find(measured_.points.at(static_cast<size_t>(m.point()))->id);
+    if (!image || point == points_.end()) return;
+    centres_[point->first].push_back(image->centre);
+    const auto given = given_.find(image->camera);
+    const auto camera = cameras_.find(image->camera);
+    if (given == given_.end() || camera == cameras_.end()) return;
+    const bool from_corner = camera->second->model == "correcting";
+    const double pitch = pitch_of(image->camera);
+    Eigen::Vector2d at(m.x() / pitch - 0.5, (from_corner ? m.y() : -m.y()) / pitch - 0.5);
+    if (!from_corner) at += 0.5 * Eigen::Vector2d(given->second->width, given->second->height);
+    if (at.allFinite()) boxes_[image->id].extend(at);
+    const Eigen::Vector2d residual = residual_of(*image, *camera->second, point->second->position, m) / pitch;
+    if (!at.allFinite() || !residual.allFinite()) return;
+    Json entry = {{"image", name_of("image", image->id)},
+                  {"point", point->first},
+                  {"corners", {{at.x(), at.y()}}},
+                  {"residuals", {{residual.x(), residual.y()}}},
+                  {"rms_px", residual.norm() / std::sqrt(2.0)}};
+    const auto finding = findings_.find({image->id, point->first});
+    if (finding != findings_.end()) entry["largest_w"] = finding->second->w.cwiseAbs().maxCoeff();
+    observations_.push_back(entry);
+  }
+
+  /// Measured minus computed, x right and y down [mm].
+  static Eigen::Vector2d residual_of(const AdjustedSensorImageT& image, const AdjustedSensorCameraT& camera,
+                                     const Eigen::Vector3d& position, const SensorMeasurement& m) {
+    const bundle::Lens lens = camera.model == "correcting" ? bundle::Lens::correcting : bundle::Lens::balanced;
+    double values[bundle::max_interior] = {};
+    const auto& names = bundle::value_names(lens);
+    Eigen::Vector2d observed(m.x(), m.y());
+    for (const auto& p : camera.interior_orientation) {
+      const auto at = std::find(names.begin(), names.end(), p->name);
+      if (at != names.end()) values[at - names.begin()] = p->value;
+      if (p->name == name_of("x0 of image", image.id)) observed.x() -= p->value;
+      if (p->name == name_of("y0 of image", image.id)) observed.y() -= p->value;
+    }
+    bundle::LensRows rows;
+    const Eigen::Vector3d v = cam_from_block(image.angles) * (position - image.centre);
+    if (!bundle::evaluate_lens(lens, values, camera.balance_radius, 0, v, observed, false, rows))
+      return Eigen::Vector2d::Constant(std::nan(""));
+    return {-rows.misclosure.x(), rows.misclosure.y()};
+  }
+
+  Json cameras() const {
+    Json list = Json::array();
+    for (const auto& camera : targets_.cameras) {
+      Json parameters = Json::array();
+      std::vector<std::string> estimated;
+      for (const auto& p : camera->interior_orientation) {
+        if (is_of_image(*p)) continue;
+        if (p->estimated) estimated.push_back(p->name);
+        parameters.push_back({{"name", p->name},
+                              {"value", p->value},
+                              {"sigma", p->sigma},
+                              {"estimated", p->estimated},
+                              {"unit", "mm and its powers"}});
+      }
+      double squares = 0;
+      int measurements = 0;
+      long images = 0;
+      for (const auto& image : targets_.images) {
+        if (image->camera != camera->id) continue;
+        squares += image->measurements * image->rms * image->rms, measurements += image->measurements, ++images;
+      }
+      const double pitch = pitch_of(camera->id);
+      const auto given = given_.find(camera->id);
+      list.push_back({{"id", name_of("camera", camera->id)},
+                      {"source", "lens: " + camera->model},
+                      {"width", given == given_.end() ? 0 : given->second->width},
+                      {"height", given == given_.end() ? 0 : given->second->height},
+                      {"images", images},
+                      {"pixel_pitch_um", 1000 * pitch},
+                      {"rms_px", std::sqrt(squares / std::max(1, measurements)) / pitch},
+                      {"interior_orientation", parameters},
+                      {"correlations", correlations_json(estimated, camera->correlations)}});
+    }
+    return list;
+  }
+
+  Json images() const {
+    Json list = Json::array();
+    for (const auto& image : targets_.images) {
+      // As the page has it: x right, y down, z forward; here y goes up and the scene is at negative z.
+      Eigen::Matrix3d turned = cam_from_block(image->angles);
+      turned.bottomRows<2>() *= -1;
+      const Eigen::Quaterniond q(turned);
+      Json entry = {{"path", name_of("image", image->id)},
+                    {"oriented", true},
+                    {"reason", ""},
+                    {"camera", name_of("camera", image->camera)},
+                    {"centre", triple(image->centre)},
+                    {"sigma", triple(image->centre_sigma)},
+                    {"rotation", {q.w(), q.x(), q.y(), q.z()}},
+                    {"tags", image->measurements},
+                    {"rms_px", image->rms / pitch_of(image->camera)},
+                    {"interior_correlation", image->largest_interior_correlation}};
+      const auto box = boxes_.find(image->id);
+      const auto given = given_.find(image->camera);
+      if (box != boxes_.end() && given != given_.end())
+        entry["coverage"] = box->second.volume() / (1.0 * given->second->width * given->second->height);
+      list.push_back(entry);
+    }
+    return list;
+  }
+
+  Json points() const {
+    std::map<std::string, const AdjustedControlT*> control;
+    for (const auto& known : targets_.control) control[known->id] = known.get();
+    Json list = Json::array();
+    for (const auto& point : targets_.points) {
+      const auto centres = centres_.find(point->id);
+      Json entry = point_json(point->id, point->position, point->sigma,
+                              centres == centres_.end() ? std::vector<Eigen::Vector3d>{} : centres->second);
+      entry["rays"] = point->rays;
+      if (const auto known = control.find(point->id); known != control.end()) {
+        const AdjustedControlT& c = *known->second;
+        entry["role"] = c.use == "check" ? "check" : "control, " + c.use;
+        entry["surveyed"] = triple(c.given), entry["surveyed_sigma"] = triple(c.given_sigma);
+        entry["difference"] = triple(c.residual), entry["w"] = triple(c.w);
+      }
+      list.push_back(entry);
+    }
+    return list;
+  }
+
+  const BlockT& block_;
+  const TargetBlockT& targets_;
+  const ImageBlockT& measured_;
+  std::map<int, const SensorCameraT*> given_;
+  std::map<int, const AdjustedSensorCameraT*> cameras_;
+  std::map<int, const AdjustedSensorImageT*> images_;
+  std::map<std::string, const AdjustedPointT*> points_;
+  std::map<std::pair<int, std::string>, const SensorFindingT*> findings_;
+  std::map<std::string, std::vector<Eigen::Vector3d>> centres_;  ///< of the images that show a point
+  std::map<int, Eigen::AlignedBox2d> boxes_;                     ///< of the measurements in an image [px]
+  Json observations_ = Json::array();
+};
+
+}  // namespace
+
+Json target_block_json(const BlockT& block, const ImageBlockT& measured) {
+  if (!block.targets) throw std::runtime_error("the block is none of measured targets; connect what it was made of");
+  return Converter(block, measured).json();
+}
+
+}  // namespace plumbline::report

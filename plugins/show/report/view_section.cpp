@@ -1,0 +1,136 @@
+// The building in space, and the numbers from which the slider recomputes verdicts where scripts run. Everything that
+// the view shows stands in the tables too.
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <map>
+
+#include "show/report/format.hpp"
+#include "show/report/page_style.hpp"
+#include "show/report/plot.hpp"
+#include "show/report/script_data.hpp"
+#include "show/report/sections.hpp"
+
+namespace plumbline::report {
+
+namespace {
+
+/// [from which tolerance on it passes, below which it fails] in mm; null: at none, or nobody knows.
+std::string turning_points(double tau_pass, double tau_fail) {
+  return "[" + script_number(1e3 * tau_pass, 6) + "," + script_number(1e3 * tau_fail, 6) + "]";
+}
+
+std::string anchor_json(const AnchorDeviationT& a, const Eigen::Vector3d& origin) {
+  return "{\"n\":" + script_text(a.id) + ",\"f\":" + std::to_string(a.floor) +
+         ",\"p\":" + script_vector(a.design - origin, 4) + ",\"d\":" + script_vector(1e3 * a.deviation, 3) +
+         ",\"w\":" + std::to_string(static_cast<int>(a.verdict)) + ",\"t\":" + turning_points(a.tau_pass, a.tau_fail) +
+         "}";
+}
+
+std::string panel_json(const PanelDeviationT& p, const Eigen::Vector3d& origin,
+                       const std::map<std::string, std::size_t>& index) {
+  std::string anchors, corners, movements;
+  for (const auto& fixing : p.fixings)
+    anchors += (anchors.empty() ? "" : ",") + std::to_string(index.at(fixing->anchor));
+  for (const char* name : {"bottom_left", "bottom_right", "top_right", "top_left"}) {
+    Eigen::Vector3d place = Eigen::Vector3d::Zero(), movement = Eigen::Vector3d::Constant(NAN);
+    for (const auto& corner : p.corners)
+      if (corner->name == name) place = corner->design, movement = corner->movement;
+    corners += (corners.empty() ? "" : ",") + script_vector(place - origin, 4);
+    movements += (movements.empty() ? "" : ",") + script_vector(1e3 * movement, 3);
+  }
+  return "{\"n\":" + script_text(p.name.empty() ? p.guid : p.name) + ",\"f\":" + std::to_string(p.floor) +
+         ",\"w\":" + std::to_string(static_cast<int>(p.verdict)) + ",\"m\":" + (p.missing.empty() ? "0" : "1") +
+         ",\"t\":" + turning_points(p.tau_pass, p.tau_fail) + ",\"a\":[" + anchors + "],\"q\":[" + corners +
+         "],\"v\":[" + movements + "]}";
+}
+
+std::string data_of(const ReportInput& input) {
+  std::string text;
+  {
+    const DeviationT& d = *input.deviation;
+    Eigen::Vector3d origin = Eigen::Vector3d::Zero();
+    double n = 0;
+    for (const auto& anchor : d.anchors)
+      if (anchor->design.allFinite()) origin += anchor->design, ++n;
+    if (n > 0) origin /= n;
+    std::map<std::string, std::size_t> index;
+    std::string anchors, panels;
+    for (const auto& anchor : d.anchors) {
+      index[anchor->id] = index.size();
+      anchors += (anchors.empty() ? "" : ",\n") + anchor_json(*anchor, origin);
+    }
+    for (const auto& panel : d.panels) panels += (panels.empty() ? "" : ",\n") + panel_json(*panel, origin, index);
+    text = "{\"tau\":" + script_number(1e3 * d.tau, 6) + ",\"doubt\":" + (d.doubts.empty() ? "false" : "true") +
+           ",\"anchors\":[" + anchors + "],\"panels\":[" + panels + "]";
+  }
+  std::string heights;
+  if (const AccuracyComparisonT* c = headline(input.accuracy))
+    for (const auto& a : input.accuracy.anchors)
+      if (a->use == c->use && a->survey)
+        heights += (heights.empty() ? "" : ",") + script_number(1e3 * a->survey->dz, 6);
+  return text + ",\"checks\":[" + heights + "]}";
+}
+
+}  // namespace
+
+void write_view(Markup& html, const ReportInput& input) {
+  if (!input.deviation) return;
+  Scope part(html, "section", {{"id", "view"}});
+  {
+    Scope box(html, "div", {{"class", "slider"}, {"id", "tau-slider"}, {"hidden", "hidden"}});
+    html.element("label", {{"for", "tau-input"}}, "Try another tolerance");
+    // The tolerance in force lies on the slider, whatever it is: a browser moves a value that does not.
+    const double tau = 1e3 * input.deviation->tau;
+    html.empty("input", {{"id", "tau-input"},
+                         {"type", "range"},
+                         {"min", script_number(std::min(1.0, tau), 6)},
+                         {"max", script_number(std::max(20.0, tau), 6)},
+                         {"step", "any"},
+                         {"value", script_number(tau, 6)}});
+    html.element("output", {{"for", "tau-input"}}, "");
+  }
+  {
+    Scope badges(html, "div", {{"hidden", "hidden"}, {"id", "badges"}});
+    for (const auto verdict :
+         {ToleranceVerdict::not_measured, ToleranceVerdict::pass, ToleranceVerdict::undecided, ToleranceVerdict::fail})
+      verdict_badge(html, verdict);
+  }
+  {
+    Scope figure(html, "figure", {{"id", "space"}, {"hidden", "hidden"}, {"class", "screen"}});
+    html.element("h2", "In space");
+    {
+      Scope bar(html, "div", {{"class", "slider"}});
+      html.element("label", {{"for", "floor-input"}}, "Floor");
+      html.open("select", {{"id", "floor-input"}});
+      html.element("option", {{"value", ""}}, "all");
+      html.close();
+      html.element("label", {{"for", "factor-input"}}, "Arrows ×");
+      html.empty(
+          "input",
+          {{"id", "factor-input"}, {"type", "range"}, {"min", "0"}, {"max", "500"}, {"step", "10"}, {"value", "100"}});
+      html.element("output", {{"id", "factor-output"}}, "");
+      for (const auto& [id, words] : {std::pair{"design-input", "design"}, std::pair{"built-input", "as built"}}) {
+        Scope label(html, "label", {{"class", "tick"}, {"hidden", "hidden"}});
+        html.empty("input", {{"id", id}, {"type", "checkbox"}, {"checked", "checked"}});
+        html.text(words);
+      }
+    }
+    {
+      Scope stack(html, "div", {{"class", "stack"}});
+      html.element("canvas",
+                   {{"id", "canvas"},
+                    {"width", "1040"},
+                    {"height", "560"},
+                    {"role", "img"},
+                    {"aria-label", "Anchors and panels in space; all numbers stand in the tables"}},
+                   "");
+    }
+    html.element("p", {{"id", "picked"}, {"class", "note"}},
+                 "Drag to turn, wheel or pinch to zoom, tap an anchor for its values.");
+  }
+  html.open("script", {{"type", "application/json"}, {"id", "judged"}}).raw(data_of(input)).close();
+  html.open("script", {{"type", "text/plain"}, {"id", "three-js"}}).raw(three_script).close();
+}
+
+}  // namespace plumbline::report

@@ -1,0 +1,164 @@
+#include "faces.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+
+namespace plumbline::surface {
+namespace {
+
+/// Places that look at a plane from before it and from behind it, at no flatter an angle than 15°.
+struct Lookers {
+  int before = 0, behind = 0;
+};
+
+Lookers looked_at(const Eigen::Vector3d& origin, const Eigen::Vector3d& out,
+                  const std::vector<Eigen::Vector3d>& seen_from) {
+  Lookers count;
+  for (const Eigen::Vector3d& place : seen_from) {
+    const double cosine = (place - origin).normalized().dot(out);
+    if (std::abs(cosine) > 0.26) ++(cosine > 0 ? count.before : count.behind);
+  }
+  return count;
+}
+
+/// The panel's own direction out, if the design knows one; nan without.
+Eigen::Vector3d own_out(const DesignElementT& element) {
+  if (!element.facade || !(element.facade->out.norm() > 0.5)) return Eigen::Vector3d::Constant(std::nan(""));
+  return element.facade->out.normalized();
+}
+
+/// On which side of `face` (a unit vector across the panel) the outside is: 1 or -1; 0: nobody knows, `why` says it.
+/// Photographs of one facade look at the panels of another from behind, through the building, so they are asked only
+/// where the design does not know for sure, and believed only if none contradicts.
+int side_of(const DesignElementT& element, const DesignT& design, const Eigen::Vector3d& middle,
+            const Eigen::Vector3d& face, const std::vector<Eigen::Vector3d>& seen_from, std::string& why) {
+  const Eigen::Vector3d own = own_out(element);
+  const bool known = own.allFinite() && std::abs(own.dot(face)) > 0.1;
+  if (known && element.facade->confirmed) return own.dot(face) > 0 ? 1 : -1;
+  const Lookers lookers = looked_at(middle, face, seen_from);
+  const int nearer = lookers.before >= lookers.behind ? 1 : -1;
+  if (lookers.before + lookers.behind > 0 && std::min(lookers.before, lookers.behind) == 0) return nearer;
+  if (known && (lookers.before + lookers.behind == 0 || nearer * own.dot(face) > 0)) return own.dot(face) > 0 ? 1 : -1;
+  if (lookers.before + lookers.behind > 0) {
+    why = std::to_string(std::max(lookers.before, lookers.behind)) + " places look at it from one side, " +
+          std::to_string(std::min(lookers.before, lookers.behind)) +
+          " from the other, and the design does not say for sure which is outside; a rule for its facade does";
+    return 0;
+  }
+  if (design.facade_normal.allFinite() && std::abs(design.facade_normal.dot(face)) > 0.1)
+    return design.facade_normal.dot(face) > 0 ? 1 : -1;
+  why = "nothing looks at it and the design does not say which side is outside";
+  return 0;
+}
+
+/// Of the box's three directions the one across the panel: the thinnest, but of a panel that is known to face another
+/// way (a fin, a deep frame) the one that faces there.
+int across_panel(const DesignElementT& element, const Eigen::Matrix3d& turn, const Eigen::Vector3d& size) {
+  int thin = 0;
+  size.minCoeff(&thin);
+  const Eigen::Vector3d own = own_out(element);
+  if (!own.allFinite() || !element.facade->confirmed || std::abs(turn.col(thin).dot(own)) > std::sqrt(0.5)) return thin;
+  (turn.transpose() * own).cwiseAbs().maxCoeff(&thin);
+  return thin;
+}
+
+}  // namespace
+
+Faces faces_of(const DesignT& design, const std::vector<Eigen::Vector3d>& seen_from) {
+  Faces result;
+  for (const auto& element : design.elements) {
+    if (!element->is_panel) continue;
+    const std::string name = element->name.empty() ? element->guid : element->name;
+    const Eigen::Vector3d size = element->box_high - element->box_low;
+    if (!size.allFinite() || !(size.minCoeff() >= 0)) {
+      result.left_out.push_back(name + ": the design gives no shape that a face could be taken from");
+      continue;
+    }
+    const Eigen::Matrix3d turn = element->placement.rotation.toRotationMatrix();
+    const int through = across_panel(*element, turn, size);
+    const Eigen::Vector3d middle = element->placement * Eigen::Vector3d(0.5 * (element->box_low + element->box_high));
+    std::string why;
+    const int side = side_of(*element, design, middle, turn.col(through), seen_from, why);
+    if (side == 0) {
+      result.left_out.push_back(name + ": " + why);
+      continue;
+    }
+    const Eigen::Vector3d out = side * turn.col(through);
+    PanelFace face;
+    face.id = name;
+    face.plane = facade_plane(middle + 0.5 * size(through) * out, out);
+    // Up as the design has it: on a soffit or a leaning facade it is not the vertical.
+    const bool own_up =
+        element->facade && element->facade->up.norm() > 0.5 && std::abs(element->facade->up.dot(out)) < 0.7;
+    const Eigen::Vector3d upward = own_up ? element->facade->up : face.plane.axes.col(1);
+    // The box's own edges are the face's, whatever is up: a panel may stand askew.
+    const int wide = (through + 1) % 3, high = (through + 2) % 3;
+    const bool swapped = std::abs(turn.col(wide).dot(upward)) > std::abs(turn.col(high).dot(upward));
+    const int across = swapped ? high : wide, upwards = swapped ? wide : high;
+    Eigen::Vector3d up = turn.col(upwards);
+    if (up.dot(upward) < 0) up = -up;
+    face.plane.axes << up.cross(out), up, out;
+    face.width = size(across), face.height = size(upwards), face.thickness = size(through);
+    result.faces.push_back(face);
+    result.guids.push_back(element->guid);
+  }
+  return result;
+}
+
+void leave_out_seen_from_behind(Faces& faces, const std::vector<Eigen::Vector3d>& seen_from) {
+  Faces kept;
+  kept.left_out = std::move(faces.left_out);
+  for (size_t f = 0; f < faces.faces.size(); ++f) {
+    const Lookers lookers = looked_at(faces.faces[f].plane.origin, faces.faces[f].plane.axes.col(2), seen_from);
+    if (lookers.before == 0 && lookers.behind > 0) {
+      kept.left_out.push_back(faces.faces[f].id + ": all " + std::to_string(lookers.behind) +
+                              " stations of 'seen_from' that look at it see it from behind: not its outer face");
+      continue;
+    }
+    kept.faces.push_back(std::move(faces.faces[f])), kept.guids.push_back(std::move(faces.guids[f]));
+  }
+  faces = std::move(kept);
+}
+
+Faces face_through(const PointsT& points, const std::vector<Eigen::Vector3d>& seen_from, double margin) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  std::vector<Eigen::Vector3d> places;
+  for (const auto& point : points.points)
+    if (point->position.allFinite()) places.push_back(point->position), mean += point->position;
+  if (places.size() < 3)
+    throw std::runtime_error("a plane needs three points with coordinates, 'points' has " +
+                             std::to_string(places.size()));
+  mean /= static_cast<double>(places.size());
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+  for (const Eigen::Vector3d& place : places) scatter += (place - mean) * (place - mean).transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(scatter);
+  if (!(axes.eigenvalues()(1) > 1e-4 * axes.eigenvalues()(2)))
+    throw std::runtime_error("the " + std::to_string(places.size()) +
+                             " points of 'points' lie on a line; connect 'design', or more points");
+  Eigen::Vector3d out = axes.eigenvectors().col(0);
+  const Lookers lookers = looked_at(mean, out, seen_from);
+  if (lookers.before == lookers.behind)
+    throw std::runtime_error(std::to_string(lookers.before) +
+                             " places look at the plane of 'points' from one side and " +
+                             std::to_string(lookers.behind) +
+                             " from the other: nobody knows which side is outside, and every sign hangs on it; set "
+                             "'seen_from' to the scanner's stations, or take photographs of one side");
+  if (lookers.behind > lookers.before) out = -out;
+  PanelFace face;
+  face.id = "plane of the points";
+  face.plane = facade_plane(mean, out);
+  Eigen::Vector2d low(1e300, 1e300), high = -low;
+  for (const Eigen::Vector3d& place : places) {
+    const Eigen::Vector2d at = face.plane.local(place).head<2>();
+    low = low.cwiseMin(at), high = high.cwiseMax(at);
+  }
+  const Eigen::Vector2d middle = 0.5 * (low + high);
+  face.plane.origin = face.plane.world({middle.x(), middle.y(), 0});
+  face.width = high.x() - low.x() + 2 * margin, face.height = high.y() - low.y() + 2 * margin;
+  return {{face}, {""}, {}};
+}
+
+}  // namespace plumbline::surface

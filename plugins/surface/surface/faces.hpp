@@ -1,0 +1,34 @@
+// Where surfaces should be: the panels of a design, or the plane of some points.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "artifacts/design.hpp"
+#include "artifacts/points.hpp"
+#include "surface/dense/panel_surface.hpp"
+
+namespace plumbline::surface {
+
+struct Faces {
+  std::vector<PanelFace> faces;
+  std::vector<std::string> guids;     ///< of the elements, one a face
+  std::vector<std::string> left_out;  ///< panels without a face, with the reason
+};
+
+/// Outer faces of the design's panels, each by itself: of the box of its shape the side that faces out of the facade
+/// (DesignElement.facade), where that is confirmed; else the side of the two larger extents that `seen_from`
+/// (projection centres, scanner stations) look at. A panel that is looked at from both sides, as it is in a block
+/// around a building, or from none, is turned as its unconfirmed frame says if nothing contradicts it, or as the
+/// design's one facade; else it is left out, because nobody knows which side is outside.
+Faces faces_of(const DesignT& design, const std::vector<Eigen::Vector3d>& seen_from);
+
+/// Leaves out faces that some of `seen_from` look at and all from behind: what they see is another side of the panel.
+void leave_out_seen_from_behind(Faces& faces, const std::vector<Eigen::Vector3d>& seen_from);
+
+/// One face: the best plane of the points, wide enough to hold them and `margin` more, turned to `seen_from`. Throws
+/// std::runtime_error for fewer than three points or points on a line, and where as many look from one side as from the
+/// other, or nobody does.
+Faces face_through(const PointsT& points, const std::vector<Eigen::Vector3d>& seen_from, double margin);
+
+}  // namespace plumbline::surface

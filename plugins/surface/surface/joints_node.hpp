@@ -1,0 +1,75 @@
+// Joints between panels from the edges that photographs show.
+#pragma once
+
+#include "panels_node.hpp"
+#include "photographs.hpp"
+
+namespace plumbline::surface {
+
+struct Joints : Node {
+  static constexpr Info info{"surface.joints", "", 1,
+                             "Width and flush step along the joints between panels, from edges in all photographs"};
+  List<Image> images{"images", "the photographs"};
+  In<Poses> poses{"poses", frame("frame=?F"), "their orientations, with the joint covariance of all"};
+  In<Camera> camera{"camera", "the cameras that took them"};
+  In<Surfaces> panels{"panels", frame("frame=?F"), "the panels, measured in the same photographs"};
+  Param<double> station{"station", 0.02, "m", between(0.002, 1), "length along a joint of which the mean is taken"};
+  Param<double> widest{"widest", 0.06, "m", between(0.001, 0.5), "panels further apart have no joint between them"};
+  Param<double> search{"search", 0.012, "m", between(0.001, 0.2),
+                       "how far an edge may be from where the design has it"};
+  Param<int64_t> min_views{"min_views", 2, between(1, 20), "photographs that have to show an edge"};
+  Param<double> edge_height_sigma{"edge_height_sigma", 3e-4, "m", between(1e-6, 0.01),
+                                  "of an edge over its panel: bevels, dents"};
+  Param<double> memory{"memory", 1.5, "GiB", between(0.05, 64), "for the photographs' pixels"};
+  Out<Surfaces> surfaces{"surfaces", frame("frame=?F"), "panels and joints"};
+  Out<File> table{"table", "one line a joint, CSV"};
+
+  void run(Context& context) override {
+    SurfacesT result = panels.unpack();
+    std::vector<ImageT> all;
+    for (size_t i = 0; i < images.size(); ++i) all.push_back(images.unpack(i));
+    const Photographs photographs(all, poses.unpack(), camera.unpack());
+    const auto limit = static_cast<std::uint64_t>(*memory * 1073741824.0);
+    context.reserve_memory(limit);
+    PixelCache pixels(photographs, limit,
+                      [&](size_t view) { return read_grey_image(context.resolve(photographs.uri(view))); });
+    std::vector<PanelFace> faces;
+    std::vector<PanelSurface> measured;
+    for (const auto& panel : result.panels) {
+      faces.push_back(face_of(*panel->face));
+      measured.push_back(panel_of(*panel, result.rank));
+    }
+    const std::vector<Joint> joints = joints_of(faces, *widest);
+    if (joints.empty())
+      context.warn("no two panels are nearer than " + std::to_string(*widest) + " m: there are no joints");
+    JointOptions options;
+    options.station = *station, options.search = *search, options.min_views = static_cast<int>(*min_views);
+    options.height_sigma = *edge_height_sigma;
+    int found = 0;
+    for (size_t j = 0; j < joints.size(); ++j) {
+      context.progress(static_cast<double>(j) / static_cast<double>(joints.size()), joints[j].a + " | " + joints[j].b);
+      PanelFace strip{"", joints[j].plane, joints[j].width + 0.04, joints[j].length};
+      std::vector<size_t> seen = photographs.that_see(strip, 0.01);
+      std::uint64_t bytes = 0;
+      size_t fit = 0;
+      while (fit < seen.size() && bytes + photographs.bytes(seen[fit]) <= limit)
+        bytes += photographs.bytes(seen[fit++]);
+      if (fit < seen.size())
+        context.warn("joint " + joints[j].a + " | " + joints[j].b + ": " + std::to_string(fit) + " of " +
+                     std::to_string(seen.size()) + " photographs are used; 'memory' holds no more");
+      seen.resize(fit);
+      const MeasuredJoint joint =
+          measure_joint(joints[j], faces, measured, pixels.take(seen), photographs.orientations(), options);
+      if (!joint.not_measured.empty())
+        context.warn("joint " + joints[j].a + " | " + joints[j].b + " is not measured: " + joint.not_measured);
+      found += joint.not_measured.empty();
+      result.joints.push_back(describe(joint, joints[j]));
+    }
+    context.info(std::to_string(found) + " of " + std::to_string(joints.size()) + " joints measured");
+    context.metric("joints", found, "1");
+    surfaces.commit(result);
+    table.commit(text_file("joints.csv", "text/csv", joints_table(result)));
+  }
+};
+
+}  // namespace plumbline::surface

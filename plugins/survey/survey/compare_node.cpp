@@ -1,0 +1,232 @@
+#include "compare_node.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <sstream>
+
+#include "artifacts/survey_artifact.hpp"
+#include "ellipsoid_artifact.hpp"
+#include "geometry/statistics.hpp"
+#include "network_artifact.hpp"
+#include "survey/doctor/check_control.hpp"
+#include "survey/epochs/compare_epochs.hpp"
+#include "survey/epochs/epoch_scale.hpp"
+#include "survey/files/survey_layout.hpp"
+#include "survey/model/merge_surveys.hpp"
+
+namespace plumbline::survey {
+
+namespace {
+
+std::string joined(const std::vector<std::string>& ids) {
+  std::string text;
+  for (size_t i = 0; i < ids.size() && i < 10; ++i) text += (i ? ", " : "") + ids[i];
+  return ids.size() > 10 ? text + " and " + std::to_string(ids.size() - 10) + " more" : text;
+}
+
+Epoch epoch_of(const PointsT& points, const char* which) {
+  const ControlPoints all = control_from_artifact(points);
+  if (points.covariance.empty())
+    throw std::runtime_error(std::string("'") + which + "' has no covariance; take the points output of survey.adjust");
+  return {all.ids, all.coordinates, all.covariance};
+}
+
+EpochVariance variance_of(const PointsT& points, bool applied) {
+  if (!points.statistics || !(points.statistics->sigma0 > 0)) return {};
+  return {points.statistics->sigma0, static_cast<int>(points.statistics->degrees_of_freedom), applied};
+}
+
+int defect_of(const PointsT& points) { return points.statistics ? points.statistics->datum_defect : 0; }
+
+/// Instrument stations that no sight leads to: free set-ups, whose names mean another place in every epoch.
+std::set<std::string> unmarked_stations(const SurveyNetworkT& network) {
+  std::set<std::string> stations;
+  for (const auto& s : network.set_ups) stations.insert(s->station);
+  for (const auto& o : network.observations)
+    if (!o->from.empty()) stations.erase(o->to);
+  return stations;
+}
+
+std::unique_ptr<PointMovementT> pack(const Movement& m) {
+  auto p = std::make_unique<PointMovementT>();
+  p->id = m.id;
+  p->position = m.position;
+  p->movement = m.movement;
+  p->sigma = m.sigma;
+  p->statistic = m.statistic;
+  p->moved = m.moved;
+  p->stable = m.stable;
+  p->detectable_height = m.detectable_height;
+  p->ellipsoid = ellipsoid_artifact(m.id, m.covariance);
+  return p;
+}
+
+SurveyComparisonT to_artifact(const Comparison& c, const ComparisonOptions& options) {
+  SurveyComparisonT out;
+  for (const Movement& m : c.movements) out.points.push_back(pack(m));
+  out.statistic = c.statistic;
+  out.rank = c.rank;
+  out.critical = c.critical;
+  out.congruent = c.congruent;
+  for (const Exclusion& e : c.excluded) {
+    auto item = std::make_unique<PointExclusionT>();
+    item->id = e.id;
+    item->statistic = e.statistic;
+    item->critical = e.critical;
+    item->alternatives = e.alternatives;
+    out.excluded.push_back(std::move(item));
+  }
+  out.alpha = options.alpha;
+  out.alpha0 = options.alpha0;
+  out.power = options.power;
+  out.critical_point = chi_squared_quantile(1 - options.alpha0, 3);
+  out.free_motions = options.free_motions;
+  out.only_first = c.only_first;
+  out.only_second = c.only_second;
+  out.left_out = c.incomplete;
+  if (c.variances.critical > 0) {
+    out.variance_ratio = c.variances.ratio;
+    out.variance_critical = c.variances.critical;
+  }
+  out.first_factor = c.variances.first_factor;
+  out.second_factor = c.variances.second_factor;
+  out.variances = c.variances.text;
+  return out;
+}
+
+std::string tests_in_words(const Comparison& c) {
+  std::ostringstream text;
+  text.precision(1);
+  text << std::fixed << "test statistic " << c.statistic << ", critical value " << c.critical << " at rank " << c.rank;
+  return text.str();
+}
+
+std::string movement_in_words(const Movement& m) {
+  std::ostringstream text;
+  text.precision(2);
+  std::string separator, sigmas;
+  for (int k = 0; k < 3; ++k) {
+    if (std::isnan(m.movement[k])) continue;  // a bench mark has a height only
+    text << separator << "ENH"[k] << " " << std::showpos << std::fixed << 1000 * m.movement[k] << std::noshowpos;
+    std::ostringstream sigma;
+    sigma.precision(2);
+    sigma << std::fixed << 1000 * m.sigma[k];
+    sigmas += separator + sigma.str();
+    separator = ", ";
+  }
+  text << " mm (sigma " << sigmas << " mm)";
+  return text.str();
+}
+
+std::string alternatives_in_words(const Comparison& c, const std::string& id) {
+  for (const Exclusion& e : c.excluded)
+    if (e.id == id && !e.alternatives.empty()) return "; the test cannot tell it from " + joined(e.alternatives);
+  return "";
+}
+
+ComparisonOptions options_of(double alpha, double alpha0, double power) {
+  ComparisonOptions options;
+  options.alpha = alpha;
+  options.alpha0 = alpha0;
+  options.power = power;
+  return options;
+}
+
+}  // namespace
+
+void CompareEpochsNode::run(Context& context) {
+  const PointsT a = first.unpack(), b = second.unpack();
+  ComparisonOptions options = options_of(*alpha, *alpha0, *power);
+  options.free_motions = merged_motions(defect_of(a), defect_of(b), epoch_of(a, "first"));
+  if (*datum == "fixed") options.free_motions = 0;
+  if (*datum == "free" && options.free_motions == 0) options.free_motions = 4;
+  std::set<std::string> stations;
+  if (first_network && second_network)
+    for (const auto& network : {first_network.unpack(), second_network.unpack()})
+      stations.merge(unmarked_stations(network));
+  std::vector<std::string> skipped;
+  const auto chosen = [&](const Epoch& epoch) {
+    std::vector<char> keep;
+    for (const std::string& id : epoch.ids) {
+      const bool named =
+          std::any_of(points->begin(), points->end(), [&](const auto& p) { return matches_pattern(id, p); });
+      keep.push_back(named || (points->empty() && !stations.contains(id)));
+      if (points->empty() && stations.contains(id) && std::find(skipped.begin(), skipped.end(), id) == skipped.end())
+        skipped.push_back(id);
+    }
+    return part_of(epoch, keep);
+  };
+  const Epoch before = chosen(epoch_of(a, "first")), after = chosen(epoch_of(b, "second"));
+  if (const auto scale = common_scale(before, after)) {
+    if (std::abs(*scale - 1) > kImpossibleScale)
+      throw std::runtime_error(scale_in_words(*scale) + "; read it in its unit, these are no movements");
+    context.warn(scale_in_words(*scale) + ": a ppm setting or a map scale was another; movements below hold it");
+  }
+  options.first_variance = variance_of(a, first_network ? first_network.unpack().scaled_with_sigma0 : false);
+  options.second_variance = variance_of(b, second_network ? second_network.unpack().scaled_with_sigma0 : false);
+  const Comparison c = compare_epochs(before, after, options);
+  if (c.variances.degrees_of_freedom > 0)
+    context.warn(c.variances.text);
+  else
+    context.info(c.variances.text);
+  SurveyComparisonT out = to_artifact(c, options);
+  out.left_out.insert(out.left_out.end(), skipped.begin(), skipped.end());
+  std::vector<std::string> moved;
+  for (const Movement& m : c.movements) {
+    if (!m.moved) continue;
+    moved.push_back(m.id);
+    context.warn("point " + m.id + " has moved: " + movement_in_words(m) + alternatives_in_words(c, m.id));
+  }
+  out.remark = c.variances.text + (c.variances.text.empty() ? "" : "; ") +
+               (c.congruent ? "the epochs are congruent: " : "the epochs are not congruent: ") + tests_in_words(c) +
+               (moved.empty() ? "; no point has moved significantly" : "; moved: " + joined(moved));
+  context.info(out.remark);
+  comparison.commit(out);
+}
+
+void CheckControlNode::run(Context& context) {
+  std::vector<SurveyObservations> surveys;
+  for (size_t i = 0; i < observations.size(); ++i) surveys.push_back(from_artifact(observations.unpack(i)));
+  ControlPoints known;
+  if (control) known = control_from_artifact(control.unpack());
+  const auto survey = merge_surveys(surveys, {known.ids, *same_stations}).survey;  // survey.adjust says what was united
+  AdjustOptions adjustment;
+  std::string remark;  // survey.adjust says it
+  adjustment.profile = chosen_profile(survey.info.instrument, remark);
+  adjustment.instruments = further_instruments(survey.instruments);
+  adjustment.map = *map;
+  adjustment.geoid_height = *geoid_height;
+  adjustment.remove_blunders = *remove_blunders;
+  const ComparisonOptions options = options_of(*alpha, *alpha0, *power);
+  const ControlCheck result = check_control(survey, known, adjustment, options);
+  if (!result.cause.empty()) context.warn("the control points do not fit the observations: " + result.cause);
+  if (result.problem.empty()) {
+    ComparisonOptions used = options;
+    used.free_motions = result.free_motions;
+    SurveyComparisonT out = to_artifact(result.comparison, used);
+    std::vector<std::string> bad;
+    for (const Movement& m : result.comparison.movements) {
+      if (!m.moved) continue;
+      bad.push_back(m.id);
+      context.warn("control point " + m.id + " does not fit the observations: measured minus given " +
+                   movement_in_words(m) + alternatives_in_words(result.comparison, m.id));
+    }
+    if (!result.comparison.congruent && bad.empty())
+      context.warn("the control points do not fit the observations, and no single one explains it: " +
+                   tests_in_words(result.comparison));
+    out.remark = (result.comparison.congruent ? "the control points fit the observations: "
+                                              : "the control points do not fit the observations: ") +
+                 tests_in_words(result.comparison) + (bad.empty() ? "" : "; suspect: " + joined(bad));
+    context.info(out.remark);
+    check.commit(out);
+    return;
+  }
+  SurveyComparisonT out;
+  out.congruent = true;
+  out.remark = result.problem;
+  context.info(out.remark);
+  check.commit(out);
+}
+
+}  // namespace plumbline::survey

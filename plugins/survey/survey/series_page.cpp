@@ -1,0 +1,164 @@
+// The page of a series: a table of what is to be said, and a chart of each point over time.
+#include <algorithm>
+#include <cmath>
+
+#include "base/text/xml_text.hpp"
+#include "series_files.hpp"
+#include "survey/doctor/network_words.hpp"
+
+namespace plumbline::survey {
+
+namespace {
+
+using text::xml_escaped;
+
+constexpr const char* kStyle =
+    "body{font:15px/1.45 system-ui,sans-serif;max-width:70rem;margin:2rem auto;padding:0 1rem;color:#1a1a1a}"
+    "table{border-collapse:collapse;margin:1rem 0}td,th{padding:.2rem .7rem;text-align:right;border-bottom:1px solid "
+    "#ddd}td:first-child,th:first-child,.l{text-align:left}.box{border-left:6px solid #2a7d3f;padding:.6rem 1rem;"
+    "background:#f2f7f3}.box.bad{border-color:#b3261e;background:#fbf1f0}section{margin:2rem 0;break-inside:avoid}"
+    "svg{max-width:100%;height:auto}.n{color:#555}";
+constexpr const char* kColours[] = {"#1f5fa8", "#2a7d3f", "#b3261e"};
+
+std::string place_in_chart(double value) { return fixed_digits(value, 1); }
+
+/// Movement in E, N, H over time with bars of two standard deviations, the line that was fitted, and the levels.
+class Chart {
+ public:
+  Chart(const SeriesPoint& p, const SeriesText& text) : p_(p), text_(text) {
+    for (const auto& at : p.at)
+      for (int k = 0; k < 3; ++k)
+        if (std::isfinite(at.movement[k]))
+          reach_ = std::max(reach_, 1000 * (std::abs(at.movement[k]) + 2 * at.sigma[k]));
+    reach_ *= 1.1;
+  }
+
+  std::string svg() const {
+    std::string out = "<svg viewBox=\"0 0 760 240\" role=\"img\" aria-label=\"movement of " + xml_escaped(p_.id) +
+                      " over time\"><rect x=\"60\" y=\"10\" width=\"640\" height=\"200\" fill=\"none\" "
+                      "stroke=\"#bbb\"/>";
+    for (const double v : {-reach_ / 1.1, 0.0, reach_ / 1.1})
+      out += line(60, y(v), 700, y(v), "#ddd", "") + label(54, y(v) + 5, fixed_digits(v, 1), "end");
+    out += label(8, 60, "mm", "start");
+    for (size_t k = p_.first; k < text_.times.size(); ++k)
+      out += line(x(text_.times[k]), 210, x(text_.times[k]), 215, "#888", "");
+    out += label(x(text_.times[p_.first]), 230, text_.labels[p_.first], "start") +
+           label(x(text_.times.back()), 230, text_.labels.back(), "end");
+    for (int k = 0; k < 3; ++k) out += component(k);
+    return out + "</svg>";
+  }
+
+ private:
+  double x(double time) const {
+    const double first = text_.times.front(), last = text_.times.back();
+    return 70 + 620 * (time - first) / std::max(1e-12, last - first);
+  }
+  double y(double millimetres) const { return 110 - 100 * millimetres / reach_; }
+  static std::string line(double x1, double y1, double x2, double y2, const char* colour, const char* dash) {
+    return "<line x1=\"" + place_in_chart(x1) + "\" y1=\"" + place_in_chart(y1) + "\" x2=\"" + place_in_chart(x2) +
+           "\" y2=\"" + place_in_chart(y2) + "\" stroke=\"" + colour + "\"" +
+           (*dash ? " stroke-dasharray=\"" + std::string(dash) + "\"" : "") + "/>";
+  }
+  static std::string label(double at_x, double at_y, const std::string& text, const char* anchor) {
+    return "<text x=\"" + place_in_chart(at_x) + "\" y=\"" + place_in_chart(at_y) +
+           "\" font-size=\"12\" text-anchor=\"" + anchor + "\">" + xml_escaped(text) + "</text>";
+  }
+  std::string component(int k) const {
+    if (!std::isfinite(p_.at.back().movement[k])) return "";
+    const char* colour = kColours[k];
+    std::string path = "M" + place_in_chart(x(text_.times[p_.first])) + " " + place_in_chart(y(0)), marks;
+    for (const auto& at : p_.at) {
+      const double shift = 3 * (k - 1), t = x(text_.times[at.epoch]) + shift, v = 1000 * at.movement[k],
+                   s = 2000 * at.sigma[k];
+      path += " L" + place_in_chart(t) + " " + place_in_chart(y(v));
+      marks += line(t, y(v - s), t, y(v + s), colour, "") + "<circle cx=\"" + place_in_chart(t) + "\" cy=\"" +
+               place_in_chart(y(v)) + "\" r=\"3\" fill=\"" + colour + "\"/>";
+    }
+    std::string out = "<path d=\"" + path + "\" fill=\"none\" stroke=\"" + colour + "\"/>" + marks;
+    if (p_.moves) {
+      const double from = text_.times[p_.first], to = text_.times.back();
+      out += line(x(from), y(0), x(to), y(1000 * p_.velocity[k] * (to - from)), colour, "5 4");
+    }
+    return out + "<text x=\"" + std::to_string(710) + "\" y=\"" + std::to_string(40 + 20 * k) +
+           "\" font-size=\"13\" fill=\"" + colour + "\">" + std::string(1, "ENH"[k]) + "</text>";
+  }
+
+  const SeriesPoint& p_;
+  const SeriesText& text_;
+  double reach_ = 0.1;  ///< [mm]
+};
+
+std::string html_row(const std::vector<std::string>& cells, const char* tag) {
+  std::string out = "<tr>";
+  for (const std::string& cell : cells)
+    out += "<" + std::string(tag) + ">" + xml_escaped(cell) + "</" + std::string(tag) + ">";
+  return out + "</tr>";
+}
+
+std::string movements_of(const SeriesPoint& p, const SeriesText& text) {
+  std::string out =
+      "<table>" +
+      html_row({"Epoch", "dE [mm]", "dN [mm]", "dH [mm]", "\u03c3E", "\u03c3N", "\u03c3H", "Test", "Critical"}, "th");
+  const auto cell = [](double v) { return std::isfinite(v) ? fixed_digits(1000 * v, 2) : std::string("\u2013"); };
+  for (const auto& at : p.at)
+    out += html_row(
+        {text.labels[at.epoch], cell(at.movement.x()), cell(at.movement.y()), cell(at.movement.z()), cell(at.sigma.x()),
+         cell(at.sigma.y()), cell(at.sigma.z()), fixed_digits(at.statistic, 1), fixed_digits(at.critical, 1)},
+        "td");
+  return out + "</table>";
+}
+
+}  // namespace
+
+std::string series_as_html(const EpochSeries& s, const SeriesText& text) {
+  constexpr size_t kAllShown = 60;  // of points nothing is to be said of
+  std::vector<const SeriesPoint*> told, quiet;
+  for (const SeriesPoint& p : s.points) (in_words(p, text).empty() ? quiet : told).push_back(&p);
+  std::stable_sort(told.begin(), told.end(), [](const SeriesPoint* a, const SeriesPoint* b) {
+    const auto rank = [](const SeriesPoint* p) { return 2 * (p->at.back().alarm != Level::below) + p->moves; };
+    return rank(a) != rank(b) ? rank(a) > rank(b) : a->velocity_statistic > b->velocity_statistic;
+  });
+  std::string out =
+      "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><title>Series of epochs</title><style>" +
+      std::string(kStyle) + "</style></head><body><h1>Series of " + std::to_string(text.labels.size()) + " epochs</h1>";
+  out += "<div class=\"box" + std::string(told.empty() ? "" : " bad") + "\"><strong>" +
+         (told.empty() ? "No point moves, and none has moved, beyond chance."
+                       : std::to_string(told.size()) + (told.size() == 1 ? " point moves, moved or reaches a level."
+                                                                         : " points move, moved or reach a level.")) +
+         "</strong>";
+  if (!told.empty()) {
+    out += "<ul>";
+    for (const SeriesPoint* p : told) out += "<li>" + xml_escaped(in_words(*p, text)) + "</li>";
+    out += "</ul>";
+  }
+  out += "</div><p>Of the epochs: " + xml_escaped(s.variances) + ".</p><p>The datum is carried by " +
+         std::to_string(s.stable.size()) +
+         (text.options.stable.empty() ? " points that stay in all epochs: " : " points that were named for it: ") +
+         xml_escaped(join(s.stable, 20)) + ".</p>";
+  if (!s.contradicted.empty())
+    out += "<div class=\"box bad\"><strong>Of them moved, against most other points: " +
+           xml_escaped(join(s.contradicted, 20)) +
+           "</strong><p>All movements below are against these points as if they had not.</p></div>";
+  if (!s.seen_once.empty())
+    out += "<p class=\"n\">Not compared (seen in one epoch only, or held without error): " +
+           xml_escaped(join(s.seen_once, 20)) + ".</p>";
+  out +=
+      "<p class=\"n\">Movements are against the first epoch that saw the point, bars are two standard deviations; a "
+      "broken "
+      "line is the velocity where it is significant (error of the first kind " +
+      fixed_digits(100 * text.options.alpha0, 1) + " %).</p>";
+  const auto section = [&](const SeriesPoint& p) {
+    out += "<section><h2>" + xml_escaped(p.id) + "</h2>";
+    if (const std::string words = in_words(p, text); !words.empty()) out += "<p>" + xml_escaped(words) + ".</p>";
+    out += Chart(p, text).svg() + movements_of(p, text) + "</section>";
+  };
+  for (const SeriesPoint* p : told) section(*p);
+  if (quiet.size() <= kAllShown)
+    for (const SeriesPoint* p : quiet) section(*p);
+  else
+    out += "<p>" + std::to_string(quiet.size()) +
+           " points do neither: their movements are in the table beside this page.</p>";
+  return out + "</body></html>\n";
+}
+
+}  // namespace plumbline::survey
