@@ -218,6 +218,7 @@ void write_floors_overview(Markup& html, const DeviationT& deviation) {
                              "undecided", "fail",         "not measured"};
   if (with_panels) heads.insert(heads.end(), {"Panels pass", "undecided", "fail"});
   if (deviation.surfaces) heads.insert(heads.end(), {"Surfaces open", "fail"});
+  heads.push_back("All at once, at least");
   table_head(html, heads);
   Scope body(html, "tbody");
   for (auto floor = deviation.floors.rbegin(); floor != deviation.floors.rend(); ++floor) {
@@ -234,6 +235,7 @@ void write_floors_overview(Markup& html, const DeviationT& deviation) {
       for (const int n : {f.panels_passed, f.panels_undecided, f.panels_failed}) html.element("td", std::to_string(n));
     if (deviation.surfaces)
       for (const int n : {f.surfaces_open, f.surfaces_failed}) html.element("td", std::to_string(n));
+    html.element("td", std::isfinite(f.pass_together) ? percent(f.pass_together) : std::string(unknown));
   }
 }
 
@@ -315,6 +317,11 @@ std::vector<std::string> confidence_of(const ReportInput& input) {
           : " Its uncertainty holds where the plate sits on its anchor, which nothing measures: " + d.mounting + ".";
   if (std::isfinite(d.weakest_pass))
     sure += " The weakest pass is in order with a probability of " + percent(d.weakest_pass) + ".";
+  if (std::isfinite(d.pass_together))
+    sure +=
+        " Each anchor and panel is judged by itself, and a floor by its worst: that all of them are within "
+        "tolerance at once has a probability of at least " +
+        percent(d.pass_together) + ".";
   lines.push_back(sure);
   const AccuracyComparisonT* c = comparison(input.accuracy, AnchorUse::check, AccuracyReference::survey);
   if (c && c->anchors > 0)

@@ -143,6 +143,11 @@ std::string installation_text(const DeviationT& deviation) {
   }
   text += row("Anchors and panels pass from a probability of %.4g %% on that all judged of them is within tolerance.",
               100 * (1 - deviation.risk));
+  if (std::isfinite(deviation.pass_together))
+    text +=
+        row("Each is judged by itself, a floor by its worst: all of them are within tolerance at once with a "
+            "probability of at least %.1f %%.",
+            std::floor(1000 * deviation.pass_together) / 10);
   return text;
 }
 
