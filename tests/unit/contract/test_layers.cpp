@@ -160,9 +160,10 @@ TEST(Layers, ALibraryIncludesOnlyWhatStandsBeforeIt) {
 
 TEST(Layers, EveryLibraryHasItsRule) {
   const fs::path root = fs::path(plumbline::test::source_dir()) / "libraries";
-  for (const auto& entry : fs::recursive_directory_iterator(root))
-    if (is_source(entry.path()))
-      EXPECT_NE(library_of(entry.path().lexically_relative(root)), "") << entry.path() << " stands in no library";
+  for (const auto& entry : fs::recursive_directory_iterator(root)) {
+    if (!is_source(entry.path())) continue;
+    EXPECT_NE(library_of(entry.path().lexically_relative(root)), "") << entry.path() << " stands in no library";
+  }
 }
 
 TEST(Layers, APluginIncludesNoOtherPluginAndNotTheRuntime) {
