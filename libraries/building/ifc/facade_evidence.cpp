@@ -16,6 +16,8 @@
 namespace plumbline::ifc {
 namespace {
 
+/// So far above or below the edge of a slab an anchor of that storey sits [m].
+constexpr double kStorey = 3;
 /// Of elements that are alike: more than this are nearly all.
 constexpr double kNearlyAll = 0.9;
 /// Neighbours that show the line of a facade, in plan [m].
@@ -100,12 +102,14 @@ class Assigner {
       for (const std::string& guid : panel->anchor_guids)
         if (const auto anchor = by_guid_.find(guid); anchor != by_guid_.end()) fix(*panel, *anchor->second);
       if (panel->anchor_guids.empty() && panel->has_box)
-        for_anchors_at(*panel, kPanelReach, [&](const Element& anchor) { fix(*panel, anchor); });
+        for_anchors_at(*panel, kPanelReach, [&](const Element& anchor, const Eigen::Vector3d& off) {
+          if (off.norm() <= kPanelReach) fix(*panel, anchor);
+        });
     }
     for (const Element& element : design_.elements)
       if (carries(element))
-        for_anchors_at(element, kAtFace, [&](const Element& anchor) {
-          if (anchor.host_guid == element.guid) return;
+        for_anchors_at(element, kStorey, [&](const Element& anchor, const Eigen::Vector3d& off) {
+          if (anchor.host_guid == element.guid || off.head<2>().norm() > kAtFace || std::abs(off.z()) > kStorey) return;
           if (const auto line = line_of_host(element, anchor.position); line && line->outward)
             edges_[&anchor].push_back(*line);
         });
@@ -117,7 +121,7 @@ class Assigner {
     return {index(0), index(1), index(2)};
   }
 
-  /// All anchors within `reach` of the element's box.
+  /// All anchors that may be within `reach` of the element's box, with the way from the box to them.
   template <class Visit>
   void for_anchors_at(const Element& element, double reach, const Visit& visit) const {
     const RigidTransform own = element.project_from_element.inverse();
@@ -127,8 +131,10 @@ class Assigner {
     for (auto it = cells_.lower_bound({low[0], low[1], low[2]}); it != cells_.end() && it->first[0] <= high[0]; ++it) {
       const Cell& cell = it->first;
       if (cell[1] < low[1] || cell[1] > high[1] || cell[2] < low[2] || cell[2] > high[2]) continue;
-      for (const Element* anchor : it->second)
-        if (distance_from_box(element.box_low, element.box_high, own * anchor->position) <= reach) visit(*anchor);
+      for (const Element* anchor : it->second) {
+        const Eigen::Vector3d at = own * anchor->position;
+        visit(*anchor, axes_of(element) * (at - at.cwiseMax(element.box_low).cwiseMin(element.box_high)));
+      }
     }
   }
 

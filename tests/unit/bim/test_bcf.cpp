@@ -11,6 +11,7 @@
 #include "building/ifc/bcf_surroundings.hpp"
 #include "building/ifc/ifc_guid.hpp"
 #include "building/judgement/worst_first.hpp"
+#include "building/step/zip_writer.hpp"
 #include "measured.hpp"
 #include "small_building.hpp"
 #include "test_support.hpp"

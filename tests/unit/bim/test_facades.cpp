@@ -345,25 +345,31 @@ TEST(Facades, AWallAloneConfirmsNothing) {
     }
 }
 
-/// Base plates, linings, structural walls lie behind their anchors: nobody is sent towards them.
+/// Base plates, linings, structural walls lie behind their anchors: nobody is sent towards them. On a north side axes
+/// that nobody turned point into the building, too, and say the same.
 TEST(Facades, APlateBehindItsAnchorsConfirmsNoSide) {
-  for (const double plate : {0.2, -0.2})   // behind, before
+  const Shape north{"north", {{{8, 0}, 0}}, {4, -3, 0}};
+  for (const double plate : {-0.2, 0.2})   // behind, before
     for (const bool slab : {true, false})  // its edge is at the anchors
-      for (const bool clads : {true, false}) {
-        Design design = design_of({"flat", {{{0, 0}, 180}}, {4, 5, 0}}, no_slabs, false);
-        for (Element& e : design.elements)
-          if (e.is_panel) e.position.y() = e.project_from_element.translation.y() = plate, e.is_cladding = clads;
-        if (slab) design.elements.push_back(slab_at(1.9));
-        assign_facades(design, {});
-        for (const Element& e : design.elements) {
-          if (!e.is_anchor || e.position.z() > 2) continue;
-          const bool right = plate < 0 && (slab || clads), told_so = plate > 0 && !slab && clads;
-          EXPECT_EQ(e.facade.confirmed, right || told_so) << plate << slab << clads << ": " << e.facade.note;
-          if (right) {
-            EXPECT_LT((e.facade.out - facing(180 * kDegree)).norm(), 1e-6);
+      for (const bool clads : {true, false})
+        for (const char* ifc_class : {"IfcPlate", "IfcWall"}) {
+          Design design = design_of(north, no_slabs, false);
+          for (Element& e : design.elements)
+            if (e.is_panel)
+              e.position.y() = e.project_from_element.translation.y() = plate, e.is_cladding = clads,
+              e.ifc_class = ifc_class;
+          if (slab) design.elements.push_back(slab_at(-1.9));
+          assign_facades(design, {});
+          for (const Element& e : design.elements) {
+            if (!e.is_anchor || e.position.z() > 2) continue;
+            // What is called cladding is believed to hang outside; axes that say the opposite keep that open.
+            const bool right = plate > 0 && slab, told_so = plate < 0 && !slab && clads;
+            EXPECT_EQ(e.facade.confirmed, right || told_so) << plate << slab << clads << ": " << e.facade.note;
+            if (right) {
+              EXPECT_LT((e.facade.out - facing(0)).norm(), 1e-6);
+            }
           }
         }
-      }
 }
 
 TEST(Facades, CladdingGoesBeforeTheBasePlatesBehindIt) {
