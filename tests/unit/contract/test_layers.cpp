@@ -36,7 +36,7 @@ const std::vector<Library> libraries = {
     {"building/ifc", {"building/step", "geometry", "base/text"}},
     {"building/judgement", {"building/ifc", "building/step", "geometry", "base/text"}},
     {"photo/images", {}},
-    {"photo/detect", {"photo/images", "geometry"}},
+    {"photo/detect", {"photo/images", "geometry", "base/text"}},
     {"photo/bundle", {"least_squares", "geometry"}},
     {"photo/block", {"photo/bundle", "least_squares", "control/points", "geometry", "base/text"}},
     {"photo/markers", {"photo/block", "photo/bundle", "least_squares", "control/points", "geometry", "base/text"}},
