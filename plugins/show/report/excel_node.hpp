@@ -8,8 +8,9 @@
 namespace plumbline::report {
 
 struct ReportExcel : Node {
-  static constexpr Info info{"report.excel", "", 1,
-                             "A workbook (.xlsx): anchors and panels, first to mend first, floors, and what was asked for"};
+  static constexpr Info info{
+      "report.excel", "", 1,
+      "A workbook (.xlsx): anchors and panels, first to mend first, floors, and what was asked for"};
   In<Deviation> deviation{"deviation", frame("frame=?F"), "as-built minus design, judged"};
   Param<std::string> language{"language", "en", one_of("en", "de"), "of heads and verdicts"};
   Out<File> out{"file", "deviations.xlsx"};

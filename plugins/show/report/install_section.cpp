@@ -320,7 +320,7 @@ std::vector<std::string> confidence_of(const ReportInput& input) {
           : " Its uncertainty holds where the plate sits on its anchor, which nothing measures: " + d.mounting + ".";
   if (std::isfinite(d.weakest_pass))
     sure += " The weakest pass is in order with a probability of " + percent(d.weakest_pass) + ".";
-  if (std::isfinite(d.pass_together))
+  if (d.pass_together > 0)
     sure +=
         " Each anchor and panel is judged by itself, and a floor by its worst: that all of them are within "
         "tolerance at once has a probability of at least " +

@@ -86,7 +86,7 @@ svg .halo{paint-order:stroke;stroke:var(--bg);stroke-width:4px;stroke-linejoin:r
 .slider{display:flex;flex-wrap:wrap;gap:8px 16px;align-items:center;padding:10px 14px;border:1px solid var(--line);border-radius:6px;background:var(--panel);margin:10px 0}
 .symbol.thin{stroke-width:.5}.shaft.thin{stroke-width:.8;fill:none}
 .filter{position:sticky;top:0;z-index:2}.filter input{flex:1 1 10em;min-width:0}.filter select{max-width:14em}
-.more{margin:6px 0}@media screen{tr.later{display:none}}.slider[hidden]{display:none}.slider input{flex:1 1 260px;accent-color:var(--blue)}.slider output{font-weight:600}
+.more{margin:6px 0}@media screen{tr.later,tr[hidden]{display:none!important}}.slider[hidden]{display:none}.slider input{flex:1 1 260px;accent-color:var(--blue)}.slider output{font-weight:600}
 details summary{cursor:pointer;color:var(--link);margin:8px 0}
 code{font-size:.86em;overflow-wrap:anywhere}
 .facts td{white-space:normal;text-align:left;overflow-wrap:anywhere}.facts th{text-align:left;vertical-align:top;width:16em}

@@ -112,7 +112,9 @@ std::string styles_xml() {
          "count=\"1\"><border><left/><right/><top/><bottom/><diagonal/></border></borders><cellStyleXfs "
          "count=\"1\"><xf numFmtId=\"0\" fontId=\"0\" fillId=\"0\" borderId=\"0\"/></cellStyleXfs><cellXfs "
          "count=\"6\">" +
-         cells + "</cellXfs></styleSheet>\n";
+         cells +
+         "</cellXfs><cellStyles count=\"1\"><cellStyle name=\"Normal\" xfId=\"0\" builtinId=\"0\"/></cellStyles>"
+         "</styleSheet>\n";
 }
 
 }  // namespace

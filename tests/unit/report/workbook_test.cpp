@@ -20,12 +20,12 @@ bool contains(const std::string& text, const std::string& part) { return text.fi
 
 TEST(Workbook, HasAPartForEverySheetAndKeepsNumbersWhole) {
   const double third = 1.0 / 3;
-  const std::string bytes = write_workbook({{"One & two",
-                                             {"Name", "Length"},
-                                             {0, 2},
-                                             {{std::string("A <1> \x01"), third},
-                                              {std::string(), std::numeric_limits<double>::quiet_NaN()}}},
-                                            {"Other", {"Name"}, {0}, {}}});
+  const std::string bytes =
+      write_workbook({{"One & two",
+                       {"Name", "Length"},
+                       {0, 2},
+                       {{std::string("A <1> \x01"), third}, {std::string(), std::numeric_limits<double>::quiet_NaN()}}},
+                      {"Other", {"Name"}, {0}, {}}});
   const auto files = plumbline::test::unzipped(bytes);
   for (const char* name : {"[Content_Types].xml", "_rels/.rels", "xl/workbook.xml", "xl/_rels/workbook.xml.rels",
                            "xl/styles.xml", "xl/worksheets/sheet1.xml", "xl/worksheets/sheet2.xml"})
@@ -90,7 +90,8 @@ TEST(Workbook, SaysWhatTheJudgementSays) {
   const Sheet& anchors = sheets.at(0);
   ASSERT_EQ(anchors.rows.size(), deviation.anchors.size());
   const auto column = [&](const std::string& head) {
-    return static_cast<std::size_t>(std::find(anchors.heads.begin(), anchors.heads.end(), head) - anchors.heads.begin());
+    return static_cast<std::size_t>(std::find(anchors.heads.begin(), anchors.heads.end(), head) -
+                                    anchors.heads.begin());
   };
   for (const auto& row : anchors.rows) {
     const auto& id = std::get<std::string>(row[0]);
@@ -115,10 +116,11 @@ TEST(Workbook, AnotherProgramReadsItBack) {
   const plumbline::test::TemporaryFolder folder;
   const auto book = folder.path() / "d.xlsx", script = folder.path() / "read.py", out = folder.path() / "out.txt";
   std::ofstream(book, std::ios::binary) << write_workbook(sheets);
-  std::ofstream(script) << "import openpyxl, sys\n"
-                           "for sheet in openpyxl.load_workbook(sys.argv[1]):\n"
-                           "    print(sheet.title, sheet.max_row, sheet.max_column)\n"
-                           "    for row in sheet.iter_rows(values_only=True): print(*['' if v is None else v for v in row], sep='|')\n";
+  std::ofstream(script)
+      << "import openpyxl, sys\n"
+         "for sheet in openpyxl.load_workbook(sys.argv[1]):\n"
+         "    print(sheet.title, sheet.max_row, sheet.max_column)\n"
+         "    for row in sheet.iter_rows(values_only=True): print(*['' if v is None else v for v in row], sep='|')\n";
   ASSERT_EQ(std::system(("PYTHONIOENCODING=utf-8 /usr/bin/python3 " + script.string() + " " + book.string() + " > " +
                          out.string())
                             .c_str()),
