@@ -4,10 +4,18 @@ include(CMakeFindDependencyMacro)
 find_dependency(Eigen3)
 find_program(FLATC flatc REQUIRED)
 # What single libraries need is looked for, and missed only by who links that library.
-foreach(package Threads Boost Ceres yaml-cpp pugixml JPEG PNG TIFF OpenSSL TBB nlohmann_json PkgConfig PROJ ZLIB apriltag)
+foreach(package Threads Boost Ceres yaml-cpp pugixml JPEG PNG TIFF OpenSSL TBB nlohmann_json PkgConfig PROJ ZLIB)
   find_package(${package} QUIET)
 endforeach()
-find_package(OpenCV QUIET COMPONENTS core imgproc calib3d aruco)  # of Plumbline::detect
+if(NOT TARGET apriltag::apriltag)  # its targets cannot be defined a second time, in another folder of one project
+  set(CMAKE_FIND_PACKAGE_TARGETS_GLOBAL TRUE)
+  find_package(apriltag QUIET)
+  unset(CMAKE_FIND_PACKAGE_TARGETS_GLOBAL)
+endif()
+set(plumbline_module_path ${CMAKE_MODULE_PATH})
+list(PREPEND CMAKE_MODULE_PATH ${CMAKE_CURRENT_LIST_DIR})
+find_package(OpenCV QUIET MODULE COMPONENTS core imgproc calib3d aruco)  # of Plumbline::detect
+set(CMAKE_MODULE_PATH ${plumbline_module_path})
 if(PkgConfig_FOUND)
   pkg_check_modules(LIBEXIF QUIET IMPORTED_TARGET libexif)  # of Plumbline::images
 endif()

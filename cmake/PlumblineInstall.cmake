@@ -42,5 +42,5 @@ install(FILES tests/unit/survey_files/fixtures/code_block_cr_only.gsi tests/unit
 # What `plumbline new` begins a plugin with.
 install(DIRECTORY templates DESTINATION share/plumbline USE_SOURCE_PERMISSIONS)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/PlumblineConfigVersion.cmake COMPATIBILITY SameMinorVersion)
-install(FILES cmake/PlumblineConfig.cmake cmake/PlumblinePlugin.cmake cmake/PlumblineTesting.cmake cmake/plugin_exports.map
+install(FILES cmake/PlumblineConfig.cmake cmake/FindOpenCV.cmake cmake/PlumblinePlugin.cmake cmake/PlumblineTesting.cmake cmake/plugin_exports.map
   ${PROJECT_BINARY_DIR}/PlumblineConfigVersion.cmake DESTINATION lib/cmake/Plumbline COMPONENT Development)

@@ -13,7 +13,7 @@ namespace {
 
 using judgement::list_of;
 
-constexpr double storey = 2;  ///< [m], the least height of one
+constexpr double least_storey = 2;  ///< [m], the least height of one
 
 }  // namespace
 
@@ -34,7 +34,7 @@ std::vector<std::string> floor_doubts(const AccuracyT& accuracy) {
     if (upper == heights.begin()) continue;
     const auto lower = std::prev(upper);
     const double below = upper_median(lower->second), above = upper_median(upper->second);
-    if (above > below - storey / 4) continue;
+    if (above > below - least_storey / 4) continue;
     char text[300];
     std::snprintf(text, sizeof text,
                   "Floor %d lies below floor %d (median heights of their anchors %.3f m and %.3f m): are the floors of "

@@ -5,11 +5,10 @@
 
 #include "building/judgement/conformance.hpp"
 #include "building/judgement/deviation.hpp"
+#include "building/judgement/figures.hpp"
 
 namespace plumbline::judgement {
 namespace {
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 /// One to three directions; no heap.
 using Span = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor, 3, 3>;

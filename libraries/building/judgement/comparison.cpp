@@ -6,14 +6,13 @@
 #include <limits>
 
 #include "building/judgement/drift.hpp"
+#include "building/judgement/figures.hpp"
 #include "building/judgement/tolerance.hpp"
 #include "geometry/statistics.hpp"
 
 namespace plumbline::judgement {
 
 namespace {
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 void fill_verdicts(const Eigen::VectorXd& dz, const BlockCovariance& covariance, const Options& options,
                    AccuracyComparisonT& out) {

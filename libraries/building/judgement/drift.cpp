@@ -7,14 +7,13 @@
 #include <numeric>
 #include <set>
 
+#include "building/judgement/figures.hpp"
 #include "building/judgement/tolerance.hpp"
 #include "geometry/statistics.hpp"
 
 namespace plumbline::judgement {
 
 namespace {
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 /// Of the differences of a set; most are zero.
 using Weights = Eigen::SparseVector<double>;

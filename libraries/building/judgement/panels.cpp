@@ -12,6 +12,7 @@
 
 #include "building/ifc/facade_artifact.hpp"
 #include "building/judgement/conformance.hpp"
+#include "building/judgement/figures.hpp"
 #include "geometry/panel_fit.hpp"
 
 namespace plumbline::judgement {
@@ -20,7 +21,6 @@ namespace {
 using Row = Eigen::RowVectorXd;
 using Length = std::unique_ptr<JudgedLengthT>;
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 /// Panels farther apart than this are no neighbours [m].
 constexpr double kWidestJoint = 0.2;
 

@@ -11,7 +11,7 @@
 #include "photo/detect/tag_detector.hpp"
 #include "plumbline/node.hpp"
 #include "pyramid_node.hpp"
-#include "see/detect/detector_pool.hpp"
+#include "detector_pool.hpp"
 #include "target_node.hpp"
 
 namespace {

@@ -46,3 +46,29 @@ if /usr/bin/python3 -c 'import numpy, flatbuffers'; then
 else
   echo 'the node in Python is not run: python3-numpy or python3-flatbuffers is not there'
 fi
+
+# The detection as a library in a program of its own.
+mkdir detection
+cat >detection/CMakeLists.txt <<'END'
+cmake_minimum_required(VERSION 3.25)
+project(detection LANGUAGES CXX)
+find_package(Plumbline REQUIRED)
+add_executable(detection main.cpp)
+target_compile_features(detection PRIVATE cxx_std_20)
+target_link_libraries(detection PRIVATE Plumbline::detect)
+END
+cat >detection/main.cpp <<'END'
+#include <cstdio>
+#include "photo/detect/tag_detector.hpp"
+#include "photo/images/grey_image.hpp"
+int main() {
+  plumbline::GreyImage image;
+  image.width = image.height = 64;
+  image.pixels.assign(64 * 64, 128);
+  plumbline::detect::TagDetector detector({});
+  std::printf("%zu tags\n", detector.detect(image).size());
+}
+END
+cmake -S detection -B detection/build -G Ninja -DCMAKE_PREFIX_PATH="$prefix"
+cmake --build detection/build -j2
+detection/build/detection | grep '^0 tags$'

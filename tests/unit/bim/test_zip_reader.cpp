@@ -17,7 +17,7 @@ namespace {
 
 std::string message_of(const std::string& archive) {
   try {
-    unzip_ifc(archive);
+    step::unzip_ifc(archive);
   } catch (const std::runtime_error& error) {
     return error.what();
   }
@@ -44,8 +44,8 @@ TEST(ZipReader, ReadsWhatOtherProgramsPack) {
   ASSERT_EQ(std::system(command.c_str()), 0);
   const std::string archive = test::read_file(folder / "d.ifczip");
   ASSERT_LT(archive.size(), design.size() / 2);
-  EXPECT_EQ(unzip_ifc(archive).content, design);
-  EXPECT_EQ(unzip_ifc(archive).name, "model/Straße.IFC");
+  EXPECT_EQ(step::unzip_ifc(archive).content, design);
+  EXPECT_EQ(step::unzip_ifc(archive).name, "model/Straße.IFC");
   // Through all ways in, the model is that of the archive.
   const step::File plain(design, "d.ifc");
   const step::File mapped = step::File::read((folder / "d.ifczip").string(), "d.ifczip");
@@ -59,7 +59,7 @@ TEST(ZipReader, ReadsWhatOtherProgramsPack) {
 }
 
 TEST(ZipReader, RefusesInWordsWhatIsNoSingleModel) {
-  EXPECT_EQ(unzip_ifc(archive_of({"a.ifc", "readme.txt"})).content, "ISO-10303-21;");
+  EXPECT_EQ(step::unzip_ifc(archive_of({"a.ifc", "readme.txt"})).content, "ISO-10303-21;");
   EXPECT_NE(message_of(archive_of({"a.ifc", "b.ifc"})).find("several models (a.ifc, b.ifc)"), std::string::npos);
   EXPECT_NE(message_of(archive_of({"a.ifcxml"})).find("ifcXML"), std::string::npos);
   EXPECT_NE(message_of(archive_of({"plan.dwg"})).find("no file that ends in .ifc, but plan.dwg"), std::string::npos);
