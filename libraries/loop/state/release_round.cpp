@@ -10,6 +10,10 @@ namespace {
 constexpr double kDeadBand = 0.0003;
 /// A panel that is more likely inside than this is measured once more before its brackets are set once more.
 constexpr double kLikely = 0.5;
+/// What many campaigns would give must be above what is asked for by so much, and so many are enough: the last
+/// hundredth is bought by many rounds.
+constexpr double kClear = 0.01;
+constexpr int kMostCampaigns = 10;
 
 }  // namespace
 
@@ -19,7 +23,10 @@ int Round::revision() {
 }
 
 bool Round::another_campaign_may_do(const PlannedPanelT& panel) const {
-  if (panel.gate != GateDecision::hold || !(panel.p_in_repeated >= options_.verified)) return false;
+  if (panel.gate != GateDecision::hold || !(panel.p_in_repeated >= options_.verified + kClear)) return false;
+  if (std::all_of(panel.brackets.begin(), panel.brackets.end(),
+                  [&](const std::string& id) { return bracket_of_.at(id)->campaigns >= kMostCampaigns; }))
+    return false;
   const bool is_set = std::any_of(panel.brackets.begin(), panel.brackets.end(), [&](const std::string& id) {
     return item("bracket", id)->status == ItemStatus::verified && !carries(id);
   });

@@ -59,7 +59,7 @@ TEST(Rounds, ABracketThatIsToBeSetAgainIsPlannedFirstAndTheLoopIsNotDone) {
 
 /// More likely inside than not, and sure to be if campaigns had no errors of their own: measured, not set again.
 TEST(Rounds, WhatAnotherCampaignMayDecideIsMeasuredAgainAndNotSetAgain) {
-  for (const auto& [p, repeated, measured] : {std::tuple{0.8, 0.99, true}, {0.4, 0.99, false}, {0.8, 0.9, false}}) {
+  for (const auto& [p, repeated, measured] : {std::tuple{0.8, 0.99, true}, {0.4, 0.99, false}, {0.8, 0.955, false}}) {
     LoopStateT state;
     next_plan(state, make_plan("first"));
     apply_actuals(state, done({"b0", "b1"}, 1));
