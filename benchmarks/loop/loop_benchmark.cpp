@@ -65,6 +65,21 @@ void add(const TrialResult& r, Sum& s) {
   }
 }
 
+void print_closed(const Sum (&sums)[3]) {
+  std::printf("closed minus open %.1f +- %.1f, closed minus measured once %.1f +- %.1f (paired, percent of panels)\n",
+              sums[0].paired.value(), sums[0].paired.half(), sums[1].paired.value(), sums[1].paired.half());
+  const Sum& c = sums[2];
+  std::printf(
+      "closed: %.0f of %.0f panels VERIFIED (%.2f %%), %.0f not feasible; of the verified %.0f (%.2f %%) outside in "
+      "truth, the worst by %.2f mm\n",
+      c.verified, c.items, 100 * c.verified / c.items, c.infeasible, c.wrong, 100 * c.wrong / std::max(1.0, c.verified),
+      1e3 * c.worst);
+  std::printf("closed: %.0f faults planted, %.0f brackets VERIFIED that are 4.5 mm or more off\n", c.planted, c.missed);
+  for (const auto& [kind, count] : c.kinds) std::printf("  %s: %d\n", kind.c_str(), count);
+  std::printf("closed: a person was asked to look %.0f times, %.2f for each 100 panels\n", c.looks,
+              100 * c.looks / c.items);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -98,23 +113,13 @@ int main(int argc, char** argv) {
               "lowest floor", "top floor", "reworks", "top height [mm]", "rounds", "s/trial");
   for (const Strategy strategy : {Strategy::open, Strategy::measured_once, Strategy::closed}) {
     const Sum& s = sums[static_cast<std::size_t>(strategy)];
+    if (s.panels.n == 0) continue;
     std::printf("%-14s %10.1f +- %4.1f %10.1f +- %4.1f %14.1f %14.1f %10.1f %8.2f +- %4.2f %8.1f %8.2f\n",
                 name_of(strategy), s.panels.value(), s.panels.half(), s.joints.value(), s.joints.half(),
                 s.bottom_floor.value(), s.top_floor.value(), s.reworks.value(), s.top.value(), s.top.half(),
                 s.rounds.value(), s.seconds / trials);
   }
-  std::printf("closed minus open %.1f +- %.1f, closed minus measured once %.1f +- %.1f (paired, percent of panels)\n",
-              sums[0].paired.value(), sums[0].paired.half(), sums[1].paired.value(), sums[1].paired.half());
-  const Sum& c = sums[2];
-  std::printf(
-      "closed: %.0f of %.0f panels VERIFIED (%.2f %%), %.0f not feasible; of the verified %.0f (%.2f %%) outside in "
-      "truth, the worst by %.2f mm\n",
-      c.verified, c.items, 100 * c.verified / c.items, c.infeasible, c.wrong, 100 * c.wrong / std::max(1.0, c.verified),
-      1e3 * c.worst);
-  std::printf("closed: %.0f faults planted, %.0f brackets VERIFIED that are 4.5 mm or more off\n", c.planted, c.missed);
-  for (const auto& [kind, count] : c.kinds) std::printf("  %s: %d\n", kind.c_str(), count);
-  std::printf("closed: a person was asked to look %.0f times, %.2f for each 100 panels\n", c.looks,
-              100 * c.looks / c.items);
+  if (with_closed) print_closed(sums);
   const Sum& m = sums[1];
   std::printf(
       "joints, measured once: mean of (true - stated)^2/u^2 %.3f with the joint covariance, %.3f with its diagonal "
