@@ -215,13 +215,15 @@ class Refinement {
   /// near that its factors are those there.
   bool run(State& state, Elimination& elimination) {
     double last = std::numeric_limits<double>::infinity();
-    for (steps_ = 0; steps_ < most;) {
+    bool shrinks = false;  // few photographs of wide angle let the steps swing, each seven tenths of the last
+    for (steps_ = 0; steps_ < most || (shrinks && steps_ < most_shrinking);) {
       if (!elimination.build(state) || !factorise(state, elimination)) return false;
       sum_of_squares_ = elimination.sum_of_squares();
       const Eigen::VectorXd step = elimination.step();
       const double size = largest_step(elimination, step);
       if (size < smallest) return true;
       if (!step.allFinite() || (size > 100 && size > 10 * last)) return false;
+      shrinks = size < 0.9 * last;
       last = size;
       ++steps_;
       const double moved = std::sqrt(std::max(0.0, step.dot(elimination.right())));
@@ -239,7 +241,7 @@ class Refinement {
   double sum_of_squares() const { return sum_of_squares_; }
 
  private:
-  static constexpr int most = 30;
+  static constexpr int most = 30, most_shrinking = 60;
   static constexpr double smallest = 1e-7;  ///< of the largest correction, in conditional standard deviations
 
   bool factorise(const State& state, Elimination& elimination) {

@@ -18,17 +18,11 @@ Eigen::Vector3d tag_centre(const Problem& problem, const State& state, size_t pl
 Eigen::VectorXd change_of(const Problem& problem, const Layout& layout, const std::vector<int>& held,
                           const State& start, const State& state) {
   Eigen::VectorXd all = Eigen::VectorXd::Zero(layout.unknown_count());
-  const auto turn = [](const Placement& from, const Placement& to) -> Eigen::Vector3d {
-    Eigen::Quaterniond q = to.rotation * from.rotation.conjugate();
-    if (q.w() < 0) q.coeffs() = -q.coeffs();
-    const double sine = q.vec().norm();
-    return sine < 1e-300 ? Eigen::Vector3d(2 * q.vec()) : Eigen::Vector3d(2 * std::atan2(sine, q.w()) / sine * q.vec());
-  };
   for (size_t i = 0; i < problem.images.size(); ++i) {
     if (problem.images[i].fixed) continue;
     const int at = layout.offset(layout.block({Kind::image, static_cast<int>(i)}));
     all.segment<3>(at) = state.images[i].position - start.images[i].position;
-    all.segment<3>(at + 3) = turn(start.images[i], state.images[i]);
+    all.segment<3>(at + 3) = turn_between(start.images[i].rotation, state.images[i].rotation);
   }
   for (size_t i = 0; i < problem.points.size(); ++i)
     if (!problem.points[i].fixed)
@@ -37,7 +31,7 @@ Eigen::VectorXd change_of(const Problem& problem, const Layout& layout, const st
   for (size_t i = 0; i < problem.plates.size(); ++i) {
     const int at = layout.offset(layout.block({Kind::plate, static_cast<int>(i)}));
     all.segment<3>(at) = state.plates[i].position - start.plates[i].position;
-    all.segment<3>(at + 3) = turn(start.plates[i], state.plates[i]);
+    all.segment<3>(at + 3) = turn_between(start.plates[i].rotation, state.plates[i].rotation);
   }
   return all(held);
 }

@@ -103,7 +103,7 @@ class Elimination {
   struct TermRef {
     enum class Kind : int { point, tag, distance, known } kind;
     int index;
-    std::array<int, 5> local;  ///< columns in Y of its kept parts, in the order of its parts
+    std::array<int, 6> local;  ///< columns in Y of its kept parts, in the order of its parts
   };
   const std::vector<TermRef>& terms(int eliminated) const { return terms_[static_cast<size_t>(eliminated)]; }
   const std::vector<TermRef>& loose_terms() const { return loose_; }

@@ -69,6 +69,9 @@ void Elimination::subtract_gradient(const ImageTag& term, const TagGradient& of_
   const int inset = layout_.block({Kind::inset, term.inset < 0 ? batch : term.inset});
   if (layout_.size(scale) > 0) right(layout_.offset(scale)) -= weight * of_tag.by_scale;
   if (layout_.size(inset) > 0) right(layout_.offset(inset)) -= weight * of_tag.by_inset;
+  const int form = layout_.block({Kind::form, term.plate});
+  right.segment(layout_.offset(form), layout_.size(form)) -=
+      weight * of_tag.by_form.segment(problem_.plates[static_cast<size_t>(term.plate)].form_begin, layout_.size(form));
   int next = layout_.offset(layout_.block({Kind::camera, camera}));
   for (int value : layout_.free_values(camera)) right(next++) -= weight * of_tag.by_interior(value);
 }

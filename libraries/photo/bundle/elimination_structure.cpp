@@ -9,7 +9,8 @@ namespace plumbline::bundle {
 namespace {
 
 bool is_shared(Kind kind) {
-  return kind == Kind::camera || kind == Kind::scale || kind == Kind::inset || kind == Kind::shift;
+  return kind == Kind::camera || kind == Kind::scale || kind == Kind::inset || kind == Kind::shift ||
+         kind == Kind::form;
 }
 
 }  // namespace
@@ -112,6 +113,7 @@ void Elimination::blocks_of(const TermRef& term, std::vector<int>& all) const {
            layout_.block({Kind::shift, o.image}),
            layout_.block({Kind::scale, batch}),
            layout_.block({Kind::inset, o.inset < 0 ? batch : o.inset}),
+           layout_.block({Kind::form, o.plate}),
            layout_.block({Kind::plate, o.plate})};
   } else if (term.kind == TermRef::Kind::distance) {
     all = {layout_.block(problem_.distances[i].from), layout_.block(problem_.distances[i].to)};

@@ -156,7 +156,7 @@ void multiply_runs(const double* y, int y_rows, int columns, const Run* runs, in
 
 PLUMBLINE_CLONES
 void residual_cofactor(int rows, int columns, const double* j, int j_stride, const double* k, int k_stride, double* q) {
-  constexpr int widest = 32;
+  constexpr int widest = 36;
   double product[widest];  // a row of J K
   for (int r = 0; r < rows; ++r) {
     const double* own = j + r * j_stride;

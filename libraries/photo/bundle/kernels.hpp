@@ -45,7 +45,7 @@ void subtract_strip(double* panel, std::ptrdiff_t stride, int size, const int* r
 void multiply_runs(const double* y, int y_rows, int columns, const Run* runs, int run_count, const double* x,
                    double* sums);
 
-/// q (rows × rows, column-major) = I − J K Jᵀ. J row by row, at most 32 columns; K symmetric, row by row with
+/// q (rows × rows, column-major) = I − J K Jᵀ. J row by row, at most 36 columns; K symmetric, row by row with
 /// `k_stride` a multiple of 4: what stands between `columns` and the next such multiple is read and not used.
 void residual_cofactor(int rows, int columns, const double* j, int j_stride, const double* k, int k_stride, double* q);
 

@@ -105,6 +105,9 @@ class Values : public ceres::EvaluationCallback {
       for (int v : layout_.free_values(ref.index)) copy(state.interiors[i][static_cast<size_t>(v)], *x++);
     } else if (ref.kind == Kind::shift) {
       for (int c = 0; c < 2; ++c) copy(state.shifts[i](c), x[c]);
+    } else if (ref.kind == Kind::form) {
+      const int first = problem_.plates[i].form_begin;
+      for (int c = 0; c < layout_.size(block); ++c) copy(state.forms[i][static_cast<size_t>(first + c)], x[c]);
     } else {
       copy(ref.kind == Kind::scale ? state.scales[i] : state.insets[i], *x);
     }

@@ -1,6 +1,7 @@
 #include "photo/bundle/problem.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "plumbline/rigid_transform.hpp"
@@ -22,6 +23,7 @@ size_t count_of(const Problem& p, Kind kind) {
     case Kind::point:
       return p.points.size();
     case Kind::plate:
+    case Kind::form:
       return p.plates.size();
     case Kind::camera:
       return p.cameras.size();
@@ -33,6 +35,7 @@ size_t count_of(const Problem& p, Kind kind) {
 Eigen::Index coordinates_of(const Problem& p, Ref ref) {
   if (ref.kind == Kind::camera) return value_count(p.cameras[static_cast<size_t>(ref.index)].lens);
   if (ref.kind == Kind::shift) return 2;
+  if (ref.kind == Kind::form) return form_count;
   return ref.kind == Kind::scale || ref.kind == Kind::inset ? 1 : 3;
 }
 
@@ -53,6 +56,8 @@ int size_of(const Problem& p, Ref ref) {
       return p.batches[i].inset_free ? 1 : 0;
     case Kind::shift:
       return p.images[i].shift_free ? 2 : 0;
+    case Kind::form:
+      return p.plates[i].form_end - p.plates[i].form_begin;
   }
   return 0;
 }
@@ -85,6 +90,10 @@ void Problem::require_consistent() const {
   for (const auto& k : known) {
     Eigen::Index columns = 0;
     for (Ref ref : k.refs) check(ref), columns += coordinates_of(*this, ref);
+    if (k.world_from_plate) {
+      require(k.refs.size() == 1 && k.refs[0].kind == Kind::plate, "a known rotation is that of a single plate");
+      columns += 3;
+    }
     require(k.whitening.cols() == columns && k.target.size() == columns, "known values and their weights do not fit");
   }
 }
@@ -113,6 +122,13 @@ Ref Layout::ref(int block) const {
   return {static_cast<Kind>(kind), block - first_[static_cast<size_t>(kind)]};
 }
 
+Eigen::Vector3d turn_between(const Eigen::Quaterniond& from, const Eigen::Quaterniond& to) {
+  Eigen::Quaterniond q = to * from.conjugate();
+  if (q.w() < 0) q.coeffs() = -q.coeffs();
+  const double sine = q.vec().norm();
+  return sine < 1e-300 ? Eigen::Vector3d(2 * q.vec()) : Eigen::Vector3d(2 * std::atan2(sine, q.w()) / sine * q.vec());
+}
+
 void apply_step(const Problem& problem, const Layout& layout, const Eigen::VectorXd& step, State& state) {
   const auto at = [&](Kind kind, size_t i) { return layout.offset(layout.block({kind, static_cast<int>(i)})); };
   const auto place = [&](Placement& p, int offset) {
@@ -131,6 +147,9 @@ void apply_step(const Problem& problem, const Layout& layout, const Eigen::Vecto
   }
   for (size_t i = 0; i < problem.images.size(); ++i)
     if (problem.images[i].shift_free) state.shifts[i] += step.segment<2>(at(Kind::shift, i));
+  for (size_t i = 0; i < problem.plates.size(); ++i)
+    for (int k = problem.plates[i].form_begin, offset = at(Kind::form, i); k < problem.plates[i].form_end; ++k)
+      state.forms[i][static_cast<size_t>(k)] += step(offset++);
   for (size_t i = 0; i < problem.batches.size(); ++i) {
     if (problem.batches[i].scale_free) state.scales[i] += step(at(Kind::scale, i));
     if (problem.batches[i].inset_free) state.insets[i] += step(at(Kind::inset, i));
@@ -164,6 +183,8 @@ std::string name_of_unknown(const Problem& problem, const Layout& layout, int un
       return "corner inset of batch '" + problem.batches[i].name + "'";
     case Kind::shift:
       return std::string("principal point ") + axes[c] + " of image " + problem.images[i].name;
+    case Kind::form:
+      return "form of " + problem.plates[i].name;
   }
   return "?";
 }

@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -39,11 +40,17 @@ struct Point {
   bool fixed = false;  ///< the coordinates are known exactly
 };
 
+/// What turns a square into the four corners of a printed tag, as shares of half its edge: stretch, shear, keystones
+/// along x and y, twist out of its plane. Together with place and size these are all twelve coordinates of the corners.
+constexpr int form_count = 5;
+using Form = std::array<double, form_count>;
+
 /// A plate is a body of six unknowns: its anchor and its rotation.
 struct Plate {
   std::string name;
   MarkerPlate shape;
   int batch = 0;
+  int form_begin = 0, form_end = 0;  ///< which values of its tag's form are unknown
 };
 
 /// Tags printed together share a relative size and an inset of their detected edges.
@@ -53,8 +60,8 @@ struct Batch {
 };
 
 /// What an unknown belongs to.
-enum class Kind { image, point, plate, camera, scale, inset, shift };
-constexpr int kind_count = 7;
+enum class Kind { image, point, plate, camera, scale, inset, shift, form };
+constexpr int kind_count = 8;
 struct Ref {
   Kind kind;
   int index;
@@ -87,13 +94,17 @@ struct Distance {
 };
 
 /// W (x − target) over coordinates of a few refs: three of a point, of a plate's anchor or of an image's projection
-/// centre, all values of a camera, one of a scale or an inset, two of an image's shift. Known coordinates with their
-/// full covariance, the calibration of a camera, a printed size.
+/// centre, all values of a camera or a form, one of a scale or an inset, two of an image's shift. Known coordinates
+/// with their full covariance, the calibration of a camera, a printed size.
 struct Known {
   std::vector<Ref> refs;
   Eigen::VectorXd target;
   Eigen::MatrixXd whitening;
   int group = 0;
+  /// Of a single plate: three more coordinates, the rotation vector in the object frame by which it is turned off this.
+  /// They are weighed alike: then their derivative by the plate's rotation is the unit matrix as far as the minimum
+  /// goes (the vector is its own image), and to the square of the vector as far as covariances do.
+  std::optional<Eigen::Quaterniond> world_from_plate = {};
 };
 
 struct Group {
@@ -144,12 +155,13 @@ struct State {
   Eigen::Vector2d shift(int image) const {
     return shifts.empty() ? Eigen::Vector2d(0, 0) : shifts[static_cast<size_t>(image)];
   }
+  std::vector<Form> forms = {};  ///< one a plate, or none at all: squares
 };
 
 /// Blocks of unknowns and their numbers. A block is what belongs to one Ref: six of an image (position, then a rotation
 /// vector in the camera frame on top of the rotation), three of a point, six of a plate (anchor, rotation vector in the
 /// object frame), the free values of a camera, one of a scale or an inset, two of the shift of an image's principal
-/// point. What is held has a block of size 0.
+/// point, the free values of a plate's form. What is held has a block of size 0.
 class Layout {
  public:
   explicit Layout(const Problem& problem);
@@ -167,6 +179,9 @@ class Layout {
   std::vector<int> sizes_, offsets_;
   std::vector<std::vector<int>> free_values_;
 };
+
+/// Rotation vector of to · from⁻¹, at most half a turn long.
+Eigen::Vector3d turn_between(const Eigen::Quaterniond& from, const Eigen::Quaterniond& to);
 
 /// Adds a step in all unknowns (see Layout) to the state.
 void apply_step(const Problem& problem, const Layout& layout, const Eigen::VectorXd& step, State& state);

@@ -10,7 +10,15 @@ namespace plumbline::bundle {
 namespace {
 
 /// In libapriltag's order of corners: half a side along the x and the y axis of the tag.
-constexpr V4 along_x = {-1, 1, 1, -1}, along_y = {-1, -1, 1, 1};
+constexpr V4 along_x = {-1, 1, 1, -1}, along_y = {-1, -1, 1, 1}, along_both = {1, -1, 1, -1};
+
+/// What each value of a form adds to a corner, in half sides along the tag's x and y and its normal.
+constexpr V4 against_y = {1, 1, -1, -1}, no_move = {0, 0, 0, 0};
+constexpr V4 form_moves[form_count][3] = {{along_x, against_y, no_move},
+                                          {along_y, along_x, no_move},
+                                          {along_both, no_move, no_move},
+                                          {no_move, along_both, no_move},
+                                          {no_move, no_move, along_both}};
 
 PLUMBLINE_INLINE V4 of_next(const V4& v) { return __builtin_shufflevector(v, v, 1, 2, 3, 0); }
 PLUMBLINE_INLINE V4 of_previous(const V4& v) { return __builtin_shufflevector(v, v, 3, 0, 1, 2); }
@@ -41,6 +49,9 @@ struct TagInput {
   std::array<double, 3> anchor;          ///< minus the projection centre [m]
   std::array<double, 3> centre;          ///< of the tag minus the anchor, world axes [m]
   std::array<double, 3> side_x, side_y;  ///< half a side without its scale, world axes [m]
+  std::array<double, 3> normal;          ///< as long
+  bool is_formed = false;                ///< no square, or perhaps
+  Form form{};
   double scale = 1, inset = 0;
   bool is_drawn = false;  ///< inwards, or perhaps
   double shift[2] = {0, 0};
@@ -91,10 +102,18 @@ PLUMBLINE_INLINE void draw(const Pairs& pixel, double inset, bool jacobians, Dra
   for (int k = 0; k < 4; ++k) drawn.own.m[k] = (k % 3 == 0 ? 1.0 : 0.0) - drawn.next.m[k] - drawn.previous.m[k];
 }
 
+/// By one value of the form, coordinate c in world axes, without the tag's scale [m].
+PLUMBLINE_INLINE V4 form_move(const TagInput& tag, int value, size_t c) {
+  const V4* move = form_moves[value];
+  return move[0] * tag.side_x[c] + move[1] * tag.side_y[c] + move[2] * tag.normal[c];
+}
+
 PLUMBLINE_INLINE bool project(const TagInput& tag, bool jacobians, Projected& to) {
   V4 from_camera[3];
   for (size_t c = 0; c < 3; ++c) {
     to.edge[c] = along_x * tag.side_x[c] + along_y * tag.side_y[c];
+    for (size_t k = 0; k < form_count && tag.is_formed; ++k)
+      to.edge[c] += tag.form[k] * form_move(tag, static_cast<int>(k), c);
     to.arm[c] = tag.centre[c] + tag.scale * to.edge[c];
     from_camera[c] = tag.anchor[c] + to.arm[c];
   }
@@ -121,8 +140,9 @@ PLUMBLINE_INLINE bool project(const TagInput& tag, bool jacobians, Projected& to
 
 /// Where in the rows the derivatives by each block begin; −1 for what is held.
 struct Columns {
-  int image = -1, shift = -1, scale = -1, inset = -1, plate = -1, interior = -1;
-  const int* free = nullptr;  ///< the values of the camera that are unknowns
+  int image = -1, shift = -1, scale = -1, inset = -1, plate = -1, interior = -1, form = -1;
+  int form_begin = 0, form_end = 0;  ///< the values of the form that are unknowns
+  const int* free = nullptr;         ///< the values of the camera that are unknowns
   int free_count = 0, principal_point = 0;
 };
 
@@ -198,6 +218,12 @@ bool rows_of(const TagInput& tag, const Columns* columns, double* residual, doub
                        by_point[0].y * p.edge[0] + by_point[1].y * p.edge[1] + by_point[2].y * p.edge[2]});
   if (columns->inset >= 0)  // moves the drawn corners, not the projected ones
     store_column(rows, columns->inset, p.whitening * p.drawn.shift);
+  for (int k = columns->form_begin; k < columns->form_end; ++k) {
+    const V4 move[3] = {form_move(tag, k, 0), form_move(tag, k, 1), form_move(tag, k, 2)};
+    whitened.add(columns->form + k - columns->form_begin,
+                 Pairs{tag.scale * (by_point[0].x * move[0] + by_point[1].x * move[1] + by_point[2].x * move[2]),
+                       tag.scale * (by_point[0].y * move[0] + by_point[1].y * move[1] + by_point[2].y * move[2])});
+  }
   for (int c = 0; c < 3; ++c) whitened.add(columns->plate + c, by_point[c]);
   whitened.add_rotation(columns->plate + 3, by_point, p.arm);
   return true;
@@ -237,6 +263,10 @@ bool sum_gradient(const TagInput& tag, int interior_count, TagGradient& to) {
   sum_cross(p.v, by_direction, to.by_image.data() + 3);
   sum_cross(p.arm, by_point, to.by_plate.data() + 3);
   to.by_scale = sum_of(by_point[0] * p.edge[0] + by_point[1] * p.edge[1] + by_point[2] * p.edge[2]);
+  to.by_form.setZero();
+  for (int k = 0; k < form_count && tag.is_formed; ++k)
+    to.by_form(k) = tag.scale * sum_of(by_point[0] * form_move(tag, k, 0) + by_point[1] * form_move(tag, k, 1) +
+                                       by_point[2] * form_move(tag, k, 2));
   for (int k = 0; k < interior_count; ++k)
     to.by_interior[k] = sum_of(p.by_interior[2 * k] * by_pixel.x + p.by_interior[2 * k + 1] * by_pixel.y);
   return true;
@@ -265,6 +295,9 @@ TagInput input_of(const Problem& problem, const State& state, const ImageTag& te
   set(tag.side_x, 0.5 * plate.shape.tag_size * body.matrix.col(0));
   set(tag.side_y, 0.5 * plate.shape.tag_size * body.matrix.col(1));
   tag.scale = state.scales[static_cast<size_t>(plate.batch)];
+  if (!state.forms.empty()) tag.form = state.forms[static_cast<size_t>(term.plate)];
+  tag.is_formed = plate.form_begin < plate.form_end || tag.form != Form{};
+  if (tag.is_formed) set(tag.normal, 0.5 * plate.shape.tag_size * body.matrix.col(2));
   tag.inset = state.insets[drawn_by];
   tag.is_drawn = tag.inset != 0 || problem.batches[drawn_by].inset_free;
   Eigen::Map<Eigen::Vector2d>(tag.shift) = state.shift(term.image);
@@ -304,6 +337,9 @@ bool evaluate(const Problem& problem, const Layout& layout, const State& state, 
   columns.shift = next({Kind::shift, term.image});
   columns.scale = next({Kind::scale, problem.plates[static_cast<size_t>(term.plate)].batch});
   columns.inset = next({Kind::inset, batch_of_inset(problem, term)});
+  const Plate& plate = problem.plates[static_cast<size_t>(term.plate)];
+  columns.form = next({Kind::form, term.plate});
+  columns.form_begin = plate.form_begin, columns.form_end = plate.form_end;
   columns.plate = next({Kind::plate, term.plate});
   return rows_of(tag, &columns, rows.residual.data(), rows.storage.data());
 }

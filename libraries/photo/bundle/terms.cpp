@@ -106,10 +106,16 @@ Eigen::VectorXd residual_of(const Problem& problem, const State& state, const Kn
     } else if (ref.kind == Kind::shift) {
       value.segment<2>(at) = state.shift(ref.index);
       at += 2;
+    } else if (ref.kind == Kind::form) {
+      for (double part : state.forms[i]) value(at++) = part;
     } else if (ref.kind == Kind::scale || ref.kind == Kind::inset) {
       value(at++) = ref.kind == Kind::scale ? state.scales[i] : state.insets[i];
     } else {
       value.segment<3>(at) = position_of(state, ref);
+      at += 3;
+    }
+    if (term.world_from_plate) {
+      value.segment<3>(at) = turn_between(*term.world_from_plate, state.plates[i].rotation);
       at += 3;
     }
   }
@@ -129,8 +135,15 @@ void linear_columns(const Problem& problem, const Layout& layout, const Known& t
       int next = offset;
       for (int k : layout.free_values(ref.index)) add(at + k, next++);
       at += value_count(problem.cameras[static_cast<size_t>(ref.index)].lens);
+    } else if (ref.kind == Kind::form) {
+      for (int k = 0; k < layout.size(block); ++k)
+        add(at + problem.plates[static_cast<size_t>(ref.index)].form_begin + k, offset + k);
+      at += form_count;
     } else {
-      const int count = ref.kind == Kind::shift ? 2 : ref.kind == Kind::scale || ref.kind == Kind::inset ? 1 : 3;
+      const int count = term.world_from_plate                                ? 6
+                        : ref.kind == Kind::shift                            ? 2
+                        : ref.kind == Kind::scale || ref.kind == Kind::inset ? 1
+                                                                             : 3;
       for (int k = 0; k < count && layout.size(block) > 0; ++k) add(at + k, offset + k);
       at += count;
     }

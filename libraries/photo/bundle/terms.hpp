@@ -8,11 +8,11 @@
 
 namespace plumbline::bundle {
 
-/// Rows of one observation and their derivatives by up to six blocks of unknowns, parts side by side in one row-major
+/// Rows of one observation and their derivatives by up to seven blocks of unknowns, parts side by side in one row-major
 /// matrix; parts of held blocks are left out. What is shared by many observations stands side by side.
 struct Rows {
-  // image 6, camera 12, shift 2, scale, inset, body 6
-  static constexpr int max_rows = 8, max_parts = 6, stride = 28;
+  // image 6, camera 12, shift 2, scale, inset, form 5, body 6
+  static constexpr int max_rows = 8, max_parts = 7, stride = 36;
   struct Part {
     int block = 0, size = 0;
     int column = 0;
@@ -46,6 +46,7 @@ struct TagGradient {
   Eigen::Matrix<double, max_interior, 1> by_interior;  ///< by all values of the camera
   Eigen::Vector2d by_shift;
   double by_scale = 0, by_inset = 0;
+  Eigen::Matrix<double, form_count, 1> by_form;
 };
 /// False if a corner is not in front of the camera.
 bool gradient_of(const Problem& problem, const State& state, const ImageTag& term, TagGradient& gradient);

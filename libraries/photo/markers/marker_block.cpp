@@ -1,17 +1,15 @@
 #include "photo/markers/marker_block.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <set>
+#include <memory>
 #include <stdexcept>
 
 #include "base/text/text.hpp"
 #include "geometry/median.hpp"
-#include "least_squares/problem/defects.hpp"
-#include "photo/block/row_quality.hpp"
+#include "photo/bundle/adjust.hpp"
 #include "photo/markers/marker_adjustment.hpp"
 #include "photo/markers/marker_datum.hpp"
 #include "photo/markers/marker_model.hpp"
@@ -21,10 +19,6 @@
 
 namespace plumbline::markers {
 namespace {
-
-using block::AdjustedBlock;
-using block::ObservationRows;
-using least_squares::PartitionedSystem;
 
 void require_usable(const MarkerBlock& block) {
   if (block.views.empty()) throw std::runtime_error("no tag was found in any photograph");
@@ -36,29 +30,58 @@ void require_usable(const MarkerBlock& block) {
         "directions");
 }
 
-/// Root mean square of the 8 whitened residuals of each view, in the order of state.views.
+/// Root mean square of the 8 whitened residuals of each view, in the order of model.views.
 std::vector<double> misfits(const MarkerModel& model) {
+  const bundle::Layout layout(model.problem);
   std::vector<double> rms;
-  for (const auto& rows : model.model.linearise().observations)
-    if (rows.group == group_refined || rows.group == group_unrefined)
-      rms.push_back(rows.misclosure.norm() / std::sqrt(8.0));
+  bundle::Rows rows;
+  for (const bundle::ImageTag& tag : model.problem.image_tags) {
+    if (!bundle::evaluate(model.problem, layout, model.state, tag, false, rows))
+      throw std::runtime_error(model.problem.plates[static_cast<size_t>(tag.plate)].name +
+                               " lies behind the camera of " +
+                               model.problem.images[static_cast<size_t>(tag.image)].name);
+    rms.push_back(rows.values().norm() / std::sqrt(8.0));
+  }
   return rms;
 }
 
-/// The values of `state` as a start.
-MarkerStart start_of(const MarkerBlock& block, const MarkerState& state, const MarkerStart& before) {
+/// Minimised robustly, twice: with the scale of the residuals that there were, and that there are then. Returns that
+/// scale after both.
+double minimise_robustly(MarkerModel& model, int iterations, double scale) {
+  for (int pass = 0; pass < 2; ++pass) {
+    bundle::MinimiseOptions options;
+    options.max_iterations = iterations;
+    options.loss = {bundle::Loss::Kind::huber, 2 * std::sqrt(8.0) * scale};
+    bundle::minimise_schur(model.problem, model.state, options);
+    scale = std::max(1.0, upper_median(misfits(model)));
+  }
+  return scale;
+}
+
+BrownCamera camera_of(const MarkerBlock& block, const MarkerModel& model, size_t c) {
+  BrownCamera camera = block.cameras[c].camera;
+  std::array<double, BrownCamera::parameter_count> values;
+  std::copy_n(model.state.interiors[c].begin(), values.size(), values.begin());
+  camera.set_parameters(values);
+  return camera;
+}
+
+RigidTransform cam_from_world(const bundle::Placement& image) {
+  return {image.rotation, -(image.rotation * image.position)};
+}
+
+/// The values of `model` as a start.
+MarkerStart start_of(const MarkerBlock& block, const MarkerModel& model, const MarkerStart& before) {
   MarkerStart start = before;
   start.cam_from_world.assign(block.images.size(), std::nullopt);
   start.world_from_tag.assign(block.markers.size(), std::nullopt);
-  for (size_t c = 0; c < state.interiors.size(); ++c) start.cameras[c].set_parameters(state.interiors[c]);
-  for (size_t i = 0; i < state.images.size(); ++i) {
-    const Eigen::Vector3d centre(state.poses[i][0], state.poses[i][1], state.poses[i][2]);
-    start.cam_from_world[static_cast<size_t>(state.images[i])] =
-        RigidTransform{state.cam_from_world[i], -(state.cam_from_world[i] * centre)};
-  }
-  for (size_t j = 0; j < state.markers.size(); ++j)
-    start.world_from_tag[static_cast<size_t>(state.markers[j])] =
-        RigidTransform{state.world_from_tag[j], Eigen::Map<const Eigen::Vector3d>(state.centres[j].data())};
+  for (size_t c = 0; c < block.cameras.size(); ++c)
+    start.cameras[c].set_parameters(camera_of(block, model, c).parameters());
+  for (size_t i = 0; i < model.images.size(); ++i)
+    start.cam_from_world[static_cast<size_t>(model.images[i])] = cam_from_world(model.state.images[i]);
+  for (size_t j = 0; j < model.markers.size(); ++j)
+    start.world_from_tag[static_cast<size_t>(model.markers[j])] =
+        RigidTransform{model.state.plates[j].rotation, model.state.plates[j].position};
   return start;
 }
 
@@ -83,8 +106,8 @@ struct Trial {
   double median_pixels = std::numeric_limits<double>::infinity();
 };
 
-double root_mean_square(const MarkerBlock& block, const MarkerState& state, size_t k, double misfit) {
-  const MarkerView& view = block.views[static_cast<size_t>(state.views[k])];
+double root_mean_square(const MarkerBlock& block, const MarkerModel& model, size_t k, double misfit) {
+  const MarkerView& view = block.views[static_cast<size_t>(model.views[k])];
   double variance = 0;
   for (const auto& c : view.covariances) variance += 0.125 * c.trace();
   return misfit * std::sqrt(variance);
@@ -93,29 +116,21 @@ double root_mean_square(const MarkerBlock& block, const MarkerState& state, size
 Trial minimised(const MarkerBlock& block, const MarkerOptions& options, const MarkerStart& start,
                 const std::vector<bool>& use, int iterations) {
   Trial trial{start, drop_impossible(block, start, use)};
-  MarkerState state;
-  fill_state(block, start, trial.use, state);
-  if (state.views.empty()) return trial;
-  MarkerModel model;
-  build_model(block, options, state, model);
-  double unit = 5;
-  for (int pass = 0; pass < 2; ++pass) {
-    model.model.minimise(iterations, {bundle::Loss::Kind::huber, 2 * std::sqrt(8.0) * unit});
-    state.fold();
-    unit = std::max(1.0, upper_median(misfits(model)));
-  }
+  MarkerModel model = build_model(block, options, start, trial.use);
+  if (model.views.empty()) return trial;
+  minimise_robustly(model, iterations, 5);
   const std::vector<double> fits = misfits(model);
   std::vector<double> pixels;
   double bounded = static_cast<double>(block.views.size() - fits.size());
   const double bound = 0.005 * std::max(block.cameras.front().camera.width, block.cameras.front().camera.height);
   for (size_t k = 0; k < fits.size(); ++k) {
-    pixels.push_back(root_mean_square(block, state, k, fits[k]));
+    pixels.push_back(root_mean_square(block, model, k, fits[k]));
     const double e = pixels.back() * pixels.back() / (bound * bound);
     bounded += e / (1 + e);
   }
   trial.score = bounded / static_cast<double>(block.views.size());
   trial.median_pixels = upper_median(pixels);
-  trial.start = start_of(block, state, start);
+  trial.start = start_of(block, model, start);
   return trial;
 }
 
@@ -169,80 +184,82 @@ Trial best_start(const MarkerBlock& block, MarkerOptions options) {
   return best;
 }
 
-/// Everything of one adjustment that the results are read from.
+/// Everything of one adjustment that the results are read from; not to be moved, since the parts point to each other.
 struct Run {
-  MarkerState state;
   MarkerModel model;
-  AdjustedBlock block;
-  std::vector<Eigen::MatrixXd> cofactors;
+  std::unique_ptr<bundle::Layout> layout;
+  bundle::Adjusted adjusted;
+  bundle::Reliability reliability;
+  Eigen::MatrixXd cofactor(bundle::Ref ref) const { return adjusted.cofactors->own(layout->block(ref)); }
 };
 
 void find_blunders(const MarkerBlock& block, const MarkerOptions& options, Trial& trial, MarkerResult& result) {
-  MarkerState state;
-  fill_state(block, trial.start, trial.use, state);
-  MarkerModel model;
-  build_model(block, options, state, model);
-  double unit = std::max(1.0, upper_median(misfits(model)));
-  for (int pass = 0; pass < 2; ++pass) {
-    model.model.minimise(options.max_iterations, {bundle::Loss::Kind::huber, 2 * std::sqrt(8.0) * unit});
-    state.fold();
-    unit = std::max(1.0, upper_median(misfits(model)));
-  }
+  MarkerModel model = build_model(block, options, trial.start, trial.use);
+  const double unit = minimise_robustly(model, options.max_iterations, std::max(1.0, upper_median(misfits(model))));
   const std::vector<double> fits = misfits(model);
-  trial.start = start_of(block, state, trial.start);
+  trial.start = start_of(block, model, trial.start);
   for (size_t v = 0; v < trial.use.size(); ++v)
     if (!trial.use[v]) result.rejected.push_back(static_cast<int>(v));
   for (size_t k = 0; k < fits.size(); ++k)
     if (options.reject_above > 0 && fits[k] > options.reject_above * unit) {
-      trial.use[static_cast<size_t>(state.views[k])] = false;
-      result.rejected.push_back(state.views[k]);
+      trial.use[static_cast<size_t>(model.views[k])] = false;
+      result.rejected.push_back(model.views[k]);
     }
   std::sort(result.rejected.begin(), result.rejected.end());
+}
+
+/// The covariance of all that is kept is dense.
+void require_moderate(const MarkerModel& model, const bundle::Layout& layout) {
+  constexpr int most = 9000;
+  const int kept = layout.unknown_count() - 6 * static_cast<int>(model.images.size());
+  if (kept > most)
+    throw std::runtime_error("the block has " + std::to_string(kept) +
+                             " unknowns besides the poses; the dense covariance of this adjustment takes up to " +
+                             std::to_string(most) + ": divide the block or leave tags out");
 }
 
 void run_adjustment(const MarkerBlock& block, const MarkerOptions& options, const Trial& trial, Run& run,
                     MarkerResult& result) {
   constexpr int max_variance_steps = 6;
-  const bool free_network = !has_layout(block);
-  fill_state(block, trial.start, trial.use, run.state);
-  build_model(block, options, run.state, run.model);
-  std::vector<std::string> names;
-  for (const int i : run.state.images) names.push_back(block.images[static_cast<size_t>(i)].path);
-  std::vector<least_squares::VarianceComponent> groups;
+  run.model = build_model(block, options, trial.start, trial.use);
+  bundle::Problem& problem = run.model.problem;
+  run.layout = std::make_unique<bundle::Layout>(problem);
+  require_moderate(run.model, *run.layout);
+  bundle::AdjustOptions how;
+  how.minimise.max_iterations = options.max_iterations;
+  how.start_is_near = true;
   for (int step = 0; step < max_variance_steps; ++step) {
-    run.block = block::adjust_to_convergence(
-        run.model.model, options.max_iterations, [&] { run.state.fold(); },
-        [&](PartitionedSystem& linear) {
-          if (!free_network) return;
-          linear.null_space = free_motions(run.state, run.model);
-          linear.datum_unknowns = datum_columns(block, run.state, run.model);
-        },
-        [&](const PartitionedSystem& linear, const least_squares::ReducedSystem& reduced) {
-          least_squares::require_full_rank(linear, reduced, names, run.model.model.kept_labels());
-        });
-    run.cofactors = residual_cofactors(run.block.linear, run.block.reduced, run.block.solution);
-    groups = variance_components(run.block.linear, run.cofactors);
+    how.datum = datum_of(block, run.model, *run.layout);
+    run.adjusted = bundle::adjust(problem, *run.layout, run.model.state, how);
+    run.model.state = run.adjusted.state;
+    run.reliability = bundle::reliability_of(problem, run.adjusted);
+    how.is_determined = true;
     if (step + 1 == max_variance_steps) break;
     double change = 0;
-    for (const size_t g : {size_t{0}, size_t{1}}) {
-      if (groups[g].rows == 0 || !(groups[g].redundancy > 1) || !(groups[g].factor > 0)) continue;
-      const double before = run.state.sigma_factors[g];
-      run.state.sigma_factors[g] = std::clamp(before * std::sqrt(groups[g].factor), 0.05, 1000.0);
-      change = std::max(change, std::abs(run.state.sigma_factors[g] / before - 1));
+    std::array<double, 2> next;
+    for (const size_t g : {size_t{group_refined}, size_t{group_unrefined}}) {
+      const auto& component = run.reliability.groups[g];
+      const double before = next[g] = problem.groups[g].sigma_factor;
+      if (component.rows == 0 || !(component.redundancy > 1) || !(component.factor > 0)) continue;
+      next[g] = std::clamp(before * std::sqrt(component.factor), 0.05, 1000.0);
+      change = std::max(change, std::abs(next[g] / before - 1));
     }
     if (change < 0.005) break;
+    for (size_t g = 0; g < next.size(); ++g) problem.groups[g].sigma_factor = next[g];
   }
-  result.observations = run.block.linear.row_count();
-  result.unknowns = run.block.linear.unknown_count();
-  result.datum_defect = run.block.linear.defect();
-  result.degrees_of_freedom = run.block.linear.redundancy();
+  result.observations = run.adjusted.rows;
+  result.unknowns = run.adjusted.unknowns;
+  result.datum_defect = run.adjusted.defect;
+  result.degrees_of_freedom = run.adjusted.redundancy();
   if (result.degrees_of_freedom < 1)
     throw std::runtime_error(
         "the block has no redundancy: nothing checks its observations. Take more photographs that "
         "share tags");
+  std::vector<least_squares::VarianceComponent> groups = run.reliability.groups;
   for (const auto& group : groups) result.weighted_sum_of_squares += group.sum_of_squares;
   result.sigma0 = std::sqrt(result.weighted_sum_of_squares / result.degrees_of_freedom);
-  for (const size_t g : {size_t{0}, size_t{1}}) groups[g].factor *= std::pow(run.state.sigma_factors[g], 2);
+  for (const size_t g : {size_t{group_refined}, size_t{group_unrefined}})
+    groups[g].factor *= std::pow(problem.groups[g].sigma_factor, 2);
   std::erase_if(groups, [](const auto& group) { return group.rows == 0; });
   result.groups = groups;
 }
@@ -277,11 +294,12 @@ void run_or_explain(const MarkerBlock& block, const MarkerOptions& options, cons
 /// cannot be told from the size of the tags, and half a millimetre in ten metres hangs on 0.01 px of it.
 void drop_insignificant_insets(const MarkerBlock& block, const MarkerOptions& options, const Trial& trial, Run& run) {
   constexpr double always_significant = 0.1;  // [px]
-  for (size_t c = 0; c < run.model.inset_columns.size(); ++c) {
-    const int column = run.model.inset_columns[c];
-    if (column < 0) continue;
-    const double sigma = std::sqrt(run.block.solution.kept_cofactor(column, column));
-    if (std::abs(run.state.insets[c]) > std::min(3 * sigma, always_significant)) return;
+  for (size_t c = 0; c < block.cameras.size(); ++c) {
+    const bundle::Ref ref{bundle::Kind::inset, run.model.inset_batch(c)};
+    if (!run.model.problem.batches[static_cast<size_t>(ref.index)].inset_free) continue;
+    const double sigma = std::sqrt(run.cofactor(ref)(0, 0));
+    if (std::abs(run.model.state.insets[static_cast<size_t>(ref.index)]) > std::min(3 * sigma, always_significant))
+      return;
   }
   if (!(options.inset_sigma > 0)) return;
   MarkerOptions without = options;
@@ -289,88 +307,77 @@ void drop_insignificant_insets(const MarkerBlock& block, const MarkerOptions& op
   Run held;
   MarkerResult unused;
   Trial from = trial;
-  from.start = start_of(block, run.state, trial.start);
+  from.start = start_of(block, run.model, trial.start);
   run_adjustment(block, without, from, held, unused);
-  run.state.poses = held.state.poses, run.state.cam_from_world = held.state.cam_from_world;
-  run.state.camera_matrices = held.state.camera_matrices;
-  run.state.centres = held.state.centres, run.state.turns = held.state.turns;
-  run.state.world_from_tag = held.state.world_from_tag, run.state.tag_matrices = held.state.tag_matrices;
-  run.state.scales = held.state.scales, run.state.shapes = held.state.shapes,
-  run.state.interiors = held.state.interiors, run.state.insets = held.state.insets;
-  run.block.linear.observations = run.model.model.linearise().observations;
+  run.model.state = run.adjusted.state = held.model.state;
+  run.reliability = bundle::reliability_of(run.model.problem, run.adjusted);
 }
 
 void fill_cameras(const MarkerBlock& block, const Run& run, MarkerResult& result) {
-  const Eigen::MatrixXd& cofactor = run.block.solution.kept_cofactor;
   constexpr int count = BrownCamera::parameter_count;
   for (size_t c = 0; c < block.cameras.size(); ++c) {
     AdjustedMarkerCamera camera;
-    camera.camera = block.cameras[c].camera;
-    camera.camera.set_parameters(run.state.interiors[c]);
+    camera.camera = camera_of(block, run.model, c);
     camera.covariance = Eigen::MatrixXd::Zero(count, count);
-    const auto& columns = run.model.interior_columns[c];
-    for (int r = 0; r < count; ++r)
-      for (int k = 0; k < count; ++k)
-        if (columns[static_cast<size_t>(r)] >= 0 && columns[static_cast<size_t>(k)] >= 0)
-          camera.covariance(r, k) = cofactor(columns[static_cast<size_t>(r)], columns[static_cast<size_t>(k)]);
-    camera.inset = run.state.insets[c];
-    if (const int column = run.model.inset_columns[c]; column >= 0)
-      camera.inset_sigma = std::sqrt(cofactor(column, column));
-    for (const int i : run.state.images)
-      camera.images += block.images[static_cast<size_t>(i)].camera == static_cast<int>(c);
+    const auto& free = run.layout->free_values(static_cast<int>(c));
+    if (!free.empty()) camera.covariance(free, free) = run.cofactor({bundle::Kind::camera, static_cast<int>(c)});
+    const int batch = run.model.inset_batch(c);
+    camera.inset = run.model.state.insets[static_cast<size_t>(batch)];
+    if (run.model.problem.batches[static_cast<size_t>(batch)].inset_free)
+      camera.inset_sigma = std::sqrt(run.cofactor({bundle::Kind::inset, batch})(0, 0));
+    for (const bundle::Image& image : run.model.problem.images) camera.images += image.camera == static_cast<int>(c);
     result.cameras.push_back(camera);
   }
 }
 
 void fill_markers(const MarkerBlock& block, const Run& run, MarkerResult& result) {
-  const Eigen::MatrixXd& cofactor = run.block.solution.kept_cofactor;
-  std::vector<int> columns;
-  std::vector<int> images(block.markers.size(), 0);
-  for (const int v : run.state.views) ++images[static_cast<size_t>(block.views[static_cast<size_t>(v)].marker)];
-  for (size_t j = 0; j < run.state.markers.size(); ++j) {
+  std::vector<int> plates, centres, images(run.model.markers.size(), 0);
+  for (const bundle::ImageTag& tag : run.model.problem.image_tags) ++images[static_cast<size_t>(tag.plate)];
+  for (int j = 0; j < static_cast<int>(run.model.markers.size()); ++j) {
+    plates.push_back(run.layout->block({bundle::Kind::plate, j}));
+    for (int c = 0; c < 3; ++c) centres.push_back(6 * j + c);
+  }
+  const Eigen::MatrixXd cofactor = run.adjusted.cofactors->joint(plates);
+  result.centre_covariance = cofactor(centres, centres);
+  for (size_t j = 0; j < run.model.markers.size(); ++j) {
     AdjustedMarker marker;
-    marker.marker = run.state.markers[j];
-    marker.world_from_tag = {run.state.world_from_tag[j],
-                             Eigen::Map<const Eigen::Vector3d>(run.state.centres[j].data())};
-    marker.scale = run.state.scales[j];
-    if (const int column = run.model.scale_columns[j]; column >= 0)
-      marker.scale_sigma = std::sqrt(cofactor(column, column));
-    marker.shape = run.state.shapes[j];
+    marker.marker = run.model.markers[j];
+    marker.world_from_tag = {run.model.state.plates[j].rotation, run.model.state.plates[j].position};
+    marker.scale = run.model.state.scales[j];
+    if (run.model.problem.batches[j].scale_free)
+      marker.scale_sigma = std::sqrt(run.cofactor({bundle::Kind::scale, static_cast<int>(j)})(0, 0));
+    marker.shape = run.model.state.forms[j];
     const double half = 0.5 * block.markers[static_cast<size_t>(marker.marker)].size * marker.scale;
-    marker.corners = shaped_corners(half, marker.shape.data());
+    marker.corners = shaped_corners(half, marker.shape);
     for (Eigen::Vector3d& corner : marker.corners) corner = marker.world_from_tag * corner;
-    marker.centre_covariance = cofactor.block<3, 3>(run.model.centre_columns[j], run.model.centre_columns[j]);
-    marker.rotation_covariance = cofactor.block<3, 3>(run.model.turn_columns[j], run.model.turn_columns[j]);
-    marker.images = images[static_cast<size_t>(marker.marker)];
-    for (int c = 0; c < 3; ++c) columns.push_back(run.model.centre_columns[j] + c);
+    const Eigen::Index at = 6 * static_cast<Eigen::Index>(j);
+    marker.centre_covariance = cofactor.block<3, 3>(at, at);
+    marker.rotation_covariance = cofactor.block<3, 3>(at + 3, at + 3);
+    marker.images = images[j];
     result.markers.push_back(marker);
   }
-  result.centre_covariance = cofactor(columns, columns);
 }
 
 void fill_images(const MarkerBlock& block, const Run& run, MarkerResult& result) {
   result.images.resize(block.images.size());
   for (size_t i = 0; i < result.images.size(); ++i) result.images[i].image = static_cast<int>(i);
-  for (size_t i = 0; i < run.state.images.size(); ++i) {
-    AdjustedMarkerImage& image = result.images[static_cast<size_t>(run.state.images[i])];
+  for (size_t i = 0; i < run.model.images.size(); ++i) {
+    AdjustedMarkerImage& image = result.images[static_cast<size_t>(run.model.images[i])];
     image.oriented = true;
-    image.centre = {run.state.poses[i][0], run.state.poses[i][1], run.state.poses[i][2]};
-    image.cam_from_world = {run.state.cam_from_world[i], -(run.state.cam_from_world[i] * image.centre)};
-    image.covariance = run.block.solution.eliminated_cofactor[i];
+    image.centre = run.model.state.images[i].position;
+    image.cam_from_world = cam_from_world(run.model.state.images[i]);
+    image.covariance = run.cofactor({bundle::Kind::image, static_cast<int>(i)});
   }
 }
 
 void fill_views(const MarkerBlock& block, const Run& run, MarkerResult& result) {
   std::vector<double> camera_squares(block.cameras.size(), 0);
   double squares = 0;
-  for (size_t k = 0; k < run.block.linear.observations.size(); ++k) {
-    const ObservationRows& rows = run.block.linear.observations[k];
-    if (rows.group != group_refined && rows.group != group_unrefined) continue;
+  for (size_t k = 0; k < run.model.views.size(); ++k) {
     AdjustedMarkerView seen;
-    seen.view = run.state.views[static_cast<size_t>(rows.label)];
+    seen.view = run.model.views[k];
     const MarkerView& view = block.views[static_cast<size_t>(seen.view)];
-    const Eigen::MatrixXd root = run.state.sigma_factors[view.refined ? 0 : 1] * view_root(view);
-    const auto quality = block::row_quality(root, rows, run.cofactors[k]);
+    const auto& quality = run.reliability.tags[k];
     double sum = 0;
     for (size_t r = 0; r < 8; ++r) {
       seen.residuals[r / 2](static_cast<Eigen::Index>(r % 2)) = -quality[r].residual;
@@ -395,6 +402,16 @@ void fill_views(const MarkerBlock& block, const Run& run, MarkerResult& result) 
 
 }  // namespace
 
+std::array<Eigen::Vector3d, 4> shaped_corners(double half, const TagShape& shape) {
+  std::array<Eigen::Vector3d, 4> corners;
+  for (size_t k = 0; k < 4; ++k) {
+    const double u = k == 1 || k == 2 ? 1 : -1, v = k >= 2 ? 1 : -1;
+    corners[k] = half * Eigen::Vector3d(u + shape[0] * u + shape[1] * v + shape[2] * (u * v),
+                                        v - shape[0] * v + shape[1] * u + shape[3] * (u * v), shape[4] * (u * v));
+  }
+  return corners;
+}
+
 MarkerResult adjust_as_given(const MarkerBlock& block, const MarkerOptions& options) {
   require_usable(block);
   MarkerResult result;
@@ -404,7 +421,7 @@ MarkerResult adjust_as_given(const MarkerBlock& block, const MarkerOptions& opti
   run_or_explain(block, options, trial, run, result);
   drop_insignificant_insets(block, options, trial, run);
   fill_cameras(block, run, result);
-  judge_cameras(block, run.state, run.model, run.block, result);
+  judge_cameras(block, run.model, *run.layout, run.adjusted, result);
   fill_markers(block, run, result);
   fill_images(block, run, result);
   fill_views(block, run, result);
@@ -412,7 +429,7 @@ MarkerResult adjust_as_given(const MarkerBlock& block, const MarkerOptions& opti
   if (has_layout(block)) {
     result.datum = "the layout's places of the tags, with their standard deviations";
   } else {
-    to_first_tag(block, in_one_line(block, run.state), result);
+    to_first_tag(block, in_one_line(block, run.model), result);
     state_scale(block, options, result);
   }
   warn_about_variance(result);

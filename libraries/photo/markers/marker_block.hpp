@@ -15,7 +15,6 @@
 
 #include "geometry/camera.hpp"
 #include "least_squares/problem/reliability.hpp"
-#include "photo/block/block_model.hpp"
 #include "photo/markers/camera_changes.hpp"
 #include "plumbline/rigid_transform.hpp"
 
@@ -72,16 +71,7 @@ constexpr int shape_count = 5;
 using TagShape = std::array<double, shape_count>;
 
 /// Corners in the tag's frame [m]; `half` is half of the edge.
-template <typename T>
-std::array<Eigen::Matrix<T, 3, 1>, 4> shaped_corners(const T& half, const T* shape) {
-  std::array<Eigen::Matrix<T, 3, 1>, 4> corners;
-  for (std::size_t k = 0; k < 4; ++k) {
-    const double u = k == 1 || k == 2 ? 1 : -1, v = k >= 2 ? 1 : -1;
-    corners[k] = {half * (u + shape[0] * u + shape[1] * v + shape[2] * (u * v)),
-                  half * (v - shape[0] * v + shape[1] * u + shape[3] * (u * v)), half * (shape[4] * (u * v))};
-  }
-  return corners;
-}
+std::array<Eigen::Vector3d, 4> shaped_corners(double half, const TagShape& shape);
 
 struct MarkerOptions {
   double size_sigma = 1e-3;  ///< prior of each tag's size relative to nominal
@@ -116,7 +106,8 @@ struct AdjustedMarkerImage {
   std::string reason;  ///< why it is not oriented, or why its orientation is weak; empty for a sound one
   RigidTransform cam_from_world;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  block::Matrix6 covariance = block::Matrix6::Zero();  ///< centre [m], then rotation vector in the camera frame [rad]
+  /// Centre [m], then rotation vector in the camera frame [rad].
+  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
   int tags = 0;
   double rms = 0;  ///< of a corner coordinate [px]
   /// Of a photograph with one tag: the second pose that fits, with its residual over that of the first.

@@ -1,16 +1,16 @@
 // Whether the cameras of a block of tags are each one camera over all of their photographs.
 #pragma once
 
-#include "photo/block/block_model.hpp"
+#include "photo/bundle/adjust.hpp"
 #include "photo/markers/marker_block.hpp"
 #include "photo/markers/marker_model.hpp"
 
 namespace plumbline::markers {
 
 /// What its photographs say of each camera that is estimated: `truth`, the covariance that this leaves it, warnings.
-/// `adjusted` is the block's last linearisation, result.cameras has the formal covariances.
-void judge_cameras(const MarkerBlock& block, const MarkerState& state, const MarkerModel& model,
-                   const block::AdjustedBlock& adjusted, MarkerResult& result);
+/// `adjusted` is that of the model at its state, result.cameras has the formal covariances.
+void judge_cameras(const MarkerBlock& block, const MarkerModel& model, const bundle::Layout& layout,
+                   const bundle::Adjusted& adjusted, MarkerResult& result);
 
 /// The block adjusted again with the photographs of a change (camera_changes.hpp) as a camera of their own, in words;
 /// empty where camera `c` did not change, or bit by bit, or the block does not adjust.

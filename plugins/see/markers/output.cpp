@@ -335,7 +335,7 @@ PosesT poses_of(const MarkerBlock& block, const MarkerResult& result) {
     pose->path = block.images[static_cast<size_t>(image.image)].path;
     pose->cam_from_world = image.cam_from_world;
     // (C, δ) to (δ, t): t = −exp(δ) R C, dt = −R dC − [t]× δ.
-    block::Matrix6 jacobian = block::Matrix6::Zero();
+    Eigen::Matrix<double, 6, 6> jacobian = Eigen::Matrix<double, 6, 6>::Zero();
     jacobian.topRightCorner<3, 3>().setIdentity();
     jacobian.bottomLeftCorner<3, 3>() = -image.cam_from_world.rotation.toRotationMatrix();
     jacobian.bottomRightCorner<3, 3>() = -skew(image.cam_from_world.translation);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 
 #include "photo/bundle/adjust.hpp"
 #include "photo/bundle/parts.hpp"
@@ -72,6 +73,10 @@ Scene make_scene(Lens lens, bool with_tags) {
       scene.state.plates.emplace_back();
       scene.state.plates.back().set(quaternion_from_rotation_vector(disturbed(0.3)), disturbed(0.4));
     }
+    // The first tag's corners are anywhere, the second's in the corners of a square and off its plane.
+    scene.state.forms = {{0.02, -0.01, 0.03, -0.02, 0.05}, {0, 0, 0, 0, -0.04}, {}};
+    p.plates[0].form_end = form_count;
+    p.plates[1].form_begin = form_count - 1, p.plates[1].form_end = form_count;
   }
   const Layout layout(p);
   for (int i = 0; i < 6; ++i) {
@@ -119,7 +124,10 @@ Scene make_scene(Lens lens, bool with_tags) {
   if (with_tags) {
     p.known.push_back({{{Kind::scale, 0}}, Eigen::VectorXd::Constant(1, 1.0), Eigen::MatrixXd::Constant(1, 1, 1e3), 2});
     p.known.push_back({{{Kind::scale, 1}}, Eigen::VectorXd::Constant(1, 1.0), Eigen::MatrixXd::Constant(1, 1, 1e3), 2});
-    p.known.push_back({{{Kind::plate, 1}}, Eigen::VectorXd::Zero(3), 500 * Eigen::MatrixXd::Identity(3, 3), 2});
+    p.known.push_back({{{Kind::plate, 1}}, Eigen::VectorXd::Zero(6), 500 * Eigen::MatrixXd::Identity(6, 6), 2});
+    p.known.back().world_from_plate = scene.state.plates[1].rotation;
+    p.known.push_back({{{Kind::form, 0}}, Eigen::VectorXd::Zero(5), 100 * Eigen::MatrixXd::Identity(5, 5), 2});
+    p.known.push_back({{{Kind::form, 1}}, Eigen::VectorXd::Zero(5), 100 * Eigen::MatrixXd::Identity(5, 5), 2});
   }
   return scene;
 }
@@ -172,6 +180,29 @@ TEST_P(Lenses, EveryDerivativeIsThatOfTheRows) {
         (all_rows(scene.problem, layout, plus, nullptr) - all_rows(scene.problem, layout, minus, nullptr)) / (2 * step);
     EXPECT_LT((difference - jacobian.col(u)).norm(), 3e-6 * jacobian.col(u).norm() + 1e-9)
         << name_of_unknown(scene.problem, layout, u);
+  }
+}
+
+/// What a rotation off a known one costs falls along the derivatives that its rows state, however far it is off.
+TEST(Bundle, GradientOfAKnownRotationIsThatOfItsCost) {
+  Scene scene = make_scene(Lens::brown, true);
+  const auto term = std::find_if(scene.problem.known.begin(), scene.problem.known.end(),
+                                 [](const Known& k) { return k.world_from_plate.has_value(); });
+  ASSERT_NE(term, scene.problem.known.end());
+  term->world_from_plate = quaternion_from_rotation_vector({0.3, -0.5, 0.4}) * *term->world_from_plate;
+  const Layout layout(scene.problem);
+  const KnownRows rows = evaluate(scene.problem, layout, scene.state, *term);
+  const Eigen::VectorXd gradient = 2 * rows.jacobian.transpose() * rows.residual;
+  constexpr double step = 1e-5;
+  for (size_t c = 3; c < 6; ++c) {
+    double cost[2];
+    for (int side = 0; side < 2; ++side) {
+      State moved = scene.state;
+      apply_step(scene.problem, layout,
+                 (side == 0 ? -step : step) * Eigen::VectorXd::Unit(layout.unknown_count(), rows.columns[c]), moved);
+      cost[side] = evaluate(scene.problem, layout, moved, *term).residual.squaredNorm();
+    }
+    EXPECT_NEAR((cost[1] - cost[0]) / (2 * step), gradient(static_cast<Eigen::Index>(c)), 1e-6 * gradient.norm());
   }
 }
 

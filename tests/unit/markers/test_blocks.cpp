@@ -168,7 +168,7 @@ TEST(MarkerBlock, TagsThatAreNoFlatSquaresDoNotSpoilTheCovariance) {
       for (size_t k = 0; k < shape.size(); ++k) shape[k] = (k == 4 ? 7e-3 : 1e-3) * unit(random);
     for (MarkerView& view : s.block.views) {
       const size_t m = static_cast<size_t>(view.marker);
-      const auto bent = shaped_corners(0.06, shapes[m].data());
+      const auto bent = shaped_corners(0.06, shapes[m]);
       const RigidTransform cam_from_tag = s.images[static_cast<size_t>(view.image)] * s.tags[m];
       for (size_t q = 0; q < 4; ++q)
         view.corners[q] +=
