@@ -23,7 +23,7 @@ plumbline run calibrate_camera folder=board board=board.yaml --out known_camera 
 
 where() {  # the folder and the variables of a pipeline; nothing: it is not tried, because its data are not public
   case $1 in
-    site_campaign | site_campaign_free | site_campaign_joint | site_surfaces | site_crossval | check_campaign | survey_campaign) echo site ;;
+    site_campaign | site_campaign_free | site_campaign_joint | site_surfaces | site_crossval | site_survey | check_campaign | survey_campaign) echo site ;;
     site_observations | plan_installation) echo observed ;;
     site_loop | site_loop_photographs) echo "site first=true now=2026-05-05T08:00:00Z measured=2026-05-04T08:00:00Z" ;;
     init_campaign) echo found ;;
