@@ -90,6 +90,21 @@ function(plumbline_embed_texts header namespace struct array folder)
   file(CONFIGURE OUTPUT ${header} CONTENT "${table}" @ONLY)
 endfunction()
 
+# plumbline_embed_files(HEADER NAMESPACE NAME FILE [NAME FILE ...])
+# Writes a header with files word for word: `inline constexpr const char* NAME`. Scripts and styles of pages are files of their own, so
+# that an editor and a test can read them.
+function(plumbline_embed_files header namespace)
+  set(content "// Made from the files that are named here.\n#pragma once\n\nnamespace ${namespace} {\n\n")
+  while(ARGN)
+    list(POP_FRONT ARGN name file)
+    file(READ ${file} text)
+    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${file})
+    string(APPEND content "/// ${file}\ninline constexpr const char* ${name} = R\"plumbline(${text})plumbline\";\n")
+  endwhile()
+  file(WRITE ${header}.new "${content}\n}  // namespace ${namespace}\n")
+  file(COPY_FILE ${header}.new ${header} ONLY_IF_DIFFERENT)
+endfunction()
+
 # plumbline_compile_alone(a.cpp ...)
 # Files that are not compiled together with others of their target (CMAKE_UNITY_BUILD): their own names would meet.
 function(plumbline_compile_alone)

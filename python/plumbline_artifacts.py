@@ -8,7 +8,8 @@ An artifact is a FlatBuffers table of a type from schemas/artifacts/*.fbs. No co
     data = schema.write({"points": [{"id": "A1", "position": (1.0, 2.0, 3.0)}]})
 
 Reading: numbers are numbers, strings are str ("" if absent), structs and lists of numbers or structs are numpy views on the bytes
-(no copy), tables are Table, lists of tables are lists. Enum fields are numbers; Schema.enums has their names.
+(no copy), tables are Table, lists of tables are lists. Enum fields are the names of their values, in lists their numbers; Schema.enums
+has both. Writing takes either.
 
 A node that is an executable (a manifest NAME.node.yaml beside it) begins with `call = Call()`. Import this module first: from
 then on no module is imported that others may write, and at the end the host is told of all that were imported, so that the node
@@ -172,6 +173,8 @@ class Schema:
         root = _Raw(bfbs, struct.unpack_from("<I", bfbs, 0)[0])
         self._objects = [_Object(o) for o in root.tables(0)]
         self.enums = {e.text(0): {v.text(0): v.number(1, "<q") for v in e.tables(1)} for e in root.tables(1)}
+        self._values = list(self.enums.values())  # by the index that fields have
+        self._names = [{number: name for name, number in values.items()} for values in self._values]
         self.name = _Raw(bfbs, root.follow(4)).text(0)
         self._root = next(o for o in self._objects if o.name == self.name)
 
@@ -214,10 +217,19 @@ class Schema:
                 held = self._objects[field.index]
                 builder.PrependStructSlot(field.number, self._put(builder, held.align, _struct(self.dtype(held), value)), 0)
             else:
-                raw = np.array(value, _SCALARS[field.base]).tobytes()
+                raw = np.array(self._number_of(thing, field, value), _SCALARS[field.base]).tobytes()
                 self._put(builder, len(raw), raw)
                 builder.Slot(field.number)
         return builder.EndObject()
+
+    def _number_of(self, thing, field, value):
+        """Of an enum's value by name."""
+        if not isinstance(value, str) or field.index < 0:
+            return value
+        values = self._values[field.index]
+        if value not in values:
+            raise KeyError(f"{thing.name}.{field.name} is one of {', '.join(values)}; found '{value}'")
+        return values[value]
 
     def _write_apart(self, builder, field, value):
         if field.base == _STRING:
@@ -294,7 +306,8 @@ class Table:
             raise AttributeError(f"{self._thing.name} has no '{name}'; it has {', '.join(self._thing.by_name)}")
         raw, schema = self._raw, self._schema
         if field.base in _SCALARS:
-            return raw.number(field.number, _struct_form(field.base), field.default)
+            number = raw.number(field.number, _struct_form(field.base), field.default)
+            return schema._names[field.index].get(number, number) if field.index >= 0 else number
         if field.base == _STRING:
             return raw.text(field.number)
         if field.base == _OBJECT:

@@ -68,6 +68,8 @@ int watch(const Options& options);
 int serve(const Options& options);
 /// `new`: options.role is the template, options.name that of the node, options.out the folder.
 int new_node(const Options& options);
+/// `example`: options.name is the folder to make.
+int example(const Options& options);
 int campaign_init(const Options& options);
 int campaign_check(const Options& options);
 int journal(const Options& options);

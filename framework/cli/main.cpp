@@ -113,6 +113,10 @@ std::vector<Command> declare(CLI::App& app, Options& options, plumbline::cli::Be
   made.add_option("name", options.name, "of the node, as in detect.NAME")->required()->type_name("NAME");
   made.add_option("--out", options.out, "the folder to make (default: NAME)")->type_name("DIR");
 
+  CLI::App& shipped = add("example", "makes a folder with the data of the tutorial: photographs of a printed board",
+                          plumbline::cli::example);
+  shipped.add_option("folder", options.name, "the folder to make (default: board)")->type_name("FOLDER");
+
   CLI::App* bench =
       app.add_subcommand("bench", "runs alternatives on many trials and says which is better, and by how much");
   plumbline::cli::declare_bench(*bench, bench_options);

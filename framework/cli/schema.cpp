@@ -83,6 +83,13 @@ int schema(const Options&) {
        {{"use", {{"anyOf", kinds}}},
         {"in", {{"type", "object"}}},
         {"with", {{"type", "object"}}},
+        {"each",
+         {{"type", "string"}, {"description", "an input that takes one item: the node runs for each item of a list"}}},
+        {"for_each",
+         {{"type", "string"},
+          {"description",
+           "ROLE or ROLE.PARAMETER: one node for each kind of the role (that has the parameter); "
+           "${kind} is its name, ${kind.PARAMETER} its default"}}},
         {"isolate",
          {{"anyOf", {{{"enum", {"process", "no"}}}, {{"$ref", "#/$defs/variable"}}}},
           {"description", "process: run it in a process of its own"}}},

@@ -54,6 +54,8 @@ struct Reader : Node {
   Out<SurveyObservations> observations{"observations", frame("frame=building"),
                                        "what it holds, everything skipped named"};
   Param<bool> strict{"strict", false, "refuse a file of which anything has to be skipped"};
+  // What of a site's folder is this reader's: with it campaigns and survey_network find it by its role.
+  Param<std::vector<std::string>> files{"files", {"*.@name@"}, "names of the files that it reads"};
 
   void run(Context& context) override {
     const auto* content = file->content();

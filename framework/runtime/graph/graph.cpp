@@ -37,7 +37,7 @@ namespace {
 Graph read_and_link(const std::filesystem::path& file, const std::vector<std::string>& overrides,
                     const Registry& registry, const std::vector<std::filesystem::path>& include_folders,
                     std::vector<Problem>& problems) {
-  const PipelineSpec spec = read_pipeline(file, overrides, include_folders, problems);
+  const PipelineSpec spec = read_pipeline(file, overrides, include_folders, problems, &registry);
   Graph graph = link_pipeline(spec, registry, problems);
   if (problems.empty() && graph.nodes.empty())
     problems.push_back({{file.string(), 1, 1}, "this pipeline has no nodes"});

@@ -181,10 +181,26 @@ class Linker {
         node.each_port = port.name;
       }
     }
+    map_over_one(node, specs_[index]->each);
     for (uint32_t i = 0; i < node.kind.node->output_count; ++i) {
       const plumbline_port& port = *node.kind.node->outputs[i];
       node.output_is_list[port.name] = node.maps || port.cardinality == PLUMBLINE_LIST;
     }
+  }
+
+  /// `each: PORT`: a node whose port takes one item runs for every item of a list.
+  void map_over_one(GraphNode& node, const Scalar& each) {
+    if (each.text.empty()) return;
+    const plumbline_port* port = node.kind.input(each.text);
+    if (!port || port->cardinality != PLUMBLINE_ONE || node.maps)
+      return problem(each.at, "'each' of node '" + node.name +
+                                  "' names an input that takes one item, for each item of " + "a list; '" +
+                                  node.kind.node->kind + "' " +
+                                  (node.maps ? "runs for each item of '" + node.each_port + "' already"
+                                   : port    ? "takes more than one at '" + each.text + "'"
+                                             : "has no input '" + each.text + "'"));
+    node.maps = true;
+    node.each_port = port->name;
   }
 
   /// Another connection of an input that has one already: only of a list, and not where rounds follow each other.
@@ -296,7 +312,7 @@ class Linker {
                   std::map<std::string, std::string>& bound) {
     const GraphNode& from = graph.nodes[source.node];
     const auto list = from.output_is_list.find(source.port);
-    if (list != from.output_is_list.end() && list->second &&
+    if (list != from.output_is_list.end() && list->second && node.each_port != port.name &&
         (port.cardinality == PLUMBLINE_ONE || port.cardinality == PLUMBLINE_OPTIONAL))
       problem(source.at, "input '" + std::string(port.name) + "' of '" + node.name + "' takes one " + port.type +
                              ", '" + from.name + "." + source.port + "' gives a list of them");

@@ -11,6 +11,7 @@
 #include "runtime/base/near_names.hpp"
 #include "runtime/base/printable.hpp"
 #include "runtime/graph/pipeline_variables.hpp"
+#include "runtime/graph/role_expansion.hpp"
 
 namespace plumbline::runtime {
 
@@ -24,12 +25,19 @@ constexpr size_t deepest_include = 100;
 class FileReader {
  public:
   FileReader(const std::vector<std::string>& overrides, const std::vector<fs::path>& include_folders,
-             std::vector<Problem>& problems)
-      : overrides_(overrides), include_folders_(include_folders), problems_(problems), variables_(problems) {}
+             std::vector<Problem>& problems, const Registry* registry)
+      : overrides_(overrides),
+        include_folders_(include_folders),
+        problems_(problems),
+        registry_(registry),
+        variables_(problems) {}
 
   PipelineSpec read(const fs::path& file) {
     PipelineSpec spec;
     collect(file, spec);
+    expand_roles(spec, registry_, problems_);
+    node_index_.clear();
+    for (size_t i = 0; i < spec.nodes.size(); ++i) node_index_.emplace(spec.nodes[i].name, i);
     variables_.tell_unused(overrides_);
     variables_.apply(overrides_);
     apply_node_overrides(spec);
@@ -223,7 +231,8 @@ class FileReader {
         problem(position(file, item.second), "node '" + name + "' is a map: {use: …, in: {…}, with: {…}}");
         continue;
       }
-      check_keys(file, item.second, {"use", "in", "with", "isolate", "time_limit", "memory_limit"}, "a node");
+      check_keys(file, item.second, {"use", "in", "with", "each", "for_each", "isolate", "time_limit", "memory_limit"},
+                 "a node");
       // An including file may change parts of an included node: what it says replaces, the rest stays.
       const auto [found, fresh] = node_index_.emplace(name, spec.nodes.size());
       if (fresh) spec.nodes.push_back({name, {}, {}, {}, {}});
@@ -251,6 +260,8 @@ class FileReader {
 
   void read_node(const fs::path& file, const YAML::Node& map, NodeSpec& node) {
     if (map["use"]) node.use = scalar(file, map["use"]);
+    if (map["each"]) node.each = scalar(file, map["each"]);
+    if (map["for_each"]) node.for_each = scalar(file, map["for_each"]);
     for (const char* condition : {"isolate", "time_limit", "memory_limit"})
       if (map[condition]) set(node.conditions, condition, scalar(file, map[condition]));
     if (const YAML::Node inputs = map["in"]) {
@@ -413,6 +424,7 @@ class FileReader {
   const std::vector<std::string>& overrides_;
   const std::vector<fs::path>& include_folders_;
   std::vector<Problem>& problems_;
+  const Registry* registry_;
   PipelineVariables variables_;
   std::map<std::string, size_t> node_index_;  // in PipelineSpec::nodes
   std::set<fs::path> read_;
@@ -422,8 +434,9 @@ class FileReader {
 }  // namespace
 
 PipelineSpec read_pipeline(const fs::path& file, const std::vector<std::string>& overrides,
-                           const std::vector<fs::path>& include_folders, std::vector<Problem>& problems) {
-  return FileReader(overrides, include_folders, problems).read(file);
+                           const std::vector<fs::path>& include_folders, std::vector<Problem>& problems,
+                           const Registry* registry) {
+  return FileReader(overrides, include_folders, problems, registry).read(file);
 }
 
 bool is_node_override(const std::string& text) {

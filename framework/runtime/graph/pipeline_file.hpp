@@ -33,6 +33,8 @@ struct NodeSpec {
   std::vector<std::pair<std::string, ParameterSpec>> parameters;
   using Condition = std::pair<std::string, Scalar>;
   std::vector<Condition> conditions = {};  ///< how it is run: "isolate", "time_limit", "memory_limit"
+  Scalar each = {};                        ///< an input for each of whose items it runs, though its port takes one
+  Scalar for_each = {};                    ///< the role of whose kinds it stands for each (role_expansion.hpp)
 };
 
 /// `rounds:` as written; a scalar without text was not given.
@@ -61,9 +63,10 @@ constexpr std::uintmax_t largest_pipeline_file = std::uintmax_t{16} << 20;
 
 /// Reads `file` and what it includes, each file once. What an include names is looked for beside the file that names it
 /// and then in `include_folders`, with or without ".yaml". Everything wrong with the text goes to `problems`; what
-/// could be read is returned.
+/// could be read is returned. `registry`: what nodes with `for_each` stand for; without one they are left out.
 PipelineSpec read_pipeline(const std::filesystem::path& file, const std::vector<std::string>& overrides,
-                           const std::vector<std::filesystem::path>& include_folders, std::vector<Problem>& problems);
+                           const std::vector<std::filesystem::path>& include_folders, std::vector<Problem>& problems,
+                           const Registry* registry = nullptr);
 
 /// True if the override is about a node (`poses.use=…`), not about a variable.
 bool is_node_override(const std::string& text);

@@ -77,6 +77,12 @@ class Printer {
       out_ += std::to_string(flatbuffers::GetAnyValueI(type, data));
   }
 
+  /// A value of an enum by its name: numbers say nothing to who reads, and change where a name is put between others.
+  void named(int index, int64_t number) {
+    const auto* value = schema_.enums()->Get(static_cast<flatbuffers::uoffset_t>(index))->values()->LookupByKey(number);
+    out_ += value ? json_quoted(value->name()->string_view()) : std::to_string(number);
+  }
+
   /// Structs are small records of numbers: an array in the order of their fields, nested as they are.
   void structure(const Object& object, const uint8_t* data) {
     out_ += '[';
@@ -113,6 +119,8 @@ class Printer {
       default:
         if (is_float(type->base_type()))
           append_double(flatbuffers::GetAnyFieldF(table, field), type->base_type() == reflection::Float, out_);
+        else if (type->index() >= 0)
+          named(type->index(), flatbuffers::GetAnyFieldI(table, field));
         else if (type->base_type() == reflection::Bool)
           out_ += flatbuffers::GetAnyFieldI(table, field) ? "true" : "false";
         else
@@ -138,6 +146,9 @@ class Printer {
         this->table(*object, *flatbuffers::GetAnyVectorElemPointer<const flatbuffers::Table>(&list, i), depth + 1);
       else if (element == reflection::String)
         out_ += json_quoted(flatbuffers::GetAnyVectorElemPointer<const flatbuffers::String>(&list, i)->string_view());
+      else if (field.type()->index() >= 0 && !is_float(element))
+        named(field.type()->index(),
+              flatbuffers::GetAnyValueI(element, list.Data() + i * flatbuffers::GetTypeSize(element)));
       else
         scalar(element, list.Data() + i * flatbuffers::GetTypeSize(element));
     }

@@ -109,6 +109,7 @@ class Comparison {
     for (uint32_t i = 0; i < count; ++i) {
       bool known = false;
       for (const RolePort& port : wanted) known |= port.name == ports[i]->name;
+      known |= what == "input" && ports[i]->cardinality == PLUMBLINE_OPTIONAL;  // it can stand in without it
       if (!known) return "the role has no " + what + " '" + ports[i]->name + "'";
     }
     return "";

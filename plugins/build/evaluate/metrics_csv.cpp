@@ -1,3 +1,4 @@
+// metrics.csv: a row for each anchor, from the artifacts of the judgement. No library: it knows artifacts.
 #include <charconv>
 #include <cmath>
 #include <map>

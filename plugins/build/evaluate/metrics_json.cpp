@@ -1,3 +1,4 @@
+// metrics.json: what was judged, as a file, from the artifacts of the judgement. No library: it knows artifacts.
 #include <nlohmann/json.hpp>
 
 #include "build/evaluate/metrics.hpp"

@@ -1,3 +1,4 @@
+// simulate.site: set-ups and control marks before a simulated facade, so that the site can be measured again.
 #include <algorithm>
 
 #include "build/loop/job_nodes.hpp"

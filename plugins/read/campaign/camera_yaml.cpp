@@ -1,3 +1,4 @@
+// camera.yaml of a campaign folder. Here, because its errors name the campaign's files.
 #include <limits>
 #include <numbers>
 

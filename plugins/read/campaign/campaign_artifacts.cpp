@@ -100,12 +100,15 @@ KnownControl read_control(const CampaignDescription& description, const fs::path
 }
 
 std::vector<survey::SurveyObservations> read_survey_files(const CampaignDescription& description, const fs::path& root,
-                                                          bool strict, Context& context) {
+                                                          const AddedReadings& added, bool strict, Context& context) {
   std::vector<survey::SurveyObservations> parts;
   Problems problems;
   for (const std::string& path : description.survey)
     problems.attempt([&] {
-      parts.push_back(survey::read_survey(read_text(root / path), path));  // by its own name, wherever it lies
+      const auto read = added.find(path);
+      parts.push_back(read != added.end()
+                          ? survey::from_artifact(*read->second)
+                          : survey::read_survey(read_text(root / path), path));  // by its own name, wherever it lies
       for (const auto& skipped : parts.back().skipped) {
         const std::string place = skipped.source.file + ":" + std::to_string(skipped.source.line);
         if (strict)
@@ -123,8 +126,8 @@ std::vector<survey::SurveyObservations> read_survey_files(const CampaignDescript
 
 /// All survey files in one. A network adjusted from part of its readings must not look like one adjusted from all.
 SurveyObservationsT read_surveys(const CampaignDescription& description, const fs::path& root,
-                                 const KnownControl& known, bool strict, Context& context) {
-  std::vector<survey::SurveyObservations> parts = read_survey_files(description, root, strict, context);
+                                 const AddedReadings& added, const KnownControl& known, bool strict, Context& context) {
+  std::vector<survey::SurveyObservations> parts = read_survey_files(description, root, added, strict, context);
   // What campaign.yaml says holds for all files; where it is silent, the files may differ.
   for (survey::SurveyObservations& part : parts) {
     if (!description.date.empty()) part.info.date = description.date;

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
+#include <memory>
 
 #include "artifacts/camera.hpp"
 #include "artifacts/folder.hpp"
@@ -36,15 +38,19 @@ struct KnownControl {
 /// The control points; none if the campaign names no file. What is assumed is a warning of the node, too.
 KnownControl read_control(const CampaignDescription& description, const std::filesystem::path& root, Context& context);
 
-/// One for each file that campaign.yaml names, in its order; throws at what has to be skipped if `strict`.
+/// By path below the folder: what readers of other plugins have read of it.
+using AddedReadings = std::map<std::string, std::unique_ptr<SurveyObservationsT>>;
+
+/// One for each file that campaign.yaml names, in its order: of `added` if it is there, else by the reader that its
+/// content calls for. Throws at what has to be skipped if `strict`.
 std::vector<survey::SurveyObservations> read_survey_files(const CampaignDescription& description,
-                                                          const std::filesystem::path& root, bool strict,
-                                                          Context& context);
+                                                          const std::filesystem::path& root, const AddedReadings& added,
+                                                          bool strict, Context& context);
 
 /// All survey files in one. A network adjusted from part of its readings must not look like one adjusted from all:
 /// `strict` refuses what would have to be skipped. What was assumed of files and control goes with the readings, so
 /// that the network's findings, its verdict and its page tell it.
 SurveyObservationsT read_surveys(const CampaignDescription& description, const std::filesystem::path& root,
-                                 const KnownControl& known, bool strict, Context& context);
+                                 const AddedReadings& added, const KnownControl& known, bool strict, Context& context);
 
 }  // namespace plumbline::campaign

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "base/text/name_pattern.hpp"
 #include "control/points/control_point.hpp"
 #include "geometry/camera.hpp"
 
@@ -45,9 +46,7 @@ struct CameraOfImages {
   std::vector<std::string> patterns;  ///< of the names of its photographs; empty: all
 };
 
-/// '*' stands for any characters but '/', '?' for one, '**' for any characters and folders. Letters with marks match
-/// however they are encoded: macOS writes "ü" as "u" and a mark.
-bool matches_pattern(const std::string& pattern, const std::string& name);
+using text::matches_pattern;
 
 /// campaign.yaml with its patterns resolved. Paths are relative to the folder, with forward slashes, ordered by name.
 struct CampaignDescription {

@@ -2,36 +2,10 @@
 
 #include <algorithm>
 
-#include "base/text/composed.hpp"
 #include "plumbline/folder_files.hpp"
 
 namespace plumbline::campaign {
 namespace {
-
-bool matches(const char* pattern, const char* text) {
-  if (!*pattern) return !*text;
-  if (*pattern == '*' && pattern[1] == '*') {
-    const char* after = pattern + 2;
-    if (*after == '/' && matches(after + 1, text)) return true;  // no folder at all
-    for (const char* rest = text;; ++rest) {
-      if (matches(after, rest)) return true;
-      if (!*rest) return false;
-    }
-  }
-  if (*pattern == '*') {
-    for (const char* rest = text;; ++rest) {
-      if (matches(pattern + 1, rest)) return true;
-      if (!*rest || *rest == '/') return false;
-    }
-  }
-  if (!*text) return false;
-  if (*pattern == '?') {
-    if (*text == '/') return false;
-    for (++text; (static_cast<unsigned char>(*text) & 0xC0) == 0x80;) ++text;  // the rest of one character
-    return matches(pattern + 1, text);
-  }
-  return *pattern == *text && matches(pattern + 1, text + 1);
-}
 
 bool is_pattern(const std::string& text) { return text.find_first_of("*?") != std::string::npos; }
 
@@ -41,10 +15,6 @@ std::string in_small(std::string text) {
 }
 
 }  // namespace
-
-bool matches_pattern(const std::string& pattern, const std::string& name) {
-  return matches(text::composed(pattern).c_str(), text::composed(name).c_str());
-}
 
 Resolver::Resolver(const Mapping& mapping, std::vector<std::string> files)
     : mapping_(mapping), files_(std::move(files)) {

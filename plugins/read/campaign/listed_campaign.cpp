@@ -14,8 +14,9 @@ std::unique_ptr<InputFileT> file_of(const FolderEntryT& entry, const std::string
 
 }  // namespace
 
-ListedCampaign::ListedCampaign(FolderT listed, std::filesystem::path at, CampaignUse use)
+ListedCampaign::ListedCampaign(FolderT listed, std::filesystem::path at, CampaignUse use, SurveyReadingsT readings)
     : given(std::move(listed)), root(std::move(at)) {
+  for (const auto& file : readings.files) added[file->path] = std::move(file->observations);
   for (const auto& file : given.files) entries[file->path] = file.get();
   const std::filesystem::path yaml = root / "campaign.yaml";
   const bool there = entries.count("campaign.yaml") > 0;
@@ -29,6 +30,9 @@ ListedCampaign::ListedCampaign(FolderT listed, std::filesystem::path at, Campaig
   });
   const bool understood = problems.empty();
   unused = unused_files(description, root, names());
+  for (const auto& file : readings.unnamed)  // what they are, only the reader of another plugin knows
+    for (UnusedFile& left : unused)
+      if (left.path == file->path) left.looks_like = "survey";
   // What a wrong key does not name would be told as forgotten, too.
   if (understood) problems.attempt([&] { refuse_forgotten(unused, description, root, use); });
 }

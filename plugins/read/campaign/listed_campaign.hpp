@@ -6,6 +6,8 @@
 
 #include "artifacts/folder.hpp"
 #include "artifacts/input_files.hpp"
+#include "artifacts/survey_readings.hpp"
+#include "campaign_artifacts.hpp"
 #include "plumbline/node.hpp"
 #include "unused_files.hpp"
 
@@ -15,8 +17,8 @@ namespace plumbline::campaign {
 /// folder's mistakes are told all at once.
 struct ListedCampaign {
   /// Reads campaign.yaml, or finds the parts by their names where that may be missing (CampaignUse::photographs), and
-  /// looks for what was forgotten. What is wrong is in `problems`.
-  ListedCampaign(FolderT given, std::filesystem::path root, CampaignUse use);
+  /// looks for what was forgotten. `readings`: what readers of other plugins have read. What is wrong is in `problems`.
+  ListedCampaign(FolderT given, std::filesystem::path root, CampaignUse use, SurveyReadingsT readings = {});
 
   const FolderEntryT& entry(const std::string& path) const { return *entries.at(path); }
   std::vector<std::string> names() const;
@@ -29,6 +31,7 @@ struct ListedCampaign {
   std::filesystem::path root;
   std::map<std::string, const FolderEntryT*> entries;
   CampaignDescription description;
+  AddedReadings added;
   std::vector<UnusedFile> unused;
   Problems problems;
 };

@@ -9,6 +9,7 @@
 #include "photo/images/photograph_header.hpp"
 #include "photo_campaign_node.hpp"
 #include "propose_node.hpp"
+#include "reader_files_node.hpp"
 
 namespace {
 
@@ -45,6 +46,8 @@ FileT design_reference(const campaign::ListedCampaign& site) {
 struct ReadCampaign : Node {
   static constexpr Info info{"read.campaign", "", 8, "Reads the folder of a site: campaign.yaml and what it names"};
   In<Folder> folder{"folder", "a folder with a campaign.yaml; see docs/campaign_folder.md"};
+  Optional<SurveyReadings> added{"readings", frame("frame=building"),
+                                 "survey files that readers of other plugins have read: parts/readers.yaml"};
   OutList<Image> images{"images", "the photographs, by reference, ordered by path"};
   OutList<ImageTags> observations{"observations", "tags that were measured already, where campaign.yaml names a table"};
   Out<Camera> camera{"camera", "the calibration, or all of several, with the uncertainty its file states"};
@@ -61,7 +64,7 @@ struct ReadCampaign : Node {
 
   void run(Context& context) override {
     campaign::ListedCampaign site(folder.unpack(), context.resolve(std::string(folder->uri()->string_view())),
-                                  campaign::CampaignUse::site);
+                                  campaign::CampaignUse::site, campaign::given_by(added));
     const campaign::CampaignDescription& description = site.description;
     const fs::path& root = site.root;
     const auto attempt = [&](bool there, const auto& action) {
@@ -78,7 +81,7 @@ struct ReadCampaign : Node {
     attempt(!description.plates.empty(), [&] { entries = read_plates(root / description.plates, context); });
     attempt(true, [&] { known = campaign::read_control(description, root, context); });
     attempt(!description.survey.empty(),
-            [&] { readings = campaign::read_surveys(description, root, known, *strict, context); });
+            [&] { readings = campaign::read_surveys(description, root, site.added, known, *strict, context); });
     for (const std::string& path : description.images)
       attempt(cameras.has_value(), [&] { photographs.push_back(image_of(site.entry(path), root, cameras->of(path))); });
     attempt(cameras && !description.observations.empty(), [&] {
@@ -160,6 +163,8 @@ struct ReadSurveyCampaign : Node {
   static constexpr Info info{"read.survey_campaign", "", 2,
                              "Reads the survey files and control points that a campaign.yaml names, and nothing else"};
   In<Folder> folder{"folder", "a folder with a campaign.yaml; images, camera, plates and design may be left out"};
+  Optional<SurveyReadings> added{"readings", frame("frame=building"),
+                                 "survey files that readers of other plugins have read: parts/readers.yaml"};
   Out<SurveyObservations> survey{"survey", frame("frame=building"),
                                  "all survey files in one; the datum is in `control`"};
   Out<Points> control{"control", frame("frame=building"), "the control points as given"};
@@ -171,12 +176,12 @@ struct ReadSurveyCampaign : Node {
 
   void run(Context& context) override {
     campaign::ListedCampaign site(folder.unpack(), context.resolve(std::string(folder->uri()->string_view())),
-                                  campaign::CampaignUse::survey);
+                                  campaign::CampaignUse::survey, campaign::given_by(added));
     campaign::KnownControl known;
     SurveyObservationsT readings;
     site.problems.attempt([&] { known = campaign::read_control(site.description, site.root, context); });
     site.problems.attempt(
-        [&] { readings = campaign::read_surveys(site.description, site.root, known, *strict, context); });
+        [&] { readings = campaign::read_surveys(site.description, site.root, site.added, known, *strict, context); });
     site.problems.raise();
     control.commit(campaign::to_artifact(known.points));
     survey.commit(readings);
@@ -190,14 +195,16 @@ struct ReadSurveyEpochs : Node {
   static constexpr Info info{"read.survey_epochs", "", 1,
                              "Reads the survey files that a campaign.yaml names, one epoch each, in its order"};
   In<Folder> folder{"folder", "a folder with a campaign.yaml whose `survey` names the files, oldest first"};
+  Optional<SurveyReadings> added{"readings", frame("frame=building"),
+                                 "survey files that readers of other plugins have read: parts/readers.yaml"};
   OutList<SurveyObservations> epochs{"epochs", frame("frame=building"), "one for each file"};
   Param<bool> strict{"strict", true,
                      "refuse survey files of which anything has to be skipped; otherwise it is a warning"};
 
   void run(Context& context) override {
     campaign::ListedCampaign site(folder.unpack(), context.resolve(std::string(folder->uri()->string_view())),
-                                  campaign::CampaignUse::survey);
-    for (const auto& epoch : campaign::read_survey_files(site.description, site.root, *strict, context))
+                                  campaign::CampaignUse::survey, campaign::given_by(added));
+    for (const auto& epoch : campaign::read_survey_files(site.description, site.root, site.added, *strict, context))
       epochs.commit(survey::to_artifact(epoch));
   }
 };
@@ -207,6 +214,8 @@ struct ReadMeasuredCampaign : Node {
                              "Reads a folder whose anchors were measured by total station: survey files, control, "
                              "plates and design; photographs in it are left alone"};
   In<Folder> folder{"folder", "a folder with a campaign.yaml; images, observations and camera may be left out"};
+  Optional<SurveyReadings> added{"readings", frame("frame=building"),
+                                 "survey files that readers of other plugins have read: parts/readers.yaml"};
   Out<Plates> plates{"plates", frame("frame=building"), "which point stands for which anchor, and how it faces"};
   Out<SurveyObservations> survey{"survey", frame("frame=building"),
                                  "all survey files in one; the datum is in `control`"};
@@ -220,7 +229,7 @@ struct ReadMeasuredCampaign : Node {
 
   void run(Context& context) override {
     campaign::ListedCampaign site(folder.unpack(), context.resolve(std::string(folder->uri()->string_view())),
-                                  campaign::CampaignUse::measured);
+                                  campaign::CampaignUse::measured, campaign::given_by(added));
     campaign::KnownControl known;
     SurveyObservationsT readings;
     std::vector<campaign::PlateEntry> entries;
@@ -228,7 +237,7 @@ struct ReadMeasuredCampaign : Node {
       site.problems.attempt([&] { entries = read_plates(site.root / site.description.plates, context); });
     site.problems.attempt([&] { known = campaign::read_control(site.description, site.root, context); });
     site.problems.attempt(
-        [&] { readings = campaign::read_surveys(site.description, site.root, known, *strict, context); });
+        [&] { readings = campaign::read_surveys(site.description, site.root, site.added, known, *strict, context); });
     const FileT table = mapping_file(site);
     site.problems.raise();
     plates.commit(campaign::to_artifact(entries));
@@ -266,4 +275,4 @@ struct ReadTruth : Node {
 
 PLUMBLINE_PLUGIN("campaign", "0.1.0", "MIT", ReadCampaign, campaign::ReadPhotoCampaign, ReadSurveyCampaign,
                  ReadSurveyEpochs, ReadMeasuredCampaign, ReadTruth, campaign::ProposeCampaign,
-                 campaign::AccountForCampaign)
+                 campaign::AccountForCampaign, campaign::FilesForReader)

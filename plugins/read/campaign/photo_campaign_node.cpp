@@ -5,6 +5,7 @@
 #include "listed_campaign.hpp"
 #include "photo/images/photograph_header.hpp"
 #include "photo/markers/camera_files.hpp"
+#include "reader_files_node.hpp"
 
 namespace plumbline::campaign {
 namespace {
@@ -100,7 +101,7 @@ void warn_of_unread(const CampaignDescription& description, const std::vector<st
 
 void ReadPhotoCampaign::run(Context& context) {
   ListedCampaign site(folder.unpack(), context.resolve(std::string(folder->uri()->string_view())),
-                      CampaignUse::photographs);
+                      CampaignUse::photographs, given_by(added));
   const CampaignDescription& description = site.description;
   const fs::path& root = site.root;
   if (description.images.empty() && !description.observations.empty())
@@ -126,7 +127,7 @@ void ReadPhotoCampaign::run(Context& context) {
     });
   site.problems.attempt([&] { known = read_control(description, root, context); });
   if (!description.survey.empty())
-    site.problems.attempt([&] { readings = read_surveys(description, root, known, *strict, context); });
+    site.problems.attempt([&] { readings = read_surveys(description, root, site.added, known, *strict, context); });
   site.problems.raise();
 
   for (const std::string& warning : warnings) context.warn(warning);

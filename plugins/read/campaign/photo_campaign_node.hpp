@@ -8,6 +8,7 @@
 #include "artifacts/plates.hpp"
 #include "artifacts/points.hpp"
 #include "artifacts/survey_artifact.hpp"
+#include "artifacts/survey_readings.hpp"
 #include "plumbline/node.hpp"
 
 namespace plumbline::campaign {
@@ -16,6 +17,8 @@ struct ReadPhotoCampaign : Node {
   static constexpr Info info{"read.photo_campaign", "", 2,
                              "Reads photographs and the survey of their tags: a campaign without a design"};
   In<Folder> folder{"folder", "a folder with photographs and survey files or control points; docs/photographs.md"};
+  Optional<SurveyReadings> added{"readings", frame("frame=building"),
+                                 "survey files that readers of other plugins have read: parts/readers.yaml"};
   OutList<Image> images{"images", "the photographs, by reference, ordered by path"};
   OutList<Camera> cameras{"cameras", "the calibrations, where the folder has any"};
   Out<Plates> plates{"plates", frame("frame=building"), "which tag stands for which point; empty: names tell"};

@@ -1,3 +1,4 @@
+// Words for the columns of a plate table, in the languages that tables come in. Here, because only campaigns have them.
 #include "campaign_folder.hpp"
 
 namespace plumbline::campaign {

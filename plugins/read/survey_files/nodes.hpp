@@ -7,6 +7,7 @@
 #include "artifacts/file.hpp"
 #include "artifacts/points.hpp"
 #include "artifacts/survey_observations.hpp"
+#include "artifacts/survey_readings.hpp"
 #include "plumbline/node.hpp"
 #include "survey/model/survey_observations.hpp"
 
@@ -139,10 +140,13 @@ struct ReadSetupCoordinates : TableReaderNode {
 };
 
 struct ReadSurvey : ReaderNode {
-  static constexpr Info info{"read.survey", "survey_reader", 1,
-                             "Reads a survey file of any format, found from its content"};
+  static constexpr Info info{"read.survey", "survey_reader", 2,
+                             "Reads a survey file of any format, found from its content, or takes it from a reader of "
+                             "another plugin"};
   Param<std::string> angle_unit{"angle_unit", "automatic", one_of("automatic", "gon", "deg", "dms", "rad"),
                                 "of a table whose header names none, as in read.survey_csv"};
+  Optional<SurveyReadings> readings{"readings", frame("frame=building"),
+                                    "files that readers of other plugins have read; this one is taken from there"};
   void run(Context& context) override;
 };
 

@@ -82,6 +82,12 @@ void ReadSetupCoordinates::run(Context& context) {
 }
 
 void ReadSurvey::run(Context& context) {
+  if (readings)
+    for (const auto& part : readings.unpack().files)
+      if (part->path == name()) {
+        context.info(name() + " is read by " + part->reader);
+        return deliver(context, survey::from_artifact(*part->observations));
+      }
   if (const auto format = survey::detect_survey_format(bytes(), name()))
     context.info(name() + " is " + survey::long_name(*format));
   deliver(context, survey::read_survey(bytes(), name(), unit_or_none(*angle_unit)));

@@ -1,3 +1,4 @@
+// Nodes that write survey files of other programs: each picks a writer of libraries/survey/files.
 #include <algorithm>
 #include <cmath>
 #include <map>

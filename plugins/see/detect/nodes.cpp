@@ -8,10 +8,10 @@
 #include "board_node.hpp"
 #include "collect_nodes.hpp"
 #include "detector_node.hpp"
+#include "detector_pool.hpp"
 #include "photo/detect/tag_detector.hpp"
 #include "plumbline/node.hpp"
 #include "pyramid_node.hpp"
-#include "detector_pool.hpp"
 #include "target_node.hpp"
 
 namespace {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
@@ -99,6 +100,15 @@ Bench read(const Json& json) {
 double Cell::measure(const std::string& quantity) const {
   const auto found = measures.find(quantity);
   return found == measures.end() ? std::nan("") : found->second;
+}
+
+double Bench::useless_above() const {
+  if (tolerances.empty()) return std::numeric_limits<double>::infinity();
+  const double largest = *std::max_element(tolerances.begin(), tolerances.end());
+  const bool yardstick = std::any_of(cells.begin(), cells.end(), [&](const Cell& cell) {
+    return cell.status == "done" && cell.measure("error") <= largest;
+  });
+  return yardstick ? largest : std::numeric_limits<double>::infinity();
 }
 
 std::vector<std::string> Bench::places() const {

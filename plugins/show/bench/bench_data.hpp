@@ -58,6 +58,9 @@ struct Bench {
   std::vector<std::string> judged;
   std::vector<Cell> cells;
   std::vector<std::string> places() const;  ///< in the file's order
+  /// The largest tolerance, if it is a yardstick: some answer of the bench lies within it; else infinity. What is off
+  /// by more is of no use to anybody who asked for it, however often it is given.
+  double useless_above() const;
 };
 
 /// Throws std::runtime_error if the text is not what sweep_table() writes.

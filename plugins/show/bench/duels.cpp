@@ -17,7 +17,11 @@ using statistics::TimePair;
 class DuelBuilder {
  public:
   DuelBuilder(const Bench& bench, const Group& group, const std::string& first, const std::string& second)
-      : group_(group), costs_count_(costs_count(bench, group)), first_(first), second_(second) {
+      : group_(group),
+        costs_count_(costs_count(bench, group)),
+        useless_above_(bench.useless_above()),
+        first_(first),
+        second_(second) {
     std::map<std::tuple<std::string, std::string, std::uint64_t>, std::pair<const Cell*, const Cell*>> twins;
     for (const Cell& cell : bench.cells) {
       const auto choice = cell.choices.find(group.name);
@@ -66,8 +70,9 @@ class DuelBuilder {
       const bool first_done = a->status == "done", second_done = b->status == "done";
       Sum& sum = by_seed[a->seed];
       ++sum.cells;
-      sum.only_first += first_done && !second_done;
-      sum.only_second += second_done && !first_done;
+      // An answer that is off by decimetres where millimetres were asked for is no merit before none at all.
+      sum.only_first += first_done && !second_done && !(a->measure("error") > useless_above_);
+      sum.only_second += second_done && !first_done && !(b->measure("error") > useless_above_);
       if (!first_done || !second_done) continue;
       refuse_other_starts(*a, *b, duel);
       sum.first += a->measure("error") * a->measure("error");
@@ -116,6 +121,7 @@ class DuelBuilder {
 
   const Group& group_;
   const bool costs_count_;
+  const double useless_above_;  // [m]
   const std::string first_, second_;
   std::map<std::string, std::vector<Twin>> twins_;  // by place
 };

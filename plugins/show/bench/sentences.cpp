@@ -206,7 +206,7 @@ std::string sentence_of(const Pairing& pair, const Bench& bench) {
 struct Standing {
   std::vector<std::string> beaten_on;
   double most = 0;  ///< largest difference by which it is beaten [m]
-  std::size_t cells = 0, failed = 0;
+  std::size_t cells = 0, failed = 0, useless = 0;
   bool compared = false;  ///< with enough trials for a verdict
 };
 
@@ -226,11 +226,14 @@ std::map<std::string, Standing> standings_of(const Bench& bench, const Group& gr
       note(loser.beaten_on, duel->place);
       if (duel->errors.errors_differ) loser.most = std::max(loser.most, std::abs(duel->errors.difference.value));
     }
+  const double useless_above = bench.useless_above();
   for (const Cell& cell : bench.cells) {
     const auto choice = cell.choices.find(group.name);
     if (choice == cell.choices.end() || cell.status == "missing") continue;
-    ++standings[choice->second].cells;
-    standings[choice->second].failed += cell.status == "failed";
+    Standing& standing = standings[choice->second];
+    ++standing.cells;
+    standing.failed += cell.status == "failed";
+    standing.useless += cell.status == "done" && cell.measure("error") > useless_above;
   }
   return standings;
 }
@@ -245,7 +248,7 @@ std::string places_text(const std::vector<std::string>& places, std::size_t all)
 std::string choice_of(const Bench& bench, const Group& group, const std::vector<Pairing>& pairs) {
   const std::size_t places = bench.places().size();
   std::map<std::string, Standing> standings = standings_of(bench, group, pairs);
-  std::vector<std::string> unbeaten, beaten, silent, unknown, failing;
+  std::vector<std::string> unbeaten, beaten, silent, unknown, failing, useless, taken;
   bool any_winner = false, all_equal = true;
   for (const std::string& name : group.alternatives) {
     const Standing& s = standings[name];
@@ -259,7 +262,13 @@ std::string choice_of(const Bench& bench, const Group& group, const std::vector<
     any_winner |= !s.beaten_on.empty();
     if (s.failed > 0 && s.failed < s.cells)
       failing.push_back(name + " in " + std::to_string(s.failed) + " of " + std::to_string(s.cells) + " cells");
+    if (s.useless > 0)
+      useless.push_back(name + " in " + std::to_string(s.useless) + " of " + std::to_string(s.cells) + " cells");
   }
+  // Nobody takes what is of no use in most trials, though nothing that gave an answer was better.
+  for (const std::string& name : unbeaten)
+    if (2 * (standings[name].useless + standings[name].failed) <= standings[name].cells || standings[name].useless == 0)
+      taken.push_back(name);
   bool same = !pairs.empty();
   std::string power;
   for (const Pairing& pair : pairs) {
@@ -281,7 +290,8 @@ std::string choice_of(const Bench& bench, const Group& group, const std::vector<
              ? ": they are equal within " + rope_text(bench) + (places > 1 ? " wherever there are trials enough" : "")
              : ": no winner" + (places > 1 ? std::string(" at any place") : "") + (power.empty() ? "" : "; " + power)));
   } else if (!unbeaten.empty() && any_winner) {
-    parts.push_back("take " + joined(unbeaten, " or ") + ", beaten nowhere");
+    parts.push_back(taken.empty() ? joined(unbeaten) + " are beaten nowhere, and of use in fewer than half of the cells"
+                                  : "take " + joined(taken, " or ") + ", beaten nowhere");
     for (const std::string& name : beaten) {
       const Standing& s = standings[name];
       parts.push_back(name + " is beaten" + places_text(s.beaten_on, places) +
@@ -303,6 +313,11 @@ std::string choice_of(const Bench& bench, const Group& group, const std::vector<
   }
   if (!unknown.empty()) parts.push_back("of " + joined(unknown) + " nothing can be said: too few trials to compare");
   if (!failing.empty()) parts.push_back("without result: " + joined(failing));
+  if (!useless.empty()) {
+    char limit[48];
+    std::snprintf(limit, sizeof limit, "off by more than %g mm: ", 1e3 * bench.useless_above());
+    parts.push_back(limit + joined(useless));
+  }
   parts.insert(parts.end(), silent.begin(), silent.end());
   return group.name + ": " + after_semicolons(parts) + ".";
 }

@@ -1,3 +1,4 @@
+// block.json of a block of measured targets, from its artifacts. No library: it knows artifacts.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>

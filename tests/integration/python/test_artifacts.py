@@ -107,6 +107,15 @@ class Artifacts(unittest.TestCase):
         data = file.write({"name": "a.csv", "media_type": "text/csv", "content": "Süd".encode()})
         self.assertEqual(file.read(data).content.tobytes().decode(), "Süd")
 
+    def test_enums_are_names(self):
+        empty = {name: [] for name in ("files", "points", "set_ups", "covariances", "coordinates", "vectors", "local_coordinates", "skipped", "warnings")}
+        survey = schema("survey_observations")
+        data = survey.write({**empty, "info": {}, "observations": [
+            {"kind": kind, "from": "A", "to": "B"} for kind in ("zenith_angle", 2, "direction")]})
+        self.assertEqual([o.kind for o in survey.read(data).observations], ["zenith_angle", "slope_distance", "direction"])
+        with self.assertRaisesRegex(KeyError, "SurveyObservation.kind is one of .*zenith_angle.*; found 'zenith'"):
+            survey.write({**empty, "info": {}, "observations": [{"kind": "zenith", "from": "A", "to": "B"}]})
+
     def test_says_what_is_wrong(self):
         with self.assertRaisesRegex(KeyError, "has no hight; it has"):
             schema("image_tags").write({"path": "a", "tags": [], "hight": 3})

@@ -1,0 +1,153 @@
+// The house: folders without circles, namespaces that say where a name stands, plugin files that say why they are none
+// of a node. Who may include whom is test_layers.cpp.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+#include <map>
+#include <regex>
+#include <set>
+
+#include "test_support.hpp"
+
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_source(const fs::path& file) { return file.extension() == ".cpp" || file.extension() == ".hpp"; }
+
+/// Sources below `root` by their path relative to it, with their text.
+std::map<fs::path, std::string> sources_of(const fs::path& root) {
+  std::map<fs::path, std::string> found;
+  for (const auto& entry : fs::recursive_directory_iterator(root))
+    if (is_source(entry.path()))
+      found[entry.path().lexically_relative(root)] = plumbline::test::read_file(entry.path());
+  return found;
+}
+
+fs::path libraries_folder() { return fs::path(plumbline::test::source_dir()) / "libraries"; }
+
+/// What includes what inside of one folder: its subfolders by name, and "." for its own files.
+using Arrows = std::map<std::string, std::set<std::string>>;
+
+/// By folder ("" for the root): the arrows between its parts, from the includes of all files below.
+std::map<std::string, Arrows> arrows_of(const std::map<fs::path, std::string>& sources) {
+  static const std::regex pattern("(^|\n)[ \t]*#[ \t]*include[ \t]*\"([^\"]+)\"");
+  std::map<std::string, Arrows> levels;
+  for (const auto& [file, text] : sources)
+    for (std::sregex_iterator m(text.begin(), text.end(), pattern), end; m != end; ++m) {
+      const fs::path included = (*m)[2].str();
+      if (!sources.contains(included)) continue;  // beside it, or of another floor
+      const std::vector<fs::path> from(file.begin(), --file.end()), to(included.begin(), --included.end());
+      size_t common = 0;
+      while (common < from.size() && common < to.size() && from[common] == to[common]) ++common;
+      if (common == from.size() && common == to.size()) continue;
+      fs::path level;
+      for (size_t i = 0; i < common; ++i) level /= from[i];
+      levels[level][common < from.size() ? from[common] : "."].insert(common < to.size() ? to[common] : ".");
+    }
+  return levels;
+}
+
+/// Those of which a way leads back to themselves.
+std::set<std::string> in_circles(const Arrows& arrows) {
+  std::set<std::string> found;
+  for (const auto& [start, ignored] : arrows) {
+    std::set<std::string> reached;
+    std::function<void(const std::string&)> go = [&](const std::string& from) {
+      if (const auto next = arrows.find(from); next != arrows.end())
+        for (const std::string& to : next->second)
+          if (reached.insert(to).second) go(to);
+    };
+    go(start);
+    if (reached.contains(start)) found.insert(start);
+  }
+  return found;
+}
+
+/// Circles that still stand, by folder. Take out what is broken; put in nothing.
+const std::map<std::string, std::set<std::string>> known_circles = {
+    {"survey", {"adjust", "doctor", "epochs", "model", "start"}}};
+
+TEST(Rooms, NoCircleBetweenFolders) {
+  const auto levels = arrows_of(sources_of(libraries_folder()));
+  EXPECT_TRUE(levels.contains("") && levels.contains("photo") && levels.contains("loop")) << "includes are not found";
+  for (const auto& [level, arrows] : levels) {
+    const auto known = known_circles.find(level);
+    EXPECT_EQ(in_circles(arrows), known == known_circles.end() ? std::set<std::string>{} : known->second)
+        << "in libraries/" << level << "; what is in no circle any more goes from known_circles";
+  }
+}
+
+TEST(Rooms, ACircleIsFoundAtEveryLevel) {
+  const auto levels = arrows_of({{"a/x/one.hpp", "#include \"a/y/two.hpp\"\n"},
+                                 {"a/y/two.hpp", "#pragma once\n#include \"a/y/deep/four.hpp\"\n"},
+                                 {"a/y/deep/four.hpp", "#include \"b/three.hpp\"\n"},
+                                 {"b/three.hpp", "#include \"a/x/one.hpp\"\n#include <vector>\n"},
+                                 {"c/five.hpp", "  # include \"b/three.hpp\"\n"}});
+  EXPECT_EQ(in_circles(levels.at("")), (std::set<std::string>{"a", "b"}));
+  EXPECT_EQ(in_circles(levels.at("a")), std::set<std::string>{});
+  EXPECT_EQ(levels.at("a").at("x"), std::set<std::string>{"y"});
+  EXPECT_EQ(levels.at("a/y").at("."), std::set<std::string>{"deep"});
+}
+
+/// Folders whose names stand elsewhere than in a namespace that is called like it or like its room, and why.
+const std::set<std::pair<std::string, std::string>> other_namespaces = {
+    {"geometry", "plumbline"},                      // frames, cameras: every room speaks of them, without a prefix
+    {"photo/images", "plumbline"},                  // GreyImage and its readers: so do the rooms of photo
+    {"photo/images", "plumbline::image_decoders"},  // which decode a file: nobody else's
+    {"building/ifc", "plumbline"},                  // ifc_guid
+    {"artifacts", "plumbline"},                     // struct to artifact and back: where the artifacts stand,
+    {"artifacts", "plumbline::survey"},             // or the structs
+    {"survey/files", "plumbline::text"},            // xml_file: speaks of lines and skipped records, of the readers
+};
+
+TEST(Rooms, ANamespaceIsCalledLikeItsFolderOrItsRoom) {
+  static const std::regex opened("(^|\n)namespace (plumbline[\\w:]*) \\{([^}]*)");
+  static const std::regex forward("(\\s*(struct|class) \\w+;)*\\s*");  // of another room, by its name
+  int found = 0;
+  for (const auto& [file, text] : sources_of(libraries_folder()))
+    for (std::sregex_iterator m(text.begin(), text.end(), opened), end; m != end; ++m, ++found) {
+      const std::string name = (*m)[2], folder = file.parent_path(), body = (*m)[3];
+      if (std::regex_match(body, forward)) continue;
+      std::set<std::string> allowed;
+      for (const fs::path& part : file.parent_path()) allowed.insert("plumbline::" + part.string());
+      const bool good = std::any_of(allowed.begin(), allowed.end(),
+                                    [&](const std::string& a) { return name == a || name.starts_with(a + "::"); });
+      EXPECT_TRUE(good || other_namespaces.contains({folder, name})) << "libraries/" << file.string() << ": " << name;
+    }
+  EXPECT_GT(found, 400);
+}
+
+// A plugin is ports and parameters. A file of one that has neither says in its first line what it is there for; a
+// source does so in its header.
+TEST(Rooms, APluginFileWithoutPortSaysWhatItIs) {
+  static const std::regex port(R"(\b(In|Out|List|Each|Optional|OutList|Param)<|PLUMBLINE_PLUGIN|\bContext& )");
+  const auto sources = sources_of(fs::path(plumbline::test::source_dir()) / "plugins");
+  const auto explained = [&](fs::path file) {
+    if (sources.at(file).starts_with("// ")) return true;
+    file.replace_extension(".hpp");
+    return sources.contains(file) && sources.at(file).starts_with("// ");
+  };
+  EXPECT_GT(sources.size(), 200u);
+  for (const auto& [file, text] : sources)
+    EXPECT_TRUE(std::regex_search(text, port) || explained(file))
+        << "plugins/" << file.string() << " has no port and no parameter: its first line says why it is no library";
+}
+
+// docs/architecture.md has a row for each library.
+TEST(Rooms, EveryLibraryIsDescribed) {
+  const fs::path root = plumbline::test::source_dir();
+  const std::string page = plumbline::test::read_file(root / "docs/architecture.md");
+  int found = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(root / "libraries"))
+    if (entry.path().filename() == "CMakeLists.txt" && entry.path().parent_path() != root / "libraries") {
+      const std::string library = entry.path().parent_path().lexically_relative(root / "libraries");
+      EXPECT_NE(page.find("\n| `" + library + "` |"), std::string::npos)
+          << "docs/architecture.md has no row of " << library;
+      ++found;
+    }
+  EXPECT_GT(found, 20);
+}
+
+}  // namespace
