@@ -1,5 +1,6 @@
 #include "show/report/surface_page_node.hpp"
 
+#include "building/ifc/enlarged_surfaces.hpp"
 #include "show/report/surface_page.hpp"
 
 namespace plumbline::report {
@@ -9,7 +10,9 @@ void ReportSurfaces::run(Context&) {
   if (surface_judgement) judged = surface_judgement.unpack();
   FileT file;
   file.name = "surfaces.html", file.media_type = "text/html";
-  const std::string html = render_surface_page(surfaces.unpack(), surface_judgement ? &judged : nullptr, *title);
+  SurfacesT measured = surfaces.unpack();
+  ifc::enlarge(measured, judged.covariance_factor);
+  const std::string html = render_surface_page(measured, surface_judgement ? &judged : nullptr, *title);
   file.content.assign(html.begin(), html.end());
   out.commit(file);
 }
