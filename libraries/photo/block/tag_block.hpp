@@ -40,6 +40,9 @@ struct TagImage {
       cam_from_world;  ///< approximate; images without one are oriented from plates they share
   Eigen::Vector2d principal_point = Eigen::Vector2d::Zero();  ///< minus the camera's [px]; held unless it is estimated
   int camera = 0;                                             ///< index into TagBlock::cameras
+  /// Standard deviation of how far all its edges are drawn inwards together, as the detector states it [px]; 0: it
+  /// does not.
+  double inset_sigma = 0;
 };
 
 struct TagPlate {
@@ -90,8 +93,8 @@ struct TagBlockOptions {
   /// Prior standard deviation of a batch's relative tag size; 0 holds it at 1 (then tags carry scale), infinity leaves
   /// it free.
   double tag_scale_sigma = 1e-3;
-  /// Prior standard deviation of a batch's corner inset [px]: how far the detector draws each edge inwards; 0 leaves it
-  /// out.
+  /// Prior standard deviation of a batch's corner inset [px]: how far the detector draws each edge inwards. Where
+  /// TagImage::inset_sigma states one, that takes its place; 0 leaves the inset out.
   double corner_inset_sigma = 0;
   RobustLoss loss = RobustLoss::huber;
   double loss_scale = 2;  ///< of the root mean square of a tag's 8 residuals, in standard deviations

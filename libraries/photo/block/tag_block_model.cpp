@@ -154,6 +154,15 @@ void add_insets_of_cameras(const TagBlock& block, TagModel& model) {
     }
 }
 
+/// Prior of a camera's insets: what its detector states, as a root mean square over its images, because what it errs by
+/// is much the same in all of them.
+double inset_prior(const TagBlock& block, const TagBlockOptions& options, int camera) {
+  double squares = 0, count = 0;
+  for (const TagImage& image : block.images)
+    if (image.camera == camera && image.inset_sigma > 0) squares += image.inset_sigma * image.inset_sigma, count += 1;
+  return count > 0 ? std::sqrt(squares / count) : options.corner_inset_sigma;
+}
+
 void add_plates(const TagBlock& block, const TagBlockOptions& options, const TagStart& start, TagModel& model) {
   std::map<std::string, int> batches;
   for (size_t j = 0; j < start.plates.size(); ++j) {
@@ -169,12 +178,13 @@ void add_plates(const TagBlock& block, const TagBlockOptions& options, const Tag
     model.state.plates.back().set(start.world_from_plate[j].rotation,
                                   start.world_from_plate[j].translation - model.origin);
   }
+  const int printed = static_cast<int>(model.problem.batches.size());
   if (options.corner_inset_sigma > 0) add_insets_of_cameras(block, model);
   for (int b = 0; b < static_cast<int>(model.problem.batches.size()); ++b) {
     if (model.problem.batches[static_cast<size_t>(b)].scale_free && std::isfinite(options.tag_scale_sigma))
       add_prior(model, {bundle::Kind::scale, b}, 1, options.tag_scale_sigma, group_scale);
     if (options.corner_inset_sigma > 0)
-      add_prior(model, {bundle::Kind::inset, b}, 0, options.corner_inset_sigma, group_inset);
+      add_prior(model, {bundle::Kind::inset, b}, 0, inset_prior(block, options, b / printed), group_inset);
   }
 }
 

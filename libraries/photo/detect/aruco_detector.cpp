@@ -155,7 +155,7 @@ struct ArucoDetector::Impl {
       for (size_t i = 0; i < 4; ++i)
         tags[k].covariances[i] =
             second.corners[k]->covariances[i] + Eigen::Matrix2d::Identity() * options.sigma_floor * options.sigma_floor;
-      tags[k].refined = true;
+      tags[k].refined = true, tags[k].inset_sigma = first.quality.inset_sigma;
     }
   }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "photo/detect/curve_estimate.hpp"
 #include "photo/images/grey_image.hpp"
 
 namespace plumbline::detect {
@@ -16,7 +17,8 @@ double height_over(const Eigen::Vector2d& p, const Eigen::Vector2d& a, const Eig
   return std::abs(cross(b - a, p - a)) / (b - a).norm();
 }
 
-/// Strip of the edge from corner i to the next.
+}  // namespace
+
 EdgeStrip strip_of(const Quadrilateral& q, int i) {
   const std::array<Eigen::Vector2d, 4>& corner = q.corners;
   const auto &previous = corner[(i + 3) % 4], &start = corner[i], &end = corner[(i + 1) % 4],
@@ -25,6 +27,8 @@ EdgeStrip strip_of(const Quadrilateral& q, int i) {
   const double length = (end - start).norm();
   return {start, end, std::clamp(0.12 * length, 3.0, 10.0), q.border * cell};
 }
+
+namespace {
 
 struct EdgeValue {
   double value;              // 0 on the edge [px]
@@ -121,59 +125,6 @@ std::vector<Edges> fit_image(const std::vector<Quadrilateral>& found, EdgeFitOpt
 
 bool complete(const Edges& edges) { return edges[3].has_value(); }
 
-/// Standard deviation of the mean misfit that chance alone gives, from the edges' noise, contrast and pixels.
-double chance_of(double relative_noise_squared, double samples) {
-  constexpr double kFactor = 7;  // of a sum of 24 squared means: sqrt(2 · 24)
-  return samples > 0 ? kFactor * relative_noise_squared / samples : 0;
-}
-
-/// Exponent of the transfer curve that explains the image's edges best, over the exponents that cameras have. What the
-/// profiles differ from the model by decides; noise averages away over an image, an error of the model does not. A
-/// curve is corrected only where the edges show it: where blur is too small, noise too large or the image sharpened,
-/// the exponent stays near 1, and what remains is an inset common to the image's corners.
-double estimate_gamma(const std::vector<Quadrilateral>& found, const EdgeFitOptions& options) {
-  constexpr std::array<double, 5> exponent = {1.0, 1.4, 1.9, 2.4, 2.9};
-  constexpr double kPrior = 3;         // exponential above 1: a curve must pay for itself
-  constexpr double kValues = 6;        // independent values of a profile
-  constexpr double kFloor = 0.0005;    // misfit of a perfect photograph [contrast]
-  constexpr double kFewest = 12;       // edges: chance fools a tag or two
-  constexpr std::size_t kEnough = 12;  // quadrilaterals
-  static const std::vector<TransferCurve> curves(exponent.begin(), exponent.end());
-  EdgeFitter fitter(options);
-  std::array<double, 5> misfit = {};
-  double count = 0, noise = 0, samples = 0;
-  const std::size_t stride = (found.size() + kEnough - 1) / kEnough;
-  for (std::size_t k = 0; k < found.size(); k += std::max<std::size_t>(1, stride)) {
-    std::array<double, 5> own = {};
-    double own_noise = 0, own_samples = 0;
-    bool all = true;
-    for (int i = 0; i < 4 && all; ++i) {
-      const auto edges = fitter.fit_with_curves(*found[k].part, strip_of(found[k], i), curves);
-      all = !edges.empty();
-      for (std::size_t g = 0; g < edges.size(); ++g) own[g] += edges[g].misfit;
-      if (!all) continue;
-      own_noise += std::pow(edges[0].noise / edges[0].contrast, 2);
-      own_samples += edges[0].samples;
-    }
-    if (!all) continue;
-    for (std::size_t g = 0; g < exponent.size(); ++g) misfit[g] += own[g];
-    count += 4;
-    noise += own_noise;
-    samples += own_samples;
-  }
-  if (count < kFewest) return 1;
-  const double floor = kFloor * kFloor + 4 * chance_of(noise / count, samples);
-  std::array<double, 5> cost = {};
-  for (std::size_t g = 0; g < exponent.size(); ++g)
-    cost[g] = kValues * std::log(std::max(0.0, misfit[g] / count) + floor) + kPrior * (exponent[g] - 1);
-  const std::size_t best = static_cast<std::size_t>(std::min_element(cost.begin(), cost.end()) - cost.begin());
-  if (best == 0 || best + 1 == exponent.size()) return exponent[best];
-  // Vertex of the parabola through the three costs (Brent's step).
-  const double x = exponent[best], left = x - exponent[best - 1], right = x - exponent[best + 1];
-  const double by_left = cost[best] - cost[best - 1], by_right = cost[best] - cost[best + 1];
-  return x - 0.5 * (left * left * by_right - right * right * by_left) / (left * by_right - right * by_left);
-}
-
 /// Root mean square misfit over all edges; 0 where noise explains it.
 double model_error_of(const std::vector<Edges>& measured) {
   double sum = 0, count = 0, noise = 0, samples = 0;
@@ -187,14 +138,29 @@ double model_error_of(const std::vector<Edges>& measured) {
   return count > 0 ? std::sqrt(std::max(0.0, sum / count - chance_of(noise / count, samples))) : 0;
 }
 
-/// Adds to the fit's covariance what an error of the model does to an edge: a shift, and a turn of half the variance at
-/// its ends.
-void add_model_error(double model_error, FittedEdge& edge) {
+/// What an error of the model does to an edge: a shift [px].
+double shift_of(double model_error, const FittedEdge& edge) {
   constexpr double kMultiple = 9.0;
   constexpr double kPixelVariance = 1.0 / 12;  // of a pixel's box [px²]
-  const double shift = kMultiple * model_error * std::sqrt(edge.blur * edge.blur + kPixelVariance);
+  return kMultiple * model_error * std::sqrt(edge.blur * edge.blur + kPixelVariance);
+}
+
+/// Adds it to the fit's covariance, with a turn of half the variance at the edge's ends.
+void add_model_error(double model_error, FittedEdge& edge) {
+  const double shift = shift_of(model_error, edge);
   edge.covariance(0, 0) += shift * shift;
   edge.covariance(1, 1) += 0.5 * shift * shift;
+}
+
+/// Standard deviation of how far all edges are drawn inwards together: by the doubt about the curve, and by what the
+/// model errs in, which may be the same for all of them (a halo, bloom); never less than the floor.
+double inset_sigma_of(const std::vector<Edges>& measured, double model_error, double by_curve) {
+  constexpr double kFloor = 0.03;  // [px]: what no profile shows
+  double squares = 0, count = 0;
+  for (const Edges& edges : measured)
+    if (complete(edges))
+      for (const auto& edge : edges) squares += std::pow(shift_of(model_error, *edge), 2), count += 1;
+  return count > 0 ? std::hypot(by_curve, kFloor, std::sqrt(squares / count)) : 0;
 }
 
 std::optional<RefinedCorners> corners_of(const Edges& edges, const Quadrilateral& q) {
@@ -216,9 +182,13 @@ Measurement measure_corners(const GreyImage& image, const std::vector<Quadrilate
 Measurement measure_corners(const std::vector<Quadrilateral>& found, const EdgeFitOptions& options) {
   Measurement measurement;
   EdgeFitOptions used = options;
-  if (options.gamma == 0) used.gamma = estimate_gamma(found, options);
+  CurveEstimate curve{options.gamma};
+  if (options.gamma == 0) curve = estimate_curve(found, options);
+  used.gamma = curve.gamma;
   std::vector<Edges> measured = fit_image(found, used);
   measurement.quality = {used.gamma, *used.grid, model_error_of(measured)};
+  if (options.gamma == 0)
+    measurement.quality.inset_sigma = inset_sigma_of(measured, measurement.quality.model_error, curve.inset_sigma);
   for (std::size_t k = 0; k < found.size(); ++k) {
     if (!complete(measured[k])) {
       measurement.corners.emplace_back();

@@ -27,12 +27,18 @@ struct Quadrilateral {
   int border = 1;                                    ///< cells of plain colour on either side of an edge
 };
 
+/// Strip of the edge from corner i to the next.
+EdgeStrip strip_of(const Quadrilateral& q, int i);
+
 /// How an image came to be, as the edges in it tell.
 struct ImageQuality {
   double gamma = 1;   ///< exponent of the transfer curve, see EdgeFitOptions::gamma
   SamplingGrid grid;  ///< where the pixels lie
   double model_error =
       0;  ///< what the edges' profiles differ from the model by, root mean square in units of the contrast
+  /// Standard deviation of how far all edges of the image are drawn inwards together, which the stated covariances
+  /// leave out [px]; 0: the curve was given.
+  double inset_sigma = 0;
 };
 
 struct Measurement {

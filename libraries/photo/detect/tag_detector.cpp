@@ -180,7 +180,7 @@ std::vector<DetectedTag> TagDetector::detect(const GreyImage& image) {
       for (int i = 0; i < 4; ++i)
         tags[k].covariances[i] = measured.corners[k]->covariances[i] +
                                  Eigen::Matrix2d::Identity() * options.sigma_floor * options.sigma_floor;
-      tags[k].refined = true;
+      tags[k].refined = true, tags[k].inset_sigma = measured.quality.inset_sigma;
     }
   }
   if (!impl_->weak.empty()) impl_->leave_out_unlike(image, tags);

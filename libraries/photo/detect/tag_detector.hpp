@@ -46,6 +46,9 @@ struct DetectedTag {
   std::array<Eigen::Vector2d, 4> corners;  ///< bottom left, bottom right, top right, top left of the upright tag [px]
   std::array<Eigen::Matrix2d, 4> covariances;  ///< [px²]
   bool refined = false;                        ///< corners are from the edge fit
+  /// Of fitted corners: how far all edges of the image may be drawn inwards together, which `covariances` leave out
+  /// [px]; 0: not known.
+  double inset_sigma = 0;
 };
 
 /// Smallest factor that leaves libapriltag at most 4.5 megapixels to search: 3 for 24 megapixels, 5 for 100.

@@ -265,7 +265,7 @@ void measure(std::vector<Candidate>& candidates, const PyramidOptions& options) 
       tag.covariances[i] =
           measured.corners[k]->covariances[i] + Eigen::Matrix2d::Identity() * options.sigma_floor * options.sigma_floor;
     }
-    tag.refined = true;
+    tag.refined = true, tag.inset_sigma = measured.quality.inset_sigma;
   }
 }
 

@@ -33,6 +33,9 @@ struct MarkerCamera {
 struct MarkerImage {
   std::string path;
   int camera = 0;  ///< index into MarkerBlock::cameras
+  /// Standard deviation of how far all its edges are drawn inwards together, as the detector states it [px]; 0: it
+  /// does not.
+  double inset_sigma = 0;
 };
 
 struct Marker {
@@ -81,7 +84,9 @@ struct MarkerOptions {
   /// What is not known of the printed size of all tags together [m]: ink that spreads, a printer's scale, a ruler. It
   /// is no unknown, because a free network does not see it: it comes into MarkerResult::scale_sigma.
   double print_sigma = 1e-4;
-  double inset_sigma = 0.3;             ///< prior of how far the detector draws edges inwards [px]; 0 leaves it out
+  /// Prior of how far the detector draws edges inwards [px], where MarkerImage::inset_sigma states none; 0 leaves it
+  /// out.
+  double inset_sigma = 0.3;
   double layout_position_sigma = 0.02;  ///< of a tag's place in the layout, each axis [m]
   double layout_rotation_sigma = 0.02;  ///< of its rotation, about each axis [rad]
   double reject_above = 5;  ///< tags whose rms residual is this many times the median are left out; 0 keeps all
@@ -148,7 +153,7 @@ struct MarkerResult {
   std::vector<std::string> warnings;
   std::string datum;  ///< in words
   /// Relative standard deviation of all lengths together, which the covariances above leave out: of the tags' printed
-  /// size, or of the given distance. 0 with a layout.
+  /// size and of what their inset differs by from tag to tag, or of the given distance. 0 with a layout.
   double scale_sigma = 0;
 };
 

@@ -89,6 +89,16 @@ void add_marker(const Marker& marker, const RigidTransform& start, const MarkerO
   model.problem.known.back().world_from_plate = marker.world_from_tag->rotation;
 }
 
+/// Prior of a camera's inset: what its detector states, as a root mean square over its images, because what it errs by
+/// is much the same in all of them.
+double inset_prior(const MarkerBlock& block, const MarkerOptions& options, size_t camera) {
+  double squares = 0, count = 0;
+  for (const MarkerImage& image : block.images)
+    if (image.camera == static_cast<int>(camera) && image.inset_sigma > 0)
+      squares += image.inset_sigma * image.inset_sigma, count += 1;
+  return count > 0 ? std::sqrt(squares / count) : options.inset_sigma;
+}
+
 }  // namespace
 
 MarkerModel build_model(const MarkerBlock& block, const MarkerOptions& options, const MarkerStart& start,
@@ -132,7 +142,7 @@ MarkerModel build_model(const MarkerBlock& block, const MarkerOptions& options, 
     model.state.scales.push_back(1), model.state.insets.push_back(0);
     if (has_inset)
       add_known(Kind::inset, model.inset_batch(c), Eigen::VectorXd::Zero(1),
-                Eigen::MatrixXd::Constant(1, 1, 1 / options.inset_sigma), group_inset, model);
+                Eigen::MatrixXd::Constant(1, 1, 1 / inset_prior(block, options, c)), group_inset, model);
   }
   for (const int v : model.views) {
     const MarkerView& view = block.views[static_cast<size_t>(v)];

@@ -27,8 +27,9 @@ struct EvaluateCost : Node {
       "tag_scale_sigma", 1e-3, "1", at_least(0),
       "standard deviation of a print batch's relative tag size, which goes where it fits best; "
       "0: tags have the printed size"};
-  Param<double> corner_inset_sigma{"corner_inset_sigma", 0.3, "px", between(0, 10),
-                                   "standard deviation of how far edges are drawn inwards, likewise; 0: they are not"};
+  Param<double> corner_inset_sigma{
+      "corner_inset_sigma", 0.3, "px", between(0, 10),
+      "standard deviation of how far edges are drawn inwards, where the detector states none; 0: they are not"};
   Param<double> image_principal_point_sigma{"image_principal_point_sigma", 0.0, "px", between(0, 100),
                                             "standard deviation of an image's own principal point; 0: as it is given"};
   Param<std::string> self_calibration{"self_calibration", "prior", one_of("off", "prior", "free"),

@@ -24,9 +24,9 @@ struct TagAdjusterNode : Node {
   Param<double> tag_scale_sigma{
       "tag_scale_sigma", 1e-3, "1", at_least(0),
       "prior standard deviation of a print batch's relative tag size; 0 makes tags carry scale"};
-  Param<double> corner_inset_sigma{
-      "corner_inset_sigma", 0.3, "px", between(0, 10),
-      "prior standard deviation of how far the detector draws tag edges inwards; 0 leaves it out"};
+  Param<double> corner_inset_sigma{"corner_inset_sigma", 0.3, "px", between(0, 10),
+                                   "prior standard deviation of how far the detector draws tag edges inwards, where it "
+                                   "states none; 0 leaves it out"};
   Param<std::string> loss{"loss", "huber", one_of("none", "huber", "cauchy", "tukey"),
                           "robust loss on tags, to find blunders"};
   Param<double> loss_scale{"loss_scale", 2.0, "sigma", between(0.1, 100), "where the loss departs from squares"};

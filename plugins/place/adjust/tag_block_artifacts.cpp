@@ -68,6 +68,7 @@ void TagBlockBuilder::add_image(const ImageTagsT& image, double corner_sigma) {
   TagImage entry;
   entry.name = image.path;
   entry.camera = camera_of_image(image);
+  entry.inset_sigma = std::isnan(image.corner_inset_sigma) ? 0 : image.corner_inset_sigma;
   if (pose != pose_of_image_.end()) {
     entry.cam_from_world = pose->second->cam_from_world;
     entry.principal_point = principal_point_of(lenses_[static_cast<size_t>(entry.camera)], *pose->second);

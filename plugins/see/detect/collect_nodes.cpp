@@ -80,6 +80,7 @@ std::string observations_json(const TagObservationsT& observations) {
     }
     Json entry = {{"path", image->path}, {"width", image->width}, {"height", image->height}};
     if (!image->problem.empty()) entry["problem"] = image->problem;
+    if (image->corner_inset_sigma > 0) entry["corner_inset_sigma"] = image->corner_inset_sigma;
     entry["tags"] = tags;
     images.push_back(entry);
   }

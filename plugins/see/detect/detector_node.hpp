@@ -1,6 +1,7 @@
 // What every detector of tags has in common: from a photograph by reference to its tags as an artifact.
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -30,6 +31,14 @@ inline std::unique_ptr<TagT> tag_artifact(const DetectedTag& found) {
     for (const double value : {c(0, 0), c(0, 1), c(1, 1)}) tag->corner_covariances.push_back(value);
   }
   return tag;
+}
+
+/// Appends the tags to the photograph's.
+inline void add_tags(const std::vector<DetectedTag>& found, ImageTagsT& image) {
+  for (const DetectedTag& tag : found) {
+    image.tags.push_back(tag_artifact(tag));
+    if (tag.inset_sigma > 0) image.corner_inset_sigma = tag.inset_sigma;  // common to the image
+  }
 }
 
 inline GreyImage mirrored(const GreyImage& image) {
@@ -126,7 +135,7 @@ inline ImageTagsT search_image(const Context& context, const Image& photograph, 
     result.problem = why_not_these(grey, families);
     context.warn(result.path + ": no tag found" + (result.problem.empty() ? "" : "; ") + result.problem);
   }
-  for (const auto& tag : tags) result.tags.push_back(tag_artifact(tag));
+  add_tags(tags, result);
   return result;
 }
 

@@ -62,7 +62,7 @@ struct DetectTagPyramid : Node {
     const PyramidResult found = detector.detect(*rows, [&](int left, int top, int width, int height) {
       return read_grey_part(path, left, top, width, height);
     });
-    for (const auto& tag : found.tags) result.tags.push_back(tag_artifact(tag));
+    add_tags(found.tags, result);
     if (!found.tags.empty()) return;
     if (found.mirrored) {
       result.problem =

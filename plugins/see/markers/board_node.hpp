@@ -34,8 +34,9 @@ struct AdjustMarkerBoard : Node {
                             "the same in the plane, for prints that are no squares; 0: they are"};
   Param<double> print_sigma{"print_sigma", 1e-4, "m", between(0, 1),
                             "what is not known of the printed size of all tags together; states how good lengths are"};
-  Param<double> corner_inset_sigma{"corner_inset_sigma", 0.3, "px", between(0, 10),
-                                   "prior standard deviation of how far the detector draws tag edges inwards"};
+  Param<double> corner_inset_sigma{
+      "corner_inset_sigma", 0.3, "px", between(0, 10),
+      "prior standard deviation of how far the detector draws tag edges inwards, where it states none"};
   Param<double> reject_above{"reject_above", 5.0, "1", at_least(0),
                              "tags whose rms residual is this many times the median are left out; 0 keeps all"};
   Param<std::string> cameras{

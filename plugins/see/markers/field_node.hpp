@@ -31,8 +31,9 @@ struct AdjustMarkerField : Node {
                             "relative to half its edge; 0: tags are plane"};
   Param<double> shape_sigma{"shape_sigma", 0.0, "1", between(0, 0.1),
                             "the same in the plane, for prints that are no squares; 0: they are"};
-  Param<double> corner_inset_sigma{"corner_inset_sigma", 0.3, "px", between(0, 10),
-                                   "prior standard deviation of how far the detector draws tag edges inwards"};
+  Param<double> corner_inset_sigma{
+      "corner_inset_sigma", 0.3, "px", between(0, 10),
+      "prior standard deviation of how far the detector draws tag edges inwards, where it states none"};
   Param<double> reject_above{"reject_above", 8.0, "1", at_least(0),
                              "tags whose rms residual is this many times the median are left out; 0 keeps all"};
   Param<std::string> cameras{"cameras", "by_folder", one_of("by_folder", "by_name", "by_file", "one"),

@@ -234,7 +234,8 @@ BlockInput block_of(const std::vector<ImageT>& images, const TagObservationsT& o
       input.left_out.push_back({seen.path, "none of its " + std::to_string(seen.tags.size()) + " tags can be used"});
       continue;
     }
-    input.block.images.push_back({seen.path, camera_of_image[i]});
+    input.block.images.push_back(
+        {seen.path, camera_of_image[i], std::isnan(seen.corner_inset_sigma) ? 0 : seen.corner_inset_sigma});
   }
   return input;
 }

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/text/csv_table.hpp"
+#include "base/text/text.hpp"
 
 namespace plumbline::markers {
 namespace {
@@ -64,6 +65,12 @@ TagObservationsT from_json(const std::string& text, const std::string& name) {
       if (!paths.insert(image->path).second) fail("image '" + image->path + "'", "stands here a second time");
       image->width = entry.value("width", 0), image->height = entry.value("height", 0);
       image->problem = entry.value("problem", std::string());
+      if (entry.contains("corner_inset_sigma"))
+        image->corner_inset_sigma = entry.at("corner_inset_sigma").get<double>();
+      if (!std::isnan(image->corner_inset_sigma) &&
+          !(image->corner_inset_sigma >= 0 && image->corner_inset_sigma <= 10))
+        fail("image '" + image->path + "'",
+             "corner_inset_sigma is " + text::format_shortest(image->corner_inset_sigma) + ", expected are 0 to 10 px");
       for (const Json& tag : entry.at("tags"))
         image->tags.push_back(
             tag_of(tag, "image '" + image->path + "', tag " + std::to_string(image->tags.size() + 1)));

@@ -1,6 +1,7 @@
 // read.image_observations: our own JSON and CSV back in.
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <fstream>
 
 #include "artifacts/tag_observations.hpp"
@@ -91,6 +92,17 @@ TEST(ObservationFiles, WhatIsNoCovarianceNoIdOrASecondImageIsRefusedInJson) {
   EXPECT_THAT(refused(json_of("1e20", sound)), HasSubstr("the id is no whole number"));
   EXPECT_THAT(refused(json_of("5", sound, R"(,{"path":"a.jpg","tags":[]})")),
               HasSubstr("image 'a.jpg': stands here a second time"));
+}
+
+TEST(ObservationFiles, TheInsetThatADetectorStatesIsReadBack) {
+  const auto with = [](const std::string& inset) {
+    return R"({"images":[{"path":"a.jpg",)" + inset +
+           R"("tags":[{"family":"tag36h11","id":5,"corners":[[1,2],[3,4],[5,6],[7,8]]}]}]})";
+  };
+  EXPECT_EQ(taken(with(R"("corner_inset_sigma":0.125,)")).images[0]->corner_inset_sigma, 0.125);
+  EXPECT_TRUE(std::isnan(taken(with("")).images[0]->corner_inset_sigma)) << "files of before state none";
+  EXPECT_THAT(refused(with(R"("corner_inset_sigma":-0.1,)")),
+              AllOf(HasSubstr("image 'a.jpg'"), HasSubstr("corner_inset_sigma is -0.1, expected are 0 to 10 px")));
 }
 
 }  // namespace

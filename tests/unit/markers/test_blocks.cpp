@@ -83,6 +83,18 @@ TEST(MarkerBlock, StatedCovarianceCoversTheErrorsItMakes) {
   EXPECT_LT(nees / count, 1.8);
 }
 
+TEST(MarkerBlock, InsetHasThePriorThatTheDetectorStates) {
+  Scene s = scene(0.1, 1);
+  MarkerOptions options;
+  options.size_sigma = 1e-6, options.inset_sigma = 10;
+  const double alone = adjust_marker_block(s.block, options).cameras[0].inset_sigma;
+  for (size_t i = 1; i < s.block.images.size(); ++i) s.block.images[i].inset_sigma = alone;  // the first states none
+  const double stated = adjust_marker_block(s.block, options).cameras[0].inset_sigma;
+  EXPECT_NEAR(stated, alone / std::sqrt(2.0), 0.1 * alone) << "two witnesses of the same weight";
+  options.inset_sigma = 0;
+  EXPECT_EQ(adjust_marker_block(s.block, options).cameras[0].inset_sigma, 0) << "0 leaves it out";
+}
+
 TEST(MarkerBlock, DistanceReplacesThePrintedSize) {
   Scene s = scene(0, 1);
   for (auto& marker : s.block.markers) marker.size = 0.2;  // wrong by two thirds
