@@ -6,7 +6,7 @@
 
 #include "geometry/packed_symmetric.hpp"
 #include "survey/files/survey_format.hpp"
-#include "survey/model/merge_surveys.hpp"
+#include "survey/start/merge_surveys.hpp"
 
 namespace plumbline::campaign {
 

@@ -34,11 +34,17 @@ struct Cell {
   Cell(const char* content) : text(content) {}
   Cell(std::string content) : text(std::move(content)) {}
   std::string text;
-  bool left = false;
+  bool left = false, sentence = false;
 };
 inline Cell left(std::string text) {
   Cell cell(std::move(text));
   cell.left = true;
+  return cell;
+}
+/// A cell whose words go on in the next line where there is no room.
+inline Cell sentence(std::string text) {
+  Cell cell(std::move(text));
+  cell.sentence = true;
   return cell;
 }
 /// One row; the first cell is its heading.
