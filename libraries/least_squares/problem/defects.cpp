@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <numeric>
 #include <stdexcept>
 
 #include "plumbline/rigid_transform.hpp"
@@ -13,7 +12,6 @@
 namespace plumbline::least_squares {
 namespace {
 
-constexpr double rank_tolerance = 1e-12;  ///< of scaled eigenvalues; rounding leaves about 1e-15
 constexpr double undetermined_ratio = 1000;
 constexpr double no_information = 1e-12;  ///< [1/m²]: a standard deviation of 1000 km
 
@@ -169,35 +167,6 @@ DatumAnalysis analyse_datum(const Eigen::MatrixXd& information, const std::vecto
   result.undetermined = describe(open);
   result.weak = describe(weak);
   return result;
-}
-
-void require_full_rank(const PartitionedSystem& system, const ReducedSystem& reduced,
-                       const std::vector<std::string>& camera_names, const std::vector<std::string>& labels) {
-  std::vector<std::string> loose;
-  for (size_t i = 0; i < reduced.eliminated.size(); ++i)
-    if (reduced.eliminated[i].weakest_eigenvalue < rank_tolerance) loose.push_back(camera_names.at(i));
-  if (!loose.empty())
-    throw std::runtime_error("the pose of " + enumerate(loose) +
-                             " is undetermined: too few or only collinear points in the image");
-  if (smallest_scaled_eigenvalue(system, reduced) > 2 * rank_tolerance) return;
-  const least_squares::ScaledSpectrum spectrum = scaled_spectrum(system, reduced);
-  std::string message;
-  int defect = 0;
-  for (Eigen::Index i = 0; i < spectrum.values.size() && spectrum.values(i) < rank_tolerance; ++i) {
-    ++defect;
-    const Eigen::VectorXd scaled = spectrum.vectors.col(i).cwiseProduct(reduced.diagonal.cwiseMax(0).cwiseSqrt());
-    std::vector<int> order(static_cast<size_t>(scaled.size()));
-    std::iota(order.begin(), order.end(), 0);
-    std::stable_sort(order.begin(), order.end(),
-                     [&](int a, int b) { return std::abs(scaled(a)) > std::abs(scaled(b)); });
-    std::vector<std::string> parts;
-    for (size_t k = 0; k < std::min<size_t>(order.size(), 4); ++k)
-      if (k == 0 || std::abs(scaled(order[k])) > 0.3 * std::abs(scaled(order[0]))) parts.push_back(labels.at(order[k]));
-    message += "; a combination of " + enumerate(parts);
-  }
-  if (defect == 0) return;
-  throw std::runtime_error("the block has a rank defect of " + std::to_string(defect) + ": undetermined is" +
-                           message.substr(1));
 }
 
 }  // namespace plumbline::least_squares

@@ -5,8 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "least_squares/problem/schur.hpp"
-
 namespace plumbline::least_squares {
 
 struct NamedPoint {
@@ -41,11 +39,6 @@ struct DatumAnalysis {
 /// scale out.
 DatumAnalysis analyse_datum(const Eigen::MatrixXd& information, const std::vector<NamedPoint>& points,
                             const std::vector<NamedPoint>& fixed, bool with_scale, double weak_ratio);
-
-/// Throws std::runtime_error if the system is not of full rank, naming cameras whose pose is undetermined
-/// (`camera_names`) and, for every null vector, the unknowns (`labels`) with the largest part in it.
-void require_full_rank(const PartitionedSystem& system, const ReducedSystem& reduced,
-                       const std::vector<std::string>& camera_names, const std::vector<std::string>& labels);
 
 /// "a, b and c"
 std::string enumerate(const std::vector<std::string>& words);

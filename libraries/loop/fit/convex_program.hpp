@@ -6,8 +6,8 @@
 
 namespace plumbline::loop {
 
-/// minimise 1/2 x'Qx + c'x + constant subject to low <= A x <= high, x_low <= x <= x_high. Q symmetric (both triangles) and
-/// positive semidefinite; infinities: no limit; low == high: an equation.
+/// minimise 1/2 x'Qx + c'x + constant subject to low <= A x <= high, x_low <= x <= x_high. Q symmetric (both triangles)
+/// and positive semidefinite; infinities: no limit; low == high: an equation.
 struct ConvexProgram {
   Eigen::SparseMatrix<double> quadratic;  ///< Q
   Eigen::VectorXd linear;                 ///< c

@@ -28,8 +28,8 @@ class SettingsProgram {
 
  private:
   using Row = std::vector<std::pair<Eigen::Index, double>>;
-  /// A setting of a bracket in one of its directions [mm]: an unknown, or what the first hook that holds it makes of its
-  /// panel's twist. Fewer unknowns and equations: of 1000 panels 6000 instead of 12 100, and 2900 instead of 7000.
+  /// A setting of a bracket in one of its directions [mm]: an unknown, or what the first hook that holds it makes of
+  /// its panel's twist. Fewer unknowns and equations: of 1000 panels 6000 instead of 12 100, and 2900 instead of 7000.
   struct Term {
     Row row;
     double constant = 0;
@@ -48,7 +48,7 @@ class SettingsProgram {
   std::vector<Eigen::Index> twist_at_;  ///< first unknown; -1: none
   std::vector<bool> is_set_;            ///< by bracket: still to be set
   std::vector<std::array<Term, 3>> settings_;
-  std::vector<Eigen::Matrix<double, 6, 1>> known_;   ///< twist of a panel that hangs already [mm]
+  std::vector<Eigen::Matrix<double, 6, 1>> known_;  ///< twist of a panel that hangs already [mm]
   std::vector<std::pair<Row, double>> value_rows_;
   std::vector<Eigen::Triplet<double>> squares_, equations_;
   std::vector<double> right_sides_, linear_;

@@ -15,13 +15,13 @@ namespace {
 constexpr double same_place = 0.25;  ///< [m] closer than two plates hang
 constexpr double near_enough = 2;    ///< [m] approximate values this far off are good enough to start from
 
-struct Pair {
+struct PlatePair {
   size_t plate = 0;  ///< index into start.plates
   Eigen::Vector3d placed, surveyed;
 };
 
-std::vector<Pair> pairs_of(const TagBlock& block, const TagStart& start) {
-  std::vector<Pair> pairs;
+std::vector<PlatePair> pairs_of(const TagBlock& block, const TagStart& start) {
+  std::vector<PlatePair> pairs;
   for (size_t k = 0; k < block.control.plates.size(); ++k) {
     const auto at = std::find(start.plates.begin(), start.plates.end(), block.control.plates[k]);
     if (at == start.plates.end()) continue;
@@ -45,11 +45,11 @@ bool is_figure(const std::vector<Eigen::Vector3d>& points) {
 /// The similarity that most control points agree with: the largest residual leaves until all are near, or half is gone.
 struct Agreement {
   SimilarityMotion motion;
-  std::vector<Pair> agreeing, other;
+  std::vector<PlatePair> agreeing, other;
   bool found = false;
 };
 
-Agreement agree(std::vector<Pair> pairs) {
+Agreement agree(std::vector<PlatePair> pairs) {
   Agreement result;
   const size_t least = std::max<size_t>(3, (pairs.size() + 2) / 2);
   while (pairs.size() >= least) {
@@ -57,9 +57,9 @@ Agreement agree(std::vector<Pair> pairs) {
     for (const auto& p : pairs) from.push_back(p.placed), to.push_back(p.surveyed);
     if (!is_figure(from) || !is_figure(to)) return result;
     result.motion = fit_similarity(from, to, true);
-    const auto residual = [&](const Pair& p) { return (result.motion * p.placed - p.surveyed).norm(); };
-    const auto worst = std::max_element(pairs.begin(), pairs.end(),
-                                        [&](const Pair& a, const Pair& b) { return residual(a) < residual(b); });
+    const auto residual = [&](const PlatePair& p) { return (result.motion * p.placed - p.surveyed).norm(); };
+    const auto worst = std::max_element(
+        pairs.begin(), pairs.end(), [&](const PlatePair& a, const PlatePair& b) { return residual(a) < residual(b); });
     if (residual(*worst) < same_place) {
       result.agreeing = pairs;
       result.found = true;
@@ -99,7 +99,7 @@ std::string in_words(const SimilarityMotion& motion, const Eigen::Vector3d& at) 
 void refuse_exchanged(const TagBlock& block, const TagStart& start, const Agreement& agreement) {
   std::vector<std::string> exchanged;
   std::vector<Eigen::Vector3d> placed, surveyed;
-  for (const Pair& pair : agreement.other)
+  for (const PlatePair& pair : agreement.other)
     placed.push_back(agreement.motion * pair.placed), surveyed.push_back(pair.surveyed);
   const auto anchor = [&](size_t k) {
     return block.plates[static_cast<size_t>(start.plates[agreement.other[k].plate])].anchor;
@@ -119,17 +119,17 @@ void refuse_exchanged(const TagBlock& block, const TagStart& start, const Agreem
 }  // namespace
 
 void move_to_control(const TagBlock& block, TagStart& start, std::vector<std::string>& warnings) {
-  const std::vector<Pair> pairs = pairs_of(block, start);
+  const std::vector<PlatePair> pairs = pairs_of(block, start);
   if (pairs.size() < 3) return;
   const Agreement agreement = agree(pairs);
   if (!agreement.found) return;
   if (std::abs(agreement.motion.scale - 1) > 0.05) refuse_scale(agreement.motion.scale);
   refuse_exchanged(block, start, agreement);
   double furthest = 0;
-  for (const Pair& pair : agreement.agreeing) furthest = std::max(furthest, (pair.placed - pair.surveyed).norm());
+  for (const PlatePair& pair : agreement.agreeing) furthest = std::max(furthest, (pair.placed - pair.surveyed).norm());
   if (furthest < near_enough) return;
   std::vector<Eigen::Vector3d> from, to;
-  for (const Pair& pair : agreement.agreeing) from.push_back(pair.placed), to.push_back(pair.surveyed);
+  for (const PlatePair& pair : agreement.agreeing) from.push_back(pair.placed), to.push_back(pair.surveyed);
   const SimilarityMotion motion = fit_similarity(from, to, false);
   const RigidTransform move{motion.rotation, motion.translation};
   warnings.push_back("survey and approximate positions (design) are in different frames, " +

@@ -19,8 +19,8 @@ Eigen::VectorXd change_of(const Problem& problem, const Layout& layout, const st
                           const State& start, const State& state) {
   Eigen::VectorXd all = Eigen::VectorXd::Zero(layout.unknown_count());
   for (size_t i = 0; i < problem.images.size(); ++i) {
-    if (problem.images[i].fixed) continue;
-    const int at = layout.offset(layout.block({Kind::image, static_cast<int>(i)}));
+    const int block = layout.block({Kind::image, static_cast<int>(i)}), at = layout.offset(block);
+    if (layout.size(block) == 0) continue;
     all.segment<3>(at) = state.images[i].position - start.images[i].position;
     all.segment<3>(at + 3) = turn_between(start.images[i].rotation, state.images[i].rotation);
   }
@@ -57,6 +57,7 @@ void move(const Problem& problem, const Eigen::Vector3d& centre, const Eigen::Ma
   for (double& s : state.scales) s *= scale;
   for (size_t c = 0; c < problem.cameras.size(); ++c) {
     const Camera& camera = problem.cameras[c];
+    if (camera.lens == Lens::fisheye) continue;
     const int first = camera.lens == Lens::brown ? 4 : 3, distance = value_count(camera.lens) - 2;
     for (int k = 0; k < 2; ++k) {
       double& term = state.interiors[c][static_cast<size_t>(distance + k)];
@@ -68,6 +69,7 @@ void move(const Problem& problem, const Eigen::Vector3d& centre, const Eigen::Ma
 
 /// Derivative by the scale of the object of a value of the lens that leaves every image as it is.
 double change_with_scale(const Camera& camera, const Interior& values, int value) {
+  if (camera.lens == Lens::fisheye) return 0;  // has none
   const int count = value_count(camera.lens), first_coefficient = camera.lens == Lens::brown ? 4 : 3;
   if (value >= count - 2) return values[static_cast<size_t>(value)];
   const int order = value - first_coefficient;

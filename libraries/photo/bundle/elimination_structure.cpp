@@ -10,7 +10,7 @@ namespace {
 
 bool is_shared(Kind kind) {
   return kind == Kind::camera || kind == Kind::scale || kind == Kind::inset || kind == Kind::shift ||
-         kind == Kind::form;
+         kind == Kind::form || kind == Kind::mount || kind == Kind::bend;
 }
 
 }  // namespace
@@ -102,9 +102,13 @@ void Elimination::blocks_of(const TermRef& term, std::vector<int>& all) const {
   const size_t i = static_cast<size_t>(term.index);
   if (term.kind == TermRef::Kind::point) {
     const ImagePoint& o = problem_.image_points[i];
-    all = {layout_.block({Kind::image, o.image}),
-           layout_.block({Kind::camera, problem_.images[static_cast<size_t>(o.image)].camera}),
-           layout_.block({Kind::shift, o.image}), layout_.block({Kind::point, o.point})};
+    const Image& image = problem_.images[static_cast<size_t>(o.image)];
+    const int sheet = problem_.points[static_cast<size_t>(o.point)].sheet;
+    all = {layout_.block({Kind::image, problem_.pose_of(o.image)}), layout_.block({Kind::camera, image.camera}),
+           layout_.block({Kind::shift, o.image})};
+    if (image.mount >= 0) all.push_back(layout_.block({Kind::mount, image.mount}));
+    if (sheet >= 0) all.push_back(layout_.block({Kind::bend, sheet}));
+    all.push_back(layout_.block({Kind::point, o.point}));
   } else if (term.kind == TermRef::Kind::tag) {
     const ImageTag& o = problem_.image_tags[i];
     const int batch = problem_.plates[static_cast<size_t>(o.plate)].batch;

@@ -72,7 +72,7 @@ class Values : public ceres::EvaluationCallback {
   int ambient(int block) const {
     const Kind kind = layout_.ref(block).kind;
     const int size = layout_.size(block);
-    return size == 6 && (kind == Kind::image || kind == Kind::plate) ? 7 : size;
+    return size == 6 && (kind == Kind::image || kind == Kind::plate || kind == Kind::mount) ? 7 : size;
   }
   double* place(int block) const { return places_[static_cast<size_t>(block)]; }
   void PrepareForEvaluation(bool, bool new_point) override {
@@ -91,8 +91,10 @@ class Values : public ceres::EvaluationCallback {
     const Ref ref = layout_.ref(block);
     const size_t i = static_cast<size_t>(ref.index);
     const auto copy = [&](double& value, double& there) { store ? there = value : value = there; };
-    if (ref.kind == Kind::image || ref.kind == Kind::plate) {
-      Placement& p = ref.kind == Kind::image ? state.images[i] : state.plates[i];
+    if (ref.kind == Kind::image || ref.kind == Kind::plate || ref.kind == Kind::mount) {
+      Placement& p = ref.kind == Kind::image   ? state.images[i]
+                     : ref.kind == Kind::mount ? state.mounts[i]
+                                               : state.plates[i];
       if (store) {
         x[0] = p.rotation.w(), x[1] = p.rotation.x(), x[2] = p.rotation.y(), x[3] = p.rotation.z();
         for (int c = 0; c < 3; ++c) x[4 + c] = p.position(c);
@@ -103,8 +105,9 @@ class Values : public ceres::EvaluationCallback {
       for (int c = 0; c < 3; ++c) copy(state.points[i](c), x[c]);
     } else if (ref.kind == Kind::camera) {
       for (int v : layout_.free_values(ref.index)) copy(state.interiors[i][static_cast<size_t>(v)], *x++);
-    } else if (ref.kind == Kind::shift) {
-      for (int c = 0; c < 2; ++c) copy(state.shifts[i](c), x[c]);
+    } else if (ref.kind == Kind::shift || ref.kind == Kind::bend) {
+      Eigen::Vector2d& pair = ref.kind == Kind::shift ? state.shifts[i] : state.bends[i];
+      for (int c = 0; c < 2; ++c) copy(pair(c), x[c]);
     } else if (ref.kind == Kind::form) {
       const int first = problem_.plates[i].form_begin;
       for (int c = 0; c < layout_.size(block); ++c) copy(state.forms[i][static_cast<size_t>(first + c)], x[c]);

@@ -31,6 +31,8 @@ std::vector<std::vector<int>> image_parts(const Problem& problem) {
                                                   : ref.kind == Kind::point ? points
                                                                             : plates);
   };
+  for (int i = 0; i < static_cast<int>(points); ++i)
+    sets.join(static_cast<std::size_t>(i), static_cast<std::size_t>(problem.pose_of(i)));
   for (const auto& o : problem.image_points) sets.join(static_cast<std::size_t>(o.image), body({Kind::point, o.point}));
   for (const auto& o : problem.image_tags) sets.join(static_cast<std::size_t>(o.image), body({Kind::plate, o.plate}));
   for (const auto& d : problem.distances) sets.join(body(d.from), body(d.to));

@@ -27,6 +27,10 @@ size_t count_of(const Problem& p, Kind kind) {
       return p.plates.size();
     case Kind::camera:
       return p.cameras.size();
+    case Kind::mount:
+      return p.mounts.size();
+    case Kind::bend:
+      return p.sheets.size();
     default:
       return p.batches.size();
   }
@@ -34,7 +38,7 @@ size_t count_of(const Problem& p, Kind kind) {
 
 Eigen::Index coordinates_of(const Problem& p, Ref ref) {
   if (ref.kind == Kind::camera) return value_count(p.cameras[static_cast<size_t>(ref.index)].lens);
-  if (ref.kind == Kind::shift) return 2;
+  if (ref.kind == Kind::shift || ref.kind == Kind::bend) return 2;
   if (ref.kind == Kind::form) return form_count;
   return ref.kind == Kind::scale || ref.kind == Kind::inset ? 1 : 3;
 }
@@ -43,7 +47,7 @@ int size_of(const Problem& p, Ref ref) {
   const size_t i = static_cast<size_t>(ref.index);
   switch (ref.kind) {
     case Kind::image:
-      return p.images[i].fixed ? 0 : 6;
+      return p.images[i].fixed || p.images[i].exposure >= 0 ? 0 : 6;
     case Kind::point:
       return p.points[i].fixed ? 0 : 3;
     case Kind::plate:
@@ -58,6 +62,10 @@ int size_of(const Problem& p, Ref ref) {
       return p.images[i].shift_free ? 2 : 0;
     case Kind::form:
       return p.plates[i].form_end - p.plates[i].form_begin;
+    case Kind::mount:
+      return p.mounts[i].fixed ? 0 : 6;
+    case Kind::bend:
+      return p.sheets[i].bend_free ? 2 : 0;
   }
   return 0;
 }
@@ -76,11 +84,25 @@ void Problem::require_consistent() const {
   };
   for (const auto& c : cameras)
     require(static_cast<int>(c.free.size()) == value_count(c.lens), "camera " + c.name + " does not fit its lens");
-  for (const auto& i : images) check({Kind::camera, i.camera});
+  for (const auto& i : images) {
+    check({Kind::camera, i.camera});
+    if (i.mount >= 0) check({Kind::mount, i.mount});
+    if (i.exposure < 0) continue;
+    check({Kind::image, i.exposure});
+    require(images[static_cast<size_t>(i.exposure)].exposure < 0, "an exposure's image has no pose of its own");
+  }
+  for (const auto& p : points) {
+    if (p.sheet < 0) continue;
+    check({Kind::bend, p.sheet});
+    require(p.fixed, "point " + p.name + " of a sheet is not fixed");
+  }
   for (const auto& p : plates) check({Kind::scale, p.batch});
   for (const auto& o : image_points) check({Kind::image, o.image}), check({Kind::point, o.point});
   for (const auto& o : image_tags) {
     check({Kind::image, o.image}), check({Kind::plate, o.plate});
+    const Image& image = images[static_cast<size_t>(o.image)];
+    require(image.mount < 0 && image.exposure < 0 && cameras[static_cast<size_t>(image.camera)].lens != Lens::fisheye,
+            "tags in photographs of a rig or a fisheye are not computed");
     if (o.inset >= 0) check({Kind::inset, o.inset});
   }
   for (const auto& d : distances) {
@@ -136,7 +158,11 @@ void apply_step(const Problem& problem, const Layout& layout, const Eigen::Vecto
           p.position + step.segment<3>(offset));
   };
   for (size_t i = 0; i < problem.images.size(); ++i)
-    if (!problem.images[i].fixed) place(state.images[i], at(Kind::image, i));
+    if (size_of(problem, {Kind::image, static_cast<int>(i)}) > 0) place(state.images[i], at(Kind::image, i));
+  for (size_t i = 0; i < problem.mounts.size(); ++i)
+    if (!problem.mounts[i].fixed) place(state.mounts[i], at(Kind::mount, i));
+  for (size_t i = 0; i < problem.sheets.size(); ++i)
+    if (problem.sheets[i].bend_free) state.bends[i] += step.segment<2>(at(Kind::bend, i));
   for (size_t i = 0; i < problem.points.size(); ++i)
     if (!problem.points[i].fixed) state.points[i] += step.segment<3>(at(Kind::point, i));
   for (size_t i = 0; i < problem.plates.size(); ++i) place(state.plates[i], at(Kind::plate, i));
@@ -185,6 +211,10 @@ std::string name_of_unknown(const Problem& problem, const Layout& layout, int un
       return std::string("principal point ") + axes[c] + " of image " + problem.images[i].name;
     case Kind::form:
       return "form of " + problem.plates[i].name;
+    case Kind::mount:
+      return std::string(c < 3 ? "place in the rig of " : "rotation in the rig of ") + problem.mounts[i].name;
+    case Kind::bend:
+      return "bend of " + problem.sheets[i].name + " in " + axes[c];
   }
   return "?";
 }

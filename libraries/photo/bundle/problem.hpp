@@ -33,11 +33,27 @@ struct Image {
   int camera = 0;
   bool fixed = false;       ///< the pose is known exactly
   bool shift_free = false;  ///< the image has a principal point of its own
+  int mount = -1;           ///< its camera's place in a rig; −1: none, the pose is that of the camera
+  int exposure = -1;        ///< the image that was taken at the same moment and whose pose is the rig's; −1: this one
+};
+
+/// The place of a camera in a rig: camera from rig, x_camera = R (x_rig − C).
+struct Mount {
+  std::string name;
+  bool fixed = false;
+};
+
+/// A sheet that may be bent: two unknowns [m] that move its points along z.
+struct Sheet {
+  std::string name;
+  bool bend_free = false;
 };
 
 struct Point {
   std::string name;
-  bool fixed = false;  ///< the coordinates are known exactly
+  bool fixed = false;                               ///< the coordinates are known exactly
+  int sheet = -1;                                   ///< of a fixed point: the sheet it is on; −1: none
+  Eigen::Vector2d bent_by = Eigen::Vector2d(0, 0);  ///< by how much of the sheet's two unknowns it is moved
 };
 
 /// What turns a square into the four corners of a printed tag, as shares of half its edge: stretch, shear, keystones
@@ -60,8 +76,8 @@ struct Batch {
 };
 
 /// What an unknown belongs to.
-enum class Kind { image, point, plate, camera, scale, inset, shift, form };
-constexpr int kind_count = 8;
+enum class Kind { image, point, plate, camera, scale, inset, shift, form, mount, bend };
+constexpr int kind_count = 10;
 struct Ref {
   Kind kind;
   int index;
@@ -94,8 +110,8 @@ struct Distance {
 };
 
 /// W (x − target) over coordinates of a few refs: three of a point, of a plate's anchor or of an image's projection
-/// centre, all values of a camera or a form, one of a scale or an inset, two of an image's shift. Known coordinates
-/// with their full covariance, the calibration of a camera, a printed size.
+/// centre, all values of a camera or a form, one of a scale or an inset, two of an image's shift or of a sheet's bend.
+/// Known coordinates with their full covariance, the calibration of a camera, a printed size.
 struct Known {
   std::vector<Ref> refs;
   Eigen::VectorXd target;
@@ -118,6 +134,8 @@ struct Problem {
   std::vector<Point> points;
   std::vector<Plate> plates;
   std::vector<Batch> batches;
+  std::vector<Mount> mounts = {};
+  std::vector<Sheet> sheets = {};
   std::vector<ImagePoint> image_points;
   std::vector<ImageTag> image_tags;
   std::vector<Distance> distances;
@@ -125,6 +143,11 @@ struct Problem {
   std::vector<Group> groups;
 
   int row_count() const;
+  /// The image whose pose is this one's, or this one's rig's.
+  int pose_of(int image) const {
+    const int exposure = images[static_cast<size_t>(image)].exposure;
+    return exposure < 0 ? image : exposure;
+  }
   /// Throws std::runtime_error for an index out of its range or a whitening of the wrong size.
   void require_consistent() const;
 };
@@ -156,12 +179,15 @@ struct State {
     return shifts.empty() ? Eigen::Vector2d(0, 0) : shifts[static_cast<size_t>(image)];
   }
   std::vector<Form> forms = {};  ///< one a plate, or none at all: squares
+  std::vector<Placement> mounts = {};
+  std::vector<Eigen::Vector2d> bends = {};  ///< one a sheet
 };
 
 /// Blocks of unknowns and their numbers. A block is what belongs to one Ref: six of an image (position, then a rotation
 /// vector in the camera frame on top of the rotation), three of a point, six of a plate (anchor, rotation vector in the
 /// object frame), the free values of a camera, one of a scale or an inset, two of the shift of an image's principal
-/// point, the free values of a plate's form. What is held has a block of size 0.
+/// point, the free values of a plate's form, six of a mount as of an image, two of a sheet. What is held has a block of
+/// size 0.
 class Layout {
  public:
   explicit Layout(const Problem& problem);

@@ -42,8 +42,14 @@ bool evaluate(const Problem& problem, const Layout& layout, const State& state, 
               Rows& rows) {
   const Image& image = problem.images[static_cast<size_t>(term.image)];
   const Camera& camera = problem.cameras[static_cast<size_t>(image.camera)];
-  const Placement& pose = state.images[static_cast<size_t>(term.image)];
-  const Eigen::Vector3d v = pose.matrix * (state.points[static_cast<size_t>(term.point)] - pose.position);
+  const Point& point = problem.points[static_cast<size_t>(term.point)];
+  const int pose_of = problem.pose_of(term.image);
+  const Placement& pose = state.images[static_cast<size_t>(pose_of)];
+  const Placement* mount = image.mount >= 0 ? &state.mounts[static_cast<size_t>(image.mount)] : nullptr;
+  Eigen::Vector3d from_pose = state.points[static_cast<size_t>(term.point)] - pose.position;
+  if (point.sheet >= 0) from_pose.z() += point.bent_by.dot(state.bends[static_cast<size_t>(point.sheet)]);
+  const Eigen::Vector3d in_pose = pose.matrix * from_pose;
+  const Eigen::Vector3d v = mount ? Eigen::Vector3d(mount->matrix * (in_pose - mount->position)) : in_pose;
   LensRows lens;
   if (!evaluate_lens(camera.lens, state.interiors[static_cast<size_t>(image.camera)].data(), camera.balance_radius,
                      camera.inverse_reference, v, term.observed - state.shift(term.image), jacobians, lens))
@@ -54,11 +60,12 @@ bool evaluate(const Problem& problem, const Layout& layout, const State& state, 
   Eigen::Map<Eigen::Vector2d>(rows.residual.data()) = w * lens.misclosure;
   if (!jacobians) return true;
   const Matrix23 by_direction = w * lens.by_direction;
-  const Matrix23 by_point = by_direction * pose.matrix;
-  if (!image.fixed) {
-    auto part = add_part<2, 6>(rows, layout.block({Kind::image, term.image}));
+  const Matrix23 by_pose = mount ? Matrix23(by_direction * mount->matrix) : by_direction;
+  const Matrix23 by_point = by_pose * pose.matrix;
+  if (const int block = layout.block({Kind::image, pose_of}); layout.size(block) > 0) {
+    auto part = add_part<2, 6>(rows, block);
     part.leftCols<3>() = -by_point;
-    part.rightCols<3>() = -times_skew(by_direction, v);
+    part.rightCols<3>() = -times_skew(by_pose, in_pose);
   }
   const auto& free = layout.free_values(image.camera);
   if (!free.empty()) {
@@ -69,8 +76,14 @@ bool evaluate(const Problem& problem, const Layout& layout, const State& state, 
   if (image.shift_free)
     add_part<2, 2>(rows, layout.block({Kind::shift, term.image})) =
         w * lens.by_interior.middleCols<2>(principal_point(camera.lens));
-  if (!problem.points[static_cast<size_t>(term.point)].fixed)
-    add_part<2, 3>(rows, layout.block({Kind::point, term.point})) = by_point;
+  if (mount && !problem.mounts[static_cast<size_t>(image.mount)].fixed) {
+    auto part = add_part<2, 6>(rows, layout.block({Kind::mount, image.mount}));
+    part.leftCols<3>() = -by_pose;
+    part.rightCols<3>() = -times_skew(by_direction, v);
+  }
+  if (point.sheet >= 0 && problem.sheets[static_cast<size_t>(point.sheet)].bend_free)
+    add_part<2, 2>(rows, layout.block({Kind::bend, point.sheet})) = by_point.col(2) * point.bent_by.transpose();
+  if (!point.fixed) add_part<2, 3>(rows, layout.block({Kind::point, term.point})) = by_point;
   return true;
 }
 
@@ -105,6 +118,9 @@ Eigen::VectorXd residual_of(const Problem& problem, const State& state, const Kn
       at += count;
     } else if (ref.kind == Kind::shift) {
       value.segment<2>(at) = state.shift(ref.index);
+      at += 2;
+    } else if (ref.kind == Kind::bend) {
+      value.segment<2>(at) = state.bends[i];
       at += 2;
     } else if (ref.kind == Kind::form) {
       for (double part : state.forms[i]) value(at++) = part;
@@ -141,7 +157,7 @@ void linear_columns(const Problem& problem, const Layout& layout, const Known& t
       at += form_count;
     } else {
       const int count = term.world_from_plate                                ? 6
-                        : ref.kind == Kind::shift                            ? 2
+                        : ref.kind == Kind::shift || ref.kind == Kind::bend  ? 2
                         : ref.kind == Kind::scale || ref.kind == Kind::inset ? 1
                                                                              : 3;
       for (int k = 0; k < count && layout.size(block) > 0; ++k) add(at + k, offset + k);

@@ -11,7 +11,7 @@ namespace plumbline::bundle {
 /// Rows of one observation and their derivatives by up to seven blocks of unknowns, parts side by side in one row-major
 /// matrix; parts of held blocks are left out. What is shared by many observations stands side by side.
 struct Rows {
-  // image 6, camera 12, shift 2, scale, inset, form 5, body 6
+  // image 6, camera 12, shift 2, scale, inset, form 5, plate 6; of a point mount 6, bend 2, point 3 behind the shift
   static constexpr int max_rows = 8, max_parts = 7, stride = 36;
   struct Part {
     int block = 0, size = 0;

@@ -6,34 +6,19 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <numbers>
 #include <stdexcept>
 
 #include "geometry/median.hpp"
-#include "least_squares/problem/defects.hpp"
-#include "photo/markers/calibration_cost.hpp"
+#include "photo/bundle/adjust.hpp"
 #include "photo/markers/planar_pose.hpp"
 #include "plumbline/stop.hpp"
 
 namespace plumbline::markers {
 namespace {
 
-struct State {
-  std::vector<std::array<double, 6>> poses;
-  std::vector<Eigen::Quaterniond> rotations;
-  std::vector<Eigen::Matrix3d> matrices;
-  std::array<double, BrownCamera::parameter_count> interior{};
-  std::array<double, 2> bend{};
-
-  void fold() {
-    for (size_t i = 0; i < poses.size(); ++i) {
-      rotations[i] =
-          (quaternion_from_rotation_vector({poses[i][3], poses[i][4], poses[i][5]}) * rotations[i]).normalized();
-      matrices[i] = rotations[i].toRotationMatrix();
-      poses[i][3] = poses[i][4] = poses[i][5] = 0;
-    }
-  }
-};
+using bundle::Kind;
 
 struct Labelled {
   int view = 0, point = 0;
@@ -53,23 +38,17 @@ class Calibrator {
   Calibration run() {
     start();
     reject();
-    block::AdjustedBlock block = adjust();
-    return result(block);
+    adjust();
+    return result();
   }
 
   /// √(Σ(dx² + dy²)/n) of all points after the adjustment [px].
   double residuals_of_all() {
     start();
-    const block::AdjustedBlock block = adjust();
-    double squares = 0, points = 0;
-    for (const auto& rows : block.linear.observations) {
-      if (rows.group != 0) continue;
-      const auto [v, p] = labels_[static_cast<size_t>(rows.label)];
-      squares += std::pow(views_[static_cast<size_t>(v)].points[static_cast<size_t>(p)].sigma, 2) *
-                 rows.misclosure.squaredNorm();
-      ++points;
-    }
-    return std::sqrt(squares / points);
+    adjust();
+    double squares = 0;
+    for (size_t k = 0; k < labels_.size(); ++k) squares += residual_of(k).squaredNorm();
+    return std::sqrt(squares / static_cast<double>(labels_.size()));
   }
 
  private:
@@ -95,64 +74,83 @@ class Calibrator {
   }
 
   bool pose_all(double f) {
-    state_ = State{};
-    state_.interior = {f, f, 0.5 * (width_ - 1), 0.5 * (height_ - 1), 0, 0, 0, 0, 0};
+    state_ = {};
+    state_.interiors = {{f, f, 0.5 * (width_ - 1), 0.5 * (height_ - 1)}};
+    state_.bends = {Eigen::Vector2d::Zero()};
+    const bundle::Interior& interior = state_.interiors[0];
     for (const auto& view : views_) {
       std::vector<Eigen::Vector2d> plane, image;
       for (const auto& p : view.points) {
         plane.push_back(p.board.head<2>());
-        image.emplace_back((p.pixel.x() - state_.interior[2]) / f, (p.pixel.y() - state_.interior[3]) / f);
+        image.emplace_back((p.pixel.x() - interior[2]) / f, (p.pixel.y() - interior[3]) / f);
       }
       const auto poses = poses_of_plane(plane, image);
       if (poses.empty()) return false;
       const RigidTransform& pose = poses.front().cam_from_figure;
-      state_.poses.push_back({pose.translation.x(), pose.translation.y(), pose.translation.z(), 0, 0, 0});
-      state_.rotations.push_back(pose.rotation);
+      state_.images.emplace_back().set(pose.rotation, pose.inverse().translation);
     }
-    state_.matrices.resize(state_.poses.size());
-    state_.fold();
     return true;
   }
 
-  void build(block::BlockModel& model) {
-    labels_.clear();
-    model.add_group("points"), model.add_group("bend");
-    for (auto& pose : state_.poses) model.add_pose(pose.data());
-    std::vector<bool> free(BrownCamera::parameter_count, false);
+  void build() {
+    problem_ = {}, labels_.clear(), state_.points.clear();
+    problem_.groups = {{"points"}, {"bend"}};
+    const bundle::Lens lens = options_.lens == LensModel::brown ? bundle::Lens::brown : bundle::Lens::fisheye;
+    problem_.cameras = {{"", lens, 0, std::vector<bool>(static_cast<size_t>(bundle::value_count(lens)), false)}};
     for (const auto& name : options_.free) {
       const auto at = std::find_if(BrownCamera::parameter_names.begin(), BrownCamera::parameter_names.end(),
                                    [&](const char* known) { return name == known; });
       if (at == BrownCamera::parameter_names.end())
         throw std::runtime_error("unknown interior parameter '" + name +
                                  "'; known are fx, fy, cx, cy, k1, k2, k3, p1, p2");
-      free[static_cast<size_t>(at - BrownCamera::parameter_names.begin())] = true;
+      problem_.cameras[0].free.at(static_cast<size_t>(at - BrownCamera::parameter_names.begin())) = true;
     }
-    columns_ = model.add_kept(state_.interior.data(), free,
-                              {BrownCamera::parameter_names.begin(), BrownCamera::parameter_names.end()});
     const bool bent = options_.bend_sigma > 0;
-    bend_columns_ =
-        model.add_kept(state_.bend.data(), {bent, bent}, {"bend of the board in x", "bend of the board in y"});
+    problem_.sheets = {{"the board", bent}};
     if (bent)
-      model.add_term(std::make_unique<block::DifferentiatedCost<ScaledCost, 2, 2>>(new ScaledCost{options_.bend_sigma}),
-                     {state_.bend.data()}, 1, 0);
-    for (size_t v = 0; v < views_.size(); ++v)
+      problem_.known.push_back(
+          {{{Kind::bend, 0}}, Eigen::Vector2d::Zero(), Eigen::Matrix2d::Identity() / options_.bend_sigma, 1});
+    for (size_t v = 0; v < views_.size(); ++v) {
+      problem_.images.push_back({views_[v].path});
       for (size_t k = 0; k < views_[v].points.size(); ++k) {
         if (!use_[v][k]) continue;
         const CalibrationPoint& p = views_[v].points[k];
         const Eigen::Vector2d unit = (p.board.head<2>() - middle_).cwiseQuotient(half_);
-        model.add_term(std::make_unique<block::DifferentiatedCost<PointCost, 2, 6, BrownCamera::parameter_count, 2>>(
-                           new PointCost{p.board, p.pixel, unit, p.sigma, options_.lens, &state_.matrices[v]}),
-                       {state_.poses[v].data(), state_.interior.data(), state_.bend.data()}, 0,
-                       static_cast<int>(labels_.size()), true);
+        problem_.points.push_back({std::to_string(k), true, 0, Eigen::Vector2d::Ones() - unit.cwiseAbs2()});
+        state_.points.push_back(p.board);
+        problem_.image_points.push_back({static_cast<int>(v), static_cast<int>(labels_.size()), p.pixel,
+                                         Eigen::Matrix2d::Identity() / p.sigma, 0, true});
         labels_.push_back({static_cast<int>(v), static_cast<int>(k)});
       }
+    }
+  }
+
+  void minimise(double scale) {
+    build();
+    bundle::MinimiseOptions options;
+    options.max_iterations = options_.max_iterations;
+    options.side = bundle::Side::images;
+    options.loss = {bundle::Loss::Kind::huber, scale};
+    bundle::minimise_schur(problem_, state_, options);
+  }
+
+  /// Measured minus computed [px]; `label` is an index into labels_.
+  Eigen::Vector2d residual_of(size_t label) const {
+    const bundle::ImagePoint& point = problem_.image_points[label];
+    const bundle::Layout& layout = *layout_;
+    bundle::Rows rows;
+    if (!bundle::evaluate(problem_, layout, state_, point, false, rows))
+      throw std::runtime_error("point " + problem_.points[label].name + " lies behind the camera of " +
+                               problem_.images[static_cast<size_t>(point.image)].name);
+    return -rows.values() / point.whitening(0, 0);
   }
 
   /// Lengths of the whitened residuals, in the order of labels_.
-  std::vector<double> misfits(const block::BlockModel& model) const {
+  std::vector<double> misfits() {
+    layout_ = std::make_unique<bundle::Layout>(problem_);
     std::vector<double> lengths;
-    for (const auto& rows : model.linearise().observations)
-      if (rows.group == 0) lengths.push_back(rows.misclosure.norm());
+    for (size_t k = 0; k < labels_.size(); ++k)
+      lengths.push_back(residual_of(k).norm() * problem_.image_points[k].whitening(0, 0));
     return lengths;
   }
 
@@ -162,15 +160,12 @@ class Calibrator {
     std::vector<double> candidates;
     if (zhang > 0.3 * extent && zhang < 20 * extent) candidates.push_back(zhang);
     for (const double factor : {1.0, 0.6, 1.8, 4.0}) candidates.push_back(factor * extent);
-    State best;
+    bundle::State best;
     double lowest = std::numeric_limits<double>::infinity();
     for (const double f : candidates) {
       if (!pose_all(f)) continue;
-      block::BlockModel model;
-      build(model);
-      model.minimise(options_.max_iterations, {bundle::Loss::Kind::huber, 30});
-      state_.fold();
-      const double fit = upper_median(misfits(model));
+      minimise(30);
+      const double fit = upper_median(misfits());
       if (fit < lowest) lowest = fit, best = state_;
       const double sigma = views_.front().points.front().sigma;
       if (lowest * sigma < 1e-3 * extent) break;
@@ -179,62 +174,63 @@ class Calibrator {
       throw std::runtime_error(
           "no photograph gives a pose of the board; check columns, rows and the order of its points");
     state_ = best;
-    for (size_t i = 0; i < state_.poses.size(); ++i) state_.matrices[i] = state_.rotations[i].toRotationMatrix();
   }
 
   void reject() {
     if (!(options_.reject_above > 0)) return;
-    double unit = 1;
     for (int pass = 0; pass < 2; ++pass) {
-      block::BlockModel model;
-      build(model);
-      unit = std::max(1e-3, upper_median(misfits(model)));
-      model.minimise(options_.max_iterations, {bundle::Loss::Kind::huber, 3 * unit});
-      state_.fold();
+      minimise(3 * std::max(1e-3, upper_median(misfits())));
     }
-    block::BlockModel model;
-    build(model);
-    const std::vector<double> fits = misfits(model);
-    unit = upper_median(fits);
-    std::vector<Labelled> labels = labels_;
+    const std::vector<double> fits = misfits();
+    const double unit = upper_median(fits);
     for (size_t k = 0; k < fits.size(); ++k) {
       if (fits[k] <= options_.reject_above * unit) continue;
-      const auto [v, p] = labels[k];
+      const auto [v, p] = labels_[k];
       use_[static_cast<size_t>(v)][static_cast<size_t>(p)] = false;
-      rejected_.push_back(labels[k]);
+      rejected_.push_back(labels_[k]);
     }
   }
 
-  block::AdjustedBlock adjust() {
-    block::BlockModel model;
-    build(model);
-    std::vector<std::string> names;
-    for (const auto& view : views_) names.push_back(view.path);
-    bool undetermined = false;
+  void adjust() {
+    build();
+    layout_ = std::make_unique<bundle::Layout>(problem_);
+    bundle::AdjustOptions options;
+    options.minimise.max_iterations = options_.max_iterations;
+    options.minimise.side = bundle::Side::images;
+    options.start_is_near = options.is_determined = true;
+    require_determined();
     try {
-      return block::adjust_to_convergence(
-          model, options_.max_iterations, [&] { state_.fold(); }, [](block::PartitionedSystem&) {},
-          [&](const block::PartitionedSystem& linear, const block::ReducedSystem& reduced) {
-            undetermined = true;
-            least_squares::require_full_rank(linear, reduced, names, model.kept_labels());
-            undetermined = false;
-          });
+      adjusted_ = bundle::adjust(problem_, *layout_, state_, options);
+    } catch (const Stopped&) {
+      throw;
+    } catch (const std::runtime_error&) {
+      throw std::runtime_error(no_convergence());
+    }
+    state_ = adjusted_.state;
+  }
+
+  void require_determined() const {
+    bundle::Elimination elimination(problem_, *layout_, bundle::Side::images);
+    if (!elimination.build(state_)) throw std::runtime_error(no_convergence());
+    try {
+      bundle::require_determined(problem_, *layout_, state_, elimination, {});
     } catch (const Stopped&) {
       throw;
     } catch (const std::runtime_error& error) {
-      throw std::runtime_error(undetermined ? std::string(error.what()) +
-                                                  "; photograph the board tilted, from several sides, and over the "
-                                                  "whole image"
-                                            : no_convergence());
+      throw std::runtime_error(std::string(error.what()) +
+                               "; photograph the board tilted, from several sides, and over the whole image");
     }
+  }
+
+  RigidTransform cam_from_board(size_t view) const {
+    const bundle::Placement& image = state_.images[view];
+    return {image.rotation, -(image.rotation * image.position)};
   }
 
   /// Angle of the board's normal against the line of sight [rad].
   double tilt_of(size_t view) const {
-    const RigidTransform cam_from_board{state_.rotations[view],
-                                        {state_.poses[view][0], state_.poses[view][1], state_.poses[view][2]}};
-    const Eigen::Vector3d normal = state_.rotations[view] * Eigen::Vector3d::UnitZ();
-    const Eigen::Vector3d sight = cam_from_board * Eigen::Vector3d(middle_.x(), middle_.y(), 0);
+    const Eigen::Vector3d normal = state_.images[view].rotation * Eigen::Vector3d::UnitZ();
+    const Eigen::Vector3d sight = cam_from_board(view) * Eigen::Vector3d(middle_.x(), middle_.y(), 0);
     return std::acos(std::clamp(std::abs(normal.dot(sight.normalized())), 0.0, 1.0));
   }
 
@@ -255,20 +251,13 @@ class Calibrator {
            "of them, in several directions";
   }
 
-  CameraEvidence evidence(const block::AdjustedBlock& block, double factor) const {
-    std::vector<Eigen::MatrixXd> effects;
-    for (const auto& rows : block.linear.observations) {
-      effects.emplace_back();
-      if (rows.group != 0) continue;
-      const auto [v, p] = labels_[static_cast<size_t>(rows.label)];
-      const CalibrationPoint& point = views_[static_cast<size_t>(v)].points[static_cast<size_t>(p)];
-      effects.back() = effects_at(point.pixel, height_) / point.sigma;
-    }
+  CameraEvidence evidence(double factor) const {
     std::vector<int> members;
     std::vector<std::string> paths;
     for (size_t v = 0; v < views_.size(); ++v) members.push_back(static_cast<int>(v)), paths.push_back(views_[v].path);
-    return evidence_of(shares_of(block.linear, effects), block.solution.kept_cofactor, factor, columns_, members,
-                       paths);
+    return evidence_of(shares_of(problem_, *layout_, state_, {height_}),
+                       kept_cofactor(problem_, *layout_, *adjusted_.cofactors), factor,
+                       interior_columns(problem_, *layout_, 0), members, paths);
   }
 
   CameraTruth judged(CameraEvidence evidence, const Calibration& c) const {
@@ -278,31 +267,31 @@ class Calibrator {
     return judge_camera(std::move(evidence), c.camera, poses);
   }
 
-  Calibration result(const block::AdjustedBlock& block) const {
+  Calibration result() const {
     Calibration c;
     c.camera.width = width_, c.camera.height = height_;
-    c.camera.set_parameters(state_.interior);
-    c.observations = block.linear.row_count(), c.unknowns = block.linear.unknown_count();
-    c.degrees_of_freedom = block.linear.redundancy();
+    std::array<double, BrownCamera::parameter_count> interior;
+    std::copy_n(state_.interiors[0].begin(), interior.size(), interior.begin());
+    c.camera.set_parameters(interior);
+    c.observations = adjusted_.rows, c.unknowns = adjusted_.unknowns;
+    c.degrees_of_freedom = adjusted_.redundancy();
     if (c.degrees_of_freedom < 10)
       throw std::runtime_error("the photographs hold hardly more observations than unknowns (" +
                                std::to_string(c.degrees_of_freedom) + " to spare); take more of them");
-    double weighted = 0, squares = 0, variance = 0;
+    double squares = 0, variance = 0;
     for (size_t v = 0; v < views_.size(); ++v) {
       CalibratedView view;
       view.view = static_cast<int>(v);
-      view.cam_from_board = {state_.rotations[v], {state_.poses[v][0], state_.poses[v][1], state_.poses[v][2]}};
+      view.cam_from_board = cam_from_board(v);
       view.tilt = tilt_of(v);
       c.views.push_back(view);
     }
-    for (const auto& rows : block.linear.observations) {
-      weighted += rows.misclosure.squaredNorm();
-      if (rows.group != 0) continue;
-      const auto [v, p] = labels_[static_cast<size_t>(rows.label)];
+    for (size_t k = 0; k < labels_.size(); ++k) {
+      const auto [v, p] = labels_[k];
       const double sigma = views_[static_cast<size_t>(v)].points[static_cast<size_t>(p)].sigma;
       CalibratedView& view = c.views[static_cast<size_t>(v)];
       view.points.push_back(p);
-      view.residuals.push_back(sigma * rows.misclosure.head<2>());
+      view.residuals.push_back(residual_of(k));
       view.rms += view.residuals.back().squaredNorm();
       variance += sigma * sigma;
     }
@@ -310,16 +299,17 @@ class Calibrator {
       squares += view.rms;
       if (!view.points.empty()) view.rms = std::sqrt(view.rms / static_cast<double>(view.points.size()));
     }
-    const double points = static_cast<double>(labels_.size()), factor = weighted / c.degrees_of_freedom;
+    const double points = static_cast<double>(labels_.size()), factor = adjusted_.sum_of_squares / c.degrees_of_freedom;
     c.rms = std::sqrt(squares / points);
     c.sigma = std::sqrt(factor * variance / points);
-    const Eigen::MatrixXd& cofactor = block.solution.kept_cofactor;
-    c.truth = judged(evidence(block, factor), c);
+    c.truth = judged(evidence(factor), c);
     c.formal_covariance = in_nine(c.truth.evidence, c.truth.evidence.formal);
     c.covariance = in_nine(c.truth.evidence, c.truth.empirical.written);
-    c.bend_x = state_.bend[0], c.bend_y = state_.bend[1];
-    if (bend_columns_[0] >= 0) c.bend_x_sigma = std::sqrt(factor * cofactor(bend_columns_[0], bend_columns_[0]));
-    if (bend_columns_[1] >= 0) c.bend_y_sigma = std::sqrt(factor * cofactor(bend_columns_[1], bend_columns_[1]));
+    c.bend_x = state_.bends[0].x(), c.bend_y = state_.bends[0].y();
+    if (options_.bend_sigma > 0) {
+      const Eigen::Matrix2d bend = factor * adjusted_.cofactors->own(layout_->block({Kind::bend, 0}));
+      c.bend_x_sigma = std::sqrt(bend(0, 0)), c.bend_y_sigma = std::sqrt(bend(1, 1));
+    }
     for (const auto& [v, p] : rejected_)
       c.rejected.push_back("point " + std::to_string(p) + " in " + views_[static_cast<size_t>(v)].path +
                            ": its residual is more than 5 times that of the median point");
@@ -332,8 +322,10 @@ class Calibrator {
   Eigen::Vector2d middle_, half_;
   std::vector<std::vector<bool>> use_;
   std::vector<Labelled> labels_, rejected_;
-  std::vector<int> columns_, bend_columns_;
-  State state_;
+  bundle::Problem problem_;
+  std::unique_ptr<bundle::Layout> layout_;
+  bundle::State state_;
+  bundle::Adjusted adjusted_;
 };
 
 }  // namespace

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "geometry/camera.hpp"
-#include "photo/block/block_model.hpp"
 #include "photo/markers/camera_changes.hpp"
 #include "plumbline/rigid_transform.hpp"
 

@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "geometry/camera.hpp"
-#include "least_squares/problem/schur.hpp"
 #include "photo/markers/photograph_shares.hpp"
 
 namespace plumbline::markers {

@@ -11,44 +11,6 @@
 namespace plumbline::markers {
 namespace {
 
-/// What is left when the poses are eliminated stands behind them in the layout.
-int kept_column(const MarkerModel& model, int unknown) { return unknown - 6 * static_cast<int>(model.images.size()); }
-
-/// Each photograph's score and information, with the effects that it may have of its own.
-std::vector<PhotographShare> shares_of_photographs(const MarkerBlock& block, const MarkerModel& model,
-                                                   const bundle::Layout& layout) {
-  least_squares::PartitionedSystem system;
-  system.eliminated_count = static_cast<int>(model.images.size());
-  system.kept_count = kept_column(model, layout.unknown_count());
-  std::vector<Eigen::MatrixXd> effects;
-  bundle::Rows of_tag;
-  for (const bundle::ImageTag& tag : model.problem.image_tags) {
-    if (!bundle::evaluate(model.problem, layout, model.state, tag, true, of_tag)) continue;
-    least_squares::ObservationRows rows;
-    rows.eliminated = tag.image;
-    rows.misclosure = -of_tag.values();
-    rows.kept.resize(8, of_tag.columns - 6);
-    for (int k = 0; k < of_tag.parts; ++k) {
-      const auto& part = of_tag.part[static_cast<size_t>(k)];
-      if (part.block == tag.image) {
-        rows.own = of_tag.jacobian(k);
-        continue;
-      }
-      rows.kept.middleCols(static_cast<Eigen::Index>(rows.columns.size()), part.size) = of_tag.jacobian(k);
-      for (int c = 0; c < part.size; ++c) rows.columns.push_back(kept_column(model, layout.offset(part.block) + c));
-    }
-    system.observations.push_back(std::move(rows));
-    const int camera = model.problem.images[static_cast<size_t>(tag.image)].camera;
-    const int height = block.cameras[static_cast<size_t>(camera)].camera.height;
-    Eigen::MatrixXd& effect = effects.emplace_back(8, effect_count);
-    for (size_t q = 0; q < 4; ++q)
-      effect.middleRows<2>(2 * static_cast<Eigen::Index>(q)) =
-          tag.whitening[q] * effects_at(tag.corners[q], height) /
-          model.problem.groups[static_cast<size_t>(tag.group)].sigma_factor;
-  }
-  return shares_of(system, effects);
-}
-
 /// The same photographs with those of the change as a camera of their own; both go on from where the adjustment left
 /// them.
 std::optional<MarkerBlock> with_camera_divided(const MarkerBlock& block, const MarkerResult& result,
@@ -71,11 +33,10 @@ std::optional<MarkerBlock> with_camera_divided(const MarkerBlock& block, const M
 
 void judge_cameras(const MarkerBlock& block, const MarkerModel& model, const bundle::Layout& layout,
                    const bundle::Adjusted& adjusted, MarkerResult& result) {
-  const std::vector<PhotographShare> shares = shares_of_photographs(block, model, layout);
-  std::vector<int> kept;
-  for (int b = static_cast<int>(model.images.size()); b < layout.block_count(); ++b)
-    if (layout.size(b) > 0) kept.push_back(b);
-  const Eigen::MatrixXd cofactor = adjusted.cofactors->joint(kept);
+  std::vector<int> heights;
+  for (const MarkerCamera& camera : block.cameras) heights.push_back(camera.camera.height);
+  const std::vector<PhotographShare> shares = shares_of(model.problem, layout, model.state, heights);
+  const Eigen::MatrixXd cofactor = kept_cofactor(model.problem, layout, *adjusted.cofactors);
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   for (const bundle::Placement& plate : model.state.plates)
     middle += plate.position / static_cast<double>(model.state.plates.size());
@@ -83,14 +44,13 @@ void judge_cameras(const MarkerBlock& block, const MarkerModel& model, const bun
     AdjustedMarkerCamera& camera = result.cameras[c];
     camera.formal_covariance = camera.covariance;
     if (camera.covariance.isZero(0)) continue;
-    std::vector<int> members, columns(BrownCamera::parameter_count, -1);
-    int next = kept_column(model, layout.offset(layout.block({bundle::Kind::camera, static_cast<int>(c)})));
-    for (const int value : layout.free_values(static_cast<int>(c))) columns[static_cast<size_t>(value)] = next++;
+    std::vector<int> members;
     std::vector<std::string> paths;
     for (size_t i = 0; i < model.images.size(); ++i)
       if (model.problem.images[i].camera == static_cast<int>(c))
         members.push_back(static_cast<int>(i)), paths.push_back(model.problem.images[i].name);
-    CameraEvidence evidence = evidence_of(shares, cofactor, 1, columns, members, paths);
+    CameraEvidence evidence =
+        evidence_of(shares, cofactor, 1, interior_columns(model.problem, layout, static_cast<int>(c)), members, paths);
     std::vector<RigidTransform> poses;
     for (const int i : evidence.members) {
       const bundle::Placement& image = model.state.images[static_cast<size_t>(i)];

@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "least_squares/problem/schur.hpp"
+#include "photo/bundle/cofactors.hpp"
 
 namespace plumbline::markers {
 
@@ -17,11 +17,29 @@ struct PhotographShare {
   Eigen::MatrixXd information;  ///< normal matrix of these, the pose eliminated
 };
 
-/// One share for each eliminated block of `system`, at its linearisation point. `effects`: for each of
-/// system.observations the derivative of its whitened computed rows by what the model does not have (rolling shutter),
-/// rows × the number of effects, or empty: all without.
-std::vector<PhotographShare> shares_of(const least_squares::PartitionedSystem& system,
-                                       const std::vector<Eigen::MatrixXd>& effects = {});
+/// Some whitened rows of a photograph.
+struct PhotographRows {
+  int photograph = 0;
+  std::vector<int> columns;    ///< kept unknowns they depend on, each once
+  Eigen::MatrixXd kept, own;   ///< derivatives of the computed values by these, and by the pose
+  Eigen::VectorXd misclosure;  ///< observed minus computed
+  Eigen::MatrixXd effects;     ///< derivatives by what the model does not have (rolling shutter); empty: not asked for
+};
+
+/// One share for each photograph.
+std::vector<PhotographShare> shares_of(int photographs, int kept_count, const std::vector<PhotographRows>& rows);
+
+/// The same of a block at `state`, with the effects of effects_at(). All images have a pose of their own; kept unknowns
+/// are the others in the order of the layout. `heights`: of each camera's image [px].
+std::vector<PhotographShare> shares_of(const bundle::Problem& problem, const bundle::Layout& layout,
+                                       const bundle::State& state, const std::vector<int>& heights);
+
+/// Of the nine values of a camera among the kept unknowns of such a block; −1 for those held.
+std::vector<int> interior_columns(const bundle::Problem& problem, const bundle::Layout& layout, int camera);
+
+/// Cofactors of all of its kept unknowns.
+Eigen::MatrixXd kept_cofactor(const bundle::Problem& problem, const bundle::Layout& layout,
+                              const bundle::Cofactors& cofactors);
 
 /// How the kept unknowns `wanted` move when this photograph is left out, to first order but with its leverage:
 /// −(N − Nᵢ)⁻¹ gᵢ. `cofactor`: of all kept unknowns. Source: Cook and Weisberg (1982), 3.8; the leverage is that of a

@@ -1,7 +1,5 @@
 #include "photo/markers/rig_adjustment.hpp"
 
-#include <ceres/rotation.h>
-
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -12,7 +10,7 @@
 #include <stdexcept>
 
 #include "geometry/median.hpp"
-#include "least_squares/problem/defects.hpp"
+#include "photo/bundle/adjust.hpp"
 #include "photo/markers/rig.hpp"
 #include "plumbline/stop.hpp"
 
@@ -25,58 +23,11 @@ enum class Freedom { all, principal, none };
 constexpr double kDisagrees = 5;  // times the median: a photograph that the rig does not explain
 constexpr double kWorse = 10;     // times the calibrations of their own: these cameras are no rig
 
-/// Translation, and a rotation vector on top of `rotation`.
-struct Pose {
-  std::array<double, 6> values{};
-  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
-  Eigen::Matrix3d matrix = Eigen::Matrix3d::Identity();
-
-  void set(const RigidTransform& t) {
-    values = {t.translation.x(), t.translation.y(), t.translation.z(), 0, 0, 0};
-    rotation = t.rotation, matrix = rotation.toRotationMatrix();
-  }
-  void fold() {
-    rotation = (quaternion_from_rotation_vector({values[3], values[4], values[5]}) * rotation).normalized();
-    matrix = rotation.toRotationMatrix();
-    values[3] = values[4] = values[5] = 0;
-  }
-  RigidTransform transform() const { return {rotation, {values[0], values[1], values[2]}}; }
-};
-
-struct RigCost {
-  Eigen::Vector3d board;
-  Eigen::Vector2d pixel, unit;  // `unit`: the point from −1 to 1 over the board
-  double sigma;
-  const Eigen::Matrix3d *exposure_matrix, *camera_matrix;
-
-  template <typename T>
-  bool operator()(const T* exposure, const T* camera, const T* interior, const T* bend, T* residual) const {
-    using Vector = Eigen::Matrix<T, 3, 1>;
-    const T z = T(board.z()) + bend[0] * T(1 - unit.x() * unit.x()) + bend[1] * T(1 - unit.y() * unit.y());
-    const Vector on_board = exposure_matrix->cast<T>() * Vector(T(board.x()), T(board.y()), z);
-    Vector turned, seen;
-    ceres::AngleAxisRotatePoint(exposure + 3, on_board.data(), turned.data());
-    const Vector in_reference =
-        camera_matrix->cast<T>() * Vector(turned[0] + exposure[0], turned[1] + exposure[1], turned[2] + exposure[2]);
-    ceres::AngleAxisRotatePoint(camera + 3, in_reference.data(), seen.data());
-    const T depth = seen[2] + camera[2];
-    if (!(depth > T(1e-9))) return false;
-    T computed[2];
-    project_normalised(interior, T((seen[0] + camera[0]) / depth), T((seen[1] + camera[1]) / depth), computed);
-    residual[0] = (computed[0] - T(pixel.x())) / T(sigma);
-    residual[1] = (computed[1] - T(pixel.y())) / T(sigma);
-    return true;
-  }
-};
-
-struct BendCost {
-  double sigma;
-  template <typename T>
-  bool operator()(const T* bend, T* residual) const {
-    residual[0] = bend[0] / T(sigma), residual[1] = bend[1] / T(sigma);
-    return true;
-  }
-};
+bundle::Placement placed(const RigidTransform& t) {
+  bundle::Placement placement;
+  placement.set(t.rotation, t.inverse().translation);
+  return placement;
+}
 
 /// One photograph that takes part.
 struct Shot {
@@ -85,20 +36,30 @@ struct Shot {
   int exposure = 0;
 };
 
-/// The unknowns and the model over them; not to be copied, since the model points into it.
-struct Problem {
+/// Who takes part, with the values of all unknowns.
+struct Rig {
   std::vector<int> members;  ///< indices into the given cameras, the reference first
   std::vector<std::string> exposure_names;
   std::vector<Shot> shots;
-  std::vector<Pose> exposures, cameras;
-  std::vector<std::array<double, BrownCamera::parameter_count>> interiors;
-  std::array<double, 2> bend{};
-  std::vector<std::vector<int>> camera_columns, interior_columns;
-  std::vector<std::pair<int, int>> labels;  ///< shot and point by label
+  std::vector<bundle::Placement> exposures, cameras;  ///< reference from board, camera from reference
+  std::vector<bundle::Interior> interiors;
+  Eigen::Vector2d bend = Eigen::Vector2d::Zero();
+};
 
-  void fold() {
-    for (Pose& pose : exposures) pose.fold();
-    for (Pose& pose : cameras) pose.fold();
+/// The same as a block: an image for each exposure, which nobody took, and behind these one for each shot.
+struct RigModel {
+  bundle::Problem problem;
+  bundle::State state;
+  std::vector<std::pair<int, int>> labels;  ///< shot and point of each image point
+
+  /// Computed minus measured [px].
+  Eigen::Vector2d residual_of(const bundle::Layout& layout, size_t label) const {
+    const bundle::ImagePoint& point = problem.image_points[label];
+    bundle::Rows rows;
+    if (!bundle::evaluate(problem, layout, state, point, false, rows))
+      throw std::runtime_error("the board lies behind the camera of " +
+                               problem.images[static_cast<size_t>(point.image)].name);
+    return rows.values() / point.whitening(0, 0);
   }
 };
 
@@ -118,22 +79,21 @@ class RigAdjuster {
   AdjustedRig adjust(const std::vector<int>& members, const std::vector<RigidTransform>& start, int part) const {
     AdjustedRig rig;
     rig.reference = members.front();
-    Problem problem;
-    fill(members, start, part, problem);
-    leave_out_what_disagrees(problem, rig);
+    Rig begin;
+    fill(members, start, part, begin);
+    leave_out_what_disagrees(begin, rig);
     if (!rig.refused.empty()) return rig;
-    const Problem begin = problem;
     for (const Freedom freedom : {Freedom::all, Freedom::principal, Freedom::none}) {
-      problem = begin;
       try {
-        block::BlockModel model;
-        build(problem, freedom, model);
-        const block::AdjustedBlock block = block::adjust_to_convergence(
-            model, options_.max_iterations, [&] { problem.fold(); }, [](block::PartitionedSystem&) {},
-            [&](const block::PartitionedSystem& linear, const block::ReducedSystem& reduced) {
-              least_squares::require_full_rank(linear, reduced, problem.exposure_names, model.kept_labels());
-            });
-        read(problem, block, rig);
+        RigModel model = build(begin, freedom);
+        const bundle::Layout layout(model.problem);
+        bundle::AdjustOptions options;
+        options.minimise.max_iterations = options_.max_iterations;
+        options.minimise.side = bundle::Side::images;
+        options.start_is_near = true;
+        const bundle::Adjusted adjusted = bundle::adjust(model.problem, layout, model.state, options);
+        model.state = adjusted.state;
+        read(begin, model, layout, adjusted, rig);
         if (freedom == Freedom::principal)
           rig.held = "k3, p1, p2 of the cameras and the bend of the board";
         else if (freedom == Freedom::none)
@@ -157,16 +117,16 @@ class RigAdjuster {
   }
 
  private:
-  const CalibratedView& calibrated(const Problem& p, const Shot& s) const {
+  const CalibratedView& calibrated(const Rig& p, const Shot& s) const {
     const size_t camera = static_cast<size_t>(p.members[static_cast<size_t>(s.camera)]);
     return cameras_[camera].calibration->views[static_cast<size_t>(s.view)];
   }
-  const CalibrationView& given(const Problem& p, const Shot& s) const {
+  const CalibrationView& given(const Rig& p, const Shot& s) const {
     const size_t camera = static_cast<size_t>(p.members[static_cast<size_t>(s.camera)]);
     return (*cameras_[camera].views)[static_cast<size_t>(calibrated(p, s).view)];
   }
 
-  void fill(const std::vector<int>& members, const std::vector<RigidTransform>& start, int part, Problem& p) const {
+  void fill(const std::vector<int>& members, const std::vector<RigidTransform>& start, int part, Rig& p) const {
     p.members = members;
     std::set<std::string> names;
     for (const int c : members)
@@ -183,8 +143,9 @@ class RigAdjuster {
     std::vector<size_t> most(p.exposures.size(), 0);
     for (size_t m = 0; m < members.size(); ++m) {
       const size_t c = static_cast<size_t>(members[m]);
-      p.cameras.emplace_back().set(start[m]);
-      p.interiors.push_back(cameras_[c].calibration->camera.parameters());
+      p.cameras.push_back(placed(start[m]));
+      const auto interior = cameras_[c].calibration->camera.parameters();
+      std::copy(interior.begin(), interior.end(), p.interiors.emplace_back().begin());
       const auto& views = cameras_[c].calibration->views;
       for (size_t v = 0; v < views.size(); ++v) {
         const auto at = exposure.find(moments_[c][static_cast<size_t>(views[v].view)]);
@@ -193,19 +154,19 @@ class RigAdjuster {
         p.shots.push_back({static_cast<int>(m), static_cast<int>(v), at->second});
         if (views[v].points.size() <= most[e]) continue;
         most[e] = views[v].points.size();
-        p.exposures[e].set(start[m].inverse() * views[v].cam_from_board);
+        p.exposures[e] = placed(start[m].inverse() * views[v].cam_from_board);
       }
     }
     p.bend = {cameras_[static_cast<size_t>(members[0])].calibration->bend_x,
               cameras_[static_cast<size_t>(members[0])].calibration->bend_y};
-    if (!(options_.bend_sigma > 0)) p.bend = {0, 0};
+    if (!(options_.bend_sigma > 0)) p.bend.setZero();
     drop_empty_exposures(p);
   }
 
-  static void drop_empty_exposures(Problem& p) {
+  static void drop_empty_exposures(Rig& p) {
     std::vector<int> photographs(p.exposures.size(), 0), now(p.exposures.size(), -1);
     for (const Shot& s : p.shots) ++photographs[static_cast<size_t>(s.exposure)];
-    Problem kept;
+    Rig kept;
     for (size_t e = 0; e < photographs.size(); ++e) {
       if (photographs[e] == 0) continue;
       now[e] = static_cast<int>(kept.exposures.size());
@@ -215,66 +176,70 @@ class RigAdjuster {
     p.exposures = std::move(kept.exposures), p.exposure_names = std::move(kept.exposure_names);
   }
 
-  void build(Problem& p, Freedom freedom, block::BlockModel& model) const {
-    p.camera_columns.clear(), p.interior_columns.clear(), p.labels.clear();
-    model.add_group("points"), model.add_group("bend");
-    for (Pose& pose : p.exposures) model.add_pose(pose.values.data());
+  RigModel build(const Rig& p, Freedom freedom) const {
+    RigModel model;
+    bundle::Problem& problem = model.problem;
+    problem.groups = {{"points"}, {"bend"}};
+    for (const std::string& name : p.exposure_names) problem.images.push_back({name});
+    model.state.images = p.exposures, model.state.mounts = p.cameras, model.state.interiors = p.interiors;
+    model.state.bends = {p.bend};
     for (size_t m = 0; m < p.members.size(); ++m) {
-      const std::string of = " of camera " + cameras_[static_cast<size_t>(p.members[m])].id;
-      std::vector<std::string> labels(3, "place in the rig" + of), names;
-      labels.resize(6, "rotation in the rig" + of);
-      p.camera_columns.push_back(model.add_kept(p.cameras[m].values.data(), std::vector<bool>(6, m > 0), labels));
+      const std::string& id = cameras_[static_cast<size_t>(p.members[m])].id;
       const Calibration& own = *cameras_[static_cast<size_t>(p.members[m])].calibration;
-      std::vector<bool> free;
-      for (Eigen::Index k = 0; k < BrownCamera::parameter_count; ++k) {
-        const bool estimated = own.covariance.size() == 0 || own.covariance(k, k) > 0;
-        free.push_back(estimated && freedom != Freedom::none && (freedom == Freedom::all || k < 6));
-        names.push_back(BrownCamera::parameter_names[static_cast<size_t>(k)] + of);
+      problem.mounts.push_back({"camera " + id, m == 0});
+      bundle::Camera camera{id, bundle::Lens::brown, 0, {}};
+      for (Eigen::Index k = 0; k < bundle::value_count(camera.lens); ++k) {
+        const bool estimated =
+            k < BrownCamera::parameter_count && (own.covariance.size() == 0 || own.covariance(k, k) > 0);
+        camera.free.push_back(estimated && freedom != Freedom::none && (freedom == Freedom::all || k < 6));
       }
-      p.interior_columns.push_back(model.add_kept(p.interiors[m].data(), free, names));
+      problem.cameras.push_back(std::move(camera));
     }
     const bool bent = options_.bend_sigma > 0 && freedom == Freedom::all;
-    model.add_kept(p.bend.data(), {bent, bent}, {"bend of the board in x", "bend of the board in y"});
+    problem.sheets = {{"the board", bent}};
     if (bent)
-      model.add_term(std::make_unique<block::DifferentiatedCost<BendCost, 2, 2>>(new BendCost{options_.bend_sigma}),
-                     {p.bend.data()}, 1, 0);
+      problem.known.push_back(
+          {{{bundle::Kind::bend, 0}}, Eigen::Vector2d::Zero(), Eigen::Matrix2d::Identity() / options_.bend_sigma, 1});
     for (size_t s = 0; s < p.shots.size(); ++s) {
       const Shot& shot = p.shots[s];
-      const size_t c = static_cast<size_t>(shot.camera), e = static_cast<size_t>(shot.exposure);
+      const int image = static_cast<int>(problem.images.size());
+      problem.images.push_back({given(p, shot).path, shot.camera, false, false, shot.camera, shot.exposure});
+      model.state.images.emplace_back();  // not looked at
       for (const int k : calibrated(p, shot).points) {
         const CalibrationPoint& point = given(p, shot).points[static_cast<size_t>(k)];
         const Eigen::Vector2d unit = (point.board.head<2>() - middle_).cwiseQuotient(half_);
-        auto* cost =
-            new RigCost{point.board, point.pixel, unit, point.sigma, &p.exposures[e].matrix, &p.cameras[c].matrix};
-        model.add_term(
-            std::make_unique<block::DifferentiatedCost<RigCost, 2, 6, 6, BrownCamera::parameter_count, 2>>(cost),
-            {p.exposures[e].values.data(), p.cameras[c].values.data(), p.interiors[c].data(), p.bend.data()}, 0,
-            static_cast<int>(p.labels.size()), true);
-        p.labels.emplace_back(static_cast<int>(s), k);
+        problem.points.push_back({std::to_string(k), true, 0, Eigen::Vector2d::Ones() - unit.cwiseAbs2()});
+        model.state.points.push_back(point.board);
+        problem.image_points.push_back({image, static_cast<int>(model.labels.size()), point.pixel,
+                                        Eigen::Matrix2d::Identity() / point.sigma, 0, true});
+        model.labels.emplace_back(static_cast<int>(s), k);
       }
     }
+    return model;
   }
 
   /// Root mean square residual of every photograph [px], after a robust minimisation over the poses alone.
-  std::vector<double> fit(Problem& p) const {
-    std::vector<double> squares(p.shots.size(), 0), points(p.shots.size(), 0);
-    block::BlockModel model;
-    build(p, Freedom::none, model);
+  std::vector<double> fit(Rig& p) const {
+    RigModel model = build(p, Freedom::none);
+    const bundle::Layout layout(model.problem);
+    bundle::MinimiseOptions options;
+    options.max_iterations = options_.max_iterations;
+    options.side = bundle::Side::images;
     double unit = 10;
     for (int pass = 0; pass < 3; ++pass) {
-      model.minimise(options_.max_iterations, {bundle::Loss::Kind::cauchy, 3 * unit});
-      p.fold();
+      options.loss = {bundle::Loss::Kind::cauchy, 3 * unit};
+      bundle::minimise_schur(model.problem, model.state, options);
       std::vector<double> lengths;
-      for (const auto& rows : model.linearise().observations)
-        if (rows.group == 0) lengths.push_back(rows.misclosure.norm());
+      for (size_t k = 0; k < model.labels.size(); ++k)
+        lengths.push_back(model.residual_of(layout, k).norm() * model.problem.image_points[k].whitening(0, 0));
       unit = std::clamp(upper_median(lengths), 1e-3, unit);
     }
-    for (const auto& rows : model.linearise().observations) {
-      if (rows.group != 0) continue;
-      const auto [s, k] = p.labels[static_cast<size_t>(rows.label)];
-      const double sigma = given(p, p.shots[static_cast<size_t>(s)]).points[static_cast<size_t>(k)].sigma;
-      squares[static_cast<size_t>(s)] += sigma * sigma * rows.misclosure.squaredNorm();
-      points[static_cast<size_t>(s)] += 1;
+    std::copy_n(model.state.images.begin(), p.exposures.size(), p.exposures.begin());
+    p.cameras = model.state.mounts;
+    std::vector<double> squares(p.shots.size(), 0), points(p.shots.size(), 0);
+    for (size_t k = 0; k < model.labels.size(); ++k) {
+      const size_t s = static_cast<size_t>(model.labels[k].first);
+      squares[s] += model.residual_of(layout, k).squaredNorm(), points[s] += 1;
     }
     for (size_t s = 0; s < squares.size(); ++s) squares[s] = std::sqrt(squares[s] / points[s]);
     return squares;
@@ -294,7 +259,7 @@ class RigAdjuster {
 
   /// A photograph that was not taken together with the others of its exposure does not fit; if most of a camera don't,
   /// this is no rig.
-  void leave_out_what_disagrees(Problem& p, AdjustedRig& rig) const {
+  void leave_out_what_disagrees(Rig& p, AdjustedRig& rig) const {
     double separate = 0;
     for (const int c : p.members) separate = std::max(separate, cameras_[static_cast<size_t>(c)].calibration->rms);
     const std::vector<double> rms = fit(p);
@@ -319,44 +284,45 @@ class RigAdjuster {
     drop_empty_exposures(p);
   }
 
-  void read(const Problem& p, const block::AdjustedBlock& block, AdjustedRig& rig) const {
-    double weighted = 0, variance = 0, squares = 0;
+  void read(const Rig& p, const RigModel& model, const bundle::Layout& layout, const bundle::Adjusted& adjusted,
+            AdjustedRig& rig) const {
+    double variance = 0, squares = 0;
     std::vector<double> own(p.members.size(), 0), points(p.members.size(), 0);
-    for (const auto& rows : block.linear.observations) {
-      weighted += rows.misclosure.squaredNorm();
-      if (rows.group != 0) continue;
-      const auto [s, k] = p.labels[static_cast<size_t>(rows.label)];
-      const Shot& shot = p.shots[static_cast<size_t>(s)];
-      const double sigma = given(p, shot).points[static_cast<size_t>(k)].sigma;
-      const double square = sigma * sigma * rows.misclosure.squaredNorm();
-      own[static_cast<size_t>(shot.camera)] += square, points[static_cast<size_t>(shot.camera)] += 1;
-      squares += square, variance += sigma * sigma;
+    for (size_t k = 0; k < model.labels.size(); ++k) {
+      const size_t c = static_cast<size_t>(p.shots[static_cast<size_t>(model.labels[k].first)].camera);
+      const double square = model.residual_of(layout, k).squaredNorm();
+      own[c] += square, points[c] += 1;
+      squares += square, variance += std::pow(model.problem.image_points[k].whitening(0, 0), -2);
     }
     rig.exposures = static_cast<int>(p.exposures.size());
-    rig.observations = block.linear.row_count(), rig.unknowns = block.linear.unknown_count();
-    rig.degrees_of_freedom = block.linear.redundancy();
-    const double all = static_cast<double>(p.labels.size()), factor = weighted / rig.degrees_of_freedom;
+    rig.observations = adjusted.rows, rig.unknowns = adjusted.unknowns;
+    rig.degrees_of_freedom = adjusted.redundancy();
+    const double all = static_cast<double>(model.labels.size());
+    const double factor = adjusted.sum_of_squares / rig.degrees_of_freedom;
     rig.rms = std::sqrt(squares / all), rig.sigma = std::sqrt(factor * variance / all);
-    const Eigen::MatrixXd& cofactor = block.solution.kept_cofactor;
-    const std::array<size_t, 6> turn_first = {3, 4, 5, 0, 1, 2};
+    const auto cofactor = [&](bundle::Kind kind, size_t m) {
+      return adjusted.cofactors->own(layout.block({kind, static_cast<int>(m)}));
+    };
     for (size_t m = 0; m < p.members.size(); ++m) {
       AdjustedRigCamera camera;
       camera.camera = p.members[m];
-      camera.cam_from_reference = p.cameras[m].transform();
+      const bundle::Placement& mount = model.state.mounts[m];
+      camera.cam_from_reference = {mount.rotation, -(mount.rotation * mount.position)};
       const Calibration& separate = *cameras_[static_cast<size_t>(p.members[m])].calibration;
       camera.interior = separate.camera;
-      camera.interior.set_parameters(p.interiors[m]);
+      std::array<double, BrownCamera::parameter_count> values;
+      std::copy_n(model.state.interiors[m].begin(), values.size(), values.begin());
+      camera.interior.set_parameters(values);
       camera.interior_covariance = Eigen::MatrixXd::Zero(BrownCamera::parameter_count, BrownCamera::parameter_count);
-      for (Eigen::Index i = 0; i < BrownCamera::parameter_count; ++i)
-        for (Eigen::Index j = 0; j < BrownCamera::parameter_count; ++j) {
-          const int row = p.interior_columns[m][static_cast<size_t>(i)],
-                    column = p.interior_columns[m][static_cast<size_t>(j)];
-          if (row >= 0 && column >= 0) camera.interior_covariance(i, j) = factor * cofactor(row, column);
-        }
-      for (Eigen::Index i = 0; i < 6 && m > 0; ++i)
-        for (Eigen::Index j = 0; j < 6; ++j)
-          camera.covariance(i, j) = factor * cofactor(p.camera_columns[m][turn_first[static_cast<size_t>(i)]],
-                                                      p.camera_columns[m][turn_first[static_cast<size_t>(j)]]);
+      const auto& free = layout.free_values(static_cast<int>(m));
+      if (!free.empty()) camera.interior_covariance(free, free) = factor * cofactor(bundle::Kind::camera, m);
+      if (m > 0) {  // (C, δ) to (δ, t): t = −exp(δ) R C, dt = −R dC − [t]× δ
+        Eigen::Matrix<double, 6, 6> jacobian = Eigen::Matrix<double, 6, 6>::Zero();
+        jacobian.topRightCorner<3, 3>().setIdentity();
+        jacobian.bottomLeftCorner<3, 3>() = -mount.matrix;
+        jacobian.bottomRightCorner<3, 3>() = -skew(camera.cam_from_reference.translation);
+        camera.covariance = factor * jacobian * cofactor(bundle::Kind::mount, m) * jacobian.transpose();
+      }
       camera.rms = std::sqrt(own[m] / std::max(1.0, points[m])), camera.separate_rms = separate.rms;
       camera.shared = shared_exposures(p.members, p.members[m]);
       camera.halves = std::nan("");
@@ -409,7 +375,7 @@ void compare_halves(const RigAdjuster& adjuster, const Component& component, Adj
     const Eigen::AngleAxisd turn(a.cam_from_reference.rotation * b.cam_from_reference.rotation.conjugate());
     Eigen::Matrix<double, 6, 1> difference;
     difference << turn.angle() * turn.axis(), a.cam_from_reference.translation - b.cam_from_reference.translation;
-    const block::Matrix6 covariance = a.covariance + b.covariance;
+    const Eigen::Matrix<double, 6, 6> covariance = a.covariance + b.covariance;
     rig.cameras[m].halves = difference.dot(covariance.ldlt().solve(difference)) / 6;
   }
 }

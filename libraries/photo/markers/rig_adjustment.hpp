@@ -10,7 +10,6 @@
 #include <string>
 #include <vector>
 
-#include "photo/block/block_model.hpp"
 #include "photo/markers/calibration.hpp"
 
 namespace plumbline::markers {
@@ -26,7 +25,7 @@ struct AdjustedRigCamera {
   int camera = 0;  ///< index into the given cameras
   RigidTransform cam_from_reference;
   /// Of a rotation vector in the camera's frame [rad], then of the translation [m]; zero for the reference.
-  block::Matrix6 covariance = block::Matrix6::Zero();
+  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
   BrownCamera interior;
   Eigen::MatrixXd interior_covariance;  ///< 9 × 9, scaled with the residuals
   double rms = 0, separate_rms = 0;     ///< √(Σ(dx² + dy²)/n) here and in the calibration of its own [px]

@@ -29,6 +29,7 @@ struct Scene {
 Interior values_of(Lens lens) {
   if (lens == Lens::brown) return {3000, 3010, 1990, 1510, -0.11, 0.08, -0.02, 1e-3, -7e-4, 0.3, -0.2};
   if (lens == Lens::balanced) return {-28, 0.02, -0.03, -1e-4, 1.5e-7, 1e-10, 6e-6, -9e-6, 2e-4, -1e-4, 3e-5, -2e-8};
+  if (lens == Lens::fisheye) return {900, 905, 1990, 1510, 0.05, -0.02, 0.008, -0.003};
   return {7.5, 3.6, 2.6, 5e-3, -1e-4, 1e-6, -6e-5, -3e-5, 1e-3, -2e-3, 1e-3, -2e-5};
 }
 
@@ -162,11 +163,15 @@ Eigen::VectorXd all_rows(const Problem& p, const Layout& layout, const State& st
 }
 
 class Lenses : public testing::TestWithParam<Lens> {};
-INSTANTIATE_TEST_SUITE_P(All, Lenses, testing::Values(Lens::brown, Lens::balanced, Lens::correcting),
-                         [](const auto& lens) { return std::string(value_names(lens.param)[0]); });
+std::string name_of_lens(const testing::TestParamInfo<Lens>& lens) {
+  const char* names[] = {"brown", "balanced", "correcting", "fisheye"};
+  return names[static_cast<size_t>(lens.param)];
+}
+INSTANTIATE_TEST_SUITE_P(All, Lenses, testing::Values(Lens::brown, Lens::balanced, Lens::correcting, Lens::fisheye),
+                         name_of_lens);
 
-TEST_P(Lenses, EveryDerivativeIsThatOfTheRows) {
-  const Scene scene = make_scene(GetParam(), GetParam() == Lens::brown);
+/// The derivatives of all rows against differences of the rows.
+void expect_derivatives_of_rows(const Scene& scene) {
   const Layout layout(scene.problem);
   Eigen::MatrixXd jacobian;
   all_rows(scene.problem, layout, scene.state, &jacobian);
@@ -181,6 +186,10 @@ TEST_P(Lenses, EveryDerivativeIsThatOfTheRows) {
     EXPECT_LT((difference - jacobian.col(u)).norm(), 3e-6 * jacobian.col(u).norm() + 1e-9)
         << name_of_unknown(scene.problem, layout, u);
   }
+}
+
+TEST_P(Lenses, EveryDerivativeIsThatOfTheRows) {
+  expect_derivatives_of_rows(make_scene(GetParam(), GetParam() == Lens::brown));
 }
 
 /// What a rotation off a known one costs falls along the derivatives that its rows state, however far it is off.
@@ -281,6 +290,61 @@ TEST_P(Lenses, EliminatingEitherSideIsTheDenseSolution) {
   const Scene scene = make_scene(GetParam(), GetParam() == Lens::brown);
   compare_with_dense(scene, Side::bodies);
   compare_with_dense(scene, Side::images);
+}
+
+/// Six photographs of three moments by two cameras that are fixed to each other, of points some of which lie on a
+/// sheet.
+Scene rig_scene() {
+  Scene scene = make_scene(Lens::fisheye, false);
+  Problem& p = scene.problem;
+  p.mounts = {{"left", true}, {"right"}};
+  p.sheets = {{"the board", true}};
+  scene.state.mounts.resize(2);
+  scene.state.mounts[1].set(quaternion_from_rotation_vector({0.1, -0.2, 0.15}), {0.4, 0.02, -0.03});
+  scene.state.bends = {{0.02, -0.03}};
+  for (size_t i = 0; i < 6; ++i) p.images[i].mount = static_cast<int>(i % 2);
+  for (size_t i : {1, 3, 5}) p.images[i].exposure = static_cast<int>(i) - 1;
+  for (size_t j = 6; j < 12; ++j) {
+    p.points[j].fixed = true, p.points[j].sheet = 0;
+    p.points[j].bent_by = {0.3 + 0.1 * static_cast<double>(j - 6), 1 - 0.15 * static_cast<double>(j - 6)};
+  }
+  p.known.push_back({{{Kind::bend, 0}}, Eigen::Vector2d::Zero(), 300 * Eigen::Matrix2d::Identity(), 2});
+  std::erase_if(p.known, [](const Known& k) { return k.refs.size() > 1; });  // of points that are fixed now
+  return scene;
+}
+
+TEST(Bundle, DerivativesOfARigBeforeASheetAreThoseOfItsRows) { expect_derivatives_of_rows(rig_scene()); }
+
+TEST(Bundle, ARigBeforeASheetIsTheDenseSolution) {
+  compare_with_dense(rig_scene(), Side::bodies);
+  compare_with_dense(rig_scene(), Side::images);
+}
+
+/// x = R_mount (R (X + bend − C) − C_mount) through the fisheye of OpenCV's formula.
+TEST(Bundle, ARigSeesASheetWhereItIs) {
+  const Scene scene = rig_scene();
+  const Layout layout(scene.problem);
+  Rows rows;
+  int compared = 0;
+  for (const ImagePoint& o : scene.problem.image_points) {
+    const size_t i = static_cast<size_t>(o.image), j = static_cast<size_t>(o.point);
+    if (i % 2 == 0 || j < 6) continue;
+    ASSERT_TRUE(evaluate(scene.problem, layout, scene.state, o, false, rows));
+    Eigen::Vector3d point = scene.state.points[j];
+    point.z() += 0.02 * scene.problem.points[j].bent_by.x() - 0.03 * scene.problem.points[j].bent_by.y();
+    const Placement &exposure = scene.state.images[i - 1], &mount = scene.state.mounts[1];
+    const Eigen::Vector3d seen = mount.rotation * (exposure.rotation * (point - exposure.position) - mount.position);
+    const Interior& f = scene.state.interiors[1];
+    const double r = seen.head<2>().norm() / seen.z(), t = std::atan(r);
+    const double drawn =
+        t + f[4] * std::pow(t, 3) + f[5] * std::pow(t, 5) + f[6] * std::pow(t, 7) + f[7] * std::pow(t, 9);
+    const Eigen::Vector2d pixel(f[0] * drawn / r * seen.x() / seen.z() + f[2],
+                                f[1] * drawn / r * seen.y() / seen.z() + f[3]);
+    const Eigen::Vector2d expected = o.whitening / 1.3 * (pixel + scene.state.shift(o.image) - o.observed);
+    EXPECT_LT((rows.values() - expected).norm(), 1e-9 * expected.norm());
+    ++compared;
+  }
+  EXPECT_GT(compared, 10);
 }
 
 /// W (computed − observed), corner by corner, of a tag that is drawn where it is.

@@ -105,46 +105,38 @@ TEST(PhotographShares, LeavingOneOutIsWhatACalibrationWithoutItGives) {
   }
 }
 
+/// Poses, kept unknowns and effects in one dense normal matrix, poses eliminated.
 TEST(PhotographShares, AddUpToTheReducedNormalEquations) {
-  least_squares::PartitionedSystem system;
-  system.kept_count = 5, system.eliminated_count = 3, system.eliminated_size = 2;
-  system.groups = {"all"};
+  constexpr int photographs = 3, kept = 5, effects = 2, own = 2;
   std::mt19937_64 random(2);
   std::normal_distribution<double> unit(0, 1);
-  std::vector<Eigen::MatrixXd> effects;
   const auto drawn = [&](int rows, int columns) {
     Eigen::MatrixXd m(rows, columns);
     for (Eigen::Index i = 0; i < m.size(); ++i) m(i) = unit(random);
     return m;
   };
+  std::vector<PhotographRows> all;
+  Eigen::MatrixXd design = Eigen::MatrixXd::Zero(36, photographs * own + kept + effects);
+  Eigen::VectorXd misclosure(36);
   for (int k = 0; k < 18; ++k) {
-    least_squares::ObservationRows rows;
-    rows.eliminated = k % 3, rows.columns = {4, k % 4};
-    rows.kept = drawn(2, 2), rows.own = drawn(2, 2), rows.misclosure = drawn(2, 1);
-    system.observations.push_back(rows);
-    effects.push_back(drawn(2, 2));
+    all.push_back({k % photographs, {4, k % 4}, drawn(2, 2), drawn(2, own), drawn(2, 1), drawn(2, effects)});
+    auto rows = design.middleRows<2>(2 * k);
+    rows.middleCols(own * (k % photographs), own) = all.back().own;
+    rows.col(photographs * own + 4) = all.back().kept.col(0),
+                                 rows.col(photographs * own + k % 4) = all.back().kept.col(1);
+    rows.rightCols<effects>() = all.back().effects;
+    misclosure.segment<2>(2 * k) = all.back().misclosure;
   }
-  const auto shares = shares_of(system, effects);
-  const auto reduced = least_squares::reduce(system);
-  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(7, 7);
-  Eigen::VectorXd right = Eigen::VectorXd::Zero(7);
-  for (const PhotographShare& share : shares) {
+  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(kept + effects, kept + effects);
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(kept + effects);
+  for (const PhotographShare& share : shares_of(photographs, kept, all)) {
     normal(share.columns, share.columns) += share.information;
     right(share.columns) += share.score;
   }
-  EXPECT_LT((normal.topLeftCorner(5, 5) - reduced.normal).norm(), 1e-11);
-  EXPECT_LT((right.head(5) - reduced.right).norm(), 1e-11);
-  // With the effects as two more unknowns that are kept.
-  auto wider = system;
-  wider.kept_count = 7;
-  for (size_t k = 0; k < effects.size(); ++k) {
-    auto& rows = wider.observations[k];
-    rows.columns.insert(rows.columns.end(), {5, 6});
-    Eigen::MatrixXd kept(2, 4);
-    kept << rows.kept, effects[k];
-    rows.kept = kept;
-  }
-  EXPECT_LT((normal - least_squares::reduce(wider).normal).norm(), 1e-11);
+  const Eigen::MatrixXd poses = design.leftCols(photographs * own), rest = design.rightCols(kept + effects);
+  const Eigen::MatrixXd without = rest - poses * poses.colPivHouseholderQr().solve(rest);
+  EXPECT_LT((normal - without.transpose() * without).norm(), 1e-11);
+  EXPECT_LT((right - without.transpose() * misclosure).norm(), 1e-11);
 }
 
 /// Errors over the covariance that is stated, of photographs that scatter and of photographs that do not.
