@@ -58,8 +58,8 @@ Agreement agree(std::vector<PlatePair> pairs) {
     if (!is_figure(from) || !is_figure(to)) return result;
     result.motion = fit_similarity(from, to, true);
     const auto residual = [&](const PlatePair& p) { return (result.motion * p.placed - p.surveyed).norm(); };
-    const auto worst = std::max_element(pairs.begin(), pairs.end(),
-                                        [&](const PlatePair& a, const PlatePair& b) { return residual(a) < residual(b); });
+    const auto worst = std::max_element(
+        pairs.begin(), pairs.end(), [&](const PlatePair& a, const PlatePair& b) { return residual(a) < residual(b); });
     if (residual(*worst) < same_place) {
       result.agreeing = pairs;
       result.found = true;

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <limits>
@@ -54,7 +56,8 @@ TEST(Workbook, WhatNoProgramTakesIsRefused) {
 
 /// Every head and verdict of one language has its counterpart in the other.
 TEST(Workbook, NoWordIsMissingInGerman) {
-  const DeviationT& deviation = *test::example().deviation;
+  const ReportInput input = test::example();
+  const DeviationT& deviation = *input.deviation;
   std::set<std::string> german, known;
   for (const Word& word : workbook_words()) {
     EXPECT_NE(std::string(word.german), "") << word.english;
@@ -85,7 +88,8 @@ TEST(Workbook, NoWordIsMissingInGerman) {
 }
 
 TEST(Workbook, SaysWhatTheJudgementSays) {
-  const DeviationT& deviation = *test::example().deviation;
+  const ReportInput input = test::example();
+  const DeviationT& deviation = *input.deviation;
   const auto sheets = deviation_sheets(deviation, Language::english);
   const Sheet& anchors = sheets.at(0);
   ASSERT_EQ(anchors.rows.size(), deviation.anchors.size());
@@ -111,7 +115,8 @@ TEST(Workbook, SaysWhatTheJudgementSays) {
 TEST(Workbook, AnotherProgramReadsItBack) {
   if (std::system("/usr/bin/python3 -c 'import openpyxl' > /dev/null 2>&1") != 0)
     GTEST_SKIP() << "python3-openpyxl is not installed";
-  const DeviationT& deviation = *test::example().deviation;
+  const ReportInput input = test::example();
+  const DeviationT& deviation = *input.deviation;
   const auto sheets = deviation_sheets(deviation, Language::german);
   const plumbline::test::TemporaryFolder folder;
   const auto book = folder.path() / "d.xlsx", script = folder.path() / "read.py", out = folder.path() / "out.txt";
