@@ -51,6 +51,9 @@ endif()
 function(plumbline_add_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
   add_library(${name} STATIC ${ARG_SOURCES})
+  if(CMAKE_CURRENT_SOURCE_DIR MATCHES "^${PROJECT_SOURCE_DIR}/libraries/")
+    set_property(GLOBAL APPEND PROPERTY PLUMBLINE_LIBRARIES ${name})
+  endif()
   target_include_directories(${name} PUBLIC
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/libraries> $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/framework>
     $<INSTALL_INTERFACE:include/plumbline/libraries>)

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "geometry/random.hpp"
+
 namespace plumbline {
 
 Samples::Samples(int count, int size, int most, std::uint64_t seed)
@@ -31,10 +33,9 @@ bool Samples::advance() {
 
 void Samples::draw() {
   for (int i = 0; i < size_; ++i) {
-    std::uint64_t z = (state_ += 0x9e3779b97f4a7c15ull);  // splitmix64
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
-    std::swap(deck_[i], deck_[i + static_cast<int>((z ^ (z >> 31)) % static_cast<std::uint64_t>(count_ - i))]);
+    const std::uint64_t bits = mix_bits(state_);
+    state_ += 0x9e3779b97f4a7c15ull;
+    std::swap(deck_[i], deck_[i + static_cast<int>(bits % static_cast<std::uint64_t>(count_ - i))]);
   }
 }
 

@@ -4,7 +4,7 @@
 #include <bit>
 #include <cstring>
 
-namespace plumbline {
+namespace plumbline::ifc {
 namespace {
 
 constexpr std::string_view kAlphabet = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz_$";
@@ -119,4 +119,4 @@ std::string derived_ifc_guid(std::string_view parent_guid, std::string_view key)
   return ifc_guid(uuid_v5(parent ? *parent : uuid_v5(kObjectIdentifiers, parent_guid), key));
 }
 
-}  // namespace plumbline
+}  // namespace plumbline::ifc

@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-namespace plumbline {
+namespace plumbline::ifc {
 
 using Uuid = std::array<std::uint8_t, 16>;
 
@@ -27,4 +27,4 @@ std::optional<Uuid> uuid_from_ifc_guid(std::string_view guid);
 /// GlobalId; one that is malformed is hashed as text, since real files hold such).
 std::string derived_ifc_guid(std::string_view parent_guid, std::string_view key);
 
-}  // namespace plumbline
+}  // namespace plumbline::ifc

@@ -9,6 +9,7 @@
 #include <map>
 #include <mutex>
 
+#include "geometry/random.hpp"
 #include "geometry/statistics.hpp"
 
 namespace plumbline::judgement {
@@ -28,11 +29,8 @@ double uniform(int sample, Eigen::Index dimension, Eigen::Index n) {
     for (int rest = sample + 1; rest > 0; rest /= base) fraction += (digit /= base) * (rest % base);
     return fraction;
   }
-  auto z =
-      0x9E3779B97F4A7C15ULL * (static_cast<std::uint64_t>(sample) * 4099 + static_cast<std::uint64_t>(dimension) + 1);
-  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ULL;
-  z = (z ^ (z >> 27)) * 0x94D049BB133111EBULL;
-  z ^= z >> 31;
+  const std::uint64_t z = mix_bits(0x9e3779b97f4a7c15ULL *
+                                   (static_cast<std::uint64_t>(sample) * 4099 + static_cast<std::uint64_t>(dimension)));
   return (static_cast<double>(z >> 11) + 0.5) * 0x1p-53;
 }
 
@@ -124,6 +122,12 @@ Conformance conformance(const Eigen::VectorXd& mean, const Eigen::MatrixXd& cova
 ToleranceVerdict verdict_of(double probability, double risk) {
   if (probability >= 1 - risk) return ToleranceVerdict::pass;
   return probability <= risk ? ToleranceVerdict::fail : ToleranceVerdict::undecided;
+}
+
+ToleranceVerdict verdict_at(ToleranceVerdict given, double tau_pass, double tau_fail, double tau, bool doubtful) {
+  if (given == ToleranceVerdict::not_measured) return given;
+  if (tau >= tau_pass) return doubtful ? ToleranceVerdict::undecided : ToleranceVerdict::pass;
+  return tau < tau_fail ? ToleranceVerdict::fail : ToleranceVerdict::undecided;
 }
 
 }  // namespace plumbline::judgement

@@ -22,7 +22,7 @@ struct Conformance {
   double probability;           ///< of all quantities within their limits at once; nan: the covariance is not known
   std::vector<double> of_each;  ///< of each by itself
   double tau_pass,
-      tau_fail;  ///< [m] verdict at a common tolerance: pass from tau_pass on, fail below tau_fail; inf: never
+      tau_fail;  ///< [m] verdict at a common tolerance: pass from tau_pass on (inf: at none), fail below tau_fail
 };
 
 /// For a true x that is normal about `mean` (n) with `covariance` (n x n, or 0 x 0: not known). By 4096 points that are
@@ -33,5 +33,10 @@ Conformance conformance(const Eigen::VectorXd& mean, const Eigen::MatrixXd& cova
 
 /// Pass if P >= 1 - risk, fail if P <= risk, else undecided; undecided too where P is not known.
 ToleranceVerdict verdict_of(double probability, double risk);
+
+/// The verdict at another common tolerance `tau` [m] of what has the verdict `given` and turns at tau_pass and tau_fail
+/// [m] (nan: nobody knows); `doubtful`: a measurement that contradicts itself lets nothing pass. The report's
+/// verdict.js is the same in JavaScript.
+ToleranceVerdict verdict_at(ToleranceVerdict given, double tau_pass, double tau_fail, double tau, bool doubtful);
 
 }  // namespace plumbline::judgement

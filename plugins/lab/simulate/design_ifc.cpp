@@ -21,8 +21,9 @@ class DesignWriter {
  public:
   DesignWriter(const Building& building, std::uint64_t seed, bool millimetres)
       : building_(building), millimetres_(millimetres) {
-    const Uuid name_space = *uuid_from_text("0b1d7a52-5b0e-5a1c-9a53-6f0c7c1f7c11");  // drawn once, for this writer
-    project_guid_ = ifc_guid(uuid_v5(
+    const ifc::Uuid name_space =
+        *ifc::uuid_from_text("0b1d7a52-5b0e-5a1c-9a53-6f0c7c1f7c11");  // drawn once, for this writer
+    project_guid_ = ifc::ifc_guid(ifc::uuid_v5(
         name_space, "simulated building " + std::to_string(seed) + ", " + std::to_string(building.options.floors) +
                         " floors, " + std::to_string(building.options.columns) + " columns" +
                         (building.wings.size() > 1 ? ", facades " + std::to_string(building.wings.size()) : "")));
@@ -57,7 +58,7 @@ class DesignWriter {
     lines_ += step::instance(++last_id_, keyword, arguments) + "\n";
     return last_id_;
   }
-  std::string guid(const std::string& key) const { return text(derived_ifc_guid(project_guid_, key)); }
+  std::string guid(const std::string& key) const { return text(ifc::derived_ifc_guid(project_guid_, key)); }
   std::string length(double metres) const { return real_rounded(millimetres_ ? 1e3 * metres : metres, 9); }
   static std::string references(const std::vector<Id>& ids) {
     std::vector<std::string> items;

@@ -211,7 +211,7 @@ std::string render_page(const std::string& title, const std::function<void(Marku
     }
     Scope body(html, "body");
     write_content(html);
-    html.open("script").raw(page_script).raw(space_script).raw(view_script).close();
+    html.open("script").raw(page_script).raw(verdict_script).raw(space_script).raw(view_script).close();
   }
   return html.str();
 }

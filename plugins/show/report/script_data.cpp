@@ -13,6 +13,13 @@ std::string script_number(double value, int decimals) {
   return end.ec == std::errc() ? std::string(buffer, end.ptr) : "null";
 }
 
+std::string script_exact(double value) {
+  if (std::isinf(value)) return value > 0 ? "1e300" : "-1e300";
+  if (std::isnan(value)) return "null";
+  char buffer[64];
+  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr};
+}
+
 std::string script_text(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) {

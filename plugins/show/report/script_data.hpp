@@ -8,6 +8,8 @@ namespace plumbline::report {
 
 /// Plain decimals; null for what is not known or has more than fifty digits.
 std::string script_number(double value, int decimals);
+/// As many digits as give the same number back; 1e300 for infinity, null for what is not known.
+std::string script_exact(double value);
 /// A string that cannot end the script element: bytes beyond plain ASCII as Latin-1 escapes, which the script decodes
 /// as UTF-8.
 std::string script_text(const std::string& text);

@@ -15,9 +15,9 @@ namespace plumbline::report {
 
 namespace {
 
-/// [from which tolerance on it passes, below which it fails] in mm; null: at none, or nobody knows.
+/// [from which tolerance on it passes, below which it fails] in m, to the last bit; null: nobody knows.
 std::string turning_points(double tau_pass, double tau_fail) {
-  return "[" + script_number(1e3 * tau_pass, 6) + "," + script_number(1e3 * tau_fail, 6) + "]";
+  return "[" + script_exact(tau_pass) + "," + script_exact(tau_fail) + "]";
 }
 
 std::string anchor_json(const AnchorDeviationT& a, const Eigen::Vector3d& origin) {

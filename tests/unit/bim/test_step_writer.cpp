@@ -12,6 +12,8 @@
 namespace plumbline {
 namespace {
 
+using namespace ifc;
+
 step::Value read_back(const std::string& argument) {
   const step::File file(
       "ISO-10303-21;HEADER;ENDSEC;DATA;" + step::instance(5, "A", {argument}) + "ENDSEC;END-ISO-10303-21;", "t");

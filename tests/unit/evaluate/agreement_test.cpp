@@ -26,7 +26,7 @@ namespace {
 using test::mm;
 using test::Normal;
 
-std::string guid_of(const std::string& key) { return derived_ifc_guid("0YvctVUKr0kugbFTf53O9L", key); }
+std::string guid_of(const std::string& key) { return ifc::derived_ifc_guid("0YvctVUKr0kugbFTf53O9L", key); }
 
 /// A facade of floors and columns with an anchor at every crossing and a panel in every field between.
 std::string facade_ifc(int floors, int columns, const std::string& schema) {

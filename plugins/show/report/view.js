@@ -1,10 +1,5 @@
-// The script of the first screen: verdicts at another tolerance, and the building in space on a plain canvas, which
-// needs no library and no WebGL, so it runs wherever the page opens. Where three.js runs, it draws the building behind.
-#include "show/report/page_style.hpp"
-
-namespace plumbline::report {
-
-const char* const view_script = R"js(
+// The first screen: verdicts at another tolerance, and the building in space on a plain canvas, which needs no library and no WebGL,
+// so it runs wherever the page opens. Where three.js runs, it draws the building behind.
 "use strict";
 (() => {
   const source = document.getElementById("judged");
@@ -12,14 +7,7 @@ const char* const view_script = R"js(
   const data = JSON.parse(source.textContent), badges = document.getElementById("badges").children;
   const utf8 = text => { try { return decodeURIComponent(escape(text)); } catch { return text; } };
   const anchors = data.anchors, panels = data.panels, words = ["not measured", "pass", "undecided", "fail"];
-  // The rule of the program (conformance probability, JCGM 106), turned into the tolerances where the verdict changes.
-  // A measurement that contradicts itself lets nothing pass, at any tolerance.
-  const verdict = (item, tau) => {
-    const [pass, fail] = item.t;
-    if (item.w === 0) return 0;
-    if (pass !== null && tau >= pass - 1e-9) return data.doubt ? 2 : 1;
-    return fail !== null && tau < fail - 1e-9 ? 3 : 2;
-  };
+  const verdict = (item, tau) => verdictAt(item.w, item.t, tau, data.doubt);
   const slider = document.getElementById("tau-slider"), input = slider.querySelector("input"), output = slider.querySelector("output");
   const marker = document.getElementById("tau-marker"), axis = marker && marker.dataset;
   let state = { anchors: anchors.map(a => a.w), panels: panels.map(p => p.w) }, draw = () => {};
@@ -188,6 +176,3 @@ const char* const view_script = R"js(
   const watch = new IntersectionObserver(seen => { if (seen.some(s => s.isIntersecting)) { watch.disconnect(); upgrade(); } }, { rootMargin: "600px" });
   watch.observe(figure);
 })();
-)js";
-
-}  // namespace plumbline::report

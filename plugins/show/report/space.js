@@ -1,11 +1,5 @@
-// The building in space by three.js, which the page carries along packed. A function of the page's script; the picture
-// is the one of view_script.cpp's projection, so that picking and the name of the chosen anchor are the same there and
-// here.
-#include "show/report/page_style.hpp"
-
-namespace plumbline::report {
-
-const char* const space_script = R"js(
+// The building in space by three.js, which the page carries along packed. The picture is the one of view.js's projection, so that
+// picking and the name of the chosen anchor are the same there and here.
 "use strict";
 // Unpacks three.js and puts its canvas behind the plain one. Nothing if the browser cannot do that, or has no WebGL.
 const spaceBehind = async (plain, given) => {
@@ -94,6 +88,3 @@ const spaceBehind = async (plain, given) => {
     whenLost(tell) { canvas.addEventListener("webglcontextlost", tell); },
   };
 };
-)js";
-
-}  // namespace plumbline::report
